@@ -1,0 +1,14 @@
+//! Plane geometry on an integer grid: points, polylines, polygons with holes, booleans and offsets.
+//!
+//! One unit is 10 nm, so an `i32` spans ±21 m and products fit an `i64`. Everything that is added,
+//! subtracted or compared is exact; only offsets and intersections round, to the nearest unit.
+
+mod boolean;
+mod offset;
+mod point;
+mod region;
+
+pub use boolean::{difference, intersection, union, union_all, unite_rings};
+pub use offset::{offset, opening};
+pub use point::{Point, UNITS_PER_MM, to_mm, to_units};
+pub use region::{Bounds, Polygon, Region, Ring, ring_area, ring_length_mm};

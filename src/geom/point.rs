@@ -1,0 +1,96 @@
+//! Points of the integer grid.
+
+use std::ops::{Add, Neg, Sub};
+
+/// Grid units per millimetre: one unit is 10 nm.
+pub const UNITS_PER_MM: f64 = 100_000.0;
+
+/// Millimetres to the nearest grid unit. Saturates at the limits of `i32` (±21.47 m).
+#[inline]
+pub fn to_units(mm: f64) -> i32 {
+    (mm * UNITS_PER_MM).round() as i32
+}
+
+/// Grid units to millimetres.
+#[inline]
+pub fn to_mm(units: i32) -> f64 {
+    f64::from(units) / UNITS_PER_MM
+}
+
+/// A point (or a displacement) in the plane, in grid units of 10 nm.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub struct Point {
+    /// Abscissa in grid units.
+    pub x: i32,
+    /// Ordinate in grid units.
+    pub y: i32,
+}
+
+impl Point {
+    /// A point from grid units.
+    #[inline]
+    pub const fn new(x: i32, y: i32) -> Self {
+        Self { x, y }
+    }
+
+    /// The grid point nearest to a position in millimetres.
+    #[inline]
+    pub fn from_mm(x_mm: f64, y_mm: f64) -> Self {
+        Self::new(to_units(x_mm), to_units(y_mm))
+    }
+
+    /// The position in millimetres.
+    #[inline]
+    pub fn mm(self) -> [f64; 2] {
+        [to_mm(self.x), to_mm(self.y)]
+    }
+
+    /// z component of the cross product of two displacements, in square units.
+    #[inline]
+    pub fn cross(self, other: Self) -> i64 {
+        i64::from(self.x) * i64::from(other.y) - i64::from(self.y) * i64::from(other.x)
+    }
+
+    /// Dot product of two displacements, in square units.
+    #[inline]
+    pub fn dot(self, other: Self) -> i64 {
+        i64::from(self.x) * i64::from(other.x) + i64::from(self.y) * i64::from(other.y)
+    }
+
+    /// Squared Euclidean distance, in square units.
+    #[inline]
+    pub fn distance2(self, other: Self) -> i64 {
+        let (dx, dy) = (i64::from(self.x) - i64::from(other.x), i64::from(self.y) - i64::from(other.y));
+        dx * dx + dy * dy
+    }
+
+    /// Euclidean distance in millimetres.
+    #[inline]
+    pub fn distance_mm(self, other: Self) -> f64 {
+        (self.distance2(other) as f64).sqrt() / UNITS_PER_MM
+    }
+}
+
+impl Add for Point {
+    type Output = Self;
+    #[inline]
+    fn add(self, other: Self) -> Self {
+        Self::new(self.x + other.x, self.y + other.y)
+    }
+}
+
+impl Sub for Point {
+    type Output = Self;
+    #[inline]
+    fn sub(self, other: Self) -> Self {
+        Self::new(self.x - other.x, self.y - other.y)
+    }
+}
+
+impl Neg for Point {
+    type Output = Self;
+    #[inline]
+    fn neg(self) -> Self {
+        Self::new(-self.x, -self.y)
+    }
+}

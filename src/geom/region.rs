@@ -1,0 +1,160 @@
+//! Areas of the plane: disjoint polygons with holes.
+
+use super::point::{Point, UNITS_PER_MM};
+
+/// A closed ring of vertices; the edge from the last to the first is implied.
+pub type Ring = Vec<Point>;
+
+/// Twice-signed area halved: positive for a counter-clockwise ring. Square millimetres.
+pub fn ring_area(ring: &[Point]) -> f64 {
+    let Some(&origin) = ring.first() else {
+        return 0.0;
+    };
+    let twice: i128 = ring.windows(2).map(|e| i128::from((e[0] - origin).cross(e[1] - origin))).sum();
+    twice as f64 / 2.0 / (UNITS_PER_MM * UNITS_PER_MM)
+}
+
+/// Length of a closed ring in millimetres.
+pub fn ring_length_mm(ring: &[Point]) -> f64 {
+    let closing = match (ring.last(), ring.first()) {
+        (Some(a), Some(b)) => a.distance_mm(*b),
+        _ => 0.0,
+    };
+    closing + ring.windows(2).map(|e| e[0].distance_mm(e[1])).sum::<f64>()
+}
+
+/// One polygon: a counter-clockwise outer ring and clockwise holes inside it.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Polygon {
+    /// Boundary, counter-clockwise.
+    pub outer: Ring,
+    /// Holes, clockwise.
+    pub holes: Vec<Ring>,
+}
+
+impl Polygon {
+    /// The outer ring, then the holes.
+    pub fn rings(&self) -> impl Iterator<Item = &Ring> {
+        std::iter::once(&self.outer).chain(&self.holes)
+    }
+
+    /// Area in square millimetres, holes taken out.
+    pub fn area_mm2(&self) -> f64 {
+        self.rings().map(|r| ring_area(r)).sum()
+    }
+}
+
+/// Disjoint polygons with holes; what a layer's cross-section is.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Region {
+    /// The polygons; no two overlap.
+    pub polygons: Vec<Polygon>,
+}
+
+impl Region {
+    /// Whether there is nothing in it.
+    pub fn is_empty(&self) -> bool {
+        self.polygons.is_empty()
+    }
+
+    /// Every ring of every polygon.
+    pub fn rings(&self) -> impl Iterator<Item = &Ring> {
+        self.polygons.iter().flat_map(Polygon::rings)
+    }
+
+    /// Area in square millimetres.
+    pub fn area_mm2(&self) -> f64 {
+        self.polygons.iter().map(Polygon::area_mm2).sum()
+    }
+
+    /// Number of vertices in all rings.
+    pub fn vertex_count(&self) -> usize {
+        self.rings().map(Vec::len).sum()
+    }
+
+    /// Bounding box, or `None` of an empty region.
+    pub fn bounds(&self) -> Option<Bounds> {
+        Bounds::of(self.polygons.iter().flat_map(|p| p.outer.iter().copied()))
+    }
+
+    /// Whether the point is inside or on the boundary (even-odd over all rings). O(vertices).
+    pub fn contains(&self, p: Point) -> bool {
+        let mut inside = false;
+        for ring in self.rings() {
+            let mut a = *ring.last().expect("a ring has vertices");
+            for &b in ring {
+                if (a.y > p.y) != (b.y > p.y) {
+                    let side = (b - a).cross(p - a);
+                    if side == 0 {
+                        return true;
+                    }
+                    if (side > 0) == (b.y > a.y) {
+                        inside = !inside;
+                    }
+                }
+                a = b;
+            }
+        }
+        inside
+    }
+
+    /// The region moved by a displacement.
+    pub fn translated(&self, by: Point) -> Region {
+        let ring = |r: &Ring| r.iter().map(|&p| p + by).collect();
+        Region {
+            polygons: self
+                .polygons
+                .iter()
+                .map(|p| Polygon { outer: ring(&p.outer), holes: p.holes.iter().map(ring).collect() })
+                .collect(),
+        }
+    }
+
+    /// The same area as a `geo` multi-polygon, coordinates in millimetres.
+    pub fn to_geo(&self) -> geo::MultiPolygon<f64> {
+        let ring = |r: &Ring| geo::LineString::from_iter(r.iter().map(|p| p.mm()));
+        geo::MultiPolygon(
+            self.polygons
+                .iter()
+                .map(|p| geo::Polygon::new(ring(&p.outer), p.holes.iter().map(ring).collect()))
+                .collect(),
+        )
+    }
+}
+
+/// An axis-parallel box in grid units, limits included.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Bounds {
+    /// Lower left corner.
+    pub min: Point,
+    /// Upper right corner.
+    pub max: Point,
+}
+
+impl Bounds {
+    /// The smallest box around the points, or `None` where there are none.
+    pub fn of(points: impl IntoIterator<Item = Point>) -> Option<Self> {
+        let mut points = points.into_iter();
+        let first = points.next()?;
+        Some(points.fold(Self { min: first, max: first }, |b, p| Self {
+            min: Point::new(b.min.x.min(p.x), b.min.y.min(p.y)),
+            max: Point::new(b.max.x.max(p.x), b.max.y.max(p.y)),
+        }))
+    }
+
+    /// Whether two boxes share a point.
+    pub fn touches(&self, other: &Self) -> bool {
+        self.min.x <= other.max.x
+            && other.min.x <= self.max.x
+            && self.min.y <= other.max.y
+            && other.min.y <= self.max.y
+    }
+
+    /// The box that holds both.
+    pub fn joined(&self, other: &Self) -> Self {
+        Self {
+            min: Point::new(self.min.x.min(other.min.x), self.min.y.min(other.min.y)),
+            max: Point::new(self.max.x.max(other.max.x), self.max.y.max(other.max.y)),
+        }
+    }
+}

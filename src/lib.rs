@@ -1,0 +1,21 @@
+//! Pathwright: an STL-to-G-code slicer that finds a near-optimal order for everything the nozzle does.
+//!
+//! Data flows one way: `mesh` → `slice` → `toolpath` → `order` → `motion` → `gcode`; a module imports
+//! only modules listed above it here. `docs/architecture.md` has the whole picture.
+
+#![forbid(unsafe_code)]
+#![deny(missing_docs)]
+
+pub mod cli;
+pub mod estimate;
+pub mod gcode;
+pub mod geom;
+pub mod mesh;
+pub mod motion;
+pub mod order;
+pub mod pipeline;
+pub mod profile;
+pub mod report;
+pub mod slice;
+pub mod toolpath;
+pub mod units;

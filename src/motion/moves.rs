@@ -1,0 +1,46 @@
+//! What the machine is told to do.
+
+use crate::toolpath::Role;
+use crate::units::{Celsius, Mm3, MmPerS, MmPerS2, Ratio};
+
+/// One instruction. Positions are in bed coordinates (millimetres), speeds along the path.
+#[derive(Clone, Debug, PartialEq)]
+#[allow(missing_docs)]
+pub enum Move {
+    /// The role and bead of what follows; becomes `;TYPE:`, `;WIDTH:`, `;HEIGHT:` where they change.
+    Bead { role: Role, width_mm: f64, height_mm: f64 },
+    /// Move in X and Y without extruding.
+    Travel { to: [f64; 2], speed: MmPerS },
+    /// Move to a height.
+    Lift { z_mm: f64, speed: MmPerS },
+    /// Extrude on the straight way to a point.
+    Extrude { to: [f64; 2], volume: Mm3, speed: MmPerS },
+    /// Extrude along an arc around a centre.
+    Arc { to: [f64; 2], center: [f64; 2], clockwise: bool, volume: Mm3, speed: MmPerS },
+    /// Pull filament back (`length_mm` > 0) in place; with firmware retraction a plain G10.
+    Retract { length_mm: f64, speed: MmPerS },
+    /// Push it forward again.
+    Unretract { length_mm: f64, speed: MmPerS },
+    /// Move in X and Y while pulling filament back.
+    Wipe { to: [f64; 2], length_mm: f64, speed: MmPerS },
+    /// Part-cooling fan.
+    Fan(Ratio),
+    /// Acceleration of what follows.
+    Acceleration(MmPerS2),
+    /// Nozzle temperature, without waiting.
+    Nozzle(Celsius),
+    /// Bed temperature, without waiting.
+    Bed(Celsius),
+    /// A pause or filament change, by the profile's script.
+    Pause,
+}
+
+/// The moves of one layer. It starts and ends un-retracted.
+#[derive(Clone, Debug, PartialEq)]
+#[allow(missing_docs)]
+pub struct LayerMoves {
+    pub index: usize,
+    pub z_mm: f64,
+    pub height_mm: f64,
+    pub moves: Vec<Move>,
+}

@@ -1,0 +1,417 @@
+//! Every setting, one small struct per stage. Keys are `section.field`, spelled as the fields are.
+//!
+//! `Default` gives the embedded default profile: a generic RepRap 250 × 250 × 250, PLA, 0.2 mm.
+
+use serde::{Deserialize, Serialize};
+
+use crate::units::{Celsius, Mm, Mm3PerS, MmPerS, MmPerS2, Ratio, Seconds};
+
+macro_rules! choice {
+    ($(#[$doc:meta])* $name:ident { $($(#[$vdoc:meta])* $variant:ident = $text:literal,)* }) => {
+        $(#[$doc])*
+        #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
+        pub enum $name { $($(#[$vdoc])* #[serde(rename = $text)] $variant,)* }
+
+        impl $name {
+            /// Every value with its spelling in profiles and on the command line.
+            pub const ALL: &'static [(&'static str, $name)] = &[$(($text, $name::$variant),)*];
+
+            /// The spelling in profiles and on the command line.
+            pub fn name(self) -> &'static str {
+                Self::ALL.iter().find(|(_, v)| *v == self).expect("every variant is listed").0
+            }
+        }
+    };
+}
+
+choice! {
+    /// Firmware dialect.
+    Flavor { /// Marlin 2.
+        Marlin = "marlin", /// Klipper.
+        Klipper = "klipper", /// RepRapFirmware 3.
+        RepRapFirmware = "reprapfirmware", }
+}
+choice! {
+    /// Outline of the bed.
+    BedShape { /// `size` is width and depth.
+        Rectangular = "rectangular", /// `size[0]` is the diameter.
+        Round = "round", }
+}
+choice! {
+    /// Where X 0, Y 0 lies on the bed.
+    BedOrigin { /// Front left corner.
+        Corner = "corner", /// The middle, as on deltas.
+        Center = "center", }
+}
+choice! {
+    /// Which wall of an island is printed first.
+    WallOrder { /// From the inside out: better overhangs.
+        InnerFirst = "inner-first", /// From the outside in: better dimensions.
+        OuterFirst = "outer-first", }
+}
+choice! {
+    /// Infill pattern.
+    Pattern { /// Parallel lines, turned by 90° from layer to layer.
+        Rectilinear = "rectilinear", /// Two crossing sets of lines in each layer.
+        Grid = "grid", /// Three crossing sets of lines in each layer.
+        Triangles = "triangles", /// Triply periodic minimal surface.
+        Gyroid = "gyroid", /// Loops parallel to the outline.
+        Concentric = "concentric", }
+}
+choice! {
+    /// Where loops start and end.
+    SeamPosition { /// Any vertex: ordering decides.
+        Free = "free", /// The first vertex as sliced.
+        Pinned = "pinned", /// In line with the layer below, in a corner where there is one.
+        Aligned = "aligned", /// The rearmost vertex.
+        Rear = "rear", /// The vertex nearest to where the nozzle is.
+        Nearest = "nearest", /// Another vertex on each layer.
+        Random = "random", }
+}
+choice! {
+    /// How the order of paths in a layer is found.
+    OrderStrategy { /// As the toolpath stage made them.
+        AsSliced = "as-sliced", /// Nearest reachable end next.
+        Nearest = "nearest", /// Multi-fragment: shortest link first.
+        Greedy = "greedy", /// The 2016 algorithm.
+        Christofides = "christofides", /// Christofides with no return leg.
+        ChristofidesOpen = "christofides-open", /// Local search, then iterated local search.
+        Optimized = "optimized", }
+}
+choice! {
+    /// How far ordering may mix paths.
+    Scope { /// Anywhere in the layer.
+        Layer = "layer", /// A run (one role in one island) is never interrupted; roles of an island in order.
+        Feature = "feature", /// As `feature`, and all runs of an island are consecutive.
+        Island = "island", }
+}
+choice! {
+    /// What ordering minimises.
+    CostKind { /// Straight-line length of the links.
+        Length = "length", /// Time of the travels, with retraction.
+        Time = "time", }
+}
+choice! {
+    /// How long ordering may search.
+    Effort { /// At most about 1 ms per 100 paths.
+        Fast = "fast", /// The default.
+        Normal = "normal", /// For the last percent.
+        High = "high", }
+}
+
+macro_rules! section {
+    ($(#[$doc:meta])* $name:ident { $($(#[$fdoc:meta])* $field:ident: $ty:ty = $default:expr,)* }) => {
+        $(#[$doc])*
+        #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+        #[serde(deny_unknown_fields)]
+        pub struct $name { $($(#[$fdoc])* pub $field: $ty,)* }
+
+        impl Default for $name {
+            fn default() -> Self { Self { $($field: $default,)* } }
+        }
+    };
+}
+
+section! {
+    /// `[printer]`: the machine's dialect.
+    PrinterSettings {
+        /// Shown in headers.
+        name: String = "RepRap 250".into(),
+        /// Firmware dialect.
+        flavor: Flavor = Flavor::Marlin,
+        /// Nozzle bore.
+        nozzle_diameter: Mm = Mm(0.4),
+    }
+}
+section! {
+    /// `[bed]`: the printable volume.
+    BedSettings {
+        /// Rectangular or round.
+        shape: BedShape = BedShape::Rectangular,
+        /// Width and depth; of a round bed the diameter, twice.
+        size: [Mm; 2] = [Mm(250.0), Mm(250.0)],
+        /// Printable height.
+        height: Mm = Mm(250.0),
+        /// Corner or centre.
+        origin: BedOrigin = BedOrigin::Corner,
+    }
+}
+section! {
+    /// `[machine]`: limits that the time estimate and the ordering's time cost use.
+    MachineSettings {
+        /// Top speed of X, Y, Z and E.
+        max_speed: [MmPerS; 4] = [MmPerS(300.0), MmPerS(300.0), MmPerS(15.0), MmPerS(80.0)],
+        /// Largest acceleration of X, Y, Z and E.
+        max_acceleration: [MmPerS2; 4] = [MmPerS2(3000.0), MmPerS2(3000.0), MmPerS2(100.0), MmPerS2(800.0)],
+        /// Speed at which a 90° corner is taken (Klipper); Marlin's junction deviation is derived from it.
+        square_corner_velocity: MmPerS = MmPerS(5.0),
+    }
+}
+section! {
+    /// `[filament]`: the material.
+    FilamentSettings {
+        /// Kind, as printed in headers: PLA, PETG, …
+        material: String = "PLA".into(),
+        /// Diameter of the strand.
+        diameter: Mm = Mm(1.75),
+        /// g/cm³.
+        density: f64 = 1.24,
+        /// Price of a kilogram, in whatever currency.
+        cost: f64 = 20.0,
+        /// Extrusion multiplier.
+        flow: f64 = 1.0,
+        /// Largest flow the hot end melts; 0: not limited.
+        max_flow: Mm3PerS = Mm3PerS(0.0),
+    }
+}
+section! {
+    /// `[temperature]`: 0 leaves a heater alone.
+    TemperatureSettings {
+        /// Nozzle from the second layer on.
+        nozzle: Celsius = Celsius(205.0),
+        /// Nozzle on the first layer.
+        nozzle_first_layer: Celsius = Celsius(210.0),
+        /// Bed from the second layer on.
+        bed: Celsius = Celsius(60.0),
+        /// Bed on the first layer.
+        bed_first_layer: Celsius = Celsius(60.0),
+    }
+}
+section! {
+    /// `[layer]`: heights and where the sections lie.
+    LayerSettings {
+        /// Height of the layers from the second on.
+        height: Mm = Mm(0.2),
+        /// Height of the first layer.
+        first_height: Mm = Mm(0.2),
+        /// Added to every Z in the G-code.
+        z_offset: Mm = Mm(0.0),
+        /// Sections grow (+) or shrink (−) by this on every side.
+        xy_compensation: Mm = Mm(0.0),
+        /// The first layer shrinks by this on every side (elephant foot).
+        elephant_foot: Mm = Mm(0.0),
+        /// Vertices that move the outline less than this are dropped.
+        resolution: Mm = Mm(0.0125),
+    }
+}
+section! {
+    /// `[walls]`: perimeters.
+    WallSettings {
+        /// Number of walls.
+        count: u32 = 3,
+        /// Width of inner walls.
+        width: Mm = Mm(0.45),
+        /// Width of the outermost wall.
+        external_width: Mm = Mm(0.45),
+        /// Inner or outer first.
+        order: WallOrder = WallOrder::InnerFirst,
+        /// Fill what is left between walls, and walls too thin for a loop, with single beads of fitting width.
+        gap_fill: bool = true,
+    }
+}
+section! {
+    /// `[shell]`: solid top and bottom.
+    ShellSettings {
+        /// Solid layers under every top surface.
+        top_layers: u32 = 5,
+        /// Solid layers above every bottom surface.
+        bottom_layers: u32 = 4,
+        /// Line width of solid infill.
+        width: Mm = Mm(0.45),
+        /// Line width of top surfaces.
+        top_width: Mm = Mm(0.42),
+    }
+}
+section! {
+    /// `[infill]`: the inside.
+    InfillSettings {
+        /// Pattern of sparse infill.
+        pattern: Pattern = Pattern::Rectilinear,
+        /// Share of the inside that is filled.
+        density: Ratio = Ratio(0.15),
+        /// Line width of sparse infill.
+        width: Mm = Mm(0.45),
+        /// Direction of the first layer's lines, degrees from the X axis.
+        angle: f64 = 45.0,
+        /// How far line ends reach into the innermost wall, as a share of the line width.
+        overlap: Ratio = Ratio(0.15),
+        /// Join line ends along the wall.
+        connect: bool = true,
+    }
+}
+section! {
+    /// `[first_layer]`: what holds for the layer on the bed.
+    FirstLayerSettings {
+        /// Line width of everything on it; 0: as elsewhere.
+        width: Mm = Mm(0.5),
+        /// Speed of everything on it; 0: as elsewhere.
+        speed: MmPerS = MmPerS(20.0),
+        /// Extrusion multiplier.
+        flow: f64 = 1.0,
+        /// Acceleration of everything on it; 0: as elsewhere.
+        acceleration: MmPerS2 = MmPerS2(500.0),
+    }
+}
+section! {
+    /// `[skirt]`
+    SkirtSettings {
+        /// Loops around everything; 0: none.
+        loops: u32 = 1,
+        /// Distance from part or brim.
+        distance: Mm = Mm(3.0),
+        /// Layers it is printed on.
+        layers: u32 = 1,
+        /// More loops until this much filament (path length) is primed.
+        min_length: Mm = Mm(0.0),
+    }
+}
+section! {
+    /// `[brim]`
+    BrimSettings {
+        /// Width around the part; 0: none.
+        width: Mm = Mm(0.0),
+        /// Distance from the part.
+        gap: Mm = Mm(0.0),
+    }
+}
+section! {
+    /// `[seam]`
+    SeamSettings {
+        /// The rule.
+        position: SeamPosition = SeamPosition::Free,
+    }
+}
+section! {
+    /// `[order]`
+    OrderSettings {
+        /// How the order is found.
+        strategy: OrderStrategy = OrderStrategy::Optimized,
+        /// How far paths may mix.
+        scope: Scope = Scope::Feature,
+        /// What is minimised.
+        cost: CostKind = CostKind::Length,
+        /// How long is searched.
+        effort: Effort = Effort::Normal,
+        /// Each layer starts where the last one ended.
+        chain: bool = true,
+        /// Least distance from the end of one layer to the start of the next; 0: none.
+        layer_distance: Mm = Mm(0.0),
+    }
+}
+section! {
+    /// `[speed]`
+    SpeedSettings {
+        /// Outermost wall.
+        external_perimeter: MmPerS = MmPerS(40.0),
+        /// Inner walls.
+        perimeter: MmPerS = MmPerS(60.0),
+        /// Sparse infill.
+        infill: MmPerS = MmPerS(80.0),
+        /// Solid infill.
+        solid: MmPerS = MmPerS(60.0),
+        /// Top surfaces.
+        top: MmPerS = MmPerS(40.0),
+        /// Bridges.
+        bridge: MmPerS = MmPerS(40.0),
+        /// Gap fill.
+        gap_fill: MmPerS = MmPerS(40.0),
+        /// Support.
+        support: MmPerS = MmPerS(60.0),
+        /// Skirt and brim.
+        skirt: MmPerS = MmPerS(40.0),
+        /// Travel in X and Y.
+        travel: MmPerS = MmPerS(150.0),
+        /// Travel in Z.
+        z: MmPerS = MmPerS(10.0),
+    }
+}
+section! {
+    /// `[acceleration]`: 0 leaves the firmware's value alone.
+    AccelerationSettings {
+        /// Everything without a value of its own.
+        default: MmPerS2 = MmPerS2(1500.0),
+        /// Outermost wall.
+        external_perimeter: MmPerS2 = MmPerS2(1000.0),
+        /// Travel.
+        travel: MmPerS2 = MmPerS2(2000.0),
+    }
+}
+section! {
+    /// `[retract]`
+    RetractSettings {
+        /// Filament pulled back; 0: none.
+        length: Mm = Mm(1.0),
+        /// Speed of pulling back.
+        speed: MmPerS = MmPerS(40.0),
+        /// Speed of pushing forward again.
+        unretract_speed: MmPerS = MmPerS(40.0),
+        /// Pushed forward beyond what was pulled back.
+        extra: Mm = Mm(0.0),
+        /// Travels shorter than this are not retracted.
+        min_travel: Mm = Mm(1.5),
+        /// Nozzle lift while retracted.
+        z_hop: Mm = Mm(0.0),
+        /// Way back over the last path while pulling back; 0: none.
+        wipe: Mm = Mm(0.0),
+        /// Leave lengths and speeds to the firmware (G10, G11).
+        firmware: bool = false,
+    }
+}
+section! {
+    /// `[cooling]`
+    CoolingSettings {
+        /// Layers shorter than this are slowed down; 0: never.
+        min_layer_time: Seconds = Seconds(8.0),
+        /// But not below this speed.
+        min_speed: MmPerS = MmPerS(10.0),
+        /// Fan on ordinary layers.
+        fan: Ratio = Ratio(1.0),
+        /// Layers at the start without fan.
+        fan_off_layers: u32 = 1,
+        /// Layer from which the fan has its full value; it ramps up to there.
+        full_fan_layer: u32 = 3,
+    }
+}
+section! {
+    /// `[gcode]`
+    GcodeSettings {
+        /// E counts from the last move (M83) instead of from the layer's start (M82).
+        relative_e: bool = true,
+        /// Write arcs (G2, G3) where the path follows one.
+        arcs: bool = false,
+        /// How far an arc may leave the path.
+        arc_tolerance: Mm = Mm(0.02),
+        /// Script before the print.
+        start: String = String::new(),
+        /// Script after the print.
+        end: String = String::new(),
+        /// Script at a pause; empty: the flavour's own.
+        pause: String = String::new(),
+    }
+}
+
+/// Every setting in force.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+#[allow(missing_docs)]
+pub struct Settings {
+    pub printer: PrinterSettings,
+    pub bed: BedSettings,
+    pub machine: MachineSettings,
+    pub filament: FilamentSettings,
+    pub temperature: TemperatureSettings,
+    pub layer: LayerSettings,
+    pub walls: WallSettings,
+    pub shell: ShellSettings,
+    pub infill: InfillSettings,
+    pub first_layer: FirstLayerSettings,
+    pub skirt: SkirtSettings,
+    pub brim: BrimSettings,
+    pub seam: SeamSettings,
+    pub order: OrderSettings,
+    pub speed: SpeedSettings,
+    pub acceleration: AccelerationSettings,
+    pub retract: RetractSettings,
+    pub cooling: CoolingSettings,
+    pub gcode: GcodeSettings,
+}

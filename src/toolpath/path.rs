@@ -1,0 +1,95 @@
+//! What the toolpath stage makes: paths that know their role, width, height and island.
+
+use crate::geom::{Point, Region};
+
+/// What a path is for. The order of the variants is the order in which an island is printed by default.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+#[allow(missing_docs)]
+pub enum Role {
+    Skirt,
+    Brim,
+    Support,
+    SupportInterface,
+    Perimeter,
+    ExternalPerimeter,
+    OverhangPerimeter,
+    GapFill,
+    SolidInfill,
+    BridgeInfill,
+    InternalInfill,
+    TopSolidInfill,
+    Ironing,
+}
+
+impl Role {
+    /// The name in `;TYPE:` comments, as viewers know it.
+    pub fn type_name(self) -> &'static str {
+        match self {
+            Role::Skirt | Role::Brim => "Skirt/Brim",
+            Role::Support => "Support material",
+            Role::SupportInterface => "Support material interface",
+            Role::Perimeter => "Perimeter",
+            Role::ExternalPerimeter => "External perimeter",
+            Role::OverhangPerimeter => "Overhang perimeter",
+            Role::GapFill => "Gap fill",
+            Role::SolidInfill => "Solid infill",
+            Role::BridgeInfill => "Bridge infill",
+            Role::InternalInfill => "Internal infill",
+            Role::TopSolidInfill => "Top solid infill",
+            Role::Ironing => "Ironing",
+        }
+    }
+}
+
+/// Bead width along a path, in millimetres (width of the flattened bead, not its spacing).
+#[derive(Clone, Debug, PartialEq)]
+pub enum Width {
+    /// The same everywhere.
+    Constant(f64),
+    /// One for each vertex of the path, linear in between.
+    PerVertex(Vec<f32>),
+}
+
+/// One uninterrupted bead.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Path {
+    /// What it is for.
+    pub role: Role,
+    /// Whether it returns from the last vertex to the first (which is not repeated).
+    pub closed: bool,
+    /// Vertices, at least two (closed: at least three), no two neighbours equal.
+    pub points: Vec<Point>,
+    /// Bead width.
+    pub width: Width,
+    /// Bead height in millimetres.
+    pub height_mm: f64,
+    /// Index into [`LayerPaths::islands`]; skirt, brim and support, which belong to none, use `u32::MAX`.
+    pub island: u32,
+    /// The run it belongs to within its island, in printing order: ordering under `feature` and `island` scope
+    /// prints runs of an island by ascending rank and never mixes them. Walls have one rank per depth.
+    pub rank: u32,
+}
+
+/// A connected part of a layer's section.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Island {
+    /// Which object on the plate it belongs to.
+    pub object: u32,
+}
+
+/// All paths of one layer, in the order in which they were made.
+#[derive(Clone, Debug, PartialEq)]
+pub struct LayerPaths {
+    /// Index from the bed, 0 the first layer.
+    pub index: usize,
+    /// Top of the layer over the bed, without Z offset, millimetres.
+    pub top_mm: f64,
+    /// Height of the layer, millimetres.
+    pub height_mm: f64,
+    /// Connected parts of the section.
+    pub islands: Vec<Island>,
+    /// The paths.
+    pub paths: Vec<Path>,
+    /// The section they were made from.
+    pub outline: Region,
+}
