@@ -4,11 +4,19 @@
 //! subtracted or compared is exact; only offsets and intersections round, to the nearest unit.
 
 mod boolean;
+mod boundary;
+mod clip;
+mod grid;
+mod hatch;
 mod offset;
 mod point;
 mod region;
 
 pub use boolean::{difference, intersection, union, union_all, unite_rings};
+pub use boundary::{Boundary, BoundaryPos};
+pub use clip::{ClippedPiece, Clipper, clip_polyline, clip_segments, polyline_length_mm};
+pub use grid::{Edge, EdgeGrid};
+pub use hatch::{HatchEnd, HatchLine, scan_lines};
 pub use offset::{offset, opening};
 pub use point::{Point, UNITS_PER_MM, to_mm, to_units};
 pub use region::{Bounds, Polygon, Region, Ring, ring_area, ring_length_mm};
