@@ -6,7 +6,7 @@ use crate::profile::{
     WallSettings,
 };
 
-use super::infill::{self, FillLine, FillSpec};
+use super::infill::{self, Calibration, FillLine, FillSpec};
 use super::shells::{self, Zones};
 use super::walls::{self, WallSpec, Walls};
 use super::{Island, LayerPaths, Path, Role, Width, adhesion, bead};
@@ -78,7 +78,7 @@ pub struct Section<'a> {
 #[derive(Clone, Debug)]
 pub struct Planner {
     settings: ToolpathSettings,
-    line_distance_mm: Option<f64>,
+    sparse: Option<Calibration>,
     brim: Vec<Ring>,
     skirt: Vec<Ring>,
 }
@@ -103,7 +103,7 @@ struct Draft {
 impl Planner {
     /// A planner for a plate whose objects' first sections are `footprint`; `first_height_mm` is the first layer's.
     pub fn new(settings: ToolpathSettings, footprint: &Region, first_height_mm: f64) -> Self {
-        let mut planner = Self { settings, line_distance_mm: None, brim: Vec::new(), skirt: Vec::new() };
+        let mut planner = Self { settings, sparse: None, brim: Vec::new(), skirt: Vec::new() };
         let width_mm = planner.widths(0).skirt_mm;
         planner.brim = adhesion::brim(footprint, &planner.settings.brim, width_mm, first_height_mm);
         let around = if planner.brim.is_empty() {
@@ -138,12 +138,9 @@ impl Planner {
         }
         let Some(sample) = samples.iter().find(|s| s.index > 0) else { return };
         let spacing_mm = bead::spacing_mm(self.widths(1).infill_mm, sample.height_mm);
-        self.line_distance_mm = Some(infill::calibrated_line_distance_mm(
-            infill::pattern(settings.pattern),
-            &regions,
-            spacing_mm,
-            settings.density.0,
-        ));
+        let join = if settings.connect { LONGEST_JOIN } else { 0.0 };
+        let pattern = infill::pattern(settings.pattern);
+        self.sparse = Some(infill::calibrate(pattern, &regions, spacing_mm, settings.density.0, join));
     }
 
     /// The paths of one layer.
@@ -223,7 +220,8 @@ impl Planner {
             let spacing_mm = bead::spacing_mm(widths.infill_mm, section.height_mm);
             let lines = infill::pattern(self.settings.infill.pattern)
                 .fill(&room, &self.fill_spec(section, spacing_mm));
-            draft.lines(Role::InternalInfill, count + 2, widths.infill_mm, lines);
+            let flow = self.sparse.map_or(1.0, |c| c.flow);
+            draft.lines(Role::InternalInfill, count + 2, bead::width_mm(spacing_mm * flow, section.height_mm), lines);
         }
         draft.solid(
             Role::TopSolidInfill,
@@ -253,7 +251,7 @@ impl Planner {
     fn fill_spec(&self, section: &Section<'_>, spacing_mm: f64) -> FillSpec {
         let settings = &self.settings.infill;
         let nominal_mm = spacing_mm / settings.density.0;
-        let line_distance_mm = self.line_distance_mm.unwrap_or(nominal_mm);
+        let line_distance_mm = self.sparse.map_or(nominal_mm, |c| c.line_distance_mm);
         FillSpec {
             line_distance_mm,
             angle_rad: settings.angle.to_radians(),
