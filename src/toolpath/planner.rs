@@ -221,7 +221,12 @@ impl Planner {
             let lines = infill::pattern(self.settings.infill.pattern)
                 .fill(&room, &self.fill_spec(section, spacing_mm));
             let flow = self.sparse.map_or(1.0, |c| c.flow);
-            draft.lines(Role::InternalInfill, count + 2, bead::width_mm(spacing_mm * flow, section.height_mm), lines);
+            draft.lines(
+                Role::InternalInfill,
+                count + 2,
+                bead::width_mm(spacing_mm * flow, section.height_mm),
+                lines,
+            );
         }
         draft.solid(
             Role::TopSolidInfill,

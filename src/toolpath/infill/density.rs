@@ -45,7 +45,8 @@ pub fn calibrate(
         let length_mm: f64 = samples
             .iter()
             .map(|(region, _, spec)| {
-                let spec = FillSpec { line_distance_mm: distance_mm, connect_mm: join * distance_mm, ..*spec };
+                let spec =
+                    FillSpec { line_distance_mm: distance_mm, connect_mm: join * distance_mm, ..*spec };
                 pattern.fill(region, &spec).iter().map(line_length_mm).sum::<f64>()
             })
             .sum();
