@@ -1,0 +1,344 @@
+//! One layer's moves as bytes.
+
+use super::flavor::{Dialect, Purpose, dialect};
+use super::number::{push_fixed, push_word, text, ticks};
+use super::settings::{WriterSettings, filament_area_mm2};
+use super::slot::{PROGRESS_WIDTH, Pending, Slot};
+use crate::motion::{LayerMoves, Move};
+use crate::toolpath::Role;
+use crate::units::{Celsius, MmPerS};
+
+/// Digits behind the point of X, Y, Z, I and J: a micrometre, a tenth of what a machine resolves.
+const XYZ_DECIMALS: u32 = 3;
+/// Digits behind the point of E.
+const E_DECIMALS: u32 = 5;
+/// A coordinate that the layer has not stated yet.
+const UNKNOWN: i64 = i64::MIN;
+
+/// The bytes of one layer.
+#[derive(Clone, Debug, PartialEq)]
+pub struct LayerText {
+    /// What goes into the file.
+    pub bytes: Vec<u8>,
+    /// Where the layer's M73 goes, if wanted; offset into `bytes`.
+    pub progress: Option<Slot>,
+}
+
+/// Formats a layer. It depends on nothing but its arguments: position, feed rate and acceleration are stated
+/// anew, and absolute E begins at 0, so layers can be formatted in any order.
+///
+/// Positions are rounded one by one (they do not drift); what rounding E leaves over goes into the next
+/// extrusion, so that the layer's total is right to half a digit. A move too short to be written at all gives
+/// its filament to the next one. Words that do not change are left out.
+pub fn format_layer(layer: &LayerMoves, settings: &WriterSettings) -> LayerText {
+    let mut writer = Writer::new(layer, settings);
+    let progress = writer.open(layer);
+    for step in &layer.moves {
+        writer.step(step);
+    }
+    LayerText { bytes: writer.out, progress }
+}
+
+struct Writer<'a> {
+    out: Vec<u8>,
+    settings: &'a WriterSettings,
+    dialect: &'static dyn Dialect,
+    x: i64,
+    y: i64,
+    z: i64,
+    /// Feed rate, mm/min.
+    f: i64,
+    extruder: Extruder,
+    /// The acceleration asked for, and the ones in force for printing and travel.
+    asked: Option<f64>,
+    in_force: [Option<f64>; 2],
+    type_name: &'static str,
+    width: i64,
+    height: i64,
+}
+
+impl<'a> Writer<'a> {
+    fn new(layer: &LayerMoves, settings: &'a WriterSettings) -> Self {
+        Self {
+            // A line is some 28 bytes long.
+            out: Vec::with_capacity(256 + 32 * layer.moves.len()),
+            settings,
+            dialect: dialect(settings.flavor),
+            x: UNKNOWN,
+            y: UNKNOWN,
+            z: UNKNOWN,
+            f: UNKNOWN,
+            extruder: Extruder::new(filament_area_mm2(settings.filament_diameter)),
+            asked: None,
+            in_force: [None; 2],
+            type_name: "",
+            width: UNKNOWN,
+            height: ticks(layer.height_mm, XYZ_DECIMALS),
+        }
+    }
+
+    /// The comments at the top, the place for M73, and E's origin.
+    fn open(&mut self, layer: &LayerMoves) -> Option<Slot> {
+        let (z, height) = (text(layer.z_mm, XYZ_DECIMALS), text(layer.height_mm, XYZ_DECIMALS));
+        let top = format!(";LAYER_CHANGE\n;Z:{z}\n;HEIGHT:{height}\n;LAYER:{}\n", layer.index);
+        self.out.extend_from_slice(top.as_bytes());
+        self.dialect.layer_begins(&mut self.out, layer.index + 1);
+        let slot = self.settings.progress.then(|| {
+            let offset = self.out.len();
+            self.out.resize(offset + PROGRESS_WIDTH, b' ');
+            self.out.push(b'\n');
+            Slot { offset, width: PROGRESS_WIDTH, value: Pending::Progress { layer: layer.index } }
+        });
+        if !self.settings.relative_e {
+            self.out.extend_from_slice(b"G92 E0\n");
+        }
+        slot
+    }
+
+    fn step(&mut self, step: &Move) {
+        match *step {
+            Move::Bead { role, width_mm, height_mm } => self.bead(role, width_mm, height_mm),
+            Move::Travel { to, speed } => {
+                self.accelerate(Purpose::Travel);
+                if self.moves_to(to) {
+                    self.out.extend_from_slice(b"G1");
+                    self.xy(to);
+                    self.feed(speed);
+                    self.end_line();
+                }
+            }
+            Move::Lift { z_mm, speed } => {
+                let z = ticks(z_mm, XYZ_DECIMALS);
+                if z != self.z {
+                    self.out.extend_from_slice(b"G1");
+                    push_word(&mut self.out, b'Z', z, XYZ_DECIMALS);
+                    self.z = z;
+                    self.feed(speed);
+                    self.end_line();
+                }
+            }
+            Move::Extrude { to, volume, speed } => {
+                self.extruder.owe(volume.0);
+                if self.moves_to(to) {
+                    self.accelerate(Purpose::Print);
+                    self.out.extend_from_slice(b"G1");
+                    self.xy(to);
+                    let pushed = self.extruder.pay();
+                    self.e(pushed);
+                    self.feed(speed);
+                    self.end_line();
+                }
+            }
+            Move::Arc { to, center, clockwise, volume, speed } => {
+                self.extruder.owe(volume.0);
+                if self.moves_to(to) {
+                    self.accelerate(Purpose::Print);
+                    let ij =
+                        [ticks(center[0], XYZ_DECIMALS) - self.x, ticks(center[1], XYZ_DECIMALS) - self.y];
+                    self.out.extend_from_slice(if clockwise { b"G2" } else { b"G3" });
+                    self.xy(to);
+                    push_word(&mut self.out, b'I', ij[0], XYZ_DECIMALS);
+                    push_word(&mut self.out, b'J', ij[1], XYZ_DECIMALS);
+                    let pushed = self.extruder.pay();
+                    self.e(pushed);
+                    self.feed(speed);
+                    self.end_line();
+                }
+            }
+            Move::Retract { .. } if self.settings.firmware_retraction => self.out.extend_from_slice(b"G10\n"),
+            Move::Unretract { .. } if self.settings.firmware_retraction => {
+                self.out.extend_from_slice(b"G11\n");
+            }
+            Move::Retract { length_mm, speed } => {
+                let pulled = self.extruder.pull(length_mm);
+                self.e_only(pulled, speed);
+            }
+            Move::Unretract { length_mm, speed } => {
+                let pushed = self.extruder.restore(length_mm);
+                self.e_only(pushed, speed);
+            }
+            Move::Wipe { to, length_mm, speed } => {
+                let pulled = self.extruder.pull(length_mm);
+                if self.moves_to(to) {
+                    self.accelerate(Purpose::Travel);
+                    self.out.extend_from_slice(b"G1");
+                    self.xy(to);
+                    self.e(pulled);
+                    self.feed(speed);
+                    self.end_line();
+                } else {
+                    self.e_only(pulled, speed);
+                }
+            }
+            Move::Fan(share) => self.dialect.fan(&mut self.out, share),
+            Move::Acceleration(acceleration) => self.asked = Some(acceleration.0),
+            Move::Nozzle(celsius) => self.heat(b"M104", celsius),
+            Move::Bed(celsius) => self.heat(b"M140", celsius),
+            Move::Pause => self.pause(),
+        }
+    }
+
+    /// Whether a position differs from the present one once both are rounded.
+    fn moves_to(&self, to: [f64; 2]) -> bool {
+        (ticks(to[0], XYZ_DECIMALS), ticks(to[1], XYZ_DECIMALS)) != (self.x, self.y)
+    }
+
+    fn xy(&mut self, to: [f64; 2]) {
+        let (x, y) = (ticks(to[0], XYZ_DECIMALS), ticks(to[1], XYZ_DECIMALS));
+        if x != self.x {
+            push_word(&mut self.out, b'X', x, XYZ_DECIMALS);
+            self.x = x;
+        }
+        if y != self.y {
+            push_word(&mut self.out, b'Y', y, XYZ_DECIMALS);
+            self.y = y;
+        }
+    }
+
+    /// E by `delta` ticks, which the extruder has already counted.
+    fn e(&mut self, delta: i64) {
+        if delta != 0 {
+            let value = if self.settings.relative_e { delta } else { self.extruder.position };
+            push_word(&mut self.out, b'E', value, E_DECIMALS);
+        }
+    }
+
+    fn e_only(&mut self, delta: i64, speed: MmPerS) {
+        if delta != 0 {
+            self.out.extend_from_slice(b"G1");
+            self.e(delta);
+            self.feed(speed);
+            self.end_line();
+        }
+    }
+
+    /// F in whole millimetres per minute, rounded down: limits are kept.
+    fn feed(&mut self, speed: MmPerS) {
+        let f = ((speed.0 * 60.0 + 1e-6).floor() as i64).max(1);
+        if f != self.f {
+            push_word(&mut self.out, b'F', f, 0);
+            self.f = f;
+        }
+    }
+
+    fn end_line(&mut self) {
+        self.out.push(b'\n');
+    }
+
+    /// States the acceleration asked for, where it is not in force.
+    fn accelerate(&mut self, purpose: Purpose) {
+        let Some(asked) = self.asked else { return };
+        let kept_apart = self.dialect.has_travel_acceleration();
+        let slot = &mut self.in_force[usize::from(kept_apart && purpose == Purpose::Travel)];
+        if *slot != Some(asked) {
+            *slot = Some(asked);
+            self.dialect.acceleration(&mut self.out, purpose, crate::units::MmPerS2(asked));
+        }
+    }
+
+    fn heat(&mut self, command: &[u8], celsius: Celsius) {
+        self.out.extend_from_slice(command);
+        push_word(&mut self.out, b'S', ticks(celsius.0, 1), 1);
+        self.end_line();
+    }
+
+    fn bead(&mut self, role: Role, width_mm: f64, height_mm: f64) {
+        let name = role.type_name();
+        if name != self.type_name {
+            self.type_name = name;
+            self.out.extend_from_slice(b";TYPE:");
+            self.out.extend_from_slice(name.as_bytes());
+            self.end_line();
+        }
+        let (width, height) = (ticks(width_mm, XYZ_DECIMALS), ticks(height_mm, XYZ_DECIMALS));
+        for (label, now, before) in
+            [(&b";WIDTH:"[..], width, &mut self.width), (&b";HEIGHT:"[..], height, &mut self.height)]
+        {
+            if now != *before {
+                *before = now;
+                self.out.extend_from_slice(label);
+                if (0..1000).contains(&now) {
+                    self.out.push(b'0');
+                }
+                if now != 0 {
+                    push_fixed(&mut self.out, now, XYZ_DECIMALS);
+                }
+                self.out.push(b'\n');
+            }
+        }
+    }
+
+    /// The pause, then everything that a script may have changed.
+    fn pause(&mut self) {
+        let own = self.settings.pause.trim_end();
+        let lines = if own.is_empty() { self.dialect.pause() } else { own };
+        self.out.extend_from_slice(lines.as_bytes());
+        self.out.extend_from_slice(b"\nG90\n");
+        if self.settings.relative_e {
+            self.out.extend_from_slice(b"M83\n");
+        } else {
+            self.out.extend_from_slice(b"M82\nG92");
+            push_word(&mut self.out, b'E', self.extruder.position, E_DECIMALS);
+            self.end_line();
+        }
+        (self.x, self.y, self.z, self.f) = (UNKNOWN, UNKNOWN, UNKNOWN, UNKNOWN);
+        self.in_force = [None; 2];
+    }
+}
+
+/// Counts filament in ticks of 10⁻⁵ mm, so that rounding neither drifts nor leaks from an extrusion into a
+/// retraction.
+struct Extruder {
+    ticks_per_mm3: f64,
+    /// Filament extruded so far: what it should be, and what was written.
+    owed: f64,
+    paid: i64,
+    /// Filament pulled back at present: what it should be, and what was written.
+    pulled: f64,
+    pulled_written: i64,
+    /// Absolute E.
+    position: i64,
+}
+
+impl Extruder {
+    fn new(area_mm2: f64) -> Self {
+        Self {
+            ticks_per_mm3: 10_f64.powi(E_DECIMALS as i32) / area_mm2,
+            owed: 0.0,
+            paid: 0,
+            pulled: 0.0,
+            pulled_written: 0,
+            position: 0,
+        }
+    }
+
+    fn owe(&mut self, volume_mm3: f64) {
+        self.owed += volume_mm3 * self.ticks_per_mm3;
+    }
+
+    /// All whole ticks owed.
+    fn pay(&mut self) -> i64 {
+        let delta = (self.owed.round() as i64 - self.paid).max(0);
+        self.paid += delta;
+        self.position += delta;
+        delta
+    }
+
+    /// Ticks (negative) of pulling back.
+    fn pull(&mut self, length_mm: f64) -> i64 {
+        self.pulled += length_mm * 10_f64.powi(E_DECIMALS as i32);
+        let delta = self.pulled.round() as i64 - self.pulled_written;
+        self.pulled_written += delta;
+        self.position -= delta;
+        -delta
+    }
+
+    /// Ticks of pushing forward: exactly what was pulled, and what the length goes beyond it.
+    fn restore(&mut self, length_mm: f64) -> i64 {
+        let extra = length_mm * 10_f64.powi(E_DECIMALS as i32) - self.pulled;
+        let delta = self.pulled_written + extra.round() as i64;
+        (self.pulled, self.pulled_written) = (0.0, 0);
+        self.position += delta;
+        delta
+    }
+}
