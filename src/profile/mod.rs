@@ -1,5 +1,24 @@
 //! Profiles: TOML as written (with `inherits`) resolved and validated once into [`Settings`].
+//!
+//! Sources take effect in this order: the embedded `default`, each `--profile` in turn (what it inherits
+//! first), each `--set` in turn. The later one wins, key by key; where each value came from is kept.
 
+mod conflicts;
+mod dump;
+mod embedded;
+mod error;
+mod resolve;
+mod schema;
+mod script;
 mod settings;
+mod source;
+mod suggest;
 
+pub use dump::{dump_json, dump_toml, reference};
+pub use embedded::{EMBEDDED, EmbeddedProfile, ProfileKind, find as embedded};
+pub use error::{Origin, Problem, ProfileError};
+pub use resolve::{Override, Resolved, resolve};
+pub use schema::{Field, Kind, Section, field, keys};
+pub use script::{PLACEHOLDERS, PrintBounds, expand};
 pub use settings::*;
+pub use source::text;

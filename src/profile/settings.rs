@@ -4,6 +4,7 @@
 
 use serde::{Deserialize, Serialize};
 
+use super::schema::{Field, FieldType, Kind, Section, first_range, first_unit};
 use crate::units::{Celsius, Mm, Mm3PerS, MmPerS, MmPerS2, Ratio, Seconds};
 
 macro_rules! choice {
@@ -16,10 +17,17 @@ macro_rules! choice {
             /// Every value with its spelling in profiles and on the command line.
             pub const ALL: &'static [(&'static str, $name)] = &[$(($text, $name::$variant),)*];
 
+            /// The spellings alone.
+            pub const NAMES: &'static [&'static str] = &[$($text,)*];
+
             /// The spelling in profiles and on the command line.
             pub fn name(self) -> &'static str {
-                Self::ALL.iter().find(|(_, v)| *v == self).expect("every variant is listed").0
+                Self::NAMES[self as usize]
             }
+        }
+
+        impl FieldType for $name {
+            const KIND: Kind = Kind::Choice($name::NAMES);
         }
     };
 }
@@ -99,15 +107,31 @@ choice! {
         High = "high", }
 }
 
+/// A section of the settings: the struct, its defaults, and what is known about each key.
+/// After the default come the allowed range and, where the type does not tell it, the unit.
 macro_rules! section {
-    ($(#[$doc:meta])* $name:ident { $($(#[$fdoc:meta])* $field:ident: $ty:ty = $default:expr,)* }) => {
-        $(#[$doc])*
+    ($(#[doc = $doc:literal])* $name:ident { $(
+        $(#[doc = $fdoc:literal])* $field:ident: $ty:ty = $default:expr
+            $(; $low:literal..=$high:literal $(, $unit:literal)?)?,
+    )* }) => {
+        $(#[doc = $doc])*
         #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
         #[serde(deny_unknown_fields)]
-        pub struct $name { $($(#[$fdoc])* pub $field: $ty,)* }
+        pub struct $name { $($(#[doc = $fdoc])* pub $field: $ty,)* }
 
         impl Default for $name {
             fn default() -> Self { Self { $($field: $default,)* } }
+        }
+
+        impl $name {
+            const DOC: &'static str = concat!($($doc),*);
+            const FIELDS: &'static [Field] = &[$(Field {
+                name: stringify!($field),
+                doc: concat!($($fdoc),*),
+                kind: <$ty as FieldType>::KIND,
+                unit: first_unit(&[$($($unit,)?)?], <$ty as FieldType>::UNIT),
+                range: first_range(&[$(($low as f64, $high as f64))?]),
+            },)*];
         }
     };
 }
@@ -120,7 +144,7 @@ section! {
         /// Firmware dialect.
         flavor: Flavor = Flavor::Marlin,
         /// Nozzle bore.
-        nozzle_diameter: Mm = Mm(0.4),
+        nozzle_diameter: Mm = Mm(0.4); 0.1..=2.0,
     }
 }
 section! {
@@ -129,9 +153,9 @@ section! {
         /// Rectangular or round.
         shape: BedShape = BedShape::Rectangular,
         /// Width and depth; of a round bed the diameter, twice.
-        size: [Mm; 2] = [Mm(250.0), Mm(250.0)],
+        size: [Mm; 2] = [Mm(250.0), Mm(250.0)]; 10.0..=5000.0,
         /// Printable height.
-        height: Mm = Mm(250.0),
+        height: Mm = Mm(250.0); 1.0..=5000.0,
         /// Corner or centre.
         origin: BedOrigin = BedOrigin::Corner,
     }
@@ -140,11 +164,11 @@ section! {
     /// `[machine]`: limits that the time estimate and the ordering's time cost use.
     MachineSettings {
         /// Top speed of X, Y, Z and E.
-        max_speed: [MmPerS; 4] = [MmPerS(300.0), MmPerS(300.0), MmPerS(15.0), MmPerS(80.0)],
+        max_speed: [MmPerS; 4] = [MmPerS(300.0), MmPerS(300.0), MmPerS(15.0), MmPerS(80.0)]; 0.1..=5000.0,
         /// Largest acceleration of X, Y, Z and E.
-        max_acceleration: [MmPerS2; 4] = [MmPerS2(3000.0), MmPerS2(3000.0), MmPerS2(100.0), MmPerS2(800.0)],
+        max_acceleration: [MmPerS2; 4] = [MmPerS2(3000.0), MmPerS2(3000.0), MmPerS2(100.0), MmPerS2(800.0)]; 1.0..=100000.0,
         /// Speed at which a 90° corner is taken (Klipper); Marlin's junction deviation is derived from it.
-        square_corner_velocity: MmPerS = MmPerS(5.0),
+        square_corner_velocity: MmPerS = MmPerS(5.0); 0.0..=100.0,
     }
 }
 section! {
@@ -153,56 +177,56 @@ section! {
         /// Kind, as printed in headers: PLA, PETG, …
         material: String = "PLA".into(),
         /// Diameter of the strand.
-        diameter: Mm = Mm(1.75),
+        diameter: Mm = Mm(1.75); 0.5..=5.0,
         /// g/cm³.
-        density: f64 = 1.24,
+        density: f64 = 1.24; 0.1..=25.0, "g/cm³",
         /// Price of a kilogram, in whatever currency.
-        cost: f64 = 20.0,
+        cost: f64 = 20.0; 0.0..=100000.0, "per kg",
         /// Extrusion multiplier.
-        flow: f64 = 1.0,
+        flow: f64 = 1.0; 0.1..=3.0,
         /// Largest flow the hot end melts; 0: not limited.
-        max_flow: Mm3PerS = Mm3PerS(0.0),
+        max_flow: Mm3PerS = Mm3PerS(0.0); 0.0..=1000.0,
     }
 }
 section! {
     /// `[temperature]`: 0 leaves a heater alone.
     TemperatureSettings {
         /// Nozzle from the second layer on.
-        nozzle: Celsius = Celsius(205.0),
+        nozzle: Celsius = Celsius(205.0); 0.0..=500.0,
         /// Nozzle on the first layer.
-        nozzle_first_layer: Celsius = Celsius(210.0),
+        nozzle_first_layer: Celsius = Celsius(210.0); 0.0..=500.0,
         /// Bed from the second layer on.
-        bed: Celsius = Celsius(60.0),
+        bed: Celsius = Celsius(60.0); 0.0..=200.0,
         /// Bed on the first layer.
-        bed_first_layer: Celsius = Celsius(60.0),
+        bed_first_layer: Celsius = Celsius(60.0); 0.0..=200.0,
     }
 }
 section! {
     /// `[layer]`: heights and where the sections lie.
     LayerSettings {
         /// Height of the layers from the second on.
-        height: Mm = Mm(0.2),
+        height: Mm = Mm(0.2); 0.01..=2.0,
         /// Height of the first layer.
-        first_height: Mm = Mm(0.2),
+        first_height: Mm = Mm(0.2); 0.01..=2.0,
         /// Added to every Z in the G-code.
-        z_offset: Mm = Mm(0.0),
+        z_offset: Mm = Mm(0.0); -5.0..=5.0,
         /// Sections grow (+) or shrink (−) by this on every side.
-        xy_compensation: Mm = Mm(0.0),
+        xy_compensation: Mm = Mm(0.0); -2.0..=2.0,
         /// The first layer shrinks by this on every side (elephant foot).
-        elephant_foot: Mm = Mm(0.0),
+        elephant_foot: Mm = Mm(0.0); 0.0..=2.0,
         /// Vertices that move the outline less than this are dropped.
-        resolution: Mm = Mm(0.0125),
+        resolution: Mm = Mm(0.0125); 0.0..=0.5,
     }
 }
 section! {
     /// `[walls]`: perimeters.
     WallSettings {
         /// Number of walls.
-        count: u32 = 3,
+        count: u32 = 3; 0..=100,
         /// Width of inner walls.
-        width: Mm = Mm(0.45),
+        width: Mm = Mm(0.45); 0.05..=5.0,
         /// Width of the outermost wall.
-        external_width: Mm = Mm(0.45),
+        external_width: Mm = Mm(0.45); 0.05..=5.0,
         /// Inner or outer first.
         order: WallOrder = WallOrder::InnerFirst,
         /// Fill what is left between walls, and walls too thin for a loop, with single beads of fitting width.
@@ -213,13 +237,13 @@ section! {
     /// `[shell]`: solid top and bottom.
     ShellSettings {
         /// Solid layers under every top surface.
-        top_layers: u32 = 5,
+        top_layers: u32 = 5; 0..=10000,
         /// Solid layers above every bottom surface.
-        bottom_layers: u32 = 4,
+        bottom_layers: u32 = 4; 0..=10000,
         /// Line width of solid infill.
-        width: Mm = Mm(0.45),
+        width: Mm = Mm(0.45); 0.05..=5.0,
         /// Line width of top surfaces.
-        top_width: Mm = Mm(0.42),
+        top_width: Mm = Mm(0.42); 0.05..=5.0,
     }
 }
 section! {
@@ -228,13 +252,13 @@ section! {
         /// Pattern of sparse infill.
         pattern: Pattern = Pattern::Rectilinear,
         /// Share of the inside that is filled.
-        density: Ratio = Ratio(0.15),
+        density: Ratio = Ratio(0.15); 0.0..=1.0,
         /// Line width of sparse infill.
-        width: Mm = Mm(0.45),
+        width: Mm = Mm(0.45); 0.05..=5.0,
         /// Direction of the first layer's lines, degrees from the X axis.
-        angle: f64 = 45.0,
+        angle: f64 = 45.0; -360.0..=360.0, "°",
         /// How far line ends reach into the innermost wall, as a share of the line width.
-        overlap: Ratio = Ratio(0.15),
+        overlap: Ratio = Ratio(0.15); 0.0..=1.0,
         /// Join line ends along the wall.
         connect: bool = true,
     }
@@ -243,35 +267,35 @@ section! {
     /// `[first_layer]`: what holds for the layer on the bed.
     FirstLayerSettings {
         /// Line width of everything on it; 0: as elsewhere.
-        width: Mm = Mm(0.5),
+        width: Mm = Mm(0.5); 0.0..=5.0,
         /// Speed of everything on it; 0: as elsewhere.
-        speed: MmPerS = MmPerS(20.0),
+        speed: MmPerS = MmPerS(20.0); 0.0..=2000.0,
         /// Extrusion multiplier.
-        flow: f64 = 1.0,
+        flow: f64 = 1.0; 0.1..=3.0,
         /// Acceleration of everything on it; 0: as elsewhere.
-        acceleration: MmPerS2 = MmPerS2(500.0),
+        acceleration: MmPerS2 = MmPerS2(500.0); 0.0..=100000.0,
     }
 }
 section! {
     /// `[skirt]`
     SkirtSettings {
         /// Loops around everything; 0: none.
-        loops: u32 = 1,
+        loops: u32 = 1; 0..=100,
         /// Distance from part or brim.
-        distance: Mm = Mm(3.0),
+        distance: Mm = Mm(3.0); 0.0..=100.0,
         /// Layers it is printed on.
-        layers: u32 = 1,
+        layers: u32 = 1; 1..=10000,
         /// More loops until this much filament (path length) is primed.
-        min_length: Mm = Mm(0.0),
+        min_length: Mm = Mm(0.0); 0.0..=10000.0,
     }
 }
 section! {
     /// `[brim]`
     BrimSettings {
         /// Width around the part; 0: none.
-        width: Mm = Mm(0.0),
+        width: Mm = Mm(0.0); 0.0..=100.0,
         /// Distance from the part.
-        gap: Mm = Mm(0.0),
+        gap: Mm = Mm(0.0); 0.0..=10.0,
     }
 }
 section! {
@@ -295,64 +319,64 @@ section! {
         /// Each layer starts where the last one ended.
         chain: bool = true,
         /// Least distance from the end of one layer to the start of the next; 0: none.
-        layer_distance: Mm = Mm(0.0),
+        layer_distance: Mm = Mm(0.0); 0.0..=1000.0,
     }
 }
 section! {
     /// `[speed]`
     SpeedSettings {
         /// Outermost wall.
-        external_perimeter: MmPerS = MmPerS(40.0),
+        external_perimeter: MmPerS = MmPerS(40.0); 0.1..=2000.0,
         /// Inner walls.
-        perimeter: MmPerS = MmPerS(60.0),
+        perimeter: MmPerS = MmPerS(60.0); 0.1..=2000.0,
         /// Sparse infill.
-        infill: MmPerS = MmPerS(80.0),
+        infill: MmPerS = MmPerS(80.0); 0.1..=2000.0,
         /// Solid infill.
-        solid: MmPerS = MmPerS(60.0),
+        solid: MmPerS = MmPerS(60.0); 0.1..=2000.0,
         /// Top surfaces.
-        top: MmPerS = MmPerS(40.0),
+        top: MmPerS = MmPerS(40.0); 0.1..=2000.0,
         /// Bridges.
-        bridge: MmPerS = MmPerS(40.0),
+        bridge: MmPerS = MmPerS(40.0); 0.1..=2000.0,
         /// Gap fill.
-        gap_fill: MmPerS = MmPerS(40.0),
+        gap_fill: MmPerS = MmPerS(40.0); 0.1..=2000.0,
         /// Support.
-        support: MmPerS = MmPerS(60.0),
+        support: MmPerS = MmPerS(60.0); 0.1..=2000.0,
         /// Skirt and brim.
-        skirt: MmPerS = MmPerS(40.0),
+        skirt: MmPerS = MmPerS(40.0); 0.1..=2000.0,
         /// Travel in X and Y.
-        travel: MmPerS = MmPerS(150.0),
+        travel: MmPerS = MmPerS(150.0); 0.1..=2000.0,
         /// Travel in Z.
-        z: MmPerS = MmPerS(10.0),
+        z: MmPerS = MmPerS(10.0); 0.1..=500.0,
     }
 }
 section! {
     /// `[acceleration]`: 0 leaves the firmware's value alone.
     AccelerationSettings {
         /// Everything without a value of its own.
-        default: MmPerS2 = MmPerS2(1500.0),
+        default: MmPerS2 = MmPerS2(1500.0); 0.0..=100000.0,
         /// Outermost wall.
-        external_perimeter: MmPerS2 = MmPerS2(1000.0),
+        external_perimeter: MmPerS2 = MmPerS2(1000.0); 0.0..=100000.0,
         /// Travel.
-        travel: MmPerS2 = MmPerS2(2000.0),
+        travel: MmPerS2 = MmPerS2(2000.0); 0.0..=100000.0,
     }
 }
 section! {
     /// `[retract]`
     RetractSettings {
         /// Filament pulled back; 0: none.
-        length: Mm = Mm(1.0),
+        length: Mm = Mm(1.0); 0.0..=20.0,
         /// Speed of pulling back.
-        speed: MmPerS = MmPerS(40.0),
+        speed: MmPerS = MmPerS(40.0); 0.1..=500.0,
         /// Speed of pushing forward again.
-        unretract_speed: MmPerS = MmPerS(40.0),
+        unretract_speed: MmPerS = MmPerS(40.0); 0.1..=500.0,
         /// Pushed forward beyond what was pulled back.
-        extra: Mm = Mm(0.0),
+        extra: Mm = Mm(0.0); -5.0..=5.0,
         /// Travels shorter than this are not retracted.
-        min_travel: Mm = Mm(1.5),
+        min_travel: Mm = Mm(1.5); 0.0..=1000.0,
         /// Nozzle lift while retracted.
-        z_hop: Mm = Mm(0.0),
+        z_hop: Mm = Mm(0.0); 0.0..=10.0,
         /// Way back over the last path while pulling back; 0: none.
-        wipe: Mm = Mm(0.0),
+        wipe: Mm = Mm(0.0); 0.0..=50.0,
         /// Leave lengths and speeds to the firmware (G10, G11).
         firmware: bool = false,
     }
@@ -361,15 +385,15 @@ section! {
     /// `[cooling]`
     CoolingSettings {
         /// Layers shorter than this are slowed down; 0: never.
-        min_layer_time: Seconds = Seconds(8.0),
+        min_layer_time: Seconds = Seconds(8.0); 0.0..=3600.0,
         /// But not below this speed.
-        min_speed: MmPerS = MmPerS(10.0),
+        min_speed: MmPerS = MmPerS(10.0); 0.1..=500.0,
         /// Fan on ordinary layers.
-        fan: Ratio = Ratio(1.0),
+        fan: Ratio = Ratio(1.0); 0.0..=1.0,
         /// Layers at the start without fan.
-        fan_off_layers: u32 = 1,
+        fan_off_layers: u32 = 1; 0..=10000,
         /// Layer from which the fan has its full value; it ramps up to there.
-        full_fan_layer: u32 = 3,
+        full_fan_layer: u32 = 3; 0..=10000,
     }
 }
 section! {
@@ -380,38 +404,51 @@ section! {
         /// Write arcs (G2, G3) where the path follows one.
         arcs: bool = false,
         /// How far an arc may leave the path.
-        arc_tolerance: Mm = Mm(0.02),
+        arc_tolerance: Mm = Mm(0.02); 0.001..=0.5,
         /// Script before the print.
-        start: String = String::new(),
+        start: String = super::embedded::default_script("start"),
         /// Script after the print.
-        end: String = String::new(),
+        end: String = super::embedded::default_script("end"),
         /// Script at a pause; empty: the flavour's own.
         pause: String = String::new(),
     }
 }
 
-/// Every setting in force.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-#[allow(missing_docs)]
-pub struct Settings {
-    pub printer: PrinterSettings,
-    pub bed: BedSettings,
-    pub machine: MachineSettings,
-    pub filament: FilamentSettings,
-    pub temperature: TemperatureSettings,
-    pub layer: LayerSettings,
-    pub walls: WallSettings,
-    pub shell: ShellSettings,
-    pub infill: InfillSettings,
-    pub first_layer: FirstLayerSettings,
-    pub skirt: SkirtSettings,
-    pub brim: BrimSettings,
-    pub seam: SeamSettings,
-    pub order: OrderSettings,
-    pub speed: SpeedSettings,
-    pub acceleration: AccelerationSettings,
-    pub retract: RetractSettings,
-    pub cooling: CoolingSettings,
-    pub gcode: GcodeSettings,
+macro_rules! settings {
+    ($($section:ident: $ty:ident,)*) => {
+        /// Every setting in force.
+        #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+        #[serde(deny_unknown_fields)]
+        #[allow(missing_docs)]
+        pub struct Settings { $(pub $section: $ty,)* }
+
+        /// Every section with its keys, in the order of the documentation.
+        pub const SECTIONS: &[Section] = &[$(Section {
+            name: stringify!($section),
+            doc: $ty::DOC,
+            fields: $ty::FIELDS,
+        },)*];
+    };
+}
+
+settings! {
+    printer: PrinterSettings,
+    bed: BedSettings,
+    machine: MachineSettings,
+    filament: FilamentSettings,
+    temperature: TemperatureSettings,
+    layer: LayerSettings,
+    walls: WallSettings,
+    shell: ShellSettings,
+    infill: InfillSettings,
+    first_layer: FirstLayerSettings,
+    skirt: SkirtSettings,
+    brim: BrimSettings,
+    seam: SeamSettings,
+    order: OrderSettings,
+    speed: SpeedSettings,
+    acceleration: AccelerationSettings,
+    retract: RetractSettings,
+    cooling: CoolingSettings,
+    gcode: GcodeSettings,
 }

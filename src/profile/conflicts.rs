@@ -1,0 +1,234 @@
+//! Settings that are allowed alone but not together.
+
+use std::collections::BTreeMap;
+
+use super::error::{Origin, Problem};
+use super::script::{PrintBounds, expand};
+use super::settings::{BedShape, Settings};
+
+/// What contradicts what, and what is unwise.
+pub(super) struct Conflicts {
+    pub errors: Vec<Conflict>,
+    pub warnings: Vec<Problem>,
+}
+
+/// An error, with every key that takes part in it.
+pub(super) struct Conflict {
+    pub keys: Vec<&'static str>,
+    pub problem: Problem,
+}
+
+/// Looks at the settings as a whole. `origins` says whom to blame.
+pub(super) fn find(settings: &Settings, origins: &BTreeMap<String, Origin>) -> Conflicts {
+    let values = toml::Table::try_from(settings).expect("settings are a table");
+    let mut check = Check { values, origins, found: Conflicts { errors: Vec::new(), warnings: Vec::new() } };
+    heights_and_widths(settings, &mut check);
+    amounts(settings, &mut check);
+    machine(settings, &mut check);
+    retraction(settings, &mut check);
+    scripts(settings, &mut check);
+    check.found
+}
+
+struct Check<'a> {
+    values: toml::Table,
+    origins: &'a BTreeMap<String, Origin>,
+    found: Conflicts,
+}
+
+impl Check<'_> {
+    /// The first key is the one to change; the others are named with their values and places.
+    fn error(&mut self, keys: &[&'static str], message: &str) {
+        let problem = self.problem(keys, message);
+        self.found.errors.push(Conflict { keys: keys.to_vec(), problem });
+    }
+
+    fn warn(&mut self, keys: &[&'static str], message: &str) {
+        let problem = self.problem(keys, message);
+        self.found.warnings.push(problem);
+    }
+
+    fn problem(&self, keys: &[&'static str], message: &str) -> Problem {
+        let others: Vec<String> = keys[1..]
+            .iter()
+            .map(|key| format!("{key} = {} ({})", self.value(key), self.origin(key)))
+            .collect();
+        let beside = if others.is_empty() { String::new() } else { format!("; with {}", others.join(", ")) };
+        Problem {
+            origin: self.origin(keys[0]),
+            setting: Some((keys[0].to_owned(), self.value(keys[0]))),
+            message: format!("{message}{beside}"),
+        }
+    }
+
+    fn value(&self, key: &str) -> String {
+        let value = key.split_once('.').and_then(|(section, name)| self.values.get(section)?.get(name));
+        match value {
+            Some(toml::Value::String(text)) if text.contains('\n') => "…".into(),
+            Some(value) => value.to_string(),
+            None => String::new(),
+        }
+    }
+
+    fn origin(&self, key: &str) -> Origin {
+        self.origins.get(key).cloned().unwrap_or_else(|| Origin::Embedded(super::embedded::DEFAULT.into()))
+    }
+}
+
+fn heights_and_widths(settings: &Settings, check: &mut Check) {
+    let nozzle = settings.printer.nozzle_diameter;
+    let layer = &settings.layer;
+    let heights = [("layer.height", layer.height), ("layer.first_height", layer.first_height)];
+    for (key, height) in heights {
+        let keys = [key, "printer.nozzle_diameter"];
+        if height > nozzle {
+            check.error(
+                &keys,
+                "a layer higher than the nozzle is wide does not stick; use 0.25 to 0.8 of the nozzle",
+            );
+        } else if height > nozzle * 0.8 {
+            check.warn(&keys, "layers above 0.8 of the nozzle bond badly");
+        }
+    }
+    let first_width = settings.first_layer.width;
+    let widths = [
+        ("walls.width", settings.walls.width, "layer.height", layer.height),
+        ("walls.external_width", settings.walls.external_width, "layer.height", layer.height),
+        ("shell.width", settings.shell.width, "layer.height", layer.height),
+        ("shell.top_width", settings.shell.top_width, "layer.height", layer.height),
+        ("infill.width", settings.infill.width, "layer.height", layer.height),
+        ("first_layer.width", first_width, "layer.first_height", layer.first_height),
+    ];
+    for (key, width, height_key, height) in widths {
+        if key == "first_layer.width" && width.0 == 0.0 {
+            continue;
+        }
+        if width < height {
+            check.error(&[key, height_key], "a line must be at least as wide as its layer is high");
+        } else if width > nozzle * 2.5 || width < nozzle * 0.6 {
+            check.warn(&[key, "printer.nozzle_diameter"], "lines are best 0.6 to 2.5 nozzles wide");
+        }
+    }
+    if layer.first_height.0 + layer.z_offset.0 <= 0.0 {
+        check.error(
+            &["layer.z_offset", "layer.first_height"],
+            "the first layer would be printed below the bed; raise one of them",
+        );
+    }
+    if layer.first_height > settings.bed.height {
+        check.error(&["bed.height", "layer.first_height"], "not even the first layer fits");
+    }
+}
+
+fn amounts(settings: &Settings, check: &mut Check) {
+    let (walls, shell, infill) = (&settings.walls, &settings.shell, &settings.infill);
+    if walls.count == 0 && shell.top_layers == 0 && shell.bottom_layers == 0 && infill.density.0 == 0.0 {
+        check.error(
+            &["walls.count", "shell.top_layers", "shell.bottom_layers", "infill.density"],
+            "nothing is left to print; give at least one of them a value",
+        );
+    }
+    let margin = settings.brim.width + settings.brim.gap + settings.skirt.distance;
+    if margin * 2.0 >= settings.bed.size[0] || margin * 2.0 >= settings.bed.size[1] {
+        check.error(
+            &["brim.width", "brim.gap", "skirt.distance", "bed.size"],
+            "brim and skirt leave no room for a part on the bed",
+        );
+    }
+    let temperature = &settings.temperature;
+    if (temperature.nozzle.0 == 0.0) != (temperature.nozzle_first_layer.0 == 0.0) {
+        check.error(
+            &["temperature.nozzle_first_layer", "temperature.nozzle"],
+            "the nozzle is heated on some layers only; give both a value, or both 0 to leave the heater alone",
+        );
+    }
+    for (key, value) in [
+        ("temperature.nozzle", temperature.nozzle),
+        ("temperature.nozzle_first_layer", temperature.nozzle_first_layer),
+    ] {
+        if value.0 > 0.0 && value.0 < 150.0 {
+            check.warn(&[key], "no usual filament melts below 150 °C, and most firmware refuses to extrude");
+        }
+    }
+    if settings.cooling.full_fan_layer < settings.cooling.fan_off_layers {
+        check.error(
+            &["cooling.full_fan_layer", "cooling.fan_off_layers"],
+            "the fan cannot be at its full value on a layer that has it off",
+        );
+    }
+    if settings.order.layer_distance.0 > 0.0 && !settings.order.chain {
+        check.error(
+            &["order.layer_distance", "order.chain"],
+            "a distance between the end of a layer and the start of the next needs order.chain = true",
+        );
+    }
+}
+
+fn machine(settings: &Settings, check: &mut Check) {
+    let (bed, machine) = (&settings.bed, &settings.machine);
+    if bed.shape == BedShape::Round && bed.size[0] != bed.size[1] {
+        check.error(&["bed.size", "bed.shape"], "a round bed needs its diameter twice, such as [200, 200]");
+    }
+    let speed = &settings.speed;
+    let top = machine.max_speed[0].0.max(machine.max_speed[1].0);
+    let speeds = [
+        ("speed.external_perimeter", speed.external_perimeter),
+        ("speed.perimeter", speed.perimeter),
+        ("speed.infill", speed.infill),
+        ("speed.solid", speed.solid),
+        ("speed.top", speed.top),
+        ("speed.bridge", speed.bridge),
+        ("speed.gap_fill", speed.gap_fill),
+        ("speed.support", speed.support),
+        ("speed.skirt", speed.skirt),
+        ("speed.travel", speed.travel),
+        ("first_layer.speed", settings.first_layer.speed),
+    ];
+    for (key, speed) in speeds {
+        if speed.0 > top {
+            check.warn(&[key, "machine.max_speed"], "the machine does not move that fast");
+        }
+    }
+    if speed.z > machine.max_speed[2] {
+        check.warn(&["speed.z", "machine.max_speed"], "the machine does not move that fast");
+    }
+    let top = machine.max_acceleration[0].0.max(machine.max_acceleration[1].0);
+    let accelerations = [
+        ("acceleration.default", settings.acceleration.default),
+        ("acceleration.external_perimeter", settings.acceleration.external_perimeter),
+        ("acceleration.travel", settings.acceleration.travel),
+        ("first_layer.acceleration", settings.first_layer.acceleration),
+    ];
+    for (key, acceleration) in accelerations {
+        if acceleration.0 > top {
+            check.warn(&[key, "machine.max_acceleration"], "the machine does not accelerate that fast");
+        }
+    }
+}
+
+fn retraction(settings: &Settings, check: &mut Check) {
+    let retract = &settings.retract;
+    if retract.wipe.0 > 0.0 && retract.firmware {
+        check.error(
+            &["retract.wipe", "retract.firmware"],
+            "a wipe pulls filament back while it moves, which G10 cannot; set one of them to 0 or false",
+        );
+    }
+    if retract.wipe.0 > 0.0 && retract.length.0 == 0.0 {
+        check.warn(&["retract.wipe", "retract.length"], "no wipe without a retraction");
+    }
+    if retract.length.0 > 0.0 && retract.extra.0 < -retract.length.0 {
+        check.error(&["retract.extra", "retract.length"], "an un-retraction cannot pull back");
+    }
+}
+
+fn scripts(settings: &Settings, check: &mut Check) {
+    let bounds = PrintBounds { min_mm: [0.0; 3], max_mm: [0.0; 3] };
+    let gcode = &settings.gcode;
+    let scripts = [("gcode.start", &gcode.start), ("gcode.end", &gcode.end), ("gcode.pause", &gcode.pause)];
+    for (key, script) in scripts {
+        for message in expand(script, settings, bounds).err().into_iter().flatten() {
+            check.error(&[key], &message);
+        }
+    }
+}

@@ -1,0 +1,114 @@
+//! Settings in force as TOML or JSON with their origin, and the reference of all keys as Markdown.
+
+use std::fmt::Write;
+
+use serde_json::json;
+use toml::{Table, Value};
+
+use super::resolve::Resolved;
+use super::schema::{Field, Kind};
+use super::script::PLACEHOLDERS;
+use super::settings::{SECTIONS, Settings};
+
+/// Every setting in force as a profile that means the same, each with a comment that says where it came from.
+pub fn dump_toml(resolved: &Resolved) -> String {
+    let values = table(&resolved.settings);
+    let mut out = String::new();
+    for section in SECTIONS {
+        let _ = writeln!(out, "{}[{}]", if out.is_empty() { "" } else { "\n" }, section.name);
+        for field in section.fields {
+            let value = toml_text(&values[section.name][field.name]);
+            let origin = &resolved.origins[&format!("{}.{}", section.name, field.name)];
+            let _ = match value.contains('\n') {
+                true => writeln!(out, "# {origin}\n{} = {value}", field.name),
+                false => writeln!(out, "{} = {value} # {origin}", field.name),
+            };
+        }
+    }
+    out
+}
+
+/// The same as a JSON object: dotted key → `{ "value": …, "origin": … }`.
+pub fn dump_json(resolved: &Resolved) -> serde_json::Value {
+    let values = table(&resolved.settings);
+    let mut out = serde_json::Map::new();
+    for section in SECTIONS {
+        for field in section.fields {
+            let key = format!("{}.{}", section.name, field.name);
+            let origin = resolved.origins[&key].to_string();
+            let value = json!({ "value": values[section.name][field.name], "origin": origin });
+            out.insert(key, value);
+        }
+    }
+    serde_json::Value::Object(out)
+}
+
+/// The reference of every key and placeholder: `docs/settings.md`.
+pub fn reference() -> String {
+    let defaults = table(&Settings::default());
+    let mut out = String::from(REFERENCE_HEAD);
+    for section in SECTIONS {
+        let heading =
+            section.doc.trim().trim_start_matches(&format!("`[{}]`", section.name)).trim_start_matches(':');
+        let _ = writeln!(out, "\n## `[{}]`\n", section.name);
+        if !heading.trim().is_empty() {
+            let _ = writeln!(out, "{}\n", capitalised(heading.trim()));
+        }
+        out.push_str("| key | default | takes | meaning |\n|---|---|---|---|\n");
+        for field in section.fields {
+            let default = default_text(&defaults[section.name][field.name]);
+            let (name, doc) = (field.name, field.doc.trim());
+            let _ = writeln!(out, "| `{}.{name}` | {default} | {} | {doc} |", section.name, takes(field));
+        }
+    }
+    out.push_str(PLACEHOLDER_HEAD);
+    for (name, meaning) in PLACEHOLDERS {
+        let _ = writeln!(out, "| `{{{name}}}` | {meaning} |");
+    }
+    out
+}
+
+const REFERENCE_HEAD: &str = "# Settings\n\n\
+    Every key of a profile; `--set KEY=VALUE` takes the same. The defaults are those of the embedded profile\n\
+    `default`. This page is printed by `pathwright profiles reference`, and a test keeps it true.\n";
+
+const PLACEHOLDER_HEAD: &str = "\n## Placeholders in scripts\n\n\
+    `gcode.start`, `gcode.end` and `gcode.pause` may hold these. Anything else in braces is an error; `{{` and `}}`\n\
+    stand for the braces themselves. Numbers are in millimetres, in the bed's own coordinates.\n\n\
+    | placeholder | meaning |\n|---|---|\n";
+
+fn table(settings: &Settings) -> Table {
+    Table::try_from(settings).expect("settings are a table")
+}
+
+/// Scripts as multi-line strings, which `toml` writes on one line.
+fn toml_text(value: &Value) -> String {
+    match value {
+        Value::String(text) if text.contains('\n') && !text.contains("'''") && !text.contains('\r') => {
+            format!("'''\n{text}'''")
+        }
+        value => value.to_string(),
+    }
+}
+
+fn default_text(value: &Value) -> String {
+    match value {
+        Value::String(text) if text.contains('\n') => {
+            "a script: `pathwright profiles show reprap-250`".into()
+        }
+        value => format!("`{value}`"),
+    }
+}
+
+fn takes(field: &Field) -> String {
+    let text = field.expected();
+    match field.kind {
+        Kind::Choice(names) => names.iter().map(|name| format!("`{name}`")).collect::<Vec<_>>().join(", "),
+        _ => text.trim_start_matches("a ").to_owned(),
+    }
+}
+
+fn capitalised(text: &str) -> String {
+    let mut chars = text.chars();
+    chars.next().map(|first| first.to_uppercase().chain(chars).collect()).unwrap_or_default()
+}

@@ -1,0 +1,70 @@
+//! The profiles that are compiled in.
+
+/// What an embedded profile is about.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum ProfileKind {
+    /// A machine: bed, limits, dialect, scripts, retraction.
+    Printer,
+    /// A filament: temperatures, density, cooling.
+    Material,
+    /// Layer heights, widths, speeds, infill.
+    Quality,
+    /// All three.
+    Job,
+}
+
+impl ProfileKind {
+    /// As `profiles list` prints it.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Printer => "printer",
+            Self::Material => "material",
+            Self::Quality => "quality",
+            Self::Job => "job",
+        }
+    }
+}
+
+/// A profile that is compiled in.
+#[derive(Clone, Copy, Debug)]
+pub struct EmbeddedProfile {
+    /// By which it is chosen.
+    pub name: &'static str,
+    /// What it is about.
+    pub kind: ProfileKind,
+    /// TOML as written.
+    pub text: &'static str,
+}
+
+/// Name of the profile that lies below all others.
+pub const DEFAULT: &str = "default";
+
+macro_rules! embedded {
+    ($($kind:ident: $($name:literal)*;)*) => {
+        /// Every embedded profile, by kind.
+        pub const EMBEDDED: &[EmbeddedProfile] = &[$($(EmbeddedProfile {
+            name: $name,
+            kind: ProfileKind::$kind,
+            text: include_str!(concat!("../../profiles/", $name, ".toml")),
+        },)*)*];
+    };
+}
+
+embedded! {
+    Job: "default" "standard-job";
+    Printer: "reprap-250" "ender-3" "prusa-i3" "corexy-klipper" "delta-round";
+    Material: "pla" "petg" "abs" "tpu";
+    Quality: "0.1mm" "0.2mm" "0.3mm";
+}
+
+/// The embedded profile of that name.
+pub fn find(name: &str) -> Option<&'static EmbeddedProfile> {
+    EMBEDDED.iter().find(|profile| profile.name == name)
+}
+
+/// A script of the generic printer; it is written once, in its profile.
+pub(super) fn default_script(key: &str) -> String {
+    let written = find("reprap-250").and_then(|profile| profile.text.parse::<toml::Table>().ok());
+    let script = written.as_ref().and_then(|table| table.get("gcode")?.get(key)?.as_str());
+    script.unwrap_or_default().to_owned()
+}

@@ -1,0 +1,130 @@
+//! What is known about every key: type, unit, range, meaning. Written beside the settings themselves.
+
+use super::settings::SECTIONS;
+use crate::units::{Celsius, Mm, Mm3, Mm3PerS, MmPerS, MmPerS2, Ratio, Seconds};
+
+/// What a key takes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Kind {
+    /// A number with a unit.
+    Number,
+    /// A whole number, not negative.
+    Count,
+    /// A share: `0.15` or `"15%"`.
+    Share,
+    /// `true` or `false`.
+    Flag,
+    /// Any text.
+    Text,
+    /// One of these words.
+    Choice(&'static [&'static str]),
+    /// A list of exactly this many numbers.
+    Numbers(usize),
+}
+
+/// A Rust type that may stand in a section.
+pub(super) trait FieldType {
+    const KIND: Kind;
+    const UNIT: &'static str = "";
+}
+
+macro_rules! field_types {
+    ($($ty:ty: $kind:expr, $unit:literal;)*) => {$(
+        impl FieldType for $ty {
+            const KIND: Kind = $kind;
+            const UNIT: &'static str = $unit;
+        }
+    )*};
+}
+
+field_types! {
+    Mm: Kind::Number, "mm";
+    MmPerS: Kind::Number, "mm/s";
+    MmPerS2: Kind::Number, "mm/s²";
+    Mm3: Kind::Number, "mm³";
+    Mm3PerS: Kind::Number, "mm³/s";
+    Seconds: Kind::Number, "s";
+    Celsius: Kind::Number, "°C";
+    f64: Kind::Number, "";
+    u32: Kind::Count, "";
+    Ratio: Kind::Share, "";
+    bool: Kind::Flag, "";
+    String: Kind::Text, "";
+}
+
+impl<T: FieldType, const N: usize> FieldType for [T; N] {
+    const KIND: Kind = Kind::Numbers(N);
+    const UNIT: &'static str = T::UNIT;
+}
+
+/// One key within its section.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Field {
+    /// Name, without the section.
+    pub name: &'static str,
+    /// Meaning, as in the struct's documentation.
+    pub doc: &'static str,
+    /// What it takes.
+    pub kind: Kind,
+    /// Unit of its numbers; empty: none.
+    pub unit: &'static str,
+    /// Least and greatest value allowed, both included.
+    pub range: Option<(f64, f64)>,
+}
+
+/// One `[section]` of a profile.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Section {
+    /// Name in brackets.
+    pub name: &'static str,
+    /// Meaning.
+    pub doc: &'static str,
+    /// Its keys.
+    pub fields: &'static [Field],
+}
+
+/// The unit written beside a key, or else its type's.
+pub(super) const fn first_unit(own: &[&'static str], of_type: &'static str) -> &'static str {
+    if own.is_empty() { of_type } else { own[0] }
+}
+
+/// The range written beside a key, if any.
+pub(super) const fn first_range(own: &[(f64, f64)]) -> Option<(f64, f64)> {
+    if own.is_empty() { None } else { Some(own[0]) }
+}
+
+/// Every key as `section.name`, in the order of the documentation.
+pub fn keys() -> impl Iterator<Item = (String, &'static Field)> {
+    SECTIONS.iter().flat_map(|section| {
+        section.fields.iter().map(|field| (format!("{}.{}", section.name, field.name), field))
+    })
+}
+
+/// What is known about a dotted key.
+pub fn field(key: &str) -> Option<&'static Field> {
+    let (section, name) = key.split_once('.')?;
+    SECTIONS.iter().find(|s| s.name == section)?.fields.iter().find(|f| f.name == name)
+}
+
+impl Field {
+    /// What the key takes, for messages and documentation: `a number from 0.01 to 2 mm`.
+    pub fn expected(&self) -> String {
+        let unit = if self.unit.is_empty() { String::new() } else { format!(" {}", self.unit) };
+        let span = match self.range {
+            Some((low, high)) => format!(" from {low} to {high}"),
+            None => String::new(),
+        };
+        match self.kind {
+            Kind::Number => format!("a number{span}{unit}"),
+            Kind::Count => format!("a whole number{span}"),
+            Kind::Share => {
+                let (low, high) = self.range.unwrap_or((0.0, 1.0));
+                format!("a share{span}, or \"{}%\" to \"{}%\"", low * 100.0, high * 100.0)
+            }
+            Kind::Flag => "true or false".into(),
+            Kind::Text => "a text in quotes".into(),
+            Kind::Choice(names) => format!("one of {}", names.join(", ")),
+            Kind::Numbers(count) => format!("a list of {count} numbers{span}{unit}"),
+        }
+    }
+}

@@ -1,0 +1,271 @@
+//! Placeholders in start, end and pause scripts: `{nozzle_temp}` becomes `210`.
+//!
+//! `{{` and `}}` stand for the braces themselves.
+
+use std::f64::consts::PI;
+
+use super::settings::{BedOrigin, BedShape, Settings};
+use super::suggest;
+
+/// The box that the print occupies, in bed coordinates.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PrintBounds {
+    /// Least X, Y and Z, millimetres.
+    pub min_mm: [f64; 3],
+    /// Greatest X, Y and Z, millimetres.
+    pub max_mm: [f64; 3],
+}
+
+/// What a placeholder's value is computed from.
+struct Context<'a> {
+    settings: &'a Settings,
+    print: PrintBounds,
+    bed: Bed,
+}
+
+/// The bed in its own coordinates, millimetres.
+struct Bed {
+    min: [f64; 2],
+    max: [f64; 2],
+    round: bool,
+}
+
+impl Bed {
+    fn new(settings: &Settings) -> Self {
+        let [width, depth] = settings.bed.size.map(|length| length.0);
+        let min = match settings.bed.origin {
+            BedOrigin::Corner => [0.0, 0.0],
+            BedOrigin::Center => [-width / 2.0, -depth / 2.0],
+        };
+        let round = settings.bed.shape == BedShape::Round;
+        Self { min, max: [min[0] + width, min[1] + depth], round }
+    }
+
+    fn size(&self) -> [f64; 2] {
+        [self.max[0] - self.min[0], self.max[1] - self.min[1]]
+    }
+
+    fn center(&self) -> [f64; 2] {
+        [(self.min[0] + self.max[0]) / 2.0, (self.min[1] + self.max[1]) / 2.0]
+    }
+
+    /// A line along X near the front edge, for priming: its ends' X, and its Y. It stays inside with
+    /// a few millimetres to spare, also on a round bed: a chord at 0.92 of the radius is 0.78 radii long.
+    fn prime_line(&self) -> ([f64; 2], f64) {
+        let [width, depth] = self.size();
+        if self.round {
+            let half = (0.35 * width / 2.0).min(40.0);
+            let center = self.center();
+            ([center[0] - half, center[0] + half], center[1] - 0.92 * depth / 2.0)
+        } else {
+            let margin = (0.05 * width).min(10.0);
+            let length = (width - 2.0 * margin).min(80.0);
+            let left = self.min[0] + margin;
+            ([left, left + length], self.min[1] + (0.02 * depth).min(3.0))
+        }
+    }
+
+    /// Where the nozzle waits after the print: at the back, inside the bed.
+    fn park(&self) -> [f64; 2] {
+        if self.round {
+            [self.center()[0], self.center()[1] + 0.92 * self.size()[1] / 2.0]
+        } else {
+            let margin = (0.05 * self.size()[0]).min(10.0);
+            [self.min[0] + margin, self.max[1] - margin]
+        }
+    }
+}
+
+fn prime_width_mm(settings: &Settings) -> f64 {
+    1.5 * settings.printer.nozzle_diameter.0
+}
+
+/// Filament for a bead on the prime line.
+fn prime_filament_mm(settings: &Settings, bed: &Bed) -> f64 {
+    let ([from, to], _) = bed.prime_line();
+    let section = settings.layer.first_height.0 * prime_width_mm(settings);
+    let strand = PI * (settings.filament.diameter.0 / 2.0).powi(2);
+    (to - from) * section * settings.filament.flow / strand
+}
+
+/// Height to lift to at the end: clear of the print and handy to reach, inside the machine.
+fn park_z_mm(settings: &Settings, print_top: f64) -> f64 {
+    const CLEARANCE: f64 = 10.0;
+    const HANDY: f64 = 50.0;
+    (print_top + CLEARANCE).max(HANDY).min(settings.bed.height.0).max(print_top)
+}
+
+macro_rules! placeholders {
+    ($($name:literal, $doc:literal: $value:expr;)*) => {
+        /// Every placeholder with its meaning.
+        pub const PLACEHOLDERS: &[(&str, &str)] = &[$(($name, $doc),)*];
+
+        fn value(name: &str, context: &Context) -> Option<String> {
+            match name {
+                $($name => {
+                    let of: fn(&Context) -> String = $value;
+                    Some(of(context))
+                })*
+                _ => None,
+            }
+        }
+    };
+}
+
+placeholders! {
+    "nozzle_temp", "nozzle temperature of the first layer, °C": |c| number(c.settings.temperature.nozzle_first_layer.0);
+    "nozzle_temp_other", "nozzle temperature of the other layers, °C": |c| number(c.settings.temperature.nozzle.0);
+    "bed_temp", "bed temperature of the first layer, °C": |c| number(c.settings.temperature.bed_first_layer.0);
+    "bed_temp_other", "bed temperature of the other layers, °C": |c| number(c.settings.temperature.bed.0);
+    "bed_size_x", "width of the bed, mm": |c| number(c.settings.bed.size[0].0);
+    "bed_size_y", "depth of the bed, mm": |c| number(c.settings.bed.size[1].0);
+    "bed_height", "printable height, mm": |c| number(c.settings.bed.height.0);
+    "bed_min_x", "X of the bed's left edge": |c| number(c.bed.min[0]);
+    "bed_min_y", "Y of the bed's front edge": |c| number(c.bed.min[1]);
+    "bed_max_x", "X of the bed's right edge": |c| number(c.bed.max[0]);
+    "bed_max_y", "Y of the bed's back edge": |c| number(c.bed.max[1]);
+    "layer_height", "height of the layers from the second on, mm": |c| number(c.settings.layer.height.0);
+    "first_layer_height", "height of the first layer, mm": |c| number(c.settings.layer.first_height.0);
+    "first_layer_z", "Z of the first layer, with the Z offset": |c| number(first_z(c.settings));
+    "nozzle_diameter", "bore of the nozzle, mm": |c| number(c.settings.printer.nozzle_diameter.0);
+    "filament", "material, such as PLA": |c| c.settings.filament.material.clone();
+    "filament_diameter", "diameter of the strand, mm": |c| number(c.settings.filament.diameter.0);
+    "retract_length", "filament pulled back at a retraction, mm": |c| number(c.settings.retract.length.0);
+    "prime_x0", "X where the prime line starts, near the front edge": |c| number(c.bed.prime_line().0[0]);
+    "prime_x1", "X where the prime line ends": |c| number(c.bed.prime_line().0[1]);
+    "prime_y0", "Y of the prime line": |c| number(c.bed.prime_line().1);
+    "prime_y1", "Y of a second line beside it": |c| number(c.bed.prime_line().1 + prime_width_mm(c.settings));
+    "prime_e", "filament for one of them, 1.5 nozzles wide and as high as the first layer, mm": |c| number(prime_filament_mm(c.settings, &c.bed));
+    "park_x", "X to wait at after the print, at the back": |c| number(c.bed.park()[0]);
+    "park_y", "Y to wait at after the print": |c| number(c.bed.park()[1]);
+    "park_z", "Z to lift to after the print: clear of it, inside the machine": |c| number(park_z_mm(c.settings, c.print.max_mm[2]));
+    "print_min_x", "least X of the print": |c| number(c.print.min_mm[0]);
+    "print_min_y", "least Y of the print": |c| number(c.print.min_mm[1]);
+    "print_min_z", "least Z of the print": |c| number(c.print.min_mm[2]);
+    "print_max_x", "greatest X of the print": |c| number(c.print.max_mm[0]);
+    "print_max_y", "greatest Y of the print": |c| number(c.print.max_mm[1]);
+    "print_max_z", "greatest Z of the print": |c| number(c.print.max_mm[2]);
+}
+
+fn first_z(settings: &Settings) -> f64 {
+    settings.layer.first_height.0 + settings.layer.z_offset.0
+}
+
+/// At most three decimals, and no more than it needs.
+fn number(value: f64) -> String {
+    let text = format!("{value:.3}");
+    let text = text.trim_end_matches('0').trim_end_matches('.');
+    if text == "-0" { "0".into() } else { text.into() }
+}
+
+/// Fills in a script's placeholders.
+///
+/// # Errors
+/// One line for each placeholder that does not exist, with the nearest that does. A script that
+/// [`super::resolve`] has accepted has none.
+///
+/// # Examples
+/// ```
+/// use pathwright::profile::{PrintBounds, Settings, expand};
+/// let bounds = PrintBounds { min_mm: [0.0; 3], max_mm: [20.0; 3] };
+/// assert_eq!(expand("M109 S{nozzle_temp}", &Settings::default(), bounds).unwrap(), "M109 S210");
+/// ```
+pub fn expand(script: &str, settings: &Settings, print: PrintBounds) -> Result<String, Vec<String>> {
+    let context = Context { settings, print, bed: Bed::new(settings) };
+    let mut out = String::with_capacity(script.len() + 64);
+    let mut problems = Vec::new();
+    let mut rest = script;
+    while let Some(at) = rest.find(['{', '}']) {
+        out.push_str(&rest[..at]);
+        let brace = &rest[at..=at];
+        rest = &rest[at + 1..];
+        if let Some(after) = rest.strip_prefix(brace) {
+            out.push_str(brace);
+            rest = after;
+            continue;
+        }
+        match rest.find(['{', '}', '\n']).filter(|end| brace == "{" && rest[*end..].starts_with('}')) {
+            Some(end) => {
+                match value(&rest[..end], &context) {
+                    Some(text) => out.push_str(&text),
+                    None => problems.push(unknown(&rest[..end])),
+                }
+                rest = &rest[end + 1..];
+            }
+            None => {
+                problems.push(format!("a single `{brace}`; write `{brace}{brace}` for the character itself"))
+            }
+        }
+    }
+    out.push_str(rest);
+    if problems.is_empty() { Ok(out) } else { Err(problems) }
+}
+
+fn unknown(name: &str) -> String {
+    let known = PLACEHOLDERS.iter().map(|(name, _)| *name);
+    match suggest::name(name, known.clone()) {
+        Some(near) => format!("unknown placeholder {{{name}}}; did you mean {{{near}}}?"),
+        None => format!("unknown placeholder {{{name}}}; known: {}", known.collect::<Vec<_>>().join(", ")),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::units::Mm;
+
+    const PRINT: PrintBounds = PrintBounds { min_mm: [100.0, 100.0, 0.0], max_mm: [150.0, 150.0, 30.0] };
+
+    fn filled(script: &str, settings: &Settings) -> String {
+        expand(script, settings, PRINT).unwrap()
+    }
+
+    #[test]
+    fn every_placeholder_has_a_value() {
+        for (name, _) in PLACEHOLDERS {
+            assert!(!filled(&format!("{{{name}}}"), &Settings::default()).is_empty(), "{name}");
+        }
+    }
+
+    #[test]
+    fn numbers_have_no_more_digits_than_they_need() {
+        assert_eq!(filled("{bed_size_x} {layer_height}", &Settings::default()), "250 0.2");
+    }
+
+    #[test]
+    fn every_unknown_placeholder_is_reported_with_the_nearest() {
+        let problems = expand("{nozle_temp} {bed_tmp}", &Settings::default(), PRINT).unwrap_err();
+        assert_eq!(problems.len(), 2);
+        assert!(problems[0].contains("{nozzle_temp}"), "{problems:?}");
+        assert!(problems[1].contains("{bed_temp}"), "{problems:?}");
+    }
+
+    #[test]
+    fn doubled_braces_are_braces_and_single_ones_errors() {
+        assert_eq!(filled("SET {{a}}", &Settings::default()), "SET {a}");
+        assert!(expand("a } b", &Settings::default(), PRINT).is_err());
+        assert!(expand("a { b", &Settings::default(), PRINT).is_err());
+    }
+
+    #[test]
+    fn prime_line_and_park_lie_on_a_round_bed() {
+        let mut settings = Settings::default();
+        settings.bed.shape = BedShape::Round;
+        settings.bed.origin = BedOrigin::Center;
+        settings.bed.size = [Mm(180.0); 2];
+        let bed = Bed::new(&settings);
+        let ([x0, x1], y) = bed.prime_line();
+        let [px, py] = bed.park();
+        for (x, y) in [(x0, y), (x1, y), (px, py)] {
+            assert!(x.hypot(y) < 90.0, "{x} {y}");
+        }
+    }
+
+    #[test]
+    fn park_height_clears_the_print_but_stays_in_the_machine() {
+        let settings = Settings::default();
+        assert_eq!(park_z_mm(&settings, 30.0), 50.0);
+        assert_eq!(park_z_mm(&settings, 100.0), 110.0);
+        assert_eq!(park_z_mm(&settings, 249.0), 250.0);
+    }
+}

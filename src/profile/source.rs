@@ -1,0 +1,170 @@
+//! Reads profiles as written and flattens what they inherit into assignments, parents first.
+
+use std::path::{Path, PathBuf};
+
+use toml::{Table, Value};
+
+use super::embedded::{self, EMBEDDED};
+use super::error::{Origin, Problem};
+use super::suggest;
+
+/// One `key = value`, and where it was written.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Assignment {
+    /// Dotted.
+    pub key: String,
+    pub value: Value,
+    pub origin: Origin,
+}
+
+/// Collects assignments from profiles in the order in which they take effect.
+#[derive(Default)]
+pub(super) struct Reader {
+    pub assignments: Vec<Assignment>,
+    pub problems: Vec<Problem>,
+    /// The profiles being read, outermost first, to notice one that inherits itself.
+    open: Vec<Found>,
+}
+
+impl Reader {
+    /// Reads a profile given on the command line: an embedded profile's name or a file's path.
+    pub fn read(&mut self, name_or_path: &str, option: &'static str) {
+        self.read_from(name_or_path, Path::new(""), &Origin::Option(option));
+    }
+
+    /// `folder`: what relative paths start from; `asker`: who named the profile.
+    fn read_from(&mut self, name_or_path: &str, folder: &Path, asker: &Origin) {
+        let found = match locate(name_or_path, folder) {
+            Ok(found) => found,
+            Err(message) => return self.problem(asker, message),
+        };
+        if let Some(first) = self.open.iter().position(|open| open.identity == found.identity) {
+            let circle: Vec<String> =
+                self.open[first..].iter().chain([&found]).map(|profile| profile.origin.to_string()).collect();
+            return self.problem(asker, format!("profiles inherit in a circle: {}", circle.join(" → ")));
+        }
+        match found.text.parse::<Table>() {
+            Ok(table) => {
+                let (origin, folder) = (found.origin.clone(), found.folder.clone());
+                self.open.push(found);
+                self.flatten(table, &origin, &folder);
+                self.open.pop();
+            }
+            Err(error) => {
+                let message = format!("is not valid TOML: {}", one_line(&error, &found.text));
+                self.problem(&found.origin, message);
+            }
+        }
+    }
+
+    fn flatten(&mut self, mut table: Table, origin: &Origin, folder: &Path) {
+        match table.remove("inherits").map(parents) {
+            Some(Some(parents)) => {
+                for parent in parents {
+                    self.read_from(&parent, folder, origin);
+                }
+            }
+            Some(None) => {
+                self.problem(origin, "inherits: a profile's name, or a list of names, was expected".into());
+            }
+            None => {}
+        }
+        if let Some(description) = table.remove("description")
+            && !description.is_str()
+        {
+            self.problem(origin, "description: a text in quotes was expected".into());
+        }
+        for (section, value) in table {
+            match value {
+                Value::Table(keys) => {
+                    for (key, value) in keys {
+                        self.assign(format!("{section}.{key}"), value, origin);
+                    }
+                }
+                value => self.assign(section, value, origin),
+            }
+        }
+    }
+
+    fn assign(&mut self, key: String, value: Value, origin: &Origin) {
+        self.assignments.push(Assignment { key, value, origin: origin.clone() });
+    }
+
+    fn problem(&mut self, origin: &Origin, message: String) {
+        self.problems.push(Problem { origin: origin.clone(), setting: None, message });
+    }
+}
+
+fn parents(value: Value) -> Option<Vec<String>> {
+    match value {
+        Value::String(name) => Some(vec![name]),
+        Value::Array(names) => names.into_iter().map(|n| n.as_str().map(str::to_owned)).collect(),
+        _ => None,
+    }
+}
+
+/// A profile as it was found.
+struct Found {
+    /// As the user named it.
+    origin: Origin,
+    /// The same for every way to name it.
+    identity: PathBuf,
+    text: String,
+    /// What its own relative paths start from.
+    folder: PathBuf,
+}
+
+/// An embedded name wins over a file of that name; `./name` always means the file.
+fn locate(name_or_path: &str, folder: &Path) -> Result<Found, String> {
+    if let Some(profile) = embedded::find(name_or_path) {
+        return Ok(Found {
+            origin: Origin::Embedded(profile.name.into()),
+            identity: profile.name.into(),
+            text: profile.text.into(),
+            folder: PathBuf::new(),
+        });
+    }
+    let path = folder.join(name_or_path);
+    let looks_like_path = name_or_path.contains(['/', '\\']) || name_or_path.ends_with(".toml");
+    if !looks_like_path && !path.exists() {
+        return Err(unknown_profile(name_or_path));
+    }
+    let text = std::fs::read_to_string(&path)
+        .map_err(|error| format!("cannot read profile `{}`: {error}", path.display()))?;
+    Ok(Found {
+        origin: Origin::File(path.display().to_string()),
+        identity: path.canonicalize().unwrap_or_else(|_| path.clone()),
+        text,
+        folder: path.parent().unwrap_or(Path::new("")).to_owned(),
+    })
+}
+
+/// Text of a profile as written, by name or path.
+///
+/// # Errors
+/// A message that names the known profiles, or says why the file cannot be read.
+pub fn text(name_or_path: &str) -> Result<String, String> {
+    locate(name_or_path, Path::new("")).map(|found| found.text)
+}
+
+fn unknown_profile(name: &str) -> String {
+    let names = EMBEDDED.iter().map(|profile| profile.name);
+    let hint = suggest::name(name, names.clone()).map(|near| format!("; did you mean `{near}`?"));
+    format!(
+        "no profile `{name}`{} Known: {}; or the path of a file",
+        hint.unwrap_or_else(|| ".".into()),
+        names.collect::<Vec<_>>().join(", ")
+    )
+}
+
+/// The parser's message without its drawing of the source, led by the line.
+fn one_line(error: &toml::de::Error, text: &str) -> String {
+    let message = error.message().replace('\n', ", ");
+    match error.span() {
+        Some(span) => {
+            let line = 1 + text.as_bytes().iter().take(span.start).filter(|b| **b == b'\n').count();
+            format!("line {line}: {message}")
+        }
+        None => message,
+    }
+}

@@ -1,0 +1,82 @@
+//! "Did you mean …?": nearest known names by edit distance.
+
+use super::schema;
+
+/// Optimal string alignment distance: insertions, deletions, substitutions, swaps of neighbours each cost 1.
+/// Damerau 1964, <https://doi.org/10.1145/363958.363994>. O(len²).
+fn distance(a: &str, b: &str) -> usize {
+    let (a, b): (Vec<char>, Vec<char>) = (a.chars().collect(), b.chars().collect());
+    let mut rows = [vec![0; b.len() + 1], (0..=b.len()).collect::<Vec<_>>(), vec![0; b.len() + 1]];
+    for i in 1..=a.len() {
+        let [before, above, row] = &mut rows;
+        row[0] = i;
+        for j in 1..=b.len() {
+            let differs = usize::from(a[i - 1] != b[j - 1]);
+            row[j] = (above[j] + 1).min(row[j - 1] + 1).min(above[j - 1] + differs);
+            if i > 1 && j > 1 && a[i - 1] == b[j - 2] && a[i - 2] == b[j - 1] {
+                row[j] = row[j].min(before[j - 2] + 1);
+            }
+        }
+        rows.rotate_left(1);
+    }
+    rows[1][b.len()]
+}
+
+/// How far a name may be from what was written and still be suggested: a third of it.
+fn limit(written: &str) -> usize {
+    (written.chars().count() / 3).max(1)
+}
+
+/// The known name nearest to what was written, if one is near.
+pub(super) fn name<'a>(written: &str, known: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
+    known
+        .into_iter()
+        .map(|name| (distance(written, name), name))
+        .filter(|(away, _)| *away <= limit(written))
+        .min_by_key(|(away, _)| *away)
+        .map(|(_, name)| name)
+}
+
+/// Up to three known keys nearest to a dotted key: nearly the same key, or the same name in another section.
+pub(super) fn keys(written: &str) -> Vec<String> {
+    let name = written.rsplit('.').next().unwrap_or(written);
+    let mut near: Vec<(usize, String)> = schema::keys()
+        .map(|(key, field)| (distance(written, &key).min(1 + distance(name, field.name)), key))
+        .filter(|(away, _)| *away <= limit(name))
+        .collect();
+    near.sort_by_key(|(away, _)| *away);
+    if let Some(&(best, _)) = near.first() {
+        near.retain(|(away, _)| *away == best);
+    }
+    near.truncate(3);
+    near.into_iter().map(|(_, key)| key).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn distance_counts_a_swap_as_one() {
+        assert_eq!(distance("walls.cuont", "walls.count"), 1);
+        assert_eq!(distance("", "abc"), 3);
+        assert_eq!(distance("kitten", "sitting"), 3);
+    }
+
+    #[test]
+    fn a_typing_error_finds_its_key() {
+        assert_eq!(keys("walls.cuont"), ["walls.count"]);
+        assert_eq!(keys("wall.count"), ["walls.count"]);
+    }
+
+    #[test]
+    fn a_key_in_the_wrong_section_finds_the_right_one() {
+        assert_eq!(keys("walls.density"), ["filament.density", "infill.density"]);
+    }
+
+    #[test]
+    fn nothing_near_suggests_nothing() {
+        assert_eq!(keys("walls.zzzzzzzz"), Vec::<String>::new());
+        assert_eq!(name("frobnicate", ["pla", "petg"]), None);
+    }
+}
