@@ -3,6 +3,9 @@
 mod as_sliced;
 mod check;
 mod cost;
+mod greedy;
+mod index;
+mod nearest;
 mod precedence;
 mod problem;
 mod strategy;
@@ -10,5 +13,7 @@ mod strategy;
 pub use as_sliced::AsSliced;
 pub use check::{Fault, check};
 pub use cost::{Cost, TravelTime, evaluate};
+pub use greedy::Greedy;
+pub use nearest::Nearest;
 pub use problem::{Item, Problem, Run, Sequence, Shape, Visit};
 pub use strategy::{Strategy, strategy};

@@ -10,6 +10,8 @@ use crate::profile::Scope;
 pub struct Groups {
     /// Items of each group, ascending.
     pub items: Vec<Vec<u32>>,
+    /// Group of each item.
+    pub of: Vec<u32>,
     /// Stage and unit of each group.
     pub place: Vec<Place>,
     /// Whether the groups of a unit are consecutive (`island` scope).
@@ -51,11 +53,12 @@ impl Groups {
             .iter()
             .map(|key| keys.binary_search(key).expect("every run's key is listed") as u32)
             .collect();
+        let of: Vec<u32> = problem.items.iter().map(|item| group_of_run[item.run as usize]).collect();
         let mut items = vec![Vec::new(); keys.len()];
-        for (index, item) in problem.items.iter().enumerate() {
-            items[group_of_run[item.run as usize] as usize].push(index as u32);
+        for (item, &group) in of.iter().enumerate() {
+            items[group as usize].push(item as u32);
         }
-        Self { items, place, whole_units: problem.scope == Scope::Island }
+        Self { items, of, place, whole_units: problem.scope == Scope::Island }
     }
 
     /// The group that must come after this one in its unit, if there is one.

@@ -1,7 +1,6 @@
 //! One trait behind which every way of ordering lives. Adding one is a file and a line in [`strategy`].
 
-use super::as_sliced::AsSliced;
-use super::{Cost, Problem, Sequence};
+use super::{AsSliced, Cost, Greedy, Nearest, Problem, Sequence};
 use crate::profile::{Effort, OrderStrategy};
 
 /// A way of ordering a layer.
@@ -16,10 +15,10 @@ pub trait Strategy: Sync {
 pub fn strategy(name: OrderStrategy) -> &'static dyn Strategy {
     match name {
         OrderStrategy::AsSliced => &AsSliced,
-        OrderStrategy::Nearest => &AsSliced,
-        OrderStrategy::Greedy => &AsSliced,
+        OrderStrategy::Nearest => &Nearest,
+        OrderStrategy::Greedy => &Greedy,
         OrderStrategy::Christofides => &AsSliced,
         OrderStrategy::ChristofidesOpen => &AsSliced,
-        OrderStrategy::Optimized => &AsSliced,
+        OrderStrategy::Optimized => &Nearest,
     }
 }
