@@ -89,7 +89,7 @@ fn main() {
     let shells = Shells::build(&refs, 4, 4, &|n, f| (0..n).map(|i| f(i)).collect());
     eprintln!("shells {:?}", t0.elapsed());
     let empty = Region::default();
-    let mk = |i: usize| Section {
+    let mk = |i: usize| PlateLayer {
         index: i,
         top_mm: h * (i + 1) as f64,
         height_mm: h,
@@ -103,8 +103,8 @@ fn main() {
     };
     let mut pl = Planner::new((&s).into(), &sections[0], h);
     let t0 = std::time::Instant::now();
-    let samples: Vec<Section> = (0..12).map(|k| mk((n - 1) * k / 11)).collect();
-    pl.calibrate(&samples);
+    let samples: Vec<PlateLayer> = (0..12).map(|k| mk((n - 1) * k / 11)).collect();
+    pl.calibrate(&samples, &|n, f| (0..n).map(|i| f(i)).collect());
     eprintln!("calibrate {:?}", t0.elapsed());
     let t0 = std::time::Instant::now();
     let layers: Vec<LayerPaths> = (0..n).map(|i| pl.layer(&mk(i))).collect();

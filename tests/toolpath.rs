@@ -2,7 +2,7 @@
 
 use pathwright::geom::{self, Bounds, Point, Polygon, Region, Ring};
 use pathwright::profile::{Pattern, Settings, WallOrder};
-use pathwright::toolpath::{LayerPaths, ObjectLayer, Path, Planner, Role, Section, Shells, Width, bead};
+use pathwright::toolpath::{LayerPaths, ObjectLayer, Path, Planner, PlateLayer, Role, Shells, Width, bead};
 use pathwright::units::{Mm, Ratio};
 use proptest::prelude::*;
 
@@ -43,7 +43,7 @@ fn plan(sections: &[Region], settings: &Settings) -> Vec<LayerPaths> {
     let sequential = |n: usize, f: &(dyn Fn(usize) -> Region + Sync)| (0..n).map(f).collect();
     let shells = Shells::build(&refs, settings.shell.top_layers, settings.shell.bottom_layers, &sequential);
     let nothing = Region::default();
-    let section = |index: usize| Section {
+    let section = |index: usize| PlateLayer {
         index,
         top_mm: HEIGHT_MM * (index + 1) as f64,
         height_mm: HEIGHT_MM,
@@ -56,8 +56,8 @@ fn plan(sections: &[Region], settings: &Settings) -> Vec<LayerPaths> {
         }],
     };
     let mut planner = Planner::new(settings.into(), &sections[0], HEIGHT_MM);
-    let samples: Vec<Section<'_>> = (0..sections.len()).map(section).collect();
-    planner.calibrate(&samples);
+    let samples: Vec<PlateLayer<'_>> = (0..sections.len()).map(section).collect();
+    planner.calibrate(&samples, &sequential);
     samples.iter().map(|s| planner.layer(s)).collect()
 }
 

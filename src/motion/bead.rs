@@ -2,15 +2,8 @@
 
 use std::f64::consts::PI;
 
+use crate::toolpath::bead::area_mm2;
 use crate::toolpath::{Path, Role, Width};
-
-/// Cross-section of a flattened bead: a rectangle between two half discs, `h·(w − h·(1 − π/4))`.
-///
-/// This is the usual flow model (Slic3r's): beads laid `area / height` apart fill the layer exactly. It is
-/// never negative, also where a bead is narrower than it can be.
-pub fn bead_area_mm2(width_mm: f64, height_mm: f64) -> f64 {
-    (height_mm * (width_mm - height_mm * (1.0 - PI / 4.0))).max(0.0)
-}
 
 /// A vertex of a bead.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -36,7 +29,7 @@ pub(super) fn trace(path: &Path, entry: u32, nozzle_mm: f64, flow: f64, out: &mu
         flow * match path.role {
             // A bridge is not pressed onto anything: it stays the round thread that leaves the nozzle.
             Role::BridgeInfill => PI / 4.0 * nozzle_mm * nozzle_mm,
-            _ => bead_area_mm2(width_mm, path.height_mm),
+            _ => area_mm2(width_mm, path.height_mm),
         }
     };
     let constant = match &path.width {
@@ -85,8 +78,8 @@ mod tests {
     fn beads_laid_at_their_spacing_fill_the_layer() {
         let (width, height) = (0.45, 0.2);
         let spacing = width - height * (1.0 - PI / 4.0);
-        assert!((bead_area_mm2(width, height) - spacing * height).abs() < 1e-12);
-        assert_eq!(bead_area_mm2(0.01, 0.2), 0.0);
+        assert!((area_mm2(width, height) - spacing * height).abs() < 1e-12);
+        assert_eq!(area_mm2(0.01, 0.2), 0.0);
     }
 
     #[test]

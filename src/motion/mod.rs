@@ -13,7 +13,7 @@ mod settings;
 mod simplify;
 mod travel;
 
-pub use bead::bead_area_mm2;
+
 pub use moves::{Entry, LayerMoves, Move};
 pub use pause::{PauseAt, PauseError};
 pub use plan::{exit, plan_layer};

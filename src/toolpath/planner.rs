@@ -9,7 +9,7 @@ use crate::profile::{
 use super::infill::{self, Calibration, FillLine, FillSpec};
 use super::shells::{self, Zones};
 use super::walls::{self, WallSpec, Walls};
-use super::{Island, LayerPaths, Path, Role, Width, adhesion, bead};
+use super::{Island, LayerPaths, Map, Path, Role, Width, adhesion, bead};
 
 /// Densities above this are solid.
 const SOLID_DENSITY: f64 = 0.995;
@@ -63,7 +63,7 @@ pub struct ObjectLayer<'a> {
 
 /// One layer of the plate.
 #[derive(Clone, Debug)]
-pub struct Section<'a> {
+pub struct PlateLayer<'a> {
     /// Index from the bed.
     pub index: usize,
     /// Top over the bed in millimetres.
@@ -116,27 +116,19 @@ impl Planner {
     }
 
     /// Sets the distance of sparse lines so that the sample layers get exactly the density asked for.
-    pub fn calibrate(&mut self, samples: &[Section<'_>]) {
+    pub fn calibrate(&mut self, samples: &[PlateLayer<'_>], map: Map<'_>) {
         let settings = &self.settings.infill;
         if settings.density.0 <= 0.0 || settings.density.0 > SOLID_DENSITY {
             return;
         }
-        let mut regions = Vec::new();
-        for section in samples.iter().filter(|s| s.index > 0) {
-            for object in &section.objects {
-                for island in &object.section.polygons {
-                    let walls = walls::trace(island, &self.wall_spec(section));
-                    let sparse = self.zones(&walls.inside, object, section).sparse;
-                    let area_mm2 = sparse.area_mm2();
-                    regions.push((
-                        self.infill_room(&sparse, section),
-                        area_mm2,
-                        self.fill_spec(section, 1.0),
-                    ));
-                }
-            }
-        }
-        let Some(sample) = samples.iter().find(|s| s.index > 0) else { return };
+        let samples: Vec<&PlateLayer<'_>> = samples.iter().filter(|s| s.index > 0).collect();
+        let zones = map(samples.len(), &|i| self.sparse_zone(samples[i]));
+        let regions: Vec<(Region, f64, FillSpec)> = zones
+            .iter()
+            .zip(&samples)
+            .map(|(zone, layer)| (self.infill_room(zone, layer), zone.area_mm2(), self.fill_spec(layer, 1.0)))
+            .collect();
+        let Some(sample) = samples.first() else { return };
         let spacing_mm = bead::spacing_mm(self.widths(1).infill_mm, sample.height_mm);
         let join = if settings.connect { LONGEST_JOIN } else { 0.0 };
         let pattern = infill::pattern(settings.pattern);
@@ -144,7 +136,7 @@ impl Planner {
     }
 
     /// The paths of one layer.
-    pub fn layer(&self, section: &Section<'_>) -> LayerPaths {
+    pub fn layer(&self, section: &PlateLayer<'_>) -> LayerPaths {
         let mut draft = Draft { paths: Vec::new(), height_mm: section.height_mm, island: u32::MAX };
         let widths = self.widths(section.index);
         if section.index < self.settings.skirt.layers as usize {
@@ -173,12 +165,22 @@ impl Planner {
         }
     }
 
+    /// The sparse zones of all islands of a layer.
+    fn sparse_zone(&self, layer: &PlateLayer<'_>) -> Region {
+        let spec = self.wall_spec(layer);
+        let islands = layer.objects.iter().flat_map(|o| o.section.polygons.iter().map(move |island| (o, island)));
+        let zones = islands.flat_map(|(object, island)| {
+            self.zones(&walls::trace(island, &spec).inside, object, layer).sparse.polygons
+        });
+        Region { polygons: zones.collect() }
+    }
+
     fn island(
         &self,
         draft: &mut Draft,
         polygon: &Polygon,
         object: &ObjectLayer<'_>,
-        section: &Section<'_>,
+        section: &PlateLayer<'_>,
         widths: &Widths,
     ) {
         let Walls { loops, gaps, inside } = walls::trace(polygon, &self.wall_spec(section));
@@ -239,7 +241,7 @@ impl Planner {
     }
 
     /// Divides an island's inside; at full density nothing is sparse.
-    fn zones(&self, inside: &Region, object: &ObjectLayer<'_>, section: &Section<'_>) -> Zones {
+    fn zones(&self, inside: &Region, object: &ObjectLayer<'_>, section: &PlateLayer<'_>) -> Zones {
         let spacing_mm = bead::spacing_mm(self.widths(section.index).solid_mm, section.height_mm);
         let full = self.settings.infill.density.0 > SOLID_DENSITY;
         let below = if full { Some(&EMPTY) } else { object.below };
@@ -247,13 +249,13 @@ impl Planner {
     }
 
     /// Where centre lines of sparse infill may run: the zone less half a bead, plus the overlap with the walls.
-    fn infill_room(&self, sparse: &Region, section: &Section<'_>) -> Region {
+    fn infill_room(&self, sparse: &Region, section: &PlateLayer<'_>) -> Region {
         let width_mm = self.widths(section.index).infill_mm;
         let inset_mm = inset_mm(width_mm, section.height_mm, &self.settings.infill);
         geom::offset(sparse, -inset_mm)
     }
 
-    fn fill_spec(&self, section: &Section<'_>, spacing_mm: f64) -> FillSpec {
+    fn fill_spec(&self, section: &PlateLayer<'_>, spacing_mm: f64) -> FillSpec {
         let settings = &self.settings.infill;
         let nominal_mm = spacing_mm / settings.density.0;
         let line_distance_mm = self.sparse.map_or(nominal_mm, |c| c.line_distance_mm);
@@ -266,7 +268,7 @@ impl Planner {
         }
     }
 
-    fn wall_spec(&self, section: &Section<'_>) -> WallSpec {
+    fn wall_spec(&self, section: &PlateLayer<'_>) -> WallSpec {
         let widths = self.widths(section.index);
         WallSpec {
             count: self.settings.walls.count,
