@@ -16,7 +16,7 @@ mod wrap;
 
 pub use layer::{LayerText, format_layer};
 pub use read::{
-    Action, Center, Code, Line, Lines, Measure, Replay, Step, Stroke, TypeMeasure, Words, lines, measure,
+    Action, Center, Code, Line, Lines, Measure, Replay, Step, Stroke, TypeMeasure, Words, file_time, lines, measure,
     replay,
 };
 pub use script::{ScriptError, Scripts, expand};

@@ -6,7 +6,9 @@
 mod lexer;
 mod measure;
 mod replay;
+mod time;
 
 pub use lexer::{Code, Line, Lines, Words, lines};
 pub use measure::{Measure, TypeMeasure, measure};
 pub use replay::{Action, Center, Replay, Step, Stroke, replay};
+pub use time::file_time;

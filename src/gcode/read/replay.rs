@@ -32,6 +32,20 @@ pub struct Stroke {
 }
 
 impl Stroke {
+    /// The position after a share (0 to 1) of the way.
+    pub fn at(&self, share: f64) -> [f64; 3] {
+        let straight = [0, 1, 2].map(|i| self.from[i] + (self.to[i] - self.from[i]) * share);
+        let Some(center) = self.arc.filter(|_| share < 1.0) else { return straight };
+        let from = [self.from[0] - center.at[0], self.from[1] - center.at[1]];
+        let turn = self.xy_mm / from[0].hypot(from[1]).max(f64::MIN_POSITIVE) * share;
+        let (sine, cosine) = if center.clockwise { -turn } else { turn }.sin_cos();
+        [
+            center.at[0] + from[0] * cosine - from[1] * sine,
+            center.at[1] + from[0] * sine + from[1] * cosine,
+            straight[2],
+        ]
+    }
+
     /// Whether it puts down filament on the way. Lengths below a picometre are none.
     pub fn extrudes(&self) -> bool {
         self.e_mm > 1e-9 && self.xy_mm > 1e-9
