@@ -36,6 +36,14 @@ pub struct EmbeddedProfile {
     pub text: &'static str,
 }
 
+impl EmbeddedProfile {
+    /// Its own one-line description.
+    pub fn description(&self) -> String {
+        let table = self.text.parse::<toml::Table>().unwrap_or_default();
+        table.get("description").and_then(|text| text.as_str()).unwrap_or_default().to_owned()
+    }
+}
+
 /// Name of the profile that lies below all others.
 pub const DEFAULT: &str = "default";
 

@@ -1,1 +1,7 @@
-//! Stage `report`.
+//! Results for people (text) and for programs (JSON).
+
+mod model;
+mod summary;
+
+pub use model::ModelInfo;
+pub use summary::{LayerSummary, Measures, Summary};

@@ -1,0 +1,253 @@
+//! Arguments as typed. What they mean is decided in [`super::plan`].
+
+use std::num::NonZeroUsize;
+use std::path::PathBuf;
+
+use clap::builder::PossibleValuesParser;
+use clap::{Args, Parser, Subcommand, ValueHint};
+use clap_complete::Shell;
+
+use crate::job::PauseAt;
+use crate::profile::{CostKind, Effort, OrderStrategy, Scope, SeamPosition};
+
+const EXIT_CODES: &str = "\
+Exit codes:
+  0    done
+  2    usage: the arguments make no sense
+  3    a model is unreadable or invalid
+  4    settings: unknown profile or key, value out of range, contradiction
+  5    the models do not fit the printer
+  6    the output cannot be written
+  7    a check of the result failed
+  130  interrupted";
+
+/// Slices models for RepRap-class printers and orders the nozzle's way near-optimally.
+#[derive(Debug, Parser)]
+#[command(name = "pathwright", version, after_help = EXIT_CODES, arg_required_else_help = true)]
+pub(super) struct LowArgs {
+    #[command(subcommand)]
+    pub command: Command,
+}
+
+#[derive(Debug, Subcommand)]
+pub(super) enum Command {
+    Slice(Box<SliceArgs>),
+    Info(InfoArgs),
+    Profiles(ProfilesArgs),
+    /// Print a completion script for a shell
+    Completions {
+        shell: Shell,
+    },
+    /// Print a man page
+    Man {
+        /// Of this command; without it, of the program
+        command: Option<String>,
+    },
+}
+
+/// Slice models into G-code
+///
+/// All models go on one plate, side by side, and into one file beside the first model (part.stl gives
+/// part.gcode), or with --each into one file for each model.
+#[derive(Debug, Args)]
+#[command(after_help = EXIT_CODES)]
+pub(super) struct SliceArgs {
+    #[command(flatten)]
+    pub models: ModelArgs,
+
+    #[command(flatten)]
+    pub settings: SettingArgs,
+
+    /// Write to this file, or into this folder; - for standard output
+    #[arg(short, long, value_name = "PATH", value_hint = ValueHint::AnyPath)]
+    pub output: Option<PathBuf>,
+
+    /// One G-code file for each model, instead of one plate with all of them
+    #[arg(long)]
+    pub each: bool,
+
+    /// Print each model so many times
+    #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=1000))]
+    pub copies: u32,
+
+    /// Pause before this layer (12) or height (12.4mm), for a filament change; repeatable
+    #[arg(long, value_name = "WHERE")]
+    pub pause_at: Vec<PauseAt>,
+
+    /// How the order of paths is found [order.strategy]
+    #[arg(long, value_name = "STRATEGY", value_parser = PossibleValuesParser::new(OrderStrategy::NAMES), help_heading = "Ordering")]
+    pub order: Option<String>,
+
+    /// How far paths may mix [order.scope]
+    #[arg(long, value_parser = PossibleValuesParser::new(Scope::NAMES), help_heading = "Ordering")]
+    pub scope: Option<String>,
+
+    /// What is minimised [order.cost]
+    #[arg(long, value_parser = PossibleValuesParser::new(CostKind::NAMES), help_heading = "Ordering")]
+    pub cost: Option<String>,
+
+    /// Where loops start and end [seam.position]
+    #[arg(long, value_name = "POSITION", value_parser = PossibleValuesParser::new(SeamPosition::NAMES), help_heading = "Ordering")]
+    pub seam: Option<String>,
+
+    /// How long is searched [order.effort]
+    #[arg(long, value_parser = PossibleValuesParser::new(Effort::NAMES), help_heading = "Ordering")]
+    pub effort: Option<String>,
+
+    /// Prove how near to the shortest possible the order is
+    #[arg(long, help_heading = "Ordering")]
+    pub certify: bool,
+
+    /// Worker threads [default: $RAYON_NUM_THREADS, or all cores]; the result is the same
+    #[arg(long, value_name = "N")]
+    pub threads: Option<NonZeroUsize>,
+
+    /// Print the summary as JSON, one line for each file written
+    #[arg(long, conflicts_with = "quiet")]
+    pub json: bool,
+
+    /// Print errors only
+    #[arg(short, long)]
+    pub quiet: bool,
+
+    /// No progress bar, also on a terminal
+    #[arg(long)]
+    pub no_progress: bool,
+}
+
+/// Tell what is in models, what was repaired, and whether they fit
+#[derive(Debug, Args)]
+pub(super) struct InfoArgs {
+    #[command(flatten)]
+    pub models: ModelArgs,
+
+    #[command(flatten)]
+    pub settings: SettingArgs,
+
+    /// Print JSON, one line for each model
+    #[arg(long)]
+    pub json: bool,
+}
+
+#[derive(Debug, Args)]
+pub(super) struct ModelArgs {
+    /// Models to read
+    #[arg(required = true, value_name = "MODEL", value_hint = ValueHint::FilePath)]
+    pub files: Vec<PathBuf>,
+
+    /// Scale by one factor, or by one for each axis
+    #[arg(long, value_name = "F|X,Y,Z", value_parser = scale, help_heading = "Transform")]
+    pub scale: Option<Triple>,
+
+    /// Turn about X, then Y, then Z, in degrees
+    #[arg(long, value_name = "X,Y,Z", value_parser = triple, allow_hyphen_values = true, help_heading = "Transform")]
+    pub rotate: Option<Triple>,
+
+    /// Move away from the middle of the bed, in mm
+    #[arg(long, value_name = "X,Y,Z", value_parser = triple, allow_hyphen_values = true, help_heading = "Transform")]
+    pub translate: Option<Triple>,
+
+    /// Shrink a model that is larger than the bed until it fits
+    #[arg(long, help_heading = "Transform")]
+    pub scale_to_fit: bool,
+}
+
+#[derive(Debug, Args)]
+pub(super) struct SettingArgs {
+    /// Embedded profile or TOML file; repeatable, the later one wins
+    #[arg(short, long, value_name = "NAME|PATH", help_heading = "Settings")]
+    pub profile: Vec<String>,
+
+    /// One setting, such as walls.count=3 or infill.density=15%; repeatable, wins over profiles
+    #[arg(short, long, value_name = "KEY=VALUE", value_parser = assignment, help_heading = "Settings")]
+    pub set: Vec<Assignment>,
+}
+
+/// Show profiles and settings
+#[derive(Debug, Args)]
+pub(super) struct ProfilesArgs {
+    #[command(subcommand)]
+    pub command: Option<ProfilesCommand>,
+}
+
+#[derive(Debug, Subcommand)]
+pub(super) enum ProfilesCommand {
+    /// List the embedded profiles
+    List,
+    /// Print a profile as written
+    Show {
+        #[arg(value_name = "NAME|PATH")]
+        name: String,
+    },
+    /// Print every setting in force and where it came from, as a profile
+    Dump {
+        #[command(flatten)]
+        settings: SettingArgs,
+        /// As JSON
+        #[arg(long)]
+        json: bool,
+    },
+    /// Print the reference of all keys, as Markdown
+    Reference,
+}
+
+/// Three numbers, for X, Y and Z.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Triple(pub [f64; 3]);
+
+/// `KEY=VALUE`.
+#[derive(Clone, Debug)]
+pub(super) struct Assignment {
+    pub key: String,
+    pub value: String,
+}
+
+fn triple(text: &str) -> Result<Triple, String> {
+    let wrong = || "three numbers are expected, such as 0,0,45".to_owned();
+    let numbers: Vec<f64> =
+        text.split(',').map(|n| n.trim().parse().map_err(|_| wrong())).collect::<Result<_, _>>()?;
+    match <[f64; 3]>::try_from(numbers) {
+        Ok(numbers) if numbers.iter().all(|n| n.is_finite()) => Ok(Triple(numbers)),
+        _ => Err(wrong()),
+    }
+}
+
+fn scale(text: &str) -> Result<Triple, String> {
+    let factors = match text.trim().parse::<f64>() {
+        Ok(factor) => Ok(Triple([factor; 3])),
+        Err(_) => triple(text),
+    };
+    match factors {
+        Ok(factors) if factors.0.iter().all(|f| f.is_finite() && *f > 0.0) => Ok(factors),
+        _ => Err("a factor above 0 is expected, such as 25.4, or three, such as 1,1,2".into()),
+    }
+}
+
+fn assignment(text: &str) -> Result<Assignment, String> {
+    match text.split_once('=') {
+        Some((key, value)) if !key.trim().is_empty() => {
+            Ok(Assignment { key: key.trim().to_owned(), value: value.to_owned() })
+        }
+        _ => Err("KEY=VALUE is expected, such as walls.count=3".into()),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use clap::CommandFactory;
+
+    #[test]
+    fn the_arguments_are_consistent() {
+        LowArgs::command().debug_assert();
+    }
+
+    #[test]
+    fn a_scale_is_one_factor_or_three() {
+        assert_eq!(scale("25.4").unwrap().0, [25.4; 3]);
+        assert_eq!(scale("1, 2,3").unwrap().0, [1.0, 2.0, 3.0]);
+        for wrong in ["0", "-1", "1,2", "1,2,0", "inf", "x"] {
+            assert!(scale(wrong).is_err(), "{wrong}");
+        }
+    }
+}

@@ -1,0 +1,71 @@
+//! What people see: messages, results, the progress bar.
+
+use std::fmt::Display;
+use std::io::{self, ErrorKind, IsTerminal, Write};
+
+use indicatif::{ProgressBar, ProgressStyle};
+use serde::Serialize;
+
+use super::exit::{Exit, Failure};
+use crate::job::Progress;
+
+/// One line on standard error for each warning.
+pub(super) fn warn<T: Display>(warnings: &[T]) {
+    for warning in warnings {
+        // If standard error is closed, there is nobody to tell.
+        let _ = writeln!(io::stderr(), "warning: {warning}");
+    }
+}
+
+/// One line on standard error for each problem.
+pub(super) fn fail(failure: &Failure) {
+    for message in &failure.messages {
+        let _ = writeln!(io::stderr(), "error: {message}");
+    }
+}
+
+/// Text on standard output. That its reader has seen enough (`| head`) is no failure.
+pub(super) fn print(text: &str) -> Result<(), Failure> {
+    let mut stdout = io::stdout().lock();
+    match stdout.write_all(text.as_bytes()).and_then(|()| stdout.flush()) {
+        Err(error) if error.kind() != ErrorKind::BrokenPipe => {
+            Err(Failure::new(Exit::Output, format!("standard output: {error}")))
+        }
+        _ => Ok(()),
+    }
+}
+
+/// One line of JSON on standard output.
+pub(super) fn print_json(value: &impl Serialize) -> Result<(), Failure> {
+    let text = serde_json::to_string(value).map_err(|error| Failure::new(Exit::Output, error))?;
+    print(&(text + "\n"))
+}
+
+/// Layers done, layers a second, time left.
+pub(super) struct Bar(ProgressBar);
+
+impl Bar {
+    /// A bar on standard error if it is wanted and that is a terminal.
+    pub fn on_terminal(wanted: bool) -> Option<Self> {
+        if !wanted || !io::stderr().is_terminal() {
+            return None;
+        }
+        let style = ProgressStyle::with_template("{bar:40} {pos}/{len} layers, {per_sec}, {eta} left");
+        Some(Self(ProgressBar::new(0).with_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()))))
+    }
+
+    /// Takes the bar off the terminal.
+    pub fn remove(self) {
+        self.0.finish_and_clear();
+    }
+}
+
+impl Progress for Bar {
+    fn begin(&self, layers: usize) {
+        self.0.set_length(layers as u64);
+    }
+
+    fn layer_done(&self) {
+        self.0.inc(1);
+    }
+}

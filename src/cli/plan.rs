@@ -1,0 +1,170 @@
+//! What the arguments mean: settings in force, and one job for each G-code file.
+
+use std::collections::BTreeMap;
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use super::args::{Assignment, ModelArgs, SettingArgs, SliceArgs};
+use super::exit::{Exit, Failure};
+use crate::job::{Job, TransformOptions};
+use crate::output::resolve_links;
+use crate::profile::{Override, Resolved, resolve};
+
+/// Everything that `slice` is going to do.
+#[derive(Debug)]
+pub(super) struct Plan {
+    pub settings: Resolved,
+    pub tasks: Vec<Task>,
+}
+
+/// One G-code file.
+#[derive(Debug, PartialEq)]
+pub(super) struct Task {
+    pub job: Job,
+    pub destination: Destination,
+}
+
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(super) enum Destination {
+    Stdout,
+    File(PathBuf),
+}
+
+impl Plan {
+    pub fn new(args: &SliceArgs) -> Result<Self, Failure> {
+        if args.output.as_deref() == Some(Path::new("-")) && args.json {
+            return Err(usage("--json and -o - both want standard output; give one of them a file"));
+        }
+        let files = &args.models.files;
+        let plates: Vec<&[PathBuf]> = if args.each { files.chunks(1).collect() } else { vec![files] };
+        let tasks: Vec<Task> = plates
+            .into_iter()
+            .map(|models| Ok(Task { job: job(args, models), destination: destination(args, &models[0])? }))
+            .collect::<Result<_, Failure>>()?;
+        no_file_is_written_twice(&tasks)?;
+        no_input_is_overwritten(&tasks)?;
+        Ok(Self { settings: settings(&args.settings, &shorthands(args))?, tasks })
+    }
+}
+
+fn usage(message: impl ToString) -> Failure {
+    Failure::new(Exit::Usage, message)
+}
+
+fn job(args: &SliceArgs, models: &[PathBuf]) -> Job {
+    Job {
+        models: models.to_vec(),
+        transform: transform(&args.models),
+        copies: args.copies,
+        pauses: args.pause_at.clone(),
+        certify: args.certify,
+        threads: args.threads.map(Into::into),
+    }
+}
+
+/// Scale, rotation and place of every model.
+pub(super) fn transform(args: &ModelArgs) -> TransformOptions {
+    let none = TransformOptions::default();
+    TransformOptions {
+        scale: args.scale.map_or(none.scale, |triple| triple.0),
+        rotate_deg: args.rotate.map_or(none.rotate_deg, |triple| triple.0),
+        translate_mm: args.translate.map_or(none.translate_mm, |triple| triple.0),
+        scale_to_fit: args.scale_to_fit,
+    }
+}
+
+/// Settings in force; options with a setting's meaning win over `--set`.
+pub(super) fn settings(args: &SettingArgs, shorthands: &[Override]) -> Result<Resolved, Failure> {
+    let typed = args.set.iter().map(|Assignment { key, value }| Override {
+        key: key.clone(),
+        value: value.clone(),
+        option: "--set",
+    });
+    let overrides: Vec<Override> = typed.chain(shorthands.iter().cloned()).collect();
+    Ok(resolve(&args.profile, &overrides)?)
+}
+
+/// The options that are short for a setting.
+fn shorthands(args: &SliceArgs) -> Vec<Override> {
+    let options = [
+        ("--order", "order.strategy", &args.order),
+        ("--scope", "order.scope", &args.scope),
+        ("--cost", "order.cost", &args.cost),
+        ("--seam", "seam.position", &args.seam),
+        ("--effort", "order.effort", &args.effort),
+    ];
+    let given = options.into_iter().filter_map(|(option, key, value)| Some((option, key, value.clone()?)));
+    given.map(|(option, key, value)| Override { key: key.into(), value, option }).collect()
+}
+
+/// Beside the first model, unless `-o` names a file or a folder.
+fn destination(args: &SliceArgs, model: &Path) -> Result<Destination, Failure> {
+    let beside = model.with_extension("gcode");
+    let Some(output) = &args.output else {
+        return Ok(Destination::File(beside));
+    };
+    if output == Path::new("-") {
+        return Ok(Destination::Stdout);
+    }
+    if output.is_dir() {
+        let name = beside.file_name().ok_or_else(|| usage(format!("{}: is no file", model.display())))?;
+        return Ok(Destination::File(output.join(name)));
+    }
+    if args.each && args.models.files.len() > 1 {
+        return Err(usage(format!(
+            "with --each, -o names a folder that exists, which {} is not",
+            output.display()
+        )));
+    }
+    Ok(Destination::File(output.clone()))
+}
+
+/// A path that is the same for every way to name one file, which need not exist.
+fn identity(path: &Path) -> PathBuf {
+    let path = resolve_links(path);
+    let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
+    match (fs::canonicalize(folder), path.file_name()) {
+        (Ok(folder), Some(name)) => folder.join(name),
+        _ => path,
+    }
+}
+
+fn no_file_is_written_twice(tasks: &[Task]) -> Result<(), Failure> {
+    let mut writers: BTreeMap<PathBuf, &Path> = BTreeMap::new();
+    for task in tasks {
+        let model = &task.job.models[0];
+        let Destination::File(path) = &task.destination else {
+            match tasks.len() {
+                1 => continue,
+                _ => {
+                    return Err(usage(
+                        "--each cannot write several files to standard output; give -o a folder",
+                    ));
+                }
+            }
+        };
+        if let Some(other) = writers.insert(identity(path), model) {
+            let (other, model, path) = (other.display(), model.display(), path.display());
+            return Err(usage(format!(
+                "{other} and {model} would both be written to {path}; slice them one by one"
+            )));
+        }
+    }
+    Ok(())
+}
+
+fn no_input_is_overwritten(tasks: &[Task]) -> Result<(), Failure> {
+    let inputs: Vec<PathBuf> =
+        tasks.iter().flat_map(|task| &task.job.models).map(|path| identity(path)).collect();
+    for task in tasks {
+        if let Destination::File(path) = &task.destination
+            && inputs.contains(&identity(path))
+        {
+            return Err(usage(format!(
+                "{}: the output would replace a model; choose another with -o",
+                path.display()
+            )));
+        }
+    }
+    Ok(())
+}

@@ -1,0 +1,77 @@
+//! `pathwright slice`.
+
+use std::io::Write;
+
+use super::args::SliceArgs;
+use super::console::{self, Bar};
+use super::exit::{Exit, Failure};
+use super::plan::{Destination, Plan, Task};
+use crate::job::{Engine, Progress, Silent};
+use crate::output::Output;
+use crate::profile::Settings;
+use crate::report::Summary;
+
+/// Slices plate by plate. One that fails does not keep the others from being sliced; the exit code is that of the
+/// first one that failed.
+pub(super) fn run(args: &SliceArgs, engine: &dyn Engine) -> Result<Exit, Failure> {
+    let plan = Plan::new(args)?;
+    if !args.quiet {
+        console::warn(&plan.settings.warnings);
+    }
+    let mut exit = Exit::Done;
+    for task in &plan.tasks {
+        match slice(task, &plan.settings.settings, args, engine) {
+            Ok(summary) => report(&summary, task, args)?,
+            Err(failure) => {
+                console::fail(&failure);
+                exit = if exit == Exit::Done { failure.exit } else { exit };
+            }
+        }
+    }
+    Ok(exit)
+}
+
+fn slice(
+    task: &Task,
+    settings: &Settings,
+    args: &SliceArgs,
+    engine: &dyn Engine,
+) -> Result<Summary, Failure> {
+    let mut output = match &task.destination {
+        Destination::Stdout => Output::stdout(),
+        Destination::File(path) => Output::create(path)?,
+    };
+    let bar = Bar::on_terminal(!args.quiet && !args.no_progress);
+    let progress: &dyn Progress = bar.as_ref().map_or(&Silent, |bar| bar);
+    let result = engine.slice(&task.job, settings, &mut output, progress);
+    if let Some(bar) = bar {
+        bar.remove();
+    }
+    let mut summary = result?;
+    output.commit()?;
+    summary.models = task.job.models.iter().map(|path| path.display().to_string()).collect();
+    summary.output = match &task.destination {
+        Destination::Stdout => "standard output".into(),
+        Destination::File(path) => path.display().to_string(),
+    };
+    Ok(summary)
+}
+
+/// On standard output, or where the G-code went there, on standard error.
+fn report(summary: &Summary, task: &Task, args: &SliceArgs) -> Result<(), Failure> {
+    if args.quiet {
+        return Ok(());
+    }
+    console::warn(&summary.warnings);
+    if args.json {
+        return console::print_json(summary);
+    }
+    match &task.destination {
+        Destination::File(_) => console::print(&summary.to_string()),
+        Destination::Stdout => {
+            // If standard error is closed, there is nobody to tell.
+            let _ = write!(std::io::stderr(), "{summary}");
+            Ok(())
+        }
+    }
+}

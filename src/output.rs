@@ -1,0 +1,373 @@
+//! Where G-code goes: whole, or not at all.
+//!
+//! A file is written under another name in the same folder and renamed when it is complete, so that a
+//! printer that watches the folder never sees half a job. A device, a pipe or standard output cannot be renamed or
+//! patched: what goes there is held back and written in one go, so that its bytes are those of the file.
+
+use std::fs::{self, File, OpenOptions};
+use std::io::{self, BufWriter, ErrorKind, Seek, SeekFrom, Write};
+use std::path::{Path, PathBuf};
+use std::sync::{Mutex, PoisonError};
+
+use tempfile::NamedTempFile;
+
+/// Temporary files of this process that are not complete yet.
+static PENDING: Mutex<Vec<PathBuf>> = Mutex::new(Vec::new());
+
+/// What could not be done to which output.
+#[derive(Debug, thiserror::Error)]
+#[error("{path}: {}", reason(source))]
+pub struct OutputError {
+    /// As the user named it.
+    pub path: String,
+    /// What the system says.
+    pub source: io::Error,
+}
+
+impl OutputError {
+    /// The reader of a pipe went away; nobody is interested in a message.
+    pub fn is_broken_pipe(&self) -> bool {
+        self.source.kind() == ErrorKind::BrokenPipe
+    }
+}
+
+fn reason(error: &io::Error) -> String {
+    match error.kind() {
+        ErrorKind::StorageFull | ErrorKind::QuotaExceeded => "the disk is full; free some space".into(),
+        ErrorKind::NotFound => "cannot be written: there is no such folder".into(),
+        ErrorKind::PermissionDenied => format!("cannot be written: {error}; choose another place with -o"),
+        _ => format!("cannot be written: {error}"),
+    }
+}
+
+/// A destination that is being written. Dropped without [`Output::commit`], it leaves nothing behind.
+#[derive(Debug)]
+pub struct Output {
+    name: String,
+    written: u64,
+    sink: Sink,
+}
+
+#[derive(Debug)]
+enum Sink {
+    File { file: BufWriter<Pending>, target: PathBuf },
+    Direct { held: Vec<u8>, to: Stream },
+}
+
+#[derive(Debug)]
+enum Stream {
+    Stdout,
+    Device(File),
+}
+
+impl Output {
+    /// Standard output.
+    pub fn stdout() -> Self {
+        let sink = Sink::Direct { held: Vec::new(), to: Stream::Stdout };
+        Self { name: "standard output".into(), written: 0, sink }
+    }
+
+    /// A file, by way of a temporary one beside it, which gets the mode of the file that it will replace. What a
+    /// symbolic link points to is replaced, not the link. Something that is no regular file is written directly.
+    ///
+    /// # Errors
+    /// If it is a folder or write-protected, or the folder does not exist or cannot be written.
+    pub fn create(path: &Path) -> Result<Self, OutputError> {
+        let name = path.display().to_string();
+        match open(path) {
+            Ok(sink) => Ok(Self { name, written: 0, sink }),
+            Err(source) => Err(OutputError { path: name, source }),
+        }
+    }
+
+    /// Appends.
+    ///
+    /// # Errors
+    /// As the system says, for example that the disk is full.
+    pub fn write(&mut self, bytes: &[u8]) -> Result<(), OutputError> {
+        self.written += bytes.len() as u64;
+        match &mut self.sink {
+            Sink::File { file, .. } => file.write_all(bytes),
+            Sink::Direct { held, .. } => {
+                held.extend_from_slice(bytes);
+                Ok(())
+            }
+        }
+        .map_err(|source| self.error(source))
+    }
+
+    /// Bytes written so far: where the next ones go.
+    pub fn position(&self) -> u64 {
+        self.written
+    }
+
+    /// Replaces bytes that were written before.
+    ///
+    /// # Errors
+    /// As [`Output::write`], and if the place has not been written yet.
+    pub fn patch(&mut self, offset: u64, bytes: &[u8]) -> Result<(), OutputError> {
+        if offset.checked_add(bytes.len() as u64).is_none_or(|end| end > self.written) {
+            return Err(self.error(io::Error::new(ErrorKind::InvalidInput, "patch beyond the end")));
+        }
+        match &mut self.sink {
+            Sink::File { file, .. } => patch_file(file, offset, bytes),
+            Sink::Direct { held, .. } => {
+                let start = offset as usize;
+                held[start..start + bytes.len()].copy_from_slice(bytes);
+                Ok(())
+            }
+        }
+        .map_err(|source| self.error(source))
+    }
+
+    /// Puts the complete output in its place.
+    ///
+    /// # Errors
+    /// As [`Output::write`]; then the place is as it was before.
+    pub fn commit(self) -> Result<(), OutputError> {
+        let done = match self.sink {
+            Sink::File { file, target } => file
+                .into_inner()
+                .map_err(io::IntoInnerError::into_error)
+                .and_then(|file| file.rename(&target)),
+            Sink::Direct { held, to: Stream::Stdout } => {
+                let mut stdout = io::stdout().lock();
+                stdout.write_all(&held).and_then(|()| stdout.flush())
+            }
+            Sink::Direct { held, to: Stream::Device(mut device) } => device.write_all(&held),
+        };
+        done.map_err(|source| OutputError { path: self.name, source })
+    }
+
+    fn error(&self, source: io::Error) -> OutputError {
+        OutputError { path: self.name.clone(), source }
+    }
+}
+
+fn patch_file(file: &mut BufWriter<Pending>, offset: u64, bytes: &[u8]) -> io::Result<()> {
+    file.seek(SeekFrom::Start(offset))?;
+    file.write_all(bytes)?;
+    file.seek(SeekFrom::End(0))?;
+    Ok(())
+}
+
+/// The file that a path stands for, which need not exist: symbolic links followed, also broken ones.
+pub fn resolve_links(path: &Path) -> PathBuf {
+    const LONGEST_CHAIN: usize = 40;
+    let mut path = path.to_owned();
+    for _ in 0..LONGEST_CHAIN {
+        match fs::read_link(&path) {
+            Ok(next) => path = path.parent().unwrap_or(Path::new("")).join(next),
+            Err(_) => break,
+        }
+    }
+    path
+}
+
+fn open(path: &Path) -> io::Result<Sink> {
+    let target = resolve_links(path);
+    let existing = match fs::metadata(&target) {
+        Ok(existing) => Some(existing),
+        Err(error) if error.kind() == ErrorKind::NotFound => None,
+        Err(error) => return Err(error),
+    };
+    if let Some(existing) = &existing {
+        if existing.is_dir() {
+            return Err(io::Error::new(ErrorKind::IsADirectory, "it is a folder"));
+        }
+        if !existing.is_file() {
+            let device = OpenOptions::new().write(true).open(&target)?;
+            return Ok(Sink::Direct { held: Vec::new(), to: Stream::Device(device) });
+        }
+        if existing.permissions().readonly() {
+            return Err(io::Error::new(ErrorKind::PermissionDenied, "the file is write-protected"));
+        }
+    }
+    let file = Pending::create(target.parent().unwrap_or(Path::new("")))?;
+    if let Some(existing) = existing {
+        file.file.as_file().set_permissions(existing.permissions())?;
+    }
+    const BUFFER_BYTES: usize = 1 << 18;
+    Ok(Sink::File { file: BufWriter::with_capacity(BUFFER_BYTES, file), target })
+}
+
+/// A temporary file that is removed when dropped, and by [`abandon_and_exit`].
+#[derive(Debug)]
+struct Pending {
+    file: NamedTempFile,
+}
+
+impl Pending {
+    fn create(folder: &Path) -> io::Result<Self> {
+        let folder = if folder.as_os_str().is_empty() { Path::new(".") } else { folder };
+        let mut pending = PENDING.lock().unwrap_or_else(PoisonError::into_inner);
+        // Those that were given up have removed themselves.
+        pending.retain(|path| path.exists());
+        let mut builder = tempfile::Builder::new();
+        builder.prefix(".pathwright-").suffix(".tmp");
+        // A temporary file is private unless told otherwise; the process's umask still applies to this.
+        #[cfg(unix)]
+        builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
+        let file = builder.tempfile_in(folder)?;
+        pending.push(file.path().to_owned());
+        Ok(Self { file })
+    }
+
+    fn rename(self, target: &Path) -> io::Result<()> {
+        let mut pending = PENDING.lock().unwrap_or_else(PoisonError::into_inner);
+        let temporary = self.file.path().to_owned();
+        let renamed = self.file.persist(target).map(drop).map_err(|error| error.error);
+        pending.retain(|path| *path != temporary);
+        renamed
+    }
+}
+
+impl Write for Pending {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        self.file.as_file_mut().write(bytes)
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        self.file.as_file_mut().flush()
+    }
+}
+
+impl Seek for Pending {
+    fn seek(&mut self, to: SeekFrom) -> io::Result<u64> {
+        self.file.as_file_mut().seek(to)
+    }
+}
+
+/// Ends the process from whatever thread, for a signal: removes what is incomplete. What has been renamed stays.
+pub fn abandon_and_exit(code: i32) -> ! {
+    // Kept locked until the end, so that no file is begun or renamed meanwhile.
+    let pending = PENDING.lock().unwrap_or_else(PoisonError::into_inner);
+    for path in pending.iter() {
+        // A file that is gone already is as good; there is nobody left to tell.
+        let _ = fs::remove_file(path);
+    }
+    std::process::exit(code)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn names(folder: &Path) -> Vec<String> {
+        let entries =
+            fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().file_name().into_string().unwrap());
+        let mut names: Vec<String> = entries.collect();
+        names.sort();
+        names
+    }
+
+    #[test]
+    fn nothing_is_seen_before_commit_and_only_the_file_after() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("part.gcode");
+        let mut output = Output::create(&path).unwrap();
+        output.write(b"G28\n").unwrap();
+        assert!(!path.exists());
+        output.commit().unwrap();
+        assert_eq!(fs::read(&path).unwrap(), b"G28\n");
+        assert_eq!(names(folder.path()), ["part.gcode"]);
+    }
+
+    #[test]
+    fn without_commit_the_old_file_stays_and_nothing_is_left() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("part.gcode");
+        fs::write(&path, "old").unwrap();
+        let mut output = Output::create(&path).unwrap();
+        output.write(b"new").unwrap();
+        drop(output);
+        assert_eq!(fs::read(&path).unwrap(), b"old");
+        assert_eq!(names(folder.path()), ["part.gcode"]);
+    }
+
+    #[test]
+    fn a_patch_replaces_what_was_written_and_writing_goes_on_at_the_end() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("part.gcode");
+        let mut output = Output::create(&path).unwrap();
+        output.write(b";TIME:0000\n").unwrap();
+        output.patch(6, b"1234").unwrap();
+        output.write(b"G28\n").unwrap();
+        assert_eq!(output.position(), 15);
+        assert!(output.patch(12, b"long").is_err(), "beyond the end");
+        output.commit().unwrap();
+        assert_eq!(fs::read(&path).unwrap(), b";TIME:1234\nG28\n");
+    }
+
+    #[test]
+    fn a_missing_folder_and_a_folder_are_refused() {
+        let folder = tempfile::tempdir().unwrap();
+        let missing = Output::create(&folder.path().join("no/part.gcode")).unwrap_err();
+        assert!(missing.to_string().ends_with("there is no such folder"), "{missing}");
+        let taken = Output::create(folder.path()).unwrap_err();
+        assert!(taken.to_string().ends_with("it is a folder"), "{taken}");
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn the_mode_of_the_file_that_is_replaced_is_kept() {
+        use std::os::unix::fs::PermissionsExt;
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("part.gcode");
+        fs::write(&path, "old").unwrap();
+        fs::set_permissions(&path, fs::Permissions::from_mode(0o640)).unwrap();
+        let output = Output::create(&path).unwrap();
+        output.commit().unwrap();
+        assert_eq!(fs::metadata(&path).unwrap().permissions().mode() & 0o777, 0o640);
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn a_new_file_has_the_mode_that_any_new_file_has() {
+        use std::os::unix::fs::PermissionsExt;
+        let folder = tempfile::tempdir().unwrap();
+        let (path, other) = (folder.path().join("part.gcode"), folder.path().join("other"));
+        Output::create(&path).unwrap().commit().unwrap();
+        fs::write(&other, "").unwrap();
+        let mode = |path: &Path| fs::metadata(path).unwrap().permissions().mode();
+        assert_eq!(mode(&path), mode(&other));
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn a_write_protected_file_is_not_replaced() {
+        use std::os::unix::fs::PermissionsExt;
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("part.gcode");
+        fs::write(&path, "old").unwrap();
+        fs::set_permissions(&path, fs::Permissions::from_mode(0o444)).unwrap();
+        assert!(Output::create(&path).unwrap_err().to_string().contains("write-protected"));
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn a_link_stays_and_what_it_points_to_is_replaced() {
+        let folder = tempfile::tempdir().unwrap();
+        let (link, path) = (folder.path().join("link"), folder.path().join("real.gcode"));
+        std::os::unix::fs::symlink("real.gcode", &link).unwrap();
+        for text in ["first", "second"] {
+            let mut output = Output::create(&link).unwrap();
+            output.write(text.as_bytes()).unwrap();
+            output.commit().unwrap();
+            assert_eq!(fs::read_to_string(&path).unwrap(), text);
+            assert!(fs::symlink_metadata(&link).unwrap().is_symlink());
+        }
+    }
+
+    #[cfg(target_os = "linux")]
+    #[test]
+    fn devices_are_written_directly_and_a_full_one_says_so() {
+        let mut output = Output::create(Path::new("/dev/null")).unwrap();
+        output.write(b"G28\n").unwrap();
+        output.patch(0, b"G29").unwrap();
+        output.commit().unwrap();
+        let mut output = Output::create(Path::new("/dev/full")).unwrap();
+        output.write(b"G28\n").unwrap();
+        assert!(output.commit().unwrap_err().to_string().contains("disk is full"));
+    }
+}

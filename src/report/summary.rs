@@ -1,0 +1,175 @@
+//! What a run made: as text, and as JSON with the keys that every command shares.
+
+use std::fmt;
+use std::ops::AddAssign;
+
+use serde::Serialize;
+
+/// Lengths, counts and times of a layer or a whole print. Lengths are in X and Y and count what comes after the first
+/// extruding move; `travel_mm` is the real way with its detours.
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+pub struct Measures {
+    /// Way while extruding.
+    pub print_mm: f64,
+    /// Way while not extruding.
+    pub travel_mm: f64,
+    /// Both.
+    pub total_mm: f64,
+    /// Straight lines from the end of each path to the start of the next: what ordering minimises.
+    pub link_mm: f64,
+    /// No order can have shorter links than this, where it was computed.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub bound_mm: Option<f64>,
+    /// `link_mm / bound_mm − 1`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub gap: Option<f64>,
+    /// Runs of moves without extrusion.
+    pub travels: usize,
+    /// Times that filament is pulled back.
+    pub retractions: usize,
+    /// Estimated duration.
+    pub total_s: f64,
+    /// Plastic deposited.
+    pub volume_mm3: f64,
+    /// Filament used.
+    pub filament_mm: f64,
+}
+
+impl Measures {
+    /// Adds a lower bound for `link_mm`, and with it the gap. Where nothing can be saved the gap is 0.
+    #[must_use]
+    pub fn with_bound(mut self, bound_mm: f64) -> Self {
+        self.bound_mm = Some(bound_mm);
+        self.gap = match (self.link_mm > bound_mm, bound_mm > 0.0) {
+            (false, _) => Some(0.0),
+            (true, true) => Some(self.link_mm / bound_mm - 1.0),
+            (true, false) => None,
+        };
+        self
+    }
+}
+
+/// Sums everything but the bound: the sum of layers' bounds is no bound for the print.
+impl AddAssign<&Measures> for Measures {
+    fn add_assign(&mut self, other: &Measures) {
+        self.print_mm += other.print_mm;
+        self.travel_mm += other.travel_mm;
+        self.total_mm += other.total_mm;
+        self.link_mm += other.link_mm;
+        self.travels += other.travels;
+        self.retractions += other.retractions;
+        self.total_s += other.total_s;
+        self.volume_mm3 += other.volume_mm3;
+        self.filament_mm += other.filament_mm;
+    }
+}
+
+/// One layer's share.
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+pub struct LayerSummary {
+    /// Height of its top over the bed.
+    pub z_mm: f64,
+    /// Its measures.
+    #[serde(flatten)]
+    pub measures: Measures,
+}
+
+/// What a run made. `Display` gives the text for people, `Serialize` the JSON.
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+pub struct Summary {
+    /// The models, as named on the command line.
+    pub models: Vec<String>,
+    /// Where the G-code went.
+    pub output: String,
+    /// Extents of the print, without skirt and brim.
+    pub size_mm: [f64; 3],
+    /// Number of layers.
+    pub layer_count: usize,
+    /// Measures of the whole print.
+    #[serde(flatten)]
+    pub total: Measures,
+    /// Weight of the filament.
+    pub filament_g: f64,
+    /// Its price, in the currency of `filament.cost`.
+    pub filament_cost: f64,
+    /// What was repaired, and what the user should know.
+    pub warnings: Vec<String>,
+    /// Each layer, from the bed up.
+    pub layers: Vec<LayerSummary>,
+}
+
+impl fmt::Display for Summary {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self { total, size_mm: [x, y, z], .. } = self;
+        writeln!(f, "{} → {}", self.models.join(" + "), self.output)?;
+        writeln!(f, "  size      {x:.2} × {y:.2} × {z:.2} mm, {} layers", self.layer_count)?;
+        writeln!(f, "  time      {}", duration(total.total_s))?;
+        let (metres, grams, cost) = (total.filament_mm / 1000.0, self.filament_g, self.filament_cost);
+        writeln!(f, "  filament  {metres:.2} m, {grams:.2} g, cost {cost:.2}")?;
+        let share = if total.total_mm > 0.0 { 100.0 * total.travel_mm / total.total_mm } else { 0.0 };
+        writeln!(f, "  path      {:.2} m printed", total.print_mm / 1000.0)?;
+        write!(f, "  travel    {:.2} m ({share:.1} % of the way), ", total.travel_mm / 1000.0)?;
+        writeln!(f, "{} travels, {} retractions", total.travels, total.retractions)?;
+        if let Some(bound_mm) = total.bound_mm {
+            let (links, bound) = (total.link_mm / 1000.0, bound_mm / 1000.0);
+            write!(f, "  order     links {links:.2} m, no order has less than {bound:.2} m")?;
+            match total.gap {
+                Some(gap) => writeln!(f, " (at most {:.1} % to save)", 100.0 * gap / (1.0 + gap))?,
+                None => writeln!(f)?,
+            }
+        }
+        Ok(())
+    }
+}
+
+/// `1 h 02 min 03 s`, rounded to the second.
+fn duration(seconds: f64) -> String {
+    let seconds = seconds.round().max(0.0) as u64;
+    match (seconds / 3600, seconds / 60 % 60, seconds % 60) {
+        (0, 0, s) => format!("{s} s"),
+        (0, m, s) => format!("{m} min {s:02} s"),
+        (h, m, s) => format!("{h} h {m:02} min {s:02} s"),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn durations_read_well() {
+        assert_eq!(duration(59.6), "1 min 00 s");
+        assert_eq!(duration(9.0), "9 s");
+        assert_eq!(duration(3723.0), "1 h 02 min 03 s");
+    }
+
+    #[test]
+    fn json_has_the_shared_keys() {
+        let total = Measures { link_mm: 110.0, ..Measures::default() }.with_bound(100.0);
+        let layers = vec![LayerSummary { z_mm: 0.2, measures: Measures::default() }];
+        let json = serde_json::to_value(Summary { total, layers, ..Summary::default() }).unwrap();
+        let shared = [
+            "print_mm",
+            "travel_mm",
+            "total_mm",
+            "link_mm",
+            "travels",
+            "retractions",
+            "total_s",
+            "volume_mm3",
+            "filament_mm",
+        ];
+        for key in shared {
+            assert!(json[key].is_number() && json["layers"][0][key].is_number(), "{key}");
+        }
+        assert_eq!(json["bound_mm"], 100.0);
+        assert!((json["gap"].as_f64().unwrap() - 0.1).abs() < 1e-12);
+        assert!(json["layers"][0].get("bound_mm").is_none());
+    }
+
+    #[test]
+    fn a_gap_of_nothing_is_zero_and_one_over_nothing_is_unknown() {
+        assert_eq!(Measures::default().with_bound(0.0).gap, Some(0.0));
+        assert_eq!(Measures { link_mm: 1.0, ..Measures::default() }.with_bound(0.0).gap, None);
+    }
+}

@@ -1,0 +1,185 @@
+//! The program as users and scripts call it: arguments, exit codes, messages, pages.
+
+use std::fs;
+use std::path::Path;
+
+use assert_cmd::Command;
+use assert_cmd::cargo::cargo_bin_cmd;
+
+fn pathwright(args: &[&str]) -> Command {
+    let mut command = cargo_bin_cmd!("pathwright");
+    command.args(args);
+    command
+}
+
+/// Standard output of a run that must end with this exit code, and standard error.
+fn run(args: &[&str], code: i32) -> (String, String) {
+    let done = pathwright(args).output().unwrap();
+    let text = |bytes| String::from_utf8(bytes).unwrap();
+    let (out, err) = (text(done.stdout), text(done.stderr));
+    assert_eq!(done.status.code(), Some(code), "{args:?}\n{out}\n{err}");
+    (out, err)
+}
+
+#[test]
+fn version_and_help_are_no_failure() {
+    assert!(run(&["--version"], 0).0.starts_with("pathwright "));
+    assert!(run(&["--help"], 0).0.contains("130  interrupted"));
+    assert!(run(&["slice", "--help"], 0).0.contains("5    the models do not fit the printer"));
+}
+
+#[test]
+fn arguments_that_make_no_sense_are_usage_errors() {
+    for args in [
+        &["slice"][..],
+        &["frobnicate"],
+        &["slice", "a.stl", "--copies", "0"],
+        &["slice", "a.stl", "--threads", "0"],
+        &["slice", "a.stl", "--scale", "0"],
+        &["slice", "a.stl", "--rotate", "1,2"],
+        &["slice", "a.stl", "--set", "walls.count"],
+        &["slice", "a.stl", "--order", "best"],
+        &["slice", "a.stl", "--pause-at", "never"],
+        &["slice", "a.stl", "--json", "--quiet"],
+        &["slice", "a.stl", "--json", "-o", "-"],
+        &["slice", "a.stl", "b.stl", "--each", "-o", "-"],
+        &["slice", "a.stl", "b.stl", "--each", "-o", "no-such-folder"],
+        &["man", "frobnicate"],
+    ] {
+        let (out, err) = run(args, 2);
+        assert!(out.is_empty() && !err.is_empty(), "{args:?}");
+    }
+}
+
+#[test]
+fn negative_numbers_need_no_tricks() {
+    let (_, err) = run(&["slice", "no-such.stl", "--translate", "-5,0,0", "--rotate", "-90,0,0"], 3);
+    assert!(err.contains("no-such.stl"), "{err}");
+}
+
+#[test]
+fn a_model_that_is_not_there_is_an_input_error() {
+    for command in ["slice", "info"] {
+        let (_, err) = run(&[command, "no-such.stl"], 3);
+        assert!(err.starts_with("error: no-such.stl: "), "{err}");
+    }
+}
+
+#[test]
+fn every_bad_setting_has_its_line() {
+    let (_, err) = run(&["slice", "a.stl", "--set", "walls.cuont=3", "--set", "infill.density=150%"], 4);
+    let lines: Vec<&str> = err.lines().collect();
+    assert_eq!(lines.len(), 2, "{err}");
+    assert!(
+        lines[0].starts_with("error: --set: walls.cuont = 3: unknown key; did you mean `walls.count`?"),
+        "{err}"
+    );
+    assert!(lines[1].starts_with("error: --set: infill.density = \"150%\": a share from 0 to 1"), "{err}");
+}
+
+#[test]
+fn an_unknown_profile_is_a_settings_error() {
+    let (_, err) = run(&["slice", "a.stl", "--profile", "ender3"], 4);
+    assert!(err.contains("did you mean `ender-3`?"), "{err}");
+    let (_, err) = run(&["profiles", "show", "ender3"], 4);
+    assert!(err.contains("did you mean `ender-3`?"), "{err}");
+}
+
+#[test]
+fn two_models_that_would_write_one_file_are_refused() {
+    let (_, err) = run(&["slice", "a.stl", "a.obj", "--each"], 2);
+    assert!(err.contains("a.stl and a.obj would both be written to a.gcode"), "{err}");
+    run(&["slice", "a.stl", "./a.stl", "--each"], 2);
+}
+
+#[test]
+fn a_model_is_never_overwritten() {
+    let (_, err) = run(&["slice", "a.stl", "-o", "./a.stl"], 2);
+    assert!(err.contains("would replace a model"), "{err}");
+    run(&["slice", "part.gcode"], 2);
+}
+
+#[test]
+fn an_output_that_cannot_be_written_is_an_output_error() {
+    let (_, err) = run(&["slice", "a.stl", "-o", "no/such/folder/a.gcode"], 6);
+    assert_eq!(err, "error: no/such/folder/a.gcode: cannot be written: there is no such folder\n");
+}
+
+#[test]
+fn profiles_are_listed_shown_and_dumped() {
+    let (list, _) = run(&["profiles"], 0);
+    assert_eq!(run(&["profiles", "list"], 0).0, list);
+    for name in ["default", "standard-job", "prusa-i3", "delta-round", "petg", "0.3mm"] {
+        assert!(list.lines().any(|line| line.split_whitespace().nth(1) == Some(name)), "{name}");
+    }
+    assert!(run(&["profiles", "show", "petg"], 0).0.contains("inherits = \"pla\""));
+    let (dump, _) = run(&["profiles", "dump", "--profile", "petg", "--set", "walls.count=2"], 0);
+    assert!(dump.contains("count = 2 # --set") && dump.contains("material = \"PETG\" # profile petg"));
+    let (json, _) = run(&["profiles", "dump", "--json"], 0);
+    let json: serde_json::Value = serde_json::from_str(&json).unwrap();
+    assert_eq!(json["layer.height"]["value"], 0.2);
+}
+
+#[test]
+fn unwise_settings_are_warned_about() {
+    let (_, err) = run(&["profiles", "dump", "--set", "layer.height=0.35"], 0);
+    assert!(err.starts_with("warning: --set: layer.height = 0.35: "), "{err}");
+}
+
+#[test]
+fn completions_and_man_pages_are_printed() {
+    for shell in ["bash", "zsh", "fish"] {
+        assert!(run(&["completions", shell], 0).0.contains("scale-to-fit"), "{shell}");
+    }
+    assert!(run(&["man"], 0).0.starts_with(".ie"));
+    assert!(run(&["man", "slice"], 0).0.contains("scale\\-to\\-fit"));
+}
+
+#[cfg(unix)]
+#[test]
+fn a_closed_pipe_ends_a_listing_quietly() {
+    use std::process::Stdio;
+    let mut child = std::process::Command::new(assert_cmd::cargo::cargo_bin!("pathwright"))
+        .args(["profiles", "dump"])
+        .stdout(Stdio::piped())
+        .stderr(Stdio::piped())
+        .spawn()
+        .unwrap();
+    drop(child.stdout.take());
+    let done = child.wait_with_output().unwrap();
+    assert_eq!((done.status.code(), done.stderr), (Some(0), Vec::new()));
+}
+
+/// The run waits for its model, which is a pipe that nobody writes, when the signal comes.
+#[cfg(unix)]
+#[test]
+fn an_interrupt_removes_what_is_incomplete() {
+    use std::process::{Command, Stdio};
+    use std::thread::sleep;
+    use std::time::Duration;
+    let folder = tempfile::tempdir().unwrap();
+    let (model, output) = (folder.path().join("model.stl"), folder.path().join("part.gcode"));
+    assert!(Command::new("mkfifo").arg(&model).status().unwrap().success());
+    fs::write(&output, "old").unwrap();
+    for signal in ["-INT", "-TERM"] {
+        let mut child = Command::new(assert_cmd::cargo::cargo_bin!("pathwright"))
+            .args(["slice".as_ref(), model.as_os_str(), "-o".as_ref(), output.as_os_str()])
+            .stderr(Stdio::null())
+            .spawn()
+            .unwrap();
+        let begun = (0..1000).any(|_| {
+            sleep(Duration::from_millis(5));
+            entries(folder.path()) == 3
+        });
+        assert!(begun, "no temporary file within 5 s");
+        assert!(Command::new("kill").args([signal, &child.id().to_string()]).status().unwrap().success());
+        assert_eq!(child.wait().unwrap().code(), Some(130));
+        assert_eq!(entries(folder.path()), 2);
+        assert_eq!(fs::read_to_string(&output).unwrap(), "old");
+    }
+}
+
+#[cfg(unix)]
+fn entries(folder: &Path) -> usize {
+    fs::read_dir(folder).unwrap().count()
+}
