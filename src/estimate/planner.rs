@@ -25,6 +25,8 @@ pub struct Planner {
     machine: Machine,
     /// Junction deviation × acceleration of a machine with this square corner velocity.
     corner_v2: f64,
+    /// Share of the acceleration that the cruise ratio leaves.
+    keep: f64,
     blocks: Vec<Block>,
     last: Option<Last>,
 }
@@ -35,18 +37,14 @@ struct Block {
     length_mm: f64,
     acceleration: f64,
     cruise_v2: f64,
+    /// How much v² can change on the way, and how much it should where the cruise ratio has a say.
+    delta_v2: f64,
+    smooth_delta_v2: f64,
     /// Highest speed at its start, first as far as the moves before allow, in the end really.
     start_v2: f64,
     /// The same under the reduced acceleration of the cruise ratio.
     smooth_start_v2: f64,
     account: usize,
-}
-
-impl Block {
-    /// How much v² can change on the way.
-    fn delta_v2(&self) -> f64 {
-        2.0 * self.length_mm * self.acceleration
-    }
 }
 
 /// The move before, as far as the next corner needs it.
@@ -62,7 +60,8 @@ impl Planner {
     pub fn new(machine: &Machine) -> Self {
         let corner_v2 =
             machine.square_corner_velocity * machine.square_corner_velocity * (2.0_f64.sqrt() - 1.0);
-        Self { machine: *machine, corner_v2, blocks: Vec::new(), last: None }
+        let keep = 1.0 - machine.min_cruise_ratio.clamp(0.0, 1.0);
+        Self { machine: *machine, corner_v2, keep, blocks: Vec::new(), last: None }
     }
 
     /// Adds a move; one that goes nowhere is nothing.
@@ -93,6 +92,9 @@ impl Planner {
             length_mm,
             acceleration,
             cruise_v2: speed * speed,
+            delta_v2: 2.0 * length_mm * acceleration,
+            // An axis whose limit is lower anyway is not slowed any further.
+            smooth_delta_v2: 2.0 * length_mm * acceleration.min(segment.acceleration * self.keep),
             start_v2: 0.0,
             smooth_start_v2: 0.0,
             account: segment.account,
@@ -102,16 +104,11 @@ impl Planner {
             && in_space
         {
             let corner_v2 = self.corner_v2(&last, &now, before, &block);
-            block.start_v2 = corner_v2.min(before.start_v2 + before.delta_v2());
-            block.smooth_start_v2 =
-                block.start_v2.min(before.smooth_start_v2 + self.smooth(before.delta_v2()));
+            block.start_v2 = corner_v2.min(before.start_v2 + before.delta_v2);
+            block.smooth_start_v2 = block.start_v2.min(before.smooth_start_v2 + before.smooth_delta_v2);
         }
         self.last = Some(now);
         self.blocks.push(block);
-    }
-
-    fn smooth(&self, delta_v2: f64) -> f64 {
-        delta_v2 * (1.0 - self.machine.min_cruise_ratio)
     }
 
     /// The square of the speed at which the corner between two moves can be taken.
@@ -145,7 +142,7 @@ impl Planner {
         let mut blocks = std::mem::take(&mut self.blocks);
         for (i, block) in blocks.iter().enumerate() {
             let end_v2 = blocks.get(i + 1).map_or(0.0, |next| next.start_v2);
-            let reached_v2 = 0.5 * (block.start_v2 + end_v2 + block.delta_v2());
+            let reached_v2 = 0.5 * (block.start_v2 + end_v2 + block.delta_v2);
             let limit_v2 = peaks.as_ref().map_or(block.cruise_v2, |peaks| block.cruise_v2.min(peaks[i]));
             let cruise_v2 = reached_v2.min(limit_v2);
             book(
@@ -160,12 +157,10 @@ impl Planner {
 
     /// Lowers start speeds until every move can brake to the next one's, and the last to rest.
     fn look_back(&mut self) {
-        let keep = 1.0 - self.machine.min_cruise_ratio;
         let (mut end_v2, mut smooth_end_v2) = (0.0_f64, 0.0_f64);
         for block in self.blocks.iter_mut().rev() {
-            let delta_v2 = block.delta_v2();
-            block.start_v2 = block.start_v2.min(end_v2 + delta_v2);
-            block.smooth_start_v2 = block.smooth_start_v2.min(smooth_end_v2 + delta_v2 * keep);
+            block.start_v2 = block.start_v2.min(end_v2 + block.delta_v2);
+            block.smooth_start_v2 = block.smooth_start_v2.min(smooth_end_v2 + block.smooth_delta_v2);
             (end_v2, smooth_end_v2) = (block.start_v2, block.smooth_start_v2);
         }
     }
@@ -179,14 +174,14 @@ impl Planner {
         let smooth_end = |i: usize| self.blocks.get(i + 1).map_or(0.0, |next| next.smooth_start_v2);
         let mut peaks: Vec<f64> = Vec::with_capacity(self.blocks.len());
         for (i, block) in self.blocks.iter().enumerate() {
-            let delta_v2 = self.smooth(block.delta_v2());
-            let own = (0.5 * (block.smooth_start_v2 + smooth_end(i) + delta_v2)).min(block.cruise_v2);
+            let delta_v2 = block.smooth_delta_v2;
+            let own = 0.5 * (block.smooth_start_v2 + smooth_end(i) + delta_v2);
             let braking = block.smooth_start_v2 >= smooth_end(i) + delta_v2 - 1e-9;
             peaks.push(if braking && i > 0 { peaks[i - 1] } else { own });
         }
         for i in (0..peaks.len().saturating_sub(1)).rev() {
             let block = &self.blocks[i];
-            let speeding_up = smooth_end(i) >= block.smooth_start_v2 + self.smooth(block.delta_v2()) - 1e-9;
+            let speeding_up = smooth_end(i) >= block.smooth_start_v2 + block.smooth_delta_v2 - 1e-9;
             if speeding_up {
                 peaks[i] = peaks[i + 1];
             }

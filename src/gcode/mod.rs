@@ -16,8 +16,8 @@ mod wrap;
 
 pub use layer::{LayerText, format_layer};
 pub use read::{
-    Action, Center, Code, Line, Lines, Measure, Replay, Step, Stroke, TypeMeasure, Words, file_time, lines, measure,
-    replay,
+    Action, Center, Code, Line, Lines, Measure, Replay, Step, Stroke, TypeMeasure, Words, file_time, lines,
+    measure, replay,
 };
 pub use script::{ScriptError, Scripts, expand};
 pub use settings::{PrintFacts, WriterSettings};

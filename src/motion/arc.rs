@@ -33,12 +33,12 @@ pub(super) fn parts(points: &[[f64; 2]], tolerance_mm: f64) -> Vec<Part> {
     let mut start = 0;
     while start + 1 < points.len() {
         match longest(&points[start..], tolerance_mm) {
-            Some((segments, circle)) => {
+            Ok((segments, circle)) => {
                 start += segments;
                 out.push(Part { end: start, arc: Some(circle) });
             }
-            None => {
-                start += 1;
+            Err(flat) => {
+                start += (flat / 2).max(1);
                 match out.last_mut() {
                     Some(part) if part.arc.is_none() => part.end = start,
                     _ => out.push(Part { end: start, arc: None }),
@@ -50,36 +50,44 @@ pub(super) fn parts(points: &[[f64; 2]], tolerance_mm: f64) -> Vec<Part> {
 }
 
 /// The most segments from the first vertex on that one arc can replace: doubled until it fails, then bisected.
-fn longest(points: &[[f64; 2]], tolerance_mm: f64) -> Option<(usize, Circle)> {
+/// Where none begins here, the error says how many segments are as good as straight.
+fn longest(points: &[[f64; 2]], tolerance_mm: f64) -> Result<(usize, Circle), usize> {
     let most = points.len() - 1;
     if most < MIN_SEGMENTS {
-        return None;
+        return Err(most);
     }
-    let mut best = (MIN_SEGMENTS, fit(&points[..=MIN_SEGMENTS], tolerance_mm)?);
-    let mut too_many = most + 1;
-    while best.0 + 1 < too_many {
-        let bisected = best.0 + (too_many - best.0) / 2;
-        let next = if too_many > most { (2 * best.0).min(most) } else { bisected };
+    let mut best = Err(MIN_SEGMENTS - 1);
+    let (mut fits, mut fails) = (MIN_SEGMENTS - 1, most + 1);
+    while fits + 1 < fails {
+        let next = if fails > most { (2 * fits).min(most) } else { fits + (fails - fits) / 2 };
         match fit(&points[..=next], tolerance_mm) {
-            Some(circle) => best = (next, circle),
-            None => too_many = next,
-        }
-        if best.0 == most {
-            break;
+            Fit::Arc(circle) => (fits, best) = (next, Ok((next, circle))),
+            Fit::Flat => (fits, best) = (next, best.or(Err(next))),
+            Fit::Bad => fails = next,
         }
     }
-    Some(best)
+    best
+}
+
+/// What an arc would make of a stretch.
+enum Fit {
+    /// It follows this circle.
+    Arc(Circle),
+    /// It is as good as straight so far.
+    Flat,
+    /// It does not follow any.
+    Bad,
 }
 
 /// The circle through both ends that fits the vertices between best, if it is near enough everywhere.
 ///
 /// In coordinates along (x, from 0 to L) and across (y) the chord, circles through both ends satisfy
 /// x² − Lx + y² = 2cy; c, the centre's distance from the chord, is found by linear least squares.
-fn fit(points: &[[f64; 2]], tolerance_mm: f64) -> Option<Circle> {
-    let (a, b) = (points[0], *points.last()?);
+fn fit(points: &[[f64; 2]], tolerance_mm: f64) -> Fit {
+    let (a, b) = (points[0], points[points.len() - 1]);
     let chord_mm = distance(a, b);
     if chord_mm <= MERGE_TOLERANCE_MM {
-        return None;
+        return Fit::Bad;
     }
     let along = [(b[0] - a[0]) / chord_mm, (b[1] - a[1]) / chord_mm];
     let (mut yy, mut yq, mut bulge_mm) = (0.0, 0.0, 0.0_f64);
@@ -91,30 +99,33 @@ fn fit(points: &[[f64; 2]], tolerance_mm: f64) -> Option<Circle> {
         bulge_mm = bulge_mm.max(y.abs());
     }
     if bulge_mm <= 2.0 * MERGE_TOLERANCE_MM {
-        return None;
+        return Fit::Flat;
     }
     let c = 0.5 * yq / yy;
     let center = [0.5 * (a[0] + b[0]) - c * along[1], 0.5 * (a[1] + b[1]) + c * along[0]];
     let radius_mm = distance(a, center);
     if radius_mm > MAX_RADIUS_MM {
-        return None;
+        return Fit::Flat;
     }
     let first_turn = turn(points[0], points[1], center);
     let mut swept = 0.0;
     for pair in points.windows(2) {
         let turn = turn(pair[0], pair[1], center);
         if turn * first_turn <= 0.0 {
-            return None;
+            return Fit::Bad;
         }
         swept += turn.abs();
         let off_mm = (distance(pair[1], center) - radius_mm).abs();
         let sag_mm = (radius_mm - nearest_mm(pair[0], pair[1], center)).abs();
         if off_mm > tolerance_mm || sag_mm > tolerance_mm {
-            return None;
+            return Fit::Bad;
         }
     }
     // A shade more than half a circle, so that a half one is not lost to rounding.
-    (swept <= std::f64::consts::PI + 1e-6).then_some(Circle { center, clockwise: first_turn < 0.0 })
+    if swept > std::f64::consts::PI + 1e-6 {
+        return Fit::Bad;
+    }
+    Fit::Arc(Circle { center, clockwise: first_turn < 0.0 })
 }
 
 /// Angle from `a` to `b` seen from the centre, counter-clockwise positive.
