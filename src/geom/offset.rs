@@ -16,9 +16,6 @@ const TOLERANCE_MM: f64 = 0.0025;
 /// Parts of a result smaller than this many square millimetres (a square of 5 µm) are dropped.
 const MIN_AREA_MM2: f64 = 2.5e-5;
 
-/// Farthest that coordinates may lie from the origin for products to be exact.
-const LIMIT: f64 = 1.07e9;
-
 /// The region grown (`by_mm` > 0) or shrunk (`by_mm` < 0) by a distance; corners sharper than 60° are cut square.
 ///
 /// See [`offset_with`].
@@ -31,8 +28,9 @@ pub fn offset(region: &Region, by_mm: f64) -> Region {
 /// A shrunk region lies inside its input, a grown one covers it. The boundary is within 2.5 µm (for distances
 /// below 20 µm, an eighth of the distance) of where the joins put it; in exchange the result has hardly more
 /// vertices than its input, mostly fewer. Outer rings and holes are recognised by their place in the polygon,
-/// whatever their orientation. Parts smaller than 25 µm² vanish. A distance that is not a number or below the
-/// grid's unit changes nothing, one beyond 5 m is taken as 5 m; results end at ±10.7 m.
+/// whatever their orientation. Parts smaller than 25 µm² or narrower
+/// than 2.5 µm may vanish. A distance that is not a number or below the
+/// grid's unit changes nothing, one beyond 5 m is taken as 5 m; results are cut off at ±10.7 m.
 ///
 /// O(n) for n vertices where no parts meet or split; else O(n log n) of the polygons concerned.
 pub fn offset_with(region: &Region, by_mm: f64, join: Join) -> Region {
@@ -99,8 +97,7 @@ impl Offset {
     fn fronts(&mut self, rings: &[Ring]) -> Option<Arrangement> {
         let fronts = rings.iter().map(|ring| {
             let front = simplify_ring(&self.rings.front(ring)?, self.tolerance);
-            let inside = front.iter().all(|p| f64::from(p.x).abs() < LIMIT && f64::from(p.y).abs() < LIMIT);
-            (inside && !front.is_empty()).then_some(front)
+            (!front.is_empty()).then_some(front)
         });
         let arrangement = Arrangement::new(fronts.collect::<Option<Vec<Ring>>>()?);
         arrangement.is_simple().then_some(arrangement)

@@ -18,6 +18,9 @@ pub enum Join {
     },
 }
 
+/// Farthest that results may lie from the origin, in units, for products of differences to fit an `i64`.
+const LIMIT: f64 = 1.07e9;
+
 impl Join {
     /// The farthest that a join may lie from its corner, in distances.
     pub(super) fn reach(self) -> f64 {
@@ -63,7 +66,8 @@ impl Vector {
     }
 
     fn point(self) -> Point {
-        Point::new(self.x.round() as i32, self.y.round() as i32)
+        let grid = |v: f64| v.round().clamp(-LIMIT, LIMIT) as i32;
+        Point::new(grid(self.x), grid(self.y))
     }
 }
 
