@@ -70,7 +70,29 @@ fn main() {
                     }
                 }
             }
-            let rings: Vec<Ring> = rings.iter().map(|r| pathwright::geom::simplify(&Region{polygons: vec![Polygon{outer: r.clone(), holes: vec![]}]}, 0.0125).polygons.into_iter().flat_map(|p| { let mut v = vec![p.outer]; v.extend(p.holes); v }).collect::<Vec<_>>()).flatten().collect(); let u = unite_rings(&rings); if std::env::var("V").is_ok() { eprintln!("{} -> {}", s.len(), u.vertex_count()); } u
+            let rings: Vec<Ring> = rings
+                .iter()
+                .map(|r| {
+                    pathwright::geom::simplify(
+                        &Region { polygons: vec![Polygon { outer: r.clone(), holes: vec![] }] },
+                        0.0125,
+                    )
+                    .polygons
+                    .into_iter()
+                    .flat_map(|p| {
+                        let mut v = vec![p.outer];
+                        v.extend(p.holes);
+                        v
+                    })
+                    .collect::<Vec<_>>()
+                })
+                .flatten()
+                .collect();
+            let u = unite_rings(&rings);
+            if std::env::var("V").is_ok() {
+                eprintln!("{} -> {}", s.len(), u.vertex_count());
+            }
+            u
         })
         .collect();
     eprintln!("slice {:?}", t0.elapsed());

@@ -80,6 +80,11 @@ impl Output {
         }
     }
 
+    /// Bytes so far.
+    pub fn written(&self) -> u64 {
+        self.written
+    }
+
     /// Appends.
     ///
     /// # Errors

@@ -11,7 +11,6 @@ mod read;
 mod script;
 mod settings;
 mod slot;
-mod values;
 mod wrap;
 
 pub use layer::{LayerText, format_layer};
@@ -19,8 +18,7 @@ pub use read::{
     Action, Center, Code, Line, Lines, Measure, Replay, Step, Stroke, TypeMeasure, Words, file_time, lines,
     measure, replay,
 };
-pub use script::{ScriptError, Scripts, expand};
+pub use script::Scripts;
 pub use settings::{PrintFacts, WriterSettings};
 pub use slot::{Pending, Slot, Totals};
-pub use values::Values;
 pub use wrap::{Opening, closing, opening};

@@ -2,75 +2,7 @@
 
 use super::flavor::dialect;
 use super::settings::PrintFacts;
-use super::values::Values;
-use crate::profile::{Flavor, Settings};
-
-/// A mistake in a script.
-#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-pub enum ScriptError {
-    /// A name in braces that means nothing.
-    #[error("{script}, line {line}: unknown placeholder `{{{name}}}`; known are {known}")]
-    Unknown {
-        /// Setting that holds the script.
-        script: &'static str,
-        /// Line, from 1.
-        line: usize,
-        /// What stands between the braces.
-        name: String,
-        /// Every name there is.
-        known: String,
-    },
-    /// An opening brace without its closing one.
-    #[error("{script}, line {line}: `{{` is not closed on its line; write `{{{{` for a plain brace")]
-    Unclosed {
-        /// Setting that holds the script.
-        script: &'static str,
-        /// Line, from 1.
-        line: usize,
-    },
-}
-
-/// Fills in `{name}` in every line; `{{` and `}}` are plain braces. Line ends become `\n`, one at the end of
-/// each line.
-///
-/// # Errors
-/// Every mistake in the script.
-pub fn expand(script: &'static str, text: &str, values: &Values) -> Result<String, Vec<ScriptError>> {
-    let mut out = String::with_capacity(text.len() + 64);
-    let mut errors = Vec::new();
-    for (at, line) in text.lines().enumerate() {
-        let mut rest = line.trim_end();
-        while let Some(brace) = rest.find(['{', '}']) {
-            let (before, from) = rest.split_at(brace);
-            out.push_str(before);
-            if let Some(after) = from.strip_prefix("{{") {
-                out.push('{');
-                rest = after;
-            } else if let Some(after) = from.strip_prefix('}') {
-                out.push('}');
-                rest = after.strip_prefix('}').unwrap_or(after);
-            } else if let Some(end) = from.find('}') {
-                let name = from[1..end].trim();
-                match values.get(name) {
-                    Some(value) => out.push_str(value),
-                    None => errors.push(ScriptError::Unknown {
-                        script,
-                        line: at + 1,
-                        name: name.to_owned(),
-                        known: values.names().collect::<Vec<_>>().join(", "),
-                    }),
-                }
-                rest = &from[end + 1..];
-            } else {
-                errors.push(ScriptError::Unclosed { script, line: at + 1 });
-                rest = "";
-            }
-        }
-        out.push_str(rest);
-        out.push('\n');
-    }
-    if errors.is_empty() { Ok(out) } else { Err(errors) }
-}
+use crate::profile::{Flavor, PrintBounds, Settings, expand};
 
 /// The scripts of a print, filled in.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -92,20 +24,22 @@ pub(super) struct Heaters {
 }
 
 impl Scripts {
-    /// Fills in the scripts of the settings. Do it before slicing: mistakes show early.
+    /// Fills in the scripts of the settings.
     ///
     /// # Errors
-    /// Every mistake in all three scripts.
-    pub fn new(settings: &Settings, facts: &PrintFacts) -> Result<Self, Vec<ScriptError>> {
-        let values = Values::new(settings, facts);
-        let gcode = &settings.gcode;
+    /// Every mistake in all three scripts, a line each. Scripts of a resolved profile have none.
+    pub fn new(settings: &Settings, facts: &PrintFacts) -> Result<Self, Vec<String>> {
+        let ([x0, y0], [x1, y1]) = (facts.min_mm, facts.max_mm);
+        let print = PrintBounds { min_mm: [x0, y0, 0.0], max_mm: [x1, y1, facts.max_z_mm] };
         let mut errors = Vec::new();
-        let mut filled = |name, text| {
-            expand(name, text, &values).unwrap_or_else(|mistakes| {
-                errors.extend(mistakes);
+        let mut filled = |name: &str, text: &str| {
+            let lines = expand(text, settings, print).unwrap_or_else(|mistakes| {
+                errors.extend(mistakes.iter().map(|mistake| format!("{name}: {mistake}")));
                 String::new()
-            })
+            });
+            lines.lines().flat_map(|line| [line.trim_end(), "\n"]).collect::<String>()
         };
+        let gcode = &settings.gcode;
         let scripts = Self {
             start: filled("gcode.start", &gcode.start),
             end: filled("gcode.end", &gcode.end),
@@ -151,34 +85,17 @@ fn is_macro(command: &str) -> bool {
 mod tests {
     use super::*;
 
-    fn values() -> Values {
+    #[test]
+    fn scripts_are_filled_in_and_their_line_ends_made_alike() {
         let facts =
             PrintFacts { layers: 3, min_mm: [10.0, 20.0], max_mm: [30.0, 40.5], max_z_mm: 0.6, dated: 0 };
         let mut settings = Settings::default();
-        settings.printer.name = "evil\nM112;\rG28".into();
-        Values::new(&settings, &facts)
-    }
-
-    #[test]
-    fn placeholders_are_filled_in_and_doubled_braces_are_plain() {
-        let text = expand("gcode.start", "M109 S{nozzle_temp}\r\nG1 X{ print_max_x } ; {{x}}", &values());
-        assert_eq!(text.as_deref(), Ok("M109 S210\nG1 X30 ; {x}\n"));
-    }
-
-    #[test]
-    fn every_mistake_is_reported_with_its_line() {
-        let errors = expand("gcode.end", "{nozle_temp}\nG28\nG1 X{bed_size_x", &values()).unwrap_err();
-        assert_eq!(errors.len(), 2);
-        let first = errors[0].to_string();
-        assert!(first.starts_with("gcode.end, line 1: unknown placeholder `{nozle_temp}`"), "{first}");
-        assert!(first.contains("nozzle_temp, nozzle_temp_other"), "{first}");
-        assert_eq!(errors[1], ScriptError::Unclosed { script: "gcode.end", line: 3 });
-    }
-
-    #[test]
-    fn values_cannot_start_a_line_or_a_comment() {
-        let text = expand("gcode.start", "M117 {printer}", &values()).expect("known");
-        assert_eq!(text, "M117 evil M112, G28\n");
+        settings.gcode.start = "M109 S{nozzle_temp}\r\nG1 X{print_max_x} ; {{x}}".into();
+        let scripts = Scripts::new(&settings, &facts).expect("no mistakes");
+        assert_eq!(scripts.start, "M109 S210\nG1 X30 ; {x}\n");
+        settings.gcode.end = "{nozle_temp}".into();
+        let mistakes = Scripts::new(&settings, &facts).expect_err("a mistake");
+        assert!(mistakes[0].starts_with("gcode.end: unknown placeholder"), "{mistakes:?}");
     }
 
     #[test]

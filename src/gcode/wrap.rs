@@ -5,8 +5,7 @@ use super::number::text;
 use super::script::Scripts;
 use super::settings::PrintFacts;
 use super::slot::{Pending, Slot, Totals, VALUE_WIDTH};
-use super::values::one_line;
-use crate::profile::Settings;
+use crate::profile::{Settings, one_line};
 
 /// The first bytes of a file.
 #[derive(Clone, Debug, PartialEq)]

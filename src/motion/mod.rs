@@ -13,7 +13,6 @@ mod settings;
 mod simplify;
 mod travel;
 
-
 pub use moves::{Entry, LayerMoves, Move};
 pub use pause::{PauseAt, PauseError};
 pub use plan::{exit, plan_layer};

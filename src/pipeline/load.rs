@@ -2,7 +2,6 @@
 
 use std::path::Path;
 
-use crate::gcode::ScriptError;
 use crate::job::{Job, JobError, TransformOptions};
 use crate::mesh::{self, Item, Mesh, MeshReport, Placement, Plate, Transform};
 use crate::profile::Settings;
@@ -33,15 +32,22 @@ pub(super) fn plate(job: &Job, settings: &Settings) -> Result<Loaded, JobError> 
         let mesh = if job.transform.scale_to_fit { fitted(mesh, settings)? } else { mesh };
         items.push(Item { name, mesh, copies: job.copies as usize });
     }
-    let placement =
-        Placement { margin_mm: margin_mm(settings), shift_mm: job.transform.translate_mm, ..Placement::default() };
-    let plate =
-        mesh::place(items, &settings.bed, &placement).map_err(|error| JobError::DoesNotFit(error.to_string()))?;
+    let placement = Placement {
+        margin_mm: margin_mm(settings),
+        shift_mm: job.transform.translate_mm,
+        ..Placement::default()
+    };
+    let plate = mesh::place(items, &settings.bed, &placement)
+        .map_err(|error| JobError::DoesNotFit(error.to_string()))?;
     Ok(Loaded { plate, warnings })
 }
 
 /// What is in a model, and whether it fits.
-pub(super) fn info(path: &Path, options: &TransformOptions, settings: &Settings) -> Result<ModelInfo, JobError> {
+pub(super) fn info(
+    path: &Path,
+    options: &TransformOptions,
+    settings: &Settings,
+) -> Result<ModelInfo, JobError> {
     let (mesh, report) = model(path, options)?;
     let mesh = if options.scale_to_fit { fitted(mesh, settings)? } else { mesh };
     let item = Item { name: name(path), mesh, copies: 1 };
@@ -60,9 +66,8 @@ pub(super) fn info(path: &Path, options: &TransformOptions, settings: &Settings)
 fn model(path: &Path, options: &TransformOptions) -> Result<(Mesh, MeshReport), JobError> {
     let (mesh, report) = mesh::load(path).map_err(|error| JobError::Input(error.to_string()))?;
     let transform = Transform { scale: options.scale, rotate_deg: options.rotate_deg };
-    let mesh = transform
-        .apply(mesh)
-        .map_err(|error| JobError::Input(format!("{}: {error}", path.display())))?;
+    let mesh =
+        transform.apply(mesh).map_err(|error| JobError::Input(format!("{}: {error}", path.display())))?;
     Ok((mesh, report))
 }
 
@@ -92,10 +97,4 @@ fn margin_mm(settings: &Settings) -> f64 {
 /// Seconds since 1970 for the header.
 pub(super) fn dated() -> u64 {
     std::env::var("SOURCE_DATE_EPOCH").ok().and_then(|text| text.parse().ok()).unwrap_or(DATED)
-}
-
-/// Mistakes in scripts, as one error.
-pub(super) fn script_errors(errors: Vec<ScriptError>) -> JobError {
-    let lines: Vec<String> = errors.iter().map(ToString::to_string).collect();
-    JobError::Script(lines.join("\n"))
 }

@@ -30,7 +30,12 @@ impl Engine for Pipeline {
         parallel::with_threads(job.threads, || print::slice(job, settings, output, progress))
     }
 
-    fn info(&self, model: &Path, transform: &TransformOptions, settings: &Settings) -> Result<ModelInfo, JobError> {
+    fn info(
+        &self,
+        model: &Path,
+        transform: &TransformOptions,
+        settings: &Settings,
+    ) -> Result<ModelInfo, JobError> {
         load::info(model, transform, settings)
     }
 }

@@ -12,7 +12,7 @@ pub(super) fn with_threads<T: Send>(threads: Option<usize>, run: impl FnOnce() -
 }
 
 /// The results of a function for 0, 1, … n − 1, in this order.
-pub(super) fn map<T: Send>(n: usize, f: impl Fn(usize) -> T + Sync) -> Vec<T> {
+pub(super) fn map<T: Send>(n: usize, f: impl Fn(usize) -> T + Sync + Send) -> Vec<T> {
     (0..n).into_par_iter().map(f).collect()
 }
 

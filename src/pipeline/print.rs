@@ -12,7 +12,7 @@ use crate::output::Output;
 use crate::profile::Settings;
 use crate::report::{LayerSummary, Measures, Summary, measure_layer};
 use crate::slice::{Layer, Slicer};
-use crate::toolpath::{LayerPaths, ObjectLayer, PlateLayer, Planner, Shells};
+use crate::toolpath::{LayerPaths, ObjectLayer, Planner, PlateLayer, Shells};
 use crate::units::{Mm3, Seconds};
 
 use super::{load, parallel};
@@ -43,7 +43,7 @@ pub(super) fn slice(
     warnings.extend(sections.warning());
 
     let facts = facts(&sections.layers, bounds, settings);
-    let scripts = Scripts::new(settings, &facts).map_err(load::script_errors)?;
+    let scripts = Scripts::new(settings, &facts).map_err(|mistakes| JobError::Script(mistakes.join("\n")))?;
     let planner = sections.planner(settings);
     let run = Run {
         sections: &sections,
@@ -200,7 +200,8 @@ impl Run<'_> {
     /// Takes a batch of layers through all stages. `seam` and `at` hold what the layers below left.
     fn batch(&self, layers: Range<usize>, chunk: usize, seam: &mut SeamRule, at: &mut Entry) -> Vec<Done> {
         let first = layers.start;
-        let paths = parallel::map(layers.len(), |i| self.planner.layer(&self.sections.plate_layer(first + i)));
+        let paths =
+            parallel::map(layers.len(), |i| self.planner.layer(&self.sections.plate_layer(first + i)));
         let pins: Vec<Pins> = paths.iter().map(|layer| seam.pins(layer)).collect();
         let sequences = self.order(&paths, &pins, chunk, *at);
         let entries: Vec<Entry> = paths
@@ -218,7 +219,8 @@ impl Run<'_> {
     fn order(&self, paths: &[LayerPaths], pins: &[Pins], chunk: usize, at: Entry) -> Vec<Sequence> {
         let chunks = paths.len().div_ceil(chunk);
         let range = |c: usize| c * chunk..((c + 1) * chunk).min(paths.len());
-        let solved = parallel::map(chunks, |c| self.chain.solve_chunk(&paths[range(c)], &pins[range(c)], None));
+        let solved =
+            parallel::map(chunks, |c| self.chain.solve_chunk(&paths[range(c)], &pins[range(c)], None));
         let before: Vec<Option<Point>> = (0..chunks)
             .map(|c| match c.checked_sub(1) {
                 None => at.xy.map(|[x, y]| Point::from_mm(x, y)),
@@ -232,9 +234,12 @@ impl Run<'_> {
             let (layers, sequences) = (&paths[range(c)], &solved[c]);
             let next = layers.get(1).map(|layer| (layer, sequences[1].as_slice()));
             match before[c] {
-                Some(start) => {
-                    self.chain.resolve_head((&layers[0], &pins[c * chunk]), sequences[0].clone(), next, Some(start))
-                }
+                Some(start) => self.chain.resolve_head(
+                    (&layers[0], &pins[c * chunk]),
+                    sequences[0].clone(),
+                    next,
+                    Some(start),
+                ),
                 None => sequences[0].clone(),
             }
         });

@@ -128,7 +128,8 @@ placeholders! {
     "first_layer_height", "height of the first layer, mm": |c| number(c.settings.layer.first_height.0);
     "first_layer_z", "Z of the first layer, with the Z offset": |c| number(first_z(c.settings));
     "nozzle_diameter", "bore of the nozzle, mm": |c| number(c.settings.printer.nozzle_diameter.0);
-    "filament", "material, such as PLA": |c| c.settings.filament.material.clone();
+    "filament", "material, such as PLA": |c| one_line(&c.settings.filament.material);
+    "printer", "name of the printer": |c| one_line(&c.settings.printer.name);
     "filament_diameter", "diameter of the strand, mm": |c| number(c.settings.filament.diameter.0);
     "retract_length", "filament pulled back at a retraction, mm": |c| number(c.settings.retract.length.0);
     "prime_x0", "X where the prime line starts, near the front edge": |c| number(c.bed.prime_line().0[0]);
@@ -145,6 +146,18 @@ placeholders! {
     "print_max_x", "greatest X of the print": |c| number(c.print.max_mm[0]);
     "print_max_y", "greatest Y of the print": |c| number(c.print.max_mm[1]);
     "print_max_z", "greatest Z of the print": |c| number(c.print.max_mm[2]);
+}
+
+/// Free text as it may stand in a command or comment: no line ends or other control characters, and no
+/// semicolon, which would begin a comment.
+pub(crate) fn one_line(text: &str) -> String {
+    text.chars()
+        .map(|c| match c {
+            ';' => ',',
+            c if c.is_control() => ' ',
+            c => c,
+        })
+        .collect()
 }
 
 fn first_z(settings: &Settings) -> f64 {
@@ -230,6 +243,13 @@ mod tests {
     #[test]
     fn numbers_have_no_more_digits_than_they_need() {
         assert_eq!(filled("{bed_size_x} {layer_height}", &Settings::default()), "250 0.2");
+    }
+
+    #[test]
+    fn values_cannot_start_a_line_or_a_comment() {
+        let mut settings = Settings::default();
+        settings.printer.name = "evil\nM112;\rG28".into();
+        assert_eq!(filled("M117 {printer}", &settings), "M117 evil M112, G28");
     }
 
     #[test]

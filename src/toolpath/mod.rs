@@ -9,6 +9,6 @@ mod shells;
 mod walls;
 
 pub use path::{Island, LayerPaths, Path, Role, Width};
-pub use planner::{ObjectLayer, PlateLayer, Planner, ToolpathSettings};
+pub use planner::{ObjectLayer, Planner, PlateLayer, ToolpathSettings};
 pub use shells::{Map, Shells, Zones};
 pub use walls::{WallSpec, Walls};

@@ -168,7 +168,8 @@ impl Planner {
     /// The sparse zones of all islands of a layer.
     fn sparse_zone(&self, layer: &PlateLayer<'_>) -> Region {
         let spec = self.wall_spec(layer);
-        let islands = layer.objects.iter().flat_map(|o| o.section.polygons.iter().map(move |island| (o, island)));
+        let islands =
+            layer.objects.iter().flat_map(|o| o.section.polygons.iter().map(move |island| (o, island)));
         let zones = islands.flat_map(|(object, island)| {
             self.zones(&walls::trace(island, &spec).inside, object, layer).sparse.polygons
         });
