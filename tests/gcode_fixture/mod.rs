@@ -6,9 +6,10 @@
 use pathwright::estimate::{LayerTime, Machine, cool, layer_time};
 use pathwright::gcode::{PrintFacts, Scripts, Totals, WriterSettings, closing, format_layer, opening};
 use pathwright::geom::{Point, Region};
-use pathwright::motion::{Entry, LayerMoves, MotionSettings, PauseAt, bead_area_mm2, exit, plan_layer};
+use pathwright::motion::{Entry, LayerMoves, MotionSettings, PauseAt, exit, plan_layer};
 use pathwright::order::Visit;
 use pathwright::profile::Settings;
+use pathwright::toolpath::bead::area_mm2;
 use pathwright::toolpath::{Island, LayerPaths, Path, Role, Width};
 use pathwright::units::{Mm3, Seconds};
 
@@ -144,8 +145,8 @@ pub fn volume_mm3(layers: &[LayerPaths], settings: &Settings) -> f64 {
                 (_, Role::BridgeInfill) => {
                     std::f64::consts::PI / 4.0 * settings.printer.nozzle_diameter.0.powi(2)
                 }
-                (Width::Constant(w), _) => bead_area_mm2(*w, path.height_mm),
-                (Width::PerVertex(w), _) => bead_area_mm2(f64::from(w[i]), path.height_mm),
+                (Width::Constant(w), _) => area_mm2(*w, path.height_mm),
+                (Width::PerVertex(w), _) => area_mm2(f64::from(w[i]), path.height_mm),
             };
             for i in 0..if path.closed { n } else { n - 1 } {
                 let j = (i + 1) % n;
