@@ -164,7 +164,7 @@ fn options_reach_the_job() {
     assert_eq!((transform.scale, transform.rotate_deg), ([2.0; 3], [-90.0, 0.0, 45.0]));
     assert_eq!((transform.translate_mm, transform.scale_to_fit), ([1.0, 2.0, 3.0], true));
     assert_eq!((job.copies, job.certify, job.threads), (4, true, Some(2)));
-    assert_eq!(job.pauses, [PauseAt::Layer(2), PauseAt::Height(Mm(1.5))]);
+    assert_eq!(job.pauses, [PauseAt::Layer(2), PauseAt::Height(1.5)]);
 }
 
 #[test]
