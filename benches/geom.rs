@@ -5,7 +5,8 @@ use std::hint::black_box;
 
 use criterion::{Criterion, criterion_group, criterion_main};
 use pathwright::geom::{
-    Clipper, Point, Region, Ring, difference, intersection, offset, scan_lines, union_all, unite_rings,
+    Clipper, Point, Region, Ring, difference, intersection, medial_axis, offset, scan_lines, union_all,
+    unite_rings,
 };
 
 /// An outline with lobes and a fine ripple, scaled about its centre.
@@ -82,5 +83,14 @@ fn lines(c: &mut Criterion) {
     c.bench_function("clip a wave of 4000", |b| b.iter(|| Clipper::new(black_box(&layer)).clip(&wave)));
 }
 
-criterion_group!(benches, offsets, booleans, lines);
+fn axes(c: &mut Criterion) {
+    for vertices in [500, 5000] {
+        let outline = section(vertices, 0.05, 1.0);
+        let band = difference(&outline, &offset(&outline, -0.6));
+        let name = format!("medial axis {} vertices", band.vertex_count());
+        c.bench_function(&name, |b| b.iter(|| medial_axis(black_box(&band), 0.1, 1.0)));
+    }
+}
+
+criterion_group!(benches, offsets, booleans, lines, axes);
 criterion_main!(benches);

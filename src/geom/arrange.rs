@@ -95,20 +95,28 @@ impl Arrangement {
     /// Whether no two edges touch, but for neighbours in a ring at their common vertex.
     /// O(n + c log c) for n vertices in c chains when chains are mostly apart.
     pub(super) fn is_simple(&self) -> bool {
-        let mut order: Vec<&Chain> = self.chains.iter().collect();
         // Sweep along the axis on which the chains are shorter.
-        let extent = |axis: fn(Point) -> i32| -> f64 {
-            let lengths =
-                self.chains.iter().map(|c| f64::from(axis(c.bounds.max)) - f64::from(axis(c.bounds.min)));
+        let extent = |low: fn(&Bounds) -> i32, high: fn(&Bounds) -> i32| {
+            let length = |b: &Bounds| f64::from(high(b)) - f64::from(low(b));
             let whole = self.boxes.iter().copied().reduce(|a, b| a.joined(&b));
-            let span = whole.map_or(0.0, |b| f64::from(axis(b.max)) - f64::from(axis(b.min)));
-            lengths.sum::<f64>() / span.max(1.0)
+            self.chains.iter().map(|c| length(&c.bounds)).sum::<f64>()
+                / whole.map_or(1.0, |b| length(&b).max(1.0))
         };
-        let axis: fn(Point) -> i32 = if extent(|p| p.x) <= extent(|p| p.y) { |p| p.x } else { |p| p.y };
-        order.sort_unstable_by_key(|c| (axis(c.bounds.min), c.first));
-        for (i, a) in order.iter().enumerate() {
-            let end = axis(a.bounds.max);
-            for b in order[i + 1..].iter().take_while(|b| axis(b.bounds.min) <= end) {
+        let along_x = extent(|b| b.min.x, |b| b.max.x) <= extent(|b| b.min.y, |b| b.max.y);
+        let mut order: Vec<(i32, u32, i32)> = self
+            .chains
+            .iter()
+            .enumerate()
+            .map(|(i, Chain { bounds: Bounds { min, max }, .. })| {
+                let (low, high) = if along_x { (min.x, max.x) } else { (min.y, max.y) };
+                (low, i as u32, high)
+            })
+            .collect();
+        order.sort_unstable();
+        for (i, &(_, a, high)) in order.iter().enumerate() {
+            let a = &self.chains[a as usize];
+            for &(_, b, _) in order[i + 1..].iter().take_while(|b| b.0 <= high) {
+                let b = &self.chains[b as usize];
                 if a.bounds.touches(&b.bounds) && self.touch((a.first, a.last), (b.first, b.last), a.ring) {
                     return false;
                 }

@@ -18,6 +18,15 @@ pub struct Edge {
     pub index: u32,
 }
 
+impl Edge {
+    fn bounds(&self) -> Bounds {
+        Bounds {
+            min: Point::new(self.a.x.min(self.b.x), self.a.y.min(self.b.y)),
+            max: Point::new(self.a.x.max(self.b.x), self.a.y.max(self.b.y)),
+        }
+    }
+}
+
 /// Boundary edges sorted into square cells. Building is O(edges) for edges of like length.
 #[derive(Clone, Debug)]
 pub struct EdgeGrid {
@@ -94,6 +103,24 @@ impl EdgeGrid {
         });
         found.sort_unstable();
         found.dedup();
+    }
+
+    /// Whether the point is inside or on the boundary (even-odd over all rings). Passes one row of cells.
+    pub fn contains(&self, p: Point) -> bool {
+        let mut near = Vec::new();
+        self.near_segment(Point::new(self.bounds.min.x.min(p.x), p.y), p, &mut near);
+        let mut inside = false;
+        for edge in near.iter().map(|&i| &self.edges[i as usize]) {
+            let side = (edge.b - edge.a).cross(p - edge.a);
+            if side == 0 && (Bounds { min: p, max: p }).touches(&edge.bounds()) {
+                return true;
+            }
+            let up = edge.a.y <= p.y;
+            if up != (edge.b.y <= p.y) && (side < 0) == up {
+                inside = !inside;
+            }
+        }
+        inside
     }
 
     /// Calls for every cell within [`SLACK`] of the segment, row by row.
