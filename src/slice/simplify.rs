@@ -84,6 +84,7 @@ fn cross(a: [f64; 2], b: [f64; 2]) -> f64 {
 #[derive(Clone, Copy)]
 struct Edge {
     from: Point,
+    length: f64,
     /// Unit vector to its right.
     normal: [f64; 2],
     /// How far it must move along the normal for the area to stay, in grid units.
@@ -97,13 +98,13 @@ impl Edge {
         let (dx, dy) = (f64::from(d.x), f64::from(d.y));
         let length = dx.hypot(dy);
         if length == 0.0 {
-            return Self { from, normal: [0.0; 2], shift: 0.0 };
+            return Self { from, length, normal: [0.0; 2], shift: 0.0 };
         }
         let twice_area: i128 = chain.windows(2).map(|e| i128::from((e[0] - from).cross(e[1] - from))).sum();
         let shift = twice_area as f64 / 2.0 / length;
         // Less than a unit is the noise of rounding: straight edges stay what they are.
         let shift = if shift.abs() < 1.0 { 0.0 } else { shift };
-        Self { from, normal: [dy / length, -dx / length], shift }
+        Self { from, length, normal: [dy / length, -dx / length], shift }
     }
 }
 
@@ -114,12 +115,14 @@ fn corner(before: Edge, after: Edge, tolerance: f64) -> Point {
     }
     let ([ax, ay], [bx, by]) = (before.normal, after.normal);
     let sine = ax * by - ay * bx;
-    // Below 12° the crossing is ill defined, and the mean of the two moves is as good.
-    let [mut dx, mut dy] = if sine.abs() > 0.2 {
+    // Below 30° the crossing is ill defined; the mean of the two moves, weighted by length, keeps the area as well.
+    let [mut dx, mut dy] = if sine.abs() > 0.5 {
         [(before.shift * by - after.shift * ay) / sine, (after.shift * ax - before.shift * bx) / sine]
     } else {
-        let mean = (before.shift + after.shift) / 2.0;
-        [(ax + bx) / 2.0 * mean, (ay + by) / 2.0 * mean]
+        let total = before.length + after.length;
+        let mean = (before.shift * before.length + after.shift * after.length) / total;
+        let widen = mean / (1.0 + ax * bx + ay * by).max(1.0);
+        [(ax + bx) * widen, (ay + by) * widen]
     };
     let length = dx.hypot(dy);
     if length > tolerance {
