@@ -39,7 +39,7 @@ pub fn ring(role: Role, center: (f64, f64), radius_mm: f64, corners: u32) -> Pat
 /// Lines 1 mm apart, joined at their ends.
 pub fn zigzag(role: Role, corner: (f64, f64), size_mm: f64) -> Path {
     let points: Vec<(f64, f64)> = (0..size_mm as u32 * 2)
-        .map(|i| (f64::from(i / 2), if (i + 1) / 2 % 2 == 0 { 0.0 } else { size_mm }))
+        .map(|i| (f64::from(i / 2), if i.div_ceil(2) % 2 == 0 { 0.0 } else { size_mm }))
         .map(|(dx, dy)| (corner.0 + dx, corner.1 + dy))
         .collect();
     path(role, false, &points)
