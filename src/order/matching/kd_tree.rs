@@ -20,7 +20,7 @@ impl Box2 {
         let gap = |low: i32, high: i32, at: i32| {
             (f64::from(low) - f64::from(at)).max(f64::from(at) - f64::from(high)).max(0.0)
         };
-        gap(self.min.x, self.max.x, p.x).hypot(gap(self.min.y, self.max.y, p.y))
+        (gap(self.min.x, self.max.x, p.x).powi(2) + gap(self.min.y, self.max.y, p.y).powi(2)).sqrt()
     }
 }
 
