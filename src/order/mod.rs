@@ -2,6 +2,8 @@
 
 mod as_sliced;
 mod check;
+mod christofides;
+mod christofides_open;
 mod cost;
 mod greedy;
 mod index;
@@ -13,6 +15,8 @@ mod strategy;
 
 pub use as_sliced::AsSliced;
 pub use check::{Fault, check};
+pub use christofides::Christofides;
+pub use christofides_open::ChristofidesOpen;
 pub use cost::{Cost, TravelTime, evaluate};
 pub use greedy::Greedy;
 pub use nearest::Nearest;

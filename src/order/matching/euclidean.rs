@@ -57,15 +57,14 @@ fn site_indices(points: &[Point], triangulation: &DelaunayTriangulation<Point2<f
         .collect()
 }
 
-/// Pairs the points so that the total of [`distance`] is least, exactly: `result[v]` is the partner of `v`. The number
-/// of points must be even.
+/// Pairs the points so that the total of [`distance`] is least, exactly: `result[v]` is the partner of `v`. Of an odd
+/// number, one point is left over, whichever makes the rest cheapest; it is its own partner.
 ///
 /// Coincident points are paired with each other first, which the triangle inequality allows. The rest is solved on
 /// Delaunay edges and nearest neighbours; then every other pair is priced with the duals of vertices and blossoms, those
 /// with negative slack join, and the solver starts again from the vertex duals until there is none. About
 /// O(n log n) on layers of a print.
 pub fn euclidean(points: &[Point]) -> Vec<u32> {
-    debug_assert!(points.len() % 2 == 0);
     let mut mates = vec![NONE; points.len()];
     let single = pair_coincident(points, &mut mates);
     let sites: Vec<Point> = single.iter().map(|&v| points[v as usize]).collect();
@@ -91,15 +90,21 @@ fn pair_coincident(points: &[Point], mates: &mut [u32]) -> Vec<u32> {
     single
 }
 
+/// Matches points of which no two coincide. For an odd number there is one more vertex that costs nothing to match.
 fn distinct(points: &[Point]) -> Vec<u32> {
+    let n = points.len() as u32;
+    let joker = (n % 2 == 1).then_some(n);
     let tree = KdTree::new(points);
     let mut pairs = candidates(points, &tree);
     let mut known: FxHashSet<(u32, u32)> = pairs.iter().copied().collect();
     let mut duals = None;
     loop {
-        let edges: Vec<Edge> =
-            pairs.iter().map(|&(u, v)| (u, v, distance(points[u as usize], points[v as usize]))).collect();
-        let graph = Graph::new(points.len(), &edges);
+        let edges: Vec<Edge> = pairs
+            .iter()
+            .map(|&(u, v)| (u, v, distance(points[u as usize], points[v as usize])))
+            .chain(joker.into_iter().flat_map(|joker| (0..n).map(move |v| (v, joker, 0))))
+            .collect();
+        let graph = Graph::new((n + n % 2) as usize, &edges);
         let start = duals.map_or_else(|| graph.cheapest_halves(), |duals| graph.feasible(duals));
         let mut solver = Solver::new(&graph, &start);
         solver.match_greedily();
@@ -109,7 +114,11 @@ fn distinct(points: &[Point]) -> Vec<u32> {
         let before = pairs.len();
         pairs.extend(violated(points, &tree, &family).into_iter().filter(|&pair| known.insert(pair)));
         if pairs.len() == before {
-            return family.mates;
+            return (0..n)
+                .map(|v| family.mates[v as usize])
+                .zip(0..)
+                .map(|(u, v)| if u == n { v } else { u })
+                .collect();
         }
         duals = Some(family.duals);
     }
@@ -132,7 +141,7 @@ fn candidates(points: &[Point], tree: &KdTree) -> Vec<(u32, u32)> {
         });
         pairs.extend(near.iter().map(|&(_, u)| (u.min(v), u.max(v))));
     }
-    // The points come sorted, so neighbours in number are not far apart.
+    // The points come sorted, so neighbours in number are not far apart. A last one has the joker.
     pairs.extend((0..points.len() as u32 / 2).map(|k| (2 * k, 2 * k + 1)));
     pairs.sort_unstable();
     pairs.dedup();

@@ -1,0 +1,303 @@
+//! Christofides' heuristic over print segments, as Fok, Ganganath, Cheng and Tse adapted it to 3D printing in 2016.
+
+use super::index::Index;
+use super::matching::{delaunay, euclidean};
+use super::nearest::walk_groups;
+use super::precedence::Groups;
+use super::{Cost, Problem, Sequence, Shape, Strategy, Visit};
+use crate::geom::Point;
+use crate::profile::Effort;
+
+/// The seed's algorithm: spanning tree over the print segments, exact matching of its odd nodes, Eulerian circuit,
+/// cut at the start, shortcuts.
+///
+/// Every path is an edge of the graph from the outset, and Kruskal joins what they leave apart by shortest links. The
+/// nozzle's position is a node, joined to itself by a virtual segment, which leaves all parities alone; the circuit begins
+/// there and its way back is dropped. What lies between two paths in the circuit is one straight travel.
+///
+/// A closed path is a circuit through its vertices, so tree and matching may touch it at several; it is drawn whole from
+/// the vertex at which the circuit first meets it. Once the order stands, each loop moves its seam to the vertex with the
+/// shortest way from the path before and to the path after, which the paper leaves open.
+///
+/// Under `feature` and `island` scope the algorithm orders each run, and the runs follow each other by nearest entry.
+/// Links are measured by length whatever the cost: matching needs a metric, which time with retraction is not.
+///
+/// Fok, Ganganath, Cheng, Tse, "A 3D printing path optimizer based on Christofides algorithm", 2016,
+/// <https://doi.org/10.1109/ICCE-TW.2016.7520990>. O(n log n) in practice.
+#[derive(Clone, Copy, Debug)]
+pub struct Christofides;
+
+impl Strategy for Christofides {
+    fn solve(&self, problem: &Problem, _: &Cost, _: Effort) -> Sequence {
+        solve(problem, Ending::AtStart)
+    }
+}
+
+/// Where the Eulerian walk ends.
+#[derive(Clone, Copy, PartialEq, Eq)]
+pub(super) enum Ending {
+    /// Where it began.
+    AtStart,
+    /// At the problem's end; anywhere if there is none.
+    Open,
+}
+
+pub(super) fn solve(problem: &Problem, ending: Ending) -> Sequence {
+    let groups = Groups::new(problem);
+    let mut index = Index::new(problem, &groups);
+    let mut sequence = walk_groups(problem, &groups, &mut index, |group, start, _, sequence| {
+        let items = &groups.items[group as usize];
+        let last = sequence.len() + items.len() == problem.items.len();
+        let end = problem.end.filter(|_| last && ending == Ending::Open);
+        sequence.extend(Network::new(problem, items, start, end).walk(ending));
+    });
+    reseat(problem, &mut sequence);
+    sequence
+}
+
+/// The start is node 0.
+const START: u32 = 0;
+
+/// What an edge of the multigraph stands for.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Way {
+    /// A travel, or a piece of a loop.
+    Move,
+    /// An open path, by index into the items; the direction is that of the walk.
+    Draw(u32),
+}
+
+/// Where a node is.
+#[derive(Clone, Copy)]
+struct Node {
+    at: Point,
+    /// The item it belongs to; `u32::MAX`: start and end.
+    item: u32,
+    /// As in [`Visit`].
+    entry: u32,
+}
+
+/// Ends, vertices and paths of one group as a multigraph.
+struct Network<'a> {
+    problem: &'a Problem<'a>,
+    nodes: Vec<Node>,
+    /// Each item's first node.
+    first: Vec<u32>,
+    items: &'a [u32],
+    edges: Vec<(u32, u32, Way)>,
+    /// Whether the last node is where the walk must end.
+    fixed_end: bool,
+}
+
+impl<'a> Network<'a> {
+    fn new(problem: &'a Problem<'a>, items: &'a [u32], start: Point, end: Option<Point>) -> Self {
+        let mut nodes = vec![Node { at: start, item: u32::MAX, entry: 0 }];
+        let mut first = Vec::with_capacity(items.len());
+        let mut edges = Vec::new();
+        for &item in items {
+            let node = nodes.len() as u32;
+            first.push(node);
+            let vertices = match &problem.items[item as usize].shape {
+                Shape::Open(ends) => {
+                    edges.push((node, node + 1, Way::Draw(item)));
+                    &ends[..]
+                }
+                Shape::Loop(vertices) => vertices,
+            };
+            nodes.extend(vertices.iter().zip(0..).map(|(&at, entry)| Node { at, item, entry }));
+        }
+        nodes.extend(end.map(|at| Node { at, item: u32::MAX, entry: 0 }));
+        Self { problem, nodes, first, items, edges, fixed_end: end.is_some() }
+    }
+
+    /// Adds the shortest links that join everything: Kruskal over Delaunay edges and coincident points.
+    fn span(&mut self) {
+        let points: Vec<Point> = self.nodes.iter().map(|node| node.at).collect();
+        let mut links: Vec<(i64, u32, u32)> = delaunay(&points)
+            .into_iter()
+            .map(|(u, v)| (points[u as usize].distance2(points[v as usize]), u, v))
+            .collect();
+        let mut by_place: Vec<u32> = (0..points.len() as u32).collect();
+        by_place.sort_unstable_by_key(|&v| (points[v as usize], v));
+        links.extend(by_place.windows(2).filter_map(|pair| {
+            (points[pair[0] as usize] == points[pair[1] as usize]).then_some((0, pair[0], pair[1]))
+        }));
+        links.sort_unstable();
+        let mut parts = Parts::new(self.nodes.len());
+        for (&item, &first) in self.items.iter().zip(&self.first) {
+            let vertices = match self.problem.items[item as usize].shape {
+                Shape::Open(_) => 2,
+                Shape::Loop(vertices) => vertices.len() as u32,
+            };
+            for node in first + 1..first + vertices {
+                parts.join(first, node);
+            }
+        }
+        for (_, u, v) in links {
+            if parts.join(u, v) {
+                self.edges.push((u, v, Way::Move));
+            }
+        }
+    }
+
+    /// Adds the cheapest set of links that leaves an Eulerian walk with the given ending.
+    fn make_even(&mut self, ending: Ending) {
+        let mut odd = vec![false; self.nodes.len()];
+        for &(u, v, _) in &self.edges {
+            odd[u as usize] ^= true;
+            odd[v as usize] ^= true;
+        }
+        if ending == Ending::Open {
+            odd[START as usize] ^= true;
+            let last = odd.len() - 1;
+            odd[last] ^= self.fixed_end;
+        }
+        let odd: Vec<u32> = (0..odd.len() as u32).filter(|&v| odd[v as usize]).collect();
+        let points: Vec<Point> = odd.iter().map(|&v| self.nodes[v as usize].at).collect();
+        for (v, mate) in euclidean(&points).into_iter().enumerate() {
+            if v < mate as usize {
+                self.edges.push((odd[v], odd[mate as usize], Way::Move));
+            }
+        }
+    }
+
+    /// Adds the circuit of each loop through those of its vertices that a link touches.
+    fn close_loops(&mut self) {
+        let mut touched = vec![false; self.nodes.len()];
+        for &(u, v, _) in &self.edges {
+            touched[u as usize] = true;
+            touched[v as usize] = true;
+        }
+        for (&item, &first) in self.items.iter().zip(&self.first) {
+            let Shape::Loop(vertices) = self.problem.items[item as usize].shape else { continue };
+            let on: Vec<u32> =
+                (first..first + vertices.len() as u32).filter(|&v| touched[v as usize]).collect();
+            if on.len() > 1 {
+                self.edges.extend((0..on.len()).map(|k| (on[k], on[(k + 1) % on.len()], Way::Move)));
+            }
+        }
+    }
+
+    fn walk(mut self, ending: Ending) -> Sequence {
+        self.span();
+        self.make_even(ending);
+        self.close_loops();
+        let mut drawn = vec![false; self.problem.items.len()];
+        let mut sequence = Sequence::with_capacity(self.items.len());
+        for (node, way) in self.eulerian() {
+            let Node { item, entry, .. } = self.nodes[node as usize];
+            let visit = match way {
+                // The walk arrives at the other end of the path it draws.
+                Way::Draw(item) => Visit { item, entry: 1 - entry },
+                Way::Move => Visit { item, entry },
+            };
+            let open = |item: u32| matches!(self.problem.items[item as usize].shape, Shape::Open(_));
+            if item != u32::MAX && !drawn[item as usize] && (way != Way::Move || !open(item)) {
+                drawn[item as usize] = true;
+                sequence.push(visit);
+            }
+        }
+        sequence
+    }
+
+    /// The nodes of an Eulerian walk from the start, each with the edge that leads to it. Hierholzer 1873,
+    /// <https://doi.org/10.1007/BF01442866>.
+    fn eulerian(&self) -> Vec<(u32, Way)> {
+        let mut rows = vec![0_u32; self.nodes.len() + 2];
+        for &(u, v, _) in &self.edges {
+            rows[u as usize + 2] += 1;
+            rows[v as usize + 2] += 1;
+        }
+        for i in 2..rows.len() {
+            rows[i] += rows[i - 1];
+        }
+        let mut incident = vec![0_u32; 2 * self.edges.len()];
+        for (e, &(u, v, _)) in self.edges.iter().enumerate() {
+            for node in [u, v] {
+                let place = &mut rows[node as usize + 1];
+                incident[*place as usize] = e as u32;
+                *place += 1;
+            }
+        }
+        let mut next: Vec<u32> = rows[..self.nodes.len()].to_vec();
+        let mut used = vec![false; self.edges.len()];
+        let mut stack = vec![(START, Way::Move)];
+        let mut walk = Vec::with_capacity(self.edges.len() + 1);
+        while let Some(&(node, way)) = stack.last() {
+            let place = &mut next[node as usize];
+            if *place == rows[node as usize + 1] {
+                walk.push((node, way));
+                stack.pop();
+                continue;
+            }
+            let e = incident[*place as usize];
+            *place += 1;
+            if !std::mem::replace(&mut used[e as usize], true) {
+                let (u, v, way) = self.edges[e as usize];
+                stack.push((u ^ v ^ node, way));
+            }
+        }
+        // The walk comes out backwards.
+        walk.reverse();
+        walk
+    }
+}
+
+/// Moves each loop's seam to the vertex with the shortest way from the path before and to the path after, going on
+/// until nothing moves or a few rounds are done.
+fn reseat(problem: &Problem, sequence: &mut Sequence) {
+    const ROUNDS: usize = 4;
+    for _ in 0..ROUNDS {
+        let mut moved = false;
+        let mut before = problem.start;
+        for at in 0..sequence.len() {
+            let after = match sequence.get(at + 1) {
+                Some(next) => Some(problem.items[next.item as usize].ends(next.entry).0),
+                None => problem.end,
+            };
+            let visit = &mut sequence[at];
+            let item = problem.items[visit.item as usize];
+            if let Shape::Loop(vertices) = item.shape {
+                let way =
+                    |v: Point| [before, after].into_iter().flatten().map(|p| p.distance_mm(v)).sum::<f64>();
+                let mut best = (way(vertices[visit.entry as usize]), visit.entry);
+                for (&v, entry) in vertices.iter().zip(0..) {
+                    let length = way(v);
+                    if length < best.0 {
+                        best = (length, entry);
+                        moved = true;
+                    }
+                }
+                visit.entry = best.1;
+            }
+            before = Some(item.ends(visit.entry).1);
+        }
+        if !moved {
+            return;
+        }
+    }
+}
+
+/// Disjoint sets with path halving and union by index (Tarjan & van Leeuwen 1984, <https://doi.org/10.1145/62.2160>).
+pub(super) struct Parts(Vec<u32>);
+
+impl Parts {
+    pub(super) fn new(count: usize) -> Self {
+        Self((0..count as u32).collect())
+    }
+
+    pub(super) fn find(&mut self, mut v: u32) -> u32 {
+        while self.0[v as usize] != v {
+            self.0[v as usize] = self.0[self.0[v as usize] as usize];
+            v = self.0[v as usize];
+        }
+        v
+    }
+
+    /// Whether the two were apart.
+    pub(super) fn join(&mut self, u: u32, v: u32) -> bool {
+        let (u, v) = (self.find(u), self.find(v));
+        self.0[u.max(v) as usize] = u.min(v);
+        u != v
+    }
+}
