@@ -15,9 +15,11 @@ use crate::profile::Effort;
 /// nozzle's position is a node, joined to itself by a virtual segment, which leaves all parities alone; the circuit begins
 /// there and its way back is dropped. What lies between two paths in the circuit is one straight travel.
 ///
-/// A closed path is a circuit through its vertices, so tree and matching may touch it at several; it is drawn whole from
-/// the vertex at which the circuit first meets it. Once the order stands, each loop moves its seam to the vertex with the
-/// shortest way from the path before and to the path after, which the paper leaves open.
+/// A closed path is a node that is joined to itself, as the start is: it is entered and left at one vertex, the one that
+/// the shortest link of a spanning tree over all vertices touches. (The paper leaves this open. As a circuit of all
+/// its vertices a loop would seem to carry the walk from one to another for free, yet it is drawn at once when it is met:
+/// that made links half as long again.) Once the order stands, each loop moves its seam to the vertex with the shortest
+/// way from the path before and to the path after.
 ///
 /// Under `feature` and `island` scope the algorithm orders each run, and the runs follow each other by nearest entry.
 /// Links are measured by length whatever the cost: matching needs a metric, which time with retraction is not.
@@ -45,14 +47,16 @@ pub(super) enum Ending {
 pub(super) fn solve(problem: &Problem, ending: Ending) -> Sequence {
     let groups = Groups::new(problem);
     let mut index = Index::new(problem, &groups);
-    let mut sequence = walk_groups(problem, &groups, &mut index, |group, start, _, sequence| {
+    walk_groups(problem, &groups, &mut index, |group, start, _, sequence| {
         let items = &groups.items[group as usize];
         let last = sequence.len() + items.len() == problem.items.len();
         let end = problem.end.filter(|_| last && ending == Ending::Open);
-        sequence.extend(Network::new(problem, items, start, end).walk(ending));
-    });
-    reseat(problem, &mut sequence);
-    sequence
+        let mut network = Network::new(problem, items, start, end);
+        network.settle_loops();
+        let mut part = network.walk(ending);
+        reseat(problem, start, end, &mut part);
+        sequence.extend(part);
+    })
 }
 
 /// The start is node 0.
@@ -61,7 +65,7 @@ const START: u32 = 0;
 /// What an edge of the multigraph stands for.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Way {
-    /// A travel, or a piece of a loop.
+    /// A travel.
     Move,
     /// An open path, by index into the items; the direction is that of the walk.
     Draw(u32),
@@ -110,8 +114,48 @@ impl<'a> Network<'a> {
         Self { problem, nodes, first, items, edges, fixed_end: end.is_some() }
     }
 
-    /// Adds the shortest links that join everything: Kruskal over Delaunay edges and coincident points.
-    fn span(&mut self) {
+    /// Leaves each loop the one vertex that the shortest link of a spanning tree touches.
+    fn settle_loops(&mut self) {
+        let mut kept = vec![false; self.nodes.len()];
+        let mut settled = vec![false; self.items.len() + 1];
+        for (u, v) in self.spanning_tree() {
+            for node in [u, v] {
+                let place = &mut settled[self.owner(node)];
+                kept[node as usize] |= !std::mem::replace(place, true);
+            }
+        }
+        let open = |node: &Node| {
+            node.item == u32::MAX || matches!(self.problem.items[node.item as usize].shape, Shape::Open(_))
+        };
+        let mut moved = vec![0; self.nodes.len()];
+        let mut nodes = Vec::new();
+        for (old, node) in self.nodes.iter().enumerate() {
+            moved[old] = nodes.len() as u32;
+            if kept[old] || open(node) {
+                nodes.push(*node);
+            }
+        }
+        self.nodes = nodes;
+        for first in &mut self.first {
+            *first = moved[*first as usize];
+        }
+        for (u, v, _) in &mut self.edges {
+            (*u, *v) = (moved[*u as usize], moved[*v as usize]);
+        }
+    }
+
+    /// Index into `items` of the path that a node belongs to; one past the last for start and end.
+    fn owner(&self, node: u32) -> usize {
+        if self.nodes[node as usize].item == u32::MAX {
+            self.items.len()
+        } else {
+            self.first.partition_point(|&first| first <= node) - 1
+        }
+    }
+
+    /// The shortest links that join everything, shortest first: Kruskal 1956 (<https://doi.org/10.1090/S0002-9939-1956-0078686-7>)
+    /// over the paths, the Delaunay edges, and the coincident points.
+    fn spanning_tree(&self) -> Vec<(u32, u32)> {
         let points: Vec<Point> = self.nodes.iter().map(|node| node.at).collect();
         let mut links: Vec<(i64, u32, u32)> = delaunay(&points)
             .into_iter()
@@ -124,20 +168,14 @@ impl<'a> Network<'a> {
         }));
         links.sort_unstable();
         let mut parts = Parts::new(self.nodes.len());
-        for (&item, &first) in self.items.iter().zip(&self.first) {
-            let vertices = match self.problem.items[item as usize].shape {
-                Shape::Open(_) => 2,
-                Shape::Loop(vertices) => vertices.len() as u32,
-            };
-            for node in first + 1..first + vertices {
+        for (k, &first) in self.first.iter().enumerate() {
+            let last =
+                self.first.get(k + 1).copied().unwrap_or(self.nodes.len() as u32 - u32::from(self.fixed_end));
+            for node in first + 1..last {
                 parts.join(first, node);
             }
         }
-        for (_, u, v) in links {
-            if parts.join(u, v) {
-                self.edges.push((u, v, Way::Move));
-            }
-        }
+        links.into_iter().filter(|&(_, u, v)| parts.join(u, v)).map(|(_, u, v)| (u, v)).collect()
     }
 
     /// Adds the cheapest set of links that leaves an Eulerian walk with the given ending.
@@ -161,27 +199,10 @@ impl<'a> Network<'a> {
         }
     }
 
-    /// Adds the circuit of each loop through those of its vertices that a link touches.
-    fn close_loops(&mut self) {
-        let mut touched = vec![false; self.nodes.len()];
-        for &(u, v, _) in &self.edges {
-            touched[u as usize] = true;
-            touched[v as usize] = true;
-        }
-        for (&item, &first) in self.items.iter().zip(&self.first) {
-            let Shape::Loop(vertices) = self.problem.items[item as usize].shape else { continue };
-            let on: Vec<u32> =
-                (first..first + vertices.len() as u32).filter(|&v| touched[v as usize]).collect();
-            if on.len() > 1 {
-                self.edges.extend((0..on.len()).map(|k| (on[k], on[(k + 1) % on.len()], Way::Move)));
-            }
-        }
-    }
-
     fn walk(mut self, ending: Ending) -> Sequence {
-        self.span();
+        let tree = self.spanning_tree();
+        self.edges.extend(tree.into_iter().map(|(u, v)| (u, v, Way::Move)));
         self.make_even(ending);
-        self.close_loops();
         let mut drawn = vec![false; self.problem.items.len()];
         let mut sequence = Sequence::with_capacity(self.items.len());
         for (node, way) in self.eulerian() {
@@ -245,21 +266,20 @@ impl<'a> Network<'a> {
 
 /// Moves each loop's seam to the vertex with the shortest way from the path before and to the path after, going on
 /// until nothing moves or a few rounds are done.
-fn reseat(problem: &Problem, sequence: &mut Sequence) {
+fn reseat(problem: &Problem, start: Point, end: Option<Point>, sequence: &mut Sequence) {
     const ROUNDS: usize = 4;
     for _ in 0..ROUNDS {
         let mut moved = false;
-        let mut before = problem.start;
+        let mut before = start;
         for at in 0..sequence.len() {
             let after = match sequence.get(at + 1) {
                 Some(next) => Some(problem.items[next.item as usize].ends(next.entry).0),
-                None => problem.end,
+                None => end,
             };
             let visit = &mut sequence[at];
             let item = problem.items[visit.item as usize];
             if let Shape::Loop(vertices) = item.shape {
-                let way =
-                    |v: Point| [before, after].into_iter().flatten().map(|p| p.distance_mm(v)).sum::<f64>();
+                let way = |v: Point| before.distance_mm(v) + after.map_or(0.0, |after| v.distance_mm(after));
                 let mut best = (way(vertices[visit.entry as usize]), visit.entry);
                 for (&v, entry) in vertices.iter().zip(0..) {
                     let length = way(v);
@@ -270,7 +290,7 @@ fn reseat(problem: &Problem, sequence: &mut Sequence) {
                 }
                 visit.entry = best.1;
             }
-            before = Some(item.ends(visit.entry).1);
+            before = item.ends(visit.entry).1;
         }
         if !moved {
             return;
