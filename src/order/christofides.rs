@@ -47,16 +47,19 @@ pub(super) enum Ending {
 pub(super) fn solve(problem: &Problem, ending: Ending) -> Sequence {
     let groups = Groups::new(problem);
     let mut index = Index::new(problem, &groups);
-    walk_groups(problem, &groups, &mut index, |group, start, _, sequence| {
+    let mut sequence = walk_groups(problem, &groups, &mut index, |group, start, _, sequence| {
         let items = &groups.items[group as usize];
         let last = sequence.len() + items.len() == problem.items.len();
         let end = problem.end.filter(|_| last && ending == Ending::Open);
         let mut network = Network::new(problem, items, start, end);
         network.settle_loops();
         let mut part = network.walk(ending);
-        reseat(problem, start, end, &mut part);
+        reseat(problem, Some(start), end, &mut part);
         sequence.extend(part);
-    })
+    });
+    // Once more, now that it is known where each run leads to.
+    reseat(problem, problem.start, problem.end, &mut sequence);
+    sequence
 }
 
 /// The start is node 0.
@@ -266,7 +269,7 @@ impl<'a> Network<'a> {
 
 /// Moves each loop's seam to the vertex with the shortest way from the path before and to the path after, going on
 /// until nothing moves or a few rounds are done.
-fn reseat(problem: &Problem, start: Point, end: Option<Point>, sequence: &mut Sequence) {
+fn reseat(problem: &Problem, start: Option<Point>, end: Option<Point>, sequence: &mut Sequence) {
     const ROUNDS: usize = 4;
     for _ in 0..ROUNDS {
         let mut moved = false;
@@ -279,7 +282,8 @@ fn reseat(problem: &Problem, start: Point, end: Option<Point>, sequence: &mut Se
             let visit = &mut sequence[at];
             let item = problem.items[visit.item as usize];
             if let Shape::Loop(vertices) = item.shape {
-                let way = |v: Point| before.distance_mm(v) + after.map_or(0.0, |after| v.distance_mm(after));
+                let way =
+                    |v: Point| [before, after].into_iter().flatten().map(|p| p.distance_mm(v)).sum::<f64>();
                 let mut best = (way(vertices[visit.entry as usize]), visit.entry);
                 for (&v, entry) in vertices.iter().zip(0..) {
                     let length = way(v);
@@ -290,7 +294,7 @@ fn reseat(problem: &Problem, start: Point, end: Option<Point>, sequence: &mut Se
                 }
                 visit.entry = best.1;
             }
-            before = item.ends(visit.entry).1;
+            before = Some(item.ends(visit.entry).1);
         }
         if !moved {
             return;
