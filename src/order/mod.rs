@@ -1,6 +1,7 @@
 //! Finds the order, direction and entry of every path of a layer.
 
 mod as_sliced;
+pub mod bound;
 mod chain;
 mod check;
 mod christofides;

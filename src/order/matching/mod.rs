@@ -5,6 +5,7 @@ mod kd_tree;
 mod solver;
 
 pub(crate) use euclidean::delaunay;
+pub(crate) use kd_tree::KdTree;
 pub use euclidean::{distance, euclidean};
 pub use solver::Edge;
 use solver::{Graph, Solver};
