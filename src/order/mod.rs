@@ -1,12 +1,16 @@
 //! Finds the order, direction and entry of every path of a layer.
 
 mod as_sliced;
+pub mod bound;
 mod chain;
 mod check;
+mod christofides;
+mod christofides_open;
 mod cost;
 mod greedy;
 mod index;
 mod layer;
+pub mod matching;
 mod nearest;
 mod optimized;
 mod precedence;
@@ -17,6 +21,8 @@ mod strategy;
 pub use as_sliced::AsSliced;
 pub use chain::{Chain, chunk_len};
 pub use check::{Fault, check};
+pub use christofides::Christofides;
+pub use christofides_open::ChristofidesOpen;
 pub use cost::{Cost, TravelTime, evaluate};
 pub use greedy::Greedy;
 pub use layer::{LayerProblem, ends_on_path};

@@ -1,6 +1,6 @@
 //! One trait behind which every way of ordering lives. Adding one is a file and a line in [`strategy`].
 
-use super::{AsSliced, Cost, Greedy, Nearest, Optimized, Problem, Sequence};
+use super::{AsSliced, Christofides, ChristofidesOpen, Cost, Greedy, Nearest, Optimized, Problem, Sequence};
 use crate::profile::{Effort, OrderStrategy};
 
 /// A way of ordering a layer.
@@ -17,8 +17,8 @@ pub fn strategy(name: OrderStrategy) -> &'static dyn Strategy {
         OrderStrategy::AsSliced => &AsSliced,
         OrderStrategy::Nearest => &Nearest,
         OrderStrategy::Greedy => &Greedy,
-        OrderStrategy::Christofides => &AsSliced,
-        OrderStrategy::ChristofidesOpen => &AsSliced,
+        OrderStrategy::Christofides => &Christofides,
+        OrderStrategy::ChristofidesOpen => &ChristofidesOpen,
         OrderStrategy::Optimized => &Optimized,
     }
 }
