@@ -6,7 +6,6 @@ use std::str::FromStr;
 use crate::output::{Output, OutputError};
 use crate::profile::{ProfileError, Settings};
 use crate::report::{ModelInfo, Summary};
-use crate::units::Mm;
 
 /// Models for one plate, and what to do with them.
 #[derive(Clone, Debug, PartialEq)]
@@ -23,6 +22,19 @@ pub struct Job {
     pub certify: bool,
     /// Worker threads; `None`: `RAYON_NUM_THREADS`, or else all cores.
     pub threads: Option<usize>,
+}
+
+impl Default for Job {
+    fn default() -> Self {
+        Self {
+            models: Vec::new(),
+            transform: TransformOptions::default(),
+            copies: 1,
+            pauses: Vec::new(),
+            certify: false,
+            threads: None,
+        }
+    }
 }
 
 /// Scaled first, then turned, then placed on the bed, then moved.
@@ -49,8 +61,8 @@ impl Default for TransformOptions {
 pub enum PauseAt {
     /// A layer, counted from 0.
     Layer(usize),
-    /// A height over the bed.
-    Height(Mm),
+    /// A height over the bed, millimetres.
+    Height(f64),
 }
 
 impl FromStr for PauseAt {
@@ -60,7 +72,7 @@ impl FromStr for PauseAt {
         let wrong = || "a layer such as 12, or a height such as 12.4mm, is expected".to_owned();
         match text.strip_suffix("mm") {
             Some(number) => match number.trim().parse::<f64>() {
-                Ok(height) if height.is_finite() && height > 0.0 => Ok(Self::Height(Mm(height))),
+                Ok(height) if height.is_finite() && height > 0.0 => Ok(Self::Height(height)),
                 _ => Err(wrong()),
             },
             None => match text.parse::<usize>() {
@@ -141,7 +153,7 @@ mod tests {
     #[test]
     fn a_pause_is_a_layer_or_a_height() {
         assert_eq!("12".parse(), Ok(PauseAt::Layer(11)));
-        assert_eq!("12.4mm".parse(), Ok(PauseAt::Height(Mm(12.4))));
+        assert_eq!("12.4mm".parse(), Ok(PauseAt::Height(12.4)));
         for wrong in ["0", "-1", "12.4", "mm", "nanmm", "0mm", "x"] {
             assert!(wrong.parse::<PauseAt>().is_err(), "{wrong}");
         }

@@ -10,7 +10,6 @@ use pathwright::job::{Engine, Job, JobError, PauseAt, Progress, TransformOptions
 use pathwright::output::Output;
 use pathwright::profile::Settings;
 use pathwright::report::{ModelInfo, Summary};
-use pathwright::units::Mm;
 
 thread_local! {
     /// What the engine was asked to do.
@@ -163,7 +162,7 @@ fn options_reach_the_job() {
     assert_eq!((transform.scale, transform.rotate_deg), ([2.0; 3], [-90.0, 0.0, 45.0]));
     assert_eq!((transform.translate_mm, transform.scale_to_fit), ([1.0, 2.0, 3.0], true));
     assert_eq!((job.copies, job.certify, job.threads), (4, true, Some(2)));
-    assert_eq!(job.pauses, [PauseAt::Layer(2), PauseAt::Height(Mm(1.5))]);
+    assert_eq!(job.pauses, [PauseAt::Layer(2), PauseAt::Height(1.5)]);
 }
 
 #[test]
