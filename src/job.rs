@@ -24,6 +24,19 @@ pub struct Job {
     pub threads: Option<usize>,
 }
 
+impl Default for Job {
+    fn default() -> Self {
+        Self {
+            models: Vec::new(),
+            transform: TransformOptions::default(),
+            copies: 1,
+            pauses: Vec::new(),
+            certify: false,
+            threads: None,
+        }
+    }
+}
+
 /// Scaled first, then turned, then placed on the bed, then moved.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct TransformOptions {

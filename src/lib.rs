@@ -21,3 +21,8 @@ pub mod report;
 pub mod slice;
 pub mod toolpath;
 pub mod units;
+
+/// The examples of the README are compiled with the documentation's.
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+pub struct Readme;

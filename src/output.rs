@@ -80,11 +80,6 @@ impl Output {
         }
     }
 
-    /// Bytes so far.
-    pub fn written(&self) -> u64 {
-        self.written
-    }
-
     /// Appends.
     ///
     /// # Errors
@@ -102,7 +97,7 @@ impl Output {
     }
 
     /// Bytes written so far: where the next ones go.
-    pub fn position(&self) -> u64 {
+    pub fn written(&self) -> u64 {
         self.written
     }
 
@@ -298,7 +293,7 @@ mod tests {
         output.write(b";TIME:0000\n").unwrap();
         output.patch(6, b"1234").unwrap();
         output.write(b"G28\n").unwrap();
-        assert_eq!(output.position(), 15);
+        assert_eq!(output.written(), 15);
         assert!(output.patch(12, b"long").is_err(), "beyond the end");
         output.commit().unwrap();
         assert_eq!(fs::read(&path).unwrap(), b";TIME:1234\nG28\n");

@@ -11,7 +11,6 @@ use pathwright::motion::PauseAt;
 use pathwright::output::Output;
 use pathwright::profile::Settings;
 use pathwright::report::{ModelInfo, Summary};
-use pathwright::units::Mm;
 
 thread_local! {
     /// What the engine was asked to do.

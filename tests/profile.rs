@@ -171,6 +171,7 @@ fn wrong_types_are_refused() {
         ("bed.size", "[200]"),
         ("bed.size", "200"),
         ("infill.density", "lots%"),
+        ("printer.name", "\"two\\nlines\""),
     ] {
         assert_eq!(problems(&[], &[(key, value)]).len(), 1, "{key}={value}");
     }
@@ -347,7 +348,7 @@ fn words(line: &str) -> (&str, impl Fn(char) -> Option<f64> + '_) {
     })
 }
 
-const PRINT: PrintBounds = PrintBounds { min_mm: [-5.0, -5.0, 0.0], max_mm: [60.0, 60.0, 40.0] };
+const PRINT: PrintBounds = PrintBounds { min_mm: [0.0; 2], max_mm: [60.0; 2], max_z_mm: 40.0, layers: 200 };
 
 #[test]
 fn start_scripts_heat_before_they_extrude_and_prime_inside_the_bed() {
@@ -392,7 +393,7 @@ fn end_scripts_retract_lift_leave_and_switch_off() {
         for line in script.lines() {
             let (command, word) = words(line);
             assert!(COMMANDS.contains(&command), "{}: {line}", profile.name);
-            assert!(word('Z').is_none_or(|z| z > PRINT.max_mm[2] && z <= s.bed.height.0), "{line}");
+            assert!(word('Z').is_none_or(|z| z > PRINT.max_z_mm && z <= s.bed.height.0), "{line}");
             if let (Some(x), Some(y)) = (word('X'), word('Y')) {
                 assert!(on_the_bed(&s, x, y), "{}: {line}", profile.name);
             }

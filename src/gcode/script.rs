@@ -29,15 +29,14 @@ impl Scripts {
     /// # Errors
     /// Every mistake in all three scripts, a line each. Scripts of a resolved profile have none.
     pub fn new(settings: &Settings, facts: &PrintFacts) -> Result<Self, Vec<String>> {
-        let ([x0, y0], [x1, y1]) = (facts.min_mm, facts.max_mm);
-        let print = PrintBounds { min_mm: [x0, y0, 0.0], max_mm: [x1, y1, facts.max_z_mm] };
+        let PrintFacts { min_mm, max_mm, max_z_mm, layers, .. } = *facts;
+        let print = PrintBounds { min_mm, max_mm, max_z_mm, layers };
         let mut errors = Vec::new();
         let mut filled = |name: &str, text: &str| {
-            let lines = expand(text, settings, print).unwrap_or_else(|mistakes| {
+            expand(text, settings, print).unwrap_or_else(|mistakes| {
                 errors.extend(mistakes.iter().map(|mistake| format!("{name}: {mistake}")));
                 String::new()
-            });
-            lines.lines().flat_map(|line| [line.trim_end(), "\n"]).collect::<String>()
+            })
         };
         let gcode = &settings.gcode;
         let scripts = Self {

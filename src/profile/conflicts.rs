@@ -223,11 +223,10 @@ fn retraction(settings: &Settings, check: &mut Check) {
 }
 
 fn scripts(settings: &Settings, check: &mut Check) {
-    let bounds = PrintBounds { min_mm: [0.0; 3], max_mm: [0.0; 3] };
     let gcode = &settings.gcode;
     let scripts = [("gcode.start", &gcode.start), ("gcode.end", &gcode.end), ("gcode.pause", &gcode.pause)];
     for (key, script) in scripts {
-        for message in expand(script, settings, bounds).err().into_iter().flatten() {
+        for message in expand(script, settings, PrintBounds::default()).err().into_iter().flatten() {
             check.error(&[key], &message);
         }
     }

@@ -138,6 +138,11 @@ fn check(key: &str, value: &Value) -> Result<(), String> {
         (Kind::Count, Value::Integer(n)) => in_range(field, *n as f64) && u32::try_from(*n).is_ok(),
         (Kind::Share, value) => share(value).is_some_and(|n| in_range(field, n)),
         (Kind::Flag, value) => value.is_bool(),
+        (Kind::Text, Value::String(text))
+            if !key.starts_with("gcode.") && text.contains(char::is_control) =>
+        {
+            return Err("a text of one line is expected".into());
+        }
         (Kind::Text, value) => value.is_str(),
         (Kind::Choice(names), Value::String(word)) if !names.contains(&word.as_str()) => {
             let hint = suggest::name(word, names.iter().copied());

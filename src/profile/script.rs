@@ -7,13 +7,17 @@ use std::f64::consts::PI;
 use super::settings::{BedOrigin, BedShape, Settings};
 use super::suggest;
 
-/// The box that the print occupies, in bed coordinates.
-#[derive(Clone, Copy, Debug, PartialEq)]
+/// What scripts may know of a print, in bed coordinates.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct PrintBounds {
-    /// Least X, Y and Z, millimetres.
-    pub min_mm: [f64; 3],
-    /// Greatest X, Y and Z, millimetres.
-    pub max_mm: [f64; 3],
+    /// Least X and Y, millimetres.
+    pub min_mm: [f64; 2],
+    /// Greatest X and Y, millimetres.
+    pub max_mm: [f64; 2],
+    /// Top of the last layer, Z offset included, millimetres.
+    pub max_z_mm: f64,
+    /// Number of layers.
+    pub layers: usize,
 }
 
 /// What a placeholder's value is computed from.
@@ -132,6 +136,10 @@ placeholders! {
     "printer", "name of the printer": |c| one_line(&c.settings.printer.name);
     "filament_diameter", "diameter of the strand, mm": |c| number(c.settings.filament.diameter.0);
     "retract_length", "filament pulled back at a retraction, mm": |c| number(c.settings.retract.length.0);
+    "retract_f", "feed rate of retractions, mm/min": |c| number(c.settings.retract.speed.0 * 60.0);
+    "travel_f", "feed rate of travel in X and Y, mm/min": |c| number(c.settings.speed.travel.0 * 60.0);
+    "z_f", "feed rate of travel in Z, mm/min": |c| number(c.settings.speed.z.0 * 60.0);
+    "layer_count", "number of layers": |c| c.print.layers.to_string();
     "prime_x0", "X where the prime line starts, near the front edge": |c| number(c.bed.prime_line().0[0]);
     "prime_x1", "X where the prime line ends": |c| number(c.bed.prime_line().0[1]);
     "prime_y0", "Y of the prime line": |c| number(c.bed.prime_line().1);
@@ -139,13 +147,12 @@ placeholders! {
     "prime_e", "filament for one of them, 1.5 nozzles wide and as high as the first layer, mm": |c| number(prime_filament_mm(c.settings, &c.bed));
     "park_x", "X to wait at after the print, at the back": |c| number(c.bed.park()[0]);
     "park_y", "Y to wait at after the print": |c| number(c.bed.park()[1]);
-    "park_z", "Z to lift to after the print: clear of it, inside the machine": |c| number(park_z_mm(c.settings, c.print.max_mm[2]));
+    "park_z", "Z to lift to after the print: clear of it, inside the machine": |c| number(park_z_mm(c.settings, c.print.max_z_mm));
     "print_min_x", "least X of the print": |c| number(c.print.min_mm[0]);
     "print_min_y", "least Y of the print": |c| number(c.print.min_mm[1]);
-    "print_min_z", "least Z of the print": |c| number(c.print.min_mm[2]);
     "print_max_x", "greatest X of the print": |c| number(c.print.max_mm[0]);
     "print_max_y", "greatest Y of the print": |c| number(c.print.max_mm[1]);
-    "print_max_z", "greatest Z of the print": |c| number(c.print.max_mm[2]);
+    "print_max_z", "greatest Z of the print": |c| number(c.print.max_z_mm);
 }
 
 /// Free text as it may stand in a command or comment: no line ends or other control characters, and no
@@ -171,47 +178,50 @@ fn number(value: f64) -> String {
     if text == "-0" { "0".into() } else { text.into() }
 }
 
-/// Fills in a script's placeholders.
+/// Fills in a script's placeholders. Every line ends with `\n`, and none with blanks.
 ///
 /// # Errors
-/// One line for each placeholder that does not exist, with the nearest that does. A script that
-/// [`super::resolve`] has accepted has none.
+/// One message for each mistake, with its line: a placeholder that does not exist, with the nearest that does, or a
+/// single brace. A script that [`super::resolve`] has accepted has none.
 ///
 /// # Examples
 /// ```
 /// use pathwright::profile::{PrintBounds, Settings, expand};
-/// let bounds = PrintBounds { min_mm: [0.0; 3], max_mm: [20.0; 3] };
-/// assert_eq!(expand("M109 S{nozzle_temp}", &Settings::default(), bounds).unwrap(), "M109 S210");
+/// let text = expand("M109 S{nozzle_temp}", &Settings::default(), PrintBounds::default());
+/// assert_eq!(text.unwrap(), "M109 S210\n");
 /// ```
 pub fn expand(script: &str, settings: &Settings, print: PrintBounds) -> Result<String, Vec<String>> {
     let context = Context { settings, print, bed: Bed::new(settings) };
     let mut out = String::with_capacity(script.len() + 64);
     let mut problems = Vec::new();
-    let mut rest = script;
+    for (index, line) in script.lines().enumerate() {
+        let mut problem = |message| problems.push(format!("line {}: {message}", index + 1));
+        expand_line(line.trim_end(), &context, &mut out, &mut problem);
+        out.push('\n');
+    }
+    if problems.is_empty() { Ok(out) } else { Err(problems) }
+}
+
+fn expand_line(mut rest: &str, context: &Context, out: &mut String, problem: &mut impl FnMut(String)) {
     while let Some(at) = rest.find(['{', '}']) {
-        out.push_str(&rest[..at]);
-        let brace = &rest[at..=at];
-        rest = &rest[at + 1..];
-        if let Some(after) = rest.strip_prefix(brace) {
+        let (before, from) = rest.split_at(at);
+        let (brace, after) = from.split_at(1);
+        out.push_str(before);
+        if let Some(after) = after.strip_prefix(brace) {
             out.push_str(brace);
             rest = after;
-            continue;
-        }
-        match rest.find(['{', '}', '\n']).filter(|end| brace == "{" && rest[*end..].starts_with('}')) {
-            Some(end) => {
-                match value(&rest[..end], &context) {
-                    Some(text) => out.push_str(&text),
-                    None => problems.push(unknown(&rest[..end])),
-                }
-                rest = &rest[end + 1..];
+        } else if let Some((name, after)) = after.split_once('}').filter(|_| brace == "{") {
+            match value(name.trim(), context) {
+                Some(text) => out.push_str(&text),
+                None => problem(unknown(name.trim())),
             }
-            None => {
-                problems.push(format!("a single `{brace}`; write `{brace}{brace}` for the character itself"))
-            }
+            rest = after;
+        } else {
+            problem(format!("a single `{brace}`; write `{brace}{brace}` for the character itself"));
+            rest = after;
         }
     }
     out.push_str(rest);
-    if problems.is_empty() { Ok(out) } else { Err(problems) }
 }
 
 fn unknown(name: &str) -> String {
@@ -227,7 +237,8 @@ mod tests {
     use super::*;
     use crate::units::Mm;
 
-    const PRINT: PrintBounds = PrintBounds { min_mm: [100.0, 100.0, 0.0], max_mm: [150.0, 150.0, 30.0] };
+    const PRINT: PrintBounds =
+        PrintBounds { min_mm: [100.0; 2], max_mm: [150.0; 2], max_z_mm: 30.0, layers: 150 };
 
     fn filled(script: &str, settings: &Settings) -> String {
         expand(script, settings, PRINT).unwrap()
@@ -236,13 +247,13 @@ mod tests {
     #[test]
     fn every_placeholder_has_a_value() {
         for (name, _) in PLACEHOLDERS {
-            assert!(!filled(&format!("{{{name}}}"), &Settings::default()).is_empty(), "{name}");
+            assert_ne!(filled(&format!("{{{name}}}"), &Settings::default()), "\n", "{name}");
         }
     }
 
     #[test]
     fn numbers_have_no_more_digits_than_they_need() {
-        assert_eq!(filled("{bed_size_x} {layer_height}", &Settings::default()), "250 0.2");
+        assert_eq!(filled("{bed_size_x} { layer_height }", &Settings::default()), "250 0.2\n");
     }
 
     #[test]
@@ -254,15 +265,22 @@ mod tests {
 
     #[test]
     fn every_unknown_placeholder_is_reported_with_the_nearest() {
-        let problems = expand("{nozle_temp} {bed_tmp}", &Settings::default(), PRINT).unwrap_err();
+        let problems = expand("{nozle_temp}\n{bed_tmp}", &Settings::default(), PRINT).unwrap_err();
         assert_eq!(problems.len(), 2);
-        assert!(problems[0].contains("{nozzle_temp}"), "{problems:?}");
-        assert!(problems[1].contains("{bed_temp}"), "{problems:?}");
+        assert_eq!(problems[0], "line 1: unknown placeholder {nozle_temp}; did you mean {nozzle_temp}?");
+        assert_eq!(problems[1], "line 2: unknown placeholder {bed_tmp}; did you mean {bed_temp}?");
+    }
+
+    #[test]
+    fn a_name_cannot_smuggle_in_a_command() {
+        let mut settings = Settings::default();
+        settings.printer.name = "a\nM112;b".into();
+        assert_eq!(filled("M117 {printer}", &settings), "M117 a M112,b\n");
     }
 
     #[test]
     fn doubled_braces_are_braces_and_single_ones_errors() {
-        assert_eq!(filled("SET {{a}}", &Settings::default()), "SET {a}");
+        assert_eq!(filled("SET {{a}}", &Settings::default()), "SET {a}\n");
         assert!(expand("a } b", &Settings::default(), PRINT).is_err());
         assert!(expand("a { b", &Settings::default(), PRINT).is_err());
     }

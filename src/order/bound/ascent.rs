@@ -109,7 +109,10 @@ impl<'a> Relaxation<'a> {
     }
 
     fn cheapest(way: &Way, weights: &[i64]) -> (i64, u32) {
-        way.iter().map(|&(terminal, cost)| (cost + weights[terminal as usize], terminal)).min().unwrap_or((0, u32::MAX))
+        way.iter()
+            .map(|&(terminal, cost)| (cost + weights[terminal as usize], terminal))
+            .min()
+            .unwrap_or((0, u32::MAX))
     }
 
     /// The bound on the known links, and how many links each terminal has in the cheapest tree.
@@ -121,7 +124,10 @@ impl<'a> Relaxation<'a> {
         for links in self.links.iter().rev() {
             self.keys.clear();
             self.keys.extend(
-                links.iter().zip(0..).map(|(l, k)| (l.cost + weights[l.a as usize] + weights[l.b as usize], k)),
+                links
+                    .iter()
+                    .zip(0..)
+                    .map(|(l, k)| (l.cost + weights[l.a as usize] + weights[l.b as usize], k)),
             );
             self.keys.sort_unstable();
             for &(cost, k) in &self.keys {
@@ -194,7 +200,9 @@ impl<'a> Relaxation<'a> {
             for found in tree {
                 grown |= self.add_pair(model.item_of_point(found.from), model.item_of_point(found.to));
             }
-            if std::env::var("DBG").is_ok() { eprintln!("top {} exact {}", top.0, value); }
+            if std::env::var("DBG").is_ok() {
+                eprintln!("top {} exact {}", top.0, value);
+            }
             if !grown {
                 break;
             }

@@ -118,7 +118,11 @@ impl Model {
         let first = self.points.len() as u32;
         self.points.extend(points);
         self.owner.resize(self.points.len(), terminal);
-        self.terminals.push(Terminal { item: self.bodies.len() as u32, first, last: self.points.len() as u32 });
+        self.terminals.push(Terminal {
+            item: self.bodies.len() as u32,
+            first,
+            last: self.points.len() as u32,
+        });
     }
 
     pub(super) fn points_of(&self, terminal: u32) -> &[Point] {

@@ -82,12 +82,16 @@ impl<'a> Pricing<'a> {
                 return;
             }
             // The part that a whole box lies in, if there is one; u32::MAX if there are several, MAX − 1 if it is empty.
-            let common = family.tree.aggregate(u32::MAX - 1, |k| part[k as usize], |a, b| match (a, b) {
-                (a, b) if a == b => a,
-                (x, y) if x == u32::MAX - 1 => y,
-                (x, y) if y == u32::MAX - 1 => x,
-                _ => u32::MAX,
-            });
+            let common = family.tree.aggregate(
+                u32::MAX - 1,
+                |k| part[k as usize],
+                |a, b| match (a, b) {
+                    (a, b) if a == b => a,
+                    (x, y) if x == u32::MAX - 1 => y,
+                    (x, y) if y == u32::MAX - 1 => x,
+                    _ => u32::MAX,
+                },
+            );
             let mut best: Vec<Option<Priced>> = vec![None; model.bodies.len()];
             for k in 0..count {
                 let at = model.points[family.points[k as usize] as usize];
@@ -105,7 +109,8 @@ impl<'a> Pricing<'a> {
                     let (from, to) = (family.points[k as usize], family.points[other as usize]);
                     let length = link(at, model.points[to as usize]);
                     // Equal costs are told apart by the same key at both ends, or parts could close a circle.
-                    let found = Priced { cost: length + own + weight(other), from: from.min(to), to: from.max(to) };
+                    let found =
+                        Priced { cost: length + own + weight(other), from: from.min(to), to: from.max(to) };
                     if best.is_none_or(|best| found < best) {
                         *best = Some(found);
                     }
