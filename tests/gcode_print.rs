@@ -156,7 +156,7 @@ fn the_fan_is_off_on_the_first_layer_and_on_at_the_fourth() {
                 seen.push((layer_index, fan));
                 layer_index = String::from_utf8_lossy(number).parse::<usize>().ok();
             } else if line.code.is_some_and(|c| (c.letter, c.number) == (b'M', 106)) {
-                fan = line.words.get(b'S');
+                fan = line.words().get(b'S');
             }
         }
         let full = if flavor == Flavor::RepRapFirmware { 1.0 } else { 255.0 };

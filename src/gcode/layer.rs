@@ -1,7 +1,7 @@
 //! One layer's moves as bytes.
 
 use super::flavor::{Dialect, Purpose, dialect};
-use super::number::{push_fixed, push_word, text, ticks};
+use super::number::{nearest, push_fixed, push_word, text, ticks};
 use super::settings::{WriterSettings, filament_area_mm2};
 use super::slot::{PROGRESS_WIDTH, Pending, Slot};
 use crate::motion::{LayerMoves, Move};
@@ -12,6 +12,8 @@ use crate::units::{Celsius, MmPerS};
 const XYZ_DECIMALS: u32 = 3;
 /// Digits behind the point of E.
 const E_DECIMALS: u32 = 5;
+/// Ticks of E in a millimetre.
+const E_TICKS_PER_MM: f64 = 1e5;
 /// A coordinate that the layer has not stated yet.
 const UNKNOWN: i64 = i64::MIN;
 
@@ -100,7 +102,7 @@ impl<'a> Writer<'a> {
             Move::Bead { role, width_mm, height_mm } => self.bead(role, width_mm, height_mm),
             Move::Travel { to, speed } => {
                 self.accelerate(Purpose::Travel);
-                if self.moves_to(to) {
+                if let Some(to) = self.onward(to) {
                     self.out.extend_from_slice(b"G1");
                     self.xy(to);
                     self.feed(speed);
@@ -119,7 +121,7 @@ impl<'a> Writer<'a> {
             }
             Move::Extrude { to, volume, speed } => {
                 self.extruder.owe(volume.0);
-                if self.moves_to(to) {
+                if let Some(to) = self.onward(to) {
                     self.accelerate(Purpose::Print);
                     self.out.extend_from_slice(b"G1");
                     self.xy(to);
@@ -131,7 +133,7 @@ impl<'a> Writer<'a> {
             }
             Move::Arc { to, center, clockwise, volume, speed } => {
                 self.extruder.owe(volume.0);
-                if self.moves_to(to) {
+                if let Some(to) = self.onward(to) {
                     self.accelerate(Purpose::Print);
                     let ij =
                         [ticks(center[0], XYZ_DECIMALS) - self.x, ticks(center[1], XYZ_DECIMALS) - self.y];
@@ -159,7 +161,7 @@ impl<'a> Writer<'a> {
             }
             Move::Wipe { to, length_mm, speed } => {
                 let pulled = self.extruder.pull(length_mm);
-                if self.moves_to(to) {
+                if let Some(to) = self.onward(to) {
                     self.accelerate(Purpose::Travel);
                     self.out.extend_from_slice(b"G1");
                     self.xy(to);
@@ -178,13 +180,13 @@ impl<'a> Writer<'a> {
         }
     }
 
-    /// Whether a position differs from the present one once both are rounded.
-    fn moves_to(&self, to: [f64; 2]) -> bool {
-        (ticks(to[0], XYZ_DECIMALS), ticks(to[1], XYZ_DECIMALS)) != (self.x, self.y)
+    /// The rounded position, if it differs from the present one.
+    fn onward(&self, to: [f64; 2]) -> Option<[i64; 2]> {
+        let [x, y] = to.map(|mm| ticks(mm, XYZ_DECIMALS));
+        (x != self.x || y != self.y).then_some([x, y])
     }
 
-    fn xy(&mut self, to: [f64; 2]) {
-        let (x, y) = (ticks(to[0], XYZ_DECIMALS), ticks(to[1], XYZ_DECIMALS));
+    fn xy(&mut self, [x, y]: [i64; 2]) {
         if x != self.x {
             push_word(&mut self.out, b'X', x, XYZ_DECIMALS);
             self.x = x;
@@ -214,7 +216,7 @@ impl<'a> Writer<'a> {
 
     /// F in whole millimetres per minute, rounded down: limits are kept.
     fn feed(&mut self, speed: MmPerS) {
-        let f = ((speed.0 * 60.0 + 1e-6).floor() as i64).max(1);
+        let f = ((speed.0 * 60.0 + 1e-6) as i64).max(1);
         if f != self.f {
             push_word(&mut self.out, b'F', f, 0);
             self.f = f;
@@ -303,7 +305,7 @@ struct Extruder {
 impl Extruder {
     fn new(area_mm2: f64) -> Self {
         Self {
-            ticks_per_mm3: 10_f64.powi(E_DECIMALS as i32) / area_mm2,
+            ticks_per_mm3: E_TICKS_PER_MM / area_mm2,
             owed: 0.0,
             paid: 0,
             pulled: 0.0,
@@ -318,7 +320,7 @@ impl Extruder {
 
     /// All whole ticks owed.
     fn pay(&mut self) -> i64 {
-        let delta = (self.owed.round() as i64 - self.paid).max(0);
+        let delta = (nearest(self.owed) - self.paid).max(0);
         self.paid += delta;
         self.position += delta;
         delta
@@ -326,8 +328,8 @@ impl Extruder {
 
     /// Ticks (negative) of pulling back.
     fn pull(&mut self, length_mm: f64) -> i64 {
-        self.pulled += length_mm * 10_f64.powi(E_DECIMALS as i32);
-        let delta = self.pulled.round() as i64 - self.pulled_written;
+        self.pulled += length_mm * E_TICKS_PER_MM;
+        let delta = nearest(self.pulled) - self.pulled_written;
         self.pulled_written += delta;
         self.position -= delta;
         -delta
@@ -335,8 +337,8 @@ impl Extruder {
 
     /// Ticks of pushing forward: exactly what was pulled, and what the length goes beyond it.
     fn restore(&mut self, length_mm: f64) -> i64 {
-        let extra = length_mm * 10_f64.powi(E_DECIMALS as i32) - self.pulled;
-        let delta = self.pulled_written + extra.round() as i64;
+        let extra = length_mm * E_TICKS_PER_MM - self.pulled;
+        let delta = self.pulled_written + nearest(extra);
         (self.pulled, self.pulled_written) = (0.0, 0);
         self.position += delta;
         delta

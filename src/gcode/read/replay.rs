@@ -1,6 +1,6 @@
 //! Follows G-code as a machine does: positions, modes, filament.
 
-use super::lexer::{Code, Line, Lines, lines};
+use super::lexer::{Code, Line, Lines, Words, lines};
 
 /// The centre of an arc and its sense.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -126,18 +126,19 @@ impl Replay<'_> {
             (b'G', 11) => return Action::FirmwareUnretract,
             (b'G', 20) => self.scale = 25.4,
             (b'G', 21) => self.scale = 1.0,
-            (b'G', 28) if line.words.is_empty() && !names_axis(line.text) => self.position = [0.0; 3],
+            (b'G', 28) if !names_axis(line.text) => self.position = [0.0; 3],
             (b'G', 90 | 91) => (self.absolute, self.e_absolute) = (code.number == 90, code.number == 90),
             (b'M', 82 | 83) => self.e_absolute = code.number == 82,
             (b'G', 92) => {
+                let words = line.words();
                 for (axis, letter) in b"XYZ".iter().enumerate() {
-                    if let Some(value) = line.words.get(*letter) {
+                    if let Some(value) = words.get(*letter) {
                         self.position[axis] = value * self.scale;
                     }
                 }
-                match line.words.get(b'E') {
+                match words.get(b'E') {
                     Some(value) => self.e = value * self.scale,
-                    None if line.words.is_empty() => self.e = 0.0,
+                    None if words.is_empty() => self.e = 0.0,
                     None => {}
                 }
             }
@@ -147,7 +148,7 @@ impl Replay<'_> {
     }
 
     fn stroke(&mut self, number: u32, line: &Line<'_>) -> Stroke {
-        let words = &line.words;
+        let words = line.words();
         if let Some(feed) = words.get(b'F') {
             self.feed_mm_s = feed * self.scale / 60.0;
         }
@@ -174,18 +175,18 @@ impl Replay<'_> {
             fresh_mm = e_mm - back_mm;
         }
         let arc = (number >= 2)
-            .then(|| Center { at: self.center(number == 2, from, to, line), clockwise: number == 2 });
+            .then(|| Center { at: self.center(number == 2, from, to, &words), clockwise: number == 2 });
         let xy_mm = match arc {
             Some(center) => arc_mm(from, to, center),
-            None => (to[0] - from[0]).hypot(to[1] - from[1]),
+            None => ((to[0] - from[0]).powi(2) + (to[1] - from[1]).powi(2)).sqrt(),
         };
         Stroke { from, to, arc, xy_mm, e_mm, fresh_mm, retracts, feed_mm_s: self.feed_mm_s }
     }
 
     /// The centre by I and J, or the one that R means (negative: the longer way round).
-    fn center(&self, clockwise: bool, from: [f64; 3], to: [f64; 3], line: &Line<'_>) -> [f64; 2] {
-        let Some(radius) = line.words.get(b'R').map(|r| r * self.scale) else {
-            let [i, j] = [b'I', b'J'].map(|w| line.words.get(w).unwrap_or(0.0) * self.scale);
+    fn center(&self, clockwise: bool, from: [f64; 3], to: [f64; 3], words: &Words) -> [f64; 2] {
+        let Some(radius) = words.get(b'R').map(|r| r * self.scale) else {
+            let [i, j] = [b'I', b'J'].map(|w| words.get(w).unwrap_or(0.0) * self.scale);
             return [from[0] + i, from[1] + j];
         };
         let (dx, dy) = (to[0] - from[0], to[1] - from[1]);
