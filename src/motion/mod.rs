@@ -11,6 +11,7 @@ mod plan;
 mod rules;
 mod settings;
 mod simplify;
+mod sums;
 mod travel;
 
 pub use bead::bead_area_mm2;
@@ -18,3 +19,5 @@ pub use moves::{Entry, LayerMoves, Move};
 pub use pause::{PauseAt, PauseError};
 pub use plan::{exit, plan_layer};
 pub use settings::{FlowSettings, MotionSettings};
+pub use sums::LayerSums;
+pub(crate) use sums::arc_mm;

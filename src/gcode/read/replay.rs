@@ -1,6 +1,7 @@
 //! Follows G-code as a machine does: positions, modes, filament.
 
 use super::lexer::{Code, Line, Lines, Words, lines};
+use crate::motion::arc_mm;
 
 /// The centre of an arc and its sense.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -177,7 +178,7 @@ impl Replay<'_> {
         let arc = (number >= 2)
             .then(|| Center { at: self.center(number == 2, from, to, &words), clockwise: number == 2 });
         let xy_mm = match arc {
-            Some(center) => arc_mm(from, to, center),
+            Some(center) => arc_mm([from[0], from[1]], [to[0], to[1]], center.at, center.clockwise),
             None => ((to[0] - from[0]).powi(2) + (to[1] - from[1]).powi(2)).sqrt(),
         };
         Stroke { from, to, arc, xy_mm, e_mm, fresh_mm, retracts, feed_mm_s: self.feed_mm_s }
@@ -201,15 +202,6 @@ impl Replay<'_> {
 fn names_axis(text: &[u8]) -> bool {
     let code = text.split(|b| *b == b';').next().unwrap_or_default();
     code.iter().any(|b| matches!(b.to_ascii_uppercase(), b'X' | b'Y' | b'Z'))
-}
-
-fn arc_mm(from: [f64; 3], to: [f64; 3], center: Center) -> f64 {
-    let angle = |p: [f64; 3]| (p[1] - center.at[1]).atan2(p[0] - center.at[0]);
-    let turn = if center.clockwise { angle(from) - angle(to) } else { angle(to) - angle(from) };
-    let sweep = turn.rem_euclid(std::f64::consts::TAU);
-    // No turn at all is a whole circle.
-    let sweep = if sweep < 1e-9 { std::f64::consts::TAU } else { sweep };
-    (from[0] - center.at[0]).hypot(from[1] - center.at[1]) * sweep
 }
 
 #[cfg(test)]
