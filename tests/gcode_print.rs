@@ -2,11 +2,14 @@
 
 mod gcode_fixture;
 
+use proptest::prelude::*;
+
 use gcode_fixture::{layer, mixed, path, plan, print, ring, seconds, volume_mm3, zigzag};
 use pathwright::gcode::{Action, Measure, Step, Stroke, lines, measure, replay};
-use pathwright::motion::{Move, PauseAt};
+use pathwright::geom::Point;
+use pathwright::motion::{LayerSums, Move, PauseAt};
 use pathwright::profile::{Flavor, Settings};
-use pathwright::toolpath::Role;
+use pathwright::toolpath::{Path, Role, Width};
 use pathwright::units::{Mm, Mm3PerS, MmPerS, Seconds};
 
 const FLAVORS: [Flavor; 3] = [Flavor::Marlin, Flavor::Klipper, Flavor::RepRapFirmware];
@@ -156,7 +159,7 @@ fn the_fan_is_off_on_the_first_layer_and_on_at_the_fourth() {
                 seen.push((layer_index, fan));
                 layer_index = String::from_utf8_lossy(number).parse::<usize>().ok();
             } else if line.code.is_some_and(|c| (c.letter, c.number) == (b'M', 106)) {
-                fan = line.words.get(b'S');
+                fan = line.words().get(b'S');
             }
         }
         let full = if flavor == Flavor::RepRapFirmware { 1.0 } else { 255.0 };
@@ -291,4 +294,67 @@ fn a_start_script_without_heating_gets_it() {
     settings.gcode.start = "M190 S{bed_temp}\nM109 S{nozzle_temp}\nG28".into();
     let text = print(&mixed(1), &settings, &[]);
     assert!(text.contains(";TYPE:Custom\nM190 S60\nM109 S210\nG28\nG21\n"), "{text}");
+}
+
+#[test]
+fn the_sums_of_the_moves_are_those_of_the_file() {
+    for (name, settings) in variants() {
+        let layers = mixed(3);
+        let file = read(&print(&layers, &settings, &[]));
+        let mut sums = LayerSums::default();
+        for (moves, _) in plan(&layers, &settings, &[]) {
+            sums += moves.sums();
+        }
+        for (ours, theirs) in [
+            (sums.print.0, file.print_mm),
+            (sums.travel.0, file.travel_mm),
+            (sums.link.0, file.link_mm),
+            (sums.volume.0, file.volume_mm3),
+        ] {
+            assert!((ours / theirs - 1.0).abs() < 1e-4, "{name}: {ours}, file {theirs}");
+        }
+        assert_eq!((sums.travels, sums.retractions), (file.travels, file.retractions), "{name}");
+    }
+}
+
+/// Paths on a coarse grid (so that ends coincide) and of any size, some with repeated vertices.
+fn any_path() -> impl Strategy<Value = Path> {
+    let point = (0..2000_i32, 0..2000_i32, prop_oneof![Just(1), Just(40), Just(5000)]);
+    let points = prop::collection::vec(point, 2..12);
+    (points, any::<bool>(), 0.05..0.9_f64, 0..4_usize).prop_map(|(points, closed, width_mm, role)| {
+        let roles = [Role::Perimeter, Role::ExternalPerimeter, Role::BridgeInfill, Role::GapFill];
+        let mut path = path(roles[role], closed, &[]);
+        path.points =
+            points.iter().map(|p| Point::new(10_000_000 + p.0 * p.2, 10_000_000 + p.1 * p.2)).collect();
+        path.width = if points.len() % 2 == 0 {
+            Width::Constant(width_mm)
+        } else {
+            Width::PerVertex(points.iter().map(|p| 0.1 + p.0 as f32 / 3000.0).collect())
+        };
+        path
+    })
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(64))]
+    #[test]
+    fn any_paths_give_sound_gcode_of_their_volume(
+        layers in prop::collection::vec(prop::collection::vec(any_path(), 0..6), 1..4)
+    ) {
+        let layers: Vec<_> = layers.into_iter().enumerate().map(|(i, paths)| layer(i, paths)).collect();
+        for (name, settings) in variants() {
+            let text = print(&layers, &settings, &[]);
+            let (read, wanted) = (read(&text).volume_mm3, volume_mm3(&layers, &settings));
+            // What is left of each layer's last bead is less than a digit of E.
+            prop_assert!((read - wanted).abs() < 1e-4 * wanted + 1e-3, "{}: {} of {} mm³", name, read, wanted);
+            let mut pulled_mm = 0.0_f64;
+            for (line, stroke) in strokes(&text) {
+                prop_assert!(stroke.xy_mm > 0.0 || stroke.fresh_mm < 1e-9, "{}, line {}", name, line);
+                prop_assert!(!stroke.extrudes() || pulled_mm.abs() < 1e-9, "{}, line {}", name, line);
+                prop_assert!(stroke.feed_mm_s > 0.0);
+                pulled_mm -= stroke.e_mm - stroke.fresh_mm;
+            }
+            prop_assert!(pulled_mm.abs() < 1e-9);
+        }
+    }
 }

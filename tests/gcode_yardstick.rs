@@ -6,7 +6,7 @@ mod gcode_fixture;
 use std::path::Path;
 use std::process::Command;
 
-use gcode_fixture::{mixed, print};
+use gcode_fixture::{END, START, mixed, print};
 use pathwright::gcode::measure;
 use pathwright::motion::PauseAt;
 use pathwright::profile::{Flavor, Settings};
@@ -28,6 +28,7 @@ fn an_independent_reader_finds_the_same_and_no_fault() {
             settings.gcode.arcs = variant & 2 == 0;
             settings.retract.firmware = variant == 7;
             if variant & 4 == 0 {
+                (settings.gcode.start, settings.gcode.end) = (START.into(), END.into());
                 (settings.retract.wipe, settings.retract.z_hop) = (Mm(1.5), Mm(0.2));
             }
             let file = folder.path().join(format!("{}{variant}.gcode", flavor.name()));

@@ -69,14 +69,12 @@ pub fn layer_time(layer: &LayerMoves, machine: &Machine) -> LayerTime {
     for step in &layer.moves {
         walk.step(step);
     }
-    let mut time = LayerTime::default();
-    walk.planner.finish(|account, seconds| time.accounts[account] += seconds);
-    time
+    LayerTime { accounts: walk.planner.finish() }
 }
 
 /// The machine's state along the layer.
 struct Walk {
-    planner: Planner,
+    planner: Planner<ACCOUNTS>,
     at: Option<[f64; 2]>,
     z_mm: f64,
     acceleration: f64,

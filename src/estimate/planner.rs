@@ -1,4 +1,4 @@
-//! The look-ahead planner: a sequence of straight moves, at rest before and after, and how long each takes.
+//! The look-ahead planner: a sequence of straight moves, at rest before and after, and how long they take.
 //!
 //! Corner speeds follow from junction deviation: the arc that leaves the corner by a fixed distance, taken at
 //! the acceleration in force (S. K. Jeon, "Improving Grbl: Cornering Algorithm", 2011), the distance chosen so that a
@@ -15,13 +15,15 @@ pub struct Segment {
     pub speed: f64,
     /// Acceleration asked for, mm/s².
     pub acceleration: f64,
-    /// What its time is booked on; see [`Planner::finish`].
+    /// What its time is booked on: one of the planner's accounts.
     pub account: usize,
 }
 
-/// Plans moves; the buffers can be used again and again.
+/// Plans moves and adds up their seconds on accounts.
+///
+/// Only the moves since the machine last stood still are kept, so memory stays small on files of any length.
 #[derive(Clone, Debug)]
-pub struct Planner {
+pub struct Planner<const ACCOUNTS: usize> {
     machine: Machine,
     /// Junction deviation × acceleration of a machine with this square corner velocity.
     corner_v2: f64,
@@ -29,6 +31,7 @@ pub struct Planner {
     keep: f64,
     blocks: Vec<Block>,
     last: Option<Last>,
+    seconds: [f64; ACCOUNTS],
 }
 
 /// Squares of speeds (v2), since v² grows linearly along the way.
@@ -55,16 +58,16 @@ struct Last {
     in_space: bool,
 }
 
-impl Planner {
+impl<const ACCOUNTS: usize> Planner<ACCOUNTS> {
     /// A planner for a machine.
     pub fn new(machine: &Machine) -> Self {
         let corner_v2 =
             machine.square_corner_velocity * machine.square_corner_velocity * (2.0_f64.sqrt() - 1.0);
         let keep = 1.0 - machine.min_cruise_ratio.clamp(0.0, 1.0);
-        Self { machine: *machine, corner_v2, keep, blocks: Vec::new(), last: None }
+        Self { machine: *machine, corner_v2, keep, blocks: Vec::new(), last: None, seconds: [0.0; ACCOUNTS] }
     }
 
-    /// Adds a move; one that goes nowhere is nothing.
+    /// Adds a move. One that goes nowhere is nothing, one on an unknown account takes no time.
     pub fn push(&mut self, segment: &Segment) {
         let [x, y, z, e] = segment.delta;
         let way_mm = (x * x + y * y + z * z).sqrt();
@@ -99,10 +102,9 @@ impl Planner {
             smooth_start_v2: 0.0,
             account: segment.account,
         };
-        if let (Some(last), Some(before)) = (self.last, self.blocks.last())
-            && last.in_space
-            && in_space
-        {
+        if !(in_space && self.last.is_some_and(|last| last.in_space)) {
+            self.rest();
+        } else if let (Some(last), Some(before)) = (self.last, self.blocks.last()) {
             let corner_v2 = self.corner_v2(&last, &now, before, &block);
             block.start_v2 = corner_v2.min(before.start_v2 + before.delta_v2);
             block.smooth_start_v2 = block.start_v2.min(before.smooth_start_v2 + before.smooth_delta_v2);
@@ -135,24 +137,36 @@ impl Planner {
         v2.min(deviation).min(middle(before)).min(middle(block))
     }
 
-    /// Books the seconds of every move on its account, in order, and forgets the moves.
-    pub fn finish(&mut self, mut book: impl FnMut(usize, f64)) {
+    /// The seconds on every account, once the machine has come to rest after the last move.
+    pub fn finish(mut self) -> [f64; ACCOUNTS] {
+        self.rest();
+        self.seconds
+    }
+
+    /// The machine stands still after the moves so far: books their seconds and forgets them.
+    fn rest(&mut self) {
         self.look_back();
         let peaks = self.peaks();
-        let mut blocks = std::mem::take(&mut self.blocks);
-        for (i, block) in blocks.iter().enumerate() {
-            let end_v2 = blocks.get(i + 1).map_or(0.0, |next| next.start_v2);
+        let (mut before_v2, mut before) = (0.0, 0.0);
+        for (i, block) in self.blocks.iter().enumerate() {
+            let end_v2 = self.blocks.get(i + 1).map_or(0.0, |next| next.start_v2);
             let reached_v2 = 0.5 * (block.start_v2 + end_v2 + block.delta_v2);
             let limit_v2 = peaks.as_ref().map_or(block.cruise_v2, |peaks| block.cruise_v2.min(peaks[i]));
             let cruise_v2 = reached_v2.min(limit_v2);
-            book(
-                block.account,
-                trapezoid_s(block, block.start_v2.min(cruise_v2), cruise_v2, end_v2.min(cruise_v2)),
-            );
+            let cruise = cruise_v2.sqrt();
+            let (start_v2, end_v2) = (block.start_v2.min(cruise_v2), end_v2.min(cruise_v2));
+            let start = if start_v2 == before_v2 { before } else { start_v2.sqrt() };
+            let end = if end_v2 == cruise_v2 { cruise } else { end_v2.sqrt() };
+            (before_v2, before) = (end_v2, end);
+            // Up to cruising speed, along, and down: a ramp is as long as v² changes on it.
+            let ramps = (2.0 * cruise_v2 - start_v2 - end_v2) / block.delta_v2;
+            let seconds = (2.0 * cruise - start - end) / block.acceleration
+                + block.length_mm * (1.0 - ramps).max(0.0) / cruise;
+            if let Some(account) = self.seconds.get_mut(block.account) {
+                *account += seconds;
+            }
         }
-        blocks.clear();
-        self.blocks = blocks;
-        self.last = None;
+        self.blocks.clear();
     }
 
     /// Lowers start speeds until every move can brake to the next one's, and the last to rest.
@@ -190,14 +204,6 @@ impl Planner {
     }
 }
 
-/// Seconds of a move that speeds up to `cruise_v2`, keeps that speed, and brakes.
-fn trapezoid_s(block: &Block, start_v2: f64, cruise_v2: f64, end_v2: f64) -> f64 {
-    let cruise = cruise_v2.sqrt();
-    let (start, end) = (start_v2.sqrt(), end_v2.sqrt());
-    let ramps_mm = (2.0 * cruise_v2 - start_v2 - end_v2) / (2.0 * block.acceleration);
-    (2.0 * cruise - start - end) / block.acceleration + (block.length_mm - ramps_mm).max(0.0) / cruise
-}
-
 /// Seconds of a straight way from rest to rest: a trapezoid, or a triangle where the top speed is not reached.
 pub fn travel_time(distance_mm: f64, speed: f64, acceleration: f64) -> f64 {
     let ramps_mm = speed * speed / acceleration;
@@ -215,13 +221,11 @@ mod tests {
     use proptest::prelude::*;
 
     fn seconds(machine: &Machine, ways: &[[f64; 4]], speed: f64) -> f64 {
-        let mut planner = Planner::new(machine);
+        let mut planner = Planner::<1>::new(machine);
         for &delta in ways {
             planner.push(&Segment { delta, speed, acceleration: 1000.0, account: 0 });
         }
-        let mut total = 0.0;
-        planner.finish(|_, s| total += s);
-        total
+        planner.finish()[0]
     }
 
     fn machine() -> Machine {

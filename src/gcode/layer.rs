@@ -1,17 +1,16 @@
 //! One layer's moves as bytes.
 
+use super::extruder::{E_DECIMALS, Extruder};
 use super::flavor::{Dialect, Purpose, dialect};
 use super::number::{push_fixed, push_word, text, ticks};
 use super::settings::{WriterSettings, filament_area_mm2};
 use super::slot::{PROGRESS_WIDTH, Pending, Slot};
 use crate::motion::{LayerMoves, Move};
 use crate::toolpath::Role;
-use crate::units::{Celsius, MmPerS};
+use crate::units::{Celsius, Mm3, MmPerS, MmPerS2};
 
 /// Digits behind the point of X, Y, Z, I and J: a micrometre, a tenth of what a machine resolves.
 const XYZ_DECIMALS: u32 = 3;
-/// Digits behind the point of E.
-const E_DECIMALS: u32 = 5;
 /// A coordinate that the layer has not stated yet.
 const UNKNOWN: i64 = i64::MIN;
 
@@ -98,52 +97,11 @@ impl<'a> Writer<'a> {
     fn step(&mut self, step: &Move) {
         match *step {
             Move::Bead { role, width_mm, height_mm } => self.bead(role, width_mm, height_mm),
-            Move::Travel { to, speed } => {
-                self.accelerate(Purpose::Travel);
-                if self.moves_to(to) {
-                    self.out.extend_from_slice(b"G1");
-                    self.xy(to);
-                    self.feed(speed);
-                    self.end_line();
-                }
-            }
-            Move::Lift { z_mm, speed } => {
-                let z = ticks(z_mm, XYZ_DECIMALS);
-                if z != self.z {
-                    self.out.extend_from_slice(b"G1");
-                    push_word(&mut self.out, b'Z', z, XYZ_DECIMALS);
-                    self.z = z;
-                    self.feed(speed);
-                    self.end_line();
-                }
-            }
-            Move::Extrude { to, volume, speed } => {
-                self.extruder.owe(volume.0);
-                if self.moves_to(to) {
-                    self.accelerate(Purpose::Print);
-                    self.out.extend_from_slice(b"G1");
-                    self.xy(to);
-                    let pushed = self.extruder.pay();
-                    self.e(pushed);
-                    self.feed(speed);
-                    self.end_line();
-                }
-            }
+            Move::Travel { to, speed } => self.travel(to, 0, speed),
+            Move::Lift { z_mm, speed } => self.lift(z_mm, speed),
+            Move::Extrude { to, volume, speed } => self.draw(to, None, volume, speed),
             Move::Arc { to, center, clockwise, volume, speed } => {
-                self.extruder.owe(volume.0);
-                if self.moves_to(to) {
-                    self.accelerate(Purpose::Print);
-                    let ij =
-                        [ticks(center[0], XYZ_DECIMALS) - self.x, ticks(center[1], XYZ_DECIMALS) - self.y];
-                    self.out.extend_from_slice(if clockwise { b"G2" } else { b"G3" });
-                    self.xy(to);
-                    push_word(&mut self.out, b'I', ij[0], XYZ_DECIMALS);
-                    push_word(&mut self.out, b'J', ij[1], XYZ_DECIMALS);
-                    let pushed = self.extruder.pay();
-                    self.e(pushed);
-                    self.feed(speed);
-                    self.end_line();
-                }
+                self.draw(to, Some((center, clockwise)), volume, speed);
             }
             Move::Retract { .. } if self.settings.firmware_retraction => self.out.extend_from_slice(b"G10\n"),
             Move::Unretract { .. } if self.settings.firmware_retraction => {
@@ -159,16 +117,7 @@ impl<'a> Writer<'a> {
             }
             Move::Wipe { to, length_mm, speed } => {
                 let pulled = self.extruder.pull(length_mm);
-                if self.moves_to(to) {
-                    self.accelerate(Purpose::Travel);
-                    self.out.extend_from_slice(b"G1");
-                    self.xy(to);
-                    self.e(pulled);
-                    self.feed(speed);
-                    self.end_line();
-                } else {
-                    self.e_only(pulled, speed);
-                }
+                self.travel(to, pulled, speed);
             }
             Move::Fan(share) => self.dialect.fan(&mut self.out, share),
             Move::Acceleration(acceleration) => self.asked = Some(acceleration.0),
@@ -178,13 +127,57 @@ impl<'a> Writer<'a> {
         }
     }
 
-    /// Whether a position differs from the present one once both are rounded.
-    fn moves_to(&self, to: [f64; 2]) -> bool {
-        (ticks(to[0], XYZ_DECIMALS), ticks(to[1], XYZ_DECIMALS)) != (self.x, self.y)
+    /// Moves in X and Y, feeding so many ticks of filament (for a wipe, negative).
+    fn travel(&mut self, to: [f64; 2], fed: i64, speed: MmPerS) {
+        let Some(to) = self.onward(to) else { return self.e_only(fed, speed) };
+        self.accelerate(Purpose::Travel);
+        self.out.extend_from_slice(b"G1");
+        self.xy(to);
+        self.e(fed);
+        self.feed(speed);
+        self.end_line();
     }
 
-    fn xy(&mut self, to: [f64; 2]) {
-        let (x, y) = (ticks(to[0], XYZ_DECIMALS), ticks(to[1], XYZ_DECIMALS));
+    fn lift(&mut self, z_mm: f64, speed: MmPerS) {
+        let z = ticks(z_mm, XYZ_DECIMALS);
+        if z != self.z {
+            self.z = z;
+            self.out.extend_from_slice(b"G1");
+            push_word(&mut self.out, b'Z', z, XYZ_DECIMALS);
+            self.feed(speed);
+            self.end_line();
+        }
+    }
+
+    /// Extrudes on a line, or on an arc around a centre (clockwise or not).
+    fn draw(&mut self, to: [f64; 2], arc: Option<([f64; 2], bool)>, volume: Mm3, speed: MmPerS) {
+        self.extruder.owe(volume.0);
+        let Some(to) = self.onward(to) else { return };
+        self.accelerate(Purpose::Print);
+        if let Some((center, clockwise)) = arc {
+            let [i, j] = [(center[0], self.x), (center[1], self.y)]
+                .map(|(center_mm, from)| ticks(center_mm, XYZ_DECIMALS) - from);
+            self.out.extend_from_slice(if clockwise { b"G2" } else { b"G3" });
+            self.xy(to);
+            push_word(&mut self.out, b'I', i, XYZ_DECIMALS);
+            push_word(&mut self.out, b'J', j, XYZ_DECIMALS);
+        } else {
+            self.out.extend_from_slice(b"G1");
+            self.xy(to);
+        }
+        let fed = self.extruder.pay();
+        self.e(fed);
+        self.feed(speed);
+        self.end_line();
+    }
+
+    /// The rounded position, if it differs from the present one.
+    fn onward(&self, to: [f64; 2]) -> Option<[i64; 2]> {
+        let [x, y] = to.map(|mm| ticks(mm, XYZ_DECIMALS));
+        (x != self.x || y != self.y).then_some([x, y])
+    }
+
+    fn xy(&mut self, [x, y]: [i64; 2]) {
         if x != self.x {
             push_word(&mut self.out, b'X', x, XYZ_DECIMALS);
             self.x = x;
@@ -214,7 +207,7 @@ impl<'a> Writer<'a> {
 
     /// F in whole millimetres per minute, rounded down: limits are kept.
     fn feed(&mut self, speed: MmPerS) {
-        let f = ((speed.0 * 60.0 + 1e-6).floor() as i64).max(1);
+        let f = ((speed.0 * 60.0 + 1e-6) as i64).max(1);
         if f != self.f {
             push_word(&mut self.out, b'F', f, 0);
             self.f = f;
@@ -232,7 +225,7 @@ impl<'a> Writer<'a> {
         let slot = &mut self.in_force[usize::from(kept_apart && purpose == Purpose::Travel)];
         if *slot != Some(asked) {
             *slot = Some(asked);
-            self.dialect.acceleration(&mut self.out, purpose, crate::units::MmPerS2(asked));
+            self.dialect.acceleration(&mut self.out, purpose, MmPerS2(asked));
         }
     }
 
@@ -283,62 +276,5 @@ impl<'a> Writer<'a> {
         }
         (self.x, self.y, self.z, self.f) = (UNKNOWN, UNKNOWN, UNKNOWN, UNKNOWN);
         self.in_force = [None; 2];
-    }
-}
-
-/// Counts filament in ticks of 10⁻⁵ mm, so that rounding neither drifts nor leaks from an extrusion into a
-/// retraction.
-struct Extruder {
-    ticks_per_mm3: f64,
-    /// Filament extruded so far: what it should be, and what was written.
-    owed: f64,
-    paid: i64,
-    /// Filament pulled back at present: what it should be, and what was written.
-    pulled: f64,
-    pulled_written: i64,
-    /// Absolute E.
-    position: i64,
-}
-
-impl Extruder {
-    fn new(area_mm2: f64) -> Self {
-        Self {
-            ticks_per_mm3: 10_f64.powi(E_DECIMALS as i32) / area_mm2,
-            owed: 0.0,
-            paid: 0,
-            pulled: 0.0,
-            pulled_written: 0,
-            position: 0,
-        }
-    }
-
-    fn owe(&mut self, volume_mm3: f64) {
-        self.owed += volume_mm3 * self.ticks_per_mm3;
-    }
-
-    /// All whole ticks owed.
-    fn pay(&mut self) -> i64 {
-        let delta = (self.owed.round() as i64 - self.paid).max(0);
-        self.paid += delta;
-        self.position += delta;
-        delta
-    }
-
-    /// Ticks (negative) of pulling back.
-    fn pull(&mut self, length_mm: f64) -> i64 {
-        self.pulled += length_mm * 10_f64.powi(E_DECIMALS as i32);
-        let delta = self.pulled.round() as i64 - self.pulled_written;
-        self.pulled_written += delta;
-        self.position -= delta;
-        -delta
-    }
-
-    /// Ticks of pushing forward: exactly what was pulled, and what the length goes beyond it.
-    fn restore(&mut self, length_mm: f64) -> i64 {
-        let extra = length_mm * 10_f64.powi(E_DECIMALS as i32) - self.pulled;
-        let delta = self.pulled_written + extra.round() as i64;
-        (self.pulled, self.pulled_written) = (0.0, 0);
-        self.position += delta;
-        delta
     }
 }

@@ -4,6 +4,7 @@
 //! Values known only when all layers are done have [`Slot`]s of fixed width, filled in before the file is
 //! renamed.
 
+mod extruder;
 mod flavor;
 mod layer;
 mod number;

@@ -1,41 +1,60 @@
 //! Decimal numbers with no more digits than they need, without going through floating-point formatting.
 
+/// `00` to `99`.
+const PAIRS: [[u8; 2]; 100] = {
+    let mut pairs = [[0; 2]; 100];
+    let mut i = 0;
+    while i < 100 {
+        pairs[i] = [b'0' + (i / 10) as u8, b'0' + (i % 10) as u8];
+        i += 1;
+    }
+    pairs
+};
+
 /// Appends `ticks / 10^decimals`: no trailing zeros, no zero before the point (`.05`, as firmwares read it).
 pub(super) fn push_fixed(out: &mut Vec<u8>, ticks: i64, decimals: u32) {
-    let mut digits = [0_u8; 24];
-    let mut at = digits.len();
-    let mut rest = ticks.unsigned_abs();
-    if rest == 0 {
+    if ticks == 0 {
         out.push(b'0');
         return;
     }
-    let mut decimals = decimals;
-    while decimals > 0 && rest.is_multiple_of(10) {
-        rest /= 10;
-        decimals -= 1;
+    let mut digits = [b'0'; 24];
+    let mut at = digits.len();
+    // Two digits at a time, in 32 bits as soon as they do: most numbers are that short.
+    let mut long = ticks.unsigned_abs();
+    while long > u64::from(u32::MAX) {
+        at -= 2;
+        digits[at..at + 2].copy_from_slice(&PAIRS[(long % 100) as usize]);
+        long /= 100;
     }
-    let mut put = |digit: u8| {
+    let mut rest = long as u32;
+    while rest >= 10 {
+        at -= 2;
+        digits[at..at + 2].copy_from_slice(&PAIRS[(rest % 100) as usize]);
+        rest /= 100;
+    }
+    if rest > 0 {
         at -= 1;
-        digits[at] = digit;
-    };
-    if decimals > 0 {
-        for _ in 0..decimals {
-            put(b'0' + (rest % 10) as u8);
-            rest /= 10;
-        }
-        put(b'.');
-    } else {
-        put(b'0' + (rest % 10) as u8);
-        rest /= 10;
+        digits[at] = b'0' + rest as u8;
     }
-    while rest > 0 {
-        put(b'0' + (rest % 10) as u8);
-        rest /= 10;
+    let point = digits.len() - decimals as usize;
+    let mut end = digits.len();
+    while end > point && digits[end - 1] == b'0' {
+        end -= 1;
+    }
+    // Pairs may begin with a zero.
+    while at < point && digits[at] == b'0' {
+        at += 1;
     }
     if ticks < 0 {
-        put(b'-');
+        out.push(b'-');
     }
-    out.extend_from_slice(&digits[at..]);
+    if at < point {
+        out.extend_from_slice(&digits[at..point]);
+    }
+    if end > point {
+        out.push(b'.');
+        out.extend_from_slice(&digits[point..end]);
+    }
 }
 
 /// Appends a space, the letter and the number.
@@ -44,9 +63,18 @@ pub(super) fn push_word(out: &mut Vec<u8>, letter: u8, ticks: i64, decimals: u32
     push_fixed(out, ticks, decimals);
 }
 
-/// A value to the nearest of `10^decimals` ticks; values that are no numbers become 0, too large ones saturate.
+/// The nearest whole number, halves away from zero; values that are no numbers become 0, too large ones
+/// saturate. (`f64::round` is a call into the C library on the x86-64 that we build for.)
+#[inline]
+pub(super) fn nearest(value: f64) -> i64 {
+    (value + 0.5_f64.copysign(value)) as i64
+}
+
+/// A value to the nearest of `10^decimals` ticks.
+#[inline]
 pub(super) fn ticks(value: f64, decimals: u32) -> i64 {
-    (value * 10_f64.powi(decimals as i32)).round() as i64
+    const POWERS: [f64; 8] = [1e0, 1e1, 1e2, 1e3, 1e4, 1e5, 1e6, 1e7];
+    nearest(value * POWERS[decimals as usize & 7])
 }
 
 /// A value with at most `decimals` digits behind the point, a zero before it: for comments and scripts.

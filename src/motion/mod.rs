@@ -11,9 +11,12 @@ mod plan;
 mod rules;
 mod settings;
 mod simplify;
+mod sums;
 mod travel;
 
 pub use moves::{Entry, LayerMoves, Move};
 pub use pause::{PauseAt, PauseError};
 pub use plan::{exit, plan_layer};
 pub use settings::{FlowSettings, MotionSettings};
+pub use sums::LayerSums;
+pub(crate) use sums::arc_mm;

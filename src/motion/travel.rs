@@ -12,9 +12,9 @@ impl Nozzle<'_> {
     /// comes before the way, so that the nozzle never ploughs through what it has just printed.
     pub(super) fn travel(&mut self, to: [f64; 2], pause: bool) {
         let retract = &self.settings.retract;
-        let arriving = self.z_mm != self.layer_z_mm;
+        let arriving = !self.positioned || self.z_mm != self.layer_z_mm;
         let length_mm = self.at.map(|at| distance(at, to));
-        if length_mm == Some(0.0) && !arriving && !pause && self.positioned {
+        if length_mm == Some(0.0) && !arriving && !pause {
             return;
         }
         let far = length_mm.is_none_or(|length_mm| length_mm > retract.min_travel.0);

@@ -13,6 +13,40 @@ use pathwright::toolpath::bead::area_mm2;
 use pathwright::toolpath::{Island, LayerPaths, Path, Role, Width};
 use pathwright::units::{Mm3, Seconds};
 
+/// Heats, homes, primes along the front edge, and lifts.
+pub const START: &str = "\
+G90
+M83
+M140 S{bed_temp}
+M104 S{nozzle_temp}
+G28
+M190 S{bed_temp}
+M109 S{nozzle_temp}
+G92 E0
+G1 Z2 F{z_f}
+G1 X10 Y5 F{travel_f}
+G1 Z0.28 F{z_f}
+G1 X110 E10 F1500
+G1 Y5.4
+G1 X10 E10
+G92 E0
+G1 Z2 F{z_f}
+";
+
+/// Retracts, lifts off the part, then presents it, and switches everything off.
+pub const END: &str = "\
+M83
+G1 E-{retract_length} F{retract_f}
+G90
+M83
+G1 Z{end_z} F{z_f}
+G1 X{bed_min_x} Y{bed_max_y} F{travel_f}
+M106 S0
+M104 S0
+M140 S0
+M84
+";
+
 /// A path of 0.45 mm beads, 0.2 mm high.
 pub fn path(role: Role, closed: bool, points: &[(f64, f64)]) -> Path {
     Path {

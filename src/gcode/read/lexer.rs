@@ -53,10 +53,28 @@ pub struct Line<'a> {
     pub text: &'a [u8],
     /// Its command; `None` of blank lines, comments and commands with names (Klipper's).
     pub code: Option<Code>,
-    /// The command's parameters.
-    pub words: Words,
+    /// What follows the code, up to a comment.
+    parameters: &'a [u8],
     /// What follows the semicolon.
     pub comment: Option<&'a [u8]>,
+}
+
+impl Line<'_> {
+    /// The command's parameters.
+    pub fn words(&self) -> Words {
+        let mut words = Words::default();
+        let mut cursor = Cursor { bytes: self.parameters, at: 0 };
+        while let Some(&letter) = self.parameters.get(cursor.at) {
+            cursor.at += 1;
+            if letter.is_ascii_alphabetic() {
+                cursor.skip_blanks();
+                if let Some(value) = cursor.number() {
+                    words.set(letter, value);
+                }
+            }
+        }
+        words
+    }
 }
 
 /// The lines of a text, ended by `\n` or `\r\n`.
@@ -79,21 +97,33 @@ impl<'a> Iterator for Lines<'a> {
             return None;
         }
         self.number += 1;
-        let mut cursor = Cursor { bytes: self.rest, at: 0 };
-        let (code, words) = cursor.command();
-        cursor.skip_to_end();
-        let comment_at = (cursor.peek() == b';').then_some(cursor.at + 1);
-        let end = match comment_at {
-            Some(from) => {
-                from + self.rest[from..].iter().position(|b| *b == b'\n').unwrap_or(self.rest.len() - from)
-            }
-            None => cursor.at,
+        let end = self.rest.iter().position(|b| *b == b'\n').unwrap_or(self.rest.len());
+        let (line, rest) = self.rest.split_at(end);
+        self.rest = rest.get(1..).unwrap_or_default();
+        let text = line.strip_suffix(b"\r").unwrap_or(line);
+        let (command, comment) = match text.iter().position(|b| *b == b';') {
+            Some(at) => (&text[..at], Some(&text[at + 1..])),
+            None => (text, None),
         };
-        let text = self.rest[..end].strip_suffix(b"\r").unwrap_or(&self.rest[..end]);
-        let comment = comment_at.map(|from| &text[from.min(text.len())..]);
-        self.rest = self.rest.get(end + 1..).unwrap_or_default();
-        Some(Line { number: self.number, text, code, words, comment })
+        let (code, parameters) = code(command);
+        Some(Line { number: self.number, text, code, parameters, comment })
     }
+}
+
+/// The code that a command begins with, and what follows it.
+fn code(command: &[u8]) -> (Option<Code>, &[u8]) {
+    let command = command.trim_ascii_start();
+    let [letter @ (b'G' | b'M' | b'T' | b'g' | b'm' | b't'), digits @ ..] = command else {
+        return (None, command);
+    };
+    let count = digits.iter().take_while(|b| b.is_ascii_digit()).count();
+    if count == 0 {
+        return (None, command);
+    }
+    let number = digits[..count]
+        .iter()
+        .fold(0_u32, |number, digit| number.saturating_mul(10).saturating_add(u32::from(digit - b'0')));
+    (Some(Code { letter: letter.to_ascii_uppercase(), number }), &digits[count..])
 }
 
 struct Cursor<'a> {
@@ -102,54 +132,16 @@ struct Cursor<'a> {
 }
 
 impl Cursor<'_> {
-    /// The byte at the cursor; the end of the text reads as an end of line.
+    /// The byte at the cursor; behind the last one a blank.
     #[inline]
     fn peek(&self) -> u8 {
-        self.bytes.get(self.at).copied().unwrap_or(b'\n')
+        self.bytes.get(self.at).copied().unwrap_or(b' ')
     }
 
     fn skip_blanks(&mut self) {
-        while matches!(self.peek(), b' ' | b'\t') {
+        while self.bytes.get(self.at).is_some_and(|b| matches!(b, b' ' | b'\t')) {
             self.at += 1;
         }
-    }
-
-    /// To the comment or the end of the line.
-    fn skip_to_end(&mut self) {
-        while !matches!(self.peek(), b'\n' | b';') {
-            self.at += 1;
-        }
-    }
-
-    fn command(&mut self) -> (Option<Code>, Words) {
-        let mut words = Words::default();
-        self.skip_blanks();
-        let letter = self.peek().to_ascii_uppercase();
-        if !matches!(letter, b'G' | b'M' | b'T')
-            || !self.bytes.get(self.at + 1).is_some_and(u8::is_ascii_digit)
-        {
-            return (None, words);
-        }
-        self.at += 1;
-        let mut number = 0_u32;
-        while self.peek().is_ascii_digit() {
-            number = number.saturating_mul(10).saturating_add(u32::from(self.peek() - b'0'));
-            self.at += 1;
-        }
-        loop {
-            match self.peek() {
-                b'\n' | b';' => break,
-                letter if letter.is_ascii_alphabetic() => {
-                    self.at += 1;
-                    self.skip_blanks();
-                    if let Some(value) = self.number() {
-                        words.set(letter, value);
-                    }
-                }
-                _ => self.at += 1,
-            }
-        }
-        (Some(Code { letter, number }), words)
     }
 
     /// A decimal number without exponent (E is a word of its own). Exact up to 15 digits; decimals beyond the
@@ -202,7 +194,7 @@ mod tests {
         let line = first("  g01 X-1.5y.25 E 3 ; TYPE:x\r\nG28");
         assert_eq!(line.code, Some(Code { letter: b'G', number: 1 }));
         assert_eq!(
-            [b'X', b'Y', b'E', b'Z'].map(|w| line.words.get(w)),
+            [b'X', b'Y', b'E', b'Z'].map(|w| line.words().get(w)),
             [Some(-1.5), Some(0.25), Some(3.0), None]
         );
         assert_eq!(line.comment, Some(&b" TYPE:x"[..]));
@@ -220,7 +212,7 @@ mod tests {
         fn numbers_are_read_exactly(ticks in -99_999_999_999_i64..99_999_999_999) {
             let text = format!("{:.5}", ticks as f64 / 1e5);
             let line = format!("G1 X{text}");
-            prop_assert_eq!(first(&line).words.get(b'X'), text.parse().ok());
+            prop_assert_eq!(first(&line).words().get(b'X'), text.parse().ok());
         }
 
         #[test]

@@ -1,6 +1,7 @@
 //! Follows G-code as a machine does: positions, modes, filament.
 
-use super::lexer::{Code, Line, Lines, lines};
+use super::lexer::{Code, Line, Lines, Words, lines};
+use crate::motion::arc_mm;
 
 /// The centre of an arc and its sense.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -126,18 +127,19 @@ impl Replay<'_> {
             (b'G', 11) => return Action::FirmwareUnretract,
             (b'G', 20) => self.scale = 25.4,
             (b'G', 21) => self.scale = 1.0,
-            (b'G', 28) if line.words.is_empty() && !names_axis(line.text) => self.position = [0.0; 3],
+            (b'G', 28) if !names_axis(line.text) => self.position = [0.0; 3],
             (b'G', 90 | 91) => (self.absolute, self.e_absolute) = (code.number == 90, code.number == 90),
             (b'M', 82 | 83) => self.e_absolute = code.number == 82,
             (b'G', 92) => {
+                let words = line.words();
                 for (axis, letter) in b"XYZ".iter().enumerate() {
-                    if let Some(value) = line.words.get(*letter) {
+                    if let Some(value) = words.get(*letter) {
                         self.position[axis] = value * self.scale;
                     }
                 }
-                match line.words.get(b'E') {
+                match words.get(b'E') {
                     Some(value) => self.e = value * self.scale,
-                    None if line.words.is_empty() => self.e = 0.0,
+                    None if words.is_empty() => self.e = 0.0,
                     None => {}
                 }
             }
@@ -147,7 +149,7 @@ impl Replay<'_> {
     }
 
     fn stroke(&mut self, number: u32, line: &Line<'_>) -> Stroke {
-        let words = &line.words;
+        let words = line.words();
         if let Some(feed) = words.get(b'F') {
             self.feed_mm_s = feed * self.scale / 60.0;
         }
@@ -174,18 +176,18 @@ impl Replay<'_> {
             fresh_mm = e_mm - back_mm;
         }
         let arc = (number >= 2)
-            .then(|| Center { at: self.center(number == 2, from, to, line), clockwise: number == 2 });
+            .then(|| Center { at: self.center(number == 2, from, to, &words), clockwise: number == 2 });
         let xy_mm = match arc {
-            Some(center) => arc_mm(from, to, center),
-            None => (to[0] - from[0]).hypot(to[1] - from[1]),
+            Some(center) => arc_mm([from[0], from[1]], [to[0], to[1]], center.at, center.clockwise),
+            None => ((to[0] - from[0]).powi(2) + (to[1] - from[1]).powi(2)).sqrt(),
         };
         Stroke { from, to, arc, xy_mm, e_mm, fresh_mm, retracts, feed_mm_s: self.feed_mm_s }
     }
 
     /// The centre by I and J, or the one that R means (negative: the longer way round).
-    fn center(&self, clockwise: bool, from: [f64; 3], to: [f64; 3], line: &Line<'_>) -> [f64; 2] {
-        let Some(radius) = line.words.get(b'R').map(|r| r * self.scale) else {
-            let [i, j] = [b'I', b'J'].map(|w| line.words.get(w).unwrap_or(0.0) * self.scale);
+    fn center(&self, clockwise: bool, from: [f64; 3], to: [f64; 3], words: &Words) -> [f64; 2] {
+        let Some(radius) = words.get(b'R').map(|r| r * self.scale) else {
+            let [i, j] = [b'I', b'J'].map(|w| words.get(w).unwrap_or(0.0) * self.scale);
             return [from[0] + i, from[1] + j];
         };
         let (dx, dy) = (to[0] - from[0], to[1] - from[1]);
@@ -200,15 +202,6 @@ impl Replay<'_> {
 fn names_axis(text: &[u8]) -> bool {
     let code = text.split(|b| *b == b';').next().unwrap_or_default();
     code.iter().any(|b| matches!(b.to_ascii_uppercase(), b'X' | b'Y' | b'Z'))
-}
-
-fn arc_mm(from: [f64; 3], to: [f64; 3], center: Center) -> f64 {
-    let angle = |p: [f64; 3]| (p[1] - center.at[1]).atan2(p[0] - center.at[0]);
-    let turn = if center.clockwise { angle(from) - angle(to) } else { angle(to) - angle(from) };
-    let sweep = turn.rem_euclid(std::f64::consts::TAU);
-    // No turn at all is a whole circle.
-    let sweep = if sweep < 1e-9 { std::f64::consts::TAU } else { sweep };
-    (from[0] - center.at[0]).hypot(from[1] - center.at[1]) * sweep
 }
 
 #[cfg(test)]

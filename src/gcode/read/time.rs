@@ -8,36 +8,25 @@ use crate::units::Seconds;
 /// Arcs are planned as chords of this length, as firmwares do.
 const CHORD_MM: f64 = 1.0;
 
-/// Moves are planned in groups that end at rest, so that memory stays bounded. A file without a stop for so many
-/// moves is stopped once, which costs some hundredth of a second.
-const MAX_GROUP: usize = 100_000;
-
 /// The time of all moves, by the machine's limits and the accelerations that the file sets. Heating, homing and
 /// pauses take none.
 pub fn file_time(text: &[u8], machine: &Machine) -> Seconds {
-    let mut planner = Planner::new(machine);
+    let mut planner = Planner::<1>::new(machine);
     let mut acceleration = [machine.acceleration; 2];
-    let (mut total_s, mut moves) = (0.0, 0);
     for step in replay(text) {
         match step.action {
             Action::Stroke(stroke) => {
                 let purpose = usize::from(stroke.e_mm <= 0.0);
                 push(&mut planner, &stroke, acceleration[purpose]);
-                moves += 1;
-                if moves == MAX_GROUP {
-                    planner.finish(|_, seconds| total_s += seconds);
-                    moves = 0;
-                }
             }
             Action::Other => accelerations(&step.line, &mut acceleration),
             _ => {}
         }
     }
-    planner.finish(|_, seconds| total_s += seconds);
-    Seconds(total_s)
+    Seconds(planner.finish()[0])
 }
 
-fn push(planner: &mut Planner, stroke: &Stroke, acceleration: f64) {
+fn push(planner: &mut Planner<1>, stroke: &Stroke, acceleration: f64) {
     let chords = if stroke.arc.is_some() { (stroke.xy_mm / CHORD_MM).ceil().clamp(1.0, 1e5) } else { 1.0 };
     let mut from = stroke.from;
     for chord in 1..=chords as u32 {
@@ -51,9 +40,10 @@ fn push(planner: &mut Planner, stroke: &Stroke, acceleration: f64) {
 /// Takes up M204 and Klipper's SET_VELOCITY_LIMIT: accelerations of printing and travel.
 fn accelerations(line: &Line<'_>, set: &mut [f64; 2]) {
     if line.code.is_some_and(|c| (c.letter, c.number) == (b'M', 204)) {
+        let words = line.words();
         for (letters, value) in [b"SP", b"ST"].into_iter().zip(set) {
             for letter in letters {
-                *value = line.words.get(*letter).filter(|a| *a > 0.0).unwrap_or(*value);
+                *value = words.get(*letter).filter(|a| *a > 0.0).unwrap_or(*value);
             }
         }
     } else if line.text.starts_with(b"SET_VELOCITY_LIMIT") {
