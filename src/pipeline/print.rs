@@ -10,7 +10,7 @@ use crate::motion::{self, Entry, MotionSettings};
 use crate::order::{Chain, Cost, Pins, SeamRule, Sequence, chunk_len, ends_on_path};
 use crate::output::Output;
 use crate::profile::Settings;
-use crate::report::{LayerSummary, Measures, Summary, measure_layer};
+use crate::report::{LayerSummary, Measures, Summary};
 use crate::slice::{Layer, Slicer};
 use crate::toolpath::{LayerPaths, ObjectLayer, Planner, PlateLayer, Shells};
 use crate::units::{Mm3, Seconds};
@@ -254,9 +254,19 @@ impl Run<'_> {
     fn finish(&self, paths: &LayerPaths, sequence: &Sequence, from: Entry) -> Done {
         let mut moves = motion::plan_layer(paths, sequence, from, &self.motion);
         let time = cool(&mut moves, &self.settings.cooling, &self.machine);
-        let mut measures = measure_layer(&moves, from.xy.is_none());
-        measures.total_s = time.total().0;
-        measures.filament_mm = measures.volume_mm3 / self.machine.filament_area_mm2;
+        let sums = moves.sums();
+        let measures = Measures {
+            print_mm: sums.print.0,
+            travel_mm: sums.travel.0,
+            total_mm: sums.print.0 + sums.travel.0,
+            link_mm: sums.link.0,
+            travels: sums.travels,
+            retractions: sums.retractions,
+            total_s: time.total().0,
+            volume_mm3: sums.volume.0,
+            filament_mm: sums.volume.0 / self.machine.filament_area_mm2,
+            ..Measures::default()
+        };
         Done {
             text: gcode::format_layer(&moves, &self.writer),
             summary: LayerSummary { z_mm: moves.z_mm, measures },

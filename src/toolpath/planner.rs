@@ -21,6 +21,9 @@ const LONGEST_JOIN: f64 = 2.5;
 /// Infill lines shorter than this hold nothing.
 const SHORTEST_LINE_MM: f64 = 0.2;
 
+/// Gaps shorter than this are not worth the travel to them.
+const SHORTEST_GAP_MM: f64 = 0.3;
+
 /// The settings that toolpaths depend on.
 #[derive(Clone, Debug, Default, PartialEq)]
 #[allow(missing_docs)]
@@ -206,7 +209,8 @@ impl Planner {
                 0 if count > 0 => (Role::ExternalPerimeter, rank_of(0)),
                 _ => (Role::GapFill, count),
             };
-            draft.gap(role, rank, gap);
+            let widest_mm = 2.0 * bead::spacing_mm(widths.wall_mm, section.height_mm);
+            draft.gap(role, rank, gap, walls::MIN_GAP_MM, widest_mm);
         }
 
         let zones = self.zones(&inside, object, section);
@@ -345,5 +349,15 @@ impl Draft {
         }
     }
 
-    fn gap(&mut self, _role: Role, _rank: u32, _gap: &Region) {}
+    /// One bead of fitting width along the middle of each narrow part.
+    fn gap(&mut self, role: Role, rank: u32, gap: &Region, narrowest_mm: f64, widest_mm: f64) {
+        for path in geom::medial_axis(gap, narrowest_mm, widest_mm) {
+            if path.length_mm() < SHORTEST_GAP_MM {
+                continue;
+            }
+            let rounding_mm = bead::rounding_mm(self.height_mm) as f32;
+            let widths = path.width_mm.iter().map(|width_mm| width_mm + rounding_mm).collect();
+            self.push(role, rank, path.closed, path.points, Width::PerVertex(widths));
+        }
+    }
 }

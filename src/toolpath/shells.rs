@@ -93,30 +93,34 @@ pub fn divide(
     next: &Region,
     line_mm: f64,
 ) -> Zones {
-    let common = |region: Region, window: Option<&Region>| match window {
-        Some(window) => geom::intersection(&region, window),
-        None => region,
+    let common = |region: &Region, window: Option<&Region>| match window {
+        Some(window) => geom::intersection(region, window),
+        None => region.clone(),
     };
-    let sparse = common(common(inside.clone(), above), below);
+    let sparse = common(&common(inside, above), below);
     let crumb_mm2 = CRUMB_MM * inside.rings().map(|r| geom::ring_length_mm(r)).sum::<f64>();
     let (inside_mm2, sparse_mm2) = (inside.area_mm2(), sparse.area_mm2());
     if inside_mm2 - sparse_mm2 < crumb_mm2.min(0.5 * inside_mm2) {
         return Zones { sparse: inside.clone(), ..Zones::default() };
     }
-    let solid = if sparse_mm2 < crumb_mm2 {
-        inside.clone()
+    let (sparse, solid) = if sparse_mm2 < crumb_mm2 {
+        (Region::default(), inside.clone())
     } else {
         let strips = geom::opening(&geom::difference(inside, &sparse), line_mm / 4.0);
-        geom::intersection(&geom::offset(&strips, line_mm / 2.0), inside)
+        let anchored = geom::offset(&strips, line_mm / 2.0);
+        let sparse = geom::opening(&geom::difference(inside, &anchored), line_mm);
+        let solid = geom::difference(inside, &sparse);
+        (sparse, solid)
     };
-    let sparse = geom::opening(&geom::difference(inside, &solid), line_mm);
-    let solid = geom::difference(inside, &sparse);
     let exposed = match above {
         Some(_) => geom::opening(&geom::difference(&solid, next), line_mm / 2.0),
         None => Region::default(),
     };
-    let top = geom::intersection(&geom::offset(&exposed, line_mm / 2.0), &solid);
-    let solid =
-        if top.is_empty() { solid } else { geom::opening(&geom::difference(&solid, &top), line_mm / 8.0) };
+    if exposed.is_empty() {
+        return Zones { sparse, solid, top: exposed };
+    }
+    let around = geom::offset(&exposed, line_mm / 2.0);
+    let top = geom::intersection(&around, &solid);
+    let solid = geom::opening(&geom::difference(&solid, &around), line_mm / 8.0);
     Zones { sparse, solid, top }
 }

@@ -13,7 +13,7 @@ use super::bead;
 const CLOSEST: f64 = 0.6;
 
 /// Gaps narrower than this hold no bead that a nozzle could lay.
-const MIN_GAP_MM: f64 = 0.12;
+pub(super) const MIN_GAP_MM: f64 = 0.12;
 
 /// Area that rounding of corners may lose before an island counts as having narrow places, as a share of its
 /// boundary's length: mitred corners come back exactly but for slivers of this width.
