@@ -258,7 +258,7 @@ section! {
         /// Direction of the first layer's lines, degrees from the X axis.
         angle: f64 = 45.0; -360.0..=360.0, "°",
         /// How far line ends reach into the innermost wall, as a share of the line width.
-        overlap: Ratio = Ratio(0.15); 0.0..=1.0,
+        overlap: Ratio = Ratio(0.2); 0.0..=1.0,
         /// Join line ends along the wall.
         connect: bool = true,
     }

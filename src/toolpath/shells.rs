@@ -2,8 +2,8 @@
 
 use crate::geom::{self, Region};
 
-/// Area below which solid or sparse crumbs of an island are given to the other zone, mm² for each mm of boundary.
-const CRUMB_MM: f64 = 0.02;
+/// Area below which what an island has of a zone is given to the other zone: less than a nozzle's bore.
+const CRUMB_MM2: f64 = 0.05;
 
 /// Calls a function for 0, 1, … n − 1, possibly in parallel, and returns the results in order.
 pub type Map<'a> = &'a dyn Fn(usize, &(dyn Fn(usize) -> Region + Sync)) -> Vec<Region>;
@@ -98,12 +98,11 @@ pub fn divide(
         None => region.clone(),
     };
     let sparse = common(&common(inside, above), below);
-    let crumb_mm2 = CRUMB_MM * inside.rings().map(|r| geom::ring_length_mm(r)).sum::<f64>();
     let (inside_mm2, sparse_mm2) = (inside.area_mm2(), sparse.area_mm2());
-    if inside_mm2 - sparse_mm2 < crumb_mm2.min(0.5 * inside_mm2) {
+    if inside_mm2 - sparse_mm2 < CRUMB_MM2.min(0.5 * inside_mm2) {
         return Zones { sparse: inside.clone(), ..Zones::default() };
     }
-    let (sparse, solid) = if sparse_mm2 < crumb_mm2 {
+    let (sparse, solid) = if sparse_mm2 < CRUMB_MM2 {
         (Region::default(), inside.clone())
     } else {
         let strips = geom::opening(&geom::difference(inside, &sparse), line_mm / 4.0);

@@ -7,7 +7,7 @@ use crate::geom::{self, Point, Region};
 use super::{FillLine, lines};
 
 /// Line ends further apart than this many spacings along the boundary are not joined.
-const LONGEST_JOIN: f64 = 4.0;
+const LONGEST_JOIN: f64 = 12.0;
 
 /// The outermost lines keep this far from the patch's extreme points, where they would vanish.
 const INSIDE_MM: f64 = 0.002;
