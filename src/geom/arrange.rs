@@ -48,6 +48,10 @@ fn box_of(a: Point, b: Point) -> Bounds {
     Bounds { min: Point::new(a.x.min(b.x), a.y.min(b.y)), max: Point::new(a.x.max(b.x), a.y.max(b.y)) }
 }
 
+fn holds(b: &Bounds, p: Point) -> bool {
+    b.min.x <= p.x && p.x <= b.max.x && b.min.y <= p.y && p.y <= b.max.y
+}
+
 impl Arrangement {
     /// Splits the rings. Rings of fewer than three points are left out. No two neighbouring points of a ring
     /// may be equal.
@@ -164,13 +168,13 @@ impl Arrangement {
     /// Winding number around a point of the ring `own`, of all other rings; none of them may touch it.
     fn winding_outside(&self, own: usize) -> i32 {
         let p = self.points[self.spans[own].0];
-        (0..self.rings.len()).filter(|&ring| ring != own).map(|ring| self.winding(ring, p)).sum()
+        let around = self.boxes.iter().enumerate().filter(|(ring, b)| *ring != own && holds(b, p));
+        around.map(|(ring, _)| self.winding(ring, p)).sum()
     }
 
     /// Winding number of a ring around a point that is not on it.
     fn winding(&self, ring: usize, p: Point) -> i32 {
-        let b = &self.boxes[ring];
-        if p.x < b.min.x || p.x > b.max.x || p.y < b.min.y || p.y > b.max.y {
+        if !holds(&self.boxes[ring], p) {
             return 0;
         }
         self.chains[self.owned[ring]..self.owned[ring + 1]]

@@ -1,5 +1,6 @@
 //! Offset curves of single rings, before overlaps are taken out.
 
+use super::point::nearest_unit;
 use super::{Point, Ring, UNITS_PER_MM};
 
 /// How the gap at a corner is closed on the side where the offset edges part.
@@ -66,7 +67,7 @@ impl Vector {
     }
 
     fn point(self) -> Point {
-        let grid = |v: f64| v.round().clamp(-LIMIT, LIMIT) as i32;
+        let grid = |v: f64| nearest_unit(v.clamp(-LIMIT, LIMIT));
         Point::new(grid(self.x), grid(self.y))
     }
 }
