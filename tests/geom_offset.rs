@@ -166,6 +166,19 @@ proptest! {
         prop_assert!((union_all([&a, &b, &a]).area_mm2() - union(&a, &b).area_mm2()).abs() < slack);
     }
 
+    /// Neighbouring layers on a slope: outlines inside each other, that touch nowhere.
+    #[test]
+    fn booleans_of_nested_regions_agree_with_areas(a in any_region(), by_mm in 0.01..0.5_f64) {
+        let b = offset(&a, -by_mm);
+        let rim = a.area_mm2() - b.area_mm2();
+        let slack = 1e-5 * perimeter_mm(&a) + 1e-6;
+        prop_assert!((intersection(&a, &b).area_mm2() - b.area_mm2()).abs() < slack);
+        prop_assert!((union(&b, &a).area_mm2() - a.area_mm2()).abs() < slack);
+        prop_assert!((difference(&a, &b).area_mm2() - rim).abs() < slack);
+        prop_assert!(difference(&b, &a).area_mm2() < slack);
+        prop_assert!(is_clean(&difference(&a, &b)));
+    }
+
     #[test]
     fn united_rings_agree_with_the_oracle(seeds in prop::collection::vec((0..40_i32, 0..40_i32, 3..9_usize, 1..12_i32, any::<bool>()), 1..12)) {
         let rings: Vec<Ring> = seeds.iter().map(|&(x, y, n, r, turn)| {

@@ -1,7 +1,7 @@
 //! Boolean operations on regions, exact on the grid but for the rounding of intersection points.
 //!
-//! Polygons that meet no other pass through untouched, as do polygons that are the same in both operands;
-//! only the rest goes through the sweep of `i_overlay`, cluster by cluster.
+//! Polygons that meet no other pass through untouched, as do polygons that are the same in both operands, and
+//! outlines that do not touch are only nested; the rest goes through the sweep of `i_overlay`, cluster by cluster.
 
 use std::cell::RefCell;
 
@@ -52,18 +52,7 @@ pub fn union_all<'a>(regions: impl IntoIterator<Item = &'a Region>) -> Region {
 
 /// The area that rings of any orientation wind around at least once (non-zero rule), as a region.
 pub fn unite_rings(rings: &[Ring]) -> Region {
-    let clean: Vec<Ring> = rings
-        .iter()
-        .map(|ring| {
-            let mut ring = ring.clone();
-            ring.dedup();
-            while ring.len() > 1 && ring.last() == ring.first() {
-                ring.pop();
-            }
-            ring
-        })
-        .collect();
-    let arrangement = Arrangement::new(clean);
+    let arrangement = Arrangement::new(rings.iter().map(|ring| clean(ring)).collect());
     if arrangement.is_simple() {
         return arrangement.into_region(Rule::NonZero);
     }
@@ -136,6 +125,34 @@ fn combine(a: &Region, b: &Region, rule: OverlayRule) -> Region {
         result.polygons.extend(whole.iter().map(|&i| polygons[i].clone()));
     }
     result
+}
+
+/// The operation on outlines that do not touch, as those of neighbouring layers on a slope.
+fn nested<'a>(
+    subject: impl Iterator<Item = &'a Ring>,
+    clip: impl Iterator<Item = &'a Ring>,
+    rule: OverlayRule,
+) -> Option<Region> {
+    let rule = match rule {
+        OverlayRule::Intersect => Rule::Both,
+        OverlayRule::Union => Rule::Either,
+        OverlayRule::Difference => Rule::FirstOnly,
+        _ => return None,
+    };
+    let (subject, clip): (Vec<Ring>, Vec<Ring>) =
+        (subject.map(|r| clean(r)).collect(), clip.map(|r| clean(r)).collect());
+    let arrangement = Arrangement::of_two(subject, clip);
+    arrangement.is_simple().then(|| arrangement.into_region(rule))
+}
+
+/// The ring without equal neighbours.
+fn clean(ring: &[Point]) -> Ring {
+    let mut ring = ring.to_vec();
+    ring.dedup();
+    while ring.len() > 1 && ring.last() == ring.first() {
+        ring.pop();
+    }
+    ring
 }
 
 fn bounds(polygon: &Polygon) -> Bounds {
