@@ -303,7 +303,7 @@ mod tests {
             ring
         };
         // An outer ring, a hole, an island in the hole; and a stray ring that only the non-zero rule fills.
-        let rings = vec![square(0, 0, 100), reversed(square(10, 10, 80)), square(20, 20, 10)];
+        let rings = [square(0, 0, 100), reversed(square(10, 10, 80)), square(20, 20, 10)];
         let stray = reversed(square(200, 0, 10));
         let all: Vec<Ring> = rings.iter().cloned().chain([stray]).collect();
         let positive = Arrangement::new(all.clone()).into_region(Rule::Positive);

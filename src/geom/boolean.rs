@@ -116,9 +116,13 @@ fn combine(a: &Region, b: &Region, rule: OverlayRule) -> Region {
             OverlayRule::Intersect | OverlayRule::Union if same => in_a,
             OverlayRule::Union | OverlayRule::Difference if in_b.is_empty() => in_a,
             _ => {
-                let rings =
-                    |part: &[usize]| part.iter().flat_map(|&i| polygons[i].rings()).collect::<Vec<_>>();
-                result.polygons.extend(sweep(rings(in_a), rings(in_b), rule, FillRule::NonZero).polygons);
+                let rings = |part: &'_ [usize]| -> Vec<&Ring> {
+                    part.iter().flat_map(|&i| polygons[i].rings()).collect()
+                };
+                let (subject, clip) = (rings(in_a), rings(in_b));
+                let region = nested(&subject, &clip, rule)
+                    .unwrap_or_else(|| sweep(subject, clip, rule, FillRule::NonZero));
+                result.polygons.extend(region.polygons);
                 continue;
             }
         };
@@ -128,20 +132,15 @@ fn combine(a: &Region, b: &Region, rule: OverlayRule) -> Region {
 }
 
 /// The operation on outlines that do not touch, as those of neighbouring layers on a slope.
-fn nested<'a>(
-    subject: impl Iterator<Item = &'a Ring>,
-    clip: impl Iterator<Item = &'a Ring>,
-    rule: OverlayRule,
-) -> Option<Region> {
+fn nested(subject: &[&Ring], clip: &[&Ring], rule: OverlayRule) -> Option<Region> {
     let rule = match rule {
         OverlayRule::Intersect => Rule::Both,
         OverlayRule::Union => Rule::Either,
         OverlayRule::Difference => Rule::FirstOnly,
         _ => return None,
     };
-    let (subject, clip): (Vec<Ring>, Vec<Ring>) =
-        (subject.map(|r| clean(r)).collect(), clip.map(|r| clean(r)).collect());
-    let arrangement = Arrangement::of_two(subject, clip);
+    let clean_all = |rings: &[&Ring]| rings.iter().map(|ring| clean(ring)).collect();
+    let arrangement = Arrangement::of_two(clean_all(subject), clean_all(clip));
     arrangement.is_simple().then(|| arrangement.into_region(rule))
 }
 
