@@ -33,8 +33,8 @@ fn offsets(c: &mut Criterion) {
         c.bench_function(&format!("inset {vertices} smooth"), |b| {
             b.iter(|| offset(black_box(&smooth), -0.45))
         });
-        // Ripples deeper than the inset can follow: parts meet, the overlaps must be found.
-        let rough = section(vertices, 0.6, 1.0);
+        // Ripples too deep and narrow for the inset: parts meet, and the overlaps must be found.
+        let rough = section(vertices, 4.0, 1.0);
         c.bench_function(&format!("inset {vertices} rough"), |b| b.iter(|| offset(black_box(&rough), -0.45)));
     }
     let plate = plate_with_holes();

@@ -6,18 +6,29 @@
 
 use super::{Bounds, Point, Polygon, Region, Ring, ring_area};
 
-/// Which windings count as inside.
+/// What counts as inside, by the winding numbers of the first rings and of the second.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Rule {
+    /// The first wind around at all.
     NonZero,
+    /// The first wind around counter-clockwise.
     Positive,
+    /// Both wind around.
+    Both,
+    /// Either winds around.
+    Either,
+    /// The first wind around, the second do not.
+    FirstOnly,
 }
 
 impl Rule {
-    fn inside(self, winding: i32) -> bool {
+    fn inside(self, [first, second]: [i32; 2]) -> bool {
         match self {
-            Rule::NonZero => winding != 0,
-            Rule::Positive => winding > 0,
+            Rule::NonZero => first != 0,
+            Rule::Positive => first > 0,
+            Rule::Both => first != 0 && second != 0,
+            Rule::Either => first != 0 || second != 0,
+            Rule::FirstOnly => first != 0 && second == 0,
         }
     }
 }
@@ -34,6 +45,8 @@ struct Chain {
 /// The rings of an arrangement, split into monotone chains.
 pub(super) struct Arrangement {
     rings: Vec<Ring>,
+    /// How many of the rings are first ones.
+    firsts: usize,
     /// All rings, each with its first point repeated at the end.
     points: Vec<Point>,
     /// First and last index of each ring in `points`.
@@ -48,11 +61,23 @@ fn box_of(a: Point, b: Point) -> Bounds {
     Bounds { min: Point::new(a.x.min(b.x), a.y.min(b.y)), max: Point::new(a.x.max(b.x), a.y.max(b.y)) }
 }
 
+fn holds(b: &Bounds, p: Point) -> bool {
+    b.min.x <= p.x && p.x <= b.max.x && b.min.y <= p.y && p.y <= b.max.y
+}
+
 impl Arrangement {
-    /// Splits the rings. Rings of fewer than three points are left out. No two neighbouring points of a ring
-    /// may be equal.
-    pub(super) fn new(mut rings: Vec<Ring>) -> Self {
+    /// Splits the rings, all of them first ones. Rings of fewer than three points are left out. No two
+    /// neighbouring points of a ring may be equal.
+    pub(super) fn new(first: Vec<Ring>) -> Self {
+        Self::of_two(first, Vec::new())
+    }
+
+    /// As [`Self::new`], of first and second rings.
+    pub(super) fn of_two(first: Vec<Ring>, second: Vec<Ring>) -> Self {
+        let mut rings = first;
         rings.retain(|ring| ring.len() > 2);
+        let firsts = rings.len();
+        rings.extend(second.into_iter().filter(|ring| ring.len() > 2));
         let count = rings.iter().map(|ring| ring.len() + 1).sum();
         let mut points = Vec::with_capacity(count);
         let mut chains: Vec<Chain> = Vec::new();
@@ -89,7 +114,7 @@ impl Arrangement {
             owned.push(chains.len());
             boxes.push(whole.unwrap_or(box_of(ring[0], ring[0])));
         }
-        Self { rings, points, spans, chains, owned, boxes }
+        Self { rings, firsts, points, spans, chains, owned, boxes }
     }
 
     /// Whether no two edges touch, but for neighbours in a ring at their common vertex.
@@ -161,16 +186,19 @@ impl Arrangement {
         side(a, b, c) * side(a, b, d) <= 0 && side(c, d, a) * side(c, d, b) <= 0
     }
 
-    /// Winding number around a point of the ring `own`, of all other rings; none of them may touch it.
-    fn winding_outside(&self, own: usize) -> i32 {
+    /// Winding numbers of the first and the second rings but `own` around a point of `own`, which none may touch.
+    fn winding_outside(&self, own: usize) -> [i32; 2] {
         let p = self.points[self.spans[own].0];
-        (0..self.rings.len()).filter(|&ring| ring != own).map(|ring| self.winding(ring, p)).sum()
+        let around = self.boxes.iter().enumerate().filter(|(ring, b)| *ring != own && holds(b, p));
+        around.fold([0, 0], |mut sum, (ring, _)| {
+            sum[usize::from(ring >= self.firsts)] += self.winding(ring, p);
+            sum
+        })
     }
 
     /// Winding number of a ring around a point that is not on it.
     fn winding(&self, ring: usize, p: Point) -> i32 {
-        let b = &self.boxes[ring];
-        if p.x < b.min.x || p.x > b.max.x || p.y < b.min.y || p.y > b.max.y {
+        if !holds(&self.boxes[ring], p) {
             return 0;
         }
         self.chains[self.owned[ring]..self.owned[ring + 1]]
@@ -198,7 +226,8 @@ impl Arrangement {
         for ring in 0..self.rings.len() {
             let area = ring_area(&self.rings[ring]);
             let outside = self.winding_outside(ring);
-            let inside = outside + if area > 0.0 { 1 } else { -1 };
+            let mut inside = outside;
+            inside[usize::from(ring >= self.firsts)] += if area > 0.0 { 1 } else { -1 };
             match (rule.inside(outside), rule.inside(inside)) {
                 (false, true) => outers.push((ring, area.abs())),
                 (true, false) => holes.push(ring),
@@ -274,7 +303,7 @@ mod tests {
             ring
         };
         // An outer ring, a hole, an island in the hole; and a stray ring that only the non-zero rule fills.
-        let rings = vec![square(0, 0, 100), reversed(square(10, 10, 80)), square(20, 20, 10)];
+        let rings = [square(0, 0, 100), reversed(square(10, 10, 80)), square(20, 20, 10)];
         let stray = reversed(square(200, 0, 10));
         let all: Vec<Ring> = rings.iter().cloned().chain([stray]).collect();
         let positive = Arrangement::new(all.clone()).into_region(Rule::Positive);

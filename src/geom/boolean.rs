@@ -1,7 +1,7 @@
 //! Boolean operations on regions, exact on the grid but for the rounding of intersection points.
 //!
-//! Polygons that meet no other pass through untouched, as do polygons that are the same in both operands;
-//! only the rest goes through the sweep of `i_overlay`, cluster by cluster.
+//! Polygons that meet no other pass through untouched, as do polygons that are the same in both operands, and
+//! outlines that do not touch are only nested; the rest goes through the sweep of `i_overlay`, cluster by cluster.
 
 use std::cell::RefCell;
 
@@ -52,18 +52,7 @@ pub fn union_all<'a>(regions: impl IntoIterator<Item = &'a Region>) -> Region {
 
 /// The area that rings of any orientation wind around at least once (non-zero rule), as a region.
 pub fn unite_rings(rings: &[Ring]) -> Region {
-    let clean: Vec<Ring> = rings
-        .iter()
-        .map(|ring| {
-            let mut ring = ring.clone();
-            ring.dedup();
-            while ring.len() > 1 && ring.last() == ring.first() {
-                ring.pop();
-            }
-            ring
-        })
-        .collect();
-    let arrangement = Arrangement::new(clean);
+    let arrangement = Arrangement::new(rings.iter().map(|ring| clean(ring)).collect());
     if arrangement.is_simple() {
         return arrangement.into_region(Rule::NonZero);
     }
@@ -127,15 +116,42 @@ fn combine(a: &Region, b: &Region, rule: OverlayRule) -> Region {
             OverlayRule::Intersect | OverlayRule::Union if same => in_a,
             OverlayRule::Union | OverlayRule::Difference if in_b.is_empty() => in_a,
             _ => {
-                let rings =
-                    |part: &[usize]| part.iter().flat_map(|&i| polygons[i].rings()).collect::<Vec<_>>();
-                result.polygons.extend(sweep(rings(in_a), rings(in_b), rule, FillRule::NonZero).polygons);
+                let rings = |part: &'_ [usize]| -> Vec<&Ring> {
+                    part.iter().flat_map(|&i| polygons[i].rings()).collect()
+                };
+                let (subject, clip) = (rings(in_a), rings(in_b));
+                let region = nested(&subject, &clip, rule)
+                    .unwrap_or_else(|| sweep(subject, clip, rule, FillRule::NonZero));
+                result.polygons.extend(region.polygons);
                 continue;
             }
         };
         result.polygons.extend(whole.iter().map(|&i| polygons[i].clone()));
     }
     result
+}
+
+/// The operation on outlines that do not touch, as those of neighbouring layers on a slope.
+fn nested(subject: &[&Ring], clip: &[&Ring], rule: OverlayRule) -> Option<Region> {
+    let rule = match rule {
+        OverlayRule::Intersect => Rule::Both,
+        OverlayRule::Union => Rule::Either,
+        OverlayRule::Difference => Rule::FirstOnly,
+        _ => return None,
+    };
+    let clean_all = |rings: &[&Ring]| rings.iter().map(|ring| clean(ring)).collect();
+    let arrangement = Arrangement::of_two(clean_all(subject), clean_all(clip));
+    arrangement.is_simple().then(|| arrangement.into_region(rule))
+}
+
+/// The ring without equal neighbours.
+fn clean(ring: &[Point]) -> Ring {
+    let mut ring = ring.to_vec();
+    ring.dedup();
+    while ring.len() > 1 && ring.last() == ring.first() {
+        ring.pop();
+    }
+    ring
 }
 
 fn bounds(polygon: &Polygon) -> Bounds {

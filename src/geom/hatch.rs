@@ -1,5 +1,6 @@
 //! Parallel lines through a region: the scan-line fill behind all straight infill.
 
+use super::point::nearest_unit;
 use super::{BoundaryPos, Point, Region, UNITS_PER_MM};
 
 /// The closest spacing that is taken, in millimetres; it bounds the work on bad settings.
@@ -46,7 +47,7 @@ pub fn scan_lines(region: &Region, angle_rad: f64, spacing_mm: f64, phase_mm: f6
     let (spacing, phase) = (spacing_mm * UNITS_PER_MM, phase_mm * UNITS_PER_MM);
     let height = |p: Point| f64::from(p.y) * cos - f64::from(p.x) * sin;
     // The first line at or above the point. Monotone in the height, which is all that parity needs.
-    let line_over = |h: f64| ((h - phase) / spacing).ceil() as i64;
+    let line_over = |h: f64| ceil((h - phase) / spacing);
 
     let heights: Vec<Vec<(f64, i64)>> = region
         .rings()
@@ -71,12 +72,12 @@ pub fn scan_lines(region: &Region, angle_rad: f64, spacing_mm: f64, phase_mm: f6
                 continue;
             }
             let (dx, dy) = (f64::from(b.x) - f64::from(a.x), f64::from(b.y) - f64::from(a.y));
-            let length_mm = dx.hypot(dy) / UNITS_PER_MM;
+            let length_mm = (dx * dx + dy * dy).sqrt() / UNITS_PER_MM;
             for line in over_a.min(over_b)..over_a.max(over_b) {
                 let t = ((line as f64 * spacing + phase - height_a) / (height_b - height_a)).clamp(0.0, 1.0);
                 let (x, y) = (f64::from(a.x) + t * dx, f64::from(a.y) + t * dy);
                 let on = BoundaryPos { ring: ring_index as u32, edge: edge as u32, along_mm: t * length_mm };
-                let point = Point::new(x.round() as i32, y.round() as i32);
+                let point = Point::new(nearest_unit(x), nearest_unit(y));
                 lines[(line - low) as usize]
                     .push(Crossing { along: x * cos + y * sin, end: HatchEnd { point, on } });
             }
@@ -96,6 +97,12 @@ pub fn scan_lines(region: &Region, angle_rad: f64, spacing_mm: f64, phase_mm: f6
         }
     }
     hatch
+}
+
+/// The smallest integer not below `v`: `f64::ceil` without its function call.
+fn ceil(v: f64) -> i64 {
+    let whole = v as i64;
+    whole + i64::from(v > whole as f64)
 }
 
 /// Sine and cosine, exact at multiples of a quarter turn, so that axis-parallel lines are just that.

@@ -11,6 +11,12 @@ pub fn to_units(mm: f64) -> i32 {
     (mm * UNITS_PER_MM).round() as i32
 }
 
+/// The nearest grid unit, halves away from zero, saturating: `round` without its function call.
+#[inline]
+pub(super) fn nearest_unit(units: f64) -> i32 {
+    (units + 0.5_f64.copysign(units)) as i32
+}
+
 /// Grid units to millimetres.
 #[inline]
 pub fn to_mm(units: i32) -> f64 {

@@ -157,10 +157,10 @@ fn inner_faces(mesh: &ConstrainedDelaunayTriangulation<Sample>, outline: &Outlin
     }
     while let Some(face) = queue.pop() {
         for edge in face.adjacent_edges().into_iter().filter(|edge| !edge.is_constraint_edge()) {
-            if let Some(neighbour) = edge.rev().face().as_inner() {
-                if !std::mem::replace(&mut inside[neighbour.fix().index()], true) {
-                    queue.push(neighbour);
-                }
+            if let Some(neighbour) = edge.rev().face().as_inner()
+                && !std::mem::replace(&mut inside[neighbour.fix().index()], true)
+            {
+                queue.push(neighbour);
             }
         }
     }

@@ -195,8 +195,7 @@ fn chain(nodes: &[Node], branches: &mut [Branch], partner: &[[Option<(usize, usi
         }
         let mut trail = Trail { nodes: Vec::new(), closed: false, free: [false; 2] };
         let (mut branch, mut end) = (first, end);
-        let is_free = |b: &Branch, end: usize| nodes[b.end(end) as usize].degree() == 1;
-        trail.free[0] = is_free(&branches[branch], end);
+        trail.free[0] = nodes[branches[branch].end(end) as usize].degree() == 1;
         loop {
             used[branch] = true;
             let mut run = std::mem::take(&mut branches[branch].nodes);

@@ -134,7 +134,7 @@ impl Line {
         }
     }
 
-    /// Moves the last end along its direction to half the width from the boundary.
+    /// Moves the last end along the line to half the width from the boundary.
     fn extend(&mut self, grid: &EdgeGrid, max_mm: f64) {
         let Some(last) = self.at.len().checked_sub(1) else {
             return;
@@ -154,6 +154,27 @@ impl Line {
         if by > 0.0 {
             self.at.push([end[0] + by * along[0], end[1] + by * along[1]]);
             self.width.push(width);
+        } else {
+            self.shorten(-by);
+        }
+    }
+
+    /// Takes a length off the last end, up to the last edge.
+    fn shorten(&mut self, mut by: f64) {
+        while let [.., a, b] = self.at[..] {
+            let length = distance(a, b);
+            let last = self.at.len() - 1;
+            if by < length {
+                self.at[last] = lerp(b, a, by / length);
+                self.width[last] += by / length * (self.width[last - 1] - self.width[last]);
+                return;
+            }
+            if last == 1 {
+                return;
+            }
+            by -= length;
+            self.at.pop();
+            self.width.pop();
         }
     }
 

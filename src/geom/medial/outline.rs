@@ -74,7 +74,8 @@ pub(super) fn lerp(a: Position, b: Position, t: f64) -> Position {
 }
 
 pub(super) fn distance(a: Position, b: Position) -> f64 {
-    (a[0] - b[0]).hypot(a[1] - b[1])
+    let (dx, dy) = (a[0] - b[0], a[1] - b[1]);
+    (dx * dx + dy * dy).sqrt()
 }
 
 /// The unit vector from `a` to `b`; zero where they are the same.
