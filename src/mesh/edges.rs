@@ -2,6 +2,12 @@
 //!
 //! Half-edge `3 t + k` runs from corner `k` of triangle `t` to the next corner.
 
+use std::ops::Range;
+use std::sync::atomic::{AtomicU32, Ordering::Relaxed};
+
+/// Triangles from which matching by two threads pays.
+const PARALLEL: usize = 20_000;
+
 /// Marks a half-edge without a partner.
 pub(crate) const NO_TWIN: u32 = u32::MAX;
 
@@ -15,32 +21,44 @@ pub(super) fn ends(triangles: &[[u32; 3]], half: u32) -> (u32, u32) {
 
 /// Calls `visit` once for every edge with its half-edges as `half << 1 | backward`, ascending; backward ones run from
 /// the greater vertex index to the smaller.
+pub(super) fn for_each_edge(triangles: &[[u32; 3]], vertex_count: usize, visit: impl FnMut(&[u32])) {
+    for_each_edge_from(triangles, 0..vertex_count as u32, visit);
+}
+
+/// As `for_each_edge`, for the edges whose smaller vertex lies in a range.
 ///
 /// Counting sort by the smaller vertex, then a sort of each short bucket. O(triangles) for bounded vertex degree.
-pub(super) fn for_each_edge(triangles: &[[u32; 3]], vertex_count: usize, mut visit: impl FnMut(&[u32])) {
-    let mut start = vec![0u32; vertex_count + 2];
+fn for_each_edge_from(triangles: &[[u32; 3]], vertices: Range<u32>, mut visit: impl FnMut(&[u32])) {
+    let count = vertices.len();
+    let bucket_of = |from: u32, to: u32| {
+        let bucket = from.min(to).wrapping_sub(vertices.start) as usize;
+        (bucket < count).then_some(bucket)
+    };
+    let mut start = vec![0u32; count + 2];
     for &[a, b, c] in triangles {
-        start[a.min(b) as usize + 2] += 1;
-        start[b.min(c) as usize + 2] += 1;
-        start[c.min(a) as usize + 2] += 1;
+        for bucket in [bucket_of(a, b), bucket_of(b, c), bucket_of(c, a)].into_iter().flatten() {
+            start[bucket + 2] += 1;
+        }
     }
     for v in 2..start.len() {
         start[v] += start[v - 1];
     }
-    // `start[v + 1]` is the bucket's next free place while filling, and its end when filled.
-    let mut sorted = vec![0u64; triangles.len() * 3];
+    // `start[bucket + 1]` is the bucket's next free place while filling, and its end when filled.
+    let mut sorted = vec![0u64; start[count + 1] as usize];
     let mut half = 0u64;
     for &[a, b, c] in triangles {
         for (from, to) in [(a, b), (b, c), (c, a)] {
-            let place = &mut start[from.min(to) as usize + 1];
-            sorted[*place as usize] = u64::from(from.max(to)) << 32 | half << 1 | u64::from(from > to);
-            *place += 1;
+            if let Some(bucket) = bucket_of(from, to) {
+                let place = &mut start[bucket + 1];
+                sorted[*place as usize] = u64::from(from.max(to)) << 32 | half << 1 | u64::from(from > to);
+                *place += 1;
+            }
             half += 1;
         }
     }
     let mut group: Vec<u32> = Vec::with_capacity(8);
-    for v in 0..vertex_count {
-        let bucket = &mut sorted[start[v] as usize..start[v + 1] as usize];
+    for bucket in start.windows(2).take(count) {
+        let bucket = &mut sorted[bucket[0] as usize..bucket[1] as usize];
         sort_bucket(bucket);
         let mut rest = &*bucket;
         while let Some(&first) = rest.first() {
@@ -87,25 +105,40 @@ pub(super) struct Edges {
 impl Edges {
     /// Pairs forward half-edges with backward ones; where more than two facets meet, in the order of facets.
     pub fn new(triangles: &[[u32; 3]], vertex_count: usize) -> Self {
-        let mut edges = Self { twins: vec![NO_TWIN; triangles.len() * 3], ..Self::default() };
-        for_each_edge(triangles, vertex_count, |group| match *group {
-            [a, b] if (a ^ b) & 1 == 1 => edges.pair(a, b),
+        let twins: Vec<AtomicU32> = (0..triangles.len() * 3).map(|_| AtomicU32::new(NO_TWIN)).collect();
+        let match_from = |vertices| Self::match_from(triangles, vertices, &twins);
+        let count = vertex_count as u32;
+        // Every edge belongs to one range, so the two never write to the same place.
+        let [a, b] = if triangles.len() < PARALLEL {
+            [match_from(0..count), Self::default()]
+        } else {
+            rayon::join(|| match_from(0..count / 2), || match_from(count / 2..count)).into()
+        };
+        Self {
+            twins: twins.into_iter().map(AtomicU32::into_inner).collect(),
+            open: a.open + b.open,
+            non_manifold: a.non_manifold + b.non_manifold,
+            clashing: a.clashing + b.clashing,
+        }
+    }
+
+    fn match_from(triangles: &[[u32; 3]], vertices: Range<u32>, twins: &[AtomicU32]) -> Self {
+        let mut edges = Self::default();
+        let pair = |a: u32, b: u32| {
+            twins[a as usize >> 1].store(b >> 1, Relaxed);
+            twins[b as usize >> 1].store(a >> 1, Relaxed);
+        };
+        for_each_edge_from(triangles, vertices, |group| match *group {
+            [a, b] if (a ^ b) & 1 == 1 => pair(a, b),
             [_] => edges.open += 1,
             [_, _] => edges.clashing += 1,
             _ => {
                 edges.non_manifold += 1;
                 let forward = group.iter().filter(|&&h| h & 1 == 0);
                 let backward = group.iter().filter(|&&h| h & 1 == 1);
-                for (&a, &b) in forward.zip(backward) {
-                    edges.pair(a, b);
-                }
+                forward.zip(backward).for_each(|(&a, &b)| pair(a, b));
             }
         });
         edges
-    }
-
-    fn pair(&mut self, a: u32, b: u32) {
-        self.twins[a as usize >> 1] = b >> 1;
-        self.twins[b as usize >> 1] = a >> 1;
     }
 }

@@ -9,7 +9,7 @@ use super::gaps;
 use super::outside;
 use super::weld::Soup;
 
-/// What was done and what was found.
+/// What was done and what was found; volume of an open shell: that of the cone from the middle of its box.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Repairs {
     pub degenerate: usize,
@@ -21,6 +21,8 @@ pub(super) struct Repairs {
     /// Edges whose two facets could not be made to agree.
     pub clashing: usize,
     pub shells: usize,
+    pub volume_mm3: f64,
+    pub area_mm2: f64,
 }
 
 /// A mesh with its neighbourhood, coordinates as read.
@@ -58,8 +60,8 @@ pub(super) fn repair(soup: Soup) -> Repaired {
         drop_unused(&mut vertices, &mut triangles);
     }
     let (shell_of, shells) = shells(&triangles, vertices.len(), &edges);
-    let turned = outside::turn_outwards(&vertices, &mut triangles, &mut edges.twins, &shell_of, shells);
-    repairs.flipped += turned;
+    let outcome = outside::turn_outwards(&vertices, &mut triangles, &mut edges.twins, &shell_of, shells);
+    repairs.flipped += outcome.turned;
     Repaired {
         repairs: Repairs {
             degenerate,
@@ -67,6 +69,8 @@ pub(super) fn repair(soup: Soup) -> Repaired {
             non_manifold: edges.non_manifold,
             clashing: edges.clashing,
             shells,
+            volume_mm3: outcome.volume_mm3,
+            area_mm2: outcome.area_mm2,
             ..repairs
         },
         vertices,

@@ -96,12 +96,12 @@ impl Edge {
         let (from, to) = (chain[0], chain[chain.len() - 1]);
         let d = to - from;
         let (dx, dy) = (f64::from(d.x), f64::from(d.y));
-        let length = dx.hypot(dy);
+        let length = (dx * dx + dy * dy).sqrt();
         if length == 0.0 {
             return Self { from, length, normal: [0.0; 2], shift: 0.0 };
         }
-        let twice_area: i128 = chain.windows(2).map(|e| i128::from((e[0] - from).cross(e[1] - from))).sum();
-        let shift = twice_area as f64 / 2.0 / length;
+        let twice_area: f64 = chain[1..].windows(2).map(|e| (e[0] - from).cross(e[1] - from) as f64).sum();
+        let shift = twice_area / 2.0 / length;
         // Less than a unit is the noise of rounding: straight edges stay what they are.
         let shift = if shift.abs() < 1.0 { 0.0 } else { shift };
         Self { from, length, normal: [dy / length, -dx / length], shift }
@@ -124,7 +124,7 @@ fn corner(before: Edge, after: Edge, tolerance: f64) -> Point {
         let widen = mean / (1.0 + ax * bx + ay * by).max(1.0);
         [(ax + bx) * widen, (ay + by) * widen]
     };
-    let length = dx.hypot(dy);
+    let length = (dx * dx + dy * dy).sqrt();
     if length > tolerance {
         (dx, dy) = (dx * tolerance / length, dy * tolerance / length);
     }
