@@ -19,16 +19,49 @@ pub(super) fn ends(triangles: &[[u32; 3]], half: u32) -> (u32, u32) {
     (triangle[corner], triangle[if corner == 2 { 0 } else { corner + 1 }])
 }
 
-/// Calls `visit` once for every edge with its half-edges as `half << 1 | backward`, ascending; backward ones run from
-/// the greater vertex index to the smaller.
-pub(super) fn for_each_edge(triangles: &[[u32; 3]], vertex_count: usize, visit: impl FnMut(&[u32])) {
+/// One side of an edge, as found by `for_each_edge`; sorts by the edge's greater vertex, then by half-edge.
+#[derive(Clone, Copy, Default, PartialEq, Eq, PartialOrd, Ord)]
+pub(super) struct Side(u64);
+
+impl Side {
+    #[inline]
+    fn new(from: u32, to: u32, half: u32) -> Self {
+        Self(u64::from(from.max(to)) << 32 | u64::from(half) << 1 | u64::from(from > to))
+    }
+
+    #[inline]
+    fn greater_vertex(self) -> u32 {
+        (self.0 >> 32) as u32
+    }
+
+    /// The half-edge.
+    #[inline]
+    pub fn half(self) -> u32 {
+        self.0 as u32 >> 1
+    }
+
+    /// The triangle.
+    #[inline]
+    pub fn triangle(self) -> u32 {
+        self.half() / 3
+    }
+
+    /// Whether it runs from the greater vertex index to the smaller.
+    #[inline]
+    pub fn is_backward(self) -> bool {
+        self.0 & 1 == 1
+    }
+}
+
+/// Calls `visit` once for every edge with its sides, ascending by half-edge.
+pub(super) fn for_each_edge(triangles: &[[u32; 3]], vertex_count: usize, visit: impl FnMut(&[Side])) {
     for_each_edge_from(triangles, 0..vertex_count as u32, visit);
 }
 
 /// As `for_each_edge`, for the edges whose smaller vertex lies in a range.
 ///
 /// Counting sort by the smaller vertex, then a sort of each short bucket. O(triangles) for bounded vertex degree.
-fn for_each_edge_from(triangles: &[[u32; 3]], vertices: Range<u32>, mut visit: impl FnMut(&[u32])) {
+fn for_each_edge_from(triangles: &[[u32; 3]], vertices: Range<u32>, mut visit: impl FnMut(&[Side])) {
     let count = vertices.len();
     let bucket_of = |from: u32, to: u32| {
         let bucket = from.min(to).wrapping_sub(vertices.start) as usize;
@@ -44,36 +77,28 @@ fn for_each_edge_from(triangles: &[[u32; 3]], vertices: Range<u32>, mut visit: i
         start[v] += start[v - 1];
     }
     // `start[bucket + 1]` is the bucket's next free place while filling, and its end when filled.
-    let mut sorted = vec![0u64; start[count + 1] as usize];
-    let mut half = 0u64;
+    let mut sorted = vec![Side::default(); start[count + 1] as usize];
+    let mut half = 0;
     for &[a, b, c] in triangles {
         for (from, to) in [(a, b), (b, c), (c, a)] {
             if let Some(bucket) = bucket_of(from, to) {
                 let place = &mut start[bucket + 1];
-                sorted[*place as usize] = u64::from(from.max(to)) << 32 | half << 1 | u64::from(from > to);
+                sorted[*place as usize] = Side::new(from, to, half);
                 *place += 1;
             }
             half += 1;
         }
     }
-    let mut group: Vec<u32> = Vec::with_capacity(8);
     for bucket in start.windows(2).take(count) {
         let bucket = &mut sorted[bucket[0] as usize..bucket[1] as usize];
         sort_bucket(bucket);
-        let mut rest = &*bucket;
-        while let Some(&first) = rest.first() {
-            let length = rest.iter().position(|e| e >> 32 != first >> 32).unwrap_or(rest.len());
-            group.clear();
-            group.extend(rest[..length].iter().map(|&e| e as u32));
-            visit(&group);
-            rest = &rest[length..];
-        }
+        bucket.chunk_by(|a, b| a.greater_vertex() == b.greater_vertex()).for_each(&mut visit);
     }
 }
 
 /// Insertion sort: buckets hold six entries on average.
 #[inline]
-fn sort_bucket(bucket: &mut [u64]) {
+fn sort_bucket(bucket: &mut [Side]) {
     if bucket.len() > 32 {
         bucket.sort_unstable();
         return;
@@ -124,18 +149,18 @@ impl Edges {
 
     fn match_from(triangles: &[[u32; 3]], vertices: Range<u32>, twins: &[AtomicU32]) -> Self {
         let mut edges = Self::default();
-        let pair = |a: u32, b: u32| {
-            twins[a as usize >> 1].store(b >> 1, Relaxed);
-            twins[b as usize >> 1].store(a >> 1, Relaxed);
+        let pair = |a: Side, b: Side| {
+            twins[a.half() as usize].store(b.half(), Relaxed);
+            twins[b.half() as usize].store(a.half(), Relaxed);
         };
-        for_each_edge_from(triangles, vertices, |group| match *group {
-            [a, b] if (a ^ b) & 1 == 1 => pair(a, b),
+        for_each_edge_from(triangles, vertices, |sides| match *sides {
+            [a, b] if a.is_backward() != b.is_backward() => pair(a, b),
             [_] => edges.open += 1,
             [_, _] => edges.clashing += 1,
             _ => {
                 edges.non_manifold += 1;
-                let forward = group.iter().filter(|&&h| h & 1 == 0);
-                let backward = group.iter().filter(|&&h| h & 1 == 1);
+                let forward = sides.iter().filter(|side| !side.is_backward());
+                let backward = sides.iter().filter(|side| side.is_backward());
                 forward.zip(backward).for_each(|(&a, &b)| pair(a, b));
             }
         });

@@ -124,10 +124,10 @@ fn drop_unused(vertices: &mut Vec<[f32; 3]>, triangles: &mut [[u32; 3]]) {
 /// turned. Returns how many were turned.
 fn agree(triangles: &mut [[u32; 3]], vertex_count: usize) -> usize {
     let mut parts = Components::new(triangles.len());
-    for_each_edge(triangles, vertex_count, |group| {
-        if let [a, b] = *group {
+    for_each_edge(triangles, vertex_count, |sides| {
+        if let [a, b] = *sides {
             // A part that cannot be oriented keeps the first relation found.
-            parts.join((a >> 1) / 3, (b >> 1) / 3, (a ^ b) & 1 == 0);
+            parts.join(a.triangle(), b.triangle(), a.is_backward() == b.is_backward());
         }
     });
     let mut votes = vec![0i64; triangles.len()];
@@ -154,9 +154,9 @@ fn shells(triangles: &[[u32; 3]], vertex_count: usize, edges: &Edges) -> (Vec<u3
         }
     }
     if edges.non_manifold + edges.clashing > 0 {
-        for_each_edge(triangles, vertex_count, |group| {
-            for pair in group.windows(2) {
-                parts.join((pair[0] >> 1) / 3, (pair[1] >> 1) / 3, false);
+        for_each_edge(triangles, vertex_count, |sides| {
+            for pair in sides.windows(2) {
+                parts.join(pair[0].triangle(), pair[1].triangle(), false);
             }
         });
     }

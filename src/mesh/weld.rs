@@ -85,19 +85,21 @@ impl Welder {
             *found = self.table[*slot];
         }
         for (found, &corner) in found.iter_mut().zip(&self.batch) {
-            if self.soup.vertices.get(*found as usize) != Some(&corner) {
+            if !self.soup.vertices.get(*found as usize).is_some_and(|&vertex| same(vertex, corner)) {
                 *found = EMPTY;
             }
         }
-        for i in (0..self.batch.len()).step_by(3) {
-            let triangle = [i, i + 1, i + 2].map(|corner| match found[corner] {
-                EMPTY => self.index(self.batch[corner], slots[corner]),
-                index => index,
-            });
-            if triangle[0] == triangle[1] || triangle[1] == triangle[2] || triangle[2] == triangle[0] {
+        for first in (0..self.batch.len()).step_by(3) {
+            for i in first..first + 3 {
+                if found[i] == EMPTY {
+                    found[i] = self.index(self.batch[i], slots[i]);
+                }
+            }
+            let [a, b, c] = [found[first], found[first + 1], found[first + 2]];
+            if a == b || b == c || c == a {
                 self.soup.degenerate += 1;
             } else {
-                self.soup.triangles.push(triangle);
+                self.soup.triangles.push([a, b, c]);
             }
         }
         self.batch.clear();
@@ -115,7 +117,7 @@ impl Welder {
                 self.soup.vertices.push(corner);
                 return index;
             }
-            if self.soup.vertices[found as usize] == corner {
+            if same(self.soup.vertices[found as usize], corner) {
                 return found;
             }
             slot = (slot + 1) & mask;
@@ -138,6 +140,13 @@ impl Welder {
             self.table[slot] = index as u32;
         }
     }
+}
+
+/// Equality of bits, in one branch.
+#[inline]
+fn same(a: [f32; 3], b: [f32; 3]) -> bool {
+    let differ = |i: usize| a[i].to_bits() ^ b[i].to_bits();
+    differ(0) | differ(1) | differ(2) == 0
 }
 
 /// Multiplies the 96 bits into 64 (Fibonacci hashing) and takes the well-mixed upper half.
