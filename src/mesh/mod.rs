@@ -8,6 +8,7 @@ mod edges;
 mod error;
 mod gaps;
 mod outside;
+mod pack;
 mod place;
 mod repair;
 mod report;

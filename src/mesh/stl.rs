@@ -8,7 +8,7 @@ use std::io::{self, Read, Seek, SeekFrom};
 use std::path::Path;
 
 use super::error::{MeshError, Place};
-use super::weld::{Soup, Welder};
+use super::weld::{LIMIT_MM, Soup, Welder};
 
 const HEADER: usize = 84;
 const FACET: usize = 50;
@@ -149,7 +149,7 @@ fn is_text(data: &[u8]) -> bool {
 /// Whether what follows a binary header can be a facet: a normal of at most unit length, corners within 10 m.
 fn is_facet(data: &[u8]) -> bool {
     let numbers = data[..48].as_chunks::<4>().0.iter().map(|&b| f32::from_le_bytes(b));
-    numbers.enumerate().all(|(i, x)| if i < 3 { x.is_nan() || x.abs() < 1.01 } else { !(x.abs() > 1e4) })
+    numbers.enumerate().all(|(i, x)| x.is_nan() || x.abs() <= if i < 3 { 1.01 } else { LIMIT_MM })
 }
 
 /// Reads text word by word: only `solid`, `facet`, `vertex`, `endfacet` and `endsolid` matter, in any case.

@@ -5,7 +5,7 @@ use crate::geom::{Point, Ring, UNITS_PER_MM};
 /// Drops vertices that move the outline by at most `tolerance_mm`, and keeps the area: each edge that replaces a
 /// chain moves sideways by the mean distance of that chain, so that finely drawn circles do not shrink.
 ///
-/// Vertices are dropped by cone intersection (Williams 1978, doi:10.1016/0146-664X(78)90004-0), from the lexicographically
+/// Vertices are dropped by cone intersection (Williams 1978, Computer Graphics and Image Processing 8, 286–293), from the lexicographically
 /// least vertex on, so that the result does not depend on where the ring begins. What is left of a ring thinner than the
 /// tolerance has less than three vertices. O(n).
 pub(super) fn simplify(ring: &mut Ring, tolerance_mm: f64) {

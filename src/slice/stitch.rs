@@ -19,7 +19,7 @@ pub(super) fn stitch(chains: Vec<Vec<Point>>, oriented: bool, rings: &mut Vec<Ri
     // End `2 c` is the beginning of chain `c`, end `2 c + 1` its end.
     let at = |end: usize| {
         let chain = &chains[end / 2];
-        if end % 2 == 0 { chain[0] } else { chain[chain.len() - 1] }
+        if end.is_multiple_of(2) { chain[0] } else { chain[chain.len() - 1] }
     };
     let mut partner: Vec<Option<usize>> = vec![None; 2 * chains.len()];
     for width_mm in LADDER_MM {
@@ -45,7 +45,7 @@ pub(super) fn stitch(chains: Vec<Vec<Point>>, oriented: bool, rings: &mut Vec<Ri
         let mut enter = Some(start);
         while let Some(end) = enter.filter(|&end| !used[end / 2]) {
             used[end / 2] = true;
-            if end % 2 == 0 {
+            if end.is_multiple_of(2) {
                 ring.extend_from_slice(&chains[end / 2]);
             } else {
                 ring.extend(chains[end / 2].iter().rev());
