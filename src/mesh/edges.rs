@@ -167,3 +167,43 @@ impl Edges {
         edges
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_fan_around_one_vertex_is_matched_however_many_facets_it_has() {
+        let count = 100;
+        let fan: Vec<[u32; 3]> = (0..count).map(|i| [0, 1 + i, 1 + (i + 1) % count]).collect();
+        let edges = Edges::new(&fan, count as usize + 1);
+        assert_eq!((edges.open, edges.non_manifold, edges.clashing), (count as usize, 0, 0));
+        assert!((0..count).all(|i| edges.twins[3 * i as usize + 2] == 3 * ((i + 1) % count)));
+    }
+
+    #[test]
+    fn three_facets_at_an_edge_pair_two_of_them() {
+        let edges = Edges::new(&[[0, 1, 2], [1, 0, 3], [0, 1, 4]], 5);
+        assert_eq!((edges.open, edges.non_manifold), (6, 1));
+        assert_eq!((edges.twins[0], edges.twins[3], edges.twins[6]), (3, 0, NO_TWIN));
+    }
+
+    #[test]
+    fn matching_in_two_ranges_gives_the_twins_of_one() {
+        let side = 120;
+        let cell = |i: u32, j: u32| i % side * side + j % side;
+        let torus: Vec<[u32; 3]> = (0..side * side)
+            .flat_map(|n| {
+                let (i, j) = (n / side, n % side);
+                let [a, b, c, d] = [cell(i, j), cell(i + 1, j), cell(i + 1, j + 1), cell(i, j + 1)];
+                [[a, b, c], [a, c, d]]
+            })
+            .collect();
+        assert!(torus.len() > PARALLEL);
+        let vertices = side * side;
+        let whole: Vec<AtomicU32> = (0..torus.len() * 3).map(|_| AtomicU32::new(NO_TWIN)).collect();
+        Edges::match_from(&torus, 0..vertices, &whole);
+        let whole: Vec<u32> = whole.into_iter().map(AtomicU32::into_inner).collect();
+        assert_eq!(Edges::new(&torus, vertices as usize).twins, whole);
+    }
+}
