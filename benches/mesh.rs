@@ -2,8 +2,8 @@
 
 use std::path::{Path, PathBuf};
 
-use criterion::{BatchSize, Criterion, Throughput, criterion_group, criterion_main};
-use pathwright::mesh::{Item, Placement, from_bytes, place};
+use criterion::{Criterion, Throughput, criterion_group, criterion_main};
+use pathwright::mesh::{Item, Placement, load, place};
 use pathwright::profile::{BedSettings, LayerSettings};
 use pathwright::slice::Slicer;
 
@@ -21,13 +21,13 @@ fn inputs() -> Vec<PathBuf> {
 fn mesh(c: &mut Criterion) {
     for path in inputs() {
         let name = path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
-        let data = std::fs::read(&path).expect("the file was there a moment ago");
+        let bytes = std::fs::metadata(&path).map_or(0, |file| file.len());
         let mut group = c.benchmark_group(&name);
-        group.sample_size(20).throughput(Throughput::Bytes(data.len() as u64));
+        group.sample_size(20).throughput(Throughput::Bytes(bytes));
         group.bench_function("load", |b| {
-            b.iter_batched(|| data.clone(), |data| from_bytes(&path, data), BatchSize::LargeInput);
+            b.iter(|| load(&path));
         });
-        let (mesh, _) = from_bytes(&path, data.clone()).expect("the models are sound");
+        let (mesh, _) = load(&path).expect("the models are sound");
         let items = vec![Item { name, mesh, copies: 1 }];
         let plate = place(items, &BedSettings::default(), &Placement::default()).expect("the models fit");
         group.bench_function("prepare", |b| b.iter(|| Slicer::new(&plate, &LayerSettings::default())));

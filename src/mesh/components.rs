@@ -56,3 +56,18 @@ impl Components {
         (sets, count as usize)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn parity_adds_up_along_chains_and_contradictions_show() {
+        let mut parts = Components::new(6);
+        assert!(parts.join(0, 1, true) && parts.join(2, 3, true) && parts.join(1, 2, false));
+        assert_eq!((parts.find(0), parts.find(3)), ((0, false), (0, false)));
+        assert_eq!(parts.find(2), (0, true));
+        assert!(parts.join(0, 3, false) && !parts.join(0, 3, true));
+        assert_eq!(parts.number(), (vec![0, 0, 0, 0, 1, 2], 3));
+    }
+}

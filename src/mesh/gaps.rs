@@ -21,29 +21,34 @@ pub(super) struct Closed {
 
 /// Merges vertices of open edges that lie within the tolerance of each other, or `None` where that closes nothing.
 ///
-/// The smallest tolerance that leaves the fewest open edges wins. O(open edges), and one edge matching per tolerance.
+/// The smallest tolerance that leaves the fewest open edges wins. O(open edges), and one edge matching.
 pub(super) fn close(vertices: &[[f32; 3]], triangles: &[[u32; 3]], edges: &Edges) -> Option<Closed> {
-    let mut rim: Vec<u32> = open_halves(triangles, &edges.twins).flat_map(|(a, b)| [a, b]).collect();
+    let open: Vec<(u32, u32)> = open_halves(triangles, &edges.twins).collect();
+    let mut rim: Vec<u32> = open.iter().flat_map(|&(a, b)| [a, b]).collect();
     rim.sort_unstable();
     rim.dedup();
-    let mut best: Option<Closed> = None;
-    for tolerance in TOLERANCES_MM {
-        let (target, welded) = merge(vertices, &rim, tolerance);
-        if welded == 0 {
-            continue;
-        }
-        let mapped = triangles.iter().map(|t| t.map(|v| target[v as usize]));
-        let kept: Vec<_> = mapped.filter(|&[a, b, c]| a != b && b != c && c != a).collect();
-        let matched = Edges::new(&kept, vertices.len());
-        if matched.open < best.as_ref().map_or(edges.open, |b| b.edges.open) {
-            let collapsed = triangles.len() - kept.len();
-            best = Some(Closed { triangles: kept, edges: matched, welded, collapsed });
-        }
-        if best.as_ref().is_some_and(|b| b.edges.open == 0) {
-            break;
+    let merged = TOLERANCES_MM.map(|tolerance| merge(vertices, &rim, tolerance));
+    let (target, welded) = merged.into_iter().min_by_key(|(target, _)| still_open(&open, target))?;
+    if welded == 0 {
+        return None;
+    }
+    let mapped = triangles.iter().map(|t| t.map(|v| target[v as usize]));
+    let kept: Vec<_> = mapped.filter(|&[a, b, c]| a != b && b != c && c != a).collect();
+    let matched = Edges::new(&kept, vertices.len());
+    let collapsed = triangles.len() - kept.len();
+    (matched.open < edges.open).then_some(Closed { triangles: kept, edges: matched, welded, collapsed })
+}
+
+/// Edges that have one facet still, after merging.
+fn still_open(open: &[(u32, u32)], target: &[u32]) -> usize {
+    let mut facets: FxHashMap<(u32, u32), usize> = FxHashMap::default();
+    for &(a, b) in open {
+        let (a, b) = (target[a as usize], target[b as usize]);
+        if a != b {
+            *facets.entry((a.min(b), a.max(b))).or_default() += 1;
         }
     }
-    best
+    facets.values().filter(|&&count| count == 1).count()
 }
 
 /// For each vertex the one it is merged into (mostly itself): the first rim vertex within the tolerance.

@@ -8,6 +8,7 @@ mod edges;
 mod error;
 mod gaps;
 mod outside;
+mod pack;
 mod place;
 mod repair;
 mod report;
@@ -113,14 +114,14 @@ fn facet_measures(corners: [[f64; 3]; 3], apex: [f64; 3]) -> (f64, f64) {
 /// See [`MeshError`]: the file cannot be read, is no STL, ends early, or holds nothing that has a volume.
 pub fn load(path: &Path) -> Result<(Mesh, MeshReport), MeshError> {
     let data = std::fs::read(path).map_err(|source| MeshError::Read { path: path.to_path_buf(), source })?;
-    from_bytes(path, data)
+    from_bytes(path, &data)
 }
 
 /// As [`load`], from the file's contents; `path` is what messages call it.
 ///
 /// # Errors
 /// As [`load`].
-pub fn from_bytes(path: &Path, data: Vec<u8>) -> Result<(Mesh, MeshReport), MeshError> {
+pub fn from_bytes(path: &Path, data: &[u8]) -> Result<(Mesh, MeshReport), MeshError> {
     let stl::Reading { soup, format, facets, notes } = stl::read(path, data)?;
     if facets == 0 {
         return Err(MeshError::NoFacets { path: path.to_path_buf() });

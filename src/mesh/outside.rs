@@ -21,6 +21,12 @@ impl Shell {
     const NOTHING: Self =
         Self { min: [f32::INFINITY; 3], max: [f32::NEG_INFINITY; 3], volume_mm3: 0.0, area_mm2: 0.0 };
 
+    #[inline]
+    fn add(&mut self, point: [f32; 3]) {
+        self.min = std::array::from_fn(|i| self.min[i].min(point[i]));
+        self.max = std::array::from_fn(|i| self.max[i].max(point[i]));
+    }
+
     fn encloses(&self, other: &Self) -> bool {
         (0..3).all(|i| self.min[i] <= other.min[i] && other.max[i] <= self.max[i])
     }
@@ -35,7 +41,14 @@ impl Shell {
     }
 }
 
-/// Turns shells that face inwards, unless they bound a cavity. Returns the number of facets turned.
+/// What was turned, and what the shells measure then.
+pub(super) struct Outcome {
+    pub turned: usize,
+    pub volume_mm3: f64,
+    pub area_mm2: f64,
+}
+
+/// Turns shells that face inwards, unless they bound a cavity.
 ///
 /// A mesh whose volume is negative as a whole is turned as a whole first. Then a shell that still faces inwards is a
 /// cavity if the nearest facet around it, seen from one of its corners, shows its back; else it is turned.
@@ -45,7 +58,7 @@ pub(super) fn turn_outwards(
     twins: &mut [u32],
     shell_of: &[u32],
     shell_count: usize,
-) -> usize {
+) -> Outcome {
     let mut shells = measure(vertices, triangles, shell_of, shell_count);
     let mut turn = vec![false; shell_count];
     if shells.iter().map(|s| s.volume_mm3).sum::<f64>() < 0.0 && shells.iter().any(Shell::is_inside_out) {
@@ -62,9 +75,20 @@ pub(super) fn turn_outwards(
             let surface = surface.get_or_insert_with(|| Surface::new(vertices, triangles, shell_of));
             surface.shows_back_to(inner as u32, &turn)
         };
-        turn[inner] ^= !is_cavity;
+        if !is_cavity {
+            turn[inner] ^= true;
+            shells[inner].volume_mm3 = -shells[inner].volume_mm3;
+        }
     }
-    turn_facets(triangles, twins, |t| turn[shell_of[t] as usize])
+    let turned = match turn.contains(&true) {
+        true => turn_facets(triangles, twins, |t| turn[shell_of[t] as usize]),
+        false => 0,
+    };
+    Outcome {
+        turned,
+        volume_mm3: shells.iter().map(|s| s.volume_mm3).sum(),
+        area_mm2: shells.iter().map(|s| s.area_mm2).sum(),
+    }
 }
 
 /// Turns facets; partners of half-edges must turn together.
@@ -130,13 +154,11 @@ impl<'a> Surface<'a> {
 
 fn measure(vertices: &[[f32; 3]], triangles: &[[u32; 3]], shell_of: &[u32], count: usize) -> Vec<Shell> {
     let mut shells = vec![Shell::NOTHING; count];
-    for (triangle, &shell) in triangles.iter().zip(shell_of) {
-        let shell = &mut shells[shell as usize];
-        for &v in triangle {
-            for axis in 0..3 {
-                shell.min[axis] = shell.min[axis].min(vertices[v as usize][axis]);
-                shell.max[axis] = shell.max[axis].max(vertices[v as usize][axis]);
-            }
+    if let [only] = shells.as_mut_slice() {
+        vertices.iter().for_each(|&p| only.add(p));
+    } else {
+        for (triangle, &shell) in triangles.iter().zip(shell_of) {
+            triangle.iter().for_each(|&v| shells[shell as usize].add(vertices[v as usize]));
         }
     }
     for (triangle, &shell) in triangles.iter().zip(shell_of) {

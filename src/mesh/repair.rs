@@ -9,7 +9,7 @@ use super::gaps;
 use super::outside;
 use super::weld::Soup;
 
-/// What was done and what was found.
+/// What was done and what was found; volume of an open shell: that of the cone from the middle of its box.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Repairs {
     pub degenerate: usize,
@@ -21,6 +21,8 @@ pub(super) struct Repairs {
     /// Edges whose two facets could not be made to agree.
     pub clashing: usize,
     pub shells: usize,
+    pub volume_mm3: f64,
+    pub area_mm2: f64,
 }
 
 /// A mesh with its neighbourhood, coordinates as read.
@@ -58,8 +60,8 @@ pub(super) fn repair(soup: Soup) -> Repaired {
         drop_unused(&mut vertices, &mut triangles);
     }
     let (shell_of, shells) = shells(&triangles, vertices.len(), &edges);
-    let turned = outside::turn_outwards(&vertices, &mut triangles, &mut edges.twins, &shell_of, shells);
-    repairs.flipped += turned;
+    let outcome = outside::turn_outwards(&vertices, &mut triangles, &mut edges.twins, &shell_of, shells);
+    repairs.flipped += outcome.turned;
     Repaired {
         repairs: Repairs {
             degenerate,
@@ -67,6 +69,8 @@ pub(super) fn repair(soup: Soup) -> Repaired {
             non_manifold: edges.non_manifold,
             clashing: edges.clashing,
             shells,
+            volume_mm3: outcome.volume_mm3,
+            area_mm2: outcome.area_mm2,
             ..repairs
         },
         vertices,
@@ -120,10 +124,10 @@ fn drop_unused(vertices: &mut Vec<[f32; 3]>, triangles: &mut [[u32; 3]]) {
 /// turned. Returns how many were turned.
 fn agree(triangles: &mut [[u32; 3]], vertex_count: usize) -> usize {
     let mut parts = Components::new(triangles.len());
-    for_each_edge(triangles, vertex_count, |group| {
-        if let [a, b] = *group {
+    for_each_edge(triangles, vertex_count, |sides| {
+        if let [a, b] = *sides {
             // A part that cannot be oriented keeps the first relation found.
-            parts.join((a >> 1) / 3, (b >> 1) / 3, (a ^ b) & 1 == 0);
+            parts.join(a.triangle(), b.triangle(), a.is_backward() == b.is_backward());
         }
     });
     let mut votes = vec![0i64; triangles.len()];
@@ -150,9 +154,9 @@ fn shells(triangles: &[[u32; 3]], vertex_count: usize, edges: &Edges) -> (Vec<u3
         }
     }
     if edges.non_manifold + edges.clashing > 0 {
-        for_each_edge(triangles, vertex_count, |group| {
-            for pair in group.windows(2) {
-                parts.join((pair[0] >> 1) / 3, (pair[1] >> 1) / 3, false);
+        for_each_edge(triangles, vertex_count, |sides| {
+            for pair in sides.windows(2) {
+                parts.join(pair[0].triangle(), pair[1].triangle(), false);
             }
         });
     }

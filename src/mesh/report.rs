@@ -59,8 +59,7 @@ impl MeshReport {
         mut warnings: Vec<String>,
     ) -> Self {
         let [min_mm, max_mm] = mesh.bounds();
-        let size_mm = mesh.size();
-        let (volume_mm3, area_mm2) = mesh.volume_and_area();
+        let size_mm = std::array::from_fn(|i| max_mm[i] - min_mm[i]);
         warnings.extend(unit_warning(size_mm));
         if repairs.open > 0 {
             warnings.push(format!("{} edges are open; slices are closed across holes", repairs.open));
@@ -81,8 +80,8 @@ impl MeshReport {
             min_mm,
             max_mm,
             size_mm,
-            volume_mm3,
-            area_mm2,
+            volume_mm3: repairs.volume_mm3,
+            area_mm2: repairs.area_mm2,
             watertight: !mesh.twins.contains(&super::NO_TWIN),
             degenerate_dropped: repairs.degenerate,
             duplicates_dropped: repairs.duplicates,

@@ -4,11 +4,11 @@
 //! name after `solid`, with leading blanks, upper case, a byte order mark, lone carriage returns or no
 //! `endsolid`, stops in silence at the second solid, and is slower than this one.
 
-use std::io::Cursor;
+use std::io::{self, Read, Seek, SeekFrom};
 use std::path::Path;
 
 use super::error::{MeshError, Place};
-use super::weld::{Soup, Welder};
+use super::weld::{LIMIT_MM, Soup, Welder};
 
 const HEADER: usize = 84;
 const FACET: usize = 50;
@@ -23,23 +23,23 @@ pub(super) struct Reading {
 }
 
 /// Reads either kind. The size decides: a binary file of n facets has 84 + 50 n bytes, whatever its header says.
-pub(super) fn read(path: &Path, mut data: Vec<u8>) -> Result<Reading, MeshError> {
+pub(super) fn read(path: &Path, data: &[u8]) -> Result<Reading, MeshError> {
     let owned = || path.to_path_buf();
     if data.is_empty() {
         return Err(MeshError::EmptyFile { path: owned() });
     }
     let promised = data.get(80..HEADER).map(|n| u32::from_le_bytes([n[0], n[1], n[2], n[3]]) as usize);
     if promised.is_some_and(|n| n.checked_mul(FACET).is_some_and(|bytes| bytes + HEADER == data.len())) {
-        return read_binary(path, data, Vec::new());
+        return read_binary(path, data, (data.len() - HEADER) / FACET, Vec::new());
     }
-    let text = trimmed(&data);
+    let text = trimmed(data);
     if text.get(..5).is_some_and(|word| word.eq_ignore_ascii_case(b"solid")) && is_text(text) {
-        return read_text(path, &data);
+        return read_text(path, data);
     }
     let Some(promised) = promised.filter(|_| data.len() >= HEADER + FACET && is_facet(&data[HEADER..]))
     else {
-        let found = if is_text(&data) { "text without `solid`" } else { "neither text nor facets" };
-        let cut_short = promised.is_none() && !is_text(&data);
+        let found = if is_text(data) { "text without `solid`" } else { "neither text nor facets" };
+        let cut_short = promised.is_none() && !is_text(data);
         let found = if cut_short { "shorter than the header of one" } else { found };
         return Err(MeshError::NotStl { path: owned(), found });
     };
@@ -50,27 +50,81 @@ pub(super) fn read(path: &Path, mut data: Vec<u8>) -> Result<Reading, MeshError>
         return Err(MeshError::Truncated { path: owned(), promised, needed, got: data.len() as u64, whole });
     }
     let rest = (data.len() - HEADER) % FACET;
-    let note = if rest == 0 || unknown {
-        data[80..HEADER].copy_from_slice(&(whole as u32).to_le_bytes());
-        format!("the header promises {promised} facets, the file has {whole}: all were read")
+    let (facets, note) = if rest == 0 || unknown {
+        (whole, format!("the header promises {promised} facets, the file has {whole}: all were read"))
     } else {
-        format!("{} bytes after the last facet were ignored", data.len() - HEADER - promised * FACET)
+        let extra = data.len() - HEADER - promised * FACET;
+        (promised, format!("{extra} bytes after the last facet were ignored"))
     };
-    read_binary(path, data, vec![note])
+    read_binary(path, data, facets, vec![note])
 }
 
-fn read_binary(path: &Path, mut data: Vec<u8>, notes: Vec<String>) -> Result<Reading, MeshError> {
-    // A header that begins with "solid" would make `stl_io` take the file for text.
-    data[..80].fill(0);
-    let facets = (data.len() - HEADER) / FACET;
+/// Facets from which reading by two threads pays.
+const PARALLEL: usize = 20_000;
+
+fn read_binary(path: &Path, data: &[u8], facets: usize, notes: Vec<String>) -> Result<Reading, MeshError> {
+    let body = &data[HEADER..HEADER + facets * FACET];
     let mut welder = Welder::with_capacity(facets);
-    let mut cursor = Cursor::new(data.as_slice());
-    let unreadable = |source| MeshError::Read { path: path.to_path_buf(), source };
-    for (n, facet) in stl_io::create_stl_reader(&mut cursor).map_err(unreadable)?.enumerate() {
-        let corners = facet.map_err(unreadable)?.vertices.map(|v| v.0);
-        welder.push(corners).map_err(|value| bad_coordinate(path, Place::Facet(n + 1), value))?;
+    if facets < PARALLEL {
+        weld(path, body, 0, &mut welder)?;
+    } else {
+        // Two halves, welded each by itself and then together: the same vertices in the same order as in one go.
+        let half = facets / 2;
+        let mut later = Welder::with_capacity(facets - half);
+        let (first, second) = rayon::join(
+            || weld(path, &body[..half * FACET], 0, &mut welder),
+            || weld(path, &body[half * FACET..], half, &mut later),
+        );
+        first.and(second)?;
+        welder.append(later.finish());
     }
     Ok(Reading { soup: welder.finish(), format: "binary STL", facets, notes })
+}
+
+/// Welds the facets of a part of the file, the first of which is number `offset + 1`.
+fn weld(path: &Path, body: &[u8], offset: usize, welder: &mut Welder) -> Result<(), MeshError> {
+    let mut header = [0; HEADER];
+    header[80..].copy_from_slice(&((body.len() / FACET) as u32).to_le_bytes());
+    let mut part = Part { header, body, at: 0 };
+    let unreadable = |source| MeshError::Read { path: path.to_path_buf(), source };
+    for (n, facet) in stl_io::create_stl_reader(&mut part).map_err(unreadable)?.enumerate() {
+        let corners = facet.map_err(unreadable)?.vertices.map(|v| v.0);
+        welder.push(corners).map_err(|value| bad_coordinate(path, Place::Facet(offset + n + 1), value))?;
+    }
+    Ok(())
+}
+
+/// A part of a binary file with a header of its own, which never begins with "solid": `stl_io` would take it for text.
+struct Part<'a> {
+    header: [u8; HEADER],
+    body: &'a [u8],
+    at: usize,
+}
+
+impl Read for Part<'_> {
+    fn read(&mut self, into: &mut [u8]) -> io::Result<usize> {
+        let rest = match self.at.checked_sub(HEADER) {
+            None => &self.header[self.at..],
+            Some(at) => self.body.get(at..).unwrap_or_default(),
+        };
+        let count = rest.len().min(into.len());
+        into[..count].copy_from_slice(&rest[..count]);
+        self.at += count;
+        Ok(count)
+    }
+}
+
+impl Seek for Part<'_> {
+    fn seek(&mut self, to: SeekFrom) -> io::Result<u64> {
+        let (base, by) = match to {
+            SeekFrom::Start(at) => (at, 0),
+            SeekFrom::Current(by) => (self.at as u64, by),
+            SeekFrom::End(by) => ((HEADER + self.body.len()) as u64, by),
+        };
+        let at = base.checked_add_signed(by).ok_or(io::ErrorKind::InvalidInput)?;
+        self.at = at as usize;
+        Ok(at)
+    }
 }
 
 fn bad_coordinate(path: &Path, place: Place, value: f32) -> MeshError {
@@ -95,7 +149,7 @@ fn is_text(data: &[u8]) -> bool {
 /// Whether what follows a binary header can be a facet: a normal of at most unit length, corners within 10 m.
 fn is_facet(data: &[u8]) -> bool {
     let numbers = data[..48].as_chunks::<4>().0.iter().map(|&b| f32::from_le_bytes(b));
-    numbers.enumerate().all(|(i, x)| if i < 3 { x.is_nan() || x.abs() < 1.01 } else { !(x.abs() > 1e4) })
+    numbers.enumerate().all(|(i, x)| x.is_nan() || x.abs() <= if i < 3 { 1.01 } else { LIMIT_MM })
 }
 
 /// Reads text word by word: only `solid`, `facet`, `vertex`, `endfacet` and `endsolid` matter, in any case.

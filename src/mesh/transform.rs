@@ -42,7 +42,7 @@ impl Transform {
         let linear = self.rotation() * Matrix3::from_diagonal(&Vector3::from(self.scale));
         for vertex in &mut mesh.vertices {
             *vertex = (linear * Vector3::from(*vertex)).into();
-            if let Some(&x) = vertex.iter().find(|x| !(x.abs() <= f64::from(LIMIT_MM))) {
+            if let Some(&x) = vertex.iter().find(|x| x.is_nan() || x.abs() > f64::from(LIMIT_MM)) {
                 return Err(TransformError::TooFar(x));
             }
         }

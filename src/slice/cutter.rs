@@ -18,11 +18,9 @@ struct Corner {
 
 /// A mesh with its triangles sorted by the layers that cross them.
 #[derive(Debug)]
-pub struct Cutter {
+pub struct Cutter<'a> {
+    mesh: &'a Mesh,
     corners: Vec<Corner>,
-    triangles: Vec<[u32; 3]>,
-    twins: Vec<u32>,
-    oriented: bool,
     cuts_mm: Vec<f64>,
     /// `crossing[start[i]..start[i + 1]]` are the triangles that cut `i` crosses, ascending.
     start: Vec<u32>,
@@ -30,9 +28,9 @@ pub struct Cutter {
     resolution_mm: f64,
 }
 
-impl Cutter {
+impl<'a> Cutter<'a> {
     /// Sorts the triangles by layer; outlines will be simplified to `resolution_mm`. O(triangles + crossings).
-    pub fn new(mesh: &Mesh, spans: &[LayerSpan], resolution_mm: f64) -> Self {
+    pub fn new(mesh: &'a Mesh, spans: &[LayerSpan], resolution_mm: f64) -> Self {
         let cuts_mm: Vec<f64> = spans.iter().map(|s| s.cut_mm).collect();
         let corners: Vec<Corner> =
             mesh.vertices().iter().map(|&at_mm| Corner { at_mm, rank: rank(&cuts_mm, at_mm[2]) }).collect();
@@ -59,16 +57,7 @@ impl Cutter {
                 *place += 1;
             }
         }
-        Self {
-            corners,
-            triangles: mesh.triangles().to_vec(),
-            twins: mesh.twins().to_vec(),
-            oriented: mesh.is_oriented(),
-            cuts_mm,
-            start,
-            crossing,
-            resolution_mm,
-        }
+        Self { mesh, corners, cuts_mm, start, crossing, resolution_mm }
     }
 
     /// The section at a layer's cut, and what had to be mended. Cost grows with the triangles that the layer crosses.
@@ -77,12 +66,12 @@ impl Cutter {
     /// If there is no such layer.
     pub fn section(&self, layer: usize) -> (Region, Gaps) {
         let (mut rings, chains) = self.outlines(layer);
-        let gaps = stitch(chains, self.oriented, &mut rings);
+        let gaps = stitch(chains, self.mesh.is_oriented(), &mut rings);
         for ring in &mut rings {
             simplify(ring, self.resolution_mm);
         }
         rings.retain(|ring| ring.len() >= 3);
-        let region = if self.oriented { fill::non_zero(&rings) } else { fill::even_odd(&rings) };
+        let region = if self.mesh.is_oriented() { fill::non_zero(&rings) } else { fill::even_odd(&rings) };
         (region, gaps)
     }
 
@@ -96,7 +85,7 @@ impl Cutter {
         let mut chains = Vec::new();
         for &triangle in crossing {
             let (down, _) = self.entry_and_exit(triangle, layer);
-            if self.twins[down as usize] == NO_TWIN {
+            if self.mesh.twins()[down as usize] == NO_TWIN {
                 let mut chain = vec![self.point(down, layer)];
                 self.follow(triangle, layer, &mut seen, &mut chain);
                 chains.push(chain);
@@ -123,7 +112,7 @@ impl Cutter {
             if points.last() != Some(&point) {
                 points.push(point);
             }
-            match self.twins[up as usize] {
+            match self.mesh.twins()[up as usize] {
                 NO_TWIN => break,
                 twin => triangle = twin / 3,
             }
@@ -134,7 +123,7 @@ impl Cutter {
     #[inline]
     fn entry_and_exit(&self, triangle: u32, layer: usize) -> (u32, u32) {
         let [a, b, c] =
-            self.triangles[triangle as usize].map(|v| self.corners[v as usize].rank as usize > layer);
+            self.mesh.triangles()[triangle as usize].map(|v| self.corners[v as usize].rank as usize > layer);
         let (down, up) = match (a, b, c) {
             (true, false, false) => (0, 2),
             (false, true, false) => (1, 0),
@@ -150,7 +139,7 @@ impl Cutter {
     /// edge get the same point.
     #[inline]
     fn point(&self, half: u32, layer: usize) -> Point {
-        let (triangle, k) = (self.triangles[half as usize / 3], half as usize % 3);
+        let (triangle, k) = (self.mesh.triangles()[half as usize / 3], half as usize % 3);
         let from = &self.corners[triangle[k] as usize];
         let to = &self.corners[triangle[if k == 2 { 0 } else { k + 1 }] as usize];
         let (low, high) = if from.rank < to.rank { (from.at_mm, to.at_mm) } else { (to.at_mm, from.at_mm) };

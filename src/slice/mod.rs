@@ -56,7 +56,7 @@ pub struct Layer {
 #[derive(Debug)]
 pub struct Slicer<'a> {
     plate: &'a Plate,
-    cutters: Vec<Cutter>,
+    cutters: Vec<Cutter<'a>>,
     spans: Vec<LayerSpan>,
     grow_mm: f64,
     elephant_foot_mm: f64,

@@ -5,7 +5,7 @@ use crate::geom::{Point, Ring, UNITS_PER_MM};
 /// Drops vertices that move the outline by at most `tolerance_mm`, and keeps the area: each edge that replaces a
 /// chain moves sideways by the mean distance of that chain, so that finely drawn circles do not shrink.
 ///
-/// Vertices are dropped by cone intersection (Williams 1978, doi:10.1016/0146-664X(78)90004-0), from the lexicographically
+/// Vertices are dropped by cone intersection (Williams 1978, Computer Graphics and Image Processing 8, 286–293), from the lexicographically
 /// least vertex on, so that the result does not depend on where the ring begins. What is left of a ring thinner than the
 /// tolerance has less than three vertices. O(n).
 pub(super) fn simplify(ring: &mut Ring, tolerance_mm: f64) {
@@ -96,12 +96,12 @@ impl Edge {
         let (from, to) = (chain[0], chain[chain.len() - 1]);
         let d = to - from;
         let (dx, dy) = (f64::from(d.x), f64::from(d.y));
-        let length = dx.hypot(dy);
+        let length = (dx * dx + dy * dy).sqrt();
         if length == 0.0 {
             return Self { from, length, normal: [0.0; 2], shift: 0.0 };
         }
-        let twice_area: i128 = chain.windows(2).map(|e| i128::from((e[0] - from).cross(e[1] - from))).sum();
-        let shift = twice_area as f64 / 2.0 / length;
+        let twice_area: f64 = chain[1..].windows(2).map(|e| (e[0] - from).cross(e[1] - from) as f64).sum();
+        let shift = twice_area / 2.0 / length;
         // Less than a unit is the noise of rounding: straight edges stay what they are.
         let shift = if shift.abs() < 1.0 { 0.0 } else { shift };
         Self { from, length, normal: [dy / length, -dx / length], shift }
@@ -124,7 +124,7 @@ fn corner(before: Edge, after: Edge, tolerance: f64) -> Point {
         let widen = mean / (1.0 + ax * bx + ay * by).max(1.0);
         [(ax + bx) * widen, (ay + by) * widen]
     };
-    let length = dx.hypot(dy);
+    let length = (dx * dx + dy * dy).sqrt();
     if length > tolerance {
         (dx, dy) = (dx * tolerance / length, dy * tolerance / length);
     }

@@ -19,7 +19,7 @@ pub(super) fn stitch(chains: Vec<Vec<Point>>, oriented: bool, rings: &mut Vec<Ri
     // End `2 c` is the beginning of chain `c`, end `2 c + 1` its end.
     let at = |end: usize| {
         let chain = &chains[end / 2];
-        if end % 2 == 0 { chain[0] } else { chain[chain.len() - 1] }
+        if end.is_multiple_of(2) { chain[0] } else { chain[chain.len() - 1] }
     };
     let mut partner: Vec<Option<usize>> = vec![None; 2 * chains.len()];
     for width_mm in LADDER_MM {
@@ -45,7 +45,7 @@ pub(super) fn stitch(chains: Vec<Vec<Point>>, oriented: bool, rings: &mut Vec<Ri
         let mut enter = Some(start);
         while let Some(end) = enter.filter(|&end| !used[end / 2]) {
             used[end / 2] = true;
-            if end % 2 == 0 {
+            if end.is_multiple_of(2) {
                 ring.extend_from_slice(&chains[end / 2]);
             } else {
                 ring.extend(chains[end / 2].iter().rev());
@@ -83,4 +83,43 @@ fn pairs(
     }
     found.sort_unstable();
     found.into_iter().map(|(_, a, b)| (a, b)).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::geom::ring_area;
+
+    fn chain(points: &[(f64, f64)]) -> Vec<Point> {
+        points.iter().map(|&(x, y)| Point::from_mm(x, y)).collect()
+    }
+
+    #[test]
+    fn chains_join_at_their_nearest_ends() {
+        let chains = vec![
+            chain(&[(0.0, 0.0), (10.0, 0.0), (10.0, 4.9)]),
+            chain(&[(10.0, 5.0), (0.0, 5.0), (0.0, 0.3)]),
+        ];
+        let mut rings = Vec::new();
+        assert_eq!(stitch(chains, true, &mut rings), Gaps { joined: 2, forced: 0 });
+        assert!(rings.len() == 1 && ring_area(&rings[0]) > 48.0);
+    }
+
+    #[test]
+    fn a_wide_gap_is_closed_and_told() {
+        let mut rings = Vec::new();
+        let gaps = stitch(vec![chain(&[(0.0, 0.0), (10.0, 0.0), (10.0, 5.0)])], true, &mut rings);
+        assert_eq!((gaps, rings.len()), (Gaps { joined: 0, forced: 1 }, 1));
+    }
+
+    #[test]
+    fn direction_counts_only_where_the_mesh_has_one() {
+        let chains =
+            vec![chain(&[(0.0, 0.0), (5.0, 0.0), (5.0, 5.0)]), chain(&[(0.0, 0.0), (0.0, 5.0), (5.0, 5.0)])];
+        let mut rings = Vec::new();
+        assert_eq!(stitch(chains.clone(), false, &mut rings), Gaps::default());
+        assert_eq!((rings.len(), ring_area(&rings[0]).abs()), (1, 25.0));
+        rings.clear();
+        assert_eq!(stitch(chains, true, &mut rings).forced, 2);
+    }
 }

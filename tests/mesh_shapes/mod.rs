@@ -82,7 +82,7 @@ pub fn stl(facets: &[[[f32; 3]; 3]]) -> Vec<u8> {
 
 /// Loads bytes under the name `part.stl`.
 pub fn load(data: Vec<u8>) -> Result<(Mesh, MeshReport), MeshError> {
-    from_bytes(Path::new("part.stl"), data)
+    from_bytes(Path::new("part.stl"), &data)
 }
 
 /// Loads facets.

@@ -1,0 +1,110 @@
+//! Packing models seen from above.
+
+use geo::{ConvexHull, MultiPoint};
+
+use super::Mesh;
+use crate::profile::BedShape;
+
+/// A model seen from above, its box centred on the origin.
+#[derive(Clone)]
+pub(super) struct Footprint {
+    half: [f64; 2],
+    /// Points whose distance from the middle matters: corners of the box, or the convex hull for a round bed.
+    pub rim: Vec<[f64; 2]>,
+}
+
+impl Footprint {
+    pub fn new(mesh: &Mesh, shape: BedShape) -> Self {
+        let size = mesh.size();
+        let half = [size[0] / 2.0, size[1] / 2.0];
+        let rim = match shape {
+            BedShape::Rectangular => [(1.0, 1.0), (-1.0, 1.0), (-1.0, -1.0), (1.0, -1.0)]
+                .map(|(x, y)| [x * half[0], y * half[1]])
+                .to_vec(),
+            BedShape::Round => {
+                let points: MultiPoint<f64> = mesh.vertices().iter().map(|v| (v[0], v[1])).collect();
+                points.convex_hull().exterior().points().map(|p| [p.x(), p.y()]).collect()
+            }
+        };
+        Self { half, rim }
+    }
+}
+
+pub(super) fn group_box(footprints: &[&Footprint], spots: &[[f64; 2]]) -> [[f64; 2]; 2] {
+    footprints.iter().zip(spots).fold([[f64::INFINITY; 2], [f64::NEG_INFINITY; 2]], |[min, max], (f, s)| {
+        [
+            std::array::from_fn(|i| min[i].min(s[i] - f.half[i])),
+            std::array::from_fn(|i| max[i].max(s[i] + f.half[i])),
+        ]
+    })
+}
+
+/// Middles of the footprints, the whole group around the origin. `share` says what part of the bed a group needs.
+///
+/// # Errors
+/// How many fit, if not all do.
+pub(super) fn pack(
+    footprints: &[Footprint],
+    spacing_mm: f64,
+    share: impl Fn(&[&Footprint], &[[f64; 2]]) -> f64,
+) -> Result<Vec<[f64; 2]>, usize> {
+    let mut order: Vec<usize> = (0..footprints.len()).collect();
+    let size = |i: usize| footprints[i].half[0] * footprints[i].half[1];
+    order.sort_by(|&a, &b| size(b).total_cmp(&size(a)).then(a.cmp(&b)));
+    let mut placed: Vec<&Footprint> = Vec::with_capacity(order.len());
+    let mut spots: Vec<[f64; 2]> = Vec::with_capacity(order.len());
+    for &next in &order {
+        let footprint = &footprints[next];
+        placed.push(footprint);
+        let mut best: Option<([f64; 2], [f64; 2])> = None;
+        for spot in candidates(&placed, &spots, spacing_mm) {
+            let touches = placed.iter().zip(&spots).any(|(f, s)| {
+                (0..2).all(|i| (s[i] - spot[i]).abs() < f.half[i] + footprint.half[i] + spacing_mm - 1e-9)
+            });
+            if touches {
+                continue;
+            }
+            spots.push(spot);
+            let [min, max] = group_box(&placed, &spots);
+            let cost = [share(&placed, &spots), (max[0] - min[0]) * (max[1] - min[1])];
+            spots.pop();
+            if best.is_none_or(|(_, least)| cost < least) {
+                best = Some((spot, cost));
+            }
+        }
+        // Beyond the rightmost model there is always a free candidate.
+        let (spot, cost) = best.unwrap_or_default();
+        if cost[0] > 1.0 {
+            return Err(spots.len());
+        }
+        spots.push(spot);
+    }
+    let [min, max] = group_box(&placed, &spots);
+    let mut result = vec![[0.0; 2]; footprints.len()];
+    for (&index, spot) in order.iter().zip(&spots) {
+        result[index] = std::array::from_fn(|i| spot[i] - (min[i] + max[i]) / 2.0);
+    }
+    Ok(result)
+}
+
+/// Places for the last footprint beside each of those that stand: four sides, flush at either end or in the middle.
+fn candidates(placed: &[&Footprint], spots: &[[f64; 2]], spacing_mm: f64) -> Vec<[f64; 2]> {
+    let Some((new, standing)) = placed.split_last().filter(|(_, s)| !s.is_empty()) else {
+        return vec![[0.0; 2]];
+    };
+    let mut found = Vec::with_capacity(12 * standing.len());
+    for (f, s) in standing.iter().zip(spots) {
+        for axis in 0..2 {
+            let other = 1 - axis;
+            for side in [1.0, -1.0] {
+                for flush in [-1.0, 1.0, 0.0] {
+                    let mut spot = [0.0; 2];
+                    spot[axis] = s[axis] + side * (f.half[axis] + new.half[axis] + spacing_mm);
+                    spot[other] = s[other] + flush * (f.half[other] - new.half[other]);
+                    found.push(spot);
+                }
+            }
+        }
+    }
+    found
+}
