@@ -168,7 +168,7 @@ fn number(value: f64) -> String {
 
 /// Free text as it may stand in a command: no line ends or other control characters, and no semicolon, which
 /// would begin a comment.
-fn one_line(text: &str) -> String {
+pub fn one_line(text: &str) -> String {
     let safe = |c: char| match c {
         ';' => ',',
         c if c.is_control() => ' ',
