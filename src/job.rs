@@ -1,8 +1,8 @@
 //! What a run is asked to do, how it tells how far it is, and how it can fail.
 
 use std::path::{Path, PathBuf};
-use std::str::FromStr;
 
+use crate::motion::PauseAt;
 use crate::output::{Output, OutputError};
 use crate::profile::{ProfileError, Settings};
 use crate::report::{ModelInfo, Summary};
@@ -56,33 +56,6 @@ impl Default for TransformOptions {
     }
 }
 
-/// Where to pause: `12` is before the twelfth layer, `12.4mm` before the first layer that ends above that height.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum PauseAt {
-    /// A layer, counted from 0.
-    Layer(usize),
-    /// A height over the bed, millimetres.
-    Height(f64),
-}
-
-impl FromStr for PauseAt {
-    type Err = String;
-
-    fn from_str(text: &str) -> Result<Self, String> {
-        let wrong = || "a layer such as 12, or a height such as 12.4mm, is expected".to_owned();
-        match text.strip_suffix("mm") {
-            Some(number) => match number.trim().parse::<f64>() {
-                Ok(height) if height.is_finite() && height > 0.0 => Ok(Self::Height(height)),
-                _ => Err(wrong()),
-            },
-            None => match text.parse::<usize>() {
-                Ok(layer) if layer > 0 => Ok(Self::Layer(layer - 1)),
-                _ => Err(wrong()),
-            },
-        }
-    }
-}
-
 /// Is told how far a run is. Called from any thread.
 pub trait Progress: Sync {
     /// So many layers there are.
@@ -109,6 +82,9 @@ pub enum JobError {
     /// Settings that this job cannot be done with.
     #[error(transparent)]
     Settings(#[from] ProfileError),
+    /// A script of the profile has mistakes.
+    #[error("{0}")]
+    Script(String),
     /// The models do not fit the printer.
     #[error("{0}")]
     DoesNotFit(String),
@@ -144,18 +120,4 @@ pub trait Engine: Sync {
         transform: &TransformOptions,
         settings: &Settings,
     ) -> Result<ModelInfo, JobError>;
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn a_pause_is_a_layer_or_a_height() {
-        assert_eq!("12".parse(), Ok(PauseAt::Layer(11)));
-        assert_eq!("12.4mm".parse(), Ok(PauseAt::Height(12.4)));
-        for wrong in ["0", "-1", "12.4", "mm", "nanmm", "0mm", "x"] {
-            assert!(wrong.parse::<PauseAt>().is_err(), "{wrong}");
-        }
-    }
 }

@@ -6,7 +6,8 @@ use std::fs;
 use std::path::Path;
 
 use pathwright::cli::{self, Exit};
-use pathwright::job::{Engine, Job, JobError, PauseAt, Progress, TransformOptions};
+use pathwright::job::{Engine, Job, JobError, Progress, TransformOptions};
+use pathwright::motion::PauseAt;
 use pathwright::output::Output;
 use pathwright::profile::Settings;
 use pathwright::report::{ModelInfo, Summary};

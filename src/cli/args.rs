@@ -7,7 +7,7 @@ use clap::builder::PossibleValuesParser;
 use clap::{Args, Parser, Subcommand, ValueHint};
 use clap_complete::Shell;
 
-use crate::job::PauseAt;
+use crate::motion::PauseAt;
 use crate::profile::{CostKind, Effort, OrderStrategy, Scope, SeamPosition};
 
 const EXIT_CODES: &str = "\

@@ -65,6 +65,7 @@ impl From<JobError> for Failure {
         match error {
             JobError::Input(message) => Self::new(Exit::Input, message),
             JobError::Settings(error) => error.into(),
+            JobError::Script(message) => Self::new(Exit::Settings, message),
             JobError::DoesNotFit(message) => Self::new(Exit::DoesNotFit, message),
             JobError::Output(error) => error.into(),
             JobError::Check(message) => Self::new(Exit::Check, message),

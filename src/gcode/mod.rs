@@ -1,1 +1,25 @@
-//! Stage `gcode`.
+//! Typed moves → bytes that a printer reads, and such bytes → moves again.
+//!
+//! Every layer is formatted by itself ([`format_layer`]) and concatenated between [`opening`] and [`closing`].
+//! Values known only when all layers are done have [`Slot`]s of fixed width, filled in before the file is
+//! renamed.
+
+mod extruder;
+mod flavor;
+mod layer;
+mod number;
+mod read;
+mod script;
+mod settings;
+mod slot;
+mod wrap;
+
+pub use layer::{LayerText, format_layer};
+pub use read::{
+    Action, Center, Code, Line, Lines, Measure, Replay, Step, Stroke, TypeMeasure, Words, file_time, lines,
+    measure, replay,
+};
+pub use script::Scripts;
+pub use settings::{PrintFacts, WriterSettings};
+pub use slot::{Pending, Slot, Totals};
+pub use wrap::{Opening, closing, opening};

@@ -3,12 +3,27 @@
 //! One unit is 10 nm, so an `i32` spans ±21 m and products fit an `i64`. Everything that is added,
 //! subtracted or compared is exact; only offsets and intersections round, to the nearest unit.
 
+mod arrange;
 mod boolean;
+mod boundary;
+mod clip;
+mod grid;
+mod hatch;
+mod medial;
 mod offset;
 mod point;
+mod raw_offset;
 mod region;
+mod simplify;
 
 pub use boolean::{difference, intersection, union, union_all, unite_rings};
-pub use offset::{offset, opening};
+pub use boundary::{Boundary, BoundaryPos};
+pub use clip::{ClippedPiece, Clipper, clip_polyline, clip_segments, polyline_length_mm};
+pub use grid::{Edge, EdgeGrid};
+pub use hatch::{HatchEnd, HatchLine, scan_lines};
+pub use medial::{MedialPath, medial_axis};
+pub use offset::{closing, offset, offset_with, opening};
 pub use point::{Point, UNITS_PER_MM, to_mm, to_units};
+pub use raw_offset::Join;
 pub use region::{Bounds, Polygon, Region, Ring, ring_area, ring_length_mm};
+pub use simplify::simplify;

@@ -1,42 +1,148 @@
 //! Growing and shrinking regions.
+//!
+//! Each ring is moved by itself; where the moved rings touch nothing, as is the rule, they are the result
+//! already. Else the overlaps are taken out by winding number.
 
-use i_overlay::i_float::int::angle::Angle;
-use i_overlay::i_float::int::point::IntPoint;
-use i_overlay::mesh::int::outline::offset::IntOutlineOffset;
-use i_overlay::mesh::int::style::{IntLineJoin, IntOutlineStyle};
+use super::arrange::{Arrangement, Rule};
+use super::boolean::{clusters, positive};
+use super::raw_offset::{Join, RingOffset};
+use super::simplify::simplify_ring;
+use super::{Bounds, Point, Polygon, Region, Ring, UNITS_PER_MM, ring_area};
 
-use super::boolean::from_shapes;
-use super::{Region, to_units};
+/// Offsetting may move the boundary by this much, in millimetres, to save vertices: a quarter of the finest
+/// step of common motion systems (80 steps/mm). Half is spent on the input, half on the result.
+const TOLERANCE_MM: f64 = 0.0025;
 
-/// The region grown (`by_mm` > 0) or shrunk (`by_mm` < 0) by a distance; corners are mitred.
+/// Parts of a result smaller than this many square millimetres (a square of 5 µm) are dropped.
+const MIN_AREA_MM2: f64 = 2.5e-5;
+
+/// The region grown (`by_mm` > 0) or shrunk (`by_mm` < 0) by a distance; corners sharper than 60° are cut square.
+///
+/// See [`offset_with`].
 pub fn offset(region: &Region, by_mm: f64) -> Region {
-    let by = to_units(by_mm);
-    if by == 0 || region.is_empty() {
-        return region.clone();
-    }
-    let style = IntOutlineStyle::new(by)
-        .line_join(IntLineJoin::Miter(Angle::from_radians(1.0_f64).unwrap_or(Angle::from_bits(1 << 29))));
-    let mut out = Region::default();
-    let islands: Vec<Vec<Vec<IntPoint<i32>>>> = region
-        .polygons
-        .iter()
-        .map(|p| p.rings().map(|r| r.iter().map(|p| IntPoint::new(p.x, p.y)).collect()).collect())
-        .collect();
-    if by > 0 {
-        if let Ok(shapes) = islands.outline(&style) {
-            out = from_shapes(shapes);
-        }
-    } else {
-        for island in &islands {
-            if let Ok(shapes) = island.outline(&style) {
-                out.polygons.extend(from_shapes(shapes).polygons);
-            }
-        }
-    }
-    out
+    offset_with(region, by_mm, Join::Miter { limit: 2.0 })
 }
 
-/// What is left after shrinking and growing back: parts narrower than twice the radius vanish.
+/// The region grown (`by_mm` > 0) or shrunk (`by_mm` < 0) by a distance.
+///
+/// A shrunk region lies inside its input, a grown one covers it. The boundary is within 2.5 µm (for distances
+/// below 20 µm, an eighth of the distance) of where the joins put it; in exchange the result has hardly more
+/// vertices than its input, mostly fewer. Outer rings and holes are recognised by their place in the polygon,
+/// whatever their orientation. Parts smaller than 25 µm² or narrower
+/// than 2.5 µm may vanish. A distance that is not a number or below the
+/// grid's unit changes nothing, one beyond 5 m is taken as 5 m; results are cut off at ±10.7 m.
+///
+/// O(n) for n vertices where no parts meet or split; else O(n log n) of the polygons concerned.
+pub fn offset_with(region: &Region, by_mm: f64, join: Join) -> Region {
+    let by = (by_mm * UNITS_PER_MM).round().clamp(-5e8, 5e8);
+    if by.is_nan() || by == 0.0 || region.is_empty() {
+        return region.clone();
+    }
+    let mut task = Offset {
+        by,
+        tolerance: (TOLERANCE_MM * UNITS_PER_MM).min(by.abs() / 8.0) / 2.0,
+        rings: RingOffset::new(by, join),
+    };
+    let mut result = Region::default();
+    if by < 0.0 {
+        for polygon in &region.polygons {
+            task.together(&[polygon], &mut result);
+        }
+    } else {
+        let reach = (by * join.reach()).ceil();
+        let boxes: Vec<Bounds> = region.polygons.iter().map(|p| grown_bounds(&p.outer, reach)).collect();
+        for group in clusters(&boxes, |_, _| true) {
+            let polygons: Vec<&Polygon> = group.iter().map(|&i| &region.polygons[i]).collect();
+            task.together(&polygons, &mut result);
+        }
+    }
+    result
+}
+
+/// What is left after shrinking and growing back: parts narrower than twice the radius vanish. Mitred corners may
+/// stick out of the input where two unconnected edges meet; intersect where that matters.
 pub fn opening(region: &Region, radius_mm: f64) -> Region {
     offset(&offset(region, -radius_mm), radius_mm)
+}
+
+/// The region grown and shrunk back: gaps and holes narrower than twice the radius are filled.
+pub fn closing(region: &Region, radius_mm: f64) -> Region {
+    offset(&offset(region, radius_mm), -radius_mm)
+}
+
+struct Offset {
+    by: f64,
+    tolerance: f64,
+    rings: RingOffset,
+}
+
+impl Offset {
+    /// Offsets polygons that may meet.
+    fn together(&mut self, polygons: &[&Polygon], result: &mut Region) {
+        let rings = self.prepare(polygons);
+        let kept = result.polygons.len();
+        let region = match self.fronts(&rings) {
+            Some(arrangement) => arrangement.into_region(Rule::Positive),
+            None => positive(rings.iter().filter_map(|ring| self.rings.raw(ring))),
+        };
+        result.polygons.extend(region.polygons);
+        let mut index = 0;
+        result.polygons.retain(|polygon| {
+            index += 1;
+            index <= kept || ring_area(&polygon.outer) > MIN_AREA_MM2
+        });
+    }
+
+    /// The moved rings, if they touch neither themselves nor each other.
+    fn fronts(&mut self, rings: &[Ring]) -> Option<Arrangement> {
+        let fronts = rings.iter().map(|ring| {
+            let front = simplify_ring(&self.rings.front(ring)?, self.tolerance);
+            (!front.is_empty()).then_some(front)
+        });
+        let arrangement = Arrangement::new(fronts.collect::<Option<Vec<Ring>>>()?);
+        arrangement.is_simple().then_some(arrangement)
+    }
+
+    /// The rings, simplified, outer ones counter-clockwise and holes clockwise, without those that surely vanish.
+    fn prepare(&self, polygons: &[&Polygon]) -> Vec<Ring> {
+        let mut rings = Vec::new();
+        for polygon in polygons {
+            for (i, ring) in polygon.rings().enumerate() {
+                let is_outer = i == 0;
+                let shrinks = is_outer == (self.by < 0.0);
+                let mut ring = simplify_ring(ring, self.tolerance);
+                let vanishes = ring.is_empty() || shrinks && self.swallows(&ring);
+                if vanishes {
+                    if is_outer {
+                        break;
+                    }
+                    continue;
+                }
+                if (ring_area(&ring) > 0.0) != is_outer {
+                    ring.reverse();
+                }
+                rings.push(ring);
+            }
+        }
+        rings
+    }
+
+    /// Whether nothing is left of the ring's inside, because the distance is more than half its width.
+    fn swallows(&self, ring: &[Point]) -> bool {
+        Bounds::of(ring.iter().copied()).is_none_or(|b| {
+            let width = i64::from(b.max.x) - i64::from(b.min.x);
+            let height = i64::from(b.max.y) - i64::from(b.min.y);
+            width.min(height) as f64 <= 2.0 * self.by.abs()
+        })
+    }
+}
+
+fn grown_bounds(ring: &[Point], by: f64) -> Bounds {
+    let b =
+        Bounds::of(ring.iter().copied()).unwrap_or(Bounds { min: Point::default(), max: Point::default() });
+    let moved = |v: i32, by: f64| (f64::from(v) + by) as i32;
+    Bounds {
+        min: Point::new(moved(b.min.x, -by), moved(b.min.y, -by)),
+        max: Point::new(moved(b.max.x, by), moved(b.max.y, by)),
+    }
 }

@@ -81,8 +81,13 @@ impl Region {
     pub fn contains(&self, p: Point) -> bool {
         let mut inside = false;
         for ring in self.rings() {
-            let mut a = *ring.last().expect("a ring has vertices");
+            let Some(&(mut a)) = ring.last() else {
+                continue;
+            };
             for &b in ring {
+                if a.y == p.y && b.y == p.y && (a.x <= p.x) != (b.x < p.x) || b == p {
+                    return true;
+                }
                 if (a.y > p.y) != (b.y > p.y) {
                     let side = (b - a).cross(p - a);
                     if side == 0 {

@@ -1,1 +1,141 @@
-//! Stage `mesh`.
+//! Triangle meshes: from a file to a repaired, indexed [`Mesh`], moved and placed on the bed.
+//!
+//! [`load`] reads what users have and repairs what can be repaired without guessing; a [`MeshReport`] says what
+//! was found and done. [`Transform`] scales, turns and moves; [`place()`] arranges models on the bed.
+
+mod components;
+mod edges;
+mod error;
+mod gaps;
+mod outside;
+mod place;
+mod repair;
+mod report;
+mod stl;
+mod transform;
+mod weld;
+
+use std::path::Path;
+
+pub use error::{MeshError, Place};
+pub use place::{Item, Object, Placement, PlacementError, Plate, fit_factor, place};
+pub use report::MeshReport;
+pub use transform::{Transform, TransformError};
+
+pub(crate) use edges::NO_TWIN;
+
+use edges::Edges;
+
+/// A surface of triangles over shared vertices.
+///
+/// Corners run counter-clockwise seen from outside. Half-edge `3 t + k` runs from corner `k` of triangle `t` to the
+/// next corner.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Mesh {
+    vertices: Vec<[f64; 3]>,
+    triangles: Vec<[u32; 3]>,
+    twins: Vec<u32>,
+    oriented: bool,
+}
+
+impl Mesh {
+    /// A mesh from vertices (in millimetres) and triangles, taken as they are: nothing is repaired. O(triangles).
+    ///
+    /// # Panics
+    /// If a triangle names a vertex that does not exist.
+    pub fn new(vertices: Vec<[f64; 3]>, triangles: Vec<[u32; 3]>) -> Self {
+        let edges = Edges::new(&triangles, vertices.len());
+        Self { vertices, triangles, twins: edges.twins, oriented: edges.clashing == 0 }
+    }
+
+    /// Vertices in millimetres.
+    pub fn vertices(&self) -> &[[f64; 3]] {
+        &self.vertices
+    }
+
+    /// Vertex indices of each triangle.
+    pub fn triangles(&self) -> &[[u32; 3]] {
+        &self.triangles
+    }
+
+    /// For each half-edge its partner in the neighbouring triangle, or `u32::MAX` on an open edge.
+    pub fn twins(&self) -> &[u32] {
+        &self.twins
+    }
+
+    /// Whether neighbouring triangles agree on which side is outside. If not, a point is inside where a ray from it
+    /// crosses the surface an odd number of times.
+    pub fn is_oriented(&self) -> bool {
+        self.oriented
+    }
+
+    /// Smallest box around the vertices, as its lower and upper corner; zeros of an empty mesh.
+    pub fn bounds(&self) -> [[f64; 3]; 2] {
+        let Some(&first) = self.vertices.first() else {
+            return [[0.0; 3]; 2];
+        };
+        self.vertices.iter().fold([first; 2], |[min, max], v| {
+            [std::array::from_fn(|i| min[i].min(v[i])), std::array::from_fn(|i| max[i].max(v[i]))]
+        })
+    }
+
+    /// Extent along each axis in millimetres.
+    pub fn size(&self) -> [f64; 3] {
+        let [min, max] = self.bounds();
+        std::array::from_fn(|i| max[i] - min[i])
+    }
+
+    /// Enclosed volume (mm³) and surface (mm²). Of an open mesh the volume is an estimate: that of the cone from the
+    /// middle of its box.
+    pub fn volume_and_area(&self) -> (f64, f64) {
+        let [min, max] = self.bounds();
+        let middle = std::array::from_fn(|i| (min[i] + max[i]) / 2.0);
+        self.triangles.iter().fold((0.0, 0.0), |(volume, area), t| {
+            let (v, a) = facet_measures(t.map(|v| self.vertices[v as usize]), middle);
+            (volume + v, area + a)
+        })
+    }
+}
+
+/// Volume of the tetrahedron from a facet to a point behind it, and area of the facet.
+fn facet_measures(corners: [[f64; 3]; 3], apex: [f64; 3]) -> (f64, f64) {
+    let [a, b, c] = corners;
+    let minus = |p: [f64; 3], q: [f64; 3]| [p[0] - q[0], p[1] - q[1], p[2] - q[2]];
+    let (u, v, w) = (minus(b, a), minus(c, a), minus(a, apex));
+    let normal = [u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2], u[0] * v[1] - u[1] * v[0]];
+    let dot = |p: [f64; 3], q: [f64; 3]| p[0] * q[0] + p[1] * q[1] + p[2] * q[2];
+    (dot(w, normal) / 6.0, dot(normal, normal).sqrt() / 2.0)
+}
+
+/// Reads and repairs a mesh file.
+///
+/// # Errors
+/// See [`MeshError`]: the file cannot be read, is no STL, ends early, or holds nothing that has a volume.
+pub fn load(path: &Path) -> Result<(Mesh, MeshReport), MeshError> {
+    let data = std::fs::read(path).map_err(|source| MeshError::Read { path: path.to_path_buf(), source })?;
+    from_bytes(path, data)
+}
+
+/// As [`load`], from the file's contents; `path` is what messages call it.
+///
+/// # Errors
+/// As [`load`].
+pub fn from_bytes(path: &Path, data: Vec<u8>) -> Result<(Mesh, MeshReport), MeshError> {
+    let stl::Reading { soup, format, facets, notes } = stl::read(path, data)?;
+    if facets == 0 {
+        return Err(MeshError::NoFacets { path: path.to_path_buf() });
+    }
+    let repair::Repaired { vertices, triangles, twins, repairs } = repair::repair(soup);
+    let mesh = Mesh {
+        vertices: vertices.into_iter().map(|v| v.map(f64::from)).collect(),
+        triangles,
+        twins,
+        oriented: repairs.clashing == 0,
+    };
+    let report = MeshReport::new(&mesh, format, facets, &repairs, notes);
+    // A solid is at least as thick on average as the grid is fine.
+    if report.volume_mm3.abs() <= 1e-5 * report.area_mm2 {
+        return Err(MeshError::NoVolume { path: path.to_path_buf(), size: report.size_mm, facets });
+    }
+    Ok((mesh, report))
+}

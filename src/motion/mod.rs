@@ -1,5 +1,22 @@
-//! Ordered paths → typed moves: travel, retraction, extrusion amounts, speeds, cooling.
+//! Ordered paths → typed moves: travel, retraction, extrusion amounts, speeds.
+//!
+//! Each layer is planned by itself: it starts and ends un-retracted, and needs to know nothing of its
+//! neighbours but where the one below ends ([`exit`]), so layers can be planned in any order and in parallel.
 
+mod arc;
+mod bead;
 mod moves;
+mod pause;
+mod plan;
+mod rules;
+mod settings;
+mod simplify;
+mod sums;
+mod travel;
 
-pub use moves::{LayerMoves, Move};
+pub use moves::{Entry, LayerMoves, Move};
+pub use pause::{PauseAt, PauseError};
+pub use plan::{exit, plan_layer};
+pub use settings::{FlowSettings, MotionSettings};
+pub use sums::LayerSums;
+pub(crate) use sums::arc_mm;

@@ -35,12 +35,24 @@ pub enum Move {
     Pause,
 }
 
+/// Where the nozzle is when a layer begins, in bed coordinates (millimetres, Z offset included).
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[allow(missing_docs)]
+pub struct Entry {
+    /// `None`: wherever the start script left it.
+    pub xy: Option<[f64; 2]>,
+    pub z_mm: f64,
+}
+
 /// The moves of one layer. It starts and ends un-retracted.
 #[derive(Clone, Debug, PartialEq)]
 #[allow(missing_docs)]
 pub struct LayerMoves {
     pub index: usize,
+    /// Height of the nozzle, Z offset included.
     pub z_mm: f64,
     pub height_mm: f64,
+    /// Where the layer below ended.
+    pub from: Entry,
     pub moves: Vec<Move>,
 }

@@ -1,5 +1,33 @@
 //! Finds the order, direction and entry of every path of a layer.
 
+mod as_sliced;
+pub mod bound;
+mod chain;
+mod check;
+mod christofides;
+mod christofides_open;
+mod cost;
+mod greedy;
+mod index;
+mod layer;
+pub mod matching;
+mod nearest;
+mod optimized;
+mod precedence;
 mod problem;
+mod seam;
+mod strategy;
 
+pub use as_sliced::AsSliced;
+pub use chain::{Chain, chunk_len};
+pub use check::{Fault, check};
+pub use christofides::Christofides;
+pub use christofides_open::ChristofidesOpen;
+pub use cost::{Cost, TravelTime, evaluate};
+pub use greedy::Greedy;
+pub use layer::{LayerProblem, ends_on_path};
+pub use nearest::Nearest;
+pub use optimized::Optimized;
 pub use problem::{Item, Problem, Run, Sequence, Shape, Visit};
+pub use seam::{Pins, SeamRule, enter_nearest};
+pub use strategy::{Strategy, strategy};

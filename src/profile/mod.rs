@@ -19,6 +19,7 @@ pub use embedded::{EMBEDDED, EmbeddedProfile, ProfileKind, find as embedded};
 pub use error::{Origin, Problem, ProfileError};
 pub use resolve::{Override, Resolved, resolve};
 pub use schema::{Field, Kind, Section, field, keys};
-pub use script::{PLACEHOLDERS, PrintBounds, expand, one_line};
+pub(crate) use script::one_line;
+pub use script::{PLACEHOLDERS, PrintBounds, expand};
 pub use settings::*;
 pub use source::text;

@@ -155,6 +155,18 @@ placeholders! {
     "print_max_z", "greatest Z of the print": |c| number(c.print.max_z_mm);
 }
 
+/// Free text as it may stand in a command or comment: no line ends or other control characters, and no
+/// semicolon, which would begin a comment.
+pub(crate) fn one_line(text: &str) -> String {
+    text.chars()
+        .map(|c| match c {
+            ';' => ',',
+            c if c.is_control() => ' ',
+            c => c,
+        })
+        .collect()
+}
+
 fn first_z(settings: &Settings) -> f64 {
     settings.layer.first_height.0 + settings.layer.z_offset.0
 }
@@ -164,17 +176,6 @@ fn number(value: f64) -> String {
     let text = format!("{value:.3}");
     let text = text.trim_end_matches('0').trim_end_matches('.');
     if text == "-0" { "0".into() } else { text.into() }
-}
-
-/// Free text as it may stand in a command: no line ends or other control characters, and no semicolon, which
-/// would begin a comment.
-pub fn one_line(text: &str) -> String {
-    let safe = |c: char| match c {
-        ';' => ',',
-        c if c.is_control() => ' ',
-        c => c,
-    };
-    text.chars().map(safe).collect()
 }
 
 /// Fills in a script's placeholders. Every line ends with `\n`, and none with blanks.
@@ -256,18 +257,18 @@ mod tests {
     }
 
     #[test]
+    fn values_cannot_start_a_line_or_a_comment() {
+        let mut settings = Settings::default();
+        settings.printer.name = "evil\nM112;\rG28".into();
+        assert_eq!(filled("M117 {printer}", &settings), "M117 evil M112, G28\n");
+    }
+
+    #[test]
     fn every_unknown_placeholder_is_reported_with_the_nearest() {
         let problems = expand("{nozle_temp}\n{bed_tmp}", &Settings::default(), PRINT).unwrap_err();
         assert_eq!(problems.len(), 2);
         assert_eq!(problems[0], "line 1: unknown placeholder {nozle_temp}; did you mean {nozzle_temp}?");
         assert_eq!(problems[1], "line 2: unknown placeholder {bed_tmp}; did you mean {bed_temp}?");
-    }
-
-    #[test]
-    fn a_name_cannot_smuggle_in_a_command() {
-        let mut settings = Settings::default();
-        settings.printer.name = "a\nM112;b".into();
-        assert_eq!(filled("M117 {printer}", &settings), "M117 a M112,b\n");
     }
 
     #[test]

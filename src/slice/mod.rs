@@ -1,1 +1,117 @@
-//! Stage `slice`.
+//! Meshes → cross-sections, layer by layer.
+//!
+//! [`plan()`] says where the layers lie, a [`Slicer`] prepares the meshes of a plate once and then cuts any layer by
+//! itself, so that layers can be cut in parallel.
+
+mod cutter;
+mod fill;
+mod plan;
+mod simplify;
+mod stitch;
+
+pub use cutter::Cutter;
+pub use plan::{LayerSpan, plan};
+
+use crate::geom::{Region, offset};
+use crate::mesh::Plate;
+use crate::profile::LayerSettings;
+
+/// The cross-section of one object.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Section {
+    /// Index into [`Plate::objects`].
+    pub object: usize,
+    /// The area to print, in bed coordinates.
+    pub region: Region,
+}
+
+/// What had to be mended in a layer's outlines.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Gaps {
+    /// Loose ends joined across a gap within the tolerance.
+    pub joined: usize,
+    /// Outlines closed across a larger gap, as a last resort.
+    pub forced: usize,
+}
+
+impl std::ops::AddAssign for Gaps {
+    fn add_assign(&mut self, other: Self) {
+        self.joined += other.joined;
+        self.forced += other.forced;
+    }
+}
+
+/// One layer: where it lies, and what is solid in it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Layer {
+    /// Number and heights.
+    pub span: LayerSpan,
+    /// One section for each object that is solid here, in the order of the objects.
+    pub sections: Vec<Section>,
+    /// Diagnostics; zeros for a watertight mesh.
+    pub gaps: Gaps,
+}
+
+/// The meshes of a plate, prepared for cutting.
+#[derive(Debug)]
+pub struct Slicer<'a> {
+    plate: &'a Plate,
+    cutters: Vec<Cutter>,
+    spans: Vec<LayerSpan>,
+    grow_mm: f64,
+    elephant_foot_mm: f64,
+}
+
+impl<'a> Slicer<'a> {
+    /// Plans the layers up to the highest object, and sorts triangles by layer. O(triangles + crossings).
+    pub fn new(plate: &'a Plate, settings: &LayerSettings) -> Self {
+        let height_mm = plate.meshes.iter().map(|m| m.bounds()[1][2]).fold(0.0, f64::max);
+        let spans = plan(height_mm, settings);
+        let cutters = plate.meshes.iter().map(|m| Cutter::new(m, &spans, settings.resolution.0)).collect();
+        Self {
+            plate,
+            cutters,
+            spans,
+            grow_mm: settings.xy_compensation.0,
+            elephant_foot_mm: settings.elephant_foot.0,
+        }
+    }
+
+    /// Where the layers lie.
+    pub fn spans(&self) -> &[LayerSpan] {
+        &self.spans
+    }
+
+    /// Cuts one layer. Layers are independent of each other.
+    ///
+    /// # Panics
+    /// If there is no such layer.
+    pub fn layer(&self, index: usize) -> Layer {
+        let foot_mm = if index == 0 { self.elephant_foot_mm } else { 0.0 };
+        let mut gaps = Gaps::default();
+        let regions: Vec<Region> = self
+            .cutters
+            .iter()
+            .map(|cutter| {
+                let (region, found) = cutter.section(index);
+                gaps += found;
+                offset(&region, self.grow_mm - foot_mm)
+            })
+            .collect();
+        let objects = self.plate.objects.iter().enumerate();
+        let sections = objects
+            .filter(|(_, object)| !regions[object.mesh].is_empty())
+            .map(|(index, object)| Section {
+                object: index,
+                region: regions[object.mesh].translated(object.offset),
+            })
+            .collect();
+        Layer { span: self.spans[index], sections, gaps }
+    }
+}
+
+/// Every layer of a plate.
+pub fn slice(plate: &Plate, settings: &LayerSettings) -> Vec<Layer> {
+    let slicer = Slicer::new(plate, settings);
+    (0..slicer.spans().len()).map(|index| slicer.layer(index)).collect()
+}

@@ -1,5 +1,14 @@
 //! Sections → paths: walls, solid shells, infill, skirt and brim.
 
+mod adhesion;
+pub mod bead;
+pub mod infill;
 mod path;
+mod planner;
+mod shells;
+mod walls;
 
 pub use path::{Island, LayerPaths, Path, Role, Width};
+pub use planner::{ObjectLayer, Planner, PlateLayer, ToolpathSettings};
+pub use shells::{Map, Shells, Zones};
+pub use walls::{WallSpec, Walls};

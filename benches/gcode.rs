@@ -1,0 +1,77 @@
+//! Planning, timing, formatting and reading a layer of a million moves.
+
+use std::hint::black_box;
+
+use criterion::{Criterion, Throughput, criterion_group, criterion_main};
+use pathwright::estimate::{Machine, layer_time};
+use pathwright::gcode::{PrintFacts, Scripts, WriterSettings, format_layer, measure};
+use pathwright::geom::{Point, Region};
+use pathwright::motion::{Entry, LayerMoves, MotionSettings, plan_layer};
+use pathwright::order::Visit;
+use pathwright::profile::Settings;
+use pathwright::toolpath::{Island, LayerPaths, Path, Role, Width};
+use pathwright::units::Mm;
+
+const MOVES: u64 = 1_000_000;
+
+/// Wobbly rings of 100 vertices, 0.6 mm apart, that no simplification can shorten.
+fn layer() -> LayerPaths {
+    let ring = |i: u64| {
+        let center = (20.0 + (i % 100) as f64 * 2.0, 20.0 + (i / 100 % 100) as f64 * 2.0);
+        let points = (0..100).map(|k| {
+            let (sine, cosine) = (std::f64::consts::TAU * f64::from(k) / 100.0).sin_cos();
+            let radius_mm = 9.6 + if k % 2 == 0 { 0.05 } else { -0.05 };
+            Point::from_mm(center.0 + radius_mm * cosine, center.1 + radius_mm * sine)
+        });
+        Path {
+            role: Role::Perimeter,
+            closed: true,
+            points: points.collect(),
+            width: Width::Constant(0.45),
+            height_mm: 0.2,
+            island: 0,
+            rank: 0,
+        }
+    };
+    LayerPaths {
+        index: 7,
+        top_mm: 1.6,
+        height_mm: 0.2,
+        islands: vec![Island { object: 0 }],
+        paths: (0..MOVES / 100).map(ring).collect(),
+        outline: Region::default(),
+    }
+}
+
+fn plan(layer: &LayerPaths, settings: &Settings) -> LayerMoves {
+    let sequence: Vec<Visit> = (0..layer.paths.len() as u32).map(|item| Visit { item, entry: 0 }).collect();
+    plan_layer(layer, &sequence, Entry::default(), &MotionSettings::new(settings, &[]))
+}
+
+fn gcode(c: &mut Criterion) {
+    let settings = Settings::default();
+    let layer = layer();
+    let moves = plan(&layer, &settings);
+    let count = moves.moves.len() as u64;
+    let facts =
+        PrintFacts { layers: 1, min_mm: [0.0; 2], max_mm: [250.0; 2], max_z_mm: 1.6, dated: 946_684_800 };
+    let scripts = Scripts::new(&settings, &facts).expect("no scripts");
+    let writer = WriterSettings::new(&settings, &scripts, false);
+    let bytes = format_layer(&moves, &writer).bytes;
+    let machine = Machine::new(&settings);
+
+    let mut group = c.benchmark_group("gcode");
+    group.sample_size(10);
+    group.throughput(Throughput::Elements(count));
+    group.bench_function("plan", |b| b.iter(|| plan(black_box(&layer), &settings)));
+    group.bench_function("estimate", |b| b.iter(|| layer_time(black_box(&moves), &machine)));
+    group.throughput(Throughput::Bytes(bytes.len() as u64));
+    group.bench_function("format", |b| b.iter(|| format_layer(black_box(&moves), &writer)));
+    let five_mb = &bytes[..bytes.len().min(5_000_000)];
+    group.throughput(Throughput::Bytes(five_mb.len() as u64));
+    group.bench_function("read", |b| b.iter(|| measure(black_box(five_mb), Mm(1.75))));
+    group.finish();
+}
+
+criterion_group!(benches, gcode);
+criterion_main!(benches);

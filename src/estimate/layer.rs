@@ -1,0 +1,139 @@
+//! The time of one layer, by what it is spent on.
+
+use super::Machine;
+use super::planner::{Planner, Segment};
+use crate::motion::{LayerMoves, Move};
+use crate::toolpath::Role;
+use crate::units::Seconds;
+
+/// Arcs are planned as chords of this length, as firmwares do.
+const CHORD_MM: f64 = 1.0;
+
+const TRAVEL: usize = 0;
+const RETRACTION: usize = 1;
+const ROLES: usize = 2;
+/// Travel, retraction, and every role.
+const ACCOUNTS: usize = ROLES + Role::Ironing as usize + 1;
+
+/// How long a layer takes, and where the time goes. Heating and pauses take none.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct LayerTime {
+    accounts: [f64; ACCOUNTS],
+}
+
+impl LayerTime {
+    /// All of it.
+    pub fn total(&self) -> Seconds {
+        Seconds(self.accounts.iter().sum())
+    }
+
+    /// Moves without extrusion, in X, Y and Z.
+    pub fn travel(&self) -> Seconds {
+        Seconds(self.accounts[TRAVEL])
+    }
+
+    /// Pulling filament back and pushing it forward in place.
+    pub fn retraction(&self) -> Seconds {
+        Seconds(self.accounts[RETRACTION])
+    }
+
+    /// Extruding a role.
+    pub fn role(&self, role: Role) -> Seconds {
+        Seconds(self.accounts[ROLES + role as usize])
+    }
+
+    /// Extruding.
+    pub fn printing(&self) -> Seconds {
+        Seconds(self.accounts[ROLES..].iter().sum())
+    }
+}
+
+impl std::ops::AddAssign for LayerTime {
+    fn add_assign(&mut self, other: Self) {
+        for (mine, theirs) in self.accounts.iter_mut().zip(other.accounts) {
+            *mine += theirs;
+        }
+    }
+}
+
+/// The time of a layer, at rest at its start and end. O(moves).
+pub fn layer_time(layer: &LayerMoves, machine: &Machine) -> LayerTime {
+    let mut walk = Walk {
+        planner: Planner::new(machine),
+        at: layer.from.xy,
+        z_mm: layer.from.z_mm,
+        acceleration: machine.acceleration,
+        account: ROLES,
+        e_per_mm3: 1.0 / machine.filament_area_mm2,
+    };
+    for step in &layer.moves {
+        walk.step(step);
+    }
+    LayerTime { accounts: walk.planner.finish() }
+}
+
+/// The machine's state along the layer.
+struct Walk {
+    planner: Planner<ACCOUNTS>,
+    at: Option<[f64; 2]>,
+    z_mm: f64,
+    acceleration: f64,
+    /// Account of the role being extruded.
+    account: usize,
+    e_per_mm3: f64,
+}
+
+impl Walk {
+    fn step(&mut self, step: &Move) {
+        match *step {
+            Move::Bead { role, .. } => self.account = ROLES + role as usize,
+            Move::Travel { to, speed } => self.go(to, 0.0, speed.0, TRAVEL),
+            Move::Wipe { to, length_mm, speed } => self.go(to, -length_mm, speed.0, TRAVEL),
+            Move::Extrude { to, volume, speed } => {
+                self.go(to, volume.0 * self.e_per_mm3, speed.0, self.account)
+            }
+            Move::Arc { to, center, clockwise, volume, speed } => {
+                self.arc(to, center, clockwise, volume.0 * self.e_per_mm3, speed.0);
+            }
+            Move::Lift { z_mm, speed } => {
+                self.push([0.0, 0.0, z_mm - self.z_mm, 0.0], speed.0, TRAVEL);
+                self.z_mm = z_mm;
+            }
+            Move::Retract { length_mm, speed } | Move::Unretract { length_mm, speed } => {
+                self.push([0.0, 0.0, 0.0, length_mm], speed.0, RETRACTION);
+            }
+            Move::Acceleration(acceleration) => self.acceleration = acceleration.0,
+            Move::Fan(_) | Move::Nozzle(_) | Move::Bed(_) | Move::Pause => {}
+        }
+    }
+
+    fn push(&mut self, delta: [f64; 4], speed: f64, account: usize) {
+        self.planner.push(&Segment { delta, speed, acceleration: self.acceleration, account });
+    }
+
+    fn go(&mut self, to: [f64; 2], e_mm: f64, speed: f64, account: usize) {
+        // A way from an unknown place takes no time that could be known.
+        if let Some(at) = self.at {
+            self.push([to[0] - at[0], to[1] - at[1], 0.0, e_mm], speed, account);
+        }
+        self.at = Some(to);
+    }
+
+    fn arc(&mut self, to: [f64; 2], center: [f64; 2], clockwise: bool, e_mm: f64, speed: f64) {
+        let Some(at) = self.at else {
+            self.at = Some(to);
+            return;
+        };
+        let (u, v) = ([at[0] - center[0], at[1] - center[1]], [to[0] - center[0], to[1] - center[1]]);
+        let turn = (u[0] * v[1] - u[1] * v[0]).atan2(u[0] * v[0] + u[1] * v[1]);
+        let sweep = if clockwise { -turn } else { turn }.rem_euclid(std::f64::consts::TAU);
+        let chords = (sweep * u[0].hypot(u[1]) / CHORD_MM).ceil().clamp(1.0, 1e5);
+        let signed = if clockwise { -sweep } else { sweep };
+        for chord in 1..chords as u32 {
+            let (sine, cosine) = (signed * f64::from(chord) / chords).sin_cos();
+            let on = [center[0] + u[0] * cosine - u[1] * sine, center[1] + u[0] * sine + u[1] * cosine];
+            self.go(on, e_mm / chords, speed, self.account);
+        }
+        self.go(to, e_mm / chords, speed, self.account);
+    }
+}

@@ -1,0 +1,280 @@
+//! One layer's moves as bytes.
+
+use super::extruder::{E_DECIMALS, Extruder};
+use super::flavor::{Dialect, Purpose, dialect};
+use super::number::{push_fixed, push_word, text, ticks};
+use super::settings::{WriterSettings, filament_area_mm2};
+use super::slot::{PROGRESS_WIDTH, Pending, Slot};
+use crate::motion::{LayerMoves, Move};
+use crate::toolpath::Role;
+use crate::units::{Celsius, Mm3, MmPerS, MmPerS2};
+
+/// Digits behind the point of X, Y, Z, I and J: a micrometre, a tenth of what a machine resolves.
+const XYZ_DECIMALS: u32 = 3;
+/// A coordinate that the layer has not stated yet.
+const UNKNOWN: i64 = i64::MIN;
+
+/// The bytes of one layer.
+#[derive(Clone, Debug, PartialEq)]
+pub struct LayerText {
+    /// What goes into the file.
+    pub bytes: Vec<u8>,
+    /// Where the layer's M73 goes, if wanted; offset into `bytes`.
+    pub progress: Option<Slot>,
+}
+
+/// Formats a layer. It depends on nothing but its arguments: position, feed rate and acceleration are stated
+/// anew, and absolute E begins at 0, so layers can be formatted in any order.
+///
+/// Positions are rounded one by one (they do not drift); what rounding E leaves over goes into the next
+/// extrusion, so that the layer's total is right to half a digit. A move too short to be written at all gives
+/// its filament to the next one. Words that do not change are left out.
+pub fn format_layer(layer: &LayerMoves, settings: &WriterSettings) -> LayerText {
+    let mut writer = Writer::new(layer, settings);
+    let progress = writer.open(layer);
+    for step in &layer.moves {
+        writer.step(step);
+    }
+    LayerText { bytes: writer.out, progress }
+}
+
+struct Writer<'a> {
+    out: Vec<u8>,
+    settings: &'a WriterSettings,
+    dialect: &'static dyn Dialect,
+    x: i64,
+    y: i64,
+    z: i64,
+    /// Feed rate, mm/min.
+    f: i64,
+    extruder: Extruder,
+    /// The acceleration asked for, and the ones in force for printing and travel.
+    asked: Option<f64>,
+    in_force: [Option<f64>; 2],
+    type_name: &'static str,
+    width: i64,
+    height: i64,
+}
+
+impl<'a> Writer<'a> {
+    fn new(layer: &LayerMoves, settings: &'a WriterSettings) -> Self {
+        Self {
+            // A line is some 28 bytes long.
+            out: Vec::with_capacity(256 + 32 * layer.moves.len()),
+            settings,
+            dialect: dialect(settings.flavor),
+            x: UNKNOWN,
+            y: UNKNOWN,
+            z: UNKNOWN,
+            f: UNKNOWN,
+            extruder: Extruder::new(filament_area_mm2(settings.filament_diameter)),
+            asked: None,
+            in_force: [None; 2],
+            type_name: "",
+            width: UNKNOWN,
+            height: ticks(layer.height_mm, XYZ_DECIMALS),
+        }
+    }
+
+    /// The comments at the top, the place for M73, and E's origin.
+    fn open(&mut self, layer: &LayerMoves) -> Option<Slot> {
+        let (z, height) = (text(layer.z_mm, XYZ_DECIMALS), text(layer.height_mm, XYZ_DECIMALS));
+        let top = format!(";LAYER_CHANGE\n;Z:{z}\n;HEIGHT:{height}\n;LAYER:{}\n", layer.index);
+        self.out.extend_from_slice(top.as_bytes());
+        self.dialect.layer_begins(&mut self.out, layer.index + 1);
+        let slot = self.settings.progress.then(|| {
+            let offset = self.out.len();
+            self.out.resize(offset + PROGRESS_WIDTH, b' ');
+            self.out.push(b'\n');
+            Slot { offset, width: PROGRESS_WIDTH, value: Pending::Progress { layer: layer.index } }
+        });
+        if !self.settings.relative_e {
+            self.out.extend_from_slice(b"G92 E0\n");
+        }
+        slot
+    }
+
+    fn step(&mut self, step: &Move) {
+        match *step {
+            Move::Bead { role, width_mm, height_mm } => self.bead(role, width_mm, height_mm),
+            Move::Travel { to, speed } => self.travel(to, 0, speed),
+            Move::Lift { z_mm, speed } => self.lift(z_mm, speed),
+            Move::Extrude { to, volume, speed } => self.draw(to, None, volume, speed),
+            Move::Arc { to, center, clockwise, volume, speed } => {
+                self.draw(to, Some((center, clockwise)), volume, speed);
+            }
+            Move::Retract { .. } if self.settings.firmware_retraction => self.out.extend_from_slice(b"G10\n"),
+            Move::Unretract { .. } if self.settings.firmware_retraction => {
+                self.out.extend_from_slice(b"G11\n");
+            }
+            Move::Retract { length_mm, speed } => {
+                let pulled = self.extruder.pull(length_mm);
+                self.e_only(pulled, speed);
+            }
+            Move::Unretract { length_mm, speed } => {
+                let pushed = self.extruder.restore(length_mm);
+                self.e_only(pushed, speed);
+            }
+            Move::Wipe { to, length_mm, speed } => {
+                let pulled = self.extruder.pull(length_mm);
+                self.travel(to, pulled, speed);
+            }
+            Move::Fan(share) => self.dialect.fan(&mut self.out, share),
+            Move::Acceleration(acceleration) => self.asked = Some(acceleration.0),
+            Move::Nozzle(celsius) => self.heat(b"M104", celsius),
+            Move::Bed(celsius) => self.heat(b"M140", celsius),
+            Move::Pause => self.pause(),
+        }
+    }
+
+    /// Moves in X and Y, feeding so many ticks of filament (for a wipe, negative).
+    fn travel(&mut self, to: [f64; 2], fed: i64, speed: MmPerS) {
+        let Some(to) = self.onward(to) else { return self.e_only(fed, speed) };
+        self.accelerate(Purpose::Travel);
+        self.out.extend_from_slice(b"G1");
+        self.xy(to);
+        self.e(fed);
+        self.feed(speed);
+        self.end_line();
+    }
+
+    fn lift(&mut self, z_mm: f64, speed: MmPerS) {
+        let z = ticks(z_mm, XYZ_DECIMALS);
+        if z != self.z {
+            self.z = z;
+            self.out.extend_from_slice(b"G1");
+            push_word(&mut self.out, b'Z', z, XYZ_DECIMALS);
+            self.feed(speed);
+            self.end_line();
+        }
+    }
+
+    /// Extrudes on a line, or on an arc around a centre (clockwise or not).
+    fn draw(&mut self, to: [f64; 2], arc: Option<([f64; 2], bool)>, volume: Mm3, speed: MmPerS) {
+        self.extruder.owe(volume.0);
+        let Some(to) = self.onward(to) else { return };
+        self.accelerate(Purpose::Print);
+        if let Some((center, clockwise)) = arc {
+            let [i, j] = [(center[0], self.x), (center[1], self.y)]
+                .map(|(center_mm, from)| ticks(center_mm, XYZ_DECIMALS) - from);
+            self.out.extend_from_slice(if clockwise { b"G2" } else { b"G3" });
+            self.xy(to);
+            push_word(&mut self.out, b'I', i, XYZ_DECIMALS);
+            push_word(&mut self.out, b'J', j, XYZ_DECIMALS);
+        } else {
+            self.out.extend_from_slice(b"G1");
+            self.xy(to);
+        }
+        let fed = self.extruder.pay();
+        self.e(fed);
+        self.feed(speed);
+        self.end_line();
+    }
+
+    /// The rounded position, if it differs from the present one.
+    fn onward(&self, to: [f64; 2]) -> Option<[i64; 2]> {
+        let [x, y] = to.map(|mm| ticks(mm, XYZ_DECIMALS));
+        (x != self.x || y != self.y).then_some([x, y])
+    }
+
+    fn xy(&mut self, [x, y]: [i64; 2]) {
+        if x != self.x {
+            push_word(&mut self.out, b'X', x, XYZ_DECIMALS);
+            self.x = x;
+        }
+        if y != self.y {
+            push_word(&mut self.out, b'Y', y, XYZ_DECIMALS);
+            self.y = y;
+        }
+    }
+
+    /// E by `delta` ticks, which the extruder has already counted.
+    fn e(&mut self, delta: i64) {
+        if delta != 0 {
+            let value = if self.settings.relative_e { delta } else { self.extruder.position };
+            push_word(&mut self.out, b'E', value, E_DECIMALS);
+        }
+    }
+
+    fn e_only(&mut self, delta: i64, speed: MmPerS) {
+        if delta != 0 {
+            self.out.extend_from_slice(b"G1");
+            self.e(delta);
+            self.feed(speed);
+            self.end_line();
+        }
+    }
+
+    /// F in whole millimetres per minute, rounded down: limits are kept.
+    fn feed(&mut self, speed: MmPerS) {
+        let f = ((speed.0 * 60.0 + 1e-6) as i64).max(1);
+        if f != self.f {
+            push_word(&mut self.out, b'F', f, 0);
+            self.f = f;
+        }
+    }
+
+    fn end_line(&mut self) {
+        self.out.push(b'\n');
+    }
+
+    /// States the acceleration asked for, where it is not in force.
+    fn accelerate(&mut self, purpose: Purpose) {
+        let Some(asked) = self.asked else { return };
+        let kept_apart = self.dialect.has_travel_acceleration();
+        let slot = &mut self.in_force[usize::from(kept_apart && purpose == Purpose::Travel)];
+        if *slot != Some(asked) {
+            *slot = Some(asked);
+            self.dialect.acceleration(&mut self.out, purpose, MmPerS2(asked));
+        }
+    }
+
+    fn heat(&mut self, command: &[u8], celsius: Celsius) {
+        self.out.extend_from_slice(command);
+        push_word(&mut self.out, b'S', ticks(celsius.0, 1), 1);
+        self.end_line();
+    }
+
+    fn bead(&mut self, role: Role, width_mm: f64, height_mm: f64) {
+        let name = role.type_name();
+        if name != self.type_name {
+            self.type_name = name;
+            self.out.extend_from_slice(b";TYPE:");
+            self.out.extend_from_slice(name.as_bytes());
+            self.end_line();
+        }
+        let (width, height) = (ticks(width_mm, XYZ_DECIMALS), ticks(height_mm, XYZ_DECIMALS));
+        for (label, now, before) in
+            [(&b";WIDTH:"[..], width, &mut self.width), (&b";HEIGHT:"[..], height, &mut self.height)]
+        {
+            if now != *before {
+                *before = now;
+                self.out.extend_from_slice(label);
+                if (0..1000).contains(&now) {
+                    self.out.push(b'0');
+                }
+                if now != 0 {
+                    push_fixed(&mut self.out, now, XYZ_DECIMALS);
+                }
+                self.out.push(b'\n');
+            }
+        }
+    }
+
+    /// The pause, then everything that a script may have changed.
+    fn pause(&mut self) {
+        let own = self.settings.pause.trim_end();
+        let lines = if own.is_empty() { self.dialect.pause() } else { own };
+        self.out.extend_from_slice(lines.as_bytes());
+        self.out.extend_from_slice(b"\nG90\n");
+        if self.settings.relative_e {
+            self.out.extend_from_slice(b"M83\n");
+        } else {
+            self.out.extend_from_slice(b"M82\nG92");
+            push_word(&mut self.out, b'E', self.extruder.position, E_DECIMALS);
+            self.end_line();
+        }
+        (self.x, self.y, self.z, self.f) = (UNKNOWN, UNKNOWN, UNKNOWN, UNKNOWN);
+        self.in_force = [None; 2];
+    }
+}

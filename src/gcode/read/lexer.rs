@@ -1,0 +1,225 @@
+//! Lines, codes, words and comments.
+
+/// A letter and its number: G1, M104, T0.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Code {
+    /// G, M or T.
+    pub letter: u8,
+    /// What follows it.
+    pub number: u32,
+}
+
+/// The parameters of a command: at most one value for each letter, the last one given.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Words {
+    given: u32,
+    values: [f64; 26],
+}
+
+impl Default for Words {
+    fn default() -> Self {
+        Self { given: 0, values: [0.0; 26] }
+    }
+}
+
+impl Words {
+    /// The value of an upper-case letter.
+    #[inline]
+    pub fn get(&self, letter: u8) -> Option<f64> {
+        let at = letter.wrapping_sub(b'A');
+        (at < 26 && self.given >> at & 1 == 1).then(|| self.values[usize::from(at)])
+    }
+
+    /// Whether there are none.
+    pub fn is_empty(&self) -> bool {
+        self.given == 0
+    }
+
+    fn set(&mut self, letter: u8, value: f64) {
+        let at = letter.to_ascii_uppercase().wrapping_sub(b'A');
+        if at < 26 {
+            self.given |= 1 << at;
+            self.values[usize::from(at)] = value;
+        }
+    }
+}
+
+/// One line.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Line<'a> {
+    /// Number of the line, from 1.
+    pub number: usize,
+    /// All of it, without its end.
+    pub text: &'a [u8],
+    /// Its command; `None` of blank lines, comments and commands with names (Klipper's).
+    pub code: Option<Code>,
+    /// What follows the code, up to a comment.
+    parameters: &'a [u8],
+    /// What follows the semicolon.
+    pub comment: Option<&'a [u8]>,
+}
+
+impl Line<'_> {
+    /// The command's parameters.
+    pub fn words(&self) -> Words {
+        let mut words = Words::default();
+        let mut cursor = Cursor { bytes: self.parameters, at: 0 };
+        while let Some(&letter) = self.parameters.get(cursor.at) {
+            cursor.at += 1;
+            if letter.is_ascii_alphabetic() {
+                cursor.skip_blanks();
+                if let Some(value) = cursor.number() {
+                    words.set(letter, value);
+                }
+            }
+        }
+        words
+    }
+}
+
+/// The lines of a text, ended by `\n` or `\r\n`.
+pub fn lines(text: &[u8]) -> Lines<'_> {
+    Lines { rest: text, number: 0 }
+}
+
+/// Iterator of [`lines`].
+#[derive(Clone, Debug)]
+pub struct Lines<'a> {
+    rest: &'a [u8],
+    number: usize,
+}
+
+impl<'a> Iterator for Lines<'a> {
+    type Item = Line<'a>;
+
+    fn next(&mut self) -> Option<Line<'a>> {
+        if self.rest.is_empty() {
+            return None;
+        }
+        self.number += 1;
+        let end = self.rest.iter().position(|b| *b == b'\n').unwrap_or(self.rest.len());
+        let (line, rest) = self.rest.split_at(end);
+        self.rest = rest.get(1..).unwrap_or_default();
+        let text = line.strip_suffix(b"\r").unwrap_or(line);
+        let (command, comment) = match text.iter().position(|b| *b == b';') {
+            Some(at) => (&text[..at], Some(&text[at + 1..])),
+            None => (text, None),
+        };
+        let (code, parameters) = code(command);
+        Some(Line { number: self.number, text, code, parameters, comment })
+    }
+}
+
+/// The code that a command begins with, and what follows it.
+fn code(command: &[u8]) -> (Option<Code>, &[u8]) {
+    let command = command.trim_ascii_start();
+    let [letter @ (b'G' | b'M' | b'T' | b'g' | b'm' | b't'), digits @ ..] = command else {
+        return (None, command);
+    };
+    let count = digits.iter().take_while(|b| b.is_ascii_digit()).count();
+    if count == 0 {
+        return (None, command);
+    }
+    let number = digits[..count]
+        .iter()
+        .fold(0_u32, |number, digit| number.saturating_mul(10).saturating_add(u32::from(digit - b'0')));
+    (Some(Code { letter: letter.to_ascii_uppercase(), number }), &digits[count..])
+}
+
+struct Cursor<'a> {
+    bytes: &'a [u8],
+    at: usize,
+}
+
+impl Cursor<'_> {
+    /// The byte at the cursor; behind the last one a blank.
+    #[inline]
+    fn peek(&self) -> u8 {
+        self.bytes.get(self.at).copied().unwrap_or(b' ')
+    }
+
+    fn skip_blanks(&mut self) {
+        while self.bytes.get(self.at).is_some_and(|b| matches!(b, b' ' | b'\t')) {
+            self.at += 1;
+        }
+    }
+
+    /// A decimal number without exponent (E is a word of its own). Exact up to 15 digits; decimals beyond the
+    /// seventeenth digit are dropped.
+    fn number(&mut self) -> Option<f64> {
+        const POWERS: [f64; 23] = [
+            1e0, 1e1, 1e2, 1e3, 1e4, 1e5, 1e6, 1e7, 1e8, 1e9, 1e10, 1e11, 1e12, 1e13, 1e14, 1e15, 1e16, 1e17,
+            1e18, 1e19, 1e20, 1e21, 1e22,
+        ];
+        let start = self.at;
+        let negative = self.peek() == b'-';
+        if matches!(self.peek(), b'-' | b'+') {
+            self.at += 1;
+        }
+        let (mut mantissa, mut digits, mut decimals, mut point) = (0_u64, 0_usize, 0_usize, false);
+        loop {
+            match self.peek() {
+                digit @ b'0'..=b'9' => {
+                    digits += 1;
+                    if mantissa < 100_000_000_000_000_000 || !point {
+                        mantissa = mantissa.saturating_mul(10).saturating_add(u64::from(digit - b'0'));
+                        decimals += usize::from(point);
+                    }
+                }
+                b'.' if !point => point = true,
+                _ => break,
+            }
+            self.at += 1;
+        }
+        if digits == 0 {
+            self.at = start;
+            return None;
+        }
+        let value = mantissa as f64 / POWERS[decimals.min(22)];
+        Some(if negative { -value } else { value })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    fn first(text: &str) -> Line<'_> {
+        lines(text.as_bytes()).next().expect("a line")
+    }
+
+    #[test]
+    fn a_move_is_taken_apart() {
+        let line = first("  g01 X-1.5y.25 E 3 ; TYPE:x\r\nG28");
+        assert_eq!(line.code, Some(Code { letter: b'G', number: 1 }));
+        assert_eq!(
+            [b'X', b'Y', b'E', b'Z'].map(|w| line.words().get(w)),
+            [Some(-1.5), Some(0.25), Some(3.0), None]
+        );
+        assert_eq!(line.comment, Some(&b" TYPE:x"[..]));
+    }
+
+    #[test]
+    fn every_line_is_seen_whatever_its_end() {
+        let codes: Vec<_> =
+            lines(b"G1\r\n\n;c\nSET_X A=1\nT0").map(|l| (l.number, l.code.map(|c| c.number))).collect();
+        assert_eq!(codes, [(1, Some(1)), (2, None), (3, None), (4, None), (5, Some(0))]);
+    }
+
+    proptest! {
+        #[test]
+        fn numbers_are_read_exactly(ticks in -99_999_999_999_i64..99_999_999_999) {
+            let text = format!("{:.5}", ticks as f64 / 1e5);
+            let line = format!("G1 X{text}");
+            prop_assert_eq!(first(&line).words().get(b'X'), text.parse().ok());
+        }
+
+        #[test]
+        fn no_bytes_upset_it(bytes in prop::collection::vec(any::<u8>(), 0..200)) {
+            let count = lines(&bytes).count();
+            let ends = bytes.iter().filter(|b| **b == b'\n').count();
+            prop_assert!(count == ends + usize::from(bytes.last().is_some_and(|b| *b != b'\n')));
+        }
+    }
+}

@@ -1,0 +1,116 @@
+//! Lengths and volumes of a file.
+
+use std::collections::BTreeSet;
+
+use super::replay::{Action, Stroke, replay};
+use crate::gcode::settings::filament_area_mm2;
+use crate::units::Mm;
+
+/// A travel longer than this counts as long.
+const LONG_TRAVEL_MM: f64 = 2.0;
+
+/// What one `;TYPE:` comes to.
+#[derive(Clone, Debug, Default, PartialEq)]
+#[allow(missing_docs)]
+pub struct TypeMeasure {
+    pub name: String,
+    pub print_mm: f64,
+    pub volume_mm3: f64,
+}
+
+/// What a file prints. Ways are in X and Y and count from the first extruding move on.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Measure {
+    /// Way while extruding.
+    pub print_mm: f64,
+    /// Way without.
+    pub travel_mm: f64,
+    /// Straight lines from the end of each extruded run to the start of the next.
+    pub link_mm: f64,
+    /// Runs of moves without extrusion.
+    pub travels: usize,
+    /// Of these, the ones longer than 2 mm.
+    pub long_travels: usize,
+    /// Filament pulled back, by E or G10.
+    pub retractions: usize,
+    /// Filament pushed out, retractions netted out.
+    pub volume_mm3: f64,
+    /// Distinct heights at which something was extruded, micrometres, ascending.
+    pub heights_um: Vec<i64>,
+    /// By `;TYPE:`, in order of appearance; `none` before the first.
+    pub by_type: Vec<TypeMeasure>,
+}
+
+/// Replays a file and sums it up.
+pub fn measure(text: &[u8], filament_diameter: Mm) -> Measure {
+    let area_mm2 = filament_area_mm2(filament_diameter);
+    let mut out = Measure::default();
+    let mut run = Run::default();
+    let mut kind = out.kind(b"none");
+    for step in replay(text) {
+        match step.action {
+            Action::Stroke(stroke) => {
+                out.volume_mm3 += stroke.fresh_mm * area_mm2;
+                out.by_type[kind].volume_mm3 += stroke.fresh_mm * area_mm2;
+                out.retractions += usize::from(stroke.retracts);
+                if stroke.extrudes() {
+                    out.by_type[kind].print_mm += stroke.xy_mm;
+                    run.extrude(&stroke, &mut out);
+                } else if stroke.xy_mm > 1e-9 && run.last_end.is_some() {
+                    out.travel_mm += stroke.xy_mm;
+                    *run.travel_mm.get_or_insert(0.0) += stroke.xy_mm;
+                }
+            }
+            Action::FirmwareRetract => out.retractions += 1,
+            Action::Type(name) => kind = out.kind(name),
+            Action::FirmwareUnretract | Action::Other => {}
+        }
+    }
+    out.by_type.retain(|t| t.print_mm > 0.0 || t.volume_mm3 > 0.0);
+    out.heights_um = run.heights_um.into_iter().collect();
+    out
+}
+
+impl Measure {
+    /// Way with and without extrusion.
+    pub fn total_mm(&self) -> f64 {
+        self.print_mm + self.travel_mm
+    }
+
+    fn kind(&mut self, name: &[u8]) -> usize {
+        let found = self.by_type.iter().position(|t| t.name.as_bytes() == name);
+        found.unwrap_or_else(|| {
+            self.by_type
+                .push(TypeMeasure { name: String::from_utf8_lossy(name).into_owned(), ..Default::default() });
+            self.by_type.len() - 1
+        })
+    }
+}
+
+/// The travel under way.
+#[derive(Default)]
+struct Run {
+    /// Where the last extrusion ended.
+    last_end: Option<[f64; 3]>,
+    /// Length travelled since.
+    travel_mm: Option<f64>,
+    /// The height extruded at last, and all so far.
+    height_um: Option<i64>,
+    heights_um: BTreeSet<i64>,
+}
+
+impl Run {
+    fn extrude(&mut self, stroke: &Stroke, out: &mut Measure) {
+        out.print_mm += stroke.xy_mm;
+        if let (Some(end), Some(travel_mm)) = (self.last_end, self.travel_mm.take()) {
+            out.link_mm += (stroke.from[0] - end[0]).hypot(stroke.from[1] - end[1]);
+            out.travels += 1;
+            out.long_travels += usize::from(travel_mm > LONG_TRAVEL_MM);
+        }
+        self.last_end = Some(stroke.to);
+        let height_um = (stroke.to[2] * 1000.0).round() as i64;
+        if self.height_um.replace(height_um) != Some(height_um) {
+            self.heights_um.insert(height_um);
+        }
+    }
+}

@@ -1,0 +1,242 @@
+//! Follows G-code as a machine does: positions, modes, filament.
+
+use super::lexer::{Code, Line, Lines, Words, lines};
+use crate::motion::arc_mm;
+
+/// The centre of an arc and its sense.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[allow(missing_docs)]
+pub struct Center {
+    pub at: [f64; 2],
+    pub clockwise: bool,
+}
+
+/// A G0, G1, G2 or G3. Millimetres throughout, also where the file is in inches.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Stroke {
+    /// Start.
+    pub from: [f64; 3],
+    /// End.
+    pub to: [f64; 3],
+    /// The circle, of G2 and G3.
+    pub arc: Option<Center>,
+    /// Length of the way in X and Y.
+    pub xy_mm: f64,
+    /// Filament fed (negative: pulled back).
+    pub e_mm: f64,
+    /// Of that, what is not just pushed forward again after a retraction.
+    pub fresh_mm: f64,
+    /// Whether it begins a retraction.
+    pub retracts: bool,
+    /// Feed rate in force, mm/s.
+    pub feed_mm_s: f64,
+}
+
+impl Stroke {
+    /// The position after a share (0 to 1) of the way.
+    pub fn at(&self, share: f64) -> [f64; 3] {
+        let straight = [0, 1, 2].map(|i| self.from[i] + (self.to[i] - self.from[i]) * share);
+        let Some(center) = self.arc.filter(|_| share < 1.0) else { return straight };
+        let from = [self.from[0] - center.at[0], self.from[1] - center.at[1]];
+        let turn = self.xy_mm / from[0].hypot(from[1]).max(f64::MIN_POSITIVE) * share;
+        let (sine, cosine) = if center.clockwise { -turn } else { turn }.sin_cos();
+        [
+            center.at[0] + from[0] * cosine - from[1] * sine,
+            center.at[1] + from[0] * sine + from[1] * cosine,
+            straight[2],
+        ]
+    }
+
+    /// Whether it puts down filament on the way. Lengths below a picometre are none.
+    pub fn extrudes(&self) -> bool {
+        self.e_mm > 1e-9 && self.xy_mm > 1e-9
+    }
+}
+
+/// What a line does.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Action<'a> {
+    /// It moves the machine.
+    Stroke(Stroke),
+    /// G10.
+    FirmwareRetract,
+    /// G11.
+    FirmwareUnretract,
+    /// `;TYPE:` and the name.
+    Type(&'a [u8]),
+    /// Anything else; modes and positions that it sets have been taken into account.
+    Other,
+}
+
+/// A line and what it does.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[allow(missing_docs)]
+pub struct Step<'a> {
+    pub line: Line<'a>,
+    pub action: Action<'a>,
+}
+
+/// Replays a file from the start, line by line. As in Marlin, G90 and G91 set E's mode too.
+pub fn replay(text: &[u8]) -> Replay<'_> {
+    Replay {
+        lines: lines(text),
+        position: [0.0; 3],
+        e: 0.0,
+        feed_mm_s: 0.0,
+        absolute: true,
+        e_absolute: true,
+        scale: 1.0,
+        retracted_mm: 0.0,
+    }
+}
+
+/// Iterator of [`replay`].
+#[derive(Clone, Debug)]
+pub struct Replay<'a> {
+    lines: Lines<'a>,
+    position: [f64; 3],
+    e: f64,
+    feed_mm_s: f64,
+    absolute: bool,
+    e_absolute: bool,
+    scale: f64,
+    retracted_mm: f64,
+}
+
+impl<'a> Iterator for Replay<'a> {
+    type Item = Step<'a>;
+
+    fn next(&mut self) -> Option<Step<'a>> {
+        let line = self.lines.next()?;
+        let action = match line.code {
+            Some(code) => self.run(code, &line),
+            None => match line.comment.map(<[u8]>::trim_ascii).and_then(|c| c.strip_prefix(b"TYPE:")) {
+                Some(name) => Action::Type(name.trim_ascii()),
+                None => Action::Other,
+            },
+        };
+        Some(Step { line, action })
+    }
+}
+
+impl Replay<'_> {
+    fn run<'a>(&mut self, code: Code, line: &Line<'a>) -> Action<'a> {
+        match (code.letter, code.number) {
+            (b'G', 0..=3) => return Action::Stroke(self.stroke(code.number, line)),
+            (b'G', 10) => return Action::FirmwareRetract,
+            (b'G', 11) => return Action::FirmwareUnretract,
+            (b'G', 20) => self.scale = 25.4,
+            (b'G', 21) => self.scale = 1.0,
+            (b'G', 28) if !names_axis(line.text) => self.position = [0.0; 3],
+            (b'G', 90 | 91) => (self.absolute, self.e_absolute) = (code.number == 90, code.number == 90),
+            (b'M', 82 | 83) => self.e_absolute = code.number == 82,
+            (b'G', 92) => {
+                let words = line.words();
+                for (axis, letter) in b"XYZ".iter().enumerate() {
+                    if let Some(value) = words.get(*letter) {
+                        self.position[axis] = value * self.scale;
+                    }
+                }
+                match words.get(b'E') {
+                    Some(value) => self.e = value * self.scale,
+                    None if words.is_empty() => self.e = 0.0,
+                    None => {}
+                }
+            }
+            _ => {}
+        }
+        Action::Other
+    }
+
+    fn stroke(&mut self, number: u32, line: &Line<'_>) -> Stroke {
+        let words = line.words();
+        if let Some(feed) = words.get(b'F') {
+            self.feed_mm_s = feed * self.scale / 60.0;
+        }
+        let from = self.position;
+        for (axis, letter) in b"XYZ".iter().enumerate() {
+            if let Some(value) = words.get(*letter) {
+                let origin = if self.absolute { 0.0 } else { from[axis] };
+                self.position[axis] = origin + value * self.scale;
+            }
+        }
+        let to = self.position;
+        let e_mm = words.get(b'E').map_or(0.0, |value| {
+            let before = self.e;
+            self.e = value * self.scale + if self.e_absolute { 0.0 } else { before };
+            self.e - before
+        });
+        let (mut fresh_mm, mut retracts) = (0.0, false);
+        if e_mm < -1e-9 {
+            retracts = self.retracted_mm < 1e-6;
+            self.retracted_mm -= e_mm;
+        } else if e_mm > 1e-9 {
+            let back_mm = self.retracted_mm.min(e_mm);
+            self.retracted_mm -= back_mm;
+            fresh_mm = e_mm - back_mm;
+        }
+        let arc = (number >= 2)
+            .then(|| Center { at: self.center(number == 2, from, to, &words), clockwise: number == 2 });
+        let xy_mm = match arc {
+            Some(center) => arc_mm([from[0], from[1]], [to[0], to[1]], center.at, center.clockwise),
+            None => ((to[0] - from[0]).powi(2) + (to[1] - from[1]).powi(2)).sqrt(),
+        };
+        Stroke { from, to, arc, xy_mm, e_mm, fresh_mm, retracts, feed_mm_s: self.feed_mm_s }
+    }
+
+    /// The centre by I and J, or the one that R means (negative: the longer way round).
+    fn center(&self, clockwise: bool, from: [f64; 3], to: [f64; 3], words: &Words) -> [f64; 2] {
+        let Some(radius) = words.get(b'R').map(|r| r * self.scale) else {
+            let [i, j] = [b'I', b'J'].map(|w| words.get(w).unwrap_or(0.0) * self.scale);
+            return [from[0] + i, from[1] + j];
+        };
+        let (dx, dy) = (to[0] - from[0], to[1] - from[1]);
+        let chord_mm = dx.hypot(dy).max(f64::MIN_POSITIVE);
+        let offset = (radius * radius - chord_mm * chord_mm / 4.0).max(0.0).sqrt() / chord_mm;
+        let side = if clockwise == (radius > 0.0) { 1.0 } else { -1.0 };
+        [(from[0] + to[0]) / 2.0 + side * dy * offset, (from[1] + to[1]) / 2.0 - side * dx * offset]
+    }
+}
+
+/// Whether a G28 is given axes, with or without numbers.
+fn names_axis(text: &[u8]) -> bool {
+    let code = text.split(|b| *b == b';').next().unwrap_or_default();
+    code.iter().any(|b| matches!(b.to_ascii_uppercase(), b'X' | b'Y' | b'Z'))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn strokes(text: &str) -> Vec<Stroke> {
+        replay(text.as_bytes())
+            .filter_map(|s| match s.action {
+                Action::Stroke(stroke) => Some(stroke),
+                _ => None,
+            })
+            .collect()
+    }
+
+    #[test]
+    fn absolute_and_relative_extrusion_mean_the_same() {
+        let absolute = strokes("G90\nM82\nG1 X1 E1\nG1 X2 E3\nG92 E0\nG1 X3 E.5");
+        let relative = strokes("G90\nM83\nG1 X1 E1\nG1 X2 E2\nG1 X3 E.5");
+        assert_eq!(absolute, relative);
+        assert_eq!(absolute.iter().map(|s| s.e_mm).collect::<Vec<_>>(), [1.0, 2.0, 0.5]);
+    }
+
+    #[test]
+    fn fresh_filament_is_what_goes_beyond_the_retraction() {
+        let fresh: Vec<f64> =
+            strokes("M83\nG1 E-1\nG1 X5\nG1 E1.5\nG1 X9 E2").iter().map(|s| s.fresh_mm).collect();
+        assert_eq!(fresh, [0.0, 0.0, 0.5, 2.0]);
+    }
+
+    #[test]
+    fn a_quarter_circle_is_as_long_by_radius_as_by_centre() {
+        for arc in ["G3 X0 Y10 I-10 J0", "G3 X0 Y10 R10"] {
+            let quarter = strokes(&format!("G1 X10 Y0\n{arc}"))[1].xy_mm;
+            assert!((quarter - 5.0 * std::f64::consts::PI).abs() < 1e-9, "{arc}: {quarter}");
+        }
+    }
+}

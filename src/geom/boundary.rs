@@ -1,0 +1,121 @@
+//! Positions on the boundary of a region, and the ways between them along it.
+
+use super::{Point, Region, Ring};
+
+/// A place on the boundary of a region.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct BoundaryPos {
+    /// Index of the ring in the order of [`Region::rings`].
+    pub ring: u32,
+    /// Index of the edge: from vertex `edge` to the next one of the ring.
+    pub edge: u32,
+    /// Distance from the start of the edge, in millimetres.
+    pub along_mm: f64,
+}
+
+/// The rings of a region with their running lengths: how far apart two places on one ring are, and what
+/// lies between them.
+#[derive(Clone, Debug)]
+pub struct Boundary<'a> {
+    rings: Vec<&'a Ring>,
+    /// For each ring the distance from its first vertex to every vertex, then the whole length.
+    running_mm: Vec<Vec<f64>>,
+}
+
+impl<'a> Boundary<'a> {
+    /// Measures the rings of a region. O(vertices).
+    pub fn new(region: &'a Region) -> Self {
+        let rings: Vec<&Ring> = region.rings().collect();
+        let running_mm = rings
+            .iter()
+            .map(|ring| {
+                let mut sum = 0.0;
+                let next = ring.iter().cycle().skip(1);
+                std::iter::once(0.0)
+                    .chain(ring.iter().zip(next).map(|(a, b)| {
+                        sum += a.distance_mm(*b);
+                        sum
+                    }))
+                    .collect()
+            })
+            .collect();
+        Self { rings, running_mm }
+    }
+
+    /// Length of a ring in millimetres; 0 where there is no such ring.
+    pub fn ring_length_mm(&self, ring: u32) -> f64 {
+        self.running_mm.get(ring as usize).and_then(|r| r.last()).copied().unwrap_or(0.0)
+    }
+
+    /// Distance from the first vertex of its ring, along the ring, in millimetres.
+    pub fn distance_mm(&self, at: BoundaryPos) -> f64 {
+        let start = self.running_mm.get(at.ring as usize).and_then(|r| r.get(at.edge as usize));
+        start.copied().unwrap_or(0.0) + at.along_mm
+    }
+
+    /// Length of the way from one place to another along their ring, in the ring's direction, in millimetres;
+    /// the other way round is the ring's length less this. `None` where they are on different rings.
+    pub fn way_mm(&self, from: BoundaryPos, to: BoundaryPos) -> Option<f64> {
+        (from.ring == to.ring).then(|| {
+            let way = self.distance_mm(to) - self.distance_mm(from);
+            if way < 0.0 { way + self.ring_length_mm(from.ring) } else { way }
+        })
+    }
+
+    /// The vertices strictly between two places of one ring, in the ring's direction if `forward`, else
+    /// against it. Empty where the places are on different rings or share an edge with nothing between.
+    pub fn vertices_between(&self, from: BoundaryPos, to: BoundaryPos, forward: bool) -> Vec<Point> {
+        if !forward {
+            let mut way = self.vertices_between(to, from, true);
+            way.reverse();
+            return way;
+        }
+        let Some(ring) = self.rings.get(from.ring as usize).filter(|_| from.ring == to.ring) else {
+            return Vec::new();
+        };
+        let (n, first, last) = (ring.len(), from.edge as usize, to.edge as usize);
+        if n == 0 {
+            return Vec::new();
+        }
+        let direct = first == last && from.along_mm <= to.along_mm;
+        let count = if direct { 0 } else { (last + n - first - 1) % n + 1 };
+        (1..=count).map(|i| ring[(first + i) % n]).collect()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::geom::Polygon;
+
+    fn square() -> Region {
+        let corner = |x, y| Point::from_mm(x, y);
+        let outer = vec![corner(0.0, 0.0), corner(10.0, 0.0), corner(10.0, 10.0), corner(0.0, 10.0)];
+        Region { polygons: vec![Polygon { outer, holes: vec![] }] }
+    }
+
+    fn at(edge: u32, along_mm: f64) -> BoundaryPos {
+        BoundaryPos { ring: 0, edge, along_mm }
+    }
+
+    #[test]
+    fn both_ways_make_the_whole_ring() {
+        let region = square();
+        let boundary = Boundary::new(&region);
+        let (a, b) = (at(0, 3.0), at(2, 4.0));
+        assert_eq!(boundary.way_mm(a, b), Some(21.0));
+        assert_eq!(boundary.way_mm(b, a), Some(19.0));
+        assert_eq!(boundary.ring_length_mm(0), 40.0);
+    }
+
+    #[test]
+    fn the_way_passes_the_corners_between() {
+        let region = square();
+        let boundary = Boundary::new(&region);
+        let corners = &region.polygons[0].outer;
+        assert_eq!(boundary.vertices_between(at(0, 3.0), at(2, 4.0), true), corners[1..3]);
+        assert_eq!(boundary.vertices_between(at(0, 3.0), at(2, 4.0), false), [corners[0], corners[3]]);
+        assert!(boundary.vertices_between(at(1, 3.0), at(1, 4.0), true).is_empty());
+        assert_eq!(boundary.vertices_between(at(1, 4.0), at(1, 3.0), true).len(), 4);
+    }
+}

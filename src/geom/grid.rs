@@ -1,0 +1,172 @@
+//! A uniform grid over the edges of a region, for "which edges are near this segment".
+
+use super::{Bounds, Point, Region};
+
+/// How far beyond a segment its cells reach, in grid units: more than any rounding of its ends.
+const SLACK: i64 = 2;
+
+/// One edge of a region's boundary.
+#[derive(Clone, Copy, Debug)]
+pub struct Edge {
+    /// Start.
+    pub a: Point,
+    /// End.
+    pub b: Point,
+    /// Index of the ring in the order of [`Region::rings`].
+    pub ring: u32,
+    /// Index of the edge in its ring.
+    pub index: u32,
+}
+
+impl Edge {
+    fn bounds(&self) -> Bounds {
+        Bounds {
+            min: Point::new(self.a.x.min(self.b.x), self.a.y.min(self.b.y)),
+            max: Point::new(self.a.x.max(self.b.x), self.a.y.max(self.b.y)),
+        }
+    }
+}
+
+/// Boundary edges sorted into square cells. Building is O(edges) for edges of like length.
+#[derive(Clone, Debug)]
+pub struct EdgeGrid {
+    edges: Vec<Edge>,
+    bounds: Bounds,
+    cell: i64,
+    columns: i64,
+    rows: i64,
+    /// Where the items of each cell start.
+    starts: Vec<u32>,
+    items: Vec<u32>,
+}
+
+impl EdgeGrid {
+    /// Sorts the edges of a region into about as many cells as there are edges.
+    pub fn new(region: &Region) -> Self {
+        let mut edges = Vec::with_capacity(region.vertex_count());
+        for (ring_index, ring) in region.rings().enumerate() {
+            for (i, &a) in ring.iter().enumerate() {
+                let b = ring[if i + 1 == ring.len() { 0 } else { i + 1 }];
+                edges.push(Edge { a, b, ring: ring_index as u32, index: i as u32 });
+            }
+        }
+        let bounds = region.bounds().unwrap_or(Bounds { min: Point::default(), max: Point::default() });
+        let width = i64::from(bounds.max.x) - i64::from(bounds.min.x) + 1;
+        let height = i64::from(bounds.max.y) - i64::from(bounds.min.y) + 1;
+        let count = edges.len().max(1) as f64;
+        // Neither more cells than edges in a compact region, nor in a long and thin one.
+        let cell = ((width as f64 * height as f64 / count).sqrt() as i64)
+            .max((width.max(height) as f64 / count) as i64)
+            .max(1);
+        let (columns, rows) = (width / cell + 1, height / cell + 1);
+        let mut grid = Self { edges, bounds, cell, columns, rows, starts: vec![], items: vec![] };
+        grid.fill();
+        grid
+    }
+
+    fn fill(&mut self) {
+        let mut starts = vec![0_u32; (self.columns * self.rows) as usize + 1];
+        for edge in &self.edges {
+            self.cells_along(edge.a, edge.b, |cell| starts[cell + 1] += 1);
+        }
+        for cell in 1..starts.len() {
+            starts[cell] += starts[cell - 1];
+        }
+        let mut next = starts.clone();
+        let mut items = vec![0; *starts.last().unwrap_or(&0) as usize];
+        for (i, edge) in self.edges.iter().enumerate() {
+            self.cells_along(edge.a, edge.b, |cell| {
+                items[next[cell] as usize] = i as u32;
+                next[cell] += 1;
+            });
+        }
+        (self.starts, self.items) = (starts, items);
+    }
+
+    /// The edges.
+    pub fn edges(&self) -> &[Edge] {
+        &self.edges
+    }
+
+    /// The box around the region.
+    pub fn bounds(&self) -> Bounds {
+        self.bounds
+    }
+
+    /// Indices, ascending and without repetition, of edges that share a cell with the segment: all that
+    /// pass within one unit of it, and some more. They replace the contents of `found`.
+    pub fn near_segment(&self, a: Point, b: Point, found: &mut Vec<u32>) {
+        found.clear();
+        self.cells_along(a, b, |cell| {
+            let range = self.starts[cell] as usize..self.starts[cell + 1] as usize;
+            found.extend_from_slice(&self.items[range]);
+        });
+        found.sort_unstable();
+        found.dedup();
+    }
+
+    /// Whether the point is inside or on the boundary (even-odd over all rings). Passes one row of cells.
+    pub fn contains(&self, p: Point) -> bool {
+        let mut near = Vec::new();
+        self.near_segment(Point::new(self.bounds.min.x.min(p.x), p.y), p, &mut near);
+        let mut inside = false;
+        for edge in near.iter().map(|&i| &self.edges[i as usize]) {
+            let side = (edge.b - edge.a).cross(p - edge.a);
+            if side == 0 && (Bounds { min: p, max: p }).touches(&edge.bounds()) {
+                return true;
+            }
+            let up = edge.a.y <= p.y;
+            if up != (edge.b.y <= p.y) && (side < 0) == up {
+                inside = !inside;
+            }
+        }
+        inside
+    }
+
+    /// Calls for every cell within [`SLACK`] of the segment, row by row.
+    fn cells_along(&self, a: Point, b: Point, mut visit: impl FnMut(usize)) {
+        let (a, b) = if a.y <= b.y { (a, b) } else { (b, a) };
+        let (min_x, min_y) = (i64::from(self.bounds.min.x), i64::from(self.bounds.min.y));
+        let (ax, ay) = (i64::from(a.x) - min_x, i64::from(a.y) - min_y);
+        let (bx, by) = (i64::from(b.x) - min_x, i64::from(b.y) - min_y);
+        let slope = if by > ay { (bx - ax) as f64 / (by - ay) as f64 } else { 0.0 };
+        let at = |y: i64| match y {
+            y if y <= ay => ax,
+            y if y >= by => bx,
+            y => ax + (slope * (y - ay) as f64) as i64,
+        };
+        let first_row = (ay - SLACK).div_euclid(self.cell).max(0);
+        let last_row = (by + SLACK).div_euclid(self.cell).min(self.rows - 1);
+        for row in first_row..=last_row {
+            let (low, high) = (row * self.cell - SLACK, (row + 1) * self.cell + SLACK);
+            // A level segment is in one row at all its abscissae.
+            let (enter, leave) = if low <= ay && by <= high { (ax, bx) } else { (at(low), at(high)) };
+            let from = (enter.min(leave) - SLACK).div_euclid(self.cell).max(0);
+            let to = (enter.max(leave) + SLACK).div_euclid(self.cell).min(self.columns - 1);
+            for column in from..=to {
+                visit((row * self.columns + column) as usize);
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::geom::Polygon;
+
+    #[test]
+    fn every_edge_is_found_from_a_segment_through_its_middle() {
+        let points = [(0, 0), (1_000_000, 3), (999_999, 70_000), (400_000, 50_000), (7, 90_000)];
+        let outer = points.iter().map(|&(x, y)| Point::new(x, y)).collect();
+        let grid = EdgeGrid::new(&Region { polygons: vec![Polygon { outer, holes: vec![] }] });
+        let mut found = Vec::new();
+        for (i, edge) in grid.edges().iter().enumerate() {
+            let middle = Point::new((edge.a.x + edge.b.x) / 2, (edge.a.y + edge.b.y) / 2);
+            for by in [Point::new(0, 40), Point::new(40, 0), Point::new(-300_000, 200_000)] {
+                grid.near_segment(middle - by, middle + by, &mut found);
+                assert!(found.contains(&(i as u32)), "edge {i}");
+            }
+        }
+    }
+}

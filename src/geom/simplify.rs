@@ -1,0 +1,96 @@
+//! Fewer vertices for the same outline.
+
+use super::{Point, Region, Ring, UNITS_PER_MM, unite_rings};
+
+/// How many vertices one new edge may replace. It bounds the look-back, so that the cost stays linear.
+const MAX_RUN: usize = 48;
+
+/// A region with the vertices left out that move the boundary by at most `tol_mm`.
+///
+/// The result has no self-intersections and keeps windings; rings that vanish are gone. Outlines nearer to each
+/// other than the tolerance may merge. O(vertices) but for outlines that had to be united again.
+pub fn simplify(region: &Region, tol_mm: f64) -> Region {
+    unite_rings(&region.rings().map(|ring| simplify_ring(ring, tol_mm * UNITS_PER_MM)).collect::<Vec<_>>())
+}
+
+/// A ring with the vertices left out that are within `tol` units of the new edge in their place, starting at its
+/// leftmost (then lowest) vertex. It may touch or cross itself where it is narrower than the tolerance.
+/// Rings of no more than two distinct places come out empty.
+pub(super) fn simplify_ring(ring: &[Point], tol: f64) -> Ring {
+    let Some(start) = (0..ring.len()).min_by_key(|&i| (ring[i], i)) else {
+        return Ring::new();
+    };
+    let tol2 = tol * tol;
+    let at = |i: usize| ring[if i < ring.len() { i } else { i - ring.len() }];
+    let end = start + ring.len();
+    let mut kept = Ring::with_capacity(ring.len());
+    kept.push(ring[start]);
+    let mut anchor = start;
+    for i in start + 1..end {
+        // Vertex i goes if the edge from the anchor to the next vertex is near all that it would replace.
+        let (a, c) = (at(anchor), at(i + 1));
+        let drops = i - anchor < MAX_RUN && (anchor + 1..=i).rev().all(|k| distance2(at(k), a, c) <= tol2);
+        if !drops {
+            if kept.last() != Some(&at(i)) {
+                kept.push(at(i));
+            }
+            anchor = i;
+        }
+    }
+    if kept.len() > 1 && kept.last() == kept.first() {
+        kept.pop();
+    }
+    if kept.len() < 3 {
+        kept.clear();
+    }
+    kept
+}
+
+/// Squared distance of a point from a segment, in square units.
+fn distance2(p: Point, a: Point, b: Point) -> f64 {
+    let (px, py) = (f64::from(p.x) - f64::from(a.x), f64::from(p.y) - f64::from(a.y));
+    let (dx, dy) = (f64::from(b.x) - f64::from(a.x), f64::from(b.y) - f64::from(a.y));
+    let (dot, length2) = (px * dx + py * dy, dx * dx + dy * dy);
+    if dot <= 0.0 {
+        px * px + py * py
+    } else if dot >= length2 {
+        (px - dx).powi(2) + (py - dy).powi(2)
+    } else {
+        (px * dy - py * dx).powi(2) / length2
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_circle_keeps_what_its_tolerance_needs() {
+        let circle: Ring = (0..2000)
+            .map(|i| {
+                let angle = f64::from(i) * std::f64::consts::TAU / 2000.0;
+                Point::from_mm(10.0 * angle.cos(), 10.0 * angle.sin())
+            })
+            .collect();
+        let slim = simplify_ring(&circle, 250.0);
+        assert!((100..200).contains(&slim.len()), "{}", slim.len());
+        for p in &circle {
+            let near = (0..slim.len()).map(|i| distance2(*p, slim[i], slim[(i + 1) % slim.len()]));
+            assert!(near.fold(f64::INFINITY, f64::min) <= 250.0 * 250.0);
+        }
+    }
+
+    #[test]
+    fn straight_runs_and_twins_go() {
+        let points = [(0, 0), (0, 0), (50, 0), (51, 0), (100, 0), (100, 100), (99, 100), (0, 100), (0, 50)];
+        let ring: Ring = points.iter().map(|&(x, y)| Point::new(x, y)).collect();
+        let corners = [(0, 0), (100, 0), (100, 100), (0, 100)].map(|(x, y)| Point::new(x, y));
+        assert_eq!(simplify_ring(&ring, 0.0), corners);
+    }
+
+    #[test]
+    fn a_sliver_vanishes() {
+        let sliver = [Point::new(0, 0), Point::new(1000, 1), Point::new(2000, 0)];
+        assert!(simplify_ring(&sliver, 2.0).is_empty());
+    }
+}

@@ -1,0 +1,58 @@
+//! Disjoint sets, with the parity between members: what hangs together, and whether it faces the same way.
+
+/// Union–find with path halving and parity (Tarjan & van Leeuwen 1984, doi:10.1145/62.2160).
+pub(super) struct Components {
+    /// `parent << 1 | parity towards it`.
+    link: Vec<u32>,
+}
+
+impl Components {
+    pub fn new(count: usize) -> Self {
+        Self { link: (0..count as u32).map(|i| i << 1).collect() }
+    }
+
+    /// Representative of `x`, and whether `x` is opposed to it.
+    pub fn find(&mut self, x: u32) -> (u32, bool) {
+        let (mut at, mut parity) = (x, 0);
+        loop {
+            let up = self.link[at as usize];
+            if up >> 1 == at {
+                return (at, parity == 1);
+            }
+            let upper = self.link[(up >> 1) as usize];
+            // Halving: hang `at` on its grandparent.
+            let halved = upper ^ (up & 1);
+            self.link[at as usize] = halved;
+            parity ^= halved & 1;
+            at = halved >> 1;
+        }
+    }
+
+    /// Joins two sets; the smaller representative stays. False if the members were joined before with another parity.
+    pub fn join(&mut self, a: u32, b: u32, opposed: bool) -> bool {
+        let ((ra, pa), (rb, pb)) = (self.find(a), self.find(b));
+        if ra == rb {
+            return (pa ^ pb) == opposed;
+        }
+        let (low, high) = (ra.min(rb), ra.max(rb));
+        self.link[high as usize] = low << 1 | u32::from(pa ^ pb ^ opposed);
+        true
+    }
+
+    /// Numbers the sets by their first member: the set of each member, and how many there are.
+    pub fn number(&mut self) -> (Vec<u32>, usize) {
+        let mut count = 0;
+        let mut sets = vec![0; self.link.len()];
+        for i in 0..self.link.len() {
+            let root = self.find(i as u32).0 as usize;
+            // The representative is the smallest member, so it is numbered before the others.
+            if root == i {
+                sets[i] = count;
+                count += 1;
+            } else {
+                sets[i] = sets[root];
+            }
+        }
+        (sets, count as usize)
+    }
+}

@@ -1,0 +1,60 @@
+//! What can be wrong with an input file.
+
+use std::fmt;
+use std::path::PathBuf;
+
+/// Where in a file something was found; both count from 1.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Place {
+    /// The n-th facet of a binary file.
+    Facet(usize),
+    /// The n-th line of a text file.
+    Line(usize),
+}
+
+impl fmt::Display for Place {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Place::Facet(n) => write!(f, "facet {n}"),
+            Place::Line(n) => write!(f, "line {n}"),
+        }
+    }
+}
+
+/// A file that cannot be made into a mesh (exit code 3). Each message names the file, the place and the mend.
+#[derive(Debug, thiserror::Error)]
+#[allow(missing_docs)]
+pub enum MeshError {
+    #[error("{}: cannot be read: {source}", path.display())]
+    Read { path: PathBuf, source: std::io::Error },
+    #[error("{}: the file is empty; export the model again", path.display())]
+    EmptyFile { path: PathBuf },
+    #[error("{}: not an STL file ({found}); export the model as binary STL", path.display())]
+    NotStl { path: PathBuf, found: &'static str },
+    #[error(
+        "{}: the file ends early: {promised} facets need {needed} bytes, {got} found ({whole} whole facets); \
+         copy or export it again", path.display()
+    )]
+    Truncated { path: PathBuf, promised: usize, needed: u64, got: u64, whole: usize },
+    #[error("{}: {place}: the file ends inside a facet; copy or export it again", path.display())]
+    EndsInFacet { path: PathBuf, place: Place },
+    #[error("{}: {place}: {problem}; export the model again, best as binary STL", path.display())]
+    Syntax { path: PathBuf, place: Place, problem: String },
+    #[error(
+        "{}: {place}: coordinate {value} is not a finite number; repair the model where it was made and \
+         export it again", path.display()
+    )]
+    NotFinite { path: PathBuf, place: Place, value: f32 },
+    #[error(
+        "{}: {place}: coordinate {value} mm lies more than 10 m from the origin; move the model to the origin \
+         or check its unit", path.display()
+    )]
+    TooFar { path: PathBuf, place: Place, value: f32 },
+    #[error("{}: there is no facet in the file; export the model again", path.display())]
+    NoFacets { path: PathBuf },
+    #[error(
+        "{}: the model has no volume ({:.3} × {:.3} × {:.3} mm, {} facets); a surface must be given a thickness \
+         before it can be printed", path.display(), size[0], size[1], size[2], facets
+    )]
+    NoVolume { path: PathBuf, size: [f64; 3], facets: usize },
+}

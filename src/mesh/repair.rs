@@ -1,0 +1,168 @@
+//! Soup → mesh: duplicates dropped, small gaps welded, facets turned to face outwards.
+//!
+//! Each step runs only where edge matching shows that it is needed; holes, overlaps and self-intersections stay,
+//! slicing copes with them.
+
+use super::components::Components;
+use super::edges::{Edges, NO_TWIN, ends, for_each_edge};
+use super::gaps;
+use super::outside;
+use super::weld::Soup;
+
+/// What was done and what was found.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Repairs {
+    pub degenerate: usize,
+    pub duplicates: usize,
+    pub welded: usize,
+    pub flipped: usize,
+    pub open: usize,
+    pub non_manifold: usize,
+    /// Edges whose two facets could not be made to agree.
+    pub clashing: usize,
+    pub shells: usize,
+}
+
+/// A mesh with its neighbourhood, coordinates as read.
+pub(super) struct Repaired {
+    pub vertices: Vec<[f32; 3]>,
+    pub triangles: Vec<[u32; 3]>,
+    pub twins: Vec<u32>,
+    pub repairs: Repairs,
+}
+
+/// Repairs what can be repaired without guessing at shapes.
+pub(super) fn repair(soup: Soup) -> Repaired {
+    let Soup { mut vertices, mut triangles, mut degenerate } = soup;
+    let mut repairs = Repairs::default();
+    let mut edges = Edges::new(&triangles, vertices.len());
+    // Two equal facets make three edges with two facets in the same direction.
+    if edges.clashing + edges.non_manifold > 0 {
+        repairs.duplicates = drop_duplicates(&mut triangles);
+        if repairs.duplicates > 0 {
+            edges = Edges::new(&triangles, vertices.len());
+        }
+    }
+    if edges.open > 0
+        && let Some(closed) = gaps::close(&vertices, &triangles, &edges)
+    {
+        repairs.welded = closed.welded;
+        degenerate += closed.collapsed;
+        (triangles, edges) = (closed.triangles, closed.edges);
+    }
+    if edges.clashing > 0 {
+        repairs.flipped = agree(&mut triangles, vertices.len());
+        edges = Edges::new(&triangles, vertices.len());
+    }
+    if degenerate > 0 {
+        drop_unused(&mut vertices, &mut triangles);
+    }
+    let (shell_of, shells) = shells(&triangles, vertices.len(), &edges);
+    let turned = outside::turn_outwards(&vertices, &mut triangles, &mut edges.twins, &shell_of, shells);
+    repairs.flipped += turned;
+    Repaired {
+        repairs: Repairs {
+            degenerate,
+            open: edges.open,
+            non_manifold: edges.non_manifold,
+            clashing: edges.clashing,
+            shells,
+            ..repairs
+        },
+        vertices,
+        triangles,
+        twins: edges.twins,
+    }
+}
+
+/// Drops facets that repeat another one, corner by corner in the same direction. Opposed ones stay: they are the wall
+/// between two bodies that touch. O(n log n).
+fn drop_duplicates(triangles: &mut Vec<[u32; 3]>) -> usize {
+    let turned = |&[a, b, c]: &[u32; 3]| match a.min(b).min(c) {
+        first if first == a => [a, b, c],
+        first if first == b => [b, c, a],
+        _ => [c, a, b],
+    };
+    let mut sorted: Vec<([u32; 3], usize)> = triangles.iter().map(turned).zip(0..).collect();
+    sorted.sort_unstable();
+    let mut repeated = vec![false; triangles.len()];
+    for pair in sorted.windows(2) {
+        repeated[pair[1].1] = pair[0].0 == pair[1].0;
+    }
+    let before = triangles.len();
+    let mut repeated = repeated.into_iter();
+    triangles.retain(|_| !repeated.next().unwrap_or(false));
+    before - triangles.len()
+}
+
+/// Drops vertices that no facet names, which dropped facets leave behind.
+fn drop_unused(vertices: &mut Vec<[f32; 3]>, triangles: &mut [[u32; 3]]) {
+    let mut used = vec![false; vertices.len()];
+    for &v in triangles.iter().flatten() {
+        used[v as usize] = true;
+    }
+    let index: Vec<u32> = used
+        .iter()
+        .scan(0, |next, &used| {
+            let index = *next;
+            *next += u32::from(used);
+            Some(index)
+        })
+        .collect();
+    let mut used = used.into_iter();
+    vertices.retain(|_| used.next().unwrap_or(false));
+    for v in triangles.iter_mut().flatten() {
+        *v = index[*v as usize];
+    }
+}
+
+/// Turns facets so that neighbours agree across every edge with two facets; in each connected part the minority is
+/// turned. Returns how many were turned.
+fn agree(triangles: &mut [[u32; 3]], vertex_count: usize) -> usize {
+    let mut parts = Components::new(triangles.len());
+    for_each_edge(triangles, vertex_count, |group| {
+        if let [a, b] = *group {
+            // A part that cannot be oriented keeps the first relation found.
+            parts.join((a >> 1) / 3, (b >> 1) / 3, (a ^ b) & 1 == 0);
+        }
+    });
+    let mut votes = vec![0i64; triangles.len()];
+    let sides: Vec<(u32, bool)> = (0..triangles.len() as u32).map(|t| parts.find(t)).collect();
+    for &(root, opposed) in &sides {
+        votes[root as usize] += if opposed { -1 } else { 1 };
+    }
+    let mut turned = 0;
+    for (triangle, &(root, opposed)) in triangles.iter_mut().zip(&sides) {
+        if opposed == (votes[root as usize] >= 0) {
+            triangle.swap(1, 2);
+            turned += 1;
+        }
+    }
+    turned
+}
+
+/// Numbers the parts that hang together by edges, in the order of their first facets.
+fn shells(triangles: &[[u32; 3]], vertex_count: usize, edges: &Edges) -> (Vec<u32>, usize) {
+    let mut parts = Components::new(triangles.len());
+    for (half, &twin) in edges.twins.iter().enumerate() {
+        if twin != NO_TWIN && (half as u32) < twin {
+            parts.join(half as u32 / 3, twin / 3, false);
+        }
+    }
+    if edges.non_manifold + edges.clashing > 0 {
+        for_each_edge(triangles, vertex_count, |group| {
+            for pair in group.windows(2) {
+                parts.join((pair[0] >> 1) / 3, (pair[1] >> 1) / 3, false);
+            }
+        });
+    }
+    parts.number()
+}
+
+/// The two ends of every half-edge without a partner.
+pub(super) fn open_halves<'a>(
+    triangles: &'a [[u32; 3]],
+    twins: &'a [u32],
+) -> impl Iterator<Item = (u32, u32)> + 'a {
+    (0..twins.len() as u32).filter(|&h| twins[h as usize] == NO_TWIN).map(|h| ends(triangles, h))
+}

@@ -1,0 +1,88 @@
+//! Scaling and turning a mesh.
+
+use nalgebra::{Matrix3, Rotation3, Vector3};
+
+use super::Mesh;
+use super::weld::LIMIT_MM;
+
+/// What is done to a mesh, in this order: scaled, then turned about X, Y and Z. Moving is up to [`place()`](super::place()).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Transform {
+    /// Factors along X, Y and Z; a negative one mirrors.
+    pub scale: [f64; 3],
+    /// Angles about X, Y and Z in degrees, counter-clockwise seen from the tip of the axis.
+    pub rotate_deg: [f64; 3],
+}
+
+impl Default for Transform {
+    fn default() -> Self {
+        Self { scale: [1.0; 3], rotate_deg: [0.0; 3] }
+    }
+}
+
+/// A transformation that leaves no printable mesh (exit code 2: the arguments are at fault).
+#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+#[allow(missing_docs)]
+pub enum TransformError {
+    #[error("a scale of {0} flattens the model; give factors other than 0")]
+    Singular(f64),
+    #[error("the transformed model reaches to {0} mm; nothing beyond 10 m from the origin can be sliced")]
+    TooFar(f64),
+}
+
+impl Transform {
+    /// The mesh transformed. Mirroring turns the facets over, so that they face outwards still. O(vertices).
+    ///
+    /// # Errors
+    /// A factor of zero or that is not finite, and coordinates beyond 10 m.
+    pub fn apply(&self, mut mesh: Mesh) -> Result<Mesh, TransformError> {
+        if let Some(&factor) = self.scale.iter().find(|f| !f.is_finite() || **f == 0.0) {
+            return Err(TransformError::Singular(factor));
+        }
+        let linear = self.rotation() * Matrix3::from_diagonal(&Vector3::from(self.scale));
+        for vertex in &mut mesh.vertices {
+            *vertex = (linear * Vector3::from(*vertex)).into();
+            if let Some(&x) = vertex.iter().find(|x| !(x.abs() <= f64::from(LIMIT_MM))) {
+                return Err(TransformError::TooFar(x));
+            }
+        }
+        if self.scale.iter().filter(|f| **f < 0.0).count() % 2 == 1 {
+            mesh.turn_over();
+        }
+        Ok(mesh)
+    }
+
+    /// Quarter turns are exact: a turned box keeps faces parallel to the layers.
+    fn rotation(&self) -> Matrix3<f64> {
+        let turn = |axis, degrees: f64| {
+            let matrix = Rotation3::from_axis_angle(&axis, degrees.to_radians()).into_inner();
+            if degrees % 90.0 == 0.0 { matrix.map(f64::round) } else { matrix }
+        };
+        let [x, y, z] = self.rotate_deg;
+        turn(Vector3::z_axis(), z) * turn(Vector3::y_axis(), y) * turn(Vector3::x_axis(), x)
+    }
+}
+
+impl Mesh {
+    /// Every facet turned over.
+    fn turn_over(&mut self) {
+        super::outside::turn_facets(&mut self.triangles, &mut self.twins, |_| true);
+    }
+
+    /// The mesh moved so that the middle of its box lies over the origin and its lowest point at z = 0.
+    pub fn centered(mut self) -> Mesh {
+        let [min, max] = self.bounds();
+        let shift = [-(min[0] + max[0]) / 2.0, -(min[1] + max[1]) / 2.0, -min[2]];
+        for vertex in &mut self.vertices {
+            *vertex = std::array::from_fn(|i| vertex[i] + shift[i]);
+        }
+        self
+    }
+
+    /// Moves the mesh along Z.
+    pub(super) fn lift(&mut self, by_mm: f64) {
+        for vertex in &mut self.vertices {
+            vertex[2] += by_mm;
+        }
+    }
+}

@@ -1,0 +1,127 @@
+//! What holds for one layer: every value here is a function of the layer's index (and a path's role) alone.
+
+use super::{MotionSettings, Move};
+use crate::toolpath::Role;
+use crate::units::{Celsius, MmPerS, MmPerS2, Ratio};
+
+/// Settings as they hold on one layer.
+pub(super) struct Rules<'a> {
+    settings: &'a MotionSettings,
+    index: usize,
+}
+
+impl<'a> Rules<'a> {
+    pub(super) fn new(settings: &'a MotionSettings, index: usize) -> Self {
+        Self { settings, index }
+    }
+
+    fn is_first(&self) -> bool {
+        self.index == 0
+    }
+
+    /// Multiplier of every bead's volume.
+    pub(super) fn flow(&self) -> f64 {
+        let first = if self.is_first() { self.settings.first_layer.flow } else { 1.0 };
+        self.settings.flow.multiplier * first
+    }
+
+    /// Speed of a role before the flow limit. On the first layer never above that layer's own.
+    pub(super) fn speed(&self, role: Role) -> MmPerS {
+        let speeds = &self.settings.speed;
+        let speed = match role {
+            Role::Skirt | Role::Brim => speeds.skirt,
+            Role::Support | Role::SupportInterface => speeds.support,
+            Role::Perimeter => speeds.perimeter,
+            Role::ExternalPerimeter => speeds.external_perimeter,
+            Role::OverhangPerimeter | Role::BridgeInfill => speeds.bridge,
+            Role::GapFill => speeds.gap_fill,
+            Role::SolidInfill => speeds.solid,
+            Role::InternalInfill => speeds.infill,
+            Role::TopSolidInfill | Role::Ironing => speeds.top,
+        };
+        let cap = self.settings.first_layer.speed;
+        if self.is_first() && cap.0 > 0.0 && cap < speed { cap } else { speed }
+    }
+
+    /// The speed at which a bead of this cross-section does not exceed the hot end's flow.
+    pub(super) fn melted(&self, speed: MmPerS, area_mm2: f64) -> MmPerS {
+        let max_flow = self.settings.flow.max_flow.0;
+        if max_flow > 0.0 && area_mm2 * speed.0 > max_flow { MmPerS(max_flow / area_mm2) } else { speed }
+    }
+
+    /// Acceleration of a role, or of travel; `None`: the profile leaves accelerations alone altogether.
+    pub(super) fn acceleration(&self, role: Option<Role>) -> Option<MmPerS2> {
+        let set = &self.settings.acceleration;
+        let first = self.settings.first_layer.acceleration;
+        if [set.default, set.external_perimeter, set.travel, first].iter().all(|a| a.0 <= 0.0) {
+            return None;
+        }
+        let own = match role {
+            None => set.travel,
+            Some(Role::ExternalPerimeter) => set.external_perimeter,
+            Some(_) => set.default,
+        };
+        let first = if self.is_first() { first } else { MmPerS2(0.0) };
+        [first, own, set.default]
+            .into_iter()
+            .find(|a| a.0 > 0.0)
+            .or(Some(self.settings.firmware_acceleration))
+    }
+
+    /// What is said once at the beginning of the layer: temperatures and fan, where they may differ from the
+    /// layer below.
+    pub(super) fn opening(&self) -> impl Iterator<Item = Move> {
+        let temperature = &self.settings.temperature;
+        let (nozzle, bed) = match self.index {
+            0 => (temperature.nozzle_first_layer, temperature.bed_first_layer),
+            1 => (temperature.nozzle, temperature.bed),
+            _ => (Celsius(0.0), Celsius(0.0)),
+        };
+        let fan = self.fan(self.index);
+        let fan = (self.is_first() || fan != self.fan(self.index - 1)).then_some(Move::Fan(fan));
+        let heats = |t: Celsius| t.0 > 0.0;
+        [heats(nozzle).then_some(Move::Nozzle(nozzle)), heats(bed).then_some(Move::Bed(bed)), fan]
+            .into_iter()
+            .flatten()
+    }
+
+    /// Fan of a layer: off at first, then rising in equal steps until `full_fan_layer` has all of it.
+    fn fan(&self, index: usize) -> Ratio {
+        let cooling = &self.settings.cooling;
+        let (off, full) = (cooling.fan_off_layers as usize, cooling.full_fan_layer as usize);
+        if index < off {
+            Ratio(0.0)
+        } else if index >= full {
+            cooling.fan
+        } else {
+            Ratio(cooling.fan.0 * (index + 1 - off) as f64 / (full + 1 - off) as f64)
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::profile::Settings;
+
+    #[test]
+    fn the_fan_is_off_first_then_rises_to_its_full_value() {
+        let mut all = Settings::default();
+        all.cooling.fan = Ratio(0.8);
+        (all.cooling.fan_off_layers, all.cooling.full_fan_layer) = (2, 5);
+        let settings = MotionSettings::new(&all, &[]);
+        let fan: Vec<f64> = (0..7).map(|i| (Rules::new(&settings, i).fan(i).0 * 100.0).round()).collect();
+        assert_eq!(fan, [0.0, 0.0, 20.0, 40.0, 60.0, 80.0, 80.0]);
+    }
+
+    #[test]
+    fn an_acceleration_of_zero_means_the_default_and_all_zero_means_none() {
+        let mut all = Settings::default();
+        (all.acceleration.travel, all.first_layer.acceleration) = (MmPerS2(0.0), MmPerS2(0.0));
+        let settings = MotionSettings::new(&all, &[]);
+        assert_eq!(Rules::new(&settings, 0).acceleration(None), Some(all.acceleration.default));
+        (all.acceleration.default, all.acceleration.external_perimeter) = (MmPerS2(0.0), MmPerS2(0.0));
+        let settings = MotionSettings::new(&all, &[]);
+        assert_eq!(Rules::new(&settings, 0).acceleration(Some(Role::Perimeter)), None);
+    }
+}

@@ -1,0 +1,63 @@
+//! What the motion stage needs of the settings.
+
+use super::PauseAt;
+use crate::profile::{
+    AccelerationSettings, CoolingSettings, FirstLayerSettings, RetractSettings, Settings, SpeedSettings,
+    TemperatureSettings,
+};
+use crate::units::{Mm, Mm3PerS, MmPerS2};
+
+/// How much is extruded.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct FlowSettings {
+    /// Nozzle bore: what bridges are as thick as.
+    pub nozzle_diameter: Mm,
+    /// Multiplier of everything.
+    pub multiplier: f64,
+    /// Largest flow the hot end melts; 0: not limited.
+    pub max_flow: Mm3PerS,
+}
+
+/// The settings of [`plan_layer`](super::plan_layer).
+#[derive(Clone, Debug, PartialEq)]
+#[allow(missing_docs)]
+pub struct MotionSettings {
+    pub flow: FlowSettings,
+    pub first_layer: FirstLayerSettings,
+    pub speed: SpeedSettings,
+    pub acceleration: AccelerationSettings,
+    /// What the firmware uses where `acceleration` says 0.
+    pub firmware_acceleration: MmPerS2,
+    pub retract: RetractSettings,
+    pub cooling: CoolingSettings,
+    pub temperature: TemperatureSettings,
+    /// Added to every height.
+    pub z_offset: Mm,
+    /// Write arcs that leave the path by at most this.
+    pub arcs: Option<Mm>,
+    /// Where to stop for a filament change.
+    pub pauses: Vec<PauseAt>,
+}
+
+impl MotionSettings {
+    /// What motion needs of all settings, and where to pause.
+    pub fn new(settings: &Settings, pauses: &[PauseAt]) -> Self {
+        Self {
+            flow: FlowSettings {
+                nozzle_diameter: settings.printer.nozzle_diameter,
+                multiplier: settings.filament.flow,
+                max_flow: settings.filament.max_flow,
+            },
+            first_layer: settings.first_layer.clone(),
+            speed: settings.speed.clone(),
+            acceleration: settings.acceleration.clone(),
+            firmware_acceleration: settings.machine.max_acceleration[0],
+            retract: settings.retract.clone(),
+            cooling: settings.cooling.clone(),
+            temperature: settings.temperature.clone(),
+            z_offset: settings.layer.z_offset,
+            arcs: settings.gcode.arcs.then_some(settings.gcode.arc_tolerance),
+            pauses: pauses.to_vec(),
+        }
+    }
+}

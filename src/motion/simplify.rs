@@ -1,0 +1,183 @@
+//! Fewer moves for the same bead: vertices that the machine could not tell from a straight line are dropped,
+//! and beads of changing width are cut into pieces of constant flow.
+
+use super::bead::{Vertex, distance};
+
+/// How far a dropped vertex may lie from the line that replaces it: less than half a step of a common machine
+/// (80 steps/mm are 12.5 µm each).
+pub(super) const MERGE_TOLERANCE_MM: f64 = 0.005;
+
+/// Vertices are dropped only while the cross-section stays within this share of what it was.
+const AREA_TOLERANCE: f64 = 0.02;
+
+/// Between pieces of constant flow the cross-section changes by at most this share …
+const AREA_STEP: f64 = 0.1;
+
+/// … unless the pieces would become shorter than this.
+const MIN_PIECE_MM: f64 = 0.1;
+
+/// A straight piece of a bead, extruded at constant flow.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Piece {
+    /// Where it ends.
+    pub to: [f64; 2],
+    /// What is put down on it.
+    pub volume_mm3: f64,
+    /// Its cross-section, for the flow limit.
+    pub area_mm2: f64,
+}
+
+/// The directions from an anchor in which a straight line passes every vertex so far within the tolerance.
+#[derive(Clone, Copy)]
+struct Cone {
+    right: [f64; 2],
+    left: [f64; 2],
+    reach_mm: f64,
+}
+
+fn cross(a: [f64; 2], b: [f64; 2]) -> f64 {
+    a[0] * b[1] - a[1] * b[0]
+}
+
+impl Cone {
+    /// The lines from the origin that pass the disc of the tolerance around `d`.
+    fn around(d: [f64; 2], length_mm: f64) -> Self {
+        let sine = MERGE_TOLERANCE_MM / length_mm;
+        let cosine = (1.0 - sine * sine).sqrt();
+        let turned = |s: f64| [d[0] * cosine - d[1] * s, d[0] * s + d[1] * cosine];
+        Self { right: turned(-sine), left: turned(sine), reach_mm: length_mm }
+    }
+
+    fn contains(&self, d: [f64; 2], length_mm: f64) -> bool {
+        let ahead = d[0] * (self.right[0] + self.left[0]) + d[1] * (self.right[1] + self.left[1]) > 0.0;
+        ahead && length_mm >= self.reach_mm && cross(self.right, d) >= 0.0 && cross(d, self.left) >= 0.0
+    }
+
+    fn narrowed(self, other: Self) -> Self {
+        Self {
+            right: if cross(self.right, other.right) > 0.0 { other.right } else { self.right },
+            left: if cross(self.left, other.left) < 0.0 { other.left } else { self.left },
+            reach_mm: other.reach_mm,
+        }
+    }
+}
+
+/// Appends the pieces that draw the vertices. Vertices are dropped where the line that replaces them stays
+/// within [`MERGE_TOLERANCE_MM`] of them; first and last stay. The volume is that of the undropped path.
+///
+/// Cone intersection: Sklansky & Gonzalez, Fast polygonal approximation of digitized curves, 1980,
+/// <https://doi.org/10.1016/0031-3203(80)90031-X>. O(n).
+pub(super) fn straighten(vertices: &[Vertex], out: &mut Vec<Piece>) {
+    let Some(&first) = vertices.first() else {
+        return;
+    };
+    let mut anchor = first;
+    let mut last = first;
+    let mut cone: Option<Cone> = None;
+    let mut volume_mm3 = 0.0;
+    for &vertex in &vertices[1..] {
+        let mut d = [vertex.at[0] - anchor.at[0], vertex.at[1] - anchor.at[1]];
+        let mut length_mm = (d[0] * d[0] + d[1] * d[1]).sqrt();
+        let alike = (vertex.area_mm2 - anchor.area_mm2).abs() <= AREA_TOLERANCE * anchor.area_mm2;
+        let fits = alike && cone.is_none_or(|cone| cone.contains(d, length_mm));
+        // A first vertex after the anchor always starts a piece, whatever its width.
+        if !fits && last.at != anchor.at {
+            split(anchor, last, volume_mm3, out);
+            (anchor, cone, volume_mm3) = (last, None, 0.0);
+            d = [vertex.at[0] - anchor.at[0], vertex.at[1] - anchor.at[1]];
+            length_mm = (d[0] * d[0] + d[1] * d[1]).sqrt();
+        }
+        volume_mm3 += 0.5 * (last.area_mm2 + vertex.area_mm2) * distance(last.at, vertex.at);
+        if length_mm > MERGE_TOLERANCE_MM {
+            let around = Cone::around(d, length_mm);
+            cone = Some(cone.map_or(around, |cone| cone.narrowed(around)));
+        }
+        last = vertex;
+    }
+    split(anchor, last, volume_mm3, out);
+}
+
+/// Appends the line from `a` to `b` as pieces of constant flow that hold `volume_mm3` together.
+fn split(a: Vertex, b: Vertex, volume_mm3: f64, out: &mut Vec<Piece>) {
+    let change = (b.area_mm2 - a.area_mm2).abs() / a.area_mm2.max(b.area_mm2).max(f64::MIN_POSITIVE);
+    let sum = a.area_mm2 + b.area_mm2;
+    if change <= AREA_STEP {
+        out.push(Piece { to: b.at, volume_mm3, area_mm2: 0.5 * sum });
+        return;
+    }
+    let by_length = (distance(a.at, b.at) / MIN_PIECE_MM).floor();
+    let count = (change / AREA_STEP).ceil().min(by_length).max(1.0);
+    for piece in 1..=count as u32 {
+        let (end, middle) = (f64::from(piece) / count, (f64::from(piece) - 0.5) / count);
+        let area_mm2 = a.area_mm2 + (b.area_mm2 - a.area_mm2) * middle;
+        let to = if f64::from(piece) == count {
+            b.at
+        } else {
+            [0, 1].map(|i| a.at[i] + (b.at[i] - a.at[i]) * end)
+        };
+        out.push(Piece { to, volume_mm3: volume_mm3 * area_mm2 / (0.5 * sum * count), area_mm2 });
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    fn vertices(points: &[[f64; 2]]) -> Vec<Vertex> {
+        points.iter().map(|&at| Vertex { at, area_mm2: 0.08 }).collect()
+    }
+
+    #[test]
+    fn collinear_vertices_become_one_piece() {
+        let mut out = Vec::new();
+        straighten(&vertices(&[[0.0, 0.0], [1.0, 0.001], [2.0, -0.001], [5.0, 0.0]]), &mut out);
+        assert_eq!(out.len(), 1);
+        assert!((out[0].volume_mm3 - 5.0 * 0.08).abs() < 1e-6);
+    }
+
+    #[test]
+    fn a_line_that_turns_back_is_kept() {
+        let mut out = Vec::new();
+        straighten(&vertices(&[[0.0, 0.0], [5.0, 0.0], [3.0, 0.0]]), &mut out);
+        assert_eq!(out.iter().map(|p| p.to).collect::<Vec<_>>(), [[5.0, 0.0], [3.0, 0.0]]);
+    }
+
+    #[test]
+    fn changing_width_is_cut_into_steps_of_the_same_total() {
+        let ends = [Vertex { at: [0.0, 0.0], area_mm2: 0.04 }, Vertex { at: [3.0, 0.0], area_mm2: 0.08 }];
+        let mut out = Vec::new();
+        straighten(&ends, &mut out);
+        assert!(out.len() >= 5, "{}", out.len());
+        assert!((out.iter().map(|p| p.volume_mm3).sum::<f64>() - 0.18).abs() < 1e-12);
+        assert_eq!(out.last().map(|p| p.to), Some([3.0, 0.0]));
+    }
+
+    proptest! {
+        #[test]
+        fn dropped_vertices_lie_within_the_tolerance_and_no_volume_is_lost(
+            steps in prop::collection::vec((-0.02..0.05f64, -0.02..0.02f64), 2..60)
+        ) {
+            let mut at = [0.0, 0.0];
+            let points: Vec<[f64; 2]> =
+                steps.iter().map(|s| { at = [at[0] + s.0, at[1] + s.1]; at }).collect();
+            let mut out = Vec::new();
+            straighten(&vertices(&points), &mut out);
+            let length: f64 = points.windows(2).map(|w| distance(w[0], w[1])).sum();
+            prop_assert!((out.iter().map(|p| p.volume_mm3).sum::<f64>() - 0.08 * length).abs() < 1e-9);
+            let kept: Vec<[f64; 2]> = std::iter::once(points[0]).chain(out.iter().map(|p| p.to)).collect();
+            for p in &points {
+                let near = kept.windows(2).map(|w| to_segment(*p, w[0], w[1])).fold(f64::INFINITY, f64::min);
+                prop_assert!(near <= MERGE_TOLERANCE_MM + 1e-9, "{near}");
+            }
+        }
+    }
+
+    fn to_segment(p: [f64; 2], a: [f64; 2], b: [f64; 2]) -> f64 {
+        let d = [b[0] - a[0], b[1] - a[1]];
+        let l2 = d[0] * d[0] + d[1] * d[1];
+        let t =
+            if l2 > 0.0 { ((p[0] - a[0]) * d[0] + (p[1] - a[1]) * d[1]) / l2 } else { 0.0 }.clamp(0.0, 1.0);
+        distance(p, [a[0] + t * d[0], a[1] + t * d[1]])
+    }
+}

@@ -1,0 +1,87 @@
+//! Lengths and volume of planned moves, as they would be measured on the finished file.
+
+use super::bead::distance;
+use super::{LayerMoves, Move};
+use crate::units::{Mm, Mm3};
+
+/// What a layer's moves come to. Ways are in X and Y; those before the first bead of the print do not count.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct LayerSums {
+    /// Way while extruding.
+    pub print: Mm,
+    /// Way without, the way from the layer below included.
+    pub travel: Mm,
+    /// Straight lines from the end of each bead to the start of the next, joined beads counting as one.
+    pub link: Mm,
+    /// Ways from one bead to another.
+    pub travels: usize,
+    /// Filament pulled back.
+    pub retractions: usize,
+    /// Filament extruded.
+    pub volume: Mm3,
+}
+
+impl std::ops::AddAssign for LayerSums {
+    fn add_assign(&mut self, other: Self) {
+        self.print += other.print;
+        self.travel += other.travel;
+        self.link += other.link;
+        self.travels += other.travels;
+        self.retractions += other.retractions;
+        self.volume += other.volume;
+    }
+}
+
+impl LayerMoves {
+    /// Sums up the layer. O(moves).
+    pub fn sums(&self) -> LayerSums {
+        let mut sums = LayerSums::default();
+        let mut at = self.from.xy;
+        let mut bead_end = self.from.xy;
+        let mut travel_mm = 0.0;
+        let mut retracted = false;
+        for step in &self.moves {
+            match step {
+                Move::Travel { to, .. } | Move::Wipe { to, .. } => {
+                    travel_mm += at.map_or(0.0, |at| distance(at, *to));
+                    at = Some(*to);
+                }
+                Move::Extrude { to, volume, .. } | Move::Arc { to, volume, .. } => {
+                    let start = at.unwrap_or(*to);
+                    if let (true, Some(end)) = (travel_mm > 0.0, bead_end) {
+                        sums.travel += Mm(travel_mm);
+                        sums.link += Mm(distance(end, start));
+                        sums.travels += 1;
+                    }
+                    travel_mm = 0.0;
+                    sums.print += Mm(match step {
+                        Move::Arc { center, clockwise, .. } => arc_mm(start, *to, *center, *clockwise),
+                        _ => distance(start, *to),
+                    });
+                    sums.volume += *volume;
+                    (at, bead_end) = (Some(*to), Some(*to));
+                }
+                _ => {}
+            }
+            match step {
+                Move::Retract { .. } | Move::Wipe { .. } => {
+                    sums.retractions += usize::from(!retracted);
+                    retracted = true;
+                }
+                Move::Unretract { .. } => retracted = false,
+                _ => {}
+            }
+        }
+        sums
+    }
+}
+
+/// Length of an arc.
+pub(crate) fn arc_mm(from: [f64; 2], to: [f64; 2], center: [f64; 2], clockwise: bool) -> f64 {
+    let angle = |p: [f64; 2]| (p[1] - center[1]).atan2(p[0] - center[0]);
+    let turn = if clockwise { angle(from) - angle(to) } else { angle(to) - angle(from) };
+    let sweep = turn.rem_euclid(std::f64::consts::TAU);
+    // No turn at all is a whole circle.
+    let sweep = if sweep < 1e-9 { std::f64::consts::TAU } else { sweep };
+    distance(from, center) * sweep
+}

@@ -1,0 +1,170 @@
+//! What the relaxation knows of a layer: terminals at which links may end, and which links precedence permits.
+
+use super::super::{Problem, Shape};
+use crate::geom::{Point, UNITS_PER_MM};
+use crate::profile::Scope;
+
+/// Costs and multipliers are integers, this many to a grid unit, so that sums are exact. Rounding each link down by
+/// less than one of them (0.6 nm) costs a thousand links less than a micrometre.
+const FINE: f64 = 16.0;
+
+/// Length of a link in fine units, rounded down. The square root errs by less than the thousandth taken off.
+pub(super) fn link(a: Point, b: Point) -> i64 {
+    (((a.distance2(b) as f64).sqrt() * FINE - 1e-3).floor() as i64).max(0)
+}
+
+/// Grid units to fine units, rounded down.
+pub(super) fn fine(units: f64) -> i64 {
+    (units * FINE - 1e-3).floor() as i64
+}
+
+/// Fine units to millimetres.
+pub(super) fn to_mm(fine: i64) -> f64 {
+    fine as f64 / (FINE * UNITS_PER_MM)
+}
+
+/// A place, or a set of places, at which links end: an end of an open path, a piece of a loop.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Terminal {
+    pub(super) item: u32,
+    /// Its points: `first..last`.
+    pub(super) first: u32,
+    pub(super) last: u32,
+}
+
+/// A path.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Body {
+    /// Its terminals: `first..last`.
+    pub(super) first: u32,
+    pub(super) last: u32,
+    /// An open path has one link at each terminal; a loop two at one terminal.
+    pub(super) closed: bool,
+    /// Nested groups: stage; run under `feature`, island under `island`; run under `island`.
+    pub(super) groups: [u32; 3],
+    /// Island, and place of the run's rank among the ranks of its island in its stage.
+    island: u32,
+    rank: u32,
+    /// Whether nothing of its stage must come before, or after.
+    begins: bool,
+    ends: bool,
+}
+
+/// The depth at which two paths part: 0 in different stages, up to 3 within one run.
+pub(super) const DEPTHS: usize = 4;
+
+/// A layer.
+pub(super) struct Model {
+    pub(super) points: Vec<Point>,
+    /// Terminal of each point.
+    pub(super) owner: Vec<u32>,
+    pub(super) terminals: Vec<Terminal>,
+    pub(super) bodies: Vec<Body>,
+    scope: Scope,
+    stages: u32,
+}
+
+impl Model {
+    pub(super) fn new(problem: &Problem) -> Self {
+        let sorted = |mut values: Vec<(u32, u32, u32)>| {
+            values.sort_unstable();
+            values.dedup();
+            values
+        };
+        let used: Vec<_> = problem.items.iter().map(|item| problem.runs[item.run as usize]).collect();
+        let stages = sorted(used.iter().map(|run| (run.stage, 0, 0)).collect());
+        let ranks = sorted(used.iter().map(|run| (run.stage, run.island, run.rank)).collect());
+        let mut model = Self {
+            points: Vec::new(),
+            owner: Vec::new(),
+            terminals: Vec::new(),
+            bodies: Vec::with_capacity(problem.items.len()),
+            scope: problem.scope,
+            stages: stages.len() as u32,
+        };
+        for (item, run) in problem.items.iter().zip(&used) {
+            let stage = stages.partition_point(|&(stage, ..)| stage < run.stage) as u32;
+            let from = ranks.partition_point(|&rank| rank < (run.stage, run.island, 0));
+            let to = ranks.partition_point(|&rank| rank <= (run.stage, run.island, u32::MAX));
+            let at = ranks.partition_point(|&rank| rank < (run.stage, run.island, run.rank));
+            let mixed = problem.scope == Scope::Layer;
+            let groups = match problem.scope {
+                Scope::Layer => [stage, 0, 0],
+                Scope::Feature => [stage, item.run, 0],
+                // The first rank of an island, by number, stands for the island.
+                Scope::Island => [stage, from as u32, item.run],
+            };
+            let first = model.terminals.len() as u32;
+            match item.shape {
+                Shape::Open(ends) => ends.iter().for_each(|end| model.add_terminal(&[*end])),
+                Shape::Loop(vertices) => model.add_terminal(vertices),
+            }
+            model.bodies.push(Body {
+                first,
+                last: model.terminals.len() as u32,
+                closed: matches!(item.shape, Shape::Loop(_)),
+                groups,
+                island: run.island,
+                rank: (at - from) as u32,
+                begins: mixed || at == from,
+                ends: mixed || at + 1 == to,
+            });
+        }
+        model
+    }
+
+    fn add_terminal(&mut self, points: &[Point]) {
+        let terminal = self.terminals.len() as u32;
+        let first = self.points.len() as u32;
+        self.points.extend(points);
+        self.owner.resize(self.points.len(), terminal);
+        self.terminals.push(Terminal {
+            item: self.bodies.len() as u32,
+            first,
+            last: self.points.len() as u32,
+        });
+    }
+
+    pub(super) fn points_of(&self, terminal: u32) -> &[Point] {
+        let Terminal { first, last, .. } = self.terminals[terminal as usize];
+        &self.points[first as usize..last as usize]
+    }
+
+    pub(super) fn item_of_point(&self, point: u32) -> u32 {
+        self.terminals[self.owner[point as usize] as usize].item
+    }
+
+    /// The depth at which two paths part.
+    pub(super) fn depth(&self, i: u32, j: u32) -> usize {
+        let (a, b) = (&self.bodies[i as usize].groups, &self.bodies[j as usize].groups);
+        (0..3).find(|&k| a[k] != b[k]).unwrap_or(3)
+    }
+
+    /// Whether precedence lets one of two paths follow the other.
+    pub(super) fn permits(&self, i: u32, j: u32) -> bool {
+        let (a, b) = (&self.bodies[i as usize], &self.bodies[j as usize]);
+        let in_turn = a.rank.abs_diff(b.rank) <= 1;
+        match (self.depth(i, j), self.scope) {
+            (3, _) => i != j,
+            (2, _) => in_turn,
+            (1, Scope::Island) => a.ends && b.begins || a.begins && b.ends,
+            (1, _) => a.island != b.island || in_turn,
+            _ => {
+                let (low, high) = if a.groups[0] < b.groups[0] { (a, b) } else { (b, a) };
+                low.groups[0] + 1 == high.groups[0] && low.ends && high.begins
+            }
+        }
+    }
+
+    /// Whether a walk may begin with this path.
+    pub(super) fn may_begin(&self, item: u32) -> bool {
+        let body = &self.bodies[item as usize];
+        body.groups[0] == 0 && body.begins
+    }
+
+    /// Whether a walk may end with this path.
+    pub(super) fn may_end(&self, item: u32) -> bool {
+        let body = &self.bodies[item as usize];
+        body.groups[0] + 1 == self.stages && body.ends
+    }
+}

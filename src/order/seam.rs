@@ -1,0 +1,187 @@
+//! Where loops may be entered: the seam rules.
+
+use super::index::Index;
+use super::precedence::Groups;
+use super::{Item, Problem, Run, Sequence, Shape};
+use crate::geom::Point;
+use crate::profile::{Scope, SeamPosition};
+use crate::toolpath::LayerPaths;
+
+/// A turn sharper than this is a corner, in which a seam hides (30°).
+const CORNER_SIN: f64 = 0.5;
+/// How far along a loop `aligned` looks for a corner around the place above the last seam, mm.
+const CORNER_REACH_MM: f64 = 1.0;
+/// A loop whose nearest seam below is farther away than this begins a new seam, mm.
+const ALIGNED_REACH_MM: f64 = 5.0;
+/// Vertices of a loop from which the seam below is looked for.
+const SAMPLES: usize = 32;
+
+/// For each path of a layer the one vertex where it may be entered, or `None`: any.
+pub type Pins = Option<Vec<u32>>;
+
+/// Applies a seam rule to the layers of a print, from the first to the last.
+///
+/// `aligned` remembers the seams of the layer below, so layers must come in their order; the other rules look at
+/// one layer only.
+#[derive(Clone, Debug)]
+pub struct SeamRule {
+    position: SeamPosition,
+    below: Vec<Point>,
+}
+
+impl SeamRule {
+    /// A rule before the first layer.
+    pub fn new(position: SeamPosition) -> Self {
+        Self { position, below: Vec::new() }
+    }
+
+    /// The entries that the rule leaves to the next layer. `nearest` leaves all: see [`enter_nearest`].
+    pub fn pins(&mut self, layer: &LayerPaths) -> Pins {
+        let choose: &dyn Fn(usize) -> u32 = match self.position {
+            SeamPosition::Free | SeamPosition::Nearest => return None,
+            SeamPosition::Pinned => &|_| 0,
+            SeamPosition::Rear => &|path| rearmost(&layer.paths[path].points),
+            SeamPosition::Random => &|path| {
+                (scatter(layer.index as u64, path as u64) % layer.paths[path].points.len() as u64) as u32
+            },
+            SeamPosition::Aligned => {
+                let pins = aligned(layer, &self.below);
+                let closed = layer.paths.iter().zip(&pins).filter(|(path, _)| path.closed);
+                self.below = closed.map(|(path, &pin)| path.points[pin as usize]).collect();
+                return Some(pins);
+            }
+        };
+        Some((0..layer.paths.len()).map(choose).collect())
+    }
+}
+
+/// The vertex with the largest ordinate; of several the leftmost, then the first.
+fn rearmost(points: &[Point]) -> u32 {
+    let key = |&(index, p): &(usize, &Point)| (p.y, -i64::from(p.x), std::cmp::Reverse(index));
+    points.iter().enumerate().max_by_key(key).map_or(0, |(index, _)| index as u32)
+}
+
+/// Two numbers to an evenly spread third (the finaliser of SplitMix64, Steele, Lea & Flood 2014,
+/// doi:10.1145/2660193.2660195).
+fn scatter(a: u64, b: u64) -> u64 {
+    let mut z = a.wrapping_mul(0x9e37_79b9_7f4a_7c15) ^ b.wrapping_add(0x632b_e59b_d9b4_e019);
+    z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+    z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+    z ^ (z >> 31)
+}
+
+/// Above the nearest seam of the layer below, in the sharpest corner nearby if there is one; a loop with none below
+/// begins in its sharpest corner, else at its rear.
+fn aligned(layer: &LayerPaths, below: &[Point]) -> Vec<u32> {
+    let items = below.iter().map(|seam| Item { run: 0, shape: Shape::Loop(std::slice::from_ref(seam)) });
+    let seams = Problem {
+        items: items.collect(),
+        runs: vec![Run { stage: 0, island: 0, rank: 0 }],
+        scope: Scope::Layer,
+        start: None,
+        end: None,
+    };
+    let groups = Groups::new(&seams);
+    let index = (!below.is_empty()).then(|| Index::new(&seams, &groups));
+    let nearest_seam = |points: &[Point]| {
+        let samples = points.iter().step_by(points.len().div_ceil(SAMPLES));
+        let found = samples.filter_map(|&p| index.as_ref()?.nearest_in(0, p, |_| true)).min()?;
+        Some(below[found.item as usize])
+    };
+    let pin = |points: &[Point]| {
+        let all = 0..points.len();
+        let seam = nearest_seam(points);
+        let above = seam.and_then(|seam| all.clone().min_by_key(|&v| (points[v].distance2(seam), v)));
+        let above =
+            above.filter(|&v| seam.is_some_and(|seam| points[v].distance_mm(seam) < ALIGNED_REACH_MM));
+        let corner = all
+            .filter(|&v| above.is_none_or(|above| points[above].distance_mm(points[v]) < CORNER_REACH_MM))
+            .map(|v| (turn(points, v), v))
+            .filter(|&(turn, _)| turn > CORNER_SIN)
+            .max_by(|a, b| a.0.total_cmp(&b.0).then(b.1.cmp(&a.1)));
+        corner.map(|(_, v)| v).or(above).map_or_else(|| rearmost(points), |v| v as u32)
+    };
+    layer.paths.iter().map(|path| if path.closed { pin(&path.points) } else { 0 }).collect()
+}
+
+/// How sharply a loop turns at a vertex: the sine of the angle up to 90°, more beyond.
+fn turn(points: &[Point], vertex: usize) -> f64 {
+    let n = points.len();
+    let (a, b, c) = (points[(vertex + n - 1) % n].mm(), points[vertex].mm(), points[(vertex + 1) % n].mm());
+    let (u, v) = ([b[0] - a[0], b[1] - a[1]], [c[0] - b[0], c[1] - b[1]]);
+    let lengths = u[0].hypot(u[1]) * v[0].hypot(v[1]);
+    if lengths == 0.0 {
+        return 0.0;
+    }
+    let (sin, cos) = ((u[0] * v[1] - u[1] * v[0]).abs() / lengths, (u[0] * v[0] + u[1] * v[1]) / lengths);
+    if cos >= 0.0 { sin } else { 1.0 - cos }
+}
+
+/// Enters every loop of a solution at the vertex nearest to where the nozzle comes from (`seam = nearest`).
+/// O(vertices).
+pub fn enter_nearest(problem: &Problem, sequence: &mut Sequence) {
+    let mut at = problem.start;
+    for visit in sequence {
+        let item = &problem.items[visit.item as usize];
+        if let (Shape::Loop(vertices), Some(from)) = (item.shape, at) {
+            let nearest = (0..vertices.len()).min_by_key(|&v| (vertices[v].distance2(from), v));
+            visit.entry = nearest.map_or(visit.entry, |v| v as u32);
+        }
+        at = Some(item.ends(visit.entry).1);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::geom::Region;
+    use crate::toolpath::{Path, Role, Width};
+
+    fn square(index: usize, offset_mm: f64) -> LayerPaths {
+        let corner = |x, y| Point::from_mm(x + offset_mm, y);
+        LayerPaths {
+            index,
+            top_mm: 0.2,
+            height_mm: 0.2,
+            islands: Vec::new(),
+            paths: vec![Path {
+                role: Role::Perimeter,
+                closed: true,
+                points: vec![
+                    corner(0., 0.),
+                    corner(5., 0.),
+                    corner(10., 0.),
+                    corner(10., 10.),
+                    corner(0., 10.),
+                ],
+                width: Width::Constant(0.4),
+                height_mm: 0.2,
+                island: 0,
+                rank: 0,
+            }],
+            outline: Region::default(),
+        }
+    }
+
+    #[test]
+    fn rear_is_the_vertex_with_the_largest_y() {
+        assert_eq!(SeamRule::new(SeamPosition::Rear).pins(&square(0, 0.0)), Some(vec![4]));
+    }
+
+    #[test]
+    fn aligned_seams_follow_the_corner_of_the_layer_below() {
+        let mut rule = SeamRule::new(SeamPosition::Aligned);
+        let first = rule.pins(&square(0, 0.0));
+        for layer in 1..20 {
+            assert_eq!(rule.pins(&square(layer, 0.1 * layer as f64)), first);
+        }
+    }
+
+    #[test]
+    fn random_seams_differ_between_layers() {
+        let mut rule = SeamRule::new(SeamPosition::Random);
+        let pins: std::collections::BTreeSet<_> =
+            (0..20).map(|layer| rule.pins(&square(layer, 0.0))).collect();
+        assert!(pins.len() > 2);
+    }
+}

@@ -1,0 +1,24 @@
+//! One trait behind which every way of ordering lives. Adding one is a file and a line in [`strategy`].
+
+use super::{AsSliced, Christofides, ChristofidesOpen, Cost, Greedy, Nearest, Optimized, Problem, Sequence};
+use crate::profile::{Effort, OrderStrategy};
+
+/// A way of ordering a layer.
+pub trait Strategy: Sync {
+    /// Draws every item of the problem once, precedence kept (see [`super::check`]), and tries to keep the
+    /// links cheap (see [`super::evaluate`]). The same arguments give the same sequence on every machine
+    /// and in every thread. An empty problem gives an empty sequence.
+    fn solve(&self, problem: &Problem, cost: &Cost, effort: Effort) -> Sequence;
+}
+
+/// The strategy that a setting names.
+pub fn strategy(name: OrderStrategy) -> &'static dyn Strategy {
+    match name {
+        OrderStrategy::AsSliced => &AsSliced,
+        OrderStrategy::Nearest => &Nearest,
+        OrderStrategy::Greedy => &Greedy,
+        OrderStrategy::Christofides => &Christofides,
+        OrderStrategy::ChristofidesOpen => &ChristofidesOpen,
+        OrderStrategy::Optimized => &Optimized,
+    }
+}

@@ -1,0 +1,41 @@
+//! Wires the stages; the only user of rayon.
+//!
+//! Sections of all layers come first, since shells look at neighbours. Then layers flow in batches through
+//! toolpaths, ordering, motion and formatting, each stage parallel over the layers (ordering: over chunks of
+//! layers), and their bytes go out in order.
+
+mod load;
+mod parallel;
+mod print;
+
+use std::path::Path;
+
+use crate::job::{Engine, Job, JobError, Progress, TransformOptions};
+use crate::output::Output;
+use crate::profile::Settings;
+use crate::report::{ModelInfo, Summary};
+
+/// The slicer itself.
+#[derive(Clone, Copy, Debug)]
+pub struct Pipeline;
+
+impl Engine for Pipeline {
+    fn slice(
+        &self,
+        job: &Job,
+        settings: &Settings,
+        output: &mut Output,
+        progress: &dyn Progress,
+    ) -> Result<Summary, JobError> {
+        parallel::with_threads(job.threads, || print::slice(job, settings, output, progress))
+    }
+
+    fn info(
+        &self,
+        model: &Path,
+        transform: &TransformOptions,
+        settings: &Settings,
+    ) -> Result<ModelInfo, JobError> {
+        load::info(model, transform, settings)
+    }
+}

@@ -1,0 +1,22 @@
+//! Parallel loops whose results do not depend on the number of threads.
+
+use rayon::prelude::*;
+
+/// Runs something with so many threads; `None`: as many as rayon chooses (`RAYON_NUM_THREADS`, or all cores).
+pub(super) fn with_threads<T: Send>(threads: Option<usize>, run: impl FnOnce() -> T + Send) -> T {
+    match threads.map(|n| rayon::ThreadPoolBuilder::new().num_threads(n).build()) {
+        Some(Ok(pool)) => pool.install(run),
+        // Without a pool of its own (the system has no threads to give) the work is done by the shared one.
+        Some(Err(_)) | None => run(),
+    }
+}
+
+/// The results of a function for 0, 1, … n − 1, in this order.
+pub(super) fn map<T: Send>(n: usize, f: impl Fn(usize) -> T + Sync + Send) -> Vec<T> {
+    (0..n).into_par_iter().map(f).collect()
+}
+
+/// Threads at work.
+pub(super) fn threads() -> usize {
+    rayon::current_num_threads()
+}

@@ -1,0 +1,204 @@
+//! Cutting a mesh by horizontal planes.
+
+use super::Gaps;
+use super::fill;
+use super::plan::LayerSpan;
+use super::simplify::simplify;
+use super::stitch::stitch;
+use crate::geom::{Point, Region, Ring};
+use crate::mesh::{Mesh, NO_TWIN};
+
+/// A vertex, and how many cuts lie at or below it: it is above cut `i` if `rank > i`. A vertex on a cut is above it, so
+/// no cut ever passes through a vertex.
+#[derive(Clone, Copy, Debug)]
+struct Corner {
+    at_mm: [f64; 3],
+    rank: u32,
+}
+
+/// A mesh with its triangles sorted by the layers that cross them.
+#[derive(Debug)]
+pub struct Cutter {
+    corners: Vec<Corner>,
+    triangles: Vec<[u32; 3]>,
+    twins: Vec<u32>,
+    oriented: bool,
+    cuts_mm: Vec<f64>,
+    /// `crossing[start[i]..start[i + 1]]` are the triangles that cut `i` crosses, ascending.
+    start: Vec<u32>,
+    crossing: Vec<u32>,
+    resolution_mm: f64,
+}
+
+impl Cutter {
+    /// Sorts the triangles by layer; outlines will be simplified to `resolution_mm`. O(triangles + crossings).
+    pub fn new(mesh: &Mesh, spans: &[LayerSpan], resolution_mm: f64) -> Self {
+        let cuts_mm: Vec<f64> = spans.iter().map(|s| s.cut_mm).collect();
+        let corners: Vec<Corner> =
+            mesh.vertices().iter().map(|&at_mm| Corner { at_mm, rank: rank(&cuts_mm, at_mm[2]) }).collect();
+        let ranks = |triangle: &[u32; 3]| {
+            let [a, b, c] = triangle.map(|v| corners[v as usize].rank);
+            (a.min(b).min(c) as usize, a.max(b).max(c) as usize)
+        };
+        // Two passes of a counting sort by layer.
+        let mut start = vec![0u32; cuts_mm.len() + 2];
+        for triangle in mesh.triangles() {
+            let (low, high) = ranks(triangle);
+            for count in &mut start[low + 2..high + 2] {
+                *count += 1;
+            }
+        }
+        for i in 2..start.len() {
+            start[i] += start[i - 1];
+        }
+        let mut crossing = vec![0; start.last().map_or(0, |&n| n as usize)];
+        for (t, triangle) in mesh.triangles().iter().enumerate() {
+            let (low, high) = ranks(triangle);
+            for place in &mut start[low + 1..high + 1] {
+                crossing[*place as usize] = t as u32;
+                *place += 1;
+            }
+        }
+        Self {
+            corners,
+            triangles: mesh.triangles().to_vec(),
+            twins: mesh.twins().to_vec(),
+            oriented: mesh.is_oriented(),
+            cuts_mm,
+            start,
+            crossing,
+            resolution_mm,
+        }
+    }
+
+    /// The section at a layer's cut, and what had to be mended. Cost grows with the triangles that the layer crosses.
+    ///
+    /// # Panics
+    /// If there is no such layer.
+    pub fn section(&self, layer: usize) -> (Region, Gaps) {
+        let (mut rings, chains) = self.outlines(layer);
+        let gaps = stitch(chains, self.oriented, &mut rings);
+        for ring in &mut rings {
+            simplify(ring, self.resolution_mm);
+        }
+        rings.retain(|ring| ring.len() >= 3);
+        let region = if self.oriented { fill::non_zero(&rings) } else { fill::even_odd(&rings) };
+        (region, gaps)
+    }
+
+    /// Closed outlines, and chains that end at open edges. The solid lies to the left.
+    fn outlines(&self, layer: usize) -> (Vec<Ring>, Vec<Vec<Point>>) {
+        let crossing = &self.crossing[self.start[layer] as usize..self.start[layer + 1] as usize];
+        let (Some(&first), Some(&last)) = (crossing.first(), crossing.last()) else {
+            return (Vec::new(), Vec::new());
+        };
+        let mut seen = Bits::new(first, last);
+        let mut chains = Vec::new();
+        for &triangle in crossing {
+            let (down, _) = self.entry_and_exit(triangle, layer);
+            if self.twins[down as usize] == NO_TWIN {
+                let mut chain = vec![self.point(down, layer)];
+                self.follow(triangle, layer, &mut seen, &mut chain);
+                chains.push(chain);
+            }
+        }
+        let mut rings = Vec::new();
+        for &triangle in crossing {
+            if !seen.contains(triangle) {
+                let mut ring = Vec::new();
+                self.follow(triangle, layer, &mut seen, &mut ring);
+                rings.push(ring);
+            }
+        }
+        (rings, chains)
+    }
+
+    /// Walks from triangle to triangle, adding the point where it leaves each, until it meets an open edge or a
+    /// triangle that it has seen.
+    fn follow(&self, from: u32, layer: usize, seen: &mut Bits, points: &mut Vec<Point>) {
+        let mut triangle = from;
+        while seen.insert(triangle) {
+            let (_, up) = self.entry_and_exit(triangle, layer);
+            let point = self.point(up, layer);
+            if points.last() != Some(&point) {
+                points.push(point);
+            }
+            match self.twins[up as usize] {
+                NO_TWIN => break,
+                twin => triangle = twin / 3,
+            }
+        }
+    }
+
+    /// The half-edges where an outline enters and leaves a triangle: those that run down and up through the cut.
+    #[inline]
+    fn entry_and_exit(&self, triangle: u32, layer: usize) -> (u32, u32) {
+        let [a, b, c] =
+            self.triangles[triangle as usize].map(|v| self.corners[v as usize].rank as usize > layer);
+        let (down, up) = match (a, b, c) {
+            (true, false, false) => (0, 2),
+            (false, true, false) => (1, 0),
+            (false, false, true) => (2, 1),
+            (false, true, true) => (2, 0),
+            (true, false, true) => (0, 1),
+            _ => (1, 2),
+        };
+        (3 * triangle + down, 3 * triangle + up)
+    }
+
+    /// Where an edge passes through the cut: computed from the lower to the upper end, so that both triangles of an
+    /// edge get the same point.
+    #[inline]
+    fn point(&self, half: u32, layer: usize) -> Point {
+        let (triangle, k) = (self.triangles[half as usize / 3], half as usize % 3);
+        let from = &self.corners[triangle[k] as usize];
+        let to = &self.corners[triangle[if k == 2 { 0 } else { k + 1 }] as usize];
+        let (low, high) = if from.rank < to.rank { (from.at_mm, to.at_mm) } else { (to.at_mm, from.at_mm) };
+        let share = (self.cuts_mm[layer] - low[2]) / (high[2] - low[2]);
+        Point::from_mm(low[0] + share * (high[0] - low[0]), low[1] + share * (high[1] - low[1]))
+    }
+}
+
+/// Counts the cuts at or below a height: guessed from the even spacing, then corrected.
+#[inline]
+fn rank(cuts_mm: &[f64], z_mm: f64) -> u32 {
+    let mut rank = match *cuts_mm {
+        [_, second, third, ..] => ((z_mm - second) / (third - second) + 2.0).max(0.0) as usize,
+        _ => 0,
+    };
+    rank = rank.min(cuts_mm.len());
+    while rank > 0 && cuts_mm[rank - 1] > z_mm {
+        rank -= 1;
+    }
+    while rank < cuts_mm.len() && cuts_mm[rank] <= z_mm {
+        rank += 1;
+    }
+    rank as u32
+}
+
+/// A set of triangles between two numbers.
+struct Bits {
+    base: u32,
+    words: Vec<u64>,
+}
+
+impl Bits {
+    fn new(first: u32, last: u32) -> Self {
+        let base = first & !63;
+        Self { base, words: vec![0; (last - base) as usize / 64 + 1] }
+    }
+
+    fn contains(&self, triangle: u32) -> bool {
+        let at = triangle - self.base;
+        self.words[at as usize / 64] >> (at % 64) & 1 == 1
+    }
+
+    /// Adds a member; false if it was one before.
+    fn insert(&mut self, triangle: u32) -> bool {
+        let at = triangle - self.base;
+        let (word, bit) = (&mut self.words[at as usize / 64], 1u64 << (at % 64));
+        let is_new = *word & bit == 0;
+        *word |= bit;
+        is_new
+    }
+}

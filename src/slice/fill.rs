@@ -1,0 +1,27 @@
+//! Outlines of any kind → the area inside.
+
+use i_overlay::core::fill_rule::FillRule;
+use i_overlay::core::overlay::{Overlay, ShapeType};
+use i_overlay::core::overlay_rule::OverlayRule;
+use i_overlay::i_float::int::point::IntPoint;
+
+use crate::geom::{Point, Polygon, Region, Ring, unite_rings};
+
+/// What the rings wind around: overlapping bodies become one.
+pub(super) fn non_zero(rings: &[Ring]) -> Region {
+    unite_rings(rings)
+}
+
+/// What a ray leaves through an odd number of rings: for meshes that do not say where outside is.
+pub(super) fn even_odd(rings: &[Ring]) -> Region {
+    let mut overlay = Overlay::new(rings.iter().map(Vec::len).sum());
+    for ring in rings {
+        overlay.add_path_iter(ring.iter().map(|p| IntPoint::new(p.x, p.y)), ShapeType::Subject);
+    }
+    let shapes = overlay.overlay(OverlayRule::Subject, FillRule::EvenOdd);
+    let polygons = shapes.into_iter().filter_map(|shape| {
+        let mut rings = shape.into_iter().map(|c| c.into_iter().map(|p| Point::new(p.x, p.y)).collect());
+        Some(Polygon { outer: rings.next()?, holes: rings.collect() })
+    });
+    Region { polygons: polygons.collect() }
+}

@@ -1,0 +1,72 @@
+//! Sparse infill of exactly the density asked for.
+
+use crate::geom::{Region, polyline_length_mm, ring_length_mm};
+
+use super::{FillLine, FillPattern, FillSpec};
+
+/// Rounds of correction. Each leaves about a tenth of the error, until whole lines come and go.
+const ROUNDS: usize = 4;
+
+/// Share of the density that is near enough.
+const EXACT: f64 = 0.002;
+
+/// What whole lines cannot make up, the bead's cross-section does, within this share.
+const MOST_FLOW: f64 = 0.1;
+
+/// How to lay a pattern so that it has the density asked for.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Calibration {
+    /// Mean distance between beads, in millimetres.
+    pub line_distance_mm: f64,
+    /// Factor of the beads' cross-section.
+    pub flow: f64,
+}
+
+/// The distance between lines at which a pattern, with all joins along the walls, fills its share of the regions.
+///
+/// What a pattern deposits differs from spacing over distance: line ends are joined along the walls, curves
+/// are longer than straight lines, and small regions hold more or fewer lines than their area says. So the
+/// pattern is laid into sample layers and the distance corrected by what came out. `samples` are regions with
+/// the area that counts as theirs (square millimetres) and their `FillSpec`, whose distance is ignored and
+/// whose longest join, in line distances, is `join`.
+pub fn calibrate(
+    pattern: &dyn FillPattern,
+    samples: &[(Region, f64, FillSpec)],
+    spacing_mm: f64,
+    density: f64,
+    join: f64,
+) -> Calibration {
+    let nominal_mm = spacing_mm / density;
+    let area_mm2: f64 = samples.iter().map(|s| s.1).sum();
+    let mut best = Calibration { line_distance_mm: nominal_mm, flow: 1.0 };
+    let mut best_error = f64::INFINITY;
+    let mut distance_mm = nominal_mm;
+    for _ in 0..ROUNDS {
+        let length_mm: f64 = samples
+            .iter()
+            .map(|(region, _, spec)| {
+                let spec =
+                    FillSpec { line_distance_mm: distance_mm, connect_mm: join * distance_mm, ..*spec };
+                pattern.fill(region, &spec).iter().map(line_length_mm).sum::<f64>()
+            })
+            .sum();
+        if length_mm <= 0.0 || area_mm2 <= 0.0 {
+            break;
+        }
+        let measured = length_mm * spacing_mm / area_mm2 / density;
+        if (measured - 1.0).abs() < best_error {
+            best_error = (measured - 1.0).abs();
+            let flow = (1.0 / measured).clamp(1.0 - MOST_FLOW, 1.0 + MOST_FLOW);
+            best = Calibration { line_distance_mm: distance_mm, flow };
+        }
+        if best_error < EXACT {
+            break;
+        }
+        distance_mm = (distance_mm * measured).clamp(0.5 * nominal_mm, 2.0 * nominal_mm);
+    }
+    best
+}
+
+fn line_length_mm(line: &FillLine) -> f64 {
+    if line.closed { ring_length_mm(&line.points) } else { polyline_length_mm(&line.points) }
+}

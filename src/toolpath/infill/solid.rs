@@ -1,0 +1,59 @@
+//! Solid infill: parallel lines side by side, their distance fitted so that they fill each patch exactly.
+
+use std::f64::consts::FRAC_PI_2;
+
+use crate::geom::{self, Point, Region};
+
+use super::{FillLine, lines};
+
+/// Line ends further apart than this many spacings along the boundary are not joined.
+const LONGEST_JOIN: f64 = 4.0;
+
+/// The outermost lines keep this far from the patch's extreme points, where they would vanish.
+const INSIDE_MM: f64 = 0.002;
+
+/// Fills each polygon of a region with lines `spacing_mm` apart or slightly closer or wider: the extent across
+/// the lines is divided evenly. Returns the lines of each polygon with their true spacing.
+///
+/// `inset_mm` is how far line ends stay inside the boundary. Lines turn by 90° from layer to layer.
+pub fn fill(
+    region: &Region,
+    spacing_mm: f64,
+    inset_mm: f64,
+    angle_rad: f64,
+    layer: usize,
+) -> Vec<(f64, Vec<FillLine>)> {
+    let angle_rad = angle_rad + if layer % 2 == 1 { FRAC_PI_2 } else { 0.0 };
+    let inner = geom::offset(region, -inset_mm);
+    inner
+        .polygons
+        .into_iter()
+        .map(|polygon| {
+            let patch = Region { polygons: vec![polygon] };
+            let (low_mm, high_mm) = extent_mm(&patch, angle_rad);
+            let width_mm = (high_mm - low_mm - 2.0 * INSIDE_MM).max(0.0);
+            let gaps = (width_mm / spacing_mm).round();
+            let (fitted_mm, phase_mm) = if gaps >= 1.0 {
+                (width_mm / gaps, low_mm + INSIDE_MM)
+            } else {
+                (spacing_mm, (low_mm + high_mm) / 2.0)
+            };
+            (fitted_mm, lines::parallel(&patch, angle_rad, fitted_mm, phase_mm, LONGEST_JOIN * spacing_mm))
+        })
+        .collect()
+}
+
+/// Smallest and largest distance from the origin across the line direction.
+fn extent_mm(region: &Region, angle_rad: f64) -> (f64, f64) {
+    let (sin, cos) = angle_rad.sin_cos();
+    let across = |p: Point| {
+        let [x, y] = p.mm();
+        y * cos - x * sin
+    };
+    region
+        .polygons
+        .iter()
+        .flat_map(|p| &p.outer)
+        .map(|&p| across(p))
+        .fold((f64::MAX, f64::MIN), |(low, high), v| (low.min(v), high.max(v)))
+}

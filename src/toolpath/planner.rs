@@ -1,0 +1,349 @@
+//! Puts a layer's paths together: walls, gaps, shells and infill of every island, skirt and brim around.
+
+use crate::geom::{self, Polygon, Region, Ring};
+use crate::profile::{
+    BrimSettings, FirstLayerSettings, InfillSettings, Settings, ShellSettings, SkirtSettings, WallOrder,
+    WallSettings,
+};
+
+use super::infill::{self, Calibration, FillLine, FillSpec};
+use super::shells::{self, Zones};
+use super::walls::{self, WallSpec, Walls};
+use super::{Island, LayerPaths, Map, Path, Role, Width, adhesion, bead};
+
+/// Densities above this are solid.
+const SOLID_DENSITY: f64 = 0.995;
+
+/// Ends of sparse infill lines are joined along the wall up to this many line distances: the way to the next
+/// line is √2 distances at 45°, and beyond this a travel is quicker than the extrusion.
+const LONGEST_JOIN: f64 = 2.5;
+
+/// Infill lines shorter than this hold nothing.
+const SHORTEST_LINE_MM: f64 = 0.2;
+
+/// The settings that toolpaths depend on.
+#[derive(Clone, Debug, Default, PartialEq)]
+#[allow(missing_docs)]
+pub struct ToolpathSettings {
+    pub walls: WallSettings,
+    pub shell: ShellSettings,
+    pub infill: InfillSettings,
+    pub first_layer: FirstLayerSettings,
+    pub skirt: SkirtSettings,
+    pub brim: BrimSettings,
+}
+
+impl From<&Settings> for ToolpathSettings {
+    fn from(s: &Settings) -> Self {
+        Self {
+            walls: s.walls.clone(),
+            shell: s.shell.clone(),
+            infill: s.infill.clone(),
+            first_layer: s.first_layer.clone(),
+            skirt: s.skirt.clone(),
+            brim: s.brim.clone(),
+        }
+    }
+}
+
+/// What one object is at one layer, with what its neighbouring layers have to do with it.
+#[derive(Clone, Copy, Debug)]
+pub struct ObjectLayer<'a> {
+    /// Which object on the plate.
+    pub object: u32,
+    /// Its section.
+    pub section: &'a Region,
+    /// Its section one layer up; empty on its last layer.
+    pub next: &'a Region,
+    /// What the layers of the top shell's thickness above have in common; `None`: no top shell.
+    pub above: Option<&'a Region>,
+    /// What the layers of the bottom shell's thickness below have in common; `None`: no bottom shell.
+    pub below: Option<&'a Region>,
+}
+
+/// One layer of the plate.
+#[derive(Clone, Debug)]
+pub struct PlateLayer<'a> {
+    /// Index from the bed.
+    pub index: usize,
+    /// Top over the bed in millimetres.
+    pub top_mm: f64,
+    /// Height in millimetres.
+    pub height_mm: f64,
+    /// The objects that are there.
+    pub objects: Vec<ObjectLayer<'a>>,
+}
+
+/// Makes the paths of layers, each on its own.
+#[derive(Clone, Debug)]
+pub struct Planner {
+    settings: ToolpathSettings,
+    sparse: Option<Calibration>,
+    brim: Vec<Ring>,
+    skirt: Vec<Ring>,
+}
+
+/// Bead widths of one layer.
+struct Widths {
+    external_mm: f64,
+    wall_mm: f64,
+    solid_mm: f64,
+    top_mm: f64,
+    infill_mm: f64,
+    skirt_mm: f64,
+}
+
+/// The paths of a layer as they grow.
+struct Draft {
+    paths: Vec<Path>,
+    height_mm: f64,
+    island: u32,
+}
+
+impl Planner {
+    /// A planner for a plate whose objects' first sections are `footprint`; `first_height_mm` is the first layer's.
+    pub fn new(settings: ToolpathSettings, footprint: &Region, first_height_mm: f64) -> Self {
+        let mut planner = Self { settings, sparse: None, brim: Vec::new(), skirt: Vec::new() };
+        let width_mm = planner.widths(0).skirt_mm;
+        planner.brim = adhesion::brim(footprint, &planner.settings.brim, width_mm, first_height_mm);
+        let around = if planner.brim.is_empty() {
+            footprint.clone()
+        } else {
+            geom::offset(footprint, planner.settings.brim.gap.0 + planner.settings.brim.width.0)
+        };
+        planner.skirt = adhesion::skirt(&around, &planner.settings.skirt, width_mm, first_height_mm);
+        planner
+    }
+
+    /// Sets the distance of sparse lines so that the sample layers get exactly the density asked for.
+    pub fn calibrate(&mut self, samples: &[PlateLayer<'_>], map: Map<'_>) {
+        let settings = &self.settings.infill;
+        if settings.density.0 <= 0.0 || settings.density.0 > SOLID_DENSITY {
+            return;
+        }
+        let samples: Vec<&PlateLayer<'_>> = samples.iter().filter(|s| s.index > 0).collect();
+        let zones = map(samples.len(), &|i| self.sparse_zone(samples[i]));
+        let regions: Vec<(Region, f64, FillSpec)> = zones
+            .iter()
+            .zip(&samples)
+            .map(|(zone, layer)| (self.infill_room(zone, layer), zone.area_mm2(), self.fill_spec(layer, 1.0)))
+            .collect();
+        let Some(sample) = samples.first() else { return };
+        let spacing_mm = bead::spacing_mm(self.widths(1).infill_mm, sample.height_mm);
+        let join = if settings.connect { LONGEST_JOIN } else { 0.0 };
+        let pattern = infill::pattern(settings.pattern);
+        self.sparse = Some(infill::calibrate(pattern, &regions, spacing_mm, settings.density.0, join));
+    }
+
+    /// The paths of one layer.
+    pub fn layer(&self, section: &PlateLayer<'_>) -> LayerPaths {
+        let mut draft = Draft { paths: Vec::new(), height_mm: section.height_mm, island: u32::MAX };
+        let widths = self.widths(section.index);
+        if section.index < self.settings.skirt.layers as usize {
+            draft.loops(Role::Skirt, 0, widths.skirt_mm, &self.skirt);
+        }
+        if section.index == 0 {
+            draft.loops(Role::Brim, 1, widths.skirt_mm, &self.brim);
+        }
+        let mut islands = Vec::new();
+        let mut outline = Region::default();
+        for object in &section.objects {
+            for polygon in &object.section.polygons {
+                draft.island = islands.len() as u32;
+                islands.push(Island { object: object.object });
+                self.island(&mut draft, polygon, object, section, &widths);
+            }
+            outline.polygons.extend(object.section.polygons.iter().cloned());
+        }
+        LayerPaths {
+            index: section.index,
+            top_mm: section.top_mm,
+            height_mm: section.height_mm,
+            islands,
+            paths: draft.paths,
+            outline,
+        }
+    }
+
+    /// The sparse zones of all islands of a layer.
+    fn sparse_zone(&self, layer: &PlateLayer<'_>) -> Region {
+        let spec = self.wall_spec(layer);
+        let islands =
+            layer.objects.iter().flat_map(|o| o.section.polygons.iter().map(move |island| (o, island)));
+        let zones = islands.flat_map(|(object, island)| {
+            self.zones(&walls::trace(island, &spec).inside, object, layer).sparse.polygons
+        });
+        Region { polygons: zones.collect() }
+    }
+
+    fn island(
+        &self,
+        draft: &mut Draft,
+        polygon: &Polygon,
+        object: &ObjectLayer<'_>,
+        section: &PlateLayer<'_>,
+        widths: &Widths,
+    ) {
+        let Walls { loops, gaps, inside } = walls::trace(polygon, &self.wall_spec(section));
+        let count = self.settings.walls.count;
+        let rank_of = |depth: u32| match self.settings.walls.order {
+            WallOrder::InnerFirst => count - 1 - depth,
+            WallOrder::OuterFirst => depth,
+        };
+        let mut by_depth: Vec<(usize, &Vec<Ring>)> = loops.iter().enumerate().collect();
+        if self.settings.walls.order == WallOrder::InnerFirst {
+            by_depth.reverse();
+        }
+        for (depth, rings) in by_depth {
+            let (role, width_mm) = match depth {
+                0 => (Role::ExternalPerimeter, widths.external_mm),
+                _ => (Role::Perimeter, widths.wall_mm),
+            };
+            draft.loops(role, rank_of(depth as u32), width_mm, rings);
+        }
+        for (depth, gap) in &gaps {
+            let (role, rank) = match depth {
+                0 if count > 0 => (Role::ExternalPerimeter, rank_of(0)),
+                _ => (Role::GapFill, count),
+            };
+            draft.gap(role, rank, gap);
+        }
+
+        let zones = self.zones(&inside, object, section);
+        draft.solid(
+            Role::SolidInfill,
+            count + 1,
+            &zones.solid,
+            widths.solid_mm,
+            section.index,
+            &self.settings.infill,
+        );
+        if !zones.sparse.is_empty() && self.settings.infill.density.0 > 0.0 {
+            let room = self.infill_room(&zones.sparse, section);
+            let spacing_mm = bead::spacing_mm(widths.infill_mm, section.height_mm);
+            let lines = infill::pattern(self.settings.infill.pattern)
+                .fill(&room, &self.fill_spec(section, spacing_mm));
+            let flow = self.sparse.map_or(1.0, |c| c.flow);
+            draft.lines(
+                Role::InternalInfill,
+                count + 2,
+                bead::width_mm(spacing_mm * flow, section.height_mm),
+                lines,
+            );
+        }
+        draft.solid(
+            Role::TopSolidInfill,
+            count + 3,
+            &zones.top,
+            widths.top_mm,
+            section.index,
+            &self.settings.infill,
+        );
+    }
+
+    /// Divides an island's inside; at full density nothing is sparse.
+    fn zones(&self, inside: &Region, object: &ObjectLayer<'_>, section: &PlateLayer<'_>) -> Zones {
+        let spacing_mm = bead::spacing_mm(self.widths(section.index).solid_mm, section.height_mm);
+        let full = self.settings.infill.density.0 > SOLID_DENSITY;
+        let below = if full { Some(&EMPTY) } else { object.below };
+        shells::divide(inside, object.above, below, object.next, spacing_mm)
+    }
+
+    /// Where centre lines of sparse infill may run: the zone less half a bead, plus the overlap with the walls.
+    fn infill_room(&self, sparse: &Region, section: &PlateLayer<'_>) -> Region {
+        let width_mm = self.widths(section.index).infill_mm;
+        let inset_mm = inset_mm(width_mm, section.height_mm, &self.settings.infill);
+        geom::offset(sparse, -inset_mm)
+    }
+
+    fn fill_spec(&self, section: &PlateLayer<'_>, spacing_mm: f64) -> FillSpec {
+        let settings = &self.settings.infill;
+        let nominal_mm = spacing_mm / settings.density.0;
+        let line_distance_mm = self.sparse.map_or(nominal_mm, |c| c.line_distance_mm);
+        FillSpec {
+            line_distance_mm,
+            angle_rad: settings.angle.to_radians(),
+            layer: section.index,
+            z_mm: section.top_mm - section.height_mm / 2.0,
+            connect_mm: if settings.connect { LONGEST_JOIN * line_distance_mm } else { 0.0 },
+        }
+    }
+
+    fn wall_spec(&self, section: &PlateLayer<'_>) -> WallSpec {
+        let widths = self.widths(section.index);
+        WallSpec {
+            count: self.settings.walls.count,
+            external_width_mm: widths.external_mm,
+            width_mm: widths.wall_mm,
+            height_mm: section.height_mm,
+            gap_fill: self.settings.walls.gap_fill,
+        }
+    }
+
+    fn widths(&self, layer: usize) -> Widths {
+        let s = &self.settings;
+        let on = |width: crate::units::Mm| match s.first_layer.width.0 {
+            first_mm if layer == 0 && first_mm > 0.0 => first_mm,
+            _ => width.0,
+        };
+        Widths {
+            external_mm: on(s.walls.external_width),
+            wall_mm: on(s.walls.width),
+            solid_mm: on(s.shell.width),
+            top_mm: on(s.shell.top_width),
+            infill_mm: on(s.infill.width),
+            skirt_mm: on(s.walls.width),
+        }
+    }
+}
+
+static EMPTY: Region = Region { polygons: Vec::new() };
+
+/// How far centre lines of infill stay inside their zone.
+fn inset_mm(width_mm: f64, height_mm: f64, settings: &InfillSettings) -> f64 {
+    bead::spacing_mm(width_mm, height_mm) / 2.0 - settings.overlap.0 * width_mm
+}
+
+impl Draft {
+    fn push(&mut self, role: Role, rank: u32, closed: bool, points: Vec<geom::Point>, width: Width) {
+        let (height_mm, island) = (self.height_mm, self.island);
+        self.paths.push(Path { role, closed, points, width, height_mm, island, rank });
+    }
+
+    fn loops(&mut self, role: Role, rank: u32, width_mm: f64, rings: &[Ring]) {
+        for ring in rings.iter().filter(|r| r.len() >= 3) {
+            self.push(role, rank, true, ring.clone(), Width::Constant(width_mm));
+        }
+    }
+
+    fn lines(&mut self, role: Role, rank: u32, width_mm: f64, lines: Vec<FillLine>) {
+        for line in lines {
+            if line.closed || geom::polyline_length_mm(&line.points) >= SHORTEST_LINE_MM {
+                self.push(role, rank, line.closed, line.points, Width::Constant(width_mm));
+            }
+        }
+    }
+
+    fn solid(
+        &mut self,
+        role: Role,
+        rank: u32,
+        zone: &Region,
+        width_mm: f64,
+        layer: usize,
+        settings: &InfillSettings,
+    ) {
+        if zone.is_empty() {
+            return;
+        }
+        let spacing_mm = bead::spacing_mm(width_mm, self.height_mm);
+        let inset_mm = inset_mm(width_mm, self.height_mm, settings);
+        for (fitted_mm, lines) in
+            infill::fill_solid(zone, spacing_mm, inset_mm, settings.angle.to_radians(), layer)
+        {
+            self.lines(role, rank, bead::width_mm(fitted_mm, self.height_mm), lines);
+        }
+    }
+
+    fn gap(&mut self, _role: Role, _rank: u32, _gap: &Region) {}
+}

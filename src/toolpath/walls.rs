@@ -1,0 +1,125 @@
+//! Walls (perimeters) of one island, with fixed widths: the classic generator.
+//!
+//! Beads overlap by what their round sides leave out, so wall k covers one spacing of depth. Where a part is
+//! too narrow for another pair of beads, the remainder is handed out as a gap, to be filled with one bead of
+//! fitting width.
+
+use crate::geom::{self, Polygon, Region, Ring};
+
+use super::bead;
+
+/// Two beads that face each other may come this close, as a share of their spacing; nearer, one bead of
+/// fitting width replaces them. Slic3r allows the same overlap.
+const CLOSEST: f64 = 0.6;
+
+/// Gaps narrower than this hold no bead that a nozzle could lay.
+const MIN_GAP_MM: f64 = 0.12;
+
+/// Area that rounding of corners may lose before an island counts as having narrow places, as a share of its
+/// boundary's length: mitred corners come back exactly but for slivers of this width.
+const CORNER_LOSS_MM: f64 = 0.002;
+
+/// Widths of the beads of one layer.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct WallSpec {
+    /// How many.
+    pub count: u32,
+    /// Width of the outermost.
+    pub external_width_mm: f64,
+    /// Width of the others.
+    pub width_mm: f64,
+    /// Layer height.
+    pub height_mm: f64,
+    /// Whether gaps are looked for.
+    pub gap_fill: bool,
+}
+
+impl WallSpec {
+    fn spacing_mm(&self, depth: u32) -> f64 {
+        let width_mm = if depth == 0 { self.external_width_mm } else { self.width_mm };
+        bead::spacing_mm(width_mm, self.height_mm)
+    }
+}
+
+/// What the walls of one island are and leave.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Walls {
+    /// Centre lines by depth, 0 the outermost; of each depth the rings that go round the island's parts and
+    /// those round its holes.
+    pub loops: Vec<Vec<Ring>>,
+    /// Narrow places between the beads, to be filled with single beads; each with the depth it lies at.
+    pub gaps: Vec<(u32, Region)>,
+    /// What lies inside the innermost walls: the place for infill.
+    pub inside: Region,
+}
+
+/// Traces the walls of an island.
+pub fn trace(island: &Polygon, spec: &WallSpec) -> Walls {
+    let section = Region { polygons: vec![island.clone()] };
+    let edge_mm = bead::rounding_mm(spec.height_mm) / 2.0;
+    let depth_mm = edge_mm + (0..spec.count).map(|d| spec.spacing_mm(d)).sum::<f64>();
+    let core_mm = depth_mm + spec.spacing_mm(1) * CLOSEST / 2.0;
+    let core = geom::offset(&section, -core_mm);
+    if !core.is_empty() && same_area(&section, &geom::offset(&core, core_mm)) {
+        concentric(&section, spec)
+    } else {
+        with_gaps(&section, spec)
+    }
+}
+
+/// The walls of an island that is thick enough everywhere.
+fn concentric(section: &Region, spec: &WallSpec) -> Walls {
+    let mut walls = Walls::default();
+    let mut outline = section.clone();
+    let mut step_mm = spec.external_width_mm / 2.0;
+    for depth in 0..spec.count {
+        outline = geom::offset(&outline, -step_mm);
+        walls.loops.push(outline.rings().cloned().collect());
+        step_mm = spec.spacing_mm(depth) / 2.0;
+        if depth + 1 < spec.count {
+            step_mm += spec.spacing_mm(depth + 1) / 2.0;
+        }
+    }
+    if spec.count == 0 {
+        step_mm = bead::rounding_mm(spec.height_mm) / 2.0;
+    }
+    walls.inside = geom::offset(&outline, -step_mm);
+    walls
+}
+
+/// The walls of an island with narrow places.
+fn with_gaps(section: &Region, spec: &WallSpec) -> Walls {
+    let mut walls = Walls::default();
+    let mut rest = geom::offset(section, -bead::rounding_mm(spec.height_mm) / 2.0);
+    for depth in 0..=spec.count {
+        if rest.is_empty() {
+            break;
+        }
+        let spacing_mm = spec.spacing_mm(depth);
+        let closest_mm = spacing_mm * CLOSEST / 2.0;
+        let thick = geom::offset(&rest, -(spacing_mm / 2.0 + closest_mm));
+        let covered = geom::offset(&thick, spacing_mm / 2.0 + closest_mm);
+        if spec.gap_fill && !same_area(&rest, &covered) {
+            let gap = geom::opening(&geom::difference(&rest, &covered), MIN_GAP_MM / 2.0);
+            if !gap.is_empty() {
+                walls.gaps.push((depth, gap));
+            }
+        }
+        if depth == spec.count {
+            rest = if spec.gap_fill { geom::intersection(&covered, &rest) } else { rest };
+            break;
+        }
+        let centre = geom::offset(&thick, closest_mm);
+        walls.loops.push(centre.rings().cloned().collect());
+        rest = geom::offset(&centre, -spacing_mm / 2.0);
+    }
+    walls.inside = rest;
+    walls.loops.retain(|rings| !rings.is_empty());
+    walls
+}
+
+/// Whether opening a region lost no more than its corners' slivers.
+fn same_area(before: &Region, after: &Region) -> bool {
+    let boundary_mm: f64 = before.rings().map(|r| geom::ring_length_mm(r)).sum();
+    before.area_mm2() - after.area_mm2() <= CORNER_LOSS_MM * boundary_mm
+}

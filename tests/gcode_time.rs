@@ -1,0 +1,43 @@
+//! The planner against Klipper's own: print times of other slicers' files that Klipper computed in batch mode
+//! on this machine. Skipped where the files are not there.
+
+use std::path::Path;
+
+use pathwright::estimate::Machine;
+use pathwright::gcode::file_time;
+
+const KLIPPER: Machine = Machine {
+    max_speed: [300.0, 300.0, 15.0, 79.8],
+    max_acceleration: [3000.0, 3000.0, 100.0, 798.0],
+    acceleration: 3000.0,
+    square_corner_velocity: 5.0,
+    extruder_corner_velocity: 1.0,
+    min_cruise_ratio: 0.5,
+    filament_area_mm2: 2.405,
+};
+
+/// Cura's end script homes X and Y, which is no move to us.
+const HOMING_S: f64 = 17.0;
+
+#[test]
+fn print_times_agree_with_klippers_planner_within_a_thousandth() {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../shared/gcode");
+    for (name, klipper_s) in [
+        ("cura-15.04.3_3DHackerTest", 3407.54 - HOMING_S),
+        ("cura-15.04.3_TortureTestV2", 4945.62 - HOMING_S),
+        ("cura-15.04.3_ctrlV_3D_test", 2856.20 - HOMING_S),
+        ("curaengine-5.0_ctrlV_3D_test", 2737.24),
+        ("prusaslicer-2.9.2_3DHackerTest", 3746.87),
+        ("prusaslicer-2.9.2_TortureTestV2", 6187.57),
+        ("prusaslicer-2.9.2_ctrlV_3D_test", 3162.07),
+        ("slic3r-1.3.0_ctrlV_3D_test", 3123.71),
+    ] {
+        let Ok(text) = std::fs::read(folder.join(format!("{name}.gcode"))) else { continue };
+        let seconds = file_time(&text, &KLIPPER).0;
+        println!(
+            "{name}: {seconds:.2} s, Klipper {klipper_s} s, {:+.3} %",
+            100.0 * (seconds / klipper_s - 1.0)
+        );
+        assert!((seconds / klipper_s - 1.0).abs() < 0.001, "{name}: {seconds} s, Klipper {klipper_s} s");
+    }
+}

@@ -1,0 +1,156 @@
+//! Transforms and placement.
+
+mod mesh_shapes;
+
+use mesh_shapes::{ball, cuboid, mesh};
+use pathwright::mesh::{Item, Mesh, Placement, PlacementError, Plate, Transform, fit_factor, place};
+use pathwright::profile::{BedOrigin, BedSettings, BedShape};
+use pathwright::units::Mm;
+use proptest::prelude::*;
+
+fn bed(shape: BedShape, side: f64, origin: BedOrigin) -> BedSettings {
+    BedSettings { shape, size: [Mm(side), Mm(side)], height: Mm(200.0), origin }
+}
+
+fn block(x: f32, y: f32, z: f32) -> Mesh {
+    mesh(&cuboid([3.0, -7.0, 5.0], [3.0 + x, y - 7.0, 5.0 + z])).0
+}
+
+fn item(name: &str, mesh: Mesh, copies: usize) -> Item {
+    Item { name: name.into(), mesh, copies }
+}
+
+/// Boxes of the objects on the bed: low x, low y, high x, high y.
+fn boxes(plate: &Plate) -> Vec<[f64; 4]> {
+    let corner = |object: &pathwright::mesh::Object| {
+        let ([x, y], [min, max]) = (object.offset.mm(), plate.meshes[object.mesh].bounds());
+        [x + min[0], y + min[1], x + max[0], y + max[1]]
+    };
+    plate.objects.iter().map(corner).collect()
+}
+
+#[test]
+fn a_model_stands_in_the_middle_of_the_bed() {
+    for (origin, middle) in [(BedOrigin::Corner, 100.0), (BedOrigin::Center, 0.0)] {
+        for shape in [BedShape::Rectangular, BedShape::Round] {
+            let items = vec![item("a", block(30.0, 20.0, 10.0), 1)];
+            let plate = place(items, &bed(shape, 200.0, origin), &Placement::default()).unwrap();
+            assert_eq!(boxes(&plate), [[middle - 15.0, middle - 10.0, middle + 15.0, middle + 10.0]]);
+            assert_eq!(plate.meshes[0].bounds()[0][2], 0.0);
+        }
+    }
+}
+
+#[test]
+fn a_model_larger_than_the_bed_is_refused_with_the_factor_that_fits() {
+    let bed = bed(BedShape::Rectangular, 200.0, BedOrigin::Corner);
+    let long = block(250.0, 20.0, 10.0);
+    let error = place(vec![item("long.stl", long.clone(), 1)], &bed, &Placement::default()).unwrap_err();
+    let message = error.to_string();
+    assert!(
+        message.contains("long.stl: 250.00 × 20.00 × 10.00 mm") && message.contains("50.00 mm too long in X")
+    );
+    assert!(message.ends_with("--scale-to-fit would scale it by 0.8"), "{message}");
+    let factor = fit_factor(&long, &bed, 0.0);
+    let smaller = Transform { scale: [factor; 3], ..Transform::default() }.apply(long).unwrap();
+    assert!(place(vec![item("long.stl", smaller, 1)], &bed, &Placement::default()).is_ok());
+    let high = place(vec![item("high", block(1.0, 1.0, 250.0), 1)], &bed, &Placement::default());
+    assert!(high.unwrap_err().to_string().contains("50.00 mm too high"));
+}
+
+#[test]
+fn exact_fits_fit() {
+    let bed = bed(BedShape::Rectangular, 200.0, BedOrigin::Corner);
+    let items = || vec![item("a", block(190.0, 190.0, 200.0), 1)];
+    assert!(place(items(), &bed, &Placement { margin_mm: 5.0, ..Placement::default() }).is_ok());
+    assert!(place(items(), &bed, &Placement { margin_mm: 5.1, ..Placement::default() }).is_err());
+    assert_eq!(fit_factor(&items()[0].mesh, &bed, 5.0), 1.0);
+}
+
+#[test]
+fn a_round_bed_measures_the_outline_and_not_its_box() {
+    let bed = bed(BedShape::Round, 100.0, BedOrigin::Center);
+    let round = mesh(&ball([0.0; 3], 49.0, 4)).0;
+    assert!(place(vec![item("ball", round, 1)], &bed, &Placement::default()).is_ok());
+    let square = place(vec![item("square", block(80.0, 80.0, 5.0), 1)], &bed, &Placement::default());
+    assert!(square.unwrap_err().to_string().contains("6.57 mm beyond the edge"));
+}
+
+#[test]
+fn copies_share_a_mesh_and_fill_the_bed() {
+    let bed = bed(BedShape::Rectangular, 200.0, BedOrigin::Corner);
+    let items = |copies| vec![item("part", block(45.0, 45.0, 5.0), copies)];
+    let plate = place(items(16), &bed, &Placement::default()).unwrap();
+    assert_eq!((plate.meshes.len(), plate.objects.len()), (1, 16));
+    assert_eq!(plate.objects[1].name, "part (2)");
+    let error = place(items(17), &bed, &Placement::default()).unwrap_err();
+    assert!(matches!(error, PlacementError::TooMany { total: 17, fitting: 16, .. }), "{error}");
+}
+
+#[test]
+fn a_shift_moves_and_sinks_but_not_off_the_bed() {
+    let bed = bed(BedShape::Rectangular, 200.0, BedOrigin::Corner);
+    let shifted = |shift_mm| {
+        let options = Placement { shift_mm, ..Placement::default() };
+        place(vec![item("a", block(20.0, 20.0, 10.0), 1)], &bed, &options)
+    };
+    let plate = shifted([30.0, -10.0, -2.0]).unwrap();
+    assert_eq!(boxes(&plate), [[120.0, 80.0, 140.0, 100.0]]);
+    assert_eq!(plate.meshes[0].bounds()[0][2], -2.0);
+    assert!(shifted([95.0, 0.0, 0.0]).unwrap_err().to_string().contains("5.00 mm beyond"));
+    assert!(matches!(shifted([0.0, 0.0, 1.0]), Err(PlacementError::InTheAir(_))));
+}
+
+#[test]
+fn mirroring_keeps_the_outside_out() {
+    let ball = mesh(&ball([0.0; 3], 5.0, 2)).0;
+    let mirror = Transform { scale: [-1.0, 2.0, 1.0], ..Transform::default() };
+    let mirrored = mirror.apply(ball.clone()).unwrap();
+    assert!((mirrored.volume_and_area().0 / ball.volume_and_area().0 - 2.0).abs() < 1e-9);
+    let rebuilt = Mesh::new(mirrored.vertices().to_vec(), mirrored.triangles().to_vec());
+    assert_eq!(mirrored.twins(), rebuilt.twins());
+}
+
+#[test]
+fn quarter_turns_are_exact() {
+    let turn = Transform { rotate_deg: [90.0, 0.0, 90.0], ..Transform::default() };
+    let turned = turn.apply(block(1.0, 2.0, 3.0)).unwrap();
+    assert_eq!(turned.size(), [3.0, 1.0, 2.0]);
+}
+
+#[test]
+fn scales_that_leave_nothing_are_refused() {
+    for bad in [0.0, f64::NAN, f64::INFINITY, 1e6] {
+        assert!(
+            Transform { scale: [1.0, bad, 1.0], ..Transform::default() }.apply(block(1.0, 2.0, 3.0)).is_err()
+        );
+    }
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(64))]
+
+    #[test]
+    fn models_never_come_closer_than_the_spacing(
+        sizes in prop::collection::vec((1.0f32..60.0, 1.0f32..60.0, 1usize..4), 1..6),
+        spacing_mm in 0.5f64..10.0,
+        round in any::<bool>(),
+    ) {
+        let shape = if round { BedShape::Round } else { BedShape::Rectangular };
+        let items = sizes.iter().map(|&(x, y, n)| item("a", block(x, y, 5.0), n)).collect();
+        let options = Placement { spacing_mm, ..Placement::default() };
+        if let Ok(plate) = place(items, &bed(shape, 250.0, BedOrigin::Center), &options) {
+            let boxes = boxes(&plate);
+            for (i, a) in boxes.iter().enumerate() {
+                prop_assert!(a.iter().all(|c| c.abs() <= 125.0 + 1e-3));
+                for b in &boxes[..i] {
+                    let gap = [a[0] - b[2], b[0] - a[2], a[1] - b[3], b[1] - a[3]];
+                    prop_assert!(gap.into_iter().fold(f64::MIN, f64::max) >= spacing_mm - 1e-4);
+                }
+            }
+        } else {
+            let area: f32 = sizes.iter().map(|s| (s.0 + 10.0) * (s.1 + 10.0) * s.2 as f32).sum();
+            prop_assert!(area > 0.3 * 250.0 * 250.0, "a plate that is less than a third full must fit");
+        }
+    }
+}

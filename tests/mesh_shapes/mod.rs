@@ -1,0 +1,110 @@
+//! Meshes to test with.
+
+#![allow(dead_code, reason = "each test program uses a part of it")]
+
+use std::path::{Path, PathBuf};
+
+use pathwright::mesh::{Mesh, MeshError, MeshReport, from_bytes};
+
+/// Corners of facets, counter-clockwise seen from outside.
+pub type Facets = Vec<[[f32; 3]; 3]>;
+
+/// A box between two corners.
+pub fn cuboid(low: [f32; 3], high: [f32; 3]) -> Facets {
+    let corner = |i: usize| [0, 1, 2].map(|axis| if i >> axis & 1 == 0 { low[axis] } else { high[axis] });
+    let quads = [[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]];
+    quads.into_iter().flat_map(|[a, b, c, d]| [[a, b, c], [a, c, d]].map(|t| t.map(corner))).collect()
+}
+
+/// A ball of subdivided octahedron faces.
+pub fn ball(middle: [f32; 3], radius: f32, subdivisions: u32) -> Facets {
+    let axes = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
+    let mut facets: Vec<[[f32; 3]; 3]> = (0..8)
+        .map(|i| {
+            let sign = |axis: usize| if i >> axis & 1 == 0 { 1.0 } else { -1.0 };
+            let [a, b, c] = [0, 1, 2].map(|axis| axes[axis].map(|x: f32| x * sign(axis)));
+            if sign(0) * sign(1) * sign(2) > 0.0 { [a, b, c] } else { [a, c, b] }
+        })
+        .collect();
+    for _ in 0..subdivisions {
+        let half = |p: [f32; 3], q: [f32; 3]| unit([p[0] + q[0], p[1] + q[1], p[2] + q[2]]);
+        facets = facets
+            .into_iter()
+            .flat_map(|[a, b, c]| {
+                let (ab, bc, ca) = (half(a, b), half(b, c), half(c, a));
+                [[a, ab, ca], [ab, b, bc], [ca, bc, c], [ab, bc, ca]]
+            })
+            .collect();
+    }
+    let place = |p: [f32; 3]| [0, 1, 2].map(|i| middle[i] + radius * p[i]);
+    facets.into_iter().map(|f| f.map(place)).collect()
+}
+
+fn unit(p: [f32; 3]) -> [f32; 3] {
+    let length = (p[0] * p[0] + p[1] * p[1] + p[2] * p[2]).sqrt();
+    // Sorted sums would be needed for exact symmetry; equal corners come from equal operands here.
+    p.map(|x| x / length)
+}
+
+/// A ring around the Z axis.
+pub fn torus(large: f32, small: f32, count: usize) -> Facets {
+    let point = |i: usize, j: usize| {
+        let angle = |k: usize| (k % count) as f32 / count as f32 * std::f32::consts::TAU;
+        let r = large + small * angle(j).cos();
+        [r * angle(i).cos(), r * angle(i).sin(), small * angle(j).sin()]
+    };
+    let cells = (0..count).flat_map(|i| (0..count).map(move |j| (i, j)));
+    cells
+        .flat_map(|(i, j)| {
+            let [a, b, c, d] = [point(i, j), point(i + 1, j), point(i + 1, j + 1), point(i, j + 1)];
+            [[a, b, c], [a, c, d]]
+        })
+        .collect()
+}
+
+/// The facets turned over.
+pub fn inside_out(mut facets: Facets) -> Facets {
+    facets.iter_mut().for_each(|f| f.swap(1, 2));
+    facets
+}
+
+/// A binary STL file.
+pub fn stl(facets: &[[[f32; 3]; 3]]) -> Vec<u8> {
+    let mut data = vec![0; 80];
+    data.extend((facets.len() as u32).to_le_bytes());
+    for facet in facets {
+        data.extend([0; 12]);
+        data.extend(facet.iter().flatten().flat_map(|x| x.to_le_bytes()));
+        data.extend([0; 2]);
+    }
+    data
+}
+
+/// Loads bytes under the name `part.stl`.
+pub fn load(data: Vec<u8>) -> Result<(Mesh, MeshReport), MeshError> {
+    from_bytes(Path::new("part.stl"), data)
+}
+
+/// Loads facets.
+pub fn mesh(facets: &[[[f32; 3]; 3]]) -> (Mesh, MeshReport) {
+    load(stl(facets)).expect("the facets make a mesh")
+}
+
+/// STL files of the shared collection of models, where there is one.
+pub fn shared_models() -> Vec<PathBuf> {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../shared/models");
+    stl_files(&root.join("seed")).into_iter().chain(stl_files(&root.join("open"))).collect()
+}
+
+/// The models that the project makes itself.
+pub fn own_models() -> Vec<PathBuf> {
+    stl_files(&Path::new(env!("CARGO_MANIFEST_DIR")).join("models"))
+}
+
+fn stl_files(folder: &Path) -> Vec<PathBuf> {
+    let entries = std::fs::read_dir(folder).into_iter().flatten().flatten();
+    let mut files: Vec<PathBuf> = entries.map(|e| e.path()).collect();
+    files.retain(|p| p.extension().is_some_and(|e| e == "stl"));
+    files.sort();
+    files
+}

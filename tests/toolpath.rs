@@ -1,0 +1,268 @@
+//! What the toolpath stage promises, checked on sections made here.
+
+use pathwright::geom::{self, Bounds, Point, Polygon, Region, Ring};
+use pathwright::profile::{Pattern, Settings, WallOrder};
+use pathwright::toolpath::{LayerPaths, ObjectLayer, Path, Planner, PlateLayer, Role, Shells, Width, bead};
+use pathwright::units::{Mm, Ratio};
+use proptest::prelude::*;
+
+const HEIGHT_MM: f64 = 0.2;
+
+fn ring(points: &[(f64, f64)]) -> Ring {
+    points.iter().map(|&(x, y)| Point::from_mm(x, y)).collect()
+}
+
+fn rectangle(x0: f64, y0: f64, x1: f64, y1: f64) -> Region {
+    let outer = ring(&[(x0, y0), (x1, y0), (x1, y1), (x0, y1)]);
+    Region { polygons: vec![Polygon { outer, holes: vec![] }] }
+}
+
+fn with_hole(mut region: Region, hole: &Region) -> Region {
+    region.polygons[0]
+        .holes
+        .extend(hole.polygons.iter().map(|p| p.outer.iter().rev().copied().collect::<Ring>()));
+    region
+}
+
+/// The job that slicers are compared on.
+fn job() -> Settings {
+    let mut s = Settings::default();
+    s.walls.count = 2;
+    s.shell.top_layers = 4;
+    s.shell.bottom_layers = 4;
+    s.shell.top_width = Mm(0.45);
+    s.infill.density = Ratio(0.2);
+    s.first_layer.width = Mm(0.0);
+    s.skirt.loops = 0;
+    s
+}
+
+/// The paths of every layer of an object given by its sections.
+fn plan(sections: &[Region], settings: &Settings) -> Vec<LayerPaths> {
+    let refs: Vec<&Region> = sections.iter().collect();
+    let sequential = |n: usize, f: &(dyn Fn(usize) -> Region + Sync)| (0..n).map(f).collect();
+    let shells = Shells::build(&refs, settings.shell.top_layers, settings.shell.bottom_layers, &sequential);
+    let nothing = Region::default();
+    let section = |index: usize| PlateLayer {
+        index,
+        top_mm: HEIGHT_MM * (index + 1) as f64,
+        height_mm: HEIGHT_MM,
+        objects: vec![ObjectLayer {
+            object: 0,
+            section: &sections[index],
+            next: sections.get(index + 1).unwrap_or(&nothing),
+            above: shells.above(index),
+            below: shells.below(index),
+        }],
+    };
+    let mut planner = Planner::new(settings.into(), &sections[0], HEIGHT_MM);
+    let samples: Vec<PlateLayer<'_>> = (0..sections.len()).map(section).collect();
+    planner.calibrate(&samples, &sequential);
+    samples.iter().map(|s| planner.layer(s)).collect()
+}
+
+fn of_role(layer: &LayerPaths, role: Role) -> Vec<&Path> {
+    layer.paths.iter().filter(|p| p.role == role).collect()
+}
+
+fn length_mm(path: &Path) -> f64 {
+    if path.closed { geom::ring_length_mm(&path.points) } else { geom::polyline_length_mm(&path.points) }
+}
+
+fn volume_mm3<'a>(paths: impl IntoIterator<Item = &'a Path>) -> f64 {
+    paths
+        .into_iter()
+        .map(|p| {
+            let steps = p.points.windows(2).map(|e| e[0].distance_mm(e[1]));
+            match &p.width {
+                Width::Constant(width_mm) => bead::area_mm2(*width_mm, p.height_mm) * length_mm(p),
+                Width::PerVertex(widths) => steps
+                    .zip(widths.windows(2))
+                    .map(|(d, w)| bead::area_mm2(f64::from(w[0] + w[1]) / 2.0, p.height_mm) * d)
+                    .sum(),
+            }
+        })
+        .sum()
+}
+
+#[test]
+fn a_cube_has_two_walls_and_shells_of_four_layers() {
+    let layers = plan(&vec![rectangle(100.0, 100.0, 120.0, 120.0); 30], &job());
+    for layer in &layers {
+        assert_eq!(of_role(layer, Role::ExternalPerimeter).len(), 1, "layer {}", layer.index);
+        assert_eq!(of_role(layer, Role::Perimeter).len(), 1, "layer {}", layer.index);
+        let sparse = !of_role(layer, Role::InternalInfill).is_empty();
+        assert_eq!(sparse, (4..26).contains(&layer.index), "layer {}", layer.index);
+        let top = !of_role(layer, Role::TopSolidInfill).is_empty();
+        assert_eq!(top, layer.index == 29, "layer {}", layer.index);
+    }
+}
+
+#[test]
+fn walls_come_in_the_order_asked_for() {
+    for (order, first) in
+        [(WallOrder::InnerFirst, Role::Perimeter), (WallOrder::OuterFirst, Role::ExternalPerimeter)]
+    {
+        let mut settings = job();
+        settings.walls.order = order;
+        let layers = plan(&vec![rectangle(0.0, 0.0, 20.0, 20.0); 10], &settings);
+        let lowest = layers[5].paths.iter().min_by_key(|p| p.rank).expect("paths");
+        assert_eq!(lowest.role, first);
+        assert_eq!(layers[5].paths[0].role, first);
+    }
+}
+
+#[test]
+fn beads_of_neighbouring_walls_fill_the_layer_without_void_or_overlap() {
+    let layers = plan(&vec![rectangle(0.0, 0.0, 20.0, 20.0); 10], &job());
+    let x_max = |role| {
+        let points = of_role(&layers[5], role).into_iter().flat_map(|p| p.points.iter().copied());
+        geom::to_mm(Bounds::of(points).expect("walls").max.x)
+    };
+    let (outer_mm, inner_mm) = (x_max(Role::ExternalPerimeter), x_max(Role::Perimeter));
+    assert!((20.0 - outer_mm - 0.45 / 2.0).abs() < 1e-4, "outer wall at {outer_mm}");
+    let spacing_mm = bead::spacing_mm(0.45, HEIGHT_MM);
+    assert!((outer_mm - inner_mm - spacing_mm).abs() < 1e-4, "inner wall at {inner_mm}");
+}
+
+#[test]
+fn a_full_layer_deposits_its_own_volume() {
+    let hole = rectangle(8.0, 8.0, 14.0, 17.0);
+    let section = with_hole(rectangle(0.0, 0.0, 40.0, 30.0), &hole);
+    let mut settings = job();
+    settings.infill.density = Ratio(1.0);
+    let layers = plan(&vec![section.clone(); 12], &settings);
+    for layer in &layers {
+        let share = volume_mm3(&layer.paths) / (section.area_mm2() * HEIGHT_MM);
+        assert!((0.98..=1.02).contains(&share), "layer {}: {share}", layer.index);
+    }
+}
+
+#[test]
+fn every_pattern_has_the_density_asked_for() {
+    let section = with_hole(rectangle(0.0, 0.0, 40.0, 30.0), &rectangle(8.0, 8.0, 14.0, 17.0));
+    for &(name, pattern) in Pattern::ALL {
+        for density in [0.1, 0.2, 0.5] {
+            let mut settings = job();
+            settings.infill.pattern = pattern;
+            settings.infill.density = Ratio(density);
+            let layers = plan(&vec![section.clone(); 30], &settings);
+            let inside_mm2 =
+                geom::offset(&section, -(0.45 + bead::spacing_mm(0.45, HEIGHT_MM) - 0.0215)).area_mm2();
+            let sparse = layers.iter().flat_map(|l| of_role(l, Role::InternalInfill));
+            let share = volume_mm3(sparse) / (inside_mm2 * HEIGHT_MM * 22.0);
+            assert!((share / density - 1.0).abs() < 0.02, "{name} at {density}: {share}");
+        }
+    }
+}
+
+#[test]
+fn no_infill_leaves_its_island_or_crosses_a_hole() {
+    let section = with_hole(rectangle(0.0, 0.0, 40.0, 30.0), &rectangle(8.0, 8.0, 14.0, 17.0));
+    let room = geom::offset(&section, -0.7);
+    for &(name, pattern) in Pattern::ALL {
+        let mut settings = job();
+        settings.infill.pattern = pattern;
+        for layer in plan(&vec![section.clone(); 20], &settings) {
+            for path in layer.paths.iter().filter(|p| p.role > Role::GapFill) {
+                for edge in path.points.windows(2) {
+                    let middle = Point::new((edge[0].x + edge[1].x) / 2, (edge[0].y + edge[1].y) / 2);
+                    assert!(room.contains(middle), "{name}, layer {}: {middle:?}", layer.index);
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn density_zero_leaves_the_inside_empty() {
+    let mut settings = job();
+    settings.infill.density = Ratio(0.0);
+    let layers = plan(&vec![rectangle(0.0, 0.0, 20.0, 20.0); 20], &settings);
+    assert!(layers.iter().all(|l| of_role(l, Role::InternalInfill).is_empty()));
+    assert!(!of_role(&layers[0], Role::SolidInfill).is_empty());
+}
+
+#[test]
+fn skirt_and_brim_keep_their_distance() {
+    let section = rectangle(100.0, 100.0, 120.0, 120.0);
+    let mut settings = job();
+    settings.skirt.loops = 2;
+    settings.skirt.distance = Mm(3.0);
+    settings.brim.width = Mm(3.0);
+    let layers = plan(&vec![section; 6], &settings);
+    let reach_mm = |role| {
+        let points = of_role(&layers[0], role).into_iter().flat_map(|p| p.points.iter().copied());
+        let bounds = Bounds::of(points).expect("loops");
+        (geom::to_mm(bounds.max.x) - 120.0, of_role(&layers[0], role).len())
+    };
+    let spacing_mm = bead::spacing_mm(0.45, HEIGHT_MM);
+    let (brim_mm, brims) = reach_mm(Role::Brim);
+    assert_eq!(brims, (3.0 / spacing_mm).round() as usize);
+    assert!((brim_mm - (0.225 + (brims - 1) as f64 * spacing_mm)).abs() < 0.01, "{brim_mm}");
+    let (skirt_mm, skirts) = reach_mm(Role::Skirt);
+    assert_eq!(skirts, 2);
+    assert!((skirt_mm - (3.0 + 3.0 + 0.225 + spacing_mm)).abs() < 0.01, "{skirt_mm}");
+    assert!(
+        layers[1..].iter().all(|l| of_role(l, Role::Skirt).is_empty() && of_role(l, Role::Brim).is_empty())
+    );
+}
+
+#[test]
+fn on_a_slope_every_exposed_place_is_solid_to_the_shell_depth() {
+    // A pyramid whose sides move in by 0.5 mm a layer.
+    let sections: Vec<Region> = (0..30)
+        .map(|i| {
+            let d = 0.5 * i as f64;
+            rectangle(d, d, 40.0 - d, 40.0 - d)
+        })
+        .collect();
+    let layers = plan(&sections, &job());
+    for i in 4..20 {
+        let shell = geom::difference(&sections[i], &sections[i + 4]);
+        let sparse: Vec<Point> =
+            of_role(&layers[i], Role::InternalInfill).iter().flat_map(|p| p.points.iter().copied()).collect();
+        let deep = geom::offset(&shell, -0.05);
+        assert!(sparse.iter().all(|&p| !deep.contains(p)), "sparse infill in the shell of layer {i}");
+    }
+}
+
+fn star() -> impl Strategy<Value = Region> {
+    prop::collection::vec(1.0..12.0f64, 5..40).prop_map(|radii| {
+        let n = radii.len() as f64;
+        let outer: Ring = radii
+            .iter()
+            .enumerate()
+            .map(|(i, r)| {
+                let (sin, cos) = (std::f64::consts::TAU * i as f64 / n).sin_cos();
+                Point::from_mm(50.0 + r * cos, 50.0 + r * sin)
+            })
+            .collect();
+        geom::unite_rings(&[outer])
+    })
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 64, ..ProptestConfig::default() })]
+
+    #[test]
+    fn walls_stay_inside_the_section(section in star()) {
+        let room = geom::offset(&section, -(0.45 / 2.0 - 0.003));
+        for layer in plan(&vec![section; 3], &job()) {
+            for path in layer.paths.iter().filter(|p| p.closed && p.role == Role::ExternalPerimeter) {
+                for &p in &path.points {
+                    prop_assert!(room.contains(p), "{p:?}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn any_section_is_filled_but_for_what_no_bead_can_reach(section in star()) {
+        let mut settings = job();
+        settings.infill.density = Ratio(1.0);
+        let layers = plan(&vec![section.clone(); 3], &settings);
+        let share = volume_mm3(&layers[1].paths) / (section.area_mm2() * HEIGHT_MM);
+        prop_assert!((0.85..=1.05).contains(&share), "{share}");
+    }
+}
