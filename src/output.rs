@@ -185,7 +185,8 @@ fn open(path: &Path) -> io::Result<Sink> {
     }
     let file = Pending::create(target.parent().unwrap_or(Path::new("")))?;
     if let Some(existing) = existing {
-        file.file.as_file().set_permissions(existing.permissions())?;
+        // Memory cards and network drives may know no modes; that is no reason not to write.
+        let _ = file.file.as_file().set_permissions(existing.permissions());
     }
     const BUFFER_BYTES: usize = 1 << 18;
     Ok(Sink::File { file: BufWriter::with_capacity(BUFFER_BYTES, file), target })

@@ -44,6 +44,8 @@ fn arguments_that_make_no_sense_are_usage_errors() {
         &["slice", "a.stl", "--json", "-o", "-"],
         &["slice", "a.stl", "b.stl", "--each", "-o", "-"],
         &["slice", "a.stl", "b.stl", "--each", "-o", "no-such-folder"],
+        &["slice", "a.stl", "-o", "no-such-folder/"],
+        &["slice", "a.stl", "-o", ""],
         &["man", "frobnicate"],
     ] {
         let (out, err) = run(args, 2);

@@ -3,7 +3,7 @@
 use std::fmt::Display;
 use std::io::{self, ErrorKind, IsTerminal, Write};
 
-use indicatif::{ProgressBar, ProgressStyle};
+use indicatif::{ProgressBar, ProgressState, ProgressStyle};
 use serde::Serialize;
 
 use super::exit::{Exit, Failure};
@@ -50,8 +50,13 @@ impl Bar {
         if !wanted || !io::stderr().is_terminal() {
             return None;
         }
-        let style = ProgressStyle::with_template("{bar:40} {pos}/{len} layers, {per_sec}, {eta} left");
-        Some(Self(ProgressBar::new(0).with_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()))))
+        let style = ProgressStyle::with_template("{bar:40} {pos}/{len} layers, {rate} layers/s, {eta} left")
+            .unwrap_or_else(|_| ProgressStyle::default_bar())
+            .with_key("rate", |state: &ProgressState, out: &mut dyn std::fmt::Write| {
+                // Too little room for a number is no reason to fail.
+                let _ = write!(out, "{:.0}", state.per_sec());
+            });
+        Some(Self(ProgressBar::new(0).with_style(style)))
     }
 
     /// Takes the bar off the terminal.

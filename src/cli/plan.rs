@@ -110,6 +110,10 @@ fn destination(args: &SliceArgs, model: &Path) -> Result<Destination, Failure> {
         let name = beside.file_name().ok_or_else(|| usage(format!("{}: is no file", model.display())))?;
         return Ok(Destination::File(output.join(name)));
     }
+    let text = output.to_string_lossy();
+    if text.is_empty() || text.ends_with(std::path::is_separator) {
+        return Err(usage(format!("-o names a folder that does not exist: `{text}`")));
+    }
     if args.each && args.models.files.len() > 1 {
         return Err(usage(format!(
             "with --each, -o names a folder that exists, which {} is not",

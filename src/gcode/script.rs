@@ -94,7 +94,7 @@ mod tests {
         assert_eq!(scripts.start, "M109 S210\nG1 X30 ; {x}\n");
         settings.gcode.end = "{nozle_temp}".into();
         let mistakes = Scripts::new(&settings, &facts).expect_err("a mistake");
-        assert!(mistakes[0].starts_with("gcode.end: unknown placeholder"), "{mistakes:?}");
+        assert!(mistakes[0].starts_with("gcode.end: line 1: unknown placeholder"), "{mistakes:?}");
     }
 
     #[test]

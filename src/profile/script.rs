@@ -260,7 +260,7 @@ mod tests {
     fn values_cannot_start_a_line_or_a_comment() {
         let mut settings = Settings::default();
         settings.printer.name = "evil\nM112;\rG28".into();
-        assert_eq!(filled("M117 {printer}", &settings), "M117 evil M112, G28");
+        assert_eq!(filled("M117 {printer}", &settings), "M117 evil M112, G28\n");
     }
 
     #[test]
@@ -269,13 +269,6 @@ mod tests {
         assert_eq!(problems.len(), 2);
         assert_eq!(problems[0], "line 1: unknown placeholder {nozle_temp}; did you mean {nozzle_temp}?");
         assert_eq!(problems[1], "line 2: unknown placeholder {bed_tmp}; did you mean {bed_temp}?");
-    }
-
-    #[test]
-    fn a_name_cannot_smuggle_in_a_command() {
-        let mut settings = Settings::default();
-        settings.printer.name = "a\nM112;b".into();
-        assert_eq!(filled("M117 {printer}", &settings), "M117 a M112,b\n");
     }
 
     #[test]
