@@ -4,7 +4,7 @@ use super::search::{GAIN, Search};
 use super::walk::{End, NONE};
 
 /// Vertices of a loop from which gaps for it are looked for.
-const SAMPLES: usize = 12;
+const SAMPLES: usize = 6;
 /// Neighbours of each sample whose gaps are tried.
 const NEAR_SAMPLE: usize = 3;
 

@@ -6,7 +6,7 @@ use super::walk::NONE;
 
 /// Length of the lists. In the plane, 8 to 10 quadrant-free neighbours lose next to nothing against more
 /// (Johnson & McGeoch 1997, "The traveling salesman problem: a case study in local optimization").
-pub const NEAR: usize = 8;
+pub const NEAR: usize = 6;
 
 /// Nodes near a node, nearest first; of a loop, its even node. The rest is [`NONE`].
 pub type Near = [u32; NEAR];
