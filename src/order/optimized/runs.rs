@@ -12,10 +12,10 @@ const BLOCK: u32 = 4;
 /// With at most so many groups, all gaps between groups are tried; with more, those beside near groups.
 const FEW: usize = 12;
 /// Near groups of each group.
-const NEAR: usize = 8;
+const NEAR: usize = 24;
 /// Places of a group from which near groups are looked for, and how many from each.
 const SAMPLES: usize = 8;
-const NEAR_SAMPLE: usize = 4;
+const NEAR_SAMPLE: usize = 6;
 
 /// What lies where, for groups.
 #[derive(Debug)]
