@@ -293,14 +293,6 @@ impl<'a> Index<'a> {
         best
     }
 
-    /// The best entries of the `k` nearest other items that are left in a group, nearest first, into `found`.
-    pub fn nearest_items(&self, group: u32, p: Point, except: u32, k: usize, found: &mut Vec<Entry>) {
-        found.clear();
-        self.search(self.roots[group as usize], p, i64::MAX, &mut |block, bound| {
-            if block.item == except { bound } else { insert(found, self.nearest_of(block, p), k) }
-        });
-    }
-
     /// The `k` open groups nearest to a point, nearest first, into `found`, their numbers in place of the items'.
     pub fn nearest_groups(&self, p: Point, groups: &Groups, k: usize, found: &mut Vec<Entry>) {
         found.clear();

@@ -2,6 +2,7 @@
 
 mod chains;
 mod exchange;
+mod grid;
 mod loops;
 mod neighbours;
 mod random;

@@ -46,7 +46,7 @@ impl<'a> Search<'a> {
             groups,
             index,
             walk: Walk::new(problem, groups, cost, sequence),
-            neighbours: Neighbours::new(problem),
+            neighbours: Neighbours::new(problem, groups),
             reach: u32::MAX,
             vicinity: Vicinity::new(problem, groups),
             queue: VecDeque::new(),
