@@ -2,6 +2,7 @@
 
 mod chains;
 mod exchange;
+mod grid;
 mod loops;
 mod neighbours;
 mod random;
@@ -20,7 +21,7 @@ use crate::profile::Effort;
 fn steps_per_path(effort: Effort) -> u64 {
     match effort {
         Effort::Fast => 0,
-        Effort::Normal => 4_000,
+        Effort::Normal => std::env::var("PW").map_or(4000, |v| v.parse().unwrap()),
         Effort::High => 60_000,
     }
 }
