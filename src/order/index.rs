@@ -301,6 +301,18 @@ impl<'a> Index<'a> {
         });
     }
 
+    /// The `k` open groups nearest to a point, nearest first, into `found`, their numbers in place of the items'.
+    pub fn nearest_groups(&self, p: Point, groups: &Groups, k: usize, found: &mut Vec<Entry>) {
+        found.clear();
+        if self.nodes.get(self.root as usize).is_none_or(|root| !root.visible) {
+            return;
+        }
+        self.search(self.root, p, i64::MAX, &mut |entry| {
+            insert(found, Entry { item: groups.of[entry.item as usize], ..entry }, k);
+            if found.len() < k { i64::MAX } else { found[k - 1].distance2 }
+        });
+    }
+
     /// Shows every entry of the subtree that is not farther than the bound to `visit`, which returns the bound
     /// from then on. Nearer children go first.
     fn search(&self, node: u32, p: Point, bound: i64, visit: &mut impl FnMut(Entry) -> i64) -> i64 {

@@ -1,6 +1,8 @@
 //! One trait behind which every way of ordering lives. Adding one is a file and a line in [`strategy`].
 
-use super::{AsSliced, Christofides, ChristofidesOpen, Cost, Greedy, Nearest, Problem, Sequence};
+use super::{
+    AsSliced, Christofides, ChristofidesOpen, Cost, Greedy, Nearest, Optimized, Problem, Sequence,
+};
 use crate::profile::{Effort, OrderStrategy};
 
 /// A way of ordering a layer.
@@ -19,6 +21,6 @@ pub fn strategy(name: OrderStrategy) -> &'static dyn Strategy {
         OrderStrategy::Greedy => &Greedy,
         OrderStrategy::Christofides => &Christofides,
         OrderStrategy::ChristofidesOpen => &ChristofidesOpen,
-        OrderStrategy::Optimized => &Nearest,
+        OrderStrategy::Optimized => &Optimized,
     }
 }

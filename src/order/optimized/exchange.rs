@@ -1,0 +1,177 @@
+//! Exchanging two or three links within a group.
+
+use super::neighbours::Near;
+use super::search::{GAIN, Search};
+use super::walk::{End, NONE, Walk};
+
+/// Neighbours tried for the second new link of an exchange.
+const SECOND: usize = 5;
+
+/// An exchange of links, by the gaps that it opens, ascending.
+#[derive(Clone, Copy, Debug)]
+pub enum Exchange {
+    /// 2-opt: the stretch between two gaps is reversed.
+    Two(u32, u32),
+    /// 3-opt: the stretches A and B between three gaps …
+    Three([u32; 3], Three),
+}
+
+/// … are joined again in one of the four ways that keep none of the three links.
+#[derive(Clone, Copy, Debug)]
+pub enum Three {
+    /// B, A: moves a stretch (Or-opt is the case of a short one).
+    Swap,
+    /// B reversed, A.
+    SwapReverseB,
+    /// B, A reversed.
+    SwapReverseA,
+    /// A reversed, B reversed.
+    ReverseBoth,
+}
+
+impl Search<'_> {
+    /// Makes the best exchange that removes the link at `removed.gap`, links its node at `removed` anew within
+    /// `group` (its own, or the one on the gap's other side), and saves something.
+    ///
+    /// Sequential 3-opt with neighbour lists: Lin & Kernighan 1973, doi:10.1287/opre.21.2.498, as implemented for
+    /// large instances by Bentley 1992, doi:10.1287/ijoc.4.4.387. Paths are edges that stay, so each node has one link
+    /// and the search tree has half the width it has for cities.
+    pub fn exchange(&mut self, removed: End, group: u32) -> bool {
+        let Some(exchange) = self.best_exchange(removed, group) else { return false };
+        let gaps = match exchange {
+            Exchange::Two(from, to) => {
+                self.walk.reverse(from, to - 1);
+                [from, to, to]
+            }
+            Exchange::Three([x, y, z], kind) => {
+                match kind {
+                    Three::Swap => self.walk.swap(x, y, z, false, false),
+                    Three::SwapReverseA => self.walk.swap(x, y, z, true, false),
+                    Three::SwapReverseB => self.walk.swap(x, y, z, false, true),
+                    Three::ReverseBoth => {
+                        self.walk.reverse(x, y - 1);
+                        self.walk.reverse(y, z - 1);
+                    }
+                }
+                let middle = if matches!(kind, Three::ReverseBoth) { y } else { x + (z - y) };
+                [x, middle, z]
+            }
+        };
+        gaps.into_iter().for_each(|gap| self.touch(gap));
+        true
+    }
+
+    fn best_exchange(&mut self, t2: End, group: u32) -> Option<Exchange> {
+        let t1 = t2.across();
+        let (node1, node2) = (self.walk.node(t1), self.walk.node(t2));
+        let removed = self.walk.link(node1, node2);
+        if removed <= GAIN {
+            return None;
+        }
+        let (mut best_gain, mut best) = (GAIN, None);
+        for node in self.near(node2, group).into_iter().take_while(|&node| node != NONE) {
+            let added = self.walk.link(node2, node);
+            self.walk.work += 1;
+            if added >= removed {
+                if self.walk.is_loop(node / 2) { continue } else { break }
+            }
+            for t3 in ends(&self.walk, node) {
+                let distance = t3.gap.abs_diff(t1.gap);
+                if distance == 0 || distance > self.reach {
+                    continue;
+                }
+                let t4 = t3.across();
+                let node4 = self.walk.node(t4);
+                let open = removed - added + self.walk.link(node, node4);
+                self.walk.work += 2;
+                if t3.right == t2.right {
+                    let gain = open - self.walk.link(node4, node1);
+                    if gain > best_gain {
+                        best_gain = gain;
+                        best = Some(Exchange::Two(t1.gap.min(t3.gap), t1.gap.max(t3.gap)));
+                    }
+                }
+                if open <= best_gain || self.walk.group_of(node4) != group {
+                    continue;
+                }
+                for third in self.near(node4, group).into_iter().take(SECOND).take_while(|&node| node != NONE)
+                {
+                    let left = open - self.walk.link(node4, third);
+                    self.walk.work += 1;
+                    if left <= best_gain {
+                        if self.walk.is_loop(third / 2) { continue } else { break }
+                    }
+                    for t5 in ends(&self.walk, third) {
+                        if t5.gap == t1.gap || t5.gap == t3.gap || t5.gap.abs_diff(t1.gap) > self.reach {
+                            continue;
+                        }
+                        let node6 = self.walk.node(t5.across());
+                        let gain = left + self.walk.link(third, node6) - self.walk.link(node6, node1);
+                        self.walk.work += 2;
+                        if gain > best_gain
+                            && let Some(three) = three([t1, t2, t3, t4, t5, t5.across()])
+                        {
+                            best_gain = gain;
+                            best = Some(three);
+                        }
+                    }
+                }
+            }
+        }
+        best
+    }
+
+    fn near(&mut self, node: u32, group: u32) -> Near {
+        let item = node / 2;
+        if self.walk.group_of(node) == group {
+            let entry = if self.walk.is_loop(item) { self.walk.entry(item) } else { node % 2 };
+            return self.neighbours.of(self.problem, &self.index, group, item, entry);
+        }
+        let [x, y] = self.walk.place(node);
+        if x.is_nan() {
+            return [NONE; super::neighbours::NEAR];
+        }
+        self.walk.work += 16;
+        let point = crate::geom::Point::from_mm(x, y);
+        self.neighbours.near(self.problem, &self.index, group, point, NONE)
+    }
+}
+
+/// Where a listed node can be linked anew: an end of a path at its one gap, a loop at both of its gaps.
+fn ends(walk: &Walk, node: u32) -> impl Iterator<Item = End> + use<> {
+    let first = walk.end_of(node);
+    let second = walk.is_loop(node / 2).then(|| {
+        // A loop's nodes are alike; which of them is listed says nothing.
+        if first.right {
+            End { gap: first.gap + 1, right: false }
+        } else {
+            End { gap: first.gap - 1, right: true }
+        }
+    });
+    std::iter::once(first).chain(second)
+}
+
+/// The exchange that removes the links t1–t2, t3–t4, t5–t6 and adds t2–t3, t4–t5, t6–t1, if it leaves one walk.
+fn three(t: [End; 6]) -> Option<Exchange> {
+    let mut gaps = [t[0].gap, t[2].gap, t[4].gap];
+    gaps.sort_unstable();
+    let [x, y, z] = gaps;
+    let partner = |end: End| {
+        let at = t.iter().position(|&other| other == end)?;
+        Some(t[[5, 2, 1, 4, 3, 0][at]])
+    };
+    let (left, right) = (|gap| End { gap, right: false }, |gap| End { gap, right: true });
+    let (first, last) = (partner(left(x))?, partner(right(z))?);
+    let kind = if first == right(y) && last == left(y) {
+        Three::Swap
+    } else if first == right(y) && last == right(x) {
+        Three::SwapReverseA
+    } else if first == left(z) && last == left(y) {
+        Three::SwapReverseB
+    } else if first == left(y) && last == right(y) {
+        Three::ReverseBoth
+    } else {
+        return None;
+    };
+    Some(Exchange::Three(gaps, kind))
+}

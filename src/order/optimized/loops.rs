@@ -1,0 +1,103 @@
+//! Loops: entering them elsewhere, and moving them to another gap and vertex at once.
+
+use super::search::{GAIN, Search};
+use super::walk::{End, NONE};
+
+/// Vertices of a loop from which gaps for it are looked for.
+const SAMPLES: usize = 12;
+/// Neighbours of each sample whose gaps are tried.
+const NEAR_SAMPLE: usize = 3;
+
+impl Search<'_> {
+    /// Enters a loop at the vertex that makes its two links cheapest. O(vertices).
+    pub fn reenter(&mut self, item: u32) -> bool {
+        let Some(vertices) = self.walk.vertices(item) else { return false };
+        let at = self.walk.position(item);
+        let (before, after) = (End { gap: at, right: false }, End { gap: at + 1, right: true });
+        let (before, after) =
+            (self.walk.place(self.walk.node(before)), self.walk.place(self.walk.node(after)));
+        let now = self.walk.gap(at) + self.walk.gap(at + 1);
+        if now <= GAIN || vertices.len() == 1 {
+            return false;
+        }
+        let (cost, entry) = self.best_vertex(item, before, after);
+        if cost >= now - GAIN {
+            return false;
+        }
+        self.walk.enter(item, entry);
+        self.touch(at);
+        self.touch(at + 1);
+        true
+    }
+
+    /// The vertex of a loop that is cheapest to visit between two places, and what its two links cost.
+    pub fn best_vertex(&mut self, item: u32, before: [f64; 2], after: [f64; 2]) -> (f64, u32) {
+        let vertices = self.walk.vertices(item).unwrap_or_default();
+        self.walk.work += vertices.len() as u64;
+        let mut best = (f64::INFINITY, 0);
+        for (entry, vertex) in vertices.iter().enumerate() {
+            let vertex = vertex.mm();
+            let cost = self.walk.between(before, vertex) + self.walk.between(vertex, after);
+            if cost < best.0 {
+                best = (cost, entry as u32);
+            }
+        }
+        best
+    }
+
+    /// Moves a loop to the gap in its group, and to the vertex, where it costs least.
+    ///
+    /// Gaps are those beside items that are near to some vertex of the loop.
+    pub fn reinsert(&mut self, item: u32) -> bool {
+        let Some(vertices) = self.walk.vertices(item) else { return false };
+        let at = self.walk.position(item);
+        let group = self.walk.group_at(at);
+        let (first, last) = self.walk.span(group);
+        if last - first < 2 {
+            return false;
+        }
+        let before = self.walk.node(End { gap: at, right: false });
+        let after = self.walk.node(End { gap: at + 1, right: true });
+        let saved = self.walk.gap(at) + self.walk.gap(at + 1) - self.walk.link(before, after);
+        if saved <= GAIN {
+            return false;
+        }
+        let mut best = (saved - GAIN, NONE);
+        for entry in (0..vertices.len()).step_by(vertices.len().div_ceil(SAMPLES)) {
+            let vertex = vertices[entry].mm();
+            let near = self.neighbours.of(self.problem, &self.index, group, item, entry as u32);
+            for node in near.into_iter().take(NEAR_SAMPLE).take_while(|&node| node != NONE) {
+                let beside = self.walk.position(node / 2);
+                for gap in [beside, beside + 1] {
+                    if gap == at || gap == at + 1 || gap.abs_diff(at) > self.reach {
+                        continue;
+                    }
+                    let left = self.walk.place(self.walk.node(End { gap, right: false }));
+                    let right = self.walk.place(self.walk.node(End { gap, right: true }));
+                    let added = self.walk.between(left, vertex) + self.walk.between(vertex, right)
+                        - self.walk.between(left, right);
+                    self.walk.work += 3;
+                    if added < best.0 {
+                        best = (added, gap);
+                    }
+                }
+            }
+        }
+        let gap = best.1;
+        if gap == NONE {
+            return false;
+        }
+        let left = self.walk.place(self.walk.node(End { gap, right: false }));
+        let right = self.walk.place(self.walk.node(End { gap, right: true }));
+        let (_, entry) = self.best_vertex(item, left, right);
+        self.walk.enter(item, entry);
+        if gap < at {
+            self.walk.swap(gap, at, at + 1, false, false);
+            [gap, gap + 1, at + 1].into_iter().for_each(|gap| self.touch(gap));
+        } else {
+            self.walk.swap(at, at + 1, gap, false, false);
+            [at, gap - 1, gap].into_iter().for_each(|gap| self.touch(gap));
+        }
+        true
+    }
+}

@@ -1,0 +1,318 @@
+//! The walk under improvement, as an array.
+
+use super::super::precedence::Groups;
+use super::super::{Cost, Problem, Sequence, Shape, Visit};
+use crate::geom::Point;
+
+/// No group: that of the sentinels.
+pub const NONE: u32 = u32::MAX;
+
+/// A walk through all items, with a journal of changes so that they can be undone.
+///
+/// Item i has the nodes 2i and 2i + 1, its ends at entry 0 and 1; both nodes of a loop lie where it is entered. Items n
+/// and n + 1 are sentinels: where the nozzle is and where the next layer begins. Positions 1 to n hold
+/// the items; gap g lies between the positions g − 1 and g.
+#[derive(Debug)]
+pub struct Walk<'a> {
+    problem: &'a Problem<'a>,
+    cost: Cost,
+    /// The node at which the item at each position is entered; it is left at the other node, `^ 1`.
+    entered: Vec<u32>,
+    position: Vec<u32>,
+    /// Place of each node, millimetres; not a number: anywhere, so that links to it cost nothing.
+    place: Vec<[f64; 2]>,
+    /// Where each loop is entered.
+    entry: Vec<u32>,
+    group: Vec<u32>,
+    /// First position and length of each group.
+    span: Vec<(u32, u32)>,
+    journal: Vec<Change>,
+    /// Cost of all links now, and when the journal was empty.
+    total: f64,
+    committed: f64,
+    /// Elementary steps so far: link costs looked at and array cells written (in eighths).
+    pub work: u64,
+}
+
+#[derive(Clone, Copy, Debug)]
+enum Change {
+    Reversed(u32, u32),
+    Entered { item: u32, before: u32 },
+}
+
+/// One of the two nodes at a gap.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct End {
+    /// The gap.
+    pub gap: u32,
+    /// The node after the gap rather than the one before it.
+    pub right: bool,
+}
+
+impl End {
+    /// The other node at the gap.
+    #[inline]
+    pub fn across(self) -> Self {
+        Self { right: !self.right, ..self }
+    }
+}
+
+fn place(point: Option<Point>) -> [f64; 2] {
+    point.map_or([f64::NAN; 2], Point::mm)
+}
+
+impl<'a> Walk<'a> {
+    /// The walk that a solution describes.
+    pub fn new(problem: &'a Problem<'a>, groups: &Groups, cost: Cost, sequence: &[Visit]) -> Self {
+        let n = problem.items.len();
+        let (mut places, mut entry) = (Vec::with_capacity(2 * n + 4), vec![0; n]);
+        for item in &problem.items {
+            places.extend(match item.shape {
+                Shape::Open([a, b]) => [a.mm(), b.mm()],
+                Shape::Loop(vertices) => [vertices[0].mm(); 2],
+            });
+        }
+        places.extend([place(problem.start), place(problem.start), place(problem.end), place(problem.end)]);
+        let mut entered = Vec::with_capacity(n + 2);
+        entered.push(2 * n as u32);
+        for visit in sequence {
+            let (item, node) = (visit.item as usize, 2 * visit.item);
+            if let Shape::Loop(vertices) = problem.items[item].shape {
+                entry[item] = visit.entry;
+                let at = vertices[visit.entry as usize].mm();
+                (places[2 * item], places[2 * item + 1]) = (at, at);
+                entered.push(node);
+            } else {
+                entered.push(node + visit.entry);
+            }
+        }
+        entered.push(2 * n as u32 + 2);
+        let mut position = vec![0; n + 2];
+        for (at, &node) in entered.iter().enumerate() {
+            position[node as usize / 2] = at as u32;
+        }
+        let mut group = groups.of.clone();
+        group.extend([NONE, NONE]);
+        let span = groups.items.iter().map(|items| (0, items.len() as u32)).collect();
+        let mut walk = Self {
+            problem,
+            cost,
+            entered,
+            position,
+            place: places,
+            entry,
+            group,
+            span,
+            journal: Vec::new(),
+            total: 0.0,
+            committed: 0.0,
+            work: 0,
+        };
+        walk.find_spans(1, n as u32);
+        walk.total = (1..=n as u32 + 1).map(|gap| walk.gap(gap)).sum();
+        walk.committed = walk.total;
+        walk
+    }
+
+    /// The solution as it is now.
+    pub fn sequence(&self) -> Sequence {
+        let visit = |&node: &u32| {
+            let item = node / 2;
+            let entry = if self.is_loop(item) { self.entry[item as usize] } else { node % 2 };
+            Visit { item, entry }
+        };
+        self.entered[1..=self.len() as usize].iter().map(visit).collect()
+    }
+
+    /// Number of items.
+    #[inline]
+    pub fn len(&self) -> u32 {
+        self.entry.len() as u32
+    }
+
+    /// Whether an item is a loop. Sentinels are not.
+    #[inline]
+    pub fn is_loop(&self, item: u32) -> bool {
+        self.vertices(item).is_some()
+    }
+
+    /// Where a loop may be entered; nothing for open paths and sentinels.
+    #[inline]
+    pub fn vertices(&self, item: u32) -> Option<&'a [Point]> {
+        match self.problem.items.get(item as usize)?.shape {
+            Shape::Loop(vertices) => Some(vertices),
+            Shape::Open(_) => None,
+        }
+    }
+
+    /// Cost of all links, up to rounding.
+    pub fn total(&self) -> f64 {
+        self.total
+    }
+
+    /// Whether the walk is dearer than at the last [`Self::commit`].
+    pub fn is_worse(&self) -> bool {
+        self.total > self.committed + 1e-9
+    }
+
+    /// Where a loop is entered.
+    #[inline]
+    pub fn entry(&self, item: u32) -> u32 {
+        self.entry[item as usize]
+    }
+
+    /// The item at a position.
+    #[inline]
+    pub fn item_at(&self, position: u32) -> u32 {
+        self.entered[position as usize] / 2
+    }
+
+    /// Position of an item.
+    #[inline]
+    pub fn position(&self, item: u32) -> u32 {
+        self.position[item as usize]
+    }
+
+    /// Group of the item at a position; [`NONE`] for sentinels.
+    #[inline]
+    pub fn group_at(&self, position: u32) -> u32 {
+        self.group[self.item_at(position) as usize]
+    }
+
+    /// Group of the item that a node belongs to; [`NONE`] for sentinels.
+    #[inline]
+    pub fn group_of(&self, node: u32) -> u32 {
+        self.group[node as usize / 2]
+    }
+
+    /// Positions of a group's items, the last one excluded; also its first and last gap.
+    #[inline]
+    pub fn span(&self, group: u32) -> (u32, u32) {
+        let (first, len) = self.span[group as usize];
+        (first, first + len)
+    }
+
+    /// The node before or after a gap.
+    #[inline]
+    pub fn node(&self, end: End) -> u32 {
+        if end.right { self.entered[end.gap as usize] } else { self.entered[end.gap as usize - 1] ^ 1 }
+    }
+
+    /// The gap of an open path's node.
+    #[inline]
+    pub fn end_of(&self, node: u32) -> End {
+        let at = self.position[node as usize / 2];
+        if self.entered[at as usize] == node {
+            End { gap: at, right: true }
+        } else {
+            End { gap: at + 1, right: false }
+        }
+    }
+
+    /// Place of a node, millimetres.
+    #[inline]
+    pub fn place(&self, node: u32) -> [f64; 2] {
+        self.place[node as usize]
+    }
+
+    /// Cost of the link between two nodes.
+    #[inline]
+    pub fn link(&self, a: u32, b: u32) -> f64 {
+        self.between(self.place[a as usize], self.place[b as usize])
+    }
+
+    /// Cost of the link between two places; nothing if one of them is anywhere.
+    #[inline]
+    pub fn between(&self, a: [f64; 2], b: [f64; 2]) -> f64 {
+        let (dx, dy) = (a[0] - b[0], a[1] - b[1]);
+        let square = dx * dx + dy * dy;
+        if square > 0.0 { self.cost.of(square.sqrt()) } else { 0.0 }
+    }
+
+    /// Cost of the link over a gap.
+    #[inline]
+    pub fn gap(&self, gap: u32) -> f64 {
+        self.link(self.node(End { gap, right: false }), self.node(End { gap, right: true }))
+    }
+
+    /// Reverses the walk between two positions (inclusive), which lie in one group or hold whole groups.
+    pub fn reverse(&mut self, from: u32, to: u32) {
+        if from <= to {
+            self.total -= self.gap(from) + self.gap(to + 1);
+            self.flip(from, to);
+            self.total += self.gap(from) + self.gap(to + 1);
+            self.journal.push(Change::Reversed(from, to));
+        }
+    }
+
+    /// Swaps the neighbouring stretches `[from, middle)` and `[middle, to)`, and reverses either on request.
+    pub fn swap(&mut self, from: u32, middle: u32, to: u32, reverse_first: bool, reverse_second: bool) {
+        let middle_after = from + (to - middle);
+        self.reverse(from, to - 1);
+        if !reverse_second {
+            self.reverse(from, middle_after - 1);
+        }
+        if !reverse_first {
+            self.reverse(middle_after, to - 1);
+        }
+    }
+
+    /// Enters a loop elsewhere.
+    pub fn enter(&mut self, item: u32, entry: u32) {
+        let at = self.position(item);
+        self.total -= self.gap(at) + self.gap(at + 1);
+        let before = std::mem::replace(&mut self.entry[item as usize], entry);
+        self.put(item);
+        self.total += self.gap(at) + self.gap(at + 1);
+        self.journal.push(Change::Entered { item, before });
+    }
+
+    /// Forgets how to undo what was done so far.
+    pub fn commit(&mut self) {
+        self.journal.clear();
+        self.committed = self.total;
+    }
+
+    /// Undoes everything since the last [`Self::commit`].
+    pub fn undo(&mut self) {
+        self.total = self.committed;
+        while let Some(change) = self.journal.pop() {
+            match change {
+                Change::Reversed(from, to) => self.flip(from, to),
+                Change::Entered { item, before } => {
+                    self.entry[item as usize] = before;
+                    self.put(item);
+                }
+            }
+        }
+    }
+
+    fn put(&mut self, item: u32) {
+        let at = self.vertices(item).map_or([f64::NAN; 2], |v| v[self.entry[item as usize] as usize].mm());
+        self.place[2 * item as usize] = at;
+        self.place[2 * item as usize + 1] = at;
+    }
+
+    fn flip(&mut self, from: u32, to: u32) {
+        self.work += u64::from(to - from) / 8 + 1;
+        let stretch = &mut self.entered[from as usize..=to as usize];
+        stretch.reverse();
+        for (offset, node) in stretch.iter_mut().enumerate() {
+            *node ^= 1;
+            self.position[*node as usize / 2] = from + offset as u32;
+        }
+        if self.group_at(from) != self.group_at(to) {
+            self.find_spans(from, to);
+        }
+    }
+
+    /// Finds the groups again that lie between two positions.
+    fn find_spans(&mut self, from: u32, to: u32) {
+        let mut at = from;
+        while at <= to {
+            let span = &mut self.span[self.group[self.entered[at as usize] as usize / 2] as usize];
+            span.0 = at;
+            at += span.1;
+        }
+    }
+}
