@@ -18,6 +18,51 @@ struct Link {
     b: u32,
 }
 
+/// A spanning tree in the making.
+struct Forest<'a> {
+    model: &'a Model,
+    parts: Parts,
+    degrees: &'a mut [i32],
+    total: i64,
+}
+
+impl Forest<'_> {
+    /// Joins what the links can join, cheapest first: Kruskal, with quicksort's halves sorted only when their turn
+    /// comes and rid of links that have become idle (Osipov, Sanders & Singler 2009, <https://doi.org/10.1137/1.9781611972894.5>).
+    fn span(&mut self, links: &[Link], keys: &mut [(i64, u32)]) {
+        const SMALL: usize = 64;
+        if keys.len() <= SMALL {
+            keys.sort_unstable();
+            for &(cost, k) in &*keys {
+                let Link { a, b, .. } = links[k as usize];
+                if self.parts.join(self.item(a), self.item(b)) {
+                    self.total += cost;
+                    self.degrees[a as usize] += 1;
+                    self.degrees[b as usize] += 1;
+                }
+            }
+            return;
+        }
+        let (light, middle, heavy) = keys.select_nth_unstable(keys.len() / 4);
+        let middle = *middle;
+        self.span(links, light);
+        self.span(links, &mut [middle]);
+        let mut kept = 0;
+        for at in 0..heavy.len() {
+            let Link { a, b, .. } = links[heavy[at].1 as usize];
+            if self.parts.find(self.item(a)) != self.parts.find(self.item(b)) {
+                heavy.swap(kept, at);
+                kept += 1;
+            }
+        }
+        self.span(links, &mut heavy[..kept]);
+    }
+
+    fn item(&self, terminal: u32) -> u32 {
+        self.model.terminals[terminal as usize].item
+    }
+}
+
 /// The relaxation of one layer.
 pub(super) struct Relaxation<'a> {
     pub(super) model: &'a Model,
@@ -27,6 +72,7 @@ pub(super) struct Relaxation<'a> {
     pub(super) entry: Way,
     pub(super) exit: Way,
     keys: Vec<(i64, u32)>,
+    run_of: Vec<u32>,
 }
 
 impl<'a> Relaxation<'a> {
@@ -49,6 +95,7 @@ impl<'a> Relaxation<'a> {
             entry: terminals(&|item| model.may_begin(item)),
             exit: terminals(&|item| model.may_end(item)),
             keys: Vec::new(),
+            run_of: model.run_of(),
         };
         relaxation.add_neighbours();
         let zero = vec![0; model.terminals.len()];
@@ -114,26 +161,16 @@ impl<'a> Relaxation<'a> {
 
     /// The bound on the known links, and how many links each terminal has in the cheapest tree.
     fn relax(&mut self, weights: &[i64], degrees: &mut [i32]) -> i64 {
-        let bodies = self.model.bodies.len();
-        let mut parts = Parts::new(bodies);
-        degrees.fill(0);
-        let mut total = 0;
+        let mut forest = Forest { model: self.model, parts: Parts::new(self.model.bodies.len()), degrees, total: 0 };
+        forest.degrees.fill(0);
         for links in self.links.iter().rev() {
             self.keys.clear();
             self.keys.extend(
                 links.iter().zip(0..).map(|(l, k)| (l.cost + weights[l.a as usize] + weights[l.b as usize], k)),
             );
-            self.keys.sort_unstable();
-            for &(cost, k) in &self.keys {
-                let Link { a, b, .. } = links[k as usize];
-                let item = |t: u32| self.model.terminals[t as usize].item;
-                if parts.join(item(a), item(b)) {
-                    total += cost;
-                    degrees[a as usize] += 1;
-                    degrees[b as usize] += 1;
-                }
-            }
+            forest.span(links, &mut self.keys);
         }
+        let Forest { mut total, degrees, .. } = forest;
         for way in [&self.entry, &self.exit] {
             let (cost, terminal) = Self::cheapest(way, weights);
             if terminal != u32::MAX {
@@ -156,49 +193,60 @@ impl<'a> Relaxation<'a> {
     pub(super) fn ascend(&mut self) -> (i64, Vec<i64>) {
         let model = self.model;
         let n = model.terminals.len();
-        let mut best = (self.exact(&vec![0; n]).0, vec![0; n]);
         let mut degrees = vec![0; n];
         let iters: usize = std::env::var("ITERS").map_or(150, |v| v.parse().unwrap());
         let first: f64 = std::env::var("STEP").map_or(1.0, |v| v.parse().unwrap());
-        let decay: f64 = std::env::var("DECAY").map_or(0.97, |v| v.parse().unwrap());
-        let rounds: usize = std::env::var("ROUNDS").map_or(3, |v| v.parse().unwrap());
-        let mut step_start = first;
-        for _ in 0..rounds {
-            let mut weights: Vec<f64> = best.1.iter().map(|&w| w as f64).collect();
-            let mut rounded = best.1.clone();
-            let mut top = (self.relax(&rounded, &mut degrees), rounded.clone());
-            let mut last: Vec<f64> = vec![0.0; n];
-            let mut step = step_start * top.0.max(n as i64) as f64 / n as f64;
-            for _ in 0..iters {
-                for body in &model.bodies {
-                    let own = body.first as usize..body.last as usize;
-                    let target = if body.closed { 2 } else { 1 };
-                    for t in own {
-                        let direction = f64::from(degrees[t] - target);
-                        weights[t] += step * (0.7 * direction + 0.3 * last[t]);
-                        last[t] = direction;
-                        rounded[t] = weights[t].round() as i64;
-                    }
-                }
-                step *= decay;
-                let value = self.relax(&rounded, &mut degrees);
-                if value > top.0 {
-                    top = (value, rounded.clone());
+        let last_step: f64 = std::env::var("LAST").map_or(0.01, |v| v.parse().unwrap());
+        let shift: f64 = std::env::var("SHIFT").map_or(0.5, |v| v.parse().unwrap());
+        let decay = last_step.powf(1.0 / iters as f64);
+        let mut weights = vec![0.0; n];
+        let mut rounded = vec![0; n];
+        let (value, _) = self.exact(&rounded);
+        let mut best = (value, rounded.clone());
+        let mut top = (i64::MIN, rounded.clone());
+        let mut last: Vec<f64> = vec![0.0; n];
+        let mut direction: Vec<f64> = vec![0.0; n];
+        let mut step = first * value.max(n as i64) as f64 / n as f64;
+        self.relax(&rounded, &mut degrees);
+        let mut next_check = 8;
+        let mut runs: Vec<f64> = vec![0.0; model.bodies.len()];
+        for i in 1..=iters {
+            runs.fill(0.0);
+            for (body, k) in model.bodies.iter().zip(0..) {
+                let own = body.first as usize..body.last as usize;
+                let target = if body.closed { 2 } else { 1 };
+                for t in own {
+                    direction[t] = f64::from(degrees[t] - target);
+                    runs[self.run_of[k] as usize] += direction[t];
                 }
             }
-            let (value, tree) = self.exact(&top.1);
-            if value > best.0 {
-                best = (value, top.1);
+            for (t, terminal) in model.terminals.iter().enumerate() {
+                let d = direction[t] + shift * runs[self.run_of[terminal.item as usize] as usize];
+                weights[t] += step * (0.7 * d + 0.3 * last[t]);
+                last[t] = d;
+                rounded[t] = weights[t].round() as i64;
             }
-            let mut grown = false;
-            for found in tree {
-                grown |= self.add_pair(model.item_of_point(found.from), model.item_of_point(found.to));
+            step *= decay;
+            let mut value = self.relax(&rounded, &mut degrees);
+            if i == next_check || i == iters {
+                next_check = next_check * 3 / 2;
+                let (exact, tree) = self.exact(if i == iters { &top.1 } else { &rounded });
+                if exact > best.0 {
+                    best = (exact, if i == iters { top.1.clone() } else { rounded.clone() });
+                }
+                if std::env::var("DBG").is_ok() { eprintln!("{i} top {} value {value} exact {}", top.0, exact); }
+                let mut grown = false;
+                for found in tree {
+                    grown |= self.add_pair(model.item_of_point(found.from), model.item_of_point(found.to));
+                }
+                if grown {
+                    value = self.relax(&rounded, &mut degrees);
+                    top = best.clone();
+                }
             }
-            if std::env::var("DBG").is_ok() { eprintln!("top {} exact {}", top.0, value); }
-            if !grown {
-                break;
+            if value > top.0 {
+                top = (value, rounded.clone());
             }
-            step_start = first / 4.0;
         }
         best
     }
