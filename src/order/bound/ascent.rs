@@ -4,7 +4,7 @@ use rustc_hash::FxHashSet;
 
 use super::super::christofides::Parts;
 use super::super::matching::delaunay;
-use super::model::{DEPTHS, Model, link};
+use super::model::{Body, DEPTHS, Model, link};
 use super::pricing::{Priced, Pricing};
 use crate::geom::Point;
 
@@ -16,6 +16,106 @@ struct Link {
     cost: i64,
     a: u32,
     b: u32,
+    /// Cuts that hold both ends: a piece of the list of all these.
+    shared: (u32, u32),
+    /// Trees since the last look that used it.
+    used: u32,
+}
+
+/// Sets of terminals that an odd number of links must leave.
+#[derive(Default)]
+pub(super) struct Cuts {
+    members: Vec<Vec<u32>>,
+    known: FxHashSet<Vec<u32>>,
+    /// Cuts of each terminal, ascending.
+    of: Vec<Vec<u32>>,
+}
+
+impl Cuts {
+    /// Cuts that hold both terminals.
+    pub(super) fn shared(&self, a: u32, b: u32) -> impl Iterator<Item = u32> {
+        let other = &self.of[b as usize];
+        self.of[a as usize].iter().copied().filter(move |cut| other.binary_search(cut).is_ok())
+    }
+
+    fn add(&mut self, members: Vec<u32>) -> bool {
+        if !self.known.insert(members.clone()) {
+            return false;
+        }
+        for &t in &members {
+            self.of[t as usize].push(self.members.len() as u32);
+        }
+        self.members.push(members);
+        true
+    }
+}
+
+/// One multiplier for each terminal's number of links, and one for each cut.
+#[derive(Clone)]
+pub(super) struct Multipliers {
+    nodes: Vec<i64>,
+    cuts: Vec<i64>,
+}
+
+impl Multipliers {
+    /// What a link pays at each of its ends: the terminal's multiplier, less those of the cuts that hold it.
+    fn weights(&self, cuts: &Cuts) -> Vec<i64> {
+        let at =
+            |t: usize| self.nodes[t] - cuts.of[t].iter().map(|&cut| self.cuts[cut as usize]).sum::<i64>();
+        (0..self.nodes.len()).map(at).collect()
+    }
+}
+
+/// A spanning tree in the making.
+struct Forest<'a> {
+    model: &'a Model,
+    parts: Parts,
+    degrees: &'a mut [i32],
+    inside: &'a mut [i32],
+    shared: &'a [u32],
+    total: i64,
+}
+
+impl Forest<'_> {
+    /// Joins what the links can join, cheapest first: Kruskal, with quicksort's halves sorted only when their turn
+    /// comes and rid of links that have become idle (Osipov, Sanders & Singler 2009, <https://doi.org/10.1137/1.9781611972894.5>).
+    fn span(&mut self, links: &mut [Link], keys: &mut [(i64, u32)]) {
+        const SMALL: usize = 64;
+        if keys.len() <= SMALL {
+            keys.sort_unstable();
+            for &(cost, k) in &*keys {
+                let Link { a, b, .. } = links[k as usize];
+                if self.parts.join(self.item(a), self.item(b)) {
+                    self.total += cost;
+                    self.degrees[a as usize] += 1;
+                    self.degrees[b as usize] += 1;
+                    let link = &mut links[k as usize];
+                    link.used += 1;
+                    for &cut in &self.shared[link.shared.0 as usize..link.shared.1 as usize] {
+                        self.inside[cut as usize] += 1;
+                    }
+                }
+            }
+            return;
+        }
+        let (light, middle, heavy) = keys.select_nth_unstable(keys.len() / 4);
+        let middle = *middle;
+        self.span(links, light);
+        self.span(links, &mut [middle]);
+        let mut kept = 0;
+        for at in 0..heavy.len() {
+            let Link { a, b, .. } = links[heavy[at].1 as usize];
+            if self.parts.find(self.item(a)) != self.parts.find(self.item(b)) {
+                heavy.swap(kept, at);
+                kept += 1;
+            }
+        }
+        self.span(links, &mut heavy[..kept]);
+    }
+
+    fn item(&self, terminal: u32) -> u32 {
+        self.model.terminals[terminal as usize].item
+    }
 }
 
 /// The relaxation of one layer.
@@ -24,9 +124,12 @@ pub(super) struct Relaxation<'a> {
     pricing: Pricing<'a>,
     links: [Vec<Link>; DEPTHS],
     known: FxHashSet<(u32, u32)>,
+    cuts: Cuts,
+    shared: Vec<u32>,
     pub(super) entry: Way,
     pub(super) exit: Way,
     keys: Vec<(i64, u32)>,
+    run_of: Vec<u32>,
 }
 
 impl<'a> Relaxation<'a> {
@@ -46,13 +149,16 @@ impl<'a> Relaxation<'a> {
             pricing,
             links: Default::default(),
             known: FxHashSet::default(),
+            cuts: Cuts { of: vec![Vec::new(); model.terminals.len()], ..Cuts::default() },
+            shared: Vec::new(),
             entry: terminals(&|item| model.may_begin(item)),
             exit: terminals(&|item| model.may_end(item)),
             keys: Vec::new(),
+            run_of: model.run_of(),
         };
         relaxation.add_neighbours();
         let zero = vec![0; model.terminals.len()];
-        for found in relaxation.pricing.tree(&zero) {
+        for found in relaxation.pricing.tree(&zero, &|_, _| 0) {
             relaxation.add_pair(model.item_of_point(found.from), model.item_of_point(found.to));
         }
         relaxation
@@ -90,22 +196,22 @@ impl<'a> Relaxation<'a> {
                     .min()
                     .unwrap_or(0);
                 let cost = super::model::fine((nearest as f64).sqrt()).max(0);
-                self.links[depth].push(Link { cost, a, b });
+                let first = self.shared.len() as u32;
+                self.shared.extend(self.cuts.shared(a, b));
+                let shared = (first, self.shared.len() as u32);
+                self.links[depth].push(Link { cost, a, b, shared, used: 0 });
             }
         }
         true
     }
 
     /// Terms of the bound that do not depend on the tree.
-    fn constant(&self, weights: &[i64]) -> i64 {
-        self.model
-            .bodies
-            .iter()
-            .map(|body| {
-                let own = &weights[body.first as usize..body.last as usize];
-                if body.closed { 2 * own.iter().copied().max().unwrap_or(0) } else { own.iter().sum() }
-            })
-            .sum()
+    fn constant(&self, multipliers: &Multipliers) -> i64 {
+        let nodes = |body: &Body| {
+            let own = &multipliers.nodes[body.first as usize..body.last as usize];
+            if body.closed { 2 * own.iter().copied().max().unwrap_or(0) } else { own.iter().sum() }
+        };
+        multipliers.cuts.iter().sum::<i64>() - self.model.bodies.iter().map(nodes).sum::<i64>()
     }
 
     fn cheapest(way: &Way, weights: &[i64]) -> (i64, u32) {
@@ -115,100 +221,181 @@ impl<'a> Relaxation<'a> {
             .unwrap_or((0, u32::MAX))
     }
 
-    /// The bound on the known links, and how many links each terminal has in the cheapest tree.
-    fn relax(&mut self, weights: &[i64], degrees: &mut [i32]) -> i64 {
-        let bodies = self.model.bodies.len();
-        let mut parts = Parts::new(bodies);
+    /// The bound on the known links, how many links each terminal has in the cheapest tree, and how many lie within each cut.
+    fn relax(&mut self, multipliers: &Multipliers, degrees: &mut [i32], inside: &mut Vec<i32>) -> i64 {
+        let weights = multipliers.weights(&self.cuts);
+        inside.clear();
+        inside.resize(multipliers.cuts.len(), 0);
         degrees.fill(0);
-        let mut total = 0;
-        for links in self.links.iter().rev() {
+        let parts = Parts::new(self.model.bodies.len());
+        let mut forest = Forest { model: self.model, parts, degrees, inside, shared: &self.shared, total: 0 };
+        for links in self.links.iter_mut().rev() {
+            let key = |link: &Link| {
+                let shared = &self.shared[link.shared.0 as usize..link.shared.1 as usize];
+                let both: i64 = shared.iter().map(|&cut| multipliers.cuts[cut as usize]).sum();
+                link.cost + weights[link.a as usize] + weights[link.b as usize] + 2 * both
+            };
             self.keys.clear();
-            self.keys.extend(
-                links
-                    .iter()
-                    .zip(0..)
-                    .map(|(l, k)| (l.cost + weights[l.a as usize] + weights[l.b as usize], k)),
-            );
-            self.keys.sort_unstable();
-            for &(cost, k) in &self.keys {
-                let Link { a, b, .. } = links[k as usize];
-                let item = |t: u32| self.model.terminals[t as usize].item;
-                if parts.join(item(a), item(b)) {
-                    total += cost;
-                    degrees[a as usize] += 1;
-                    degrees[b as usize] += 1;
-                }
-            }
+            self.keys.extend(links.iter().map(key).zip(0..));
+            forest.span(links, &mut self.keys);
         }
+        let mut total = forest.total;
         for way in [&self.entry, &self.exit] {
-            let (cost, terminal) = Self::cheapest(way, weights);
+            let (cost, terminal) = Self::cheapest(way, &weights);
             if terminal != u32::MAX {
                 total += cost;
                 degrees[terminal as usize] += 1;
             }
         }
-        total - self.constant(weights)
+        total + self.constant(multipliers)
     }
 
     /// The bound over all links: what is published. Also tells the tree.
-    fn exact(&self, weights: &[i64]) -> (i64, Vec<Priced>) {
-        let tree = self.pricing.tree(weights);
+    fn exact(&self, multipliers: &Multipliers) -> (i64, Vec<Priced>) {
+        let weights = multipliers.weights(&self.cuts);
+        let both = |a: u32, b: u32| {
+            2 * self.cuts.shared(a, b).map(|cut| multipliers.cuts[cut as usize]).sum::<i64>()
+        };
+        let tree = self.pricing.tree(&weights, &both);
         let links: i64 = tree.iter().map(|found| found.cost).sum();
-        let ways: i64 = [&self.entry, &self.exit].iter().map(|way| Self::cheapest(way, weights).0).sum();
-        (links + ways - self.constant(weights), tree)
+        let ways: i64 = [&self.entry, &self.exit].iter().map(|way| Self::cheapest(way, &weights).0).sum();
+        (links + ways + self.constant(multipliers), tree)
     }
 
-    /// Multipliers per terminal and the bound they prove.
+    /// Looks for odd sets that recent trees left less than once on average: parts that are joined by links used in
+    /// more than a share of the trees.
+    fn separate(&mut self, trees: u32) -> bool {
+        let model = self.model;
+        let mut grown = false;
+        for share in [0.0, 0.15, 0.3, 0.45, 0.6] {
+            let mut parts = Parts::new(model.terminals.len());
+            let mut leaving = vec![0; model.terminals.len()];
+            for link in self.links.iter().flatten() {
+                if f64::from(link.used) > share * f64::from(trees) {
+                    parts.join(link.a, link.b);
+                }
+            }
+            for link in self.links.iter().flatten() {
+                let (a, b) = (parts.find(link.a), parts.find(link.b));
+                if a != b {
+                    leaving[a as usize] += link.used;
+                    leaving[b as usize] += link.used;
+                }
+            }
+            let mut members = vec![Vec::new(); model.terminals.len()];
+            for t in 0..model.terminals.len() as u32 {
+                members[parts.find(t) as usize].push(t);
+            }
+            for (part, members) in members.into_iter().enumerate() {
+                let open = |t: &&u32| !model.bodies[model.terminals[**t as usize].item as usize].closed;
+                if members.len() > 2
+                    && members.iter().filter(open).count() % 2 == 1
+                    && f64::from(leaving[part]) < 0.95 * f64::from(trees)
+                {
+                    grown |= self.cuts.add(members);
+                }
+            }
+        }
+        if grown {
+            self.shared.clear();
+            for link in self.links.iter_mut().flatten() {
+                let first = self.shared.len() as u32;
+                self.shared.extend(self.cuts.shared(link.a, link.b));
+                link.shared = (first, self.shared.len() as u32);
+            }
+        }
+        grown
+    }
+
+    /// Multipliers and the bound they prove.
     pub(super) fn ascend(&mut self) -> (i64, Vec<i64>) {
         let model = self.model;
         let n = model.terminals.len();
-        let mut best = (self.exact(&vec![0; n]).0, vec![0; n]);
         let mut degrees = vec![0; n];
         let iters: usize = std::env::var("ITERS").map_or(150, |v| v.parse().unwrap());
         let first: f64 = std::env::var("STEP").map_or(1.0, |v| v.parse().unwrap());
-        let decay: f64 = std::env::var("DECAY").map_or(0.97, |v| v.parse().unwrap());
-        let rounds: usize = std::env::var("ROUNDS").map_or(3, |v| v.parse().unwrap());
-        let mut step_start = first;
-        for _ in 0..rounds {
-            let mut weights: Vec<f64> = best.1.iter().map(|&w| w as f64).collect();
-            let mut rounded = best.1.clone();
-            let mut top = (self.relax(&rounded, &mut degrees), rounded.clone());
-            let mut last: Vec<f64> = vec![0.0; n];
-            let mut step = step_start * top.0.max(n as i64) as f64 / n as f64;
-            for _ in 0..iters {
-                for body in &model.bodies {
-                    let own = body.first as usize..body.last as usize;
-                    let target = if body.closed { 2 } else { 1 };
-                    for t in own {
-                        let direction = f64::from(degrees[t] - target);
-                        weights[t] += step * (0.7 * direction + 0.3 * last[t]);
-                        last[t] = direction;
-                        rounded[t] = weights[t].round() as i64;
+        let last_step: f64 = std::env::var("LAST").map_or(0.01, |v| v.parse().unwrap());
+        let shift: f64 = std::env::var("SHIFT").map_or(0.5, |v| v.parse().unwrap());
+        let cut_from: usize = std::env::var("CUTS").map_or(20, |v| v.parse().unwrap());
+        let decay = last_step.powf(1.0 / iters as f64);
+        let mut weights = vec![0.0; n];
+        let mut cut_weights: Vec<f64> = Vec::new();
+        let mut cut_last: Vec<f64> = Vec::new();
+        let mut rounded = Multipliers { nodes: vec![0; n], cuts: Vec::new() };
+        let (value, _) = self.exact(&rounded);
+        let mut best = (value, rounded.clone());
+        let mut top = (i64::MIN, rounded.clone());
+        let mut last: Vec<f64> = vec![0.0; n];
+        let mut direction: Vec<f64> = vec![0.0; n];
+        let mut step = first * value.max(n as i64) as f64 / n as f64;
+        let mut inside = Vec::new();
+        self.relax(&rounded, &mut degrees, &mut inside);
+        let (mut next_check, mut last_check) = (8, 0);
+        let mut runs: Vec<f64> = vec![0.0; model.bodies.len()];
+        for i in 1..=iters {
+            runs.fill(0.0);
+            for (body, k) in model.bodies.iter().zip(0..) {
+                let own = body.first as usize..body.last as usize;
+                let target = if body.closed { 2 } else { 1 };
+                for t in own {
+                    direction[t] = f64::from(degrees[t] - target);
+                    runs[self.run_of[k] as usize] += direction[t];
+                }
+            }
+            for (t, terminal) in model.terminals.iter().enumerate() {
+                let d = direction[t] + shift * runs[self.run_of[terminal.item as usize] as usize];
+                weights[t] += step * (0.7 * d + 0.3 * last[t]);
+                last[t] = d;
+                rounded.nodes[t] = weights[t].round() as i64;
+            }
+            for (cut, members) in self.cuts.members.iter().enumerate() {
+                let leaving = members.iter().map(|&t| degrees[t as usize]).sum::<i32>() - 2 * inside[cut];
+                let d = f64::from(1 - leaving);
+                cut_weights[cut] = (cut_weights[cut] + step * (0.7 * d + 0.3 * cut_last[cut])).max(0.0);
+                cut_last[cut] = d;
+                rounded.cuts[cut] = cut_weights[cut].round() as i64;
+            }
+            step *= decay;
+            let mut value = self.relax(&rounded, &mut degrees, &mut inside);
+            if i == next_check || i == iters {
+                next_check = next_check * 3 / 2;
+                let (exact, tree) = self.exact(if i == iters { &top.1 } else { &rounded });
+                if exact > best.0 {
+                    best = (exact, if i == iters { top.1.clone() } else { rounded.clone() });
+                }
+                if std::env::var("DBG").is_ok() {
+                    eprintln!(
+                        "{i} top {} value {value} exact {} cuts {}",
+                        top.0,
+                        exact,
+                        self.cuts.members.len()
+                    );
+                }
+                let mut grown = false;
+                for found in tree {
+                    grown |= self.add_pair(model.item_of_point(found.from), model.item_of_point(found.to));
+                }
+                if i >= cut_from && i < iters && self.separate((i - last_check) as u32) {
+                    grown = true;
+                    let cuts = self.cuts.members.len();
+                    for m in [&mut rounded, &mut best.1, &mut top.1] {
+                        m.cuts.resize(cuts, 0);
                     }
+                    cut_weights.resize(cuts, 0.0);
+                    cut_last.resize(cuts, 0.0);
                 }
-                step *= decay;
-                let value = self.relax(&rounded, &mut degrees);
-                if value > top.0 {
-                    top = (value, rounded.clone());
+                last_check = i;
+                self.links.iter_mut().flatten().for_each(|link| link.used = 0);
+                if grown {
+                    value = self.relax(&rounded, &mut degrees, &mut inside);
+                    top = best.clone();
                 }
             }
-            let (value, tree) = self.exact(&top.1);
-            if value > best.0 {
-                best = (value, top.1);
+            if value > top.0 {
+                top = (value, rounded.clone());
             }
-            let mut grown = false;
-            for found in tree {
-                grown |= self.add_pair(model.item_of_point(found.from), model.item_of_point(found.to));
-            }
-            if std::env::var("DBG").is_ok() {
-                eprintln!("top {} exact {}", top.0, value);
-            }
-            if !grown {
-                break;
-            }
-            step_start = first / 4.0;
         }
-        best
+        (best.0, best.1.nodes)
     }
 
     /// Makes the link from a known place part of the bound.

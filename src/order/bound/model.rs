@@ -134,6 +134,14 @@ impl Model {
         self.terminals[self.owner[point as usize] as usize].item
     }
 
+    /// The run of each path, numbered from 0.
+    pub(super) fn run_of(&self) -> Vec<u32> {
+        let mut all: Vec<_> = self.bodies.iter().map(|body| body.groups).collect();
+        all.sort_unstable();
+        all.dedup();
+        self.bodies.iter().map(|body| all.partition_point(|groups| *groups < body.groups) as u32).collect()
+    }
+
     /// The depth at which two paths part.
     pub(super) fn depth(&self, i: u32, j: u32) -> usize {
         let (a, b) = (&self.bodies[i as usize].groups, &self.bodies[j as usize].groups);

@@ -59,18 +59,25 @@ impl<'a> Pricing<'a> {
     ///
     /// Borůvka's rounds (1926): each part finds its cheapest way out, by a search that leaves out boxes which cannot hold a cheaper
     /// one and boxes wholly within the part.
-    pub(super) fn tree(&self, weights: &[i64]) -> Vec<Priced> {
+    pub(super) fn tree(&self, weights: &[i64], both: &dyn Fn(u32, u32) -> i64) -> Vec<Priced> {
         let model = self.model;
         let mut parts = Parts::new(model.bodies.len());
         let mut tree = Vec::new();
         for family in &self.families {
-            self.join(family, weights, &mut parts, &mut tree);
+            self.join(family, weights, both, &mut parts, &mut tree);
         }
         debug_assert_eq!(tree.len() + 1, model.bodies.len().max(1));
         tree
     }
 
-    fn join(&self, family: &Siblings, weights: &[i64], parts: &mut Parts, tree: &mut Vec<Priced>) {
+    fn join(
+        &self,
+        family: &Siblings,
+        weights: &[i64],
+        both: &dyn Fn(u32, u32) -> i64,
+        parts: &mut Parts,
+        tree: &mut Vec<Priced>,
+    ) {
         let model = self.model;
         let item = |k: u32| model.item_of_point(family.points[k as usize]);
         let weight = |k: u32| weights[model.owner[family.points[k as usize] as usize] as usize];
@@ -109,8 +116,11 @@ impl<'a> Pricing<'a> {
                     let (from, to) = (family.points[k as usize], family.points[other as usize]);
                     let length = link(at, model.points[to as usize]);
                     // Equal costs are told apart by the same key at both ends, or parts could close a circle.
-                    let found =
-                        Priced { cost: length + own + weight(other), from: from.min(to), to: from.max(to) };
+                    let mut cost = length + own + weight(other);
+                    if best.is_none_or(|best| cost <= best.cost) {
+                        cost += both(model.owner[from as usize], model.owner[to as usize]);
+                    }
+                    let found = Priced { cost, from: from.min(to), to: from.max(to) };
                     if best.is_none_or(|best| found < best) {
                         *best = Some(found);
                     }
