@@ -1,0 +1,59 @@
+//! What the standard job makes of every bundled model, compared with what it made before.
+//!
+//! A change that is meant to alter the figures rewrites them: `PATHWRIGHT_BLESS=1 cargo test --test print_golden`.
+
+mod print_support;
+
+use std::fmt::Write;
+use std::path::Path;
+
+use print_support::{print, standard};
+
+/// Every bundled model.
+const MODELS: [&str; 10] = [
+    "broken_box",
+    "calibration_cube",
+    "helical_gear",
+    "hollow_vase",
+    "nested_shells",
+    "overhang_and_bridge",
+    "pin_forest",
+    "plate_with_holes",
+    "thin_wall_comb",
+    "tilted_bracket",
+];
+
+/// Share by which a figure may differ.
+const TOLERANCE: f64 = 0.005;
+
+#[test]
+fn the_standard_job_prints_what_it_did() {
+    let settings = standard(&[]);
+    let mut table = String::from("model\tlayers\tprint_mm\tvolume_mm3\ttravels\tretractions\n");
+    for name in MODELS {
+        let summary = print(name, &settings).summary;
+        let total = &summary.total;
+        writeln!(
+            table,
+            "{name}\t{}\t{:.0}\t{:.1}\t{}\t{}",
+            summary.layer_count, total.print_mm, total.volume_mm3, total.travels, total.retractions
+        )
+        .expect("a string");
+    }
+    let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/golden/standard-job.tsv");
+    if std::env::var_os("PATHWRIGHT_BLESS").is_some() {
+        std::fs::write(file, table).expect("written");
+        return;
+    }
+    let golden = std::fs::read_to_string(file).expect("the golden table");
+    assert_eq!(golden.lines().count(), table.lines().count());
+    for (was, is) in golden.lines().zip(table.lines()) {
+        for (was_field, is_field) in was.split('\t').zip(is.split('\t')) {
+            let near = match (was_field.parse::<f64>(), is_field.parse::<f64>()) {
+                (Ok(was), Ok(is)) => (is - was).abs() <= (TOLERANCE * was).max(1.0),
+                _ => was_field == is_field,
+            };
+            assert!(near, "was {was}\n is {is}");
+        }
+    }
+}
