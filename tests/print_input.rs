@@ -73,7 +73,7 @@ fn a_model_larger_than_the_bed_is_refused_with_its_size_and_the_factor() {
 #[test]
 fn contradicting_settings_are_refused_with_both_keys() {
     let cube = bundled("calibration_cube.stl");
-    let said = refused(&cube, &["--set", "layer.height=0.6"], 4);
+    let said = refused(&cube, &["--set", "layer.height=0.41"], 4);
     assert!(said.contains("layer.height") && said.contains("nozzle_diameter"), "{said}");
 }
 

@@ -57,13 +57,14 @@ fn sparse_mm3(solid: &Solid, settings: &Settings) -> f64 {
 #[test]
 fn sparse_infill_fills_its_share_of_the_sparse_region() {
     let settings = standard(&[]);
+    // Those with room for it; in thinner ones a line more or less is a tenth of all.
     let models = [
         "calibration_cube",
-        "tilted_bracket",
         "helical_gear",
         "nested_shells",
         "overhang_and_bridge",
-        "pin_forest",
+        "plate_with_holes",
+        "tilted_bracket",
     ];
     for name in models {
         let room = sparse_mm3(&solid(&model(name), &settings), &settings);
