@@ -107,7 +107,7 @@ fn long_travels_are_retracted_once_and_short_ones_never() {
                 let wanted = if way_mm > settings.retract.min_travel.0 { 1 } else { 0 };
                 assert!(!begun || pulls == wanted, "{name}: {pulls} retractions on {way_mm} mm");
                 assert!(
-                    (pulled_mm - pushed_mm as f64).abs() < 1e-6,
+                    (pulled_mm - pushed_mm).abs() < 1e-6,
                     "{name}: {pulled_mm} back, {pushed_mm} forward"
                 );
                 let length_mm = f64::from(pulls) * settings.retract.length.0;
