@@ -101,7 +101,7 @@ fn nothing_is_extruded_outside_the_bed_or_below_what_is_there() {
 fn long_travels_are_retracted_once_and_short_ones_never() {
     let settings = settings(&[], &["order.strategy=nearest"]);
     for name in ["pin_forest", "thin_wall_comb"] {
-        let (mut pulled_mm, mut pushed_mm, mut pulls, mut way_mm, mut begun) = (0.0, 0.0, 0, 0.0, false);
+        let (mut pulled_mm, mut pushed_mm, mut pulls, mut way_mm, mut begun) = (0.0_f64, 0.0, 0, 0.0, false);
         for stroke in print(name, &settings).strokes() {
             if stroke.extrudes() {
                 let wanted = if way_mm > settings.retract.min_travel.0 { 1 } else { 0 };
