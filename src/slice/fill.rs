@@ -5,11 +5,12 @@ use i_overlay::core::overlay::{Overlay, ShapeType};
 use i_overlay::core::overlay_rule::OverlayRule;
 use i_overlay::i_float::int::point::IntPoint;
 
+use super::nest;
 use crate::geom::{Point, Polygon, Region, Ring, unite_rings};
 
 /// What the rings wind around: overlapping bodies become one.
 pub(super) fn non_zero(rings: &[Ring]) -> Region {
-    unite_rings(rings)
+    nest::assemble(rings).unwrap_or_else(|| unite_rings(rings))
 }
 
 /// What a ray leaves through an odd number of rings: for meshes that do not say where outside is.

@@ -5,6 +5,7 @@
 
 mod cutter;
 mod fill;
+mod nest;
 mod plan;
 mod simplify;
 mod stitch;

@@ -5,6 +5,10 @@ use crate::geom::{self, Region};
 /// Area below which what an island has of a zone is given to the other zone: less than a nozzle's bore.
 const CRUMB_MM2: f64 = 0.05;
 
+/// Outlines are simplified to this before they are intersected: zones are anchored by half a line anyway, and the
+/// cost of an intersection grows with its vertices.
+const ROUGH_MM: f64 = 0.05;
+
 /// Calls a function for 0, 1, … n − 1, possibly in parallel, and returns the results in order.
 pub type Map<'a> = &'a dyn Fn(usize, &(dyn Fn(usize) -> Region + Sync)) -> Vec<Region>;
 
@@ -24,8 +28,9 @@ impl Shells {
     /// intersections of neighbouring layers for each layer, and top and bottom share them.
     pub fn build(sections: &[&Region], top_layers: u32, bottom_layers: u32, map: Map<'_>) -> Self {
         let (top_layers, bottom_layers) = (top_layers as usize, bottom_layers as usize);
-        let below = windows(sections, bottom_layers, map);
-        let above = if top_layers == bottom_layers { Vec::new() } else { windows(sections, top_layers, map) };
+        let rough = map(sections.len(), &|i| geom::simplify(sections[i], ROUGH_MM));
+        let below = windows(&rough, bottom_layers, map);
+        let above = if top_layers == bottom_layers { Vec::new() } else { windows(&rough, top_layers, map) };
         Self { above, below, top_layers, bottom_layers }
     }
 
@@ -47,25 +52,15 @@ impl Shells {
 static EMPTY: Region = Region { polygons: Vec::new() };
 
 /// Intersections of `length` consecutive sections, from each index at which that many are left.
-fn windows(sections: &[&Region], length: usize, map: Map<'_>) -> Vec<Region> {
+fn windows(sections: &[Region], length: usize, map: Map<'_>) -> Vec<Region> {
     if length == 0 || sections.len() < length {
         return Vec::new();
     }
+    let mut level = sections.to_vec();
     let mut have = 1;
-    let mut level: Vec<Region> = Vec::new();
-    let at = |level: &[Region], i: usize| -> Region {
-        if level.is_empty() { sections[i].clone() } else { level[i].clone() }
-    };
-    if length == 1 {
-        return (0..sections.len()).map(|i| at(&level, i)).collect();
-    }
     while have < length {
         let step = have.min(length - have);
-        let next = {
-            let view = |i: usize| if level.is_empty() { sections[i] } else { &level[i] };
-            map(sections.len() - have - step + 1, &|i| geom::intersection(view(i), view(i + step)))
-        };
-        level = next;
+        level = map(level.len() - step, &|i| geom::intersection(&level[i], &level[i + step]));
         have += step;
     }
     level
