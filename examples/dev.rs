@@ -24,7 +24,7 @@ fn main() {
         let z0 = p.iter().map(|q| q[2]).fold(1e9, f64::min);
         let z1 = p.iter().map(|q| q[2]).fold(-1e9, f64::max);
         let l0 = (z0 / h - 0.5).ceil().max(0.) as usize;
-        for l in l0..n {
+        for (l, segs) in segs.iter_mut().enumerate().skip(l0) {
             let z = h * (l as f64 + 0.5);
             if z >= z1 {
                 break;
@@ -39,10 +39,10 @@ fn main() {
                     if q[2] >= z { ends[0] = Some(pt) } else { ends[1] = Some(pt) }
                 }
             }
-            if let [Some(x), Some(y)] = ends {
-                if x != y {
-                    segs[l].push((x, y));
-                }
+            if let [Some(x), Some(y)] = ends
+                && x != y
+            {
+                segs.push((x, y));
             }
         }
     }
@@ -72,7 +72,7 @@ fn main() {
             }
             let rings: Vec<Ring> = rings
                 .iter()
-                .map(|r| {
+                .flat_map(|r| {
                     pathwright::geom::simplify(
                         &Region { polygons: vec![Polygon { outer: r.clone(), holes: vec![] }] },
                         0.0125,
@@ -86,7 +86,6 @@ fn main() {
                     })
                     .collect::<Vec<_>>()
                 })
-                .flatten()
                 .collect();
             let u = unite_rings(&rings);
             if std::env::var("V").is_ok() {
@@ -108,7 +107,7 @@ fn main() {
     }
     let t0 = std::time::Instant::now();
     let refs: Vec<&Region> = sections.iter().collect();
-    let shells = Shells::build(&refs, 4, 4, &|n, f| (0..n).map(|i| f(i)).collect());
+    let shells = Shells::build(&refs, 4, 4, &|n, f| (0..n).map(f).collect());
     eprintln!("shells {:?}", t0.elapsed());
     let empty = Region::default();
     let mk = |i: usize| PlateLayer {
@@ -126,7 +125,7 @@ fn main() {
     let mut pl = Planner::new((&s).into(), &sections[0], h);
     let t0 = std::time::Instant::now();
     let samples: Vec<PlateLayer> = (0..12).map(|k| mk((n - 1) * k / 11)).collect();
-    pl.calibrate(&samples, &|n, f| (0..n).map(|i| f(i)).collect());
+    pl.calibrate(&samples, &|n, f| (0..n).map(f).collect());
     eprintln!("calibrate {:?}", t0.elapsed());
     let t0 = std::time::Instant::now();
     let layers: Vec<LayerPaths> = (0..n).map(|i| pl.layer(&mk(i))).collect();

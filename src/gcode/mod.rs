@@ -4,6 +4,7 @@
 //! Values known only when all layers are done have [`Slot`]s of fixed width, filled in before the file is
 //! renamed.
 
+mod effect;
 mod extruder;
 mod flavor;
 mod layer;
@@ -14,6 +15,7 @@ mod settings;
 mod slot;
 mod wrap;
 
+pub use effect::Effect;
 pub use layer::{LayerText, format_layer};
 pub use read::{
     Action, Center, Code, Line, Lines, Measure, Replay, Step, Stroke, TypeMeasure, Words, file_time, lines,

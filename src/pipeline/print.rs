@@ -3,7 +3,7 @@
 use std::ops::Range;
 
 use crate::estimate::{Machine, cool};
-use crate::gcode::{self, LayerText, PrintFacts, Scripts, Slot, Totals, WriterSettings};
+use crate::gcode::{self, Effect, LayerText, PrintFacts, Scripts, Slot, Totals, WriterSettings};
 use crate::geom::{Bounds, Point, Region};
 use crate::job::{Job, JobError, Progress};
 use crate::motion::{self, Entry, MotionSettings};
@@ -58,9 +58,11 @@ pub(super) fn slice(
     let opening = gcode::opening(settings, &facts, &scripts, true);
     let mut slots = opening.slots;
     output.write(&opening.bytes)?;
+    let begun = scripts.start_effect(settings, &run.machine);
     let mut tally = Tally::default();
+    tally.add_script(&begun, &run.machine);
     let mut seam = SeamRule::new(settings.seam.position);
-    let mut at = Entry::default();
+    let mut at = Entry { xy: begun.end.map(|[x, y, _]| [x, y]), z_mm: begun.end.map_or(0.0, |e| e[2]) };
     let chunk = chunk_len(count);
     let batch = chunk * CHUNKS_PER_THREAD * parallel::threads();
     let mut first = 0;
@@ -74,6 +76,9 @@ pub(super) fn slice(
             progress.layer_done();
         }
         first = layers.end;
+    }
+    if let Some([x, y]) = at.xy {
+        tally.add_script(&scripts.end_effect(settings, &run.machine, [x, y, at.z_mm]), &run.machine);
     }
     let totals = tally.totals();
     output.write(&gcode::closing(settings, &facts, &scripts, &totals))?;
@@ -287,6 +292,23 @@ impl Tally {
         self.layer_starts.push(Seconds(self.total.total_s));
         self.total += &layer.measures;
         self.layers.push(layer);
+    }
+
+    /// What a script does belongs to the whole, but to no layer.
+    fn add_script(&mut self, effect: &Effect, machine: &Machine) {
+        let measure = &effect.measure;
+        self.total += &Measures {
+            print_mm: measure.print_mm,
+            travel_mm: measure.travel_mm,
+            total_mm: measure.total_mm(),
+            link_mm: measure.link_mm,
+            travels: measure.travels,
+            retractions: measure.retractions,
+            total_s: effect.time.0,
+            volume_mm3: measure.volume_mm3,
+            filament_mm: measure.volume_mm3 / machine.filament_area_mm2,
+            ..Measures::default()
+        };
     }
 
     fn totals(&self) -> Totals {

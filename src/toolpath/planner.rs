@@ -6,7 +6,7 @@ use crate::profile::{
     WallSettings,
 };
 
-use super::infill::{self, Calibration, FillLine, FillSpec};
+use super::infill::{self, FillLine, FillSpec};
 use super::shells::{self, Zones};
 use super::walls::{self, WallSpec, Walls};
 use super::{Island, LayerPaths, Map, Path, Role, Width, adhesion, bead};
@@ -81,7 +81,8 @@ pub struct PlateLayer<'a> {
 #[derive(Clone, Debug)]
 pub struct Planner {
     settings: ToolpathSettings,
-    sparse: Option<Calibration>,
+    /// Calibrated distance of sparse lines.
+    line_distance_mm: Option<f64>,
     brim: Vec<Ring>,
     skirt: Vec<Ring>,
 }
@@ -106,7 +107,7 @@ struct Draft {
 impl Planner {
     /// A planner for a plate whose objects' first sections are `footprint`; `first_height_mm` is the first layer's.
     pub fn new(settings: ToolpathSettings, footprint: &Region, first_height_mm: f64) -> Self {
-        let mut planner = Self { settings, sparse: None, brim: Vec::new(), skirt: Vec::new() };
+        let mut planner = Self { settings, line_distance_mm: None, brim: Vec::new(), skirt: Vec::new() };
         let width_mm = planner.widths(0).skirt_mm;
         planner.brim = adhesion::brim(footprint, &planner.settings.brim, width_mm, first_height_mm);
         let around = if planner.brim.is_empty() {
@@ -118,7 +119,8 @@ impl Planner {
         planner
     }
 
-    /// Sets the distance of sparse lines so that the sample layers get exactly the density asked for.
+    /// Sets the distance of sparse lines so that the sample layers get the density asked for; what is left to
+    /// make up on each island, the beads' width does.
     pub fn calibrate(&mut self, samples: &[PlateLayer<'_>], map: Map<'_>) {
         let settings = &self.settings.infill;
         if settings.density.0 <= 0.0 || settings.density.0 > SOLID_DENSITY {
@@ -135,7 +137,8 @@ impl Planner {
         let spacing_mm = bead::spacing_mm(self.widths(1).infill_mm, sample.height_mm);
         let join = if settings.connect { LONGEST_JOIN } else { 0.0 };
         let pattern = infill::pattern(settings.pattern);
-        self.sparse = Some(infill::calibrate(pattern, &regions, spacing_mm, settings.density.0, join));
+        let density = settings.density.0;
+        self.line_distance_mm = Some(infill::calibrate(pattern, &regions, spacing_mm, density, join));
     }
 
     /// The paths of one layer.
@@ -227,7 +230,8 @@ impl Planner {
             let spacing_mm = bead::spacing_mm(widths.infill_mm, section.height_mm);
             let lines = infill::pattern(self.settings.infill.pattern)
                 .fill(&room, &self.fill_spec(section, spacing_mm));
-            let flow = self.sparse.map_or(1.0, |c| c.flow);
+            let solid_mm = zones.sparse.area_mm2() / spacing_mm;
+            let flow = infill::flow(&lines, solid_mm, self.settings.infill.density.0);
             draft.lines(
                 Role::InternalInfill,
                 count + 2,
@@ -263,7 +267,7 @@ impl Planner {
     fn fill_spec(&self, section: &PlateLayer<'_>, spacing_mm: f64) -> FillSpec {
         let settings = &self.settings.infill;
         let nominal_mm = spacing_mm / settings.density.0;
-        let line_distance_mm = self.sparse.map_or(nominal_mm, |c| c.line_distance_mm);
+        let line_distance_mm = self.line_distance_mm.unwrap_or(nominal_mm);
         FillSpec {
             line_distance_mm,
             angle_rad: settings.angle.to_radians(),

@@ -2,7 +2,7 @@
 
 use std::collections::BTreeSet;
 
-use super::replay::{Action, Stroke, replay};
+use super::replay::{Action, Replay, Stroke, replay};
 use crate::gcode::settings::filament_area_mm2;
 use crate::units::Mm;
 
@@ -43,11 +43,16 @@ pub struct Measure {
 
 /// Replays a file and sums it up.
 pub fn measure(text: &[u8], filament_diameter: Mm) -> Measure {
+    measure_on(&mut replay(text), filament_diameter, None)
+}
+
+/// Sums up what is left of a replay. `bead_end`: where the last extrusion ended, if there was one before.
+pub fn measure_on(steps: &mut Replay<'_>, filament_diameter: Mm, bead_end: Option<[f64; 3]>) -> Measure {
     let area_mm2 = filament_area_mm2(filament_diameter);
     let mut out = Measure::default();
-    let mut run = Run::default();
+    let mut run = Run { last_end: bead_end, ..Run::default() };
     let mut kind = out.kind(b"none");
-    for step in replay(text) {
+    for step in steps {
         match step.action {
             Action::Stroke(stroke) => {
                 out.volume_mm3 += stroke.fresh_mm * area_mm2;

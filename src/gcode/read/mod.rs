@@ -9,6 +9,6 @@ mod replay;
 mod time;
 
 pub use lexer::{Code, Line, Lines, Words, lines};
-pub use measure::{Measure, TypeMeasure, measure};
-pub use replay::{Action, Center, Replay, Step, Stroke, replay};
-pub use time::file_time;
+pub use measure::{Measure, TypeMeasure, measure, measure_on};
+pub use replay::{Action, Center, Replay, Step, Stroke, replay, resume};
+pub use time::{file_time, time_on};

@@ -90,6 +90,11 @@ pub fn replay(text: &[u8]) -> Replay<'_> {
     }
 }
 
+/// Replays what follows a print under way: absolute positions, the nozzle at `position`, nothing retracted.
+pub fn resume(text: &[u8], position: [f64; 3], relative_e: bool) -> Replay<'_> {
+    Replay { position, e_absolute: !relative_e, ..replay(text) }
+}
+
 /// Iterator of [`replay`].
 #[derive(Clone, Debug)]
 pub struct Replay<'a> {
@@ -120,6 +125,11 @@ impl<'a> Iterator for Replay<'a> {
 }
 
 impl Replay<'_> {
+    /// Where the nozzle is after the lines replayed so far.
+    pub fn position(&self) -> [f64; 3] {
+        self.position
+    }
+
     fn run<'a>(&mut self, code: Code, line: &Line<'a>) -> Action<'a> {
         match (code.letter, code.number) {
             (b'G', 0..=3) => return Action::Stroke(self.stroke(code.number, line)),

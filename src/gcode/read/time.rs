@@ -1,7 +1,7 @@
 //! How long a file takes.
 
 use super::lexer::Line;
-use super::replay::{Action, Stroke, replay};
+use super::replay::{Action, Replay, Stroke, replay};
 use crate::estimate::{Machine, Planner, Segment};
 use crate::units::Seconds;
 
@@ -11,9 +11,14 @@ const CHORD_MM: f64 = 1.0;
 /// The time of all moves, by the machine's limits and the accelerations that the file sets. Heating, homing and
 /// pauses take none.
 pub fn file_time(text: &[u8], machine: &Machine) -> Seconds {
+    time_on(replay(text), machine)
+}
+
+/// The time of what is left of a replay, as [`file_time`].
+pub fn time_on(steps: Replay<'_>, machine: &Machine) -> Seconds {
     let mut planner = Planner::<1>::new(machine);
     let mut acceleration = [machine.acceleration; 2];
-    for step in replay(text) {
+    for step in steps {
         match step.action {
             Action::Stroke(stroke) => {
                 let purpose = usize::from(stroke.e_mm <= 0.0);

@@ -108,12 +108,16 @@ impl Around {
         let at = self.place[chord][side] as usize;
         let here = self.stops.get(at)?;
         let ring = here.on.ring;
-        let forward = (at + 1 < self.stops.len() && self.stops[at + 1].on.ring == ring)
-            .then_some(at + 1)
-            .unwrap_or_else(|| self.stops.partition_point(|s| s.on.ring < ring));
-        let backward = (at > 0 && self.stops[at - 1].on.ring == ring)
-            .then(|| at - 1)
-            .unwrap_or_else(|| self.stops.partition_point(|s| s.on.ring <= ring) - 1);
+        let forward = if at + 1 < self.stops.len() && self.stops[at + 1].on.ring == ring {
+            at + 1
+        } else {
+            self.stops.partition_point(|s| s.on.ring < ring)
+        };
+        let backward = if at > 0 && self.stops[at - 1].on.ring == ring {
+            at - 1
+        } else {
+            self.stops.partition_point(|s| s.on.ring <= ring) - 1
+        };
         [(forward, true), (backward, false)]
             .into_iter()
             .filter_map(|(to, ahead)| {

@@ -11,18 +11,22 @@ const ROUNDS: usize = 4;
 const EXACT: f64 = 0.002;
 
 /// What whole lines cannot make up, the bead's cross-section does, within this share.
-const MOST_FLOW: f64 = 0.1;
+const MOST_FLOW: f64 = 0.2;
 
-/// How to lay a pattern so that it has the density asked for.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Calibration {
-    /// Mean distance between beads, in millimetres.
-    pub line_distance_mm: f64,
-    /// Factor of the beads' cross-section.
-    pub flow: f64,
+/// The factor of the beads' cross-section at which lines laid into an area have the density asked for, as far as
+/// a few percent of flow can make up for whole lines that come and go. `solid_mm` is the length of lines that would
+/// fill the area.
+pub fn flow(lines: &[FillLine], solid_mm: f64, density: f64) -> f64 {
+    let length_mm: f64 = lines.iter().map(line_length_mm).sum();
+    if length_mm > 0.0 {
+        (solid_mm * density / length_mm).clamp(1.0 - MOST_FLOW, 1.0 + MOST_FLOW)
+    } else {
+        1.0
+    }
 }
 
-/// The distance between lines at which a pattern, with all joins along the walls, fills its share of the regions.
+/// The mean distance between lines, in millimetres, at which a pattern, with all joins along the walls, fills its
+/// share of the regions.
 ///
 /// What a pattern deposits differs from spacing over distance: line ends are joined along the walls, curves
 /// are longer than straight lines, and small regions hold more or fewer lines than their area says. So the
@@ -35,10 +39,10 @@ pub fn calibrate(
     spacing_mm: f64,
     density: f64,
     join: f64,
-) -> Calibration {
+) -> f64 {
     let nominal_mm = spacing_mm / density;
     let area_mm2: f64 = samples.iter().map(|s| s.1).sum();
-    let mut best = Calibration { line_distance_mm: nominal_mm, flow: 1.0 };
+    let mut best_mm = nominal_mm;
     let mut best_error = f64::INFINITY;
     let mut distance_mm = nominal_mm;
     for _ in 0..ROUNDS {
@@ -56,15 +60,14 @@ pub fn calibrate(
         let measured = length_mm * spacing_mm / area_mm2 / density;
         if (measured - 1.0).abs() < best_error {
             best_error = (measured - 1.0).abs();
-            let flow = (1.0 / measured).clamp(1.0 - MOST_FLOW, 1.0 + MOST_FLOW);
-            best = Calibration { line_distance_mm: distance_mm, flow };
+            best_mm = distance_mm;
         }
         if best_error < EXACT {
             break;
         }
         distance_mm = (distance_mm * measured).clamp(0.5 * nominal_mm, 2.0 * nominal_mm);
     }
-    best
+    best_mm
 }
 
 fn line_length_mm(line: &FillLine) -> f64 {

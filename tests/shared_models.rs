@@ -1,0 +1,79 @@
+//! Models that others made, from a folder beside the project. Where that is missing there is nothing to test.
+
+mod print_support;
+
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+use pathwright::job::Job;
+use print_support::{run, settings, solid, standard};
+
+/// Small ones, watertight, with walls of at least 1.2 mm.
+const SMALL: [&str; 5] = [
+    "open/xyz_calibration_cube.stl",
+    "open/calibration_steps_5mm.stl",
+    "open/cc0_overhang_bridging_cooling.stl",
+    "open/voron_design_cube_v7.stl",
+    "seed/testModel.stl",
+];
+
+fn shared(name: &str) -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("../shared").join(name)
+}
+
+fn models() -> impl Iterator<Item = PathBuf> {
+    SMALL.iter().map(|name| shared("models").join(name)).filter(|path| path.exists())
+}
+
+fn job(model: &Path) -> Job {
+    Job { models: vec![model.into()], ..Job::default() }
+}
+
+#[test]
+fn full_prints_deposit_the_volume_of_the_mesh() {
+    let settings = standard(&["infill.density=100%", "skirt.loops=0"]);
+    let (mut pooled, mut wanted) = (0.0, 0.0);
+    for model in models() {
+        let volume = run(&job(&model), &settings).expect("a print").measure(&settings).volume_mm3;
+        let solid = solid(&model, &settings).volume_mm3;
+        assert!((volume / solid - 1.0).abs() < 0.03, "{}: {volume} of {solid} mm³", model.display());
+        (pooled, wanted) = (pooled + volume, wanted + solid);
+    }
+    assert!(wanted == 0.0 || (pooled / wanted - 1.0).abs() < 0.02, "pooled {pooled} of {wanted} mm³");
+}
+
+#[test]
+fn an_independent_reader_finds_no_fault_and_the_same_figures() {
+    let script = shared("tools/gcode_yardstick.py");
+    if !script.exists() || Command::new("python3").arg("--version").output().is_err() {
+        return;
+    }
+    let folder = tempfile::tempdir().expect("a folder");
+    let file = folder.path().join("part.gcode");
+    for profile in ["default", "standard-job", "prusa-i3", "corexy-klipper"] {
+        let settings = settings(&[profile], &["order.strategy=nearest"]);
+        for model in models().take(2) {
+            let print = run(&job(&model), &settings).expect("a print");
+            std::fs::write(&file, &print.text).expect("written");
+            let bed =
+                format!("{}x{}x{}", settings.bed.size[0].0, settings.bed.size[1].0, settings.bed.height.0);
+            let done =
+                Command::new("python3").arg(&script).args(["--json", "--bed", &bed]).arg(&file).output();
+            let said = String::from_utf8(done.expect("runs").stdout).expect("UTF-8");
+            let theirs: serde_json::Value = serde_json::from_str(&said).expect("JSON");
+            assert_eq!(theirs["faults"], serde_json::json!({}), "{profile}: {said}");
+            let total = &print.summary.total;
+            for (key, ours) in [
+                ("print", total.print_mm),
+                ("travel", total.travel_mm),
+                ("link", total.link_mm),
+                ("volume_mm3", total.volume_mm3),
+                ("travels", total.travels as f64),
+                ("retractions", total.retractions as f64),
+            ] {
+                let theirs = theirs[key].as_f64().expect("a number");
+                assert!((ours - theirs).abs() <= 2e-4 * theirs, "{profile}, {key}: {ours}, they {theirs}");
+            }
+        }
+    }
+}
