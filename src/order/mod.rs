@@ -3,6 +3,7 @@
 mod as_sliced;
 mod chain;
 mod check;
+pub mod compare;
 mod cost;
 mod greedy;
 mod index;

@@ -79,7 +79,7 @@ fn cheapest(costs: &[f64], links: impl Iterator<Item = f64>) -> (f64, usize) {
 fn spread(vertices: &[Point], entry: u32) -> Vec<u32> {
     let step = vertices.len().div_ceil(CANDIDATES);
     let mut entries: Vec<_> = (0..vertices.len() as u32).step_by(step).collect();
-    if entry as usize % step != 0 {
+    if !(entry as usize).is_multiple_of(step) {
         entries.push(entry);
     }
     entries
