@@ -134,7 +134,8 @@ fn optimum(problem: &Problem, cost: &Cost) -> f64 {
                 let enter = problem.items[item].ends(entry as u32).0;
                 problem.start.map_or(0.0, |start| cost.link(start, enter))
             };
-            *best = (0..entries(item)).map(|entry| if first { reach(entry) } else { f64::INFINITY }).collect();
+            *best =
+                (0..entries(item)).map(|entry| if first { reach(entry) } else { f64::INFINITY }).collect();
         }
     }
     for drawn in 1usize..1 << n {
@@ -178,7 +179,19 @@ fn optimized_finds_the_optimum_of_small_layers() {
             assert!(total >= best - 1e-9, "{total} beats the optimum {best} of {layer:?}");
             cases += 1;
             found += usize::from(total <= best + 1e-6);
-            if total > best + 1e-6 { println!("MISS {:?} {:?} n {} {} {} start {:?} end {:?} loops {}", problem.scope, matches!(cost, Cost::Length), problem.items.len(), total, best, problem.start.is_some(), problem.end.is_some(), layer.items.iter().filter(|i| i.1.len()!=2).count()); }
+            if total > best + 1e-6 {
+                println!(
+                    "MISS {:?} {:?} n {} {} {} start {:?} end {:?} loops {}",
+                    problem.scope,
+                    matches!(cost, Cost::Length),
+                    problem.items.len(),
+                    total,
+                    best,
+                    problem.start.is_some(),
+                    problem.end.is_some(),
+                    layer.items.iter().filter(|i| i.1.len() != 2).count()
+                );
+            }
             excess += if best > 0.0 { total / best - 1.0 } else { 0.0 };
         }
     }

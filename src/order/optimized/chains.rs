@@ -7,6 +7,9 @@ use crate::geom::Point;
 /// Vertices of each loop that are considered at a time.
 const CANDIDATES: usize = 24;
 
+/// Loops on either side of a loop that are entered anew with it.
+const BESIDE: u32 = 2;
+
 impl Search<'_> {
     /// Finds the best entries of every chain of consecutive loops, the order being as it is.
     ///
@@ -28,8 +31,24 @@ impl Search<'_> {
         }
     }
 
+    /// Finds better entries of a loop and of the loops just before and after it together.
+    pub fn reenter_with_neighbours(&mut self, item: u32) -> bool {
+        if !self.walk.is_loop(item) {
+            return false;
+        }
+        let at = self.walk.position(item);
+        let (mut from, mut to) = (at, at + 1);
+        while at - from < BESIDE && self.walk.is_loop(self.walk.item_at(from - 1)) {
+            from -= 1;
+        }
+        while to - at <= BESIDE && self.walk.is_loop(self.walk.item_at(to)) {
+            to += 1;
+        }
+        to - from > 1 && (self.reenter_chain(from, to, &spread) || self.reenter_chain(from, to, &around))
+    }
+
     /// The same for the loops at the positions `from` to `to` − 1.
-    fn reenter_chain(&mut self, from: u32, to: u32, candidates: &dyn Fn(&[Point], u32) -> Vec<u32>) {
+    fn reenter_chain(&mut self, from: u32, to: u32, candidates: &dyn Fn(&[Point], u32) -> Vec<u32>) -> bool {
         let walk = &mut self.walk;
         let now: f64 = (from..=to).map(|gap| walk.gap(gap)).sum();
         let mut places = vec![walk.place(walk.node(End { gap: from, right: false }))];
@@ -53,7 +72,7 @@ impl Search<'_> {
         let end = walk.place(walk.node(End { gap: to, right: true }));
         let (cost, mut best) = cheapest(&costs, places.iter().map(|&before| walk.between(before, end)));
         if cost >= now - GAIN {
-            return;
+            return false;
         }
         for at in (from..to).rev() {
             let (entry, before) = steps[(at - from) as usize][best];
@@ -62,6 +81,7 @@ impl Search<'_> {
             best = before;
         }
         self.touch(to);
+        true
     }
 }
 

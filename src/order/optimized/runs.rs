@@ -87,6 +87,24 @@ impl Search<'_> {
         false
     }
 
+    /// Draws a group the other way round if that is cheaper.
+    pub fn reverse_group(&mut self, group: u32) -> bool {
+        let (from, to) = self.walk.span(group);
+        let node = |gap, right| self.walk.node(End { gap, right });
+        let (before, enter, leave, after) =
+            (node(from, false), node(from, true), node(to, false), node(to, true));
+        let now = self.walk.link(before, enter) + self.walk.link(leave, after);
+        let reversed = self.walk.link(before, leave) + self.walk.link(enter, after);
+        self.walk.work += 4;
+        if reversed >= now - GAIN {
+            return false;
+        }
+        self.walk.reverse(from, to - 1);
+        self.touch(from);
+        self.touch(to);
+        true
+    }
+
     /// Where the group after a gap ends; the gap itself at the end of the walk.
     fn end_of_next(&self, gap: u32) -> u32 {
         if gap > self.walk.len() { gap } else { self.walk.span(self.walk.group_at(gap)).1 }
@@ -281,7 +299,11 @@ impl Search<'_> {
         if to == middle || self.window(from, middle).1 < to {
             return false;
         }
-        self.walk.swap(from, middle, to, false, false);
+        // A block of several groups cannot be reversed: their order is not free.
+        let lone = |from: u32, to: u32| self.walk.group_at(from) == self.walk.group_at(to - 1);
+        let reversed = random.below(4);
+        let (first, second) = (reversed == 0 && lone(from, middle), reversed == 1 && lone(middle, to));
+        self.walk.swap(from, middle, to, first, second);
         [from, from + (to - middle), to].into_iter().for_each(|gap| self.touch(gap));
         true
     }

@@ -18,6 +18,9 @@ const KICK: u32 = 30;
 /// Farthest exchange while kicks are repaired: what is farther away does not depend on the kick.
 const KICK_REACH: u32 = 1000;
 
+/// Walks of so few items are searched thoroughly even after kicks.
+const FEW: u32 = 12;
+
 /// A walk and what is needed to improve it.
 pub struct Search<'a> {
     pub(super) problem: &'a Problem<'a>,
@@ -28,6 +31,8 @@ pub struct Search<'a> {
     /// Exchanges move at most so many items.
     pub(super) reach: u32,
     pub(super) vicinity: Vicinity,
+    /// Whether neighbouring loops are entered anew together, which is dear.
+    thorough: bool,
     queue: VecDeque<u32>,
     queued: Vec<bool>,
 }
@@ -48,6 +53,7 @@ impl<'a> Search<'a> {
             walk: Walk::new(problem, groups, cost, sequence),
             neighbours: Neighbours::new(problem, groups),
             reach: u32::MAX,
+            thorough: true,
             vicinity: Vicinity::new(problem, groups),
             queue: VecDeque::new(),
             queued: vec![false; 2 * problem.items.len()],
@@ -75,6 +81,7 @@ impl<'a> Search<'a> {
     pub fn iterate(&mut self, random: &mut Random, budget: u64) {
         let end = self.walk.work + budget;
         self.reach = KICK_REACH;
+        self.thorough = self.walk.len() <= FEW;
         while self.walk.work < end {
             self.walk.work += 8;
             if !self.kick(random) {
@@ -87,7 +94,7 @@ impl<'a> Search<'a> {
                 self.walk.commit();
             }
         }
-        self.reach = u32::MAX;
+        (self.reach, self.thorough) = (u32::MAX, true);
     }
 
     /// Queues the nodes on both sides of a gap.
@@ -118,14 +125,16 @@ impl<'a> Search<'a> {
         let end = self.walk.end_of(node);
         let group = self.walk.group_of(node);
         let (first, last) = self.walk.span(group);
-        if last - first == 1 {
-            return self.move_group(group);
-        }
         let outer = end.gap == first || end.gap == last;
-        self.exchange(end, group)
-            || (outer && self.exchange(end.across(), group))
-            || self.reinsert(item)
-            || (outer && self.move_group(group))
+        if last - first > 1
+            && (self.exchange(end, group)
+                || (outer && self.exchange(end.across(), group))
+                || self.reinsert(item))
+        {
+            return true;
+        }
+        (self.thorough && self.reenter_with_neighbours(item))
+            || (outer && (self.reverse_group(group) || self.move_group(group)))
     }
 
     /// Swaps two neighbouring stretches, of one group or of whole groups.
@@ -142,7 +151,8 @@ impl<'a> Search<'a> {
         let from = at.min(end - 2);
         let middle = from + 1 + random.below(KICK.min(end - from - 1));
         let to = middle + 1 + random.below(KICK.min(end - middle));
-        self.walk.swap(from, middle, to, false, false);
+        let reversed = random.below(8);
+        self.walk.swap(from, middle, to, reversed == 0, reversed == 1);
         [from, from + (to - middle), to].into_iter().for_each(|gap| self.touch(gap));
         true
     }
