@@ -59,9 +59,7 @@ impl Strategy for Optimized {
         let mut search = Search::new(problem, &groups, index, *cost, &start);
         search.descend();
         let paths = problem.items.len() as u64;
-        let budget = (paths
-            * std::env::var("PW").map_or(steps_per_path(effort, problem.scope), |v| v.parse().unwrap()))
-        .max(least_steps(effort));
+        let budget = (paths * steps_per_path(effort, problem.scope)).max(least_steps(effort));
         search.iterate(&mut Random::new(paths), budget);
         let found = search.sequence();
         if evaluate(problem, &found, cost) <= evaluate(problem, &start, cost) { found } else { start }

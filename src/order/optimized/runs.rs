@@ -281,7 +281,7 @@ impl Search<'_> {
     }
 
     /// Swaps two neighbouring blocks of groups, if precedence lets them pass each other.
-    pub fn kick_groups(&mut self, group: u32, random: &mut Random) -> bool {
+    pub fn kick_groups(&mut self, group: u32, random: &mut Random) {
         let (mut from, mut middle) = self.walk.span(group);
         for _ in 0..random.below(BLOCK) {
             middle = self.end_of_next(middle);
@@ -297,7 +297,7 @@ impl Search<'_> {
             (_, to) = self.unit_span(middle, to);
         }
         if to == middle || self.window(from, middle).1 < to {
-            return false;
+            return;
         }
         // A block of several groups cannot be reversed: their order is not free.
         let lone = |from: u32, to: u32| self.walk.group_at(from) == self.walk.group_at(to - 1);
@@ -305,6 +305,5 @@ impl Search<'_> {
         let (first, second) = (reversed == 0 && lone(from, middle), reversed == 1 && lone(middle, to));
         self.walk.swap(from, middle, to, first, second);
         [from, from + (to - middle), to].into_iter().for_each(|gap| self.touch(gap));
-        true
     }
 }

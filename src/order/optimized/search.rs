@@ -69,7 +69,7 @@ impl<'a> Search<'a> {
     pub fn descend(&mut self) {
         (1..=self.walk.len() + 1).for_each(|gap| self.touch(gap));
         self.drain();
-        self.reenter_chains();
+        self.reenter_all();
         self.drain();
         self.walk.commit();
     }
@@ -84,8 +84,9 @@ impl<'a> Search<'a> {
         self.thorough = self.walk.len() <= FEW;
         while self.walk.work < end {
             self.walk.work += 8;
-            if !self.kick(random) {
-                continue;
+            let kicks = if self.thorough { 1 + random.below(3) } else { 1 };
+            for _ in 0..kicks {
+                self.kick(random);
             }
             self.drain();
             if self.walk.is_worse() {
@@ -133,20 +134,21 @@ impl<'a> Search<'a> {
         {
             return true;
         }
-        (self.thorough && self.reenter_with_neighbours(item))
+        (self.thorough && self.reenter_beside(self.walk.position(item)))
             || (outer && (self.reverse_group(group) || self.move_group(group)))
     }
 
     /// Swaps two neighbouring stretches, of one group or of whole groups.
-    fn kick(&mut self, random: &mut Random) -> bool {
+    fn kick(&mut self, random: &mut Random) {
         let at = 1 + random.below(self.walk.len());
         let group = self.walk.group_at(at);
         let (first, end) = self.walk.span(group);
         if self.groups.items.len() > 1 && (end - first < 3 || random.below(4) == 0) {
-            return self.kick_groups(group, random);
+            self.kick_groups(group, random);
+            return;
         }
         if end - first < 2 {
-            return false;
+            return;
         }
         let from = at.min(end - 2);
         let middle = from + 1 + random.below(KICK.min(end - from - 1));
@@ -154,6 +156,5 @@ impl<'a> Search<'a> {
         let reversed = random.below(8);
         self.walk.swap(from, middle, to, reversed == 0, reversed == 1);
         [from, from + (to - middle), to].into_iter().for_each(|gap| self.touch(gap));
-        true
     }
 }
