@@ -1,6 +1,6 @@
 //! Moving whole groups (runs) and units (islands) between positions.
 
-use super::super::index::Entry;
+use super::super::index::{Entry, Index};
 use super::super::precedence::{Groups, Place};
 use super::super::{Problem, Shape};
 use super::random::Random;
@@ -19,7 +19,9 @@ const NEAR_SAMPLE: usize = 6;
 
 /// What lies where, for groups.
 #[derive(Debug)]
-pub struct Vicinity {
+pub struct Vicinity<'a> {
+    /// Of all items, once a near group was asked for.
+    index: Option<Index<'a>>,
     /// Gaps between which each group's stage lies.
     stage: Vec<(u32, u32)>,
     /// Near groups of each group, once they were asked for.
@@ -28,7 +30,7 @@ pub struct Vicinity {
     disc: Vec<Option<([f64; 2], f64)>>,
 }
 
-impl Vicinity {
+impl Vicinity<'_> {
     /// What is known at once.
     pub fn new(problem: &Problem, groups: &Groups) -> Self {
         let mut stage = Vec::with_capacity(groups.items.len());
@@ -57,7 +59,12 @@ impl Vicinity {
             }
             _ => None,
         };
-        Self { stage, near: vec![None; groups.items.len()], disc: groups.items.iter().map(disc).collect() }
+        Self {
+            index: None,
+            stage,
+            near: vec![None; groups.items.len()],
+            disc: groups.items.iter().map(disc).collect(),
+        }
     }
 }
 
@@ -260,16 +267,22 @@ impl Search<'_> {
         }
         let items = &self.groups.items[group as usize];
         let (mut near, mut found): (Vec<Entry>, Vec<Entry>) = (Vec::new(), Vec::new());
-        self.index.close(group);
+        let problem = self.problem;
+        let index = self.vicinity.index.get_or_insert_with(|| {
+            let mut index = Index::new(problem, self.groups);
+            (0..self.groups.items.len() as u32).for_each(|group| index.open(group));
+            index
+        });
+        index.close(group);
         for &item in items.iter().step_by(items.len().div_ceil(SAMPLES)) {
             let entries = self.walk.vertices(item).map_or(2, <[_]>::len);
             for entry in [0, entries / 2] {
                 let point = self.problem.items[item as usize].ends(entry as u32).0;
-                self.index.nearest_groups(point, self.groups, NEAR_SAMPLE, &mut found);
+                index.nearest_groups(point, self.groups, NEAR_SAMPLE, &mut found);
                 near.extend_from_slice(&found);
             }
         }
-        self.index.open(group);
+        index.open(group);
         near.sort_unstable();
         let mut groups: Vec<u32> = Vec::with_capacity(NEAR);
         for entry in near {

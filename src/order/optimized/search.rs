@@ -2,7 +2,6 @@
 
 use std::collections::VecDeque;
 
-use super::super::index::Index;
 use super::super::precedence::Groups;
 use super::super::{Cost, Problem, Sequence, Visit};
 use super::neighbours::Neighbours;
@@ -25,12 +24,11 @@ const FEW: u32 = 12;
 pub struct Search<'a> {
     pub(super) problem: &'a Problem<'a>,
     pub(super) groups: &'a Groups,
-    pub(super) index: Index<'a>,
     pub(super) walk: Walk<'a>,
     pub(super) neighbours: Neighbours,
     /// Exchanges move at most so many items.
     pub(super) reach: u32,
-    pub(super) vicinity: Vicinity,
+    pub(super) vicinity: Vicinity<'a>,
     /// Whether neighbouring loops are entered anew together, which is dear.
     thorough: bool,
     queue: VecDeque<u32>,
@@ -38,18 +36,11 @@ pub struct Search<'a> {
 }
 
 impl<'a> Search<'a> {
-    /// Begins with a solution. All items must be left in the index, and all groups open.
-    pub fn new(
-        problem: &'a Problem<'a>,
-        groups: &'a Groups,
-        index: Index<'a>,
-        cost: Cost,
-        sequence: &[Visit],
-    ) -> Self {
+    /// Begins with a solution.
+    pub fn new(problem: &'a Problem<'a>, groups: &'a Groups, cost: Cost, sequence: &[Visit]) -> Self {
         Self {
             problem,
             groups,
-            index,
             walk: Walk::new(problem, groups, cost, sequence),
             neighbours: Neighbours::new(problem, groups),
             reach: u32::MAX,
