@@ -4,7 +4,7 @@ use rustc_hash::FxHashSet;
 
 use super::super::christofides::Parts;
 use super::super::matching::delaunay;
-use super::model::{Body, DEPTHS, Model, link};
+use super::model::{Body, DEPTHS, Model};
 use super::pricing::{Priced, Pricing};
 use crate::geom::Point;
 
@@ -20,6 +20,8 @@ struct Link {
     shared: (u32, u32),
     /// Trees since the last look that used it.
     used: u32,
+    /// Ties of its ends; 0: none.
+    ties: [u32; 2],
 }
 
 /// Sets of terminals that an odd number of links must leave.
@@ -55,6 +57,7 @@ impl Cuts {
 pub(super) struct Multipliers {
     nodes: Vec<i64>,
     cuts: Vec<i64>,
+    ties: Vec<i64>,
 }
 
 impl Multipliers {
@@ -71,6 +74,7 @@ struct Forest<'a> {
     parts: Parts,
     degrees: &'a mut [i32],
     inside: &'a mut [i32],
+    tied: &'a mut [i32],
     shared: &'a [u32],
     total: i64,
 }
@@ -90,6 +94,9 @@ impl Forest<'_> {
                     self.degrees[b as usize] += 1;
                     let link = &mut links[k as usize];
                     link.used += 1;
+                    for tie in link.ties {
+                        self.tied[tie as usize] += 1;
+                    }
                     for &cut in &self.shared[link.shared.0 as usize..link.shared.1 as usize] {
                         self.inside[cut as usize] += 1;
                     }
@@ -125,6 +132,10 @@ pub(super) struct Relaxation<'a> {
     known: FxHashSet<(u32, u32)>,
     cuts: Cuts,
     shared: Vec<u32>,
+    /// First tie of each block of each loop: one block for each neighbour.
+    blocks: Vec<Vec<u32>>,
+    ties: u32,
+    way_ties: [Vec<u32>; 2],
     pub(super) entry: Way,
     pub(super) exit: Way,
     keys: Vec<(i64, u32)>,
@@ -150,14 +161,28 @@ impl<'a> Relaxation<'a> {
             known: FxHashSet::default(),
             cuts: Cuts { of: vec![Vec::new(); model.terminals.len()], ..Cuts::default() },
             shared: Vec::new(),
+            blocks: vec![Vec::new(); model.bodies.len()],
+            ties: 1,
+            way_ties: Default::default(),
             entry: terminals(&|item| model.may_begin(item)),
             exit: terminals(&|item| model.may_end(item)),
             keys: Vec::new(),
             run_of: model.run_of(),
         };
         relaxation.add_neighbours();
-        let zero = vec![0; model.terminals.len()];
-        for found in relaxation.pricing.tree(&zero, &|_, _| 0) {
+        for way in 0..2 {
+            let listed: Vec<u32> = [&relaxation.entry, &relaxation.exit][way].iter().map(|&(t, _)| t).collect();
+            for t in listed {
+                let item = model.terminals[t as usize].item;
+                let body = &model.bodies[item as usize];
+                if t == body.first {
+                    let block = relaxation.add_block(item);
+                    relaxation.way_ties[way].extend((body.first..body.last).map(|t| if block == 0 { 0 } else { block + t - body.first }));
+                }
+            }
+        }
+        let zero = Multipliers { nodes: vec![0; model.terminals.len()], cuts: Vec::new(), ties: vec![0; relaxation.ties as usize] };
+        for found in relaxation.exact(&zero).1 {
             relaxation.add_pair(model.item_of_point(found.from), model.item_of_point(found.to));
         }
         relaxation
@@ -177,6 +202,18 @@ impl<'a> Relaxation<'a> {
         }
     }
 
+    /// Ties for the links from one neighbour to each piece of a loop; 0 for other paths.
+    fn add_block(&mut self, item: u32) -> u32 {
+        let body = &self.model.bodies[item as usize];
+        if !body.closed || body.last - body.first < 2 {
+            return 0;
+        }
+        let block = self.ties;
+        self.ties += body.last - body.first;
+        self.blocks[item as usize].push(block);
+        block
+    }
+
     /// Makes all links between two paths known.
     fn add_pair(&mut self, i: u32, j: u32) -> bool {
         let model = self.model;
@@ -186,6 +223,7 @@ impl<'a> Relaxation<'a> {
         }
         let (one, other) = (&model.bodies[i as usize], &model.bodies[j as usize]);
         let depth = model.depth(i, j);
+        let blocks = [self.add_block(i), self.add_block(j)];
         for a in one.first..one.last {
             for b in other.first..other.last {
                 let nearest = model
@@ -198,7 +236,9 @@ impl<'a> Relaxation<'a> {
                 let first = self.shared.len() as u32;
                 self.shared.extend(self.cuts.shared(a, b));
                 let shared = (first, self.shared.len() as u32);
-                self.links[depth].push(Link { cost, a, b, shared, used: 0 });
+                let tie = |block: u32, piece: u32| if block == 0 { 0 } else { block + piece };
+                let ties = [tie(blocks[0], a - one.first), tie(blocks[1], b - other.first)];
+                self.links[depth].push(Link { cost, a, b, shared, used: 0, ties });
             }
         }
         true
@@ -206,41 +246,58 @@ impl<'a> Relaxation<'a> {
 
     /// Terms of the bound that do not depend on the tree.
     fn constant(&self, multipliers: &Multipliers) -> i64 {
-        let nodes = |body: &Body| {
+        let nodes = |(body, blocks): (&Body, &Vec<u32>)| {
             let own = &multipliers.nodes[body.first as usize..body.last as usize];
-            if body.closed { 2 * own.iter().copied().max().unwrap_or(0) } else { own.iter().sum() }
+            if body.closed { Self::dearest(own, blocks, multipliers).0 } else { own.iter().sum() }
         };
-        multipliers.cuts.iter().sum::<i64>() - self.model.bodies.iter().map(nodes).sum::<i64>()
+        multipliers.cuts.iter().sum::<i64>() - self.model.bodies.iter().zip(&self.blocks).map(nodes).sum::<i64>()
     }
 
-    fn cheapest(way: &Way, weights: &[i64]) -> (i64, u32) {
-        way.iter().map(|&(terminal, cost)| (cost + weights[terminal as usize], terminal)).min().unwrap_or((0, u32::MAX))
+    /// What the multipliers pay for entering a loop at the piece for which that is most, and which piece.
+    fn dearest(own: &[i64], blocks: &[u32], multipliers: &Multipliers) -> (i64, usize) {
+        let pay = |piece: usize| {
+            2 * own[piece] + blocks.iter().map(|&block| multipliers.ties[block as usize + piece]).sum::<i64>()
+        };
+        (0..own.len()).map(|piece| (pay(piece), piece)).max().unwrap_or((0, 0))
+    }
+
+    /// The cheapest way in or out: its cost, the terminal, and the tie.
+    fn cheapest(&self, which: usize, weights: &[i64], ties: &[i64]) -> (i64, u32, u32) {
+        let way = [&self.entry, &self.exit][which];
+        way.iter()
+            .zip(&self.way_ties[which])
+            .map(|(&(t, cost), &tie)| (cost + weights[t as usize] + ties[tie as usize], t, tie))
+            .min()
+            .unwrap_or((0, u32::MAX, 0))
     }
 
     /// The bound on the known links, how many links each terminal has in the cheapest tree, and how many lie within each cut.
-    fn relax(&mut self, multipliers: &Multipliers, degrees: &mut [i32], inside: &mut Vec<i32>) -> i64 {
+    fn relax(&mut self, multipliers: &Multipliers, degrees: &mut [i32], inside: &mut Vec<i32>, tied: &mut Vec<i32>) -> i64 {
         let weights = multipliers.weights(&self.cuts);
         inside.clear();
         inside.resize(multipliers.cuts.len(), 0);
+        tied.clear();
+        tied.resize(multipliers.ties.len(), 0);
         degrees.fill(0);
         let parts = Parts::new(self.model.bodies.len());
-        let mut forest = Forest { model: self.model, parts, degrees, inside, shared: &self.shared, total: 0 };
+        let mut forest = Forest { model: self.model, parts, degrees, inside, tied, shared: &self.shared, total: 0 };
         for links in self.links.iter_mut().rev() {
             let key = |link: &Link| {
                 let shared = &self.shared[link.shared.0 as usize..link.shared.1 as usize];
                 let both: i64 = shared.iter().map(|&cut| multipliers.cuts[cut as usize]).sum();
-                link.cost + weights[link.a as usize] + weights[link.b as usize] + 2 * both
+                link.cost + weights[link.a as usize] + weights[link.b as usize] + 2 * both + multipliers.ties[link.ties[0] as usize] + multipliers.ties[link.ties[1] as usize]
             };
             self.keys.clear();
             self.keys.extend(links.iter().map(key).zip(0..));
             forest.span(links, &mut self.keys);
         }
         let mut total = forest.total;
-        for way in [&self.entry, &self.exit] {
-            let (cost, terminal) = Self::cheapest(way, &weights);
+        for way in 0..2 {
+            let (cost, terminal, tie) = self.cheapest(way, &weights, &multipliers.ties);
             if terminal != u32::MAX {
                 total += cost;
                 degrees[terminal as usize] += 1;
+                tied[tie as usize] += 1;
             }
         }
         total + self.constant(multipliers)
@@ -250,9 +307,19 @@ impl<'a> Relaxation<'a> {
     fn exact(&self, multipliers: &Multipliers) -> (i64, Vec<Priced>) {
         let weights = multipliers.weights(&self.cuts);
         let both = |a: u32, b: u32| 2 * self.cuts.shared(a, b).map(|cut| multipliers.cuts[cut as usize]).sum::<i64>();
-        let tree = self.pricing.tree(&weights, &both);
+        let mut listed: [Vec<Priced>; DEPTHS] = Default::default();
+        for (listed, links) in listed.iter_mut().zip(&self.links) {
+            listed.extend(links.iter().map(|link| {
+                let [p, q] = [link.a, link.b].map(|t| self.model.terminals[t as usize].first);
+                let ties = multipliers.ties[link.ties[0] as usize] + multipliers.ties[link.ties[1] as usize];
+                let cost = link.cost + weights[link.a as usize] + weights[link.b as usize] + both(link.a, link.b) + ties;
+                Priced { cost, from: p.min(q), to: p.max(q) }
+            }));
+        }
+        let known = |i: u32, j: u32| self.known.contains(&(i.min(j), i.max(j)));
+        let tree = self.pricing.tree(&weights, &both, &listed, &known);
         let links: i64 = tree.iter().map(|found| found.cost).sum();
-        let ways: i64 = [&self.entry, &self.exit].iter().map(|way| Self::cheapest(way, &weights).0).sum();
+        let ways: i64 = (0..2).map(|way| self.cheapest(way, &weights, &multipliers.ties).0).sum();
         (links + ways + self.constant(multipliers), tree)
     }
 
@@ -263,6 +330,10 @@ impl<'a> Relaxation<'a> {
         let mut grown = false;
         for share in [0.0, 0.15, 0.3, 0.45, 0.6] {
             let mut parts = Parts::new(model.terminals.len());
+            // At which of its pieces a loop is entered is open: a cut holds all of them or none.
+            for body in &model.bodies {
+                if body.closed { (body.first + 1..body.last).for_each(|t| { parts.join(body.first, t); }); }
+            }
             let mut leaving = vec![0; model.terminals.len()];
             for link in self.links.iter().flatten() {
                 if f64::from(link.used) > share * f64::from(trees) {
@@ -302,7 +373,7 @@ impl<'a> Relaxation<'a> {
     }
 
     /// Multipliers and the bound they prove.
-    pub(super) fn ascend(&mut self) -> (i64, Vec<i64>) {
+    pub(super) fn ascend(&mut self) -> (i64, Multipliers) {
         let model = self.model;
         let n = model.terminals.len();
         let mut degrees = vec![0; n];
@@ -315,7 +386,10 @@ impl<'a> Relaxation<'a> {
         let mut weights = vec![0.0; n];
         let mut cut_weights: Vec<f64> = Vec::new();
         let mut cut_last: Vec<f64> = Vec::new();
-        let mut rounded = Multipliers { nodes: vec![0; n], cuts: Vec::new() };
+        let mut tie_weights: Vec<f64> = vec![0.0; self.ties as usize];
+        let mut tie_last: Vec<f64> = vec![0.0; self.ties as usize];
+        let mut tied = Vec::new();
+        let mut rounded = Multipliers { nodes: vec![0; n], cuts: Vec::new(), ties: vec![0; self.ties as usize] };
         let (value, _) = self.exact(&rounded);
         let mut best = (value, rounded.clone());
         let mut top = (i64::MIN, rounded.clone());
@@ -323,19 +397,28 @@ impl<'a> Relaxation<'a> {
         let mut direction: Vec<f64> = vec![0.0; n];
         let mut step = first * value.max(n as i64) as f64 / n as f64;
         let mut inside = Vec::new();
-        self.relax(&rounded, &mut degrees, &mut inside);
+        self.relax(&rounded, &mut degrees, &mut inside, &mut tied);
         let (mut next_check, mut last_check) = (8, 0);
         let mut runs: Vec<f64> = vec![0.0; model.bodies.len()];
         for i in 1..=iters {
             runs.fill(0.0);
             for (body, k) in model.bodies.iter().zip(0..) {
                 let own = body.first as usize..body.last as usize;
-                let target = if body.closed { 2 } else { 1 };
-                for t in own {
+                let blocks = &self.blocks[k];
+                let (_, entered) = if body.closed { Self::dearest(&rounded.nodes[own.clone()], blocks, &rounded) } else { (0, 0) };
+                for (piece, t) in own.enumerate() {
+                    let target = if body.closed { 2 * i32::from(piece == entered) } else { 1 };
                     direction[t] = f64::from(degrees[t] - target);
                     runs[self.run_of[k] as usize] += direction[t];
+                    for &block in blocks {
+                        let tie = block as usize + piece;
+                        let d = f64::from(tied[tie] - i32::from(piece == entered));
+                        tie_weights[tie] = (tie_weights[tie] + step * (0.7 * d + 0.3 * tie_last[tie])).max(0.0);
+                        tie_last[tie] = d;
+                    }
                 }
             }
+            for (rounded, weight) in rounded.ties.iter_mut().zip(&tie_weights) { *rounded = weight.round() as i64; }
             for (t, terminal) in model.terminals.iter().enumerate() {
                 let d = direction[t] + shift * runs[self.run_of[terminal.item as usize] as usize];
                 weights[t] += step * (0.7 * d + 0.3 * last[t]);
@@ -350,7 +433,7 @@ impl<'a> Relaxation<'a> {
                 rounded.cuts[cut] = cut_weights[cut].round() as i64;
             }
             step *= decay;
-            let mut value = self.relax(&rounded, &mut degrees, &mut inside);
+            let mut value = self.relax(&rounded, &mut degrees, &mut inside, &mut tied);
             if i == next_check || i == iters {
                 next_check = next_check * 3 / 2;
                 let (exact, tree) = self.exact(if i == iters { &top.1 } else { &rounded });
@@ -362,6 +445,12 @@ impl<'a> Relaxation<'a> {
                 for found in tree {
                     grown |= self.add_pair(model.item_of_point(found.from), model.item_of_point(found.to));
                 }
+                if tie_weights.len() < self.ties as usize {
+                    let ties = self.ties as usize;
+                    for m in [&mut rounded, &mut best.1, &mut top.1] { m.ties.resize(ties, 0); }
+                    tie_weights.resize(ties, 0.0);
+                    tie_last.resize(ties, 0.0);
+                }
                 if i >= cut_from && i < iters && self.separate((i - last_check) as u32) {
                     grown = true;
                     let cuts = self.cuts.members.len();
@@ -372,7 +461,7 @@ impl<'a> Relaxation<'a> {
                 last_check = i;
                 self.links.iter_mut().flatten().for_each(|link| link.used = 0);
                 if grown {
-                    value = self.relax(&rounded, &mut degrees, &mut inside);
+                    value = self.relax(&rounded, &mut degrees, &mut inside, &mut tied);
                     top = best.clone();
                 }
             }
@@ -380,24 +469,37 @@ impl<'a> Relaxation<'a> {
                 top = (value, rounded.clone());
             }
         }
-        (best.0, best.1.nodes)
+        let cuts = self.cuts.members.len();
+        best.1.cuts.resize(cuts, 0);
+        best.1.ties.resize(self.ties as usize, 0);
+        best
     }
 
-    /// Makes the link from a known place part of the bound.
-    pub(super) fn start_from(&mut self, place: Point) {
-        for (terminal, cost) in &mut self.entry {
-            *cost = nearest(self.model.points_of(*terminal), place);
-        }
+    /// Makes the link from where a walk comes from part of the bound; `cost` is the least to arrive at a point.
+    pub(super) fn arrive(&mut self, cost: impl Fn(Point) -> i64) {
+        price(self.model, &mut self.entry, cost);
     }
 
-    /// Makes the link to a known place part of the bound.
-    pub(super) fn end_at(&mut self, place: Point) {
-        for (terminal, cost) in &mut self.exit {
-            *cost = nearest(self.model.points_of(*terminal), place);
-        }
+    /// Makes the link to where a walk goes on part of the bound.
+    pub(super) fn leave(&mut self, cost: impl Fn(Point) -> i64) {
+        price(self.model, &mut self.exit, cost);
+    }
+
+    /// Under the final multipliers: the bound without the way out, and what a link pays at each point where a walk may
+    /// end.
+    pub(super) fn settle(&self, multipliers: &Multipliers) -> (i64, Vec<(Point, i64)>) {
+        let weights = multipliers.weights(&self.cuts);
+        let total = self.exact(multipliers).0 - self.cheapest(1, &weights, &multipliers.ties).0;
+        let ends = self.exit.iter().zip(&self.way_ties[1]).flat_map(|(&(terminal, _), &tie)| {
+            let pay = weights[terminal as usize] + multipliers.ties[tie as usize];
+            self.model.points_of(terminal).iter().map(move |&p| (p, pay))
+        });
+        (total, ends.collect())
     }
 }
 
-fn nearest(points: &[Point], place: Point) -> i64 {
-    points.iter().map(|&p| link(p, place)).min().unwrap_or(0)
+fn price(model: &Model, way: &mut Way, cost: impl Fn(Point) -> i64) {
+    for (terminal, price) in way {
+        *price = model.points_of(*terminal).iter().map(|&p| cost(p)).min().unwrap_or(0);
+    }
 }

@@ -8,6 +8,25 @@ use crate::profile::Scope;
 /// less than one of them (0.6 nm) costs a thousand links less than a micrometre.
 const FINE: f64 = 16.0;
 
+/// Pieces of a loop that the relaxation tells apart, at most.
+fn most_pieces() -> usize { std::env::var("ARCS").map_or(8, |v| v.parse().unwrap()) }
+
+/// Cuts a loop into pieces of about equal length, one vertex at least.
+fn pieces(vertices: &[Point]) -> impl Iterator<Item = &[Point]> {
+    let steps = vertices.iter().zip(vertices.iter().cycle().skip(1)).map(|(a, b)| a.distance_mm(*b));
+    let mut along: Vec<f64> = steps.scan(0.0, |sum, step| { *sum += step; Some(*sum) }).collect();
+    let total = along.last().copied().unwrap_or(0.0).max(1e-9);
+    let most = most_pieces().min(vertices.len());
+    along.iter_mut().for_each(|at| *at = (*at / total * most as f64).ceil());
+    let mut number = along.into_iter();
+    let mut last = 0.0;
+    let mut cuts: Vec<usize> = Vec::new();
+    for k in 0..vertices.len() { let at = if vertices.len() == most { k as f64 } else { number.next().unwrap_or(last) }; if at != last && k > 0 { cuts.push(k); } last = at; }
+    cuts.push(vertices.len());
+    let mut from = 0;
+    cuts.into_iter().map(move |to| { let piece = &vertices[from..to]; from = to; piece })
+}
+
 /// Length of a link in fine units, rounded down. The square root errs by less than the thousandth taken off.
 pub(super) fn link(a: Point, b: Point) -> i64 {
     (((a.distance2(b) as f64).sqrt() * FINE - 1e-3).floor() as i64).max(0)
@@ -97,7 +116,7 @@ impl Model {
             let first = model.terminals.len() as u32;
             match item.shape {
                 Shape::Open(ends) => ends.iter().for_each(|end| model.add_terminal(&[*end])),
-                Shape::Loop(vertices) => model.add_terminal(vertices),
+                Shape::Loop(vertices) => pieces(vertices).for_each(|piece| model.add_terminal(piece)),
             }
             model.bodies.push(Body {
                 first,
@@ -164,6 +183,11 @@ impl Model {
     pub(super) fn may_begin(&self, item: u32) -> bool {
         let body = &self.bodies[item as usize];
         body.groups[0] == 0 && body.begins
+    }
+
+    /// Every point at which a walk may begin.
+    pub(super) fn beginnings(&self) -> impl Iterator<Item = Point> {
+        self.points.iter().zip(0..).filter(|&(_, k)| self.may_begin(self.item_of_point(k))).map(|(&p, _)| p)
     }
 
     /// Whether a walk may end with this path.

@@ -55,27 +55,47 @@ impl<'a> Pricing<'a> {
         self.families.iter().map(|family| &family.points[..])
     }
 
-    /// A cheapest tree over the paths: within every group, and over its siblings, under node weights per terminal.
+    /// A cheapest tree over the paths: within every group, and over its siblings.
     ///
-    /// Borůvka's rounds (1926): each part finds its cheapest way out, by a search that leaves out boxes which cannot hold a cheaper
-    /// one and boxes wholly within the part.
-    pub(super) fn tree(&self, weights: &[i64], both: &dyn Fn(u32, u32) -> i64) -> Vec<Priced> {
+    /// Borůvka's rounds (1926): each part finds its cheapest way out, among the `listed` links of each depth and, by a search that
+    /// leaves out boxes which cannot hold a cheaper one and boxes wholly within the part, among the pairs of paths
+    /// that are not `known`, whose links cost their length, a weight at each terminal, and `both`.
+    pub(super) fn tree(
+        &self,
+        weights: &[i64],
+        both: &dyn Fn(u32, u32) -> i64,
+        listed: &[Vec<Priced>; DEPTHS],
+        known: &dyn Fn(u32, u32) -> bool,
+    ) -> Vec<Priced> {
         let model = self.model;
         let mut parts = Parts::new(model.bodies.len());
         let mut tree = Vec::new();
         for family in &self.families {
-            self.join(family, weights, both, &mut parts, &mut tree);
+            self.join(family, weights, both, &listed[family.depth], known, &mut parts, &mut tree);
         }
         debug_assert_eq!(tree.len() + 1, model.bodies.len().max(1));
         tree
     }
 
-    fn join(&self, family: &Siblings, weights: &[i64], both: &dyn Fn(u32, u32) -> i64, parts: &mut Parts, tree: &mut Vec<Priced>) {
+    #[allow(clippy::too_many_arguments)]
+    fn join(
+        &self,
+        family: &Siblings,
+        weights: &[i64],
+        both: &dyn Fn(u32, u32) -> i64,
+        listed: &[Priced],
+        known: &dyn Fn(u32, u32) -> bool,
+        parts: &mut Parts,
+        tree: &mut Vec<Priced>,
+    ) {
         let model = self.model;
         let item = |k: u32| model.item_of_point(family.points[k as usize]);
         let weight = |k: u32| weights[model.owner[family.points[k as usize] as usize] as usize];
         let lowest = family.tree.aggregate(i64::MAX, weight, i64::min);
         let count = family.points.len() as u32;
+        let mut inside = vec![false; model.bodies.len()];
+        (0..count).for_each(|k| inside[item(k) as usize] = true);
+        let listed: Vec<Priced> = listed.iter().copied().filter(|l| inside[model.item_of_point(l.from) as usize] && inside[model.item_of_point(l.to) as usize]).collect();
         loop {
             let part: Vec<u32> = (0..count).map(|k| parts.find(item(k))).collect();
             if part.iter().all(|&p| p == part[0]) {
@@ -89,6 +109,17 @@ impl<'a> Pricing<'a> {
                 _ => u32::MAX,
             });
             let mut best: Vec<Option<Priced>> = vec![None; model.bodies.len()];
+            for &link in &listed {
+                let ends = [link.from, link.to].map(|point| parts.find(model.item_of_point(point)));
+                if ends[0] != ends[1] {
+                    for end in ends {
+                        let place = &mut best[end as usize];
+                        if place.is_none_or(|best| link < best) {
+                            *place = Some(link);
+                        }
+                    }
+                }
+            }
             for k in 0..count {
                 let at = model.points[family.points[k as usize] as usize];
                 let (own_part, own_item, own) = (part[k as usize], item(k), weight(k));
@@ -99,16 +130,19 @@ impl<'a> Pricing<'a> {
                         && best.is_none_or(|best| fine(distance) - 1 + own + lowest[node] <= best.cost)
                 };
                 family.tree.search(at, &mut state, &enter, &mut |best, other| {
-                    if part[other as usize] == own_part || !model.permits(own_item, item(other)) {
+                    if part[other as usize] == own_part {
                         return;
                     }
                     let (from, to) = (family.points[k as usize], family.points[other as usize]);
-                    let length = link(at, model.points[to as usize]);
-                    // Equal costs are told apart by the same key at both ends, or parts could close a circle.
-                    let mut cost = length + own + weight(other);
-                    if best.is_none_or(|best| cost <= best.cost) {
-                        cost += both(model.owner[from as usize], model.owner[to as usize]);
+                    let mut cost = link(at, model.points[to as usize]) + own + weight(other);
+                    if best.is_some_and(|best| cost > best.cost)
+                        || !model.permits(own_item, item(other))
+                        || known(own_item, item(other))
+                    {
+                        return;
                     }
+                    cost += both(model.owner[from as usize], model.owner[to as usize]);
+                    // Equal costs are told apart by the same key at both ends, or parts could close a circle.
                     let found = Priced { cost, from: from.min(to), to: from.max(to) };
                     if best.is_none_or(|best| found < best) {
                         *best = Some(found);
