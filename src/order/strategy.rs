@@ -1,8 +1,6 @@
 //! One trait behind which every way of ordering lives. Adding one is a file and a line in [`strategy`].
 
-use super::{
-    AsSliced, Christofides, ChristofidesOpen, Cost, Greedy, Nearest, Optimized, Problem, Sequence,
-};
+use super::{AsSliced, Christofides, ChristofidesOpen, Cost, Greedy, Nearest, Optimized, Problem, Sequence};
 use crate::profile::{Effort, OrderStrategy};
 
 /// A way of ordering a layer.

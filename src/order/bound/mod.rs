@@ -1,14 +1,18 @@
 //! Lower bounds on what any order of a layer, or of a print, must travel.
 
 mod ascent;
+mod cuts;
 mod model;
 mod pricing;
+mod relaxation;
+mod tree;
 
 use super::Problem;
 use super::matching::KdTree;
 use crate::geom::Point;
-use ascent::Relaxation;
+use ascent::ascend;
 use model::{Model, fine, link, to_mm};
+use relaxation::Relaxation;
 
 /// A length in millimetres that the links of no solution of the problem can stay below.
 pub fn layer(problem: &Problem) -> f64 {
@@ -23,7 +27,7 @@ pub fn layer(problem: &Problem) -> f64 {
     if let Some(end) = problem.end {
         relaxation.leave(|p| link(p, end));
     }
-    to_mm(relaxation.ascend().0.max(0))
+    to_mm(ascend(&mut relaxation).0.max(0))
 }
 
 /// A length in millimetres that the links of a whole print cannot stay below, however its layers are ordered and wherever
@@ -51,7 +55,7 @@ pub fn print<'a>(layers: impl IntoIterator<Item = Problem<'a>>) -> f64 {
                 }
             }
         }
-        let (bound, multipliers) = relaxation.ascend();
+        let (bound, multipliers) = ascend(&mut relaxation);
         if layers.peek().is_none() {
             return to_mm((total + bound).max(0));
         }
@@ -80,7 +84,9 @@ impl Places {
     /// The least sum of a link and the price at its other end.
     fn nearest(&self, from: Point) -> i64 {
         let mut best = i64::MAX;
-        let enter = |best: &i64, node: usize, distance: f64| (fine(distance) - 1).saturating_add(self.lowest[node]) < *best;
+        let enter = |best: &i64, node: usize, distance: f64| {
+            (fine(distance) - 1).saturating_add(self.lowest[node]) < *best
+        };
         self.tree.search(from, &mut best, &enter, &mut |best, id| {
             let (place, price) = self.places[id as usize];
             *best = (*best).min(link(from, place) + price);

@@ -8,33 +8,36 @@ use crate::profile::Scope;
 /// less than one of them (0.6 nm) costs a thousand links less than a micrometre.
 const FINE: f64 = 16.0;
 
-/// Pieces of a loop that the relaxation tells apart, at most.
-fn most_pieces() -> usize { std::env::var("ARCS").map_or(8, |v| v.parse().unwrap()) }
+/// Pieces of a free loop that the relaxation tells apart. On layers of two prints at `layer` scope one piece left a gap of
+/// 33 %, four 27 %, eight 26 %, sixteen no less in the same number of steps.
+const PIECES: usize = 8;
 
-/// Cuts a loop into pieces of about equal length, one vertex at least.
-fn pieces(vertices: &[Point]) -> impl Iterator<Item = &[Point]> {
-    let steps = vertices.iter().zip(vertices.iter().cycle().skip(1)).map(|(a, b)| a.distance_mm(*b));
-    let mut along: Vec<f64> = steps.scan(0.0, |sum, step| { *sum += step; Some(*sum) }).collect();
-    let total = along.last().copied().unwrap_or(0.0).max(1e-9);
-    let most = most_pieces().min(vertices.len());
-    along.iter_mut().for_each(|at| *at = (*at / total * most as f64).ceil());
-    let mut number = along.into_iter();
-    let mut last = 0.0;
-    let mut cuts: Vec<usize> = Vec::new();
-    for k in 0..vertices.len() { let at = if vertices.len() == most { k as f64 } else { number.next().unwrap_or(last) }; if at != last && k > 0 { cuts.push(k); } last = at; }
-    cuts.push(vertices.len());
-    let mut from = 0;
-    cuts.into_iter().map(move |to| { let piece = &vertices[from..to]; from = to; piece })
+/// Cuts a loop into pieces of about equal length, none without a vertex.
+fn pieces(vertices: &[Point]) -> Vec<&[Point]> {
+    if vertices.len() <= PIECES {
+        return vertices.chunks(1).collect();
+    }
+    let steps = vertices.windows(2).map(|pair| pair[0].distance_mm(pair[1]));
+    let mut along = vec![0.0];
+    along.extend(steps.scan(0.0, |sum, step| {
+        *sum += step;
+        Some(*sum)
+    }));
+    let piece_mm = along[along.len() - 1].max(f64::MIN_POSITIVE) / PIECES as f64;
+    let number = |k: usize| (along[k] / piece_mm) as usize;
+    let starts = (1..vertices.len()).filter(|&k| number(k) != number(k - 1));
+    let bounds: Vec<usize> = std::iter::once(0).chain(starts).chain([vertices.len()]).collect();
+    bounds.windows(2).map(|pair| &vertices[pair[0]..pair[1]]).collect()
 }
 
 /// Length of a link in fine units, rounded down. The square root errs by less than the thousandth taken off.
 pub(super) fn link(a: Point, b: Point) -> i64 {
-    (((a.distance2(b) as f64).sqrt() * FINE - 1e-3).floor() as i64).max(0)
+    (((a.distance2(b) as f64).sqrt() * FINE - 1e-3) as i64).max(0)
 }
 
 /// Grid units to fine units, rounded down.
 pub(super) fn fine(units: f64) -> i64 {
-    (units * FINE - 1e-3).floor() as i64
+    (units * FINE - 1e-3) as i64
 }
 
 /// Fine units to millimetres.
@@ -116,7 +119,9 @@ impl Model {
             let first = model.terminals.len() as u32;
             match item.shape {
                 Shape::Open(ends) => ends.iter().for_each(|end| model.add_terminal(&[*end])),
-                Shape::Loop(vertices) => pieces(vertices).for_each(|piece| model.add_terminal(piece)),
+                Shape::Loop(vertices) => {
+                    pieces(vertices).into_iter().for_each(|piece| model.add_terminal(piece));
+                }
             }
             model.bodies.push(Body {
                 first,
@@ -137,12 +142,24 @@ impl Model {
         let first = self.points.len() as u32;
         self.points.extend(points);
         self.owner.resize(self.points.len(), terminal);
-        self.terminals.push(Terminal { item: self.bodies.len() as u32, first, last: self.points.len() as u32 });
+        self.terminals.push(Terminal {
+            item: self.bodies.len() as u32,
+            first,
+            last: self.points.len() as u32,
+        });
     }
 
     pub(super) fn points_of(&self, terminal: u32) -> &[Point] {
         let Terminal { first, last, .. } = self.terminals[terminal as usize];
         &self.points[first as usize..last as usize]
+    }
+
+    /// A lower bound on the length of a link between two terminals, in fine units: that of their nearest points.
+    pub(super) fn shortest(&self, a: u32, b: u32) -> i64 {
+        let others = self.points_of(b);
+        let from = |&p: &Point| others.iter().map(move |&q| p.distance2(q)).min();
+        let nearest = self.points_of(a).iter().filter_map(from).min().unwrap_or(0);
+        fine((nearest as f64).sqrt()).max(0)
     }
 
     pub(super) fn item_of_point(&self, point: u32) -> u32 {

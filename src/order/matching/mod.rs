@@ -5,8 +5,8 @@ mod kd_tree;
 mod solver;
 
 pub(crate) use euclidean::delaunay;
-pub(crate) use kd_tree::KdTree;
 pub use euclidean::{distance, euclidean};
+pub(crate) use kd_tree::KdTree;
 pub use solver::Edge;
 use solver::{Graph, Solver};
 
