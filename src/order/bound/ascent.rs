@@ -145,7 +145,7 @@ impl Ascent {
         for (cut, members) in relaxation.cuts.members.iter().enumerate() {
             let ends: i32 = members.iter().map(|&t| usage.degrees[t as usize]).sum();
             let leaving = ends - 2 * usage.inside[cut];
-            now.cuts[cut] = self.cuts.go_positive(cut, f64::from(1 - leaving), step);
+            now.cuts[cut] = self.cuts.go_positive(cut, f64::from(relaxation.cuts.least[cut] - leaving), step);
         }
     }
 }

@@ -174,6 +174,26 @@ impl Model {
         self.bodies.iter().map(|body| all.partition_point(|groups| *groups < body.groups) as u32).collect()
     }
 
+    /// Pairs of runs, numbered as `run_of` says, of which the first directly precedes the second in an island that may be
+    /// left between them. (Where it may not, links tell the direction already.)
+    pub(super) fn successions(&self, run_of: &[u32]) -> Vec<(u32, u32)> {
+        if self.scope != Scope::Feature {
+            return Vec::new();
+        }
+        let place = |body: &Body| (body.groups[0], body.island, body.rank);
+        let mut runs: Vec<_> = self.bodies.iter().map(place).zip(run_of).collect();
+        runs.sort_unstable();
+        runs.dedup();
+        let mut pairs = Vec::new();
+        for (k, &((stage, island, rank), &run)) in runs.iter().enumerate() {
+            let next = (stage, island, rank + 1);
+            let later =
+                runs[k + 1..].iter().skip_while(|other| other.0 < next).take_while(|other| other.0 == next);
+            pairs.extend(later.map(|&(_, &other)| (run, other)));
+        }
+        pairs
+    }
+
     /// The depth at which two paths part.
     pub(super) fn depth(&self, i: u32, j: u32) -> usize {
         let (a, b) = (&self.bodies[i as usize].groups, &self.bodies[j as usize].groups);

@@ -29,6 +29,8 @@ struct Way {
     tie: u32,
     /// Of the link there, in fine units.
     length: i64,
+    /// Trees since the last look that used it.
+    used: u32,
 }
 
 /// See the module.
@@ -73,6 +75,7 @@ impl<'a> Relaxation<'a> {
                         terminal,
                         tie: tie(block, terminal - body.first),
                         length: 0,
+                        used: 0,
                     }));
                 }
             }
@@ -170,11 +173,16 @@ impl<'a> Relaxation<'a> {
     /// Looks for cuts that the trees since the last look violate on average; whether there are new ones.
     pub(super) fn look_for_cuts(&mut self, trees: u32) -> bool {
         let before = self.cuts.members.len();
-        self.cuts.separate(self.model, &self.links.concat(), trees);
+        let links = self.links.concat();
+        self.cuts.separate_odd(self.model, &links, trees);
+        let used = |ways: &Vec<Way>| -> Vec<_> { ways.iter().map(|way| (way.terminal, way.used)).collect() };
+        let [begun, ended] = self.ways.each_ref().map(used);
+        self.cuts.separate_precedence(self.model, &links, [&begun, &ended], trees);
         let grown = self.cuts.members.len() > before;
         if grown {
             self.shared.clear();
         }
+        self.ways.iter_mut().flatten().for_each(|way| way.used = 0);
         for link in self.links.iter_mut().flatten() {
             link.used = 0;
             if grown {
@@ -187,10 +195,11 @@ impl<'a> Relaxation<'a> {
     }
 
     /// What a link pays at each terminal: its multiplier, less those of the cuts that hold it (a link within a cut pays
-    /// them back twice, so that only links which leave it profit).
+    /// them back twice, so that only links which leave it profit). The last is what the link from the start pays there.
     fn weights(&self, multipliers: &Multipliers) -> Vec<i64> {
         let cuts = |t: usize| self.cuts.of[t].iter().map(|&cut| multipliers.cuts[cut as usize]).sum::<i64>();
-        multipliers.nodes.iter().enumerate().map(|(t, node)| node - cuts(t)).collect()
+        let nodes = multipliers.nodes.iter().copied().chain([0]);
+        nodes.enumerate().map(|(t, node)| node - cuts(t)).collect()
     }
 
     /// What does not depend on the tree: the multipliers times what a walk does.
@@ -199,7 +208,8 @@ impl<'a> Relaxation<'a> {
             true => self.dearest(item, multipliers).0,
             false => multipliers.nodes[body.first as usize..body.last as usize].iter().sum(),
         };
-        multipliers.cuts.iter().sum::<i64>() - self.model.bodies.iter().enumerate().map(nodes).sum::<i64>()
+        let cuts = multipliers.cuts.iter().zip(&self.cuts.least).map(|(cut, &least)| cut * i64::from(least));
+        cuts.sum::<i64>() - self.model.bodies.iter().enumerate().map(nodes).sum::<i64>()
     }
 
     /// What entering a loop at one piece gives back, where that is most, and at which piece.
@@ -212,17 +222,25 @@ impl<'a> Relaxation<'a> {
         own.iter().enumerate().map(|(k, node)| (2 * node + ties(k), k)).max().unwrap_or((0, 0))
     }
 
-    /// The cheapest way in or out, and its price.
-    fn cheapest(&self, ways: usize, weights: &[i64], multipliers: &Multipliers) -> Option<(i64, Way)> {
-        let price =
-            |way: &Way| way.length + weights[way.terminal as usize] + multipliers.ties[way.tie as usize];
-        self.ways[ways].iter().map(|way| (price(way), *way)).min_by_key(|&(price, way)| (price, way.terminal))
+    /// The cheapest way in or out: its price and its number.
+    fn cheapest(&self, ways: usize, weights: &[i64], multipliers: &Multipliers) -> Option<(i64, usize)> {
+        let start = self.model.terminals.len() as u32;
+        let price = |way: &Way| {
+            let own = way.length + weights[way.terminal as usize] + multipliers.ties[way.tie as usize];
+            if ways == 1 {
+                return own;
+            }
+            let both = self.cuts.shared(start, way.terminal).map(|cut| multipliers.cuts[cut as usize]);
+            own + weights[start as usize] + 2 * both.sum::<i64>()
+        };
+        self.ways[ways].iter().map(price).zip(0..).min()
     }
 
     /// The bound as far as the known links tell, and what the solution uses.
     pub(super) fn relax(&mut self, multipliers: &Multipliers, usage: &mut Usage) -> i64 {
         let weights = self.weights(multipliers);
-        usage.reset(weights.len(), multipliers.cuts.len(), multipliers.ties.len());
+        let start = self.model.terminals.len();
+        usage.reset(start + 1, multipliers.cuts.len(), multipliers.ties.len());
         let parts = Parts::new(self.model.bodies.len());
         let mut forest = Forest { model: self.model, parts, usage, shared: &self.shared, total: 0 };
         for links in self.links.iter_mut().rev() {
@@ -232,10 +250,19 @@ impl<'a> Relaxation<'a> {
             forest.span(links, &mut self.keys);
         }
         let mut total = forest.total + self.constant(multipliers);
-        for (price, way) in (0..2).filter_map(|ways| self.cheapest(ways, &weights, multipliers)) {
+        for ways in 0..2 {
+            let Some((price, k)) = self.cheapest(ways, &weights, multipliers) else { continue };
+            let way = &mut self.ways[ways][k];
+            way.used += 1;
             total += price;
             usage.degrees[way.terminal as usize] += 1;
             usage.tied[way.tie as usize] += 1;
+            if ways == 0 {
+                usage.degrees[start] += 1;
+                for cut in self.cuts.shared(start as u32, way.terminal) {
+                    usage.inside[cut as usize] += 1;
+                }
+            }
         }
         total
     }
