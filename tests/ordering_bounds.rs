@@ -51,18 +51,20 @@ fn layer(most: usize) -> impl Strategy<Value = Layer> {
     let runs = prop::collection::vec((0..2_u32, 0..3_u32, 0..3_u32), 5);
     let scope = prop::sample::select(vec![Scope::Layer, Scope::Feature, Scope::Island]);
     let ends = (prop::option::of(point()), prop::option::of(point()));
-    (prop::collection::vec(path, 0..=most), runs, scope, ends).prop_map(|(paths, runs, scope, (start, end))| {
-        let mut used: Vec<usize> = paths.iter().map(|(run, _)| *run).collect();
-        used.sort_unstable();
-        used.dedup();
-        let number = |run: usize| used.binary_search(&run).expect("listed") as u32;
-        let items = paths.into_iter().map(|(run, points)| (number(run), points)).collect();
-        let runs = used.iter().map(|&run| {
-            let (stage, island, rank) = runs[run];
-            Run { stage, island, rank }
-        });
-        Layer { items, runs: runs.collect(), scope, start, end }
-    })
+    (prop::collection::vec(path, 0..=most), runs, scope, ends).prop_map(
+        |(paths, runs, scope, (start, end))| {
+            let mut used: Vec<usize> = paths.iter().map(|(run, _)| *run).collect();
+            used.sort_unstable();
+            used.dedup();
+            let number = |run: usize| used.binary_search(&run).expect("listed") as u32;
+            let items = paths.into_iter().map(|(run, points)| (number(run), points)).collect();
+            let runs = used.iter().map(|&run| {
+                let (stage, island, rank) = runs[run];
+                Run { stage, island, rank }
+            });
+            Layer { items, runs: runs.collect(), scope, start, end }
+        },
+    )
 }
 
 /// Sums of a few square roots: far above their rounding, far below a bound that is wrong.

@@ -25,8 +25,8 @@ use crate::profile::Effort;
 /// Under `feature` and `island` scope the algorithm orders each run, and the runs follow each other by nearest entry.
 /// Links are measured by length whatever the cost: matching needs a metric, which time with retraction is not.
 ///
-/// Fok, Ganganath, Cheng, Tse, "A 3D printing path optimizer based on Christofides algorithm", 2016,
-/// <https://doi.org/10.1109/ICCE-TW.2016.7520990>. O(n log n) in practice.
+/// K.-Y. Fok, N. Ganganath, C.-T. Cheng, C. K. Tse, "A 3D printing path optimizer based on Christofides algorithm", IEEE
+/// ICCE-TW 2016. What it guarantees and what not: `docs/ordering-bounds.md`. O(n log n) in practice.
 #[derive(Clone, Copy, Debug)]
 pub struct Christofides;
 

@@ -13,7 +13,8 @@ pub fn optimum(problem: &Problem) -> f64 {
 /// last leads to its end, where these are known. Layers without items are passed over.
 pub fn chained_optimum(layers: &[Problem]) -> f64 {
     let layers: Vec<_> = layers.iter().filter(|layer| !layer.items.is_empty()).collect();
-    let mut ends: Option<Vec<(f64, Point)>> = layers.first().and_then(|first| first.start).map(|p| vec![(0.0, p)]);
+    let mut ends: Option<Vec<(f64, Point)>> =
+        layers.first().and_then(|first| first.start).map(|p| vec![(0.0, p)]);
     for layer in &layers {
         let arrive = |at: Point| {
             let ways = ends.iter().flatten().map(|&(so_far, from)| so_far + from.distance_mm(at));

@@ -1,4 +1,10 @@
 //! Lower bounds on what any order of a layer, or of a print, must travel.
+//!
+//! A walk through all paths is a tree of links: within every group that precedence keeps together, and over the groups.
+//! The cheapest such tree is a lower bound, and remains one when links pay multipliers, as long as what every walk
+//! would pay is given back: one link at each end of an open path, two at a loop, an odd number out of certain sets. The
+//! ascent looks for multipliers under which the tree resembles a walk; whatever it finds, the bound is evaluated over
+//! *all* links, in integers, each link rounded down. `docs/ordering-bounds.md` has the proof and the figures.
 
 mod ascent;
 mod cuts;
