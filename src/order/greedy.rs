@@ -12,7 +12,7 @@ use crate::profile::Effort;
 
 /// Vertices of a loop from which links to other loops are looked for while neither has its entry; links between
 /// a loop and anything else consider all vertices.
-const LOOP_SAMPLES: usize = 16;
+const LOOP_SAMPLES: usize = 8;
 
 /// Joins paths into fragments by the shortest link that is still possible, until one fragment is left. A loop's
 /// entry is settled by the first link that reaches it.

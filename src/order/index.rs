@@ -281,24 +281,16 @@ impl<'a> Index<'a> {
 
     fn nearest(&self, root: u32, p: Point, mut wanted: impl FnMut(&Entry) -> bool) -> Option<Entry> {
         let mut best: Option<Entry> = None;
-        self.search(root, p, i64::MAX, &mut |entry| {
-            if best.is_none_or(|best| entry < best) && wanted(&entry) {
-                best = Some(entry);
+        self.search(root, p, i64::MAX, &mut |block, _| {
+            for (entry, point) in (block.entry..).zip(self.points(block)) {
+                let entry = Entry { distance2: point.distance2(p), item: block.item, entry };
+                if best.is_none_or(|best| entry < best) && wanted(&entry) {
+                    best = Some(entry);
+                }
             }
             best.map_or(i64::MAX, |best| best.distance2)
         });
         best
-    }
-
-    /// The best entries of the `k` nearest other items that are left in a group, nearest first, into `found`.
-    pub fn nearest_items(&self, group: u32, p: Point, except: u32, k: usize, found: &mut Vec<Entry>) {
-        found.clear();
-        self.search(self.roots[group as usize], p, i64::MAX, &mut |entry| {
-            if entry.item != except {
-                insert(found, entry, k);
-            }
-            if found.len() < k { i64::MAX } else { found[k - 1].distance2 }
-        });
     }
 
     /// The `k` open groups nearest to a point, nearest first, into `found`, their numbers in place of the items'.
@@ -307,15 +299,14 @@ impl<'a> Index<'a> {
         if self.nodes.get(self.root as usize).is_none_or(|root| !root.visible) {
             return;
         }
-        self.search(self.root, p, i64::MAX, &mut |entry| {
-            insert(found, Entry { item: groups.of[entry.item as usize], ..entry }, k);
-            if found.len() < k { i64::MAX } else { found[k - 1].distance2 }
+        self.search(self.root, p, i64::MAX, &mut |block, _| {
+            insert(found, Entry { item: groups.of[block.item as usize], ..self.nearest_of(block, p) }, k)
         });
     }
 
-    /// Shows every entry of the subtree that is not farther than the bound to `visit`, which returns the bound
-    /// from then on. Nearer children go first.
-    fn search(&self, node: u32, p: Point, bound: i64, visit: &mut impl FnMut(Entry) -> i64) -> i64 {
+    /// Shows every block of the subtree whose box is not farther than the bound to `visit`, which gets the bound and
+    /// returns it as it is from then on. Nearer children go first.
+    fn search(&self, node: u32, p: Point, bound: i64, visit: &mut impl FnMut(&Block, i64) -> i64) -> i64 {
         let here = &self.nodes[node as usize];
         if here.count == 0 {
             return bound;
@@ -324,7 +315,7 @@ impl<'a> Index<'a> {
         if here.leaf {
             for block in &self.blocks[here.from as usize..here.to as usize] {
                 if self.left[block.item as usize] && block.bounds.distance2(p) <= bound {
-                    bound = self.scan(block, p, bound, visit);
+                    bound = visit(block, bound);
                 }
             }
             return bound;
@@ -342,35 +333,42 @@ impl<'a> Index<'a> {
         bound
     }
 
-    fn scan(&self, block: &Block, p: Point, mut bound: i64, visit: &mut impl FnMut(Entry) -> i64) -> i64 {
-        let mut show = |point: Point, entry: u32| {
+    /// The entries of a block.
+    fn points(&self, block: &Block) -> &[Point] {
+        let entries = block.entry as usize..(block.entry + block.len) as usize;
+        match &self.problem.items[block.item as usize].shape {
+            Shape::Open(ends) => &ends[entries],
+            Shape::Loop(vertices) => &vertices[entries],
+        }
+    }
+
+    /// The entry of a block that is nearest to a point; of equal ones the first.
+    fn nearest_of(&self, block: &Block, p: Point) -> Entry {
+        let mut best = Entry { distance2: i64::MAX, item: block.item, entry: block.entry };
+        for (entry, point) in (block.entry..).zip(self.points(block)) {
             let distance2 = point.distance2(p);
-            if distance2 <= bound {
-                bound = visit(Entry { distance2, item: block.item, entry });
-            }
-        };
-        match self.problem.items[block.item as usize].shape {
-            Shape::Open(_) => show(block.bounds.min, block.entry),
-            Shape::Loop(vertices) => {
-                let from = block.entry as usize;
-                for (offset, &vertex) in vertices[from..from + block.len as usize].iter().enumerate() {
-                    show(vertex, block.entry + offset as u32);
-                }
+            if distance2 < best.distance2 {
+                best = Entry { distance2, entry, ..best };
             }
         }
-        bound
+        best
     }
 }
 
-/// Keeps the best entry of each of the `k` nearest items, sorted.
-fn insert(found: &mut Vec<Entry>, entry: Entry, k: usize) {
-    match found.iter().position(|known| known.item == entry.item) {
-        Some(known) if found[known] <= entry => return,
-        Some(known) => drop(found.remove(known)),
-        None if found.len() == k && found[k - 1] <= entry => return,
-        None => {}
+/// Keeps the best entry of each of the `k` nearest items, sorted; returns how near others must be to be among them.
+fn insert(found: &mut Vec<Entry>, entry: Entry, k: usize) -> i64 {
+    let known = found.iter().position(|known| known.item == entry.item);
+    let last = known.unwrap_or(found.len());
+    if known.is_none_or(|known| entry < found[known]) {
+        let at = found.partition_point(|other| *other < entry);
+        if known.is_none() && last < k {
+            found.push(entry);
+        }
+        let last = last.min(k - 1);
+        if at <= last {
+            found.copy_within(at..last, at + 1);
+            found[at] = entry;
+        }
     }
-    let at = found.partition_point(|known| *known < entry);
-    found.insert(at, entry);
-    found.truncate(k);
+    if found.len() < k { i64::MAX } else { found[k - 1].distance2 }
 }

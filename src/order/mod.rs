@@ -6,6 +6,7 @@ mod chain;
 mod check;
 mod christofides;
 mod christofides_open;
+pub mod compare;
 mod cost;
 mod greedy;
 mod index;

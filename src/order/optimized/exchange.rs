@@ -125,7 +125,7 @@ impl Search<'_> {
         let item = node / 2;
         if self.walk.group_of(node) == group {
             let entry = if self.walk.is_loop(item) { self.walk.entry(item) } else { node % 2 };
-            return self.neighbours.of(self.problem, &self.index, group, item, entry);
+            return self.neighbours.of(self.problem, group, item, entry);
         }
         let [x, y] = self.walk.place(node);
         if x.is_nan() {
@@ -133,7 +133,7 @@ impl Search<'_> {
         }
         self.walk.work += 16;
         let point = crate::geom::Point::from_mm(x, y);
-        self.neighbours.near(self.problem, &self.index, group, point, NONE)
+        self.neighbours.near(group, point, NONE)
     }
 }
 

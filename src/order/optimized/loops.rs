@@ -3,10 +3,8 @@
 use super::search::{GAIN, Search};
 use super::walk::{End, NONE};
 
-/// Vertices of a loop from which gaps for it are looked for.
-const SAMPLES: usize = 12;
-/// Neighbours of each sample whose gaps are tried.
-const NEAR_SAMPLE: usize = 3;
+/// In groups of so few items, all gaps and vertices are tried for a loop.
+const FEW: u32 = 6;
 
 impl Search<'_> {
     /// Enters a loop at the vertex that makes its two links cheapest. O(vertices).
@@ -63,10 +61,19 @@ impl Search<'_> {
             return false;
         }
         let mut best = (saved - GAIN, NONE);
-        for entry in (0..vertices.len()).step_by(vertices.len().div_ceil(SAMPLES)) {
-            let vertex = vertices[entry].mm();
-            let near = self.neighbours.of(self.problem, &self.index, group, item, entry as u32);
-            for node in near.into_iter().take(NEAR_SAMPLE).take_while(|&node| node != NONE) {
+        if last - first <= FEW {
+            for gap in (first..=last).filter(|&gap| gap != at && gap != at + 1) {
+                let left = self.walk.place(self.walk.node(End { gap, right: false }));
+                let right = self.walk.place(self.walk.node(End { gap, right: true }));
+                let added = self.best_vertex(item, left, right).0 - self.walk.between(left, right);
+                if added < best.0 {
+                    best = (added, gap);
+                }
+            }
+        } else {
+            let sites = self.neighbours.take_sites(self.problem, group, item);
+            for &(entry, node) in &sites {
+                let vertex = vertices[entry as usize].mm();
                 let beside = self.walk.position(node / 2);
                 for gap in [beside, beside + 1] {
                     if gap == at || gap == at + 1 || gap.abs_diff(at) > self.reach {
@@ -82,6 +89,7 @@ impl Search<'_> {
                     }
                 }
             }
+            self.neighbours.put_sites(item, sites);
         }
         let gap = best.1;
         if gap == NONE {

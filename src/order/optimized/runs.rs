@@ -1,17 +1,65 @@
 //! Moving whole groups (runs) and units (islands) between positions.
 
+use super::super::index::Entry;
+use super::super::precedence::{Groups, Place};
+use super::super::{Problem, Shape};
 use super::random::Random;
 use super::search::{GAIN, Search};
 use super::walk::{End, NONE};
 
-/// Groups of one block that moves.
+/// Most groups in one block that moves.
 const BLOCK: u32 = 4;
 /// With at most so many groups, all gaps between groups are tried; with more, those beside near groups.
 const FEW: usize = 12;
-/// Places of a group from which near groups are looked for.
+/// Near groups of each group.
+const NEAR: usize = 24;
+/// Places of a group from which near groups are looked for, and how many from each.
 const SAMPLES: usize = 8;
-/// Near groups per sample.
-const NEAR_SAMPLE: usize = 4;
+const NEAR_SAMPLE: usize = 6;
+
+/// What lies where, for groups.
+#[derive(Debug)]
+pub struct Vicinity {
+    /// Gaps between which each group's stage lies.
+    stage: Vec<(u32, u32)>,
+    /// Near groups of each group, once they were asked for.
+    near: Vec<Option<Vec<u32>>>,
+    /// Centre and radius of a disc, in millimetres, that holds all entries of each lone loop.
+    disc: Vec<Option<([f64; 2], f64)>>,
+}
+
+impl Vicinity {
+    /// What is known at once.
+    pub fn new(problem: &Problem, groups: &Groups) -> Self {
+        let mut stage = Vec::with_capacity(groups.items.len());
+        let (mut first, mut at) = (1, 1);
+        for (group, items) in groups.items.iter().enumerate() {
+            if group > 0 && groups.place[group].stage != groups.place[group - 1].stage {
+                first = at;
+            }
+            at += items.len() as u32;
+            stage.push((first, at));
+        }
+        for group in (1..stage.len()).rev() {
+            if stage[group].0 == stage[group - 1].0 {
+                stage[group - 1].1 = stage[group].1;
+            }
+        }
+        let disc = |items: &Vec<u32>| match (items.as_slice(), problem.items[items[0] as usize].shape) {
+            ([_], Shape::Loop(vertices)) => {
+                let sum = vertices.iter().map(|v| v.mm()).fold([0.0; 2], |s, p| [s[0] + p[0], s[1] + p[1]]);
+                let center = sum.map(|sum| sum / vertices.len() as f64);
+                let from_center = |v: &crate::geom::Point| {
+                    let [x, y] = v.mm();
+                    (x - center[0]).hypot(y - center[1])
+                };
+                Some((center, vertices.iter().map(from_center).fold(0.0, f64::max)))
+            }
+            _ => None,
+        };
+        Self { stage, near: vec![None; groups.items.len()], disc: groups.items.iter().map(disc).collect() }
+    }
+}
 
 impl Search<'_> {
     /// Moves a block of consecutive groups that begins or ends with this one, where precedence lets it, to the gap
@@ -26,15 +74,35 @@ impl Search<'_> {
             let (first, end) = self.unit_span(first, end);
             return self.move_block(first, end);
         }
+        if self.move_block(first, end) {
+            return true;
+        }
         let (mut from, mut to) = (first, end);
-        for _ in 0..BLOCK {
-            if self.move_block(first, to) || (from < first && self.move_block(from, end)) {
+        for _ in 1..BLOCK {
+            (from, to) = (self.start_of_last(from), self.end_of_next(to));
+            if self.move_block(first, to) || self.move_block(from, end) {
                 return true;
             }
-            to = self.end_of_next(to);
-            from = self.start_of_last(from);
         }
         false
+    }
+
+    /// Draws a group the other way round if that is cheaper.
+    pub fn reverse_group(&mut self, group: u32) -> bool {
+        let (from, to) = self.walk.span(group);
+        let node = |gap, right| self.walk.node(End { gap, right });
+        let (before, enter, leave, after) =
+            (node(from, false), node(from, true), node(to, false), node(to, true));
+        let now = self.walk.link(before, enter) + self.walk.link(leave, after);
+        let reversed = self.walk.link(before, leave) + self.walk.link(enter, after);
+        self.walk.work += 4;
+        if reversed >= now - GAIN {
+            return false;
+        }
+        self.walk.reverse(from, to - 1);
+        self.touch(from);
+        self.touch(to);
+        true
     }
 
     /// Where the group after a gap ends; the gap itself at the end of the walk.
@@ -47,7 +115,7 @@ impl Search<'_> {
         if gap <= 1 { gap } else { self.walk.span(self.walk.group_at(gap - 1)).0 }
     }
 
-    fn unit_at(&self, position: u32) -> Option<super::super::precedence::Place> {
+    fn unit_at(&self, position: u32) -> Option<Place> {
         self.groups.place.get(self.walk.group_at(position) as usize).copied()
     }
 
@@ -62,37 +130,37 @@ impl Search<'_> {
         (from, to)
     }
 
-    /// The gaps from and to which a block of groups may move: it passes no other stage and no group of its units.
+    /// The gaps from and to which a block of groups may move: it stays in its stage and passes no group that its unit
+    /// has before or after.
     fn window(&self, from: u32, to: u32) -> (u32, u32) {
-        let mut units = Vec::with_capacity(BLOCK as usize);
-        let mut at = from;
-        while at < to {
-            units.push(self.unit_at(at));
-            at = self.end_of_next(at);
-        }
-        let stage = units[0].map(|unit| unit.stage);
-        let stops = |place: Option<super::super::precedence::Place>| {
-            place.map(|place| place.stage) != stage || units.contains(&place)
-        };
-        if units.iter().any(|unit| unit.map(|unit| unit.stage) != stage) {
+        let (mut low, mut high) = self.vicinity.stage[self.walk.group_at(from) as usize];
+        if to > high || from < low {
             return (from, to);
         }
-        let (mut low, mut high) = (from, to);
-        while low > 1 && from - low < self.reach && !stops(self.unit_at(low - 1)) {
-            low = self.start_of_last(low);
-        }
-        while high <= self.walk.len() && high - to < self.reach && !stops(self.unit_at(high)) {
-            high = self.end_of_next(high);
+        let mut at = from;
+        while at < to {
+            let group = self.walk.group_at(at);
+            at = self.end_of_next(at);
+            if let Some(next) = self.groups.next_in_unit(group) {
+                let (begins, _) = self.walk.span(next);
+                high = if begins >= to { high.min(begins) } else { high };
+            }
+            if let Some(before) = group.checked_sub(1)
+                && self.groups.next_in_unit(before) == Some(group)
+            {
+                let (_, ends) = self.walk.span(before);
+                low = if ends <= from { low.max(ends) } else { low };
+            }
         }
         (low, high)
     }
 
     fn move_block(&mut self, from: u32, to: u32) -> bool {
-        let before = self.walk.node(End { gap: from, right: false });
-        let after = self.walk.node(End { gap: to, right: true });
-        let (enter, leave) =
-            (self.walk.node(End { gap: from, right: true }), self.walk.node(End { gap: to, right: false }));
+        let node = |walk: &super::walk::Walk, gap, right| walk.node(End { gap, right });
+        let (before, after) = (node(&self.walk, from, false), node(&self.walk, to, true));
+        let (enter, leave) = (node(&self.walk, from, true), node(&self.walk, to, false));
         let saved = self.walk.gap(from) + self.walk.gap(to) - self.walk.link(before, after);
+        self.walk.work += 3;
         if saved <= GAIN {
             return false;
         }
@@ -102,18 +170,20 @@ impl Search<'_> {
         }
         let group = self.walk.group_at(from);
         let lone = self.walk.group_at(to - 1) == group;
-        let looped = to - from == 1 && self.walk.is_loop(self.walk.item_at(from));
+        let disc = if lone { self.vicinity.disc[group as usize] } else { None };
         let mut best = (saved - GAIN, NONE, false);
         for gap in self.gaps_near(from, to, low, high) {
-            let left = self.walk.node(End { gap, right: false });
-            let right = self.walk.node(End { gap, right: true });
+            let (left, right) = (node(&self.walk, gap, false), node(&self.walk, gap, true));
             let link = self.walk.link(left, right);
             self.walk.work += 4;
-            if looped {
-                let item = self.walk.item_at(from);
-                let (cost, _) = self.best_vertex(item, self.walk.place(left), self.walk.place(right));
-                if cost - link < best.0 {
-                    best = (cost - link, gap, false);
+            if let Some((center, radius)) = disc {
+                let (left, right) = (self.walk.place(left), self.walk.place(right));
+                let least = |place| self.walk.beyond(place, center, radius);
+                if least(left) + least(right) - link < best.0 {
+                    let (cost, _) = self.best_vertex(self.walk.item_at(from), left, right);
+                    if cost - link < best.0 {
+                        best = (cost - link, gap, false);
+                    }
                 }
                 continue;
             }
@@ -130,27 +200,26 @@ impl Search<'_> {
         if gap == NONE {
             return false;
         }
-        if looped {
+        if disc.is_some() {
             let item = self.walk.item_at(from);
-            let left = self.walk.place(self.walk.node(End { gap, right: false }));
-            let right = self.walk.place(self.walk.node(End { gap, right: true }));
-            let (_, entry) = self.best_vertex(item, left, right);
+            let (left, right) = (node(&self.walk, gap, false), node(&self.walk, gap, true));
+            let (_, entry) = self.best_vertex(item, self.walk.place(left), self.walk.place(right));
             self.walk.enter(item, entry);
         }
-        let middle = if gap < from {
+        let gaps = if gap < from {
             self.walk.swap(gap, from, to, false, reversed);
             [gap, gap + (to - from), to]
         } else {
             self.walk.swap(from, to, gap, reversed, false);
             [from, from + (gap - to), gap]
         };
-        middle.into_iter().for_each(|gap| self.touch(gap));
+        gaps.into_iter().for_each(|gap| self.touch(gap));
         true
     }
 
     /// Gaps between groups (units, where these stay whole) worth trying for a block, within its window.
     fn gaps_near(&mut self, from: u32, to: u32, low: u32, high: u32) -> Vec<u32> {
-        let mut gaps = Vec::new();
+        let mut gaps = Vec::with_capacity(4 * NEAR);
         if self.groups.items.len() <= FEW {
             let mut gap = low;
             while gap < high {
@@ -159,15 +228,15 @@ impl Search<'_> {
             }
             gaps.push(high);
         } else {
-            for at in [from, to - 1] {
-                let group = self.walk.group_at(at);
+            let (first, last) = (self.walk.group_at(from), self.walk.group_at(to - 1));
+            for group in std::iter::once(first).chain((first != last).then_some(last)) {
                 self.find_near_groups(group);
-                let spans = self.near_groups[group as usize].iter().map(|&near| self.walk.span(near));
-                gaps.extend(spans.flat_map(|(first, end)| [first, end]));
+                for &near in self.vicinity.near[group as usize].iter().flatten() {
+                    let (first, end) = self.walk.span(near);
+                    gaps.extend([first, end]);
+                }
             }
             gaps.extend([low, high]);
-            gaps.sort_unstable();
-            gaps.dedup();
         }
         let inside_unit = |gap: u32| {
             self.groups.whole_units
@@ -175,36 +244,44 @@ impl Search<'_> {
                 && gap <= self.walk.len()
                 && self.unit_at(gap - 1) == self.unit_at(gap)
         };
-        gaps.retain(|&gap| (low..=high).contains(&gap) && !(from..=to).contains(&gap) && !inside_unit(gap));
+        gaps.retain(|&gap| {
+            (low..=high).contains(&gap)
+                && !(from..=to).contains(&gap)
+                && gap.abs_diff(from) <= self.reach
+                && !inside_unit(gap)
+        });
         gaps
     }
 
     /// Finds the groups that lie nearest to a group, when first asked for.
     fn find_near_groups(&mut self, group: u32) {
-        if self.near_groups.is_empty() {
-            self.near_groups = vec![Vec::new(); self.groups.items.len()];
+        if self.vicinity.near[group as usize].is_some() {
+            return;
         }
-        if self.near_groups[group as usize].is_empty() {
-            let items = &self.groups.items[group as usize];
-            let (mut near, mut found) = (Vec::new(), Vec::new());
-            self.index.close(group);
-            for &item in items.iter().step_by(items.len().div_ceil(SAMPLES)) {
-                let entries = self.walk.vertices(item).map_or(2, <[_]>::len);
-                for entry in [0, entries / 2] {
-                    let point = self.problem.items[item as usize].ends(entry as u32).0;
-                    self.index.nearest_groups(point, self.groups, NEAR_SAMPLE, &mut found);
-                    near.extend(found.iter().map(|entry| entry.item));
-                }
+        let items = &self.groups.items[group as usize];
+        let (mut near, mut found): (Vec<Entry>, Vec<Entry>) = (Vec::new(), Vec::new());
+        self.index.close(group);
+        for &item in items.iter().step_by(items.len().div_ceil(SAMPLES)) {
+            let entries = self.walk.vertices(item).map_or(2, <[_]>::len);
+            for entry in [0, entries / 2] {
+                let point = self.problem.items[item as usize].ends(entry as u32).0;
+                self.index.nearest_groups(point, self.groups, NEAR_SAMPLE, &mut found);
+                near.extend_from_slice(&found);
             }
-            self.index.open(group);
-            near.sort_unstable();
-            near.dedup();
-            self.near_groups[group as usize] = near;
         }
+        self.index.open(group);
+        near.sort_unstable();
+        let mut groups: Vec<u32> = Vec::with_capacity(NEAR);
+        for entry in near {
+            if groups.len() < NEAR && !groups.contains(&entry.item) {
+                groups.push(entry.item);
+            }
+        }
+        self.vicinity.near[group as usize] = Some(groups);
     }
 
     /// Swaps two neighbouring blocks of groups, if precedence lets them pass each other.
-    pub fn kick_groups(&mut self, group: u32, random: &mut Random) -> bool {
+    pub fn kick_groups(&mut self, group: u32, random: &mut Random) {
         let (mut from, mut middle) = self.walk.span(group);
         for _ in 0..random.below(BLOCK) {
             middle = self.end_of_next(middle);
@@ -220,10 +297,13 @@ impl Search<'_> {
             (_, to) = self.unit_span(middle, to);
         }
         if to == middle || self.window(from, middle).1 < to {
-            return false;
+            return;
         }
-        self.walk.swap(from, middle, to, false, false);
+        // A block of several groups cannot be reversed: their order is not free.
+        let lone = |from: u32, to: u32| self.walk.group_at(from) == self.walk.group_at(to - 1);
+        let reversed = random.below(4);
+        let (first, second) = (reversed == 0 && lone(from, middle), reversed == 1 && lone(middle, to));
+        self.walk.swap(from, middle, to, first, second);
         [from, from + (to - middle), to].into_iter().for_each(|gap| self.touch(gap));
-        true
     }
 }

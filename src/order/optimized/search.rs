@@ -7,6 +7,7 @@ use super::super::precedence::Groups;
 use super::super::{Cost, Problem, Sequence, Visit};
 use super::neighbours::Neighbours;
 use super::random::Random;
+use super::runs::Vicinity;
 use super::walk::{End, Walk};
 
 /// What an improvement must save at least (millimetres or seconds), far above rounding and far below anything
@@ -17,6 +18,9 @@ const KICK: u32 = 30;
 /// Farthest exchange while kicks are repaired: what is farther away does not depend on the kick.
 const KICK_REACH: u32 = 1000;
 
+/// Walks of so few items are searched thoroughly even after kicks.
+const FEW: u32 = 12;
+
 /// A walk and what is needed to improve it.
 pub struct Search<'a> {
     pub(super) problem: &'a Problem<'a>,
@@ -26,8 +30,9 @@ pub struct Search<'a> {
     pub(super) neighbours: Neighbours,
     /// Exchanges move at most so many items.
     pub(super) reach: u32,
-    /// Near groups of each group, where they were asked for.
-    pub(super) near_groups: Vec<Vec<u32>>,
+    pub(super) vicinity: Vicinity,
+    /// Whether neighbouring loops are entered anew together, which is dear.
+    thorough: bool,
     queue: VecDeque<u32>,
     queued: Vec<bool>,
 }
@@ -46,11 +51,12 @@ impl<'a> Search<'a> {
             groups,
             index,
             walk: Walk::new(problem, groups, cost, sequence),
-            neighbours: Neighbours::new(problem),
+            neighbours: Neighbours::new(problem, groups),
             reach: u32::MAX,
-            near_groups: Vec::new(),
+            thorough: true,
+            vicinity: Vicinity::new(problem, groups),
             queue: VecDeque::new(),
-            queued: vec![false; problem.items.len()],
+            queued: vec![false; 2 * problem.items.len()],
         }
     }
 
@@ -61,11 +67,9 @@ impl<'a> Search<'a> {
 
     /// Improves the walk until no move does any more.
     pub fn descend(&mut self) {
-        for position in 1..=self.walk.len() {
-            self.push(self.walk.item_at(position));
-        }
+        (1..=self.walk.len() + 1).for_each(|gap| self.touch(gap));
         self.drain();
-        self.reenter_chains();
+        self.reenter_all();
         self.drain();
         self.walk.commit();
     }
@@ -77,10 +81,12 @@ impl<'a> Search<'a> {
     pub fn iterate(&mut self, random: &mut Random, budget: u64) {
         let end = self.walk.work + budget;
         self.reach = KICK_REACH;
+        self.thorough = self.walk.len() <= FEW;
         while self.walk.work < end {
             self.walk.work += 8;
-            if !self.kick(random) {
-                continue;
+            let kicks = if self.thorough { 1 + random.below(3) } else { 1 };
+            for _ in 0..kicks {
+                self.kick(random);
             }
             self.drain();
             if self.walk.is_worse() {
@@ -89,66 +95,66 @@ impl<'a> Search<'a> {
                 self.walk.commit();
             }
         }
-        self.reach = u32::MAX;
+        (self.reach, self.thorough) = (u32::MAX, true);
     }
 
-    /// Queues the items on both sides of a gap.
+    /// Queues the nodes on both sides of a gap.
     pub(super) fn touch(&mut self, gap: u32) {
-        for position in [gap - 1, gap] {
-            let item = self.walk.item_at(position);
-            if item < self.walk.len() {
-                self.push(item);
+        for right in [false, true] {
+            let node = self.walk.node(End { gap, right });
+            if let Some(queued) = self.queued.get_mut(node as usize)
+                && !std::mem::replace(queued, true)
+            {
+                self.queue.push_back(node);
             }
-        }
-    }
-
-    fn push(&mut self, item: u32) {
-        if !std::mem::replace(&mut self.queued[item as usize], true) {
-            self.queue.push_back(item);
         }
     }
 
     fn drain(&mut self) {
-        while let Some(item) = self.queue.pop_front() {
-            self.queued[item as usize] = false;
-            if self.improve(item) {
-                self.push(item);
-            }
+        while let Some(node) = self.queue.pop_front() {
+            self.queued[node as usize] = false;
+            while self.improve(node) {}
         }
     }
 
-    /// Makes one improving move that concerns an item, if there is one.
-    fn improve(&mut self, item: u32) -> bool {
+    /// Makes one improving move that concerns the link at a node, if there is one.
+    fn improve(&mut self, node: u32) -> bool {
+        let item = node / 2;
         if self.reenter(item) {
             return true;
         }
-        let at = self.walk.position(item);
-        let group = self.walk.group_at(at);
-        let (first, end) = self.walk.span(group);
-        let (before, after) = (End { gap: at, right: true }, End { gap: at + 1, right: false });
-        (end - first > 1 && (self.exchange(before, group) || self.exchange(after, group)))
-            || (at == first && end - first > 1 && self.exchange(before.across(), group))
-            || (at + 1 == end && end - first > 1 && self.exchange(after.across(), group))
-            || self.reinsert(item)
-            || ((at == first || at + 1 == end) && self.move_group(group))
+        let end = self.walk.end_of(node);
+        let group = self.walk.group_of(node);
+        let (first, last) = self.walk.span(group);
+        let outer = end.gap == first || end.gap == last;
+        if last - first > 1
+            && (self.exchange(end, group)
+                || (outer && self.exchange(end.across(), group))
+                || self.reinsert(item))
+        {
+            return true;
+        }
+        (self.thorough && self.reenter_beside(self.walk.position(item)))
+            || (outer && (self.reverse_group(group) || self.move_group(group)))
     }
 
     /// Swaps two neighbouring stretches, of one group or of whole groups.
-    fn kick(&mut self, random: &mut Random) -> bool {
+    fn kick(&mut self, random: &mut Random) {
         let at = 1 + random.below(self.walk.len());
         let group = self.walk.group_at(at);
         let (first, end) = self.walk.span(group);
         if self.groups.items.len() > 1 && (end - first < 3 || random.below(4) == 0) {
-            return self.kick_groups(group, random);
+            self.kick_groups(group, random);
+            return;
         }
         if end - first < 2 {
-            return false;
+            return;
         }
         let from = at.min(end - 2);
         let middle = from + 1 + random.below(KICK.min(end - from - 1));
         let to = middle + 1 + random.below(KICK.min(end - middle));
-        self.walk.swap(from, middle, to, false, false);
+        let reversed = random.below(8);
+        self.walk.swap(from, middle, to, reversed == 0, reversed == 1);
         [from, from + (to - middle), to].into_iter().for_each(|gap| self.touch(gap));
-        true
     }
 }

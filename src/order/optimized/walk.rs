@@ -23,6 +23,7 @@ pub struct Walk<'a> {
     place: Vec<[f64; 2]>,
     /// Where each loop is entered.
     entry: Vec<u32>,
+    looped: Vec<bool>,
     group: Vec<u32>,
     /// First position and length of each group.
     span: Vec<(u32, u32)>,
@@ -91,6 +92,8 @@ impl<'a> Walk<'a> {
         for (at, &node) in entered.iter().enumerate() {
             position[node as usize / 2] = at as u32;
         }
+        let looped = problem.items.iter().map(|item| matches!(item.shape, Shape::Loop(_)));
+        let looped = looped.chain([false, false]).collect();
         let mut group = groups.of.clone();
         group.extend([NONE, NONE]);
         let span = groups.items.iter().map(|items| (0, items.len() as u32)).collect();
@@ -101,6 +104,7 @@ impl<'a> Walk<'a> {
             position,
             place: places,
             entry,
+            looped,
             group,
             span,
             journal: Vec::new(),
@@ -133,7 +137,7 @@ impl<'a> Walk<'a> {
     /// Whether an item is a loop. Sentinels are not.
     #[inline]
     pub fn is_loop(&self, item: u32) -> bool {
-        self.vertices(item).is_some()
+        self.looped[item as usize]
     }
 
     /// Where a loop may be entered; nothing for open paths and sentinels.
@@ -143,11 +147,6 @@ impl<'a> Walk<'a> {
             Shape::Loop(vertices) => Some(vertices),
             Shape::Open(_) => None,
         }
-    }
-
-    /// Cost of all links, up to rounding.
-    pub fn total(&self) -> f64 {
-        self.total
     }
 
     /// Whether the walk is dearer than at the last [`Self::commit`].
@@ -227,6 +226,13 @@ impl<'a> Walk<'a> {
         let (dx, dy) = (a[0] - b[0], a[1] - b[1]);
         let square = dx * dx + dy * dy;
         if square > 0.0 { self.cost.of(square.sqrt()) } else { 0.0 }
+    }
+
+    /// The least that a link from a place to anything in a disc can cost.
+    #[inline]
+    pub fn beyond(&self, place: [f64; 2], center: [f64; 2], radius: f64) -> f64 {
+        let distance_mm = (place[0] - center[0]).hypot(place[1] - center[1]);
+        if distance_mm > radius { self.cost.of(distance_mm - radius) } else { 0.0 }
     }
 
     /// Cost of the link over a gap.

@@ -1,0 +1,185 @@
+//! A grid over the entries of one group, for many small searches.
+
+use super::super::{Problem, Shape};
+use crate::geom::Point;
+
+/// Vertices of a loop in the grid, spread evenly. Which loops are near is all that a search must tell; their vertices
+/// are chosen exactly elsewhere.
+const LOOP_SAMPLES: usize = 16;
+/// Points per cell.
+const PER_CELL: usize = 2;
+
+/// A point in the grid.
+#[derive(Clone, Copy, Debug)]
+struct Site {
+    point: Point,
+    node: u32,
+}
+
+/// Entries in square cells.
+#[derive(Debug)]
+pub struct Grid {
+    origin: Point,
+    cell: i64,
+    columns: i64,
+    rows: i64,
+    /// The sites of cell c: `sites[first[c]..first[c + 1]]`.
+    first: Vec<u32>,
+    sites: Vec<Site>,
+}
+
+/// A node found by a search (of a loop, its even node), and its squared distance in square units.
+pub type Found = (i64, u32);
+
+impl Grid {
+    /// Puts both ends of open paths and samples of loops into a grid. O(n).
+    pub fn new(problem: &Problem, items: &[u32]) -> Self {
+        let mut sites = Vec::with_capacity(2 * items.len());
+        for &item in items {
+            match problem.items[item as usize].shape {
+                Shape::Open([a, b]) => {
+                    sites.extend([Site { point: a, node: 2 * item }, Site { point: b, node: 2 * item + 1 }]);
+                }
+                Shape::Loop(vertices) => {
+                    let samples = vertices.iter().step_by(vertices.len().div_ceil(LOOP_SAMPLES));
+                    sites.extend(samples.map(|&point| Site { point, node: 2 * item }));
+                }
+            }
+        }
+        let first = sites.first().map_or(Point::default(), |site| site.point);
+        let (mut low, mut high) = (first, first);
+        for Site { point, .. } in &sites {
+            low = Point::new(low.x.min(point.x), low.y.min(point.y));
+            high = Point::new(high.x.max(point.x), high.y.max(point.y));
+        }
+        let width = i64::from(high.x) - i64::from(low.x) + 1;
+        let height = i64::from(high.y) - i64::from(low.y) + 1;
+        let cells = (sites.len() / PER_CELL).max(1) as f64;
+        // At most about twice as many cells as asked for, however long and narrow the box is.
+        let cell =
+            (width as f64 * height as f64 / cells).sqrt().max(width.max(height) as f64 / cells).ceil() as i64;
+        let (columns, rows) = (width / cell + 1, height / cell + 1);
+        let mut grid = Self { origin: low, cell, columns, rows, first: Vec::new(), sites: Vec::new() };
+        grid.fill(&sites);
+        grid
+    }
+
+    /// Sorts sites by cell (counting sort).
+    fn fill(&mut self, sites: &[Site]) {
+        self.first = vec![0; (self.columns * self.rows) as usize + 1];
+        let cells: Vec<u32> = sites
+            .iter()
+            .map(|site| {
+                let (column, row) = self.cell_of(site.point);
+                (row * self.columns + column) as u32
+            })
+            .collect();
+        for &cell in &cells {
+            self.first[cell as usize + 1] += 1;
+        }
+        for cell in 1..self.first.len() {
+            self.first[cell] += self.first[cell - 1];
+        }
+        let mut next = self.first.clone();
+        self.sites = sites.to_vec();
+        for (site, &cell) in sites.iter().zip(&cells) {
+            self.sites[next[cell as usize] as usize] = *site;
+            next[cell as usize] += 1;
+        }
+    }
+
+    /// Column and row of a point; outside the grid, too.
+    fn cell_of(&self, p: Point) -> (i64, i64) {
+        let (x, y) = (i64::from(p.x) - i64::from(self.origin.x), i64::from(p.y) - i64::from(self.origin.y));
+        (x.div_euclid(self.cell), y.div_euclid(self.cell))
+    }
+
+    /// The `k` nodes nearest to a point, nearest first, into `found`; each loop once, `except` (an item) not at all.
+    /// Ties go to the lowest node.
+    pub fn nearest(&self, p: Point, except: u32, k: usize, found: &mut Vec<Found>) {
+        found.clear();
+        let (column, row) = self.cell_of(p);
+        // Rings of cells from where they first meet the grid to where they have left it on all sides.
+        let outside = |at: i64, cells: i64| (-at).max(at - (cells - 1)).max(0);
+        let nearest = outside(column, self.columns).max(outside(row, self.rows));
+        let farthest = column.max(self.columns - 1 - column).max(row).max(self.rows - 1 - row);
+        for ring in nearest..=farthest {
+            let (left, right) = (column - ring, column + ring);
+            let columns = left.max(0)..=right.min(self.columns - 1);
+            for at in (row - ring).max(0)..=(row + ring).min(self.rows - 1) {
+                if at == row - ring || at == row + ring {
+                    self.scan(at, *columns.start(), *columns.end(), p, except, k, found);
+                } else {
+                    for side in [left, right] {
+                        if (0..self.columns).contains(&side) {
+                            self.scan(at, side, side, p, except, k, found);
+                        }
+                    }
+                }
+            }
+            // Whatever is farther out is at least `ring` whole cells away.
+            let reach = ring * self.cell;
+            if found.len() == k && found[k - 1].0 <= reach * reach {
+                return;
+            }
+        }
+    }
+
+    /// Looks at the cells of a row from one column to another.
+    #[allow(clippy::too_many_arguments)]
+    fn scan(&self, row: i64, from: i64, to: i64, p: Point, except: u32, k: usize, found: &mut Vec<Found>) {
+        let base = row * self.columns;
+        let sites =
+            self.first[(base + from) as usize] as usize..self.first[(base + to) as usize + 1] as usize;
+        for site in &self.sites[sites] {
+            let entry = (site.point.distance2(p), site.node);
+            if site.node / 2 == except || (found.len() == k && entry >= found[k - 1]) {
+                continue;
+            }
+            // A loop has several sites of one node.
+            if let Some(known) = found.iter().position(|&(_, node)| node == site.node) {
+                if found[known] <= entry {
+                    continue;
+                }
+                found.remove(known);
+            } else if found.len() == k {
+                found.pop();
+            }
+            let at = found.partition_point(|other| *other < entry);
+            found.insert(at, entry);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use proptest::prelude::*;
+
+    use super::super::super::{Item, Problem};
+    use super::*;
+    use crate::profile::Scope;
+
+    proptest! {
+        #[test]
+        fn the_grid_finds_what_looking_at_all_finds(
+            ends in prop::collection::vec((-50..50i32, -9..9i32, -50..50i32, -9..9i32), 1..60),
+            (x, y) in (-99..99i32, -99..99i32),
+            k in 1..9usize,
+        ) {
+            let shape = |&(a, b, c, d): &_| Shape::Open([Point::new(a, b), Point::new(c, d)]);
+            let items: Vec<_> = ends.iter().map(|ends| Item { run: 0, shape: shape(ends) }).collect();
+            let all: Vec<u32> = (0..items.len() as u32).collect();
+            let problem = Problem { items, runs: Vec::new(), scope: Scope::Layer, start: None, end: None };
+            let mut found = Vec::new();
+            let p = Point::new(x, y);
+            Grid::new(&problem, &all).nearest(p, 3, k, &mut found);
+            let nodes = (0..2 * all.len() as u32).filter(|node| node / 2 != 3);
+            let mut expected: Vec<Found> = nodes
+                .map(|node| (problem.items[node as usize / 2].ends(node % 2).0.distance2(p), node))
+                .collect();
+            expected.sort_unstable();
+            expected.truncate(k);
+            prop_assert_eq!(found, expected);
+        }
+    }
+}
