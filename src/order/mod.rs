@@ -14,6 +14,7 @@ mod layer;
 pub mod matching;
 mod nearest;
 mod optimized;
+mod parts;
 mod precedence;
 mod problem;
 mod seam;
