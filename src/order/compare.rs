@@ -134,14 +134,36 @@ fn figures(link_mm: f64, bound_mm: Option<f64>, travels: usize, travel_s: f64) -
     })
 }
 
-/// The same as comma-separated values, one line per strategy and layer.
-pub fn csv(rows: &[StrategyRow]) -> String {
-    let mut out = String::from("strategy,layer,paths,link_mm,bound_mm,gap,travels,travel_s\n");
+/// Adds the rows of another model to those of the models before, strategy by strategy. Bounds of prints add up.
+pub fn pool(pooled: &mut Vec<StrategyRow>, rows: Vec<StrategyRow>) {
+    for row in rows {
+        match pooled.iter_mut().find(|sum| sum.strategy == row.strategy) {
+            Some(sum) => {
+                sum.took_s += row.took_s;
+                sum.bound_mm = sum.bound_mm.zip(row.bound_mm).map(|(a, b)| a + b);
+                sum.layers.extend(row.layers);
+            }
+            None => pooled.push(row),
+        }
+    }
+}
+
+/// The same as comma-separated values, one line per strategy and layer, below a heading if that is wanted.
+pub fn csv(model: &str, rows: &[StrategyRow], heading: bool) -> String {
+    let mut out = String::new();
+    if heading {
+        out += "model,strategy,layer,paths,link_mm,bound_mm,gap,travels,travel_s\n";
+    }
+    let model = if model.contains([',', '"', '\n']) {
+        format!("\"{}\"", model.replace('"', "\"\""))
+    } else {
+        model.to_owned()
+    };
     let cell = |value: Option<f64>| value.map_or(String::new(), |value| format!("{value:.4}"));
     for strategy in rows {
         for row in &strategy.layers {
             out += &format!(
-                "{},{},{},{:.4},{},{},{},{:.4}\n",
+                "{model},{},{},{},{:.4},{},{},{},{:.4}\n",
                 strategy.strategy,
                 row.layer,
                 row.paths,
@@ -184,6 +206,6 @@ mod tests {
 
     #[test]
     fn csv_has_a_line_per_strategy_and_layer() {
-        assert_eq!(csv(&rows()).lines().count(), 3);
+        assert_eq!(csv("a,b.stl", &rows(), true).lines().count(), 3);
     }
 }
