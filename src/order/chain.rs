@@ -15,7 +15,7 @@ use crate::toolpath::LayerPaths;
 /// Layers per chunk for a print of so many layers: enough chunks to keep every core busy, and not so
 /// short that solving heads twice costs much.
 pub fn chunk_len(layers: usize) -> usize {
-    (layers / 64).clamp(8, 32)
+    (layers / 64).clamp(16, 32)
 }
 
 /// How the layers of a print are ordered.

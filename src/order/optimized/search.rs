@@ -132,6 +132,12 @@ impl<'a> Search<'a> {
     /// Swaps two neighbouring stretches, of one group or of whole groups.
     fn kick(&mut self, random: &mut Random) {
         let at = 1 + random.below(self.walk.len());
+        if self.thorough
+            && let Some(vertices) = self.walk.vertices(self.walk.item_at(at))
+            && random.below(2) == 0
+        {
+            self.walk.enter(self.walk.item_at(at), random.below(vertices.len() as u32));
+        }
         let group = self.walk.group_at(at);
         let (first, end) = self.walk.span(group);
         if self.groups.items.len() > 1 && (end - first < 3 || random.below(4) == 0) {
