@@ -15,7 +15,7 @@ const FRESH: f64 = 0.7;
 /// Multipliers of a run's terminals also move together, by this share of the sum of their directions: so the links into
 /// and out of a run are balanced in a few steps, not one terminal at a time.
 const TOGETHER: f64 = 0.5;
-/// Steps before all links are looked at for the first time; each interval is half as long again as the one before.
+/// Steps before all links are looked at for the first time; after that, when a quarter more have been made.
 const FIRST_LOOK: usize = 8;
 /// Steps before cuts are looked for: earlier trees tell little.
 const FIRST_CUTS: usize = 20;
@@ -82,7 +82,7 @@ pub(super) fn ascend(relaxation: &mut Relaxation) -> (i64, Multipliers) {
                 hoped = proved.clone();
                 value = relaxation.relax(&now, &mut usage);
             }
-            look += look / 2;
+            look += look / 4;
         }
         if value > hoped.0 {
             hoped = (value, now.clone());
