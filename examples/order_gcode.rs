@@ -1,9 +1,9 @@
 //! Orders the paths of existing G-code files again, with several strategies, and prints what that saves.
 //!
-//!     cargo run --release --example order_gcode -- [scope] [length|time] FILE.gcode …
+//!     cargo run --release --example order_gcode -- [scope] [length|time] [fast|normal|high] [chunks] FILE.gcode …
 
 use pathwright::geom::{Point, Region};
-use pathwright::order::{Chain, Cost, SeamRule, TravelTime, ends_on_path};
+use pathwright::order::{Chain, Cost, Pins, SeamRule, TravelTime, Visit, chunk_len, ends_on_path};
 use pathwright::profile::{CostKind, Effort, OrderSettings, OrderStrategy, Scope, SeamPosition};
 use pathwright::toolpath::{LayerPaths, Path, Role, Width};
 use pathwright::units::Mm;
@@ -113,7 +113,7 @@ fn read(file: &str) -> Vec<LayerPaths> {
     layers
 }
 
-fn link_mm(layers: &[LayerPaths], sequences: &[Vec<pathwright::order::Visit>], cost: &Cost) -> f64 {
+fn link_mm(layers: &[LayerPaths], sequences: &[Vec<Visit>], cost: &Cost) -> f64 {
     let (mut at, mut total) = (None, 0.0);
     for (layer, sequence) in layers.iter().zip(sequences) {
         for &visit in sequence {
@@ -123,6 +123,25 @@ fn link_mm(layers: &[LayerPaths], sequences: &[Vec<pathwright::order::Visit>], c
         }
     }
     total
+}
+
+/// As the pipeline does it: chunks from free starts, then their heads again.
+fn in_chunks(chain: &Chain, layers: &[LayerPaths], pins: &[Pins]) -> Vec<Vec<Visit>> {
+    let len = chunk_len(layers.len());
+    let mut chunks: Vec<_> = layers
+        .chunks(len)
+        .zip(pins.chunks(len))
+        .map(|(layers, pins)| chain.solve_chunk(layers, pins, None))
+        .collect();
+    for chunk in 1..chunks.len() {
+        let first = chunk * len;
+        let start =
+            chunks[chunk - 1].last().and_then(|s| s.last()).map(|&v| ends_on_path(&layers[first - 1], v).1);
+        let next = chunks[chunk].get(1).map(|sequence| (&layers[first + 1], sequence.as_slice()));
+        let head = chain.resolve_head((&layers[first], &pins[first]), chunks[chunk][0].clone(), next, start);
+        chunks[chunk][0] = head;
+    }
+    chunks.concat()
 }
 
 /// Processor time of this thread (Linux), which a busy machine does not stretch.
@@ -142,11 +161,14 @@ fn main() {
     });
     let mut files = Vec::new();
     let mut only = None;
+    let mut chunked = false;
     for argument in std::env::args().skip(1) {
         if let Some((_, value)) = Scope::ALL.iter().find(|(name, _)| *name == argument) {
             scope = *value;
         } else if let Some((_, value)) = CostKind::ALL.iter().find(|(name, _)| *name == argument) {
             kind = *value;
+        } else if argument == "chunks" {
+            chunked = true;
         } else if let Some((_, value)) = Effort::ALL.iter().find(|(name, _)| *name == argument) {
             only = Some(*value);
         } else {
@@ -188,7 +210,11 @@ fn main() {
             let mut rule = SeamRule::new(SeamPosition::Free);
             let pins: Vec<_> = layers.iter().map(|layer| rule.pins(layer)).collect();
             let begin = cpu_s();
-            let sequences = chain.solve_chunk(layers, &pins, None);
+            let sequences = if chunked {
+                in_chunks(&chain, layers, &pins)
+            } else {
+                chain.solve_chunk(layers, &pins, None)
+            };
             took += cpu_s() - begin;
             let link = link_mm(layers, &sequences, &Cost::Length);
             each += &format!(" {link:7.0}");

@@ -3,8 +3,9 @@
 use std::path::{Path, PathBuf};
 
 use crate::motion::PauseAt;
+use crate::order::compare::StrategyRow;
 use crate::output::{Output, OutputError};
-use crate::profile::{ProfileError, Settings};
+use crate::profile::{OrderStrategy, ProfileError, Settings};
 use crate::report::{ModelInfo, Summary};
 
 /// Models for one plate, and what to do with them.
@@ -109,6 +110,18 @@ pub trait Engine: Sync {
         output: &mut Output,
         progress: &dyn Progress,
     ) -> Result<Summary, JobError>;
+
+    /// Orders the layers of one plate by each strategy, side by side; with `job.certify`, against a lower bound.
+    ///
+    /// # Errors
+    /// See [`JobError`].
+    fn compare(
+        &self,
+        job: &Job,
+        settings: &Settings,
+        strategies: &[OrderStrategy],
+        progress: &dyn Progress,
+    ) -> Result<Vec<StrategyRow>, JobError>;
 
     /// Tells what is in a model, and whether it fits.
     ///

@@ -8,8 +8,9 @@ use std::path::Path;
 use pathwright::cli::{self, Exit};
 use pathwright::job::{Engine, Job, JobError, Progress, TransformOptions};
 use pathwright::motion::PauseAt;
+use pathwright::order::compare::StrategyRow;
 use pathwright::output::Output;
-use pathwright::profile::Settings;
+use pathwright::profile::{OrderStrategy, Settings};
 use pathwright::report::{ModelInfo, Summary};
 
 thread_local! {
@@ -43,6 +44,16 @@ impl Engine for Fake {
         }
         output.patch(6, b"0042")?;
         Ok(Summary::default())
+    }
+
+    fn compare(
+        &self,
+        _: &Job,
+        _: &Settings,
+        _: &[OrderStrategy],
+        _: &dyn Progress,
+    ) -> Result<Vec<StrategyRow>, JobError> {
+        Ok(Vec::new())
     }
 
     fn info(&self, model: &Path, _: &TransformOptions, _: &Settings) -> Result<ModelInfo, JobError> {

@@ -32,6 +32,7 @@ pub(super) struct LowArgs {
 #[derive(Debug, Subcommand)]
 pub(super) enum Command {
     Slice(Box<SliceArgs>),
+    Compare(Box<CompareArgs>),
     Info(InfoArgs),
     Profiles(ProfilesArgs),
     /// Print a completion script for a shell
@@ -78,21 +79,8 @@ pub(super) struct SliceArgs {
     #[arg(long, value_name = "STRATEGY", value_parser = PossibleValuesParser::new(OrderStrategy::NAMES), help_heading = "Ordering")]
     pub order: Option<String>,
 
-    /// How far paths may mix [order.scope]
-    #[arg(long, value_parser = PossibleValuesParser::new(Scope::NAMES), help_heading = "Ordering")]
-    pub scope: Option<String>,
-
-    /// What is minimised [order.cost]
-    #[arg(long, value_parser = PossibleValuesParser::new(CostKind::NAMES), help_heading = "Ordering")]
-    pub cost: Option<String>,
-
-    /// Where loops start and end [seam.position]
-    #[arg(long, value_name = "POSITION", value_parser = PossibleValuesParser::new(SeamPosition::NAMES), help_heading = "Ordering")]
-    pub seam: Option<String>,
-
-    /// How long is searched [order.effort]
-    #[arg(long, value_parser = PossibleValuesParser::new(Effort::NAMES), help_heading = "Ordering")]
-    pub effort: Option<String>,
+    #[command(flatten)]
+    pub ordering: OrderingArgs,
 
     /// Prove how near to the shortest possible the order is
     #[arg(long, help_heading = "Ordering")]
@@ -113,6 +101,67 @@ pub(super) struct SliceArgs {
     /// No progress bar, also on a terminal
     #[arg(long)]
     pub no_progress: bool,
+}
+
+/// Compare ordering strategies on the layers of models
+///
+/// Each model is sliced once and its layers are ordered by each strategy. The table shows the links (straight lines
+/// from path end to path start), a length that no order can stay below, and how far above it each strategy is.
+#[derive(Debug, Args)]
+#[command(after_help = EXIT_CODES)]
+pub(super) struct CompareArgs {
+    #[command(flatten)]
+    pub models: ModelArgs,
+
+    #[command(flatten)]
+    pub settings: SettingArgs,
+
+    /// Strategies, separated by commas [default: all]
+    #[arg(long, value_name = "A,B,C", value_delimiter = ',', value_parser = PossibleValuesParser::new(OrderStrategy::NAMES), help_heading = "Ordering")]
+    pub order: Vec<String>,
+
+    #[command(flatten)]
+    pub ordering: OrderingArgs,
+
+    /// Leave out the lower bounds, which take longer than the ordering
+    #[arg(long, help_heading = "Ordering")]
+    pub no_bound: bool,
+
+    /// Worker threads [default: $RAYON_NUM_THREADS, or all cores]; the result is the same
+    #[arg(long, value_name = "N")]
+    pub threads: Option<NonZeroUsize>,
+
+    /// Print JSON with every layer, one line for each model
+    #[arg(long, conflicts_with = "csv")]
+    pub json: bool,
+
+    /// Print comma-separated values, one line for each model, strategy and layer
+    #[arg(long)]
+    pub csv: bool,
+
+    /// No progress bar, also on a terminal
+    #[arg(long)]
+    pub no_progress: bool,
+}
+
+/// How paths are ordered, whatever the strategy.
+#[derive(Debug, Args)]
+pub(super) struct OrderingArgs {
+    /// How far paths may mix [order.scope]
+    #[arg(long, value_parser = PossibleValuesParser::new(Scope::NAMES), help_heading = "Ordering")]
+    pub scope: Option<String>,
+
+    /// What is minimised [order.cost]
+    #[arg(long, value_parser = PossibleValuesParser::new(CostKind::NAMES), help_heading = "Ordering")]
+    pub cost: Option<String>,
+
+    /// Where loops start and end [seam.position]
+    #[arg(long, value_name = "POSITION", value_parser = PossibleValuesParser::new(SeamPosition::NAMES), help_heading = "Ordering")]
+    pub seam: Option<String>,
+
+    /// How long is searched [order.effort]
+    #[arg(long, value_parser = PossibleValuesParser::new(Effort::NAMES), help_heading = "Ordering")]
+    pub effort: Option<String>,
 }
 
 /// Tell what is in models, what was repaired, and whether they fit

@@ -1,6 +1,7 @@
 //! The command line: arguments as typed → what they mean → the library → exit code.
 
 mod args;
+mod compare;
 mod console;
 mod exit;
 mod info;
@@ -31,6 +32,7 @@ pub fn run(args: impl IntoIterator<Item = OsString>, engine: &dyn Engine) -> Exi
     };
     let done = match &args.command {
         Command::Slice(args) => slice::run(args, engine),
+        Command::Compare(args) => compare::run(args, engine),
         Command::Info(args) => info::run(args, engine),
         Command::Profiles(args) => profiles::run(args),
         Command::Completions { shell } => pages::completions(*shell),

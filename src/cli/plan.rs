@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use super::args::{Assignment, ModelArgs, SettingArgs, SliceArgs};
+use super::args::{Assignment, ModelArgs, OrderingArgs, SettingArgs, SliceArgs};
 use super::exit::{Exit, Failure};
 use crate::job::{Job, TransformOptions};
 use crate::output::resolve_links;
@@ -43,7 +43,10 @@ impl Plan {
             .collect::<Result<_, Failure>>()?;
         no_file_is_written_twice(&tasks)?;
         no_input_is_overwritten(&tasks)?;
-        Ok(Self { settings: settings(&args.settings, &shorthands(args))?, tasks })
+        Ok(Self {
+            settings: settings(&args.settings, &shorthands(args.order.as_ref(), &args.ordering))?,
+            tasks,
+        })
     }
 }
 
@@ -85,15 +88,15 @@ pub(super) fn settings(args: &SettingArgs, shorthands: &[Override]) -> Result<Re
 }
 
 /// The options that are short for a setting.
-fn shorthands(args: &SliceArgs) -> Vec<Override> {
+pub(super) fn shorthands(order: Option<&String>, args: &OrderingArgs) -> Vec<Override> {
     let options = [
-        ("--order", "order.strategy", &args.order),
-        ("--scope", "order.scope", &args.scope),
-        ("--cost", "order.cost", &args.cost),
-        ("--seam", "seam.position", &args.seam),
-        ("--effort", "order.effort", &args.effort),
+        ("--order", "order.strategy", order),
+        ("--scope", "order.scope", args.scope.as_ref()),
+        ("--cost", "order.cost", args.cost.as_ref()),
+        ("--seam", "seam.position", args.seam.as_ref()),
+        ("--effort", "order.effort", args.effort.as_ref()),
     ];
-    let given = options.into_iter().filter_map(|(option, key, value)| Some((option, key, value.clone()?)));
+    let given = options.into_iter().filter_map(|(option, key, value)| Some((option, key, value?.clone())));
     given.map(|(option, key, value)| Override { key: key.into(), value, option }).collect()
 }
 

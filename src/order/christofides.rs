@@ -3,6 +3,7 @@
 use super::index::Index;
 use super::matching::{delaunay, euclidean};
 use super::nearest::walk_groups;
+use super::parts::Parts;
 use super::precedence::Groups;
 use super::{Cost, Problem, Sequence, Shape, Strategy, Visit};
 use crate::geom::Point;
@@ -24,8 +25,8 @@ use crate::profile::Effort;
 /// Under `feature` and `island` scope the algorithm orders each run, and the runs follow each other by nearest entry.
 /// Links are measured by length whatever the cost: matching needs a metric, which time with retraction is not.
 ///
-/// Fok, Ganganath, Cheng, Tse, "A 3D printing path optimizer based on Christofides algorithm", 2016,
-/// <https://doi.org/10.1109/ICCE-TW.2016.7520990>. O(n log n) in practice.
+/// K.-Y. Fok, N. Ganganath, C.-T. Cheng, C. K. Tse, "A 3D printing path optimizer based on Christofides algorithm", IEEE
+/// ICCE-TW 2016. What it guarantees and what not: `docs/ordering-bounds.md`. O(n log n) in practice.
 #[derive(Clone, Copy, Debug)]
 pub struct Christofides;
 
@@ -299,29 +300,5 @@ fn reseat(problem: &Problem, start: Option<Point>, end: Option<Point>, sequence:
         if !moved {
             return;
         }
-    }
-}
-
-/// Disjoint sets with path halving and union by index (Tarjan & van Leeuwen 1984, <https://doi.org/10.1145/62.2160>).
-pub(super) struct Parts(Vec<u32>);
-
-impl Parts {
-    pub(super) fn new(count: usize) -> Self {
-        Self((0..count as u32).collect())
-    }
-
-    pub(super) fn find(&mut self, mut v: u32) -> u32 {
-        while self.0[v as usize] != v {
-            self.0[v as usize] = self.0[self.0[v as usize] as usize];
-            v = self.0[v as usize];
-        }
-        v
-    }
-
-    /// Whether the two were apart.
-    pub(super) fn join(&mut self, u: u32, v: u32) -> bool {
-        let (u, v) = (self.find(u), self.find(v));
-        self.0[u.max(v) as usize] = u.min(v);
-        u != v
     }
 }

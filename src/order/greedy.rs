@@ -12,7 +12,7 @@ use crate::profile::Effort;
 
 /// Vertices of a loop from which links to other loops are looked for while neither has its entry; links between
 /// a loop and anything else consider all vertices.
-const LOOP_SAMPLES: usize = 16;
+const LOOP_SAMPLES: usize = 4;
 
 /// Joins paths into fragments by the shortest link that is still possible, until one fragment is left. A loop's
 /// entry is settled by the first link that reaches it.
@@ -142,10 +142,10 @@ impl<'a> Fragments<'a> {
         let other = self.other_end[node as usize];
         let possible = |entry: &Entry| {
             let to = self.free_node(entry.item, entry.entry);
-            to.is_some_and(|to| to != other && entry.item != node / 2)
+            to.is_some_and(|to| to != other)
         };
         let search = |from: Point, from_entry: u32| {
-            let to = index.nearest_in(group, from, possible)?;
+            let to = index.nearest_in(group, from, Some(node / 2), possible)?;
             Some(Reverse((to.distance2, node, from_entry, to.item, to.entry)))
         };
         if node == self.nozzle {

@@ -271,17 +271,33 @@ impl<'a> Index<'a> {
     /// The nearest entry among the open groups. Ties go to the lowest item and entry.
     pub fn nearest_open(&self, p: Point) -> Option<Entry> {
         let visible = self.nodes.get(self.root as usize).is_some_and(|root| root.visible);
-        if visible { self.nearest(self.root, p, |_| true) } else { None }
+        if visible { self.nearest(self.root, p, NONE, |_| true) } else { None }
     }
 
     /// The nearest entry that `wanted` lets pass among what is left of a group. Ties go to the lowest item and entry.
-    pub fn nearest_in(&self, group: u32, p: Point, wanted: impl FnMut(&Entry) -> bool) -> Option<Entry> {
-        self.nearest(self.roots[group as usize], p, wanted)
+    /// One item can be excepted.
+    pub fn nearest_in(
+        &self,
+        group: u32,
+        p: Point,
+        except: Option<u32>,
+        wanted: impl FnMut(&Entry) -> bool,
+    ) -> Option<Entry> {
+        self.nearest(self.roots[group as usize], p, except.unwrap_or(NONE), wanted)
     }
 
-    fn nearest(&self, root: u32, p: Point, mut wanted: impl FnMut(&Entry) -> bool) -> Option<Entry> {
+    fn nearest(
+        &self,
+        root: u32,
+        p: Point,
+        except: u32,
+        mut wanted: impl FnMut(&Entry) -> bool,
+    ) -> Option<Entry> {
         let mut best: Option<Entry> = None;
-        self.search(root, p, i64::MAX, &mut |block, _| {
+        self.search(root, p, i64::MAX, &mut |block, bound| {
+            if block.item == except {
+                return bound;
+            }
             for (entry, point) in (block.entry..).zip(self.points(block)) {
                 let entry = Entry { distance2: point.distance2(p), item: block.item, entry };
                 if best.is_none_or(|best| entry < best) && wanted(&entry) {

@@ -19,14 +19,14 @@ impl Strategy for Nearest {
         let groups = Groups::new(problem);
         let mut index = Index::new(problem, &groups);
         walk_groups(problem, &groups, &mut index, |group, start, index, sequence| {
-            let Some(first) = index.nearest_in(group, start, |_| true) else { return };
+            let Some(first) = index.nearest_in(group, start, None, |_| true) else { return };
             let mut next = Some(first);
             while let Some(entry) = next {
                 let visit = Visit { item: entry.item, entry: entry.entry };
                 sequence.push(visit);
                 index.remove(entry.item);
                 let (_, at) = problem.items[entry.item as usize].ends(entry.entry);
-                next = index.nearest_in(group, at, |_| true);
+                next = index.nearest_in(group, at, None, |_| true);
             }
         })
     }

@@ -85,7 +85,7 @@ fn aligned(layer: &LayerPaths, below: &[Point]) -> Vec<u32> {
     let index = (!below.is_empty()).then(|| Index::new(&seams, &groups));
     let nearest_seam = |points: &[Point]| {
         let samples = points.iter().step_by(points.len().div_ceil(SAMPLES));
-        let found = samples.filter_map(|&p| index.as_ref()?.nearest_in(0, p, |_| true)).min()?;
+        let found = samples.filter_map(|&p| index.as_ref()?.nearest_in(0, p, None, |_| true)).min()?;
         Some(below[found.item as usize])
     };
     let pin = |points: &[Point]| {

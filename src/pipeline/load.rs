@@ -98,3 +98,11 @@ fn margin_mm(settings: &Settings) -> f64 {
 pub(super) fn dated() -> u64 {
     std::env::var("SOURCE_DATE_EPOCH").ok().and_then(|text| text.parse().ok()).unwrap_or(DATED)
 }
+
+/// No layer has a section.
+pub(super) fn nothing_to_print() -> JobError {
+    JobError::Input(
+        "there is nothing to print: no layer's middle lies inside the model; choose a smaller layer.height"
+            .into(),
+    )
+}

@@ -4,15 +4,19 @@
 //! toolpaths, ordering, motion and formatting, each stage parallel over the layers (ordering: over chunks of
 //! layers), and their bytes go out in order.
 
+mod compare;
 mod load;
+mod ordering;
 mod parallel;
 mod print;
+mod sections;
 
 use std::path::Path;
 
 use crate::job::{Engine, Job, JobError, Progress, TransformOptions};
+use crate::order::compare::StrategyRow;
 use crate::output::Output;
-use crate::profile::Settings;
+use crate::profile::{OrderStrategy, Settings};
 use crate::report::{ModelInfo, Summary};
 
 /// The slicer itself.
@@ -28,6 +32,16 @@ impl Engine for Pipeline {
         progress: &dyn Progress,
     ) -> Result<Summary, JobError> {
         parallel::with_threads(job.threads, || print::slice(job, settings, output, progress))
+    }
+
+    fn compare(
+        &self,
+        job: &Job,
+        settings: &Settings,
+        strategies: &[OrderStrategy],
+        progress: &dyn Progress,
+    ) -> Result<Vec<StrategyRow>, JobError> {
+        parallel::with_threads(job.threads, || compare::compare(job, settings, strategies, progress))
     }
 
     fn info(

@@ -4,21 +4,19 @@ use std::ops::Range;
 
 use crate::estimate::{Machine, cool};
 use crate::gcode::{self, Effect, LayerText, PrintFacts, Scripts, Slot, Totals, WriterSettings};
-use crate::geom::{Bounds, Point, Region};
+use crate::geom::{Bounds, Point};
 use crate::job::{Job, JobError, Progress};
 use crate::motion::{self, Entry, MotionSettings};
-use crate::order::{Chain, Cost, Pins, SeamRule, Sequence, chunk_len, ends_on_path};
+use crate::order::{Chain, Pins, SeamRule, Sequence, chunk_len};
 use crate::output::Output;
 use crate::profile::Settings;
 use crate::report::{LayerSummary, Measures, Summary};
 use crate::slice::{Layer, Slicer};
-use crate::toolpath::{LayerPaths, ObjectLayer, Planner, PlateLayer, Shells};
+use crate::toolpath::{LayerPaths, Planner};
 use crate::units::{Mm3, Seconds};
 
-use super::{load, parallel};
-
-/// Layers that sparse infill is calibrated on.
-const SAMPLES: usize = 12;
+use super::sections::Sections;
+use super::{load, ordering, parallel};
 
 /// Chunks of layers in flight for each thread: enough to keep all busy, few enough to bound the memory.
 const CHUNKS_PER_THREAD: usize = 16;
@@ -36,9 +34,7 @@ pub(super) fn slice(
     progress.begin(count);
     let sections = Sections::cut(&slicer, plate.objects.len(), settings);
     let Some(bounds) = sections.bounds() else {
-        return Err(JobError::Input(
-            "there is nothing to print: no layer's middle lies inside the model; choose a smaller layer.height".into(),
-        ));
+        return Err(load::nothing_to_print());
     };
     warnings.extend(sections.warning());
 
@@ -48,27 +44,32 @@ pub(super) fn slice(
     let run = Run {
         sections: &sections,
         planner,
-        chain: chain(settings),
+        chain: ordering::chain(settings),
         motion: MotionSettings::new(settings, &job.pauses),
         machine: Machine::new(settings),
         writer: WriterSettings::new(settings, &scripts, true),
         settings,
+        certify: job.certify,
     };
 
     let opening = gcode::opening(settings, &facts, &scripts, true);
     let mut slots = opening.slots;
     output.write(&opening.bytes)?;
     let begun = scripts.start_effect(settings, &run.machine);
+    let mut certificate = Vec::new();
     let mut tally = Tally::default();
     tally.add_script(&begun, &run.machine);
     let mut seam = SeamRule::new(settings.seam.position);
     let mut at = Entry { xy: begun.end.map(|[x, y, _]| [x, y]), z_mm: begun.end.map_or(0.0, |e| e[2]) };
+    let start = at.xy.map(|[x, y]| Point::from_mm(x, y));
     let chunk = chunk_len(count);
     let batch = chunk * CHUNKS_PER_THREAD * parallel::threads();
     let mut first = 0;
     while first < count {
         let layers = first..(first + batch).min(count);
-        for done in run.batch(layers.clone(), chunk, &mut seam, &mut at) {
+        let (done, ordered) = run.batch(layers.clone(), chunk, &mut seam, &mut at);
+        certificate.extend(ordered);
+        for done in done {
             let base = output.written() as usize;
             slots.extend(done.text.progress.map(|slot| Slot { offset: base + slot.offset, ..slot }));
             output.write(&done.text.bytes)?;
@@ -85,6 +86,9 @@ pub(super) fn slice(
     for slot in &slots {
         output.patch(slot.offset as u64, &totals.fill(slot, &settings.filament))?;
     }
+    if job.certify {
+        tally.total = tally.total.with_bound(ordering::print_bound(&certificate, settings, start));
+    }
     Ok(tally.summary(bounds, &facts, &totals, settings, warnings))
 }
 
@@ -98,92 +102,6 @@ fn facts(layers: &[Layer], bounds: Bounds, settings: &Settings) -> PrintFacts {
     }
 }
 
-fn chain(settings: &Settings) -> Chain {
-    Chain {
-        settings: settings.order.clone(),
-        cost: Cost::new(settings.order.cost, &settings.speed, &settings.acceleration, &settings.retract),
-        seam: settings.seam.position,
-        origin: None,
-    }
-}
-
-/// The sections of all layers, and the shells that follow from them.
-struct Sections {
-    layers: Vec<Layer>,
-    /// For each object its section in each layer, as an index into the layer's sections.
-    places: Vec<Vec<Option<usize>>>,
-    shells: Vec<Shells>,
-}
-
-static NOTHING: Region = Region { polygons: Vec::new() };
-
-impl Sections {
-    fn cut(slicer: &Slicer<'_>, objects: usize, settings: &Settings) -> Self {
-        let layers = parallel::map(slicer.spans().len(), |i| slicer.layer(i));
-        let places: Vec<Vec<Option<usize>>> = (0..objects)
-            .map(|object| layers.iter().map(|l| l.sections.iter().position(|s| s.object == object)).collect())
-            .collect();
-        let mut sections = Self { layers, places, shells: Vec::new() };
-        let (top, bottom) = (settings.shell.top_layers, settings.shell.bottom_layers);
-        sections.shells = (0..objects)
-            .map(|object| {
-                let own: Vec<&Region> = (0..sections.layers.len()).map(|i| sections.of(object, i)).collect();
-                Shells::build(&own, top, bottom, &|n, f| parallel::map(n, f))
-            })
-            .collect();
-        sections
-    }
-
-    /// An object's section in a layer; nothing above its top.
-    fn of(&self, object: usize, layer: usize) -> &Region {
-        let place = self.places[object].get(layer).copied().flatten();
-        place.map_or(&NOTHING, |place| &self.layers[layer].sections[place].region)
-    }
-
-    fn plate_layer(&self, index: usize) -> PlateLayer<'_> {
-        let Layer { span, sections, .. } = &self.layers[index];
-        let objects = sections.iter().map(|s| ObjectLayer {
-            object: s.object as u32,
-            section: &s.region,
-            next: self.of(s.object, index + 1),
-            above: self.shells[s.object].above(index),
-            below: self.shells[s.object].below(index),
-        });
-        PlateLayer { index, top_mm: span.top_mm, height_mm: span.height_mm, objects: objects.collect() }
-    }
-
-    /// The toolpath planner, its sparse infill calibrated on sample layers.
-    fn planner(&self, settings: &Settings) -> Planner {
-        let polygons = self.layers[0].sections.iter().flat_map(|s| s.region.polygons.iter().cloned());
-        let footprint = Region { polygons: polygons.collect() };
-        let mut planner = Planner::new(settings.into(), &footprint, self.layers[0].span.height_mm);
-        let last = self.layers.len() - 1;
-        let mut chosen: Vec<usize> = (0..SAMPLES).map(|k| last * k / (SAMPLES - 1)).collect();
-        chosen.dedup();
-        let samples: Vec<PlateLayer<'_>> = chosen.into_iter().map(|i| self.plate_layer(i)).collect();
-        planner.calibrate(&samples, &|n, f| parallel::map(n, f));
-        planner
-    }
-
-    /// Box around everything that is printed, without skirt and brim.
-    fn bounds(&self) -> Option<Bounds> {
-        let regions = self.layers.iter().flat_map(|l| &l.sections);
-        regions.filter_map(|s| s.region.bounds()).reduce(|a, b| a.joined(&b))
-    }
-
-    /// What the user should know of outlines that were not closed.
-    fn warning(&self) -> Option<String> {
-        let mut forced = self.layers.iter().filter(|l| l.gaps.forced > 0);
-        let first = forced.next()?;
-        Some(format!(
-            "{} layers, the first at {:.2} mm, have outlines with wide gaps, which were closed by straight lines; \
-             repair the model if the preview shows walls where there should be none",
-            1 + forced.count(),
-            first.span.top_mm
-        ))
-    }
-}
-
 /// Everything that layers are made with.
 struct Run<'a> {
     sections: &'a Sections,
@@ -193,6 +111,8 @@ struct Run<'a> {
     machine: Machine,
     writer: WriterSettings,
     settings: &'a Settings,
+    /// Whether lower bounds are wanted.
+    certify: bool,
 }
 
 /// A finished layer.
@@ -203,12 +123,20 @@ struct Done {
 
 impl Run<'_> {
     /// Takes a batch of layers through all stages. `seam` and `at` hold what the layers below left.
-    fn batch(&self, layers: Range<usize>, chunk: usize, seam: &mut SeamRule, at: &mut Entry) -> Vec<Done> {
+    /// Returns their bytes and, if they are to be certified, what was ordered.
+    fn batch(
+        &self,
+        layers: Range<usize>,
+        chunk: usize,
+        seam: &mut SeamRule,
+        at: &mut Entry,
+    ) -> (Vec<Done>, Vec<(LayerPaths, Pins)>) {
         let first = layers.start;
         let paths =
             parallel::map(layers.len(), |i| self.planner.layer(&self.sections.plate_layer(first + i)));
         let pins: Vec<Pins> = paths.iter().map(|layer| seam.pins(layer)).collect();
-        let sequences = self.order(&paths, &pins, chunk, *at);
+        let start = at.xy.map(|[x, y]| Point::from_mm(x, y));
+        let sequences = ordering::solve(&self.chain, &paths, &pins, chunk, start).sequences;
         let entries: Vec<Entry> = paths
             .iter()
             .zip(&sequences)
@@ -217,42 +145,19 @@ impl Run<'_> {
                 std::mem::replace(at, next)
             })
             .collect();
-        parallel::map(layers.len(), |i| self.finish(&paths[i], &sequences[i], entries[i]))
-    }
-
-    /// Orders chunk by chunk, then the head of each chunk again with both ends known.
-    fn order(&self, paths: &[LayerPaths], pins: &[Pins], chunk: usize, at: Entry) -> Vec<Sequence> {
-        let chunks = paths.len().div_ceil(chunk);
-        let range = |c: usize| c * chunk..((c + 1) * chunk).min(paths.len());
-        let solved =
-            parallel::map(chunks, |c| self.chain.solve_chunk(&paths[range(c)], &pins[range(c)], None));
-        let before: Vec<Option<Point>> = (0..chunks)
-            .map(|c| match c.checked_sub(1) {
-                None => at.xy.map(|[x, y]| Point::from_mm(x, y)),
-                Some(b) => {
-                    let last = solved[b].iter().zip(&paths[range(b)]).rev().find(|(s, _)| !s.is_empty());
-                    last.and_then(|(sequence, layer)| Some(ends_on_path(layer, *sequence.last()?).1))
-                }
-            })
-            .collect();
-        let heads = parallel::map(chunks, |c| {
-            let (layers, sequences) = (&paths[range(c)], &solved[c]);
-            let next = layers.get(1).map(|layer| (layer, sequences[1].as_slice()));
-            match before[c] {
-                Some(start) => self.chain.resolve_head(
-                    (&layers[0], &pins[c * chunk]),
-                    sequences[0].clone(),
-                    next,
-                    Some(start),
-                ),
-                None => sequences[0].clone(),
-            }
+        let mut done = parallel::map(layers.len(), |i| self.finish(&paths[i], &sequences[i], entries[i]));
+        if !self.certify {
+            return (done, Vec::new());
+        }
+        let bounds = parallel::map(layers.len(), |i| {
+            let start = entries[i].xy.map(|[x, y]| Point::from_mm(x, y));
+            ordering::layer_bound(&paths[i], &pins[i], self.settings, start)
         });
-        solved
-            .into_iter()
-            .zip(heads)
-            .flat_map(|(sequences, head)| std::iter::once(head).chain(sequences.into_iter().skip(1)))
-            .collect()
+        for (done, bound_mm) in done.iter_mut().zip(bounds) {
+            let measures = std::mem::take(&mut done.summary.measures);
+            done.summary.measures = measures.with_bound(bound_mm);
+        }
+        (done, paths.into_iter().zip(pins).collect())
     }
 
     /// Motion, cooling and formatting of one layer.

@@ -92,24 +92,30 @@ pub fn divide(
         Some(window) => geom::intersection(region, window),
         None => region.clone(),
     };
-    let sparse = common(&common(inside, above), below);
+    let roofed = common(inside, above);
+    let sparse = common(&roofed, below);
     let (inside_mm2, sparse_mm2) = (inside.area_mm2(), sparse.area_mm2());
+    let all_sparse = || Zones { sparse: inside.clone(), ..Zones::default() };
     if inside_mm2 - sparse_mm2 < CRUMB_MM2.min(0.5 * inside_mm2) {
-        return Zones { sparse: inside.clone(), ..Zones::default() };
+        return all_sparse();
     }
     let (sparse, solid) = if sparse_mm2 < CRUMB_MM2 {
         (Region::default(), inside.clone())
     } else {
         let strips = geom::opening(&geom::difference(inside, &sparse), line_mm / 4.0);
+        if strips.is_empty() {
+            return all_sparse();
+        }
         let anchored = geom::offset(&strips, line_mm / 2.0);
         let sparse = geom::opening(&geom::difference(inside, &anchored), line_mm);
         let solid = geom::difference(inside, &sparse);
         (sparse, solid)
     };
-    let exposed = match above {
-        Some(_) => geom::opening(&geom::difference(&solid, next), line_mm / 2.0),
-        None => Region::default(),
-    };
+    // What has a roof of the whole shell's thickness has one on the next layer.
+    if inside_mm2 - roofed.area_mm2() < CRUMB_MM2 {
+        return Zones { sparse, solid, top: Region::default() };
+    }
+    let exposed = geom::opening(&geom::difference(&solid, next), line_mm / 2.0);
     if exposed.is_empty() {
         return Zones { sparse, solid, top: exposed };
     }

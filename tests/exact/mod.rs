@@ -4,9 +4,32 @@ use pathwright::geom::Point;
 use pathwright::order::{Problem, Shape};
 use pathwright::profile::Scope;
 
-/// Least total link length of a problem of at most 16 items, in millimetres. Bellman 1962 and Held & Karp 1962
-/// (<https://doi.org/10.1137/0110015>), the state being the set drawn and the pose in which the last was drawn.
+/// Least total link length of a problem of at most 16 items, in millimetres.
 pub fn optimum(problem: &Problem) -> f64 {
+    chained_optimum(std::slice::from_ref(problem))
+}
+
+/// Least total link length of a print: each layer starts where the one before ended, the first at its start, and the
+/// last leads to its end, where these are known. Layers without items are passed over.
+pub fn chained_optimum(layers: &[Problem]) -> f64 {
+    let layers: Vec<_> = layers.iter().filter(|layer| !layer.items.is_empty()).collect();
+    let mut ends: Option<Vec<(f64, Point)>> =
+        layers.first().and_then(|first| first.start).map(|p| vec![(0.0, p)]);
+    for layer in &layers {
+        let arrive = |at: Point| {
+            let ways = ends.iter().flatten().map(|&(so_far, from)| so_far + from.distance_mm(at));
+            if ends.is_some() { ways.fold(f64::INFINITY, f64::min) } else { 0.0 }
+        };
+        ends = Some(last_poses(layer, arrive));
+    }
+    let end = layers.last().and_then(|last| last.end);
+    let leave = |&(so_far, at): &(f64, Point)| so_far + end.map_or(0.0, |end| at.distance_mm(end));
+    ends.map_or(0.0, |ends| ends.iter().map(leave).fold(f64::INFINITY, f64::min))
+}
+
+/// Every way to have drawn everything: least length so far, and where it ends. Bellman 1962 and Held & Karp 1962
+/// (<https://doi.org/10.1137/0110015>), the state being the set drawn and the pose in which the last was drawn.
+fn last_poses(problem: &Problem, arrive: impl Fn(Point) -> f64) -> Vec<(f64, Point)> {
     let n = problem.items.len();
     assert!(n <= 16, "2^n states");
     let poses: Vec<(usize, Point, Point)> = (0..n)
@@ -26,7 +49,7 @@ pub fn optimum(problem: &Problem) -> f64 {
     let mut best = vec![f64::INFINITY; (full + 1) * poses.len()];
     for (p, &(item, enter, _)) in poses.iter().enumerate() {
         if may_follow(problem, 0, None, item) {
-            best[(1 << item) * poses.len() + p] = problem.start.map_or(0.0, |start| start.distance_mm(enter));
+            best[(1 << item) * poses.len() + p] = arrive(enter);
         }
     }
     for set in 1..full {
@@ -43,13 +66,7 @@ pub fn optimum(problem: &Problem) -> f64 {
             }
         }
     }
-    if n == 0 {
-        return 0.0;
-    }
-    let finish = |(p, pose): (usize, &(usize, Point, Point))| {
-        best[full * poses.len() + p] + problem.end.map_or(0.0, |end| pose.2.distance_mm(end))
-    };
-    poses.iter().enumerate().map(finish).fold(f64::INFINITY, f64::min)
+    poses.iter().enumerate().map(|(p, pose)| (best[full * poses.len() + p], pose.2)).collect()
 }
 
 /// Whether precedence lets `item` come when exactly the items of `set` have been drawn, `last` the last of them.

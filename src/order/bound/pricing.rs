@@ -1,7 +1,7 @@
 //! The cheapest tree over *all* links under given multipliers, by spatial search.
 
-use super::super::christofides::Parts;
 use super::super::matching::KdTree;
+use super::super::parts::Parts;
 use super::model::{DEPTHS, Model, fine, link};
 
 /// A set of sibling groups: everything in one parent, to be joined into one.
@@ -19,7 +19,19 @@ pub(super) struct Pricing<'a> {
     families: Vec<Siblings>,
 }
 
-/// A link between two points, with multipliers in its cost.
+/// What the multipliers make of the links.
+pub(super) struct Prices<'a> {
+    /// Links of the known pairs of paths, by depth: all there are between two.
+    pub(super) listed: [Vec<Priced>; DEPTHS],
+    /// Whether the links of two paths are listed.
+    pub(super) known: &'a dyn Fn(u32, u32) -> bool,
+    /// All other links cost their length, this at each terminal,
+    pub(super) weights: &'a [i64],
+    /// and this, never negative, for what the two terminals share.
+    pub(super) both: &'a dyn Fn(u32, u32) -> i64,
+}
+
+/// A link between two points (of listed ones: the first of either terminal), with multipliers in its cost.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(super) struct Priced {
     pub(super) cost: i64,
@@ -55,87 +67,109 @@ impl<'a> Pricing<'a> {
         self.families.iter().map(|family| &family.points[..])
     }
 
-    /// A cheapest tree over the paths: within every group, and over its siblings, under node weights per terminal.
+    /// A cheapest tree over the paths: within every group, and over its siblings.
     ///
-    /// Borůvka's rounds (1926): each part finds its cheapest way out, by a search that leaves out boxes which cannot hold a cheaper
-    /// one and boxes wholly within the part.
-    pub(super) fn tree(&self, weights: &[i64], both: &dyn Fn(u32, u32) -> i64) -> Vec<Priced> {
-        let model = self.model;
-        let mut parts = Parts::new(model.bodies.len());
+    /// Borůvka's rounds (1926, translated in Nešetřil, Milková & Nešetřilová 2001, <https://doi.org/10.1016/S0012-365X(00)00224-7>): each part finds its cheapest way out, among the listed links and by a
+    /// search that leaves out boxes which cannot hold a cheaper one and boxes that lie wholly within the part.
+    pub(super) fn tree(&self, prices: &Prices) -> Vec<Priced> {
+        let mut parts = Parts::new(self.model.bodies.len());
         let mut tree = Vec::new();
         for family in &self.families {
-            self.join(family, weights, both, &mut parts, &mut tree);
+            self.join(family, prices, &mut parts, &mut tree);
         }
-        debug_assert_eq!(tree.len() + 1, model.bodies.len().max(1));
+        debug_assert_eq!(tree.len() + 1, self.model.bodies.len().max(1));
         tree
     }
 
-    fn join(
-        &self,
-        family: &Siblings,
-        weights: &[i64],
-        both: &dyn Fn(u32, u32) -> i64,
-        parts: &mut Parts,
-        tree: &mut Vec<Priced>,
-    ) {
+    fn items(&self, link: Priced) -> [u32; 2] {
+        [link.from, link.to].map(|point| self.model.item_of_point(point))
+    }
+
+    fn join(&self, family: &Siblings, prices: &Prices, parts: &mut Parts, tree: &mut Vec<Priced>) {
         let model = self.model;
-        let item = |k: u32| model.item_of_point(family.points[k as usize]);
-        let weight = |k: u32| weights[model.owner[family.points[k as usize] as usize] as usize];
-        let lowest = family.tree.aggregate(i64::MAX, weight, i64::min);
-        let count = family.points.len() as u32;
+        let owner = |k: usize| model.owner[family.points[k] as usize];
+        let items: Vec<u32> = family.points.iter().map(|&point| model.item_of_point(point)).collect();
+        let lowest =
+            family.tree.aggregate(i64::MAX, |k| prices.weights[owner(k as usize) as usize], i64::min);
+        let mut here = vec![false; model.bodies.len()];
+        items.iter().for_each(|&item| here[item as usize] = true);
+        let listed = prices.listed[family.depth].iter().copied();
+        let listed: Vec<Priced> =
+            listed.filter(|&link| self.items(link).iter().all(|&i| here[i as usize])).collect();
         loop {
-            let part: Vec<u32> = (0..count).map(|k| parts.find(item(k))).collect();
+            let part: Vec<u32> = items.iter().map(|&item| parts.find(item)).collect();
             if part.iter().all(|&p| p == part[0]) {
                 return;
             }
-            // The part that a whole box lies in, if there is one; u32::MAX if there are several, MAX − 1 if it is empty.
-            let common = family.tree.aggregate(
-                u32::MAX - 1,
-                |k| part[k as usize],
-                |a, b| match (a, b) {
-                    (a, b) if a == b => a,
-                    (x, y) if x == u32::MAX - 1 => y,
-                    (x, y) if y == u32::MAX - 1 => x,
-                    _ => u32::MAX,
-                },
-            );
+            let common =
+                family.tree.aggregate(Common::Empty, |k| Common::One(part[k as usize]), Common::with);
             let mut best: Vec<Option<Priced>> = vec![None; model.bodies.len()];
-            for k in 0..count {
-                let at = model.points[family.points[k as usize] as usize];
-                let (own_part, own_item, own) = (part[k as usize], item(k), weight(k));
-                let mut state = best[own_part as usize];
+            for &link in &listed {
+                let ends = self.items(link).map(|item| parts.find(item));
+                for end in ends.into_iter().filter(|_| ends[0] != ends[1]) {
+                    improve(&mut best[end as usize], link);
+                }
+            }
+            for (k, &from) in family.points.iter().enumerate() {
+                let (at, own_part, terminal) = (model.points[from as usize], part[k], owner(k));
+                let own = prices.weights[terminal as usize];
                 let enter = |best: &Option<Priced>, node: usize, distance: f64| {
-                    common[node] != own_part
-                        && common[node] != u32::MAX - 1
+                    common[node] != Common::One(own_part)
+                        && common[node] != Common::Empty
+                        // One less, for the rounding of the distance to a box.
                         && best.is_none_or(|best| fine(distance) - 1 + own + lowest[node] <= best.cost)
                 };
-                family.tree.search(at, &mut state, &enter, &mut |best, other| {
-                    if part[other as usize] == own_part || !model.permits(own_item, item(other)) {
+                family.tree.search(at, &mut best[own_part as usize], &enter, &mut |best, other| {
+                    let other = other as usize;
+                    let (to, far) = (family.points[other], owner(other));
+                    if part[other] == own_part {
                         return;
                     }
-                    let (from, to) = (family.points[k as usize], family.points[other as usize]);
-                    let length = link(at, model.points[to as usize]);
-                    // Equal costs are told apart by the same key at both ends, or parts could close a circle.
-                    let mut cost = length + own + weight(other);
-                    if best.is_none_or(|best| cost <= best.cost) {
-                        cost += both(model.owner[from as usize], model.owner[to as usize]);
-                    }
-                    let found = Priced { cost, from: from.min(to), to: from.max(to) };
-                    if best.is_none_or(|best| found < best) {
-                        *best = Some(found);
+                    let cost = link(at, model.points[to as usize]) + own + prices.weights[far as usize];
+                    if best.is_none_or(|best| cost <= best.cost)
+                        && model.permits(items[k], items[other])
+                        && !(prices.known)(items[k], items[other])
+                    {
+                        let cost = cost + (prices.both)(terminal, far);
+                        improve(best, Priced { cost, from: from.min(to), to: from.max(to) });
                     }
                 });
-                best[own_part as usize] = state;
             }
             let before = tree.len();
             for found in best.into_iter().flatten() {
-                if parts.join(model.item_of_point(found.from), model.item_of_point(found.to)) {
+                let [i, j] = self.items(found);
+                if parts.join(i, j) {
                     tree.push(found);
                 }
             }
             if tree.len() == before {
                 return;
             }
+        }
+    }
+}
+
+/// Equal costs are told apart by the points, the same way from both ends: or parts could close a circle.
+fn improve(best: &mut Option<Priced>, link: Priced) {
+    if best.is_none_or(|best| link < best) {
+        *best = Some(link);
+    }
+}
+
+/// The part that all points of a box lie in, if there is one.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Common {
+    Empty,
+    One(u32),
+    Several,
+}
+
+impl Common {
+    fn with(self, other: Self) -> Self {
+        match (self, other) {
+            (one, Self::Empty) | (Self::Empty, one) => one,
+            (one, other) if one == other => one,
+            _ => Self::Several,
         }
     }
 }

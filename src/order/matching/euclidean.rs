@@ -154,14 +154,10 @@ fn violated(points: &[Point], tree: &KdTree, family: &Family) -> Vec<(u32, u32)>
     let potential = |v: u32| sets.sums[v as usize];
     let highest = tree.aggregate(i64::MIN, potential, i64::max);
     // The smallest set that holds all points of a node; an empty node is never entered.
-    let common = tree.aggregate(
-        None,
-        |v| Some(v),
-        |a, b| match (a, b) {
-            (Some(a), Some(b)) => Some(sets.meet(a, b)),
-            (one, other) => one.or(other),
-        },
-    );
+    let common = tree.aggregate(None, Some, |a, b| match (a, b) {
+        (Some(a), Some(b)) => Some(sets.meet(a, b)),
+        (one, other) => one.or(other),
+    });
     let mut found = Vec::new();
     for u in 0..points.len() as u32 {
         let (at, own) = (points[u as usize], potential(u));

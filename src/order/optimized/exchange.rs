@@ -5,7 +5,7 @@ use super::search::{GAIN, Search};
 use super::walk::{End, NONE, Walk};
 
 /// Neighbours tried for the second new link of an exchange.
-const SECOND: usize = 4;
+const SECOND: usize = 5;
 
 /// An exchange of links, by the gaps that it opens, ascending.
 #[derive(Clone, Copy, Debug)]

@@ -3,6 +3,9 @@
 use super::search::{GAIN, Search};
 use super::walk::{End, NONE};
 
+/// In groups of so few items, all gaps and vertices are tried for a loop.
+const FEW: u32 = 6;
+
 impl Search<'_> {
     /// Enters a loop at the vertex that makes its two links cheapest. O(vertices).
     pub fn reenter(&mut self, item: u32) -> bool {
@@ -58,25 +61,36 @@ impl Search<'_> {
             return false;
         }
         let mut best = (saved - GAIN, NONE);
-        let sites = self.neighbours.take_sites(self.problem, group, item);
-        for &(entry, node) in &sites {
-            let vertex = vertices[entry as usize].mm();
-            let beside = self.walk.position(node / 2);
-            for gap in [beside, beside + 1] {
-                if gap == at || gap == at + 1 || gap.abs_diff(at) > self.reach {
-                    continue;
-                }
+        if last - first <= FEW {
+            for gap in (first..=last).filter(|&gap| gap != at && gap != at + 1) {
                 let left = self.walk.place(self.walk.node(End { gap, right: false }));
                 let right = self.walk.place(self.walk.node(End { gap, right: true }));
-                let added = self.walk.between(left, vertex) + self.walk.between(vertex, right)
-                    - self.walk.between(left, right);
-                self.walk.work += 3;
+                let added = self.best_vertex(item, left, right).0 - self.walk.between(left, right);
                 if added < best.0 {
                     best = (added, gap);
                 }
             }
+        } else {
+            let sites = self.neighbours.take_sites(self.problem, group, item);
+            for &(entry, node) in &sites {
+                let vertex = vertices[entry as usize].mm();
+                let beside = self.walk.position(node / 2);
+                for gap in [beside, beside + 1] {
+                    if gap == at || gap == at + 1 || gap.abs_diff(at) > self.reach {
+                        continue;
+                    }
+                    let left = self.walk.place(self.walk.node(End { gap, right: false }));
+                    let right = self.walk.place(self.walk.node(End { gap, right: true }));
+                    let added = self.walk.between(left, vertex) + self.walk.between(vertex, right)
+                        - self.walk.between(left, right);
+                    self.walk.work += 3;
+                    if added < best.0 {
+                        best = (added, gap);
+                    }
+                }
+            }
+            self.neighbours.put_sites(item, sites);
         }
-        self.neighbours.put_sites(item, sites);
         let gap = best.1;
         if gap == NONE {
             return false;

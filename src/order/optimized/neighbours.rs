@@ -8,7 +8,7 @@ use crate::geom::Point;
 
 /// Length of the lists. Longer ones find a little more per step, and cost more than that (on layers of six slicers'
 /// G-code: 8 against 6 gained 0.6 % per kick and lost it again to fewer kicks).
-pub const NEAR: usize = 6;
+pub const NEAR: usize = 8;
 /// Vertices of a loop from which gaps for it are looked for, and how many nodes from each.
 const SAMPLES: usize = 6;
 const NEAR_SAMPLE: usize = 3;

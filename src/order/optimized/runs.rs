@@ -1,6 +1,6 @@
 //! Moving whole groups (runs) and units (islands) between positions.
 
-use super::super::index::Entry;
+use super::super::index::{Entry, Index};
 use super::super::precedence::{Groups, Place};
 use super::super::{Problem, Shape};
 use super::random::Random;
@@ -19,7 +19,9 @@ const NEAR_SAMPLE: usize = 6;
 
 /// What lies where, for groups.
 #[derive(Debug)]
-pub struct Vicinity {
+pub struct Vicinity<'a> {
+    /// Of all items, once a near group was asked for.
+    index: Option<Index<'a>>,
     /// Gaps between which each group's stage lies.
     stage: Vec<(u32, u32)>,
     /// Near groups of each group, once they were asked for.
@@ -28,7 +30,7 @@ pub struct Vicinity {
     disc: Vec<Option<([f64; 2], f64)>>,
 }
 
-impl Vicinity {
+impl Vicinity<'_> {
     /// What is known at once.
     pub fn new(problem: &Problem, groups: &Groups) -> Self {
         let mut stage = Vec::with_capacity(groups.items.len());
@@ -57,7 +59,12 @@ impl Vicinity {
             }
             _ => None,
         };
-        Self { stage, near: vec![None; groups.items.len()], disc: groups.items.iter().map(disc).collect() }
+        Self {
+            index: None,
+            stage,
+            near: vec![None; groups.items.len()],
+            disc: groups.items.iter().map(disc).collect(),
+        }
     }
 }
 
@@ -85,6 +92,24 @@ impl Search<'_> {
             }
         }
         false
+    }
+
+    /// Draws a group the other way round if that is cheaper.
+    pub fn reverse_group(&mut self, group: u32) -> bool {
+        let (from, to) = self.walk.span(group);
+        let node = |gap, right| self.walk.node(End { gap, right });
+        let (before, enter, leave, after) =
+            (node(from, false), node(from, true), node(to, false), node(to, true));
+        let now = self.walk.link(before, enter) + self.walk.link(leave, after);
+        let reversed = self.walk.link(before, leave) + self.walk.link(enter, after);
+        self.walk.work += 4;
+        if reversed >= now - GAIN {
+            return false;
+        }
+        self.walk.reverse(from, to - 1);
+        self.touch(from);
+        self.touch(to);
+        true
     }
 
     /// Where the group after a gap ends; the gap itself at the end of the walk.
@@ -242,16 +267,22 @@ impl Search<'_> {
         }
         let items = &self.groups.items[group as usize];
         let (mut near, mut found): (Vec<Entry>, Vec<Entry>) = (Vec::new(), Vec::new());
-        self.index.close(group);
+        let problem = self.problem;
+        let index = self.vicinity.index.get_or_insert_with(|| {
+            let mut index = Index::new(problem, self.groups);
+            (0..self.groups.items.len() as u32).for_each(|group| index.open(group));
+            index
+        });
+        index.close(group);
         for &item in items.iter().step_by(items.len().div_ceil(SAMPLES)) {
             let entries = self.walk.vertices(item).map_or(2, <[_]>::len);
             for entry in [0, entries / 2] {
                 let point = self.problem.items[item as usize].ends(entry as u32).0;
-                self.index.nearest_groups(point, self.groups, NEAR_SAMPLE, &mut found);
+                index.nearest_groups(point, self.groups, NEAR_SAMPLE, &mut found);
                 near.extend_from_slice(&found);
             }
         }
-        self.index.open(group);
+        index.open(group);
         near.sort_unstable();
         let mut groups: Vec<u32> = Vec::with_capacity(NEAR);
         for entry in near {
@@ -263,7 +294,7 @@ impl Search<'_> {
     }
 
     /// Swaps two neighbouring blocks of groups, if precedence lets them pass each other.
-    pub fn kick_groups(&mut self, group: u32, random: &mut Random) -> bool {
+    pub fn kick_groups(&mut self, group: u32, random: &mut Random) {
         let (mut from, mut middle) = self.walk.span(group);
         for _ in 0..random.below(BLOCK) {
             middle = self.end_of_next(middle);
@@ -279,10 +310,13 @@ impl Search<'_> {
             (_, to) = self.unit_span(middle, to);
         }
         if to == middle || self.window(from, middle).1 < to {
-            return false;
+            return;
         }
-        self.walk.swap(from, middle, to, false, false);
+        // A block of several groups cannot be reversed: their order is not free.
+        let lone = |from: u32, to: u32| self.walk.group_at(from) == self.walk.group_at(to - 1);
+        let reversed = random.below(4);
+        let (first, second) = (reversed == 0 && lone(from, middle), reversed == 1 && lone(middle, to));
+        self.walk.swap(from, middle, to, first, second);
         [from, from + (to - middle), to].into_iter().for_each(|gap| self.touch(gap));
-        true
     }
 }

@@ -2,7 +2,6 @@
 
 use std::collections::VecDeque;
 
-use super::super::index::Index;
 use super::super::precedence::Groups;
 use super::super::{Cost, Problem, Sequence, Visit};
 use super::neighbours::Neighbours;
@@ -18,36 +17,34 @@ const KICK: u32 = 30;
 /// Farthest exchange while kicks are repaired: what is farther away does not depend on the kick.
 const KICK_REACH: u32 = 1000;
 
+/// Walks of so few items are searched thoroughly even after kicks.
+const FEW: u32 = 12;
+
 /// A walk and what is needed to improve it.
 pub struct Search<'a> {
     pub(super) problem: &'a Problem<'a>,
     pub(super) groups: &'a Groups,
-    pub(super) index: Index<'a>,
     pub(super) walk: Walk<'a>,
     pub(super) neighbours: Neighbours,
     /// Exchanges move at most so many items.
     pub(super) reach: u32,
-    pub(super) vicinity: Vicinity,
+    pub(super) vicinity: Vicinity<'a>,
+    /// Whether neighbouring loops are entered anew together, which is dear.
+    thorough: bool,
     queue: VecDeque<u32>,
     queued: Vec<bool>,
 }
 
 impl<'a> Search<'a> {
-    /// Begins with a solution. All items must be left in the index, and all groups open.
-    pub fn new(
-        problem: &'a Problem<'a>,
-        groups: &'a Groups,
-        index: Index<'a>,
-        cost: Cost,
-        sequence: &[Visit],
-    ) -> Self {
+    /// Begins with a solution.
+    pub fn new(problem: &'a Problem<'a>, groups: &'a Groups, cost: Cost, sequence: &[Visit]) -> Self {
         Self {
             problem,
             groups,
-            index,
             walk: Walk::new(problem, groups, cost, sequence),
             neighbours: Neighbours::new(problem, groups),
             reach: u32::MAX,
+            thorough: true,
             vicinity: Vicinity::new(problem, groups),
             queue: VecDeque::new(),
             queued: vec![false; 2 * problem.items.len()],
@@ -63,7 +60,7 @@ impl<'a> Search<'a> {
     pub fn descend(&mut self) {
         (1..=self.walk.len() + 1).for_each(|gap| self.touch(gap));
         self.drain();
-        self.reenter_chains();
+        self.reenter_all();
         self.drain();
         self.walk.commit();
     }
@@ -75,10 +72,12 @@ impl<'a> Search<'a> {
     pub fn iterate(&mut self, random: &mut Random, budget: u64) {
         let end = self.walk.work + budget;
         self.reach = KICK_REACH;
+        self.thorough = self.walk.len() <= FEW;
         while self.walk.work < end {
             self.walk.work += 8;
-            if !self.kick(random) {
-                continue;
+            let kicks = if self.thorough { 1 + random.below(3) } else { 1 };
+            for _ in 0..kicks {
+                self.kick(random);
             }
             self.drain();
             if self.walk.is_worse() {
@@ -87,7 +86,7 @@ impl<'a> Search<'a> {
                 self.walk.commit();
             }
         }
-        self.reach = u32::MAX;
+        (self.reach, self.thorough) = (u32::MAX, true);
     }
 
     /// Queues the nodes on both sides of a gap.
@@ -118,32 +117,35 @@ impl<'a> Search<'a> {
         let end = self.walk.end_of(node);
         let group = self.walk.group_of(node);
         let (first, last) = self.walk.span(group);
-        if last - first == 1 {
-            return self.move_group(group);
-        }
         let outer = end.gap == first || end.gap == last;
-        self.exchange(end, group)
-            || (outer && self.exchange(end.across(), group))
-            || self.reinsert(item)
-            || (outer && self.move_group(group))
+        if last - first > 1
+            && (self.exchange(end, group)
+                || (outer && self.exchange(end.across(), group))
+                || self.reinsert(item))
+        {
+            return true;
+        }
+        (self.thorough && self.reenter_beside(self.walk.position(item)))
+            || (outer && (self.reverse_group(group) || self.move_group(group)))
     }
 
     /// Swaps two neighbouring stretches, of one group or of whole groups.
-    fn kick(&mut self, random: &mut Random) -> bool {
+    fn kick(&mut self, random: &mut Random) {
         let at = 1 + random.below(self.walk.len());
         let group = self.walk.group_at(at);
         let (first, end) = self.walk.span(group);
         if self.groups.items.len() > 1 && (end - first < 3 || random.below(4) == 0) {
-            return self.kick_groups(group, random);
+            self.kick_groups(group, random);
+            return;
         }
         if end - first < 2 {
-            return false;
+            return;
         }
         let from = at.min(end - 2);
         let middle = from + 1 + random.below(KICK.min(end - from - 1));
         let to = middle + 1 + random.below(KICK.min(end - middle));
-        self.walk.swap(from, middle, to, false, false);
+        let reversed = random.below(8);
+        self.walk.swap(from, middle, to, reversed == 0, reversed == 1);
         [from, from + (to - middle), to].into_iter().for_each(|gap| self.touch(gap));
-        true
     }
 }

@@ -1,0 +1,62 @@
+//! `pathwright compare`.
+
+use serde_json::json;
+
+use super::args::CompareArgs;
+use super::console::{self, Bar};
+use super::exit::{Exit, Failure};
+use super::plan;
+use crate::job::{Engine, Job, Progress, Silent};
+use crate::order::compare::{self, StrategyRow};
+use crate::profile::OrderStrategy;
+
+/// Compares strategies model by model, and over all models together. One that fails does not keep the others from
+/// being compared; the exit code is that of the first one that failed.
+pub(super) fn run(args: &CompareArgs, engine: &dyn Engine) -> Result<Exit, Failure> {
+    let resolved = plan::settings(&args.settings, &plan::shorthands(None, &args.ordering))?;
+    console::warn(&resolved.warnings);
+    let chosen: Vec<OrderStrategy> = OrderStrategy::ALL
+        .iter()
+        .filter(|(name, _)| args.order.is_empty() || args.order.iter().any(|wanted| wanted == name))
+        .map(|(_, strategy)| *strategy)
+        .collect();
+    let mut exit = Exit::Done;
+    let mut pooled: Vec<StrategyRow> = Vec::new();
+    for (index, model) in args.models.files.iter().enumerate() {
+        let job = Job {
+            models: vec![model.clone()],
+            transform: plan::transform(&args.models),
+            certify: !args.no_bound,
+            threads: args.threads.map(Into::into),
+            ..Job::default()
+        };
+        let bar = Bar::on_terminal(!args.no_progress);
+        let progress: &dyn Progress = bar.as_ref().map_or(&Silent, |bar| bar);
+        let result = engine.compare(&job, &resolved.settings, &chosen, progress);
+        if let Some(bar) = bar {
+            bar.remove();
+        }
+        match result {
+            Ok(rows) => {
+                let name = model.display().to_string();
+                if args.json {
+                    console::print_json(&json!({ "model": name, "strategies": compare::to_json(&rows) }))?;
+                } else if args.csv {
+                    console::print(&compare::csv(&name, &rows, index == 0))?;
+                } else {
+                    console::print(&format!("{name}\n{}\n", compare::text(&rows)))?;
+                }
+                compare::pool(&mut pooled, rows);
+            }
+            Err(error) => {
+                let failure = Failure::from(error);
+                console::fail(&failure);
+                exit = if exit == Exit::Done { failure.exit } else { exit };
+            }
+        }
+    }
+    if args.models.files.len() > 1 && !args.json && !args.csv && !pooled.is_empty() {
+        console::print(&format!("all models\n{}", compare::text(&pooled)))?;
+    }
+    Ok(exit)
+}

@@ -1,0 +1,318 @@
+//! The relaxation of one layer: a tree instead of a walk, with a price on whatever a tree may do and a walk may not.
+
+use rustc_hash::FxHashSet;
+
+use super::super::matching::delaunay;
+use super::super::parts::Parts;
+use super::cuts::Cuts;
+use super::model::{Body, DEPTHS, Model};
+use super::pricing::{Priced, Prices, Pricing};
+use super::tree::{Forest, Link, Usage};
+use crate::geom::Point;
+
+/// The prices, in fine units.
+#[derive(Clone)]
+pub(super) struct Multipliers {
+    /// For each link at a terminal, of either sign.
+    pub(super) nodes: Vec<i64>,
+    /// For each cut that no link leaves, not negative.
+    pub(super) cuts: Vec<i64>,
+    /// For a link from one neighbour at one piece of a loop that is not entered there, not negative. Number 0 stands for
+    /// no tie and costs nothing.
+    pub(super) ties: Vec<i64>,
+}
+
+/// A place where a walk may begin or end.
+#[derive(Clone, Copy)]
+struct Way {
+    terminal: u32,
+    tie: u32,
+    /// Of the link there, in fine units.
+    length: i64,
+    /// Trees since the last look that used it.
+    used: u32,
+}
+
+/// See the module.
+pub(super) struct Relaxation<'a> {
+    pub(super) model: &'a Model,
+    pricing: Pricing<'a>,
+    /// Links of the known pairs, by depth.
+    links: [Vec<Link>; DEPTHS],
+    known: FxHashSet<(u32, u32)>,
+    pub(super) cuts: Cuts,
+    /// For [`Link::shared`].
+    shared: Vec<u32>,
+    /// For each loop in several pieces, and each neighbour, the first of as many ties.
+    pub(super) blocks: Vec<Vec<u32>>,
+    pub(super) ties: usize,
+    /// Ways in and ways out.
+    ways: [Vec<Way>; 2],
+    keys: Vec<(i64, u32)>,
+}
+
+impl<'a> Relaxation<'a> {
+    /// Links at both ends of the walk cost nothing until [`Self::arrive`] and [`Self::leave`].
+    pub(super) fn new(model: &'a Model) -> Self {
+        let mut relaxation = Self {
+            model,
+            pricing: Pricing::new(model),
+            links: Default::default(),
+            known: FxHashSet::default(),
+            cuts: Cuts::new(model.terminals.len()),
+            shared: Vec::new(),
+            blocks: vec![Vec::new(); model.bodies.len()],
+            ties: 1,
+            ways: Default::default(),
+            keys: Vec::new(),
+        };
+        for item in 0..model.bodies.len() as u32 {
+            for (way, permitted) in [model.may_begin(item), model.may_end(item)].into_iter().enumerate() {
+                if permitted {
+                    let block = relaxation.add_block(item);
+                    let body = &model.bodies[item as usize];
+                    relaxation.ways[way].extend((body.first..body.last).map(|terminal| Way {
+                        terminal,
+                        tie: tie(block, terminal - body.first),
+                        length: 0,
+                        used: 0,
+                    }));
+                }
+            }
+        }
+        relaxation.add_neighbours();
+        let (_, tree) = relaxation.exact(&relaxation.zero());
+        relaxation.add_tree(&tree);
+        relaxation
+    }
+
+    /// Multipliers that do nothing.
+    pub(super) fn zero(&self) -> Multipliers {
+        Multipliers {
+            nodes: vec![0; self.model.terminals.len()],
+            cuts: vec![0; self.cuts.members.len()],
+            ties: vec![0; self.ties],
+        }
+    }
+
+    /// Makes the link from where the walk comes from part of the bound; `length` is the least to arrive at a point.
+    pub(super) fn arrive(&mut self, length: impl Fn(Point) -> i64) {
+        self.measure(0, length);
+    }
+
+    /// Makes the link to where the walk goes on part of the bound.
+    pub(super) fn leave(&mut self, length: impl Fn(Point) -> i64) {
+        self.measure(1, length);
+    }
+
+    fn measure(&mut self, ways: usize, length: impl Fn(Point) -> i64) {
+        for way in &mut self.ways[ways] {
+            way.length = self.model.points_of(way.terminal).iter().map(|&p| length(p)).min().unwrap_or(0);
+        }
+    }
+
+    /// Pairs of paths that a Delaunay edge joins, in every family of siblings.
+    fn add_neighbours(&mut self) {
+        let model = self.model;
+        let mut pairs = Vec::new();
+        for points in self.pricing.families() {
+            let places: Vec<Point> = points.iter().map(|&point| model.points[point as usize]).collect();
+            let item = |k: u32| model.item_of_point(points[k as usize]);
+            pairs.extend(delaunay(&places).into_iter().map(|(u, v)| (item(u), item(v))));
+        }
+        for (i, j) in pairs {
+            self.add_pair(i, j);
+        }
+    }
+
+    /// Makes the pairs that a tree joins known; whether any was new.
+    pub(super) fn add_tree(&mut self, tree: &[Priced]) -> bool {
+        let before = self.known.len();
+        for found in tree {
+            self.add_pair(self.model.item_of_point(found.from), self.model.item_of_point(found.to));
+        }
+        self.known.len() > before
+    }
+
+    fn add_pair(&mut self, i: u32, j: u32) {
+        let model = self.model;
+        let (i, j) = (i.min(j), i.max(j));
+        if i == j || !model.permits(i, j) || !self.known.insert((i, j)) {
+            return;
+        }
+        let blocks = [self.add_block(i), self.add_block(j)];
+        let (one, other) = (&model.bodies[i as usize], &model.bodies[j as usize]);
+        for a in one.first..one.last {
+            for b in other.first..other.last {
+                let first = self.shared.len() as u32;
+                self.shared.extend(self.cuts.shared(a, b));
+                self.links[model.depth(i, j)].push(Link {
+                    length: model.shortest(a, b),
+                    a,
+                    b,
+                    ties: [tie(blocks[0], a - one.first), tie(blocks[1], b - other.first)],
+                    shared: (first, self.shared.len() as u32),
+                    used: 0,
+                });
+            }
+        }
+    }
+
+    /// Ties for the links from one neighbour to each piece of a loop; 0 for paths that are of one piece.
+    fn add_block(&mut self, item: u32) -> u32 {
+        let body = &self.model.bodies[item as usize];
+        if !body.closed || body.last - body.first < 2 {
+            return 0;
+        }
+        let block = self.ties as u32;
+        self.ties += (body.last - body.first) as usize;
+        self.blocks[item as usize].push(block);
+        block
+    }
+
+    /// Looks for cuts that the trees since the last look violate on average; whether there are new ones.
+    pub(super) fn look_for_cuts(&mut self, trees: u32) -> bool {
+        let before = self.cuts.members.len();
+        let links = self.links.concat();
+        self.cuts.separate_odd(self.model, &links, trees);
+        let used = |ways: &Vec<Way>| -> Vec<_> { ways.iter().map(|way| (way.terminal, way.used)).collect() };
+        let [begun, ended] = self.ways.each_ref().map(used);
+        self.cuts.separate_precedence(self.model, &links, [&begun, &ended], trees);
+        let grown = self.cuts.members.len() > before;
+        if grown {
+            self.shared.clear();
+        }
+        self.ways.iter_mut().flatten().for_each(|way| way.used = 0);
+        for link in self.links.iter_mut().flatten() {
+            link.used = 0;
+            if grown {
+                let first = self.shared.len() as u32;
+                self.shared.extend(self.cuts.shared(link.a, link.b));
+                link.shared = (first, self.shared.len() as u32);
+            }
+        }
+        grown
+    }
+
+    /// What a link pays at each terminal: its multiplier, less those of the cuts that hold it (a link within a cut pays
+    /// them back twice, so that only links which leave it profit). The last is what the link from the start pays there.
+    fn weights(&self, multipliers: &Multipliers) -> Vec<i64> {
+        let cuts = |t: usize| self.cuts.of[t].iter().map(|&cut| multipliers.cuts[cut as usize]).sum::<i64>();
+        let nodes = multipliers.nodes.iter().copied().chain([0]);
+        nodes.enumerate().map(|(t, node)| node - cuts(t)).collect()
+    }
+
+    /// What does not depend on the tree: the multipliers times what a walk does.
+    fn constant(&self, multipliers: &Multipliers) -> i64 {
+        let nodes = |(item, body): (usize, &Body)| match body.closed {
+            true => self.dearest(item, multipliers).0,
+            false => multipliers.nodes[body.first as usize..body.last as usize].iter().sum(),
+        };
+        let cuts = multipliers.cuts.iter().zip(&self.cuts.least).map(|(cut, &least)| cut * i64::from(least));
+        cuts.sum::<i64>() - self.model.bodies.iter().enumerate().map(nodes).sum::<i64>()
+    }
+
+    /// What entering a loop at one piece gives back, where that is most, and at which piece.
+    pub(super) fn dearest(&self, item: usize, multipliers: &Multipliers) -> (i64, usize) {
+        let body = &self.model.bodies[item];
+        let own = &multipliers.nodes[body.first as usize..body.last as usize];
+        let ties = |piece: usize| {
+            self.blocks[item].iter().map(|&block| multipliers.ties[block as usize + piece]).sum::<i64>()
+        };
+        own.iter().enumerate().map(|(k, node)| (2 * node + ties(k), k)).max().unwrap_or((0, 0))
+    }
+
+    /// The cheapest way in or out: its price and its number.
+    fn cheapest(&self, ways: usize, weights: &[i64], multipliers: &Multipliers) -> Option<(i64, usize)> {
+        let start = self.model.terminals.len() as u32;
+        let price = |way: &Way| {
+            let own = way.length + weights[way.terminal as usize] + multipliers.ties[way.tie as usize];
+            if ways == 1 {
+                return own;
+            }
+            let both = self.cuts.shared(start, way.terminal).map(|cut| multipliers.cuts[cut as usize]);
+            own + weights[start as usize] + 2 * both.sum::<i64>()
+        };
+        self.ways[ways].iter().map(price).zip(0..).min()
+    }
+
+    /// The bound as far as the known links tell, and what the solution uses.
+    pub(super) fn relax(&mut self, multipliers: &Multipliers, usage: &mut Usage) -> i64 {
+        let weights = self.weights(multipliers);
+        let start = self.model.terminals.len();
+        usage.reset(start + 1, multipliers.cuts.len(), multipliers.ties.len());
+        let parts = Parts::new(self.model.bodies.len());
+        let mut forest = Forest { model: self.model, parts, usage, shared: &self.shared, total: 0 };
+        for links in self.links.iter_mut().rev() {
+            let price = |link: &Link| price(link, &weights, multipliers, &self.shared);
+            self.keys.clear();
+            self.keys.extend(links.iter().map(price).zip(0..));
+            forest.span(links, &mut self.keys);
+        }
+        let mut total = forest.total + self.constant(multipliers);
+        for ways in 0..2 {
+            let Some((price, k)) = self.cheapest(ways, &weights, multipliers) else { continue };
+            let way = &mut self.ways[ways][k];
+            way.used += 1;
+            total += price;
+            usage.degrees[way.terminal as usize] += 1;
+            usage.tied[way.tie as usize] += 1;
+            if ways == 0 {
+                usage.degrees[start] += 1;
+                for cut in self.cuts.shared(start as u32, way.terminal) {
+                    usage.inside[cut as usize] += 1;
+                }
+            }
+        }
+        total
+    }
+
+    /// The bound over all links, which holds whatever the multipliers are, and its tree.
+    pub(super) fn exact(&self, multipliers: &Multipliers) -> (i64, Vec<Priced>) {
+        let weights = self.weights(multipliers);
+        let list = |links: &Vec<Link>| {
+            let listed = links.iter().map(|link| {
+                let [p, q] = [link.a, link.b].map(|t| self.model.terminals[t as usize].first);
+                Priced {
+                    cost: price(link, &weights, multipliers, &self.shared),
+                    from: p.min(q),
+                    to: p.max(q),
+                }
+            });
+            listed.collect()
+        };
+        let tree = self.pricing.tree(&Prices {
+            listed: self.links.each_ref().map(list),
+            known: &|i, j| self.known.contains(&(i.min(j), i.max(j))),
+            weights: &weights,
+            both: &|a, b| 2 * self.cuts.shared(a, b).map(|cut| multipliers.cuts[cut as usize]).sum::<i64>(),
+        });
+        let links: i64 = tree.iter().map(|found| found.cost).sum();
+        let ways = (0..2).filter_map(|ways| self.cheapest(ways, &weights, multipliers));
+        let ways: i64 = ways.map(|(price, _)| price).sum();
+        (links + ways + self.constant(multipliers), tree)
+    }
+
+    /// The exact bound without the way out, and what that pays at each point where a walk may end.
+    pub(super) fn settle(&self, multipliers: &Multipliers) -> (i64, Vec<(Point, i64)>) {
+        let weights = self.weights(multipliers);
+        let out = self.cheapest(1, &weights, multipliers).map_or(0, |(price, _)| price);
+        let ends = self.ways[1].iter().flat_map(|way| {
+            let pay = weights[way.terminal as usize] + multipliers.ties[way.tie as usize];
+            self.model.points_of(way.terminal).iter().map(move |&p| (p, pay))
+        });
+        (self.exact(multipliers).0 - out, ends.collect())
+    }
+}
+
+/// The tie of one piece in a block.
+fn tie(block: u32, piece: u32) -> u32 {
+    if block == 0 { 0 } else { block + piece }
+}
+
+/// A listed link's length and all that it pays.
+fn price(link: &Link, weights: &[i64], multipliers: &Multipliers, shared: &[u32]) -> i64 {
+    let both: i64 = link.shared(shared).iter().map(|&cut| multipliers.cuts[cut as usize]).sum();
+    let ties: i64 = link.ties.iter().map(|&tie| multipliers.ties[tie as usize]).sum();
+    link.length + weights[link.a as usize] + weights[link.b as usize] + 2 * both + ties
+}

@@ -1,0 +1,211 @@
+//! Strategies side by side on the same layers.
+
+use serde_json::{Value, json};
+
+use super::{Cost, Problem, Visit};
+use crate::geom::Point;
+
+/// What one strategy made of one layer.
+#[derive(Clone, Debug, PartialEq)]
+pub struct LayerRow {
+    /// Index of the layer from the bed.
+    pub layer: usize,
+    /// Paths on it.
+    pub paths: usize,
+    /// Straight lines from where the layer before ended to the first path and between paths, mm.
+    pub link_mm: f64,
+    /// Links longer than nothing.
+    pub travels: usize,
+    /// Time of these links by the machine's trapezoid, with retractions, seconds.
+    pub travel_s: f64,
+    /// Lower bound of `link_mm`, where one was asked for.
+    pub bound_mm: Option<f64>,
+}
+
+/// What one strategy made of all layers.
+#[derive(Clone, Debug, PartialEq)]
+pub struct StrategyRow {
+    /// The strategy's name.
+    pub strategy: String,
+    /// Processor time that it took, seconds, for the text table only: it differs from run to run.
+    pub took_s: f64,
+    /// Lower bound of the whole chain's links, where one was asked for. Not the sum of the layers' bounds.
+    pub bound_mm: Option<f64>,
+    /// Its layers.
+    pub layers: Vec<LayerRow>,
+}
+
+impl LayerRow {
+    /// Measures a solution of one layer. `time` is a [`Cost::Time`], whatever the solution minimised.
+    pub fn new(layer: usize, problem: &Problem, sequence: &[Visit], time: &Cost) -> Self {
+        let mut row =
+            Self { layer, paths: sequence.len(), link_mm: 0.0, travels: 0, travel_s: 0.0, bound_mm: None };
+        let mut at: Option<Point> = problem.start;
+        for visit in sequence {
+            let (enter, leave) = problem.items[visit.item as usize].ends(visit.entry);
+            let link_mm = at.map_or(0.0, |from| from.distance_mm(enter));
+            row.link_mm += link_mm;
+            row.travels += usize::from(link_mm > 0.0);
+            row.travel_s += time.of(link_mm);
+            at = Some(leave);
+        }
+        row
+    }
+}
+
+impl StrategyRow {
+    /// Length of all links, mm.
+    pub fn link_mm(&self) -> f64 {
+        self.layers.iter().map(|row| row.link_mm).sum()
+    }
+
+    /// Number of links longer than nothing.
+    pub fn travels(&self) -> usize {
+        self.layers.iter().map(|row| row.travels).sum()
+    }
+
+    /// Time of all links, seconds.
+    pub fn travel_s(&self) -> f64 {
+        self.layers.iter().map(|row| row.travel_s).sum()
+    }
+
+    /// Number of paths.
+    pub fn paths(&self) -> usize {
+        self.layers.iter().map(|row| row.paths).sum()
+    }
+}
+
+/// How far a length is above its bound, as a share of the bound; nothing without a bound above 0.
+pub fn gap(link_mm: f64, bound_mm: Option<f64>) -> Option<f64> {
+    bound_mm.filter(|&bound| bound > 0.0).map(|bound| link_mm / bound - 1.0)
+}
+
+/// A table for people: one line per strategy, lengths relative to `nearest` where it is among them.
+pub fn text(rows: &[StrategyRow]) -> String {
+    let nearest = rows.iter().find(|row| row.strategy == "nearest").map(StrategyRow::link_mm);
+    let mut out = format!(
+        "{:<18}{:>12}{:>9}{:>12}{:>8}{:>9}{:>10}{:>14}\n",
+        "strategy", "link_mm", "nearest", "bound_mm", "gap", "travels", "travel_s", "ms/100 paths"
+    );
+    let share = |value: Option<f64>| value.map_or("-".into(), |value| format!("{:.1}%", value * 100.0));
+    for row in rows {
+        let link_mm = row.link_mm();
+        let of_nearest = nearest.filter(|&nearest| nearest > 0.0).map(|nearest| link_mm / nearest);
+        out += &format!(
+            "{:<18}{:>12.1}{:>9}{:>12}{:>8}{:>9}{:>10.2}{:>14.3}\n",
+            row.strategy,
+            link_mm,
+            share(of_nearest),
+            row.bound_mm.map_or("-".into(), |bound| format!("{bound:.1}")),
+            share(gap(link_mm, row.bound_mm)),
+            row.travels(),
+            row.travel_s(),
+            row.took_s * 1e5 / row.paths().max(1) as f64,
+        );
+    }
+    out
+}
+
+/// The same for programs, with every layer. The same on every run: no times taken.
+pub fn to_json(rows: &[StrategyRow]) -> Value {
+    let layer = |row: &LayerRow| {
+        let mut value = figures(row.link_mm, row.bound_mm, row.travels, row.travel_s);
+        value["layer"] = json!(row.layer);
+        value["paths"] = json!(row.paths);
+        value
+    };
+    let strategy = |row: &StrategyRow| {
+        let mut value = figures(row.link_mm(), row.bound_mm, row.travels(), row.travel_s());
+        value["strategy"] = json!(row.strategy);
+        value["paths"] = json!(row.paths());
+        value["layers"] = row.layers.iter().map(layer).collect();
+        value
+    };
+    Value::Array(rows.iter().map(strategy).collect())
+}
+
+fn figures(link_mm: f64, bound_mm: Option<f64>, travels: usize, travel_s: f64) -> Value {
+    json!({
+        "link_mm": link_mm,
+        "bound_mm": bound_mm,
+        "gap": gap(link_mm, bound_mm),
+        "travels": travels,
+        "travel_s": travel_s,
+    })
+}
+
+/// Adds the rows of another model to those of the models before, strategy by strategy. Bounds of prints add up.
+pub fn pool(pooled: &mut Vec<StrategyRow>, rows: Vec<StrategyRow>) {
+    for row in rows {
+        match pooled.iter_mut().find(|sum| sum.strategy == row.strategy) {
+            Some(sum) => {
+                sum.took_s += row.took_s;
+                sum.bound_mm = sum.bound_mm.zip(row.bound_mm).map(|(a, b)| a + b);
+                sum.layers.extend(row.layers);
+            }
+            None => pooled.push(row),
+        }
+    }
+}
+
+/// The same as comma-separated values, one line per strategy and layer, below a heading if that is wanted.
+pub fn csv(model: &str, rows: &[StrategyRow], heading: bool) -> String {
+    let mut out = String::new();
+    if heading {
+        out += "model,strategy,layer,paths,link_mm,bound_mm,gap,travels,travel_s\n";
+    }
+    let model = if model.contains([',', '"', '\n']) {
+        format!("\"{}\"", model.replace('"', "\"\""))
+    } else {
+        model.to_owned()
+    };
+    let cell = |value: Option<f64>| value.map_or(String::new(), |value| format!("{value:.4}"));
+    for strategy in rows {
+        for row in &strategy.layers {
+            out += &format!(
+                "{model},{},{},{},{:.4},{},{},{},{:.4}\n",
+                strategy.strategy,
+                row.layer,
+                row.paths,
+                row.link_mm,
+                cell(row.bound_mm),
+                cell(gap(row.link_mm, row.bound_mm)),
+                row.travels,
+                row.travel_s
+            );
+        }
+    }
+    out
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn rows() -> Vec<StrategyRow> {
+        let row = |strategy: &str, link_mm| StrategyRow {
+            strategy: strategy.into(),
+            took_s: 0.001,
+            bound_mm: Some(50.0),
+            layers: vec![LayerRow { layer: 0, paths: 4, link_mm, travels: 3, travel_s: 0.5, bound_mm: None }],
+        };
+        vec![row("nearest", 100.0), row("optimized", 60.0)]
+    }
+
+    #[test]
+    fn the_gap_is_relative_to_the_bound() {
+        let value = to_json(&rows());
+        assert!((value[1]["gap"].as_f64().unwrap() - 0.2).abs() < 1e-12);
+        assert!(value[1]["layers"][0]["gap"].is_null());
+    }
+
+    #[test]
+    fn the_table_shows_the_share_of_nearest() {
+        assert!(text(&rows()).lines().nth(2).unwrap().contains("60.0%"));
+    }
+
+    #[test]
+    fn csv_has_a_line_per_strategy_and_layer() {
+        assert_eq!(csv("a,b.stl", &rows(), true).lines().count(), 3);
+    }
+}

@@ -1,0 +1,88 @@
+//! Orders the layers of a print chunk by chunk, and bounds what any order can reach.
+
+use std::time::{Duration, Instant};
+
+use crate::geom::Point;
+use crate::order::{Chain, Cost, LayerProblem, Pins, Problem, Sequence, bound, ends_on_path};
+use crate::profile::Settings;
+use crate::toolpath::LayerPaths;
+
+use super::parallel;
+
+/// The chain that the settings ask for.
+pub(super) fn chain(settings: &Settings) -> Chain {
+    Chain {
+        settings: settings.order.clone(),
+        cost: Cost::new(settings.order.cost, &settings.speed, &settings.acceleration, &settings.retract),
+        seam: settings.seam.position,
+        origin: None,
+    }
+}
+
+/// Ordered layers.
+pub(super) struct Solved {
+    /// One sequence for each layer.
+    pub sequences: Vec<Sequence>,
+    /// Time spent, of all threads together.
+    pub took: Duration,
+}
+
+/// Orders layers in chunks of `chunk`, then the head of each chunk again with both ends known. `start` is where the
+/// nozzle is before the first of them.
+pub(super) fn solve(
+    chain: &Chain,
+    paths: &[LayerPaths],
+    pins: &[Pins],
+    chunk: usize,
+    start: Option<Point>,
+) -> Solved {
+    let chunks = paths.len().div_ceil(chunk);
+    let range = |c: usize| c * chunk..((c + 1) * chunk).min(paths.len());
+    let solved =
+        parallel::map(chunks, |c| timed(|| chain.solve_chunk(&paths[range(c)], &pins[range(c)], None)));
+    let before = |c: usize| match c.checked_sub(1) {
+        None => start,
+        Some(b) => {
+            let last = solved[b].0.iter().zip(&paths[range(b)]).rev().find(|(s, _)| !s.is_empty());
+            last.and_then(|(sequence, layer)| Some(ends_on_path(layer, *sequence.last()?).1))
+        }
+    };
+    let heads = parallel::map(chunks, |c| {
+        let (layers, sequences) = (&paths[range(c)], &solved[c].0);
+        let next = layers.get(1).map(|layer| (layer, sequences[1].as_slice()));
+        let head = (&layers[0], &pins[c * chunk]);
+        timed(|| match before(c) {
+            Some(start) => chain.resolve_head(head, sequences[0].clone(), next, Some(start)),
+            None => sequences[0].clone(),
+        })
+    });
+    let took = solved.iter().map(|s| s.1).chain(heads.iter().map(|h| h.1)).sum();
+    let sequences = solved
+        .into_iter()
+        .zip(heads)
+        .flat_map(|((sequences, _), (head, _))| std::iter::once(head).chain(sequences.into_iter().skip(1)))
+        .collect();
+    Solved { sequences, took }
+}
+
+fn timed<T>(work: impl FnOnce() -> T) -> (T, Duration) {
+    let begun = Instant::now();
+    let done = work();
+    (done, begun.elapsed())
+}
+
+/// A length that the links of a layer, entered from `start`, cannot stay below.
+pub(super) fn layer_bound(layer: &LayerPaths, pins: &Pins, settings: &Settings, start: Option<Point>) -> f64 {
+    let mut problem = LayerProblem::new(layer, pins, settings.order.scope).problem;
+    problem.start = start;
+    bound::layer(&problem)
+}
+
+/// A length that the links of a whole print cannot stay below, whatever the strategy.
+pub(super) fn print_bound(layers: &[(LayerPaths, Pins)], settings: &Settings, start: Option<Point>) -> f64 {
+    let problems = layers.iter().enumerate().map(|(i, (layer, pins))| {
+        let problem = LayerProblem::new(layer, pins, settings.order.scope).problem;
+        Problem { start: start.filter(|_| i == 0), ..problem }
+    });
+    bound::print(problems)
+}

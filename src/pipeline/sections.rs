@@ -1,0 +1,88 @@
+//! The sections of a plate, and what must be known of all layers before any is planned.
+
+use crate::geom::{Bounds, Region};
+use crate::profile::Settings;
+use crate::slice::{Layer, Slicer};
+use crate::toolpath::{ObjectLayer, Planner, PlateLayer, Shells};
+
+use super::parallel;
+
+/// Layers that sparse infill is calibrated on.
+const SAMPLES: usize = 12;
+
+/// The sections of all layers, and the shells that follow from them.
+pub(super) struct Sections {
+    pub layers: Vec<Layer>,
+    /// For each object its section in each layer, as an index into the layer's sections.
+    places: Vec<Vec<Option<usize>>>,
+    shells: Vec<Shells>,
+}
+
+static NOTHING: Region = Region { polygons: Vec::new() };
+
+impl Sections {
+    pub fn cut(slicer: &Slicer<'_>, objects: usize, settings: &Settings) -> Self {
+        let layers = parallel::map(slicer.spans().len(), |i| slicer.layer(i));
+        let places: Vec<Vec<Option<usize>>> = (0..objects)
+            .map(|object| layers.iter().map(|l| l.sections.iter().position(|s| s.object == object)).collect())
+            .collect();
+        let mut sections = Self { layers, places, shells: Vec::new() };
+        let (top, bottom) = (settings.shell.top_layers, settings.shell.bottom_layers);
+        sections.shells = (0..objects)
+            .map(|object| {
+                let own: Vec<&Region> = (0..sections.layers.len()).map(|i| sections.of(object, i)).collect();
+                Shells::build(&own, top, bottom, &|n, f| parallel::map(n, f))
+            })
+            .collect();
+        sections
+    }
+
+    /// An object's section in a layer; nothing above its top.
+    fn of(&self, object: usize, layer: usize) -> &Region {
+        let place = self.places[object].get(layer).copied().flatten();
+        place.map_or(&NOTHING, |place| &self.layers[layer].sections[place].region)
+    }
+
+    pub fn plate_layer(&self, index: usize) -> PlateLayer<'_> {
+        let Layer { span, sections, .. } = &self.layers[index];
+        let objects = sections.iter().map(|s| ObjectLayer {
+            object: s.object as u32,
+            section: &s.region,
+            next: self.of(s.object, index + 1),
+            above: self.shells[s.object].above(index),
+            below: self.shells[s.object].below(index),
+        });
+        PlateLayer { index, top_mm: span.top_mm, height_mm: span.height_mm, objects: objects.collect() }
+    }
+
+    /// The toolpath planner, its sparse infill calibrated on sample layers.
+    pub fn planner(&self, settings: &Settings) -> Planner {
+        let polygons = self.layers[0].sections.iter().flat_map(|s| s.region.polygons.iter().cloned());
+        let footprint = Region { polygons: polygons.collect() };
+        let mut planner = Planner::new(settings.into(), &footprint, self.layers[0].span.height_mm);
+        let last = self.layers.len() - 1;
+        let mut chosen: Vec<usize> = (0..SAMPLES).map(|k| last * k / (SAMPLES - 1)).collect();
+        chosen.dedup();
+        let samples: Vec<PlateLayer<'_>> = chosen.into_iter().map(|i| self.plate_layer(i)).collect();
+        planner.calibrate(&samples, &|n, f| parallel::map(n, f));
+        planner
+    }
+
+    /// Box around everything that is printed, without skirt and brim.
+    pub fn bounds(&self) -> Option<Bounds> {
+        let regions = self.layers.iter().flat_map(|l| &l.sections);
+        regions.filter_map(|s| s.region.bounds()).reduce(|a, b| a.joined(&b))
+    }
+
+    /// What the user should know of outlines that were not closed.
+    pub fn warning(&self) -> Option<String> {
+        let mut forced = self.layers.iter().filter(|l| l.gaps.forced > 0);
+        let first = forced.next()?;
+        Some(format!(
+            "{} layers, the first at {:.2} mm, have outlines with wide gaps, which were closed by straight lines; \
+             repair the model if the preview shows walls where there should be none",
+            1 + forced.count(),
+            first.span.top_mm
+        ))
+    }
+}

@@ -1,0 +1,108 @@
+//! Lower bounds against the optimum, and Christofides against its guarantee, on thousands of small layers.
+
+mod exact;
+
+use exact::{chained_optimum, optimum};
+use pathwright::geom::Point;
+use pathwright::order::{Cost, Item, Problem, Run, Shape, bound, evaluate, strategy};
+use pathwright::profile::{Effort, OrderStrategy, Scope};
+use proptest::prelude::*;
+
+/// A layer as plain data, from which problems borrow.
+#[derive(Clone, Debug)]
+struct Layer {
+    /// Run and vertices; two vertices make an open path, others a loop.
+    items: Vec<(u32, Vec<Point>)>,
+    runs: Vec<Run>,
+    scope: Scope,
+    start: Option<Point>,
+    end: Option<Point>,
+}
+
+impl Layer {
+    fn problem(&self) -> Problem<'_> {
+        let items = self.items.iter().map(|(run, points)| Item {
+            run: *run,
+            shape: if points.len() == 2 { Shape::Open([points[0], points[1]]) } else { Shape::Loop(points) },
+        });
+        let (items, runs) = (items.collect(), self.runs.clone());
+        Problem { items, runs, scope: self.scope, start: self.start, end: self.end }
+    }
+}
+
+/// Coordinates from a small grid coincide often and make many links equal; others do not.
+fn point() -> impl Strategy<Value = Point> {
+    prop_oneof![
+        (0..4_i32, 0..4_i32).prop_map(|(x, y)| Point::new(x * 100_000, y * 100_000)),
+        (0..500_000_i32, 0..500_000_i32).prop_map(|(x, y)| Point::new(x, y)),
+    ]
+}
+
+/// Layers of up to `most` paths, a third of them pinned and a sixth free loops, in up to five runs.
+fn layer(most: usize) -> impl Strategy<Value = Layer> {
+    let path = (
+        0..5_usize,
+        prop_oneof![
+            3 => prop::collection::vec(point(), 2),
+            2 => prop::collection::vec(point(), 1),
+            1 => prop::collection::vec(point(), 3..7),
+        ],
+    );
+    let runs = prop::collection::vec((0..2_u32, 0..3_u32, 0..3_u32), 5);
+    let scope = prop::sample::select(vec![Scope::Layer, Scope::Feature, Scope::Island]);
+    let ends = (prop::option::of(point()), prop::option::of(point()));
+    (prop::collection::vec(path, 0..=most), runs, scope, ends).prop_map(
+        |(paths, runs, scope, (start, end))| {
+            let mut used: Vec<usize> = paths.iter().map(|(run, _)| *run).collect();
+            used.sort_unstable();
+            used.dedup();
+            let number = |run: usize| used.binary_search(&run).expect("listed") as u32;
+            let items = paths.into_iter().map(|(run, points)| (number(run), points)).collect();
+            let runs = used.iter().map(|&run| {
+                let (stage, island, rank) = runs[run];
+                Run { stage, island, rank }
+            });
+            Layer { items, runs: runs.collect(), scope, start, end }
+        },
+    )
+}
+
+/// Sums of a few square roots: far above their rounding, far below a bound that is wrong.
+const ROUNDING_MM: f64 = 1e-9;
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 4000, ..ProptestConfig::default() })]
+
+    #[test]
+    fn the_bound_of_a_layer_is_not_above_its_optimum(layer in layer(7)) {
+        let problem = layer.problem();
+        let (bound, optimum) = (bound::layer(&problem), optimum(&problem));
+        prop_assert!(bound <= optimum + ROUNDING_MM, "{bound} > {optimum}");
+    }
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 1500, ..ProptestConfig::default() })]
+
+    #[test]
+    fn the_bound_of_a_print_is_not_above_its_optimum(layers in [layer(5), layer(5), layer(5)]) {
+        let problems: Vec<_> = layers.iter().map(Layer::problem).collect();
+        let (bound, optimum) = (bound::print(problems.iter().cloned()), chained_optimum(&problems));
+        prop_assert!(bound <= optimum + ROUNDING_MM, "{bound} > {optimum}");
+    }
+
+    #[test]
+    fn a_closed_christofides_tour_is_within_its_guarantee(mut layer in layer(7)) {
+        layer.items.iter_mut().filter(|(_, points)| points.len() > 2).for_each(|(_, points)| points.truncate(1));
+        layer.scope = Scope::Layer;
+        layer.runs.iter_mut().for_each(|run| run.stage = 1);
+        layer.start.get_or_insert(Point::new(0, 0));
+        layer.end = layer.start;
+        let problem = layer.problem();
+        let print_mm: f64 = layer.items.iter().map(|(_, points)| points[0].distance_mm(points[points.len() - 1])).sum();
+        let tour = strategy(OrderStrategy::Christofides).solve(&problem, &Cost::Length, Effort::Fast);
+        let found = evaluate(&problem, &tour, &Cost::Length);
+        let best = optimum(&problem);
+        prop_assert!(print_mm + found <= 1.5 * (print_mm + best) + 1e-4, "{found} against {best}, {print_mm} drawn");
+    }
+}
