@@ -26,7 +26,7 @@ fn the_prime_line_is_drawn_hot_and_inside_the_bed() {
 fn the_end_lifts_before_it_moves_away_and_then_switches_off() {
     let text = print(&mixed(2), &settings(), &[]);
     let end = &text[text.rfind(";TYPE:Custom").expect("an end")..];
-    let order = ["G1 E-1", "G1 Z10.4", "G1 X0 Y250", "M104 S0", "M84"].map(|l| end.find(l).expect(l));
+    let order = ["G1 E-1", "G1 Z50", "G1 X0 Y250", "M104 S0", "M84"].map(|l| end.find(l).expect(l));
     assert!(order.is_sorted(), "{end}");
     let last_bead = replay(text.as_bytes())
         .filter_map(|s| match s.action {
@@ -35,7 +35,7 @@ fn the_end_lifts_before_it_moves_away_and_then_switches_off() {
         })
         .last()
         .expect("moves");
-    assert!((last_bead.from[2] - 10.4).abs() < 1e-9, "dragged at {}", last_bead.from[2]);
+    assert!((last_bead.from[2] - 50.0).abs() < 1e-9, "dragged at {}", last_bead.from[2]);
 }
 
 #[test]

@@ -6,10 +6,10 @@ mod gcode_fixture;
 use std::path::Path;
 use std::process::Command;
 
-use gcode_fixture::{END, START, mixed, print};
+use gcode_fixture::{END, START, bare, mixed, print};
 use pathwright::gcode::measure;
 use pathwright::motion::PauseAt;
-use pathwright::profile::{Flavor, Settings};
+use pathwright::profile::Flavor;
 use pathwright::units::Mm;
 
 #[test]
@@ -22,7 +22,7 @@ fn an_independent_reader_finds_the_same_and_no_fault() {
     let mut files = Vec::new();
     for flavor in [Flavor::Marlin, Flavor::Klipper, Flavor::RepRapFirmware] {
         for variant in 0..8 {
-            let mut settings = Settings::default();
+            let mut settings = bare();
             settings.printer.flavor = flavor;
             settings.gcode.relative_e = variant & 1 == 0;
             settings.gcode.arcs = variant & 2 == 0;

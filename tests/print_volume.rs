@@ -2,10 +2,7 @@
 
 mod print_support;
 
-use pathwright::geom::{intersection, offset};
-use pathwright::profile::Settings;
-use pathwright::toolpath::bead;
-use print_support::{Solid, model, print, solid, standard};
+use print_support::{model, print, solid, standard};
 
 /// Bundled models that are watertight and whose walls are all at least 1.2 mm thick. The teeth of `thin_wall_comb`
 /// begin at 0.3 mm, the pins of `pin_forest` at 1 mm; `broken_box` is open.
@@ -34,26 +31,6 @@ fn a_full_print_deposits_the_volume_of_the_mesh() {
     assert!((pooled - 1.0).abs() < 0.02, "pooled {pooled}");
 }
 
-/// Area times height of what lies inside the walls, with material in every layer of the shells' thickness above
-/// and below.
-fn sparse_mm3(solid: &Solid, settings: &Settings) -> f64 {
-    let height_mm = settings.layer.height.0;
-    let walls_mm = bead::rounding_mm(height_mm) / 2.0
-        + f64::from(settings.walls.count) * bead::spacing_mm(settings.walls.width.0, height_mm);
-    let (above, below) = (settings.shell.top_layers as usize, settings.shell.bottom_layers as usize);
-    let area_mm2 = |i: usize| {
-        let inside = offset(&solid.section(Some(i)), -walls_mm);
-        let upper = (1..=above).map(|k| i + k).map(Some);
-        let lower = (1..=below).map(|k| i.checked_sub(k));
-        let sparse = upper.chain(lower).fold(inside, |region, layer| match region.is_empty() {
-            true => region,
-            false => intersection(&region, &solid.section(layer)),
-        });
-        sparse.area_mm2()
-    };
-    (0..solid.layers.len()).map(|i| area_mm2(i) * height_mm).sum()
-}
-
 #[test]
 fn sparse_infill_fills_its_share_of_the_sparse_region() {
     let settings = standard(&[]);
@@ -67,7 +44,7 @@ fn sparse_infill_fills_its_share_of_the_sparse_region() {
         "tilted_bracket",
     ];
     for name in models {
-        let room = sparse_mm3(&solid(&model(name), &settings), &settings);
+        let room = solid(&model(name), &settings).sparse_mm3(&settings);
         let share = print(name, &settings).volume_of("Internal infill", &settings) / room;
         assert!((share - 0.20).abs() <= 0.01, "{name}: {share:.4} of {room:.0} mm³");
     }

@@ -43,6 +43,18 @@ fn full_prints_deposit_the_volume_of_the_mesh() {
 }
 
 #[test]
+fn sparse_infill_fills_its_share() {
+    let settings = standard(&[]);
+    // The overhang test has narrow rooms, many of them without a line.
+    for model in models().filter(|path| !path.ends_with(SMALL[2])) {
+        let room = solid(&model, &settings).sparse_mm3(&settings);
+        let print = run(&job(&model), &settings).expect("a print");
+        let share = print.volume_of("Internal infill", &settings) / room;
+        assert!((share - 0.20).abs() <= 0.01, "{}: {share:.4} of {room:.0} mm³", model.display());
+    }
+}
+
+#[test]
 fn an_independent_reader_finds_no_fault_and_the_same_figures() {
     let script = shared("tools/gcode_yardstick.py");
     if !script.exists() || Command::new("python3").arg("--version").output().is_err() {

@@ -39,13 +39,20 @@ M83
 G1 E-{retract_length} F{retract_f}
 G90
 M83
-G1 Z{end_z} F{z_f}
+G1 Z{park_z} F{z_f}
 G1 X{bed_min_x} Y{bed_max_y} F{travel_f}
 M106 S0
 M104 S0
 M140 S0
 M84
 ";
+
+/// The default settings without start and end script: what is written is what the layers hold.
+pub fn bare() -> Settings {
+    let mut settings = Settings::default();
+    (settings.gcode.start, settings.gcode.end) = (String::new(), String::new());
+    settings
+}
 
 /// A path of 0.45 mm beads, 0.2 mm high.
 pub fn path(role: Role, closed: bool, points: &[(f64, f64)]) -> Path {

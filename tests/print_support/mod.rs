@@ -5,7 +5,7 @@
 use std::path::{Path, PathBuf};
 
 use pathwright::gcode::{Action, Measure, Stroke, measure, replay};
-use pathwright::geom::Region;
+use pathwright::geom::{Region, intersection, offset};
 use pathwright::job::{Engine, Job, JobError, Silent};
 use pathwright::mesh::{self, Item, Placement};
 use pathwright::output::Output;
@@ -13,6 +13,7 @@ use pathwright::pipeline::Pipeline;
 use pathwright::profile::{self, Override, Settings};
 use pathwright::report::Summary;
 use pathwright::slice::{self, Layer};
+use pathwright::toolpath::bead;
 
 /// A bundled model's file.
 pub fn model(name: &str) -> PathBuf {
@@ -83,6 +84,26 @@ impl Solid {
         let sections = layer.and_then(|i| self.layers.get(i)).map(|l| &l.sections);
         let polygons = sections.into_iter().flatten().flat_map(|s| s.region.polygons.iter().cloned());
         Region { polygons: polygons.collect() }
+    }
+
+    /// Area times height of what lies inside the walls, with material in every layer of the shells' thickness above
+    /// and below.
+    pub fn sparse_mm3(&self, settings: &Settings) -> f64 {
+        let height_mm = settings.layer.height.0;
+        let walls_mm = bead::rounding_mm(height_mm) / 2.0
+            + f64::from(settings.walls.count) * bead::spacing_mm(settings.walls.width.0, height_mm);
+        let (above, below) = (settings.shell.top_layers as usize, settings.shell.bottom_layers as usize);
+        let area_mm2 = |i: usize| {
+            let inside = offset(&self.section(Some(i)), -walls_mm);
+            let upper = (1..=above).map(|k| i + k).map(Some);
+            let lower = (1..=below).map(|k| i.checked_sub(k));
+            let sparse = upper.chain(lower).fold(inside, |region, layer| match region.is_empty() {
+                true => region,
+                false => intersection(&region, &self.section(layer)),
+            });
+            sparse.area_mm2()
+        };
+        (0..self.layers.len()).map(|i| area_mm2(i) * height_mm).sum()
     }
 }
 
