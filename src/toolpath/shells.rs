@@ -121,6 +121,6 @@ pub fn divide(
     }
     let around = geom::offset(&exposed, line_mm / 2.0);
     let top = geom::intersection(&around, &solid);
-    let solid = geom::opening(&geom::difference(&solid, &around), line_mm / 8.0);
+    let solid = geom::difference(&solid, &around);
     Zones { sparse, solid, top }
 }
