@@ -56,9 +56,10 @@ fn plan(sections: &[Region], settings: &Settings) -> Vec<LayerPaths> {
         }],
     };
     let mut planner = Planner::new(settings.into(), &sections[0], HEIGHT_MM);
-    let samples: Vec<PlateLayer<'_>> = (0..sections.len()).map(section).collect();
-    planner.calibrate(&samples, &sequential);
-    samples.iter().map(|s| planner.layer(s)).collect()
+    let layers: Vec<PlateLayer<'_>> = (0..sections.len()).map(section).collect();
+    let samples: Vec<_> = layers[1..].iter().map(|layer| planner.sparse_sample(layer)).collect();
+    planner.calibrate(&samples, HEIGHT_MM);
+    layers.iter().map(|layer| planner.layer(layer)).collect()
 }
 
 fn of_role(layer: &LayerPaths, role: Role) -> Vec<&Path> {

@@ -63,8 +63,9 @@ impl Sections {
         let last = self.layers.len() - 1;
         let mut chosen: Vec<usize> = (0..SAMPLES).map(|k| last * k / (SAMPLES - 1)).collect();
         chosen.dedup();
-        let samples: Vec<PlateLayer<'_>> = chosen.into_iter().map(|i| self.plate_layer(i)).collect();
-        planner.calibrate(&samples, &|n, f| parallel::map(n, f));
+        chosen.retain(|&i| i > 0);
+        let samples = parallel::map(chosen.len(), |k| planner.sparse_sample(&self.plate_layer(chosen[k])));
+        planner.calibrate(&samples, self.layers[last].span.height_mm);
         planner
     }
 

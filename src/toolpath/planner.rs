@@ -6,10 +6,10 @@ use crate::profile::{
     WallSettings,
 };
 
-use super::infill::{self, FillLine, FillSpec};
+use super::infill::{self, FillLine, FillSpec, SparseSample};
 use super::shells::{self, Zones};
 use super::walls::{self, WallSpec, Walls};
-use super::{Island, LayerPaths, Map, Path, Role, Width, adhesion, bead};
+use super::{Island, LayerPaths, Path, Role, Width, adhesion, bead};
 
 /// Densities above this are solid.
 const SOLID_DENSITY: f64 = 0.995;
@@ -119,26 +119,33 @@ impl Planner {
         planner
     }
 
+    /// What calibration needs of a layer; see [`Planner::calibrate`].
+    pub fn sparse_sample(&self, layer: &PlateLayer<'_>) -> SparseSample {
+        let spec = self.wall_spec(layer);
+        let mut sample =
+            SparseSample { room: Region::default(), area_mm2: 0.0, spec: self.fill_spec(layer, 1.0) };
+        for object in &layer.objects {
+            for island in &object.section.polygons {
+                let zones = self.zones(&walls::trace(island, &spec).inside, object, layer);
+                sample.room.polygons.extend(self.infill_room(&zones.sparse, layer).polygons);
+                sample.area_mm2 += zones.sparse_mm2;
+            }
+        }
+        sample
+    }
+
     /// Sets the distance of sparse lines so that the sample layers get the density asked for; what is left to
-    /// make up on each island, the beads' width does.
-    pub fn calibrate(&mut self, samples: &[PlateLayer<'_>], map: Map<'_>) {
+    /// make up on each island, the beads' width does. The first layer is no sample: its lines may be wider.
+    pub fn calibrate(&mut self, samples: &[SparseSample], height_mm: f64) {
         let settings = &self.settings.infill;
-        if settings.density.0 <= 0.0 || settings.density.0 > SOLID_DENSITY {
+        let density = settings.density.0;
+        if density <= 0.0 || density > SOLID_DENSITY {
             return;
         }
-        let samples: Vec<&PlateLayer<'_>> = samples.iter().filter(|s| s.index > 0).collect();
-        let zones = map(samples.len(), &|i| self.sparse_zone(samples[i]));
-        let regions: Vec<(Region, f64, FillSpec)> = zones
-            .iter()
-            .zip(&samples)
-            .map(|(zone, layer)| (self.infill_room(zone, layer), zone.area_mm2(), self.fill_spec(layer, 1.0)))
-            .collect();
-        let Some(sample) = samples.first() else { return };
-        let spacing_mm = bead::spacing_mm(self.widths(1).infill_mm, sample.height_mm);
+        let spacing_mm = bead::spacing_mm(self.widths(1).infill_mm, height_mm);
         let join = if settings.connect { LONGEST_JOIN } else { 0.0 };
         let pattern = infill::pattern(settings.pattern);
-        let density = settings.density.0;
-        self.line_distance_mm = Some(infill::calibrate(pattern, &regions, spacing_mm, density, join));
+        self.line_distance_mm = Some(infill::calibrate(pattern, samples, spacing_mm, density, join));
     }
 
     /// The paths of one layer.
@@ -169,17 +176,6 @@ impl Planner {
             paths: draft.paths,
             outline,
         }
-    }
-
-    /// The sparse zones of all islands of a layer.
-    fn sparse_zone(&self, layer: &PlateLayer<'_>) -> Region {
-        let spec = self.wall_spec(layer);
-        let islands =
-            layer.objects.iter().flat_map(|o| o.section.polygons.iter().map(move |island| (o, island)));
-        let zones = islands.flat_map(|(object, island)| {
-            self.zones(&walls::trace(island, &spec).inside, object, layer).sparse.polygons
-        });
-        Region { polygons: zones.collect() }
     }
 
     fn island(
@@ -230,7 +226,7 @@ impl Planner {
             let spacing_mm = bead::spacing_mm(widths.infill_mm, section.height_mm);
             let lines = infill::pattern(self.settings.infill.pattern)
                 .fill(&room, &self.fill_spec(section, spacing_mm));
-            let solid_mm = zones.sparse.area_mm2() / spacing_mm;
+            let solid_mm = zones.sparse_mm2 / spacing_mm;
             let flow = infill::flow(&lines, solid_mm, self.settings.infill.density.0);
             draft.lines(
                 Role::InternalInfill,

@@ -75,6 +75,9 @@ pub struct Zones {
     pub solid: Region,
     /// Solid, with nothing above.
     pub top: Region,
+    /// Area of what no shell covers, in square millimetres: what sparse infill owes its density to. The sparse zone
+    /// itself differs by what solid infill anchors in and by places too narrow for either.
+    pub sparse_mm2: f64,
 }
 
 /// Divides the inside of an island into sparse, solid and top.
@@ -95,7 +98,7 @@ pub fn divide(
     let roofed = common(inside, above);
     let sparse = common(&roofed, below);
     let (inside_mm2, sparse_mm2) = (inside.area_mm2(), sparse.area_mm2());
-    let all_sparse = || Zones { sparse: inside.clone(), ..Zones::default() };
+    let all_sparse = || Zones { sparse: inside.clone(), sparse_mm2, ..Zones::default() };
     if inside_mm2 - sparse_mm2 < CRUMB_MM2.min(0.5 * inside_mm2) {
         return all_sparse();
     }
@@ -107,20 +110,20 @@ pub fn divide(
             return all_sparse();
         }
         let anchored = geom::offset(&strips, line_mm / 2.0);
-        let sparse = geom::opening(&geom::difference(inside, &anchored), line_mm);
+        let sparse = geom::opening(&geom::difference(inside, &anchored), line_mm / 2.0);
         let solid = geom::difference(inside, &sparse);
         (sparse, solid)
     };
     // What has a roof of the whole shell's thickness has one on the next layer.
     if inside_mm2 - roofed.area_mm2() < CRUMB_MM2 {
-        return Zones { sparse, solid, top: Region::default() };
+        return Zones { sparse, solid, top: Region::default(), sparse_mm2 };
     }
     let exposed = geom::opening(&geom::difference(&solid, next), line_mm / 2.0);
     if exposed.is_empty() {
-        return Zones { sparse, solid, top: exposed };
+        return Zones { sparse, solid, top: exposed, sparse_mm2 };
     }
     let around = geom::offset(&exposed, line_mm / 2.0);
     let top = geom::intersection(&around, &solid);
     let solid = geom::difference(&solid, &around);
-    Zones { sparse, solid, top }
+    Zones { sparse, solid, top, sparse_mm2 }
 }

@@ -4,6 +4,17 @@ use crate::geom::{Region, polyline_length_mm, ring_length_mm};
 
 use super::{FillLine, FillPattern, FillSpec};
 
+/// A layer that a pattern is calibrated on.
+#[derive(Clone, Debug)]
+pub struct SparseSample {
+    /// Where the pattern's lines may run.
+    pub room: Region,
+    /// Area that is to be filled to the density, square millimetres.
+    pub area_mm2: f64,
+    /// The layer; its line distance is not read.
+    pub spec: FillSpec,
+}
+
 /// Rounds of correction. Each leaves about a tenth of the error, until whole lines come and go.
 const ROUNDS: usize = 4;
 
@@ -30,28 +41,27 @@ pub fn flow(lines: &[FillLine], solid_mm: f64, density: f64) -> f64 {
 ///
 /// What a pattern deposits differs from spacing over distance: line ends are joined along the walls, curves
 /// are longer than straight lines, and small regions hold more or fewer lines than their area says. So the
-/// pattern is laid into sample layers and the distance corrected by what came out. `samples` are regions with
-/// the area that counts as theirs (square millimetres) and their `FillSpec`, whose distance is ignored and
-/// whose longest join, in line distances, is `join`.
+/// pattern is laid into sample layers and the distance corrected by what came out. The longest join is `join`
+/// line distances.
 pub fn calibrate(
     pattern: &dyn FillPattern,
-    samples: &[(Region, f64, FillSpec)],
+    samples: &[SparseSample],
     spacing_mm: f64,
     density: f64,
     join: f64,
 ) -> f64 {
     let nominal_mm = spacing_mm / density;
-    let area_mm2: f64 = samples.iter().map(|s| s.1).sum();
+    let area_mm2: f64 = samples.iter().map(|s| s.area_mm2).sum();
     let mut best_mm = nominal_mm;
     let mut best_error = f64::INFINITY;
     let mut distance_mm = nominal_mm;
     for _ in 0..ROUNDS {
         let length_mm: f64 = samples
             .iter()
-            .map(|(region, _, spec)| {
+            .map(|sample| {
                 let spec =
-                    FillSpec { line_distance_mm: distance_mm, connect_mm: join * distance_mm, ..*spec };
-                pattern.fill(region, &spec).iter().map(line_length_mm).sum::<f64>()
+                    FillSpec { line_distance_mm: distance_mm, connect_mm: join * distance_mm, ..sample.spec };
+                pattern.fill(&sample.room, &spec).iter().map(line_length_mm).sum::<f64>()
             })
             .sum();
         if length_mm <= 0.0 || area_mm2 <= 0.0 {
