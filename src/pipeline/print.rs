@@ -179,7 +179,7 @@ impl Run<'_> {
         };
         Done {
             text: gcode::format_layer(&moves, &self.writer),
-            summary: LayerSummary { z_mm: moves.z_mm, measures },
+            summary: LayerSummary { z_mm: (moves.z_mm * 1e6).round() / 1e6, measures },
         }
     }
 }

@@ -224,10 +224,16 @@ impl Planner {
         if !zones.sparse.is_empty() && self.settings.infill.density.0 > 0.0 {
             let room = self.infill_room(&zones.sparse, section);
             let spacing_mm = bead::spacing_mm(widths.infill_mm, section.height_mm);
-            let lines = infill::pattern(self.settings.infill.pattern)
-                .fill(&room, &self.fill_spec(section, spacing_mm));
+            let density = self.settings.infill.density.0;
             let solid_mm = zones.sparse_mm2 / spacing_mm;
-            let flow = infill::flow(&lines, solid_mm, self.settings.infill.density.0);
+            let pattern = infill::pattern(self.settings.infill.pattern);
+            let spec = self.fill_spec(section, spacing_mm);
+            let mut lines = pattern.fill(&room, &spec);
+            if !infill::within_flow(&lines, solid_mm, density) {
+                // In narrow rooms the ways along the walls outweigh the lines.
+                lines = pattern.fill(&room, &FillSpec { connect_mm: 0.0, ..spec });
+            }
+            let flow = infill::flow(&lines, solid_mm, density);
             draft.lines(
                 Role::InternalInfill,
                 count + 2,

@@ -36,6 +36,12 @@ pub fn flow(lines: &[FillLine], solid_mm: f64, density: f64) -> f64 {
     }
 }
 
+/// Whether lines are not too long for [`flow`] to bring them down to the density.
+pub fn within_flow(lines: &[FillLine], solid_mm: f64, density: f64) -> bool {
+    let length_mm: f64 = lines.iter().map(line_length_mm).sum();
+    length_mm * (1.0 - MOST_FLOW) <= solid_mm * density
+}
+
 /// The mean distance between lines, in millimetres, at which a pattern, with all joins along the walls, fills its
 /// share of the regions.
 ///
