@@ -36,10 +36,10 @@ pub fn flow(lines: &[FillLine], solid_mm: f64, density: f64) -> f64 {
     }
 }
 
-/// Whether lines are not too long for [`flow`] to bring them down to the density.
-pub fn within_flow(lines: &[FillLine], solid_mm: f64, density: f64) -> bool {
+/// By what share of the density lines miss it, their [`flow`] fitted; 0 where that can make up for everything.
+pub fn miss(lines: &[FillLine], solid_mm: f64, density: f64) -> f64 {
     let length_mm: f64 = lines.iter().map(line_length_mm).sum();
-    length_mm * (1.0 - MOST_FLOW) <= solid_mm * density
+    (length_mm * flow(lines, solid_mm, density) / (solid_mm * density) - 1.0).abs()
 }
 
 /// The mean distance between lines, in millimetres, at which a pattern, with all joins along the walls, fills its

@@ -13,7 +13,7 @@ mod triangles;
 use crate::geom::{Point, Region};
 use crate::profile::Pattern;
 
-pub use density::{SparseSample, calibrate, flow, within_flow};
+pub use density::{SparseSample, calibrate, flow, miss};
 pub use solid::fill as fill_solid;
 
 /// What a pattern needs to know of a layer.
