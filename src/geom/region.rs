@@ -52,6 +52,9 @@ pub struct Region {
 }
 
 impl Region {
+    /// Nothing.
+    pub const EMPTY: &'static Region = &Region { polygons: Vec::new() };
+
     /// Whether there is nothing in it.
     pub fn is_empty(&self) -> bool {
         self.polygons.is_empty()

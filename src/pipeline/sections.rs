@@ -18,8 +18,6 @@ pub(super) struct Sections {
     shells: Vec<Shells>,
 }
 
-static NOTHING: Region = Region { polygons: Vec::new() };
-
 impl Sections {
     pub fn cut(slicer: &Slicer<'_>, objects: usize, settings: &Settings) -> Self {
         let layers = parallel::map(slicer.spans().len(), |i| slicer.layer(i));
@@ -40,7 +38,7 @@ impl Sections {
     /// An object's section in a layer; nothing above its top.
     fn of(&self, object: usize, layer: usize) -> &Region {
         let place = self.places[object].get(layer).copied().flatten();
-        place.map_or(&NOTHING, |place| &self.layers[layer].sections[place].region)
+        place.map_or(Region::EMPTY, |place| &self.layers[layer].sections[place].region)
     }
 
     pub fn plate_layer(&self, index: usize) -> PlateLayer<'_> {

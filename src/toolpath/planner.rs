@@ -262,7 +262,7 @@ impl Planner {
     fn zones(&self, inside: &Region, object: &ObjectLayer<'_>, section: &PlateLayer<'_>) -> Zones {
         let spacing_mm = bead::spacing_mm(self.widths(section.index).solid_mm, section.height_mm);
         let full = self.settings.infill.density.0 > SOLID_DENSITY;
-        let below = if full { Some(&EMPTY) } else { object.below };
+        let below = if full { Some(Region::EMPTY) } else { object.below };
         shells::divide(inside, object.above, below, object.next, spacing_mm)
     }
 
@@ -313,8 +313,6 @@ impl Planner {
         }
     }
 }
-
-static EMPTY: Region = Region { polygons: Vec::new() };
 
 /// How far centre lines of infill stay inside their zone.
 fn inset_mm(width_mm: f64, height_mm: f64, settings: &InfillSettings) -> f64 {

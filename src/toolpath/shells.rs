@@ -37,19 +37,17 @@ impl Shells {
     /// What layer `i`'s upper neighbours have in common; `None` where no shell is asked for.
     pub fn above(&self, i: usize) -> Option<&Region> {
         let windows = if self.top_layers == self.bottom_layers { &self.below } else { &self.above };
-        (self.top_layers > 0).then(|| windows.get(i + 1).unwrap_or(&EMPTY))
+        (self.top_layers > 0).then(|| windows.get(i + 1).unwrap_or(Region::EMPTY))
     }
 
     /// What layer `i`'s lower neighbours have in common; `None` where no shell is asked for.
     pub fn below(&self, i: usize) -> Option<&Region> {
         (self.bottom_layers > 0).then(|| match i.checked_sub(self.bottom_layers) {
-            Some(first) => self.below.get(first).unwrap_or(&EMPTY),
-            None => &EMPTY,
+            Some(first) => self.below.get(first).unwrap_or(Region::EMPTY),
+            None => Region::EMPTY,
         })
     }
 }
-
-static EMPTY: Region = Region { polygons: Vec::new() };
 
 /// Intersections of `length` consecutive sections, from each index at which that many are left.
 fn windows(sections: &[Region], length: usize, map: Map<'_>) -> Vec<Region> {

@@ -11,10 +11,6 @@ pub struct Grid;
 
 impl FillPattern for Grid {
     fn fill(&self, region: &Region, spec: &FillSpec) -> Vec<FillLine> {
-        let set = |k: usize| {
-            let angle_rad = spec.angle_rad + k as f64 * FRAC_PI_2;
-            lines::parallel(region, angle_rad, 2.0 * spec.line_distance_mm, 0.0, spec.connect_mm)
-        };
-        (0..2).flat_map(set).collect()
+        lines::sets(region, spec, 2, FRAC_PI_2)
     }
 }

@@ -2,8 +2,8 @@
 
 use crate::geom::{self, Region};
 
-use super::FillLine;
 use super::connect::{Chord, connect};
+use super::{FillLine, FillSpec};
 
 /// Parallel lines through a region, `distance_mm` apart, line ends joined where the way is at most `connect_mm`.
 pub fn parallel(
@@ -24,4 +24,15 @@ pub fn parallel(
         })
         .collect();
     connect(region, chords, connect_mm)
+}
+
+/// So many sets of parallel lines, each turned by `turn_rad` against the one before, and each so much wider spaced
+/// that together they have the distance of the spec.
+pub fn sets(region: &Region, spec: &FillSpec, count: u32, turn_rad: f64) -> Vec<FillLine> {
+    let distance_mm = f64::from(count) * spec.line_distance_mm;
+    let set = |k: u32| {
+        let angle_rad = spec.angle_rad + f64::from(k) * turn_rad;
+        parallel(region, angle_rad, distance_mm, 0.0, spec.connect_mm)
+    };
+    (0..count).flat_map(set).collect()
 }
