@@ -6,7 +6,7 @@ use crate::profile::{
     WallSettings,
 };
 
-use super::infill::{self, FillLine, FillSpec, SparseSample};
+use super::infill::{self, FillLine, FillSpec, Joins, SparseSample};
 use super::shells::{self, Zones};
 use super::walls::{self, WallSpec, Walls};
 use super::{Island, LayerPaths, Path, Role, Width, adhesion, bead};
@@ -235,7 +235,7 @@ impl Planner {
             let missed = infill::miss(&lines, solid_mm, density);
             if missed > NEAR_ENOUGH {
                 // In narrow rooms the ways along the walls outweigh the lines.
-                let apart = pattern.fill(&room, &FillSpec { connect_mm: 0.0, ..spec });
+                let apart = pattern.fill(&room, &FillSpec { joins: Joins { longest_mm: 0.0, ..spec.joins }, ..spec });
                 if infill::miss(&apart, solid_mm, density) < missed {
                     lines = apart;
                 }
@@ -266,11 +266,10 @@ impl Planner {
         shells::divide(inside, object.above, below, object.next, spacing_mm)
     }
 
-    /// Where centre lines of sparse infill may run: the zone less half a bead, plus the overlap with the walls.
+    /// Where the joins of sparse infill run: half a bead inside the zone.
     fn infill_room(&self, sparse: &Region, section: &PlateLayer<'_>) -> Region {
         let width_mm = self.widths(section.index).infill_mm;
-        let inset_mm = inset_mm(width_mm, section.height_mm, &self.settings.infill);
-        geom::offset(sparse, -inset_mm)
+        geom::offset(sparse, -bead::spacing_mm(width_mm, section.height_mm) / 2.0)
     }
 
     fn fill_spec(&self, section: &PlateLayer<'_>, spacing_mm: f64) -> FillSpec {
@@ -282,7 +281,11 @@ impl Planner {
             angle_rad: settings.angle.to_radians(),
             layer: section.index,
             z_mm: section.top_mm - section.height_mm / 2.0,
-            connect_mm: if settings.connect { LONGEST_JOIN * line_distance_mm } else { 0.0 },
+            joins: Joins {
+                longest_mm: if settings.connect { LONGEST_JOIN * line_distance_mm } else { 0.0 },
+                reach_mm: settings.overlap.0 * self.widths(section.index).infill_mm,
+                hatch: None,
+            },
         }
     }
 
@@ -314,11 +317,6 @@ impl Planner {
     }
 }
 
-/// How far centre lines of infill stay inside their zone.
-fn inset_mm(width_mm: f64, height_mm: f64, settings: &InfillSettings) -> f64 {
-    bead::spacing_mm(width_mm, height_mm) / 2.0 - settings.overlap.0 * width_mm
-}
-
 impl Draft {
     fn push(&mut self, role: Role, rank: u32, closed: bool, points: Vec<geom::Point>, width: Width) {
         let (height_mm, island) = (self.height_mm, self.island);
@@ -332,9 +330,15 @@ impl Draft {
     }
 
     fn lines(&mut self, role: Role, rank: u32, width_mm: f64, lines: Vec<FillLine>) {
+        let rounding_mm = bead::rounding_mm(self.height_mm) as f32;
         for line in lines {
             if line.closed || geom::polyline_length_mm(&line.points) >= SHORTEST_LINE_MM {
-                self.push(role, rank, line.closed, line.points, Width::Constant(width_mm));
+                let width = if line.spacing_mm.is_empty() {
+                    Width::Constant(width_mm)
+                } else {
+                    Width::PerVertex(line.spacing_mm.iter().map(|spacing_mm| spacing_mm + rounding_mm).collect())
+                };
+                self.push(role, rank, line.closed, line.points, width);
             }
         }
     }
@@ -352,9 +356,9 @@ impl Draft {
             return;
         }
         let spacing_mm = bead::spacing_mm(width_mm, self.height_mm);
-        let inset_mm = inset_mm(width_mm, self.height_mm, settings);
+        let reach_mm = settings.overlap.0 * width_mm;
         for (fitted_mm, lines) in
-            infill::fill_solid(zone, spacing_mm, inset_mm, settings.angle.to_radians(), layer)
+            infill::fill_solid(zone, spacing_mm, reach_mm, settings.angle.to_radians(), layer)
         {
             self.lines(role, rank, bead::width_mm(fitted_mm, self.height_mm), lines);
         }

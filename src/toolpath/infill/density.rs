@@ -2,7 +2,7 @@
 
 use crate::geom::{Region, polyline_length_mm, ring_length_mm};
 
-use super::{FillLine, FillPattern, FillSpec};
+use super::{FillLine, FillPattern, FillSpec, Joins};
 
 /// A layer that a pattern is calibrated on.
 #[derive(Clone, Debug)]
@@ -65,8 +65,8 @@ pub fn calibrate(
         let length_mm: f64 = samples
             .iter()
             .map(|sample| {
-                let spec =
-                    FillSpec { line_distance_mm: distance_mm, connect_mm: join * distance_mm, ..sample.spec };
+                let joins = Joins { longest_mm: join * distance_mm, ..sample.spec.joins };
+                let spec = FillSpec { line_distance_mm: distance_mm, joins, ..sample.spec };
                 pattern.fill(&sample.room, &spec).iter().map(line_length_mm).sum::<f64>()
             })
             .sum();

@@ -64,12 +64,13 @@ impl FillPattern for Gyroid {
                 line,
             }));
         }
-        connect(region, chords, spec.connect_mm)
+        connect(region, chords, &spec.joins)
     }
 }
 
 #[cfg(test)]
 mod tests {
+    use super::super::Joins;
     use super::*;
     use crate::geom::Polygon;
 
@@ -80,7 +81,7 @@ mod tests {
         let region = Region { polygons: vec![Polygon { outer, holes: vec![] }] };
         for layer in 0..40 {
             let z_mm = 0.1 + 0.2 * layer as f64;
-            let spec = FillSpec { line_distance_mm: 2.0, angle_rad: 0.0, layer, z_mm, connect_mm: 0.0 };
+            let spec = FillSpec { line_distance_mm: 2.0, angle_rad: 0.0, layer, z_mm, joins: Joins::default() };
             let scale = TAU / (PERIOD * 2.0);
             let lines = Gyroid.fill(&region, &spec);
             assert!(!lines.is_empty());

@@ -2,16 +2,16 @@
 
 use crate::geom::{self, Region};
 
-use super::connect::{Chord, connect};
+use super::connect::{Chord, Joins, connect};
 use super::{FillLine, FillSpec};
 
-/// Parallel lines through a region, `distance_mm` apart, line ends joined where the way is at most `connect_mm`.
+/// Parallel lines through a region, `distance_mm` apart, line their ends treated as `joins` says.
 pub fn parallel(
     region: &Region,
     angle_rad: f64,
     distance_mm: f64,
     phase_mm: f64,
-    connect_mm: f64,
+    joins: &Joins,
 ) -> Vec<FillLine> {
     let chords = geom::scan_lines(region, angle_rad, distance_mm, phase_mm)
         .into_iter()
@@ -23,7 +23,7 @@ pub fn parallel(
             })
         })
         .collect();
-    connect(region, chords, connect_mm)
+    connect(region, chords, joins)
 }
 
 /// So many sets of parallel lines, each turned by `turn_rad` against the one before, and each so much wider spaced
@@ -32,7 +32,7 @@ pub fn sets(region: &Region, spec: &FillSpec, count: u32, turn_rad: f64) -> Vec<
     let distance_mm = f64::from(count) * spec.line_distance_mm;
     let set = |k: u32| {
         let angle_rad = spec.angle_rad + f64::from(k) * turn_rad;
-        parallel(region, angle_rad, distance_mm, 0.0, spec.connect_mm)
+        parallel(region, angle_rad, distance_mm, 0.0, &spec.joins)
     };
     (0..count).flat_map(set).collect()
 }

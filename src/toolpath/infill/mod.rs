@@ -1,5 +1,6 @@
 //! Infill: one file per pattern behind one interface.
 
+mod caps;
 mod concentric;
 mod connect;
 mod density;
@@ -13,6 +14,7 @@ mod triangles;
 use crate::geom::{Point, Region};
 use crate::profile::Pattern;
 
+pub use connect::Joins;
 pub use density::{SparseSample, calibrate, flow, miss};
 pub use solid::fill as fill_solid;
 
@@ -28,8 +30,8 @@ pub struct FillSpec {
     pub layer: usize,
     /// Height of the layer's middle over the bed, in millimetres.
     pub z_mm: f64,
-    /// Line ends are joined along the boundary where that way is at most this long, in millimetres.
-    pub connect_mm: f64,
+    /// What becomes of line ends.
+    pub joins: Joins,
 }
 
 /// One infill bead.
@@ -37,8 +39,17 @@ pub struct FillSpec {
 pub struct FillLine {
     /// Vertices.
     pub points: Vec<Point>,
+    /// Spacing of the bead at each vertex, in millimetres; empty where it is that of the whole fill.
+    pub spacing_mm: Vec<f32>,
     /// Whether it returns to its first vertex.
     pub closed: bool,
+}
+
+impl FillLine {
+    /// The line, unless it has lost its vertices.
+    fn sound(self) -> Option<Self> {
+        (self.points.len() >= if self.closed { 3 } else { 2 }).then_some(self)
+    }
 }
 
 /// A sparse infill pattern.

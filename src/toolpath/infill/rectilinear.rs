@@ -12,6 +12,6 @@ pub struct Rectilinear;
 impl FillPattern for Rectilinear {
     fn fill(&self, region: &Region, spec: &FillSpec) -> Vec<FillLine> {
         let angle_rad = spec.angle_rad + if spec.layer % 2 == 1 { FRAC_PI_2 } else { 0.0 };
-        lines::parallel(region, angle_rad, spec.line_distance_mm, 0.0, spec.connect_mm)
+        lines::parallel(region, angle_rad, spec.line_distance_mm, 0.0, &spec.joins)
     }
 }

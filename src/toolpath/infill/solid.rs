@@ -4,7 +4,8 @@ use std::f64::consts::FRAC_PI_2;
 
 use crate::geom::{self, Point, Region};
 
-use super::{FillLine, lines};
+use super::caps::Hatch;
+use super::{FillLine, Joins, lines};
 
 /// Line ends further apart than this many spacings along the boundary are not joined.
 const LONGEST_JOIN: f64 = 12.0;
@@ -15,16 +16,17 @@ const INSIDE_MM: f64 = 0.002;
 /// Fills each polygon of a region with lines `spacing_mm` apart or slightly closer or wider: the extent across
 /// the lines is divided evenly. Returns the lines of each polygon with their true spacing.
 ///
-/// `inset_mm` is how far line ends stay inside the boundary. Lines turn by 90° from layer to layer.
+/// Joins run half a spacing inside the boundary; ends reach `reach_mm` further. What is left beside the boundary
+/// where it runs along the lines is filled with beads of fitting width. Lines turn by 90° from layer to layer.
 pub fn fill(
     region: &Region,
     spacing_mm: f64,
-    inset_mm: f64,
+    reach_mm: f64,
     angle_rad: f64,
     layer: usize,
 ) -> Vec<(f64, Vec<FillLine>)> {
     let angle_rad = angle_rad + if layer % 2 == 1 { FRAC_PI_2 } else { 0.0 };
-    let inner = geom::offset(region, -inset_mm);
+    let inner = geom::offset(region, -spacing_mm / 2.0);
     inner
         .polygons
         .into_iter()
@@ -38,7 +40,9 @@ pub fn fill(
             } else {
                 (spacing_mm, (low_mm + high_mm) / 2.0)
             };
-            (fitted_mm, lines::parallel(&patch, angle_rad, fitted_mm, phase_mm, LONGEST_JOIN * spacing_mm))
+            let hatch = Hatch { angle_rad, distance_mm: fitted_mm, phase_mm };
+            let joins = Joins { longest_mm: LONGEST_JOIN * spacing_mm, reach_mm, hatch: Some(hatch) };
+            (fitted_mm, lines::parallel(&patch, angle_rad, fitted_mm, phase_mm, &joins))
         })
         .collect()
 }

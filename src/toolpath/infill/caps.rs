@@ -1,0 +1,111 @@
+//! What parallel lines leave open where the boundary runs along them: the room between the last line and an
+//! extreme of the boundary, less than a line wide.
+
+use crate::geom::{Boundary, Point};
+
+use super::connect::{Chord, Stop};
+
+/// Beads narrower than this, as a share of the lines' distance, are not laid.
+const NARROWEST: f64 = 0.3;
+
+/// The arrangement of a solid fill's lines: line `k` is `k · distance + phase` from the origin, along the normal
+/// (−sin, cos) of the angle.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Hatch {
+    /// Direction of the lines.
+    pub angle_rad: f64,
+    /// Distance of neighbours, in millimetres.
+    pub distance_mm: f64,
+    /// See above.
+    pub phase_mm: f64,
+}
+
+/// A bead beside an extreme of the boundary.
+pub(super) struct Cap {
+    /// Vertices with the spacing there.
+    pub(super) bead: Vec<(Point, f32)>,
+    /// The chord ends (chord, side) that the bead starts and ends beside; one that is broken starts there only.
+    pub(super) ends: [(u32, u8); 2],
+    /// Whether it leads from one chord on to another.
+    pub(super) through: bool,
+    pub(super) used: bool,
+}
+
+/// All caps along the boundary. Between two neighbouring ends of the same line the boundary stays within one distance
+/// of it. If both are ends of one chord, the cap lies between that chord and the boundary; else a hole or notch
+/// interrupts the line, and the cap lies between it and the next line.
+pub(super) fn find(boundary: &Boundary<'_>, stops: &[Stop], chords: &[Chord], hatch: Hatch) -> Vec<Cap> {
+    let (sin, cos) = hatch.angle_rad.sin_cos();
+    let distance_mm = hatch.distance_mm;
+    let mut caps = Vec::new();
+    for ring in stops.chunk_by(|a, b| a.on.ring == b.on.ring) {
+        for (i, from) in ring.iter().enumerate() {
+            let to = &ring[(i + 1) % ring.len()];
+            let (a, b) = (&chords[from.chord as usize], &chords[to.chord as usize]);
+            if a.line != b.line || ring.len() < 2 {
+                continue;
+            }
+            let arc = boundary.vertices_between(from.on, to.on, true);
+            let outer = from.chord == to.chord;
+            let line_mm = a.line as f64 * distance_mm + hatch.phase_mm;
+            // Vertex, and the width of the room beside it.
+            let mut profile: Vec<(Point, f64)> = Vec::with_capacity(arc.len() + 2);
+            for p in std::iter::once(&a.points[if from.side == 0 { 0 } else { a.points.len() - 1 }])
+                .chain(&arc)
+                .chain(std::iter::once(&b.points[if to.side == 0 { 0 } else { b.points.len() - 1 }]))
+            {
+                let [x, y] = p.mm();
+                let over_mm = y * cos - x * sin - line_mm;
+                let (away_mm, width_mm) = if outer {
+                    ((over_mm.signum() * distance_mm - over_mm) / 2.0, over_mm.abs())
+                } else {
+                    (-over_mm / 2.0, distance_mm - over_mm.abs())
+                };
+                profile.push((Point::from_mm(x - away_mm * sin, y + away_mm * cos), width_mm));
+            }
+            let ends = [(from.chord, from.side), (to.chord, to.side)];
+            let parts = wide_parts(&profile, NARROWEST * distance_mm);
+            let through = !outer && parts.len() == 1 && parts[0].len() >= profile.len();
+            let count = parts.len();
+            for (k, mut bead) in parts.into_iter().enumerate() {
+                let mut ends = ends;
+                if !outer && !through {
+                    // Broken: each part is reached from its own side.
+                    if k + 1 == count && k > 0 {
+                        bead.reverse();
+                        ends.swap(0, 1);
+                    }
+                    ends[1] = (u32::MAX, 0);
+                }
+                caps.push(Cap { bead, ends, through, used: false });
+            }
+        }
+    }
+    caps
+}
+
+/// The parts of a polyline at least `least_mm` wide, cut where the width, linear in between, passes that.
+fn wide_parts(profile: &[(Point, f64)], least_mm: f64) -> Vec<Vec<(Point, f32)>> {
+    let mut parts: Vec<Vec<(Point, f32)>> = Vec::new();
+    let mut part = Vec::new();
+    for (i, &(p, width_mm)) in profile.iter().enumerate() {
+        let wide = width_mm >= least_mm;
+        if let Some(&(before, before_mm)) = i.checked_sub(1).and_then(|i| profile.get(i))
+            && (before_mm >= least_mm) != wide
+        {
+            let t = (least_mm - before_mm) / (width_mm - before_mm);
+            let ([ax, ay], [bx, by]) = (before.mm(), p.mm());
+            part.push((Point::from_mm(ax + t * (bx - ax), ay + t * (by - ay)), least_mm as f32));
+        }
+        if wide {
+            part.push((p, width_mm as f32));
+        } else if !part.is_empty() {
+            parts.push(std::mem::take(&mut part));
+        }
+    }
+    if !part.is_empty() {
+        parts.push(part);
+    }
+    parts.retain(|part| part.len() > 1);
+    parts
+}
