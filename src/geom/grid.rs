@@ -105,6 +105,25 @@ impl EdgeGrid {
         found.dedup();
     }
 
+    /// Indices, ascending and without repetition, of edges that share a cell with the box: all that pass through it,
+    /// and some more. They replace the contents of `found`.
+    pub fn near_box(&self, area: Bounds, found: &mut Vec<u32>) {
+        found.clear();
+        let cells = |low: i32, high: i32, origin: i32, count: i64| {
+            let cell = |v: i64| (v - i64::from(origin)).div_euclid(self.cell);
+            cell(i64::from(low) - SLACK).max(0)..=cell(i64::from(high) + SLACK).min(count - 1)
+        };
+        for row in cells(area.min.y, area.max.y, self.bounds.min.y, self.rows) {
+            for column in cells(area.min.x, area.max.x, self.bounds.min.x, self.columns) {
+                let cell = (row * self.columns + column) as usize;
+                let range = self.starts[cell] as usize..self.starts[cell + 1] as usize;
+                found.extend_from_slice(&self.items[range]);
+            }
+        }
+        found.sort_unstable();
+        found.dedup();
+    }
+
     /// Whether the point is inside or on the boundary (even-odd over all rings). Passes one row of cells.
     pub fn contains(&self, p: Point) -> bool {
         let mut near = Vec::new();

@@ -58,6 +58,12 @@ choice! {
         OuterFirst = "outer-first", }
 }
 choice! {
+    /// How wide walls are.
+    WallGenerator { /// As wide as asked for; single beads of fitting width in what is left.
+        Classic = "classic", /// Those in the middle of a thin part as wide as fits.
+        Variable = "variable", }
+}
+choice! {
     /// Infill pattern.
     Pattern { /// Parallel lines, turned by 90° from layer to layer.
         Rectilinear = "rectilinear", /// Two crossing sets of lines in each layer.
@@ -227,6 +233,8 @@ section! {
         width: Mm = Mm(0.45); 0.05..=5.0,
         /// Width of the outermost wall.
         external_width: Mm = Mm(0.45); 0.05..=5.0,
+        /// Fixed or variable width.
+        generator: WallGenerator = WallGenerator::Variable,
         /// Inner or outer first.
         order: WallOrder = WallOrder::InnerFirst,
         /// Fill what is left between walls, and walls too thin for a loop, with single beads of fitting width.

@@ -6,10 +6,11 @@ use crate::profile::{
     WallSettings,
 };
 
-use super::infill::{self, FillLine, FillSpec, Joins, SparseSample};
+use super::bead::Line;
+use super::infill::{self, FillSpec, Joins, SparseSample};
 use super::shells::{self, Zones};
 use super::walls::{self, WallSpec, Walls};
-use super::{Island, LayerPaths, Path, Role, Width, adhesion, bead};
+use super::{Island, LayerPaths, Path, Role, Width, adhesion, bead, beading};
 
 /// Densities above this are solid.
 const SOLID_DENSITY: f64 = 0.995;
@@ -189,30 +190,30 @@ impl Planner {
         section: &PlateLayer<'_>,
         widths: &Widths,
     ) {
-        let Walls { loops, gaps, inside } = walls::trace(polygon, &self.wall_spec(section));
+        let spec = self.wall_spec(section);
+        let Walls { loops, gaps, inside } = walls::trace(polygon, &spec);
         let count = self.settings.walls.count;
         let rank_of = |depth: u32| match self.settings.walls.order {
             WallOrder::InnerFirst => count - 1 - depth,
             WallOrder::OuterFirst => depth,
         };
-        let mut by_depth: Vec<(usize, &Vec<Ring>)> = loops.iter().enumerate().collect();
+        let mut by_depth: Vec<(usize, Vec<Line>)> = loops.into_iter().enumerate().collect();
         if self.settings.walls.order == WallOrder::InnerFirst {
             by_depth.reverse();
         }
-        for (depth, rings) in by_depth {
+        for (depth, lines) in by_depth {
             let (role, width_mm) = match depth {
                 0 => (Role::ExternalPerimeter, widths.external_mm),
                 _ => (Role::Perimeter, widths.wall_mm),
             };
-            draft.loops(role, rank_of(depth as u32), width_mm, rings);
+            draft.lines(role, rank_of(depth as u32), width_mm, lines);
         }
         for (depth, gap) in &gaps {
             let (role, rank) = match depth {
                 0 if count > 0 => (Role::ExternalPerimeter, rank_of(0)),
                 _ => (Role::GapFill, count),
             };
-            let widest_mm = 2.0 * bead::spacing_mm(widths.wall_mm, section.height_mm);
-            draft.gap(role, rank, gap, walls::MIN_GAP_MM, widest_mm);
+            draft.gap(role, rank, gap, beading::MIN_GAP_MM, spec.widest_gap_mm());
         }
 
         let zones = self.zones(&inside, object, section);
@@ -235,7 +236,8 @@ impl Planner {
             let missed = infill::miss(&lines, solid_mm, density);
             if missed > NEAR_ENOUGH {
                 // In narrow rooms the ways along the walls outweigh the lines.
-                let apart = pattern.fill(&room, &FillSpec { joins: Joins { longest_mm: 0.0, ..spec.joins }, ..spec });
+                let apart =
+                    pattern.fill(&room, &FillSpec { joins: Joins { longest_mm: 0.0, ..spec.joins }, ..spec });
                 if infill::miss(&apart, solid_mm, density) < missed {
                     lines = apart;
                 }
@@ -297,6 +299,7 @@ impl Planner {
             width_mm: widths.wall_mm,
             height_mm: section.height_mm,
             gap_fill: self.settings.walls.gap_fill,
+            generator: self.settings.walls.generator,
         }
     }
 
@@ -329,14 +332,16 @@ impl Draft {
         }
     }
 
-    fn lines(&mut self, role: Role, rank: u32, width_mm: f64, lines: Vec<FillLine>) {
+    fn lines(&mut self, role: Role, rank: u32, width_mm: f64, lines: Vec<Line>) {
         let rounding_mm = bead::rounding_mm(self.height_mm) as f32;
         for line in lines {
             if line.closed || geom::polyline_length_mm(&line.points) >= SHORTEST_LINE_MM {
                 let width = if line.spacing_mm.is_empty() {
                     Width::Constant(width_mm)
                 } else {
-                    Width::PerVertex(line.spacing_mm.iter().map(|spacing_mm| spacing_mm + rounding_mm).collect())
+                    Width::PerVertex(
+                        line.spacing_mm.iter().map(|spacing_mm| spacing_mm + rounding_mm).collect(),
+                    )
                 };
                 self.push(role, rank, line.closed, line.points, width);
             }
@@ -357,8 +362,14 @@ impl Draft {
         }
         let spacing_mm = bead::spacing_mm(width_mm, self.height_mm);
         let reach_mm = settings.overlap.0 * width_mm;
+        let (zone, narrow) = infill::split_narrow(zone, spacing_mm);
+        if !narrow.is_empty() {
+            let (loops, gaps) = beading::fill(&narrow, spacing_mm);
+            self.lines(role, rank, width_mm, loops);
+            self.gap(role, rank, &gaps, beading::MIN_GAP_MM, beading::WIDEST * spacing_mm);
+        }
         for (fitted_mm, lines) in
-            infill::fill_solid(zone, spacing_mm, reach_mm, settings.angle.to_radians(), layer)
+            infill::fill_solid(&zone, spacing_mm, reach_mm, settings.angle.to_radians(), layer)
         {
             self.lines(role, rank, bead::width_mm(fitted_mm, self.height_mm), lines);
         }

@@ -2,8 +2,8 @@
 
 use crate::geom::{Boundary, BoundaryPos, Point, Region};
 
-use super::FillLine;
 use super::caps::{self, Cap, Hatch};
+use crate::toolpath::bead::Line;
 
 /// A piece of a pattern inside the region.
 #[derive(Clone, Debug, PartialEq)]
@@ -48,18 +48,22 @@ pub(super) struct Stop {
 /// A line goes on from its end to the neighbouring end on the boundary, either way round, if the way there is
 /// at most as long as allowed; the nearer one where both are free. Chords are taken in the order given, each line
 /// grows at both ends. O(n log n).
-pub fn connect(region: &Region, mut chords: Vec<Chord>, joins: &Joins) -> Vec<FillLine> {
+pub fn connect(region: &Region, mut chords: Vec<Chord>, joins: &Joins) -> Vec<Line> {
     if let Some(hatch) = joins.hatch {
-        chords.retain(|c| c.points[0].distance_mm(c.points[c.points.len() - 1]) >= SHORTEST * hatch.distance_mm);
+        chords.retain(|c| {
+            c.points[0].distance_mm(c.points[c.points.len() - 1]) >= SHORTEST * hatch.distance_mm
+        });
     }
     let boundary = Boundary::new(region);
     let around = Around::new(&boundary, &chords);
-    let caps = joins.hatch.map_or_else(Vec::new, |hatch| caps::find(&boundary, &around.stops, &chords, hatch));
-    let mut joiner = Joiner { boundary, around, chords: &chords, joins, caps, used: vec![false; chords.len()] };
-    let mut lines: Vec<FillLine> = (0..chords.len()).filter_map(|first| joiner.line(first)).collect();
+    let caps =
+        joins.hatch.map_or_else(Vec::new, |hatch| caps::find(&boundary, &around.stops, &chords, hatch));
+    let mut joiner =
+        Joiner { boundary, around, chords: &chords, joins, caps, used: vec![false; chords.len()] };
+    let mut lines: Vec<Line> = (0..chords.len()).filter_map(|first| joiner.line(first)).collect();
     lines.extend(joiner.caps.into_iter().filter(|cap| !cap.used).filter_map(|cap| {
         let (points, spacing_mm) = cap.bead.into_iter().unzip();
-        FillLine { points, spacing_mm, closed: false }.sound()
+        Line { points, spacing_mm, closed: false }.sound()
     }));
     lines
 }
@@ -78,7 +82,7 @@ type Bead = Vec<(Point, f32)>;
 
 impl Joiner<'_> {
     /// The line that grows from a chord; `None` of one that another line has taken up.
-    fn line(&mut self, first: usize) -> Option<FillLine> {
+    fn line(&mut self, first: usize) -> Option<Line> {
         if std::mem::replace(&mut self.used[first], true) {
             return None;
         }
@@ -87,7 +91,8 @@ impl Joiner<'_> {
         for side in [1, 0] {
             let mut at = (first, side);
             while let Some((way, next)) = self.over_a_cap(at).or_else(|| {
-                let (way, next) = self.around.next(&self.boundary, self.chords, &self.used, at, self.joins)?;
+                let (way, next) =
+                    self.around.next(&self.boundary, self.chords, &self.used, at, self.joins)?;
                 Some((way.into_iter().map(|p| (p, nominal)).collect(), next))
             }) {
                 self.used[next.0] = true;
@@ -114,7 +119,7 @@ impl Joiner<'_> {
         bead.dedup_by_key(|v| v.0);
         let (points, spacing_mm): (Vec<Point>, Vec<f32>) = bead.into_iter().unzip();
         let varies = spacing_mm.iter().any(|&s| s != nominal);
-        FillLine { points, spacing_mm: if varies { spacing_mm } else { Vec::new() }, closed: false }.sound()
+        Line { points, spacing_mm: if varies { spacing_mm } else { Vec::new() }, closed: false }.sound()
     }
 
     /// The way on over a cap, narrowing between hole and neighbouring line, where the chord beyond is free.

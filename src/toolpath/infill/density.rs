@@ -2,7 +2,8 @@
 
 use crate::geom::{Region, polyline_length_mm, ring_length_mm};
 
-use super::{FillLine, FillPattern, FillSpec, Joins};
+use super::super::bead::Line;
+use super::{FillPattern, FillSpec, Joins};
 
 /// A layer that a pattern is calibrated on.
 #[derive(Clone, Debug)]
@@ -27,7 +28,7 @@ const MOST_FLOW: f64 = 0.2;
 /// The factor of the beads' cross-section at which lines laid into an area have the density asked for, as far as
 /// a few percent of flow can make up for whole lines that come and go. `solid_mm` is the length of lines that would
 /// fill the area.
-pub fn flow(lines: &[FillLine], solid_mm: f64, density: f64) -> f64 {
+pub fn flow(lines: &[Line], solid_mm: f64, density: f64) -> f64 {
     let length_mm: f64 = lines.iter().map(line_length_mm).sum();
     if length_mm > 0.0 {
         (solid_mm * density / length_mm).clamp(1.0 - MOST_FLOW, 1.0 + MOST_FLOW)
@@ -37,7 +38,7 @@ pub fn flow(lines: &[FillLine], solid_mm: f64, density: f64) -> f64 {
 }
 
 /// By what share of the density lines miss it, their [`flow`] fitted; 0 where that can make up for everything.
-pub fn miss(lines: &[FillLine], solid_mm: f64, density: f64) -> f64 {
+pub fn miss(lines: &[Line], solid_mm: f64, density: f64) -> f64 {
     let length_mm: f64 = lines.iter().map(line_length_mm).sum();
     (length_mm * flow(lines, solid_mm, density) / (solid_mm * density) - 1.0).abs()
 }
@@ -86,6 +87,6 @@ pub fn calibrate(
     best_mm
 }
 
-fn line_length_mm(line: &FillLine) -> f64 {
+fn line_length_mm(line: &Line) -> f64 {
     if line.closed { ring_length_mm(&line.points) } else { polyline_length_mm(&line.points) }
 }

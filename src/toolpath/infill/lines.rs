@@ -2,8 +2,9 @@
 
 use crate::geom::{self, Region};
 
+use super::super::bead::Line;
+use super::FillSpec;
 use super::connect::{Chord, Joins, connect};
-use super::{FillLine, FillSpec};
 
 /// Parallel lines through a region, `distance_mm` apart, line their ends treated as `joins` says.
 pub fn parallel(
@@ -12,7 +13,7 @@ pub fn parallel(
     distance_mm: f64,
     phase_mm: f64,
     joins: &Joins,
-) -> Vec<FillLine> {
+) -> Vec<Line> {
     let chords = geom::scan_lines(region, angle_rad, distance_mm, phase_mm)
         .into_iter()
         .flat_map(|line| {
@@ -28,7 +29,7 @@ pub fn parallel(
 
 /// So many sets of parallel lines, each turned by `turn_rad` against the one before, and each so much wider spaced
 /// that together they have the distance of the spec.
-pub fn sets(region: &Region, spec: &FillSpec, count: u32, turn_rad: f64) -> Vec<FillLine> {
+pub fn sets(region: &Region, spec: &FillSpec, count: u32, turn_rad: f64) -> Vec<Line> {
     let distance_mm = f64::from(count) * spec.line_distance_mm;
     let set = |k: u32| {
         let angle_rad = spec.angle_rad + f64::from(k) * turn_rad;

@@ -11,12 +11,14 @@ mod rectilinear;
 mod solid;
 mod triangles;
 
-use crate::geom::{Point, Region};
+use crate::geom::Region;
 use crate::profile::Pattern;
+
+use super::bead::Line;
 
 pub use connect::Joins;
 pub use density::{SparseSample, calibrate, flow, miss};
-pub use solid::fill as fill_solid;
+pub use solid::{fill as fill_solid, split_narrow};
 
 /// What a pattern needs to know of a layer.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -34,28 +36,10 @@ pub struct FillSpec {
     pub joins: Joins,
 }
 
-/// One infill bead.
-#[derive(Clone, Debug, PartialEq)]
-pub struct FillLine {
-    /// Vertices.
-    pub points: Vec<Point>,
-    /// Spacing of the bead at each vertex, in millimetres; empty where it is that of the whole fill.
-    pub spacing_mm: Vec<f32>,
-    /// Whether it returns to its first vertex.
-    pub closed: bool,
-}
-
-impl FillLine {
-    /// The line, unless it has lost its vertices.
-    fn sound(self) -> Option<Self> {
-        (self.points.len() >= if self.closed { 3 } else { 2 }).then_some(self)
-    }
-}
-
 /// A sparse infill pattern.
 pub trait FillPattern: Sync {
     /// The pattern's beads inside a region. Beads end on its boundary and nowhere leave it.
-    fn fill(&self, region: &Region, spec: &FillSpec) -> Vec<FillLine>;
+    fn fill(&self, region: &Region, spec: &FillSpec) -> Vec<Line>;
 }
 
 /// The pattern of a setting.

@@ -4,14 +4,40 @@ use std::f64::consts::FRAC_PI_2;
 
 use crate::geom::{self, Point, Region};
 
+use super::super::bead::Line;
 use super::caps::Hatch;
-use super::{FillLine, Joins, lines};
+use super::{Joins, lines};
 
 /// Line ends further apart than this many spacings along the boundary are not joined.
 const LONGEST_JOIN: f64 = 12.0;
 
 /// The outermost lines keep this far from the patch's extreme points, where they would vanish.
 const INSIDE_MM: f64 = 0.002;
+
+/// Parts of a solid zone narrower than this many spacings are filled along their boundary: lines across would consist
+/// of ends.
+const NARROW: f64 = 5.0;
+
+/// Narrow parts smaller than this many squared spacings are left with the wide ones: corners.
+const CORNER: f64 = 4.0;
+
+/// Divides a solid zone into what is wide enough for parallel lines, and the rest.
+pub fn split_narrow(zone: &Region, spacing_mm: f64) -> (Region, Region) {
+    let core = geom::offset(zone, -NARROW / 2.0 * spacing_mm);
+    if core.is_empty() {
+        return (core, zone.clone());
+    }
+    let wide = geom::offset(&core, NARROW / 2.0 * spacing_mm);
+    if zone.area_mm2() - wide.area_mm2() < CORNER * spacing_mm * spacing_mm {
+        return (zone.clone(), Region::default());
+    }
+    let mut narrow = geom::opening(&geom::difference(zone, &wide), spacing_mm / 4.0);
+    narrow.polygons.retain(|polygon| polygon.area_mm2() >= CORNER * spacing_mm * spacing_mm);
+    if narrow.is_empty() {
+        return (zone.clone(), narrow);
+    }
+    (geom::difference(zone, &narrow), narrow)
+}
 
 /// Fills each polygon of a region with lines `spacing_mm` apart or slightly closer or wider: the extent across
 /// the lines is divided evenly. Returns the lines of each polygon with their true spacing.
@@ -24,7 +50,7 @@ pub fn fill(
     reach_mm: f64,
     angle_rad: f64,
     layer: usize,
-) -> Vec<(f64, Vec<FillLine>)> {
+) -> Vec<(f64, Vec<Line>)> {
     let angle_rad = angle_rad + if layer % 2 == 1 { FRAC_PI_2 } else { 0.0 };
     let inner = geom::offset(region, -spacing_mm / 2.0);
     inner
