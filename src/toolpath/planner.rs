@@ -26,7 +26,7 @@ const NEAR_ENOUGH: f64 = 0.01;
 const SHORTEST_LINE_MM: f64 = 0.2;
 
 /// Gaps shorter than this are not worth the travel to them.
-const SHORTEST_GAP_MM: f64 = 0.3;
+const SHORTEST_GAP_MM: f64 = 0.15;
 
 /// The settings that toolpaths depend on.
 #[derive(Clone, Debug, Default, PartialEq)]

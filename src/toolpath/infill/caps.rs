@@ -48,21 +48,26 @@ pub(super) fn find(boundary: &Boundary<'_>, stops: &[Stop], chords: &[Chord], ha
             let arc = boundary.vertices_between(from.on, to.on, true);
             let outer = from.chord == to.chord;
             let line_mm = a.line as f64 * distance_mm + hatch.phase_mm;
-            // Vertex, and the width of the room beside it.
-            let mut profile: Vec<(Point, f64)> = Vec::with_capacity(arc.len() + 2);
-            for p in std::iter::once(&a.points[if from.side == 0 { 0 } else { a.points.len() - 1 }])
-                .chain(&arc)
-                .chain(std::iter::once(&b.points[if to.side == 0 { 0 } else { b.points.len() - 1 }]))
-            {
+            let over_mm = |p: &Point| {
                 let [x, y] = p.mm();
-                let over_mm = y * cos - x * sin - line_mm;
-                let (away_mm, width_mm) = if outer {
-                    ((over_mm.signum() * distance_mm - over_mm) / 2.0, over_mm.abs())
-                } else {
-                    (-over_mm / 2.0, distance_mm - over_mm.abs())
-                };
-                profile.push((Point::from_mm(x - away_mm * sin, y + away_mm * cos), width_mm));
-            }
+                y * cos - x * sin - line_mm
+            };
+            let side = arc.iter().map(over_mm).sum::<f64>().signum();
+            // Vertex, and the width of the room beside it.
+            let profile: Vec<(Point, f64)> = std::iter::once(end_of(a, from))
+                .chain(arc.iter().copied())
+                .chain(std::iter::once(end_of(b, to)))
+                .map(|p| {
+                    let over_mm = side * over_mm(&p);
+                    let (away_mm, width_mm) = if outer {
+                        ((distance_mm - over_mm) / 2.0, over_mm)
+                    } else {
+                        (-over_mm / 2.0, distance_mm - over_mm)
+                    };
+                    let ([x, y], away_mm) = (p.mm(), side * away_mm);
+                    (Point::from_mm(x - away_mm * sin, y + away_mm * cos), width_mm)
+                })
+                .collect();
             let ends = [(from.chord, from.side), (to.chord, to.side)];
             let parts = wide_parts(&profile, NARROWEST * distance_mm);
             let through = !outer && parts.len() == 1 && parts[0].len() >= profile.len();
@@ -82,6 +87,10 @@ pub(super) fn find(boundary: &Boundary<'_>, stops: &[Stop], chords: &[Chord], ha
         }
     }
     caps
+}
+
+fn end_of(chord: &Chord, stop: &Stop) -> Point {
+    chord.points[if stop.side == 0 { 0 } else { chord.points.len() - 1 }]
 }
 
 /// The parts of a polyline at least `least_mm` wide, cut where the width, linear in between, passes that.
