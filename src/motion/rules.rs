@@ -37,7 +37,8 @@ impl<'a> Rules<'a> {
             Role::GapFill => speeds.gap_fill,
             Role::SolidInfill => speeds.solid,
             Role::InternalInfill => speeds.infill,
-            Role::TopSolidInfill | Role::Ironing => speeds.top,
+            Role::TopSolidInfill => speeds.top,
+            Role::Ironing => speeds.ironing,
         };
         let cap = self.settings.first_layer.speed;
         if self.is_first() && cap.0 > 0.0 && cap < speed { cap } else { speed }

@@ -3,7 +3,7 @@
 use crate::geom::{Bounds, Region};
 use crate::profile::Settings;
 use crate::slice::{Layer, Slicer};
-use crate::toolpath::{ObjectLayer, Planner, PlateLayer, Shells};
+use crate::toolpath::{self, ObjectLayer, Planner, PlateLayer, Shells};
 
 use super::parallel;
 
@@ -25,7 +25,7 @@ impl Sections {
             .map(|object| layers.iter().map(|l| l.sections.iter().position(|s| s.object == object)).collect())
             .collect();
         let mut sections = Self { layers, places, shells: Vec::new() };
-        let (top, bottom) = (settings.shell.top_layers, settings.shell.bottom_layers);
+        let (top, bottom) = toolpath::shell_layers(&settings.shell, settings.layer.height.0);
         sections.shells = (0..objects)
             .map(|object| {
                 let own: Vec<&Region> = (0..sections.layers.len()).map(|i| sections.of(object, i)).collect();

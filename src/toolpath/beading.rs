@@ -54,11 +54,11 @@ pub(super) struct Pair {
     pub(super) rest: Region,
 }
 
-/// Lays one bead along the boundary of a region, with widths as the module says.
-pub(super) fn pair(region: &Region, spacing_mm: f64) -> Pair {
+/// Lays one bead along the boundary of a region, with widths as the module says. Gaps narrower than `least_mm` are none.
+pub(super) fn pair(region: &Region, spacing_mm: f64, least_mm: f64) -> Pair {
     let core = geom::offset(region, -PAIR * spacing_mm);
     let covered = geom::offset(&core, PAIR * spacing_mm);
-    let gap = narrower(region, &covered);
+    let gap = narrower(region, &covered, least_mm);
     let deep = geom::offset(&core, -(FULL - PAIR) * spacing_mm);
     let thick = geom::offset(&deep, FULL * spacing_mm);
     let loops = if same_area(&covered, &thick) {
@@ -76,7 +76,7 @@ pub(super) fn fill(region: &Region, spacing_mm: f64) -> (Vec<Line>, Region) {
     let (mut loops, mut gaps) = (Vec::new(), Region::default());
     let mut rest = region.clone();
     while !rest.is_empty() {
-        let pair = pair(&rest, spacing_mm);
+        let pair = pair(&rest, spacing_mm, MIN_GAP_MM);
         loops.extend(pair.loops);
         gaps.polygons.extend(pair.gap.polygons);
         rest = pair.rest;
@@ -93,12 +93,12 @@ pub(super) fn constant(centre: &Region) -> Vec<Line> {
         .collect()
 }
 
-/// What an opening took off a region, without slivers.
-pub(super) fn narrower(region: &Region, opened: &Region) -> Region {
+/// What an opening took off a region, as far as it is at least `least_mm` wide.
+pub(super) fn narrower(region: &Region, opened: &Region, least_mm: f64) -> Region {
     if same_area(region, opened) {
         return Region::default();
     }
-    geom::opening(&geom::difference(region, opened), MIN_GAP_MM / 2.0)
+    geom::opening(&geom::difference(region, opened), least_mm / 2.0)
 }
 
 /// Whether opening a region lost no more than its corners' slivers.

@@ -11,5 +11,5 @@ mod walls;
 
 pub use path::{Island, LayerPaths, Path, Role, Width};
 pub use planner::{ObjectLayer, Planner, PlateLayer, ToolpathSettings};
-pub use shells::{Map, Shells, Zones};
+pub use shells::{Map, Shells, Zones, shell_layers};
 pub use walls::{WallSpec, Walls};

@@ -1,8 +1,10 @@
 //! Puts a layer's paths together: walls, gaps, shells and infill of every island, skirt and brim around.
 
+use std::ops::RangeInclusive;
+
 use crate::geom::{self, Polygon, Region, Ring};
 use crate::profile::{
-    BrimSettings, FirstLayerSettings, InfillSettings, Settings, ShellSettings, SkirtSettings, WallOrder,
+    BrimSettings, FirstLayerSettings, InfillSettings, IroningSettings, Settings, ShellSettings, SkirtSettings, WallOrder,
     WallSettings,
 };
 
@@ -28,6 +30,9 @@ const SHORTEST_LINE_MM: f64 = 0.2;
 /// Gaps shorter than this are not worth the travel to them.
 const SHORTEST_GAP_MM: f64 = 0.15;
 
+/// After every other run of an island.
+const LAST_RANK: u32 = u32::MAX;
+
 /// The settings that toolpaths depend on.
 #[derive(Clone, Debug, Default, PartialEq)]
 #[allow(missing_docs)]
@@ -35,6 +40,7 @@ pub struct ToolpathSettings {
     pub walls: WallSettings,
     pub shell: ShellSettings,
     pub infill: InfillSettings,
+    pub ironing: IroningSettings,
     pub first_layer: FirstLayerSettings,
     pub skirt: SkirtSettings,
     pub brim: BrimSettings,
@@ -46,6 +52,7 @@ impl From<&Settings> for ToolpathSettings {
             walls: s.walls.clone(),
             shell: s.shell.clone(),
             infill: s.infill.clone(),
+            ironing: s.ironing.clone(),
             first_layer: s.first_layer.clone(),
             skirt: s.skirt.clone(),
             brim: s.brim.clone(),
@@ -99,6 +106,15 @@ struct Widths {
     top_mm: f64,
     infill_mm: f64,
     skirt_mm: f64,
+}
+
+/// How a solid zone is filled.
+struct Solid {
+    role: Role,
+    rank: u32,
+    width_mm: f64,
+    /// Whether each line waits for the one beside it.
+    ordered: bool,
 }
 
 /// The paths of a layer as they grow.
@@ -213,18 +229,15 @@ impl Planner {
                 0 if count > 0 => (Role::ExternalPerimeter, rank_of(0)),
                 _ => (Role::GapFill, count),
             };
-            draft.gap(role, rank, gap, beading::MIN_GAP_MM, spec.widest_gap_mm());
+            let least_mm = if *depth == 0 { self.settings.walls.min_width.0 } else { 0.0 };
+            draft.gap(role, rank, gap, spec.least_gap_mm(*depth)..=spec.widest_gap_mm(), least_mm);
         }
 
         let zones = self.zones(&inside, object, section);
-        draft.solid(
-            Role::SolidInfill,
-            count + 1,
-            &zones.solid,
-            widths.solid_mm,
-            section.index,
-            &self.settings.infill,
-        );
+        let settings = &self.settings.infill;
+        let solid =
+            Solid { role: Role::SolidInfill, rank: count + 1, width_mm: widths.solid_mm, ordered: false };
+        draft.solid(&zones.solid, &solid, section.index, settings);
         if !zones.sparse.is_empty() && self.settings.infill.density.0 > 0.0 {
             let room = self.infill_room(&zones.sparse, section);
             let spacing_mm = bead::spacing_mm(widths.infill_mm, section.height_mm);
@@ -250,14 +263,22 @@ impl Planner {
                 lines,
             );
         }
-        draft.solid(
-            Role::TopSolidInfill,
-            count + 3,
-            &zones.top,
-            widths.top_mm,
-            section.index,
-            &self.settings.infill,
-        );
+        let ordered = self.settings.shell.monotonic;
+        let solid = Solid { role: Role::TopSolidInfill, rank: count + 3, width_mm: widths.top_mm, ordered };
+        draft.solid(&zones.top, &solid, section.index, settings);
+        if self.settings.ironing.enabled {
+            self.iron(draft, &zones.top, section, widths);
+        }
+    }
+
+    /// A thin pass over top surfaces, as far as the nozzle's middle may go without pressing material over their edge.
+    fn iron(&self, draft: &mut Draft, top: &Region, section: &PlateLayer<'_>, widths: &Widths) {
+        let settings = &self.settings.ironing;
+        let zone = geom::offset(top, -bead::spacing_mm(widths.top_mm, section.height_mm) / 2.0);
+        let angle_rad = self.settings.infill.angle.to_radians();
+        let lines = infill::iron(&zone, settings.spacing.0, angle_rad, section.index);
+        let width_mm = bead::width_mm(settings.flow.0 * settings.spacing.0, section.height_mm);
+        draft.lines(Role::Ironing, LAST_RANK, width_mm, lines);
     }
 
     /// Divides an island's inside; at full density nothing is sparse.
@@ -286,6 +307,7 @@ impl Planner {
             joins: Joins {
                 longest_mm: if settings.connect { LONGEST_JOIN * line_distance_mm } else { 0.0 },
                 reach_mm: settings.overlap.0 * self.widths(section.index).infill_mm,
+                turn_mm: 0.0,
                 hatch: None,
             },
         }
@@ -299,6 +321,7 @@ impl Planner {
             width_mm: widths.wall_mm,
             height_mm: section.height_mm,
             gap_fill: self.settings.walls.gap_fill,
+            min_feature_mm: self.settings.walls.min_feature.0,
             generator: self.settings.walls.generator,
         }
     }
@@ -332,7 +355,7 @@ impl Draft {
         }
     }
 
-    fn lines(&mut self, role: Role, rank: u32, width_mm: f64, lines: Vec<Line>) {
+    fn lines(&mut self, role: Role, rank: u32, width_mm: f64, lines: impl IntoIterator<Item = Line>) {
         let rounding_mm = bead::rounding_mm(self.height_mm) as f32;
         for line in lines {
             if line.closed || geom::polyline_length_mm(&line.points) >= SHORTEST_LINE_MM {
@@ -348,41 +371,44 @@ impl Draft {
         }
     }
 
-    fn solid(
-        &mut self,
-        role: Role,
-        rank: u32,
-        zone: &Region,
-        width_mm: f64,
-        layer: usize,
-        settings: &InfillSettings,
-    ) {
+    fn solid(&mut self, zone: &Region, solid: &Solid, layer: usize, settings: &InfillSettings) {
         if zone.is_empty() {
             return;
         }
+        let Solid { role, rank, width_mm, ordered } = *solid;
         let spacing_mm = bead::spacing_mm(width_mm, self.height_mm);
         let reach_mm = settings.overlap.0 * width_mm;
         let (zone, narrow) = infill::split_narrow(zone, spacing_mm);
         if !narrow.is_empty() {
             let (loops, gaps) = beading::fill(&narrow, spacing_mm);
             self.lines(role, rank, width_mm, loops);
-            self.gap(role, rank, &gaps, beading::MIN_GAP_MM, beading::WIDEST * spacing_mm);
+            self.gap(role, rank, &gaps, beading::MIN_GAP_MM..=beading::WIDEST * spacing_mm, 0.0);
         }
-        for (fitted_mm, lines) in
-            infill::fill_solid(&zone, spacing_mm, reach_mm, settings.angle.to_radians(), layer)
+        // Free ends alone fill the zone when they reach its edge.
+        let reach_mm = if ordered { spacing_mm / 2.0 } else { reach_mm };
+        for patch in
+            infill::fill_solid(&zone, spacing_mm, reach_mm, settings.angle.to_radians(), layer, !ordered)
         {
-            self.lines(role, rank, bead::width_mm(fitted_mm, self.height_mm), lines);
+            let width_mm = bead::width_mm(patch.spacing_mm, self.height_mm);
+            if !ordered {
+                self.lines(role, rank, width_mm, patch.lines.into_iter().map(|(_, line)| line));
+                continue;
+            }
+            // Each line has a rank of its own, the order across the lines: no ordering may change it.
+            for (index, line) in patch.lines {
+                self.lines(role, rank + 1 + index, width_mm, [line]);
+            }
         }
     }
 
-    /// One bead of fitting width along the middle of each narrow part.
-    fn gap(&mut self, role: Role, rank: u32, gap: &Region, narrowest_mm: f64, widest_mm: f64) {
-        for path in geom::medial_axis(gap, narrowest_mm, widest_mm) {
+    /// One bead of fitting width, but at least `least_mm`, along the middle of each part whose width is in a range.
+    fn gap(&mut self, role: Role, rank: u32, gap: &Region, range: RangeInclusive<f64>, least_mm: f64) {
+        for path in geom::medial_axis(gap, *range.start(), *range.end()) {
             if path.length_mm() < SHORTEST_GAP_MM {
                 continue;
             }
             let rounding_mm = bead::rounding_mm(self.height_mm) as f32;
-            let widths = path.width_mm.iter().map(|width_mm| width_mm + rounding_mm).collect();
+            let widths = path.width_mm.iter().map(|width_mm| (width_mm + rounding_mm).max(least_mm as f32)).collect();
             self.push(role, rank, path.closed, path.points, Width::PerVertex(widths));
         }
     }

@@ -15,6 +15,9 @@ use super::beading;
 /// fitting width replaces them. Slic3r allows the same overlap.
 const CLOSEST: f64 = 0.6;
 
+/// No bead fills less.
+const FINEST_MM: f64 = 0.02;
+
 /// Widths of the beads of one layer.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct WallSpec {
@@ -28,6 +31,8 @@ pub struct WallSpec {
     pub height_mm: f64,
     /// Whether gaps are looked for.
     pub gap_fill: bool,
+    /// Thinner parts are left out.
+    pub min_feature_mm: f64,
     /// Fixed or variable widths.
     pub generator: WallGenerator,
 }
@@ -36,6 +41,14 @@ impl WallSpec {
     fn spacing_mm(&self, depth: u32) -> f64 {
         let width_mm = if depth == 0 { self.external_width_mm } else { self.width_mm };
         bead::spacing_mm(width_mm, self.height_mm)
+    }
+
+    /// The narrowest gap at a depth that is filled, as the spacing of the bead.
+    pub fn least_gap_mm(&self, depth: u32) -> f64 {
+        if depth > 0 {
+            return beading::MIN_GAP_MM;
+        }
+        (self.min_feature_mm - bead::rounding_mm(self.height_mm)).max(FINEST_MM)
     }
 
     /// The widest single bead, as the spacing that it fills.
@@ -106,7 +119,7 @@ fn fitted(section: &Region, spec: &WallSpec) -> Walls {
         if rest.is_empty() {
             break;
         }
-        let pair = beading::pair(&rest, spec.spacing_mm(depth));
+        let pair = beading::pair(&rest, spec.spacing_mm(depth), spec.least_gap_mm(depth));
         if spec.gap_fill && !pair.gap.is_empty() {
             walls.gaps.push((depth, pair.gap));
         }
@@ -118,7 +131,7 @@ fn fitted(section: &Region, spec: &WallSpec) -> Walls {
     if spec.gap_fill && !rest.is_empty() {
         let room_mm = beading::PAIR * spec.spacing_mm(spec.count);
         let wide = geom::opening(&rest, room_mm);
-        let gap = beading::narrower(&rest, &wide);
+        let gap = beading::narrower(&rest, &wide, beading::MIN_GAP_MM);
         if !gap.is_empty() {
             walls.gaps.push((spec.count, gap));
             rest = geom::intersection(&wide, &rest);
@@ -141,7 +154,7 @@ fn with_gaps(section: &Region, spec: &WallSpec) -> Walls {
         let thick = geom::offset(&rest, -(spacing_mm / 2.0 + closest_mm));
         let covered = geom::offset(&thick, spacing_mm / 2.0 + closest_mm);
         if spec.gap_fill {
-            let gap = beading::narrower(&rest, &covered);
+            let gap = beading::narrower(&rest, &covered, spec.least_gap_mm(depth));
             if !gap.is_empty() {
                 walls.gaps.push((depth, gap));
             }

@@ -21,9 +21,10 @@ pub struct Chord {
 pub struct Joins {
     /// Ends are joined along the boundary where that way is at most this long, in millimetres.
     pub longest_mm: f64,
-    /// How far ends reach beyond the boundary, in millimetres across it: free ends, and those whose join turns back
-    /// sharply and so leaves a wedge open between the line and the boundary.
+    /// How far free ends reach beyond the boundary, in millimetres across it.
     pub reach_mm: f64,
+    /// The same of ends whose join turns back sharply and so leaves a wedge open between line and boundary.
+    pub turn_mm: f64,
     /// Of solid fills, the lines' arrangement: what no line covers beside the boundary is filled.
     pub hatch: Option<Hatch>,
 }
@@ -167,7 +168,8 @@ impl Joiner<'_> {
         let [x, y] = last.0.mm();
         let length = (x - from[0]).hypot(y - from[1]);
         let beside_cap = || self.caps.iter().any(|cap| cap.ends.contains(&(chord as u32, side as u8)));
-        if self.joins.reach_mm <= 0.0 || length <= 0.0 || beside_cap() {
+        let across_mm = if ahead.is_some() { self.joins.turn_mm } else { self.joins.reach_mm };
+        if across_mm <= 0.0 || length <= 0.0 || beside_cap() {
             return;
         }
         let out = [(x - from[0]) / length, (y - from[1]) / length];
@@ -177,7 +179,7 @@ impl Joiner<'_> {
             return;
         }
         let sine = (out[0] * edge[1] - out[1] * edge[0]).abs();
-        let by = self.joins.reach_mm / sine.max(1.0 / FLATTEST);
+        let by = across_mm / sine.max(1.0 / FLATTEST);
         last.0 = Point::from_mm(x + by * out[0], y + by * out[1]);
     }
 }

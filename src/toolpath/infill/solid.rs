@@ -1,6 +1,6 @@
 //! Solid infill: parallel lines side by side, their distance fitted so that they fill each patch exactly.
 
-use std::f64::consts::FRAC_PI_2;
+use std::f64::consts::{FRAC_PI_2, FRAC_PI_4};
 
 use crate::geom::{self, Point, Region};
 
@@ -13,6 +13,9 @@ const LONGEST_JOIN: f64 = 12.0;
 
 /// The outermost lines keep this far from the patch's extreme points, where they would vanish.
 const INSIDE_MM: f64 = 0.002;
+
+/// Ends at sharp turns reach this share of what free ends reach: the wedge that they leave is half covered by the join.
+const TURN: f64 = 0.65;
 
 /// Parts of a solid zone narrower than this many spacings are filled along their boundary: lines across would consist
 /// of ends.
@@ -39,18 +42,28 @@ pub fn split_narrow(zone: &Region, spacing_mm: f64) -> (Region, Region) {
     (geom::difference(zone, &narrow), narrow)
 }
 
+/// Lines laid side by side into one patch.
+pub struct SolidPatch {
+    /// Their spacing.
+    pub spacing_mm: f64,
+    /// The lines, each with the index of the first of the parallel lines that it consists of.
+    pub lines: Vec<(u32, Line)>,
+}
+
 /// Fills each polygon of a region with lines `spacing_mm` apart or slightly closer or wider: the extent across
-/// the lines is divided evenly. Returns the lines of each polygon with their true spacing.
+/// the lines is divided evenly.
 ///
-/// Joins run half a spacing inside the boundary; ends reach `reach_mm` further. What is left beside the boundary
+/// Joins run half a spacing inside the boundary; free ends reach `reach_mm` further. What is left beside the boundary
 /// where it runs along the lines is filled with beads of fitting width. Lines turn by 90° from layer to layer.
+/// Without `joined` each line is by itself.
 pub fn fill(
     region: &Region,
     spacing_mm: f64,
     reach_mm: f64,
     angle_rad: f64,
     layer: usize,
-) -> Vec<(f64, Vec<Line>)> {
+    joined: bool,
+) -> Vec<SolidPatch> {
     let angle_rad = angle_rad + if layer % 2 == 1 { FRAC_PI_2 } else { 0.0 };
     let inner = geom::offset(region, -spacing_mm / 2.0);
     inner
@@ -58,7 +71,7 @@ pub fn fill(
         .into_iter()
         .map(|polygon| {
             let patch = Region { polygons: vec![polygon] };
-            let (low_mm, high_mm) = extent_mm(&patch, angle_rad);
+            let (low_mm, high_mm) = extent_mm(patch.rings().flatten(), angle_rad);
             let width_mm = (high_mm - low_mm - 2.0 * INSIDE_MM).max(0.0);
             let gaps = (width_mm / spacing_mm).round();
             let (fitted_mm, phase_mm) = if gaps >= 1.0 {
@@ -66,24 +79,36 @@ pub fn fill(
             } else {
                 (spacing_mm, (low_mm + high_mm) / 2.0)
             };
-            let hatch = Hatch { angle_rad, distance_mm: fitted_mm, phase_mm };
-            let joins = Joins { longest_mm: LONGEST_JOIN * spacing_mm, reach_mm, hatch: Some(hatch) };
-            (fitted_mm, lines::parallel(&patch, angle_rad, fitted_mm, phase_mm, &joins))
+            let joins = Joins {
+                longest_mm: if joined { LONGEST_JOIN * spacing_mm } else { 0.0 },
+                reach_mm,
+                turn_mm: TURN * reach_mm,
+                hatch: Some(Hatch { angle_rad, distance_mm: fitted_mm, phase_mm }),
+            };
+            let first_of = |line: &Line| {
+                let (first_mm, _) = extent_mm(&line.points, angle_rad);
+                ((first_mm - phase_mm) / fitted_mm).round().max(0.0) as u32
+            };
+            let lines = lines::parallel(&patch, angle_rad, fitted_mm, phase_mm, &joins);
+            let lines = lines.into_iter().map(|line| (first_of(&line), line)).collect();
+            SolidPatch { spacing_mm: fitted_mm, lines }
         })
         .collect()
 }
 
+/// Ironing: lines close to each other, at 45° to those of the surface beneath.
+pub fn iron(region: &Region, spacing_mm: f64, angle_rad: f64, layer: usize) -> Vec<Line> {
+    let angle_rad = angle_rad + FRAC_PI_4 + if layer % 2 == 1 { FRAC_PI_2 } else { 0.0 };
+    let joins = Joins { longest_mm: LONGEST_JOIN * spacing_mm, ..Joins::default() };
+    lines::parallel(region, angle_rad, spacing_mm, 0.0, &joins)
+}
+
 /// Smallest and largest distance from the origin across the line direction.
-fn extent_mm(region: &Region, angle_rad: f64) -> (f64, f64) {
+fn extent_mm<'a>(points: impl IntoIterator<Item = &'a Point>, angle_rad: f64) -> (f64, f64) {
     let (sin, cos) = angle_rad.sin_cos();
-    let across = |p: Point| {
+    let across = |p: &Point| {
         let [x, y] = p.mm();
         y * cos - x * sin
     };
-    region
-        .polygons
-        .iter()
-        .flat_map(|p| &p.outer)
-        .map(|&p| across(p))
-        .fold((f64::MAX, f64::MIN), |(low, high), v| (low.min(v), high.max(v)))
+    points.into_iter().map(across).fold((f64::MAX, f64::MIN), |(low, high), v| (low.min(v), high.max(v)))
 }
