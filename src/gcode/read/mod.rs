@@ -4,6 +4,7 @@
 //! [`measure`] sums up lengths and volumes. Nothing fails: what is not understood is passed on as it is.
 
 mod lexer;
+mod limits;
 mod measure;
 mod replay;
 mod time;
