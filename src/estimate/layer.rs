@@ -13,7 +13,7 @@ const TRAVEL: usize = 0;
 const RETRACTION: usize = 1;
 const ROLES: usize = 2;
 /// Travel, retraction, and every role.
-const ACCOUNTS: usize = ROLES + Role::Ironing as usize + 1;
+const ACCOUNTS: usize = ROLES + Role::ALL.len();
 
 /// How long a layer takes, and where the time goes. Heating and pauses take none.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]

@@ -74,7 +74,7 @@ impl Clock {
 
     fn go(&mut self, stroke: &Stroke, account: usize) {
         let speed = stroke.feed_mm_s * self.limits.speed;
-        let e_mm = stroke.e_mm;
+        let e_mm = if stroke.volumetric { stroke.e_mm / self.filament_area_mm2 } else { stroke.e_mm };
         let in_space = stroke.xy_mm > 0.0 || stroke.from[2] != stroke.to[2];
         let acceleration = self.limits.acceleration(self.planner.machine().firmware, in_space, e_mm);
         let chords =
