@@ -7,6 +7,7 @@ use clap::builder::PossibleValuesParser;
 use clap::{Args, Parser, Subcommand, ValueHint};
 use clap_complete::Shell;
 
+use crate::estimate::Firmware;
 use crate::motion::PauseAt;
 use crate::profile::{CostKind, Effort, OrderStrategy, Scope, SeamPosition};
 
@@ -34,6 +35,7 @@ pub(super) enum Command {
     Slice(Box<SliceArgs>),
     Compare(Box<CompareArgs>),
     Info(InfoArgs),
+    Time(TimeArgs),
     Profiles(ProfilesArgs),
     /// Print a completion script for a shell
     Completions {
@@ -174,6 +176,30 @@ pub(super) struct InfoArgs {
     pub settings: SettingArgs,
 
     /// Print JSON, one line for each model
+    #[arg(long)]
+    pub json: bool,
+}
+
+/// Tell how long G-code takes, of any slicer
+///
+/// Moves are planned as the firmware plans them, with the machine's limits and those that the file sets. The time is
+/// given in total, by role and, with --json, by layer. Heating, homing and pauses are left out.
+#[derive(Debug, Args)]
+#[command(after_help = EXIT_CODES)]
+pub(super) struct TimeArgs {
+    /// G-code files; - for standard input
+    #[arg(required = true, value_name = "FILE", value_hint = ValueHint::FilePath)]
+    pub files: Vec<PathBuf>,
+
+    /// Firmware that the moves are planned as [default: that of the limits]
+    #[arg(long, value_name = "FIRMWARE", value_parser = PossibleValuesParser::new(Firmware::ALL.map(|(name, _)| name)))]
+    pub machine: Option<String>,
+
+    /// Embedded profile or TOML file whose [machine] holds the limits [default: those of the generic printer]
+    #[arg(long, value_name = "NAME|FILE")]
+    pub limits: Option<String>,
+
+    /// Print JSON, one line for each file
     #[arg(long)]
     pub json: bool,
 }

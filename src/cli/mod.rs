@@ -9,6 +9,7 @@ mod pages;
 mod plan;
 mod profiles;
 mod slice;
+mod time;
 
 use std::ffi::OsString;
 
@@ -34,6 +35,7 @@ pub fn run(args: impl IntoIterator<Item = OsString>, engine: &dyn Engine) -> Exi
         Command::Slice(args) => slice::run(args, engine),
         Command::Compare(args) => compare::run(args, engine),
         Command::Info(args) => info::run(args, engine),
+        Command::Time(args) => time::run(args),
         Command::Profiles(args) => profiles::run(args),
         Command::Completions { shell } => pages::completions(*shell),
         Command::Man { command } => pages::man(command.as_deref()),

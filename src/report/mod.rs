@@ -2,6 +2,8 @@
 
 mod model;
 mod summary;
+mod time;
 
 pub use model::ModelInfo;
 pub use summary::{LayerSummary, Measures, Summary};
+pub use time::{LayerTime, PrintTime};
