@@ -18,7 +18,7 @@ mod wrap;
 pub use effect::Effect;
 pub use layer::{LayerText, format_layer};
 pub use read::{
-    Action, Center, Code, Line, Lines, Measure, Replay, Step, Stroke, TypeMeasure, Words, file_time, lines,
+    Action, Center, Clock, Code, Line, Lines, Measure, Replay, Step, Stroke, TypeMeasure, Words, file_time, lines,
     measure, replay,
 };
 pub use script::Scripts;

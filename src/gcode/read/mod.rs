@@ -11,4 +11,4 @@ mod time;
 pub use lexer::{Code, Line, Lines, Words, lines};
 pub use measure::{Measure, TypeMeasure, measure, measure_on};
 pub use replay::{Action, Center, Replay, Step, Stroke, replay, resume};
-pub use time::{file_time, time_on};
+pub use time::{Clock, file_time, time_on};

@@ -1,7 +1,7 @@
 //! How long a file takes.
 
 use super::lexer::Line;
-use super::replay::{Action, Replay, Stroke, replay};
+use super::replay::{Action, Replay, Step, Stroke, replay};
 use crate::estimate::{Machine, Planner, Segment};
 use crate::units::Seconds;
 
@@ -16,29 +16,53 @@ pub fn file_time(text: &[u8], machine: &Machine) -> Seconds {
 
 /// The time of what is left of a replay, as [`file_time`].
 pub fn time_on(steps: Replay<'_>, machine: &Machine) -> Seconds {
-    let mut planner = Planner::<1>::new(machine);
-    let mut acceleration = [machine.acceleration; 2];
+    let mut clock = Clock::new(machine);
     for step in steps {
+        clock.step(&step);
+    }
+    clock.lap()
+}
+
+/// Times the steps of a replay as they come.
+#[derive(Clone, Debug)]
+pub struct Clock {
+    machine: Machine,
+    planner: Planner<1>,
+    /// Accelerations of printing and travel in force.
+    acceleration: [f64; 2],
+}
+
+impl Clock {
+    /// A clock for a machine at rest.
+    pub fn new(machine: &Machine) -> Self {
+        Self { machine: *machine, planner: Planner::new(machine), acceleration: [machine.acceleration; 2] }
+    }
+
+    /// Takes up a step.
+    pub fn step(&mut self, step: &Step<'_>) {
         match step.action {
-            Action::Stroke(stroke) => {
-                let purpose = usize::from(stroke.e_mm <= 0.0);
-                push(&mut planner, &stroke, acceleration[purpose]);
-            }
-            Action::Other => accelerations(&step.line, &mut acceleration),
+            Action::Stroke(stroke) => self.push(&stroke),
+            Action::Other => accelerations(&step.line, &mut self.acceleration),
             _ => {}
         }
     }
-    Seconds(planner.finish()[0])
-}
 
-fn push(planner: &mut Planner<1>, stroke: &Stroke, acceleration: f64) {
-    let chords = if stroke.arc.is_some() { (stroke.xy_mm / CHORD_MM).ceil().clamp(1.0, 1e5) } else { 1.0 };
-    let mut from = stroke.from;
-    for chord in 1..=chords as u32 {
-        let to = stroke.at(f64::from(chord) / chords);
-        let delta = [to[0] - from[0], to[1] - from[1], to[2] - from[2], stroke.e_mm / chords];
-        planner.push(&Segment { delta, speed: stroke.feed_mm_s, acceleration, account: 0 });
-        from = to;
+    /// The time since the lap before, at the end of which the machine is taken to come to rest.
+    pub fn lap(&mut self) -> Seconds {
+        let planner = std::mem::replace(&mut self.planner, Planner::new(&self.machine));
+        Seconds(planner.finish()[0])
+    }
+
+    fn push(&mut self, stroke: &Stroke) {
+        let acceleration = self.acceleration[usize::from(stroke.e_mm <= 0.0)];
+        let chords = if stroke.arc.is_some() { (stroke.xy_mm / CHORD_MM).ceil().clamp(1.0, 1e5) } else { 1.0 };
+        let mut from = stroke.from;
+        for chord in 1..=chords as u32 {
+            let to = stroke.at(f64::from(chord) / chords);
+            let delta = [to[0] - from[0], to[1] - from[1], to[2] - from[2], stroke.e_mm / chords];
+            self.planner.push(&Segment { delta, speed: stroke.feed_mm_s, acceleration, account: 0 });
+            from = to;
+        }
     }
 }
 
