@@ -3,45 +3,60 @@
 //! Orange to yellow for walls, violet for infill, blue for travel: hues that stay apart with every kind of colour
 //! blindness, and within a hue each role has a lightness of its own.
 
+use crate::toolpath::Role;
+
 /// Red, green, blue.
 pub(super) type Rgb = [u8; 3];
 
-/// What a role is called and drawn in.
+/// What roles are called and drawn in.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct RoleColor {
     /// For people.
     pub label: &'static str,
-    /// Names in `;TYPE:` comments and the like, in lower case.
-    pub names: &'static [&'static str],
-    /// On a light and on a dark background.
     pub color: Rgb,
+    pub roles: &'static [Role],
 }
 
 macro_rules! roles {
-    ($($label:literal, $color:literal, [$($name:literal),*];)*) => {
-        &[$(RoleColor { label: $label, names: &[$($name),*], color: rgb($color) },)*]
+    ($($label:literal, $color:literal, [$($role:ident),*];)*) => {
+        &[$(RoleColor { label: $label, color: rgb($color), roles: &[$(Role::$role),*] },)*]
     };
 }
 
 /// Every role, in the order of legends. The last one is for everything else.
 pub(super) const ROLES: &[RoleColor] = roles![
-    "Outer wall", 0xE07B00, ["external perimeter", "outer wall", "wall-outer", "outer perimeter"];
-    "Inner wall", 0xF6CB66, ["perimeter", "inner wall", "wall-inner", "inner perimeter"];
-    "Overhang wall", 0x7C4A03, ["overhang perimeter", "overhang wall"];
-    "Sparse infill", 0xA8325E, ["internal infill", "sparse infill", "fill", "infill"];
-    "Solid infill", 0x8F6CC0, ["solid infill", "internal solid infill", "bottom surface", "solid layer"];
-    "Top surface", 0xD7B3E8, ["top solid infill", "top surface", "skin"];
-    "Bridge", 0x45257D, ["bridge infill", "bridge", "internal bridge infill", "internal bridge"];
-    "Gap fill", 0x8C8C8C, ["gap fill", "gap infill"];
-    "Skirt and brim", 0xA9B18F, ["skirt/brim", "skirt", "brim"];
-    "Support", 0x63AD91, ["support material", "support"];
-    "Support interface", 0x14624A, ["support material interface", "support interface", "support-interface"];
-    "Ironing", 0xF4D3DA, ["ironing"];
-    "Other", 0x5F6B73, ["custom", "wipe tower", "prime tower", "prime-tower"];
+    "Outer wall", 0xE07B00, [ExternalPerimeter];
+    "Inner wall", 0xF6CB66, [Perimeter];
+    "Overhang wall", 0x7C4A03, [OverhangPerimeter];
+    "Sparse infill", 0xA8325E, [InternalInfill];
+    "Solid infill", 0x8F6CC0, [SolidInfill];
+    "Top surface", 0xD7B3E8, [TopSolidInfill];
+    "Bridge", 0x45257D, [BridgeInfill];
+    "Gap fill", 0x8C8C8C, [GapFill];
+    "Skirt and brim", 0xA9B18F, [Skirt, Brim];
+    "Support", 0x63AD91, [Support];
+    "Support interface", 0x14624A, [SupportInterface];
+    "Ironing", 0xF4D3DA, [Ironing];
+    "Other", 0x5F6B73, [];
 ];
 
-/// Roles whose loops have a seam.
-pub(super) const SEAMED: std::ops::Range<usize> = 0..1;
+/// Index of the role whose loops have a seam that is seen.
+pub(super) const SEAMED: u8 = 0;
+/// Index of the last role.
+pub(super) const OTHER: u8 = ROLES.len() as u8 - 1;
+
+/// From low to high: viridis, by Stéfan van der Walt and Nathaniel Smith, in equal steps.
+pub(super) const RAMP: [Rgb; 9] = [
+    rgb(0x440154),
+    rgb(0x472D7B),
+    rgb(0x3B528B),
+    rgb(0x2C728E),
+    rgb(0x21918C),
+    rgb(0x28AE80),
+    rgb(0x5EC962),
+    rgb(0xADDC30),
+    rgb(0xFDE725),
+];
 
 /// The colours of what is no role.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -86,37 +101,15 @@ pub(super) fn hex([r, g, b]: Rgb) -> String {
     format!("#{r:02x}{g:02x}{b:02x}")
 }
 
-/// The index in [`ROLES`] for a name in a comment.
-pub(super) fn role(name: &[u8]) -> usize {
-    let name = String::from_utf8_lossy(name).trim().to_ascii_lowercase();
-    ROLES.iter().position(|role| role.names.contains(&name.as_str())).unwrap_or(ROLES.len() - 1)
+/// The index in [`ROLES`].
+pub(super) fn index(role: Option<Role>) -> u8 {
+    let found = role.and_then(|role| ROLES.iter().position(|known| known.roles.contains(&role)));
+    found.map_or(OTHER, |index| index as u8)
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::toolpath::Role;
-
-    #[test]
-    fn every_role_of_ours_has_a_colour_of_its_own() {
-        let own = [
-            Role::Skirt,
-            Role::Support,
-            Role::SupportInterface,
-            Role::Perimeter,
-            Role::ExternalPerimeter,
-            Role::OverhangPerimeter,
-            Role::GapFill,
-            Role::SolidInfill,
-            Role::BridgeInfill,
-            Role::InternalInfill,
-            Role::TopSolidInfill,
-            Role::Ironing,
-        ];
-        let mut found = own.map(|own| role(own.type_name().as_bytes()));
-        found.sort_unstable();
-        assert_eq!(found, std::array::from_fn(|i| i));
-    }
 
     /// Full dichromacy, on linear sRGB: G. M. Machado, M. M. Oliveira, L. A. F. Fernandes, "A Physiologically-based
     /// Model for Simulation of Color Vision Deficiency", 2009, doi:10.1109/TVCG.2009.113.

@@ -6,6 +6,7 @@ mod base64;
 mod colors;
 mod layer_png;
 mod layer_svg;
+mod pack;
 mod picture;
 mod scene;
 

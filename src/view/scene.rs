@@ -1,8 +1,8 @@
 //! What a G-code file draws: strokes by layer, with role, bead and speed, and marks on the way.
 
-use super::colors::{self, ROLES, SEAMED};
+use super::colors::{self, OTHER, SEAMED};
 use crate::estimate::Machine;
-use crate::gcode::{self, Action, Clock, Step};
+use crate::gcode::{self, Action, Annotated, Clock, Context};
 use crate::profile::Settings;
 use crate::report::Measures;
 use crate::toolpath::bead;
@@ -11,8 +11,8 @@ use crate::toolpath::bead;
 const LIMIT_MM: f64 = 10_000.0;
 /// Chords stay this near to an arc.
 const CHORD_TOLERANCE_MM: f64 = 0.01;
-/// Without comments on layers, a new one begins where something is extruded this much higher or lower.
-const LAYER_STEP_MM: f64 = 0.04;
+/// A step of Z is taken for a layer's height within these limits, and so is what a comment says.
+const HEIGHTS_MM: (f64, f64) = (0.01, 5.0);
 /// Beads are drawn no narrower and no wider than this.
 const WIDTHS_MM: (f64, f64) = (0.05, 5.0);
 
@@ -85,9 +85,9 @@ impl Scene {
     /// Reads a G-code file of any common slicer. Where it does not tell widths or the diameter of its filament, these
     /// follow from the amounts extruded and from the settings. O(bytes).
     pub fn read(text: &[u8], settings: &Settings) -> Self {
-        let mut reader = Reader::new(text, settings);
-        for step in gcode::replay(text) {
-            reader.step(&step);
+        let mut reader = Reader::new(settings);
+        for read in gcode::annotate(text) {
+            reader.read(&read);
         }
         reader.finish()
     }
@@ -105,9 +105,8 @@ impl Scene {
     /// Smallest and largest X and Y that roles touch (where nothing is extruded: that moves touch); `None` of an empty
     /// scene. What a start script primes does not count where there is anything else.
     pub fn bounds(&self) -> Option<[[f32; 2]; 2]> {
-        let other = ROLES.len() as u8 - 1;
         let wanted: [&dyn Fn(&Stroke) -> bool; 3] =
-            [&|s| s.role.is_some_and(|role| role != other), &|s| s.role.is_some(), &|_| true];
+            [&|s| s.role.is_some_and(|role| role != OTHER), &|s| s.role.is_some(), &|_| true];
         wanted.into_iter().find_map(|wanted| {
             let strokes = self.layers.iter().flat_map(|layer| &layer.strokes).filter(|s| wanted(s));
             strokes.flat_map(|s| [(s.from, s.width_mm), (s.to, s.width_mm)]).fold(None, |bounds, (p, width)| {
@@ -122,43 +121,14 @@ impl Scene {
     }
 }
 
-/// How a file tells that a layer begins.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum LayerSign {
-    Comment(&'static str),
-    Height,
-}
-
-impl LayerSign {
-    /// The first of the usual comments that the file has.
-    fn of(text: &[u8]) -> Self {
-        const COMMENTS: [&str; 3] = ["LAYER_CHANGE", "CHANGE_LAYER", "LAYER:"];
-        let mut found = COMMENTS.len();
-        for line in gcode::lines(text) {
-            let comment = line.comment.map(<[u8]>::trim_ascii_start).unwrap_or_default();
-            let known = COMMENTS.iter().position(|sign| comment.starts_with(sign.as_bytes()));
-            found = found.min(known.unwrap_or(found));
-            if found == 0 {
-                break;
-            }
-        }
-        COMMENTS.get(found).map_or(Self::Height, |comment| Self::Comment(comment))
-    }
-}
-
 /// The reading under way.
 struct Reader {
-    sign: LayerSign,
     clock: Clock,
     area_mm2: f64,
     scene: Scene,
     layer: Layer,
-    /// Whether the layer has begun by a comment or an extrusion; before, it holds the start script.
-    begun: bool,
-    role: usize,
-    /// Bead by `;WIDTH:` and `;HEIGHT:`.
-    width_mm: Option<f64>,
-    height_mm: Option<f64>,
+    /// Index of the layer by the file's marks.
+    index: usize,
     /// Z at which was extruded last, and the layer height that follows from it.
     extruded_z_mm: Option<f64>,
     step_mm: f64,
@@ -166,22 +136,18 @@ struct Reader {
     bead_end: Option<[f64; 3]>,
     travelled: bool,
     /// Role of the stroke before, if it extruded.
-    extruding: Option<usize>,
+    extruding: Option<u8>,
 }
 
 impl Reader {
-    fn new(text: &[u8], settings: &Settings) -> Self {
+    fn new(settings: &Settings) -> Self {
         let machine = Machine::new(settings);
         Self {
-            sign: LayerSign::of(text),
             clock: Clock::new(&machine),
             area_mm2: machine.filament_area_mm2,
             scene: Scene::default(),
             layer: Layer::default(),
-            begun: false,
-            role: ROLES.len() - 1,
-            width_mm: None,
-            height_mm: None,
+            index: 0,
             extruded_z_mm: None,
             step_mm: settings.layer.first_height.0,
             bead_end: None,
@@ -190,52 +156,44 @@ impl Reader {
         }
     }
 
-    fn step(&mut self, step: &Step<'_>) {
-        match step.action {
-            Action::Stroke(stroke) => self.stroke(&stroke, step),
-            Action::Type(name) => self.role = colors::role(name),
+    fn read(&mut self, read: &Annotated<'_>) {
+        match read.context.layer {
+            Some(layer) if layer > self.index => self.end_layer(),
+            // The first mark: what came before, however high, belongs to the first layer.
+            Some(layer) if layer < self.index => self.unite(),
+            _ => {}
+        }
+        self.index = read.context.layer.unwrap_or(0);
+        match read.action {
+            Action::Stroke(stroke) => self.stroke(&stroke, read),
             Action::FirmwareRetract => {
                 self.layer.measures.retractions += 1;
                 self.mark(MarkKind::Retraction, self.nozzle());
             }
             Action::FirmwareUnretract => self.mark(MarkKind::Unretraction, self.nozzle()),
-            Action::Other => {
-                self.clock.step(step);
-                if let Some(comment) = step.line.comment {
-                    self.comment(comment.trim_ascii());
-                }
-            }
+            Action::Type(_) => {}
+            Action::Other => self.clock.step(&read.line, &read.action),
         }
     }
 
-    fn comment(&mut self, comment: &[u8]) {
-        let number = |name: &str| {
-            let value = comment.strip_prefix(name.as_bytes())?;
-            std::str::from_utf8(value).ok()?.trim().parse::<f64>().ok().filter(|mm| *mm > 0.0 && *mm < 100.0)
-        };
-        if let Some(width) = number("WIDTH:").or_else(|| number("LINE_WIDTH:")) {
-            self.width_mm = Some(width);
-        } else if let Some(height) = number("HEIGHT:").or_else(|| number("LAYER_HEIGHT:")) {
-            self.height_mm = Some(height);
-        } else if let Some(name) = comment.strip_prefix(b"FEATURE:") {
-            self.role = colors::role(name);
-        } else if let LayerSign::Comment(sign) = self.sign
-            && comment.starts_with(sign.as_bytes())
-        {
-            self.begin_layer();
+    /// Makes one layer of all so far, and goes on with it.
+    fn unite(&mut self) {
+        self.end_layer();
+        let mut all = Layer::default();
+        for layer in std::mem::take(&mut self.scene.layers) {
+            let before = all.strokes.len() as u32;
+            all.marks.extend(layer.marks.iter().map(|mark| Mark { before: mark.before + before, ..*mark }));
+            all.strokes.extend(layer.strokes);
+            all.measures += &layer.measures;
         }
-    }
-
-    fn begin_layer(&mut self) {
-        if std::mem::replace(&mut self.begun, true) {
-            self.end_layer();
-        }
+        self.scene.total = Measures::default();
+        self.layer = all;
     }
 
     fn end_layer(&mut self) {
         let mut layer = std::mem::take(&mut self.layer);
         layer.z_mm = self.extruded_z_mm.unwrap_or(0.0);
-        layer.measures.total_s = self.clock.lap().0;
+        layer.measures.total_s += self.clock.lap().0;
         layer.measures.total_mm = layer.measures.print_mm + layer.measures.travel_mm;
         layer.measures.filament_mm = layer.measures.volume_mm3 / self.area_mm2;
         self.scene.total += &layer.measures;
@@ -251,7 +209,7 @@ impl Reader {
         self.layer.marks.push(Mark { kind, at, before: self.layer.strokes.len() as u32 });
     }
 
-    fn stroke(&mut self, stroke: &gcode::Stroke, step: &Step<'_>) {
+    fn stroke(&mut self, stroke: &gcode::Stroke, read: &Annotated<'_>) {
         if stroke.from.iter().chain(&stroke.to).any(|mm| mm.abs() > LIMIT_MM) {
             self.scene.left_out += 1;
             return;
@@ -260,7 +218,7 @@ impl Reader {
         if extrudes {
             self.rise(stroke.to[2]);
         }
-        self.clock.step(step);
+        self.clock.step(&read.line, &read.action);
         let at = stroke.from.map(|mm| mm as f32);
         if stroke.retracts {
             self.layer.measures.retractions += 1;
@@ -268,9 +226,9 @@ impl Reader {
         } else if stroke.e_mm > stroke.fresh_mm + 1e-9 {
             self.mark(MarkKind::Unretraction, at);
         }
-        self.layer.measures.volume_mm3 += stroke.fresh_mm * self.area_mm2;
+        self.layer.measures.volume_mm3 += stroke.fresh_mm3(self.area_mm2);
         if extrudes {
-            self.extrude(stroke);
+            self.extrude(stroke, &read.context);
         } else if stroke.from != stroke.to {
             self.extruding = None;
             if self.bead_end.is_some() && stroke.xy_mm > 1e-9 {
@@ -283,22 +241,19 @@ impl Reader {
 
     /// Takes note of the height at which something is extruded.
     fn rise(&mut self, z_mm: f64) {
-        let before = self.extruded_z_mm;
-        if before.is_none_or(|before| (z_mm - before).abs() > LAYER_STEP_MM) {
-            if self.sign == LayerSign::Height {
-                self.begin_layer();
-            }
-            let step_mm = z_mm - before.unwrap_or(0.0);
-            self.step_mm = if (0.0..2.0).contains(&step_mm) { step_mm } else { self.step_mm };
+        let step_mm = z_mm - self.extruded_z_mm.unwrap_or(0.0);
+        if (HEIGHTS_MM.0..HEIGHTS_MM.1).contains(&step_mm) {
+            self.step_mm = step_mm;
         }
         self.extruded_z_mm = Some(z_mm);
     }
 
-    fn extrude(&mut self, stroke: &gcode::Stroke) {
-        if SEAMED.contains(&self.role) && self.extruding != Some(self.role) {
+    fn extrude(&mut self, stroke: &gcode::Stroke, context: &Context) {
+        let role = colors::index(context.role);
+        if role == SEAMED && self.extruding != Some(role) {
             self.mark(MarkKind::Seam, stroke.from.map(|mm| mm as f32));
         }
-        self.extruding = Some(self.role);
+        self.extruding = Some(role);
         let measures = &mut self.layer.measures;
         measures.print_mm += stroke.xy_mm;
         if let (Some(end), true) = (self.bead_end, self.travelled) {
@@ -306,10 +261,14 @@ impl Reader {
             measures.travels += 1;
         }
         (self.bead_end, self.travelled) = (Some(stroke.to), false);
-        let height_mm = self.height_mm.unwrap_or(self.step_mm);
-        let section_mm2 = stroke.e_mm * self.area_mm2 / stroke.xy_mm;
-        let width_mm = self.width_mm.unwrap_or_else(|| bead::width_mm(section_mm2 / height_mm, height_mm));
-        self.push(stroke, Some(self.role as u8), width_mm.clamp(WIDTHS_MM.0, WIDTHS_MM.1), height_mm);
+        let height_mm = context.height_mm.unwrap_or(self.step_mm).clamp(HEIGHTS_MM.0, HEIGHTS_MM.1);
+        let section_mm2 = self.volume_mm3(stroke) / stroke.xy_mm;
+        let width_mm = context.width_mm.unwrap_or_else(|| bead::width_mm(section_mm2 / height_mm, height_mm));
+        self.push(stroke, Some(role), width_mm.clamp(WIDTHS_MM.0, WIDTHS_MM.1), height_mm);
+    }
+
+    fn volume_mm3(&self, stroke: &gcode::Stroke) -> f64 {
+        stroke.e_mm.max(0.0) * if stroke.volumetric { 1.0 } else { self.area_mm2 }
     }
 
     /// Adds a stroke, an arc as chords.
@@ -320,7 +279,7 @@ impl Reader {
             (stroke.xy_mm / chord_mm.max(1e-3)).ceil().clamp(1.0, 1000.0)
         });
         let flow = if role.is_some() {
-            stroke.e_mm.max(0.0) * self.area_mm2 / stroke.xy_mm.max(1e-6) * stroke.feed_mm_s
+            self.volume_mm3(stroke) / stroke.xy_mm.max(1e-6) * stroke.feed_mm_s
         } else {
             0.0
         };

@@ -9,7 +9,7 @@ use crate::units::Mm;
 /// A travel longer than this counts as long.
 const LONG_TRAVEL_MM: f64 = 2.0;
 
-/// What one `;TYPE:` comes to.
+/// What one type of feature comes to.
 #[derive(Clone, Debug, Default, PartialEq)]
 #[allow(missing_docs)]
 pub struct TypeMeasure {
@@ -37,7 +37,7 @@ pub struct Measure {
     pub volume_mm3: f64,
     /// Distinct heights at which something was extruded, micrometres, ascending.
     pub heights_um: Vec<i64>,
-    /// By `;TYPE:`, in order of appearance; `none` before the first.
+    /// By `;TYPE:` or what other slicers write in its place, in order of appearance; `none` before the first.
     pub by_type: Vec<TypeMeasure>,
 }
 
@@ -55,8 +55,8 @@ pub fn measure_on(steps: &mut Replay<'_>, filament_diameter: Mm, bead_end: Optio
     for step in steps {
         match step.action {
             Action::Stroke(stroke) => {
-                out.volume_mm3 += stroke.fresh_mm * area_mm2;
-                out.by_type[kind].volume_mm3 += stroke.fresh_mm * area_mm2;
+                out.volume_mm3 += stroke.fresh_mm3(area_mm2);
+                out.by_type[kind].volume_mm3 += stroke.fresh_mm3(area_mm2);
                 out.retractions += usize::from(stroke.retracts);
                 if stroke.extrudes() {
                     out.by_type[kind].print_mm += stroke.xy_mm;

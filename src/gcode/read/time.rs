@@ -1,7 +1,7 @@
 //! How long a file takes.
 
 use super::lexer::Line;
-use super::replay::{Action, Replay, Step, Stroke, replay};
+use super::replay::{Action, Replay, Stroke, replay};
 use crate::estimate::{Machine, Planner, Segment};
 use crate::units::Seconds;
 
@@ -18,12 +18,12 @@ pub fn file_time(text: &[u8], machine: &Machine) -> Seconds {
 pub fn time_on(steps: Replay<'_>, machine: &Machine) -> Seconds {
     let mut clock = Clock::new(machine);
     for step in steps {
-        clock.step(&step);
+        clock.step(&step.line, &step.action);
     }
     clock.lap()
 }
 
-/// Times the steps of a replay as they come.
+/// Times lines as they come.
 #[derive(Clone, Debug)]
 pub struct Clock {
     machine: Machine,
@@ -38,11 +38,11 @@ impl Clock {
         Self { machine: *machine, planner: Planner::new(machine), acceleration: [machine.acceleration; 2] }
     }
 
-    /// Takes up a step.
-    pub fn step(&mut self, step: &Step<'_>) {
-        match step.action {
-            Action::Stroke(stroke) => self.push(&stroke),
-            Action::Other => accelerations(&step.line, &mut self.acceleration),
+    /// Takes up a line and what it does.
+    pub fn step(&mut self, line: &Line<'_>, action: &Action<'_>) {
+        match action {
+            Action::Stroke(stroke) => self.push(stroke),
+            Action::Other => accelerations(line, &mut self.acceleration),
             _ => {}
         }
     }
