@@ -34,6 +34,7 @@ pub(super) struct LowArgs {
 pub(super) enum Command {
     Slice(Box<SliceArgs>),
     Compare(Box<CompareArgs>),
+    View(Box<ViewArgs>),
     Info(InfoArgs),
     Time(TimeArgs),
     Profiles(ProfilesArgs),
@@ -140,6 +141,55 @@ pub(super) struct CompareArgs {
     /// Print comma-separated values, one line for each model, strategy and layer
     #[arg(long)]
     pub csv: bool,
+
+    /// No progress bar, also on a terminal
+    #[arg(long)]
+    pub no_progress: bool,
+}
+
+/// Show a print: a page for the browser, or pictures
+///
+/// Of a G-code file of any slicer, or of models, which are sliced first. The page is one file that needs no network; it
+/// goes beside the input (part.gcode gives part.html) unless -o names another, or only pictures are asked for.
+#[derive(Debug, Args)]
+#[command(after_help = EXIT_CODES)]
+pub(super) struct ViewArgs {
+    #[command(flatten)]
+    pub models: ModelArgs,
+
+    #[command(flatten)]
+    pub settings: SettingArgs,
+
+    /// Write the page to this file; - for standard output
+    #[arg(short, long, value_name = "PATH", value_hint = ValueHint::FilePath)]
+    pub output: Option<PathBuf>,
+
+    /// The layer of --svg and --png, counted from 1
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..), help_heading = "Pictures")]
+    pub layer: Option<u32>,
+
+    /// Write a layer as SVG, to scale
+    #[arg(long, value_name = "PATH", requires = "layer", value_hint = ValueHint::FilePath, help_heading = "Pictures")]
+    pub svg: Option<PathBuf>,
+
+    /// Write a layer as PNG
+    #[arg(long, value_name = "PATH", requires = "layer", value_hint = ValueHint::FilePath, help_heading = "Pictures")]
+    pub png: Option<PathBuf>,
+
+    /// Longer side of the PNG, in pixels
+    #[arg(long, value_name = "N", default_value_t = 1200, value_parser = clap::value_parser!(u32).range(1..=10_000), help_heading = "Pictures")]
+    pub size: u32,
+
+    /// How the order of paths is found [order.strategy]
+    #[arg(long, value_name = "STRATEGY", value_parser = PossibleValuesParser::new(OrderStrategy::NAMES), help_heading = "Ordering")]
+    pub order: Option<String>,
+
+    #[command(flatten)]
+    pub ordering: OrderingArgs,
+
+    /// Worker threads [default: $RAYON_NUM_THREADS, or all cores]; the result is the same
+    #[arg(long, value_name = "N")]
+    pub threads: Option<NonZeroUsize>,
 
     /// No progress bar, also on a terminal
     #[arg(long)]

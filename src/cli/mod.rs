@@ -10,6 +10,7 @@ mod plan;
 mod profiles;
 mod slice;
 mod time;
+mod view;
 
 use std::ffi::OsString;
 
@@ -34,6 +35,7 @@ pub fn run(args: impl IntoIterator<Item = OsString>, engine: &dyn Engine) -> Exi
     let done = match &args.command {
         Command::Slice(args) => slice::run(args, engine),
         Command::Compare(args) => compare::run(args, engine),
+        Command::View(args) => view::run(args, engine),
         Command::Info(args) => info::run(args, engine),
         Command::Time(args) => time::run(args),
         Command::Profiles(args) => profiles::run(args),

@@ -162,10 +162,12 @@ impl Planner {
     /// Settles the moves whose speeds are certain already: all before one whose start speed is what the moves
     /// before it allow, and stays so even if the machine were to stop after the last move.
     fn settle_some(&mut self) {
-        let (mut end_v2, mut smooth_end_v2) = self.blocks.last().map_or((0.0, 0.0), |b| (b.rest_v2, b.rest_v2));
+        let (mut end_v2, mut smooth_end_v2) =
+            self.blocks.last().map_or((0.0, 0.0), |b| (b.rest_v2, b.rest_v2));
         let mut certain = 0;
         for (i, block) in self.blocks.iter().enumerate().skip(1).rev() {
-            let (reach_v2, smooth_reach_v2) = (end_v2 + block.delta_v2, smooth_end_v2 + block.smooth_delta_v2);
+            let (reach_v2, smooth_reach_v2) =
+                (end_v2 + block.delta_v2, smooth_end_v2 + block.smooth_delta_v2);
             if block.start_v2 <= reach_v2
                 && block.smooth_start_v2 <= smooth_reach_v2
                 && !self.blocks[i - 1].speeds_up_to(block.smooth_start_v2)
