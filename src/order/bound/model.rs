@@ -162,6 +162,11 @@ impl Model {
         fine((nearest as f64).sqrt()).max(0)
     }
 
+    /// Whether a terminal is an end of an open path.
+    pub(super) fn is_end(&self, terminal: u32) -> bool {
+        !self.bodies[self.terminals[terminal as usize].item as usize].closed
+    }
+
     pub(super) fn item_of_point(&self, point: u32) -> u32 {
         self.terminals[self.owner[point as usize] as usize].item
     }

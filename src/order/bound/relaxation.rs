@@ -174,7 +174,7 @@ impl<'a> Relaxation<'a> {
     pub(super) fn look_for_cuts(&mut self, trees: u32) -> bool {
         let before = self.cuts.members.len();
         let links = self.links.concat();
-        self.cuts.separate_odd(self.model, &links, trees);
+        self.cuts.separate_parts(self.model, &links, trees);
         let used = |ways: &Vec<Way>| -> Vec<_> { ways.iter().map(|way| (way.terminal, way.used)).collect() };
         let [begun, ended] = self.ways.each_ref().map(used);
         self.cuts.separate_precedence(self.model, &links, [&begun, &ended], trees);
@@ -208,7 +208,11 @@ impl<'a> Relaxation<'a> {
             true => self.dearest(item, multipliers).0,
             false => multipliers.nodes[body.first as usize..body.last as usize].iter().sum(),
         };
-        let cuts = multipliers.cuts.iter().zip(&self.cuts.least).map(|(cut, &least)| cut * i64::from(least));
+        let always = self.cuts.least.iter().zip(&self.cuts.guard).map(|(&least, guard)| match guard {
+            None => i64::from(least),
+            Some(_) => 0,
+        });
+        let cuts = multipliers.cuts.iter().zip(always).map(|(cut, least)| cut * least);
         cuts.sum::<i64>() - self.model.bodies.iter().enumerate().map(nodes).sum::<i64>()
     }
 
@@ -219,7 +223,13 @@ impl<'a> Relaxation<'a> {
         let ties = |piece: usize| {
             self.blocks[item].iter().map(|&block| multipliers.ties[block as usize + piece]).sum::<i64>()
         };
-        own.iter().enumerate().map(|(k, node)| (2 * node + ties(k), k)).max().unwrap_or((0, 0))
+        let guarded = |piece: usize| {
+            let cuts = &self.cuts.guarded[body.first as usize + piece];
+            cuts.iter()
+                .map(|&cut| multipliers.cuts[cut as usize] * i64::from(self.cuts.least[cut as usize]))
+                .sum::<i64>()
+        };
+        own.iter().enumerate().map(|(k, node)| (2 * node + ties(k) - guarded(k), k)).max().unwrap_or((0, 0))
     }
 
     /// The cheapest way in or out: its price and its number.
