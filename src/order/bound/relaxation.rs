@@ -55,7 +55,7 @@ pub(super) struct Relaxation<'a> {
 }
 
 impl<'a> Relaxation<'a> {
-    /// Links at both ends of the walk cost nothing until [`Self::arrive`] and [`Self::leave`].
+    /// Links at both ends of the walk cost nothing until [`Self::measure`].
     pub(super) fn new(model: &'a Model) -> Self {
         let mut relaxation = Self {
             model,
@@ -100,17 +100,9 @@ impl<'a> Relaxation<'a> {
         }
     }
 
-    /// Makes the link from where the walk comes from part of the bound; `length` is the least to arrive at a point.
-    pub(super) fn arrive(&mut self, length: impl Fn(Point) -> i64) {
-        self.measure(0, length);
-    }
-
-    /// Makes the link to where the walk goes on part of the bound.
-    pub(super) fn leave(&mut self, length: impl Fn(Point) -> i64) {
-        self.measure(1, length);
-    }
-
-    fn measure(&mut self, ways: usize, length: impl Fn(Point) -> i64) {
+    /// Makes the link from where the walk comes from (0) or to where it goes on (1) part of the bound; `length` is the
+    /// least for a point.
+    pub(super) fn measure(&mut self, ways: usize, length: impl Fn(Point) -> i64) {
         for way in &mut self.ways[ways] {
             way.length = self.model.points_of(way.terminal).iter().map(|&p| length(p)).min().unwrap_or(0);
         }
@@ -276,17 +268,20 @@ impl<'a> Relaxation<'a> {
         own.iter().enumerate().map(|(k, node)| (2 * node + ties(k) - guarded(k), k)).max().unwrap_or((0, 0))
     }
 
+    /// What a way in or out pays besides its length.
+    fn pays(&self, ways: usize, way: &Way, weights: &[i64], multipliers: &Multipliers) -> i64 {
+        let own = weights[way.terminal as usize] + multipliers.ties[way.tie as usize];
+        if ways == 1 {
+            return own;
+        }
+        let start = self.model.terminals.len() as u32;
+        let both = self.cuts.shared(start, way.terminal).map(|cut| multipliers.cuts[cut as usize]);
+        own + weights[start as usize] + 2 * both.sum::<i64>()
+    }
+
     /// The cheapest way in or out: its price and its number.
     fn cheapest(&self, ways: usize, weights: &[i64], multipliers: &Multipliers) -> Option<(i64, usize)> {
-        let start = self.model.terminals.len() as u32;
-        let price = |way: &Way| {
-            let own = way.length + weights[way.terminal as usize] + multipliers.ties[way.tie as usize];
-            if ways == 1 {
-                return own;
-            }
-            let both = self.cuts.shared(start, way.terminal).map(|cut| multipliers.cuts[cut as usize]);
-            own + weights[start as usize] + 2 * both.sum::<i64>()
-        };
+        let price = |way: &Way| way.length + self.pays(ways, way, weights, multipliers);
         self.ways[ways].iter().map(price).zip(0..).min()
     }
 
@@ -350,15 +345,19 @@ impl<'a> Relaxation<'a> {
         (links + ways + self.constant(multipliers), tree)
     }
 
-    /// The exact bound without the way out, and what that pays at each point where a walk may end.
-    pub(super) fn settle(&self, multipliers: &Multipliers) -> (i64, Vec<(Point, i64)>) {
+    /// The exact bound without the ways in and out, and what links pay at each point where a walk may begin or end.
+    pub(super) fn settle(&self, multipliers: &Multipliers) -> (i64, [Vec<(Point, i64)>; 2]) {
         let weights = self.weights(multipliers);
-        let out = self.cheapest(1, &weights, multipliers).map_or(0, |(price, _)| price);
-        let ends = self.ways[1].iter().flat_map(|way| {
-            let pay = weights[way.terminal as usize] + multipliers.ties[way.tie as usize];
-            self.model.points_of(way.terminal).iter().map(move |&p| (p, pay))
+        let ways = [0, 1].map(|ways| {
+            let points = self.ways[ways].iter().flat_map(|way| {
+                let pay = self.pays(ways, way, &weights, multipliers);
+                self.model.points_of(way.terminal).iter().map(move |&p| (p, pay))
+            });
+            points.collect()
         });
-        (self.exact(multipliers).0 - out, ends.collect())
+        let cheapest = (0..2).filter_map(|ways| self.cheapest(ways, &weights, multipliers));
+        let cheapest: i64 = cheapest.map(|(price, _)| price).sum();
+        (self.exact(multipliers).0 - cheapest, ways)
     }
 }
 
