@@ -48,9 +48,9 @@ impl Climb {
     }
 }
 
-/// Good multipliers, and the bound that they prove over all links (Held & Karp 1970 and 1971,
+/// Multipliers whose bound over all links is the best that was found (Held & Karp 1970 and 1971,
 /// <https://doi.org/10.1287/opre.18.6.1138>, <https://doi.org/10.1007/BF01584070>).
-pub(super) fn ascend(relaxation: &mut Relaxation) -> (i64, Multipliers) {
+pub(super) fn ascend(relaxation: &mut Relaxation) -> Multipliers {
     let mut now = relaxation.zero();
     let mut usage = Usage::default();
     let mut ascent = Ascent::new(relaxation);
@@ -89,7 +89,7 @@ pub(super) fn ascend(relaxation: &mut Relaxation) -> (i64, Multipliers) {
         }
     }
     let (bound, _) = relaxation.exact(&hoped.1);
-    if bound > proved.0 { (bound, hoped.1) } else { proved }
+    if bound > proved.0 { hoped.1 } else { proved.1 }
 }
 
 struct Ascent {
