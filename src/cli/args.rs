@@ -33,6 +33,7 @@ pub(super) struct LowArgs {
 pub(super) enum Command {
     Slice(Box<SliceArgs>),
     Compare(Box<CompareArgs>),
+    Reorder(Box<ReorderArgs>),
     Info(InfoArgs),
     Profiles(ProfilesArgs),
     /// Print a completion script for a shell
@@ -142,6 +143,56 @@ pub(super) struct CompareArgs {
     /// No progress bar, also on a terminal
     #[arg(long)]
     pub no_progress: bool,
+}
+
+/// Shorten the travel of finished G-code, of any slicer
+///
+/// What is printed within each layer is put into another order; everything else stays. The result is read back and
+/// compared layer by layer before it replaces anything. If nothing improves, the file stays as it is.
+#[derive(Debug, Args)]
+#[command(after_help = EXIT_CODES)]
+pub(super) struct ReorderArgs {
+    /// G-code files
+    #[arg(required = true, value_name = "FILE", value_hint = ValueHint::FilePath)]
+    pub files: Vec<PathBuf>,
+
+    /// Write to this file, or into this folder; - for standard output
+    #[arg(short, long, value_name = "PATH", value_hint = ValueHint::AnyPath, conflicts_with_all = ["in_place", "dry_run"])]
+    pub output: Option<PathBuf>,
+
+    /// Replace the files themselves, as slicers expect of a post-processing script
+    #[arg(long)]
+    pub in_place: bool,
+
+    /// Only tell what would be saved
+    #[arg(long, conflicts_with = "in_place")]
+    pub dry_run: bool,
+
+    /// Draw no open path backwards; loops keep their direction in any case
+    #[arg(long, help_heading = "Ordering")]
+    pub keep_direction: bool,
+
+    #[command(flatten)]
+    pub settings: SettingArgs,
+
+    /// How the order of paths is found [order.strategy]
+    #[arg(long, value_name = "STRATEGY", value_parser = PossibleValuesParser::new(OrderStrategy::NAMES), help_heading = "Ordering")]
+    pub order: Option<String>,
+
+    #[command(flatten)]
+    pub ordering: OrderingArgs,
+
+    /// Worker threads [default: $RAYON_NUM_THREADS, or all cores]; the result is the same
+    #[arg(long, value_name = "N")]
+    pub threads: Option<NonZeroUsize>,
+
+    /// Print what was saved as JSON, one line for each file
+    #[arg(long, conflicts_with = "quiet")]
+    pub json: bool,
+
+    /// Print errors only
+    #[arg(short, long)]
+    pub quiet: bool,
 }
 
 /// How paths are ordered, whatever the strategy.

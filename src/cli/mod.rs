@@ -8,6 +8,7 @@ mod info;
 mod pages;
 mod plan;
 mod profiles;
+mod reorder;
 mod slice;
 
 use std::ffi::OsString;
@@ -33,6 +34,7 @@ pub fn run(args: impl IntoIterator<Item = OsString>, engine: &dyn Engine) -> Exi
     let done = match &args.command {
         Command::Slice(args) => slice::run(args, engine),
         Command::Compare(args) => compare::run(args, engine),
+        Command::Reorder(args) => reorder::run(args, engine),
         Command::Info(args) => info::run(args, engine),
         Command::Profiles(args) => profiles::run(args),
         Command::Completions { shell } => pages::completions(*shell),

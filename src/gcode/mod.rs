@@ -18,7 +18,7 @@ mod wrap;
 pub use effect::Effect;
 pub use layer::{LayerText, format_layer};
 pub use read::{
-    Action, Annotated, Center, Code, Context, Line, Lines, Mark, Measure, Reader, Replay, State, Step,
+    Action, Annotated, Center, Code, Context, Line, Lines, Mark, Measure, Meter, Reader, Replay, State, Step,
     Stroke, TypeMeasure, Words, annotate, file_time, lines, mark, measure, replay, role,
 };
 pub use script::Scripts;

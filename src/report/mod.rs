@@ -1,7 +1,9 @@
 //! Results for people (text) and for programs (JSON).
 
 mod model;
+mod reordered;
 mod summary;
 
 pub use model::ModelInfo;
+pub use reordered::{Reordered, Way};
 pub use summary::{LayerSummary, Measures, Summary};
