@@ -8,6 +8,7 @@ mod info;
 mod pages;
 mod plan;
 mod profiles;
+mod reorder;
 mod slice;
 mod time;
 mod view;
@@ -36,6 +37,7 @@ pub fn run(args: impl IntoIterator<Item = OsString>, engine: &dyn Engine) -> Exi
         Command::Slice(args) => slice::run(args, engine),
         Command::Compare(args) => compare::run(args, engine),
         Command::View(args) => view::run(args, engine),
+        Command::Reorder(args) => reorder::run(args, engine),
         Command::Info(args) => info::run(args, engine),
         Command::Time(args) => time::run(args),
         Command::Profiles(args) => profiles::run(args),

@@ -144,7 +144,8 @@ impl<'a> Relaxation<'a> {
         if !self.pairs.insert((i.min(j), i.max(j))) {
             return;
         }
-        let [one, other] = [i, j].map(|item| model.bodies[item as usize].first..model.bodies[item as usize].last);
+        let [one, other] =
+            [i, j].map(|item| model.bodies[item as usize].first..model.bodies[item as usize].last);
         let few = one.len() <= 2 && other.len() <= 2;
         for (from, to) in [(one.clone(), other.clone()), (other, one)] {
             for a in from {
