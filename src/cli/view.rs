@@ -10,7 +10,7 @@ use super::plan;
 use crate::job::{Engine, Job, Progress, Silent};
 use crate::output::Output;
 use crate::profile::Settings;
-use crate::view::{self, Layer, Scene};
+use crate::view::{self, Layer, Print, Scene};
 
 /// Writes the pictures and the page that are asked for.
 pub(super) fn run(args: &ViewArgs, engine: &dyn Engine) -> Result<Exit, Failure> {
@@ -33,7 +33,18 @@ pub(super) fn run(args: &ViewArgs, engine: &dyn Engine) -> Result<Exit, Failure>
     if let Some(path) = &args.png {
         write(path, &view::layer_png(&scene, layer(&scene, args)?, args.size))?;
     }
+    if let Some(path) = &page {
+        let title = args.models.files.iter().map(|file| file_name(file)).collect::<Vec<_>>().join(" + ");
+        let total = scene.total.clone();
+        let filament_g = total.volume_mm3 / 1000.0 * resolved.settings.filament.density;
+        let print = Print { name: title.clone(), scene: &scene, total, filament_g };
+        write(path, view::page(&title, &[print]).as_bytes())?;
+    }
     Ok(Exit::Done)
+}
+
+fn file_name(path: &Path) -> String {
+    path.file_name().unwrap_or(path.as_os_str()).to_string_lossy().into_owned()
 }
 
 /// Where the page goes, if one is wanted.

@@ -7,9 +7,11 @@ mod colors;
 mod layer_png;
 mod layer_svg;
 mod pack;
+mod page;
 mod picture;
 mod scene;
 
 pub use layer_png::layer_png;
 pub use layer_svg::layer_svg;
+pub use page::{Print, page};
 pub use scene::{Layer, Mark, MarkKind, Scene, Stroke};

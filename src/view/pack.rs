@@ -129,7 +129,9 @@ impl Packer {
         self.out.push(stroke.role.unwrap_or(TRAVEL) | flags);
         self.go(stroke.to, lifted);
         if flags & BEAD != 0 {
-            bead.map(|ticks| self.unsigned(ticks));
+            for ticks in bead {
+                self.unsigned(ticks);
+            }
             self.bead = bead;
         }
         if flags & SECTION != 0 {
