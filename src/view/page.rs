@@ -132,7 +132,9 @@ mod tests {
         let name = "</script><b>&".to_owned();
         let print = Print { name: name.clone(), scene: &scene, total: scene.total.clone(), filament_g: 1.0 };
         let page = page(&name, &[print]);
-        assert!(page.contains("<title>&lt;/script&gt;&lt;b&gt;&amp;</title>") && !page.contains("</script><b>"));
+        assert!(
+            page.contains("<title>&lt;/script&gt;&lt;b&gt;&amp;</title>") && !page.contains("</script><b>")
+        );
         assert!(!page.contains("<!--") && page.trim_end().ends_with("</html>"));
         assert!(!page.contains("src=") && !page.contains("href=") && !page.contains("https://"));
     }

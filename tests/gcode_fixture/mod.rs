@@ -95,6 +95,7 @@ pub fn layer(index: usize, paths: Vec<Path>) -> LayerPaths {
         islands: vec![Island { object: 0 }],
         paths,
         outline: Region::default(),
+        beneath: None,
     }
 }
 
