@@ -59,6 +59,7 @@ pub fn layer(block: &Block, index: usize, seam: SeamPosition) -> LayerPaths {
         islands: Vec::new(),
         paths: paths.collect(),
         outline: Region::default(),
+        beneath: None,
     }
 }
 
