@@ -105,16 +105,18 @@ impl EdgeGrid {
         found.dedup();
     }
 
-    /// Indices, ascending and without repetition, of edges that share a cell with the box: all that pass through it,
+    /// Indices, ascending and without repetition, of edges that share a cell with the box: all that come into it,
     /// and some more. They replace the contents of `found`.
-    pub fn near_box(&self, area: Bounds, found: &mut Vec<u32>) {
+    pub fn near_box(&self, bounds: Bounds, found: &mut Vec<u32>) {
         found.clear();
-        let cells = |low: i32, high: i32, origin: i32, count: i64| {
-            let cell = |v: i64| (v - i64::from(origin)).div_euclid(self.cell);
-            cell(i64::from(low) - SLACK).max(0)..=cell(i64::from(high) + SLACK).min(count - 1)
+        let cell = |at: i32, origin: i32, cells: i64, slack: i64| {
+            (i64::from(at) - i64::from(origin) + slack).div_euclid(self.cell).clamp(0, cells - 1)
         };
-        for row in cells(area.min.y, area.max.y, self.bounds.min.y, self.rows) {
-            for column in cells(area.min.x, area.max.x, self.bounds.min.x, self.columns) {
+        let (min, origin) = (bounds.min, self.bounds.min);
+        let columns =
+            cell(min.x, origin.x, self.columns, -SLACK)..=cell(bounds.max.x, origin.x, self.columns, SLACK);
+        for row in cell(min.y, origin.y, self.rows, -SLACK)..=cell(bounds.max.y, origin.y, self.rows, SLACK) {
+            for column in columns.clone() {
                 let cell = (row * self.columns + column) as usize;
                 let range = self.starts[cell] as usize..self.starts[cell + 1] as usize;
                 found.extend_from_slice(&self.items[range]);

@@ -3,6 +3,7 @@
 mod adhesion;
 pub mod bead;
 mod beading;
+mod bridges;
 pub mod infill;
 mod path;
 mod planner;

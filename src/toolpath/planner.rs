@@ -4,15 +4,17 @@ use std::ops::RangeInclusive;
 
 use crate::geom::{self, Polygon, Region, Ring};
 use crate::profile::{
-    BrimSettings, FirstLayerSettings, InfillSettings, IroningSettings, Settings, ShellSettings, SkirtSettings, WallOrder,
-    WallSettings,
+    BridgeSettings, BrimSettings, FirstLayerSettings, InfillSettings, IroningSettings, Settings,
+    ShellSettings, SkirtSettings, WallOrder, WallSettings,
 };
+use crate::units::Mm;
 
 use super::bead::Line;
-use super::infill::{self, FillSpec, Joins, SparseSample};
+use super::bridges::Bridge;
+use super::infill::{self, FillSpec, Joins, SolidSpec, SparseSample};
 use super::shells::{self, Zones};
 use super::walls::{self, WallSpec, Walls};
-use super::{Island, LayerPaths, Path, Role, Width, adhesion, bead, beading};
+use super::{Island, LayerPaths, Path, Role, Width, adhesion, bead, beading, bridges};
 
 /// Densities above this are solid.
 const SOLID_DENSITY: f64 = 0.995;
@@ -41,6 +43,9 @@ pub struct ToolpathSettings {
     pub shell: ShellSettings,
     pub infill: InfillSettings,
     pub ironing: IroningSettings,
+    pub bridge: BridgeSettings,
+    /// The nozzle's bore: as thick as bridges are by nature.
+    pub nozzle: Mm,
     pub first_layer: FirstLayerSettings,
     pub skirt: SkirtSettings,
     pub brim: BrimSettings,
@@ -53,6 +58,8 @@ impl From<&Settings> for ToolpathSettings {
             shell: s.shell.clone(),
             infill: s.infill.clone(),
             ironing: s.ironing.clone(),
+            bridge: s.bridge.clone(),
+            nozzle: s.printer.nozzle_diameter,
             first_layer: s.first_layer.clone(),
             skirt: s.skirt.clone(),
             brim: s.brim.clone(),
@@ -69,6 +76,8 @@ pub struct ObjectLayer<'a> {
     pub section: &'a Region,
     /// Its section one layer up; empty on its last layer.
     pub next: &'a Region,
+    /// Its section one layer down; `None`: the bed.
+    pub beneath: Option<&'a Region>,
     /// What the layers of the top shell's thickness above have in common; `None`: no top shell.
     pub above: Option<&'a Region>,
     /// What the layers of the bottom shell's thickness below have in common; `None`: no bottom shell.
@@ -195,6 +204,7 @@ impl Planner {
             islands,
             paths: draft.paths,
             outline,
+            beneath: rests_on(section),
         }
     }
 
@@ -233,8 +243,15 @@ impl Planner {
             draft.gap(role, rank, gap, spec.least_gap_mm(*depth)..=spec.widest_gap_mm(), least_mm);
         }
 
-        let zones = self.zones(&inside, object, section);
         let settings = &self.settings.infill;
+        let mut zones = self.zones(&inside, object, section);
+        if let Some(beneath) = object.beneath.filter(|_| self.settings.bridge.enabled) {
+            let thread_mm = self.settings.nozzle.0 * self.settings.bridge.flow.sqrt();
+            let anchor_mm = self.settings.bridge.anchor.0;
+            for bridge in bridges::take(&mut zones, &inside, polygon, beneath, thread_mm, anchor_mm) {
+                draft.bridge(count + 2, &bridge, thread_mm, settings);
+            }
+        }
         let solid =
             Solid { role: Role::SolidInfill, rank: count + 1, width_mm: widths.solid_mm, ordered: false };
         draft.solid(&zones.solid, &solid, section.index, settings);
@@ -258,13 +275,13 @@ impl Planner {
             let flow = infill::flow(&lines, solid_mm, density);
             draft.lines(
                 Role::InternalInfill,
-                count + 2,
+                count + 3,
                 bead::width_mm(spacing_mm * flow, section.height_mm),
                 lines,
             );
         }
         let ordered = self.settings.shell.monotonic;
-        let solid = Solid { role: Role::TopSolidInfill, rank: count + 3, width_mm: widths.top_mm, ordered };
+        let solid = Solid { role: Role::TopSolidInfill, rank: count + 4, width_mm: widths.top_mm, ordered };
         draft.solid(&zones.top, &solid, section.index, settings);
         if self.settings.ironing.enabled {
             self.iron(draft, &zones.top, section, widths);
@@ -328,7 +345,7 @@ impl Planner {
 
     fn widths(&self, layer: usize) -> Widths {
         let s = &self.settings;
-        let on = |width: crate::units::Mm| match s.first_layer.width.0 {
+        let on = |width: Mm| match s.first_layer.width.0 {
             first_mm if layer == 0 && first_mm > 0.0 => first_mm,
             _ => width.0,
         };
@@ -341,6 +358,15 @@ impl Planner {
             skirt_mm: on(s.walls.width),
         }
     }
+}
+
+/// What a layer rests on: everything one layer down.
+fn rests_on(section: &PlateLayer<'_>) -> Option<Region> {
+    let mut below = Region::default();
+    for object in &section.objects {
+        below.polygons.extend(object.beneath?.polygons.iter().cloned());
+    }
+    Some(below)
 }
 
 impl Draft {
@@ -386,9 +412,9 @@ impl Draft {
         }
         // Free ends alone fill the zone when they reach its edge.
         let reach_mm = if ordered { spacing_mm / 2.0 } else { reach_mm };
-        for patch in
-            infill::fill_solid(&zone, spacing_mm, reach_mm, settings.angle.to_radians(), layer, !ordered)
-        {
+        let angle_rad = settings.angle.to_radians();
+        let spec = SolidSpec { spacing_mm, reach_mm, angle_rad, layer, joined: !ordered, capped: true };
+        for patch in infill::fill_solid(&zone, &spec) {
             let width_mm = bead::width_mm(patch.spacing_mm, self.height_mm);
             if !ordered {
                 self.lines(role, rank, width_mm, patch.lines.into_iter().map(|(_, line)| line));
@@ -401,6 +427,24 @@ impl Draft {
         }
     }
 
+    /// Threads side by side, each as wide as it is high.
+    fn bridge(&mut self, rank: u32, bridge: &Bridge, thread_mm: f64, settings: &InfillSettings) {
+        let reach_mm = settings.overlap.0 * thread_mm;
+        let layer_mm = std::mem::replace(&mut self.height_mm, thread_mm);
+        let spec = SolidSpec {
+            spacing_mm: thread_mm,
+            reach_mm,
+            angle_rad: bridge.angle_rad,
+            layer: 0,
+            joined: true,
+            capped: false,
+        };
+        for patch in infill::fill_solid(&bridge.area, &spec) {
+            self.lines(Role::BridgeInfill, rank, thread_mm, patch.lines.into_iter().map(|(_, line)| line));
+        }
+        self.height_mm = layer_mm;
+    }
+
     /// One bead of fitting width, but at least `least_mm`, along the middle of each part whose width is in a range.
     fn gap(&mut self, role: Role, rank: u32, gap: &Region, range: RangeInclusive<f64>, least_mm: f64) {
         for path in geom::medial_axis(gap, *range.start(), *range.end()) {
@@ -408,7 +452,8 @@ impl Draft {
                 continue;
             }
             let rounding_mm = bead::rounding_mm(self.height_mm) as f32;
-            let widths = path.width_mm.iter().map(|width_mm| (width_mm + rounding_mm).max(least_mm as f32)).collect();
+            let widths =
+                path.width_mm.iter().map(|width_mm| (width_mm + rounding_mm).max(least_mm as f32)).collect();
             self.push(role, rank, path.closed, path.points, Width::PerVertex(widths));
         }
     }

@@ -18,7 +18,7 @@ use super::bead::Line;
 
 pub use connect::Joins;
 pub use density::{SparseSample, calibrate, flow, miss};
-pub use solid::{fill as fill_solid, iron, split_narrow};
+pub use solid::{SolidSpec, fill as fill_solid, iron, split_narrow};
 
 /// What a pattern needs to know of a layer.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -50,21 +50,28 @@ pub struct SolidPatch {
     pub lines: Vec<(u32, Line)>,
 }
 
-/// Fills each polygon of a region with lines `spacing_mm` apart or slightly closer or wider: the extent across
-/// the lines is divided evenly.
-///
-/// Joins run half a spacing inside the boundary; free ends reach `reach_mm` further. What is left beside the boundary
-/// where it runs along the lines is filled with beads of fitting width. Lines turn by 90° from layer to layer.
-/// Without `joined` each line is by itself.
-pub fn fill(
-    region: &Region,
-    spacing_mm: f64,
-    reach_mm: f64,
-    angle_rad: f64,
-    layer: usize,
-    joined: bool,
-) -> Vec<SolidPatch> {
-    let angle_rad = angle_rad + if layer % 2 == 1 { FRAC_PI_2 } else { 0.0 };
+/// How a region is filled solid.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SolidSpec {
+    /// Distance of the lines.
+    pub spacing_mm: f64,
+    /// How far free ends reach beyond half a spacing inside the boundary.
+    pub reach_mm: f64,
+    /// Direction of the first layer's lines; they turn by 90° from layer to layer.
+    pub angle_rad: f64,
+    /// Index of the layer, from 0.
+    pub layer: usize,
+    /// Whether line ends are joined along the boundary; else each line is by itself.
+    pub joined: bool,
+    /// Whether beads of fitting width fill what is left where the boundary runs along the lines.
+    pub capped: bool,
+}
+
+/// Fills each polygon of a region with lines a spacing apart or slightly closer or wider: the extent across
+/// the lines is divided evenly. Joins run half a spacing inside the boundary.
+pub fn fill(region: &Region, spec: &SolidSpec) -> Vec<SolidPatch> {
+    let SolidSpec { spacing_mm, reach_mm, .. } = *spec;
+    let angle_rad = turned(spec.angle_rad, spec.layer);
     let inner = geom::offset(region, -spacing_mm / 2.0);
     inner
         .polygons
@@ -80,10 +87,10 @@ pub fn fill(
                 (spacing_mm, (low_mm + high_mm) / 2.0)
             };
             let joins = Joins {
-                longest_mm: if joined { LONGEST_JOIN * spacing_mm } else { 0.0 },
+                longest_mm: if spec.joined { LONGEST_JOIN * spacing_mm } else { 0.0 },
                 reach_mm,
                 turn_mm: TURN * reach_mm,
-                hatch: Some(Hatch { angle_rad, distance_mm: fitted_mm, phase_mm }),
+                hatch: spec.capped.then_some(Hatch { angle_rad, distance_mm: fitted_mm, phase_mm }),
             };
             let first_of = |line: &Line| {
                 let (first_mm, _) = extent_mm(&line.points, angle_rad);
@@ -98,9 +105,13 @@ pub fn fill(
 
 /// Ironing: lines close to each other, at 45° to those of the surface beneath.
 pub fn iron(region: &Region, spacing_mm: f64, angle_rad: f64, layer: usize) -> Vec<Line> {
-    let angle_rad = angle_rad + FRAC_PI_4 + if layer % 2 == 1 { FRAC_PI_2 } else { 0.0 };
+    let angle_rad = turned(angle_rad, layer) + FRAC_PI_4;
     let joins = Joins { longest_mm: LONGEST_JOIN * spacing_mm, ..Joins::default() };
     lines::parallel(region, angle_rad, spacing_mm, 0.0, &joins)
+}
+
+fn turned(angle_rad: f64, layer: usize) -> f64 {
+    angle_rad + if layer % 2 == 1 { FRAC_PI_2 } else { 0.0 }
 }
 
 /// Smallest and largest distance from the origin across the line direction.
