@@ -333,7 +333,10 @@ fn solid_layers_are_closed_around_holes_and_along_slants() {
         let outer = ring(&points.collect::<Vec<_>>());
         Region { polygons: vec![Polygon { outer, holes: vec![] }] }
     };
-    let plate = with_hole(with_hole(rectangle(0.0, 0.0, 16.0, 12.0), &circle(4.0, 4.0, 1.5)), &circle(11.0, 7.0, 2.2));
+    let plate = with_hole(
+        with_hole(rectangle(0.0, 0.0, 16.0, 12.0), &circle(4.0, 4.0, 1.5)),
+        &circle(11.0, 7.0, 2.2),
+    );
     let hexagon = ring(&[(6.0, 0.0), (3.0, 5.2), (-3.0, 5.2), (-6.0, 0.0), (-3.0, -5.2), (3.0, -5.2)]);
     let hexagon = Region { polygons: vec![Polygon { outer: hexagon, holes: vec![] }] };
     for section in [plate, circle(0.0, 0.0, 5.0), hexagon] {
@@ -346,7 +349,8 @@ fn solid_layers_are_closed_around_holes_and_along_slants() {
 fn thin_parts_are_printed_down_to_the_width_stated_and_no_further() {
     let mut settings = job();
     (settings.walls.min_feature, settings.walls.min_width) = (Mm(0.2), Mm(0.3));
-    let walls = |thickness_mm: f64| plan(&vec![rectangle(0.0, 0.0, thickness_mm, 10.0); 3], &settings).swap_remove(1);
+    let walls =
+        |thickness_mm: f64| plan(&vec![rectangle(0.0, 0.0, thickness_mm, 10.0); 3], &settings).swap_remove(1);
     assert!(walls(0.18).paths.is_empty());
     let thin = walls(0.24);
     assert_eq!(thin.paths.len(), 1);
@@ -365,13 +369,19 @@ fn on_a_monotonic_top_every_line_comes_after_the_one_below_it() {
     assert!(lines.len() > 40, "{}", lines.len());
     // The last layer's lines run at 135°.
     let across = |p: &Path| {
-        let [a, b] = [p.points[0], p.points[p.points.len() - 1]].map(|p| (-p.mm()[0] - p.mm()[1]) / 2.0_f64.sqrt());
+        let [a, b] =
+            [p.points[0], p.points[p.points.len() - 1]].map(|p| (-p.mm()[0] - p.mm()[1]) / 2.0_f64.sqrt());
         a.midpoint(b)
     };
     for a in &lines {
         for b in &lines {
             let apart_mm = across(b) - across(a);
-            assert!(apart_mm < 0.3 || b.rank > a.rank, "{apart_mm} mm above, rank {} after {}", b.rank, a.rank);
+            assert!(
+                apart_mm < 0.3 || b.rank > a.rank,
+                "{apart_mm} mm above, rank {} after {}",
+                b.rank,
+                a.rank
+            );
         }
     }
 }
