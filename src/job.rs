@@ -6,7 +6,7 @@ use crate::motion::PauseAt;
 use crate::order::compare::StrategyRow;
 use crate::output::{Output, OutputError};
 use crate::profile::{OrderStrategy, ProfileError, Settings};
-use crate::report::{ModelInfo, Reordered, Summary};
+use crate::report::{ModelInfo, PaperRow, Reordered, Summary};
 
 /// Models for one plate, and what to do with them.
 #[derive(Clone, Debug, PartialEq)]
@@ -134,8 +134,20 @@ pub trait Engine: Sync {
         progress: &dyn Progress,
     ) -> Result<Vec<StrategyRow>, JobError>;
 
-    /// Puts a G-code file into another order. Where nothing improves, what was written to the output is the file
-    /// itself. The caller commits the output.
+    /// What ordering saves on a file, as the paper's table has it; the first row is the file as it is. A model is sliced
+    /// first.
+    ///
+    /// # Errors
+    /// See [`JobError`].
+    fn paper(
+        &self,
+        job: &Job,
+        settings: &Settings,
+        progress: &dyn Progress,
+    ) -> Result<Vec<PaperRow>, JobError>;
+
+    /// Puts a G-code file into another order. The caller commits the output, if anything changed; otherwise what
+    /// was written is of no use.
     ///
     /// # Errors
     /// See [`JobError`]; [`JobError::Check`] if the result does not print the same.

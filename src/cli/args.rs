@@ -104,9 +104,10 @@ pub(super) struct SliceArgs {
     pub no_progress: bool,
 }
 
-/// Compare ordering strategies on the layers of models
+/// Compare ordering strategies on the layers of models or finished G-code
 ///
-/// Each model is sliced once and its layers are ordered by each strategy. The table shows the links (straight lines
+/// Each model is sliced once, of a G-code file the paths are taken as they are, and the layers are ordered by each
+/// strategy. The table shows the links (straight lines
 /// from path end to path start), a length that no order can stay below, and how far above it each strategy is.
 #[derive(Debug, Args)]
 #[command(after_help = EXIT_CODES)]
@@ -123,6 +124,10 @@ pub(super) struct CompareArgs {
 
     #[command(flatten)]
     pub ordering: OrderingArgs,
+
+    /// Print the table of the paper of 2016 (docs/paper.md); models are sliced first
+    #[arg(long, conflicts_with_all = ["order", "scope", "json", "csv"])]
+    pub paper: bool,
 
     /// Leave out the lower bounds, which take longer than the ordering
     #[arg(long, help_heading = "Ordering")]

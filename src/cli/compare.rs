@@ -1,5 +1,7 @@
 //! `pathwright compare`.
 
+use std::path::Path;
+
 use serde_json::json;
 
 use super::args::CompareArgs;
@@ -8,13 +10,17 @@ use super::exit::{Exit, Failure};
 use super::plan;
 use crate::job::{Engine, Job, Progress, Silent};
 use crate::order::compare::{self, StrategyRow};
-use crate::profile::OrderStrategy;
+use crate::profile::{OrderStrategy, Settings};
+use crate::report::{PaperRow, paper};
 
 /// Compares strategies model by model, and over all models together. One that fails does not keep the others from
 /// being compared; the exit code is that of the first one that failed.
 pub(super) fn run(args: &CompareArgs, engine: &dyn Engine) -> Result<Exit, Failure> {
     let resolved = plan::settings(&args.settings, &plan::shorthands(None, &args.ordering))?;
     console::warn(&resolved.warnings);
+    if args.paper {
+        return paper(args, &resolved.settings, engine);
+    }
     let chosen: Vec<OrderStrategy> = OrderStrategy::ALL
         .iter()
         .filter(|(name, _)| args.order.is_empty() || args.order.iter().any(|wanted| wanted == name))
@@ -23,13 +29,7 @@ pub(super) fn run(args: &CompareArgs, engine: &dyn Engine) -> Result<Exit, Failu
     let mut exit = Exit::Done;
     let mut pooled: Vec<StrategyRow> = Vec::new();
     for (index, model) in args.models.files.iter().enumerate() {
-        let job = Job {
-            models: vec![model.clone()],
-            transform: plan::transform(&args.models),
-            certify: !args.no_bound,
-            threads: args.threads.map(Into::into),
-            ..Job::default()
-        };
+        let job = job(args, model);
         let bar = Bar::on_terminal(!args.no_progress);
         let progress: &dyn Progress = bar.as_ref().map_or(&Silent, |bar| bar);
         let result = engine.compare(&job, &resolved.settings, &chosen, progress);
@@ -57,6 +57,40 @@ pub(super) fn run(args: &CompareArgs, engine: &dyn Engine) -> Result<Exit, Failu
     }
     if args.models.files.len() > 1 && !args.json && !args.csv && !pooled.is_empty() {
         console::print(&format!("all models\n{}", compare::text(&pooled)))?;
+    }
+    Ok(exit)
+}
+
+fn job(args: &CompareArgs, model: &Path) -> Job {
+    Job {
+        models: vec![model.to_owned()],
+        transform: plan::transform(&args.models),
+        certify: !args.no_bound,
+        threads: args.threads.map(Into::into),
+        ..Job::default()
+    }
+}
+
+/// The paper's table, file by file, and the means.
+fn paper(args: &CompareArgs, settings: &Settings, engine: &dyn Engine) -> Result<Exit, Failure> {
+    let mut exit = Exit::Done;
+    let mut tables: Vec<Vec<PaperRow>> = Vec::new();
+    for file in &args.models.files {
+        match engine.paper(&job(args, file), settings, &Silent) {
+            Ok(rows) => {
+                let own = file.extension().is_some_and(|e| e.eq_ignore_ascii_case("stl"));
+                console::print(&(paper::table(&file.display().to_string(), own, &rows) + "\n"))?;
+                tables.push(rows);
+            }
+            Err(error) => {
+                let failure = Failure::from(error);
+                console::fail(&failure);
+                exit = if exit == Exit::Done { failure.exit } else { exit };
+            }
+        }
+    }
+    if tables.len() > 1 {
+        console::print(&paper::means(&tables))?;
     }
     Ok(exit)
 }

@@ -422,9 +422,20 @@ pub(super) fn is_time(line: &Line) -> bool {
     }
     let alone = line.code.is_none() && line.parameters().trim_ascii().is_empty();
     let Some(comment) = line.comment.filter(|_| alone).map(<[u8]>::trim_ascii) else { return false };
-    let begins =
-        [&b"TIME_ELAPSED:"[..], b"TIME:", b"PRINT.TIME:", b"estimated printing time", b"Build time:"];
-    begins.iter().any(|begin| comment.starts_with(begin))
+    const BEGINS: [&str; 11] = [
+        "TIME_ELAPSED:",
+        "TIME:",
+        "PRINT.TIME:",
+        "PRINT_TIME:",
+        "Print Time:",
+        "Build time:",
+        "Estimated Build Time",
+        "estimated printing time",
+        "estimated first layer printing time",
+        "model printing time",
+        "total estimated time",
+    ];
+    BEGINS.iter().any(|begin| comment.starts_with(begin.as_bytes()))
 }
 
 /// Whether parameters are words that moves are known to have, each with a number and given once.

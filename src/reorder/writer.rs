@@ -263,6 +263,13 @@ impl Writer<'_> {
                 self.out.extend_from_slice(line);
                 self.state.set(key, token.line);
             }
+            // A line that names the place where the nozzle is in the file would move it from where it is here.
+            Kind::Lift | Kind::Pull | Kind::Push | Kind::Feed
+                if self.at[..2] != token.to[..2] && names_place(line) =>
+            {
+                self.lift(token.to[2], token.feed);
+                self.feed_filament(token.e, token.feed);
+            }
             Kind::Travel | Kind::Lift | Kind::Pull | Kind::Push | Kind::Wipe | Kind::Feed | Kind::Fixed => {
                 self.e += token.e;
                 let e = (self.block.frame.e_absolute && self.e != token.e_after).then_some(self.e);
@@ -571,4 +578,10 @@ impl Writer<'_> {
 /// A coordinate with as many digits as slicers give, as ticks.
 fn rounded(value: f64) -> i64 {
     ticks((value * 1000.0).round() / 1000.0)
+}
+
+/// Whether a line has coordinates in X or Y.
+fn names_place(line: &[u8]) -> bool {
+    let words = Line::new(0, 0, line).words();
+    words.get(b'X').or(words.get(b'Y')).is_some()
 }

@@ -1,9 +1,11 @@
 //! Results for people (text) and for programs (JSON).
 
 mod model;
+pub mod paper;
 mod reordered;
 mod summary;
 
 pub use model::ModelInfo;
+pub use paper::PaperRow;
 pub use reordered::{Reordered, Way};
 pub use summary::{LayerSummary, Measures, Summary};
