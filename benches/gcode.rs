@@ -1,4 +1,4 @@
-//! Planning, timing, formatting and reading a layer of a million moves.
+//! Planning, timing, formatting and reading a layer of a million moves; reordering a finished file.
 
 use std::hint::black_box;
 
@@ -6,9 +6,12 @@ use criterion::{Criterion, Throughput, criterion_group, criterion_main};
 use pathwright::estimate::{Machine, layer_time};
 use pathwright::gcode::{PrintFacts, Scripts, WriterSettings, format_layer, measure};
 use pathwright::geom::{Point, Region};
+use pathwright::job::{Engine, Job, ReorderJob, Silent};
 use pathwright::motion::{Entry, LayerMoves, MotionSettings, plan_layer};
 use pathwright::order::Visit;
-use pathwright::profile::Settings;
+use pathwright::output::Output;
+use pathwright::pipeline::Pipeline;
+use pathwright::profile::{Override, Settings, resolve};
 use pathwright::toolpath::{Island, LayerPaths, Path, Role, Width};
 use pathwright::units::Mm;
 
@@ -73,5 +76,37 @@ fn gcode(c: &mut Criterion) {
     group.finish();
 }
 
-criterion_group!(benches, gcode);
+/// A finished file of this program through reading, ordering, writing and the proof.
+fn reorder(c: &mut Criterion) {
+    let settings = |set: &[(&str, &str)]| {
+        let overrides: Vec<Override> = set
+            .iter()
+            .map(|(key, value)| Override { key: (*key).into(), value: (*value).into(), option: "--set" })
+            .collect();
+        resolve(&[], &overrides).expect("sound settings").settings
+    };
+    let folder = tempfile::tempdir().expect("a folder");
+    let file = folder.path().join("pins.gcode");
+    let model = concat!(env!("CARGO_MANIFEST_DIR"), "/models/pin_forest.stl");
+    let job = Job { models: vec![model.into()], ..Job::default() };
+    let mut output = Output::create(&file).expect("a file");
+    let made = settings(&[("order.strategy", "as-sliced"), ("layer.height", "0.1")]);
+    Pipeline.slice(&job, &made, &mut output, &Silent).expect("a print");
+    output.commit().expect("written");
+
+    let wanted = settings(&[("order.strategy", "nearest"), ("seam.position", "pinned")]);
+    let job = ReorderJob { file: file.clone(), ..ReorderJob::default() };
+    let mut group = c.benchmark_group("reorder");
+    group.sample_size(10);
+    group.throughput(Throughput::Bytes(std::fs::metadata(&file).expect("a file").len()));
+    group.bench_function("nearest", |b| {
+        b.iter(|| {
+            let mut output = Output::nowhere().expect("a place");
+            Pipeline.reorder(&job, &wanted, &mut output, &Silent).expect("the same print")
+        });
+    });
+    group.finish();
+}
+
+criterion_group!(benches, gcode, reorder);
 criterion_main!(benches);

@@ -51,7 +51,7 @@ pub(super) fn layers(path: &Path, settings: &Settings) -> Result<(Vec<LayerPaths
     let mut blocks = Blocks::new(open(path)?);
     let (mut layers, mut fixed_mm) = (Vec::new(), Vec::new());
     let (seam, scope) = (settings.seam.position, settings.order.scope);
-    while let Some(block) = blocks.next().map_err(|error| input_error(path, &error))? {
+    while let Some(block) = blocks.read().map_err(|error| input_error(path, &error))? {
         if block.paths() > 0 {
             let ordering = Ordering::new(&block, layers.len(), seam, scope);
             layers.push(ordering.layer);
@@ -152,7 +152,7 @@ impl Run {
         loop {
             let mut batch: Vec<Block> = carry.take().into_iter().collect();
             let mut bytes = 0;
-            while let Some(block) = blocks.next().map_err(|error| input_error(path, &error))? {
+            while let Some(block) = blocks.read().map_err(|error| input_error(path, &error))? {
                 // The blocks of one layer stay together.
                 if bytes >= BATCH_BYTES && batch.last().is_some_and(|last| last.layer() != block.layer()) {
                     carry = Some(block);

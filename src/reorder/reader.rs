@@ -68,7 +68,7 @@ impl<R: BufRead> Blocks<R> {
     ///
     /// # Errors
     /// As the system says; and where the bytes cannot be G-code.
-    pub fn next(&mut self) -> io::Result<Option<Block>> {
+    pub fn read(&mut self) -> io::Result<Option<Block>> {
         while !self.done {
             let start = self.block.text.len();
             let read = read_line(&mut self.input, &mut self.block.text)?;

@@ -328,12 +328,13 @@ impl Writer<'_> {
             None | Some(Way::Outside) => habit.retract.as_ref().filter(|_| far),
             Some(Way::Inside) => habit.retract.as_ref().filter(|_| far && !habit.combs),
             Some(Way::Crosses) => {
-                let around = if habit.combs && z == self.at[2] { self.walls.around(a, b) } else { None };
-                if let Some(corners) = around {
+                if let Some(corners) = habit.combs.then(|| self.walls.around(a, b)).flatten() {
+                    let feed = self.habit.travel_feed;
                     for corner in corners {
-                        self.travel(corner.mm().map(|mm| rounded(mm / self.block.frame.scale)));
+                        let corner = corner.mm().map(|mm| rounded(mm / self.block.frame.scale));
+                        self.travel_to(corner, z, feed);
                     }
-                    self.travel(to);
+                    self.travel_to(to, z, feed);
                     return;
                 }
                 habit.retract.as_ref()
