@@ -359,9 +359,11 @@ fn broken_files_are_refused_or_left_as_they_are() {
         "M82\nG1 E",
     ] {
         let (code, result, said) = reorder(text.as_bytes(), &[]);
-        assert_eq!(code, 0, "{said}");
-        let result = String::from_utf8(result.expect("a result")).expect("UTF-8");
-        assert_eq!(strokes(text), strokes(&result));
+        // Done, or refused by the proof.
+        assert!(code == 0 && result.is_some() || code == 7 && result.is_none(), "{code} {said}");
+        if let Some(result) = result {
+            assert_eq!(strokes(text), strokes(&String::from_utf8(result).expect("UTF-8")));
+        }
     }
     let binary: Vec<u8> = b"GCDE".iter().copied().chain((0..=255).cycle().take(5000)).collect();
     let (code, result, said) = reorder(&binary, &[]);

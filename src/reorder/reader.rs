@@ -125,7 +125,7 @@ impl<R: BufRead> Blocks<R> {
                     Some(Kind::Fixed)
                 }
             }
-            (Some(stroke), None) => Some(if plain { stroke_kind(&stroke) } else { Kind::Barrier }),
+            (Some(stroke), None) => Some(if plain { stroke_kind(&stroke) } else { Kind::Fixed }),
             (None, None) => Some(self.other_kind(&read)),
         };
         let context_role = read.context.role;

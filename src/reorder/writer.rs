@@ -108,9 +108,10 @@ impl Writer<'_> {
         }
         let (head, tail) = tokens.split_at(fixed);
         if moved && fixed > 0 {
-            let placed = head
-                .iter()
-                .position(|t| t.kind == Kind::Travel || t.to[..2] != before[..2] && t.kind != Kind::Wipe);
+            let placed = head.iter().position(|t| {
+                matches!(t.kind, Kind::Travel | Kind::Fixed)
+                    || t.to[..2] != before[..2] && t.kind != Kind::Wipe
+            });
             let by_itself =
                 placed.is_some_and(|index| head[index].kind == Kind::Travel) && block.frame.absolute;
             if !by_itself && placed.is_some() {
