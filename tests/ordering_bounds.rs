@@ -45,7 +45,7 @@ fn layer(most: usize) -> impl Strategy<Value = Layer> {
         prop_oneof![
             3 => prop::collection::vec(point(), 2),
             2 => prop::collection::vec(point(), 1),
-            1 => prop::collection::vec(point(), 3..7),
+            1 => prop::collection::vec(point(), 3..11),
         ],
     );
     let runs = prop::collection::vec((0..2_u32, 0..3_u32, 0..3_u32), 5);

@@ -37,7 +37,8 @@ pub(super) fn compare(
         })
         .collect();
     let certificate = job.certify.then(|| Certificate::new(&layers, settings, None));
-    let rows = strategies.iter().map(|&strategy| row(strategy, &layers, settings, certificate.as_ref(), progress));
+    let rows =
+        strategies.iter().map(|&strategy| row(strategy, &layers, settings, certificate.as_ref(), progress));
     Ok(rows.collect())
 }
 

@@ -45,9 +45,7 @@ impl Beyond<'_> {
         let places = match self {
             Self::Anything => return None,
             Self::Place(at) => vec![(*at, 0)],
-            Self::Layer(problem) => {
-                Model::new(problem).ways(usize::from(below)).map(|p| (p, 0)).collect()
-            }
+            Self::Layer(problem) => Model::new(problem).ways(usize::from(below)).map(|p| (p, 0)).collect(),
             Self::Share(share) => share.ways[usize::from(below)].clone(),
         };
         Some(Places::new(places))
