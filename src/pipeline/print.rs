@@ -61,7 +61,8 @@ pub(super) fn slice(
     let mut tally = Tally::default();
     tally.add_script(&begun, &run.machine);
     let mut seam = SeamRule::new(settings.seam.position);
-    let mut at = Entry { xy: begun.end.map(|[x, y, _]| [x, y]), z_mm: begun.end.map_or(0.0, |e| e[2]) };
+    let (xy, z_mm) = (begun.end.map(|[x, y, _]| [x, y]), begun.end.map_or(0.0, |e| e[2]));
+    let mut at = Entry { xy, z_mm, wipe: Vec::new() };
     let start = at.xy.map(|[x, y]| Point::from_mm(x, y));
     let chunk = chunk_len(count);
     let batch = chunk * CHUNKS_PER_THREAD * parallel::threads();
@@ -148,11 +149,11 @@ impl Run<'_> {
             .iter()
             .zip(&sequences)
             .map(|(layer, sequence)| {
-                let next = motion::exit(layer, sequence, *at, &self.motion);
+                let next = motion::exit(layer, sequence, at.clone(), &self.motion);
                 std::mem::replace(at, next)
             })
             .collect();
-        let done = parallel::map(layers.len(), |i| self.finish(&paths[i], &sequences[i], entries[i]));
+        let done = parallel::map(layers.len(), |i| self.finish(&paths[i], &sequences[i], entries[i].clone()));
         if !self.certify {
             return (done, Vec::new());
         }
