@@ -52,6 +52,7 @@ fn read(file: &str) -> Vec<LayerPaths> {
                 islands: Vec::new(),
                 paths: Vec::new(),
                 outline: Region::default(),
+                beneath: None,
             });
         }
         let paths = &mut layers.last_mut().expect("just pushed").paths;

@@ -42,7 +42,7 @@ proptest! {
     #[test]
     fn the_bound_of_a_print_is_not_above_its_optimum(layers in [layer(5), layer(5), layer(5)]) {
         let problems: Vec<_> = layers.iter().map(Layer::problem).collect();
-        let (bound, optimum) = (bound::print(problems.iter().cloned()), chained_optimum(&problems));
+        let (bound, optimum) = (bound::print(&problems), chained_optimum(&problems));
         prop_assert!(bound <= optimum + ROUNDING_MM, "{bound} > {optimum}");
     }
 

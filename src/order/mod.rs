@@ -31,6 +31,7 @@ pub use greedy::Greedy;
 pub use layer::{LayerProblem, ends_on_path};
 pub use nearest::Nearest;
 pub use optimized::Optimized;
+pub(crate) use parts::Parts;
 pub use problem::{Item, Problem, Run, Sequence, Shape, Visit};
 pub use seam::{Pins, SeamRule, enter_nearest};
 pub use strategy::{Strategy, strategy};
