@@ -228,6 +228,7 @@ fn tower() -> Vec<LayerPaths> {
             islands: Vec::new(),
             paths: (0..4).map(square).chain([line]).collect(),
             outline: Region::default(),
+            beneath: None,
         }
     };
     (0..3).map(layer).collect()
