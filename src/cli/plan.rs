@@ -170,10 +170,7 @@ fn no_input_is_overwritten(tasks: &[Task]) -> Result<(), Failure> {
 }
 
 /// A usage error if one of the outputs is one of the inputs.
-pub(super) fn kept<'a>(
-    inputs: &[&Path],
-    mut outputs: impl Iterator<Item = &'a Path>,
-) -> Result<(), Failure> {
+pub(super) fn kept<'a>(inputs: &[&Path], mut outputs: impl Iterator<Item = &'a Path>) -> Result<(), Failure> {
     let inputs: Vec<PathBuf> = inputs.iter().map(|path| identity(path)).collect();
     match outputs.find(|path| inputs.contains(&identity(path))) {
         Some(path) => {

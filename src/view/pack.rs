@@ -177,5 +177,5 @@ fn ticks(value: f64, unit: f64) -> i64 {
 
 /// Never negative, and no more than a 32-bit number can hold, since scripts count with these.
 fn count(value: f64, unit: f64) -> u64 {
-    ticks(value, unit).clamp(0, u32::MAX.into()) as u64 
+    ticks(value, unit).clamp(0, u32::MAX.into()) as u64
 }

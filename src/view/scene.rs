@@ -109,14 +109,17 @@ impl Scene {
             [&|s| s.role.is_some_and(|role| role != OTHER), &|s| s.role.is_some(), &|_| true];
         wanted.into_iter().find_map(|wanted| {
             let strokes = self.layers.iter().flat_map(|layer| &layer.strokes).filter(|s| wanted(s));
-            strokes.flat_map(|s| [(s.from, s.width_mm), (s.to, s.width_mm)]).fold(None, |bounds, (p, width)| {
-                let [low, high] = bounds.unwrap_or([[f32::INFINITY; 2], [f32::NEG_INFINITY; 2]]);
-                let half = width / 2.0;
-                Some([
-                    [low[0].min(p[0] - half), low[1].min(p[1] - half)],
-                    [high[0].max(p[0] + half), high[1].max(p[1] + half)],
-                ])
-            })
+            strokes.flat_map(|s| [(s.from, s.width_mm), (s.to, s.width_mm)]).fold(
+                None,
+                |bounds, (p, width)| {
+                    let [low, high] = bounds.unwrap_or([[f32::INFINITY; 2], [f32::NEG_INFINITY; 2]]);
+                    let half = width / 2.0;
+                    Some([
+                        [low[0].min(p[0] - half), low[1].min(p[1] - half)],
+                        [high[0].max(p[0] + half), high[1].max(p[1] + half)],
+                    ])
+                },
+            )
         })
     }
 }

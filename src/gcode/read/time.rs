@@ -55,7 +55,8 @@ impl Clock {
 
     fn push(&mut self, stroke: &Stroke) {
         let acceleration = self.acceleration[usize::from(stroke.e_mm <= 0.0)];
-        let chords = if stroke.arc.is_some() { (stroke.xy_mm / CHORD_MM).ceil().clamp(1.0, 1e5) } else { 1.0 };
+        let chords =
+            if stroke.arc.is_some() { (stroke.xy_mm / CHORD_MM).ceil().clamp(1.0, 1e5) } else { 1.0 };
         let mut from = stroke.from;
         for chord in 1..=chords as u32 {
             let to = stroke.at(f64::from(chord) / chords);
