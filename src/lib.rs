@@ -17,6 +17,7 @@ pub mod order;
 pub mod output;
 pub mod pipeline;
 pub mod profile;
+pub mod reorder;
 pub mod report;
 pub mod slice;
 pub mod toolpath;

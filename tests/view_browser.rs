@@ -103,7 +103,8 @@ fn sliders_keys_and_the_legend_change_the_picture() {
     assert_eq!(browser.run("pixels(OUTER)"), json!(0), "the walls are hidden");
     browser.run("document.querySelector('#legend [data-key=role-0]').click()");
 
-    let press = |key: &str| format!("document.dispatchEvent(new KeyboardEvent('keydown', {{ key: '{key}' }}))");
+    let press =
+        |key: &str| format!("document.dispatchEvent(new KeyboardEvent('keydown', {{ key: '{key}' }}))");
     browser.run(&press("End"));
     assert_eq!(browser.run("app.state.layer"), json!(5));
     browser.run(&press("ArrowDown"));
@@ -137,7 +138,8 @@ fn strategies_stand_side_by_side_with_lengths_of_their_own() {
     let Some(mut browser) = Browser::start(true) else { return };
     let pages = Pages::new();
     let model = "models/pin_forest.stl";
-    let args = ["compare", model, "--order", "nearest,optimized", "--scale", "0.5", "--set", "layer.height=0.3"];
+    let args =
+        ["compare", model, "--order", "nearest,optimized", "--scale", "0.5", "--set", "layer.height=0.3"];
     browser.open(&pages.made(&args, "--html"), "");
     browser.run(TOOLS);
     assert_eq!(browser.run("document.querySelectorAll('.pane canvas').length"), json!(2));
@@ -145,10 +147,12 @@ fn strategies_stand_side_by_side_with_lengths_of_their_own() {
     assert!(number(links[1].clone()) < number(links[0].clone()), "{links}");
     let captions = browser.run("[...document.querySelectorAll('.caption')].map((node) => node.textContent)");
     assert!(captions[0].as_str().unwrap().starts_with("nearest") && captions[0] != captions[1], "{captions}");
-    let cells = browser.run("[...document.querySelectorAll('#table tbody tr')].map((row) => row.cells.length)");
+    let cells =
+        browser.run("[...document.querySelectorAll('#table tbody tr')].map((row) => row.cells.length)");
     assert_eq!(cells, json!([10, 10]), "links, gap, travel and time of layer and print");
     browser.run("put('layer', 2)");
-    let text = browser.run("[...document.querySelectorAll('.pane canvas')].map((node) => node.getAttribute('aria-label'))");
+    let text = browser
+        .run("[...document.querySelectorAll('.pane canvas')].map((node) => node.getAttribute('aria-label'))");
     for label in text.as_array().unwrap() {
         assert!(label.as_str().unwrap().contains("layer 2:"), "{label}");
     }
@@ -193,7 +197,10 @@ fn without_webgl_layers_are_drawn_all_the_same() {
     browser.resize(1000, 800, false);
     browser.open(&pages.gcode(&tower(3)), "view=3d&layer=1");
     browser.run(TOOLS);
-    assert_eq!(browser.run("[app.state.mode, document.getElementById('view-3d').disabled]"), json!(["2d", true]));
+    assert_eq!(
+        browser.run("[app.state.mode, document.getElementById('view-3d').disabled]"),
+        json!(["2d", true])
+    );
     assert!(number(browser.run("pixels(OUTER)")) > 500.0);
     browser.run("put('color', 'order', 'change')");
     assert_eq!(browser.run("pixels(OUTER)"), json!(0));
@@ -217,7 +224,10 @@ fn odd_files_give_a_page_that_says_what_they_are() {
         browser.run(TOOLS);
         assert_eq!(browser.run("app.layers"), json!(layers), "{text:.60}");
         let said = browser.run("shown('notice')");
-        assert!(said.as_str().unwrap().contains(notice) && said.as_str().unwrap().is_empty() == notice.is_empty(), "{said}");
+        assert!(
+            said.as_str().unwrap().contains(notice) && said.as_str().unwrap().is_empty() == notice.is_empty(),
+            "{said}"
+        );
         assert_eq!(browser.errors(), Vec::<String>::new());
     }
 }

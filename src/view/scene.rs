@@ -126,7 +126,10 @@ impl Scene {
 
 /// The reading under way.
 struct Reader {
+    /// Every lap is an account of the clock.
     clock: Clock,
+    /// The layer that each lap belongs to.
+    laps: Vec<usize>,
     area_mm2: f64,
     scene: Scene,
     layer: Layer,
@@ -147,6 +150,7 @@ impl Reader {
         let machine = Machine::new(settings);
         Self {
             clock: Clock::new(&machine),
+            laps: Vec::new(),
             area_mm2: machine.filament_area_mm2,
             scene: Scene::default(),
             layer: Layer::default(),
@@ -170,13 +174,21 @@ impl Reader {
         match read.action {
             Action::Stroke(stroke) => self.stroke(&stroke, read),
             Action::FirmwareRetract => {
+                self.time(read);
                 self.layer.measures.retractions += 1;
                 self.mark(MarkKind::Retraction, self.nozzle());
             }
-            Action::FirmwareUnretract => self.mark(MarkKind::Unretraction, self.nozzle()),
+            Action::FirmwareUnretract => {
+                self.time(read);
+                self.mark(MarkKind::Unretraction, self.nozzle());
+            }
             Action::Type(_) => {}
-            Action::Other => self.clock.step(&read.line, &read.action),
+            Action::Other => self.time(read),
         }
+    }
+
+    fn time(&mut self, read: &Annotated<'_>) {
+        self.clock.step(&read.line, &read.action, self.laps.len());
     }
 
     /// Makes one layer of all so far, and goes on with it.
@@ -190,16 +202,17 @@ impl Reader {
             all.measures += &layer.measures;
         }
         self.scene.total = Measures::default();
+        self.laps.fill(0);
         self.layer = all;
     }
 
     fn end_layer(&mut self) {
         let mut layer = std::mem::take(&mut self.layer);
         layer.z_mm = self.extruded_z_mm.unwrap_or(0.0);
-        layer.measures.total_s += self.clock.lap().0;
         layer.measures.total_mm = layer.measures.print_mm + layer.measures.travel_mm;
         layer.measures.filament_mm = layer.measures.volume_mm3 / self.area_mm2;
         self.scene.total += &layer.measures;
+        self.laps.push(self.scene.layers.len());
         self.scene.layers.push(layer);
     }
 
@@ -221,7 +234,7 @@ impl Reader {
         if extrudes {
             self.rise(stroke.to[2]);
         }
-        self.clock.step(&read.line, &read.action);
+        self.time(read);
         let at = stroke.from.map(|mm| mm as f32);
         if stroke.retracts {
             self.layer.measures.retractions += 1;
@@ -306,7 +319,12 @@ impl Reader {
         if !self.layer.strokes.is_empty() {
             self.end_layer();
         }
-        self.scene
+        let Self { clock, laps, mut scene, .. } = self;
+        for (seconds, layer) in clock.finish().into_iter().zip(laps) {
+            scene.layers[layer].measures.total_s += seconds;
+            scene.total.total_s += seconds;
+        }
+        scene
     }
 }
 

@@ -62,7 +62,8 @@ impl Browser {
             Self { process, socket, session: None, calls: 0, errors: Vec::new(), _profile: profile };
         let target = browser.call("Target.createTarget", &json!({ "url": "about:blank" }));
         let attach = json!({ "targetId": target["targetId"], "flatten": true });
-        browser.session = Some(browser.call("Target.attachToTarget", &attach)["sessionId"].as_str()?.to_owned());
+        browser.session =
+            Some(browser.call("Target.attachToTarget", &attach)["sessionId"].as_str()?.to_owned());
         for domain in ["Page.enable", "Runtime.enable", "Log.enable"] {
             browser.call(domain, &json!({}));
         }
@@ -128,7 +129,9 @@ impl Browser {
         let error = match event["method"].as_str() {
             Some("Runtime.exceptionThrown") => Some(params["exceptionDetails"].to_string()),
             Some("Runtime.consoleAPICalled") if params["type"] == "error" => Some(params["args"].to_string()),
-            Some("Log.entryAdded") if params["entry"]["level"] == "error" => Some(params["entry"].to_string()),
+            Some("Log.entryAdded") if params["entry"]["level"] == "error" => {
+                Some(params["entry"].to_string())
+            }
             _ => None,
         };
         self.errors.extend(error);
@@ -147,7 +150,11 @@ impl Drop for Browser {
 fn program() -> Option<&'static str> {
     static FOUND: OnceLock<Option<&'static str>> = OnceLock::new();
     *FOUND.get_or_init(|| {
-        let present = || ["chromium", "chromium-browser", "google-chrome"].into_iter().find(|name| runs(name, &["--version"]));
+        let present = || {
+            ["chromium", "chromium-browser", "google-chrome"]
+                .into_iter()
+                .find(|name| runs(name, &["--version"]))
+        };
         present().or_else(|| {
             eprintln!("installing Chromium");
             let install = "apt-get update && apt-get install -y --no-install-recommends chromium";
