@@ -449,6 +449,8 @@ section! {
         arcs: bool = false,
         /// How far an arc may leave the path.
         arc_tolerance: Mm = Mm(0.02); 0.001..=0.5,
+        /// Pictures of the print in the header, for printers with a screen: width × height in pixels, such as 32x32,300x300; empty: none.
+        thumbnails: String = "32x32,300x300".into(),
         /// Script before the print.
         start: String = super::embedded::default_script("start"),
         /// Script after the print.
