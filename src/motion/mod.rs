@@ -11,6 +11,7 @@ mod plan;
 mod rules;
 mod settings;
 mod simplify;
+mod smooth;
 mod sums;
 mod travel;
 

@@ -4,6 +4,7 @@ use super::arc;
 use super::bead::{Vertex, mean_width_mm, trace};
 use super::rules::Rules;
 use super::simplify::{Piece, straighten};
+use super::smooth::{may_round, refine_curves, round_corners};
 use super::{Entry, LayerMoves, MotionSettings, Move};
 use crate::order::Visit;
 use crate::toolpath::{LayerPaths, Path, Role};
@@ -37,6 +38,7 @@ pub fn plan_layer(
         trail: Vec::new(),
         acceleration: None,
         bead: None,
+        plain: Vec::new(),
         pieces: Vec::new(),
     };
     let mut pause = settings.pauses.iter().any(|p| p.precedes(layer.index, layer.top_mm, layer.height_mm));
@@ -84,6 +86,8 @@ pub(super) struct Nozzle<'a> {
     pub(super) trail: Vec<[f64; 2]>,
     acceleration: Option<MmPerS2>,
     bead: Option<(Role, f64, f64)>,
+    /// The bead under way, with its corners as they are and as they are drawn.
+    plain: Vec<Piece>,
     pieces: Vec<Piece>,
 }
 
@@ -122,9 +126,17 @@ impl Nozzle<'_> {
     }
 
     fn draw_straight(&mut self, role: Role, vertices: &[Vertex]) {
+        let Some(from) = vertices.first().map(|v| v.at) else { return };
         let speed = self.rules.speed(role);
+        let width_mm = self.bead.map_or(0.0, |bead| bead.1);
         self.pieces.clear();
-        straighten(vertices, &mut self.pieces);
+        self.plain.clear();
+        straighten(vertices, &mut self.plain);
+        if may_round(role) {
+            round_corners(from, &self.plain, width_mm, &mut self.pieces);
+        } else {
+            refine_curves(from, &self.plain, &mut self.pieces);
+        }
         self.moves.extend(self.pieces.iter().map(|piece| Move::Extrude {
             to: piece.to,
             volume: Mm3(piece.volume_mm3),

@@ -2,6 +2,7 @@
 
 mod adhesion;
 pub mod bead;
+mod entries;
 pub mod infill;
 mod path;
 mod planner;

@@ -2,14 +2,14 @@
 
 use crate::geom::{self, Polygon, Region, Ring};
 use crate::profile::{
-    BrimSettings, FirstLayerSettings, InfillSettings, Settings, ShellSettings, SkirtSettings, WallOrder,
-    WallSettings,
+    BrimSettings, FirstLayerSettings, InfillSettings, SeamPosition, SeamSettings, Settings, ShellSettings,
+    SkirtSettings, WallOrder, WallSettings,
 };
 
 use super::infill::{self, FillLine, FillSpec, SparseSample};
 use super::shells::{self, Zones};
 use super::walls::{self, WallSpec, Walls};
-use super::{Island, LayerPaths, Path, Role, Width, adhesion, bead};
+use super::{Island, LayerPaths, Path, Role, Width, adhesion, bead, entries};
 
 /// Densities above this are solid.
 const SOLID_DENSITY: f64 = 0.995;
@@ -37,6 +37,7 @@ pub struct ToolpathSettings {
     pub first_layer: FirstLayerSettings,
     pub skirt: SkirtSettings,
     pub brim: BrimSettings,
+    pub seam: SeamSettings,
 }
 
 impl From<&Settings> for ToolpathSettings {
@@ -48,6 +49,7 @@ impl From<&Settings> for ToolpathSettings {
             first_layer: s.first_layer.clone(),
             skirt: s.skirt.clone(),
             brim: s.brim.clone(),
+            seam: s.seam.clone(),
         }
     }
 }
@@ -170,6 +172,9 @@ impl Planner {
                 self.island(&mut draft, polygon, object, section, &widths);
             }
             outline.polygons.extend(object.section.polygons.iter().cloned());
+        }
+        if matches!(self.settings.seam.position, SeamPosition::Free | SeamPosition::Nearest) {
+            entries::add(&mut draft.paths);
         }
         LayerPaths {
             index: section.index,
