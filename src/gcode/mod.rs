@@ -22,6 +22,6 @@ pub use read::{
     Stroke, Timetable, TypeMeasure, Words, annotate, file_time, lines, mark, measure, replay, role,
 };
 pub use script::Scripts;
-pub use settings::{PrintFacts, WriterSettings};
+pub use settings::{ObjectLabel, PrintFacts, WriterSettings};
 pub use slot::{Pending, Slot, Totals};
-pub use wrap::{Opening, closing, opening};
+pub use wrap::{Opening, closing, labels, opening};

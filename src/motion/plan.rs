@@ -38,6 +38,7 @@ pub fn plan_layer(
         trail: Vec::new(),
         acceleration: None,
         bead: None,
+        object: None,
         plain: Vec::new(),
         pieces: Vec::new(),
     };
@@ -48,9 +49,11 @@ pub fn plan_layer(
         let flow = nozzle.rules.flow();
         trace(path, visit.entry, settings.flow.nozzle_diameter.0, flow, &mut vertices);
         let Some(start) = vertices.first() else { continue };
+        nozzle.label(layer.islands.get(path.island as usize).map(|island| island.object));
         nozzle.travel(start.at, std::mem::take(&mut pause));
         nozzle.draw(path, &vertices);
     }
+    nozzle.label(None);
     LayerMoves { index: layer.index, z_mm: layer_z_mm, height_mm: layer.height_mm, from, moves: nozzle.moves }
 }
 
@@ -86,6 +89,7 @@ pub(super) struct Nozzle<'a> {
     pub(super) trail: Vec<[f64; 2]>,
     acceleration: Option<MmPerS2>,
     bead: Option<(Role, f64, f64)>,
+    object: Option<u32>,
     /// The bead under way, with its corners as they are and as they are drawn.
     plain: Vec<Piece>,
     pieces: Vec<Piece>,
@@ -100,6 +104,14 @@ impl Nozzle<'_> {
         {
             self.moves.push(Move::Acceleration(acceleration));
             self.acceleration = wanted;
+        }
+    }
+
+    /// Says which object what follows belongs to, where that is wanted and changes.
+    fn label(&mut self, object: Option<u32>) {
+        if self.settings.labels && self.object != object {
+            self.moves.push(Move::Object(object));
+            self.object = object;
         }
     }
 

@@ -8,11 +8,11 @@ use super::simplify::Piece;
 use crate::toolpath::Role;
 
 /// No piece is made shorter than this.
-const SHORTEST_MM: f64 = 0.06;
+const SHORTEST_MM: f64 = 0.05;
 
-/// Turns of infill leave their corner by at most this share of the bead's width: as much as lines reach into
-/// the wall.
-const ROUNDING: f64 = 0.2;
+/// Turns of infill leave their corner by at most this share of the bead's width: little more than lines reach into the
+/// wall.
+const ROUNDING: f64 = 0.25;
 
 /// Turns below this angle are fast enough.
 const GENTLE_RAD: f64 = 0.35;
@@ -23,8 +23,10 @@ const STEP_RAD: f64 = 0.3;
 /// A curve is refined where its arc leaves the chord by at most this …
 const BULGE_MM: f64 = 0.016;
 
-/// … and turns by at least this at each vertex, down to which it is refined.
-const FINE_RAD: f64 = 0.08;
+/// … and turns by more than this on the piece, down to which it is refined; where it turns by more than that at a
+/// vertex, there is a corner.
+const FINE_RAD: f64 = 0.1;
+const CORNER_RAD: f64 = 0.6;
 
 /// Whether a role's turns may be rounded.
 pub(super) fn may_round(role: Role) -> bool {
@@ -95,46 +97,36 @@ pub(super) fn round_corners(from: [f64; 2], pieces: &[Piece], width_mm: f64, out
     }
 }
 
-/// Cuts the pieces of curves so that they turn by little at each vertex: the vertices added lie on the circle that turns
-/// by as much as the piece's own ends do on average, at most [`BULGE_MM`] beside the piece. Each piece keeps its
-/// volume.
+/// Cuts the pieces of curves so that they turn by little at each vertex: the vertices added lie on the curve that goes
+/// through the others halfway between the directions before and after (a cubic; of a circle's chords, the circle),
+/// at most [`BULGE_MM`] beside the piece. Each piece keeps its volume.
 pub(super) fn refine_curves(from: [f64; 2], pieces: &[Piece], out: &mut Vec<Piece>) {
-    let start = |i: usize| if i == 0 { from } else { pieces[i - 1].to };
-    let turn_at = |i: usize| {
-        // Between piece i and the next.
-        let next = pieces.get(i + 1)?;
-        Some(turn_rad(direction(start(i), pieces[i].to).0, direction(pieces[i].to, next.to).0))
-    };
-    let mut before = None;
+    let mut a = from;
+    let mut turn_before = 0.0_f64;
     for (i, piece) in pieces.iter().enumerate() {
-        let after = turn_at(i);
-        let (a, length_mm) = (start(i), distance(start(i), piece.to));
-        let mean = match (before, after) {
-            (Some(b), Some(a)) if b * a > 0.0 && f64::max(b / a, a / b) < 2.0 => 0.5 * (b + a),
-            _ => 0.0,
+        let (along, length_mm) = direction(a, piece.to);
+        let turn_after = match pieces.get(i + 1) {
+            Some(next) => Some(turn_rad(along, direction(piece.to, next.to).0)).filter(|t| t.abs() < CORNER_RAD),
+            None => None,
         };
-        before = after;
-        let bulge_mm = 0.5 * length_mm * (0.25 * mean.abs()).tan();
-        let steps = (mean.abs() / FINE_RAD).ceil().min((length_mm / SHORTEST_MM).floor());
-        if steps < 2.0 || bulge_mm > BULGE_MM || mean.abs() > 1.0 {
+        let turn_after = turn_after.unwrap_or(0.0);
+        // Slopes against the piece at its start and end.
+        let (start, end): (f64, f64) = (-0.5 * turn_before, 0.5 * turn_after);
+        let bulge_mm = length_mm * (start.abs() + end.abs()) / 8.0;
+        let steps = ((start.abs() + end.abs()) / FINE_RAD).ceil().min((length_mm / SHORTEST_MM).floor());
+        if steps < 2.0 || bulge_mm > BULGE_MM {
             out.push(*piece);
-            continue;
+        } else {
+            for step in 1..steps as u32 {
+                let share = f64::from(step) / steps;
+                let rest = 1.0 - share;
+                let (x, y) = (length_mm * share, length_mm * share * rest * (start * rest - end * share));
+                let to = [a[0] + along[0] * x - along[1] * y, a[1] + along[1] * x + along[0] * y];
+                out.push(Piece { to, volume_mm3: piece.volume_mm3 / steps, ..*piece });
+            }
+            out.push(Piece { volume_mm3: piece.volume_mm3 / steps, ..*piece });
         }
-        let (along, _) = direction(a, piece.to);
-        let radius_mm = 0.5 * length_mm / (0.5 * mean).sin();
-        for step in 1..=steps as u32 {
-            let share = f64::from(step) / steps;
-            let to = if f64::from(step) == steps {
-                piece.to
-            } else {
-                // On the circle, in coordinates along the chord and to its left.
-                let angle = mean * (share - 0.5);
-                let x = 0.5 * length_mm + radius_mm * angle.sin();
-                let y = radius_mm * ((0.5 * mean).cos() - angle.cos());
-                [a[0] + along[0] * x - along[1] * y, a[1] + along[1] * x + along[0] * y]
-            };
-            out.push(Piece { to, volume_mm3: piece.volume_mm3 / steps, ..*piece });
-        }
+        (a, turn_before) = (piece.to, turn_after);
     }
 }
 
@@ -178,7 +170,7 @@ mod tests {
         let (circle, hexagon) = (ring(20, 1.0), ring(6, 5.0));
         let mut out = Vec::new();
         refine_curves(circle[0], &pieces(&circle), &mut out);
-        assert!(out.len() >= 60 && out.iter().all(|p| (distance(p.to, [0.0, 0.0]) - 1.0).abs() < 0.001));
+        assert!(out.len() >= 55 && out.iter().all(|p| (distance(p.to, [0.0, 0.0]) - 1.0).abs() < 0.001));
         assert!(out.windows(2).all(|p| distance(p[0].to, p[1].to) > 0.05));
         out.clear();
         refine_curves(hexagon[0], &pieces(&hexagon), &mut out);

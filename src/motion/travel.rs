@@ -8,8 +8,9 @@ use crate::units::MmPerS;
 impl Nozzle<'_> {
     /// Moves to where the next bead starts, at the height of the layer.
     ///
-    /// A travel *longer* than `retract.min_travel` (or from an unknown place) is retracted; a height change
-    /// comes before the way, so that the nozzle never ploughs through what it has just printed.
+    /// A travel *longer* than `retract.min_travel` (or from an unknown place) is retracted. The nozzle climbs to the
+    /// next layer on the way, or before it where the way is no longer than high; never does it go down, or to where
+    /// something may be in its way, before it is above.
     pub(super) fn travel(&mut self, to: [f64; 2], pause: bool) {
         let retract = &self.settings.retract;
         let arriving = !self.positioned || self.z_mm != self.layer_z_mm;
@@ -26,11 +27,19 @@ impl Nozzle<'_> {
             self.moves.push(Move::Pause);
         }
         let hop_mm = if retracted { retract.z_hop.0.max(0.0) } else { 0.0 };
-        if arriving || pause || hop_mm > 0.0 {
-            self.lift(self.layer_z_mm + hop_mm);
+        let climb_mm = self.layer_z_mm - self.z_mm;
+        let on_the_way = length_mm.is_some_and(|length_mm| length_mm > climb_mm) && climb_mm > 0.0;
+        if on_the_way && !pause && hop_mm <= 0.0 {
+            self.accelerate(None);
+            let speed = self.climb_speed(length_mm.unwrap_or(0.0), climb_mm);
+            self.moves.push(Move::Climb { to, z_mm: self.layer_z_mm, speed });
+        } else {
+            if arriving || pause || hop_mm > 0.0 {
+                self.lift(self.layer_z_mm + hop_mm);
+            }
+            self.accelerate(None);
+            self.moves.push(Move::Travel { to, speed: self.settings.speed.travel });
         }
-        self.accelerate(None);
-        self.moves.push(Move::Travel { to, speed: self.settings.speed.travel });
         self.positioned = true;
         if hop_mm > 0.0 {
             self.lift(self.layer_z_mm);
@@ -43,6 +52,12 @@ impl Nozzle<'_> {
         }
         self.at = Some(to);
         self.z_mm = self.layer_z_mm;
+    }
+
+    /// The travel speed, unless Z would be faster than it may.
+    fn climb_speed(&self, length_mm: f64, climb_mm: f64) -> MmPerS {
+        let speed = &self.settings.speed;
+        MmPerS(speed.travel.0.min(speed.z.0 * length_mm.hypot(climb_mm) / climb_mm))
     }
 
     fn lift(&mut self, z_mm: f64) {

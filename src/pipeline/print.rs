@@ -55,6 +55,7 @@ pub(super) fn slice(
     let opening = gcode::opening(settings, &facts, &scripts, true);
     let mut slots = opening.slots;
     output.write(&opening.bytes)?;
+    output.write(&gcode::labels(settings, &sections.labels()))?;
     let begun = scripts.start_effect(settings, &run.machine);
     let mut certificate = Vec::new();
     let mut tally = Tally::default();
