@@ -48,10 +48,7 @@ impl Plan {
             let (key, value) = ("gcode.labels".into(), "true".into());
             shorthands.push(Override { key, value, option: "--labels" });
         }
-        Ok(Self {
-            settings: settings(&args.settings, &shorthands)?,
-            tasks,
-        })
+        Ok(Self { settings: settings(&args.settings, &shorthands)?, tasks })
     }
 }
 

@@ -137,10 +137,10 @@ impl Machine {
         }
         let straightness = straightness.min(0.999_999);
         let across = normal([0, 1, 2, 3].map(|i| b[i] - a[i]));
-        let acceleration = across
-            .iter()
-            .zip(self.max_acceleration)
-            .fold(now.acceleration, |a, (share, max)| if a * share.abs() > max { max / share.abs() } else { a });
+        let acceleration =
+            across.iter().zip(self.max_acceleration).fold(now.acceleration, |a, (share, max)| {
+                if a * share.abs() > max { max / share.abs() } else { a }
+            });
         let sine = (0.5 * (1.0 + straightness)).sqrt();
         let v2 = acceleration * self.junction_deviation_mm * sine / (1.0 - sine);
         // A curve: it turns by less than 45° each time.

@@ -151,15 +151,20 @@ mod tests {
 
     #[test]
     fn each_dialect_states_limits_advance_and_retraction_in_its_own_words() {
-        let facts =
-            PrintFacts { layers: 1, min_mm: [0.0; 2], max_mm: [9.0; 2], max_z_mm: 0.2, dated: 0 };
+        let facts = PrintFacts { layers: 1, min_mm: [0.0; 2], max_mm: [9.0; 2], max_z_mm: 0.2, dated: 0 };
         let mut settings = Settings::default();
         settings.filament.pressure_advance = 0.045;
         (settings.gcode.limits, settings.retract.firmware) = (true, true);
         for (flavor, wanted) in [
             (
                 Flavor::Marlin,
-                &["M201 X3000 Y3000 Z100 E800", "M205 X10 Y10 Z0.4 E5", "M900 K0.045", "M207 S1 F2400", "M208 S0 F2400"][..],
+                &[
+                    "M201 X3000 Y3000 Z100 E800",
+                    "M205 X10 Y10 Z0.4 E5",
+                    "M900 K0.045",
+                    "M207 S1 F2400",
+                    "M208 S0 F2400",
+                ][..],
             ),
             (
                 Flavor::Klipper,
@@ -171,7 +176,12 @@ mod tests {
             ),
             (
                 Flavor::RepRapFirmware,
-                &["M203 X18000 Y18000 Z900 E4800", "M566 X600 Y600 Z24 E300", "M572 D0 S0.045", "M207 S1 R0 F2400 T2400"],
+                &[
+                    "M203 X18000 Y18000 Z900 E4800",
+                    "M566 X600 Y600 Z24 E300",
+                    "M572 D0 S0.045",
+                    "M207 S1 R0 F2400 T2400",
+                ],
             ),
         ] {
             settings.printer.flavor = flavor;
@@ -192,7 +202,9 @@ mod tests {
         assert_eq!(labels(&settings, &objects), b"M486 T2\n");
         settings.printer.flavor = Flavor::Klipper;
         let text = String::from_utf8(labels(&settings, &objects)).expect("text");
-        assert!(text.starts_with("EXCLUDE_OBJECT_DEFINE NAME=object_0 CENTER=2,4 POLYGON=[[1,2],[3,2],[3,6],[1,6]]\n"));
+        assert!(text.starts_with(
+            "EXCLUDE_OBJECT_DEFINE NAME=object_0 CENTER=2,4 POLYGON=[[1,2],[3,2],[3,6],[1,6]]\n"
+        ));
         assert_eq!(text.lines().count(), 2);
     }
 

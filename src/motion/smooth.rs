@@ -84,10 +84,7 @@ pub(super) fn round_corners(from: [f64; 2], pieces: &[Piece], width_mm: f64, out
         for step in 1..=steps as u32 {
             let (sine, cosine) = (turn * f64::from(step) / steps).sin_cos();
             let r = [begin[0] - center[0], begin[1] - center[1]];
-            at = [
-                center[0] + r[0] * cosine - r[1] * sine,
-                center[1] + r[0] * sine + r[1] * cosine,
-            ];
+            at = [center[0] + r[0] * cosine - r[1] * sine, center[1] + r[0] * sine + r[1] * cosine];
             out.push(Piece { to: at, volume_mm3, area_mm2: volume_mm3 / chord_mm });
         }
         left = Piece { volume_mm3: next.volume_mm3 - from_v_mm3, ..*next };
@@ -106,7 +103,9 @@ pub(super) fn refine_curves(from: [f64; 2], pieces: &[Piece], out: &mut Vec<Piec
     for (i, piece) in pieces.iter().enumerate() {
         let (along, length_mm) = direction(a, piece.to);
         let turn_after = match pieces.get(i + 1) {
-            Some(next) => Some(turn_rad(along, direction(piece.to, next.to).0)).filter(|t| t.abs() < CORNER_RAD),
+            Some(next) => {
+                Some(turn_rad(along, direction(piece.to, next.to).0)).filter(|t| t.abs() < CORNER_RAD)
+            }
             None => None,
         };
         let turn_after = turn_after.unwrap_or(0.0);
@@ -136,11 +135,8 @@ mod tests {
     use proptest::prelude::*;
 
     fn pieces(points: &[[f64; 2]]) -> Vec<Piece> {
-        let piece = |w: &[[f64; 2]]| Piece {
-            to: w[1],
-            volume_mm3: 0.08 * distance(w[0], w[1]),
-            area_mm2: 0.08,
-        };
+        let piece =
+            |w: &[[f64; 2]]| Piece { to: w[1], volume_mm3: 0.08 * distance(w[0], w[1]), area_mm2: 0.08 };
         points.windows(2).map(piece).collect()
     }
 

@@ -42,7 +42,8 @@ impl TravelTime {
     pub fn new(settings: &Settings) -> Self {
         let Settings { machine, speed, acceleration, retract, .. } = settings;
         let given = |values: &[f64]| values.iter().copied().find(|a| *a > 0.0).unwrap_or(0.0);
-        let (max_speed, max_acceleration) = (machine.max_speed.map(|v| v.0), machine.max_acceleration.map(|a| a.0));
+        let (max_speed, max_acceleration) =
+            (machine.max_speed.map(|v| v.0), machine.max_acceleration.map(|a| a.0));
         let usual = given(&[acceleration.default.0, max_acceleration[0]]);
         let way_s = |way_mm: f64, speed: f64, axis: usize| {
             let (speed, acceleration) = (speed.min(max_speed[axis]), max_acceleration[axis]);
@@ -59,7 +60,11 @@ impl TravelTime {
         Self {
             speed_mm_s: speed.travel.0.min(max_speed[0]),
             acceleration_mm_s2: given(&[acceleration.travel.0, usual]).min(max_acceleration[0]),
-            cruise_ratio: if settings.printer.flavor == Flavor::Klipper { machine.min_cruise_ratio.0 } else { 0.0 },
+            cruise_ratio: if settings.printer.flavor == Flavor::Klipper {
+                machine.min_cruise_ratio.0
+            } else {
+                0.0
+            },
             stop_s: speed.infill.0.min(speed.perimeter.0) / usual,
             retract_from_mm: retract.min_travel.0,
             retract_s,

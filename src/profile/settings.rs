@@ -68,7 +68,7 @@ choice! {
 }
 choice! {
     /// Where loops start and end.
-    SeamPosition { /// Any vertex: ordering decides.
+    SeamPosition { /// Anywhere: ordering decides.
         Free = "free", /// The first vertex as sliced.
         Pinned = "pinned", /// In line with the layer below, in a corner where there is one.
         Aligned = "aligned", /// The rearmost vertex.

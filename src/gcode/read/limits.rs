@@ -62,7 +62,9 @@ impl Limits {
             }
             (b'G', 28) | (b'M', 0 | 1 | 109 | 116 | 190 | 191 | 226 | 400 | 600) => return Effect::Wait(0.0),
             (b'M', 204) => self.accelerations(&line.words(), machine.firmware),
-            (b'M', 220) => self.speed = line.words().get(b'S').filter(|s| *s > 0.0).map_or(1.0, |s| s / 100.0),
+            (b'M', 220) => {
+                self.speed = line.words().get(b'S').filter(|s| *s > 0.0).map_or(1.0, |s| s / 100.0)
+            }
             (b'M', 201 | 203 | 205 | 566) => axes(code.number, &line.words(), machine),
             (b'M', 207 | 208) => retraction(code.number, &line.words(), machine),
             _ => {}
@@ -126,7 +128,8 @@ fn axes(number: u32, words: &Words, machine: &mut Machine) {
     let per_minute = machine.firmware == Firmware::RepRapFirmware && number != 201 && number != 205;
     let scale = if per_minute { 1.0 / 60.0 } else { 1.0 };
     if number == 205 {
-        machine.junction_deviation_mm = words.get(b'J').filter(|j| *j > 0.0).unwrap_or(machine.junction_deviation_mm);
+        machine.junction_deviation_mm =
+            words.get(b'J').filter(|j| *j > 0.0).unwrap_or(machine.junction_deviation_mm);
     }
     if number == 566 {
         machine.jerk_everywhere = words.get(b'P').map_or(machine.jerk_everywhere, |policy| policy > 0.0);
