@@ -27,8 +27,13 @@ fn layer(paths: std::ops::Range<usize>) -> impl Strategy<Value = Layer> {
 }
 
 fn costs() -> [Cost; 2] {
-    let time =
-        TravelTime { speed_mm_s: 150.0, acceleration_mm_s2: 3000.0, retract_from_mm: 1.5, retract_s: 0.05 };
+    let time = TravelTime {
+        speed_mm_s: 150.0,
+        acceleration_mm_s2: 3000.0,
+        retract_from_mm: 1.5,
+        retract_s: 0.05,
+        ..TravelTime::default()
+    };
     [Cost::Length, Cost::Time(time)]
 }
 

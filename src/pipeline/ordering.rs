@@ -13,7 +13,7 @@ use super::parallel;
 pub(super) fn chain(settings: &Settings) -> Chain {
     Chain {
         settings: settings.order.clone(),
-        cost: Cost::new(settings.order.cost, &settings.speed, &settings.acceleration, &settings.retract),
+        cost: Cost::new(settings.order.cost, settings),
         seam: settings.seam.position,
         origin: None,
     }
