@@ -22,6 +22,7 @@ pub mod report;
 pub mod slice;
 pub mod toolpath;
 pub mod units;
+pub mod view;
 
 /// The examples of the README are compiled with the documentation's.
 #[cfg(doctest)]

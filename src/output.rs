@@ -59,6 +59,7 @@ enum Sink {
 
 #[derive(Debug)]
 enum Stream {
+    Nowhere,
     Stdout,
     Device(File),
 }
@@ -68,6 +69,20 @@ impl Output {
     pub fn stdout() -> Self {
         let sink = Sink::Direct { held: Vec::new(), to: Stream::Stdout };
         Self { name: "standard output".into(), written: 0, sink }
+    }
+
+    /// Nowhere: the bytes are for [`Output::into_bytes`].
+    pub fn memory() -> Self {
+        let sink = Sink::Direct { held: Vec::new(), to: Stream::Nowhere };
+        Self { name: "memory".into(), written: 0, sink }
+    }
+
+    /// What was written, where it is held in memory; nothing of a file.
+    pub fn into_bytes(self) -> Vec<u8> {
+        match self.sink {
+            Sink::File { .. } => Vec::new(),
+            Sink::Direct { held, .. } => held,
+        }
     }
 
     /// No place at all: what is written can be read back, and is gone then.
@@ -165,6 +180,7 @@ impl Output {
                 .into_inner()
                 .map_err(io::IntoInnerError::into_error)
                 .and_then(|file| file.rename(&target)),
+            Sink::Direct { to: Stream::Nowhere, .. } => Ok(()),
             Sink::Direct { held, to: Stream::Stdout } => {
                 let mut stdout = io::stdout().lock();
                 stdout.write_all(&held).and_then(|()| stdout.flush())

@@ -18,10 +18,11 @@ mod wrap;
 pub use effect::Effect;
 pub use layer::{LayerText, format_layer};
 pub use read::{
-    Action, Annotated, Center, Code, Context, Line, Lines, Mark, Measure, Meter, Reader, Replay, State, Step,
-    Stroke, TypeMeasure, Words, annotate, file_time, lines, mark, measure, replay, role,
+    Action, Annotated, Center, Clock, Code, Context, Line, Lines, Mark, Measure, Meter, Reader, Replay,
+    State, Step, Stroke, Timetable, TypeMeasure, Words, annotate, file_time, lines, mark, measure, replay,
+    role,
 };
 pub use script::Scripts;
-pub use settings::{PrintFacts, WriterSettings};
+pub use settings::{ObjectLabel, PrintFacts, WriterSettings};
 pub use slot::{Pending, Slot, Totals};
-pub use wrap::{Opening, closing, opening};
+pub use wrap::{Opening, closing, labels, opening};

@@ -5,12 +5,16 @@
 
 mod arc;
 mod bead;
+mod ends;
 mod moves;
+mod overhang;
 mod pause;
 mod plan;
+mod route;
 mod rules;
 mod settings;
 mod simplify;
+mod smooth;
 mod sums;
 mod travel;
 

@@ -8,6 +8,7 @@ mod christofides;
 mod christofides_open;
 pub mod compare;
 mod cost;
+mod entries;
 mod greedy;
 mod index;
 mod layer;

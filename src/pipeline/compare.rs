@@ -9,6 +9,7 @@ use crate::profile::{CostKind, OrderStrategy, Settings};
 use crate::slice::Slicer;
 use crate::toolpath::LayerPaths;
 
+use super::ordering::Certificate;
 use super::sections::Sections;
 use super::{load, ordering, parallel, reorder};
 
@@ -39,10 +40,10 @@ pub(super) fn compare(
             (layer, pins)
         })
         .collect();
-    let bound = || ordering::print_bound(&layers, settings, None) + fixed.links_mm.iter().sum::<f64>();
-    let bound_mm = job.certify.then(bound);
-    let rows =
-        strategies.iter().map(|&strategy| row(strategy, &layers, &fixed, settings, bound_mm, progress));
+    let certificate = job.certify.then(|| Certificate::new(&layers, settings, None));
+    let rows = strategies
+        .iter()
+        .map(|&strategy| row(strategy, &layers, &fixed, settings, certificate.as_ref(), progress));
     Ok(rows.collect())
 }
 
@@ -77,7 +78,7 @@ fn row(
     layers: &[(LayerPaths, Pins)],
     fixed: &Fixed,
     settings: &Settings,
-    bound_mm: Option<f64>,
+    certificate: Option<&Certificate>,
     progress: &dyn Progress,
 ) -> StrategyRow {
     let mut chain = ordering::chain(settings);
@@ -100,14 +101,14 @@ fn row(
             start
         })
         .collect();
-    let time = Cost::new(CostKind::Time, &settings.speed, &settings.acceleration, &settings.retract);
+    let time = Cost::new(CostKind::Time, settings);
     let rows = parallel::map(layers.len(), |i| {
         // Sequences name vertices of paths: measured on the problem whose seams are free.
         let mut problem = LayerProblem::new(&paths[i], &None, settings.order.scope).problem;
         problem.start = starts[i];
         let mut row = LayerRow::new(i, &problem, &solved.sequences[i], &time);
-        let bound = || ordering::layer_bound(&paths[i], &pins[i], settings, starts[i]) + fixed.links_mm[i];
-        row.bound_mm = bound_mm.map(|_| bound());
+        let bound_mm = |certificate: &Certificate| certificate.layer_mm(i, starts[i]) + fixed.links_mm[i];
+        row.bound_mm = certificate.map(bound_mm);
         row.link_mm += fixed.links_mm[i];
         progress.layer_done();
         row
@@ -115,7 +116,7 @@ fn row(
     StrategyRow {
         strategy: strategy.name().to_owned(),
         took_s: solved.took.as_secs_f64(),
-        bound_mm,
+        bound_mm: certificate.map(|c| c.print_mm() + fixed.links_mm.iter().sum::<f64>()),
         layers: rows,
     }
 }

@@ -85,6 +85,7 @@ impl Ordering {
             islands: Vec::new(),
             paths,
             outline: Region::default(),
+            beneath: None,
         };
         Self { layer, members, fixed_mm }
     }

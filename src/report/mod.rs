@@ -4,8 +4,10 @@ mod model;
 pub mod paper;
 mod reordered;
 mod summary;
+mod time;
 
 pub use model::ModelInfo;
 pub use paper::PaperRow;
 pub use reordered::{Reordered, Way};
 pub use summary::{LayerSummary, Measures, Summary};
+pub use time::{LayerTime, PrintTime};

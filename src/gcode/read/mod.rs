@@ -7,10 +7,12 @@
 mod annotate;
 mod features;
 mod lexer;
+mod limits;
 mod marks;
 mod measure;
 mod replay;
 mod time;
+mod timetable;
 
 pub use annotate::{Annotated, Context, Reader, annotate};
 pub use features::role;
@@ -18,4 +20,5 @@ pub use lexer::{Code, Line, Lines, Words, lines};
 pub use marks::{Mark, mark};
 pub use measure::{Measure, Meter, TypeMeasure, measure, measure_on};
 pub use replay::{Action, Center, Replay, State, Step, Stroke, replay, resume};
-pub use time::{file_time, time_on};
+pub use time::{Clock, file_time, time_on};
+pub use timetable::Timetable;
