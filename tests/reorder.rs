@@ -438,8 +438,8 @@ fn mutated_files_neither_panic_nor_hang_nor_print_anything_else() {
 }
 
 #[test]
-fn our_own_optimized_print_has_nothing_left_to_gain() {
-    let settings = settings(&["standard-job"], &["order.strategy=optimized", "seam.position=pinned"]);
+fn our_own_optimized_standard_job_has_nothing_left_to_gain() {
+    let settings = settings(&["standard-job"], &["order.strategy=optimized"]);
     let text = print("plate_with_holes", &settings).text;
     let (code, result, said) = reorder(&text, &[]);
     assert_eq!(code, 0, "{said}");
