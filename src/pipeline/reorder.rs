@@ -197,8 +197,9 @@ impl Run {
                 let was = block.travel();
                 let now = (written[index].travel_mm, written[index].pulls);
                 let changed = picks[index].iter().enumerate().any(|(i, pick)| *pick != Pick::as_is(i));
-                // No layer pays for less travel with more retractions.
-                if changed && (self.score(now) >= self.score(was) || now.1 > was.1) {
+                // Nowhere is less travel paid for with more retractions, or the other way round.
+                let dearer = now.0 > was.0 || now.1 > was.1;
+                if changed && (dearer || self.score(now) >= self.score(was)) {
                     picks[index] = as_is(block);
                     worse = true;
                 }
