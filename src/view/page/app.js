@@ -26,10 +26,15 @@ class App {
     this.begin(several);
   }
 
-  /** The first view: several prints at the layer where the first travels most, one print as a whole. */
+  /** The first view: several prints at the layer where they differ most, one print as a whole. */
   begin(several) {
     const wish = new URLSearchParams(location.hash.slice(1));
-    const busiest = this.prints[0].travel.reduce((best, mm, i, all) => (mm > all[best] ? i : best), 0);
+    const spread = (layer) => {
+      const ways = this.prints.map((print) => print.travel[layer] ?? 0);
+      return Math.max(...ways) - Math.min(...ways);
+    };
+    let busiest = 0;
+    for (let layer = 1; layer < this.layers; layer++) if (spread(layer) > spread(busiest)) busiest = layer;
     this.state.theme = wish.get("theme") || (matchMedia("(prefers-color-scheme: dark)").matches ? "dark" : "light");
     document.documentElement.dataset.theme = this.state.theme;
     if (wish.get("color") in COLORINGS) find("color").value = this.state.color = wish.get("color");
