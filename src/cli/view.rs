@@ -77,7 +77,8 @@ fn gcode(
         if args.certify {
             return Err(plan::usage("--certify is for models; of a G-code file the order is given"));
         }
-        let text = fs::read(path).map_err(|error| Failure::new(Exit::Input, format!("{}: {error}", path.display())))?;
+        let text = fs::read(path)
+            .map_err(|error| Failure::new(Exit::Input, format!("{}: {error}", path.display())))?;
         return Ok((text, None));
     }
     let job = Job {

@@ -15,7 +15,9 @@ class App {
     this.cameras = { "2d": new FlatCamera(bounds), "3d": new TurnCamera(bounds, top) };
     this.panes = prints.map((print) => new Pane(this, print));
     find("panes").style.setProperty("--columns", Math.min(prints.length, prints.length === 4 ? 2 : 3));
+    find("panes").style.setProperty("--rows", Math.min(prints.length, 2));
     find("panes").append(...this.panes.map((pane) => pane.root));
+    for (const { caption } of this.panes) caption.hidden = !several;
     this.charts = new Charts(this, find("charts"));
     this.legend = new Legend(this, find("legend"));
     find("figures").hidden = several;
@@ -230,8 +232,7 @@ class App {
       const i = Math.min(state.layer, print.layers - 1);
       const gap = gapOf(print.link[i], print.bound[i]);
       const text = `${length(print.travel[i])} travel, ${duration(print.time[i])}${gap === null ? "" : `, gap ${percent(gap)}`}`;
-      if (prints.length > 1) caption.replaceChildren(element("b", {}, print.name), text);
-      else caption.hidden = true;
+      caption.replaceChildren(element("b", {}, print.name), text);
       canvas.setAttribute("aria-label", `${print.name}, layer ${i + 1}: ${length(print.print[i])} printed, ${text}`);
     }
   }
