@@ -90,6 +90,10 @@ pub(super) struct SliceArgs {
     #[arg(long, help_heading = "Ordering")]
     pub certify: bool,
 
+    /// Say which object every bead belongs to, so that a printer can cancel one [gcode.labels]
+    #[arg(long)]
+    pub labels: bool,
+
     /// Worker threads [default: $RAYON_NUM_THREADS, or all cores]; the result is the same
     #[arg(long, value_name = "N")]
     pub threads: Option<NonZeroUsize>,

@@ -59,6 +59,7 @@ pub(super) fn slice(
     opening.comment(&thumbnails(&plate, settings));
     let mut slots = opening.slots;
     output.write(&opening.bytes)?;
+    output.write(&gcode::labels(settings, &sections.labels()))?;
     let begun = scripts.start_effect(settings, &run.machine);
     let mut ordered = Vec::new();
     let mut tally = Tally::default();
