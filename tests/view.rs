@@ -55,7 +55,7 @@ fn pictures_and_page_are_written_where_asked() {
         .assert()
         .success();
     assert!(!Path::new(&path("part.html")).exists(), "only pictures were asked for");
-    assert!(fs::read_to_string(&svg).unwrap().contains("class=\"outer-wall\""));
+    assert!(fs::read_to_string(&svg).unwrap().contains("class=\"overhang-wall\""));
     assert_eq!(Pixmap::load_png(&png).unwrap().width().max(Pixmap::load_png(&png).unwrap().height()), 90);
     assert_eq!(Pixmap::load_png(&small).unwrap().width(), 90);
     view(&[&gcode]).assert().success();

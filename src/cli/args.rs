@@ -255,6 +255,10 @@ pub(super) struct ViewArgs {
     #[command(flatten)]
     pub ordering: OrderingArgs,
 
+    /// Prove how near to the shortest possible the order of models is, and show it
+    #[arg(long, help_heading = "Ordering")]
+    pub certify: bool,
+
     /// Worker threads [default: $RAYON_NUM_THREADS, or all cores]; the result is the same
     #[arg(long, value_name = "N")]
     pub threads: Option<NonZeroUsize>,

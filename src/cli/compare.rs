@@ -119,7 +119,9 @@ fn prints(
         let mut settings = settings.clone();
         settings.order.strategy = *strategy;
         let (text, _) = sliced(&job, &settings, engine, false)?;
-        Ok(Print::new(row.strategy.clone(), Scene::read(&text, &settings), &settings).compared(row))
+        let layers: Vec<_> = row.layers.iter().map(|layer| (layer.link_mm, layer.bound_mm)).collect();
+        let print = Print::new(row.strategy.clone(), Scene::read(&text, &settings), &settings);
+        Ok(print.with_bounds(&layers, (row.link_mm(), row.bound_mm)))
     });
     each.collect()
 }

@@ -10,6 +10,7 @@ use super::plan;
 use crate::job::{Engine, Job, Progress, Silent};
 use crate::output::Output;
 use crate::profile::Settings;
+use crate::report::Summary;
 use crate::view::{self, Layer, Print, Scene};
 
 /// Writes the pictures and the page that are asked for.
@@ -21,7 +22,7 @@ pub(super) fn run(args: &ViewArgs, engine: &dyn Engine) -> Result<Exit, Failure>
     let resolved = plan::settings(&args.settings, &plan::shorthands(args.order.as_ref(), &args.ordering))?;
     console::warn(&resolved.warnings);
 
-    let text = gcode(args, &resolved.settings, engine)?;
+    let (text, summary) = gcode(args, &resolved.settings, engine)?;
     let name = args.models.files[0].display();
     let scene = Scene::read(&text, &resolved.settings);
     if scene.is_empty() {
@@ -38,7 +39,11 @@ pub(super) fn run(args: &ViewArgs, engine: &dyn Engine) -> Result<Exit, Failure>
     }
     if let Some(path) = &page {
         let title = args.models.files.iter().map(|file| file_name(file)).collect::<Vec<_>>().join(" + ");
-        let print = Print::new(title.clone(), scene, &resolved.settings);
+        let mut print = Print::new(title.clone(), scene, &resolved.settings);
+        if let Some(Summary { layers, total, .. }) = summary.filter(|_| args.certify) {
+            let layers: Vec<_> = layers.iter().map(|l| (l.measures.link_mm, l.measures.bound_mm)).collect();
+            print = print.with_bounds(&layers, (total.link_mm, total.bound_mm));
+        }
         write(path, view::page(&title, &[print]).as_bytes())?;
     }
     Ok(Exit::Done)
@@ -58,34 +63,43 @@ fn page_path(args: &ViewArgs) -> Option<PathBuf> {
     }
 }
 
-/// The G-code to show: as it is, or sliced from models.
-fn gcode(args: &ViewArgs, settings: &Settings, engine: &dyn Engine) -> Result<Vec<u8>, Failure> {
+/// The G-code to show: as it is, or sliced from models, with what the slicing came to.
+fn gcode(
+    args: &ViewArgs,
+    settings: &Settings,
+    engine: &dyn Engine,
+) -> Result<(Vec<u8>, Option<Summary>), Failure> {
     let files = &args.models.files;
     if files.iter().any(|path| is_gcode(path)) {
         let [path] = files.as_slice() else {
             return Err(plan::usage("a page shows one G-code file, or models; give one G-code file alone"));
         };
-        return fs::read(path)
-            .map_err(|error| Failure::new(Exit::Input, format!("{}: {error}", path.display())));
+        if args.certify {
+            return Err(plan::usage("--certify is for models; of a G-code file the order is given"));
+        }
+        let text = fs::read(path)
+            .map_err(|error| Failure::new(Exit::Input, format!("{}: {error}", path.display())))?;
+        return Ok((text, None));
     }
     let job = Job {
         models: files.clone(),
         transform: plan::transform(&args.models),
+        certify: args.certify,
         threads: args.threads.map(Into::into),
         ..Job::default()
     };
-    let (text, warnings) = sliced(&job, settings, engine, !args.no_progress)?;
-    console::warn(&warnings);
-    Ok(text)
+    let (text, summary) = sliced(&job, settings, engine, !args.no_progress)?;
+    console::warn(&summary.warnings);
+    Ok((text, Some(summary)))
 }
 
-/// The G-code of a plate, and warnings.
+/// The G-code of a plate, and what it came to.
 pub(super) fn sliced(
     job: &Job,
     settings: &Settings,
     engine: &dyn Engine,
     show_progress: bool,
-) -> Result<(Vec<u8>, Vec<String>), Failure> {
+) -> Result<(Vec<u8>, Summary), Failure> {
     let bar = Bar::on_terminal(show_progress);
     let progress: &dyn Progress = bar.as_ref().map_or(&Silent, |bar| bar);
     let mut output = Output::memory();
@@ -93,8 +107,7 @@ pub(super) fn sliced(
     if let Some(bar) = bar {
         bar.remove();
     }
-    let warnings = result?.warnings;
-    Ok((output.into_bytes(), warnings))
+    Ok((output.into_bytes(), result?))
 }
 
 fn is_gcode(path: &Path) -> bool {

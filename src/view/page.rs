@@ -5,7 +5,6 @@ use serde_json::{Value, json};
 use super::colors::{DARK, LIGHT, RAMP, ROLES, Rgb, Theme, hex};
 use super::pack::pack;
 use super::scene::Scene;
-use crate::order::compare::StrategyRow;
 use crate::profile::Settings;
 use crate::report::Measures;
 
@@ -46,21 +45,21 @@ impl Print {
         Self { name, scene, filament_g }
     }
 
-    /// Replaces the links, layer by layer, by those that a comparison found, and adds its bounds. Nothing changes where
-    /// the comparison knows other layers than the G-code.
+    /// Takes links and lower bounds, of each layer and of all, from whoever computed the bounds. Nothing changes where
+    /// those layers are others than the G-code's.
     #[must_use]
-    pub fn compared(mut self, row: &StrategyRow) -> Self {
-        if row.layers.len() != self.scene.layers.len() {
+    pub fn with_bounds(mut self, layers: &[(f64, Option<f64>)], total: (f64, Option<f64>)) -> Self {
+        if layers.len() != self.scene.layers.len() {
             return self;
         }
-        for (layer, found) in self.scene.layers.iter_mut().zip(&row.layers) {
-            layer.measures.link_mm = found.link_mm;
-            layer.measures.bound_mm = found.bound_mm;
+        for (layer, (link_mm, bound_mm)) in self.scene.layers.iter_mut().zip(layers) {
+            layer.measures.link_mm = *link_mm;
+            layer.measures.bound_mm = *bound_mm;
         }
-        let total = Measures { link_mm: row.link_mm(), ..self.scene.total };
-        self.scene.total = match row.bound_mm {
-            Some(bound_mm) => total.with_bound(bound_mm),
-            None => total,
+        let measures = Measures { link_mm: total.0, ..self.scene.total };
+        self.scene.total = match total.1 {
+            Some(bound_mm) => measures.with_bound(bound_mm),
+            None => measures,
         };
         self
     }

@@ -38,12 +38,12 @@ impl Picture {
             high[1] - low[1] + 2.0 * margin,
         ];
         // Thin, but still seen where the print is large.
-        let travel_mm = (side / 600.0).clamp(0.08, 1.0);
+        let travel_mm = (side / 450.0).clamp(0.08, 1.0);
         let mut shapes = beads(layer);
         shapes.extend(travels(layer, travel_mm));
         for kind in [MarkKind::Seam, MarkKind::Unretraction, MarkKind::Retraction] {
             let marks = layer.marks.iter().filter(|mark| mark.kind == kind);
-            shapes.extend(marks.map(|mark| sign(kind, [mark.at[0], mark.at[1]], 2.2 * travel_mm)));
+            shapes.extend(marks.map(|mark| sign(kind, [mark.at[0], mark.at[1]], 3.0 * travel_mm)));
         }
         Self { frame, background: LIGHT.background, shapes }
     }

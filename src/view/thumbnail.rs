@@ -47,8 +47,12 @@ impl Solid for Plate {
 /// Every bead is a box; what is no part of the object is left out.
 impl Solid for Scene {
     fn facets(&self, each: &mut dyn FnMut([[f32; 3]; 3], Rgb)) {
-        for stroke in self.layers.iter().flat_map(|layer| &layer.strokes) {
-            let Some(role) = stroke.role.filter(|role| ![SKIRT, OTHER].contains(role)) else { continue };
+        let strokes = || self.layers.iter().flat_map(|layer| &layer.strokes);
+        let beside = |role: &u8| [SKIRT, OTHER].contains(role);
+        // A file that does not tell roles is shown whole.
+        let all = strokes().filter_map(|stroke| stroke.role).all(|role| beside(&role));
+        for stroke in strokes() {
+            let Some(role) = stroke.role.filter(|role| all || !beside(role)) else { continue };
             let way = [stroke.to[0] - stroke.from[0], stroke.to[1] - stroke.from[1]];
             let scale = stroke.width_mm / 2.0 / way[0].hypot(way[1]).max(f32::MIN_POSITIVE);
             let (along, side) = ([way[0] * scale, way[1] * scale], [-way[1] * scale, way[0] * scale]);

@@ -15,7 +15,9 @@ class App {
     this.cameras = { "2d": new FlatCamera(bounds), "3d": new TurnCamera(bounds, top) };
     this.panes = prints.map((print) => new Pane(this, print));
     find("panes").style.setProperty("--columns", Math.min(prints.length, prints.length === 4 ? 2 : 3));
+    find("panes").style.setProperty("--rows", Math.min(prints.length, 2));
     find("panes").append(...this.panes.map((pane) => pane.root));
+    for (const { caption } of this.panes) caption.hidden = !several;
     this.charts = new Charts(this, find("charts"));
     this.legend = new Legend(this, find("legend"));
     find("figures").hidden = several;
@@ -26,10 +28,15 @@ class App {
     this.begin(several);
   }
 
-  /** The first view: several prints at the layer where the first travels most, one print as a whole. */
+  /** The first view: several prints at the layer where they differ most, one print as a whole. */
   begin(several) {
     const wish = new URLSearchParams(location.hash.slice(1));
-    const busiest = this.prints[0].travel.reduce((best, mm, i, all) => (mm > all[best] ? i : best), 0);
+    const spread = (layer) => {
+      const ways = this.prints.map((print) => print.travel[layer] ?? 0);
+      return Math.max(...ways) - Math.min(...ways);
+    };
+    let busiest = 0;
+    for (let layer = 1; layer < this.layers; layer++) if (spread(layer) > spread(busiest)) busiest = layer;
     this.state.theme = wish.get("theme") || (matchMedia("(prefers-color-scheme: dark)").matches ? "dark" : "light");
     document.documentElement.dataset.theme = this.state.theme;
     if (wish.get("color") in COLORINGS) find("color").value = this.state.color = wish.get("color");
@@ -225,8 +232,7 @@ class App {
       const i = Math.min(state.layer, print.layers - 1);
       const gap = gapOf(print.link[i], print.bound[i]);
       const text = `${length(print.travel[i])} travel, ${duration(print.time[i])}${gap === null ? "" : `, gap ${percent(gap)}`}`;
-      if (prints.length > 1) caption.replaceChildren(element("b", {}, print.name), text);
-      else caption.hidden = true;
+      caption.replaceChildren(element("b", {}, print.name), text);
       canvas.setAttribute("aria-label", `${print.name}, layer ${i + 1}: ${length(print.print[i])} printed, ${text}`);
     }
   }

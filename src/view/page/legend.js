@@ -36,7 +36,7 @@ class Legend {
     [["Retraction", "▼", theme.retraction], ["Un-retraction", "▲", theme.unretraction], ["Seam", "◆", theme.seam]]
       .forEach(([label, sign, color], i) => {
         const swatch = element("span", { style: `color: ${color}; width: 18px; text-align: center`, "aria-hidden": "true" }, sign);
-        if (counts[i]) item(`mark-${i}`, label, swatch, String(counts[i]));
+        if (counts[i]) item(`mark-${i}`, label, swatch, app.prints.length > 1 ? "" : String(counts[i]));
       });
     parts.push(element("h2", {}, "Share of the way"), list);
     root.replaceChildren(...parts);
