@@ -51,10 +51,10 @@ impl Nozzle<'_> {
             self.lift(self.layer_z_mm);
         }
         if retracted {
-            self.moves.push(Move::Unretract {
-                length_mm: retract.length.0 + retract.extra.0.max(0.0),
-                speed: retract.unretract_speed,
-            });
+            self.moves.push(Move::Unretract { length_mm: retract.length.0, speed: retract.unretract_speed });
+            if !retract.firmware {
+                self.owed_mm3 = retract.extra.0 * self.settings.flow.strand_mm2;
+            }
         }
         self.at = Some(to);
         self.z_mm = self.layer_z_mm;

@@ -394,7 +394,7 @@ section! {
         speed: MmPerS = MmPerS(40.0); 0.1..=500.0,
         /// Speed of pushing forward again.
         unretract_speed: MmPerS = MmPerS(40.0); 0.1..=500.0,
-        /// Pushed forward beyond what was pulled back.
+        /// Fed beyond what was pulled back, with the first millimetres of the next bead.
         extra: Mm = Mm(0.0); -5.0..=5.0,
         /// Travels shorter than this are not retracted.
         min_travel: Mm = Mm(1.5); 0.0..=1000.0,
