@@ -15,6 +15,7 @@ mod route;
 mod rules;
 mod settings;
 mod simplify;
+mod smooth;
 mod sums;
 mod travel;
 
