@@ -172,6 +172,7 @@ fn coast(moves: &mut Vec<Move>, coast_mm: f64) {
 fn end_of(step: &Move) -> Option<[f64; 2]> {
     match step {
         Move::Travel { to, .. }
+        | Move::Climb { to, .. }
         | Move::Wipe { to, .. }
         | Move::Extrude { to, .. }
         | Move::Ramp { to, .. }

@@ -316,7 +316,7 @@ section! {
         /// Thickness of the threads: multiplies the cross-section of one as thick as the nozzle's bore.
         flow: f64 = 1.0; 0.1..=2.0,
         /// How far they reach over what holds them.
-        anchor: Mm = Mm(1.5); 0.0..=20.0,
+        anchor: Mm = Mm(1.0); 0.0..=20.0,
     }
 }
 section! {
