@@ -10,6 +10,7 @@ mod moves;
 mod overhang;
 mod pause;
 mod plan;
+mod prime;
 mod route;
 mod rules;
 mod settings;

@@ -4,6 +4,7 @@ use super::arc;
 use super::bead::{Vertex, mean_width_mm, trace};
 use super::ends::{self, Scarf, Step};
 use super::overhang::{Grade, Support};
+use super::prime::prime;
 use super::route::Router;
 use super::rules::Rules;
 use super::simplify::{Piece, straighten};
@@ -47,6 +48,7 @@ pub fn plan_layer(
         layer_z_mm,
         positioned: false,
         wipe: from.wipe.clone(),
+        owed_mm3: 0.0,
         acceleration: None,
         bead: None,
         object: None,
@@ -138,6 +140,8 @@ pub(super) struct Nozzle<'a> {
     pub(super) positioned: bool,
     /// Where to wipe after the bead drawn last.
     pub(super) wipe: Vec<[f64; 2]>,
+    /// Filament to be fed with the next bead beyond what it holds.
+    pub(super) owed_mm3: f64,
     acceleration: Option<MmPerS2>,
     bead: Option<(Role, f64, f64)>,
     object: Option<u32>,
@@ -177,6 +181,7 @@ impl Nozzle<'_> {
 
     /// Draws a bead from where the nozzle is, its first vertex.
     fn draw(&mut self, path: &Path, vertices: &mut Vec<Vertex>) {
+        let first = self.moves.len();
         let scarf = finish(path, vertices, self.rules.index(), self.settings);
         if let Some(scarf) = &scarf {
             self.begin(path, path.role);
@@ -187,6 +192,9 @@ impl Nozzle<'_> {
             self.draw_steps(path, &scarf.fade);
         } else {
             self.draw_graded(path, vertices);
+        }
+        if let Some(from) = self.at {
+            prime(&mut self.moves, first, from, std::mem::take(&mut self.owed_mm3));
         }
         (self.at, self.wipe) = end(path, vertices, scarf.as_ref(), self.settings);
     }

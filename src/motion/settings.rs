@@ -12,6 +12,8 @@ use crate::units::{Mm, Mm3PerS, MmPerS2};
 pub struct FlowSettings {
     /// Multiplier of everything.
     pub multiplier: f64,
+    /// Cross-section of the strand, square millimetres.
+    pub strand_mm2: f64,
     /// Largest flow the hot end melts; 0: not limited.
     pub max_flow: Mm3PerS,
 }
@@ -47,7 +49,11 @@ impl MotionSettings {
     /// What motion needs of all settings, and where to pause.
     pub fn new(settings: &Settings, pauses: &[PauseAt]) -> Self {
         Self {
-            flow: FlowSettings { multiplier: settings.filament.flow, max_flow: settings.filament.max_flow },
+            flow: FlowSettings {
+                multiplier: settings.filament.flow,
+                strand_mm2: std::f64::consts::PI / 4.0 * settings.filament.diameter.0.powi(2),
+                max_flow: settings.filament.max_flow,
+            },
             first_layer: settings.first_layer.clone(),
             speed: settings.speed.clone(),
             acceleration: settings.acceleration.clone(),

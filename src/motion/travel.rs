@@ -62,10 +62,10 @@ impl Nozzle<'_> {
             self.lift(self.layer_z_mm);
         }
         if retracted {
-            self.moves.push(Move::Unretract {
-                length_mm: retract.length.0 + retract.extra.0.max(0.0),
-                speed: retract.unretract_speed,
-            });
+            self.moves.push(Move::Unretract { length_mm: retract.length.0, speed: retract.unretract_speed });
+            if !retract.firmware {
+                self.owed_mm3 = retract.extra.0 * self.settings.flow.strand_mm2;
+            }
         }
         self.at = Some(to);
         self.z_mm = self.layer_z_mm;
@@ -172,6 +172,7 @@ fn coast(moves: &mut Vec<Move>, coast_mm: f64) {
 fn end_of(step: &Move) -> Option<[f64; 2]> {
     match step {
         Move::Travel { to, .. }
+        | Move::Climb { to, .. }
         | Move::Wipe { to, .. }
         | Move::Extrude { to, .. }
         | Move::Ramp { to, .. }

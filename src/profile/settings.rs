@@ -316,7 +316,7 @@ section! {
         /// Thickness of the threads: multiplies the cross-section of one as thick as the nozzle's bore.
         flow: f64 = 1.0; 0.1..=2.0,
         /// How far they reach over what holds them.
-        anchor: Mm = Mm(1.5); 0.0..=20.0,
+        anchor: Mm = Mm(1.0); 0.0..=20.0,
     }
 }
 section! {
@@ -396,7 +396,7 @@ section! {
         speed: MmPerS = MmPerS(40.0); 0.1..=500.0,
         /// Speed of pushing forward again.
         unretract_speed: MmPerS = MmPerS(40.0); 0.1..=500.0,
-        /// Pushed forward beyond what was pulled back.
+        /// Fed beyond what was pulled back, with the first millimetres of the next bead.
         extra: Mm = Mm(0.0); -5.0..=5.0,
         /// Travels shorter than this are not retracted.
         min_travel: Mm = Mm(1.5); 0.0..=1000.0,

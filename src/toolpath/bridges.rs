@@ -1,8 +1,8 @@
 //! Bridges: solid infill over air, spanned by threads from hold to hold.
 //!
-//! Each piece of air gets one direction. Among those of its edges, their normals and an even fan of others, it is the one
-//! in which most of the threads are held at both ends, and of those that do equally well the one whose longest span is
-//! the shortest.
+//! Each patch gets one direction, pieces of air near to each other together. Among those of its edges, their normals
+//! and an even fan of others, it is the one in which most of the threads are held at both ends, and of those that do
+//! equally well the one whose longest span is the shortest.
 
 use std::f64::consts::PI;
 
@@ -36,7 +36,8 @@ pub struct Bridge {
 }
 
 /// Takes the bridges out of an island's zones. `section` is the island, `beneath` what the layer rests on; threads are
-/// `width_mm` thick and reach `anchor_mm` over their hold, inside of `inside`. Air narrower than a thread needs no bridge.
+/// `width_mm` thick and reach `anchor_mm` over their hold, inside of `inside`. What is narrower than two threads needs
+/// no bridge.
 pub fn take(
     zones: &mut Zones,
     inside: &Region,
@@ -50,7 +51,7 @@ pub fn take(
     }
     let over_air = |zone: &Region| geom::difference(zone, beneath);
     let air = geom::union(&over_air(&zones.solid), &over_air(&zones.top));
-    let air = geom::opening(&air, width_mm / 2.0);
+    let air = geom::opening(&air, width_mm);
     if air.is_empty() {
         return Vec::new();
     }
@@ -59,16 +60,13 @@ pub fn take(
         section: EdgeGrid::new(&Region { polygons: vec![section.clone()] }),
         width_mm,
     };
-    let mut taken = Region::default();
-    let mut bridges = Vec::new();
-    for polygon in air.polygons {
-        let piece = Region { polygons: vec![polygon] };
-        let angle_rad = hold.best_angle(&piece);
-        let reach = geom::intersection(&geom::offset(&piece, anchor_mm), inside);
-        let area = geom::difference(&reach, &taken);
-        taken = geom::union(&taken, &area);
-        bridges.push(Bridge { area, angle_rad });
-    }
+    let taken = geom::intersection(&geom::offset(&air, anchor_mm), inside);
+    let bridge = |polygon: &Polygon| {
+        let area = Region { polygons: vec![polygon.clone()] };
+        let spanned = geom::intersection(&air, &area);
+        Bridge { angle_rad: hold.best_angle(&spanned), area }
+    };
+    let bridges = taken.polygons.iter().map(bridge).collect();
     let sparse = geom::difference(&zones.sparse, &taken);
     zones.sparse_mm2 = (zones.sparse_mm2 - (zones.sparse.area_mm2() - sparse.area_mm2())).max(0.0);
     zones.sparse = sparse;
