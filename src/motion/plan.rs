@@ -4,7 +4,7 @@ use super::arc;
 use super::bead::{Vertex, mean_width_mm, trace};
 use super::rules::Rules;
 use super::simplify::{Piece, straighten};
-use super::smooth::{may_round, refine_curves, round_corners};
+use super::smooth::{Rounding, refine_curves, round_corners};
 use super::{Entry, LayerMoves, MotionSettings, Move};
 use crate::order::Visit;
 use crate::toolpath::{LayerPaths, Path, Role};
@@ -40,6 +40,7 @@ pub fn plan_layer(
         bead: None,
         object: None,
         plain: Vec::new(),
+        curved: Vec::new(),
         pieces: Vec::new(),
     };
     let mut pause = settings.pauses.iter().any(|p| p.precedes(layer.index, layer.top_mm, layer.height_mm));
@@ -90,8 +91,9 @@ pub(super) struct Nozzle<'a> {
     acceleration: Option<MmPerS2>,
     bead: Option<(Role, f64, f64)>,
     object: Option<u32>,
-    /// The bead under way, with its corners as they are and as they are drawn.
+    /// The bead under way, with its corners as they are, its curves refined, and as it is drawn.
     plain: Vec<Piece>,
+    curved: Vec<Piece>,
     pieces: Vec<Piece>,
 }
 
@@ -144,11 +146,9 @@ impl Nozzle<'_> {
         self.pieces.clear();
         self.plain.clear();
         straighten(vertices, &mut self.plain);
-        if may_round(role) {
-            round_corners(from, &self.plain, width_mm, &mut self.pieces);
-        } else {
-            refine_curves(from, &self.plain, &mut self.pieces);
-        }
+        self.curved.clear();
+        refine_curves(from, &self.plain, &mut self.curved);
+        round_corners(from, &self.curved, &Rounding::of(role, width_mm), &mut self.pieces);
         self.moves.extend(self.pieces.iter().map(|piece| Move::Extrude {
             to: piece.to,
             volume: Mm3(piece.volume_mm3),
