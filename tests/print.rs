@@ -98,31 +98,6 @@ fn nothing_is_extruded_outside_the_bed_or_below_what_is_there() {
 }
 
 #[test]
-fn long_travels_are_retracted_once_and_short_ones_never() {
-    let settings = settings(&[], &["order.strategy=nearest"]);
-    for name in ["pin_forest", "thin_wall_comb"] {
-        let (mut pulled_mm, mut pushed_mm, mut pulls, mut way_mm, mut begun) = (0.0_f64, 0.0, 0, 0.0, false);
-        for stroke in print(name, &settings).strokes() {
-            if stroke.extrudes() {
-                let wanted = if way_mm > settings.retract.min_travel.0 { 1 } else { 0 };
-                assert!(!begun || pulls == wanted, "{name}: {pulls} retractions on {way_mm} mm");
-                assert!(
-                    (pulled_mm - pushed_mm).abs() < 1e-6,
-                    "{name}: {pulled_mm} back, {pushed_mm} forward"
-                );
-                let length_mm = f64::from(pulls) * settings.retract.length.0;
-                assert!((pulled_mm - length_mm).abs() < 1e-6, "{name}: {pulled_mm} pulled");
-                (pulled_mm, pushed_mm, pulls, way_mm, begun) = (0.0, 0.0, 0, 0.0, true);
-            } else if stroke.e_mm < 0.0 {
-                (pulled_mm, pulls) = (pulled_mm - stroke.e_mm, pulls + 1);
-            } else {
-                (pushed_mm, way_mm) = (pushed_mm + stroke.e_mm, way_mm + stroke.xy_mm);
-            }
-        }
-    }
-}
-
-#[test]
 fn the_first_layer_has_its_own_speed_width_and_temperature() {
     let settings = settings(&["prusa-i3", "petg"], &["order.strategy=nearest", "first_layer.width=0.6"]);
     let print = print("pin_forest", &settings);

@@ -101,6 +101,7 @@ impl Walk {
             Move::Extrude { to, volume, speed } => {
                 self.go(to, volume.0 * self.e_per_mm3, speed.0, self.account)
             }
+            Move::Ramp { to, z_mm, volume, speed } => self.ramp(to, z_mm, volume.0 * self.e_per_mm3, speed.0),
             Move::Arc { to, center, clockwise, volume, speed } => {
                 self.arc(to, center, clockwise, volume.0 * self.e_per_mm3, speed.0);
             }
@@ -131,6 +132,13 @@ impl Walk {
             self.push([to[0] - at[0], to[1] - at[1], 0.0, e_mm], speed, account);
         }
         self.at = Some(to);
+    }
+
+    fn ramp(&mut self, to: [f64; 2], z_mm: f64, e_mm: f64, speed: f64) {
+        if let Some(at) = self.at {
+            self.push([to[0] - at[0], to[1] - at[1], z_mm - self.z_mm, e_mm], speed, self.account);
+        }
+        (self.at, self.z_mm) = (Some(to), z_mm);
     }
 
     fn arc(&mut self, to: [f64; 2], center: [f64; 2], clockwise: bool, e_mm: f64, speed: f64) {

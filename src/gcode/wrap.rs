@@ -16,6 +16,17 @@ pub struct Opening {
     pub slots: Vec<Slot>,
 }
 
+impl Opening {
+    /// Puts comments below the first line, which tells who wrote the file.
+    pub fn comment(&mut self, lines: &str) {
+        let at = self.bytes.iter().position(|b| *b == b'\n').map_or(0, |end| end + 1);
+        self.bytes.splice(at..at, lines.bytes());
+        for slot in &mut self.slots {
+            slot.offset += lines.len();
+        }
+    }
+}
+
 /// What Moonraker reads and only the end of the planning knows.
 const PENDING: [(&str, Pending); 5] = [
     ("estimated printing time (normal mode)", Pending::PrintTime),

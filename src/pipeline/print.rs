@@ -6,15 +6,18 @@ use crate::estimate::{Machine, cool};
 use crate::gcode::{self, Effect, LayerText, PrintFacts, Scripts, Slot, Totals, WriterSettings};
 use crate::geom::{Bounds, Point};
 use crate::job::{Job, JobError, Progress};
+use crate::mesh::Plate;
 use crate::motion::{self, Entry, MotionSettings};
 use crate::order::{Chain, Pins, SeamRule, Sequence, chunk_len};
 use crate::output::Output;
-use crate::profile::Settings;
+use crate::profile::{Settings, thumbnail_sizes};
 use crate::report::{LayerSummary, Measures, Summary};
 use crate::slice::{Layer, Slicer};
 use crate::toolpath::{LayerPaths, Planner};
 use crate::units::{Mm3, Seconds};
+use crate::view;
 
+use super::ordering::Certificate;
 use super::sections::Sections;
 use super::{load, ordering, parallel};
 
@@ -52,24 +55,26 @@ pub(super) fn slice(
         certify: job.certify,
     };
 
-    let opening = gcode::opening(settings, &facts, &scripts, true);
+    let mut opening = gcode::opening(settings, &facts, &scripts, true);
+    opening.comment(&thumbnails(&plate, settings));
     let mut slots = opening.slots;
     output.write(&opening.bytes)?;
     output.write(&gcode::labels(settings, &sections.labels()))?;
     let begun = scripts.start_effect(settings, &run.machine);
-    let mut certificate = Vec::new();
+    let mut ordered = Vec::new();
     let mut tally = Tally::default();
     tally.add_script(&begun, &run.machine);
     let mut seam = SeamRule::new(settings.seam.position);
-    let mut at = Entry { xy: begun.end.map(|[x, y, _]| [x, y]), z_mm: begun.end.map_or(0.0, |e| e[2]) };
+    let (xy, z_mm) = (begun.end.map(|[x, y, _]| [x, y]), begun.end.map_or(0.0, |e| e[2]));
+    let mut at = Entry { xy, z_mm, wipe: Vec::new() };
     let start = at.xy.map(|[x, y]| Point::from_mm(x, y));
     let chunk = chunk_len(count);
     let batch = chunk * CHUNKS_PER_THREAD * parallel::threads();
     let mut first = 0;
     while first < count {
         let layers = first..(first + batch).min(count);
-        let (done, ordered) = run.batch(layers.clone(), chunk, &mut seam, &mut at);
-        certificate.extend(ordered);
+        let (done, paths) = run.batch(layers.clone(), chunk, &mut seam, &mut at);
+        ordered.extend(paths);
         for done in done {
             let base = output.written() as usize;
             slots.extend(done.text.progress.map(|slot| Slot { offset: base + slot.offset, ..slot }));
@@ -88,9 +93,18 @@ pub(super) fn slice(
         output.patch(slot.offset as u64, &totals.fill(slot, &settings.filament))?;
     }
     if job.certify {
-        tally.total = tally.total.with_bound(ordering::print_bound(&certificate, settings, start));
+        tally.certify(ordered, settings, start);
     }
     Ok(tally.summary(bounds, &facts, &totals, settings, warnings))
+}
+
+/// Pictures of the plate for the header.
+fn thumbnails(plate: &Plate, settings: &Settings) -> String {
+    // The profile has checked the sizes.
+    let sizes = thumbnail_sizes(&settings.gcode.thumbnails).unwrap_or_default();
+    let comments =
+        parallel::map(sizes.len(), |i| view::thumbnail_comment(sizes[i], &view::thumbnail(plate, sizes[i])));
+    comments.concat()
 }
 
 fn facts(layers: &[Layer], bounds: Bounds, settings: &Settings) -> PrintFacts {
@@ -116,6 +130,12 @@ struct Run<'a> {
     certify: bool,
 }
 
+/// What was ordered, kept for the certificate.
+struct Ordered {
+    layer: (LayerPaths, Pins),
+    start: Option<Point>,
+}
+
 /// A finished layer.
 struct Done {
     text: LayerText,
@@ -124,14 +144,14 @@ struct Done {
 
 impl Run<'_> {
     /// Takes a batch of layers through all stages. `seam` and `at` hold what the layers below left.
-    /// Returns their bytes and, if they are to be certified, what was ordered.
+    /// Returns their bytes and, if they are to be certified, what was ordered and where each was entered from.
     fn batch(
         &self,
         layers: Range<usize>,
         chunk: usize,
         seam: &mut SeamRule,
         at: &mut Entry,
-    ) -> (Vec<Done>, Vec<(LayerPaths, Pins)>) {
+    ) -> (Vec<Done>, Vec<Ordered>) {
         let first = layers.start;
         let paths =
             parallel::map(layers.len(), |i| self.planner.layer(&self.sections.plate_layer(first + i)));
@@ -142,23 +162,17 @@ impl Run<'_> {
             .iter()
             .zip(&sequences)
             .map(|(layer, sequence)| {
-                let next = motion::exit(layer, sequence, *at, &self.motion);
+                let next = motion::exit(layer, sequence, at.clone(), &self.motion);
                 std::mem::replace(at, next)
             })
             .collect();
-        let mut done = parallel::map(layers.len(), |i| self.finish(&paths[i], &sequences[i], entries[i]));
+        let done = parallel::map(layers.len(), |i| self.finish(&paths[i], &sequences[i], entries[i].clone()));
         if !self.certify {
             return (done, Vec::new());
         }
-        let bounds = parallel::map(layers.len(), |i| {
-            let start = entries[i].xy.map(|[x, y]| Point::from_mm(x, y));
-            ordering::layer_bound(&paths[i], &pins[i], self.settings, start)
-        });
-        for (done, bound_mm) in done.iter_mut().zip(bounds) {
-            let measures = std::mem::take(&mut done.summary.measures);
-            done.summary.measures = measures.with_bound(bound_mm);
-        }
-        (done, paths.into_iter().zip(pins).collect())
+        let starts = entries.iter().map(|entry| entry.xy.map(|[x, y]| Point::from_mm(x, y)));
+        let ordered = paths.into_iter().zip(pins).zip(starts);
+        (done, ordered.map(|(layer, start)| Ordered { layer, start }).collect())
     }
 
     /// Motion, cooling and formatting of one layer.
@@ -215,6 +229,18 @@ impl Tally {
             filament_mm: measure.volume_mm3 / machine.filament_area_mm2,
             ..Measures::default()
         };
+    }
+
+    /// Adds the lower bounds of all layers, and of the whole.
+    fn certify(&mut self, ordered: Vec<Ordered>, settings: &Settings, start: Option<Point>) {
+        let (layers, starts): (Vec<_>, Vec<_>) =
+            ordered.into_iter().map(|ordered| (ordered.layer, ordered.start)).unzip();
+        let certificate = Certificate::new(&layers, settings, start);
+        for (i, (layer, start)) in self.layers.iter_mut().zip(starts).enumerate() {
+            let measures = std::mem::take(&mut layer.measures);
+            layer.measures = measures.with_bound(certificate.layer_mm(i, start));
+        }
+        self.total = std::mem::take(&mut self.total).with_bound(certificate.print_mm());
     }
 
     fn totals(&self) -> Totals {

@@ -48,6 +48,7 @@ impl Sections {
             object: s.object as u32,
             section: &s.region,
             next: self.of(s.object, index + 1),
+            beneath: index.checked_sub(1).map(|below| self.of(s.object, below)),
             above: self.shells[s.object].above(index),
             below: self.shells[s.object].below(index),
         });

@@ -309,10 +309,25 @@ section! {
     }
 }
 section! {
+    /// `[bridge]`: solid infill over air; its speed is `speed.bridge`, its fan `cooling.bridge_fan`.
+    BridgeSettings {
+        /// Span air with threads side by side in the direction in which they reach hold soonest.
+        enabled: bool = true,
+        /// Thickness of the threads: multiplies the cross-section of one as thick as the nozzle's bore.
+        flow: f64 = 1.0; 0.1..=2.0,
+        /// How far they reach over what holds them.
+        anchor: Mm = Mm(1.5); 0.0..=20.0,
+    }
+}
+section! {
     /// `[seam]`
     SeamSettings {
         /// The rule.
         position: SeamPosition = SeamPosition::Free,
+        /// Loops end this much before they would close, so that the ends leave no blob.
+        gap: Mm = Mm(0.05); 0.0..=2.0,
+        /// Way on which the outermost wall rises from nothing at its start, and fades out on top of that; 0: none.
+        scarf: Mm = Mm(0.0); 0.0..=100.0,
     }
 }
 section! {
@@ -347,6 +362,8 @@ section! {
         top: MmPerS = MmPerS(40.0); 0.1..=2000.0,
         /// Bridges.
         bridge: MmPerS = MmPerS(40.0); 0.1..=2000.0,
+        /// Walls that hang over by more than a quarter, a half and three quarters of their width.
+        overhang: [MmPerS; 3] = [MmPerS(35.0), MmPerS(25.0), MmPerS(15.0)]; 0.1..=2000.0,
         /// Gap fill.
         gap_fill: MmPerS = MmPerS(40.0); 0.1..=2000.0,
         /// Support.
@@ -385,10 +402,25 @@ section! {
         min_travel: Mm = Mm(1.5); 0.0..=1000.0,
         /// Nozzle lift while retracted.
         z_hop: Mm = Mm(0.0); 0.0..=10.0,
+        /// Lift on travels inside the part, too, and not only on those that cross an outer wall.
+        z_hop_inside: bool = false,
         /// Way back over the last path while pulling back; 0: none.
         wipe: Mm = Mm(0.0); 0.0..=50.0,
+        /// Way at the end of a bead on which nothing is fed any more before a retraction; 0: none.
+        coast: Mm = Mm(0.0); 0.0..=10.0,
         /// Leave lengths and speeds to the firmware (G10, G11).
         firmware: bool = false,
+    }
+}
+section! {
+    /// `[travel]`
+    TravelSettings {
+        /// Go round holes and outer walls, inside the part, instead of over them.
+        avoid_crossing: bool = true,
+        /// By how much that may lengthen a travel; longer detours are not made.
+        max_detour: Mm = Mm(20.0); 0.0..=10000.0,
+        /// Travels that stay inside the part are not retracted up to this length.
+        retract_inside: Mm = Mm(5.0); 0.0..=10000.0,
     }
 }
 section! {
@@ -404,6 +436,10 @@ section! {
         fan_off_layers: u32 = 1; 0..=10000,
         /// Layer from which the fan has its full value; it ramps up to there.
         full_fan_layer: u32 = 3; 0..=10000,
+        /// Least fan on bridges.
+        bridge_fan: Ratio = Ratio(1.0); 0.0..=1.0,
+        /// Least fan on walls that hang over by more than half their width.
+        overhang_fan: Ratio = Ratio(1.0); 0.0..=1.0,
     }
 }
 section! {
@@ -419,6 +455,8 @@ section! {
         labels: bool = false,
         /// State `[machine]` at the start (M201, M203, M205, M566, `SET_VELOCITY_LIMIT`) instead of relying on the firmware's own.
         limits: bool = false,
+        /// Pictures of the print in the header, for printers with a screen: width × height in pixels, such as 32x32,300x300; empty: none.
+        thumbnails: String = "32x32,300x300".into(),
         /// Script before the print.
         start: String = super::embedded::default_script("start"),
         /// Script after the print.
@@ -458,11 +496,13 @@ settings! {
     first_layer: FirstLayerSettings,
     skirt: SkirtSettings,
     brim: BrimSettings,
+    bridge: BridgeSettings,
     seam: SeamSettings,
     order: OrderSettings,
     speed: SpeedSettings,
     acceleration: AccelerationSettings,
     retract: RetractSettings,
+    travel: TravelSettings,
     cooling: CoolingSettings,
     gcode: GcodeSettings,
 }

@@ -109,4 +109,6 @@ pub struct LayerPaths {
     pub paths: Vec<Path>,
     /// The section they were made from.
     pub outline: Region,
+    /// What they rest on, the section one layer down; `None`: the bed.
+    pub beneath: Option<Region>,
 }

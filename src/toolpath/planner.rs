@@ -2,14 +2,16 @@
 
 use crate::geom::{self, Polygon, Region, Ring};
 use crate::profile::{
-    BrimSettings, FirstLayerSettings, InfillSettings, SeamPosition, SeamSettings, Settings, ShellSettings,
-    SkirtSettings, WallOrder, WallSettings,
+    BridgeSettings, BrimSettings, FirstLayerSettings, InfillSettings, SeamPosition, SeamSettings, Settings,
+    ShellSettings, SkirtSettings, WallOrder, WallSettings,
 };
+use crate::units::Mm;
 
+use super::bridges::Bridge;
 use super::infill::{self, FillLine, FillSpec, SparseSample};
 use super::shells::{self, Zones};
 use super::walls::{self, WallSpec, Walls};
-use super::{Island, LayerPaths, Path, Role, Width, adhesion, bead, entries};
+use super::{Island, LayerPaths, Path, Role, Width, adhesion, bead, bridges, entries};
 
 /// Densities above this are solid.
 const SOLID_DENSITY: f64 = 0.995;
@@ -34,6 +36,9 @@ pub struct ToolpathSettings {
     pub walls: WallSettings,
     pub shell: ShellSettings,
     pub infill: InfillSettings,
+    pub bridge: BridgeSettings,
+    /// The nozzle's bore: as thick as bridges are by nature.
+    pub nozzle: Mm,
     pub first_layer: FirstLayerSettings,
     pub skirt: SkirtSettings,
     pub brim: BrimSettings,
@@ -46,6 +51,8 @@ impl From<&Settings> for ToolpathSettings {
             walls: s.walls.clone(),
             shell: s.shell.clone(),
             infill: s.infill.clone(),
+            bridge: s.bridge.clone(),
+            nozzle: s.printer.nozzle_diameter,
             first_layer: s.first_layer.clone(),
             skirt: s.skirt.clone(),
             brim: s.brim.clone(),
@@ -63,6 +70,8 @@ pub struct ObjectLayer<'a> {
     pub section: &'a Region,
     /// Its section one layer up; empty on its last layer.
     pub next: &'a Region,
+    /// Its section one layer down; `None`: the bed.
+    pub beneath: Option<&'a Region>,
     /// What the layers of the top shell's thickness above have in common; `None`: no top shell.
     pub above: Option<&'a Region>,
     /// What the layers of the bottom shell's thickness below have in common; `None`: no bottom shell.
@@ -183,6 +192,7 @@ impl Planner {
             islands,
             paths: draft.paths,
             outline,
+            beneath: rests_on(section),
         }
     }
 
@@ -220,7 +230,14 @@ impl Planner {
             draft.gap(role, rank, gap, walls::MIN_GAP_MM, widest_mm);
         }
 
-        let zones = self.zones(&inside, object, section);
+        let mut zones = self.zones(&inside, object, section);
+        if let Some(beneath) = object.beneath.filter(|_| self.settings.bridge.enabled) {
+            let thread_mm = self.settings.nozzle.0 * self.settings.bridge.flow.sqrt();
+            let anchor_mm = self.settings.bridge.anchor.0;
+            for bridge in bridges::take(&mut zones, &inside, polygon, beneath, thread_mm, anchor_mm) {
+                draft.bridge(count + 2, &bridge, thread_mm, &self.settings.infill);
+            }
+        }
         draft.solid(
             Role::SolidInfill,
             count + 1,
@@ -248,14 +265,14 @@ impl Planner {
             let flow = infill::flow(&lines, solid_mm, density);
             draft.lines(
                 Role::InternalInfill,
-                count + 2,
+                count + 3,
                 bead::width_mm(spacing_mm * flow, section.height_mm),
                 lines,
             );
         }
         draft.solid(
             Role::TopSolidInfill,
-            count + 3,
+            count + 4,
             &zones.top,
             widths.top_mm,
             section.index,
@@ -304,7 +321,7 @@ impl Planner {
 
     fn widths(&self, layer: usize) -> Widths {
         let s = &self.settings;
-        let on = |width: crate::units::Mm| match s.first_layer.width.0 {
+        let on = |width: Mm| match s.first_layer.width.0 {
             first_mm if layer == 0 && first_mm > 0.0 => first_mm,
             _ => width.0,
         };
@@ -317,6 +334,15 @@ impl Planner {
             skirt_mm: on(s.walls.width),
         }
     }
+}
+
+/// What a layer rests on: everything one layer down.
+fn rests_on(section: &PlateLayer<'_>) -> Option<Region> {
+    let mut below = Region::default();
+    for object in &section.objects {
+        below.polygons.extend(object.beneath?.polygons.iter().cloned());
+    }
+    Some(below)
 }
 
 /// How far centre lines of infill stay inside their zone.
@@ -363,6 +389,16 @@ impl Draft {
         {
             self.lines(role, rank, bead::width_mm(fitted_mm, self.height_mm), lines);
         }
+    }
+
+    /// Threads side by side, each as wide as it is high.
+    fn bridge(&mut self, rank: u32, bridge: &Bridge, thread_mm: f64, settings: &InfillSettings) {
+        let inset_mm = thread_mm / 2.0 - settings.overlap.0 * thread_mm;
+        let layer_mm = std::mem::replace(&mut self.height_mm, thread_mm);
+        for (_, lines) in infill::fill_solid(&bridge.area, thread_mm, inset_mm, bridge.angle_rad, 0) {
+            self.lines(Role::BridgeInfill, rank, thread_mm, lines);
+        }
+        self.height_mm = layer_mm;
     }
 
     /// One bead of fitting width along the middle of each narrow part.

@@ -24,15 +24,16 @@ pub fn time_on(steps: Replay<'_>, machine: &Machine) -> Seconds {
     Seconds(clock.finish().iter().sum())
 }
 
-/// Follows a file with the planner.
+/// Follows a file with the planner, and books the time of every line on an account.
 #[derive(Clone, Debug)]
-pub(super) struct Clock {
+pub struct Clock {
     planner: Planner,
     limits: Limits,
     filament_area_mm2: f64,
 }
 
 impl Clock {
+    /// A clock for a machine at rest.
     pub fn new(machine: &Machine) -> Self {
         Self {
             planner: Planner::new(machine),
