@@ -8,7 +8,7 @@ use super::prime::prime;
 use super::route::Router;
 use super::rules::Rules;
 use super::simplify::{Piece, straighten};
-use super::smooth::{may_round, refine_curves, round_corners};
+use super::smooth::{Rounding, refine_curves, round_corners};
 use super::{Entry, LayerMoves, MotionSettings, Move, travel};
 use crate::order::Visit;
 use crate::toolpath::{LayerPaths, Path, Role};
@@ -53,6 +53,7 @@ pub fn plan_layer(
         bead: None,
         object: None,
         plain: Vec::new(),
+        curved: Vec::new(),
         pieces: Vec::new(),
     };
     let mut pause = settings.pauses.iter().any(|p| p.precedes(layer.index, layer.top_mm, layer.height_mm));
@@ -65,8 +66,8 @@ pub fn plan_layer(
         nozzle.travel(start.at, path.island, std::mem::take(&mut pause));
         nozzle.draw(path, &mut vertices);
     }
-    nozzle.blow(None);
     nozzle.label(None);
+    nozzle.blow(None);
     LayerMoves { index: layer.index, z_mm: layer_z_mm, height_mm: layer.height_mm, from, moves: nozzle.moves }
 }
 
@@ -145,8 +146,9 @@ pub(super) struct Nozzle<'a> {
     acceleration: Option<MmPerS2>,
     bead: Option<(Role, f64, f64)>,
     object: Option<u32>,
-    /// The bead under way, with its corners as they are and as they are drawn.
+    /// The bead under way, with its corners as they are, its curves refined, and as it is drawn.
     plain: Vec<Piece>,
+    curved: Vec<Piece>,
     pieces: Vec<Piece>,
 }
 
@@ -162,20 +164,20 @@ impl Nozzle<'_> {
         }
     }
 
+    /// Says which object what follows belongs to, where that is wanted and changes.
+    fn label(&mut self, object: Option<u32>) {
+        if self.settings.labels && self.object != object {
+            self.moves.push(Move::Object(object));
+            self.object = object;
+        }
+    }
+
     /// Sets the fan to what a grade of overhang, or a bridge, asks for; `None`: to the layer's own.
     fn blow(&mut self, role: Option<Role>) {
         let fan = self.rules.fan(role);
         if fan != self.fan {
             self.moves.push(Move::Fan(fan));
             self.fan = fan;
-        }
-    }
-
-    /// Says which object what follows belongs to, where that is wanted and changes.
-    fn label(&mut self, object: Option<u32>) {
-        if self.settings.labels && self.object != object {
-            self.moves.push(Move::Object(object));
-            self.object = object;
         }
     }
 
@@ -244,11 +246,9 @@ impl Nozzle<'_> {
         self.pieces.clear();
         self.plain.clear();
         straighten(vertices, &mut self.plain);
-        if may_round(role) {
-            round_corners(from, &self.plain, width_mm, &mut self.pieces);
-        } else {
-            refine_curves(from, &self.plain, &mut self.pieces);
-        }
+        self.curved.clear();
+        refine_curves(from, &self.plain, &mut self.curved);
+        round_corners(from, &self.curved, &Rounding::of(role, width_mm), &mut self.pieces);
         self.moves.extend(self.pieces.iter().map(|piece| Move::Extrude {
             to: piece.to,
             volume: Mm3(piece.volume_mm3),

@@ -10,15 +10,33 @@ use crate::toolpath::Role;
 /// No piece is made shorter than this.
 const SHORTEST_MM: f64 = 0.05;
 
-/// Turns of infill leave their corner by at most this share of the bead's width: little more than lines reach into the
-/// wall.
-const ROUNDING: f64 = 0.25;
+/// Which corners are rounded, and how far.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Rounding {
+    /// Corners that turn by more than this are left as they are.
+    most_rad: f64,
+    /// So far may an arc leave its corner.
+    deviation_mm: f64,
+    /// An arc turns by about this at each vertex.
+    step_rad: f64,
+}
+
+impl Rounding {
+    /// The rounding of a role's beads. Turns of infill may leave their corner by little more than its lines reach into
+    /// the wall. The blunt corners of other beads, mostly curves that the model has as polygons, may by as
+    /// much as slicing simplifies them; sharp ones are kept.
+    pub fn of(role: Role, width_mm: f64) -> Self {
+        match role {
+            Role::SolidInfill | Role::InternalInfill | Role::TopSolidInfill | Role::Support => {
+                Self { most_rad: 3.0, deviation_mm: 0.25 * width_mm, step_rad: 0.3 }
+            }
+            _ => Self { most_rad: 1.0, deviation_mm: 0.0125, step_rad: 0.15 },
+        }
+    }
+}
 
 /// Turns below this angle are fast enough.
-const GENTLE_RAD: f64 = 0.35;
-
-/// An arc turns by about this at each vertex.
-const STEP_RAD: f64 = 0.3;
+const GENTLE_RAD: f64 = 0.15;
 
 /// A curve is refined where its arc leaves the chord by at most this …
 const BULGE_MM: f64 = 0.016;
@@ -27,11 +45,6 @@ const BULGE_MM: f64 = 0.016;
 /// vertex, there is a corner.
 const FINE_RAD: f64 = 0.1;
 const CORNER_RAD: f64 = 0.6;
-
-/// Whether a role's turns may be rounded.
-pub(super) fn may_round(role: Role) -> bool {
-    matches!(role, Role::SolidInfill | Role::InternalInfill | Role::TopSolidInfill | Role::Support)
-}
 
 /// The direction of a way, and its length.
 fn direction(a: [f64; 2], b: [f64; 2]) -> ([f64; 2], f64) {
@@ -45,11 +58,10 @@ fn turn_rad(u: [f64; 2], v: [f64; 2]) -> f64 {
     (u[0] * v[1] - u[1] * v[0]).atan2(u[0] * v[0] + u[1] * v[1])
 }
 
-/// Rounds the corners of a bead that begins at `from`: an arc that leaves the corner by at most [`ROUNDING`] of the width
-/// and begins no further off than the middle of either piece. Each piece keeps its volume; what the corner would
-/// have held is spread over its arc.
-pub(super) fn round_corners(from: [f64; 2], pieces: &[Piece], width_mm: f64, out: &mut Vec<Piece>) {
-    let deviation_mm = ROUNDING * width_mm;
+/// Rounds the corners of a bead that begins at `from`: an arc that leaves the corner by at most the deviation and
+/// begins no further off than the middle of either piece. Each piece keeps its volume; what the corner would have held
+/// is spread over its arc.
+pub(super) fn round_corners(from: [f64; 2], pieces: &[Piece], rounding: &Rounding, out: &mut Vec<Piece>) {
     let mut at = from;
     // What is left of the present piece, its beginning having gone into a corner.
     let Some(mut left) = pieces.first().copied() else { return };
@@ -60,13 +72,13 @@ pub(super) fn round_corners(from: [f64; 2], pieces: &[Piece], width_mm: f64, out
         let turn = turn_rad(u, v);
         let half = 0.5 * turn.abs();
         let tangent_mm = {
-            let by_deviation_mm = deviation_mm * half.sin() / (1.0 - half.cos()).max(1e-9);
+            let by_deviation_mm = rounding.deviation_mm * half.sin() / (1.0 - half.cos()).max(1e-9);
             by_deviation_mm.min(0.5 * u_mm).min(0.5 * v_mm)
         };
         let radius_mm = tangent_mm / half.tan();
-        let steps = (turn.abs() / STEP_RAD).ceil().min((radius_mm * turn.abs() / SHORTEST_MM).floor());
-        // Right back is no corner: there is no circle.
-        if turn.abs() < GENTLE_RAD || half > 1.5 || steps < 2.0 {
+        let steps =
+            (turn.abs() / rounding.step_rad).ceil().min((radius_mm * turn.abs() / SHORTEST_MM).floor());
+        if !(GENTLE_RAD..=rounding.most_rad).contains(&turn.abs()) || steps < 2.0 {
             out.push(left);
             (at, left) = (corner, *next);
             continue;
@@ -147,10 +159,24 @@ mod tests {
     }
 
     #[test]
+    fn walls_keep_their_sharp_corners_and_lose_a_hundredth_at_blunt_ones() {
+        let wall = Rounding::of(Role::ExternalPerimeter, 0.45);
+        let points = [[0.0, 0.0], [5.0, 0.0], [5.0, 5.0], [8.0, 10.0]];
+        let mut out = Vec::new();
+        round_corners(points[0], &pieces(&points), &wall, &mut out);
+        assert!(out.iter().any(|p| p.to == points[1]), "{out:?}");
+        assert!(out.iter().all(|p| p.to != points[2]), "{out:?}");
+        // The chords cut off a little more than the arc.
+        let middle = |w: &[Piece]| [0, 1].map(|i| 0.5 * (w[0].to[i] + w[1].to[i]));
+        let off_mm = out.windows(2).map(|w| distance(middle(w), points[2])).fold(f64::INFINITY, f64::min);
+        assert!(off_mm < 0.015 && off_mm > 0.0, "{off_mm}");
+    }
+
+    #[test]
     fn the_turn_of_a_zigzag_becomes_a_half_circle() {
         let points = [[0.0, 0.0], [9.0, 0.0], [9.0, 0.41], [0.0, 0.41]];
         let mut out = Vec::new();
-        round_corners(points[0], &pieces(&points), 0.45, &mut out);
+        round_corners(points[0], &pieces(&points), &Rounding::of(Role::SolidInfill, 0.45), &mut out);
         assert!(sharpest(points[0], &out) < 0.4, "{out:?}");
         assert!(out.iter().all(|p| distance(p.to, [9.0, 0.0]) > 0.08));
         assert!((out.iter().map(|p| p.volume_mm3).sum::<f64>() - 0.08 * 18.41).abs() < 1e-9);
@@ -166,7 +192,9 @@ mod tests {
         let (circle, hexagon) = (ring(20, 1.0), ring(6, 5.0));
         let mut out = Vec::new();
         refine_curves(circle[0], &pieces(&circle), &mut out);
-        assert!(out.len() >= 55 && out.iter().all(|p| (distance(p.to, [0.0, 0.0]) - 1.0).abs() < 0.001));
+        // The first and the last piece have a neighbour on one side only.
+        let inner = &out[4..out.len() - 4];
+        assert!(inner.len() >= 55 && inner.iter().all(|p| (distance(p.to, [0.0, 0.0]) - 1.0).abs() < 0.001));
         assert!(out.windows(2).all(|p| distance(p[0].to, p[1].to) > 0.05));
         out.clear();
         refine_curves(hexagon[0], &pieces(&hexagon), &mut out);
@@ -185,8 +213,10 @@ mod tests {
             let volume: f64 = plain.iter().map(|p| p.volume_mm3).sum();
             let (mut fine, mut round) = (Vec::new(), Vec::new());
             refine_curves(points[0], &plain, &mut fine);
-            round_corners(points[0], &plain, 0.45, &mut round);
-            for out in [fine, round] {
+            round_corners(points[0], &plain, &Rounding::of(Role::SolidInfill, 0.45), &mut round);
+            let mut blunt = Vec::new();
+            round_corners(points[0], &plain, &Rounding::of(Role::Perimeter, 0.45), &mut blunt);
+            for out in [fine, round, blunt] {
                 prop_assert!((out.iter().map(|p| p.volume_mm3).sum::<f64>() - volume).abs() < 1e-9);
                 prop_assert!(out.iter().all(|p| p.volume_mm3 >= -1e-12 && p.area_mm2.is_finite()));
                 prop_assert_eq!(out.last().map(|p| p.to), Some(at));
