@@ -3,6 +3,7 @@
 mod chains;
 mod exchange;
 mod grid;
+mod junctions;
 mod loops;
 mod neighbours;
 mod random;
@@ -32,7 +33,7 @@ fn steps_per_path(effort: Effort, scope: Scope) -> u64 {
     }
 }
 
-/// Steps that every layer gets, however few its paths: enough to find the optimum of a handful of them.
+/// Steps that a layer gets on average, however few its paths: enough to find the optimum of a handful of them.
 fn least_steps(effort: Effort) -> u64 {
     match effort {
         Effort::Fast => 500,
@@ -62,9 +63,14 @@ impl Strategy for Optimized {
         let mut search = Search::new(problem, &groups, *cost, start);
         search.descend();
         let paths = problem.items.len() as u64;
-        let budget = (paths * steps_per_path(effort, problem.scope)).max(least_steps(effort));
+        let stages = groups.place.chunk_by(|a, b| a.stage == b.stage).count() as u64;
+        let budget = (paths * steps_per_path(effort, problem.scope)).max(stages * least_steps(effort));
         search.iterate(&mut Random::new(paths), budget);
         let found = search.sequence();
         if evaluate(problem, &found, cost) <= evaluate(problem, &nearest, cost) { found } else { nearest }
+    }
+
+    fn looks_ahead(&self) -> bool {
+        true
     }
 }
