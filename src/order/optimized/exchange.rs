@@ -131,19 +131,23 @@ impl Search<'_> {
     }
 
     /// The list of what lies near a node within a group.
-    fn near(&mut self, node: u32, group: u32) -> usize {
+    pub fn near(&mut self, node: u32, group: u32) -> usize {
         let item = node / 2;
-        if self.walk.group_of(node) == group {
-            let entry = if self.walk.is_loop(item) { self.walk.entry(item) } else { node % 2 };
-            return self.neighbours.of(self.problem, group, item, entry);
+        if item >= self.walk.len() {
+            self.walk.work += 16;
+            return self.neighbours.near(group, self.walk.place(node));
         }
-        self.walk.work += 16;
-        self.neighbours.near(group, self.walk.place(node))
+        let entry = if self.walk.is_loop(item) { self.walk.entry(item) } else { node % 2 };
+        if self.walk.group_of(node) == group {
+            self.neighbours.of(self.problem, group, item, entry)
+        } else {
+            self.neighbours.in_other(self.problem, group, item, entry)
+        }
     }
 }
 
 /// Where a listed node can be linked anew: an end of a path at its one gap, a loop at both of its gaps.
-fn ends(walk: &Walk, node: u32) -> impl Iterator<Item = End> + use<> {
+pub fn ends(walk: &Walk, node: u32) -> impl Iterator<Item = End> + use<> {
     let first = walk.end_of(node);
     let second = walk.is_loop(node / 2).then(|| {
         // A loop's nodes are alike; which of them is listed says nothing.

@@ -1,5 +1,7 @@
 //! Short lists of what lies near each place.
 
+use rustc_hash::FxHashMap;
+
 use super::super::precedence::Groups;
 use super::super::{Cost, Problem, Shape};
 use super::grid::{Found, Grid};
@@ -35,6 +37,8 @@ pub struct Neighbours {
     first: Vec<u32>,
     /// Index of the list of each entry; 0 if it has none yet.
     slot: Vec<u32>,
+    /// Index of the list of entries in groups other than their own.
+    others: FxHashMap<(u32, u32), u32>,
     /// The lists; the first is that of the last place that is no entry of the group.
     lists: Vec<List>,
     /// For each loop, entries and nodes near them, once asked for.
@@ -59,6 +63,7 @@ impl Neighbours {
             cost,
             first,
             slot: vec![0; entries as usize],
+            others: FxHashMap::default(),
             lists: vec![EMPTY],
             sites: vec![None; problem.items.len()],
             found: Vec::with_capacity(NEAR + 1),
@@ -75,6 +80,18 @@ impl Neighbours {
             self.lists.push(list);
         }
         self.slot[at] as usize
+    }
+
+    /// The list of what lies near an entry of an item in a group other than its own.
+    pub fn in_other(&mut self, problem: &Problem, group: u32, item: u32, entry: u32) -> usize {
+        let at = (self.first[item as usize] + entry, group);
+        if let Some(&list) = self.others.get(&at) {
+            return list as usize;
+        }
+        let list = self.find(group, problem.items[item as usize].ends(entry).0, NONE);
+        self.others.insert(at, self.lists.len() as u32);
+        self.lists.push(list);
+        self.lists.len() - 1
     }
 
     /// The list of what of a group lies near a place outside it, until the next such list; empty if the place is anywhere.

@@ -16,9 +16,13 @@ pub const GAIN: f64 = 1e-7;
 const KICK: u32 = 60;
 /// Farthest exchange while kicks are repaired: what is farther away does not depend on the kick.
 const KICK_REACH: u32 = 1000;
+/// One kick in so many shifts a junction.
+const SHIFT: u32 = 4;
+/// Paths that are kicked before the next so many are.
+const WINDOW: u32 = 2000;
 
-/// Walks of so few items are searched thoroughly.
-const FEW: u32 = 12;
+/// Stages of so few items are searched thoroughly.
+const FEW: usize = 12;
 
 /// A walk and what is needed to improve it.
 pub struct Search<'a> {
@@ -29,8 +33,6 @@ pub struct Search<'a> {
     /// Exchanges move at most so many items.
     pub(super) reach: u32,
     pub(super) vicinity: Vicinity<'a>,
-    /// Whether neighbouring loops are entered anew together, which is dear.
-    thorough: bool,
     queue: VecDeque<u32>,
     queued: Vec<bool>,
 }
@@ -44,7 +46,6 @@ impl<'a> Search<'a> {
             walk: Walk::new(problem, groups, cost, sequence),
             neighbours: Neighbours::new(problem, groups, cost),
             reach: u32::MAX,
-            thorough: problem.items.len() <= FEW as usize,
             vicinity: Vicinity::new(problem, groups),
             queue: VecDeque::new(),
             queued: vec![false; 2 * problem.items.len()],
@@ -69,14 +70,33 @@ impl<'a> Search<'a> {
     ///
     /// Iterated local search with segment-local double bridges (Martin, Otto & Felten 1991), local kicks and
     /// undo as in Applegate, Cook & Rohe 2003, doi:10.1287/ijoc.15.1.82.13157.
+    ///
+    /// Kicks go along the walk from one window of [`WINDOW`] paths to the next, so that what a window needs stays in the
+    /// processor's caches.
     pub fn iterate(&mut self, random: &mut Random, budget: u64) {
-        let end = self.walk.work + budget;
+        let count = self.walk.len();
+        let windows = count.div_ceil(WINDOW);
         self.reach = KICK_REACH;
+        for window in 0..windows {
+            let bound = |window: u32| 1 + (u64::from(count) * u64::from(window) / u64::from(windows)) as u32;
+            let (from, to) = (bound(window), bound(window + 1));
+            self.iterate_within(from, to, random, budget * u64::from(to - from) / u64::from(count));
+        }
+        self.reach = u32::MAX;
+    }
+
+    /// Kicks at the positions `from` to `to` − 1.
+    fn iterate_within(&mut self, from: u32, to: u32, random: &mut Random, budget: u64) {
+        let end = self.walk.work + budget;
         while self.walk.work < end {
             self.walk.work += 8;
-            let kicks = if self.thorough { 1 + random.below(3) } else { 1 };
-            for _ in 0..kicks {
-                self.kick(random);
+            let at = from + random.below(to - from);
+            self.kick(at, random);
+            let group = self.walk.group_at(at);
+            let more = if self.is_thorough(group) { random.below(3) } else { 0 };
+            for _ in 0..more {
+                let stage = self.positions_of_stage(group);
+                self.kick(stage.start + random.below(stage.end - stage.start), random);
             }
             self.drain();
             if self.walk.is_worse() {
@@ -85,7 +105,11 @@ impl<'a> Search<'a> {
                 self.walk.commit();
             }
         }
-        self.reach = u32::MAX;
+    }
+
+    /// Whether neighbouring loops are entered anew together, which is dear.
+    fn is_thorough(&self, group: u32) -> bool {
+        self.positions_of_stage(group).len() <= FEW
     }
 
     /// Queues the nodes on both sides of a gap.
@@ -126,22 +150,25 @@ impl<'a> Search<'a> {
         {
             return true;
         }
-        (self.thorough && turn && self.reenter_beside(self.walk.position(item)))
-            || (outer && (self.reverse_group(group) || self.move_group(group)))
+        (turn && self.is_thorough(group) && self.reenter_beside(self.walk.position(item)))
+            || (outer && (self.shift(end.gap) || self.reverse_group(group) || self.move_group(group)))
     }
 
-    /// Swaps two neighbouring stretches, of one group or of whole groups.
-    fn kick(&mut self, random: &mut Random) {
-        let at = 1 + random.below(self.walk.len());
-        if self.thorough
+    /// Swaps two neighbouring stretches, of one group or of whole groups, at or after a position.
+    fn kick(&mut self, at: u32, random: &mut Random) {
+        let group = self.walk.group_at(at);
+        if self.is_thorough(group)
             && let Some(vertices) = self.walk.vertices(self.walk.item_at(at))
             && random.below(2) == 0
         {
             self.walk.enter(self.walk.item_at(at), random.below(vertices.len() as u32));
         }
-        let group = self.walk.group_at(at);
+        if self.groups.items.len() > 1 && random.below(SHIFT) == 0 {
+            self.kick_junction(group, random);
+            return;
+        }
         let (first, end) = self.walk.span(group);
-        if self.groups.items.len() > 1 && (end - first < 3 || random.below(4) == 0) {
+        if self.groups_in_stage(group) > 1 && (end - first < 3 || random.below(4) == 0) {
             self.kick_groups(group, random);
             return;
         }
