@@ -26,7 +26,7 @@ pub(super) fn compare(
     let planner = sections.planner(settings);
     let count = sections.layers.len();
     progress.begin(count * strategies.len());
-    let paths = parallel::map(count, |i| planner.layer(&sections.plate_layer(i)));
+    let paths = parallel::map(count, |i| sections.paths(&planner, i, settings));
     let mut seam = SeamRule::new(settings.seam.position);
     let layers: Vec<(LayerPaths, Pins)> = paths
         .into_iter()

@@ -10,6 +10,7 @@ mod ordering;
 mod parallel;
 mod print;
 mod sections;
+mod supports;
 
 use std::path::Path;
 

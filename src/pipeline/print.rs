@@ -133,7 +133,7 @@ impl Run<'_> {
     ) -> (Vec<Done>, Vec<(LayerPaths, Pins)>) {
         let first = layers.start;
         let paths =
-            parallel::map(layers.len(), |i| self.planner.layer(&self.sections.plate_layer(first + i)));
+            parallel::map(layers.len(), |i| self.sections.paths(&self.planner, first + i, self.settings));
         let pins: Vec<Pins> = paths.iter().map(|layer| seam.pins(layer)).collect();
         let start = at.xy.map(|[x, y]| Point::from_mm(x, y));
         let sequences = ordering::solve(&self.chain, &paths, &pins, chunk, start).sequences;

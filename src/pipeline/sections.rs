@@ -3,12 +3,17 @@
 use crate::geom::{Bounds, Region};
 use crate::profile::Settings;
 use crate::slice::{Layer, Slicer};
-use crate::toolpath::{ObjectLayer, Planner, PlateLayer, Shells};
+use crate::toolpath::support::{self, BeadSpec};
+use crate::toolpath::{LayerPaths, ObjectLayer, Planner, PlateLayer, Role, Shells};
 
 use super::parallel;
+use super::supports::{self, Supports};
 
 /// Layers that sparse infill is calibrated on.
 const SAMPLES: usize = 12;
+
+/// Runs of support among the paths that belong to no island, after skirt and brim.
+const SUPPORT_RANK: u32 = 2;
 
 /// The sections of all layers, and the shells that follow from them.
 pub(super) struct Sections {
@@ -16,6 +21,7 @@ pub(super) struct Sections {
     /// For each object its section in each layer, as an index into the layer's sections.
     places: Vec<Vec<Option<usize>>>,
     shells: Vec<Shells>,
+    supports: Option<Supports>,
 }
 
 impl Sections {
@@ -24,7 +30,7 @@ impl Sections {
         let places: Vec<Vec<Option<usize>>> = (0..objects)
             .map(|object| layers.iter().map(|l| l.sections.iter().position(|s| s.object == object)).collect())
             .collect();
-        let mut sections = Self { layers, places, shells: Vec::new() };
+        let mut sections = Self { layers, places, shells: Vec::new(), supports: None };
         let (top, bottom) = (settings.shell.top_layers, settings.shell.bottom_layers);
         sections.shells = (0..objects)
             .map(|object| {
@@ -32,6 +38,10 @@ impl Sections {
                 Shells::build(&own, top, bottom, &|n, f| parallel::map(n, f))
             })
             .collect();
+        if settings.support.enabled {
+            let bounds = sections.bounds();
+            sections.supports = bounds.map(|bounds| Supports::plan(&sections.layers, bounds, settings));
+        }
         sections
     }
 
@@ -53,11 +63,33 @@ impl Sections {
         PlateLayer { index, top_mm: span.top_mm, height_mm: span.height_mm, objects: objects.collect() }
     }
 
+    /// All paths of a layer; support comes before what it carries.
+    pub fn paths(&self, planner: &Planner, index: usize, settings: &Settings) -> LayerPaths {
+        let mut layer = planner.layer(&self.plate_layer(index));
+        if let Some(supports) = &self.supports {
+            let outlines = supports.outlines(index);
+            let spec = BeadSpec {
+                part: &layer.outline,
+                height_mm: layer.height_mm,
+                on_bed: index == 0,
+                rank: SUPPORT_RANK,
+            };
+            let beads = support::lay(outlines, &spec, &settings.support);
+            let around = |role| matches!(role, Role::Skirt | Role::Brim);
+            let place = layer.paths.iter().position(|p| !around(p.role)).unwrap_or(layer.paths.len());
+            layer.paths.splice(place..place, beads);
+        }
+        layer
+    }
+
     /// The toolpath planner, its sparse infill calibrated on sample layers.
     pub fn planner(&self, settings: &Settings) -> Planner {
-        let polygons = self.layers[0].sections.iter().flat_map(|s| s.region.polygons.iter().cloned());
-        let footprint = Region { polygons: polygons.collect() };
-        let mut planner = Planner::new(settings.into(), &footprint, self.layers[0].span.height_mm);
+        let footprint = supports::section(&self.layers[0]);
+        let first_height_mm = self.layers[0].span.height_mm;
+        let mut planner = Planner::new(settings.into(), &footprint, first_height_mm);
+        if let Some(supports) = &self.supports {
+            planner.enclose(&supports.outlines(0).all, first_height_mm);
+        }
         let last = self.layers.len() - 1;
         let mut chosen: Vec<usize> = (0..SAMPLES).map(|k| last * k / (SAMPLES - 1)).collect();
         chosen.dedup();

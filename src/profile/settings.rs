@@ -67,6 +67,18 @@ choice! {
         Concentric = "concentric", }
 }
 choice! {
+    /// How supports are built.
+    SupportStyle { /// Straight columns.
+        Grid = "grid", /// Branches that meet and avoid the part.
+        Tree = "tree", }
+}
+choice! {
+    /// Lines inside of support columns.
+    SupportPattern { /// In one direction.
+        Rectilinear = "rectilinear", /// In two directions, twice as far apart.
+        Grid = "grid", }
+}
+choice! {
     /// Where loops start and end.
     SeamPosition { /// Any vertex: ordering decides.
         Free = "free", /// The first vertex as sliced.
@@ -299,6 +311,39 @@ section! {
     }
 }
 section! {
+    /// `[support]`
+    SupportSettings {
+        /// Hold up overhangs.
+        enabled: bool = false,
+        /// Columns or trees.
+        style: SupportStyle = SupportStyle::Grid,
+        /// Walls that lean out further than this from the vertical are held.
+        angle: f64 = 50.0; 0.0..=89.0, "°",
+        /// Support stands on the bed only, never on the part.
+        from_bed_only: bool = false,
+        /// Overhangs that reach out less than this are printed without support.
+        min_reach: Mm = Mm(0.8); 0.0..=10.0,
+        /// Bridges up to this long are printed without support; 0: none.
+        max_bridge: Mm = Mm(10.0); 0.0..=1000.0,
+        /// Free height between support and part, in whole layers, rounded up.
+        z_gap: Mm = Mm(0.2); 0.0..=5.0,
+        /// Free distance between support and the part's sides.
+        xy_gap: Mm = Mm(0.4); 0.0..=5.0,
+        /// Lines inside of columns.
+        pattern: SupportPattern = SupportPattern::Rectilinear,
+        /// Share of a column that the lines inside its outline fill.
+        density: Ratio = Ratio(0.13); 0.0..=1.0,
+        /// Direction of the lines, degrees from the X axis.
+        line_angle: f64 = 0.0; -360.0..=360.0, "°",
+        /// Line width of support.
+        width: Mm = Mm(0.4); 0.05..=5.0,
+        /// Dense layers under the part.
+        interface_layers: u32 = 2; 0..=100,
+        /// Share of them that is filled.
+        interface_density: Ratio = Ratio(0.75); 0.0..=1.0,
+    }
+}
+section! {
     /// `[seam]`
     SeamSettings {
         /// The rule.
@@ -444,6 +489,7 @@ settings! {
     first_layer: FirstLayerSettings,
     skirt: SkirtSettings,
     brim: BrimSettings,
+    support: SupportSettings,
     seam: SeamSettings,
     order: OrderSettings,
     speed: SpeedSettings,

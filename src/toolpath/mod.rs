@@ -6,6 +6,7 @@ pub mod infill;
 mod path;
 mod planner;
 mod shells;
+pub mod support;
 mod walls;
 
 pub use path::{Island, LayerPaths, Path, Role, Width};

@@ -88,6 +88,8 @@ pub struct Planner {
     line_distance_mm: Option<f64>,
     brim: Vec<Ring>,
     skirt: Vec<Ring>,
+    /// What the skirt goes around.
+    around: Region,
 }
 
 /// Bead widths of one layer.
@@ -110,16 +112,25 @@ struct Draft {
 impl Planner {
     /// A planner for a plate whose objects' first sections are `footprint`; `first_height_mm` is the first layer's.
     pub fn new(settings: ToolpathSettings, footprint: &Region, first_height_mm: f64) -> Self {
-        let mut planner = Self { settings, line_distance_mm: None, brim: Vec::new(), skirt: Vec::new() };
+        let (line_distance_mm, around) = (None, Region::default());
+        let mut planner = Self { settings, line_distance_mm, brim: Vec::new(), skirt: Vec::new(), around };
         let width_mm = planner.widths(0).skirt_mm;
         planner.brim = adhesion::brim(footprint, &planner.settings.brim, width_mm, first_height_mm);
-        let around = if planner.brim.is_empty() {
-            footprint.clone()
+        if planner.brim.is_empty() {
+            planner.enclose(footprint, first_height_mm);
         } else {
-            geom::offset(footprint, planner.settings.brim.gap.0 + planner.settings.brim.width.0)
-        };
-        planner.skirt = adhesion::skirt(&around, &planner.settings.skirt, width_mm, first_height_mm);
+            let reach_mm = planner.settings.brim.gap.0 + planner.settings.brim.width.0;
+            planner.enclose(&geom::offset(footprint, reach_mm), first_height_mm);
+        }
         planner
+    }
+
+    /// Takes the skirt around what else stands on the bed.
+    pub fn enclose(&mut self, more: &Region, first_height_mm: f64) {
+        let width_mm = self.widths(0).skirt_mm;
+        let all = geom::union(&self.around, more);
+        self.skirt = adhesion::skirt(&all, &self.settings.skirt, width_mm, first_height_mm);
+        self.around = all;
     }
 
     /// What calibration needs of a layer; see [`Planner::calibrate`].

@@ -1,0 +1,20 @@
+//! Supports: what holds up the parts of a print that nothing else does.
+//!
+//! Where a layer hangs over the one below is found on exact outlines ([`overhang`]); where supports stand is decided
+//! on cells of 0.4 mm ([`bitmap`]), from the top down ([`columns`]); their beads are laid on exact outlines again
+//! ([`beads`]), each layer by itself.
+
+mod beads;
+mod bitmap;
+mod bridge;
+mod columns;
+mod overhang;
+mod trace;
+
+pub use beads::{BeadSpec, Outlines, lay};
+pub use bitmap::{Bitmap, Grid};
+pub use columns::{Cells, ColumnSpec, stand};
+pub use overhang::{Overhang, Slab, Wishes, find, lasting, window};
+
+/// Side of a cell: a bead's width.
+pub const CELL_MM: f64 = 0.4;
