@@ -1,7 +1,7 @@
 //! Supports of a plate: found and stood before any layer is planned, laid as beads layer by layer.
 
-use crate::geom::{Bounds, Region};
-use crate::profile::Settings;
+use crate::geom::{Bounds, Region, offset, union_all};
+use crate::profile::{Settings, SupportStyle};
 use crate::slice::Layer;
 use crate::toolpath::support::{self, Bitmap, ColumnSpec, Grid, Outlines, Overhang, Slab, Wishes};
 use crate::units::Mm;
@@ -46,6 +46,19 @@ impl Supports {
             from_bed_only: support.from_bed_only,
             height_mm,
         };
+        if support.style == SupportStyle::Tree {
+            let discs = support::grow(&held, &solid, &spec, support);
+            let outlines = parallel::map(count, |i| {
+                if discs[i].is_empty() {
+                    return Outlines::default();
+                }
+                let near = &sections[i.saturating_sub(spec.gap_layers)..=i];
+                let kept_free = offset(&union_all(near), support.xy_gap.0);
+                let (all, interface) = support::outline(&discs[i], &kept_free);
+                Outlines { all, interface }
+            });
+            return Self { outlines, of_layer: (0..count).collect() };
+        }
         let cells = support::stand(&held, &solid, &spec);
         let mut distinct: Vec<usize> = Vec::new();
         let of_layer = (0..count)

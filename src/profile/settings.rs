@@ -341,6 +341,12 @@ section! {
         interface_layers: u32 = 2; 0..=100,
         /// Share of them that is filled.
         interface_density: Ratio = Ratio(0.75); 0.0..=1.0,
+        /// Trees: how far branches may lean, degrees from the vertical.
+        branch_angle: f64 = 40.0; 5.0..=60.0, "°",
+        /// Trees: diameter of a branch at its tip.
+        branch_diameter: Mm = Mm(2.0); 0.5..=20.0,
+        /// Trees: by how much the sides of a branch widen downwards, degrees from the vertical.
+        branch_taper: f64 = 2.0; 0.0..=30.0, "°",
     }
 }
 section! {

@@ -233,9 +233,14 @@ impl Bitmap {
 
     /// With gaps and holes filled that are narrower than about twice so many cells.
     pub fn closed(&self, cells: usize) -> Self {
-        let mut map = self.grown(cells).inverted().grown(cells).inverted();
+        let mut map = self.grown(cells).shrunk(cells);
         map.add(self);
         map
+    }
+
+    /// Without everything within about so many cells of what it does not have; beyond the grid is everything.
+    pub fn shrunk(&self, cells: usize) -> Self {
+        self.inverted().grown(cells).inverted()
     }
 
     /// The cells that it does not have.

@@ -46,12 +46,7 @@ pub struct ColumnSpec {
 pub fn stand(held: &[Bitmap], solid: &[Bitmap], spec: &ColumnSpec) -> Vec<Cells> {
     let Some(first) = solid.first() else { return Vec::new() };
     let grid = first.grid();
-    let pads: Vec<Bitmap> = (0..solid.len())
-        .map(|layer| match held.get(layer + 1 + spec.gap_layers) {
-            Some(held) if !held.is_empty() => held.grown(1),
-            _ => Bitmap::empty(grid),
-        })
-        .collect();
+    let pads = pads(held, solid, spec);
     let widen_every = ((WIDEN_EVERY_MM / spec.height_mm) as usize).max(1);
     let mut all: Vec<Bitmap> = vec![Bitmap::empty(grid); solid.len()];
     let mut column = Bitmap::empty(grid);
@@ -85,8 +80,17 @@ pub fn stand(held: &[Bitmap], solid: &[Bitmap], spec: &ColumnSpec) -> Vec<Cells>
     all.into_iter().zip(interfaces).map(|(all, interface)| Cells { all, interface }).collect()
 }
 
+/// For each layer, where support ends under what is held above it.
+pub(super) fn pads(held: &[Bitmap], solid: &[Bitmap], spec: &ColumnSpec) -> Vec<Bitmap> {
+    let pad = |(layer, solid): (usize, &Bitmap)| match held.get(layer + 1 + spec.gap_layers) {
+        Some(held) if !held.is_empty() => held.grown(1),
+        _ => Bitmap::empty(solid.grid()),
+    };
+    solid.iter().enumerate().map(pad).collect()
+}
+
 /// The cells too near to the part.
-fn kept_free(solid: &[Bitmap], layer: usize, spec: &ColumnSpec) -> Bitmap {
+pub(super) fn kept_free(solid: &[Bitmap], layer: usize, spec: &ColumnSpec) -> Bitmap {
     let mut free = solid[layer].grown(spec.gap_cells);
     (1..=spec.gap_layers.min(layer)).for_each(|down| free.add(&solid[layer - down]));
     free
@@ -101,8 +105,7 @@ fn rest(all: &mut [Bitmap], solid: &[Bitmap], spec: &ColumnSpec) {
         let mut under = all[layer - 1].clone();
         if !spec.from_bed_only {
             let nearest = layer.saturating_sub(spec.gap_layers + 1);
-            solid[nearest..layer].iter().for_each(|solid| under.add(solid));
-            under = under.grown(2);
+            solid[nearest..layer].iter().for_each(|solid| under.add(&solid.grown(1)));
         }
         all[layer].keep(&under);
         all[layer] = all[layer].opened(NARROWEST);

@@ -1,7 +1,8 @@
 //! Supports: what holds up the parts of a print that nothing else does.
 //!
 //! Where a layer hangs over the one below is found on exact outlines ([`overhang`]); where supports stand is decided
-//! on cells of 0.4 mm ([`bitmap`]), from the top down ([`columns`]); their beads are laid on exact outlines again
+//! on cells of 0.4 mm ([`bitmap`]), from the top down, as columns
+//! ([`columns`]) or trees ([`tree`]); their beads are laid on exact outlines again
 //! ([`beads`]), each layer by itself.
 
 mod beads;
@@ -10,11 +11,13 @@ mod bridge;
 mod columns;
 mod overhang;
 mod trace;
+mod tree;
 
 pub use beads::{BeadSpec, Outlines, lay};
 pub use bitmap::{Bitmap, Grid};
 pub use columns::{Cells, ColumnSpec, stand};
 pub use overhang::{Overhang, Slab, Wishes, find, lasting, window};
+pub use tree::{Disc, grow, outline};
 
 /// Side of a cell: a bead's width.
 pub const CELL_MM: f64 = 0.4;
