@@ -40,6 +40,7 @@ fn layer() -> LayerPaths {
         islands: vec![Island { object: 0 }],
         paths: (0..MOVES / 100).map(ring).collect(),
         outline: Region::default(),
+        beneath: None,
     }
 }
 

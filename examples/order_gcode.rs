@@ -52,6 +52,7 @@ fn read(file: &str) -> Vec<LayerPaths> {
                 islands: Vec::new(),
                 paths: Vec::new(),
                 outline: Region::default(),
+                beneath: None,
             });
         }
         let paths = &mut layers.last_mut().expect("just pushed").paths;
@@ -182,7 +183,7 @@ fn main() {
         layers.iter().flatten().flat_map(|l| &l.paths).filter(|p| p.closed).map(|p| p.points.len()).sum();
     println!("{scope:?} {kind:?}: {paths} paths, {loops} loops with {vertices} vertices");
     let mut runs = vec![];
-    for name in [OrderStrategy::AsSliced, OrderStrategy::Nearest, OrderStrategy::Greedy] {
+    for &(_, name) in OrderStrategy::ALL.iter().filter(|(_, name)| *name != OrderStrategy::Optimized) {
         runs.push((name, Effort::Normal));
     }
     for effort in
@@ -225,7 +226,7 @@ fn main() {
             nearest = [length, seconds];
         }
         println!(
-            "{:10} {:7} {length:9.0} mm ({:.3}) {seconds:8.1} s ({:.3}) {:7.3} ms/100 paths |{each}",
+            "{:17} {:7} {length:9.0} mm ({:.3}) {seconds:8.1} s ({:.3}) {:7.3} ms/100 paths |{each}",
             name.name(),
             effort.name(),
             length / nearest[0],

@@ -6,13 +6,17 @@ use crate::motion::PauseAt;
 use crate::order::compare::StrategyRow;
 use crate::output::{Output, OutputError};
 use crate::profile::{OrderStrategy, ProfileError, Settings};
-use crate::report::{ModelInfo, Summary};
+use crate::report::{ModelInfo, Reordered, Summary};
 
 /// Models for one plate, and what to do with them.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Job {
     /// Files, in the order in which they are placed.
     pub models: Vec<PathBuf>,
+    /// Bodies, placed as the first model is, in which everything that rests on nothing is supported.
+    pub support_enforcers: Vec<PathBuf>,
+    /// Bodies, placed as the first model is, in which nothing is supported.
+    pub support_blockers: Vec<PathBuf>,
     /// How each model is scaled, turned and moved.
     pub transform: TransformOptions,
     /// How many of each model; at least 1.
@@ -29,6 +33,8 @@ impl Default for Job {
     fn default() -> Self {
         Self {
             models: Vec::new(),
+            support_enforcers: Vec::new(),
+            support_blockers: Vec::new(),
             transform: TransformOptions::default(),
             copies: 1,
             pauses: Vec::new(),
@@ -55,6 +61,17 @@ impl Default for TransformOptions {
     fn default() -> Self {
         Self { scale: [1.0; 3], rotate_deg: [0.0; 3], translate_mm: [0.0; 3], scale_to_fit: false }
     }
+}
+
+/// How a G-code file is put into another order.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct ReorderJob {
+    /// The file.
+    pub file: PathBuf,
+    /// Draw no open path backwards.
+    pub keep_direction: bool,
+    /// Worker threads; `None`: `RAYON_NUM_THREADS`, or else all cores.
+    pub threads: Option<usize>,
 }
 
 /// Is told how far a run is. Called from any thread.
@@ -122,6 +139,19 @@ pub trait Engine: Sync {
         strategies: &[OrderStrategy],
         progress: &dyn Progress,
     ) -> Result<Vec<StrategyRow>, JobError>;
+
+    /// Puts a G-code file into another order. Where nothing improves, what was written to the output is the file
+    /// itself. The caller commits the output.
+    ///
+    /// # Errors
+    /// See [`JobError`]; [`JobError::Check`] if the result does not print the same.
+    fn reorder(
+        &self,
+        job: &ReorderJob,
+        settings: &Settings,
+        output: &mut Output,
+        progress: &dyn Progress,
+    ) -> Result<Reordered, JobError>;
 
     /// Tells what is in a model, and whether it fits.
     ///

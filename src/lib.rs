@@ -17,10 +17,12 @@ pub mod order;
 pub mod output;
 pub mod pipeline;
 pub mod profile;
+pub mod reorder;
 pub mod report;
 pub mod slice;
 pub mod toolpath;
 pub mod units;
+pub mod view;
 
 /// The examples of the README are compiled with the documentation's.
 #[cfg(doctest)]

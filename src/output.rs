@@ -5,11 +5,14 @@
 //! patched: what goes there is held back and written in one go, so that its bytes are those of the file.
 
 use std::fs::{self, File, OpenOptions};
-use std::io::{self, BufWriter, ErrorKind, Seek, SeekFrom, Write};
+use std::io::{self, BufRead, BufReader, BufWriter, ErrorKind, Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, PoisonError};
 
 use tempfile::NamedTempFile;
+
+/// Size of buffers for files.
+const BUFFER_BYTES: usize = 1 << 18;
 
 /// Temporary files of this process that are not complete yet.
 static PENDING: Mutex<Vec<PathBuf>> = Mutex::new(Vec::new());
@@ -56,6 +59,7 @@ enum Sink {
 
 #[derive(Debug)]
 enum Stream {
+    Nowhere,
     Stdout,
     Device(File),
 }
@@ -65,6 +69,36 @@ impl Output {
     pub fn stdout() -> Self {
         let sink = Sink::Direct { held: Vec::new(), to: Stream::Stdout };
         Self { name: "standard output".into(), written: 0, sink }
+    }
+
+    /// Nowhere: the bytes are for [`Output::into_bytes`].
+    pub fn memory() -> Self {
+        let sink = Sink::Direct { held: Vec::new(), to: Stream::Nowhere };
+        Self { name: "memory".into(), written: 0, sink }
+    }
+
+    /// What was written, where it is held in memory; nothing of a file.
+    pub fn into_bytes(self) -> Vec<u8> {
+        match self.sink {
+            Sink::File { .. } => Vec::new(),
+            Sink::Direct { held, .. } => held,
+        }
+    }
+
+    /// No place at all: what is written can be read back, and is gone then.
+    ///
+    /// # Errors
+    /// If the system has no place for temporary files.
+    pub fn nowhere() -> Result<Self, OutputError> {
+        let name = "a temporary file".to_owned();
+        match Pending::create(&std::env::temp_dir()) {
+            Ok(file) => {
+                let target = file.file.path().to_owned();
+                let file = BufWriter::with_capacity(BUFFER_BYTES, file);
+                Ok(Self { name, written: 0, sink: Sink::File { file, target } })
+            }
+            Err(source) => Err(OutputError { path: name, source }),
+        }
     }
 
     /// A file, by way of a temporary one beside it, which gets the mode of the file that it will replace. What a
@@ -120,6 +154,22 @@ impl Output {
         .map_err(|source| self.error(source))
     }
 
+    /// What has been written so far, from the start.
+    ///
+    /// # Errors
+    /// As [`Output::write`].
+    pub fn reread(&mut self) -> Result<Box<dyn BufRead + '_>, OutputError> {
+        let name = &self.name;
+        match &mut self.sink {
+            Sink::File { file, .. } => {
+                let opened = file.flush().and_then(|()| File::open(file.get_ref().file.path()));
+                let opened = opened.map_err(|source| OutputError { path: name.clone(), source })?;
+                Ok(Box::new(BufReader::with_capacity(BUFFER_BYTES, opened)))
+            }
+            Sink::Direct { held, .. } => Ok(Box::new(held.as_slice())),
+        }
+    }
+
     /// Puts the complete output in its place.
     ///
     /// # Errors
@@ -130,6 +180,7 @@ impl Output {
                 .into_inner()
                 .map_err(io::IntoInnerError::into_error)
                 .and_then(|file| file.rename(&target)),
+            Sink::Direct { to: Stream::Nowhere, .. } => Ok(()),
             Sink::Direct { held, to: Stream::Stdout } => {
                 let mut stdout = io::stdout().lock();
                 stdout.write_all(&held).and_then(|()| stdout.flush())
@@ -188,7 +239,6 @@ fn open(path: &Path) -> io::Result<Sink> {
         // Memory cards and network drives may know no modes; that is no reason not to write.
         let _ = file.file.as_file().set_permissions(existing.permissions());
     }
-    const BUFFER_BYTES: usize = 1 << 18;
     Ok(Sink::File { file: BufWriter::with_capacity(BUFFER_BYTES, file), target })
 }
 

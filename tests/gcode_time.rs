@@ -3,18 +3,17 @@
 
 use std::path::Path;
 
-use pathwright::estimate::Machine;
+use pathwright::estimate::{Firmware, Machine};
 use pathwright::gcode::file_time;
+use pathwright::profile;
 
-const KLIPPER: Machine = Machine {
-    max_speed: [300.0, 300.0, 15.0, 79.8],
-    max_acceleration: [3000.0, 3000.0, 100.0, 798.0],
-    acceleration: 3000.0,
-    square_corner_velocity: 5.0,
-    extruder_corner_velocity: 1.0,
-    min_cruise_ratio: 0.5,
-    filament_area_mm2: 2.405,
-};
+/// The machine of the reference: the standard job's limits, E's as far as its steps resolve them.
+fn machine() -> Machine {
+    let settings = profile::resolve(&["standard-job".into()], &[]).expect("embedded").settings;
+    let mut machine = Machine::under(Firmware::Klipper, &settings);
+    (machine.max_speed[3], machine.max_acceleration[3]) = (79.8, 798.0);
+    machine
+}
 
 /// Cura's end script homes X and Y, which is no move to us.
 const HOMING_S: f64 = 17.0;
@@ -33,7 +32,7 @@ fn print_times_agree_with_klippers_planner_within_a_thousandth() {
         ("slic3r-1.3.0_ctrlV_3D_test", 3123.71),
     ] {
         let Ok(text) = std::fs::read(folder.join(format!("{name}.gcode"))) else { continue };
-        let seconds = file_time(&text, &KLIPPER).0;
+        let seconds = file_time(&text, &machine()).0;
         println!(
             "{name}: {seconds:.2} s, Klipper {klipper_s} s, {:+.3} %",
             100.0 * (seconds / klipper_s - 1.0)

@@ -2,7 +2,7 @@
 
 mod mesh_shapes;
 
-use mesh_shapes::{Facets, ball, cuboid, inside_out, mesh, shared_models, torus};
+use mesh_shapes::{Facets, ball, cuboid, damaged, inside_out, mesh, shared_models, torus};
 use proptest::prelude::*;
 
 fn close_to(a: f64, b: f64) -> bool {
@@ -124,21 +124,7 @@ proptest! {
     ) {
         let facets = if ring { torus(20.0, 6.0, 16) } else { ball([1.0, 2.0, 3.0], 12.0, 3) };
         let (_, whole) = mesh(&facets);
-        let mut broken = Facets::new();
-        for (facet, byte) in facets.iter().zip(seed.iter().cycle()) {
-            let mut facet = *facet;
-            if byte % 10 < 3 {
-                facet.swap(0, 1);
-            }
-            broken.push(facet);
-            if byte % 16 == 5 {
-                broken.push([facet[1], facet[2], facet[0]]);
-            }
-            if byte % 16 == 6 {
-                broken.push([facet[1], facet[1], facet[0]]);
-            }
-        }
-        let (_, report) = mesh(&broken);
+        let (_, report) = mesh(&damaged(&facets, &seed));
         prop_assert!(close_to(report.volume_mm3, whole.volume_mm3), "{} {}", report, whole);
         prop_assert!(report.watertight);
         prop_assert_eq!(report.triangles, facets.len());

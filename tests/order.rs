@@ -1,66 +1,24 @@
 //! Every strategy on layers that nobody would draw, through the checker.
 
+mod order_layer;
+
+use order_layer::{Layer, point};
 use pathwright::geom::Point;
-use pathwright::order::{Cost, Item, Problem, Run, Shape, TravelTime, check, evaluate, strategy};
+use pathwright::order::{Cost, Problem, Run, Shape, TravelTime, check, evaluate, strategy};
 use pathwright::profile::{Effort, OrderStrategy, Scope};
 use proptest::prelude::*;
 
-/// A layer as plain data, from which problems borrow.
-#[derive(Clone, Debug)]
-struct Layer {
-    /// Run and vertices; two vertices make an open path, others a loop.
-    items: Vec<(u32, Vec<Point>)>,
-    runs: Vec<Run>,
-    scope: Scope,
-    start: Option<Point>,
-    end: Option<Point>,
-}
-
-impl Layer {
-    fn problem(&self) -> Problem<'_> {
-        let items = self.items.iter().map(|(run, points)| Item {
-            run: *run,
-            shape: if points.len() == 2 { Shape::Open([points[0], points[1]]) } else { Shape::Loop(points) },
-        });
-        Problem {
-            items: items.collect(),
-            runs: self.runs.clone(),
-            scope: self.scope,
-            start: self.start,
-            end: self.end,
-        }
-    }
-}
-
-/// Coordinates from a small range coincide often; from a large one, never.
-fn point() -> impl Strategy<Value = Point> {
-    prop_oneof![
-        (0..4i32, 0..4i32).prop_map(|(x, y)| Point::new(x * 100_000, y * 100_000)),
-        (0..5_000_000i32, 0..5_000_000i32).prop_map(|(x, y)| Point::new(x, y)),
-    ]
-}
-
+/// Layers of so many paths, open, of one point, or closed, in up to six runs.
 fn layer(paths: std::ops::Range<usize>) -> impl Strategy<Value = Layer> {
-    let path = (
-        0..6usize,
-        prop_oneof![
-            3 => prop::collection::vec(point(), 2),
-            1 => prop::collection::vec(point(), 1),
-            2 => prop::collection::vec(point(), 3..40),
-        ],
-    );
-    let runs = prop::collection::vec((0..2u32, 0..3u32, 0..3u32), 6);
-    let scope = prop::sample::select(vec![Scope::Layer, Scope::Feature, Scope::Island]);
-    let ends = (prop::option::of(point()), prop::option::of(point()));
-    (prop::collection::vec(path, paths), runs, scope, ends).prop_map(|(paths, runs, scope, (start, end))| {
-        let mut used: Vec<_> = paths.iter().map(|(run, _)| runs[*run]).collect();
-        used.sort_unstable();
-        used.dedup();
-        let number = |run: usize| used.binary_search(&runs[run]).unwrap() as u32;
-        let items = paths.into_iter().map(|(run, points)| (number(run), points)).collect();
-        let runs = used.iter().map(|&(stage, island, rank)| Run { stage, island, rank });
-        Layer { items, runs: runs.collect(), scope, start, end }
-    })
+    const REACH: i32 = 5_000_000;
+    let path = prop_oneof![
+        3 => prop::collection::vec(point(REACH), 2),
+        1 => prop::collection::vec(point(REACH), 1),
+        2 => prop::collection::vec(point(REACH), 3..40),
+    ];
+    let runs = prop::collection::btree_set((0..2_u32, 0..3_u32, 0..3_u32), 1..=6);
+    let runs = runs.prop_map(|runs| runs.into_iter().collect());
+    order_layer::layer(prop::collection::vec(path, paths), runs, REACH)
 }
 
 fn costs() -> [Cost; 2] {

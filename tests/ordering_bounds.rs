@@ -1,70 +1,25 @@
 //! Lower bounds against the optimum, and Christofides against its guarantee, on thousands of small layers.
 
 mod exact;
+mod order_layer;
 
 use exact::{chained_optimum, optimum};
+use order_layer::{Layer, point};
 use pathwright::geom::Point;
-use pathwright::order::{Cost, Item, Problem, Run, Shape, bound, evaluate, strategy};
+use pathwright::order::{Cost, bound, evaluate, strategy};
 use pathwright::profile::{Effort, OrderStrategy, Scope};
 use proptest::prelude::*;
 
-/// A layer as plain data, from which problems borrow.
-#[derive(Clone, Debug)]
-struct Layer {
-    /// Run and vertices; two vertices make an open path, others a loop.
-    items: Vec<(u32, Vec<Point>)>,
-    runs: Vec<Run>,
-    scope: Scope,
-    start: Option<Point>,
-    end: Option<Point>,
-}
-
-impl Layer {
-    fn problem(&self) -> Problem<'_> {
-        let items = self.items.iter().map(|(run, points)| Item {
-            run: *run,
-            shape: if points.len() == 2 { Shape::Open([points[0], points[1]]) } else { Shape::Loop(points) },
-        });
-        let (items, runs) = (items.collect(), self.runs.clone());
-        Problem { items, runs, scope: self.scope, start: self.start, end: self.end }
-    }
-}
-
-/// Coordinates from a small grid coincide often and make many links equal; others do not.
-fn point() -> impl Strategy<Value = Point> {
-    prop_oneof![
-        (0..4_i32, 0..4_i32).prop_map(|(x, y)| Point::new(x * 100_000, y * 100_000)),
-        (0..500_000_i32, 0..500_000_i32).prop_map(|(x, y)| Point::new(x, y)),
-    ]
-}
-
 /// Layers of up to `most` paths, a third of them pinned and a sixth free loops, in up to five runs.
 fn layer(most: usize) -> impl Strategy<Value = Layer> {
-    let path = (
-        0..5_usize,
-        prop_oneof![
-            3 => prop::collection::vec(point(), 2),
-            2 => prop::collection::vec(point(), 1),
-            1 => prop::collection::vec(point(), 3..7),
-        ],
-    );
+    const REACH: i32 = 500_000;
+    let path = prop_oneof![
+        3 => prop::collection::vec(point(REACH), 2),
+        2 => prop::collection::vec(point(REACH), 1),
+        1 => prop::collection::vec(point(REACH), 3..7),
+    ];
     let runs = prop::collection::vec((0..2_u32, 0..3_u32, 0..3_u32), 5);
-    let scope = prop::sample::select(vec![Scope::Layer, Scope::Feature, Scope::Island]);
-    let ends = (prop::option::of(point()), prop::option::of(point()));
-    (prop::collection::vec(path, 0..=most), runs, scope, ends).prop_map(
-        |(paths, runs, scope, (start, end))| {
-            let mut used: Vec<usize> = paths.iter().map(|(run, _)| *run).collect();
-            used.sort_unstable();
-            used.dedup();
-            let number = |run: usize| used.binary_search(&run).expect("listed") as u32;
-            let items = paths.into_iter().map(|(run, points)| (number(run), points)).collect();
-            let runs = used.iter().map(|&run| {
-                let (stage, island, rank) = runs[run];
-                Run { stage, island, rank }
-            });
-            Layer { items, runs: runs.collect(), scope, start, end }
-        },
-    )
+    order_layer::layer(prop::collection::vec(path, 0..=most), runs, REACH)
 }
 
 /// Sums of a few square roots: far above their rounding, far below a bound that is wrong.
@@ -87,7 +42,7 @@ proptest! {
     #[test]
     fn the_bound_of_a_print_is_not_above_its_optimum(layers in [layer(5), layer(5), layer(5)]) {
         let problems: Vec<_> = layers.iter().map(Layer::problem).collect();
-        let (bound, optimum) = (bound::print(problems.iter().cloned()), chained_optimum(&problems));
+        let (bound, optimum) = (bound::print(&problems), chained_optimum(&problems));
         prop_assert!(bound <= optimum + ROUNDING_MM, "{bound} > {optimum}");
     }
 

@@ -2,7 +2,7 @@
 
 mod mesh_shapes;
 
-use mesh_shapes::{Facets, ball, cuboid, inside_out, mesh, own_models, shared_models, stl, torus};
+use mesh_shapes::{Facets, ball, cuboid, damaged, inside_out, mesh, own_models, shared_models, stl, torus};
 use parry3d::math::Vector;
 use parry3d::query::IntersectResult;
 use parry3d::shape::TriMesh;
@@ -249,18 +249,7 @@ proptest! {
     ) {
         let turn = Transform { rotate_deg, ..Transform::default() };
         let whole = turn.apply(mesh(&facets).0).unwrap();
-        let mut broken = Facets::new();
-        for (facet, byte) in facets.iter().zip(seed.iter().cycle()) {
-            let mut facet = *facet;
-            if byte % 10 < 3 {
-                facet.swap(0, 1);
-            }
-            broken.push(facet);
-            if byte % 16 == 5 {
-                broken.push(facet);
-            }
-        }
-        let broken = turn.apply(mesh(&broken).0).unwrap();
+        let broken = turn.apply(mesh(&damaged(&facets, &seed)).0).unwrap();
         let [min, max] = whole.bounds();
         let z = min[2] + share * (max[2] - min[2]);
         let (a, b) = (section(&whole, z).0.area_mm2(), section(&broken, z).0.area_mm2());

@@ -51,6 +51,7 @@ fn plan(sections: &[Region], settings: &Settings) -> Vec<LayerPaths> {
             object: 0,
             section: &sections[index],
             next: sections.get(index + 1).unwrap_or(&nothing),
+            beneath: index.checked_sub(1).map(|below| &sections[below]),
             above: shells.above(index),
             below: shells.below(index),
         }],

@@ -7,6 +7,7 @@ use clap::builder::PossibleValuesParser;
 use clap::{Args, Parser, Subcommand, ValueHint};
 use clap_complete::Shell;
 
+use crate::estimate::Firmware;
 use crate::motion::PauseAt;
 use crate::profile::{CostKind, Effort, OrderStrategy, Scope, SeamPosition};
 
@@ -33,7 +34,10 @@ pub(super) struct LowArgs {
 pub(super) enum Command {
     Slice(Box<SliceArgs>),
     Compare(Box<CompareArgs>),
+    Reorder(Box<ReorderArgs>),
+    View(Box<ViewArgs>),
     Info(InfoArgs),
+    Time(TimeArgs),
     Profiles(ProfilesArgs),
     /// Print a completion script for a shell
     Completions {
@@ -70,6 +74,14 @@ pub(super) struct SliceArgs {
     /// Print each model so many times
     #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=1000))]
     pub copies: u32,
+
+    /// Support all that rests on nothing inside of this body, in the first model's coordinates; repeatable
+    #[arg(long, value_name = "FILE", value_hint = ValueHint::FilePath, help_heading = "Support")]
+    pub support_enforcer: Vec<PathBuf>,
+
+    /// Support nothing inside of this body, in the first model's coordinates; repeatable
+    #[arg(long, value_name = "FILE", value_hint = ValueHint::FilePath, help_heading = "Support")]
+    pub support_blocker: Vec<PathBuf>,
 
     /// Pause before this layer (12) or height (12.4mm), for a filament change; repeatable
     #[arg(long, value_name = "WHERE")]
@@ -144,6 +156,105 @@ pub(super) struct CompareArgs {
     pub no_progress: bool,
 }
 
+/// Shorten the travel of finished G-code, of any slicer
+///
+/// What is printed within each layer is put into another order; everything else stays. The result is read back and
+/// compared layer by layer before it replaces anything. If nothing improves, the file stays as it is.
+#[derive(Debug, Args)]
+#[command(after_help = EXIT_CODES)]
+pub(super) struct ReorderArgs {
+    /// G-code files
+    #[arg(required = true, value_name = "FILE", value_hint = ValueHint::FilePath)]
+    pub files: Vec<PathBuf>,
+
+    /// Write to this file, or into this folder; - for standard output
+    #[arg(short, long, value_name = "PATH", value_hint = ValueHint::AnyPath, conflicts_with_all = ["in_place", "dry_run"])]
+    pub output: Option<PathBuf>,
+
+    /// Replace the files themselves, as slicers expect of a post-processing script
+    #[arg(long)]
+    pub in_place: bool,
+
+    /// Only tell what would be saved
+    #[arg(long, conflicts_with = "in_place")]
+    pub dry_run: bool,
+
+    /// Draw no open path backwards; loops keep their direction in any case
+    #[arg(long, help_heading = "Ordering")]
+    pub keep_direction: bool,
+
+    #[command(flatten)]
+    pub settings: SettingArgs,
+
+    /// How the order of paths is found [order.strategy]
+    #[arg(long, value_name = "STRATEGY", value_parser = PossibleValuesParser::new(OrderStrategy::NAMES), help_heading = "Ordering")]
+    pub order: Option<String>,
+
+    #[command(flatten)]
+    pub ordering: OrderingArgs,
+
+    /// Worker threads [default: $RAYON_NUM_THREADS, or all cores]; the result is the same
+    #[arg(long, value_name = "N")]
+    pub threads: Option<NonZeroUsize>,
+
+    /// Print what was saved as JSON, one line for each file
+    #[arg(long, conflicts_with = "quiet")]
+    pub json: bool,
+
+    /// Print errors only
+    #[arg(short, long)]
+    pub quiet: bool,
+}
+
+/// Show a print: a page for the browser, or pictures
+///
+/// Of a G-code file of any slicer, or of models, which are sliced first. The page is one file that needs no network; it
+/// goes beside the input (part.gcode gives part.html) unless -o names another, or only pictures are asked for.
+#[derive(Debug, Args)]
+#[command(after_help = EXIT_CODES)]
+pub(super) struct ViewArgs {
+    #[command(flatten)]
+    pub models: ModelArgs,
+
+    #[command(flatten)]
+    pub settings: SettingArgs,
+
+    /// Write the page to this file; - for standard output
+    #[arg(short, long, value_name = "PATH", value_hint = ValueHint::FilePath)]
+    pub output: Option<PathBuf>,
+
+    /// The layer of --svg and --png, counted from 1
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..), help_heading = "Pictures")]
+    pub layer: Option<u32>,
+
+    /// Write a layer as SVG, to scale
+    #[arg(long, value_name = "PATH", requires = "layer", value_hint = ValueHint::FilePath, help_heading = "Pictures")]
+    pub svg: Option<PathBuf>,
+
+    /// Write a layer as PNG
+    #[arg(long, value_name = "PATH", requires = "layer", value_hint = ValueHint::FilePath, help_heading = "Pictures")]
+    pub png: Option<PathBuf>,
+
+    /// Longer side of the PNG, in pixels
+    #[arg(long, value_name = "N", default_value_t = 1200, value_parser = clap::value_parser!(u32).range(1..=10_000), help_heading = "Pictures")]
+    pub size: u32,
+
+    /// How the order of paths is found [order.strategy]
+    #[arg(long, value_name = "STRATEGY", value_parser = PossibleValuesParser::new(OrderStrategy::NAMES), help_heading = "Ordering")]
+    pub order: Option<String>,
+
+    #[command(flatten)]
+    pub ordering: OrderingArgs,
+
+    /// Worker threads [default: $RAYON_NUM_THREADS, or all cores]; the result is the same
+    #[arg(long, value_name = "N")]
+    pub threads: Option<NonZeroUsize>,
+
+    /// No progress bar, also on a terminal
+    #[arg(long)]
+    pub no_progress: bool,
+}
+
 /// How paths are ordered, whatever the strategy.
 #[derive(Debug, Args)]
 pub(super) struct OrderingArgs {
@@ -210,6 +321,30 @@ pub(super) struct SettingArgs {
     /// One setting, such as walls.count=3 or infill.density=15%; repeatable, wins over profiles
     #[arg(short, long, value_name = "KEY=VALUE", value_parser = assignment, help_heading = "Settings")]
     pub set: Vec<Assignment>,
+}
+
+/// Tell how long G-code takes, of any slicer
+///
+/// Moves are planned as the firmware plans them, with the machine's limits and those that the file sets. The time is
+/// given in total, by role and, with --json, by layer. Heating, homing and pauses are left out.
+#[derive(Debug, Args)]
+#[command(after_help = EXIT_CODES)]
+pub(super) struct TimeArgs {
+    /// G-code files; - for standard input
+    #[arg(required = true, value_name = "FILE", value_hint = ValueHint::FilePath)]
+    pub files: Vec<PathBuf>,
+
+    /// Firmware that the moves are planned as [default: that of the limits]
+    #[arg(long, value_name = "FIRMWARE", value_parser = PossibleValuesParser::new(Firmware::ALL.map(|(name, _)| name)))]
+    pub machine: Option<String>,
+
+    /// Embedded profile or TOML file whose [machine] holds the limits [default: those of the generic printer]
+    #[arg(long, value_name = "NAME|FILE")]
+    pub limits: Option<String>,
+
+    /// Print JSON, one line for each file
+    #[arg(long)]
+    pub json: bool,
 }
 
 /// Show profiles and settings

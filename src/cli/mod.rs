@@ -8,7 +8,10 @@ mod info;
 mod pages;
 mod plan;
 mod profiles;
+mod reorder;
 mod slice;
+mod time;
+mod view;
 
 use std::ffi::OsString;
 
@@ -33,7 +36,10 @@ pub fn run(args: impl IntoIterator<Item = OsString>, engine: &dyn Engine) -> Exi
     let done = match &args.command {
         Command::Slice(args) => slice::run(args, engine),
         Command::Compare(args) => compare::run(args, engine),
+        Command::View(args) => view::run(args, engine),
+        Command::Reorder(args) => reorder::run(args, engine),
         Command::Info(args) => info::run(args, engine),
+        Command::Time(args) => time::run(args),
         Command::Profiles(args) => profiles::run(args),
         Command::Completions { shell } => pages::completions(*shell),
         Command::Man { command } => pages::man(command.as_deref()),

@@ -50,13 +50,15 @@ impl Plan {
     }
 }
 
-fn usage(message: impl ToString) -> Failure {
+pub(super) fn usage(message: impl ToString) -> Failure {
     Failure::new(Exit::Usage, message)
 }
 
 fn job(args: &SliceArgs, models: &[PathBuf]) -> Job {
     Job {
         models: models.to_vec(),
+        support_enforcers: args.support_enforcer.clone(),
+        support_blockers: args.support_blocker.clone(),
         transform: transform(&args.models),
         copies: args.copies,
         pauses: args.pause_at.clone(),
@@ -161,17 +163,22 @@ fn no_file_is_written_twice(tasks: &[Task]) -> Result<(), Failure> {
 }
 
 fn no_input_is_overwritten(tasks: &[Task]) -> Result<(), Failure> {
-    let inputs: Vec<PathBuf> =
-        tasks.iter().flat_map(|task| &task.job.models).map(|path| identity(path)).collect();
-    for task in tasks {
-        if let Destination::File(path) = &task.destination
-            && inputs.contains(&identity(path))
-        {
-            return Err(usage(format!(
-                "{}: the output would replace a model; choose another with -o",
-                path.display()
-            )));
+    let inputs: Vec<&Path> = tasks.iter().flat_map(|task| &task.job.models).map(PathBuf::as_path).collect();
+    let outputs = tasks.iter().filter_map(|task| match &task.destination {
+        Destination::File(path) => Some(path.as_path()),
+        Destination::Stdout => None,
+    });
+    kept(&inputs, outputs)
+}
+
+/// A usage error if one of the outputs is one of the inputs.
+pub(super) fn kept<'a>(inputs: &[&Path], mut outputs: impl Iterator<Item = &'a Path>) -> Result<(), Failure> {
+    let inputs: Vec<PathBuf> = inputs.iter().map(|path| identity(path)).collect();
+    match outputs.find(|path| inputs.contains(&identity(path))) {
+        Some(path) => {
+            let path = path.display();
+            Err(usage(format!("{path}: the output would replace a model; choose another with -o")))
         }
+        None => Ok(()),
     }
-    Ok(())
 }

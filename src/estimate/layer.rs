@@ -13,7 +13,7 @@ const TRAVEL: usize = 0;
 const RETRACTION: usize = 1;
 const ROLES: usize = 2;
 /// Travel, retraction, and every role.
-const ACCOUNTS: usize = ROLES + Role::Ironing as usize + 1;
+const ACCOUNTS: usize = ROLES + Role::ALL.len();
 
 /// How long a layer takes, and where the time goes. Heating and pauses take none.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -69,12 +69,16 @@ pub fn layer_time(layer: &LayerMoves, machine: &Machine) -> LayerTime {
     for step in &layer.moves {
         walk.step(step);
     }
-    LayerTime { accounts: walk.planner.finish() }
+    let mut time = LayerTime::default();
+    for (account, seconds) in time.accounts.iter_mut().zip(walk.planner.finish()) {
+        *account = seconds;
+    }
+    time
 }
 
 /// The machine's state along the layer.
 struct Walk {
-    planner: Planner<ACCOUNTS>,
+    planner: Planner,
     at: Option<[f64; 2]>,
     z_mm: f64,
     acceleration: f64,
@@ -92,6 +96,7 @@ impl Walk {
             Move::Extrude { to, volume, speed } => {
                 self.go(to, volume.0 * self.e_per_mm3, speed.0, self.account)
             }
+            Move::Ramp { to, z_mm, volume, speed } => self.ramp(to, z_mm, volume.0 * self.e_per_mm3, speed.0),
             Move::Arc { to, center, clockwise, volume, speed } => {
                 self.arc(to, center, clockwise, volume.0 * self.e_per_mm3, speed.0);
             }
@@ -99,9 +104,8 @@ impl Walk {
                 self.push([0.0, 0.0, z_mm - self.z_mm, 0.0], speed.0, TRAVEL);
                 self.z_mm = z_mm;
             }
-            Move::Retract { length_mm, speed } | Move::Unretract { length_mm, speed } => {
-                self.push([0.0, 0.0, 0.0, length_mm], speed.0, RETRACTION);
-            }
+            Move::Retract { length_mm, speed } => self.feed(-length_mm, speed.0),
+            Move::Unretract { length_mm, speed } => self.feed(length_mm, speed.0),
             Move::Acceleration(acceleration) => self.acceleration = acceleration.0,
             Move::Fan(_) | Move::Nozzle(_) | Move::Bed(_) | Move::Pause => {}
         }
@@ -111,12 +115,25 @@ impl Walk {
         self.planner.push(&Segment { delta, speed, acceleration: self.acceleration, account });
     }
 
+    /// Moves filament alone, as fast as the extruder allows.
+    fn feed(&mut self, e_mm: f64, speed: f64) {
+        let delta = [0.0, 0.0, 0.0, e_mm];
+        self.planner.push(&Segment { delta, speed, acceleration: f64::INFINITY, account: RETRACTION });
+    }
+
     fn go(&mut self, to: [f64; 2], e_mm: f64, speed: f64, account: usize) {
         // A way from an unknown place takes no time that could be known.
         if let Some(at) = self.at {
             self.push([to[0] - at[0], to[1] - at[1], 0.0, e_mm], speed, account);
         }
         self.at = Some(to);
+    }
+
+    fn ramp(&mut self, to: [f64; 2], z_mm: f64, e_mm: f64, speed: f64) {
+        if let Some(at) = self.at {
+            self.push([to[0] - at[0], to[1] - at[1], z_mm - self.z_mm, e_mm], speed, self.account);
+        }
+        (self.at, self.z_mm) = (Some(to), z_mm);
     }
 
     fn arc(&mut self, to: [f64; 2], center: [f64; 2], clockwise: bool, e_mm: f64, speed: f64) {

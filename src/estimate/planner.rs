@@ -1,10 +1,7 @@
 //! The look-ahead planner: a sequence of straight moves, at rest before and after, and how long they take.
-//!
-//! Corner speeds follow from junction deviation: the arc that leaves the corner by a fixed distance, taken at
-//! the acceleration in force (S. K. Jeon, "Improving Grbl: Cornering Algorithm", 2011), the distance chosen so that a
-//! right angle is taken at the square corner velocity (<https://www.klipper3d.org/Kinematics.html>).
 
-use super::Machine;
+use super::corner::Way;
+use super::{Firmware, Machine};
 
 /// One straight move.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -15,23 +12,30 @@ pub struct Segment {
     pub speed: f64,
     /// Acceleration asked for, mm/s².
     pub acceleration: f64,
-    /// What its time is booked on: one of the planner's accounts.
+    /// What its time is booked on, counted from 0.
     pub account: usize,
 }
 
+/// So many moves are collected before the planner tries to settle some of them …
+const PATIENCE: usize = 256;
+/// … and so many at most before it takes the machine to stop.
+const MOST_BLOCKS: usize = 1 << 20;
+
 /// Plans moves and adds up their seconds on accounts.
 ///
-/// Only the moves since the machine last stood still are kept, so memory stays small on files of any length.
+/// Moves are forgotten as soon as nothing that follows can change their speeds, so memory stays small on files of
+/// any length. The result does not depend on when that is.
 #[derive(Clone, Debug)]
-pub struct Planner<const ACCOUNTS: usize> {
+pub struct Planner {
     machine: Machine,
-    /// Junction deviation × acceleration of a machine with this square corner velocity.
-    corner_v2: f64,
-    /// Share of the acceleration that the cruise ratio leaves.
-    keep: f64,
     blocks: Vec<Block>,
-    last: Option<Last>,
-    seconds: [f64; ACCOUNTS],
+    last: Option<Way>,
+    /// The hill of speeds that the last settled move is on (of the cruise ratio).
+    hill_v2: f64,
+    hills: Vec<f64>,
+    /// Number of moves at which to settle next.
+    patience: usize,
+    seconds: Vec<f64>,
 }
 
 /// Squares of speeds (v2), since v² grows linearly along the way.
@@ -47,112 +51,159 @@ struct Block {
     start_v2: f64,
     /// The same under the reduced acceleration of the cruise ratio.
     smooth_start_v2: f64,
+    /// Speed at which it may end in rest.
+    rest_v2: f64,
     account: usize,
 }
 
-/// The move before, as far as the next corner needs it.
-#[derive(Clone, Copy, Debug)]
-struct Last {
-    direction: [f64; 3],
-    e_per_mm: f64,
-    in_space: bool,
-}
-
-impl<const ACCOUNTS: usize> Planner<ACCOUNTS> {
-    /// A planner for a machine.
-    pub fn new(machine: &Machine) -> Self {
-        let corner_v2 =
-            machine.square_corner_velocity * machine.square_corner_velocity * (2.0_f64.sqrt() - 1.0);
-        let keep = 1.0 - machine.min_cruise_ratio.clamp(0.0, 1.0);
-        Self { machine: *machine, corner_v2, keep, blocks: Vec::new(), last: None, seconds: [0.0; ACCOUNTS] }
+impl Block {
+    /// Whether, under reduced acceleration, it is faster at its end by all that it can gain.
+    fn speeds_up_to(&self, smooth_end_v2: f64) -> bool {
+        smooth_end_v2 >= self.smooth_start_v2 + self.smooth_delta_v2 - 1e-9
     }
 
-    /// Adds a move. One that goes nowhere is nothing, one on an unknown account takes no time.
+    /// Whether it is slower at its end by all that it can lose.
+    fn brakes_to(&self, smooth_end_v2: f64) -> bool {
+        self.smooth_start_v2 >= smooth_end_v2 + self.smooth_delta_v2 - 1e-9
+    }
+}
+
+impl Planner {
+    /// A planner for a machine.
+    pub fn new(machine: &Machine) -> Self {
+        Self {
+            machine: *machine,
+            blocks: Vec::new(),
+            last: None,
+            hill_v2: f64::INFINITY,
+            hills: Vec::new(),
+            patience: PATIENCE,
+            seconds: Vec::new(),
+        }
+    }
+
+    /// The machine, whose limits may be changed for the moves to come.
+    pub fn machine(&mut self) -> &mut Machine {
+        &mut self.machine
+    }
+
+    /// Adds a move. One that goes nowhere is nothing.
     pub fn push(&mut self, segment: &Segment) {
         let [x, y, z, e] = segment.delta;
         let way_mm = (x * x + y * y + z * z).sqrt();
         let in_space = way_mm > 1e-9;
         let length_mm = if in_space { way_mm } else { e.abs() };
-        if length_mm <= 1e-9 || !(segment.speed > 0.0 && segment.acceleration > 0.0) {
+        if !(length_mm > 1e-9 && segment.speed > 0.0 && segment.acceleration > 0.0) {
             return;
         }
         let per_mm = 1.0 / length_mm;
         let unit = segment.delta.map(|d| d * per_mm);
-        let (mut speed, mut acceleration) = (segment.speed, segment.acceleration);
-        for ((unit, max_speed), max_acceleration) in
-            unit.iter().zip(self.machine.max_speed).zip(self.machine.max_acceleration)
-        {
-            let share = unit.abs();
-            if speed * share > max_speed {
-                speed = max_speed / share;
-            }
-            if acceleration * share > max_acceleration {
-                acceleration = max_acceleration / share;
-            }
-        }
-        let now = Last { direction: [unit[0], unit[1], unit[2]], e_per_mm: unit[3], in_space };
+        let machine = &self.machine;
+        let (speed, acceleration) = machine.limited(&unit, in_space, segment.speed, segment.acceleration);
+        let now = Way {
+            unit,
+            length_mm,
+            in_space,
+            speed,
+            acceleration,
+            asked_acceleration: segment.acceleration,
+            rest_speed: machine.rest_speed(&unit, speed),
+        };
+        // An axis whose limit is lower anyway is not slowed any further.
+        let smooth = (segment.acceleration * (1.0 - machine.min_cruise_ratio)).min(acceleration);
+        let rest_v2 = now.rest_speed * now.rest_speed;
         let mut block = Block {
             length_mm,
             acceleration,
             cruise_v2: speed * speed,
             delta_v2: 2.0 * length_mm * acceleration,
-            // An axis whose limit is lower anyway is not slowed any further.
-            smooth_delta_v2: 2.0 * length_mm * acceleration.min(segment.acceleration * self.keep),
-            start_v2: 0.0,
-            smooth_start_v2: 0.0,
+            smooth_delta_v2: 2.0 * length_mm * smooth,
+            start_v2: rest_v2,
+            smooth_start_v2: rest_v2,
+            rest_v2,
             account: segment.account,
         };
-        if !(in_space && self.last.is_some_and(|last| last.in_space)) {
-            self.rest();
-        } else if let (Some(last), Some(before)) = (self.last, self.blocks.last()) {
-            let corner_v2 = self.corner_v2(&last, &now, before, &block);
-            block.start_v2 = corner_v2.min(before.start_v2 + before.delta_v2);
-            block.smooth_start_v2 = block.start_v2.min(before.smooth_start_v2 + before.smooth_delta_v2);
-        }
+        let corner_v2 = self.last.map_or(0.0, |last| machine.corner_v2(&last, &now));
         self.last = Some(now);
+        match self.blocks.last() {
+            Some(before) if corner_v2 > 0.0 => {
+                block.start_v2 = corner_v2.min(before.start_v2 + before.delta_v2);
+                block.smooth_start_v2 = block.start_v2.min(before.smooth_start_v2 + before.smooth_delta_v2);
+                if self.blocks.len() >= self.patience {
+                    self.settle_some();
+                }
+            }
+            Some(_) => self.settle(self.blocks.len()),
+            None => {}
+        }
         self.blocks.push(block);
     }
 
-    /// The square of the speed at which the corner between two moves can be taken.
-    fn corner_v2(&self, last: &Last, now: &Last, before: &Block, block: &Block) -> f64 {
-        let mut v2 = before.cruise_v2.min(block.cruise_v2);
-        let e_step = (now.e_per_mm - last.e_per_mm).abs();
-        if e_step * e_step * v2
-            > self.machine.extruder_corner_velocity * self.machine.extruder_corner_velocity
-        {
-            v2 = (self.machine.extruder_corner_velocity / e_step).powi(2);
-        }
-        let (a, b) = (last.direction, now.direction);
-        let straightness = a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-        // Half the angle between the two ways seen from the corner: 90° when straight on, 0 when turning back.
-        let sine = (0.5 * (1.0 + straightness)).max(0.0).sqrt();
-        let cosine = (0.5 * (1.0 - straightness)).max(0.0).sqrt();
-        if cosine < 1e-4 {
-            return v2;
-        }
-        let deviation = sine / (1.0 - sine) * self.corner_v2;
-        // The arc must not begin before the middle of either move.
-        let tangent = 0.5 * sine / cosine;
-        let middle = |b: &Block| tangent * b.length_mm * b.acceleration;
-        v2.min(deviation).min(middle(before)).min(middle(block))
+    /// The machine stands still for some seconds, after it has come to rest.
+    pub fn dwell(&mut self, seconds: f64, account: usize) {
+        self.settle(self.blocks.len());
+        self.last = None;
+        self.book(account, seconds);
     }
 
-    /// The seconds on every account, once the machine has come to rest after the last move.
-    pub fn finish(mut self) -> [f64; ACCOUNTS] {
-        self.rest();
+    /// The seconds on every account that was used, once the machine has come to rest after the last move.
+    pub fn finish(mut self) -> Vec<f64> {
+        self.settle(self.blocks.len());
         self.seconds
     }
 
-    /// The machine stands still after the moves so far: books their seconds and forgets them.
-    fn rest(&mut self) {
-        self.look_back();
-        let peaks = self.peaks();
+    fn book(&mut self, account: usize, seconds: f64) {
+        if account >= self.seconds.len() {
+            self.seconds.resize(account + 1, 0.0);
+        }
+        self.seconds[account] += seconds;
+    }
+
+    /// Settles the moves whose speeds are certain already: all before one whose start speed is what the moves
+    /// before it allow, and stays so even if the machine were to stop after the last move.
+    fn settle_some(&mut self) {
+        let (mut end_v2, mut smooth_end_v2) =
+            self.blocks.last().map_or((0.0, 0.0), |b| (b.rest_v2, b.rest_v2));
+        let mut certain = 0;
+        for (i, block) in self.blocks.iter().enumerate().skip(1).rev() {
+            let (reach_v2, smooth_reach_v2) =
+                (end_v2 + block.delta_v2, smooth_end_v2 + block.smooth_delta_v2);
+            if block.start_v2 <= reach_v2
+                && block.smooth_start_v2 <= smooth_reach_v2
+                && !self.blocks[i - 1].speeds_up_to(block.smooth_start_v2)
+            {
+                certain = i;
+                break;
+            }
+            (end_v2, smooth_end_v2) =
+                (block.start_v2.min(reach_v2), block.smooth_start_v2.min(smooth_reach_v2));
+        }
+        if certain == 0 && self.blocks.len() >= MOST_BLOCKS {
+            certain = self.blocks.len();
+        }
+        self.settle(certain);
+        self.patience = PATIENCE.max(2 * self.blocks.len());
+    }
+
+    /// Books the seconds of the first moves and forgets them. If they are all, the machine comes to rest.
+    fn settle(&mut self, count: usize) {
+        let Some(last) = count.checked_sub(1) else { return };
+        let rest_v2 = self.blocks[last].rest_v2;
+        let (end_v2, smooth_end_v2) =
+            self.blocks.get(count).map_or((rest_v2, rest_v2), |next| (next.start_v2, next.smooth_start_v2));
+        self.look_back(count, end_v2, smooth_end_v2);
+        if self.machine.min_cruise_ratio > 0.0 && self.machine.firmware == Firmware::Klipper {
+            self.climb(count, smooth_end_v2);
+        } else {
+            self.hills.clear();
+            self.hills.resize(count, f64::INFINITY);
+        }
         let (mut before_v2, mut before) = (0.0, 0.0);
-        for (i, block) in self.blocks.iter().enumerate() {
-            let end_v2 = self.blocks.get(i + 1).map_or(0.0, |next| next.start_v2);
+        for i in 0..count {
+            let block = self.blocks[i];
+            let end_v2 = if i == last { end_v2 } else { self.blocks[i + 1].start_v2 };
             let reached_v2 = 0.5 * (block.start_v2 + end_v2 + block.delta_v2);
-            let limit_v2 = peaks.as_ref().map_or(block.cruise_v2, |peaks| block.cruise_v2.min(peaks[i]));
-            let cruise_v2 = reached_v2.min(limit_v2);
+            let cruise_v2 = reached_v2.min(block.cruise_v2).min(self.hills[i]);
             let cruise = cruise_v2.sqrt();
             let (start_v2, end_v2) = (block.start_v2.min(cruise_v2), end_v2.min(cruise_v2));
             let start = if start_v2 == before_v2 { before } else { start_v2.sqrt() };
@@ -162,45 +213,39 @@ impl<const ACCOUNTS: usize> Planner<ACCOUNTS> {
             let ramps = (2.0 * cruise_v2 - start_v2 - end_v2) / block.delta_v2;
             let seconds = (2.0 * cruise - start - end) / block.acceleration
                 + block.length_mm * (1.0 - ramps).max(0.0) / cruise;
-            if let Some(account) = self.seconds.get_mut(block.account) {
-                *account += seconds;
-            }
+            self.book(block.account, seconds);
         }
-        self.blocks.clear();
+        self.hill_v2 = if count == self.blocks.len() { f64::INFINITY } else { self.hills[last] };
+        self.blocks.drain(..count);
     }
 
-    /// Lowers start speeds until every move can brake to the next one's, and the last to rest.
-    fn look_back(&mut self) {
-        let (mut end_v2, mut smooth_end_v2) = (0.0_f64, 0.0_f64);
-        for block in self.blocks.iter_mut().rev() {
+    /// Lowers start speeds until every one of the first moves can brake to the next one's.
+    fn look_back(&mut self, count: usize, mut end_v2: f64, mut smooth_end_v2: f64) {
+        for block in self.blocks[..count].iter_mut().rev() {
             block.start_v2 = block.start_v2.min(end_v2 + block.delta_v2);
             block.smooth_start_v2 = block.smooth_start_v2.min(smooth_end_v2 + block.smooth_delta_v2);
             (end_v2, smooth_end_v2) = (block.start_v2, block.smooth_start_v2);
         }
     }
 
-    /// The cruise ratio's limit for each move: the top of the hill of speeds, under reduced acceleration, that
-    /// the move is on the slope of.
-    fn peaks(&self) -> Option<Vec<f64>> {
-        if self.machine.min_cruise_ratio <= 0.0 {
-            return None;
+    /// The cruise ratio's limit for each of the first moves: the top of the hill of speeds, under reduced
+    /// acceleration, that the move is on the slope of.
+    fn climb(&mut self, count: usize, smooth_end_v2: f64) {
+        let ends = |blocks: &[Block], i: usize| {
+            if i + 1 == count { smooth_end_v2 } else { blocks[i + 1].smooth_start_v2 }
+        };
+        self.hills.clear();
+        for (i, block) in self.blocks[..count].iter().enumerate() {
+            let end_v2 = ends(&self.blocks, i);
+            let own = 0.5 * (block.smooth_start_v2 + end_v2 + block.smooth_delta_v2);
+            let before = self.hills.last().copied().unwrap_or(self.hill_v2);
+            self.hills.push(if block.brakes_to(end_v2) && before.is_finite() { before } else { own });
         }
-        let smooth_end = |i: usize| self.blocks.get(i + 1).map_or(0.0, |next| next.smooth_start_v2);
-        let mut peaks: Vec<f64> = Vec::with_capacity(self.blocks.len());
-        for (i, block) in self.blocks.iter().enumerate() {
-            let delta_v2 = block.smooth_delta_v2;
-            let own = 0.5 * (block.smooth_start_v2 + smooth_end(i) + delta_v2);
-            let braking = block.smooth_start_v2 >= smooth_end(i) + delta_v2 - 1e-9;
-            peaks.push(if braking && i > 0 { peaks[i - 1] } else { own });
-        }
-        for i in (0..peaks.len().saturating_sub(1)).rev() {
-            let block = &self.blocks[i];
-            let speeding_up = smooth_end(i) >= block.smooth_start_v2 + block.smooth_delta_v2 - 1e-9;
-            if speeding_up {
-                peaks[i] = peaks[i + 1];
+        for i in (0..count.saturating_sub(1)).rev() {
+            if self.blocks[i].speeds_up_to(ends(&self.blocks, i)) {
+                self.hills[i] = self.hills[i + 1];
             }
         }
-        Some(peaks)
     }
 }
 
@@ -221,7 +266,7 @@ mod tests {
     use proptest::prelude::*;
 
     fn seconds(machine: &Machine, ways: &[[f64; 4]], speed: f64) -> f64 {
-        let mut planner = Planner::<1>::new(machine);
+        let mut planner = Planner::new(machine);
         for &delta in ways {
             planner.push(&Segment { delta, speed, acceleration: 1000.0, account: 0 });
         }

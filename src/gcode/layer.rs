@@ -100,6 +100,7 @@ impl<'a> Writer<'a> {
             Move::Travel { to, speed } => self.travel(to, 0, speed),
             Move::Lift { z_mm, speed } => self.lift(z_mm, speed),
             Move::Extrude { to, volume, speed } => self.draw(to, None, volume, speed),
+            Move::Ramp { to, z_mm, volume, speed } => self.ramp(to, z_mm, volume, speed),
             Move::Arc { to, center, clockwise, volume, speed } => {
                 self.draw(to, Some((center, clockwise)), volume, speed);
             }
@@ -164,6 +165,24 @@ impl<'a> Writer<'a> {
         } else {
             self.out.extend_from_slice(b"G1");
             self.xy(to);
+        }
+        let fed = self.extruder.pay();
+        self.e(fed);
+        self.feed(speed);
+        self.end_line();
+    }
+
+    /// Extrudes on a line that ends at another height.
+    fn ramp(&mut self, to: [f64; 2], z_mm: f64, volume: Mm3, speed: MmPerS) {
+        self.extruder.owe(volume.0);
+        let Some(to) = self.onward(to) else { return self.lift(z_mm, speed) };
+        self.accelerate(Purpose::Print);
+        self.out.extend_from_slice(b"G1");
+        self.xy(to);
+        let z = ticks(z_mm, XYZ_DECIMALS);
+        if z != self.z {
+            self.z = z;
+            push_word(&mut self.out, b'Z', z, XYZ_DECIMALS);
         }
         let fed = self.extruder.pay();
         self.e(fed);

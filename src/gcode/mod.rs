@@ -18,8 +18,9 @@ mod wrap;
 pub use effect::Effect;
 pub use layer::{LayerText, format_layer};
 pub use read::{
-    Action, Center, Code, Line, Lines, Measure, Replay, Step, Stroke, TypeMeasure, Words, file_time, lines,
-    measure, replay,
+    Action, Annotated, Center, Clock, Code, Context, Line, Lines, Mark, Measure, Meter, Reader, Replay,
+    State, Step, Stroke, Timetable, TypeMeasure, Words, annotate, file_time, lines, mark, measure, replay,
+    role,
 };
 pub use script::Scripts;
 pub use settings::{PrintFacts, WriterSettings};

@@ -105,6 +105,27 @@ impl EdgeGrid {
         found.dedup();
     }
 
+    /// Indices, ascending and without repetition, of edges that share a cell with the box: all that come into it,
+    /// and some more. They replace the contents of `found`.
+    pub fn near_box(&self, bounds: Bounds, found: &mut Vec<u32>) {
+        found.clear();
+        let cell = |at: i32, origin: i32, cells: i64, slack: i64| {
+            (i64::from(at) - i64::from(origin) + slack).div_euclid(self.cell).clamp(0, cells - 1)
+        };
+        let (min, origin) = (bounds.min, self.bounds.min);
+        let columns =
+            cell(min.x, origin.x, self.columns, -SLACK)..=cell(bounds.max.x, origin.x, self.columns, SLACK);
+        for row in cell(min.y, origin.y, self.rows, -SLACK)..=cell(bounds.max.y, origin.y, self.rows, SLACK) {
+            for column in columns.clone() {
+                let cell = (row * self.columns + column) as usize;
+                let range = self.starts[cell] as usize..self.starts[cell + 1] as usize;
+                found.extend_from_slice(&self.items[range]);
+            }
+        }
+        found.sort_unstable();
+        found.dedup();
+    }
+
     /// Whether the point is inside or on the boundary (even-odd over all rings). Passes one row of cells.
     pub fn contains(&self, p: Point) -> bool {
         let mut near = Vec::new();

@@ -120,8 +120,11 @@ impl fmt::Display for MeshReport {
         writeln!(f, "position    x {x0:.3} … {x1:.3}, y {y0:.3} … {y1:.3}, z {z0:.3} … {z1:.3} mm")?;
         writeln!(
             f,
-            "mesh        {} triangles, {} vertices, {} shells",
-            self.triangles, self.vertices, self.shells
+            "mesh        {} triangles, {} vertices, {} {}",
+            self.triangles,
+            self.vertices,
+            self.shells,
+            if self.shells == 1 { "shell" } else { "shells" }
         )?;
         writeln!(f, "volume      {:.3} cm³", self.volume_mm3 / 1000.0)?;
         writeln!(f, "surface     {:.3} cm²", self.area_mm2 / 100.0)?;

@@ -1,6 +1,6 @@
 //! Finds the stretches of a polyline that follow a circle, to be written as one G2 or G3 each.
 
-use super::bead::distance;
+use super::bead::{distance, to_segment_mm};
 use super::simplify::MERGE_TOLERANCE_MM;
 
 /// An arc replaces at least this many segments: fewer are no shorter as arcs.
@@ -116,7 +116,7 @@ fn fit(points: &[[f64; 2]], tolerance_mm: f64) -> Fit {
         }
         swept += turn.abs();
         let off_mm = (distance(pair[1], center) - radius_mm).abs();
-        let sag_mm = (radius_mm - nearest_mm(pair[0], pair[1], center)).abs();
+        let sag_mm = (radius_mm - to_segment_mm(center, pair[0], pair[1])).abs();
         if off_mm > tolerance_mm || sag_mm > tolerance_mm {
             return Fit::Bad;
         }
@@ -132,14 +132,6 @@ fn fit(points: &[[f64; 2]], tolerance_mm: f64) -> Fit {
 fn turn(a: [f64; 2], b: [f64; 2], center: [f64; 2]) -> f64 {
     let (u, v) = ([a[0] - center[0], a[1] - center[1]], [b[0] - center[0], b[1] - center[1]]);
     (u[0] * v[1] - u[1] * v[0]).atan2(u[0] * v[0] + u[1] * v[1])
-}
-
-/// Distance of a segment from a point.
-fn nearest_mm(a: [f64; 2], b: [f64; 2], p: [f64; 2]) -> f64 {
-    let d = [b[0] - a[0], b[1] - a[1]];
-    let along = (p[0] - a[0]) * d[0] + (p[1] - a[1]) * d[1];
-    let t = (along / (d[0] * d[0] + d[1] * d[1]).max(f64::MIN_POSITIVE)).clamp(0.0, 1.0);
-    distance(p, [a[0] + t * d[0], a[1] + t * d[1]])
 }
 
 #[cfg(test)]

@@ -14,6 +14,19 @@ pub(super) struct Vertex {
     pub area_mm2: f64,
 }
 
+impl Vertex {
+    /// The vertex at a share of the way to another; that one from 1 on.
+    pub(super) fn towards(self, to: Self, share: f64) -> Self {
+        if share >= 1.0 {
+            return to;
+        }
+        Self {
+            at: [0, 1].map(|i| self.at[i] + share * (to.at[i] - self.at[i])),
+            area_mm2: self.area_mm2 + share * (to.area_mm2 - self.area_mm2),
+        }
+    }
+}
+
 /// Distance of two points.
 #[inline]
 pub(super) fn distance(a: [f64; 2], b: [f64; 2]) -> f64 {
@@ -21,14 +34,22 @@ pub(super) fn distance(a: [f64; 2], b: [f64; 2]) -> f64 {
     (dx * dx + dy * dy).sqrt()
 }
 
+/// Distance of a point from the segment between two others.
+pub(super) fn to_segment_mm(p: [f64; 2], a: [f64; 2], b: [f64; 2]) -> f64 {
+    let d = [b[0] - a[0], b[1] - a[1]];
+    let along = (p[0] - a[0]) * d[0] + (p[1] - a[1]) * d[1];
+    let t = (along / (d[0] * d[0] + d[1] * d[1]).max(f64::MIN_POSITIVE)).clamp(0.0, 1.0);
+    distance(p, [a[0] + t * d[0], a[1] + t * d[1]])
+}
+
 /// Writes the path's vertices, in the order in which they are drawn, over what `out` held. A closed path
 /// begins and ends with the same vertex. `entry` as in [`Visit`](crate::order::Visit).
-pub(super) fn trace(path: &Path, entry: u32, nozzle_mm: f64, flow: f64, out: &mut Vec<Vertex>) {
+pub(super) fn trace(path: &Path, entry: u32, flow: f64, out: &mut Vec<Vertex>) {
     out.clear();
     let area = |width_mm: f64| {
         flow * match path.role {
-            // A bridge is not pressed onto anything: it stays the round thread that leaves the nozzle.
-            Role::BridgeInfill => PI / 4.0 * nozzle_mm * nozzle_mm,
+            // A bridge is not pressed onto anything: it stays a round thread.
+            Role::BridgeInfill => PI / 4.0 * width_mm * width_mm,
             _ => area_mm2(width_mm, path.height_mm),
         }
     };
@@ -95,7 +116,7 @@ mod tests {
             rank: 0,
         };
         let mut out = Vec::new();
-        trace(&path, 2, 0.4, 1.0, &mut out);
+        trace(&path, 2, 1.0, &mut out);
         assert_eq!(
             out.iter().map(|v| v.at).collect::<Vec<_>>(),
             [[4.0, 3.0], [0.0, 0.0], [4.0, 0.0], [4.0, 3.0]]

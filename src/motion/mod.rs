@@ -5,9 +5,12 @@
 
 mod arc;
 mod bead;
+mod ends;
 mod moves;
+mod overhang;
 mod pause;
 mod plan;
+mod route;
 mod rules;
 mod settings;
 mod simplify;

@@ -15,6 +15,8 @@ pub enum Move {
     Lift { z_mm: f64, speed: MmPerS },
     /// Extrude on the straight way to a point.
     Extrude { to: [f64; 2], volume: Mm3, speed: MmPerS },
+    /// Extrude on the straight way to a point while changing height.
+    Ramp { to: [f64; 2], z_mm: f64, volume: Mm3, speed: MmPerS },
     /// Extrude along an arc around a centre.
     Arc { to: [f64; 2], center: [f64; 2], clockwise: bool, volume: Mm3, speed: MmPerS },
     /// Pull filament back (`length_mm` > 0) in place; with firmware retraction a plain G10.
@@ -36,12 +38,14 @@ pub enum Move {
 }
 
 /// Where the nozzle is when a layer begins, in bed coordinates (millimetres, Z offset included).
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 #[allow(missing_docs)]
 pub struct Entry {
     /// `None`: wherever the start script left it.
     pub xy: Option<[f64; 2]>,
     pub z_mm: f64,
+    /// The way on which to wipe before leaving, from `xy` on; empty where nothing is wiped.
+    pub wipe: Vec<[f64; 2]>,
 }
 
 /// The moves of one layer. It starts and ends un-retracted.

@@ -2,19 +2,23 @@
 
 use super::arc;
 use super::bead::{Vertex, mean_width_mm, trace};
+use super::ends::{self, Scarf, Step};
+use super::overhang::{Grade, Support};
+use super::route::Router;
 use super::rules::Rules;
 use super::simplify::{Piece, straighten};
-use super::{Entry, LayerMoves, MotionSettings, Move};
+use super::{Entry, LayerMoves, MotionSettings, Move, travel};
 use crate::order::Visit;
 use crate::toolpath::{LayerPaths, Path, Role};
-use crate::units::{Mm3, MmPerS2};
+use crate::units::{Mm3, MmPerS2, Ratio};
 
 /// Plans a layer. `sequence` says in which order and direction its paths are drawn: `entry` is 0 or 1
 /// (forwards, backwards) of open paths, of closed ones the index of the vertex where they are entered and
 /// left. `from` is where the layer below [ended](exit).
 ///
-/// The volume of the moves is that of the paths, up to floating-point rounding; first and last vertex of a
-/// bead are exactly the path's. Visits of paths that are not there are skipped.
+/// The volume of the moves is that of the paths but for what the seam's gap leaves out, up to floating-point
+/// rounding; first and last vertex of an open bead are exactly the path's. Visits of paths that are not there are
+/// skipped.
 pub fn plan_layer(
     layer: &LayerPaths,
     sequence: &[Visit],
@@ -26,15 +30,22 @@ pub fn plan_layer(
     let vertices: usize = layer.paths.iter().map(|p| p.points.len()).sum();
     let mut moves = Vec::with_capacity(vertices + 6 * sequence.len() + 8);
     moves.extend(rules.opening());
+    let detour_mm = if settings.travel.avoid_crossing { settings.travel.max_detour.0 } else { 0.0 };
+    // Where the layers are alike, as in a prism, nothing hangs over.
+    let beneath = layer.beneath.as_ref().filter(|beneath| **beneath != layer.outline);
     let mut nozzle = Nozzle {
         settings,
+        router: Router::new(&layer.outline, settings.wall_width.0, detour_mm),
+        support: beneath.map(Support::new),
+        island: None,
+        fan: rules.fan(None),
         rules,
         moves,
         at: from.xy,
         z_mm: from.z_mm,
         layer_z_mm,
         positioned: false,
-        trail: Vec::new(),
+        wipe: from.wipe.clone(),
         acceleration: None,
         bead: None,
         pieces: Vec::new(),
@@ -43,45 +54,85 @@ pub fn plan_layer(
     let mut vertices = Vec::new();
     for visit in sequence {
         let Some(path) = layer.paths.get(visit.item as usize) else { continue };
-        let flow = nozzle.rules.flow();
-        trace(path, visit.entry, settings.flow.nozzle_diameter.0, flow, &mut vertices);
+        trace(path, visit.entry, nozzle.rules.flow(), &mut vertices);
         let Some(start) = vertices.first() else { continue };
-        nozzle.travel(start.at, std::mem::take(&mut pause));
-        nozzle.draw(path, &vertices);
+        nozzle.travel(start.at, path.island, std::mem::take(&mut pause));
+        nozzle.draw(path, &mut vertices);
     }
+    nozzle.blow(None);
     LayerMoves { index: layer.index, z_mm: layer_z_mm, height_mm: layer.height_mm, from, moves: nozzle.moves }
 }
 
 /// Where the nozzle is after a layer: what the next one is planned [from](Entry). A layer without paths leaves
 /// it where it was.
 pub fn exit(layer: &LayerPaths, sequence: &[Visit], from: Entry, settings: &MotionSettings) -> Entry {
-    let end = sequence.iter().rev().find_map(|visit| {
+    let mut vertices = Vec::new();
+    let last = sequence.iter().rev().find_map(|visit| {
         let path = layer.paths.get(visit.item as usize)?;
-        let at = match (path.closed, visit.entry) {
-            (true, entry) => entry as usize % path.points.len().max(1),
-            (false, 0) => path.points.len().saturating_sub(1),
-            (false, _) => 0,
-        };
-        path.points.get(at)
+        trace(path, visit.entry, 1.0, &mut vertices);
+        (!vertices.is_empty()).then_some(path)
     });
-    match end {
-        Some(end) => Entry { xy: Some(end.mm()), z_mm: layer.top_mm + settings.z_offset.0 },
-        None => from,
+    let Some(path) = last else { return from };
+    let scarf = finish(path, &mut vertices, layer.index, settings);
+    let (end, wipe) = end(path, &vertices, scarf.as_ref(), settings);
+    Entry { xy: end, z_mm: layer.top_mm + settings.z_offset.0, wipe }
+}
+
+/// Where a bead ends, and where to wipe from there: of a loop on along it, over its beginning, away from the seam; else
+/// back the way it came.
+fn end(
+    path: &Path,
+    vertices: &[Vertex],
+    scarf: Option<&Scarf>,
+    settings: &MotionSettings,
+) -> (Option<[f64; 2]>, Vec<[f64; 2]>) {
+    let wipe_mm = settings.retract.wipe.0;
+    let last = vertices.last().map(|v| v.at);
+    if let Some(Scarf { fade, .. }) = scarf {
+        let end = fade.last().map(|step| step.to);
+        return (end, travel::wipe_way(fade.iter().rev().map(|step| step.to), wipe_mm));
     }
+    let back = vertices.iter().map(|v| v.at);
+    let way = match path.closed {
+        _ if wipe_mm <= 0.0 => Vec::new(),
+        true => travel::wipe_way(last.into_iter().chain(back), wipe_mm),
+        false => travel::wipe_way(back.rev(), wipe_mm),
+    };
+    (last, way)
+}
+
+/// Makes the end of a loop: a scarf, or else a gap, which is cut off its vertices.
+fn finish(path: &Path, vertices: &mut Vec<Vertex>, layer: usize, settings: &MotionSettings) -> Option<Scarf> {
+    let wall = matches!(path.role, Role::Perimeter | Role::ExternalPerimeter | Role::OverhangPerimeter);
+    if !path.closed || !wall {
+        return None;
+    }
+    let scarfed = path.role == Role::ExternalPerimeter && layer > 0;
+    let scarf = scarfed.then(|| Scarf::new(vertices, settings.seam.scarf.0)).flatten();
+    if scarf.is_none() {
+        ends::clip(vertices, settings.seam.gap.0);
+    }
+    scarf
 }
 
 /// The state of the machine while a layer is planned.
 pub(super) struct Nozzle<'a> {
     pub(super) settings: &'a MotionSettings,
+    pub(super) router: Router<'a>,
+    /// What walls may hang over; `None`: none does.
+    support: Option<Support>,
+    /// Island of the path drawn last, if one was.
+    pub(super) island: Option<u32>,
     rules: Rules<'a>,
+    fan: Ratio,
     pub(super) moves: Vec<Move>,
     pub(super) at: Option<[f64; 2]>,
     pub(super) z_mm: f64,
     pub(super) layer_z_mm: f64,
     /// Whether this layer's moves have said where the nozzle is.
     pub(super) positioned: bool,
-    /// The bead drawn last, for wiping.
-    pub(super) trail: Vec<[f64; 2]>,
+    /// Where to wipe after the bead drawn last.
+    pub(super) wipe: Vec<[f64; 2]>,
     acceleration: Option<MmPerS2>,
     bead: Option<(Role, f64, f64)>,
     pieces: Vec<Piece>,
@@ -99,30 +150,71 @@ impl Nozzle<'_> {
         }
     }
 
+    /// Sets the fan to what a grade of overhang, or a bridge, asks for; `None`: to the layer's own.
+    fn blow(&mut self, role: Option<Role>) {
+        let fan = self.rules.fan(role);
+        if fan != self.fan {
+            self.moves.push(Move::Fan(fan));
+            self.fan = fan;
+        }
+    }
+
     /// Draws a bead from where the nozzle is, its first vertex.
-    fn draw(&mut self, path: &Path, vertices: &[Vertex]) {
-        let bead = (path.role, mean_width_mm(&path.width), path.height_mm);
+    fn draw(&mut self, path: &Path, vertices: &mut Vec<Vertex>) {
+        let scarf = finish(path, vertices, self.rules.index(), self.settings);
+        if let Some(scarf) = &scarf {
+            self.begin(path, path.role);
+            self.lift(self.layer_z_mm - Scarf::FIRST_BELOW * path.height_mm);
+            self.draw_steps(path, &scarf.rise);
+            self.draw_graded(path, &scarf.body);
+            self.begin(path, path.role);
+            self.draw_steps(path, &scarf.fade);
+        } else {
+            self.draw_graded(path, vertices);
+        }
+        (self.at, self.wipe) = end(path, vertices, scarf.as_ref(), self.settings);
+    }
+
+    /// Says what is drawn next.
+    fn begin(&mut self, path: &Path, role: Role) {
+        let bead = (role, mean_width_mm(&path.width), path.height_mm);
         if self.bead != Some(bead) {
             let (role, width_mm, height_mm) = bead;
             self.moves.push(Move::Bead { role, width_mm, height_mm });
             self.bead = Some(bead);
         }
+        self.blow(Some(role));
         self.accelerate(Some(path.role));
-        if self.settings.retract.wipe.0 > 0.0 {
-            self.trail.clear();
-            self.trail.extend(vertices.iter().map(|v| v.at));
-        }
-        match self.settings.arcs {
-            Some(tolerance) if vertices.windows(2).all(|v| v[0].area_mm2 == v[1].area_mm2) => {
-                self.draw_with_arcs(path.role, vertices, tolerance.0);
-            }
-            _ => self.draw_straight(path.role, vertices),
-        }
-        self.at = vertices.last().map(|v| v.at);
     }
 
-    fn draw_straight(&mut self, role: Role, vertices: &[Vertex]) {
-        let speed = self.rules.speed(role);
+    /// Draws vertices, walls graded by how far they hang.
+    fn draw_graded(&mut self, path: &Path, vertices: &[Vertex]) {
+        let wall = matches!(path.role, Role::Perimeter | Role::ExternalPerimeter | Role::OverhangPerimeter);
+        let stretches = match &self.support {
+            Some(support) if wall => support.stretches(vertices, mean_width_mm(&path.width)),
+            _ => Vec::new(),
+        };
+        if stretches.is_empty() {
+            self.begin(path, path.role);
+            self.draw_stretch(path.role, Grade::Held, vertices);
+        }
+        for (grade, vertices) in stretches {
+            self.begin(path, if grade > Grade::Quarter { Role::OverhangPerimeter } else { path.role });
+            self.draw_stretch(path.role, grade, &vertices);
+        }
+    }
+
+    fn draw_stretch(&mut self, role: Role, grade: Grade, vertices: &[Vertex]) {
+        match self.settings.arcs {
+            Some(tolerance) if vertices.windows(2).all(|v| v[0].area_mm2 == v[1].area_mm2) => {
+                self.draw_with_arcs(role, grade, vertices, tolerance.0);
+            }
+            _ => self.draw_straight(role, grade, vertices),
+        }
+    }
+
+    fn draw_straight(&mut self, role: Role, grade: Grade, vertices: &[Vertex]) {
+        let speed = self.rules.speed(role, grade);
         self.pieces.clear();
         straighten(vertices, &mut self.pieces);
         self.moves.extend(self.pieces.iter().map(|piece| Move::Extrude {
@@ -132,14 +224,25 @@ impl Nozzle<'_> {
         }));
     }
 
-    fn draw_with_arcs(&mut self, role: Role, vertices: &[Vertex], tolerance_mm: f64) {
+    fn draw_steps(&mut self, path: &Path, steps: &[Step]) {
+        let speed = self.rules.speed(path.role, Grade::Held);
+        let z_mm = |step: &Step| self.layer_z_mm - step.below * path.height_mm;
+        self.moves.extend(steps.iter().map(|step| Move::Ramp {
+            to: step.to,
+            z_mm: z_mm(step),
+            volume: Mm3(step.volume_mm3),
+            speed: self.rules.melted(speed, step.area_mm2),
+        }));
+    }
+
+    fn draw_with_arcs(&mut self, role: Role, grade: Grade, vertices: &[Vertex], tolerance_mm: f64) {
         let points: Vec<[f64; 2]> = vertices.iter().map(|v| v.at).collect();
         let mut start = 0;
         for part in arc::parts(&points, tolerance_mm) {
             let stretch = &vertices[start..=part.end];
             start = part.end;
             let Some(circle) = part.arc else {
-                self.draw_straight(role, stretch);
+                self.draw_straight(role, grade, stretch);
                 continue;
             };
             let area_mm2 = stretch[0].area_mm2;
@@ -149,7 +252,7 @@ impl Nozzle<'_> {
                 center: circle.center,
                 clockwise: circle.clockwise,
                 volume: Mm3(area_mm2 * length_mm),
-                speed: self.rules.melted(self.rules.speed(role), area_mm2),
+                speed: self.rules.melted(self.rules.speed(role, grade), area_mm2),
             });
         }
     }

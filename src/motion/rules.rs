@@ -1,5 +1,6 @@
 //! What holds for one layer: every value here is a function of the layer's index (and a path's role) alone.
 
+use super::overhang::Grade;
 use super::{MotionSettings, Move};
 use crate::toolpath::Role;
 use crate::units::{Celsius, MmPerS, MmPerS2, Ratio};
@@ -15,6 +16,11 @@ impl<'a> Rules<'a> {
         Self { settings, index }
     }
 
+    /// The layer's index.
+    pub(super) fn index(&self) -> usize {
+        self.index
+    }
+
     fn is_first(&self) -> bool {
         self.index == 0
     }
@@ -25,8 +31,9 @@ impl<'a> Rules<'a> {
         self.settings.flow.multiplier * first
     }
 
-    /// Speed of a role before the flow limit. On the first layer never above that layer's own.
-    pub(super) fn speed(&self, role: Role) -> MmPerS {
+    /// Speed of a role before the flow limit, of walls by how far they hang over. On the first layer never above that
+    /// layer's own.
+    pub(super) fn speed(&self, role: Role, grade: Grade) -> MmPerS {
         let speeds = &self.settings.speed;
         let speed = match role {
             Role::Skirt | Role::Brim => speeds.skirt,
@@ -39,6 +46,15 @@ impl<'a> Rules<'a> {
             Role::InternalInfill => speeds.infill,
             Role::TopSolidInfill | Role::Ironing => speeds.top,
         };
+        let [quarter, half, three_quarters] = speeds.overhang;
+        let hanging = match grade {
+            Grade::Held => speed,
+            Grade::Quarter => quarter,
+            Grade::Half => half,
+            Grade::ThreeQuarters => three_quarters,
+            Grade::Air => speeds.bridge,
+        };
+        let speed = if hanging < speed { hanging } else { speed };
         let cap = self.settings.first_layer.speed;
         if self.is_first() && cap.0 > 0.0 && cap < speed { cap } else { speed }
     }
@@ -77,16 +93,29 @@ impl<'a> Rules<'a> {
             1 => (temperature.nozzle, temperature.bed),
             _ => (Celsius(0.0), Celsius(0.0)),
         };
-        let fan = self.fan(self.index);
-        let fan = (self.is_first() || fan != self.fan(self.index - 1)).then_some(Move::Fan(fan));
+        let fan = self.layer_fan(self.index);
+        let fan = (self.is_first() || fan != self.layer_fan(self.index - 1)).then_some(Move::Fan(fan));
         let heats = |t: Celsius| t.0 > 0.0;
         [heats(nozzle).then_some(Move::Nozzle(nozzle)), heats(bed).then_some(Move::Bed(bed)), fan]
             .into_iter()
             .flatten()
     }
 
+    /// Fan for a role, or what the layer has without one. Bridges and overhanging walls have at least their own, but
+    /// none on layers without fan.
+    pub(super) fn fan(&self, role: Option<Role>) -> Ratio {
+        let cooling = &self.settings.cooling;
+        let least = match role {
+            Some(Role::BridgeInfill) => cooling.bridge_fan,
+            Some(Role::OverhangPerimeter) => cooling.overhang_fan,
+            _ => Ratio(0.0),
+        };
+        let own = self.layer_fan(self.index);
+        if self.index >= cooling.fan_off_layers as usize && own < least { least } else { own }
+    }
+
     /// Fan of a layer: off at first, then rising in equal steps until `full_fan_layer` has all of it.
-    fn fan(&self, index: usize) -> Ratio {
+    fn layer_fan(&self, index: usize) -> Ratio {
         let cooling = &self.settings.cooling;
         let (off, full) = (cooling.fan_off_layers as usize, cooling.full_fan_layer as usize);
         if index < off {
@@ -110,7 +139,7 @@ mod tests {
         all.cooling.fan = Ratio(0.8);
         (all.cooling.fan_off_layers, all.cooling.full_fan_layer) = (2, 5);
         let settings = MotionSettings::new(&all, &[]);
-        let fan: Vec<f64> = (0..7).map(|i| (Rules::new(&settings, i).fan(i).0 * 100.0).round()).collect();
+        let fan: Vec<f64> = (0..7).map(|i| (Rules::new(&settings, i).fan(None).0 * 100.0).round()).collect();
         assert_eq!(fan, [0.0, 0.0, 20.0, 40.0, 60.0, 80.0, 80.0]);
     }
 

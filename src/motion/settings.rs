@@ -2,16 +2,14 @@
 
 use super::PauseAt;
 use crate::profile::{
-    AccelerationSettings, CoolingSettings, FirstLayerSettings, RetractSettings, Settings, SpeedSettings,
-    TemperatureSettings,
+    AccelerationSettings, CoolingSettings, FirstLayerSettings, RetractSettings, SeamSettings, Settings,
+    SpeedSettings, TemperatureSettings, TravelSettings,
 };
 use crate::units::{Mm, Mm3PerS, MmPerS2};
 
 /// How much is extruded.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FlowSettings {
-    /// Nozzle bore: what bridges are as thick as.
-    pub nozzle_diameter: Mm,
     /// Multiplier of everything.
     pub multiplier: f64,
     /// Largest flow the hot end melts; 0: not limited.
@@ -28,7 +26,11 @@ pub struct MotionSettings {
     pub acceleration: AccelerationSettings,
     /// What the firmware uses where `acceleration` says 0.
     pub firmware_acceleration: MmPerS2,
+    pub seam: SeamSettings,
     pub retract: RetractSettings,
+    pub travel: TravelSettings,
+    /// Width of the outermost wall.
+    pub wall_width: Mm,
     pub cooling: CoolingSettings,
     pub temperature: TemperatureSettings,
     /// Added to every height.
@@ -43,16 +45,15 @@ impl MotionSettings {
     /// What motion needs of all settings, and where to pause.
     pub fn new(settings: &Settings, pauses: &[PauseAt]) -> Self {
         Self {
-            flow: FlowSettings {
-                nozzle_diameter: settings.printer.nozzle_diameter,
-                multiplier: settings.filament.flow,
-                max_flow: settings.filament.max_flow,
-            },
+            flow: FlowSettings { multiplier: settings.filament.flow, max_flow: settings.filament.max_flow },
             first_layer: settings.first_layer.clone(),
             speed: settings.speed.clone(),
             acceleration: settings.acceleration.clone(),
             firmware_acceleration: settings.machine.max_acceleration[0],
+            seam: settings.seam.clone(),
             retract: settings.retract.clone(),
+            travel: settings.travel.clone(),
+            wall_width: settings.walls.external_width,
             cooling: settings.cooling.clone(),
             temperature: settings.temperature.clone(),
             z_offset: settings.layer.z_offset,

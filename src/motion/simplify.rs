@@ -122,6 +122,7 @@ fn split(a: Vertex, b: Vertex, volume_mm3: f64, out: &mut Vec<Piece>) {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::motion::bead::to_segment_mm;
     use proptest::prelude::*;
 
     fn vertices(points: &[[f64; 2]]) -> Vec<Vertex> {
@@ -167,17 +168,9 @@ mod tests {
             prop_assert!((out.iter().map(|p| p.volume_mm3).sum::<f64>() - 0.08 * length).abs() < 1e-9);
             let kept: Vec<[f64; 2]> = std::iter::once(points[0]).chain(out.iter().map(|p| p.to)).collect();
             for p in &points {
-                let near = kept.windows(2).map(|w| to_segment(*p, w[0], w[1])).fold(f64::INFINITY, f64::min);
+                let near = kept.windows(2).map(|w| to_segment_mm(*p, w[0], w[1])).fold(f64::INFINITY, f64::min);
                 prop_assert!(near <= MERGE_TOLERANCE_MM + 1e-9, "{near}");
             }
         }
-    }
-
-    fn to_segment(p: [f64; 2], a: [f64; 2], b: [f64; 2]) -> f64 {
-        let d = [b[0] - a[0], b[1] - a[1]];
-        let l2 = d[0] * d[0] + d[1] * d[1];
-        let t =
-            if l2 > 0.0 { ((p[0] - a[0]) * d[0] + (p[1] - a[1]) * d[1]) / l2 } else { 0.0 }.clamp(0.0, 1.0);
-        distance(p, [a[0] + t * d[0], a[1] + t * d[1]])
     }
 }

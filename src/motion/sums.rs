@@ -46,7 +46,9 @@ impl LayerMoves {
                     travel_mm += at.map_or(0.0, |at| distance(at, *to));
                     at = Some(*to);
                 }
-                Move::Extrude { to, volume, .. } | Move::Arc { to, volume, .. } => {
+                Move::Extrude { to, volume, .. }
+                | Move::Ramp { to, volume, .. }
+                | Move::Arc { to, volume, .. } => {
                     let start = at.unwrap_or(*to);
                     if let (true, Some(end)) = (travel_mm > 0.0, bead_end) {
                         sums.travel += Mm(travel_mm);

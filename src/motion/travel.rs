@@ -1,36 +1,51 @@
-//! The way from the end of one bead to the start of the next: straight, retracted where it is long.
+//! The way from the end of one bead to the start of the next: inside the part where there is a way, retracted where
+//! it is long.
 
 use super::bead::distance;
 use super::plan::Nozzle;
+use super::route::Way;
 use super::{MotionSettings, Move};
-use crate::units::MmPerS;
+use crate::units::{Mm3, MmPerS};
 
 impl Nozzle<'_> {
-    /// Moves to where the next bead starts, at the height of the layer.
+    /// Moves to where the next bead, one of this island, starts, at the height of the layer.
     ///
-    /// A travel *longer* than `retract.min_travel` (or from an unknown place) is retracted; a height change
-    /// comes before the way, so that the nozzle never ploughs through what it has just printed.
-    pub(super) fn travel(&mut self, to: [f64; 2], pause: bool) {
-        let retract = &self.settings.retract;
+    /// A travel *longer* than `retract.min_travel`, or inside the part than `travel.retract_inside`, or from an
+    /// unknown place, is retracted; a height change comes before the way, so that the nozzle never ploughs through
+    /// what it has just printed.
+    pub(super) fn travel(&mut self, to: [f64; 2], island: u32, pause: bool) {
+        let (retract, travel) = (&self.settings.retract, &self.settings.travel);
         let arriving = !self.positioned || self.z_mm != self.layer_z_mm;
-        let length_mm = self.at.map(|at| distance(at, to));
-        if length_mm == Some(0.0) && !arriving && !pause {
+        if self.at == Some(to) && !arriving && !pause {
             return;
         }
-        let far = length_mm.is_none_or(|length_mm| length_mm > retract.min_travel.0);
+        let same_island = self.island.is_none_or(|last| last == island);
+        self.island = Some(island);
+        let mut way = self.way(to, same_island);
+        let far = self.at.is_none_or(|at| match way {
+            Way::Inside(_, length_mm) => length_mm > travel.retract_inside.0.max(retract.min_travel.0),
+            Way::Across => distance(at, to) > retract.min_travel.0,
+        });
         let retracted = (far || pause) && retract.length.0 > 0.0;
-        if retracted {
-            self.retract();
+        if retracted && self.retract() {
+            way = self.way(to, same_island);
         }
         if pause {
             self.moves.push(Move::Pause);
+            way = Way::Across;
         }
-        let hop_mm = if retracted { retract.z_hop.0.max(0.0) } else { 0.0 };
+        let hops = retracted && (way == Way::Across || retract.z_hop_inside);
+        let hop_mm = if hops { retract.z_hop.0.max(0.0) } else { 0.0 };
         if arriving || pause || hop_mm > 0.0 {
             self.lift(self.layer_z_mm + hop_mm);
         }
         self.accelerate(None);
-        self.moves.push(Move::Travel { to, speed: self.settings.speed.travel });
+        let speed = self.settings.speed.travel;
+        let between = match way {
+            Way::Inside(between, _) => between,
+            Way::Across => Vec::new(),
+        };
+        self.moves.extend(between.into_iter().chain([to]).map(|to| Move::Travel { to, speed }));
         self.positioned = true;
         if hop_mm > 0.0 {
             self.lift(self.layer_z_mm);
@@ -45,26 +60,42 @@ impl Nozzle<'_> {
         self.z_mm = self.layer_z_mm;
     }
 
-    fn lift(&mut self, z_mm: f64) {
+    /// How to get from where the nozzle is to a place, on the same island or another. Not asked for where nothing
+    /// depends on it.
+    fn way(&self, to: [f64; 2], same_island: bool) -> Way {
+        let MotionSettings { travel, retract, .. } = self.settings;
+        let matters = travel.avoid_crossing
+            || travel.retract_inside > retract.min_travel
+            || (retract.z_hop.0 > 0.0 && !retract.z_hop_inside);
+        match self.at {
+            Some(at) if matters && same_island => self.router.way(at, to),
+            _ => Way::Across,
+        }
+    }
+
+    pub(super) fn lift(&mut self, z_mm: f64) {
         self.moves.push(Move::Lift { z_mm, speed: self.settings.speed.z });
     }
 
-    /// Pulls the filament back: on the way back over the last bead as far as `retract.wipe` says, the filament
-    /// no faster than `retract.speed`; in place where nothing was printed yet on this layer.
-    fn retract(&mut self) {
+    /// Pulls the filament back, no faster than `retract.speed`: while wiping, as far as `retract.wipe` says, or in
+    /// place. Whether it moved.
+    fn retract(&mut self) -> bool {
         let retract = &self.settings.retract;
         let (length_mm, speed) = (retract.length.0, retract.speed);
-        let way = if retract.firmware { Vec::new() } else { wipe_way(&self.trail, retract.wipe.0) };
+        coast(&mut self.moves, retract.coast.0);
+        let way = if retract.firmware { Vec::new() } else { std::mem::take(&mut self.wipe) };
         let way_mm: f64 = way.windows(2).map(|w| distance(w[0], w[1])).sum();
         if way_mm <= 0.0 {
             self.moves.push(Move::Retract { length_mm, speed });
-            return;
+            return false;
         }
         let wipe_speed = wipe_speed(self.settings, way_mm);
         for w in way.windows(2) {
             let share = distance(w[0], w[1]) / way_mm;
             self.moves.push(Move::Wipe { to: w[1], length_mm: length_mm * share, speed: wipe_speed });
         }
+        self.at = way.last().copied();
+        true
     }
 }
 
@@ -75,11 +106,11 @@ fn wipe_speed(settings: &MotionSettings, way_mm: f64) -> MmPerS {
     MmPerS(speed.min(settings.speed.travel.0))
 }
 
-/// The last `wipe_mm` of a trail, walked backwards; all of it where it is shorter.
-fn wipe_way(trail: &[[f64; 2]], wipe_mm: f64) -> Vec<[f64; 2]> {
+/// The first `wipe_mm` of a way; all of it where it is shorter.
+pub(super) fn wipe_way(points: impl Iterator<Item = [f64; 2]>, wipe_mm: f64) -> Vec<[f64; 2]> {
     let mut way: Vec<[f64; 2]> = Vec::new();
     let mut left_mm = wipe_mm;
-    for &p in trail.iter().rev() {
+    for p in points {
         let Some(&from) = way.last() else {
             way.push(p);
             continue;
@@ -101,15 +132,62 @@ fn wipe_way(trail: &[[f64; 2]], wipe_mm: f64) -> Vec<[f64; 2]> {
     way
 }
 
+/// Stops feeding on the last `coast_mm` of the lines drawn last; a line that begins before is cut there.
+fn coast(moves: &mut Vec<Move>, coast_mm: f64) {
+    let (mut left_mm, mut on) = (coast_mm, Vec::new());
+    while left_mm > 0.0 {
+        let Some(&Move::Extrude { to, volume, speed }) = moves.last() else { break };
+        let Some(from) = moves[..moves.len() - 1].iter().rev().find_map(end_of) else { break };
+        moves.pop();
+        let length_mm = distance(from, to);
+        on.push(Move::Travel { to, speed });
+        if length_mm > left_mm {
+            let share = 1.0 - left_mm / length_mm;
+            let cut = [0, 1].map(|i| from[i] + share * (to[i] - from[i]));
+            moves.push(Move::Extrude { to: cut, volume: Mm3(share * volume.0), speed });
+        }
+        left_mm -= length_mm;
+    }
+    moves.extend(on.into_iter().rev());
+}
+
+/// Where a move ends, if it goes anywhere.
+fn end_of(step: &Move) -> Option<[f64; 2]> {
+    match step {
+        Move::Travel { to, .. }
+        | Move::Wipe { to, .. }
+        | Move::Extrude { to, .. }
+        | Move::Ramp { to, .. }
+        | Move::Arc { to, .. } => Some(*to),
+        _ => None,
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
 
     #[test]
-    fn a_wipe_goes_back_over_the_trail_as_far_as_it_is_long() {
-        let trail = [[0.0, 0.0], [3.0, 0.0], [3.0, 1.0]];
-        assert_eq!(wipe_way(&trail, 2.0), [[3.0, 1.0], [3.0, 0.0], [2.0, 0.0]]);
-        assert_eq!(wipe_way(&trail, 99.0), [[3.0, 1.0], [3.0, 0.0], [0.0, 0.0]]);
-        assert!(wipe_way(&[], 1.0).is_empty());
+    fn a_wipe_goes_as_far_as_it_is_long() {
+        let way = [[3.0, 1.0], [3.0, 0.0], [0.0, 0.0]];
+        assert_eq!(wipe_way(way.into_iter(), 2.0), [[3.0, 1.0], [3.0, 0.0], [2.0, 0.0]]);
+        assert_eq!(wipe_way(way.into_iter(), 99.0), way);
+        assert!(wipe_way([].into_iter(), 1.0).is_empty());
+    }
+
+    #[test]
+    fn coasting_feeds_nothing_on_the_last_stretch() {
+        let speed = MmPerS(40.0);
+        let line = |x: f64| Move::Extrude { to: [x, 0.0], volume: Mm3(1.0), speed };
+        let mut moves = vec![Move::Travel { to: [0.0; 2], speed }, line(10.0), line(10.5)];
+        coast(&mut moves, 1.5);
+        assert_eq!(
+            moves[1..],
+            [
+                Move::Extrude { to: [9.0, 0.0], volume: Mm3(0.9), speed },
+                Move::Travel { to: [10.0, 0.0], speed },
+                Move::Travel { to: [10.5, 0.0], speed },
+            ]
+        );
     }
 }

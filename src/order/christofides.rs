@@ -1,5 +1,6 @@
 //! Christofides' heuristic over print segments, as Fok, Ganganath, Cheng and Tse adapted it to 3D printing in 2016.
 
+use super::entries::enter_shortest;
 use super::index::Index;
 use super::matching::{delaunay, euclidean};
 use super::nearest::walk_groups;
@@ -45,22 +46,56 @@ pub(super) enum Ending {
     Open,
 }
 
+/// How often the loops are settled anew where the last tour enters them.
+const ROUNDS: usize = 3;
+
 pub(super) fn solve(problem: &Problem, ending: Ending) -> Sequence {
     let groups = Groups::new(problem);
     let mut index = Index::new(problem, &groups);
     let mut sequence = walk_groups(problem, &groups, &mut index, |group, start, _, sequence| {
         let items = &groups.items[group as usize];
         let last = sequence.len() + items.len() == problem.items.len();
-        let end = problem.end.filter(|_| last && ending == Ending::Open);
-        let mut network = Network::new(problem, items, start, end);
-        network.settle_loops();
-        let mut part = network.walk(ending);
-        reseat(problem, Some(start), end, &mut part);
-        sequence.extend(part);
+        let end = problem.end.filter(|_| last);
+        sequence.extend(solve_group(problem, items, start, end, ending));
     });
     // Once more, now that it is known where each run leads to.
-    reseat(problem, problem.start, problem.end, &mut sequence);
+    enter_shortest(problem, problem.start, problem.end, &mut sequence);
     sequence
+}
+
+/// The best of a few tours, each with the loops settled where the one before entered them.
+fn solve_group(
+    problem: &Problem,
+    items: &[u32],
+    start: Point,
+    end: Option<Point>,
+    ending: Ending,
+) -> Sequence {
+    let mut network = Network::new(problem, items, start, end.filter(|_| ending == Ending::Open));
+    network.settle_loops();
+    let length = |tour: &Sequence| length_mm(problem, start, end, tour);
+    let mut best = Sequence::new();
+    for round in 0..ROUNDS {
+        let mut tour = network.tour(ending, end);
+        enter_shortest(problem, Some(start), end, &mut tour);
+        if round > 0 && length(&tour) >= length(&best) {
+            break;
+        }
+        network.settle_at(&tour);
+        best = tour;
+    }
+    best
+}
+
+/// Length of the links of a tour.
+fn length_mm(problem: &Problem, start: Point, end: Option<Point>, tour: &[Visit]) -> f64 {
+    let (mut at, mut total) = (start, 0.0);
+    for visit in tour {
+        let (enter, leave) = problem.items[visit.item as usize].ends(visit.entry);
+        total += at.distance_mm(enter);
+        at = leave;
+    }
+    total + end.map_or(0.0, |end| at.distance_mm(end))
 }
 
 /// The start is node 0.
@@ -183,9 +218,9 @@ impl<'a> Network<'a> {
     }
 
     /// Adds the cheapest set of links that leaves an Eulerian walk with the given ending.
-    fn make_even(&mut self, ending: Ending) {
+    fn make_even(&self, edges: &mut Vec<(u32, u32, Way)>, ending: Ending) {
         let mut odd = vec![false; self.nodes.len()];
-        for &(u, v, _) in &self.edges {
+        for &(u, v, _) in edges.iter() {
             odd[u as usize] ^= true;
             odd[v as usize] ^= true;
         }
@@ -198,46 +233,120 @@ impl<'a> Network<'a> {
         let points: Vec<Point> = odd.iter().map(|&v| self.nodes[v as usize].at).collect();
         for (v, mate) in euclidean(&points).into_iter().enumerate() {
             if v < mate as usize {
-                self.edges.push((odd[v], odd[mate as usize], Way::Move));
+                edges.push((odd[v], odd[mate as usize], Way::Move));
             }
         }
     }
 
-    fn walk(mut self, ending: Ending) -> Sequence {
-        let tree = self.spanning_tree();
-        self.edges.extend(tree.into_iter().map(|(u, v)| (u, v, Way::Move)));
-        self.make_even(ending);
-        let mut drawn = vec![false; self.problem.items.len()];
-        let mut sequence = Sequence::with_capacity(self.items.len());
-        for (node, way) in self.eulerian() {
-            let Node { item, entry, .. } = self.nodes[node as usize];
-            let visit = match way {
-                // The walk arrives at the other end of the path it draws.
-                Way::Draw(item) => Visit { item, entry: 1 - entry },
-                Way::Move => Visit { item, entry },
-            };
-            let open = |item: u32| matches!(self.problem.items[item as usize].shape, Shape::Open(_));
-            if item != u32::MAX && !drawn[item as usize] && (way != Way::Move || !open(item)) {
-                drawn[item as usize] = true;
-                sequence.push(visit);
+    /// Settles each loop at the vertex where a tour enters it.
+    fn settle_at(&mut self, tour: &[Visit]) {
+        for visit in tour {
+            if let (Some(at), Shape::Loop(vertices)) =
+                (self.items.binary_search(&visit.item).ok(), self.problem.items[visit.item as usize].shape)
+            {
+                let node = &mut self.nodes[self.first[at] as usize];
+                (node.entry, node.at) = (visit.entry, vertices[visit.entry as usize]);
             }
         }
-        sequence
+    }
+
+    /// The shortest of the tours that the multigraph's Eulerian walks become: edges are taken in one of two orders at each node,
+    /// and a circuit is cut on either side of the start.
+    fn tour(&self, ending: Ending, end: Option<Point>) -> Sequence {
+        let mut edges = self.edges.clone();
+        edges.extend(self.spanning_tree().into_iter().map(|(u, v)| (u, v, Way::Move)));
+        self.make_even(&mut edges, ending);
+        let start = self.nodes[START as usize].at;
+        let mut best = (f64::INFINITY, Sequence::new());
+        for _ in 0..2 {
+            let forth = self.shortcut(&self.eulerian(&edges));
+            let back = (ending == Ending::AtStart).then(|| {
+                let turned = |visit: &Visit| match self.problem.items[visit.item as usize].shape {
+                    Shape::Open(_) => Visit { entry: 1 - visit.entry, ..*visit },
+                    Shape::Loop(_) => *visit,
+                };
+                forth.iter().rev().map(turned).collect()
+            });
+            for tour in std::iter::once(forth).chain(back) {
+                let length = length_mm(self.problem, start, end, &tour);
+                if length < best.0 {
+                    best = (length, tour);
+                }
+            }
+            edges.reverse();
+        }
+        best.1
+    }
+
+    /// Draws every path where the walk does, and every loop at the one of its visits that is the shortest detour.
+    fn shortcut(&self, walk: &[(u32, Way)]) -> Sequence {
+        let open = |item: u32| matches!(self.problem.items[item as usize].shape, Shape::Open(_));
+        let mut stops: Vec<Visit> = Vec::with_capacity(self.items.len());
+        for &(node, way) in walk {
+            let Node { item, entry, .. } = self.nodes[node as usize];
+            match way {
+                // The walk arrives at the other end of the path it draws.
+                Way::Draw(item) => stops.push(Visit { item, entry: 1 - entry }),
+                Way::Move if item != u32::MAX && !open(item) => stops.push(Visit { item, entry }),
+                Way::Move => {}
+            }
+        }
+        let mut visits = vec![Vec::new(); self.first.len()];
+        for (stop, visit) in (1_u32..).zip(&stops) {
+            if let Ok(at) = self.items.binary_search(&visit.item) {
+                visits[at].push(stop);
+            }
+        }
+        // Stops as a list in which those that are left out can be skipped; 0 is the start.
+        let start = self.nodes[START as usize].at;
+        let ends = |stop: u32| match stop.checked_sub(1).and_then(|stop| stops.get(stop as usize)) {
+            Some(visit) => self.problem.items[visit.item as usize].ends(visit.entry),
+            None => (start, start),
+        };
+        let past = stops.len() as u32 + 1;
+        let mut before: Vec<u32> = (0..=past).map(|stop| stop.saturating_sub(1)).collect();
+        let mut after: Vec<u32> = (1..=past + 1).collect();
+        let mut left_out = vec![false; stops.len() + 2];
+        for visits in visits.iter().filter(|visits| visits.len() > 1) {
+            let detour = |stop: u32, before: &[u32], after: &[u32]| {
+                let (from, at) = (ends(before[stop as usize]).1, ends(stop).0);
+                let to = after[stop as usize];
+                if to == past {
+                    return from.distance_mm(at);
+                }
+                let to = ends(to).0;
+                from.distance_mm(at) + at.distance_mm(to) - from.distance_mm(to)
+            };
+            let shortest = visits
+                .iter()
+                .map(|&stop| (detour(stop, &before, &after), stop))
+                .min_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
+            for &stop in visits.iter().filter(|&&stop| shortest.is_none_or(|(_, kept)| kept != stop)) {
+                let (from, to) = (before[stop as usize], after[stop as usize]);
+                (after[from as usize], before[to as usize]) = (to, from);
+                left_out[stop as usize] = true;
+            }
+        }
+        (1_u32..)
+            .zip(stops.iter())
+            .filter(|(stop, _)| !left_out[*stop as usize])
+            .map(|(_, &visit)| visit)
+            .collect()
     }
 
     /// The nodes of an Eulerian walk from the start, each with the edge that leads to it. Hierholzer 1873,
     /// <https://doi.org/10.1007/BF01442866>.
-    fn eulerian(&self) -> Vec<(u32, Way)> {
+    fn eulerian(&self, edges: &[(u32, u32, Way)]) -> Vec<(u32, Way)> {
         let mut rows = vec![0_u32; self.nodes.len() + 2];
-        for &(u, v, _) in &self.edges {
+        for &(u, v, _) in edges {
             rows[u as usize + 2] += 1;
             rows[v as usize + 2] += 1;
         }
         for i in 2..rows.len() {
             rows[i] += rows[i - 1];
         }
-        let mut incident = vec![0_u32; 2 * self.edges.len()];
-        for (e, &(u, v, _)) in self.edges.iter().enumerate() {
+        let mut incident = vec![0_u32; 2 * edges.len()];
+        for (e, &(u, v, _)) in edges.iter().enumerate() {
             for node in [u, v] {
                 let place = &mut rows[node as usize + 1];
                 incident[*place as usize] = e as u32;
@@ -245,9 +354,9 @@ impl<'a> Network<'a> {
             }
         }
         let mut next: Vec<u32> = rows[..self.nodes.len()].to_vec();
-        let mut used = vec![false; self.edges.len()];
+        let mut used = vec![false; edges.len()];
         let mut stack = vec![(START, Way::Move)];
-        let mut walk = Vec::with_capacity(self.edges.len() + 1);
+        let mut walk = Vec::with_capacity(edges.len() + 1);
         while let Some(&(node, way)) = stack.last() {
             let place = &mut next[node as usize];
             if *place == rows[node as usize + 1] {
@@ -258,47 +367,12 @@ impl<'a> Network<'a> {
             let e = incident[*place as usize];
             *place += 1;
             if !std::mem::replace(&mut used[e as usize], true) {
-                let (u, v, way) = self.edges[e as usize];
+                let (u, v, way) = edges[e as usize];
                 stack.push((u ^ v ^ node, way));
             }
         }
         // The walk comes out backwards.
         walk.reverse();
         walk
-    }
-}
-
-/// Moves each loop's seam to the vertex with the shortest way from the path before and to the path after, going on
-/// until nothing moves or a few rounds are done.
-fn reseat(problem: &Problem, start: Option<Point>, end: Option<Point>, sequence: &mut Sequence) {
-    const ROUNDS: usize = 4;
-    for _ in 0..ROUNDS {
-        let mut moved = false;
-        let mut before = start;
-        for at in 0..sequence.len() {
-            let after = match sequence.get(at + 1) {
-                Some(next) => Some(problem.items[next.item as usize].ends(next.entry).0),
-                None => end,
-            };
-            let visit = &mut sequence[at];
-            let item = problem.items[visit.item as usize];
-            if let Shape::Loop(vertices) = item.shape {
-                let way =
-                    |v: Point| [before, after].into_iter().flatten().map(|p| p.distance_mm(v)).sum::<f64>();
-                let mut best = (way(vertices[visit.entry as usize]), visit.entry);
-                for (&v, entry) in vertices.iter().zip(0..) {
-                    let length = way(v);
-                    if length < best.0 {
-                        best = (length, entry);
-                        moved = true;
-                    }
-                }
-                visit.entry = best.1;
-            }
-            before = Some(item.ends(visit.entry).1);
-        }
-        if !moved {
-            return;
-        }
     }
 }

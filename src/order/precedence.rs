@@ -1,6 +1,6 @@
 //! Precedence as groups of items that stay together, for strategies to build upon.
 
-use super::Problem;
+use super::{Problem, Run};
 use crate::profile::Scope;
 
 /// The items of a problem in groups that are drawn without interruption: its runs, or under `layer` scope
@@ -31,13 +31,11 @@ impl Groups {
     /// Sorts a problem's items into groups. O(n + r log r) for n items and r runs.
     pub fn new(problem: &Problem) -> Self {
         let layer = problem.scope == Scope::Layer;
-        let mut keys: Vec<_> = problem
-            .runs
-            .iter()
-            .enumerate()
-            .map(|(run, r)| if layer { (r.stage, 0, 0, 0) } else { (r.stage, r.island, r.rank, run) })
-            .collect();
-        let key_of_run = keys.clone();
+        let key = |(run, r): (usize, &Run)| {
+            if layer { (r.stage, 0, 0, 0) } else { (r.stage, r.island, r.rank, run) }
+        };
+        let key_of_run: Vec<_> = problem.runs.iter().enumerate().map(key).collect();
+        let mut keys: Vec<_> = problem.items.iter().map(|item| key_of_run[item.run as usize]).collect();
         keys.sort_unstable();
         keys.dedup();
         let mut place: Vec<Place> = Vec::with_capacity(keys.len());
@@ -49,10 +47,9 @@ impl Groups {
             };
             place.push(Place { stage, unit });
         }
-        let group_of_run: Vec<u32> = key_of_run
-            .iter()
-            .map(|key| keys.binary_search(key).expect("every run's key is listed") as u32)
-            .collect();
+        // A run without items is no group, and nothing asks for it.
+        let group_of_run: Vec<u32> =
+            key_of_run.iter().map(|key| keys.binary_search(key).unwrap_or(usize::MAX) as u32).collect();
         let of: Vec<u32> = problem.items.iter().map(|item| group_of_run[item.run as usize]).collect();
         let mut items = vec![Vec::new(); keys.len()];
         for (item, &group) in of.iter().enumerate() {

@@ -160,6 +160,7 @@ mod tests {
                 rank: 0,
             }],
             outline: Region::default(),
+            beneath: None,
         }
     }
 

@@ -7,6 +7,7 @@ use crate::profile::{CostKind, OrderStrategy, Settings};
 use crate::slice::Slicer;
 use crate::toolpath::LayerPaths;
 
+use super::ordering::Certificate;
 use super::sections::Sections;
 use super::{load, ordering, parallel};
 
@@ -17,9 +18,9 @@ pub(super) fn compare(
     strategies: &[OrderStrategy],
     progress: &dyn Progress,
 ) -> Result<Vec<StrategyRow>, JobError> {
-    let load::Loaded { plate, .. } = load::plate(job, settings)?;
-    let slicer = Slicer::new(&plate, &settings.layer);
-    let sections = Sections::cut(&slicer, plate.objects.len(), settings);
+    let load::Loaded { plate, wishes, .. } = load::plate(job, settings)?;
+    let slicer = Slicer::new(&plate, &load::layers(settings));
+    let sections = Sections::cut(&slicer, plate.objects.len(), &wishes, settings);
     if sections.bounds().is_none() {
         return Err(load::nothing_to_print());
     }
@@ -35,8 +36,9 @@ pub(super) fn compare(
             (layer, pins)
         })
         .collect();
-    let bound_mm = job.certify.then(|| ordering::print_bound(&layers, settings, None));
-    let rows = strategies.iter().map(|&strategy| row(strategy, &layers, settings, bound_mm, progress));
+    let certificate = job.certify.then(|| Certificate::new(&layers, settings, None));
+    let rows =
+        strategies.iter().map(|&strategy| row(strategy, &layers, settings, certificate.as_ref(), progress));
     Ok(rows.collect())
 }
 
@@ -44,7 +46,7 @@ fn row(
     strategy: OrderStrategy,
     layers: &[(LayerPaths, Pins)],
     settings: &Settings,
-    bound_mm: Option<f64>,
+    certificate: Option<&Certificate>,
     progress: &dyn Progress,
 ) -> StrategyRow {
     let mut chain = ordering::chain(settings);
@@ -68,14 +70,14 @@ fn row(
         let mut problem = LayerProblem::new(&paths[i], &None, settings.order.scope).problem;
         problem.start = starts[i];
         let mut row = LayerRow::new(i, &problem, &solved.sequences[i], &time);
-        row.bound_mm = bound_mm.map(|_| ordering::layer_bound(&paths[i], &pins[i], settings, starts[i]));
+        row.bound_mm = certificate.map(|certificate| certificate.layer_mm(i, starts[i]));
         progress.layer_done();
         row
     });
     StrategyRow {
         strategy: strategy.name().to_owned(),
         took_s: solved.took.as_secs_f64(),
-        bound_mm,
+        bound_mm: certificate.map(Certificate::print_mm),
         layers: rows,
     }
 }

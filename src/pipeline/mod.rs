@@ -9,16 +9,17 @@ mod load;
 mod ordering;
 mod parallel;
 mod print;
+mod reorder;
 mod sections;
 mod supports;
 
 use std::path::Path;
 
-use crate::job::{Engine, Job, JobError, Progress, TransformOptions};
+use crate::job::{Engine, Job, JobError, Progress, ReorderJob, TransformOptions};
 use crate::order::compare::StrategyRow;
 use crate::output::Output;
 use crate::profile::{OrderStrategy, Settings};
-use crate::report::{ModelInfo, Summary};
+use crate::report::{ModelInfo, Reordered, Summary};
 
 /// The slicer itself.
 #[derive(Clone, Copy, Debug)]
@@ -43,6 +44,16 @@ impl Engine for Pipeline {
         progress: &dyn Progress,
     ) -> Result<Vec<StrategyRow>, JobError> {
         parallel::with_threads(job.threads, || compare::compare(job, settings, strategies, progress))
+    }
+
+    fn reorder(
+        &self,
+        job: &ReorderJob,
+        settings: &Settings,
+        output: &mut Output,
+        progress: &dyn Progress,
+    ) -> Result<Reordered, JobError> {
+        parallel::with_threads(job.threads, || reorder::reorder(job, settings, output, progress))
     }
 
     fn info(

@@ -71,18 +71,32 @@ fn timed<T>(work: impl FnOnce() -> T) -> (T, Duration) {
     (done, begun.elapsed())
 }
 
-/// A length that the links of a layer, entered from `start`, cannot stay below.
-pub(super) fn layer_bound(layer: &LayerPaths, pins: &Pins, settings: &Settings, start: Option<Point>) -> f64 {
-    let mut problem = LayerProblem::new(layer, pins, settings.order.scope).problem;
-    problem.start = start;
-    bound::layer(&problem)
+/// Lower bounds of the links of a print and of each of its layers, whatever the strategy.
+pub(super) struct Certificate {
+    shares: Vec<bound::Share>,
+    start: Option<Point>,
 }
 
-/// A length that the links of a whole print cannot stay below, whatever the strategy.
-pub(super) fn print_bound(layers: &[(LayerPaths, Pins)], settings: &Settings, start: Option<Point>) -> f64 {
-    let problems = layers.iter().enumerate().map(|(i, (layer, pins))| {
-        let problem = LayerProblem::new(layer, pins, settings.order.scope).problem;
-        Problem { start: start.filter(|_| i == 0), ..problem }
-    });
-    bound::print(problems)
+impl Certificate {
+    /// Bounds for layers whose first is entered from `start`.
+    pub(super) fn new(layers: &[(LayerPaths, Pins)], settings: &Settings, start: Option<Point>) -> Self {
+        let mut problems: Vec<Problem> = layers
+            .iter()
+            .map(|(layer, pins)| LayerProblem::new(layer, pins, settings.order.scope).problem)
+            .collect();
+        if let Some(first) = problems.iter_mut().find(|problem| !problem.items.is_empty()) {
+            first.start = start;
+        }
+        Self { shares: bound::shares(&problems, |n, share| parallel::map(n, share)), start }
+    }
+
+    /// A length that the links of a layer, entered from `start`, cannot stay below.
+    pub(super) fn layer_mm(&self, layer: usize, start: Option<Point>) -> f64 {
+        self.shares[layer].layer_mm(start, None)
+    }
+
+    /// A length that the links of the whole print cannot stay below.
+    pub(super) fn print_mm(&self) -> f64 {
+        bound::Share::print_mm(&self.shares, self.start, None)
+    }
 }

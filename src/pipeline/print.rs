@@ -15,6 +15,7 @@ use crate::slice::{Layer, Slicer};
 use crate::toolpath::{LayerPaths, Planner};
 use crate::units::{Mm3, Seconds};
 
+use super::ordering::Certificate;
 use super::sections::Sections;
 use super::{load, ordering, parallel};
 
@@ -28,17 +29,18 @@ pub(super) fn slice(
     output: &mut Output,
     progress: &dyn Progress,
 ) -> Result<Summary, JobError> {
-    let load::Loaded { plate, mut warnings } = load::plate(job, settings)?;
-    let slicer = Slicer::new(&plate, &settings.layer);
-    let count = slicer.spans().len();
+    let load::Loaded { plate, wishes, mut warnings } = load::plate(job, settings)?;
+    let slicer = Slicer::new(&plate, &load::layers(settings));
+    let count = slicer.spans().len() + settings.raft.layers as usize;
     progress.begin(count);
-    let sections = Sections::cut(&slicer, plate.objects.len(), settings);
+    let sections = Sections::cut(&slicer, plate.objects.len(), &wishes, settings);
     let Some(bounds) = sections.bounds() else {
         return Err(load::nothing_to_print());
     };
     warnings.extend(sections.warning());
 
     let facts = facts(&sections.layers, bounds, settings);
+    load::check_height(facts.max_z_mm, settings)?;
     let scripts = Scripts::new(settings, &facts).map_err(|mistakes| JobError::Script(mistakes.join("\n")))?;
     let planner = sections.planner(settings);
     let run = Run {
@@ -56,19 +58,20 @@ pub(super) fn slice(
     let mut slots = opening.slots;
     output.write(&opening.bytes)?;
     let begun = scripts.start_effect(settings, &run.machine);
-    let mut certificate = Vec::new();
+    let mut ordered = Vec::new();
     let mut tally = Tally::default();
     tally.add_script(&begun, &run.machine);
     let mut seam = SeamRule::new(settings.seam.position);
-    let mut at = Entry { xy: begun.end.map(|[x, y, _]| [x, y]), z_mm: begun.end.map_or(0.0, |e| e[2]) };
+    let (xy, z_mm) = (begun.end.map(|[x, y, _]| [x, y]), begun.end.map_or(0.0, |e| e[2]));
+    let mut at = Entry { xy, z_mm, wipe: Vec::new() };
     let start = at.xy.map(|[x, y]| Point::from_mm(x, y));
     let chunk = chunk_len(count);
     let batch = chunk * CHUNKS_PER_THREAD * parallel::threads();
     let mut first = 0;
     while first < count {
         let layers = first..(first + batch).min(count);
-        let (done, ordered) = run.batch(layers.clone(), chunk, &mut seam, &mut at);
-        certificate.extend(ordered);
+        let (done, paths) = run.batch(layers.clone(), chunk, &mut seam, &mut at);
+        ordered.extend(paths);
         for done in done {
             let base = output.written() as usize;
             slots.extend(done.text.progress.map(|slot| Slot { offset: base + slot.offset, ..slot }));
@@ -87,7 +90,7 @@ pub(super) fn slice(
         output.patch(slot.offset as u64, &totals.fill(slot, &settings.filament))?;
     }
     if job.certify {
-        tally.total = tally.total.with_bound(ordering::print_bound(&certificate, settings, start));
+        tally.certify(ordered, settings, start);
     }
     Ok(tally.summary(bounds, &facts, &totals, settings, warnings))
 }
@@ -115,6 +118,12 @@ struct Run<'a> {
     certify: bool,
 }
 
+/// What was ordered, kept for the certificate.
+struct Ordered {
+    layer: (LayerPaths, Pins),
+    start: Option<Point>,
+}
+
 /// A finished layer.
 struct Done {
     text: LayerText,
@@ -123,14 +132,14 @@ struct Done {
 
 impl Run<'_> {
     /// Takes a batch of layers through all stages. `seam` and `at` hold what the layers below left.
-    /// Returns their bytes and, if they are to be certified, what was ordered.
+    /// Returns their bytes and, if they are to be certified, what was ordered and where each was entered from.
     fn batch(
         &self,
         layers: Range<usize>,
         chunk: usize,
         seam: &mut SeamRule,
         at: &mut Entry,
-    ) -> (Vec<Done>, Vec<(LayerPaths, Pins)>) {
+    ) -> (Vec<Done>, Vec<Ordered>) {
         let first = layers.start;
         let paths =
             parallel::map(layers.len(), |i| self.sections.paths(&self.planner, first + i, self.settings));
@@ -141,23 +150,17 @@ impl Run<'_> {
             .iter()
             .zip(&sequences)
             .map(|(layer, sequence)| {
-                let next = motion::exit(layer, sequence, *at, &self.motion);
+                let next = motion::exit(layer, sequence, at.clone(), &self.motion);
                 std::mem::replace(at, next)
             })
             .collect();
-        let mut done = parallel::map(layers.len(), |i| self.finish(&paths[i], &sequences[i], entries[i]));
+        let done = parallel::map(layers.len(), |i| self.finish(&paths[i], &sequences[i], entries[i].clone()));
         if !self.certify {
             return (done, Vec::new());
         }
-        let bounds = parallel::map(layers.len(), |i| {
-            let start = entries[i].xy.map(|[x, y]| Point::from_mm(x, y));
-            ordering::layer_bound(&paths[i], &pins[i], self.settings, start)
-        });
-        for (done, bound_mm) in done.iter_mut().zip(bounds) {
-            let measures = std::mem::take(&mut done.summary.measures);
-            done.summary.measures = measures.with_bound(bound_mm);
-        }
-        (done, paths.into_iter().zip(pins).collect())
+        let starts = entries.iter().map(|entry| entry.xy.map(|[x, y]| Point::from_mm(x, y)));
+        let ordered = paths.into_iter().zip(pins).zip(starts);
+        (done, ordered.map(|(layer, start)| Ordered { layer, start }).collect())
     }
 
     /// Motion, cooling and formatting of one layer.
@@ -214,6 +217,18 @@ impl Tally {
             filament_mm: measure.volume_mm3 / machine.filament_area_mm2,
             ..Measures::default()
         };
+    }
+
+    /// Adds the lower bounds of all layers, and of the whole.
+    fn certify(&mut self, ordered: Vec<Ordered>, settings: &Settings, start: Option<Point>) {
+        let (layers, starts): (Vec<_>, Vec<_>) =
+            ordered.into_iter().map(|ordered| (ordered.layer, ordered.start)).unzip();
+        let certificate = Certificate::new(&layers, settings, start);
+        for (i, (layer, start)) in self.layers.iter_mut().zip(starts).enumerate() {
+            let measures = std::mem::take(&mut layer.measures);
+            layer.measures = measures.with_bound(certificate.layer_mm(i, start));
+        }
+        self.total = std::mem::take(&mut self.total).with_bound(certificate.print_mm());
     }
 
     fn totals(&self) -> Totals {

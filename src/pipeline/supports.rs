@@ -1,8 +1,9 @@
 //! Supports of a plate: found and stood before any layer is planned, laid as beads layer by layer.
 
 use crate::geom::{Bounds, Region, offset, union_all};
-use crate::profile::{Settings, SupportStyle};
-use crate::slice::Layer;
+use crate::mesh::Plate;
+use crate::profile::{LayerSettings, Settings, SupportStyle};
+use crate::slice::{Layer, Slicer};
 use crate::toolpath::support::{self, Bitmap, ColumnSpec, Grid, Outlines, Overhang, Slab, Wishes};
 use crate::units::Mm;
 
@@ -21,15 +22,19 @@ pub(super) struct Supports {
 
 impl Supports {
     /// Finds what hangs in the air and stands supports under it.
-    pub fn plan(layers: &[Layer], bounds: Bounds, settings: &Settings) -> Self {
+    ///
+    /// `layers` are the part's, without a raft; `wishes` the bodies in which support is enforced and blocked.
+    pub fn plan(layers: &[Layer], bounds: Bounds, wishes: &[Plate; 2], settings: &Settings) -> Self {
         let (count, support) = (layers.len(), &settings.support);
         let grid = Grid::new(bounds, REACH_MM, support::CELL_MM);
         let sections = parallel::map(count, |i| section(&layers[i]));
         let solid = parallel::map(count, |i| Bitmap::of(grid, &sections[i]));
         let slab = |i: usize| Slab { section: &sections[i], solid: &solid[i] };
-        let wishes = Wishes { enforced: Region::EMPTY, blocked: Region::EMPTY };
+        let [enforced, blocked] = wishes.each_ref().map(|plate| bodies(plate, count, settings));
         // What lies on the bed hangs nowhere.
         let found: Vec<Overhang> = parallel::map(count, |i| {
+            let [enforced, blocked] = [&enforced, &blocked].map(|r| r.get(i).unwrap_or(Region::EMPTY));
+            let wishes = Wishes { enforced, blocked };
             support::find(slab(i), slab(i.saturating_sub(1)), layers[i].span.height_mm, wishes, support)
         });
         let Mm(height_mm) = settings.layer.height;
@@ -73,13 +78,31 @@ impl Supports {
         Self { outlines, of_layer }
     }
 
-    /// The outlines of a layer's support.
+    /// The outlines of a layer's support, the part's first layer being 0.
     pub fn outlines(&self, layer: usize) -> &Outlines {
         &self.outlines[self.of_layer[layer]]
+    }
+
+    /// Where support stands on the lowest layers.
+    pub fn all_outlines(&self, layers: usize) -> impl Iterator<Item = &Region> {
+        let last = self.of_layer.iter().take(layers).max().copied().unwrap_or(0);
+        self.outlines.iter().take(last + 1).map(|outlines| &outlines.all)
     }
 }
 
 /// All sections of a layer as one region.
 pub(super) fn section(layer: &Layer) -> Region {
     Region { polygons: layer.sections.iter().flat_map(|s| s.region.polygons.iter().cloned()).collect() }
+}
+
+/// The sections of bodies, up to so many layers.
+fn bodies(plate: &Plate, layers: usize, settings: &Settings) -> Vec<Region> {
+    if plate.meshes.is_empty() {
+        return Vec::new();
+    }
+    let exact = LayerSettings { xy_compensation: Mm(0.0), elephant_foot: Mm(0.0), ..settings.layer.clone() };
+    let slicer = Slicer::new(plate, &exact);
+    parallel::map(slicer.spans().len().min(layers), |i| {
+        union_all(slicer.layer(i).sections.iter().map(|section| &section.region))
+    })
 }

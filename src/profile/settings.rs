@@ -79,6 +79,13 @@ choice! {
         Grid = "grid", }
 }
 choice! {
+    /// Where a brim lies.
+    BrimSides { /// Around the part.
+        Outer = "outer", /// In its holes.
+        Inner = "inner", /// Around it and in its holes.
+        Both = "both", }
+}
+choice! {
     /// Where loops start and end.
     SeamPosition { /// Any vertex: ordering decides.
         Free = "free", /// The first vertex as sliced.
@@ -179,8 +186,16 @@ section! {
         max_speed: [MmPerS; 4] = [MmPerS(300.0), MmPerS(300.0), MmPerS(15.0), MmPerS(80.0)]; 0.1..=5000.0,
         /// Largest acceleration of X, Y, Z and E.
         max_acceleration: [MmPerS2; 4] = [MmPerS2(3000.0), MmPerS2(3000.0), MmPerS2(100.0), MmPerS2(800.0)]; 1.0..=100000.0,
-        /// Speed at which a 90° corner is taken (Klipper); Marlin's junction deviation is derived from it.
+        /// Speed at which a 90° corner is taken (Klipper).
         square_corner_velocity: MmPerS = MmPerS(5.0); 0.0..=100.0,
+        /// Step that the extruder's speed may make at a corner (Klipper's `instantaneous_corner_velocity`).
+        extruder_corner_velocity: MmPerS = MmPerS(1.0); 0.0..=100.0,
+        /// Least share of a move to cruise (Klipper).
+        min_cruise_ratio: Ratio = Ratio(0.5); 0.0..=0.99,
+        /// Junction deviation (Marlin); 0: the one that takes a 90° corner at `square_corner_velocity`.
+        junction_deviation: Mm = Mm(0.0); 0.0..=1.0,
+        /// Step that the speed of X, Y, Z and E may make (RepRapFirmware, classic jerk).
+        jerk: [MmPerS; 4] = [MmPerS(10.0), MmPerS(10.0), MmPerS(0.4), MmPerS(5.0)]; 0.01..=1000.0,
     }
 }
 section! {
@@ -297,6 +312,8 @@ section! {
         distance: Mm = Mm(3.0); 0.0..=100.0,
         /// Layers it is printed on.
         layers: u32 = 1; 1..=10000,
+        /// Go on up to the top of the part with one loop, to shield it from draughts.
+        draft_shield: bool = false,
         /// More loops until this much filament (path length) is primed.
         min_length: Mm = Mm(0.0); 0.0..=10000.0,
     }
@@ -308,6 +325,23 @@ section! {
         width: Mm = Mm(0.0); 0.0..=100.0,
         /// Distance from the part.
         gap: Mm = Mm(0.0); 0.0..=10.0,
+        /// On which sides of the part's outlines.
+        sides: BrimSides = BrimSides::Outer,
+        /// Only around parts of the footprint smaller than this; 0: around all.
+        max_area: f64 = 0.0; 0.0..=1000000.0, "mm²",
+    }
+}
+section! {
+    /// `[raft]`: layers of support under the whole print.
+    RaftSettings {
+        /// Number of layers; 0: none.
+        layers: u32 = 0; 0..=100,
+        /// Free height between raft and part.
+        gap: Mm = Mm(0.2); 0.0..=5.0,
+        /// Width beyond the part.
+        margin: Mm = Mm(3.0); 0.0..=100.0,
+        /// Share of the lower layers that is filled; the upper two are solid.
+        density: Ratio = Ratio(0.5); 0.05..=1.0,
     }
 }
 section! {
@@ -332,7 +366,7 @@ section! {
         /// Lines inside of columns.
         pattern: SupportPattern = SupportPattern::Rectilinear,
         /// Share of a column that the lines inside its outline fill.
-        density: Ratio = Ratio(0.13); 0.0..=1.0,
+        density: Ratio = Ratio(0.1); 0.0..=1.0,
         /// Direction of the lines, degrees from the X axis.
         line_angle: f64 = 0.0; -360.0..=360.0, "°",
         /// Line width of support.
@@ -350,10 +384,25 @@ section! {
     }
 }
 section! {
+    /// `[bridge]`: solid infill over air; its speed is `speed.bridge`, its fan `cooling.bridge_fan`.
+    BridgeSettings {
+        /// Span air with threads side by side in the direction in which they reach hold soonest.
+        enabled: bool = true,
+        /// Thickness of the threads: multiplies the cross-section of one as thick as the nozzle's bore.
+        flow: f64 = 1.0; 0.1..=2.0,
+        /// How far they reach over what holds them.
+        anchor: Mm = Mm(1.5); 0.0..=20.0,
+    }
+}
+section! {
     /// `[seam]`
     SeamSettings {
         /// The rule.
         position: SeamPosition = SeamPosition::Free,
+        /// Loops end this much before they would close, so that the ends leave no blob.
+        gap: Mm = Mm(0.05); 0.0..=2.0,
+        /// Way on which the outermost wall rises from nothing at its start, and fades out on top of that; 0: none.
+        scarf: Mm = Mm(0.0); 0.0..=100.0,
     }
 }
 section! {
@@ -388,6 +437,8 @@ section! {
         top: MmPerS = MmPerS(40.0); 0.1..=2000.0,
         /// Bridges.
         bridge: MmPerS = MmPerS(40.0); 0.1..=2000.0,
+        /// Walls that hang over by more than a quarter, a half and three quarters of their width.
+        overhang: [MmPerS; 3] = [MmPerS(35.0), MmPerS(25.0), MmPerS(15.0)]; 0.1..=2000.0,
         /// Gap fill.
         gap_fill: MmPerS = MmPerS(40.0); 0.1..=2000.0,
         /// Support.
@@ -426,10 +477,25 @@ section! {
         min_travel: Mm = Mm(1.5); 0.0..=1000.0,
         /// Nozzle lift while retracted.
         z_hop: Mm = Mm(0.0); 0.0..=10.0,
+        /// Lift on travels inside the part, too, and not only on those that cross an outer wall.
+        z_hop_inside: bool = false,
         /// Way back over the last path while pulling back; 0: none.
         wipe: Mm = Mm(0.0); 0.0..=50.0,
+        /// Way at the end of a bead on which nothing is fed any more before a retraction; 0: none.
+        coast: Mm = Mm(0.0); 0.0..=10.0,
         /// Leave lengths and speeds to the firmware (G10, G11).
         firmware: bool = false,
+    }
+}
+section! {
+    /// `[travel]`
+    TravelSettings {
+        /// Go round holes and outer walls, inside the part, instead of over them.
+        avoid_crossing: bool = true,
+        /// By how much that may lengthen a travel; longer detours are not made.
+        max_detour: Mm = Mm(20.0); 0.0..=10000.0,
+        /// Travels that stay inside the part are not retracted up to this length.
+        retract_inside: Mm = Mm(5.0); 0.0..=10000.0,
     }
 }
 section! {
@@ -445,6 +511,10 @@ section! {
         fan_off_layers: u32 = 1; 0..=10000,
         /// Layer from which the fan has its full value; it ramps up to there.
         full_fan_layer: u32 = 3; 0..=10000,
+        /// Least fan on bridges.
+        bridge_fan: Ratio = Ratio(1.0); 0.0..=1.0,
+        /// Least fan on walls that hang over by more than half their width.
+        overhang_fan: Ratio = Ratio(1.0); 0.0..=1.0,
     }
 }
 section! {
@@ -495,12 +565,15 @@ settings! {
     first_layer: FirstLayerSettings,
     skirt: SkirtSettings,
     brim: BrimSettings,
+    raft: RaftSettings,
     support: SupportSettings,
+    bridge: BridgeSettings,
     seam: SeamSettings,
     order: OrderSettings,
     speed: SpeedSettings,
     acceleration: AccelerationSettings,
     retract: RetractSettings,
+    travel: TravelSettings,
     cooling: CoolingSettings,
     gcode: GcodeSettings,
 }

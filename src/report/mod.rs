@@ -1,7 +1,11 @@
 //! Results for people (text) and for programs (JSON).
 
 mod model;
+mod reordered;
 mod summary;
+mod time;
 
 pub use model::ModelInfo;
+pub use reordered::{Reordered, Way};
 pub use summary::{LayerSummary, Measures, Summary};
+pub use time::{LayerTime, PrintTime};

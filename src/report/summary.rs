@@ -123,7 +123,7 @@ impl fmt::Display for Summary {
 }
 
 /// `1 h 02 min 03 s`, rounded to the second.
-fn duration(seconds: f64) -> String {
+pub(super) fn duration(seconds: f64) -> String {
     let seconds = seconds.round().max(0.0) as u64;
     match (seconds / 3600, seconds / 60 % 60, seconds % 60) {
         (0, 0, s) => format!("{s} s"),

@@ -1,23 +1,63 @@
-//! Skirt and brim: loops around the part on the first layers.
+//! What holds a print to the bed, and what surrounds it: brim, raft, skirt.
+
+use std::f64::consts::FRAC_PI_2;
 
 use geo::ConvexHull;
 
 use crate::geom::{self, Point, Polygon, Region, Ring};
-use crate::profile::{BrimSettings, SkirtSettings};
+use crate::profile::{BrimSettings, BrimSides, RaftSettings, SkirtSettings};
 
-use super::bead;
+use super::infill::{FillLine, lines};
+use super::{Path, Role, Width, bead};
 
-/// Loops around the footprint, innermost first: the brim. Holes of the footprint get none.
-pub fn brim(footprint: &Region, settings: &BrimSettings, width_mm: f64, height_mm: f64) -> Vec<Ring> {
+/// Layers at the top of a raft that are solid.
+const SOLID_RAFT_LAYERS: u32 = 2;
+
+/// Ends of a raft's lines are joined up to this many line distances apart.
+const LONGEST_JOIN: f64 = 4.0;
+
+/// Loops around the footprint, innermost first: the brim. Where a loop would come too near to a part of the footprint
+/// that has no brim it is interrupted.
+pub fn brim(footprint: &Region, settings: &BrimSettings, width_mm: f64, height_mm: f64) -> Vec<FillLine> {
     let spacing_mm = bead::spacing_mm(width_mm, height_mm);
     let count = (settings.width.0 / spacing_mm).round() as usize;
-    let filled = without_holes(footprint);
-    (0..count)
-        .flat_map(|k| {
-            let away_mm = settings.gap.0 + width_mm / 2.0 + k as f64 * spacing_mm;
-            without_holes(&geom::offset(&filled, away_mm)).polygons.into_iter().map(|p| p.outer)
-        })
-        .collect()
+    let is_small = |p: &Polygon| settings.max_area <= 0.0 || p.area_mm2() < settings.max_area;
+    let (own, others): (Vec<Polygon>, Vec<Polygon>) = footprint.polygons.iter().cloned().partition(is_small);
+    let (own, others) = (Region { polygons: own }, Region { polygons: others });
+    let away_mm = |k: usize| settings.gap.0 + width_mm / 2.0 + k as f64 * spacing_mm;
+    let mut rings: Vec<Ring> = Vec::new();
+    let filled = without_holes(&own);
+    if settings.sides != BrimSides::Inner {
+        rings.extend((0..count).flat_map(|k| {
+            without_holes(&geom::offset(&filled, away_mm(k))).polygons.into_iter().map(|p| p.outer)
+        }));
+    }
+    if settings.sides != BrimSides::Outer {
+        let holes = geom::difference(&filled, &own);
+        rings.extend(
+            (0..count).flat_map(|k| geom::offset(&holes, -away_mm(k)).rings().cloned().collect::<Vec<_>>()),
+        );
+    }
+    let loops = rings.into_iter().filter(|ring| ring.len() >= 3);
+    if others.is_empty() {
+        return loops.map(|points| FillLine { points, closed: true }).collect();
+    }
+    let reach_mm = away_mm(count) + width_mm;
+    let room = geom::difference(&geom::offset(&filled, reach_mm), &geom::offset(&others, away_mm(0)));
+    loops.flat_map(|ring| interrupted(ring, &room)).collect()
+}
+
+/// The parts of a loop inside of a room; the loop, if that is all of it.
+fn interrupted(mut ring: Ring, room: &Region) -> Vec<FillLine> {
+    ring.extend(ring.first().copied());
+    let pieces = geom::clip_polyline(room, &ring);
+    match pieces.as_slice() {
+        [whole] if whole.points == ring => {
+            ring.pop();
+            vec![FillLine { points: ring, closed: true }]
+        }
+        _ => pieces.into_iter().map(|p| FillLine { points: p.points, closed: false }).collect(),
+    }
 }
 
 /// Loops around the convex hull of everything, outermost first: the skirt. There are as many as asked for, and
@@ -39,6 +79,42 @@ pub fn skirt(footprint: &Region, settings: &SkirtSettings, width_mm: f64, height
     }
     loops.reverse();
     loops
+}
+
+/// Where a raft lies: under everything that stands on it, and around it; places between are filled.
+pub fn raft_area(footprint: &Region, settings: &RaftSettings) -> Region {
+    let margin_mm = settings.margin.0.max(0.1);
+    geom::offset(&geom::closing(footprint, 2.0 * margin_mm), margin_mm)
+}
+
+/// The beads of one layer of a raft, 0 the lowest: a loop and parallel lines, turned by 90° from layer to layer, the
+/// uppermost ones solid.
+pub fn raft(
+    area: &Region,
+    layer: u32,
+    settings: &RaftSettings,
+    width_mm: f64,
+    height_mm: f64,
+    rank: u32,
+) -> Vec<Path> {
+    let is_solid = layer + SOLID_RAFT_LAYERS >= settings.layers;
+    let role = if is_solid { Role::SupportInterface } else { Role::Support };
+    let spacing_mm = bead::spacing_mm(width_mm, height_mm);
+    let distance_mm = if is_solid { spacing_mm } else { spacing_mm / settings.density.0 };
+    let frame = geom::offset(area, -width_mm / 2.0);
+    let loops = frame.rings().map(|ring| FillLine { points: ring.clone(), closed: true });
+    let angle_rad = if layer % 2 == 1 { FRAC_PI_2 } else { 0.0 };
+    let inside = geom::offset(&frame, -spacing_mm);
+    let lines = lines::parallel(&inside, angle_rad, distance_mm, 0.0, LONGEST_JOIN * distance_mm);
+    let width = Width::Constant(width_mm);
+    loops
+        .chain(lines)
+        .filter(|line| line.points.len() >= 2 + usize::from(line.closed))
+        .map(|line| {
+            let (closed, points, width) = (line.closed, line.points, width.clone());
+            Path { role, closed, points, width, height_mm, island: u32::MAX, rank }
+        })
+        .collect()
 }
 
 fn without_holes(region: &Region) -> Region {

@@ -2,6 +2,7 @@
 
 mod adhesion;
 pub mod bead;
+mod bridges;
 pub mod infill;
 mod path;
 mod planner;
@@ -9,6 +10,7 @@ mod shells;
 pub mod support;
 mod walls;
 
+pub use adhesion::{raft, raft_area};
 pub use path::{Island, LayerPaths, Path, Role, Width};
 pub use planner::{ObjectLayer, Planner, PlateLayer, ToolpathSettings};
 pub use shells::{Map, Shells, Zones};

@@ -22,6 +22,23 @@ pub enum Role {
 }
 
 impl Role {
+    /// Every role, in order.
+    pub const ALL: [Role; 13] = [
+        Role::Skirt,
+        Role::Brim,
+        Role::Support,
+        Role::SupportInterface,
+        Role::Perimeter,
+        Role::ExternalPerimeter,
+        Role::OverhangPerimeter,
+        Role::GapFill,
+        Role::SolidInfill,
+        Role::BridgeInfill,
+        Role::InternalInfill,
+        Role::TopSolidInfill,
+        Role::Ironing,
+    ];
+
     /// The name in `;TYPE:` comments, as viewers know it.
     pub fn type_name(self) -> &'static str {
         match self {
@@ -92,4 +109,6 @@ pub struct LayerPaths {
     pub paths: Vec<Path>,
     /// The section they were made from.
     pub outline: Region,
+    /// What they rest on, the section one layer down; `None`: the bed.
+    pub beneath: Option<Region>,
 }

@@ -2,14 +2,16 @@
 
 use crate::geom::{self, Polygon, Region, Ring};
 use crate::profile::{
-    BrimSettings, FirstLayerSettings, InfillSettings, Settings, ShellSettings, SkirtSettings, WallOrder,
-    WallSettings,
+    BridgeSettings, BrimSettings, FirstLayerSettings, InfillSettings, Settings, ShellSettings, SkirtSettings,
+    WallOrder, WallSettings,
 };
+use crate::units::Mm;
 
+use super::bridges::Bridge;
 use super::infill::{self, FillLine, FillSpec, SparseSample};
 use super::shells::{self, Zones};
 use super::walls::{self, WallSpec, Walls};
-use super::{Island, LayerPaths, Path, Role, Width, adhesion, bead};
+use super::{Island, LayerPaths, Path, Role, Width, adhesion, bead, bridges};
 
 /// Densities above this are solid.
 const SOLID_DENSITY: f64 = 0.995;
@@ -34,6 +36,9 @@ pub struct ToolpathSettings {
     pub walls: WallSettings,
     pub shell: ShellSettings,
     pub infill: InfillSettings,
+    pub bridge: BridgeSettings,
+    /// The nozzle's bore: as thick as bridges are by nature.
+    pub nozzle: Mm,
     pub first_layer: FirstLayerSettings,
     pub skirt: SkirtSettings,
     pub brim: BrimSettings,
@@ -45,6 +50,8 @@ impl From<&Settings> for ToolpathSettings {
             walls: s.walls.clone(),
             shell: s.shell.clone(),
             infill: s.infill.clone(),
+            bridge: s.bridge.clone(),
+            nozzle: s.printer.nozzle_diameter,
             first_layer: s.first_layer.clone(),
             skirt: s.skirt.clone(),
             brim: s.brim.clone(),
@@ -61,6 +68,8 @@ pub struct ObjectLayer<'a> {
     pub section: &'a Region,
     /// Its section one layer up; empty on its last layer.
     pub next: &'a Region,
+    /// Its section one layer down; `None`: the bed.
+    pub beneath: Option<&'a Region>,
     /// What the layers of the top shell's thickness above have in common; `None`: no top shell.
     pub above: Option<&'a Region>,
     /// What the layers of the bottom shell's thickness below have in common; `None`: no bottom shell.
@@ -86,10 +95,10 @@ pub struct Planner {
     settings: ToolpathSettings,
     /// Calibrated distance of sparse lines.
     line_distance_mm: Option<f64>,
-    brim: Vec<Ring>,
+    brim: Vec<FillLine>,
     skirt: Vec<Ring>,
-    /// What the skirt goes around.
-    around: Region,
+    /// What part and brim cover on the bed.
+    covered: Region,
 }
 
 /// Bead widths of one layer.
@@ -112,25 +121,29 @@ struct Draft {
 impl Planner {
     /// A planner for a plate whose objects' first sections are `footprint`; `first_height_mm` is the first layer's.
     pub fn new(settings: ToolpathSettings, footprint: &Region, first_height_mm: f64) -> Self {
-        let (line_distance_mm, around) = (None, Region::default());
-        let mut planner = Self { settings, line_distance_mm, brim: Vec::new(), skirt: Vec::new(), around };
+        let (line_distance_mm, covered) = (None, footprint.clone());
+        let mut planner = Self { settings, line_distance_mm, brim: Vec::new(), skirt: Vec::new(), covered };
         let width_mm = planner.widths(0).skirt_mm;
         planner.brim = adhesion::brim(footprint, &planner.settings.brim, width_mm, first_height_mm);
-        if planner.brim.is_empty() {
-            planner.enclose(footprint, first_height_mm);
-        } else {
+        if !planner.brim.is_empty() {
             let reach_mm = planner.settings.brim.gap.0 + planner.settings.brim.width.0;
-            planner.enclose(&geom::offset(footprint, reach_mm), first_height_mm);
+            planner.covered = geom::offset(footprint, reach_mm);
         }
+        planner.enclose([], first_height_mm);
         planner
     }
 
-    /// Takes the skirt around what else stands on the bed.
-    pub fn enclose(&mut self, more: &Region, first_height_mm: f64) {
+    /// Takes the skirt around part, brim and more.
+    pub fn enclose<'a>(&mut self, more: impl IntoIterator<Item = &'a Polygon>, first_height_mm: f64) {
         let width_mm = self.widths(0).skirt_mm;
-        let all = geom::union(&self.around, more);
+        let mut all = self.covered.clone();
+        all.polygons.extend(more.into_iter().cloned());
         self.skirt = adhesion::skirt(&all, &self.settings.skirt, width_mm, first_height_mm);
-        self.around = all;
+    }
+
+    /// What part and brim cover on the bed.
+    pub fn covered(&self) -> &Region {
+        &self.covered
     }
 
     /// What calibration needs of a layer; see [`Planner::calibrate`].
@@ -168,9 +181,11 @@ impl Planner {
         let widths = self.widths(section.index);
         if section.index < self.settings.skirt.layers as usize {
             draft.loops(Role::Skirt, 0, widths.skirt_mm, &self.skirt);
+        } else if let Some(innermost) = self.skirt.last().filter(|_| self.settings.skirt.draft_shield) {
+            draft.loops(Role::Skirt, 0, widths.skirt_mm, std::slice::from_ref(innermost));
         }
         if section.index == 0 {
-            draft.loops(Role::Brim, 1, widths.skirt_mm, &self.brim);
+            draft.lines(Role::Brim, 1, widths.skirt_mm, self.brim.clone());
         }
         let mut islands = Vec::new();
         let mut outline = Region::default();
@@ -189,6 +204,7 @@ impl Planner {
             islands,
             paths: draft.paths,
             outline,
+            beneath: rests_on(section),
         }
     }
 
@@ -226,7 +242,14 @@ impl Planner {
             draft.gap(role, rank, gap, walls::MIN_GAP_MM, widest_mm);
         }
 
-        let zones = self.zones(&inside, object, section);
+        let mut zones = self.zones(&inside, object, section);
+        if let Some(beneath) = object.beneath.filter(|_| self.settings.bridge.enabled) {
+            let thread_mm = self.settings.nozzle.0 * self.settings.bridge.flow.sqrt();
+            let anchor_mm = self.settings.bridge.anchor.0;
+            for bridge in bridges::take(&mut zones, &inside, polygon, beneath, thread_mm, anchor_mm) {
+                draft.bridge(count + 2, &bridge, thread_mm, &self.settings.infill);
+            }
+        }
         draft.solid(
             Role::SolidInfill,
             count + 1,
@@ -254,14 +277,14 @@ impl Planner {
             let flow = infill::flow(&lines, solid_mm, density);
             draft.lines(
                 Role::InternalInfill,
-                count + 2,
+                count + 3,
                 bead::width_mm(spacing_mm * flow, section.height_mm),
                 lines,
             );
         }
         draft.solid(
             Role::TopSolidInfill,
-            count + 3,
+            count + 4,
             &zones.top,
             widths.top_mm,
             section.index,
@@ -310,7 +333,7 @@ impl Planner {
 
     fn widths(&self, layer: usize) -> Widths {
         let s = &self.settings;
-        let on = |width: crate::units::Mm| match s.first_layer.width.0 {
+        let on = |width: Mm| match s.first_layer.width.0 {
             first_mm if layer == 0 && first_mm > 0.0 => first_mm,
             _ => width.0,
         };
@@ -323,6 +346,15 @@ impl Planner {
             skirt_mm: on(s.walls.width),
         }
     }
+}
+
+/// What a layer rests on: everything one layer down.
+fn rests_on(section: &PlateLayer<'_>) -> Option<Region> {
+    let mut below = Region::default();
+    for object in &section.objects {
+        below.polygons.extend(object.beneath?.polygons.iter().cloned());
+    }
+    Some(below)
 }
 
 /// How far centre lines of infill stay inside their zone.
@@ -369,6 +401,16 @@ impl Draft {
         {
             self.lines(role, rank, bead::width_mm(fitted_mm, self.height_mm), lines);
         }
+    }
+
+    /// Threads side by side, each as wide as it is high.
+    fn bridge(&mut self, rank: u32, bridge: &Bridge, thread_mm: f64, settings: &InfillSettings) {
+        let inset_mm = thread_mm / 2.0 - settings.overlap.0 * thread_mm;
+        let layer_mm = std::mem::replace(&mut self.height_mm, thread_mm);
+        for (_, lines) in infill::fill_solid(&bridge.area, thread_mm, inset_mm, bridge.angle_rad, 0) {
+            self.lines(Role::BridgeInfill, rank, thread_mm, lines);
+        }
+        self.height_mm = layer_mm;
     }
 
     /// One bead of fitting width along the middle of each narrow part.

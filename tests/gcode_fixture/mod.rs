@@ -95,6 +95,7 @@ pub fn layer(index: usize, paths: Vec<Path>) -> LayerPaths {
         islands: vec![Island { object: 0 }],
         paths,
         outline: Region::default(),
+        beneath: None,
     }
 }
 
@@ -134,8 +135,8 @@ pub fn plan(layers: &[LayerPaths], settings: &Settings, pauses: &[PauseAt]) -> V
         .iter()
         .map(|layer| {
             let sequence = sequence(layer);
-            let mut moves = plan_layer(layer, &sequence, from, &motion);
-            from = exit(layer, &sequence, from, &motion);
+            let mut moves = plan_layer(layer, &sequence, from.clone(), &motion);
+            from = exit(layer, &sequence, std::mem::take(&mut from), &motion);
             let time = cool(&mut moves, &settings.cooling, &machine);
             assert_eq!(time, layer_time(&moves, &machine));
             (moves, time)

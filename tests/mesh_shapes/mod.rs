@@ -16,6 +16,25 @@ pub fn cuboid(low: [f32; 3], high: [f32; 3]) -> Facets {
     quads.into_iter().flat_map(|[a, b, c, d]| [[a, b, c], [a, c, d]].map(|t| t.map(corner))).collect()
 }
 
+/// Three facets of ten turned, some repeated and some collapsed to a line, as `seed` says.
+pub fn damaged(facets: &Facets, seed: &[u8]) -> Facets {
+    let mut broken = Facets::new();
+    for (facet, byte) in facets.iter().zip(seed.iter().cycle()) {
+        let mut facet = *facet;
+        if byte % 10 < 3 {
+            facet.swap(0, 1);
+        }
+        broken.push(facet);
+        if byte % 16 == 5 {
+            broken.push([facet[1], facet[2], facet[0]]);
+        }
+        if byte % 16 == 6 {
+            broken.push([facet[1], facet[1], facet[0]]);
+        }
+    }
+    broken
+}
+
 /// A ball of subdivided octahedron faces.
 pub fn ball(middle: [f32; 3], radius: f32, subdivisions: u32) -> Facets {
     let axes = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];

@@ -49,6 +49,10 @@ impl Words {
 pub struct Line<'a> {
     /// Number of the line, from 1.
     pub number: usize,
+    /// Bytes of the text before it.
+    pub offset: usize,
+    /// All of it, with its end.
+    pub raw: &'a [u8],
     /// All of it, without its end.
     pub text: &'a [u8],
     /// Its command; `None` of blank lines, comments and commands with names (Klipper's).
@@ -59,7 +63,29 @@ pub struct Line<'a> {
     pub comment: Option<&'a [u8]>,
 }
 
-impl Line<'_> {
+impl<'a> Line<'a> {
+    /// Takes one line apart. `raw` holds no line end but its own, if it has one.
+    pub fn new(number: usize, offset: usize, raw: &'a [u8]) -> Self {
+        let line = raw.strip_suffix(b"\n").unwrap_or(raw);
+        let text = line.strip_suffix(b"\r").unwrap_or(line);
+        let (command, comment) = match text.iter().position(|b| *b == b';') {
+            Some(at) => (&text[..at], Some(&text[at + 1..])),
+            None => (text, None),
+        };
+        let (code, parameters) = code(command);
+        Self { number, offset, raw, text, code, parameters, comment }
+    }
+
+    /// Whether the code is this one, such as `(b'M', 204)`.
+    pub fn is(&self, letter: u8, number: u32) -> bool {
+        self.code == Some(Code { letter, number })
+    }
+
+    /// What follows the code, up to a comment.
+    pub fn parameters(&self) -> &'a [u8] {
+        self.parameters
+    }
+
     /// The command's parameters.
     pub fn words(&self) -> Words {
         let mut words = Words::default();
@@ -79,7 +105,7 @@ impl Line<'_> {
 
 /// The lines of a text, ended by `\n` or `\r\n`.
 pub fn lines(text: &[u8]) -> Lines<'_> {
-    Lines { rest: text, number: 0 }
+    Lines { rest: text, number: 0, offset: 0 }
 }
 
 /// Iterator of [`lines`].
@@ -87,6 +113,7 @@ pub fn lines(text: &[u8]) -> Lines<'_> {
 pub struct Lines<'a> {
     rest: &'a [u8],
     number: usize,
+    offset: usize,
 }
 
 impl<'a> Iterator for Lines<'a> {
@@ -97,16 +124,12 @@ impl<'a> Iterator for Lines<'a> {
             return None;
         }
         self.number += 1;
-        let end = self.rest.iter().position(|b| *b == b'\n').unwrap_or(self.rest.len());
-        let (line, rest) = self.rest.split_at(end);
-        self.rest = rest.get(1..).unwrap_or_default();
-        let text = line.strip_suffix(b"\r").unwrap_or(line);
-        let (command, comment) = match text.iter().position(|b| *b == b';') {
-            Some(at) => (&text[..at], Some(&text[at + 1..])),
-            None => (text, None),
-        };
-        let (code, parameters) = code(command);
-        Some(Line { number: self.number, text, code, parameters, comment })
+        let end = self.rest.iter().position(|b| *b == b'\n').map_or(self.rest.len(), |at| at + 1);
+        let (raw, rest) = self.rest.split_at(end);
+        self.rest = rest;
+        let offset = self.offset;
+        self.offset += end;
+        Some(Line::new(self.number, offset, raw))
     }
 }
 

@@ -9,7 +9,7 @@ use crate::units::Mm;
 /// A travel longer than this counts as long.
 const LONG_TRAVEL_MM: f64 = 2.0;
 
-/// What one `;TYPE:` comes to.
+/// What one type of feature comes to.
 #[derive(Clone, Debug, Default, PartialEq)]
 #[allow(missing_docs)]
 pub struct TypeMeasure {
@@ -37,7 +37,7 @@ pub struct Measure {
     pub volume_mm3: f64,
     /// Distinct heights at which something was extruded, micrometres, ascending.
     pub heights_um: Vec<i64>,
-    /// By `;TYPE:`, in order of appearance; `none` before the first.
+    /// By `;TYPE:` or what other slicers write in its place, in order of appearance; `none` before the first.
     pub by_type: Vec<TypeMeasure>,
 }
 
@@ -48,32 +48,58 @@ pub fn measure(text: &[u8], filament_diameter: Mm) -> Measure {
 
 /// Sums up what is left of a replay. `bead_end`: where the last extrusion ended, if there was one before.
 pub fn measure_on(steps: &mut Replay<'_>, filament_diameter: Mm, bead_end: Option<[f64; 3]>) -> Measure {
-    let area_mm2 = filament_area_mm2(filament_diameter);
-    let mut out = Measure::default();
-    let mut run = Run { last_end: bead_end, ..Run::default() };
-    let mut kind = out.kind(b"none");
-    for step in steps {
-        match step.action {
+    let mut meter = Meter::new(filament_diameter, bead_end);
+    steps.for_each(|step| meter.add(&step.action));
+    meter.finish()
+}
+
+/// Sums up actions one by one.
+#[derive(Clone, Debug)]
+pub struct Meter {
+    area_mm2: f64,
+    out: Measure,
+    run: Run,
+    kind: usize,
+}
+
+impl Meter {
+    /// Nothing yet. `bead_end`: where the last extrusion ended, if there was one before.
+    pub fn new(filament_diameter: Mm, bead_end: Option<[f64; 3]>) -> Self {
+        let mut out = Measure::default();
+        let kind = out.kind(b"none");
+        let run = Run { last_end: bead_end, ..Run::default() };
+        Self { area_mm2: filament_area_mm2(filament_diameter), out, run, kind }
+    }
+
+    /// Adds what a line does.
+    pub fn add(&mut self, action: &Action<'_>) {
+        let out = &mut self.out;
+        match action {
             Action::Stroke(stroke) => {
-                out.volume_mm3 += stroke.fresh_mm * area_mm2;
-                out.by_type[kind].volume_mm3 += stroke.fresh_mm * area_mm2;
+                let volume_mm3 = stroke.fresh_mm3(self.area_mm2);
+                out.volume_mm3 += volume_mm3;
+                out.by_type[self.kind].volume_mm3 += volume_mm3;
                 out.retractions += usize::from(stroke.retracts);
                 if stroke.extrudes() {
-                    out.by_type[kind].print_mm += stroke.xy_mm;
-                    run.extrude(&stroke, &mut out);
-                } else if stroke.xy_mm > 1e-9 && run.last_end.is_some() {
+                    out.by_type[self.kind].print_mm += stroke.xy_mm;
+                    self.run.extrude(stroke, out);
+                } else if stroke.xy_mm > 1e-9 && self.run.last_end.is_some() {
                     out.travel_mm += stroke.xy_mm;
-                    *run.travel_mm.get_or_insert(0.0) += stroke.xy_mm;
+                    *self.run.travel_mm.get_or_insert(0.0) += stroke.xy_mm;
                 }
             }
             Action::FirmwareRetract => out.retractions += 1,
-            Action::Type(name) => kind = out.kind(name),
+            Action::Type(name) => self.kind = out.kind(name),
             Action::FirmwareUnretract | Action::Other => {}
         }
     }
-    out.by_type.retain(|t| t.print_mm > 0.0 || t.volume_mm3 > 0.0);
-    out.heights_um = run.heights_um.into_iter().collect();
-    out
+
+    /// The sums.
+    pub fn finish(mut self) -> Measure {
+        self.out.by_type.retain(|t| t.print_mm > 0.0 || t.volume_mm3 > 0.0);
+        self.out.heights_um = self.run.heights_um.into_iter().collect();
+        self.out
+    }
 }
 
 impl Measure {
@@ -93,7 +119,7 @@ impl Measure {
 }
 
 /// The travel under way.
-#[derive(Default)]
+#[derive(Clone, Debug, Default)]
 struct Run {
     /// Where the last extrusion ended.
     last_end: Option<[f64; 3]>,

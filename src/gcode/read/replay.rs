@@ -1,6 +1,7 @@
 //! Follows G-code as a machine does: positions, modes, filament.
 
 use super::lexer::{Code, Line, Lines, Words, lines};
+use super::marks::{Mark, mark};
 use crate::motion::arc_mm;
 
 /// The centre of an arc and its sense.
@@ -30,6 +31,8 @@ pub struct Stroke {
     pub retracts: bool,
     /// Feed rate in force, mm/s.
     pub feed_mm_s: f64,
+    /// Whether amounts of filament are volumes, cubic millimetres, instead of lengths (UltiGCode, M200).
+    pub volumetric: bool,
 }
 
 impl Stroke {
@@ -47,6 +50,11 @@ impl Stroke {
         ]
     }
 
+    /// Volume pushed out, of filament with this cross-section.
+    pub fn fresh_mm3(&self, filament_area_mm2: f64) -> f64 {
+        if self.volumetric { self.fresh_mm } else { self.fresh_mm * filament_area_mm2 }
+    }
+
     /// Whether it puts down filament on the way. Lengths below a picometre are none.
     pub fn extrudes(&self) -> bool {
         self.e_mm > 1e-9 && self.xy_mm > 1e-9
@@ -62,7 +70,7 @@ pub enum Action<'a> {
     FirmwareRetract,
     /// G11.
     FirmwareUnretract,
-    /// `;TYPE:` and the name.
+    /// A comment on a line of its own that says what follows (`;TYPE:` and its like), and the name.
     Type(&'a [u8]),
     /// Anything else; modes and positions that it sets have been taken into account.
     Other,
@@ -76,36 +84,21 @@ pub struct Step<'a> {
     pub action: Action<'a>,
 }
 
-/// Replays a file from the start, line by line. As in Marlin, G90 and G91 set E's mode too.
+/// Replays a file from the start, line by line.
 pub fn replay(text: &[u8]) -> Replay<'_> {
-    Replay {
-        lines: lines(text),
-        position: [0.0; 3],
-        e: 0.0,
-        feed_mm_s: 0.0,
-        absolute: true,
-        e_absolute: true,
-        scale: 1.0,
-        retracted_mm: 0.0,
-    }
+    Replay { lines: lines(text), state: State::default() }
 }
 
 /// Replays what follows a print under way: absolute positions, the nozzle at `position`, nothing retracted.
 pub fn resume(text: &[u8], position: [f64; 3], relative_e: bool) -> Replay<'_> {
-    Replay { position, e_absolute: !relative_e, ..replay(text) }
+    Replay { lines: lines(text), state: State { position, e_absolute: !relative_e, ..State::default() } }
 }
 
 /// Iterator of [`replay`].
 #[derive(Clone, Debug)]
 pub struct Replay<'a> {
     lines: Lines<'a>,
-    position: [f64; 3],
-    e: f64,
-    feed_mm_s: f64,
-    absolute: bool,
-    e_absolute: bool,
-    scale: f64,
-    retracted_mm: f64,
+    state: State,
 }
 
 impl<'a> Iterator for Replay<'a> {
@@ -113,13 +106,7 @@ impl<'a> Iterator for Replay<'a> {
 
     fn next(&mut self) -> Option<Step<'a>> {
         let line = self.lines.next()?;
-        let action = match line.code {
-            Some(code) => self.run(code, &line),
-            None => match line.comment.map(<[u8]>::trim_ascii).and_then(|c| c.strip_prefix(b"TYPE:")) {
-                Some(name) => Action::Type(name.trim_ascii()),
-                None => Action::Other,
-            },
-        };
+        let action = self.state.follow(&line);
         Some(Step { line, action })
     }
 }
@@ -127,19 +114,97 @@ impl<'a> Iterator for Replay<'a> {
 impl Replay<'_> {
     /// Where the nozzle is after the lines replayed so far.
     pub fn position(&self) -> [f64; 3] {
-        self.position
+        self.state.position
+    }
+}
+
+/// What a machine keeps in mind between lines. It can follow lines from anywhere, so texts need not be in memory
+/// as a whole. As in Marlin, G90 and G91 set E's mode too.
+#[derive(Clone, Debug, PartialEq)]
+pub struct State {
+    /// Where the nozzle is.
+    pub position: [f64; 3],
+    /// The extruder's position, in the unit of the file's E.
+    pub e: f64,
+    /// Feed rate in force, mm/s.
+    pub feed_mm_s: f64,
+    /// Whether X, Y and Z are absolute.
+    pub absolute: bool,
+    /// Whether E is absolute.
+    pub e_absolute: bool,
+    /// Whether M82 or M83 says otherwise than a later G90 or G91: firmwares disagree about what then holds for E.
+    pub e_doubtful: bool,
+    /// What the last M82 or M83 said.
+    e_said: Option<bool>,
+    /// Millimetres in a unit of the file.
+    pub scale: f64,
+    /// Filament pulled back and not yet pushed forward again by E.
+    pub retracted_mm: f64,
+    /// Whether filament is pulled back by G10.
+    pub firmware_retracted: bool,
+    /// Whether E counts volume.
+    pub volumetric: bool,
+}
+
+impl Default for State {
+    fn default() -> Self {
+        Self {
+            position: [0.0; 3],
+            e: 0.0,
+            feed_mm_s: 0.0,
+            absolute: true,
+            e_absolute: true,
+            e_doubtful: false,
+            e_said: None,
+            scale: 1.0,
+            retracted_mm: 0.0,
+            firmware_retracted: false,
+            volumetric: false,
+        }
+    }
+}
+
+impl State {
+    /// Does what a line says.
+    pub fn follow<'a>(&mut self, line: &Line<'a>) -> Action<'a> {
+        if let Some(code) = line.code {
+            return self.run(code, line);
+        }
+        match line.comment.and_then(mark) {
+            Some(Mark::Feature(name)) => return Action::Type(name),
+            Some(Mark::Volumetric) => self.volumetric = true,
+            _ => {}
+        }
+        Action::Other
     }
 
     fn run<'a>(&mut self, code: Code, line: &Line<'a>) -> Action<'a> {
         match (code.letter, code.number) {
             (b'G', 0..=3) => return Action::Stroke(self.stroke(code.number, line)),
-            (b'G', 10) => return Action::FirmwareRetract,
-            (b'G', 11) => return Action::FirmwareUnretract,
+            // With a tool or offsets, RepRapFirmware's G10 means something else.
+            (b'G', 10)
+                if [b'P', b'L', b'R', b'X', b'Y', b'Z'].iter().all(|w| line.words().get(*w).is_none()) =>
+            {
+                self.firmware_retracted = true;
+                return Action::FirmwareRetract;
+            }
+            (b'G', 11) => {
+                self.firmware_retracted = false;
+                return Action::FirmwareUnretract;
+            }
             (b'G', 20) => self.scale = 25.4,
             (b'G', 21) => self.scale = 1.0,
             (b'G', 28) if !names_axis(line.text) => self.position = [0.0; 3],
-            (b'G', 90 | 91) => (self.absolute, self.e_absolute) = (code.number == 90, code.number == 90),
-            (b'M', 82 | 83) => self.e_absolute = code.number == 82,
+            (b'G', 90 | 91) => {
+                self.absolute = code.number == 90;
+                self.e_absolute = self.absolute;
+                self.e_doubtful = self.e_said.is_some_and(|said| said != self.absolute);
+            }
+            (b'M', 82 | 83) => {
+                self.e_absolute = code.number == 82;
+                (self.e_said, self.e_doubtful) = (Some(self.e_absolute), false);
+            }
+            (b'M', 200) => self.volumetric = self.is_volumetric(&line.words()),
             (b'G', 92) => {
                 let words = line.words();
                 for (axis, letter) in b"XYZ".iter().enumerate() {
@@ -191,7 +256,23 @@ impl Replay<'_> {
             Some(center) => arc_mm([from[0], from[1]], [to[0], to[1]], center.at, center.clockwise),
             None => ((to[0] - from[0]).powi(2) + (to[1] - from[1]).powi(2)).sqrt(),
         };
-        Stroke { from, to, arc, xy_mm, e_mm, fresh_mm, retracts, feed_mm_s: self.feed_mm_s }
+        Stroke {
+            from,
+            to,
+            arc,
+            xy_mm,
+            e_mm,
+            fresh_mm,
+            retracts,
+            feed_mm_s: self.feed_mm_s,
+            volumetric: self.volumetric,
+        }
+    }
+
+    /// M200: a diameter above 0 makes E a volume, S says so outright.
+    fn is_volumetric(&self, words: &Words) -> bool {
+        let by_diameter = words.get(b'D').map_or(self.volumetric, |diameter| diameter > 0.0);
+        words.get(b'S').map_or(by_diameter, |on| on > 0.0)
     }
 
     /// The centre by I and J, or the one that R means (negative: the longer way round).
@@ -240,6 +321,24 @@ mod tests {
         let fresh: Vec<f64> =
             strokes("M83\nG1 E-1\nG1 X5\nG1 E1.5\nG1 X9 E2").iter().map(|s| s.fresh_mm).collect();
         assert_eq!(fresh, [0.0, 0.0, 0.5, 2.0]);
+    }
+
+    #[test]
+    fn ultigcode_and_m200_count_volume() {
+        for text in [";FLAVOR:UltiGCode\nG1 X1 E2", "M200 D2.85\nG1 X1 E2"] {
+            assert_eq!(strokes(text)[0].fresh_mm3(2.4), 2.0, "{text}");
+        }
+        assert_eq!(strokes("M200 D2.85\nM200 D0\nG1 X1 E2")[0].fresh_mm3(2.5), 5.0);
+    }
+
+    #[test]
+    fn a_g90_after_an_m83_leaves_e_in_doubt_until_the_next() {
+        let mut state = State::default();
+        let mut after = |text: &str| {
+            lines(text.as_bytes()).for_each(|line| drop(state.follow(&line)));
+            state.e_doubtful
+        };
+        assert!(!after("G90\nM83\nG91") && after("G90") && !after("M83"));
     }
 
     #[test]

@@ -1,6 +1,7 @@
 //! How long a file takes.
 
 use super::lexer::Line;
+use super::limits::{Effect, Limits};
 use super::replay::{Action, Replay, Stroke, replay};
 use crate::estimate::{Machine, Planner, Segment};
 use crate::units::Seconds;
@@ -8,7 +9,7 @@ use crate::units::Seconds;
 /// Arcs are planned as chords of this length, as firmwares do.
 const CHORD_MM: f64 = 1.0;
 
-/// The time of all moves, by the machine's limits and the accelerations that the file sets. Heating, homing and
+/// The time of all moves and dwells, by the machine's limits and those that the file sets. Heating, homing and
 /// pauses take none.
 pub fn file_time(text: &[u8], machine: &Machine) -> Seconds {
     time_on(replay(text), machine)
@@ -16,46 +17,75 @@ pub fn file_time(text: &[u8], machine: &Machine) -> Seconds {
 
 /// The time of what is left of a replay, as [`file_time`].
 pub fn time_on(steps: Replay<'_>, machine: &Machine) -> Seconds {
-    let mut planner = Planner::<1>::new(machine);
-    let mut acceleration = [machine.acceleration; 2];
+    let mut clock = Clock::new(machine);
     for step in steps {
-        match step.action {
-            Action::Stroke(stroke) => {
-                let purpose = usize::from(stroke.e_mm <= 0.0);
-                push(&mut planner, &stroke, acceleration[purpose]);
-            }
-            Action::Other => accelerations(&step.line, &mut acceleration),
-            _ => {}
-        }
+        clock.step(&step.line, &step.action, 0);
     }
-    Seconds(planner.finish()[0])
+    Seconds(clock.finish().iter().sum())
 }
 
-fn push(planner: &mut Planner<1>, stroke: &Stroke, acceleration: f64) {
-    let chords = if stroke.arc.is_some() { (stroke.xy_mm / CHORD_MM).ceil().clamp(1.0, 1e5) } else { 1.0 };
-    let mut from = stroke.from;
-    for chord in 1..=chords as u32 {
-        let to = stroke.at(f64::from(chord) / chords);
-        let delta = [to[0] - from[0], to[1] - from[1], to[2] - from[2], stroke.e_mm / chords];
-        planner.push(&Segment { delta, speed: stroke.feed_mm_s, acceleration, account: 0 });
-        from = to;
-    }
+/// Follows a file with the planner, and books the time of every line on an account.
+#[derive(Clone, Debug)]
+pub struct Clock {
+    planner: Planner,
+    limits: Limits,
+    filament_area_mm2: f64,
 }
 
-/// Takes up M204 and Klipper's SET_VELOCITY_LIMIT: accelerations of printing and travel.
-fn accelerations(line: &Line<'_>, set: &mut [f64; 2]) {
-    if line.code.is_some_and(|c| (c.letter, c.number) == (b'M', 204)) {
-        let words = line.words();
-        for (letters, value) in [b"SP", b"ST"].into_iter().zip(set) {
-            for letter in letters {
-                *value = words.get(*letter).filter(|a| *a > 0.0).unwrap_or(*value);
+impl Clock {
+    /// A clock for a machine at rest.
+    pub fn new(machine: &Machine) -> Self {
+        Self {
+            planner: Planner::new(machine),
+            limits: Limits::new(machine),
+            filament_area_mm2: machine.filament_area_mm2,
+        }
+    }
+
+    /// Takes up a line, whose time goes to an account.
+    pub fn step(&mut self, line: &Line<'_>, action: &Action<'_>, account: usize) {
+        match action {
+            Action::Stroke(stroke) => self.go(stroke, account),
+            Action::FirmwareRetract => {
+                let retraction = self.planner.machine().retraction;
+                self.feed(-retraction.length_mm, retraction.speed, account);
+            }
+            Action::FirmwareUnretract => {
+                let retraction = self.planner.machine().retraction;
+                self.feed(retraction.length_mm + retraction.extra_mm, retraction.unretract_speed, account);
+            }
+            Action::Type(_) => {}
+            Action::Other => {
+                if let Effect::Wait(seconds) = self.limits.obey(line, self.planner.machine()) {
+                    self.planner.dwell(seconds, account);
+                }
             }
         }
-    } else if line.text.starts_with(b"SET_VELOCITY_LIMIT") {
-        let text = String::from_utf8_lossy(line.text);
-        let given = text.split_whitespace().find_map(|word| word.strip_prefix("ACCEL=")?.parse::<f64>().ok());
-        if let Some(acceleration) = given.filter(|a| *a > 0.0) {
-            *set = [acceleration; 2];
+    }
+
+    /// The seconds on every account that was used.
+    pub fn finish(self) -> Vec<f64> {
+        self.planner.finish()
+    }
+
+    fn feed(&mut self, e_mm: f64, speed: f64, account: usize) {
+        let acceleration = self.limits.acceleration(self.planner.machine().firmware, false, e_mm);
+        self.planner.push(&Segment { delta: [0.0, 0.0, 0.0, e_mm], speed, acceleration, account });
+    }
+
+    fn go(&mut self, stroke: &Stroke, account: usize) {
+        let speed = stroke.feed_mm_s * self.limits.speed;
+        let e_mm = if stroke.volumetric { stroke.e_mm / self.filament_area_mm2 } else { stroke.e_mm };
+        let in_space = stroke.xy_mm > 0.0 || stroke.from[2] != stroke.to[2];
+        let acceleration = self.limits.acceleration(self.planner.machine().firmware, in_space, e_mm);
+        let chords =
+            if stroke.arc.is_some() { (stroke.xy_mm / CHORD_MM).ceil().clamp(1.0, 1e5) } else { 1.0 };
+        let mut from = stroke.from;
+        for chord in 1..=chords as u32 {
+            let to = stroke.at(f64::from(chord) / chords);
+            let delta = [to[0] - from[0], to[1] - from[1], to[2] - from[2], e_mm / chords];
+            self.planner.push(&Segment { delta, speed, acceleration, account });
+            from = to;
         }
     }
 }

@@ -48,9 +48,9 @@ impl Climb {
     }
 }
 
-/// Good multipliers, and the bound that they prove over all links (Held & Karp 1970 and 1971,
+/// Multipliers whose bound over all links is the best that was found (Held & Karp 1970 and 1971,
 /// <https://doi.org/10.1287/opre.18.6.1138>, <https://doi.org/10.1007/BF01584070>).
-pub(super) fn ascend(relaxation: &mut Relaxation) -> (i64, Multipliers) {
+pub(super) fn ascend(relaxation: &mut Relaxation) -> Multipliers {
     let mut now = relaxation.zero();
     let mut usage = Usage::default();
     let mut ascent = Ascent::new(relaxation);
@@ -89,7 +89,7 @@ pub(super) fn ascend(relaxation: &mut Relaxation) -> (i64, Multipliers) {
         }
     }
     let (bound, _) = relaxation.exact(&hoped.1);
-    if bound > proved.0 { (bound, hoped.1) } else { proved }
+    if bound > proved.0 { hoped.1 } else { proved.1 }
 }
 
 struct Ascent {
@@ -97,6 +97,8 @@ struct Ascent {
     cuts: Climb,
     ties: Climb,
     directions: Vec<f64>,
+    /// The terminal at which each loop is entered where that gives back most.
+    entered: Vec<u32>,
     /// Run of each path, and the sum of its terminals' directions.
     run_of: Vec<u32>,
     runs: Vec<f64>,
@@ -110,6 +112,7 @@ impl Ascent {
             cuts: Climb::default(),
             ties: Climb::default(),
             directions: vec![0.0; model.terminals.len()],
+            entered: vec![0; model.bodies.len()],
             run_of: model.run_of(),
             runs: vec![0.0; model.bodies.len()],
         };
@@ -128,6 +131,7 @@ impl Ascent {
         self.runs.fill(0.0);
         for (item, body) in model.bodies.iter().enumerate() {
             let entered = if body.closed { relaxation.dearest(item, now).1 } else { 0 };
+            self.entered[item] = body.first + entered as u32;
             for (piece, t) in (body.first as usize..body.last as usize).enumerate() {
                 let here = i32::from(piece == entered);
                 self.directions[t] = f64::from(usage.degrees[t] - if body.closed { 2 * here } else { 1 });
@@ -145,7 +149,10 @@ impl Ascent {
         for (cut, members) in relaxation.cuts.members.iter().enumerate() {
             let ends: i32 = members.iter().map(|&t| usage.degrees[t as usize]).sum();
             let leaving = ends - 2 * usage.inside[cut];
-            now.cuts[cut] = self.cuts.go_positive(cut, f64::from(relaxation.cuts.least[cut] - leaving), step);
+            let guard = relaxation.cuts.guard[cut];
+            let bound = guard.is_none_or(|t| self.entered[model.terminals[t as usize].item as usize] == t);
+            let least = if bound { relaxation.cuts.least[cut] } else { 0 };
+            now.cuts[cut] = self.cuts.go_positive(cut, f64::from(least - leaving), step);
         }
     }
 }

@@ -1,6 +1,8 @@
 //! Sets of terminals that a walk must leave more often than a tree does.
 //!
-//! A set in which an odd number of links ends is left at least once. A set that holds the start and a run, but neither the
+//! A set in which an odd number of links ends is left at least once. A set that no open path leaves is left at least twice if
+//! a loop is entered in it (Fischetti, Salazar & Toth 1997, <https://doi.org/10.1287/opre.45.3.378>, for generalised tours):
+//! this holds for sets with some pieces of a loop, too. A set that holds the start and a run, but neither the
 //! end nor another run that must come before that one, is left at least three times: out to the earlier run, back in,
 //! and out to the end (Ruland & Rodin 1997, <https://doi.org/10.1016/S0898-1221(97)00090-4>, for pickups and deliveries).
 
@@ -18,9 +20,13 @@ const SLACK: f64 = 0.05;
 /// The cuts found so far.
 pub(super) struct Cuts {
     pub(super) members: Vec<Vec<u32>>,
-    /// How often a walk leaves each, at least.
+    /// How often a walk leaves each, at least;
     pub(super) least: Vec<i32>,
-    known: FxHashSet<Vec<u32>>,
+    /// where that holds only if a loop is entered at a certain piece, this piece.
+    pub(super) guard: Vec<Option<u32>>,
+    /// Cuts that each terminal guards.
+    pub(super) guarded: Vec<Vec<u32>>,
+    known: FxHashSet<(Vec<u32>, Option<u32>)>,
     /// Cuts of each terminal, ascending; the last entry is the start's.
     pub(super) of: Vec<Vec<u32>>,
 }
@@ -28,7 +34,14 @@ pub(super) struct Cuts {
 impl Cuts {
     pub(super) fn new(terminals: usize) -> Self {
         let of = vec![Vec::new(); terminals + 1];
-        Self { members: Vec::new(), least: Vec::new(), known: FxHashSet::default(), of }
+        Self {
+            members: Vec::new(),
+            least: Vec::new(),
+            guard: Vec::new(),
+            guarded: vec![Vec::new(); terminals],
+            known: FxHashSet::default(),
+            of,
+        }
     }
 
     /// Cuts that hold both terminals.
@@ -37,46 +50,75 @@ impl Cuts {
         self.of[a as usize].iter().copied().filter(move |cut| other.binary_search(cut).is_ok())
     }
 
-    fn add(&mut self, members: Vec<u32>, least: i32) {
-        if self.known.insert(members.clone()) {
+    fn add(&mut self, members: Vec<u32>, least: i32, guard: Option<u32>) {
+        if self.known.insert((members.clone(), guard)) {
+            let cut = self.members.len() as u32;
             for &t in &members {
-                self.of[t as usize].push(self.members.len() as u32);
+                self.of[t as usize].push(cut);
+            }
+            if let Some(t) = guard {
+                self.guarded[t as usize].push(cut);
             }
             self.members.push(members);
             self.least.push(least);
+            self.guard.push(guard);
         }
     }
 
-    /// Adds the odd sets that recent trees seldom left, among the parts that the links used in more than some share of
-    /// them connect (a heuristic of Padberg & Rinaldi 1990, <https://doi.org/10.1007/BF01580861>). Any odd set is valid.
-    pub(super) fn separate_odd(&mut self, model: &Model, links: &[Link], trees: u32) {
-        let terminals = model.terminals.len();
-        let open = |t: u32| !model.bodies[model.terminals[t as usize].item as usize].closed;
-        for share in SHARES {
-            let mut parts = Parts::new(terminals);
-            // At which of its pieces a loop is entered is not known: a cut holds all of them or none.
-            for body in model.bodies.iter().filter(|body| body.closed) {
-                for t in body.first + 1..body.last {
-                    parts.join(body.first, t);
+    /// Adds sets that recent trees left too seldom, among the parts that the links used in more than some share of them
+    /// connect (a heuristic of Padberg & Rinaldi 1990, <https://doi.org/10.1007/BF01580861>): odd ones, and those in
+    /// which a loop is entered. Loops are taken whole, and then by pieces.
+    pub(super) fn separate_parts(&mut self, model: &Model, links: &[Link], trees: u32) {
+        let mut degrees = vec![0; model.terminals.len()];
+        for link in links {
+            degrees[link.a as usize] += link.used;
+            degrees[link.b as usize] += link.used;
+        }
+        let in_pieces = model.bodies.iter().any(|body| body.closed && body.last - body.first > 1);
+        for whole in [true, false].into_iter().filter(|&whole| whole || in_pieces) {
+            for share in SHARES {
+                let mut parts = Parts::new(model.terminals.len());
+                for body in model.bodies.iter().filter(|body| body.closed && whole) {
+                    (body.first + 1..body.last).for_each(|t| {
+                        parts.join(body.first, t);
+                    });
                 }
-            }
-            for link in links.iter().filter(|link| f64::from(link.used) > share * f64::from(trees)) {
-                parts.join(link.a, link.b);
-            }
-            let mut leaving = vec![0; terminals];
-            for link in links {
-                let ends = [link.a, link.b].map(|t| parts.find(t));
-                for end in ends.into_iter().filter(|_| ends[0] != ends[1]) {
-                    leaving[end as usize] += link.used;
+                let often = |link: &&Link| f64::from(link.used) > share * f64::from(trees);
+                for link in links.iter().filter(often) {
+                    parts.join(link.a, link.b);
                 }
-            }
-            let mut members = vec![Vec::new(); terminals];
-            (0..terminals as u32).for_each(|t| members[parts.find(t) as usize].push(t));
-            for (members, leaving) in members.into_iter().zip(leaving) {
-                let odd = members.iter().filter(|&&t| open(t)).count() % 2 == 1;
-                if odd && members.len() > 2 && f64::from(leaving) < (1.0 - SLACK) * f64::from(trees) {
-                    self.add(members, 1);
+                self.add_odd(model, links, &mut parts, trees);
+                for body in model.bodies.iter().filter(|body| !body.closed) {
+                    parts.join(body.first, body.first + 1);
                 }
+                self.add_entered(model, links, &mut parts, (&degrees, trees));
+            }
+        }
+    }
+
+    fn add_odd(&mut self, model: &Model, links: &[Link], parts: &mut Parts, trees: u32) {
+        for (members, leaving) in left(links, parts, model.terminals.len()) {
+            let odd = members.iter().filter(|&&t| model.is_end(t)).count() % 2 == 1;
+            if odd && members.len() > 1 && f64::from(leaving) < (1.0 - SLACK) * f64::from(trees) {
+                self.add(members, 1, None);
+            }
+        }
+    }
+
+    fn add_entered(
+        &mut self,
+        model: &Model,
+        links: &[Link],
+        parts: &mut Parts,
+        (degrees, trees): (&[u32], u32),
+    ) {
+        for (members, leaving) in left(links, parts, model.terminals.len()) {
+            let pieces = members.iter().filter(|&&t| !model.is_end(t));
+            let Some(&guard) = pieces.max_by_key(|&&t| degrees[t as usize]) else { continue };
+            // Where a loop is entered, two links end.
+            let entered = degrees[guard as usize];
+            if members.len() > 1 && f64::from(leaving) < f64::from(entered) - SLACK * f64::from(trees) {
+                self.add(members, 2, Some(guard));
             }
         }
     }
@@ -106,10 +148,24 @@ impl Cuts {
                 let mut members: Vec<u32> =
                     (0..model.terminals.len() as u32).filter(|&t| side[run(t) as usize]).collect();
                 members.push(model.terminals.len() as u32);
-                self.add(members, 3);
+                self.add(members, 3, None);
             }
         }
     }
+}
+
+/// The members of each part, and how often recent trees left it.
+fn left(links: &[Link], parts: &mut Parts, terminals: usize) -> impl Iterator<Item = (Vec<u32>, u32)> {
+    let mut leaving = vec![0; terminals];
+    for link in links {
+        let ends = [link.a, link.b].map(|t| parts.find(t));
+        for end in ends.into_iter().filter(|_| ends[0] != ends[1]) {
+            leaving[end as usize] += link.used;
+        }
+    }
+    let mut members = vec![Vec::new(); terminals];
+    (0..terminals as u32).for_each(|t| members[parts.find(t) as usize].push(t));
+    members.into_iter().zip(leaving).filter(|(members, _)| !members.is_empty())
 }
 
 /// An undirected graph with capacities.

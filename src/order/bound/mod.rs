@@ -20,56 +20,130 @@ use ascent::ascend;
 use model::{Model, fine, link, to_mm};
 use relaxation::Relaxation;
 
-/// A length in millimetres that the links of no solution of the problem can stay below.
-pub fn layer(problem: &Problem) -> f64 {
-    let model = Model::new(problem);
-    if model.bodies.is_empty() {
-        return 0.0;
-    }
-    let mut relaxation = Relaxation::new(&model);
-    if let Some(start) = problem.start {
-        relaxation.arrive(|p| link(start, p));
-    }
-    if let Some(end) = problem.end {
-        relaxation.leave(|p| link(p, end));
-    }
-    to_mm(ascend(&mut relaxation).0.max(0))
+/// What a layer adds to a bound, wherever it is entered and left: its multipliers, and all that they prove.
+#[derive(Clone, Debug, Default)]
+pub struct Share {
+    /// Everything but the links in and out, in fine units.
+    inner: i64,
+    /// Where a walk may begin and where it may end, with what a link pays there.
+    ways: [Vec<(Point, i64)>; 2],
 }
 
-/// A length in millimetres that the links of a whole print cannot stay below, however its layers are ordered and wherever
-/// they begin and end. The start of the first layer and the end of the last count where they are known, all others
-/// are ignored; layers without paths are passed over.
-pub fn print<'a>(layers: impl IntoIterator<Item = Problem<'a>>) -> f64 {
-    let mut layers = layers.into_iter().filter(|layer| !layer.items.is_empty()).peekable();
-    let mut places = layers.peek().and_then(|first| first.start).map(|start| Places::new(vec![(start, 0)]));
-    let mut total = 0;
-    while let Some(problem) = layers.next() {
-        let model = Model::new(&problem);
-        let mut relaxation = Relaxation::new(&model);
-        if let Some(places) = &places {
-            relaxation.arrive(|p| places.nearest(p));
-        }
-        match layers.peek() {
-            Some(next) => {
-                let next = Model::new(next);
-                let places = Places::new(next.beginnings().map(|p| (p, 0)).collect());
-                relaxation.leave(|p| places.nearest(p));
-            }
-            None => {
-                if let Some(end) = problem.end {
-                    relaxation.leave(|p| link(p, end));
-                }
-            }
-        }
-        let (bound, multipliers) = ascend(&mut relaxation);
-        if layers.peek().is_none() {
-            return to_mm((total + bound).max(0));
-        }
-        let (settled, ends) = relaxation.settle(&multipliers);
-        total += settled;
-        places = Some(Places::new(ends));
+/// What a layer's walk comes from, or goes on to, while its multipliers are sought.
+enum Beyond<'a> {
+    /// Not known: the link there is left out.
+    Anything,
+    Place(Point),
+    /// A layer whose multipliers are not known yet.
+    Layer(&'a Problem<'a>),
+    Share(&'a Share),
+}
+
+impl Beyond<'_> {
+    /// The places at the other end of the link; `below`: whether a layer is left there, not entered.
+    fn places(&self, below: bool) -> Option<Places> {
+        let places = match self {
+            Self::Anything => return None,
+            Self::Place(at) => vec![(*at, 0)],
+            Self::Layer(problem) => Model::new(problem).ways(usize::from(below)).map(|p| (p, 0)).collect(),
+            Self::Share(share) => share.ways[usize::from(below)].clone(),
+        };
+        Some(Places::new(places))
     }
-    to_mm(total.max(0))
+}
+
+impl Share {
+    fn new(problem: &Problem, below: &Beyond, above: &Beyond) -> Self {
+        let model = Model::new(problem);
+        if model.bodies.is_empty() {
+            return Self::default();
+        }
+        let mut relaxation = Relaxation::new(&model);
+        for (way, places) in [below.places(true), above.places(false)].iter().enumerate() {
+            if let Some(places) = places {
+                relaxation.measure(way, |p| places.nearest(p));
+            }
+        }
+        let multipliers = ascend(&mut relaxation);
+        let (inner, ways) = relaxation.settle(&multipliers);
+        Self { inner, ways }
+    }
+
+    fn is_empty(&self) -> bool {
+        self.ways.iter().all(Vec::is_empty)
+    }
+
+    /// The least price of a link in or out, from or to a place that may be unknown.
+    fn way(&self, way: usize, place: Option<Point>) -> i64 {
+        let price = |&(p, pay): &(Point, i64)| pay + place.map_or(0, |place| link(place, p));
+        self.ways[way].iter().map(price).min().unwrap_or(0)
+    }
+
+    /// The least price of the link from this layer to the next.
+    fn link_to(&self, next: &Self) -> i64 {
+        let places = Places::new(self.ways[1].clone());
+        next.ways[0].iter().map(|&(p, pay)| places.nearest(p) + pay).min().unwrap_or(0)
+    }
+
+    /// A length in millimetres that the layer's links cannot stay below, entered from `start` and left for `end`, where these
+    /// are known.
+    pub fn layer_mm(&self, start: Option<Point>, end: Option<Point>) -> f64 {
+        to_mm((self.inner + self.way(0, start) + self.way(1, end)).max(0))
+    }
+
+    /// A length in millimetres that the links of a whole print cannot stay below, however its layers are ordered and wherever
+    /// they begin and end. Layers without paths are passed over.
+    pub fn print_mm(layers: &[Self], start: Option<Point>, end: Option<Point>) -> f64 {
+        let layers: Vec<&Self> = layers.iter().filter(|share| !share.is_empty()).collect();
+        let (Some(first), Some(last)) = (layers.first(), layers.last()) else { return 0.0 };
+        let inner: i64 = layers.iter().map(|share| share.inner).sum();
+        let between: i64 = layers.windows(2).map(|pair| pair[0].link_to(pair[1])).sum();
+        to_mm((first.way(0, start) + inner + between + last.way(1, end)).max(0))
+    }
+}
+
+/// The shares of a print's layers, from the first to the last; a layer that nothing is drawn on has an empty one. The
+/// start of the first and the end of the last count where they are known.
+///
+/// Every other layer comes first, so that those between know what links to them pay on both sides. `map(n, f)` gives
+/// f(0), …, f(n − 1) and may call them in any order.
+pub fn shares(
+    layers: &[Problem],
+    map: impl Fn(usize, &(dyn Fn(usize) -> Share + Sync)) -> Vec<Share>,
+) -> Vec<Share> {
+    let used: Vec<usize> = (0..layers.len()).filter(|&i| !layers[i].items.is_empty()).collect();
+    let mut shares = vec![Share::default(); layers.len()];
+    for turn in 0..2 {
+        let count = (used.len() + 1 - turn) / 2;
+        let done = map(count, &|k| {
+            let at = 2 * k + turn;
+            let beyond = |k: Option<usize>, place: Option<Point>| match k.and_then(|k| used.get(k)) {
+                Some(&i) if turn == 0 => Beyond::Layer(&layers[i]),
+                Some(&i) => Beyond::Share(&shares[i]),
+                None => place.map_or(Beyond::Anything, Beyond::Place),
+            };
+            let problem = &layers[used[at]];
+            Share::new(problem, &beyond(at.checked_sub(1), problem.start), &beyond(Some(at + 1), problem.end))
+        });
+        for (k, share) in done.into_iter().enumerate() {
+            shares[used[2 * k + turn]] = share;
+        }
+    }
+    shares
+}
+
+/// A length in millimetres that the links of no solution of the problem can stay below.
+pub fn layer(problem: &Problem) -> f64 {
+    print(std::slice::from_ref(problem))
+}
+
+/// A length in millimetres that the links of a whole print cannot stay below; see [`shares`] and [`Share::print_mm`].
+pub fn print(layers: &[Problem]) -> f64 {
+    let shares = shares(layers, |n, share| (0..n).map(share).collect());
+    let mut used = layers.iter().filter(|layer| !layer.items.is_empty());
+    let start = used.next().and_then(|first| first.start);
+    let end = layers.iter().rfind(|layer| !layer.items.is_empty()).and_then(|last| last.end);
+    Share::print_mm(&shares, start, end)
 }
 
 /// Places with a price each.

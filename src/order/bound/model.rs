@@ -162,6 +162,11 @@ impl Model {
         fine((nearest as f64).sqrt()).max(0)
     }
 
+    /// Whether a terminal is an end of an open path.
+    pub(super) fn is_end(&self, terminal: u32) -> bool {
+        !self.bodies[self.terminals[terminal as usize].item as usize].closed
+    }
+
     pub(super) fn item_of_point(&self, point: u32) -> u32 {
         self.terminals[self.owner[point as usize] as usize].item
     }
@@ -222,9 +227,10 @@ impl Model {
         body.groups[0] == 0 && body.begins
     }
 
-    /// Every point at which a walk may begin.
-    pub(super) fn beginnings(&self) -> impl Iterator<Item = Point> {
-        self.points.iter().zip(0..).filter(|&(_, k)| self.may_begin(self.item_of_point(k))).map(|(&p, _)| p)
+    /// Every point at which a walk may begin (0) or end (1).
+    pub(super) fn ways(&self, way: usize) -> impl Iterator<Item = Point> {
+        let permits = move |item| if way == 0 { self.may_begin(item) } else { self.may_end(item) };
+        self.points.iter().zip(0..).filter(move |&(_, k)| permits(self.item_of_point(k))).map(|(&p, _)| p)
     }
 
     /// Whether a walk may end with this path.

@@ -21,9 +21,9 @@ pub(super) struct Pricing<'a> {
 
 /// What the multipliers make of the links.
 pub(super) struct Prices<'a> {
-    /// Links of the known pairs of paths, by depth: all there are between two.
+    /// The known links, by depth.
     pub(super) listed: [Vec<Priced>; DEPTHS],
-    /// Whether the links of two paths are listed.
+    /// Whether the link of two terminals is listed.
     pub(super) known: &'a dyn Fn(u32, u32) -> bool,
     /// All other links cost their length, this at each terminal,
     pub(super) weights: &'a [i64],
@@ -128,7 +128,7 @@ impl<'a> Pricing<'a> {
                     let cost = link(at, model.points[to as usize]) + own + prices.weights[far as usize];
                     if best.is_none_or(|best| cost <= best.cost)
                         && model.permits(items[k], items[other])
-                        && !(prices.known)(items[k], items[other])
+                        && !(prices.known)(terminal, far)
                     {
                         let cost = cost + (prices.both)(terminal, far);
                         improve(best, Priced { cost, from: from.min(to), to: from.max(to) });

@@ -1,6 +1,6 @@
 //! The relaxation of one layer: a tree instead of a walk, with a price on whatever a tree may do and a walk may not.
 
-use rustc_hash::FxHashSet;
+use rustc_hash::{FxHashMap, FxHashSet};
 
 use super::super::matching::delaunay;
 use super::super::parts::Parts;
@@ -37,14 +37,17 @@ struct Way {
 pub(super) struct Relaxation<'a> {
     pub(super) model: &'a Model,
     pricing: Pricing<'a>,
-    /// Links of the known pairs, by depth.
+    /// The known links, by depth, and the terminals that they join.
     links: [Vec<Link>; DEPTHS],
     known: FxHashSet<(u32, u32)>,
+    /// Paths with known links.
+    pairs: FxHashSet<(u32, u32)>,
     pub(super) cuts: Cuts,
     /// For [`Link::shared`].
     shared: Vec<u32>,
     /// For each loop in several pieces, and each neighbour, the first of as many ties.
     pub(super) blocks: Vec<Vec<u32>>,
+    block_of: FxHashMap<(u32, u32), u32>,
     pub(super) ties: usize,
     /// Ways in and ways out.
     ways: [Vec<Way>; 2],
@@ -52,16 +55,18 @@ pub(super) struct Relaxation<'a> {
 }
 
 impl<'a> Relaxation<'a> {
-    /// Links at both ends of the walk cost nothing until [`Self::arrive`] and [`Self::leave`].
+    /// Links at both ends of the walk cost nothing until [`Self::measure`].
     pub(super) fn new(model: &'a Model) -> Self {
         let mut relaxation = Self {
             model,
             pricing: Pricing::new(model),
             links: Default::default(),
             known: FxHashSet::default(),
+            pairs: FxHashSet::default(),
             cuts: Cuts::new(model.terminals.len()),
             shared: Vec::new(),
             blocks: vec![Vec::new(); model.bodies.len()],
+            block_of: FxHashMap::default(),
             ties: 1,
             ways: Default::default(),
             keys: Vec::new(),
@@ -95,17 +100,9 @@ impl<'a> Relaxation<'a> {
         }
     }
 
-    /// Makes the link from where the walk comes from part of the bound; `length` is the least to arrive at a point.
-    pub(super) fn arrive(&mut self, length: impl Fn(Point) -> i64) {
-        self.measure(0, length);
-    }
-
-    /// Makes the link to where the walk goes on part of the bound.
-    pub(super) fn leave(&mut self, length: impl Fn(Point) -> i64) {
-        self.measure(1, length);
-    }
-
-    fn measure(&mut self, ways: usize, length: impl Fn(Point) -> i64) {
+    /// Makes the link from where the walk comes from (0) or to where it goes on (1) part of the bound; `length` is the
+    /// least for a point.
+    pub(super) fn measure(&mut self, ways: usize, length: impl Fn(Point) -> i64) {
         for way in &mut self.ways[ways] {
             way.length = self.model.points_of(way.terminal).iter().map(|&p| length(p)).min().unwrap_or(0);
         }
@@ -117,45 +114,85 @@ impl<'a> Relaxation<'a> {
         let mut pairs = Vec::new();
         for points in self.pricing.families() {
             let places: Vec<Point> = points.iter().map(|&point| model.points[point as usize]).collect();
-            let item = |k: u32| model.item_of_point(points[k as usize]);
-            pairs.extend(delaunay(&places).into_iter().map(|(u, v)| (item(u), item(v))));
+            let owner = |k: u32| model.owner[points[k as usize] as usize];
+            pairs.extend(delaunay(&places).into_iter().map(|(u, v)| (owner(u), owner(v))));
         }
-        for (i, j) in pairs {
-            self.add_pair(i, j);
+        for (a, b) in pairs {
+            self.add_pair(a, b);
         }
     }
 
-    /// Makes the pairs that a tree joins known; whether any was new.
+    /// Makes the pairs that a tree joins known; whether any link was new.
     pub(super) fn add_tree(&mut self, tree: &[Priced]) -> bool {
         let before = self.known.len();
         for found in tree {
-            self.add_pair(self.model.item_of_point(found.from), self.model.item_of_point(found.to));
+            let [a, b] = [found.from, found.to].map(|point| self.model.owner[point as usize]);
+            self.add_pair(a, b);
         }
         self.known.len() > before
     }
 
-    fn add_pair(&mut self, i: u32, j: u32) {
+    /// Makes the link of two terminals known and, if it is the first between their paths, all others there between single
+    /// points, and from each piece of a loop that to the nearest terminal.
+    fn add_pair(&mut self, a: u32, b: u32) {
         let model = self.model;
-        let (i, j) = (i.min(j), i.max(j));
-        if i == j || !model.permits(i, j) || !self.known.insert((i, j)) {
+        let [i, j] = [a, b].map(|t| model.terminals[t as usize].item);
+        if i == j || !model.permits(i, j) {
             return;
         }
-        let blocks = [self.add_block(i), self.add_block(j)];
-        let (one, other) = (&model.bodies[i as usize], &model.bodies[j as usize]);
-        for a in one.first..one.last {
-            for b in other.first..other.last {
-                let first = self.shared.len() as u32;
-                self.shared.extend(self.cuts.shared(a, b));
-                self.links[model.depth(i, j)].push(Link {
-                    length: model.shortest(a, b),
-                    a,
-                    b,
-                    ties: [tie(blocks[0], a - one.first), tie(blocks[1], b - other.first)],
-                    shared: (first, self.shared.len() as u32),
-                    used: 0,
-                });
+        self.add_link(a, b);
+        if !self.pairs.insert((i.min(j), i.max(j))) {
+            return;
+        }
+        let [one, other] =
+            [i, j].map(|item| model.bodies[item as usize].first..model.bodies[item as usize].last);
+        let few = one.len() <= 2 && other.len() <= 2;
+        for (from, to) in [(one.clone(), other.clone()), (other, one)] {
+            for a in from {
+                let nearest = to.clone().min_by_key(|&b| (model.shortest(a, b), b));
+                to.clone().filter(|&b| few || nearest == Some(b)).for_each(|b| self.add_link(a, b));
             }
         }
+    }
+
+    fn add_link(&mut self, a: u32, b: u32) {
+        let model = self.model;
+        let (a, b) = (a.min(b), a.max(b));
+        let [i, j] = [a, b].map(|t| model.terminals[t as usize].item);
+        if !self.known.insert((a, b)) {
+            return;
+        }
+        let blocks = [self.block(i, j), self.block(j, i)];
+        let first = self.shared.len() as u32;
+        self.shared.extend(self.cuts.shared(a, b));
+        self.links[model.depth(i, j)].push(Link {
+            length: model.shortest(a, b),
+            a,
+            b,
+            ties: [
+                tie(blocks[0], a - model.bodies[i as usize].first),
+                tie(blocks[1], b - model.bodies[j as usize].first),
+            ],
+            shared: (first, self.shared.len() as u32),
+            used: 0,
+        });
+    }
+
+    /// What a link pays for its tie at `a`.
+    fn tied(&self, a: u32, b: u32, multipliers: &Multipliers) -> i64 {
+        let [i, j] = [a, b].map(|t| self.model.terminals[t as usize].item);
+        let block = self.block_of.get(&(i, j)).copied().unwrap_or(0);
+        multipliers.ties[tie(block, a - self.model.bodies[i as usize].first) as usize]
+    }
+
+    /// The block of a loop's ties for one neighbour.
+    fn block(&mut self, item: u32, neighbour: u32) -> u32 {
+        if let Some(&block) = self.block_of.get(&(item, neighbour)) {
+            return block;
+        }
+        let block = self.add_block(item);
+        self.block_of.insert((item, neighbour), block);
+        block
     }
 
     /// Ties for the links from one neighbour to each piece of a loop; 0 for paths that are of one piece.
@@ -174,7 +211,7 @@ impl<'a> Relaxation<'a> {
     pub(super) fn look_for_cuts(&mut self, trees: u32) -> bool {
         let before = self.cuts.members.len();
         let links = self.links.concat();
-        self.cuts.separate_odd(self.model, &links, trees);
+        self.cuts.separate_parts(self.model, &links, trees);
         let used = |ways: &Vec<Way>| -> Vec<_> { ways.iter().map(|way| (way.terminal, way.used)).collect() };
         let [begun, ended] = self.ways.each_ref().map(used);
         self.cuts.separate_precedence(self.model, &links, [&begun, &ended], trees);
@@ -208,7 +245,11 @@ impl<'a> Relaxation<'a> {
             true => self.dearest(item, multipliers).0,
             false => multipliers.nodes[body.first as usize..body.last as usize].iter().sum(),
         };
-        let cuts = multipliers.cuts.iter().zip(&self.cuts.least).map(|(cut, &least)| cut * i64::from(least));
+        let always = self.cuts.least.iter().zip(&self.cuts.guard).map(|(&least, guard)| match guard {
+            None => i64::from(least),
+            Some(_) => 0,
+        });
+        let cuts = multipliers.cuts.iter().zip(always).map(|(cut, least)| cut * least);
         cuts.sum::<i64>() - self.model.bodies.iter().enumerate().map(nodes).sum::<i64>()
     }
 
@@ -219,20 +260,29 @@ impl<'a> Relaxation<'a> {
         let ties = |piece: usize| {
             self.blocks[item].iter().map(|&block| multipliers.ties[block as usize + piece]).sum::<i64>()
         };
-        own.iter().enumerate().map(|(k, node)| (2 * node + ties(k), k)).max().unwrap_or((0, 0))
+        let guarded = |piece: usize| {
+            let cuts = &self.cuts.guarded[body.first as usize + piece];
+            cuts.iter()
+                .map(|&cut| multipliers.cuts[cut as usize] * i64::from(self.cuts.least[cut as usize]))
+                .sum::<i64>()
+        };
+        own.iter().enumerate().map(|(k, node)| (2 * node + ties(k) - guarded(k), k)).max().unwrap_or((0, 0))
+    }
+
+    /// What a way in or out pays besides its length.
+    fn pays(&self, ways: usize, way: &Way, weights: &[i64], multipliers: &Multipliers) -> i64 {
+        let own = weights[way.terminal as usize] + multipliers.ties[way.tie as usize];
+        if ways == 1 {
+            return own;
+        }
+        let start = self.model.terminals.len() as u32;
+        let both = self.cuts.shared(start, way.terminal).map(|cut| multipliers.cuts[cut as usize]);
+        own + weights[start as usize] + 2 * both.sum::<i64>()
     }
 
     /// The cheapest way in or out: its price and its number.
     fn cheapest(&self, ways: usize, weights: &[i64], multipliers: &Multipliers) -> Option<(i64, usize)> {
-        let start = self.model.terminals.len() as u32;
-        let price = |way: &Way| {
-            let own = way.length + weights[way.terminal as usize] + multipliers.ties[way.tie as usize];
-            if ways == 1 {
-                return own;
-            }
-            let both = self.cuts.shared(start, way.terminal).map(|cut| multipliers.cuts[cut as usize]);
-            own + weights[start as usize] + 2 * both.sum::<i64>()
-        };
+        let price = |way: &Way| way.length + self.pays(ways, way, weights, multipliers);
         self.ways[ways].iter().map(price).zip(0..).min()
     }
 
@@ -283,9 +333,12 @@ impl<'a> Relaxation<'a> {
         };
         let tree = self.pricing.tree(&Prices {
             listed: self.links.each_ref().map(list),
-            known: &|i, j| self.known.contains(&(i.min(j), i.max(j))),
+            known: &|a, b| self.known.contains(&(a.min(b), a.max(b))),
             weights: &weights,
-            both: &|a, b| 2 * self.cuts.shared(a, b).map(|cut| multipliers.cuts[cut as usize]).sum::<i64>(),
+            both: &|a, b| {
+                let cuts = self.cuts.shared(a, b).map(|cut| multipliers.cuts[cut as usize]).sum::<i64>();
+                2 * cuts + self.tied(a, b, multipliers) + self.tied(b, a, multipliers)
+            },
         });
         let links: i64 = tree.iter().map(|found| found.cost).sum();
         let ways = (0..2).filter_map(|ways| self.cheapest(ways, &weights, multipliers));
@@ -293,15 +346,19 @@ impl<'a> Relaxation<'a> {
         (links + ways + self.constant(multipliers), tree)
     }
 
-    /// The exact bound without the way out, and what that pays at each point where a walk may end.
-    pub(super) fn settle(&self, multipliers: &Multipliers) -> (i64, Vec<(Point, i64)>) {
+    /// The exact bound without the ways in and out, and what links pay at each point where a walk may begin or end.
+    pub(super) fn settle(&self, multipliers: &Multipliers) -> (i64, [Vec<(Point, i64)>; 2]) {
         let weights = self.weights(multipliers);
-        let out = self.cheapest(1, &weights, multipliers).map_or(0, |(price, _)| price);
-        let ends = self.ways[1].iter().flat_map(|way| {
-            let pay = weights[way.terminal as usize] + multipliers.ties[way.tie as usize];
-            self.model.points_of(way.terminal).iter().map(move |&p| (p, pay))
+        let ways = [0, 1].map(|ways| {
+            let points = self.ways[ways].iter().flat_map(|way| {
+                let pay = self.pays(ways, way, &weights, multipliers);
+                self.model.points_of(way.terminal).iter().map(move |&p| (p, pay))
+            });
+            points.collect()
         });
-        (self.exact(multipliers).0 - out, ends.collect())
+        let cheapest = (0..2).filter_map(|ways| self.cheapest(ways, &weights, multipliers));
+        let cheapest: i64 = cheapest.map(|(price, _)| price).sum();
+        (self.exact(multipliers).0 - cheapest, ways)
     }
 }
 

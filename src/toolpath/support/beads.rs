@@ -16,10 +16,13 @@ const SHORTEST_MM: f64 = 0.5;
 const OVERLAP: f64 = 0.25;
 
 /// Columns that hold no circle of this diameter need no lines inside: the interface spans them.
-const WIDE_MM: f64 = 4.0;
+const WIDE_MM: f64 = 5.0;
 
 /// Ends of lines are joined along the loop up to this many line distances.
 const LONGEST_JOIN: f64 = 2.0;
+
+/// How many chains are looked at for one that a line may go on.
+const RECENT: usize = 64;
 
 /// On the bed the lines lie closer by this factor, to stick.
 const DENSER_ON_BED: f64 = 2.0;
@@ -101,10 +104,9 @@ pub fn lay(outlines: &Outlines, layer: &BeadSpec<'_>, settings: &SupportSettings
             polygons: inside.polygons.iter().filter(|p| !wide.polygons.contains(p)).cloned().collect(),
         };
         for (part, apart_mm) in [(&wide, apart_mm), (&narrow, f64::INFINITY)] {
-            for [a, b] in extended(&tracks(&dense), &tracks(part), across_rad, apart_mm) {
-                if a.distance_mm(b) >= SHORTEST_MM {
-                    push(Role::SupportInterface, layer.rank + 1, false, vec![a, b]);
-                }
+            let lines = extended(&tracks(&dense), &tracks(part), across_rad, apart_mm);
+            for points in joined(lines, LONGEST_JOIN * spacing_mm / settings.interface_density.0) {
+                push(Role::SupportInterface, layer.rank + 1, false, points);
             }
         }
     }
@@ -120,8 +122,13 @@ fn wide_parts(region: &Region) -> Region {
 }
 
 /// Lines with both ends moved outwards to a multiple of `apart_mm`, where the body's tracks are, or to the end of the
-/// room's line that they are part of. Lines that meet become one.
-fn extended(lines: &[HatchLine], room: &[HatchLine], angle_rad: f64, apart_mm: f64) -> Vec<[Point; 2]> {
+/// room's line that they are part of. Lines that meet become one. Returns them with the index of their track.
+fn extended(
+    lines: &[HatchLine],
+    room: &[HatchLine],
+    angle_rad: f64,
+    apart_mm: f64,
+) -> Vec<(i64, [Point; 2])> {
     let (sin, cos) = angle_rad.sin_cos();
     let along = |p: Point| {
         let [x, y] = p.mm();
@@ -149,11 +156,31 @@ fn extended(lines: &[HatchLine], room: &[HatchLine], angle_rad: f64, apart_mm: f
                 let to = to_track(b, f64::ceil, high).min(high);
                 match &mut open {
                     Some(open) if from <= open[1] => open[1] = open[1].max(to),
-                    _ => result.extend(open.replace([from, to]).map(|[f, t]| [at(f), at(t)])),
+                    _ => result.extend(open.replace([from, to]).map(|[f, t]| (line.index, [at(f), at(t)]))),
                 }
             }
-            result.extend(open.map(|[f, t]| [at(f), at(t)]));
+            result.extend(open.map(|[f, t]| (line.index, [at(f), at(t)])));
         }
     }
     result
+}
+
+/// Lines of neighbouring tracks joined to and fro where their ends are near.
+fn joined(lines: Vec<(i64, [Point; 2])>, longest_mm: f64) -> Vec<Vec<Point>> {
+    let mut chains: Vec<(i64, Vec<Point>)> = Vec::new();
+    for (track, [a, b]) in lines.into_iter().filter(|(_, [a, b])| a.distance_mm(*b) >= SHORTEST_MM) {
+        // Chains that may go on are among the last.
+        let near = |end: &Point| a.distance_mm(*end).min(b.distance_mm(*end)) <= longest_mm;
+        let recent = chains.iter_mut().rev().take(RECENT);
+        let chain =
+            recent.filter(|(last, _)| *last + 1 == track).find(|(_, way)| way.last().is_some_and(near));
+        let Some((last, way)) = chain else {
+            chains.push((track, vec![a, b]));
+            continue;
+        };
+        let a_first = way.last().is_some_and(|end| a.distance_mm(*end) <= b.distance_mm(*end));
+        way.extend(if a_first { [a, b] } else { [b, a] });
+        *last = track;
+    }
+    chains.into_iter().map(|(_, way)| way).collect()
 }

@@ -8,6 +8,9 @@ const FIRM_MM: f64 = 4.0;
 /// Height over which a narrow column gains one cell on every side.
 const WIDEN_EVERY_MM: f64 = 2.0;
 
+/// How far, in cells, a corner may lie from the largest square that fits.
+const CORNER: usize = 3;
+
 /// Gaps between columns up to twice this are filled: one column stands better than two.
 const MERGE_MM: f64 = 0.8;
 
@@ -59,7 +62,8 @@ pub fn stand(held: &[Bitmap], solid: &[Bitmap], spec: &ColumnSpec) -> Vec<Cells>
         let widens = layer % widen_every == 0;
         if widens {
             let mut narrow = column.clone();
-            narrow.remove(&column.opened(grid.cells(FIRM_MM)));
+            // The corners of wide columns are not narrow.
+            narrow.remove(&column.opened(grid.cells(FIRM_MM)).grown(CORNER));
             column.add(&narrow.grown(1));
         }
         if begins || widens {

@@ -39,7 +39,7 @@ pub struct Wishes<'a> {
 }
 
 /// Finds what of a layer `height_mm` high leans out over the one below by more than `support.angle`, less what can be
-/// bridged.
+/// bridged. Unless support is enabled, nothing is held but what is enforced.
 pub fn find(
     layer: Slab<'_>,
     below: Slab<'_>,
@@ -50,7 +50,8 @@ pub fn find(
     let grid = layer.solid.grid();
     let lean_mm = height_mm * settings.angle.to_radians().tan();
     let carried = geom::offset(&geom::simplify(below.section, ROUGH_MM), lean_mm);
-    let mut beyond = geom::difference(layer.section, &carried);
+    let mut beyond =
+        if settings.enabled { geom::difference(layer.section, &carried) } else { Region::default() };
     beyond.polygons.retain(|polygon| polygon.area_mm2() >= CRUMB_MM2);
     // What nothing touches comes out of the difference as it was.
     let (islands, edges): (Vec<_>, Vec<_>) =

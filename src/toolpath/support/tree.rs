@@ -11,13 +11,13 @@ use crate::geom::{self, Point, Polygon, Region};
 use crate::profile::SupportSettings;
 
 /// Distance between the tips under a wide overhang. Their heads overlap.
-const TIPS_MM: f64 = 2.8;
+const TIPS_MM: f64 = 3.0;
 
 /// Radius of a tip's head: it covers its share of the overhang.
 const HEAD_MM: f64 = 2.0;
 
 /// Heads taper at this slope to the branch under them.
-const HEAD_SLOPE: f64 = 0.8;
+const HEAD_SLOPE: f64 = 0.6;
 
 /// Branches grow no thicker than this in radius.
 const THICKEST_MM: f64 = 6.0;

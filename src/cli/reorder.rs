@@ -1,0 +1,130 @@
+//! `pathwright reorder`.
+
+use std::fs;
+use std::io::Write;
+use std::path::{Path, PathBuf};
+
+use super::args::ReorderArgs;
+use super::console;
+use super::exit::{Exit, Failure};
+use super::plan;
+use crate::job::{Engine, ReorderJob, Silent};
+use crate::output::Output;
+use crate::profile::{Override, Settings};
+use crate::report::Reordered;
+
+/// Where a result goes.
+enum Destination {
+    Nowhere,
+    Stdout,
+    File(PathBuf),
+}
+
+/// Reorders file by file. One that fails does not keep the others from being reordered; the exit code is that of the
+/// first one that failed.
+pub(super) fn run(args: &ReorderArgs, engine: &dyn Engine) -> Result<Exit, Failure> {
+    let settings = settings(args)?;
+    let destinations: Vec<Destination> =
+        args.files.iter().map(|file| destination(args, file)).collect::<Result<_, _>>()?;
+    let mut exit = Exit::Done;
+    for (file, destination) in args.files.iter().zip(&destinations) {
+        match reorder(file, destination, &settings, args, engine) {
+            Ok(report) => tell(&report, destination, args)?,
+            Err(failure) => {
+                console::fail(&failure);
+                exit = if exit == Exit::Done { failure.exit } else { exit };
+            }
+        }
+    }
+    Ok(exit)
+}
+
+/// The settings in force. Of a finished file outer walls keep their seams, unless something else is asked for.
+fn settings(args: &ReorderArgs) -> Result<Settings, Failure> {
+    let seam = Override { key: "seam.position".into(), value: "pinned".into(), option: "--seam" };
+    let asked = args.ordering.seam.is_some() || args.settings.set.iter().any(|set| set.key == seam.key);
+    let mut shorthands = plan::shorthands(args.order.as_ref(), &args.ordering);
+    if !asked {
+        shorthands.push(seam);
+    }
+    let resolved = plan::settings(&args.settings, &shorthands)?;
+    if !args.quiet {
+        console::warn(&resolved.warnings);
+    }
+    Ok(resolved.settings)
+}
+
+fn destination(args: &ReorderArgs, file: &Path) -> Result<Destination, Failure> {
+    let usage = |message: &str| Err(Failure::new(Exit::Usage, message));
+    match &args.output {
+        None if args.dry_run => Ok(Destination::Nowhere),
+        None if args.in_place => Ok(Destination::File(file.to_owned())),
+        None => usage("say where the result goes: -o PATH, or --in-place, or --dry-run"),
+        Some(output) if output == Path::new("-") => match args.files.len() {
+            1 if args.json => usage("--json and -o - both want standard output; give one of them a file"),
+            1 => Ok(Destination::Stdout),
+            _ => usage("several files cannot go to standard output; give -o a folder"),
+        },
+        Some(output) if output.is_dir() => match file.file_name() {
+            Some(name) => Ok(Destination::File(output.join(name))),
+            None => usage("one of the files is no file"),
+        },
+        Some(_) if args.files.len() > 1 => usage("with several files, -o names a folder that exists"),
+        Some(output) => Ok(Destination::File(output.clone())),
+    }
+}
+
+fn reorder(
+    file: &Path,
+    destination: &Destination,
+    settings: &Settings,
+    args: &ReorderArgs,
+    engine: &dyn Engine,
+) -> Result<Reordered, Failure> {
+    let create = || match destination {
+        Destination::Nowhere => Output::nowhere(),
+        Destination::Stdout => Ok(Output::stdout()),
+        Destination::File(path) => Output::create(path),
+    };
+    let mut output = create()?;
+    let job = ReorderJob {
+        file: file.to_owned(),
+        keep_direction: args.keep_direction,
+        threads: args.threads.map(Into::into),
+    };
+    let mut report = engine.reorder(&job, settings, &mut output, &Silent)?;
+    report.output = match destination {
+        Destination::Nowhere => None,
+        Destination::Stdout => Some("standard output".into()),
+        Destination::File(path) => Some(path.display().to_string()),
+    };
+    let in_place = report.output.as_ref() == Some(&report.file);
+    match destination {
+        Destination::Nowhere => {}
+        _ if report.changed => output.commit()?,
+        _ if in_place => {}
+        _ => {
+            // The same bytes as before.
+            let mut copy = create()?;
+            let bytes = fs::read(file)
+                .map_err(|error| Failure::new(Exit::Input, format!("{}: {error}", file.display())))?;
+            copy.write(&bytes)?;
+            copy.commit()?;
+        }
+    }
+    Ok(report)
+}
+
+/// On standard output, or where the G-code went there, on standard error.
+fn tell(report: &Reordered, destination: &Destination, args: &ReorderArgs) -> Result<(), Failure> {
+    match destination {
+        _ if args.quiet => Ok(()),
+        _ if args.json => console::print_json(report),
+        Destination::Stdout => {
+            // If standard error is closed, there is nobody to tell.
+            let _ = write!(std::io::stderr(), "{report}");
+            Ok(())
+        }
+        _ => console::print(&report.to_string()),
+    }
+}

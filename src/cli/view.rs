@@ -1,0 +1,103 @@
+//! `pathwright view`.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use super::args::ViewArgs;
+use super::console::{self, Bar};
+use super::exit::{Exit, Failure};
+use super::plan;
+use crate::job::{Engine, Job, Progress, Silent};
+use crate::output::Output;
+use crate::profile::Settings;
+use crate::view::{self, Layer, Print, Scene};
+
+/// Writes the pictures and the page that are asked for.
+pub(super) fn run(args: &ViewArgs, engine: &dyn Engine) -> Result<Exit, Failure> {
+    let inputs: Vec<&Path> = args.models.files.iter().map(PathBuf::as_path).collect();
+    let page = page_path(args);
+    let pictures = [&args.svg, &args.png].into_iter().flatten();
+    plan::kept(&inputs, pictures.chain(&page).map(PathBuf::as_path))?;
+    let resolved = plan::settings(&args.settings, &plan::shorthands(args.order.as_ref(), &args.ordering))?;
+    console::warn(&resolved.warnings);
+
+    let text = gcode(args, &resolved.settings, engine)?;
+    let name = args.models.files[0].display();
+    let scene = Scene::read(&text, &resolved.settings);
+    if scene.is_empty() {
+        return Err(Failure::new(Exit::Input, format!("{name}: there are no moves in it; is it G-code?")));
+    }
+    if let Some(path) = &args.svg {
+        write(path, view::layer_svg(&scene, layer(&scene, args)?).as_bytes())?;
+    }
+    if let Some(path) = &args.png {
+        write(path, &view::layer_png(&scene, layer(&scene, args)?, args.size))?;
+    }
+    if let Some(path) = &page {
+        let title = args.models.files.iter().map(|file| file_name(file)).collect::<Vec<_>>().join(" + ");
+        let total = scene.total.clone();
+        let filament_g = total.volume_mm3 / 1000.0 * resolved.settings.filament.density;
+        let print = Print { name: title.clone(), scene: &scene, total, filament_g };
+        write(path, view::page(&title, &[print]).as_bytes())?;
+    }
+    Ok(Exit::Done)
+}
+
+fn file_name(path: &Path) -> String {
+    path.file_name().unwrap_or(path.as_os_str()).to_string_lossy().into_owned()
+}
+
+/// Where the page goes, if one is wanted.
+fn page_path(args: &ViewArgs) -> Option<PathBuf> {
+    let only_pictures = args.svg.is_some() || args.png.is_some();
+    match &args.output {
+        Some(path) => Some(path.clone()),
+        None if only_pictures => None,
+        None => Some(args.models.files[0].with_extension("html")),
+    }
+}
+
+/// The G-code to show: as it is, or sliced from models.
+fn gcode(args: &ViewArgs, settings: &Settings, engine: &dyn Engine) -> Result<Vec<u8>, Failure> {
+    let files = &args.models.files;
+    if files.iter().any(|path| is_gcode(path)) {
+        let [path] = files.as_slice() else {
+            return Err(plan::usage("a page shows one G-code file, or models; give one G-code file alone"));
+        };
+        return fs::read(path)
+            .map_err(|error| Failure::new(Exit::Input, format!("{}: {error}", path.display())));
+    }
+    let job = Job {
+        models: files.clone(),
+        transform: plan::transform(&args.models),
+        threads: args.threads.map(Into::into),
+        ..Job::default()
+    };
+    let bar = Bar::on_terminal(!args.no_progress);
+    let progress: &dyn Progress = bar.as_ref().map_or(&Silent, |bar| bar);
+    let mut output = Output::memory();
+    let result = engine.slice(&job, settings, &mut output, progress);
+    if let Some(bar) = bar {
+        bar.remove();
+    }
+    console::warn(&result?.warnings);
+    Ok(output.into_bytes())
+}
+
+fn is_gcode(path: &Path) -> bool {
+    let extension = path.extension().unwrap_or_default().to_string_lossy().to_ascii_lowercase();
+    ["gcode", "gco", "gc", "g", "nc", "ngc"].contains(&extension.as_str())
+}
+
+fn layer<'a>(scene: &'a Scene, args: &ViewArgs) -> Result<&'a Layer, Failure> {
+    let number = args.layer.unwrap_or(1) as usize;
+    scene.layers.get(number - 1).ok_or_else(|| {
+        plan::usage(format!("--layer {number}: the print has the layers 1 to {}", scene.layers.len()))
+    })
+}
+
+fn write(path: &Path, bytes: &[u8]) -> Result<(), Failure> {
+    let mut output = if path == Path::new("-") { Output::stdout() } else { Output::create(path)? };
+    output.write(bytes)?;
+    Ok(output.commit()?)
+}

@@ -1,0 +1,174 @@
+//! How fast a machine starts, stops, and takes the corner between two moves.
+
+use super::{Firmware, Machine};
+
+/// A move as far as its corners need it.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Way {
+    /// Share of the way that X, Y, Z and E go; E's is that of the way in space, or 1 where there is none.
+    pub unit: [f64; 4],
+    pub length_mm: f64,
+    pub in_space: bool,
+    /// Speed and acceleration of the move, every limit observed.
+    pub speed: f64,
+    pub acceleration: f64,
+    /// The acceleration before axes' limits.
+    pub asked_acceleration: f64,
+    /// Speed at which it may begin or end at rest.
+    pub rest_speed: f64,
+}
+
+impl Way {
+    fn moves_in_plane(&self) -> bool {
+        self.unit[0] != 0.0 || self.unit[1] != 0.0
+    }
+
+    fn prints(&self) -> bool {
+        self.unit[3] > 0.0 && self.moves_in_plane()
+    }
+}
+
+impl Machine {
+    /// Speed and acceleration that the axes allow a move of this direction.
+    pub(super) fn limited(&self, unit: &[f64; 4], in_space: bool, speed: f64, asked: f64) -> (f64, f64) {
+        let klipper = self.firmware == Firmware::Klipper;
+        let (mut speed, mut acceleration) = (speed, asked);
+        let mut first = 0;
+        let mut last = 4;
+        if klipper {
+            // X and Y have one limit together; E is held back only where it goes alone or backwards.
+            first = 2;
+            last = if unit[3] < 0.0 || (unit[0] == 0.0 && unit[1] == 0.0) { 4 } else { 3 };
+            if in_space {
+                speed = speed.min(self.max_speed[0]);
+            }
+        }
+        for axis in first..last {
+            let share = unit[axis].abs();
+            if speed * share > self.max_speed[axis] {
+                speed = self.max_speed[axis] / share;
+            }
+            if acceleration * share > self.max_acceleration[axis] {
+                acceleration = self.max_acceleration[axis] / share;
+            }
+        }
+        (speed, acceleration)
+    }
+
+    /// Speed at which a move may begin from rest and end in it: with classic jerk, not zero.
+    pub(super) fn rest_speed(&self, unit: &[f64; 4], speed: f64) -> f64 {
+        match self.firmware {
+            Firmware::MarlinClassic => self.jerk_speed(unit, speed),
+            _ => 0.0,
+        }
+    }
+
+    /// The largest speed, up to `speed`, at which no axis steps by more than its jerk if shares of the speed
+    /// step by `step`.
+    fn jerk_speed(&self, step: &[f64; 4], speed: f64) -> f64 {
+        step.iter().zip(self.jerk).fold(speed, |speed, (step, jerk)| {
+            if speed * step.abs() > jerk { jerk / step.abs() } else { speed }
+        })
+    }
+
+    /// The square of the speed at which the corner between two moves can be taken.
+    pub(super) fn corner_v2(&self, before: &Way, now: &Way) -> f64 {
+        let slower = before.speed.min(now.speed);
+        let v2 = slower * slower;
+        match self.firmware {
+            Firmware::Klipper => v2.min(self.klipper_v2(before, now, v2)),
+            Firmware::Marlin => v2.min(self.junction_v2(before, now)),
+            Firmware::MarlinClassic => self.classic_speed(before, now).powi(2),
+            Firmware::RepRapFirmware => {
+                let alike =
+                    before.prints() == now.prints() && before.moves_in_plane() == now.moves_in_plane();
+                if alike || self.jerk_everywhere {
+                    let step = [0, 1, 2, 3].map(|i| now.unit[i] - before.unit[i]);
+                    self.jerk_speed(&step, slower).powi(2)
+                } else {
+                    0.0
+                }
+            }
+        }
+    }
+
+    /// Klipper: the arc that leaves the corner by a fixed distance, taken at the acceleration in force, which
+    /// must not begin before the middle of either move; and a step of the extruder. Moves of the extruder alone are
+    /// begun and ended at rest. <https://www.klipper3d.org/Kinematics.html>
+    fn klipper_v2(&self, before: &Way, now: &Way, v2: f64) -> f64 {
+        if !(before.in_space && now.in_space) {
+            return 0.0;
+        }
+        let mut v2 = v2;
+        let (a, b) = (&before.unit, &now.unit);
+        let e_step = (b[3] - a[3]).abs();
+        let step = self.extruder_corner_velocity;
+        if e_step * e_step * v2 > step * step {
+            v2 = (step / e_step).powi(2);
+        }
+        let straightness = a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+        // Half the angle between the two ways seen from the corner: 90° when straight on, 0 when turning back.
+        let sine = (0.5 * (1.0 + straightness)).max(0.0).sqrt();
+        let cosine = (0.5 * (1.0 - straightness)).max(0.0).sqrt();
+        if cosine < 1e-4 {
+            return v2;
+        }
+        let tangent = 0.5 * sine / cosine;
+        let reach = |way: &Way| {
+            let share = way.acceleration / way.asked_acceleration;
+            (sine / (1.0 - sine) * share * self.corner_acceleration_mm())
+                .min(tangent * way.length_mm * way.acceleration)
+        };
+        v2.min(reach(before)).min(reach(now))
+    }
+
+    /// Marlin's junction deviation (S. K. Jeon, "Improving Grbl: Cornering Algorithm", 2011), with the extruder as
+    /// a fourth direction and the acceleration that the axes allow across the corner. Short moves of a smooth curve
+    /// are also held to the circle that they are part of.
+    fn junction_v2(&self, before: &Way, now: &Way) -> f64 {
+        let normal = |v: [f64; 4]| {
+            let length = v.iter().map(|c| c * c).sum::<f64>().sqrt();
+            v.map(|c| c / length.max(f64::MIN_POSITIVE))
+        };
+        let (a, b) = (normal(before.unit), normal(now.unit));
+        let straightness = a[0] * b[0] + a[1] * b[1] + a[2] * b[2] + a[3] * b[3];
+        if straightness < -0.999_999 {
+            return 0.0;
+        }
+        let straightness = straightness.min(0.999_999);
+        let across = normal([0, 1, 2, 3].map(|i| b[i] - a[i]));
+        let acceleration =
+            across.iter().zip(self.max_acceleration).fold(now.acceleration, |a, (share, max)| {
+                if a * share.abs() > max { max / share.abs() } else { a }
+            });
+        let sine = (0.5 * (1.0 + straightness)).sqrt();
+        let v2 = acceleration * self.junction_deviation_mm * sine / (1.0 - sine);
+        // A curve: it turns by less than 45° each time.
+        if now.length_mm < 1.0 && straightness > std::f64::consts::FRAC_1_SQRT_2 {
+            return v2.min(now.length_mm * acceleration / straightness.acos());
+        }
+        v2
+    }
+
+    /// Marlin's classic jerk: an axis that goes on in its direction may step by its jerk, one that turns round
+    /// may go to or from rest at it.
+    fn classic_speed(&self, before: &Way, now: &Way) -> f64 {
+        let slower = before.speed.min(now.speed);
+        let mut factor = 1.0;
+        for axis in 0..4 {
+            let (exit, entry) = (before.unit[axis] * slower * factor, now.unit[axis] * slower * factor);
+            let turns = exit * entry < 0.0;
+            let step = if turns { exit.abs().max(entry.abs()) } else { (exit - entry).abs() };
+            if step > self.jerk[axis] {
+                factor *= self.jerk[axis] / step;
+            }
+        }
+        let corner = slower * factor;
+        // Where both moves may stop dead from a higher speed, they do.
+        if before.rest_speed > 0.99 * corner && now.rest_speed > 0.99 * corner {
+            now.rest_speed.min(slower)
+        } else {
+            corner
+        }
+    }
+}

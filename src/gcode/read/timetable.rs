@@ -1,0 +1,162 @@
+//! The time of a file of any size, by role and by layer.
+
+use std::io::{self, Read};
+
+use super::annotate::Reader;
+use super::lexer::Line;
+use super::replay::{Action, Stroke};
+use super::time::Clock;
+use crate::estimate::Machine;
+use crate::toolpath::Role;
+
+/// Bytes read at a time. A line longer than this is no G-code and is cut.
+const CHUNK: usize = 1 << 20;
+
+const TRAVEL: usize = 0;
+const RETRACTION: usize = 1;
+const WAIT: usize = 2;
+/// Extrusion of which the file does not say what it is for.
+const UNKNOWN: usize = 3;
+const ROLES: usize = 4;
+/// Accounts of a layer.
+const ACCOUNTS: usize = ROLES + Role::ALL.len();
+
+/// How long a file takes, and where the time goes. Heating, homing and pauses take none.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Timetable {
+    /// Before the first layer, then layer by layer.
+    spans: Vec<[f64; ACCOUNTS]>,
+    /// Height of each layer.
+    z_mm: Vec<f64>,
+}
+
+impl Timetable {
+    /// Reads a file line by line, in memory that does not grow with it but for some numbers on each layer.
+    ///
+    /// # Errors
+    /// Those of reading.
+    pub fn read(mut file: impl Read, machine: &Machine) -> io::Result<Self> {
+        let mut reading = Reading::new(machine);
+        let mut buffer = vec![0; CHUNK];
+        let (mut filled, mut number) = (0, 0);
+        loop {
+            let read = match file.read(&mut buffer[filled..]) {
+                Ok(read) => read,
+                Err(error) if error.kind() == io::ErrorKind::Interrupted => continue,
+                Err(error) => return Err(error),
+            };
+            filled += read;
+            let mut begun = 0;
+            while let Some(end) = line_end(&buffer[begun..filled]) {
+                number += 1;
+                reading.line(Line::new(number, 0, &buffer[begun..begun + end]));
+                begun += end;
+            }
+            if begun < filled && (read == 0 || filled - begun == CHUNK) {
+                number += 1;
+                reading.line(Line::new(number, 0, &buffer[begun..filled]));
+                begun = filled;
+            }
+            if read == 0 {
+                return Ok(reading.finish());
+            }
+            buffer.copy_within(begun..filled, 0);
+            filled -= begun;
+        }
+    }
+
+    /// All of it, seconds.
+    pub fn total_s(&self) -> f64 {
+        self.spans.iter().flatten().sum()
+    }
+
+    /// Seconds before the first layer.
+    pub fn before_s(&self) -> f64 {
+        self.spans.first().map_or(0.0, |span| span.iter().sum())
+    }
+
+    /// Number of layers.
+    pub fn layers(&self) -> usize {
+        self.z_mm.len()
+    }
+
+    /// Height of a layer, its seconds, and what they are spent on: those of [`roles`](Self::roles).
+    pub fn layer(&self, index: usize) -> (f64, f64, Vec<(&'static str, f64)>) {
+        let span = self.spans.get(index + 1).unwrap_or(&[0.0; ACCOUNTS]);
+        (self.z_mm[index], span.iter().sum(), named(span))
+    }
+
+    /// What the seconds of the whole file are spent on; only what takes any.
+    pub fn roles(&self) -> Vec<(&'static str, f64)> {
+        let mut sums = [0.0; ACCOUNTS];
+        for span in &self.spans {
+            for (sum, seconds) in sums.iter_mut().zip(span) {
+                *sum += seconds;
+            }
+        }
+        named(&sums)
+    }
+}
+
+/// What takes any time, by the names that viewers know. Skirt and brim have one.
+fn named(accounts: &[f64; ACCOUNTS]) -> Vec<(&'static str, f64)> {
+    let names = ["Travel", "Retraction", "Wait", "Unknown"].into_iter();
+    let mut out: Vec<(&str, f64)> = Vec::new();
+    for (name, seconds) in names.chain(Role::ALL.map(Role::type_name)).zip(*accounts) {
+        match out.last_mut() {
+            Some((last, sum)) if *last == name => *sum += seconds,
+            _ if seconds > 0.0 => out.push((name, seconds)),
+            _ => {}
+        }
+    }
+    out
+}
+
+/// Where the first line ends, its end included.
+fn line_end(text: &[u8]) -> Option<usize> {
+    text.iter().position(|b| *b == b'\n').map(|at| at + 1)
+}
+
+struct Reading {
+    reader: Reader,
+    clock: Clock,
+    z_mm: Vec<f64>,
+}
+
+impl Reading {
+    fn new(machine: &Machine) -> Self {
+        Self { reader: Reader::default(), clock: Clock::new(machine), z_mm: Vec::new() }
+    }
+
+    fn line(&mut self, line: Line<'_>) {
+        let read = self.reader.read(line);
+        let kind = match &read.action {
+            Action::Stroke(stroke) if stroke.extrudes() => {
+                self.extrude(stroke, read.context.layer);
+                read.context.role.map_or(UNKNOWN, |role| ROLES + role as usize)
+            }
+            Action::Stroke(stroke) if stroke.xy_mm > 1e-9 || stroke.from[2] != stroke.to[2] => TRAVEL,
+            Action::Stroke(_) | Action::FirmwareRetract | Action::FirmwareUnretract => RETRACTION,
+            _ => WAIT,
+        };
+        let span = read.context.layer.map_or(0, |layer| layer + 1);
+        self.clock.step(&read.line, &read.action, span * ACCOUNTS + kind);
+    }
+
+    /// Notes the height of a layer's first bead.
+    fn extrude(&mut self, stroke: &Stroke, layer: Option<usize>) {
+        if layer.is_some_and(|layer| layer == self.z_mm.len()) {
+            self.z_mm.push(stroke.to[2]);
+        }
+    }
+
+    fn finish(self) -> Timetable {
+        let seconds = self.clock.finish();
+        let mut spans: Vec<[f64; ACCOUNTS]> = seconds
+            .chunks(ACCOUNTS)
+            .map(|chunk| std::array::from_fn(|i| chunk.get(i).copied().unwrap_or(0.0)))
+            .collect();
+        spans.resize(self.z_mm.len() + 1, [0.0; ACCOUNTS]);
+        Timetable { spans, z_mm: self.z_mm }
+    }
+}

@@ -1,0 +1,213 @@
+//! How far walls hang over what they rest on, and how they are printed there.
+
+use super::bead::{Vertex, distance, to_segment_mm};
+use crate::geom::{Bounds, EdgeGrid, Point, Region};
+
+/// Walls are looked at in steps of this.
+const STEP_MM: f64 = 0.5;
+
+/// A grade holds at least so long where what is beside it hangs further.
+const SHORTEST_MM: f64 = 1.0;
+
+/// Edges longer than this are looked at in parts, so that what is near them stays little.
+const PART_MM: f64 = 2.0;
+
+/// How much of a bead's width has nothing under it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub(super) enum Grade {
+    /// At most a quarter.
+    Held,
+    /// Up to a half.
+    Quarter,
+    /// Up to three quarters.
+    Half,
+    /// More than that.
+    ThreeQuarters,
+    /// All of it.
+    Air,
+}
+
+impl Grade {
+    /// Of a bead whose centre line is so far (in its own widths) outside of what it rests on.
+    fn of(outside: f64) -> Self {
+        match outside {
+            d if d <= -0.25 => Self::Held,
+            d if d <= 0.0 => Self::Quarter,
+            d if d <= 0.25 => Self::Half,
+            d if d < 0.5 => Self::ThreeQuarters,
+            _ => Self::Air,
+        }
+    }
+}
+
+/// Part of a bead with one grade: vertices, each stretch beginning where the one before ends.
+pub(super) type Stretch = (Grade, Vec<Vertex>);
+
+/// What a layer rests on.
+#[derive(Debug)]
+pub(super) struct Support {
+    outline: EdgeGrid,
+}
+
+impl Support {
+    pub(super) fn new(beneath: &Region) -> Self {
+        Self { outline: EdgeGrid::new(beneath) }
+    }
+
+    /// Cuts a bead of this width where its grade changes; nothing if all of it is held. Short stretches take the grade
+    /// of what hangs further beside them. O(vertices) for outlines of like detail.
+    pub(super) fn stretches(&self, vertices: &[Vertex], width_mm: f64) -> Vec<Stretch> {
+        let mut walk = Walk { support: self, width_mm, inside: None, near: Vec::new(), out: Vec::new() };
+        for pair in vertices.windows(2) {
+            let parts = (distance(pair[0].at, pair[1].at) / PART_MM).ceil().max(1.0);
+            let mut from = pair[0];
+            for part in 1..=parts as u32 {
+                let to = pair[0].towards(pair[1], f64::from(part) / parts);
+                walk.edge(from, to);
+                from = to;
+            }
+        }
+        if walk.out.iter().all(|(grade, _)| *grade == Grade::Held) {
+            return Vec::new();
+        }
+        smoothed(walk.out)
+    }
+}
+
+/// Short stretches take the higher grade of their neighbours, and neighbours of one grade are joined.
+fn smoothed(stretches: Vec<Stretch>) -> Vec<Stretch> {
+    let grades: Vec<Grade> = stretches.iter().map(|stretch| stretch.0).collect();
+    let mut out: Vec<Stretch> = Vec::with_capacity(stretches.len());
+    for (i, (own, vertices)) in stretches.into_iter().enumerate() {
+        let length_mm: f64 = vertices.windows(2).map(|v| distance(v[0].at, v[1].at)).sum();
+        let beside = &grades[i.saturating_sub(1)..(i + 2).min(grades.len())];
+        let grade = match beside.iter().max() {
+            Some(&most) if length_mm < SHORTEST_MM => most,
+            _ => own,
+        };
+        match out.last_mut() {
+            Some((last, joined)) if *last == grade => joined.extend(&vertices[1..]),
+            _ => out.push((grade, vertices)),
+        }
+    }
+    out
+}
+
+/// The state along one bead.
+struct Walk<'a> {
+    support: &'a Support,
+    width_mm: f64,
+    /// Whether the present vertex is over the support, if that is known.
+    inside: Option<bool>,
+    near: Vec<u32>,
+    out: Vec<Stretch>,
+}
+
+impl Walk<'_> {
+    fn edge(&mut self, from: Vertex, to: Vertex) {
+        let [a, b] = [from, to].map(|v| Point::from_mm(v.at[0], v.at[1]));
+        let reach = crate::geom::to_units(0.5 * self.width_mm) + 1;
+        let bounds = Bounds {
+            min: Point::new(a.x.min(b.x) - reach, a.y.min(b.y) - reach),
+            max: Point::new(a.x.max(b.x) + reach, a.y.max(b.y) + reach),
+        };
+        self.support.outline.near_box(bounds, &mut self.near);
+        let away = self.away([from.at, to.at]) / self.width_mm;
+        let inside = match self.inside {
+            Some(inside) if away > 0.0 => inside,
+            _ => self.support.outline.contains(a),
+        };
+        self.inside = (away > 0.0).then_some(inside);
+        if away >= 0.5 || (inside && away >= 0.25) {
+            return self.push(Grade::of(if inside { -away } else { away }), from, to);
+        }
+        let steps = (distance(from.at, to.at) / STEP_MM).ceil().max(1.0);
+        let mut start = from;
+        for step in 1..=steps as u32 {
+            let end = from.towards(to, f64::from(step) / steps);
+            let middle = start.towards(end, 0.5).at;
+            let inside = match self.inside {
+                Some(inside) => inside,
+                None => self.support.outline.contains(Point::from_mm(middle[0], middle[1])),
+            };
+            let away = self.away([middle, middle]) / self.width_mm;
+            self.push(Grade::of(if inside { -away } else { away }), start, end);
+            start = end;
+        }
+    }
+
+    /// Distance of a segment from the edges near it; 0 where they meet.
+    fn away(&self, [a, b]: [[f64; 2]; 2]) -> f64 {
+        let edges = self.near.iter().map(|&i| self.support.outline.edges()[i as usize]);
+        edges.map(|e| segments_mm([a, b], [e.a.mm(), e.b.mm()])).fold(f64::INFINITY, f64::min)
+    }
+
+    fn push(&mut self, grade: Grade, from: Vertex, to: Vertex) {
+        match self.out.last_mut() {
+            Some((last, vertices)) if *last == grade => vertices.push(to),
+            _ => self.out.push((grade, vec![from, to])),
+        }
+    }
+}
+
+/// Distance of two segments.
+fn segments_mm(s: [[f64; 2]; 2], e: [[f64; 2]; 2]) -> f64 {
+    let side =
+        |[a, b]: [[f64; 2]; 2], p: [f64; 2]| (b[0] - a[0]) * (p[1] - a[1]) - (b[1] - a[1]) * (p[0] - a[0]);
+    let apart = |s, e: [[f64; 2]; 2]| side(s, e[0]) * side(s, e[1]) > 0.0;
+    let ends = [
+        to_segment_mm(s[0], e[0], e[1]),
+        to_segment_mm(s[1], e[0], e[1]),
+        to_segment_mm(e[0], s[0], s[1]),
+        to_segment_mm(e[1], s[0], s[1]),
+    ];
+    let nearest = ends.into_iter().fold(f64::INFINITY, f64::min);
+    if s[0] != s[1] && !apart(s, e) && !apart(e, s) && side(s, e[0]) != side(s, e[1]) { 0.0 } else { nearest }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::geom::Polygon;
+
+    fn rectangle(x0: f64, y0: f64, x1: f64, y1: f64) -> Region {
+        let corners = [(x0, y0), (x1, y0), (x1, y1), (x0, y1)];
+        let outer = corners.map(|(x, y)| Point::from_mm(x, y)).to_vec();
+        Region { polygons: vec![Polygon { outer, holes: Vec::new() }] }
+    }
+
+    fn line(points: &[[f64; 2]]) -> Vec<Vertex> {
+        points.iter().map(|&at| Vertex { at, area_mm2: 0.08 }).collect()
+    }
+
+    #[test]
+    fn a_wall_is_graded_by_how_far_it_hangs() {
+        let support = Support::new(&rectangle(0.0, 0.0, 20.0, 20.0));
+        let grade = |outside_mm: f64| {
+            let x = 20.0 + outside_mm;
+            let stretches = support.stretches(&line(&[[x, 2.0], [x, 18.0]]), 0.4);
+            assert!(stretches.len() <= 1, "{outside_mm}: {stretches:?}");
+            stretches.first().map_or(Grade::Held, |stretch| stretch.0)
+        };
+        let grades = [-5.0, -0.2, -0.11, -0.05, 0.05, 0.15, 0.25, 5.0].map(grade);
+        let wanted = {
+            use Grade::*;
+            [Held, Held, Held, Quarter, Half, ThreeQuarters, Air, Air]
+        };
+        assert_eq!(grades, wanted);
+    }
+
+    #[test]
+    fn a_wall_over_a_gap_is_cut_where_the_air_begins() {
+        let mut two = rectangle(0.0, 0.0, 10.0, 10.0);
+        two.polygons.extend(rectangle(20.0, 0.0, 30.0, 10.0).polygons);
+        let stretches = Support::new(&two).stretches(&line(&[[1.0, 5.0], [29.0, 5.0]]), 0.4);
+        let grades: Vec<Grade> = stretches.iter().map(|s| s.0).collect();
+        assert_eq!(grades, [Grade::Held, Grade::Air, Grade::Held]);
+        let (air, length_mm) = (&stretches[1].1, distance([1.0, 5.0], [29.0, 5.0]));
+        assert!((air[0].at[0] - 10.0).abs() < 0.6 && (air.last().unwrap().at[0] - 20.0).abs() < 0.6);
+        let sum: f64 =
+            stretches.iter().flat_map(|s| s.1.windows(2)).map(|v| distance(v[0].at, v[1].at)).sum();
+        assert!((sum - length_mm).abs() < 1e-9, "nothing is lost: {sum}");
+    }
+}

@@ -1,0 +1,57 @@
+//! Which beads belong together.
+
+use super::block::Block;
+use crate::order::Parts;
+
+/// Beads nearer to each other than about this belong to one island, mm.
+const REACH_MM: f64 = 0.6;
+/// At most so many cells; of larger blocks the cells are larger.
+const MOST_CELLS: f64 = 4e6;
+
+/// The island of every path: connected sets of beads, numbered as they first appear in the file.
+///
+/// Beads are drawn into a grid, and those that share a cell or have neighbouring ones are joined. O(way / reach).
+pub(super) fn islands(block: &Block) -> Vec<u32> {
+    let (mut low, mut high) = ([f64::INFINITY; 2], [f64::NEG_INFINITY; 2]);
+    for p in block.paths.iter().flat_map(|path| block.points(path)) {
+        for i in 0..2 {
+            low[i] = low[i].min(p[i]);
+            high[i] = high[i].max(p[i]);
+        }
+    }
+    let area = (high[0] - low[0] + 2.0) * (high[1] - low[1] + 2.0);
+    let cell_mm = REACH_MM.max((area / MOST_CELLS).sqrt());
+    let width = ((high[0] - low[0]) / cell_mm) as usize + 3;
+    let height = ((high[1] - low[1]) / cell_mm) as usize + 3;
+    let mut sets = Parts::new(block.paths.len());
+    let mut cells = vec![u32::MAX; width * height];
+    for (index, path) in block.paths.iter().enumerate() {
+        let mut last: Option<[f64; 2]> = None;
+        for p in block.points(path) {
+            let from = last.replace(p).unwrap_or(p);
+            let steps = ((p[0] - from[0]).hypot(p[1] - from[1]) / (0.7 * cell_mm)).ceil().max(1.0);
+            for step in 1..=steps as usize {
+                let share = step as f64 / steps;
+                let [x, y] =
+                    [0, 1].map(|i| ((from[i] + share * (p[i] - from[i]) - low[i]) / cell_mm) as usize + 1);
+                cells[y * width + x] = match cells[y * width + x] {
+                    u32::MAX => index as u32,
+                    other => {
+                        sets.join(other, index as u32);
+                        other
+                    }
+                };
+            }
+        }
+    }
+    for at in width + 1..cells.len() {
+        if cells[at] != u32::MAX {
+            for near in [at - 1, at - width, at - width - 1, at - width + 1] {
+                if cells[near] != u32::MAX {
+                    sets.join(cells[near], cells[at]);
+                }
+            }
+        }
+    }
+    (0..block.paths.len() as u32).map(|path| sets.find(path)).collect()
+}

@@ -1,0 +1,25 @@
+//! Other slicers' G-code in another order: what is printed stays, the way between changes.
+//!
+//! A file is read as [`Block`]s: lines that stay where they are, then paths on one layer that may change places. What
+//! the file does between two paths is learned as its [`Habit`]. A block becomes a problem for [`crate::order`]
+//! ([`layer`], [`picks`]) and text again ([`write`]): strokes as they were, and between them links as they were, or new
+//! travels in the file's habit that do not cross outer [`Walls`]. In the end [`verify`] compares the two files.
+
+mod block;
+mod habit;
+mod islands;
+mod problem;
+mod reader;
+mod state;
+mod ticks;
+mod verify;
+mod walls;
+mod writer;
+
+pub use block::Block;
+pub use habit::{Habit, Learner};
+pub use problem::{Pick, layer, picks};
+pub use reader::Blocks;
+pub use verify::{Proof, verify};
+pub use walls::Walls;
+pub use writer::{Written, end, write};

@@ -1,0 +1,494 @@
+//! A file as blocks, one after the other: the whole of it is never in memory.
+
+use std::io::{self, BufRead, ErrorKind};
+use std::ops::Range;
+
+use super::block::{Block, Cursor, Frame, Kind, Path, Seg, Slice, Token};
+use super::state::{Key, States};
+use super::ticks::ticks;
+use crate::gcode::{Action, Annotated, Line, Mark, Reader, State, Stroke, mark};
+
+/// Longer lines are no G-code.
+const LONGEST_LINE: usize = 1 << 22;
+/// A block without paths is ended after so many bytes where it can be.
+const LONGEST_FIXED: usize = 1 << 20;
+/// Coordinates beyond this are no positions of a printer, file units.
+const LARGEST: f64 = 1e5;
+/// More filament pushed than was pulled back is priming and stays where it is, mm.
+const PRIMING_MM: f64 = 0.5;
+
+/// Reads blocks.
+pub struct Blocks<R> {
+    input: R,
+    reader: Reader,
+    number: usize,
+    offset: usize,
+    /// Whether a line that marks a layer was seen.
+    marked: bool,
+    /// The name of the feature, if it is one that is known, or none was given.
+    movable: bool,
+    block: Block,
+    /// Lines since the last path, and what they hold.
+    pending: Vec<Token>,
+    since: Since,
+    done: bool,
+}
+
+/// What came since the last stroke of the last path.
+#[derive(Clone, Copy, Debug, Default)]
+struct Since {
+    /// Something that moves, or feeds filament.
+    moved: bool,
+    /// Something that lets nothing pass.
+    barrier: bool,
+    /// The state at the last travel.
+    travel_state: Option<u32>,
+}
+
+impl<R: BufRead> Blocks<R> {
+    /// Before the first line of a file.
+    pub fn new(input: R) -> Self {
+        let frame = Frame { scale: 1.0, absolute: true, e_absolute: true };
+        let start = Cursor { at: [0; 3], e: 0, feed: 0, state: 0 };
+        Self {
+            input,
+            reader: Reader::default(),
+            number: 0,
+            offset: 0,
+            marked: false,
+            movable: true,
+            block: empty(start, frame, States::default()),
+            pending: Vec::new(),
+            since: Since::default(),
+            done: false,
+        }
+    }
+
+    /// The next block; `None` at the end.
+    ///
+    /// # Errors
+    /// As the system says; and where the bytes cannot be G-code.
+    pub fn next(&mut self) -> io::Result<Option<Block>> {
+        while !self.done {
+            let start = self.block.text.len();
+            let read = read_line(&mut self.input, &mut self.block.text)?;
+            if read == 0 {
+                self.done = true;
+                let mut last = self.take();
+                if last.paths.is_empty() {
+                    last.junction.append(&mut self.pending);
+                    return Ok(Some(last));
+                }
+                let rest = self.split(&mut last);
+                self.block = rest;
+                return Ok(Some(last));
+            }
+            self.number += 1;
+            if self.block.text[start..].contains(&0) {
+                let message = format!("line {}: binary data; this is no G-code text", self.number);
+                return Err(io::Error::new(ErrorKind::InvalidData, message));
+            }
+            if let Some(block) = self.line(start..start + read) {
+                return Ok(Some(block));
+            }
+        }
+        let mut rest = self.take();
+        rest.junction.append(&mut self.pending);
+        Ok((rest.text.len() > rest.body).then_some(rest))
+    }
+
+    /// The block at hand; an empty one takes its place.
+    fn take(&mut self) -> Block {
+        let next = empty(self.block.after, self.block.frame, States::default());
+        std::mem::replace(&mut self.block, next)
+    }
+
+    /// Takes up a line; returns a block that it ends.
+    fn line(&mut self, range: Range<usize>) -> Option<Block> {
+        let before = self.reader.state.clone();
+        let slice = Slice { start: range.start as u32, len: range.len() as u32 };
+        let text = std::mem::take(&mut self.block.text);
+        let line = Line::new(self.number, self.offset, &text[range.clone()]);
+        self.offset += range.len();
+        let read = self.reader.read(line);
+        let stroke = match read.action {
+            Action::Stroke(stroke) => Some(stroke),
+            _ => None,
+        };
+        let plain = stroke.is_some() && is_plain(read.line.parameters());
+        let bead = stroke.filter(|s| s.extrudes());
+        let kind = match (stroke, bead) {
+            (_, Some(bead)) => {
+                if plain && self.is_movable(&bead, &before, &read) {
+                    None
+                } else {
+                    Some(Kind::Fixed)
+                }
+            }
+            (Some(stroke), None) => Some(if plain { stroke_kind(&stroke) } else { Kind::Barrier }),
+            (None, None) => Some(self.other_kind(&read)),
+        };
+        let context_role = read.context.role;
+        let layer = read.context.layer.unwrap_or(0);
+        self.block.text = text;
+        match (kind, bead) {
+            (None, Some(bead)) => self.bead(slice, &bead, context_role, layer, &before),
+            (kind, _) => self.token(kind.unwrap_or(Kind::Barrier), slice, stroke),
+        }
+    }
+
+    /// Whether a stroke that extrudes may be moved at all.
+    fn is_movable(&self, bead: &Stroke, before: &State, read: &Annotated) -> bool {
+        let named = read.context.role.is_some() || self.movable;
+        let sound = bead.from.iter().chain(&bead.to).all(|v| v.abs() < LARGEST) && bead.e_mm < LARGEST;
+        let pulled = before.firmware_retracted || before.retracted_mm > 1e-6;
+        named && sound && !pulled && bead.from[2] == bead.to[2] && !before.e_doubtful && bead.feed_mm_s > 0.0
+    }
+
+    fn other_kind(&mut self, read: &Annotated) -> Kind {
+        let line = &read.line;
+        match read.action {
+            Action::FirmwareRetract if line.words().is_empty() => return Kind::FirmwarePull,
+            Action::FirmwareUnretract if line.words().is_empty() => return Kind::FirmwarePush,
+            Action::Type(_) => self.movable = false,
+            _ => {}
+        }
+        if line.is(b'G', 92) && is_plain(line.parameters()) {
+            let words = line.words();
+            if words.get(b'E').is_some() && b"XYZ".iter().all(|w| words.get(*w).is_none()) {
+                return Kind::ResetE;
+            }
+        }
+        if is_time(line) {
+            return Kind::Time;
+        }
+        if let Some(key) = Key::of(line) {
+            return Kind::State(key);
+        }
+        if line.code.is_none() && line.parameters().trim_ascii().is_empty() {
+            return match line.comment {
+                None => Kind::Noise,
+                Some(comment) => match mark(comment) {
+                    Some(Mark::Layer) => {
+                        self.marked = true;
+                        Kind::Mark
+                    }
+                    Some(Mark::Z(_)) => Kind::Mark,
+                    _ if matches!(comment.trim_ascii(), b"" | b"WIPE_START" | b"WIPE_END") => Kind::Noise,
+                    _ => Kind::Barrier,
+                },
+            };
+        }
+        Kind::Barrier
+    }
+
+    fn cursor(&self, state: u32) -> Cursor {
+        let s = &self.reader.state;
+        Cursor {
+            at: s.position.map(|mm| ticks(mm / s.scale)),
+            e: ticks(s.e / s.scale),
+            feed: ticks(s.feed_mm_s * 60.0 / s.scale),
+            state,
+        }
+    }
+
+    fn frame(&self) -> Frame {
+        let s = &self.reader.state;
+        Frame { scale: s.scale, absolute: s.absolute, e_absolute: s.e_absolute }
+    }
+
+    fn state_now(&self) -> u32 {
+        self.block.states.len() as u32 - 1
+    }
+
+    fn token(&mut self, kind: Kind, line: Slice, stroke: Option<Stroke>) -> Option<Block> {
+        let mut kind = kind;
+        if let Kind::State(key) = kind {
+            let mut states = self.block.states[self.state_now() as usize];
+            let known = states.set(key, line);
+            self.block.states.push(states);
+            // What held before cannot be brought back: nothing passes the first line of its kind.
+            if !known && !self.block.paths.is_empty() {
+                kind = Kind::Barrier;
+            }
+        }
+        let state = self.state_now();
+        let now = self.cursor(state);
+        let scale = self.reader.state.scale;
+        let token = Token {
+            kind,
+            line,
+            to: now.at,
+            e: stroke.map_or(0, |s| ticks(s.e_mm / scale)),
+            e_after: now.e,
+            feed: now.feed,
+            xy_mm: stroke.map_or(0.0, |s| s.xy_mm),
+            state,
+        };
+        self.pending.push(token);
+        match kind {
+            Kind::Travel => {
+                self.since.moved = true;
+                self.since.travel_state = Some(state);
+            }
+            Kind::Wipe | Kind::Lift | Kind::Pull | Kind::FirmwarePull | Kind::FirmwarePush => {
+                self.since.moved = true
+            }
+            Kind::Push => {
+                self.since.moved = true;
+                self.since.barrier |= stroke.is_some_and(|s| s.fresh_mm > PRIMING_MM);
+            }
+            Kind::Mark | Kind::Barrier | Kind::Fixed => self.since.barrier = true,
+            Kind::ResetE | Kind::Feed | Kind::State(_) | Kind::Time | Kind::Noise => {}
+        }
+        // After something that must stay, and draws, the nozzle is where it was: nothing has to be remembered.
+        if kind == Kind::Fixed && self.block.paths.is_empty() && self.block.text.len() > LONGEST_FIXED {
+            return Some(self.cut());
+        }
+        None
+    }
+
+    /// Takes up a stroke of a path; returns the block before if it begins another one.
+    fn bead(
+        &mut self,
+        line: Slice,
+        bead: &Stroke,
+        role: Option<crate::toolpath::Role>,
+        layer: usize,
+        before: &State,
+    ) -> Option<Block> {
+        let scale = before.scale;
+        let point = |p: [f64; 3]| [ticks(p[0] / scale), ticks(p[1] / scale)];
+        let level = ticks(bead.to[2] / scale);
+        let frame = self.frame();
+        let same = self.block.after.at[2] == level && self.block.layer == layer && self.block.frame == frame;
+        let mut line = line;
+        let mut ended = None;
+        if !self.block.paths.is_empty() && (self.since.barrier || !same) {
+            let mut last = self.take();
+            let cut = self.pending.first().map_or(line.start, |t| t.line.start);
+            self.block = self.split(&mut last);
+            line.start = line.start - cut + self.block.body as u32;
+            ended = Some(last);
+        }
+        let state = self.state_now();
+        if self.block.paths.is_empty() {
+            self.block.junction.append(&mut self.pending);
+            (self.block.frame, self.block.layer, self.block.marked) = (frame, layer, self.marked);
+            self.begin(point(bead.from), role, state);
+        } else if self.since.moved
+            || self.block.end(&self.block.paths[self.block.paths.len() - 1]) != point(bead.from)
+        {
+            self.begin(point(bead.from), role, state);
+        } else {
+            // Feed rates and states are kept with each stroke.
+            self.pending.clear();
+        }
+        let arc = bead.arc.map(|arc| (arc.at.map(|v| ticks(v / scale)), arc.clockwise));
+        let (e, feed) = (ticks(bead.e_mm / scale), ticks(bead.feed_mm_s * 60.0 / scale));
+        let to = point(bead.to);
+        let e_after = ticks(self.reader.state.e / scale);
+        self.block.segs.push(Seg { line, to, e, e_after, feed, arc, state });
+        let end = self.block.segs.len();
+        if let Some(path) = self.block.paths.last_mut() {
+            path.segs.end = end;
+        }
+        self.since = Since::default();
+        self.block.after = self.cursor(state);
+        ended
+    }
+
+    fn begin(&mut self, from: [i64; 2], role: Option<crate::toolpath::Role>, state: u32) {
+        let links = self.block.links.len();
+        self.block.links.append(&mut self.pending);
+        let segs = self.block.segs.len();
+        self.block.paths.push(Path {
+            from,
+            segs: segs..segs,
+            link: links..self.block.links.len(),
+            travel_state: self.since.travel_state.unwrap_or(state),
+            role,
+        });
+    }
+
+    /// Ends a block behind its last path; what is pending goes to a new one, which is returned.
+    fn split(&mut self, last: &mut Block) -> Block {
+        let cut = self.pending.first().map_or_else(
+            // Nothing pending: the line at hand, if there is one, begins behind the last stroke.
+            || last.segs.last().map_or(last.text.len(), |seg| (seg.line.start + seg.line.len) as usize),
+            |token| token.line.start as usize,
+        );
+        let first_state = last.after.state;
+        let mut next = empty(last.after, self.frame(), States::default());
+        let mut states: Vec<States> = last.states[first_state as usize..].to_vec();
+        // The lines in force come along.
+        let mut prefix: Vec<u8> = Vec::new();
+        for slice in states[0].slices_mut() {
+            let line = slice.of(&last.text);
+            *slice = Slice { start: prefix.len() as u32, len: line.len() as u32 };
+            prefix.extend_from_slice(line);
+        }
+        let carried = states[0];
+        let shift =
+            |slice: Slice| Slice { start: slice.start - cut as u32 + prefix.len() as u32, len: slice.len };
+        for states in states.iter_mut().skip(1) {
+            for (slice, carried) in states.slices_mut().zip({ carried }.slices_mut()) {
+                if slice.start as usize >= cut {
+                    *slice = shift(*slice);
+                } else if !slice.is_empty() {
+                    *slice = *carried;
+                }
+            }
+        }
+        next.states = states;
+        next.body = prefix.len();
+        for token in &mut self.pending {
+            token.line = shift(token.line);
+            token.state -= first_state;
+        }
+        self.since.travel_state = self.since.travel_state.map(|state| state.saturating_sub(first_state));
+        next.text = prefix;
+        next.text.extend_from_slice(&last.text[cut..]);
+        last.text.truncate(cut);
+        next.before.state = 0;
+        next.after.state = 0;
+        next
+    }
+
+    /// Ends a block that holds no path.
+    fn cut(&mut self) -> Block {
+        let mut done = self.take();
+        done.junction.append(&mut self.pending);
+        done.after = self.cursor(done.states.len() as u32 - 1);
+        self.since = Since::default();
+        let mut next = empty(done.after, self.frame(), States::default());
+        let mut states = done.states[done.states.len() - 1];
+        for slice in states.slices_mut() {
+            let line = slice.of(&done.text);
+            *slice = Slice { start: next.text.len() as u32, len: line.len() as u32 };
+            next.text.extend_from_slice(line);
+        }
+        next.body = next.text.len();
+        next.states = vec![states];
+        next.before.state = 0;
+        next.after.state = 0;
+        self.block = next;
+        done
+    }
+}
+
+fn empty(start: Cursor, frame: Frame, states: States) -> Block {
+    Block {
+        text: Vec::new(),
+        body: 0,
+        junction: Vec::new(),
+        paths: Vec::new(),
+        segs: Vec::new(),
+        links: Vec::new(),
+        states: vec![states],
+        frame,
+        layer: 0,
+        marked: false,
+        before: start,
+        after: start,
+    }
+}
+
+fn stroke_kind(stroke: &Stroke) -> Kind {
+    let moves = stroke.xy_mm > 1e-9;
+    let lifts = stroke.from[2] != stroke.to[2];
+    match (moves, stroke.e_mm) {
+        (true, e) if e < -1e-9 => {
+            if lifts {
+                Kind::Barrier
+            } else {
+                Kind::Wipe
+            }
+        }
+        (true, _) if stroke.arc.is_some() => Kind::Barrier,
+        (true, _) => Kind::Travel,
+        (false, e) if e.abs() > 1e-9 && lifts => Kind::Barrier,
+        (false, e) if e < -1e-9 => Kind::Pull,
+        (false, e) if e > 1e-9 => Kind::Push,
+        _ if lifts => Kind::Lift,
+        _ => Kind::Feed,
+    }
+}
+
+/// M73, and comments about time.
+pub(super) fn is_time(line: &Line) -> bool {
+    if line.is(b'M', 73) {
+        return true;
+    }
+    let alone = line.code.is_none() && line.parameters().trim_ascii().is_empty();
+    let Some(comment) = line.comment.filter(|_| alone).map(<[u8]>::trim_ascii) else { return false };
+    let begins =
+        [&b"TIME_ELAPSED:"[..], b"TIME:", b"PRINT.TIME:", b"estimated printing time", b"Build time:"];
+    begins.iter().any(|begin| comment.starts_with(begin))
+}
+
+/// Whether parameters are words that moves are known to have, each with a number and given once.
+fn is_plain(parameters: &[u8]) -> bool {
+    let (mut at, mut given) = (0, 0_u32);
+    while at < parameters.len() {
+        let byte = parameters[at];
+        if matches!(byte, b' ' | b'\t') {
+            at += 1;
+            continue;
+        }
+        let letter = byte.to_ascii_uppercase();
+        let bit = match letter {
+            b'X' | b'Y' | b'Z' | b'E' | b'F' | b'I' | b'J' | b'R' => 1 << (letter - b'A'),
+            _ => return false,
+        };
+        // `1e5` is one number to some readers and two words to others.
+        let glued = at > 0 && parameters[at - 1].is_ascii_digit() && byte.is_ascii_lowercase();
+        if given & bit != 0 || glued {
+            return false;
+        }
+        given |= bit;
+        at += 1;
+        let start = at;
+        if matches!(parameters.get(at), Some(b'-' | b'+')) {
+            at += 1;
+        }
+        let (mut digits, mut points) = (0, 0);
+        while let Some(b) = parameters.get(at) {
+            match b {
+                b'0'..=b'9' => digits += 1,
+                b'.' => points += 1,
+                _ => break,
+            }
+            at += 1;
+        }
+        if digits == 0 || points > 1 || at - start > 20 {
+            return false;
+        }
+    }
+    true
+}
+
+/// Appends a line with its end; 0: there is none.
+pub(super) fn read_line(input: &mut impl BufRead, out: &mut Vec<u8>) -> io::Result<usize> {
+    let start = out.len();
+    loop {
+        let buffer = match input.fill_buf() {
+            Ok(buffer) => buffer,
+            Err(error) if error.kind() == ErrorKind::Interrupted => continue,
+            Err(error) => return Err(error),
+        };
+        let end = buffer.iter().position(|b| *b == b'\n').map(|at| at + 1);
+        let take = end.unwrap_or(buffer.len());
+        out.extend_from_slice(&buffer[..take]);
+        input.consume(take);
+        if end.is_some() || take == 0 {
+            return Ok(out.len() - start);
+        }
+        if out.len() - start > LONGEST_LINE {
+            return Err(io::Error::new(
+                ErrorKind::InvalidData,
+                "a line is longer than 4 MB; this is no G-code text",
+            ));
+        }
+    }
+}

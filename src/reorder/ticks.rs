@@ -1,0 +1,63 @@
+//! Decimal numbers as files have them: whole millionths of the file's unit, so that nothing is lost by rounding.
+
+/// Ticks in a unit.
+const PER_UNIT: f64 = 1e6;
+
+/// A number of the file as ticks. What is out of range is clamped.
+pub(super) fn ticks(value: f64) -> i64 {
+    (value * PER_UNIT).round() as i64
+}
+
+/// Ticks as a number.
+pub(super) fn units(ticks: i64) -> f64 {
+    ticks as f64 / PER_UNIT
+}
+
+/// Appends a letter and a number, without zeros at its end: ` X12.5`.
+pub(super) fn push_word(out: &mut Vec<u8>, letter: u8, value: i64) {
+    out.extend_from_slice(&[b' ', letter]);
+    push_number(out, value);
+}
+
+/// Appends a number without zeros at its end.
+pub(super) fn push_number(out: &mut Vec<u8>, value: i64) {
+    if value < 0 {
+        out.push(b'-');
+    }
+    let (whole, mut rest) = (value.unsigned_abs() / 1_000_000, value.unsigned_abs() % 1_000_000);
+    let mut digits = [0; 20];
+    let (mut at, mut left) = (digits.len(), whole);
+    loop {
+        at -= 1;
+        digits[at] = b'0' + (left % 10) as u8;
+        left /= 10;
+        if left == 0 {
+            break;
+        }
+    }
+    out.extend_from_slice(&digits[at..]);
+    if rest > 0 {
+        out.push(b'.');
+        let mut place = 100_000;
+        while rest > 0 {
+            out.push(b'0' + (rest / place) as u8);
+            rest %= place;
+            place /= 10;
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn numbers_are_written_as_short_as_they_can_be() {
+        let text = |value: f64| {
+            let mut out = Vec::new();
+            push_number(&mut out, ticks(value));
+            String::from_utf8(out).unwrap()
+        };
+        assert_eq!([0.0, -0.05, 12.5, 100.0, 0.000001].map(text), ["0", "-0.05", "12.5", "100", "0.000001"]);
+    }
+}

@@ -1,0 +1,204 @@
+//! Outer walls, which a nozzle that oozes must not cross, and ways around them.
+
+use std::sync::OnceLock;
+
+use super::block::Block;
+use crate::geom::{
+    Boundary, BoundaryPos, Bounds, Clipper, Point, Polygon, Region, Ring, offset, ring_area, unite_rings,
+};
+use crate::toolpath::Role;
+
+/// Gaps of seams are closed up to this, mm.
+const SEAM_GAP_MM: f64 = 1.0;
+/// Crossings this near to an end of the way are that end's own wall, mm.
+const OWN_WALL_MM: f64 = 0.25;
+/// Ways around keep this far from the walls, mm.
+const CLEARANCE_MM: f64 = 0.4;
+/// How far the way along the inside of a wall may be from where it is entered, mm.
+const REACH_MM: f64 = 1.5;
+
+/// How a straight way lies to the walls of its layer.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Way {
+    /// Within one part.
+    Inside,
+    /// Through the open, touching no part.
+    Outside,
+    /// Across a wall.
+    Crosses,
+}
+
+/// The outer walls of a layer.
+#[derive(Debug)]
+pub struct Walls {
+    rings: Vec<Ring>,
+    clipper: Clipper,
+    inset: OnceLock<Inset>,
+}
+
+/// Where the nozzle is inside a part and clear of its walls.
+#[derive(Debug)]
+struct Inset {
+    region: Region,
+    clipper: Clipper,
+}
+
+impl Walls {
+    /// The walls of the blocks of one layer. Where nothing is said of roles, every loop may be one.
+    pub fn new<'a>(blocks: impl Iterator<Item = &'a Block>) -> Self {
+        let mut rings: Vec<Ring> = Vec::new();
+        for block in blocks {
+            for path in &block.paths {
+                let outer = match path.role {
+                    Some(role) => matches!(role, Role::ExternalPerimeter | Role::OverhangPerimeter),
+                    None => block.closed(path),
+                };
+                if !outer {
+                    continue;
+                }
+                let mut ring: Ring = block.points(path).map(|[x, y]| Point::from_mm(x, y)).collect();
+                let (first, last) = (ring[0], ring[ring.len() - 1]);
+                if first.distance_mm(last) < SEAM_GAP_MM && ring.len() > 3 {
+                    ring.dedup();
+                    ring.pop_if(|last| *last == first);
+                    rings.push(ring);
+                }
+            }
+        }
+        let ring = |ring: &Ring| Polygon { outer: ring.clone(), holes: Vec::new() };
+        // The clipper goes by the even-odd rule: how the rings are nested does not matter to it.
+        let clipper = Clipper::new(&Region { polygons: rings.iter().map(ring).collect() });
+        Self { rings, clipper, inset: OnceLock::new() }
+    }
+
+    /// Whether there are none: nothing is known of what must not be crossed.
+    pub fn is_empty(&self) -> bool {
+        self.rings.is_empty()
+    }
+
+    /// How the straight way between two points lies.
+    pub(super) fn way(&self, a: Point, b: Point) -> Way {
+        let pieces = self.clipper.clip(&[a, b]);
+        let (Some(first), Some(last)) = (pieces.first(), pieces.last()) else { return Way::Outside };
+        let (enter, leave) = (first.points[0], last.points[last.points.len() - 1]);
+        let own =
+            pieces.len() == 1 && enter.distance_mm(a) < OWN_WALL_MM && leave.distance_mm(b) < OWN_WALL_MM;
+        let length_mm: f64 =
+            pieces.iter().map(|p| p.points[0].distance_mm(p.points[p.points.len() - 1])).sum();
+        match own {
+            true => Way::Inside,
+            false if length_mm < OWN_WALL_MM => Way::Outside,
+            false => Way::Crosses,
+        }
+    }
+
+    /// The corners of a way inside the part from one point to another whose straight way crosses walls, if there is
+    /// one that goes along the walls and is not too long.
+    pub fn around(&self, a: Point, b: Point) -> Option<Vec<Point>> {
+        let inset = self.inset.get_or_init(|| self.inset());
+        let boundary = Boundary::new(&inset.region);
+        let pieces = inset.clipper.clip(&[a, b]);
+        let mut way = vec![a];
+        // Where the way has left the inset and must go along its boundary.
+        let mut left = match pieces.first().map(|piece| piece.ends[0]) {
+            Some(None) => None,
+            _ => Some(inset.nearest(a)?),
+        };
+        for piece in &pieces {
+            if let (Some(from), Some(to)) = (left, piece.ends[0]) {
+                along(&boundary, from, to, &mut way)?;
+            }
+            way.extend([piece.points[0], piece.points[piece.points.len() - 1]]);
+            left = piece.ends[1];
+        }
+        if let Some(from) = left {
+            along(&boundary, from, inset.nearest(b)?, &mut way)?;
+        }
+        way.push(b);
+        way.dedup();
+        let way = self.pulled_tight(&way)?;
+        let length_mm: f64 = way.windows(2).map(|w| w[0].distance_mm(w[1])).sum();
+        (length_mm < 2.0 * a.distance_mm(b) + 10.0).then(|| way[1..way.len() - 1].to_vec())
+    }
+
+    /// Leaves out corners that are not needed. `None` where a part of the way crosses a wall after all.
+    fn pulled_tight(&self, way: &[Point]) -> Option<Vec<Point>> {
+        let free = |i: usize, j: usize| self.way(way[i], way[j]) == Way::Inside;
+        let mut out = vec![way[0]];
+        let mut at = 0;
+        while at + 1 < way.len() {
+            let mut step = 1;
+            if !free(at, at + 1) {
+                return None;
+            }
+            while at + 2 * step < way.len() && free(at, at + 2 * step) {
+                step *= 2;
+            }
+            let (mut good, mut bad) = (step, (2 * step).min(way.len() - at));
+            while good + 1 < bad {
+                let middle = good.midpoint(bad);
+                if free(at, at + middle) { good = middle } else { bad = middle }
+            }
+            at += good;
+            out.push(way[at]);
+        }
+        Some(out)
+    }
+
+    fn inset(&self) -> Inset {
+        let boxes: Vec<Option<Bounds>> =
+            self.rings.iter().map(|ring| Bounds::of(ring.iter().copied())).collect();
+        let around = |inner: usize, outer: usize| {
+            let p = self.rings[inner][0];
+            let near = boxes[outer].is_some_and(|b| b.touches(&Bounds { min: p, max: p }));
+            let polygon = || Polygon { outer: self.rings[outer].clone(), holes: Vec::new() };
+            inner != outer && near && Region { polygons: vec![polygon()] }.contains(p)
+        };
+        let turned = (0..self.rings.len()).map(|i| {
+            let depth = (0..self.rings.len()).filter(|&outer| around(i, outer)).count();
+            let mut ring = self.rings[i].clone();
+            if (ring_area(&ring) > 0.0) != (depth % 2 == 0) {
+                ring.reverse();
+            }
+            ring
+        });
+        let region = offset(&unite_rings(&turned.collect::<Vec<_>>()), -CLEARANCE_MM);
+        Inset { clipper: Clipper::new(&region), region }
+    }
+}
+
+impl Inset {
+    /// The place on the boundary nearest to a point, if it is near enough.
+    fn nearest(&self, p: Point) -> Option<BoundaryPos> {
+        let mut best: Option<(f64, BoundaryPos)> = None;
+        for (ring_index, ring) in self.region.rings().enumerate() {
+            for (edge, &a) in ring.iter().enumerate() {
+                let b = ring[(edge + 1) % ring.len()];
+                let (d, w) = (b - a, p - a);
+                let length2 = d.dot(d).max(1) as f64;
+                let share = (w.dot(d) as f64 / length2).clamp(0.0, 1.0);
+                let along_mm = share * a.distance_mm(b);
+                let foot = foot(a, b, share);
+                let distance_mm = foot.distance_mm(p);
+                if distance_mm < REACH_MM && best.is_none_or(|(least, _)| distance_mm < least) {
+                    let at = BoundaryPos { ring: ring_index as u32, edge: edge as u32, along_mm };
+                    best = Some((distance_mm, at));
+                }
+            }
+        }
+        best.map(|(_, at)| at)
+    }
+}
+
+fn foot(a: Point, b: Point, share: f64) -> Point {
+    let [p, q] = [a.mm(), b.mm()];
+    Point::from_mm(p[0] + share * (q[0] - p[0]), p[1] + share * (q[1] - p[1]))
+}
+
+/// Goes along the boundary, the shorter way round. `None` where that is not possible.
+fn along(boundary: &Boundary, from: BoundaryPos, to: BoundaryPos, way: &mut Vec<Point>) -> Option<()> {
+    let forward_mm = boundary.way_mm(from, to)?;
+    let forward = forward_mm <= boundary.ring_length_mm(from.ring) - forward_mm;
+    way.extend(boundary.vertices_between(from, to, forward));
+    Some(())
+}

@@ -1,0 +1,574 @@
+//! A block as text again, its paths in another order.
+
+use super::block::{Block, Kind, Path, Seg, Token};
+use super::habit::{Habit, Retract};
+use super::problem::Pick;
+use super::state::{Key, States};
+use super::ticks::{push_word, ticks, units};
+use super::walls::{Walls, Way};
+use crate::gcode::Line;
+
+/// A block's text, and what it comes to.
+#[derive(Clone, Debug)]
+pub struct Written {
+    /// The text.
+    pub bytes: Vec<u8>,
+    /// Way without extrusion, mm.
+    pub travel_mm: f64,
+    /// How often filament is pulled back.
+    pub pulls: usize,
+}
+
+/// Where a block's text ends: the last stroke of its last path; of one without paths, as in the file.
+pub fn end(block: &Block, picks: &[Pick]) -> [i64; 2] {
+    picks.last().map_or([block.after.at[0], block.after.at[1]], |pick| ends(block, pick).1)
+}
+
+/// Where a path begins and ends as it is drawn.
+pub(super) fn ends(block: &Block, pick: &Pick) -> ([i64; 2], [i64; 2]) {
+    let path = &block.paths[pick.path];
+    match (pick.reversed, pick.first) {
+        (true, _) => (block.end(path), path.from),
+        (false, 0) => (path.from, block.end(path)),
+        (false, first) => {
+            let at = block.segs[path.segs.start + first - 1].to;
+            (at, at)
+        }
+    }
+}
+
+/// Writes a block whose paths are drawn as `picks` say, the nozzle coming from `from`. At its end everything is as the
+/// file has it there, but for the nozzle's place in X and Y.
+pub fn write(block: &Block, picks: &[Pick], from: [i64; 2], habit: &Habit, walls: &Walls) -> Written {
+    let crlf =
+        block.text[block.body..].split(|b| *b == b'\n').next().is_some_and(|line| line.ends_with(b"\r"));
+    let mut writer = Writer {
+        block,
+        habit,
+        walls,
+        eol: if crlf { b"\r\n" } else { b"\n" },
+        out: Vec::with_capacity(block.text.len() + 256),
+        at: [from[0], from[1], block.before.at[2]],
+        e: block.before.e,
+        feed: block.before.feed,
+        state: block.states[block.before.state as usize],
+        last: None,
+        pulled: false,
+        travel_mm: 0.0,
+        pulls: 0,
+    };
+    writer.junction(picks.first());
+    for (index, pick) in picks.iter().enumerate() {
+        if index > 0 {
+            writer.link(&picks[index - 1], pick);
+        }
+        writer.draw(pick);
+    }
+    if !picks.is_empty() {
+        writer.close();
+    }
+    Written { bytes: writer.out, travel_mm: writer.travel_mm, pulls: writer.pulls }
+}
+
+struct Writer<'a> {
+    block: &'a Block,
+    habit: &'a Habit,
+    walls: &'a Walls,
+    eol: &'static [u8],
+    out: Vec<u8>,
+    at: [i64; 3],
+    e: i64,
+    feed: i64,
+    state: States,
+    /// The path drawn last.
+    last: Option<Pick>,
+    /// Whether filament is pulled back.
+    pulled: bool,
+    travel_mm: f64,
+    pulls: usize,
+}
+
+impl Writer<'_> {
+    /// What stays where it is, and the way to the first path.
+    fn junction(&mut self, first: Option<&Pick>) {
+        let block = self.block;
+        let tokens = &block.junction;
+        let before = block.before.at;
+        let target = first.map(|pick| ends(block, pick).0);
+        let moved = self.at != before;
+        // All up to what draws, or moves in ways of its own, is as it was.
+        let mut place = before;
+        let mut fixed = if target.is_none() { tokens.len() } else { 0 };
+        for (index, token) in tokens.iter().enumerate() {
+            let moves = token.to[..2] != place[..2];
+            if token.kind == Kind::Fixed || token.kind == Kind::Barrier && moves {
+                fixed = fixed.max(index + 1);
+            }
+            place = token.to;
+        }
+        let (head, tail) = tokens.split_at(fixed);
+        if moved && fixed > 0 {
+            let placed = head
+                .iter()
+                .position(|t| t.kind == Kind::Travel || t.to[..2] != before[..2] && t.kind != Kind::Wipe);
+            let by_itself =
+                placed.is_some_and(|index| head[index].kind == Kind::Travel) && block.frame.absolute;
+            if !by_itself && placed.is_some() {
+                self.go([before[0], before[1]], None);
+            }
+        }
+        for token in head {
+            match token.kind {
+                Kind::Wipe if self.at[..2] != before[..2] => self.pull_in_place(token),
+                _ => self.token(token),
+            }
+        }
+        let Some(target) = target else { return };
+        let as_it_was =
+            head.last().map_or(before, |t| t.to)[..2] == self.at[..2] && target == block.paths[0].from;
+        if as_it_was {
+            tail.iter().for_each(|token| self.token(token));
+            return;
+        }
+        let travel = tail.iter().rposition(|t| t.kind == Kind::Travel);
+        for (index, token) in tail.iter().enumerate() {
+            match token.kind {
+                Kind::Travel if travel == Some(index) => self.go(target, Some(token)),
+                Kind::Travel if token.to[2] != self.at[2] => self.lift(token.to[2], token.feed),
+                Kind::Travel => {}
+                Kind::Wipe => self.pull_in_place(token),
+                _ => self.token(token),
+            }
+        }
+        if self.at[..2] != target {
+            self.go(target, None);
+        }
+    }
+
+    /// The way from one path to the next.
+    fn link(&mut self, from: &Pick, to: &Pick) {
+        let block = self.block;
+        let path = &block.paths[to.path];
+        let start = ends(block, to).0;
+        let follows = from.path + 1 == to.path;
+        let (before, after) = (&block.paths[from.path], ends(block, from).1);
+        if follows && after == block.end(before) && start == path.from {
+            block.links[path.link.clone()].iter().for_each(|token| self.token(token));
+            return;
+        }
+        if after == start {
+            return;
+        }
+        let wanted = block.states[path.travel_state as usize];
+        let changes: Vec<&[u8]> = self.state.changes(&wanted, false, &block.text).collect();
+        changes.into_iter().for_each(|line| self.out.extend_from_slice(line));
+        self.state = self.state.with_commands_of(&wanted);
+        // Backwards along the way that the file itself went.
+        if from.path == to.path + 1 && from.reversed && start == block.end(path) && after == before.from {
+            let link = &block.links[before.link.clone()];
+            let moves = |t: &&Token| t.kind == Kind::Travel;
+            if link.iter().all(|t| !matches!(t.kind, Kind::Pull | Kind::Wipe | Kind::FirmwarePull)) {
+                let corners: Vec<[i64; 2]> =
+                    link.iter().filter(moves).map(|t| [t.to[0], t.to[1]]).rev().skip(1).collect();
+                corners.into_iter().for_each(|corner| self.travel(corner));
+                self.travel(start);
+                return;
+            }
+        }
+        self.go(start, None);
+    }
+
+    /// Draws a path.
+    fn draw(&mut self, pick: &Pick) {
+        let block = self.block;
+        let path: &Path = &block.paths[pick.path];
+        let segs = &block.segs[path.segs.clone()];
+        if pick.reversed {
+            for (index, seg) in segs.iter().enumerate().rev() {
+                let to = if index == 0 { path.from } else { segs[index - 1].to };
+                self.backwards(seg, to);
+            }
+        } else {
+            segs[pick.first..].iter().chain(&segs[..pick.first]).for_each(|seg| self.forwards(seg));
+        }
+        self.last = Some(*pick);
+    }
+
+    fn forwards(&mut self, seg: &Seg) {
+        self.enter(seg.state);
+        self.e += seg.e;
+        let e = (self.block.frame.e_absolute && self.e != seg.e_after).then_some(self.e);
+        self.stroke_line(seg.line.of(&self.block.text), e, seg.feed);
+        (self.at[0], self.at[1]) = (seg.to[0], seg.to[1]);
+    }
+
+    fn backwards(&mut self, seg: &Seg, to: [i64; 2]) {
+        self.enter(seg.state);
+        let command: &[u8] = match seg.arc {
+            Some((_, true)) => b"G3",
+            Some((_, false)) => b"G2",
+            None => b"G1",
+        };
+        self.out.extend_from_slice(command);
+        self.xy(to);
+        if let Some((center, _)) = seg.arc {
+            push_word(&mut self.out, b'I', center[0] - seg.to[0]);
+            push_word(&mut self.out, b'J', center[1] - seg.to[1]);
+        }
+        self.e += seg.e;
+        push_word(&mut self.out, b'E', if self.block.frame.e_absolute { self.e } else { seg.e });
+        self.f(seg.feed);
+        let line = Line::new(0, 0, seg.line.of(&self.block.text));
+        if let Some(comment) = line.comment {
+            self.out.extend_from_slice(b" ;");
+            self.out.extend_from_slice(comment);
+        }
+        self.end_line();
+        (self.at[0], self.at[1]) = (to[0], to[1]);
+    }
+
+    /// Puts a state in force, comments and all.
+    fn enter(&mut self, state: u32) {
+        let wanted = self.block.states[state as usize];
+        if wanted != self.state {
+            for line in self.state.changes(&wanted, true, &self.block.text) {
+                self.out.extend_from_slice(line);
+            }
+            self.state = wanted;
+        }
+    }
+
+    /// Everything as the file has it behind the block's last path.
+    fn close(&mut self) {
+        let after = self.block.after;
+        self.enter(after.state);
+        if self.block.frame.e_absolute && self.e != after.e {
+            self.out.extend_from_slice(b"G92");
+            push_word(&mut self.out, b'E', after.e);
+            self.end_line();
+        }
+        if self.feed != after.feed {
+            self.out.extend_from_slice(b"G1");
+            self.f(after.feed);
+            self.end_line();
+        }
+    }
+
+    /// A line as it was, but for E and the feed rate in force.
+    fn token(&mut self, token: &Token) {
+        let line = token.line.of(&self.block.text);
+        match token.kind {
+            Kind::Time => return,
+            Kind::State(key) => {
+                self.out.extend_from_slice(line);
+                self.state.set(key, token.line);
+            }
+            Kind::Travel | Kind::Lift | Kind::Pull | Kind::Push | Kind::Wipe | Kind::Feed | Kind::Fixed => {
+                self.e += token.e;
+                let e = (self.block.frame.e_absolute && self.e != token.e_after).then_some(self.e);
+                self.stroke_line(line, e, token.feed);
+            }
+            _ => {
+                self.out.extend_from_slice(line);
+                if token.kind == Kind::Barrier && Key::of(&Line::new(0, 0, line)).is_some() {
+                    self.state = self.block.states[token.state as usize];
+                }
+                self.feed = token.feed;
+            }
+        }
+        match token.kind {
+            Kind::ResetE | Kind::Barrier => self.e = token.e_after,
+            Kind::Pull | Kind::Wipe | Kind::FirmwarePull => self.pull_counted(),
+            Kind::Push | Kind::FirmwarePush | Kind::Fixed => self.pulled = false,
+            _ => {}
+        }
+        if matches!(token.kind, Kind::Travel | Kind::Wipe) {
+            self.travel_mm += self.distance_mm([token.to[0], token.to[1]]);
+        }
+        // A line without coordinates leaves the nozzle where it is, wherever that was in the file.
+        match token.kind {
+            Kind::Travel | Kind::Wipe | Kind::Fixed | Kind::Barrier => self.at = token.to,
+            _ => self.at[2] = token.to[2],
+        }
+    }
+
+    fn pull_counted(&mut self) {
+        self.pulls += usize::from(!self.pulled);
+        self.pulled = true;
+    }
+
+    /// Pulls back standing still what the file pulled back while wiping somewhere else.
+    fn pull_in_place(&mut self, token: &Token) {
+        let feed = self.habit.retract.as_ref().map_or(token.feed, |r| {
+            [r.after.1, r.before.1, r.push.1].into_iter().find(|f| *f > 0).unwrap_or(token.feed)
+        });
+        self.feed_filament(token.e, feed);
+        self.pull_counted();
+    }
+
+    /// The way to a place, retracted where the file would have done so. `as_was`: the travel in whose place it is.
+    fn go(&mut self, to: [i64; 2], as_was: Option<&Token>) {
+        let z = as_was.map_or(self.at[2], |t| t.to[2]);
+        let [a, b] = [[self.at[0], self.at[1]], to].map(|p| self.block.point(p));
+        if a == b && z == self.at[2] {
+            return;
+        }
+        let length_mm = a.distance_mm(b);
+        let (far, habit) = (length_mm >= self.habit.threshold_mm, self.habit);
+        let way = if self.walls.is_empty() { None } else { Some(self.walls.way(a, b)) };
+        let retract = match way {
+            _ if self.pulled => None,
+            None | Some(Way::Outside) => habit.retract.as_ref().filter(|_| far),
+            Some(Way::Inside) => habit.retract.as_ref().filter(|_| far && !habit.combs),
+            Some(Way::Crosses) => {
+                let around = if habit.combs && z == self.at[2] { self.walls.around(a, b) } else { None };
+                if let Some(corners) = around {
+                    for corner in corners {
+                        self.travel(corner.mm().map(|mm| rounded(mm / self.block.frame.scale)));
+                    }
+                    self.travel(to);
+                    return;
+                }
+                habit.retract.as_ref()
+            }
+        };
+        let level = self.at[2];
+        if let Some(retract) = retract {
+            self.pull(retract);
+            if let Some((height, up, _)) = retract.hop {
+                self.lift(z.max(level) + height, up);
+            }
+        }
+        match as_was {
+            Some(token) if retract.is_none_or(|r| r.hop.is_none()) && z != self.at[2] => {
+                self.travel_to(to, z, token.feed)
+            }
+            _ => self.travel(to),
+        }
+        if let Some(retract) = retract {
+            if let Some((_, _, down)) = retract.hop {
+                self.lift(z, down);
+            }
+            self.push(retract);
+        }
+    }
+
+    fn pull(&mut self, retract: &Retract) {
+        self.pull_counted();
+        if retract.firmware {
+            self.out.extend_from_slice(b"G10");
+            return self.end_line();
+        }
+        if retract.before.0 > 0 {
+            self.feed_filament(-retract.before.0, retract.before.1);
+        }
+        self.wipe(retract);
+        if retract.after.0 > 0 {
+            self.feed_filament(-retract.after.0, retract.after.1);
+        }
+        if retract.reset && self.block.frame.e_absolute {
+            self.out.extend_from_slice(b"G92 E0");
+            self.end_line();
+            self.e = 0;
+        }
+    }
+
+    fn push(&mut self, retract: &Retract) {
+        self.pulled = false;
+        if retract.firmware {
+            self.out.extend_from_slice(b"G11");
+            return self.end_line();
+        }
+        self.feed_filament(retract.push.0, retract.push.1);
+    }
+
+    /// Back over the path drawn last, pulling filament back.
+    fn wipe(&mut self, retract: &Retract) {
+        let (amount, feed) = retract.wipe;
+        if amount <= 0 {
+            return;
+        }
+        let way = self.way_back(retract.wipe_mm);
+        let mut left_mm: f64 = way.windows(2).map(|w| self.between_mm(w[0], w[1])).sum();
+        if left_mm <= 0.0 {
+            return self.feed_filament(-amount, feed);
+        }
+        if retract.wipe_marks {
+            self.out.extend_from_slice(b";WIPE_START");
+            self.end_line();
+        }
+        let mut left = amount;
+        for w in way.windows(2) {
+            let length_mm = self.between_mm(w[0], w[1]);
+            // To a hundred-thousandth; the last one gets the rest.
+            let share = if length_mm >= left_mm {
+                left
+            } else {
+                (left as f64 * length_mm / left_mm / 10.0).round() as i64 * 10
+            };
+            (left, left_mm) = (left - share, left_mm - length_mm);
+            self.travel_mm += length_mm;
+            self.out.extend_from_slice(b"G1");
+            self.xy(w[1]);
+            self.e_word(-share);
+            self.f(feed);
+            self.end_line();
+            (self.at[0], self.at[1]) = (w[1][0], w[1][1]);
+        }
+        if retract.wipe_marks {
+            self.out.extend_from_slice(b";WIPE_END");
+            self.end_line();
+        }
+    }
+
+    /// The last of what was drawn, backwards, so many millimetres of it.
+    fn way_back(&self, wipe_mm: f64) -> Vec<[i64; 2]> {
+        let Some(pick) = self.last else { return Vec::new() };
+        let block = self.block;
+        let path = &block.paths[pick.path];
+        let mut points: Vec<[i64; 2]> =
+            std::iter::once(path.from).chain(block.segs[path.segs.clone()].iter().map(|s| s.to)).collect();
+        if pick.first > 0 {
+            points.pop();
+            points.rotate_left(pick.first);
+            points.push(points[0]);
+        }
+        if !pick.reversed {
+            points.reverse();
+        }
+        let mut left_mm = wipe_mm;
+        let mut way = vec![points[0]];
+        for w in points.windows(2) {
+            let length_mm = self.between_mm(w[0], w[1]);
+            if length_mm >= left_mm {
+                let share = left_mm / length_mm;
+                let at = [0, 1].map(|i| rounded(units(w[0][i]) + share * (units(w[1][i]) - units(w[0][i]))));
+                way.push(at);
+                break;
+            }
+            way.push(w[1]);
+            left_mm -= length_mm;
+        }
+        way.dedup();
+        way
+    }
+
+    fn feed_filament(&mut self, e: i64, feed: i64) {
+        if e == 0 {
+            return;
+        }
+        self.out.extend_from_slice(b"G1");
+        self.e_word(e);
+        self.f(feed);
+        self.end_line();
+    }
+
+    fn e_word(&mut self, e: i64) {
+        self.e += e;
+        push_word(&mut self.out, b'E', if self.block.frame.e_absolute { self.e } else { e });
+    }
+
+    fn lift(&mut self, z: i64, feed: i64) {
+        if z != self.at[2] {
+            self.command();
+            let value = if self.block.frame.absolute { z } else { z - self.at[2] };
+            push_word(&mut self.out, b'Z', value);
+            self.at[2] = z;
+            self.f(feed);
+            self.end_line();
+        }
+    }
+
+    fn travel(&mut self, to: [i64; 2]) {
+        self.travel_to(to, self.at[2], self.habit.travel_feed);
+    }
+
+    fn travel_to(&mut self, to: [i64; 2], z: i64, feed: i64) {
+        if [to[0], to[1], z] == self.at {
+            return;
+        }
+        self.travel_mm += self.distance_mm(to);
+        self.command();
+        self.xy(to);
+        if z != self.at[2] {
+            push_word(&mut self.out, b'Z', if self.block.frame.absolute { z } else { z - self.at[2] });
+        }
+        self.f(feed);
+        self.end_line();
+        self.at = [to[0], to[1], z];
+    }
+
+    fn command(&mut self) {
+        self.out.extend_from_slice(if self.habit.command == 0 { b"G0" } else { b"G1" });
+    }
+
+    fn xy(&mut self, to: [i64; 2]) {
+        let origin = if self.block.frame.absolute { [0; 2] } else { [self.at[0], self.at[1]] };
+        push_word(&mut self.out, b'X', to[0] - origin[0]);
+        push_word(&mut self.out, b'Y', to[1] - origin[1]);
+    }
+
+    /// The feed rate, where it is not in force.
+    fn f(&mut self, feed: i64) {
+        if feed != self.feed && feed > 0 {
+            push_word(&mut self.out, b'F', feed);
+            self.feed = feed;
+        }
+    }
+
+    fn end_line(&mut self) {
+        self.out.extend_from_slice(self.eol);
+    }
+
+    /// A line of the file with another E, and with a feed rate where it needs one.
+    fn stroke_line(&mut self, line: &[u8], e: Option<i64>, feed: i64) {
+        let command = line.iter().position(|b| matches!(b, b';' | b'\r' | b'\n')).unwrap_or(line.len());
+        let (command, rest) = line.split_at(command);
+        let has = |letter: u8| command.iter().position(|b| b.to_ascii_uppercase() == letter);
+        match (e, has(b'E')) {
+            (Some(value), Some(at)) => {
+                self.out.extend_from_slice(&command[..=at]);
+                super::ticks::push_number(&mut self.out, value);
+                let number = |b: &u8| !(b.is_ascii_digit() || matches!(b, b'.' | b'-' | b'+' | b' ' | b'\t'));
+                let digits = &command[at + 1..];
+                // Blanks may stand before the number, and do stand behind it.
+                let begin = digits.iter().position(|b| !matches!(b, b' ' | b'\t')).unwrap_or(digits.len());
+                let end = digits[begin..]
+                    .iter()
+                    .position(|b| number(b) || matches!(b, b' ' | b'\t'))
+                    .map_or(digits.len(), |n| begin + n);
+                self.out.extend_from_slice(&digits[end..]);
+            }
+            _ => self.out.extend_from_slice(command),
+        }
+        if feed != self.feed && has(b'F').is_none() && feed > 0 {
+            while self.out.last() == Some(&b' ') {
+                self.out.pop();
+            }
+            push_word(&mut self.out, b'F', feed);
+            if rest.starts_with(b";") {
+                self.out.push(b' ');
+            }
+        }
+        self.feed = feed;
+        self.out.extend_from_slice(rest);
+        if !rest.ends_with(b"\n") {
+            // The last line of a file may have no end; it need not be the last any more.
+            self.end_line();
+        }
+    }
+
+    fn between_mm(&self, a: [i64; 2], b: [i64; 2]) -> f64 {
+        let [a, b] = [a, b].map(|p| self.block.mm(p));
+        (a[0] - b[0]).hypot(a[1] - b[1])
+    }
+
+    fn distance_mm(&self, to: [i64; 2]) -> f64 {
+        self.between_mm([self.at[0], self.at[1]], to)
+    }
+}
+
+/// A coordinate with as many digits as slicers give, as ticks.
+fn rounded(value: f64) -> i64 {
+    ticks((value * 1000.0).round() / 1000.0)
+}

@@ -1,0 +1,139 @@
+//! Bridges: solid infill over air, spanned by threads from hold to hold.
+//!
+//! Each piece of air gets one direction. Among those of its edges, their normals and an even fan of others, it is the one
+//! in which most of the threads are held at both ends, and of those that do equally well the one with the shorter spans.
+
+use std::f64::consts::PI;
+
+use crate::geom::{self, EdgeGrid, Point, Polygon, Region};
+
+use super::Zones;
+
+/// Directions tried besides those of the edges.
+const FAN: u32 = 18;
+
+/// So many of the longest edges give their directions.
+const EDGES: usize = 6;
+
+/// Lines by which a direction is judged.
+const LINES: f64 = 24.0;
+
+/// Weight of the spans' length, as a share of the longest there could be, against the share of threads not held.
+const SPAN_WEIGHT: f64 = 0.1;
+
+/// Where a thread is looked for hold, in thread widths beyond its end: over the walls beside it.
+const PROBES: [f64; 4] = [0.25, 1.25, 2.25, 3.25];
+
+/// One patch of threads.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Bridge {
+    /// Where it is, what it rests on at its edges included.
+    pub area: Region,
+    /// Direction of the threads, radians from the X axis.
+    pub angle_rad: f64,
+}
+
+/// Takes the bridges out of an island's zones. `section` is the island, `beneath` what the layer rests on; threads are
+/// `width_mm` thick and reach `anchor_mm` over their hold, inside of `inside`. Air narrower than a thread needs no bridge.
+pub fn take(
+    zones: &mut Zones,
+    inside: &Region,
+    section: &Polygon,
+    beneath: &Region,
+    width_mm: f64,
+    anchor_mm: f64,
+) -> Vec<Bridge> {
+    if zones.solid.is_empty() && zones.top.is_empty() {
+        return Vec::new();
+    }
+    let over_air = |zone: &Region| geom::difference(zone, beneath);
+    let air = geom::union(&over_air(&zones.solid), &over_air(&zones.top));
+    let air = geom::opening(&air, width_mm / 2.0);
+    if air.is_empty() {
+        return Vec::new();
+    }
+    let hold = Hold {
+        beneath: EdgeGrid::new(beneath),
+        section: EdgeGrid::new(&Region { polygons: vec![section.clone()] }),
+        width_mm,
+    };
+    let mut taken = Region::default();
+    let mut bridges = Vec::new();
+    for polygon in air.polygons {
+        let piece = Region { polygons: vec![polygon] };
+        let angle_rad = hold.best_angle(&piece);
+        let reach = geom::intersection(&geom::offset(&piece, anchor_mm), inside);
+        let area = geom::difference(&reach, &taken);
+        taken = geom::union(&taken, &area);
+        bridges.push(Bridge { area, angle_rad });
+    }
+    let sparse = geom::difference(&zones.sparse, &taken);
+    zones.sparse_mm2 = (zones.sparse_mm2 - (zones.sparse.area_mm2() - sparse.area_mm2())).max(0.0);
+    zones.sparse = sparse;
+    zones.solid = geom::difference(&zones.solid, &taken);
+    zones.top = geom::difference(&zones.top, &taken);
+    bridges
+}
+
+/// What can hold threads: where this layer lies on the one beneath.
+struct Hold {
+    beneath: EdgeGrid,
+    section: EdgeGrid,
+    width_mm: f64,
+}
+
+impl Hold {
+    fn best_angle(&self, air: &Region) -> f64 {
+        let mut angles = edge_angles(air);
+        angles.extend((0..FAN).map(|k| PI * f64::from(k) / f64::from(FAN)));
+        let judged = angles.into_iter().map(|angle_rad| (self.cost(air, angle_rad), angle_rad));
+        judged
+            .reduce(|best, next| if next.0 < best.0 - 1e-9 { next } else { best })
+            .map_or(0.0, |best| best.1)
+    }
+
+    /// Share of thread that is not held at both ends (half of it counts where one end is), and a little for the mean
+    /// span.
+    fn cost(&self, air: &Region, angle_rad: f64) -> f64 {
+        let Some(bounds) = air.bounds() else { return 0.0 };
+        let longest_mm = bounds.min.distance_mm(bounds.max);
+        let spacing_mm = (longest_mm / LINES).max(self.width_mm / 2.0);
+        let (sin, cos) = angle_rad.sin_cos();
+        let (mut length_mm, mut loose_mm, mut squares_mm2) = (0.0, 0.0, 0.0);
+        for [a, b] in geom::scan_lines(air, angle_rad, spacing_mm, 0.0).into_iter().flat_map(|l| l.segments) {
+            let span_mm = a.point.distance_mm(b.point);
+            let held =
+                usize::from(self.holds(a.point, [-cos, -sin])) + usize::from(self.holds(b.point, [cos, sin]));
+            length_mm += span_mm;
+            loose_mm += span_mm * (2 - held) as f64 / 2.0;
+            squares_mm2 += span_mm * span_mm;
+        }
+        if length_mm <= 0.0 {
+            return f64::MAX;
+        }
+        loose_mm / length_mm + SPAN_WEIGHT * squares_mm2 / (length_mm * longest_mm)
+    }
+
+    /// Whether there is hold a little beyond the end of a thread that runs this way.
+    fn holds(&self, end: Point, way: [f64; 2]) -> bool {
+        PROBES.iter().any(|widths| {
+            let [x, y] = way.map(|w| w * widths * self.width_mm);
+            let p = end + Point::from_mm(x, y);
+            self.beneath.contains(p) && self.section.contains(p)
+        })
+    }
+}
+
+/// Directions of the longest edges, and their normals.
+fn edge_angles(air: &Region) -> Vec<f64> {
+    let outers = air.polygons.iter().map(|p| &p.outer);
+    let mut edges: Vec<(i64, Point)> = outers
+        .flat_map(|ring| ring.iter().zip(ring.iter().cycle().skip(1)))
+        .map(|(a, b)| (a.distance2(*b), *b - *a))
+        .collect();
+    edges.sort_by(|a, b| b.cmp(a));
+    let angle = |&(_, d): &(i64, Point)| f64::from(d.y).atan2(f64::from(d.x)).rem_euclid(PI);
+    let along: Vec<f64> = edges.iter().take(EDGES).map(angle).collect();
+    let across: Vec<f64> = along.iter().map(|a| (a + PI / 2.0).rem_euclid(PI)).collect();
+    [along, across].concat()
+}

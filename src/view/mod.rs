@@ -1,0 +1,17 @@
+//! A print as people look at it: pictures of layers, thumbnails, and a page to open in a browser.
+//!
+//! [`Scene`] is what all of them draw: the strokes of a G-code file, layer by layer, with what each is for.
+
+mod base64;
+mod colors;
+mod layer_png;
+mod layer_svg;
+mod pack;
+mod page;
+mod picture;
+mod scene;
+
+pub use layer_png::layer_png;
+pub use layer_svg::layer_svg;
+pub use page::{Print, page};
+pub use scene::{Layer, Mark, MarkKind, Scene, Stroke};

@@ -1,0 +1,141 @@
+//! The page: one file with style, script and data, which opens without a network.
+
+use serde_json::{Value, json};
+
+use super::colors::{DARK, LIGHT, RAMP, ROLES, Rgb, Theme, hex};
+use super::pack::pack;
+use super::scene::Scene;
+use crate::report::Measures;
+
+const TEMPLATE: &str = include_str!("page/index.html");
+const STYLE: &str = include_str!("page/style.css");
+/// In the order in which they need each other.
+const SCRIPTS: [&str; 12] = [
+    include_str!("page/dom.js"),
+    include_str!("page/unpack.js"),
+    include_str!("page/paint.js"),
+    include_str!("page/camera.js"),
+    include_str!("page/shaders.js"),
+    include_str!("page/gl.js"),
+    include_str!("page/canvas.js"),
+    include_str!("page/pane.js"),
+    include_str!("page/charts.js"),
+    include_str!("page/legend.js"),
+    include_str!("page/figures.js"),
+    include_str!("page/app.js"),
+];
+const MAIN: &str = include_str!("page/main.js");
+
+/// One of the prints of a page.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Print<'a> {
+    /// What it is called.
+    pub name: String,
+    /// What it draws.
+    pub scene: &'a Scene,
+    /// What it comes to; with a bound where there is one.
+    pub total: Measures,
+    /// Weight of its filament.
+    pub filament_g: f64,
+}
+
+/// A page for one print, or for several side by side.
+pub fn page(title: &str, prints: &[Print<'_>]) -> String {
+    let mut data = String::new();
+    let mut infos = Vec::new();
+    for (index, print) in prints.iter().enumerate() {
+        let packed = pack(print.scene);
+        infos.push(info(print, packed.strokes, packed.marks));
+        data += "<script type=\"text/plain\" id=\"print-";
+        data += &format!("{index}\">{}</script>\n", packed.base64);
+    }
+    let head = json!({
+        "prints": infos,
+        "roles": ROLES.iter().map(|role| json!({ "label": role.label, "color": hex(role.color) })).collect::<Vec<_>>(),
+        "ramp": RAMP.map(hex),
+        "themes": { "light": theme(&LIGHT), "dark": theme(&DARK) },
+    });
+    // Names may hold what would end the script.
+    let head = head.to_string().replace('<', "\\u003c");
+    let data = format!("<script type=\"application/json\" id=\"data\">{head}</script>\n{data}");
+    let script = format!("\"use strict\";\n(() => {{\n{}\n{MAIN}}})();", SCRIPTS.join("\n"));
+    fill(&[("title", &escape(title)), ("style", STYLE), ("data", &data), ("script", &script)])
+}
+
+/// The template, each `<!--name-->` replaced by its text.
+fn fill(values: &[(&str, &str)]) -> String {
+    let mut parts = TEMPLATE.split("<!--");
+    let mut out = parts.next().unwrap_or_default().to_owned();
+    for part in parts {
+        let (name, rest) = part.split_once("-->").unwrap_or(("", part));
+        out += values.iter().find(|(known, _)| *known == name).map_or("", |(_, text)| text);
+        out += rest;
+    }
+    out
+}
+
+fn info(print: &Print<'_>, strokes: usize, marks: usize) -> Value {
+    let [low, high] = print.scene.bounds().unwrap_or([[0.0; 2], [1.0; 2]]);
+    json!({
+        "name": print.name,
+        "notes": notes(print),
+        "strokes": strokes,
+        "marks": marks,
+        "layers": print.scene.layers.len(),
+        "bounds": [low[0], low[1], high[0], high[1]],
+        "total": print.total,
+        "filament_g": print.filament_g,
+    })
+}
+
+/// What people should know before they wonder.
+fn notes(print: &Print<'_>) -> Vec<String> {
+    let mut notes = Vec::new();
+    if !print.scene.extrudes() {
+        notes.push(format!("{} extrudes nothing: what is shown is travel.", print.name));
+    }
+    if print.scene.left_out > 0 {
+        notes.push(format!(
+            "{}: {} moves lead further than 10 m from the origin and are left out.",
+            print.name, print.scene.left_out
+        ));
+    }
+    notes
+}
+
+fn theme(theme: &Theme) -> Value {
+    let color = |color: Rgb| hex(color);
+    json!({
+        "background": color(theme.background),
+        "bed": color(theme.bed),
+        "ink": color(theme.ink),
+        "travel": color(theme.travel),
+        "retraction": color(theme.retraction),
+        "unretraction": color(theme.unretraction),
+        "seam": color(theme.seam),
+    })
+}
+
+/// Text as HTML.
+fn escape(text: &str) -> String {
+    text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;").replace('"', "&quot;")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::profile::Settings;
+
+    #[test]
+    fn a_page_is_whole_and_refers_to_nothing_outside() {
+        let scene = Scene::read(b"M83\nG1 X9 Z.2 F600\nG1 Y9 E1", &Settings::default());
+        let name = "</script><b>&".to_owned();
+        let print = Print { name: name.clone(), scene: &scene, total: scene.total.clone(), filament_g: 1.0 };
+        let page = page(&name, &[print]);
+        assert!(
+            page.contains("<title>&lt;/script&gt;&lt;b&gt;&amp;</title>") && !page.contains("</script><b>")
+        );
+        assert!(!page.contains("<!--") && page.trim_end().ends_with("</html>"));
+        assert!(!page.contains("src=") && !page.contains("href=") && !page.contains("https://"));
+    }
+}

@@ -1,0 +1,226 @@
+// The page's state, and what follows from a change of it.
+
+class App {
+  constructor(data, prints) {
+    Object.assign(this, { data, prints, range: null, frame: 0, moved: false });
+    this.layers = Math.max(...prints.map((print) => print.layers));
+    const several = prints.length > 1;
+    this.state = {
+      mode: "2d", layer: 0, way: Infinity, color: "role", playing: false, theme: null,
+      hidden: new Set(several ? ["mark-0", "mark-1", "mark-2"] : ["mark-1"]),
+    };
+    const bounds = [0, 1, 2, 3].map((i) => (i < 2 ? Math.min : Math.max)(...prints.map((print) => print.bounds[i])));
+    const top = Math.max(...prints.map((print) => print.z.reduce((a, b) => Math.max(a, b), 0.2)));
+    this.cameras = { "2d": new FlatCamera(bounds), "3d": new TurnCamera(bounds, top) };
+    this.panes = prints.map((print) => new Pane(this, print));
+    find("panes").style.setProperty("--columns", Math.min(prints.length, prints.length === 4 ? 2 : 3));
+    find("panes").append(...this.panes.map((pane) => pane.root));
+    this.charts = new Charts(this, find("charts"));
+    this.legend = new Legend(this, find("legend"));
+    find("figures").hidden = several;
+    find("layer").max = this.layers;
+    this.solid = this.panes.every((pane) => pane.solid);
+    find("view-3d").disabled = !this.solid;
+    if (!this.solid) find("view-3d").title = "This browser has no WebGL 2: layers only";
+    this.begin(several);
+  }
+
+  /** The first view: several prints at the layer where the first travels most, one print as a whole. */
+  begin(several) {
+    const wish = new URLSearchParams(location.hash.slice(1));
+    const busiest = this.prints[0].travel.reduce((best, mm, i, all) => (mm > all[best] ? i : best), 0);
+    this.state.theme = wish.get("theme") || (matchMedia("(prefers-color-scheme: dark)").matches ? "dark" : "light");
+    document.documentElement.dataset.theme = this.state.theme;
+    if (wish.get("color") in COLORINGS) find("color").value = this.state.color = wish.get("color");
+    this.setMode(wish.get("view") || (several ? "2d" : "3d"));
+    this.goTo(wish.has("layer") ? wish.get("layer") - 1 : several ? busiest : this.layers - 1);
+    if (wish.has("way")) this.setWay(this.longest() * wish.get("way"));
+    this.colored();
+  }
+
+  theme() {
+    return this.data.themes[this.state.theme];
+  }
+
+  camera() {
+    return this.cameras[this.state.mode];
+  }
+
+  /** Length of each role over all prints, travel last. */
+  ways() {
+    this.wayCache ??= this.prints.reduce((sums, { points, role, strokes }) => {
+      for (let i = 0; i < strokes; i++) {
+        sums[role[i]] += Math.hypot(points[3 * i + 3] - points[3 * i], points[3 * i + 4] - points[3 * i + 1]);
+      }
+      return sums;
+    }, new Float64Array(JUMP + 1)).slice(0, JUMP);
+    return this.wayCache;
+  }
+
+  markCounts() {
+    const counts = [0, 0, 0];
+    for (const { markKind } of this.prints) for (const kind of markKind) counts[kind]++;
+    return counts;
+  }
+
+  longest() {
+    return Math.max(...this.panes.map((pane) => pane.layerTime(this.state.layer)));
+  }
+
+  setMode(mode) {
+    this.state.mode = mode === "3d" && this.solid ? "3d" : "2d";
+    for (const name of ["2d", "3d"]) find(`view-${name}`).setAttribute("aria-pressed", name === this.state.mode);
+    this.schedule();
+  }
+
+  goTo(layer, way = Infinity) {
+    const whole = Math.round(+layer) || 0;
+    this.state.layer = Math.min(Math.max(whole, 0), this.layers - 1);
+    this.setWay(way);
+  }
+
+  setWay(seconds) {
+    this.state.way = Math.min(Math.max(seconds, 0), this.longest());
+    this.moved = true;
+    this.schedule();
+  }
+
+  /** To the end of a stroke so many strokes from here, of the first print, also into the layers beside. */
+  step(strokes) {
+    const pane = this.panes[0], { layer, stroke, part } = pane.at(this.state.layer, this.state.way);
+    const wanted = stroke + strokes + (strokes < 0 && part < 1 ? 1 : 0), { first } = pane.print;
+    if (wanted < first[layer]) return layer > 0 ? this.goTo(layer - 1) : this.setWay(0);
+    if (wanted >= first[layer + 1]) return layer + 1 < this.layers ? this.goTo(layer + 1, 0) : this.setWay(Infinity);
+    this.setWay(pane.times[wanted - first[layer]]);
+  }
+
+  toggle(key) {
+    const { hidden } = this.state;
+    if (!hidden.delete(key)) hidden.add(key);
+    this.legend.draw();
+    this.schedule();
+  }
+
+  toggleTheme() {
+    this.state.theme = this.state.theme === "dark" ? "light" : "dark";
+    document.documentElement.dataset.theme = this.state.theme;
+    this.legend.draw();
+    this.resized();
+  }
+
+  setColor(color) {
+    this.state.color = color;
+    this.colored();
+  }
+
+  /** Gives the painters their values. */
+  colored() {
+    const { color } = this.state;
+    this.range = null;
+    if (COLORINGS[color]) {
+      const all = this.prints.map((print) => valuesOf(print, color));
+      const low = Math.min(...all.map((v) => v.low)), high = Math.max(...all.map((v) => v.high));
+      if (low <= high) this.range = { low, high };
+      this.panes.forEach((pane, i) => pane.painter.setValues(scaleValues(all[i].values, low, high)));
+    }
+    this.legend.draw();
+    this.schedule();
+  }
+
+  fit() {
+    this.fitted = false;
+    this.schedule();
+  }
+
+  zoom(factor, x = 0, y = 0) {
+    this.camera().zoom(factor, x, y);
+    this.schedule();
+  }
+
+  drag(dx, dy, height, move) {
+    const camera = this.camera();
+    if (camera instanceof TurnCamera && !move) camera.turn(dx, dy);
+    else camera.drag(dx, dy, height);
+    this.schedule();
+  }
+
+  resized() {
+    this.moved = false;
+    this.schedule();
+  }
+
+  play(on = !this.state.playing) {
+    const { state } = this;
+    state.playing = on;
+    const button = find("play");
+    button.textContent = on ? "⏸" : "▶";
+    button.setAttribute("aria-pressed", on);
+    button.setAttribute("aria-label", on ? "Pause" : "Play");
+    if (!on) return;
+    if (state.way >= this.longest()) state.layer + 1 < this.layers && state.mode === "3d" ? this.goTo(state.layer + 1, 0) : this.setWay(0);
+    let before = performance.now();
+    const tick = (now) => {
+      if (!state.playing) return;
+      const seconds = (Math.max(now - before, 0) / 1000) * +find("rate").value;
+      before = now;
+      if (state.way < this.longest()) this.setWay(state.way + seconds);
+      else if (state.layer + 1 < this.layers) this.goTo(state.layer + 1, 0);
+      else return this.play(false);
+      requestAnimationFrame(tick);
+    };
+    requestAnimationFrame(tick);
+  }
+
+  schedule() {
+    this.frame ||= requestAnimationFrame(() => this.render());
+  }
+
+  /** All that is seen, from the state. */
+  render() {
+    this.frame = 0;
+    const { state, prints } = this, size = this.panes[0].size();
+    if (!this.fitted) {
+      for (const camera of Object.values(this.cameras)) camera.fit(size.width, size.height);
+      this.fitted = true;
+    }
+    const look = this.look();
+    for (const pane of this.panes) pane.draw(look, state, this.camera());
+    this.showText();
+    this.charts.draw(this.moved);
+    this.moved = true;
+    if (prints.length > 1) drawTable(find("table"), prints, Math.min(state.layer, ...prints.map((p) => p.layers - 1)));
+    else drawFigures(find("figures"), prints[0], state.layer);
+  }
+
+  look() {
+    const { state, data } = this, theme = this.theme();
+    const mask = (kind, count) => [...Array(count).keys()].reduce((m, i) => m | (state.hidden.has(`${kind}-${i}`) ? 0 : 1 << i), 0);
+    const colors = data.roles.map((role) => role.color);
+    colors[TRAVEL] = theme.travel;
+    return {
+      mode: state.mode, theme, roleMask: mask("role", TRAVEL + 1), markMask: mask("mark", 3), byValue: this.range !== null,
+      colors: new Float32Array(colors.flatMap(rgb)), ramp: new Float32Array(data.ramp.flatMap(rgb)), rampHex: data.ramp,
+      markColors: new Float32Array([theme.retraction, theme.unretraction, theme.seam].flatMap(rgb)),
+    };
+  }
+
+  showText() {
+    const { state, prints, panes, layers } = this, layer = find("layer"), way = find("way"), longest = this.longest();
+    const z = prints[0].z[Math.min(state.layer, prints[0].layers - 1)];
+    layer.value = state.layer + 1;
+    way.max = longest || 1;
+    way.value = longest ? state.way : 1;
+    find("layer-text").textContent = `${state.layer + 1} / ${layers} · ${fixed(z, 2)} mm`;
+    find("way-text").textContent = `${duration(state.way)} / ${duration(longest)}`;
+    layer.setAttribute("aria-valuetext", `layer ${state.layer + 1} of ${layers}, at ${fixed(z, 2)} mm`);
+    way.setAttribute("aria-valuetext", `${duration(state.way)} of ${duration(longest)}`);
+    for (const { print, canvas, caption } of panes) {
+      const i = Math.min(state.layer, print.layers - 1);
+      const gap = gapOf(print.link[i], print.bound[i]);
+      const text = `${length(print.travel[i])} travel, ${duration(print.time[i])}${gap === null ? "" : `, gap ${percent(gap)}`}`;
+      if (prints.length > 1) caption.replaceChildren(element("b", {}, print.name), text);
+      else caption.hidden = true;
+      canvas.setAttribute("aria-label", `${print.name}, layer ${i + 1}: ${length(print.print[i])} printed, ${text}`);
+    }
+  }
+}

@@ -1,0 +1,44 @@
+// What the colours mean; a tick hides and shows.
+
+class Legend {
+  constructor(app, root) {
+    Object.assign(this, { app, root });
+  }
+
+  /** Lists what the prints hold, or above it the scale of what is coloured by. */
+  draw() {
+    const { app, root } = this, { state, data } = app;
+    const theme = app.theme(), coloring = COLORINGS[state.color], parts = [];
+    if (coloring && app.range) {
+      const text = (value) => `${fixed(value, coloring.digits)} ${coloring.unit}`.trim();
+      const [low, high] = state.color === "order" ? ["first", "last"] : [text(app.range.low), text(app.range.high)];
+      parts.push(
+        element("h2", {}, coloring.label),
+        element("div", { class: "ramp", style: `background: linear-gradient(90deg, ${data.ramp.join(", ")})` }),
+        element("div", { class: "ends" }, element("span", {}, low), element("span", {}, high)),
+      );
+    }
+    const list = element("ul");
+    const item = (key, label, swatch, share, thin = false) => {
+      const box = element("input", { type: "checkbox", "data-key": key, onchange: () => app.toggle(key) });
+      box.checked = !state.hidden.has(key);
+      const sample = typeof swatch === "string"
+        ? element("span", { class: thin ? "swatch thin" : "swatch", style: `background: ${swatch}` })
+        : swatch;
+      list.append(element("li", {}, element("label", {}, box, sample, label, element("span", { class: "share" }, share))));
+    };
+    const ways = app.ways(), total = ways.reduce((sum, way) => sum + way, 0) || 1;
+    data.roles.forEach(({ label, color }, i) => {
+      if (ways[i] > 0) item(`role-${i}`, label, coloring ? "transparent" : color, percent(ways[i] / total));
+    });
+    item(`role-${TRAVEL}`, "Travel", theme.travel, percent(ways[TRAVEL] / total), true);
+    const counts = app.markCounts();
+    [["Retraction", "▼", theme.retraction], ["Un-retraction", "▲", theme.unretraction], ["Seam", "◆", theme.seam]]
+      .forEach(([label, sign, color], i) => {
+        const swatch = element("span", { style: `color: ${color}; width: 18px; text-align: center`, "aria-hidden": "true" }, sign);
+        if (counts[i]) item(`mark-${i}`, label, swatch, String(counts[i]));
+      });
+    parts.push(element("h2", {}, "Share of the way"), list);
+    root.replaceChildren(...parts);
+  }
+}

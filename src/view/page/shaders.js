@@ -1,0 +1,166 @@
+// GLSL. One instance is one stroke: its points, role, bead and value come from the arrays as they are.
+
+const STROKE_HEAD = `#version 300 es
+precision highp float;
+precision highp int;
+layout(location = 0) in vec4 corner;
+layout(location = 1) in vec3 start;
+layout(location = 2) in vec3 finish;
+layout(location = 3) in uint role;
+layout(location = 4) in vec2 bead;
+layout(location = 5) in float value;
+uniform int mask;
+uniform bool travels;
+uniform int last;
+uniform float part;
+uniform bool byValue;
+uniform vec3 colors[14];
+uniform vec3 ramp[9];
+out vec3 color;
+
+bool seen() {
+  return (mask >> int(role) & 1) == 1 && travels == (role == 13u);
+}
+
+vec3 end() {
+  return gl_InstanceID == last ? mix(start, finish, part) : finish;
+}
+
+vec3 paint() {
+  if (!byValue || role == 13u) return colors[min(int(role), 13)];
+  float place = clamp(value, 0.0, 1.0) * 8.0;
+  int i = min(int(place), 7);
+  return mix(ramp[i], ramp[i + 1], place - float(i));
+}
+`;
+
+/** A bead from above: a line with round ends, `view` from mm to the clip space, `pixel` mm in a device pixel. */
+const FLAT_VERTEX = STROKE_HEAD + `
+uniform vec4 view;
+uniform float pixel;
+out vec2 place;
+flat out vec2 size;
+
+void main() {
+  if (!seen()) {
+    gl_Position = vec4(2.0, 2.0, 2.0, 1.0);
+    return;
+  }
+  float half_width = travels ? 0.8 * pixel : max(0.005 * bead.x, 0.6 * pixel);
+  vec2 way = end().xy - start.xy;
+  float way_mm = length(way);
+  vec2 along = way_mm > 0.0 ? way / way_mm : vec2(1.0, 0.0);
+  float reach = half_width + pixel;
+  place = vec2(corner.x > 0.0 ? way_mm + reach : -reach, corner.y * reach);
+  size = vec2(way_mm, half_width);
+  color = paint();
+  vec2 at = start.xy + along * place.x + vec2(-along.y, along.x) * place.y;
+  gl_Position = vec4(at * view.xy + view.zw, 0.0, 1.0);
+}`;
+
+const FLAT_FRAGMENT = `#version 300 es
+precision highp float;
+uniform float pixel;
+uniform bool travels;
+in vec3 color;
+in vec2 place;
+flat in vec2 size;
+out vec4 result;
+
+void main() {
+  float away = length(vec2(place.x - clamp(place.x, 0.0, size.x), place.y));
+  float cover = clamp((size.y - away) / pixel + 0.5, 0.0, 1.0);
+  // A darker rim sets neighbouring beads apart, where they are large enough.
+  float rim = travels ? 0.0 : smoothstep(0.62, 1.0, away / size.y) * clamp(size.y / pixel / 3.0 - 0.4, 0.0, 1.0);
+  result = vec4(color * (1.0 - 0.38 * rim), 1.0) * cover;
+}`;
+
+/** A bead in space: a rhombus drawn along the way, with pointed ends. `corner`: end, side, up, tip. */
+const SOLID_VERTEX = STROKE_HEAD + `
+uniform mat4 view;
+uniform float thin;
+out vec3 normal;
+
+void main() {
+  if (!seen()) {
+    gl_Position = vec4(2.0, 2.0, 2.0, 1.0);
+    return;
+  }
+  vec2 half_size = travels ? vec2(thin) : 0.005 * bead;
+  vec3 to = end();
+  vec3 way = to - start;
+  float way_mm = length(way);
+  vec3 along = way_mm > 0.0 ? way / way_mm : vec3(1.0, 0.0, 0.0);
+  vec3 side = abs(along.z) > 0.99 ? vec3(1.0, 0.0, 0.0) : normalize(vec3(-along.y, along.x, 0.0));
+  vec3 up = cross(along, side);
+  vec3 at = mix(start, to, corner.x) + side * corner.y * half_size.x + up * corner.z * half_size.y
+    + along * corner.w * half_size.x;
+  at.z -= travels ? 0.0 : half_size.y;
+  normal = side * corner.y + up * corner.z + along * corner.w;
+  color = paint();
+  gl_Position = view * vec4(at, 1.0);
+}`;
+
+/** Two lights that move with the eye, one from above left, a weaker one from the right. */
+const SOLID_FRAGMENT = `#version 300 es
+precision highp float;
+uniform vec3 lights[2];
+uniform bool travels;
+in vec3 color;
+in vec3 normal;
+out vec4 result;
+
+void main() {
+  vec3 n = normalize(normal);
+  float light = 0.36 + 0.62 * max(dot(n, lights[0]), 0.0) + 0.24 * max(dot(n, lights[1]), 0.0);
+  result = vec4(travels ? color : min(color * light, 1.0), 1.0);
+}`;
+
+/** Marks have shapes as well as colours: retraction ▼, un-retraction ▲, seam ◆. */
+const MARK_VERTEX = `#version 300 es
+precision highp float;
+layout(location = 0) in vec3 at;
+layout(location = 1) in uint kind;
+uniform mat4 view;
+uniform int mask;
+uniform float size;
+uniform vec3 colors[3];
+out vec3 color;
+flat out uint shape;
+
+void main() {
+  shape = kind;
+  color = colors[min(int(kind), 2)];
+  gl_PointSize = size;
+  gl_Position = (mask >> int(kind) & 1) == 1 ? view * vec4(at, 1.0) : vec4(2.0, 2.0, 2.0, 1.0);
+}`;
+
+const MARK_FRAGMENT = `#version 300 es
+precision highp float;
+uniform float size;
+uniform vec3 rim;
+in vec3 color;
+flat in uint shape;
+out vec4 result;
+
+void main() {
+  vec2 p = 2.0 * gl_PointCoord - 1.0;
+  float y = shape == 0u ? p.y : -p.y;
+  float triangle = max(abs(p.x) * 0.87 + y * 0.5, -y) * 1.5;
+  float away = shape == 2u ? abs(p.x) + abs(p.y) : triangle;
+  float soft = 3.0 / size;
+  float cover = clamp((1.0 - away) / soft, 0.0, 1.0);
+  result = vec4(mix(color, rim, clamp((away - 0.72) / soft, 0.0, 1.0)), 1.0) * cover;
+}`;
+
+const LINE_VERTEX = `#version 300 es
+precision highp float;
+layout(location = 0) in vec3 at;
+uniform mat4 view;
+void main() { gl_Position = view * vec4(at, 1.0); }`;
+
+const LINE_FRAGMENT = `#version 300 es
+precision highp float;
+uniform vec3 color;
+out vec4 result;
+void main() { result = vec4(color, 1.0); }`;

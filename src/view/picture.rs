@@ -1,0 +1,87 @@
+//! A layer as shapes in the plane, in the order in which they are painted. SVG and PNG draw the same.
+
+use super::colors::{LIGHT, ROLES, Rgb};
+use super::scene::{Layer, MarkKind, Scene};
+
+/// Room around the print, as a share of its larger side.
+const MARGIN: f32 = 0.04;
+
+/// Something to paint. Millimetres, Y upwards.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) enum Shape {
+    /// A line with round ends and corners. `label`: what it shows.
+    Line { label: &'static str, color: Rgb, width_mm: f32, points: Vec<[f32; 2]> },
+    /// A disc, with a ring around it that sets it off.
+    Dot { label: &'static str, color: Rgb, radius_mm: f32, at: [f32; 2] },
+}
+
+/// A layer to paint.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Picture {
+    /// Left, bottom, width and height.
+    pub frame: [f32; 4],
+    pub background: Rgb,
+    pub shapes: Vec<Shape>,
+}
+
+impl Picture {
+    /// Beads first, in the order in which they are printed, then travel, then marks. All layers of a scene get the same
+    /// frame.
+    pub fn new(scene: &Scene, layer: &Layer) -> Self {
+        let [low, high] = scene.bounds().unwrap_or([[0.0; 2], [1.0; 2]]);
+        let side = (high[0] - low[0]).max(high[1] - low[1]).max(1.0);
+        let margin = side * MARGIN;
+        let frame = [
+            low[0] - margin,
+            low[1] - margin,
+            high[0] - low[0] + 2.0 * margin,
+            high[1] - low[1] + 2.0 * margin,
+        ];
+        // Thin, but still seen where the print is large.
+        let travel_mm = (side / 600.0).clamp(0.08, 1.0);
+        let mut shapes = beads(layer);
+        shapes.extend(travels(layer, travel_mm));
+        shapes.extend(layer.marks.iter().map(|mark| {
+            let (label, color) = match mark.kind {
+                MarkKind::Retraction => ("Retraction", LIGHT.retraction),
+                MarkKind::Unretraction => ("Un-retraction", LIGHT.unretraction),
+                MarkKind::Seam => ("Seam", LIGHT.seam),
+            };
+            Shape::Dot { label, color, radius_mm: 1.8 * travel_mm, at: [mark.at[0], mark.at[1]] }
+        }));
+        Self { frame, background: LIGHT.background, shapes }
+    }
+}
+
+fn beads(layer: &Layer) -> Vec<Shape> {
+    let mut shapes = Vec::new();
+    for stroke in &layer.strokes {
+        let Some(role) = stroke.role.and_then(|role| ROLES.get(usize::from(role))) else { continue };
+        let width_mm = (stroke.width_mm * 1000.0).round() / 1000.0;
+        extend(&mut shapes, stroke.from, stroke.to, (role.label, role.color, width_mm));
+    }
+    shapes
+}
+
+fn travels(layer: &Layer, width_mm: f32) -> Vec<Shape> {
+    // The way to the first bead belongs to the start script.
+    let first = layer.strokes.iter().position(|s| s.role.is_some()).unwrap_or(0);
+    let mut shapes = Vec::new();
+    for stroke in layer.strokes[first..].iter().filter(|s| s.role.is_none()) {
+        extend(&mut shapes, stroke.from, stroke.to, ("Travel", LIGHT.travel, width_mm));
+    }
+    shapes
+}
+
+/// Adds a stroke to the last line if it goes on there.
+fn extend(shapes: &mut Vec<Shape>, from: [f32; 3], to: [f32; 3], look: (&'static str, Rgb, f32)) {
+    let (from, to) = ([from[0], from[1]], [to[0], to[1]]);
+    if let Some(Shape::Line { label, width_mm, points, .. }) = shapes.last_mut()
+        && (*label, *width_mm) == (look.0, look.2)
+        && points.last() == Some(&from)
+    {
+        points.push(to);
+        return;
+    }
+    shapes.push(Shape::Line { label: look.0, color: look.1, width_mm: look.2, points: vec![from, to] });
+}
