@@ -93,6 +93,7 @@ impl Sections {
                 let spec = BeadSpec {
                     part: if index == 0 { planner.covered() } else { &layer.outline },
                     height_mm: layer.height_mm + gap_mm,
+                    usual_height_mm: settings.layer.height.0,
                     on_bed: first,
                     rank: SUPPORT_RANK,
                 };

@@ -129,3 +129,69 @@ fn hull(region: &Region) -> Option<Region> {
         points.convex_hull().exterior().coords().skip(1).map(|c| Point::from_mm(c.x, c.y)).collect();
     (outer.len() >= 3).then(|| Region { polygons: vec![Polygon { outer, holes: Vec::new() }] })
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::geom::{polyline_length_mm, ring_area, ring_length_mm};
+    use crate::units::Mm;
+
+    const WIDTH_MM: f64 = 0.45;
+    const HEIGHT_MM: f64 = 0.2;
+
+    fn square(x: f64, side: f64) -> Ring {
+        [(0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0)]
+            .map(|(dx, dy)| Point::from_mm(x + dx * side, dy * side))
+            .to_vec()
+    }
+
+    fn loops(footprint: &Region, settings: BrimSettings) -> Vec<FillLine> {
+        brim(footprint, &BrimSettings { width: Mm(3.0), ..settings }, WIDTH_MM, HEIGHT_MM)
+    }
+
+    #[test]
+    fn a_brim_of_three_millimetres_has_seven_loops_on_each_side() {
+        let mut hole = square(10.0, 10.0).iter().map(|&p| p + Point::from_mm(0.0, 10.0)).collect::<Ring>();
+        hole.reverse();
+        let ring = Region { polygons: vec![Polygon { outer: square(0.0, 30.0), holes: vec![hole] }] };
+        for (sides, outside, inside) in
+            [(BrimSides::Outer, 7, 0), (BrimSides::Inner, 0, 7), (BrimSides::Both, 7, 7)]
+        {
+            let found = loops(&ring, BrimSettings { sides, ..BrimSettings::default() });
+            let areas: Vec<f64> = found.iter().map(|line| ring_area(&line.points).abs()).collect();
+            assert_eq!(areas.iter().filter(|a| **a > 900.0).count(), outside, "{sides:?}");
+            assert_eq!(areas.iter().filter(|a| **a < 100.0).count(), inside, "{sides:?}");
+            assert_eq!(areas.len(), outside + inside);
+        }
+    }
+
+    #[test]
+    fn only_a_small_foot_has_a_brim_which_keeps_off_the_large_one() {
+        let alone = |x, side| Polygon { outer: square(x, side), holes: Vec::new() };
+        let footprint = Region { polygons: vec![alone(0.0, 30.0), alone(31.5, 5.0)] };
+        let found = loops(&footprint, BrimSettings { max_area: 100.0, ..BrimSettings::default() });
+        assert!(found.iter().any(|line| line.closed) && found.iter().any(|line| !line.closed));
+        let nearest = found.iter().flat_map(|l| &l.points).map(|p| p.mm()[0]).fold(f64::MAX, f64::min);
+        assert!(nearest >= 30.0 + WIDTH_MM / 2.0 - 1e-4, "{nearest}");
+        assert!(loops(&footprint, BrimSettings { max_area: 1.0, ..BrimSettings::default() }).is_empty());
+    }
+
+    #[test]
+    fn a_raft_is_sparse_below_and_solid_above() {
+        let settings = RaftSettings { layers: 4, ..RaftSettings::default() };
+        let area = raft_area(
+            &Region { polygons: vec![Polygon { outer: square(0.0, 30.0), holes: vec![] }] },
+            &settings,
+        );
+        assert!((area.area_mm2() - 36.0 * 36.0).abs() < 1.0);
+        let share = |layer| {
+            let paths = raft(&area, layer, &settings, WIDTH_MM, HEIGHT_MM, 0);
+            let length_mm =
+                |p: &Path| if p.closed { ring_length_mm(&p.points) } else { polyline_length_mm(&p.points) };
+            paths.iter().map(length_mm).sum::<f64>() * bead::spacing_mm(WIDTH_MM, HEIGHT_MM) / area.area_mm2()
+        };
+        for (layer, least, most) in [(0, 0.5, 0.65), (1, 0.5, 0.65), (2, 0.95, 1.03), (3, 0.95, 1.03)] {
+            assert!((least..most).contains(&share(layer)), "layer {layer}: {}", share(layer));
+        }
+    }
+}

@@ -50,6 +50,8 @@ pub struct BeadSpec<'a> {
     pub part: &'a Region,
     /// Height of the beads.
     pub height_mm: f64,
+    /// Height of an ordinary layer: it says how far apart the tracks are on all.
+    pub usual_height_mm: f64,
     /// Whether it lies on the bed.
     pub on_bed: bool,
     /// Run of the body among the paths that belong to no island; the interface has the next one.
@@ -73,7 +75,7 @@ pub fn lay(outlines: &Outlines, layer: &BeadSpec<'_>, settings: &SupportSettings
         push(Role::Support, layer.rank, true, ring.clone());
     }
     let inside = geom::offset(&frame, -width_mm * (1.0 - OVERLAP));
-    let spacing_mm = bead::spacing_mm(width_mm, layer.height_mm);
+    let spacing_mm = bead::spacing_mm(width_mm, layer.usual_height_mm);
     let denser = if layer.on_bed { DENSER_ON_BED } else { 1.0 };
     let sets = match settings.pattern {
         SupportPattern::Rectilinear => 1,
