@@ -65,6 +65,13 @@ impl Grid {
         [x0 + (x as f64 + 0.5) * self.cell_mm(), y0 + (y as f64 + 0.5) * self.cell_mm()]
     }
 
+    /// How far a place lies inside of the grid's edges, in millimetres; 0 outside.
+    pub fn inside_mm(&self, [x, y]: [f64; 2]) -> f64 {
+        let [x0, y0] = self.origin.mm();
+        let [width, depth] = [self.columns, self.rows].map(|cells| cells as f64 * self.cell_mm());
+        (x - x0).min(y - y0).min(x0 + width - x).min(y0 + depth - y).max(0.0)
+    }
+
     /// A corner of cells, by doubled indices: odd ones are middles of sides.
     pub(super) fn half_corner(&self, [x, y]: [i64; 2]) -> Point {
         let at = |from: i32, half: i64| (i64::from(from) + half * i64::from(self.cell) / 2) as i32;

@@ -50,6 +50,8 @@ pub struct Disc {
 
 #[derive(Clone, Copy, Debug)]
 struct Branch {
+    /// Number, in the order in which branches begin.
+    id: usize,
     at: [f64; 2],
     goal: Option<[f64; 2]>,
     /// Layers from its highest tip down to here, and from its lowest.
@@ -64,9 +66,13 @@ pub fn grow(
     spec: &ColumnSpec,
     settings: &SupportSettings,
 ) -> Vec<Vec<Disc>> {
-    let mut discs = vec![Vec::new(); solid.len()];
     let pads = pads(held, solid, spec);
-    let Some(top) = (0..pads.len()).rev().find(|&layer| !pads[layer].is_empty()) else { return discs };
+    let Some(top) = (0..pads.len()).rev().find(|&layer| !pads[layer].is_empty()) else {
+        return vec![Vec::new(); solid.len()];
+    };
+    let mut discs: Vec<Vec<(usize, Disc)>> = vec![Vec::new(); solid.len()];
+    // For each branch the one that it has become part of.
+    let mut trunks: Vec<usize> = Vec::new();
     let lean_mm = spec.height_mm * settings.branch_angle.to_radians().tan();
     let avoided = avoidance(&solid[..=top], spec, settings, lean_mm);
     let look_every = ((LOOK_EVERY_MM / spec.height_mm) as usize).max(1);
@@ -83,10 +89,10 @@ pub fn grow(
             branch.at = step(branch, &avoided[layer], lean_mm);
             !free.has_at(Point::from_mm(branch.at[0], branch.at[1]))
         });
-        merge(&mut branches, &radius, 2.0 * lean_mm);
+        merge(&mut branches, &mut trunks, &radius, 2.0 * lean_mm);
         let mut pad = pads[layer].clone();
         pad.remove(&free);
-        begin(&mut branches, &pad);
+        begin(&mut branches, &mut trunks, &pad);
         if layer % look_every == 0 {
             let height_mm = layer as f64 * spec.height_mm;
             look_around(&mut branches, 2.0 * height_mm * lean_mm / spec.height_mm);
@@ -94,15 +100,25 @@ pub fn grow(
         let foot_mm = (FOOT_MM - layer as f64 * spec.height_mm).max(0.0);
         discs[layer] = branches
             .iter()
-            .map(|b| Disc {
-                at: b.at,
-                radius_mm: radius(b.depth).max(HEAD_MM - HEAD_SLOPE * spec.height_mm * b.head as f64)
-                    + foot_mm,
-                is_head: b.head < spec.interface_layers,
+            .map(|b| {
+                let head_mm = HEAD_MM - HEAD_SLOPE * spec.height_mm * b.head as f64;
+                let radius_mm = (radius(b.depth).max(head_mm) + foot_mm).min(free.grid().inside_mm(b.at));
+                (b.id, Disc { at: b.at, radius_mm, is_head: b.head < spec.interface_layers })
             })
             .collect();
     }
-    discs
+    let trunk = |mut id: usize| {
+        while trunks[id] != id {
+            id = trunks[id];
+        }
+        id
+    };
+    let mut stands = vec![!spec.from_bed_only; trunks.len()];
+    branches.iter().for_each(|branch| stands[branch.id] = true);
+    let standing = |discs: Vec<(usize, Disc)>| {
+        discs.into_iter().filter(|(id, _)| stands[trunk(*id)]).map(|(_, disc)| disc).collect()
+    };
+    discs.into_iter().map(standing).collect()
 }
 
 /// For each layer, where a branch would touch the part, or could not but do so further down.
@@ -163,7 +179,7 @@ fn distance(a: [f64; 2], b: [f64; 2]) -> f64 {
 }
 
 /// Makes one of branches that have met: the thicker one goes on.
-fn merge(branches: &mut Vec<Branch>, radius: &impl Fn(usize) -> f64, near_mm: f64) {
+fn merge(branches: &mut Vec<Branch>, trunks: &mut [usize], radius: &impl Fn(usize) -> f64, near_mm: f64) {
     let buckets = Buckets::new(branches, THICKEST_MM.max(near_mm));
     let mut gone = vec![false; branches.len()];
     for i in 0..branches.len() {
@@ -175,6 +191,7 @@ fn merge(branches: &mut Vec<Branch>, radius: &impl Fn(usize) -> f64, near_mm: f6
             let inside_mm = radius(branches[thick].depth) - radius(branches[thin].depth);
             if distance(branches[i].at, branches[j].at) <= near_mm.max(inside_mm) {
                 gone[thin] = true;
+                trunks[branches[thin].id] = branches[thick].id;
                 let head = branches[thin].head;
                 branches[thick].head = branches[thick].head.min(head);
             }
@@ -189,7 +206,7 @@ fn merge(branches: &mut Vec<Branch>, radius: &impl Fn(usize) -> f64, near_mm: f6
 
 /// Begins branches under pads: one for each square of a lattice, unless a branch that passes there can hold it with a
 /// head of its own.
-fn begin(branches: &mut Vec<Branch>, pad: &Bitmap) {
+fn begin(branches: &mut Vec<Branch>, trunks: &mut Vec<usize>, pad: &Bitmap) {
     if pad.is_empty() {
         return;
     }
@@ -213,8 +230,11 @@ fn begin(branches: &mut Vec<Branch>, pad: &Bitmap) {
             None => tips.push((square, at, 1.0)),
         }
     }
-    let tips = tips.into_iter().map(|(_, sum, count)| sum.map(|mm| mm / count));
-    branches.extend(tips.map(|at| Branch { at, goal: None, depth: 0, head: 0 }));
+    for (_, sum, count) in tips {
+        let id = trunks.len();
+        trunks.push(id);
+        branches.push(Branch { id, at: sum.map(|mm| mm / count), goal: None, depth: 0, head: 0 });
+    }
 }
 
 /// Sets the goal of each branch: its nearest neighbour, if the two can meet above the bed.
@@ -300,14 +320,14 @@ mod tests {
         Bitmap::of(grid(), &Region { polygons: vec![Polygon { outer, holes: Vec::new() }] })
     }
 
-    fn discs(solid: &[Bitmap], ceiling: Bitmap) -> Vec<Vec<Disc>> {
+    fn discs(solid: &[Bitmap], ceiling: Bitmap, from_bed_only: bool) -> Vec<Vec<Disc>> {
         let mut held = vec![Bitmap::empty(grid()); solid.len()];
         *held.last_mut().unwrap() = ceiling;
         let spec = ColumnSpec {
             gap_layers: 1,
             interface_layers: 2,
             gap_cells: 1,
-            from_bed_only: false,
+            from_bed_only,
             height_mm: HEIGHT_MM,
         };
         grow(&held, solid, &spec, &SupportSettings::default())
@@ -315,7 +335,7 @@ mod tests {
 
     #[test]
     fn branches_meet_on_their_way_down() {
-        let layers = discs(&vec![Bitmap::empty(grid()); 100], cells(10.0, 8.0, 24.0, 12.0));
+        let layers = discs(&vec![Bitmap::empty(grid()); 100], cells(10.0, 8.0, 24.0, 12.0), true);
         let (top, bottom) = (layers.iter().rev().find(|l| !l.is_empty()).unwrap(), &layers[0]);
         assert!(top.len() >= 8 && bottom.len() <= 2, "{} → {}", top.len(), bottom.len());
         assert!(bottom.iter().all(|disc| disc.radius_mm > 2.0));
@@ -323,7 +343,7 @@ mod tests {
 
     #[test]
     fn no_branch_leans_more_than_it_may() {
-        let layers = discs(&vec![Bitmap::empty(grid()); 60], cells(10.0, 8.0, 24.0, 12.0));
+        let layers = discs(&vec![Bitmap::empty(grid()); 60], cells(10.0, 8.0, 24.0, 12.0), false);
         let most_mm = HEIGHT_MM * SupportSettings::default().branch_angle.to_radians().tan() + 1e-9;
         for pair in layers[..58].windows(2) {
             for above in &pair[1] {
@@ -339,10 +359,21 @@ mod tests {
         let solid: Vec<Bitmap> = (0..120)
             .map(|i| if (30..35).contains(&i) { shelf.clone() } else { Bitmap::empty(grid()) })
             .collect();
-        let layers = discs(&solid, cells(17.0, 9.0, 19.0, 11.0));
+        let layers = discs(&solid, cells(17.0, 9.0, 19.0, 11.0), true);
         assert!(!layers[0].is_empty(), "it reaches the bed");
         for disc in &layers[32] {
             assert!(disc.at[0] - 20.0 >= 1.0, "{disc:?}");
         }
+    }
+
+    #[test]
+    fn over_a_wide_floor_branches_stand_on_it_or_not_at_all() {
+        let floor = cells(0.0, 0.0, 40.0, 20.0);
+        let solid: Vec<Bitmap> =
+            (0..60).map(|i| if i < 10 { floor.clone() } else { Bitmap::empty(grid()) }).collect();
+        let ceiling = || cells(17.0, 9.0, 19.0, 11.0);
+        let layers = discs(&solid, ceiling(), false);
+        assert!(layers[..11].iter().all(Vec::is_empty) && !layers[11].is_empty(), "a layer apart");
+        assert!(discs(&solid, ceiling(), true).iter().all(Vec::is_empty));
     }
 }
