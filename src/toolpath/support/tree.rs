@@ -22,8 +22,11 @@ const HEAD_SLOPE: f64 = 0.6;
 /// Branches grow no thicker than this in radius.
 const THICKEST_MM: f64 = 6.0;
 
-/// On the bed branches spread by this.
+/// On the bed branches spread by this, at a slope that each loop still rests on the one below.
 const FOOT_MM: f64 = 1.5;
+
+/// See [`FOOT_MM`].
+const FOOT_SLOPE: f64 = 0.5;
 
 /// Branches this far apart lean towards each other.
 const REACH_MM: f64 = 15.0;
@@ -89,7 +92,7 @@ pub fn grow(
             branch.at = step(branch, &avoided[layer], lean_mm);
             !free.has_at(Point::from_mm(branch.at[0], branch.at[1]))
         });
-        merge(&mut branches, &mut trunks, &radius, 2.0 * lean_mm);
+        merge(&mut branches, &mut trunks, &radius, lean_mm);
         let mut pad = pads[layer].clone();
         pad.remove(&free);
         begin(&mut branches, &mut trunks, &pad);
@@ -97,7 +100,7 @@ pub fn grow(
             let height_mm = layer as f64 * spec.height_mm;
             look_around(&mut branches, 2.0 * height_mm * lean_mm / spec.height_mm);
         }
-        let foot_mm = (FOOT_MM - layer as f64 * spec.height_mm).max(0.0);
+        let foot_mm = (FOOT_MM - FOOT_SLOPE * layer as f64 * spec.height_mm).max(0.0);
         discs[layer] = branches
             .iter()
             .map(|b| {
