@@ -159,6 +159,7 @@ fn main() {
         acceleration_mm_s2: 3000.0,
         retract_from_mm: 1.5,
         retract_s: 0.05,
+        ..TravelTime::default()
     });
     let mut files = Vec::new();
     let mut only = None;

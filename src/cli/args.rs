@@ -98,6 +98,10 @@ pub(super) struct SliceArgs {
     #[arg(long, help_heading = "Ordering")]
     pub certify: bool,
 
+    /// Say which object every bead belongs to, so that a printer can cancel one [gcode.labels]
+    #[arg(long)]
+    pub labels: bool,
+
     /// Worker threads [default: $RAYON_NUM_THREADS, or all cores]; the result is the same
     #[arg(long, value_name = "N")]
     pub threads: Option<NonZeroUsize>,
@@ -134,6 +138,10 @@ pub(super) struct CompareArgs {
 
     #[command(flatten)]
     pub ordering: OrderingArgs,
+
+    /// Write a page that shows the strategies side by side; one model only
+    #[arg(long, value_name = "PATH", value_hint = ValueHint::FilePath)]
+    pub html: Option<PathBuf>,
 
     /// Leave out the lower bounds, which take longer than the ordering
     #[arg(long, help_heading = "Ordering")]
@@ -235,9 +243,13 @@ pub(super) struct ViewArgs {
     #[arg(long, value_name = "PATH", requires = "layer", value_hint = ValueHint::FilePath, help_heading = "Pictures")]
     pub png: Option<PathBuf>,
 
-    /// Longer side of the PNG, in pixels
-    #[arg(long, value_name = "N", default_value_t = 1200, value_parser = clap::value_parser!(u32).range(1..=10_000), help_heading = "Pictures")]
-    pub size: u32,
+    /// Write a picture of the whole print as PNG, without background
+    #[arg(long, value_name = "PATH", value_hint = ValueHint::FilePath, help_heading = "Pictures")]
+    pub thumbnail: Option<PathBuf>,
+
+    /// Longer side of a PNG, in pixels [default: 1200, of a thumbnail 300]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=2000), help_heading = "Pictures")]
+    pub size: Option<u32>,
 
     /// How the order of paths is found [order.strategy]
     #[arg(long, value_name = "STRATEGY", value_parser = PossibleValuesParser::new(OrderStrategy::NAMES), help_heading = "Ordering")]

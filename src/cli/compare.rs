@@ -1,14 +1,18 @@
 //! `pathwright compare`.
 
+use std::path::{Path, PathBuf};
+
 use serde_json::json;
 
 use super::args::CompareArgs;
 use super::console::{self, Bar};
 use super::exit::{Exit, Failure};
 use super::plan;
+use super::view::{file_name, sliced, write};
 use crate::job::{Engine, Job, Progress, Silent};
 use crate::order::compare::{self, StrategyRow};
-use crate::profile::OrderStrategy;
+use crate::profile::{OrderStrategy, Settings};
+use crate::view::{self, Print, Scene};
 
 /// Compares strategies model by model, and over all models together. One that fails does not keep the others from
 /// being compared; the exit code is that of the first one that failed.
@@ -20,6 +24,11 @@ pub(super) fn run(args: &CompareArgs, engine: &dyn Engine) -> Result<Exit, Failu
         .filter(|(name, _)| args.order.is_empty() || args.order.iter().any(|wanted| wanted == name))
         .map(|(_, strategy)| *strategy)
         .collect();
+    if args.html.is_some() && args.models.files.len() > 1 {
+        return Err(plan::usage("--html shows one model; give one model alone"));
+    }
+    let models: Vec<&Path> = args.models.files.iter().map(PathBuf::as_path).collect();
+    plan::kept(&models, args.html.iter().map(PathBuf::as_path))?;
     let mut exit = Exit::Done;
     let mut pooled: Vec<StrategyRow> = Vec::new();
     for (index, model) in args.models.files.iter().enumerate() {
@@ -46,6 +55,10 @@ pub(super) fn run(args: &CompareArgs, engine: &dyn Engine) -> Result<Exit, Failu
                 } else {
                     console::print(&format!("{name}\n{}\n", compare::text(&rows)))?;
                 }
+                if let Some(path) = &args.html {
+                    let prints = prints(&job, &resolved.settings, &chosen, &rows, engine)?;
+                    write(path, view::page(&file_name(model), &prints).as_bytes())?;
+                }
                 compare::pool(&mut pooled, rows);
             }
             Err(error) => {
@@ -59,4 +72,22 @@ pub(super) fn run(args: &CompareArgs, engine: &dyn Engine) -> Result<Exit, Failu
         console::print(&format!("all models\n{}", compare::text(&pooled)))?;
     }
     Ok(exit)
+}
+
+/// The print that each strategy makes.
+fn prints(
+    job: &Job,
+    settings: &Settings,
+    strategies: &[OrderStrategy],
+    rows: &[StrategyRow],
+    engine: &dyn Engine,
+) -> Result<Vec<Print>, Failure> {
+    let job = Job { certify: false, ..job.clone() };
+    let each = strategies.iter().zip(rows).map(|(strategy, row)| {
+        let mut settings = settings.clone();
+        settings.order.strategy = *strategy;
+        let (text, _) = sliced(&job, &settings, engine, false)?;
+        Ok(Print::new(row.strategy.clone(), Scene::read(&text, &settings), &settings).compared(row))
+    });
+    each.collect()
 }

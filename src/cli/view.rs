@@ -16,7 +16,7 @@ use crate::view::{self, Layer, Print, Scene};
 pub(super) fn run(args: &ViewArgs, engine: &dyn Engine) -> Result<Exit, Failure> {
     let inputs: Vec<&Path> = args.models.files.iter().map(PathBuf::as_path).collect();
     let page = page_path(args);
-    let pictures = [&args.svg, &args.png].into_iter().flatten();
+    let pictures = [&args.svg, &args.png, &args.thumbnail].into_iter().flatten();
     plan::kept(&inputs, pictures.chain(&page).map(PathBuf::as_path))?;
     let resolved = plan::settings(&args.settings, &plan::shorthands(args.order.as_ref(), &args.ordering))?;
     console::warn(&resolved.warnings);
@@ -31,25 +31,26 @@ pub(super) fn run(args: &ViewArgs, engine: &dyn Engine) -> Result<Exit, Failure>
         write(path, view::layer_svg(&scene, layer(&scene, args)?).as_bytes())?;
     }
     if let Some(path) = &args.png {
-        write(path, &view::layer_png(&scene, layer(&scene, args)?, args.size))?;
+        write(path, &view::layer_png(&scene, layer(&scene, args)?, args.size.unwrap_or(1200)))?;
+    }
+    if let Some(path) = &args.thumbnail {
+        write(path, &view::thumbnail(&scene, [args.size.unwrap_or(300); 2]))?;
     }
     if let Some(path) = &page {
         let title = args.models.files.iter().map(|file| file_name(file)).collect::<Vec<_>>().join(" + ");
-        let total = scene.total.clone();
-        let filament_g = total.volume_mm3 / 1000.0 * resolved.settings.filament.density;
-        let print = Print { name: title.clone(), scene: &scene, total, filament_g };
+        let print = Print::new(title.clone(), scene, &resolved.settings);
         write(path, view::page(&title, &[print]).as_bytes())?;
     }
     Ok(Exit::Done)
 }
 
-fn file_name(path: &Path) -> String {
+pub(super) fn file_name(path: &Path) -> String {
     path.file_name().unwrap_or(path.as_os_str()).to_string_lossy().into_owned()
 }
 
 /// Where the page goes, if one is wanted.
 fn page_path(args: &ViewArgs) -> Option<PathBuf> {
-    let only_pictures = args.svg.is_some() || args.png.is_some();
+    let only_pictures = args.svg.is_some() || args.png.is_some() || args.thumbnail.is_some();
     match &args.output {
         Some(path) => Some(path.clone()),
         None if only_pictures => None,
@@ -73,15 +74,27 @@ fn gcode(args: &ViewArgs, settings: &Settings, engine: &dyn Engine) -> Result<Ve
         threads: args.threads.map(Into::into),
         ..Job::default()
     };
-    let bar = Bar::on_terminal(!args.no_progress);
+    let (text, warnings) = sliced(&job, settings, engine, !args.no_progress)?;
+    console::warn(&warnings);
+    Ok(text)
+}
+
+/// The G-code of a plate, and warnings.
+pub(super) fn sliced(
+    job: &Job,
+    settings: &Settings,
+    engine: &dyn Engine,
+    show_progress: bool,
+) -> Result<(Vec<u8>, Vec<String>), Failure> {
+    let bar = Bar::on_terminal(show_progress);
     let progress: &dyn Progress = bar.as_ref().map_or(&Silent, |bar| bar);
     let mut output = Output::memory();
-    let result = engine.slice(&job, settings, &mut output, progress);
+    let result = engine.slice(job, settings, &mut output, progress);
     if let Some(bar) = bar {
         bar.remove();
     }
-    console::warn(&result?.warnings);
-    Ok(output.into_bytes())
+    let warnings = result?.warnings;
+    Ok((output.into_bytes(), warnings))
 }
 
 fn is_gcode(path: &Path) -> bool {
@@ -96,7 +109,8 @@ fn layer<'a>(scene: &'a Scene, args: &ViewArgs) -> Result<&'a Layer, Failure> {
     })
 }
 
-fn write(path: &Path, bytes: &[u8]) -> Result<(), Failure> {
+/// Writes a file whole, or to standard output.
+pub(super) fn write(path: &Path, bytes: &[u8]) -> Result<(), Failure> {
     let mut output = if path == Path::new("-") { Output::stdout() } else { Output::create(path)? };
     output.write(bytes)?;
     Ok(output.commit()?)

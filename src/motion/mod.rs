@@ -14,6 +14,7 @@ mod route;
 mod rules;
 mod settings;
 mod simplify;
+mod smooth;
 mod sums;
 mod travel;
 

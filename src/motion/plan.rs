@@ -7,6 +7,7 @@ use super::overhang::{Grade, Support};
 use super::route::Router;
 use super::rules::Rules;
 use super::simplify::{Piece, straighten};
+use super::smooth::{may_round, refine_curves, round_corners};
 use super::{Entry, LayerMoves, MotionSettings, Move, travel};
 use crate::order::Visit;
 use crate::toolpath::{LayerPaths, Path, Role};
@@ -48,6 +49,8 @@ pub fn plan_layer(
         wipe: from.wipe.clone(),
         acceleration: None,
         bead: None,
+        object: None,
+        plain: Vec::new(),
         pieces: Vec::new(),
     };
     let mut pause = settings.pauses.iter().any(|p| p.precedes(layer.index, layer.top_mm, layer.height_mm));
@@ -56,10 +59,12 @@ pub fn plan_layer(
         let Some(path) = layer.paths.get(visit.item as usize) else { continue };
         trace(path, visit.entry, nozzle.rules.flow(), &mut vertices);
         let Some(start) = vertices.first() else { continue };
+        nozzle.label(layer.islands.get(path.island as usize).map(|island| island.object));
         nozzle.travel(start.at, path.island, std::mem::take(&mut pause));
         nozzle.draw(path, &mut vertices);
     }
     nozzle.blow(None);
+    nozzle.label(None);
     LayerMoves { index: layer.index, z_mm: layer_z_mm, height_mm: layer.height_mm, from, moves: nozzle.moves }
 }
 
@@ -135,6 +140,9 @@ pub(super) struct Nozzle<'a> {
     pub(super) wipe: Vec<[f64; 2]>,
     acceleration: Option<MmPerS2>,
     bead: Option<(Role, f64, f64)>,
+    object: Option<u32>,
+    /// The bead under way, with its corners as they are and as they are drawn.
+    plain: Vec<Piece>,
     pieces: Vec<Piece>,
 }
 
@@ -156,6 +164,14 @@ impl Nozzle<'_> {
         if fan != self.fan {
             self.moves.push(Move::Fan(fan));
             self.fan = fan;
+        }
+    }
+
+    /// Says which object what follows belongs to, where that is wanted and changes.
+    fn label(&mut self, object: Option<u32>) {
+        if self.settings.labels && self.object != object {
+            self.moves.push(Move::Object(object));
+            self.object = object;
         }
     }
 
@@ -214,9 +230,17 @@ impl Nozzle<'_> {
     }
 
     fn draw_straight(&mut self, role: Role, grade: Grade, vertices: &[Vertex]) {
+        let Some(from) = vertices.first().map(|v| v.at) else { return };
         let speed = self.rules.speed(role, grade);
+        let width_mm = self.bead.map_or(0.0, |bead| bead.1);
         self.pieces.clear();
-        straighten(vertices, &mut self.pieces);
+        self.plain.clear();
+        straighten(vertices, &mut self.plain);
+        if may_round(role) {
+            round_corners(from, &self.plain, width_mm, &mut self.pieces);
+        } else {
+            refine_curves(from, &self.plain, &mut self.pieces);
+        }
         self.moves.extend(self.pieces.iter().map(|piece| Move::Extrude {
             to: piece.to,
             volume: Mm3(piece.volume_mm3),

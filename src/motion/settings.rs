@@ -37,6 +37,8 @@ pub struct MotionSettings {
     pub z_offset: Mm,
     /// Write arcs that leave the path by at most this.
     pub arcs: Option<Mm>,
+    /// Say which object a bead belongs to.
+    pub labels: bool,
     /// Where to stop for a filament change.
     pub pauses: Vec<PauseAt>,
 }
@@ -58,6 +60,7 @@ impl MotionSettings {
             temperature: settings.temperature.clone(),
             z_offset: settings.layer.z_offset,
             arcs: settings.gcode.arcs.then_some(settings.gcode.arc_tolerance),
+            labels: settings.gcode.labels,
             pauses: pauses.to_vec(),
         }
     }

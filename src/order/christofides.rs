@@ -17,11 +17,14 @@ use crate::profile::Effort;
 /// nozzle's position is a node, joined to itself by a virtual segment, which leaves all parities alone; the circuit begins
 /// there and its way back is dropped. What lies between two paths in the circuit is one straight travel.
 ///
-/// A closed path is a node that is joined to itself, as the start is: it is entered and left at one vertex, the one that
-/// the shortest link of a spanning tree over all vertices touches. (The paper leaves this open. As a circuit of all
-/// its vertices a loop would seem to carry the walk from one to another for free, yet it is drawn at once when it is met:
-/// that made links half as long again.) Once the order stands, each loop moves its seam to the vertex with the shortest
-/// way from the path before and to the path after.
+/// A closed path is a node that is joined to itself, as the start is: it is entered and left at one vertex, at first the one that
+/// the shortest link of a spanning tree over all vertices touches. (As a circuit of all its vertices a loop would seem to carry
+/// the walk from one to another for free, yet it is drawn at once when it is met: that made links half as long again.)
+///
+/// Where the paper leaves a choice, the shortest of few is taken. A circuit can be cut on either side of the start, and its edges
+/// taken in one of two orders. A loop that the circuit meets several times is drawn where that is the shortest detour. Once the
+/// order stands, entries are chosen together, by dynamic programming along the tour; then loops are settled there, and the
+/// algorithm runs again, for as long as that helps and at most three times.
 ///
 /// Under `feature` and `island` scope the algorithm orders each run, and the runs follow each other by nearest entry.
 /// Links are measured by length whatever the cost: matching needs a metric, which time with retraction is not.

@@ -64,7 +64,7 @@ fn row(
             start
         })
         .collect();
-    let time = Cost::new(CostKind::Time, &settings.speed, &settings.acceleration, &settings.retract);
+    let time = Cost::new(CostKind::Time, settings);
     let rows = parallel::map(layers.len(), |i| {
         // Sequences name vertices of paths: measured on the problem whose seams are free.
         let mut problem = LayerProblem::new(&paths[i], &None, settings.order.scope).problem;

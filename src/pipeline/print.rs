@@ -6,14 +6,16 @@ use crate::estimate::{Machine, cool};
 use crate::gcode::{self, Effect, LayerText, PrintFacts, Scripts, Slot, Totals, WriterSettings};
 use crate::geom::{Bounds, Point};
 use crate::job::{Job, JobError, Progress};
+use crate::mesh::Plate;
 use crate::motion::{self, Entry, MotionSettings};
 use crate::order::{Chain, Pins, SeamRule, Sequence, chunk_len};
 use crate::output::Output;
-use crate::profile::Settings;
+use crate::profile::{Settings, thumbnail_sizes};
 use crate::report::{LayerSummary, Measures, Summary};
 use crate::slice::{Layer, Slicer};
 use crate::toolpath::{LayerPaths, Planner};
 use crate::units::{Mm3, Seconds};
+use crate::view;
 
 use super::ordering::Certificate;
 use super::sections::Sections;
@@ -54,9 +56,11 @@ pub(super) fn slice(
         certify: job.certify,
     };
 
-    let opening = gcode::opening(settings, &facts, &scripts, true);
+    let mut opening = gcode::opening(settings, &facts, &scripts, true);
+    opening.comment(&thumbnails(&plate, settings));
     let mut slots = opening.slots;
     output.write(&opening.bytes)?;
+    output.write(&gcode::labels(settings, &sections.labels()))?;
     let begun = scripts.start_effect(settings, &run.machine);
     let mut ordered = Vec::new();
     let mut tally = Tally::default();
@@ -93,6 +97,15 @@ pub(super) fn slice(
         tally.certify(ordered, settings, start);
     }
     Ok(tally.summary(bounds, &facts, &totals, settings, warnings))
+}
+
+/// Pictures of the plate for the header.
+fn thumbnails(plate: &Plate, settings: &Settings) -> String {
+    // The profile has checked the sizes.
+    let sizes = thumbnail_sizes(&settings.gcode.thumbnails).unwrap_or_default();
+    let comments =
+        parallel::map(sizes.len(), |i| view::thumbnail_comment(sizes[i], &view::thumbnail(plate, sizes[i])));
+    comments.concat()
 }
 
 fn facts(layers: &[Layer], bounds: Bounds, settings: &Settings) -> PrintFacts {

@@ -1,5 +1,6 @@
 //! The sections of a plate, and what must be known of all layers before any is planned.
 
+use crate::gcode::ObjectLabel;
 use crate::geom::{self, Bounds, Region};
 use crate::mesh::Plate;
 use crate::profile::Settings;
@@ -132,6 +133,19 @@ impl Sections {
     pub fn bounds(&self) -> Option<Bounds> {
         let regions = self.layers.iter().flat_map(|l| &l.sections);
         regions.filter_map(|s| s.region.bounds()).reduce(|a, b| a.joined(&b))
+    }
+
+    /// Where each object is.
+    pub fn labels(&self) -> Vec<ObjectLabel> {
+        let bounds = (0..self.places.len()).map(|object| {
+            let sections = (0..self.layers.len()).filter_map(|i| self.of(object, i).bounds());
+            sections.reduce(|a, b| a.joined(&b))
+        });
+        let label = |b: Option<Bounds>| {
+            let (min_mm, max_mm) = b.map_or(([0.0; 2], [0.0; 2]), |b| (b.min.mm(), b.max.mm()));
+            ObjectLabel { min_mm, max_mm }
+        };
+        bounds.map(label).collect()
     }
 
     /// What the user should know of outlines that were not closed.

@@ -5,6 +5,7 @@ use std::collections::BTreeMap;
 use super::error::{Origin, Problem};
 use super::script::{PrintBounds, expand};
 use super::settings::{BedShape, Settings};
+use super::sizes::thumbnail_sizes;
 
 /// What contradicts what, and what is unwise.
 pub(super) struct Conflicts {
@@ -27,6 +28,9 @@ pub(super) fn find(settings: &Settings, origins: &BTreeMap<String, Origin>) -> C
     machine(settings, &mut check);
     retraction(settings, &mut check);
     scripts(settings, &mut check);
+    if let Err(message) = thumbnail_sizes(&settings.gcode.thumbnails) {
+        check.error(&["gcode.thumbnails"], &message);
+    }
     check.found
 }
 

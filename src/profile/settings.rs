@@ -87,7 +87,7 @@ choice! {
 }
 choice! {
     /// Where loops start and end.
-    SeamPosition { /// Any vertex: ordering decides.
+    SeamPosition { /// Anywhere: ordering decides.
         Free = "free", /// The first vertex as sliced.
         Pinned = "pinned", /// In line with the layer below, in a corner where there is one.
         Aligned = "aligned", /// The rearmost vertex.
@@ -211,6 +211,8 @@ section! {
         cost: f64 = 20.0; 0.0..=100000.0, "per kg",
         /// Extrusion multiplier.
         flow: f64 = 1.0; 0.1..=3.0,
+        /// Linear or pressure advance; 0 leaves the firmware's value alone.
+        pressure_advance: f64 = 0.0; 0.0..=10.0, "s",
         /// Largest flow the hot end melts; 0: not limited.
         max_flow: Mm3PerS = Mm3PerS(0.0); 0.0..=1000.0,
     }
@@ -526,6 +528,12 @@ section! {
         arcs: bool = false,
         /// How far an arc may leave the path.
         arc_tolerance: Mm = Mm(0.02); 0.001..=0.5,
+        /// Pictures of the print in the header, for printers with a screen: width × height in pixels, such as 32x32,300x300; empty: none.
+        thumbnails: String = "32x32,300x300".into(),
+        /// Say which object every bead belongs to (`EXCLUDE_OBJECT`, M486), so that one can be cancelled.
+        labels: bool = false,
+        /// State `[machine]` at the start (M201, M203, M205, M566, `SET_VELOCITY_LIMIT`) instead of relying on the firmware's own.
+        limits: bool = false,
         /// Script before the print.
         start: String = super::embedded::default_script("start"),
         /// Script after the print.

@@ -3,6 +3,7 @@
 mod adhesion;
 pub mod bead;
 mod bridges;
+mod entries;
 pub mod infill;
 mod path;
 mod planner;

@@ -2,8 +2,8 @@
 
 use crate::geom::{self, Polygon, Region, Ring};
 use crate::profile::{
-    BridgeSettings, BrimSettings, FirstLayerSettings, InfillSettings, Settings, ShellSettings, SkirtSettings,
-    WallOrder, WallSettings,
+    BridgeSettings, BrimSettings, FirstLayerSettings, InfillSettings, SeamPosition, SeamSettings, Settings,
+    ShellSettings, SkirtSettings, WallOrder, WallSettings,
 };
 use crate::units::Mm;
 
@@ -11,7 +11,7 @@ use super::bridges::Bridge;
 use super::infill::{self, FillLine, FillSpec, SparseSample};
 use super::shells::{self, Zones};
 use super::walls::{self, WallSpec, Walls};
-use super::{Island, LayerPaths, Path, Role, Width, adhesion, bead, bridges};
+use super::{Island, LayerPaths, Path, Role, Width, adhesion, bead, bridges, entries};
 
 /// Densities above this are solid.
 const SOLID_DENSITY: f64 = 0.995;
@@ -42,6 +42,7 @@ pub struct ToolpathSettings {
     pub first_layer: FirstLayerSettings,
     pub skirt: SkirtSettings,
     pub brim: BrimSettings,
+    pub seam: SeamSettings,
 }
 
 impl From<&Settings> for ToolpathSettings {
@@ -55,6 +56,7 @@ impl From<&Settings> for ToolpathSettings {
             first_layer: s.first_layer.clone(),
             skirt: s.skirt.clone(),
             brim: s.brim.clone(),
+            seam: s.seam.clone(),
         }
     }
 }
@@ -196,6 +198,9 @@ impl Planner {
                 self.island(&mut draft, polygon, object, section, &widths);
             }
             outline.polygons.extend(object.section.polygons.iter().cloned());
+        }
+        if matches!(self.settings.seam.position, SeamPosition::Free | SeamPosition::Nearest) {
+            entries::add(&mut draft.paths);
         }
         LayerPaths {
             index: section.index,

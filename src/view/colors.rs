@@ -42,6 +42,8 @@ pub(super) const ROLES: &[RoleColor] = roles![
 
 /// Index of the role whose loops have a seam that is seen.
 pub(super) const SEAMED: u8 = 0;
+/// Index of what is printed beside the object.
+pub(super) const SKIRT: u8 = 8;
 /// Index of the last role.
 pub(super) const OTHER: u8 = ROLES.len() as u8 - 1;
 

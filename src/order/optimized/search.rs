@@ -13,18 +13,18 @@ use super::walk::{End, Walk};
 /// that matters, so that the search ends.
 pub const GAIN: f64 = 1e-7;
 /// Longest stretch that a kick swaps.
-const KICK: u32 = 30;
+const KICK: u32 = 60;
 /// Farthest exchange while kicks are repaired: what is farther away does not depend on the kick.
 const KICK_REACH: u32 = 1000;
 
-/// Walks of so few items are searched thoroughly even after kicks.
+/// Walks of so few items are searched thoroughly.
 const FEW: u32 = 12;
 
 /// A walk and what is needed to improve it.
 pub struct Search<'a> {
     pub(super) problem: &'a Problem<'a>,
     pub(super) groups: &'a Groups,
-    pub(super) walk: Walk<'a>,
+    pub(super) walk: Walk,
     pub(super) neighbours: Neighbours,
     /// Exchanges move at most so many items.
     pub(super) reach: u32,
@@ -42,9 +42,9 @@ impl<'a> Search<'a> {
             problem,
             groups,
             walk: Walk::new(problem, groups, cost, sequence),
-            neighbours: Neighbours::new(problem, groups),
+            neighbours: Neighbours::new(problem, groups, cost),
             reach: u32::MAX,
-            thorough: true,
+            thorough: problem.items.len() <= FEW as usize,
             vicinity: Vicinity::new(problem, groups),
             queue: VecDeque::new(),
             queued: vec![false; 2 * problem.items.len()],
@@ -72,7 +72,6 @@ impl<'a> Search<'a> {
     pub fn iterate(&mut self, random: &mut Random, budget: u64) {
         let end = self.walk.work + budget;
         self.reach = KICK_REACH;
-        self.thorough = self.walk.len() <= FEW;
         while self.walk.work < end {
             self.walk.work += 8;
             let kicks = if self.thorough { 1 + random.below(3) } else { 1 };
@@ -86,7 +85,7 @@ impl<'a> Search<'a> {
                 self.walk.commit();
             }
         }
-        (self.reach, self.thorough) = (u32::MAX, true);
+        self.reach = u32::MAX;
     }
 
     /// Queues the nodes on both sides of a gap.
@@ -111,7 +110,9 @@ impl<'a> Search<'a> {
     /// Makes one improving move that concerns the link at a node, if there is one.
     fn improve(&mut self, node: u32) -> bool {
         let item = node / 2;
-        if self.reenter(item) {
+        // A loop whose other node is queued as well has its turn then.
+        let turn = !self.queued[node as usize ^ 1];
+        if turn && self.reenter(item) {
             return true;
         }
         let end = self.walk.end_of(node);
@@ -121,11 +122,11 @@ impl<'a> Search<'a> {
         if last - first > 1
             && (self.exchange(end, group)
                 || (outer && self.exchange(end.across(), group))
-                || self.reinsert(item))
+                || (turn && self.reinsert(item)))
         {
             return true;
         }
-        (self.thorough && self.reenter_beside(self.walk.position(item)))
+        (self.thorough && turn && self.reenter_beside(self.walk.position(item)))
             || (outer && (self.reverse_group(group) || self.move_group(group)))
     }
 

@@ -15,7 +15,7 @@ const SHORTEST_MM: f64 = 0.5;
 /// How far lines reach into the loop around them, as a share of the width.
 const OVERLAP: f64 = 0.25;
 
-/// Columns that hold no circle of this diameter need no lines inside: the interface spans them.
+/// Columns narrower than a disc of this diameter need no lines inside: the interface spans them.
 const WIDE_MM: f64 = 5.0;
 
 /// Ends of lines are joined along the loop up to this many line distances.
@@ -115,12 +115,13 @@ pub fn lay(outlines: &Outlines, layer: &BeadSpec<'_>, settings: &SupportSettings
     paths
 }
 
-/// The polygons that hold a circle of [`WIDE_MM`].
+/// The polygons whose mean width is at least that of a disc of [`WIDE_MM`]: twice the area over the boundary.
 fn wide_parts(region: &Region) -> Region {
-    let holds = |polygon: &&Polygon| {
-        !geom::offset(&Region { polygons: vec![(*polygon).clone()] }, -WIDE_MM / 2.0).is_empty()
+    let is_wide = |polygon: &&Polygon| {
+        let around_mm: f64 = polygon.rings().map(|ring| geom::ring_length_mm(ring)).sum();
+        2.0 * polygon.area_mm2() >= WIDE_MM / 2.0 * around_mm
     };
-    Region { polygons: region.polygons.iter().filter(holds).cloned().collect() }
+    Region { polygons: region.polygons.iter().filter(is_wide).cloned().collect() }
 }
 
 /// Lines with both ends moved outwards to a multiple of `apart_mm`, where the body's tracks are, or to the end of the

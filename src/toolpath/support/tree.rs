@@ -28,6 +28,9 @@ const FOOT_MM: f64 = 1.5;
 /// See [`FOOT_MM`].
 const FOOT_SLOPE: f64 = 0.5;
 
+/// Radius of a branch where it lands on the part.
+const POINT_MM: f64 = 0.6;
+
 /// Branches this far apart lean towards each other.
 const REACH_MM: f64 = 15.0;
 
@@ -76,6 +79,8 @@ pub fn grow(
     let mut discs: Vec<Vec<(usize, Disc)>> = vec![Vec::new(); solid.len()];
     // For each branch the one that it has become part of.
     let mut trunks: Vec<usize> = Vec::new();
+    // For each branch its lowest layer, if it ends on the part.
+    let mut landings: Vec<Option<usize>> = Vec::new();
     let lean_mm = spec.height_mm * settings.branch_angle.to_radians().tan();
     let avoided = avoidance(&solid[..=top], spec, settings, lean_mm);
     let look_every = ((LOOK_EVERY_MM / spec.height_mm) as usize).max(1);
@@ -90,12 +95,15 @@ pub fn grow(
             branch.depth += 1;
             branch.head += 1;
             branch.at = step(branch, &avoided[layer], lean_mm);
-            !free.has_at(Point::from_mm(branch.at[0], branch.at[1]))
+            let lands = free.has_at(Point::from_mm(branch.at[0], branch.at[1]));
+            landings[branch.id] = lands.then_some(layer + 1);
+            !lands
         });
         merge(&mut branches, &mut trunks, &radius, lean_mm);
         let mut pad = pads[layer].clone();
         pad.remove(&free);
         begin(&mut branches, &mut trunks, &pad);
+        landings.resize(trunks.len(), None);
         if layer % look_every == 0 {
             let height_mm = layer as f64 * spec.height_mm;
             look_around(&mut branches, 2.0 * height_mm * lean_mm / spec.height_mm);
@@ -118,10 +126,16 @@ pub fn grow(
     };
     let mut stands = vec![!spec.from_bed_only; trunks.len()];
     branches.iter().for_each(|branch| stands[branch.id] = true);
-    let standing = |discs: Vec<(usize, Disc)>| {
-        discs.into_iter().filter(|(id, _)| stands[trunk(*id)]).map(|(_, disc)| disc).collect()
+    // Where a branch lands on the part it may be on an edge: it stands on its middle.
+    let pointed = |layer: usize, (id, disc): (usize, Disc)| {
+        let up_mm = landings[id].map(|landing| layer.saturating_sub(landing) as f64 * spec.height_mm);
+        let most_mm = up_mm.map_or(f64::MAX, |up_mm| POINT_MM + HEAD_SLOPE * up_mm);
+        Disc { radius_mm: disc.radius_mm.min(most_mm), ..disc }
     };
-    discs.into_iter().map(standing).collect()
+    let standing = |(layer, discs): (usize, Vec<(usize, Disc)>)| {
+        discs.into_iter().filter(|(id, _)| stands[trunk(*id)]).map(|disc| pointed(layer, disc)).collect()
+    };
+    discs.into_iter().enumerate().map(standing).collect()
 }
 
 /// For each layer, where a branch would touch the part, or could not but do so further down.

@@ -7,7 +7,8 @@ class App {
     const several = prints.length > 1;
     this.state = {
       mode: "2d", layer: 0, way: Infinity, color: "role", playing: false, theme: null,
-      hidden: new Set(several ? ["mark-0", "mark-1", "mark-2"] : ["mark-1"]),
+      // In space travel and marks hide more than they tell.
+      hiddenIn: { "2d": new Set(several ? ["mark-0", "mark-1", "mark-2"] : ["mark-1"]), "3d": new Set(["role-13", "mark-0", "mark-1", "mark-2"]) },
     };
     const bounds = [0, 1, 2, 3].map((i) => (i < 2 ? Math.min : Math.max)(...prints.map((print) => print.bounds[i])));
     const top = Math.max(...prints.map((print) => print.z.reduce((a, b) => Math.max(a, b), 0.2)));
@@ -46,6 +47,11 @@ class App {
     return this.cameras[this.state.mode];
   }
 
+  /** What is not ticked in the legend. */
+  hidden() {
+    return this.state.hiddenIn[this.state.mode];
+  }
+
   /** Length of each role over all prints, travel last. */
   ways() {
     this.wayCache ??= this.prints.reduce((sums, { points, role, strokes }) => {
@@ -70,6 +76,7 @@ class App {
   setMode(mode) {
     this.state.mode = mode === "3d" && this.solid ? "3d" : "2d";
     for (const name of ["2d", "3d"]) find(`view-${name}`).setAttribute("aria-pressed", name === this.state.mode);
+    this.legend.draw();
     this.schedule();
   }
 
@@ -95,7 +102,7 @@ class App {
   }
 
   toggle(key) {
-    const { hidden } = this.state;
+    const hidden = this.hidden();
     if (!hidden.delete(key)) hidden.add(key);
     this.legend.draw();
     this.schedule();
@@ -193,8 +200,8 @@ class App {
   }
 
   look() {
-    const { state, data } = this, theme = this.theme();
-    const mask = (kind, count) => [...Array(count).keys()].reduce((m, i) => m | (state.hidden.has(`${kind}-${i}`) ? 0 : 1 << i), 0);
+    const { state, data } = this, theme = this.theme(), hidden = this.hidden();
+    const mask = (kind, count) => [...Array(count).keys()].reduce((m, i) => m | (hidden.has(`${kind}-${i}`) ? 0 : 1 << i), 0);
     const colors = data.roles.map((role) => role.color);
     colors[TRAVEL] = theme.travel;
     return {

@@ -21,7 +21,7 @@ class Legend {
     const list = element("ul");
     const item = (key, label, swatch, share, thin = false) => {
       const box = element("input", { type: "checkbox", "data-key": key, onchange: () => app.toggle(key) });
-      box.checked = !state.hidden.has(key);
+      box.checked = !app.hidden().has(key);
       const sample = typeof swatch === "string"
         ? element("span", { class: thin ? "swatch thin" : "swatch", style: `background: ${swatch}` })
         : swatch;
