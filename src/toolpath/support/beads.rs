@@ -107,7 +107,7 @@ pub fn lay(outlines: &Outlines, layer: &BeadSpec<'_>, settings: &SupportSettings
         };
         for (part, apart_mm) in [(&wide, apart_mm), (&narrow, f64::INFINITY)] {
             let lines = extended(&tracks(&dense), &tracks(part), across_rad, apart_mm);
-            for points in joined(lines, LONGEST_JOIN * spacing_mm / settings.interface_density.0) {
+            for points in joined(lines, part, LONGEST_JOIN * spacing_mm / settings.interface_density.0) {
                 push(Role::SupportInterface, layer.rank + 1, false, points);
             }
         }
@@ -168,12 +168,16 @@ fn extended(
     result
 }
 
-/// Lines of neighbouring tracks joined to and fro where their ends are near.
-fn joined(lines: Vec<(i64, [Point; 2])>, longest_mm: f64) -> Vec<Vec<Point>> {
+/// Lines of neighbouring tracks joined to and fro where their ends are near and the way between is in the room.
+fn joined(lines: Vec<(i64, [Point; 2])>, room: &Region, longest_mm: f64) -> Vec<Vec<Point>> {
     let mut chains: Vec<(i64, Vec<Point>)> = Vec::new();
     for (track, [a, b]) in lines.into_iter().filter(|(_, [a, b])| a.distance_mm(*b) >= SHORTEST_MM) {
         // Chains that may go on are among the last.
-        let near = |end: &Point| a.distance_mm(*end).min(b.distance_mm(*end)) <= longest_mm;
+        let near = |end: &Point| {
+            let to = if a.distance_mm(*end) <= b.distance_mm(*end) { a } else { b };
+            let half_way = Point::new((to.x + end.x) / 2, (to.y + end.y) / 2);
+            to.distance_mm(*end) <= longest_mm && room.contains(half_way)
+        };
         let recent = chains.iter_mut().rev().take(RECENT);
         let chain =
             recent.filter(|(last, _)| *last + 1 == track).find(|(_, way)| way.last().is_some_and(near));

@@ -40,6 +40,9 @@ const LOOK_EVERY_MM: f64 = 1.0;
 /// How far, in cells, a branch looks for a way round the part.
 const DETOUR: i64 = 10;
 
+/// Smaller holes between discs are filled: a loop around one would begin in mid-air.
+const LEAST_HOLE_MM2: f64 = 10.0;
+
 /// Corners of a circle.
 const CORNERS: usize = 20;
 
@@ -307,7 +310,11 @@ pub fn outline(discs: &[Disc], kept_free: &Region) -> (Region, Region) {
         Region { polygons: vec![Polygon { outer: (0..CORNERS).map(corner).collect(), holes: Vec::new() }] }
     };
     let circles: Vec<Region> = discs.iter().map(circle).collect();
-    let mut all = geom::difference(&geom::union_all(&circles), kept_free);
+    let mut united = geom::union_all(&circles);
+    for polygon in &mut united.polygons {
+        polygon.holes.retain(|hole| geom::ring_area(hole).abs() > LEAST_HOLE_MM2);
+    }
+    let mut all = geom::difference(&united, kept_free);
     let middles: Vec<Point> = discs.iter().map(|disc| Point::from_mm(disc.at[0], disc.at[1])).collect();
     all.polygons.retain(|polygon| {
         let alone = Region { polygons: vec![polygon.clone()] };
