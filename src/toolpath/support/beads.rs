@@ -5,7 +5,7 @@ use std::f64::consts::FRAC_PI_2;
 use super::columns::Cells;
 use super::trace::trace;
 use crate::geom::{self, HatchLine, Point, Polygon, Region};
-use crate::profile::{SupportPattern, SupportSettings};
+use crate::profile::{SupportPattern, SupportSettings, SupportStyle};
 use crate::toolpath::infill::lines;
 use crate::toolpath::{Path, Role, Width, bead};
 
@@ -84,7 +84,13 @@ pub fn lay(outlines: &Outlines, layer: &BeadSpec<'_>, settings: &SupportSettings
     let apart_mm = f64::from(sets) * spacing_mm / settings.density.0;
     let dense =
         if layer.on_bed { Region::default() } else { geom::intersection(&inside, &outlines.interface) };
-    let wide = wide_parts(&inside);
+    let mut wide = wide_parts(&inside);
+    if settings.style == SupportStyle::Tree {
+        // Branches shift from layer to layer: under a head there need be no track to reach for.
+        wide.polygons.retain(|polygon| {
+            geom::intersection(&Region { polygons: vec![polygon.clone()] }, &dense).is_empty()
+        });
+    }
     let body = geom::difference(&wide, &dense);
     let angle_rad = settings.line_angle.to_radians();
     if settings.density.0 > 0.0 {
