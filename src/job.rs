@@ -13,6 +13,10 @@ use crate::report::{ModelInfo, PaperRow, Reordered, Summary};
 pub struct Job {
     /// Files, in the order in which they are placed.
     pub models: Vec<PathBuf>,
+    /// Bodies, placed as the first model is, in which everything that rests on nothing is supported.
+    pub support_enforcers: Vec<PathBuf>,
+    /// Bodies, placed as the first model is, in which nothing is supported.
+    pub support_blockers: Vec<PathBuf>,
     /// How each model is scaled, turned and moved.
     pub transform: TransformOptions,
     /// How many of each model; at least 1.
@@ -29,6 +33,8 @@ impl Default for Job {
     fn default() -> Self {
         Self {
             models: Vec::new(),
+            support_enforcers: Vec::new(),
+            support_blockers: Vec::new(),
             transform: TransformOptions::default(),
             copies: 1,
             pauses: Vec::new(),

@@ -75,6 +75,14 @@ pub(super) struct SliceArgs {
     #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=1000))]
     pub copies: u32,
 
+    /// Support all that rests on nothing inside of this body, in the first model's coordinates; repeatable
+    #[arg(long, value_name = "FILE", value_hint = ValueHint::FilePath, help_heading = "Support")]
+    pub support_enforcer: Vec<PathBuf>,
+
+    /// Support nothing inside of this body, in the first model's coordinates; repeatable
+    #[arg(long, value_name = "FILE", value_hint = ValueHint::FilePath, help_heading = "Support")]
+    pub support_blocker: Vec<PathBuf>,
+
     /// Pause before this layer (12) or height (12.4mm), for a filament change; repeatable
     #[arg(long, value_name = "WHERE")]
     pub pause_at: Vec<PauseAt>,

@@ -59,6 +59,8 @@ pub(super) fn usage(message: impl ToString) -> Failure {
 fn job(args: &SliceArgs, models: &[PathBuf]) -> Job {
     Job {
         models: models.to_vec(),
+        support_enforcers: args.support_enforcer.clone(),
+        support_blockers: args.support_blocker.clone(),
         transform: transform(&args.models),
         copies: args.copies,
         pauses: args.pause_at.clone(),

@@ -55,14 +55,14 @@ pub(super) fn is_gcode(path: &Path) -> bool {
 
 /// The layers of a plate.
 fn sliced(job: &Job, settings: &Settings) -> Result<Vec<LayerPaths>, JobError> {
-    let load::Loaded { plate, .. } = load::plate(job, settings)?;
-    let slicer = Slicer::new(&plate, &settings.layer);
-    let sections = Sections::cut(&slicer, plate.objects.len(), settings);
+    let load::Loaded { plate, wishes, .. } = load::plate(job, settings)?;
+    let slicer = Slicer::new(&plate, &load::layers(settings));
+    let sections = Sections::cut(&slicer, plate.objects.len(), &wishes, settings);
     if sections.bounds().is_none() {
         return Err(load::nothing_to_print());
     }
     let planner = sections.planner(settings);
-    Ok(parallel::map(sections.layers.len(), |i| planner.layer(&sections.plate_layer(i))))
+    Ok(parallel::map(sections.layers.len(), |i| sections.paths(&planner, i, settings)))
 }
 
 /// What is not open to ordering.

@@ -12,6 +12,7 @@ mod parallel;
 mod print;
 mod reorder;
 mod sections;
+mod supports;
 
 use std::path::Path;
 

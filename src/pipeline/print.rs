@@ -31,17 +31,18 @@ pub(super) fn slice(
     output: &mut Output,
     progress: &dyn Progress,
 ) -> Result<Summary, JobError> {
-    let load::Loaded { plate, mut warnings } = load::plate(job, settings)?;
-    let slicer = Slicer::new(&plate, &settings.layer);
-    let count = slicer.spans().len();
+    let load::Loaded { plate, wishes, mut warnings } = load::plate(job, settings)?;
+    let slicer = Slicer::new(&plate, &load::layers(settings));
+    let count = slicer.spans().len() + settings.raft.layers as usize;
     progress.begin(count);
-    let sections = Sections::cut(&slicer, plate.objects.len(), settings);
+    let sections = Sections::cut(&slicer, plate.objects.len(), &wishes, settings);
     let Some(bounds) = sections.bounds() else {
         return Err(load::nothing_to_print());
     };
     warnings.extend(sections.warning());
 
     let facts = facts(&sections.layers, bounds, settings);
+    load::check_height(facts.max_z_mm, settings)?;
     let scripts = Scripts::new(settings, &facts).map_err(|mistakes| JobError::Script(mistakes.join("\n")))?;
     let planner = sections.planner(settings);
     let run = Run {
@@ -154,7 +155,7 @@ impl Run<'_> {
     ) -> (Vec<Done>, Vec<Ordered>) {
         let first = layers.start;
         let paths =
-            parallel::map(layers.len(), |i| self.planner.layer(&self.sections.plate_layer(first + i)));
+            parallel::map(layers.len(), |i| self.sections.paths(&self.planner, first + i, self.settings));
         let pins: Vec<Pins> = paths.iter().map(|layer| seam.pins(layer)).collect();
         let start = at.xy.map(|[x, y]| Point::from_mm(x, y));
         let sequences = ordering::solve(&self.chain, &paths, &pins, chunk, start).sequences;

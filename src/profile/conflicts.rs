@@ -139,6 +139,9 @@ fn amounts(settings: &Settings, check: &mut Check) {
             "brim and skirt leave no room for a part on the bed",
         );
     }
+    if settings.raft.layers > 0 && settings.brim.width.0 > 0.0 {
+        check.error(&["brim.width", "raft.layers"], "on a raft the part has no brim; set one of them to 0");
+    }
     let temperature = &settings.temperature;
     if (temperature.nozzle.0 == 0.0) != (temperature.nozzle_first_layer.0 == 0.0) {
         check.error(

@@ -8,8 +8,10 @@ pub mod infill;
 mod path;
 mod planner;
 mod shells;
+pub mod support;
 mod walls;
 
+pub use adhesion::{raft, raft_area};
 pub use path::{Island, LayerPaths, Path, Role, Width};
 pub use planner::{ObjectLayer, Planner, PlateLayer, ToolpathSettings};
 pub use shells::{Map, Shells, Zones};
