@@ -29,7 +29,7 @@ fn main() {
     let layer: usize = layer.parse().expect("a layer's index");
     let pieces = pieces(&text, layer);
     draw(&pieces).save_png(out).expect("a writable file");
-    let travel_mm: f64 = pieces.iter().filter(|p| !p.extrudes).map(|p| length(p)).sum();
+    let travel_mm: f64 = pieces.iter().filter(|p| !p.extrudes).map(length).sum();
     println!("{} strokes, {travel_mm:.1} mm of travel", pieces.len());
 }
 
