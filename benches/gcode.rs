@@ -51,7 +51,7 @@ fn layer() -> LayerPaths {
 fn segments() -> Vec<Segment> {
     let way = |i: u64| {
         let (sine, cosine) = (i as f64 * 0.07).sin_cos();
-        let length_mm = if i % 2 == 0 { 0.6 } else { 0.4 };
+        let length_mm = if i.is_multiple_of(2) { 0.6 } else { 0.4 };
         let delta = [length_mm * cosine, length_mm * sine, 0.0, 0.034 * length_mm];
         Segment { delta, speed: 60.0, acceleration: 1500.0, account: 0 }
     };
