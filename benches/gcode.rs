@@ -1,14 +1,17 @@
-//! Planning, timing, formatting and reading a layer of a million moves.
+//! Planning, timing, formatting and reading a layer of a million moves; reordering a finished file.
 
 use std::hint::black_box;
 
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
-use pathwright::estimate::{Machine, layer_time};
-use pathwright::gcode::{PrintFacts, Scripts, WriterSettings, format_layer, measure};
+use pathwright::estimate::{Firmware, Machine, Planner, Segment, layer_time};
+use pathwright::gcode::{PrintFacts, Scripts, Timetable, WriterSettings, format_layer, measure};
 use pathwright::geom::{Point, Region};
+use pathwright::job::{Engine, Job, ReorderJob, Silent};
 use pathwright::motion::{Entry, LayerMoves, MotionSettings, plan_layer};
 use pathwright::order::Visit;
-use pathwright::profile::Settings;
+use pathwright::output::Output;
+use pathwright::pipeline::Pipeline;
+use pathwright::profile::{Override, Settings, resolve};
 use pathwright::toolpath::{Island, LayerPaths, Path, Role, Width};
 use pathwright::units::Mm;
 
@@ -44,6 +47,17 @@ fn layer() -> LayerPaths {
     }
 }
 
+/// A wobbly spiral, never at rest.
+fn segments() -> Vec<Segment> {
+    let way = |i: u64| {
+        let (sine, cosine) = (i as f64 * 0.07).sin_cos();
+        let length_mm = if i.is_multiple_of(2) { 0.6 } else { 0.4 };
+        let delta = [length_mm * cosine, length_mm * sine, 0.0, 0.034 * length_mm];
+        Segment { delta, speed: 60.0, acceleration: 1500.0, account: 0 }
+    };
+    (0..MOVES).map(way).collect()
+}
+
 fn plan(layer: &LayerPaths, settings: &Settings) -> LayerMoves {
     let sequence: Vec<Visit> = (0..layer.paths.len() as u32).map(|item| Visit { item, entry: 0 }).collect();
     plan_layer(layer, &sequence, Entry::default(), &MotionSettings::new(settings, &[]))
@@ -66,13 +80,56 @@ fn gcode(c: &mut Criterion) {
     group.throughput(Throughput::Elements(count));
     group.bench_function("plan", |b| b.iter(|| plan(black_box(&layer), &settings)));
     group.bench_function("estimate", |b| b.iter(|| layer_time(black_box(&moves), &machine)));
+    let klipper = Machine::under(Firmware::Klipper, &settings);
+    let segments = segments();
+    group.throughput(Throughput::Elements(segments.len() as u64));
+    group.bench_function("planner alone", |b| {
+        b.iter(|| {
+            let mut planner = Planner::new(&klipper);
+            black_box(&segments).iter().for_each(|segment| planner.push(segment));
+            planner.finish()
+        })
+    });
     group.throughput(Throughput::Bytes(bytes.len() as u64));
     group.bench_function("format", |b| b.iter(|| format_layer(black_box(&moves), &writer)));
     let five_mb = &bytes[..bytes.len().min(5_000_000)];
     group.throughput(Throughput::Bytes(five_mb.len() as u64));
+    group.bench_function("time", |b| b.iter(|| Timetable::read(black_box(five_mb), &klipper)));
     group.bench_function("read", |b| b.iter(|| measure(black_box(five_mb), Mm(1.75))));
     group.finish();
 }
 
-criterion_group!(benches, gcode);
+/// A finished file of this program through reading, ordering, writing and the proof.
+fn reorder(c: &mut Criterion) {
+    let settings = |set: &[(&str, &str)]| {
+        let overrides: Vec<Override> = set
+            .iter()
+            .map(|(key, value)| Override { key: (*key).into(), value: (*value).into(), option: "--set" })
+            .collect();
+        resolve(&[], &overrides).expect("sound settings").settings
+    };
+    let folder = tempfile::tempdir().expect("a folder");
+    let file = folder.path().join("pins.gcode");
+    let model = concat!(env!("CARGO_MANIFEST_DIR"), "/models/pin_forest.stl");
+    let job = Job { models: vec![model.into()], ..Job::default() };
+    let mut output = Output::create(&file).expect("a file");
+    let made = settings(&[("order.strategy", "as-sliced"), ("layer.height", "0.1")]);
+    Pipeline.slice(&job, &made, &mut output, &Silent).expect("a print");
+    output.commit().expect("written");
+
+    let wanted = settings(&[("order.strategy", "nearest"), ("seam.position", "pinned")]);
+    let job = ReorderJob { file: file.clone(), ..ReorderJob::default() };
+    let mut group = c.benchmark_group("reorder");
+    group.sample_size(10);
+    group.throughput(Throughput::Bytes(std::fs::metadata(&file).expect("a file").len()));
+    group.bench_function("nearest", |b| {
+        b.iter(|| {
+            let mut output = Output::nowhere().expect("a place");
+            Pipeline.reorder(&job, &wanted, &mut output, &Silent).expect("the same print")
+        });
+    });
+    group.finish();
+}
+
+criterion_group!(benches, gcode, reorder);
 criterion_main!(benches);

@@ -6,13 +6,17 @@ use crate::motion::PauseAt;
 use crate::order::compare::StrategyRow;
 use crate::output::{Output, OutputError};
 use crate::profile::{OrderStrategy, ProfileError, Settings};
-use crate::report::{ModelInfo, Reordered, Summary};
+use crate::report::{ModelInfo, PaperRow, Reordered, Summary};
 
 /// Models for one plate, and what to do with them.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Job {
     /// Files, in the order in which they are placed.
     pub models: Vec<PathBuf>,
+    /// Bodies, placed as the first model is, in which everything that rests on nothing is supported.
+    pub support_enforcers: Vec<PathBuf>,
+    /// Bodies, placed as the first model is, in which nothing is supported.
+    pub support_blockers: Vec<PathBuf>,
     /// How each model is scaled, turned and moved.
     pub transform: TransformOptions,
     /// How many of each model; at least 1.
@@ -29,6 +33,8 @@ impl Default for Job {
     fn default() -> Self {
         Self {
             models: Vec::new(),
+            support_enforcers: Vec::new(),
+            support_blockers: Vec::new(),
             transform: TransformOptions::default(),
             copies: 1,
             pauses: Vec::new(),
@@ -134,8 +140,20 @@ pub trait Engine: Sync {
         progress: &dyn Progress,
     ) -> Result<Vec<StrategyRow>, JobError>;
 
-    /// Puts a G-code file into another order. Where nothing improves, what was written to the output is the file
-    /// itself. The caller commits the output.
+    /// What ordering saves on a file, as the paper's table has it; the first row is the file as it is. A model is sliced
+    /// first.
+    ///
+    /// # Errors
+    /// See [`JobError`].
+    fn paper(
+        &self,
+        job: &Job,
+        settings: &Settings,
+        progress: &dyn Progress,
+    ) -> Result<Vec<PaperRow>, JobError>;
+
+    /// Puts a G-code file into another order. The caller commits the output, if anything changed; otherwise what
+    /// was written is of no use.
     ///
     /// # Errors
     /// See [`JobError`]; [`JobError::Check`] if the result does not print the same.

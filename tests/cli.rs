@@ -68,6 +68,34 @@ fn a_model_that_is_not_there_is_an_input_error() {
 }
 
 #[test]
+fn the_time_of_a_file_is_told_by_role_and_layer() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("a.gcode");
+    // 100 mm at 100 mm/s and 3000 mm/s²: a second, and a thirtieth for speeding up and slowing down.
+    let text = "G28\nG1 Z0.2 F600\nM83\n;LAYER_CHANGE\n;TYPE:External perimeter\nG1 X100 E4 F6000\nG4 P500\n\
+                ;LAYER_CHANGE\nG1 E-1 F2400\nG1 Z0.4 F600\nG1 X0 F9000\nG1 E1 F2400\nG1 X100 E4 F6000\n";
+    fs::write(&path, text).unwrap();
+    let path = path.to_str().unwrap();
+    for machine in ["klipper", "marlin", "marlin-classic", "reprapfirmware"] {
+        let (out, _) = run(&["time", path, "--machine", machine, "--json"], 0);
+        let json: serde_json::Value = serde_json::from_str(&out).unwrap();
+        let number = |value: &serde_json::Value| value.as_f64().unwrap();
+        assert_eq!((json["machine"].as_str(), json["layer_count"].as_u64()), (Some(machine), Some(2)));
+        let wall_s = number(&json["by_role"]["External perimeter"]);
+        let rest_s = if machine == "marlin-classic" { 0.9 } else { 1.0 };
+        assert!((wall_s - 2.0 * (1.0 + rest_s / 30.0)).abs() < 0.02, "{machine}: {wall_s}");
+        assert_eq!(number(&json["by_role"]["Wait"]), 0.5);
+        let layers: f64 =
+            json["layers"].as_array().unwrap().iter().map(|layer| number(&layer["total_s"])).sum();
+        assert!((layers + number(&json["before_s"]) - number(&json["total_s"])).abs() < 1e-9);
+    }
+    assert!(run(&["time", path], 0).0.contains("without heating, homing, pauses"));
+    run(&["time", path, "--machine", "abacus"], 2);
+    run(&["time", path, "--limits", "no-such-profile"], 4);
+    run(&["time", "no-such.gcode"], 3);
+}
+
+#[test]
 fn every_bad_setting_has_its_line() {
     let (_, err) = run(&["slice", "a.stl", "--set", "walls.cuont=3", "--set", "infill.density=150%"], 4);
     let lines: Vec<&str> = err.lines().collect();

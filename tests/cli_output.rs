@@ -6,12 +6,12 @@ use std::fs;
 use std::path::Path;
 
 use pathwright::cli::{self, Exit};
-use pathwright::job::{Engine, Job, JobError, Progress, TransformOptions};
+use pathwright::job::{Engine, Job, JobError, Progress, ReorderJob, TransformOptions};
 use pathwright::motion::PauseAt;
 use pathwright::order::compare::StrategyRow;
 use pathwright::output::Output;
 use pathwright::profile::{OrderStrategy, Settings};
-use pathwright::report::{ModelInfo, Summary};
+use pathwright::report::{ModelInfo, PaperRow, Reordered, Summary};
 
 thread_local! {
     /// What the engine was asked to do.
@@ -54,6 +54,20 @@ impl Engine for Fake {
         _: &dyn Progress,
     ) -> Result<Vec<StrategyRow>, JobError> {
         Ok(Vec::new())
+    }
+
+    fn paper(&self, _: &Job, _: &Settings, _: &dyn Progress) -> Result<Vec<PaperRow>, JobError> {
+        Ok(Vec::new())
+    }
+
+    fn reorder(
+        &self,
+        _: &ReorderJob,
+        _: &Settings,
+        _: &mut Output,
+        _: &dyn Progress,
+    ) -> Result<Reordered, JobError> {
+        Ok(Reordered::default())
     }
 
     fn info(&self, model: &Path, _: &TransformOptions, _: &Settings) -> Result<ModelInfo, JobError> {

@@ -201,7 +201,9 @@ fn the_flow_limit_is_kept() {
     let text = print(&[layer(1, vec![zigzag(Role::InternalInfill, (100.0, 100.0), 20.0)])], &settings, &[]);
     for (line, s) in strokes(&text).iter().filter(|s| s.1.extrudes()) {
         let flow = s.fresh_mm * area_mm2 * s.feed_mm_s / s.xy_mm;
-        assert!(flow <= 3.0 * 1.001 && flow > 2.9, "line {line}: {flow} mm³/s");
+        // Ends are rounded to a micrometre.
+        let most = 3.0 * (1.001 + 0.0015 / s.xy_mm);
+        assert!(flow <= most && flow > 2.85, "line {line}: {flow} mm³/s");
     }
 }
 

@@ -10,13 +10,15 @@ use pathwright::order::{Cost, bound, evaluate, strategy};
 use pathwright::profile::{Effort, OrderStrategy, Scope};
 use proptest::prelude::*;
 
+/// Largest coordinate, in grid units.
+const REACH: i32 = 500_000;
+
 /// Layers of up to `most` paths, a third of them pinned and a sixth free loops, in up to five runs.
 fn layer(most: usize) -> impl Strategy<Value = Layer> {
-    const REACH: i32 = 500_000;
     let path = prop_oneof![
         3 => prop::collection::vec(point(REACH), 2),
         2 => prop::collection::vec(point(REACH), 1),
-        1 => prop::collection::vec(point(REACH), 3..7),
+        1 => prop::collection::vec(point(REACH), 3..11),
     ];
     let runs = prop::collection::vec((0..2_u32, 0..3_u32, 0..3_u32), 5);
     order_layer::layer(prop::collection::vec(path, 0..=most), runs, REACH)
@@ -26,7 +28,7 @@ fn layer(most: usize) -> impl Strategy<Value = Layer> {
 const ROUNDING_MM: f64 = 1e-9;
 
 proptest! {
-    #![proptest_config(ProptestConfig { cases: 4000, ..ProptestConfig::default() })]
+    #![proptest_config(ProptestConfig { cases: 3000, ..ProptestConfig::default() })]
 
     #[test]
     fn the_bound_of_a_layer_is_not_above_its_optimum(layer in layer(7)) {
@@ -37,13 +39,24 @@ proptest! {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig { cases: 1500, ..ProptestConfig::default() })]
+    #![proptest_config(ProptestConfig { cases: 1000, ..ProptestConfig::default() })]
 
     #[test]
     fn the_bound_of_a_print_is_not_above_its_optimum(layers in [layer(5), layer(5), layer(5)]) {
         let problems: Vec<_> = layers.iter().map(Layer::problem).collect();
         let (bound, optimum) = (bound::print(&problems), chained_optimum(&problems));
         prop_assert!(bound <= optimum + ROUNDING_MM, "{bound} > {optimum}");
+    }
+
+    #[test]
+    fn a_share_holds_wherever_its_layer_is_entered(layers in [layer(5), layer(5)], start in prop::option::of(point(REACH))) {
+        let mut problems: Vec<_> = layers.iter().map(Layer::problem).collect();
+        let shares = bound::shares(&problems, |n, chunk| (0..n).map(chunk).collect());
+        for (problem, share) in problems.iter_mut().zip(shares) {
+            (problem.start, problem.end) = (start, None);
+            let (bound, optimum) = (share.layer_mm(start, None), optimum(problem));
+            prop_assert!(bound <= optimum + ROUNDING_MM, "{bound} > {optimum}");
+        }
     }
 
     #[test]
@@ -59,5 +72,16 @@ proptest! {
         let found = evaluate(&problem, &tour, &Cost::Length);
         let best = optimum(&problem);
         prop_assert!(print_mm + found <= 1.5 * (print_mm + best) + 1e-4, "{found} against {best}, {print_mm} drawn");
+    }
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 100, ..ProptestConfig::default() })]
+
+    #[test]
+    fn the_bound_of_a_print_in_several_chunks_is_not_above_its_optimum(layers in prop::collection::vec(layer(2), 30)) {
+        let problems: Vec<_> = layers.iter().map(Layer::problem).collect();
+        let (bound, optimum) = (bound::print(&problems), chained_optimum(&problems));
+        prop_assert!(bound <= optimum + ROUNDING_MM, "{bound} > {optimum}");
     }
 }

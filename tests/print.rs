@@ -4,7 +4,7 @@ mod print_support;
 
 use pathwright::estimate::Machine;
 use pathwright::gcode::file_time;
-use pathwright::geom::{Point, Region, clip_polyline, offset, polyline_length_mm};
+use pathwright::geom::{Point, offset};
 use pathwright::profile::{OrderStrategy, Settings};
 use print_support::{Bead, Print, model, print, settings, solid, standard};
 
@@ -95,111 +95,6 @@ fn nothing_is_extruded_outside_the_bed_or_below_what_is_there() {
         }
         assert!((z_mm - 20.0).abs() < 1e-6, "{printer}: up to {z_mm}");
     }
-}
-
-/// The travels of a print between its beads: the points passed, filament pulled back and pushed forward, how
-/// often it was pulled back, and the height.
-struct Travel {
-    points: Vec<[f64; 2]>,
-    pulled_mm: f64,
-    pushed_mm: f64,
-    pulls: usize,
-    z_mm: f64,
-    /// Whether it began and ended on one layer.
-    level: bool,
-}
-
-fn travels(print: &Print) -> Vec<Travel> {
-    let mut travels: Vec<Travel> = Vec::new();
-    let mut open: Option<Travel> = None;
-    for stroke in print.strokes() {
-        if stroke.extrudes() {
-            travels.extend(open.take().filter(|t| t.points.len() > 1));
-            let [x, y, z_mm] = stroke.to;
-            open = Some(Travel {
-                points: vec![[x, y]],
-                pulled_mm: 0.0,
-                pushed_mm: 0.0,
-                pulls: 0,
-                z_mm,
-                level: true,
-            });
-        } else if let Some(travel) = &mut open {
-            if stroke.e_mm < 0.0 {
-                (travel.pulled_mm, travel.pulls) = (travel.pulled_mm - stroke.e_mm, travel.pulls + 1);
-            }
-            travel.pushed_mm += stroke.e_mm.max(0.0);
-            travel.level &= stroke.to[2] == travel.z_mm;
-            if stroke.xy_mm > 0.0 {
-                travel.points.push([stroke.to[0], stroke.to[1]]);
-            }
-        }
-    }
-    travels
-}
-
-impl Travel {
-    fn length_mm(&self) -> f64 {
-        self.points.windows(2).map(|w| (w[1][0] - w[0][0]).hypot(w[1][1] - w[0][1])).sum()
-    }
-
-    /// How much of it lies in a region.
-    fn inside_mm(&self, region: &Region) -> f64 {
-        let points: Vec<Point> = self.points.iter().map(|p| Point::from_mm(p[0], p[1])).collect();
-        clip_polyline(region, &points).iter().map(|piece| polyline_length_mm(&piece.points)).sum()
-    }
-
-    fn layer(&self, settings: &Settings) -> usize {
-        ((self.z_mm - settings.layer.first_height.0) / settings.layer.height.0).round() as usize
-    }
-}
-
-#[test]
-fn long_travels_are_retracted_once_and_undone_exactly() {
-    let settings = settings(&[], &["order.strategy=nearest"]);
-    for name in ["pin_forest", "thin_wall_comb", "plate_with_holes"] {
-        let (print, solid) = (print(name, &settings), solid(&model(name), &settings));
-        let mut inside = 0;
-        for travel in travels(&print) {
-            let length_mm = travel.length_mm();
-            let section = offset(&solid.section(Some(travel.layer(&settings))), -0.14);
-            let stays = travel.level && travel.inside_mm(&section) > length_mm - 1e-3;
-            assert_eq!(travel.pulled_mm, travel.pushed_mm, "{name}: {length_mm} mm");
-            assert!(travel.pulls <= 1 && travel.pulled_mm == travel.pulls as f64, "{name}: {length_mm} mm");
-            if length_mm <= settings.retract.min_travel.0 - 0.01 {
-                assert_eq!(travel.pulls, 0, "{name}: {length_mm} mm");
-            } else if length_mm > settings.travel.retract_inside.0 + 0.01 {
-                assert_eq!(travel.pulls, 1, "{name}: {length_mm} mm");
-            } else if stays && length_mm < settings.travel.retract_inside.0 - 0.01 {
-                assert_eq!(travel.pulls, 0, "{name}: {length_mm} mm inside");
-                inside += 1;
-            } else if travel.inside_mm(&offset(&section, 0.14)) < length_mm - 1e-3 {
-                assert_eq!(travel.pulls, 1, "{name}: {length_mm} mm over an edge");
-            }
-        }
-        assert!(inside > 0 || name == "pin_forest", "{name} has travels inside");
-    }
-}
-
-#[test]
-fn travels_go_round_holes_where_a_way_round_exists() {
-    let [straight, round] = [0, 500].map(|detour_mm| {
-        let set = format!("travel.max_detour={detour_mm}");
-        let settings = settings(&[], &["order.strategy=nearest", "skirt.loops=0", &set]);
-        let solid = solid(&model("plate_with_holes"), &settings);
-        let print = print("plate_with_holes", &settings);
-        let over_mm = |t: &Travel| t.length_mm() - t.inside_mm(&solid.section(Some(t.layer(&settings))));
-        let crossing = travels(&print).iter().filter(|t| t.level && over_mm(t) > 1e-3).count();
-        (crossing, print.measure(&settings).link_mm)
-    });
-    assert!(straight.0 > 10, "the test has travels over holes");
-    assert_eq!(round.0, 0, "travels over holes");
-    assert!(
-        (straight.1 - round.1).abs() < 1e-2,
-        "links are straight lines: {} and {} mm",
-        straight.1,
-        round.1
-    );
 }
 
 #[test]

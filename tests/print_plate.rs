@@ -47,6 +47,34 @@ fn the_bytes_do_not_depend_on_threads_or_on_the_run() {
 }
 
 #[test]
+fn labels_say_which_object_every_bead_belongs_to() {
+    for (flavor, begin, end) in [
+        ("klipper", "EXCLUDE_OBJECT_START NAME=object_", "EXCLUDE_OBJECT_END NAME=object_"),
+        ("marlin", "M486 S", "M486 S-1"),
+    ] {
+        let settings = standard(&["gcode.labels=true", &format!("printer.flavor={flavor}")]);
+        let print = run(&Job { copies: 2, ..job(&["calibration_cube"]) }, &settings).expect("a print");
+        let text = String::from_utf8(print.text).expect("text");
+        let defined =
+            text.lines().filter(|l| l.starts_with("EXCLUDE_OBJECT_DEFINE") || *l == "M486 T2").count();
+        assert_eq!(defined, if flavor == "klipper" { 2 } else { 1 });
+        let (mut inside, mut kind, mut seen) = (false, "", std::collections::BTreeSet::new());
+        for line in text.lines() {
+            kind = line.strip_prefix(";TYPE:").unwrap_or(kind);
+            if line.starts_with(end) {
+                inside = false;
+            } else if line.starts_with(begin) {
+                inside = true;
+                seen.insert(line);
+            } else if line.starts_with("G1 X") && line.contains(" E") {
+                assert_eq!(inside, kind != "Skirt/Brim", "{flavor}, {kind}: {line}");
+            }
+        }
+        assert_eq!(seen.len(), 2);
+    }
+}
+
+#[test]
 fn four_copies_are_four_islands_of_four_times_the_volume() {
     let settings = standard(&["skirt.loops=0"]);
     let single = run(&job(&["calibration_cube"]), &settings).expect("a print").measure(&settings).volume_mm3;

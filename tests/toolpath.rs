@@ -237,6 +237,76 @@ fn on_a_slope_every_exposed_place_is_solid_to_the_shell_depth() {
     }
 }
 
+/// The layer that closes an opening: full sections on top of sections with it.
+fn roof(open: &Region, full: &Region) -> LayerPaths {
+    let sections = [vec![open.clone(); 6], vec![full.clone(); 6]].concat();
+    plan(&sections, &job()).swap_remove(6)
+}
+
+/// Whether all long threads of a layer's bridges run in a direction (degrees from X), and end over `hold`.
+fn bridges_run(layer: &LayerPaths, degrees: f64, hold: &Region) -> bool {
+    let threads: Vec<[Point; 2]> = of_role(layer, Role::BridgeInfill)
+        .iter()
+        .flat_map(|p| p.points.windows(2).map(|e| [e[0], e[1]]))
+        .filter(|[a, b]| a.distance_mm(*b) > 3.0)
+        .collect();
+    let (sin, cos) = degrees.to_radians().sin_cos();
+    let along = |[a, b]: &[Point; 2]| {
+        let [dx, dy] = (*b - *a).mm();
+        (dx * sin - dy * cos).abs() < 0.01 * a.distance_mm(*b)
+    };
+    let held = |p: &Point| hold.contains(*p);
+    !threads.is_empty() && threads.iter().all(|t| along(t) && t.iter().all(held))
+}
+
+#[test]
+fn bridges_span_a_rectangle_the_short_way() {
+    for (pit, degrees) in [(rectangle(10.0, 5.0, 30.0, 15.0), 90.0), (rectangle(15.0, 2.0, 22.0, 18.0), 0.0)]
+    {
+        let full = rectangle(0.0, 0.0, 40.0, 20.0);
+        let open = with_hole(full.clone(), &pit);
+        assert!(bridges_run(&roof(&open, &full), degrees, &open), "{degrees}");
+    }
+}
+
+#[test]
+fn bridges_between_two_pillars_go_from_one_to_the_other() {
+    let full = rectangle(0.0, 0.0, 40.0, 8.0);
+    let mut pillars = rectangle(0.0, 0.0, 8.0, 8.0);
+    pillars.polygons.extend(rectangle(32.0, 0.0, 40.0, 8.0).polygons);
+    assert!(bridges_run(&roof(&pillars, &full), 0.0, &pillars));
+}
+
+#[test]
+fn bridges_over_a_c_go_from_arm_to_arm() {
+    let full = rectangle(0.0, 0.0, 30.0, 20.0);
+    let open = geom::difference(&full, &rectangle(8.0, -1.0, 22.0, 12.0));
+    assert!(bridges_run(&roof(&open, &full), 0.0, &open));
+}
+
+#[test]
+fn bridges_over_an_l_are_shorter_than_its_arms_and_have_hold_at_both_ends() {
+    let full = rectangle(0.0, 0.0, 40.0, 40.0);
+    let pit = geom::union(&rectangle(10.0, 10.0, 18.0, 32.0), &rectangle(10.0, 10.0, 30.0, 18.0));
+    let open = geom::difference(&full, &pit);
+    let roof = roof(&open, &full);
+    let degrees = (0..180).find(|&degrees| bridges_run(&roof, f64::from(degrees), &open));
+    assert!(degrees.is_some(), "all one way, from hold to hold");
+    let spans = of_role(&roof, Role::BridgeInfill).into_iter().flat_map(|p| p.points.windows(2));
+    let longest_mm = spans.map(|e| e[0].distance_mm(e[1])).fold(0.0, f64::max);
+    assert!(longest_mm < 20.0, "along an arm it would be 20 mm and more, not {longest_mm}");
+}
+
+#[test]
+fn solid_infill_never_hangs_where_a_bridge_could() {
+    let full = rectangle(0.0, 0.0, 40.0, 20.0);
+    let pit = rectangle(10.0, 5.0, 30.0, 15.0);
+    let roof = roof(&with_hole(full.clone(), &pit), &full);
+    let air = geom::offset(&pit, -0.1);
+    let flat = roof.paths.iter().filter(|p| p.role != Role::BridgeInfill);
+    assert!(flat.flat_map(|p| &p.points).all(|&p| !air.contains(p)));
+}
+
 fn star() -> impl Strategy<Value = Region> {
     prop::collection::vec(1.0..12.0f64, 5..40).prop_map(|radii| {
         let n = radii.len() as f64;

@@ -75,6 +75,14 @@ pub(super) struct SliceArgs {
     #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=1000))]
     pub copies: u32,
 
+    /// Support all that rests on nothing inside of this body, in the first model's coordinates; repeatable
+    #[arg(long, value_name = "FILE", value_hint = ValueHint::FilePath, help_heading = "Support")]
+    pub support_enforcer: Vec<PathBuf>,
+
+    /// Support nothing inside of this body, in the first model's coordinates; repeatable
+    #[arg(long, value_name = "FILE", value_hint = ValueHint::FilePath, help_heading = "Support")]
+    pub support_blocker: Vec<PathBuf>,
+
     /// Pause before this layer (12) or height (12.4mm), for a filament change; repeatable
     #[arg(long, value_name = "WHERE")]
     pub pause_at: Vec<PauseAt>,
@@ -89,6 +97,10 @@ pub(super) struct SliceArgs {
     /// Prove how near to the shortest possible the order is
     #[arg(long, help_heading = "Ordering")]
     pub certify: bool,
+
+    /// Say which object every bead belongs to, so that a printer can cancel one [gcode.labels]
+    #[arg(long)]
+    pub labels: bool,
 
     /// Worker threads [default: $RAYON_NUM_THREADS, or all cores]; the result is the same
     #[arg(long, value_name = "N")]
@@ -107,9 +119,10 @@ pub(super) struct SliceArgs {
     pub no_progress: bool,
 }
 
-/// Compare ordering strategies on the layers of models
+/// Compare ordering strategies on the layers of models or finished G-code
 ///
-/// Each model is sliced once and its layers are ordered by each strategy. The table shows the links (straight lines
+/// Each model is sliced once, of a G-code file the paths are taken as they are, and the layers are ordered by each
+/// strategy. The table shows the links (straight lines
 /// from path end to path start), a length that no order can stay below, and how far above it each strategy is.
 #[derive(Debug, Args)]
 #[command(after_help = EXIT_CODES)]
@@ -126,6 +139,14 @@ pub(super) struct CompareArgs {
 
     #[command(flatten)]
     pub ordering: OrderingArgs,
+
+    /// Print the table of the paper of 2016 (docs/paper.md); models are sliced first
+    #[arg(long, conflicts_with_all = ["order", "scope", "json", "csv"])]
+    pub paper: bool,
+
+    /// Write a page that shows the strategies side by side; one model only
+    #[arg(long, value_name = "PATH", value_hint = ValueHint::FilePath)]
+    pub html: Option<PathBuf>,
 
     /// Leave out the lower bounds, which take longer than the ordering
     #[arg(long, help_heading = "Ordering")]
@@ -227,9 +248,13 @@ pub(super) struct ViewArgs {
     #[arg(long, value_name = "PATH", requires = "layer", value_hint = ValueHint::FilePath, help_heading = "Pictures")]
     pub png: Option<PathBuf>,
 
-    /// Longer side of the PNG, in pixels
-    #[arg(long, value_name = "N", default_value_t = 1200, value_parser = clap::value_parser!(u32).range(1..=10_000), help_heading = "Pictures")]
-    pub size: u32,
+    /// Write a picture of the whole print as PNG, without background
+    #[arg(long, value_name = "PATH", value_hint = ValueHint::FilePath, help_heading = "Pictures")]
+    pub thumbnail: Option<PathBuf>,
+
+    /// Longer side of a PNG, in pixels [default: 1200, of a thumbnail 300]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=2000), help_heading = "Pictures")]
+    pub size: Option<u32>,
 
     /// How the order of paths is found [order.strategy]
     #[arg(long, value_name = "STRATEGY", value_parser = PossibleValuesParser::new(OrderStrategy::NAMES), help_heading = "Ordering")]
@@ -237,6 +262,10 @@ pub(super) struct ViewArgs {
 
     #[command(flatten)]
     pub ordering: OrderingArgs,
+
+    /// Prove how near to the shortest possible the order of models is, and show it
+    #[arg(long, help_heading = "Ordering")]
+    pub certify: bool,
 
     /// Worker threads [default: $RAYON_NUM_THREADS, or all cores]; the result is the same
     #[arg(long, value_name = "N")]

@@ -1,35 +1,42 @@
 //! `pathwright compare`.
 
+use std::path::{Path, PathBuf};
+
 use serde_json::json;
 
 use super::args::CompareArgs;
 use super::console::{self, Bar};
 use super::exit::{Exit, Failure};
 use super::plan;
+use super::view::{file_name, sliced, write};
 use crate::job::{Engine, Job, Progress, Silent};
 use crate::order::compare::{self, StrategyRow};
-use crate::profile::OrderStrategy;
+use crate::profile::{OrderStrategy, Settings};
+use crate::report::{PaperRow, paper};
+use crate::view::{self, Print, Scene};
 
 /// Compares strategies model by model, and over all models together. One that fails does not keep the others from
 /// being compared; the exit code is that of the first one that failed.
 pub(super) fn run(args: &CompareArgs, engine: &dyn Engine) -> Result<Exit, Failure> {
     let resolved = plan::settings(&args.settings, &plan::shorthands(None, &args.ordering))?;
     console::warn(&resolved.warnings);
+    if args.paper {
+        return paper(args, &resolved.settings, engine);
+    }
     let chosen: Vec<OrderStrategy> = OrderStrategy::ALL
         .iter()
         .filter(|(name, _)| args.order.is_empty() || args.order.iter().any(|wanted| wanted == name))
         .map(|(_, strategy)| *strategy)
         .collect();
+    if args.html.is_some() && args.models.files.len() > 1 {
+        return Err(plan::usage("--html shows one model; give one model alone"));
+    }
+    let models: Vec<&Path> = args.models.files.iter().map(PathBuf::as_path).collect();
+    plan::kept(&models, args.html.iter().map(PathBuf::as_path))?;
     let mut exit = Exit::Done;
     let mut pooled: Vec<StrategyRow> = Vec::new();
     for (index, model) in args.models.files.iter().enumerate() {
-        let job = Job {
-            models: vec![model.clone()],
-            transform: plan::transform(&args.models),
-            certify: !args.no_bound,
-            threads: args.threads.map(Into::into),
-            ..Job::default()
-        };
+        let job = job(args, model);
         let bar = Bar::on_terminal(!args.no_progress);
         let progress: &dyn Progress = bar.as_ref().map_or(&Silent, |bar| bar);
         let result = engine.compare(&job, &resolved.settings, &chosen, progress);
@@ -46,6 +53,10 @@ pub(super) fn run(args: &CompareArgs, engine: &dyn Engine) -> Result<Exit, Failu
                 } else {
                     console::print(&format!("{name}\n{}\n", compare::text(&rows)))?;
                 }
+                if let Some(path) = &args.html {
+                    let prints = prints(&job, &resolved.settings, &chosen, &rows, engine)?;
+                    write(path, view::page(&file_name(model), &prints).as_bytes())?;
+                }
                 compare::pool(&mut pooled, rows);
             }
             Err(error) => {
@@ -59,4 +70,58 @@ pub(super) fn run(args: &CompareArgs, engine: &dyn Engine) -> Result<Exit, Failu
         console::print(&format!("all models\n{}", compare::text(&pooled)))?;
     }
     Ok(exit)
+}
+
+fn job(args: &CompareArgs, model: &Path) -> Job {
+    Job {
+        models: vec![model.to_owned()],
+        transform: plan::transform(&args.models),
+        certify: !args.no_bound,
+        threads: args.threads.map(Into::into),
+        ..Job::default()
+    }
+}
+
+/// The paper's table, file by file, and the means.
+fn paper(args: &CompareArgs, settings: &Settings, engine: &dyn Engine) -> Result<Exit, Failure> {
+    let mut exit = Exit::Done;
+    let mut tables: Vec<Vec<PaperRow>> = Vec::new();
+    for file in &args.models.files {
+        match engine.paper(&job(args, file), settings, &Silent) {
+            Ok(rows) => {
+                let own = file.extension().is_some_and(|e| e.eq_ignore_ascii_case("stl"));
+                console::print(&(paper::table(&file.display().to_string(), own, &rows) + "\n"))?;
+                tables.push(rows);
+            }
+            Err(error) => {
+                let failure = Failure::from(error);
+                console::fail(&failure);
+                exit = if exit == Exit::Done { failure.exit } else { exit };
+            }
+        }
+    }
+    if tables.len() > 1 {
+        console::print(&paper::means(&tables))?;
+    }
+    Ok(exit)
+}
+
+/// The print that each strategy makes.
+fn prints(
+    job: &Job,
+    settings: &Settings,
+    strategies: &[OrderStrategy],
+    rows: &[StrategyRow],
+    engine: &dyn Engine,
+) -> Result<Vec<Print>, Failure> {
+    let job = Job { certify: false, ..job.clone() };
+    let each = strategies.iter().zip(rows).map(|(strategy, row)| {
+        let mut settings = settings.clone();
+        settings.order.strategy = *strategy;
+        let (text, _) = sliced(&job, &settings, engine, false)?;
+        let layers: Vec<_> = row.layers.iter().map(|layer| (layer.link_mm, layer.bound_mm)).collect();
+        let print = Print::new(row.strategy.clone(), Scene::read(&text, &settings), &settings);
+        Ok(print.with_bounds(&layers, (row.link_mm(), row.bound_mm)))
+    });
+    each.collect()
 }

@@ -43,10 +43,12 @@ impl Plan {
             .collect::<Result<_, Failure>>()?;
         no_file_is_written_twice(&tasks)?;
         no_input_is_overwritten(&tasks)?;
-        Ok(Self {
-            settings: settings(&args.settings, &shorthands(args.order.as_ref(), &args.ordering))?,
-            tasks,
-        })
+        let mut shorthands = shorthands(args.order.as_ref(), &args.ordering);
+        if args.labels {
+            let (key, value) = ("gcode.labels".into(), "true".into());
+            shorthands.push(Override { key, value, option: "--labels" });
+        }
+        Ok(Self { settings: settings(&args.settings, &shorthands)?, tasks })
     }
 }
 
@@ -57,6 +59,8 @@ pub(super) fn usage(message: impl ToString) -> Failure {
 fn job(args: &SliceArgs, models: &[PathBuf]) -> Job {
     Job {
         models: models.to_vec(),
+        support_enforcers: args.support_enforcer.clone(),
+        support_blockers: args.support_blocker.clone(),
         transform: transform(&args.models),
         copies: args.copies,
         pauses: args.pause_at.clone(),

@@ -10,18 +10,19 @@ use super::plan;
 use crate::job::{Engine, Job, Progress, Silent};
 use crate::output::Output;
 use crate::profile::Settings;
+use crate::report::Summary;
 use crate::view::{self, Layer, Print, Scene};
 
 /// Writes the pictures and the page that are asked for.
 pub(super) fn run(args: &ViewArgs, engine: &dyn Engine) -> Result<Exit, Failure> {
     let inputs: Vec<&Path> = args.models.files.iter().map(PathBuf::as_path).collect();
     let page = page_path(args);
-    let pictures = [&args.svg, &args.png].into_iter().flatten();
+    let pictures = [&args.svg, &args.png, &args.thumbnail].into_iter().flatten();
     plan::kept(&inputs, pictures.chain(&page).map(PathBuf::as_path))?;
     let resolved = plan::settings(&args.settings, &plan::shorthands(args.order.as_ref(), &args.ordering))?;
     console::warn(&resolved.warnings);
 
-    let text = gcode(args, &resolved.settings, engine)?;
+    let (text, summary) = gcode(args, &resolved.settings, engine)?;
     let name = args.models.files[0].display();
     let scene = Scene::read(&text, &resolved.settings);
     if scene.is_empty() {
@@ -31,25 +32,30 @@ pub(super) fn run(args: &ViewArgs, engine: &dyn Engine) -> Result<Exit, Failure>
         write(path, view::layer_svg(&scene, layer(&scene, args)?).as_bytes())?;
     }
     if let Some(path) = &args.png {
-        write(path, &view::layer_png(&scene, layer(&scene, args)?, args.size))?;
+        write(path, &view::layer_png(&scene, layer(&scene, args)?, args.size.unwrap_or(1200)))?;
+    }
+    if let Some(path) = &args.thumbnail {
+        write(path, &view::thumbnail(&scene, [args.size.unwrap_or(300); 2]))?;
     }
     if let Some(path) = &page {
         let title = args.models.files.iter().map(|file| file_name(file)).collect::<Vec<_>>().join(" + ");
-        let total = scene.total.clone();
-        let filament_g = total.volume_mm3 / 1000.0 * resolved.settings.filament.density;
-        let print = Print { name: title.clone(), scene: &scene, total, filament_g };
+        let mut print = Print::new(title.clone(), scene, &resolved.settings);
+        if let Some(Summary { layers, total, .. }) = summary.filter(|_| args.certify) {
+            let layers: Vec<_> = layers.iter().map(|l| (l.measures.link_mm, l.measures.bound_mm)).collect();
+            print = print.with_bounds(&layers, (total.link_mm, total.bound_mm));
+        }
         write(path, view::page(&title, &[print]).as_bytes())?;
     }
     Ok(Exit::Done)
 }
 
-fn file_name(path: &Path) -> String {
+pub(super) fn file_name(path: &Path) -> String {
     path.file_name().unwrap_or(path.as_os_str()).to_string_lossy().into_owned()
 }
 
 /// Where the page goes, if one is wanted.
 fn page_path(args: &ViewArgs) -> Option<PathBuf> {
-    let only_pictures = args.svg.is_some() || args.png.is_some();
+    let only_pictures = args.svg.is_some() || args.png.is_some() || args.thumbnail.is_some();
     match &args.output {
         Some(path) => Some(path.clone()),
         None if only_pictures => None,
@@ -57,31 +63,51 @@ fn page_path(args: &ViewArgs) -> Option<PathBuf> {
     }
 }
 
-/// The G-code to show: as it is, or sliced from models.
-fn gcode(args: &ViewArgs, settings: &Settings, engine: &dyn Engine) -> Result<Vec<u8>, Failure> {
+/// The G-code to show: as it is, or sliced from models, with what the slicing came to.
+fn gcode(
+    args: &ViewArgs,
+    settings: &Settings,
+    engine: &dyn Engine,
+) -> Result<(Vec<u8>, Option<Summary>), Failure> {
     let files = &args.models.files;
     if files.iter().any(|path| is_gcode(path)) {
         let [path] = files.as_slice() else {
             return Err(plan::usage("a page shows one G-code file, or models; give one G-code file alone"));
         };
-        return fs::read(path)
-            .map_err(|error| Failure::new(Exit::Input, format!("{}: {error}", path.display())));
+        if args.certify {
+            return Err(plan::usage("--certify is for models; of a G-code file the order is given"));
+        }
+        let text = fs::read(path)
+            .map_err(|error| Failure::new(Exit::Input, format!("{}: {error}", path.display())))?;
+        return Ok((text, None));
     }
     let job = Job {
         models: files.clone(),
         transform: plan::transform(&args.models),
+        certify: args.certify,
         threads: args.threads.map(Into::into),
         ..Job::default()
     };
-    let bar = Bar::on_terminal(!args.no_progress);
+    let (text, summary) = sliced(&job, settings, engine, !args.no_progress)?;
+    console::warn(&summary.warnings);
+    Ok((text, Some(summary)))
+}
+
+/// The G-code of a plate, and what it came to.
+pub(super) fn sliced(
+    job: &Job,
+    settings: &Settings,
+    engine: &dyn Engine,
+    show_progress: bool,
+) -> Result<(Vec<u8>, Summary), Failure> {
+    let bar = Bar::on_terminal(show_progress);
     let progress: &dyn Progress = bar.as_ref().map_or(&Silent, |bar| bar);
     let mut output = Output::memory();
-    let result = engine.slice(&job, settings, &mut output, progress);
+    let result = engine.slice(job, settings, &mut output, progress);
     if let Some(bar) = bar {
         bar.remove();
     }
-    console::warn(&result?.warnings);
-    Ok(output.into_bytes())
+    Ok((output.into_bytes(), result?))
 }
 
 fn is_gcode(path: &Path) -> bool {
@@ -96,7 +122,8 @@ fn layer<'a>(scene: &'a Scene, args: &ViewArgs) -> Result<&'a Layer, Failure> {
     })
 }
 
-fn write(path: &Path, bytes: &[u8]) -> Result<(), Failure> {
+/// Writes a file whole, or to standard output.
+pub(super) fn write(path: &Path, bytes: &[u8]) -> Result<(), Failure> {
     let mut output = if path == Path::new("-") { Output::stdout() } else { Output::create(path)? };
     output.write(bytes)?;
     Ok(output.commit()?)

@@ -3,67 +3,108 @@
 use super::{LayerTime, Machine, layer_time};
 use crate::motion::{LayerMoves, Move};
 use crate::profile::CoolingSettings;
+use crate::toolpath::Role;
 use crate::units::{MmPerS, Seconds};
 
 /// How much longer than asked a slowed layer may take.
 const SLACK: f64 = 0.01;
 
-/// Slows a layer's extrusions, all by the same factor, until it lasts `min_layer_time`; none below `min_speed`
-/// (those that are slower already stay as they are). Returns the time that the layer takes in the end.
+/// Slows a layer's extrusions until it lasts `min_layer_time`; none below `min_speed` (those that are slower already
+/// stay as they are). Outermost walls, where a change of speed shows, keep theirs until all the rest is at the
+/// least speed. Returns the time that the layer takes in the end.
 ///
-/// The factor is bisected over the planner, since short moves never reach their speed and so gain less than
-/// their share.
+/// The layer as a whole counts, however far apart its islands are: what was printed on one has the time of all
+/// others to cool.
+///
+/// All that is slowed together is slowed by one factor. It is bisected over the planner, since short moves never
+/// reach their speed and so gain less than their share.
 pub fn cool(layer: &mut LayerMoves, settings: &CoolingSettings, machine: &Machine) -> LayerTime {
-    let time = layer_time(layer, machine);
     let wanted = settings.min_layer_time;
-    if wanted.0 <= 0.0 || time.total() >= wanted || time.printing().0 <= 0.0 {
-        return time;
-    }
-    let full = layer.moves.clone();
-    let slowed = |layer: &mut LayerMoves, factor: f64| {
-        for (step, full) in layer.moves.iter_mut().zip(&full) {
-            slow(step, full, factor, settings.min_speed);
+    let mut time = layer_time(layer, machine);
+    let outer = outermost(&layer.moves);
+    for chosen in [false, true] {
+        let moves: Vec<usize> = (0..outer.len()).filter(|&i| outer[i] == Some(chosen)).collect();
+        if wanted.0 <= 0.0 || time.total() >= wanted || moves.is_empty() {
+            continue;
         }
-        layer_time(layer, machine)
-    };
-    // At this factor nothing is left above the least speed.
-    let fastest = full.iter().filter_map(speed_of).fold(0.0_f64, f64::max);
-    let (mut too_slow, mut too_fast) = ((settings.min_speed.0 / fastest).min(1.0), 1.0);
-    let slowest = slowed(layer, too_slow);
-    if slowest.total() <= wanted {
-        return slowest;
+        let spared = time.role(Role::ExternalPerimeter) + time.role(Role::OverhangPerimeter);
+        let printing = if chosen { spared } else { time.printing() - spared };
+        time = Slowing { layer, moves, settings, machine }.stretch(time, printing);
     }
-    let mut best = slowest;
-    // The first guess is right where no move is limited by acceleration or the least speed.
-    let mut factor = time.printing().0 / (wanted - time.total() + time.printing()).0;
-    for _ in 0..20 {
-        let factor_now =
-            if factor > too_slow && factor < too_fast { factor } else { 0.5 * (too_slow + too_fast) };
-        let now = slowed(layer, factor_now);
-        if now.total() >= wanted {
-            (too_slow, best) = (factor_now, now);
-            if now.total() <= Seconds(wanted.0 * (1.0 + SLACK)) {
-                return best;
+    time
+}
+
+/// Of each extrusion whether it is of an outermost wall, or one that hangs over; `None` of other moves.
+fn outermost(moves: &[Move]) -> Vec<Option<bool>> {
+    let mut outer = false;
+    let kinds = moves.iter().map(|step| {
+        if let Move::Bead { role, .. } = step {
+            outer = matches!(role, Role::ExternalPerimeter | Role::OverhangPerimeter);
+        }
+        speed_of(step).map(|_| outer)
+    });
+    kinds.collect()
+}
+
+/// Extrusions of a layer that are slowed together.
+struct Slowing<'a> {
+    layer: &'a mut LayerMoves,
+    moves: Vec<usize>,
+    settings: &'a CoolingSettings,
+    machine: &'a Machine,
+}
+
+impl Slowing<'_> {
+    /// Slows until the layer, which takes `time` now and spends `printing` of it on these moves, lasts as long as it
+    /// should, or as far as is allowed.
+    fn stretch(mut self, time: LayerTime, printing: Seconds) -> LayerTime {
+        let wanted = self.settings.min_layer_time;
+        let full: Vec<f64> = self.moves.iter().filter_map(|&i| speed_of(&self.layer.moves[i])).collect();
+        // At this factor nothing is left above the least speed.
+        let fastest = full.iter().copied().fold(f64::MIN_POSITIVE, f64::max);
+        let (mut too_slow, mut too_fast) = ((self.settings.min_speed.0 / fastest).min(1.0), 1.0);
+        let slowest = self.slowed(&full, too_slow);
+        if slowest.total() <= wanted {
+            return slowest;
+        }
+        let mut best = slowest;
+        // The first guess is right where no move is limited by acceleration or the least speed.
+        let mut factor = printing.0 / (wanted - time.total() + printing).0;
+        for _ in 0..20 {
+            let factor_now =
+                if factor > too_slow && factor < too_fast { factor } else { 0.5 * (too_slow + too_fast) };
+            let now = self.slowed(&full, factor_now);
+            if now.total() >= wanted {
+                (too_slow, best) = (factor_now, now);
+                if now.total() <= Seconds(wanted.0 * (1.0 + SLACK)) {
+                    return best;
+                }
+            } else {
+                too_fast = factor_now;
             }
-        } else {
-            too_fast = factor_now;
+            factor = f64::NAN;
         }
-        factor = f64::NAN;
+        self.slowed(&full, too_slow);
+        best
     }
-    slowed(layer, too_slow);
-    best
+
+    /// The layer's time with these moves at this share of their full speed.
+    fn slowed(&mut self, full: &[f64], factor: f64) -> LayerTime {
+        let least = self.settings.min_speed.0;
+        for (&i, &at_full) in self.moves.iter().zip(full) {
+            if let Move::Extrude { speed, .. } | Move::Ramp { speed, .. } | Move::Arc { speed, .. } =
+                &mut self.layer.moves[i]
+            {
+                *speed = MmPerS((at_full * factor).max(least).min(at_full));
+            }
+        }
+        layer_time(self.layer, self.machine)
+    }
 }
 
 fn speed_of(step: &Move) -> Option<f64> {
     match step {
-        Move::Extrude { speed, .. } | Move::Arc { speed, .. } => Some(speed.0),
+        Move::Extrude { speed, .. } | Move::Ramp { speed, .. } | Move::Arc { speed, .. } => Some(speed.0),
         _ => None,
-    }
-}
-
-fn slow(step: &mut Move, full: &Move, factor: f64, least: MmPerS) {
-    let Some(at_full) = speed_of(full) else { return };
-    if let Move::Extrude { speed, .. } | Move::Arc { speed, .. } = step {
-        *speed = MmPerS((at_full * factor).max(least.0).min(at_full));
     }
 }

@@ -43,13 +43,14 @@ impl Machine {
                 speed = speed.min(self.max_speed[0]);
             }
         }
-        for axis in first..last {
-            let share = unit[axis].abs();
-            if speed * share > self.max_speed[axis] {
-                speed = self.max_speed[axis] / share;
+        let limits = self.max_speed[first..last].iter().zip(&self.max_acceleration[first..last]);
+        for (part, (&max_speed, &max_acceleration)) in unit[first..last].iter().zip(limits) {
+            let share = part.abs();
+            if speed * share > max_speed {
+                speed = max_speed / share;
             }
-            if acceleration * share > self.max_acceleration[axis] {
-                acceleration = self.max_acceleration[axis] / share;
+            if acceleration * share > max_acceleration {
+                acceleration = max_acceleration / share;
             }
         }
         (speed, acceleration)

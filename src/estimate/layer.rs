@@ -92,6 +92,11 @@ impl Walk {
         match *step {
             Move::Bead { role, .. } => self.account = ROLES + role as usize,
             Move::Travel { to, speed } => self.go(to, 0.0, speed.0, TRAVEL),
+            Move::Climb { to, z_mm, speed } => {
+                let at = self.at.unwrap_or(to);
+                self.push([to[0] - at[0], to[1] - at[1], z_mm - self.z_mm, 0.0], speed.0, TRAVEL);
+                (self.at, self.z_mm) = (Some(to), z_mm);
+            }
             Move::Wipe { to, length_mm, speed } => self.go(to, -length_mm, speed.0, TRAVEL),
             Move::Extrude { to, volume, speed } => {
                 self.go(to, volume.0 * self.e_per_mm3, speed.0, self.account)
@@ -107,7 +112,7 @@ impl Walk {
             Move::Retract { length_mm, speed } => self.feed(-length_mm, speed.0),
             Move::Unretract { length_mm, speed } => self.feed(length_mm, speed.0),
             Move::Acceleration(acceleration) => self.acceleration = acceleration.0,
-            Move::Fan(_) | Move::Nozzle(_) | Move::Bed(_) | Move::Pause => {}
+            Move::Fan(_) | Move::Nozzle(_) | Move::Bed(_) | Move::Object(_) | Move::Pause => {}
         }
     }
 

@@ -273,8 +273,61 @@ mod tests {
         planner.finish()[0]
     }
 
+    fn under(firmware: Firmware) -> Machine {
+        Machine { min_cruise_ratio: 0.0, ..Machine::under(firmware, &Settings::default()) }
+    }
+
     fn machine() -> Machine {
-        Machine::new(&Settings::default())
+        under(Firmware::Klipper)
+    }
+
+    /// 50 mm and 50 mm more at 100 mm/s and 1000 mm/s², begun, joined and ended at these speeds.
+    fn two_ways(ends: f64, corner: f64) -> f64 {
+        let ramps_s = 2.0 * (100.0 - ends + 100.0 - corner) / 1000.0;
+        let ramps_mm = 2.0 * (2.0 * 100.0 * 100.0 - ends * ends - corner * corner) / 2000.0;
+        ramps_s + (100.0 - ramps_mm) / 100.0
+    }
+
+    #[test]
+    fn each_firmware_takes_a_right_angle_by_its_own_rule() {
+        let ways = [[50.0, 0.0, 0.0, 0.0], [0.0, 50.0, 0.0, 0.0]];
+        // The default machine: 5 mm/s at 1500 mm/s², so at 1000 mm/s² Marlin's arc allows less.
+        let deviation = 5.0 * (1000.0_f64 / 1500.0).sqrt();
+        for (firmware, ends, corner) in [
+            (Firmware::Klipper, 0.0, 5.0),
+            (Firmware::Marlin, 0.0, deviation),
+            (Firmware::MarlinClassic, 10.0, 10.0),
+            (Firmware::RepRapFirmware, 0.0, 10.0),
+        ] {
+            let (got, wanted) = (seconds(&under(firmware), &ways, 100.0), two_ways(ends, corner));
+            assert!((got - wanted).abs() < 1e-6, "{firmware:?}: {got} {wanted}");
+        }
+    }
+
+    #[test]
+    fn turning_back_is_a_stop_or_as_fast_as_jerk_allows() {
+        let ways = [[50.0, 0.0, 0.0, 0.0], [-50.0, 0.0, 0.0, 0.0]];
+        for (firmware, ends, corner) in [
+            (Firmware::Klipper, 0.0, 0.0),
+            (Firmware::Marlin, 0.0, 0.0),
+            (Firmware::MarlinClassic, 10.0, 10.0),
+            // Jerk is the whole step of an axis here, and half of it is each way's.
+            (Firmware::RepRapFirmware, 0.0, 5.0),
+        ] {
+            let (got, wanted) = (seconds(&under(firmware), &ways, 100.0), two_ways(ends, corner));
+            assert!((got - wanted).abs() < 1e-6, "{firmware:?}: {got} {wanted}");
+        }
+    }
+
+    #[test]
+    fn a_dwell_adds_its_seconds_and_two_stops() {
+        let mut planner = Planner::new(&machine());
+        let way = Segment { delta: [50.0, 0.0, 0.0, 0.0], speed: 100.0, acceleration: 1000.0, account: 0 };
+        planner.push(&way);
+        planner.dwell(2.5, 1);
+        planner.push(&way);
+        let seconds = planner.finish();
+        assert!((seconds[0] - two_ways(0.0, 0.0)).abs() < 1e-9 && seconds[1] == 2.5, "{seconds:?}");
     }
 
     #[test]
@@ -321,6 +374,24 @@ mod tests {
     }
 
     proptest! {
+        #[test]
+        fn settling_early_changes_nothing(
+            ways in prop::collection::vec((-2.0..2.0f64, -0.5..2.0f64, 0.0..0.2f64), 600..1500),
+            firmware in 0..4usize,
+        ) {
+            let machine = Machine::under(Firmware::ALL[firmware].1, &Settings::default());
+            let (mut early, mut late) = (Planner::new(&machine), Planner::new(&machine));
+            (early.patience, late.patience) = (8, usize::MAX);
+            for (x, y, e) in ways {
+                let segment = Segment { delta: [x, y, 0.0, e], speed: 80.0, acceleration: 500.0, account: 0 };
+                early.push(&segment);
+                late.push(&segment);
+            }
+            prop_assert!(early.blocks.len() < late.blocks.len());
+            let (early, late) = (early.finish()[0], late.finish()[0]);
+            prop_assert!((early - late).abs() < 1e-9 * late, "{early} {late}");
+        }
+
         #[test]
         fn no_move_is_faster_than_asked_and_slower_speeds_take_longer(
             ways in prop::collection::vec((-5.0..5.0f64, -5.0..5.0f64, 0.0..0.2f64), 1..50),

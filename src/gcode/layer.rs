@@ -51,6 +51,8 @@ struct Writer<'a> {
     /// The acceleration asked for, and the ones in force for printing and travel.
     asked: Option<f64>,
     in_force: [Option<f64>; 2],
+    /// The object under way, where labels are wanted.
+    object: Option<u32>,
     type_name: &'static str,
     width: i64,
     height: i64,
@@ -70,6 +72,7 @@ impl<'a> Writer<'a> {
             extruder: Extruder::new(filament_area_mm2(settings.filament_diameter)),
             asked: None,
             in_force: [None; 2],
+            object: None,
             type_name: "",
             width: UNKNOWN,
             height: ticks(layer.height_mm, XYZ_DECIMALS),
@@ -98,6 +101,7 @@ impl<'a> Writer<'a> {
         match *step {
             Move::Bead { role, width_mm, height_mm } => self.bead(role, width_mm, height_mm),
             Move::Travel { to, speed } => self.travel(to, 0, speed),
+            Move::Climb { to, z_mm, speed } => self.climb(to, z_mm, speed),
             Move::Lift { z_mm, speed } => self.lift(z_mm, speed),
             Move::Extrude { to, volume, speed } => self.draw(to, None, volume, speed),
             Move::Ramp { to, z_mm, volume, speed } => self.ramp(to, z_mm, volume, speed),
@@ -124,8 +128,20 @@ impl<'a> Writer<'a> {
             Move::Acceleration(acceleration) => self.asked = Some(acceleration.0),
             Move::Nozzle(celsius) => self.heat(b"M104", celsius),
             Move::Bed(celsius) => self.heat(b"M140", celsius),
+            Move::Object(object) => self.object(object),
             Move::Pause => self.pause(),
         }
+    }
+
+    /// Ends the object under way and begins another.
+    fn object(&mut self, object: Option<u32>) {
+        if let Some(before) = self.object.take() {
+            self.dialect.object_ends(&mut self.out, before);
+        }
+        if let Some(now) = object {
+            self.dialect.object_begins(&mut self.out, now);
+        }
+        self.object = object;
     }
 
     /// Moves in X and Y, feeding so many ticks of filament (for a wipe, negative).
@@ -135,6 +151,21 @@ impl<'a> Writer<'a> {
         self.out.extend_from_slice(b"G1");
         self.xy(to);
         self.e(fed);
+        self.feed(speed);
+        self.end_line();
+    }
+
+    fn climb(&mut self, to: [f64; 2], z_mm: f64, speed: MmPerS) {
+        let (onward, z) = (self.onward(to), ticks(z_mm, XYZ_DECIMALS));
+        let Some(to) = onward.filter(|_| z != self.z) else {
+            self.lift(z_mm, speed);
+            return self.travel(to, 0, speed);
+        };
+        self.accelerate(Purpose::Travel);
+        self.out.extend_from_slice(b"G1");
+        self.xy(to);
+        self.z = z;
+        push_word(&mut self.out, b'Z', z, XYZ_DECIMALS);
         self.feed(speed);
         self.end_line();
     }

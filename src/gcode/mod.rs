@@ -23,6 +23,6 @@ pub use read::{
     role,
 };
 pub use script::Scripts;
-pub use settings::{PrintFacts, WriterSettings};
+pub use settings::{ObjectLabel, PrintFacts, WriterSettings};
 pub use slot::{Pending, Slot, Totals};
-pub use wrap::{Opening, closing, opening};
+pub use wrap::{Opening, closing, labels, opening};

@@ -20,6 +20,15 @@ pub struct PrintFacts {
     pub dated: u64,
 }
 
+/// An object on the plate, as printers that can cancel one are told of it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ObjectLabel {
+    /// Smallest X and Y that it is printed on, bed coordinates, millimetres.
+    pub min_mm: [f64; 2],
+    /// Largest X and Y.
+    pub max_mm: [f64; 2],
+}
+
 /// The settings of [`format_layer`](super::format_layer).
 #[derive(Clone, Debug, PartialEq)]
 pub struct WriterSettings {

@@ -1,9 +1,9 @@
 //! What comes before the first layer and after the last.
 
-use super::flavor::dialect;
+use super::flavor::{dialect, line};
 use super::number::text;
 use super::script::Scripts;
-use super::settings::PrintFacts;
+use super::settings::{ObjectLabel, PrintFacts};
 use super::slot::{Pending, Slot, Totals, VALUE_WIDTH};
 use crate::profile::{Settings, one_line};
 
@@ -14,6 +14,17 @@ pub struct Opening {
     pub bytes: Vec<u8>,
     /// Places for values known at the end; offsets into `bytes`.
     pub slots: Vec<Slot>,
+}
+
+impl Opening {
+    /// Puts comments below the first line, which tells who wrote the file.
+    pub fn comment(&mut self, lines: &str) {
+        let at = self.bytes.iter().position(|b| *b == b'\n').map_or(0, |end| end + 1);
+        self.bytes.splice(at..at, lines.bytes());
+        for slot in &mut self.slots {
+            slot.offset += lines.len();
+        }
+    }
 }
 
 /// What Moonraker reads and only the end of the planning knows.
@@ -47,8 +58,27 @@ pub fn opening(settings: &Settings, facts: &PrintFacts, scripts: &Scripts, seeka
     bytes.extend_from_slice(b"G21\nG90\n");
     bytes.extend_from_slice(if settings.gcode.relative_e { b"M83\n" } else { b"M82\n" });
     bytes.extend_from_slice(b"G92 E0\n");
-    dialect(settings.printer.flavor).print_begins(&mut bytes, facts.layers);
+    let dialect = dialect(settings.printer.flavor);
+    if settings.gcode.limits {
+        dialect.limits(&mut bytes, settings);
+    }
+    if settings.filament.pressure_advance > 0.0 {
+        dialect.pressure_advance(&mut bytes, settings.filament.pressure_advance);
+    }
+    if settings.retract.firmware && settings.retract.length.0 > 0.0 {
+        dialect.firmware_retraction(&mut bytes, &settings.retract);
+    }
+    dialect.print_begins(&mut bytes, facts.layers);
     Opening { bytes, slots }
+}
+
+/// Which objects there are, said after the opening where `gcode.labels` asks for it.
+pub fn labels(settings: &Settings, objects: &[ObjectLabel]) -> Vec<u8> {
+    let mut bytes = Vec::new();
+    if settings.gcode.labels {
+        dialect(settings.printer.flavor).objects(&mut bytes, objects);
+    }
+    bytes
 }
 
 /// End script, heaters off (where the script leaves that out) and footer.
@@ -107,11 +137,6 @@ fn heat(bytes: &mut Vec<u8>, settings: &Settings, scripts: &Scripts) {
     }
 }
 
-fn line(bytes: &mut Vec<u8>, text: &str) {
-    bytes.extend_from_slice(text.as_bytes());
-    bytes.push(b'\n');
-}
-
 /// `2026-11-20 at 21:27:57 UTC` from seconds since 1970, in the proleptic Gregorian calendar.
 ///
 /// Days are counted from 1 March of year 0, so that leap days end a year: 146,097 days make 400 years.
@@ -133,6 +158,66 @@ fn date(seconds: u64) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::profile::Flavor;
+
+    #[test]
+    fn each_dialect_states_limits_advance_and_retraction_in_its_own_words() {
+        let facts = PrintFacts { layers: 1, min_mm: [0.0; 2], max_mm: [9.0; 2], max_z_mm: 0.2, dated: 0 };
+        let mut settings = Settings::default();
+        settings.filament.pressure_advance = 0.045;
+        (settings.gcode.limits, settings.retract.firmware) = (true, true);
+        for (flavor, wanted) in [
+            (
+                Flavor::Marlin,
+                &[
+                    "M201 X3000 Y3000 Z100 E800",
+                    "M205 X10 Y10 Z0.4 E5",
+                    "M900 K0.045",
+                    "M207 S1 F2400",
+                    "M208 S0 F2400",
+                ][..],
+            ),
+            (
+                Flavor::Klipper,
+                &[
+                    "SET_VELOCITY_LIMIT VELOCITY=300 ACCEL=3000 SQUARE_CORNER_VELOCITY=5 MINIMUM_CRUISE_RATIO=0.5",
+                    "SET_PRESSURE_ADVANCE ADVANCE=0.045",
+                    "SET_RETRACTION RETRACT_LENGTH=1 RETRACT_SPEED=40 UNRETRACT_EXTRA_LENGTH=0 UNRETRACT_SPEED=40",
+                ],
+            ),
+            (
+                Flavor::RepRapFirmware,
+                &[
+                    "M203 X18000 Y18000 Z900 E4800",
+                    "M566 X600 Y600 Z24 E300",
+                    "M572 D0 S0.045",
+                    "M207 S1 R0 F2400 T2400",
+                ],
+            ),
+        ] {
+            settings.printer.flavor = flavor;
+            let scripts = Scripts::new(&settings, &facts).expect("no mistakes");
+            let text = String::from_utf8(opening(&settings, &facts, &scripts, false).bytes).expect("text");
+            for line in wanted {
+                assert!(text.lines().any(|l| l == *line), "{line} is not in\n{text}");
+            }
+        }
+    }
+
+    #[test]
+    fn objects_are_told_of_only_where_labels_are_wanted() {
+        let mut settings = Settings::default();
+        let objects = [ObjectLabel { min_mm: [1.0, 2.0], max_mm: [3.0, 6.0] }; 2];
+        assert!(labels(&settings, &objects).is_empty());
+        settings.gcode.labels = true;
+        assert_eq!(labels(&settings, &objects), b"M486 T2\n");
+        settings.printer.flavor = Flavor::Klipper;
+        let text = String::from_utf8(labels(&settings, &objects)).expect("text");
+        assert!(text.starts_with(
+            "EXCLUDE_OBJECT_DEFINE NAME=object_0 CENTER=2,4 POLYGON=[[1,2],[3,2],[3,6],[1,6]]\n"
+        ));
+        assert_eq!(text.lines().count(), 2);
+    }
 
     #[test]
     fn dates_are_those_of_the_calendar() {

@@ -119,7 +119,7 @@ pub fn place(items: Vec<Item>, bed: &BedSettings, options: &Placement) -> Result
         return Err(PlacementError::InTheAir(dz));
     }
     for mesh in &mut plate.meshes {
-        mesh.lift(dz);
+        mesh.shift([0.0, 0.0, dz]);
     }
     Ok(plate)
 }

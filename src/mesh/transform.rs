@@ -72,17 +72,14 @@ impl Mesh {
     /// The mesh moved so that the middle of its box lies over the origin and its lowest point at z = 0.
     pub fn centered(mut self) -> Mesh {
         let [min, max] = self.bounds();
-        let shift = [-(min[0] + max[0]) / 2.0, -(min[1] + max[1]) / 2.0, -min[2]];
-        for vertex in &mut self.vertices {
-            *vertex = std::array::from_fn(|i| vertex[i] + shift[i]);
-        }
+        self.shift([-(min[0] + max[0]) / 2.0, -(min[1] + max[1]) / 2.0, -min[2]]);
         self
     }
 
-    /// Moves the mesh along Z.
-    pub(super) fn lift(&mut self, by_mm: f64) {
+    /// Moves the mesh, in millimetres.
+    pub fn shift(&mut self, by_mm: [f64; 3]) {
         for vertex in &mut self.vertices {
-            vertex[2] += by_mm;
+            *vertex = std::array::from_fn(|i| vertex[i] + by_mm[i]);
         }
     }
 }

@@ -109,7 +109,7 @@ mod tests {
     fn a_clipped_loop_is_shorter_by_the_gap() {
         let mut vertices = square();
         clip(&mut vertices, 0.3);
-        assert_eq!(vertices.last().map(|v| v.at), Some([0.0, 0.3]));
+        assert!(distance(vertices[4].at, [0.0, 0.3]) < 1e-9, "{vertices:?}");
         clip(&mut vertices, 9.75);
         assert!((length_mm(&vertices) - 29.95).abs() < 1e-9, "over a corner: {vertices:?}");
         let before = vertices.clone();

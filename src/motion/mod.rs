@@ -10,10 +10,12 @@ mod moves;
 mod overhang;
 mod pause;
 mod plan;
+mod prime;
 mod route;
 mod rules;
 mod settings;
 mod simplify;
+mod smooth;
 mod sums;
 mod travel;
 

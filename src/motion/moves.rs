@@ -11,6 +11,8 @@ pub enum Move {
     Bead { role: Role, width_mm: f64, height_mm: f64 },
     /// Move in X and Y without extruding.
     Travel { to: [f64; 2], speed: MmPerS },
+    /// Move in X, Y and Z at once.
+    Climb { to: [f64; 2], z_mm: f64, speed: MmPerS },
     /// Move to a height.
     Lift { z_mm: f64, speed: MmPerS },
     /// Extrude on the straight way to a point.
@@ -33,6 +35,8 @@ pub enum Move {
     Nozzle(Celsius),
     /// Bed temperature, without waiting.
     Bed(Celsius),
+    /// What follows belongs to this object on the plate, or to none; told only where labels are wanted.
+    Object(Option<u32>),
     /// A pause or filament change, by the profile's script.
     Pause,
 }

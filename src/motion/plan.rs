@@ -4,9 +4,11 @@ use super::arc;
 use super::bead::{Vertex, mean_width_mm, trace};
 use super::ends::{self, Scarf, Step};
 use super::overhang::{Grade, Support};
+use super::prime::prime;
 use super::route::Router;
 use super::rules::Rules;
 use super::simplify::{Piece, straighten};
+use super::smooth::{Rounding, refine_curves, round_corners};
 use super::{Entry, LayerMoves, MotionSettings, Move, travel};
 use crate::order::Visit;
 use crate::toolpath::{LayerPaths, Path, Role};
@@ -46,8 +48,12 @@ pub fn plan_layer(
         layer_z_mm,
         positioned: false,
         wipe: from.wipe.clone(),
+        owed_mm3: 0.0,
         acceleration: None,
         bead: None,
+        object: None,
+        plain: Vec::new(),
+        curved: Vec::new(),
         pieces: Vec::new(),
     };
     let mut pause = settings.pauses.iter().any(|p| p.precedes(layer.index, layer.top_mm, layer.height_mm));
@@ -56,9 +62,11 @@ pub fn plan_layer(
         let Some(path) = layer.paths.get(visit.item as usize) else { continue };
         trace(path, visit.entry, nozzle.rules.flow(), &mut vertices);
         let Some(start) = vertices.first() else { continue };
+        nozzle.label(layer.islands.get(path.island as usize).map(|island| island.object));
         nozzle.travel(start.at, path.island, std::mem::take(&mut pause));
         nozzle.draw(path, &mut vertices);
     }
+    nozzle.label(None);
     nozzle.blow(None);
     LayerMoves { index: layer.index, z_mm: layer_z_mm, height_mm: layer.height_mm, from, moves: nozzle.moves }
 }
@@ -133,8 +141,14 @@ pub(super) struct Nozzle<'a> {
     pub(super) positioned: bool,
     /// Where to wipe after the bead drawn last.
     pub(super) wipe: Vec<[f64; 2]>,
+    /// Filament to be fed with the next bead beyond what it holds.
+    pub(super) owed_mm3: f64,
     acceleration: Option<MmPerS2>,
     bead: Option<(Role, f64, f64)>,
+    object: Option<u32>,
+    /// The bead under way, with its corners as they are, its curves refined, and as it is drawn.
+    plain: Vec<Piece>,
+    curved: Vec<Piece>,
     pieces: Vec<Piece>,
 }
 
@@ -150,6 +164,14 @@ impl Nozzle<'_> {
         }
     }
 
+    /// Says which object what follows belongs to, where that is wanted and changes.
+    fn label(&mut self, object: Option<u32>) {
+        if self.settings.labels && self.object != object {
+            self.moves.push(Move::Object(object));
+            self.object = object;
+        }
+    }
+
     /// Sets the fan to what a grade of overhang, or a bridge, asks for; `None`: to the layer's own.
     fn blow(&mut self, role: Option<Role>) {
         let fan = self.rules.fan(role);
@@ -161,6 +183,7 @@ impl Nozzle<'_> {
 
     /// Draws a bead from where the nozzle is, its first vertex.
     fn draw(&mut self, path: &Path, vertices: &mut Vec<Vertex>) {
+        let first = self.moves.len();
         let scarf = finish(path, vertices, self.rules.index(), self.settings);
         if let Some(scarf) = &scarf {
             self.begin(path, path.role);
@@ -171,6 +194,9 @@ impl Nozzle<'_> {
             self.draw_steps(path, &scarf.fade);
         } else {
             self.draw_graded(path, vertices);
+        }
+        if let Some(from) = self.at {
+            prime(&mut self.moves, first, from, std::mem::take(&mut self.owed_mm3));
         }
         (self.at, self.wipe) = end(path, vertices, scarf.as_ref(), self.settings);
     }
@@ -214,9 +240,15 @@ impl Nozzle<'_> {
     }
 
     fn draw_straight(&mut self, role: Role, grade: Grade, vertices: &[Vertex]) {
+        let Some(from) = vertices.first().map(|v| v.at) else { return };
         let speed = self.rules.speed(role, grade);
+        let width_mm = self.bead.map_or(0.0, |bead| bead.1);
         self.pieces.clear();
-        straighten(vertices, &mut self.pieces);
+        self.plain.clear();
+        straighten(vertices, &mut self.plain);
+        self.curved.clear();
+        refine_curves(from, &self.plain, &mut self.curved);
+        round_corners(from, &self.curved, &Rounding::of(role, width_mm), &mut self.pieces);
         self.moves.extend(self.pieces.iter().map(|piece| Move::Extrude {
             to: piece.to,
             volume: Mm3(piece.volume_mm3),

@@ -12,6 +12,8 @@ use crate::units::{Mm, Mm3PerS, MmPerS2};
 pub struct FlowSettings {
     /// Multiplier of everything.
     pub multiplier: f64,
+    /// Cross-section of the strand, square millimetres.
+    pub strand_mm2: f64,
     /// Largest flow the hot end melts; 0: not limited.
     pub max_flow: Mm3PerS,
 }
@@ -37,6 +39,8 @@ pub struct MotionSettings {
     pub z_offset: Mm,
     /// Write arcs that leave the path by at most this.
     pub arcs: Option<Mm>,
+    /// Say which object a bead belongs to.
+    pub labels: bool,
     /// Where to stop for a filament change.
     pub pauses: Vec<PauseAt>,
 }
@@ -45,7 +49,11 @@ impl MotionSettings {
     /// What motion needs of all settings, and where to pause.
     pub fn new(settings: &Settings, pauses: &[PauseAt]) -> Self {
         Self {
-            flow: FlowSettings { multiplier: settings.filament.flow, max_flow: settings.filament.max_flow },
+            flow: FlowSettings {
+                multiplier: settings.filament.flow,
+                strand_mm2: std::f64::consts::PI / 4.0 * settings.filament.diameter.0.powi(2),
+                max_flow: settings.filament.max_flow,
+            },
             first_layer: settings.first_layer.clone(),
             speed: settings.speed.clone(),
             acceleration: settings.acceleration.clone(),
@@ -58,6 +66,7 @@ impl MotionSettings {
             temperature: settings.temperature.clone(),
             z_offset: settings.layer.z_offset,
             arcs: settings.gcode.arcs.then_some(settings.gcode.arc_tolerance),
+            labels: settings.gcode.labels,
             pauses: pauses.to_vec(),
         }
     }

@@ -42,7 +42,7 @@ impl LayerMoves {
         let mut retracted = false;
         for step in &self.moves {
             match step {
-                Move::Travel { to, .. } | Move::Wipe { to, .. } => {
+                Move::Travel { to, .. } | Move::Climb { to, .. } | Move::Wipe { to, .. } => {
                     travel_mm += at.map_or(0.0, |at| distance(at, *to));
                     at = Some(*to);
                 }

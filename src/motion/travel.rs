@@ -11,8 +11,8 @@ impl Nozzle<'_> {
     /// Moves to where the next bead, one of this island, starts, at the height of the layer.
     ///
     /// A travel *longer* than `retract.min_travel`, or inside the part than `travel.retract_inside`, or from an
-    /// unknown place, is retracted; a height change comes before the way, so that the nozzle never ploughs through
-    /// what it has just printed.
+    /// unknown place, is retracted. The nozzle climbs to the next layer on the way, or before it where the way is
+    /// no longer than high; never does it go down, or to where something may be in its way, before it is above.
     pub(super) fn travel(&mut self, to: [f64; 2], island: u32, pause: bool) {
         let (retract, travel) = (&self.settings.retract, &self.settings.travel);
         let arriving = !self.positioned || self.z_mm != self.layer_z_mm;
@@ -36,25 +36,33 @@ impl Nozzle<'_> {
         }
         let hops = retracted && (way == Way::Across || retract.z_hop_inside);
         let hop_mm = if hops { retract.z_hop.0.max(0.0) } else { 0.0 };
-        if arriving || pause || hop_mm > 0.0 {
-            self.lift(self.layer_z_mm + hop_mm);
-        }
-        self.accelerate(None);
-        let speed = self.settings.speed.travel;
-        let between = match way {
+        let mut stops = match way {
             Way::Inside(between, _) => between,
             Way::Across => Vec::new(),
         };
-        self.moves.extend(between.into_iter().chain([to]).map(|to| Move::Travel { to, speed }));
+        stops.push(to);
+        let climb_mm = self.layer_z_mm - self.z_mm;
+        let first_mm = self.at.map_or(0.0, |at| distance(at, stops[0]));
+        let climbs = climb_mm > 0.0 && first_mm > climb_mm && hop_mm <= 0.0 && !pause;
+        if !climbs && (arriving || pause || hop_mm > 0.0) {
+            self.lift(self.layer_z_mm + hop_mm);
+        }
+        self.accelerate(None);
+        let (speed, z_mm) = (self.settings.speed.travel, self.layer_z_mm);
+        let mut climb = climbs.then(|| self.climb_speed(first_mm, climb_mm));
+        self.moves.extend(stops.into_iter().map(|to| match climb.take() {
+            Some(speed) => Move::Climb { to, z_mm, speed },
+            None => Move::Travel { to, speed },
+        }));
         self.positioned = true;
         if hop_mm > 0.0 {
             self.lift(self.layer_z_mm);
         }
         if retracted {
-            self.moves.push(Move::Unretract {
-                length_mm: retract.length.0 + retract.extra.0.max(0.0),
-                speed: retract.unretract_speed,
-            });
+            self.moves.push(Move::Unretract { length_mm: retract.length.0, speed: retract.unretract_speed });
+            if !retract.firmware {
+                self.owed_mm3 = retract.extra.0 * self.settings.flow.strand_mm2;
+            }
         }
         self.at = Some(to);
         self.z_mm = self.layer_z_mm;
@@ -71,6 +79,12 @@ impl Nozzle<'_> {
             Some(at) if matters && same_island => self.router.way(at, to),
             _ => Way::Across,
         }
+    }
+
+    /// The travel speed, unless Z would be faster than it may.
+    fn climb_speed(&self, length_mm: f64, climb_mm: f64) -> MmPerS {
+        let speed = &self.settings.speed;
+        MmPerS(speed.travel.0.min(speed.z.0 * length_mm.hypot(climb_mm) / climb_mm))
     }
 
     pub(super) fn lift(&mut self, z_mm: f64) {
@@ -155,6 +169,7 @@ fn coast(moves: &mut Vec<Move>, coast_mm: f64) {
 fn end_of(step: &Move) -> Option<[f64; 2]> {
     match step {
         Move::Travel { to, .. }
+        | Move::Climb { to, .. }
         | Move::Wipe { to, .. }
         | Move::Extrude { to, .. }
         | Move::Ramp { to, .. }

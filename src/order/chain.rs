@@ -4,7 +4,7 @@
 //! layers only, each is solved in sequence from a free start, and then the first layer of each is solved again
 //! with both of its ends known.
 
-use super::layer::{LayerProblem, ends_on_path};
+use super::layer::{LayerProblem, ends_on_path, stacked};
 use super::precedence::{Frontier, Groups};
 use super::seam::{Pins, enter_nearest};
 use super::{Cost, Nearest, Problem, Sequence, Shape, Strategy, Visit, strategy};
@@ -36,6 +36,11 @@ impl Chain {
     /// where the one before ended. `pins[i]` belongs to `layers[i]`. Entries of loops in the result are
     /// indices into their path's points.
     pub fn solve_chunk(&self, layers: &[LayerPaths], pins: &[Pins], start: Option<Point>) -> Vec<Sequence> {
+        // A distance between layers is kept by moving where each begins, which the others must know.
+        let apart = self.settings.layer_distance.0 > 0.0;
+        if self.settings.chain && !apart && strategy(self.settings.strategy).looks_ahead() {
+            return self.solve_together(layers, pins, start);
+        }
         let mut at = start;
         let mut sequences = Vec::with_capacity(layers.len());
         for (layer, pins) in layers.iter().zip(pins) {
@@ -46,6 +51,32 @@ impl Chain {
             sequences.push(sequence);
         }
         sequences
+    }
+
+    /// Orders consecutive layers as one problem, so that each ends where it suits the next.
+    fn solve_together(&self, layers: &[LayerPaths], pins: &[Pins], start: Option<Point>) -> Vec<Sequence> {
+        let scope = self.settings.scope;
+        let mut problems: Vec<_> =
+            layers.iter().zip(pins).map(|(layer, pins)| LayerProblem::new(layer, pins, scope)).collect();
+        let mut problem = stacked(&problems, scope);
+        problem.start = start.or(self.origin);
+        let mut at = problem.start;
+        let solved = strategy(self.settings.strategy).solve(&problem, &self.cost, self.settings.effort);
+        let (mut solved, mut first) = (solved.into_iter(), 0);
+        let apart = |(layer, problem): (&LayerPaths, &mut LayerProblem)| {
+            let count = layer.paths.len();
+            let visits = solved.by_ref().take(count);
+            let mut sequence = visits.map(|visit| Visit { item: visit.item - first, ..visit }).collect();
+            first += count as u32;
+            if self.seam == SeamPosition::Nearest {
+                problem.problem.start = at;
+                enter_nearest(&problem.problem, &mut sequence);
+            }
+            let sequence = problem.on_paths(sequence);
+            at = sequence.last().map(|&visit| ends_on_path(layer, visit).1).or(at);
+            sequence
+        };
+        layers.iter().zip(&mut problems).map(apart).collect()
     }
 
     /// Orders the first layer of a chunk again, now that it is known where the chunk before ended (`start`) and

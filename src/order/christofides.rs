@@ -17,11 +17,14 @@ use crate::profile::Effort;
 /// nozzle's position is a node, joined to itself by a virtual segment, which leaves all parities alone; the circuit begins
 /// there and its way back is dropped. What lies between two paths in the circuit is one straight travel.
 ///
-/// A closed path is a node that is joined to itself, as the start is: it is entered and left at one vertex, the one that
-/// the shortest link of a spanning tree over all vertices touches. (The paper leaves this open. As a circuit of all
-/// its vertices a loop would seem to carry the walk from one to another for free, yet it is drawn at once when it is met:
-/// that made links half as long again.) Once the order stands, each loop moves its seam to the vertex with the shortest
-/// way from the path before and to the path after.
+/// A closed path is a node that is joined to itself, as the start is: it is entered and left at one vertex, at first the one that
+/// the shortest link of a spanning tree over all vertices touches. (As a circuit of all its vertices a loop would seem to carry
+/// the walk from one to another for free, yet it is drawn at once when it is met: that made links half as long again.)
+///
+/// Where the paper leaves a choice, the shortest of few is taken. The circuit is cut at any link and walked either way, whatever
+/// makes the walk from the start shortest, and its edges can be taken in one of two orders. A loop that the circuit meets several times is drawn where that is the shortest detour. Once the
+/// order stands, entries are chosen together, by dynamic programming along the tour; then loops are settled there, and the
+/// algorithm runs again, for as long as that helps and at most three times.
 ///
 /// Under `feature` and `island` scope the algorithm orders each run, and the runs follow each other by nearest entry.
 /// Links are measured by length whatever the cost: matching needs a metric, which time with retraction is not.
@@ -259,23 +262,47 @@ impl<'a> Network<'a> {
         let start = self.nodes[START as usize].at;
         let mut best = (f64::INFINITY, Sequence::new());
         for _ in 0..2 {
-            let forth = self.shortcut(&self.eulerian(&edges));
-            let back = (ending == Ending::AtStart).then(|| {
-                let turned = |visit: &Visit| match self.problem.items[visit.item as usize].shape {
-                    Shape::Open(_) => Visit { entry: 1 - visit.entry, ..*visit },
-                    Shape::Loop(_) => *visit,
-                };
-                forth.iter().rev().map(turned).collect()
-            });
-            for tour in std::iter::once(forth).chain(back) {
-                let length = length_mm(self.problem, start, end, &tour);
-                if length < best.0 {
-                    best = (length, tour);
-                }
+            let mut tour = self.shortcut(&self.eulerian(&edges));
+            if ending == Ending::AtStart {
+                self.cut(&mut tour, start, end);
+            }
+            let length = length_mm(self.problem, start, end, &tour);
+            if length < best.0 {
+                best = (length, tour);
             }
             edges.reverse();
         }
         best.1
+    }
+
+    /// Cuts a circuit at the link without which the walk from the start is shortest, and turns it round if that is shorter. The
+    /// start itself is passed by, unless the cut is there.
+    fn cut(&self, tour: &mut Sequence, start: Point, end: Option<Point>) {
+        let count = tour.len();
+        let ends =
+            |at: usize| self.problem.items[tour[at % count].item as usize].ends(tour[at % count].entry);
+        let to_end = |from: Point| end.map_or(0.0, |end| from.distance_mm(end));
+        let mut best = (f64::INFINITY, 0, false);
+        for at in 0..count {
+            let (before, after) = (ends(at + count - 1).1, ends(at).0);
+            let saved = before.distance_mm(after);
+            let forth = start.distance_mm(after) + to_end(before) - saved;
+            let back = start.distance_mm(before) + to_end(after) - saved;
+            for (added, turned) in [(forth, false), (back, true)] {
+                if added < best.0 {
+                    best = (added, at, turned);
+                }
+            }
+        }
+        tour.rotate_left(best.1);
+        if best.2 {
+            tour.reverse();
+            for visit in tour {
+                if matches!(self.problem.items[visit.item as usize].shape, Shape::Open(_)) {
+                    visit.entry = 1 - visit.entry;
+                }
+            }
+        }
     }
 
     /// Draws every path where the walk does, and every loop at the one of its visits that is the shortest detour.

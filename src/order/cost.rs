@@ -2,7 +2,7 @@
 
 use super::{Problem, Visit};
 use crate::geom::Point;
-use crate::profile::{AccelerationSettings, CostKind, RetractSettings, SpeedSettings};
+use crate::profile::{CostKind, Flavor, Settings};
 
 /// Cost of the travel between two paths, a non-decreasing function of its straight-line length with
 /// `cost(0) = 0`, so a nearer point is never dearer.
@@ -16,68 +16,90 @@ pub enum Cost {
 }
 
 /// What the time of a travel depends on.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct TravelTime {
     /// Top speed, mm/s.
     pub speed_mm_s: f64,
     /// Acceleration from and to rest, mm/s²; 0: none known, the top speed is there at once.
     pub acceleration_mm_s2: f64,
-    /// Travels at least this long are retracted, mm.
+    /// Share of every travel that is not spent on speeding up and slowing down (Klipper's minimum cruise ratio).
+    pub cruise_ratio: f64,
+    /// What stopping the bead before and starting the one after costs, seconds: a bead that goes on where the last one
+    /// ends is drawn through.
+    pub stop_s: f64,
+    /// Travels longer than this are retracted, mm.
     pub retract_from_mm: f64,
     /// Pulling back, lifting, lowering and pushing forward again, seconds.
     pub retract_s: f64,
 }
 
 impl TravelTime {
-    /// Duration of a travel in seconds: a trapezoid of speed from rest to rest, and the retraction where
-    /// it is due. Staying in place takes no time.
+    /// The machine and the motion of the settings. With firmware retraction, whose lengths and speeds the firmware
+    /// keeps, the profile's values are the best guess.
+    ///
+    /// The corners between bead and travel are taken to be stops: at the speed of a corner, a tenth of the travel's or
+    /// less, that is off by hundredths.
+    pub fn new(settings: &Settings) -> Self {
+        let Settings { machine, speed, acceleration, retract, .. } = settings;
+        let given = |values: &[f64]| values.iter().copied().find(|a| *a > 0.0).unwrap_or(0.0);
+        let (max_speed, max_acceleration) =
+            (machine.max_speed.map(|v| v.0), machine.max_acceleration.map(|a| a.0));
+        let usual = given(&[acceleration.default.0, max_acceleration[0]]);
+        let way_s = |way_mm: f64, speed: f64, axis: usize| {
+            let (speed, acceleration) = (speed.min(max_speed[axis]), max_acceleration[axis]);
+            if way_mm > 0.0 { trapezoid_s(way_mm, speed, acceleration, 0.0) } else { 0.0 }
+        };
+        let length_mm = retract.length.0;
+        let retract_s = if length_mm > 0.0 {
+            way_s(length_mm, retract.speed.0, 3)
+                + way_s(length_mm + retract.extra.0, retract.unretract_speed.0, 3)
+                + 2.0 * way_s(retract.z_hop.0, speed.z.0, 2)
+        } else {
+            0.0
+        };
+        Self {
+            speed_mm_s: speed.travel.0.min(max_speed[0]),
+            acceleration_mm_s2: given(&[acceleration.travel.0, usual]).min(max_acceleration[0]),
+            cruise_ratio: if settings.printer.flavor == Flavor::Klipper {
+                machine.min_cruise_ratio.0
+            } else {
+                0.0
+            },
+            stop_s: speed.infill.0.min(speed.perimeter.0) / usual,
+            retract_from_mm: retract.min_travel.0,
+            retract_s,
+        }
+    }
+
+    /// Duration of a travel in seconds: a trapezoid of speed from rest to rest, the stop and the start of the beads
+    /// that it joins, and the retraction where it is due. Staying in place takes no time.
     #[inline]
     pub fn of(&self, length_mm: f64) -> f64 {
         if length_mm <= 0.0 {
             return 0.0;
         }
-        let (speed, acceleration) = (self.speed_mm_s, self.acceleration_mm_s2);
-        let moving_s = if acceleration <= 0.0 {
-            length_mm / speed
-        } else if length_mm * acceleration < speed * speed {
-            2.0 * (length_mm / acceleration).sqrt()
-        } else {
-            length_mm / speed + speed / acceleration
-        };
-        if length_mm >= self.retract_from_mm { moving_s + self.retract_s } else { moving_s }
+        let moving_s =
+            self.stop_s + trapezoid_s(length_mm, self.speed_mm_s, self.acceleration_mm_s2, self.cruise_ratio);
+        if length_mm > self.retract_from_mm { moving_s + self.retract_s } else { moving_s }
     }
 }
 
+/// Seconds from rest to rest, of which at least a share of the way is cruised.
+#[inline]
+fn trapezoid_s(length_mm: f64, speed: f64, acceleration: f64, cruise_ratio: f64) -> f64 {
+    if acceleration <= 0.0 {
+        return length_mm / speed;
+    }
+    let reached = speed.min((acceleration * (1.0 - cruise_ratio) * length_mm).sqrt());
+    reached / acceleration + length_mm / reached
+}
+
 impl Cost {
-    /// The cost that the settings ask for. With firmware retraction, whose lengths and speeds the firmware
-    /// keeps, the profile's values are the best guess.
-    pub fn new(
-        kind: CostKind,
-        speed: &SpeedSettings,
-        acceleration: &AccelerationSettings,
-        retract: &RetractSettings,
-    ) -> Self {
-        let seconds = |way_mm: f64, speed_mm_s: f64| if speed_mm_s > 0.0 { way_mm / speed_mm_s } else { 0.0 };
-        let retracted_mm = retract.length.0;
-        let retract_s = if retracted_mm > 0.0 {
-            seconds(retracted_mm, retract.speed.0)
-                + seconds(retracted_mm + retract.extra.0, retract.unretract_speed.0)
-                + 2.0 * seconds(retract.z_hop.0, speed.z.0)
-        } else {
-            0.0
-        };
+    /// The cost that is asked for.
+    pub fn new(kind: CostKind, settings: &Settings) -> Self {
         match kind {
             CostKind::Length => Self::Length,
-            CostKind::Time => Self::Time(TravelTime {
-                speed_mm_s: speed.travel.0,
-                acceleration_mm_s2: if acceleration.travel.0 > 0.0 {
-                    acceleration.travel.0
-                } else {
-                    acceleration.default.0
-                },
-                retract_from_mm: retract.min_travel.0,
-                retract_s,
-            }),
+            CostKind::Time => Self::Time(TravelTime::new(settings)),
         }
     }
 
@@ -119,8 +141,14 @@ pub fn evaluate(problem: &Problem, sequence: &[Visit], cost: &Cost) -> f64 {
 mod tests {
     use super::*;
 
-    const TIME: TravelTime =
-        TravelTime { speed_mm_s: 150.0, acceleration_mm_s2: 3000.0, retract_from_mm: 1.5, retract_s: 0.05 };
+    const TIME: TravelTime = TravelTime {
+        speed_mm_s: 150.0,
+        acceleration_mm_s2: 3000.0,
+        cruise_ratio: 0.0,
+        stop_s: 0.0,
+        retract_from_mm: 1.5,
+        retract_s: 0.05,
+    };
 
     #[test]
     fn a_long_travel_cruises_and_is_retracted() {
@@ -130,6 +158,21 @@ mod tests {
     #[test]
     fn a_short_travel_never_reaches_top_speed() {
         assert!((TIME.of(0.75) - 2.0 * (0.75f64 / 3000.0).sqrt()).abs() < 1e-12);
+    }
+
+    #[test]
+    fn half_of_a_short_travel_is_cruised_at_a_cruise_ratio_of_a_half() {
+        let half = TravelTime { cruise_ratio: 0.5, ..TIME };
+        // Up to 30 mm/s in 0.15 mm and 10 ms, 0.3 mm along in 10 ms, and down.
+        assert!((half.of(0.6) - 0.03).abs() < 1e-12, "{}", half.of(0.6));
+    }
+
+    #[test]
+    fn the_settings_give_the_retraction_pair_and_the_stop() {
+        let time = TravelTime::new(&Settings::default());
+        // 1 mm there and back at 800 mm/s²: too short to reach 40 mm/s.
+        assert!((time.retract_s - 2.0 * 2.0 * (1.0_f64 / 800.0).sqrt()).abs() < 1e-12);
+        assert!((time.stop_s - 60.0 / 1500.0).abs() < 1e-12);
     }
 
     #[test]

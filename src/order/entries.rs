@@ -7,7 +7,25 @@ use crate::geom::Point;
 const CANDIDATES: usize = 24;
 
 /// Which vertices of a loop to consider, given where it is entered now.
-pub(super) type Choice = fn(&[Point], u32) -> Vec<u32>;
+#[derive(Clone, Copy, Debug)]
+pub(super) enum Look {
+    /// Vertices spread over the loop, the present one among them.
+    Everywhere,
+    /// Vertices around the present one.
+    Around,
+}
+
+impl Look {
+    /// Indices of the vertices to consider among `count`.
+    pub fn at(self, count: usize, entry: u32) -> impl Iterator<Item = u32> {
+        let (from, step) = match self {
+            Self::Everywhere => (entry as usize, count.div_ceil(CANDIDATES)),
+            Self::Around => (entry as usize + count - CANDIDATES.min(count) / 2, 1),
+        };
+        let some = count.div_ceil(step).min(CANDIDATES);
+        (0..some).map(move |at| ((from + at * step) % count) as u32)
+    }
+}
 
 /// A way of drawing a path: [`super::Visit::entry`], and where it begins and ends, in millimetres.
 #[derive(Clone, Copy, Debug)]
@@ -19,79 +37,57 @@ pub(super) struct Way {
 
 impl Way {
     /// A loop that is entered and left at a vertex.
-    pub fn at(vertices: &[Point], entry: u32) -> Self {
-        let place = vertices[entry as usize].mm();
-        Self { entry, enter: place, leave: place }
+    pub fn at(entry: u32, vertex: [f64; 2]) -> Self {
+        Self { entry, enter: vertex, leave: vertex }
     }
 }
 
-/// A way as the last of a walk so far: what the walk costs, and the way of the path before.
-struct Reached {
-    way: Way,
-    cost: f64,
-    before: u32,
-}
-
-/// The cheapest choice of one way for each path: its cost and the entries. `between` is the cost of the link from one place to
-/// another; the walk comes from `start` and goes on to `end`.
+/// The cheapest choice of one way for each of `count` paths: its cost and the entries. `ways` appends those of a path;
+/// `between` is the cost of the link from one place to another; the walk comes from `start` and goes on to `end`.
 ///
 /// Shortest path through layers of candidates: the *cluster optimisation* of the generalised travelling salesman problem
-/// (Fischetti, Salazar & Toth 1997, doi:10.1287/opre.45.3.378). `visited` counts the links looked at. Of equal ways the first.
+/// (Fischetti, Salazar & Toth 1997, doi:10.1287/opre.45.3.378). Of equal ways the first. The last value counts pairs.
 pub(super) fn cheapest_entries(
     start: [f64; 2],
-    paths: impl Iterator<Item = Vec<Way>>,
+    count: usize,
+    mut ways: impl FnMut(usize, &mut Vec<Way>),
     end: [f64; 2],
     between: impl Fn([f64; 2], [f64; 2]) -> f64,
-    visited: &mut u64,
-) -> (f64, Vec<u32>) {
-    let mut reached =
-        vec![Reached { way: Way { entry: 0, enter: start, leave: start }, cost: 0.0, before: 0 }];
-    // Each path's ways stand together in `reached`; the last path's begin here.
-    let mut last = 0;
-    let cheapest = |ways: &[Reached], place| {
+) -> (f64, Vec<u32>, u64) {
+    let mut all = vec![Way { entry: 0, enter: start, leave: start }];
+    // For each way, what the walk up to it costs, and which way comes before it.
+    let (mut cost, mut before) = (vec![0.0], vec![0_u32]);
+    let cheapest = |all: &[Way], cost: &[f64], from: usize, to: usize, place| {
         let mut best = (f64::INFINITY, 0);
-        for (at, reached) in ways.iter().enumerate() {
-            let cost = reached.cost + between(reached.way.leave, place);
-            if cost < best.0 {
-                best = (cost, at as u32);
+        for at in from..to {
+            if cost[at] < best.0 {
+                let total = cost[at] + between(all[at].leave, place);
+                if total < best.0 {
+                    best = (total, at as u32);
+                }
             }
         }
         best
     };
-    for ways in paths {
-        let from = reached.len();
-        *visited += ((from - last) * ways.len()) as u64;
-        for way in ways {
-            let (cost, before) = cheapest(&reached[last..from], way.enter);
-            reached.push(Reached { way, cost, before: before + last as u32 });
+    let (mut last, mut pairs) = (0, 0);
+    for path in 0..count {
+        let from = all.len();
+        ways(path, &mut all);
+        pairs += ((from - last) * (all.len() - from)) as u64;
+        for at in from..all.len() {
+            let (least, way) = cheapest(&all, &cost, last, from, all[at].enter);
+            cost.push(least);
+            before.push(way);
         }
         last = from;
     }
-    let (cost, best) = cheapest(&reached[last..], end);
-    let (mut at, mut entries) = (last + best as usize, Vec::new());
-    while at > 0 {
-        entries.push(reached[at].way.entry);
-        at = reached[at].before as usize;
+    let (total, mut at) = cheapest(&all, &cost, last, all.len(), end);
+    let mut entries = vec![0; count];
+    for entry in entries.iter_mut().rev() {
+        *entry = all[at as usize].entry;
+        at = before[at as usize];
     }
-    entries.reverse();
-    (cost, entries)
-}
-
-/// Vertices spread over a loop, and the one where it is entered now.
-pub(super) fn spread(vertices: &[Point], entry: u32) -> Vec<u32> {
-    let step = vertices.len().div_ceil(CANDIDATES);
-    let mut entries: Vec<_> = (0..vertices.len() as u32).step_by(step).collect();
-    if !(entry as usize).is_multiple_of(step) {
-        entries.push(entry);
-    }
-    entries
-}
-
-/// Vertices around the one where a loop is entered now.
-pub(super) fn around(vertices: &[Point], entry: u32) -> Vec<u32> {
-    let n = vertices.len();
-    let from = entry as usize + n - CANDIDATES.min(n) / 2;
-    (from..from + CANDIDATES.min(n)).map(|at| (at % n) as u32).collect()
+    (total, entries, pairs)
 }
 
 /// Enters every loop of a solution where the links are shortest, the order and the directions of open paths being as they are:
@@ -107,17 +103,22 @@ pub(super) fn enter_shortest(
         let length_mm = (a[0] - b[0]).hypot(a[1] - b[1]);
         if length_mm > 0.0 { length_mm } else { 0.0 }
     };
-    for choice in [spread as Choice, around] {
-        let ways = sequence.iter().map(|visit| match problem.items[visit.item as usize].shape {
-            Shape::Loop(vertices) => {
-                choice(vertices, visit.entry).into_iter().map(|entry| Way::at(vertices, entry)).collect()
+    for look in [Look::Everywhere, Look::Around] {
+        let ways = |at: usize, ways: &mut Vec<Way>| {
+            let visit = sequence[at];
+            let item = problem.items[visit.item as usize];
+            match item.shape {
+                Shape::Loop(vertices) => {
+                    let way = |entry| Way::at(entry, vertices[entry as usize].mm());
+                    ways.extend(look.at(vertices.len(), visit.entry).map(way));
+                }
+                Shape::Open(_) => {
+                    let (enter, leave) = item.ends(visit.entry);
+                    ways.push(Way { entry: visit.entry, enter: enter.mm(), leave: leave.mm() });
+                }
             }
-            Shape::Open(_) => {
-                let (enter, leave) = problem.items[visit.item as usize].ends(visit.entry);
-                vec![Way { entry: visit.entry, enter: enter.mm(), leave: leave.mm() }]
-            }
-        });
-        let (_, entries) = cheapest_entries(place(start), ways, place(end), between, &mut 0);
+        };
+        let (_, entries, _) = cheapest_entries(place(start), sequence.len(), ways, place(end), between);
         for (visit, entry) in sequence.iter_mut().zip(entries) {
             visit.entry = entry;
         }

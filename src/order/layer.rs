@@ -47,6 +47,20 @@ impl<'a> LayerProblem<'a> {
     }
 }
 
+/// Stages of one layer.
+const STAGES: u32 = 2;
+
+/// Consecutive layers as one problem, in which the stages of each come after those of the one below. Start and end are unknown.
+pub fn stacked<'a>(layers: &[LayerProblem<'a>], scope: Scope) -> Problem<'a> {
+    let (mut items, mut runs) = (Vec::new(), Vec::new());
+    for (number, LayerProblem { problem, .. }) in (0..).zip(layers) {
+        let first = runs.len() as u32;
+        runs.extend(problem.runs.iter().map(|run| Run { stage: run.stage + STAGES * number, ..*run }));
+        items.extend(problem.items.iter().map(|item| Item { run: item.run + first, ..*item }));
+    }
+    Problem { items, runs, scope, start: None, end: None }
+}
+
 /// Skirt, brim and support come before everything else.
 fn stage(role: Role) -> u32 {
     u32::from(!matches!(role, Role::Skirt | Role::Brim | Role::Support | Role::SupportInterface))

@@ -9,6 +9,8 @@ use crate::toolpath::LayerPaths;
 
 /// A turn sharper than this is a corner, in which a seam hides (30°).
 const CORNER_SIN: f64 = 0.5;
+/// Corners are alike in sharpness within a tenth of it.
+const SHARPNESS_STEPS: f64 = 10.0;
 /// How far along a loop `aligned` looks for a corner around the place above the last seam, mm.
 const CORNER_REACH_MM: f64 = 1.0;
 /// A loop whose nearest seam below is farther away than this begins a new seam, mm.
@@ -70,8 +72,9 @@ fn scatter(a: u64, b: u64) -> u64 {
     z ^ (z >> 31)
 }
 
-/// Above the nearest seam of the layer below, in the sharpest corner nearby if there is one; a loop with none below
-/// begins in its sharpest corner, else at its rear.
+/// Above the nearest seam of the layer below, in the best corner nearby if there is one; a loop with none below
+/// begins in its best corner, else at its rear. Concave corners hide a seam better than convex ones, and sharp ones
+/// better than blunt ones; of several alike the rearmost is taken.
 fn aligned(layer: &LayerPaths, below: &[Point]) -> Vec<u32> {
     let items = below.iter().map(|seam| Item { run: 0, shape: Shape::Loop(std::slice::from_ref(seam)) });
     let seams = Problem {
@@ -97,14 +100,18 @@ fn aligned(layer: &LayerPaths, below: &[Point]) -> Vec<u32> {
         let corner = all
             .filter(|&v| above.is_none_or(|above| points[above].distance_mm(points[v]) < CORNER_REACH_MM))
             .map(|v| (turn(points, v), v))
-            .filter(|&(turn, _)| turn > CORNER_SIN)
-            .max_by(|a, b| a.0.total_cmp(&b.0).then(b.1.cmp(&a.1)));
+            .filter(|&(turn, _)| turn.abs() > CORNER_SIN)
+            .max_by_key(|&(turn, v)| {
+                let sharp = (turn.abs() * SHARPNESS_STEPS) as i64;
+                (turn < 0.0, sharp, points[v].y, -i64::from(points[v].x), std::cmp::Reverse(v))
+            });
         corner.map(|(_, v)| v).or(above).map_or_else(|| rearmost(points), |v| v as u32)
     };
     layer.paths.iter().map(|path| if path.closed { pin(&path.points) } else { 0 }).collect()
 }
 
-/// How sharply a loop turns at a vertex: the sine of the angle up to 90°, more beyond.
+/// How sharply a loop turns at a vertex: the sine of the angle up to 90°, more beyond; negative to the right, which
+/// is a concave corner, for loops have the part on their left.
 fn turn(points: &[Point], vertex: usize) -> f64 {
     let n = points.len();
     let (a, b, c) = (points[(vertex + n - 1) % n].mm(), points[vertex].mm(), points[(vertex + 1) % n].mm());
@@ -113,8 +120,8 @@ fn turn(points: &[Point], vertex: usize) -> f64 {
     if lengths == 0.0 {
         return 0.0;
     }
-    let (sin, cos) = ((u[0] * v[1] - u[1] * v[0]).abs() / lengths, (u[0] * v[0] + u[1] * v[1]) / lengths);
-    if cos >= 0.0 { sin } else { 1.0 - cos }
+    let (sin, cos) = ((u[0] * v[1] - u[1] * v[0]) / lengths, (u[0] * v[0] + u[1] * v[1]) / lengths);
+    if cos >= 0.0 { sin } else { (1.0 - cos).copysign(sin) }
 }
 
 /// Enters every loop of a solution at the vertex nearest to where the nozzle comes from (`seam = nearest`).
@@ -176,6 +183,13 @@ mod tests {
         for layer in 1..20 {
             assert_eq!(rule.pins(&square(layer, 0.1 * layer as f64)), first);
         }
+    }
+
+    #[test]
+    fn aligned_seams_hide_in_the_concave_corner() {
+        let mut layer = square(0, 0.0);
+        layer.paths[0].points[1] = Point::from_mm(5.0, 4.0);
+        assert_eq!(SeamRule::new(SeamPosition::Aligned).pins(&layer), Some(vec![1]));
     }
 
     #[test]

@@ -9,6 +9,11 @@ pub trait Strategy: Sync {
     /// links cheap (see [`super::evaluate`]). The same arguments give the same sequence on every machine
     /// and in every thread. An empty problem gives an empty sequence.
     fn solve(&self, problem: &Problem, cost: &Cost, effort: Effort) -> Sequence;
+
+    /// Whether consecutive layers are better solved together, as the stages of one problem, than one after the other.
+    fn looks_ahead(&self) -> bool {
+        false
+    }
 }
 
 /// The strategy that a setting names.

@@ -1,15 +1,17 @@
-//! Strategies side by side on the layers of one plate.
+//! Strategies side by side on the layers of one plate, or of a finished file.
+
+use std::path::Path;
 
 use crate::job::{Job, JobError, Progress};
 use crate::order::compare::{LayerRow, StrategyRow};
-use crate::order::{Cost, LayerProblem, Pins, SeamRule, chunk_len, ends_on_path};
+use crate::order::{Cost, LayerProblem, Pins, SeamRule, Visit, chunk_len, ends_on_path};
 use crate::profile::{CostKind, OrderStrategy, Settings};
 use crate::slice::Slicer;
 use crate::toolpath::LayerPaths;
 
 use super::ordering::Certificate;
 use super::sections::Sections;
-use super::{load, ordering, parallel};
+use super::{load, ordering, parallel, reorder};
 
 /// Plans the layers once and orders them by each strategy. With `job.certify`, bounds are computed as well.
 pub(super) fn compare(
@@ -18,17 +20,19 @@ pub(super) fn compare(
     strategies: &[OrderStrategy],
     progress: &dyn Progress,
 ) -> Result<Vec<StrategyRow>, JobError> {
-    let load::Loaded { plate, .. } = load::plate(job, settings)?;
-    let slicer = Slicer::new(&plate, &settings.layer);
-    let sections = Sections::cut(&slicer, plate.objects.len(), settings);
-    if sections.bounds().is_none() {
-        return Err(load::nothing_to_print());
-    }
-    let planner = sections.planner(settings);
-    let count = sections.layers.len();
-    progress.begin(count * strategies.len());
-    let paths = parallel::map(count, |i| planner.layer(&sections.plate_layer(i)));
-    let mut seam = SeamRule::new(settings.seam.position);
+    let file = job.models.first().filter(|file| is_gcode(file));
+    let (paths, links_mm) = match file {
+        Some(file) => reorder::layers(file, settings)?,
+        None => {
+            let layers = sliced(job, settings)?;
+            let none = vec![0.0; layers.len()];
+            (layers, none)
+        }
+    };
+    let fixed = Fixed { whole: file.is_some(), links_mm };
+    progress.begin(paths.len() * strategies.len());
+    let position = settings.seam.position;
+    let mut seam = if fixed.whole { reorder::seam_rule(position) } else { SeamRule::new(position) };
     let layers: Vec<(LayerPaths, Pins)> = paths
         .into_iter()
         .map(|layer| {
@@ -37,14 +41,42 @@ pub(super) fn compare(
         })
         .collect();
     let certificate = job.certify.then(|| Certificate::new(&layers, settings, None));
-    let rows =
-        strategies.iter().map(|&strategy| row(strategy, &layers, settings, certificate.as_ref(), progress));
+    let rows = strategies
+        .iter()
+        .map(|&strategy| row(strategy, &layers, &fixed, settings, certificate.as_ref(), progress));
     Ok(rows.collect())
+}
+
+/// Whether a name is that of a G-code file.
+pub(super) fn is_gcode(path: &Path) -> bool {
+    let extension = path.extension().map(|e| e.to_string_lossy().to_ascii_lowercase());
+    extension.is_some_and(|e| matches!(e.as_str(), "gcode" | "gco" | "gc" | "g" | "nc" | "ngc"))
+}
+
+/// The layers of a plate.
+fn sliced(job: &Job, settings: &Settings) -> Result<Vec<LayerPaths>, JobError> {
+    let load::Loaded { plate, wishes, .. } = load::plate(job, settings)?;
+    let slicer = Slicer::new(&plate, &load::layers(settings));
+    let sections = Sections::cut(&slicer, plate.objects.len(), &wishes, settings);
+    if sections.bounds().is_none() {
+        return Err(load::nothing_to_print());
+    }
+    let planner = sections.planner(settings);
+    Ok(parallel::map(sections.layers.len(), |i| sections.paths(&planner, i, settings)))
+}
+
+/// What is not open to ordering.
+struct Fixed {
+    /// Whether the layers are those of a finished file, which is what it is whatever precedence is asked of others.
+    whole: bool,
+    /// Links of each layer that no order changes, mm.
+    links_mm: Vec<f64>,
 }
 
 fn row(
     strategy: OrderStrategy,
     layers: &[(LayerPaths, Pins)],
+    fixed: &Fixed,
     settings: &Settings,
     certificate: Option<&Certificate>,
     progress: &dyn Progress,
@@ -52,7 +84,12 @@ fn row(
     let mut chain = ordering::chain(settings);
     chain.settings.strategy = strategy;
     let (paths, pins): (Vec<LayerPaths>, Vec<Pins>) = layers.iter().cloned().unzip();
-    let solved = ordering::solve(&chain, &paths, &pins, chunk_len(layers.len()), None);
+    let mut solved = ordering::solve(&chain, &paths, &pins, chunk_len(layers.len()), None);
+    if fixed.whole && strategy == OrderStrategy::AsSliced {
+        let as_is =
+            |layer: &LayerPaths| (0..layer.paths.len() as u32).map(|item| Visit { item, entry: 0 }).collect();
+        solved.sequences = paths.iter().map(as_is).collect();
+    }
 
     let mut at = None;
     let starts: Vec<_> = paths
@@ -64,20 +101,22 @@ fn row(
             start
         })
         .collect();
-    let time = Cost::new(CostKind::Time, &settings.speed, &settings.acceleration, &settings.retract);
+    let time = Cost::new(CostKind::Time, settings);
     let rows = parallel::map(layers.len(), |i| {
         // Sequences name vertices of paths: measured on the problem whose seams are free.
         let mut problem = LayerProblem::new(&paths[i], &None, settings.order.scope).problem;
         problem.start = starts[i];
         let mut row = LayerRow::new(i, &problem, &solved.sequences[i], &time);
-        row.bound_mm = certificate.map(|certificate| certificate.layer_mm(i, starts[i]));
+        let bound_mm = |certificate: &Certificate| certificate.layer_mm(i, starts[i]) + fixed.links_mm[i];
+        row.bound_mm = certificate.map(bound_mm);
+        row.link_mm += fixed.links_mm[i];
         progress.layer_done();
         row
     });
     StrategyRow {
         strategy: strategy.name().to_owned(),
         took_s: solved.took.as_secs_f64(),
-        bound_mm: certificate.map(Certificate::print_mm),
+        bound_mm: certificate.map(|c| c.print_mm() + fixed.links_mm.iter().sum::<f64>()),
         layers: rows,
     }
 }

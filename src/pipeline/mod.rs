@@ -7,10 +7,12 @@
 mod compare;
 mod load;
 mod ordering;
+mod paper;
 mod parallel;
 mod print;
 mod reorder;
 mod sections;
+mod supports;
 
 use std::path::Path;
 
@@ -18,7 +20,7 @@ use crate::job::{Engine, Job, JobError, Progress, ReorderJob, TransformOptions};
 use crate::order::compare::StrategyRow;
 use crate::output::Output;
 use crate::profile::{OrderStrategy, Settings};
-use crate::report::{ModelInfo, Reordered, Summary};
+use crate::report::{ModelInfo, PaperRow, Reordered, Summary};
 
 /// The slicer itself.
 #[derive(Clone, Copy, Debug)]
@@ -43,6 +45,15 @@ impl Engine for Pipeline {
         progress: &dyn Progress,
     ) -> Result<Vec<StrategyRow>, JobError> {
         parallel::with_threads(job.threads, || compare::compare(job, settings, strategies, progress))
+    }
+
+    fn paper(
+        &self,
+        job: &Job,
+        settings: &Settings,
+        progress: &dyn Progress,
+    ) -> Result<Vec<PaperRow>, JobError> {
+        parallel::with_threads(job.threads, || paper::paper(job, settings, progress))
     }
 
     fn reorder(

@@ -13,7 +13,7 @@ use super::parallel;
 pub(super) fn chain(settings: &Settings) -> Chain {
     Chain {
         settings: settings.order.clone(),
-        cost: Cost::new(settings.order.cost, &settings.speed, &settings.acceleration, &settings.retract),
+        cost: Cost::new(settings.order.cost, settings),
         seam: settings.seam.position,
         origin: None,
     }
@@ -87,7 +87,7 @@ impl Certificate {
         if let Some(first) = problems.iter_mut().find(|problem| !problem.items.is_empty()) {
             first.start = start;
         }
-        Self { shares: bound::shares(&problems, |n, share| parallel::map(n, share)), start }
+        Self { shares: bound::shares(&problems, |n, chunk| parallel::map(n, chunk)), start }
     }
 
     /// A length that the links of a layer, entered from `start`, cannot stay below.

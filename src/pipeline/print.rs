@@ -6,14 +6,16 @@ use crate::estimate::{Machine, cool};
 use crate::gcode::{self, Effect, LayerText, PrintFacts, Scripts, Slot, Totals, WriterSettings};
 use crate::geom::{Bounds, Point};
 use crate::job::{Job, JobError, Progress};
+use crate::mesh::Plate;
 use crate::motion::{self, Entry, MotionSettings};
 use crate::order::{Chain, Pins, SeamRule, Sequence, chunk_len};
 use crate::output::Output;
-use crate::profile::Settings;
+use crate::profile::{Settings, thumbnail_sizes};
 use crate::report::{LayerSummary, Measures, Summary};
 use crate::slice::{Layer, Slicer};
 use crate::toolpath::{LayerPaths, Planner};
 use crate::units::{Mm3, Seconds};
+use crate::view;
 
 use super::ordering::Certificate;
 use super::sections::Sections;
@@ -29,17 +31,18 @@ pub(super) fn slice(
     output: &mut Output,
     progress: &dyn Progress,
 ) -> Result<Summary, JobError> {
-    let load::Loaded { plate, mut warnings } = load::plate(job, settings)?;
-    let slicer = Slicer::new(&plate, &settings.layer);
-    let count = slicer.spans().len();
+    let load::Loaded { plate, wishes, mut warnings } = load::plate(job, settings)?;
+    let slicer = Slicer::new(&plate, &load::layers(settings));
+    let count = slicer.spans().len() + settings.raft.layers as usize;
     progress.begin(count);
-    let sections = Sections::cut(&slicer, plate.objects.len(), settings);
+    let sections = Sections::cut(&slicer, plate.objects.len(), &wishes, settings);
     let Some(bounds) = sections.bounds() else {
         return Err(load::nothing_to_print());
     };
     warnings.extend(sections.warning());
 
     let facts = facts(&sections.layers, bounds, settings);
+    load::check_height(facts.max_z_mm, settings)?;
     let scripts = Scripts::new(settings, &facts).map_err(|mistakes| JobError::Script(mistakes.join("\n")))?;
     let planner = sections.planner(settings);
     let run = Run {
@@ -53,9 +56,11 @@ pub(super) fn slice(
         certify: job.certify,
     };
 
-    let opening = gcode::opening(settings, &facts, &scripts, true);
+    let mut opening = gcode::opening(settings, &facts, &scripts, true);
+    opening.comment(&thumbnails(&plate, settings));
     let mut slots = opening.slots;
     output.write(&opening.bytes)?;
+    output.write(&gcode::labels(settings, &sections.labels()))?;
     let begun = scripts.start_effect(settings, &run.machine);
     let mut ordered = Vec::new();
     let mut tally = Tally::default();
@@ -92,6 +97,15 @@ pub(super) fn slice(
         tally.certify(ordered, settings, start);
     }
     Ok(tally.summary(bounds, &facts, &totals, settings, warnings))
+}
+
+/// Pictures of the plate for the header.
+fn thumbnails(plate: &Plate, settings: &Settings) -> String {
+    // The profile has checked the sizes.
+    let sizes = thumbnail_sizes(&settings.gcode.thumbnails).unwrap_or_default();
+    let comments =
+        parallel::map(sizes.len(), |i| view::thumbnail_comment(sizes[i], &view::thumbnail(plate, sizes[i])));
+    comments.concat()
 }
 
 fn facts(layers: &[Layer], bounds: Bounds, settings: &Settings) -> PrintFacts {
@@ -141,7 +155,7 @@ impl Run<'_> {
     ) -> (Vec<Done>, Vec<Ordered>) {
         let first = layers.start;
         let paths =
-            parallel::map(layers.len(), |i| self.planner.layer(&self.sections.plate_layer(first + i)));
+            parallel::map(layers.len(), |i| self.sections.paths(&self.planner, first + i, self.settings));
         let pins: Vec<Pins> = paths.iter().map(|layer| seam.pins(layer)).collect();
         let start = at.xy.map(|[x, y]| Point::from_mm(x, y));
         let sequences = ordering::solve(&self.chain, &paths, &pins, chunk, start).sequences;

@@ -9,7 +9,7 @@ use crate::job::{JobError, Progress, ReorderJob};
 use crate::order::{Chain, Pins, SeamRule, chunk_len};
 use crate::output::Output;
 use crate::profile::{SeamPosition, Settings};
-use crate::reorder::{self, Block, Blocks, Habit, Learner, Pick, Proof, Walls, Written};
+use crate::reorder::{self, Block, Blocks, Habit, Learner, Ordering, Pick, Walls, Written};
 use crate::report::{Reordered, Way};
 use crate::toolpath::LayerPaths;
 
@@ -19,8 +19,6 @@ use super::{ordering, parallel};
 const BATCH_BYTES: usize = 8 << 20;
 /// Size of the buffer in front of the file.
 const BUFFER_BYTES: usize = 1 << 18;
-/// A retraction is worth so much travel, mm: about what it takes in time.
-const RETRACTION_MM: f64 = 5.0;
 /// An improvement below this share of the travel is none.
 const WORTHWHILE: f64 = 1e-4;
 /// How often blocks whose new order turns out no better are taken back.
@@ -33,101 +31,146 @@ pub(super) fn reorder(
     output: &mut Output,
     progress: &dyn Progress,
 ) -> Result<Reordered, JobError> {
-    let open = || open(&job.file);
-    let improved = rewrite(open()?, job, settings, output, progress)?;
-    let read = |error: io::Error| input_error(&job.file, &error);
+    let mut run = Run::new(settings, job.keep_direction, true);
+    run.rewrite(&job.file, open(&job.file)?, output, progress)?;
     let mut report = Reordered { file: job.file.display().to_string(), ..Reordered::default() };
-    let proof: Option<Proof> = match improved {
-        false => None,
-        true => {
-            let proof = reorder::verify(open()?, output.reread()?).map_err(read)?;
-            Some(proof.map_err(|difference| {
+    if run.improved() {
+        let proof = reorder::verify(open(&job.file)?, output.reread()?)
+            .map_err(|error| input_error(&job.file, &error))?
+            .map_err(|difference| {
                 JobError::Check(format!("{}: {difference}; nothing was written", job.file.display()))
-            })?)
-        }
-    };
-    if let Some(proof) = proof {
+            })?;
         (report.before, report.after) = (Way::from(&proof.before), Way::from(&proof.after));
-        report.layers = proof.layers;
-        report.changed = true;
+        (report.layers, report.changed) = (proof.layers, true);
     }
     Ok(report)
 }
 
-fn open(path: &Path) -> Result<BufReader<File>, JobError> {
+/// The layers of a file as they are ordered, and the links within each that are not open to ordering, mm.
+pub(super) fn layers(path: &Path, settings: &Settings) -> Result<(Vec<LayerPaths>, Vec<f64>), JobError> {
+    let mut blocks = Blocks::new(open(path)?);
+    let (mut layers, mut fixed_mm) = (Vec::new(), Vec::new());
+    let (seam, scope) = (settings.seam.position, settings.order.scope);
+    while let Some(block) = blocks.read().map_err(|error| input_error(path, &error))? {
+        if block.paths() > 0 {
+            let ordering = Ordering::new(&block, layers.len(), seam, scope);
+            layers.push(ordering.layer);
+            fixed_mm.push(ordering.fixed_mm);
+        }
+    }
+    if layers.is_empty() {
+        return Err(JobError::Input(format!("{}: nothing is printed in it", path.display())));
+    }
+    Ok((layers, fixed_mm))
+}
+
+/// A seam rule for the paths of finished files: there, walls that keep their seams are known by their roles.
+pub(super) fn seam_rule(position: SeamPosition) -> SeamRule {
+    SeamRule::new(if position == SeamPosition::Pinned { SeamPosition::Free } else { position })
+}
+
+/// Writes a file in the order that the settings ask for, whether or not that is any better.
+pub(super) fn rewritten(
+    path: &Path,
+    input: impl BufRead,
+    settings: &Settings,
+    output: &mut Output,
+    progress: &dyn Progress,
+) -> Result<(), JobError> {
+    Run::new(settings, false, false).rewrite(path, input, output, progress)
+}
+
+pub(super) fn open(path: &Path) -> Result<BufReader<File>, JobError> {
     let file = File::open(path).map_err(|error| input_error(path, &error))?;
     Ok(BufReader::with_capacity(BUFFER_BYTES, file))
 }
 
-fn input_error(path: &Path, error: &io::Error) -> JobError {
+pub(super) fn input_error(path: &Path, error: &io::Error) -> JobError {
     JobError::Input(format!("{}: {error}", path.display()))
 }
 
-/// Writes the file in its new order. Whether that is worth anything.
-fn rewrite(
-    input: impl BufRead,
-    job: &ReorderJob,
-    settings: &Settings,
-    output: &mut Output,
-    progress: &dyn Progress,
-) -> Result<bool, JobError> {
-    let mut run = Run {
-        chain: ordering::chain(settings),
-        seam: SeamRule::new(match settings.seam.position {
-            // Walls that keep their seams are known by their roles.
-            SeamPosition::Pinned => SeamPosition::Free,
-            other => other,
-        }),
-        position: settings.seam.position,
-        learner: Learner::default(),
-        at: None,
-        marked: false,
-        layers: 0,
-        before: (0.0, 0),
-        after: (0.0, 0),
-    };
-    let mut blocks = Blocks::new(input);
-    let mut carry: Option<Block> = None;
-    loop {
-        let mut batch: Vec<Block> = carry.take().into_iter().collect();
-        let mut bytes = 0;
-        while let Some(block) = blocks.next().map_err(|error| input_error(&job.file, &error))? {
-            // The blocks of one layer stay together.
-            if bytes >= BATCH_BYTES && batch.last().is_some_and(|last| last.layer() != block.layer()) {
-                carry = Some(block);
-                break;
-            }
-            bytes += block.bytes();
-            batch.push(block);
-        }
-        if batch.is_empty() {
-            break;
-        }
-        for written in run.batch(&batch) {
-            output.write(&written.bytes)?;
-            progress.layer_done();
-        }
-    }
-    let score = |(travel_mm, pulls): (f64, usize)| travel_mm + RETRACTION_MM * pulls as f64;
-    Ok(score(run.after) < score(run.before) * (1.0 - WORTHWHILE))
-}
+/// Way without extrusion, mm, and how often filament is pulled back.
+type Toll = (f64, usize);
 
 /// What goes on from batch to batch.
 struct Run {
     chain: Chain,
     seam: SeamRule,
     position: SeamPosition,
+    keep_direction: bool,
+    /// Whether blocks whose new order is no better keep the old one.
+    take_back: bool,
     learner: Learner,
+    /// What a retraction is worth, mm of travel.
+    retraction_mm: f64,
     /// Where the nozzle is, if not where the file has it.
     at: Option<[i64; 2]>,
     /// Whether the file marks its layers.
     marked: bool,
-    layers: usize,
-    before: (f64, usize),
-    after: (f64, usize),
+    blocks: usize,
+    before: Toll,
+    after: Toll,
 }
 
 impl Run {
+    fn new(settings: &Settings, keep_direction: bool, take_back: bool) -> Self {
+        Self {
+            chain: ordering::chain(settings),
+            seam: seam_rule(settings.seam.position),
+            position: settings.seam.position,
+            keep_direction,
+            take_back,
+            learner: Learner::default(),
+            retraction_mm: 0.0,
+            at: None,
+            marked: false,
+            blocks: 0,
+            before: (0.0, 0),
+            after: (0.0, 0),
+        }
+    }
+
+    /// Whether what was written is worth anything.
+    fn improved(&self) -> bool {
+        self.score(self.after) < self.score(self.before) * (1.0 - WORTHWHILE)
+    }
+
+    /// The lower, the better.
+    fn score(&self, (travel_mm, pulls): Toll) -> f64 {
+        travel_mm + self.retraction_mm * pulls as f64
+    }
+
+    fn rewrite(
+        &mut self,
+        path: &Path,
+        input: impl BufRead,
+        output: &mut Output,
+        progress: &dyn Progress,
+    ) -> Result<(), JobError> {
+        let mut blocks = Blocks::new(input);
+        let mut carry: Option<Block> = None;
+        loop {
+            let mut batch: Vec<Block> = carry.take().into_iter().collect();
+            let mut bytes = 0;
+            while let Some(block) = blocks.read().map_err(|error| input_error(path, &error))? {
+                // The blocks of one layer stay together.
+                if bytes >= BATCH_BYTES && batch.last().is_some_and(|last| last.layer() != block.layer()) {
+                    carry = Some(block);
+                    break;
+                }
+                bytes += block.bytes();
+                batch.push(block);
+            }
+            if batch.is_empty() {
+                return Ok(());
+            }
+            for written in self.batch(&batch) {
+                output.write(&written.bytes)?;
+                progress.layer_done();
+            }
+        }
+    }
+
     /// Orders and writes some blocks.
     fn batch(&mut self, blocks: &[Block]) -> Vec<Written> {
         blocks.iter().for_each(|block| self.learner.learn(block));
@@ -146,16 +189,17 @@ impl Run {
             }
         }
         let habit = habit.unwrap_or_default();
+        self.retraction_mm = habit.retraction_mm();
         let mut written = self.write(blocks, &picks, &habit, &walls);
-        for _ in 0..ROUNDS {
+        for _ in 0..if self.take_back { ROUNDS } else { 0 } {
             let mut worse = false;
             for (index, block) in blocks.iter().enumerate() {
                 let was = block.travel();
                 let now = (written[index].travel_mm, written[index].pulls);
-                let score = |(travel_mm, pulls): (f64, usize)| travel_mm + RETRACTION_MM * pulls as f64;
-                if score(now) >= score(was)
-                    && picks[index].iter().enumerate().any(|(i, p)| *p != Pick::as_is(i))
-                {
+                let changed = picks[index].iter().enumerate().any(|(i, pick)| *pick != Pick::as_is(i));
+                // Nowhere is less travel paid for with more retractions, or the other way round.
+                let dearer = now.0 > was.0 || now.1 > was.1;
+                if changed && (dearer || self.score(now) >= self.score(was)) {
                     picks[index] = as_is(block);
                     worse = true;
                 }
@@ -167,35 +211,35 @@ impl Run {
         }
         for (block, written) in blocks.iter().zip(&written) {
             let (travel_mm, pulls) = block.travel();
-            self.before.0 += travel_mm;
-            self.before.1 += pulls;
-            self.after.0 += written.travel_mm;
-            self.after.1 += written.pulls;
+            self.before = (self.before.0 + travel_mm, self.before.1 + pulls);
+            self.after = (self.after.0 + written.travel_mm, self.after.1 + written.pulls);
         }
-        for (block, picks) in blocks.iter().zip(&picks) {
-            self.at = Some(reorder::end(block, picks));
-        }
-        self.layers += blocks.len();
+        self.at = blocks.last().zip(picks.last()).map(|(block, picks)| reorder::end(block, picks));
+        self.blocks += blocks.len();
         written
     }
 
     /// The order of the paths of every block.
     fn order(&mut self, blocks: &[Block]) -> Vec<Vec<Pick>> {
-        let layers: Vec<LayerPaths> =
-            parallel::map(blocks.len(), |i| reorder::layer(&blocks[i], self.layers + i, self.position));
-        let pins: Vec<Pins> = layers.iter().map(|layer| self.seam.pins(layer)).collect();
+        let scope = self.chain.settings.scope;
+        let orderings: Vec<Ordering> =
+            parallel::map(blocks.len(), |i| Ordering::new(&blocks[i], self.blocks + i, self.position, scope));
         // Blocks without paths are passed over.
         let with_paths: Vec<usize> = (0..blocks.len()).filter(|&i| blocks[i].paths() > 0).collect();
-        let paths: Vec<LayerPaths> = with_paths.iter().map(|&i| layers[i].clone()).collect();
-        let chosen: Vec<Pins> = with_paths.iter().map(|&i| pins[i].clone()).collect();
+        let layers: Vec<LayerPaths> = with_paths.iter().map(|&i| orderings[i].layer.clone()).collect();
+        let pins: Vec<Pins> = layers.iter().map(|layer| self.seam.pins(layer)).collect();
         let start = self.at.zip(blocks.first()).map(|(at, block)| block.point(at));
-        let sequences = match paths.is_empty() {
+        let sequences = match layers.is_empty() {
             true => Vec::new(),
-            false => ordering::solve(&self.chain, &paths, &chosen, chunk_len(paths.len()), start).sequences,
+            false => ordering::solve(&self.chain, &layers, &pins, chunk_len(layers.len()), start).sequences,
         };
         let mut picks = vec![Vec::new(); blocks.len()];
         for (&i, sequence) in with_paths.iter().zip(&sequences) {
-            picks[i] = reorder::picks(&blocks[i], &layers[i], sequence);
+            picks[i] = orderings[i].picks(&blocks[i], sequence);
+        }
+        if self.keep_direction {
+            let forwards = |i: usize| reorder::forwards(&blocks[i], &orderings[i], scope, &picks[i]);
+            picks = parallel::map(blocks.len(), forwards);
         }
         picks
     }

@@ -1,30 +1,43 @@
 //! The sections of a plate, and what must be known of all layers before any is planned.
 
-use crate::geom::{Bounds, Region};
+use crate::gcode::ObjectLabel;
+use crate::geom::{self, Bounds, Region};
+use crate::mesh::Plate;
 use crate::profile::Settings;
-use crate::slice::{Layer, Slicer};
-use crate::toolpath::{self, ObjectLayer, Planner, PlateLayer, Shells};
+use crate::slice::{Gaps, Layer, LayerSpan, Slicer};
+use crate::toolpath::support::{self, BeadSpec};
+use crate::toolpath::{self, LayerPaths, ObjectLayer, Planner, PlateLayer, Role, Shells};
 
 use super::parallel;
+use super::supports::{self, Supports};
 
 /// Layers that sparse infill is calibrated on.
 const SAMPLES: usize = 12;
 
+/// Runs of support among the paths that belong to no island, after skirt and brim.
+const SUPPORT_RANK: u32 = 2;
+
 /// The sections of all layers, and the shells that follow from them.
 pub(super) struct Sections {
+    /// Those of a raft first; they have no section.
     pub layers: Vec<Layer>,
+    /// How many are a raft's.
+    raft_layers: usize,
     /// For each object its section in each layer, as an index into the layer's sections.
     places: Vec<Vec<Option<usize>>>,
     shells: Vec<Shells>,
+    supports: Option<Supports>,
 }
 
 impl Sections {
-    pub fn cut(slicer: &Slicer<'_>, objects: usize, settings: &Settings) -> Self {
-        let layers = parallel::map(slicer.spans().len(), |i| slicer.layer(i));
+    pub fn cut(slicer: &Slicer<'_>, objects: usize, wishes: &[Plate; 2], settings: &Settings) -> Self {
+        let cut = parallel::map(slicer.spans().len(), |i| slicer.layer(i));
+        let layers = raised(cut, settings);
         let places: Vec<Vec<Option<usize>>> = (0..objects)
             .map(|object| layers.iter().map(|l| l.sections.iter().position(|s| s.object == object)).collect())
             .collect();
-        let mut sections = Self { layers, places, shells: Vec::new() };
+        let raft_layers = settings.raft.layers as usize;
+        let mut sections = Self { layers, raft_layers, places, shells: Vec::new(), supports: None };
         let (top, bottom) = toolpath::shell_layers(&settings.shell, settings.layer.height.0);
         sections.shells = (0..objects)
             .map(|object| {
@@ -32,6 +45,11 @@ impl Sections {
                 Shells::build(&own, top, bottom, &|n, f| parallel::map(n, f))
             })
             .collect();
+        if settings.support.enabled || !wishes[0].meshes.is_empty() {
+            let bounds = sections.bounds();
+            let part = &sections.layers[raft_layers.min(sections.layers.len())..];
+            sections.supports = bounds.map(|bounds| Supports::plan(part, bounds, wishes, settings));
+        }
         sections
     }
 
@@ -47,22 +65,65 @@ impl Sections {
             object: s.object as u32,
             section: &s.region,
             next: self.of(s.object, index + 1),
-            beneath: index.checked_sub(1).map(|below| self.of(s.object, below)),
+            beneath: index
+                .checked_sub(1)
+                .filter(|&below| below >= self.raft_layers)
+                .map(|below| self.of(s.object, below)),
             above: self.shells[s.object].above(index),
             below: self.shells[s.object].below(index),
         });
         PlateLayer { index, top_mm: span.top_mm, height_mm: span.height_mm, objects: objects.collect() }
     }
 
+    /// All paths of a layer; support comes before what it carries.
+    pub fn paths(&self, planner: &Planner, index: usize, settings: &Settings) -> LayerPaths {
+        let mut layer = planner.layer(&self.plate_layer(index));
+        let beads = match (index.checked_sub(self.raft_layers), &self.supports) {
+            (None, _) => {
+                let width_mm =
+                    [settings.walls.width.0, settings.first_layer.width.0][usize::from(index == 0)];
+                let width_mm = if width_mm > 0.0 { width_mm } else { settings.walls.width.0 };
+                let (area, rank) = (planner.covered(), SUPPORT_RANK);
+                toolpath::raft(area, index as u32, &settings.raft, width_mm, layer.height_mm, rank)
+            }
+            (Some(_), None) => return layer,
+            (Some(above_raft), Some(supports)) => {
+                let first = above_raft == 0;
+                // Support stands on the raft, over which the part floats.
+                let gap_mm = if first && self.raft_layers > 0 { settings.raft.gap.0 } else { 0.0 };
+                let spec = BeadSpec {
+                    part: if index == 0 { planner.covered() } else { &layer.outline },
+                    height_mm: layer.height_mm + gap_mm,
+                    usual_height_mm: settings.layer.height.0,
+                    on_bed: first,
+                    rank: SUPPORT_RANK,
+                };
+                support::lay(supports.outlines(above_raft), &spec, &settings.support)
+            }
+        };
+        let around = |role| matches!(role, Role::Skirt | Role::Brim);
+        let place = layer.paths.iter().position(|p| !around(p.role)).unwrap_or(layer.paths.len());
+        layer.paths.splice(place..place, beads);
+        layer
+    }
+
     /// The toolpath planner, its sparse infill calibrated on sample layers.
     pub fn planner(&self, settings: &Settings) -> Planner {
-        let polygons = self.layers[0].sections.iter().flat_map(|s| s.region.polygons.iter().cloned());
-        let footprint = Region { polygons: polygons.collect() };
-        let mut planner = Planner::new(settings.into(), &footprint, self.layers[0].span.height_mm);
+        let mut footprint = supports::section(&self.layers[self.raft_layers]);
+        let standing = self.supports.as_ref().map_or(Region::EMPTY, |supports| &supports.outlines(0).all);
+        if self.raft_layers > 0 {
+            footprint = toolpath::raft_area(&geom::union(&footprint, standing), &settings.raft);
+        }
+        let first_height_mm = self.layers[0].span.height_mm;
+        let mut planner = Planner::new(settings.into(), &footprint, first_height_mm);
+        let shielded = if settings.skirt.draft_shield { self.layers.len() } else { 0 };
+        let sections = self.layers[..shielded].iter().flat_map(|l| &l.sections).map(|s| &s.region);
+        let supports = self.supports.iter().flat_map(|s| s.all_outlines(shielded.max(1)));
+        planner.enclose(sections.chain(supports).flat_map(|region| &region.polygons), first_height_mm);
         let last = self.layers.len() - 1;
         let mut chosen: Vec<usize> = (0..SAMPLES).map(|k| last * k / (SAMPLES - 1)).collect();
         chosen.dedup();
-        chosen.retain(|&i| i > 0);
+        chosen.retain(|&i| i > self.raft_layers);
         let samples = parallel::map(chosen.len(), |k| planner.sparse_sample(&self.plate_layer(chosen[k])));
         planner.calibrate(&samples, self.layers[last].span.height_mm);
         planner
@@ -72,6 +133,19 @@ impl Sections {
     pub fn bounds(&self) -> Option<Bounds> {
         let regions = self.layers.iter().flat_map(|l| &l.sections);
         regions.filter_map(|s| s.region.bounds()).reduce(|a, b| a.joined(&b))
+    }
+
+    /// Where each object is.
+    pub fn labels(&self) -> Vec<ObjectLabel> {
+        let bounds = (0..self.places.len()).map(|object| {
+            let sections = (0..self.layers.len()).filter_map(|i| self.of(object, i).bounds());
+            sections.reduce(|a, b| a.joined(&b))
+        });
+        let label = |b: Option<Bounds>| {
+            let (min_mm, max_mm) = b.map_or(([0.0; 2], [0.0; 2]), |b| (b.min.mm(), b.max.mm()));
+            ObjectLabel { min_mm, max_mm }
+        };
+        bounds.map(label).collect()
     }
 
     /// What the user should know of outlines that were not closed.
@@ -85,4 +159,32 @@ impl Sections {
             first.span.top_mm
         ))
     }
+}
+
+/// The layers of a raft, and on them those of the part.
+fn raised(cut: Vec<Layer>, settings: &Settings) -> Vec<Layer> {
+    let count = settings.raft.layers as usize;
+    if count == 0 || cut.is_empty() {
+        return cut;
+    }
+    let (first_mm, other_mm) = (settings.layer.first_height.0, settings.layer.height.0);
+    let raft_mm = |layers: usize| first_mm + (layers - 1) as f64 * other_mm;
+    let raft = (0..count).map(|index| {
+        let (bottom_mm, top_mm) = (if index == 0 { 0.0 } else { raft_mm(index) }, raft_mm(index + 1));
+        let (height_mm, cut_mm) = (top_mm - bottom_mm, (bottom_mm + top_mm) / 2.0);
+        let span = LayerSpan { index, bottom_mm, top_mm, height_mm, cut_mm };
+        Layer { span, sections: Vec::new(), gaps: Gaps::default() }
+    });
+    let up_mm = raft_mm(count) + settings.raft.gap.0;
+    let part = cut.into_iter().map(|layer| {
+        let span = LayerSpan {
+            index: layer.span.index + count,
+            bottom_mm: layer.span.bottom_mm + up_mm,
+            top_mm: layer.span.top_mm + up_mm,
+            cut_mm: layer.span.cut_mm + up_mm,
+            ..layer.span
+        };
+        Layer { span, ..layer }
+    });
+    raft.chain(part).collect()
 }

@@ -5,6 +5,7 @@ use std::collections::BTreeMap;
 use super::error::{Origin, Problem};
 use super::script::{PrintBounds, expand};
 use super::settings::{BedShape, Settings};
+use super::sizes::thumbnail_sizes;
 
 /// What contradicts what, and what is unwise.
 pub(super) struct Conflicts {
@@ -27,6 +28,9 @@ pub(super) fn find(settings: &Settings, origins: &BTreeMap<String, Origin>) -> C
     machine(settings, &mut check);
     retraction(settings, &mut check);
     scripts(settings, &mut check);
+    if let Err(message) = thumbnail_sizes(&settings.gcode.thumbnails) {
+        check.error(&["gcode.thumbnails"], &message);
+    }
     check.found
 }
 
@@ -134,6 +138,9 @@ fn amounts(settings: &Settings, check: &mut Check) {
             &["brim.width", "brim.gap", "skirt.distance", "bed.size"],
             "brim and skirt leave no room for a part on the bed",
         );
+    }
+    if settings.raft.layers > 0 && settings.brim.width.0 > 0.0 {
+        check.error(&["brim.width", "raft.layers"], "on a raft the part has no brim; set one of them to 0");
     }
     let temperature = &settings.temperature;
     if (temperature.nozzle.0 == 0.0) != (temperature.nozzle_first_layer.0 == 0.0) {

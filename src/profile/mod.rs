@@ -11,6 +11,7 @@ mod resolve;
 mod schema;
 mod script;
 mod settings;
+mod sizes;
 mod source;
 mod suggest;
 
@@ -22,4 +23,5 @@ pub use schema::{Field, Kind, Section, field, keys};
 pub(crate) use script::one_line;
 pub use script::{PLACEHOLDERS, PrintBounds, expand};
 pub use settings::*;
+pub use sizes::thumbnail_sizes;
 pub use source::text;

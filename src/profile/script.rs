@@ -53,9 +53,17 @@ impl Bed {
         [(self.min[0] + self.max[0]) / 2.0, (self.min[1] + self.max[1]) / 2.0]
     }
 
-    /// A line along X near the front edge, for priming: its ends' X, and its Y. It stays inside with
+    /// A line along X near the front edge, for priming: its ends' X, and its Y; near the back edge if the print
+    /// leaves more room there and comes within `clear` of the line in front. It stays inside with
     /// a few millimetres to spare, also on a round bed: a chord at 0.92 of the radius is 0.78 radii long.
-    fn prime_line(&self) -> ([f64; 2], f64) {
+    fn prime_line(&self, print: &PrintBounds, clear: f64) -> ([f64; 2], f64) {
+        let (x, front) = self.front_line();
+        let back = self.min[1] + self.max[1] - front;
+        let room = [print.min_mm[1] - front, back - print.max_mm[1]];
+        (x, if room[0] < clear && room[1] > room[0] { back } else { front })
+    }
+
+    fn front_line(&self) -> ([f64; 2], f64) {
         let [width, depth] = self.size();
         if self.round {
             let half = (0.35 * width / 2.0).min(40.0);
@@ -84,9 +92,19 @@ fn prime_width_mm(settings: &Settings) -> f64 {
     1.5 * settings.printer.nozzle_diameter.0
 }
 
+/// The prime line's ends' X, its Y, and that of a second line beside it, nearer to the middle of the bed.
+fn prime_line(c: &Context) -> ([f64; 2], [f64; 2]) {
+    let (skirt, brim, width) = (&c.settings.skirt, &c.settings.brim, prime_width_mm(c.settings));
+    let skirt_mm = skirt.distance.0 + f64::from(skirt.loops) * c.settings.walls.width.0;
+    let around_mm = brim.gap.0 + brim.width.0 + if skirt.loops > 0 { skirt_mm } else { 0.0 };
+    let (x, y) = c.bed.prime_line(&c.print, around_mm + 3.0 * width);
+    let inwards = if y < c.bed.center()[1] { width } else { -width };
+    (x, [y, y + inwards])
+}
+
 /// Filament for a bead on the prime line.
 fn prime_filament_mm(settings: &Settings, bed: &Bed) -> f64 {
-    let ([from, to], _) = bed.prime_line();
+    let ([from, to], _) = bed.front_line();
     let section = settings.layer.first_height.0 * prime_width_mm(settings);
     let strand = PI * (settings.filament.diameter.0 / 2.0).powi(2);
     (to - from) * section * settings.filament.flow / strand
@@ -140,10 +158,10 @@ placeholders! {
     "travel_f", "feed rate of travel in X and Y, mm/min": |c| number(c.settings.speed.travel.0 * 60.0);
     "z_f", "feed rate of travel in Z, mm/min": |c| number(c.settings.speed.z.0 * 60.0);
     "layer_count", "number of layers": |c| c.print.layers.to_string();
-    "prime_x0", "X where the prime line starts, near the front edge": |c| number(c.bed.prime_line().0[0]);
-    "prime_x1", "X where the prime line ends": |c| number(c.bed.prime_line().0[1]);
-    "prime_y0", "Y of the prime line": |c| number(c.bed.prime_line().1);
-    "prime_y1", "Y of a second line beside it": |c| number(c.bed.prime_line().1 + prime_width_mm(c.settings));
+    "prime_x0", "X where the prime line starts": |c| number(prime_line(c).0[0]);
+    "prime_x1", "X where the prime line ends": |c| number(prime_line(c).0[1]);
+    "prime_y0", "Y of the prime line, near the front edge, or the back edge if the print reaches the front": |c| number(prime_line(c).1[0]);
+    "prime_y1", "Y of a second line beside it": |c| number(prime_line(c).1[1]);
     "prime_e", "filament for one of them, 1.5 nozzles wide and as high as the first layer, mm": |c| number(prime_filament_mm(c.settings, &c.bed));
     "park_x", "X to wait at after the print, at the back": |c| number(c.bed.park()[0]);
     "park_y", "Y to wait at after the print": |c| number(c.bed.park()[1]);
@@ -285,11 +303,22 @@ mod tests {
         settings.bed.origin = BedOrigin::Center;
         settings.bed.size = [Mm(180.0); 2];
         let bed = Bed::new(&settings);
-        let ([x0, x1], y) = bed.prime_line();
+        let ([x0, x1], y) = bed.front_line();
         let [px, py] = bed.park();
         for (x, y) in [(x0, y), (x1, y), (px, py)] {
             assert!(x.hypot(y) < 90.0, "{x} {y}");
         }
+    }
+
+    #[test]
+    fn the_prime_line_moves_to_the_back_where_the_print_reaches_the_front() {
+        let line = |min_y: f64, max_y: f64| {
+            let print = PrintBounds { min_mm: [100.0, min_y], max_mm: [150.0, max_y], ..PRINT };
+            expand("{prime_y0} {prime_y1}", &Settings::default(), print).unwrap()
+        };
+        assert_eq!(line(20.0, 230.0), "3 3.6\n");
+        assert_eq!(line(5.0, 230.0), "247 246.4\n");
+        assert_eq!(line(5.0, 248.0), "3 3.6\n", "no better at the back");
     }
 
     #[test]

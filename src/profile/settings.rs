@@ -73,8 +73,27 @@ choice! {
         Concentric = "concentric", }
 }
 choice! {
+    /// How supports are built.
+    SupportStyle { /// Straight columns.
+        Grid = "grid", /// Branches that meet and avoid the part.
+        Tree = "tree", }
+}
+choice! {
+    /// Lines inside of support columns.
+    SupportPattern { /// In one direction.
+        Rectilinear = "rectilinear", /// In two directions, twice as far apart.
+        Grid = "grid", }
+}
+choice! {
+    /// Where a brim lies.
+    BrimSides { /// Around the part.
+        Outer = "outer", /// In its holes.
+        Inner = "inner", /// Around it and in its holes.
+        Both = "both", }
+}
+choice! {
     /// Where loops start and end.
-    SeamPosition { /// Any vertex: ordering decides.
+    SeamPosition { /// Anywhere: ordering decides.
         Free = "free", /// The first vertex as sliced.
         Pinned = "pinned", /// In line with the layer below, in a corner where there is one.
         Aligned = "aligned", /// The rearmost vertex.
@@ -198,6 +217,8 @@ section! {
         cost: f64 = 20.0; 0.0..=100000.0, "per kg",
         /// Extrusion multiplier.
         flow: f64 = 1.0; 0.1..=3.0,
+        /// Linear or pressure advance; 0 leaves the firmware's value alone.
+        pressure_advance: f64 = 0.0; 0.0..=10.0, "s",
         /// Largest flow the hot end melts; 0: not limited.
         max_flow: Mm3PerS = Mm3PerS(0.0); 0.0..=1000.0,
     }
@@ -321,6 +342,8 @@ section! {
         distance: Mm = Mm(3.0); 0.0..=100.0,
         /// Layers it is printed on.
         layers: u32 = 1; 1..=10000,
+        /// Go on up to the top of the part with one loop, to shield it from draughts.
+        draft_shield: bool = false,
         /// More loops until this much filament (path length) is primed.
         min_length: Mm = Mm(0.0); 0.0..=10000.0,
     }
@@ -332,6 +355,62 @@ section! {
         width: Mm = Mm(0.0); 0.0..=100.0,
         /// Distance from the part.
         gap: Mm = Mm(0.0); 0.0..=10.0,
+        /// On which sides of the part's outlines.
+        sides: BrimSides = BrimSides::Outer,
+        /// Only around parts of the footprint smaller than this; 0: around all.
+        max_area: f64 = 0.0; 0.0..=1000000.0, "mm²",
+    }
+}
+section! {
+    /// `[raft]`: layers of support under the whole print.
+    RaftSettings {
+        /// Number of layers; 0: none.
+        layers: u32 = 0; 0..=100,
+        /// Free height between raft and part.
+        gap: Mm = Mm(0.2); 0.0..=5.0,
+        /// Width beyond the part.
+        margin: Mm = Mm(3.0); 0.0..=100.0,
+        /// Share of the lower layers that is filled; the upper two are solid.
+        density: Ratio = Ratio(0.5); 0.05..=1.0,
+    }
+}
+section! {
+    /// `[support]`
+    SupportSettings {
+        /// Hold up overhangs.
+        enabled: bool = false,
+        /// Columns or trees.
+        style: SupportStyle = SupportStyle::Grid,
+        /// Walls that lean out further than this from the vertical are held.
+        angle: f64 = 50.0; 0.0..=89.0, "°",
+        /// Support stands on the bed only, never on the part.
+        from_bed_only: bool = false,
+        /// Overhangs that reach out less than this are printed without support.
+        min_reach: Mm = Mm(0.8); 0.0..=10.0,
+        /// Bridges up to this long are printed without support; 0: none.
+        max_bridge: Mm = Mm(10.0); 0.0..=1000.0,
+        /// Free height between support and part, in whole layers, rounded up.
+        z_gap: Mm = Mm(0.2); 0.0..=5.0,
+        /// Free distance between support and the part's sides.
+        xy_gap: Mm = Mm(0.4); 0.0..=5.0,
+        /// Lines inside of columns.
+        pattern: SupportPattern = SupportPattern::Rectilinear,
+        /// Share of a column that the lines inside its outline fill.
+        density: Ratio = Ratio(0.1); 0.0..=1.0,
+        /// Direction of the lines, degrees from the X axis.
+        line_angle: f64 = 0.0; -360.0..=360.0, "°",
+        /// Line width of support.
+        width: Mm = Mm(0.4); 0.05..=5.0,
+        /// Dense layers under the part.
+        interface_layers: u32 = 2; 0..=100,
+        /// Share of them that is filled.
+        interface_density: Ratio = Ratio(0.75); 0.0..=1.0,
+        /// Trees: how far branches may lean, degrees from the vertical.
+        branch_angle: f64 = 40.0; 5.0..=60.0, "°",
+        /// Trees: diameter of a branch at its tip.
+        branch_diameter: Mm = Mm(2.0); 0.5..=20.0,
+        /// Trees: by how much the sides of a branch widen downwards, degrees from the vertical.
+        branch_taper: f64 = 2.0; 0.0..=30.0, "°",
     }
 }
 section! {
@@ -342,7 +421,7 @@ section! {
         /// Thickness of the threads: multiplies the cross-section of one as thick as the nozzle's bore.
         flow: f64 = 1.0; 0.1..=2.0,
         /// How far they reach over what holds them.
-        anchor: Mm = Mm(1.5); 0.0..=20.0,
+        anchor: Mm = Mm(1.0); 0.0..=20.0,
     }
 }
 section! {
@@ -424,7 +503,7 @@ section! {
         speed: MmPerS = MmPerS(40.0); 0.1..=500.0,
         /// Speed of pushing forward again.
         unretract_speed: MmPerS = MmPerS(40.0); 0.1..=500.0,
-        /// Pushed forward beyond what was pulled back.
+        /// Fed beyond what was pulled back, with the first millimetres of the next bead.
         extra: Mm = Mm(0.0); -5.0..=5.0,
         /// Travels shorter than this are not retracted.
         min_travel: Mm = Mm(1.5); 0.0..=1000.0,
@@ -479,6 +558,12 @@ section! {
         arcs: bool = false,
         /// How far an arc may leave the path.
         arc_tolerance: Mm = Mm(0.02); 0.001..=0.5,
+        /// Pictures of the print in the header, for printers with a screen: width × height in pixels, such as 32x32,300x300; empty: none.
+        thumbnails: String = "32x32,300x300".into(),
+        /// Say which object every bead belongs to (`EXCLUDE_OBJECT`, M486), so that one can be cancelled.
+        labels: bool = false,
+        /// State `[machine]` at the start (M201, M203, M205, M566, `SET_VELOCITY_LIMIT`) instead of relying on the firmware's own.
+        limits: bool = false,
         /// Script before the print.
         start: String = super::embedded::default_script("start"),
         /// Script after the print.
@@ -519,6 +604,8 @@ settings! {
     first_layer: FirstLayerSettings,
     skirt: SkirtSettings,
     brim: BrimSettings,
+    raft: RaftSettings,
+    support: SupportSettings,
     bridge: BridgeSettings,
     seam: SeamSettings,
     order: OrderSettings,

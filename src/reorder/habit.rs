@@ -1,6 +1,7 @@
 //! How a file travels: what it does between two beads, learned from what it did.
 
 use super::block::{Block, Kind, Token};
+use super::ticks::units;
 use crate::gcode::Line;
 
 /// Retraction and travel as the file does them. Amounts in ticks of the file's unit, feed rates in ticks per minute.
@@ -53,6 +54,8 @@ pub struct Learner {
     seen: Vec<Seen>,
 }
 
+/// What a retraction by the firmware is taken to last.
+const FIRMWARE_MINUTES: f64 = 0.1 / 60.0;
 /// Of more different ways to travel none is a habit.
 const MOST_KINDS: usize = 100;
 /// So many links tell enough.
@@ -95,6 +98,18 @@ impl Learner {
             combs: combed * 10 > far,
             retract: usual.and_then(|s| s.retract.clone()),
         })
+    }
+}
+
+impl Habit {
+    /// The travel that takes as long as pulling back, lifting, lowering and pushing forward again, mm.
+    pub fn retraction_mm(&self) -> f64 {
+        let Some(retract) = &self.retract else { return 0.0 };
+        let minutes = |(amount, feed): (i64, i64)| if feed > 0 { amount as f64 / feed as f64 } else { 0.0 };
+        let hop =
+            retract.hop.map_or(0.0, |(height, up, down)| minutes((height, up)) + minutes((height, down)));
+        let pulls = minutes(retract.before) + minutes(retract.after) + minutes(retract.push);
+        units(self.travel_feed) * (hop + if retract.firmware { FIRMWARE_MINUTES } else { pulls })
     }
 }
 

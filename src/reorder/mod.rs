@@ -2,10 +2,11 @@
 //!
 //! A file is read as [`Block`]s: lines that stay where they are, then paths on one layer that may change places. What
 //! the file does between two paths is learned as its [`Habit`]. A block becomes a problem for [`crate::order`]
-//! ([`layer`], [`picks`]) and text again ([`write`]): strokes as they were, and between them links as they were, or new
+//! ([`Ordering`]) and text again ([`write`]): strokes as they were, and between them links as they were, or new
 //! travels in the file's habit that do not cross outer [`Walls`]. In the end [`verify`] compares the two files.
 
 mod block;
+mod directed;
 mod habit;
 mod islands;
 mod problem;
@@ -17,8 +18,9 @@ mod walls;
 mod writer;
 
 pub use block::Block;
+pub use directed::forwards;
 pub use habit::{Habit, Learner};
-pub use problem::{Pick, layer, picks};
+pub use problem::{Ordering, Pick};
 pub use reader::Blocks;
 pub use verify::{Proof, verify};
 pub use walls::Walls;

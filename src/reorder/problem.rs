@@ -1,11 +1,15 @@
 //! A block as a layer to be ordered, and the answer in terms of its paths.
 
+use std::ops::Range;
+
+use rustc_hash::FxHashMap;
+
 use super::block::{Block, Path};
 use super::islands::islands;
 use super::state::Key;
 use crate::geom::{Point, Region};
 use crate::order::Visit;
-use crate::profile::SeamPosition;
+use crate::profile::{Scope, SeamPosition};
 use crate::toolpath::{LayerPaths, Path as Toolpath, Role, Width};
 
 /// One step of an order: a path, and how it is drawn.
@@ -24,43 +28,112 @@ impl Pick {
     }
 }
 
-/// The block's paths as the ordering knows them: open ones by their ends, loops that must keep their seam as open ones
-/// whose ends are the same.
-///
-/// Islands are connected sets of beads. Within an island the types keep the file's order, by their first appearance;
-/// types between which the file goes to and fro form one run. A skirt or brim with which a layer begins stays first.
-pub fn layer(block: &Block, index: usize, seam: SeamPosition) -> LayerPaths {
-    let island = islands(block);
-    let ranks = ranks(block, &island);
-    let mut leading = true;
-    let paths = block.paths.iter().enumerate().map(|(i, path)| {
-        leading &= matches!(path.role, Some(Role::Skirt | Role::Brim));
-        let rotates = block.closed(path) && may_rotate(path, seam);
-        let ends = [path.from, block.end(path)];
-        let points = match rotates {
-            true => block.points(path).skip(1).map(|[x, y]| Point::from_mm(x, y)).collect(),
-            false => ends.iter().map(|p| block.mm(*p)).map(|[x, y]| Point::from_mm(x, y)).collect(),
-        };
-        Toolpath {
-            // What is printed is of no concern any more, only whether it comes before everything else.
-            role: if leading { Role::Skirt } else { Role::Perimeter },
-            closed: rotates,
-            points,
-            width: Width::Constant(0.4),
-            height_mm: 0.2,
-            island: island[i],
-            rank: ranks[i],
+/// A block as the ordering knows it.
+#[derive(Clone, Debug)]
+pub struct Ordering {
+    /// Its paths: open ones by their ends, loops that must keep their seam as open ones whose ends are the same, and
+    /// walls that stay together as one path.
+    pub layer: LayerPaths,
+    /// The paths of the block that each of them stands for.
+    members: Vec<Range<usize>>,
+    /// Links within walls that stay together, mm.
+    pub fixed_mm: f64,
+}
+
+impl Ordering {
+    /// The problem of a block; `index` is that of the layer among all that are ordered together.
+    ///
+    /// Islands are connected sets of beads. Within an island the types keep the file's order, by their first
+    /// appearance. Where a file goes to and fro between inner and outer walls, it does so contour by contour: the
+    /// walls of a contour then stay together, in their order, and are one path (not under `layer` scope). A skirt or
+    /// brim with which a layer begins stays first.
+    pub fn new(block: &Block, index: usize, seam: SeamPosition, scope: Scope) -> Self {
+        let island = islands(block);
+        let classes = Classes::new(block, &island);
+        let together = |i: usize| scope != Scope::Layer && i > 0 && classes.stay_together(i - 1, i, &island);
+        let (mut paths, mut members, mut fixed_mm) = (Vec::new(), Vec::new(), 0.0);
+        let mut leading = true;
+        let mut first = 0;
+        while first < block.paths.len() {
+            let end = (first + 1..block.paths.len()).find(|&i| !together(i)).unwrap_or(block.paths.len());
+            let walls = &block.paths[first..end];
+            leading &= matches!(walls[0].role, Some(Role::Skirt | Role::Brim));
+            let (closed, points) = match walls {
+                [path] => shape(block, path, seam),
+                // Drawn in their own order whichever way they are come to: a place between start and end.
+                _ => (false, vec![middle(block, &walls[0], &walls[walls.len() - 1]); 2]),
+            };
+            let link = |w: &[Path]| block.point(block.end(&w[0])).distance_mm(block.point(w[1].from));
+            fixed_mm += walls.windows(2).map(link).sum::<f64>();
+            paths.push(Toolpath {
+                // What is printed is of no concern any more, only whether it comes before everything else.
+                role: if leading { Role::Skirt } else { Role::Perimeter },
+                closed,
+                points,
+                width: Width::Constant(0.4),
+                height_mm: 0.2,
+                island: island[first],
+                rank: classes.rank[first],
+            });
+            members.push(first..end);
+            first = end;
         }
-    });
-    LayerPaths {
-        index,
-        top_mm: super::ticks::units(block.after.at[2]) * block.frame.scale,
-        height_mm: 0.2,
-        islands: Vec::new(),
-        paths: paths.collect(),
-        outline: Region::default(),
-        beneath: None,
+        let layer = LayerPaths {
+            index,
+            top_mm: super::ticks::units(block.after.at[2]) * block.frame.scale,
+            height_mm: 0.2,
+            islands: Vec::new(),
+            paths,
+            outline: Region::default(),
+            beneath: None,
+        };
+        Self { layer, members, fixed_mm }
     }
+
+    /// The picks that a solution means.
+    pub fn picks(&self, block: &Block, sequence: &[Visit]) -> Vec<Pick> {
+        let mut picks = Vec::with_capacity(block.paths.len());
+        for visit in sequence {
+            let item = visit.item as usize;
+            let members = self.members[item].clone();
+            picks.extend(members.clone().map(Pick::as_is));
+            let Some(pick) = picks.last_mut().filter(|_| members.len() == 1) else { continue };
+            if self.layer.paths[item].closed {
+                // Point k of a loop is where its stroke k begins.
+                pick.first = visit.entry as usize;
+            } else {
+                // A loop that keeps its seam is never turned around.
+                pick.reversed = visit.entry == 1 && !block.closed(&block.paths[pick.path]);
+            }
+        }
+        picks
+    }
+
+    /// Which paths may be mixed: equal numbers follow each other in a solution and may change places.
+    pub(super) fn runs(&self, scope: Scope) -> Vec<(usize, bool, u32, u32)> {
+        let of = |item: usize| {
+            let path = &self.layer.paths[item];
+            let leading = path.role == Role::Skirt;
+            let (island, rank) = if scope == Scope::Layer { (0, 0) } else { (path.island, path.rank) };
+            // Walls that stay together are a run of their own.
+            let whole = if self.members[item].len() > 1 { item + 1 } else { 0 };
+            self.members[item].clone().map(move |_| (whole, leading, island, rank))
+        };
+        (0..self.members.len()).flat_map(of).collect()
+    }
+}
+
+fn shape(block: &Block, path: &Path, seam: SeamPosition) -> (bool, Vec<Point>) {
+    if block.closed(path) && may_rotate(path, seam) {
+        let points = block.points(path).take(path.segs.len());
+        return (true, points.map(|[x, y]| Point::from_mm(x, y)).collect());
+    }
+    (false, [path.from, block.end(path)].map(|p| block.point(p)).to_vec())
+}
+
+fn middle(block: &Block, first: &Path, last: &Path) -> Point {
+    let [a, b] = [first.from, block.end(last)].map(|p| block.mm(p));
+    Point::from_mm((a[0] + b[0]) / 2.0, (a[1] + b[1]) / 2.0)
 }
 
 /// Whether a loop may begin elsewhere.
@@ -69,60 +142,107 @@ fn may_rotate(path: &Path, seam: SeamPosition) -> bool {
     seam != SeamPosition::Pinned || !outer
 }
 
-/// The picks that a solution means.
-pub fn picks(block: &Block, layer: &LayerPaths, sequence: &[Visit]) -> Vec<Pick> {
-    let pick = |visit: &Visit| {
-        let path = visit.item as usize;
-        if !layer.paths[path].closed {
-            // A loop that keeps its seam is never turned around.
-            let reversed = visit.entry == 1 && !block.closed(&block.paths[path]);
-            return Pick { path, reversed, first: 0 };
-        }
-        // Point k of a loop is where its stroke k + 1 begins.
-        Pick { path, reversed: false, first: (visit.entry as usize + 1) % block.paths[path].segs.len() }
-    };
-    sequence.iter().map(pick).collect()
+/// Types of paths within their islands.
+struct Classes {
+    /// Rank of each path among the runs of its island.
+    rank: Vec<u32>,
+    /// Place of its type among those of its island.
+    kind: Vec<u32>,
+    /// Whether it is a wall, and the file goes to and fro between its island's types of walls.
+    alternating: Vec<bool>,
 }
 
-/// The rank of every path among the runs of its island.
-fn ranks(block: &Block, island: &[u32]) -> Vec<u32> {
-    // (island, type) → first and last path of it.
-    let kind = |path: &Path| {
-        let state = block.segs[path.segs.start].state as usize;
-        (path.role, block.states[state].get(Key::Type).of(&block.text))
-    };
-    let mut runs: Vec<Run> = Vec::new();
-    let mut known = rustc_hash::FxHashMap::default();
-    let of: Vec<usize> = block
-        .paths
-        .iter()
-        .enumerate()
-        .map(|(i, path)| {
-            let run = *known.entry((island[i], kind(path))).or_insert_with(|| {
-                runs.push(Run { island: island[i], first: i, last: i, rank: 0 });
-                runs.len() - 1
-            });
-            runs[run].last = i;
-            run
-        })
-        .collect();
-    // Runs are listed by their first path: those that overlap form one.
-    let mut reach = rustc_hash::FxHashMap::default();
-    for run in &mut runs {
-        let (last, rank) = reach.entry(run.island).or_insert((run.last, 0_u32));
-        if run.first > *last {
-            *rank += 1;
+impl Classes {
+    fn new(block: &Block, island: &[u32]) -> Self {
+        let name = |path: &Path| {
+            let state = block.segs[path.segs.start].state as usize;
+            (path.role, block.states[state].get(Key::Type).of(&block.text))
+        };
+        // (island, type) in the order of their first paths.
+        let mut known = FxHashMap::default();
+        let mut runs: Vec<Run> = Vec::new();
+        let of: Vec<usize> = block
+            .paths
+            .iter()
+            .enumerate()
+            .map(|(i, path)| {
+                let run = *known.entry((island[i], name(path))).or_insert_with(|| {
+                    runs.push(Run {
+                        island: island[i],
+                        wall: is_wall(path),
+                        first: i,
+                        last: i,
+                        kind: 0,
+                        rank: 0,
+                    });
+                    runs.len() - 1
+                });
+                runs[run].last = i;
+                run
+            })
+            .collect();
+        let mut islands: FxHashMap<u32, IslandRuns> = FxHashMap::default();
+        for run in &mut runs {
+            let seen = islands.entry(run.island).or_default();
+            run.kind = seen.kinds;
+            seen.kinds += 1;
+            if run.wall {
+                seen.alternating |= seen.last_wall.is_some_and(|last| last > run.first);
+                seen.last_wall = seen.last_wall.max(Some(run.last));
+            }
         }
-        *last = run.last.max(*last);
-        run.rank = *rank;
+        for run in &mut runs {
+            let seen = islands.entry(run.island).or_default();
+            let one = run.wall && seen.alternating;
+            run.rank = match seen.walls.filter(|_| one) {
+                Some(rank) => rank,
+                None => {
+                    seen.ranks += 1;
+                    seen.ranks - 1
+                }
+            };
+            if one {
+                seen.walls = Some(run.rank);
+            }
+        }
+        Self {
+            rank: of.iter().map(|&run| runs[run].rank).collect(),
+            kind: of.iter().map(|&run| runs[run].kind).collect(),
+            alternating: of
+                .iter()
+                .map(|&run| runs[run].wall && islands[&runs[run].island].alternating)
+                .collect(),
+        }
     }
-    of.into_iter().map(|run| runs[run].rank).collect()
+
+    /// Whether two paths, one after the other in the file, are walls of one contour.
+    fn stay_together(&self, a: usize, b: usize, island: &[u32]) -> bool {
+        island[a] == island[b] && self.alternating[a] && self.alternating[b] && self.kind[a] <= self.kind[b]
+    }
 }
 
 /// All paths of one type in one island.
 struct Run {
     island: u32,
+    wall: bool,
     first: usize,
     last: usize,
+    /// Place among the types of its island, and among its runs.
+    kind: u32,
     rank: u32,
+}
+
+/// What is known of an island's runs so far.
+#[derive(Default)]
+struct IslandRuns {
+    kinds: u32,
+    ranks: u32,
+    last_wall: Option<usize>,
+    alternating: bool,
+    /// The rank of its walls, where these are one run.
+    walls: Option<u32>,
+}
+
+fn is_wall(path: &Path) -> bool {
+    matches!(path.role, Some(Role::Perimeter | Role::ExternalPerimeter | Role::OverhangPerimeter))
 }

@@ -68,7 +68,7 @@ impl<R: BufRead> Blocks<R> {
     ///
     /// # Errors
     /// As the system says; and where the bytes cannot be G-code.
-    pub fn next(&mut self) -> io::Result<Option<Block>> {
+    pub fn read(&mut self) -> io::Result<Option<Block>> {
         while !self.done {
             let start = self.block.text.len();
             let read = read_line(&mut self.input, &mut self.block.text)?;
@@ -125,7 +125,7 @@ impl<R: BufRead> Blocks<R> {
                     Some(Kind::Fixed)
                 }
             }
-            (Some(stroke), None) => Some(if plain { stroke_kind(&stroke) } else { Kind::Barrier }),
+            (Some(stroke), None) => Some(if plain { stroke_kind(&stroke) } else { Kind::Fixed }),
             (None, None) => Some(self.other_kind(&read)),
         };
         let context_role = read.context.role;
@@ -422,9 +422,20 @@ pub(super) fn is_time(line: &Line) -> bool {
     }
     let alone = line.code.is_none() && line.parameters().trim_ascii().is_empty();
     let Some(comment) = line.comment.filter(|_| alone).map(<[u8]>::trim_ascii) else { return false };
-    let begins =
-        [&b"TIME_ELAPSED:"[..], b"TIME:", b"PRINT.TIME:", b"estimated printing time", b"Build time:"];
-    begins.iter().any(|begin| comment.starts_with(begin))
+    const BEGINS: [&str; 11] = [
+        "TIME_ELAPSED:",
+        "TIME:",
+        "PRINT.TIME:",
+        "PRINT_TIME:",
+        "Print Time:",
+        "Build time:",
+        "Estimated Build Time",
+        "estimated printing time",
+        "estimated first layer printing time",
+        "model printing time",
+        "total estimated time",
+    ];
+    BEGINS.iter().any(|begin| comment.starts_with(begin.as_bytes()))
 }
 
 /// Whether parameters are words that moves are known to have, each with a number and given once.

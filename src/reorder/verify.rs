@@ -205,6 +205,8 @@ impl<R: BufRead> Layers<R> {
             return;
         }
         let command = line.text.split(|b| *b == b';').next().unwrap_or_default().trim_ascii();
-        self.layer.commands.write(command);
+        if !command.is_empty() {
+            self.layer.commands.write(command);
+        }
     }
 }

@@ -108,9 +108,10 @@ impl Writer<'_> {
         }
         let (head, tail) = tokens.split_at(fixed);
         if moved && fixed > 0 {
-            let placed = head
-                .iter()
-                .position(|t| t.kind == Kind::Travel || t.to[..2] != before[..2] && t.kind != Kind::Wipe);
+            let placed = head.iter().position(|t| {
+                matches!(t.kind, Kind::Travel | Kind::Fixed)
+                    || t.to[..2] != before[..2] && t.kind != Kind::Wipe
+            });
             let by_itself =
                 placed.is_some_and(|index| head[index].kind == Kind::Travel) && block.frame.absolute;
             if !by_itself && placed.is_some() {
@@ -263,6 +264,13 @@ impl Writer<'_> {
                 self.out.extend_from_slice(line);
                 self.state.set(key, token.line);
             }
+            // A line that names the place where the nozzle is in the file would move it from where it is here.
+            Kind::Lift | Kind::Pull | Kind::Push | Kind::Feed
+                if self.at[..2] != token.to[..2] && names_place(line) =>
+            {
+                self.lift(token.to[2], token.feed);
+                self.feed_filament(token.e, token.feed);
+            }
             Kind::Travel | Kind::Lift | Kind::Pull | Kind::Push | Kind::Wipe | Kind::Feed | Kind::Fixed => {
                 self.e += token.e;
                 let e = (self.block.frame.e_absolute && self.e != token.e_after).then_some(self.e);
@@ -321,12 +329,13 @@ impl Writer<'_> {
             None | Some(Way::Outside) => habit.retract.as_ref().filter(|_| far),
             Some(Way::Inside) => habit.retract.as_ref().filter(|_| far && !habit.combs),
             Some(Way::Crosses) => {
-                let around = if habit.combs && z == self.at[2] { self.walls.around(a, b) } else { None };
-                if let Some(corners) = around {
+                if let Some(corners) = habit.combs.then(|| self.walls.around(a, b)).flatten() {
+                    let feed = self.habit.travel_feed;
                     for corner in corners {
-                        self.travel(corner.mm().map(|mm| rounded(mm / self.block.frame.scale)));
+                        let corner = corner.mm().map(|mm| rounded(mm / self.block.frame.scale));
+                        self.travel_to(corner, z, feed);
                     }
-                    self.travel(to);
+                    self.travel_to(to, z, feed);
                     return;
                 }
                 habit.retract.as_ref()
@@ -571,4 +580,10 @@ impl Writer<'_> {
 /// A coordinate with as many digits as slicers give, as ticks.
 fn rounded(value: f64) -> i64 {
     ticks((value * 1000.0).round() / 1000.0)
+}
+
+/// Whether a line has coordinates in X or Y.
+fn names_place(line: &[u8]) -> bool {
+    let words = Line::new(0, 0, line).words();
+    words.get(b'X').or(words.get(b'Y')).is_some()
 }

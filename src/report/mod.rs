@@ -1,11 +1,13 @@
 //! Results for people (text) and for programs (JSON).
 
 mod model;
+pub mod paper;
 mod reordered;
 mod summary;
 mod time;
 
 pub use model::ModelInfo;
+pub use paper::PaperRow;
 pub use reordered::{Reordered, Way};
 pub use summary::{LayerSummary, Measures, Summary};
 pub use time::{LayerTime, PrintTime};

@@ -19,6 +19,11 @@ pub struct Line {
 }
 
 impl Line {
+    /// A line of nominal spacing.
+    pub(super) fn nominal(points: Vec<Point>, closed: bool) -> Self {
+        Self { points, spacing_mm: Vec::new(), closed }
+    }
+
     /// The line, unless it has lost its vertices.
     pub(super) fn sound(self) -> Option<Self> {
         (self.points.len() >= if self.closed { 3 } else { 2 }).then_some(self)

@@ -1,7 +1,8 @@
 //! Bridges: solid infill over air, spanned by threads from hold to hold.
 //!
-//! Each piece of air gets one direction. Among those of its edges, their normals and an even fan of others, it is the one
-//! in which most of the threads are held at both ends, and of those that do equally well the one with the shorter spans.
+//! Each patch gets one direction, pieces of air near to each other together. Among those of its edges, their normals
+//! and an even fan of others, it is the one in which most of the threads are held at both ends, and of those that do
+//! equally well the one whose longest span is the shortest.
 
 use std::f64::consts::PI;
 
@@ -18,8 +19,9 @@ const EDGES: usize = 6;
 /// Lines by which a direction is judged.
 const LINES: f64 = 24.0;
 
-/// Weight of the spans' length, as a share of the longest there could be, against the share of threads not held.
-const SPAN_WEIGHT: f64 = 0.1;
+/// Weights of the longest and of the mean span, as a share of the longest there could be, against the share of threads
+/// not held.
+const SPAN_WEIGHTS: [f64; 2] = [0.1, 0.01];
 
 /// Where a thread is looked for hold, in thread widths beyond its end: over the walls beside it.
 const PROBES: [f64; 4] = [0.25, 1.25, 2.25, 3.25];
@@ -34,7 +36,8 @@ pub struct Bridge {
 }
 
 /// Takes the bridges out of an island's zones. `section` is the island, `beneath` what the layer rests on; threads are
-/// `width_mm` thick and reach `anchor_mm` over their hold, inside of `inside`. Air narrower than a thread needs no bridge.
+/// `width_mm` thick and reach `anchor_mm` over their hold, inside of `inside`. What is narrower than two threads needs
+/// no bridge.
 pub fn take(
     zones: &mut Zones,
     inside: &Region,
@@ -48,7 +51,7 @@ pub fn take(
     }
     let over_air = |zone: &Region| geom::difference(zone, beneath);
     let air = geom::union(&over_air(&zones.solid), &over_air(&zones.top));
-    let air = geom::opening(&air, width_mm / 2.0);
+    let air = geom::opening(&air, width_mm);
     if air.is_empty() {
         return Vec::new();
     }
@@ -57,16 +60,13 @@ pub fn take(
         section: EdgeGrid::new(&Region { polygons: vec![section.clone()] }),
         width_mm,
     };
-    let mut taken = Region::default();
-    let mut bridges = Vec::new();
-    for polygon in air.polygons {
-        let piece = Region { polygons: vec![polygon] };
-        let angle_rad = hold.best_angle(&piece);
-        let reach = geom::intersection(&geom::offset(&piece, anchor_mm), inside);
-        let area = geom::difference(&reach, &taken);
-        taken = geom::union(&taken, &area);
-        bridges.push(Bridge { area, angle_rad });
-    }
+    let taken = geom::intersection(&geom::offset(&air, anchor_mm), inside);
+    let bridge = |polygon: &Polygon| {
+        let area = Region { polygons: vec![polygon.clone()] };
+        let spanned = geom::intersection(&air, &area);
+        Bridge { angle_rad: hold.best_angle(&spanned), area }
+    };
+    let bridges = taken.polygons.iter().map(bridge).collect();
     let sparse = geom::difference(&zones.sparse, &taken);
     zones.sparse_mm2 = (zones.sparse_mm2 - (zones.sparse.area_mm2() - sparse.area_mm2())).max(0.0);
     zones.sparse = sparse;
@@ -92,14 +92,13 @@ impl Hold {
             .map_or(0.0, |best| best.1)
     }
 
-    /// Share of thread that is not held at both ends (half of it counts where one end is), and a little for the mean
-    /// span.
+    /// Share of thread that is not held at both ends (half of it counts where one end is), and a little for the spans.
     fn cost(&self, air: &Region, angle_rad: f64) -> f64 {
         let Some(bounds) = air.bounds() else { return 0.0 };
         let longest_mm = bounds.min.distance_mm(bounds.max);
         let spacing_mm = (longest_mm / LINES).max(self.width_mm / 2.0);
         let (sin, cos) = angle_rad.sin_cos();
-        let (mut length_mm, mut loose_mm, mut squares_mm2) = (0.0, 0.0, 0.0);
+        let (mut length_mm, mut loose_mm, mut squares_mm2, mut most_mm) = (0.0, 0.0, 0.0, 0.0_f64);
         for [a, b] in geom::scan_lines(air, angle_rad, spacing_mm, 0.0).into_iter().flat_map(|l| l.segments) {
             let span_mm = a.point.distance_mm(b.point);
             let held =
@@ -107,11 +106,13 @@ impl Hold {
             length_mm += span_mm;
             loose_mm += span_mm * (2 - held) as f64 / 2.0;
             squares_mm2 += span_mm * span_mm;
+            most_mm = most_mm.max(span_mm);
         }
         if length_mm <= 0.0 {
             return f64::MAX;
         }
-        loose_mm / length_mm + SPAN_WEIGHT * squares_mm2 / (length_mm * longest_mm)
+        let [longest, mean] = SPAN_WEIGHTS;
+        loose_mm / length_mm + (longest * most_mm + mean * squares_mm2 / length_mm) / longest_mm
     }
 
     /// Whether there is hold a little beyond the end of a thread that runs this way.

@@ -4,12 +4,15 @@ mod adhesion;
 pub mod bead;
 mod beading;
 mod bridges;
+mod entries;
 pub mod infill;
 mod path;
 mod planner;
 mod shells;
+pub mod support;
 mod walls;
 
+pub use adhesion::{raft, raft_area};
 pub use path::{Island, LayerPaths, Path, Role, Width};
 pub use planner::{ObjectLayer, Planner, PlateLayer, ToolpathSettings};
 pub use shells::{Map, Shells, Zones, shell_layers};

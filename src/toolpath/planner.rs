@@ -4,8 +4,8 @@ use std::ops::RangeInclusive;
 
 use crate::geom::{self, Polygon, Region, Ring};
 use crate::profile::{
-    BridgeSettings, BrimSettings, FirstLayerSettings, InfillSettings, IroningSettings, Settings,
-    ShellSettings, SkirtSettings, WallOrder, WallSettings,
+    BridgeSettings, BrimSettings, FirstLayerSettings, InfillSettings, IroningSettings, SeamPosition,
+    SeamSettings, Settings, ShellSettings, SkirtSettings, WallOrder, WallSettings,
 };
 use crate::units::Mm;
 
@@ -14,7 +14,7 @@ use super::bridges::Bridge;
 use super::infill::{self, FillSpec, Joins, SolidSpec, SparseSample};
 use super::shells::{self, Zones};
 use super::walls::{self, WallSpec, Walls};
-use super::{Island, LayerPaths, Path, Role, Width, adhesion, bead, beading, bridges};
+use super::{Island, LayerPaths, Path, Role, Width, adhesion, bead, beading, bridges, entries};
 
 /// Densities above this are solid.
 const SOLID_DENSITY: f64 = 0.995;
@@ -49,6 +49,7 @@ pub struct ToolpathSettings {
     pub first_layer: FirstLayerSettings,
     pub skirt: SkirtSettings,
     pub brim: BrimSettings,
+    pub seam: SeamSettings,
 }
 
 impl From<&Settings> for ToolpathSettings {
@@ -63,6 +64,7 @@ impl From<&Settings> for ToolpathSettings {
             first_layer: s.first_layer.clone(),
             skirt: s.skirt.clone(),
             brim: s.brim.clone(),
+            seam: s.seam.clone(),
         }
     }
 }
@@ -103,8 +105,10 @@ pub struct Planner {
     settings: ToolpathSettings,
     /// Calibrated distance of sparse lines.
     line_distance_mm: Option<f64>,
-    brim: Vec<Ring>,
+    brim: Vec<Line>,
     skirt: Vec<Ring>,
+    /// What part and brim cover on the bed.
+    covered: Region,
 }
 
 /// Bead widths of one layer.
@@ -136,16 +140,29 @@ struct Draft {
 impl Planner {
     /// A planner for a plate whose objects' first sections are `footprint`; `first_height_mm` is the first layer's.
     pub fn new(settings: ToolpathSettings, footprint: &Region, first_height_mm: f64) -> Self {
-        let mut planner = Self { settings, line_distance_mm: None, brim: Vec::new(), skirt: Vec::new() };
+        let (line_distance_mm, covered) = (None, footprint.clone());
+        let mut planner = Self { settings, line_distance_mm, brim: Vec::new(), skirt: Vec::new(), covered };
         let width_mm = planner.widths(0).skirt_mm;
         planner.brim = adhesion::brim(footprint, &planner.settings.brim, width_mm, first_height_mm);
-        let around = if planner.brim.is_empty() {
-            footprint.clone()
-        } else {
-            geom::offset(footprint, planner.settings.brim.gap.0 + planner.settings.brim.width.0)
-        };
-        planner.skirt = adhesion::skirt(&around, &planner.settings.skirt, width_mm, first_height_mm);
+        if !planner.brim.is_empty() {
+            let reach_mm = planner.settings.brim.gap.0 + planner.settings.brim.width.0;
+            planner.covered = geom::offset(footprint, reach_mm);
+        }
+        planner.enclose([], first_height_mm);
         planner
+    }
+
+    /// Takes the skirt around part, brim and more.
+    pub fn enclose<'a>(&mut self, more: impl IntoIterator<Item = &'a Polygon>, first_height_mm: f64) {
+        let width_mm = self.widths(0).skirt_mm;
+        let mut all = self.covered.clone();
+        all.polygons.extend(more.into_iter().cloned());
+        self.skirt = adhesion::skirt(&all, &self.settings.skirt, width_mm, first_height_mm);
+    }
+
+    /// What part and brim cover on the bed.
+    pub fn covered(&self) -> &Region {
+        &self.covered
     }
 
     /// What calibration needs of a layer; see [`Planner::calibrate`].
@@ -183,9 +200,11 @@ impl Planner {
         let widths = self.widths(section.index);
         if section.index < self.settings.skirt.layers as usize {
             draft.loops(Role::Skirt, 0, widths.skirt_mm, &self.skirt);
+        } else if let Some(innermost) = self.skirt.last().filter(|_| self.settings.skirt.draft_shield) {
+            draft.loops(Role::Skirt, 0, widths.skirt_mm, std::slice::from_ref(innermost));
         }
         if section.index == 0 {
-            draft.loops(Role::Brim, 1, widths.skirt_mm, &self.brim);
+            draft.lines(Role::Brim, 1, widths.skirt_mm, self.brim.clone());
         }
         let mut islands = Vec::new();
         let mut outline = Region::default();
@@ -196,6 +215,9 @@ impl Planner {
                 self.island(&mut draft, polygon, object, section, &widths);
             }
             outline.polygons.extend(object.section.polygons.iter().cloned());
+        }
+        if matches!(self.settings.seam.position, SeamPosition::Free | SeamPosition::Nearest) {
+            entries::add(&mut draft.paths);
         }
         LayerPaths {
             index: section.index,

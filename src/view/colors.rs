@@ -42,19 +42,22 @@ pub(super) const ROLES: &[RoleColor] = roles![
 
 /// Index of the role whose loops have a seam that is seen.
 pub(super) const SEAMED: u8 = 0;
+/// Index of what is printed beside the object.
+pub(super) const SKIRT: u8 = 8;
 /// Index of the last role.
 pub(super) const OTHER: u8 = ROLES.len() as u8 - 1;
 
-/// From low to high: viridis, by Stéfan van der Walt and Nathaniel Smith, in equal steps.
+/// From low to high, in equal steps: the upper four fifths of viridis, by Stéfan van der Walt and Nathaniel Smith. The
+/// rest is too dark on black.
 pub(super) const RAMP: [Rgb; 9] = [
-    rgb(0x440154),
-    rgb(0x472D7B),
-    rgb(0x3B528B),
-    rgb(0x2C728E),
+    rgb(0x414487),
+    rgb(0x355F8D),
+    rgb(0x2A788E),
     rgb(0x21918C),
-    rgb(0x28AE80),
-    rgb(0x5EC962),
-    rgb(0xADDC30),
+    rgb(0x22A884),
+    rgb(0x44BF70),
+    rgb(0x7AD151),
+    rgb(0xBDDF26),
     rgb(0xFDE725),
 ];
 

@@ -8,10 +8,10 @@ use super::colors::Rgb;
 use super::picture::{Picture, Shape};
 use super::scene::{Layer, Scene};
 
-/// Draws a layer, its longer side `side` pixels long (at least 1, at most 10,000).
+/// Draws a layer, its longer side `side` pixels long (at least 1, at most 2000).
 pub fn layer_png(scene: &Scene, layer: &Layer, side: u32) -> Vec<u8> {
     let Picture { frame: [left, bottom, width, height], background, shapes } = Picture::new(scene, layer);
-    let scale = side.clamp(1, 10_000) as f32 / width.max(height);
+    let scale = side.clamp(1, 2000) as f32 / width.max(height);
     let pixels = |mm: f32| ((mm * scale).round() as u32).max(1);
     // A picture within these limits can always be made.
     let Some(mut map) = Pixmap::new(pixels(width), pixels(height)) else { return Vec::new() };
@@ -27,15 +27,15 @@ pub fn layer_png(scene: &Scene, layer: &Layer, side: u32) -> Vec<u8> {
                     line_join: LineJoin::Round,
                     ..Pen::default()
                 };
-                if let Some(path) = polyline(points) {
+                if let Some(path) = polyline(points, false) {
                     map.stroke_path(&path, &paint(*color), &pen, to_pixels, None);
                 }
             }
-            Shape::Dot { color, radius_mm, at, .. } => {
-                for (radius, color) in [(1.2 * radius_mm, background), (0.8 * radius_mm, *color)] {
-                    if let Some(path) = PathBuilder::from_circle(at[0], at[1], radius) {
-                        map.fill_path(&path, &paint(color), FillRule::Winding, to_pixels, None);
-                    }
+            Shape::Mark { color, rim_mm, points, .. } => {
+                let pen = Pen { width: *rim_mm, ..Pen::default() };
+                if let Some(path) = polyline(points, true) {
+                    map.stroke_path(&path, &paint(background), &pen, to_pixels, None);
+                    map.fill_path(&path, &paint(*color), FillRule::Winding, to_pixels, None);
                 }
             }
         }
@@ -51,13 +51,16 @@ fn paint(color: Rgb) -> Paint<'static> {
 }
 
 /// `None` of what has no extent.
-fn polyline(points: &[[f32; 2]]) -> Option<Path> {
+fn polyline(points: &[[f32; 2]], closed: bool) -> Option<Path> {
     let mut builder = PathBuilder::new();
     for (i, point) in points.iter().enumerate() {
         match i {
             0 => builder.move_to(point[0], point[1]),
             _ => builder.line_to(point[0], point[1]),
         }
+    }
+    if closed {
+        builder.close();
     }
     builder.finish()
 }

@@ -29,13 +29,12 @@ pub fn layer_svg(scene: &Scene, layer: &Layer) -> String {
             Shape::Line { label, color, width_mm, .. } => {
                 (label, format!("stroke=\"{}\" stroke-width=\"{width_mm:.3}\"", hex(*color)))
             }
-            Shape::Dot { label, color, radius_mm, .. } => (
+            Shape::Mark { label, color, rim_mm, .. } => (
                 label,
                 format!(
-                    "fill=\"{}\" stroke=\"{}\" stroke-width=\"{:.3}\"",
+                    "fill=\"{}\" stroke=\"{}\" stroke-width=\"{rim_mm:.3}\" paint-order=\"stroke\"",
                     hex(*color),
-                    hex(background),
-                    radius_mm * 0.4
+                    hex(background)
                 ),
             ),
         };
@@ -45,24 +44,16 @@ pub fn layer_svg(scene: &Scene, layer: &Layer) -> String {
             let _ = writeln!(out, "{end}<g class=\"{class}\" {style}>");
             open = Some(style);
         }
-        match shape {
-            Shape::Line { points, .. } => {
-                out += "<path d=\"M";
-                for (i, point) in points.iter().enumerate() {
-                    let gap = if i > 0 { " " } else { "" };
-                    let _ = write!(out, "{gap}{:.2},{:.2}", point[0] - left, y(point[1]));
-                }
-                out += "\"/>\n";
-            }
-            Shape::Dot { at, radius_mm, .. } => {
-                let _ = writeln!(
-                    out,
-                    "<circle cx=\"{:.2}\" cy=\"{:.2}\" r=\"{radius_mm:.3}\"/>",
-                    at[0] - left,
-                    y(at[1])
-                );
-            }
+        let (points, end) = match shape {
+            Shape::Line { points, .. } => (points, ""),
+            Shape::Mark { points, .. } => (points, "Z"),
+        };
+        out += "<path d=\"M";
+        for (i, point) in points.iter().enumerate() {
+            let gap = if i > 0 { " " } else { "" };
+            let _ = write!(out, "{gap}{:.2},{:.2}", point[0] - left, y(point[1]));
         }
+        let _ = writeln!(out, "{end}\"/>");
     }
     out + if open.is_some() { "</g>\n</g>\n</svg>\n" } else { "</g>\n</svg>\n" }
 }

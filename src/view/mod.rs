@@ -10,8 +10,10 @@ mod pack;
 mod page;
 mod picture;
 mod scene;
+mod thumbnail;
 
 pub use layer_png::layer_png;
 pub use layer_svg::layer_svg;
 pub use page::{Print, page};
 pub use scene::{Layer, Mark, MarkKind, Scene, Stroke};
+pub use thumbnail::{Solid, thumbnail, thumbnail_comment};

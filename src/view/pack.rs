@@ -148,9 +148,10 @@ impl Packer {
 
     fn go(&mut self, to: [f32; 3], lifted: bool) {
         let to = to.map(|mm| ticks(mm.into(), POSITION));
-        for axis in 0..if lifted { 3 } else { 2 } {
-            self.signed(to[axis] - self.at[axis]);
-            self.at[axis] = to[axis];
+        let axes = if lifted { 3 } else { 2 };
+        for (axis, &tick) in to.iter().enumerate().take(axes) {
+            self.signed(tick - self.at[axis]);
+            self.at[axis] = tick;
         }
     }
 

@@ -5,6 +5,7 @@ use serde_json::{Value, json};
 use super::colors::{DARK, LIGHT, RAMP, ROLES, Rgb, Theme, hex};
 use super::pack::pack;
 use super::scene::Scene;
+use crate::profile::Settings;
 use crate::report::Measures;
 
 const TEMPLATE: &str = include_str!("page/index.html");
@@ -28,23 +29,48 @@ const MAIN: &str = include_str!("page/main.js");
 
 /// One of the prints of a page.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Print<'a> {
+pub struct Print {
     /// What it is called.
     pub name: String,
     /// What it draws.
-    pub scene: &'a Scene,
-    /// What it comes to; with a bound where there is one.
-    pub total: Measures,
+    pub scene: Scene,
     /// Weight of its filament.
     pub filament_g: f64,
 }
 
+impl Print {
+    /// A print of the filament in the settings.
+    pub fn new(name: String, scene: Scene, settings: &Settings) -> Self {
+        let filament_g = scene.total.volume_mm3 / 1000.0 * settings.filament.density;
+        Self { name, scene, filament_g }
+    }
+
+    /// Takes links and lower bounds, of each layer and of all, from whoever computed the bounds. Nothing changes where
+    /// those layers are others than the G-code's.
+    #[must_use]
+    pub fn with_bounds(mut self, layers: &[(f64, Option<f64>)], total: (f64, Option<f64>)) -> Self {
+        if layers.len() != self.scene.layers.len() {
+            return self;
+        }
+        for (layer, (link_mm, bound_mm)) in self.scene.layers.iter_mut().zip(layers) {
+            layer.measures.link_mm = *link_mm;
+            layer.measures.bound_mm = *bound_mm;
+        }
+        let measures = Measures { link_mm: total.0, ..self.scene.total };
+        self.scene.total = match total.1 {
+            Some(bound_mm) => measures.with_bound(bound_mm),
+            None => measures,
+        };
+        self
+    }
+}
+
 /// A page for one print, or for several side by side.
-pub fn page(title: &str, prints: &[Print<'_>]) -> String {
+pub fn page(title: &str, prints: &[Print]) -> String {
     let mut data = String::new();
     let mut infos = Vec::new();
     for (index, print) in prints.iter().enumerate() {
-        let packed = pack(print.scene);
+        let packed = pack(&print.scene);
         infos.push(info(print, packed.strokes, packed.marks));
         data += "<script type=\"text/plain\" id=\"print-";
         data += &format!("{index}\">{}</script>\n", packed.base64);
@@ -74,7 +100,7 @@ fn fill(values: &[(&str, &str)]) -> String {
     out
 }
 
-fn info(print: &Print<'_>, strokes: usize, marks: usize) -> Value {
+fn info(print: &Print, strokes: usize, marks: usize) -> Value {
     let [low, high] = print.scene.bounds().unwrap_or([[0.0; 2], [1.0; 2]]);
     json!({
         "name": print.name,
@@ -83,13 +109,13 @@ fn info(print: &Print<'_>, strokes: usize, marks: usize) -> Value {
         "marks": marks,
         "layers": print.scene.layers.len(),
         "bounds": [low[0], low[1], high[0], high[1]],
-        "total": print.total,
+        "total": print.scene.total,
         "filament_g": print.filament_g,
     })
 }
 
 /// What people should know before they wonder.
-fn notes(print: &Print<'_>) -> Vec<String> {
+fn notes(print: &Print) -> Vec<String> {
     let mut notes = Vec::new();
     if !print.scene.extrudes() {
         notes.push(format!("{} extrudes nothing: what is shown is travel.", print.name));
@@ -124,13 +150,13 @@ fn escape(text: &str) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::profile::Settings;
 
     #[test]
     fn a_page_is_whole_and_refers_to_nothing_outside() {
-        let scene = Scene::read(b"M83\nG1 X9 Z.2 F600\nG1 Y9 E1", &Settings::default());
+        let settings = Settings::default();
+        let scene = Scene::read(b"M83\nG1 X9 Z.2 F600\nG1 Y9 E1", &settings);
         let name = "</script><b>&".to_owned();
-        let print = Print { name: name.clone(), scene: &scene, total: scene.total.clone(), filament_g: 1.0 };
+        let print = Print::new(name.clone(), scene, &settings);
         let page = page(&name, &[print]);
         assert!(
             page.contains("<title>&lt;/script&gt;&lt;b&gt;&amp;</title>") && !page.contains("</script><b>")

@@ -11,8 +11,8 @@ const MARGIN: f32 = 0.04;
 pub(super) enum Shape {
     /// A line with round ends and corners. `label`: what it shows.
     Line { label: &'static str, color: Rgb, width_mm: f32, points: Vec<[f32; 2]> },
-    /// A disc, with a ring around it that sets it off.
-    Dot { label: &'static str, color: Rgb, radius_mm: f32, at: [f32; 2] },
+    /// A small filled shape, with a rim that sets it off.
+    Mark { label: &'static str, color: Rgb, rim_mm: f32, points: Vec<[f32; 2]> },
 }
 
 /// A layer to paint.
@@ -38,19 +38,28 @@ impl Picture {
             high[1] - low[1] + 2.0 * margin,
         ];
         // Thin, but still seen where the print is large.
-        let travel_mm = (side / 600.0).clamp(0.08, 1.0);
+        let travel_mm = (side / 450.0).clamp(0.08, 1.0);
         let mut shapes = beads(layer);
         shapes.extend(travels(layer, travel_mm));
-        shapes.extend(layer.marks.iter().map(|mark| {
-            let (label, color) = match mark.kind {
-                MarkKind::Retraction => ("Retraction", LIGHT.retraction),
-                MarkKind::Unretraction => ("Un-retraction", LIGHT.unretraction),
-                MarkKind::Seam => ("Seam", LIGHT.seam),
-            };
-            Shape::Dot { label, color, radius_mm: 1.8 * travel_mm, at: [mark.at[0], mark.at[1]] }
-        }));
+        for kind in [MarkKind::Seam, MarkKind::Unretraction, MarkKind::Retraction] {
+            let marks = layer.marks.iter().filter(|mark| mark.kind == kind);
+            shapes.extend(marks.map(|mark| sign(kind, [mark.at[0], mark.at[1]], 3.0 * travel_mm)));
+        }
         Self { frame, background: LIGHT.background, shapes }
     }
+}
+
+/// The sign of a mark, as in the page: retraction ▼ and un-retraction ▲ touch the point with their tip, seam ◆.
+fn sign(kind: MarkKind, at: [f32; 2], size_mm: f32) -> Shape {
+    let (label, color, corners) = match kind {
+        MarkKind::Retraction => ("Retraction", LIGHT.retraction, &[[-0.8, 1.5], [0.8, 1.5], [0.0, 0.0]][..]),
+        MarkKind::Unretraction => {
+            ("Un-retraction", LIGHT.unretraction, &[[-0.8, -1.5], [0.8, -1.5], [0.0, 0.0]][..])
+        }
+        MarkKind::Seam => ("Seam", LIGHT.seam, &[[-0.7, 0.0], [0.0, 0.7], [0.7, 0.0], [0.0, -0.7]][..]),
+    };
+    let points = corners.iter().map(|[x, y]| [at[0] + x * size_mm, at[1] + y * size_mm]).collect();
+    Shape::Mark { label, color, rim_mm: 0.25 * size_mm, points }
 }
 
 fn beads(layer: &Layer) -> Vec<Shape> {

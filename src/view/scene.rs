@@ -82,8 +82,8 @@ pub struct Scene {
 }
 
 impl Scene {
-    /// Reads a G-code file of any common slicer. Where it does not tell widths or the diameter of its filament, these
-    /// follow from the amounts extruded and from the settings. O(bytes).
+    /// Reads a G-code file of any common slicer. Filament and machine are those of the settings; widths that the file
+    /// does not tell follow from the amounts extruded. O(bytes).
     pub fn read(text: &[u8], settings: &Settings) -> Self {
         let mut reader = Reader::new(settings);
         for read in gcode::annotate(text) {

@@ -11,7 +11,7 @@ use pathwright::order::Visit;
 use pathwright::profile::Settings;
 use pathwright::toolpath::bead::area_mm2;
 use pathwright::toolpath::{Island, LayerPaths, Path, Role, Width};
-use pathwright::units::{Mm3, Seconds};
+use pathwright::units::{Mm, Mm3, Seconds};
 
 /// Heats, homes, primes along the front edge, and lifts.
 pub const START: &str = "\
@@ -47,9 +47,10 @@ M140 S0
 M84
 ";
 
-/// The default settings without start and end script: what is written is what the layers hold.
+/// The default settings without start and end script and with closed loops: what is written is what the layers hold.
 pub fn bare() -> Settings {
     let mut settings = Settings::default();
+    settings.seam.gap = Mm(0.0);
     (settings.gcode.start, settings.gcode.end) = (String::new(), String::new());
     settings
 }
@@ -184,8 +185,9 @@ pub fn volume_mm3(layers: &[LayerPaths], settings: &Settings) -> f64 {
         for path in &layer.paths {
             let n = path.points.len();
             let area = |i: usize| match (&path.width, path.role) {
-                (_, Role::BridgeInfill) => {
-                    std::f64::consts::PI / 4.0 * settings.printer.nozzle_diameter.0.powi(2)
+                (Width::Constant(w), Role::BridgeInfill) => std::f64::consts::PI / 4.0 * w * w,
+                (Width::PerVertex(w), Role::BridgeInfill) => {
+                    std::f64::consts::PI / 4.0 * f64::from(w[i]).powi(2)
                 }
                 (Width::Constant(w), _) => area_mm2(*w, path.height_mm),
                 (Width::PerVertex(w), _) => area_mm2(f64::from(w[i]), path.height_mm),

@@ -1,7 +1,10 @@
 //! Klipper: one acceleration for everything, extended commands, macros.
 
-use super::{Dialect, Purpose};
-use crate::gcode::number::push_fixed;
+use super::{Dialect, Purpose, line};
+use crate::estimate::Machine;
+use crate::gcode::number::{push_fixed, text};
+use crate::gcode::settings::ObjectLabel;
+use crate::profile::{RetractSettings, Settings};
 use crate::units::MmPerS2;
 
 pub(in crate::gcode) struct Klipper;
@@ -13,6 +16,56 @@ impl Dialect for Klipper {
 
     fn acceleration(&self, out: &mut Vec<u8>, _purpose: Purpose, acceleration: MmPerS2) {
         assign(out, b"SET_VELOCITY_LIMIT ACCEL=", acceleration.0.round() as i64);
+    }
+
+    fn limits(&self, out: &mut Vec<u8>, settings: &Settings) {
+        let machine = Machine::new(settings);
+        let limits = [
+            ("VELOCITY", machine.max_speed[0]),
+            ("ACCEL", machine.max_acceleration[0]),
+            ("SQUARE_CORNER_VELOCITY", machine.square_corner_velocity),
+            ("MINIMUM_CRUISE_RATIO", machine.min_cruise_ratio),
+        ];
+        command(out, "SET_VELOCITY_LIMIT", &limits);
+    }
+
+    fn pressure_advance(&self, out: &mut Vec<u8>, seconds: f64) {
+        command(out, "SET_PRESSURE_ADVANCE", &[("ADVANCE", seconds)]);
+    }
+
+    fn firmware_retraction(&self, out: &mut Vec<u8>, retract: &RetractSettings) {
+        let values = [
+            ("RETRACT_LENGTH", retract.length.0),
+            ("RETRACT_SPEED", retract.speed.0),
+            ("UNRETRACT_EXTRA_LENGTH", retract.extra.0.max(0.0)),
+            ("UNRETRACT_SPEED", retract.unretract_speed.0),
+        ];
+        command(out, "SET_RETRACTION", &values);
+    }
+
+    fn objects(&self, out: &mut Vec<u8>, objects: &[ObjectLabel]) {
+        for (index, object) in objects.iter().enumerate() {
+            let ([x0, y0], [x1, y1]) = (object.min_mm.map(|v| text(v, 2)), object.max_mm.map(|v| text(v, 2)));
+            let center = [0, 1].map(|i| text(0.5 * (object.min_mm[i] + object.max_mm[i]), 2));
+            line(
+                out,
+                &format!(
+                    "EXCLUDE_OBJECT_DEFINE NAME={} CENTER={},{} \
+                     POLYGON=[[{x0},{y0}],[{x1},{y0}],[{x1},{y1}],[{x0},{y1}]]",
+                    name(index as u32),
+                    center[0],
+                    center[1]
+                ),
+            );
+        }
+    }
+
+    fn object_begins(&self, out: &mut Vec<u8>, object: u32) {
+        line(out, &format!("EXCLUDE_OBJECT_START NAME={}", name(object)));
+    }
+
+    fn object_ends(&self, out: &mut Vec<u8>, object: u32) {
+        line(out, &format!("EXCLUDE_OBJECT_END NAME={}", name(object)));
     }
 
     fn pause(&self) -> &'static str {
@@ -30,6 +83,16 @@ impl Dialect for Klipper {
     fn has_macros(&self) -> bool {
         true
     }
+}
+
+fn name(object: u32) -> String {
+    format!("object_{object}")
+}
+
+/// An extended command.
+fn command(out: &mut Vec<u8>, name: &str, values: &[(&str, f64)]) {
+    let words = values.iter().map(|(key, value)| format!(" {key}={}", text(*value, 4)));
+    line(out, &format!("{name}{}", words.collect::<String>()));
 }
 
 fn assign(out: &mut Vec<u8>, command: &[u8], value: i64) {

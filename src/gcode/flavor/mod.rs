@@ -4,8 +4,9 @@ mod klipper;
 mod marlin;
 mod reprapfirmware;
 
-use super::number::push_word;
-use crate::profile::Flavor;
+use super::number::{push_word, text};
+use super::settings::ObjectLabel;
+use crate::profile::{Flavor, RetractSettings, Settings};
 use crate::units::{MmPerS2, Ratio};
 
 /// Which moves an acceleration is for.
@@ -37,6 +38,34 @@ pub(super) trait Dialect {
         out.push(b'\n');
     }
 
+    /// Says what the machine can do, from `[machine]`.
+    fn limits(&self, out: &mut Vec<u8>, settings: &Settings);
+
+    /// Sets linear or pressure advance, seconds.
+    fn pressure_advance(&self, out: &mut Vec<u8>, seconds: f64);
+
+    /// Sets up G10 and G11.
+    fn firmware_retraction(&self, out: &mut Vec<u8>, retract: &RetractSettings) {
+        let (length, extra) = (text(retract.length.0, 3), text(retract.extra.0.max(0.0), 3));
+        line(out, &format!("M207 S{length} F{}", text(retract.speed.0 * 60.0, 0)));
+        line(out, &format!("M208 S{extra} F{}", text(retract.unretract_speed.0 * 60.0, 0)));
+    }
+
+    /// Says which objects there are.
+    fn objects(&self, out: &mut Vec<u8>, objects: &[ObjectLabel]) {
+        line(out, &format!("M486 T{}", objects.len()));
+    }
+
+    /// What follows belongs to an object.
+    fn object_begins(&self, out: &mut Vec<u8>, object: u32) {
+        line(out, &format!("M486 S{object}"));
+    }
+
+    /// What follows belongs to no object any more.
+    fn object_ends(&self, out: &mut Vec<u8>, _object: u32) {
+        line(out, "M486 S-1");
+    }
+
     /// The command that pauses for a filament change.
     fn pause(&self) -> &'static str {
         "M600"
@@ -52,6 +81,18 @@ pub(super) trait Dialect {
     fn has_macros(&self) -> bool {
         false
     }
+}
+
+/// Appends a line.
+pub(super) fn line(out: &mut Vec<u8>, text: &str) {
+    out.extend_from_slice(text.as_bytes());
+    out.push(b'\n');
+}
+
+/// A command with a word for each of X, Y, Z and E.
+fn axes(out: &mut Vec<u8>, command: &str, values: [f64; 4]) {
+    let words = values.iter().zip("XYZE".chars()).map(|(value, axis)| format!(" {axis}{}", text(*value, 2)));
+    line(out, &format!("{command}{}", words.collect::<String>()));
 }
 
 /// The dialect of a flavour.

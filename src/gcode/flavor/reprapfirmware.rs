@@ -1,7 +1,9 @@
 //! RepRapFirmware 3: fan values are shares. A pause by M600 runs `filament-change.g`, or `pause.g`.
 
-use super::Dialect;
-use crate::gcode::number::{push_word, ticks};
+use super::{Dialect, axes, line};
+use crate::estimate::Machine;
+use crate::gcode::number::{push_word, text, ticks};
+use crate::profile::{RetractSettings, Settings};
 use crate::units::Ratio;
 
 pub(in crate::gcode) struct RepRapFirmware;
@@ -11,5 +13,23 @@ impl Dialect for RepRapFirmware {
         out.extend_from_slice(b"M106");
         push_word(out, b'S', ticks(share.0.clamp(0.0, 1.0), 2), 2);
         out.push(b'\n');
+    }
+
+    /// Its speeds are a minute's.
+    fn limits(&self, out: &mut Vec<u8>, settings: &Settings) {
+        let machine = Machine::new(settings);
+        axes(out, "M201", machine.max_acceleration);
+        axes(out, "M203", machine.max_speed.map(|v| v * 60.0));
+        axes(out, "M566", machine.jerk.map(|v| v * 60.0));
+    }
+
+    fn pressure_advance(&self, out: &mut Vec<u8>, seconds: f64) {
+        line(out, &format!("M572 D0 S{}", text(seconds, 4)));
+    }
+
+    fn firmware_retraction(&self, out: &mut Vec<u8>, retract: &RetractSettings) {
+        let (length, extra) = (text(retract.length.0, 3), text(retract.extra.0.max(0.0), 3));
+        let [back, forward] = [retract.speed, retract.unretract_speed].map(|v| text(v.0 * 60.0, 0));
+        line(out, &format!("M207 S{length} R{extra} F{back} T{forward}"));
     }
 }

@@ -335,7 +335,9 @@ mod tests {
     fn a_g90_after_an_m83_leaves_e_in_doubt_until_the_next() {
         let mut state = State::default();
         let mut after = |text: &str| {
-            lines(text.as_bytes()).for_each(|line| drop(state.follow(&line)));
+            lines(text.as_bytes()).for_each(|line| {
+                state.follow(&line);
+            });
             state.e_doubtful
         };
         assert!(!after("G90\nM83\nG91") && after("G90") && !after("M83"));

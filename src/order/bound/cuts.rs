@@ -46,8 +46,14 @@ impl Cuts {
 
     /// Cuts that hold both terminals.
     pub(super) fn shared(&self, a: u32, b: u32) -> impl Iterator<Item = u32> {
-        let other = &self.of[b as usize];
-        self.of[a as usize].iter().copied().filter(move |cut| other.binary_search(cut).is_ok())
+        common(&self.of[a as usize], &self.of[b as usize])
+    }
+
+    /// The cuts of each terminal that have a multiplier above zero.
+    pub(super) fn active(&self, multipliers: &[i64]) -> Vec<Vec<u32>> {
+        let active =
+            |of: &Vec<u32>| of.iter().copied().filter(|&cut| multipliers[cut as usize] > 0).collect();
+        self.of.iter().map(active).collect()
     }
 
     fn add(&mut self, members: Vec<u32>, least: i32, guard: Option<u32>) {
@@ -152,6 +158,16 @@ impl Cuts {
             }
         }
     }
+}
+
+/// What two ascending lists have in common.
+pub(super) fn common<'a>(a: &'a [u32], b: &'a [u32]) -> impl Iterator<Item = u32> + 'a {
+    let mut rest = b;
+    a.iter().copied().filter(move |cut| {
+        let below = rest.iter().take_while(|other| *other < cut).count();
+        rest = &rest[below..];
+        rest.first() == Some(cut)
+    })
 }
 
 /// The members of each part, and how often recent trees left it.

@@ -4,7 +4,7 @@ use rustc_hash::{FxHashMap, FxHashSet};
 
 use super::super::matching::delaunay;
 use super::super::parts::Parts;
-use super::cuts::Cuts;
+use super::cuts::{Cuts, common};
 use super::model::{Body, DEPTHS, Model};
 use super::pricing::{Priced, Prices, Pricing};
 use super::tree::{Forest, Link, Usage};
@@ -29,6 +29,8 @@ struct Way {
     tie: u32,
     /// Of the link there, in fine units.
     length: i64,
+    /// Cuts that hold both this and the start: a piece of the list of all shared cuts.
+    shared: (u32, u32),
     /// Trees since the last look that used it.
     used: u32,
 }
@@ -80,6 +82,7 @@ impl<'a> Relaxation<'a> {
                         terminal,
                         tie: tie(block, terminal - body.first),
                         length: 0,
+                        shared: (0, 0),
                         used: 0,
                     }));
                 }
@@ -181,6 +184,9 @@ impl<'a> Relaxation<'a> {
     /// What a link pays for its tie at `a`.
     fn tied(&self, a: u32, b: u32, multipliers: &Multipliers) -> i64 {
         let [i, j] = [a, b].map(|t| self.model.terminals[t as usize].item);
+        if self.blocks[i as usize].is_empty() {
+            return 0;
+        }
         let block = self.block_of.get(&(i, j)).copied().unwrap_or(0);
         multipliers.ties[tie(block, a - self.model.bodies[i as usize].first) as usize]
     }
@@ -219,7 +225,15 @@ impl<'a> Relaxation<'a> {
         if grown {
             self.shared.clear();
         }
-        self.ways.iter_mut().flatten().for_each(|way| way.used = 0);
+        let start = self.model.terminals.len() as u32;
+        for way in self.ways.iter_mut().flatten() {
+            way.used = 0;
+            if grown {
+                let first = self.shared.len() as u32;
+                self.shared.extend(self.cuts.shared(start, way.terminal));
+                way.shared = (first, self.shared.len() as u32);
+            }
+        }
         for link in self.links.iter_mut().flatten() {
             link.used = 0;
             if grown {
@@ -275,9 +289,13 @@ impl<'a> Relaxation<'a> {
         if ways == 1 {
             return own;
         }
-        let start = self.model.terminals.len() as u32;
-        let both = self.cuts.shared(start, way.terminal).map(|cut| multipliers.cuts[cut as usize]);
-        own + weights[start as usize] + 2 * both.sum::<i64>()
+        let both = self.shared_by(way).iter().map(|&cut| multipliers.cuts[cut as usize]);
+        own + weights[self.model.terminals.len()] + 2 * both.sum::<i64>()
+    }
+
+    /// Cuts that hold both the start and a way's terminal.
+    fn shared_by(&self, way: &Way) -> &[u32] {
+        &self.shared[way.shared.0 as usize..way.shared.1 as usize]
     }
 
     /// The cheapest way in or out: its price and its number.
@@ -309,7 +327,7 @@ impl<'a> Relaxation<'a> {
             usage.tied[way.tie as usize] += 1;
             if ways == 0 {
                 usage.degrees[start] += 1;
-                for cut in self.cuts.shared(start as u32, way.terminal) {
+                for &cut in &self.shared[way.shared.0 as usize..way.shared.1 as usize] {
                     usage.inside[cut as usize] += 1;
                 }
             }
@@ -320,6 +338,7 @@ impl<'a> Relaxation<'a> {
     /// The bound over all links, which holds whatever the multipliers are, and its tree.
     pub(super) fn exact(&self, multipliers: &Multipliers) -> (i64, Vec<Priced>) {
         let weights = self.weights(multipliers);
+        let active = self.cuts.active(&multipliers.cuts);
         let list = |links: &Vec<Link>| {
             let listed = links.iter().map(|link| {
                 let [p, q] = [link.a, link.b].map(|t| self.model.terminals[t as usize].first);
@@ -336,8 +355,10 @@ impl<'a> Relaxation<'a> {
             known: &|a, b| self.known.contains(&(a.min(b), a.max(b))),
             weights: &weights,
             both: &|a, b| {
-                let cuts = self.cuts.shared(a, b).map(|cut| multipliers.cuts[cut as usize]).sum::<i64>();
-                2 * cuts + self.tied(a, b, multipliers) + self.tied(b, a, multipliers)
+                let cuts = common(&active[a as usize], &active[b as usize]);
+                2 * cuts.map(|cut| multipliers.cuts[cut as usize]).sum::<i64>()
+                    + self.tied(a, b, multipliers)
+                    + self.tied(b, a, multipliers)
             },
         });
         let links: i64 = tree.iter().map(|found| found.cost).sum();

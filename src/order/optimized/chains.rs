@@ -1,6 +1,6 @@
 //! Directions and entries of consecutive paths, chosen together.
 
-use super::super::entries::{Choice, Way, around, cheapest_entries, spread};
+use super::super::entries::{Look, Way, cheapest_entries};
 use super::search::{GAIN, Search};
 use super::walk::End;
 
@@ -11,27 +11,27 @@ impl Search<'_> {
     /// Finds the best directions and entries along the whole walk, first on vertices spread over each loop, then on those around
     /// the ones found.
     pub fn reenter_all(&mut self) {
-        for choice in [spread as Choice, around] {
-            self.reenter_chain(1, self.walk.len() + 1, choice);
+        for look in [Look::Everywhere, Look::Around] {
+            self.reenter_chain(1, self.walk.len() + 1, look);
         }
     }
 
     /// Finds better directions and entries of the path at a position and of those just before and after it together.
     pub fn reenter_beside(&mut self, at: u32) -> bool {
         let (from, to) = (at.saturating_sub(BESIDE).max(1), (at + BESIDE).min(self.walk.len()) + 1);
-        self.reenter_chain(from, to, spread) || self.reenter_chain(from, to, around)
+        self.reenter_chain(from, to, Look::Everywhere) || self.reenter_chain(from, to, Look::Around)
     }
 
     /// The same for the paths at the positions `from` to `to` − 1.
-    fn reenter_chain(&mut self, from: u32, to: u32, choice: Choice) -> bool {
+    fn reenter_chain(&mut self, from: u32, to: u32, look: Look) -> bool {
         let now: f64 = (from..=to).map(|gap| self.walk.gap(gap)).sum();
         let walk = &self.walk;
         let start = walk.place(walk.node(End { gap: from, right: false }));
         let end = walk.place(walk.node(End { gap: to, right: true }));
-        let ways = (from..to).map(|at| self.ways(at, choice));
-        let mut visited = 0;
-        let (cost, entries) = cheapest_entries(start, ways, end, |a, b| walk.between(a, b), &mut visited);
-        self.walk.work += visited;
+        let ways = |at: usize, ways: &mut Vec<Way>| self.ways(from + at as u32, look, ways);
+        let count = (to - from) as usize;
+        let (cost, entries, pairs) = cheapest_entries(start, count, ways, end, |a, b| walk.between(a, b));
+        self.walk.work += pairs;
         if cost >= now - GAIN {
             return false;
         }
@@ -52,15 +52,16 @@ impl Search<'_> {
         true
     }
 
-    /// The ways of drawing the path at a position that are to be considered; of an open path, entry 1 turns it round.
-    fn ways(&self, at: u32, choice: Choice) -> Vec<Way> {
+    /// Appends the ways of drawing the path at a position that are to be considered; of an open path, entry 1 turns it round.
+    fn ways(&self, at: u32, look: Look, ways: &mut Vec<Way>) {
         let item = self.walk.item_at(at);
         if let Some(vertices) = self.walk.vertices(item) {
-            let entries = choice(vertices, self.walk.entry(item));
-            return entries.into_iter().map(|entry| Way::at(vertices, entry)).collect();
+            let way = |entry| Way::at(entry, vertices[entry as usize]);
+            ways.extend(look.at(vertices.len(), self.walk.entry(item)).map(way));
+            return;
         }
         let enter = self.walk.place(self.walk.node(End { gap: at, right: true }));
         let leave = self.walk.place(self.walk.node(End { gap: at + 1, right: false }));
-        vec![Way { entry: 0, enter, leave }, Way { entry: 1, enter: leave, leave: enter }]
+        ways.extend([Way { entry: 0, enter, leave }, Way { entry: 1, enter: leave, leave: enter }]);
     }
 }

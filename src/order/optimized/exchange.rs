@@ -1,8 +1,8 @@
 //! Exchanging two or three links within a group.
 
-use super::neighbours::Near;
+use super::neighbours::{NEAR, Near};
 use super::search::{GAIN, Search};
-use super::walk::{End, NONE, Walk};
+use super::walk::{End, Walk};
 
 /// Neighbours tried for the second new link of an exchange.
 const SECOND: usize = 5;
@@ -69,11 +69,16 @@ impl Search<'_> {
             return None;
         }
         let (mut best_gain, mut best) = (GAIN, None);
-        for node in self.near(node2, group).into_iter().take_while(|&node| node != NONE) {
+        let first = self.near(node2, group);
+        for at in 0..NEAR {
+            let Near { node, least } = self.neighbours.get(first, at);
+            if least >= removed {
+                break;
+            }
             let added = self.walk.link(node2, node);
             self.walk.work += 1;
             if added >= removed {
-                if self.walk.is_loop(node / 2) { continue } else { break }
+                continue;
             }
             for t3 in ends(&self.walk, node) {
                 let distance = t3.gap.abs_diff(t1.gap);
@@ -94,12 +99,16 @@ impl Search<'_> {
                 if open <= best_gain || self.walk.group_of(node4) != group {
                     continue;
                 }
-                for third in self.near(node4, group).into_iter().take(SECOND).take_while(|&node| node != NONE)
-                {
+                let second = self.near(node4, group);
+                for at in 0..SECOND {
+                    let Near { node: third, least } = self.neighbours.get(second, at);
+                    if open - least <= best_gain {
+                        break;
+                    }
                     let left = open - self.walk.link(node4, third);
                     self.walk.work += 1;
                     if left <= best_gain {
-                        if self.walk.is_loop(third / 2) { continue } else { break }
+                        continue;
                     }
                     for t5 in ends(&self.walk, third) {
                         if t5.gap == t1.gap || t5.gap == t3.gap || t5.gap.abs_diff(t1.gap) > self.reach {
@@ -121,24 +130,24 @@ impl Search<'_> {
         best
     }
 
-    fn near(&mut self, node: u32, group: u32) -> Near {
+    /// The list of what lies near a node within a group.
+    pub fn near(&mut self, node: u32, group: u32) -> usize {
         let item = node / 2;
+        if item >= self.walk.len() {
+            self.walk.work += 16;
+            return self.neighbours.near(group, self.walk.place(node));
+        }
+        let entry = if self.walk.is_loop(item) { self.walk.entry(item) } else { node % 2 };
         if self.walk.group_of(node) == group {
-            let entry = if self.walk.is_loop(item) { self.walk.entry(item) } else { node % 2 };
-            return self.neighbours.of(self.problem, group, item, entry);
+            self.neighbours.of(self.problem, group, item, entry)
+        } else {
+            self.neighbours.in_other(self.problem, group, item, entry)
         }
-        let [x, y] = self.walk.place(node);
-        if x.is_nan() {
-            return [NONE; super::neighbours::NEAR];
-        }
-        self.walk.work += 16;
-        let point = crate::geom::Point::from_mm(x, y);
-        self.neighbours.near(group, point, NONE)
     }
 }
 
 /// Where a listed node can be linked anew: an end of a path at its one gap, a loop at both of its gaps.
-fn ends(walk: &Walk, node: u32) -> impl Iterator<Item = End> + use<> {
+pub fn ends(walk: &Walk, node: u32) -> impl Iterator<Item = End> + use<> {
     let first = walk.end_of(node);
     let second = walk.is_loop(node / 2).then(|| {
         // A loop's nodes are alike; which of them is listed says nothing.

@@ -31,15 +31,15 @@ impl Search<'_> {
     /// The vertex of a loop that is cheapest to visit between two places, and what its two links cost.
     pub fn best_vertex(&mut self, item: u32, before: [f64; 2], after: [f64; 2]) -> (f64, u32) {
         let vertices = self.walk.vertices(item).unwrap_or_default();
-        self.walk.work += vertices.len() as u64;
+        let looked_at = vertices.len() as u64;
         let mut best = (f64::INFINITY, 0);
-        for (entry, vertex) in vertices.iter().enumerate() {
-            let vertex = vertex.mm();
+        for (entry, &vertex) in vertices.iter().enumerate() {
             let cost = self.walk.between(before, vertex) + self.walk.between(vertex, after);
             if cost < best.0 {
                 best = (cost, entry as u32);
             }
         }
+        self.walk.work += looked_at;
         best
     }
 
@@ -47,7 +47,9 @@ impl Search<'_> {
     ///
     /// Gaps are those beside items that are near to some vertex of the loop.
     pub fn reinsert(&mut self, item: u32) -> bool {
-        let Some(vertices) = self.walk.vertices(item) else { return false };
+        if !self.walk.is_loop(item) {
+            return false;
+        }
         let at = self.walk.position(item);
         let group = self.walk.group_at(at);
         let (first, last) = self.walk.span(group);
@@ -73,7 +75,9 @@ impl Search<'_> {
         } else {
             let sites = self.neighbours.take_sites(self.problem, group, item);
             for &(entry, node) in &sites {
-                let vertex = vertices[entry as usize].mm();
+                let Some(vertex) = self.walk.vertices(item).map(|vertices| vertices[entry as usize]) else {
+                    continue;
+                };
                 let beside = self.walk.position(node / 2);
                 for gap in [beside, beside + 1] {
                     if gap == at || gap == at + 1 || gap.abs_diff(at) > self.reach {

@@ -9,21 +9,28 @@ use super::walk::{End, NONE};
 
 /// Most groups in one block that moves.
 const BLOCK: u32 = 4;
-/// With at most so many groups, all gaps between groups are tried; with more, those beside near groups.
-const FEW: usize = 12;
+/// With at most so many groups in a stage, all gaps between groups are tried; with more, those beside near groups.
+const FEW: u32 = 12;
 /// Near groups of each group.
 const NEAR: usize = 24;
 /// Places of a group from which near groups are looked for, and how many from each.
 const SAMPLES: usize = 8;
 const NEAR_SAMPLE: usize = 6;
 
+/// The groups of one stage, and the gaps between which they lie; the last group is excluded.
+#[derive(Clone, Copy, Debug)]
+struct Stage {
+    groups: (u32, u32),
+    gaps: (u32, u32),
+}
+
 /// What lies where, for groups.
 #[derive(Debug)]
 pub struct Vicinity<'a> {
     /// Of all items, once a near group was asked for.
     index: Option<Index<'a>>,
-    /// Gaps between which each group's stage lies.
-    stage: Vec<(u32, u32)>,
+    /// The stage of each group.
+    stage: Vec<Stage>,
     /// Near groups of each group, once they were asked for.
     near: Vec<Option<Vec<u32>>>,
     /// Centre and radius of a disc, in millimetres, that holds all entries of each lone loop.
@@ -34,18 +41,13 @@ impl Vicinity<'_> {
     /// What is known at once.
     pub fn new(problem: &Problem, groups: &Groups) -> Self {
         let mut stage = Vec::with_capacity(groups.items.len());
-        let (mut first, mut at) = (1, 1);
-        for (group, items) in groups.items.iter().enumerate() {
-            if group > 0 && groups.place[group].stage != groups.place[group - 1].stage {
-                first = at;
-            }
-            at += items.len() as u32;
-            stage.push((first, at));
-        }
-        for group in (1..stage.len()).rev() {
-            if stage[group].0 == stage[group - 1].0 {
-                stage[group - 1].1 = stage[group].1;
-            }
+        let mut gap = 1;
+        for places in groups.place.chunk_by(|a, b| a.stage == b.stage) {
+            let (first, begin) = (stage.len(), gap);
+            let end = first + places.len();
+            gap += groups.items[first..end].iter().map(|items| items.len() as u32).sum::<u32>();
+            let all = Stage { groups: (first as u32, end as u32), gaps: (begin, gap) };
+            stage.extend(places.iter().map(|_| all));
         }
         let disc = |items: &Vec<u32>| match (items.as_slice(), problem.items[items[0] as usize].shape) {
             ([_], Shape::Loop(vertices)) => {
@@ -73,7 +75,7 @@ impl Search<'_> {
     /// between groups where it costs least: forwards, or reversed if it is one group, or entered at its best vertex if
     /// it is one loop.
     pub fn move_group(&mut self, group: u32) -> bool {
-        if self.groups.items.len() < 2 {
+        if self.groups_in_stage(group) < 2 {
             return false;
         }
         let (first, end) = self.walk.span(group);
@@ -92,6 +94,18 @@ impl Search<'_> {
             }
         }
         false
+    }
+
+    /// Number of groups in the stage of a group.
+    pub fn groups_in_stage(&self, group: u32) -> u32 {
+        let (first, end) = self.vicinity.stage[group as usize].groups;
+        end - first
+    }
+
+    /// Positions of the stage of a group.
+    pub fn positions_of_stage(&self, group: u32) -> std::ops::Range<u32> {
+        let (first, end) = self.vicinity.stage[group as usize].gaps;
+        first..end
     }
 
     /// Draws a group the other way round if that is cheaper.
@@ -140,7 +154,7 @@ impl Search<'_> {
     /// The gaps from and to which a block of groups may move: it stays in its stage and passes no group that its unit
     /// has before or after.
     fn window(&self, from: u32, to: u32) -> (u32, u32) {
-        let (mut low, mut high) = self.vicinity.stage[self.walk.group_at(from) as usize];
+        let (mut low, mut high) = self.vicinity.stage[self.walk.group_at(from) as usize].gaps;
         if to > high || from < low {
             return (from, to);
         }
@@ -227,7 +241,8 @@ impl Search<'_> {
     /// Gaps between groups (units, where these stay whole) worth trying for a block, within its window.
     fn gaps_near(&mut self, from: u32, to: u32, low: u32, high: u32) -> Vec<u32> {
         let mut gaps = Vec::with_capacity(4 * NEAR);
-        if self.groups.items.len() <= FEW {
+        let (first, last) = (self.walk.group_at(from), self.walk.group_at(to - 1));
+        if self.groups_in_stage(first) <= FEW {
             let mut gap = low;
             while gap < high {
                 gaps.push(gap);
@@ -235,9 +250,8 @@ impl Search<'_> {
             }
             gaps.push(high);
         } else {
-            let (first, last) = (self.walk.group_at(from), self.walk.group_at(to - 1));
+            self.find_near_groups(first);
             for group in std::iter::once(first).chain((first != last).then_some(last)) {
-                self.find_near_groups(group);
                 for &near in self.vicinity.near[group as usize].iter().flatten() {
                     let (first, end) = self.walk.span(near);
                     gaps.extend([first, end]);
@@ -260,37 +274,39 @@ impl Search<'_> {
         gaps
     }
 
-    /// Finds the groups that lie nearest to a group, when first asked for.
+    /// Finds the groups that lie nearest to each group in the stage of one, when first asked for one of them.
     fn find_near_groups(&mut self, group: u32) {
         if self.vicinity.near[group as usize].is_some() {
             return;
         }
-        let items = &self.groups.items[group as usize];
-        let (mut near, mut found): (Vec<Entry>, Vec<Entry>) = (Vec::new(), Vec::new());
-        let problem = self.problem;
-        let index = self.vicinity.index.get_or_insert_with(|| {
-            let mut index = Index::new(problem, self.groups);
-            (0..self.groups.items.len() as u32).for_each(|group| index.open(group));
-            index
-        });
-        index.close(group);
-        for &item in items.iter().step_by(items.len().div_ceil(SAMPLES)) {
-            let entries = self.walk.vertices(item).map_or(2, <[_]>::len);
-            for entry in [0, entries / 2] {
-                let point = self.problem.items[item as usize].ends(entry as u32).0;
-                index.nearest_groups(point, self.groups, NEAR_SAMPLE, &mut found);
-                near.extend_from_slice(&found);
+        let (problem, groups) = (self.problem, self.groups);
+        let index = self.vicinity.index.get_or_insert_with(|| Index::new(problem, groups));
+        let (first, end) = self.vicinity.stage[group as usize].groups;
+        (first..end).for_each(|group| index.open(group));
+        let mut found: Vec<Entry> = Vec::new();
+        for group in first..end {
+            let items = &groups.items[group as usize];
+            let mut near: Vec<Entry> = Vec::new();
+            index.close(group);
+            for &item in items.iter().step_by(items.len().div_ceil(SAMPLES)) {
+                let entries = self.walk.vertices(item).map_or(2, <[_]>::len);
+                for entry in [0, entries / 2] {
+                    let point = problem.items[item as usize].ends(entry as u32).0;
+                    index.nearest_groups(point, groups, NEAR_SAMPLE, &mut found);
+                    near.extend_from_slice(&found);
+                }
             }
-        }
-        index.open(group);
-        near.sort_unstable();
-        let mut groups: Vec<u32> = Vec::with_capacity(NEAR);
-        for entry in near {
-            if groups.len() < NEAR && !groups.contains(&entry.item) {
-                groups.push(entry.item);
+            index.open(group);
+            near.sort_unstable();
+            let mut nearest: Vec<u32> = Vec::with_capacity(NEAR);
+            for entry in near {
+                if nearest.len() < NEAR && !nearest.contains(&entry.item) {
+                    nearest.push(entry.item);
+                }
             }
+            self.vicinity.near[group as usize] = Some(nearest);
         }
-        self.vicinity.near[group as usize] = Some(groups);
+        (first..end).for_each(|group| index.close(group));
     }
 
     /// Swaps two neighbouring blocks of groups, if precedence lets them pass each other.

@@ -13,24 +13,26 @@ use super::walk::{End, Walk};
 /// that matters, so that the search ends.
 pub const GAIN: f64 = 1e-7;
 /// Longest stretch that a kick swaps.
-const KICK: u32 = 30;
+const KICK: u32 = 60;
 /// Farthest exchange while kicks are repaired: what is farther away does not depend on the kick.
 const KICK_REACH: u32 = 1000;
+/// One kick in so many shifts a junction.
+const SHIFT: u32 = 4;
+/// Paths that are kicked before the next so many are.
+const WINDOW: u32 = 2000;
 
-/// Walks of so few items are searched thoroughly even after kicks.
-const FEW: u32 = 12;
+/// Stages of so few items are searched thoroughly.
+const FEW: usize = 12;
 
 /// A walk and what is needed to improve it.
 pub struct Search<'a> {
     pub(super) problem: &'a Problem<'a>,
     pub(super) groups: &'a Groups,
-    pub(super) walk: Walk<'a>,
+    pub(super) walk: Walk,
     pub(super) neighbours: Neighbours,
     /// Exchanges move at most so many items.
     pub(super) reach: u32,
     pub(super) vicinity: Vicinity<'a>,
-    /// Whether neighbouring loops are entered anew together, which is dear.
-    thorough: bool,
     queue: VecDeque<u32>,
     queued: Vec<bool>,
 }
@@ -42,9 +44,8 @@ impl<'a> Search<'a> {
             problem,
             groups,
             walk: Walk::new(problem, groups, cost, sequence),
-            neighbours: Neighbours::new(problem, groups),
+            neighbours: Neighbours::new(problem, groups, cost),
             reach: u32::MAX,
-            thorough: true,
             vicinity: Vicinity::new(problem, groups),
             queue: VecDeque::new(),
             queued: vec![false; 2 * problem.items.len()],
@@ -69,15 +70,33 @@ impl<'a> Search<'a> {
     ///
     /// Iterated local search with segment-local double bridges (Martin, Otto & Felten 1991), local kicks and
     /// undo as in Applegate, Cook & Rohe 2003, doi:10.1287/ijoc.15.1.82.13157.
+    ///
+    /// Kicks go along the walk from one window of [`WINDOW`] paths to the next, so that what a window needs stays in the
+    /// processor's caches.
     pub fn iterate(&mut self, random: &mut Random, budget: u64) {
-        let end = self.walk.work + budget;
+        let count = self.walk.len();
+        let windows = count.div_ceil(WINDOW);
         self.reach = KICK_REACH;
-        self.thorough = self.walk.len() <= FEW;
+        for window in 0..windows {
+            let bound = |window: u32| 1 + (u64::from(count) * u64::from(window) / u64::from(windows)) as u32;
+            let (from, to) = (bound(window), bound(window + 1));
+            self.iterate_within(from, to, random, budget * u64::from(to - from) / u64::from(count));
+        }
+        self.reach = u32::MAX;
+    }
+
+    /// Kicks at the positions `from` to `to` − 1.
+    fn iterate_within(&mut self, from: u32, to: u32, random: &mut Random, budget: u64) {
+        let end = self.walk.work + budget;
         while self.walk.work < end {
             self.walk.work += 8;
-            let kicks = if self.thorough { 1 + random.below(3) } else { 1 };
-            for _ in 0..kicks {
-                self.kick(random);
+            let at = from + random.below(to - from);
+            self.kick(at, random);
+            let group = self.walk.group_at(at);
+            let more = if self.is_thorough(group) { random.below(3) } else { 0 };
+            for _ in 0..more {
+                let stage = self.positions_of_stage(group);
+                self.kick(stage.start + random.below(stage.end - stage.start), random);
             }
             self.drain();
             if self.walk.is_worse() {
@@ -86,7 +105,11 @@ impl<'a> Search<'a> {
                 self.walk.commit();
             }
         }
-        (self.reach, self.thorough) = (u32::MAX, true);
+    }
+
+    /// Whether neighbouring loops are entered anew together, which is dear.
+    fn is_thorough(&self, group: u32) -> bool {
+        self.positions_of_stage(group).len() <= FEW
     }
 
     /// Queues the nodes on both sides of a gap.
@@ -111,7 +134,9 @@ impl<'a> Search<'a> {
     /// Makes one improving move that concerns the link at a node, if there is one.
     fn improve(&mut self, node: u32) -> bool {
         let item = node / 2;
-        if self.reenter(item) {
+        // A loop whose other node is queued as well has its turn then.
+        let turn = !self.queued[node as usize ^ 1];
+        if turn && self.reenter(item) {
             return true;
         }
         let end = self.walk.end_of(node);
@@ -121,26 +146,29 @@ impl<'a> Search<'a> {
         if last - first > 1
             && (self.exchange(end, group)
                 || (outer && self.exchange(end.across(), group))
-                || self.reinsert(item))
+                || (turn && self.reinsert(item)))
         {
             return true;
         }
-        (self.thorough && self.reenter_beside(self.walk.position(item)))
-            || (outer && (self.reverse_group(group) || self.move_group(group)))
+        (turn && self.is_thorough(group) && self.reenter_beside(self.walk.position(item)))
+            || (outer && (self.shift(end.gap) || self.reverse_group(group) || self.move_group(group)))
     }
 
-    /// Swaps two neighbouring stretches, of one group or of whole groups.
-    fn kick(&mut self, random: &mut Random) {
-        let at = 1 + random.below(self.walk.len());
-        if self.thorough
+    /// Swaps two neighbouring stretches, of one group or of whole groups, at or after a position.
+    fn kick(&mut self, at: u32, random: &mut Random) {
+        let group = self.walk.group_at(at);
+        if self.is_thorough(group)
             && let Some(vertices) = self.walk.vertices(self.walk.item_at(at))
             && random.below(2) == 0
         {
             self.walk.enter(self.walk.item_at(at), random.below(vertices.len() as u32));
         }
-        let group = self.walk.group_at(at);
+        if self.groups.items.len() > 1 && random.below(SHIFT) == 0 {
+            self.kick_junction(group, random);
+            return;
+        }
         let (first, end) = self.walk.span(group);
-        if self.groups.items.len() > 1 && (end - first < 3 || random.below(4) == 0) {
+        if self.groups_in_stage(group) > 1 && (end - first < 3 || random.below(4) == 0) {
             self.kick_groups(group, random);
             return;
         }

@@ -13,17 +13,18 @@ pub const NONE: u32 = u32::MAX;
 /// and n + 1 are sentinels: where the nozzle is and where the next layer begins. Positions 1 to n hold
 /// the items; gap g lies between the positions g − 1 and g.
 #[derive(Debug)]
-pub struct Walk<'a> {
-    problem: &'a Problem<'a>,
+pub struct Walk {
     cost: Cost,
     /// The node at which the item at each position is entered; it is left at the other node, `^ 1`.
     entered: Vec<u32>,
     position: Vec<u32>,
     /// Place of each node, millimetres; not a number: anywhere, so that links to it cost nothing.
     place: Vec<[f64; 2]>,
+    /// Vertices of all loops, and those of each item: `vertices[first_vertex[i]..first_vertex[i + 1]]`.
+    vertices: Vec<[f64; 2]>,
+    first_vertex: Vec<u32>,
     /// Where each loop is entered.
     entry: Vec<u32>,
-    looped: Vec<bool>,
     group: Vec<u32>,
     /// First position and length of each group.
     span: Vec<(u32, u32)>,
@@ -62,17 +63,23 @@ fn place(point: Option<Point>) -> [f64; 2] {
     point.map_or([f64::NAN; 2], Point::mm)
 }
 
-impl<'a> Walk<'a> {
+impl Walk {
     /// The walk that a solution describes.
-    pub fn new(problem: &'a Problem<'a>, groups: &Groups, cost: Cost, sequence: &[Visit]) -> Self {
+    pub fn new(problem: &Problem, groups: &Groups, cost: Cost, sequence: &[Visit]) -> Self {
         let n = problem.items.len();
         let (mut places, mut entry) = (Vec::with_capacity(2 * n + 4), vec![0; n]);
+        let (mut all_vertices, mut first_vertex) = (Vec::new(), Vec::with_capacity(n + 3));
         for item in &problem.items {
-            places.extend(match item.shape {
-                Shape::Open([a, b]) => [a.mm(), b.mm()],
-                Shape::Loop(vertices) => [vertices[0].mm(); 2],
-            });
+            first_vertex.push(all_vertices.len() as u32);
+            match item.shape {
+                Shape::Open([a, b]) => places.extend([a.mm(), b.mm()]),
+                Shape::Loop(vertices) => {
+                    all_vertices.extend(vertices.iter().map(|v| v.mm()));
+                    places.extend([vertices[0].mm(); 2]);
+                }
+            }
         }
+        first_vertex.extend([all_vertices.len() as u32; 3]);
         places.extend([place(problem.start), place(problem.start), place(problem.end), place(problem.end)]);
         let mut entered = Vec::with_capacity(n + 2);
         entered.push(2 * n as u32);
@@ -92,19 +99,17 @@ impl<'a> Walk<'a> {
         for (at, &node) in entered.iter().enumerate() {
             position[node as usize / 2] = at as u32;
         }
-        let looped = problem.items.iter().map(|item| matches!(item.shape, Shape::Loop(_)));
-        let looped = looped.chain([false, false]).collect();
         let mut group = groups.of.clone();
         group.extend([NONE, NONE]);
         let span = groups.items.iter().map(|items| (0, items.len() as u32)).collect();
         let mut walk = Self {
-            problem,
             cost,
             entered,
             position,
             place: places,
+            vertices: all_vertices,
+            first_vertex,
             entry,
-            looped,
             group,
             span,
             journal: Vec::new(),
@@ -137,16 +142,14 @@ impl<'a> Walk<'a> {
     /// Whether an item is a loop. Sentinels are not.
     #[inline]
     pub fn is_loop(&self, item: u32) -> bool {
-        self.looped[item as usize]
+        self.first_vertex[item as usize] < self.first_vertex[item as usize + 1]
     }
 
-    /// Where a loop may be entered; nothing for open paths and sentinels.
+    /// Where a loop may be entered, millimetres; nothing for open paths and sentinels.
     #[inline]
-    pub fn vertices(&self, item: u32) -> Option<&'a [Point]> {
-        match self.problem.items.get(item as usize)?.shape {
-            Shape::Loop(vertices) => Some(vertices),
-            Shape::Open(_) => None,
-        }
+    pub fn vertices(&self, item: u32) -> Option<&[[f64; 2]]> {
+        let (from, to) = (self.first_vertex[item as usize], self.first_vertex[item as usize + 1]);
+        (from < to).then(|| &self.vertices[from as usize..to as usize])
     }
 
     /// Whether the walk is dearer than at the last [`Self::commit`].
@@ -294,7 +297,7 @@ impl<'a> Walk<'a> {
     }
 
     fn put(&mut self, item: u32) {
-        let at = self.vertices(item).map_or([f64::NAN; 2], |v| v[self.entry[item as usize] as usize].mm());
+        let at = self.vertices(item).map_or([f64::NAN; 2], |v| v[self.entry[item as usize] as usize]);
         self.place[2 * item as usize] = at;
         self.place[2 * item as usize + 1] = at;
     }

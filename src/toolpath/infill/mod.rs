@@ -6,7 +6,7 @@ mod connect;
 mod density;
 mod grid;
 mod gyroid;
-mod lines;
+pub(super) mod lines;
 mod rectilinear;
 mod solid;
 mod triangles;

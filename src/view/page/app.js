@@ -7,14 +7,17 @@ class App {
     const several = prints.length > 1;
     this.state = {
       mode: "2d", layer: 0, way: Infinity, color: "role", playing: false, theme: null,
-      hidden: new Set(several ? ["mark-0", "mark-1", "mark-2"] : ["mark-1"]),
+      // In space travel and marks hide more than they tell.
+      hiddenIn: { "2d": new Set(several ? ["mark-0", "mark-1", "mark-2"] : ["mark-1"]), "3d": new Set(["role-13", "mark-0", "mark-1", "mark-2"]) },
     };
     const bounds = [0, 1, 2, 3].map((i) => (i < 2 ? Math.min : Math.max)(...prints.map((print) => print.bounds[i])));
     const top = Math.max(...prints.map((print) => print.z.reduce((a, b) => Math.max(a, b), 0.2)));
     this.cameras = { "2d": new FlatCamera(bounds), "3d": new TurnCamera(bounds, top) };
     this.panes = prints.map((print) => new Pane(this, print));
     find("panes").style.setProperty("--columns", Math.min(prints.length, prints.length === 4 ? 2 : 3));
+    find("panes").style.setProperty("--rows", Math.min(prints.length, 2));
     find("panes").append(...this.panes.map((pane) => pane.root));
+    for (const { caption } of this.panes) caption.hidden = !several;
     this.charts = new Charts(this, find("charts"));
     this.legend = new Legend(this, find("legend"));
     find("figures").hidden = several;
@@ -25,10 +28,15 @@ class App {
     this.begin(several);
   }
 
-  /** The first view: several prints at the layer where the first travels most, one print as a whole. */
+  /** The first view: several prints at the layer where they differ most, one print as a whole. */
   begin(several) {
     const wish = new URLSearchParams(location.hash.slice(1));
-    const busiest = this.prints[0].travel.reduce((best, mm, i, all) => (mm > all[best] ? i : best), 0);
+    const spread = (layer) => {
+      const ways = this.prints.map((print) => print.travel[layer] ?? 0);
+      return Math.max(...ways) - Math.min(...ways);
+    };
+    let busiest = 0;
+    for (let layer = 1; layer < this.layers; layer++) if (spread(layer) > spread(busiest)) busiest = layer;
     this.state.theme = wish.get("theme") || (matchMedia("(prefers-color-scheme: dark)").matches ? "dark" : "light");
     document.documentElement.dataset.theme = this.state.theme;
     if (wish.get("color") in COLORINGS) find("color").value = this.state.color = wish.get("color");
@@ -44,6 +52,11 @@ class App {
 
   camera() {
     return this.cameras[this.state.mode];
+  }
+
+  /** What is not ticked in the legend. */
+  hidden() {
+    return this.state.hiddenIn[this.state.mode];
   }
 
   /** Length of each role over all prints, travel last. */
@@ -70,6 +83,7 @@ class App {
   setMode(mode) {
     this.state.mode = mode === "3d" && this.solid ? "3d" : "2d";
     for (const name of ["2d", "3d"]) find(`view-${name}`).setAttribute("aria-pressed", name === this.state.mode);
+    this.legend.draw();
     this.schedule();
   }
 
@@ -95,7 +109,7 @@ class App {
   }
 
   toggle(key) {
-    const { hidden } = this.state;
+    const hidden = this.hidden();
     if (!hidden.delete(key)) hidden.add(key);
     this.legend.draw();
     this.schedule();
@@ -193,8 +207,8 @@ class App {
   }
 
   look() {
-    const { state, data } = this, theme = this.theme();
-    const mask = (kind, count) => [...Array(count).keys()].reduce((m, i) => m | (state.hidden.has(`${kind}-${i}`) ? 0 : 1 << i), 0);
+    const { state, data } = this, theme = this.theme(), hidden = this.hidden();
+    const mask = (kind, count) => [...Array(count).keys()].reduce((m, i) => m | (hidden.has(`${kind}-${i}`) ? 0 : 1 << i), 0);
     const colors = data.roles.map((role) => role.color);
     colors[TRAVEL] = theme.travel;
     return {
@@ -218,8 +232,7 @@ class App {
       const i = Math.min(state.layer, print.layers - 1);
       const gap = gapOf(print.link[i], print.bound[i]);
       const text = `${length(print.travel[i])} travel, ${duration(print.time[i])}${gap === null ? "" : `, gap ${percent(gap)}`}`;
-      if (prints.length > 1) caption.replaceChildren(element("b", {}, print.name), text);
-      else caption.hidden = true;
+      caption.replaceChildren(element("b", {}, print.name), text);
       canvas.setAttribute("aria-label", `${print.name}, layer ${i + 1}: ${length(print.print[i])} printed, ${text}`);
     }
   }

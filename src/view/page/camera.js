@@ -41,8 +41,14 @@ class TurnCamera {
   fit(width, height) {
     const [x0, y0, z0, x1, y1, z1] = this.box;
     this.target = [(x0 + x1) / 2, (y0 + y1) / 2, (z0 + z1) / 2];
-    const radius = Math.hypot(x1 - x0, y1 - y0, z1 - z0) / 2 || 1;
-    this.distance = (radius * 1.08) / Math.sin(FIELD / 2) / Math.min(1, width / height);
+    const { right, up, back } = this.axes(), slope = Math.tan(FIELD / 2), half = [x1 - x0, y1 - y0, z1 - z0].map((side) => side / 2);
+    this.distance = 1;
+    // Far enough for every corner of the box.
+    for (let corner = 0; corner < 8; corner++) {
+      const along = (axis) => half.reduce((sum, side, i) => sum + axis[i] * (corner >> i & 1 ? side : -side), 0);
+      const aside = Math.max(Math.abs(along(up)), (Math.abs(along(right)) * height) / width);
+      this.distance = Math.max(this.distance, along(back) + (1.1 * aside) / slope);
+    }
   }
   axes() {
     const [sy, cy, sp, cp] = [Math.sin(this.yaw), Math.cos(this.yaw), Math.sin(this.pitch), Math.cos(this.pitch)];

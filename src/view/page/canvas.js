@@ -23,7 +23,7 @@ class CanvasPainter {
     const first = print.first[now.layer], end = Math.min(now.stroke + 1, print.first[now.layer + 1]);
     this.strokes(look, now, first, end, camera.mm, false);
     this.strokes(look, now, first, end, camera.mm, true);
-    this.drawMarks(look, now, camera.mm);
+    this.drawMarks(look, now, camera);
   }
 
   /** Strokes that look the same and follow each other are one path. */
@@ -51,12 +51,13 @@ class CanvasPainter {
     if (open !== null) context.stroke();
   }
 
-  drawMarks(look, now, mm) {
-    const { context, print } = this, size = 4 * mm;
+  drawMarks(look, now, camera) {
+    const { context, print } = this, { mm } = camera, size = 0.45 * markPixels(camera) * mm;
     context.lineWidth = mm;
     context.strokeStyle = look.theme.background;
     for (let i = print.firstMark[now.layer]; i < print.firstMark[now.layer + 1] && print.markStroke[i] <= now.stroke; i++) {
-      const kind = print.markKind[i], [x, y] = [print.markPoints[3 * i], print.markPoints[3 * i + 1]];
+      const kind = print.markKind[i], x = print.markPoints[3 * i];
+      const y = print.markPoints[3 * i + 1] + [size, -size, 0][kind];
       if (!((look.markMask >> kind) & 1)) continue;
       context.beginPath();
       if (kind === 2) for (const [dx, dy] of [[0, 1], [1, 0], [0, -1], [-1, 0]]) context.lineTo(x + dx * size, y + dy * size);

@@ -42,7 +42,8 @@ class Charts {
       const x = INSET * ratio + (app.state.layer / Math.max(app.layers - 1, 1)) * (width - 2 * INSET * ratio);
       context.fillStyle = style.getPropertyValue("--ink");
       context.fillRect(x - ratio / 2, 0, ratio, height);
-      chart.output.textContent = app.prints.map((print) => (app.state.layer < print.layers ? chart.text(print[key][app.state.layer]) : "–")).slice(0, 2).join(" / ");
+      // Several prints have a table for this.
+      chart.output.textContent = app.prints.length > 1 ? "" : chart.text(app.prints[0][key][app.state.layer]);
     }
   }
 

@@ -4,20 +4,21 @@
 const FLAT_CORNERS = new Float32Array([-1, -1, 0, 0, 1, -1, 0, 0, -1, 1, 0, 0, 1, 1, 0, 0]);
 const SOLID_CORNERS = new Float32Array(
   [0, 1].flatMap((end) => [
-    [end, -1, 0, 0], [end, 0, 1, 0], [end, 1, 0, 0], [end, 0, -1, 0], [end, 0, 0, 2 * end - 1],
+    [end, -1, 0, 0], [end, 0, 1, 0], [end, 1, 0, 0], [end, 0, 0, 2 * end - 1],
   ]).flat(),
 );
-const SOLID_TRIANGLES = new Uint8Array(
-  [0, 1, 2, 3].flatMap((i) => {
-    const j = (i + 1) % 4;
-    return [i, j, 5 + i, j, 5 + j, 5 + i, j, i, 4, 5 + i, 5 + j, 9];
-  }),
-);
+/** The two faces towards the eye, then the points at both ends. */
+const SOLID_TRIANGLES = new Uint8Array([0, 1, 4, 1, 5, 4, 1, 2, 5, 2, 6, 5, 0, 1, 3, 1, 2, 3, 4, 5, 7, 5, 6, 7]);
+/** With more strokes than this the points are left out. */
+const FINE_STROKES = 200000, COARSE_TRIANGLES = 12;
+
+/** Size of a mark, in CSS pixels: smaller from far away. */
+const markPixels = (camera) => (camera instanceof FlatCamera ? Math.min(Math.max(1.2 / camera.mm, 5), 11) : 8);
 
 class GlPainter {
   /** Throws where WebGL 2 is not to be had. */
   constructor(canvas, print) {
-    const gl = canvas.getContext("webgl2", { antialias: true, alpha: false, preserveDrawingBuffer: true });
+    const gl = canvas.getContext("webgl2", { antialias: true, alpha: false });
     if (!gl) throw new Error("no WebGL 2");
     Object.assign(this, { canvas, gl, print });
     this.flat = this.program(FLAT_VERTEX, FLAT_FRAGMENT);
@@ -66,7 +67,7 @@ class GlPainter {
       this.strokes(this.flat, look, view, now, first, count, true, size, camera);
     }
     gl.enable(gl.BLEND);
-    this.drawMarks(look, view.matrix, now, size);
+    this.drawMarks(look, view.matrix, now, camera, size);
     gl.disable(gl.BLEND);
   }
 
@@ -85,6 +86,7 @@ class GlPainter {
     if (solid) {
       gl.uniformMatrix4fv(at.view, false, view.matrix);
       gl.uniform1f(at.thin, 0.0011 * camera.distance);
+      gl.uniform1f(at.upside, camera.pitch < 0 ? -1 : 1);
       gl.uniform3fv(at["lights[0]"], lights(view));
     } else {
       gl.uniform4fv(at.view, view.flat);
@@ -98,13 +100,14 @@ class GlPainter {
     this.attribute(5, buffers.value, 1, 4 * begin, 1);
     if (solid) {
       gl.bindBuffer(gl.ELEMENT_ARRAY_BUFFER, this.triangles);
-      gl.drawElementsInstanced(gl.TRIANGLES, SOLID_TRIANGLES.length, gl.UNSIGNED_BYTE, 0, count);
+      const corners = count > FINE_STROKES ? COARSE_TRIANGLES : SOLID_TRIANGLES.length;
+      gl.drawElementsInstanced(gl.TRIANGLES, corners, gl.UNSIGNED_BYTE, 0, count);
     } else {
       gl.drawArraysInstanced(gl.TRIANGLE_STRIP, 0, 4, count);
     }
   }
 
-  drawMarks(look, matrix, now, size) {
+  drawMarks(look, matrix, now, camera, size) {
     const { gl, buffers, print } = this;
     const first = print.firstMark[now.layer], end = print.firstMark[now.layer + 1];
     const count = countBelow(print.markStroke, first, end, now.stroke + 1) - first;
@@ -113,7 +116,8 @@ class GlPainter {
     gl.useProgram(handle);
     gl.uniformMatrix4fv(at.view, false, matrix);
     gl.uniform1i(at.mask, look.markMask);
-    gl.uniform1f(at.size, 9 * size.ratio);
+    gl.uniform1f(at.size, markPixels(camera) * size.ratio);
+    gl.uniform1f(at.lift, (0.75 * markPixels(camera)) / size.height);
     gl.uniform3fv(at["colors[0]"], look.markColors);
     gl.uniform3fv(at.rim, rgb(look.theme.background));
     this.attribute(0, buffers.markPoints, 3, 12 * first, 0);

@@ -21,7 +21,7 @@ class Legend {
     const list = element("ul");
     const item = (key, label, swatch, share, thin = false) => {
       const box = element("input", { type: "checkbox", "data-key": key, onchange: () => app.toggle(key) });
-      box.checked = !state.hidden.has(key);
+      box.checked = !app.hidden().has(key);
       const sample = typeof swatch === "string"
         ? element("span", { class: thin ? "swatch thin" : "swatch", style: `background: ${swatch}` })
         : swatch;
@@ -36,7 +36,7 @@ class Legend {
     [["Retraction", "▼", theme.retraction], ["Un-retraction", "▲", theme.unretraction], ["Seam", "◆", theme.seam]]
       .forEach(([label, sign, color], i) => {
         const swatch = element("span", { style: `color: ${color}; width: 18px; text-align: center`, "aria-hidden": "true" }, sign);
-        if (counts[i]) item(`mark-${i}`, label, swatch, String(counts[i]));
+        if (counts[i]) item(`mark-${i}`, label, swatch, app.prints.length > 1 ? "" : String(counts[i]));
       });
     parts.push(element("h2", {}, "Share of the way"), list);
     root.replaceChildren(...parts);

@@ -11,16 +11,17 @@ class Pane {
     this.nozzle = element("div", { class: "nozzle" });
     this.nozzle.innerHTML = NOZZLE;
     this.scale = element("div", { class: "scale", "aria-hidden": "true" });
-    this.root = element("div", { class: "pane" }, this.caption, this.nozzle, this.scale);
+    this.stage = element("div", { class: "stage" }, this.nozzle, this.scale);
+    this.root = element("div", { class: "pane" }, this.caption, this.stage);
     this.usePainter(GlPainter);
-    new ResizeObserver(() => app.resized()).observe(this.root);
+    new ResizeObserver(() => app.resized()).observe(this.stage);
   }
 
   /** Draws with this one if it can be had, and else on a plain canvas. */
   usePainter(Painter) {
     this.canvas?.remove();
     this.canvas = element("canvas", { role: "img", tabindex: "-1" });
-    this.root.prepend(this.canvas);
+    this.stage.prepend(this.canvas);
     try {
       this.painter = new Painter(this.canvas, this.print);
     } catch {
@@ -38,7 +39,7 @@ class Pane {
   }
 
   size() {
-    const { clientWidth, clientHeight } = this.root;
+    const { clientWidth, clientHeight } = this.stage;
     return { width: Math.max(clientWidth, 1), height: Math.max(clientHeight, 1), ratio: Math.min(devicePixelRatio || 1, 2) };
   }
 

@@ -71,14 +71,15 @@ void main() {
   float away = length(vec2(place.x - clamp(place.x, 0.0, size.x), place.y));
   float cover = clamp((size.y - away) / pixel + 0.5, 0.0, 1.0);
   // A darker rim sets neighbouring beads apart, where they are large enough.
-  float rim = travels ? 0.0 : smoothstep(0.62, 1.0, away / size.y) * clamp(size.y / pixel / 3.0 - 0.4, 0.0, 1.0);
+  float rim = travels ? 0.0 : smoothstep(0.62, 1.0, abs(place.y) / size.y) * clamp(size.y / pixel / 3.0 - 0.4, 0.0, 1.0);
   result = vec4(color * (1.0 - 0.38 * rim), 1.0) * cover;
 }`;
 
-/** A bead in space: a rhombus drawn along the way, with pointed ends. `corner`: end, side, up, tip. */
+/** A bead in space: a roof along the way, with pointed ends, whose ridge is towards the eye. `corner`: end, side, up, tip. */
 const SOLID_VERTEX = STROKE_HEAD + `
 uniform mat4 view;
 uniform float thin;
+uniform float upside;
 out vec3 normal;
 
 void main() {
@@ -92,7 +93,7 @@ void main() {
   float way_mm = length(way);
   vec3 along = way_mm > 0.0 ? way / way_mm : vec3(1.0, 0.0, 0.0);
   vec3 side = abs(along.z) > 0.99 ? vec3(1.0, 0.0, 0.0) : normalize(vec3(-along.y, along.x, 0.0));
-  vec3 up = cross(along, side);
+  vec3 up = upside * cross(along, side);
   vec3 at = mix(start, to, corner.x) + side * corner.y * half_size.x + up * corner.z * half_size.y
     + along * corner.w * half_size.x;
   at.z -= travels ? 0.0 : half_size.y;
@@ -124,6 +125,7 @@ layout(location = 1) in uint kind;
 uniform mat4 view;
 uniform int mask;
 uniform float size;
+uniform float lift;
 uniform vec3 colors[3];
 out vec3 color;
 flat out uint shape;
@@ -133,6 +135,8 @@ void main() {
   color = colors[min(int(kind), 2)];
   gl_PointSize = size;
   gl_Position = (mask >> int(kind) & 1) == 1 ? view * vec4(at, 1.0) : vec4(2.0, 2.0, 2.0, 1.0);
+  // Triangles touch the point with their tip.
+  gl_Position.y += (kind == 0u ? lift : kind == 1u ? -lift : 0.0) * gl_Position.w;
 }`;
 
 const MARK_FRAGMENT = `#version 300 es

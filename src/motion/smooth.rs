@@ -1,0 +1,226 @@
+//! Corners that need not be sharp, drawn so that the machine need not slow down for them as much.
+//!
+//! Firmwares take a corner the slower the more it turns, a curve in many small turns nearly as fast as its
+//! radius allows. So the turns of infill are rounded, and curves get back the vertices that slicing took.
+
+use super::bead::distance;
+use super::simplify::Piece;
+use crate::toolpath::Role;
+
+/// No piece is made shorter than this.
+const SHORTEST_MM: f64 = 0.05;
+
+/// Which corners are rounded, and how far.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Rounding {
+    /// Corners that turn by more than this are left as they are.
+    most_rad: f64,
+    /// So far may an arc leave its corner.
+    deviation_mm: f64,
+    /// An arc turns by about this at each vertex.
+    step_rad: f64,
+}
+
+impl Rounding {
+    /// The rounding of a role's beads. Turns of infill may leave their corner by little more than its lines reach into
+    /// the wall. The blunt corners of other beads, mostly curves that the model has as polygons, may by as
+    /// much as slicing simplifies them; sharp ones are kept.
+    pub fn of(role: Role, width_mm: f64) -> Self {
+        match role {
+            Role::SolidInfill | Role::InternalInfill | Role::TopSolidInfill | Role::Support => {
+                Self { most_rad: 3.0, deviation_mm: 0.25 * width_mm, step_rad: 0.3 }
+            }
+            _ => Self { most_rad: 1.0, deviation_mm: 0.0125, step_rad: 0.15 },
+        }
+    }
+}
+
+/// Turns below this angle are fast enough.
+const GENTLE_RAD: f64 = 0.15;
+
+/// A curve is refined where its arc leaves the chord by at most this …
+const BULGE_MM: f64 = 0.016;
+
+/// … and turns by more than this on the piece, down to which it is refined; where it turns by more than that at a
+/// vertex, there is a corner.
+const FINE_RAD: f64 = 0.1;
+const CORNER_RAD: f64 = 0.6;
+
+/// The direction of a way, and its length.
+fn direction(a: [f64; 2], b: [f64; 2]) -> ([f64; 2], f64) {
+    let length_mm = distance(a, b);
+    let per_mm = 1.0 / length_mm.max(f64::MIN_POSITIVE);
+    ([(b[0] - a[0]) * per_mm, (b[1] - a[1]) * per_mm], length_mm)
+}
+
+/// The angle from one direction to another, counter-clockwise positive.
+fn turn_rad(u: [f64; 2], v: [f64; 2]) -> f64 {
+    (u[0] * v[1] - u[1] * v[0]).atan2(u[0] * v[0] + u[1] * v[1])
+}
+
+/// Rounds the corners of a bead that begins at `from`: an arc that leaves the corner by at most the deviation and
+/// begins no further off than the middle of either piece. Each piece keeps its volume; what the corner would have held
+/// is spread over its arc.
+pub(super) fn round_corners(from: [f64; 2], pieces: &[Piece], rounding: &Rounding, out: &mut Vec<Piece>) {
+    let mut at = from;
+    // What is left of the present piece, its beginning having gone into a corner.
+    let Some(mut left) = pieces.first().copied() else { return };
+    for (i, next) in pieces.iter().enumerate().skip(1) {
+        let corner = pieces[i - 1].to;
+        let before = if i == 1 { from } else { pieces[i - 2].to };
+        let ((u, u_mm), (v, v_mm)) = (direction(before, corner), direction(corner, next.to));
+        let turn = turn_rad(u, v);
+        let half = 0.5 * turn.abs();
+        let tangent_mm = {
+            let by_deviation_mm = rounding.deviation_mm * half.sin() / (1.0 - half.cos()).max(1e-9);
+            by_deviation_mm.min(0.5 * u_mm).min(0.5 * v_mm)
+        };
+        let radius_mm = tangent_mm / half.tan();
+        let steps =
+            (turn.abs() / rounding.step_rad).ceil().min((radius_mm * turn.abs() / SHORTEST_MM).floor());
+        if !(GENTLE_RAD..=rounding.most_rad).contains(&turn.abs()) || steps < 2.0 {
+            out.push(left);
+            (at, left) = (corner, *next);
+            continue;
+        }
+        let begin = [corner[0] - u[0] * tangent_mm, corner[1] - u[1] * tangent_mm];
+        let (from_u_mm3, from_v_mm3) =
+            (pieces[i - 1].volume_mm3 * tangent_mm / u_mm, next.volume_mm3 * tangent_mm / v_mm);
+        if distance(at, begin) > 1e-6 {
+            out.push(Piece { to: begin, volume_mm3: left.volume_mm3 - from_u_mm3, ..left });
+        }
+        let left_of = [-u[1] * turn.signum(), u[0] * turn.signum()];
+        let center = [begin[0] + left_of[0] * radius_mm, begin[1] + left_of[1] * radius_mm];
+        let chord_mm = 2.0 * radius_mm * (0.5 * turn.abs() / steps).sin();
+        let volume_mm3 = (from_u_mm3 + from_v_mm3) / steps;
+        for step in 1..=steps as u32 {
+            let (sine, cosine) = (turn * f64::from(step) / steps).sin_cos();
+            let r = [begin[0] - center[0], begin[1] - center[1]];
+            at = [center[0] + r[0] * cosine - r[1] * sine, center[1] + r[0] * sine + r[1] * cosine];
+            out.push(Piece { to: at, volume_mm3, area_mm2: volume_mm3 / chord_mm });
+        }
+        left = Piece { volume_mm3: next.volume_mm3 - from_v_mm3, ..*next };
+    }
+    if distance(at, left.to) > 1e-6 {
+        out.push(left);
+    }
+}
+
+/// Cuts the pieces of curves so that they turn by little at each vertex: the vertices added lie on the curve that goes
+/// through the others halfway between the directions before and after (a cubic; of a circle's chords, the circle),
+/// at most [`BULGE_MM`] beside the piece. Each piece keeps its volume.
+pub(super) fn refine_curves(from: [f64; 2], pieces: &[Piece], out: &mut Vec<Piece>) {
+    let mut a = from;
+    let mut turn_before = 0.0_f64;
+    for (i, piece) in pieces.iter().enumerate() {
+        let (along, length_mm) = direction(a, piece.to);
+        let turn_after = match pieces.get(i + 1) {
+            Some(next) => {
+                Some(turn_rad(along, direction(piece.to, next.to).0)).filter(|t| t.abs() < CORNER_RAD)
+            }
+            None => None,
+        };
+        let turn_after = turn_after.unwrap_or(0.0);
+        // Slopes against the piece at its start and end.
+        let (start, end): (f64, f64) = (-0.5 * turn_before, 0.5 * turn_after);
+        let bulge_mm = length_mm * (start.abs() + end.abs()) / 8.0;
+        let steps = ((start.abs() + end.abs()) / FINE_RAD).ceil().min((length_mm / SHORTEST_MM).floor());
+        if steps < 2.0 || bulge_mm > BULGE_MM {
+            out.push(*piece);
+        } else {
+            for step in 1..steps as u32 {
+                let share = f64::from(step) / steps;
+                let rest = 1.0 - share;
+                let (x, y) = (length_mm * share, length_mm * share * rest * (start * rest - end * share));
+                let to = [a[0] + along[0] * x - along[1] * y, a[1] + along[1] * x + along[0] * y];
+                out.push(Piece { to, volume_mm3: piece.volume_mm3 / steps, ..*piece });
+            }
+            out.push(Piece { volume_mm3: piece.volume_mm3 / steps, ..*piece });
+        }
+        (a, turn_before) = (piece.to, turn_after);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    fn pieces(points: &[[f64; 2]]) -> Vec<Piece> {
+        let piece =
+            |w: &[[f64; 2]]| Piece { to: w[1], volume_mm3: 0.08 * distance(w[0], w[1]), area_mm2: 0.08 };
+        points.windows(2).map(piece).collect()
+    }
+
+    fn sharpest(from: [f64; 2], pieces: &[Piece]) -> f64 {
+        let points: Vec<[f64; 2]> = std::iter::once(from).chain(pieces.iter().map(|p| p.to)).collect();
+        let turn = |w: &[[f64; 2]]| turn_rad(direction(w[0], w[1]).0, direction(w[1], w[2]).0).abs();
+        points.windows(3).map(turn).fold(0.0, f64::max)
+    }
+
+    #[test]
+    fn walls_keep_their_sharp_corners_and_lose_a_hundredth_at_blunt_ones() {
+        let wall = Rounding::of(Role::ExternalPerimeter, 0.45);
+        let points = [[0.0, 0.0], [5.0, 0.0], [5.0, 5.0], [8.0, 10.0]];
+        let mut out = Vec::new();
+        round_corners(points[0], &pieces(&points), &wall, &mut out);
+        assert!(out.iter().any(|p| p.to == points[1]), "{out:?}");
+        assert!(out.iter().all(|p| p.to != points[2]), "{out:?}");
+        // The chords cut off a little more than the arc.
+        let middle = |w: &[Piece]| [0, 1].map(|i| 0.5 * (w[0].to[i] + w[1].to[i]));
+        let off_mm = out.windows(2).map(|w| distance(middle(w), points[2])).fold(f64::INFINITY, f64::min);
+        assert!(off_mm < 0.015 && off_mm > 0.0, "{off_mm}");
+    }
+
+    #[test]
+    fn the_turn_of_a_zigzag_becomes_a_half_circle() {
+        let points = [[0.0, 0.0], [9.0, 0.0], [9.0, 0.41], [0.0, 0.41]];
+        let mut out = Vec::new();
+        round_corners(points[0], &pieces(&points), &Rounding::of(Role::SolidInfill, 0.45), &mut out);
+        assert!(sharpest(points[0], &out) < 0.4, "{out:?}");
+        assert!(out.iter().all(|p| distance(p.to, [9.0, 0.0]) > 0.08));
+        assert!((out.iter().map(|p| p.volume_mm3).sum::<f64>() - 0.08 * 18.41).abs() < 1e-9);
+        assert_eq!(out.last().map(|p| p.to), Some(points[3]));
+    }
+
+    #[test]
+    fn a_coarse_circle_gets_finer_and_rounder_and_a_hexagon_does_not() {
+        let ring = |count: u32, radius_mm: f64| -> Vec<[f64; 2]> {
+            let angle = |k: u32| std::f64::consts::TAU * f64::from(k) / f64::from(count);
+            (0..=count).map(|k| [radius_mm * angle(k).cos(), radius_mm * angle(k).sin()]).collect()
+        };
+        let (circle, hexagon) = (ring(20, 1.0), ring(6, 5.0));
+        let mut out = Vec::new();
+        refine_curves(circle[0], &pieces(&circle), &mut out);
+        // The first and the last piece have a neighbour on one side only.
+        let inner = &out[4..out.len() - 4];
+        assert!(inner.len() >= 55 && inner.iter().all(|p| (distance(p.to, [0.0, 0.0]) - 1.0).abs() < 0.001));
+        assert!(out.windows(2).all(|p| distance(p[0].to, p[1].to) > 0.05));
+        out.clear();
+        refine_curves(hexagon[0], &pieces(&hexagon), &mut out);
+        assert_eq!(out, pieces(&hexagon));
+    }
+
+    proptest! {
+        #[test]
+        fn volume_and_ends_stay_whatever_the_way(
+            steps in prop::collection::vec((-2.0..2.0f64, -2.0..2.0f64), 1..40),
+        ) {
+            let mut at = [0.0, 0.0];
+            let mut points = vec![at];
+            points.extend(steps.iter().map(|s| { at = [at[0] + s.0, at[1] + s.1]; at }));
+            let plain = pieces(&points);
+            let volume: f64 = plain.iter().map(|p| p.volume_mm3).sum();
+            let (mut fine, mut round) = (Vec::new(), Vec::new());
+            refine_curves(points[0], &plain, &mut fine);
+            round_corners(points[0], &plain, &Rounding::of(Role::SolidInfill, 0.45), &mut round);
+            let mut blunt = Vec::new();
+            round_corners(points[0], &plain, &Rounding::of(Role::Perimeter, 0.45), &mut blunt);
+            for out in [fine, round, blunt] {
+                prop_assert!((out.iter().map(|p| p.volume_mm3).sum::<f64>() - volume).abs() < 1e-9);
+                prop_assert!(out.iter().all(|p| p.volume_mm3 >= -1e-12 && p.area_mm2.is_finite()));
+                prop_assert_eq!(out.last().map(|p| p.to), Some(at));
+            }
+        }
+    }
+}

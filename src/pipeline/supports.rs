@@ -1,0 +1,108 @@
+//! Supports of a plate: found and stood before any layer is planned, laid as beads layer by layer.
+
+use crate::geom::{Bounds, Region, offset, union_all};
+use crate::mesh::Plate;
+use crate::profile::{LayerSettings, Settings, SupportStyle};
+use crate::slice::{Layer, Slicer};
+use crate::toolpath::support::{self, Bitmap, ColumnSpec, Grid, Outlines, Overhang, Slab, Wishes};
+use crate::units::Mm;
+
+use super::parallel;
+
+/// How far supports may reach beyond the part, in millimetres.
+pub(super) const REACH_MM: f64 = 4.0;
+
+/// The outlines of support on every layer.
+pub(super) struct Supports {
+    /// Each different from the one before.
+    outlines: Vec<Outlines>,
+    /// For each layer its outlines.
+    of_layer: Vec<usize>,
+}
+
+impl Supports {
+    /// Finds what hangs in the air and stands supports under it.
+    ///
+    /// `layers` are the part's, without a raft; `wishes` the bodies in which support is enforced and blocked.
+    pub fn plan(layers: &[Layer], bounds: Bounds, wishes: &[Plate; 2], settings: &Settings) -> Self {
+        let (count, support) = (layers.len(), &settings.support);
+        let grid = Grid::new(bounds, REACH_MM, support::CELL_MM);
+        let sections = parallel::map(count, |i| section(&layers[i]));
+        let solid = parallel::map(count, |i| Bitmap::of(grid, &sections[i]));
+        let slab = |i: usize| Slab { section: &sections[i], solid: &solid[i] };
+        let [enforced, blocked] = wishes.each_ref().map(|plate| bodies(plate, count, settings));
+        // What lies on the bed hangs nowhere.
+        let found: Vec<Overhang> = parallel::map(count, |i| {
+            let [enforced, blocked] = [&enforced, &blocked].map(|r| r.get(i).unwrap_or(Region::EMPTY));
+            let wishes = Wishes { enforced, blocked };
+            support::find(slab(i), slab(i.saturating_sub(1)), layers[i].span.height_mm, wishes, support)
+        });
+        let Mm(height_mm) = settings.layer.height;
+        let window = support::window(height_mm, support);
+        let held = parallel::map(count, |i| {
+            let around = &found[i.saturating_sub(window)..(i + window + 1).min(count)];
+            support::lasting(&found[i], around.iter(), support)
+        });
+        drop(found);
+        let spec = ColumnSpec {
+            gap_layers: (support.z_gap.0 / height_mm - 1e-6).ceil() as usize,
+            interface_layers: support.interface_layers as usize,
+            gap_cells: (support.xy_gap.0 / grid.cell_mm() - 1e-6).ceil() as usize,
+            from_bed_only: support.from_bed_only,
+            height_mm,
+        };
+        if support.style == SupportStyle::Tree {
+            let discs = support::grow(&held, &solid, &spec, support);
+            let outlines = parallel::map(count, |i| {
+                if discs[i].is_empty() {
+                    return Outlines::default();
+                }
+                let near = &sections[i.saturating_sub(spec.gap_layers)..=i];
+                let kept_free = offset(&union_all(near), support.xy_gap.0);
+                let (all, interface) = support::outline(&discs[i], &kept_free);
+                Outlines { all, interface }
+            });
+            return Self { outlines, of_layer: (0..count).collect() };
+        }
+        let cells = support::stand(&held, &solid, &spec);
+        let mut distinct: Vec<usize> = Vec::new();
+        let of_layer = (0..count)
+            .map(|i| {
+                if i == 0 || cells[i] != cells[i - 1] {
+                    distinct.push(i);
+                }
+                distinct.len() - 1
+            })
+            .collect();
+        let outlines = parallel::map(distinct.len(), |k| Outlines::of(&cells[distinct[k]]));
+        Self { outlines, of_layer }
+    }
+
+    /// The outlines of a layer's support, the part's first layer being 0.
+    pub fn outlines(&self, layer: usize) -> &Outlines {
+        &self.outlines[self.of_layer[layer]]
+    }
+
+    /// Where support stands on the lowest layers.
+    pub fn all_outlines(&self, layers: usize) -> impl Iterator<Item = &Region> {
+        let last = self.of_layer.iter().take(layers).max().copied().unwrap_or(0);
+        self.outlines.iter().take(last + 1).map(|outlines| &outlines.all)
+    }
+}
+
+/// All sections of a layer as one region.
+pub(super) fn section(layer: &Layer) -> Region {
+    Region { polygons: layer.sections.iter().flat_map(|s| s.region.polygons.iter().cloned()).collect() }
+}
+
+/// The sections of bodies, up to so many layers.
+fn bodies(plate: &Plate, layers: usize, settings: &Settings) -> Vec<Region> {
+    if plate.meshes.is_empty() {
+        return Vec::new();
+    }
+    let exact = LayerSettings { xy_compensation: Mm(0.0), elephant_foot: Mm(0.0), ..settings.layer.clone() };
+    let slicer = Slicer::new(plate, &exact);
+    parallel::map(slicer.spans().len().min(layers), |i| {
+        union_all(slicer.layer(i).sections.iter().map(|section| &section.region))
+    })
+}

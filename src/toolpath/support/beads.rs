@@ -1,0 +1,200 @@
+//! The beads of one layer of support.
+
+use std::f64::consts::FRAC_PI_2;
+
+use super::columns::Cells;
+use super::trace::trace;
+use crate::geom::{self, HatchLine, Point, Polygon, Region};
+use crate::profile::{SupportPattern, SupportSettings, SupportStyle};
+use crate::toolpath::infill::{Joins, lines};
+use crate::toolpath::{Path, Role, Width, bead};
+
+/// Lines of support shorter than this hold nothing.
+const SHORTEST_MM: f64 = 0.5;
+
+/// How far lines reach into the loop around them, as a share of the width.
+const OVERLAP: f64 = 0.25;
+
+/// Columns narrower than a disc of this diameter need no lines inside: the interface spans them.
+const WIDE_MM: f64 = 5.0;
+
+/// Ends of lines are joined along the loop up to this many line distances.
+const LONGEST_JOIN: f64 = 2.0;
+
+/// How many chains are looked at for one that a line may go on.
+const RECENT: usize = 64;
+
+/// On the bed the lines lie closer by this factor, to stick.
+const DENSER_ON_BED: f64 = 2.0;
+
+/// Outlines of one layer of support.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Outlines {
+    /// Everywhere that support stands.
+    pub all: Region,
+    /// Where it is dense.
+    pub interface: Region,
+}
+
+impl Outlines {
+    /// Of cells.
+    pub fn of(cells: &Cells) -> Self {
+        Self { all: trace(&cells.all), interface: trace(&cells.interface) }
+    }
+}
+
+/// A layer that support is laid into.
+#[derive(Clone, Copy, Debug)]
+pub struct BeadSpec<'a> {
+    /// The part, which no support touches.
+    pub part: &'a Region,
+    /// Height of the beads.
+    pub height_mm: f64,
+    /// Height of an ordinary layer: it says how far apart the tracks are on all.
+    pub usual_height_mm: f64,
+    /// Whether it lies on the bed.
+    pub on_bed: bool,
+    /// Run of the body among the paths that belong to no island; the interface has the next one.
+    pub rank: u32,
+}
+
+/// The beads: a loop around each part of the region, parallel lines inside.
+///
+/// Lines lie on tracks that are the same on all layers, so each stands on the one below. Those of the interface
+/// cross them and are extended to the next track or loop, so that none begins in mid-air.
+pub fn lay(outlines: &Outlines, layer: &BeadSpec<'_>, settings: &SupportSettings) -> Vec<Path> {
+    let width_mm = settings.width.0;
+    let room = geom::difference(&outlines.all, &geom::offset(layer.part, settings.xy_gap.0));
+    let mut paths = Vec::new();
+    let mut push = |role, rank, closed, points: Vec<Point>| {
+        let width = Width::Constant(width_mm);
+        paths.push(Path { role, closed, points, width, height_mm: layer.height_mm, island: u32::MAX, rank });
+    };
+    let frame = geom::offset(&room, -width_mm / 2.0);
+    for ring in frame.rings().filter(|ring| ring.len() >= 3 && geom::ring_length_mm(ring) >= SHORTEST_MM) {
+        push(Role::Support, layer.rank, true, ring.clone());
+    }
+    let inside = geom::offset(&frame, -width_mm * (1.0 - OVERLAP));
+    let spacing_mm = bead::spacing_mm(width_mm, layer.usual_height_mm);
+    let denser = if layer.on_bed { DENSER_ON_BED } else { 1.0 };
+    let sets = match settings.pattern {
+        SupportPattern::Rectilinear => 1,
+        SupportPattern::Grid => 2,
+    };
+    let apart_mm = f64::from(sets) * spacing_mm / settings.density.0;
+    let dense =
+        if layer.on_bed { Region::default() } else { geom::intersection(&inside, &outlines.interface) };
+    let mut wide = wide_parts(&inside);
+    if settings.style == SupportStyle::Tree {
+        // Branches shift from layer to layer: under a head there need be no track to reach for.
+        wide.polygons.retain(|polygon| {
+            geom::intersection(&Region { polygons: vec![polygon.clone()] }, &dense).is_empty()
+        });
+    }
+    let body = geom::difference(&wide, &dense);
+    let angle_rad = settings.line_angle.to_radians();
+    if settings.density.0 > 0.0 {
+        for set in 0..sets {
+            let turned_rad = angle_rad + f64::from(set) * FRAC_PI_2;
+            let distance_mm = apart_mm / denser;
+            let joins = Joins { longest_mm: LONGEST_JOIN * distance_mm, ..Joins::default() };
+            for line in lines::parallel(&body, turned_rad, distance_mm, 0.0, &joins) {
+                if geom::polyline_length_mm(&line.points) >= SHORTEST_MM {
+                    push(Role::Support, layer.rank, line.closed, line.points);
+                }
+            }
+        }
+    }
+    if settings.interface_density.0 > 0.0 && !dense.is_empty() {
+        let across_rad = angle_rad + FRAC_PI_2;
+        let tracks =
+            |region| geom::scan_lines(region, across_rad, spacing_mm / settings.interface_density.0, 0.0);
+        let narrow = Region {
+            polygons: inside.polygons.iter().filter(|p| !wide.polygons.contains(p)).cloned().collect(),
+        };
+        for (part, apart_mm) in [(&wide, apart_mm), (&narrow, f64::INFINITY)] {
+            let lines = extended(&tracks(&dense), &tracks(part), across_rad, apart_mm);
+            for points in joined(lines, part, LONGEST_JOIN * spacing_mm / settings.interface_density.0) {
+                push(Role::SupportInterface, layer.rank + 1, false, points);
+            }
+        }
+    }
+    paths
+}
+
+/// The polygons whose mean width is at least that of a disc of [`WIDE_MM`]: twice the area over the boundary.
+fn wide_parts(region: &Region) -> Region {
+    let is_wide = |polygon: &&Polygon| {
+        let around_mm: f64 = polygon.rings().map(|ring| geom::ring_length_mm(ring)).sum();
+        2.0 * polygon.area_mm2() >= WIDE_MM / 2.0 * around_mm
+    };
+    Region { polygons: region.polygons.iter().filter(is_wide).cloned().collect() }
+}
+
+/// Lines with both ends moved outwards to a multiple of `apart_mm`, where the body's tracks are, or to the end of the
+/// room's line that they are part of. Lines that meet become one. Returns them with the index of their track.
+fn extended(
+    lines: &[HatchLine],
+    room: &[HatchLine],
+    angle_rad: f64,
+    apart_mm: f64,
+) -> Vec<(i64, [Point; 2])> {
+    let (sin, cos) = angle_rad.sin_cos();
+    let along = |p: Point| {
+        let [x, y] = p.mm();
+        x * cos + y * sin
+    };
+    let mut result = Vec::new();
+    for line in lines {
+        let Ok(same) = room.binary_search_by_key(&line.index, |l| l.index) else { continue };
+        for [start, end] in &room[same].segments {
+            let (low, high) = (along(start.point), along(end.point));
+            let at = |t: f64| {
+                let [x, y] = start.point.mm();
+                Point::from_mm(x + (t - low) * cos, y + (t - low) * sin)
+            };
+            let mut open: Option<[f64; 2]> = None;
+            for [a, b] in &line.segments {
+                let (a, b) = (along(a.point), along(b.point));
+                if b <= low || a >= high {
+                    continue;
+                }
+                let to_track = |t: f64, outward: fn(f64) -> f64, end: f64| {
+                    if apart_mm.is_finite() { outward(t / apart_mm) * apart_mm } else { end }
+                };
+                let from = to_track(a, f64::floor, low).max(low);
+                let to = to_track(b, f64::ceil, high).min(high);
+                match &mut open {
+                    Some(open) if from <= open[1] => open[1] = open[1].max(to),
+                    _ => result.extend(open.replace([from, to]).map(|[f, t]| (line.index, [at(f), at(t)]))),
+                }
+            }
+            result.extend(open.map(|[f, t]| (line.index, [at(f), at(t)])));
+        }
+    }
+    result
+}
+
+/// Lines of neighbouring tracks joined to and fro where their ends are near and the way between is in the room.
+fn joined(lines: Vec<(i64, [Point; 2])>, room: &Region, longest_mm: f64) -> Vec<Vec<Point>> {
+    let mut chains: Vec<(i64, Vec<Point>)> = Vec::new();
+    for (track, [a, b]) in lines.into_iter().filter(|(_, [a, b])| a.distance_mm(*b) >= SHORTEST_MM) {
+        // Chains that may go on are among the last.
+        let near = |end: &Point| {
+            let to = if a.distance_mm(*end) <= b.distance_mm(*end) { a } else { b };
+            let half_way = Point::new((to.x + end.x) / 2, (to.y + end.y) / 2);
+            to.distance_mm(*end) <= longest_mm && room.contains(half_way)
+        };
+        let recent = chains.iter_mut().rev().take(RECENT);
+        let chain =
+            recent.filter(|(last, _)| *last + 1 == track).find(|(_, way)| way.last().is_some_and(near));
+        let Some((last, way)) = chain else {
+            chains.push((track, vec![a, b]));
+            continue;
+        };
+        let a_first = way.last().is_some_and(|end| a.distance_mm(*end) <= b.distance_mm(*end));
+        way.extend(if a_first { [a, b] } else { [b, a] });
+        *last = track;
+    }
+    chains.into_iter().map(|(_, way)| way).collect()
+}

@@ -1,0 +1,350 @@
+//! Areas as bits: one for each square cell of a grid over the plate.
+//!
+//! Supports need no better resolution than a bead's width, but unions, differences and offsets of many layers, one
+//! after the other. On bits each of them is a pass over a few thousand words.
+
+use crate::geom::{self, Bounds, Point, Region};
+
+/// No grid has more cells than this along a side: a layer then has at most 128 kB.
+const MOST_CELLS: f64 = 1024.0;
+
+const WORD: usize = 64;
+
+/// Square cells over a rectangle of the bed.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Grid {
+    /// Lower left corner.
+    origin: Point,
+    /// Side of a cell in grid units.
+    cell: i32,
+    columns: usize,
+    rows: usize,
+}
+
+impl Grid {
+    /// Cells of at least `cell_mm` over a box and `margin_mm` around it.
+    pub fn new(bounds: Bounds, margin_mm: f64, cell_mm: f64) -> Self {
+        let (min, max) = (bounds.min.mm(), bounds.max.mm());
+        let size_mm = [0, 1].map(|i| max[i] - min[i] + 2.0 * margin_mm);
+        let cell_mm = cell_mm.max(size_mm[0] / MOST_CELLS).max(size_mm[1] / MOST_CELLS);
+        let count = |mm: f64| (mm / cell_mm).ceil().max(1.0) as usize;
+        Self {
+            origin: Point::from_mm(min[0] - margin_mm, min[1] - margin_mm),
+            cell: geom::to_units(cell_mm).max(1),
+            columns: count(size_mm[0]),
+            rows: count(size_mm[1]),
+        }
+    }
+
+    /// Side of a cell in millimetres.
+    pub fn cell_mm(&self) -> f64 {
+        geom::to_mm(self.cell)
+    }
+
+    /// How many cells a length is, to the nearest.
+    pub fn cells(&self, mm: f64) -> usize {
+        (mm / self.cell_mm()).round().max(0.0) as usize
+    }
+
+    /// Columns and rows.
+    pub fn size(&self) -> [usize; 2] {
+        [self.columns, self.rows]
+    }
+
+    /// The cell that holds a point, if any does.
+    pub fn cell_at(&self, p: Point) -> Option<[usize; 2]> {
+        let along = |v: i32, from: i32| (i64::from(v) - i64::from(from)).div_euclid(i64::from(self.cell));
+        let (x, y) = (along(p.x, self.origin.x), along(p.y, self.origin.y));
+        let inside = (0..self.columns as i64).contains(&x) && (0..self.rows as i64).contains(&y);
+        inside.then_some([x as usize, y as usize])
+    }
+
+    /// The middle of a cell, in millimetres.
+    pub fn middle_mm(&self, [x, y]: [usize; 2]) -> [f64; 2] {
+        let [x0, y0] = self.origin.mm();
+        [x0 + (x as f64 + 0.5) * self.cell_mm(), y0 + (y as f64 + 0.5) * self.cell_mm()]
+    }
+
+    /// How far a place lies inside of the grid's edges, in millimetres; 0 outside.
+    pub fn inside_mm(&self, [x, y]: [f64; 2]) -> f64 {
+        let [x0, y0] = self.origin.mm();
+        let [width, depth] = [self.columns, self.rows].map(|cells| cells as f64 * self.cell_mm());
+        (x - x0).min(y - y0).min(x0 + width - x).min(y0 + depth - y).max(0.0)
+    }
+
+    /// A corner of cells, by doubled indices: odd ones are middles of sides.
+    pub(super) fn half_corner(&self, [x, y]: [i64; 2]) -> Point {
+        let at = |from: i32, half: i64| (i64::from(from) + half * i64::from(self.cell) / 2) as i32;
+        Point::new(at(self.origin.x, x), at(self.origin.y, y))
+    }
+
+    fn stride(&self) -> usize {
+        self.columns.div_ceil(WORD)
+    }
+}
+
+/// A set of cells.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Bitmap {
+    grid: Grid,
+    /// Row by row, each from a new word on; bits beyond the last column are 0.
+    words: Vec<u64>,
+}
+
+impl Bitmap {
+    /// No cell.
+    pub fn empty(grid: Grid) -> Self {
+        Self { grid, words: vec![0; grid.stride() * grid.rows] }
+    }
+
+    /// The cells whose middles lie in a region.
+    pub fn of(grid: Grid, region: &Region) -> Self {
+        let mut map = Self::empty(grid);
+        let cell_mm = grid.cell_mm();
+        let phase_mm = geom::to_mm(grid.origin.y) + cell_mm / 2.0;
+        for line in geom::scan_lines(region, 0.0, cell_mm, phase_mm) {
+            let Some(row) = usize::try_from(line.index).ok().filter(|&row| row < grid.rows) else { continue };
+            for [a, b] in line.segments {
+                // Middles at or right of a, left of b.
+                let column = |x: i32| {
+                    let half_cells = 2 * (i64::from(x) - i64::from(grid.origin.x)) + i64::from(grid.cell);
+                    (half_cells - 1).div_euclid(2 * i64::from(grid.cell)).clamp(0, grid.columns as i64)
+                        as usize
+                };
+                map.set_run(row, column(a.point.x), column(b.point.x));
+            }
+        }
+        map
+    }
+
+    /// The cells that a region touches, at least at its vertices: nothing is too small to be seen.
+    pub fn touching(grid: Grid, region: &Region) -> Self {
+        let mut map = Self::of(grid, region);
+        for ring in region.rings() {
+            for cell in ring.iter().filter_map(|&p| grid.cell_at(p)) {
+                map.set(cell);
+            }
+        }
+        map
+    }
+
+    /// Its grid.
+    pub fn grid(&self) -> Grid {
+        self.grid
+    }
+
+    /// Whether there is no cell in it.
+    pub fn is_empty(&self) -> bool {
+        self.words.iter().all(|&w| w == 0)
+    }
+
+    /// Area of its cells in square millimetres.
+    pub fn area_mm2(&self) -> f64 {
+        let count: u32 = self.words.iter().map(|w| w.count_ones()).sum();
+        f64::from(count) * self.grid.cell_mm().powi(2)
+    }
+
+    /// Whether a cell is in it; cells outside of the grid are not.
+    pub fn has(&self, [x, y]: [usize; 2]) -> bool {
+        let inside = x < self.grid.columns && y < self.grid.rows;
+        inside && self.words[y * self.grid.stride() + x / WORD] >> (x % WORD) & 1 == 1
+    }
+
+    /// Whether the cell at a place is in it.
+    pub fn has_at(&self, p: Point) -> bool {
+        self.grid.cell_at(p).is_some_and(|cell| self.has(cell))
+    }
+
+    /// Adds a cell of the grid.
+    pub fn set(&mut self, [x, y]: [usize; 2]) {
+        if x < self.grid.columns && y < self.grid.rows {
+            self.words[y * self.grid.stride() + x / WORD] |= 1 << (x % WORD);
+        }
+    }
+
+    /// Adds a run of columns of one row.
+    pub fn set_run(&mut self, row: usize, from: usize, to: usize) {
+        let base = row * self.grid.stride();
+        let mut x = from;
+        while x < to {
+            let end = to.min((x / WORD + 1) * WORD);
+            let ones = if end - x == WORD { u64::MAX } else { (1 << (end - x)) - 1 };
+            self.words[base + x / WORD] |= ones << (x % WORD);
+            x = end;
+        }
+    }
+
+    /// Its cells, row by row.
+    pub fn cells(&self) -> impl Iterator<Item = [usize; 2]> + '_ {
+        let stride = self.grid.stride();
+        self.words.iter().enumerate().flat_map(move |(i, &word)| {
+            let (y, first) = (i / stride, i % stride * WORD);
+            std::iter::successors((word != 0).then_some(word), |w| Some(w & (w - 1)).filter(|&w| w != 0))
+                .map(move |w| [first + w.trailing_zeros() as usize, y])
+        })
+    }
+
+    /// Adds the cells of another set of the same grid.
+    pub fn add(&mut self, other: &Self) {
+        self.words.iter_mut().zip(&other.words).for_each(|(a, b)| *a |= b);
+    }
+
+    /// Takes out the cells of another set of the same grid.
+    pub fn remove(&mut self, other: &Self) {
+        self.words.iter_mut().zip(&other.words).for_each(|(a, b)| *a &= !b);
+    }
+
+    /// Keeps what another set of the same grid has too.
+    pub fn keep(&mut self, other: &Self) {
+        self.words.iter_mut().zip(&other.words).for_each(|(a, b)| *a &= b);
+    }
+
+    /// With everything within about so many cells: an octagon around each.
+    pub fn grown(&self, cells: usize) -> Self {
+        let mut map = self.clone();
+        for step in 0..cells {
+            let before = map.clone();
+            map.merge(&before, [1, 0], |a, b| a | b);
+            map.merge(&before, [-1, 0], |a, b| a | b);
+            let upright = if step % 2 == 0 { before } else { map.clone() };
+            map.merge(&upright, [0, 1], |a, b| a | b);
+            map.merge(&upright, [0, -1], |a, b| a | b);
+            map.mask();
+        }
+        map
+    }
+
+    /// The union of all squares of so many cells that fit: what is narrower vanishes.
+    pub fn opened(&self, side: usize) -> Self {
+        let mut map = self.clone();
+        for axis in [[-1, 0], [0, -1]] {
+            map.swept(axis, side, |a, b| a & b);
+        }
+        for axis in [[1, 0], [0, 1]] {
+            map.swept(axis, side, |a, b| a | b);
+        }
+        map
+    }
+
+    /// Merges it with itself moved by 1, 2, … `length` − 1 steps, in about log₂(length) passes.
+    fn swept(&mut self, [right, up]: [isize; 2], length: usize, op: impl Fn(u64, u64) -> u64 + Copy) {
+        let mut have = 1;
+        while have < length {
+            let step = have.min(length - have) as isize;
+            let before = self.clone();
+            self.merge(&before, [right * step, up * step], op);
+            self.mask();
+            have += step as usize;
+        }
+    }
+
+    /// With gaps and holes filled that are narrower than about twice so many cells.
+    pub fn closed(&self, cells: usize) -> Self {
+        let mut map = self.grown(cells).shrunk(cells);
+        map.add(self);
+        map
+    }
+
+    /// Without everything within about so many cells of what it does not have; beyond the grid is everything.
+    pub fn shrunk(&self, cells: usize) -> Self {
+        self.inverted().grown(cells).inverted()
+    }
+
+    /// The cells that it does not have.
+    fn inverted(&self) -> Self {
+        let mut map = Self { grid: self.grid, words: self.words.iter().map(|w| !w).collect() };
+        map.mask();
+        map
+    }
+
+    /// Combines it, word by word, with another set of the same grid moved by so many cells, fewer than 64 to a side.
+    /// Bits beyond the last column may be left over.
+    fn merge(&mut self, other: &Self, [right, up]: [isize; 2], op: impl Fn(u64, u64) -> u64) {
+        let stride = self.grid.stride();
+        for (row, words) in self.words.chunks_exact_mut(stride).enumerate() {
+            let from = (row as isize - up) as usize;
+            let Some(source) = other.words.get(from.saturating_mul(stride)..).and_then(|w| w.get(..stride))
+            else {
+                words.iter_mut().for_each(|word| *word = op(*word, 0));
+                continue;
+            };
+            let at = |column: usize| source.get(column).copied().unwrap_or(0);
+            for (column, word) in words.iter_mut().enumerate() {
+                let moved = match right {
+                    0 => source[column],
+                    1.. => source[column] << right | at(column.wrapping_sub(1)) >> (WORD as isize - right),
+                    _ => source[column] >> -right | at(column + 1) << (WORD as isize + right),
+                };
+                *word = op(*word, moved);
+            }
+        }
+    }
+
+    /// The cells beside which, to a side, there is none.
+    pub(super) fn rim(&self) -> Self {
+        let mut inner = self.clone();
+        for by in [[1, 0], [-1, 0], [0, 1], [0, -1]] {
+            inner.merge(self, by, |a, b| a & b);
+        }
+        let mut rim = self.clone();
+        rim.remove(&inner);
+        rim
+    }
+
+    /// Clears the bits beyond the last column.
+    fn mask(&mut self) {
+        let (stride, rest) = (self.grid.stride(), self.grid.columns % WORD);
+        if rest > 0 {
+            self.words.iter_mut().skip(stride - 1).step_by(stride).for_each(|w| *w &= (1 << rest) - 1);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::geom::Polygon;
+
+    fn grid() -> Grid {
+        Grid::new(Bounds { min: Point::from_mm(0.0, 0.0), max: Point::from_mm(40.0, 10.0) }, 0.0, 0.5)
+    }
+
+    fn square(x: f64, y: f64, side: f64) -> Region {
+        let corner = |dx: f64, dy: f64| Point::from_mm(x + dx * side, y + dy * side);
+        let outer = vec![corner(0.0, 0.0), corner(1.0, 0.0), corner(1.0, 1.0), corner(0.0, 1.0)];
+        Region { polygons: vec![Polygon { outer, holes: Vec::new() }] }
+    }
+
+    #[test]
+    fn a_region_has_the_cells_whose_middles_it_holds() {
+        let map = Bitmap::of(grid(), &square(30.0, 2.0, 3.0));
+        assert_eq!(map.area_mm2(), 9.0);
+        assert!(map.has_at(Point::from_mm(32.9, 4.9)) && !map.has_at(Point::from_mm(33.1, 4.9)));
+        assert_eq!(map.cells().count(), 36);
+        assert!(map.cells().all(|cell| map.has(cell)));
+        assert!(Bitmap::of(grid(), &square(5.3, 5.3, 0.1)).is_empty());
+        assert_eq!(Bitmap::touching(grid(), &square(5.3, 5.3, 0.1)).cells().count(), 1);
+    }
+
+    #[test]
+    fn growing_and_opening_know_what_is_wide() {
+        let (wide, narrow) = (Bitmap::of(grid(), &square(30.0, 2.0, 3.0)), square(10.0, 4.0, 1.0));
+        let mut both = Bitmap::of(grid(), &narrow);
+        both.add(&wide);
+        assert_eq!(both.opened(4), wide);
+        assert_eq!(both.opened(2), both);
+        assert_eq!(wide.grown(1).cells().count(), 36 + 4 * 6);
+        assert_eq!(wide.grown(2).cells().count(), 10 * 10 - 4);
+    }
+
+    #[test]
+    fn closing_fills_what_is_narrow_between() {
+        let mut two = Bitmap::of(grid(), &square(10.0, 2.0, 4.0));
+        two.add(&Bitmap::of(grid(), &square(15.0, 2.0, 4.0)));
+        assert!(two.closed(1).has_at(Point::from_mm(14.5, 4.0)));
+        assert!(two.closed(1).area_mm2() < 37.0);
+        let mut far = Bitmap::of(grid(), &square(10.0, 2.0, 4.0));
+        far.add(&Bitmap::of(grid(), &square(20.0, 2.0, 4.0)));
+        assert_eq!(far.closed(2), far);
+    }
+}

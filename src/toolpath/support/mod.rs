@@ -1,0 +1,23 @@
+//! Supports: what holds up the parts of a print that nothing else does.
+//!
+//! Where a layer hangs over the one below is found on exact outlines ([`overhang`]); where supports stand is decided
+//! on cells of 0.4 mm ([`bitmap`]), from the top down, as columns
+//! ([`columns`]) or trees ([`tree`]); their beads are laid on exact outlines again
+//! ([`beads`]), each layer by itself.
+
+mod beads;
+mod bitmap;
+mod bridge;
+mod columns;
+mod overhang;
+mod trace;
+mod tree;
+
+pub use beads::{BeadSpec, Outlines, lay};
+pub use bitmap::{Bitmap, Grid};
+pub use columns::{Cells, ColumnSpec, stand};
+pub use overhang::{Overhang, Slab, Wishes, find, lasting, window};
+pub use tree::{Disc, grow, outline};
+
+/// Side of a cell: a bead's width.
+pub const CELL_MM: f64 = 0.4;

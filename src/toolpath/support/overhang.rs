@@ -1,0 +1,109 @@
+//! What of a layer hangs in the air.
+
+use super::bitmap::{Bitmap, Grid};
+use super::bridge;
+use crate::geom::{self, Region};
+use crate::profile::SupportSettings;
+
+/// Overhangs smaller than this are noise of the section: less than a nozzle's bore.
+const CRUMB_MM2: f64 = 0.05;
+
+/// Outlines are simplified to this before they are grown: a tenth of what a layer may lean out.
+const ROUGH_MM: f64 = 0.02;
+
+/// What of a layer rests on nothing.
+#[derive(Clone, Debug)]
+pub struct Overhang {
+    /// Leans out too far, or is too long a bridge.
+    pub leaning: Bitmap,
+    /// Must be held, however small: islands that begin in mid-air, and what the user marked.
+    pub must: Bitmap,
+}
+
+/// One layer of the plate with its cells.
+#[derive(Clone, Copy, Debug)]
+pub struct Slab<'a> {
+    /// Everything solid.
+    pub section: &'a Region,
+    /// The same as cells.
+    pub solid: &'a Bitmap,
+}
+
+/// Where the user wants support, or none, at the height of one layer.
+#[derive(Clone, Copy, Debug)]
+pub struct Wishes<'a> {
+    /// Everything that rests on nothing is held here.
+    pub enforced: &'a Region,
+    /// Nothing is held here.
+    pub blocked: &'a Region,
+}
+
+/// Finds what of a layer `height_mm` high leans out over the one below by more than `support.angle`, less what can be
+/// bridged. Unless support is enabled, nothing is held but what is enforced.
+pub fn find(
+    layer: Slab<'_>,
+    below: Slab<'_>,
+    height_mm: f64,
+    wishes: Wishes<'_>,
+    settings: &SupportSettings,
+) -> Overhang {
+    let grid = layer.solid.grid();
+    let lean_mm = height_mm * settings.angle.to_radians().tan();
+    let carried = geom::offset(&geom::simplify(below.section, ROUGH_MM), lean_mm);
+    let mut beyond =
+        if settings.enabled { geom::difference(layer.section, &carried) } else { Region::default() };
+    beyond.polygons.retain(|polygon| polygon.area_mm2() >= CRUMB_MM2);
+    // What nothing touches comes out of the difference as it was.
+    let (islands, edges): (Vec<_>, Vec<_>) =
+        beyond.polygons.into_iter().partition(|polygon| layer.section.polygons.contains(polygon));
+
+    let mut air = layer.solid.clone();
+    air.remove(below.solid);
+    let mut leaning = Bitmap::empty(grid);
+    for polygon in edges {
+        let whole = geom::offset(&Region { polygons: vec![polygon] }, lean_mm + ROUGH_MM);
+        let mut cells = Bitmap::of(grid, &whole);
+        cells.keep(&air);
+        cells.remove(&bridge::spanned(&whole, below.solid, settings.max_bridge.0));
+        leaning.add(&cells);
+    }
+    let mut must = Bitmap::touching(grid, &Region { polygons: islands });
+    if !wishes.enforced.is_empty() {
+        air.keep(&Bitmap::of(grid, wishes.enforced));
+        must.add(&air);
+    }
+    if !wishes.blocked.is_empty() {
+        let blocked = Bitmap::of(grid, wishes.blocked);
+        leaning.remove(&blocked);
+        must.remove(&blocked);
+    }
+    Overhang { leaning, must }
+}
+
+/// What of a layer's overhang is to be held: all that must be, and of what leans out the parts that, seen from above
+/// together with the layers just over and under it, reach out by `support.min_reach`. `around` are those layers, its
+/// own among them.
+pub fn lasting<'a>(
+    own: &Overhang,
+    around: impl Iterator<Item = &'a Overhang>,
+    settings: &SupportSettings,
+) -> Bitmap {
+    let grid: Grid = own.must.grid();
+    let mut held = own.must.grown(1);
+    if own.leaning.is_empty() {
+        return held;
+    }
+    let mut shadow = Bitmap::empty(grid);
+    around.for_each(|overhang| shadow.add(&overhang.leaning));
+    let side = grid.cells(settings.min_reach.0).max(1);
+    let mut wide = shadow.opened(side).grown(side);
+    wide.keep(&own.leaning);
+    held.add(&wide);
+    held
+}
+
+/// How many layers above and below are seen together: as many as a slope at the limit takes to reach out so far.
+pub fn window(height_mm: f64, settings: &SupportSettings) -> usize {
+    let lean_mm = (height_mm * settings.angle.to_radians().tan()).max(1e-3);
+    ((settings.min_reach.0 / lean_mm).ceil() as usize).min(20)
+}
