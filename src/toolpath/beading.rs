@@ -34,7 +34,7 @@ pub(super) const WIDEST: f64 = 1.6;
 /// Sides face each other whose normals enclose at most an angle with this cosine: 135°.
 const FACING: f64 = -0.7;
 
-/// Corners whose squared sine is less are none.
+/// Corners whose squared sine is less are none, or needles.
 const NEARLY_STRAIGHT: f64 = 0.05;
 
 /// The thickness is looked up at least this often, in spacings.
@@ -152,7 +152,8 @@ impl Sides {
         (place.spacing_mm - PAIR * self.spacing_mm) / 2.0
     }
 
-    /// The vertex between two edges, as far inside either as its bead asks for.
+    /// The vertex between two edges, as far inside either as its bead asks for, and as wide as the narrower one: a
+    /// wider bead would poke out beside that.
     fn corner(&self, end: &Place, start: &Place, line: &mut Line) {
         let (a, b) = (end.inwards, start.inwards);
         let cosine = a[0] * b[0] + a[1] * b[1];
@@ -164,7 +165,9 @@ impl Sides {
         } else {
             [0, 1].map(|k| (from * a[k] + to * b[k]) / 2.0)
         };
-        self.push(start.at, by, (start.spacing_mm + end.spacing_mm) / 2.0, line);
+        let narrowest_mm =
+            if square <= NEARLY_STRAIGHT && cosine < 0.0 { PAIR * self.spacing_mm } else { f64::MAX };
+        self.push(start.at, by, start.spacing_mm.min(end.spacing_mm).min(narrowest_mm), line);
     }
 
     fn push(&self, at: [f64; 2], by: [f64; 2], spacing_mm: f64, line: &mut Line) {

@@ -31,6 +31,46 @@ pub(super) struct Cap {
     pub(super) used: bool,
 }
 
+/// The caps of a fill, to be found by the chord ends beside them.
+#[derive(Default)]
+pub(super) struct Caps {
+    all: Vec<Cap>,
+    /// Chord, side, and index of a cap beside that end; sorted.
+    beside: Vec<(u32, u8, u32)>,
+}
+
+impl Caps {
+    pub(super) fn new(all: Vec<Cap>) -> Self {
+        let ends =
+            all.iter().enumerate().flat_map(|(i, cap)| cap.ends.map(|(chord, side)| (chord, side, i as u32)));
+        let mut beside: Vec<(u32, u8, u32)> = ends.collect();
+        beside.sort_unstable();
+        Self { all, beside }
+    }
+
+    fn beside(&self, (chord, side): (u32, u8)) -> impl Iterator<Item = usize> {
+        let first = self.beside.partition_point(|&(c, s, _)| (c, s) < (chord, side));
+        let same = self.beside[first..].iter().take_while(move |&&(c, s, _)| (c, s) == (chord, side));
+        same.map(|&(.., cap)| cap as usize)
+    }
+
+    /// Whether there is a cap beside a chord's end, used or not.
+    pub(super) fn any_beside(&self, end: (u32, u8)) -> bool {
+        self.beside(end).next().is_some()
+    }
+
+    /// A cap beside a chord's end that is not used yet and fits.
+    pub(super) fn free_beside(&mut self, end: (u32, u8), fits: impl Fn(&Cap) -> bool) -> Option<&mut Cap> {
+        let found = self.beside(end).find(|&i| !self.all[i].used && fits(&self.all[i]))?;
+        self.all.get_mut(found)
+    }
+
+    /// The beads of the caps that no line took up.
+    pub(super) fn into_unused(self) -> impl Iterator<Item = Vec<(Point, f32)>> {
+        self.all.into_iter().filter(|cap| !cap.used).map(|cap| cap.bead)
+    }
+}
+
 /// All caps along the boundary. Between two neighbouring ends of the same line the boundary stays within one distance
 /// of it. If both are ends of one chord, the cap lies between that chord and the boundary; else a hole or notch
 /// interrupts the line, and the cap lies between it and the next line.

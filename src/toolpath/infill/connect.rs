@@ -2,7 +2,7 @@
 
 use crate::geom::{Boundary, BoundaryPos, Point, Region};
 
-use super::caps::{self, Cap, Hatch};
+use super::caps::{self, Caps, Hatch};
 use crate::toolpath::bead::Line;
 
 /// A piece of a pattern inside the region.
@@ -59,11 +59,12 @@ pub fn connect(region: &Region, mut chords: Vec<Chord>, joins: &Joins) -> Vec<Li
     let around = Around::new(&boundary, &chords);
     let caps =
         joins.hatch.map_or_else(Vec::new, |hatch| caps::find(&boundary, &around.stops, &chords, hatch));
+    let caps = Caps::new(caps);
     let mut joiner =
         Joiner { boundary, around, chords: &chords, joins, caps, used: vec![false; chords.len()] };
     let mut lines: Vec<Line> = (0..chords.len()).filter_map(|first| joiner.line(first)).collect();
-    lines.extend(joiner.caps.into_iter().filter(|cap| !cap.used).filter_map(|cap| {
-        let (points, spacing_mm) = cap.bead.into_iter().unzip();
+    lines.extend(joiner.caps.into_unused().filter_map(|bead| {
+        let (points, spacing_mm) = bead.into_iter().unzip();
         Line { points, spacing_mm, closed: false }.sound()
     }));
     lines
@@ -74,7 +75,7 @@ struct Joiner<'a> {
     around: Around,
     chords: &'a [Chord],
     joins: &'a Joins,
-    caps: Vec<Cap>,
+    caps: Caps,
     used: Vec<bool>,
 }
 
@@ -126,7 +127,7 @@ impl Joiner<'_> {
     /// The way on over a cap, narrowing between hole and neighbouring line, where the chord beyond is free.
     fn over_a_cap(&mut self, (chord, side): (usize, usize)) -> Option<(Bead, (usize, usize))> {
         let end = (chord as u32, side as u8);
-        let cap = self.caps.iter_mut().find(|cap| !cap.used && cap.through && cap.ends.contains(&end))?;
+        let cap = self.caps.free_beside(end, |cap| cap.through)?;
         let backwards = cap.ends[1] == end;
         let (next, next_side) = cap.ends[usize::from(!backwards)];
         if self.used[next as usize] {
@@ -143,7 +144,7 @@ impl Joiner<'_> {
     /// Lets a line that ends here fill the cap beside its end.
     fn end_in_a_cap(&mut self, bead: &mut Bead, (chord, side): (usize, usize)) -> bool {
         let end = (chord as u32, side as u8);
-        let Some(cap) = self.caps.iter_mut().find(|cap| !cap.used && cap.ends.contains(&end)) else {
+        let Some(cap) = self.caps.free_beside(end, |_| true) else {
             return false;
         };
         cap.used = true;
@@ -167,7 +168,7 @@ impl Joiner<'_> {
         let from = before.0.mm();
         let [x, y] = last.0.mm();
         let length = (x - from[0]).hypot(y - from[1]);
-        let beside_cap = || self.caps.iter().any(|cap| cap.ends.contains(&(chord as u32, side as u8)));
+        let beside_cap = || self.caps.any_beside((chord as u32, side as u8));
         let across_mm = if ahead.is_some() { self.joins.turn_mm } else { self.joins.reach_mm };
         if across_mm <= 0.0 || length <= 0.0 || beside_cap() {
             return;
