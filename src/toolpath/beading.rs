@@ -22,6 +22,10 @@ use super::bead::Line;
 /// Half the thickness at which a part gets two beads instead of one, in spacings.
 pub(super) const PAIR: f64 = 0.75;
 
+/// Parts that are thicker than where pairs begin by less than this on average, in spacings, get single beads
+/// throughout: else tiny loops and short beads would alternate where the thickness goes to and fro about that.
+const HYSTERESIS: f64 = 0.08;
+
 /// Half the thickness at which the beads of a pair have their own width, in spacings.
 const FULL: f64 = 1.25;
 
@@ -56,7 +60,12 @@ pub(super) struct Pair {
 
 /// Lays one bead along the boundary of a region, with widths as the module says. Gaps narrower than `least_mm` are none.
 pub(super) fn pair(region: &Region, spacing_mm: f64, least_mm: f64) -> Pair {
-    let core = geom::offset(region, -PAIR * spacing_mm);
+    let mut core = geom::offset(region, -PAIR * spacing_mm);
+    core.polygons.retain(|polygon| {
+        let around_mm: f64 = polygon.rings().map(|ring| geom::ring_length_mm(ring)).sum();
+        // What is no longer than wide is the middle of a post, which takes no bead along its axis.
+        around_mm < spacing_mm || 2.0 * polygon.area_mm2() >= HYSTERESIS * spacing_mm * around_mm
+    });
     let covered = geom::offset(&core, PAIR * spacing_mm);
     let gap = narrower(region, &covered, least_mm);
     let deep = geom::offset(&core, -(FULL - PAIR) * spacing_mm);
@@ -65,7 +74,7 @@ pub(super) fn pair(region: &Region, spacing_mm: f64, least_mm: f64) -> Pair {
         constant(&geom::offset(&core, (PAIR - 0.5) * spacing_mm))
     } else {
         let centre = geom::offset(&core, PAIR / 2.0 * spacing_mm);
-        let sides = Sides { grid: EdgeGrid::new(&covered), spacing_mm };
+        let sides = Sides { grid: EdgeGrid::new(&covered), outline: EdgeGrid::new(region), spacing_mm };
         centre.rings().filter_map(|ring| sides.fit(ring)).collect()
     };
     Pair { loops, gap, rest: geom::offset(&deep, (FULL - 1.0) * spacing_mm) }
@@ -116,7 +125,10 @@ struct Place {
 
 /// The boundary that beads are laid along.
 struct Sides {
+    /// Of the part that gets pairs.
     grid: EdgeGrid,
+    /// Of the whole region, which no bead may leave.
+    outline: EdgeGrid,
     spacing_mm: f64,
 }
 
@@ -152,8 +164,8 @@ impl Sides {
         (place.spacing_mm - PAIR * self.spacing_mm) / 2.0
     }
 
-    /// The vertex between two edges, as far inside either as its bead asks for, and as wide as the narrower one: a
-    /// wider bead would poke out beside that.
+    /// The vertex between two edges, as far inside either as its bead asks for, and as wide as the narrower one and
+    /// the room there: a wider bead would poke out.
     fn corner(&self, end: &Place, start: &Place, line: &mut Line) {
         let (a, b) = (end.inwards, start.inwards);
         let cosine = a[0] * b[0] + a[1] * b[1];
@@ -165,9 +177,27 @@ impl Sides {
         } else {
             [0, 1].map(|k| (from * a[k] + to * b[k]) / 2.0)
         };
-        let narrowest_mm =
-            if square <= NEARLY_STRAIGHT && cosine < 0.0 { PAIR * self.spacing_mm } else { f64::MAX };
-        self.push(start.at, by, start.spacing_mm.min(end.spacing_mm).min(narrowest_mm), line);
+        let spacing_mm = start.spacing_mm.min(end.spacing_mm);
+        let at = Point::from_mm(start.at[0] + by[0], start.at[1] + by[1]);
+        self.push(start.at, by, spacing_mm.min(2.0 * self.room_mm(at, spacing_mm)), line);
+    }
+
+    /// Distance to the outline, as far as it is less than half a spacing.
+    fn room_mm(&self, at: Point, spacing_mm: f64) -> f64 {
+        let mut near = Vec::new();
+        if let Some(area) = Bounds::of([at]) {
+            self.outline.near_box(area.grown((spacing_mm / 2.0 * UNITS_PER_MM) as i32), &mut near);
+        }
+        let [x, y] = at.mm();
+        let distances = near.iter().map(|&i| {
+            let edge = &self.outline.edges()[i as usize];
+            let ([ax, ay], [bx, by]) = (edge.a.mm(), edge.b.mm());
+            let (dx, dy) = (bx - ax, by - ay);
+            let t = ((x - ax) * dx + (y - ay) * dy) / (dx * dx + dy * dy);
+            let t = if t > 0.0 { t.min(1.0) } else { 0.0 };
+            (ax + t * dx - x).hypot(ay + t * dy - y)
+        });
+        distances.fold(spacing_mm / 2.0, f64::min)
     }
 
     fn push(&self, at: [f64; 2], by: [f64; 2], spacing_mm: f64, line: &mut Line) {

@@ -1,12 +1,20 @@
 //! What parallel lines leave open where the boundary runs along them: the room between the last line and an
-//! extreme of the boundary, less than a line wide.
+//! extreme of the boundary, less than a line wide; and the wedges between lines and a boundary that they meet at a
+//! small angle.
 
 use crate::geom::{Boundary, Point};
 
 use super::connect::{Chord, Stop};
 
 /// Beads narrower than this, as a share of the lines' distance, are not laid.
-const NARROWEST: f64 = 0.3;
+const NARROWEST: f64 = 0.2;
+
+/// Beads shorter than this many distances are laid only where a line ends beside them.
+const SHORTEST: f64 = 2.5;
+
+/// A wedge is filled by a bead of its own that is at least so many distances long, which means that the lines meet the
+/// boundary at less than 34°; steeper ends are joined with beads of full width.
+const SHORTEST_WEDGE: f64 = 1.5;
 
 /// The arrangement of a solid fill's lines: line `k` is `k · distance + phase` from the origin, along the normal
 /// (−sin, cos) of the angle.
@@ -65,9 +73,12 @@ impl Caps {
         self.all.get_mut(found)
     }
 
-    /// The beads of the caps that no line took up.
-    pub(super) fn into_unused(self) -> impl Iterator<Item = Vec<(Point, f32)>> {
-        self.all.into_iter().filter(|cap| !cap.used).map(|cap| cap.bead)
+    /// The beads of the caps that no line took up, unless they are short.
+    pub(super) fn into_unused(self, distance_mm: f64) -> impl Iterator<Item = Vec<(Point, f32)>> {
+        let length_mm =
+            |bead: &[(Point, f32)]| bead.windows(2).map(|w| w[0].0.distance_mm(w[1].0)).sum::<f64>();
+        let unused = self.all.into_iter().filter(|cap| !cap.used).map(|cap| cap.bead);
+        unused.filter(move |bead| length_mm(bead) >= SHORTEST * distance_mm)
     }
 }
 
@@ -83,6 +94,8 @@ pub(super) fn find(boundary: &Boundary<'_>, stops: &[Stop], chords: &[Chord], ha
             let to = &ring[(i + 1) % ring.len()];
             let (a, b) = (&chords[from.chord as usize], &chords[to.chord as usize]);
             if a.line != b.line || ring.len() < 2 {
+                let arc = || boundary.vertices_between(from.on, to.on, true);
+                caps.extend(wedge([(a, from), (b, to)], arc, hatch));
                 continue;
             }
             let arc = boundary.vertices_between(from.on, to.on, true);
@@ -127,6 +140,58 @@ pub(super) fn find(boundary: &Boundary<'_>, stops: &[Stop], chords: &[Chord], ha
         }
     }
     caps
+}
+
+/// The bead between two neighbouring lines where the boundary runs from the end of one to that of the other at a small
+/// angle: the shorter line goes on along the boundary and narrows until it meets the longer one's end.
+fn wedge(
+    [(a, from), (b, to)]: [(&Chord, &Stop); 2],
+    arc: impl FnOnce() -> Vec<Point>,
+    hatch: Hatch,
+) -> Option<Cap> {
+    let (sin, cos) = hatch.angle_rad.sin_cos();
+    let distance_mm = hatch.distance_mm;
+    let along_mm = |p: Point| {
+        let [x, y] = p.mm();
+        x * cos + y * sin
+    };
+    // Both lines end in the same direction.
+    if (a.line - b.line).abs() != 1 || from.side != to.side {
+        return None;
+    }
+    let (at_a, at_b) = (end_of(a, from), end_of(b, to));
+    let inwards = if from.side == 0 { 1.0 } else { -1.0 };
+    let shorter_mm = inwards * (along_mm(at_b) - along_mm(at_a));
+    if shorter_mm.abs() < SHORTEST_WEDGE * distance_mm {
+        return None;
+    }
+    let is_forward = shorter_mm < 0.0;
+    let (long, short) = if is_forward { (b, a) } else { (a, b) };
+    if long.points[0].distance_mm(long.points[long.points.len() - 1]) < shorter_mm.abs() {
+        return None;
+    }
+    let side = (short.line - long.line) as f64;
+    let line_mm = long.line as f64 * distance_mm + hatch.phase_mm;
+    let profile: Vec<(Point, f64)> = std::iter::once(at_a)
+        .chain(arc())
+        .chain(std::iter::once(at_b))
+        .map(|p| {
+            let [x, y] = p.mm();
+            let width_mm = side * (y * cos - x * sin - line_mm);
+            let away_mm = side * (distance_mm - width_mm) / 2.0;
+            (Point::from_mm(x - away_mm * sin, y + away_mm * cos), width_mm)
+        })
+        .collect();
+    let tolerance_mm = 0.1 * distance_mm;
+    if profile.iter().any(|&(_, mm)| !(-tolerance_mm..=distance_mm + tolerance_mm).contains(&mm)) {
+        return None;
+    }
+    let mut parts = wide_parts(&profile, NARROWEST * distance_mm).into_iter();
+    let (Some(bead), None) = (parts.next(), parts.next()) else {
+        return None;
+    };
+    let ends = [(from.chord, from.side), (to.chord, to.side)];
+    Some(Cap { bead, ends, through: true, used: false })
 }
 
 fn end_of(chord: &Chord, stop: &Stop) -> Point {

@@ -2,7 +2,7 @@
 
 use crate::geom::{Boundary, BoundaryPos, Point, Region};
 
-use super::caps::{self, Caps, Hatch};
+use super::caps::{self, Cap, Caps, Hatch};
 use crate::toolpath::bead::Line;
 
 /// A piece of a pattern inside the region.
@@ -32,6 +32,9 @@ pub struct Joins {
 /// Chords of solid fills shorter than this many line distances touch an extreme of the boundary, which a bead along
 /// it fills better.
 const SHORTEST: f64 = 0.5;
+
+/// Where a line turns back sharply, it leaves its way this many line distances before the boundary.
+const BACK: f64 = 1.0;
 
 /// Ends reach at most this many times the reach along their line, however flat it meets the boundary.
 const FLATTEST: f64 = 4.0;
@@ -63,7 +66,8 @@ pub fn connect(region: &Region, mut chords: Vec<Chord>, joins: &Joins) -> Vec<Li
     let mut joiner =
         Joiner { boundary, around, chords: &chords, joins, caps, used: vec![false; chords.len()] };
     let mut lines: Vec<Line> = (0..chords.len()).filter_map(|first| joiner.line(first)).collect();
-    lines.extend(joiner.caps.into_unused().filter_map(|bead| {
+    let distance_mm = joins.hatch.map_or(0.0, |hatch| hatch.distance_mm);
+    lines.extend(joiner.caps.into_unused(distance_mm).filter_map(|bead| {
         let (points, spacing_mm) = bead.into_iter().unzip();
         Line { points, spacing_mm, closed: false }.sound()
     }));
@@ -124,15 +128,16 @@ impl Joiner<'_> {
         Line { points, spacing_mm: if varies { spacing_mm } else { Vec::new() }, closed: false }.sound()
     }
 
-    /// The way on over a cap, narrowing between hole and neighbouring line, where the chord beyond is free.
+    /// The way on over a cap that leads to a chord, where that is free.
     fn over_a_cap(&mut self, (chord, side): (usize, usize)) -> Option<(Bead, (usize, usize))> {
-        let end = (chord as u32, side as u8);
-        let cap = self.caps.free_beside(end, |cap| cap.through)?;
-        let backwards = cap.ends[1] == end;
-        let (next, next_side) = cap.ends[usize::from(!backwards)];
-        if self.used[next as usize] {
+        if self.joins.longest_mm <= 0.0 {
             return None;
         }
+        let end = (chord as u32, side as u8);
+        let used = &self.used;
+        let beyond = |cap: &Cap| cap.ends[usize::from(cap.ends[0] == end)];
+        let cap = self.caps.free_beside(end, |cap| cap.through && !used[beyond(cap).0 as usize])?;
+        let ((next, next_side), backwards) = (beyond(cap), cap.ends[0] != end);
         cap.used = true;
         let mut way = std::mem::take(&mut cap.bead);
         if backwards {
@@ -157,7 +162,7 @@ impl Joiner<'_> {
     }
 
     /// Moves the last point of a bead on along its line, beyond the boundary, if it is a free end or turns back
-    /// sharply to `ahead`.
+    /// sharply to `ahead`; in the latter case also away from there along the boundary, into the wedge.
     fn reach(&self, bead: &mut Bead, (chord, side): (usize, usize), ahead: Option<Point>) {
         let (Some(on), [.., before, last]) = (self.chords[chord].ends[side], bead.as_mut_slice()) else {
             return;
@@ -181,7 +186,20 @@ impl Joiner<'_> {
         }
         let sine = (out[0] * edge[1] - out[1] * edge[0]).abs();
         let by = across_mm / sine.max(1.0 / FLATTEST);
-        last.0 = Point::from_mm(x + by * out[0], y + by * out[1]);
+        let mut tip = [0, 1].map(|k| [x, y][k] + by * out[k]);
+        if let Some(ahead) = ahead.map(Point::mm) {
+            // The join comes from one side; the wedge is on the other.
+            let back_mm = BACK * self.joins.hatch.map_or(0.0, |hatch| hatch.distance_mm);
+            let from_ahead = edge[0] * (x - ahead[0]) + edge[1] * (y - ahead[1]);
+            tip = [0, 1].map(|k| tip[k] + across_mm * edge[k] * from_ahead.signum());
+            if back_mm < length / 2.0 {
+                let spacing_mm = last.1;
+                last.0 = Point::from_mm(x - back_mm * out[0], y - back_mm * out[1]);
+                bead.push((Point::from_mm(tip[0], tip[1]), spacing_mm));
+                return;
+            }
+        }
+        last.0 = Point::from_mm(tip[0], tip[1]);
     }
 }
 

@@ -14,12 +14,13 @@ const LONGEST_JOIN: f64 = 12.0;
 /// The outermost lines keep this far from the patch's extreme points, where they would vanish.
 const INSIDE_MM: f64 = 0.002;
 
-/// Ends at sharp turns reach this share of what free ends reach: the wedge that they leave is half covered by the join.
-const TURN: f64 = 0.65;
+/// Ends at sharp turns reach this many times as far as free ends: at 45° to the wall, void and double cover together
+/// are least there.
+const TURN: f64 = 1.15;
 
 /// Parts of a solid zone narrower than this many spacings are filled along their boundary: lines across would consist
 /// of ends.
-const NARROW: f64 = 5.0;
+const NARROW: f64 = 3.5;
 
 /// Narrow parts smaller than this many squared spacings are left with the wide ones: corners.
 const CORNER: f64 = 4.0;
