@@ -164,8 +164,8 @@ impl Sides {
         (place.spacing_mm - PAIR * self.spacing_mm) / 2.0
     }
 
-    /// The vertex between two edges, as far inside either as its bead asks for, and as wide as the narrower one and
-    /// the room there: a wider bead would poke out.
+    /// The vertex between two edges, as far inside either as its bead asks for, and as wide as the narrower one: a
+    /// wider bead would poke out beside that.
     fn corner(&self, end: &Place, start: &Place, line: &mut Line) {
         let (a, b) = (end.inwards, start.inwards);
         let cosine = a[0] * b[0] + a[1] * b[1];
@@ -178,8 +178,7 @@ impl Sides {
             [0, 1].map(|k| (from * a[k] + to * b[k]) / 2.0)
         };
         let spacing_mm = start.spacing_mm.min(end.spacing_mm);
-        let at = Point::from_mm(start.at[0] + by[0], start.at[1] + by[1]);
-        self.push(start.at, by, spacing_mm.min(2.0 * self.room_mm(at, spacing_mm)), line);
+        self.push(start.at, by, spacing_mm, line);
     }
 
     /// Distance to the outline, as far as it is less than half a spacing.
@@ -200,11 +199,12 @@ impl Sides {
         distances.fold(spacing_mm / 2.0, f64::min)
     }
 
+    /// Appends a vertex, no wider than the room there.
     fn push(&self, at: [f64; 2], by: [f64; 2], spacing_mm: f64, line: &mut Line) {
         let point = Point::from_mm(at[0] + by[0], at[1] + by[1]);
         if line.points.last() != Some(&point) {
             line.points.push(point);
-            line.spacing_mm.push(spacing_mm as f32);
+            line.spacing_mm.push(spacing_mm.min(2.0 * self.room_mm(point, spacing_mm)) as f32);
         }
     }
 

@@ -34,7 +34,7 @@ pub struct Joins {
 const SHORTEST: f64 = 0.5;
 
 /// Where a line turns back sharply, it leaves its way this many line distances before the boundary.
-const BACK: f64 = 1.0;
+const BACK: f64 = 0.75;
 
 /// Ends reach at most this many times the reach along their line, however flat it meets the boundary.
 const FLATTEST: f64 = 4.0;

@@ -16,7 +16,7 @@ const INSIDE_MM: f64 = 0.002;
 
 /// Ends at sharp turns reach this many times as far as free ends: at 45° to the wall, void and double cover together
 /// are least there.
-const TURN: f64 = 1.15;
+const TURN: f64 = 0.8;
 
 /// Parts of a solid zone narrower than this many spacings are filled along their boundary: lines across would consist
 /// of ends.
