@@ -330,11 +330,12 @@ proptest! {
         for layer in plan(&vec![section.clone(); 3], &job()) {
             for path in layer.paths.iter().filter(|p| p.closed && p.role == Role::ExternalPerimeter) {
                 for (i, &p) in path.points.iter().enumerate() {
-                    let width_mm = match &path.width {
-                        Width::Constant(width_mm) => *width_mm,
-                        Width::PerVertex(widths) => f64::from(widths[i]),
+                    // Between the places where it is fitted, a varying width may be off by a few hundredths.
+                    let (width_mm, slack_mm) = match &path.width {
+                        Width::Constant(width_mm) => (*width_mm, 0.003),
+                        Width::PerVertex(widths) => (f64::from(widths[i]), 0.04),
                     };
-                    let room = geom::offset(&section, -(width_mm / 2.0 - 0.003));
+                    let room = geom::offset(&section, -(width_mm / 2.0 - slack_mm));
                     prop_assert!(room.contains(p), "{p:?}");
                 }
             }
