@@ -29,6 +29,8 @@ class Pane {
     }
     this.canvas.addEventListener("webglcontextlost", () => {
       this.usePainter(CanvasPainter);
+      this.app.judge();
+      this.app.setMode(this.app.state.mode);
       this.app.colored();
     });
     this.listen();
@@ -40,7 +42,7 @@ class Pane {
 
   size() {
     const { clientWidth, clientHeight } = this.stage;
-    return { width: Math.max(clientWidth, 1), height: Math.max(clientHeight, 1), ratio: Math.min(devicePixelRatio || 1, 2) };
+    return { width: Math.max(clientWidth, 1), height: Math.max(clientHeight, 1), ratio: this.solid ? OVERSAMPLING : Math.min(devicePixelRatio || 1, 2) };
   }
 
   /** Where the nozzle is so many seconds after the layer's start: stroke under way, and how much of it is done. */
