@@ -25,7 +25,7 @@ pub struct Browser {
     /// What was reported since the page was opened and is no mere information.
     errors: Vec<String>,
     /// Removed when the browser has ended.
-    _profile: TempDir,
+    profile: TempDir,
 }
 
 /// A browser that tests take turns at: starting one takes longer than most tests.
@@ -81,8 +81,7 @@ impl Browser {
         // Whoever writes must be read, or it stops.
         std::thread::spawn(move || lines.for_each(drop));
         let (socket, _) = tungstenite::connect(address).unwrap();
-        let mut browser =
-            Self { process, socket, session: None, calls: 0, errors: Vec::new(), _profile: profile };
+        let mut browser = Self { process, socket, session: None, calls: 0, errors: Vec::new(), profile };
         let target = browser.call("Target.createTarget", &json!({ "url": "about:blank" }));
         let attach = json!({ "targetId": target["targetId"], "flatten": true });
         browser.session =
@@ -167,7 +166,9 @@ impl Drop for Browser {
         let _ = self.process.kill();
         let _ = self.process.wait();
         let begun = Instant::now();
-        while std::fs::remove_dir_all(self._profile.path()).is_err() && begun.elapsed() < Duration::from_secs(2) {
+        while std::fs::remove_dir_all(self.profile.path()).is_err()
+            && begun.elapsed() < Duration::from_secs(2)
+        {
             sleep(Duration::from_millis(50));
         }
     }

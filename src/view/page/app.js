@@ -32,7 +32,7 @@ class App {
     if (!this.solid) find("view-3d").title = "This browser has no WebGL 2: layers only";
   }
 
-  /** The first view: several prints at the layer where they differ most, one print as a whole. */
+  /** The first view: several prints at the layer where they differ most, one print as a whole if there is any. */
   begin(several) {
     const wish = new URLSearchParams(location.hash.slice(1));
     const spread = (layer) => {
@@ -44,7 +44,9 @@ class App {
     this.state.theme = wish.get("theme") || (matchMedia("(prefers-color-scheme: dark)").matches ? "dark" : "light");
     document.documentElement.dataset.theme = this.state.theme;
     if (wish.get("color") in COLORINGS) find("color").value = this.state.color = wish.get("color");
-    this.setMode(wish.get("view") || (several ? "2d" : "3d"));
+    // Where nothing is extruded, travel is all there is to see.
+    const solid = !several && this.ways().some((way, role) => role < TRAVEL && way > 0);
+    this.setMode(wish.get("view") || (solid ? "3d" : "2d"));
     this.goTo(wish.has("layer") ? wish.get("layer") - 1 : several ? busiest : this.layers - 1);
     if (wish.has("way")) this.setWay(this.longest() * wish.get("way"));
     this.colored();
@@ -67,7 +69,8 @@ class App {
   ways() {
     this.wayCache ??= this.prints.reduce((sums, { points, role, strokes }) => {
       for (let i = 0; i < strokes; i++) {
-        sums[role[i]] += Math.hypot(points[3 * i + 3] - points[3 * i], points[3 * i + 4] - points[3 * i + 1]);
+        const dx = points[3 * i + 3] - points[3 * i], dy = points[3 * i + 4] - points[3 * i + 1];
+        sums[role[i]] += Math.sqrt(dx * dx + dy * dy);
       }
       return sums;
     }, new Float64Array(JUMP + 1)).slice(0, JUMP);
@@ -199,6 +202,7 @@ class App {
 
   /** All that is seen, from the state. */
   render() {
+    cancelAnimationFrame(this.frame);
     this.frame = 0;
     const { state, prints } = this;
     const size = this.panes[0].size();

@@ -98,20 +98,20 @@ class TurnCamera {
 
 /** Of some layers of a print those points that reach furthest in each of eight directions; what is no part of it is left out. */
 function outlineOf({ points, role, first, layers }) {
-  const outline = [], some = Math.min(layers, 300), ways = [...Array(8).keys()].map((i) => [Math.cos((i * Math.PI) / 4), Math.sin((i * Math.PI) / 4)]);
-  for (const others of [false, true]) {
+  const outline = [], some = Math.min(layers, 64);
+  for (const end of [TRAVEL - 1, JUMP]) {
     for (let n = 0; n < some; n++) {
-      const layer = Math.round((n * (layers - 1)) / Math.max(some - 1, 1)), furthest = ways.map(() => [-Infinity, -1]);
+      const layer = Math.round((n * (layers - 1)) / Math.max(some - 1, 1));
+      const furthest = new Int32Array(8).fill(-1), reach = new Float64Array(8).fill(-Infinity);
       for (let i = first[layer]; i < first[layer + 1]; i++) {
-        if (role[i] >= (others ? JUMP : TRAVEL - 1)) continue;
-        for (const p of [3 * i, 3 * i + 3]) {
-          for (let k = 0; k < 8; k++) {
-            const reach = points[p] * ways[k][0] + points[p + 1] * ways[k][1];
-            if (reach > furthest[k][0]) furthest[k] = [reach, p];
-          }
+        if (role[i] >= end) continue;
+        const p = 3 * i + 3, x = points[p], y = points[p + 1];
+        for (let k = 0; k < 8; k++) {
+          const along = k < 4 ? (k & 1 ? x : y) : k & 1 ? x + y : x - y, far = k & 2 ? along : -along;
+          if (far > reach[k]) [reach[k], furthest[k]] = [far, p];
         }
       }
-      for (const [, p] of furthest) if (p >= 0) outline.push(points[p], points[p + 1], points[p + 2]);
+      for (const p of furthest) if (p >= 0) outline.push(points[p], points[p + 1], points[p + 2]);
     }
     if (outline.length) break;
   }

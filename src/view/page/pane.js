@@ -14,7 +14,10 @@ class Pane {
     this.stage = element("div", { class: "stage" }, this.nozzle, this.scale);
     this.root = element("div", { class: "pane" }, this.caption, this.stage);
     this.usePainter(GlPainter);
-    new ResizeObserver(() => app.resized()).observe(this.stage);
+    new ResizeObserver(() => {
+      const { width, height } = this.size();
+      if (width !== this.drawn?.width || height !== this.drawn?.height) app.resized();
+    }).observe(this.stage);
   }
 
   /** Draws with this one if it can be had, and else on a plain canvas. */
@@ -64,6 +67,7 @@ class Pane {
 
   draw(look, state, camera) {
     const now = this.at(state.layer, state.way), size = this.size();
+    this.drawn = size;
     this.painter.draw(look, now, camera, size);
     this.placeNozzle(now, camera, size);
     this.showScale(look, camera);

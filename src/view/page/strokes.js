@@ -22,13 +22,15 @@ class StrokeTexture {
     if (this.rows > gl.getParameter(gl.MAX_TEXTURE_SIZE)) throw new Error("too many strokes");
     const words = new Uint32Array(4 * TEXELS * this.rows), floats = new Float32Array(words.buffer);
     for (let i = 0; i <= strokes; i++) {
-      for (let axis = 0; axis < 3; axis++) floats[4 * i + axis] = points[3 * i + axis];
+      floats[4 * i] = points[3 * i];
+      floats[4 * i + 1] = points[3 * i + 1];
+      floats[4 * i + 2] = points[3 * i + 2];
       words[4 * i + 3] = role[i] | (bead[2 * i] << 4) | (bead[2 * i + 1] << 18);
     }
     this.texture = this.create();
     gl.texImage2D(gl.TEXTURE_2D, 0, gl.RGBA32UI, TEXELS, this.rows, 0, gl.RGBA_INTEGER, gl.UNSIGNED_INT, words);
     this.values = this.create();
-    this.setValues(new Float32Array(strokes));
+    this.setValues([]);
   }
 
   create() {
@@ -42,7 +44,7 @@ class StrokeTexture {
   /** Takes up values of 0 to 1: that of stroke i, or of what the stroke is made from. */
   setValues(values, source = null) {
     const { gl } = this, bytes = new Uint8Array(TEXELS * this.rows);
-    for (let i = 0; i < this.strokes; i++) bytes[i] = Math.round(255 * values[source ? source[i] : i]);
+    for (let i = 0; values.length && i < this.strokes; i++) bytes[i] = Math.round(255 * values[source ? source[i] : i]);
     gl.bindTexture(gl.TEXTURE_2D, this.values);
     gl.texImage2D(gl.TEXTURE_2D, 0, gl.R8, TEXELS, this.rows, 0, gl.RED, gl.UNSIGNED_BYTE, bytes);
   }
@@ -115,10 +117,10 @@ function glance(print, step) {
       }
       end = i + 1;
       const from = 3 * kept[kept.length - 1], to = 3 * end, goesOn = end < first[layer + 1] && role[end] === role[i];
-      if (goesOn && Math.hypot(points[to] - points[from], points[to + 1] - points[from + 1]) < step) continue;
+      if (goesOn && Math.max(Math.abs(points[to] - points[from]), Math.abs(points[to + 1] - points[from + 1])) < step) continue;
       kept.push(end);
       source.push(i);
-      const [width, height] = bead.subarray(2 * i, 2 * i + 2), more = Math.min(Math.max((100 * rise) / (height || 1), 1), 5);
+      const width = bead[2 * i], height = bead[2 * i + 1], more = Math.min(Math.max((100 * rise) / (height || 1), 1), 5);
       beads.push((width * (1 + more)) / 2, height * more);
     }
     starts[layer + 1] = source.length;
@@ -128,7 +130,7 @@ function glance(print, step) {
     strokes, first: starts, source, points: new Float32Array(3 * (strokes + 1)), role: new Uint8Array(strokes), bead: Uint16Array.from(beads),
   };
   for (let i = 0; i < strokes; i++) {
-    few.points.set(points.subarray(3 * kept[i], 3 * kept[i] + 3), 3 * (i + 1));
+    for (let axis = 0; axis < 3; axis++) few.points[3 * i + 3 + axis] = points[3 * kept[i] + axis];
     few.role[i] = source[i] < 0 ? JUMP : role[source[i]];
   }
   return few;
