@@ -21,7 +21,9 @@ const TOOLS: &str = "
       document.getElementById(id).dispatchEvent(new Event(type, { bubbles: true }));
       app.render();
     };
-    window.pixels = ([r, g, b], near = 24) => {
+    window.pixels = ([r, g, b], near = 24) => count((data, i) =>
+      Math.abs(data[i] - r) + Math.abs(data[i + 1] - g) + Math.abs(data[i + 2] - b) < near);
+    window.count = (wanted) => {
       app.render();
       const from = document.querySelector('.pane canvas'), to = document.createElement('canvas');
       [to.width, to.height] = [from.width, from.height];
@@ -29,9 +31,7 @@ const TOOLS: &str = "
       context.drawImage(from, 0, 0);
       const { data } = context.getImageData(0, 0, to.width, to.height);
       let count = 0;
-      for (let i = 0; i < data.length; i += 4) {
-        count += Math.abs(data[i] - r) + Math.abs(data[i + 1] - g) + Math.abs(data[i + 2] - b) < near;
-      }
+      for (let i = 0; i < data.length; i += 4) count += wanted(data, i);
       return count;
     };
     window.OUTER = [0xe0, 0x7b, 0x00];
@@ -231,6 +231,10 @@ fn odd_files_give_a_page_that_says_what_they_are() {
         browser.open(&pages.gcode(text), "");
         browser.run(TOOLS);
         assert_eq!(browser.run("app.layers"), json!(layers), "{text:.60}");
+        // Darker than the grid.
+        let drawn = number(browser.run("count((data, i) => data[i] < 160)"));
+        assert!(drawn > 100.0, "{text:.60}: {drawn} pixels");
+        browser.run("new Promise((done) => setInterval(() => app.panes[0].painter.work || done(), 20))");
         let said = browser.run("shown('notice')");
         assert!(
             said.as_str().unwrap().contains(notice) && said.as_str().unwrap().is_empty() == notice.is_empty(),

@@ -101,7 +101,7 @@ void main() {
     gl_Position = vec4(2.0, 2.0, 2.0, 1.0);
     return;
   }
-  vec2 half_size = travels ? vec2(thin) : 0.5 * bead;
+  vec2 half_size = travels ? vec2(thin) : max(0.5 * bead, vec2(0.35 * pixel));
   vec3 way = finish - start;
   float way_mm = length(way);
   vec3 along = way_mm > 0.0 ? way / way_mm : vec3(1.0, 0.0, 0.0);
