@@ -96,7 +96,7 @@ class StrokeShape {
   }
 }
 
-/** Roles that hide others inside: walls seen from outside, bridges, top surfaces, skirt, support, ironing, the rest. */
+/** Roles, as colors.rs numbers them, that hide others inside: walls seen from outside, bridges, top surfaces, skirt, support, ironing, the rest. */
 const OUTSIDE = [0, 2, 5, 6, 8, 9, 11, 12].reduce((mask, role) => mask | (1 << role), 0);
 
 /** A print of fewer strokes for a glance: the outside alone, without layers and points nearer than `step` to the last. */
