@@ -9,7 +9,7 @@ use crate::job::{JobError, Progress, ReorderJob};
 use crate::order::{Chain, Pins, SeamRule, chunk_len};
 use crate::output::Output;
 use crate::profile::{SeamPosition, Settings};
-use crate::reorder::{self, Block, Blocks, Habit, Learner, Ordering, Pick, Walls, Written};
+use crate::reorder::{self, Block, Blocks, Habit, Learner, Options, Ordering, Pick, Toll, Walls, Written};
 use crate::report::{Reordered, Way};
 use crate::toolpath::LayerPaths;
 
@@ -21,8 +21,6 @@ const BATCH_BYTES: usize = 8 << 20;
 const BUFFER_BYTES: usize = 1 << 18;
 /// An improvement below this share of the travel is none.
 const WORTHWHILE: f64 = 1e-4;
-/// How often blocks whose new order turns out no better are taken back.
-const ROUNDS: usize = 3;
 
 /// Puts a file into another order.
 pub(super) fn reorder(
@@ -35,7 +33,7 @@ pub(super) fn reorder(
     run.rewrite(&job.file, open(&job.file)?, output, progress)?;
     let mut report = Reordered { file: job.file.display().to_string(), ..Reordered::default() };
     if run.improved() {
-        let proof = reorder::verify(open(&job.file)?, output.reread()?)
+        let proof = reorder::verify(open(&job.file)?, output.reread()?, parallel::both)
             .map_err(|error| input_error(&job.file, &error))?
             .map_err(|difference| {
                 JobError::Check(format!("{}: {difference}; nothing was written", job.file.display()))
@@ -72,7 +70,7 @@ pub(super) fn seam_rule(position: SeamPosition) -> SeamRule {
 /// Writes a file in the order that the settings ask for, whether or not that is any better.
 pub(super) fn rewritten(
     path: &Path,
-    input: impl BufRead,
+    input: impl BufRead + Send,
     settings: &Settings,
     output: &mut Output,
     progress: &dyn Progress,
@@ -89,8 +87,28 @@ pub(super) fn input_error(path: &Path, error: &io::Error) -> JobError {
     JobError::Input(format!("{}: {error}", path.display()))
 }
 
-/// Way without extrusion, mm, and how often filament is pulled back.
-type Toll = (f64, usize);
+/// Batches of blocks of a file.
+struct Batches<R> {
+    blocks: Blocks<R>,
+    carry: Option<Block>,
+}
+
+impl<R: BufRead> Batches<R> {
+    /// The next batch; an empty one at the end. The blocks of one layer stay together.
+    fn read(&mut self) -> io::Result<Vec<Block>> {
+        let mut batch: Vec<Block> = self.carry.take().into_iter().collect();
+        let mut bytes = batch.iter().map(Block::bytes).sum::<usize>();
+        while let Some(block) = self.blocks.read()? {
+            if bytes >= BATCH_BYTES && batch.last().is_some_and(|last| last.layer() != block.layer()) {
+                self.carry = Some(block);
+                break;
+            }
+            bytes += block.bytes();
+            batch.push(block);
+        }
+        Ok(batch)
+    }
+}
 
 /// What goes on from batch to batch.
 struct Run {
@@ -98,8 +116,8 @@ struct Run {
     seam: SeamRule,
     position: SeamPosition,
     keep_direction: bool,
-    /// Whether blocks whose new order is no better keep the old one.
-    take_back: bool,
+    /// Whether blocks keep their old order where the new one is not worth it.
+    choosy: bool,
     learner: Learner,
     /// What a retraction is worth, mm of travel.
     retraction_mm: f64,
@@ -113,108 +131,92 @@ struct Run {
 }
 
 impl Run {
-    fn new(settings: &Settings, keep_direction: bool, take_back: bool) -> Self {
+    fn new(settings: &Settings, keep_direction: bool, choosy: bool) -> Self {
         Self {
             chain: ordering::chain(settings),
             seam: seam_rule(settings.seam.position),
             position: settings.seam.position,
             keep_direction,
-            take_back,
+            choosy,
             learner: Learner::default(),
             retraction_mm: 0.0,
             at: None,
             marked: false,
             blocks: 0,
-            before: (0.0, 0),
-            after: (0.0, 0),
+            before: Toll::default(),
+            after: Toll::default(),
         }
     }
 
-    /// Whether what was written is worth anything.
+    /// Whether what was written is worth anything: less travel or fewer retractions, and neither more than before.
     fn improved(&self) -> bool {
-        self.score(self.after) < self.score(self.before) * (1.0 - WORTHWHILE)
+        let score = |toll: Toll| toll.score(self.retraction_mm);
+        self.after.within(self.before) && score(self.after) < score(self.before) * (1.0 - WORTHWHILE)
     }
 
-    /// The lower, the better.
-    fn score(&self, (travel_mm, pulls): Toll) -> f64 {
-        travel_mm + self.retraction_mm * pulls as f64
-    }
-
+    /// Batch by batch; while one is ordered and written, the next is read.
     fn rewrite(
         &mut self,
         path: &Path,
-        input: impl BufRead,
+        input: impl BufRead + Send,
         output: &mut Output,
         progress: &dyn Progress,
     ) -> Result<(), JobError> {
-        let mut blocks = Blocks::new(input);
-        let mut carry: Option<Block> = None;
-        loop {
-            let mut batch: Vec<Block> = carry.take().into_iter().collect();
-            let mut bytes = 0;
-            while let Some(block) = blocks.read().map_err(|error| input_error(path, &error))? {
-                // The blocks of one layer stay together.
-                if bytes >= BATCH_BYTES && batch.last().is_some_and(|last| last.layer() != block.layer()) {
-                    carry = Some(block);
-                    break;
-                }
-                bytes += block.bytes();
-                batch.push(block);
-            }
-            if batch.is_empty() {
-                return Ok(());
-            }
-            for written in self.batch(&batch) {
+        let failed = |error: io::Error| input_error(path, &error);
+        let mut batches = Batches { blocks: Blocks::new(input), carry: None };
+        let mut batch = batches.read().map_err(failed)?;
+        while !batch.is_empty() {
+            let (written, next) = parallel::join(|| self.batch(&batch), || batches.read());
+            for written in written {
                 output.write(&written.bytes)?;
                 progress.layer_done();
             }
+            batch = next.map_err(failed)?;
         }
+        Ok(())
     }
 
     /// Orders and writes some blocks.
     fn batch(&mut self, blocks: &[Block]) -> Vec<Written> {
         blocks.iter().for_each(|block| self.learner.learn(block));
         let habit = self.learner.habit();
-        let walls = walls(blocks);
-        let as_is = |block: &Block| (0..block.paths()).map(Pick::as_is).collect::<Vec<_>>();
-        let mut picks: Vec<Vec<Pick>> = match &habit {
-            None => blocks.iter().map(as_is).collect(),
-            Some(_) => self.order(blocks),
-        };
+        let old: Vec<Vec<Pick>> =
+            blocks.iter().map(|block| (0..block.paths()).map(Pick::as_is).collect()).collect();
+        let mut new = if habit.is_some() { self.order(blocks) } else { old.clone() };
         // What comes before the first mark is no layer of the print.
         self.marked |= blocks.iter().any(Block::marked);
-        for (block, picks) in blocks.iter().zip(&mut picks) {
+        for ((block, new), old) in blocks.iter().zip(&mut new).zip(&old) {
             if self.marked && !block.marked() {
-                *picks = as_is(block);
+                new.clone_from(old);
             }
         }
         let habit = habit.unwrap_or_default();
         self.retraction_mm = habit.retraction_mm();
-        let mut written = self.write(blocks, &picks, &habit, &walls);
-        for _ in 0..if self.take_back { ROUNDS } else { 0 } {
-            let mut worse = false;
-            for (index, block) in blocks.iter().enumerate() {
-                let was = block.travel();
-                let now = (written[index].travel_mm, written[index].pulls);
-                let changed = picks[index].iter().enumerate().any(|(i, pick)| *pick != Pick::as_is(i));
-                // Nowhere is less travel paid for with more retractions, or the other way round.
-                let dearer = now.0 > was.0 || now.1 > was.1;
-                if changed && (dearer || self.score(now) >= self.score(was)) {
-                    picks[index] = as_is(block);
-                    worse = true;
-                }
-            }
-            if !worse {
-                break;
-            }
-            written = self.write(blocks, &picks, &habit, &walls);
+        let start = self.at.unwrap_or(blocks[0].start());
+        let batch = Batch { blocks, habit, walls: walls(blocks), start };
+        let mut written = parallel::map(blocks.len(), |i| batch.write(&new, i));
+        for block in blocks {
+            let [junction, inside] = block.tolls();
+            self.before += junction + inside;
         }
-        for (block, written) in blocks.iter().zip(&written) {
-            let (travel_mm, pulls) = block.travel();
-            self.before = (self.before.0 + travel_mm, self.before.1 + pulls);
-            self.after = (self.after.0 + written.travel_mm, self.after.1 + written.pulls);
+        if self.choosy {
+            let options = parallel::map(blocks.len(), |i| batch.options(&old, &new, &written, i));
+            let limit = Toll {
+                travel_mm: self.before.travel_mm - self.after.travel_mm,
+                pulls: self.before.pulls.saturating_sub(self.after.pulls),
+            };
+            let chosen = reorder::choose(&options, limit, self.retraction_mm);
+            let chosen = chosen.unwrap_or_else(|| vec![false; blocks.len()]);
+            let stays: Vec<bool> = (0..blocks.len()).map(|i| options[i].changed && !chosen[i]).collect();
+            (0..blocks.len()).filter(|&i| stays[i]).for_each(|i| new[i].clone_from(&old[i]));
+            // A block's text depends on where the one before ends.
+            let again: Vec<usize> =
+                (0..blocks.len()).filter(|&i| stays[i] || i > 0 && stays[i - 1]).collect();
+            let texts = parallel::map(again.len(), |k| batch.write(&new, again[k]));
+            again.into_iter().zip(texts).for_each(|(i, text)| written[i] = text);
         }
-        self.at = blocks.last().zip(picks.last()).map(|(block, picks)| reorder::end(block, picks));
+        written.iter().for_each(|written| self.after += written.junction + written.inside);
+        self.at = blocks.last().zip(new.last()).map(|(block, picks)| reorder::end(block, picks));
         self.blocks += blocks.len();
         written
     }
@@ -243,22 +245,51 @@ impl Run {
         }
         picks
     }
+}
 
-    fn write(
-        &self,
-        blocks: &[Block],
-        picks: &[Vec<Pick>],
-        habit: &Habit,
-        walls: &[(Range<usize>, Walls)],
-    ) -> Vec<Written> {
-        parallel::map(blocks.len(), |i| {
-            let from = match i.checked_sub(1) {
-                Some(last) => reorder::end(&blocks[last], &picks[last]),
-                None => self.at.unwrap_or(blocks[i].start()),
-            };
-            let layer = walls.partition_point(|(range, _)| range.end <= i);
-            reorder::write(&blocks[i], &picks[i], from, habit, &walls[layer].1)
-        })
+/// Some blocks, and what it takes to write them.
+struct Batch<'a> {
+    blocks: &'a [Block],
+    habit: Habit,
+    /// The walls of each layer, with the blocks that make it up.
+    walls: Vec<(Range<usize>, Walls)>,
+    /// Where the nozzle is before the first block.
+    start: [i64; 2],
+}
+
+impl Batch<'_> {
+    /// A block's text, all blocks being drawn as `picks` say.
+    fn write(&self, picks: &[Vec<Pick>], i: usize) -> Written {
+        reorder::write(&self.blocks[i], &picks[i], self.from(picks, i), &self.habit, self.walls(i))
+    }
+
+    /// What a block comes to in its old and in its new order; `written`: all blocks in their new order.
+    fn options(&self, old: &[Vec<Pick>], new: &[Vec<Pick>], written: &[Written], i: usize) -> Options {
+        let junction = |before: &[Vec<Pick>], picks: &[Vec<Pick>]| {
+            let from = self.from(before, i);
+            reorder::junction(&self.blocks[i], &picks[i], from, &self.habit, self.walls(i))
+        };
+        let changed = |i: usize| old[i] != new[i];
+        let after_new = [junction(new, old), written[i].junction];
+        let after_old = match i > 0 && changed(i - 1) {
+            true => [junction(old, old), junction(old, new)],
+            false => after_new,
+        };
+        Options {
+            inside: [self.blocks[i].tolls()[1], written[i].inside],
+            junction: [after_old, after_new],
+            changed: changed(i),
+        }
+    }
+
+    /// Where the nozzle is before a block.
+    fn from(&self, picks: &[Vec<Pick>], i: usize) -> [i64; 2] {
+        i.checked_sub(1).map_or(self.start, |last| reorder::end(&self.blocks[last], &picks[last]))
+    }
+
+    fn walls(&self, i: usize) -> &Walls {
+        let layer = self.walls.partition_point(|(range, _)| range.end <= i);
+        &self.walls[layer].1
     }
 }
 
