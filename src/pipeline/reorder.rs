@@ -8,7 +8,7 @@ use std::path::Path;
 use crate::job::{JobError, Progress, ReorderJob};
 use crate::order::{Chain, Pins, SeamRule, chunk_len};
 use crate::output::Output;
-use crate::profile::{SeamPosition, Settings};
+use crate::profile::{OrderStrategy, Scope, SeamPosition, Settings};
 use crate::reorder::{self, Block, Blocks, Habit, Learner, Options, Ordering, Pick, Toll, Walls, Written};
 use crate::report::{Reordered, Way};
 use crate::toolpath::LayerPaths;
@@ -29,7 +29,7 @@ pub(super) fn reorder(
     output: &mut Output,
     progress: &dyn Progress,
 ) -> Result<Reordered, JobError> {
-    let mut run = Run::new(settings, job.keep_direction, true);
+    let mut run = Run { more_pulls: job.more_retractions, ..Run::new(settings, job.keep_direction, true) };
     run.rewrite(&job.file, open(&job.file)?, output, progress)?;
     let mut report = Reordered { file: job.file.display().to_string(), ..Reordered::default() };
     if run.improved() {
@@ -38,8 +38,11 @@ pub(super) fn reorder(
             .map_err(|difference| {
                 JobError::Check(format!("{}: {difference}; nothing was written", job.file.display()))
             })?;
-        (report.before, report.after) = (Way::from(&proof.before), Way::from(&proof.after));
-        (report.layers, report.changed) = (proof.layers, true);
+        let fewer = job.more_retractions || proof.after.retractions <= proof.before.retractions;
+        if fewer && proof.after.travel_mm <= proof.before.travel_mm {
+            (report.before, report.after) = (Way::from(&proof.before), Way::from(&proof.after));
+            (report.layers, report.changed) = (proof.layers, true);
+        }
     }
     Ok(report)
 }
@@ -118,6 +121,8 @@ struct Run {
     keep_direction: bool,
     /// Whether blocks keep their old order where the new one is not worth it.
     choosy: bool,
+    /// Whether retractions may grow in number where that saves more than they cost.
+    more_pulls: bool,
     learner: Learner,
     /// What a retraction is worth, mm of travel.
     retraction_mm: f64,
@@ -125,6 +130,8 @@ struct Run {
     at: Option<[i64; 2]>,
     /// Whether the file marks its layers.
     marked: bool,
+    /// Whether there was a path.
+    begun: bool,
     blocks: usize,
     before: Toll,
     after: Toll,
@@ -138,20 +145,28 @@ impl Run {
             position: settings.seam.position,
             keep_direction,
             choosy,
+            more_pulls: false,
             learner: Learner::default(),
             retraction_mm: 0.0,
             at: None,
             marked: false,
+            begun: false,
             blocks: 0,
             before: Toll::default(),
             after: Toll::default(),
         }
     }
 
-    /// Whether what was written is worth anything: less travel or fewer retractions, and neither more than before.
+    /// Retractions that the file may have.
+    fn most_pulls(&self) -> usize {
+        if self.more_pulls { usize::MAX } else { self.before.pulls }
+    }
+
+    /// Whether what was written is worth anything.
     fn improved(&self) -> bool {
         let score = |toll: Toll| toll.score(self.retraction_mm);
-        self.after.within(self.before) && score(self.after) < score(self.before) * (1.0 - WORTHWHILE)
+        let limit = Toll { pulls: self.most_pulls(), ..self.before };
+        self.after.within(limit) && score(self.after) < score(self.before) * (1.0 - WORTHWHILE)
     }
 
     /// Batch by batch; while one is ordered and written, the next is read.
@@ -180,50 +195,71 @@ impl Run {
     fn batch(&mut self, blocks: &[Block]) -> Vec<Written> {
         blocks.iter().for_each(|block| self.learner.learn(block));
         let habit = self.learner.habit();
-        let old: Vec<Vec<Pick>> =
-            blocks.iter().map(|block| (0..block.paths()).map(Pick::as_is).collect()).collect();
-        let mut new = if habit.is_some() { self.order(blocks) } else { old.clone() };
         // What comes before the first mark is no layer of the print.
         self.marked |= blocks.iter().any(Block::marked);
-        for ((block, new), old) in blocks.iter().zip(&mut new).zip(&old) {
-            if self.marked && !block.marked() {
-                new.clone_from(old);
+        let (marked, seam) = (self.marked, self.seam.clone());
+        let stays = |block: &Block| habit.is_none() || marked && !block.marked();
+        let old = |block: &Block| (0..block.paths()).map(Pick::as_is).collect::<Vec<_>>();
+        let mut orders: Vec<Vec<Vec<Pick>>> = vec![blocks.iter().map(old).collect()];
+        for &scope in self.scopes() {
+            self.seam = seam.clone();
+            let mut picks = self.order(blocks, scope);
+            for (i, block) in blocks.iter().enumerate().filter(|(_, block)| stays(block)) {
+                picks[i] = old(block);
             }
+            orders.push(picks);
         }
         let habit = habit.unwrap_or_default();
         self.retraction_mm = habit.retraction_mm();
         let start = self.at.unwrap_or(blocks[0].start());
-        let batch = Batch { blocks, habit, walls: walls(blocks), start };
-        let mut written = parallel::map(blocks.len(), |i| batch.write(&new, i));
-        for block in blocks {
+        let walls = walls(blocks);
+        let silent = match self.begun {
+            true => 0,
+            false => blocks.iter().position(|block| block.paths() > 0).map_or(blocks.len(), |i| i + 1),
+        };
+        self.begun |= silent < blocks.len();
+        let batch = Batch { blocks, orders, habit, walls, start, silent };
+        for (i, block) in blocks.iter().enumerate() {
             let [junction, inside] = block.tolls();
-            self.before += junction + inside;
+            self.before += batch.heard(i, junction) + inside;
         }
-        if self.choosy {
-            let options = parallel::map(blocks.len(), |i| batch.options(&old, &new, &written, i));
+        let (chosen, written) = if self.choosy {
             let limit = Toll {
                 travel_mm: self.before.travel_mm - self.after.travel_mm,
-                pulls: self.before.pulls.saturating_sub(self.after.pulls),
+                pulls: self.most_pulls().saturating_sub(self.after.pulls),
             };
-            let chosen = reorder::choose(&options, limit, self.retraction_mm);
-            let chosen = chosen.unwrap_or_else(|| vec![false; blocks.len()]);
-            let stays: Vec<bool> = (0..blocks.len()).map(|i| options[i].changed && !chosen[i]).collect();
-            (0..blocks.len()).filter(|&i| stays[i]).for_each(|i| new[i].clone_from(&old[i]));
-            // A block's text depends on where the one before ends.
-            let again: Vec<usize> =
-                (0..blocks.len()).filter(|&i| stays[i] || i > 0 && stays[i - 1]).collect();
-            let texts = parallel::map(again.len(), |k| batch.write(&new, again[k]));
-            again.into_iter().zip(texts).for_each(|(i, text)| written[i] = text);
+            batch.best(limit, self.retraction_mm)
+        } else {
+            (vec![1; blocks.len()], parallel::map(blocks.len(), |i| batch.write(1, 1, i)))
+        };
+        for (i, written) in written.iter().enumerate() {
+            self.after += batch.heard(i, written.junction) + written.inside;
         }
-        written.iter().for_each(|written| self.after += written.junction + written.inside);
-        self.at = blocks.last().zip(new.last()).map(|(block, picks)| reorder::end(block, picks));
+        self.at = Some(batch.end(chosen[blocks.len() - 1], blocks.len()));
         self.blocks += blocks.len();
         written
     }
 
+    /// The scopes in which orders are looked for, first the one that is asked for. What finishes one island before the
+    /// next is begun is allowed in every scope, and retracts less often.
+    fn scopes(&self) -> &'static [Scope] {
+        let settings = &self.chain.settings;
+        match settings.scope {
+            Scope::Layer if self.searches() => &[Scope::Layer, Scope::Island],
+            Scope::Feature if self.searches() => &[Scope::Feature, Scope::Island],
+            Scope::Layer => &[Scope::Layer],
+            Scope::Feature => &[Scope::Feature],
+            Scope::Island => &[Scope::Island],
+        }
+    }
+
+    /// Whether time is spent on the best among several orders.
+    fn searches(&self) -> bool {
+        self.choosy && self.chain.settings.strategy == OrderStrategy::Optimized
+    }
+
     /// The order of the paths of every block.
-    fn order(&mut self, blocks: &[Block]) -> Vec<Vec<Pick>> {
-        let scope = self.chain.settings.scope;
+    fn order(&mut self, blocks: &[Block], scope: Scope) -> Vec<Vec<Pick>> {
         let orderings: Vec<Ordering> =
             parallel::map(blocks.len(), |i| Ordering::new(&blocks[i], self.blocks + i, self.position, scope));
         // Blocks without paths are passed over.
@@ -231,9 +267,11 @@ impl Run {
         let layers: Vec<LayerPaths> = with_paths.iter().map(|&i| orderings[i].layer.clone()).collect();
         let pins: Vec<Pins> = layers.iter().map(|layer| self.seam.pins(layer)).collect();
         let start = self.at.zip(blocks.first()).map(|(at, block)| block.point(at));
+        let mut chain = self.chain.clone();
+        chain.settings.scope = scope;
         let sequences = match layers.is_empty() {
             true => Vec::new(),
-            false => ordering::solve(&self.chain, &layers, &pins, chunk_len(layers.len()), start).sequences,
+            false => ordering::solve(&chain, &layers, &pins, chunk_len(layers.len()), start).sequences,
         };
         let mut picks = vec![Vec::new(); blocks.len()];
         for (&i, sequence) in with_paths.iter().zip(&sequences) {
@@ -250,41 +288,76 @@ impl Run {
 /// Some blocks, and what it takes to write them.
 struct Batch<'a> {
     blocks: &'a [Block],
+    /// The paths of every block in several orders, the first being that of the file.
+    orders: Vec<Vec<Vec<Pick>>>,
     habit: Habit,
     /// The walls of each layer, with the blocks that make it up.
     walls: Vec<(Range<usize>, Walls)>,
     /// Where the nozzle is before the first block.
     start: [i64; 2],
+    /// So many blocks at the beginning come before the first bead: the way to them is no travel.
+    silent: usize,
 }
 
 impl Batch<'_> {
-    /// A block's text, all blocks being drawn as `picks` say.
-    fn write(&self, picks: &[Vec<Pick>], i: usize) -> Written {
-        reorder::write(&self.blocks[i], &picks[i], self.from(picks, i), &self.habit, self.walls(i))
+    /// The best choice of orders within a limit, and the text of every block.
+    fn best(&self, limit: Toll, retraction_mm: f64) -> (Vec<usize>, Vec<Written>) {
+        let (count, orders) = (self.blocks.len(), self.orders.len());
+        let mut written: Vec<Vec<Written>> =
+            (1..orders).map(|order| parallel::map(count, |i| self.write(order, order, i))).collect();
+        let options = parallel::map(count, |i| self.options(&written, i));
+        let chosen = reorder::choose(&options, limit, retraction_mm).unwrap_or_else(|| vec![0; count]);
+        // A block's text depends on where the one before ends.
+        let before = |i: usize| i.checked_sub(1).map_or(0, |before| chosen[before]);
+        let again = |i: &usize| chosen[*i] == 0 || *i > 0 && before(*i) != chosen[*i];
+        let again: Vec<usize> = (0..count).filter(again).collect();
+        let texts = parallel::map(again.len(), |k| self.write(before(again[k]), chosen[again[k]], again[k]));
+        let mut texts = texts.into_iter();
+        let mut again = again.into_iter().peekable();
+        let best = |i: usize| match again.next_if_eq(&i) {
+            Some(_) => texts.next().unwrap_or_default(),
+            None => std::mem::take(&mut written[chosen[i] - 1][i]),
+        };
+        let best = (0..count).map(best).collect();
+        (chosen, best)
     }
 
-    /// What a block comes to in its old and in its new order; `written`: all blocks in their new order.
-    fn options(&self, old: &[Vec<Pick>], new: &[Vec<Pick>], written: &[Written], i: usize) -> Options {
-        let junction = |before: &[Vec<Pick>], picks: &[Vec<Pick>]| {
-            let from = self.from(before, i);
-            reorder::junction(&self.blocks[i], &picks[i], from, &self.habit, self.walls(i))
+    /// A block's text in an order, the block before being drawn in the order `before`.
+    fn write(&self, before: usize, order: usize, i: usize) -> Written {
+        let from = self.end(before, i);
+        reorder::write(&self.blocks[i], &self.orders[order][i], from, &self.habit, self.walls(i))
+    }
+
+    /// What a block comes to in each order; `written`: all blocks in each of the new orders.
+    fn options(&self, written: &[Vec<Written>], i: usize) -> Options {
+        let junction = |before: usize, order: usize| {
+            let (from, picks) = (self.end(before, i), &self.orders[order][i]);
+            reorder::junction(&self.blocks[i], picks, from, &self.habit, self.walls(i))
         };
-        let changed = |i: usize| old[i] != new[i];
-        let after_new = [junction(new, old), written[i].junction];
-        let after_old = match i > 0 && changed(i - 1) {
-            true => [junction(old, old), junction(old, new)],
-            false => after_new,
+        let row = |before: usize| {
+            let to = |order: usize| match order == before && order > 0 {
+                true => self.heard(i, written[order - 1][i].junction),
+                false => self.heard(i, junction(before, order)),
+            };
+            (0..self.orders.len()).map(to).collect()
         };
+        let befores = if i == 0 { 1 } else { self.orders.len() };
+        let new = written.iter().map(|written| written[i].inside);
         Options {
-            inside: [self.blocks[i].tolls()[1], written[i].inside],
-            junction: [after_old, after_new],
-            changed: changed(i),
+            inside: std::iter::once(self.blocks[i].tolls()[1]).chain(new).collect(),
+            junction: (0..befores).map(row).collect(),
         }
     }
 
-    /// Where the nozzle is before a block.
-    fn from(&self, picks: &[Vec<Pick>], i: usize) -> [i64; 2] {
-        i.checked_sub(1).map_or(self.start, |last| reorder::end(&self.blocks[last], &picks[last]))
+    /// What a way to a block counts.
+    fn heard(&self, i: usize, junction: Toll) -> Toll {
+        if i < self.silent { Toll::default() } else { junction }
+    }
+
+    /// Where the nozzle is before a block, if the one before is drawn in this order.
+    fn end(&self, order: usize, i: usize) -> [i64; 2] {
+        let before = i.checked_sub(1);
+        before.map_or(self.start, |i| reorder::end(&self.blocks[i], &self.orders[order][i]))
     }
 
     fn walls(&self, i: usize) -> &Walls {

@@ -363,6 +363,9 @@ impl<R: BufRead> Blocks<R> {
         }
         self.since.travel_state = self.since.travel_state.map(|state| state.saturating_sub(first_state));
         next.text = prefix;
+        // Blocks are about as long as their neighbours.
+        next.text.reserve(last.text.len().min(LONGEST_FIXED));
+        next.segs.reserve(last.segs.len().min(LONGEST_FIXED / 32));
         next.text.extend_from_slice(&last.text[cut..]);
         last.text.truncate(cut);
         next.before.state = 0;

@@ -149,11 +149,13 @@ impl Walls {
     fn inset(&self) -> Inset {
         let boxes: Vec<Option<Bounds>> =
             self.rings.iter().map(|ring| Bounds::of(ring.iter().copied())).collect();
+        let alone = |ring: &Ring| Polygon { outer: ring.clone(), holes: Vec::new() };
+        let regions: Vec<Region> =
+            self.rings.iter().map(|ring| Region { polygons: vec![alone(ring)] }).collect();
         let around = |inner: usize, outer: usize| {
             let p = self.rings[inner][0];
             let near = boxes[outer].is_some_and(|b| b.touches(&Bounds { min: p, max: p }));
-            let polygon = || Polygon { outer: self.rings[outer].clone(), holes: Vec::new() };
-            inner != outer && near && Region { polygons: vec![polygon()] }.contains(p)
+            inner != outer && near && regions[outer].contains(p)
         };
         let turned = (0..self.rings.len()).map(|i| {
             let depth = (0..self.rings.len()).filter(|&outer| around(i, outer)).count();

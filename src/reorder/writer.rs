@@ -10,7 +10,7 @@ use super::walls::{Walls, Way};
 use crate::gcode::Line;
 
 /// A block's text, and what it comes to.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 pub struct Written {
     /// The text.
     pub bytes: Vec<u8>,
