@@ -131,11 +131,13 @@ impl<'a> Writer<'a> {
                 self.go([before[0], before[1]], None);
             }
         }
+        let mut place = before;
         for token in head {
             match token.kind {
-                Kind::Wipe if self.at[..2] != before[..2] => self.pull_in_place(token),
+                Kind::Wipe if self.at[..2] != place[..2] => self.pull_in_place(token),
                 _ => self.token(token),
             }
+            place = token.to;
         }
         let Some(target) = target else { return };
         let as_it_was =
