@@ -124,9 +124,8 @@ impl<'a> Writer<'a> {
                 matches!(t.kind, Kind::Travel | Kind::Fixed)
                     || t.to[..2] != before[..2] && t.kind != Kind::Wipe
             });
-            let by_itself = |t: &Token| {
-                t.kind == Kind::Travel && t.absolute && names(t.line.of(&block.text), &[b'X', b'Y'])
-            };
+            let by_itself =
+                |t: &Token| t.kind == Kind::Travel && t.absolute && names(t.line.of(&block.text), b"XY");
             if placed.is_some_and(|token| !by_itself(token)) {
                 self.go([before[0], before[1]], None);
             }
