@@ -180,17 +180,20 @@ impl Cursor<'_> {
             self.at += 1;
         }
         let (mut mantissa, mut digits, mut decimals, mut point) = (0_u64, 0_usize, 0_usize, false);
-        loop {
-            match self.peek() {
-                digit @ b'0'..=b'9' => {
-                    digits += 1;
-                    if mantissa < 100_000_000_000_000_000 || !point {
-                        mantissa = mantissa.saturating_mul(10).saturating_add(u64::from(digit - b'0'));
-                        decimals += usize::from(point);
-                    }
+        for &byte in &self.bytes[self.at..] {
+            let digit = u64::from(byte.wrapping_sub(b'0'));
+            if digit < 10 {
+                digits += 1;
+                if mantissa < 100_000_000_000_000_000 {
+                    mantissa = mantissa * 10 + digit;
+                    decimals += usize::from(point);
+                } else if !point {
+                    mantissa = mantissa.saturating_mul(10).saturating_add(digit);
                 }
-                b'.' if !point => point = true,
-                _ => break,
+            } else if byte == b'.' && !point {
+                point = true;
+            } else {
+                break;
             }
             self.at += 1;
         }
