@@ -134,3 +134,30 @@ pub fn calibrate(
 fn line_length_mm(line: &FillLine) -> f64 {
     if line.closed { ring_length_mm(&line.points) } else { polyline_length_mm(&line.points) }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::geom::{Point, Polygon};
+    use crate::toolpath::infill::rectilinear::Rectilinear;
+
+    #[test]
+    fn in_a_narrow_room_fewer_lines_join_to_one_bead_of_the_same_density() {
+        let corners = [(0.0, 0.0), (40.0, 0.0), (40.0, 3.0), (0.0, 3.0)];
+        let outer = corners.map(|(x, y)| Point::from_mm(x, y)).to_vec();
+        let room = Region { polygons: vec![Polygon { outer, holes: Vec::new() }] };
+        let (distance_mm, density) = (2.0, 0.2);
+        let spec = FillSpec {
+            line_distance_mm: distance_mm,
+            angle_rad: std::f64::consts::FRAC_PI_4,
+            layer: 0,
+            z_mm: 0.1,
+            connect_mm: 2.5 * distance_mm,
+        };
+        let solid_mm = room.area_mm2() / (distance_mm * density);
+        let lines = lay(&Rectilinear, &room, &spec, solid_mm, density);
+        assert!(lines.len() <= 2, "{}", lines.len());
+        let share = reached(&lines, solid_mm, density);
+        assert!((0.99..=1.2).contains(&share), "{share}");
+    }
+}
