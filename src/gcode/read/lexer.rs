@@ -1,5 +1,7 @@
 //! Lines, codes, words and comments.
 
+use memchr::memchr;
+
 /// A letter and its number: G1, M104, T0.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Code {
@@ -68,7 +70,7 @@ impl<'a> Line<'a> {
     pub fn new(number: usize, offset: usize, raw: &'a [u8]) -> Self {
         let line = raw.strip_suffix(b"\n").unwrap_or(raw);
         let text = line.strip_suffix(b"\r").unwrap_or(line);
-        let (command, comment) = match text.iter().position(|b| *b == b';') {
+        let (command, comment) = match memchr(b';', text) {
             Some(at) => (&text[..at], Some(&text[at + 1..])),
             None => (text, None),
         };
@@ -124,7 +126,7 @@ impl<'a> Iterator for Lines<'a> {
             return None;
         }
         self.number += 1;
-        let end = self.rest.iter().position(|b| *b == b'\n').map_or(self.rest.len(), |at| at + 1);
+        let end = memchr(b'\n', self.rest).map_or(self.rest.len(), |at| at + 1);
         let (raw, rest) = self.rest.split_at(end);
         self.rest = rest;
         let offset = self.offset;

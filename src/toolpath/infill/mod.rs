@@ -13,7 +13,7 @@ mod triangles;
 use crate::geom::{Point, Region};
 use crate::profile::Pattern;
 
-pub use density::{SparseSample, calibrate, flow, miss};
+pub use density::{SparseSample, calibrate, flow, lay};
 pub use solid::fill as fill_solid;
 
 /// What a pattern needs to know of a layer.
@@ -32,6 +32,14 @@ pub struct FillSpec {
     pub connect_mm: f64,
 }
 
+impl FillSpec {
+    /// Only every n-th line, joined as before.
+    fn sparser(&self, n: u32) -> Self {
+        let n = f64::from(n);
+        Self { line_distance_mm: n * self.line_distance_mm, connect_mm: n * self.connect_mm, ..*self }
+    }
+}
+
 /// One infill bead.
 #[derive(Clone, Debug, PartialEq)]
 pub struct FillLine {
@@ -45,6 +53,12 @@ pub struct FillLine {
 pub trait FillPattern: Sync {
     /// The pattern's beads inside a region. Beads end on its boundary and nowhere leave it.
     fn fill(&self, region: &Region, spec: &FillSpec) -> Vec<FillLine>;
+
+    /// Whether the lines at a multiple of the distance are among those at the distance itself, so that lines of layers
+    /// with different multiples lie on each other.
+    fn nests(&self) -> bool {
+        false
+    }
 }
 
 /// The pattern of a setting.
