@@ -56,7 +56,7 @@ pub fn verify(
         layers += 1;
     }
     let within = (0..2).all(|i| {
-        after.low[i] > before.low[i] - AREA_MM && after.high[i] < before.high[i] + AREA_MM
+        after.low[i] >= before.low[i] - AREA_MM && after.high[i] <= before.high[i] + AREA_MM
             || after.low[i] > after.high[i]
     });
     if !within {
