@@ -70,6 +70,8 @@ pub struct ReorderJob {
     pub file: PathBuf,
     /// Draw no open path backwards.
     pub keep_direction: bool,
+    /// Whether there may be more retractions than before, where that saves more travel than they are worth.
+    pub more_retractions: bool,
     /// Worker threads; `None`: `RAYON_NUM_THREADS`, or else all cores.
     pub threads: Option<usize>,
 }

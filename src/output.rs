@@ -158,7 +158,7 @@ impl Output {
     ///
     /// # Errors
     /// As [`Output::write`].
-    pub fn reread(&mut self) -> Result<Box<dyn BufRead + '_>, OutputError> {
+    pub fn reread(&mut self) -> Result<Box<dyn BufRead + Send + '_>, OutputError> {
         let name = &self.name;
         match &mut self.sink {
             Sink::File { file, .. } => {

@@ -7,6 +7,7 @@ use std::path::{Path, PathBuf};
 
 use assert_cmd::Command;
 use pathwright::gcode::{Action, annotate, measure, replay};
+use pathwright::reorder::verify;
 use pathwright::units::Mm;
 use print_support::{print, settings};
 
@@ -309,6 +310,15 @@ fn a_spiral_and_sloped_beads_are_left_alone() {
     assert_eq!((code, result.as_deref()), (0, Some(text.as_bytes())), "{said}");
 }
 
+#[test]
+fn filament_pulled_back_on_the_way_after_a_travel_stays_on_that_way() {
+    // Found by mutation: an E that falls behind makes a wipe of what was a bead.
+    let text =
+        "M82\nG1 F3000\nG1 X30 Y25 E1.6\nG1 X35 Y25\nG1 X40 Y20 E1.3\nG1 X41 Y20 E1.35\nG1 X50 Y20 E2\n";
+    let (code, result, said) = reorder(text.as_bytes(), &[]);
+    assert_eq!((code, result.as_deref()), (0, Some(text.as_bytes())), "{said}");
+}
+
 /// An outer wall with lines of infill inside, on either side of a slot: the straight way crosses the wall.
 fn slotted() -> String {
     let mut script = Script::new(true);
@@ -336,6 +346,75 @@ fn outer_walls_are_crossed_only_with_the_filament_pulled_back() {
         pulled -= s.e_mm - s.fresh_mm;
         let crosses = (s.from[0] - 20.0) * (s.to[0] - 20.0) < 0.0 && s.from[1].min(s.to[1]) > 10.0;
         assert!(!crosses || s.extrudes() || pulled > 0.5, "{s:?}");
+    }
+}
+
+#[test]
+fn a_relative_move_of_an_end_script_begins_where_the_file_has_it() {
+    let mut script = Script::new(true);
+    script.layer(0).say(";TYPE:FILL").hatch(30.0, &BAD);
+    // The last bead of the file ends at X50 Y20; another one would take the move out of the area.
+    script.say("G91").say("G1 X-30 Y-15 F9000").say("G90").say("M84");
+    let result = reordered(&script.text, &["--scope", "layer"]);
+    let last = |text: &str| {
+        let strokes = replay(text.as_bytes()).filter_map(|step| match step.action {
+            Action::Stroke(stroke) => Some(stroke.to),
+            _ => None,
+        });
+        strokes.last()
+    };
+    assert_eq!(last(&script.text), last(&result));
+}
+
+#[test]
+fn retractions_grow_in_number_only_where_a_cost_is_asked_for() {
+    let text = slotted() + &two_layers(true);
+    let pulls = |text: &str| measure(text.as_bytes(), Mm(1.75)).retractions;
+    for options in [&["--scope", "feature"][..], &["--scope", "layer", "--seam", "free"]] {
+        assert!(pulls(&reordered(&text, options)) <= pulls(&text), "{options:?}");
+    }
+}
+
+#[test]
+fn finished_files_are_compared_like_models() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let files = ["a.gcode", "b.gcode"].map(|name| folder.path().join(name));
+    for (file, text) in files.iter().zip([two_layers(true), slotted()]) {
+        std::fs::write(file, text).expect("written");
+    }
+    let mut command = Command::cargo_bin("pathwright").expect("built");
+    let done = command.args(["compare", "--order", "as-sliced,optimized"]).args(&files).assert().success();
+    let said = String::from_utf8_lossy(&done.get_output().stdout).into_owned();
+    let links = |name: &str| -> Vec<f64> {
+        let lines = said.lines().filter(|line| line.starts_with(name));
+        lines.filter_map(|line| line.split_whitespace().nth(1)?.parse().ok()).collect()
+    };
+    let (old, new) = (links("as-sliced"), links("optimized"));
+    // Two files, and both together.
+    assert!(old.len() == 3 && new.len() == 3 && said.contains("all models"), "{said}");
+    assert!(new[0] < 0.6 * old[0] && new[1] <= old[1] && (new[2] - new[0] - new[1]).abs() < 0.11, "{said}");
+}
+
+#[test]
+fn a_line_of_a_million_characters_and_binary_bytes_say_where_they_are() {
+    let good = two_layers(true);
+    let long = format!("{good}G1 X{}\n", "1".repeat(5_000_000));
+    let (code, result, said) = reorder(long.as_bytes(), &[]);
+    assert!(code == 3 && result.is_none() && said.contains("longer than 4 MB"), "{code} {said}");
+    let (code, result, said) = reorder(format!("{good}\0").as_bytes(), &[]);
+    let place = format!("line {}: binary", good.lines().count() + 1);
+    assert!(code == 3 && result.is_none() && said.contains(&place), "{code} {said}");
+}
+
+#[test]
+fn a_file_cut_off_within_a_line_prints_what_is_left_of_it() {
+    let good = two_layers(false);
+    let end = good.rfind(" E").expect("a bead");
+    for cut in [end, end + 2, good.len() - 5] {
+        let text = &good[..cut];
+        let (code, result, said) = reorder(text.as_bytes(), &[]);
+        assert_eq!(code, 0, "{said}");
+        assert_eq!(strokes(text), strokes(&String::from_utf8(result.expect("a result")).expect("UTF-8")));
     }
 }
 
@@ -368,6 +447,16 @@ fn broken_files_are_refused_or_left_as_they_are() {
     let binary: Vec<u8> = b"GCDE".iter().copied().chain((0..=255).cycle().take(5000)).collect();
     let (code, result, said) = reorder(&binary, &[]);
     assert!(code == 3 && result.is_none() && said.contains("binary"), "{code} {said}");
+}
+
+#[test]
+fn the_proof_holds_a_file_with_a_coordinate_beyond_all_measure_equal_to_itself() {
+    let text = two_layers(false).replace("X30 Y25", &format!("X30 Y1{}", "0".repeat(60)));
+    let verdict = verify(text.as_bytes(), text.as_bytes(), |a, b| {
+        a();
+        b();
+    });
+    assert_eq!(verdict.expect("read").err(), None);
 }
 
 #[test]
@@ -447,21 +536,25 @@ fn our_own_optimized_standard_job_has_nothing_left_to_gain() {
     assert!(after > 0.995 * before && after <= before + 1e-6, "{before} → {after}");
 }
 
+/// Files of other slicers of less than so many bytes, where they are at hand.
+fn others(bytes: u64) -> Vec<PathBuf> {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../shared/gcode");
+    let Ok(listed) = std::fs::read_dir(folder) else { return Vec::new() };
+    let mut files: Vec<PathBuf> = listed.filter_map(|entry| Some(entry.ok()?.path())).collect();
+    files.retain(|file| file.extension().is_some_and(|e| e == "gcode"));
+    files.retain(|file| file.metadata().is_ok_and(|m| m.len() < bytes));
+    files.sort();
+    files
+}
+
 #[test]
 fn files_of_other_slicers_print_the_same_afterwards() {
-    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../shared/gcode");
-    let Ok(listed) = std::fs::read_dir(folder) else { return };
-    let mut files: Vec<PathBuf> = listed.filter_map(|entry| Some(entry.ok()?.path())).collect();
-    files.retain(|file| file.metadata().is_ok_and(|m| m.len() < 3_000_000));
-    files.sort();
-    for file in files.iter().take(4) {
+    for file in others(2_500_000) {
         let text = std::fs::read(file).expect("read");
         let (code, result, said) = reorder(&text, &["--order", "nearest"]);
         assert_eq!(code, 0, "{said}");
         let [before, after] = [&text, &result.expect("a result")].map(|t| measure(t, Mm(1.75)));
-        assert!(
-            (before.print_mm - after.print_mm).abs() < 1e-3 && after.travel_mm <= before.travel_mm,
-            "{said}"
-        );
+        assert!((before.print_mm - after.print_mm).abs() < 1e-3, "{said}");
+        assert!(after.travel_mm <= before.travel_mm && after.retractions <= before.retractions, "{said}");
     }
 }

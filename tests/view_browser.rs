@@ -21,7 +21,9 @@ const TOOLS: &str = "
       document.getElementById(id).dispatchEvent(new Event(type, { bubbles: true }));
       app.render();
     };
-    window.pixels = ([r, g, b], near = 24) => {
+    window.pixels = ([r, g, b], near = 24) => count((data, i) =>
+      Math.abs(data[i] - r) + Math.abs(data[i + 1] - g) + Math.abs(data[i + 2] - b) < near);
+    window.count = (wanted) => {
       app.render();
       const from = document.querySelector('.pane canvas'), to = document.createElement('canvas');
       [to.width, to.height] = [from.width, from.height];
@@ -29,9 +31,7 @@ const TOOLS: &str = "
       context.drawImage(from, 0, 0);
       const { data } = context.getImageData(0, 0, to.width, to.height);
       let count = 0;
-      for (let i = 0; i < data.length; i += 4) {
-        count += Math.abs(data[i] - r) + Math.abs(data[i + 1] - g) + Math.abs(data[i + 2] - b) < near;
-      }
+      for (let i = 0; i < data.length; i += 4) count += wanted(data, i);
       return count;
     };
     window.OUTER = [0xe0, 0x7b, 0x00];
@@ -64,10 +64,10 @@ impl Pages {
 }
 
 /// Squares above each other, 20 mm wide, each with a line of infill.
-fn tower(layers: usize, step_mm: f64) -> String {
+fn tower(layers: usize) -> String {
     let mut text = String::from("M83\nG1 X50 Y50 F6000\n");
     for layer in 0..layers {
-        let z = step_mm * (layer + 1) as f64;
+        let z = 0.2 * (layer + 1) as f64;
         let side = 50.0 + 20.0 / (1 + layer % 3) as f64;
         let _ = write!(
             text,
@@ -85,10 +85,11 @@ fn number(value: Value) -> f64 {
 
 #[test]
 fn sliders_keys_and_the_legend_change_the_picture() {
-    let Some(mut browser) = Browser::start(true) else { return };
+    let Some(browser) = Browser::shared() else { return };
+    let mut browser = browser.page();
     let pages = Pages::new();
     browser.resize(1000, 800, false);
-    browser.open(&pages.gcode(&tower(6, 0.2)), "view=2d&layer=1");
+    browser.open(&pages.gcode(&tower(6)), "view=2d&layer=1");
     browser.run(TOOLS);
     let outer = number(browser.run("pixels(OUTER)"));
     assert!(outer > 500.0, "{outer}");
@@ -136,7 +137,8 @@ fn sliders_keys_and_the_legend_change_the_picture() {
 
 #[test]
 fn strategies_stand_side_by_side_with_lengths_of_their_own() {
-    let Some(mut browser) = Browser::start(true) else { return };
+    let Some(browser) = Browser::shared() else { return };
+    let mut browser = browser.page();
     let pages = Pages::new();
     let model = "models/pin_forest.stl";
     let args =
@@ -162,10 +164,11 @@ fn strategies_stand_side_by_side_with_lengths_of_their_own() {
 
 #[test]
 fn a_window_as_small_as_a_phone_shows_all_of_it() {
-    let Some(mut browser) = Browser::start(true) else { return };
+    let Some(browser) = Browser::shared() else { return };
+    let mut browser = browser.page();
     let pages = Pages::new();
     browser.resize(390, 844, true);
-    browser.open(&pages.gcode(&tower(4, 0.2)), "view=2d");
+    browser.open(&pages.gcode(&tower(4)), "view=2d");
     browser.run(TOOLS);
     assert!(number(browser.run("pixels(OUTER)")) > 500.0);
     assert_eq!(browser.run("document.documentElement.scrollWidth"), json!(390), "nothing sticks out");
@@ -196,7 +199,7 @@ fn without_webgl_layers_are_drawn_all_the_same() {
     let Some(mut browser) = Browser::start(false) else { return };
     let pages = Pages::new();
     browser.resize(1000, 800, false);
-    browser.open(&pages.gcode(&tower(3, 0.2)), "view=3d&layer=1");
+    browser.open(&pages.gcode(&tower(3)), "view=3d&layer=1");
     browser.run(TOOLS);
     assert_eq!(
         browser.run("[app.state.mode, document.getElementById('view-3d').disabled]"),
@@ -210,13 +213,17 @@ fn without_webgl_layers_are_drawn_all_the_same() {
 
 #[test]
 fn odd_files_give_a_page_that_says_what_they_are() {
-    let Some(mut browser) = Browser::start(true) else { return };
+    let Some(browser) = Browser::shared() else { return };
+    let mut browser = browser.page();
     let pages = Pages::new();
     let absurd = "M83\n;LAYER_CHANGE\nG1 X1e9 Y-99999999999 F600\nG1 X2 Y2 Z.2\nG1 X1 Y1\nG1 X9 E1\nG1 X9999 Y9999 E1\n";
-    let many = tower(100_000, 0.09);
+    let mut many = String::from("M83\n");
+    for layer in 1..=100_000 {
+        let _ = write!(many, ";LAYER_CHANGE\nG1 X5 Z{:.2} F600\nG1 X9 E1\n", 0.09 * f64::from(layer));
+    }
     for (text, notice, layers) in [
         ("G1 X9 Y9 F600\nG1 X20", "extrudes nothing", 1),
-        (&*tower(1, 0.2), "", 1),
+        (&*tower(1), "", 1),
         (absurd, "left out", 1),
         ("\u{0}\u{7f}junk G1X\nM83\nG1 X Y E\nG1 X5 E1 F\nG1 X9 E2 F600\nG1 X", "", 1),
         (&*many, "", 100_000),
@@ -224,6 +231,10 @@ fn odd_files_give_a_page_that_says_what_they_are() {
         browser.open(&pages.gcode(text), "");
         browser.run(TOOLS);
         assert_eq!(browser.run("app.layers"), json!(layers), "{text:.60}");
+        // Darker than the grid.
+        let drawn = number(browser.run("count((data, i) => data[i] < 160)"));
+        assert!(drawn > 100.0, "{text:.60}: {drawn} pixels");
+        browser.run("new Promise((done) => setInterval(() => app.panes[0].painter.work || done(), 20))");
         let said = browser.run("shown('notice')");
         assert!(
             said.as_str().unwrap().contains(notice) && said.as_str().unwrap().is_empty() == notice.is_empty(),
@@ -235,8 +246,9 @@ fn odd_files_give_a_page_that_says_what_they_are() {
 
 #[test]
 fn svg_and_png_are_the_same_picture() {
-    let Some(mut browser) = Browser::start(false) else { return };
-    let scene = Scene::read(tower(1, 0.2).as_bytes(), &Settings::default());
+    let Some(browser) = Browser::shared() else { return };
+    let mut browser = browser.page();
+    let scene = Scene::read(tower(1).as_bytes(), &Settings::default());
     let (svg, png) = (layer_svg(&scene, &scene.layers[0]), layer_png(&scene, &scene.layers[0], 300));
     let script = format!(
         "(async () => {{

@@ -12,7 +12,10 @@ fuzz_target!(|bytes: &[u8]| {
     while let Ok(Some(block)) = blocks.read() {
         assert!(block.bytes() <= bytes.len());
     }
-    if let Ok(verdict) = verify(bytes, bytes) {
+    if let Ok(verdict) = verify(bytes, bytes, |a, b| {
+        a();
+        b();
+    }) {
         assert!(verdict.is_ok());
     }
 });

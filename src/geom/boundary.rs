@@ -1,6 +1,8 @@
 //! Positions on the boundary of a region, and the ways between them along it.
 
-use super::{Point, Region, Ring};
+use std::borrow::Cow;
+
+use super::{Point, Region};
 
 /// A place on the boundary of a region.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -17,7 +19,7 @@ pub struct BoundaryPos {
 /// lies between them.
 #[derive(Clone, Debug)]
 pub struct Boundary<'a> {
-    rings: Vec<&'a Ring>,
+    rings: Vec<Cow<'a, [Point]>>,
     /// For each ring the distance from its first vertex to every vertex, then the whole length.
     running_mm: Vec<Vec<f64>>,
 }
@@ -25,7 +27,7 @@ pub struct Boundary<'a> {
 impl<'a> Boundary<'a> {
     /// Measures the rings of a region. O(vertices).
     pub fn new(region: &'a Region) -> Self {
-        let rings: Vec<&Ring> = region.rings().collect();
+        let rings: Vec<Cow<[Point]>> = region.rings().map(Cow::from).collect();
         let running_mm = rings
             .iter()
             .map(|ring| {
@@ -40,6 +42,12 @@ impl<'a> Boundary<'a> {
             })
             .collect();
         Self { rings, running_mm }
+    }
+
+    /// The same with rings of its own, for keeping it beyond the region.
+    pub fn into_owned(self) -> Boundary<'static> {
+        let rings = self.rings.into_iter().map(|ring| Cow::Owned(ring.into_owned())).collect();
+        Boundary { rings, running_mm: self.running_mm }
     }
 
     /// Length of a ring in millimetres; 0 where there is no such ring.

@@ -8,8 +8,8 @@ use std::path::Path;
 use crate::job::{JobError, Progress, ReorderJob};
 use crate::order::{Chain, Pins, SeamRule, chunk_len};
 use crate::output::Output;
-use crate::profile::{SeamPosition, Settings};
-use crate::reorder::{self, Block, Blocks, Habit, Learner, Ordering, Pick, Walls, Written};
+use crate::profile::{OrderStrategy, Scope, SeamPosition, Settings};
+use crate::reorder::{self, Block, Blocks, Habit, Learner, Options, Ordering, Pick, Toll, Walls, Written};
 use crate::report::{Reordered, Way};
 use crate::toolpath::LayerPaths;
 
@@ -21,8 +21,6 @@ const BATCH_BYTES: usize = 8 << 20;
 const BUFFER_BYTES: usize = 1 << 18;
 /// An improvement below this share of the travel is none.
 const WORTHWHILE: f64 = 1e-4;
-/// How often blocks whose new order turns out no better are taken back.
-const ROUNDS: usize = 3;
 
 /// Puts a file into another order.
 pub(super) fn reorder(
@@ -31,17 +29,20 @@ pub(super) fn reorder(
     output: &mut Output,
     progress: &dyn Progress,
 ) -> Result<Reordered, JobError> {
-    let mut run = Run::new(settings, job.keep_direction, true);
+    let mut run = Run { more_pulls: job.more_retractions, ..Run::new(settings, job.keep_direction, true) };
     run.rewrite(&job.file, open(&job.file)?, output, progress)?;
     let mut report = Reordered { file: job.file.display().to_string(), ..Reordered::default() };
     if run.improved() {
-        let proof = reorder::verify(open(&job.file)?, output.reread()?)
+        let proof = reorder::verify(open(&job.file)?, output.reread()?, parallel::both)
             .map_err(|error| input_error(&job.file, &error))?
             .map_err(|difference| {
                 JobError::Check(format!("{}: {difference}; nothing was written", job.file.display()))
             })?;
-        (report.before, report.after) = (Way::from(&proof.before), Way::from(&proof.after));
-        (report.layers, report.changed) = (proof.layers, true);
+        let fewer = job.more_retractions || proof.after.retractions <= proof.before.retractions;
+        if fewer && proof.after.travel_mm <= proof.before.travel_mm {
+            (report.before, report.after) = (Way::from(&proof.before), Way::from(&proof.after));
+            (report.layers, report.changed) = (proof.layers, true);
+        }
     }
     Ok(report)
 }
@@ -72,7 +73,7 @@ pub(super) fn seam_rule(position: SeamPosition) -> SeamRule {
 /// Writes a file in the order that the settings ask for, whether or not that is any better.
 pub(super) fn rewritten(
     path: &Path,
-    input: impl BufRead,
+    input: impl BufRead + Send,
     settings: &Settings,
     output: &mut Output,
     progress: &dyn Progress,
@@ -89,8 +90,28 @@ pub(super) fn input_error(path: &Path, error: &io::Error) -> JobError {
     JobError::Input(format!("{}: {error}", path.display()))
 }
 
-/// Way without extrusion, mm, and how often filament is pulled back.
-type Toll = (f64, usize);
+/// Batches of blocks of a file.
+struct Batches<R> {
+    blocks: Blocks<R>,
+    carry: Option<Block>,
+}
+
+impl<R: BufRead> Batches<R> {
+    /// The next batch; an empty one at the end. The blocks of one layer stay together.
+    fn read(&mut self) -> io::Result<Vec<Block>> {
+        let mut batch: Vec<Block> = self.carry.take().into_iter().collect();
+        let mut bytes = batch.iter().map(Block::bytes).sum::<usize>();
+        while let Some(block) = self.blocks.read()? {
+            if bytes >= BATCH_BYTES && batch.last().is_some_and(|last| last.layer() != block.layer()) {
+                self.carry = Some(block);
+                break;
+            }
+            bytes += block.bytes();
+            batch.push(block);
+        }
+        Ok(batch)
+    }
+}
 
 /// What goes on from batch to batch.
 struct Run {
@@ -98,8 +119,10 @@ struct Run {
     seam: SeamRule,
     position: SeamPosition,
     keep_direction: bool,
-    /// Whether blocks whose new order is no better keep the old one.
-    take_back: bool,
+    /// Whether blocks keep their old order where the new one is not worth it.
+    choosy: bool,
+    /// Whether retractions may grow in number where that saves more than they cost.
+    more_pulls: bool,
     learner: Learner,
     /// What a retraction is worth, mm of travel.
     retraction_mm: f64,
@@ -107,121 +130,136 @@ struct Run {
     at: Option<[i64; 2]>,
     /// Whether the file marks its layers.
     marked: bool,
+    /// Whether there was a path.
+    begun: bool,
     blocks: usize,
     before: Toll,
     after: Toll,
 }
 
 impl Run {
-    fn new(settings: &Settings, keep_direction: bool, take_back: bool) -> Self {
+    fn new(settings: &Settings, keep_direction: bool, choosy: bool) -> Self {
         Self {
             chain: ordering::chain(settings),
             seam: seam_rule(settings.seam.position),
             position: settings.seam.position,
             keep_direction,
-            take_back,
+            choosy,
+            more_pulls: false,
             learner: Learner::default(),
             retraction_mm: 0.0,
             at: None,
             marked: false,
+            begun: false,
             blocks: 0,
-            before: (0.0, 0),
-            after: (0.0, 0),
+            before: Toll::default(),
+            after: Toll::default(),
         }
+    }
+
+    /// Retractions that the file may have.
+    fn most_pulls(&self) -> usize {
+        if self.more_pulls { usize::MAX } else { self.before.pulls }
     }
 
     /// Whether what was written is worth anything.
     fn improved(&self) -> bool {
-        self.score(self.after) < self.score(self.before) * (1.0 - WORTHWHILE)
+        let score = |toll: Toll| toll.score(self.retraction_mm);
+        let limit = Toll { pulls: self.most_pulls(), ..self.before };
+        self.after.within(limit) && score(self.after) < score(self.before) * (1.0 - WORTHWHILE)
     }
 
-    /// The lower, the better.
-    fn score(&self, (travel_mm, pulls): Toll) -> f64 {
-        travel_mm + self.retraction_mm * pulls as f64
-    }
-
+    /// Batch by batch; while one is ordered and written, the next is read.
     fn rewrite(
         &mut self,
         path: &Path,
-        input: impl BufRead,
+        input: impl BufRead + Send,
         output: &mut Output,
         progress: &dyn Progress,
     ) -> Result<(), JobError> {
-        let mut blocks = Blocks::new(input);
-        let mut carry: Option<Block> = None;
-        loop {
-            let mut batch: Vec<Block> = carry.take().into_iter().collect();
-            let mut bytes = 0;
-            while let Some(block) = blocks.read().map_err(|error| input_error(path, &error))? {
-                // The blocks of one layer stay together.
-                if bytes >= BATCH_BYTES && batch.last().is_some_and(|last| last.layer() != block.layer()) {
-                    carry = Some(block);
-                    break;
-                }
-                bytes += block.bytes();
-                batch.push(block);
-            }
-            if batch.is_empty() {
-                return Ok(());
-            }
-            for written in self.batch(&batch) {
+        let failed = |error: io::Error| input_error(path, &error);
+        let mut batches = Batches { blocks: Blocks::new(input), carry: None };
+        let mut batch = batches.read().map_err(failed)?;
+        while !batch.is_empty() {
+            let (written, next) = parallel::join(|| self.batch(&batch), || batches.read());
+            for written in written {
                 output.write(&written.bytes)?;
                 progress.layer_done();
             }
+            batch = next.map_err(failed)?;
         }
+        Ok(())
     }
 
     /// Orders and writes some blocks.
     fn batch(&mut self, blocks: &[Block]) -> Vec<Written> {
         blocks.iter().for_each(|block| self.learner.learn(block));
         let habit = self.learner.habit();
-        let walls = walls(blocks);
-        let as_is = |block: &Block| (0..block.paths()).map(Pick::as_is).collect::<Vec<_>>();
-        let mut picks: Vec<Vec<Pick>> = match &habit {
-            None => blocks.iter().map(as_is).collect(),
-            Some(_) => self.order(blocks),
-        };
         // What comes before the first mark is no layer of the print.
         self.marked |= blocks.iter().any(Block::marked);
-        for (block, picks) in blocks.iter().zip(&mut picks) {
-            if self.marked && !block.marked() {
-                *picks = as_is(block);
+        let (marked, seam) = (self.marked, self.seam.clone());
+        let stays = |block: &Block| habit.is_none() || marked && !block.marked();
+        let old = |block: &Block| (0..block.paths()).map(Pick::as_is).collect::<Vec<_>>();
+        let mut orders: Vec<Vec<Vec<Pick>>> = vec![blocks.iter().map(old).collect()];
+        for &scope in self.scopes() {
+            self.seam = seam.clone();
+            let mut picks = self.order(blocks, scope);
+            for (i, block) in blocks.iter().enumerate().filter(|(_, block)| stays(block)) {
+                picks[i] = old(block);
             }
+            orders.push(picks);
         }
         let habit = habit.unwrap_or_default();
         self.retraction_mm = habit.retraction_mm();
-        let mut written = self.write(blocks, &picks, &habit, &walls);
-        for _ in 0..if self.take_back { ROUNDS } else { 0 } {
-            let mut worse = false;
-            for (index, block) in blocks.iter().enumerate() {
-                let was = block.travel();
-                let now = (written[index].travel_mm, written[index].pulls);
-                let changed = picks[index].iter().enumerate().any(|(i, pick)| *pick != Pick::as_is(i));
-                // Nowhere is less travel paid for with more retractions, or the other way round.
-                let dearer = now.0 > was.0 || now.1 > was.1;
-                if changed && (dearer || self.score(now) >= self.score(was)) {
-                    picks[index] = as_is(block);
-                    worse = true;
-                }
-            }
-            if !worse {
-                break;
-            }
-            written = self.write(blocks, &picks, &habit, &walls);
+        let start = self.at.unwrap_or(blocks[0].start());
+        let walls = walls(blocks);
+        let silent = match self.begun {
+            true => 0,
+            false => blocks.iter().position(|block| block.paths() > 0).map_or(blocks.len(), |i| i + 1),
+        };
+        self.begun |= silent < blocks.len();
+        let batch = Batch { blocks, orders, habit, walls, start, silent };
+        for (i, block) in blocks.iter().enumerate() {
+            let [junction, inside] = block.tolls();
+            self.before += batch.heard(i, junction) + inside;
         }
-        for (block, written) in blocks.iter().zip(&written) {
-            let (travel_mm, pulls) = block.travel();
-            self.before = (self.before.0 + travel_mm, self.before.1 + pulls);
-            self.after = (self.after.0 + written.travel_mm, self.after.1 + written.pulls);
+        let (chosen, written) = if self.choosy {
+            let limit = Toll {
+                travel_mm: self.before.travel_mm - self.after.travel_mm,
+                pulls: self.most_pulls().saturating_sub(self.after.pulls),
+            };
+            batch.best(limit, self.retraction_mm)
+        } else {
+            (vec![1; blocks.len()], parallel::map(blocks.len(), |i| batch.write(1, 1, i)))
+        };
+        for (i, written) in written.iter().enumerate() {
+            self.after += batch.heard(i, written.junction) + written.inside;
         }
-        self.at = blocks.last().zip(picks.last()).map(|(block, picks)| reorder::end(block, picks));
+        self.at = Some(batch.end(chosen[blocks.len() - 1], blocks.len()));
         self.blocks += blocks.len();
         written
     }
 
+    /// The scopes in which orders are looked for, first the one that is asked for. What finishes one island before the
+    /// next is begun is allowed in every scope, and retracts less often.
+    fn scopes(&self) -> &'static [Scope] {
+        let settings = &self.chain.settings;
+        match settings.scope {
+            Scope::Layer if self.searches() => &[Scope::Layer, Scope::Island],
+            Scope::Feature if self.searches() => &[Scope::Feature, Scope::Island],
+            Scope::Layer => &[Scope::Layer],
+            Scope::Feature => &[Scope::Feature],
+            Scope::Island => &[Scope::Island],
+        }
+    }
+
+    /// Whether time is spent on the best among several orders.
+    fn searches(&self) -> bool {
+        self.choosy && self.chain.settings.strategy == OrderStrategy::Optimized
+    }
+
     /// The order of the paths of every block.
-    fn order(&mut self, blocks: &[Block]) -> Vec<Vec<Pick>> {
-        let scope = self.chain.settings.scope;
+    fn order(&mut self, blocks: &[Block], scope: Scope) -> Vec<Vec<Pick>> {
         let orderings: Vec<Ordering> =
             parallel::map(blocks.len(), |i| Ordering::new(&blocks[i], self.blocks + i, self.position, scope));
         // Blocks without paths are passed over.
@@ -229,9 +267,11 @@ impl Run {
         let layers: Vec<LayerPaths> = with_paths.iter().map(|&i| orderings[i].layer.clone()).collect();
         let pins: Vec<Pins> = layers.iter().map(|layer| self.seam.pins(layer)).collect();
         let start = self.at.zip(blocks.first()).map(|(at, block)| block.point(at));
+        let mut chain = self.chain.clone();
+        chain.settings.scope = scope;
         let sequences = match layers.is_empty() {
             true => Vec::new(),
-            false => ordering::solve(&self.chain, &layers, &pins, chunk_len(layers.len()), start).sequences,
+            false => ordering::solve(&chain, &layers, &pins, chunk_len(layers.len()), start).sequences,
         };
         let mut picks = vec![Vec::new(); blocks.len()];
         for (&i, sequence) in with_paths.iter().zip(&sequences) {
@@ -243,22 +283,86 @@ impl Run {
         }
         picks
     }
+}
 
-    fn write(
-        &self,
-        blocks: &[Block],
-        picks: &[Vec<Pick>],
-        habit: &Habit,
-        walls: &[(Range<usize>, Walls)],
-    ) -> Vec<Written> {
-        parallel::map(blocks.len(), |i| {
-            let from = match i.checked_sub(1) {
-                Some(last) => reorder::end(&blocks[last], &picks[last]),
-                None => self.at.unwrap_or(blocks[i].start()),
+/// Some blocks, and what it takes to write them.
+struct Batch<'a> {
+    blocks: &'a [Block],
+    /// The paths of every block in several orders, the first being that of the file.
+    orders: Vec<Vec<Vec<Pick>>>,
+    habit: Habit,
+    /// The walls of each layer, with the blocks that make it up.
+    walls: Vec<(Range<usize>, Walls)>,
+    /// Where the nozzle is before the first block.
+    start: [i64; 2],
+    /// So many blocks at the beginning come before the first bead: the way to them is no travel.
+    silent: usize,
+}
+
+impl Batch<'_> {
+    /// The best choice of orders within a limit, and the text of every block.
+    fn best(&self, limit: Toll, retraction_mm: f64) -> (Vec<usize>, Vec<Written>) {
+        let (count, orders) = (self.blocks.len(), self.orders.len());
+        let mut written: Vec<Vec<Written>> =
+            (1..orders).map(|order| parallel::map(count, |i| self.write(order, order, i))).collect();
+        let options = parallel::map(count, |i| self.options(&written, i));
+        let chosen = reorder::choose(&options, limit, retraction_mm).unwrap_or_else(|| vec![0; count]);
+        // A block's text depends on where the one before ends.
+        let before = |i: usize| i.checked_sub(1).map_or(0, |before| chosen[before]);
+        let again = |i: &usize| chosen[*i] == 0 || *i > 0 && before(*i) != chosen[*i];
+        let again: Vec<usize> = (0..count).filter(again).collect();
+        let texts = parallel::map(again.len(), |k| self.write(before(again[k]), chosen[again[k]], again[k]));
+        let mut texts = texts.into_iter();
+        let mut again = again.into_iter().peekable();
+        let best = |i: usize| match again.next_if_eq(&i) {
+            Some(_) => texts.next().unwrap_or_default(),
+            None => std::mem::take(&mut written[chosen[i] - 1][i]),
+        };
+        let best = (0..count).map(best).collect();
+        (chosen, best)
+    }
+
+    /// A block's text in an order, the block before being drawn in the order `before`.
+    fn write(&self, before: usize, order: usize, i: usize) -> Written {
+        let from = self.end(before, i);
+        reorder::write(&self.blocks[i], &self.orders[order][i], from, &self.habit, self.walls(i))
+    }
+
+    /// What a block comes to in each order; `written`: all blocks in each of the new orders.
+    fn options(&self, written: &[Vec<Written>], i: usize) -> Options {
+        let junction = |before: usize, order: usize| {
+            let (from, picks) = (self.end(before, i), &self.orders[order][i]);
+            reorder::junction(&self.blocks[i], picks, from, &self.habit, self.walls(i))
+        };
+        let row = |before: usize| {
+            let to = |order: usize| match order == before && order > 0 {
+                true => self.heard(i, written[order - 1][i].junction),
+                false => self.heard(i, junction(before, order)),
             };
-            let layer = walls.partition_point(|(range, _)| range.end <= i);
-            reorder::write(&blocks[i], &picks[i], from, habit, &walls[layer].1)
-        })
+            (0..self.orders.len()).map(to).collect()
+        };
+        let befores = if i == 0 { 1 } else { self.orders.len() };
+        let new = written.iter().map(|written| written[i].inside);
+        Options {
+            inside: std::iter::once(self.blocks[i].tolls()[1]).chain(new).collect(),
+            junction: (0..befores).map(row).collect(),
+        }
+    }
+
+    /// What a way to a block counts.
+    fn heard(&self, i: usize, junction: Toll) -> Toll {
+        if i < self.silent { Toll::default() } else { junction }
+    }
+
+    /// Where the nozzle is before a block, if the one before is drawn in this order.
+    fn end(&self, order: usize, i: usize) -> [i64; 2] {
+        let before = i.checked_sub(1);
+        before.map_or(self.start, |i| reorder::end(&self.blocks[i], &self.orders[order][i]))
+    }
+
+    fn walls(&self, i: usize) -> &Walls {
+        let layer = self.walls.partition_point(|(range, _)| range.end <= i);
+        &self.walls[layer].1
     }
 }
 

@@ -71,7 +71,7 @@ mod tests {
 
     #[test]
     fn a_key_in_the_wrong_section_finds_the_right_one() {
-        assert_eq!(keys("walls.density"), ["filament.density", "infill.density", "support.density"]);
+        assert_eq!(keys("walls.density"), ["filament.density", "infill.density", "raft.density"]);
     }
 
     #[test]

@@ -3,6 +3,7 @@
 use std::ops::Range;
 
 use super::state::{Key, States};
+use super::toll::Toll;
 use crate::geom::Point;
 use crate::toolpath::Role;
 
@@ -73,6 +74,8 @@ pub(super) struct Token {
     pub xy_mm: f64,
     /// Index of the state after it.
     pub state: u32,
+    /// Whether coordinates are absolute.
+    pub absolute: bool,
 }
 
 /// A stroke that extrudes and may be moved.
@@ -194,21 +197,24 @@ impl Block {
         std::iter::once(from).chain(self.segs[path.segs.clone()].iter().map(|seg| seg.to)).map(|p| self.mm(p))
     }
 
-    /// Way without extrusion within the block and up to it, mm, and how often filament is pulled back.
-    pub fn travel(&self) -> (f64, usize) {
-        let tokens = || self.junction.iter().chain(&self.links);
-        let moves = tokens().filter(|t| matches!(t.kind, Kind::Travel | Kind::Wipe));
-        let (mut pulls, mut pulled) = (0, false);
-        for token in tokens() {
-            match token.kind {
-                Kind::Pull | Kind::Wipe | Kind::FirmwarePull => {
-                    pulls += usize::from(!pulled);
-                    pulled = true;
+    /// What the file's own way costs up to the first path, and from there on.
+    pub fn tolls(&self) -> [Toll; 2] {
+        [&self.junction, &self.links].map(|tokens| {
+            let (mut toll, mut pulled) = (Toll::default(), false);
+            for token in tokens {
+                if matches!(token.kind, Kind::Travel | Kind::Wipe) {
+                    toll.travel_mm += token.xy_mm;
                 }
-                Kind::Push | Kind::FirmwarePush | Kind::Fixed => pulled = false,
-                _ => {}
+                match token.kind {
+                    Kind::Pull | Kind::Wipe | Kind::FirmwarePull => {
+                        toll.pulls += usize::from(!pulled);
+                        pulled = true;
+                    }
+                    Kind::Push | Kind::FirmwarePush | Kind::Fixed => pulled = false,
+                    _ => {}
+                }
             }
-        }
-        (moves.map(|t| t.xy_mm).sum(), pulls)
+            toll
+        })
     }
 }

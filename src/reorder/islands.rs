@@ -7,6 +7,8 @@ use crate::order::Parts;
 const REACH_MM: f64 = 0.6;
 /// At most so many cells; of larger blocks the cells are larger.
 const MOST_CELLS: f64 = 4e6;
+/// Beads are drawn in steps of at most so many cells.
+const STEP: f64 = 0.7;
 
 /// The island of every path: connected sets of beads, numbered as they first appear in the file.
 ///
@@ -28,12 +30,13 @@ pub(super) fn islands(block: &Block) -> Vec<u32> {
     for (index, path) in block.paths.iter().enumerate() {
         let mut last: Option<[f64; 2]> = None;
         for p in block.points(path) {
+            let p = [0, 1].map(|i| (p[i] - low[i]) / cell_mm + 1.0);
             let from = last.replace(p).unwrap_or(p);
-            let steps = ((p[0] - from[0]).hypot(p[1] - from[1]) / (0.7 * cell_mm)).ceil().max(1.0);
-            for step in 1..=steps as usize {
-                let share = step as f64 / steps;
-                let [x, y] =
-                    [0, 1].map(|i| ((from[i] + share * (p[i] - from[i]) - low[i]) / cell_mm) as usize + 1);
+            let way = [p[0] - from[0], p[1] - from[1]];
+            let steps = ((way[0] * way[0] + way[1] * way[1]).sqrt() / STEP) as usize + 1;
+            for step in 1..=steps {
+                let share = step as f64 / steps as f64;
+                let [x, y] = [0, 1].map(|i| (from[i] + share * way[i]) as usize);
                 cells[y * width + x] = match cells[y * width + x] {
                     u32::MAX => index as u32,
                     other => {

@@ -1,15 +1,15 @@
 //! A file as blocks, one after the other: the whole of it is never in memory.
 
-use std::io::{self, BufRead, ErrorKind};
+use std::io::{self, BufRead, ErrorKind, Read};
 use std::ops::Range;
 
 use super::block::{Block, Cursor, Frame, Kind, Path, Seg, Slice, Token};
 use super::state::{Key, States};
 use super::ticks::ticks;
-use crate::gcode::{Action, Annotated, Line, Mark, Reader, State, Stroke, mark};
+use crate::gcode::{Action, Annotated, Line, Mark, Reader, Stroke, mark};
 
 /// Longer lines are no G-code.
-const LONGEST_LINE: usize = 1 << 22;
+const LONGEST_LINE: u64 = 1 << 22;
 /// A block without paths is ended after so many bytes where it can be.
 const LONGEST_FIXED: usize = 1 << 20;
 /// Coordinates beyond this are no positions of a printer, file units.
@@ -43,6 +43,15 @@ struct Since {
     barrier: bool,
     /// The state at the last travel.
     travel_state: Option<u32>,
+}
+
+/// What matters of the machine before a line.
+struct Before {
+    scale: f64,
+    /// Whether filament is pulled back.
+    pulled: bool,
+    /// Whether firmwares disagree about E.
+    doubtful: bool,
 }
 
 impl<R: BufRead> Blocks<R> {
@@ -105,7 +114,9 @@ impl<R: BufRead> Blocks<R> {
 
     /// Takes up a line; returns a block that it ends.
     fn line(&mut self, range: Range<usize>) -> Option<Block> {
-        let before = self.reader.state.clone();
+        let state = &self.reader.state;
+        let pulled = state.firmware_retracted || state.retracted_mm > 1e-6;
+        let before = Before { scale: state.scale, pulled, doubtful: state.e_doubtful };
         let slice = Slice { start: range.start as u32, len: range.len() as u32 };
         let text = std::mem::take(&mut self.block.text);
         let line = Line::new(self.number, self.offset, &text[range.clone()]);
@@ -132,17 +143,21 @@ impl<R: BufRead> Blocks<R> {
         let layer = read.context.layer.unwrap_or(0);
         self.block.text = text;
         match (kind, bead) {
-            (None, Some(bead)) => self.bead(slice, &bead, context_role, layer, &before),
+            (None, Some(bead)) => self.bead(slice, &bead, context_role, layer, before.scale),
             (kind, _) => self.token(kind.unwrap_or(Kind::Barrier), slice, stroke),
         }
     }
 
     /// Whether a stroke that extrudes may be moved at all.
-    fn is_movable(&self, bead: &Stroke, before: &State, read: &Annotated) -> bool {
+    fn is_movable(&self, bead: &Stroke, before: &Before, read: &Annotated) -> bool {
         let named = read.context.role.is_some() || self.movable;
         let sound = bead.from.iter().chain(&bead.to).all(|v| v.abs() < LARGEST) && bead.e_mm < LARGEST;
-        let pulled = before.firmware_retracted || before.retracted_mm > 1e-6;
-        named && sound && !pulled && bead.from[2] == bead.to[2] && !before.e_doubtful && bead.feed_mm_s > 0.0
+        named
+            && sound
+            && !before.pulled
+            && bead.from[2] == bead.to[2]
+            && !before.doubtful
+            && bead.feed_mm_s > 0.0
     }
 
     fn other_kind(&mut self, read: &Annotated) -> Kind {
@@ -224,6 +239,7 @@ impl<R: BufRead> Blocks<R> {
             feed: now.feed,
             xy_mm: stroke.map_or(0.0, |s| s.xy_mm),
             state,
+            absolute: self.reader.state.absolute,
         };
         self.pending.push(token);
         match kind {
@@ -255,9 +271,8 @@ impl<R: BufRead> Blocks<R> {
         bead: &Stroke,
         role: Option<crate::toolpath::Role>,
         layer: usize,
-        before: &State,
+        scale: f64,
     ) -> Option<Block> {
-        let scale = before.scale;
         let point = |p: [f64; 3]| [ticks(p[0] / scale), ticks(p[1] / scale)];
         let level = ticks(bead.to[2] / scale);
         let frame = self.frame();
@@ -348,6 +363,9 @@ impl<R: BufRead> Blocks<R> {
         }
         self.since.travel_state = self.since.travel_state.map(|state| state.saturating_sub(first_state));
         next.text = prefix;
+        // Blocks are about as long as their neighbours.
+        next.text.reserve(last.text.len().min(LONGEST_FIXED));
+        next.segs.reserve(last.segs.len().min(LONGEST_FIXED / 32));
         next.text.extend_from_slice(&last.text[cut..]);
         last.text.truncate(cut);
         next.before.state = 0;
@@ -481,25 +499,10 @@ fn is_plain(parameters: &[u8]) -> bool {
 
 /// Appends a line with its end; 0: there is none.
 pub(super) fn read_line(input: &mut impl BufRead, out: &mut Vec<u8>) -> io::Result<usize> {
-    let start = out.len();
-    loop {
-        let buffer = match input.fill_buf() {
-            Ok(buffer) => buffer,
-            Err(error) if error.kind() == ErrorKind::Interrupted => continue,
-            Err(error) => return Err(error),
-        };
-        let end = buffer.iter().position(|b| *b == b'\n').map(|at| at + 1);
-        let take = end.unwrap_or(buffer.len());
-        out.extend_from_slice(&buffer[..take]);
-        input.consume(take);
-        if end.is_some() || take == 0 {
-            return Ok(out.len() - start);
-        }
-        if out.len() - start > LONGEST_LINE {
-            return Err(io::Error::new(
-                ErrorKind::InvalidData,
-                "a line is longer than 4 MB; this is no G-code text",
-            ));
-        }
+    let read = input.take(LONGEST_LINE + 1).read_until(b'\n', out)?;
+    if read as u64 > LONGEST_LINE {
+        let message = "a line is longer than 4 MB; this is no G-code text";
+        return Err(io::Error::new(ErrorKind::InvalidData, message));
     }
+    Ok(read)
 }

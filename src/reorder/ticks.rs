@@ -3,9 +3,12 @@
 /// Ticks in a unit.
 const PER_UNIT: f64 = 1e6;
 
-/// A number of the file as ticks. What is out of range is clamped.
+/// A number of the file as ticks, halves away from zero. What is out of range is clamped.
+#[inline]
 pub(super) fn ticks(value: f64) -> i64 {
-    (value * PER_UNIT).round() as i64
+    let ticks = value * PER_UNIT;
+    // `f64::round` is a call into the C library on baseline x86-64.
+    (ticks + 0.5_f64.copysign(ticks)) as i64
 }
 
 /// Ticks as a number.

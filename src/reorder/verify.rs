@@ -31,14 +31,21 @@ pub struct Proof {
 /// width, type, filament, feed rate and accelerations; the same filament; the same other commands in the same order;
 /// all travel within the area that the first file used.
 ///
+/// `both` calls two functions, at once if it can.
+///
 /// # Errors
 /// The first difference, with its layer; or what the system says.
-pub fn verify(before: impl BufRead, after: impl BufRead) -> io::Result<Result<Proof, String>> {
+pub fn verify(
+    before: impl BufRead + Send,
+    after: impl BufRead + Send,
+    both: impl Fn(&mut (dyn FnMut() + Send), &mut (dyn FnMut() + Send)),
+) -> io::Result<Result<Proof, String>> {
     let (mut before, mut after) = (Layers::new(before), Layers::new(after));
     let mut layers = 0;
     loop {
-        let (a, b) = (before.next()?, after.next()?);
-        let (a, b) = match (a, b) {
+        let (mut a, mut b) = (Ok(None), Ok(None));
+        both(&mut || a = before.sorted(), &mut || b = after.sorted());
+        let (a, b) = match (a?, b?) {
             (None, None) => break,
             (Some(a), Some(b)) => (a, b),
             _ => return Ok(Err("the number of layers differs".into())),
@@ -49,7 +56,7 @@ pub fn verify(before: impl BufRead, after: impl BufRead) -> io::Result<Result<Pr
         layers += 1;
     }
     let within = (0..2).all(|i| {
-        after.low[i] > before.low[i] - AREA_MM && after.high[i] < before.high[i] + AREA_MM
+        after.low[i] >= before.low[i] - AREA_MM && after.high[i] <= before.high[i] + AREA_MM
             || after.low[i] > after.high[i]
     });
     if !within {
@@ -75,14 +82,11 @@ impl Layer {
         Self { index, strokes: Vec::new(), filament_mm: 0.0, commands: FxHasher::default() }
     }
 
-    fn difference(mut self, other: &Self) -> Option<String> {
+    fn difference(&self, other: &Self) -> Option<String> {
         if self.strokes.len() != other.strokes.len() {
             return Some(format!("{} strokes became {}", self.strokes.len(), other.strokes.len()));
         }
-        let mut others = other.strokes.clone();
-        self.strokes.sort_unstable();
-        others.sort_unstable();
-        if let Some((a, _)) = self.strokes.iter().zip(&others).find(|(a, b)| a != b) {
+        if let Some((a, _)) = self.strokes.iter().zip(&other.strokes).find(|(a, b)| a != b) {
             let [x, y] = [a[0], a[1]].map(super::ticks::units);
             return Some(format!("a stroke at X{x} Y{y} is not what it was"));
         }
@@ -126,6 +130,15 @@ impl<R: BufRead> Layers<R> {
             high: [f64::NEG_INFINITY; 2],
             done: false,
         }
+    }
+
+    /// The next layer, its strokes in an order that does not depend on how they are drawn.
+    fn sorted(&mut self) -> io::Result<Option<Layer>> {
+        let mut layer = self.next()?;
+        if let Some(layer) = &mut layer {
+            layer.strokes.sort_unstable();
+        }
+        Ok(layer)
     }
 
     fn next(&mut self) -> io::Result<Option<Layer>> {

@@ -4,7 +4,8 @@ use std::sync::OnceLock;
 
 use super::block::Block;
 use crate::geom::{
-    Boundary, BoundaryPos, Bounds, Clipper, Point, Polygon, Region, Ring, offset, ring_area, unite_rings,
+    Boundary, BoundaryPos, Bounds, Clipper, Point, Polygon, Region, Ring, UNITS_PER_MM, offset, ring_area,
+    unite_rings,
 };
 use crate::toolpath::Role;
 
@@ -40,6 +41,7 @@ pub struct Walls {
 #[derive(Debug)]
 struct Inset {
     region: Region,
+    boundary: Boundary<'static>,
     clipper: Clipper,
 }
 
@@ -96,7 +98,6 @@ impl Walls {
     /// one that goes along the walls and is not too long.
     pub fn around(&self, a: Point, b: Point) -> Option<Vec<Point>> {
         let inset = self.inset.get_or_init(|| self.inset());
-        let boundary = Boundary::new(&inset.region);
         let pieces = inset.clipper.clip(&[a, b]);
         let mut way = vec![a];
         // Where the way has left the inset and must go along its boundary.
@@ -106,13 +107,13 @@ impl Walls {
         };
         for piece in &pieces {
             if let (Some(from), Some(to)) = (left, piece.ends[0]) {
-                along(&boundary, from, to, &mut way)?;
+                along(&inset.boundary, from, to, &mut way)?;
             }
             way.extend([piece.points[0], piece.points[piece.points.len() - 1]]);
             left = piece.ends[1];
         }
         if let Some(from) = left {
-            along(&boundary, from, inset.nearest(b)?, &mut way)?;
+            along(&inset.boundary, from, inset.nearest(b)?, &mut way)?;
         }
         way.push(b);
         way.dedup();
@@ -148,11 +149,13 @@ impl Walls {
     fn inset(&self) -> Inset {
         let boxes: Vec<Option<Bounds>> =
             self.rings.iter().map(|ring| Bounds::of(ring.iter().copied())).collect();
+        let alone = |ring: &Ring| Polygon { outer: ring.clone(), holes: Vec::new() };
+        let regions: Vec<Region> =
+            self.rings.iter().map(|ring| Region { polygons: vec![alone(ring)] }).collect();
         let around = |inner: usize, outer: usize| {
             let p = self.rings[inner][0];
             let near = boxes[outer].is_some_and(|b| b.touches(&Bounds { min: p, max: p }));
-            let polygon = || Polygon { outer: self.rings[outer].clone(), holes: Vec::new() };
-            inner != outer && near && Region { polygons: vec![polygon()] }.contains(p)
+            inner != outer && near && regions[outer].contains(p)
         };
         let turned = (0..self.rings.len()).map(|i| {
             let depth = (0..self.rings.len()).filter(|&outer| around(i, outer)).count();
@@ -163,7 +166,7 @@ impl Walls {
             ring
         });
         let region = offset(&unite_rings(&turned.collect::<Vec<_>>()), -CLEARANCE_MM);
-        Inset { clipper: Clipper::new(&region), region }
+        Inset { clipper: Clipper::new(&region), boundary: Boundary::new(&region).into_owned(), region }
     }
 }
 
@@ -173,7 +176,14 @@ impl Inset {
         let mut best: Option<(f64, BoundaryPos)> = None;
         for (ring_index, ring) in self.region.rings().enumerate() {
             for (edge, &a) in ring.iter().enumerate() {
-                let b = ring[(edge + 1) % ring.len()];
+                let b = ring[if edge + 1 == ring.len() { 0 } else { edge + 1 }];
+                let away = |p: i32, a: i32, b: i32| {
+                    let reach = REACH_MM * UNITS_PER_MM;
+                    f64::from(a.min(b)) - reach > f64::from(p) || f64::from(a.max(b)) + reach < f64::from(p)
+                };
+                if away(p.x, a.x, b.x) || away(p.y, a.y, b.y) {
+                    continue;
+                }
                 let (d, w) = (b - a, p - a);
                 let length2 = d.dot(d).max(1) as f64;
                 let share = (w.dot(d) as f64 / length2).clamp(0.0, 1.0);
@@ -196,7 +206,7 @@ fn foot(a: Point, b: Point, share: f64) -> Point {
 }
 
 /// Goes along the boundary, the shorter way round. `None` where that is not possible.
-fn along(boundary: &Boundary, from: BoundaryPos, to: BoundaryPos, way: &mut Vec<Point>) -> Option<()> {
+fn along(boundary: &Boundary<'_>, from: BoundaryPos, to: BoundaryPos, way: &mut Vec<Point>) -> Option<()> {
     let forward_mm = boundary.way_mm(from, to)?;
     let forward = forward_mm <= boundary.ring_length_mm(from.ring) - forward_mm;
     way.extend(boundary.vertices_between(from, to, forward));

@@ -5,18 +5,19 @@ use super::habit::{Habit, Retract};
 use super::problem::Pick;
 use super::state::{Key, States};
 use super::ticks::{push_word, ticks, units};
+use super::toll::Toll;
 use super::walls::{Walls, Way};
 use crate::gcode::Line;
 
 /// A block's text, and what it comes to.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 pub struct Written {
     /// The text.
     pub bytes: Vec<u8>,
-    /// Way without extrusion, mm.
-    pub travel_mm: f64,
-    /// How often filament is pulled back.
-    pub pulls: usize,
+    /// What it costs to come to its first path.
+    pub junction: Toll,
+    /// What it costs from there on.
+    pub inside: Toll,
 }
 
 /// Where a block's text ends: the last stroke of its last path; of one without paths, as in the file.
@@ -40,24 +41,10 @@ pub(super) fn ends(block: &Block, pick: &Pick) -> ([i64; 2], [i64; 2]) {
 /// Writes a block whose paths are drawn as `picks` say, the nozzle coming from `from`. At its end everything is as the
 /// file has it there, but for the nozzle's place in X and Y.
 pub fn write(block: &Block, picks: &[Pick], from: [i64; 2], habit: &Habit, walls: &Walls) -> Written {
-    let crlf =
-        block.text[block.body..].split(|b| *b == b'\n').next().is_some_and(|line| line.ends_with(b"\r"));
-    let mut writer = Writer {
-        block,
-        habit,
-        walls,
-        eol: if crlf { b"\r\n" } else { b"\n" },
-        out: Vec::with_capacity(block.text.len() + 256),
-        at: [from[0], from[1], block.before.at[2]],
-        e: block.before.e,
-        feed: block.before.feed,
-        state: block.states[block.before.state as usize],
-        last: None,
-        pulled: false,
-        travel_mm: 0.0,
-        pulls: 0,
-    };
+    let mut writer = Writer::new(block, from, habit, walls);
+    writer.out.reserve(block.text.len() + 256);
     writer.junction(picks.first());
+    let junction = std::mem::take(&mut writer.toll);
     for (index, pick) in picks.iter().enumerate() {
         if index > 0 {
             writer.link(&picks[index - 1], pick);
@@ -67,7 +54,14 @@ pub fn write(block: &Block, picks: &[Pick], from: [i64; 2], habit: &Habit, walls
     if !picks.is_empty() {
         writer.close();
     }
-    Written { bytes: writer.out, travel_mm: writer.travel_mm, pulls: writer.pulls }
+    Written { bytes: writer.out, junction, inside: writer.toll }
+}
+
+/// What it costs to come to the first of a block's paths, the nozzle coming from `from`.
+pub fn junction(block: &Block, picks: &[Pick], from: [i64; 2], habit: &Habit, walls: &Walls) -> Toll {
+    let mut writer = Writer::new(block, from, habit, walls);
+    writer.junction(picks.first());
+    writer.toll
 }
 
 struct Writer<'a> {
@@ -84,11 +78,29 @@ struct Writer<'a> {
     last: Option<Pick>,
     /// Whether filament is pulled back.
     pulled: bool,
-    travel_mm: f64,
-    pulls: usize,
+    toll: Toll,
 }
 
-impl Writer<'_> {
+impl<'a> Writer<'a> {
+    fn new(block: &'a Block, from: [i64; 2], habit: &'a Habit, walls: &'a Walls) -> Self {
+        let first_line = block.text[block.body..].split(|b| *b == b'\n').next();
+        let crlf = first_line.is_some_and(|line| line.ends_with(b"\r"));
+        Self {
+            block,
+            habit,
+            walls,
+            eol: if crlf { b"\r\n" } else { b"\n" },
+            out: Vec::new(),
+            at: [from[0], from[1], block.before.at[2]],
+            e: block.before.e,
+            feed: block.before.feed,
+            state: block.states[block.before.state as usize],
+            last: None,
+            pulled: false,
+            toll: Toll::default(),
+        }
+    }
+
     /// What stays where it is, and the way to the first path.
     fn junction(&mut self, first: Option<&Pick>) {
         let block = self.block;
@@ -108,21 +120,23 @@ impl Writer<'_> {
         }
         let (head, tail) = tokens.split_at(fixed);
         if moved && fixed > 0 {
-            let placed = head.iter().position(|t| {
+            let placed = head.iter().find(|t| {
                 matches!(t.kind, Kind::Travel | Kind::Fixed)
                     || t.to[..2] != before[..2] && t.kind != Kind::Wipe
             });
             let by_itself =
-                placed.is_some_and(|index| head[index].kind == Kind::Travel) && block.frame.absolute;
-            if !by_itself && placed.is_some() {
+                |t: &Token| t.kind == Kind::Travel && t.absolute && names(t.line.of(&block.text), b"XY");
+            if placed.is_some_and(|token| !by_itself(token)) {
                 self.go([before[0], before[1]], None);
             }
         }
+        let mut place = before;
         for token in head {
             match token.kind {
-                Kind::Wipe if self.at[..2] != before[..2] => self.pull_in_place(token),
+                Kind::Wipe if self.at[..2] != place[..2] => self.pull_in_place(token),
                 _ => self.token(token),
             }
+            place = token.to;
         }
         let Some(target) = target else { return };
         let as_it_was =
@@ -161,9 +175,12 @@ impl Writer<'_> {
             return;
         }
         let wanted = block.states[path.travel_state as usize];
-        let changes: Vec<&[u8]> = self.state.changes(&wanted, false, &block.text).collect();
-        changes.into_iter().for_each(|line| self.out.extend_from_slice(line));
-        self.state = self.state.with_commands_of(&wanted);
+        if wanted != self.state {
+            for line in self.state.changes(&wanted, false, &block.text) {
+                self.out.extend_from_slice(line);
+            }
+            self.state = self.state.with_commands_of(&wanted);
+        }
         // Backwards along the way that the file itself went.
         if from.path == to.path + 1 && from.reversed && start == block.end(path) && after == before.from {
             let link = &block.links[before.link.clone()];
@@ -266,7 +283,7 @@ impl Writer<'_> {
             }
             // A line that names the place where the nozzle is in the file would move it from where it is here.
             Kind::Lift | Kind::Pull | Kind::Push | Kind::Feed
-                if self.at[..2] != token.to[..2] && names_place(line) =>
+                if self.at[..2] != token.to[..2] && (names(line, b"X") || names(line, b"Y")) =>
             {
                 self.lift(token.to[2], token.feed);
                 self.feed_filament(token.e, token.feed);
@@ -291,7 +308,7 @@ impl Writer<'_> {
             _ => {}
         }
         if matches!(token.kind, Kind::Travel | Kind::Wipe) {
-            self.travel_mm += self.distance_mm([token.to[0], token.to[1]]);
+            self.toll.travel_mm += self.distance_mm([token.to[0], token.to[1]]);
         }
         // A line without coordinates leaves the nozzle where it is, wherever that was in the file.
         match token.kind {
@@ -301,7 +318,7 @@ impl Writer<'_> {
     }
 
     fn pull_counted(&mut self) {
-        self.pulls += usize::from(!self.pulled);
+        self.toll.pulls += usize::from(!self.pulled);
         self.pulled = true;
     }
 
@@ -416,7 +433,7 @@ impl Writer<'_> {
                 (left as f64 * length_mm / left_mm / 10.0).round() as i64 * 10
             };
             (left, left_mm) = (left - share, left_mm - length_mm);
-            self.travel_mm += length_mm;
+            self.toll.travel_mm += length_mm;
             self.out.extend_from_slice(b"G1");
             self.xy(w[1]);
             self.e_word(-share);
@@ -496,7 +513,7 @@ impl Writer<'_> {
         if [to[0], to[1], z] == self.at {
             return;
         }
-        self.travel_mm += self.distance_mm(to);
+        self.toll.travel_mm += self.distance_mm(to);
         self.command();
         self.xy(to);
         if z != self.at[2] {
@@ -531,37 +548,40 @@ impl Writer<'_> {
 
     /// A line of the file with another E, and with a feed rate where it needs one.
     fn stroke_line(&mut self, line: &[u8], e: Option<i64>, feed: i64) {
-        let command = line.iter().position(|b| matches!(b, b';' | b'\r' | b'\n')).unwrap_or(line.len());
-        let (command, rest) = line.split_at(command);
-        let has = |letter: u8| command.iter().position(|b| b.to_ascii_uppercase() == letter);
-        match (e, has(b'E')) {
-            (Some(value), Some(at)) => {
-                self.out.extend_from_slice(&command[..=at]);
-                super::ticks::push_number(&mut self.out, value);
-                let number = |b: &u8| !(b.is_ascii_digit() || matches!(b, b'.' | b'-' | b'+' | b' ' | b'\t'));
-                let digits = &command[at + 1..];
-                // Blanks may stand before the number, and do stand behind it.
-                let begin = digits.iter().position(|b| !matches!(b, b' ' | b'\t')).unwrap_or(digits.len());
-                let end = digits[begin..]
-                    .iter()
-                    .position(|b| number(b) || matches!(b, b' ' | b'\t'))
-                    .map_or(digits.len(), |n| begin + n);
-                self.out.extend_from_slice(&digits[end..]);
-            }
-            _ => self.out.extend_from_slice(command),
-        }
-        if feed != self.feed && has(b'F').is_none() && feed > 0 {
-            while self.out.last() == Some(&b' ') {
-                self.out.pop();
-            }
-            push_word(&mut self.out, b'F', feed);
-            if rest.starts_with(b";") {
-                self.out.push(b' ');
-            }
-        }
+        let to_feed = feed != self.feed && feed > 0;
         self.feed = feed;
-        self.out.extend_from_slice(rest);
-        if !rest.ends_with(b"\n") {
+        if e.is_none() && !to_feed {
+            self.out.extend_from_slice(line);
+        } else {
+            let command = line.iter().position(|b| matches!(b, b';' | b'\r' | b'\n')).unwrap_or(line.len());
+            let (command, rest) = line.split_at(command);
+            let place = |letter: u8| command.iter().rposition(|b| b.to_ascii_uppercase() == letter);
+            match e.zip(place(b'E')) {
+                Some((value, at)) => {
+                    self.out.extend_from_slice(&command[..=at]);
+                    super::ticks::push_number(&mut self.out, value);
+                    let digits = &command[at + 1..];
+                    // Blanks may stand before the number, and do stand behind it.
+                    let blank = |b: &u8| matches!(b, b' ' | b'\t');
+                    let begin = digits.iter().position(|b| !blank(b)).unwrap_or(digits.len());
+                    let number = |b: &u8| b.is_ascii_digit() || matches!(b, b'.' | b'-' | b'+');
+                    let end = digits[begin..].iter().position(|b| !number(b));
+                    self.out.extend_from_slice(&digits[end.map_or(digits.len(), |n| begin + n)..]);
+                }
+                None => self.out.extend_from_slice(command),
+            }
+            if to_feed && place(b'F').is_none() {
+                while self.out.last() == Some(&b' ') {
+                    self.out.pop();
+                }
+                push_word(&mut self.out, b'F', feed);
+                if rest.starts_with(b";") {
+                    self.out.push(b' ');
+                }
+            }
+            self.out.extend_from_slice(rest);
+        }
+        if !line.ends_with(b"\n") {
             // The last line of a file may have no end; it need not be the last any more.
             self.end_line();
         }
@@ -582,8 +602,8 @@ fn rounded(value: f64) -> i64 {
     ticks((value * 1000.0).round() / 1000.0)
 }
 
-/// Whether a line has coordinates in X or Y.
-fn names_place(line: &[u8]) -> bool {
+/// Whether a line has all these words.
+fn names(line: &[u8], letters: &[u8]) -> bool {
     let words = Line::new(0, 0, line).words();
-    words.get(b'X').or(words.get(b'Y')).is_some()
+    letters.iter().all(|letter| words.get(*letter).is_some())
 }

@@ -10,4 +10,4 @@ pub use model::ModelInfo;
 pub use paper::PaperRow;
 pub use reordered::{Reordered, Way};
 pub use summary::{LayerSummary, Measures, Summary};
-pub use time::{LayerTime, PrintTime};
+pub use time::{LayerTime, PrintTime, Seconds};

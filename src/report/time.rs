@@ -2,15 +2,21 @@
 
 use std::fmt;
 
-use serde::Serialize;
-use serde_json::{Map, Value};
+use serde::{Serialize, Serializer};
 
 use super::summary::duration;
 use crate::estimate::Firmware;
 use crate::gcode::Timetable;
 
-/// Seconds by name, in order.
-type Seconds = Map<String, Value>;
+/// Seconds by name, in order. JSON has them as an object.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Seconds(pub Vec<(&'static str, f64)>);
+
+impl Serialize for Seconds {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        serializer.collect_map(self.0.iter().copied())
+    }
+}
 
 /// The time of one file. `Display` gives the text for people, `Serialize` the JSON.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -49,7 +55,7 @@ impl PrintTime {
     pub fn new(file: String, firmware: Firmware, times: &Timetable) -> Self {
         let layers = (0..times.layers()).map(|index| {
             let (z_mm, total_s, roles) = times.layer(index);
-            LayerTime { z_mm: (z_mm * 1e6).round() / 1e6, total_s, by_role: map(roles) }
+            LayerTime { z_mm: (z_mm * 1e6).round() / 1e6, total_s, by_role: Seconds(roles) }
         });
         Self {
             file,
@@ -57,15 +63,11 @@ impl PrintTime {
             total_s: times.total_s(),
             left_out: ["heating", "homing", "pauses"],
             before_s: times.before_s(),
-            by_role: map(times.roles()),
+            by_role: Seconds(times.roles()),
             layer_count: times.layers(),
             layers: layers.collect(),
         }
     }
-}
-
-fn map(roles: Vec<(&'static str, f64)>) -> Seconds {
-    roles.into_iter().map(|(name, seconds)| (name.to_owned(), seconds.into())).collect()
 }
 
 impl fmt::Display for PrintTime {
@@ -73,8 +75,7 @@ impl fmt::Display for PrintTime {
         writeln!(f, "{}", self.file)?;
         let left_out = self.left_out.join(", ");
         writeln!(f, "  time      {} on {} (without {left_out})", duration(self.total_s), self.machine)?;
-        for (name, seconds) in &self.by_role {
-            let seconds = seconds.as_f64().unwrap_or(0.0);
+        for (name, seconds) in &self.by_role.0 {
             let share = 100.0 * seconds / self.total_s.max(f64::MIN_POSITIVE);
             writeln!(f, "    {name:<28} {seconds:>9.1} s {share:>5.1} %")?;
         }

@@ -23,9 +23,6 @@ const SOLID_DENSITY: f64 = 0.995;
 /// line is √2 distances at 45°, and beyond this a travel is quicker than the extrusion.
 const LONGEST_JOIN: f64 = 2.5;
 
-/// Share by which an island may miss its density before its lines are laid otherwise.
-const NEAR_ENOUGH: f64 = 0.01;
-
 /// Infill lines shorter than this hold nothing.
 const SHORTEST_LINE_MM: f64 = 0.2;
 
@@ -284,16 +281,7 @@ impl Planner {
             let solid_mm = zones.sparse_mm2 / spacing_mm;
             let pattern = infill::pattern(self.settings.infill.pattern);
             let spec = self.fill_spec(section, spacing_mm);
-            let mut lines = pattern.fill(&room, &spec);
-            let missed = infill::miss(&lines, solid_mm, density);
-            if missed > NEAR_ENOUGH {
-                // In narrow rooms the ways along the walls outweigh the lines.
-                let apart =
-                    pattern.fill(&room, &FillSpec { joins: Joins { longest_mm: 0.0, ..spec.joins }, ..spec });
-                if infill::miss(&apart, solid_mm, density) < missed {
-                    lines = apart;
-                }
-            }
+            let lines = infill::lay(pattern, &room, &spec, solid_mm, density);
             let flow = infill::flow(&lines, solid_mm, density);
             draft.lines(
                 Role::InternalInfill,

@@ -32,11 +32,11 @@ pub(super) const ROLES: &[RoleColor] = roles![
     "Solid infill", 0x8F6CC0, [SolidInfill];
     "Top surface", 0xD7B3E8, [TopSolidInfill];
     "Bridge", 0x45257D, [BridgeInfill];
-    "Gap fill", 0x8C8C8C, [GapFill];
-    "Skirt and brim", 0xA9B18F, [Skirt, Brim];
-    "Support", 0x63AD91, [Support];
-    "Support interface", 0x14624A, [SupportInterface];
-    "Ironing", 0xF4D3DA, [Ironing];
+    "Gap fill", 0x848B93, [GapFill];
+    "Skirt and brim", 0xAFB890, [Skirt, Brim];
+    "Support", 0x62AD92, [Support];
+    "Support interface", 0x055B45, [SupportInterface];
+    "Ironing", 0xF6D3DA, [Ironing];
     "Other", 0x5F6B73, [];
 ];
 

@@ -11,12 +11,13 @@ use crate::report::Measures;
 const TEMPLATE: &str = include_str!("page/index.html");
 const STYLE: &str = include_str!("page/style.css");
 /// In the order in which they need each other.
-const SCRIPTS: [&str; 12] = [
+const SCRIPTS: [&str; 13] = [
     include_str!("page/dom.js"),
     include_str!("page/unpack.js"),
     include_str!("page/paint.js"),
     include_str!("page/camera.js"),
     include_str!("page/shaders.js"),
+    include_str!("page/strokes.js"),
     include_str!("page/gl.js"),
     include_str!("page/canvas.js"),
     include_str!("page/pane.js"),

@@ -13,8 +13,8 @@ const RIGHT: [f32; 3] = [0.829_04, -0.559_19, 0.0];
 const UP: [f32; 3] = [0.312_69, 0.463_58, 0.829_04];
 const BACK: [f32; 3] = [-0.463_58, -0.687_29, 0.559_19];
 /// Directions of the light, and its strength; some comes from everywhere.
-const LIGHTS: [([f32; 3], f32); 2] = [([-0.454, 0.656, 0.605], 0.62), ([0.862, 0.123, 0.492], 0.24)];
-const AMBIENT: f32 = 0.36;
+const LIGHTS: [([f32; 3], f32); 2] = [([-0.454, 0.656, 0.605], 0.6), ([0.862, 0.123, 0.492], 0.2)];
+const AMBIENT: f32 = 0.5;
 /// Samples along each side of a pixel.
 const SAMPLES: usize = 3;
 /// Room left free at each side, as a share.

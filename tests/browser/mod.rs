@@ -4,7 +4,7 @@ use std::io::{BufRead, BufReader};
 use std::net::TcpStream;
 use std::path::Path;
 use std::process::{Child, Command, Stdio};
-use std::sync::OnceLock;
+use std::sync::{Arc, Mutex, MutexGuard, OnceLock, PoisonError, Weak};
 use std::thread::sleep;
 use std::time::{Duration, Instant};
 
@@ -24,10 +24,33 @@ pub struct Browser {
     calls: u64,
     /// What was reported since the page was opened and is no mere information.
     errors: Vec<String>,
-    _profile: TempDir,
+    /// Removed when the browser has ended.
+    profile: TempDir,
+}
+
+/// A browser that tests take turns at: starting one takes longer than most tests.
+pub struct Shared(Arc<Mutex<Browser>>);
+
+impl Shared {
+    /// Waits for its turn.
+    pub fn page(&self) -> MutexGuard<'_, Browser> {
+        self.0.lock().unwrap_or_else(PoisonError::into_inner)
+    }
 }
 
 impl Browser {
+    /// The one with WebGL that other tests use just now, or a new one, which ends with the last of its users.
+    pub fn shared() -> Option<Shared> {
+        static CURRENT: Mutex<Weak<Mutex<Browser>>> = Mutex::new(Weak::new());
+        let mut current = CURRENT.lock().unwrap_or_else(PoisonError::into_inner);
+        let browser = match current.upgrade() {
+            Some(browser) => browser,
+            None => Arc::new(Mutex::new(Self::start(true)?)),
+        };
+        *current = Arc::downgrade(&browser);
+        Some(Shared(browser))
+    }
+
     /// Starts one; `None`, with a message, where none can be had. On CI (variable `CI` set) that is a failure.
     pub fn start(webgl: bool) -> Option<Self> {
         let Some(program) = program() else {
@@ -58,8 +81,7 @@ impl Browser {
         // Whoever writes must be read, or it stops.
         std::thread::spawn(move || lines.for_each(drop));
         let (socket, _) = tungstenite::connect(address).unwrap();
-        let mut browser =
-            Self { process, socket, session: None, calls: 0, errors: Vec::new(), _profile: profile };
+        let mut browser = Self { process, socket, session: None, calls: 0, errors: Vec::new(), profile };
         let target = browser.call("Target.createTarget", &json!({ "url": "about:blank" }));
         let attach = json!({ "targetId": target["targetId"], "flatten": true });
         browser.session =
@@ -140,9 +162,15 @@ impl Browser {
 
 impl Drop for Browser {
     fn drop(&mut self) {
-        // It may have ended by itself.
+        // It may have ended by itself. Its helpers follow it, and let go of the profile a moment later.
         let _ = self.process.kill();
         let _ = self.process.wait();
+        let begun = Instant::now();
+        while std::fs::remove_dir_all(self.profile.path()).is_err()
+            && begun.elapsed() < Duration::from_secs(2)
+        {
+            sleep(Duration::from_millis(50));
+        }
     }
 }
 
@@ -157,8 +185,16 @@ fn program() -> Option<&'static str> {
         };
         present().or_else(|| {
             eprintln!("installing Chromium");
-            let install = "apt-get update && apt-get install -y --no-install-recommends chromium";
-            let _ = runs("sh", &["-c", install]) || runs("sudo", &["-n", "sh", "-c", install]);
+            // Never asks, waits for whoever else installs, and tries again where the network fails.
+            let install = "export DEBIAN_FRONTEND=noninteractive; \
+                apt-get -o Acquire::Retries=3 update; \
+                apt-get -o Acquire::Retries=3 -o DPkg::Lock::Timeout=120 install -y --no-install-recommends chromium";
+            for _ in 0..3 {
+                if runs("sh", &["-c", install]) || runs("sudo", &["-n", "sh", "-c", install]) {
+                    break;
+                }
+                sleep(Duration::from_secs(5));
+            }
             present()
         })
     })

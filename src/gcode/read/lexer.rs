@@ -1,5 +1,7 @@
 //! Lines, codes, words and comments.
 
+use memchr::memchr;
+
 /// A letter and its number: G1, M104, T0.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Code {
@@ -68,7 +70,7 @@ impl<'a> Line<'a> {
     pub fn new(number: usize, offset: usize, raw: &'a [u8]) -> Self {
         let line = raw.strip_suffix(b"\n").unwrap_or(raw);
         let text = line.strip_suffix(b"\r").unwrap_or(line);
-        let (command, comment) = match text.iter().position(|b| *b == b';') {
+        let (command, comment) = match memchr(b';', text) {
             Some(at) => (&text[..at], Some(&text[at + 1..])),
             None => (text, None),
         };
@@ -124,7 +126,7 @@ impl<'a> Iterator for Lines<'a> {
             return None;
         }
         self.number += 1;
-        let end = self.rest.iter().position(|b| *b == b'\n').map_or(self.rest.len(), |at| at + 1);
+        let end = memchr(b'\n', self.rest).map_or(self.rest.len(), |at| at + 1);
         let (raw, rest) = self.rest.split_at(end);
         self.rest = rest;
         let offset = self.offset;
@@ -180,17 +182,20 @@ impl Cursor<'_> {
             self.at += 1;
         }
         let (mut mantissa, mut digits, mut decimals, mut point) = (0_u64, 0_usize, 0_usize, false);
-        loop {
-            match self.peek() {
-                digit @ b'0'..=b'9' => {
-                    digits += 1;
-                    if mantissa < 100_000_000_000_000_000 || !point {
-                        mantissa = mantissa.saturating_mul(10).saturating_add(u64::from(digit - b'0'));
-                        decimals += usize::from(point);
-                    }
+        for &byte in &self.bytes[self.at..] {
+            let digit = u64::from(byte.wrapping_sub(b'0'));
+            if digit < 10 {
+                digits += 1;
+                if mantissa < 100_000_000_000_000_000 {
+                    mantissa = mantissa * 10 + digit;
+                    decimals += usize::from(point);
+                } else if !point {
+                    mantissa = mantissa.saturating_mul(10).saturating_add(digit);
                 }
-                b'.' if !point => point = true,
-                _ => break,
+            } else if byte == b'.' && !point {
+                point = true;
+            } else {
+                break;
             }
             self.at += 1;
         }

@@ -2,6 +2,8 @@
 
 use std::io::{self, Read};
 
+use memchr::memchr;
+
 use super::annotate::Reader;
 use super::lexer::Line;
 use super::replay::{Action, Stroke};
@@ -114,7 +116,7 @@ fn named(accounts: &[f64; ACCOUNTS]) -> Vec<(&'static str, f64)> {
 
 /// Where the first line ends, its end included.
 fn line_end(text: &[u8]) -> Option<usize> {
-    text.iter().position(|b| *b == b'\n').map(|at| at + 1)
+    memchr(b'\n', text).map(|at| at + 1)
 }
 
 struct Reading {

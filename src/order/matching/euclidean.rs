@@ -165,12 +165,12 @@ fn violated(points: &[Point], tree: &KdTree, family: &Family) -> Vec<(u32, u32)>
             let Some(set) = common[node] else { return false };
             // Both potentials, without the sets that hold both ends; first without the look at the sets.
             let least = (4.0 * distance) as i64 - own - highest[node];
-            least < 0 && least + 2 * sets.sum(sets.meet(u, set)) < 0
+            least < 0 && least + 2 * sets.sums[sets.meet(u, set) as usize] < 0
         };
         tree.search(at, &mut found, &enter, &mut |found, v| {
             if u < v {
                 let slack = 4 * distance(at, points[v as usize]) - own - potential(v);
-                if slack < 0 && slack + 2 * sets.sum(sets.meet(u, v)) < 0 {
+                if slack < 0 && slack + 2 * sets.sums[sets.meet(u, v) as usize] < 0 {
                     found.push((u, v));
                 }
             }
@@ -179,52 +179,65 @@ fn violated(points: &[Point], tree: &KdTree, family: &Family) -> Vec<(u32, u32)>
     found
 }
 
-/// A laminar family, ready to be asked for the smallest common set of two.
-struct Sets<'a> {
-    outer: &'a [u32],
+/// A laminar family, ready to be asked for the smallest common set of two, in O(log n) steps however deep sets are nested: each
+/// set knows one far out besides the next one (Myers 1983, <https://doi.org/10.1016/0020-0190(83)90106-0>).
+struct Sets {
+    /// The set around each; around the outermost ones, and last, is one of everything, whose dual is zero.
+    outer: Vec<u32>,
+    /// A set farther out.
+    jump: Vec<u32>,
     /// Number of sets around each.
     depths: Vec<u32>,
     /// Sum of the duals of a set and of all around it.
     sums: Vec<i64>,
 }
 
-impl<'a> Sets<'a> {
-    fn new(family: &'a Family) -> Self {
-        let outer = &family.outer;
-        let (mut depths, mut sums) = (vec![NONE; outer.len()], vec![0; outer.len()]);
+impl Sets {
+    fn new(family: &Family) -> Self {
+        let everything = family.outer.len();
+        let around = |&set: &u32| if set == NONE { everything as u32 } else { set };
+        let outer: Vec<u32> = family.outer.iter().map(around).chain([everything as u32]).collect();
+        let mut sets = Self {
+            outer,
+            jump: vec![NONE; everything],
+            depths: vec![0; everything + 1],
+            sums: vec![0; everything + 1],
+        };
+        sets.jump.push(everything as u32);
         let mut chain = Vec::new();
-        for start in 0..outer.len() as u32 {
+        for start in 0..everything {
             let mut set = start;
-            while set != NONE && depths[set as usize] == NONE {
+            while sets.jump[set] == NONE {
                 chain.push(set);
-                set = outer[set as usize];
+                set = sets.outer[set] as usize;
             }
-            let (mut depth, mut sum) =
-                if set == NONE { (0, 0) } else { (depths[set as usize] + 1, sums[set as usize]) };
             while let Some(set) = chain.pop() {
-                sum += family.duals[set as usize];
-                (depths[set as usize], sums[set as usize]) = (depth, sum);
-                depth += 1;
+                let outer = sets.outer[set] as usize;
+                sets.sums[set] = sets.sums[outer] + family.duals[set];
+                sets.depths[set] = sets.depths[outer] + 1;
+                let far = sets.jump[outer] as usize;
+                let farther = sets.jump[far] as usize;
+                let balanced =
+                    sets.depths[outer] - sets.depths[far] == sets.depths[far] - sets.depths[farther];
+                sets.jump[set] = if balanced { farther } else { outer } as u32;
             }
         }
-        Self { outer, depths, sums }
+        sets
     }
 
-    fn sum(&self, set: u32) -> i64 {
-        if set == NONE { 0 } else { self.sums[set as usize] }
-    }
-
-    fn meet(&self, mut a: u32, mut b: u32) -> u32 {
+    fn meet(&self, a: u32, b: u32) -> u32 {
+        let (mut a, mut b) = (a as usize, b as usize);
+        if self.depths[a] < self.depths[b] {
+            (a, b) = (b, a);
+        }
+        while self.depths[a] > self.depths[b] {
+            let far = self.jump[a] as usize;
+            a = if self.depths[far] < self.depths[b] { self.outer[a] as usize } else { far };
+        }
         while a != b {
-            if a == NONE || b == NONE {
-                return NONE;
-            }
-            if self.depths[a as usize] >= self.depths[b as usize] {
-                a = self.outer[a as usize];
-            } else {
-                b = self.outer[b as usize];
-            }
+            let next = if self.jump[a] == self.jump[b] { &self.outer } else { &self.jump };
+            (a, b) = (next[a] as usize, next[b] as usize);
         }
-        a
+        a as u32
     }
 }

@@ -24,9 +24,9 @@ use crate::profile::{Effort, Scope};
 /// `docs/ordering.md` has the figures.
 fn steps_per_path(effort: Effort, scope: Scope) -> u64 {
     match (effort, scope) {
-        (Effort::Fast, Scope::Layer) => 100,
+        (Effort::Fast, Scope::Layer) => 220,
         (Effort::Fast, _) => 50,
-        (Effort::Normal, Scope::Layer) => 2_000,
+        (Effort::Normal, Scope::Layer) => 3_000,
         (Effort::Normal, _) => 300,
         (Effort::High, Scope::Layer) => 60_000,
         (Effort::High, _) => 20_000,

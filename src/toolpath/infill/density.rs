@@ -22,6 +22,16 @@ const ROUNDS: usize = 4;
 /// Share of the density that is near enough.
 const EXACT: f64 = 0.002;
 
+/// The same for a single room, whose lines may else be laid otherwise.
+const NEAR_ENOUGH: f64 = 0.01;
+
+/// Of so many lines at least one is laid in narrow rooms.
+const SPARSEST: u32 = 5;
+
+/// Joined lines may hold so many times what they should before they are left apart: each line apart costs a travel, and
+/// that takes longer than a few millimetres of bead.
+const MOST_SHARE: f64 = 1.5;
+
 /// What whole lines cannot make up, the bead's cross-section does, within this share.
 const MOST_FLOW: f64 = 0.2;
 
@@ -37,10 +47,45 @@ pub fn flow(lines: &[Line], solid_mm: f64, density: f64) -> f64 {
     }
 }
 
-/// By what share of the density lines miss it, their [`flow`] fitted; 0 where that can make up for everything.
-pub fn miss(lines: &[Line], solid_mm: f64, density: f64) -> f64 {
+/// The share of the density that lines have, their [`flow`] fitted: 1 where that can make up for everything.
+fn reached(lines: &[Line], solid_mm: f64, density: f64) -> f64 {
     let length_mm: f64 = lines.iter().map(line_length_mm).sum();
-    (length_mm * flow(lines, solid_mm, density) / (solid_mm * density) - 1.0).abs()
+    length_mm * flow(lines, solid_mm, density) / (solid_mm * density)
+}
+
+/// A pattern's lines in a room that needs `solid_mm` of line to be solid.
+///
+/// In narrow rooms the ways along the walls outweigh the lines themselves. There only every second, third … line is
+/// laid, as few as hold enough, so that they still join to few long beads; where that is far too much nevertheless,
+/// lines stay apart. Those of a pattern that does not [nest](FillPattern::nests) are laid apart at once.
+pub fn lay(
+    pattern: &dyn FillPattern,
+    room: &Region,
+    spec: &FillSpec,
+    solid_mm: f64,
+    density: f64,
+) -> Vec<Line> {
+    let share = |lines: &[Line]| reached(lines, solid_mm, density);
+    let enough = 1.0 - NEAR_ENOUGH..=1.0 + NEAR_ENOUGH;
+    let mut joined = pattern.fill(room, spec);
+    let sparsest = if pattern.nests() { SPARSEST } else { 1 };
+    for n in 2..=sparsest {
+        if share(&joined) <= *enough.end() {
+            break;
+        }
+        let fewer = pattern.fill(room, &spec.sparser(n));
+        if share(&fewer) < *enough.start() {
+            break;
+        }
+        joined = fewer;
+    }
+    let most = if pattern.nests() { MOST_SHARE } else { *enough.end() };
+    if (*enough.start()..=most).contains(&share(&joined)) {
+        return joined;
+    }
+    let apart = pattern.fill(room, &spec.apart());
+    let off = |lines: &[Line]| (share(lines) - 1.0).abs();
+    if off(&apart) < off(&joined) { apart } else { joined }
 }
 
 /// The mean distance between lines, in millimetres, at which a pattern, with all joins along the walls, fills its
@@ -89,4 +134,31 @@ pub fn calibrate(
 
 fn line_length_mm(line: &Line) -> f64 {
     if line.closed { ring_length_mm(&line.points) } else { polyline_length_mm(&line.points) }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::geom::{Point, Polygon};
+    use crate::toolpath::infill::rectilinear::Rectilinear;
+
+    #[test]
+    fn in_a_narrow_room_fewer_lines_join_to_one_bead_of_the_same_density() {
+        let corners = [(0.0, 0.0), (40.0, 0.0), (40.0, 3.0), (0.0, 3.0)];
+        let outer = corners.map(|(x, y)| Point::from_mm(x, y)).to_vec();
+        let room = Region { polygons: vec![Polygon { outer, holes: Vec::new() }] };
+        let (distance_mm, density) = (2.0, 0.2);
+        let spec = FillSpec {
+            line_distance_mm: distance_mm,
+            angle_rad: std::f64::consts::FRAC_PI_4,
+            layer: 0,
+            z_mm: 0.1,
+            joins: Joins { longest_mm: 2.5 * distance_mm, reach_mm: 0.0, turn_mm: 0.0, hatch: None },
+        };
+        let solid_mm = room.area_mm2() / (distance_mm * density);
+        let lines = lay(&Rectilinear, &room, &spec, solid_mm, density);
+        assert!(lines.len() <= 2, "{}", lines.len());
+        let share = reached(&lines, solid_mm, density);
+        assert!((0.99..=1.2).contains(&share), "{share}");
+    }
 }

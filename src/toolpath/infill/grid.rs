@@ -14,4 +14,8 @@ impl FillPattern for Grid {
     fn fill(&self, region: &Region, spec: &FillSpec) -> Vec<Line> {
         lines::sets(region, spec, 2, FRAC_PI_2)
     }
+
+    fn nests(&self) -> bool {
+        true
+    }
 }

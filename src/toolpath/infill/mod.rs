@@ -17,7 +17,7 @@ use crate::profile::Pattern;
 use super::bead::Line;
 
 pub use connect::Joins;
-pub use density::{SparseSample, calibrate, flow, miss};
+pub use density::{SparseSample, calibrate, flow, lay};
 pub use solid::{SolidSpec, fill as fill_solid, iron, split_narrow};
 
 /// What a pattern needs to know of a layer.
@@ -36,10 +36,30 @@ pub struct FillSpec {
     pub joins: Joins,
 }
 
+impl FillSpec {
+    /// Only every n-th line, joined as before.
+    fn sparser(&self, n: u32) -> Self {
+        let n = f64::from(n);
+        let joins = Joins { longest_mm: n * self.joins.longest_mm, ..self.joins };
+        Self { line_distance_mm: n * self.line_distance_mm, joins, ..*self }
+    }
+
+    /// The lines as they are, none joined.
+    fn apart(&self) -> Self {
+        Self { joins: Joins { longest_mm: 0.0, ..self.joins }, ..*self }
+    }
+}
+
 /// A sparse infill pattern.
 pub trait FillPattern: Sync {
     /// The pattern's beads inside a region. Beads end on its boundary and nowhere leave it.
     fn fill(&self, region: &Region, spec: &FillSpec) -> Vec<Line>;
+
+    /// Whether the lines at a multiple of the distance are among those at the distance itself, so that lines of layers
+    /// with different multiples lie on each other.
+    fn nests(&self) -> bool {
+        false
+    }
 }
 
 /// The pattern of a setting.

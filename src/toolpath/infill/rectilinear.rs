@@ -15,4 +15,8 @@ impl FillPattern for Rectilinear {
         let angle_rad = spec.angle_rad + if spec.layer % 2 == 1 { FRAC_PI_2 } else { 0.0 };
         lines::parallel(region, angle_rad, spec.line_distance_mm, 0.0, &spec.joins)
     }
+
+    fn nests(&self) -> bool {
+        true
+    }
 }

@@ -14,4 +14,8 @@ impl FillPattern for Triangles {
     fn fill(&self, region: &Region, spec: &FillSpec) -> Vec<Line> {
         lines::sets(region, spec, 3, FRAC_PI_3)
     }
+
+    fn nests(&self) -> bool {
+        true
+    }
 }

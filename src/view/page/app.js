@@ -2,7 +2,7 @@
 
 class App {
   constructor(data, prints) {
-    Object.assign(this, { data, prints, range: null, frame: 0, moved: false });
+    Object.assign(this, { data, prints, range: null, frame: 0, moved: false, touched: false });
     this.layers = Math.max(...prints.map((print) => print.layers));
     const several = prints.length > 1;
     this.state = {
@@ -11,8 +11,7 @@ class App {
       hiddenIn: { "2d": new Set(several ? ["mark-0", "mark-1", "mark-2"] : ["mark-1"]), "3d": new Set(["role-13", "mark-0", "mark-1", "mark-2"]) },
     };
     const bounds = [0, 1, 2, 3].map((i) => (i < 2 ? Math.min : Math.max)(...prints.map((print) => print.bounds[i])));
-    const top = Math.max(...prints.map((print) => print.z.reduce((a, b) => Math.max(a, b), 0.2)));
-    this.cameras = { "2d": new FlatCamera(bounds), "3d": new TurnCamera(bounds, top) };
+    this.cameras = { "2d": new FlatCamera(bounds), "3d": new TurnCamera(prints.flatMap(outlineOf)) };
     this.panes = prints.map((print) => new Pane(this, print));
     find("panes").style.setProperty("--columns", Math.min(prints.length, prints.length === 4 ? 2 : 3));
     find("panes").style.setProperty("--rows", Math.min(prints.length, 2));
@@ -22,13 +21,18 @@ class App {
     this.legend = new Legend(this, find("legend"));
     find("figures").hidden = several;
     find("layer").max = this.layers;
-    this.solid = this.panes.every((pane) => pane.solid);
-    find("view-3d").disabled = !this.solid;
-    if (!this.solid) find("view-3d").title = "This browser has no WebGL 2: layers only";
+    this.judge();
     this.begin(several);
   }
 
-  /** The first view: several prints at the layer where they differ most, one print as a whole. */
+  /** Whether 3D is to be had. */
+  judge() {
+    this.solid = this.panes.every((pane) => pane.solid);
+    find("view-3d").disabled = !this.solid;
+    if (!this.solid) find("view-3d").title = "This browser has no WebGL 2: layers only";
+  }
+
+  /** The first view: several prints at the layer where they differ most, one print as a whole if there is any. */
   begin(several) {
     const wish = new URLSearchParams(location.hash.slice(1));
     const spread = (layer) => {
@@ -40,7 +44,9 @@ class App {
     this.state.theme = wish.get("theme") || (matchMedia("(prefers-color-scheme: dark)").matches ? "dark" : "light");
     document.documentElement.dataset.theme = this.state.theme;
     if (wish.get("color") in COLORINGS) find("color").value = this.state.color = wish.get("color");
-    this.setMode(wish.get("view") || (several ? "2d" : "3d"));
+    // Where nothing is extruded, travel is all there is to see.
+    const solid = !several && this.ways().some((way, role) => role < TRAVEL && way > 0);
+    this.setMode(wish.get("view") || (solid ? "3d" : "2d"));
     this.goTo(wish.has("layer") ? wish.get("layer") - 1 : several ? busiest : this.layers - 1);
     if (wish.has("way")) this.setWay(this.longest() * wish.get("way"));
     this.colored();
@@ -63,7 +69,8 @@ class App {
   ways() {
     this.wayCache ??= this.prints.reduce((sums, { points, role, strokes }) => {
       for (let i = 0; i < strokes; i++) {
-        sums[role[i]] += Math.hypot(points[3 * i + 3] - points[3 * i], points[3 * i + 4] - points[3 * i + 1]);
+        const dx = points[3 * i + 3] - points[3 * i], dy = points[3 * i + 4] - points[3 * i + 1];
+        sums[role[i]] += Math.sqrt(dx * dx + dy * dy);
       }
       return sums;
     }, new Float64Array(JUMP + 1)).slice(0, JUMP);
@@ -142,24 +149,28 @@ class App {
   }
 
   fit() {
-    this.fitted = false;
+    this.fitted = this.touched = false;
     this.schedule();
   }
 
   zoom(factor, x = 0, y = 0) {
+    this.touched = true;
     this.camera().zoom(factor, x, y);
     this.schedule();
   }
 
   drag(dx, dy, height, move) {
     const camera = this.camera();
+    this.touched = true;
     if (camera instanceof TurnCamera && !move) camera.turn(dx, dy);
     else camera.drag(dx, dy, height);
     this.schedule();
   }
 
+  /** A view that nobody has chosen stays as large as the window lets it be. */
   resized() {
     this.moved = false;
+    if (!this.touched) this.fitted = false;
     this.schedule();
   }
 
@@ -191,8 +202,10 @@ class App {
 
   /** All that is seen, from the state. */
   render() {
+    cancelAnimationFrame(this.frame);
     this.frame = 0;
-    const { state, prints } = this, size = this.panes[0].size();
+    const { state, prints } = this;
+    const size = this.panes[0].size();
     if (!this.fitted) {
       for (const camera of Object.values(this.cameras)) camera.fit(size.width, size.height);
       this.fitted = true;

@@ -15,6 +15,10 @@ class FlatCamera {
     this.middle = [(x0 + x1) / 2, (y0 + y1) / 2];
     this.mm = 1.12 * Math.max((x1 - x0) / width, (y1 - y0) / height, 0.001);
   }
+  /** Millimetres in a pixel. */
+  pixel() {
+    return this.mm;
+  }
   drag(dx, dy) {
     this.middle = [this.middle[0] - dx * this.mm, this.middle[1] + dy * this.mm];
   }
@@ -31,35 +35,45 @@ class FlatCamera {
 
 /** About a point: angles in radians, distance in mm. */
 class TurnCamera {
-  constructor([x0, y0, x1, y1], top) {
-    this.box = [x0, y0, 0, x1, y1, top];
+  /** `outline`: points, three numbers each, that reach as far as the print does. */
+  constructor(outline) {
+    this.outline = outline;
     this.yaw = -0.6;
     this.pitch = 0.6;
-    this.target = [(x0 + x1) / 2, (y0 + y1) / 2, top / 2];
+    this.target = [0, 0, 0];
     this.distance = 100;
   }
   fit(width, height) {
-    const [x0, y0, z0, x1, y1, z1] = this.box;
-    this.target = [(x0 + x1) / 2, (y0 + y1) / 2, (z0 + z1) / 2];
-    const { right, up, back } = this.axes(), slope = Math.tan(FIELD / 2), half = [x1 - x0, y1 - y0, z1 - z0].map((side) => side / 2);
+    const { outline } = this, axes = Object.values(this.axes()), slope = Math.tan(FIELD / 2);
+    const along = (axis, i) => axis[0] * outline[i] + axis[1] * outline[i + 1] + axis[2] * outline[i + 2];
+    const middle = axes.map((axis) => {
+      let [low, high] = [Infinity, -Infinity];
+      for (let i = 0; i < outline.length; i += 3) [low, high] = [Math.min(low, along(axis, i)), Math.max(high, along(axis, i))];
+      return low <= high ? (low + high) / 2 : 0;
+    });
+    this.target = [0, 1, 2].map((i) => axes.reduce((sum, axis, k) => sum + axis[i] * middle[k], 0));
     this.distance = 1;
-    // Far enough for every corner of the box.
-    for (let corner = 0; corner < 8; corner++) {
-      const along = (axis) => half.reduce((sum, side, i) => sum + axis[i] * (corner >> i & 1 ? side : -side), 0);
-      const aside = Math.max(Math.abs(along(up)), (Math.abs(along(right)) * height) / width);
-      this.distance = Math.max(this.distance, along(back) + (1.1 * aside) / slope);
+    // Far enough for every point.
+    for (let i = 0; i < outline.length; i += 3) {
+      const [right, up, back] = axes.map((axis, k) => along(axis, i) - middle[k]);
+      const aside = Math.max(Math.abs(up), (Math.abs(right) * height) / width);
+      this.distance = Math.max(this.distance, back + (1.12 * aside) / slope);
     }
   }
   axes() {
     const [sy, cy, sp, cp] = [Math.sin(this.yaw), Math.cos(this.yaw), Math.sin(this.pitch), Math.cos(this.pitch)];
     return { right: [cy, sy, 0], up: [-sy * sp, cy * sp, cp], back: [sy * cp, -cy * cp, sp] };
   }
+  /** Millimetres in a pixel of the middle. */
+  pixel(height) {
+    return (2 * this.distance * Math.tan(FIELD / 2)) / height;
+  }
   turn(dx, dy) {
     this.yaw -= dx * 0.008;
     this.pitch = Math.min(Math.max(this.pitch + dy * 0.008, -1.57), 1.57);
   }
   drag(dx, dy, height) {
-    const { right, up } = this.axes(), mm = (2 * this.distance * Math.tan(FIELD / 2)) / height;
+    const { right, up } = this.axes(), mm = this.pixel(height);
     this.target = this.target.map((t, i) => t - right[i] * dx * mm + up[i] * dy * mm);
   }
   zoom(factor) {
@@ -82,3 +96,24 @@ class TurnCamera {
   }
 }
 
+/** Of some layers of a print those points that reach furthest in each of eight directions; what is no part of it is left out. */
+function outlineOf({ points, role, first, layers }) {
+  const outline = [], some = Math.min(layers, 64);
+  for (const end of [TRAVEL - 1, JUMP]) {
+    for (let n = 0; n < some; n++) {
+      const layer = Math.round((n * (layers - 1)) / Math.max(some - 1, 1));
+      const furthest = new Int32Array(8).fill(-1), reach = new Float64Array(8).fill(-Infinity);
+      for (let i = first[layer]; i < first[layer + 1]; i++) {
+        if (role[i] >= end) continue;
+        const p = 3 * i + 3, x = points[p], y = points[p + 1];
+        for (let k = 0; k < 8; k++) {
+          const along = k < 4 ? (k & 1 ? x : y) : k & 1 ? x + y : x - y, far = k & 2 ? along : -along;
+          if (far > reach[k]) [reach[k], furthest[k]] = [far, p];
+        }
+      }
+      for (const p of furthest) if (p >= 0) outline.push(points[p], points[p + 1], points[p + 2]);
+    }
+    if (outline.length) break;
+  }
+  return outline;
+}

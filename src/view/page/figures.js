@@ -12,16 +12,6 @@ function listOf(title, rows) {
 function drawFigures(root, print, layer) {
   const { total, filament_g: grams } = print;
   root.replaceChildren(
-    ...listOf("Layer", [
-      ["Height", `${fixed(print.z[layer], 2)} mm`],
-      ["Time", duration(print.time[layer])],
-      ["Printed", length(print.print[layer])],
-      ["Travel", length(print.travel[layer])],
-      ["Travels", String(print.travels[layer])],
-      ["Retractions", String(print.retractions[layer])],
-      ["Bound", print.bound[layer] >= 0 ? length(print.bound[layer]) : null],
-      ["Gap", print.bound[layer] >= 0 ? percent(gapOf(print.link[layer], print.bound[layer])) : null],
-    ]),
     ...listOf("Print", [
       ["Time", duration(total.total_s)],
       ["Filament", `${length(total.filament_mm)}, ${fixed(grams, 1)} g`],
@@ -34,6 +24,16 @@ function drawFigures(root, print, layer) {
       ["Gap", "gap" in total ? percent(total.gap) : null],
       ["Layers", String(print.layers)],
       ["Moves", String(print.strokes)],
+    ]),
+    ...listOf("Layer", [
+      ["Height", `${fixed(print.z[layer], 2)} mm`],
+      ["Time", duration(print.time[layer])],
+      ["Printed", length(print.print[layer])],
+      ["Travel", length(print.travel[layer])],
+      ["Travels", String(print.travels[layer])],
+      ["Retractions", String(print.retractions[layer])],
+      ["Bound", print.bound[layer] >= 0 ? length(print.bound[layer]) : null],
+      ["Gap", print.bound[layer] >= 0 ? percent(gapOf(print.link[layer], print.bound[layer])) : null],
     ]),
   );
 }

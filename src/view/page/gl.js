@@ -1,110 +1,180 @@
 // Draws a print with WebGL 2.
 
-/** Corners of a stroke: (end ±1, side ±1) of the flat one; end, side, up and tip of the solid one. */
-const FLAT_CORNERS = new Float32Array([-1, -1, 0, 0, 1, -1, 0, 0, -1, 1, 0, 0, 1, 1, 0, 0]);
-const SOLID_CORNERS = new Float32Array(
-  [0, 1].flatMap((end) => [
-    [end, -1, 0, 0], [end, 0, 1, 0], [end, 1, 0, 0], [end, 0, 0, 2 * end - 1],
-  ]).flat(),
-);
-/** The two faces towards the eye, then the points at both ends. */
-const SOLID_TRIANGLES = new Uint8Array([0, 1, 4, 1, 5, 4, 1, 2, 5, 2, 6, 5, 0, 1, 3, 1, 2, 3, 4, 5, 7, 5, 6, 7]);
-/** With more strokes than this the points are left out. */
-const FINE_STROKES = 200000, COARSE_TRIANGLES = 12;
+/** Pixels drawn for one of the window, along each side: smoother than the card's own antialiasing, and cheaper in software. */
+const OVERSAMPLING = 2;
+/** Strokes that any card draws at a time, how long such a time may be, and how long nothing moves before more is drawn. */
+const FIRST_BUDGET = 30000, SLICE_MS = 40, REST_MS = 120;
+
+/** Beads have points at their ends where a pixel is smaller than this. */
+const POINTED_MM = 0.12;
 
 /** Size of a mark, in CSS pixels: smaller from far away. */
-const markPixels = (camera) => (camera instanceof FlatCamera ? Math.min(Math.max(1.2 / camera.mm, 5), 11) : 8);
+const markPixels = (camera) => (camera instanceof FlatCamera ? Math.min(Math.max(0.9 / camera.mm, 5), 10) : 8);
 
 class GlPainter {
   /** Throws where WebGL 2 is not to be had. */
   constructor(canvas, print) {
-    const gl = canvas.getContext("webgl2", { antialias: true, alpha: false });
+    const gl = canvas.getContext("webgl2", { antialias: false, alpha: false });
     if (!gl) throw new Error("no WebGL 2");
-    Object.assign(this, { canvas, gl, print });
+    Object.assign(this, { canvas, gl, print, budget: FIRST_BUDGET, work: null });
     this.flat = this.program(FLAT_VERTEX, FLAT_FRAGMENT);
     this.solid = this.program(SOLID_VERTEX, SOLID_FRAGMENT);
     this.marks = this.program(MARK_VERTEX, MARK_FRAGMENT);
     this.lines = this.program(LINE_VERTEX, LINE_FRAGMENT);
+    this.flatShape = new StrokeShape(gl, FLAT_CORNERS, FLAT_TRIANGLES, FLAT_AT_ONCE);
+    this.solidShape = new StrokeShape(gl, SOLID_CORNERS, SOLID_TRIANGLES, SOLID_AT_ONCE);
+    this.farShape = new StrokeShape(gl, SOLID_CORNERS, SOLID_FACES, SOLID_AT_ONCE);
+    this.strokes = new StrokeTexture(gl, print);
     this.buffers = {
-      flat: this.buffer(FLAT_CORNERS), solid: this.buffer(SOLID_CORNERS), points: this.buffer(print.points),
-      role: this.buffer(print.role), bead: this.buffer(print.bead), value: this.buffer(new Float32Array(print.strokes)),
       markPoints: this.buffer(print.markPoints), markKind: this.buffer(print.markKind), grid: this.buffer(gridLines(print)),
     };
-    this.triangles = gl.createBuffer();
-    gl.bindBuffer(gl.ELEMENT_ARRAY_BUFFER, this.triangles);
-    gl.bufferData(gl.ELEMENT_ARRAY_BUFFER, SOLID_TRIANGLES, gl.STATIC_DRAW);
     gl.blendFunc(gl.ONE, gl.ONE_MINUS_SRC_ALPHA);
   }
 
   /** Takes up values of 0 to 1 for all strokes. */
   setValues(values) {
-    this.gl.bindBuffer(this.gl.ARRAY_BUFFER, this.buffers.value);
-    this.gl.bufferData(this.gl.ARRAY_BUFFER, values, this.gl.STATIC_DRAW);
+    this.values = values;
+    this.strokes.setValues(values);
+    this.few?.strokes.setValues(values, this.few.print.source);
+  }
+
+  /** The layers below at a glance. */
+  glance() {
+    if (!this.few) {
+      const [x0, y0, x1, y1] = this.print.bounds, print = glance(this.print, Math.hypot(x1 - x0, y1 - y0) / 300);
+      this.few = { print, strokes: new StrokeTexture(this.gl, print) };
+      if (this.values) this.few.strokes.setValues(this.values, print.source);
+    }
+    return this.few;
   }
 
   /**
    * Draws. `look`: mode, theme, colors, ramp, byValue, roleMask, markMask; `now`: layer, stroke (index of the one under
-   * way), part (how much of it is done); `size`: CSS pixels and their ratio to device pixels.
+   * way), part (how much of it is done); `size`: CSS pixels and their ratio to device pixels. A print of more strokes
+   * than the card draws at a time is drawn at a glance first, and with all of them while nothing moves.
    */
   draw(look, now, camera, size) {
     const { gl, canvas, print } = this, width = Math.round(size.width * size.ratio), height = Math.round(size.height * size.ratio);
     if (canvas.width !== width || canvas.height !== height) [canvas.width, canvas.height] = [width, height];
-    gl.viewport(0, 0, width, height);
-    gl.clearColor(...rgb(look.theme.background), 1);
-    gl.clear(gl.COLOR_BUFFER_BIT | gl.DEPTH_BUFFER_BIT);
-    const first = print.first[now.layer], count = Math.min(now.stroke + 1, print.first[now.layer + 1]) - first;
-    const solid = look.mode === "3d";
-    const view = solid ? camera.matrix(size.width, size.height) : flatMatrix(camera, size);
-    this.drawGrid(look, view.matrix, solid);
-    if (solid) {
-      gl.enable(gl.DEPTH_TEST);
-      this.strokes(this.solid, look, view, now, 0, first + count, false, size, camera);
-      this.strokes(this.solid, look, view, now, first, count, true, size, camera);
-      gl.disable(gl.DEPTH_TEST);
-    } else {
-      gl.enable(gl.BLEND);
-      this.strokes(this.flat, look, view, now, first, count, false, size, camera);
-      this.strokes(this.flat, look, view, now, first, count, true, size, camera);
+    this.stop();
+    const solid = look.mode === "3d", view = solid ? camera.matrix(size.width, size.height) : flatMatrix(camera, size);
+    const begin = print.first[now.layer], end = Math.min(now.stroke + 1, print.first[now.layer + 1]);
+    const frame = { look, now, camera, size, view, solid, begin, end };
+    this.drawGround(frame);
+    if (solid && begin > this.budget) {
+      const few = this.glance();
+      this.drawStrokes(frame, few.strokes, 0, few.print.first[now.layer], false);
+      this.refine(frame);
+    } else if (solid) {
+      this.drawStrokes(frame, this.strokes, 0, begin, false);
     }
-    gl.enable(gl.BLEND);
-    this.drawMarks(look, view.matrix, now, camera, size);
-    gl.disable(gl.BLEND);
+    this.drawOver(frame);
   }
 
-  strokes(program, look, view, now, begin, count, travels, size, camera) {
-    const { gl, buffers } = this, solid = program === this.solid;
-    if (count <= 0) return;
-    gl.useProgram(program.handle);
-    const { at } = program;
+  /** Background, grid, and the layer. */
+  drawGround(frame) {
+    const { gl, canvas } = this, { look, view, solid, begin, end } = frame;
+    gl.viewport(0, 0, canvas.width, canvas.height);
+    gl.clearColor(...rgb(look.theme.background), 1);
+    gl.clear(gl.COLOR_BUFFER_BIT | gl.DEPTH_BUFFER_BIT);
+    this.drawGrid(look, view.matrix, solid);
+    this.drawStrokes(frame, this.strokes, begin, end, false);
+  }
+
+  /** Travels and marks. */
+  drawOver(frame) {
+    const { look, view, now, camera, size, begin, end } = frame;
+    this.drawStrokes(frame, this.strokes, begin, end, true);
+    this.drawMarks(look, view.matrix, now, camera, size);
+  }
+
+  /** Draws all strokes once nothing has moved for a while, as many at a time as the card is quick at, and shows them then. */
+  refine(frame) {
+    const { gl, canvas } = this, work = (this.work = { timer: 0 });
+    let fence = null, begun = 0, rest = frame.begin;
+    const step = () => {
+      if (this.work !== work || gl.isContextLost()) return;
+      if (fence) {
+        if (gl.clientWaitSync(fence, 0, 0) === gl.TIMEOUT_EXPIRED) return requestAnimationFrame(step);
+        gl.deleteSync(fence);
+        const took = Math.max(performance.now() - begun, 1);
+        this.budget = Math.max(this.budget * Math.min(SLICE_MS / took, 2), FIRST_BUDGET);
+      }
+      begun = performance.now();
+      this.aside();
+      if (rest === frame.begin) this.drawGround(frame);
+      const begin = Math.max(rest - Math.round(this.budget), 0);
+      this.drawStrokes(frame, this.strokes, begin, rest, false);
+      rest = begin;
+      if (!rest) {
+        this.drawOver(frame);
+        gl.bindFramebuffer(gl.DRAW_FRAMEBUFFER, null);
+        gl.blitFramebuffer(0, 0, canvas.width, canvas.height, 0, 0, canvas.width, canvas.height, gl.COLOR_BUFFER_BIT, gl.NEAREST);
+        this.work = null;
+      }
+      gl.bindFramebuffer(gl.FRAMEBUFFER, null);
+      if (!rest) return;
+      fence = gl.fenceSync(gl.SYNC_GPU_COMMANDS_COMPLETE, 0);
+      gl.flush();
+      requestAnimationFrame(step);
+    };
+    work.timer = setTimeout(() => requestAnimationFrame(step), REST_MS);
+  }
+
+  /** What is drawn next goes to a picture aside, as large as the canvas. */
+  aside() {
+    const { gl, canvas } = this;
+    this.picture ??= { frame: gl.createFramebuffer(), buffers: [gl.createRenderbuffer(), gl.createRenderbuffer()], width: 0, height: 0 };
+    const { picture } = this, formats = [gl.RGBA8, gl.DEPTH_COMPONENT24], places = [gl.COLOR_ATTACHMENT0, gl.DEPTH_ATTACHMENT];
+    gl.bindFramebuffer(gl.FRAMEBUFFER, picture.frame);
+    if (picture.width === canvas.width && picture.height === canvas.height) return;
+    [picture.width, picture.height] = [canvas.width, canvas.height];
+    picture.buffers.forEach((buffer, i) => {
+      gl.bindRenderbuffer(gl.RENDERBUFFER, buffer);
+      gl.renderbufferStorage(gl.RENDERBUFFER, formats[i], canvas.width, canvas.height);
+      gl.framebufferRenderbuffer(gl.FRAMEBUFFER, places[i], gl.RENDERBUFFER, buffer);
+    });
+  }
+
+  /** What is drawn in rest is out of date. */
+  stop() {
+    if (!this.work) return;
+    clearTimeout(this.work.timer);
+    this.work = null;
+  }
+
+  /** Strokes of a texture, or the travels among them. What is above is drawn first, since it hides what is below. */
+  drawStrokes({ look, now, camera, size, view, solid }, strokes, begin, end, travels) {
+    const { gl } = this, { handle, at } = solid ? this.solid : this.flat, pixel = camera.pixel(size.height);
+    if (begin >= end || (travels && !((look.roleMask >> TRAVEL) & 1))) return;
+    gl.useProgram(handle);
+    gl.uniform1i(at.strokes, 0);
+    gl.uniform1i(at.values, 1);
     gl.uniform1i(at.mask, look.roleMask);
     gl.uniform1i(at.travels, travels ? 1 : 0);
-    gl.uniform1i(at.last, now.stroke - begin);
+    gl.uniform1i(at.last, strokes === this.strokes ? now.stroke : -1);
     gl.uniform1f(at.part, now.part);
     gl.uniform1i(at.byValue, look.byValue ? 1 : 0);
     gl.uniform3fv(at["colors[0]"], look.colors);
     gl.uniform3fv(at["ramp[0]"], look.ramp);
     if (solid) {
       gl.uniformMatrix4fv(at.view, false, view.matrix);
-      gl.uniform1f(at.thin, 0.0011 * camera.distance);
+      gl.uniform1f(at.thin, 0.8 * pixel);
+      gl.uniform1f(at.pixel, pixel);
+      gl.uniform3fv(at.back, view.back);
       gl.uniform1f(at.upside, camera.pitch < 0 ? -1 : 1);
       gl.uniform3fv(at["lights[0]"], lights(view));
     } else {
       gl.uniform4fv(at.view, view.flat);
-      gl.uniform1f(at.pixel, camera.mm / size.ratio);
+      gl.uniform1f(at.pixel, pixel / size.ratio);
+      gl.uniform1f(at.hair, 0.8 * pixel);
     }
-    this.attribute(0, solid ? buffers.solid : buffers.flat, 4, 0, 0);
-    this.attribute(1, buffers.points, 3, 12 * begin, 1);
-    this.attribute(2, buffers.points, 3, 12 * (begin + 1), 1);
-    this.attribute(3, buffers.role, 1, begin, 1, gl.UNSIGNED_BYTE, true);
-    this.attribute(4, buffers.bead, 2, 4 * begin, 1, gl.UNSIGNED_SHORT);
-    this.attribute(5, buffers.value, 1, 4 * begin, 1);
-    if (solid) {
-      gl.bindBuffer(gl.ELEMENT_ARRAY_BUFFER, this.triangles);
-      const corners = count > FINE_STROKES ? COARSE_TRIANGLES : SOLID_TRIANGLES.length;
-      gl.drawElementsInstanced(gl.TRIANGLES, corners, gl.UNSIGNED_BYTE, 0, count);
-    } else {
-      gl.drawArraysInstanced(gl.TRIANGLE_STRIP, 0, 4, count);
-    }
+    const near = pixel < POINTED_MM, shape = !solid ? this.flatShape : near ? this.solidShape : this.farShape, needed = solid ? gl.DEPTH_TEST : gl.BLEND;
+    strokes.bind();
+    shape.bind();
+    gl.enable(needed);
+    shape.draw(at.first, begin, end, solid && camera.pitch > 0);
+    gl.disable(needed);
   }
 
   drawMarks(look, matrix, now, camera, size) {
@@ -120,10 +190,11 @@ class GlPainter {
     gl.uniform1f(at.lift, (0.75 * markPixels(camera)) / size.height);
     gl.uniform3fv(at["colors[0]"], look.markColors);
     gl.uniform3fv(at.rim, rgb(look.theme.background));
-    this.attribute(0, buffers.markPoints, 3, 12 * first, 0);
-    this.attribute(1, buffers.markKind, 1, first, 0, gl.UNSIGNED_BYTE, true);
-    for (let i = 2; i < 6; i++) gl.disableVertexAttribArray(i);
+    this.attribute(0, buffers.markPoints, 3, 12 * first);
+    this.attribute(1, buffers.markKind, 1, first, gl.UNSIGNED_BYTE, true);
+    gl.enable(gl.BLEND);
     gl.drawArrays(gl.POINTS, 0, count);
+    gl.disable(gl.BLEND);
   }
 
   drawGrid(look, matrix, solid) {
@@ -131,20 +202,19 @@ class GlPainter {
     gl.useProgram(handle);
     gl.uniformMatrix4fv(at.view, false, matrix);
     gl.uniform3fv(at.color, rgb(look.theme.bed));
-    for (let i = 1; i < 6; i++) gl.disableVertexAttribArray(i);
-    this.attribute(0, buffers.grid, 3, 0, 0);
+    gl.disableVertexAttribArray(1);
+    this.attribute(0, buffers.grid, 3, 0);
     if (solid) gl.enable(gl.DEPTH_TEST);
     gl.drawArrays(gl.LINES, 0, this.print.gridPoints);
     gl.disable(gl.DEPTH_TEST);
   }
 
-  attribute(place, buffer, components, offset, divisor, type = this.gl.FLOAT, integer = false) {
+  attribute(place, buffer, components, offset, type = this.gl.FLOAT, integer = false) {
     const { gl } = this;
     gl.bindBuffer(gl.ARRAY_BUFFER, buffer);
     gl.enableVertexAttribArray(place);
     if (integer) gl.vertexAttribIPointer(place, components, type, 0, offset);
     else gl.vertexAttribPointer(place, components, type, false, 0, offset);
-    gl.vertexAttribDivisor(place, divisor);
   }
 
   buffer(data) {

@@ -14,7 +14,10 @@ class Pane {
     this.stage = element("div", { class: "stage" }, this.nozzle, this.scale);
     this.root = element("div", { class: "pane" }, this.caption, this.stage);
     this.usePainter(GlPainter);
-    new ResizeObserver(() => app.resized()).observe(this.stage);
+    new ResizeObserver(() => {
+      const { width, height } = this.size();
+      if (width !== this.drawn?.width || height !== this.drawn?.height) app.resized();
+    }).observe(this.stage);
   }
 
   /** Draws with this one if it can be had, and else on a plain canvas. */
@@ -29,6 +32,8 @@ class Pane {
     }
     this.canvas.addEventListener("webglcontextlost", () => {
       this.usePainter(CanvasPainter);
+      this.app.judge();
+      this.app.setMode(this.app.state.mode);
       this.app.colored();
     });
     this.listen();
@@ -40,7 +45,7 @@ class Pane {
 
   size() {
     const { clientWidth, clientHeight } = this.stage;
-    return { width: Math.max(clientWidth, 1), height: Math.max(clientHeight, 1), ratio: Math.min(devicePixelRatio || 1, 2) };
+    return { width: Math.max(clientWidth, 1), height: Math.max(clientHeight, 1), ratio: this.solid ? OVERSAMPLING : Math.min(devicePixelRatio || 1, 2) };
   }
 
   /** Where the nozzle is so many seconds after the layer's start: stroke under way, and how much of it is done. */
@@ -62,6 +67,7 @@ class Pane {
 
   draw(look, state, camera) {
     const now = this.at(state.layer, state.way), size = this.size();
+    this.drawn = size;
     this.painter.draw(look, now, camera, size);
     this.placeNozzle(now, camera, size);
     this.showScale(look, camera);

@@ -1,14 +1,13 @@
-// GLSL. One instance is one stroke: its points, role, bead and value come from the arrays as they are.
+// GLSL. Strokes come from textures, see strokes.js: stroke i leads from the point of texel i to that of the next.
 
 const STROKE_HEAD = `#version 300 es
 precision highp float;
 precision highp int;
+precision highp usampler2D;
 layout(location = 0) in vec4 corner;
-layout(location = 1) in vec3 start;
-layout(location = 2) in vec3 finish;
-layout(location = 3) in uint role;
-layout(location = 4) in vec2 bead;
-layout(location = 5) in float value;
+uniform usampler2D strokes;
+uniform sampler2D values;
+uniform int first;
 uniform int mask;
 uniform bool travels;
 uniform int last;
@@ -18,42 +17,55 @@ uniform vec3 colors[14];
 uniform vec3 ramp[9];
 out vec3 color;
 
-bool seen() {
-  return (mask >> int(role) & 1) == 1 && travels == (role == 13u);
+/** Set by \`fetch\`: its points, width and height. */
+vec3 start;
+vec3 finish;
+vec2 bead;
+int role;
+
+ivec2 texel(int index) {
+  return ivec2(index & 2047, index >> 11);
 }
 
-vec3 end() {
-  return gl_InstanceID == last ? mix(start, finish, part) : finish;
-}
-
-vec3 paint() {
-  if (!byValue || role == 13u) return colors[min(int(role), 13)];
-  float place = clamp(value, 0.0, 1.0) * 8.0;
-  int i = min(int(place), 7);
-  return mix(ramp[i], ramp[i + 1], place - float(i));
+/** Whether the stroke is seen. */
+bool fetch(int index) {
+  uvec4 here = texelFetch(strokes, texel(index), 0);
+  role = int(here.w & 15u);
+  if ((mask >> role & 1) == 0 || travels != (role == 13)) return false;
+  start = uintBitsToFloat(here.xyz);
+  finish = uintBitsToFloat(texelFetch(strokes, texel(index + 1), 0).xyz);
+  if (index == last) finish = mix(start, finish, part);
+  bead = 0.01 * vec2(here.w >> 4 & 16383u, here.w >> 18);
+  color = colors[min(role, 13)];
+  if (byValue && role != 13) {
+    float place = 8.0 * texelFetch(values, texel(index), 0).r;
+    int i = min(int(place), 7);
+    color = mix(ramp[i], ramp[i + 1], place - float(i));
+  }
+  return true;
 }
 `;
 
-/** A bead from above: a line with round ends, `view` from mm to the clip space, `pixel` mm in a device pixel. */
+/** A bead from above: a line with round ends, `view` from mm to the clip space, `pixel` mm in a pixel, `hair` half the width of travel. */
 const FLAT_VERTEX = STROKE_HEAD + `
 uniform vec4 view;
 uniform float pixel;
+uniform float hair;
 out vec2 place;
 flat out vec2 size;
 
 void main() {
-  if (!seen()) {
+  if (!fetch(first + (gl_VertexID >> 2))) {
     gl_Position = vec4(2.0, 2.0, 2.0, 1.0);
     return;
   }
-  float half_width = travels ? 0.8 * pixel : max(0.005 * bead.x, 0.6 * pixel);
-  vec2 way = end().xy - start.xy;
+  float half_width = travels ? hair : max(0.5 * bead.x, 0.6 * pixel);
+  vec2 way = finish.xy - start.xy;
   float way_mm = length(way);
   vec2 along = way_mm > 0.0 ? way / way_mm : vec2(1.0, 0.0);
   float reach = half_width + pixel;
   place = vec2(corner.x > 0.0 ? way_mm + reach : -reach, corner.y * reach);
   size = vec2(way_mm, half_width);
-  color = paint();
   vec2 at = start.xy + along * place.x + vec2(-along.y, along.x) * place.y;
   gl_Position = vec4(at * view.xy + view.zw, 0.0, 1.0);
 }`;
@@ -80,25 +92,27 @@ const SOLID_VERTEX = STROKE_HEAD + `
 uniform mat4 view;
 uniform float thin;
 uniform float upside;
+uniform float pixel;
+uniform vec3 back;
 out vec3 normal;
 
 void main() {
-  if (!seen()) {
+  if (!fetch(first + (gl_VertexID >> 3))) {
     gl_Position = vec4(2.0, 2.0, 2.0, 1.0);
     return;
   }
-  vec2 half_size = travels ? vec2(thin) : 0.005 * bead;
-  vec3 to = end();
-  vec3 way = to - start;
+  vec2 half_size = travels ? vec2(thin) : max(0.5 * bead, vec2(0.35 * pixel));
+  vec3 way = finish - start;
   float way_mm = length(way);
   vec3 along = way_mm > 0.0 ? way / way_mm : vec3(1.0, 0.0, 0.0);
   vec3 side = abs(along.z) > 0.99 ? vec3(1.0, 0.0, 0.0) : normalize(vec3(-along.y, along.x, 0.0));
   vec3 up = upside * cross(along, side);
-  vec3 at = mix(start, to, corner.x) + side * corner.y * half_size.x + up * corner.z * half_size.y
+  vec3 at = mix(start, finish, corner.x) + side * corner.y * half_size.x + up * corner.z * half_size.y
     + along * corner.w * half_size.x;
   at.z -= travels ? 0.0 : half_size.y;
-  normal = side * corner.y + up * corner.z + along * corner.w;
-  color = paint();
+  // From far away a bead is less than a pixel: its colours run together.
+  vec3 mean = side * dot(side, back) + 0.45 * up;
+  normal = mix(side * corner.y + up * corner.z + along * corner.w, mean, 0.75 * smoothstep(0.5, 1.5, pixel / max(bead.y, 0.01)));
   gl_Position = view * vec4(at, 1.0);
 }`;
 
@@ -113,7 +127,7 @@ out vec4 result;
 
 void main() {
   vec3 n = normalize(normal);
-  float light = 0.36 + 0.62 * max(dot(n, lights[0]), 0.0) + 0.24 * max(dot(n, lights[1]), 0.0);
+  float light = 0.46 + 0.6 * max(dot(n, lights[0]), 0.0) + 0.18 * max(dot(n, lights[1]), 0.0);
   result = vec4(travels ? color : min(color * light, 1.0), 1.0);
 }`;
 

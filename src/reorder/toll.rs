@@ -1,0 +1,142 @@
+//! What ways cost, and which blocks of a file are worth another order.
+
+use std::ops::{Add, AddAssign};
+
+/// Way without extrusion, and how often filament is pulled back on it.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Toll {
+    /// Length, mm.
+    pub travel_mm: f64,
+    /// Retractions.
+    pub pulls: usize,
+}
+
+impl Toll {
+    /// One number for both, a retraction being worth so many millimetres.
+    pub fn score(self, retraction_mm: f64) -> f64 {
+        self.travel_mm + retraction_mm * self.pulls as f64
+    }
+
+    /// Whether neither is above another's.
+    pub fn within(self, other: Self) -> bool {
+        self.travel_mm <= other.travel_mm && self.pulls <= other.pulls
+    }
+}
+
+impl Add for Toll {
+    type Output = Self;
+
+    fn add(self, other: Self) -> Self {
+        Self { travel_mm: self.travel_mm + other.travel_mm, pulls: self.pulls + other.pulls }
+    }
+}
+
+impl AddAssign for Toll {
+    fn add_assign(&mut self, other: Self) {
+        *self = *self + other;
+    }
+}
+
+/// What a block comes to in each of several orders, the first of which is that of the file.
+#[derive(Clone, Debug, Default)]
+pub struct Options {
+    /// From its first path on.
+    pub inside: Vec<Toll>,
+    /// Up to its first path: by the order of the block before (of the first block there is only one), then by its own.
+    pub junction: Vec<Vec<Toll>>,
+}
+
+/// Multiples of what a retraction is worth that are tried, one after the other.
+const WEIGHTS: [f64; 13] = [1.0, 2.0, 4.0, 8.0, 16.0, 32.0, 64.0, 128.0, 0.5, 0.25, 0.125, 0.0625, 0.0];
+
+/// The order of each of consecutive blocks: as little travel and as few retractions as can be, a retraction being
+/// worth so many millimetres, but neither more travel nor more retractions than `limit`. A retraction is given other
+/// values (Lagrangian relaxation) until both are below the limit, or else until neither is above it. `None`
+/// where even that is not found.
+pub fn choose(options: &[Options], limit: Toll, retraction_mm: f64) -> Option<Vec<usize>> {
+    let mut found = None;
+    for weight in WEIGHTS {
+        let (chosen, toll) = cheapest(options, weight * retraction_mm);
+        if toll.within(limit) {
+            if toll.travel_mm < limit.travel_mm && toll.pulls < limit.pulls {
+                return Some(chosen);
+            }
+            found = found.or(Some(chosen));
+        }
+    }
+    found
+}
+
+/// The choice of least score, and its toll: a shortest path through the options of block after block. O(blocks · options²).
+fn cheapest(options: &[Options], retraction_mm: f64) -> (Vec<usize>, Toll) {
+    let least = |tolls: &mut dyn Iterator<Item = Toll>| {
+        let score = |toll: &Toll| toll.score(retraction_mm);
+        let best = tolls.enumerate().min_by(|(_, a), (_, b)| score(a).total_cmp(&score(b)));
+        best.unwrap_or_default()
+    };
+    let mut best = vec![Toll::default()];
+    // For each block and option, the option of the block before on the cheapest way to it.
+    let mut came: Vec<Vec<usize>> = Vec::with_capacity(options.len());
+    for block in options {
+        let to = |new: usize| {
+            let (old, toll) =
+                least(&mut best.iter().zip(&block.junction).map(|(&toll, junction)| toll + junction[new]));
+            (old, toll + block.inside[new])
+        };
+        let (from, next) = (0..block.inside.len()).map(to).unzip();
+        came.push(from);
+        best = next;
+    }
+    let (mut at, toll) = least(&mut best.iter().copied());
+    let mut chosen = vec![0; options.len()];
+    for (chosen, came) in chosen.iter_mut().zip(&came).rev() {
+        *chosen = at;
+        at = came[at];
+    }
+    (chosen, toll)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn toll(travel_mm: f64, pulls: usize) -> Toll {
+        Toll { travel_mm, pulls }
+    }
+
+    /// Blocks whose insides cost this much, by order, and whose junctions cost nothing.
+    fn blocks(inside: &[[Toll; 2]]) -> Vec<Options> {
+        let block = |(i, inside): (usize, &[Toll; 2])| {
+            let junction = vec![vec![Toll::default(); 2]; if i == 0 { 1 } else { 2 }];
+            Options { inside: inside.to_vec(), junction }
+        };
+        inside.iter().enumerate().map(block).collect()
+    }
+
+    #[test]
+    fn a_block_may_retract_more_where_another_one_saves_it() {
+        let blocks = blocks(&[[toll(100.0, 5), toll(50.0, 6)], [toll(100.0, 5), toll(90.0, 2)]]);
+        assert_eq!(choose(&blocks, toll(200.0, 10), 7.5), Some(vec![1, 1]));
+    }
+
+    #[test]
+    fn retractions_are_not_paid_for_with_more_than_there_were() {
+        let kept = [toll(100.0, 5), toll(50.0, 7)];
+        let blocks = blocks(&[kept, kept, [toll(100.0, 5), toll(98.0, 3)]]);
+        assert_eq!(choose(&blocks, toll(300.0, 15), 7.5), Some(vec![0, 0, 1]));
+    }
+
+    #[test]
+    fn what_a_new_order_costs_the_next_block_counts() {
+        let mut blocks = blocks(&[[toll(100.0, 1), toll(95.0, 1)], [toll(50.0, 1), toll(50.0, 1)]]);
+        blocks[1].junction[1] = vec![toll(20.0, 0); 2];
+        assert_eq!(choose(&blocks, toll(150.0, 2), 7.5), Some(vec![0, 0]));
+    }
+
+    #[test]
+    fn nothing_is_chosen_where_all_is_dearer() {
+        let mut blocks = blocks(&[[toll(10.0, 1), toll(20.0, 1)]]);
+        blocks[0].junction[0] = vec![toll(5.0, 0); 2];
+        assert_eq!(choose(&blocks, toll(10.0, 1), 7.5), None);
+    }
+}
