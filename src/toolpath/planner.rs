@@ -27,7 +27,18 @@ const LONGEST_JOIN: f64 = 2.5;
 const SHORTEST_LINE_MM: f64 = 0.2;
 
 /// Gaps shorter than this are not worth the travel to them.
-const SHORTEST_GAP_MM: f64 = 0.15;
+const SHORTEST_GAP_MM: f64 = 0.1;
+
+/// Beads in gaps end this share of their width before the gap does: round ends would leave its corners open.
+const GAP_TIP: f64 = 0.25;
+
+/// How far the lines of skins reach where they turn sharply at a wall, as a multiple of how far free ends do: nearly no
+/// void is left in the surface, and the wedges are a little fuller than full.
+const SKIN_TURN: f64 = 1.1;
+
+/// The same inside of prints that are solid throughout, where what is too much in a layer adds up: void and double
+/// cover together are least.
+const CORE_TURN: f64 = 0.8;
 
 /// After every other run of an island.
 const LAST_RANK: u32 = u32::MAX;
@@ -423,7 +434,8 @@ impl Draft {
         // Free ends alone fill the zone when they reach its edge.
         let reach_mm = if ordered { spacing_mm / 2.0 } else { reach_mm };
         let angle_rad = settings.angle.to_radians();
-        let spec = SolidSpec { spacing_mm, reach_mm, angle_rad, layer, joined: !ordered, capped: true };
+        let turn = if settings.density.0 > SOLID_DENSITY { CORE_TURN } else { SKIN_TURN };
+        let spec = SolidSpec { spacing_mm, reach_mm, turn, angle_rad, layer, joined: !ordered, capped: true };
         for patch in infill::fill_solid(&zone, &spec) {
             let width_mm = bead::width_mm(patch.spacing_mm, self.height_mm);
             if !ordered {
@@ -444,6 +456,7 @@ impl Draft {
         let spec = SolidSpec {
             spacing_mm: thread_mm,
             reach_mm,
+            turn: CORE_TURN,
             angle_rad: bridge.angle_rad,
             layer: 0,
             joined: true,
@@ -457,7 +470,8 @@ impl Draft {
 
     /// One bead of fitting width, but at least `least_mm`, along the middle of each part whose width is in a range.
     fn gap(&mut self, role: Role, rank: u32, gap: &Region, range: RangeInclusive<f64>, least_mm: f64) {
-        for path in geom::medial_axis(gap, *range.start(), *range.end()) {
+        let tip = if role == Role::ExternalPerimeter { 0.5 } else { GAP_TIP };
+        for path in geom::medial_axis(gap, *range.start(), *range.end(), tip) {
             if path.length_mm() < SHORTEST_GAP_MM {
                 continue;
             }

@@ -9,6 +9,9 @@ const CRUMB_MM2: f64 = 0.05;
 /// Solid patches smaller than this many squared lines are dropped: the walls and the lines beside them close the hole.
 const SMALLEST_PATCH: f64 = 0.5;
 
+/// Solid strips narrower than this many lines are left to the walls beside them.
+const NARROWEST_STRIP: f64 = 0.25;
+
 /// Outlines are simplified to this before they are intersected: zones are anchored by half a line anyway, and the
 /// cost of an intersection grows with its vertices.
 const ROUGH_MM: f64 = 0.05;
@@ -93,7 +96,7 @@ pub struct Zones {
 /// Divides the inside of an island into sparse, solid and top.
 ///
 /// `above` and `below` are the windows of [`Shells`], `next` is the section of the layer above (empty on the
-/// last). Solid strips too narrow for a line are left to the walls beside them; sparse ones become solid.
+/// last). Very narrow solid strips are left to the walls beside them; sparse ones become solid.
 pub fn divide(
     inside: &Region,
     above: Option<&Region>,
@@ -115,7 +118,7 @@ pub fn divide(
     let (sparse, solid) = if sparse_mm2 < CRUMB_MM2 {
         (Region::default(), inside.clone())
     } else {
-        let mut strips = geom::opening(&geom::difference(inside, &sparse), line_mm / 4.0);
+        let mut strips = geom::opening(&geom::difference(inside, &sparse), NARROWEST_STRIP / 2.0 * line_mm);
         strips.polygons.retain(|patch| patch.area_mm2() >= SMALLEST_PATCH * line_mm * line_mm);
         if strips.is_empty() {
             return all_sparse();

@@ -7,10 +7,10 @@ use crate::geom::{Boundary, Point};
 use super::connect::{Chord, Stop};
 
 /// Beads narrower than this, as a share of the lines' distance, are not laid.
-const NARROWEST: f64 = 0.2;
+const NARROWEST: f64 = 0.12;
 
 /// Beads shorter than this many distances are laid only where a line ends beside them.
-const SHORTEST: f64 = 2.5;
+const SHORTEST: f64 = 1.2;
 
 /// A wedge is filled by a bead of its own that is at least so many distances long, which means that the lines meet the
 /// boundary at less than 34°; steeper ends are joined with beads of full width.

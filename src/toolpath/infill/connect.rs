@@ -36,6 +36,9 @@ const SHORTEST: f64 = 0.5;
 /// Where a line turns back sharply, it leaves its way this many line distances before the boundary.
 const BACK: f64 = 0.75;
 
+/// Such a line goes sideways into the wedge this many times as far as it goes beyond the boundary.
+const SIDEWAYS: f64 = 1.2;
+
 /// Ends reach at most this many times the reach along their line, however flat it meets the boundary.
 const FLATTEST: f64 = 4.0;
 
@@ -191,7 +194,7 @@ impl Joiner<'_> {
             // The join comes from one side; the wedge is on the other.
             let back_mm = BACK * self.joins.hatch.map_or(0.0, |hatch| hatch.distance_mm);
             let from_ahead = edge[0] * (x - ahead[0]) + edge[1] * (y - ahead[1]);
-            tip = [0, 1].map(|k| tip[k] + across_mm * edge[k] * from_ahead.signum());
+            tip = [0, 1].map(|k| tip[k] + SIDEWAYS * across_mm * edge[k] * from_ahead.signum());
             if back_mm < length / 2.0 {
                 let spacing_mm = last.1;
                 last.0 = Point::from_mm(x - back_mm * out[0], y - back_mm * out[1]);

@@ -14,10 +14,6 @@ const LONGEST_JOIN: f64 = 12.0;
 /// The outermost lines keep this far from the patch's extreme points, where they would vanish.
 const INSIDE_MM: f64 = 0.002;
 
-/// Ends at sharp turns reach this many times as far as free ends: at 45° to the wall, void and double cover together
-/// are least there.
-const TURN: f64 = 0.8;
-
 /// Parts of a solid zone narrower than this many spacings are filled along their boundary: lines across would consist
 /// of ends.
 const NARROW: f64 = 3.5;
@@ -58,6 +54,8 @@ pub struct SolidSpec {
     pub spacing_mm: f64,
     /// How far free ends reach beyond half a spacing inside the boundary.
     pub reach_mm: f64,
+    /// How far ends at sharp turns reach, as a multiple of that.
+    pub turn: f64,
     /// Direction of the first layer's lines; they turn by 90° from layer to layer.
     pub angle_rad: f64,
     /// Index of the layer, from 0.
@@ -90,7 +88,7 @@ pub fn fill(region: &Region, spec: &SolidSpec) -> Vec<SolidPatch> {
             let joins = Joins {
                 longest_mm: if spec.joined { LONGEST_JOIN * spacing_mm } else { 0.0 },
                 reach_mm,
-                turn_mm: TURN * reach_mm,
+                turn_mm: spec.turn * reach_mm,
                 hatch: spec.capped.then_some(Hatch { angle_rad, distance_mm: fitted_mm, phase_mm }),
             };
             let first_of = |line: &Line| {
