@@ -1,6 +1,6 @@
 //! A uniform grid over the edges of a region, for "which edges are near this segment".
 
-use super::{Bounds, Point, Region};
+use super::{Bounds, Point, Region, UNITS_PER_MM};
 
 /// How far beyond a segment its cells reach, in grid units: more than any rounding of its ends.
 const SLACK: i64 = 2;
@@ -124,6 +124,24 @@ impl EdgeGrid {
         }
         found.sort_unstable();
         found.dedup();
+    }
+
+    /// Distance from a point to the nearest edge, in millimetres; more than `reach_mm` where that is more.
+    pub fn distance_mm(&self, p: Point, reach_mm: f64) -> f64 {
+        let mut near = Vec::new();
+        if let Some(area) = Bounds::of([p]) {
+            self.near_box(area.grown((reach_mm * UNITS_PER_MM).ceil() as i32), &mut near);
+        }
+        let [x, y] = p.mm();
+        let distances = near.iter().map(|&i| {
+            let edge = &self.edges[i as usize];
+            let ([ax, ay], [bx, by]) = (edge.a.mm(), edge.b.mm());
+            let (dx, dy) = (bx - ax, by - ay);
+            let t = ((x - ax) * dx + (y - ay) * dy) / (dx * dx + dy * dy);
+            let t = if t > 0.0 { t.min(1.0) } else { 0.0 };
+            (ax + t * dx - x).hypot(ay + t * dy - y)
+        });
+        distances.fold(f64::INFINITY, f64::min)
     }
 
     /// Whether the point is inside or on the boundary (even-odd over all rings). Passes one row of cells.

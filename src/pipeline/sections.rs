@@ -88,17 +88,21 @@ impl Sections {
             }
             (Some(_), None) => return layer,
             (Some(above_raft), Some(supports)) => {
-                let first = above_raft == 0;
-                // Support stands on the raft, over which the part floats.
-                let gap_mm = if first && self.raft_layers > 0 { settings.raft.gap.0 } else { 0.0 };
-                let spec = BeadSpec {
-                    part: if index == 0 { planner.covered() } else { &layer.outline },
-                    height_mm: layer.height_mm + gap_mm,
-                    usual_height_mm: settings.layer.height.0,
-                    on_bed: first,
-                    rank: SUPPORT_RANK,
+                let part = |above_raft: usize| supports::section(&self.layers[self.raft_layers + above_raft]);
+                let lay = |above_raft: usize| {
+                    let (first, index) = (above_raft == 0, self.raft_layers + above_raft);
+                    // Support stands on the raft, over which the part floats.
+                    let gap_mm = if first && self.raft_layers > 0 { settings.raft.gap.0 } else { 0.0 };
+                    let spec = BeadSpec {
+                        part: if index == 0 { planner.covered() } else { &part(above_raft) },
+                        height_mm: self.layers[index].span.height_mm + gap_mm,
+                        usual_height_mm: settings.layer.height.0,
+                        on_bed: first,
+                        rank: SUPPORT_RANK,
+                    };
+                    support::lay(supports.outlines(above_raft), &spec, &settings.support)
                 };
-                support::lay(supports.outlines(above_raft), &spec, &settings.support)
+                supports.beads(above_raft, lay, part)
             }
         };
         let around = |role| matches!(role, Role::Skirt | Role::Brim);

@@ -1,10 +1,13 @@
 //! Supports of a plate: found and stood before any layer is planned, laid as beads layer by layer.
 
+use std::sync::OnceLock;
+
 use crate::geom::{Bounds, Region, offset, union_all};
 use crate::mesh::Plate;
 use crate::profile::{LayerSettings, Settings, SupportStyle};
 use crate::slice::{Layer, Slicer};
-use crate::toolpath::support::{self, Bitmap, ColumnSpec, Grid, Outlines, Overhang, Slab, Wishes};
+use crate::toolpath::Path;
+use crate::toolpath::support::{self, Bitmap, ColumnSpec, Grid, Ground, Outlines, Overhang, Slab, Wishes};
 use crate::units::Mm;
 
 use super::parallel;
@@ -18,6 +21,10 @@ pub(super) struct Supports {
     outlines: Vec<Outlines>,
     /// For each layer its outlines.
     of_layer: Vec<usize>,
+    /// The beads of each layer, once they are laid.
+    laid: Vec<OnceLock<Vec<Path>>>,
+    /// How many layers beneath a support's the part may be that it stands on.
+    stands_on: usize,
 }
 
 impl Supports {
@@ -51,6 +58,7 @@ impl Supports {
             from_bed_only: support.from_bed_only,
             height_mm,
         };
+        let stands_on = spec.gap_layers + 1;
         if support.style == SupportStyle::Tree {
             let discs = support::grow(&held, &solid, &spec, support);
             let outlines = parallel::map(count, |i| {
@@ -62,7 +70,7 @@ impl Supports {
                 let (all, interface) = support::outline(&discs[i], &kept_free);
                 Outlines { all, interface }
             });
-            return Self { outlines, of_layer: (0..count).collect() };
+            return Self { outlines, of_layer: (0..count).collect(), laid: unlaid(count), stands_on };
         }
         let cells = support::stand(&held, &solid, &spec);
         let mut distinct: Vec<usize> = Vec::new();
@@ -75,7 +83,7 @@ impl Supports {
             })
             .collect();
         let outlines = parallel::map(distinct.len(), |k| Outlines::of(&cells[distinct[k]]));
-        Self { outlines, of_layer }
+        Self { outlines, of_layer, laid: unlaid(count), stands_on }
     }
 
     /// The outlines of a layer's support, the part's first layer being 0.
@@ -83,11 +91,30 @@ impl Supports {
         &self.outlines[self.of_layer[layer]]
     }
 
+    /// The beads of a layer, which `lay` lays by its index, begun where they rest on those of the layer below or on the
+    /// part, whose sections `part` has by layer.
+    pub fn beads(
+        &self,
+        layer: usize,
+        lay: impl Fn(usize) -> Vec<Path>,
+        part: impl Fn(usize) -> Region,
+    ) -> Vec<Path> {
+        let laid = |i: usize| self.laid[i].get_or_init(|| lay(i));
+        let beads = laid(layer).clone();
+        let Some(below) = layer.checked_sub(1).filter(|_| !beads.is_empty()) else { return beads };
+        let near: Vec<Region> = (layer.saturating_sub(self.stands_on)..layer).map(part).collect();
+        Ground::new(laid(below), &near).carry(beads)
+    }
+
     /// Where support stands on the lowest layers.
     pub fn all_outlines(&self, layers: usize) -> impl Iterator<Item = &Region> {
         let last = self.of_layer.iter().take(layers).max().copied().unwrap_or(0);
         self.outlines.iter().take(last + 1).map(|outlines| &outlines.all)
     }
+}
+
+fn unlaid(layers: usize) -> Vec<OnceLock<Vec<Path>>> {
+    std::iter::repeat_with(OnceLock::new).take(layers).collect()
 }
 
 /// All sections of a layer as one region.

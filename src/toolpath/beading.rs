@@ -183,20 +183,7 @@ impl Sides {
 
     /// Distance to the outline, as far as it is less than half a spacing.
     fn room_mm(&self, at: Point, spacing_mm: f64) -> f64 {
-        let mut near = Vec::new();
-        if let Some(area) = Bounds::of([at]) {
-            self.outline.near_box(area.grown((spacing_mm / 2.0 * UNITS_PER_MM) as i32), &mut near);
-        }
-        let [x, y] = at.mm();
-        let distances = near.iter().map(|&i| {
-            let edge = &self.outline.edges()[i as usize];
-            let ([ax, ay], [bx, by]) = (edge.a.mm(), edge.b.mm());
-            let (dx, dy) = (bx - ax, by - ay);
-            let t = ((x - ax) * dx + (y - ay) * dy) / (dx * dx + dy * dy);
-            let t = if t > 0.0 { t.min(1.0) } else { 0.0 };
-            (ax + t * dx - x).hypot(ay + t * dy - y)
-        });
-        distances.fold(spacing_mm / 2.0, f64::min)
+        self.outline.distance_mm(at, spacing_mm / 2.0).min(spacing_mm / 2.0)
     }
 
     /// Appends a vertex, no wider than the room there.

@@ -3,13 +3,14 @@
 //! Where a layer hangs over the one below is found on exact outlines ([`overhang`]); where supports stand is decided
 //! on cells of 0.4 mm ([`bitmap`]), from the top down, as columns
 //! ([`columns`]) or trees ([`tree`]); their beads are laid on exact outlines again
-//! ([`beads`]), each layer by itself.
+//! ([`beads`]), each layer by itself, and begin where they rest on something ([`rest`]).
 
 mod beads;
 mod bitmap;
 mod bridge;
 mod columns;
 mod overhang;
+mod rest;
 mod trace;
 mod tree;
 
@@ -17,6 +18,7 @@ pub use beads::{BeadSpec, Outlines, lay};
 pub use bitmap::{Bitmap, Grid};
 pub use columns::{Cells, ColumnSpec, stand};
 pub use overhang::{Overhang, Slab, Wishes, find, lasting, window};
+pub use rest::Ground;
 pub use tree::{Disc, grow, outline};
 
 /// Side of a cell: a bead's width.
