@@ -57,11 +57,12 @@ pub(super) fn is_gcode(path: &Path) -> bool {
 fn sliced(job: &Job, settings: &Settings) -> Result<Vec<LayerPaths>, JobError> {
     let load::Loaded { plate, wishes, .. } = load::plate(job, settings)?;
     let slicer = Slicer::new(&plate, &load::layers(settings));
-    let sections = Sections::cut(&slicer, plate.objects.len(), &wishes, settings);
+    let mut sections = Sections::cut(&slicer, plate.objects.len(), &wishes, settings);
     if sections.bounds().is_none() {
         return Err(load::nothing_to_print());
     }
     let planner = sections.planner(settings);
+    sections.lay_supports(&planner, settings);
     Ok(parallel::map(sections.layers.len(), |i| sections.paths(&planner, i, settings)))
 }
 

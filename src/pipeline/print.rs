@@ -35,7 +35,7 @@ pub(super) fn slice(
     let slicer = Slicer::new(&plate, &load::layers(settings));
     let count = slicer.spans().len() + settings.raft.layers as usize;
     progress.begin(count);
-    let sections = Sections::cut(&slicer, plate.objects.len(), &wishes, settings);
+    let mut sections = Sections::cut(&slicer, plate.objects.len(), &wishes, settings);
     let Some(bounds) = sections.bounds() else {
         return Err(load::nothing_to_print());
     };
@@ -45,6 +45,7 @@ pub(super) fn slice(
     load::check_height(facts.max_z_mm, settings)?;
     let scripts = Scripts::new(settings, &facts).map_err(|mistakes| JobError::Script(mistakes.join("\n")))?;
     let planner = sections.planner(settings);
+    sections.lay_supports(&planner, settings);
     let run = Run {
         sections: &sections,
         planner,

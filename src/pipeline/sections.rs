@@ -5,7 +5,7 @@ use crate::geom::{self, Bounds, Region};
 use crate::mesh::Plate;
 use crate::profile::Settings;
 use crate::slice::{Gaps, Layer, LayerSpan, Slicer};
-use crate::toolpath::support::{self, BeadSpec};
+use crate::toolpath::support::{self, BeadSpec, Outlines};
 use crate::toolpath::{self, LayerPaths, ObjectLayer, Planner, PlateLayer, Role, Shells};
 
 use super::parallel;
@@ -87,28 +87,37 @@ impl Sections {
                 toolpath::raft(area, index as u32, &settings.raft, width_mm, layer.height_mm, rank)
             }
             (Some(_), None) => return layer,
-            (Some(above_raft), Some(supports)) => {
-                let part = |above_raft: usize| supports::section(&self.layers[self.raft_layers + above_raft]);
-                let lay = |above_raft: usize| {
-                    let (first, index) = (above_raft == 0, self.raft_layers + above_raft);
-                    // Support stands on the raft, over which the part floats.
-                    let gap_mm = if first && self.raft_layers > 0 { settings.raft.gap.0 } else { 0.0 };
-                    let spec = BeadSpec {
-                        part: if index == 0 { planner.covered() } else { &part(above_raft) },
-                        height_mm: self.layers[index].span.height_mm + gap_mm,
-                        usual_height_mm: settings.layer.height.0,
-                        on_bed: first,
-                        rank: SUPPORT_RANK,
-                    };
-                    support::lay(supports.outlines(above_raft), &spec, &settings.support)
-                };
-                supports.beads(above_raft, lay, part)
-            }
+            (Some(above_raft), Some(supports)) => supports.beads(above_raft).to_vec(),
         };
         let around = |role| matches!(role, Role::Skirt | Role::Brim);
         let place = layer.paths.iter().position(|p| !around(p.role)).unwrap_or(layer.paths.len());
         layer.paths.splice(place..place, beads);
         layer
+    }
+
+    /// Lays the beads of supports, beside what the planner lays on the bed.
+    pub fn lay_supports(&mut self, planner: &Planner, settings: &Settings) {
+        let Some(mut supports) = self.supports.take() else { return };
+        let part = &self.layers[self.raft_layers..];
+        let lay = |outlines: &Outlines, above_raft: usize| {
+            let (first, layer) = (above_raft == 0, &part[above_raft]);
+            // Support stands on the raft, over which the part floats.
+            let gap_mm = if first && self.raft_layers > 0 { settings.raft.gap.0 } else { 0.0 };
+            let spec = BeadSpec {
+                part: if first && self.raft_layers == 0 {
+                    planner.covered()
+                } else {
+                    &supports::section(layer)
+                },
+                height_mm: layer.span.height_mm + gap_mm,
+                usual_height_mm: settings.layer.height.0,
+                on_bed: first,
+                rank: SUPPORT_RANK,
+            };
+            support::lay(outlines, &spec, &settings.support)
+        };
+        supports.lay(lay, part);
+        self.supports = Some(supports);
     }
 
     /// The toolpath planner, its sparse infill calibrated on sample layers.

@@ -1,7 +1,5 @@
 //! Supports of a plate: found and stood before any layer is planned, laid as beads layer by layer.
 
-use std::sync::OnceLock;
-
 use crate::geom::{Bounds, Region, offset, union_all};
 use crate::mesh::Plate;
 use crate::profile::{LayerSettings, Settings, SupportStyle};
@@ -21,8 +19,8 @@ pub(super) struct Supports {
     outlines: Vec<Outlines>,
     /// For each layer its outlines.
     of_layer: Vec<usize>,
-    /// The beads of each layer, once they are laid.
-    laid: Vec<OnceLock<Vec<Path>>>,
+    /// The beads of each layer, once they are [laid](Self::lay).
+    beads: Vec<Vec<Path>>,
     /// How many layers beneath a support's the part may be that it stands on.
     stands_on: usize,
 }
@@ -70,7 +68,7 @@ impl Supports {
                 let (all, interface) = support::outline(&discs[i], &kept_free);
                 Outlines { all, interface }
             });
-            return Self { outlines, of_layer: (0..count).collect(), laid: unlaid(count), stands_on };
+            return Self { outlines, of_layer: (0..count).collect(), beads: Vec::new(), stands_on };
         }
         let cells = support::stand(&held, &solid, &spec);
         let mut distinct: Vec<usize> = Vec::new();
@@ -83,7 +81,7 @@ impl Supports {
             })
             .collect();
         let outlines = parallel::map(distinct.len(), |k| Outlines::of(&cells[distinct[k]]));
-        Self { outlines, of_layer, laid: unlaid(count), stands_on }
+        Self { outlines, of_layer, beads: Vec::new(), stands_on }
     }
 
     /// The outlines of a layer's support, the part's first layer being 0.
@@ -91,19 +89,35 @@ impl Supports {
         &self.outlines[self.of_layer[layer]]
     }
 
-    /// The beads of a layer, which `lay` lays by its index, begun where they rest on those of the layer below or on the
-    /// part, whose sections `part` has by layer.
-    pub fn beads(
-        &self,
-        layer: usize,
-        lay: impl Fn(usize) -> Vec<Path>,
-        part: impl Fn(usize) -> Region,
-    ) -> Vec<Path> {
-        let laid = |i: usize| self.laid[i].get_or_init(|| lay(i));
-        let beads = laid(layer).clone();
-        let Some(below) = layer.checked_sub(1).filter(|_| !beads.is_empty()) else { return beads };
-        let near: Vec<Region> = (layer.saturating_sub(self.stands_on)..layer).map(part).collect();
-        Ground::new(laid(below), &near).carry(beads)
+    /// Lays all beads. `bare` lays those of a layer into its outlines; they begin where they rest on those of the layer below or on
+    /// the part, whose sections are in `layers`.
+    pub fn lay(&mut self, bare: impl Fn(&Outlines, usize) -> Vec<Path> + Sync + Send, layers: &[Layer]) {
+        let count = self.of_layer.len();
+        let laid = parallel::map(count, |i| bare(self.outlines(i), i));
+        let carried = |i: usize, below: &[Path]| {
+            let near: Vec<Region> = layers[i.saturating_sub(self.stands_on)..i].iter().map(section).collect();
+            Ground::new(below, &near).carry(laid[i].clone())
+        };
+        let on_laid = parallel::map(count, |i| match i {
+            0 => laid[0].clone(),
+            _ if laid[i].is_empty() => Vec::new(),
+            _ => carried(i, &laid[i - 1]),
+        });
+        // Again above layers that have changed.
+        let mut beads: Vec<Vec<Path>> = Vec::with_capacity(count);
+        for (i, on_laid) in on_laid.into_iter().enumerate() {
+            let beads_here = match beads.last() {
+                Some(below) if *below != laid[i - 1] && !on_laid.is_empty() => carried(i, below),
+                _ => on_laid,
+            };
+            beads.push(beads_here);
+        }
+        self.beads = beads;
+    }
+
+    /// The beads of a layer, the part's first layer being 0.
+    pub fn beads(&self, layer: usize) -> &[Path] {
+        &self.beads[layer]
     }
 
     /// Where support stands on the lowest layers.
@@ -111,10 +125,6 @@ impl Supports {
         let last = self.of_layer.iter().take(layers).max().copied().unwrap_or(0);
         self.outlines.iter().take(last + 1).map(|outlines| &outlines.all)
     }
-}
-
-fn unlaid(layers: usize) -> Vec<OnceLock<Vec<Path>>> {
-    std::iter::repeat_with(OnceLock::new).take(layers).collect()
 }
 
 /// All sections of a layer as one region.
