@@ -133,7 +133,7 @@ impl Search<'_> {
     /// The list of what lies near a node within a group.
     pub fn near(&mut self, node: u32, group: u32) -> usize {
         let item = node / 2;
-        if item >= self.walk.len() {
+        if item as usize >= self.problem.items.len() {
             self.walk.work += 16;
             return self.neighbours.near(group, self.walk.place(node));
         }

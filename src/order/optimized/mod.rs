@@ -14,7 +14,8 @@ mod walk;
 use self::random::Random;
 use self::search::Search;
 use super::precedence::Groups;
-use super::{Cost, Greedy, Nearest, Problem, Sequence, Strategy, Visit, evaluate};
+use super::{Cost, Greedy, Item, Nearest, Problem, Sequence, Strategy, evaluate};
+use crate::geom::Point;
 use crate::profile::{Effort, Scope};
 
 /// Steps of iterated search per path. A step is a link cost looked at.
@@ -59,27 +60,23 @@ impl Strategy for Optimized {
             return nearest;
         }
         let groups = Groups::new(problem);
-        let stages: Vec<Vec<u32>> = groups
-            .place
-            .chunk_by(|a, b| a.stage == b.stage)
-            .scan(0, |first, places| {
-                let from = std::mem::replace(first, *first + places.len());
-                let mut items: Vec<u32> = groups.items[from..*first].concat();
-                items.sort_unstable();
-                Some(items)
-            })
-            .collect();
-        let steps = |items: usize, stages: usize| {
-            let of_items = items as u64 * steps_per_path(effort, problem.scope);
-            of_items.max(stages as u64 * least_steps(effort))
-        };
-        let all = steps(problem.items.len(), stages.len());
-        let found = if stages.len() > 1 && effort != Effort::Fast {
-            let start = one_after_the_other(problem, &stages, cost, |items| steps(items, 1) / 2);
-            improved(problem, &groups, cost, Some(start), all / 2)
-        } else {
-            improved(problem, &groups, cost, None, all)
-        };
+        let steps = |items: usize| items as u64 * steps_per_path(effort, problem.scope);
+        let mut search = Search::new(problem, &groups, *cost);
+        let mut random = Random::new(problem.items.len() as u64);
+        let mut stages = 0;
+        let mut first = 0;
+        for places in groups.place.chunk_by(|a, b| a.stage == b.stage) {
+            let items = groups.items[first..first + places.len()].concat();
+            first += places.len();
+            stages += 1;
+            let positions = search.append(&started(problem, items, search.at(), cost));
+            let count = positions.len();
+            search.iterate(positions, &mut random, steps(count).max(least_steps(effort)) / 2);
+        }
+        search.end();
+        let all = steps(problem.items.len()).max(stages * least_steps(effort));
+        search.iterate(1..problem.items.len() as u32 + 1, &mut random, all / 2);
+        let found = search.sequence();
         if evaluate(problem, &found, cost) <= evaluate(problem, &nearest, cost) { found } else { nearest }
     }
 
@@ -88,47 +85,30 @@ impl Strategy for Optimized {
     }
 }
 
-/// The items of each stage solved from where the stage before ended, in so many steps.
-fn one_after_the_other(
-    problem: &Problem,
-    stages: &[Vec<u32>],
-    cost: &Cost,
-    steps: impl Fn(usize) -> u64,
-) -> Sequence {
-    let mut sequence = Sequence::with_capacity(problem.items.len());
-    let mut at = problem.start;
-    for items in stages {
-        let stage = Problem {
-            items: items.iter().map(|&item| problem.items[item as usize]).collect(),
-            runs: problem.runs.clone(),
-            scope: problem.scope,
-            start: at,
-            end: None,
-        };
-        let solved = improved(&stage, &Groups::new(&stage), cost, None, steps(items.len()));
-        at = solved.last().map(|visit| stage.items[visit.item as usize].ends(visit.entry).1).or(at);
-        sequence.extend(solved.iter().map(|visit| Visit { item: items[visit.item as usize], ..*visit }));
-    }
-    sequence
-}
-
-/// A solution after local search and so many steps of iterated local search.
+/// A first solution for the items of one stage, from where the nozzle is.
 ///
-/// Without a start: fragments that were joined shortest first leave less to mend; but where runs must not be mixed,
-/// choosing the next run by the nearest of its ends matters more, and nearest begins lower.
-fn improved(
-    problem: &Problem,
-    groups: &Groups,
-    cost: &Cost,
-    start: Option<Sequence>,
-    steps: u64,
-) -> Sequence {
-    let start = start.unwrap_or_else(|| match problem.scope {
-        Scope::Layer => Greedy.solve(problem, cost, Effort::Normal),
-        Scope::Feature | Scope::Island => Nearest.solve(problem, cost, Effort::Normal),
-    });
-    let mut search = Search::new(problem, groups, *cost, &start);
-    search.descend();
-    search.iterate(&mut Random::new(problem.items.len() as u64), steps);
-    search.sequence()
+/// Fragments that were joined shortest first leave less to mend; but where runs must not be mixed, choosing the next run by the
+/// nearest of its ends matters more, and nearest begins lower.
+fn started(problem: &Problem, mut items: Vec<u32>, start: Option<Point>, cost: &Cost) -> Sequence {
+    items.sort_unstable();
+    let mut runs: Vec<u32> = items.iter().map(|&item| problem.items[item as usize].run).collect();
+    runs.sort_unstable();
+    runs.dedup();
+    let item = |&item: &u32| {
+        let item = problem.items[item as usize];
+        Item { run: runs.partition_point(|&run| run < item.run) as u32, ..item }
+    };
+    let stage = Problem {
+        items: items.iter().map(item).collect(),
+        runs: runs.iter().map(|&run| problem.runs[run as usize]).collect(),
+        scope: problem.scope,
+        start,
+        end: None,
+    };
+    let mut sequence = match problem.scope {
+        Scope::Layer => Greedy.solve(&stage, cost, Effort::Normal),
+        Scope::Feature | Scope::Island => Nearest.solve(&stage, cost, Effort::Normal),
+    };
+    sequence.iter_mut().for_each(|visit| visit.item = items[visit.item as usize]);
+    sequence
 }

@@ -1,6 +1,7 @@
 //! Local search with a work queue, and iterated local search on top of it.
 
 use std::collections::VecDeque;
+use std::ops::Range;
 
 use super::super::precedence::Groups;
 use super::super::{Cost, Problem, Sequence, Visit};
@@ -8,6 +9,7 @@ use super::neighbours::Neighbours;
 use super::random::Random;
 use super::runs::Vicinity;
 use super::walk::{End, Walk};
+use crate::geom::Point;
 
 /// What an improvement must save at least (millimetres or seconds), far above rounding and far below anything
 /// that matters, so that the search ends.
@@ -38,12 +40,12 @@ pub struct Search<'a> {
 }
 
 impl<'a> Search<'a> {
-    /// Begins with a solution.
-    pub fn new(problem: &'a Problem<'a>, groups: &'a Groups, cost: Cost, sequence: &[Visit]) -> Self {
+    /// Begins with a walk through nothing.
+    pub fn new(problem: &'a Problem<'a>, groups: &'a Groups, cost: Cost) -> Self {
         Self {
             problem,
             groups,
-            walk: Walk::new(problem, groups, cost, sequence),
+            walk: Walk::new(problem, groups, cost),
             neighbours: Neighbours::new(problem, groups, cost),
             reach: u32::MAX,
             vicinity: Vicinity::new(problem, groups),
@@ -57,28 +59,51 @@ impl<'a> Search<'a> {
         self.walk.sequence()
     }
 
-    /// Improves the walk until no move does any more.
-    pub fn descend(&mut self) {
-        (1..=self.walk.len() + 1).for_each(|gap| self.touch(gap));
+    /// Goes on through all items of some stages, and improves the walk until no move does any more. Returns their positions.
+    pub fn append(&mut self, visits: &[Visit]) -> Range<u32> {
+        let from = self.walk.len() + 1;
+        self.walk.append(visits);
+        let to = self.walk.len() + 1;
+        (from..=to).for_each(|gap| self.touch(gap));
         self.drain();
-        self.reenter_all();
+        self.reenter_all(from, to);
+        self.drain();
+        self.walk.commit();
+        from..to
+    }
+
+    /// Lets the walk go on to where it must end.
+    pub fn end(&mut self) {
+        self.walk.end_at(self.problem.end);
+        self.touch(self.walk.len() + 1);
         self.drain();
         self.walk.commit();
     }
 
-    /// Kicks the walk somewhere, repairs it, keeps what is not worse; until `budget` steps are done.
+    /// Where the walk ends as it is now.
+    pub fn at(&self) -> Option<Point> {
+        match self.walk.len() {
+            0 => self.problem.start,
+            last => {
+                let Visit { item, entry } = self.walk.visit(last);
+                Some(self.problem.items[item as usize].ends(entry).1)
+            }
+        }
+    }
+
+    /// Kicks the walk somewhere in a range of positions, repairs it, keeps what is not worse; until `budget` steps are done.
     ///
     /// Iterated local search with segment-local double bridges (Martin, Otto & Felten 1991), local kicks and
     /// undo as in Applegate, Cook & Rohe 2003, doi:10.1287/ijoc.15.1.82.13157.
     ///
     /// Kicks go along the walk from one window of [`WINDOW`] paths to the next, so that what a window needs stays in the
     /// processor's caches.
-    pub fn iterate(&mut self, random: &mut Random, budget: u64) {
-        let count = self.walk.len();
+    pub fn iterate(&mut self, positions: Range<u32>, random: &mut Random, budget: u64) {
+        let count = positions.end - positions.start;
         let windows = count.div_ceil(WINDOW);
         self.reach = KICK_REACH;
         for window in 0..windows {
-            let bound = |window: u32| 1 + (u64::from(count) * u64::from(window) / u64::from(windows)) as u32;
+            let bound = |window: u32| positions.start + (u64::from(count) * u64::from(window) / u64::from(windows)) as u32;
             let (from, to) = (bound(window), bound(window + 1));
             self.iterate_within(from, to, random, budget * u64::from(to - from) / u64::from(count));
         }
@@ -163,7 +188,7 @@ impl<'a> Search<'a> {
         {
             self.walk.enter(self.walk.item_at(at), random.below(vertices.len() as u32));
         }
-        if self.groups.items.len() > 1 && random.below(SHIFT) == 0 {
+        if self.walk.span(group).1 <= self.walk.len() && random.below(SHIFT) == 0 {
             self.kick_junction(group, random);
             return;
         }

@@ -10,7 +10,7 @@ pub const NONE: u32 = u32::MAX;
 /// A walk through all items, with a journal of changes so that they can be undone.
 ///
 /// Item i has the nodes 2i and 2i + 1, its ends at entry 0 and 1; both nodes of a loop lie where it is entered. Items n
-/// and n + 1 are sentinels: where the nozzle is and where the next layer begins. Positions 1 to n hold
+/// and n + 1 are sentinels: where the nozzle is and where the next layer begins. Positions from 1 on hold
 /// the items; gap g lies between the positions g − 1 and g.
 #[derive(Debug)]
 pub struct Walk {
@@ -59,15 +59,18 @@ impl End {
     }
 }
 
+/// No place in particular: links to it cost nothing.
+const ANYWHERE: [f64; 2] = [f64::NAN; 2];
+
 fn place(point: Option<Point>) -> [f64; 2] {
-    point.map_or([f64::NAN; 2], Point::mm)
+    point.map_or(ANYWHERE, Point::mm)
 }
 
 impl Walk {
-    /// The walk that a solution describes.
-    pub fn new(problem: &Problem, groups: &Groups, cost: Cost, sequence: &[Visit]) -> Self {
+    /// A walk from the start of a problem through nothing as yet, to anywhere.
+    pub fn new(problem: &Problem, groups: &Groups, cost: Cost) -> Self {
         let n = problem.items.len();
-        let (mut places, mut entry) = (Vec::with_capacity(2 * n + 4), vec![0; n]);
+        let mut places = Vec::with_capacity(2 * n + 4);
         let (mut all_vertices, mut first_vertex) = (Vec::new(), Vec::with_capacity(n + 3));
         for item in &problem.items {
             first_vertex.push(all_vertices.len() as u32);
@@ -80,63 +83,71 @@ impl Walk {
             }
         }
         first_vertex.extend([all_vertices.len() as u32; 3]);
-        places.extend([place(problem.start), place(problem.start), place(problem.end), place(problem.end)]);
-        let mut entered = Vec::with_capacity(n + 2);
-        entered.push(2 * n as u32);
-        for visit in sequence {
-            let (item, node) = (visit.item as usize, 2 * visit.item);
-            if let Shape::Loop(vertices) = problem.items[item].shape {
-                entry[item] = visit.entry;
-                let at = vertices[visit.entry as usize].mm();
-                (places[2 * item], places[2 * item + 1]) = (at, at);
-                entered.push(node);
-            } else {
-                entered.push(node + visit.entry);
-            }
-        }
-        entered.push(2 * n as u32 + 2);
-        let mut position = vec![0; n + 2];
-        for (at, &node) in entered.iter().enumerate() {
-            position[node as usize / 2] = at as u32;
-        }
+        places.extend([place(problem.start), place(problem.start), ANYWHERE, ANYWHERE]);
         let mut group = groups.of.clone();
         group.extend([NONE, NONE]);
-        let span = groups.items.iter().map(|items| (0, items.len() as u32)).collect();
-        let mut walk = Self {
+        Self {
             cost,
-            entered,
-            position,
+            entered: vec![2 * n as u32, 2 * n as u32 + 2],
+            position: vec![0; n + 2],
             place: places,
             vertices: all_vertices,
             first_vertex,
-            entry,
+            entry: vec![0; n],
             group,
-            span,
+            span: groups.items.iter().map(|items| (0, items.len() as u32)).collect(),
             journal: Vec::new(),
             total: 0.0,
             committed: 0.0,
             work: 0,
-        };
-        walk.find_spans(1, n as u32);
-        walk.total = (1..=n as u32 + 1).map(|gap| walk.gap(gap)).sum();
-        walk.committed = walk.total;
-        walk
+        }
+    }
+
+    /// Goes on through more items: all those of some groups. Cannot be undone.
+    pub fn append(&mut self, visits: &[Visit]) {
+        let from = self.entered.len() as u32 - 1;
+        let Some(end) = self.entered.pop() else { return };
+        for &Visit { item, entry } in visits {
+            self.position[item as usize] = self.entered.len() as u32;
+            if self.is_loop(item) {
+                self.entry[item as usize] = entry;
+                self.put(item);
+                self.entered.push(2 * item);
+            } else {
+                self.entered.push(2 * item + entry);
+            }
+        }
+        self.entered.push(end);
+        self.find_spans(from, self.len());
+        self.total += (from..=self.len()).map(|gap| self.gap(gap)).sum::<f64>();
+        self.commit();
+    }
+
+    /// Goes on to a place at the end.
+    pub fn end_at(&mut self, end: Option<Point>) {
+        let node = self.entered[self.entered.len() - 1] as usize;
+        self.place[node..node + 2].fill(place(end));
+        self.total += self.gap(self.len() + 1);
+        self.commit();
     }
 
     /// The solution as it is now.
     pub fn sequence(&self) -> Sequence {
-        let visit = |&node: &u32| {
-            let item = node / 2;
-            let entry = if self.is_loop(item) { self.entry[item as usize] } else { node % 2 };
-            Visit { item, entry }
-        };
-        self.entered[1..=self.len() as usize].iter().map(visit).collect()
+        (1..=self.len()).map(|position| self.visit(position)).collect()
     }
 
-    /// Number of items.
+    /// What is drawn at a position, and how.
+    pub fn visit(&self, position: u32) -> Visit {
+        let node = self.entered[position as usize];
+        let item = node / 2;
+        let entry = if self.is_loop(item) { self.entry[item as usize] } else { node % 2 };
+        Visit { item, entry }
+    }
+
+    /// Number of items on the walk.
     #[inline]
     pub fn len(&self) -> u32 {
-        self.entry.len() as u32
+        self.entered.len() as u32 - 2
     }
 
     /// Whether an item is a loop. Sentinels are not.
@@ -209,6 +220,11 @@ impl Walk {
         } else {
             End { gap: at + 1, right: false }
         }
+    }
+
+    /// What is minimised.
+    pub fn cost(&self) -> &Cost {
+        &self.cost
     }
 
     /// Place of a node, millimetres.
@@ -297,7 +313,7 @@ impl Walk {
     }
 
     fn put(&mut self, item: u32) {
-        let at = self.vertices(item).map_or([f64::NAN; 2], |v| v[self.entry[item as usize] as usize]);
+        let at = self.vertices(item).map_or(ANYWHERE, |v| v[self.entry[item as usize] as usize]);
         self.place[2 * item as usize] = at;
         self.place[2 * item as usize + 1] = at;
     }
