@@ -71,7 +71,7 @@ impl Search<'_> {
         let (mut best_gain, mut best) = (GAIN, None);
         let first = self.near(node2, group);
         for at in 0..NEAR {
-            let Near { node, least } = self.neighbours.get(first, at);
+            let Near { node, least, .. } = self.neighbours.get(first, at);
             if least >= removed {
                 break;
             }
@@ -101,7 +101,7 @@ impl Search<'_> {
                 }
                 let second = self.near(node4, group);
                 for at in 0..SECOND {
-                    let Near { node: third, least } = self.neighbours.get(second, at);
+                    let Near { node: third, least, .. } = self.neighbours.get(second, at);
                     if open - least <= best_gain {
                         break;
                     }

@@ -9,13 +9,14 @@ mod neighbours;
 mod random;
 mod runs;
 mod search;
+mod start;
 mod walk;
 
 use self::random::Random;
 use self::search::Search;
 use super::precedence::Groups;
-use super::{Cost, Greedy, Item, Nearest, Problem, Sequence, Strategy, evaluate};
-use crate::geom::Point;
+use super::greedy::Fragments;
+use super::{Cost, Nearest, Problem, Sequence, Strategy, evaluate};
 use crate::profile::{Effort, Scope};
 
 /// Steps of iterated search per path. A step is a link cost looked at.
@@ -63,13 +64,14 @@ impl Strategy for Optimized {
         let steps = |items: usize| items as u64 * steps_per_path(effort, problem.scope);
         let mut search = Search::new(problem, &groups, *cost);
         let mut random = Random::new(problem.items.len() as u64);
+        let mut fragments = Fragments::new(problem);
         let mut stages = 0;
         let mut first = 0;
         for places in groups.place.chunk_by(|a, b| a.stage == b.stage) {
-            let items = groups.items[first..first + places.len()].concat();
-            first += places.len();
+            let stage = first..first + places.len();
+            first = stage.end;
             stages += 1;
-            let positions = search.append(&started(problem, items, search.at(), cost));
+            let positions = search.append_stage(stage, &mut fragments);
             let count = positions.len();
             search.iterate(positions, &mut random, steps(count).max(least_steps(effort)) / 2);
         }
@@ -83,32 +85,4 @@ impl Strategy for Optimized {
     fn looks_ahead(&self) -> bool {
         true
     }
-}
-
-/// A first solution for the items of one stage, from where the nozzle is.
-///
-/// Fragments that were joined shortest first leave less to mend; but where runs must not be mixed, choosing the next run by the
-/// nearest of its ends matters more, and nearest begins lower.
-fn started(problem: &Problem, mut items: Vec<u32>, start: Option<Point>, cost: &Cost) -> Sequence {
-    items.sort_unstable();
-    let mut runs: Vec<u32> = items.iter().map(|&item| problem.items[item as usize].run).collect();
-    runs.sort_unstable();
-    runs.dedup();
-    let item = |&item: &u32| {
-        let item = problem.items[item as usize];
-        Item { run: runs.partition_point(|&run| run < item.run) as u32, ..item }
-    };
-    let stage = Problem {
-        items: items.iter().map(item).collect(),
-        runs: runs.iter().map(|&run| problem.runs[run as usize]).collect(),
-        scope: problem.scope,
-        start,
-        end: None,
-    };
-    let mut sequence = match problem.scope {
-        Scope::Layer => Greedy.solve(&stage, cost, Effort::Normal),
-        Scope::Feature | Scope::Island => Nearest.solve(&stage, cost, Effort::Normal),
-    };
-    sequence.iter_mut().for_each(|visit| visit.item = items[visit.item as usize]);
-    sequence
 }

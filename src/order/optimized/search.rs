@@ -3,11 +3,13 @@
 use std::collections::VecDeque;
 use std::ops::Range;
 
+use super::super::greedy::Fragments;
 use super::super::precedence::Groups;
 use super::super::{Cost, Problem, Sequence, Visit};
 use super::neighbours::Neighbours;
 use super::random::Random;
 use super::runs::Vicinity;
+use super::start::start;
 use super::walk::{End, Walk};
 use crate::geom::Point;
 
@@ -59,10 +61,12 @@ impl<'a> Search<'a> {
         self.walk.sequence()
     }
 
-    /// Goes on through all items of some stages, and improves the walk until no move does any more. Returns their positions.
-    pub fn append(&mut self, visits: &[Visit]) -> Range<u32> {
+    /// Goes on through all items of a stage (its groups), and improves the walk until no move does any more. Returns their
+    /// positions.
+    pub fn append_stage(&mut self, stage: Range<usize>, fragments: &mut Fragments) -> Range<u32> {
         let from = self.walk.len() + 1;
-        self.walk.append(visits);
+        let visits = start(self.problem, self.groups, stage, self.at(), &mut self.neighbours, fragments);
+        self.walk.append(&visits);
         let to = self.walk.len() + 1;
         (from..=to).for_each(|gap| self.touch(gap));
         self.drain();
@@ -81,7 +85,7 @@ impl<'a> Search<'a> {
     }
 
     /// Where the walk ends as it is now.
-    pub fn at(&self) -> Option<Point> {
+    fn at(&self) -> Option<Point> {
         match self.walk.len() {
             0 => self.problem.start,
             last => {
