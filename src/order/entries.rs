@@ -6,6 +6,16 @@ use crate::geom::Point;
 /// Vertices of each loop that are considered at a time.
 const CANDIDATES: usize = 12;
 
+/// Vertices that stand for a loop where only its whereabouts matter, and of how many of these one is where less will do.
+const SAMPLES: usize = 8;
+const COARSER: usize = 2;
+
+/// Some vertices of a loop of so many, spread evenly; the coarse ones are among the others.
+pub(super) fn samples(vertices: usize, coarse: bool) -> impl Iterator<Item = u32> {
+    let step = vertices.div_ceil(SAMPLES).max(1);
+    (0..vertices).step_by(if coarse { COARSER * step } else { step }).map(|entry| entry as u32)
+}
+
 /// Which vertices of a loop to consider, given where it is entered now.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum Look {

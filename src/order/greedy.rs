@@ -3,16 +3,13 @@
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
 
+use super::entries::samples;
 use super::index::{Entry, Index};
 use super::nearest::walk_groups;
 use super::precedence::Groups;
 use super::{Cost, Problem, Sequence, Shape, Strategy, Visit};
 use crate::geom::Point;
 use crate::profile::Effort;
-
-/// Vertices of a loop from which links to other loops are looked for while neither has its entry; links between
-/// a loop and anything else consider all vertices.
-const LOOP_SAMPLES: usize = 4;
 
 /// Joins paths into fragments by the shortest link that is still possible, until one fragment is left. A loop's
 /// entry is settled by the first link that reaches it.
@@ -161,16 +158,12 @@ impl<'a> Fragments<'a> {
 
     /// Entries of an item from which a node can be linked: of a loop whose entry is not settled, some of its vertices.
     pub(super) fn entries(&self, node: u32) -> impl Iterator<Item = u32> + use<> {
-        let (count, step) = match self.problem.items[node as usize / 2].shape {
-            Shape::Open(_) => (1, 1),
-            Shape::Loop(_) if self.settled[node as usize / 2].is_some() => (1, 1),
-            Shape::Loop(vertices) => (vertices.len(), vertices.len().div_ceil(LOOP_SAMPLES)),
+        let settled = self.settled[node as usize / 2];
+        let (first, vertices) = match self.problem.items[node as usize / 2].shape {
+            Shape::Open(_) => (node % 2, 1),
+            Shape::Loop(vertices) => settled.map_or((0, vertices.len()), |entry| (entry, 1)),
         };
-        let first = match self.problem.items[node as usize / 2].shape {
-            Shape::Open(_) => node % 2,
-            Shape::Loop(_) => self.settled[node as usize / 2].unwrap_or(0),
-        };
-        (0..count).step_by(step).map(move |entry| first + entry as u32)
+        samples(vertices, true).map(move |entry| first + entry)
     }
 
     /// Appends the fragment that begins at the nozzle.

@@ -1,11 +1,9 @@
 //! A grid over the entries of one group, for many small searches.
 
+use super::super::entries::samples;
 use super::super::{Problem, Shape};
 use crate::geom::Point;
 
-/// Vertices of a loop in the grid, spread evenly. Which loops are near is all that a search must tell; their vertices
-/// are chosen exactly elsewhere.
-const LOOP_SAMPLES: usize = 16;
 /// Points per cell.
 const PER_CELL: usize = 2;
 
@@ -44,9 +42,9 @@ impl Grid {
                     sites.extend((0..).zip(ends).map(site));
                 }
                 Shape::Loop(vertices) => {
-                    let step = vertices.len().div_ceil(LOOP_SAMPLES);
-                    let site = |entry| Site { point: vertices[entry], node: 2 * item, entry: entry as u32 };
-                    sites.extend((0..vertices.len()).step_by(step).map(site));
+                    // Which loops are near is all that a search must tell; their vertices are chosen exactly elsewhere.
+                    let site = |entry: u32| Site { point: vertices[entry as usize], node: 2 * item, entry };
+                    sites.extend(samples(vertices.len(), false).map(site));
                 }
             }
         }

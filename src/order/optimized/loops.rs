@@ -1,6 +1,7 @@
 //! Loops: entering them elsewhere, and moving them to another gap and vertex at once.
 
-use super::neighbours::{Near, samples};
+use super::super::entries::samples;
+use super::neighbours::Near;
 use super::search::{GAIN, Search};
 use super::walk::{End, NONE};
 
@@ -33,17 +34,8 @@ impl Search<'_> {
 
     /// The vertex of a loop that is cheapest to visit between two places, and what its two links cost.
     pub fn best_vertex(&mut self, item: u32, before: [f64; 2], after: [f64; 2]) -> (f64, u32) {
-        let vertices = self.walk.vertices(item).unwrap_or_default();
-        let looked_at = vertices.len() as u64;
-        let mut best = (f64::INFINITY, 0);
-        for (entry, &vertex) in vertices.iter().enumerate() {
-            let cost = self.walk.between(before, vertex) + self.walk.between(vertex, after);
-            if cost < best.0 {
-                best = (cost, entry as u32);
-            }
-        }
-        self.walk.work += looked_at;
-        best
+        self.walk.work += self.walk.vertices(item).map_or(0, <[_]>::len) as u64;
+        self.walk.best_vertex(item, before, after)
     }
 
     /// Moves a loop to the gap in its group, and to the vertex, where it costs least.
@@ -76,7 +68,7 @@ impl Search<'_> {
                 }
             }
         } else {
-            for entry in samples(self.walk.vertices(item).map_or(0, <[_]>::len)) {
+            for entry in samples(self.walk.vertices(item).map_or(0, <[_]>::len), true) {
                 let list = self.neighbours.of(self.problem, group, item, entry);
                 let Some(vertex) = self.walk.vertices(item).map(|vertices| vertices[entry as usize]) else {
                     continue;

@@ -11,8 +11,6 @@ use crate::geom::{Point, to_mm};
 /// Length of the lists. On layers of nine G-code files, 8 instead of 6 ended the first descent 1 % lower for a tenth
 /// more time; 5 lost another 1 %.
 pub const NEAR: usize = 8;
-/// Vertices of a loop from which links and gaps for it are looked for.
-const SAMPLES: usize = 4;
 
 /// A node near a place.
 #[derive(Clone, Copy, Debug)]
@@ -63,7 +61,11 @@ impl Neighbours {
             first,
             slot: vec![0; entries as usize],
             others: FxHashMap::default(),
-            lists: vec![EMPTY],
+            lists: {
+                let mut lists = Vec::with_capacity(1 + 5 * problem.items.len());
+                lists.push(EMPTY);
+                lists
+            },
             found: Vec::with_capacity(NEAR + 1),
         }
     }
@@ -118,9 +120,4 @@ impl Neighbours {
     pub fn nearest_wanted(&self, group: u32, p: Point, wanted: impl Fn(u32, u32) -> bool) -> Option<Found> {
         self.grids[group as usize].nearest_wanted(p, wanted)
     }
-}
-
-/// Entries from which links are looked for, spread evenly over a loop of so many vertices.
-pub fn samples(vertices: usize) -> impl Iterator<Item = u32> {
-    (0..vertices).step_by(vertices.div_ceil(SAMPLES).max(1)).map(|entry| entry as u32)
 }

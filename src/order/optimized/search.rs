@@ -26,7 +26,7 @@ const SHIFT: u32 = 4;
 const WINDOW: u32 = 2000;
 
 /// Stages of so few items are searched thoroughly.
-const FEW: usize = 12;
+const FEW: usize = 6;
 
 /// A walk and what is needed to improve it.
 pub struct Search<'a> {
@@ -37,6 +37,9 @@ pub struct Search<'a> {
     /// Exchanges move at most so many items.
     pub(super) reach: u32,
     pub(super) vicinity: Vicinity<'a>,
+    /// Whether all items are on the walk. Before that, stages are not fitted to each other: the search would pay for it again
+    /// with every kick.
+    complete: bool,
     queue: VecDeque<u32>,
     queued: Vec<bool>,
 }
@@ -51,6 +54,7 @@ impl<'a> Search<'a> {
             neighbours: Neighbours::new(problem, groups, cost),
             reach: u32::MAX,
             vicinity: Vicinity::new(problem, groups),
+            complete: false,
             queue: VecDeque::new(),
             queued: vec![false; 2 * problem.items.len()],
         }
@@ -76,10 +80,11 @@ impl<'a> Search<'a> {
         from..to
     }
 
-    /// Lets the walk go on to where it must end.
+    /// Lets the walk go on to where it must end, and improves what joins the stages.
     pub fn end(&mut self) {
         self.walk.end_at(self.problem.end);
-        self.touch(self.walk.len() + 1);
+        self.complete = true;
+        (1..=self.walk.len() + 1).for_each(|gap| self.touch(gap));
         self.drain();
         self.walk.commit();
     }
@@ -180,7 +185,7 @@ impl<'a> Search<'a> {
             return true;
         }
         (turn && self.is_thorough(group) && self.reenter_beside(self.walk.position(item)))
-            || (outer && (self.shift(end.gap) || self.reverse_group(group) || self.move_group(group)))
+            || (outer && ((self.complete && self.shift(end.gap)) || self.reverse_group(group) || self.move_group(group)))
     }
 
     /// Swaps two neighbouring stretches, of one group or of whole groups, at or after a position.

@@ -20,6 +20,10 @@ pub struct Walk {
     position: Vec<u32>,
     /// Place of each node, millimetres; not a number: anywhere, so that links to it cost nothing.
     place: Vec<[f64; 2]>,
+    /// Cost of the link at each node.
+    link: Vec<f64>,
+    /// Which items are loops.
+    looped: Vec<bool>,
     /// Vertices of all loops, and those of each item: `vertices[first_vertex[i]..first_vertex[i + 1]]`.
     vertices: Vec<[f64; 2]>,
     first_vertex: Vec<u32>,
@@ -91,6 +95,8 @@ impl Walk {
             entered: vec![2 * n as u32, 2 * n as u32 + 2],
             position: vec![0; n + 2],
             place: places,
+            link: vec![0.0; 2 * n + 4],
+            looped: first_vertex.windows(2).map(|w| w[0] < w[1]).collect(),
             vertices: all_vertices,
             first_vertex,
             entry: vec![0; n],
@@ -119,7 +125,7 @@ impl Walk {
         }
         self.entered.push(end);
         self.find_spans(from, self.len());
-        self.total += (from..=self.len()).map(|gap| self.gap(gap)).sum::<f64>();
+        self.total += (from..=self.len() + 1).map(|gap| self.relink(gap)).sum::<f64>();
         self.commit();
     }
 
@@ -127,7 +133,7 @@ impl Walk {
     pub fn end_at(&mut self, end: Option<Point>) {
         let node = self.entered[self.entered.len() - 1] as usize;
         self.place[node..node + 2].fill(place(end));
-        self.total += self.gap(self.len() + 1);
+        self.total += self.relink(self.len() + 1);
         self.commit();
     }
 
@@ -153,7 +159,7 @@ impl Walk {
     /// Whether an item is a loop. Sentinels are not.
     #[inline]
     pub fn is_loop(&self, item: u32) -> bool {
-        self.first_vertex[item as usize] < self.first_vertex[item as usize + 1]
+        self.looped[item as usize]
     }
 
     /// Where a loop may be entered, millimetres; nothing for open paths and sentinels.
@@ -247,6 +253,31 @@ impl Walk {
         if square > 0.0 { self.cost.of(square.sqrt()) } else { 0.0 }
     }
 
+    /// The vertex of a loop that is cheapest to visit between two places, and what its two links cost.
+    pub fn best_vertex(&self, item: u32, before: [f64; 2], after: [f64; 2]) -> (f64, u32) {
+        const AT_ONCE: usize = 8;
+        let vertices = self.vertices(item).unwrap_or_default();
+        let length_mm = |a: [f64; 2], b: [f64; 2]| {
+            let (dx, dy) = (a[0] - b[0], a[1] - b[1]);
+            // Not a number, from or to anywhere, becomes 0.
+            (dx * dx + dy * dy).sqrt().max(0.0)
+        };
+        let mut best = (f64::INFINITY, 0);
+        let mut lengths = [[0.0; 2]; AT_ONCE];
+        for (some, first) in vertices.chunks(AT_ONCE).zip((0..).step_by(AT_ONCE)) {
+            for (lengths, &vertex) in lengths.iter_mut().zip(some) {
+                *lengths = [length_mm(before, vertex), length_mm(vertex, after)];
+            }
+            for ([to, from], entry) in lengths[..some.len()].iter().zip(first..) {
+                let cost = self.cost.of(*to) + self.cost.of(*from);
+                if cost < best.0 {
+                    best = (cost, entry);
+                }
+            }
+        }
+        best
+    }
+
     /// The least that a link from a place to anything in a disc can cost.
     #[inline]
     pub fn beyond(&self, place: [f64; 2], center: [f64; 2], radius: f64) -> f64 {
@@ -254,10 +285,24 @@ impl Walk {
         if distance_mm > radius { self.cost.of(distance_mm - radius) } else { 0.0 }
     }
 
+    /// Cost of the link at a node.
+    #[inline]
+    pub fn link_at(&self, node: u32) -> f64 {
+        self.link[node as usize]
+    }
+
     /// Cost of the link over a gap.
     #[inline]
     pub fn gap(&self, gap: u32) -> f64 {
-        self.link(self.node(End { gap, right: false }), self.node(End { gap, right: true }))
+        self.link_at(self.node(End { gap, right: true }))
+    }
+
+    /// Finds the cost of the link over a gap after a change.
+    fn relink(&mut self, gap: u32) -> f64 {
+        let (left, right) = (self.node(End { gap, right: false }), self.node(End { gap, right: true }));
+        let cost = self.link(left, right);
+        (self.link[left as usize], self.link[right as usize]) = (cost, cost);
+        cost
     }
 
     /// Reverses the walk between two positions (inclusive), which lie in one group or hold whole groups.
@@ -265,7 +310,7 @@ impl Walk {
         if from <= to {
             self.total -= self.gap(from) + self.gap(to + 1);
             self.flip(from, to);
-            self.total += self.gap(from) + self.gap(to + 1);
+            self.total += self.relink(from) + self.relink(to + 1);
             self.journal.push(Change::Reversed(from, to));
         }
     }
@@ -288,7 +333,7 @@ impl Walk {
         self.total -= self.gap(at) + self.gap(at + 1);
         let before = std::mem::replace(&mut self.entry[item as usize], entry);
         self.put(item);
-        self.total += self.gap(at) + self.gap(at + 1);
+        self.total += self.relink(at) + self.relink(at + 1);
         self.journal.push(Change::Entered { item, before });
     }
 
@@ -303,10 +348,17 @@ impl Walk {
         self.total = self.committed;
         while let Some(change) = self.journal.pop() {
             match change {
-                Change::Reversed(from, to) => self.flip(from, to),
+                Change::Reversed(from, to) => {
+                    self.flip(from, to);
+                    self.relink(from);
+                    self.relink(to + 1);
+                }
                 Change::Entered { item, before } => {
                     self.entry[item as usize] = before;
                     self.put(item);
+                    let at = self.position(item);
+                    self.relink(at);
+                    self.relink(at + 1);
                 }
             }
         }
