@@ -1,6 +1,6 @@
 //! Exchanging two or three links within a group.
 
-use super::neighbours::{NEAR, Near};
+use super::neighbours::Near;
 use super::search::{GAIN, Search};
 use super::walk::{End, Walk};
 
@@ -70,12 +70,14 @@ impl Search<'_> {
         }
         let (mut best_gain, mut best) = (GAIN, None);
         let first = self.near(node2, group);
-        for at in 0..NEAR {
-            let near = self.neighbours.get(first, at);
+        let first = *self.neighbours.list(first);
+        let mut work = 0;
+        for near in first {
             if near.least >= removed {
                 break;
             }
             let added = self.added(node2, near);
+            work += 1;
             if added >= removed {
                 continue;
             }
@@ -83,7 +85,7 @@ impl Search<'_> {
                 let distance = t3.gap.abs_diff(t1.gap);
                 let node3 = self.walk.node(t3);
                 let open = removed - added + self.walk.link_at(node3);
-                self.walk.work += 2;
+                work += 2;
                 if distance == 0 || distance > self.reach || open <= best_gain {
                     continue;
                 }
@@ -100,18 +102,19 @@ impl Search<'_> {
                     continue;
                 }
                 let second = self.near(node4, group);
-                for at in 0..SECOND {
-                    let near = self.neighbours.get(second, at);
+                let second = self.neighbours.list(second);
+                for &near in &second[..SECOND] {
                     if open - near.least <= best_gain {
                         break;
                     }
                     let left = open - self.added(node4, near);
+                    work += 1;
                     if left <= best_gain {
                         continue;
                     }
                     for t5 in ends(&self.walk, near.node) {
                         let left = left + self.walk.link_at(self.walk.node(t5));
-                        self.walk.work += 2;
+                        work += 2;
                         if left <= best_gain
                             || t5.gap == t1.gap
                             || t5.gap == t3.gap
@@ -130,13 +133,13 @@ impl Search<'_> {
                 }
             }
         }
+        self.walk.work += work;
         best
     }
 
     /// Cost of the link from a node to one in its list.
     #[inline]
-    fn added(&mut self, node: u32, near: Near) -> f64 {
-        self.walk.work += 1;
+    fn added(&self, node: u32, near: Near) -> f64 {
         // Where a loop is entered may be farther away than its nearest sample.
         if self.walk.is_loop(near.node / 2) { self.walk.link(node, near.node) } else { near.least }
     }
@@ -158,17 +161,12 @@ impl Search<'_> {
 }
 
 /// Where a listed node can be linked anew: an end of a path at its one gap, a loop at both of its gaps.
+#[inline]
 pub fn ends(walk: &Walk, node: u32) -> impl Iterator<Item = End> + use<> {
     let first = walk.end_of(node);
-    let second = walk.is_loop(node / 2).then(|| {
-        // A loop's nodes are alike; which of them is listed says nothing.
-        if first.right {
-            End { gap: first.gap + 1, right: false }
-        } else {
-            End { gap: first.gap - 1, right: true }
-        }
-    });
-    std::iter::once(first).chain(second)
+    // A loop's nodes are alike; which of them is listed says nothing.
+    let second = End { gap: if first.right { first.gap + 1 } else { first.gap - 1 }, right: !first.right };
+    [first, second].into_iter().take(1 + usize::from(walk.is_loop(node / 2)))
 }
 
 /// The exchange that removes the links t1–t2, t3–t4, t5–t6 and adds t2–t3, t4–t5, t6–t1, if it leaves one walk.

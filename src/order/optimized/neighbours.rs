@@ -100,6 +100,12 @@ impl Neighbours {
         0
     }
 
+    /// A list.
+    #[inline]
+    pub fn list(&self, list: usize) -> &List {
+        &self.lists[list]
+    }
+
     /// A place in a list.
     #[inline]
     pub fn get(&self, list: usize, at: usize) -> Near {
