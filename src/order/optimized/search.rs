@@ -84,7 +84,12 @@ impl<'a> Search<'a> {
     pub fn end(&mut self) {
         self.walk.end_at(self.problem.end);
         self.complete = true;
-        (1..=self.walk.len() + 1).for_each(|gap| self.touch(gap));
+        for gap in 1..=self.walk.len() {
+            if self.walk.group_at(gap - 1) != self.walk.group_at(gap) {
+                self.touch(gap);
+            }
+        }
+        self.touch(self.walk.len() + 1);
         self.drain();
         self.walk.commit();
     }
