@@ -14,8 +14,8 @@ mod walk;
 
 use self::random::Random;
 use self::search::Search;
-use super::precedence::Groups;
 use super::greedy::Fragments;
+use super::precedence::Groups;
 use super::{Cost, Nearest, Problem, Sequence, Strategy, evaluate};
 use crate::profile::{Effort, Scope};
 
@@ -29,7 +29,7 @@ fn steps_per_path(effort: Effort, scope: Scope) -> u64 {
         (Effort::Fast, Scope::Layer) => 220,
         (Effort::Fast, _) => 50,
         (Effort::Normal, Scope::Layer) => 3_000,
-        (Effort::Normal, _) => 300,
+        (Effort::Normal, _) => 1_200,
         (Effort::High, Scope::Layer) => 60_000,
         (Effort::High, _) => 20_000,
     }

@@ -17,7 +17,7 @@ use crate::geom::Point;
 /// that matters, so that the search ends.
 pub const GAIN: f64 = 1e-7;
 /// Longest stretch that a kick swaps.
-const KICK: u32 = 60;
+const KICK: u32 = 20;
 /// Farthest exchange while kicks are repaired: what is farther away does not depend on the kick.
 const KICK_REACH: u32 = 1000;
 /// One kick in so many shifts a junction.
@@ -117,7 +117,9 @@ impl<'a> Search<'a> {
         let windows = count.div_ceil(WINDOW);
         self.reach = KICK_REACH;
         for window in 0..windows {
-            let bound = |window: u32| positions.start + (u64::from(count) * u64::from(window) / u64::from(windows)) as u32;
+            let bound = |window: u32| {
+                positions.start + (u64::from(count) * u64::from(window) / u64::from(windows)) as u32
+            };
             let (from, to) = (bound(window), bound(window + 1));
             self.iterate_within(from, to, random, budget * u64::from(to - from) / u64::from(count));
         }
@@ -137,7 +139,7 @@ impl<'a> Search<'a> {
                 let stage = self.positions_of_stage(group);
                 self.kick(stage.start + random.below(stage.end - stage.start), random);
             }
-            self.drain();
+            self.repair();
             if self.walk.is_worse() {
                 self.walk.undo();
             } else {
@@ -170,6 +172,19 @@ impl<'a> Search<'a> {
         }
     }
 
+    /// As [`Self::drain`], but ends as soon as the walk costs what it did before the kick: most likely it is the same again.
+    fn repair(&mut self) {
+        while let Some(node) = self.queue.pop_front() {
+            self.queued[node as usize] = false;
+            while self.improve(node) {
+                if self.walk.is_as_before() {
+                    self.queue.drain(..).for_each(|node| self.queued[node as usize] = false);
+                    return;
+                }
+            }
+        }
+    }
+
     /// Makes one improving move that concerns the link at a node, if there is one.
     fn improve(&mut self, node: u32) -> bool {
         let item = node / 2;
@@ -190,7 +205,10 @@ impl<'a> Search<'a> {
             return true;
         }
         (turn && self.is_thorough(group) && self.reenter_beside(self.walk.position(item)))
-            || (outer && ((self.complete && self.shift(end.gap)) || self.reverse_group(group) || self.move_group(group)))
+            || (outer
+                && ((self.complete && self.shift(end.gap))
+                    || self.reverse_group(group)
+                    || self.move_group(group)))
     }
 
     /// Swaps two neighbouring stretches, of one group or of whole groups, at or after a position.

@@ -92,8 +92,7 @@ impl Links for NearLists<'_, '_> {
 impl NearLists<'_, '_> {
     fn search(&self, fragments: &Fragments, node: u32, from: Point, from_entry: u32) -> Option<Link> {
         let own = fragments.item(node);
-        let wanted =
-            |to: u32, entry: u32| Some(to / 2) != own && fragments.permits(node, to / 2, entry);
+        let wanted = |to: u32, entry: u32| Some(to / 2) != own && fragments.permits(node, to / 2, entry);
         let (distance2, to, entry) = self.neighbours.nearest_wanted(self.group, from, wanted)?;
         Some(Reverse((distance2, node, from_entry, to / 2, entry)))
     }

@@ -174,6 +174,11 @@ impl Walk {
         self.total > self.committed + 1e-9
     }
 
+    /// Whether the walk costs what it did at the last [`Self::commit`].
+    pub fn is_as_before(&self) -> bool {
+        (self.total - self.committed).abs() <= 1e-9
+    }
+
     /// Where a loop is entered.
     #[inline]
     pub fn entry(&self, item: u32) -> u32 {
