@@ -168,3 +168,16 @@ pub(super) fn enter_shortest(
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_coarse_samples_of_a_loop_are_among_the_fine_ones() {
+        for vertices in 1..100 {
+            let fine: Vec<u32> = samples(vertices, false).collect();
+            assert!(fine.len() <= SAMPLES && samples(vertices, true).all(|entry| fine.contains(&entry)));
+        }
+    }
+}

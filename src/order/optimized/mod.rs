@@ -48,7 +48,7 @@ fn least_steps(effort: Effort) -> u64 {
 /// elsewhere and moving them, and by moving whole runs and islands; then kicks and repairs it for as long as the effort allows.
 ///
 /// Stages are solved one after the other, each from where the last one ended, and then, for the other half of the effort, all
-/// together, so that each ends where it suits the next; `fast` does so at once.
+/// together, so that each ends where it suits the next.
 ///
 /// Never dearer than [`Nearest`].
 #[derive(Clone, Copy, Debug)]
@@ -65,15 +65,13 @@ impl Strategy for Optimized {
         let mut search = Search::new(problem, &groups, *cost);
         let mut random = Random::new(problem.items.len() as u64);
         let mut fragments = Fragments::new(problem);
-        let mut stages = 0;
-        let mut first = 0;
+        let (mut first, mut stages) = (0, 0);
         for places in groups.place.chunk_by(|a, b| a.stage == b.stage) {
             let stage = first..first + places.len();
-            first = stage.end;
-            stages += 1;
+            (first, stages) = (stage.end, stages + 1);
             let positions = search.append_stage(stage, &mut fragments);
-            let count = positions.len();
-            search.iterate(positions, &mut random, steps(count).max(least_steps(effort)) / 2);
+            let budget = steps(positions.len()).max(least_steps(effort)) / 2;
+            search.iterate(positions, &mut random, budget);
         }
         search.end();
         let all = steps(problem.items.len()).max(stages * least_steps(effort));
