@@ -66,7 +66,7 @@ struct Ways {
 impl Ways {
     fn push(&mut self, way: Way, cost: f64, before: u32) {
         self.entry.push(way.entry);
-        (self.leave[0].push(way.leave[0]), self.leave[1].push(way.leave[1]));
+        self.leave.iter_mut().zip(way.leave).for_each(|(axis, at)| axis.push(at));
         self.cost.push(cost);
         self.before.push(before);
     }
