@@ -1,10 +1,20 @@
 //! The best directions and entries of consecutive paths together, their order being as it is.
 
-use super::{Problem, Sequence, Shape};
+use super::{Cost, Problem, Sequence, Shape};
 use crate::geom::Point;
 
 /// Vertices of each loop that are considered at a time.
-const CANDIDATES: usize = 24;
+const CANDIDATES: usize = 12;
+
+/// Vertices that stand for a loop where only its whereabouts matter, and of how many of these one is where less will do.
+const SAMPLES: usize = 8;
+const COARSER: usize = 2;
+
+/// Some vertices of a loop of so many, spread evenly; the coarse ones are among the others.
+pub(super) fn samples(vertices: usize, coarse: bool) -> impl Iterator<Item = u32> {
+    let step = vertices.div_ceil(SAMPLES).max(1);
+    (0..vertices).step_by(if coarse { COARSER * step } else { step }).map(|entry| entry as u32)
+}
 
 /// Which vertices of a loop to consider, given where it is entered now.
 #[derive(Clone, Copy, Debug)]
@@ -42,8 +52,53 @@ impl Way {
     }
 }
 
-/// The cheapest choice of one way for each of `count` paths: its cost and the entries. `ways` appends those of a path;
-/// `between` is the cost of the link from one place to another; the walk comes from `start` and goes on to `end`.
+/// The ways of drawing consecutive paths, and what the cheapest walk up to each costs.
+struct Ways {
+    entry: Vec<u32>,
+    leave: [Vec<f64>; 2],
+    cost: Vec<f64>,
+    /// Which way comes before it.
+    before: Vec<u32>,
+    /// Links from all ways of the last path to one place.
+    links: Vec<f64>,
+}
+
+impl Ways {
+    fn push(&mut self, way: Way, cost: f64, before: u32) {
+        self.entry.push(way.entry);
+        self.leave.iter_mut().zip(way.leave).for_each(|(axis, at)| axis.push(at));
+        self.cost.push(cost);
+        self.before.push(before);
+    }
+
+    /// The cheapest walk to a place by one of the ways from `from` on and before `to`: its cost, and the way.
+    fn cheapest(&mut self, from: usize, to: usize, [x, y]: [f64; 2], cost: &Cost) -> (f64, u32) {
+        let (xs, ys) = (&self.leave[0][from..to], &self.leave[1][from..to]);
+        self.links.clear();
+        // To or from anywhere (not a number) is no way at all. These two loops are vectorised.
+        self.links.extend(xs.iter().zip(ys).map(|(&at_x, &at_y)| {
+            let (dx, dy) = (at_x - x, at_y - y);
+            (dx * dx + dy * dy).sqrt().max(0.0)
+        }));
+        let costs = &self.cost[from..to];
+        match cost {
+            Cost::Length => self.links.iter_mut().zip(costs).for_each(|(link, cost)| *link += cost),
+            Cost::Time(time) => {
+                self.links.iter_mut().zip(costs).for_each(|(link, cost)| *link = time.of(*link) + cost);
+            }
+        }
+        let mut best = (f64::INFINITY, 0);
+        for (&total, way) in self.links.iter().zip(from as u32..) {
+            if total < best.0 {
+                best = (total, way);
+            }
+        }
+        best
+    }
+}
+
+/// The cheapest choice of one way for each of `count` paths: its cost and the entries. `ways` appends those of a path; the walk
+/// comes from `start` and goes on to `end`; not a number: from or to anywhere.
 ///
 /// Shortest path through layers of candidates: the *cluster optimisation* of the generalised travelling salesman problem
 /// (Fischetti, Salazar & Toth 1997, doi:10.1287/opre.45.3.378). Of equal ways the first. The last value counts pairs.
@@ -52,46 +107,39 @@ pub(super) fn cheapest_entries(
     count: usize,
     mut ways: impl FnMut(usize, &mut Vec<Way>),
     end: [f64; 2],
-    between: impl Fn([f64; 2], [f64; 2]) -> f64,
+    cost: &Cost,
 ) -> (f64, Vec<u32>, u64) {
-    let mut all = vec![Way { entry: 0, enter: start, leave: start }];
-    // For each way, what the walk up to it costs, and which way comes before it.
-    let (mut cost, mut before) = (vec![0.0], vec![0_u32]);
-    let cheapest = |all: &[Way], cost: &[f64], from: usize, to: usize, place| {
-        let mut best = (f64::INFINITY, 0);
-        for at in from..to {
-            if cost[at] < best.0 {
-                let total = cost[at] + between(all[at].leave, place);
-                if total < best.0 {
-                    best = (total, at as u32);
-                }
-            }
-        }
-        best
+    let mut all = Ways {
+        entry: vec![0],
+        leave: [vec![start[0]], vec![start[1]]],
+        cost: vec![0.0],
+        before: vec![0],
+        links: Vec::new(),
     };
+    let mut here = Vec::new();
     let (mut last, mut pairs) = (0, 0);
     for path in 0..count {
-        let from = all.len();
-        ways(path, &mut all);
-        pairs += ((from - last) * (all.len() - from)) as u64;
-        for at in from..all.len() {
-            let (least, way) = cheapest(&all, &cost, last, from, all[at].enter);
-            cost.push(least);
-            before.push(way);
+        let from = all.entry.len();
+        here.clear();
+        ways(path, &mut here);
+        pairs += ((from - last) * here.len()) as u64;
+        for &way in &here {
+            let (least, before) = all.cheapest(last, from, way.enter, cost);
+            all.push(way, least, before);
         }
         last = from;
     }
-    let (total, mut at) = cheapest(&all, &cost, last, all.len(), end);
+    let (total, mut at) = all.cheapest(last, all.entry.len(), end, cost);
     let mut entries = vec![0; count];
     for entry in entries.iter_mut().rev() {
-        *entry = all[at as usize].entry;
-        at = before[at as usize];
+        *entry = all.entry[at as usize];
+        at = all.before[at as usize];
     }
     (total, entries, pairs)
 }
 
 /// Enters every loop of a solution where the links are shortest, the order and the directions of open paths being as they are:
-/// first at vertices spread over each loop, then at those around the ones found. At most O(24²) per path.
+/// first at vertices spread over each loop, then at those around the ones found. At most O(12²) per path.
 pub(super) fn enter_shortest(
     problem: &Problem,
     start: Option<Point>,
@@ -99,10 +147,6 @@ pub(super) fn enter_shortest(
     sequence: &mut Sequence,
 ) {
     let place = |point: Option<Point>| point.map_or([f64::NAN; 2], Point::mm);
-    let between = |a: [f64; 2], b: [f64; 2]| {
-        let length_mm = (a[0] - b[0]).hypot(a[1] - b[1]);
-        if length_mm > 0.0 { length_mm } else { 0.0 }
-    };
     for look in [Look::Everywhere, Look::Around] {
         let ways = |at: usize, ways: &mut Vec<Way>| {
             let visit = sequence[at];
@@ -118,9 +162,22 @@ pub(super) fn enter_shortest(
                 }
             }
         };
-        let (_, entries, _) = cheapest_entries(place(start), sequence.len(), ways, place(end), between);
+        let (_, entries, _) = cheapest_entries(place(start), sequence.len(), ways, place(end), &Cost::Length);
         for (visit, entry) in sequence.iter_mut().zip(entries) {
             visit.entry = entry;
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_coarse_samples_of_a_loop_are_among_the_fine_ones() {
+        for vertices in 1..100 {
+            let fine: Vec<u32> = samples(vertices, false).collect();
+            assert!(fine.len() <= SAMPLES && samples(vertices, true).all(|entry| fine.contains(&entry)));
         }
     }
 }

@@ -8,11 +8,11 @@ use super::walk::End;
 const BESIDE: u32 = 2;
 
 impl Search<'_> {
-    /// Finds the best directions and entries along the whole walk, first on vertices spread over each loop, then on those around
-    /// the ones found.
-    pub fn reenter_all(&mut self) {
+    /// Finds the best directions and entries at the positions `from` to `to` − 1, first on vertices spread over each loop, then on
+    /// those around the ones found.
+    pub fn reenter_all(&mut self, from: u32, to: u32) {
         for look in [Look::Everywhere, Look::Around] {
-            self.reenter_chain(1, self.walk.len() + 1, look);
+            self.reenter_chain(from, to, look);
         }
     }
 
@@ -30,7 +30,7 @@ impl Search<'_> {
         let end = walk.place(walk.node(End { gap: to, right: true }));
         let ways = |at: usize, ways: &mut Vec<Way>| self.ways(from + at as u32, look, ways);
         let count = (to - from) as usize;
-        let (cost, entries, pairs) = cheapest_entries(start, count, ways, end, |a, b| walk.between(a, b));
+        let (cost, entries, pairs) = cheapest_entries(start, count, ways, end, walk.cost());
         self.walk.work += pairs;
         if cost >= now - GAIN {
             return false;

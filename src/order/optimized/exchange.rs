@@ -1,6 +1,6 @@
 //! Exchanging two or three links within a group.
 
-use super::neighbours::{NEAR, Near};
+use super::neighbours::Near;
 use super::search::{GAIN, Search};
 use super::walk::{End, Walk};
 
@@ -64,31 +64,33 @@ impl Search<'_> {
     fn best_exchange(&mut self, t2: End, group: u32) -> Option<Exchange> {
         let t1 = t2.across();
         let (node1, node2) = (self.walk.node(t1), self.walk.node(t2));
-        let removed = self.walk.link(node1, node2);
+        let removed = self.walk.link_at(node1);
         if removed <= GAIN {
             return None;
         }
         let (mut best_gain, mut best) = (GAIN, None);
         let first = self.near(node2, group);
-        for at in 0..NEAR {
-            let Near { node, least } = self.neighbours.get(first, at);
-            if least >= removed {
+        let first = *self.neighbours.list(first);
+        let mut work = 0;
+        for near in first {
+            if near.least >= removed {
                 break;
             }
-            let added = self.walk.link(node2, node);
-            self.walk.work += 1;
+            let added = self.added(node2, near);
+            work += 1;
             if added >= removed {
                 continue;
             }
-            for t3 in ends(&self.walk, node) {
+            for t3 in ends(&self.walk, near.node) {
                 let distance = t3.gap.abs_diff(t1.gap);
-                if distance == 0 || distance > self.reach {
+                let node3 = self.walk.node(t3);
+                let open = removed - added + self.walk.link_at(node3);
+                work += 2;
+                if distance == 0 || distance > self.reach || open <= best_gain {
                     continue;
                 }
                 let t4 = t3.across();
                 let node4 = self.walk.node(t4);
-                let open = removed - added + self.walk.link(node, node4);
-                self.walk.work += 2;
                 if t3.right == t2.right {
                     let gain = open - self.walk.link(node4, node1);
                     if gain > best_gain {
@@ -100,23 +102,27 @@ impl Search<'_> {
                     continue;
                 }
                 let second = self.near(node4, group);
-                for at in 0..SECOND {
-                    let Near { node: third, least } = self.neighbours.get(second, at);
-                    if open - least <= best_gain {
+                let second = self.neighbours.list(second);
+                for &near in &second[..SECOND] {
+                    if open - near.least <= best_gain {
                         break;
                     }
-                    let left = open - self.walk.link(node4, third);
-                    self.walk.work += 1;
+                    let left = open - self.added(node4, near);
+                    work += 1;
                     if left <= best_gain {
                         continue;
                     }
-                    for t5 in ends(&self.walk, third) {
-                        if t5.gap == t1.gap || t5.gap == t3.gap || t5.gap.abs_diff(t1.gap) > self.reach {
+                    for t5 in ends(&self.walk, near.node) {
+                        let left = left + self.walk.link_at(self.walk.node(t5));
+                        work += 2;
+                        if left <= best_gain
+                            || t5.gap == t1.gap
+                            || t5.gap == t3.gap
+                            || t5.gap.abs_diff(t1.gap) > self.reach
+                        {
                             continue;
                         }
-                        let node6 = self.walk.node(t5.across());
-                        let gain = left + self.walk.link(third, node6) - self.walk.link(node6, node1);
-                        self.walk.work += 2;
+                        let gain = left - self.walk.link(self.walk.node(t5.across()), node1);
                         if gain > best_gain
                             && let Some(three) = three([t1, t2, t3, t4, t5, t5.across()])
                         {
@@ -127,13 +133,21 @@ impl Search<'_> {
                 }
             }
         }
+        self.walk.work += work;
         best
+    }
+
+    /// Cost of the link from a node to one in its list.
+    #[inline]
+    fn added(&self, node: u32, near: Near) -> f64 {
+        // Where a loop is entered may be farther away than its nearest sample.
+        if self.walk.is_loop(near.node / 2) { self.walk.link(node, near.node) } else { near.least }
     }
 
     /// The list of what lies near a node within a group.
     pub fn near(&mut self, node: u32, group: u32) -> usize {
         let item = node / 2;
-        if item >= self.walk.len() {
+        if item as usize >= self.problem.items.len() {
             self.walk.work += 16;
             return self.neighbours.near(group, self.walk.place(node));
         }
@@ -147,17 +161,12 @@ impl Search<'_> {
 }
 
 /// Where a listed node can be linked anew: an end of a path at its one gap, a loop at both of its gaps.
+#[inline]
 pub fn ends(walk: &Walk, node: u32) -> impl Iterator<Item = End> + use<> {
     let first = walk.end_of(node);
-    let second = walk.is_loop(node / 2).then(|| {
-        // A loop's nodes are alike; which of them is listed says nothing.
-        if first.right {
-            End { gap: first.gap + 1, right: false }
-        } else {
-            End { gap: first.gap - 1, right: true }
-        }
-    });
-    std::iter::once(first).chain(second)
+    // A loop's nodes are alike; which of them is listed says nothing.
+    let second = End { gap: if first.right { first.gap + 1 } else { first.gap - 1 }, right: !first.right };
+    [first, second].into_iter().take(1 + usize::from(walk.is_loop(node / 2)))
 }
 
 /// The exchange that removes the links t1–t2, t3–t4, t5–t6 and adds t2–t3, t4–t5, t6–t1, if it leaves one walk.

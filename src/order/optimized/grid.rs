@@ -1,11 +1,9 @@
 //! A grid over the entries of one group, for many small searches.
 
+use super::super::entries::samples;
 use super::super::{Problem, Shape};
 use crate::geom::Point;
 
-/// Vertices of a loop in the grid, spread evenly. Which loops are near is all that a search must tell; their vertices
-/// are chosen exactly elsewhere.
-const LOOP_SAMPLES: usize = 16;
 /// Points per cell.
 const PER_CELL: usize = 2;
 
@@ -14,6 +12,8 @@ const PER_CELL: usize = 2;
 struct Site {
     point: Point,
     node: u32,
+    /// Of a loop, the vertex; of an open path, the end.
+    entry: u32,
 }
 
 /// Entries in square cells.
@@ -28,8 +28,8 @@ pub struct Grid {
     sites: Vec<Site>,
 }
 
-/// A node found by a search (of a loop, its even node), and its squared distance in square units.
-pub type Found = (i64, u32);
+/// A node found by a search: its squared distance in square units, the node (of a loop, its even node), and its entry.
+pub type Found = (i64, u32, u32);
 
 impl Grid {
     /// Puts both ends of open paths and samples of loops into a grid. O(n).
@@ -37,12 +37,14 @@ impl Grid {
         let mut sites = Vec::with_capacity(2 * items.len());
         for &item in items {
             match problem.items[item as usize].shape {
-                Shape::Open([a, b]) => {
-                    sites.extend([Site { point: a, node: 2 * item }, Site { point: b, node: 2 * item + 1 }]);
+                Shape::Open(ends) => {
+                    let site = |(entry, point)| Site { point, node: 2 * item + entry, entry };
+                    sites.extend((0..).zip(ends).map(site));
                 }
                 Shape::Loop(vertices) => {
-                    let samples = vertices.iter().step_by(vertices.len().div_ceil(LOOP_SAMPLES));
-                    sites.extend(samples.map(|&point| Site { point, node: 2 * item }));
+                    // Which loops are near is all that a search must tell; their vertices are chosen exactly elsewhere.
+                    let site = |entry: u32| Site { point: vertices[entry as usize], node: 2 * item, entry };
+                    sites.extend(samples(vertices.len(), false).map(site));
                 }
             }
         }
@@ -98,56 +100,95 @@ impl Grid {
     /// Ties go to the lowest node.
     pub fn nearest(&self, p: Point, except: u32, k: usize, found: &mut Vec<Found>) {
         found.clear();
+        self.search(p, &mut |site, distance2, worst| {
+            let entry = (distance2, site.node, site.entry);
+            if site.node / 2 == except || (found.len() == k && entry >= found[k - 1]) {
+                return worst;
+            }
+            // A loop has several sites of one node.
+            let known = found.iter().position(|&(_, node, _)| node == site.node);
+            let mut at = known.unwrap_or(found.len().min(k - 1));
+            match found.get(at) {
+                Some(other) if known.is_some() && *other <= entry => return worst,
+                Some(_) => {}
+                None => found.push(entry),
+            }
+            while at > 0 && entry < found[at - 1] {
+                found[at] = found[at - 1];
+                at -= 1;
+            }
+            found[at] = entry;
+            if found.len() == k { found[k - 1].0 } else { i64::MAX }
+        });
+    }
+
+    /// The nearest site whose node and entry are wanted. Ties go to the lowest node.
+    pub fn nearest_wanted(&self, p: Point, wanted: impl Fn(u32, u32) -> bool) -> Option<Found> {
+        let mut best: Option<Found> = None;
+        self.search(p, &mut |site, distance2, worst| {
+            let entry = (distance2, site.node, site.entry);
+            if best.is_some_and(|best| best <= entry) || !wanted(site.node, site.entry) {
+                return worst;
+            }
+            best = Some(entry);
+            distance2
+        });
+        best
+    }
+
+    /// Shows sites to `visit`, cells in growing rings around a point: those not farther than the worst that is still of interest,
+    /// which `visit` gets and returns as it is from then on.
+    fn search(&self, p: Point, visit: &mut impl FnMut(&Site, i64, i64) -> i64) {
         let (column, row) = self.cell_of(p);
         // Rings of cells from where they first meet the grid to where they have left it on all sides.
         let outside = |at: i64, cells: i64| (-at).max(at - (cells - 1)).max(0);
         let nearest = outside(column, self.columns).max(outside(row, self.rows));
         let farthest = column.max(self.columns - 1 - column).max(row).max(self.rows - 1 - row);
+        let mut worst = i64::MAX;
         for ring in nearest..=farthest {
             let (left, right) = (column - ring, column + ring);
-            let columns = left.max(0)..=right.min(self.columns - 1);
+            let (from, to) = (left.max(0), right.min(self.columns - 1));
             for at in (row - ring).max(0)..=(row + ring).min(self.rows - 1) {
                 if at == row - ring || at == row + ring {
-                    self.scan(at, *columns.start(), *columns.end(), p, except, k, found);
-                } else {
-                    for side in [left, right] {
-                        if (0..self.columns).contains(&side) {
-                            self.scan(at, side, side, p, except, k, found);
-                        }
-                    }
+                    worst = self.scan(at, from, to, p, worst, visit);
+                    continue;
+                }
+                if left >= 0 {
+                    worst = self.scan(at, left, left, p, worst, visit);
+                }
+                if right < self.columns {
+                    worst = self.scan(at, right, right, p, worst, visit);
                 }
             }
             // Whatever is farther out is at least `ring` whole cells away.
             let reach = ring * self.cell;
-            if found.len() == k && found[k - 1].0 <= reach * reach {
+            if worst <= reach * reach {
                 return;
             }
         }
     }
 
     /// Looks at the cells of a row from one column to another.
-    #[allow(clippy::too_many_arguments)]
-    fn scan(&self, row: i64, from: i64, to: i64, p: Point, except: u32, k: usize, found: &mut Vec<Found>) {
+    #[inline]
+    fn scan(
+        &self,
+        row: i64,
+        from: i64,
+        to: i64,
+        p: Point,
+        mut worst: i64,
+        visit: &mut impl FnMut(&Site, i64, i64) -> i64,
+    ) -> i64 {
         let base = row * self.columns;
         let sites =
             self.first[(base + from) as usize] as usize..self.first[(base + to) as usize + 1] as usize;
         for site in &self.sites[sites] {
-            let entry = (site.point.distance2(p), site.node);
-            if site.node / 2 == except || (found.len() == k && entry >= found[k - 1]) {
-                continue;
+            let distance2 = site.point.distance2(p);
+            if distance2 <= worst {
+                worst = visit(site, distance2, worst);
             }
-            // A loop has several sites of one node.
-            if let Some(known) = found.iter().position(|&(_, node)| node == site.node) {
-                if found[known] <= entry {
-                    continue;
-                }
-                found.remove(known);
-            } else if found.len() == k {
-                found.pop();
-            }
-            let at = found.partition_point(|other| *other < entry);
-            found.insert(at, entry);
         }
+        worst
     }
 }
 
@@ -175,7 +216,7 @@ mod tests {
             Grid::new(&problem, &all).nearest(p, 3, k, &mut found);
             let nodes = (0..2 * all.len() as u32).filter(|node| node / 2 != 3);
             let mut expected: Vec<Found> = nodes
-                .map(|node| (problem.items[node as usize / 2].ends(node % 2).0.distance2(p), node))
+                .map(|node| (problem.items[node as usize / 2].ends(node % 2).0.distance2(p), node, node % 2))
                 .collect();
             expected.sort_unstable();
             expected.truncate(k);

@@ -40,7 +40,7 @@ impl Search<'_> {
                 }
                 let list = self.near(inner, groups[usize::from(!right)]);
                 for at in 0..NEAR {
-                    let Near { node, least } = self.neighbours.get(list, at);
+                    let Near { node, least, .. } = self.neighbours.get(list, at);
                     if saved - least <= best_gain {
                         break;
                     }
@@ -71,7 +71,7 @@ impl Search<'_> {
         let gaps = self.gaps_beside(End { gap: junction, right: false }, group);
         let from = gaps.start + random.below(gaps.end - gaps.start);
         let list = self.near(self.walk.node(End { gap: from, right: true }), groups[1]);
-        let Near { node, least } = self.neighbours.get(list, random.below(NEAREST) as usize);
+        let Near { node, least, .. } = self.neighbours.get(list, random.below(NEAREST) as usize);
         if least.is_infinite() {
             return;
         }

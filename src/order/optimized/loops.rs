@@ -1,10 +1,14 @@
 //! Loops: entering them elsewhere, and moving them to another gap and vertex at once.
 
+use super::super::entries::samples;
+use super::neighbours::Near;
 use super::search::{GAIN, Search};
 use super::walk::{End, NONE};
 
 /// In groups of so few items, all gaps and vertices are tried for a loop.
 const FEW: u32 = 6;
+/// Nodes near each of the sampled vertices of a loop, beside which a gap is looked for.
+const NEAR_SAMPLE: usize = 3;
 
 impl Search<'_> {
     /// Enters a loop at the vertex that makes its two links cheapest. O(vertices).
@@ -30,17 +34,8 @@ impl Search<'_> {
 
     /// The vertex of a loop that is cheapest to visit between two places, and what its two links cost.
     pub fn best_vertex(&mut self, item: u32, before: [f64; 2], after: [f64; 2]) -> (f64, u32) {
-        let vertices = self.walk.vertices(item).unwrap_or_default();
-        let looked_at = vertices.len() as u64;
-        let mut best = (f64::INFINITY, 0);
-        for (entry, &vertex) in vertices.iter().enumerate() {
-            let cost = self.walk.between(before, vertex) + self.walk.between(vertex, after);
-            if cost < best.0 {
-                best = (cost, entry as u32);
-            }
-        }
-        self.walk.work += looked_at;
-        best
+        self.walk.work += self.walk.vertices(item).map_or(0, <[_]>::len) as u64;
+        self.walk.best_vertex(item, before, after)
     }
 
     /// Moves a loop to the gap in its group, and to the vertex, where it costs least.
@@ -73,27 +68,32 @@ impl Search<'_> {
                 }
             }
         } else {
-            let sites = self.neighbours.take_sites(self.problem, group, item);
-            for &(entry, node) in &sites {
+            for entry in samples(self.walk.vertices(item).map_or(0, <[_]>::len), true) {
+                let list = self.neighbours.of(self.problem, group, item, entry);
                 let Some(vertex) = self.walk.vertices(item).map(|vertices| vertices[entry as usize]) else {
                     continue;
                 };
-                let beside = self.walk.position(node / 2);
-                for gap in [beside, beside + 1] {
-                    if gap == at || gap == at + 1 || gap.abs_diff(at) > self.reach {
-                        continue;
+                for near in 0..NEAR_SAMPLE {
+                    let Near { node, least, .. } = self.neighbours.get(list, near);
+                    if least.is_infinite() {
+                        break;
                     }
-                    let left = self.walk.place(self.walk.node(End { gap, right: false }));
-                    let right = self.walk.place(self.walk.node(End { gap, right: true }));
-                    let added = self.walk.between(left, vertex) + self.walk.between(vertex, right)
-                        - self.walk.between(left, right);
-                    self.walk.work += 3;
-                    if added < best.0 {
-                        best = (added, gap);
+                    let beside = self.walk.position(node / 2);
+                    for gap in [beside, beside + 1] {
+                        if gap == at || gap == at + 1 || gap.abs_diff(at) > self.reach {
+                            continue;
+                        }
+                        let left = self.walk.place(self.walk.node(End { gap, right: false }));
+                        let right = self.walk.place(self.walk.node(End { gap, right: true }));
+                        let added = self.walk.between(left, vertex) + self.walk.between(vertex, right)
+                            - self.walk.between(left, right);
+                        self.walk.work += 3;
+                        if added < best.0 {
+                            best = (added, gap);
+                        }
                     }
                 }
             }
-            self.neighbours.put_sites(item, sites);
         }
         let gap = best.1;
         if gap == NONE {

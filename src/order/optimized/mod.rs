@@ -9,12 +9,14 @@ mod neighbours;
 mod random;
 mod runs;
 mod search;
+mod start;
 mod walk;
 
 use self::random::Random;
 use self::search::Search;
+use super::greedy::Fragments;
 use super::precedence::Groups;
-use super::{Cost, Greedy, Nearest, Problem, Sequence, Strategy, Visit, evaluate};
+use super::{Cost, Nearest, Problem, Sequence, Strategy, evaluate};
 use crate::profile::{Effort, Scope};
 
 /// Steps of iterated search per path. A step is a link cost looked at.
@@ -27,7 +29,7 @@ fn steps_per_path(effort: Effort, scope: Scope) -> u64 {
         (Effort::Fast, Scope::Layer) => 220,
         (Effort::Fast, _) => 50,
         (Effort::Normal, Scope::Layer) => 3_000,
-        (Effort::Normal, _) => 300,
+        (Effort::Normal, _) => 1_200,
         (Effort::High, Scope::Layer) => 60_000,
         (Effort::High, _) => 20_000,
     }
@@ -46,7 +48,7 @@ fn least_steps(effort: Effort) -> u64 {
 /// elsewhere and moving them, and by moving whole runs and islands; then kicks and repairs it for as long as the effort allows.
 ///
 /// Stages are solved one after the other, each from where the last one ended, and then, for the other half of the effort, all
-/// together, so that each ends where it suits the next; `fast` does so at once.
+/// together, so that each ends where it suits the next.
 ///
 /// Never dearer than [`Nearest`].
 #[derive(Clone, Copy, Debug)]
@@ -59,76 +61,26 @@ impl Strategy for Optimized {
             return nearest;
         }
         let groups = Groups::new(problem);
-        let stages: Vec<Vec<u32>> = groups
-            .place
-            .chunk_by(|a, b| a.stage == b.stage)
-            .scan(0, |first, places| {
-                let from = std::mem::replace(first, *first + places.len());
-                let mut items: Vec<u32> = groups.items[from..*first].concat();
-                items.sort_unstable();
-                Some(items)
-            })
-            .collect();
-        let steps = |items: usize, stages: usize| {
-            let of_items = items as u64 * steps_per_path(effort, problem.scope);
-            of_items.max(stages as u64 * least_steps(effort))
-        };
-        let all = steps(problem.items.len(), stages.len());
-        let found = if stages.len() > 1 && effort != Effort::Fast {
-            let start = one_after_the_other(problem, &stages, cost, |items| steps(items, 1) / 2);
-            improved(problem, &groups, cost, Some(start), all / 2)
-        } else {
-            improved(problem, &groups, cost, None, all)
-        };
+        let steps = |items: usize| items as u64 * steps_per_path(effort, problem.scope);
+        let mut search = Search::new(problem, &groups, *cost);
+        let mut random = Random::new(problem.items.len() as u64);
+        let mut fragments = Fragments::new(problem);
+        let (mut first, mut stages) = (0, 0);
+        for places in groups.place.chunk_by(|a, b| a.stage == b.stage) {
+            let stage = first..first + places.len();
+            (first, stages) = (stage.end, stages + 1);
+            let positions = search.append_stage(stage, &mut fragments);
+            let budget = steps(positions.len()).max(least_steps(effort)) / 2;
+            search.iterate(positions, &mut random, budget);
+        }
+        search.end();
+        let all = steps(problem.items.len()).max(stages * least_steps(effort));
+        search.iterate(1..problem.items.len() as u32 + 1, &mut random, all / 2);
+        let found = search.sequence();
         if evaluate(problem, &found, cost) <= evaluate(problem, &nearest, cost) { found } else { nearest }
     }
 
     fn looks_ahead(&self) -> bool {
         true
     }
-}
-
-/// The items of each stage solved from where the stage before ended, in so many steps.
-fn one_after_the_other(
-    problem: &Problem,
-    stages: &[Vec<u32>],
-    cost: &Cost,
-    steps: impl Fn(usize) -> u64,
-) -> Sequence {
-    let mut sequence = Sequence::with_capacity(problem.items.len());
-    let mut at = problem.start;
-    for items in stages {
-        let stage = Problem {
-            items: items.iter().map(|&item| problem.items[item as usize]).collect(),
-            runs: problem.runs.clone(),
-            scope: problem.scope,
-            start: at,
-            end: None,
-        };
-        let solved = improved(&stage, &Groups::new(&stage), cost, None, steps(items.len()));
-        at = solved.last().map(|visit| stage.items[visit.item as usize].ends(visit.entry).1).or(at);
-        sequence.extend(solved.iter().map(|visit| Visit { item: items[visit.item as usize], ..*visit }));
-    }
-    sequence
-}
-
-/// A solution after local search and so many steps of iterated local search.
-///
-/// Without a start: fragments that were joined shortest first leave less to mend; but where runs must not be mixed,
-/// choosing the next run by the nearest of its ends matters more, and nearest begins lower.
-fn improved(
-    problem: &Problem,
-    groups: &Groups,
-    cost: &Cost,
-    start: Option<Sequence>,
-    steps: u64,
-) -> Sequence {
-    let start = start.unwrap_or_else(|| match problem.scope {
-        Scope::Layer => Greedy.solve(problem, cost, Effort::Normal),
-        Scope::Feature | Scope::Island => Nearest.solve(problem, cost, Effort::Normal),
-    });
-    let mut search = Search::new(problem, groups, *cost, &start);
-    search.descend();
-    search.iterate(&mut Random::new(problem.items.len() as u64), steps);
-    search.sequence()
 }

@@ -11,22 +11,21 @@ use crate::geom::{Point, to_mm};
 /// Length of the lists. On layers of nine G-code files, 8 instead of 6 ended the first descent 1 % lower for a tenth
 /// more time; 5 lost another 1 %.
 pub const NEAR: usize = 8;
-/// Vertices of a loop from which gaps for it are looked for, and how many nodes from each.
-const SAMPLES: usize = 6;
-const NEAR_SAMPLE: usize = 3;
 
 /// A node near a place.
 #[derive(Clone, Copy, Debug)]
 pub struct Near {
     /// The node; of a loop, its even node. [`NONE`] and an infinite cost follow the last one.
     pub node: u32,
+    /// Its entry; of a loop, some vertex that is near.
+    pub entry: u32,
     /// The least that a link to it can cost, wherever a loop is entered (as far as its samples tell).
     pub least: f64,
 }
 
 /// Nodes near a place, nearest first.
 pub type List = [Near; NEAR];
-const EMPTY: List = [Near { node: NONE, least: f64::INFINITY }; NEAR];
+const EMPTY: List = [Near { node: NONE, entry: 0, least: f64::INFINITY }; NEAR];
 
 /// The nearest nodes of the same group for every entry, found when first asked for.
 #[derive(Debug)]
@@ -41,8 +40,6 @@ pub struct Neighbours {
     others: FxHashMap<(u32, u32), u32>,
     /// The lists; the first is that of the last place that is no entry of the group.
     lists: Vec<List>,
-    /// For each loop, entries and nodes near them, once asked for.
-    sites: Vec<Option<Vec<(u32, u32)>>>,
     found: Vec<Found>,
 }
 
@@ -64,8 +61,11 @@ impl Neighbours {
             first,
             slot: vec![0; entries as usize],
             others: FxHashMap::default(),
-            lists: vec![EMPTY],
-            sites: vec![None; problem.items.len()],
+            lists: {
+                let mut lists = Vec::with_capacity(1 + 5 * problem.items.len());
+                lists.push(EMPTY);
+                lists
+            },
             found: Vec::with_capacity(NEAR + 1),
         }
     }
@@ -100,6 +100,12 @@ impl Neighbours {
         0
     }
 
+    /// A list.
+    #[inline]
+    pub fn list(&self, list: usize) -> &List {
+        &self.lists[list]
+    }
+
     /// A place in a list.
     #[inline]
     pub fn get(&self, list: usize, at: usize) -> Near {
@@ -109,30 +115,15 @@ impl Neighbours {
     fn find(&mut self, group: u32, point: Point, except: u32) -> List {
         let mut list = EMPTY;
         self.grids[group as usize].nearest(point, except, NEAR, &mut self.found);
-        for (near, &(distance2, node)) in list.iter_mut().zip(&self.found) {
+        for (near, &(distance2, node, entry)) in list.iter_mut().zip(&self.found) {
             let least = self.cost.of((distance2 as f64).sqrt() * to_mm(1));
-            *near = Near { node, least };
+            *near = Near { node, entry, least };
         }
         list
     }
 
-    /// Entries of a loop, spread evenly, with nodes of its group that lie near them; borrowed until given back by
-    /// [`Self::put_sites`].
-    pub fn take_sites(&mut self, problem: &Problem, group: u32, item: u32) -> Vec<(u32, u32)> {
-        if let Some(sites) = self.sites[item as usize].take() {
-            return sites;
-        }
-        let Shape::Loop(vertices) = problem.items[item as usize].shape else { return Vec::new() };
-        let mut sites = Vec::with_capacity(SAMPLES * NEAR_SAMPLE);
-        for entry in (0..vertices.len()).step_by(vertices.len().div_ceil(SAMPLES)) {
-            self.grids[group as usize].nearest(vertices[entry], item, NEAR_SAMPLE, &mut self.found);
-            sites.extend(self.found.iter().map(|&(_, node)| (entry as u32, node)));
-        }
-        sites
-    }
-
-    /// Keeps a loop's sites for the next time.
-    pub fn put_sites(&mut self, item: u32, sites: Vec<(u32, u32)>) {
-        self.sites[item as usize] = Some(sites);
+    /// The entry of a group nearest to a place, among those wanted (by node and entry).
+    pub fn nearest_wanted(&self, group: u32, p: Point, wanted: impl Fn(u32, u32) -> bool) -> Option<Found> {
+        self.grids[group as usize].nearest_wanted(p, wanted)
     }
 }

@@ -1,19 +1,23 @@
 //! Local search with a work queue, and iterated local search on top of it.
 
 use std::collections::VecDeque;
+use std::ops::Range;
 
+use super::super::greedy::Fragments;
 use super::super::precedence::Groups;
 use super::super::{Cost, Problem, Sequence, Visit};
 use super::neighbours::Neighbours;
 use super::random::Random;
 use super::runs::Vicinity;
+use super::start::start;
 use super::walk::{End, Walk};
+use crate::geom::Point;
 
 /// What an improvement must save at least (millimetres or seconds), far above rounding and far below anything
 /// that matters, so that the search ends.
 pub const GAIN: f64 = 1e-7;
 /// Longest stretch that a kick swaps.
-const KICK: u32 = 60;
+const KICK: u32 = 20;
 /// Farthest exchange while kicks are repaired: what is farther away does not depend on the kick.
 const KICK_REACH: u32 = 1000;
 /// One kick in so many shifts a junction.
@@ -22,7 +26,7 @@ const SHIFT: u32 = 4;
 const WINDOW: u32 = 2000;
 
 /// Stages of so few items are searched thoroughly.
-const FEW: usize = 12;
+const FEW: usize = 6;
 
 /// A walk and what is needed to improve it.
 pub struct Search<'a> {
@@ -33,20 +37,24 @@ pub struct Search<'a> {
     /// Exchanges move at most so many items.
     pub(super) reach: u32,
     pub(super) vicinity: Vicinity<'a>,
+    /// Whether all items are on the walk. Before that, stages are not fitted to each other: the search would pay for it again
+    /// with every kick.
+    complete: bool,
     queue: VecDeque<u32>,
     queued: Vec<bool>,
 }
 
 impl<'a> Search<'a> {
-    /// Begins with a solution.
-    pub fn new(problem: &'a Problem<'a>, groups: &'a Groups, cost: Cost, sequence: &[Visit]) -> Self {
+    /// Begins with a walk through nothing.
+    pub fn new(problem: &'a Problem<'a>, groups: &'a Groups, cost: Cost) -> Self {
         Self {
             problem,
             groups,
-            walk: Walk::new(problem, groups, cost, sequence),
+            walk: Walk::new(problem, groups, cost),
             neighbours: Neighbours::new(problem, groups, cost),
             reach: u32::MAX,
             vicinity: Vicinity::new(problem, groups),
+            complete: false,
             queue: VecDeque::new(),
             queued: vec![false; 2 * problem.items.len()],
         }
@@ -57,28 +65,61 @@ impl<'a> Search<'a> {
         self.walk.sequence()
     }
 
-    /// Improves the walk until no move does any more.
-    pub fn descend(&mut self) {
-        (1..=self.walk.len() + 1).for_each(|gap| self.touch(gap));
+    /// Goes on through all items of a stage (its groups), and improves the walk until no move does any more. Returns their
+    /// positions.
+    pub fn append_stage(&mut self, stage: Range<usize>, fragments: &mut Fragments) -> Range<u32> {
+        let from = self.walk.len() + 1;
+        let visits = start(self.problem, self.groups, stage, self.at(), &mut self.neighbours, fragments);
+        self.walk.append(&visits);
+        let to = self.walk.len() + 1;
+        (from..=to).for_each(|gap| self.touch(gap));
         self.drain();
-        self.reenter_all();
+        self.reenter_all(from, to);
+        self.drain();
+        self.walk.commit();
+        from..to
+    }
+
+    /// Lets the walk go on to where it must end, and improves what joins the stages.
+    pub fn end(&mut self) {
+        self.walk.end_at(self.problem.end);
+        self.complete = true;
+        for gap in 1..=self.walk.len() {
+            if self.walk.group_at(gap - 1) != self.walk.group_at(gap) {
+                self.touch(gap);
+            }
+        }
+        self.touch(self.walk.len() + 1);
         self.drain();
         self.walk.commit();
     }
 
-    /// Kicks the walk somewhere, repairs it, keeps what is not worse; until `budget` steps are done.
+    /// Where the walk ends as it is now.
+    fn at(&self) -> Option<Point> {
+        match self.walk.len() {
+            0 => self.problem.start,
+            last => {
+                let Visit { item, entry } = self.walk.visit(last);
+                Some(self.problem.items[item as usize].ends(entry).1)
+            }
+        }
+    }
+
+    /// Kicks the walk somewhere in a range of positions, repairs it, keeps what is not worse; until `budget` steps are done.
     ///
     /// Iterated local search with segment-local double bridges (Martin, Otto & Felten 1991), local kicks and
     /// undo as in Applegate, Cook & Rohe 2003, doi:10.1287/ijoc.15.1.82.13157.
     ///
     /// Kicks go along the walk from one window of [`WINDOW`] paths to the next, so that what a window needs stays in the
     /// processor's caches.
-    pub fn iterate(&mut self, random: &mut Random, budget: u64) {
-        let count = self.walk.len();
+    pub fn iterate(&mut self, positions: Range<u32>, random: &mut Random, budget: u64) {
+        let count = positions.end - positions.start;
         let windows = count.div_ceil(WINDOW);
         self.reach = KICK_REACH;
         for window in 0..windows {
-            let bound = |window: u32| 1 + (u64::from(count) * u64::from(window) / u64::from(windows)) as u32;
+            let bound = |window: u32| {
+                positions.start + (u64::from(count) * u64::from(window) / u64::from(windows)) as u32
+            };
             let (from, to) = (bound(window), bound(window + 1));
             self.iterate_within(from, to, random, budget * u64::from(to - from) / u64::from(count));
         }
@@ -98,7 +139,7 @@ impl<'a> Search<'a> {
                 let stage = self.positions_of_stage(group);
                 self.kick(stage.start + random.below(stage.end - stage.start), random);
             }
-            self.drain();
+            self.repair();
             if self.walk.is_worse() {
                 self.walk.undo();
             } else {
@@ -131,6 +172,19 @@ impl<'a> Search<'a> {
         }
     }
 
+    /// As [`Self::drain`], but ends as soon as the walk costs what it did before the kick: most likely it is the same again.
+    fn repair(&mut self) {
+        while let Some(node) = self.queue.pop_front() {
+            self.queued[node as usize] = false;
+            while self.improve(node) {
+                if self.walk.is_as_before() {
+                    self.queue.drain(..).for_each(|node| self.queued[node as usize] = false);
+                    return;
+                }
+            }
+        }
+    }
+
     /// Makes one improving move that concerns the link at a node, if there is one.
     fn improve(&mut self, node: u32) -> bool {
         let item = node / 2;
@@ -151,7 +205,10 @@ impl<'a> Search<'a> {
             return true;
         }
         (turn && self.is_thorough(group) && self.reenter_beside(self.walk.position(item)))
-            || (outer && (self.shift(end.gap) || self.reverse_group(group) || self.move_group(group)))
+            || (outer
+                && ((self.complete && self.shift(end.gap))
+                    || self.reverse_group(group)
+                    || self.move_group(group)))
     }
 
     /// Swaps two neighbouring stretches, of one group or of whole groups, at or after a position.
@@ -163,7 +220,7 @@ impl<'a> Search<'a> {
         {
             self.walk.enter(self.walk.item_at(at), random.below(vertices.len() as u32));
         }
-        if self.groups.items.len() > 1 && random.below(SHIFT) == 0 {
+        if self.walk.span(group).1 <= self.walk.len() && random.below(SHIFT) == 0 {
             self.kick_junction(group, random);
             return;
         }

@@ -10,7 +10,7 @@ pub const NONE: u32 = u32::MAX;
 /// A walk through all items, with a journal of changes so that they can be undone.
 ///
 /// Item i has the nodes 2i and 2i + 1, its ends at entry 0 and 1; both nodes of a loop lie where it is entered. Items n
-/// and n + 1 are sentinels: where the nozzle is and where the next layer begins. Positions 1 to n hold
+/// and n + 1 are sentinels: where the nozzle is and where the next layer begins. Positions from 1 on hold
 /// the items; gap g lies between the positions g − 1 and g.
 #[derive(Debug)]
 pub struct Walk {
@@ -20,6 +20,10 @@ pub struct Walk {
     position: Vec<u32>,
     /// Place of each node, millimetres; not a number: anywhere, so that links to it cost nothing.
     place: Vec<[f64; 2]>,
+    /// Cost of the link at each node.
+    link: Vec<f64>,
+    /// Which items are loops.
+    looped: Vec<bool>,
     /// Vertices of all loops, and those of each item: `vertices[first_vertex[i]..first_vertex[i + 1]]`.
     vertices: Vec<[f64; 2]>,
     first_vertex: Vec<u32>,
@@ -59,15 +63,18 @@ impl End {
     }
 }
 
+/// No place in particular: links to it cost nothing.
+const ANYWHERE: [f64; 2] = [f64::NAN; 2];
+
 fn place(point: Option<Point>) -> [f64; 2] {
-    point.map_or([f64::NAN; 2], Point::mm)
+    point.map_or(ANYWHERE, Point::mm)
 }
 
 impl Walk {
-    /// The walk that a solution describes.
-    pub fn new(problem: &Problem, groups: &Groups, cost: Cost, sequence: &[Visit]) -> Self {
+    /// A walk from the start of a problem through nothing as yet, to anywhere.
+    pub fn new(problem: &Problem, groups: &Groups, cost: Cost) -> Self {
         let n = problem.items.len();
-        let (mut places, mut entry) = (Vec::with_capacity(2 * n + 4), vec![0; n]);
+        let mut places = Vec::with_capacity(2 * n + 4);
         let (mut all_vertices, mut first_vertex) = (Vec::new(), Vec::with_capacity(n + 3));
         for item in &problem.items {
             first_vertex.push(all_vertices.len() as u32);
@@ -80,69 +87,79 @@ impl Walk {
             }
         }
         first_vertex.extend([all_vertices.len() as u32; 3]);
-        places.extend([place(problem.start), place(problem.start), place(problem.end), place(problem.end)]);
-        let mut entered = Vec::with_capacity(n + 2);
-        entered.push(2 * n as u32);
-        for visit in sequence {
-            let (item, node) = (visit.item as usize, 2 * visit.item);
-            if let Shape::Loop(vertices) = problem.items[item].shape {
-                entry[item] = visit.entry;
-                let at = vertices[visit.entry as usize].mm();
-                (places[2 * item], places[2 * item + 1]) = (at, at);
-                entered.push(node);
-            } else {
-                entered.push(node + visit.entry);
-            }
-        }
-        entered.push(2 * n as u32 + 2);
-        let mut position = vec![0; n + 2];
-        for (at, &node) in entered.iter().enumerate() {
-            position[node as usize / 2] = at as u32;
-        }
+        places.extend([place(problem.start), place(problem.start), ANYWHERE, ANYWHERE]);
         let mut group = groups.of.clone();
         group.extend([NONE, NONE]);
-        let span = groups.items.iter().map(|items| (0, items.len() as u32)).collect();
-        let mut walk = Self {
+        Self {
             cost,
-            entered,
-            position,
+            entered: vec![2 * n as u32, 2 * n as u32 + 2],
+            position: vec![0; n + 2],
             place: places,
+            link: vec![0.0; 2 * n + 4],
+            looped: first_vertex.windows(2).map(|w| w[0] < w[1]).collect(),
             vertices: all_vertices,
             first_vertex,
-            entry,
+            entry: vec![0; n],
             group,
-            span,
+            span: groups.items.iter().map(|items| (0, items.len() as u32)).collect(),
             journal: Vec::new(),
             total: 0.0,
             committed: 0.0,
             work: 0,
-        };
-        walk.find_spans(1, n as u32);
-        walk.total = (1..=n as u32 + 1).map(|gap| walk.gap(gap)).sum();
-        walk.committed = walk.total;
-        walk
+        }
+    }
+
+    /// Goes on through more items: all those of some groups. Cannot be undone.
+    pub fn append(&mut self, visits: &[Visit]) {
+        let from = self.entered.len() as u32 - 1;
+        let Some(end) = self.entered.pop() else { return };
+        for &Visit { item, entry } in visits {
+            self.position[item as usize] = self.entered.len() as u32;
+            if self.is_loop(item) {
+                self.entry[item as usize] = entry;
+                self.put(item);
+                self.entered.push(2 * item);
+            } else {
+                self.entered.push(2 * item + entry);
+            }
+        }
+        self.entered.push(end);
+        self.find_spans(from, self.len());
+        self.total += (from..=self.len() + 1).map(|gap| self.relink(gap)).sum::<f64>();
+        self.commit();
+    }
+
+    /// Goes on to a place at the end.
+    pub fn end_at(&mut self, end: Option<Point>) {
+        let node = self.entered[self.entered.len() - 1] as usize;
+        self.place[node..node + 2].fill(place(end));
+        self.total += self.relink(self.len() + 1);
+        self.commit();
     }
 
     /// The solution as it is now.
     pub fn sequence(&self) -> Sequence {
-        let visit = |&node: &u32| {
-            let item = node / 2;
-            let entry = if self.is_loop(item) { self.entry[item as usize] } else { node % 2 };
-            Visit { item, entry }
-        };
-        self.entered[1..=self.len() as usize].iter().map(visit).collect()
+        (1..=self.len()).map(|position| self.visit(position)).collect()
     }
 
-    /// Number of items.
+    /// What is drawn at a position, and how.
+    pub fn visit(&self, position: u32) -> Visit {
+        let node = self.entered[position as usize];
+        let item = node / 2;
+        let entry = if self.is_loop(item) { self.entry[item as usize] } else { node % 2 };
+        Visit { item, entry }
+    }
+
+    /// Number of items on the walk.
     #[inline]
     pub fn len(&self) -> u32 {
-        self.entry.len() as u32
+        self.entered.len() as u32 - 2
     }
 
     /// Whether an item is a loop. Sentinels are not.
     #[inline]
     pub fn is_loop(&self, item: u32) -> bool {
-        self.first_vertex[item as usize] < self.first_vertex[item as usize + 1]
+        self.looped[item as usize]
     }
 
     /// Where a loop may be entered, millimetres; nothing for open paths and sentinels.
@@ -155,6 +172,11 @@ impl Walk {
     /// Whether the walk is dearer than at the last [`Self::commit`].
     pub fn is_worse(&self) -> bool {
         self.total > self.committed + 1e-9
+    }
+
+    /// Whether the walk costs what it did at the last [`Self::commit`].
+    pub fn is_as_before(&self) -> bool {
+        (self.total - self.committed).abs() <= 1e-9
     }
 
     /// Where a loop is entered.
@@ -211,6 +233,11 @@ impl Walk {
         }
     }
 
+    /// What is minimised.
+    pub fn cost(&self) -> &Cost {
+        &self.cost
+    }
+
     /// Place of a node, millimetres.
     #[inline]
     pub fn place(&self, node: u32) -> [f64; 2] {
@@ -231,6 +258,31 @@ impl Walk {
         if square > 0.0 { self.cost.of(square.sqrt()) } else { 0.0 }
     }
 
+    /// The vertex of a loop that is cheapest to visit between two places, and what its two links cost.
+    pub fn best_vertex(&self, item: u32, before: [f64; 2], after: [f64; 2]) -> (f64, u32) {
+        const AT_ONCE: usize = 8;
+        let vertices = self.vertices(item).unwrap_or_default();
+        let length_mm = |a: [f64; 2], b: [f64; 2]| {
+            let (dx, dy) = (a[0] - b[0], a[1] - b[1]);
+            // Not a number, from or to anywhere, becomes 0.
+            (dx * dx + dy * dy).sqrt().max(0.0)
+        };
+        let mut best = (f64::INFINITY, 0);
+        let mut lengths = [[0.0; 2]; AT_ONCE];
+        for (some, first) in vertices.chunks(AT_ONCE).zip((0..).step_by(AT_ONCE)) {
+            for (lengths, &vertex) in lengths.iter_mut().zip(some) {
+                *lengths = [length_mm(before, vertex), length_mm(vertex, after)];
+            }
+            for ([to, from], entry) in lengths[..some.len()].iter().zip(first..) {
+                let cost = self.cost.of(*to) + self.cost.of(*from);
+                if cost < best.0 {
+                    best = (cost, entry);
+                }
+            }
+        }
+        best
+    }
+
     /// The least that a link from a place to anything in a disc can cost.
     #[inline]
     pub fn beyond(&self, place: [f64; 2], center: [f64; 2], radius: f64) -> f64 {
@@ -238,10 +290,24 @@ impl Walk {
         if distance_mm > radius { self.cost.of(distance_mm - radius) } else { 0.0 }
     }
 
+    /// Cost of the link at a node.
+    #[inline]
+    pub fn link_at(&self, node: u32) -> f64 {
+        self.link[node as usize]
+    }
+
     /// Cost of the link over a gap.
     #[inline]
     pub fn gap(&self, gap: u32) -> f64 {
-        self.link(self.node(End { gap, right: false }), self.node(End { gap, right: true }))
+        self.link_at(self.node(End { gap, right: true }))
+    }
+
+    /// Finds the cost of the link over a gap after a change.
+    fn relink(&mut self, gap: u32) -> f64 {
+        let (left, right) = (self.node(End { gap, right: false }), self.node(End { gap, right: true }));
+        let cost = self.link(left, right);
+        (self.link[left as usize], self.link[right as usize]) = (cost, cost);
+        cost
     }
 
     /// Reverses the walk between two positions (inclusive), which lie in one group or hold whole groups.
@@ -249,7 +315,7 @@ impl Walk {
         if from <= to {
             self.total -= self.gap(from) + self.gap(to + 1);
             self.flip(from, to);
-            self.total += self.gap(from) + self.gap(to + 1);
+            self.total += self.relink(from) + self.relink(to + 1);
             self.journal.push(Change::Reversed(from, to));
         }
     }
@@ -272,7 +338,7 @@ impl Walk {
         self.total -= self.gap(at) + self.gap(at + 1);
         let before = std::mem::replace(&mut self.entry[item as usize], entry);
         self.put(item);
-        self.total += self.gap(at) + self.gap(at + 1);
+        self.total += self.relink(at) + self.relink(at + 1);
         self.journal.push(Change::Entered { item, before });
     }
 
@@ -287,17 +353,24 @@ impl Walk {
         self.total = self.committed;
         while let Some(change) = self.journal.pop() {
             match change {
-                Change::Reversed(from, to) => self.flip(from, to),
+                Change::Reversed(from, to) => {
+                    self.flip(from, to);
+                    self.relink(from);
+                    self.relink(to + 1);
+                }
                 Change::Entered { item, before } => {
                     self.entry[item as usize] = before;
                     self.put(item);
+                    let at = self.position(item);
+                    self.relink(at);
+                    self.relink(at + 1);
                 }
             }
         }
     }
 
     fn put(&mut self, item: u32) {
-        let at = self.vertices(item).map_or([f64::NAN; 2], |v| v[self.entry[item as usize] as usize]);
+        let at = self.vertices(item).map_or(ANYWHERE, |v| v[self.entry[item as usize] as usize]);
         self.place[2 * item as usize] = at;
         self.place[2 * item as usize + 1] = at;
     }
