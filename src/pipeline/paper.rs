@@ -78,7 +78,7 @@ fn rows(
         let mut output = Output::nowhere()?;
         reorder::rewritten(file, reorder::open(file)?, &settings, &mut output, &Silent)?;
         let took_s = begun.elapsed().as_secs_f64();
-        let text = read(output.reread()?)?;
+        let text = read(output.reread(0)?)?;
         let certified = Job { models: vec![file.to_owned()], ..job.clone() };
         let compared = compare::compare(&certified, &settings, &[strategy], &Silent)?;
         let gap = compared.first().and_then(|row| gap(row.link_mm(), row.bound_mm));

@@ -9,7 +9,7 @@ use crate::job::{JobError, Progress, ReorderJob};
 use crate::order::{Chain, Pins, SeamRule, chunk_len};
 use crate::output::Output;
 use crate::profile::{OrderStrategy, Scope, SeamPosition, Settings};
-use crate::reorder::{self, Block, Blocks, Habit, Learner, Options, Ordering, Pick, Toll, Walls, Written};
+use crate::reorder::{self, Block, Blocks, Habit, Inventory, Learner, Options, Ordering, Pick, Readback, Toll, Walls, Written};
 use crate::report::{Reordered, Way};
 use crate::toolpath::LayerPaths;
 
@@ -30,14 +30,12 @@ pub(super) fn reorder(
     progress: &dyn Progress,
 ) -> Result<Reordered, JobError> {
     let mut run = Run { more_pulls: job.more_retractions, ..Run::new(settings, job.keep_direction, true) };
-    run.rewrite(&job.file, open(&job.file)?, output, progress)?;
+    let (before, after) = run.rewrite(&job.file, open(&job.file)?, output, progress)?;
     let mut report = Reordered { file: job.file.display().to_string(), ..Reordered::default() };
     if run.improved() {
-        let proof = reorder::verify(open(&job.file)?, output.reread()?, parallel::both)
-            .map_err(|error| input_error(&job.file, &error))?
-            .map_err(|difference| {
-                JobError::Check(format!("{}: {difference}; nothing was written", job.file.display()))
-            })?;
+        let proof = before.compare(after).map_err(|difference| {
+            JobError::Check(format!("{}: {difference}; nothing was written", job.file.display()))
+        })?;
         let fewer = job.more_retractions || proof.after.retractions <= proof.before.retractions;
         if fewer && proof.after.travel_mm <= proof.before.travel_mm {
             (report.before, report.after) = (Way::from(&proof.before), Way::from(&proof.after));
@@ -78,7 +76,7 @@ pub(super) fn rewritten(
     output: &mut Output,
     progress: &dyn Progress,
 ) -> Result<(), JobError> {
-    Run::new(settings, false, false).rewrite(path, input, output, progress)
+    Run::new(settings, false, false).rewrite(path, input, output, progress).map(drop)
 }
 
 pub(super) fn open(path: &Path) -> Result<BufReader<File>, JobError> {
@@ -169,26 +167,36 @@ impl Run {
         self.after.within(limit) && score(self.after) < score(self.before) * (1.0 - WORTHWHILE)
     }
 
-    /// Batch by batch; while one is ordered and written, the next is read.
+    /// Batch by batch: while one is ordered and written, the next is read, and the one before is read back. What the
+    /// file prints, and what the result does.
     fn rewrite(
         &mut self,
         path: &Path,
         input: impl BufRead + Send,
         output: &mut Output,
         progress: &dyn Progress,
-    ) -> Result<(), JobError> {
+    ) -> Result<(Inventory, Inventory), JobError> {
         let failed = |error: io::Error| input_error(path, &error);
         let mut batches = Batches { blocks: Blocks::new(input), carry: None };
         let mut batch = batches.read().map_err(failed)?;
+        let mut readback = Readback::default();
+        let mut checked = output.written();
         while !batch.is_empty() {
-            let (written, next) = parallel::join(|| self.batch(&batch), || batches.read());
+            let end = output.written();
+            let back = output.reread(checked)?;
+            let check = || readback.read(back);
+            let ((written, read_back), next) =
+                parallel::join(|| parallel::join(|| self.batch(&batch), check), || batches.read());
+            read_back.map_err(failed)?;
+            checked = end;
             for written in written {
                 output.write(&written.bytes)?;
                 progress.layer_done();
             }
             batch = next.map_err(failed)?;
         }
-        Ok(())
+        readback.read(output.reread(checked)?).map_err(failed)?;
+        Ok((batches.blocks.finish(), readback.finish()))
     }
 
     /// Orders and writes some blocks.

@@ -23,6 +23,7 @@ pub(super) fn islands(block: &Block) -> Vec<u32> {
     }
     let area = (high[0] - low[0] + 2.0) * (high[1] - low[1] + 2.0);
     let cell_mm = REACH_MM.max((area / MOST_CELLS).sqrt());
+    let per_mm = 1.0 / cell_mm;
     let width = ((high[0] - low[0]) / cell_mm) as usize + 3;
     let height = ((high[1] - low[1]) / cell_mm) as usize + 3;
     let mut sets = Parts::new(block.paths.len());
@@ -30,7 +31,7 @@ pub(super) fn islands(block: &Block) -> Vec<u32> {
     for (index, path) in block.paths.iter().enumerate() {
         let mut last: Option<[f64; 2]> = None;
         for p in block.points(path) {
-            let p = [0, 1].map(|i| (p[i] - low[i]) / cell_mm + 1.0);
+            let p = [0, 1].map(|i| (p[i] - low[i]) * per_mm + 1.0);
             let from = last.replace(p).unwrap_or(p);
             let way = [p[0] - from[0], p[1] - from[1]];
             let steps = ((way[0] * way[0] + way[1] * way[1]).sqrt() / STEP) as usize + 1;

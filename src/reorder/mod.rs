@@ -24,6 +24,6 @@ pub use habit::{Habit, Learner};
 pub use problem::{Ordering, Pick};
 pub use reader::Blocks;
 pub use toll::{Options, Toll, choose};
-pub use verify::{Proof, verify};
+pub use verify::{Inventory, Proof, Readback, verify};
 pub use walls::Walls;
 pub use writer::{Written, end, junction, write};

@@ -1,15 +1,18 @@
 //! A file as blocks, one after the other: the whole of it is never in memory.
 
-use std::io::{self, BufRead, ErrorKind, Read};
+use std::io::{self, BufRead, ErrorKind};
 use std::ops::Range;
+
+use memchr::memchr2;
 
 use super::block::{Block, Cursor, Frame, Kind, Path, Seg, Slice, Token};
 use super::state::{Key, States};
 use super::ticks::ticks;
+use super::verify::Inventory;
 use crate::gcode::{Action, Annotated, Line, Mark, Reader, Stroke, mark};
 
 /// Longer lines are no G-code.
-const LONGEST_LINE: u64 = 1 << 22;
+const LONGEST_LINE: usize = 1 << 22;
 /// A block without paths is ended after so many bytes where it can be.
 const LONGEST_FIXED: usize = 1 << 20;
 /// Coordinates beyond this are no positions of a printer, file units.
@@ -28,6 +31,8 @@ pub struct Blocks<R> {
     /// The name of the feature, if it is one that is known, or none was given.
     movable: bool,
     block: Block,
+    /// What was read so far, for the proof.
+    inventory: Inventory,
     /// Lines since the last path, and what they hold.
     pending: Vec<Token>,
     since: Since,
@@ -67,10 +72,16 @@ impl<R: BufRead> Blocks<R> {
             marked: false,
             movable: true,
             block: empty(start, frame, States::default()),
+            inventory: Inventory::default(),
             pending: Vec::new(),
             since: Since::default(),
             done: false,
         }
+    }
+
+    /// What was read so far.
+    pub fn finish(self) -> Inventory {
+        self.inventory
     }
 
     /// The next block; `None` at the end.
@@ -80,7 +91,7 @@ impl<R: BufRead> Blocks<R> {
     pub fn read(&mut self) -> io::Result<Option<Block>> {
         while !self.done {
             let start = self.block.text.len();
-            let read = read_line(&mut self.input, &mut self.block.text)?;
+            let read = read_line(&mut self.input, self.number + 1, &mut self.block.text)?;
             if read == 0 {
                 self.done = true;
                 let mut last = self.take();
@@ -93,10 +104,6 @@ impl<R: BufRead> Blocks<R> {
                 return Ok(Some(last));
             }
             self.number += 1;
-            if self.block.text[start..].contains(&0) {
-                let message = format!("line {}: binary data; this is no G-code text", self.number);
-                return Err(io::Error::new(ErrorKind::InvalidData, message));
-            }
             if let Some(block) = self.line(start..start + read) {
                 return Ok(Some(block));
             }
@@ -122,6 +129,7 @@ impl<R: BufRead> Blocks<R> {
         let line = Line::new(self.number, self.offset, &text[range.clone()]);
         self.offset += range.len();
         let read = self.reader.read(line);
+        self.inventory.add(&read, self.reader.state.firmware_retracted);
         let stroke = match read.action {
             Action::Stroke(stroke) => Some(stroke),
             _ => None,
@@ -498,11 +506,31 @@ fn is_plain(parameters: &[u8]) -> bool {
 }
 
 /// Appends a line with its end; 0: there is none.
-pub(super) fn read_line(input: &mut impl BufRead, out: &mut Vec<u8>) -> io::Result<usize> {
-    let read = input.take(LONGEST_LINE + 1).read_until(b'\n', out)?;
-    if read as u64 > LONGEST_LINE {
-        let message = "a line is longer than 4 MB; this is no G-code text";
-        return Err(io::Error::new(ErrorKind::InvalidData, message));
+///
+/// # Errors
+/// As the system says; and where the bytes cannot be G-code. `number` is that of the line.
+pub(super) fn read_line(input: &mut impl BufRead, number: usize, out: &mut Vec<u8>) -> io::Result<usize> {
+    let refused = |message: String| Err(io::Error::new(ErrorKind::InvalidData, message));
+    let start = out.len();
+    loop {
+        let buffer = match input.fill_buf() {
+            Ok([]) => return Ok(out.len() - start),
+            Ok(buffer) => buffer,
+            Err(error) if error.kind() == ErrorKind::Interrupted => continue,
+            Err(error) => return Err(error),
+        };
+        let found = memchr2(b'\n', 0, buffer);
+        if found.is_some_and(|at| buffer[at] == 0) {
+            return refused(format!("line {number}: binary data; this is no G-code text"));
+        }
+        let used = found.map_or(buffer.len(), |at| at + 1);
+        out.extend_from_slice(&buffer[..used]);
+        input.consume(used);
+        if out.len() - start > LONGEST_LINE {
+            return refused("a line is longer than 4 MB; this is no G-code text".into());
+        }
+        if found.is_some() {
+            return Ok(out.len() - start);
+        }
     }
-    Ok(read)
 }

@@ -74,6 +74,8 @@ struct Writer<'a> {
     e: i64,
     feed: i64,
     state: States,
+    /// Index of the state that was put in force last, as long as no other one is.
+    entered: Option<u32>,
     /// The path drawn last.
     last: Option<Pick>,
     /// Whether filament is pulled back.
@@ -95,6 +97,7 @@ impl<'a> Writer<'a> {
             e: block.before.e,
             feed: block.before.feed,
             state: block.states[block.before.state as usize],
+            entered: None,
             last: None,
             pulled: false,
             toll: Toll::default(),
@@ -109,19 +112,17 @@ impl<'a> Writer<'a> {
         let target = first.map(|pick| ends(block, pick).0);
         let moved = self.at != before;
         // All up to what draws, or moves in ways of its own, is as it was.
-        let mut place = before;
         let mut fixed = if target.is_none() { tokens.len() } else { 0 };
         for (index, token) in tokens.iter().enumerate() {
-            let moves = token.to[..2] != place[..2];
-            if token.kind == Kind::Fixed || token.kind == Kind::Barrier && moves {
+            if token.kind == Kind::Fixed || self.places(token) {
                 fixed = fixed.max(index + 1);
             }
-            place = token.to;
         }
         let (head, tail) = tokens.split_at(fixed);
         if moved && fixed > 0 {
             let placed = head.iter().find(|t| {
                 matches!(t.kind, Kind::Travel | Kind::Fixed)
+                    || self.places(t)
                     || t.to[..2] != before[..2] && t.kind != Kind::Wipe
             });
             let by_itself =
@@ -180,6 +181,7 @@ impl<'a> Writer<'a> {
                 self.out.extend_from_slice(line);
             }
             self.state = self.state.with_commands_of(&wanted);
+            self.entered = None;
         }
         // Backwards along the way that the file itself went.
         if from.path == to.path + 1 && from.reversed && start == block.end(path) && after == before.from {
@@ -247,6 +249,9 @@ impl<'a> Writer<'a> {
 
     /// Puts a state in force, comments and all.
     fn enter(&mut self, state: u32) {
+        if self.entered.replace(state) == Some(state) {
+            return;
+        }
         let wanted = self.block.states[state as usize];
         if wanted != self.state {
             for line in self.state.changes(&wanted, true, &self.block.text) {
@@ -280,6 +285,7 @@ impl<'a> Writer<'a> {
             Kind::State(key) => {
                 self.out.extend_from_slice(line);
                 self.state.set(key, token.line);
+                self.entered = None;
             }
             // A line that names the place where the nozzle is in the file would move it from where it is here.
             Kind::Lift | Kind::Pull | Kind::Push | Kind::Feed
@@ -297,6 +303,7 @@ impl<'a> Writer<'a> {
                 self.out.extend_from_slice(line);
                 if token.kind == Kind::Barrier && Key::of(&Line::new(0, 0, line)).is_some() {
                     self.state = self.block.states[token.state as usize];
+                    self.entered = None;
                 }
                 self.feed = token.feed;
             }
@@ -312,9 +319,18 @@ impl<'a> Writer<'a> {
         }
         // A line without coordinates leaves the nozzle where it is, wherever that was in the file.
         match token.kind {
-            Kind::Travel | Kind::Wipe | Kind::Fixed | Kind::Barrier => self.at = token.to,
+            Kind::Travel | Kind::Wipe | Kind::Fixed => self.at = token.to,
+            Kind::Barrier if self.places(token) => self.at = token.to,
             _ => self.at[2] = token.to[2],
         }
+    }
+
+    /// Whether a barrier moves the nozzle in X and Y, or says where it is.
+    fn places(&self, token: &Token) -> bool {
+        token.kind == Kind::Barrier
+            && Line::new(0, 0, token.line.of(&self.block.text))
+                .code
+                .is_some_and(|code| code.letter == b'G' && matches!(code.number, 0..=3 | 28 | 92))
     }
 
     fn pull_counted(&mut self) {
