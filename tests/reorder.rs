@@ -6,7 +6,9 @@ use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
 use assert_cmd::Command;
-use pathwright::gcode::{Action, annotate, measure, replay};
+use pathwright::estimate::Machine;
+use pathwright::gcode::{Action, annotate, file_time, measure, replay};
+use pathwright::profile::Settings;
 use pathwright::reorder::verify;
 use pathwright::units::Mm;
 use print_support::{print, settings};
@@ -200,10 +202,27 @@ fn fan_and_acceleration_travel_with_their_paths() {
 }
 
 #[test]
-fn times_are_dropped_and_never_left_wrong() {
-    let text = two_layers(true).replace(";LAYER:1\n", "M73 P50 R1\n;TIME_ELAPSED:30.5\n;LAYER:1\n");
-    let result = reordered(&(";TIME:61\n".to_owned() + &text), &[]);
-    assert!(!result.contains("M73") && !result.contains("TIME"), "{result}");
+fn statements_about_time_change_as_the_time_does_or_are_dropped() {
+    let text = two_layers(true).replace(";LAYER:1\n", "M73 P50 R100\n;TIME_ELAPSED:300.5\n;LAYER:1\n");
+    // In the midst of what changes places, too.
+    let text = text.replacen(";LAYER:1\n", ";LAYER:1\nM73 C5\n", 1)
+        + "M73 P100 R0\n; estimated printing time = 1h 0m 0s\n";
+    let at = text.rfind("G0 X").expect("a travel");
+    let text = format!(";TIME:3600\n{}M73 P75 R50\n{}", &text[..at], &text[at..]);
+    let result = reordered(&text, &[]);
+    let machine = Machine::new(&Settings::default());
+    let [old, new] = [&text, &result].map(|t| file_time(t.as_bytes(), &machine).0);
+    let said: Vec<&str> =
+        result.lines().filter(|l| l.contains("TIME") || l.contains("73") || l.contains("time")).collect();
+    assert!(new < 0.8 * old && said.len() == 6, "{old} → {new}: {said:?}");
+    assert_eq!(said[0].trim_end(), format!(";TIME:{:.0}", 3600.0 * new / old));
+    let left: Vec<f64> = said.iter().filter_map(|l| l.trim_end().split_once(" R")?.1.parse().ok()).collect();
+    assert!(
+        said[1].starts_with("M73 P5") && (left[0] - 100.0).abs() > 1.0 && left[1] < 50.0 && left[2] == 0.0,
+        "{said:?}"
+    );
+    let elapsed: f64 = said[2].trim_end()[";TIME_ELAPSED:".len()..].parse().expect("a number");
+    assert!((elapsed / 300.5 - new / old).abs() < 0.1, "{said:?}");
 }
 
 #[test]
@@ -317,6 +336,16 @@ fn filament_pulled_back_on_the_way_after_a_travel_stays_on_that_way() {
         "M82\nG1 F3000\nG1 X30 Y25 E1.6\nG1 X35 Y25\nG1 X40 Y20 E1.3\nG1 X41 Y20 E1.35\nG1 X50 Y20 E2\n";
     let (code, result, said) = reorder(text.as_bytes(), &[]);
     assert_eq!((code, result.as_deref()), (0, Some(text.as_bytes())), "{said}");
+}
+
+#[test]
+fn a_line_that_lets_nothing_pass_leaves_the_nozzle_where_the_order_has_it() {
+    // Found by mutation: the bead after it was taken to begin where the file's own order would have ended.
+    let mut script = Script::new(true);
+    script.layer(0).say(";TYPE:FILL").hatch(10.0, &BAD).say("FROBNICATE").line(35.0, 22.0, 1200);
+    script.line(40.0, 22.0, 1200).hatch(50.0, &BAD);
+    let result = reordered(&script.text, &["--scope", "layer"]);
+    assert_eq!(strokes(&script.text), strokes(&result));
 }
 
 /// An outer wall with lines of infill inside, on either side of a slot: the straight way crosses the wall.

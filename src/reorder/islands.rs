@@ -38,21 +38,23 @@ pub(super) fn islands(block: &Block) -> Vec<u32> {
             for step in 1..=steps {
                 let share = step as f64 / steps as f64;
                 let [x, y] = [0, 1].map(|i| (from[i] + share * way[i]) as usize);
-                cells[y * width + x] = match cells[y * width + x] {
-                    u32::MAX => index as u32,
-                    other => {
-                        sets.join(other, index as u32);
-                        other
-                    }
-                };
+                let cell = &mut cells[y * width + x];
+                match *cell {
+                    u32::MAX => *cell = index as u32,
+                    other => _ = sets.join(other, index as u32),
+                }
             }
         }
     }
-    for at in width + 1..cells.len() {
-        if cells[at] != u32::MAX {
-            for near in [at - 1, at - width, at - width - 1, at - width + 1] {
-                if cells[near] != u32::MAX {
-                    sets.join(cells[near], cells[at]);
+    let rows: Vec<&[u32]> = cells.chunks_exact(width).collect();
+    for pair in rows.windows(2) {
+        let (below, row) = (pair[0], pair[1]);
+        for x in 1..width - 1 {
+            if row[x] != u32::MAX {
+                for near in [row[x - 1], below[x - 1], below[x], below[x + 1]] {
+                    if near != u32::MAX {
+                        sets.join(near, row[x]);
+                    }
                 }
             }
         }

@@ -7,8 +7,10 @@ use memchr::memchr2;
 
 use super::block::{Block, Cursor, Frame, Kind, Path, Seg, Slice, Token};
 use super::state::{Key, States};
-use super::ticks::ticks;
+use super::ticks::{is_whole, ticks};
+use super::times::is_time;
 use super::verify::Inventory;
+use crate::estimate::Machine;
 use crate::gcode::{Action, Annotated, Line, Mark, Reader, Stroke, mark};
 
 /// Longer lines are no G-code.
@@ -17,6 +19,8 @@ const LONGEST_LINE: usize = 1 << 22;
 const LONGEST_FIXED: usize = 1 << 20;
 /// Coordinates beyond this are no positions of a printer, file units.
 const LARGEST: f64 = 1e5;
+/// The radius of an arc may differ by this between its ends, mm.
+const ROUND_MM: f64 = 0.05;
 /// More filament pushed than was pulled back is priming and stays where it is, mm.
 const PRIMING_MM: f64 = 0.5;
 
@@ -26,8 +30,12 @@ pub struct Blocks<R> {
     reader: Reader,
     number: usize,
     offset: usize,
+    /// Lines about time so far.
+    times: usize,
     /// Whether a line that marks a layer was seen.
     marked: bool,
+    /// Whether something was extruded.
+    begun: bool,
     /// The name of the feature, if it is one that is known, or none was given.
     movable: bool,
     block: Block,
@@ -69,7 +77,9 @@ impl<R: BufRead> Blocks<R> {
             reader: Reader::default(),
             number: 0,
             offset: 0,
+            times: 0,
             marked: false,
+            begun: false,
             movable: true,
             block: empty(start, frame, States::default()),
             inventory: Inventory::default(),
@@ -77,6 +87,11 @@ impl<R: BufRead> Blocks<R> {
             since: Since::default(),
             done: false,
         }
+    }
+
+    /// Also measures when lines about time come, on this machine.
+    pub fn timed(self, machine: Option<&Machine>) -> Self {
+        Self { inventory: Inventory::timed(machine), ..self }
     }
 
     /// What was read so far.
@@ -159,9 +174,11 @@ impl<R: BufRead> Blocks<R> {
     /// Whether a stroke that extrudes may be moved at all.
     fn is_movable(&self, bead: &Stroke, before: &Before, read: &Annotated) -> bool {
         let named = read.context.role.is_some() || self.movable;
-        let sound = bead.from.iter().chain(&bead.to).all(|v| v.abs() < LARGEST) && bead.e_mm < LARGEST;
+        let sound = |mm: f64| mm.abs() < LARGEST && is_whole(mm / before.scale);
+        let amounts = bead.from.iter().chain(&bead.to).chain([&bead.e_mm]);
         named
-            && sound
+            && amounts.copied().all(sound)
+            && bead.arc.is_none_or(|arc| is_round(bead, arc.at))
             && !before.pulled
             && bead.from[2] == bead.to[2]
             && !before.doubtful
@@ -183,7 +200,8 @@ impl<R: BufRead> Blocks<R> {
             }
         }
         if is_time(line) {
-            return Kind::Time;
+            self.times += 1;
+            return Kind::Time(self.times - 1);
         }
         if let Some(key) = Key::of(line) {
             return Kind::State(key);
@@ -250,20 +268,17 @@ impl<R: BufRead> Blocks<R> {
             absolute: self.reader.state.absolute,
         };
         self.pending.push(token);
+        self.begun |= kind == Kind::Fixed;
         match kind {
             Kind::Travel => {
                 self.since.moved = true;
                 self.since.travel_state = Some(state);
             }
-            Kind::Wipe | Kind::Lift | Kind::Pull | Kind::FirmwarePull | Kind::FirmwarePush => {
+            Kind::Wipe | Kind::Lift | Kind::Pull | Kind::Push | Kind::FirmwarePull | Kind::FirmwarePush => {
                 self.since.moved = true
             }
-            Kind::Push => {
-                self.since.moved = true;
-                self.since.barrier |= stroke.is_some_and(|s| s.fresh_mm > PRIMING_MM);
-            }
             Kind::Mark | Kind::Barrier | Kind::Fixed => self.since.barrier = true,
-            Kind::ResetE | Kind::Feed | Kind::State(_) | Kind::Time | Kind::Noise => {}
+            Kind::ResetE | Kind::Feed | Kind::State(_) | Kind::Time(_) | Kind::Noise => {}
         }
         // After something that must stay, and draws, the nozzle is where it was: nothing has to be remembered.
         if kind == Kind::Fixed && self.block.paths.is_empty() && self.block.text.len() > LONGEST_FIXED {
@@ -298,14 +313,17 @@ impl<R: BufRead> Blocks<R> {
         if self.block.paths.is_empty() {
             self.block.junction.append(&mut self.pending);
             (self.block.frame, self.block.layer, self.block.marked) = (frame, layer, self.marked);
-            self.begin(point(bead.from), role, state);
-        } else if self.since.moved
-            || self.block.end(&self.block.paths[self.block.paths.len() - 1]) != point(bead.from)
-        {
+            self.block.begun = self.begun;
             self.begin(point(bead.from), role, state);
         } else {
-            // Feed rates and states are kept with each stroke.
-            self.pending.clear();
+            self.block.times.extend(self.pending.extract_if(.., |t| matches!(t.kind, Kind::Time(_))));
+            let end = self.block.end(&self.block.paths[self.block.paths.len() - 1]);
+            if self.since.moved || end != point(bead.from) {
+                self.begin(point(bead.from), role, state);
+            } else {
+                // Feed rates and states are kept with each stroke.
+                self.pending.clear();
+            }
         }
         let arc = bead.arc.map(|arc| (arc.at.map(|v| ticks(v / scale)), arc.clockwise));
         let (e, feed) = (ticks(bead.e_mm / scale), ticks(bead.feed_mm_s * 60.0 / scale));
@@ -316,7 +334,7 @@ impl<R: BufRead> Blocks<R> {
         if let Some(path) = self.block.paths.last_mut() {
             path.segs.end = end;
         }
-        self.since = Since::default();
+        (self.since, self.begun) = (Since::default(), true);
         self.block.after = self.cursor(state);
         ended
     }
@@ -411,13 +429,21 @@ fn empty(start: Cursor, frame: Frame, states: States) -> Block {
         paths: Vec::new(),
         segs: Vec::new(),
         links: Vec::new(),
+        times: Vec::new(),
         states: vec![states],
         frame,
         layer: 0,
         marked: false,
+        begun: false,
         before: start,
         after: start,
     }
+}
+
+/// Whether an arc is as far from its centre at its end as at its start.
+fn is_round(bead: &Stroke, center: [f64; 2]) -> bool {
+    let [from, to] = [bead.from, bead.to].map(|p| (p[0] - center[0]).hypot(p[1] - center[1]));
+    from > ROUND_MM && (from - to).abs() < ROUND_MM
 }
 
 fn stroke_kind(stroke: &Stroke) -> Kind {
@@ -435,33 +461,11 @@ fn stroke_kind(stroke: &Stroke) -> Kind {
         (true, _) => Kind::Travel,
         (false, e) if e.abs() > 1e-9 && lifts => Kind::Barrier,
         (false, e) if e < -1e-9 => Kind::Pull,
+        (false, e) if e > 1e-9 && stroke.fresh_mm > PRIMING_MM => Kind::Fixed,
         (false, e) if e > 1e-9 => Kind::Push,
         _ if lifts => Kind::Lift,
         _ => Kind::Feed,
     }
-}
-
-/// M73, and comments about time.
-pub(super) fn is_time(line: &Line) -> bool {
-    if line.is(b'M', 73) {
-        return true;
-    }
-    let alone = line.code.is_none() && line.parameters().trim_ascii().is_empty();
-    let Some(comment) = line.comment.filter(|_| alone).map(<[u8]>::trim_ascii) else { return false };
-    const BEGINS: [&str; 11] = [
-        "TIME_ELAPSED:",
-        "TIME:",
-        "PRINT.TIME:",
-        "PRINT_TIME:",
-        "Print Time:",
-        "Build time:",
-        "Estimated Build Time",
-        "estimated printing time",
-        "estimated first layer printing time",
-        "model printing time",
-        "total estimated time",
-    ];
-    BEGINS.iter().any(|begin| comment.starts_with(begin.as_bytes()))
 }
 
 /// Whether parameters are words that moves are known to have, each with a number and given once.

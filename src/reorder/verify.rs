@@ -5,9 +5,11 @@ use std::io::{self, BufRead};
 
 use rustc_hash::FxHasher;
 
-use super::reader::{is_time, read_line};
+use super::reader::read_line;
 use super::state::Key;
 use super::ticks::ticks;
+use super::times::{Stopwatch, Times, is_time};
+use crate::estimate::Machine;
 use crate::gcode::{Action, Annotated, Line, Measure, Meter, Reader, Stroke};
 use crate::units::Mm;
 
@@ -50,6 +52,11 @@ pub struct Readback {
 }
 
 impl Readback {
+    /// Also measures when lines about time come, on this machine.
+    pub fn timed(machine: Option<&Machine>) -> Self {
+        Self { inventory: Inventory::timed(machine), ..Self::default() }
+    }
+
     /// Reads on. The input ends with a line, or with the file.
     ///
     /// # Errors
@@ -73,10 +80,11 @@ impl Readback {
     }
 }
 
-/// What a file prints, in memory of some numbers for each layer.
+/// What a file prints, in memory of some numbers for each layer and each line about time.
 #[derive(Debug)]
 pub struct Inventory {
     meter: Meter,
+    stopwatch: Option<Stopwatch>,
     /// Layers that are complete, and the one at hand.
     layers: Vec<Layer>,
     layer: Layer,
@@ -92,6 +100,7 @@ impl Default for Inventory {
         Self {
             // Only lengths and counts are looked at.
             meter: Meter::new(Mm(1.75), None),
+            stopwatch: None,
             layers: Vec::new(),
             layer: Layer::default(),
             states: Vec::new(),
@@ -103,15 +112,29 @@ impl Default for Inventory {
 }
 
 impl Inventory {
+    pub(super) fn timed(machine: Option<&Machine>) -> Self {
+        Self { stopwatch: machine.map(Stopwatch::new), ..Self::default() }
+    }
+
+    /// When lines about time come, if that was measured.
+    pub fn take_times(&mut self) -> Option<Times> {
+        self.stopwatch.take().map(Stopwatch::finish)
+    }
+
     /// Takes up a line. `pulled`: whether filament is pulled back by the firmware after it.
     pub(super) fn add(&mut self, read: &Annotated, pulled: bool) {
         self.meter.add(&read.action);
+        if let Some(stopwatch) = &mut self.stopwatch {
+            stopwatch.step(read);
+        }
         let Action::Stroke(stroke) = &read.action else {
             return self.other(&read.line, &read.action);
         };
-        for i in 0..2 {
-            self.low[i] = self.low[i].min(stroke.to[i]);
-            self.high[i] = self.high[i].max(stroke.to[i]);
+        // A bead may be drawn backwards.
+        let places = [stroke.to, if stroke.extrudes() { stroke.from } else { stroke.to }];
+        for (place, i) in places.iter().flat_map(|place| [(place, 0), (place, 1)]) {
+            self.low[i] = self.low[i].min(place[i]);
+            self.high[i] = self.high[i].max(place[i]);
         }
         if stroke.extrudes() {
             if self.layer.index != read.context.layer {

@@ -1,19 +1,28 @@
 //! A block as text again, its paths in another order.
 
+use memchr::memchr3;
+
 use super::block::{Block, Kind, Path, Seg, Token};
 use super::habit::{Habit, Retract};
 use super::problem::Pick;
 use super::state::{Key, States};
 use super::ticks::{push_word, ticks, units};
+use super::times::is_understood;
 use super::toll::Toll;
 use super::walls::{Walls, Way};
 use crate::gcode::Line;
+
+/// Room behind a line about time.
+pub const TIME_ROOM: &[u8] = b"    ";
 
 /// A block's text, and what it comes to.
 #[derive(Clone, Debug, Default)]
 pub struct Written {
     /// The text.
     pub bytes: Vec<u8>,
+    /// Lines about time: where they begin in the text, and their numbers in the file. They stand as they were, with
+    /// some blanks behind them as room for other numbers.
+    pub times: Vec<(usize, usize)>,
     /// What it costs to come to its first path.
     pub junction: Toll,
     /// What it costs from there on.
@@ -54,7 +63,7 @@ pub fn write(block: &Block, picks: &[Pick], from: [i64; 2], habit: &Habit, walls
     if !picks.is_empty() {
         writer.close();
     }
-    Written { bytes: writer.out, junction, inside: writer.toll }
+    Written { bytes: writer.out, times: writer.times, junction, inside: writer.toll }
 }
 
 /// What it costs to come to the first of a block's paths, the nozzle coming from `from`.
@@ -70,6 +79,7 @@ struct Writer<'a> {
     walls: &'a Walls,
     eol: &'static [u8],
     out: Vec<u8>,
+    times: Vec<(usize, usize)>,
     at: [i64; 3],
     e: i64,
     feed: i64,
@@ -80,6 +90,8 @@ struct Writer<'a> {
     last: Option<Pick>,
     /// Whether filament is pulled back.
     pulled: bool,
+    /// Whether there was no bead yet: nothing can ooze.
+    dry: bool,
     toll: Toll,
 }
 
@@ -93,6 +105,7 @@ impl<'a> Writer<'a> {
             walls,
             eol: if crlf { b"\r\n" } else { b"\n" },
             out: Vec::new(),
+            times: Vec::new(),
             at: [from[0], from[1], block.before.at[2]],
             e: block.before.e,
             feed: block.before.feed,
@@ -100,6 +113,7 @@ impl<'a> Writer<'a> {
             entered: None,
             last: None,
             pulled: false,
+            dry: !block.begun,
             toll: Toll::default(),
         }
     }
@@ -114,7 +128,7 @@ impl<'a> Writer<'a> {
         // All up to what draws, or moves in ways of its own, is as it was.
         let mut fixed = if target.is_none() { tokens.len() } else { 0 };
         for (index, token) in tokens.iter().enumerate() {
-            if token.kind == Kind::Fixed || self.places(token) {
+            if token.kind == Kind::Fixed || places(self.barrier_code(token)) {
                 fixed = fixed.max(index + 1);
             }
         }
@@ -122,7 +136,7 @@ impl<'a> Writer<'a> {
         if moved && fixed > 0 {
             let placed = head.iter().find(|t| {
                 matches!(t.kind, Kind::Travel | Kind::Fixed)
-                    || self.places(t)
+                    || places(self.barrier_code(t))
                     || t.to[..2] != before[..2] && t.kind != Kind::Wipe
             });
             let by_itself =
@@ -150,6 +164,8 @@ impl<'a> Writer<'a> {
         for (index, token) in tail.iter().enumerate() {
             match token.kind {
                 Kind::Travel if travel == Some(index) => self.go(target, Some(token)),
+                // Filament is pushed forward for the first time where the file does so.
+                Kind::Travel if self.dry => self.token(token),
                 Kind::Travel if token.to[2] != self.at[2] => self.lift(token.to[2], token.feed),
                 Kind::Travel => {}
                 Kind::Wipe => self.pull_in_place(token),
@@ -211,12 +227,12 @@ impl<'a> Writer<'a> {
         } else {
             segs[pick.first..].iter().chain(&segs[..pick.first]).for_each(|seg| self.forwards(seg));
         }
-        self.last = Some(*pick);
+        (self.last, self.dry) = (Some(*pick), false);
     }
 
     fn forwards(&mut self, seg: &Seg) {
         self.enter(seg.state);
-        self.e += seg.e;
+        self.e = self.e.saturating_add(seg.e);
         let e = (self.block.frame.e_absolute && self.e != seg.e_after).then_some(self.e);
         self.stroke_line(seg.line.of(&self.block.text), e, seg.feed);
         (self.at[0], self.at[1]) = (seg.to[0], seg.to[1]);
@@ -232,10 +248,10 @@ impl<'a> Writer<'a> {
         self.out.extend_from_slice(command);
         self.xy(to);
         if let Some((center, _)) = seg.arc {
-            push_word(&mut self.out, b'I', center[0] - seg.to[0]);
-            push_word(&mut self.out, b'J', center[1] - seg.to[1]);
+            push_word(&mut self.out, b'I', center[0].saturating_sub(seg.to[0]));
+            push_word(&mut self.out, b'J', center[1].saturating_sub(seg.to[1]));
         }
-        self.e += seg.e;
+        self.e = self.e.saturating_add(seg.e);
         push_word(&mut self.out, b'E', if self.block.frame.e_absolute { self.e } else { seg.e });
         self.f(seg.feed);
         let line = Line::new(0, 0, seg.line.of(&self.block.text));
@@ -263,7 +279,8 @@ impl<'a> Writer<'a> {
 
     /// Everything as the file has it behind the block's last path.
     fn close(&mut self) {
-        let after = self.block.after;
+        let block = self.block;
+        let after = block.after;
         self.enter(after.state);
         if self.block.frame.e_absolute && self.e != after.e {
             self.out.extend_from_slice(b"G92");
@@ -275,13 +292,24 @@ impl<'a> Writer<'a> {
             self.f(after.feed);
             self.end_line();
         }
+        // What was said on the way is said behind it, the last of each kind.
+        let letters = |token: &Token| {
+            let line = token.line.of(&block.text).iter();
+            line.copied().filter(u8::is_ascii_alphabetic).collect::<Vec<u8>>()
+        };
+        for (index, token) in block.times.iter().enumerate() {
+            if block.times[index + 1..].iter().all(|later| letters(later) != letters(token)) {
+                self.token(token);
+            }
+        }
     }
 
     /// A line as it was, but for E and the feed rate in force.
     fn token(&mut self, token: &Token) {
         let line = token.line.of(&self.block.text);
+        let code = self.barrier_code(token);
         match token.kind {
-            Kind::Time => return,
+            Kind::Time(number) => return self.time(line, number),
             Kind::State(key) => {
                 self.out.extend_from_slice(line);
                 self.state.set(key, token.line);
@@ -295,21 +323,25 @@ impl<'a> Writer<'a> {
                 self.feed_filament(token.e, token.feed);
             }
             Kind::Travel | Kind::Lift | Kind::Pull | Kind::Push | Kind::Wipe | Kind::Feed | Kind::Fixed => {
-                self.e += token.e;
-                let e = (self.block.frame.e_absolute && self.e != token.e_after).then_some(self.e);
-                self.stroke_line(line, e, token.feed);
+                self.stroke(token);
             }
+            Kind::Barrier if matches!(code, Some(0..=3)) => self.stroke(token),
             _ => {
                 self.out.extend_from_slice(line);
                 if token.kind == Kind::Barrier && Key::of(&Line::new(0, 0, line)).is_some() {
                     self.state = self.block.states[token.state as usize];
                     self.entered = None;
                 }
-                self.feed = token.feed;
+                match code {
+                    // In another unit the feed rate is another number.
+                    Some(20 | 21) => self.feed = 0,
+                    Some(92) => self.e = token.e_after,
+                    _ => {}
+                }
             }
         }
         match token.kind {
-            Kind::ResetE | Kind::Barrier => self.e = token.e_after,
+            Kind::ResetE => self.e = token.e_after,
             Kind::Pull | Kind::Wipe | Kind::FirmwarePull => self.pull_counted(),
             Kind::Push | Kind::FirmwarePush | Kind::Fixed => self.pulled = false,
             _ => {}
@@ -320,17 +352,32 @@ impl<'a> Writer<'a> {
         // A line without coordinates leaves the nozzle where it is, wherever that was in the file.
         match token.kind {
             Kind::Travel | Kind::Wipe | Kind::Fixed => self.at = token.to,
-            Kind::Barrier if self.places(token) => self.at = token.to,
+            Kind::Barrier if places(code) => self.at = token.to,
             _ => self.at[2] = token.to[2],
         }
     }
 
-    /// Whether a barrier moves the nozzle in X and Y, or says where it is.
-    fn places(&self, token: &Token) -> bool {
-        token.kind == Kind::Barrier
-            && Line::new(0, 0, token.line.of(&self.block.text))
-                .code
-                .is_some_and(|code| code.letter == b'G' && matches!(code.number, 0..=3 | 28 | 92))
+    /// A line that moves.
+    fn stroke(&mut self, token: &Token) {
+        self.e = self.e.saturating_add(token.e);
+        let e = (self.block.frame.e_absolute && self.e != token.e_after).then_some(self.e);
+        self.stroke_line(token.line.of(&self.block.text), e, token.feed);
+    }
+
+    /// The number of a barrier's G-code, if it is one.
+    fn barrier_code(&self, token: &Token) -> Option<u32> {
+        let code = Line::new(0, 0, token.line.of(&self.block.text)).code;
+        code.filter(|code| token.kind == Kind::Barrier && code.letter == b'G').map(|code| code.number)
+    }
+
+    /// A line about time, if it can be brought up to date.
+    fn time(&mut self, line: &[u8], number: usize) {
+        if is_understood(&Line::new(0, 0, line)) {
+            self.times.push((self.out.len(), number));
+            self.out.extend_from_slice(line.trim_ascii_end());
+            self.out.extend_from_slice(TIME_ROOM);
+            self.end_line();
+        }
     }
 
     fn pull_counted(&mut self) {
@@ -358,7 +405,7 @@ impl<'a> Writer<'a> {
         let (far, habit) = (length_mm >= self.habit.threshold_mm, self.habit);
         let way = if self.walls.is_empty() { None } else { Some(self.walls.way(a, b)) };
         let retract = match way {
-            _ if self.pulled => None,
+            _ if self.pulled || self.dry => None,
             None | Some(Way::Outside) => habit.retract.as_ref().filter(|_| far),
             Some(Way::Inside) => habit.retract.as_ref().filter(|_| far && !habit.combs),
             Some(Way::Crosses) => {
@@ -506,14 +553,14 @@ impl<'a> Writer<'a> {
     }
 
     fn e_word(&mut self, e: i64) {
-        self.e += e;
+        self.e = self.e.saturating_add(e);
         push_word(&mut self.out, b'E', if self.block.frame.e_absolute { self.e } else { e });
     }
 
     fn lift(&mut self, z: i64, feed: i64) {
         if z != self.at[2] {
             self.command();
-            let value = if self.block.frame.absolute { z } else { z - self.at[2] };
+            let value = if self.block.frame.absolute { z } else { z.saturating_sub(self.at[2]) };
             push_word(&mut self.out, b'Z', value);
             self.at[2] = z;
             self.f(feed);
@@ -533,7 +580,11 @@ impl<'a> Writer<'a> {
         self.command();
         self.xy(to);
         if z != self.at[2] {
-            push_word(&mut self.out, b'Z', if self.block.frame.absolute { z } else { z - self.at[2] });
+            push_word(
+                &mut self.out,
+                b'Z',
+                if self.block.frame.absolute { z } else { z.saturating_sub(self.at[2]) },
+            );
         }
         self.f(feed);
         self.end_line();
@@ -546,8 +597,8 @@ impl<'a> Writer<'a> {
 
     fn xy(&mut self, to: [i64; 2]) {
         let origin = if self.block.frame.absolute { [0; 2] } else { [self.at[0], self.at[1]] };
-        push_word(&mut self.out, b'X', to[0] - origin[0]);
-        push_word(&mut self.out, b'Y', to[1] - origin[1]);
+        push_word(&mut self.out, b'X', to[0].saturating_sub(origin[0]));
+        push_word(&mut self.out, b'Y', to[1].saturating_sub(origin[1]));
     }
 
     /// The feed rate, where it is not in force.
@@ -569,7 +620,7 @@ impl<'a> Writer<'a> {
         if e.is_none() && !to_feed {
             self.out.extend_from_slice(line);
         } else {
-            let command = line.iter().position(|b| matches!(b, b';' | b'\r' | b'\n')).unwrap_or(line.len());
+            let command = memchr3(b';', b'\r', b'\n', line).unwrap_or(line.len());
             let (command, rest) = line.split_at(command);
             let place = |letter: u8| command.iter().rposition(|b| b.to_ascii_uppercase() == letter);
             match e.zip(place(b'E')) {
@@ -616,6 +667,11 @@ impl<'a> Writer<'a> {
 /// A coordinate with as many digits as slicers give, as ticks.
 fn rounded(value: f64) -> i64 {
     ticks((value * 1000.0).round() / 1000.0)
+}
+
+/// Whether a G-code of this number moves the nozzle in X and Y, or says where it is.
+fn places(code: Option<u32>) -> bool {
+    matches!(code, Some(0..=3 | 28 | 92))
 }
 
 /// Whether a line has all these words.
