@@ -36,6 +36,8 @@ pub struct Blocks<R> {
     marked: bool,
     /// Whether something was extruded.
     begun: bool,
+    /// Millimetres in a unit at the first stroke that may be moved: in another one nothing may.
+    unit: Option<f64>,
     /// The name of the feature, if it is one that is known, or none was given.
     movable: bool,
     block: Block,
@@ -65,6 +67,8 @@ struct Before {
     pulled: bool,
     /// Whether firmwares disagree about E.
     doubtful: bool,
+    /// The extruder's position, ticks.
+    e: i64,
 }
 
 impl<R: BufRead> Blocks<R> {
@@ -80,6 +84,7 @@ impl<R: BufRead> Blocks<R> {
             times: 0,
             marked: false,
             begun: false,
+            unit: None,
             movable: true,
             block: empty(start, frame, States::default()),
             inventory: Inventory::default(),
@@ -138,7 +143,8 @@ impl<R: BufRead> Blocks<R> {
     fn line(&mut self, range: Range<usize>) -> Option<Block> {
         let state = &self.reader.state;
         let pulled = state.firmware_retracted || state.retracted_mm > 1e-6;
-        let before = Before { scale: state.scale, pulled, doubtful: state.e_doubtful };
+        let e = ticks(state.e / state.scale);
+        let before = Before { scale: state.scale, pulled, doubtful: state.e_doubtful, e };
         let slice = Slice { start: range.start as u32, len: range.len() as u32 };
         let text = std::mem::take(&mut self.block.text);
         let line = Line::new(self.number, self.offset, &text[range.clone()]);
@@ -167,7 +173,7 @@ impl<R: BufRead> Blocks<R> {
         self.block.text = text;
         match (kind, bead) {
             (None, Some(bead)) => self.bead(slice, &bead, context_role, layer, before.scale),
-            (kind, _) => self.token(kind.unwrap_or(Kind::Barrier), slice, stroke),
+            (kind, _) => self.token(kind.unwrap_or(Kind::Barrier), slice, stroke, before.e),
         }
     }
 
@@ -178,6 +184,7 @@ impl<R: BufRead> Blocks<R> {
         let amounts = bead.from.iter().chain(&bead.to).chain([&bead.e_mm]);
         named
             && amounts.copied().all(sound)
+            && self.unit.is_none_or(|unit| unit == before.scale)
             && bead.arc.is_none_or(|arc| is_round(bead, arc.at))
             && !before.pulled
             && bead.from[2] == bead.to[2]
@@ -242,7 +249,7 @@ impl<R: BufRead> Blocks<R> {
         self.block.states.len() as u32 - 1
     }
 
-    fn token(&mut self, kind: Kind, line: Slice, stroke: Option<Stroke>) -> Option<Block> {
+    fn token(&mut self, kind: Kind, line: Slice, stroke: Option<Stroke>, e_before: i64) -> Option<Block> {
         let mut kind = kind;
         if let Kind::State(key) = kind {
             let mut states = self.block.states[self.state_now() as usize];
@@ -255,12 +262,11 @@ impl<R: BufRead> Blocks<R> {
         }
         let state = self.state_now();
         let now = self.cursor(state);
-        let scale = self.reader.state.scale;
         let token = Token {
             kind,
             line,
             to: now.at,
-            e: stroke.map_or(0, |s| ticks(s.e_mm / scale)),
+            e: stroke.map_or(0, |_| now.e.saturating_sub(e_before)),
             e_after: now.e,
             feed: now.feed,
             xy_mm: stroke.map_or(0.0, |s| s.xy_mm),
@@ -325,6 +331,7 @@ impl<R: BufRead> Blocks<R> {
                 self.pending.clear();
             }
         }
+        self.unit = Some(scale);
         let arc = bead.arc.map(|arc| (arc.at.map(|v| ticks(v / scale)), arc.clockwise));
         let (e, feed) = (ticks(bead.e_mm / scale), ticks(bead.feed_mm_s * 60.0 / scale));
         let to = point(bead.to);
@@ -450,6 +457,8 @@ fn stroke_kind(stroke: &Stroke) -> Kind {
     let moves = stroke.xy_mm > 1e-9;
     let lifts = stroke.from[2] != stroke.to[2];
     match (moves, stroke.e_mm) {
+        // Without a centre it has no length.
+        _ if stroke.arc.is_some() => Kind::Barrier,
         (true, e) if e < -1e-9 => {
             if lifts {
                 Kind::Barrier
@@ -457,7 +466,6 @@ fn stroke_kind(stroke: &Stroke) -> Kind {
                 Kind::Wipe
             }
         }
-        (true, _) if stroke.arc.is_some() => Kind::Barrier,
         (true, _) => Kind::Travel,
         (false, e) if e.abs() > 1e-9 && lifts => Kind::Barrier,
         (false, e) if e < -1e-9 => Kind::Pull,

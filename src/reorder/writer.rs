@@ -83,6 +83,8 @@ struct Writer<'a> {
     at: [i64; 3],
     e: i64,
     feed: i64,
+    /// E and the feed rate as the file has them behind the last line of the junction.
+    original: (i64, i64),
     state: States,
     /// Index of the state that was put in force last, as long as no other one is.
     entered: Option<u32>,
@@ -109,6 +111,7 @@ impl<'a> Writer<'a> {
             at: [from[0], from[1], block.before.at[2]],
             e: block.before.e,
             feed: block.before.feed,
+            original: (block.before.e, block.before.feed),
             state: block.states[block.before.state as usize],
             entered: None,
             last: None,
@@ -283,9 +286,7 @@ impl<'a> Writer<'a> {
         let after = block.after;
         self.enter(after.state);
         if self.block.frame.e_absolute && self.e != after.e {
-            self.out.extend_from_slice(b"G92");
-            push_word(&mut self.out, b'E', after.e);
-            self.end_line();
+            self.reset_e(after.e);
         }
         if self.feed != after.feed {
             self.out.extend_from_slice(b"G1");
@@ -322,21 +323,17 @@ impl<'a> Writer<'a> {
                 self.lift(token.to[2], token.feed);
                 self.feed_filament(token.e, token.feed);
             }
-            Kind::Travel | Kind::Lift | Kind::Pull | Kind::Push | Kind::Wipe | Kind::Feed | Kind::Fixed => {
-                self.stroke(token);
+            Kind::Travel | Kind::Lift | Kind::Pull | Kind::Push | Kind::Wipe | Kind::Feed => {
+                self.e = self.e.saturating_add(token.e);
+                let e = (self.block.frame.e_absolute && self.e != token.e_after).then_some(self.e);
+                self.stroke_line(line, e, token.feed);
             }
-            Kind::Barrier if matches!(code, Some(0..=3)) => self.stroke(token),
+            _ if token.kind == Kind::Fixed || places(code) => self.fixed(token, line),
             _ => {
-                self.out.extend_from_slice(line);
+                self.whole_line(line);
                 if token.kind == Kind::Barrier && Key::of(&Line::new(0, 0, line)).is_some() {
                     self.state = self.block.states[token.state as usize];
                     self.entered = None;
-                }
-                match code {
-                    // In another unit the feed rate is another number.
-                    Some(20 | 21) => self.feed = 0,
-                    Some(92) => self.e = token.e_after,
-                    _ => {}
                 }
             }
         }
@@ -355,13 +352,28 @@ impl<'a> Writer<'a> {
             Kind::Barrier if places(code) => self.at = token.to,
             _ => self.at[2] = token.to[2],
         }
+        self.original = (token.e_after, token.feed);
     }
 
-    /// A line that moves.
-    fn stroke(&mut self, token: &Token) {
-        self.e = self.e.saturating_add(token.e);
-        let e = (self.block.frame.e_absolute && self.e != token.e_after).then_some(self.e);
-        self.stroke_line(token.line.of(&self.block.text), e, token.feed);
+    /// A line that must not be changed: E and the feed rate are made what they are before it in the file.
+    fn fixed(&mut self, token: &Token, line: &[u8]) {
+        let (e, feed) = self.original;
+        if self.block.frame.e_absolute && self.e != e {
+            self.reset_e(e);
+        }
+        if self.feed != feed && feed > 0 {
+            self.out.extend_from_slice(b"G1");
+            self.f(feed);
+            self.end_line();
+        }
+        self.whole_line(line);
+        (self.e, self.feed) = (token.e_after, token.feed);
+    }
+
+    fn reset_e(&mut self, e: i64) {
+        self.out.extend_from_slice(b"G92");
+        push_word(&mut self.out, b'E', e);
+        self.end_line();
     }
 
     /// The number of a barrier's G-code, if it is one.
@@ -637,7 +649,7 @@ impl<'a> Writer<'a> {
                 }
                 None => self.out.extend_from_slice(command),
             }
-            if to_feed && place(b'F').is_none() {
+            if to_feed && !names(line, b"F") {
                 while self.out.last() == Some(&b' ') {
                     self.out.pop();
                 }
@@ -649,7 +661,14 @@ impl<'a> Writer<'a> {
             self.out.extend_from_slice(rest);
         }
         if !line.ends_with(b"\n") {
-            // The last line of a file may have no end; it need not be the last any more.
+            self.end_line();
+        }
+    }
+
+    /// A line as it is. The last one of a file may have no end; it need not be the last any more.
+    fn whole_line(&mut self, line: &[u8]) {
+        self.out.extend_from_slice(line);
+        if !line.ends_with(b"\n") {
             self.end_line();
         }
     }
@@ -671,7 +690,7 @@ fn rounded(value: f64) -> i64 {
 
 /// Whether a G-code of this number moves the nozzle in X and Y, or says where it is.
 fn places(code: Option<u32>) -> bool {
-    matches!(code, Some(0..=3 | 28 | 92))
+    matches!(code, Some(0..=3 | 20 | 21 | 28 | 92))
 }
 
 /// Whether a line has all these words.
