@@ -14,6 +14,8 @@ pub struct Habit {
     pub(super) threshold_mm: f64,
     /// Whether longer ones are not, as long as they stay within a part.
     pub(super) combs: bool,
+    /// Whether retracted ones go round walls, too.
+    pub(super) rounds: bool,
     /// How it retracts, if it does at all.
     pub(super) retract: Option<Retract>,
 }
@@ -45,6 +47,8 @@ struct Seen {
     retract: Option<Retract>,
     command: u8,
     travel_feed: i64,
+    /// Whether it is not straight.
+    turns: bool,
     steps: usize,
 }
 
@@ -96,6 +100,7 @@ impl Learner {
             travel_feed: travel.travel_feed,
             threshold_mm,
             combs: combed * 10 > far,
+            rounds: retracted.iter().filter(|s| s.turns).count() * 10 > retracted.len(),
             retract: usual.and_then(|s| s.retract.clone()),
         })
     }
@@ -151,12 +156,13 @@ fn seen(block: &Block, tokens: &[Token], length_mm: f64) -> Option<Seen> {
         push: (0, 0),
         reset: false,
     };
-    let (mut travel, mut wiped, mut z) = (None, false, level);
+    let (mut travel, mut travels, mut wiped, mut z) = (None, 0, false, level);
     for token in tokens {
         match token.kind {
             Kind::Travel => {
                 let command = Line::new(0, 0, token.line.of(&block.text)).code.map_or(1, |c| c.number as u8);
                 travel = Some((command, token.feed));
+                travels += 1;
             }
             Kind::Wipe => {
                 wiped = true;
@@ -182,5 +188,6 @@ fn seen(block: &Block, tokens: &[Token], length_mm: f64) -> Option<Seen> {
     }
     let (command, travel_feed) = travel?;
     let pulls = retract.firmware || retract.pulled() > 0 && retract.push.0 > 0;
-    Some(Seen { length_mm, retract: pulls.then_some(retract), command, travel_feed, steps: tokens.len() })
+    let (retract, turns) = (pulls.then_some(retract), travels > 1);
+    Some(Seen { length_mm, retract, command, travel_feed, turns, steps: tokens.len() })
 }

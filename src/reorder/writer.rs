@@ -416,29 +416,26 @@ impl<'a> Writer<'a> {
         let length_mm = a.distance_mm(b);
         let (far, habit) = (length_mm >= self.habit.threshold_mm, self.habit);
         let way = if self.walls.is_empty() { None } else { Some(self.walls.way(a, b)) };
+        let goes_round = way == Some(Way::Crosses) && (habit.combs || habit.rounds);
+        let corners = goes_round.then(|| self.walls.around(a, b)).flatten();
         let retract = match way {
             _ if self.pulled || self.dry => None,
             None | Some(Way::Outside) => habit.retract.as_ref().filter(|_| far),
             Some(Way::Inside) => habit.retract.as_ref().filter(|_| far && !habit.combs),
-            Some(Way::Crosses) => {
-                if let Some(corners) = habit.combs.then(|| self.walls.around(a, b)).flatten() {
-                    let feed = self.habit.travel_feed;
-                    for corner in corners {
-                        let corner = corner.mm().map(|mm| rounded(mm / self.block.frame.scale));
-                        self.travel_to(corner, z, feed);
-                    }
-                    self.travel_to(to, z, feed);
-                    return;
-                }
-                habit.retract.as_ref()
-            }
+            Some(Way::Crosses) => habit.retract.as_ref().filter(|_| corners.is_none() || !habit.combs),
         };
         let level = self.at[2];
+        let mut height = z;
         if let Some(retract) = retract {
             self.pull(retract);
-            if let Some((height, up, _)) = retract.hop {
-                self.lift(z.max(level) + height, up);
+            if let Some((hop, up, _)) = retract.hop {
+                height = z.max(level).saturating_add(hop);
+                self.lift(height, up);
             }
+        }
+        for corner in corners.into_iter().flatten() {
+            let corner = corner.mm().map(|mm| rounded(mm / self.block.frame.scale));
+            self.travel_to(corner, height, habit.travel_feed);
         }
         match as_was {
             Some(token) if retract.is_none_or(|r| r.hop.is_none()) && z != self.at[2] => {
