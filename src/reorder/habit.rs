@@ -47,7 +47,7 @@ struct Seen {
     retract: Option<Retract>,
     command: u8,
     travel_feed: i64,
-    /// Whether it is not straight.
+    /// Whether it is much longer than the straight way.
     turns: bool,
     steps: usize,
 }
@@ -60,6 +60,9 @@ pub struct Learner {
 
 /// What a retraction by the firmware is taken to last.
 const FIRMWARE_MINUTES: f64 = 0.1 / 60.0;
+/// A way goes round something if it is so many times as long as the straight one, and this much longer, mm.
+const DETOUR: f64 = 1.1;
+const DETOUR_MM: f64 = 1.0;
 /// Of more different ways to travel none is a habit.
 const MOST_KINDS: usize = 100;
 /// So many links tell enough.
@@ -156,13 +159,13 @@ fn seen(block: &Block, tokens: &[Token], length_mm: f64) -> Option<Seen> {
         push: (0, 0),
         reset: false,
     };
-    let (mut travel, mut travels, mut wiped, mut z) = (None, 0, false, level);
+    let (mut travel, mut travelled_mm, mut wiped, mut z) = (None, 0.0, false, level);
     for token in tokens {
         match token.kind {
             Kind::Travel => {
                 let command = Line::new(0, 0, token.line.of(&block.text)).code.map_or(1, |c| c.number as u8);
                 travel = Some((command, token.feed));
-                travels += 1;
+                travelled_mm += token.xy_mm;
             }
             Kind::Wipe => {
                 wiped = true;
@@ -188,6 +191,6 @@ fn seen(block: &Block, tokens: &[Token], length_mm: f64) -> Option<Seen> {
     }
     let (command, travel_feed) = travel?;
     let pulls = retract.firmware || retract.pulled() > 0 && retract.push.0 > 0;
-    let (retract, turns) = (pulls.then_some(retract), travels > 1);
+    let (retract, turns) = (pulls.then_some(retract), travelled_mm > DETOUR * length_mm + DETOUR_MM);
     Some(Seen { length_mm, retract, command, travel_feed, turns, steps: tokens.len() })
 }
