@@ -253,3 +253,27 @@ fn fingerprint(stroke: &Stroke, pulled: bool, state: i64) -> u64 {
         .fold(0xa076_1d64_78bd_642f, mix);
     hash ^ (hash >> 32)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn same(a: &str, b: &str) -> bool {
+        verify(a.as_bytes(), b.as_bytes()).expect("read").is_ok()
+    }
+
+    #[test]
+    fn strokes_are_the_same_in_any_order_and_direction_and_differ_in_anything_else() {
+        let text = "M83\nG1 X1 Y1 F600\nG1 X5 Y1 E1\nG1 Y2\nG1 X9 Y3 E2\n";
+        assert!(same(text, "M83\nG1 X9 Y3 F600\nG1 X5 Y2 E2\nG1 X1 Y1\nG1 X5 Y1 E1\n"));
+        for other in [
+            // Filament of one stroke for another one, though the sums are the same.
+            "M83\nG1 X1 Y1 F600\nG1 X5 Y1 E2\nG1 Y2\nG1 X9 Y3 E1\n",
+            "M83\nG1 X1 Y1 F600\nG1 X5 Y1 E1\nG1 Y2 F500\nG1 X9 Y3 E2\n",
+            "M83\nG1 X1 Y1 F600\nM106 S9\nG1 X5 Y1 E1\nG1 Y2\nG1 X9 Y3 E2\n",
+            "M83\nG1 X1 Y1 F600\nG1 X5 Y2 E1\nG1 Y1\nG1 X9 Y3 E2\n",
+        ] {
+            assert!(!same(text, other), "{other}");
+        }
+    }
+}

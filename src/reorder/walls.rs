@@ -218,3 +218,27 @@ fn along(boundary: &Boundary<'_>, from: BoundaryPos, to: BoundaryPos, way: &mut 
     way.extend(boundary.vertices_between(from, to, forward));
     Some(())
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::Blocks;
+    use super::*;
+
+    #[test]
+    fn a_way_around_is_found_through_a_strip_of_two_beads() {
+        // A U whose legs are 0.5 mm wide.
+        let mut text = String::from("M83\n;TYPE:WALL-OUTER\nG1 X0 Y0 F900\n");
+        for (x, y) in
+            [(4.0, 0.0), (4.0, 4.0), (3.5, 4.0), (3.5, 0.5), (0.5, 0.5), (0.5, 4.0), (0.0, 4.0), (0.0, 0.0)]
+        {
+            text += &format!("G1 X{x} Y{y} E1\n");
+        }
+        let block = Blocks::new(text.as_bytes()).read().expect("read").expect("a block");
+        let walls = Walls::new([&block].into_iter());
+        let [a, b] = [0.25, 3.75].map(|x| Point::from_mm(x, 3.5));
+        assert_eq!(walls.way(a, b), Way::Crosses);
+        let corners = walls.around(a, b).expect("a way");
+        let way: Vec<Point> = [a].into_iter().chain(corners).chain([b]).collect();
+        assert!(way.len() > 3 && way.windows(2).all(|w| walls.way(w[0], w[1]) == Way::Inside), "{way:?}");
+    }
+}
