@@ -74,8 +74,8 @@ pub(super) struct Token {
     pub xy_mm: f64,
     /// Index of the state after it.
     pub state: u32,
-    /// Whether coordinates are absolute.
-    pub absolute: bool,
+    /// Units and modes after it.
+    pub frame: Frame,
 }
 
 /// A stroke that extrudes and may be moved.
@@ -143,6 +143,8 @@ pub struct Block {
     pub(super) marked: bool,
     /// Whether something was extruded before it.
     pub(super) begun: bool,
+    /// Units and modes at the beginning.
+    pub(super) frame_before: Frame,
     /// At the beginning, and after its last path.
     pub(super) before: Cursor,
     pub(super) after: Cursor,

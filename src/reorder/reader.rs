@@ -271,7 +271,7 @@ impl<R: BufRead> Blocks<R> {
             feed: now.feed,
             xy_mm: stroke.map_or(0.0, |s| s.xy_mm),
             state,
-            absolute: self.reader.state.absolute,
+            frame: self.frame(),
         };
         self.pending.push(token);
         self.begun |= kind == Kind::Fixed;
@@ -367,7 +367,8 @@ impl<R: BufRead> Blocks<R> {
             |token| token.line.start as usize,
         );
         let first_state = last.after.state;
-        let mut next = empty(last.after, self.frame(), States::default());
+        let mut next = empty(last.after, last.frame, States::default());
+        next.frame = self.frame();
         let mut states: Vec<States> = last.states[first_state as usize..].to_vec();
         // The lines in force come along.
         let mut prefix: Vec<u8> = Vec::new();
@@ -442,6 +443,7 @@ fn empty(start: Cursor, frame: Frame, states: States) -> Block {
         layer: 0,
         marked: false,
         begun: false,
+        frame_before: frame,
         before: start,
         after: start,
     }

@@ -2,7 +2,7 @@
 
 use memchr::memchr3;
 
-use super::block::{Block, Kind, Path, Seg, Token};
+use super::block::{Block, Frame, Kind, Path, Seg, Token};
 use super::habit::{Habit, Retract};
 use super::problem::Pick;
 use super::state::{Key, States};
@@ -85,6 +85,8 @@ struct Writer<'a> {
     feed: i64,
     /// E and the feed rate as the file has them behind the last line of the junction.
     original: (i64, i64),
+    /// Units and modes in force.
+    frame: Frame,
     state: States,
     /// Index of the state that was put in force last, as long as no other one is.
     entered: Option<u32>,
@@ -112,6 +114,7 @@ impl<'a> Writer<'a> {
             e: block.before.e,
             feed: block.before.feed,
             original: (block.before.e, block.before.feed),
+            frame: block.frame_before,
             state: block.states[block.before.state as usize],
             entered: None,
             last: None,
@@ -142,8 +145,9 @@ impl<'a> Writer<'a> {
                     || places(self.barrier_code(t))
                     || t.to[..2] != before[..2] && t.kind != Kind::Wipe
             });
-            let by_itself =
-                |t: &Token| t.kind == Kind::Travel && t.absolute && names(t.line.of(&block.text), b"XY");
+            let by_itself = |t: &Token| {
+                t.kind == Kind::Travel && t.frame.absolute && names(t.line.of(&block.text), b"XY")
+            };
             if placed.is_some_and(|token| !by_itself(token)) {
                 self.go([before[0], before[1]], None);
             }
@@ -236,7 +240,7 @@ impl<'a> Writer<'a> {
     fn forwards(&mut self, seg: &Seg) {
         self.enter(seg.state);
         self.e = self.e.saturating_add(seg.e);
-        let e = (self.block.frame.e_absolute && self.e != seg.e_after).then_some(self.e);
+        let e = (self.frame.e_absolute && self.e != seg.e_after).then_some(self.e);
         self.stroke_line(seg.line.of(&self.block.text), e, seg.feed);
         (self.at[0], self.at[1]) = (seg.to[0], seg.to[1]);
     }
@@ -255,7 +259,7 @@ impl<'a> Writer<'a> {
             push_word(&mut self.out, b'J', center[1].saturating_sub(seg.to[1]));
         }
         self.e = self.e.saturating_add(seg.e);
-        push_word(&mut self.out, b'E', if self.block.frame.e_absolute { self.e } else { seg.e });
+        push_word(&mut self.out, b'E', if self.frame.e_absolute { self.e } else { seg.e });
         self.f(seg.feed);
         let line = Line::new(0, 0, seg.line.of(&self.block.text));
         if let Some(comment) = line.comment {
@@ -285,7 +289,8 @@ impl<'a> Writer<'a> {
         let block = self.block;
         let after = block.after;
         self.enter(after.state);
-        if self.block.frame.e_absolute && self.e != after.e {
+        // E need not stay relative.
+        if self.e != after.e {
             self.reset_e(after.e);
         }
         if self.feed != after.feed {
@@ -325,7 +330,7 @@ impl<'a> Writer<'a> {
             }
             Kind::Travel | Kind::Lift | Kind::Pull | Kind::Push | Kind::Wipe | Kind::Feed => {
                 self.e = self.e.saturating_add(token.e);
-                let e = (self.block.frame.e_absolute && self.e != token.e_after).then_some(self.e);
+                let e = (self.frame.e_absolute && self.e != token.e_after).then_some(self.e);
                 self.stroke_line(line, e, token.feed);
             }
             _ if token.kind == Kind::Fixed || places(code) => self.fixed(token, line),
@@ -353,12 +358,13 @@ impl<'a> Writer<'a> {
             _ => self.at[2] = token.to[2],
         }
         self.original = (token.e_after, token.feed);
+        self.frame = token.frame;
     }
 
     /// A line that must not be changed: E and the feed rate are made what they are before it in the file.
     fn fixed(&mut self, token: &Token, line: &[u8]) {
         let (e, feed) = self.original;
-        if self.block.frame.e_absolute && self.e != e {
+        if self.frame.e_absolute && self.e != e {
             self.reset_e(e);
         }
         if self.feed != feed && feed > 0 {
@@ -464,7 +470,7 @@ impl<'a> Writer<'a> {
         if retract.after.0 > 0 {
             self.feed_filament(-retract.after.0, retract.after.1);
         }
-        if retract.reset && self.block.frame.e_absolute {
+        if retract.reset && self.frame.e_absolute {
             self.out.extend_from_slice(b"G92 E0");
             self.end_line();
             self.e = 0;
@@ -563,13 +569,13 @@ impl<'a> Writer<'a> {
 
     fn e_word(&mut self, e: i64) {
         self.e = self.e.saturating_add(e);
-        push_word(&mut self.out, b'E', if self.block.frame.e_absolute { self.e } else { e });
+        push_word(&mut self.out, b'E', if self.frame.e_absolute { self.e } else { e });
     }
 
     fn lift(&mut self, z: i64, feed: i64) {
         if z != self.at[2] {
             self.command();
-            let value = if self.block.frame.absolute { z } else { z.saturating_sub(self.at[2]) };
+            let value = if self.frame.absolute { z } else { z.saturating_sub(self.at[2]) };
             push_word(&mut self.out, b'Z', value);
             self.at[2] = z;
             self.f(feed);
@@ -592,7 +598,7 @@ impl<'a> Writer<'a> {
             push_word(
                 &mut self.out,
                 b'Z',
-                if self.block.frame.absolute { z } else { z.saturating_sub(self.at[2]) },
+                if self.frame.absolute { z } else { z.saturating_sub(self.at[2]) },
             );
         }
         self.f(feed);
@@ -605,7 +611,7 @@ impl<'a> Writer<'a> {
     }
 
     fn xy(&mut self, to: [i64; 2]) {
-        let origin = if self.block.frame.absolute { [0; 2] } else { [self.at[0], self.at[1]] };
+        let origin = if self.frame.absolute { [0; 2] } else { [self.at[0], self.at[1]] };
         push_word(&mut self.out, b'X', to[0].saturating_sub(origin[0]));
         push_word(&mut self.out, b'Y', to[1].saturating_sub(origin[1]));
     }
