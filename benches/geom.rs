@@ -88,7 +88,7 @@ fn axes(c: &mut Criterion) {
         let outline = section(vertices, 0.05, 1.0);
         let band = difference(&outline, &offset(&outline, -0.6));
         let name = format!("medial axis {} vertices", band.vertex_count());
-        c.bench_function(&name, |b| b.iter(|| medial_axis(black_box(&band), 0.1, 1.0)));
+        c.bench_function(&name, |b| b.iter(|| medial_axis(black_box(&band), 0.1, 1.0, 0.5)));
     }
 }
 

@@ -44,7 +44,7 @@ fn a_strip_has_one_centred_line() {
         for angle in [0.0, 0.3, 0.785, 1.5] {
             let h = width / 2.0;
             let strip = turned(&[(0.0, -h), (20.0, -h), (20.0, h), (0.0, h)], angle);
-            let paths = medial_axis(&strip, 0.05, 1.0);
+            let paths = medial_axis(&strip, 0.05, 1.0, 0.5);
             assert_eq!(paths.len(), 1, "{width} {angle}: {paths:?}");
             let length = paths[0].length_mm();
             assert!((19.9 - width..=20.0 - 0.5 * width).contains(&length), "{width} {angle}: {length}");
@@ -63,7 +63,7 @@ fn a_strip_has_one_centred_line() {
 #[test]
 fn a_narrow_annulus_is_one_loop() {
     let annulus = difference(&unite_rings(&[circle(5.25, 120)]), &unite_rings(&[circle(4.75, 90)]));
-    let paths = medial_axis(&annulus, 0.1, 1.0);
+    let paths = medial_axis(&annulus, 0.1, 1.0, 0.5);
     assert_eq!(paths.len(), 1);
     assert!(paths[0].closed);
     assert!((paths[0].length_mm() - 5.0 * TAU).abs() < 0.1, "{}", paths[0].length_mm());
@@ -84,7 +84,7 @@ fn a_tee_is_a_bar_and_a_stem() {
     ];
     for angle in [0.0, 0.5] {
         let tee = turned(&tee, angle);
-        let paths = medial_axis(&tee, 0.1, 1.0);
+        let paths = medial_axis(&tee, 0.1, 1.0, 0.5);
         let mut lengths: Vec<f64> = paths.iter().map(MedialPath::length_mm).collect();
         lengths.sort_by(f64::total_cmp);
         assert_eq!(lengths.len(), 2, "{paths:?}");
@@ -96,7 +96,7 @@ fn a_tee_is_a_bar_and_a_stem() {
 #[test]
 fn an_ell_is_one_line() {
     let ell = turned(&[(0.0, 0.0), (8.0, 0.0), (8.0, 0.6), (0.6, 0.6), (0.6, 8.0), (0.0, 8.0)], 0.2);
-    let paths = medial_axis(&ell, 0.1, 1.0);
+    let paths = medial_axis(&ell, 0.1, 1.0, 0.5);
     assert_eq!(paths.len(), 1, "{paths:?}");
     assert_covers(&ell, &paths, 0.07);
 }
@@ -105,7 +105,7 @@ fn an_ell_is_one_line() {
 fn a_plus_is_two_crossing_lines() {
     let arms = |x0: f64, y0: f64| ring(&[(-x0, -y0), (x0, -y0), (x0, y0), (-x0, y0)]);
     let plus = unite_rings(&[arms(5.0, 0.3), arms(0.3, 5.0)]);
-    let paths = medial_axis(&plus, 0.1, 1.0);
+    let paths = medial_axis(&plus, 0.1, 1.0, 0.5);
     assert_eq!(paths.len(), 2, "{paths:?}");
     assert!(paths.iter().all(|path| (path.length_mm() - 9.4).abs() < 0.4));
     assert_covers(&plus, &paths, 0.05);
@@ -114,7 +114,7 @@ fn a_plus_is_two_crossing_lines() {
 #[test]
 fn width_follows_a_taper() {
     let taper = turned(&[(0.0, 0.0), (20.0, -0.1), (20.0, 1.0), (0.0, 0.2)], 0.0);
-    let paths = medial_axis(&taper, 0.1, 2.0);
+    let paths = medial_axis(&taper, 0.1, 2.0, 0.5);
     assert_eq!(paths.len(), 1);
     for (p, w) in paths[0].points.iter().zip(&paths[0].width_mm) {
         let x = p.mm()[0];
@@ -127,19 +127,19 @@ fn width_follows_a_taper() {
 #[test]
 fn parts_narrower_than_the_minimum_are_left_out() {
     let needle = turned(&[(0.0, 0.0), (20.0, -0.5), (20.0, 0.5)], 0.0);
-    let paths = medial_axis(&needle, 0.2, 2.0);
+    let paths = medial_axis(&needle, 0.2, 2.0, 0.5);
     assert_eq!(paths.len(), 1);
     assert!(paths[0].points.iter().all(|p| p.mm()[0] > 3.8));
-    assert!(medial_axis(&needle, 1.5, 2.0).is_empty());
+    assert!(medial_axis(&needle, 1.5, 2.0, 0.5).is_empty());
 }
 
 #[test]
 fn bad_widths_give_nothing() {
     let strip = turned(&[(0.0, 0.0), (9.0, 0.0), (9.0, 0.5), (0.0, 0.5)], 0.0);
     for (min, max) in [(f64::NAN, 1.0), (0.5, 0.1), (0.0, f64::INFINITY), (-1.0, 1.0), (0.0, 0.0)] {
-        assert!(medial_axis(&strip, min, max).is_empty());
+        assert!(medial_axis(&strip, min, max, 0.5).is_empty());
     }
-    assert!(medial_axis(&Region::default(), 0.1, 1.0).is_empty());
+    assert!(medial_axis(&Region::default(), 0.1, 1.0, 0.5).is_empty());
 }
 
 proptest! {
@@ -156,7 +156,7 @@ proptest! {
         let outline = (0..n).map(|i| Point::from_mm(radius(at(i)) * at(i).cos(), radius(at(i)) * at(i).sin()));
         let solid = unite_rings(&[outline.collect()]);
         let band = difference(&solid, &offset(&solid, -width));
-        let paths = medial_axis(&band, 0.05, 1.2);
+        let paths = medial_axis(&band, 0.05, 1.2, 0.5);
         let (covered, area) = (covered_mm2(&paths), band.area_mm2());
         prop_assert!((covered / area - 1.0).abs() < 0.05, "{covered} of {area}");
         prop_assert!(paths.iter().flat_map(|path| &path.points).all(|p| band.contains(*p)));
@@ -170,7 +170,7 @@ proptest! {
             .map(|t| t.iter().map(|&(x, y)| Point::from_mm(f64::from(x) * 0.3, f64::from(y) * 0.3)).collect())
             .collect();
         let region = unite_rings(&rings);
-        let paths = medial_axis(&region, min, max);
+        let paths = medial_axis(&region, min, max, 0.5);
         for path in &paths {
             prop_assert_eq!(path.points.len(), path.width_mm.len());
             prop_assert!(path.points.len() >= 2 + usize::from(path.closed));
@@ -179,6 +179,6 @@ proptest! {
                 prop_assert!((min as f32 - 1e-6..=max as f32).contains(w));
             }
         }
-        prop_assert_eq!(&paths, &medial_axis(&region, min, max));
+        prop_assert_eq!(&paths, &medial_axis(&region, min, max, 0.5));
     }
 }

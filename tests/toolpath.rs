@@ -1,10 +1,15 @@
 //! What the toolpath stage promises, checked on sections made here.
 
+mod toolpath_raster;
+
 use pathwright::geom::{self, Bounds, Point, Polygon, Region, Ring};
 use pathwright::profile::{Pattern, Settings, WallOrder};
-use pathwright::toolpath::{LayerPaths, ObjectLayer, Path, Planner, PlateLayer, Role, Shells, Width, bead};
+use pathwright::toolpath::{
+    LayerPaths, ObjectLayer, Path, Planner, PlateLayer, Role, Shells, Width, bead, shell_layers,
+};
 use pathwright::units::{Mm, Ratio};
 use proptest::prelude::*;
+use toolpath_raster::coverage;
 
 const HEIGHT_MM: f64 = 0.2;
 
@@ -75,12 +80,15 @@ fn volume_mm3<'a>(paths: impl IntoIterator<Item = &'a Path>) -> f64 {
     paths
         .into_iter()
         .map(|p| {
-            let steps = p.points.windows(2).map(|e| e[0].distance_mm(e[1]));
+            let n = p.points.len();
+            let edges = (0..if p.closed { n } else { n - 1 }).map(|i| (i, (i + 1) % n));
             match &p.width {
                 Width::Constant(width_mm) => bead::area_mm2(*width_mm, p.height_mm) * length_mm(p),
-                Width::PerVertex(widths) => steps
-                    .zip(widths.windows(2))
-                    .map(|(d, w)| bead::area_mm2(f64::from(w[0] + w[1]) / 2.0, p.height_mm) * d)
+                Width::PerVertex(widths) => edges
+                    .map(|(a, b)| {
+                        let width_mm = f64::from(widths[a] + widths[b]) / 2.0;
+                        bead::area_mm2(width_mm, p.height_mm) * p.points[a].distance_mm(p.points[b])
+                    })
                     .sum(),
             }
         })
@@ -319,10 +327,15 @@ proptest! {
 
     #[test]
     fn walls_stay_inside_the_section(section in star()) {
-        let room = geom::offset(&section, -(0.45 / 2.0 - 0.003));
-        for layer in plan(&vec![section; 3], &job()) {
+        for layer in plan(&vec![section.clone(); 3], &job()) {
             for path in layer.paths.iter().filter(|p| p.closed && p.role == Role::ExternalPerimeter) {
-                for &p in &path.points {
+                for (i, &p) in path.points.iter().enumerate() {
+                    // Between the places where it is fitted, a varying width may be off by a few hundredths.
+                    let (width_mm, slack_mm) = match &path.width {
+                        Width::Constant(width_mm) => (*width_mm, 0.003),
+                        Width::PerVertex(widths) => (f64::from(widths[i]), 0.04),
+                    };
+                    let room = geom::offset(&section, -(width_mm / 2.0 - slack_mm));
                     prop_assert!(room.contains(p), "{p:?}");
                 }
             }
@@ -337,4 +350,142 @@ proptest! {
         let share = volume_mm3(&layers[1].paths) / (section.area_mm2() * HEIGHT_MM);
         prop_assert!((0.85..=1.05).contains(&share), "{share}");
     }
+}
+
+/// The job at full density, one layer from the middle.
+fn solid_layer(section: &Region) -> LayerPaths {
+    let mut settings = job();
+    settings.infill.density = Ratio(1.0);
+    plan(&vec![section.clone(); 3], &settings).swap_remove(1)
+}
+
+#[test]
+fn walls_of_any_thickness_are_filled_without_void_or_overlap() {
+    for tenths in 3..=20 {
+        let thickness_mm = f64::from(tenths) / 10.0;
+        let section = rectangle(0.0, 0.0, thickness_mm, 12.0);
+        let layer = solid_layer(&section);
+        // What the round sides of the outermost bead leave out is no void.
+        let filled = geom::offset(&section, -bead::rounding_mm(HEIGHT_MM) / 2.0);
+        let share = volume_mm3(&layer.paths) / (filled.area_mm2() * HEIGHT_MM);
+        // The round ends of a single bead hold less than square ones would.
+        assert!((0.95..=1.03).contains(&share), "{thickness_mm} mm: {share} of the volume");
+        let found = coverage(&section, &layer.paths);
+        assert!(found.void <= 0.012 && found.double <= 0.005, "{thickness_mm} mm: {found:?}");
+        assert!(found.outside <= 0.005, "{thickness_mm} mm: {found:?}");
+    }
+}
+
+#[test]
+fn beads_are_between_half_and_one_and_a_half_times_as_wide_as_asked_for() {
+    let spacing_mm = bead::spacing_mm(0.45, HEIGHT_MM);
+    for tenths in 4..=30 {
+        let thickness_mm = f64::from(tenths) / 10.0;
+        for path in &solid_layer(&rectangle(0.0, 0.0, thickness_mm, 12.0)).paths {
+            let widths: Vec<f64> = match &path.width {
+                Width::Constant(width_mm) => vec![*width_mm],
+                Width::PerVertex(widths) => widths.iter().map(|&w| f64::from(w)).collect(),
+            };
+            for width_mm in widths {
+                let share = bead::spacing_mm(width_mm, HEIGHT_MM) / spacing_mm;
+                assert!((0.45..=1.61).contains(&share), "{thickness_mm} mm: {share} in {path:?}");
+            }
+        }
+    }
+}
+
+#[test]
+fn a_wedge_is_filled_from_its_thin_to_its_thick_end() {
+    let outer = ring(&[(0.0, -0.15), (30.0, -1.0), (30.0, 1.0), (0.0, 0.15)]);
+    let section = Region { polygons: vec![Polygon { outer, holes: vec![] }] };
+    let layer = solid_layer(&section);
+    let found = coverage(&section, &layer.paths);
+    assert!(found.void <= 0.012 && found.double <= 0.02 && found.outside <= 0.003, "{found:?}");
+}
+
+#[test]
+fn solid_layers_are_closed_around_holes_and_along_slants() {
+    let circle = |x: f64, y: f64, radius: f64| {
+        let at = |i: i32| f64::from(i) / 32.0 * std::f64::consts::TAU;
+        let points = (0..32).map(|i| (x + radius * at(i).cos(), y + radius * at(i).sin()));
+        let outer = ring(&points.collect::<Vec<_>>());
+        Region { polygons: vec![Polygon { outer, holes: vec![] }] }
+    };
+    let plate = with_hole(
+        with_hole(rectangle(0.0, 0.0, 16.0, 12.0), &circle(4.0, 4.0, 1.5)),
+        &circle(11.0, 7.0, 2.2),
+    );
+    let hexagon = ring(&[(6.0, 0.0), (3.0, 5.2), (-3.0, 5.2), (-6.0, 0.0), (-3.0, -5.2), (3.0, -5.2)]);
+    let hexagon = Region { polygons: vec![Polygon { outer: hexagon, holes: vec![] }] };
+    for section in [plate, circle(0.0, 0.0, 5.0), hexagon] {
+        let found = coverage(&section, &solid_layer(&section).paths);
+        assert!(found.void <= 0.006 && found.double <= 0.02 && found.outside <= 0.001, "{found:?}");
+    }
+}
+
+#[test]
+fn thin_parts_are_printed_down_to_the_width_stated_and_no_further() {
+    let mut settings = job();
+    (settings.walls.min_feature, settings.walls.min_width) = (Mm(0.2), Mm(0.3));
+    let walls =
+        |thickness_mm: f64| plan(&vec![rectangle(0.0, 0.0, thickness_mm, 10.0); 3], &settings).swap_remove(1);
+    assert!(walls(0.18).paths.is_empty());
+    let thin = walls(0.24);
+    assert_eq!(thin.paths.len(), 1);
+    assert_eq!(thin.paths[0].role, Role::ExternalPerimeter);
+    let Width::PerVertex(widths) = &thin.paths[0].width else { panic!("fitting width") };
+    assert!(widths.iter().all(|w| (w - 0.3).abs() < 1e-3), "{widths:?}");
+}
+
+#[test]
+fn on_a_monotonic_top_every_line_comes_after_the_one_below_it() {
+    let section = with_hole(rectangle(0.0, 0.0, 20.0, 15.0), &rectangle(8.0, 5.0, 12.0, 10.0));
+    let mut settings = job();
+    settings.shell.monotonic = true;
+    let top = plan(&vec![section; 6], &settings).swap_remove(5);
+    let lines = of_role(&top, Role::TopSolidInfill);
+    assert!(lines.len() > 40, "{}", lines.len());
+    // The last layer's lines run at 135°.
+    let across = |p: &Path| {
+        let [a, b] =
+            [p.points[0], p.points[p.points.len() - 1]].map(|p| (-p.mm()[0] - p.mm()[1]) / 2.0_f64.sqrt());
+        a.midpoint(b)
+    };
+    for a in &lines {
+        for b in &lines {
+            let apart_mm = across(b) - across(a);
+            assert!(
+                apart_mm < 0.3 || b.rank > a.rank,
+                "{apart_mm} mm above, rank {} after {}",
+                b.rank,
+                a.rank
+            );
+        }
+    }
+}
+
+#[test]
+fn ironing_goes_once_more_over_the_top_and_lays_down_little() {
+    let mut settings = job();
+    settings.ironing.enabled = true;
+    (settings.ironing.flow, settings.ironing.spacing) = (Ratio(0.1), Mm(0.1));
+    let section = rectangle(0.0, 0.0, 20.0, 15.0);
+    let layers = plan(&vec![section.clone(); 8], &settings);
+    assert!(layers[..7].iter().all(|layer| of_role(layer, Role::Ironing).is_empty()));
+    let ironing = of_role(&layers[7], Role::Ironing);
+    let share = volume_mm3(ironing.iter().copied()) / (geom::offset(&section, -1.0).area_mm2() * HEIGHT_MM);
+    assert!((share - 0.1).abs() < 0.01, "{share}");
+    assert!(layers[7].paths.iter().all(|p| p.role == Role::Ironing || p.rank < ironing[0].rank));
+    let room = geom::offset(&section, -0.8);
+    assert!(ironing.iter().flat_map(|p| &p.points).all(|&p| room.contains(p)));
+}
+
+#[test]
+fn thin_layers_get_more_of_them_for_the_same_shell() {
+    let mut shell = job().shell;
+    shell.min_thickness = Mm(0.7);
+    assert_eq!(shell_layers(&shell, 0.2), (4, 4));
+    assert_eq!(shell_layers(&shell, 0.1), (7, 7));
+    (shell.top_layers, shell.min_thickness) = (0, Mm(1.0));
+    assert_eq!(shell_layers(&shell, 0.1), (0, 10));
 }

@@ -70,6 +70,15 @@ impl<'a> Boundary<'a> {
         })
     }
 
+    /// Unit vector along the edge of a place; `None` of an edge without length or a place that is not there.
+    pub fn direction(&self, at: BoundaryPos) -> Option<[f64; 2]> {
+        let ring = self.rings.get(at.ring as usize)?;
+        let a = ring.get(at.edge as usize)?;
+        let b = ring[(at.edge as usize + 1) % ring.len()];
+        let (length_mm, [ax, ay], [bx, by]) = (a.distance_mm(b), a.mm(), b.mm());
+        (length_mm > 0.0).then(|| [(bx - ax) / length_mm, (by - ay) / length_mm])
+    }
+
     /// The vertices strictly between two places of one ring, in the ring's direction if `forward`, else
     /// against it. Empty where the places are on different rings or share an edge with nothing between.
     pub fn vertices_between(&self, from: BoundaryPos, to: BoundaryPos, forward: bool) -> Vec<Point> {

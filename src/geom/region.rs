@@ -158,6 +158,12 @@ impl Bounds {
             && other.min.y <= self.max.y
     }
 
+    /// The box with a margin on every side, cut off at the grid's limits.
+    pub fn grown(&self, by: i32) -> Self {
+        let moved = |p: Point, by: i32| Point::new(p.x.saturating_add(by), p.y.saturating_add(by));
+        Self { min: moved(self.min, by.saturating_neg()), max: moved(self.max, by) }
+    }
+
     /// The box that holds both.
     pub fn joined(&self, other: &Self) -> Self {
         Self {

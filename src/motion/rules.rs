@@ -44,7 +44,8 @@ impl<'a> Rules<'a> {
             Role::GapFill => speeds.gap_fill,
             Role::SolidInfill => speeds.solid,
             Role::InternalInfill => speeds.infill,
-            Role::TopSolidInfill | Role::Ironing => speeds.top,
+            Role::TopSolidInfill => speeds.top,
+            Role::Ironing => speeds.ironing,
         };
         let [quarter, half, three_quarters] = speeds.overhang;
         let hanging = match grade {

@@ -22,12 +22,13 @@ pub(super) struct Rounding {
 }
 
 impl Rounding {
-    /// The rounding of a role's beads. Turns of infill may leave their corner by little more than its lines reach into
-    /// the wall. The blunt corners of other beads, mostly curves that the model has as polygons, may by as
-    /// much as slicing simplifies them; sharp ones are kept.
+    /// The rounding of a role's beads. Turns of sparse infill may leave their corner by little more than its lines
+    /// reach into the wall. The blunt corners of other beads, mostly curves that the model has as polygons, may by as
+    /// much as slicing simplifies them; sharp ones are kept. So are the turns of solid infill: their corners fill what
+    /// the lines leave open beside the wall.
     pub fn of(role: Role, width_mm: f64) -> Self {
         match role {
-            Role::SolidInfill | Role::InternalInfill | Role::TopSolidInfill | Role::Support => {
+            Role::InternalInfill | Role::Support => {
                 Self { most_rad: 3.0, deviation_mm: 0.25 * width_mm, step_rad: 0.3 }
             }
             _ => Self { most_rad: 1.0, deviation_mm: 0.0125, step_rad: 0.15 },
@@ -176,7 +177,7 @@ mod tests {
     fn the_turn_of_a_zigzag_becomes_a_half_circle() {
         let points = [[0.0, 0.0], [9.0, 0.0], [9.0, 0.41], [0.0, 0.41]];
         let mut out = Vec::new();
-        round_corners(points[0], &pieces(&points), &Rounding::of(Role::SolidInfill, 0.45), &mut out);
+        round_corners(points[0], &pieces(&points), &Rounding::of(Role::InternalInfill, 0.45), &mut out);
         assert!(sharpest(points[0], &out) < 0.4, "{out:?}");
         assert!(out.iter().all(|p| distance(p.to, [9.0, 0.0]) > 0.08));
         assert!((out.iter().map(|p| p.volume_mm3).sum::<f64>() - 0.08 * 18.41).abs() < 1e-9);
@@ -213,7 +214,7 @@ mod tests {
             let volume: f64 = plain.iter().map(|p| p.volume_mm3).sum();
             let (mut fine, mut round) = (Vec::new(), Vec::new());
             refine_curves(points[0], &plain, &mut fine);
-            round_corners(points[0], &plain, &Rounding::of(Role::SolidInfill, 0.45), &mut round);
+            round_corners(points[0], &plain, &Rounding::of(Role::InternalInfill, 0.45), &mut round);
             let mut blunt = Vec::new();
             round_corners(points[0], &plain, &Rounding::of(Role::Perimeter, 0.45), &mut blunt);
             for out in [fine, round, blunt] {

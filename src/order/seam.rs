@@ -5,7 +5,7 @@ use super::precedence::Groups;
 use super::{Item, Problem, Run, Sequence, Shape};
 use crate::geom::Point;
 use crate::profile::{Scope, SeamPosition};
-use crate::toolpath::LayerPaths;
+use crate::toolpath::{LayerPaths, Role};
 
 /// A turn sharper than this is a corner, in which a seam hides (30°).
 const CORNER_SIN: f64 = 0.5;
@@ -48,7 +48,10 @@ impl SeamRule {
             },
             SeamPosition::Aligned => {
                 let pins = aligned(layer, &self.below);
-                let closed = layer.paths.iter().zip(&pins).filter(|(path, _)| path.closed);
+                // Loops of infill are not seen; walls above need not follow their seams.
+                let is_wall = |role| matches!(role, Role::ExternalPerimeter | Role::Perimeter);
+                let paths = layer.paths.iter().zip(&pins);
+                let closed = paths.filter(|(path, _)| path.closed && is_wall(path.role));
                 self.below = closed.map(|(path, &pin)| path.points[pin as usize]).collect();
                 return Some(pins);
             }
@@ -142,7 +145,7 @@ pub fn enter_nearest(problem: &Problem, sequence: &mut Sequence) {
 mod tests {
     use super::*;
     use crate::geom::Region;
-    use crate::toolpath::{Path, Role, Width};
+    use crate::toolpath::{Path, Width};
 
     fn square(index: usize, offset_mm: f64) -> LayerPaths {
         let corner = |x, y| Point::from_mm(x + offset_mm, y);

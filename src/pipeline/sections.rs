@@ -38,7 +38,7 @@ impl Sections {
             .collect();
         let raft_layers = settings.raft.layers as usize;
         let mut sections = Self { layers, raft_layers, places, shells: Vec::new(), supports: None };
-        let (top, bottom) = (settings.shell.top_layers, settings.shell.bottom_layers);
+        let (top, bottom) = toolpath::shell_layers(&settings.shell, settings.layer.height.0);
         sections.shells = (0..objects)
             .map(|object| {
                 let own: Vec<&Region> = (0..sections.layers.len()).map(|i| sections.of(object, i)).collect();

@@ -58,6 +58,12 @@ choice! {
         OuterFirst = "outer-first", }
 }
 choice! {
+    /// How wide walls are.
+    WallGenerator { /// As wide as asked for; single beads of fitting width in what is left.
+        Classic = "classic", /// Those in the middle of a thin part as wide as fits.
+        Variable = "variable", }
+}
+choice! {
     /// Infill pattern.
     Pattern { /// Parallel lines, turned by 90° from layer to layer.
         Rectilinear = "rectilinear", /// Two crossing sets of lines in each layer.
@@ -256,8 +262,14 @@ section! {
         width: Mm = Mm(0.45); 0.05..=5.0,
         /// Width of the outermost wall.
         external_width: Mm = Mm(0.45); 0.05..=5.0,
+        /// Fixed or variable width.
+        generator: WallGenerator = WallGenerator::Variable,
         /// Inner or outer first.
         order: WallOrder = WallOrder::InnerFirst,
+        /// Parts of a section thinner than this are left out.
+        min_feature: Mm = Mm(0.16); 0.05..=1.0,
+        /// Thin parts are printed at least this wide.
+        min_width: Mm = Mm(0.2); 0.05..=1.0,
         /// Fill what is left between walls, and walls too thin for a loop, with single beads of fitting width.
         gap_fill: bool = true,
     }
@@ -269,6 +281,11 @@ section! {
         top_layers: u32 = 5; 0..=10000,
         /// Solid layers above every bottom surface.
         bottom_layers: u32 = 4; 0..=10000,
+        /// Top and bottom are at least this thick, with more layers than the above where those are thin.
+        min_thickness: Mm = Mm(0.7); 0.0..=100.0,
+        /// Top surfaces in lines each beside the one before, never between two others. Holds while a run is not
+        /// interrupted: under any `order.scope` but `layer`.
+        monotonic: bool = true,
         /// Line width of solid infill.
         width: Mm = Mm(0.45); 0.05..=5.0,
         /// Line width of top surfaces.
@@ -290,6 +307,17 @@ section! {
         overlap: Ratio = Ratio(0.2); 0.0..=1.0,
         /// Join line ends along the wall.
         connect: bool = true,
+    }
+}
+section! {
+    /// `[ironing]`: a second, thin pass over top surfaces.
+    IroningSettings {
+        /// Whether there is one.
+        enabled: bool = false,
+        /// What it deposits, as a share of a full layer.
+        flow: Ratio = Ratio(0.1); 0.0..=1.0,
+        /// Distance of its lines.
+        spacing: Mm = Mm(0.1); 0.02..=1.0,
     }
 }
 section! {
@@ -437,6 +465,8 @@ section! {
         solid: MmPerS = MmPerS(60.0); 0.1..=2000.0,
         /// Top surfaces.
         top: MmPerS = MmPerS(40.0); 0.1..=2000.0,
+        /// Ironing.
+        ironing: MmPerS = MmPerS(15.0); 0.1..=2000.0,
         /// Bridges.
         bridge: MmPerS = MmPerS(40.0); 0.1..=2000.0,
         /// Walls that hang over by more than a quarter, a half and three quarters of their width.
@@ -570,6 +600,7 @@ settings! {
     walls: WallSettings,
     shell: ShellSettings,
     infill: InfillSettings,
+    ironing: IroningSettings,
     first_layer: FirstLayerSettings,
     skirt: SkirtSettings,
     brim: BrimSettings,

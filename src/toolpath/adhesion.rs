@@ -7,7 +7,8 @@ use geo::ConvexHull;
 use crate::geom::{self, Point, Polygon, Region, Ring};
 use crate::profile::{BrimSettings, BrimSides, RaftSettings, SkirtSettings};
 
-use super::infill::{FillLine, lines};
+use super::bead::Line;
+use super::infill::{Joins, lines};
 use super::{Path, Role, Width, bead};
 
 /// Layers at the top of a raft that are solid.
@@ -18,7 +19,7 @@ const LONGEST_JOIN: f64 = 4.0;
 
 /// Loops around the footprint, innermost first: the brim. Where a loop would come too near to a part of the footprint
 /// that has no brim it is interrupted.
-pub fn brim(footprint: &Region, settings: &BrimSettings, width_mm: f64, height_mm: f64) -> Vec<FillLine> {
+pub fn brim(footprint: &Region, settings: &BrimSettings, width_mm: f64, height_mm: f64) -> Vec<Line> {
     let spacing_mm = bead::spacing_mm(width_mm, height_mm);
     let count = (settings.width.0 / spacing_mm).round() as usize;
     let is_small = |p: &Polygon| settings.max_area <= 0.0 || p.area_mm2() < settings.max_area;
@@ -40,7 +41,7 @@ pub fn brim(footprint: &Region, settings: &BrimSettings, width_mm: f64, height_m
     }
     let loops = rings.into_iter().filter(|ring| ring.len() >= 3);
     if others.is_empty() {
-        return loops.map(|points| FillLine { points, closed: true }).collect();
+        return loops.map(|points| Line::nominal(points, true)).collect();
     }
     let reach_mm = away_mm(count) + width_mm;
     let room = geom::difference(&geom::offset(&filled, reach_mm), &geom::offset(&others, away_mm(0)));
@@ -48,15 +49,15 @@ pub fn brim(footprint: &Region, settings: &BrimSettings, width_mm: f64, height_m
 }
 
 /// The parts of a loop inside of a room; the loop, if that is all of it.
-fn interrupted(mut ring: Ring, room: &Region) -> Vec<FillLine> {
+fn interrupted(mut ring: Ring, room: &Region) -> Vec<Line> {
     ring.extend(ring.first().copied());
     let pieces = geom::clip_polyline(room, &ring);
     match pieces.as_slice() {
         [whole] if whole.points == ring => {
             ring.pop();
-            vec![FillLine { points: ring, closed: true }]
+            vec![Line::nominal(ring, true)]
         }
-        _ => pieces.into_iter().map(|p| FillLine { points: p.points, closed: false }).collect(),
+        _ => pieces.into_iter().map(|p| Line::nominal(p.points, false)).collect(),
     }
 }
 
@@ -102,10 +103,11 @@ pub fn raft(
     let spacing_mm = bead::spacing_mm(width_mm, height_mm);
     let distance_mm = if is_solid { spacing_mm } else { spacing_mm / settings.density.0 };
     let frame = geom::offset(area, -width_mm / 2.0);
-    let loops = frame.rings().map(|ring| FillLine { points: ring.clone(), closed: true });
+    let loops = frame.rings().map(|ring| Line::nominal(ring.clone(), true));
     let angle_rad = if layer % 2 == 1 { FRAC_PI_2 } else { 0.0 };
     let inside = geom::offset(&frame, -spacing_mm);
-    let lines = lines::parallel(&inside, angle_rad, distance_mm, 0.0, LONGEST_JOIN * distance_mm);
+    let joins = Joins { longest_mm: LONGEST_JOIN * distance_mm, ..Joins::default() };
+    let lines = lines::parallel(&inside, angle_rad, distance_mm, 0.0, &joins);
     let width = Width::Constant(width_mm);
     loops
         .chain(lines)
@@ -145,7 +147,7 @@ mod tests {
             .to_vec()
     }
 
-    fn loops(footprint: &Region, settings: BrimSettings) -> Vec<FillLine> {
+    fn loops(footprint: &Region, settings: BrimSettings) -> Vec<Line> {
         brim(footprint, &BrimSettings { width: Mm(3.0), ..settings }, WIDTH_MM, HEIGHT_MM)
     }
 

@@ -5,6 +5,31 @@
 
 use std::f64::consts::FRAC_PI_4;
 
+use crate::geom::Point;
+
+/// The line that a bead follows, without what it is for.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Line {
+    /// Vertices.
+    pub points: Vec<Point>,
+    /// Spacing of the bead at each vertex, in millimetres; empty where it is the nominal one throughout.
+    pub spacing_mm: Vec<f32>,
+    /// Whether it returns to its first vertex.
+    pub closed: bool,
+}
+
+impl Line {
+    /// A line of nominal spacing.
+    pub(super) fn nominal(points: Vec<Point>, closed: bool) -> Self {
+        Self { points, spacing_mm: Vec::new(), closed }
+    }
+
+    /// The line, unless it has lost its vertices.
+    pub(super) fn sound(self) -> Option<Self> {
+        (self.points.len() >= if self.closed { 3 } else { 2 }).then_some(self)
+    }
+}
+
 /// Distance between the centre lines of neighbouring beads of a width that fill a layer without void.
 pub fn spacing_mm(width_mm: f64, height_mm: f64) -> f64 {
     width_mm - rounding_mm(height_mm)

@@ -1,6 +1,6 @@
 //! Places to begin a loop.
 
-use super::Path;
+use super::{Path, Width};
 use crate::geom::Point;
 
 /// Loops can be begun at least so often, whatever their vertices.
@@ -10,10 +10,10 @@ const SPACING_MM: f64 = 1.0;
 /// before ends: a way below `retract.min_travel` needs no retraction. They move the outline by no more than rounding
 /// does and are dropped again where nothing begins. The first vertex stays the first.
 pub(super) fn add(paths: &mut [Path]) {
-    let mut points = Vec::new();
+    let (mut points, mut widths) = (Vec::new(), Vec::new());
     for path in paths.iter_mut().filter(|path| path.closed) {
-        let super::Width::Constant(_) = path.width else { continue };
         points.clear();
+        widths.clear();
         for (i, &a) in path.points.iter().enumerate() {
             let b = path.points[(i + 1) % path.points.len()];
             points.push(a);
@@ -23,14 +23,24 @@ pub(super) fn add(paths: &mut [Path]) {
                 Point::new(along(a.x, b.x).round() as i32, along(a.y, b.y).round() as i32)
             };
             points.extend((1..parts as u32).map(|part| between(f64::from(part))));
+            if let Width::PerVertex(at) = &path.width {
+                let (from, to) = (at[i], at[(i + 1) % at.len()]);
+                widths.extend(
+                    (0..points.len() - widths.len())
+                        .map(|k| from + (to - from) * k as f32 / parts.max(1.0) as f32),
+                );
+            }
         }
         path.points.clone_from(&points);
+        if let Width::PerVertex(at) = &mut path.width {
+            at.clone_from(&widths);
+        }
     }
 }
 
 #[cfg(test)]
 mod tests {
-    use super::super::{Role, Width};
+    use super::super::Role;
     use super::*;
 
     #[test]

@@ -2,6 +2,7 @@
 
 mod adhesion;
 pub mod bead;
+mod beading;
 mod bridges;
 mod entries;
 pub mod infill;
@@ -14,5 +15,5 @@ mod walls;
 pub use adhesion::{raft, raft_area};
 pub use path::{Island, LayerPaths, Path, Role, Width};
 pub use planner::{ObjectLayer, Planner, PlateLayer, ToolpathSettings};
-pub use shells::{Map, Shells, Zones};
+pub use shells::{Map, Shells, Zones, shell_layers};
 pub use walls::{WallSpec, Walls};

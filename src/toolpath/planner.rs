@@ -1,17 +1,20 @@
 //! Puts a layer's paths together: walls, gaps, shells and infill of every island, skirt and brim around.
 
+use std::ops::RangeInclusive;
+
 use crate::geom::{self, Polygon, Region, Ring};
 use crate::profile::{
-    BridgeSettings, BrimSettings, FirstLayerSettings, InfillSettings, SeamPosition, SeamSettings, Settings,
-    ShellSettings, SkirtSettings, WallOrder, WallSettings,
+    BridgeSettings, BrimSettings, FirstLayerSettings, InfillSettings, IroningSettings, SeamPosition,
+    SeamSettings, Settings, ShellSettings, SkirtSettings, WallOrder, WallSettings,
 };
 use crate::units::Mm;
 
+use super::bead::Line;
 use super::bridges::Bridge;
-use super::infill::{self, FillLine, FillSpec, SparseSample};
+use super::infill::{self, FillSpec, Joins, SolidSpec, SparseSample};
 use super::shells::{self, Zones};
 use super::walls::{self, WallSpec, Walls};
-use super::{Island, LayerPaths, Path, Role, Width, adhesion, bead, bridges, entries};
+use super::{Island, LayerPaths, Path, Role, Width, adhesion, bead, beading, bridges, entries};
 
 /// Densities above this are solid.
 const SOLID_DENSITY: f64 = 0.995;
@@ -24,7 +27,21 @@ const LONGEST_JOIN: f64 = 2.5;
 const SHORTEST_LINE_MM: f64 = 0.2;
 
 /// Gaps shorter than this are not worth the travel to them.
-const SHORTEST_GAP_MM: f64 = 0.3;
+const SHORTEST_GAP_MM: f64 = 0.1;
+
+/// Beads in gaps end this share of their width before the gap does: round ends would leave its corners open.
+const GAP_TIP: f64 = 0.25;
+
+/// How far the lines of skins reach where they turn sharply at a wall, as a multiple of how far free ends do: nearly no
+/// void is left in the surface, and the wedges are a little fuller than full.
+const SKIN_TURN: f64 = 1.1;
+
+/// The same inside of prints that are solid throughout, where what is too much in a layer adds up: void and double
+/// cover together are least.
+const CORE_TURN: f64 = 0.8;
+
+/// After every other run of an island.
+const LAST_RANK: u32 = u32::MAX;
 
 /// The settings that toolpaths depend on.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -33,6 +50,7 @@ pub struct ToolpathSettings {
     pub walls: WallSettings,
     pub shell: ShellSettings,
     pub infill: InfillSettings,
+    pub ironing: IroningSettings,
     pub bridge: BridgeSettings,
     /// The nozzle's bore: as thick as bridges are by nature.
     pub nozzle: Mm,
@@ -48,6 +66,7 @@ impl From<&Settings> for ToolpathSettings {
             walls: s.walls.clone(),
             shell: s.shell.clone(),
             infill: s.infill.clone(),
+            ironing: s.ironing.clone(),
             bridge: s.bridge.clone(),
             nozzle: s.printer.nozzle_diameter,
             first_layer: s.first_layer.clone(),
@@ -94,7 +113,7 @@ pub struct Planner {
     settings: ToolpathSettings,
     /// Calibrated distance of sparse lines.
     line_distance_mm: Option<f64>,
-    brim: Vec<FillLine>,
+    brim: Vec<Line>,
     skirt: Vec<Ring>,
     /// What part and brim cover on the bed.
     covered: Region,
@@ -108,6 +127,15 @@ struct Widths {
     top_mm: f64,
     infill_mm: f64,
     skirt_mm: f64,
+}
+
+/// How a solid zone is filled.
+struct Solid {
+    role: Role,
+    rank: u32,
+    width_mm: f64,
+    /// Whether each line waits for the one beside it.
+    ordered: bool,
 }
 
 /// The paths of a layer as they grow.
@@ -218,48 +246,45 @@ impl Planner {
         section: &PlateLayer<'_>,
         widths: &Widths,
     ) {
-        let Walls { loops, gaps, inside } = walls::trace(polygon, &self.wall_spec(section));
+        let spec = self.wall_spec(section);
+        let Walls { loops, gaps, inside } = walls::trace(polygon, &spec);
         let count = self.settings.walls.count;
         let rank_of = |depth: u32| match self.settings.walls.order {
             WallOrder::InnerFirst => count - 1 - depth,
             WallOrder::OuterFirst => depth,
         };
-        let mut by_depth: Vec<(usize, &Vec<Ring>)> = loops.iter().enumerate().collect();
+        let mut by_depth: Vec<(usize, Vec<Line>)> = loops.into_iter().enumerate().collect();
         if self.settings.walls.order == WallOrder::InnerFirst {
             by_depth.reverse();
         }
-        for (depth, rings) in by_depth {
+        for (depth, lines) in by_depth {
             let (role, width_mm) = match depth {
                 0 => (Role::ExternalPerimeter, widths.external_mm),
                 _ => (Role::Perimeter, widths.wall_mm),
             };
-            draft.loops(role, rank_of(depth as u32), width_mm, rings);
+            draft.lines(role, rank_of(depth as u32), width_mm, lines);
         }
         for (depth, gap) in &gaps {
             let (role, rank) = match depth {
                 0 if count > 0 => (Role::ExternalPerimeter, rank_of(0)),
                 _ => (Role::GapFill, count),
             };
-            let widest_mm = 2.0 * bead::spacing_mm(widths.wall_mm, section.height_mm);
-            draft.gap(role, rank, gap, walls::MIN_GAP_MM, widest_mm);
+            let least_mm = if *depth == 0 { self.settings.walls.min_width.0 } else { 0.0 };
+            draft.gap(role, rank, gap, spec.least_gap_mm(*depth)..=spec.widest_gap_mm(), least_mm);
         }
 
+        let settings = &self.settings.infill;
         let mut zones = self.zones(&inside, object, section);
         if let Some(beneath) = object.beneath.filter(|_| self.settings.bridge.enabled) {
             let thread_mm = self.settings.nozzle.0 * self.settings.bridge.flow.sqrt();
             let anchor_mm = self.settings.bridge.anchor.0;
             for bridge in bridges::take(&mut zones, &inside, polygon, beneath, thread_mm, anchor_mm) {
-                draft.bridge(count + 2, &bridge, thread_mm, &self.settings.infill);
+                draft.bridge(count + 2, &bridge, thread_mm, settings);
             }
         }
-        draft.solid(
-            Role::SolidInfill,
-            count + 1,
-            &zones.solid,
-            widths.solid_mm,
-            section.index,
-            &self.settings.infill,
-        );
+        let solid =
+            Solid { role: Role::SolidInfill, rank: count + 1, width_mm: widths.solid_mm, ordered: false };
+        draft.solid(&zones.solid, &solid, section.index, settings);
         if !zones.sparse.is_empty() && self.settings.infill.density.0 > 0.0 {
             let room = self.infill_room(&zones.sparse, section);
             let spacing_mm = bead::spacing_mm(widths.infill_mm, section.height_mm);
@@ -276,14 +301,22 @@ impl Planner {
                 lines,
             );
         }
-        draft.solid(
-            Role::TopSolidInfill,
-            count + 4,
-            &zones.top,
-            widths.top_mm,
-            section.index,
-            &self.settings.infill,
-        );
+        let ordered = self.settings.shell.monotonic;
+        let solid = Solid { role: Role::TopSolidInfill, rank: count + 4, width_mm: widths.top_mm, ordered };
+        draft.solid(&zones.top, &solid, section.index, settings);
+        if self.settings.ironing.enabled {
+            self.iron(draft, &zones.top, section, widths);
+        }
+    }
+
+    /// A thin pass over top surfaces, as far as the nozzle's middle may go without pressing material over their edge.
+    fn iron(&self, draft: &mut Draft, top: &Region, section: &PlateLayer<'_>, widths: &Widths) {
+        let settings = &self.settings.ironing;
+        let zone = geom::offset(top, -bead::spacing_mm(widths.top_mm, section.height_mm) / 2.0);
+        let angle_rad = self.settings.infill.angle.to_radians();
+        let lines = infill::iron(&zone, settings.spacing.0, angle_rad, section.index);
+        let width_mm = bead::width_mm(settings.flow.0 * settings.spacing.0, section.height_mm);
+        draft.lines(Role::Ironing, LAST_RANK, width_mm, lines);
     }
 
     /// Divides an island's inside; at full density nothing is sparse.
@@ -294,11 +327,10 @@ impl Planner {
         shells::divide(inside, object.above, below, object.next, spacing_mm)
     }
 
-    /// Where centre lines of sparse infill may run: the zone less half a bead, plus the overlap with the walls.
+    /// Where the joins of sparse infill run: half a bead inside the zone.
     fn infill_room(&self, sparse: &Region, section: &PlateLayer<'_>) -> Region {
         let width_mm = self.widths(section.index).infill_mm;
-        let inset_mm = inset_mm(width_mm, section.height_mm, &self.settings.infill);
-        geom::offset(sparse, -inset_mm)
+        geom::offset(sparse, -bead::spacing_mm(width_mm, section.height_mm) / 2.0)
     }
 
     fn fill_spec(&self, section: &PlateLayer<'_>, spacing_mm: f64) -> FillSpec {
@@ -310,7 +342,12 @@ impl Planner {
             angle_rad: settings.angle.to_radians(),
             layer: section.index,
             z_mm: section.top_mm - section.height_mm / 2.0,
-            connect_mm: if settings.connect { LONGEST_JOIN * line_distance_mm } else { 0.0 },
+            joins: Joins {
+                longest_mm: if settings.connect { LONGEST_JOIN * line_distance_mm } else { 0.0 },
+                reach_mm: settings.overlap.0 * self.widths(section.index).infill_mm,
+                turn_mm: 0.0,
+                hatch: None,
+            },
         }
     }
 
@@ -322,6 +359,8 @@ impl Planner {
             width_mm: widths.wall_mm,
             height_mm: section.height_mm,
             gap_fill: self.settings.walls.gap_fill,
+            min_feature_mm: self.settings.walls.min_feature.0,
+            generator: self.settings.walls.generator,
         }
     }
 
@@ -351,11 +390,6 @@ fn rests_on(section: &PlateLayer<'_>) -> Option<Region> {
     Some(below)
 }
 
-/// How far centre lines of infill stay inside their zone.
-fn inset_mm(width_mm: f64, height_mm: f64, settings: &InfillSettings) -> f64 {
-    bead::spacing_mm(width_mm, height_mm) / 2.0 - settings.overlap.0 * width_mm
-}
-
 impl Draft {
     fn push(&mut self, role: Role, rank: u32, closed: bool, points: Vec<geom::Point>, width: Width) {
         let (height_mm, island) = (self.height_mm, self.island);
@@ -368,53 +402,82 @@ impl Draft {
         }
     }
 
-    fn lines(&mut self, role: Role, rank: u32, width_mm: f64, lines: Vec<FillLine>) {
+    fn lines(&mut self, role: Role, rank: u32, width_mm: f64, lines: impl IntoIterator<Item = Line>) {
+        let rounding_mm = bead::rounding_mm(self.height_mm) as f32;
         for line in lines {
             if line.closed || geom::polyline_length_mm(&line.points) >= SHORTEST_LINE_MM {
-                self.push(role, rank, line.closed, line.points, Width::Constant(width_mm));
+                let width = if line.spacing_mm.is_empty() {
+                    Width::Constant(width_mm)
+                } else {
+                    Width::PerVertex(
+                        line.spacing_mm.iter().map(|spacing_mm| spacing_mm + rounding_mm).collect(),
+                    )
+                };
+                self.push(role, rank, line.closed, line.points, width);
             }
         }
     }
 
-    fn solid(
-        &mut self,
-        role: Role,
-        rank: u32,
-        zone: &Region,
-        width_mm: f64,
-        layer: usize,
-        settings: &InfillSettings,
-    ) {
+    fn solid(&mut self, zone: &Region, solid: &Solid, layer: usize, settings: &InfillSettings) {
         if zone.is_empty() {
             return;
         }
+        let Solid { role, rank, width_mm, ordered } = *solid;
         let spacing_mm = bead::spacing_mm(width_mm, self.height_mm);
-        let inset_mm = inset_mm(width_mm, self.height_mm, settings);
-        for (fitted_mm, lines) in
-            infill::fill_solid(zone, spacing_mm, inset_mm, settings.angle.to_radians(), layer)
-        {
-            self.lines(role, rank, bead::width_mm(fitted_mm, self.height_mm), lines);
+        let reach_mm = settings.overlap.0 * width_mm;
+        let (zone, narrow) = infill::split_narrow(zone, spacing_mm);
+        if !narrow.is_empty() {
+            let (loops, gaps) = beading::fill(&narrow, spacing_mm);
+            self.lines(role, rank, width_mm, loops);
+            self.gap(role, rank, &gaps, beading::MIN_GAP_MM..=beading::WIDEST * spacing_mm, 0.0);
+        }
+        // Free ends alone fill the zone when they reach its edge.
+        let reach_mm = if ordered { spacing_mm / 2.0 } else { reach_mm };
+        let angle_rad = settings.angle.to_radians();
+        let turn = if settings.density.0 > SOLID_DENSITY { CORE_TURN } else { SKIN_TURN };
+        let spec = SolidSpec { spacing_mm, reach_mm, turn, angle_rad, layer, joined: !ordered, capped: true };
+        for patch in infill::fill_solid(&zone, &spec) {
+            let width_mm = bead::width_mm(patch.spacing_mm, self.height_mm);
+            if !ordered {
+                self.lines(role, rank, width_mm, patch.lines.into_iter().map(|(_, line)| line));
+                continue;
+            }
+            // Each line has a rank of its own, the order across the lines: no ordering may change it.
+            for (index, line) in patch.lines {
+                self.lines(role, rank + 1 + index, width_mm, [line]);
+            }
         }
     }
 
     /// Threads side by side, each as wide as it is high.
     fn bridge(&mut self, rank: u32, bridge: &Bridge, thread_mm: f64, settings: &InfillSettings) {
-        let inset_mm = thread_mm / 2.0 - settings.overlap.0 * thread_mm;
+        let reach_mm = settings.overlap.0 * thread_mm;
         let layer_mm = std::mem::replace(&mut self.height_mm, thread_mm);
-        for (_, lines) in infill::fill_solid(&bridge.area, thread_mm, inset_mm, bridge.angle_rad, 0) {
-            self.lines(Role::BridgeInfill, rank, thread_mm, lines);
+        let spec = SolidSpec {
+            spacing_mm: thread_mm,
+            reach_mm,
+            turn: CORE_TURN,
+            angle_rad: bridge.angle_rad,
+            layer: 0,
+            joined: true,
+            capped: false,
+        };
+        for patch in infill::fill_solid(&bridge.area, &spec) {
+            self.lines(Role::BridgeInfill, rank, thread_mm, patch.lines.into_iter().map(|(_, line)| line));
         }
         self.height_mm = layer_mm;
     }
 
-    /// One bead of fitting width along the middle of each narrow part.
-    fn gap(&mut self, role: Role, rank: u32, gap: &Region, narrowest_mm: f64, widest_mm: f64) {
-        for path in geom::medial_axis(gap, narrowest_mm, widest_mm) {
+    /// One bead of fitting width, but at least `least_mm`, along the middle of each part whose width is in a range.
+    fn gap(&mut self, role: Role, rank: u32, gap: &Region, range: RangeInclusive<f64>, least_mm: f64) {
+        let tip = if role == Role::ExternalPerimeter { 0.5 } else { GAP_TIP };
+        for path in geom::medial_axis(gap, *range.start(), *range.end(), tip) {
             if path.length_mm() < SHORTEST_GAP_MM {
                 continue;
             }
             let rounding_mm = bead::rounding_mm(self.height_mm) as f32;
-            let widths = path.width_mm.iter().map(|width_mm| width_mm + rounding_mm).collect();
+            let widths =
+                path.width_mm.iter().map(|width_mm| (width_mm + rounding_mm).max(least_mm as f32)).collect();
             self.push(role, rank, path.closed, path.points, Width::PerVertex(widths));
         }
     }

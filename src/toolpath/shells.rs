@@ -1,9 +1,16 @@
 //! Which part of a layer is solid: where a layer within the shell's thickness, above or below, is missing.
 
 use crate::geom::{self, Region};
+use crate::profile::ShellSettings;
 
 /// Area below which what an island has of a zone is given to the other zone: less than a nozzle's bore.
 const CRUMB_MM2: f64 = 0.05;
+
+/// Solid patches smaller than this many squared lines are dropped: the walls and the lines beside them close the hole.
+const SMALLEST_PATCH: f64 = 0.5;
+
+/// Solid strips narrower than this many lines are left to the walls beside them.
+const NARROWEST_STRIP: f64 = 0.25;
 
 /// Outlines are simplified to this before they are intersected: zones are anchored by half a line anyway, and the
 /// cost of an intersection grows with its vertices.
@@ -11,6 +18,14 @@ const ROUGH_MM: f64 = 0.05;
 
 /// Calls a function for 0, 1, … n − 1, possibly in parallel, and returns the results in order.
 pub type Map<'a> = &'a dyn Fn(usize, &(dyn Fn(usize) -> Region + Sync)) -> Vec<Region>;
+
+/// How many layers the top and the bottom shell have, with as many more as their least thickness asks for. A shell
+/// that is not wanted stays away.
+pub fn shell_layers(settings: &ShellSettings, height_mm: f64) -> (u32, u32) {
+    let least = (settings.min_thickness.0 / height_mm - 1e-9).ceil().max(0.0) as u32;
+    let layers = |wanted: u32| if wanted == 0 { 0 } else { wanted.max(least) };
+    (layers(settings.top_layers), layers(settings.bottom_layers))
+}
 
 /// For each layer, what is common to the `top_layers` layers above it and to the `bottom_layers` below it.
 #[derive(Clone, Debug, Default)]
@@ -81,7 +96,7 @@ pub struct Zones {
 /// Divides the inside of an island into sparse, solid and top.
 ///
 /// `above` and `below` are the windows of [`Shells`], `next` is the section of the layer above (empty on the
-/// last). Solid strips too narrow for a line are left to the walls beside them; sparse ones become solid.
+/// last). Very narrow solid strips are left to the walls beside them; sparse ones become solid.
 pub fn divide(
     inside: &Region,
     above: Option<&Region>,
@@ -103,7 +118,8 @@ pub fn divide(
     let (sparse, solid) = if sparse_mm2 < CRUMB_MM2 {
         (Region::default(), inside.clone())
     } else {
-        let strips = geom::opening(&geom::difference(inside, &sparse), line_mm / 4.0);
+        let mut strips = geom::opening(&geom::difference(inside, &sparse), NARROWEST_STRIP / 2.0 * line_mm);
+        strips.polygons.retain(|patch| patch.area_mm2() >= SMALLEST_PATCH * line_mm * line_mm);
         if strips.is_empty() {
             return all_sparse();
         }

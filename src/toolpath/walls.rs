@@ -1,23 +1,22 @@
-//! Walls (perimeters) of one island, with fixed widths: the classic generator.
+//! Walls (perimeters) of one island.
 //!
 //! Beads overlap by what their round sides leave out, so wall k covers one spacing of depth. Where a part is
 //! too narrow for another pair of beads, the remainder is handed out as a gap, to be filled with one bead of
-//! fitting width.
+//! fitting width. The classic generator lays walls of fixed width only; the variable one fits the innermost to the
+//! part, see [`beading`](super::beading).
 
-use crate::geom::{self, Polygon, Region, Ring};
+use crate::geom::{self, Polygon, Region};
+use crate::profile::WallGenerator;
 
-use super::bead;
+use super::bead::{self, Line};
+use super::beading;
 
-/// Two beads that face each other may come this close, as a share of their spacing; nearer, one bead of
+/// Two beads of fixed width that face each other may come this close, as a share of their spacing; nearer, one bead of
 /// fitting width replaces them. Slic3r allows the same overlap.
 const CLOSEST: f64 = 0.6;
 
-/// Gaps narrower than this hold no bead that a nozzle could lay.
-pub(super) const MIN_GAP_MM: f64 = 0.12;
-
-/// Area that rounding of corners may lose before an island counts as having narrow places, as a share of its
-/// boundary's length: mitred corners come back exactly but for slivers of this width.
-const CORNER_LOSS_MM: f64 = 0.002;
+/// No bead fills less.
+const FINEST_MM: f64 = 0.02;
 
 /// Widths of the beads of one layer.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -32,6 +31,10 @@ pub struct WallSpec {
     pub height_mm: f64,
     /// Whether gaps are looked for.
     pub gap_fill: bool,
+    /// Thinner parts are left out.
+    pub min_feature_mm: f64,
+    /// Fixed or variable widths.
+    pub generator: WallGenerator,
 }
 
 impl WallSpec {
@@ -39,14 +42,31 @@ impl WallSpec {
         let width_mm = if depth == 0 { self.external_width_mm } else { self.width_mm };
         bead::spacing_mm(width_mm, self.height_mm)
     }
+
+    /// The narrowest gap at a depth that is filled, as the spacing of the bead.
+    pub fn least_gap_mm(&self, depth: u32) -> f64 {
+        if depth > 0 {
+            return beading::MIN_GAP_MM;
+        }
+        (self.min_feature_mm - bead::rounding_mm(self.height_mm)).max(FINEST_MM)
+    }
+
+    /// The widest single bead, as the spacing that it fills.
+    pub fn widest_gap_mm(&self) -> f64 {
+        let spacing_mm = bead::spacing_mm(self.width_mm.max(self.external_width_mm), self.height_mm);
+        match self.generator {
+            WallGenerator::Classic => 2.0 * spacing_mm,
+            WallGenerator::Variable => beading::WIDEST * spacing_mm,
+        }
+    }
 }
 
 /// What the walls of one island are and leave.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Walls {
-    /// Centre lines by depth, 0 the outermost; of each depth the rings that go round the island's parts and
-    /// those round its holes.
-    pub loops: Vec<Vec<Ring>>,
+    /// Loops by depth, 0 the outermost; of each depth those that go round the island's parts and those round its
+    /// holes.
+    pub loops: Vec<Vec<Line>>,
     /// Narrow places between the beads, to be filled with single beads; each with the depth it lies at.
     pub gaps: Vec<(u32, Region)>,
     /// What lies inside the innermost walls: the place for infill.
@@ -58,10 +78,14 @@ pub fn trace(island: &Polygon, spec: &WallSpec) -> Walls {
     let section = Region { polygons: vec![island.clone()] };
     let edge_mm = bead::rounding_mm(spec.height_mm) / 2.0;
     let depth_mm = edge_mm + (0..spec.count).map(|d| spec.spacing_mm(d)).sum::<f64>();
-    let core_mm = depth_mm + spec.spacing_mm(1) * CLOSEST / 2.0;
+    let variable = spec.generator == WallGenerator::Variable;
+    let closest = if variable { 2.0 * beading::PAIR } else { CLOSEST };
+    let core_mm = depth_mm + spec.spacing_mm(1) * closest / 2.0;
     let core = geom::offset(&section, -core_mm);
-    if !core.is_empty() && same_area(&section, &geom::offset(&core, core_mm)) {
+    if !core.is_empty() && beading::same_area(&section, &geom::offset(&core, core_mm)) {
         concentric(&section, spec)
+    } else if variable {
+        fitted(&section, spec)
     } else {
         with_gaps(&section, spec)
     }
@@ -74,7 +98,7 @@ fn concentric(section: &Region, spec: &WallSpec) -> Walls {
     let mut step_mm = spec.external_width_mm / 2.0;
     for depth in 0..spec.count {
         outline = geom::offset(&outline, -step_mm);
-        walls.loops.push(outline.rings().cloned().collect());
+        walls.loops.push(beading::constant(&outline));
         step_mm = spec.spacing_mm(depth) / 2.0;
         if depth + 1 < spec.count {
             step_mm += spec.spacing_mm(depth + 1) / 2.0;
@@ -87,7 +111,37 @@ fn concentric(section: &Region, spec: &WallSpec) -> Walls {
     walls
 }
 
-/// The walls of an island with narrow places.
+/// Walls of variable width.
+fn fitted(section: &Region, spec: &WallSpec) -> Walls {
+    let mut walls = Walls::default();
+    let mut rest = geom::offset(section, -bead::rounding_mm(spec.height_mm) / 2.0);
+    for depth in 0..spec.count {
+        if rest.is_empty() {
+            break;
+        }
+        let pair = beading::pair(&rest, spec.spacing_mm(depth), spec.least_gap_mm(depth));
+        if spec.gap_fill && !pair.gap.is_empty() {
+            walls.gaps.push((depth, pair.gap));
+        }
+        if !pair.loops.is_empty() {
+            walls.loops.push(pair.loops);
+        }
+        rest = pair.rest;
+    }
+    if spec.gap_fill && !rest.is_empty() {
+        let room_mm = beading::PAIR * spec.spacing_mm(spec.count);
+        let wide = geom::opening(&rest, room_mm);
+        let gap = beading::narrower(&rest, &wide, beading::MIN_GAP_MM);
+        if !gap.is_empty() {
+            walls.gaps.push((spec.count, gap));
+            rest = geom::intersection(&wide, &rest);
+        }
+    }
+    walls.inside = rest;
+    walls
+}
+
+/// The walls of an island with narrow places, with fixed widths.
 fn with_gaps(section: &Region, spec: &WallSpec) -> Walls {
     let mut walls = Walls::default();
     let mut rest = geom::offset(section, -bead::rounding_mm(spec.height_mm) / 2.0);
@@ -99,8 +153,8 @@ fn with_gaps(section: &Region, spec: &WallSpec) -> Walls {
         let closest_mm = spacing_mm * CLOSEST / 2.0;
         let thick = geom::offset(&rest, -(spacing_mm / 2.0 + closest_mm));
         let covered = geom::offset(&thick, spacing_mm / 2.0 + closest_mm);
-        if spec.gap_fill && !same_area(&rest, &covered) {
-            let gap = geom::opening(&geom::difference(&rest, &covered), MIN_GAP_MM / 2.0);
+        if spec.gap_fill {
+            let gap = beading::narrower(&rest, &covered, spec.least_gap_mm(depth));
             if !gap.is_empty() {
                 walls.gaps.push((depth, gap));
             }
@@ -110,16 +164,10 @@ fn with_gaps(section: &Region, spec: &WallSpec) -> Walls {
             break;
         }
         let centre = geom::offset(&thick, closest_mm);
-        walls.loops.push(centre.rings().cloned().collect());
+        walls.loops.push(beading::constant(&centre));
         rest = geom::offset(&centre, -spacing_mm / 2.0);
     }
     walls.inside = rest;
     walls.loops.retain(|rings| !rings.is_empty());
     walls
-}
-
-/// Whether opening a region lost no more than its corners' slivers.
-fn same_area(before: &Region, after: &Region) -> bool {
-    let boundary_mm: f64 = before.rings().map(|r| geom::ring_length_mm(r)).sum();
-    before.area_mm2() - after.area_mm2() <= CORNER_LOSS_MM * boundary_mm
 }

@@ -49,20 +49,20 @@ const TOLERANCE_MM: f64 = 0.005;
 /// The middle lines of a region whose parts are about `min_mm` to `max_mm` wide.
 ///
 /// Branches that lead into corners are pruned; at junctions the straightest branches are joined and the others
-/// end there. Free ends reach to half the local width from the boundary, so that a bead with round ends reaches
-/// the tip. Parts narrower than `min_mm` are left out; widths above `max_mm` are reported as `max_mm`. All points are
+/// end there. Free ends reach to `tip` times the local width from the boundary: with ½, a bead with round ends just
+/// touches it; with less, the bead fills the corners beside its end better and overlaps what is beyond. Parts narrower than `min_mm` are left out; widths above `max_mm` are reported as `max_mm`. All points are
 /// inside the region. Paths come polygon by polygon.
 ///
 /// Chordal axis of the constrained Delaunay triangulation of the sampled boundary; O(n log n) for n samples. The line
 /// is within about a tenth of the width of the exact medial axis, nearer where the sides are straight.
-pub fn medial_axis(region: &Region, min_mm: f64, max_mm: f64) -> Vec<MedialPath> {
+pub fn medial_axis(region: &Region, min_mm: f64, max_mm: f64, tip: f64) -> Vec<MedialPath> {
     if !(min_mm >= 0.0 && max_mm > 0.0 && max_mm >= min_mm && max_mm.is_finite()) {
         return Vec::new();
     }
-    region.polygons.iter().flat_map(|polygon| of_polygon(polygon, min_mm, max_mm)).collect()
+    region.polygons.iter().flat_map(|polygon| of_polygon(polygon, min_mm, max_mm, tip)).collect()
 }
 
-fn of_polygon(polygon: &Polygon, min_mm: f64, max_mm: f64) -> Vec<MedialPath> {
+fn of_polygon(polygon: &Polygon, min_mm: f64, max_mm: f64, tip: f64) -> Vec<MedialPath> {
     // A bound on the number of samples, where a huge region meets a tiny width.
     let length: f64 = polygon.rings().map(|ring| super::ring_length_mm(ring)).sum();
     let outline = Outline::sample(polygon, (SPACING * max_mm).max(length / 200_000.0).max(1e-3));
@@ -71,7 +71,7 @@ fn of_polygon(polygon: &Polygon, min_mm: f64, max_mm: f64) -> Vec<MedialPath> {
     let grid = EdgeGrid::new(&Region { polygons: vec![polygon.clone()] });
     branches::trails(&nodes)
         .into_iter()
-        .map(|trail| Line::new(&nodes, &trail, &grid, max_mm))
+        .map(|trail| Line::new(&nodes, &trail, &grid, max_mm, tip))
         .flat_map(|line| line.wide_parts(min_mm, max_mm))
         .filter_map(|line| line.into_path(&grid))
         .collect()
@@ -85,7 +85,7 @@ struct Line {
 }
 
 impl Line {
-    fn new(nodes: &[Node], trail: &Trail, grid: &EdgeGrid, max_mm: f64) -> Self {
+    fn new(nodes: &[Node], trail: &Trail, grid: &EdgeGrid, max_mm: f64, tip: f64) -> Self {
         let (free, closed) = (trail.free, trail.closed);
         let mut trail = trail.nodes.as_slice();
         // A junction that lost its spurs says less about the middle than the nodes before it.
@@ -103,7 +103,7 @@ impl Line {
         for end in [1, 0] {
             line.reverse();
             if free[1 - end] && !closed {
-                line.extend(grid, max_mm);
+                line.extend(grid, max_mm, tip);
             }
         }
         line
@@ -134,8 +134,8 @@ impl Line {
         }
     }
 
-    /// Moves the last end along the line to half the width from the boundary.
-    fn extend(&mut self, grid: &EdgeGrid, max_mm: f64) {
+    /// Moves the last end along the line to `tip` times the width from the boundary.
+    fn extend(&mut self, grid: &EdgeGrid, max_mm: f64, tip: f64) {
         let Some(last) = self.at.len().checked_sub(1) else {
             return;
         };
@@ -150,7 +150,7 @@ impl Line {
         let Some(room) = first_hit(grid, end, far) else {
             return;
         };
-        let by = room - width / 2.0;
+        let by = room - tip * width;
         if by > 0.0 {
             self.at.push([end[0] + by * along[0], end[1] + by * along[1]]);
             self.width.push(width);

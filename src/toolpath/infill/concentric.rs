@@ -2,18 +2,23 @@
 
 use crate::geom::{self, Region};
 
-use super::{FillLine, FillPattern, FillSpec};
+use super::super::bead::Line;
+use super::{FillPattern, FillSpec};
 
 /// See the module.
 pub struct Concentric;
 
 impl FillPattern for Concentric {
-    fn fill(&self, region: &Region, spec: &FillSpec) -> Vec<FillLine> {
+    fn fill(&self, region: &Region, spec: &FillSpec) -> Vec<Line> {
         let mut loops = Vec::new();
         // The walls around are the pattern's outermost loop, half a distance outside the region on average.
         let mut rest = geom::offset(region, -spec.line_distance_mm / 2.0);
         while !rest.is_empty() {
-            loops.extend(rest.rings().map(|ring| FillLine { points: ring.clone(), closed: true }));
+            loops.extend(rest.rings().map(|ring| Line {
+                points: ring.clone(),
+                spacing_mm: Vec::new(),
+                closed: true,
+            }));
             rest = geom::offset(&rest, -spec.line_distance_mm);
         }
         loops

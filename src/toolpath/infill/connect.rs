@@ -2,7 +2,8 @@
 
 use crate::geom::{Boundary, BoundaryPos, Point, Region};
 
-use super::FillLine;
+use super::caps::{self, Cap, Caps, Hatch};
+use crate::toolpath::bead::Line;
 
 /// A piece of a pattern inside the region.
 #[derive(Clone, Debug, PartialEq)]
@@ -15,51 +16,194 @@ pub struct Chord {
     pub line: i64,
 }
 
+/// How line ends are treated.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Joins {
+    /// Ends are joined along the boundary where that way is at most this long, in millimetres.
+    pub longest_mm: f64,
+    /// How far free ends reach beyond the boundary, in millimetres across it.
+    pub reach_mm: f64,
+    /// The same of ends whose join turns back sharply and so leaves a wedge open between line and boundary.
+    pub turn_mm: f64,
+    /// Of solid fills, the lines' arrangement: what no line covers beside the boundary is filled.
+    pub hatch: Option<Hatch>,
+}
+
+/// Chords of solid fills shorter than this many line distances touch an extreme of the boundary, which a bead along
+/// it fills better.
+const SHORTEST: f64 = 0.5;
+
+/// Where a line turns back sharply, it leaves its way this many line distances before the boundary.
+const BACK: f64 = 0.75;
+
+/// Such a line goes sideways into the wedge this many times as far as it goes beyond the boundary.
+const SIDEWAYS: f64 = 1.2;
+
+/// Ends reach at most this many times the reach along their line, however flat it meets the boundary.
+const FLATTEST: f64 = 4.0;
+
 /// One end of a chord, in its place on the boundary.
 #[derive(Clone, Copy)]
-struct Stop {
-    chord: u32,
-    side: u8,
-    on: BoundaryPos,
+pub(super) struct Stop {
+    pub(super) chord: u32,
+    pub(super) side: u8,
+    pub(super) on: BoundaryPos,
 }
 
 /// Joins chords into longer lines.
 ///
 /// A line goes on from its end to the neighbouring end on the boundary, either way round, if the way there is
-/// at most `longest_mm`; the nearer one where both are free. Chords are taken in the order given, each line grows
-/// at both ends. O(n log n).
-pub fn connect(region: &Region, chords: Vec<Chord>, longest_mm: f64) -> Vec<FillLine> {
-    if longest_mm <= 0.0 || chords.len() < 2 {
-        return chords.into_iter().map(|c| FillLine { points: c.points, closed: false }).collect();
+/// at most as long as allowed; the nearer one where both are free. Chords are taken in the order given, each line
+/// grows at both ends. O(n log n).
+pub fn connect(region: &Region, mut chords: Vec<Chord>, joins: &Joins) -> Vec<Line> {
+    if let Some(hatch) = joins.hatch {
+        chords.retain(|c| {
+            c.points[0].distance_mm(c.points[c.points.len() - 1]) >= SHORTEST * hatch.distance_mm
+        });
     }
     let boundary = Boundary::new(region);
     let around = Around::new(&boundary, &chords);
-    let mut used = vec![false; chords.len()];
-    let mut lines = Vec::new();
-    for first in 0..chords.len() {
-        if std::mem::replace(&mut used[first], true) {
-            continue;
+    let caps =
+        joins.hatch.map_or_else(Vec::new, |hatch| caps::find(&boundary, &around.stops, &chords, hatch));
+    let caps = Caps::new(caps);
+    let mut joiner =
+        Joiner { boundary, around, chords: &chords, joins, caps, used: vec![false; chords.len()] };
+    let mut lines: Vec<Line> = (0..chords.len()).filter_map(|first| joiner.line(first)).collect();
+    let distance_mm = joins.hatch.map_or(0.0, |hatch| hatch.distance_mm);
+    lines.extend(joiner.caps.into_unused(distance_mm).filter_map(|bead| {
+        let (points, spacing_mm) = bead.into_iter().unzip();
+        Line { points, spacing_mm, closed: false }.sound()
+    }));
+    lines
+}
+
+struct Joiner<'a> {
+    boundary: Boundary<'a>,
+    around: Around,
+    chords: &'a [Chord],
+    joins: &'a Joins,
+    caps: Caps,
+    used: Vec<bool>,
+}
+
+/// A line in the making: vertices with their spacing.
+type Bead = Vec<(Point, f32)>;
+
+impl Joiner<'_> {
+    /// The line that grows from a chord; `None` of one that another line has taken up.
+    fn line(&mut self, first: usize) -> Option<Line> {
+        if std::mem::replace(&mut self.used[first], true) {
+            return None;
         }
-        let mut points = chords[first].points.clone();
+        let nominal = self.joins.hatch.map_or(0.0, |hatch| hatch.distance_mm as f32);
+        let mut bead: Bead = self.chords[first].points.iter().map(|&p| (p, nominal)).collect();
         for side in [1, 0] {
             let mut at = (first, side);
-            while let Some((way, next)) = around.next(&boundary, &chords, &used, at, longest_mm) {
-                used[next.0] = true;
-                points.extend(way);
-                let chord = &chords[next.0].points;
-                if next.1 == 0 {
-                    points.extend(chord)
-                } else {
-                    points.extend(chord.iter().rev())
+            while let Some((way, next)) = self.over_a_cap(at).or_else(|| {
+                let (way, next) =
+                    self.around.next(&self.boundary, self.chords, &self.used, at, self.joins)?;
+                Some((way.into_iter().map(|p| (p, nominal)).collect(), next))
+            }) {
+                self.used[next.0] = true;
+                let chord = &self.chords[next.0].points;
+                let mut onward: Bead = chord.iter().map(|&p| (p, nominal)).collect();
+                if next.1 == 1 {
+                    onward.reverse();
                 }
+                let ahead = way.first().unwrap_or(&onward[0]).0;
+                let behind = way.last().or(bead.last()).map_or(ahead, |v| v.0);
+                self.reach(&mut bead, at, Some(ahead));
+                onward.reverse();
+                self.reach(&mut onward, next, Some(behind));
+                onward.reverse();
+                bead.extend(way);
+                bead.extend(onward);
                 at = (next.0, 1 - next.1);
             }
-            points.reverse();
+            if !self.end_in_a_cap(&mut bead, at) {
+                self.reach(&mut bead, at, None);
+            }
+            bead.reverse();
         }
-        points.dedup();
-        lines.push(FillLine { points, closed: false });
+        bead.dedup_by_key(|v| v.0);
+        let (points, spacing_mm): (Vec<Point>, Vec<f32>) = bead.into_iter().unzip();
+        let varies = spacing_mm.iter().any(|&s| s != nominal);
+        Line { points, spacing_mm: if varies { spacing_mm } else { Vec::new() }, closed: false }.sound()
     }
-    lines
+
+    /// The way on over a cap that leads to a chord, where that is free.
+    fn over_a_cap(&mut self, (chord, side): (usize, usize)) -> Option<(Bead, (usize, usize))> {
+        if self.joins.longest_mm <= 0.0 {
+            return None;
+        }
+        let end = (chord as u32, side as u8);
+        let used = &self.used;
+        let beyond = |cap: &Cap| cap.ends[usize::from(cap.ends[0] == end)];
+        let cap = self.caps.free_beside(end, |cap| cap.through && !used[beyond(cap).0 as usize])?;
+        let ((next, next_side), backwards) = (beyond(cap), cap.ends[0] != end);
+        cap.used = true;
+        let mut way = std::mem::take(&mut cap.bead);
+        if backwards {
+            way.reverse();
+        }
+        Some((way, (next as usize, next_side as usize)))
+    }
+
+    /// Lets a line that ends here fill the cap beside its end.
+    fn end_in_a_cap(&mut self, bead: &mut Bead, (chord, side): (usize, usize)) -> bool {
+        let end = (chord as u32, side as u8);
+        let Some(cap) = self.caps.free_beside(end, |_| true) else {
+            return false;
+        };
+        cap.used = true;
+        let mut way = std::mem::take(&mut cap.bead);
+        if cap.ends[1] == end {
+            way.reverse();
+        }
+        bead.extend(way);
+        true
+    }
+
+    /// Moves the last point of a bead on along its line, beyond the boundary, if it is a free end or turns back
+    /// sharply to `ahead`; in the latter case also away from there along the boundary, into the wedge.
+    fn reach(&self, bead: &mut Bead, (chord, side): (usize, usize), ahead: Option<Point>) {
+        let (Some(on), [.., before, last]) = (self.chords[chord].ends[side], bead.as_mut_slice()) else {
+            return;
+        };
+        let Some(edge) = self.boundary.direction(on) else {
+            return;
+        };
+        let from = before.0.mm();
+        let [x, y] = last.0.mm();
+        let length = (x - from[0]).hypot(y - from[1]);
+        let beside_cap = || self.caps.any_beside((chord as u32, side as u8));
+        let across_mm = if ahead.is_some() { self.joins.turn_mm } else { self.joins.reach_mm };
+        if across_mm <= 0.0 || length <= 0.0 || beside_cap() {
+            return;
+        }
+        let out = [(x - from[0]) / length, (y - from[1]) / length];
+        if let Some(ahead) = ahead.map(Point::mm)
+            && (ahead[0] - x) * out[0] + (ahead[1] - y) * out[1] >= 0.0
+        {
+            return;
+        }
+        let sine = (out[0] * edge[1] - out[1] * edge[0]).abs();
+        let by = across_mm / sine.max(1.0 / FLATTEST);
+        let mut tip = [0, 1].map(|k| [x, y][k] + by * out[k]);
+        if let Some(ahead) = ahead.map(Point::mm) {
+            // The join comes from one side; the wedge is on the other.
+            let back_mm = BACK * self.joins.hatch.map_or(0.0, |hatch| hatch.distance_mm);
+            let from_ahead = edge[0] * (x - ahead[0]) + edge[1] * (y - ahead[1]);
+            tip = [0, 1].map(|k| tip[k] + SIDEWAYS * across_mm * edge[k] * from_ahead.signum());
+            if back_mm < length / 2.0 {
+                let spacing_mm = last.1;
+                last.0 = Point::from_mm(x - back_mm * out[0], y - back_mm * out[1]);
+                bead.push((Point::from_mm(tip[0], tip[1]), spacing_mm));
+                return;
+            }
+        }
+        last.0 = Point::from_mm(tip[0], tip[1]);
+    }
 }
 
 /// The ends of all chords, sorted along the boundary.
@@ -103,7 +247,7 @@ impl Around {
         chords: &[Chord],
         used: &[bool],
         (chord, side): (usize, usize),
-        longest_mm: f64,
+        joins: &Joins,
     ) -> Option<(Vec<Point>, (usize, usize))> {
         let at = self.place[chord][side] as usize;
         let here = self.stops.get(at)?;
@@ -128,7 +272,7 @@ impl Around {
                 // Two ends of one line side by side on the boundary are the pattern's own edge, not a neighbour.
                 let apart =
                     chords[stop.chord as usize].line != chords[chord].line || chords[chord].points.len() > 2;
-                (free && apart && way_mm <= longest_mm).then_some((way_mm, ahead, stop))
+                (free && apart && way_mm <= joins.longest_mm).then_some((way_mm, ahead, stop))
             })
             .min_by(|a, b| a.0.total_cmp(&b.0))
             .map(|(_, ahead, stop)| {

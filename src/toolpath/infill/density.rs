@@ -2,7 +2,8 @@
 
 use crate::geom::{Region, polyline_length_mm, ring_length_mm};
 
-use super::{FillLine, FillPattern, FillSpec};
+use super::super::bead::Line;
+use super::{FillPattern, FillSpec, Joins};
 
 /// A layer that a pattern is calibrated on.
 #[derive(Clone, Debug)]
@@ -37,7 +38,7 @@ const MOST_FLOW: f64 = 0.2;
 /// The factor of the beads' cross-section at which lines laid into an area have the density asked for, as far as
 /// a few percent of flow can make up for whole lines that come and go. `solid_mm` is the length of lines that would
 /// fill the area.
-pub fn flow(lines: &[FillLine], solid_mm: f64, density: f64) -> f64 {
+pub fn flow(lines: &[Line], solid_mm: f64, density: f64) -> f64 {
     let length_mm: f64 = lines.iter().map(line_length_mm).sum();
     if length_mm > 0.0 {
         (solid_mm * density / length_mm).clamp(1.0 - MOST_FLOW, 1.0 + MOST_FLOW)
@@ -47,7 +48,7 @@ pub fn flow(lines: &[FillLine], solid_mm: f64, density: f64) -> f64 {
 }
 
 /// The share of the density that lines have, their [`flow`] fitted: 1 where that can make up for everything.
-fn reached(lines: &[FillLine], solid_mm: f64, density: f64) -> f64 {
+fn reached(lines: &[Line], solid_mm: f64, density: f64) -> f64 {
     let length_mm: f64 = lines.iter().map(line_length_mm).sum();
     length_mm * flow(lines, solid_mm, density) / (solid_mm * density)
 }
@@ -63,8 +64,8 @@ pub fn lay(
     spec: &FillSpec,
     solid_mm: f64,
     density: f64,
-) -> Vec<FillLine> {
-    let share = |lines: &[FillLine]| reached(lines, solid_mm, density);
+) -> Vec<Line> {
+    let share = |lines: &[Line]| reached(lines, solid_mm, density);
     let enough = 1.0 - NEAR_ENOUGH..=1.0 + NEAR_ENOUGH;
     let mut joined = pattern.fill(room, spec);
     let sparsest = if pattern.nests() { SPARSEST } else { 1 };
@@ -82,8 +83,8 @@ pub fn lay(
     if (*enough.start()..=most).contains(&share(&joined)) {
         return joined;
     }
-    let apart = pattern.fill(room, &FillSpec { connect_mm: 0.0, ..*spec });
-    let off = |lines: &[FillLine]| (share(lines) - 1.0).abs();
+    let apart = pattern.fill(room, &spec.apart());
+    let off = |lines: &[Line]| (share(lines) - 1.0).abs();
     if off(&apart) < off(&joined) { apart } else { joined }
 }
 
@@ -110,8 +111,8 @@ pub fn calibrate(
         let length_mm: f64 = samples
             .iter()
             .map(|sample| {
-                let spec =
-                    FillSpec { line_distance_mm: distance_mm, connect_mm: join * distance_mm, ..sample.spec };
+                let joins = Joins { longest_mm: join * distance_mm, ..sample.spec.joins };
+                let spec = FillSpec { line_distance_mm: distance_mm, joins, ..sample.spec };
                 pattern.fill(&sample.room, &spec).iter().map(line_length_mm).sum::<f64>()
             })
             .sum();
@@ -131,7 +132,7 @@ pub fn calibrate(
     best_mm
 }
 
-fn line_length_mm(line: &FillLine) -> f64 {
+fn line_length_mm(line: &Line) -> f64 {
     if line.closed { ring_length_mm(&line.points) } else { polyline_length_mm(&line.points) }
 }
 
@@ -152,7 +153,7 @@ mod tests {
             angle_rad: std::f64::consts::FRAC_PI_4,
             layer: 0,
             z_mm: 0.1,
-            connect_mm: 2.5 * distance_mm,
+            joins: Joins { longest_mm: 2.5 * distance_mm, reach_mm: 0.0, turn_mm: 0.0, hatch: None },
         };
         let solid_mm = room.area_mm2() / (distance_mm * density);
         let lines = lay(&Rectilinear, &room, &spec, solid_mm, density);

@@ -4,13 +4,14 @@ use std::f64::consts::FRAC_PI_2;
 
 use crate::geom::Region;
 
-use super::{FillLine, FillPattern, FillSpec, lines};
+use super::super::bead::Line;
+use super::{FillPattern, FillSpec, lines};
 
 /// See the module.
 pub struct Grid;
 
 impl FillPattern for Grid {
-    fn fill(&self, region: &Region, spec: &FillSpec) -> Vec<FillLine> {
+    fn fill(&self, region: &Region, spec: &FillSpec) -> Vec<Line> {
         lines::sets(region, spec, 2, FRAC_PI_2)
     }
 

@@ -9,8 +9,9 @@ use std::f64::consts::TAU;
 
 use crate::geom::{Clipper, Point, Region, to_mm};
 
+use super::super::bead::Line;
 use super::connect::{Chord, connect};
-use super::{FillLine, FillPattern, FillSpec};
+use super::{FillPattern, FillSpec};
 
 /// Steps in a period: the chord error of a wave is below 1 % of its amplitude.
 const STEPS: usize = 24;
@@ -22,7 +23,7 @@ const PERIOD: f64 = 2.0 * 1.22;
 pub struct Gyroid;
 
 impl FillPattern for Gyroid {
-    fn fill(&self, region: &Region, spec: &FillSpec) -> Vec<FillLine> {
+    fn fill(&self, region: &Region, spec: &FillSpec) -> Vec<Line> {
         let Some(bounds) = region.bounds() else {
             return Vec::new();
         };
@@ -64,12 +65,13 @@ impl FillPattern for Gyroid {
                 line,
             }));
         }
-        connect(region, chords, spec.connect_mm)
+        connect(region, chords, &spec.joins)
     }
 }
 
 #[cfg(test)]
 mod tests {
+    use super::super::Joins;
     use super::*;
     use crate::geom::Polygon;
 
@@ -80,7 +82,8 @@ mod tests {
         let region = Region { polygons: vec![Polygon { outer, holes: vec![] }] };
         for layer in 0..40 {
             let z_mm = 0.1 + 0.2 * layer as f64;
-            let spec = FillSpec { line_distance_mm: 2.0, angle_rad: 0.0, layer, z_mm, connect_mm: 0.0 };
+            let spec =
+                FillSpec { line_distance_mm: 2.0, angle_rad: 0.0, layer, z_mm, joins: Joins::default() };
             let scale = TAU / (PERIOD * 2.0);
             let lines = Gyroid.fill(&region, &spec);
             assert!(!lines.is_empty());

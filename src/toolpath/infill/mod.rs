@@ -1,5 +1,6 @@
 //! Infill: one file per pattern behind one interface.
 
+mod caps;
 mod concentric;
 mod connect;
 mod density;
@@ -10,11 +11,14 @@ mod rectilinear;
 mod solid;
 mod triangles;
 
-use crate::geom::{Point, Region};
+use crate::geom::Region;
 use crate::profile::Pattern;
 
+use super::bead::Line;
+
+pub use connect::Joins;
 pub use density::{SparseSample, calibrate, flow, lay};
-pub use solid::fill as fill_solid;
+pub use solid::{SolidSpec, fill as fill_solid, iron, split_narrow};
 
 /// What a pattern needs to know of a layer.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -28,31 +32,28 @@ pub struct FillSpec {
     pub layer: usize,
     /// Height of the layer's middle over the bed, in millimetres.
     pub z_mm: f64,
-    /// Line ends are joined along the boundary where that way is at most this long, in millimetres.
-    pub connect_mm: f64,
+    /// What becomes of line ends.
+    pub joins: Joins,
 }
 
 impl FillSpec {
     /// Only every n-th line, joined as before.
     fn sparser(&self, n: u32) -> Self {
         let n = f64::from(n);
-        Self { line_distance_mm: n * self.line_distance_mm, connect_mm: n * self.connect_mm, ..*self }
+        let joins = Joins { longest_mm: n * self.joins.longest_mm, ..self.joins };
+        Self { line_distance_mm: n * self.line_distance_mm, joins, ..*self }
     }
-}
 
-/// One infill bead.
-#[derive(Clone, Debug, PartialEq)]
-pub struct FillLine {
-    /// Vertices.
-    pub points: Vec<Point>,
-    /// Whether it returns to its first vertex.
-    pub closed: bool,
+    /// The lines as they are, none joined.
+    fn apart(&self) -> Self {
+        Self { joins: Joins { longest_mm: 0.0, ..self.joins }, ..*self }
+    }
 }
 
 /// A sparse infill pattern.
 pub trait FillPattern: Sync {
     /// The pattern's beads inside a region. Beads end on its boundary and nowhere leave it.
-    fn fill(&self, region: &Region, spec: &FillSpec) -> Vec<FillLine>;
+    fn fill(&self, region: &Region, spec: &FillSpec) -> Vec<Line>;
 
     /// Whether the lines at a multiple of the distance are among those at the distance itself, so that lines of layers
     /// with different multiples lie on each other.

@@ -1,10 +1,12 @@
 //! Solid infill: parallel lines side by side, their distance fitted so that they fill each patch exactly.
 
-use std::f64::consts::FRAC_PI_2;
+use std::f64::consts::{FRAC_PI_2, FRAC_PI_4};
 
 use crate::geom::{self, Point, Region};
 
-use super::{FillLine, lines};
+use super::super::bead::Line;
+use super::caps::Hatch;
+use super::{Joins, lines};
 
 /// Line ends further apart than this many spacings along the boundary are not joined.
 const LONGEST_JOIN: f64 = 12.0;
@@ -12,25 +14,70 @@ const LONGEST_JOIN: f64 = 12.0;
 /// The outermost lines keep this far from the patch's extreme points, where they would vanish.
 const INSIDE_MM: f64 = 0.002;
 
-/// Fills each polygon of a region with lines `spacing_mm` apart or slightly closer or wider: the extent across
-/// the lines is divided evenly. Returns the lines of each polygon with their true spacing.
-///
-/// `inset_mm` is how far line ends stay inside the boundary. Lines turn by 90° from layer to layer.
-pub fn fill(
-    region: &Region,
-    spacing_mm: f64,
-    inset_mm: f64,
-    angle_rad: f64,
-    layer: usize,
-) -> Vec<(f64, Vec<FillLine>)> {
-    let angle_rad = angle_rad + if layer % 2 == 1 { FRAC_PI_2 } else { 0.0 };
-    let inner = geom::offset(region, -inset_mm);
+/// Parts of a solid zone narrower than this many spacings are filled along their boundary: lines across would consist
+/// of ends.
+const NARROW: f64 = 3.5;
+
+/// Narrow parts smaller than this many squared spacings are left with the wide ones: corners.
+const CORNER: f64 = 4.0;
+
+/// Divides a solid zone into what is wide enough for parallel lines, and the rest.
+pub fn split_narrow(zone: &Region, spacing_mm: f64) -> (Region, Region) {
+    let core = geom::offset(zone, -NARROW / 2.0 * spacing_mm);
+    if core.is_empty() {
+        return (core, zone.clone());
+    }
+    let wide = geom::offset(&core, NARROW / 2.0 * spacing_mm);
+    if zone.area_mm2() - wide.area_mm2() < CORNER * spacing_mm * spacing_mm {
+        return (zone.clone(), Region::default());
+    }
+    let mut narrow = geom::opening(&geom::difference(zone, &wide), spacing_mm / 4.0);
+    narrow.polygons.retain(|polygon| polygon.area_mm2() >= CORNER * spacing_mm * spacing_mm);
+    if narrow.is_empty() {
+        return (zone.clone(), narrow);
+    }
+    (geom::difference(zone, &narrow), narrow)
+}
+
+/// Lines laid side by side into one patch.
+pub struct SolidPatch {
+    /// Their spacing.
+    pub spacing_mm: f64,
+    /// The lines, each with the index of the first of the parallel lines that it consists of.
+    pub lines: Vec<(u32, Line)>,
+}
+
+/// How a region is filled solid.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SolidSpec {
+    /// Distance of the lines.
+    pub spacing_mm: f64,
+    /// How far free ends reach beyond half a spacing inside the boundary.
+    pub reach_mm: f64,
+    /// How far ends at sharp turns reach, as a multiple of that.
+    pub turn: f64,
+    /// Direction of the first layer's lines; they turn by 90° from layer to layer.
+    pub angle_rad: f64,
+    /// Index of the layer, from 0.
+    pub layer: usize,
+    /// Whether line ends are joined along the boundary; else each line is by itself.
+    pub joined: bool,
+    /// Whether beads of fitting width fill what is left where the boundary runs along the lines.
+    pub capped: bool,
+}
+
+/// Fills each polygon of a region with lines a spacing apart or slightly closer or wider: the extent across
+/// the lines is divided evenly. Joins run half a spacing inside the boundary.
+pub fn fill(region: &Region, spec: &SolidSpec) -> Vec<SolidPatch> {
+    let SolidSpec { spacing_mm, reach_mm, .. } = *spec;
+    let angle_rad = turned(spec.angle_rad, spec.layer);
+    let inner = geom::offset(region, -spacing_mm / 2.0);
     inner
         .polygons
         .into_iter()
         .map(|polygon| {
             let patch = Region { polygons: vec![polygon] };
-            let (low_mm, high_mm) = extent_mm(&patch, angle_rad);
+            let (low_mm, high_mm) = extent_mm(patch.rings().flatten(), angle_rad);
             let width_mm = (high_mm - low_mm - 2.0 * INSIDE_MM).max(0.0);
             let gaps = (width_mm / spacing_mm).round();
             let (fitted_mm, phase_mm) = if gaps >= 1.0 {
@@ -38,22 +85,40 @@ pub fn fill(
             } else {
                 (spacing_mm, (low_mm + high_mm) / 2.0)
             };
-            (fitted_mm, lines::parallel(&patch, angle_rad, fitted_mm, phase_mm, LONGEST_JOIN * spacing_mm))
+            let joins = Joins {
+                longest_mm: if spec.joined { LONGEST_JOIN * spacing_mm } else { 0.0 },
+                reach_mm,
+                turn_mm: spec.turn * reach_mm,
+                hatch: spec.capped.then_some(Hatch { angle_rad, distance_mm: fitted_mm, phase_mm }),
+            };
+            let first_of = |line: &Line| {
+                let (first_mm, _) = extent_mm(&line.points, angle_rad);
+                ((first_mm - phase_mm) / fitted_mm).round().max(0.0) as u32
+            };
+            let lines = lines::parallel(&patch, angle_rad, fitted_mm, phase_mm, &joins);
+            let lines = lines.into_iter().map(|line| (first_of(&line), line)).collect();
+            SolidPatch { spacing_mm: fitted_mm, lines }
         })
         .collect()
 }
 
+/// Ironing: lines close to each other, at 45° to those of the surface beneath.
+pub fn iron(region: &Region, spacing_mm: f64, angle_rad: f64, layer: usize) -> Vec<Line> {
+    let angle_rad = turned(angle_rad, layer) + FRAC_PI_4;
+    let joins = Joins { longest_mm: LONGEST_JOIN * spacing_mm, ..Joins::default() };
+    lines::parallel(region, angle_rad, spacing_mm, 0.0, &joins)
+}
+
+fn turned(angle_rad: f64, layer: usize) -> f64 {
+    angle_rad + if layer % 2 == 1 { FRAC_PI_2 } else { 0.0 }
+}
+
 /// Smallest and largest distance from the origin across the line direction.
-fn extent_mm(region: &Region, angle_rad: f64) -> (f64, f64) {
+fn extent_mm<'a>(points: impl IntoIterator<Item = &'a Point>, angle_rad: f64) -> (f64, f64) {
     let (sin, cos) = angle_rad.sin_cos();
-    let across = |p: Point| {
+    let across = |p: &Point| {
         let [x, y] = p.mm();
         y * cos - x * sin
     };
-    region
-        .polygons
-        .iter()
-        .flat_map(|p| &p.outer)
-        .map(|&p| across(p))
-        .fold((f64::MAX, f64::MIN), |(low, high), v| (low.min(v), high.max(v)))
+    points.into_iter().map(across).fold((f64::MAX, f64::MIN), |(low, high), v| (low.min(v), high.max(v)))
 }

@@ -4,13 +4,14 @@ use std::f64::consts::FRAC_PI_3;
 
 use crate::geom::Region;
 
-use super::{FillLine, FillPattern, FillSpec, lines};
+use super::super::bead::Line;
+use super::{FillPattern, FillSpec, lines};
 
 /// See the module.
 pub struct Triangles;
 
 impl FillPattern for Triangles {
-    fn fill(&self, region: &Region, spec: &FillSpec) -> Vec<FillLine> {
+    fn fill(&self, region: &Region, spec: &FillSpec) -> Vec<Line> {
         lines::sets(region, spec, 3, FRAC_PI_3)
     }
 

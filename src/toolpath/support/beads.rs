@@ -6,7 +6,7 @@ use super::columns::Cells;
 use super::trace::trace;
 use crate::geom::{self, HatchLine, Point, Polygon, Region};
 use crate::profile::{SupportPattern, SupportSettings, SupportStyle};
-use crate::toolpath::infill::lines;
+use crate::toolpath::infill::{Joins, lines};
 use crate::toolpath::{Path, Role, Width, bead};
 
 /// Lines of support shorter than this hold nothing.
@@ -96,8 +96,9 @@ pub fn lay(outlines: &Outlines, layer: &BeadSpec<'_>, settings: &SupportSettings
     if settings.density.0 > 0.0 {
         for set in 0..sets {
             let turned_rad = angle_rad + f64::from(set) * FRAC_PI_2;
-            let (distance_mm, join_mm) = (apart_mm / denser, LONGEST_JOIN * apart_mm / denser);
-            for line in lines::parallel(&body, turned_rad, distance_mm, 0.0, join_mm) {
+            let distance_mm = apart_mm / denser;
+            let joins = Joins { longest_mm: LONGEST_JOIN * distance_mm, ..Joins::default() };
+            for line in lines::parallel(&body, turned_rad, distance_mm, 0.0, &joins) {
                 if geom::polyline_length_mm(&line.points) >= SHORTEST_MM {
                     push(Role::Support, layer.rank, line.closed, line.points);
                 }

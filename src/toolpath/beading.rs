@@ -1,0 +1,294 @@
+//! Pairs of beads along the boundary whose width follows the thickness of the part.
+//!
+//! After Kuipers, Doubrovski, Wu, Wang: "A framework for adaptive width control of dense contour-parallel toolpaths in
+//! fused deposition modeling", Computer-Aided Design 128 (2020), DOI 10.1016/j.cad.2020.102907: where a part is not a
+//! whole number of beads thick, the beads in its middle are made wider or narrower, the others keep their width. With
+//! s the spacing of a bead and t what is left of the thickness, a place gets
+//!
+//! - one bead of width t, where t < 1.5 s;
+//! - two beads of t/2, where 1.5 s ≤ t < 2.5 s;
+//! - two beads of s, and the rest again by this table, where t ≥ 2.5 s.
+//!
+//! So a middle bead is between half and one and a half times as wide as asked for, one of a pair at least three
+//! quarters and at most five quarters. Instead of a skeletal trapezoidation, the places are found by offsets, and the
+//! thickness is that of the largest disc that touches the boundary and its opposite side (Ma, Bae, Choi: "3D medial
+//! axis point approximation using nearest neighbors and the normal field", The Visual Computer 28 (2012),
+//! DOI 10.1007/s00371-011-0594-7, with edges instead of points).
+
+use crate::geom::{self, Bounds, EdgeGrid, Point, Region, Ring, UNITS_PER_MM};
+
+use super::bead::Line;
+
+/// Half the thickness at which a part gets two beads instead of one, in spacings.
+pub(super) const PAIR: f64 = 0.75;
+
+/// Parts that are thicker than where pairs begin by less than this on average, in spacings, get single beads
+/// throughout: else tiny loops and short beads would alternate where the thickness goes to and fro about that.
+const HYSTERESIS: f64 = 0.08;
+
+/// Half the thickness at which the beads of a pair have their own width, in spacings.
+const FULL: f64 = 1.25;
+
+/// Gaps narrower than this hold no bead that a nozzle could lay.
+pub(super) const MIN_GAP_MM: f64 = 0.12;
+
+/// The widest single bead, in spacings: at junctions a little more than the module says.
+pub(super) const WIDEST: f64 = 1.6;
+
+/// Sides face each other whose normals enclose at most an angle with this cosine: 135°.
+const FACING: f64 = -0.7;
+
+/// Corners whose squared sine is less are none, or needles.
+const NEARLY_STRAIGHT: f64 = 0.05;
+
+/// The thickness is looked up at least this often, in spacings.
+const STEP: f64 = 0.6;
+
+/// Area that rounding of corners may lose before a region counts as having narrow places, as a share of its
+/// boundary's length: mitred corners come back exactly but for slivers of this width.
+const CORNER_LOSS_MM: f64 = 0.002;
+
+/// The outermost beads of a region, and what they leave.
+pub(super) struct Pair {
+    /// Closed beads along the boundary.
+    pub(super) loops: Vec<Line>,
+    /// Where there is room for a single bead.
+    pub(super) gap: Region,
+    /// What lies inside the loops.
+    pub(super) rest: Region,
+}
+
+/// Lays one bead along the boundary of a region, with widths as the module says. Gaps narrower than `least_mm` are none.
+pub(super) fn pair(region: &Region, spacing_mm: f64, least_mm: f64) -> Pair {
+    let mut core = geom::offset(region, -PAIR * spacing_mm);
+    core.polygons.retain(|polygon| {
+        let around_mm: f64 = polygon.rings().map(|ring| geom::ring_length_mm(ring)).sum();
+        // What is no longer than wide is the middle of a post, which takes no bead along its axis.
+        around_mm < spacing_mm || 2.0 * polygon.area_mm2() >= HYSTERESIS * spacing_mm * around_mm
+    });
+    let covered = geom::offset(&core, PAIR * spacing_mm);
+    let gap = narrower(region, &covered, least_mm);
+    let deep = geom::offset(&core, -(FULL - PAIR) * spacing_mm);
+    let thick = geom::offset(&deep, FULL * spacing_mm);
+    let loops = if same_area(&covered, &thick) {
+        constant(&geom::offset(&core, (PAIR - 0.5) * spacing_mm))
+    } else {
+        let centre = geom::offset(&core, PAIR / 2.0 * spacing_mm);
+        let sides = Sides { grid: EdgeGrid::new(&covered), outline: EdgeGrid::new(region), spacing_mm };
+        centre.rings().filter_map(|ring| sides.fit(ring)).collect()
+    };
+    Pair { loops, gap, rest: geom::offset(&deep, (FULL - 1.0) * spacing_mm) }
+}
+
+/// Fills a region with nested beads until nothing is left: loops, and the places for single beads.
+pub(super) fn fill(region: &Region, spacing_mm: f64) -> (Vec<Line>, Region) {
+    let (mut loops, mut gaps) = (Vec::new(), Region::default());
+    let mut rest = region.clone();
+    while !rest.is_empty() {
+        let pair = pair(&rest, spacing_mm, MIN_GAP_MM);
+        loops.extend(pair.loops);
+        gaps.polygons.extend(pair.gap.polygons);
+        rest = pair.rest;
+    }
+    (loops, gaps)
+}
+
+/// Loops of the width asked for.
+pub(super) fn constant(centre: &Region) -> Vec<Line> {
+    centre
+        .rings()
+        .filter(|ring| ring.len() >= 3)
+        .map(|ring| Line { points: ring.clone(), spacing_mm: Vec::new(), closed: true })
+        .collect()
+}
+
+/// What an opening took off a region, as far as it is at least `least_mm` wide.
+pub(super) fn narrower(region: &Region, opened: &Region, least_mm: f64) -> Region {
+    if same_area(region, opened) {
+        return Region::default();
+    }
+    geom::opening(&geom::difference(region, opened), least_mm / 2.0)
+}
+
+/// Whether opening a region lost no more than its corners' slivers.
+pub(super) fn same_area(before: &Region, after: &Region) -> bool {
+    let boundary_mm: f64 = before.rings().map(|r| geom::ring_length_mm(r)).sum();
+    before.area_mm2() - after.area_mm2() <= CORNER_LOSS_MM * boundary_mm
+}
+
+/// A place on a bead's way: position, direction inwards, spacing.
+struct Place {
+    at: [f64; 2],
+    inwards: [f64; 2],
+    spacing_mm: f64,
+}
+
+/// The boundary that beads are laid along.
+struct Sides {
+    /// Of the part that gets pairs.
+    grid: EdgeGrid,
+    /// Of the whole region, which no bead may leave.
+    outline: EdgeGrid,
+    spacing_mm: f64,
+}
+
+impl Sides {
+    /// The bead along a ring that lies half the narrowest bead inside the boundary, moved inwards where it is wider.
+    fn fit(&self, ring: &Ring) -> Option<Line> {
+        let n = ring.len();
+        let corners: Vec<[f64; 2]> = ring.iter().map(|p| p.mm()).collect();
+        let edges: Vec<Vec<Place>> = (0..n).map(|i| self.along(corners[i], corners[(i + 1) % n])).collect();
+        let mut line = Line { points: Vec::new(), spacing_mm: Vec::new(), closed: true };
+        for (i, edge) in edges.iter().enumerate() {
+            let (Some(start), Some(end)) = (edge.first(), edges[(i + n - 1) % n].last()) else {
+                continue;
+            };
+            self.corner(end, start, &mut line);
+            for place in edge.get(1..edge.len() - 1).unwrap_or_default() {
+                self.push(
+                    place.at,
+                    place.inwards.map(|k| k * self.shift_mm(place)),
+                    place.spacing_mm,
+                    &mut line,
+                );
+            }
+        }
+        if line.spacing_mm.iter().all(|&s| s == self.spacing_mm as f32) {
+            line.spacing_mm.clear();
+        }
+        (line.points.len() >= 3).then_some(line)
+    }
+
+    /// How far a bead lies inside the ring.
+    fn shift_mm(&self, place: &Place) -> f64 {
+        (place.spacing_mm - PAIR * self.spacing_mm) / 2.0
+    }
+
+    /// The vertex between two edges, as far inside either as its bead asks for, and as wide as the narrower one: a
+    /// wider bead would poke out beside that.
+    fn corner(&self, end: &Place, start: &Place, line: &mut Line) {
+        let (a, b) = (end.inwards, start.inwards);
+        let cosine = a[0] * b[0] + a[1] * b[1];
+        let (from, to) = (self.shift_mm(end), self.shift_mm(start));
+        let square = 1.0 - cosine * cosine;
+        let by = if square > NEARLY_STRAIGHT {
+            let (along_a, along_b) = ((from - to * cosine) / square, (to - from * cosine) / square);
+            [0, 1].map(|k| along_a * a[k] + along_b * b[k])
+        } else {
+            [0, 1].map(|k| (from * a[k] + to * b[k]) / 2.0)
+        };
+        let spacing_mm = start.spacing_mm.min(end.spacing_mm);
+        self.push(start.at, by, spacing_mm, line);
+    }
+
+    /// Distance to the outline, as far as it is less than half a spacing.
+    fn room_mm(&self, at: Point, spacing_mm: f64) -> f64 {
+        let mut near = Vec::new();
+        if let Some(area) = Bounds::of([at]) {
+            self.outline.near_box(area.grown((spacing_mm / 2.0 * UNITS_PER_MM) as i32), &mut near);
+        }
+        let [x, y] = at.mm();
+        let distances = near.iter().map(|&i| {
+            let edge = &self.outline.edges()[i as usize];
+            let ([ax, ay], [bx, by]) = (edge.a.mm(), edge.b.mm());
+            let (dx, dy) = (bx - ax, by - ay);
+            let t = ((x - ax) * dx + (y - ay) * dy) / (dx * dx + dy * dy);
+            let t = if t > 0.0 { t.min(1.0) } else { 0.0 };
+            (ax + t * dx - x).hypot(ay + t * dy - y)
+        });
+        distances.fold(spacing_mm / 2.0, f64::min)
+    }
+
+    /// Appends a vertex, no wider than the room there.
+    fn push(&self, at: [f64; 2], by: [f64; 2], spacing_mm: f64, line: &mut Line) {
+        let point = Point::from_mm(at[0] + by[0], at[1] + by[1]);
+        if line.points.last() != Some(&point) {
+            line.points.push(point);
+            line.spacing_mm.push(spacing_mm.min(2.0 * self.room_mm(point, spacing_mm)) as f32);
+        }
+    }
+
+    /// Both ends of an edge, and places between where the other side is near.
+    fn along(&self, a: [f64; 2], b: [f64; 2]) -> Vec<Place> {
+        let length_mm = (b[0] - a[0]).hypot(b[1] - a[1]);
+        if length_mm <= 0.0 {
+            return Vec::new();
+        }
+        let inwards = [(a[1] - b[1]) / length_mm, (b[0] - a[0]) / length_mm];
+        let facing = self.facing(a, b, inwards);
+        let steps =
+            if facing.is_empty() { 1.0 } else { (length_mm / (STEP * self.spacing_mm)).ceil().max(3.0) };
+        let mut places: Vec<Place> = (0..=steps as usize)
+            .map(|k| {
+                let at = [0, 1].map(|i| a[i] + (b[i] - a[i]) * k as f64 / steps);
+                Place { at, inwards, spacing_mm: self.spacing_at(at, inwards, &facing) }
+            })
+            .collect();
+        // The places next to the corners stay: the corner's width is between those of both edges.
+        let mut k = 2;
+        while k + 2 < places.len() {
+            let [before, here, after] = [k - 1, k, k + 1].map(|i| places[i].spacing_mm);
+            if before == here && here == after {
+                places.remove(k);
+            } else {
+                k += 1;
+            }
+        }
+        places
+    }
+
+    /// Edges of the boundary that face an edge of the ring near enough to matter, as their ends.
+    fn facing(&self, a: [f64; 2], b: [f64; 2], inwards: [f64; 2]) -> Vec<[[f64; 2]; 2]> {
+        let reach = 2.0 * FULL * self.spacing_mm * UNITS_PER_MM;
+        let [p, q] = [a, b].map(|v| Point::from_mm(v[0], v[1]));
+        let area = Bounds::of([p, q]).map(|area| area.grown(reach as i32));
+        let mut found = Vec::new();
+        if let Some(area) = area {
+            self.grid.near_box(area, &mut found);
+        }
+        found
+            .iter()
+            .map(|&i| &self.grid.edges()[i as usize])
+            .map(|edge| [edge.a.mm(), edge.b.mm()])
+            .filter(|[c, d]| {
+                let length_mm = (d[0] - c[0]).hypot(d[1] - c[1]);
+                let cosine = (inwards[0] * (c[1] - d[1]) + inwards[1] * (d[0] - c[0])) / length_mm;
+                cosine <= FACING
+            })
+            .collect()
+    }
+
+    /// The bead's spacing at a place of the ring.
+    fn spacing_at(&self, at: [f64; 2], inwards: [f64; 2], facing: &[[[f64; 2]; 2]]) -> f64 {
+        let foot = [0, 1].map(|k| at[k] - inwards[k] * PAIR / 2.0 * self.spacing_mm);
+        let radius_mm =
+            facing.iter().map(|&side| touching(foot, inwards, side)).fold(f64::INFINITY, f64::min);
+        if radius_mm >= FULL * self.spacing_mm {
+            self.spacing_mm
+        } else {
+            radius_mm.max(PAIR * self.spacing_mm)
+        }
+    }
+}
+
+/// Radius of the disc that touches the boundary at `foot`, where `inwards` is the normal, and an edge.
+fn touching(foot: [f64; 2], inwards: [f64; 2], [a, b]: [[f64; 2]; 2]) -> f64 {
+    let (dx, dy) = (b[0] - a[0], b[1] - a[1]);
+    let length_mm = dx.hypot(dy);
+    let normal = [-dy / length_mm, dx / length_mm];
+    let distance_mm = normal[0] * (foot[0] - a[0]) + normal[1] * (foot[1] - a[1]);
+    let radius_mm = distance_mm / (1.0 - normal[0] * inwards[0] - normal[1] * inwards[1]);
+    let touch = [0, 1].map(|k| foot[k] + radius_mm * (inwards[k] - normal[k]));
+    let along = ((touch[0] - a[0]) * dx + (touch[1] - a[1]) * dy) / (length_mm * length_mm);
+    if (0.0..=1.0).contains(&along) {
+        return if radius_mm > 0.0 { radius_mm } else { f64::INFINITY };
+    }
+    [a, b]
+        .map(|end| {
+            let to = [end[0] - foot[0], end[1] - foot[1]];
+            let depth_mm = to[0] * inwards[0] + to[1] * inwards[1];
+            if depth_mm > 0.0 { (to[0] * to[0] + to[1] * to[1]) / (2.0 * depth_mm) } else { f64::INFINITY }
+        })
+        .into_iter()
+        .fold(f64::INFINITY, f64::min)
+}

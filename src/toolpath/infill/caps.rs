@@ -1,0 +1,225 @@
+//! What parallel lines leave open where the boundary runs along them: the room between the last line and an
+//! extreme of the boundary, less than a line wide; and the wedges between lines and a boundary that they meet at a
+//! small angle.
+
+use crate::geom::{Boundary, Point};
+
+use super::connect::{Chord, Stop};
+
+/// Beads narrower than this, as a share of the lines' distance, are not laid.
+const NARROWEST: f64 = 0.12;
+
+/// Beads shorter than this many distances are laid only where a line ends beside them.
+const SHORTEST: f64 = 1.2;
+
+/// A wedge is filled by a bead of its own that is at least so many distances long, which means that the lines meet the
+/// boundary at less than 34°; steeper ends are joined with beads of full width.
+const SHORTEST_WEDGE: f64 = 1.5;
+
+/// The arrangement of a solid fill's lines: line `k` is `k · distance + phase` from the origin, along the normal
+/// (−sin, cos) of the angle.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Hatch {
+    /// Direction of the lines.
+    pub angle_rad: f64,
+    /// Distance of neighbours, in millimetres.
+    pub distance_mm: f64,
+    /// See above.
+    pub phase_mm: f64,
+}
+
+/// A bead beside an extreme of the boundary.
+pub(super) struct Cap {
+    /// Vertices with the spacing there.
+    pub(super) bead: Vec<(Point, f32)>,
+    /// The chord ends (chord, side) that the bead starts and ends beside; one that is broken starts there only.
+    pub(super) ends: [(u32, u8); 2],
+    /// Whether it leads from one chord on to another.
+    pub(super) through: bool,
+    pub(super) used: bool,
+}
+
+/// The caps of a fill, to be found by the chord ends beside them.
+#[derive(Default)]
+pub(super) struct Caps {
+    all: Vec<Cap>,
+    /// Chord, side, and index of a cap beside that end; sorted.
+    beside: Vec<(u32, u8, u32)>,
+}
+
+impl Caps {
+    pub(super) fn new(all: Vec<Cap>) -> Self {
+        let ends =
+            all.iter().enumerate().flat_map(|(i, cap)| cap.ends.map(|(chord, side)| (chord, side, i as u32)));
+        let mut beside: Vec<(u32, u8, u32)> = ends.collect();
+        beside.sort_unstable();
+        Self { all, beside }
+    }
+
+    fn beside(&self, (chord, side): (u32, u8)) -> impl Iterator<Item = usize> {
+        let first = self.beside.partition_point(|&(c, s, _)| (c, s) < (chord, side));
+        let same = self.beside[first..].iter().take_while(move |&&(c, s, _)| (c, s) == (chord, side));
+        same.map(|&(.., cap)| cap as usize)
+    }
+
+    /// Whether there is a cap beside a chord's end, used or not.
+    pub(super) fn any_beside(&self, end: (u32, u8)) -> bool {
+        self.beside(end).next().is_some()
+    }
+
+    /// A cap beside a chord's end that is not used yet and fits.
+    pub(super) fn free_beside(&mut self, end: (u32, u8), fits: impl Fn(&Cap) -> bool) -> Option<&mut Cap> {
+        let found = self.beside(end).find(|&i| !self.all[i].used && fits(&self.all[i]))?;
+        self.all.get_mut(found)
+    }
+
+    /// The beads of the caps that no line took up, unless they are short.
+    pub(super) fn into_unused(self, distance_mm: f64) -> impl Iterator<Item = Vec<(Point, f32)>> {
+        let length_mm =
+            |bead: &[(Point, f32)]| bead.windows(2).map(|w| w[0].0.distance_mm(w[1].0)).sum::<f64>();
+        let unused = self.all.into_iter().filter(|cap| !cap.used).map(|cap| cap.bead);
+        unused.filter(move |bead| length_mm(bead) >= SHORTEST * distance_mm)
+    }
+}
+
+/// All caps along the boundary. Between two neighbouring ends of the same line the boundary stays within one distance
+/// of it. If both are ends of one chord, the cap lies between that chord and the boundary; else a hole or notch
+/// interrupts the line, and the cap lies between it and the next line.
+pub(super) fn find(boundary: &Boundary<'_>, stops: &[Stop], chords: &[Chord], hatch: Hatch) -> Vec<Cap> {
+    let (sin, cos) = hatch.angle_rad.sin_cos();
+    let distance_mm = hatch.distance_mm;
+    let mut caps = Vec::new();
+    for ring in stops.chunk_by(|a, b| a.on.ring == b.on.ring) {
+        for (i, from) in ring.iter().enumerate() {
+            let to = &ring[(i + 1) % ring.len()];
+            let (a, b) = (&chords[from.chord as usize], &chords[to.chord as usize]);
+            if a.line != b.line || ring.len() < 2 {
+                let arc = || boundary.vertices_between(from.on, to.on, true);
+                caps.extend(wedge([(a, from), (b, to)], arc, hatch));
+                continue;
+            }
+            let arc = boundary.vertices_between(from.on, to.on, true);
+            let outer = from.chord == to.chord;
+            let line_mm = a.line as f64 * distance_mm + hatch.phase_mm;
+            let over_mm = |p: &Point| {
+                let [x, y] = p.mm();
+                y * cos - x * sin - line_mm
+            };
+            let side = arc.iter().map(over_mm).sum::<f64>().signum();
+            // Vertex, and the width of the room beside it.
+            let profile: Vec<(Point, f64)> = std::iter::once(end_of(a, from))
+                .chain(arc.iter().copied())
+                .chain(std::iter::once(end_of(b, to)))
+                .map(|p| {
+                    let over_mm = side * over_mm(&p);
+                    let (away_mm, width_mm) = if outer {
+                        ((distance_mm - over_mm) / 2.0, over_mm)
+                    } else {
+                        (-over_mm / 2.0, distance_mm - over_mm)
+                    };
+                    let ([x, y], away_mm) = (p.mm(), side * away_mm);
+                    (Point::from_mm(x - away_mm * sin, y + away_mm * cos), width_mm)
+                })
+                .collect();
+            let ends = [(from.chord, from.side), (to.chord, to.side)];
+            let parts = wide_parts(&profile, NARROWEST * distance_mm);
+            let through = !outer && parts.len() == 1 && parts[0].len() >= profile.len();
+            let count = parts.len();
+            for (k, mut bead) in parts.into_iter().enumerate() {
+                let mut ends = ends;
+                if !outer && !through {
+                    // Broken: each part is reached from its own side.
+                    if k + 1 == count && k > 0 {
+                        bead.reverse();
+                        ends.swap(0, 1);
+                    }
+                    ends[1] = (u32::MAX, 0);
+                }
+                caps.push(Cap { bead, ends, through, used: false });
+            }
+        }
+    }
+    caps
+}
+
+/// The bead between two neighbouring lines where the boundary runs from the end of one to that of the other at a small
+/// angle: the shorter line goes on along the boundary and narrows until it meets the longer one's end.
+fn wedge(
+    [(a, from), (b, to)]: [(&Chord, &Stop); 2],
+    arc: impl FnOnce() -> Vec<Point>,
+    hatch: Hatch,
+) -> Option<Cap> {
+    let (sin, cos) = hatch.angle_rad.sin_cos();
+    let distance_mm = hatch.distance_mm;
+    let along_mm = |p: Point| {
+        let [x, y] = p.mm();
+        x * cos + y * sin
+    };
+    // Both lines end in the same direction.
+    if (a.line - b.line).abs() != 1 || from.side != to.side {
+        return None;
+    }
+    let (at_a, at_b) = (end_of(a, from), end_of(b, to));
+    let inwards = if from.side == 0 { 1.0 } else { -1.0 };
+    let shorter_mm = inwards * (along_mm(at_b) - along_mm(at_a));
+    if shorter_mm.abs() < SHORTEST_WEDGE * distance_mm {
+        return None;
+    }
+    let is_forward = shorter_mm < 0.0;
+    let (long, short) = if is_forward { (b, a) } else { (a, b) };
+    if long.points[0].distance_mm(long.points[long.points.len() - 1]) < shorter_mm.abs() {
+        return None;
+    }
+    let side = (short.line - long.line) as f64;
+    let line_mm = long.line as f64 * distance_mm + hatch.phase_mm;
+    let profile: Vec<(Point, f64)> = std::iter::once(at_a)
+        .chain(arc())
+        .chain(std::iter::once(at_b))
+        .map(|p| {
+            let [x, y] = p.mm();
+            let width_mm = side * (y * cos - x * sin - line_mm);
+            let away_mm = side * (distance_mm - width_mm) / 2.0;
+            (Point::from_mm(x - away_mm * sin, y + away_mm * cos), width_mm)
+        })
+        .collect();
+    let tolerance_mm = 0.1 * distance_mm;
+    if profile.iter().any(|&(_, mm)| !(-tolerance_mm..=distance_mm + tolerance_mm).contains(&mm)) {
+        return None;
+    }
+    let mut parts = wide_parts(&profile, NARROWEST * distance_mm).into_iter();
+    let (Some(bead), None) = (parts.next(), parts.next()) else {
+        return None;
+    };
+    let ends = [(from.chord, from.side), (to.chord, to.side)];
+    Some(Cap { bead, ends, through: true, used: false })
+}
+
+fn end_of(chord: &Chord, stop: &Stop) -> Point {
+    chord.points[if stop.side == 0 { 0 } else { chord.points.len() - 1 }]
+}
+
+/// The parts of a polyline at least `least_mm` wide, cut where the width, linear in between, passes that.
+fn wide_parts(profile: &[(Point, f64)], least_mm: f64) -> Vec<Vec<(Point, f32)>> {
+    let mut parts: Vec<Vec<(Point, f32)>> = Vec::new();
+    let mut part = Vec::new();
+    for (i, &(p, width_mm)) in profile.iter().enumerate() {
+        let wide = width_mm >= least_mm;
+        if let Some(&(before, before_mm)) = i.checked_sub(1).and_then(|i| profile.get(i))
+            && (before_mm >= least_mm) != wide
+        {
+            let t = (least_mm - before_mm) / (width_mm - before_mm);
+            let ([ax, ay], [bx, by]) = (before.mm(), p.mm());
+            part.push((Point::from_mm(ax + t * (bx - ax), ay + t * (by - ay)), least_mm as f32));
+        }
+        if wide {
+            part.push((p, width_mm as f32));
+        } else if !part.is_empty() {
+            parts.push(std::mem::take(&mut part));
+        }
+    }
+    if !part.is_empty() {
+        parts.push(part);
+    }
+    parts.retain(|part| part.len() > 1);
+    parts
+}
