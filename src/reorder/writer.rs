@@ -11,6 +11,7 @@ use super::times::is_understood;
 use super::toll::Toll;
 use super::walls::{Walls, Way};
 use crate::gcode::Line;
+use crate::geom::Point;
 
 /// Room behind a line about time.
 pub const TIME_ROOM: &[u8] = b"    ";
@@ -415,7 +416,7 @@ impl<'a> Writer<'a> {
     /// The way to a place, retracted where the file would have done so. `as_was`: the travel in whose place it is.
     fn go(&mut self, to: [i64; 2], as_was: Option<&Token>) {
         let z = as_was.map_or(self.at[2], |t| t.to[2]);
-        let [a, b] = [[self.at[0], self.at[1]], to].map(|p| self.block.point(p));
+        let [a, b] = [[self.at[0], self.at[1]], to].map(|p| self.mm(p)).map(|[x, y]| Point::from_mm(x, y));
         if a == b && z == self.at[2] {
             return;
         }
@@ -440,7 +441,7 @@ impl<'a> Writer<'a> {
             }
         }
         for corner in corners.into_iter().flatten() {
-            let corner = corner.mm().map(|mm| rounded(mm / self.block.frame.scale));
+            let corner = corner.mm().map(|mm| rounded(mm / self.frame.scale));
             self.travel_to(corner, height, habit.travel_feed);
         }
         match as_was {
@@ -676,8 +677,13 @@ impl<'a> Writer<'a> {
         }
     }
 
+    /// A point in millimetres, by the unit in force.
+    fn mm(&self, p: [i64; 2]) -> [f64; 2] {
+        p.map(|v| units(v) * self.frame.scale)
+    }
+
     fn between_mm(&self, a: [i64; 2], b: [i64; 2]) -> f64 {
-        let [a, b] = [a, b].map(|p| self.block.mm(p));
+        let [a, b] = [a, b].map(|p| self.mm(p));
         (a[0] - b[0]).hypot(a[1] - b[1])
     }
 
