@@ -573,8 +573,8 @@ fn mutated_files_neither_panic_nor_hang_nor_print_anything_else() {
 
 #[test]
 fn our_own_optimized_prints_have_next_to_nothing_left_to_gain() {
-    // Three walls are drawn depth by depth, which their names do not tell.
-    for (model, profiles) in [("plate_with_holes", &["standard-job"][..]), ("tilted_bracket", &[])] {
+    // The second has three walls, drawn depth by depth, which their names do not tell.
+    for (model, profiles) in [("plate_with_holes", &["standard-job"][..]), ("nested_shells", &[])] {
         let text = print(model, &settings(profiles, &["order.strategy=optimized"])).text;
         let (code, result, said) = reorder(&text, &[]);
         assert_eq!(code, 0, "{said}");
