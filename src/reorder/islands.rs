@@ -33,8 +33,9 @@ pub(super) fn islands(block: &Block) -> Islands {
     let area = (high[0] - low[0] + 2.0) * (high[1] - low[1] + 2.0);
     let cell_mm = REACH_MM.max((area / MOST_CELLS).sqrt());
     let per_mm = 1.0 / cell_mm;
-    let width = ((high[0] - low[0]) / cell_mm) as usize + 3;
-    let height = ((high[1] - low[1]) / cell_mm) as usize + 3;
+    // A cell to spare on every side, and one for rounding.
+    let width = ((high[0] - low[0]) * per_mm) as usize + 4;
+    let height = ((high[1] - low[1]) * per_mm) as usize + 4;
     let mut sets = Parts::new(block.paths.len());
     let mut cells = vec![u32::MAX; width * height];
     let mut beside = Vec::with_capacity(block.paths.len());
