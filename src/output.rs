@@ -154,19 +154,23 @@ impl Output {
         .map_err(|source| self.error(source))
     }
 
-    /// What has been written so far, from the start.
+    /// What has been written so far, from an offset on.
     ///
     /// # Errors
     /// As [`Output::write`].
-    pub fn reread(&mut self) -> Result<Box<dyn BufRead + Send + '_>, OutputError> {
+    pub fn reread(&mut self, offset: u64) -> Result<Box<dyn BufRead + Send + '_>, OutputError> {
         let name = &self.name;
         match &mut self.sink {
             Sink::File { file, .. } => {
-                let opened = file.flush().and_then(|()| File::open(file.get_ref().file.path()));
+                let open = |path: &Path| {
+                    let mut opened = File::open(path)?;
+                    opened.seek(SeekFrom::Start(offset)).map(|_| opened)
+                };
+                let opened = file.flush().and_then(|()| open(file.get_ref().file.path()));
                 let opened = opened.map_err(|source| OutputError { path: name.clone(), source })?;
                 Ok(Box::new(BufReader::with_capacity(BUFFER_BYTES, opened)))
             }
-            Sink::Direct { held, .. } => Ok(Box::new(held.as_slice())),
+            Sink::Direct { held, .. } => Ok(Box::new(&held[held.len().min(offset as usize)..])),
         }
     }
 

@@ -6,7 +6,9 @@ use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
 use assert_cmd::Command;
-use pathwright::gcode::{Action, annotate, measure, replay};
+use pathwright::estimate::Machine;
+use pathwright::gcode::{Action, annotate, file_time, measure, replay};
+use pathwright::profile::Settings;
 use pathwright::reorder::verify;
 use pathwright::units::Mm;
 use print_support::{print, settings};
@@ -200,10 +202,27 @@ fn fan_and_acceleration_travel_with_their_paths() {
 }
 
 #[test]
-fn times_are_dropped_and_never_left_wrong() {
-    let text = two_layers(true).replace(";LAYER:1\n", "M73 P50 R1\n;TIME_ELAPSED:30.5\n;LAYER:1\n");
-    let result = reordered(&(";TIME:61\n".to_owned() + &text), &[]);
-    assert!(!result.contains("M73") && !result.contains("TIME"), "{result}");
+fn statements_about_time_change_as_the_time_does_or_are_dropped() {
+    let text = two_layers(true).replace(";LAYER:1\n", "M73 P50 R100\n;TIME_ELAPSED:300.5\n;LAYER:1\n");
+    // In the midst of what changes places, too.
+    let text = text.replacen(";LAYER:1\n", ";LAYER:1\nM73 C5\n", 1)
+        + "M73 P100 R0\n; estimated printing time = 1h 0m 0s\n";
+    let at = text.rfind("G0 X").expect("a travel");
+    let text = format!(";TIME:3600\n{}M73 P75 R50\n{}", &text[..at], &text[at..]);
+    let result = reordered(&text, &[]);
+    let machine = Machine::new(&Settings::default());
+    let [old, new] = [&text, &result].map(|t| file_time(t.as_bytes(), &machine).0);
+    let said: Vec<&str> =
+        result.lines().filter(|l| l.contains("TIME") || l.contains("73") || l.contains("time")).collect();
+    assert!(new < 0.9 * old && said.len() == 6, "{old} → {new}: {said:?}");
+    assert_eq!(said[0].trim_end(), format!(";TIME:{:.0}", 3600.0 * new / old));
+    let left: Vec<f64> = said.iter().filter_map(|l| l.trim_end().split_once(" R")?.1.parse().ok()).collect();
+    assert!(
+        said[1].starts_with("M73 P5") && (left[0] - 100.0).abs() > 1.0 && left[1] < 50.0 && left[2] == 0.0,
+        "{said:?}"
+    );
+    let elapsed: f64 = said[2].trim_end()[";TIME_ELAPSED:".len()..].parse().expect("a number");
+    assert!((elapsed / 300.5 - new / old).abs() < 0.1, "{said:?}");
 }
 
 #[test]
@@ -233,6 +252,25 @@ fn in_place_replaces_the_file_and_a_dry_run_does_not() {
     assert_eq!(run("--dry-run"), text);
     assert_ne!(run("--in-place"), text);
     assert_eq!(std::fs::read_dir(folder.path()).expect("listed").count(), 1);
+}
+
+#[test]
+fn filament_is_primed_where_the_file_does_so_and_arcs_without_a_centre_stay() {
+    // Found by mutation.
+    let mut script = Script::new(true);
+    script.say("G1 X5 Y5 F9000").say("G1 E3 F300").say("G1 X7 Y7 F9000").layer(0).say(";TYPE:FILL");
+    script.hatch(10.0, &BAD).say("G2 X40 Y40 E1").hatch(50.0, &BAD);
+    let result = reordered(&script.text, &["--scope", "layer"]);
+    assert_eq!(places(&script.text, "G1 E3"), places(&result, "G1 E3"));
+    assert_eq!(strokes(&script.text), strokes(&result));
+}
+
+#[test]
+fn a_file_that_goes_on_in_inches_is_moved_up_to_there() {
+    let mut script = Script::new(true);
+    script.layer(0).say(";TYPE:FILL").hatch(10.0, &BAD).say("G20").line(1.0, 1.0, 90).line(2.0, 1.5, 90);
+    let result = reordered(&script.text, &["--scope", "layer", "--cost", "length"]);
+    assert_eq!(strokes(&script.text), strokes(&result));
 }
 
 #[test]
@@ -317,6 +355,16 @@ fn filament_pulled_back_on_the_way_after_a_travel_stays_on_that_way() {
         "M82\nG1 F3000\nG1 X30 Y25 E1.6\nG1 X35 Y25\nG1 X40 Y20 E1.3\nG1 X41 Y20 E1.35\nG1 X50 Y20 E2\n";
     let (code, result, said) = reorder(text.as_bytes(), &[]);
     assert_eq!((code, result.as_deref()), (0, Some(text.as_bytes())), "{said}");
+}
+
+#[test]
+fn a_line_that_lets_nothing_pass_leaves_the_nozzle_where_the_order_has_it() {
+    // Found by mutation: the bead after it was taken to begin where the file's own order would have ended.
+    let mut script = Script::new(true);
+    script.layer(0).say(";TYPE:FILL").hatch(10.0, &BAD).say("FROBNICATE").line(35.0, 22.0, 1200);
+    script.line(40.0, 22.0, 1200).hatch(50.0, &BAD);
+    let result = reordered(&script.text, &["--scope", "layer"]);
+    assert_eq!(strokes(&script.text), strokes(&result));
 }
 
 /// An outer wall with lines of infill inside, on either side of a slot: the straight way crosses the wall.
@@ -452,10 +500,7 @@ fn broken_files_are_refused_or_left_as_they_are() {
 #[test]
 fn the_proof_holds_a_file_with_a_coordinate_beyond_all_measure_equal_to_itself() {
     let text = two_layers(false).replace("X30 Y25", &format!("X30 Y1{}", "0".repeat(60)));
-    let verdict = verify(text.as_bytes(), text.as_bytes(), |a, b| {
-        a();
-        b();
-    });
+    let verdict = verify(text.as_bytes(), text.as_bytes());
     assert_eq!(verdict.expect("read").err(), None);
 }
 
@@ -478,7 +523,6 @@ fn mutated_files_neither_panic_nor_hang_nor_print_anything_else() {
         "G91\n",
         "G92 E0\n",
         "M83\n",
-        "1e9",
         "G2 I1 J1 ",
         "G10\n",
         "G11\n",
@@ -486,7 +530,8 @@ fn mutated_files_neither_panic_nor_hang_nor_print_anything_else() {
         "\r",
         "NaN",
         "X",
-        "999999999",
+        "G2 ",
+        "G92\n",
         "Z9 ",
         ";LAYER:3\n",
         ";TYPE:\n",
@@ -495,7 +540,7 @@ fn mutated_files_neither_panic_nor_hang_nor_print_anything_else() {
         "M200 D1.75\n",
     ];
     let folder = tempfile::tempdir().expect("a folder");
-    let files: Vec<PathBuf> = (0..60)
+    let files: Vec<PathBuf> = (0..200)
         .map(|n| {
             let mut text = good.clone().into_bytes();
             for _ in 0..1 + random(12) {
@@ -522,18 +567,20 @@ fn mutated_files_neither_panic_nor_hang_nor_print_anything_else() {
         .args(&files);
     let done = command.timeout(std::time::Duration::from_secs(60)).output().expect("runs");
     let said = String::from_utf8_lossy(&done.stderr);
-    // Refused by the reader or by the proof, or done; a panic would be 101, no code at all a kill.
-    assert!(matches!(done.status.code(), Some(0 | 3 | 7)), "{said}");
+    // Done, or refused by the reader; the proof's refusal would be 7, a panic 101, no code at all a kill.
+    assert!(matches!(done.status.code(), Some(0 | 3)), "{said}");
 }
 
 #[test]
-fn our_own_optimized_standard_job_has_nothing_left_to_gain() {
-    let settings = settings(&["standard-job"], &["order.strategy=optimized"]);
-    let text = print("plate_with_holes", &settings).text;
-    let (code, result, said) = reorder(&text, &[]);
-    assert_eq!(code, 0, "{said}");
-    let [before, after] = [&text, &result.expect("a result")].map(|t| measure(t, Mm(1.75)).total_mm());
-    assert!(after > 0.995 * before && after <= before + 1e-6, "{before} → {after}");
+fn our_own_optimized_prints_have_next_to_nothing_left_to_gain() {
+    // The second has three walls, drawn depth by depth, which their names do not tell.
+    for (model, profiles) in [("plate_with_holes", &["standard-job"][..]), ("nested_shells", &[])] {
+        let text = print(model, &settings(profiles, &["order.strategy=optimized"])).text;
+        let (code, result, said) = reorder(&text, &[]);
+        assert_eq!(code, 0, "{said}");
+        let [before, after] = [&text, &result.expect("a result")].map(|t| measure(t, Mm(1.75)).total_mm());
+        assert!(after > 0.995 * before && after <= before + 1e-6, "{model}: {before} → {after}");
+    }
 }
 
 /// Files of other slicers of less than so many bytes, where they are at hand.

@@ -1,7 +1,7 @@
 //! `pathwright reorder`.
 
 use std::fs;
-use std::io::Write;
+use std::io::{self, BufRead, BufReader, Write};
 use std::path::{Path, PathBuf};
 
 use super::args::ReorderArgs;
@@ -112,9 +112,7 @@ fn reorder(
         _ => {
             // The same bytes as before.
             let mut copy = create()?;
-            let bytes = fs::read(file)
-                .map_err(|error| Failure::new(Exit::Input, format!("{}: {error}", file.display())))?;
-            copy.write(&bytes)?;
+            copy_to(file, &mut copy)?;
             copy.commit()?;
         }
     }
@@ -122,6 +120,21 @@ fn reorder(
 }
 
 /// On standard output, or where the G-code went there, on standard error.
+/// The bytes of a file, piece by piece.
+fn copy_to(file: &Path, copy: &mut Output) -> Result<(), Failure> {
+    let failed = |error: io::Error| Failure::new(Exit::Input, format!("{}: {error}", file.display()));
+    let mut input = BufReader::with_capacity(1 << 18, fs::File::open(file).map_err(failed)?);
+    loop {
+        let bytes = input.fill_buf().map_err(failed)?;
+        if bytes.is_empty() {
+            return Ok(());
+        }
+        copy.write(bytes)?;
+        let read = bytes.len();
+        input.consume(read);
+    }
+}
+
 fn tell(report: &Reordered, destination: &Destination, args: &ReorderArgs) -> Result<(), Failure> {
     match destination {
         _ if args.quiet => Ok(()),

@@ -24,5 +24,6 @@ pub use read::{
 };
 pub use script::Scripts;
 pub use settings::{ObjectLabel, PrintFacts, WriterSettings};
+pub(crate) use slot::duration;
 pub use slot::{Pending, Slot, Totals};
 pub use wrap::{Opening, closing, labels, opening};

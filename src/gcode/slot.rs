@@ -87,7 +87,7 @@ impl Totals {
 }
 
 /// `1d 2h 3m 4s`, without leading zero parts.
-fn duration(time: Seconds) -> String {
+pub(crate) fn duration(time: Seconds) -> String {
     let seconds = time.0.round().max(0.0) as u64;
     let parts =
         [(seconds / 86_400, 'd'), (seconds / 3600 % 24, 'h'), (seconds / 60 % 60, 'm'), (seconds % 60, 's')];

@@ -19,6 +19,9 @@ impl Parts {
 
     /// Unites two sets; whether they were apart.
     pub(crate) fn join(&mut self, u: u32, v: u32) -> bool {
+        if u == v {
+            return false;
+        }
         let (u, v) = (self.find(u), self.find(v));
         self.0[u.max(v) as usize] = u.min(v);
         u != v

@@ -15,7 +15,7 @@ use crate::report::PaperRow;
 use super::compare::{self, is_gcode};
 use super::{print, reorder};
 
-/// The orders of the table, beside the file's own.
+/// The orders of the table, beside the file's own; those of a scope follow each other.
 const ORDERS: [(OrderStrategy, Scope); 5] = [
     (OrderStrategy::Nearest, Scope::Layer),
     (OrderStrategy::Christofides, Scope::Layer),
@@ -71,19 +71,24 @@ fn rows(
         }
     };
     let mut rows = vec![row("as sliced", "", &read(Box::new(reorder::open(file)?))?, 0.0, None)];
-    for (strategy, scope) in ORDERS {
+    for scope in [Scope::Layer, Scope::Feature] {
         let mut settings = settings.clone();
-        (settings.order.strategy, settings.order.scope) = (strategy, scope);
-        let begun = Instant::now();
-        let mut output = Output::nowhere()?;
-        reorder::rewritten(file, reorder::open(file)?, &settings, &mut output, &Silent)?;
-        let took_s = begun.elapsed().as_secs_f64();
-        let text = read(output.reread()?)?;
+        settings.order.scope = scope;
+        let strategies: Vec<OrderStrategy> =
+            ORDERS.iter().filter(|(_, of)| *of == scope).map(|(strategy, _)| *strategy).collect();
         let certified = Job { models: vec![file.to_owned()], ..job.clone() };
-        let compared = compare::compare(&certified, &settings, &[strategy], &Silent)?;
-        let gap = compared.first().and_then(|row| gap(row.link_mm(), row.bound_mm));
-        rows.push(row(strategy.name(), scope.name(), &text, took_s, gap));
-        progress.layer_done();
+        let compared = compare::compare(&certified, &settings, &strategies, &Silent)?;
+        for (strategy, compared) in strategies.into_iter().zip(compared) {
+            settings.order.strategy = strategy;
+            let begun = Instant::now();
+            let mut output = Output::nowhere()?;
+            reorder::rewritten(file, reorder::open(file)?, &settings, &mut output, &Silent)?;
+            let took_s = begun.elapsed().as_secs_f64();
+            let text = read(output.reread(0)?)?;
+            let gap = gap(compared.link_mm(), compared.bound_mm);
+            rows.push(row(strategy.name(), scope.name(), &text, took_s, gap));
+            progress.layer_done();
+        }
     }
     Ok(rows)
 }

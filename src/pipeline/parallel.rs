@@ -21,11 +21,6 @@ pub(super) fn join<A: Send, B: Send>(a: impl FnOnce() -> A + Send, b: impl FnOnc
     rayon::join(a, b)
 }
 
-/// Does two things.
-pub(super) fn both(a: &mut (dyn FnMut() + Send), b: &mut (dyn FnMut() + Send)) {
-    rayon::join(a, b);
-}
-
 /// Threads at work.
 pub(super) fn threads() -> usize {
     rayon::current_num_threads()

@@ -1,22 +1,31 @@
 //! A G-code file in another order: read, ordered, written and compared in batches of blocks.
 
 use std::fs::File;
-use std::io::{self, BufRead, BufReader};
+use std::io::{self, BufRead, BufReader, Read, Seek, SeekFrom};
 use std::ops::Range;
 use std::path::Path;
 
+use crate::estimate::Machine;
 use crate::job::{JobError, Progress, ReorderJob};
 use crate::order::{Chain, Pins, SeamRule, chunk_len};
 use crate::output::Output;
 use crate::profile::{OrderStrategy, Scope, SeamPosition, Settings};
-use crate::reorder::{self, Block, Blocks, Habit, Learner, Options, Ordering, Pick, Toll, Walls, Written};
+use crate::reorder::{
+    self, Block, Blocks, Habit, Inventory, Learner, Options, Ordering, Pick, Readback, Times, Toll, Walls,
+    Written,
+};
 use crate::report::{Reordered, Way};
 use crate::toolpath::LayerPaths;
 
 use super::{ordering, parallel};
 
-/// A batch holds at least so many bytes of the file: enough to keep all threads busy, whatever the file's size.
+/// A batch holds at least so many bytes of the file: enough to keep all threads busy, whatever the file's size, and
+/// blocks enough to be weighed against each other.
 const BATCH_BYTES: usize = 8 << 20;
+/// As many for the order that is found fastest, where reading and checking would wait for each other.
+const NEAREST_BYTES: usize = 1 << 20;
+/// Lines about time are looked for in so many bytes at either end of a file.
+const TIME_BYTES: u64 = 1 << 16;
 /// Size of the buffer in front of the file.
 const BUFFER_BYTES: usize = 1 << 18;
 /// An improvement below this share of the travel is none.
@@ -30,21 +39,60 @@ pub(super) fn reorder(
     progress: &dyn Progress,
 ) -> Result<Reordered, JobError> {
     let mut run = Run { more_pulls: job.more_retractions, ..Run::new(settings, job.keep_direction, true) };
-    run.rewrite(&job.file, open(&job.file)?, output, progress)?;
+    let machine = tells_time(&job.file)?.then(|| Machine::new(settings));
+    let input = Blocks::new(open(&job.file)?).timed(machine.as_ref());
+    let (mut before, mut after) =
+        run.rewrite(&job.file, input, Readback::timed(machine.as_ref()), output, progress)?;
+    let times = before.take_times().zip(after.take_times());
     let mut report = Reordered { file: job.file.display().to_string(), ..Reordered::default() };
     if run.improved() {
-        let proof = reorder::verify(open(&job.file)?, output.reread()?, parallel::both)
-            .map_err(|error| input_error(&job.file, &error))?
-            .map_err(|difference| {
-                JobError::Check(format!("{}: {difference}; nothing was written", job.file.display()))
-            })?;
+        let proof = before.compare(after).map_err(|difference| {
+            JobError::Check(format!("{}: {difference}; nothing was written", job.file.display()))
+        })?;
         let fewer = job.more_retractions || proof.after.retractions <= proof.before.retractions;
         if fewer && proof.after.travel_mm <= proof.before.travel_mm {
             (report.before, report.after) = (Way::from(&proof.before), Way::from(&proof.after));
             (report.layers, report.changed) = (proof.layers, true);
+            update_times(&job.file, &run.times, times, output)?;
         }
     }
     Ok(report)
+}
+
+/// Whether a file has lines about time near its beginning or its end, as all slicers write them that write any.
+fn tells_time(path: &Path) -> Result<bool, JobError> {
+    let mut input = open(path)?;
+    let failed = |error: io::Error| input_error(path, &error);
+    let length = input.seek(SeekFrom::End(0)).map_err(failed)?;
+    let mut tells = false;
+    for offset in [0, length.saturating_sub(TIME_BYTES)] {
+        let mut text = Vec::new();
+        input.seek(SeekFrom::Start(offset)).map_err(failed)?;
+        input.by_ref().take(TIME_BYTES).read_to_end(&mut text).map_err(failed)?;
+        tells |= reorder::tells_time(&text);
+    }
+    Ok(tells)
+}
+
+/// Brings lines about time up to date: they are at these places of the output, and have these numbers in the file.
+/// Without `times`, of the file and of the output, nothing is said.
+fn update_times(
+    path: &Path,
+    places: &[(u64, usize)],
+    times: Option<(Times, Times)>,
+    output: &mut Output,
+) -> Result<(), JobError> {
+    let failed = |error: io::Error| input_error(path, &error);
+    for (index, &(offset, number)) in places.iter().enumerate() {
+        let mut line = Vec::new();
+        output.reread(offset)?.read_until(b'\n', &mut line).map_err(failed)?;
+        let room = line.trim_ascii_end().len() + reorder::TIME_ROOM.len();
+        let updated = times.as_ref().and_then(|(old, new)| old.updated(&line, number, new, index));
+        let mut updated = updated.filter(|updated| updated.len() <= room).unwrap_or_else(|| b";".to_vec());
+        updated.resize(room, b' ');
+        output.patch(offset, &updated)?;
+    }
+    Ok(())
 }
 
 /// The layers of a file as they are ordered, and the links within each that are not open to ordering, mm.
@@ -78,7 +126,8 @@ pub(super) fn rewritten(
     output: &mut Output,
     progress: &dyn Progress,
 ) -> Result<(), JobError> {
-    Run::new(settings, false, false).rewrite(path, input, output, progress)
+    let mut run = Run::new(settings, false, false);
+    run.rewrite(path, Blocks::new(input), Readback::default(), output, progress).map(drop)
 }
 
 pub(super) fn open(path: &Path) -> Result<BufReader<File>, JobError> {
@@ -94,6 +143,8 @@ pub(super) fn input_error(path: &Path, error: &io::Error) -> JobError {
 struct Batches<R> {
     blocks: Blocks<R>,
     carry: Option<Block>,
+    /// A batch holds at least so many bytes.
+    least: usize,
 }
 
 impl<R: BufRead> Batches<R> {
@@ -102,7 +153,7 @@ impl<R: BufRead> Batches<R> {
         let mut batch: Vec<Block> = self.carry.take().into_iter().collect();
         let mut bytes = batch.iter().map(Block::bytes).sum::<usize>();
         while let Some(block) = self.blocks.read()? {
-            if bytes >= BATCH_BYTES && batch.last().is_some_and(|last| last.layer() != block.layer()) {
+            if bytes >= self.least && batch.last().is_some_and(|last| last.layer() != block.layer()) {
                 self.carry = Some(block);
                 break;
             }
@@ -133,6 +184,8 @@ struct Run {
     /// Whether there was a path.
     begun: bool,
     blocks: usize,
+    /// Lines about time: their places in the output, and their numbers in the file.
+    times: Vec<(u64, usize)>,
     before: Toll,
     after: Toll,
 }
@@ -152,6 +205,7 @@ impl Run {
             marked: false,
             begun: false,
             blocks: 0,
+            times: Vec::new(),
             before: Toll::default(),
             after: Toll::default(),
         }
@@ -169,26 +223,38 @@ impl Run {
         self.after.within(limit) && score(self.after) < score(self.before) * (1.0 - WORTHWHILE)
     }
 
-    /// Batch by batch; while one is ordered and written, the next is read.
+    /// Batch by batch: while one is ordered and written, the next is read, and the one before is read back. What the
+    /// file prints, and what the result does.
     fn rewrite(
         &mut self,
         path: &Path,
-        input: impl BufRead + Send,
+        blocks: Blocks<impl BufRead + Send>,
+        mut readback: Readback,
         output: &mut Output,
         progress: &dyn Progress,
-    ) -> Result<(), JobError> {
+    ) -> Result<(Inventory, Inventory), JobError> {
         let failed = |error: io::Error| input_error(path, &error);
-        let mut batches = Batches { blocks: Blocks::new(input), carry: None };
+        let mut batches = Batches { blocks, carry: None, least: self.batch_bytes() };
         let mut batch = batches.read().map_err(failed)?;
+        let mut checked = output.written();
         while !batch.is_empty() {
-            let (written, next) = parallel::join(|| self.batch(&batch), || batches.read());
+            let end = output.written();
+            let back = output.reread(checked)?;
+            let check = || readback.read(back);
+            let ((written, read_back), next) =
+                parallel::join(|| parallel::join(|| self.batch(&batch), check), || batches.read());
+            read_back.map_err(failed)?;
+            checked = end;
             for written in written {
+                let begin = output.written();
+                self.times.extend(written.times.iter().map(|&(at, number)| (begin + at as u64, number)));
                 output.write(&written.bytes)?;
                 progress.layer_done();
             }
             batch = next.map_err(failed)?;
         }
-        Ok(())
+        readback.read(output.reread(checked)?).map_err(failed)?;
+        Ok((batches.blocks.finish(), readback.finish()))
     }
 
     /// Orders and writes some blocks.
@@ -256,6 +322,11 @@ impl Run {
     /// Whether time is spent on the best among several orders.
     fn searches(&self) -> bool {
         self.choosy && self.chain.settings.strategy == OrderStrategy::Optimized
+    }
+
+    fn batch_bytes(&self) -> usize {
+        let near = self.choosy && self.chain.settings.strategy == OrderStrategy::Nearest;
+        if near { NEAREST_BYTES } else { BATCH_BYTES }
     }
 
     /// The order of the paths of every block.

@@ -45,8 +45,8 @@ pub(super) enum Kind {
     ResetE,
     /// Sets something that belongs to the paths that follow.
     State(Key),
-    /// Says how much time is left, or has gone by.
-    Time,
+    /// Says how much time is left, or has gone by; its number among such lines.
+    Time(usize),
     /// Blank, or a comment that belongs to a travel.
     Noise,
     /// Says that a layer begins: stays, and lets nothing pass.
@@ -74,8 +74,8 @@ pub(super) struct Token {
     pub xy_mm: f64,
     /// Index of the state after it.
     pub state: u32,
-    /// Whether coordinates are absolute.
-    pub absolute: bool,
+    /// Units and modes after it.
+    pub frame: Frame,
 }
 
 /// A stroke that extrudes and may be moved.
@@ -134,11 +134,17 @@ pub struct Block {
     pub(super) segs: Vec<Seg>,
     /// Tokens between paths.
     pub(super) links: Vec<Token>,
+    /// Lines about time that came between its strokes.
+    pub(super) times: Vec<Token>,
     pub(super) states: Vec<States>,
     pub(super) frame: Frame,
     /// Index of the layer; whether the file marks layers so far.
     pub(super) layer: usize,
     pub(super) marked: bool,
+    /// Whether something was extruded before it.
+    pub(super) begun: bool,
+    /// Units and modes at the beginning.
+    pub(super) frame_before: Frame,
     /// At the beginning, and after its last path.
     pub(super) before: Cursor,
     pub(super) after: Cursor,

@@ -14,6 +14,8 @@ pub struct Habit {
     pub(super) threshold_mm: f64,
     /// Whether longer ones are not, as long as they stay within a part.
     pub(super) combs: bool,
+    /// Whether retracted ones go round walls, too.
+    pub(super) rounds: bool,
     /// How it retracts, if it does at all.
     pub(super) retract: Option<Retract>,
 }
@@ -45,6 +47,8 @@ struct Seen {
     retract: Option<Retract>,
     command: u8,
     travel_feed: i64,
+    /// Whether it is much longer than the straight way.
+    turns: bool,
     steps: usize,
 }
 
@@ -56,6 +60,9 @@ pub struct Learner {
 
 /// What a retraction by the firmware is taken to last.
 const FIRMWARE_MINUTES: f64 = 0.1 / 60.0;
+/// A way goes round something if it is so many times as long as the straight one, and this much longer, mm.
+const DETOUR: f64 = 1.1;
+const DETOUR_MM: f64 = 1.0;
 /// Of more different ways to travel none is a habit.
 const MOST_KINDS: usize = 100;
 /// So many links tell enough.
@@ -96,6 +103,7 @@ impl Learner {
             travel_feed: travel.travel_feed,
             threshold_mm,
             combs: combed * 10 > far,
+            rounds: retracted.iter().filter(|s| s.turns).count() * 10 > retracted.len(),
             retract: usual.and_then(|s| s.retract.clone()),
         })
     }
@@ -151,12 +159,13 @@ fn seen(block: &Block, tokens: &[Token], length_mm: f64) -> Option<Seen> {
         push: (0, 0),
         reset: false,
     };
-    let (mut travel, mut wiped, mut z) = (None, false, level);
+    let (mut travel, mut travelled_mm, mut wiped, mut z) = (None, 0.0, false, level);
     for token in tokens {
         match token.kind {
             Kind::Travel => {
                 let command = Line::new(0, 0, token.line.of(&block.text)).code.map_or(1, |c| c.number as u8);
                 travel = Some((command, token.feed));
+                travelled_mm += token.xy_mm;
             }
             Kind::Wipe => {
                 wiped = true;
@@ -182,5 +191,6 @@ fn seen(block: &Block, tokens: &[Token], length_mm: f64) -> Option<Seen> {
     }
     let (command, travel_feed) = travel?;
     let pulls = retract.firmware || retract.pulled() > 0 && retract.push.0 > 0;
-    Some(Seen { length_mm, retract: pulls.then_some(retract), command, travel_feed, steps: tokens.len() })
+    let (retract, turns) = (pulls.then_some(retract), travelled_mm > DETOUR * length_mm + DETOUR_MM);
+    Some(Seen { length_mm, retract, command, travel_feed, turns, steps: tokens.len() })
 }

@@ -1,6 +1,7 @@
 //! Which beads belong together.
 
 use super::block::Block;
+use super::problem::is_wall;
 use crate::order::Parts;
 
 /// Beads nearer to each other than about this belong to one island, mm.
@@ -9,11 +10,19 @@ const REACH_MM: f64 = 0.6;
 const MOST_CELLS: f64 = 4e6;
 /// Beads are drawn in steps of at most so many cells.
 const STEP: f64 = 0.7;
+/// A wall runs along another bead that is in its cells, or those around them, on this part of its way.
+const BESIDE: f64 = 0.75;
 
-/// The island of every path: connected sets of beads, numbered as they first appear in the file.
-///
-/// Beads are drawn into a grid, and those that share a cell or have neighbouring ones are joined. O(way / reach).
-pub(super) fn islands(block: &Block) -> Vec<u32> {
+/// How the paths of a block lie to each other.
+pub(super) struct Islands {
+    /// The island of every path: connected sets of beads, numbered as they first appear in the file.
+    pub of: Vec<u32>,
+    /// For every wall, a path before it in the file that it runs along.
+    pub beside: Vec<Option<u32>>,
+}
+
+/// Draws all beads into a grid. Those that share a cell or have neighbouring ones are joined. O(way / reach).
+pub(super) fn islands(block: &Block) -> Islands {
     let (mut low, mut high) = ([f64::INFINITY; 2], [f64::NEG_INFINITY; 2]);
     for p in block.paths.iter().flat_map(|path| block.points(path)) {
         for i in 0..2 {
@@ -23,38 +32,87 @@ pub(super) fn islands(block: &Block) -> Vec<u32> {
     }
     let area = (high[0] - low[0] + 2.0) * (high[1] - low[1] + 2.0);
     let cell_mm = REACH_MM.max((area / MOST_CELLS).sqrt());
-    let width = ((high[0] - low[0]) / cell_mm) as usize + 3;
-    let height = ((high[1] - low[1]) / cell_mm) as usize + 3;
+    let per_mm = 1.0 / cell_mm;
+    // A cell to spare on every side, and one for rounding.
+    let width = ((high[0] - low[0]) * per_mm) as usize + 4;
+    let height = ((high[1] - low[1]) * per_mm) as usize + 4;
     let mut sets = Parts::new(block.paths.len());
     let mut cells = vec![u32::MAX; width * height];
+    let mut beside = Vec::with_capacity(block.paths.len());
+    let mut meetings = Meetings::new(block.paths.len());
     for (index, path) in block.paths.iter().enumerate() {
+        let (index, wall) = (index as u32, is_wall(path));
         let mut last: Option<[f64; 2]> = None;
         for p in block.points(path) {
-            let p = [0, 1].map(|i| (p[i] - low[i]) / cell_mm + 1.0);
+            let p = [0, 1].map(|i| (p[i] - low[i]) * per_mm + 1.0);
             let from = last.replace(p).unwrap_or(p);
             let way = [p[0] - from[0], p[1] - from[1]];
             let steps = ((way[0] * way[0] + way[1] * way[1]).sqrt() / STEP) as usize + 1;
             for step in 1..=steps {
                 let share = step as f64 / steps as f64;
                 let [x, y] = [0, 1].map(|i| (from[i] + share * way[i]) as usize);
-                cells[y * width + x] = match cells[y * width + x] {
-                    u32::MAX => index as u32,
-                    other => {
-                        sets.join(other, index as u32);
-                        other
-                    }
-                };
+                let at = y * width + x;
+                if wall {
+                    let around = [at - width, at, at + width].map(|row| [row - 1, row, row + 1]);
+                    meetings.step(around.iter().flatten().map(|&cell| cells[cell]).filter(|&o| o < index));
+                }
+                match cells[at] {
+                    u32::MAX => cells[at] = index,
+                    other => _ = sets.join(other, index),
+                }
             }
         }
+        beside.push(meetings.finish());
     }
-    for at in width + 1..cells.len() {
-        if cells[at] != u32::MAX {
-            for near in [at - 1, at - width, at - width - 1, at - width + 1] {
-                if cells[near] != u32::MAX {
-                    sets.join(cells[near], cells[at]);
+    let rows: Vec<&[u32]> = cells.chunks_exact(width).collect();
+    for pair in rows.windows(2) {
+        let (below, row) = (pair[0], pair[1]);
+        for x in 1..width - 1 {
+            if row[x] != u32::MAX {
+                for near in [row[x - 1], below[x - 1], below[x], below[x + 1]] {
+                    if near != u32::MAX {
+                        sets.join(near, row[x]);
+                    }
                 }
             }
         }
     }
-    (0..block.paths.len() as u32).map(|path| sets.find(path)).collect()
+    Islands { of: (0..block.paths.len() as u32).map(|path| sets.find(path)).collect(), beside }
+}
+
+/// Counts on how many steps of a way others were met.
+struct Meetings {
+    /// By path: steps, and the last of them.
+    steps: Vec<(u32, u32)>,
+    met: Vec<u32>,
+    step: u32,
+}
+
+impl Meetings {
+    fn new(paths: usize) -> Self {
+        Self { steps: vec![(0, 0); paths], met: Vec::new(), step: 0 }
+    }
+
+    fn step(&mut self, others: impl Iterator<Item = u32>) {
+        self.step += 1;
+        for other in others {
+            let (steps, last) = &mut self.steps[other as usize];
+            if *last != self.step {
+                if *steps == 0 {
+                    self.met.push(other);
+                }
+                (*steps, *last) = (*steps + 1, self.step);
+            }
+        }
+    }
+
+    /// The one met most often, if that is all along; the next way begins.
+    fn finish(&mut self) -> Option<u32> {
+        let steps = |other: u32| self.steps[other as usize].0;
+        let most = self.met.iter().copied().max_by_key(|&other| (steps(other), std::cmp::Reverse(other)));
+        let beside = most.filter(|&other| f64::from(steps(other)) >= BESIDE * f64::from(self.step));
+        self.met.drain(..).for_each(|other| self.steps[other as usize] = (0, 0));
+        self.step = 0;
+        beside
+    }
 }

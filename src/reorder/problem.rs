@@ -1,11 +1,12 @@
 //! A block as a layer to be ordered, and the answer in terms of its paths.
 
+use std::hash::Hash;
 use std::ops::Range;
 
 use rustc_hash::FxHashMap;
 
 use super::block::{Block, Path};
-use super::islands::islands;
+use super::islands::{Islands, islands};
 use super::state::Key;
 use crate::geom::{Point, Region};
 use crate::order::Visit;
@@ -44,12 +45,12 @@ impl Ordering {
     /// The problem of a block; `index` is that of the layer among all that are ordered together.
     ///
     /// Islands are connected sets of beads. Within an island the types keep the file's order, by their first
-    /// appearance. Where a file goes to and fro between inner and outer walls, it does so contour by contour: the
+    /// appearance, and so do walls of one type that the file draws depth by depth. Where a file goes to and fro between inner and outer walls, it does so contour by contour: the
     /// walls of a contour then stay together, in their order, and are one path (not under `layer` scope). A skirt or
     /// brim with which a layer begins stays first.
     pub fn new(block: &Block, index: usize, seam: SeamPosition, scope: Scope) -> Self {
-        let island = islands(block);
-        let classes = Classes::new(block, &island);
+        let Islands { of: island, beside } = islands(block);
+        let classes = Classes::new(block, &island, &beside);
         let together = |i: usize| scope != Scope::Layer && i > 0 && classes.stay_together(i - 1, i, &island);
         let (mut paths, mut members, mut fixed_mm) = (Vec::new(), Vec::new(), 0.0);
         let mut leading = true;
@@ -153,12 +154,13 @@ struct Classes {
 }
 
 impl Classes {
-    fn new(block: &Block, island: &[u32]) -> Self {
+    fn new(block: &Block, island: &[u32], beside: &[Option<u32>]) -> Self {
         let name = |path: &Path| {
             let state = block.segs[path.segs.start].state as usize;
             (path.role, block.states[state].get(Key::Type).of(&block.text))
         };
-        // (island, type) in the order of their first paths.
+        let depth = depths(&block.paths, |i| (island[i], name(&block.paths[i])), beside);
+        // (island, type, depth) in the order of their first paths.
         let mut known = FxHashMap::default();
         let mut runs: Vec<Run> = Vec::new();
         let of: Vec<usize> = block
@@ -166,7 +168,7 @@ impl Classes {
             .iter()
             .enumerate()
             .map(|(i, path)| {
-                let run = *known.entry((island[i], name(path))).or_insert_with(|| {
+                let run = *known.entry((island[i], name(path), depth[i])).or_insert_with(|| {
                     runs.push(Run {
                         island: island[i],
                         wall: is_wall(path),
@@ -221,7 +223,27 @@ impl Classes {
     }
 }
 
-/// All paths of one type in one island.
+/// How many walls of its own type and island each wall has on one side of it, where the file draws those of a type one
+/// depth after another; elsewhere, and of what is no wall, 0.
+fn depths<K: Eq + Hash>(paths: &[Path], kind: impl Fn(usize) -> K, beside: &[Option<u32>]) -> Vec<u32> {
+    let mut depth = vec![0; paths.len()];
+    // The depth drawn last of each kind; `None`: they are drawn to and fro.
+    let mut last: FxHashMap<K, Option<u32>> = FxHashMap::default();
+    for i in (0..paths.len()).filter(|&i| is_wall(&paths[i])) {
+        let inner = beside[i].map(|other| other as usize).filter(|&other| kind(other) == kind(i));
+        depth[i] = inner.map_or(0, |inner| depth[inner] + 1);
+        let known = last.entry(kind(i)).or_insert(Some(depth[i]));
+        *known = known.filter(|&known| known <= depth[i]).map(|_| depth[i]);
+    }
+    for i in (0..paths.len()).filter(|&i| is_wall(&paths[i])) {
+        if last.get(&kind(i)).is_none_or(Option::is_none) {
+            depth[i] = 0;
+        }
+    }
+    depth
+}
+
+/// All paths of one type and depth in one island.
 struct Run {
     island: u32,
     wall: bool,
@@ -243,6 +265,6 @@ struct IslandRuns {
     walls: Option<u32>,
 }
 
-fn is_wall(path: &Path) -> bool {
+pub(super) fn is_wall(path: &Path) -> bool {
     matches!(path.role, Some(Role::Perimeter | Role::ExternalPerimeter | Role::OverhangPerimeter))
 }

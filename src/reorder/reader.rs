@@ -1,19 +1,26 @@
 //! A file as blocks, one after the other: the whole of it is never in memory.
 
-use std::io::{self, BufRead, ErrorKind, Read};
+use std::io::{self, BufRead, ErrorKind};
 use std::ops::Range;
+
+use memchr::memchr2;
 
 use super::block::{Block, Cursor, Frame, Kind, Path, Seg, Slice, Token};
 use super::state::{Key, States};
-use super::ticks::ticks;
+use super::ticks::{is_whole, ticks};
+use super::times::is_time;
+use super::verify::Inventory;
+use crate::estimate::Machine;
 use crate::gcode::{Action, Annotated, Line, Mark, Reader, Stroke, mark};
 
 /// Longer lines are no G-code.
-const LONGEST_LINE: u64 = 1 << 22;
+const LONGEST_LINE: usize = 1 << 22;
 /// A block without paths is ended after so many bytes where it can be.
 const LONGEST_FIXED: usize = 1 << 20;
 /// Coordinates beyond this are no positions of a printer, file units.
 const LARGEST: f64 = 1e5;
+/// The radius of an arc may differ by this between its ends, mm.
+const ROUND_MM: f64 = 0.05;
 /// More filament pushed than was pulled back is priming and stays where it is, mm.
 const PRIMING_MM: f64 = 0.5;
 
@@ -23,11 +30,19 @@ pub struct Blocks<R> {
     reader: Reader,
     number: usize,
     offset: usize,
+    /// Lines about time so far.
+    times: usize,
     /// Whether a line that marks a layer was seen.
     marked: bool,
+    /// Whether something was extruded.
+    begun: bool,
+    /// Millimetres in a unit at the first stroke that may be moved: in another one nothing may.
+    unit: Option<f64>,
     /// The name of the feature, if it is one that is known, or none was given.
     movable: bool,
     block: Block,
+    /// What was read so far, for the proof.
+    inventory: Inventory,
     /// Lines since the last path, and what they hold.
     pending: Vec<Token>,
     since: Since,
@@ -52,6 +67,8 @@ struct Before {
     pulled: bool,
     /// Whether firmwares disagree about E.
     doubtful: bool,
+    /// The extruder's position, ticks.
+    e: i64,
 }
 
 impl<R: BufRead> Blocks<R> {
@@ -64,13 +81,27 @@ impl<R: BufRead> Blocks<R> {
             reader: Reader::default(),
             number: 0,
             offset: 0,
+            times: 0,
             marked: false,
+            begun: false,
+            unit: None,
             movable: true,
             block: empty(start, frame, States::default()),
+            inventory: Inventory::default(),
             pending: Vec::new(),
             since: Since::default(),
             done: false,
         }
+    }
+
+    /// Also measures when lines about time come, on this machine.
+    pub fn timed(self, machine: Option<&Machine>) -> Self {
+        Self { inventory: Inventory::timed(machine), ..self }
+    }
+
+    /// What was read so far.
+    pub fn finish(self) -> Inventory {
+        self.inventory
     }
 
     /// The next block; `None` at the end.
@@ -80,7 +111,7 @@ impl<R: BufRead> Blocks<R> {
     pub fn read(&mut self) -> io::Result<Option<Block>> {
         while !self.done {
             let start = self.block.text.len();
-            let read = read_line(&mut self.input, &mut self.block.text)?;
+            let read = read_line(&mut self.input, self.number + 1, &mut self.block.text)?;
             if read == 0 {
                 self.done = true;
                 let mut last = self.take();
@@ -93,10 +124,6 @@ impl<R: BufRead> Blocks<R> {
                 return Ok(Some(last));
             }
             self.number += 1;
-            if self.block.text[start..].contains(&0) {
-                let message = format!("line {}: binary data; this is no G-code text", self.number);
-                return Err(io::Error::new(ErrorKind::InvalidData, message));
-            }
             if let Some(block) = self.line(start..start + read) {
                 return Ok(Some(block));
             }
@@ -116,12 +143,14 @@ impl<R: BufRead> Blocks<R> {
     fn line(&mut self, range: Range<usize>) -> Option<Block> {
         let state = &self.reader.state;
         let pulled = state.firmware_retracted || state.retracted_mm > 1e-6;
-        let before = Before { scale: state.scale, pulled, doubtful: state.e_doubtful };
+        let e = ticks(state.e / state.scale);
+        let before = Before { scale: state.scale, pulled, doubtful: state.e_doubtful, e };
         let slice = Slice { start: range.start as u32, len: range.len() as u32 };
         let text = std::mem::take(&mut self.block.text);
         let line = Line::new(self.number, self.offset, &text[range.clone()]);
         self.offset += range.len();
         let read = self.reader.read(line);
+        self.inventory.add(&read, self.reader.state.firmware_retracted);
         let stroke = match read.action {
             Action::Stroke(stroke) => Some(stroke),
             _ => None,
@@ -144,16 +173,19 @@ impl<R: BufRead> Blocks<R> {
         self.block.text = text;
         match (kind, bead) {
             (None, Some(bead)) => self.bead(slice, &bead, context_role, layer, before.scale),
-            (kind, _) => self.token(kind.unwrap_or(Kind::Barrier), slice, stroke),
+            (kind, _) => self.token(kind.unwrap_or(Kind::Barrier), slice, stroke, before.e),
         }
     }
 
     /// Whether a stroke that extrudes may be moved at all.
     fn is_movable(&self, bead: &Stroke, before: &Before, read: &Annotated) -> bool {
         let named = read.context.role.is_some() || self.movable;
-        let sound = bead.from.iter().chain(&bead.to).all(|v| v.abs() < LARGEST) && bead.e_mm < LARGEST;
+        let sound = |mm: f64| mm.abs() < LARGEST && is_whole(mm / before.scale);
+        let amounts = bead.from.iter().chain(&bead.to).chain([&bead.e_mm]);
         named
-            && sound
+            && amounts.copied().all(sound)
+            && self.unit.is_none_or(|unit| unit == before.scale)
+            && bead.arc.is_none_or(|arc| is_round(bead, arc.at))
             && !before.pulled
             && bead.from[2] == bead.to[2]
             && !before.doubtful
@@ -175,7 +207,8 @@ impl<R: BufRead> Blocks<R> {
             }
         }
         if is_time(line) {
-            return Kind::Time;
+            self.times += 1;
+            return Kind::Time(self.times - 1);
         }
         if let Some(key) = Key::of(line) {
             return Kind::State(key);
@@ -216,7 +249,7 @@ impl<R: BufRead> Blocks<R> {
         self.block.states.len() as u32 - 1
     }
 
-    fn token(&mut self, kind: Kind, line: Slice, stroke: Option<Stroke>) -> Option<Block> {
+    fn token(&mut self, kind: Kind, line: Slice, stroke: Option<Stroke>, e_before: i64) -> Option<Block> {
         let mut kind = kind;
         if let Kind::State(key) = kind {
             let mut states = self.block.states[self.state_now() as usize];
@@ -229,33 +262,29 @@ impl<R: BufRead> Blocks<R> {
         }
         let state = self.state_now();
         let now = self.cursor(state);
-        let scale = self.reader.state.scale;
         let token = Token {
             kind,
             line,
             to: now.at,
-            e: stroke.map_or(0, |s| ticks(s.e_mm / scale)),
+            e: stroke.map_or(0, |_| now.e.saturating_sub(e_before)),
             e_after: now.e,
             feed: now.feed,
             xy_mm: stroke.map_or(0.0, |s| s.xy_mm),
             state,
-            absolute: self.reader.state.absolute,
+            frame: self.frame(),
         };
         self.pending.push(token);
+        self.begun |= kind == Kind::Fixed;
         match kind {
             Kind::Travel => {
                 self.since.moved = true;
                 self.since.travel_state = Some(state);
             }
-            Kind::Wipe | Kind::Lift | Kind::Pull | Kind::FirmwarePull | Kind::FirmwarePush => {
+            Kind::Wipe | Kind::Lift | Kind::Pull | Kind::Push | Kind::FirmwarePull | Kind::FirmwarePush => {
                 self.since.moved = true
             }
-            Kind::Push => {
-                self.since.moved = true;
-                self.since.barrier |= stroke.is_some_and(|s| s.fresh_mm > PRIMING_MM);
-            }
             Kind::Mark | Kind::Barrier | Kind::Fixed => self.since.barrier = true,
-            Kind::ResetE | Kind::Feed | Kind::State(_) | Kind::Time | Kind::Noise => {}
+            Kind::ResetE | Kind::Feed | Kind::State(_) | Kind::Time(_) | Kind::Noise => {}
         }
         // After something that must stay, and draws, the nozzle is where it was: nothing has to be remembered.
         if kind == Kind::Fixed && self.block.paths.is_empty() && self.block.text.len() > LONGEST_FIXED {
@@ -290,15 +319,19 @@ impl<R: BufRead> Blocks<R> {
         if self.block.paths.is_empty() {
             self.block.junction.append(&mut self.pending);
             (self.block.frame, self.block.layer, self.block.marked) = (frame, layer, self.marked);
-            self.begin(point(bead.from), role, state);
-        } else if self.since.moved
-            || self.block.end(&self.block.paths[self.block.paths.len() - 1]) != point(bead.from)
-        {
+            self.block.begun = self.begun;
             self.begin(point(bead.from), role, state);
         } else {
-            // Feed rates and states are kept with each stroke.
-            self.pending.clear();
+            self.block.times.extend(self.pending.extract_if(.., |t| matches!(t.kind, Kind::Time(_))));
+            let end = self.block.end(&self.block.paths[self.block.paths.len() - 1]);
+            if self.since.moved || end != point(bead.from) {
+                self.begin(point(bead.from), role, state);
+            } else {
+                // Feed rates and states are kept with each stroke.
+                self.pending.clear();
+            }
         }
+        self.unit = Some(scale);
         let arc = bead.arc.map(|arc| (arc.at.map(|v| ticks(v / scale)), arc.clockwise));
         let (e, feed) = (ticks(bead.e_mm / scale), ticks(bead.feed_mm_s * 60.0 / scale));
         let to = point(bead.to);
@@ -308,7 +341,7 @@ impl<R: BufRead> Blocks<R> {
         if let Some(path) = self.block.paths.last_mut() {
             path.segs.end = end;
         }
-        self.since = Since::default();
+        (self.since, self.begun) = (Since::default(), true);
         self.block.after = self.cursor(state);
         ended
     }
@@ -334,7 +367,8 @@ impl<R: BufRead> Blocks<R> {
             |token| token.line.start as usize,
         );
         let first_state = last.after.state;
-        let mut next = empty(last.after, self.frame(), States::default());
+        let mut next = empty(last.after, last.frame, States::default());
+        next.frame = self.frame();
         let mut states: Vec<States> = last.states[first_state as usize..].to_vec();
         // The lines in force come along.
         let mut prefix: Vec<u8> = Vec::new();
@@ -403,19 +437,30 @@ fn empty(start: Cursor, frame: Frame, states: States) -> Block {
         paths: Vec::new(),
         segs: Vec::new(),
         links: Vec::new(),
+        times: Vec::new(),
         states: vec![states],
         frame,
         layer: 0,
         marked: false,
+        begun: false,
+        frame_before: frame,
         before: start,
         after: start,
     }
+}
+
+/// Whether an arc is as far from its centre at its end as at its start.
+fn is_round(bead: &Stroke, center: [f64; 2]) -> bool {
+    let [from, to] = [bead.from, bead.to].map(|p| (p[0] - center[0]).hypot(p[1] - center[1]));
+    from > ROUND_MM && (from - to).abs() < ROUND_MM
 }
 
 fn stroke_kind(stroke: &Stroke) -> Kind {
     let moves = stroke.xy_mm > 1e-9;
     let lifts = stroke.from[2] != stroke.to[2];
     match (moves, stroke.e_mm) {
+        // Without a centre it has no length.
+        _ if stroke.arc.is_some() => Kind::Barrier,
         (true, e) if e < -1e-9 => {
             if lifts {
                 Kind::Barrier
@@ -423,37 +468,14 @@ fn stroke_kind(stroke: &Stroke) -> Kind {
                 Kind::Wipe
             }
         }
-        (true, _) if stroke.arc.is_some() => Kind::Barrier,
         (true, _) => Kind::Travel,
         (false, e) if e.abs() > 1e-9 && lifts => Kind::Barrier,
         (false, e) if e < -1e-9 => Kind::Pull,
+        (false, e) if e > 1e-9 && stroke.fresh_mm > PRIMING_MM => Kind::Fixed,
         (false, e) if e > 1e-9 => Kind::Push,
         _ if lifts => Kind::Lift,
         _ => Kind::Feed,
     }
-}
-
-/// M73, and comments about time.
-pub(super) fn is_time(line: &Line) -> bool {
-    if line.is(b'M', 73) {
-        return true;
-    }
-    let alone = line.code.is_none() && line.parameters().trim_ascii().is_empty();
-    let Some(comment) = line.comment.filter(|_| alone).map(<[u8]>::trim_ascii) else { return false };
-    const BEGINS: [&str; 11] = [
-        "TIME_ELAPSED:",
-        "TIME:",
-        "PRINT.TIME:",
-        "PRINT_TIME:",
-        "Print Time:",
-        "Build time:",
-        "Estimated Build Time",
-        "estimated printing time",
-        "estimated first layer printing time",
-        "model printing time",
-        "total estimated time",
-    ];
-    BEGINS.iter().any(|begin| comment.starts_with(begin.as_bytes()))
 }
 
 /// Whether parameters are words that moves are known to have, each with a number and given once.
@@ -498,11 +520,31 @@ fn is_plain(parameters: &[u8]) -> bool {
 }
 
 /// Appends a line with its end; 0: there is none.
-pub(super) fn read_line(input: &mut impl BufRead, out: &mut Vec<u8>) -> io::Result<usize> {
-    let read = input.take(LONGEST_LINE + 1).read_until(b'\n', out)?;
-    if read as u64 > LONGEST_LINE {
-        let message = "a line is longer than 4 MB; this is no G-code text";
-        return Err(io::Error::new(ErrorKind::InvalidData, message));
+///
+/// # Errors
+/// As the system says; and where the bytes cannot be G-code. `number` is that of the line.
+pub(super) fn read_line(input: &mut impl BufRead, number: usize, out: &mut Vec<u8>) -> io::Result<usize> {
+    let refused = |message: String| Err(io::Error::new(ErrorKind::InvalidData, message));
+    let start = out.len();
+    loop {
+        let buffer = match input.fill_buf() {
+            Ok([]) => return Ok(out.len() - start),
+            Ok(buffer) => buffer,
+            Err(error) if error.kind() == ErrorKind::Interrupted => continue,
+            Err(error) => return Err(error),
+        };
+        let found = memchr2(b'\n', 0, buffer);
+        if found.is_some_and(|at| buffer[at] == 0) {
+            return refused(format!("line {number}: binary data; this is no G-code text"));
+        }
+        let used = found.map_or(buffer.len(), |at| at + 1);
+        out.extend_from_slice(&buffer[..used]);
+        input.consume(used);
+        if out.len() - start > LONGEST_LINE {
+            return refused("a line is longer than 4 MB; this is no G-code text".into());
+        }
+        if found.is_some() {
+            return Ok(out.len() - start);
+        }
     }
-    Ok(read)
 }

@@ -16,6 +16,11 @@ pub(super) fn units(ticks: i64) -> f64 {
     ticks as f64 / PER_UNIT
 }
 
+/// Whether a number of the file is given in no more decimals than ticks have, but for errors of computing.
+pub(super) fn is_whole(value: f64) -> bool {
+    (units(ticks(value)) - value).abs() < 1e-8
+}
+
 /// Appends a letter and a number, without zeros at its end: ` X12.5`.
 pub(super) fn push_word(out: &mut Vec<u8>, letter: u8, value: i64) {
     out.extend_from_slice(&[b' ', letter]);

@@ -46,25 +46,37 @@ pub struct Options {
     pub junction: Vec<Vec<Toll>>,
 }
 
-/// Multiples of what a retraction is worth that are tried, one after the other.
-const WEIGHTS: [f64; 13] = [1.0, 2.0, 4.0, 8.0, 16.0, 32.0, 64.0, 128.0, 0.5, 0.25, 0.125, 0.0625, 0.0];
+/// Multiples of what a retraction is worth that are tried, one after the other: from 1 to 128, then down to nothing.
+fn weights() -> impl Iterator<Item = f64> {
+    let up = (0..=56).map(|step| (f64::from(step) / 8.0).exp2());
+    let down = (1..=32).map(|step| (f64::from(-step) / 8.0).exp2());
+    up.chain(down).chain([0.0])
+}
+
+/// One retraction in so many less is a clear gain.
+const CLEAR: usize = 200;
 
 /// The order of each of consecutive blocks: as little travel and as few retractions as can be, a retraction being
 /// worth so many millimetres, but neither more travel nor more retractions than `limit`. A retraction is given other
-/// values (Lagrangian relaxation) until both are below the limit, or else until neither is above it. `None`
-/// where even that is not found.
+/// values (Lagrangian relaxation) until both are clearly below the limit, or else until both are below it, or neither
+/// is above it. `None` where even that is not found.
 pub fn choose(options: &[Options], limit: Toll, retraction_mm: f64) -> Option<Vec<usize>> {
-    let mut found = None;
-    for weight in WEIGHTS {
+    let (mut below, mut within) = (None, None);
+    for weight in weights() {
         let (chosen, toll) = cheapest(options, weight * retraction_mm);
         if toll.within(limit) {
-            if toll.travel_mm < limit.travel_mm && toll.pulls < limit.pulls {
-                return Some(chosen);
+            let fewer = limit.pulls - toll.pulls;
+            if toll.travel_mm < limit.travel_mm && fewer > 0 {
+                if fewer > limit.pulls / CLEAR {
+                    return Some(chosen);
+                }
+                below = below.or(Some(chosen));
+            } else {
+                within = within.or(Some(chosen));
             }
-            found = found.or(Some(chosen));
         }
     }
-    found
+    below.or(within)
 }
 
 /// The choice of least score, and its toll: a shortest path through the options of block after block. O(blocks · options²).

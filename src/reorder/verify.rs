@@ -5,10 +5,12 @@ use std::io::{self, BufRead};
 
 use rustc_hash::FxHasher;
 
-use super::reader::{is_time, read_line};
+use super::reader::read_line;
 use super::state::Key;
 use super::ticks::ticks;
-use crate::gcode::{Action, Line, Measure, Meter, Reader};
+use super::times::{Stopwatch, Times, is_time};
+use crate::estimate::Machine;
+use crate::gcode::{Action, Annotated, Line, Measure, Meter, Reader, Stroke};
 use crate::units::Mm;
 
 /// Filament of a layer may differ by this, mm.
@@ -31,179 +33,123 @@ pub struct Proof {
 /// width, type, filament, feed rate and accelerations; the same filament; the same other commands in the same order;
 /// all travel within the area that the first file used.
 ///
-/// `both` calls two functions, at once if it can.
-///
 /// # Errors
 /// The first difference, with its layer; or what the system says.
-pub fn verify(
-    before: impl BufRead + Send,
-    after: impl BufRead + Send,
-    both: impl Fn(&mut (dyn FnMut() + Send), &mut (dyn FnMut() + Send)),
-) -> io::Result<Result<Proof, String>> {
-    let (mut before, mut after) = (Layers::new(before), Layers::new(after));
-    let mut layers = 0;
-    loop {
-        let (mut a, mut b) = (Ok(None), Ok(None));
-        both(&mut || a = before.sorted(), &mut || b = after.sorted());
-        let (a, b) = match (a?, b?) {
-            (None, None) => break,
-            (Some(a), Some(b)) => (a, b),
-            _ => return Ok(Err("the number of layers differs".into())),
-        };
-        if let Some(difference) = a.difference(&b) {
-            return Ok(Err(format!("layer {layers}: {difference}")));
-        }
-        layers += 1;
-    }
-    let within = (0..2).all(|i| {
-        after.low[i] >= before.low[i] - AREA_MM && after.high[i] <= before.high[i] + AREA_MM
-            || after.low[i] > after.high[i]
-    });
-    if !within {
-        return Ok(Err("a travel leaves the area that the file used".into()));
-    }
-    Ok(Ok(Proof { before: before.meter.finish(), after: after.meter.finish(), layers }))
+pub fn verify(before: impl BufRead, after: impl BufRead) -> io::Result<Result<Proof, String>> {
+    let [mut old, mut new] = [(); 2].map(|()| Readback::default());
+    old.read(before)?;
+    new.read(after)?;
+    Ok(old.finish().compare(new.finish()))
 }
 
-/// An extruded stroke: its ends in no order, then all that must not differ.
-type Stroke = [i64; 10];
-
-/// What one layer holds.
-struct Layer {
-    index: Option<usize>,
-    strokes: Vec<Stroke>,
-    filament_mm: f64,
-    /// Other commands, in their order.
-    commands: FxHasher,
-}
-
-impl Layer {
-    fn new(index: Option<usize>) -> Self {
-        Self { index, strokes: Vec::new(), filament_mm: 0.0, commands: FxHasher::default() }
-    }
-
-    fn difference(&self, other: &Self) -> Option<String> {
-        if self.strokes.len() != other.strokes.len() {
-            return Some(format!("{} strokes became {}", self.strokes.len(), other.strokes.len()));
-        }
-        if let Some((a, _)) = self.strokes.iter().zip(&other.strokes).find(|(a, b)| a != b) {
-            let [x, y] = [a[0], a[1]].map(super::ticks::units);
-            return Some(format!("a stroke at X{x} Y{y} is not what it was"));
-        }
-        if (self.filament_mm - other.filament_mm).abs() > FILAMENT_MM {
-            return Some(format!("{} mm of filament became {} mm", self.filament_mm, other.filament_mm));
-        }
-        (self.commands.finish() != other.commands.finish())
-            .then(|| "other commands are not what they were".into())
-    }
-}
-
-/// A file, layer by layer.
-struct Layers<R> {
-    input: R,
-    text: Vec<u8>,
-    number: usize,
+/// Takes up a file piece by piece.
+#[derive(Debug, Default)]
+pub struct Readback {
     reader: Reader,
+    number: usize,
+    text: Vec<u8>,
+    inventory: Inventory,
+}
+
+impl Readback {
+    /// Also measures when lines about time come, on this machine.
+    pub fn timed(machine: Option<&Machine>) -> Self {
+        Self { inventory: Inventory::timed(machine), ..Self::default() }
+    }
+
+    /// Reads on. The input ends with a line, or with the file.
+    ///
+    /// # Errors
+    /// As the system says; and where the bytes cannot be G-code.
+    pub fn read(&mut self, mut input: impl BufRead) -> io::Result<()> {
+        loop {
+            self.text.clear();
+            self.number += 1;
+            if read_line(&mut input, self.number, &mut self.text)? == 0 {
+                self.number -= 1;
+                return Ok(());
+            }
+            let read = self.reader.read(Line::new(self.number, 0, &self.text));
+            self.inventory.add(&read, self.reader.state.firmware_retracted);
+        }
+    }
+
+    /// What was read.
+    pub fn finish(self) -> Inventory {
+        self.inventory
+    }
+}
+
+/// What a file prints, in memory of some numbers for each layer and each line about time.
+#[derive(Debug)]
+pub struct Inventory {
     meter: Meter,
+    stopwatch: Option<Stopwatch>,
+    /// Layers that are complete, and the one at hand.
+    layers: Vec<Layer>,
     layer: Layer,
     /// Lines that set what holds for strokes, and their hash.
     states: Vec<(Key, Vec<u8>)>,
     state: i64,
     low: [f64; 2],
     high: [f64; 2],
-    done: bool,
 }
 
-impl<R: BufRead> Layers<R> {
-    fn new(input: R) -> Self {
+impl Default for Inventory {
+    fn default() -> Self {
         Self {
-            input,
-            text: Vec::new(),
-            number: 0,
-            reader: Reader::default(),
             // Only lengths and counts are looked at.
             meter: Meter::new(Mm(1.75), None),
-            layer: Layer::new(None),
+            stopwatch: None,
+            layers: Vec::new(),
+            layer: Layer::default(),
             states: Vec::new(),
             state: 0,
             low: [f64::INFINITY; 2],
             high: [f64::NEG_INFINITY; 2],
-            done: false,
         }
     }
+}
 
-    /// The next layer, its strokes in an order that does not depend on how they are drawn.
-    fn sorted(&mut self) -> io::Result<Option<Layer>> {
-        let mut layer = self.next()?;
-        if let Some(layer) = &mut layer {
-            layer.strokes.sort_unstable();
-        }
-        Ok(layer)
+impl Inventory {
+    pub(super) fn timed(machine: Option<&Machine>) -> Self {
+        Self { stopwatch: machine.map(Stopwatch::new), ..Self::default() }
     }
 
-    fn next(&mut self) -> io::Result<Option<Layer>> {
-        while !self.done {
-            self.text.clear();
-            if read_line(&mut self.input, &mut self.text)? == 0 {
-                self.done = true;
-                return Ok(Some(std::mem::replace(&mut self.layer, Layer::new(None))));
-            }
-            self.number += 1;
-            let text = std::mem::take(&mut self.text);
-            let done = self.line(&Line::new(self.number, 0, &text));
-            self.text = text;
-            if done.is_some() {
-                return Ok(done);
-            }
-        }
-        Ok(None)
+    /// When lines about time come, if that was measured.
+    pub fn take_times(&mut self) -> Option<Times> {
+        self.stopwatch.take().map(Stopwatch::finish)
     }
 
-    /// Takes up a line; returns the layer that it ends.
-    fn line(&mut self, line: &Line) -> Option<Layer> {
-        let read = self.reader.read(*line);
+    /// Takes up a line. `pulled`: whether filament is pulled back by the firmware after it.
+    pub(super) fn add(&mut self, read: &Annotated, pulled: bool) {
         self.meter.add(&read.action);
-        let Action::Stroke(stroke) = read.action else {
-            self.other(line, matches!(read.action, Action::FirmwareRetract | Action::FirmwareUnretract));
-            return None;
+        if let Some(stopwatch) = &mut self.stopwatch {
+            stopwatch.step(read);
+        }
+        let Action::Stroke(stroke) = &read.action else {
+            return self.other(&read.line, &read.action);
         };
-        for i in 0..2 {
-            self.low[i] = self.low[i].min(stroke.to[i]);
-            self.high[i] = self.high[i].max(stroke.to[i]);
+        // A bead may be drawn backwards.
+        let places = [stroke.to, if stroke.extrudes() { stroke.from } else { stroke.to }];
+        for (place, i) in places.iter().flat_map(|place| [(place, 0), (place, 1)]) {
+            self.low[i] = self.low[i].min(place[i]);
+            self.high[i] = self.high[i].max(place[i]);
         }
-        if !stroke.extrudes() {
-            return None;
+        if stroke.extrudes() {
+            if self.layer.index != read.context.layer {
+                let next = Layer { index: read.context.layer, ..Layer::default() };
+                self.layers.push(std::mem::replace(&mut self.layer, next));
+            }
+            self.layer.strokes += 1;
+            self.layer.sum = self.layer.sum.wrapping_add(fingerprint(stroke, pulled, self.state));
+            self.layer.filament_mm += stroke.fresh_mm;
         }
-        let mut done = None;
-        if self.layer.index != read.context.layer {
-            done = Some(std::mem::replace(&mut self.layer, Layer::new(read.context.layer)));
-        }
-        let point = |p: [f64; 3]| [ticks(p[0]), ticks(p[1])];
-        let (mut a, mut b) = (point(stroke.from), point(stroke.to));
-        let mut turn = stroke.arc.map_or(0, |arc| if arc.clockwise { 1 } else { 2 });
-        if a > b {
-            (a, b) = (b, a);
-            turn = if turn == 0 { 0 } else { 3 - turn };
-        }
-        let pulled = i64::from(self.reader.state.firmware_retracted);
-        self.layer.filament_mm += stroke.fresh_mm;
-        self.layer.strokes.push([
-            a[0],
-            a[1],
-            b[0],
-            b[1],
-            ticks(stroke.to[2]),
-            ticks(stroke.e_mm),
-            ticks(stroke.fresh_mm),
-            ticks(stroke.feed_mm_s * 60.0),
-            turn + 4 * pulled,
-            self.state,
-        ]);
-        done
     }
 
     /// Takes up a line that does not move.
-    fn other(&mut self, line: &Line, firmware: bool) {
+    fn other(&mut self, line: &Line, action: &Action) {
+        let firmware = matches!(action, Action::FirmwareRetract | Action::FirmwareUnretract);
         if firmware || is_time(line) || line.is(b'G', 92) && line.words().get(b'E').is_some() {
             return;
         }
@@ -219,7 +165,115 @@ impl<R: BufRead> Layers<R> {
         }
         let command = line.text.split(|b| *b == b';').next().unwrap_or_default().trim_ascii();
         if !command.is_empty() {
-            self.layer.commands.write(command);
+            let mut hasher = FxHasher::default();
+            hasher.write_u64(self.layer.commands);
+            hasher.write(command);
+            self.layer.commands = hasher.finish();
+        }
+    }
+
+    /// The proof that another file prints the same.
+    ///
+    /// # Errors
+    /// The first difference, with its layer.
+    pub fn compare(mut self, mut other: Self) -> Result<Proof, String> {
+        for inventory in [&mut self, &mut other] {
+            inventory.layers.push(std::mem::take(&mut inventory.layer));
+        }
+        for (index, (a, b)) in self.layers.iter().zip(&other.layers).enumerate() {
+            a.same(b).map_err(|difference| format!("layer {index}: {difference}"))?;
+        }
+        if self.layers.len() != other.layers.len() {
+            return Err("the number of layers differs".into());
+        }
+        let within = |i: usize| {
+            other.low[i] >= self.low[i] - AREA_MM && other.high[i] <= self.high[i] + AREA_MM
+                || other.low[i] > other.high[i]
+        };
+        if !(within(0) && within(1)) {
+            return Err("a travel leaves the area that the file used".into());
+        }
+        let layers = self.layers.len();
+        Ok(Proof { before: self.meter.finish(), after: other.meter.finish(), layers })
+    }
+}
+
+/// What one layer holds.
+#[derive(Clone, Debug, Default)]
+struct Layer {
+    index: Option<usize>,
+    strokes: usize,
+    /// Of their fingerprints: it does not depend on their order.
+    sum: u64,
+    filament_mm: f64,
+    /// Other commands, in their order.
+    commands: u64,
+}
+
+impl Layer {
+    fn same(&self, other: &Self) -> Result<(), String> {
+        if self.strokes != other.strokes {
+            return Err(format!("{} strokes became {}", self.strokes, other.strokes));
+        }
+        if self.sum != other.sum {
+            return Err("a stroke is not what it was".into());
+        }
+        if (self.filament_mm - other.filament_mm).abs() > FILAMENT_MM {
+            return Err(format!("{} mm of filament became {} mm", self.filament_mm, other.filament_mm));
+        }
+        if self.commands != other.commands {
+            return Err("other commands are not what they were".into());
+        }
+        Ok(())
+    }
+}
+
+/// A hash of an extruded stroke: its ends in no order, then all that must not differ.
+///
+/// The sum of such hashes stands for a multiset (Clarke et al. 2003, doi:10.1007/978-3-540-40061-5_12). Two that differ
+/// have the same sum with a probability of 2⁻⁶⁴.
+fn fingerprint(stroke: &Stroke, pulled: bool, state: i64) -> u64 {
+    let point = |p: [f64; 3]| [ticks(p[0]), ticks(p[1])];
+    let (mut a, mut b) = (point(stroke.from), point(stroke.to));
+    let mut turn = stroke.arc.map_or(0, |arc| if arc.clockwise { 1 } else { 2 });
+    if a > b {
+        (a, b) = (b, a);
+        turn = if turn == 0 { 0 } else { 3 - turn };
+    }
+    let rest = [stroke.to[2], stroke.e_mm, stroke.fresh_mm, stroke.feed_mm_s * 60.0].map(ticks);
+    // Products of 128 bits, folded, mix all bits of two words.
+    let mix = |hash: u64, pair: [i64; 2]| {
+        let [x, y] = [pair[0] as u64 ^ hash, pair[1] as u64 ^ 0x9e37_79b9_7f4a_7c15];
+        let product = u128::from(x) * u128::from(y);
+        (product as u64 ^ (product >> 64) as u64).wrapping_add(hash.rotate_left(23))
+    };
+    let flags = [turn + 4 * i64::from(pulled), state];
+    let hash = [a, b, [rest[0], rest[1]], [rest[2], rest[3]], flags, [0x2545_f491, 0]]
+        .into_iter()
+        .fold(0xa076_1d64_78bd_642f, mix);
+    hash ^ (hash >> 32)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn same(a: &str, b: &str) -> bool {
+        verify(a.as_bytes(), b.as_bytes()).expect("read").is_ok()
+    }
+
+    #[test]
+    fn strokes_are_the_same_in_any_order_and_direction_and_differ_in_anything_else() {
+        let text = "M83\nG1 X1 Y1 F600\nG1 X5 Y1 E1\nG1 Y2\nG1 X9 Y3 E2\n";
+        assert!(same(text, "M83\nG1 X9 Y3 F600\nG1 X5 Y2 E2\nG1 X1 Y1\nG1 X5 Y1 E1\n"));
+        for other in [
+            // Filament of one stroke for another one, though the sums are the same.
+            "M83\nG1 X1 Y1 F600\nG1 X5 Y1 E2\nG1 Y2\nG1 X9 Y3 E1\n",
+            "M83\nG1 X1 Y1 F600\nG1 X5 Y1 E1\nG1 Y2 F500\nG1 X9 Y3 E2\n",
+            "M83\nG1 X1 Y1 F600\nM106 S9\nG1 X5 Y1 E1\nG1 Y2\nG1 X9 Y3 E2\n",
+            "M83\nG1 X1 Y1 F600\nG1 X5 Y2 E1\nG1 Y1\nG1 X9 Y3 E2\n",
+        ] {
+            assert!(!same(text, other), "{other}");
         }
     }
 }

@@ -13,8 +13,9 @@ use crate::toolpath::Role;
 const SEAM_GAP_MM: f64 = 1.0;
 /// Crossings this near to an end of the way are that end's own wall, mm.
 const OWN_WALL_MM: f64 = 0.25;
-/// Ways around keep this far from the walls, mm.
-const CLEARANCE_MM: f64 = 0.4;
+/// Ways around keep this far from the middle of the walls, mm: over the next bead inside, or else, where it is
+/// narrow, between two beads that touch.
+const CLEARANCES_MM: [f64; 2] = [0.4, 0.15];
 /// How far the way along the inside of a wall may be from where it is entered, mm.
 const REACH_MM: f64 = 1.5;
 
@@ -34,7 +35,7 @@ pub(super) enum Way {
 pub struct Walls {
     rings: Vec<Ring>,
     clipper: Clipper,
-    inset: OnceLock<Inset>,
+    insets: [OnceLock<Inset>; 2],
 }
 
 /// Where the nozzle is inside a part and clear of its walls.
@@ -70,7 +71,7 @@ impl Walls {
         let ring = |ring: &Ring| Polygon { outer: ring.clone(), holes: Vec::new() };
         // The clipper goes by the even-odd rule: how the rings are nested does not matter to it.
         let clipper = Clipper::new(&Region { polygons: rings.iter().map(ring).collect() });
-        Self { rings, clipper, inset: OnceLock::new() }
+        Self { rings, clipper, insets: Default::default() }
     }
 
     /// Whether there are none: nothing is known of what must not be crossed.
@@ -97,7 +98,12 @@ impl Walls {
     /// The corners of a way inside the part from one point to another whose straight way crosses walls, if there is
     /// one that goes along the walls and is not too long.
     pub fn around(&self, a: Point, b: Point) -> Option<Vec<Point>> {
-        let inset = self.inset.get_or_init(|| self.inset());
+        self.insets.iter().zip(CLEARANCES_MM).find_map(|(inset, clearance_mm)| {
+            self.around_in(inset.get_or_init(|| self.inset(clearance_mm)), a, b)
+        })
+    }
+
+    fn around_in(&self, inset: &Inset, a: Point, b: Point) -> Option<Vec<Point>> {
         let pieces = inset.clipper.clip(&[a, b]);
         let mut way = vec![a];
         // Where the way has left the inset and must go along its boundary.
@@ -146,7 +152,7 @@ impl Walls {
         Some(out)
     }
 
-    fn inset(&self) -> Inset {
+    fn inset(&self, clearance_mm: f64) -> Inset {
         let boxes: Vec<Option<Bounds>> =
             self.rings.iter().map(|ring| Bounds::of(ring.iter().copied())).collect();
         let alone = |ring: &Ring| Polygon { outer: ring.clone(), holes: Vec::new() };
@@ -165,7 +171,7 @@ impl Walls {
             }
             ring
         });
-        let region = offset(&unite_rings(&turned.collect::<Vec<_>>()), -CLEARANCE_MM);
+        let region = offset(&unite_rings(&turned.collect::<Vec<_>>()), -clearance_mm);
         Inset { clipper: Clipper::new(&region), boundary: Boundary::new(&region).into_owned(), region }
     }
 }
@@ -211,4 +217,28 @@ fn along(boundary: &Boundary<'_>, from: BoundaryPos, to: BoundaryPos, way: &mut 
     let forward = forward_mm <= boundary.ring_length_mm(from.ring) - forward_mm;
     way.extend(boundary.vertices_between(from, to, forward));
     Some(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::Blocks;
+    use super::*;
+
+    #[test]
+    fn a_way_around_is_found_through_a_strip_of_two_beads() {
+        // A U whose legs are 0.5 mm wide.
+        let mut text = String::from("M83\n;TYPE:WALL-OUTER\nG1 X0 Y0 F900\n");
+        for (x, y) in
+            [(4.0, 0.0), (4.0, 4.0), (3.5, 4.0), (3.5, 0.5), (0.5, 0.5), (0.5, 4.0), (0.0, 4.0), (0.0, 0.0)]
+        {
+            text += &format!("G1 X{x} Y{y} E1\n");
+        }
+        let block = Blocks::new(text.as_bytes()).read().expect("read").expect("a block");
+        let walls = Walls::new([&block].into_iter());
+        let [a, b] = [0.25, 3.75].map(|x| Point::from_mm(x, 3.5));
+        assert_eq!(walls.way(a, b), Way::Crosses);
+        let corners = walls.around(a, b).expect("a way");
+        let way: Vec<Point> = [a].into_iter().chain(corners).chain([b]).collect();
+        assert!(way.len() > 3 && way.windows(2).all(|w| walls.way(w[0], w[1]) == Way::Inside), "{way:?}");
+    }
 }

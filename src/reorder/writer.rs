@@ -1,19 +1,29 @@
 //! A block as text again, its paths in another order.
 
-use super::block::{Block, Kind, Path, Seg, Token};
+use memchr::memchr3;
+
+use super::block::{Block, Frame, Kind, Path, Seg, Token};
 use super::habit::{Habit, Retract};
 use super::problem::Pick;
 use super::state::{Key, States};
 use super::ticks::{push_word, ticks, units};
+use super::times::is_understood;
 use super::toll::Toll;
 use super::walls::{Walls, Way};
 use crate::gcode::Line;
+use crate::geom::Point;
+
+/// Room behind a line about time.
+pub const TIME_ROOM: &[u8] = b"    ";
 
 /// A block's text, and what it comes to.
 #[derive(Clone, Debug, Default)]
 pub struct Written {
     /// The text.
     pub bytes: Vec<u8>,
+    /// Lines about time: where they begin in the text, and their numbers in the file. They stand as they were, with
+    /// some blanks behind them as room for other numbers.
+    pub times: Vec<(usize, usize)>,
     /// What it costs to come to its first path.
     pub junction: Toll,
     /// What it costs from there on.
@@ -54,7 +64,7 @@ pub fn write(block: &Block, picks: &[Pick], from: [i64; 2], habit: &Habit, walls
     if !picks.is_empty() {
         writer.close();
     }
-    Written { bytes: writer.out, junction, inside: writer.toll }
+    Written { bytes: writer.out, times: writer.times, junction, inside: writer.toll }
 }
 
 /// What it costs to come to the first of a block's paths, the nozzle coming from `from`.
@@ -70,14 +80,23 @@ struct Writer<'a> {
     walls: &'a Walls,
     eol: &'static [u8],
     out: Vec<u8>,
+    times: Vec<(usize, usize)>,
     at: [i64; 3],
     e: i64,
     feed: i64,
+    /// E and the feed rate as the file has them behind the last line of the junction.
+    original: (i64, i64),
+    /// Units and modes in force.
+    frame: Frame,
     state: States,
+    /// Index of the state that was put in force last, as long as no other one is.
+    entered: Option<u32>,
     /// The path drawn last.
     last: Option<Pick>,
     /// Whether filament is pulled back.
     pulled: bool,
+    /// Whether there was no bead yet: nothing can ooze.
+    dry: bool,
     toll: Toll,
 }
 
@@ -91,12 +110,17 @@ impl<'a> Writer<'a> {
             walls,
             eol: if crlf { b"\r\n" } else { b"\n" },
             out: Vec::new(),
+            times: Vec::new(),
             at: [from[0], from[1], block.before.at[2]],
             e: block.before.e,
             feed: block.before.feed,
+            original: (block.before.e, block.before.feed),
+            frame: block.frame_before,
             state: block.states[block.before.state as usize],
+            entered: None,
             last: None,
             pulled: false,
+            dry: !block.begun,
             toll: Toll::default(),
         }
     }
@@ -109,23 +133,22 @@ impl<'a> Writer<'a> {
         let target = first.map(|pick| ends(block, pick).0);
         let moved = self.at != before;
         // All up to what draws, or moves in ways of its own, is as it was.
-        let mut place = before;
         let mut fixed = if target.is_none() { tokens.len() } else { 0 };
         for (index, token) in tokens.iter().enumerate() {
-            let moves = token.to[..2] != place[..2];
-            if token.kind == Kind::Fixed || token.kind == Kind::Barrier && moves {
+            if token.kind == Kind::Fixed || places(self.barrier_code(token)) {
                 fixed = fixed.max(index + 1);
             }
-            place = token.to;
         }
         let (head, tail) = tokens.split_at(fixed);
         if moved && fixed > 0 {
             let placed = head.iter().find(|t| {
                 matches!(t.kind, Kind::Travel | Kind::Fixed)
+                    || places(self.barrier_code(t))
                     || t.to[..2] != before[..2] && t.kind != Kind::Wipe
             });
-            let by_itself =
-                |t: &Token| t.kind == Kind::Travel && t.absolute && names(t.line.of(&block.text), b"XY");
+            let by_itself = |t: &Token| {
+                t.kind == Kind::Travel && t.frame.absolute && names(t.line.of(&block.text), b"XY")
+            };
             if placed.is_some_and(|token| !by_itself(token)) {
                 self.go([before[0], before[1]], None);
             }
@@ -149,6 +172,8 @@ impl<'a> Writer<'a> {
         for (index, token) in tail.iter().enumerate() {
             match token.kind {
                 Kind::Travel if travel == Some(index) => self.go(target, Some(token)),
+                // Filament is pushed forward for the first time where the file does so.
+                Kind::Travel if self.dry => self.token(token),
                 Kind::Travel if token.to[2] != self.at[2] => self.lift(token.to[2], token.feed),
                 Kind::Travel => {}
                 Kind::Wipe => self.pull_in_place(token),
@@ -180,6 +205,7 @@ impl<'a> Writer<'a> {
                 self.out.extend_from_slice(line);
             }
             self.state = self.state.with_commands_of(&wanted);
+            self.entered = None;
         }
         // Backwards along the way that the file itself went.
         if from.path == to.path + 1 && from.reversed && start == block.end(path) && after == before.from {
@@ -209,13 +235,13 @@ impl<'a> Writer<'a> {
         } else {
             segs[pick.first..].iter().chain(&segs[..pick.first]).for_each(|seg| self.forwards(seg));
         }
-        self.last = Some(*pick);
+        (self.last, self.dry) = (Some(*pick), false);
     }
 
     fn forwards(&mut self, seg: &Seg) {
         self.enter(seg.state);
-        self.e += seg.e;
-        let e = (self.block.frame.e_absolute && self.e != seg.e_after).then_some(self.e);
+        self.e = self.e.saturating_add(seg.e);
+        let e = (self.frame.e_absolute && self.e != seg.e_after).then_some(self.e);
         self.stroke_line(seg.line.of(&self.block.text), e, seg.feed);
         (self.at[0], self.at[1]) = (seg.to[0], seg.to[1]);
     }
@@ -230,11 +256,11 @@ impl<'a> Writer<'a> {
         self.out.extend_from_slice(command);
         self.xy(to);
         if let Some((center, _)) = seg.arc {
-            push_word(&mut self.out, b'I', center[0] - seg.to[0]);
-            push_word(&mut self.out, b'J', center[1] - seg.to[1]);
+            push_word(&mut self.out, b'I', center[0].saturating_sub(seg.to[0]));
+            push_word(&mut self.out, b'J', center[1].saturating_sub(seg.to[1]));
         }
-        self.e += seg.e;
-        push_word(&mut self.out, b'E', if self.block.frame.e_absolute { self.e } else { seg.e });
+        self.e = self.e.saturating_add(seg.e);
+        push_word(&mut self.out, b'E', if self.frame.e_absolute { self.e } else { seg.e });
         self.f(seg.feed);
         let line = Line::new(0, 0, seg.line.of(&self.block.text));
         if let Some(comment) = line.comment {
@@ -247,6 +273,9 @@ impl<'a> Writer<'a> {
 
     /// Puts a state in force, comments and all.
     fn enter(&mut self, state: u32) {
+        if self.entered.replace(state) == Some(state) {
+            return;
+        }
         let wanted = self.block.states[state as usize];
         if wanted != self.state {
             for line in self.state.changes(&wanted, true, &self.block.text) {
@@ -258,28 +287,40 @@ impl<'a> Writer<'a> {
 
     /// Everything as the file has it behind the block's last path.
     fn close(&mut self) {
-        let after = self.block.after;
+        let block = self.block;
+        let after = block.after;
         self.enter(after.state);
-        if self.block.frame.e_absolute && self.e != after.e {
-            self.out.extend_from_slice(b"G92");
-            push_word(&mut self.out, b'E', after.e);
-            self.end_line();
+        // E need not stay relative.
+        if self.e != after.e {
+            self.reset_e(after.e);
         }
         if self.feed != after.feed {
             self.out.extend_from_slice(b"G1");
             self.f(after.feed);
             self.end_line();
         }
+        // What was said on the way is said behind it, the last of each kind.
+        let letters = |token: &Token| {
+            let line = token.line.of(&block.text).iter();
+            line.copied().filter(u8::is_ascii_alphabetic).collect::<Vec<u8>>()
+        };
+        for (index, token) in block.times.iter().enumerate() {
+            if block.times[index + 1..].iter().all(|later| letters(later) != letters(token)) {
+                self.token(token);
+            }
+        }
     }
 
     /// A line as it was, but for E and the feed rate in force.
     fn token(&mut self, token: &Token) {
         let line = token.line.of(&self.block.text);
+        let code = self.barrier_code(token);
         match token.kind {
-            Kind::Time => return,
+            Kind::Time(number) => return self.time(line, number),
             Kind::State(key) => {
                 self.out.extend_from_slice(line);
                 self.state.set(key, token.line);
+                self.entered = None;
             }
             // A line that names the place where the nozzle is in the file would move it from where it is here.
             Kind::Lift | Kind::Pull | Kind::Push | Kind::Feed
@@ -288,21 +329,22 @@ impl<'a> Writer<'a> {
                 self.lift(token.to[2], token.feed);
                 self.feed_filament(token.e, token.feed);
             }
-            Kind::Travel | Kind::Lift | Kind::Pull | Kind::Push | Kind::Wipe | Kind::Feed | Kind::Fixed => {
-                self.e += token.e;
-                let e = (self.block.frame.e_absolute && self.e != token.e_after).then_some(self.e);
+            Kind::Travel | Kind::Lift | Kind::Pull | Kind::Push | Kind::Wipe | Kind::Feed => {
+                self.e = self.e.saturating_add(token.e);
+                let e = (self.frame.e_absolute && self.e != token.e_after).then_some(self.e);
                 self.stroke_line(line, e, token.feed);
             }
+            _ if token.kind == Kind::Fixed || places(code) => self.fixed(token, line),
             _ => {
-                self.out.extend_from_slice(line);
+                self.whole_line(line);
                 if token.kind == Kind::Barrier && Key::of(&Line::new(0, 0, line)).is_some() {
                     self.state = self.block.states[token.state as usize];
+                    self.entered = None;
                 }
-                self.feed = token.feed;
             }
         }
         match token.kind {
-            Kind::ResetE | Kind::Barrier => self.e = token.e_after,
+            Kind::ResetE => self.e = token.e_after,
             Kind::Pull | Kind::Wipe | Kind::FirmwarePull => self.pull_counted(),
             Kind::Push | Kind::FirmwarePush | Kind::Fixed => self.pulled = false,
             _ => {}
@@ -312,8 +354,48 @@ impl<'a> Writer<'a> {
         }
         // A line without coordinates leaves the nozzle where it is, wherever that was in the file.
         match token.kind {
-            Kind::Travel | Kind::Wipe | Kind::Fixed | Kind::Barrier => self.at = token.to,
+            Kind::Travel | Kind::Wipe | Kind::Fixed => self.at = token.to,
+            Kind::Barrier if places(code) => self.at = token.to,
             _ => self.at[2] = token.to[2],
+        }
+        self.original = (token.e_after, token.feed);
+        self.frame = token.frame;
+    }
+
+    /// A line that must not be changed: E and the feed rate are made what they are before it in the file.
+    fn fixed(&mut self, token: &Token, line: &[u8]) {
+        let (e, feed) = self.original;
+        if self.frame.e_absolute && self.e != e {
+            self.reset_e(e);
+        }
+        if self.feed != feed && feed > 0 {
+            self.out.extend_from_slice(b"G1");
+            self.f(feed);
+            self.end_line();
+        }
+        self.whole_line(line);
+        (self.e, self.feed) = (token.e_after, token.feed);
+    }
+
+    fn reset_e(&mut self, e: i64) {
+        self.out.extend_from_slice(b"G92");
+        push_word(&mut self.out, b'E', e);
+        self.end_line();
+    }
+
+    /// The number of a barrier's G-code, if it is one.
+    fn barrier_code(&self, token: &Token) -> Option<u32> {
+        let code = Line::new(0, 0, token.line.of(&self.block.text)).code;
+        code.filter(|code| token.kind == Kind::Barrier && code.letter == b'G').map(|code| code.number)
+    }
+
+    /// A line about time, if it can be brought up to date.
+    fn time(&mut self, line: &[u8], number: usize) {
+        if is_understood(&Line::new(0, 0, line)) {
+            self.times.push((self.out.len(), number));
+            self.out.extend_from_slice(line.trim_ascii_end());
+            self.out.extend_from_slice(TIME_ROOM);
+            self.end_line();
         }
     }
 
@@ -334,36 +416,33 @@ impl<'a> Writer<'a> {
     /// The way to a place, retracted where the file would have done so. `as_was`: the travel in whose place it is.
     fn go(&mut self, to: [i64; 2], as_was: Option<&Token>) {
         let z = as_was.map_or(self.at[2], |t| t.to[2]);
-        let [a, b] = [[self.at[0], self.at[1]], to].map(|p| self.block.point(p));
+        let [a, b] = [[self.at[0], self.at[1]], to].map(|p| self.mm(p)).map(|[x, y]| Point::from_mm(x, y));
         if a == b && z == self.at[2] {
             return;
         }
         let length_mm = a.distance_mm(b);
         let (far, habit) = (length_mm >= self.habit.threshold_mm, self.habit);
         let way = if self.walls.is_empty() { None } else { Some(self.walls.way(a, b)) };
+        let goes_round = way == Some(Way::Crosses) && (habit.combs || habit.rounds);
+        let corners = goes_round.then(|| self.walls.around(a, b)).flatten();
         let retract = match way {
-            _ if self.pulled => None,
+            _ if self.pulled || self.dry => None,
             None | Some(Way::Outside) => habit.retract.as_ref().filter(|_| far),
             Some(Way::Inside) => habit.retract.as_ref().filter(|_| far && !habit.combs),
-            Some(Way::Crosses) => {
-                if let Some(corners) = habit.combs.then(|| self.walls.around(a, b)).flatten() {
-                    let feed = self.habit.travel_feed;
-                    for corner in corners {
-                        let corner = corner.mm().map(|mm| rounded(mm / self.block.frame.scale));
-                        self.travel_to(corner, z, feed);
-                    }
-                    self.travel_to(to, z, feed);
-                    return;
-                }
-                habit.retract.as_ref()
-            }
+            Some(Way::Crosses) => habit.retract.as_ref().filter(|_| corners.is_none() || !habit.combs),
         };
         let level = self.at[2];
+        let mut height = z;
         if let Some(retract) = retract {
             self.pull(retract);
-            if let Some((height, up, _)) = retract.hop {
-                self.lift(z.max(level) + height, up);
+            if let Some((hop, up, _)) = retract.hop {
+                height = z.max(level).saturating_add(hop);
+                self.lift(height, up);
             }
+        }
+        for corner in corners.into_iter().flatten() {
+            let corner = corner.mm().map(|mm| rounded(mm / self.frame.scale));
+            self.travel_to(corner, height, habit.travel_feed);
         }
         match as_was {
             Some(token) if retract.is_none_or(|r| r.hop.is_none()) && z != self.at[2] => {
@@ -392,7 +471,7 @@ impl<'a> Writer<'a> {
         if retract.after.0 > 0 {
             self.feed_filament(-retract.after.0, retract.after.1);
         }
-        if retract.reset && self.block.frame.e_absolute {
+        if retract.reset && self.frame.e_absolute {
             self.out.extend_from_slice(b"G92 E0");
             self.end_line();
             self.e = 0;
@@ -490,14 +569,14 @@ impl<'a> Writer<'a> {
     }
 
     fn e_word(&mut self, e: i64) {
-        self.e += e;
-        push_word(&mut self.out, b'E', if self.block.frame.e_absolute { self.e } else { e });
+        self.e = self.e.saturating_add(e);
+        push_word(&mut self.out, b'E', if self.frame.e_absolute { self.e } else { e });
     }
 
     fn lift(&mut self, z: i64, feed: i64) {
         if z != self.at[2] {
             self.command();
-            let value = if self.block.frame.absolute { z } else { z - self.at[2] };
+            let value = if self.frame.absolute { z } else { z.saturating_sub(self.at[2]) };
             push_word(&mut self.out, b'Z', value);
             self.at[2] = z;
             self.f(feed);
@@ -517,7 +596,11 @@ impl<'a> Writer<'a> {
         self.command();
         self.xy(to);
         if z != self.at[2] {
-            push_word(&mut self.out, b'Z', if self.block.frame.absolute { z } else { z - self.at[2] });
+            push_word(
+                &mut self.out,
+                b'Z',
+                if self.frame.absolute { z } else { z.saturating_sub(self.at[2]) },
+            );
         }
         self.f(feed);
         self.end_line();
@@ -529,9 +612,9 @@ impl<'a> Writer<'a> {
     }
 
     fn xy(&mut self, to: [i64; 2]) {
-        let origin = if self.block.frame.absolute { [0; 2] } else { [self.at[0], self.at[1]] };
-        push_word(&mut self.out, b'X', to[0] - origin[0]);
-        push_word(&mut self.out, b'Y', to[1] - origin[1]);
+        let origin = if self.frame.absolute { [0; 2] } else { [self.at[0], self.at[1]] };
+        push_word(&mut self.out, b'X', to[0].saturating_sub(origin[0]));
+        push_word(&mut self.out, b'Y', to[1].saturating_sub(origin[1]));
     }
 
     /// The feed rate, where it is not in force.
@@ -553,7 +636,7 @@ impl<'a> Writer<'a> {
         if e.is_none() && !to_feed {
             self.out.extend_from_slice(line);
         } else {
-            let command = line.iter().position(|b| matches!(b, b';' | b'\r' | b'\n')).unwrap_or(line.len());
+            let command = memchr3(b';', b'\r', b'\n', line).unwrap_or(line.len());
             let (command, rest) = line.split_at(command);
             let place = |letter: u8| command.iter().rposition(|b| b.to_ascii_uppercase() == letter);
             match e.zip(place(b'E')) {
@@ -570,7 +653,7 @@ impl<'a> Writer<'a> {
                 }
                 None => self.out.extend_from_slice(command),
             }
-            if to_feed && place(b'F').is_none() {
+            if to_feed && !names(line, b"F") {
                 while self.out.last() == Some(&b' ') {
                     self.out.pop();
                 }
@@ -582,13 +665,25 @@ impl<'a> Writer<'a> {
             self.out.extend_from_slice(rest);
         }
         if !line.ends_with(b"\n") {
-            // The last line of a file may have no end; it need not be the last any more.
             self.end_line();
         }
     }
 
+    /// A line as it is. The last one of a file may have no end; it need not be the last any more.
+    fn whole_line(&mut self, line: &[u8]) {
+        self.out.extend_from_slice(line);
+        if !line.ends_with(b"\n") {
+            self.end_line();
+        }
+    }
+
+    /// A point in millimetres, by the unit in force.
+    fn mm(&self, p: [i64; 2]) -> [f64; 2] {
+        p.map(|v| units(v) * self.frame.scale)
+    }
+
     fn between_mm(&self, a: [i64; 2], b: [i64; 2]) -> f64 {
-        let [a, b] = [a, b].map(|p| self.block.mm(p));
+        let [a, b] = [a, b].map(|p| self.mm(p));
         (a[0] - b[0]).hypot(a[1] - b[1])
     }
 
@@ -600,6 +695,11 @@ impl<'a> Writer<'a> {
 /// A coordinate with as many digits as slicers give, as ticks.
 fn rounded(value: f64) -> i64 {
     ticks((value * 1000.0).round() / 1000.0)
+}
+
+/// Whether a G-code of this number moves the nozzle in X and Y, or says where it is.
+fn places(code: Option<u32>) -> bool {
+    matches!(code, Some(0..=3 | 20 | 21 | 28 | 92))
 }
 
 /// Whether a line has all these words.

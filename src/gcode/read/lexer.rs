@@ -157,12 +157,6 @@ struct Cursor<'a> {
 }
 
 impl Cursor<'_> {
-    /// The byte at the cursor; behind the last one a blank.
-    #[inline]
-    fn peek(&self) -> u8 {
-        self.bytes.get(self.at).copied().unwrap_or(b' ')
-    }
-
     fn skip_blanks(&mut self) {
         while self.bytes.get(self.at).is_some_and(|b| matches!(b, b' ' | b'\t')) {
             self.at += 1;
@@ -172,40 +166,55 @@ impl Cursor<'_> {
     /// A decimal number without exponent (E is a word of its own). Exact up to 15 digits; decimals beyond the
     /// seventeenth digit are dropped.
     fn number(&mut self) -> Option<f64> {
-        const POWERS: [f64; 23] = [
+        const POWERS: [f64; 18] = [
             1e0, 1e1, 1e2, 1e3, 1e4, 1e5, 1e6, 1e7, 1e8, 1e9, 1e10, 1e11, 1e12, 1e13, 1e14, 1e15, 1e16, 1e17,
-            1e18, 1e19, 1e20, 1e21, 1e22,
         ];
-        let start = self.at;
-        let negative = self.peek() == b'-';
-        if matches!(self.peek(), b'-' | b'+') {
-            self.at += 1;
-        }
-        let (mut mantissa, mut digits, mut decimals, mut point) = (0_u64, 0_usize, 0_usize, false);
-        for &byte in &self.bytes[self.at..] {
-            let digit = u64::from(byte.wrapping_sub(b'0'));
-            if digit < 10 {
-                digits += 1;
-                if mantissa < 100_000_000_000_000_000 {
-                    mantissa = mantissa * 10 + digit;
-                    decimals += usize::from(point);
-                } else if !point {
-                    mantissa = mantissa.saturating_mul(10).saturating_add(digit);
-                }
-            } else if byte == b'.' && !point {
-                point = true;
-            } else {
-                break;
+        let bytes = &self.bytes[self.at..];
+        let negative = bytes.first() == Some(&b'-');
+        let sign = usize::from(matches!(bytes.first(), Some(b'-' | b'+')));
+        let (mut mantissa, mut at) = (0_u64, sign);
+        let mut digits_from = |mut at: usize| {
+            while let Some(digit) = bytes.get(at).map(|b| b.wrapping_sub(b'0')).filter(|d| *d < 10) {
+                mantissa = mantissa.wrapping_mul(10).wrapping_add(u64::from(digit));
+                at += 1;
             }
-            self.at += 1;
+            at
+        };
+        at = digits_from(at);
+        let (mut digits, mut decimals) = (at - sign, 0);
+        if bytes.get(at) == Some(&b'.') {
+            let end = digits_from(at + 1);
+            decimals = end - at - 1;
+            digits += decimals;
+            at = end;
         }
         if digits == 0 {
-            self.at = start;
             return None;
         }
-        let value = mantissa as f64 / POWERS[decimals.min(22)];
+        self.at += at;
+        let value = match digits {
+            0..=17 => mantissa as f64 / POWERS[decimals],
+            _ => long_number(&bytes[sign..at]),
+        };
         Some(if negative { -value } else { value })
     }
+}
+
+/// The value of more digits than an integer holds.
+fn long_number(digits: &[u8]) -> f64 {
+    const MOST: u64 = 100_000_000_000_000_000;
+    let (mut mantissa, mut scale, mut point) = (0_u64, 1.0, false);
+    for &byte in digits {
+        if byte == b'.' {
+            point = true;
+        } else if mantissa < MOST {
+            mantissa = mantissa * 10 + u64::from(byte - b'0');
+            scale *= if point { 10.0 } else { 1.0 };
+        } else if !point {
+            mantissa = mantissa.saturating_mul(10).saturating_add(u64::from(byte - b'0'));
+        }
+    }
+    mantissa as f64 / scale
 }
 
 #[cfg(test)]

@@ -126,7 +126,7 @@ struct Run {
     /// Length travelled since.
     travel_mm: Option<f64>,
     /// The height extruded at last, and all so far.
-    height_um: Option<i64>,
+    height_mm: Option<f64>,
     heights_um: BTreeSet<i64>,
 }
 
@@ -139,9 +139,8 @@ impl Run {
             out.long_travels += usize::from(travel_mm > LONG_TRAVEL_MM);
         }
         self.last_end = Some(stroke.to);
-        let height_um = (stroke.to[2] * 1000.0).round() as i64;
-        if self.height_um.replace(height_um) != Some(height_um) {
-            self.heights_um.insert(height_um);
+        if self.height_mm.replace(stroke.to[2]) != Some(stroke.to[2]) {
+            self.heights_um.insert((stroke.to[2] * 1000.0).round() as i64);
         }
     }
 }
