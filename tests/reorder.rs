@@ -573,14 +573,36 @@ fn mutated_files_neither_panic_nor_hang_nor_print_anything_else() {
 
 #[test]
 fn our_own_optimized_prints_have_next_to_nothing_left_to_gain() {
-    // The second has three walls, drawn depth by depth, which their names do not tell.
-    for (model, profiles) in [("plate_with_holes", &["standard-job"][..]), ("nested_shells", &[])] {
+    // The second has three walls, drawn depth by depth, which their names do not tell, and monotonic surfaces.
+    for (model, profiles) in [("plate_with_holes", &["standard-job"][..]), ("tilted_bracket", &[])] {
         let text = print(model, &settings(profiles, &["order.strategy=optimized"])).text;
         let (code, result, said) = reorder(&text, &[]);
         assert_eq!(code, 0, "{said}");
         let [before, after] = [&text, &result.expect("a result")].map(|t| measure(t, Mm(1.75)).total_mm());
         assert!(after > 0.995 * before && after <= before + 1e-6, "{model}: {before} → {after}");
     }
+}
+
+#[test]
+fn lines_of_a_monotonic_surface_keep_their_order() {
+    let settings = settings(&[], &["order.strategy=as-sliced", "infill.density=0"]);
+    let text = print("calibration_cube", &settings).text;
+    let (code, result, said) = reorder(&text, &[]);
+    let result = result.expect("a result");
+    assert!(code == 0 && result != text, "{said}");
+    let top = |text: &[u8]| {
+        let (mut on_top, mut ends) = (false, Vec::new());
+        for step in replay(text) {
+            match step.action {
+                Action::Type(kind) => on_top = kind == b"Top solid infill",
+                Action::Stroke(s) if on_top && s.extrudes() => ends.push([s.from, s.to]),
+                _ => {}
+            }
+        }
+        ends
+    };
+    assert!(top(&text).len() > 50);
+    assert!(top(&text) == top(&result), "{said}");
 }
 
 /// Files of other slicers of less than so many bytes, where they are at hand.

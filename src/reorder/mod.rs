@@ -9,6 +9,7 @@ mod block;
 mod directed;
 mod habit;
 mod islands;
+mod monotonic;
 mod problem;
 mod reader;
 mod state;

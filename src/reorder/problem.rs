@@ -7,6 +7,7 @@ use rustc_hash::FxHashMap;
 
 use super::block::{Block, Path};
 use super::islands::{Islands, islands};
+use super::monotonic;
 use super::state::Key;
 use crate::geom::{Point, Region};
 use crate::order::Visit;
@@ -45,13 +46,17 @@ impl Ordering {
     /// The problem of a block; `index` is that of the layer among all that are ordered together.
     ///
     /// Islands are connected sets of beads. Within an island the types keep the file's order, by their first
-    /// appearance, and so do walls of one type that the file draws depth by depth. Where a file goes to and fro between inner and outer walls, it does so contour by contour: the
-    /// walls of a contour then stay together, in their order, and are one path (not under `layer` scope). A skirt or
-    /// brim with which a layer begins stays first.
+    /// appearance, and so do walls of one type that the file draws depth by depth. Where a file goes to and fro between
+    /// inner and outer walls, it does so contour by contour: the walls of a contour then stay together, in their order,
+    /// and are one path (not under `layer` scope), and so are the lines of [monotonic](monotonic::kept) surfaces. A
+    /// skirt or brim with which a layer begins stays first.
     pub fn new(block: &Block, index: usize, seam: SeamPosition, scope: Scope) -> Self {
         let Islands { of: island, beside } = islands(block);
         let classes = Classes::new(block, &island, &beside);
-        let together = |i: usize| scope != Scope::Layer && i > 0 && classes.stay_together(i - 1, i, &island);
+        let monotonic = monotonic::kept(block, &island);
+        let together = |i: usize| {
+            scope != Scope::Layer && i > 0 && (monotonic[i] || classes.stay_together(i - 1, i, &island))
+        };
         let (mut paths, mut members, mut fixed_mm) = (Vec::new(), Vec::new(), 0.0);
         let mut leading = true;
         let mut first = 0;

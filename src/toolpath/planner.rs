@@ -436,15 +436,19 @@ impl Draft {
         let angle_rad = settings.angle.to_radians();
         let turn = if settings.density.0 > SOLID_DENSITY { CORE_TURN } else { SKIN_TURN };
         let spec = SolidSpec { spacing_mm, reach_mm, turn, angle_rad, layer, joined: !ordered, capped: true };
+        let mut next_rank = rank + 1;
         for patch in infill::fill_solid(&zone, &spec) {
             let width_mm = bead::width_mm(patch.spacing_mm, self.height_mm);
             if !ordered {
                 self.lines(role, rank, width_mm, patch.lines.into_iter().map(|(_, line)| line));
                 continue;
             }
-            // Each line has a rank of its own, the order across the lines: no ordering may change it.
+            // Each line has a rank of its own, the order across the lines, one patch after the other: no ordering may
+            // change it.
+            let first_rank = next_rank;
             for (index, line) in patch.lines {
-                self.lines(role, rank + 1 + index, width_mm, [line]);
+                next_rank = next_rank.max(first_rank + index + 1);
+                self.lines(role, first_rank + index, width_mm, [line]);
             }
         }
     }
