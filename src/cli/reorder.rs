@@ -119,7 +119,6 @@ fn reorder(
     Ok(report)
 }
 
-/// On standard output, or where the G-code went there, on standard error.
 /// The bytes of a file, piece by piece.
 fn copy_to(file: &Path, copy: &mut Output) -> Result<(), Failure> {
     let failed = |error: io::Error| Failure::new(Exit::Input, format!("{}: {error}", file.display()));
@@ -135,6 +134,7 @@ fn copy_to(file: &Path, copy: &mut Output) -> Result<(), Failure> {
     }
 }
 
+/// On standard output, or where the G-code went there, on standard error.
 fn tell(report: &Reordered, destination: &Destination, args: &ReorderArgs) -> Result<(), Failure> {
     match destination {
         _ if args.quiet => Ok(()),

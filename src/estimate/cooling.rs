@@ -39,7 +39,7 @@ fn outermost(moves: &[Move]) -> Vec<Option<bool>> {
     let mut outer = false;
     let kinds = moves.iter().map(|step| {
         if let Move::Bead { role, .. } = step {
-            outer = matches!(role, Role::ExternalPerimeter | Role::OverhangPerimeter);
+            outer = role.is_outer_wall();
         }
         speed_of(step).map(|_| outer)
     });

@@ -1,6 +1,6 @@
 //! A uniform grid over the edges of a region, for "which edges are near this segment".
 
-use super::{Bounds, Point, Region, UNITS_PER_MM};
+use super::{Bounds, Point, Region, UNITS_PER_MM, to_segment_mm};
 
 /// How far beyond a segment its cells reach, in grid units: more than any rounding of its ends.
 const SLACK: i64 = 2;
@@ -132,16 +132,8 @@ impl EdgeGrid {
         if let Some(area) = Bounds::of([p]) {
             self.near_box(area.grown((reach_mm * UNITS_PER_MM).ceil() as i32), &mut near);
         }
-        let [x, y] = p.mm();
-        let distances = near.iter().map(|&i| {
-            let edge = &self.edges[i as usize];
-            let ([ax, ay], [bx, by]) = (edge.a.mm(), edge.b.mm());
-            let (dx, dy) = (bx - ax, by - ay);
-            let t = ((x - ax) * dx + (y - ay) * dy) / (dx * dx + dy * dy);
-            let t = if t > 0.0 { t.min(1.0) } else { 0.0 };
-            (ax + t * dx - x).hypot(ay + t * dy - y)
-        });
-        distances.fold(f64::INFINITY, f64::min)
+        let edges = near.iter().map(|&i| &self.edges[i as usize]);
+        edges.map(|edge| to_segment_mm(p.mm(), edge.a.mm(), edge.b.mm())).fold(f64::INFINITY, f64::min)
     }
 
     /// Whether the point is inside or on the boundary (even-odd over all rings). Passes one row of cells.

@@ -34,14 +34,6 @@ pub(super) fn distance(a: [f64; 2], b: [f64; 2]) -> f64 {
     (dx * dx + dy * dy).sqrt()
 }
 
-/// Distance of a point from the segment between two others.
-pub(super) fn to_segment_mm(p: [f64; 2], a: [f64; 2], b: [f64; 2]) -> f64 {
-    let d = [b[0] - a[0], b[1] - a[1]];
-    let along = (p[0] - a[0]) * d[0] + (p[1] - a[1]) * d[1];
-    let t = (along / (d[0] * d[0] + d[1] * d[1]).max(f64::MIN_POSITIVE)).clamp(0.0, 1.0);
-    distance(p, [a[0] + t * d[0], a[1] + t * d[1]])
-}
-
 /// Writes the path's vertices, in the order in which they are drawn, over what `out` held. A closed path
 /// begins and ends with the same vertex. `entry` as in [`Visit`](crate::order::Visit).
 pub(super) fn trace(path: &Path, entry: u32, flow: f64, out: &mut Vec<Vertex>) {

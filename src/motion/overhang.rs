@@ -1,7 +1,7 @@
 //! How far walls hang over what they rest on, and how they are printed there.
 
-use super::bead::{Vertex, distance, to_segment_mm};
-use crate::geom::{Bounds, EdgeGrid, Point, Region};
+use super::bead::{Vertex, distance};
+use crate::geom::{Bounds, EdgeGrid, Point, Region, to_segment_mm};
 
 /// Walls are looked at in steps of this.
 const STEP_MM: f64 = 0.5;

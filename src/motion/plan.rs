@@ -111,7 +111,7 @@ fn end(
 
 /// Makes the end of a loop: a scarf, or else a gap, which is cut off its vertices.
 fn finish(path: &Path, vertices: &mut Vec<Vertex>, layer: usize, settings: &MotionSettings) -> Option<Scarf> {
-    let wall = matches!(path.role, Role::Perimeter | Role::ExternalPerimeter | Role::OverhangPerimeter);
+    let wall = path.role.is_wall();
     if !path.closed || !wall {
         return None;
     }
@@ -215,7 +215,7 @@ impl Nozzle<'_> {
 
     /// Draws vertices, walls graded by how far they hang.
     fn draw_graded(&mut self, path: &Path, vertices: &[Vertex]) {
-        let wall = matches!(path.role, Role::Perimeter | Role::ExternalPerimeter | Role::OverhangPerimeter);
+        let wall = path.role.is_wall();
         let stretches = match &self.support {
             Some(support) if wall => support.stretches(vertices, mean_width_mm(&path.width)),
             _ => Vec::new(),

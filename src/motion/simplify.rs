@@ -122,7 +122,7 @@ fn split(a: Vertex, b: Vertex, volume_mm3: f64, out: &mut Vec<Piece>) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::motion::bead::to_segment_mm;
+    use crate::geom::to_segment_mm;
     use proptest::prelude::*;
 
     fn vertices(points: &[[f64; 2]]) -> Vec<Vertex> {

@@ -5,7 +5,7 @@ use super::precedence::Groups;
 use super::{Item, Problem, Run, Sequence, Shape};
 use crate::geom::Point;
 use crate::profile::{Scope, SeamPosition};
-use crate::toolpath::{LayerPaths, Role};
+use crate::toolpath::LayerPaths;
 
 /// A turn sharper than this is a corner, in which a seam hides (30°).
 const CORNER_SIN: f64 = 0.5;
@@ -49,9 +49,8 @@ impl SeamRule {
             SeamPosition::Aligned => {
                 let pins = aligned(layer, &self.below);
                 // Loops of infill are not seen; walls above need not follow their seams.
-                let is_wall = |role| matches!(role, Role::ExternalPerimeter | Role::Perimeter);
                 let paths = layer.paths.iter().zip(&pins);
-                let closed = paths.filter(|(path, _)| path.closed && is_wall(path.role));
+                let closed = paths.filter(|(path, _)| path.closed && path.role.is_wall());
                 self.below = closed.map(|(path, &pin)| path.points[pin as usize]).collect();
                 return Some(pins);
             }
@@ -145,7 +144,7 @@ pub fn enter_nearest(problem: &Problem, sequence: &mut Sequence) {
 mod tests {
     use super::*;
     use crate::geom::Region;
-    use crate::toolpath::{Path, Width};
+    use crate::toolpath::{Path, Role, Width};
 
     fn square(index: usize, offset_mm: f64) -> LayerPaths {
         let corner = |x, y| Point::from_mm(x + offset_mm, y);

@@ -15,13 +15,18 @@ use crate::report::PaperRow;
 use super::compare::{self, is_gcode};
 use super::{print, reorder};
 
-/// The orders of the table, beside the file's own; those of a scope follow each other.
-const ORDERS: [(OrderStrategy, Scope); 5] = [
-    (OrderStrategy::Nearest, Scope::Layer),
-    (OrderStrategy::Christofides, Scope::Layer),
-    (OrderStrategy::ChristofidesOpen, Scope::Layer),
-    (OrderStrategy::Optimized, Scope::Layer),
-    (OrderStrategy::Optimized, Scope::Feature),
+/// The orders of the table, beside the file's own.
+const ORDERS: [(Scope, &[OrderStrategy]); 2] = [
+    (
+        Scope::Layer,
+        &[
+            OrderStrategy::Nearest,
+            OrderStrategy::Christofides,
+            OrderStrategy::ChristofidesOpen,
+            OrderStrategy::Optimized,
+        ],
+    ),
+    (Scope::Feature, &[OrderStrategy::Optimized]),
 ];
 
 /// The rows of one file. A model is sliced first, its paths as they are made.
@@ -31,7 +36,7 @@ pub(super) fn paper(
     progress: &dyn Progress,
 ) -> Result<Vec<PaperRow>, JobError> {
     let Some(file) = job.models.first() else { return Ok(Vec::new()) };
-    progress.begin(ORDERS.len());
+    progress.begin(ORDERS.iter().map(|(_, strategies)| strategies.len()).sum());
     if is_gcode(file) {
         return rows(file, job, settings, progress);
     }
@@ -71,14 +76,12 @@ fn rows(
         }
     };
     let mut rows = vec![row("as sliced", "", &read(Box::new(reorder::open(file)?))?, 0.0, None)];
-    for scope in [Scope::Layer, Scope::Feature] {
+    for (scope, strategies) in ORDERS {
         let mut settings = settings.clone();
         settings.order.scope = scope;
-        let strategies: Vec<OrderStrategy> =
-            ORDERS.iter().filter(|(_, of)| *of == scope).map(|(strategy, _)| *strategy).collect();
         let certified = Job { models: vec![file.to_owned()], ..job.clone() };
-        let compared = compare::compare(&certified, &settings, &strategies, &Silent)?;
-        for (strategy, compared) in strategies.into_iter().zip(compared) {
+        let compared = compare::compare(&certified, &settings, strategies, &Silent)?;
+        for (&strategy, compared) in strategies.iter().zip(compared) {
             settings.order.strategy = strategy;
             let begun = Instant::now();
             let mut output = Output::nowhere()?;

@@ -97,18 +97,14 @@ impl Sections {
 
     /// Lays the beads of supports, beside what the planner lays on the bed.
     pub fn lay_supports(&mut self, planner: &Planner, settings: &Settings) {
-        let Some(mut supports) = self.supports.take() else { return };
-        let part = &self.layers[self.raft_layers..];
+        let Some(supports) = &mut self.supports else { return };
+        let (part, on_raft) = (&self.layers[self.raft_layers..], self.raft_layers > 0);
         let lay = |outlines: &Outlines, above_raft: usize| {
             let (first, layer) = (above_raft == 0, &part[above_raft]);
             // Support stands on the raft, over which the part floats.
-            let gap_mm = if first && self.raft_layers > 0 { settings.raft.gap.0 } else { 0.0 };
+            let gap_mm = if first && on_raft { settings.raft.gap.0 } else { 0.0 };
             let spec = BeadSpec {
-                part: if first && self.raft_layers == 0 {
-                    planner.covered()
-                } else {
-                    &supports::section(layer)
-                },
+                part: if first && !on_raft { planner.covered() } else { &supports::section(layer) },
                 height_mm: layer.span.height_mm + gap_mm,
                 usual_height_mm: settings.layer.height.0,
                 on_bed: first,
@@ -117,7 +113,6 @@ impl Sections {
             support::lay(outlines, &spec, &settings.support)
         };
         supports.lay(lay, part);
-        self.supports = Some(supports);
     }
 
     /// The toolpath planner, its sparse infill calibrated on sample layers.

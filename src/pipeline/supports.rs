@@ -89,8 +89,8 @@ impl Supports {
         &self.outlines[self.of_layer[layer]]
     }
 
-    /// Lays all beads. `bare` lays those of a layer into its outlines; they begin where they rest on those of the layer below or on
-    /// the part, whose sections are in `layers`.
+    /// Lays all beads. `bare` lays those of a layer into its outlines; they begin where they rest on those of the layer
+    /// below or on the part, whose sections are in `layers`.
     pub fn lay(&mut self, bare: impl Fn(&Outlines, usize) -> Vec<Path> + Sync + Send, layers: &[Layer]) {
         let count = self.of_layer.len();
         let laid = parallel::map(count, |i| bare(self.outlines(i), i));

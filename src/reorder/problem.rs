@@ -144,7 +144,7 @@ fn middle(block: &Block, first: &Path, last: &Path) -> Point {
 
 /// Whether a loop may begin elsewhere.
 fn may_rotate(path: &Path, seam: SeamPosition) -> bool {
-    let outer = matches!(path.role, None | Some(Role::ExternalPerimeter | Role::OverhangPerimeter));
+    let outer = path.role.is_none_or(Role::is_outer_wall);
     seam != SeamPosition::Pinned || !outer
 }
 
@@ -271,5 +271,5 @@ struct IslandRuns {
 }
 
 pub(super) fn is_wall(path: &Path) -> bool {
-    matches!(path.role, Some(Role::Perimeter | Role::ExternalPerimeter | Role::OverhangPerimeter))
+    path.role.is_some_and(Role::is_wall)
 }

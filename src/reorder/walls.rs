@@ -7,7 +7,6 @@ use crate::geom::{
     Boundary, BoundaryPos, Bounds, Clipper, Point, Polygon, Region, Ring, UNITS_PER_MM, offset, ring_area,
     unite_rings,
 };
-use crate::toolpath::Role;
 
 /// Gaps of seams are closed up to this, mm.
 const SEAM_GAP_MM: f64 = 1.0;
@@ -53,7 +52,7 @@ impl Walls {
         for block in blocks {
             for path in &block.paths {
                 let outer = match path.role {
-                    Some(role) => matches!(role, Role::ExternalPerimeter | Role::OverhangPerimeter),
+                    Some(role) => role.is_outer_wall(),
                     None => block.closed(path),
                 };
                 if !outer {

@@ -95,11 +95,7 @@ pub(super) fn fill(region: &Region, spacing_mm: f64) -> (Vec<Line>, Region) {
 
 /// Loops of the width asked for.
 pub(super) fn constant(centre: &Region) -> Vec<Line> {
-    centre
-        .rings()
-        .filter(|ring| ring.len() >= 3)
-        .map(|ring| Line { points: ring.clone(), spacing_mm: Vec::new(), closed: true })
-        .collect()
+    centre.rings().filter_map(|ring| Line::nominal(ring.clone(), true).sound()).collect()
 }
 
 /// What an opening took off a region, as far as it is at least `least_mm` wide.
@@ -138,7 +134,7 @@ impl Sides {
         let n = ring.len();
         let corners: Vec<[f64; 2]> = ring.iter().map(|p| p.mm()).collect();
         let edges: Vec<Vec<Place>> = (0..n).map(|i| self.along(corners[i], corners[(i + 1) % n])).collect();
-        let mut line = Line { points: Vec::new(), spacing_mm: Vec::new(), closed: true };
+        let mut line = Line::nominal(Vec::new(), true);
         for (i, edge) in edges.iter().enumerate() {
             let (Some(start), Some(end)) = (edge.first(), edges[(i + n - 1) % n].last()) else {
                 continue;
@@ -156,7 +152,7 @@ impl Sides {
         if line.spacing_mm.iter().all(|&s| s == self.spacing_mm as f32) {
             line.spacing_mm.clear();
         }
-        (line.points.len() >= 3).then_some(line)
+        line.sound()
     }
 
     /// How far a bead lies inside the ring.

@@ -39,6 +39,16 @@ impl Role {
         Role::Ironing,
     ];
 
+    /// Whether it is a wall.
+    pub fn is_wall(self) -> bool {
+        self == Role::Perimeter || self.is_outer_wall()
+    }
+
+    /// Whether it is the outermost wall, or one that hangs over, which is treated alike.
+    pub fn is_outer_wall(self) -> bool {
+        matches!(self, Role::ExternalPerimeter | Role::OverhangPerimeter)
+    }
+
     /// The name in `;TYPE:` comments, as viewers know it.
     pub fn type_name(self) -> &'static str {
         match self {

@@ -424,7 +424,6 @@ impl Draft {
         }
         let Solid { role, rank, width_mm, ordered } = *solid;
         let spacing_mm = bead::spacing_mm(width_mm, self.height_mm);
-        let reach_mm = settings.overlap.0 * width_mm;
         let (zone, narrow) = infill::split_narrow(zone, spacing_mm);
         if !narrow.is_empty() {
             let (loops, gaps) = beading::fill(&narrow, spacing_mm);
@@ -432,23 +431,20 @@ impl Draft {
             self.gap(role, rank, &gaps, beading::MIN_GAP_MM..=beading::WIDEST * spacing_mm, 0.0);
         }
         // Free ends alone fill the zone when they reach its edge.
-        let reach_mm = if ordered { spacing_mm / 2.0 } else { reach_mm };
+        let reach_mm = if ordered { spacing_mm / 2.0 } else { settings.overlap.0 * width_mm };
         let angle_rad = settings.angle.to_radians();
         let turn = if settings.density.0 > SOLID_DENSITY { CORE_TURN } else { SKIN_TURN };
         let spec = SolidSpec { spacing_mm, reach_mm, turn, angle_rad, layer, joined: !ordered, capped: true };
         let mut next_rank = rank + 1;
         for patch in infill::fill_solid(&zone, &spec) {
             let width_mm = bead::width_mm(patch.spacing_mm, self.height_mm);
-            if !ordered {
-                self.lines(role, rank, width_mm, patch.lines.into_iter().map(|(_, line)| line));
-                continue;
-            }
-            // Each line has a rank of its own, the order across the lines, one patch after the other: no ordering may
-            // change it.
+            // Ordered lines have ranks of their own, the order across the lines, one patch after the other: no
+            // ordering may change it.
             let first_rank = next_rank;
             for (index, line) in patch.lines {
-                next_rank = next_rank.max(first_rank + index + 1);
-                self.lines(role, first_rank + index, width_mm, [line]);
+                let own_rank = first_rank + index;
+                next_rank = next_rank.max(own_rank + 1);
+                self.lines(role, if ordered { own_rank } else { rank }, width_mm, [line]);
             }
         }
     }

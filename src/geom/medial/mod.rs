@@ -50,8 +50,9 @@ const TOLERANCE_MM: f64 = 0.005;
 ///
 /// Branches that lead into corners are pruned; at junctions the straightest branches are joined and the others
 /// end there. Free ends reach to `tip` times the local width from the boundary: with ½, a bead with round ends just
-/// touches it; with less, the bead fills the corners beside its end better and overlaps what is beyond. Parts narrower than `min_mm` are left out; widths above `max_mm` are reported as `max_mm`. All points are
-/// inside the region. Paths come polygon by polygon.
+/// touches it; with less, the bead fills the corners beside its end better and overlaps what is beyond. Parts narrower
+/// than `min_mm` are left out; widths above `max_mm` are reported as `max_mm`. All points are inside the region. Paths
+/// come polygon by polygon.
 ///
 /// Chordal axis of the constrained Delaunay triangulation of the sampled boundary; O(n log n) for n samples. The line
 /// is within about a tenth of the width of the exact medial axis, nearer where the sides are straight.

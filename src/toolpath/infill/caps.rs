@@ -28,6 +28,34 @@ pub struct Hatch {
     pub phase_mm: f64,
 }
 
+impl Hatch {
+    /// How far a point lies beyond a line, along the normal, in millimetres.
+    fn over_mm(&self, line: i64, p: Point) -> f64 {
+        let (sin, cos) = self.angle_rad.sin_cos();
+        let [x, y] = p.mm();
+        y * cos - x * sin - (line as f64 * self.distance_mm + self.phase_mm)
+    }
+
+    /// A point moved along the normal.
+    fn moved(&self, p: Point, by_mm: f64) -> Point {
+        let (sin, cos) = self.angle_rad.sin_cos();
+        let [x, y] = p.mm();
+        Point::from_mm(x - by_mm * sin, y + by_mm * cos)
+    }
+
+    /// The middle and the width of the room between a line and what runs beside it, on this side (±1): where `outer`
+    /// there is nothing beyond that, else the room goes on from there to the next line.
+    fn room(&self, line: i64, side: f64, outer: bool, p: Point) -> (Point, f64) {
+        let over_mm = side * self.over_mm(line, p);
+        let (away_mm, width_mm) = if outer {
+            ((self.distance_mm - over_mm) / 2.0, over_mm)
+        } else {
+            (-over_mm / 2.0, self.distance_mm - over_mm)
+        };
+        (self.moved(p, side * away_mm), width_mm)
+    }
+}
+
 /// A bead beside an extreme of the boundary.
 pub(super) struct Cap {
     /// Vertices with the spacing there.
@@ -37,6 +65,18 @@ pub(super) struct Cap {
     /// Whether it leads from one chord on to another.
     pub(super) through: bool,
     pub(super) used: bool,
+}
+
+impl Cap {
+    /// Its bead, to be drawn from a chord end beside it.
+    pub(super) fn take(&mut self, from: (u32, u8)) -> Vec<(Point, f32)> {
+        self.used = true;
+        let mut bead = std::mem::take(&mut self.bead);
+        if self.ends[0] != from {
+            bead.reverse();
+        }
+        bead
+    }
 }
 
 /// The caps of a fill, to be found by the chord ends beside them.
@@ -86,7 +126,6 @@ impl Caps {
 /// of it. If both are ends of one chord, the cap lies between that chord and the boundary; else a hole or notch
 /// interrupts the line, and the cap lies between it and the next line.
 pub(super) fn find(boundary: &Boundary<'_>, stops: &[Stop], chords: &[Chord], hatch: Hatch) -> Vec<Cap> {
-    let (sin, cos) = hatch.angle_rad.sin_cos();
     let distance_mm = hatch.distance_mm;
     let mut caps = Vec::new();
     for ring in stops.chunk_by(|a, b| a.on.ring == b.on.ring) {
@@ -100,26 +139,12 @@ pub(super) fn find(boundary: &Boundary<'_>, stops: &[Stop], chords: &[Chord], ha
             }
             let arc = boundary.vertices_between(from.on, to.on, true);
             let outer = from.chord == to.chord;
-            let line_mm = a.line as f64 * distance_mm + hatch.phase_mm;
-            let over_mm = |p: &Point| {
-                let [x, y] = p.mm();
-                y * cos - x * sin - line_mm
-            };
-            let side = arc.iter().map(over_mm).sum::<f64>().signum();
+            let side = arc.iter().map(|&p| hatch.over_mm(a.line, p)).sum::<f64>().signum();
             // Vertex, and the width of the room beside it.
             let profile: Vec<(Point, f64)> = std::iter::once(end_of(a, from))
                 .chain(arc.iter().copied())
                 .chain(std::iter::once(end_of(b, to)))
-                .map(|p| {
-                    let over_mm = side * over_mm(&p);
-                    let (away_mm, width_mm) = if outer {
-                        ((distance_mm - over_mm) / 2.0, over_mm)
-                    } else {
-                        (-over_mm / 2.0, distance_mm - over_mm)
-                    };
-                    let ([x, y], away_mm) = (p.mm(), side * away_mm);
-                    (Point::from_mm(x - away_mm * sin, y + away_mm * cos), width_mm)
-                })
+                .map(|p| hatch.room(a.line, side, outer, p))
                 .collect();
             let ends = [(from.chord, from.side), (to.chord, to.side)];
             let parts = wide_parts(&profile, NARROWEST * distance_mm);
@@ -171,16 +196,10 @@ fn wedge(
         return None;
     }
     let side = (short.line - long.line) as f64;
-    let line_mm = long.line as f64 * distance_mm + hatch.phase_mm;
     let profile: Vec<(Point, f64)> = std::iter::once(at_a)
         .chain(arc())
         .chain(std::iter::once(at_b))
-        .map(|p| {
-            let [x, y] = p.mm();
-            let width_mm = side * (y * cos - x * sin - line_mm);
-            let away_mm = side * (distance_mm - width_mm) / 2.0;
-            (Point::from_mm(x - away_mm * sin, y + away_mm * cos), width_mm)
-        })
+        .map(|p| hatch.room(long.line, side, true, p))
         .collect();
     let tolerance_mm = 0.1 * distance_mm;
     if profile.iter().any(|&(_, mm)| !(-tolerance_mm..=distance_mm + tolerance_mm).contains(&mm)) {

@@ -14,11 +14,7 @@ impl FillPattern for Concentric {
         // The walls around are the pattern's outermost loop, half a distance outside the region on average.
         let mut rest = geom::offset(region, -spec.line_distance_mm / 2.0);
         while !rest.is_empty() {
-            loops.extend(rest.rings().map(|ring| Line {
-                points: ring.clone(),
-                spacing_mm: Vec::new(),
-                closed: true,
-            }));
+            loops.extend(rest.rings().map(|ring| Line::nominal(ring.clone(), true)));
             rest = geom::offset(&rest, -spec.line_distance_mm);
         }
         loops

@@ -140,13 +140,8 @@ impl Joiner<'_> {
         let used = &self.used;
         let beyond = |cap: &Cap| cap.ends[usize::from(cap.ends[0] == end)];
         let cap = self.caps.free_beside(end, |cap| cap.through && !used[beyond(cap).0 as usize])?;
-        let ((next, next_side), backwards) = (beyond(cap), cap.ends[0] != end);
-        cap.used = true;
-        let mut way = std::mem::take(&mut cap.bead);
-        if backwards {
-            way.reverse();
-        }
-        Some((way, (next as usize, next_side as usize)))
+        let (next, next_side) = beyond(cap);
+        Some((cap.take(end), (next as usize, next_side as usize)))
     }
 
     /// Lets a line that ends here fill the cap beside its end.
@@ -155,12 +150,7 @@ impl Joiner<'_> {
         let Some(cap) = self.caps.free_beside(end, |_| true) else {
             return false;
         };
-        cap.used = true;
-        let mut way = std::mem::take(&mut cap.bead);
-        if cap.ends[1] == end {
-            way.reverse();
-        }
-        bead.extend(way);
+        bead.extend(cap.take(end));
         true
     }
 

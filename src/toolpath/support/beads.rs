@@ -10,7 +10,7 @@ use crate::toolpath::infill::{Joins, lines};
 use crate::toolpath::{Path, Role, Width, bead};
 
 /// Lines of support shorter than this hold nothing.
-const SHORTEST_MM: f64 = 0.5;
+pub(super) const SHORTEST_MM: f64 = 0.5;
 
 /// How far lines reach into the loop around them, as a share of the width.
 const OVERLAP: f64 = 0.25;

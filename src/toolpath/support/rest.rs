@@ -2,6 +2,7 @@
 
 use std::cell::OnceCell;
 
+use super::beads::SHORTEST_MM;
 use crate::geom::{self, EdgeGrid, Point, Polygon, Region};
 use crate::toolpath::{Path, Width};
 
@@ -10,9 +11,6 @@ const CARRIED: f64 = 1.0;
 
 /// Places along a bead are tried this far apart, in millimetres.
 const STEP_MM: f64 = 0.1;
-
-/// Beads shorter than this hold nothing.
-const SHORTEST_MM: f64 = 0.5;
 
 /// What a layer of support rests on.
 pub struct Ground<'a> {
