@@ -3,17 +3,20 @@
 //! [`load`] reads what users have and repairs what can be repaired without guessing; a [`MeshReport`] says what
 //! was found and done. [`Transform`] scales, turns and moves; [`place()`] arranges models on the bed.
 
+mod arrange;
 mod components;
 mod edges;
 mod error;
 mod formats;
 mod gaps;
 mod obj;
+mod orient;
 mod outside;
 mod pack;
 mod place;
 mod repair;
 mod report;
+mod silhouette;
 mod stl;
 mod threemf;
 mod transform;
@@ -23,7 +26,8 @@ mod words;
 use std::path::Path;
 
 pub use error::{MeshError, Place};
-pub use place::{Item, Object, Placement, PlacementError, Plate, fit_factor, place};
+pub use place::{Item, Object, Placement, PlacementError, Plate, fit_factor, keep, place};
+pub use orient::orient;
 pub use report::MeshReport;
 pub use transform::{Transform, TransformError};
 

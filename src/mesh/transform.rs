@@ -76,6 +76,21 @@ impl Mesh {
         self
     }
 
+    /// The mesh turned about Z by quarters, counter-clockwise seen from above; exact.
+    pub fn quarter_turned(&self, quarters: u32) -> Mesh {
+        let mut mesh = self.clone();
+        for vertex in &mut mesh.vertices {
+            let [x, y, z] = *vertex;
+            *vertex = match quarters % 4 {
+                0 => [x, y, z],
+                1 => [-y, x, z],
+                2 => [-x, -y, z],
+                _ => [y, -x, z],
+            };
+        }
+        mesh
+    }
+
     /// Moves the mesh, in millimetres.
     pub fn shift(&mut self, by_mm: [f64; 3]) {
         for vertex in &mut self.vertices {
