@@ -42,7 +42,8 @@ pub(super) fn arrange(
     fits: impl Fn(&[[f64; 2]], [i64; 2]) -> bool,
 ) -> Vec<Option<Spot>> {
     let places = places(half, towards);
-    let reach = shapes.iter().flatten().map(|s| s.covered.reach()).max().unwrap_or(0) + half[0].max(half[1]) + 1;
+    let reach =
+        shapes.iter().flatten().map(|s| s.covered.reach()).max().unwrap_or(0) + half[0].max(half[1]) + 1;
     let mut taken = Bitmap::new([-reach; 2], [reach; 2]);
     let mut order: Vec<usize> = (0..models.len()).collect();
     let size = |model: usize| shapes[models[model]].iter().map(|s| s.covered.count()).max();

@@ -26,8 +26,8 @@ mod words;
 use std::path::Path;
 
 pub use error::{MeshError, Place};
-pub use place::{Item, Object, Placement, PlacementError, Plate, fit_factor, keep, place};
 pub use orient::orient;
+pub use place::{Item, Object, Placement, PlacementError, Plate, fit_factor, keep, place};
 pub use report::MeshReport;
 pub use transform::{Transform, TransformError};
 

@@ -17,13 +17,13 @@ impl Format for Obj {
     fn recognises(&self, path: &Path, data: &[u8]) -> bool {
         let mut lines = data.split(|b| matches!(b, b'\n' | b'\r')).map(<[u8]>::trim_ascii);
         let first = lines.find(|line| !line.is_empty() && line[0] != b'#');
-        is_text(data)
-            && (has_extension(path, "obj") || first.is_some_and(|line| line.starts_with(b"v ")))
+        is_text(data) && (has_extension(path, "obj") || first.is_some_and(|line| line.starts_with(b"v ")))
     }
 
     /// All objects and groups of the file together, as they are parts of one model.
     fn read(&self, path: &Path, data: &[u8]) -> Result<Contents, MeshError> {
-        let syntax = |line, problem| MeshError::Syntax { path: path.to_path_buf(), place: Place::Line(line), problem };
+        let syntax =
+            |line, problem| MeshError::Syntax { path: path.to_path_buf(), place: Place::Line(line), problem };
         let mut words = Words::new(data);
         let mut vertices: Vec<[f32; 3]> = Vec::new();
         let mut welder = Welder::with_capacity(data.len() / 40);
@@ -35,9 +35,9 @@ impl Format for Obj {
                 b"v" => {
                     let mut vertex = [0.0; 3];
                     for coordinate in &mut vertex {
-                        let word = words.next_on_line().ok_or_else(|| {
-                            syntax(line, "a vertex has fewer than 3 coordinates".into())
-                        })?;
+                        let word = words
+                            .next_on_line()
+                            .ok_or_else(|| syntax(line, "a vertex has fewer than 3 coordinates".into()))?;
                         *coordinate = number(word).ok_or_else(|| {
                             syntax(line, format!("`{}` is not a number", String::from_utf8_lossy(word)))
                         })?;
@@ -51,7 +51,10 @@ impl Format for Obj {
                         corners.push(corner);
                     }
                     if corners.len() < 3 {
-                        return Err(syntax(line, format!("a face has {} corners instead of 3", corners.len())));
+                        return Err(syntax(
+                            line,
+                            format!("a face has {} corners instead of 3", corners.len()),
+                        ));
                     }
                     facets += 1;
                     polygons += usize::from(corners.len() > 3);
@@ -82,9 +85,10 @@ fn vertex(corner: &[u8], vertices: &[[f32; 3]]) -> Result<[f32; 3], String> {
     let shown = || String::from_utf8_lossy(index);
     let parsed = std::str::from_utf8(index).ok().and_then(|text| text.parse::<i64>().ok());
     let number = parsed.ok_or_else(|| format!("`{}` is not the number of a vertex", shown()))?;
-    let place = if number > 0 { number - 1 } else { vertices.len() as i64 + number.min(-1).max(-i64::MAX / 2) };
+    let place =
+        if number > 0 { number - 1 } else { vertices.len() as i64 + number.min(-1).max(-i64::MAX / 2) };
     let found = usize::try_from(place).ok().filter(|_| number != 0).and_then(|place| vertices.get(place));
-    found.copied().ok_or_else(|| {
-        format!("a face names vertex {number}, and {} were given before it", vertices.len())
-    })
+    found
+        .copied()
+        .ok_or_else(|| format!("a face names vertex {number}, and {} were given before it", vertices.len()))
 }

@@ -37,7 +37,8 @@ pub fn orient(mesh: Mesh) -> Mesh {
     let downs = sides(&mesh);
     let costs = downs.iter().map(|down| cost(&mesh, *down, middle));
     // A tenth of a percent is no reason to turn a part.
-    let better = |a: [f64; 2], b: [f64; 2]| a[0] < b[0] || (a[0] == b[0] && a[1] < b[1] - 1e-3 * b[1].abs().max(1.0));
+    let better =
+        |a: [f64; 2], b: [f64; 2]| a[0] < b[0] || (a[0] == b[0] && a[1] < b[1] - 1e-3 * b[1].abs().max(1.0));
     let best = costs.enumerate().reduce(|best, next| if better(next.1, best.1) { next } else { best });
     match best {
         Some((index, _)) if index > 0 => turned_down(mesh, downs[index]),

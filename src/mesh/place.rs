@@ -79,7 +79,8 @@ pub enum PlacementError {
     TooLarge { name: String, size: [f64; 3], bed: String, excess: String, factor: f64 },
     #[error(
         "{total} models do not fit the printer's {bed} together, {spacing_mm} mm apart: {fitting} do, and there is no \
-         room for {}; print the others on another plate, or use --each", listed(left)
+         room for {}; print the others on another plate, or use --each",
+        listed(left)
     )]
     TooMany { total: usize, fitting: usize, left: Vec<String>, spacing_mm: f64, bed: String },
     #[error(
@@ -121,13 +122,14 @@ pub fn place(items: Vec<Item>, bed: &BedSettings, options: &Placement) -> Result
         footprints.push(footprint);
         meshes.push(mesh);
     }
-    let places = packed(&meshes, &footprints, &models, &area, options).map_err(|left| PlacementError::TooMany {
-        total: models.len(),
-        fitting: models.len() - left.len(),
-        left: left.into_iter().map(|model| names[model].clone()).collect(),
-        spacing_mm: options.spacing_mm,
-        bed: area.to_string(),
-    })?;
+    let places =
+        packed(&meshes, &footprints, &models, &area, options).map_err(|left| PlacementError::TooMany {
+            total: models.len(),
+            fitting: models.len() - left.len(),
+            left: left.into_iter().map(|model| names[model].clone()).collect(),
+            spacing_mm: options.spacing_mm,
+            bed: area.to_string(),
+        })?;
     let mut plate = Plate { meshes: Vec::with_capacity(meshes.len()), objects: Vec::new() };
     let mut used: Vec<(usize, u32)> = Vec::new();
     for (name, (&model, &(quarters, spot))) in names.into_iter().zip(models.iter().zip(&places)) {
@@ -302,7 +304,10 @@ impl Area {
             places.iter().enumerate().flat_map(moved).collect()
         };
         let extent = |pick: fn(f64, f64) -> f64| {
-            points(&places).into_iter().reduce(|a, b| [pick(a[0], b[0]), pick(a[1], b[1])]).unwrap_or_default()
+            points(&places)
+                .into_iter()
+                .reduce(|a, b| [pick(a[0], b[0]), pick(a[1], b[1])])
+                .unwrap_or_default()
         };
         let (low, high) = (extent(f64::min), extent(f64::max));
         let by = [0, 1].map(|i| -(low[i] + high[i]) / 2.0);
@@ -315,7 +320,12 @@ impl Area {
     }
 
     /// The plate, whose offsets are relative to the bed's middle, in bed coordinates and shifted as asked.
-    fn settle(&self, mut plate: Plate, bed: &BedSettings, options: &Placement) -> Result<Plate, PlacementError> {
+    fn settle(
+        &self,
+        mut plate: Plate,
+        bed: &BedSettings,
+        options: &Placement,
+    ) -> Result<Plate, PlacementError> {
         let middle = bed_middle(bed);
         let [dx, dy, dz] = options.shift_mm;
         let rims: Vec<Vec<[f64; 2]>> =

@@ -38,7 +38,8 @@ impl Bitmap {
         }
         let mut map = Self::new(low, high);
         for triangle in triangles {
-            let [y0, y1] = [f64::min, f64::max].map(|pick| triangle.iter().map(|p| p[1]).reduce(pick).unwrap_or(0.0));
+            let [y0, y1] =
+                [f64::min, f64::max].map(|pick| triangle.iter().map(|p| p[1]).reduce(pick).unwrap_or(0.0));
             for j in index(y0)..=index(y1) {
                 let band = [j as f64 * cell_mm, (j + 1) as f64 * cell_mm];
                 if let Some([x0, x1]) = reach(triangle, band) {
@@ -125,7 +126,12 @@ impl Bitmap {
     }
 
     /// Hands out the other's words in this one's places, until one of them is refused.
-    fn each_word(&self, other: &Self, [di, dj]: [i64; 2], mut visit: impl FnMut(usize, u64) -> bool) -> Result<(), ()> {
+    fn each_word(
+        &self,
+        other: &Self,
+        [di, dj]: [i64; 2],
+        mut visit: impl FnMut(usize, u64) -> bool,
+    ) -> Result<(), ()> {
         let shift = other.i0 + di - self.i0;
         let (ahead, bits) = (shift.div_euclid(64), shift.rem_euclid(64) as u32);
         for (row, words) in other.bits.chunks(other.words.max(1)).enumerate() {
@@ -203,7 +209,9 @@ mod tests {
     use super::*;
 
     fn covered(map: &Bitmap) -> Vec<(i64, i64, i64)> {
-        (0..map.rows).flat_map(|r| map.runs(r).into_iter().map(move |(a, b)| (map.j0 + r as i64, a, b))).collect()
+        (0..map.rows)
+            .flat_map(|r| map.runs(r).into_iter().map(move |(a, b)| (map.j0 + r as i64, a, b)))
+            .collect()
     }
 
     #[test]

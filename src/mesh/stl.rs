@@ -8,7 +8,7 @@ use std::io::{self, Read, Seek, SeekFrom};
 use std::path::Path;
 
 use super::error::{MeshError, Place};
-use super::formats::{Contents, Format, bad_coordinate, trimmed, is_text};
+use super::formats::{Contents, Format, bad_coordinate, is_text, trimmed};
 use super::weld::{LIMIT_MM, Welder};
 use super::words::{Words, number};
 

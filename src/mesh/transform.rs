@@ -52,6 +52,11 @@ impl Transform {
         Ok(mesh)
     }
 
+    /// Where a point goes.
+    pub fn of_point(&self, point: [f64; 3]) -> [f64; 3] {
+        (self.rotation() * Vector3::from([0, 1, 2].map(|i| self.scale[i] * point[i]))).into()
+    }
+
     /// Quarter turns are exact: a turned box keeps faces parallel to the layers.
     fn rotation(&self) -> Matrix3<f64> {
         let turn = |axis, degrees: f64| {

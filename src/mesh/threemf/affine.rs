@@ -23,9 +23,8 @@ impl Affine {
         }
         *d = numbers.get(9..12)?.iter().map(|x| x * unit_mm).collect::<Vec<_>>().try_into().ok()?;
         let affine = Self(rows);
-        let usable = numbers.len() == 12
-            && numbers.iter().all(|x| x.is_finite())
-            && affine.determinant().is_normal();
+        let usable =
+            numbers.len() == 12 && numbers.iter().all(|x| x.is_finite()) && affine.determinant().is_normal();
         usable.then_some(affine)
     }
 

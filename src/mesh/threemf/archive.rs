@@ -52,7 +52,9 @@ impl<'a> Archive<'a> {
     pub fn part(&mut self, name: &str) -> Result<NsReader<BufReader<Limited<impl Read>>>, MeshError> {
         let wanted = name.trim_start_matches('/');
         let index = self.zip.index_for_name(wanted).or_else(|| {
-            let same = |i: &usize| self.zip.name_for_index(*i).is_some_and(|n| n.is_ok_and(|n| n.eq_ignore_ascii_case(wanted)));
+            let same = |i: &usize| {
+                self.zip.name_for_index(*i).is_some_and(|n| n.is_ok_and(|n| n.eq_ignore_ascii_case(wanted)))
+            };
             (0..self.zip.len()).find(same)
         });
         let Some(index) = index else {
@@ -78,7 +80,9 @@ impl<'a> Archive<'a> {
         let problem = loop {
             buffer.clear();
             match reader.read_event_into(&mut buffer) {
-                Ok(Event::Start(tag) | Event::Empty(tag)) if tag.local_name().into_inner() == "Relationship" => {
+                Ok(Event::Start(tag) | Event::Empty(tag))
+                    if tag.local_name().into_inner() == "Relationship" =>
+                {
                     if value(&tag, "Type").is_some_and(|kind| kind.ends_with("/3dmodel")) {
                         root = root.or(value(&tag, "Target"));
                     }

@@ -175,7 +175,10 @@ impl<'a> Package<'a> {
         let (named, _) = self.find(item, root)?;
         let meshes = instances.iter().filter_map(|instance| {
             let part = self.parts.get(&instance.part)?;
-            Some((part.objects.get(&instance.object)?, Affine::scaled(part.unit_mm).then(&instance.transform)))
+            Some((
+                part.objects.get(&instance.object)?,
+                Affine::scaled(part.unit_mm).then(&instance.transform),
+            ))
         });
         let meshes: Vec<(&Object, Affine)> = meshes.collect();
         let facets = meshes.iter().map(|(mesh, _)| mesh.triangles.len()).sum();
@@ -201,14 +204,18 @@ impl<'a> Package<'a> {
         let mut unknown: Vec<&String> = self.parts.values().flat_map(|part| &part.unknown).collect();
         unknown.sort_unstable();
         unknown.dedup();
-        let mut notes: Vec<String> =
-            unknown.iter().map(|address| format!("the extension {address} is not understood and was passed over")).collect();
+        let mut notes: Vec<String> = unknown
+            .iter()
+            .map(|address| format!("the extension {address} is not understood and was passed over"))
+            .collect();
         if skipped > 0 {
             notes.push(format!("{skipped} objects that are no solids, such as supports, were left out"));
         }
         match self.parts.get(root).map_or(0, |part| part.unprinted) {
             0 => {}
-            count => notes.push(format!("{count} objects that are marked as not to be printed were left out")),
+            count => {
+                notes.push(format!("{count} objects that are marked as not to be printed were left out"))
+            }
         }
         notes
     }

@@ -62,20 +62,16 @@ pub(super) struct Use {
 /// # Errors
 /// What is wrong, and where.
 pub(super) fn read(mut reader: NsReader<impl BufRead>) -> Result<Part, String> {
-    let mut part = Part {
-        unit_mm: 1.0,
-        objects: BTreeMap::new(),
-        items: Vec::new(),
-        unprinted: 0,
-        unknown: Vec::new(),
-    };
+    let mut part =
+        Part { unit_mm: 1.0, objects: BTreeMap::new(), items: Vec::new(), unprinted: 0, unknown: Vec::new() };
     let mut buffer = Vec::new();
     let mut current: Option<(u32, Object)> = None;
     let (mut begun, mut ended) = (false, false);
     loop {
         buffer.clear();
         let at = reader.buffer_position();
-        let (namespace, event) = reader.read_resolved_event_into(&mut buffer).map_err(|e| place(at, &e.to_string()))?;
+        let (namespace, event) =
+            reader.read_resolved_event_into(&mut buffer).map_err(|e| place(at, &e.to_string()))?;
         let core = matches!(namespace, ResolveResult::Bound(Namespace(CORE)));
         match event {
             Event::Start(tag) | Event::Empty(tag) if core => {
@@ -207,8 +203,9 @@ fn object(tag: &BytesStart<'_>) -> Result<(u32, Object), String> {
 fn usage(tag: &BytesStart<'_>, unit_mm: f64) -> Result<Use, String> {
     let transform = match value(tag, "transform") {
         None => Affine::NONE,
-        Some(text) => Affine::parse(&text, unit_mm)
-            .ok_or_else(|| format!("`{text}` is no transform: 12 numbers that do not flatten are expected"))?,
+        Some(text) => Affine::parse(&text, unit_mm).ok_or_else(|| {
+            format!("`{text}` is no transform: 12 numbers that do not flatten are expected")
+        })?,
     };
     Ok(Use { object: id(tag, "objectid")?, part: path_of(tag), transform })
 }
@@ -223,7 +220,11 @@ fn three<T: std::str::FromStr>(tag: &BytesStart<'_>, keys: [&str; 3]) -> Result<
     }
     match found {
         [Some(a), Some(b), Some(c)] => Ok([a, b, c]),
-        _ => Err(format!("<{}> is not a tag with three numbers {}", tag.attributes_raw().trim(), keys.join(", "))),
+        _ => Err(format!(
+            "<{}> is not a tag with three numbers {}",
+            tag.attributes_raw().trim(),
+            keys.join(", ")
+        )),
     }
 }
 
