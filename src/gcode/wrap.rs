@@ -81,6 +81,13 @@ pub fn labels(settings: &Settings, objects: &[ObjectLabel]) -> Vec<u8> {
     bytes
 }
 
+/// Said before each of the objects that are printed one after the other: heights begin anew.
+pub fn object_comment(name: &str) -> Vec<u8> {
+    let mut bytes = Vec::new();
+    line(&mut bytes, &format!("; printing object {}", one_line(name)));
+    bytes
+}
+
 /// End script, heaters off (where the script leaves that out) and footer.
 pub fn closing(settings: &Settings, facts: &PrintFacts, scripts: &Scripts, totals: &Totals) -> Vec<u8> {
     let mut bytes = b";TYPE:Custom\n".to_vec();

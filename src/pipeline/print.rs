@@ -72,6 +72,9 @@ pub(super) fn slice(
         let batch = chunk * CHUNKS_PER_THREAD * parallel::threads();
         let mut seam = SeamRule::new(settings.seam.position);
         at.over_mm = round.over_mm;
+        if let Some(name) = &round.name {
+            output.write(&gcode::object_comment(name))?;
+        }
         let mut first = 0;
         while first < count {
             let layers = first..(first + batch).min(count);

@@ -17,6 +17,8 @@ const PASS_MM: f64 = 2.0;
 pub(super) struct Round {
     pub sections: Sections,
     pub planners: Planners,
+    /// The object, where it is printed by itself.
+    pub name: Option<String>,
     /// Layers of the rounds before.
     pub first_layer: usize,
     /// Height at which the nozzle passes over what the rounds before have left; 0: nothing.
@@ -74,6 +76,10 @@ impl Round {
             own = part(&loaded.plate, &objects);
             &own
         };
+        let name = match objects.as_slice() {
+            [only] if loaded.plate.objects.len() > 1 => Some(loaded.plate.objects[*only].name.clone()),
+            _ => None,
+        };
         let styles = loaded.styles.of(&objects);
         let slicer = Slicer::new(plate, &load::layers(settings));
         let mut sections = Sections::cut(&slicer, objects, &styles, &loaded.wishes, settings);
@@ -84,7 +90,7 @@ impl Round {
         sections.lay_supports(&planners.main, settings);
         let top_mm = sections.layers.last().map_or(0.0, |layer| layer.span.top_mm);
         load::check_height(top_mm + settings.layer.z_offset.0, settings)?;
-        Ok(Some(Self { sections, planners, first_layer: 0, over_mm: 0.0 }))
+        Ok(Some(Self { sections, planners, name, first_layer: 0, over_mm: 0.0 }))
     }
 }
 
