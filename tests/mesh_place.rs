@@ -147,7 +147,7 @@ fn models_stay_where_their_files_put_them_unless_they_touch() {
     assert_eq!(boxes(&plate)[..2], [[53.0, 53.0, 73.0, 73.0], [78.0, 53.0, 98.0, 73.0]]);
     assert_eq!((plate.meshes.len(), plate.objects[2].name.as_str()), (2, "b (2)"));
     let error = kept(69.5).unwrap_err();
-    assert!(error.to_string().starts_with("a and b touch"), "{error}");
+    assert!(error.to_string().starts_with("a and b stand closer than"), "{error}");
     assert!(matches!(kept(190.0), Err(PlacementError::Outside { name, .. }) if name == "b"));
 }
 

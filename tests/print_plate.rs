@@ -91,20 +91,18 @@ fn one_after_the_other_the_lowest_is_finished_first_and_nothing_comes_near_it() 
     assert_eq!(text, ["; printing object plate_with_holes", "; printing object calibration_cube"]);
     // Objects by the label that is in force; the skirt has none.
     let mut beads: [Vec<[f64; 3]>; 2] = Default::default();
-    let (mut object, mut done) = (None, [false; 2]);
+    let (mut object, mut done): (Option<usize>, _) = (None, [false; 2]);
     for step in replay(&print.text) {
         let line = String::from_utf8_lossy(step.line.text).into_owned();
         if let Some(number) = line.strip_prefix("M486 S").filter(|rest| !rest.contains('A')) {
-            let now = number.parse::<usize>().ok();
-            if now.is_some() && now != object {
-                assert!(!done[now.unwrap()], "no object is taken up again");
+            if let Ok(now) = number.parse::<usize>() {
+                assert!(!done[now], "no object is taken up again");
+                if let Some(before) = object.replace(now)
+                    && before != now
+                {
+                    done[before] = true;
+                }
             }
-            if let (Some(before), Some(now)) = (object, now)
-                && before != now
-            {
-                done[before] = true;
-            }
-            object = now.or(object);
         }
         let Action::Stroke(s) = step.action else { continue };
         let Some(here) = object else { continue };

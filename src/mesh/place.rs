@@ -84,8 +84,8 @@ pub enum PlacementError {
     )]
     TooMany { total: usize, fitting: usize, left: Vec<String>, spacing_mm: f64, bed: String },
     #[error(
-        "{a} and {b} touch, or are less than {apart_mm} mm apart, where the files put them; leave out --no-arrange, or \
-         move them apart"
+        "{a} and {b} stand closer than {apart_mm:.1} mm where the files put them; leave out --no-arrange, or move them \
+         apart"
     )]
     Touching { a: String, b: String, apart_mm: f64 },
     #[error(
@@ -176,7 +176,8 @@ pub fn keep(
     for (i, a) in covered.iter().enumerate() {
         if let Some(j) = (i + 1..covered.len()).find(|&j| a.meets(&covered[j], [0; 2])) {
             let [a, b] = [i, j].map(|k| plate.objects[k].name.clone());
-            return Err(PlacementError::Touching { a, b, apart_mm: 2.0 * reach_mm });
+            let apart_mm = 2.0 * reach_mm + 2.0 * KEPT_CELL_MM;
+            return Err(PlacementError::Touching { a, b, apart_mm });
         }
     }
     area.settle(plate, bed, options)

@@ -195,7 +195,7 @@ pub(super) fn silhouette(mesh: &Mesh, convex: bool, reach_mm: f64, cell_mm: f64)
     } else {
         Bitmap::of(mesh.triangles.iter().map(|t| t.map(at)), cell_mm)
     };
-    bare.grown(reach_mm, cell_mm)
+    if reach_mm > 0.0 { bare.grown(reach_mm, cell_mm) } else { bare }
 }
 
 /// Corners of the convex hull of a mesh seen from above.
