@@ -66,11 +66,17 @@ choice! {
 choice! {
     /// Infill pattern.
     Pattern { /// Parallel lines, turned by 90° from layer to layer.
-        Rectilinear = "rectilinear", /// Two crossing sets of lines in each layer.
+        Rectilinear = "rectilinear", /// Parallel lines in the same direction on all layers.
+        AlignedRectilinear = "aligned-rectilinear", /// Two crossing sets of lines in each layer.
         Grid = "grid", /// Three crossing sets of lines in each layer.
-        Triangles = "triangles", /// Triply periodic minimal surface.
-        Gyroid = "gyroid", /// Loops parallel to the outline.
-        Concentric = "concentric", }
+        Triangles = "triangles", /// Three sets of lines, hexagons between triangles.
+        TriHexagon = "tri-hexagon", /// Cubes standing on a corner.
+        Cubic = "cubic", /// Triply periodic minimal surface.
+        Gyroid = "gyroid", /// Hexagons with upright walls.
+        Honeycomb = "honeycomb", /// Truncated octahedra.
+        Honeycomb3d = "3d-honeycomb", /// Loops parallel to the outline.
+        Concentric = "concentric", /// One curve through every cell of a square grid.
+        Hilbert = "hilbert", }
 }
 choice! {
     /// How supports are built.

@@ -1,6 +1,7 @@
 //! Puts a layer's paths together: walls, gaps, shells and infill of every island, skirt and brim around.
 
 use std::ops::RangeInclusive;
+use std::sync::Arc;
 
 use crate::geom::{self, Polygon, Region, Ring};
 use crate::profile::{
@@ -11,7 +12,7 @@ use crate::units::Mm;
 
 use super::bead::Line;
 use super::bridges::Bridge;
-use super::infill::{self, FillSpec, Joins, SolidSpec, SparseSample};
+use super::infill::{self, FillPattern, FillSpec, Joins, SolidSpec, SparseSample};
 use super::shells::{self, Zones};
 use super::walls::{self, WallSpec, Walls};
 use super::{Island, LayerPaths, Path, Role, Width, adhesion, bead, beading, bridges, entries};
@@ -111,6 +112,7 @@ pub struct PlateLayer<'a> {
 #[derive(Clone, Debug)]
 pub struct Planner {
     settings: ToolpathSettings,
+    pattern: Arc<dyn FillPattern>,
     /// Calibrated distance of sparse lines.
     line_distance_mm: Option<f64>,
     brim: Vec<Line>,
@@ -149,7 +151,9 @@ impl Planner {
     /// A planner for a plate whose objects' first sections are `footprint`; `first_height_mm` is the first layer's.
     pub fn new(settings: ToolpathSettings, footprint: &Region, first_height_mm: f64) -> Self {
         let (line_distance_mm, covered) = (None, footprint.clone());
-        let mut planner = Self { settings, line_distance_mm, brim: Vec::new(), skirt: Vec::new(), covered };
+        let pattern = infill::pattern(settings.infill.pattern);
+        let mut planner =
+            Self { settings, pattern, line_distance_mm, brim: Vec::new(), skirt: Vec::new(), covered };
         let width_mm = planner.widths(0).skirt_mm;
         planner.brim = adhesion::brim(footprint, &planner.settings.brim, width_mm, first_height_mm);
         if !planner.brim.is_empty() {
@@ -177,7 +181,7 @@ impl Planner {
     pub fn sparse_sample(&self, layer: &PlateLayer<'_>) -> SparseSample {
         let spec = self.wall_spec(layer);
         let mut sample =
-            SparseSample { room: Region::default(), area_mm2: 0.0, spec: self.fill_spec(layer, 1.0) };
+            SparseSample { room: Region::default(), area_mm2: 0.0, spec: self.fill_spec(layer, self.infill_spacing_mm(layer)) };
         for object in &layer.objects {
             for island in &object.section.polygons {
                 let zones = self.zones(&walls::trace(island, &spec).inside, object, layer);
@@ -198,7 +202,7 @@ impl Planner {
         }
         let spacing_mm = bead::spacing_mm(self.widths(1).infill_mm, height_mm);
         let join = if settings.connect { LONGEST_JOIN } else { 0.0 };
-        let pattern = infill::pattern(settings.pattern);
+        let pattern = &*self.pattern;
         self.line_distance_mm = Some(infill::calibrate(pattern, samples, spacing_mm, density, join));
     }
 
@@ -287,10 +291,10 @@ impl Planner {
         draft.solid(&zones.solid, &solid, section.index, settings);
         if !zones.sparse.is_empty() && self.settings.infill.density.0 > 0.0 {
             let room = self.infill_room(&zones.sparse, section);
-            let spacing_mm = bead::spacing_mm(widths.infill_mm, section.height_mm);
+            let spacing_mm = self.infill_spacing_mm(section);
             let density = self.settings.infill.density.0;
             let solid_mm = zones.sparse_mm2 / spacing_mm;
-            let pattern = infill::pattern(self.settings.infill.pattern);
+            let pattern = &*self.pattern;
             let spec = self.fill_spec(section, spacing_mm);
             let lines = infill::lay(pattern, &room, &spec, solid_mm, density);
             let flow = infill::flow(&lines, solid_mm, density);
@@ -329,8 +333,11 @@ impl Planner {
 
     /// Where the joins of sparse infill run: half a bead inside the zone.
     fn infill_room(&self, sparse: &Region, section: &PlateLayer<'_>) -> Region {
-        let width_mm = self.widths(section.index).infill_mm;
-        geom::offset(sparse, -bead::spacing_mm(width_mm, section.height_mm) / 2.0)
+        geom::offset(sparse, -self.infill_spacing_mm(section) / 2.0)
+    }
+
+    fn infill_spacing_mm(&self, section: &PlateLayer<'_>) -> f64 {
+        bead::spacing_mm(self.widths(section.index).infill_mm, section.height_mm)
     }
 
     fn fill_spec(&self, section: &PlateLayer<'_>, spacing_mm: f64) -> FillSpec {
@@ -339,7 +346,8 @@ impl Planner {
         let line_distance_mm = self.line_distance_mm.unwrap_or(nominal_mm);
         FillSpec {
             line_distance_mm,
-            angle_rad: settings.angle.to_radians(),
+            spacing_mm,
+            angle_rad: settings.angle.to_radians() + self.pattern.turn_rad(section.index),
             layer: section.index,
             z_mm: section.top_mm - section.height_mm / 2.0,
             joins: Joins {

@@ -150,6 +150,7 @@ mod tests {
         let (distance_mm, density) = (2.0, 0.2);
         let spec = FillSpec {
             line_distance_mm: distance_mm,
+            spacing_mm: distance_mm * density,
             angle_rad: std::f64::consts::FRAC_PI_4,
             layer: 0,
             z_mm: 0.1,

@@ -20,6 +20,7 @@ const STEPS: usize = 24;
 const PERIOD: f64 = 2.0 * 1.22;
 
 /// See the module.
+#[derive(Debug)]
 pub struct Gyroid;
 
 impl FillPattern for Gyroid {
@@ -83,7 +84,7 @@ mod tests {
         for layer in 0..40 {
             let z_mm = 0.1 + 0.2 * layer as f64;
             let spec =
-                FillSpec { line_distance_mm: 2.0, angle_rad: 0.0, layer, z_mm, joins: Joins::default() };
+                FillSpec { line_distance_mm: 2.0, spacing_mm: 0.4, angle_rad: 0.0, layer, z_mm, joins: Joins::default() };
             let scale = TAU / (PERIOD * 2.0);
             let lines = Gyroid.fill(&region, &spec);
             assert!(!lines.is_empty());

@@ -27,13 +27,13 @@ pub fn parallel(
     connect(region, chords, joins)
 }
 
-/// So many sets of parallel lines, each turned by `turn_rad` against the one before, and each so much wider spaced
-/// that together they have the distance of the spec.
-pub fn sets(region: &Region, spec: &FillSpec, count: u32, turn_rad: f64) -> Vec<Line> {
-    let distance_mm = f64::from(count) * spec.line_distance_mm;
-    let set = |k: u32| {
-        let angle_rad = spec.angle_rad + f64::from(k) * turn_rad;
-        parallel(region, angle_rad, distance_mm, 0.0, &spec.joins)
+/// Sets of parallel lines, each turned by `turn_rad` against the one before and moved along its normal by its own phase,
+/// and each so much wider spaced that together they have the distance of the spec.
+pub fn sets(region: &Region, spec: &FillSpec, turn_rad: f64, phases_mm: &[f64]) -> Vec<Line> {
+    let distance_mm = phases_mm.len() as f64 * spec.line_distance_mm;
+    let set = |(k, &phase_mm): (usize, &f64)| {
+        let angle_rad = spec.angle_rad + k as f64 * turn_rad;
+        parallel(region, angle_rad, distance_mm, phase_mm, &spec.joins)
     };
-    (0..count).flat_map(set).collect()
+    phases_mm.iter().enumerate().flat_map(set).collect()
 }
