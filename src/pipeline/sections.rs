@@ -1,13 +1,17 @@
 //! The sections of a plate, and what must be known of all layers before any is planned.
 
+use std::sync::Arc;
+
 use crate::gcode::ObjectLabel;
 use crate::geom::{self, Bounds, Region};
 use crate::mesh::Plate;
 use crate::profile::Settings;
 use crate::slice::{Gaps, Layer, LayerSpan, Slicer};
+use crate::toolpath::infill::FillPattern;
 use crate::toolpath::support::{self, BeadSpec, Outlines};
 use crate::toolpath::{self, LayerPaths, ObjectLayer, Planner, PlateLayer, Role, Shells};
 
+use super::infill;
 use super::parallel;
 use super::supports::{self, Supports};
 
@@ -27,6 +31,8 @@ pub(super) struct Sections {
     places: Vec<Vec<Option<usize>>>,
     shells: Vec<Shells>,
     supports: Option<Supports>,
+    /// Infill that was planned for all layers at once.
+    infill: Option<Arc<dyn FillPattern>>,
 }
 
 impl Sections {
@@ -37,7 +43,7 @@ impl Sections {
             .map(|object| layers.iter().map(|l| l.sections.iter().position(|s| s.object == object)).collect())
             .collect();
         let raft_layers = settings.raft.layers as usize;
-        let mut sections = Self { layers, raft_layers, places, shells: Vec::new(), supports: None };
+        let mut sections = Self { layers, raft_layers, places, shells: Vec::new(), supports: None, infill: None };
         let (top, bottom) = toolpath::shell_layers(&settings.shell, settings.layer.height.0);
         sections.shells = (0..objects)
             .map(|object| {
@@ -50,7 +56,13 @@ impl Sections {
             let part = &sections.layers[raft_layers.min(sections.layers.len())..];
             sections.supports = bounds.map(|bounds| Supports::plan(part, bounds, wishes, settings));
         }
+        sections.infill = infill::plan(&sections, slicer.plate(), settings);
         sections
+    }
+
+    /// Where the part begins over the bed.
+    pub fn bottom_mm(&self) -> f64 {
+        self.layers.get(self.raft_layers).map_or(0.0, |layer| layer.span.bottom_mm)
     }
 
     /// An object's section in a layer; nothing above its top.
@@ -124,6 +136,9 @@ impl Sections {
         }
         let first_height_mm = self.layers[0].span.height_mm;
         let mut planner = Planner::new(settings.into(), &footprint, first_height_mm);
+        if let Some(pattern) = &self.infill {
+            planner.use_pattern(pattern.clone());
+        }
         let shielded = if settings.skirt.draft_shield { self.layers.len() } else { 0 };
         let sections = self.layers[..shielded].iter().flat_map(|l| &l.sections).map(|s| &s.region);
         let supports = self.supports.iter().flat_map(|s| s.all_outlines(shielded.max(1)));
@@ -134,6 +149,13 @@ impl Sections {
         chosen.retain(|&i| i > self.raft_layers);
         let samples = parallel::map(chosen.len(), |k| planner.sparse_sample(&self.plate_layer(chosen[k])));
         planner.calibrate(&samples, self.layers[last].span.height_mm);
+        if settings.infill.combine_layers > 1 {
+            let areas = parallel::map(self.layers.len(), |i| {
+                let layer = self.plate_layer(i);
+                (layer.height_mm, planner.sparse_area(&layer))
+            });
+            planner.combine(&areas);
+        }
         planner
     }
 

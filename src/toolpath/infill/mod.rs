@@ -1,5 +1,6 @@
 //! Infill: one file per pattern behind one interface.
 
+mod adaptive_cubic;
 mod aligned_rectilinear;
 mod caps;
 mod concentric;
@@ -11,9 +12,11 @@ mod gyroid;
 mod hilbert;
 mod honeycomb;
 mod honeycomb_3d;
+mod lightning;
 pub(super) mod lines;
 mod rectilinear;
 mod solid;
+mod trees;
 mod tri_hexagon;
 mod triangles;
 mod waves;
@@ -26,8 +29,10 @@ use crate::profile::Pattern;
 
 use super::bead::Line;
 
+pub use adaptive_cubic::AdaptiveCubic;
 pub use connect::Joins;
 pub use density::{SparseSample, calibrate, flow, lay};
+pub use lightning::{Hollow, Lightning};
 pub use solid::{SolidSpec, fill as fill_solid, iron, split_narrow};
 
 /// What a pattern needs to know of a layer.
@@ -72,6 +77,11 @@ pub trait FillPattern: Debug + Send + Sync {
         0.0
     }
 
+    /// Whether it is spread evenly, so that it has the density asked for wherever it is.
+    fn is_even(&self) -> bool {
+        true
+    }
+
     /// Whether the lines at a multiple of the distance are among those at the distance itself, so that lines of layers
     /// with different multiples lie on each other.
     fn nests(&self) -> bool {
@@ -79,7 +89,8 @@ pub trait FillPattern: Debug + Send + Sync {
     }
 }
 
-/// The pattern of a setting.
+/// The pattern of a setting. Those that depend on more than a layer are planned by their own constructors; here they
+/// know of nothing and are empty.
 pub fn pattern(kind: Pattern) -> Arc<dyn FillPattern> {
     match kind {
         Pattern::Rectilinear => Arc::new(rectilinear::Rectilinear),
@@ -88,10 +99,12 @@ pub fn pattern(kind: Pattern) -> Arc<dyn FillPattern> {
         Pattern::Triangles => Arc::new(triangles::Triangles),
         Pattern::TriHexagon => Arc::new(tri_hexagon::TriHexagon),
         Pattern::Cubic => Arc::new(cubic::Cubic),
+        Pattern::AdaptiveCubic => Arc::new(AdaptiveCubic::default()),
         Pattern::Gyroid => Arc::new(gyroid::Gyroid),
         Pattern::Honeycomb => Arc::new(honeycomb::Honeycomb),
         Pattern::Honeycomb3d => Arc::new(honeycomb_3d::Honeycomb3d),
         Pattern::Concentric => Arc::new(concentric::Concentric),
+        Pattern::Lightning => Arc::new(Lightning::default()),
         Pattern::Hilbert => Arc::new(hilbert::Hilbert),
     }
 }
