@@ -77,7 +77,8 @@ impl<'a> Boundary<'a> {
             return Vec::new();
         };
         let (n, edge) = (ring.len(), from.edge as usize);
-        let vertex = |step: usize| if forward { ring[(edge + 1 + step) % n] } else { ring[(edge + n - step % n) % n] };
+        let vertex =
+            |step: usize| if forward { ring[(edge + 1 + step) % n] } else { ring[(edge + n - step % n) % n] };
         let side_mm = ring[edge].distance_mm(ring[(edge + 1) % n]);
         let mut left_mm = length_mm;
         let mut way = Vec::new();
@@ -163,7 +164,10 @@ mod tests {
         let boundary = Boundary::new(&region);
         let corners = &region.polygons[0].outer;
         assert_eq!(boundary.walk(at(0, 3.0), 5.0, true), [Point::from_mm(8.0, 0.0)]);
-        assert_eq!(boundary.walk(at(0, 3.0), 21.0, true), [corners[1], corners[2], Point::from_mm(6.0, 10.0)]);
+        assert_eq!(
+            boundary.walk(at(0, 3.0), 21.0, true),
+            [corners[1], corners[2], Point::from_mm(6.0, 10.0)]
+        );
         assert_eq!(boundary.walk(at(0, 3.0), 5.0, false), [corners[0], Point::from_mm(0.0, 2.0)]);
     }
 

@@ -43,7 +43,8 @@ impl Sections {
             .map(|object| layers.iter().map(|l| l.sections.iter().position(|s| s.object == object)).collect())
             .collect();
         let raft_layers = settings.raft.layers as usize;
-        let mut sections = Self { layers, raft_layers, places, shells: Vec::new(), supports: None, infill: None };
+        let mut sections =
+            Self { layers, raft_layers, places, shells: Vec::new(), supports: None, infill: None };
         let (top, bottom) = toolpath::shell_layers(&settings.shell, settings.layer.height.0);
         sections.shells = (0..objects)
             .map(|object| {

@@ -228,15 +228,18 @@ impl Planner {
     /// What sparse infill fills in a layer.
     pub fn sparse_area(&self, layer: &PlateLayer<'_>) -> Region {
         let spec = self.wall_spec(layer);
-        let islands = layer.objects.iter().flat_map(|o| o.section.polygons.iter().map(move |island| (o, island)));
-        let zones = islands.map(|(o, island)| self.zones(&walls::trace(island, &spec).inside, o, layer).sparse);
+        let islands =
+            layer.objects.iter().flat_map(|o| o.section.polygons.iter().map(move |island| (o, island)));
+        let zones =
+            islands.map(|(o, island)| self.zones(&walls::trace(island, &spec).inside, o, layer).sparse);
         Region { polygons: zones.flat_map(|zone| zone.polygons).collect() }
     }
 
     /// Combines the sparse infill of layers, `infill.combine_layers` at a time and as many as the nozzle's bore allows.
     /// `areas` are the heights and [`sparse_area`](Self::sparse_area)s of all layers; the first is left alone.
     pub fn combine(&mut self, areas: &[(f64, Region)]) {
-        self.stacks = Stacks::new(areas, self.settings.infill.combine_layers as usize, self.settings.nozzle.0);
+        self.stacks =
+            Stacks::new(areas, self.settings.infill.combine_layers as usize, self.settings.nozzle.0);
     }
 
     /// The paths of one layer.

@@ -83,8 +83,14 @@ mod tests {
         let region = Region { polygons: vec![Polygon { outer, holes: vec![] }] };
         for layer in 0..40 {
             let z_mm = 0.1 + 0.2 * layer as f64;
-            let spec =
-                FillSpec { line_distance_mm: 2.0, spacing_mm: 0.4, angle_rad: 0.0, layer, z_mm, joins: Joins::default() };
+            let spec = FillSpec {
+                line_distance_mm: 2.0,
+                spacing_mm: 0.4,
+                angle_rad: 0.0,
+                layer,
+                z_mm,
+                joins: Joins::default(),
+            };
             let scale = TAU / (PERIOD * 2.0);
             let lines = Gyroid.fill(&region, &spec);
             assert!(!lines.is_empty());

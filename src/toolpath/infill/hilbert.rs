@@ -40,7 +40,8 @@ impl FillPattern for Hilbert {
         };
         let half = 1 << (ORDER - 1);
         walk.square([-half; 2], 2 * half, 0);
-        let middle = |[x, y]: [i64; 2]| frame.point([x as f64 + 0.5, y as f64 + 0.5].map(|cells| cells * cell_mm));
+        let middle =
+            |[x, y]: [i64; 2]| frame.point([x as f64 + 0.5, y as f64 + 0.5].map(|cells| cells * cell_mm));
         let strands = walk.strands.into_iter().map(|strand| strand.into_iter().map(middle).collect());
         waves::lay(region, strands, spec)
     }

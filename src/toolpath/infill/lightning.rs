@@ -95,3 +95,75 @@ fn samples(region: &Region, reach_mm: f64) -> Vec<Point> {
         })
         .collect()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::Joins;
+    use super::*;
+    use crate::geom::{Polygon, to_segment_mm};
+
+    const HEIGHT_MM: f64 = 0.2;
+
+    fn square(from: f64, to: f64) -> Region {
+        let corners = [(from, from), (to, from), (to, to), (from, to)];
+        let outer = corners.map(|(x, y)| Point::from_mm(x, y)).to_vec();
+        Region { polygons: vec![Polygon { outer, holes: Vec::new() }] }
+    }
+
+    /// The strokes of each layer of a box with a roof over its right half, and one over all at the top.
+    fn grown() -> (Vec<Vec<Line>>, Region) {
+        let (ground, all) = (square(0.0, 40.0), square(0.4, 39.6));
+        let layer = |i: usize| {
+            let sparse = if i < 60 { all.clone() } else { square(0.4, 20.0) };
+            Hollow { ground: ground.clone(), sparse, height_mm: HEIGHT_MM }
+        };
+        let lightning = Lightning::new(&(0..100).map(layer).collect::<Vec<_>>(), 4.0);
+        let fill = |layer| {
+            let joins = Joins::default();
+            let (line_distance_mm, spacing_mm, angle_rad, z_mm) = (4.0, 0.4, 0.0, 0.0);
+            lightning.fill(&ground, &FillSpec { line_distance_mm, spacing_mm, angle_rad, layer, z_mm, joins })
+        };
+        ((0..100).map(fill).collect(), ground)
+    }
+
+    fn away_mm(lines: &[Line], p: [f64; 2]) -> f64 {
+        let edges = lines.iter().flat_map(|line| line.points.windows(2));
+        edges.map(|e| to_segment_mm(p, e[0].mm(), e[1].mm())).fold(f64::INFINITY, f64::min)
+    }
+
+    #[test]
+    fn no_place_of_a_roof_is_further_than_half_a_distance_from_branch_or_wall() {
+        let (layers, _) = grown();
+        for x in 1..20 {
+            for y in 1..20 {
+                let p = [f64::from(x), f64::from(y)];
+                let wall_mm = p[0].min(p[1]);
+                // Between the points that are looked at it may be half a step more.
+                assert!(away_mm(&layers[99], p).min(wall_mm) < 2.0 + 0.71, "{p:?}");
+            }
+        }
+        let under_first = away_mm(&layers[59], [30.0, 30.0]);
+        assert!(under_first < 2.71 && away_mm(&layers[61], [30.0, 30.0]) > 5.0, "{under_first}");
+    }
+
+    #[test]
+    fn every_branch_rests_on_the_layer_below_or_on_a_wall() {
+        let (layers, ground) = grown();
+        let walls = crate::geom::EdgeGrid::new(&ground);
+        for (below, above) in layers.iter().zip(&layers[1..]) {
+            for p in above.iter().flat_map(|line| &line.points) {
+                let wall_mm = walls.distance_mm(*p, 1.0);
+                let lean_mm = away_mm(below, p.mm()).min(wall_mm);
+                assert!(lean_mm <= 2.0 * LEAN * HEIGHT_MM, "{lean_mm} at {:?}", p.mm());
+            }
+        }
+    }
+
+    #[test]
+    fn far_below_a_roof_little_is_left() {
+        let (layers, _) = grown();
+        let length_mm =
+            |layer: usize| layers[layer].iter().map(|l| geom::polyline_length_mm(&l.points)).sum::<f64>();
+        assert!(length_mm(0) < 0.4 * length_mm(59), "{} of {}", length_mm(0), length_mm(59));
+    }
+}

@@ -230,7 +230,8 @@ impl Forest {
                 continue;
             }
             let from = (node.parent != ROOT).then_some(node.parent).into_iter();
-            let onward = std::iter::successors(Some(i as u32), |&i| Some(longest[i as usize]).filter(|&n| n != ROOT));
+            let onward =
+                std::iter::successors(Some(i as u32), |&i| Some(longest[i as usize]).filter(|&n| n != ROOT));
             let mut stroke: Ring = from
                 .chain(onward)
                 .map(|i| self.nodes[i as usize].at)
