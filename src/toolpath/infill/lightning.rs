@@ -74,7 +74,10 @@ impl FillPattern for Lightning {
             let pieces = clipper.clip(stroke);
             pieces.into_iter().map(move |piece| Chord { points: piece.points, ends: piece.ends, line })
         });
-        connect(region, chords.collect(), &spec.apart().joins)
+        let mut lines = connect(region, chords.collect(), &spec.apart().joins);
+        // Twigs that the bead they come off is nearly as wide as hold nothing.
+        lines.retain(|line| geom::polyline_length_mm(&line.points) >= spec.spacing_mm);
+        lines
     }
 
     fn is_even(&self) -> bool {
@@ -120,7 +123,7 @@ mod tests {
         let lightning = Lightning::new(&(0..100).map(layer).collect::<Vec<_>>(), 4.0);
         let fill = |layer| {
             let joins = Joins::default();
-            let (line_distance_mm, spacing_mm, angle_rad, z_mm) = (4.0, 0.4, 0.0, 0.0);
+            let (line_distance_mm, spacing_mm, angle_rad, z_mm) = (4.0, 0.0, 0.0, 0.0);
             lightning.fill(&ground, &FillSpec { line_distance_mm, spacing_mm, angle_rad, layer, z_mm, joins })
         };
         ((0..100).map(fill).collect(), ground)
