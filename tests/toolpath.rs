@@ -189,6 +189,15 @@ fn without_density_and_at_full_density_all_patterns_are_alike() {
     }
 }
 
+#[test]
+fn hardly_any_density_is_no_reason_to_fail() {
+    for &(_, pattern) in Pattern::ALL {
+        let mut settings = job();
+        (settings.infill.pattern, settings.infill.density) = (pattern, Ratio(1e-9));
+        assert_eq!(plan(&vec![rectangle(0.0, 0.0, 20.0, 15.0); 12], &settings).len(), 12);
+    }
+}
+
 /// Directions of the longest sparse lines of a layer, degrees from X.
 fn directions(layer: &LayerPaths) -> Vec<f64> {
     let edges = of_role(layer, Role::InternalInfill).into_iter().flat_map(|p| p.points.windows(2));

@@ -11,7 +11,7 @@ use crate::geom::{Clipper, Point, Region, to_mm};
 
 use super::super::bead::Line;
 use super::connect::{Chord, connect};
-use super::{FillPattern, FillSpec};
+use super::{FillPattern, FillSpec, waves};
 
 /// Steps in a period: the chord error of a wave is below 1 % of its amplitude.
 const STEPS: usize = 24;
@@ -56,7 +56,7 @@ impl FillPattern for Gyroid {
                     let along = i as f64 * step;
                     let across = at(along, branch) + period as f64 * TAU;
                     let (x, y) = if upright { (across, along) } else { (along, across) };
-                    Point::from_mm(x / scale, y / scale)
+                    waves::on_grid([x / scale, y / scale])
                 })
                 .collect();
             let line = 2 * period + i64::from(branch > 0.0);

@@ -8,6 +8,9 @@ use super::super::bead::Line;
 use super::FillSpec;
 use super::connect::{Chord, connect};
 
+/// Parts lie within this of the origin, and differences of points within it fit the grid.
+const FURTHEST_MM: f64 = 10_000.0;
+
 /// A frame turned by the angle of the lines: `u` runs along them, `v` across.
 #[derive(Clone, Copy, Debug)]
 pub struct Frame {
@@ -22,9 +25,9 @@ impl Frame {
         Self { sin, cos }
     }
 
-    /// A point of the plane from its place in the frame, in millimetres.
+    /// A point of the plane from its place in the frame, in millimetres; as [`on_grid`].
     pub fn point(&self, [u, v]: [f64; 2]) -> Point {
-        Point::from_mm(u * self.cos - v * self.sin, u * self.sin + v * self.cos)
+        on_grid([u * self.cos - v * self.sin, u * self.sin + v * self.cos])
     }
 
     /// Least and greatest `u` and `v` of a region's vertices, in millimetres; `None` of an empty one.
@@ -38,6 +41,12 @@ impl Frame {
             Some([[0, 1].map(|i| low[i].min(at[i])), [0, 1].map(|i| high[i].max(at[i]))])
         })
     }
+}
+
+/// A point of the plane in millimetres, no further off than the grid can bear.
+pub fn on_grid(at: [f64; 2]) -> Point {
+    let [x, y] = at.map(|mm| mm.clamp(-FURTHEST_MM, FURTHEST_MM));
+    Point::from_mm(x, y)
 }
 
 /// The whole multiples of a step that cover a range, and one more at either side.
