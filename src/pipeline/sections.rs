@@ -4,13 +4,14 @@ use geo::{ConvexHull, MultiPoint, Simplify};
 
 use crate::geom::{self, Bounds, Point, Polygon, Region};
 use crate::mesh::Plate;
-use crate::profile::Settings;
+use crate::profile::{Settings, SupportStyle};
 use crate::slice::{Gaps, Layer, LayerSpan, Slicer};
 use crate::toolpath::support::{self, BeadSpec, Outlines};
 use crate::toolpath::{self, LayerPaths, ObjectLayer, Planner, PlateLayer, Role, Shells};
 
+use super::infill;
 use super::parallel;
-use super::styles::{Planners, Styles};
+use super::styles::{Planned, Planners, Styles};
 use super::supports::{self, Supports};
 
 /// How far the outline of a label may differ from the object's hull, millimetres.
@@ -31,6 +32,8 @@ pub(super) struct Sections {
     places: Vec<Vec<Option<usize>>>,
     shells: Vec<Shells>,
     supports: Option<Supports>,
+    /// Infill that was planned for all layers at once, by the settings that it is for.
+    infill: Vec<Planned>,
 }
 
 impl Sections {
@@ -49,7 +52,15 @@ impl Sections {
             .map(|object| layers.iter().map(|l| l.sections.iter().position(|s| s.object == object)).collect())
             .collect();
         let raft_layers = settings.raft.layers as usize;
-        let mut sections = Self { layers, raft_layers, objects, places, shells: Vec::new(), supports: None };
+        let mut sections = Self {
+            layers,
+            raft_layers,
+            objects,
+            places,
+            shells: Vec::new(),
+            supports: None,
+            infill: Vec::new(),
+        };
         sections.shells = (0..count)
             .map(|object| {
                 let shell = &styles.settings(object, settings).shell;
@@ -63,7 +74,16 @@ impl Sections {
             let part = &sections.layers[raft_layers.min(sections.layers.len())..];
             sections.supports = bounds.map(|bounds| Supports::plan(part, bounds, wishes, settings));
         }
+        sections.infill = styles
+            .each(settings)
+            .filter_map(|(style, settings)| Some((style, infill::plan(&sections, slicer.plate(), settings)?)))
+            .collect();
         sections
+    }
+
+    /// Where the part begins over the bed.
+    pub fn bottom_mm(&self) -> f64 {
+        self.layers.get(self.raft_layers).map_or(0.0, |layer| layer.span.bottom_mm)
     }
 
     /// An object's section in a layer; nothing above its top.
@@ -119,8 +139,14 @@ impl Sections {
             let (first, layer) = (above_raft == 0, &part[above_raft]);
             // Support stands on the raft, over which the part floats.
             let gap_mm = if first && on_raft { settings.raft.gap.0 } else { 0.0 };
+            // Trees are clear of the part already, though not of what surrounds it on the bed.
+            let tree = settings.support.style == SupportStyle::Tree;
             let spec = BeadSpec {
-                part: if first && !on_raft { planner.covered() } else { &supports::section(layer) },
+                part: match first && !on_raft {
+                    true => planner.covered(),
+                    false if tree => Region::EMPTY,
+                    false => &geom::simplify(&supports::section(layer), support::ROUGH_MM),
+                },
                 height_mm: layer.span.height_mm + gap_mm,
                 usual_height_mm: settings.layer.height.0,
                 on_bed: first,
@@ -140,13 +166,16 @@ impl Sections {
         }
         let first_height_mm = self.layers[0].span.height_mm;
         let mut planners = Planners::new(settings, styles, &footprint, first_height_mm);
+        planners.use_patterns(&self.infill);
         let shielded = if settings.skirt.draft_shield { self.layers.len() } else { 0 };
         let sections = self.layers[..shielded].iter().flat_map(|l| &l.sections).map(|s| &s.region);
         let supports = self.supports.iter().flat_map(|s| s.all_outlines(shielded.max(1)));
         let enclosed = sections.chain(supports).flat_map(|region| &region.polygons).chain(around);
         planners.enclose(enclosed, first_height_mm);
         let height_mm = self.layers.last().map_or(first_height_mm, |last| last.span.height_mm);
-        planners.calibrate(|i| self.plate_layer(i), self.raft_layers + 1, self.layers.len(), height_mm);
+        let layer = |i: usize| self.plate_layer(i);
+        planners.calibrate(layer, self.raft_layers + 1, self.layers.len(), height_mm);
+        planners.combine(layer, self.layers.len());
         planners
     }
 

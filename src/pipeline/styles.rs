@@ -1,8 +1,11 @@
 //! Settings that some objects have of their own, and the planners that follow from them.
 
+use std::sync::Arc;
+
 use crate::geom::{Polygon, Region};
 use crate::job::{JobError, ObjectSettings};
 use crate::profile::{Origin, Problem, ProfileError, Settings};
+use crate::toolpath::infill::FillPattern;
 use crate::toolpath::{LayerPaths, Planner, PlateLayer, ToolpathSettings};
 use crate::units::Mm;
 
@@ -10,6 +13,9 @@ use super::parallel;
 
 /// Layers that sparse infill is calibrated on.
 const SAMPLES: usize = 12;
+
+/// Infill that was planned for a whole print, and the number of the settings that it is for; `None`: the plate's.
+pub(super) type Planned = (Option<usize>, Arc<dyn FillPattern>);
 
 /// The settings of each object.
 #[derive(Clone, Debug, Default)]
@@ -66,6 +72,20 @@ impl<'a> Styles<'a> {
         let style = self.of_object.get(object).copied().flatten();
         style.map_or(plate, |style| &self.own[style].settings)
     }
+
+    /// The settings of the plate, and all others that objects here have, with their numbers.
+    pub fn each<'s>(&'s self, plate: &'s Settings) -> impl Iterator<Item = (Option<usize>, &'s Settings)> {
+        let others = self.used().into_iter().map(|style| (Some(style), &self.own[style].settings));
+        std::iter::once((None, plate)).chain(others)
+    }
+
+    /// The numbers of settings that objects here have.
+    fn used(&self) -> Vec<usize> {
+        let mut used: Vec<usize> = self.of_object.iter().copied().flatten().collect();
+        used.sort_unstable();
+        used.dedup();
+        used
+    }
 }
 
 /// The planners of a plate: one for the plate, and one for each set of settings of its own.
@@ -81,16 +101,29 @@ impl Planners {
     /// Planners for objects that stand on `footprint`.
     pub fn new(settings: &Settings, styles: &Styles<'_>, footprint: &Region, first_height_mm: f64) -> Self {
         let main = Planner::new(settings.into(), footprint, first_height_mm);
-        let mut used: Vec<usize> = styles.of_object.iter().copied().flatten().collect();
-        used.sort_unstable();
-        used.dedup();
         let other = |style: usize| {
             let mut own = ToolpathSettings::from(&styles.own[style].settings);
             (own.skirt.loops, own.brim.width) = (0, Mm(0.0));
             (style, Planner::new(own, Region::EMPTY, first_height_mm))
         };
-        let others = used.into_iter().map(other).collect();
+        let others = styles.used().into_iter().map(other).collect();
         Self { main, others, of_object: styles.of_object.clone() }
+    }
+
+    /// Fills with patterns that were planned for the whole print.
+    pub fn use_patterns(&mut self, planned: &[Planned]) {
+        for (style, pattern) in planned {
+            let mut planners = self.all().filter(|(number, _)| number == style);
+            if let Some((_, planner)) = planners.next() {
+                planner.use_pattern(pattern.clone());
+            }
+        }
+    }
+
+    /// All planners, with the number of their settings.
+    fn all(&mut self) -> impl Iterator<Item = (Option<usize>, &mut Planner)> {
+        let others = self.others.iter_mut().map(|(style, planner)| (Some(*style), planner));
+        std::iter::once((None, &mut self.main)).chain(others)
     }
 
     /// Takes the skirt around part, brim and more.
@@ -110,16 +143,24 @@ impl Planners {
         let mut chosen: Vec<usize> = (0..SAMPLES).map(|k| last * k / (SAMPLES - 1)).collect();
         chosen.dedup();
         chosen.retain(|&i| i >= first);
-        let of_object = &self.of_object;
-        let calibrate = |planner: &mut Planner, style: Option<usize>| {
+        let of_object = self.of_object.clone();
+        for (style, planner) in self.all() {
             let samples = parallel::map(chosen.len(), |k| {
-                planner.sparse_sample(&part(layer(chosen[k]), of_object, style))
+                planner.sparse_sample(&part(layer(chosen[k]), &of_object, style))
             });
             planner.calibrate(&samples, height_mm);
-        };
-        calibrate(&mut self.main, None);
-        for (style, planner) in &mut self.others {
-            calibrate(planner, Some(*style));
+        }
+    }
+
+    /// Combines the sparse infill of layers where the settings ask for it.
+    pub fn combine<'l>(&mut self, layer: impl Fn(usize) -> PlateLayer<'l> + Sync + Send, layers: usize) {
+        let of_object = self.of_object.clone();
+        for (style, planner) in self.all().filter(|(_, planner)| planner.combines()) {
+            let areas = parallel::map(layers, |i| {
+                let layer = part(layer(i), &of_object, style);
+                (layer.height_mm, planner.sparse_area(&layer))
+            });
+            planner.combine(&areas);
         }
     }
 

@@ -132,6 +132,12 @@ fn amounts(settings: &Settings, check: &mut Check) {
             "nothing is left to print; give at least one of them a value",
         );
     }
+    if infill.combine_layers > 1 && settings.layer.height * 2.0 > settings.printer.nozzle_diameter {
+        check.warn(
+            &["infill.combine_layers", "layer.height", "printer.nozzle_diameter"],
+            "no layers are combined: two of them are higher than the nozzle's bore",
+        );
+    }
     let margin = settings.brim.width + settings.brim.gap + settings.skirt.distance;
     if margin * 2.0 >= settings.bed.size[0] || margin * 2.0 >= settings.bed.size[1] {
         check.error(
