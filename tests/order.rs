@@ -32,6 +32,7 @@ fn costs() -> [Cost; 2] {
         speed_mm_s: 150.0,
         acceleration_mm_s2: 3000.0,
         retract_from_mm: 1.5,
+        retract_inside_from_mm: 4.0,
         retract_s: 0.05,
         ..TravelTime::default()
     };

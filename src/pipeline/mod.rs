@@ -12,7 +12,9 @@ mod paper;
 mod parallel;
 mod print;
 mod reorder;
+mod rounds;
 mod sections;
+mod styles;
 mod supports;
 
 use std::path::Path;

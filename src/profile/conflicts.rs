@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use super::error::{Origin, Problem};
 use super::script::{PrintBounds, expand};
-use super::settings::{BedShape, Settings};
+use super::settings::{BedShape, Sequence, Settings};
 use super::sizes::thumbnail_sizes;
 
 /// What contradicts what, and what is unwise.
@@ -147,6 +147,18 @@ fn amounts(settings: &Settings, check: &mut Check) {
     }
     if settings.raft.layers > 0 && settings.brim.width.0 > 0.0 {
         check.error(&["brim.width", "raft.layers"], "on a raft the part has no brim; set one of them to 0");
+    }
+    if settings.plate.orient && !settings.plate.arrange {
+        check.error(
+            &["plate.orient", "plate.arrange"],
+            "a model that is turned over cannot stay where its file puts it; set one of them to the other value",
+        );
+    }
+    if settings.print.sequence == Sequence::Object && settings.skirt.draft_shield {
+        check.error(
+            &["skirt.draft_shield", "print.sequence"],
+            "a draft shield around all objects would be in the way of the print head; set it to false",
+        );
     }
     let temperature = &settings.temperature;
     if (temperature.nozzle.0 == 0.0) != (temperature.nozzle_first_layer.0 == 0.0) {

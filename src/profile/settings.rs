@@ -133,6 +133,12 @@ choice! {
         Time = "time", }
 }
 choice! {
+    /// What is printed after what.
+    Sequence { /// All objects layer by layer.
+        Layer = "layer", /// One object after the other.
+        Object = "object", }
+}
+choice! {
     /// How long ordering may search.
     Effort { /// At most about 1 ms per 100 paths.
         Fast = "fast", /// The default.
@@ -191,6 +197,30 @@ section! {
         height: Mm = Mm(250.0); 1.0..=5000.0,
         /// Corner or centre.
         origin: BedOrigin = BedOrigin::Corner,
+    }
+}
+section! {
+    /// `[plate]`: how several models share the bed.
+    PlateSettings {
+        /// Least distance between models, beyond what brim, raft and supports take.
+        spacing: Mm = Mm(5.0); 0.0..=200.0,
+        /// Arrange models; without, they stay where their files put them.
+        arrange: bool = true,
+        /// Models may be turned by quarters to fit.
+        turn: bool = false,
+        /// Turn every model onto the side on which it stands firmly and needs the least support.
+        orient: bool = false,
+    }
+}
+section! {
+    /// `[print]`: what is printed after what.
+    PrintSettings {
+        /// Layer by layer, or object by object, the lowest first.
+        sequence: Sequence = Sequence::Layer,
+        /// How far the print head reaches from the nozzle: objects printed one after the other are so far apart.
+        clearance_radius: Mm = Mm(45.0); 1.0..=200.0,
+        /// How far above the nozzle the gantry hangs: no object but the last may be higher.
+        clearance_height: Mm = Mm(20.0); 1.0..=1000.0,
     }
 }
 section! {
@@ -609,6 +639,8 @@ macro_rules! settings {
 settings! {
     printer: PrinterSettings,
     bed: BedSettings,
+    plate: PlateSettings,
+    print: PrintSettings,
     machine: MachineSettings,
     filament: FilamentSettings,
     temperature: TemperatureSettings,

@@ -225,6 +225,11 @@ impl Planner {
         self.line_distance_mm = Some(infill::calibrate(pattern, samples, spacing_mm, density, join));
     }
 
+    /// Whether sparse infill of several layers is combined.
+    pub fn combines(&self) -> bool {
+        self.settings.infill.combine_layers > 1
+    }
+
     /// What sparse infill fills in a layer.
     pub fn sparse_area(&self, layer: &PlateLayer<'_>) -> Region {
         let spec = self.wall_spec(layer);
