@@ -8,7 +8,7 @@ use super::args::{Assignment, ModelArgs, OrderingArgs, SettingArgs, SliceArgs};
 use super::exit::{Exit, Failure};
 use crate::job::{Job, TransformOptions};
 use crate::output::resolve_links;
-use crate::profile::{Override, Resolved, resolve};
+use crate::profile::{Override, Resolved, heights_from_lines, resolve};
 
 /// Everything that `slice` is going to do.
 #[derive(Debug)]
@@ -48,6 +48,7 @@ impl Plan {
             let (key, value) = ("gcode.labels".into(), "true".into());
             shorthands.push(Override { key, value, option: "--labels" });
         }
+        shorthands.extend(modes(args)?);
         Ok(Self { settings: settings(&args.settings, &shorthands)?, tasks })
     }
 }
@@ -102,6 +103,22 @@ pub(super) fn shorthands(order: Option<&String>, args: &OrderingArgs) -> Vec<Ove
     ];
     let given = options.into_iter().filter_map(|(option, key, value)| Some((option, key, value?.clone())));
     given.map(|(option, key, value)| Override { key: key.into(), value, option }).collect()
+}
+
+/// The options that are short for another way to print.
+fn modes(args: &SliceArgs) -> Result<Vec<Override>, Failure> {
+    let mut modes = Vec::new();
+    if args.vase {
+        let (key, value) = ("spiral.enabled".into(), "true".into());
+        modes.push(Override { key, value, option: "--vase" });
+    }
+    if let Some(path) = &args.layer_heights {
+        let wrong = |message: String| Failure::new(Exit::Settings, format!("{}: {message}", path.display()));
+        let text = fs::read_to_string(path).map_err(|error| wrong(error.to_string()))?;
+        let (key, value) = ("layer.heights".into(), heights_from_lines(&text).map_err(wrong)?);
+        modes.push(Override { key, value, option: "--layer-heights" });
+    }
+    Ok(modes)
 }
 
 /// Beside the first model, unless `-o` names a file or a folder.

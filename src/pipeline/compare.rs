@@ -11,7 +11,7 @@ use crate::toolpath::LayerPaths;
 
 use super::ordering::Certificate;
 use super::sections::Sections;
-use super::{load, ordering, parallel, reorder};
+use super::{load, ordering, parallel, reorder, spiral};
 
 /// Plans the layers once and orders them by each strategy. With `job.certify`, bounds are computed as well.
 pub(super) fn compare(
@@ -55,9 +55,10 @@ pub(super) fn is_gcode(path: &Path) -> bool {
 
 /// The layers of a plate.
 fn sliced(job: &Job, settings: &Settings) -> Result<Vec<LayerPaths>, JobError> {
+    let settings = &*spiral::effective(settings);
     let load::Loaded { plate, wishes, .. } = load::plate(job, settings)?;
     let slicer = Slicer::new(&plate, &load::layers(settings));
-    let mut sections = Sections::cut(&slicer, plate.objects.len(), &wishes, settings);
+    let mut sections = Sections::cut(&slicer, plate.objects.len(), &wishes, settings)?;
     if sections.bounds().is_none() {
         return Err(load::nothing_to_print());
     }

@@ -12,6 +12,7 @@ mod parallel;
 mod print;
 mod reorder;
 mod sections;
+mod spiral;
 mod supports;
 
 use std::path::Path;

@@ -8,7 +8,7 @@ use crate::geom::{Bounds, Point};
 use crate::job::{Job, JobError, Progress};
 use crate::mesh::Plate;
 use crate::motion::{self, Entry, MotionSettings};
-use crate::order::{Chain, Pins, SeamRule, Sequence, chunk_len};
+use crate::order::{Chain, Pins, SeamRule, Sequence, Visit, chunk_len};
 use crate::output::Output;
 use crate::profile::{Settings, thumbnail_sizes};
 use crate::report::{LayerSummary, Measures, Summary};
@@ -19,7 +19,7 @@ use crate::view;
 
 use super::ordering::Certificate;
 use super::sections::Sections;
-use super::{load, ordering, parallel};
+use super::{load, ordering, parallel, spiral};
 
 /// Chunks of layers in flight for each thread: enough to keep all busy, few enough to bound the memory.
 const CHUNKS_PER_THREAD: usize = 16;
@@ -31,15 +31,16 @@ pub(super) fn slice(
     output: &mut Output,
     progress: &dyn Progress,
 ) -> Result<Summary, JobError> {
+    let settings = &*spiral::effective(settings);
     let load::Loaded { plate, wishes, mut warnings } = load::plate(job, settings)?;
     let slicer = Slicer::new(&plate, &load::layers(settings));
     let count = slicer.spans().len() + settings.raft.layers as usize;
     progress.begin(count);
-    let mut sections = Sections::cut(&slicer, plate.objects.len(), &wishes, settings);
+    let mut sections = Sections::cut(&slicer, plate.objects.len(), &wishes, settings)?;
     let Some(bounds) = sections.bounds() else {
         return Err(load::nothing_to_print());
     };
-    warnings.extend(sections.warning());
+    warnings.extend(sections.warnings());
 
     let facts = facts(&sections.layers, bounds, settings);
     load::check_height(facts.max_z_mm, settings)?;
@@ -159,7 +160,11 @@ impl Run<'_> {
             parallel::map(layers.len(), |i| self.sections.paths(&self.planner, first + i, self.settings));
         let pins: Vec<Pins> = paths.iter().map(|layer| seam.pins(layer)).collect();
         let start = at.xy.map(|[x, y]| Point::from_mm(x, y));
-        let sequences = ordering::solve(&self.chain, &paths, &pins, chunk, start).sequences;
+        let mut sequences = ordering::solve(&self.chain, &paths, &pins, chunk, start).sequences;
+        // A turn is drawn upwards.
+        for (sequence, _) in sequences.iter_mut().zip(&paths).filter(|(_, layer)| !layer.rises.is_empty()) {
+            *sequence = vec![Visit { item: 0, entry: 0 }];
+        }
         let entries: Vec<Entry> = paths
             .iter()
             .zip(&sequences)

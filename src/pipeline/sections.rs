@@ -2,13 +2,15 @@
 
 use crate::gcode::ObjectLabel;
 use crate::geom::{self, Bounds, Region};
+use crate::job::JobError;
 use crate::mesh::Plate;
 use crate::profile::Settings;
-use crate::slice::{Gaps, Layer, LayerSpan, Slicer};
+use crate::slice::{self, Gaps, Layer, LayerSpan, Slicer};
 use crate::toolpath::support::{self, BeadSpec, Outlines};
 use crate::toolpath::{self, LayerPaths, ObjectLayer, Planner, PlateLayer, Role, Shells};
 
 use super::parallel;
+use super::spiral::Spiral;
 use super::supports::{self, Supports};
 
 /// Layers that sparse infill is calibrated on.
@@ -27,22 +29,40 @@ pub(super) struct Sections {
     places: Vec<Vec<Option<usize>>>,
     shells: Vec<Shells>,
     supports: Option<Supports>,
+    spiral: Option<Spiral>,
 }
 
 impl Sections {
-    pub fn cut(slicer: &Slicer<'_>, objects: usize, wishes: &[Plate; 2], settings: &Settings) -> Self {
+    /// Cuts all layers and plans what depends on several of them.
+    ///
+    /// # Errors
+    /// The plate cannot be printed as one spiral, if that is asked for.
+    pub fn cut(
+        slicer: &Slicer<'_>,
+        objects: usize,
+        wishes: &[Plate; 2],
+        settings: &Settings,
+    ) -> Result<Self, JobError> {
         let cut = parallel::map(slicer.spans().len(), |i| slicer.layer(i));
         let layers = raised(cut, settings);
         let places: Vec<Vec<Option<usize>>> = (0..objects)
             .map(|object| layers.iter().map(|l| l.sections.iter().position(|s| s.object == object)).collect())
             .collect();
         let raft_layers = settings.raft.layers as usize;
-        let mut sections = Self { layers, raft_layers, places, shells: Vec::new(), supports: None };
-        let (top, bottom) = toolpath::shell_layers(&settings.shell, settings.layer.height.0);
+        let spans: Vec<LayerSpan> = layers.iter().map(|layer| layer.span).collect();
+        let heights_mm = slice::heights_mm(&spans, &settings.layer);
+        let (shells, supports, spiral) = (Vec::new(), None, None);
+        let mut sections = Self { layers, raft_layers, places, shells, supports, spiral };
+        if settings.spiral.enabled {
+            // The lowest layer is level in any case: the nozzle cannot begin in the bed.
+            let part_mm = heights_mm.get(raft_layers..).unwrap_or_default();
+            let first = raft_layers + toolpath::bottom_layers(part_mm, &settings.shell).max(1);
+            sections.spiral = Some(Spiral::wind(&sections.layers, objects, first, settings)?);
+        }
         sections.shells = (0..objects)
             .map(|object| {
                 let own: Vec<&Region> = (0..sections.layers.len()).map(|i| sections.of(object, i)).collect();
-                Shells::build(&own, top, bottom, &|n, f| parallel::map(n, f))
+                Shells::build(&own, &heights_mm, &settings.shell, &|n, f| parallel::map(n, f))
             })
             .collect();
         if settings.support.enabled || !wishes[0].meshes.is_empty() {
@@ -50,7 +70,7 @@ impl Sections {
             let part = &sections.layers[raft_layers.min(sections.layers.len())..];
             sections.supports = bounds.map(|bounds| Supports::plan(part, bounds, wishes, settings));
         }
-        sections
+        Ok(sections)
     }
 
     /// An object's section in a layer; nothing above its top.
@@ -77,6 +97,13 @@ impl Sections {
 
     /// All paths of a layer; support comes before what it carries.
     pub fn paths(&self, planner: &Planner, index: usize, settings: &Settings) -> LayerPaths {
+        let turn = self.spiral.as_ref().and_then(|spiral| {
+            let below = index.checked_sub(1).map_or(Region::EMPTY, |below| self.of(0, below));
+            spiral.layer(&self.layers[index].span, self.of(0, index), below)
+        });
+        if let Some(turn) = turn {
+            return turn;
+        }
         let mut layer = planner.layer(&self.plate_layer(index));
         let beads = match (index.checked_sub(self.raft_layers), &self.supports) {
             (None, _) => {
@@ -156,8 +183,13 @@ impl Sections {
         bounds.map(label).collect()
     }
 
-    /// What the user should know of outlines that were not closed.
-    pub fn warning(&self) -> Option<String> {
+    /// What the user should know.
+    pub fn warnings(&self) -> impl Iterator<Item = String> {
+        self.open_outlines().into_iter().chain(self.spiral.as_ref().and_then(|spiral| spiral.warning.clone()))
+    }
+
+    /// Of outlines that were not closed.
+    fn open_outlines(&self) -> Option<String> {
         let mut forced = self.layers.iter().filter(|l| l.gaps.forced > 0);
         let first = forced.next()?;
         Some(format!(
