@@ -6,9 +6,7 @@ use crate::geom::{Region, Ring};
 use crate::job::JobError;
 use crate::profile::Settings;
 use crate::slice::{Layer, LayerSpan};
-use crate::toolpath::{
-    self, Island, LayerPaths, Path, Role, SpiralSpec, Turn, Width,
-};
+use crate::toolpath::{self, Island, LayerPaths, Path, Role, SpiralSpec, Turn, Width};
 use crate::units::Ratio;
 
 use super::parallel;
@@ -41,7 +39,12 @@ impl Spiral {
     ///
     /// # Errors
     /// More than one object is on the plate, or a layer in the middle has no outline to follow.
-    pub fn wind(layers: &[Layer], objects: usize, first: usize, settings: &Settings) -> Result<Self, JobError> {
+    pub fn wind(
+        layers: &[Layer],
+        objects: usize,
+        first: usize,
+        settings: &Settings,
+    ) -> Result<Self, JobError> {
         if objects > 1 {
             return Err(JobError::Input(
                 "one line without a stop prints one object; slice several with --each, or without spiral.enabled"
@@ -113,7 +116,10 @@ fn warning(body: &[Layer], wound: usize, section: &impl Fn(&Layer) -> Region) ->
         ));
     }
     if let Some(tip) = body.get(wound) {
-        parts.push(format!("from {:.2} mm on the model is thinner than the line and left out", tip.span.bottom_mm));
+        parts.push(format!(
+            "from {:.2} mm on the model is thinner than the line and left out",
+            tip.span.bottom_mm
+        ));
     }
     (!parts.is_empty()).then(|| parts.join("; "))
 }

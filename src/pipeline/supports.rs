@@ -100,7 +100,8 @@ impl Supports {
         let count = self.of_layer.len();
         let laid = parallel::map(count, |i| bare(self.outlines(i), i));
         let carried = |i: usize, below: &[Path]| {
-            let near: Vec<Region> = layers[i.saturating_sub(self.stands_on[i])..i].iter().map(section).collect();
+            let near: Vec<Region> =
+                layers[i.saturating_sub(self.stands_on[i])..i].iter().map(section).collect();
             Ground::new(below, &near).carry(laid[i].clone())
         };
         let on_laid = parallel::map(count, |i| match i {

@@ -10,7 +10,10 @@ pub fn layer_heights(text: &str) -> Result<Vec<[f64; 2]>, String> {
         .map(|line| {
             let (from, height) = line.split_once(':')?;
             let [from, height] = [from, height].map(|text| text.trim().parse::<f64>().ok());
-            Some([from.filter(|mm| mm.is_finite() && *mm >= 0.0)?, height.filter(|mm| (0.01..=2.0).contains(mm))?])
+            Some([
+                from.filter(|mm| mm.is_finite() && *mm >= 0.0)?,
+                height.filter(|mm| (0.01..=2.0).contains(mm))?,
+            ])
         })
         .collect();
     table.filter(|table| table.windows(2).all(|w| w[0][0] < w[1][0])).ok_or_else(|| {
@@ -33,10 +36,14 @@ pub fn heights_from_lines(text: &str) -> Result<String, String> {
         }
         let words: Vec<&str> = line.split_whitespace().collect();
         match words.as_slice() {
-            [from, height] if layer_heights(&format!("{from}:{height}")).is_ok() => out.push(format!("{from}:{height}")),
+            [from, height] if layer_heights(&format!("{from}:{height}")).is_ok() => {
+                out.push(format!("{from}:{height}"))
+            }
             _ => {
                 let line = index + 1;
-                return Err(format!("line {line}: a height over the bed and a layer height are expected, such as 10 0.1"));
+                return Err(format!(
+                    "line {line}: a height over the bed and a layer height are expected, such as 10 0.1"
+                ));
             }
         }
     }
@@ -59,7 +66,10 @@ mod tests {
 
     #[test]
     fn a_file_has_a_line_for_each() {
-        assert_eq!(heights_from_lines("# z\theight\n0\t0.2\n10\t0.1 # fine\n").as_deref(), Ok("0:0.2, 10:0.1"));
+        assert_eq!(
+            heights_from_lines("# z\theight\n0\t0.2\n10\t0.1 # fine\n").as_deref(),
+            Ok("0:0.2, 10:0.1")
+        );
         assert!(heights_from_lines("0 0.2\n10\n").unwrap_err().contains("line 2"));
         assert!(heights_from_lines("").is_err() && heights_from_lines("5 0.1\n0 0.2\n").is_err());
     }

@@ -115,7 +115,9 @@ impl Surface {
                 } else if slope * most_mm > limit_mm {
                     // Facets that only touch a slice do not meet it.
                     let cell = |z: f64| ((z.max(0.0) / CELL_MM) as usize).min(cells - 1);
-                    for own in &mut slopes[cell(low + NOISE_MM)..=cell(high - NOISE_MM).max(cell(low + NOISE_MM))] {
+                    for own in
+                        &mut slopes[cell(low + NOISE_MM)..=cell(high - NOISE_MM).max(cell(low + NOISE_MM))]
+                    {
                         *own = own.max(slope as f32);
                     }
                 }
@@ -258,7 +260,8 @@ mod tests {
         let table = [[2.0, 0.1], [4.0, 0.3]];
         let spans = stacked(6.0, 0.3, |z| tabled_mm(&table, 0.2, z));
         for span in &spans[1..] {
-            let expected = [0.2, 0.1, 0.3][usize::from(span.bottom_mm > 1.999) + usize::from(span.bottom_mm > 3.999)];
+            let expected =
+                [0.2, 0.1, 0.3][usize::from(span.bottom_mm > 1.999) + usize::from(span.bottom_mm > 3.999)];
             let shorter = span.height_mm < expected && (span.top_mm - 2.0).abs() < 1e-9;
             assert!((span.height_mm - expected).abs() < 1e-9 || shorter, "{span:?}");
         }

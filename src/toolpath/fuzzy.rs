@@ -23,7 +23,12 @@ pub(super) struct Fuzzy<'a> {
 
 impl<'a> Fuzzy<'a> {
     /// `None`: nothing is rough here. `beneath`: the section of the layer below, `None` on the bed.
-    pub fn new(settings: &'a FuzzySettings, beneath: Option<&Region>, layer: usize, object: u32) -> Option<Self> {
+    pub fn new(
+        settings: &'a FuzzySettings,
+        beneath: Option<&Region>,
+        layer: usize,
+        object: u32,
+    ) -> Option<Self> {
         let beneath = beneath.filter(|_| settings.walls != FuzzyWalls::None && layer > 0)?;
         let seed = (layer as u64) << 32 | u64::from(object);
         Some(Self { settings, beneath: EdgeGrid::new(beneath), seed })

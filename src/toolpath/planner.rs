@@ -4,8 +4,9 @@ use std::ops::RangeInclusive;
 
 use crate::geom::{self, Polygon, Region, Ring};
 use crate::profile::{
-    BridgeSettings, BrimSettings, FirstLayerSettings, FuzzySettings, FuzzyWalls, InfillSettings, IroningSettings, SeamPosition,
-    SeamSettings, Settings, ShellSettings, SkirtSettings, WallOrder, WallSettings,
+    BridgeSettings, BrimSettings, FirstLayerSettings, FuzzySettings, FuzzyWalls, InfillSettings,
+    IroningSettings, SeamPosition, SeamSettings, Settings, ShellSettings, SkirtSettings, WallOrder,
+    WallSettings,
 };
 use crate::units::Mm;
 

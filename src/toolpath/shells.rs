@@ -117,7 +117,8 @@ fn windows(sections: Vec<Region>, ranges: &[Range<usize>], map: Map<'_>) -> Vec<
     // Of as many sections each as there are in `have`, from each at which that many are left.
     let (mut level, mut have) = (sections, 1);
     while have <= longest {
-        let due: Vec<usize> = (0..ranges.len()).filter(|&k| (have..2 * have).contains(&ranges[k].len())).collect();
+        let due: Vec<usize> =
+            (0..ranges.len()).filter(|&k| (have..2 * have).contains(&ranges[k].len())).collect();
         let made = map(due.len(), &|k| {
             let Range { start, end } = ranges[due[k]];
             match end - start {

@@ -12,6 +12,9 @@ const STEP_MM: f64 = 1.0;
 /// Into how many pieces of constant flow the first and the last turn are cut at least.
 const FADE_STEPS: f64 = 64.0;
 
+/// Vertices nearer to each other are one: what is put down between them would round to nothing.
+const CLOSE_MM: f64 = 0.02;
+
 /// Outlines further apart than this many widths are joined by no glide: there is an edge in the surface.
 const GLIDE_WIDTHS: f64 = 2.0;
 
@@ -56,7 +59,8 @@ pub fn outline(section: &Region, width_mm: f64) -> Option<Ring> {
 /// Makes each outline begin at the point that is nearest to where the one below it begins, the first one rearmost.
 /// O(vertices).
 pub fn align(outlines: &mut [Ring]) {
-    let Some(mut at) = outlines.first().and_then(|ring| ring.iter().copied().max_by_key(|p| (p.y, -p.x))) else {
+    let Some(mut at) = outlines.first().and_then(|ring| ring.iter().copied().max_by_key(|p| (p.y, -p.x)))
+    else {
         return;
     };
     for ring in outlines {
@@ -125,11 +129,19 @@ impl Turn {
     }
 
     fn push(&mut self, point: Point, rise: Rise) {
-        if self.points.last() != Some(&point) {
-            self.points.push(point);
-            self.rises.push(rise);
-        } else if let Some(last) = self.rises.last_mut() {
-            *last = rise;
+        match self.rises.last_mut() {
+            Some(last)
+                if self
+                    .points
+                    .last()
+                    .is_some_and(|p| square(*p - point).sqrt() < CLOSE_MM * UNITS_PER_MM) =>
+            {
+                *last = rise;
+            }
+            _ => {
+                self.points.push(point);
+                self.rises.push(rise);
+            }
         }
     }
 }
@@ -222,7 +234,8 @@ mod tests {
 
     #[test]
     fn a_prism_keeps_its_corners_and_its_start() {
-        let square: Ring = [(0.0, 0.0), (9.0, 0.0), (9.0, 9.0), (0.0, 9.0)].map(|(x, y)| Point::from_mm(x, y)).into();
+        let square: Ring =
+            [(0.0, 0.0), (9.0, 0.0), (9.0, 9.0), (0.0, 9.0)].map(|(x, y)| Point::from_mm(x, y)).into();
         let mut rings = vec![square.clone(), square];
         align(&mut rings);
         assert_eq!(rings[0], rings[1]);

@@ -267,7 +267,8 @@ mod tests {
         let marked = "; layer_height = 9\nG1 X1\n; prusaslicer_config = begin\n; layer_height = 0.2\n\
                       ; perimeters = 2\n; prusaslicer_config = end\n; perimeters = 7\n";
         assert_eq!(read(marked).unwrap().number("perimeters"), Some(2.0));
-        let slic3r = "; perimeters = 7\nG1 X1\n; filament used = 3mm\n; layer_height = 0.2\n; perimeters = 3\n";
+        let slic3r =
+            "; perimeters = 7\nG1 X1\n; filament used = 3mm\n; layer_height = 0.2\n; perimeters = 3\n";
         assert_eq!(read(slic3r).unwrap().number("perimeters"), Some(3.0));
         assert!(read("G1 X1\n;LAYER:1\n").is_err());
     }

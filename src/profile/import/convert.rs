@@ -682,7 +682,9 @@ fn scripts(config: &Config, keys: [&str; 2]) -> Outcome {
         let Some(text) = config.text(key) else { continue };
         match script::translate(text, config) {
             Ok(text) => out += &text,
-            Err(reason) => return Left(format!("{key}: {reason}; the script of the profile before it stays")),
+            Err(reason) => {
+                return Left(format!("{key}: {reason}; the script of the profile before it stays"));
+            }
         }
     }
     if out.is_empty() { Idle } else { word(&out) }

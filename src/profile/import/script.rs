@@ -243,7 +243,8 @@ mod tests {
 
     #[test]
     fn placeholders_become_ours() {
-        let script = "M104 S{first_layer_temperature[0]}\\nM190 S[first_layer_bed_temperature]\\nG1 Z[layer_height]";
+        let script =
+            "M104 S{first_layer_temperature[0]}\\nM190 S[first_layer_bed_temperature]\\nG1 Z[layer_height]";
         let ours = "M104 S{nozzle_temp}\nM190 S{bed_temp}\nG1 Z{layer_height}\n";
         assert_eq!(translated(script).as_deref(), Ok(ours));
     }
@@ -265,7 +266,8 @@ mod tests {
 
     #[test]
     fn what_depends_on_the_print_is_refused_whole() {
-        for script in ["M84\\n{if layer_z < 10}G1{endif}", "G1 Z{max_layer_z + 2}", "G1 X[unknown]", "G1 {x"] {
+        for script in ["M84\\n{if layer_z < 10}G1{endif}", "G1 Z{max_layer_z + 2}", "G1 X[unknown]", "G1 {x"]
+        {
             assert!(translated(script).is_err(), "{script}");
         }
         assert!(translated("G28\\nG1 Z{max_layer_z + 2}").unwrap_err().contains("line 2"));
