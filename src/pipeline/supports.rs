@@ -176,3 +176,15 @@ fn lowered(layers: &[Layer]) -> Vec<LayerSpan> {
     };
     layers.iter().enumerate().map(low).collect()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_distance_is_kept_by_as_many_layers_as_it_takes() {
+        assert_eq!(gap_layers(&[0.2, 0.1, 0.1], 0.2), 2);
+        assert_eq!(gap_layers(&[0.1, 0.1, 0.28], 0.2), 1);
+        assert_eq!((gap_layers(&[0.2; 9], 0.3), gap_layers(&[0.2; 9], 0.0), gap_layers(&[], 0.3)), (2, 0, 0));
+    }
+}

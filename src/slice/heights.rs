@@ -142,7 +142,8 @@ impl Surface {
                 layer_mm = layer_mm.min((self.limit_mm / f64::from(slope)).max(below_mm));
             }
         }
-        let whole = |mm: f64| ((bottom_mm + mm + NOISE_MM) / CELL_MM).floor() * CELL_MM - bottom_mm;
+        // Whole slices, but for the rounding of their number.
+        let whole = |mm: f64| ((bottom_mm + mm) / CELL_MM + 1e-6).floor() * CELL_MM - bottom_mm;
         let layer_mm = whole(layer_mm).max(self.least_mm);
         self.to_level(bottom_mm, layer_mm)
     }

@@ -298,7 +298,7 @@ pub(super) fn pattern(config: &Config) -> Outcome {
     let ours = match theirs {
         "alignedrectilinear" => "aligned-rectilinear",
         "stars" => "tri-hexagon",
-        "3dhoneycomb" => "honeycomb-3d",
+        "3dhoneycomb" => "3d-honeycomb",
         "hilbertcurve" => "hilbert",
         "adaptivecubic" => "adaptive-cubic",
         same => same,

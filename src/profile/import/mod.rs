@@ -148,13 +148,14 @@ fn unknown(key: &str, config: &Config) -> Option<String> {
     };
     let elements = || value.split(',').map(str::trim);
     let is = |values: &[&str]| elements().all(|element| values.contains(&element.trim_matches('"')));
+    let off = ["0", "none", "nowhere", "disabled", "false"];
     let Some((_, idle)) = IDLE.iter().find(|(pattern, _)| matches(pattern)) else {
         return Some("there is no such setting".into());
     };
     match idle {
         Idle::Always => None,
         Idle::At(values) if is(values) => None,
-        Idle::Without(other) if config.flag(other) != Some(true) => None,
+        Idle::Without(other) if config.first(other).is_none_or(|text| off.contains(&text)) => None,
         Idle::Like(other) if config.text(other) == Some(value) => None,
         Idle::At(_) | Idle::Without(_) | Idle::Like(_) => Some("there is no such setting".into()),
     }

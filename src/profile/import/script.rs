@@ -63,6 +63,8 @@ pub(super) fn translate(written: &str, config: &Config) -> Result<String, String
             let inside = bracketed(from, close);
             let Some(inside) = inside else {
                 if made.contains(';') {
+                    made.truncate(made.find(';').unwrap_or_default());
+                    rest = "";
                     break;
                 }
                 return Err(fail("has a bracket that does not close".into()));
@@ -85,10 +87,12 @@ pub(super) fn translate(written: &str, config: &Config) -> Result<String, String
         if open.iter().all(|branch| branch.0) {
             made += rest;
         }
-        let made = made.trim_end();
-        if made.contains(['{', '}']) && made.matches('{').count() != made.matches('}').count() {
+        let is_paired = |text: &str| text.matches('{').count() == text.matches('}').count();
+        let code = made.split(';').next().unwrap_or_default();
+        if !is_paired(code) {
             return Err(fail("has a single brace".into()));
         }
+        let made = if is_paired(&made) { made.trim_end() } else { code.trim_end() };
         if !(made.is_empty() && (only_conditions || !open.is_empty())) {
             out += made;
             out.push('\n');
@@ -275,7 +279,7 @@ mod tests {
 
     #[test]
     fn comments_cannot_spoil_a_script() {
-        assert_eq!(translated("G28 ; at {day}\\n;{x\\n").as_deref(), Ok("G28\n;\n"));
+        assert_eq!(translated("G28 ; at {day}\\n;{x\\nM84 ; }").as_deref(), Ok("G28\n\nM84\n"));
     }
 
     #[test]
