@@ -334,7 +334,7 @@ fn another_slicers_configuration_is_a_profile_whose_lines_are_the_origins() {
                 start_gcode = M104 S{first_layer_temperature[0]}\\nG28\nbetween_objects_gcode = M117\n\
                 complete_objects = 1\n";
     let path = file(&folder, "config.ini", text);
-    let resolved = resolve(&[path.clone()], &[]).unwrap_or_else(|error| panic!("{error}"));
+    let resolved = resolve(std::slice::from_ref(&path), &[]).unwrap_or_else(|error| panic!("{error}"));
     let s = &resolved.settings;
     assert_eq!((s.layer.height.0, s.walls.count, s.bed.size[0].0), (0.1, 4, 220.0));
     assert_eq!((s.speed.external_perimeter.0, s.gcode.start.as_str()), (30.0, "M104 S{nozzle_temp}\nG28\n"));

@@ -36,7 +36,10 @@ pub(super) fn row(row: &Row, config: &Config) -> Outcome {
 /// The first of their keys that is set, as it is.
 fn same(row: &Row, config: &Config) -> Option<Outcome> {
     let key = row.theirs.iter().find(|key| config.text(key).is_some())?;
-    let value = match schema::field(row.ours)?.kind {
+    let field = schema::field(row.ours)?;
+    let value = match field.kind {
+        // Factors may be written as percentages.
+        Kind::Number if field.unit.is_empty() => return Some(known(config.number_of(key, Some(1.0)))),
         Kind::Number => Value::Float(config.number(key)?),
         Kind::Count => Value::Integer(config.number(key)? as i64),
         Kind::Share => return share(config, key),
@@ -342,30 +345,36 @@ pub(super) fn first_speed(config: &Config) -> Outcome {
     }
 }
 
-/// The acceleration of most moves: the one asked for, or else the machine's own for them.
-fn acceleration_of(config: &Config, own: &str, limit: &str) -> Option<f64> {
-    let set = |key: &str| config.number(key).filter(|a| *a > 0.0);
-    set(own).or_else(|| set("default_acceleration")).or_else(|| set(limit))
+/// The acceleration of most moves: the first of these keys that is not 0, or else the machine's own for them; a
+/// percentage is of the default one.
+fn acceleration_of(config: &Config, own: &[&str], limit: &str) -> Outcome {
+    let default = config.number("default_acceleration");
+    for &key in own.iter().chain(&["default_acceleration", limit]) {
+        match config.first(key).map(|_| config.number_of(key, default)) {
+            Some(Some(acceleration)) if acceleration > 0.0 => return number(acceleration),
+            Some(None) => return known(None),
+            _ => {}
+        }
+    }
+    Idle
 }
 
 const EXTRUDING: &str = "machine_max_acceleration_extruding";
 
 pub(super) fn acceleration(config: &Config) -> Outcome {
-    acceleration_of(config, "default_acceleration", EXTRUDING).map_or(Idle, number)
+    acceleration_of(config, &[], EXTRUDING)
 }
 
 pub(super) fn external_acceleration(config: &Config) -> Outcome {
-    let own = ["external_perimeter_acceleration", "perimeter_acceleration"];
-    let own = own.into_iter().find(|key| config.number(key).is_some_and(|a| a > 0.0)).unwrap_or_default();
-    acceleration_of(config, own, EXTRUDING).map_or(Idle, number)
+    acceleration_of(config, &["external_perimeter_acceleration", "perimeter_acceleration"], EXTRUDING)
 }
 
 pub(super) fn first_acceleration(config: &Config) -> Outcome {
-    acceleration_of(config, "first_layer_acceleration", EXTRUDING).map_or(Idle, number)
+    acceleration_of(config, &["first_layer_acceleration"], EXTRUDING)
 }
 
 pub(super) fn travel_acceleration(config: &Config) -> Outcome {
-    acceleration_of(config, "travel_acceleration", "machine_max_acceleration_travel").map_or(Idle, number)
+    acceleration_of(config, &["travel_acceleration"], "machine_max_acceleration_travel")
 }
 
 /// From filament to the way of a bead on the first layer.

@@ -229,6 +229,16 @@ mod tests {
     }
 
     #[test]
+    fn accelerations_of_0_are_the_default_one_and_that_the_machines() {
+        let machine = "machine_max_acceleration_extruding = 1500\ntravel_acceleration = 0\n";
+        assert_eq!(value(machine, "acceleration.travel"), None, "what the machine has is not stated");
+        assert_eq!(value(machine, "acceleration.default"), Some(Value::Float(1500.0)));
+        let relative = "default_acceleration = 1000\nperimeter_acceleration = 50%\nbridge_flow_ratio = 95%\n";
+        assert_eq!(value(relative, "acceleration.external_perimeter"), Some(Value::Float(500.0)));
+        assert_eq!(value(relative, "bridge.flow"), Some(Value::Float(0.95)));
+    }
+
+    #[test]
     fn widths_fall_back_on_the_common_one() {
         let widths = "nozzle_diameter = 0.4\nlayer_height = 0.2\nextrusion_width = 0.5\n\
                       perimeter_extrusion_width = 0\ninfill_extrusion_width = 200%\n";
