@@ -359,6 +359,19 @@ fn a_script_that_is_not_understood_is_left_out_whole() {
     assert!(profile::text(&path).unwrap().contains("line 2 of it holds {max_layer_z + 2}"));
 }
 
+/// Configurations at the end of other slicers' G-code, as they are when everything is left at its default.
+#[test]
+fn whole_configurations_in_gcode_resolve() {
+    for name in ["prusaslicer-2.9.2_ctrlV_3D_test", "slic3r-1.3.0_ctrlV_3D_test"] {
+        let path = format!("{}/../shared/gcode/{name}.gcode", env!("CARGO_MANIFEST_DIR"));
+        if std::path::Path::new(&path).exists() {
+            let s = settings(&["standard-job", &path], &[]);
+            assert_eq!((s.layer.height.0, s.walls.count, s.infill.density.0), (0.2, 2, 0.2), "{name}");
+            assert_eq!(s.cooling.full_fan_layer, s.cooling.fan_off_layers, "{name}");
+        }
+    }
+}
+
 #[test]
 fn what_is_no_configuration_is_refused() {
     let folder = tempfile::tempdir().unwrap();

@@ -12,6 +12,9 @@ const STEP_MM: f64 = 1.0;
 /// Into how many pieces of constant flow the first and the last turn are cut at least.
 const FADE_STEPS: f64 = 64.0;
 
+/// Share of a full line that swelling begins and fading ends with: less is not put down on short pieces.
+const LEAST_FLOW: f64 = 1.0 / 128.0;
+
 /// Vertices nearer to each other are one: what is put down between them would round to nothing.
 const CLOSE_MM: f64 = 0.02;
 
@@ -91,58 +94,52 @@ pub fn turn(outline: &[Point], below: Option<&[Point]>, height_mm: f64, spec: &S
         (Some(_), _) => STEP_MM,
         (None, _) => f64::INFINITY,
     };
-    let mut turn = Turn::default();
-    let rise = |share: f64| Rise {
-        below_mm: (1.0 - share).max(0.0) * height_mm,
-        flow: if first { share.min(1.0) } else { 1.0 },
-    };
-    if let Some(end) = below.and_then(|below| below.first()) {
-        turn.push(*end, rise(0.0));
-    }
-    for (share, point) in steps(outline, length_mm, step_mm) {
-        let point = glide.as_ref().map_or(point, |glide| glide.at(point, share));
-        turn.push(point, rise(share));
-    }
-    // Whatever the rounding, it ends where the next begins.
-    if let (Some(last), Some(end)) = (turn.points.last_mut(), outline.first()) {
-        *last = *end;
-    }
-    turn
+    let joint = below.and_then(|below| below.first().copied());
+    let on_way = steps(outline, length_mm, step_mm).into_iter();
+    let mut points: Vec<Point> = joint.into_iter().collect();
+    points.extend(on_way.map(|(share, p)| glide.as_ref().map_or(p, |glide| glide.at(p, share))));
+    Turn::along(&points, |share| Rise {
+        below_mm: (1.0 - share) * height_mm,
+        flow: if first { share.max(LEAST_FLOW) } else { 1.0 },
+    })
 }
 
 /// The turn that levels the top: once more along the last outline, at its height, the line fading to nothing.
 pub fn level(outline: &[Point]) -> Turn {
     let length_mm = geom::ring_length_mm(outline).max(f64::MIN_POSITIVE);
-    let mut turn = Turn::default();
-    for (share, point) in steps(outline, length_mm, length_mm / FADE_STEPS) {
-        turn.push(point, Rise { below_mm: 0.0, flow: (1.0 - share).max(0.0) });
-    }
-    turn
+    let points: Vec<Point> =
+        steps(outline, length_mm, length_mm / FADE_STEPS).into_iter().map(|(_, point)| point).collect();
+    Turn::along(&points, |share| Rise { below_mm: 0.0, flow: (1.0 - share).max(LEAST_FLOW) })
 }
 
 impl Turn {
     /// Goes on with another turn from where this one ends.
     pub fn extend(&mut self, other: Self) {
-        for (point, rise) in other.points.into_iter().zip(other.rises) {
-            self.push(point, rise);
-        }
+        self.points.extend(other.points.into_iter().skip(1));
+        self.rises.extend(other.rises.into_iter().skip(1));
     }
 
-    fn push(&mut self, point: Point, rise: Rise) {
-        match self.rises.last_mut() {
-            Some(last)
-                if self
-                    .points
-                    .last()
-                    .is_some_and(|p| square(*p - point).sqrt() < CLOSE_MM * UNITS_PER_MM) =>
-            {
-                *last = rise;
-            }
-            _ => {
-                self.points.push(point);
-                self.rises.push(rise);
+    /// A line through points, those that are close left out but for the ends, that rises evenly: `rise` says what holds
+    /// at a share of its way.
+    fn along(points: &[Point], rise: impl Fn(f64) -> Rise) -> Self {
+        let mut kept: Vec<Point> = points.first().copied().into_iter().collect();
+        let mm = |a: Point, b: Point| square(a - b).sqrt() / UNITS_PER_MM;
+        for &point in points {
+            if kept.last().is_some_and(|last| mm(*last, point) >= CLOSE_MM) {
+                kept.push(point);
             }
         }
+        if let (Some(end), true) = (points.last(), kept.len() > 1) {
+            kept.pop();
+            kept.push(*end);
+        }
+        let ways = kept.windows(2).scan(0.0, |way_mm, w| {
+            *way_mm += mm(w[0], w[1]);
+            Some(*way_mm)
+        });
+        let ways: Vec<f64> = std::iter::once(0.0).chain(ways).collect();
+        let whole_mm = ways.last().copied().unwrap_or_default().max(f64::MIN_POSITIVE);
+        Self { points: kept, rises: ways.iter().map(|way_mm| rise(way_mm / whole_mm)).collect() }
     }
 }
 

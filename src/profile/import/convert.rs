@@ -643,6 +643,12 @@ pub(super) fn fan(config: &Config) -> Outcome {
     }
 }
 
+pub(super) fn full_fan_layer(config: &Config) -> Outcome {
+    let layers = ["full_fan_speed_layer", "disable_fan_first_layers"].map(|key| config.number(key));
+    let last = layers.into_iter().flatten().reduce(f64::max);
+    last.map_or_else(|| known(None), |layer| Outcome::Value(Value::Integer(layer as i64)))
+}
+
 pub(super) fn bridge_fan(config: &Config) -> Outcome {
     known(config.number("bridge_fan_speed").map(|percent| percent / 100.0))
 }

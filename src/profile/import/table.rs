@@ -334,7 +334,12 @@ pub(super) const ROWS: &[Row] = &[
         c::fan,
     ),
     same("cooling.fan_off_layers", &["disable_fan_first_layers"]),
-    same("cooling.full_fan_layer", &["full_fan_speed_layer"]),
+    with(
+        "cooling.full_fan_layer",
+        &["full_fan_speed_layer", "disable_fan_first_layers"],
+        "not below `disable_fan_first_layers`",
+        c::full_fan_layer,
+    ),
     with("cooling.bridge_fan", &["bridge_fan_speed"], "percent", c::bridge_fan),
     with(
         "cooling.overhang_fan",
