@@ -5,14 +5,17 @@
 //! layers), and their bytes go out in order.
 
 mod compare;
+mod infill;
 mod load;
 mod ordering;
 mod paper;
 mod parallel;
 mod print;
 mod reorder;
+mod rounds;
 mod sections;
 mod spiral;
+mod styles;
 mod supports;
 
 use std::path::Path;

@@ -11,6 +11,7 @@ mod path;
 mod planner;
 mod shells;
 mod spiral;
+mod stacks;
 pub mod support;
 mod walls;
 

@@ -19,6 +19,9 @@ const AUTO_HEIGHT: f64 = 0.75;
 /// Share of the travel speed at which wipes are made.
 const WIPE_SPEED: f64 = 0.8;
 
+/// Anchors that are not limited are this long.
+const LONGEST_ANCHOR_MM: f64 = 100.0;
+
 /// No limit, for lengths.
 const ANY_MM: f64 = 10_000.0;
 
@@ -45,7 +48,7 @@ fn same(row: &Row, config: &Config) -> Option<Outcome> {
         Kind::Share => return share(config, key),
         Kind::Flag => Value::Boolean(config.flag(key)?),
         Kind::Text => Value::String(config.text(key)?.split(';').next()?.trim_matches('"').to_owned()),
-        Kind::Choice(_) | Kind::Numbers(_) => return None,
+        _ => return None,
     };
     Some(Outcome::Value(value))
 }
@@ -321,6 +324,16 @@ pub(super) fn overlap(config: &Config) -> Outcome {
 
 pub(super) fn connect(config: &Config) -> Outcome {
     flag(config.number_of("infill_anchor_max", Some(1.0)) != Some(0.0))
+}
+
+pub(super) fn anchor(config: &Config) -> Outcome {
+    let width_mm = width_mm(config, "infill_extrusion_width");
+    let most_mm = config.number_of("infill_anchor_max", width_mm).unwrap_or(LONGEST_ANCHOR_MM);
+    known(config.number_of("infill_anchor", width_mm).map(|mm| mm.min(most_mm).min(LONGEST_ANCHOR_MM)))
+}
+
+pub(super) fn sequence(config: &Config) -> Outcome {
+    word(if config.flag("complete_objects") == Some(true) { "object" } else { "layer" })
 }
 
 pub(super) fn fuzzy_walls(config: &Config) -> Outcome {
