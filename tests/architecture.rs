@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 /// The modules of the crate, each before those that may use it.
 const ORDER: &[&str] = &[
     "units", "profile", "geom", "mesh", "slice", "toolpath", "order", "motion", "estimate", "gcode",
-    "reorder", "report", "view", "output", "job", "pipeline", "cli",
+    "reorder", "report", "check", "view", "output", "job", "pipeline", "cli",
 ];
 
 fn sources(folder: &Path, out: &mut Vec<PathBuf>) {

@@ -38,6 +38,7 @@ pub(super) enum Command {
     View(Box<ViewArgs>),
     Info(InfoArgs),
     Time(TimeArgs),
+    Check(CheckArgs),
     Profiles(ProfilesArgs),
     /// Print a completion script for a shell
     Completions {
@@ -366,6 +367,33 @@ pub(super) struct TimeArgs {
     /// Print JSON, one line for each file
     #[arg(long)]
     pub json: bool,
+}
+
+/// Check G-code of any slicer before it is printed
+///
+/// Tells every fault with its line, layer and severity, and ends with code 7 if one is an error. With --model the print
+/// is compared with its model too: islands that are missing, material outside, beads over air, volume.
+#[derive(Debug, Args)]
+#[command(after_help = EXIT_CODES)]
+pub(super) struct CheckArgs {
+    /// G-code files; - for standard input
+    #[arg(required = true, value_name = "FILE", value_hint = ValueHint::FilePath)]
+    pub files: Vec<PathBuf>,
+
+    /// The one model that was printed, in one copy, neither turned nor scaled
+    #[arg(long, value_name = "MODEL", value_hint = ValueHint::FilePath)]
+    pub model: Option<PathBuf>,
+
+    #[command(flatten)]
+    pub settings: SettingArgs,
+
+    /// Print JSON, one line for each file
+    #[arg(long)]
+    pub json: bool,
+
+    /// Print nothing; the exit code tells
+    #[arg(short, long, conflicts_with = "json")]
+    pub quiet: bool,
 }
 
 /// Show profiles and settings
