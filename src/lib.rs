@@ -12,6 +12,7 @@ pub mod estimate;
 pub mod gcode;
 pub mod geom;
 pub mod job;
+pub mod limits;
 pub mod mesh;
 pub mod motion;
 pub mod order;

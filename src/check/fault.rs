@@ -82,3 +82,11 @@ kinds! {
     NotPlaced, Warning, "not-placed", "the model is not found in the print";
     NoTemperature, Note, "no-temperature", "the file itself does not heat the nozzle";
 }
+
+impl Kind {
+    /// Whether it can lie in how beads and travels are laid. Other faults come from scripts and settings, which are
+    /// the user's.
+    pub fn is_of_paths(self) -> bool {
+        self.severity() == Severity::Error && self != Kind::ColdExtrusion
+    }
+}

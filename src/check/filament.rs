@@ -11,6 +11,9 @@ const SLACK_MM: f64 = 1e-3;
 /// A bead on which amounts and lengths are rounded says little about the flow.
 const SHORTEST_MM: f64 = 0.2;
 
+/// No hot end is known more exactly than this. Rounding, and beads that widen, take up to a percent.
+const FLOW_SLACK: f64 = 1.05;
+
 /// Follows the filament.
 pub(super) struct Filament {
     /// What is pushed forward beyond what was pulled back, on purpose.
@@ -67,8 +70,7 @@ impl Filament {
         }
         let flow = bead.fresh_mm3(self.area_mm2) * self.flow * speed / bead.xy_mm;
         let max_flow = self.max_flow;
-        // A percent, and what rounding to micrometres makes of the length.
-        if flow > max_flow * (1.01 + 0.002 / bead.xy_mm) {
+        if flow > max_flow * FLOW_SLACK {
             seen.fault(found, Kind::Flow, || format!("{flow:.1} mm³/s; {max_flow} are melted"));
         }
     }

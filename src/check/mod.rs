@@ -35,6 +35,9 @@ pub struct Checker {
     reader: Reader,
     rules: Vec<Box<dyn Rule>>,
     found: Found,
+    /// Whether scripts are looked at as well; if not, what they do wrong is put aside.
+    scripts: bool,
+    aside: Found,
     begun: bool,
     located: bool,
     /// What G92 has moved the file's zero by.
@@ -61,6 +64,8 @@ impl Checker {
                 Box::new(precision::Precision::default()),
             ],
             found: Found::default(),
+            scripts: true,
+            aside: Found::default(),
             begun: false,
             located: false,
             zero_mm: [0.0; 3],
@@ -69,6 +74,11 @@ impl Checker {
             moves: 0,
             layers: 0,
         }
+    }
+
+    /// A checker that finds no fault with scripts: with what is of no role that is known.
+    pub fn of_paths(settings: &Settings) -> Self {
+        Self { scripts: false, ..Self::new(settings) }
     }
 
     /// Takes up the lines of a text, which goes on where the last one ended. It ends with a whole line.
@@ -107,8 +117,10 @@ impl Checker {
             begun: self.begun,
             located: self.located,
         };
+        let judged = self.scripts || read.context.role.is_some();
+        let found = if judged { &mut self.found } else { &mut self.aside };
         for rule in &mut self.rules {
-            rule.see(&seen, &mut self.found);
+            rule.see(&seen, found);
         }
         if matches!(action, Action::Stroke(stroke) if stroke.xy_mm > 0.0) {
             self.located = true;

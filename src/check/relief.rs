@@ -10,6 +10,7 @@ const MOST_CELLS: f64 = 4e6;
 pub(super) struct Relief {
     low: [f64; 2],
     cell_mm: f64,
+    cells_per_mm: f64,
     columns: usize,
     rows: usize,
     /// Top of what lies in each cell, mm; minus infinity where nothing does.
@@ -24,7 +25,8 @@ impl Relief {
         let cell_mm = cell_mm.max((width * depth / MOST_CELLS).sqrt());
         let [columns, rows] = [width, depth].map(|mm| (mm / cell_mm).ceil() as usize);
         let tops_mm = vec![f32::NEG_INFINITY; columns * rows];
-        Self { low, cell_mm, columns, rows, tops_mm, highest_mm: f64::NEG_INFINITY }
+        let cells_per_mm = cell_mm.recip();
+        Self { low, cell_mm, cells_per_mm, columns, rows, tops_mm, highest_mm: f64::NEG_INFINITY }
     }
 
     /// Side of a cell.
@@ -33,7 +35,7 @@ impl Relief {
     }
 
     fn index(&self, x: f64, y: f64) -> Option<usize> {
-        let (column, row) = ((x - self.low[0]) / self.cell_mm, (y - self.low[1]) / self.cell_mm);
+        let (column, row) = ((x - self.low[0]) * self.cells_per_mm, (y - self.low[1]) * self.cells_per_mm);
         let inside = column >= 0.0 && row >= 0.0 && column < self.columns as f64 && row < self.rows as f64;
         inside.then(|| row as usize * self.columns + column as usize)
     }
@@ -55,9 +57,18 @@ impl Relief {
     /// Raises the cells under a bead's middle line.
     pub fn lay(&mut self, bead: &Stroke) {
         let count = self.places(bead);
-        for i in 0..=count {
-            let [x, y, z] = bead.at(f64::from(i) / f64::from(count));
-            self.raise(x, y, z);
+        if bead.arc.is_some() {
+            for i in 0..=count {
+                let [x, y, z] = bead.at(f64::from(i) / f64::from(count));
+                self.raise(x, y, z);
+            }
+            return;
+        }
+        let step = [0, 1, 2].map(|i| (bead.to[i] - bead.from[i]) / f64::from(count));
+        let mut at = bead.from;
+        for _ in 0..=count {
+            self.raise(at[0], at[1], at[2]);
+            at = [at[0] + step[0], at[1] + step[1], at[2] + step[2]];
         }
     }
 

@@ -69,10 +69,12 @@ impl Found {
         self.faults
     }
 
-    /// The first error, in words; nothing if there is none.
-    pub fn first_error(&self) -> Option<String> {
-        let errors = self.faults.iter().filter(|fault| fault.severity == Severity::Error);
-        let first = errors.min_by_key(|fault| fault.first.first().map_or(0, |place| place.line))?;
+    /// The first fault of a path, in words, that is of another kind than those of another file; nothing if there is
+    /// none.
+    pub fn first_of_paths(&self, but: &Found) -> Option<String> {
+        let known = |kind: Kind| but.faults.iter().any(|fault| fault.kind == kind);
+        let faults = self.faults.iter().filter(|fault| fault.kind.is_of_paths() && !known(fault.kind));
+        let first = faults.min_by_key(|fault| fault.first.first().map_or(0, |place| place.line))?;
         let place = first.first.first()?;
         Some(format!("line {}: {}: {}", place.line, first.kind.text(), place.detail))
     }

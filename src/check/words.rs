@@ -111,7 +111,7 @@ impl Rule for Words {
                 seen.fault(found, Kind::BadFeedRate, || seen.text());
             }
             if stroke.arc.is_some() && !sound_arc(stroke, seen) {
-                seen.fault(found, Kind::Malformed, || format!("an arc without a centre: {}", seen.text()));
+                seen.fault(found, Kind::Malformed, || format!("no arc around that centre: {}", seen.text()));
             }
         }
     }

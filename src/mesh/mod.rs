@@ -16,6 +16,7 @@ mod stl;
 mod transform;
 mod weld;
 
+use std::io::Read;
 use std::path::Path;
 
 pub use error::{MeshError, Place};
@@ -25,6 +26,7 @@ pub use transform::{Transform, TransformError};
 
 pub(crate) use edges::NO_TWIN;
 
+use crate::limits;
 use edges::Edges;
 
 /// A surface of triangles over shared vertices.
@@ -113,7 +115,21 @@ fn facet_measures(corners: [[f64; 3]; 3], apex: [f64; 3]) -> (f64, f64) {
 /// # Errors
 /// See [`MeshError`]: the file cannot be read, is no STL, ends early, or holds nothing that has a volume.
 pub fn load(path: &Path) -> Result<(Mesh, MeshReport), MeshError> {
-    let data = std::fs::read(path).map_err(|source| MeshError::Read { path: path.to_path_buf(), source })?;
+    let failed = |source| MeshError::Read { path: path.to_path_buf(), source };
+    let too_large = |problem| MeshError::TooLarge { path: path.to_path_buf(), problem };
+    let file = std::fs::File::open(path).map_err(failed)?;
+    let check = |bytes: u64| {
+        if bytes > limits::MODEL_BYTES {
+            return Err(too_large(format!("the file has more than {} GB", limits::MODEL_BYTES >> 30)));
+        }
+        limits::room(bytes.saturating_mul(limits::BYTES_PER_BYTE)).map_err(too_large)
+    };
+    let length = file.metadata().map_err(failed)?.len();
+    check(length)?;
+    let mut data = Vec::with_capacity(usize::try_from(length).unwrap_or(0));
+    // A pipe does not tell its length.
+    file.take(limits::MODEL_BYTES + 1).read_to_end(&mut data).map_err(failed)?;
+    check(data.len() as u64)?;
     from_bytes(path, &data)
 }
 
@@ -123,6 +139,10 @@ pub fn load(path: &Path) -> Result<(Mesh, MeshReport), MeshError> {
 /// As [`load`].
 pub fn from_bytes(path: &Path, data: &[u8]) -> Result<(Mesh, MeshReport), MeshError> {
     let stl::Reading { soup, format, facets, notes } = stl::read(path, data)?;
+    if facets > limits::FACETS {
+        let problem = format!("{facets} facets; at most {} are read", limits::FACETS);
+        return Err(MeshError::TooLarge { path: path.to_path_buf(), problem });
+    }
     if facets == 0 {
         return Err(MeshError::NoFacets { path: path.to_path_buf() });
     }

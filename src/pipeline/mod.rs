@@ -5,6 +5,7 @@
 //! layers), and their bytes go out in order.
 
 mod compare;
+mod inspect;
 mod load;
 mod ordering;
 mod paper;

@@ -46,6 +46,7 @@ pub(super) fn compare(
         ground,
         layer: None,
         way: Way::default(),
+        last: (1, None),
         model,
         found,
     };
@@ -99,6 +100,8 @@ struct Print<'a> {
     ground: Ground,
     layer: Option<LayerNow>,
     way: Way,
+    /// Line and layer of the last bead.
+    last: (usize, Option<usize>),
     model: &'a mut ModelReport,
     found: &'a mut Found,
 }
@@ -110,6 +113,7 @@ impl Print<'_> {
             self.end_layer();
             self.begin_layer(z_mm, height_mm, place);
         }
+        self.last = place;
         let Some(layer) = &mut self.layer else { return };
         let section_mm2 = stroke.fresh_mm3(self.area_mm2) / stroke.xy_mm;
         let height_mm = layer.level.height_mm;
@@ -150,10 +154,10 @@ impl Print<'_> {
     fn leave(&mut self) {
         let way = std::mem::take(&mut self.way);
         let hanging_mm = way.hanging_mm();
-        if let Some(layer) = self.layer.as_ref().filter(|_| hanging_mm > 0.0) {
+        if hanging_mm > 0.0 {
             self.model.over_air_mm += hanging_mm;
             let [x, y, z] = way.end();
-            self.found.add(Kind::OverAir, layer.place.0, layer.place.1, || {
+            self.found.add(Kind::OverAir, self.last.0, self.last.1, || {
                 format!("{hanging_mm:.1} mm before X{x:.2} Y{y:.2} Z{z:.2}")
             });
         }
