@@ -286,6 +286,17 @@ fn our_own_files_are_clean_scripts_and_all() {
 }
 
 #[test]
+fn what_scripts_leave_behind_stops_no_run() {
+    let cube = print_support::model("calibration_cube");
+    let mut settings = standard(&[]);
+    for start in ["G28\nG1 E-3 F2400", "G28\nG10", "G28\nG0 X-30 Y400 F9000\nG1 E5", "START_PRINT"] {
+        settings.gcode.start = start.into();
+        settings.gcode.end = "G1 E9\nG0 X999 Z-1".into();
+        assert!(!of_models(vec![cube.clone()], &settings).is_empty());
+    }
+}
+
+#[test]
 fn other_slicers_files_have_no_errors() {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../shared/gcode");
     let Ok(entries) = std::fs::read_dir(folder) else { return };

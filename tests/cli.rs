@@ -96,6 +96,30 @@ fn the_time_of_a_file_is_told_by_role_and_layer() {
 }
 
 #[test]
+fn a_check_tells_by_its_exit_code_whether_there_are_errors() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = |name: &str, text: &str| {
+        let path = folder.path().join(name);
+        fs::write(&path, text).unwrap();
+        path.display().to_string()
+    };
+    let print = "M109 S210\nG28\nG90\nM83\n;LAYER:0\nG1 X10 Y10 Z.2 F600\nG1 X20 E.3\nM104 S0\n";
+    let good = file("good.gcode", print);
+    assert!(run(&["check", &good], 0).0.contains("nothing wrong was found"));
+    let faulty = file("faulty.gcode", &print.replace("X20", "X-20"));
+    let (table, _) = run(&["check", &faulty, &good], 7);
+    assert!(table.contains("outside-bed") && table.contains("line 7, layer 1: to X-20.000"), "{table}");
+    let (json, _) = run(&["check", "--json", &faulty], 7);
+    let report: serde_json::Value = serde_json::from_str(&json).unwrap();
+    assert_eq!((&report["errors"], &report["print_mm"]), (&1.into(), &30.0.into()));
+    assert_eq!(run(&["check", "-q", &faulty], 7), (String::new(), String::new()));
+    let poem = file("poem.gcode", "no moves at all\n");
+    assert!(run(&["check", &poem, &good], 3).1.contains("is it G-code?"));
+    run(&["check", "missing.gcode"], 3);
+    run(&["check", "-", "--model", "models/calibration_cube.stl"], 2);
+}
+
+#[test]
 fn every_bad_setting_has_its_line() {
     let (_, err) = run(&["slice", "a.stl", "--set", "walls.cuont=3", "--set", "infill.density=150%"], 4);
     let lines: Vec<&str> = err.lines().collect();

@@ -81,6 +81,12 @@ impl Checker {
         Self { scripts: false, ..Self::new(settings) }
     }
 
+    /// Forgets what filament has been pulled back: what a script leaves behind is its own affair.
+    pub fn pardon(&mut self) {
+        self.reader.state.retracted_mm = 0.0;
+        self.reader.state.firmware_retracted = false;
+    }
+
     /// Takes up the lines of a text, which goes on where the last one ended. It ends with a whole line.
     pub fn text(&mut self, text: &[u8]) {
         for line in lines(text) {

@@ -19,7 +19,7 @@ Exit codes:
   4    settings: unknown profile or key, value out of range, contradiction
   5    the models do not fit the printer
   6    the output cannot be written
-  7    a check of the result failed
+  7    a check of the result failed, or of the file that was to be checked
   130  interrupted";
 
 /// Slices models for RepRap-class printers and orders the nozzle's way near-optimally.

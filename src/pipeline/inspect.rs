@@ -19,8 +19,12 @@ pub(super) struct Inspector {
 }
 
 impl Inspector {
-    pub(super) fn new(settings: &Settings) -> Self {
-        Self { checker: Checker::of_paths(settings) }
+    /// An inspector of what comes after an opening.
+    pub(super) fn new(settings: &Settings, opening: &[u8]) -> Self {
+        let mut checker = Checker::of_paths(settings);
+        checker.text(opening);
+        checker.pardon();
+        Self { checker }
     }
 
     /// Takes up whole lines.

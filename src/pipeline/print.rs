@@ -64,11 +64,11 @@ pub(super) fn slice(
     let mut opening = gcode::opening(settings, &facts, &scripts, true);
     opening.comment(&thumbnails(&plate, settings));
     let mut slots = opening.slots;
-    let mut inspector = Inspector::new(settings);
-    for text in [opening.bytes, gcode::labels(settings, &sections.labels())] {
-        inspector.take(&text);
-        output.write(&text)?;
-    }
+    let labels = gcode::labels(settings, &sections.labels());
+    let mut inspector = Inspector::new(settings, &opening.bytes);
+    inspector.take(&labels);
+    output.write(&opening.bytes)?;
+    output.write(&labels)?;
     let begun = scripts.start_effect(settings, &run.machine);
     let mut ordered = Vec::new();
     let mut tally = Tally::default();

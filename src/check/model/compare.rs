@@ -37,7 +37,7 @@ pub(super) fn compare(
 ) -> io::Result<()> {
     let Some(all) = survey.extents()[1] else { return Ok(()) };
     let relief = || Relief::new(all.low.map(|mm| mm - 2.0), all.high.map(|mm| mm + 2.0), CELL_MM);
-    let ground = Ground { part: relief(), support: relief(), bed_mm: sections.bottom_mm().min(0.0) };
+    let ground = Ground { part: relief(), support: relief(), bed_mm: sections.bed_mm() };
     let mut print = Print {
         sections,
         shift: Point::from_mm(at_mm[0], at_mm[1]),

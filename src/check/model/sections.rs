@@ -28,6 +28,7 @@ pub(super) struct Sections<'a> {
     levels: Vec<Level>,
     bottom_mm: f64,
     top_mm: f64,
+    bed_mm: f64,
 }
 
 impl<'a> Sections<'a> {
@@ -38,7 +39,7 @@ impl<'a> Sections<'a> {
         let raised = first_mm > survey.lowest_mm() + 1e-3;
         let bottom_mm = match heights_mm.get(1) {
             Some(second_mm) if raised => first_mm - (second_mm - first_mm),
-            _ => settings.layer.z_offset.0,
+            _ => settings.layer.z_offset.0.min(first_mm),
         };
         let mut below_mm = bottom_mm;
         let levels: Vec<Level> = heights_mm
@@ -68,6 +69,7 @@ impl<'a> Sections<'a> {
             levels,
             bottom_mm,
             top_mm: bottom_mm + high[2] - low[2],
+            bed_mm: settings.layer.z_offset.0,
         }
     }
 
@@ -84,6 +86,11 @@ impl<'a> Sections<'a> {
     /// See [`Sections::bottom_mm`].
     pub fn top_mm(&self) -> f64 {
         self.top_mm
+    }
+
+    /// The printer's Z of the bed's surface.
+    pub fn bed_mm(&self) -> f64 {
+        self.bed_mm
     }
 
     /// The layer at a height.
