@@ -92,7 +92,7 @@ fn each_planted_fault_is_found_and_no_other() {
         (Kind::Malformed, before_layer(3, &["G1 X"])),
         (Kind::Malformed, before_layer(3, &["X10 Y20"])),
         (Kind::Malformed, before_layer(3, &["G1 E1", "G2 X110 Y110 I40 E.01", "G1 E-1"])),
-        (Kind::Exponent, before_layer(3, &["G1 X100 Y1.2e2"])),
+        (Kind::Exponent, before_layer(3, &["G1 E1", "G1 X100 Y1.2e2", "G1 E-1"])),
         (Kind::BadFeedRate, before_layer(3, &["G1 F0"])),
         (Kind::OutsideBed, before_layer(3, &["G0 X251 Y50"])),
         (Kind::OutsideBed, before_layer(3, &["G92 X0", "G0 X-120", "G92 X0"])),

@@ -74,7 +74,7 @@ fn ring(bytes: &mut Bytes<'_>) -> Ring {
                 }
                 2 => Point::new(bytes.around(4) * MM, bytes.around(4) * MM),
                 3 => {
-                    at + if bytes.next() % 2 == 0 {
+                    at + if bytes.next().is_multiple_of(2) {
                         Point::new(bytes.around(MM), 0)
                     } else {
                         Point::new(0, bytes.around(MM))
@@ -113,7 +113,7 @@ pub fn layer(bytes: &mut Bytes<'_>) -> Layer {
     let scope = Scope::ALL[bytes.int(3) as usize].1;
     let reach = [4, 5_000_000, 1_000_000_000][bytes.next() as usize % 3];
     let point = |bytes: &mut Bytes<'_>| Point::new(bytes.around(reach), bytes.around(reach));
-    let ends = [0, 1].map(|_| (bytes.next() % 2 == 0).then(|| point(bytes)));
+    let ends = [0, 1].map(|_| bytes.next().is_multiple_of(2).then(|| point(bytes)));
     let mut items: Vec<(u32, Vec<Point>)> = Vec::new();
     let mut used = Vec::new();
     while items.len() < 60 && !bytes.is_empty() {

@@ -51,20 +51,26 @@ pub struct Checker {
 impl Checker {
     /// A checker for files for a printer.
     pub fn new(settings: &Settings) -> Self {
+        let mut checker = Self::of_paths(settings);
+        checker.rules.push(Box::new(heat::Heat::default()));
+        checker.rules.push(Box::new(limits::Limits::new(settings)));
+        checker.rules.push(Box::new(precision::Precision::default()));
+        Self { scripts: true, ..checker }
+    }
+
+    /// A checker that looks for errors in paths only: at what is of a role that is known, not at scripts.
+    pub fn of_paths(settings: &Settings) -> Self {
         Self {
             reader: Reader::default(),
             rules: vec![
                 Box::new(words::Words),
                 Box::new(bed::Bed::new(settings)),
-                Box::new(heat::Heat::default()),
                 Box::new(filament::Filament::new(settings)),
                 Box::new(heights::Heights::new(settings)),
                 Box::new(material::Material::new(settings)),
-                Box::new(limits::Limits::new(settings)),
-                Box::new(precision::Precision::default()),
             ],
             found: Found::default(),
-            scripts: true,
+            scripts: false,
             aside: Found::default(),
             begun: false,
             located: false,
@@ -74,11 +80,6 @@ impl Checker {
             moves: 0,
             layers: 0,
         }
-    }
-
-    /// A checker that finds no fault with scripts: with what is of no role that is known.
-    pub fn of_paths(settings: &Settings) -> Self {
-        Self { scripts: false, ..Self::new(settings) }
     }
 
     /// Forgets what filament has been pulled back: what a script leaves behind is its own affair.

@@ -56,6 +56,10 @@ impl Relief {
 
     /// Raises the cells under a bead's middle line.
     pub fn lay(&mut self, bead: &Stroke) {
+        if bead.arc.is_none() && bead.xy_mm <= self.cell_mm {
+            self.raise(bead.from[0], bead.from[1], bead.from[2]);
+            return self.raise(bead.to[0], bead.to[1], bead.to[2]);
+        }
         let count = self.places(bead);
         if bead.arc.is_some() {
             for i in 0..=count {

@@ -103,7 +103,10 @@ impl Rule for Words {
         if !known {
             seen.fault(found, Kind::UnknownCommand, || seen.text());
         }
-        if strict && let Err(kind) = read(seen.line.parameters(), code.number == 92 && code.letter == b'G') {
+        if strict
+            && !is_plain(seen.line.parameters())
+            && let Err(kind) = read(seen.line.parameters(), code.number == 92 && code.letter == b'G')
+        {
             seen.fault(found, kind, || seen.text());
         }
         if let Some(stroke) = seen.stroke() {
@@ -128,6 +131,38 @@ fn sound_arc(stroke: &Stroke, seen: &Seen<'_>) -> bool {
     let radii = [radius_mm(stroke.from), radius_mm(stroke.to)];
     let given = words.get(b'I').is_some() || words.get(b'J').is_some();
     given && radii[0] > 0.0 && (!seen.located || (radii[0] - radii[1]).abs() <= ARC_SLACK_MM)
+}
+
+/// Whether a text is as slicers write nearly all of them: words in capitals, a blank before each, none twice.
+fn is_plain(text: &[u8]) -> bool {
+    let digit = |at: usize| text.get(at).is_some_and(u8::is_ascii_digit);
+    let (mut given, mut at) = (0_u32, 0);
+    while at < text.len() {
+        let [b' ', letter @ b'A'..=b'Z', ..] = text[at..] else { return false };
+        let bit = 1 << (letter - b'A');
+        if given & bit != 0 {
+            return false;
+        }
+        given |= bit;
+        at += if text.get(at + 2) == Some(&b'-') { 3 } else { 2 };
+        let begin = at;
+        while digit(at) {
+            at += 1;
+        }
+        let mut digits = at - begin;
+        if text.get(at) == Some(&b'.') {
+            at += 1;
+            let decimals = at;
+            while digit(at) {
+                at += 1;
+            }
+            digits += at - decimals;
+        }
+        if digits == 0 {
+            return false;
+        }
+    }
+    true
 }
 
 /// Reads letters with numbers. `flags`: letters may stand alone.
@@ -216,6 +251,7 @@ mod tests {
         ];
         for (text, kind) in faults {
             assert_eq!(read(text.as_bytes(), false), Err(kind), "{text}");
+            assert!(!is_plain(text.as_bytes()), "{text}");
         }
     }
 }

@@ -5,8 +5,11 @@ use super::{Facets, ball, inside_out};
 /// A point well inside of a shape, and how far its surface is.
 pub type Inside = ([f32; 3], f32);
 
+/// Breaks a mesh.
+pub type Way = fn(&Facets, Inside) -> Facets;
+
 /// Every way to break a mesh, by name.
-pub const WAYS: [(&str, fn(&Facets, Inside) -> Facets); 8] = [
+pub const WAYS: [(&str, Way); 8] = [
     ("holes", |good, _| holes(good)),
     ("30 % flipped", |good, _| flipped(good)),
     ("duplicated", |good, _| [good.clone(), good.clone()].concat()),
