@@ -68,7 +68,7 @@ fn run(seed: u64, long: bool, mut make: impl FnMut(&mut Random) -> Vec<u8>, case
         count += 1;
     }
     println!("{count} cases, the slowest {:.3} s with {} bytes", slowest.0.as_secs_f64(), slowest.1);
-    assert!(slowest.0 < Duration::from_secs(20), "a case takes {:?}", slowest.0);
+    assert!(slowest.0 < Duration::from_secs(60), "a case takes {:?}", slowest.0);
 }
 
 fn hex(bytes: &[u8]) -> String {

@@ -51,15 +51,15 @@ pub struct Checker {
 impl Checker {
     /// A checker for files for a printer.
     pub fn new(settings: &Settings) -> Self {
-        let mut checker = Self::of_paths(settings);
+        let mut checker = Self::of_paths(settings, true);
         checker.rules.push(Box::new(heat::Heat::default()));
         checker.rules.push(Box::new(limits::Limits::new(settings)));
         checker.rules.push(Box::new(precision::Precision::default()));
-        Self { scripts: true, ..checker }
+        checker
     }
 
-    /// A checker that looks for errors in paths only: at what is of a role that is known, not at scripts.
-    pub fn of_paths(settings: &Settings) -> Self {
+    /// A checker that looks for errors in paths only. Without `scripts` it looks only at what is of a role that is known.
+    pub fn of_paths(settings: &Settings, scripts: bool) -> Self {
         Self {
             reader: Reader::default(),
             rules: vec![
@@ -70,7 +70,7 @@ impl Checker {
                 Box::new(material::Material::new(settings)),
             ],
             found: Found::default(),
-            scripts: false,
+            scripts,
             aside: Found::default(),
             begun: false,
             located: false,

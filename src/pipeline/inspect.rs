@@ -10,7 +10,6 @@ use crate::job::JobError;
 use crate::output::Output;
 use crate::profile::Settings;
 
-use super::parallel;
 use super::reorder::input_error;
 
 /// Goes over a print while it is written.
@@ -21,7 +20,7 @@ pub(super) struct Inspector {
 impl Inspector {
     /// An inspector of what comes after an opening.
     pub(super) fn new(settings: &Settings, opening: &[u8]) -> Self {
-        let mut checker = Checker::of_paths(settings);
+        let mut checker = Checker::of_paths(settings, false);
         checker.text(opening);
         checker.pardon();
         Self { checker }
@@ -47,18 +46,19 @@ impl Inspector {
 /// [`JobError::Check`] with the first fault, and those of reading.
 pub(super) fn remade(path: &Path, output: &mut Output, settings: &Settings) -> Result<(), JobError> {
     let read = |file: &mut dyn Read| {
-        let mut checker = Checker::new(settings);
+        let mut checker = Checker::of_paths(settings, true);
         each_line(file, |line| {
             checker.line(line);
         })
         .map_err(|error| input_error(path, &error))?;
         Ok::<_, JobError>(checker.finish())
     };
-    let mut written = output.reread(0)?;
+    let after = read(&mut output.reread(0)?)?;
+    if after.first_of_paths(&Found::default()).is_none() {
+        return Ok(());
+    }
     let mut input = File::open(path).map_err(|error| input_error(path, &error))?;
-    let (before, after) = parallel::join(|| read(&mut input), || read(&mut written));
-    let (before, after) = (before?, after?);
-    refuse(after.first_of_paths(&before))
+    refuse(after.first_of_paths(&read(&mut input)?))
 }
 
 fn refuse(fault: Option<String>) -> Result<(), JobError> {
