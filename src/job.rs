@@ -21,6 +21,8 @@ pub struct Job {
     pub transform: TransformOptions,
     /// How many of each model; at least 1.
     pub copies: u32,
+    /// Settings that some objects have of their own.
+    pub objects: Vec<ObjectSettings>,
     /// Where the print stops for a filament change.
     pub pauses: Vec<PauseAt>,
     /// Prove how near to the shortest possible the order is.
@@ -37,11 +39,26 @@ impl Default for Job {
             support_blockers: Vec::new(),
             transform: TransformOptions::default(),
             copies: 1,
+            objects: Vec::new(),
             pauses: Vec::new(),
             certify: false,
             threads: None,
         }
     }
+}
+
+/// Settings of objects that differ from those of the plate.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ObjectSettings {
+    /// Name of the objects: a file, with or without its folder or ending, or what a 3MF file calls an object.
+    pub object: String,
+    /// All settings; of use are those of [`ObjectSettings::SECTIONS`].
+    pub settings: Settings,
+}
+
+impl ObjectSettings {
+    /// Sections that may differ from object to object.
+    pub const SECTIONS: [&str; 5] = ["walls", "shell", "infill", "ironing", "bridge"];
 }
 
 /// Scaled first, then turned, then placed on the bed, then moved.

@@ -95,7 +95,7 @@ fn each_planted_fault_is_found_and_no_other() {
         (Kind::Exponent, before_layer(3, &["G1 E1", "G1 X100 Y1.2e2", "G1 E-1"])),
         (Kind::BadFeedRate, before_layer(3, &["G1 F0"])),
         (Kind::OutsideBed, before_layer(3, &["G0 X251 Y50"])),
-        (Kind::OutsideBed, before_layer(3, &["G92 X0", "G0 X-120", "G92 X0"])),
+        (Kind::OutsideBed, before_layer(3, &["G92 X0", "G0 X-140", "G92 X0"])),
         (Kind::BelowBed, before_layer(3, &["G0 Z-0.5", "G0 Z0.6"])),
         (Kind::ThroughPrint, before_layer(5, &["G0 X90 Y107", "G0 Z0.4", "G0 X125", "G0 Z1"])),
         (

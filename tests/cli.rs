@@ -54,6 +54,19 @@ fn arguments_that_make_no_sense_are_usage_errors() {
 }
 
 #[test]
+fn settings_of_an_object_are_refused_where_they_concern_the_plate() {
+    let (_, err) =
+        run(&["slice", "a.stl", "--object", "a.stl:layer.height=0.1", "--object", "a:speed.top=9"], 4);
+    assert!(err.contains("--object: layer.height = 0.1: all objects of a plate share their layers"), "{err}");
+    assert!(err.contains("speed.top = 9: how the nozzle moves is decided for whole layers"), "{err}");
+    let (_, err) = run(&["slice", "a.stl", "--object", "a.stl:infill.densty=10%"], 4);
+    assert!(err.contains("did you mean `infill.density`?"), "{err}");
+    run(&["slice", "a.stl", "--object", "infill.density=10%"], 2);
+    run(&["slice", "a.stl", "--no-arrange", "--copies", "2"], 2);
+    run(&["slice", "a.stl", "--no-arrange", "--orient"], 4);
+}
+
+#[test]
 fn negative_numbers_need_no_tricks() {
     let (_, err) = run(&["slice", "no-such.stl", "--translate", "-5,0,0", "--rotate", "-90,0,0"], 3);
     assert!(err.contains("no-such.stl"), "{err}");

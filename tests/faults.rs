@@ -200,7 +200,8 @@ fn killed_at_any_moment_the_output_is_the_old_or_the_new() {
         seen[usize::from(found == new)] += 1;
         if signal != "-KILL" && status.code().is_some() {
             assert!(matches!(status.code(), Some(0 | 130)), "{status}");
-            assert_eq!(status.code() == Some(0), found == new, "{status}");
+            // It may come between the renaming and the end.
+            assert!(status.code() != Some(0) || found == new, "{status}");
         }
     }
     assert!(seen[0] > 0, "no run was killed in time");

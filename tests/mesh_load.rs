@@ -2,7 +2,7 @@
 
 mod mesh_shapes;
 
-use mesh_shapes::{cuboid, load, own_models, stl};
+use mesh_shapes::{box_xml, cuboid, load, model_xml, own_models, package, stl};
 use pathwright::mesh::MeshError;
 
 const FACET: &str =
@@ -156,5 +156,128 @@ fn our_own_models_are_watertight_but_the_broken_one() {
         let broken = path.ends_with("broken_box.stl");
         assert_eq!(report.watertight, !broken, "{}", path.display());
         assert_eq!(report.flipped + report.duplicates_dropped + report.non_manifold_edges > 0, broken);
+    }
+}
+
+/// What the loader makes of a 3MF file with one part.
+fn threemf(attributes: &str, resources: &str, build: &str) -> Vec<u8> {
+    package(&[("3D/3dmodel.model", &model_xml(attributes, resources, build))])
+}
+
+fn objects(data: &[u8]) -> Vec<pathwright::mesh::Model> {
+    pathwright::mesh::objects_from_bytes("part.3mf".as_ref(), data).unwrap()
+}
+
+#[test]
+fn a_3mf_is_put_together_from_its_parts_units_and_transforms() {
+    let other = model_xml("", &format!("<object id=\"7\">{}</object>", box_xml([10.0, 20.0, 30.0])), "");
+    let root = model_xml(
+        "unit=\"inch\" requiredextensions=\"p\" \
+         xmlns:p=\"http://schemas.microsoft.com/3dmanufacturing/production/2015/06\" xmlns:x=\"urn:odd\"",
+        &format!(
+            "<object id=\"1\">{}</object><object id=\"2\" name=\"pair\"><components>\
+             <component objectid=\"1\"/><component objectid=\"1\" transform=\"1 0 0 0 1 0 0 0 1 3 0 0\"/></components></object>\
+             <object id=\"3\"><components><component objectid=\"7\" p:path=\"/3D/other.model\"/></components></object>",
+            box_xml([1.0; 3])
+        ),
+        "<item objectid=\"2\" transform=\"0 2 0 -2 0 0 0 0 2 0 0 0\"/><item objectid=\"3\"/>\
+         <item objectid=\"3\" transform=\"-1 0 0 0 1 0 0 0 1 0 0 0\"/>\
+         <item objectid=\"3\" transform=\"1 0 0 0 1 0 0 0 1 4 0 0\"/><item objectid=\"1\" printable=\"0\"/>",
+    );
+    let relations = "<Relationships><Relationship Target=\"/3D/root.model\" \
+        Type=\"http://schemas.microsoft.com/3dmanufacturing/2013/01/3dmodel\"/></Relationships>";
+    let data = package(&[("_rels/.rels", relations), ("3D/root.model", &root), ("3D/other.model", &other)]);
+    let found = objects(&data);
+    let sizes: Vec<[f64; 3]> = found.iter().map(|m| m.report.size_mm.map(f64::round)).collect();
+    assert_eq!(sizes, [[51.0, 203.0, 51.0], [10.0, 20.0, 30.0], [10.0, 20.0, 30.0]]);
+    assert_eq!(found[0].name.as_deref(), Some("pair"));
+    assert_eq!(found[0].report.shells, 2);
+    assert!((found[0].report.volume_mm3 - 2.0 * 50.8f64.powi(3)).abs() < 1.0);
+    assert_eq!(found[1].spots, [[0.0; 3], [4.0 * 25.4, 0.0, 0.0]], "inches of the part that says so");
+    assert_eq!((found[2].report.volume_mm3.round(), found[2].report.flipped), (6000.0, 0), "mirrored");
+    let warnings = found[0].report.warnings.join("\n");
+    assert!(warnings.contains("the extension urn:odd is not understood"), "{warnings}");
+    assert!(warnings.contains("1 objects that are marked as not to be printed"), "{warnings}");
+    let (together, _) = load(data).unwrap();
+    assert_eq!(together.size().map(f64::round), [162.0, 203.0, 51.0]);
+}
+
+#[test]
+fn a_bad_3mf_is_refused_with_the_reason_and_the_part() {
+    let cube = format!("<object id=\"1\">{}</object>", box_xml([10.0; 3]));
+    let item = "<item objectid=\"1\"/>";
+    let whole = threemf("", &cube, item);
+    assert!(load(whole.clone()).is_ok());
+    let component = |id: u32, of: u32| {
+        format!(
+            "<object id=\"{id}\"><components><component objectid=\"{of}\"/><component objectid=\"{of}\"/></components></object>"
+        )
+    };
+    let tower: String = (2..40).map(|id| component(id, id - 1)).collect();
+    let bomb = format!("{cube}<!--{}-->", " ".repeat(40 << 20));
+    for (data, wanted) in [
+        (whole[..whole.len() - 40].to_vec(), "archive: it is damaged or ends early"),
+        (b"PK\x03\x04".to_vec(), "archive: it is damaged or ends early"),
+        (package(&[("a.txt", "nothing")]), "the package has no such part"),
+        (threemf("", &bomb, item), "it unpacks to far more than a model"),
+        (threemf("", &component(1, 1), item), "its components contain each other"),
+        (
+            threemf("", &format!("{cube}{tower}"), "<item objectid=\"39\"/>"),
+            "its components multiply to more than",
+        ),
+        (
+            threemf("", &cube.replace("v1=\"3\"", "v1=\"99\""), item),
+            "triangle 2 names vertex 99, but there are only 36",
+        ),
+        (threemf("", &cube.replace("x=\"10\"", "x=\"nan\""), item), "coordinate NaN is not a finite number"),
+        (threemf("", &cube.replace("x=\"10\"", "x=\"1e6\""), item), "lies more than 10 m from the origin"),
+        (
+            threemf("", &cube, "<item objectid=\"2\"/>"),
+            "it uses object 2, which 3D/3dmodel.model does not hold",
+        ),
+        (threemf("", &cube, ""), "the build holds nothing to print"),
+        (threemf("unit=\"cubit\"", &cube, item), "`cubit` is no unit of length"),
+        (
+            threemf("xmlns:q=\"urn:q\" requiredextensions=\"q\"", &cube, item),
+            "it requires the extension urn:q",
+        ),
+        (threemf("", &cube, "<item objectid=\"1\" transform=\"1 2\"/>"), "`1 2` is no transform"),
+        (package(&[("3D/3dmodel.model", "<!DOCTYPE x><model/>")]), "document type"),
+        (package(&[("3D/3dmodel.model", &model_xml("", &cube, item)[..600])]), "3D/3dmodel.model: byte"),
+    ] {
+        let message = refusal(data);
+        assert!(message.starts_with("part.stl: ") && message.contains(wanted), "{wanted}: {message}");
+    }
+}
+
+#[test]
+fn an_obj_is_read_with_all_ways_to_name_a_vertex() {
+    let corners = "v 0 0 0\nv 2 0 0 1.0\nv 2 3 0 0.5 0.5 0.5\nv 0 3 0\nv 0 0 4\nv 2 0 4\nv 2 3 4\nv 0 3 4\n";
+    let faces =
+        "f 4 3 2 1\nf 5//1 6//1 7//1 8//1\nf 1/9 2/9 6/9 5/9\nf -7 -6 -2 -3\nf 3 4 8 7\nf 4 1 5\nf 4 5 8\n";
+    let data =
+        [b"# Gr\xfc\xdfe\r\no a\r\n", corners.as_bytes(), b"vn 0 0 1\ng b\nusemtl x\n", faces.as_bytes()]
+            .concat();
+    let load = |data: &[u8]| pathwright::mesh::from_bytes("part.obj".as_ref(), data);
+    let (mesh, report) = load(&data).unwrap();
+    assert_eq!((mesh.size(), report.volume_mm3.round(), report.watertight), ([2.0, 3.0, 4.0], 24.0, true));
+    let refused = |line: &str| load(format!("{corners}{line}\n").as_bytes()).unwrap_err().to_string();
+    assert!(refused("f 1 2 9").contains("line 9: a face names vertex 9, and 8 were given before it"));
+    assert!(refused("f 1 2 -9").contains("a face names vertex -9"));
+    assert!(refused("f 0 1 2").contains("a face names vertex 0"));
+    assert!(refused("f 1 2").contains("line 9: a face has 2 corners instead of 3"));
+    assert!(refused("f a b c").contains("`a` is not the number of a vertex"));
+    assert!(refused("v 1 2").contains("a vertex has fewer than 3 coordinates"));
+    assert!(refused("v 1 2 x").contains("`x` is not a number"));
+    assert!(refused("v 1 2 nan\nf 1 2 9").contains("line 10: coordinate NaN"));
+}
+
+#[test]
+fn the_same_mesh_is_the_same_in_every_format() {
+    let bracket = own_models().into_iter().find(|p| p.ends_with("tilted_bracket.stl")).unwrap();
+    let (mesh, report) = pathwright::mesh::load(&bracket).unwrap();
+    for (extension, format) in [("3mf", "3MF"), ("obj", "OBJ")] {
+        let (same, found) = pathwright::mesh::load(&bracket.with_extension(extension)).unwrap();
+        assert!(same == mesh && found.format == format && found.facets == report.facets, "{extension}");
     }
 }

@@ -3,7 +3,9 @@
 mod mesh_shapes;
 
 use mesh_shapes::{ball, cuboid, mesh};
-use pathwright::mesh::{Item, Mesh, Placement, PlacementError, Plate, Transform, fit_factor, place};
+use pathwright::mesh::{
+    Item, Mesh, Placement, PlacementError, Plate, Transform, fit_factor, keep, orient, place,
+};
 use pathwright::profile::{BedOrigin, BedSettings, BedShape};
 use pathwright::units::Mm;
 use proptest::prelude::*;
@@ -87,6 +89,111 @@ fn copies_share_a_mesh_and_fill_the_bed() {
     assert!(matches!(error, PlacementError::TooMany { total: 17, fitting: 16, .. }), "{error}");
 }
 
+/// An L of two boxes that share no corner: a foot of `long` × `wide`, and a leg of `wide` × `long`.
+fn ell(long: f32, wide: f32) -> Mesh {
+    let (foot, leg) = (cuboid([0.0; 3], [long, wide, 5.0]), cuboid([0.0, 0.5, 0.0], [wide, long, 4.0]));
+    mesh(&[foot, leg].concat()).0
+}
+
+/// The two boxes of every L on the bed.
+fn ells(plate: &Plate) -> Vec<[[f64; 4]; 2]> {
+    let boxes = |object: &pathwright::mesh::Object| {
+        let ([x, y], vertices) = (object.offset.mm(), plate.meshes[object.mesh].vertices());
+        let bounds = |part: &[[f64; 3]]| {
+            part.iter().fold([f64::MAX, f64::MAX, f64::MIN, f64::MIN], |[x0, y0, x1, y1], v| {
+                [x0.min(x + v[0]), y0.min(y + v[1]), x1.max(x + v[0]), y1.max(y + v[1])]
+            })
+        };
+        [bounds(&vertices[..8]), bounds(&vertices[8..])]
+    };
+    plate.objects.iter().map(boxes).collect()
+}
+
+fn gap_mm(a: &[f64; 4], b: &[f64; 4]) -> f64 {
+    let along = |i: usize| (a[i] - b[i + 2]).max(b[i] - a[i + 2]).max(0.0);
+    along(0).hypot(along(1))
+}
+
+#[test]
+fn outlines_nest_where_boxes_would_not_fit() {
+    let bed = bed(BedShape::Rectangular, 104.0, BedOrigin::Corner);
+    let options = Placement { spacing_mm: 3.0, ..Placement::default() };
+    let plate = place(vec![item("ell", ell(60.0, 15.0), 3)], &bed, &options).unwrap();
+    assert_eq!(plate.objects.len(), 3);
+    let error = place(vec![item("ell", ell(60.0, 15.0), 9)], &bed, &options).unwrap_err().to_string();
+    assert!(error.contains("9 models do not fit") && error.contains("no room for ell ("), "{error}");
+}
+
+#[test]
+fn quarter_turns_are_made_where_they_are_needed() {
+    let bed = bed(BedShape::Rectangular, 100.0, BedOrigin::Corner);
+    let items = || vec![item("upright", block(20.0, 98.0, 5.0), 3), item("flat", block(98.0, 20.0, 5.0), 1)];
+    assert!(place(items(), &bed, &Placement::default()).is_err());
+    let plate = place(items(), &bed, &Placement { turn: true, ..Placement::default() }).unwrap();
+    assert_eq!(plate.objects.len(), 4);
+}
+
+#[test]
+fn models_stay_where_their_files_put_them_unless_they_touch() {
+    let bed = bed(BedShape::Rectangular, 200.0, BedOrigin::Corner);
+    let kept = |x: f64| {
+        let items = vec![
+            (item("a", block(20.0, 20.0, 5.0), 1), vec![[50.0, 60.0]]),
+            (item("b", block(20.0, 20.0, 5.0), 2), vec![[x, 60.0], [150.0, 100.0]]),
+        ];
+        keep(items, &bed, &Placement::default())
+    };
+    let plate = kept(75.0).unwrap();
+    assert_eq!(boxes(&plate)[..2], [[53.0, 53.0, 73.0, 73.0], [78.0, 53.0, 98.0, 73.0]]);
+    assert_eq!((plate.meshes.len(), plate.objects[2].name.as_str()), (2, "b (2)"));
+    let error = kept(69.5).unwrap_err();
+    assert!(error.to_string().starts_with("a and b stand closer than"), "{error}");
+    assert!(matches!(kept(190.0), Err(PlacementError::Outside { name, .. }) if name == "b"));
+}
+
+#[test]
+fn twenty_models_share_a_bed_without_touching() {
+    let bed = bed(BedShape::Rectangular, 250.0, BedOrigin::Corner);
+    let mixed = |i: usize| match i % 3 {
+        0 => item("ell", ell(20.0 + 2.0 * i as f32, 6.0), 1),
+        _ => item(
+            "block",
+            mesh(
+                &[cuboid([0.0; 3], [15.0 + i as f32, 40.0 - i as f32, 5.0]), cuboid([1.0; 3], [2.0; 3])]
+                    .concat(),
+            )
+            .0,
+            1,
+        ),
+    };
+    let plate = place((0..20).map(mixed).collect(), &bed, &Placement::default()).unwrap();
+    let boxes = ells(&plate);
+    for (i, a) in boxes.iter().enumerate() {
+        assert!(a.iter().flatten().all(|c| (-1e-3..=250.001).contains(c)), "{a:?}");
+        let others = boxes[..i].iter().flatten();
+        assert!(others.flat_map(|b| a.iter().map(|a| gap_mm(a, b))).all(|gap_mm| gap_mm >= 5.0), "{a:?}");
+    }
+}
+
+#[test]
+fn a_part_is_turned_onto_the_side_that_needs_no_support() {
+    let pocketed = pathwright::mesh::load(&mesh_shapes::own_models()[2]).unwrap().0;
+    let on_bed = |mesh: &Mesh| {
+        let low = mesh.bounds()[0][2];
+        let at = |v: u32| mesh.vertices()[v as usize];
+        let flat = mesh.triangles().iter().map(|t| t.map(at)).filter(|t| t.iter().all(|v| v[2] < low + 0.01));
+        flat.map(|[a, b, c]| ((b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])).abs() / 2.0)
+            .sum::<f64>()
+    };
+    let upright = on_bed(&pocketed);
+    assert!(upright > 300.0);
+    assert_eq!(orient(pocketed.clone()), pocketed, "nothing is better than as it is");
+    for rotate_deg in [[180.0, 0.0, 0.0], [0.0, 90.0, 0.0], [33.0, 20.0, 5.0]] {
+        let turned = Transform { rotate_deg, ..Transform::default() }.apply(pocketed.clone()).unwrap();
+        assert!((on_bed(&orient(turned)) - upright).abs() < 0.1, "{rotate_deg:?}");
+    }
+}
+
 #[test]
 fn a_shift_moves_and_sinks_but_not_off_the_bed() {
     let bed = bed(BedShape::Rectangular, 200.0, BedOrigin::Corner);
@@ -129,6 +236,26 @@ fn scales_that_leave_nothing_are_refused() {
 
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(64))]
+
+    #[test]
+    fn turned_and_nested_outlines_never_come_closer_than_the_spacing(
+        sizes in prop::collection::vec((25.0f32..80.0, 4.0f32..20.0, 1usize..4), 1..6),
+        spacing_mm in 0.0f64..10.0,
+        turn in any::<bool>(),
+    ) {
+        let items = sizes.iter().map(|&(long, wide, n)| item("ell", ell(long, wide), n)).collect();
+        let options = Placement { spacing_mm, turn, ..Placement::default() };
+        if let Ok(plate) = place(items, &bed(BedShape::Rectangular, 200.0, BedOrigin::Center), &options) {
+            let ells = ells(&plate);
+            for (i, a) in ells.iter().enumerate() {
+                prop_assert!(a.iter().flatten().all(|c| c.abs() <= 100.0 + 1e-3));
+                for b in &ells[..i] {
+                    let nearest = a.iter().flat_map(|a| b.iter().map(move |b| gap_mm(a, b))).fold(f64::MAX, f64::min);
+                    prop_assert!(nearest >= spacing_mm - 1e-4, "{nearest} mm for {spacing_mm}");
+                }
+            }
+        }
+    }
 
     #[test]
     fn models_never_come_closer_than_the_spacing(

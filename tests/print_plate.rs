@@ -2,7 +2,8 @@
 
 mod print_support;
 
-use pathwright::job::{Job, JobError, TransformOptions};
+use pathwright::gcode::{Action, replay};
+use pathwright::job::{Job, JobError, ObjectSettings, TransformOptions};
 use pathwright::motion::PauseAt;
 use pathwright::profile::Settings;
 use print_support::{Bead, Print, model, run, settings, standard};
@@ -49,7 +50,7 @@ fn the_bytes_do_not_depend_on_threads_or_on_the_run() {
 #[test]
 fn labels_say_which_object_every_bead_belongs_to() {
     for (flavor, begin, end) in [
-        ("klipper", "EXCLUDE_OBJECT_START NAME=object_", "EXCLUDE_OBJECT_END NAME=object_"),
+        ("klipper", "EXCLUDE_OBJECT_START NAME=calibration_cube", "EXCLUDE_OBJECT_END NAME=calibration_cube"),
         ("marlin", "M486 S", "M486 S-1"),
     ] {
         let settings = standard(&["gcode.labels=true", &format!("printer.flavor={flavor}")]);
@@ -61,7 +62,9 @@ fn labels_say_which_object_every_bead_belongs_to() {
         let (mut inside, mut kind, mut seen) = (false, "", std::collections::BTreeSet::new());
         for line in text.lines() {
             kind = line.strip_prefix(";TYPE:").unwrap_or(kind);
-            if line.starts_with(end) {
+            if line.contains(" A\"") {
+                assert!(kind == "Custom" && line.contains("\"calibration_cube"), "the head names it: {line}");
+            } else if line.starts_with(end) {
                 inside = false;
             } else if line.starts_with(begin) {
                 inside = true;
@@ -72,6 +75,116 @@ fn labels_say_which_object_every_bead_belongs_to() {
         }
         assert_eq!(seen.len(), 2);
     }
+}
+
+/// Two objects of different height, one after the other.
+fn one_by_one() -> Job {
+    job(&["calibration_cube", "plate_with_holes"])
+}
+
+#[test]
+fn one_after_the_other_the_lowest_is_finished_first_and_nothing_comes_near_it() {
+    let radius_mm = 30.0;
+    let settings = standard(&["print.sequence=object", "print.clearance_radius=30", "gcode.labels=true"]);
+    let print = run(&one_by_one(), &settings).expect("a print");
+    let text: Vec<&str> = print.lines().filter(|l| l.starts_with("; printing object ")).collect();
+    assert_eq!(text, ["; printing object plate_with_holes", "; printing object calibration_cube"]);
+    // Objects by the label that is in force; the skirt has none.
+    let mut beads: [Vec<[f64; 3]>; 2] = Default::default();
+    let (mut object, mut done): (Option<usize>, _) = (None, [false; 2]);
+    for step in replay(&print.text) {
+        let line = String::from_utf8_lossy(step.line.text).into_owned();
+        if let Some(number) = line.strip_prefix("M486 S").filter(|rest| !rest.contains('A'))
+            && let Ok(now) = number.parse::<usize>()
+        {
+            assert!(!done[now], "no object is taken up again");
+            if let Some(before) = object.replace(now)
+                && before != now
+            {
+                done[before] = true;
+            }
+        }
+        let Action::Stroke(s) = step.action else { continue };
+        let Some(here) = object else { continue };
+        if s.extrudes() {
+            beads[here].push(s.to);
+        } else if s.xy_mm > 0.0 && !beads[1 - here].is_empty() {
+            // What is finished is passed over.
+            let box_mm = beads[1 - here].iter().fold([f64::MAX, f64::MAX, f64::MIN, f64::MIN], |b, p| {
+                [b[0].min(p[0]), b[1].min(p[1]), b[2].max(p[0]), b[3].max(p[1])]
+            });
+            let top_mm = beads[1 - here].iter().map(|p| p[2]).fold(0.0, f64::max);
+            for k in 0..=50 {
+                let at = [0, 1].map(|i| s.from[i] + f64::from(k) / 50.0 * (s.to[i] - s.from[i]));
+                let gap = [0, 1].map(|i| (box_mm[i] - at[i]).max(at[i] - box_mm[i + 2]).max(0.0));
+                let clear = s.from[2].min(s.to[2]) > top_mm + 1.0 || gap[0].hypot(gap[1]) >= radius_mm;
+                assert!(clear, "{at:?} at {} mm, beside {box_mm:?} of {top_mm} mm", s.to[2]);
+            }
+        }
+    }
+    for own in &beads {
+        assert_eq!(own.first().map(|p| p[2]), Some(0.2), "each begins on the bed");
+        assert!(own.windows(2).all(|w| w[1][2] >= w[0][2]), "and rises");
+    }
+    let alone = |name: &str| {
+        run(&job(&[name]), &standard(&["skirt.loops=0"])).expect("a print").summary.total.volume_mm3
+    };
+    let whole = print.summary.total.volume_mm3 - print.volume_of("Skirt/Brim", &settings);
+    assert!((whole / (alone("calibration_cube") + alone("plate_with_holes")) - 1.0).abs() < 0.01);
+    assert_eq!(print.summary.layer_count, 100 + 15);
+}
+
+#[test]
+fn what_the_gantry_would_strike_is_not_printed_before_another() {
+    let settings = standard(&["print.sequence=object", "print.clearance_height=2"]);
+    match run(&one_by_one(), &settings) {
+        Err(JobError::DoesNotFit(message)) => assert!(
+            message.starts_with(
+                "plate_with_holes is 3.00 mm high, and calibration_cube is to be printed after it"
+            ),
+            "{message}"
+        ),
+        other => panic!("{:?}", other.map(|p| p.summary)),
+    }
+}
+
+#[test]
+fn an_object_can_have_settings_of_its_own() {
+    let plate = standard(&["gcode.labels=true", "skirt.loops=0"]);
+    let own = standard(&["infill.density=0", "walls.count=4"]);
+    let named = |object: &str| Job {
+        copies: 2,
+        objects: vec![ObjectSettings { object: object.into(), settings: own.clone() }],
+        ..job(&["calibration_cube"])
+    };
+    let print = run(&named("calibration_cube (2)"), &plate).expect("a print");
+    let (mut object, mut kind, mut beads) = (String::new(), String::new(), std::collections::BTreeMap::new());
+    for line in print.lines() {
+        if let Some(number) = line.strip_prefix("M486 S") {
+            object = number.to_owned();
+        }
+        kind = line.strip_prefix(";TYPE:").map_or(kind, str::to_owned);
+        if line.starts_with("G1 X") && line.contains(" E") {
+            *beads.entry((object.clone(), kind.clone())).or_insert(0) += 1;
+        }
+    }
+    let count =
+        |object: &str, kind: &str| beads.get(&(object.to_owned(), kind.to_owned())).copied().unwrap_or(0);
+    assert!(count("0", "Internal infill") > 0 && count("1", "Internal infill") == 0, "{beads:?}");
+    assert!(count("1", "Perimeter") > 2 * count("0", "Perimeter"), "{beads:?}");
+    let error = run(&named("cube"), &plate).map(|p| p.summary).expect_err("there is none").to_string();
+    assert!(error.contains("no object `cube`; there are: calibration_cube"), "{error}");
+}
+
+#[test]
+fn the_same_mesh_gives_the_same_bytes_from_every_format() {
+    let settings = standard(&["gcode.labels=true"]);
+    let file = |extension| model("tilted_bracket").with_extension(extension);
+    let text = |extension| {
+        run(&Job { models: vec![file(extension)], ..Job::default() }, &settings).expect("a print").text
+    };
+    let stl = text("stl");
+    assert!(text("3mf") == stl && text("obj") == stl);
 }
 
 #[test]

@@ -2,12 +2,14 @@
 //!
 //! `cargo run --example make_models`
 
+mod mesh;
 mod solid;
 
 use std::f64::consts::PI;
 use std::fs::File;
 use std::path::Path;
 
+use mesh::Mesh;
 use solid::{Outline, Solid, circle, hole, rectangle};
 
 fn main() -> std::io::Result<()> {
@@ -30,6 +32,11 @@ fn main() -> std::io::Result<()> {
         let facets: Vec<stl_io::Triangle> = solid.facets.iter().map(facet).collect();
         stl_io::write_stl(&mut File::create(&path)?, facets.iter())?;
         println!("{}: {} facets", path.display(), facets.len());
+        if name == "tilted_bracket" {
+            let mesh = Mesh::of(&facets);
+            std::fs::write(path.with_extension("obj"), mesh.obj())?;
+            std::fs::write(path.with_extension("3mf"), mesh.threemf()?)?;
+        }
     }
     Ok(())
 }

@@ -76,6 +76,22 @@ pub(super) struct SliceArgs {
     #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=1000))]
     pub copies: u32,
 
+    /// Print one object after the other, the lowest first [print.sequence]
+    #[arg(long, help_heading = "Plate")]
+    pub sequential: bool,
+
+    /// Leave models where their files put them [plate.arrange]
+    #[arg(long, help_heading = "Plate")]
+    pub no_arrange: bool,
+
+    /// Turn every model onto the side that needs the least support [plate.orient]
+    #[arg(long, help_heading = "Plate")]
+    pub orient: bool,
+
+    /// A setting of some objects alone, such as b.stl:infill.density=40%; repeatable, wins over --set
+    #[arg(long, value_name = "NAME:KEY=VALUE", value_parser = object_setting, help_heading = "Plate", conflicts_with = "each")]
+    pub object: Vec<ObjectAssignment>,
+
     /// Support all that rests on nothing inside of this body, in the first model's coordinates; repeatable
     #[arg(long, value_name = "FILE", value_hint = ValueHint::FilePath, help_heading = "Support")]
     pub support_enforcer: Vec<PathBuf>,
@@ -435,6 +451,31 @@ pub(super) struct Assignment {
     pub value: String,
 }
 
+/// `NAME:KEY=VALUE`.
+#[derive(Clone, Debug)]
+pub(super) struct ObjectAssignment {
+    pub object: String,
+    pub setting: Assignment,
+}
+
+/// The name may hold colons: the key is what stands between the last one before the `=` and it.
+fn object_setting(text: &str) -> Result<ObjectAssignment, String> {
+    let wrong = || "NAME:KEY=VALUE is expected, such as part.stl:infill.density=40%".to_owned();
+    let split = text.match_indices(':').map(|(at, _)| (&text[..at], &text[at + 1..])).find(|(_, rest)| {
+        let key = rest.split('=').next().unwrap_or_default();
+        rest.contains('=')
+            && key.contains('.')
+            && key.chars().all(|c| c.is_ascii_lowercase() || "._ ".contains(c))
+    });
+    match split {
+        Some((object, setting)) if !object.is_empty() => Ok(ObjectAssignment {
+            object: object.to_owned(),
+            setting: assignment(setting).map_err(|_| wrong())?,
+        }),
+        _ => Err(wrong()),
+    }
+}
+
 fn triple(text: &str) -> Result<Triple, String> {
     let wrong = || "three numbers are expected, such as 0,0,45".to_owned();
     let numbers: Vec<f64> =
@@ -473,6 +514,16 @@ mod tests {
     #[test]
     fn the_arguments_are_consistent() {
         LowArgs::command().debug_assert();
+    }
+
+    #[test]
+    fn an_object_may_have_colons_in_its_name() {
+        let typed = object_setting("C:\\a b.stl:infill.density=40%").unwrap();
+        assert_eq!(typed.object, "C:\\a b.stl");
+        assert_eq!((typed.setting.key.as_str(), typed.setting.value.as_str()), ("infill.density", "40%"));
+        for wrong in ["infill.density=40%", ":infill.density=4", "part:infill", "part:=3"] {
+            assert!(object_setting(wrong).is_err(), "{wrong}");
+        }
     }
 
     #[test]

@@ -4,11 +4,11 @@ use std::collections::BTreeMap;
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use super::args::{Assignment, ModelArgs, OrderingArgs, SettingArgs, SliceArgs};
+use super::args::{Assignment, ModelArgs, ObjectAssignment, OrderingArgs, SettingArgs, SliceArgs};
 use super::exit::{Exit, Failure};
-use crate::job::{Job, TransformOptions};
+use crate::job::{Job, ObjectSettings, TransformOptions};
 use crate::output::resolve_links;
-use crate::profile::{Override, Resolved, resolve};
+use crate::profile::{Origin, Override, Problem, ProfileError, Resolved, SECTIONS, resolve};
 
 /// Everything that `slice` is going to do.
 #[derive(Debug)]
@@ -35,20 +35,87 @@ impl Plan {
         if args.output.as_deref() == Some(Path::new("-")) && args.json {
             return Err(usage("--json and -o - both want standard output; give one of them a file"));
         }
+        let mut shorthands = shorthands(args.order.as_ref(), &args.ordering);
+        let switches = [
+            (args.labels, "--labels", "gcode.labels", "true"),
+            (args.sequential, "--sequential", "print.sequence", "object"),
+            (args.no_arrange, "--no-arrange", "plate.arrange", "false"),
+            (args.orient, "--orient", "plate.orient", "true"),
+        ];
+        for (_, option, key, value) in switches.into_iter().filter(|switch| switch.0) {
+            shorthands.push(Override { key: key.into(), value: value.into(), option });
+        }
         let files = &args.models.files;
         let plates: Vec<&[PathBuf]> = if args.each { files.chunks(1).collect() } else { vec![files] };
-        let tasks: Vec<Task> = plates
+        let tasks = plates
             .into_iter()
-            .map(|models| Ok(Task { job: job(args, models), destination: destination(args, &models[0])? }))
-            .collect::<Result<_, Failure>>()?;
+            .map(|models| Ok(Task { job: job(args, models), destination: destination(args, &models[0])? }));
+        let mut tasks: Vec<Task> = tasks.collect::<Result<_, Failure>>()?;
         no_file_is_written_twice(&tasks)?;
         no_input_is_overwritten(&tasks)?;
-        let mut shorthands = shorthands(args.order.as_ref(), &args.ordering);
-        if args.labels {
-            let (key, value) = ("gcode.labels".into(), "true".into());
-            shorthands.push(Override { key, value, option: "--labels" });
+        let resolved = settings(&args.settings, &shorthands)?;
+        let plate = &resolved.settings.plate;
+        if args.copies > 1 && !plate.arrange {
+            return Err(usage(
+                "copies have no place of their own in a file; leave out --copies or --no-arrange",
+            ));
         }
-        Ok(Self { settings: settings(&args.settings, &shorthands)?, tasks })
+        if plate.orient && !(args.support_enforcer.is_empty() && args.support_blocker.is_empty()) {
+            return Err(usage(
+                "support enforcers and blockers are given in the model's coordinates, which --orient changes; use one of them",
+            ));
+        }
+        let objects = object_settings(args, &shorthands)?;
+        for task in &mut tasks {
+            task.job.objects.clone_from(&objects);
+        }
+        Ok(Self { settings: resolved, tasks })
+    }
+}
+
+/// Settings of some objects: those of the plate with more on top.
+fn object_settings(args: &SliceArgs, shorthands: &[Override]) -> Result<Vec<ObjectSettings>, Failure> {
+    const OPTION: &str = "--object";
+    let mut given: Vec<(&str, Vec<Override>)> = Vec::new();
+    let mut problems = Vec::new();
+    for ObjectAssignment { object, setting: Assignment { key, value } } in &args.object {
+        let section = key.split('.').next().unwrap_or_default();
+        if let Some(reason) = why_not_of_an_object(section) {
+            let message = format!("{reason}; objects may differ in {}", ObjectSettings::SECTIONS.join(", "));
+            let setting = Some((key.clone(), value.clone()));
+            problems.push(Problem { origin: Origin::Option(OPTION), setting, message });
+        }
+        let setting = Override { key: key.clone(), value: value.clone(), option: OPTION };
+        match given.iter_mut().find(|(name, _)| name == object) {
+            Some((_, settings)) => settings.push(setting),
+            None => given.push((object, vec![setting])),
+        }
+    }
+    if !problems.is_empty() {
+        return Err(ProfileError { problems }.into());
+    }
+    let resolved = given.into_iter().map(|(object, own)| {
+        let settings = settings(&args.settings, &[shorthands, &own].concat())?.settings;
+        Ok(ObjectSettings { object: object.to_owned(), settings })
+    });
+    resolved.collect()
+}
+
+/// Why keys of a section are the same for all objects of a plate. Unknown sections are found out later.
+fn why_not_of_an_object(section: &str) -> Option<&'static str> {
+    match section {
+        _ if ObjectSettings::SECTIONS.contains(&section) => None,
+        "layer" | "first_layer" => Some("all objects of a plate share their layers"),
+        "skirt" | "brim" | "raft" | "support" => {
+            Some("what holds and supports objects is laid for the plate as a whole")
+        }
+        "seam" | "order" | "speed" | "acceleration" | "retract" | "travel" | "cooling" => {
+            Some("how the nozzle moves is decided for whole layers, not for objects")
+        }
+        _ if SECTIONS.iter().any(|known| known.name == section) => {
+            Some("it belongs to the printer or to the plate as a whole")
+        }
+        _ => None,
     }
 }
 
@@ -63,6 +130,7 @@ fn job(args: &SliceArgs, models: &[PathBuf]) -> Job {
         support_blockers: args.support_blocker.clone(),
         transform: transform(&args.models),
         copies: args.copies,
+        objects: Vec::new(),
         pauses: args.pause_at.clone(),
         certify: args.certify,
         threads: args.threads.map(Into::into),

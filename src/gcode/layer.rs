@@ -135,11 +135,13 @@ impl<'a> Writer<'a> {
 
     /// Ends the object under way and begins another.
     fn object(&mut self, object: Option<u32>) {
+        let names = &self.settings.objects;
+        let name = |object: u32| names.get(object as usize).map_or("", String::as_str);
         if let Some(before) = self.object.take() {
-            self.dialect.object_ends(&mut self.out, before);
+            self.dialect.object_ends(&mut self.out, name(before));
         }
         if let Some(now) = object {
-            self.dialect.object_begins(&mut self.out, now);
+            self.dialect.object_begins(&mut self.out, now, name(now));
         }
         self.object = object;
     }

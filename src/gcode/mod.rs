@@ -26,4 +26,4 @@ pub use script::Scripts;
 pub use settings::{ObjectLabel, PrintFacts, WriterSettings};
 pub(crate) use slot::duration;
 pub use slot::{Pending, Slot, Totals};
-pub use wrap::{Opening, closing, labels, opening};
+pub use wrap::{Opening, closing, labels, object_comment, opening};

@@ -1,5 +1,6 @@
 //! What the writer needs to know.
 
+use super::number::text;
 use super::script::Scripts;
 use crate::profile::{Flavor, Settings};
 use crate::units::Mm;
@@ -21,12 +22,46 @@ pub struct PrintFacts {
 }
 
 /// An object on the plate, as printers that can cancel one are told of it.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct ObjectLabel {
-    /// Smallest X and Y that it is printed on, bed coordinates, millimetres.
-    pub min_mm: [f64; 2],
-    /// Largest X and Y.
-    pub max_mm: [f64; 2],
+    /// Letters, digits and underscores; another for each object, also where case does not count.
+    pub name: String,
+    /// Corners of the convex hull of what is printed of it, bed coordinates, millimetres; empty: nothing is.
+    pub polygon_mm: Vec<[f64; 2]>,
+}
+
+impl ObjectLabel {
+    /// Labels of objects with these names, of which printers take only letters, digits and underscores.
+    pub fn all(objects: impl IntoIterator<Item = (String, Vec<[f64; 2]>)>) -> Vec<Self> {
+        let mut labels: Vec<Self> = Vec::new();
+        for (name, polygon_mm) in objects {
+            let words: Vec<&str> =
+                name.split(|c: char| !c.is_ascii_alphanumeric()).filter(|word| !word.is_empty()).collect();
+            let plain = if words.is_empty() { "object".to_owned() } else { words.join("_") };
+            let taken = |name: &str| labels.iter().any(|label| label.name.eq_ignore_ascii_case(name));
+            let numbered = (labels.len()..).map(|n| format!("{plain}_{n}"));
+            let name =
+                std::iter::once(plain.clone()).chain(numbered).find(|name| !taken(name)).unwrap_or_default();
+            labels.push(Self { name, polygon_mm });
+        }
+        labels
+    }
+
+    /// The middle of the box around it.
+    pub fn center_mm(&self) -> [f64; 2] {
+        let extent = |pick: fn(f64, f64) -> f64| {
+            let points = self.polygon_mm.iter().copied();
+            points.reduce(|a, b| [pick(a[0], b[0]), pick(a[1], b[1])]).unwrap_or_default()
+        };
+        let (low, high) = (extent(f64::min), extent(f64::max));
+        [0, 1].map(|i| 0.5 * (low[i] + high[i]))
+    }
+
+    /// Its corners as JSON without blanks.
+    pub(super) fn polygon(&self) -> String {
+        let points = self.polygon_mm.iter().map(|p| format!("[{},{}]", text(p[0], 2), text(p[1], 2)));
+        format!("[{}]", points.collect::<Vec<_>>().join(","))
+    }
 }
 
 /// The settings of [`format_layer`](super::format_layer).
@@ -42,6 +77,8 @@ pub struct WriterSettings {
     pub firmware_retraction: bool,
     /// Lines of a pause, placeholders filled in; empty: the flavour's own.
     pub pause: String,
+    /// Names of the objects, where labels are wanted.
+    pub objects: Vec<String>,
     /// Leave a blank line of fixed width in every layer, for M73.
     pub progress: bool,
 }
@@ -55,6 +92,7 @@ impl WriterSettings {
             filament_diameter: settings.filament.diameter,
             firmware_retraction: settings.retract.firmware,
             pause: scripts.pause.clone(),
+            objects: Vec::new(),
             progress,
         }
     }

@@ -81,6 +81,13 @@ pub fn labels(settings: &Settings, objects: &[ObjectLabel]) -> Vec<u8> {
     bytes
 }
 
+/// Said before each of the objects that are printed one after the other: heights begin anew.
+pub fn object_comment(name: &str) -> Vec<u8> {
+    let mut bytes = Vec::new();
+    line(&mut bytes, &format!("; printing object {}", one_line(name)));
+    bytes
+}
+
 /// End script, heaters off (where the script leaves that out) and footer.
 pub fn closing(settings: &Settings, facts: &PrintFacts, scripts: &Scripts, totals: &Totals) -> Vec<u8> {
     let mut bytes = b";TYPE:Custom\n".to_vec();
@@ -207,15 +214,22 @@ mod tests {
     #[test]
     fn objects_are_told_of_only_where_labels_are_wanted() {
         let mut settings = Settings::default();
-        let objects = [ObjectLabel { min_mm: [1.0, 2.0], max_mm: [3.0, 6.0] }; 2];
+        let square = vec![[1.0, 2.0], [3.0, 2.0], [3.0, 6.0], [1.0, 6.0]];
+        let objects =
+            ObjectLabel::all(["a part".to_owned(), "A-Part".into()].map(|name| (name, square.clone())));
         assert!(labels(&settings, &objects).is_empty());
         settings.gcode.labels = true;
-        assert_eq!(labels(&settings, &objects), b"M486 T2\n");
-        settings.printer.flavor = Flavor::Klipper;
         let text = String::from_utf8(labels(&settings, &objects)).expect("text");
         assert!(text.starts_with(
-            "EXCLUDE_OBJECT_DEFINE NAME=object_0 CENTER=2,4 POLYGON=[[1,2],[3,2],[3,6],[1,6]]\n"
+            "M486 T2\nM486 S0 A\"a_part\"\nM486 S1 A\"A_Part_1\"\nM486 S-1\n; objects_info = {"
         ));
+        settings.printer.flavor = Flavor::Klipper;
+        let text = String::from_utf8(labels(&settings, &objects)).expect("text");
+        assert!(
+            text.starts_with(
+                "EXCLUDE_OBJECT_DEFINE NAME=a_part CENTER=2,4 POLYGON=[[1,2],[3,2],[3,6],[1,6]]\n"
+            )
+        );
         assert_eq!(text.lines().count(), 2);
     }
 

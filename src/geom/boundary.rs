@@ -70,6 +70,39 @@ impl<'a> Boundary<'a> {
         })
     }
 
+    /// The way of a length from a place along its ring, in the ring's direction if `forward`: the vertices that it passes
+    /// and the point where it ends. At most once round.
+    pub fn walk(&self, from: BoundaryPos, length_mm: f64, forward: bool) -> Vec<Point> {
+        let Some(ring) = self.rings.get(from.ring as usize).filter(|ring| !ring.is_empty()) else {
+            return Vec::new();
+        };
+        let (n, edge) = (ring.len(), from.edge as usize);
+        let vertex =
+            |step: usize| if forward { ring[(edge + 1 + step) % n] } else { ring[(edge + n - step % n) % n] };
+        let side_mm = ring[edge].distance_mm(ring[(edge + 1) % n]);
+        let mut left_mm = length_mm;
+        let mut way = Vec::new();
+        // Where on the edge from the vertex behind to the next one the way begins.
+        let (mut behind, mut begun_mm) = match forward {
+            true => (ring[edge], from.along_mm),
+            false => (ring[(edge + 1) % n], side_mm - from.along_mm),
+        };
+        for step in 0..=n {
+            let next = vertex(step);
+            let rest_mm = behind.distance_mm(next) - begun_mm;
+            if rest_mm >= left_mm {
+                let t = (begun_mm + left_mm) / behind.distance_mm(next).max(f64::MIN_POSITIVE);
+                let ([ax, ay], [bx, by]) = (behind.mm(), next.mm());
+                way.push(Point::from_mm(ax + t * (bx - ax), ay + t * (by - ay)));
+                break;
+            }
+            way.push(next);
+            left_mm -= rest_mm;
+            (behind, begun_mm) = (next, 0.0);
+        }
+        way
+    }
+
     /// Unit vector along the edge of a place; `None` of an edge without length or a place that is not there.
     pub fn direction(&self, at: BoundaryPos) -> Option<[f64; 2]> {
         let ring = self.rings.get(at.ring as usize)?;
@@ -123,6 +156,19 @@ mod tests {
         assert_eq!(boundary.way_mm(a, b), Some(21.0));
         assert_eq!(boundary.way_mm(b, a), Some(19.0));
         assert_eq!(boundary.ring_length_mm(0), 40.0);
+    }
+
+    #[test]
+    fn a_walk_of_a_length_ends_where_a_way_of_that_length_does() {
+        let region = square();
+        let boundary = Boundary::new(&region);
+        let corners = &region.polygons[0].outer;
+        assert_eq!(boundary.walk(at(0, 3.0), 5.0, true), [Point::from_mm(8.0, 0.0)]);
+        assert_eq!(
+            boundary.walk(at(0, 3.0), 21.0, true),
+            [corners[1], corners[2], Point::from_mm(6.0, 10.0)]
+        );
+        assert_eq!(boundary.walk(at(0, 3.0), 5.0, false), [corners[0], Point::from_mm(0.0, 2.0)]);
     }
 
     #[test]

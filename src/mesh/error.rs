@@ -6,7 +6,7 @@ use std::path::PathBuf;
 /// Where in a file something was found; both count from 1.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Place {
-    /// The n-th facet of a binary file.
+    /// The n-th facet of a file that is no text.
     Facet(usize),
     /// The n-th line of a text file.
     Line(usize),
@@ -31,7 +31,7 @@ pub enum MeshError {
     TooLarge { path: PathBuf, problem: String },
     #[error("{}: the file is empty; export the model again", path.display())]
     EmptyFile { path: PathBuf },
-    #[error("{}: not an STL file ({found}); export the model as binary STL", path.display())]
+    #[error("{}: not an STL file, nor 3MF or OBJ ({found}); export the model as binary STL", path.display())]
     NotStl { path: PathBuf, found: &'static str },
     #[error(
         "{}: the file ends early: {promised} facets need {needed} bytes, {got} found ({whole} whole facets); \
@@ -42,6 +42,8 @@ pub enum MeshError {
     EndsInFacet { path: PathBuf, place: Place },
     #[error("{}: {place}: {problem}; export the model again, best as binary STL", path.display())]
     Syntax { path: PathBuf, place: Place, problem: String },
+    #[error("{}: {part}: {problem}; {mend}", path.display())]
+    Package { path: PathBuf, part: String, problem: String, mend: &'static str },
     #[error(
         "{}: {place}: coordinate {value} is not a finite number; repair the model where it was made and \
          export it again", path.display()

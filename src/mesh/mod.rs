@@ -3,24 +3,32 @@
 //! [`load`] reads what users have and repairs what can be repaired without guessing; a [`MeshReport`] says what
 //! was found and done. [`Transform`] scales, turns and moves; [`place()`] arranges models on the bed.
 
+mod arrange;
 mod components;
 mod edges;
 mod error;
+mod formats;
 mod gaps;
+mod obj;
+mod orient;
 mod outside;
 mod pack;
 mod place;
 mod repair;
 mod report;
+mod silhouette;
 mod stl;
+mod threemf;
 mod transform;
 mod weld;
+mod words;
 
 use std::io::Read;
 use std::path::Path;
 
 pub use error::{MeshError, Place};
-pub use place::{Item, Object, Placement, PlacementError, Plate, fit_factor, place};
+pub use orient::orient;
+pub use place::{Item, Object, Placement, PlacementError, Plate, fit_factor, keep, place};
 pub use report::MeshReport;
 pub use transform::{Transform, TransformError};
 
@@ -110,11 +118,63 @@ fn facet_measures(corners: [[f64; 3]; 3], apex: [f64; 3]) -> (f64, f64) {
     (dot(w, normal) / 6.0, dot(normal, normal).sqrt() / 2.0)
 }
 
-/// Reads and repairs a mesh file.
+/// One object of a model file.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Model {
+    /// As the file calls it, if it does.
+    pub name: Option<String>,
+    /// The repaired mesh, in the file's own coordinates.
+    pub mesh: Mesh,
+    /// What was found and done. Notes on the file as a whole are with its first object.
+    pub report: MeshReport,
+    /// Where the file puts the mesh's origin: once, or several times, millimetres.
+    pub spots: Vec<[f64; 3]>,
+}
+
+/// Reads and repairs a mesh file (STL, 3MF or OBJ) as one mesh: what are several objects is taken together, each where
+/// the file puts it.
 ///
 /// # Errors
-/// See [`MeshError`]: the file cannot be read, is no STL, ends early, or holds nothing that has a volume.
+/// See [`MeshError`]: the file cannot be read, is no model, ends early, or holds nothing that has a volume.
 pub fn load(path: &Path) -> Result<(Mesh, MeshReport), MeshError> {
+    from_bytes(path, &contents(path)?)
+}
+
+/// As [`load`], from the file's contents; `path` is what messages call it.
+///
+/// # Errors
+/// As [`load`].
+pub fn from_bytes(path: &Path, data: &[u8]) -> Result<(Mesh, MeshReport), MeshError> {
+    let formats::Contents { objects, format, notes } = formats::read(path, data)?.together(path)?;
+    let mut objects = objects.into_iter();
+    let Some(formats::FileObject { soup, facets, .. }) = objects.next() else {
+        return Err(MeshError::NoFacets { path: path.to_path_buf() });
+    };
+    repaired(path, soup, facets, format, notes)
+}
+
+/// Reads and repairs every object of a mesh file by itself: several only in a 3MF file.
+///
+/// # Errors
+/// As [`load`].
+pub fn load_objects(path: &Path) -> Result<Vec<Model>, MeshError> {
+    objects_from_bytes(path, &contents(path)?)
+}
+
+/// As [`load_objects`], from the file's contents; `path` is what messages call it.
+///
+/// # Errors
+/// As [`load`].
+pub fn objects_from_bytes(path: &Path, data: &[u8]) -> Result<Vec<Model>, MeshError> {
+    let formats::Contents { objects, format, mut notes } = formats::read(path, data)?;
+    let model = |formats::FileObject { name, soup, facets, spots }| {
+        let (mesh, report) = repaired(path, soup, facets, format, std::mem::take(&mut notes))?;
+        Ok(Model { name, mesh, report, spots })
+    };
+    objects.into_iter().map(model).collect()
+}
+
+fn contents(path: &Path) -> Result<Vec<u8>, MeshError> {
     let failed = |source| MeshError::Read { path: path.to_path_buf(), source };
     let too_large = |problem| MeshError::TooLarge { path: path.to_path_buf(), problem };
     let file = std::fs::File::open(path).map_err(failed)?;
@@ -130,21 +190,19 @@ pub fn load(path: &Path) -> Result<(Mesh, MeshReport), MeshError> {
     // A pipe does not tell its length.
     file.take(limits::MODEL_BYTES + 1).read_to_end(&mut data).map_err(failed)?;
     check(data.len() as u64)?;
-    from_bytes(path, &data)
+    Ok(data)
 }
 
-/// As [`load`], from the file's contents; `path` is what messages call it.
-///
-/// # Errors
-/// As [`load`].
-pub fn from_bytes(path: &Path, data: &[u8]) -> Result<(Mesh, MeshReport), MeshError> {
-    let stl::Reading { soup, format, facets, notes } = stl::read(path, data)?;
+fn repaired(
+    path: &Path,
+    soup: weld::Soup,
+    facets: usize,
+    format: &'static str,
+    notes: Vec<String>,
+) -> Result<(Mesh, MeshReport), MeshError> {
     if facets > limits::FACETS {
         let problem = format!("{facets} facets; at most {} are read", limits::FACETS);
         return Err(MeshError::TooLarge { path: path.to_path_buf(), problem });
-    }
-    if facets == 0 {
-        return Err(MeshError::NoFacets { path: path.to_path_buf() });
     }
     let repair::Repaired { vertices, triangles, twins, repairs } = repair::repair(soup);
     let mesh = Mesh {

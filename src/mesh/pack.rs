@@ -1,8 +1,10 @@
-//! Packing models seen from above.
-
-use geo::{ConvexHull, MultiPoint};
+//! Packing the boxes around models seen from above.
+//!
+//! Greedy by falling size: each box goes where it touches (at the spacing) one that stands, so that the group takes the
+//! least share of the bed. O(n³) for n boxes.
 
 use super::Mesh;
+use super::silhouette::hull;
 use crate::profile::BedShape;
 
 /// A model seen from above, its box centred on the origin.
@@ -21,10 +23,7 @@ impl Footprint {
             BedShape::Rectangular => [(1.0, 1.0), (-1.0, 1.0), (-1.0, -1.0), (1.0, -1.0)]
                 .map(|(x, y)| [x * half[0], y * half[1]])
                 .to_vec(),
-            BedShape::Round => {
-                let points: MultiPoint<f64> = mesh.vertices().iter().map(|v| (v[0], v[1])).collect();
-                points.convex_hull().exterior().points().map(|p| [p.x(), p.y()]).collect()
-            }
+            BedShape::Round => hull(mesh),
         };
         Self { half, rim }
     }
@@ -42,18 +41,18 @@ pub(super) fn group_box(footprints: &[&Footprint], spots: &[[f64; 2]]) -> [[f64;
 /// Middles of the footprints, the whole group around the origin. `share` says what part of the bed a group needs.
 ///
 /// # Errors
-/// How many fit, if not all do.
+/// Those for which there is no room, if not all fit.
 pub(super) fn pack(
     footprints: &[Footprint],
     spacing_mm: f64,
     share: impl Fn(&[&Footprint], &[[f64; 2]]) -> f64,
-) -> Result<Vec<[f64; 2]>, usize> {
+) -> Result<Vec<[f64; 2]>, Vec<usize>> {
     let mut order: Vec<usize> = (0..footprints.len()).collect();
     let size = |i: usize| footprints[i].half[0] * footprints[i].half[1];
     order.sort_by(|&a, &b| size(b).total_cmp(&size(a)).then(a.cmp(&b)));
     let mut placed: Vec<&Footprint> = Vec::with_capacity(order.len());
     let mut spots: Vec<[f64; 2]> = Vec::with_capacity(order.len());
-    for &next in &order {
+    for (rank, &next) in order.iter().enumerate() {
         let footprint = &footprints[next];
         placed.push(footprint);
         let mut best: Option<([f64; 2], [f64; 2])> = None;
@@ -75,7 +74,7 @@ pub(super) fn pack(
         // Beyond the rightmost model there is always a free candidate.
         let (spot, cost) = best.unwrap_or_default();
         if cost[0] > 1.0 {
-            return Err(spots.len());
+            return Err(order[rank..].to_vec());
         }
         spots.push(spot);
     }

@@ -1,7 +1,9 @@
 //! Where models stand on the bed.
 
 use super::Mesh;
+use super::arrange::{Shape, Towards, arrange};
 use super::pack::{Footprint, group_box, pack};
+use super::silhouette::silhouette;
 use crate::geom::Point;
 use crate::profile::{BedOrigin, BedSettings, BedShape};
 
@@ -21,15 +23,28 @@ pub struct Item {
 pub struct Placement {
     /// Width to keep free along the bed's edge, for skirt and brim.
     pub margin_mm: f64,
-    /// Least distance between models.
+    /// Least distance between models, and what is printed around them.
     pub spacing_mm: f64,
+    /// How far brim, raft and supports reach around each model.
+    pub reach_mm: f64,
+    /// Whether models keep the distance from each other's convex hull, instead of only from the outline.
+    pub convex: bool,
+    /// Whether models may be turned by quarters about Z to fit.
+    pub turn: bool,
     /// Moves everything away from the middle of the bed; a negative Z sinks it, which cuts off the bottom.
     pub shift_mm: [f64; 3],
 }
 
 impl Default for Placement {
     fn default() -> Self {
-        Self { margin_mm: 0.0, spacing_mm: 5.0, shift_mm: [0.0; 3] }
+        Self {
+            margin_mm: 0.0,
+            spacing_mm: 5.0,
+            reach_mm: 0.0,
+            convex: false,
+            turn: false,
+            shift_mm: [0.0; 3],
+        }
     }
 }
 
@@ -63,12 +78,19 @@ pub enum PlacementError {
     )]
     TooLarge { name: String, size: [f64; 3], bed: String, excess: String, factor: f64 },
     #[error(
-        "{total} models do not fit the printer's {bed} together: {fitting} do; print the others on another plate, \
-         or use --each"
+        "{total} models do not fit the printer's {bed} together, {spacing_mm} mm apart: {fitting} do, and there is no \
+         room for {}; print the others on another plate, or use --each",
+        listed(left)
     )]
-    TooMany { total: usize, fitting: usize, bed: String },
+    TooMany { total: usize, fitting: usize, left: Vec<String>, spacing_mm: f64, bed: String },
     #[error(
-        "{name}: moved as asked, it reaches {by_mm:.2} mm beyond the printer's {bed}; give a smaller --translate"
+        "{a} and {b} stand closer than {apart_mm:.1} mm where the files put them; leave out --no-arrange, or move them \
+         apart"
+    )]
+    Touching { a: String, b: String, apart_mm: f64 },
+    #[error(
+        "{name}: where it is put, it reaches {by_mm:.2} mm beyond the printer's {bed}; give a smaller --translate, or \
+         leave out --no-arrange"
     )]
     Outside { name: String, by_mm: f64, bed: String },
     #[error(
@@ -79,49 +101,157 @@ pub enum PlacementError {
 
 /// Places models side by side, the whole group in the middle of the bed.
 ///
-/// Greedy by falling footprint: each model goes where it touches (at the spacing) one that stands, so that the group
-/// takes the least share of the bed. Boxes never come closer than the spacing. O(n³) for n models.
+/// Models are packed by their outlines, on cells of about a millimetre: around the middle of the bed, or if that does not
+/// hold all of them, from a corner. Where neither does, boxes are packed to the micrometre. Outlines never come closer
+/// than the spacing.
 ///
 /// # Errors
-/// A model larger than the bed, a group larger than the bed, a shift off the bed.
+/// A model larger than the bed, models larger than the bed together, a shift off the bed.
 pub fn place(items: Vec<Item>, bed: &BedSettings, options: &Placement) -> Result<Plate, PlacementError> {
     let area = Area::new(bed, options.margin_mm);
-    let mut plate = Plate { meshes: Vec::with_capacity(items.len()), objects: Vec::new() };
-    let mut footprints = Vec::new();
+    let mut meshes = Vec::with_capacity(items.len());
+    let (mut names, mut models, mut footprints) = (Vec::new(), Vec::new(), Vec::new());
     for item in items {
         let mesh = item.mesh.centered();
         let footprint = Footprint::new(&mesh, bed.shape);
         area.check(&item.name, &mesh, &footprint)?;
         for copy in 1..=item.copies {
+            names.push(if copy == 1 { item.name.clone() } else { format!("{} ({copy})", item.name) });
+            models.push(meshes.len());
+        }
+        footprints.push(footprint);
+        meshes.push(mesh);
+    }
+    let places =
+        packed(&meshes, &footprints, &models, &area, options).map_err(|left| PlacementError::TooMany {
+            total: models.len(),
+            fitting: models.len() - left.len(),
+            left: left.into_iter().map(|model| names[model].clone()).collect(),
+            spacing_mm: options.spacing_mm,
+            bed: area.to_string(),
+        })?;
+    let mut plate = Plate { meshes: Vec::with_capacity(meshes.len()), objects: Vec::new() };
+    let mut used: Vec<(usize, u32)> = Vec::new();
+    for (name, (&model, &(quarters, spot))) in names.into_iter().zip(models.iter().zip(&places)) {
+        let mesh = used.iter().position(|u| *u == (model, quarters)).unwrap_or_else(|| {
+            used.push((model, quarters));
+            plate.meshes.push(meshes[model].quarter_turned(quarters));
+            used.len() - 1
+        });
+        plate.objects.push(Object { name, mesh, offset: Point::from_mm(spot[0], spot[1]) });
+    }
+    area.settle(plate, bed, options)
+}
+
+/// Puts models where their files have them: each item's mesh as it lies, moved by each of its spots (bed coordinates), and
+/// let down on the bed.
+///
+/// # Errors
+/// As [`place`], and models that touch.
+pub fn keep(
+    items: Vec<(Item, Vec<[f64; 2]>)>,
+    bed: &BedSettings,
+    options: &Placement,
+) -> Result<Plate, PlacementError> {
+    let area = Area::new(bed, options.margin_mm);
+    let middle = bed_middle(bed);
+    let mut plate = Plate { meshes: Vec::with_capacity(items.len()), objects: Vec::new() };
+    let reach_mm = options.reach_mm + if options.convex { options.spacing_mm / 2.0 } else { 0.0 };
+    let mut covered = Vec::new();
+    for (item, spots) in items {
+        let [min, max] = item.mesh.bounds();
+        let mesh = item.mesh.centered();
+        area.check(&item.name, &mesh, &Footprint::new(&mesh, bed.shape))?;
+        for (copy, spot) in (1..).zip(spots) {
             let name = if copy == 1 { item.name.clone() } else { format!("{} ({copy})", item.name) };
-            plate.objects.push(Object { name, mesh: plate.meshes.len(), offset: Point::default() });
-            footprints.push(footprint.clone());
+            let at = [0, 1].map(|i| spot[i] + (min[i] + max[i]) / 2.0);
+            let mut moved = mesh.clone();
+            moved.shift([at[0], at[1], 0.0]);
+            covered.push(silhouette(&moved, options.convex, reach_mm, KEPT_CELL_MM));
+            let offset = Point::from_mm(at[0] - middle[0], at[1] - middle[1]);
+            plate.objects.push(Object { name, mesh: plate.meshes.len(), offset });
         }
         plate.meshes.push(mesh);
     }
-    let total = footprints.len();
-    let spots = pack(&footprints, options.spacing_mm, |placed, spots| area.group_share(placed, spots))
-        .map_err(|fitting| PlacementError::TooMany { total, fitting, bed: area.to_string() })?;
-    let center = match bed.origin {
+    for (i, a) in covered.iter().enumerate() {
+        if let Some(j) = (i + 1..covered.len()).find(|&j| a.meets(&covered[j], [0; 2])) {
+            let [a, b] = [i, j].map(|k| plate.objects[k].name.clone());
+            let apart_mm = 2.0 * reach_mm + 2.0 * KEPT_CELL_MM;
+            return Err(PlacementError::Touching { a, b, apart_mm });
+        }
+    }
+    area.settle(plate, bed, options)
+}
+
+/// Cells of models that stay where they are.
+const KEPT_CELL_MM: f64 = 0.2;
+
+/// The bed's longer side has so many cells when models are packed.
+const CELLS: f64 = 256.0;
+
+/// Quarter turn and place of the middle for each model, relative to that of the bed; or the models that do not fit.
+fn packed(
+    meshes: &[Mesh],
+    footprints: &[Footprint],
+    models: &[usize],
+    area: &Area,
+    options: &Placement,
+) -> Result<Vec<(u32, [f64; 2])>, Vec<usize>> {
+    if models.len() < 2 {
+        return Ok(vec![(0, [0.0; 2]); models.len()]);
+    }
+    let cell_mm = (2.0 * area.half[0].max(area.half[1]) / CELLS).max(0.1);
+    let reach_mm = options.reach_mm + options.spacing_mm / 2.0;
+    let shape = |mesh: &Mesh| Shape {
+        covered: silhouette(mesh, options.convex, reach_mm, cell_mm),
+        rim: Footprint::new(mesh, area.shape).rim,
+    };
+    let quarters = if options.turn { 4 } else { 1 };
+    let shapes: Vec<Vec<Shape>> =
+        meshes.iter().map(|mesh| (0..quarters).map(|n| shape(&mesh.quarter_turned(n))).collect()).collect();
+    let half = area.half.map(|half| (half / cell_mm) as i64);
+    let at_mm = |at: [i64; 2]| at.map(|n| n as f64 * cell_mm);
+    let fits = |rim: &[[f64; 2]], at: [i64; 2]| {
+        let [x, y] = at_mm(at);
+        area.excess_mm(rim.iter().map(|p| [p[0] + x, p[1] + y])) <= TOLERANCE_MM
+    };
+    let mut left: Option<Vec<usize>> = None;
+    for towards in [Towards::Middle, Towards::Corner] {
+        let spots = arrange(&shapes, models, half, towards, fits);
+        let without: Vec<usize> = (0..models.len()).filter(|&model| spots[model].is_none()).collect();
+        if without.is_empty() {
+            let placed = spots.into_iter().flatten().map(|spot| (spot.turn as u32, at_mm(spot.at))).collect();
+            return Ok(area.in_the_middle(placed, |model, turn| &shapes[models[model]][turn as usize].rim));
+        }
+        if left.as_ref().is_none_or(|left| without.len() < left.len()) {
+            left = Some(without);
+        }
+    }
+    let boxes: Vec<Footprint> = models.iter().map(|&model| footprints[model].clone()).collect();
+    let spots = pack(&boxes, 2.0 * reach_mm, |placed, spots| area.group_share(placed, spots));
+    let unplaced = left.unwrap_or_default();
+    match spots {
+        Ok(spots) => Ok(spots.into_iter().map(|spot| (0, spot)).collect()),
+        Err(boxes_left) if boxes_left.len() < unplaced.len() => Err(boxes_left),
+        Err(_) => Err(unplaced),
+    }
+}
+
+/// The middle of the bed in its own coordinates.
+fn bed_middle(bed: &BedSettings) -> [f64; 2] {
+    match bed.origin {
         BedOrigin::Center => [0.0; 2],
         BedOrigin::Corner => [bed.size[0].0 / 2.0, bed.size[1].0 / 2.0],
-    };
-    let [dx, dy, dz] = options.shift_mm;
-    for ((object, spot), footprint) in plate.objects.iter_mut().zip(&spots).zip(&footprints) {
-        let spot = [spot[0] + dx, spot[1] + dy];
-        let by_mm = area.excess_mm(footprint.rim.iter().map(|p| [p[0] + spot[0], p[1] + spot[1]]));
-        if by_mm > TOLERANCE_MM && (dx, dy) != (0.0, 0.0) {
-            return Err(PlacementError::Outside { name: object.name.clone(), by_mm, bed: area.to_string() });
-        }
-        object.offset = Point::from_mm(spot[0] + center[0], spot[1] + center[1]);
     }
-    if dz > 0.0 {
-        return Err(PlacementError::InTheAir(dz));
+}
+
+/// The first few of some names.
+fn listed(names: &[String]) -> String {
+    const SHOWN: usize = 5;
+    match names.len().checked_sub(SHOWN) {
+        None | Some(0) => names.join(", "),
+        Some(more) => format!("{} and {more} more", names[..SHOWN].join(", ")),
     }
-    for mesh in &mut plate.meshes {
-        mesh.shift([0.0, 0.0, dz]);
-    }
-    Ok(plate)
 }
 
 /// The largest factor, at most 1, that makes a mesh fit the bed.
@@ -160,6 +290,64 @@ impl Area {
             BedShape::Round => p[0].hypot(p[1]) - self.half[0],
         };
         points.map(beyond).fold(f64::NEG_INFINITY, f64::max)
+    }
+
+    /// Places moved together so that the box around all models has its middle over the bed's, if all stay on it.
+    fn in_the_middle<'a>(
+        &self,
+        mut places: Vec<(u32, [f64; 2])>,
+        rim: impl Fn(usize, u32) -> &'a [[f64; 2]],
+    ) -> Vec<(u32, [f64; 2])> {
+        let points = |places: &[(u32, [f64; 2])]| -> Vec<[f64; 2]> {
+            let moved = |(model, &(turn, at)): (usize, &(u32, [f64; 2]))| {
+                rim(model, turn).iter().map(move |p| [p[0] + at[0], p[1] + at[1]])
+            };
+            places.iter().enumerate().flat_map(moved).collect()
+        };
+        let extent = |pick: fn(f64, f64) -> f64| {
+            points(&places)
+                .into_iter()
+                .reduce(|a, b| [pick(a[0], b[0]), pick(a[1], b[1])])
+                .unwrap_or_default()
+        };
+        let (low, high) = (extent(f64::min), extent(f64::max));
+        let by = [0, 1].map(|i| -(low[i] + high[i]) / 2.0);
+        if self.excess_mm(points(&places).into_iter().map(|p| [p[0] + by[0], p[1] + by[1]])) <= TOLERANCE_MM {
+            for (_, at) in &mut places {
+                *at = [at[0] + by[0], at[1] + by[1]];
+            }
+        }
+        places
+    }
+
+    /// The plate, whose offsets are relative to the bed's middle, in bed coordinates and shifted as asked.
+    fn settle(
+        &self,
+        mut plate: Plate,
+        bed: &BedSettings,
+        options: &Placement,
+    ) -> Result<Plate, PlacementError> {
+        let middle = bed_middle(bed);
+        let [dx, dy, dz] = options.shift_mm;
+        let rims: Vec<Vec<[f64; 2]>> =
+            plate.meshes.iter().map(|mesh| Footprint::new(mesh, self.shape).rim).collect();
+        for object in &mut plate.objects {
+            let [x, y] = object.offset.mm();
+            let spot = [x + dx, y + dy];
+            let by_mm = self.excess_mm(rims[object.mesh].iter().map(|p| [p[0] + spot[0], p[1] + spot[1]]));
+            if by_mm > TOLERANCE_MM {
+                let (name, bed) = (object.name.clone(), self.to_string());
+                return Err(PlacementError::Outside { name, by_mm, bed });
+            }
+            object.offset = Point::from_mm(spot[0] + middle[0], spot[1] + middle[1]);
+        }
+        if dz > 0.0 {
+            return Err(PlacementError::InTheAir(dz));
+        }
+        for mesh in &mut plate.meshes {
+            mesh.shift([0.0, 0.0, dz]);
+        }
+        Ok(plate)
     }
 
     /// The part of the bed's extent that is needed: more than 1 does not fit.

@@ -8,26 +8,29 @@ use std::io::{self, Read, Seek, SeekFrom};
 use std::path::Path;
 
 use super::error::{MeshError, Place};
-use super::weld::{LIMIT_MM, Soup, Welder};
+use super::formats::{Contents, Format, bad_coordinate, is_text, trimmed};
+use super::weld::{LIMIT_MM, Welder};
+use super::words::{Words, number};
 
 const HEADER: usize = 84;
 const FACET: usize = 50;
 
-/// Facets of a file with what had to be overlooked to read them.
-pub(super) struct Reading {
-    pub soup: Soup,
-    pub format: &'static str,
-    /// Facets in the file, before any was left out.
-    pub facets: usize,
-    pub notes: Vec<String>,
+/// STL, whatever a file is called that is nothing else.
+pub(super) struct Stl;
+
+impl Format for Stl {
+    fn recognises(&self, _path: &Path, _data: &[u8]) -> bool {
+        true
+    }
+
+    fn read(&self, path: &Path, data: &[u8]) -> Result<Contents, MeshError> {
+        read(path, data)
+    }
 }
 
 /// Reads either kind. The size decides: a binary file of n facets has 84 + 50 n bytes, whatever its header says.
-pub(super) fn read(path: &Path, data: &[u8]) -> Result<Reading, MeshError> {
+fn read(path: &Path, data: &[u8]) -> Result<Contents, MeshError> {
     let owned = || path.to_path_buf();
-    if data.is_empty() {
-        return Err(MeshError::EmptyFile { path: owned() });
-    }
     let promised = data.get(80..HEADER).map(|n| u32::from_le_bytes([n[0], n[1], n[2], n[3]]) as usize);
     if promised.is_some_and(|n| n.checked_mul(FACET).is_some_and(|bytes| bytes + HEADER == data.len())) {
         return read_binary(path, data, (data.len() - HEADER) / FACET, Vec::new());
@@ -62,7 +65,7 @@ pub(super) fn read(path: &Path, data: &[u8]) -> Result<Reading, MeshError> {
 /// Facets from which reading by two threads pays.
 const PARALLEL: usize = 20_000;
 
-fn read_binary(path: &Path, data: &[u8], facets: usize, notes: Vec<String>) -> Result<Reading, MeshError> {
+fn read_binary(path: &Path, data: &[u8], facets: usize, notes: Vec<String>) -> Result<Contents, MeshError> {
     let body = &data[HEADER..HEADER + facets * FACET];
     let mut welder = Welder::with_capacity(facets);
     if facets < PARALLEL {
@@ -78,7 +81,7 @@ fn read_binary(path: &Path, data: &[u8], facets: usize, notes: Vec<String>) -> R
         first.and(second)?;
         welder.append(later.finish());
     }
-    Ok(Reading { soup: welder.finish(), format: "binary STL", facets, notes })
+    Ok(Contents::single(welder.finish(), "binary STL", facets, notes))
 }
 
 /// Welds the facets of a part of the file, the first of which is number `offset + 1`.
@@ -127,25 +130,6 @@ impl Seek for Part<'_> {
     }
 }
 
-fn bad_coordinate(path: &Path, place: Place, value: f32) -> MeshError {
-    let path = path.to_path_buf();
-    if value.is_finite() {
-        MeshError::TooFar { path, place, value }
-    } else {
-        MeshError::NotFinite { path, place, value }
-    }
-}
-
-/// Without byte order mark and leading blanks.
-fn trimmed(data: &[u8]) -> &[u8] {
-    data.strip_prefix(b"\xEF\xBB\xBF").unwrap_or(data).trim_ascii_start()
-}
-
-/// Whether the first kilobyte is free of control characters; binary facets are full of zeros.
-fn is_text(data: &[u8]) -> bool {
-    data.iter().take(1024).all(|&b| b >= b' ' || b.is_ascii_whitespace())
-}
-
 /// Whether what follows a binary header can be a facet: a normal of at most unit length, corners within 10 m.
 fn is_facet(data: &[u8]) -> bool {
     let numbers = data[..48].as_chunks::<4>().0.iter().map(|&b| f32::from_le_bytes(b));
@@ -153,8 +137,8 @@ fn is_facet(data: &[u8]) -> bool {
 }
 
 /// Reads text word by word: only `solid`, `facet`, `vertex`, `endfacet` and `endsolid` matter, in any case.
-fn read_text(path: &Path, data: &[u8]) -> Result<Reading, MeshError> {
-    let mut words = Words { data: data.strip_prefix(b"\xEF\xBB\xBF").unwrap_or(data), at: 0, line: 1 };
+fn read_text(path: &Path, data: &[u8]) -> Result<Contents, MeshError> {
+    let mut words = Words::new(data);
     let mut welder = Welder::with_capacity(data.len() / 250);
     let mut corners: Vec<[f32; 3]> = Vec::with_capacity(4);
     let (mut facets, mut solids, mut ends, mut polygons) = (0, 0, 0, 0);
@@ -218,44 +202,5 @@ fn read_text(path: &Path, data: &[u8]) -> Result<Reading, MeshError> {
     if polygons > 0 {
         notes.push(format!("{polygons} facets with more than 3 corners were split"));
     }
-    Ok(Reading { soup: welder.finish(), format: "ASCII STL", facets, notes })
-}
-
-/// A number, with a decimal comma if need be.
-fn number(word: &[u8]) -> Option<f32> {
-    let text = std::str::from_utf8(word).ok()?;
-    text.parse().ok().or_else(|| text.replace(',', ".").parse().ok())
-}
-
-/// Blank-separated words with the line they stand on; lines end with LF, CR LF or CR.
-struct Words<'a> {
-    data: &'a [u8],
-    at: usize,
-    line: usize,
-}
-
-impl<'a> Words<'a> {
-    fn next(&mut self) -> Option<&'a [u8]> {
-        while self.data.get(self.at)?.is_ascii_whitespace() {
-            self.line += usize::from(self.ends_line());
-            self.at += 1;
-        }
-        let rest = &self.data[self.at..];
-        let length = rest.iter().position(u8::is_ascii_whitespace).unwrap_or(rest.len());
-        self.at += length;
-        Some(&rest[..length])
-    }
-
-    fn skip_line(&mut self) {
-        let rest = &self.data[self.at..];
-        self.at += rest.iter().position(|b| matches!(b, b'\n' | b'\r')).unwrap_or(rest.len());
-    }
-
-    fn ends_line(&self) -> bool {
-        match self.data[self.at] {
-            b'\n' => true,
-            b'\r' => self.data.get(self.at + 1) != Some(&b'\n'),
-            _ => false,
-        }
-    }
+    Ok(Contents::single(welder.finish(), "ASCII STL", facets, notes))
 }

@@ -52,6 +52,11 @@ impl Transform {
         Ok(mesh)
     }
 
+    /// Where a point goes.
+    pub fn of_point(&self, point: [f64; 3]) -> [f64; 3] {
+        (self.rotation() * Vector3::from([0, 1, 2].map(|i| self.scale[i] * point[i]))).into()
+    }
+
     /// Quarter turns are exact: a turned box keeps faces parallel to the layers.
     fn rotation(&self) -> Matrix3<f64> {
         let turn = |axis, degrees: f64| {
@@ -74,6 +79,21 @@ impl Mesh {
         let [min, max] = self.bounds();
         self.shift([-(min[0] + max[0]) / 2.0, -(min[1] + max[1]) / 2.0, -min[2]]);
         self
+    }
+
+    /// The mesh turned about Z by quarters, counter-clockwise seen from above; exact.
+    pub fn quarter_turned(&self, quarters: u32) -> Mesh {
+        let mut mesh = self.clone();
+        for vertex in &mut mesh.vertices {
+            let [x, y, z] = *vertex;
+            *vertex = match quarters % 4 {
+                0 => [x, y, z],
+                1 => [-y, x, z],
+                2 => [-x, -y, z],
+                _ => [y, -x, z],
+            };
+        }
+        mesh
     }
 
     /// Moves the mesh, in millimetres.

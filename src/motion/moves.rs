@@ -50,6 +50,8 @@ pub struct Entry {
     pub z_mm: f64,
     /// The way on which to wipe before leaving, from `xy` on; empty where nothing is wiped.
     pub wipe: Vec<[f64; 2]>,
+    /// The first travel keeps above this, as finished objects may be in its way; 0: none are.
+    pub over_mm: f64,
 }
 
 /// The moves of one layer. It starts and ends un-retracted.

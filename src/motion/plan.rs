@@ -48,6 +48,7 @@ pub fn plan_layer(
         layer_z_mm,
         positioned: false,
         wipe: from.wipe.clone(),
+        over_mm: from.over_mm,
         owed_mm3: 0.0,
         acceleration: None,
         bead: None,
@@ -83,7 +84,7 @@ pub fn exit(layer: &LayerPaths, sequence: &[Visit], from: Entry, settings: &Moti
     let Some(path) = last else { return from };
     let scarf = finish(path, &mut vertices, layer.index, settings);
     let (end, wipe) = end(path, &vertices, scarf.as_ref(), settings);
-    Entry { xy: end, z_mm: layer.top_mm + settings.z_offset.0, wipe }
+    Entry { xy: end, z_mm: layer.top_mm + settings.z_offset.0, wipe, over_mm: 0.0 }
 }
 
 /// Where a bead ends, and where to wipe from there: of a loop on along it, over its beginning, away from the seam; else
@@ -141,6 +142,8 @@ pub(super) struct Nozzle<'a> {
     pub(super) positioned: bool,
     /// Where to wipe after the bead drawn last.
     pub(super) wipe: Vec<[f64; 2]>,
+    /// The next travel keeps above this.
+    pub(super) over_mm: f64,
     /// Filament to be fed with the next bead beyond what it holds.
     pub(super) owed_mm3: f64,
     acceleration: Option<MmPerS2>,

@@ -26,8 +26,12 @@ impl Nozzle<'_> {
             Way::Inside(_, length_mm) => length_mm > travel.retract_inside.0.max(retract.min_travel.0),
             Way::Across => distance(at, to) > retract.min_travel.0,
         });
-        let retracted = (far || pause) && retract.length.0 > 0.0;
-        if retracted && self.retract() {
+        let over_mm = (std::mem::take(&mut self.over_mm) - self.layer_z_mm).max(0.0);
+        if over_mm > 0.0 {
+            way = Way::Across;
+        }
+        let retracted = (far || pause || over_mm > 0.0) && retract.length.0 > 0.0;
+        if retracted && self.retract() && over_mm <= 0.0 {
             way = self.way(to, same_island);
         }
         if pause {
@@ -35,7 +39,7 @@ impl Nozzle<'_> {
             way = Way::Across;
         }
         let hops = retracted && (way == Way::Across || retract.z_hop_inside);
-        let hop_mm = if hops { retract.z_hop.0.max(0.0) } else { 0.0 };
+        let hop_mm = if hops { retract.z_hop.0.max(over_mm) } else { over_mm };
         let mut stops = match way {
             Way::Inside(between, _) => between,
             Way::Across => Vec::new(),

@@ -6,12 +6,10 @@ use crate::job::{Job, JobError, Progress};
 use crate::order::compare::{LayerRow, StrategyRow};
 use crate::order::{Cost, LayerProblem, Pins, SeamRule, Visit, chunk_len, ends_on_path};
 use crate::profile::{CostKind, OrderStrategy, Settings};
-use crate::slice::Slicer;
 use crate::toolpath::LayerPaths;
 
 use super::ordering::Certificate;
-use super::sections::Sections;
-use super::{load, ordering, parallel, reorder};
+use super::{load, ordering, parallel, reorder, rounds};
 
 /// Plans the layers once and orders them by each strategy. With `job.certify`, bounds are computed as well.
 pub(super) fn compare(
@@ -53,17 +51,14 @@ pub(super) fn is_gcode(path: &Path) -> bool {
     extension.is_some_and(|e| matches!(e.as_str(), "gcode" | "gco" | "gc" | "g" | "nc" | "ngc"))
 }
 
-/// The layers of a plate.
+/// The layers of a plate, round after round.
 fn sliced(job: &Job, settings: &Settings) -> Result<Vec<LayerPaths>, JobError> {
-    let load::Loaded { plate, wishes, .. } = load::plate(job, settings)?;
-    let slicer = Slicer::new(&plate, &load::layers(settings));
-    let mut sections = Sections::cut(&slicer, plate.objects.len(), &wishes, settings);
-    if sections.bounds().is_none() {
-        return Err(load::nothing_to_print());
-    }
-    let planner = sections.planner(settings);
-    sections.lay_supports(&planner, settings);
-    Ok(parallel::map(sections.layers.len(), |i| sections.paths(&planner, i, settings)))
+    let loaded = load::plate(job, settings)?;
+    let rounds = rounds::prepare(&loaded, settings)?;
+    let layers = rounds.iter().map(|round| {
+        parallel::map(round.sections.layers.len(), |i| round.sections.paths(&round.planners, i, settings))
+    });
+    Ok(layers.flatten().collect())
 }
 
 /// What is not open to ordering.

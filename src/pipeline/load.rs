@@ -4,52 +4,124 @@ use std::path::{Path, PathBuf};
 
 use crate::job::{Job, JobError, TransformOptions};
 use crate::limits;
-use crate::mesh::{self, Item, Mesh, MeshReport, Object, Placement, Plate, Transform};
-use crate::profile::{LayerSettings, Settings};
+use crate::mesh::{self, Item, Mesh, MeshReport, Model, Object, Placement, Plate, Transform};
+use crate::profile::{LayerSettings, Sequence, Settings};
 use crate::report::ModelInfo;
 use crate::units::Mm;
 
 use super::parallel;
+use super::styles::Styles;
 use super::supports::REACH_MM as SUPPORT_REACH_MM;
 
 /// Header date where `SOURCE_DATE_EPOCH` gives none: the same input gives the same bytes. 2026-01-01.
 const DATED: u64 = 1_767_225_600;
 
 /// Models, placed.
-pub(super) struct Loaded {
+pub(super) struct Loaded<'a> {
     pub plate: Plate,
+    /// What each object has of settings of its own.
+    pub styles: Styles<'a>,
     /// Where support is enforced and where it is blocked: bodies on the same plate.
     pub wishes: [Plate; 2],
     pub warnings: Vec<String>,
 }
 
 /// Reads, transforms and places the models of a job.
-pub(super) fn plate(job: &Job, settings: &Settings) -> Result<Loaded, JobError> {
-    let read = parallel::map(job.models.len(), |i| {
-        let (mesh, report) = model(&job.models[i], &job.transform)?;
-        Ok::<_, JobError>((name(&job.models[i]), mesh, report))
-    });
-    let mut items = Vec::new();
+pub(super) fn plate<'a>(job: &'a Job, settings: &Settings) -> Result<Loaded<'a>, JobError> {
+    let read = parallel::map(job.models.len(), |i| objects(&job.models[i], &job.transform, settings));
+    let mut items: Vec<(Item, Vec<[f64; 2]>)> = Vec::new();
+    let mut files: Vec<&Path> = Vec::new();
     let mut warnings = Vec::new();
     let mut first_box = None;
-    for loaded in read {
-        let (name, mesh, report) = loaded?;
-        warnings.extend(report.warnings.iter().map(|warning| format!("{name}: {warning}")));
-        first_box.get_or_insert(mesh.bounds());
-        let mesh = if job.transform.scale_to_fit { fitted(mesh, settings)? } else { mesh };
-        items.push(Item { name, mesh, copies: job.copies as usize });
+    for (objects, file) in read.into_iter().zip(&job.models) {
+        for Loose { name, mesh, was, report, spots } in objects? {
+            warnings.extend(report.warnings.iter().map(|warning| format!("{name}: {warning}")));
+            first_box.get_or_insert(was);
+            let copies = spots.len() * job.copies as usize;
+            items.push((Item { name, mesh, copies }, spots));
+            files.push(file);
+        }
     }
-    let placement = Placement {
-        margin_mm: margin_mm(settings),
-        shift_mm: job.transform.translate_mm,
-        ..Placement::default()
+    let wishes = !job.support_enforcers.is_empty() || !job.support_blockers.is_empty();
+    let placement = Placement { turn: settings.plate.turn && !wishes, ..placement(settings, &job.transform) };
+    let copies: Vec<(usize, String)> =
+        items.iter().map(|(item, _)| (item.copies, item.name.clone())).collect();
+    let placed = if settings.plate.arrange {
+        mesh::place(items.into_iter().map(|(item, _)| item).collect(), &settings.bed, &placement)
+    } else {
+        mesh::keep(items, &settings.bed, &placement)
     };
-    let plate = mesh::place(items, &settings.bed, &placement)
-        .map_err(|error| JobError::DoesNotFit(error.to_string()))?;
+    let plate = placed.map_err(|error| JobError::DoesNotFit(error.to_string()))?;
     check_size(&plate, &settings.layer)?;
+    let origins =
+        copies.iter().zip(&files).flat_map(|((count, item), file)| (0..*count).map(move |_| (item, file)));
+    let names: Vec<Vec<String>> = plate
+        .objects
+        .iter()
+        .zip(origins)
+        .map(|(object, (item, file))| {
+            let file_name = file.file_name().unwrap_or_default().to_string_lossy().into_owned();
+            vec![object.name.clone(), item.clone(), name(file), file_name, file.display().to_string()]
+        })
+        .collect();
+    let styles = Styles::new(&job.objects, &names)?;
     let wished = |files| wished(files, job, first_box, &plate);
     let wishes = [wished(&job.support_enforcers)?, wished(&job.support_blockers)?];
-    Ok(Loaded { plate, wishes, warnings })
+    Ok(Loaded { plate, styles, wishes, warnings })
+}
+
+/// An object that is not placed yet.
+struct Loose {
+    name: String,
+    mesh: Mesh,
+    /// Its box before it was oriented and fitted.
+    was: [[f64; 3]; 2],
+    /// On the mesh as it was read.
+    report: MeshReport,
+    /// Where its file puts it.
+    spots: Vec<[f64; 2]>,
+}
+
+/// The objects of a file, transformed. What is larger than the bed is shrunk where that is asked for, all by one factor.
+fn objects(path: &Path, options: &TransformOptions, settings: &Settings) -> Result<Vec<Loose>, JobError> {
+    let read = mesh::load_objects(path).map_err(|error| JobError::Input(error.to_string()))?;
+    let (transform, several) = (transform(options), read.len() > 1);
+    let mut loose = Vec::with_capacity(read.len());
+    for (number, Model { name: own, mesh, report, spots }) in (1..).zip(read) {
+        let unnamed = if several { format!("{} {number}", name(path)) } else { name(path) };
+        let mesh = transformed(path, &transform, mesh)?;
+        let was = mesh.bounds();
+        let mesh = if settings.plate.orient { mesh::orient(mesh) } else { mesh };
+        let spots = spots.iter().map(|spot| transform.of_point(*spot)).map(|[x, y, _]| [x, y]).collect();
+        // An object alone is called as its file is.
+        let name = own.filter(|_| several).unwrap_or(unnamed);
+        loose.push(Loose { name, mesh, was, report, spots });
+    }
+    if options.scale_to_fit {
+        let margin_mm = margin_mm(settings);
+        let factors = loose.iter().map(|object| mesh::fit_factor(&object.mesh, &settings.bed, margin_mm));
+        let factor = factors.fold(1.0, f64::min);
+        for object in &mut loose {
+            let mesh = std::mem::replace(&mut object.mesh, Mesh::new(Vec::new(), Vec::new()));
+            object.mesh = scaled(mesh, factor)?;
+            object.spots.iter_mut().for_each(|spot| *spot = spot.map(|x| x * factor));
+        }
+    }
+    Ok(loose)
+}
+
+/// How models are placed.
+fn placement(settings: &Settings, options: &TransformOptions) -> Placement {
+    let one_by_one = settings.print.sequence == Sequence::Object;
+    let apart_mm = if one_by_one { settings.print.clearance_radius.0 } else { 0.0 };
+    Placement {
+        margin_mm: margin_mm(settings),
+        spacing_mm: settings.plate.spacing.0.max(apart_mm),
+        reach_mm: reach_mm(settings),
+        convex: one_by_one,
+        turn: settings.plate.turn,
+        shift_mm: options.translate_mm,
+    }
 }
 
 /// Bodies taken along by the first model, which was in `first_box` before it was fitted and placed.
@@ -80,16 +152,29 @@ pub(super) fn info(
     options: &TransformOptions,
     settings: &Settings,
 ) -> Result<ModelInfo, JobError> {
-    let (mesh, report) = model(path, options)?;
-    let mesh = if options.scale_to_fit { fitted(mesh, settings)? } else { mesh };
-    let item = Item { name: name(path), mesh, copies: 1 };
-    let placement =
-        Placement { margin_mm: margin_mm(settings), shift_mm: options.translate_mm, ..Placement::default() };
-    let advice = mesh::place(vec![item], &settings.bed, &placement).err().map(|error| error.to_string());
+    let objects = objects(path, options, settings)?;
+    let report = match objects.as_slice() {
+        [only] => only.report.clone(),
+        _ => model(path, options)?.1,
+    };
+    let copies = |object: &Loose| object.spots.len();
+    let items = objects.iter().map(|object| Item {
+        name: object.name.clone(),
+        mesh: object.mesh.clone(),
+        copies: copies(object),
+    });
+    let placed = mesh::place(items.collect(), &settings.bed, &placement(settings, options));
+    let advice = placed.err().map(|error| error.to_string());
+    let mut text = report.to_string();
+    if objects.len() > 1 || objects.iter().any(|object| copies(object) > 1) {
+        for object in &objects {
+            text.push_str(&format!("object      {} × {}\n", copies(object), object.name));
+        }
+    }
     Ok(ModelInfo {
         file: path.display().to_string(),
         mesh: serde_json::to_value(&report).unwrap_or_default(),
-        text: report.to_string(),
+        text,
         fits: advice.is_none(),
         advice,
     })
@@ -97,16 +182,15 @@ pub(super) fn info(
 
 fn model(path: &Path, options: &TransformOptions) -> Result<(Mesh, MeshReport), JobError> {
     let (mesh, report) = mesh::load(path).map_err(|error| JobError::Input(error.to_string()))?;
-    let transform = Transform { scale: options.scale, rotate_deg: options.rotate_deg };
-    let mesh =
-        transform.apply(mesh).map_err(|error| JobError::Input(format!("{}: {error}", path.display())))?;
-    Ok((mesh, report))
+    Ok((transformed(path, &transform(options), mesh)?, report))
 }
 
-/// Shrunk to the bed where it is larger.
-fn fitted(mesh: Mesh, settings: &Settings) -> Result<Mesh, JobError> {
-    let factor = mesh::fit_factor(&mesh, &settings.bed, margin_mm(settings));
-    scaled(mesh, factor)
+fn transform(options: &TransformOptions) -> Transform {
+    Transform { scale: options.scale, rotate_deg: options.rotate_deg }
+}
+
+fn transformed(path: &Path, transform: &Transform, mesh: Mesh) -> Result<Mesh, JobError> {
+    transform.apply(mesh).map_err(|error| JobError::Input(format!("{}: {error}", path.display())))
 }
 
 fn scaled(mesh: Mesh, factor: f64) -> Result<Mesh, JobError> {
@@ -120,16 +204,21 @@ fn name(path: &Path) -> String {
 
 /// Room that support, raft, brim and skirt take around the models.
 fn margin_mm(settings: &Settings) -> f64 {
-    let support_mm = if settings.support.enabled { SUPPORT_REACH_MM } else { 0.0 };
-    let raft_mm = if settings.raft.layers > 0 { settings.raft.margin.0 } else { 0.0 };
-    let brim_mm = if settings.brim.width.0 > 0.0 { settings.brim.width.0 + settings.brim.gap.0 } else { 0.0 };
     let width_mm = settings.walls.width.0.max(settings.first_layer.width.0);
     let skirt_mm = if settings.skirt.loops > 0 {
         settings.skirt.distance.0 + f64::from(settings.skirt.loops) * width_mm
     } else {
         0.0
     };
-    brim_mm.max(support_mm + raft_mm) + skirt_mm
+    reach_mm(settings) + skirt_mm
+}
+
+/// Room that support, raft and brim take around each model.
+fn reach_mm(settings: &Settings) -> f64 {
+    let support_mm = if settings.support.enabled { SUPPORT_REACH_MM } else { 0.0 };
+    let raft_mm = if settings.raft.layers > 0 { settings.raft.margin.0 } else { 0.0 };
+    let brim_mm = if settings.brim.width.0 > 0.0 { settings.brim.width.0 + settings.brim.gap.0 } else { 0.0 };
+    brim_mm.max(support_mm + raft_mm)
 }
 
 /// The layers that the part is cut into: on a raft it has no elephant's foot.

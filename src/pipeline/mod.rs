@@ -5,6 +5,7 @@
 //! layers), and their bytes go out in order.
 
 mod compare;
+mod infill;
 mod inspect;
 mod load;
 mod ordering;
@@ -12,7 +13,9 @@ mod paper;
 mod parallel;
 mod print;
 mod reorder;
+mod rounds;
 mod sections;
+mod styles;
 mod supports;
 
 use std::path::Path;

@@ -3,7 +3,7 @@
 use std::ops::Range;
 
 use crate::estimate::{Machine, cool};
-use crate::gcode::{self, Effect, LayerText, PrintFacts, Scripts, Slot, Totals, WriterSettings};
+use crate::gcode::{self, Effect, LayerText, ObjectLabel, PrintFacts, Scripts, Slot, Totals, WriterSettings};
 use crate::geom::{Bounds, Point};
 use crate::job::{Job, JobError, Progress};
 use crate::mesh::Plate;
@@ -12,14 +12,13 @@ use crate::order::{Chain, Pins, SeamRule, Sequence, chunk_len};
 use crate::output::Output;
 use crate::profile::{Settings, thumbnail_sizes};
 use crate::report::{LayerSummary, Measures, Summary};
-use crate::slice::{Layer, Slicer};
-use crate::toolpath::{LayerPaths, Planner};
+use crate::toolpath::LayerPaths;
 use crate::units::{Mm3, Seconds};
 use crate::view;
 
 use super::inspect::Inspector;
 use super::ordering::Certificate;
-use super::sections::Sections;
+use super::rounds::{self, Round};
 use super::{load, ordering, parallel};
 
 /// Chunks of layers in flight for each thread: enough to keep all busy, few enough to bound the memory.
@@ -35,36 +34,34 @@ pub(super) fn slice(
     output: &mut Output,
     progress: &dyn Progress,
 ) -> Result<Summary, JobError> {
-    let load::Loaded { plate, wishes, mut warnings } = load::plate(job, settings)?;
-    let slicer = Slicer::new(&plate, &load::layers(settings));
-    let count = slicer.spans().len() + settings.raft.layers as usize;
+    let mut loaded = load::plate(job, settings)?;
+    let mut warnings = std::mem::take(&mut loaded.warnings);
+    let rounds = rounds::prepare(&loaded, settings)?;
+    let count = rounds.iter().map(|round| round.sections.layers.len()).sum();
     progress.begin(count);
-    let mut sections = Sections::cut(&slicer, plate.objects.len(), &wishes, settings);
-    let Some(bounds) = sections.bounds() else {
+    let Some(bounds) = rounds.iter().filter_map(|round| round.sections.bounds()).reduce(|a, b| a.joined(&b))
+    else {
         return Err(load::nothing_to_print());
     };
-    warnings.extend(sections.warning());
+    warnings.extend(rounds.iter().filter_map(|round| round.sections.warning()));
 
-    let facts = facts(&sections.layers, bounds, settings);
-    load::check_height(facts.max_z_mm, settings)?;
+    let facts = facts(&rounds, bounds, settings);
     let scripts = Scripts::new(settings, &facts).map_err(|mistakes| JobError::Script(mistakes.join("\n")))?;
-    let planner = sections.planner(settings);
-    sections.lay_supports(&planner, settings);
+    let labels = if settings.gcode.labels { labels(&loaded.plate, &rounds) } else { Vec::new() };
+    let names = labels.iter().map(|label| label.name.clone()).collect();
     let run = Run {
-        sections: &sections,
-        planner,
         chain: ordering::chain(settings),
         motion: MotionSettings::new(settings, &job.pauses),
         machine: Machine::new(settings),
-        writer: WriterSettings::new(settings, &scripts, true),
+        writer: WriterSettings { objects: names, ..WriterSettings::new(settings, &scripts, true) },
         settings,
         certify: job.certify,
     };
 
     let mut opening = gcode::opening(settings, &facts, &scripts, true);
-    opening.comment(&thumbnails(&plate, settings));
+    opening.comment(&thumbnails(&loaded.plate, settings));
     let mut slots = opening.slots;
-    let labels = gcode::labels(settings, &sections.labels());
+    let labels = gcode::labels(settings, &labels);
     let mut inspector = Inspector::new(settings, &opening.bytes);
     inspector.take(&labels);
     output.write(&opening.bytes)?;
@@ -73,25 +70,34 @@ pub(super) fn slice(
     let mut ordered = Vec::new();
     let mut tally = Tally::default();
     tally.add_script(&begun, &run.machine);
-    let mut seam = SeamRule::new(settings.seam.position);
     let (xy, z_mm) = (begun.end.map(|[x, y, _]| [x, y]), begun.end.map_or(0.0, |e| e[2]));
-    let mut at = Entry { xy, z_mm, wipe: Vec::new() };
+    let mut at = Entry { xy, z_mm, ..Entry::default() };
     let start = at.xy.map(|[x, y]| Point::from_mm(x, y));
-    let chunk = chunk_len(count);
-    let batch = chunk * CHUNKS_PER_THREAD * parallel::threads();
-    let mut first = 0;
-    while first < count {
-        let layers = first..(first + batch).min(count);
-        let (done, paths) = run.batch(layers.clone(), chunk, &mut seam, &mut at, &mut inspector);
-        ordered.extend(paths);
-        for done in done {
-            let base = output.written() as usize;
-            slots.extend(done.text.progress.map(|slot| Slot { offset: base + slot.offset, ..slot }));
-            output.write(&done.text.bytes)?;
-            tally.add(done.summary);
-            progress.layer_done();
+    for round in &rounds {
+        let count = round.sections.layers.len();
+        let chunk = chunk_len(count);
+        let batch = chunk * CHUNKS_PER_THREAD * parallel::threads();
+        let mut seam = SeamRule::new(settings.seam.position);
+        at.over_mm = round.over_mm;
+        if let Some(name) = &round.name {
+            let comment = gcode::object_comment(name);
+            inspector.take(&comment);
+            output.write(&comment)?;
         }
-        first = layers.end;
+        let mut first = 0;
+        while first < count {
+            let layers = first..(first + batch).min(count);
+            let (done, paths) = run.batch(round, layers.clone(), chunk, &mut seam, &mut at, &mut inspector);
+            ordered.extend(paths);
+            for done in done {
+                let base = output.written() as usize;
+                slots.extend(done.text.progress.map(|slot| Slot { offset: base + slot.offset, ..slot }));
+                output.write(&done.text.bytes)?;
+                tally.add(done.summary);
+                progress.layer_done();
+            }
+            first = layers.end;
+        }
     }
     if let Some([x, y]) = at.xy {
         tally.add_script(&scripts.end_effect(settings, &run.machine, [x, y, at.z_mm]), &run.machine);
@@ -119,20 +125,28 @@ fn thumbnails(plate: &Plate, settings: &Settings) -> String {
     comments.concat()
 }
 
-fn facts(layers: &[Layer], bounds: Bounds, settings: &Settings) -> PrintFacts {
+/// What printers that can cancel an object are told of each.
+fn labels(plate: &Plate, rounds: &[Round]) -> Vec<ObjectLabel> {
+    let mut hulls = vec![Vec::new(); plate.objects.len()];
+    for (object, hull) in rounds.iter().flat_map(|round| round.sections.hulls()) {
+        hulls[object] = hull;
+    }
+    ObjectLabel::all(plate.objects.iter().map(|object| object.name.clone()).zip(hulls))
+}
+
+fn facts(rounds: &[Round], bounds: Bounds, settings: &Settings) -> PrintFacts {
+    let tops = rounds.iter().filter_map(|round| Some(round.sections.layers.last()?.span.top_mm));
     PrintFacts {
-        layers: layers.len(),
+        layers: rounds.iter().map(|round| round.sections.layers.len()).sum(),
         min_mm: bounds.min.mm(),
         max_mm: bounds.max.mm(),
-        max_z_mm: layers.last().map_or(0.0, |l| l.span.top_mm) + settings.layer.z_offset.0,
+        max_z_mm: tops.fold(0.0, f64::max) + settings.layer.z_offset.0,
         dated: load::dated(),
     }
 }
 
 /// Everything that layers are made with.
 struct Run<'a> {
-    sections: &'a Sections,
-    planner: Planner,
     chain: Chain,
     motion: MotionSettings,
     machine: Machine,
@@ -159,6 +173,7 @@ impl Run<'_> {
     /// Returns their bytes and, if they are to be certified, what was ordered and where each was entered from.
     fn batch(
         &self,
+        round: &Round,
         layers: Range<usize>,
         chunk: usize,
         seam: &mut SeamRule,
@@ -167,7 +182,7 @@ impl Run<'_> {
     ) -> (Vec<Done>, Vec<Ordered>) {
         let first = layers.start;
         let paths =
-            parallel::map(layers.len(), |i| self.sections.paths(&self.planner, first + i, self.settings));
+            parallel::map(layers.len(), |i| round.sections.paths(&round.planners, first + i, self.settings));
         let pins: Vec<Pins> = paths.iter().map(|layer| seam.pins(layer)).collect();
         let start = at.xy.map(|[x, y]| Point::from_mm(x, y));
         let sequences = ordering::solve(&self.chain, &paths, &pins, chunk, start).sequences;
@@ -179,7 +194,7 @@ impl Run<'_> {
                 std::mem::replace(at, next)
             })
             .collect();
-        let done = self.finish_all(&paths, &sequences, &entries, inspector);
+        let done = self.finish_all(&paths, &sequences, &entries, round.first_layer, inspector);
         if !self.certify {
             return (done, Vec::new());
         }
@@ -194,6 +209,7 @@ impl Run<'_> {
         paths: &[LayerPaths],
         sequences: &[Sequence],
         entries: &[Entry],
+        before: usize,
         inspector: &mut Inspector,
     ) -> Vec<Done> {
         let mut done: Vec<Done> = Vec::with_capacity(paths.len());
@@ -202,7 +218,7 @@ impl Run<'_> {
         while done.len() < paths.len() {
             let first = done.len();
             let count = (LAYERS_PER_THREAD * parallel::threads()).min(paths.len() - first);
-            let layer = |i: usize| self.finish(&paths[i], &sequences[i], entries[i].clone());
+            let layer = |i: usize| self.finish(&paths[i], &sequences[i], entries[i].clone(), before);
             let finish = || parallel::map(count, |i| layer(first + i));
             let (more, ()) = parallel::join(finish, || inspect(&done[unchecked..]));
             unchecked = first;
@@ -212,9 +228,10 @@ impl Run<'_> {
         done
     }
 
-    /// Motion, cooling and formatting of one layer.
-    fn finish(&self, paths: &LayerPaths, sequence: &Sequence, from: Entry) -> Done {
+    /// Motion, cooling and formatting of one layer, numbered after those of the rounds before.
+    fn finish(&self, paths: &LayerPaths, sequence: &Sequence, from: Entry, before: usize) -> Done {
         let mut moves = motion::plan_layer(paths, sequence, from, &self.motion);
+        moves.index += before;
         let time = cool(&mut moves, &self.settings.cooling, &self.machine);
         let sums = moves.sums();
         let measures = Measures {

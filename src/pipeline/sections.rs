@@ -1,18 +1,21 @@
 //! The sections of a plate, and what must be known of all layers before any is planned.
 
-use crate::gcode::ObjectLabel;
-use crate::geom::{self, Bounds, Region};
+use geo::{ConvexHull, MultiPoint, Simplify};
+
+use crate::geom::{self, Bounds, Point, Polygon, Region};
 use crate::mesh::Plate;
 use crate::profile::Settings;
 use crate::slice::{Gaps, Layer, LayerSpan, Slicer};
 use crate::toolpath::support::{self, BeadSpec, Outlines};
 use crate::toolpath::{self, LayerPaths, ObjectLayer, Planner, PlateLayer, Role, Shells};
 
+use super::infill;
 use super::parallel;
+use super::styles::{Planned, Planners, Styles};
 use super::supports::{self, Supports};
 
-/// Layers that sparse infill is calibrated on.
-const SAMPLES: usize = 12;
+/// How far the outline of a label may differ from the object's hull, millimetres.
+const LABEL_TOLERANCE_MM: f64 = 0.05;
 
 /// Runs of support among the paths that belong to no island, after skirt and brim.
 const SUPPORT_RANK: u32 = 2;
@@ -23,24 +26,45 @@ pub(super) struct Sections {
     pub layers: Vec<Layer>,
     /// How many are a raft's.
     raft_layers: usize,
+    /// Numbers of the objects on the plate.
+    objects: Vec<usize>,
     /// For each object its section in each layer, as an index into the layer's sections.
     places: Vec<Vec<Option<usize>>>,
     shells: Vec<Shells>,
     supports: Option<Supports>,
+    /// Infill that was planned for all layers at once, by the settings that it is for.
+    infill: Vec<Planned>,
 }
 
 impl Sections {
-    pub fn cut(slicer: &Slicer<'_>, objects: usize, wishes: &[Plate; 2], settings: &Settings) -> Self {
+    /// Cuts the objects of a slicer, which have these numbers on the whole plate.
+    pub fn cut(
+        slicer: &Slicer<'_>,
+        objects: Vec<usize>,
+        styles: &Styles<'_>,
+        wishes: &[Plate; 2],
+        settings: &Settings,
+    ) -> Self {
+        let count = objects.len();
         let cut = parallel::map(slicer.spans().len(), |i| slicer.layer(i));
         let layers = raised(cut, settings);
-        let places: Vec<Vec<Option<usize>>> = (0..objects)
+        let places: Vec<Vec<Option<usize>>> = (0..count)
             .map(|object| layers.iter().map(|l| l.sections.iter().position(|s| s.object == object)).collect())
             .collect();
         let raft_layers = settings.raft.layers as usize;
-        let mut sections = Self { layers, raft_layers, places, shells: Vec::new(), supports: None };
-        let (top, bottom) = toolpath::shell_layers(&settings.shell, settings.layer.height.0);
-        sections.shells = (0..objects)
+        let mut sections = Self {
+            layers,
+            raft_layers,
+            objects,
+            places,
+            shells: Vec::new(),
+            supports: None,
+            infill: Vec::new(),
+        };
+        sections.shells = (0..count)
             .map(|object| {
+                let shell = &styles.settings(object, settings).shell;
+                let (top, bottom) = toolpath::shell_layers(shell, settings.layer.height.0);
                 let own: Vec<&Region> = (0..sections.layers.len()).map(|i| sections.of(object, i)).collect();
                 Shells::build(&own, top, bottom, &|n, f| parallel::map(n, f))
             })
@@ -50,7 +74,16 @@ impl Sections {
             let part = &sections.layers[raft_layers.min(sections.layers.len())..];
             sections.supports = bounds.map(|bounds| Supports::plan(part, bounds, wishes, settings));
         }
+        sections.infill = styles
+            .each(settings)
+            .filter_map(|(style, settings)| Some((style, infill::plan(&sections, slicer.plate(), settings)?)))
+            .collect();
         sections
+    }
+
+    /// Where the part begins over the bed.
+    pub fn bottom_mm(&self) -> f64 {
+        self.layers.get(self.raft_layers).map_or(0.0, |layer| layer.span.bottom_mm)
     }
 
     /// An object's section in a layer; nothing above its top.
@@ -76,14 +109,17 @@ impl Sections {
     }
 
     /// All paths of a layer; support comes before what it carries.
-    pub fn paths(&self, planner: &Planner, index: usize, settings: &Settings) -> LayerPaths {
-        let mut layer = planner.layer(&self.plate_layer(index));
+    pub fn paths(&self, planners: &Planners, index: usize, settings: &Settings) -> LayerPaths {
+        let mut layer = planners.layer(self.plate_layer(index));
+        for island in &mut layer.islands {
+            island.object = self.objects[island.object as usize] as u32;
+        }
         let beads = match (index.checked_sub(self.raft_layers), &self.supports) {
             (None, _) => {
                 let width_mm =
                     [settings.walls.width.0, settings.first_layer.width.0][usize::from(index == 0)];
                 let width_mm = if width_mm > 0.0 { width_mm } else { settings.walls.width.0 };
-                let (area, rank) = (planner.covered(), SUPPORT_RANK);
+                let (area, rank) = (planners.main.covered(), SUPPORT_RANK);
                 toolpath::raft(area, index as u32, &settings.raft, width_mm, layer.height_mm, rank)
             }
             (Some(_), None) => return layer,
@@ -115,26 +151,33 @@ impl Sections {
         supports.lay(lay, part);
     }
 
-    /// The toolpath planner, its sparse infill calibrated on sample layers.
-    pub fn planner(&self, settings: &Settings) -> Planner {
+    /// The toolpath planners, their sparse infill calibrated on sample layers. The skirt goes also around `around`.
+    pub fn planners(&self, styles: &Styles<'_>, settings: &Settings, around: &[Polygon]) -> Planners {
         let mut footprint = supports::section(&self.layers[self.raft_layers]);
         let standing = self.supports.as_ref().map_or(Region::EMPTY, |supports| &supports.outlines(0).all);
         if self.raft_layers > 0 {
             footprint = toolpath::raft_area(&geom::union(&footprint, standing), &settings.raft);
         }
         let first_height_mm = self.layers[0].span.height_mm;
-        let mut planner = Planner::new(settings.into(), &footprint, first_height_mm);
+        let mut planners = Planners::new(settings, styles, &footprint, first_height_mm);
+        planners.use_patterns(&self.infill);
         let shielded = if settings.skirt.draft_shield { self.layers.len() } else { 0 };
         let sections = self.layers[..shielded].iter().flat_map(|l| &l.sections).map(|s| &s.region);
         let supports = self.supports.iter().flat_map(|s| s.all_outlines(shielded.max(1)));
-        planner.enclose(sections.chain(supports).flat_map(|region| &region.polygons), first_height_mm);
-        let last = self.layers.len() - 1;
-        let mut chosen: Vec<usize> = (0..SAMPLES).map(|k| last * k / (SAMPLES - 1)).collect();
-        chosen.dedup();
-        chosen.retain(|&i| i > self.raft_layers);
-        let samples = parallel::map(chosen.len(), |k| planner.sparse_sample(&self.plate_layer(chosen[k])));
-        planner.calibrate(&samples, self.layers[last].span.height_mm);
-        planner
+        let enclosed = sections.chain(supports).flat_map(|region| &region.polygons).chain(around);
+        planners.enclose(enclosed, first_height_mm);
+        let height_mm = self.layers.last().map_or(first_height_mm, |last| last.span.height_mm);
+        let layer = |i: usize| self.plate_layer(i);
+        planners.calibrate(layer, self.raft_layers + 1, self.layers.len(), height_mm);
+        planners.combine(layer, self.layers.len());
+        planners
+    }
+
+    /// What is printed on the bed: the objects with brim and raft, and their supports.
+    pub fn on_bed(&self, planners: &Planners) -> Vec<Polygon> {
+        let supports = self.supports.iter().flat_map(|supports| supports.all_outlines(1));
+        let regions = std::iter::once(planners.main.covered()).chain(supports);
+        regions.flat_map(|region| region.polygons.iter().cloned()).collect()
     }
 
     /// Box around everything that is printed, without skirt and brim.
@@ -143,17 +186,19 @@ impl Sections {
         regions.filter_map(|s| s.region.bounds()).reduce(|a, b| a.joined(&b))
     }
 
-    /// Where each object is.
-    pub fn labels(&self) -> Vec<ObjectLabel> {
-        let bounds = (0..self.places.len()).map(|object| {
-            let sections = (0..self.layers.len()).filter_map(|i| self.of(object, i).bounds());
-            sections.reduce(|a, b| a.joined(&b))
-        });
-        let label = |b: Option<Bounds>| {
-            let (min_mm, max_mm) = b.map_or(([0.0; 2], [0.0; 2]), |b| (b.min.mm(), b.max.mm()));
-            ObjectLabel { min_mm, max_mm }
+    /// The convex hull of each object, with its number on the plate; empty where no layer holds anything of it.
+    pub fn hulls(&self) -> Vec<(usize, Vec<[f64; 2]>)> {
+        let hull = |object: usize| {
+            let regions = (0..self.layers.len()).map(|layer| self.of(object, layer));
+            let outers = regions.flat_map(|region| &region.polygons).flat_map(|polygon| &polygon.outer);
+            let points: MultiPoint<f64> = outers.map(|p: &Point| (p.mm()[0], p.mm()[1])).collect();
+            let hull = points.convex_hull().simplify(LABEL_TOLERANCE_MM);
+            // The first corner is repeated at the end.
+            let corners = hull.exterior().points().map(|p| [p.x(), p.y()]);
+            corners.skip(1).collect()
         };
-        bounds.map(label).collect()
+        let hulls = parallel::map(self.objects.len(), hull);
+        self.objects.iter().copied().zip(hulls).collect()
     }
 
     /// What the user should know of outlines that were not closed.

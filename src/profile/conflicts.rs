@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use super::error::{Origin, Problem};
 use super::script::{PrintBounds, expand};
-use super::settings::{BedShape, Settings};
+use super::settings::{BedShape, Sequence, Settings};
 use super::sizes::thumbnail_sizes;
 
 /// What contradicts what, and what is unwise.
@@ -132,6 +132,12 @@ fn amounts(settings: &Settings, check: &mut Check) {
             "nothing is left to print; give at least one of them a value",
         );
     }
+    if infill.combine_layers > 1 && settings.layer.height * 2.0 > settings.printer.nozzle_diameter {
+        check.warn(
+            &["infill.combine_layers", "layer.height", "printer.nozzle_diameter"],
+            "no layers are combined: two of them are higher than the nozzle's bore",
+        );
+    }
     let margin = settings.brim.width + settings.brim.gap + settings.skirt.distance;
     if margin * 2.0 >= settings.bed.size[0] || margin * 2.0 >= settings.bed.size[1] {
         check.error(
@@ -141,6 +147,18 @@ fn amounts(settings: &Settings, check: &mut Check) {
     }
     if settings.raft.layers > 0 && settings.brim.width.0 > 0.0 {
         check.error(&["brim.width", "raft.layers"], "on a raft the part has no brim; set one of them to 0");
+    }
+    if settings.plate.orient && !settings.plate.arrange {
+        check.error(
+            &["plate.orient", "plate.arrange"],
+            "a model that is turned over cannot stay where its file puts it; set one of them to the other value",
+        );
+    }
+    if settings.print.sequence == Sequence::Object && settings.skirt.draft_shield {
+        check.error(
+            &["skirt.draft_shield", "print.sequence"],
+            "a draft shield around all objects would be in the way of the print head; set it to false",
+        );
     }
     let temperature = &settings.temperature;
     if (temperature.nozzle.0 == 0.0) != (temperature.nozzle_first_layer.0 == 0.0) {

@@ -153,6 +153,9 @@ fn check(key: &str, value: &Value) -> Result<(), String> {
         (Kind::Numbers(count), Value::Array(values)) => {
             values.len() == count && values.iter().all(|v| number(v).is_some_and(|n| in_range(field, n)))
         }
+        (Kind::List, Value::Array(values)) => {
+            values.iter().all(|v| number(v).is_some_and(|n| in_range(field, n)))
+        }
         _ => false,
     };
     if fits { Ok(()) } else { Err(expected()) }

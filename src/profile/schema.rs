@@ -20,6 +20,8 @@ pub enum Kind {
     Choice(&'static [&'static str]),
     /// A list of exactly this many numbers.
     Numbers(usize),
+    /// A list of any number of numbers.
+    List,
 }
 
 /// A Rust type that may stand in a section.
@@ -50,6 +52,10 @@ field_types! {
     Ratio: Kind::Share, "";
     bool: Kind::Flag, "";
     String: Kind::Text, "";
+}
+
+impl FieldType for Vec<f64> {
+    const KIND: Kind = Kind::List;
 }
 
 impl<T: FieldType, const N: usize> FieldType for [T; N] {
@@ -124,6 +130,7 @@ impl Field {
             Kind::Flag => "true or false".into(),
             Kind::Text => "a text in quotes".into(),
             Kind::Choice(names) => format!("one of {}", names.join(", ")),
+            Kind::List => format!("a list of numbers{span}{unit}"),
             Kind::Numbers(count) => format!("a list of {count} numbers{span}{unit}"),
         }
     }

@@ -66,11 +66,19 @@ choice! {
 choice! {
     /// Infill pattern.
     Pattern { /// Parallel lines, turned by 90° from layer to layer.
-        Rectilinear = "rectilinear", /// Two crossing sets of lines in each layer.
+        Rectilinear = "rectilinear", /// Parallel lines in the same direction on all layers.
+        AlignedRectilinear = "aligned-rectilinear", /// Two crossing sets of lines in each layer.
         Grid = "grid", /// Three crossing sets of lines in each layer.
-        Triangles = "triangles", /// Triply periodic minimal surface.
-        Gyroid = "gyroid", /// Loops parallel to the outline.
-        Concentric = "concentric", }
+        Triangles = "triangles", /// Three sets of lines, hexagons between triangles.
+        TriHexagon = "tri-hexagon", /// Cubes standing on a corner.
+        Cubic = "cubic", /// The same, larger inside than near the surface.
+        AdaptiveCubic = "adaptive-cubic", /// Triply periodic minimal surface.
+        Gyroid = "gyroid", /// Hexagons with upright walls.
+        Honeycomb = "honeycomb", /// Truncated octahedra.
+        Honeycomb3d = "3d-honeycomb", /// Loops parallel to the outline.
+        Concentric = "concentric", /// One curve through every cell of a square grid.
+        Hilbert = "hilbert", /// Branches under roofs, nothing elsewhere.
+        Lightning = "lightning", }
 }
 choice! {
     /// How supports are built.
@@ -123,6 +131,12 @@ choice! {
     CostKind { /// Straight-line length of the links.
         Length = "length", /// Time of the travels, with retraction.
         Time = "time", }
+}
+choice! {
+    /// What is printed after what.
+    Sequence { /// All objects layer by layer.
+        Layer = "layer", /// One object after the other.
+        Object = "object", }
 }
 choice! {
     /// How long ordering may search.
@@ -183,6 +197,30 @@ section! {
         height: Mm = Mm(250.0); 1.0..=5000.0,
         /// Corner or centre.
         origin: BedOrigin = BedOrigin::Corner,
+    }
+}
+section! {
+    /// `[plate]`: how several models share the bed.
+    PlateSettings {
+        /// Least distance between models, beyond what brim, raft and supports take.
+        spacing: Mm = Mm(5.0); 0.0..=200.0,
+        /// Arrange models; without, they stay where their files put them.
+        arrange: bool = true,
+        /// Models may be turned by quarters to fit.
+        turn: bool = false,
+        /// Turn every model onto the side on which it stands firmly and needs the least support.
+        orient: bool = false,
+    }
+}
+section! {
+    /// `[print]`: what is printed after what.
+    PrintSettings {
+        /// Layer by layer, or object by object, the lowest first.
+        sequence: Sequence = Sequence::Layer,
+        /// How far the print head reaches from the nozzle: objects printed one after the other are so far apart.
+        clearance_radius: Mm = Mm(45.0); 1.0..=200.0,
+        /// How far above the nozzle the gantry hangs: no object but the last may be higher.
+        clearance_height: Mm = Mm(20.0); 1.0..=1000.0,
     }
 }
 section! {
@@ -303,10 +341,18 @@ section! {
         width: Mm = Mm(0.45); 0.05..=5.0,
         /// Direction of the first layer's lines, degrees from the X axis.
         angle: f64 = 45.0; -360.0..=360.0, "°",
+        /// Directions of the layers' lines in turn, instead of `infill.angle` and the pattern's own turning; empty: none.
+        angles: Vec<f64> = Vec::new(); -360.0..=360.0, "°",
         /// How far line ends reach into the innermost wall, as a share of the line width.
         overlap: Ratio = Ratio(0.2); 0.0..=1.0,
         /// Join line ends along the wall.
         connect: bool = true,
+        /// How far line ends that are not joined run on along the wall, at most.
+        anchor: Mm = Mm(0.0); 0.0..=100.0,
+        /// Sparse infill only on every so many layers, in beads as high as all of them; no higher than the nozzle's bore.
+        combine_layers: u32 = 1; 1..=50,
+        /// One layer in so many is solid; 0: none.
+        solid_every: u32 = 0; 0..=10000,
     }
 }
 section! {
@@ -593,6 +639,8 @@ macro_rules! settings {
 settings! {
     printer: PrinterSettings,
     bed: BedSettings,
+    plate: PlateSettings,
+    print: PrintSettings,
     machine: MachineSettings,
     filament: FilamentSettings,
     temperature: TemperatureSettings,

@@ -83,6 +83,11 @@ impl<'a> Slicer<'a> {
         &self.spans
     }
 
+    /// The plate.
+    pub fn plate(&self) -> &'a Plate {
+        self.plate
+    }
+
     /// Cuts one layer. Layers are independent of each other.
     ///
     /// # Panics

@@ -9,6 +9,7 @@ pub mod infill;
 mod path;
 mod planner;
 mod shells;
+mod stacks;
 pub mod support;
 mod walls;
 

@@ -1,6 +1,7 @@
 //! Puts a layer's paths together: walls, gaps, shells and infill of every island, skirt and brim around.
 
 use std::ops::RangeInclusive;
+use std::sync::Arc;
 
 use crate::geom::{self, Polygon, Region, Ring};
 use crate::profile::{
@@ -11,8 +12,9 @@ use crate::units::Mm;
 
 use super::bead::Line;
 use super::bridges::Bridge;
-use super::infill::{self, FillSpec, Joins, SolidSpec, SparseSample};
+use super::infill::{self, FillPattern, FillSpec, Joins, SolidSpec, SparseSample};
 use super::shells::{self, Zones};
+use super::stacks::Stacks;
 use super::walls::{self, WallSpec, Walls};
 use super::{Island, LayerPaths, Path, Role, Width, adhesion, bead, beading, bridges, entries};
 
@@ -111,12 +113,24 @@ pub struct PlateLayer<'a> {
 #[derive(Clone, Debug)]
 pub struct Planner {
     settings: ToolpathSettings,
+    pattern: Arc<dyn FillPattern>,
     /// Calibrated distance of sparse lines.
     line_distance_mm: Option<f64>,
+    /// Layers that are combined, bottom up.
+    stacks: Stacks,
     brim: Vec<Line>,
     skirt: Vec<Ring>,
     /// What part and brim cover on the bed.
     covered: Region,
+}
+
+/// What one layer of sparse infill fills.
+#[derive(Clone, Copy)]
+struct Slab {
+    /// Height of its beads in millimetres.
+    height_mm: f64,
+    /// How often the pattern has turned.
+    turn: usize,
 }
 
 /// Bead widths of one layer.
@@ -149,7 +163,9 @@ impl Planner {
     /// A planner for a plate whose objects' first sections are `footprint`; `first_height_mm` is the first layer's.
     pub fn new(settings: ToolpathSettings, footprint: &Region, first_height_mm: f64) -> Self {
         let (line_distance_mm, covered) = (None, footprint.clone());
-        let mut planner = Self { settings, line_distance_mm, brim: Vec::new(), skirt: Vec::new(), covered };
+        let pattern = infill::pattern(settings.infill.pattern);
+        let (stacks, brim, skirt) = (Stacks::default(), Vec::new(), Vec::new());
+        let mut planner = Self { settings, pattern, line_distance_mm, stacks, brim, skirt, covered };
         let width_mm = planner.widths(0).skirt_mm;
         planner.brim = adhesion::brim(footprint, &planner.settings.brim, width_mm, first_height_mm);
         if !planner.brim.is_empty() {
@@ -158,6 +174,11 @@ impl Planner {
         }
         planner.enclose([], first_height_mm);
         planner
+    }
+
+    /// Fills with a pattern that was planned for the whole print, instead of one that knows of a layer only.
+    pub fn use_pattern(&mut self, pattern: Arc<dyn FillPattern>) {
+        self.pattern = pattern;
     }
 
     /// Takes the skirt around part, brim and more.
@@ -176,12 +197,14 @@ impl Planner {
     /// What calibration needs of a layer; see [`Planner::calibrate`].
     pub fn sparse_sample(&self, layer: &PlateLayer<'_>) -> SparseSample {
         let spec = self.wall_spec(layer);
-        let mut sample =
-            SparseSample { room: Region::default(), area_mm2: 0.0, spec: self.fill_spec(layer, 1.0) };
+        let slab = Slab { height_mm: layer.height_mm, turn: layer.index };
+        let fill_spec = self.fill_spec(layer, slab);
+        let mut sample = SparseSample { room: Region::default(), area_mm2: 0.0, spec: fill_spec };
         for object in &layer.objects {
             for island in &object.section.polygons {
                 let zones = self.zones(&walls::trace(island, &spec).inside, object, layer);
-                sample.room.polygons.extend(self.infill_room(&zones.sparse, layer).polygons);
+                let room = geom::offset(&zones.sparse, -fill_spec.spacing_mm / 2.0);
+                sample.room.polygons.extend(room.polygons);
                 sample.area_mm2 += zones.sparse_mm2;
             }
         }
@@ -193,13 +216,35 @@ impl Planner {
     pub fn calibrate(&mut self, samples: &[SparseSample], height_mm: f64) {
         let settings = &self.settings.infill;
         let density = settings.density.0;
-        if density <= 0.0 || density > SOLID_DENSITY {
+        if density <= 0.0 || density > SOLID_DENSITY || !self.pattern.is_even() {
             return;
         }
-        let spacing_mm = bead::spacing_mm(self.widths(1).infill_mm, height_mm);
+        let spacing_mm = self.infill_spacing_mm(1, height_mm);
         let join = if settings.connect { LONGEST_JOIN } else { 0.0 };
-        let pattern = infill::pattern(settings.pattern);
+        let pattern = &*self.pattern;
         self.line_distance_mm = Some(infill::calibrate(pattern, samples, spacing_mm, density, join));
+    }
+
+    /// Whether sparse infill of several layers is combined.
+    pub fn combines(&self) -> bool {
+        self.settings.infill.combine_layers > 1
+    }
+
+    /// What sparse infill fills in a layer.
+    pub fn sparse_area(&self, layer: &PlateLayer<'_>) -> Region {
+        let spec = self.wall_spec(layer);
+        let islands =
+            layer.objects.iter().flat_map(|o| o.section.polygons.iter().map(move |island| (o, island)));
+        let zones =
+            islands.map(|(o, island)| self.zones(&walls::trace(island, &spec).inside, o, layer).sparse);
+        Region { polygons: zones.flat_map(|zone| zone.polygons).collect() }
+    }
+
+    /// Combines the sparse infill of layers, `infill.combine_layers` at a time and as many as the nozzle's bore allows.
+    /// `areas` are the heights and [`sparse_area`](Self::sparse_area)s of all layers; the first is left alone.
+    pub fn combine(&mut self, areas: &[(f64, Region)]) {
+        self.stacks =
+            Stacks::new(areas, self.settings.infill.combine_layers as usize, self.settings.nozzle.0);
     }
 
     /// The paths of one layer.
@@ -285,21 +330,8 @@ impl Planner {
         let solid =
             Solid { role: Role::SolidInfill, rank: count + 1, width_mm: widths.solid_mm, ordered: false };
         draft.solid(&zones.solid, &solid, section.index, settings);
-        if !zones.sparse.is_empty() && self.settings.infill.density.0 > 0.0 {
-            let room = self.infill_room(&zones.sparse, section);
-            let spacing_mm = bead::spacing_mm(widths.infill_mm, section.height_mm);
-            let density = self.settings.infill.density.0;
-            let solid_mm = zones.sparse_mm2 / spacing_mm;
-            let pattern = infill::pattern(self.settings.infill.pattern);
-            let spec = self.fill_spec(section, spacing_mm);
-            let lines = infill::lay(pattern, &room, &spec, solid_mm, density);
-            let flow = infill::flow(&lines, solid_mm, density);
-            draft.lines(
-                Role::InternalInfill,
-                count + 3,
-                bead::width_mm(spacing_mm * flow, section.height_mm),
-                lines,
-            );
+        if settings.density.0 > 0.0 {
+            self.sparse(draft, zones.sparse, zones.sparse_mm2, section);
         }
         let ordered = self.settings.shell.monotonic;
         let solid = Solid { role: Role::TopSolidInfill, rank: count + 4, width_mm: widths.top_mm, ordered };
@@ -307,6 +339,43 @@ impl Planner {
         if self.settings.ironing.enabled {
             self.iron(draft, &zones.top, section, widths);
         }
+    }
+
+    /// Sparse infill: of the layer, and of those beneath that it is combined with.
+    fn sparse(&self, draft: &mut Draft, zone: Region, area_mm2: f64, section: &PlateLayer<'_>) {
+        let own = Slab { height_mm: section.height_mm, turn: section.index };
+        let Some((stack, number)) = self.stacks.of(section.index) else {
+            return self.fill(draft, &zone, area_mm2, section, own);
+        };
+        let shared = geom::intersection(&zone, &stack.area);
+        let rest = geom::opening(&geom::difference(&zone, &shared), own.height_mm / 2.0);
+        self.fill(draft, &rest, rest.area_mm2(), section, own);
+        if section.index == stack.last {
+            let slab = Slab { height_mm: stack.height_mm, turn: number };
+            self.fill(draft, &shared, shared.area_mm2(), section, slab);
+        }
+    }
+
+    /// Lays the pattern into a zone, with beads as high as the slab. Their density is exact for `area_mm2`.
+    fn fill(&self, draft: &mut Draft, zone: &Region, area_mm2: f64, section: &PlateLayer<'_>, slab: Slab) {
+        if zone.is_empty() {
+            return;
+        }
+        let (pattern, density) = (&*self.pattern, self.settings.infill.density.0);
+        let spec = self.fill_spec(section, slab);
+        let room = geom::offset(zone, -spec.spacing_mm / 2.0);
+        let (lines, flow) = if pattern.is_even() {
+            let solid_mm = area_mm2 / spec.spacing_mm;
+            let lines = infill::lay(pattern, &room, &spec, solid_mm, density);
+            let flow = infill::flow(&lines, solid_mm, density);
+            (lines, flow)
+        } else {
+            (pattern.fill(&room, &spec), 1.0)
+        };
+        let layer_mm = std::mem::replace(&mut draft.height_mm, slab.height_mm);
+        let width_mm = bead::width_mm(spec.spacing_mm * flow, slab.height_mm);
+        draft.lines(Role::InternalInfill, self.settings.walls.count + 3, width_mm, lines);
+        draft.height_mm = layer_mm;
     }
 
     /// A thin pass over top surfaces, as far as the nozzle's middle may go without pressing material over their edge.
@@ -322,30 +391,43 @@ impl Planner {
     /// Divides an island's inside; at full density nothing is sparse.
     fn zones(&self, inside: &Region, object: &ObjectLayer<'_>, section: &PlateLayer<'_>) -> Zones {
         let spacing_mm = bead::spacing_mm(self.widths(section.index).solid_mm, section.height_mm);
-        let full = self.settings.infill.density.0 > SOLID_DENSITY;
+        let every = self.settings.infill.solid_every as usize;
+        let full = self.settings.infill.density.0 > SOLID_DENSITY
+            || (section.index + 1).checked_rem(every).is_some_and(|rest| rest == 0);
         let below = if full { Some(Region::EMPTY) } else { object.below };
         shells::divide(inside, object.above, below, object.next, spacing_mm)
     }
 
-    /// Where the joins of sparse infill run: half a bead inside the zone.
-    fn infill_room(&self, sparse: &Region, section: &PlateLayer<'_>) -> Region {
-        let width_mm = self.widths(section.index).infill_mm;
-        geom::offset(sparse, -bead::spacing_mm(width_mm, section.height_mm) / 2.0)
+    /// Distance of neighbouring beads of sparse infill.
+    fn infill_spacing_mm(&self, layer: usize, height_mm: f64) -> f64 {
+        bead::spacing_mm(self.widths(layer).infill_mm.max(height_mm), height_mm)
     }
 
-    fn fill_spec(&self, section: &PlateLayer<'_>, spacing_mm: f64) -> FillSpec {
+    fn fill_spec(&self, section: &PlateLayer<'_>, slab: Slab) -> FillSpec {
         let settings = &self.settings.infill;
-        let nominal_mm = spacing_mm / settings.density.0;
-        let line_distance_mm = self.line_distance_mm.unwrap_or(nominal_mm);
+        let spacing_mm = self.infill_spacing_mm(section.index, slab.height_mm);
+        let line_distance_mm = match self.line_distance_mm {
+            Some(calibrated_mm) if slab.height_mm == section.height_mm => calibrated_mm,
+            Some(calibrated_mm) => {
+                calibrated_mm * spacing_mm / self.infill_spacing_mm(section.index, section.height_mm)
+            }
+            None => spacing_mm / settings.density.0,
+        };
+        let angle_rad = match settings.angles.as_slice() {
+            [] => settings.angle.to_radians() + self.pattern.turn_rad(slab.turn),
+            angles => angles[slab.turn % angles.len()].to_radians(),
+        };
         FillSpec {
             line_distance_mm,
-            angle_rad: settings.angle.to_radians(),
+            spacing_mm,
+            angle_rad,
             layer: section.index,
-            z_mm: section.top_mm - section.height_mm / 2.0,
+            z_mm: section.top_mm - slab.height_mm / 2.0,
             joins: Joins {
                 longest_mm: if settings.connect { LONGEST_JOIN * line_distance_mm } else { 0.0 },
                 reach_mm: settings.overlap.0 * self.widths(section.index).infill_mm,
                 turn_mm: 0.0,
+                anchor_mm: settings.anchor.0,
                 hatch: None,
             },
         }

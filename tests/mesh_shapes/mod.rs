@@ -101,6 +101,37 @@ pub fn stl(facets: &[[[f32; 3]; 3]]) -> Vec<u8> {
     data
 }
 
+/// A ZIP archive of named texts.
+pub fn package(parts: &[(&str, &str)]) -> Vec<u8> {
+    let mut zip = zip::ZipWriter::new(std::io::Cursor::new(Vec::new()));
+    for (name, text) in parts {
+        zip.start_file(*name, zip::write::SimpleFileOptions::default()).expect("a part");
+        std::io::Write::write_all(&mut zip, text.as_bytes()).expect("written");
+    }
+    zip.finish().expect("an archive").into_inner()
+}
+
+/// A box from the origin as the mesh of a 3MF object.
+pub fn box_xml(size: [f32; 3]) -> String {
+    let facets = cuboid([0.0; 3], size);
+    let corners = facets.iter().flatten().map(|[x, y, z]| format!("<vertex x=\"{x}\" y=\"{y}\" z=\"{z}\"/>"));
+    let triangles = (0..facets.len())
+        .map(|i| format!("<triangle v1=\"{}\" v2=\"{}\" v3=\"{}\"/>", 3 * i, 3 * i + 1, 3 * i + 2));
+    format!(
+        "<mesh><vertices>{}</vertices><triangles>{}</triangles></mesh>",
+        corners.collect::<String>(),
+        triangles.collect::<String>()
+    )
+}
+
+/// A 3MF model part: attributes of its root, what is in its resources, and what is built.
+pub fn model_xml(attributes: &str, resources: &str, build: &str) -> String {
+    format!(
+        "<?xml version=\"1.0\"?><model xmlns=\"http://schemas.microsoft.com/3dmanufacturing/core/2015/02\" {attributes}>\
+         <resources>{resources}</resources><build>{build}</build></model>"
+    )
+}
+
 /// Loads bytes under the name `part.stl`.
 pub fn load(data: Vec<u8>) -> Result<(Mesh, MeshReport), MeshError> {
     from_bytes(Path::new("part.stl"), &data)

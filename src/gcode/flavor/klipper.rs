@@ -44,28 +44,19 @@ impl Dialect for Klipper {
     }
 
     fn objects(&self, out: &mut Vec<u8>, objects: &[ObjectLabel]) {
-        for (index, object) in objects.iter().enumerate() {
-            let ([x0, y0], [x1, y1]) = (object.min_mm.map(|v| text(v, 2)), object.max_mm.map(|v| text(v, 2)));
-            let center = [0, 1].map(|i| text(0.5 * (object.min_mm[i] + object.max_mm[i]), 2));
-            line(
-                out,
-                &format!(
-                    "EXCLUDE_OBJECT_DEFINE NAME={} CENTER={},{} \
-                     POLYGON=[[{x0},{y0}],[{x1},{y0}],[{x1},{y1}],[{x0},{y1}]]",
-                    name(index as u32),
-                    center[0],
-                    center[1]
-                ),
-            );
+        for object in objects {
+            let [x, y] = object.center_mm().map(|v| text(v, 2));
+            let (name, polygon) = (&object.name, object.polygon());
+            line(out, &format!("EXCLUDE_OBJECT_DEFINE NAME={name} CENTER={x},{y} POLYGON={polygon}"));
         }
     }
 
-    fn object_begins(&self, out: &mut Vec<u8>, object: u32) {
-        line(out, &format!("EXCLUDE_OBJECT_START NAME={}", name(object)));
+    fn object_begins(&self, out: &mut Vec<u8>, _object: u32, name: &str) {
+        line(out, &format!("EXCLUDE_OBJECT_START NAME={name}"));
     }
 
-    fn object_ends(&self, out: &mut Vec<u8>, object: u32) {
-        line(out, &format!("EXCLUDE_OBJECT_END NAME={}", name(object)));
+    fn object_ends(&self, out: &mut Vec<u8>, name: &str) {
+        line(out, &format!("EXCLUDE_OBJECT_END NAME={name}"));
     }
 
     fn pause(&self) -> &'static str {
@@ -83,10 +74,6 @@ impl Dialect for Klipper {
     fn has_macros(&self) -> bool {
         true
     }
-}
-
-fn name(object: u32) -> String {
-    format!("object_{object}")
 }
 
 /// An extended command.

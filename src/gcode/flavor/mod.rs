@@ -51,18 +51,28 @@ pub(super) trait Dialect {
         line(out, &format!("M208 S{extra} F{}", text(retract.unretract_speed.0 * 60.0, 0)));
     }
 
-    /// Says which objects there are.
+    /// Says which objects there are. M486 has names only (A, which RepRapFirmware reads); where they are is said in a comment, for
+    /// hosts that can cancel objects.
     fn objects(&self, out: &mut Vec<u8>, objects: &[ObjectLabel]) {
         line(out, &format!("M486 T{}", objects.len()));
+        for (index, object) in objects.iter().enumerate() {
+            line(out, &format!("M486 S{index} A\"{}\"", object.name));
+        }
+        line(out, "M486 S-1");
+        let info = objects.iter().map(|object| {
+            let [x, y] = object.center_mm().map(|v| text(v, 2));
+            format!("{{\"name\":\"{}\",\"center\":[{x},{y}],\"polygon\":{}}}", object.name, object.polygon())
+        });
+        line(out, &format!("; objects_info = {{\"objects\":[{}]}}", info.collect::<Vec<_>>().join(",")));
     }
 
-    /// What follows belongs to an object.
-    fn object_begins(&self, out: &mut Vec<u8>, object: u32) {
+    /// What follows belongs to an object, by its number and name.
+    fn object_begins(&self, out: &mut Vec<u8>, object: u32, _name: &str) {
         line(out, &format!("M486 S{object}"));
     }
 
     /// What follows belongs to no object any more.
-    fn object_ends(&self, out: &mut Vec<u8>, _object: u32) {
+    fn object_ends(&self, out: &mut Vec<u8>, _name: &str) {
         line(out, "M486 S-1");
     }
 

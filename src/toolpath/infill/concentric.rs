@@ -6,6 +6,7 @@ use super::super::bead::Line;
 use super::{FillPattern, FillSpec};
 
 /// See the module.
+#[derive(Debug)]
 pub struct Concentric;
 
 impl FillPattern for Concentric {

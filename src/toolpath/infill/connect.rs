@@ -25,6 +25,8 @@ pub struct Joins {
     pub reach_mm: f64,
     /// The same of ends whose join turns back sharply and so leaves a wedge open between line and boundary.
     pub turn_mm: f64,
+    /// How far free ends run on along the boundary at most, in millimetres.
+    pub anchor_mm: f64,
     /// Of solid fills, the lines' arrangement: what no line covers beside the boundary is filled.
     pub hatch: Option<Hatch>,
 }
@@ -41,6 +43,9 @@ const SIDEWAYS: f64 = 1.2;
 
 /// Ends reach at most this many times the reach along their line, however flat it meets the boundary.
 const FLATTEST: f64 = 4.0;
+
+/// Anchors take up less than half of the way to the next end, whose own may come towards them.
+const ANCHOR: f64 = 0.45;
 
 /// One end of a chord, in its place on the boundary.
 #[derive(Clone, Copy)]
@@ -120,7 +125,7 @@ impl Joiner<'_> {
                 bead.extend(onward);
                 at = (next.0, 1 - next.1);
             }
-            if !self.end_in_a_cap(&mut bead, at) {
+            if !self.end_in_a_cap(&mut bead, at) && !self.anchor(&mut bead, at, nominal) {
                 self.reach(&mut bead, at, None);
             }
             bead.reverse();
@@ -151,6 +156,22 @@ impl Joiner<'_> {
             return false;
         };
         bead.extend(cap.take(end));
+        true
+    }
+
+    /// Leads a bead on along the boundary, where there is more room.
+    fn anchor(&self, bead: &mut Bead, (chord, side): (usize, usize), spacing_mm: f32) -> bool {
+        let Some(on) = self.chords[chord].ends[side].filter(|_| self.joins.anchor_mm > 0.0) else {
+            return false;
+        };
+        let rooms_mm = self.around.beside(chord, side).map(|(stop, ahead)| {
+            let (from, to) = if ahead { (on, stop.on) } else { (stop.on, on) };
+            let way_mm = self.boundary.way_mm(from, to).filter(|&mm| mm > 0.0);
+            (way_mm.unwrap_or(self.boundary.ring_length_mm(on.ring)), ahead)
+        });
+        let (room_mm, ahead) = if rooms_mm[1].0 > rooms_mm[0].0 { rooms_mm[1] } else { rooms_mm[0] };
+        let way = self.boundary.walk(on, self.joins.anchor_mm.min(ANCHOR * room_mm), ahead);
+        bead.extend(way.into_iter().map(|p| (p, spacing_mm)));
         true
     }
 
@@ -239,26 +260,14 @@ impl Around {
         (chord, side): (usize, usize),
         joins: &Joins,
     ) -> Option<(Vec<Point>, (usize, usize))> {
-        let at = self.place[chord][side] as usize;
-        let here = self.stops.get(at)?;
-        let ring = here.on.ring;
-        let forward = if at + 1 < self.stops.len() && self.stops[at + 1].on.ring == ring {
-            at + 1
-        } else {
-            self.stops.partition_point(|s| s.on.ring < ring)
-        };
-        let backward = if at > 0 && self.stops[at - 1].on.ring == ring {
-            at - 1
-        } else {
-            self.stops.partition_point(|s| s.on.ring <= ring) - 1
-        };
-        [(forward, true), (backward, false)]
+        let here = self.stops.get(self.place[chord][side] as usize)?;
+        self.beside(chord, side)
             .into_iter()
-            .filter_map(|(to, ahead)| {
-                let stop = &self.stops[to];
+            .filter_map(|(stop, ahead)| {
                 let (from, until) = if ahead { (here.on, stop.on) } else { (stop.on, here.on) };
                 let way_mm = boundary.way_mm(from, until)?;
-                let free = to != at && !used[stop.chord as usize];
+                let itself = (stop.chord as usize, stop.side as usize) == (chord, side);
+                let free = !itself && !used[stop.chord as usize];
                 // Two ends of one line side by side on the boundary are the pattern's own edge, not a neighbour.
                 let apart =
                     chords[stop.chord as usize].line != chords[chord].line || chords[chord].points.len() > 2;
@@ -269,5 +278,22 @@ impl Around {
                 let way = boundary.vertices_between(here.on, stop.on, ahead);
                 (way, (stop.chord as usize, stop.side as usize))
             })
+    }
+
+    /// The ends beside one that is on the boundary: ahead along the ring, and back. On a ring of its own it is both.
+    fn beside(&self, chord: usize, side: usize) -> [(&Stop, bool); 2] {
+        let at = self.place[chord][side] as usize;
+        let ring = self.stops[at].on.ring;
+        let forward = if at + 1 < self.stops.len() && self.stops[at + 1].on.ring == ring {
+            at + 1
+        } else {
+            self.stops.partition_point(|s| s.on.ring < ring)
+        };
+        let backward = if at > 0 && self.stops[at - 1].on.ring == ring {
+            at - 1
+        } else {
+            self.stops.partition_point(|s| s.on.ring <= ring) - 1
+        };
+        [(&self.stops[forward], true), (&self.stops[backward], false)]
     }
 }

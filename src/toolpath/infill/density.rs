@@ -150,10 +150,11 @@ mod tests {
         let (distance_mm, density) = (2.0, 0.2);
         let spec = FillSpec {
             line_distance_mm: distance_mm,
+            spacing_mm: distance_mm * density,
             angle_rad: std::f64::consts::FRAC_PI_4,
             layer: 0,
             z_mm: 0.1,
-            joins: Joins { longest_mm: 2.5 * distance_mm, reach_mm: 0.0, turn_mm: 0.0, hatch: None },
+            joins: Joins { longest_mm: 2.5 * distance_mm, ..Joins::default() },
         };
         let solid_mm = room.area_mm2() / (distance_mm * density);
         let lines = lay(&Rectilinear, &room, &spec, solid_mm, density);

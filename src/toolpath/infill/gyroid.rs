@@ -11,7 +11,7 @@ use crate::geom::{Clipper, Point, Region, to_mm};
 
 use super::super::bead::Line;
 use super::connect::{Chord, connect};
-use super::{FillPattern, FillSpec};
+use super::{FillPattern, FillSpec, waves};
 
 /// Steps in a period: the chord error of a wave is below 1 % of its amplitude.
 const STEPS: usize = 24;
@@ -20,6 +20,7 @@ const STEPS: usize = 24;
 const PERIOD: f64 = 2.0 * 1.22;
 
 /// See the module.
+#[derive(Debug)]
 pub struct Gyroid;
 
 impl FillPattern for Gyroid {
@@ -55,7 +56,7 @@ impl FillPattern for Gyroid {
                     let along = i as f64 * step;
                     let across = at(along, branch) + period as f64 * TAU;
                     let (x, y) = if upright { (across, along) } else { (along, across) };
-                    Point::from_mm(x / scale, y / scale)
+                    waves::on_grid([x / scale, y / scale])
                 })
                 .collect();
             let line = 2 * period + i64::from(branch > 0.0);
@@ -82,8 +83,14 @@ mod tests {
         let region = Region { polygons: vec![Polygon { outer, holes: vec![] }] };
         for layer in 0..40 {
             let z_mm = 0.1 + 0.2 * layer as f64;
-            let spec =
-                FillSpec { line_distance_mm: 2.0, angle_rad: 0.0, layer, z_mm, joins: Joins::default() };
+            let spec = FillSpec {
+                line_distance_mm: 2.0,
+                spacing_mm: 0.4,
+                angle_rad: 0.0,
+                layer,
+                z_mm,
+                joins: Joins::default(),
+            };
             let scale = TAU / (PERIOD * 2.0);
             let lines = Gyroid.fill(&region, &spec);
             assert!(!lines.is_empty());

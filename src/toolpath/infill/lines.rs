@@ -14,26 +14,34 @@ pub fn parallel(
     phase_mm: f64,
     joins: &Joins,
 ) -> Vec<Line> {
-    let chords = geom::scan_lines(region, angle_rad, distance_mm, phase_mm)
-        .into_iter()
-        .flat_map(|line| {
-            line.segments.into_iter().map(move |[a, b]| Chord {
-                points: vec![a.point, b.point],
-                ends: [Some(a.on), Some(b.on)],
-                line: line.index,
-            })
-        })
-        .collect();
-    connect(region, chords, joins)
+    connect(region, chords(region, angle_rad, distance_mm, phase_mm).collect(), joins)
 }
 
-/// So many sets of parallel lines, each turned by `turn_rad` against the one before, and each so much wider spaced
-/// that together they have the distance of the spec.
-pub fn sets(region: &Region, spec: &FillSpec, count: u32, turn_rad: f64) -> Vec<Line> {
-    let distance_mm = f64::from(count) * spec.line_distance_mm;
-    let set = |k: u32| {
-        let angle_rad = spec.angle_rad + f64::from(k) * turn_rad;
-        parallel(region, angle_rad, distance_mm, 0.0, &spec.joins)
+/// Sets of parallel lines, each turned by `turn_rad` against the one before and moved along its normal by its own phase,
+/// and each so much wider spaced that together they have the distance of the spec. A line may go on in one of another
+/// set, whose ends are nearer than those of its own.
+pub fn sets(region: &Region, spec: &FillSpec, turn_rad: f64, phases_mm: &[f64]) -> Vec<Line> {
+    let count = phases_mm.len();
+    let distance_mm = count as f64 * spec.line_distance_mm;
+    let set = |(k, &phase_mm): (usize, &f64)| {
+        let angle_rad = spec.angle_rad + k as f64 * turn_rad;
+        let own = chords(region, angle_rad, distance_mm, phase_mm);
+        own.map(move |chord| Chord { line: count as i64 * chord.line + k as i64, ..chord })
     };
-    (0..count).flat_map(set).collect()
+    connect(region, phases_mm.iter().enumerate().flat_map(set).collect(), &spec.joins)
+}
+
+fn chords(
+    region: &Region,
+    angle_rad: f64,
+    distance_mm: f64,
+    phase_mm: f64,
+) -> impl Iterator<Item = Chord> + use<> {
+    geom::scan_lines(region, angle_rad, distance_mm, phase_mm).into_iter().flat_map(|line| {
+        line.segments.into_iter().map(move |[a, b]| Chord {
+            points: vec![a.point, b.point],
+            ends: [Some(a.on), Some(b.on)],
+            line: line.index,
+        })
+    })
 }

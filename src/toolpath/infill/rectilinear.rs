@@ -8,12 +8,16 @@ use super::super::bead::Line;
 use super::{FillPattern, FillSpec, lines};
 
 /// See the module.
+#[derive(Debug)]
 pub struct Rectilinear;
 
 impl FillPattern for Rectilinear {
     fn fill(&self, region: &Region, spec: &FillSpec) -> Vec<Line> {
-        let angle_rad = spec.angle_rad + if spec.layer % 2 == 1 { FRAC_PI_2 } else { 0.0 };
-        lines::parallel(region, angle_rad, spec.line_distance_mm, 0.0, &spec.joins)
+        lines::parallel(region, spec.angle_rad, spec.line_distance_mm, 0.0, &spec.joins)
+    }
+
+    fn turn_rad(&self, layer: usize) -> f64 {
+        if layer % 2 == 1 { FRAC_PI_2 } else { 0.0 }
     }
 
     fn nests(&self) -> bool {

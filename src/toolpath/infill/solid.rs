@@ -89,6 +89,7 @@ pub fn fill(region: &Region, spec: &SolidSpec) -> Vec<SolidPatch> {
                 longest_mm: if spec.joined { LONGEST_JOIN * spacing_mm } else { 0.0 },
                 reach_mm,
                 turn_mm: spec.turn * reach_mm,
+                anchor_mm: 0.0,
                 hatch: spec.capped.then_some(Hatch { angle_rad, distance_mm: fitted_mm, phase_mm }),
             };
             let first_of = |line: &Line| {

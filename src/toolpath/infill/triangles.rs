@@ -8,11 +8,12 @@ use super::super::bead::Line;
 use super::{FillPattern, FillSpec, lines};
 
 /// See the module.
+#[derive(Debug)]
 pub struct Triangles;
 
 impl FillPattern for Triangles {
     fn fill(&self, region: &Region, spec: &FillSpec) -> Vec<Line> {
-        lines::sets(region, spec, 3, FRAC_PI_3)
+        lines::sets(region, spec, FRAC_PI_3, &[0.0; 3])
     }
 
     fn nests(&self) -> bool {

@@ -1,0 +1,80 @@
+//! Packing true outlines: each model goes to the first free place of a list, the largest first.
+
+use super::silhouette::Bitmap;
+
+/// A model in one of the ways in which it may be turned.
+#[derive(Clone, Debug)]
+pub(super) struct Shape {
+    /// What it covers, its middle at node (0, 0), and what must be left free around it.
+    pub covered: Bitmap,
+    /// Points of its outline that must lie on the bed.
+    pub rim: Vec<[f64; 2]>,
+}
+
+/// Where a model goes.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Spot {
+    /// Index into the ways in which it may be turned.
+    pub turn: usize,
+    /// Place of its middle, in cells from the bed's.
+    pub at: [i64; 2],
+}
+
+/// Which places are tried first.
+#[derive(Clone, Copy, Debug)]
+pub(super) enum Towards {
+    /// The middle of the bed: a compact group.
+    Middle,
+    /// The front left corner: more fits.
+    Corner,
+}
+
+/// Places models so that no two cover a cell. `shapes` holds each model's ways to be turned, `models` which of them each
+/// model is. `fits` says whether a rim, moved, lies on the bed, which reaches `half` cells from its middle.
+///
+/// `None`: no place is left for the model. The largest comes first, of equals the first. Places are tried in a fixed order,
+/// and never again what was taken for an equal model: O(places · rows) for each different shape where the bed is not full.
+pub(super) fn arrange(
+    shapes: &[Vec<Shape>],
+    models: &[usize],
+    half: [i64; 2],
+    towards: Towards,
+    fits: impl Fn(&[[f64; 2]], [i64; 2]) -> bool,
+) -> Vec<Option<Spot>> {
+    let places = places(half, towards);
+    let reach =
+        shapes.iter().flatten().map(|s| s.covered.reach()).max().unwrap_or(0) + half[0].max(half[1]) + 1;
+    let mut taken = Bitmap::new([-reach; 2], [reach; 2]);
+    let mut order: Vec<usize> = (0..models.len()).collect();
+    let size = |model: usize| shapes[models[model]].iter().map(|s| s.covered.count()).max();
+    order.sort_by_key(|&model| (std::cmp::Reverse(size(model)), models[model], model));
+    // Cells are taken and never given back: what was no place for a shape will be none.
+    let mut tried: Vec<Vec<usize>> = shapes.iter().map(|turns| vec![0; turns.len()]).collect();
+    let mut spots = vec![None; models.len()];
+    for model in order {
+        let turns = &shapes[models[model]];
+        let mut best: Option<(usize, usize)> = None;
+        for (turn, Shape { covered, rim }) in turns.iter().enumerate() {
+            let first = &mut tried[models[model]][turn];
+            let free = |&place: &usize| fits(rim, places[place]) && !taken.meets(covered, places[place]);
+            *first = (*first..places.len()).find(free).unwrap_or(places.len());
+            if *first < best.map_or(places.len(), |(place, _)| place) {
+                best = Some((*first, turn));
+            }
+        }
+        if let Some((place, turn)) = best {
+            taken.add(&turns[turn].covered, places[place]);
+            spots[model] = Some(Spot { turn, at: places[place] });
+        }
+    }
+    spots
+}
+
+/// All nodes of the bed, in the order in which they are tried.
+fn places([x, y]: [i64; 2], towards: Towards) -> Vec<[i64; 2]> {
+    let mut places: Vec<[i64; 2]> = (-y..=y).flat_map(|j| (-x..=x).map(move |i| [i, j])).collect();
+    if let Towards::Middle = towards {
+        places.sort_by_key(|[i, j]| i * i + j * j);
+    }
+    places
+}

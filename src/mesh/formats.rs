@@ -1,0 +1,121 @@
+//! Kinds of files, behind one interface: each says which files are its own, and reads them.
+
+use std::path::Path;
+
+use super::error::{MeshError, Place};
+use super::obj::Obj;
+use super::stl::Stl;
+use super::threemf::ThreeMf;
+use super::weld::{LIMIT_MM, Soup, Welder};
+
+/// A kind of file.
+pub(super) trait Format: Sync {
+    /// Whether the file is of this kind, by its content, or its name where the content does not tell.
+    fn recognises(&self, path: &Path, data: &[u8]) -> bool;
+
+    /// Reads a file of this kind.
+    ///
+    /// # Errors
+    /// See [`MeshError`].
+    fn read(&self, path: &Path, data: &[u8]) -> Result<Contents, MeshError>;
+}
+
+/// Every kind, the one that takes what is left last.
+const FORMATS: [&dyn Format; 3] = [&ThreeMf, &Obj, &Stl];
+
+/// What a file holds.
+pub(super) struct Contents {
+    pub objects: Vec<FileObject>,
+    pub format: &'static str,
+    /// What had to be overlooked.
+    pub notes: Vec<String>,
+}
+
+/// An object of a file, as often as the file wants it.
+pub(super) struct FileObject {
+    /// As the file calls it.
+    pub name: Option<String>,
+    pub soup: Soup,
+    /// Facets in the file, before any was left out.
+    pub facets: usize,
+    /// Where the file puts the object's origin, once or several times, millimetres.
+    pub spots: Vec<[f64; 3]>,
+}
+
+impl Contents {
+    /// A file that is one object, where it lies.
+    pub fn single(soup: Soup, format: &'static str, facets: usize, notes: Vec<String>) -> Self {
+        Self { objects: vec![FileObject { name: None, soup, facets, spots: vec![[0.0; 3]] }], format, notes }
+    }
+
+    /// Everything as one object, each where the file puts it.
+    ///
+    /// # Errors
+    /// A coordinate beyond 10 m.
+    pub fn together(self, path: &Path) -> Result<Self, MeshError> {
+        if let [FileObject { spots, .. }] = self.objects.as_slice()
+            && *spots == [[0.0; 3]]
+        {
+            return Ok(self);
+        }
+        let count = |object: &FileObject| object.facets * object.spots.len();
+        let facets = self.objects.iter().map(count).sum();
+        let mut welder = Welder::with_capacity(facets);
+        let mut number = 0;
+        for FileObject { soup, spots, .. } in &self.objects {
+            for spot in spots {
+                for triangle in &soup.triangles {
+                    number += 1;
+                    let moved = |v: u32| {
+                        let vertex = soup.vertices[v as usize];
+                        [0, 1, 2].map(|i| (f64::from(vertex[i]) + spot[i]) as f32)
+                    };
+                    let bad = |value| bad_coordinate(path, Place::Facet(number), value);
+                    welder.push(triangle.map(moved)).map_err(bad)?;
+                }
+            }
+        }
+        Ok(Self::single(welder.finish(), self.format, facets, self.notes))
+    }
+}
+
+/// Reads a file of any kind.
+///
+/// # Errors
+/// See [`MeshError`]; every object has facets.
+pub(super) fn read(path: &Path, data: &[u8]) -> Result<Contents, MeshError> {
+    if data.is_empty() {
+        return Err(MeshError::EmptyFile { path: path.to_path_buf() });
+    }
+    let format = FORMATS.into_iter().find(|format| format.recognises(path, data));
+    let contents = format.unwrap_or(&Stl).read(path, data)?;
+    match contents.objects.iter().all(|object| object.facets > 0) && !contents.objects.is_empty() {
+        true => Ok(contents),
+        false => Err(MeshError::NoFacets { path: path.to_path_buf() }),
+    }
+}
+
+/// Whether a file's name ends so, in any case.
+pub(super) fn has_extension(path: &Path, wanted: &str) -> bool {
+    path.extension().is_some_and(|found| found.eq_ignore_ascii_case(wanted))
+}
+
+/// Without byte order mark and leading blanks.
+pub(super) fn trimmed(data: &[u8]) -> &[u8] {
+    data.strip_prefix(b"\xEF\xBB\xBF").unwrap_or(data).trim_ascii_start()
+}
+
+/// Whether the first kilobyte is free of control characters; binary facets are full of zeros.
+pub(super) fn is_text(data: &[u8]) -> bool {
+    data.iter().take(1024).all(|&b| b >= b' ' || b.is_ascii_whitespace())
+}
+
+/// The error of a coordinate that has no place on the grid.
+pub(super) fn bad_coordinate(path: &Path, place: Place, value: f32) -> MeshError {
+    let path = path.to_path_buf();
+    if value.is_finite() && value.abs() > LIMIT_MM {
+        MeshError::TooFar { path, place, value }
+    } else {
+        MeshError::NotFinite { path, place, value }
+    }
+}

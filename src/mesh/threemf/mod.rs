@@ -1,0 +1,222 @@
+//! 3MF: a ZIP archive of XML parts. Core specification 1.3 and the production extension 1.1 (objects in parts of their
+//! own), as far as they say what is printed: meshes, components, transforms, units, build items.
+//!
+//! The reader is our own, on `zip` and `quick-xml`: of the crates for 3MF, `threemf2` needs a later compiler than we do
+//! and `lib3mf` builds a second geometry kernel; neither says where in a file a mistake is, nor bounds what an archive
+//! may unpack to.
+
+mod affine;
+mod archive;
+mod model;
+
+use std::collections::BTreeMap;
+use std::path::Path;
+
+use affine::Affine;
+use archive::Archive;
+use model::{Object, Part, Use};
+
+use super::error::{MeshError, Place};
+use super::formats::{Contents, FileObject, Format, bad_coordinate, has_extension};
+use super::weld::Welder;
+
+/// Components may stand in components so deep.
+const DEEPEST: usize = 64;
+
+/// Components of components multiply: no more facets than this are made of a file.
+const MOST_FACETS: usize = 50_000_000;
+
+/// And no more uses of objects than this.
+const MOST_USES: usize = 1_000_000;
+
+const MEND: &str = "export it again, or repair it where it was made";
+
+pub(super) struct ThreeMf;
+
+impl Format for ThreeMf {
+    fn recognises(&self, path: &Path, data: &[u8]) -> bool {
+        data.starts_with(b"PK\x03\x04") || data.starts_with(b"PK\x05\x06") || has_extension(path, "3mf")
+    }
+
+    /// One object for each object that the build names, with the places of all items that differ by a shift alone.
+    fn read(&self, path: &Path, data: &[u8]) -> Result<Contents, MeshError> {
+        let mut package = Package::open(path, data)?;
+        let root = package.root.clone();
+        let items = std::mem::take(&mut package.parts.get_mut(&root).expect("it was read").items);
+        if items.is_empty() {
+            return Err(package.archive.error(&root, "the build holds nothing to print", MEND));
+        }
+        let mut groups: Vec<(Use, Vec<[f64; 3]>)> = Vec::new();
+        for item in items {
+            let (transform, spot) = item.transform.split();
+            let item = Use { transform, ..item };
+            match groups.iter_mut().find(|(same, _)| *same == item) {
+                Some((_, spots)) => spots.push(spot),
+                None => groups.push((item, vec![spot])),
+            }
+        }
+        let mut objects = Vec::with_capacity(groups.len());
+        let mut budget = Budget { facets: MOST_FACETS, uses: MOST_USES, skipped: 0 };
+        for (item, spots) in groups {
+            let mut instances = Vec::new();
+            package.gather(&item, &root, &Affine::NONE, 0, &mut budget, &mut instances)?;
+            if instances.is_empty() && budget.skipped > 0 {
+                continue;
+            }
+            objects.push(package.object(&item, &root, &instances, spots)?);
+        }
+        let notes = package.notes(&root, budget.skipped);
+        Ok(Contents { objects, format: "3MF", notes })
+    }
+}
+
+/// What is left of what a file may ask for.
+struct Budget {
+    facets: usize,
+    uses: usize,
+    /// Objects that are no solids.
+    skipped: usize,
+}
+
+/// A mesh in its place.
+struct Instance {
+    part: String,
+    object: u32,
+    transform: Affine,
+}
+
+/// All parts of a package that its build needs.
+struct Package<'a> {
+    archive: Archive<'a>,
+    root: String,
+    parts: BTreeMap<String, Part>,
+}
+
+impl<'a> Package<'a> {
+    fn open(path: &Path, data: &'a [u8]) -> Result<Self, MeshError> {
+        let mut archive = Archive::open(path, data)?;
+        let root = archive.root()?;
+        let mut package = Self { archive, root, parts: BTreeMap::new() };
+        let mut wanted = vec![package.root.clone()];
+        while let Some(name) = wanted.pop() {
+            if package.parts.contains_key(&name) {
+                continue;
+            }
+            let read = model::read(package.archive.part(&name)?);
+            let part = read.map_err(|problem| package.archive.error(&name, problem, MEND))?;
+            let own = if name == package.root { part.items.as_slice() } else { &[] };
+            let uses = own.iter().chain(part.objects.values().flat_map(|object| &object.components));
+            wanted.extend(uses.filter_map(|used| used.part.clone()));
+            package.parts.insert(name, part);
+        }
+        Ok(package)
+    }
+
+    /// The object that is used in a part, and the part that holds it.
+    fn find(&self, used: &Use, from: &str) -> Result<(&Object, String), MeshError> {
+        let name = used.part.clone().unwrap_or_else(|| from.to_owned());
+        match self.parts.get(&name).and_then(|part| part.objects.get(&used.object)) {
+            Some(object) => Ok((object, name)),
+            None => {
+                let problem = format!("it uses object {}, which {name} does not hold", used.object);
+                Err(self.archive.error(from, problem, MEND))
+            }
+        }
+    }
+
+    /// The meshes that an object is made of, in their places, in the order of the file.
+    fn gather(
+        &self,
+        used: &Use,
+        from: &str,
+        outer: &Affine,
+        depth: usize,
+        budget: &mut Budget,
+        found: &mut Vec<Instance>,
+    ) -> Result<(), MeshError> {
+        let (object, part) = self.find(used, from)?;
+        let refuse = |problem: String| Err(self.archive.error(&part, problem, MEND));
+        if depth >= DEEPEST {
+            return refuse(format!(
+                "object {}: its components contain each other, or stand more than {DEEPEST} deep",
+                used.object
+            ));
+        }
+        let left = (budget.uses.checked_sub(1), budget.facets.checked_sub(object.triangles.len()));
+        let (Some(uses), Some(facets)) = left else {
+            return refuse(format!(
+                "object {}: its components multiply to more than {MOST_FACETS} facets or {MOST_USES} objects",
+                used.object
+            ));
+        };
+        (budget.uses, budget.facets) = (uses, facets);
+        if !object.solid {
+            budget.skipped += 1;
+            return Ok(());
+        }
+        let transform = used.transform.then(outer);
+        for component in &object.components {
+            self.gather(component, &part, &transform, depth + 1, budget, found)?;
+        }
+        if !object.triangles.is_empty() {
+            found.push(Instance { part, object: used.object, transform });
+        }
+        Ok(())
+    }
+
+    /// The facets of an object, welded; it is where its own transform without the shift puts it.
+    fn object(
+        &self,
+        item: &Use,
+        root: &str,
+        instances: &[Instance],
+        spots: Vec<[f64; 3]>,
+    ) -> Result<FileObject, MeshError> {
+        let (named, _) = self.find(item, root)?;
+        let meshes = instances.iter().filter_map(|instance| {
+            let part = self.parts.get(&instance.part)?;
+            Some((
+                part.objects.get(&instance.object)?,
+                Affine::scaled(part.unit_mm).then(&instance.transform),
+            ))
+        });
+        let meshes: Vec<(&Object, Affine)> = meshes.collect();
+        let facets = meshes.iter().map(|(mesh, _)| mesh.triangles.len()).sum();
+        let only = if let [(mesh, _)] = meshes.as_slice() { mesh.name.clone() } else { None };
+        let mut welder = Welder::with_capacity(facets);
+        let mut number = 0;
+        for (mesh, transform) in meshes {
+            let vertices: Vec<[f32; 3]> =
+                mesh.vertices.iter().map(|v| transform.apply(*v).map(|x| x as f32)).collect();
+            let mirrored = transform.determinant() < 0.0;
+            for &[a, b, c] in &mesh.triangles {
+                number += 1;
+                let triangle = if mirrored { [a, c, b] } else { [a, b, c] };
+                let bad = |value| bad_coordinate(self.archive.path(), Place::Facet(number), value);
+                welder.push(triangle.map(|v| vertices[v as usize])).map_err(bad)?;
+            }
+        }
+        Ok(FileObject { name: named.name.clone().or(only), soup: welder.finish(), facets, spots })
+    }
+
+    /// What was passed over.
+    fn notes(&self, root: &str, skipped: usize) -> Vec<String> {
+        let mut unknown: Vec<&String> = self.parts.values().flat_map(|part| &part.unknown).collect();
+        unknown.sort_unstable();
+        unknown.dedup();
+        let mut notes: Vec<String> = unknown
+            .iter()
+            .map(|address| format!("the extension {address} is not understood and was passed over"))
+            .collect();
+        if skipped > 0 {
+            notes.push(format!("{skipped} objects that are no solids, such as supports, were left out"));
+        }
+        match self.parts.get(root).map_or(0, |part| part.unprinted) {
+            0 => {}
+            count => {
+                notes.push(format!("{count} objects that are marked as not to be printed were left out"))
+            }
+        }
+        notes
+    }
+}

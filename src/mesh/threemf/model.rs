@@ -1,0 +1,241 @@
+//! One model part of a 3MF package: objects, components and build items.
+
+use std::borrow::Cow;
+use std::collections::BTreeMap;
+use std::io::BufRead;
+
+use quick_xml::XmlVersion;
+use quick_xml::events::attributes::Attribute;
+use quick_xml::events::{BytesStart, Event};
+use quick_xml::name::{Namespace, ResolveResult};
+use quick_xml::reader::NsReader;
+
+use super::affine::Affine;
+
+const CORE: &str = "http://schemas.microsoft.com/3dmanufacturing/core/2015/02";
+const PRODUCTION: &str = "http://schemas.microsoft.com/3dmanufacturing/production/2015/06";
+
+/// Extensions that are understood, or that say nothing about shapes.
+const UNDERSTOOD: [&str; 4] = [
+    CORE,
+    PRODUCTION,
+    "http://schemas.microsoft.com/3dmanufacturing/material/2015/02",
+    "http://www.w3.org/XML/1998/namespace",
+];
+
+/// A model part.
+#[derive(Debug)]
+pub(super) struct Part {
+    /// Millimetres in a unit of its coordinates.
+    pub unit_mm: f64,
+    pub objects: BTreeMap<u32, Object>,
+    /// What is to be built; only that of the root part counts.
+    pub items: Vec<Use>,
+    /// Items that are not to be printed.
+    pub unprinted: usize,
+    /// Extensions that are not understood, by address.
+    pub unknown: Vec<String>,
+}
+
+/// A mesh, or other objects put together.
+#[derive(Debug, Default)]
+pub(super) struct Object {
+    pub name: Option<String>,
+    /// Whether it is something to print; supports and the like are not.
+    pub solid: bool,
+    pub vertices: Vec<[f64; 3]>,
+    pub triangles: Vec<[u32; 3]>,
+    pub components: Vec<Use>,
+}
+
+/// An object used somewhere: a component or a build item.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Use {
+    pub object: u32,
+    /// The part that holds it, where that is another.
+    pub part: Option<String>,
+    pub transform: Affine,
+}
+
+/// Reads a part to its end. Extensions are listed unless the model requires one that is not understood.
+///
+/// # Errors
+/// What is wrong, and where.
+pub(super) fn read(mut reader: NsReader<impl BufRead>) -> Result<Part, String> {
+    let mut part =
+        Part { unit_mm: 1.0, objects: BTreeMap::new(), items: Vec::new(), unprinted: 0, unknown: Vec::new() };
+    let mut buffer = Vec::new();
+    let mut current: Option<(u32, Object)> = None;
+    let (mut begun, mut ended) = (false, false);
+    loop {
+        buffer.clear();
+        let at = reader.buffer_position();
+        let (namespace, event) =
+            reader.read_resolved_event_into(&mut buffer).map_err(|e| place(at, &e.to_string()))?;
+        let core = matches!(namespace, ResolveResult::Bound(Namespace(CORE)));
+        match event {
+            Event::Start(tag) | Event::Empty(tag) if core => {
+                let done = match tag.local_name().into_inner() {
+                    "model" => {
+                        begun = true;
+                        part.root(&tag)
+                    }
+                    "object" => object(&tag).map(|new| {
+                        let before = current.replace(new);
+                        part.objects.extend(before);
+                    }),
+                    "vertex" => corner(&tag).map(|vertex| {
+                        if let Some((_, object)) = &mut current {
+                            object.vertices.push(vertex);
+                        }
+                    }),
+                    "triangle" => triangle(&tag).and_then(|triangle| match &mut current {
+                        Some((_, object)) => object.add(triangle),
+                        None => Ok(()),
+                    }),
+                    "component" => usage(&tag, part.unit_mm).map(|used| {
+                        if let Some((_, object)) = &mut current {
+                            object.components.push(used);
+                        }
+                    }),
+                    "item" if value(&tag, "printable").is_some_and(|v| v == "0" || v == "false") => {
+                        part.unprinted += 1;
+                        Ok(())
+                    }
+                    "item" => usage(&tag, part.unit_mm).map(|used| part.items.push(used)),
+                    _ => Ok(()),
+                };
+                done.map_err(|problem| place(at, &problem))?;
+            }
+            Event::End(tag) if core => match tag.local_name().into_inner() {
+                "object" => part.objects.extend(current.take()),
+                "model" => ended = true,
+                _ => {}
+            },
+            Event::DocType(_) => return Err(place(at, "it has a document type, which 3MF does not allow")),
+            Event::Eof if !begun => return Err("it holds no model".into()),
+            Event::Eof if !ended => return Err(place(at, "it ends early")),
+            Event::Eof => {
+                part.objects.extend(current);
+                return Ok(part);
+            }
+            _ => {}
+        }
+    }
+}
+
+fn place(at: u64, problem: &str) -> String {
+    format!("byte {at}: {problem}")
+}
+
+impl Part {
+    /// Unit and extensions.
+    fn root(&mut self, tag: &BytesStart<'_>) -> Result<(), String> {
+        let unit = value(tag, "unit").unwrap_or_else(|| "millimeter".into());
+        self.unit_mm = match unit.as_str() {
+            "micron" => 0.001,
+            "millimeter" => 1.0,
+            "centimeter" => 10.0,
+            "inch" => 25.4,
+            "foot" => 304.8,
+            "meter" => 1000.0,
+            _ => return Err(format!("`{unit}` is no unit of length")),
+        };
+        let address = |prefix: &str| value(tag, &format!("xmlns:{prefix}"));
+        let listed = |key: &str| -> Vec<String> {
+            let prefixes = value(tag, key).unwrap_or_default();
+            prefixes.split_ascii_whitespace().map(|p| address(p).unwrap_or_else(|| p.to_owned())).collect()
+        };
+        let unknown = |address: &String| !UNDERSTOOD.contains(&address.as_str());
+        if let Some(required) = listed("requiredextensions").into_iter().find(unknown) {
+            return Err(format!("it requires the extension {required}, which is not understood"));
+        }
+        let declared = tag.attributes().flatten().filter(|a| a.key.0.starts_with("xmlns:"));
+        self.unknown = declared.filter_map(|a| text(&a)).filter(unknown).collect();
+        Ok(())
+    }
+}
+
+impl Object {
+    /// Adds a triangle, whose corners stand before it in the file.
+    fn add(&mut self, triangle: [u32; 3]) -> Result<(), String> {
+        match triangle.iter().find(|&&v| v as usize >= self.vertices.len()) {
+            Some(v) => Err(format!(
+                "triangle {} names vertex {v}, but there are only {} (counted from 0)",
+                self.triangles.len() + 1,
+                self.vertices.len()
+            )),
+            None => {
+                self.triangles.push(triangle);
+                Ok(())
+            }
+        }
+    }
+}
+
+/// The attribute of this name, with its prefix if it has one.
+pub(super) fn value(tag: &BytesStart<'_>, key: &str) -> Option<String> {
+    tag.attributes().flatten().find(|a| a.key.0 == key).as_ref().and_then(text)
+}
+
+/// What the attribute says.
+fn text(attribute: &Attribute<'_>) -> Option<String> {
+    attribute.normalized_value(XmlVersion::Implicit1_0).ok().map(Cow::into_owned)
+}
+
+/// The attribute of the production extension, whatever its prefix.
+fn path_of(tag: &BytesStart<'_>) -> Option<String> {
+    tag.attributes().flatten().find(|a| a.key.0.ends_with(":path")).as_ref().and_then(text)
+}
+
+fn id(tag: &BytesStart<'_>, key: &str) -> Result<u32, String> {
+    let text = value(tag, key).unwrap_or_default();
+    text.parse().map_err(|_| format!("`{text}` is no valid {key}"))
+}
+
+fn object(tag: &BytesStart<'_>) -> Result<(u32, Object), String> {
+    let kind = value(tag, "type").unwrap_or_else(|| "model".into());
+    let name = value(tag, "name").map(|name| name.trim().to_owned()).filter(|name| !name.is_empty());
+    let solid = matches!(kind.as_str(), "model" | "solidsupport");
+    Ok((id(tag, "id")?, Object { name, solid, ..Object::default() }))
+}
+
+fn usage(tag: &BytesStart<'_>, unit_mm: f64) -> Result<Use, String> {
+    let transform = match value(tag, "transform") {
+        None => Affine::NONE,
+        Some(text) => Affine::parse(&text, unit_mm).ok_or_else(|| {
+            format!("`{text}` is no transform: 12 numbers that do not flatten are expected")
+        })?,
+    };
+    Ok(Use { object: id(tag, "objectid")?, part: path_of(tag), transform })
+}
+
+/// Three attributes of a tag that has little else, parsed without a copy: a model is mostly these.
+fn three<T: std::str::FromStr>(tag: &BytesStart<'_>, keys: [&str; 3]) -> Result<[T; 3], String> {
+    let mut found = [None, None, None];
+    for attribute in tag.attributes().with_checks(false).flatten() {
+        if let Some(i) = keys.iter().position(|key| attribute.key.0 == *key) {
+            found[i] = attribute.value.trim().parse().ok();
+        }
+    }
+    match found {
+        [Some(a), Some(b), Some(c)] => Ok([a, b, c]),
+        _ => Err(format!(
+            "<{}> is not a tag with three numbers {}",
+            tag.attributes_raw().trim(),
+            keys.join(", ")
+        )),
+    }
+}
+
+fn corner(tag: &BytesStart<'_>) -> Result<[f64; 3], String> {
+    let vertex: [f64; 3] = three(tag, ["x", "y", "z"])?;
+    match vertex.iter().find(|x| !x.is_finite()) {
+        Some(x) => Err(format!("coordinate {x} is not a finite number")),
+        None => Ok(vertex),
+    }
+}
+
+fn triangle(tag: &BytesStart<'_>) -> Result<[u32; 3], String> {
+    three(tag, ["v1", "v2", "v3"])
+}

@@ -1,0 +1,69 @@
+//! Infill that depends on more than a layer: planned for the whole plate before any layer is.
+
+use std::sync::Arc;
+
+use crate::geom::{self, Region};
+use crate::mesh::Plate;
+use crate::profile::{Pattern, Settings};
+use crate::toolpath::bead;
+use crate::toolpath::infill::{AdaptiveCubic, FillPattern, Hollow, Lightning};
+
+use super::parallel;
+use super::sections::Sections;
+
+/// Outlines are simplified to this before branches grow in them: a quarter of a bead.
+const ROUGH_MM: f64 = 0.1;
+
+/// The pattern, where it must know all layers.
+pub(super) fn plan(sections: &Sections, plate: &Plate, settings: &Settings) -> Option<Arc<dyn FillPattern>> {
+    let infill = &settings.infill;
+    if !(infill.density.0 > 0.0 && infill.density.0 < 1.0) {
+        return None;
+    }
+    let line_distance_mm = bead::spacing_mm(infill.width.0, settings.layer.height.0) / infill.density.0;
+    match infill.pattern {
+        Pattern::AdaptiveCubic => {
+            let up_mm = sections.bottom_mm();
+            let surface = surface(plate, up_mm);
+            Some(Arc::new(AdaptiveCubic::new(surface, line_distance_mm, infill.angle.to_radians())))
+        }
+        Pattern::Lightning => {
+            let count = sections.layers.len();
+            let hollows = parallel::map(count, |i| hollow(sections, i, settings));
+            Some(Arc::new(Lightning::new(&hollows, line_distance_mm)))
+        }
+        _ => None,
+    }
+}
+
+/// Every triangle of the plate, lifted.
+fn surface(plate: &Plate, up_mm: f64) -> impl Iterator<Item = [[f64; 3]; 3]> {
+    plate.objects.iter().flat_map(move |object| {
+        let (mesh, [x, y]) = (&plate.meshes[object.mesh], object.offset.mm());
+        let corner = move |v: u32| {
+            let [vx, vy, vz] = mesh.vertices()[v as usize];
+            [vx + x, vy + y, vz + up_mm]
+        };
+        mesh.triangles().iter().map(move |triangle| triangle.map(corner))
+    })
+}
+
+/// A layer as branches see it, all objects together.
+fn hollow(sections: &Sections, index: usize, settings: &Settings) -> Hollow {
+    let layer = sections.plate_layer(index);
+    let walls = &settings.walls;
+    let wall_mm = |width_mm: f64| bead::spacing_mm(width_mm, layer.height_mm);
+    let thick_mm = match walls.count {
+        0 => 0.0,
+        count => wall_mm(walls.external_width.0) + f64::from(count - 1) * wall_mm(walls.width.0),
+    };
+    let (mut ground, mut sparse) = (Region::default(), Region::default());
+    for object in &layer.objects {
+        let rough = geom::simplify(object.section, ROUGH_MM);
+        let inside = geom::offset(&rough, -thick_mm);
+        let roofed = object.above.map_or_else(|| inside.clone(), |above| geom::intersection(&inside, above));
+        ground.polygons.extend(geom::offset(&rough, -thick_mm / 2.0).polygons);
+        sparse.polygons.extend(roofed.polygons);
+    }
+    Hollow { ground, sparse, height_mm: layer.height_mm }
+}

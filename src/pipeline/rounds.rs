@@ -1,0 +1,141 @@
+//! What is printed from the bed up in one go: the whole plate, or one object after the other.
+
+use crate::geom::Polygon;
+use crate::job::JobError;
+use crate::mesh::{Object, Plate};
+use crate::profile::{Sequence, Settings};
+use crate::slice::Slicer;
+
+use super::load::{self, Loaded};
+use super::sections::Sections;
+use super::styles::Planners;
+
+/// How far above finished objects the nozzle passes, millimetres: more than they may have warped.
+const PASS_MM: f64 = 2.0;
+
+/// Objects that are printed together.
+pub(super) struct Round {
+    pub sections: Sections,
+    pub planners: Planners,
+    /// The object, where it is printed by itself.
+    pub name: Option<String>,
+    /// Layers of the rounds before.
+    pub first_layer: usize,
+    /// Height at which the nozzle passes over what the rounds before have left; 0: nothing.
+    pub over_mm: f64,
+}
+
+/// The rounds of a plate, in their order. None is without layers.
+///
+/// # Errors
+/// Objects that cannot be printed one after the other; nothing to print.
+pub(super) fn prepare(loaded: &Loaded<'_>, settings: &Settings) -> Result<Vec<Round>, JobError> {
+    let plate = &loaded.plate;
+    let all = || (0..plate.objects.len()).collect();
+    if settings.print.sequence == Sequence::Layer || plate.objects.len() < 2 {
+        let round = Round::new(loaded, all(), settings, &[])?;
+        return round.map(|round| vec![round]).ok_or_else(load::nothing_to_print);
+    }
+    let order = order(plate, settings)?;
+    // One skirt goes around all, before the first of them.
+    let mut bare = settings.clone();
+    bare.skirt.loops = 0;
+    let mut later: Vec<Round> = Vec::new();
+    for &object in &order[1..] {
+        later.extend(Round::new(loaded, vec![object], &bare, &[])?);
+    }
+    let around: Vec<Polygon> =
+        later.iter().flat_map(|round| round.sections.on_bed(&round.planners)).collect();
+    let first = Round::new(loaded, vec![order[0]], settings, &around)?;
+    let mut rounds: Vec<Round> = first.into_iter().chain(later).collect();
+    let (mut layers, mut top_mm) = (0, 0.0_f64);
+    for round in &mut rounds {
+        if layers > 0 {
+            let highest_mm = top_mm.max(settings.bed.height.0);
+            round.over_mm = (top_mm + PASS_MM).min(highest_mm) + settings.layer.z_offset.0;
+        }
+        round.first_layer = layers;
+        layers += round.sections.layers.len();
+        top_mm = top_mm.max(round.sections.layers.last().map_or(0.0, |layer| layer.span.top_mm));
+    }
+    if rounds.is_empty() { Err(load::nothing_to_print()) } else { Ok(rounds) }
+}
+
+impl Round {
+    /// Cuts some objects and plans what they need; `None`: they have no layer. The skirt goes also around `around`.
+    fn new(
+        loaded: &Loaded<'_>,
+        objects: Vec<usize>,
+        settings: &Settings,
+        around: &[Polygon],
+    ) -> Result<Option<Self>, JobError> {
+        let own;
+        let plate = if objects.len() == loaded.plate.objects.len() {
+            &loaded.plate
+        } else {
+            own = part(&loaded.plate, &objects);
+            &own
+        };
+        let name = match objects.as_slice() {
+            [only] if loaded.plate.objects.len() > 1 => Some(loaded.plate.objects[*only].name.clone()),
+            _ => None,
+        };
+        let styles = loaded.styles.of(&objects);
+        let slicer = Slicer::new(plate, &load::layers(settings));
+        let mut sections = Sections::cut(&slicer, objects, &styles, &loaded.wishes, settings);
+        if sections.bounds().is_none() {
+            return Ok(None);
+        }
+        let planners = sections.planners(&styles, settings, around);
+        sections.lay_supports(&planners.main, settings);
+        let top_mm = sections.layers.last().map_or(0.0, |layer| layer.span.top_mm);
+        load::check_height(top_mm + settings.layer.z_offset.0, settings)?;
+        Ok(Some(Self { sections, planners, name, first_layer: 0, over_mm: 0.0 }))
+    }
+}
+
+/// A plate with some of the objects.
+fn part(plate: &Plate, objects: &[usize]) -> Plate {
+    let mut part = Plate { meshes: Vec::new(), objects: Vec::new() };
+    for &object in objects {
+        let object = &plate.objects[object];
+        part.objects.push(Object { mesh: part.meshes.len(), ..object.clone() });
+        part.meshes.push(plate.meshes[object.mesh].clone());
+    }
+    part
+}
+
+/// Objects from the lowest to the highest, so that the gantry has to pass over as little as possible; of equally high ones
+/// the nearest comes next.
+///
+/// # Errors
+/// One that the gantry would strike while the next is printed.
+fn order(plate: &Plate, settings: &Settings) -> Result<Vec<usize>, JobError> {
+    let height_mm = |object: usize| plate.meshes[plate.objects[object].mesh].bounds()[1][2];
+    // Heights that differ by less than a layer are equal.
+    let step = |object: usize| (height_mm(object) / settings.layer.height.0).round() as i64;
+    let mut left: Vec<usize> = (0..plate.objects.len()).collect();
+    let mut order: Vec<usize> = Vec::with_capacity(left.len());
+    while !left.is_empty() {
+        let at = order.last().map(|&last: &usize| plate.objects[last].offset).unwrap_or_default();
+        let key = |&(_, &object): &(usize, &usize)| {
+            (step(object), plate.objects[object].offset.distance2(at), object)
+        };
+        let next = left.iter().enumerate().min_by_key(key).map_or(0, |(index, _)| index);
+        order.push(left.remove(next));
+    }
+    let limit_mm = settings.print.clearance_height.0;
+    let raft_mm = f64::from(settings.raft.layers) * settings.layer.height.0;
+    let struck = order.windows(2).find(|pair| height_mm(pair[0]) + raft_mm > limit_mm);
+    match struck {
+        None => Ok(order),
+        Some(pair) => Err(JobError::DoesNotFit(format!(
+            "{} is {:.2} mm high, and {} is to be printed after it: the gantry, {limit_mm} mm above the nozzle \
+             (print.clearance_height), would strike it; print them layer by layer (print.sequence), or on plates of their \
+             own with --each",
+            plate.objects[pair[0]].name,
+            height_mm(pair[0]) + raft_mm,
+            plate.objects[pair[1]].name,
+        ))),
+    }
+}

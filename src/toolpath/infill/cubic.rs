@@ -1,0 +1,27 @@
+//! Cubes that stand on a corner: three sets of lines at 60° in each layer, which wander with the height.
+//!
+//! A plane of a cube whose space diagonal is upright leans by 35.3° from the vertical, so that its section moves by
+//! 1/√2 of the height. The horizontal parts of the three normals are 120° apart; the second set, 60° from the first, runs
+//! along the third plane seen from behind and moves the other way.
+
+use std::f64::consts::{FRAC_1_SQRT_2, FRAC_PI_3};
+
+use crate::geom::Region;
+
+use super::super::bead::Line;
+use super::{FillPattern, FillSpec, lines};
+
+/// See the module.
+#[derive(Debug)]
+pub struct Cubic;
+
+impl FillPattern for Cubic {
+    fn fill(&self, region: &Region, spec: &FillSpec) -> Vec<Line> {
+        let moved_mm = spec.z_mm * FRAC_1_SQRT_2;
+        lines::sets(region, spec, FRAC_PI_3, &[-moved_mm, moved_mm, -moved_mm])
+    }
+
+    fn nests(&self) -> bool {
+        true
+    }
+}

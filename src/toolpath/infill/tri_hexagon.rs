@@ -1,0 +1,20 @@
+//! Three sets of lines at 60° in each layer, of which no three meet in a point: hexagons between triangles (kagome).
+
+use std::f64::consts::FRAC_PI_3;
+
+use crate::geom::Region;
+
+use super::super::bead::Line;
+use super::{FillPattern, FillSpec, lines};
+
+/// See the module.
+#[derive(Debug)]
+pub struct TriHexagon;
+
+impl FillPattern for TriHexagon {
+    fn fill(&self, region: &Region, spec: &FillSpec) -> Vec<Line> {
+        // The middle set runs half-way between the points where the other two meet.
+        let half_mm = 1.5 * spec.line_distance_mm;
+        lines::sets(region, spec, FRAC_PI_3, &[0.0, half_mm, 0.0])
+    }
+}
