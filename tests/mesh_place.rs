@@ -271,8 +271,7 @@ proptest! {
             for (i, a) in boxes.iter().enumerate() {
                 prop_assert!(a.iter().all(|c| c.abs() <= 125.0 + 1e-3));
                 for b in &boxes[..i] {
-                    let gap = [a[0] - b[2], b[0] - a[2], a[1] - b[3], b[1] - a[3]];
-                    prop_assert!(gap.into_iter().fold(f64::MIN, f64::max) >= spacing_mm - 1e-4);
+                    prop_assert!(gap_mm(a, b) >= spacing_mm - 1e-4);
                 }
             }
         } else {

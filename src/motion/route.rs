@@ -91,6 +91,9 @@ impl<'a> Router<'a> {
     pub(super) fn way(&self, from: [f64; 2], to: [f64; 2]) -> Way {
         let [a, b] = [from, to].map(|[x, y]| Point::from_mm(x, y));
         let straight_mm = distance(from, to);
+        if a == b {
+            return Way::Inside(Vec::new(), straight_mm);
+        }
         if self.clear(a, b) {
             let inside = self.edge().contains(a);
             return if inside { Way::Inside(Vec::new(), straight_mm) } else { Way::Across };
@@ -309,6 +312,18 @@ mod tests {
         let region = frame();
         let way = Router::new(&region, 0.45, 20.0).way([2.0, 2.0], [38.0, 3.0]);
         assert_eq!(way, Way::Inside(Vec::new(), distance([2.0, 2.0], [38.0, 3.0])));
+    }
+
+    #[test]
+    fn the_way_to_the_same_place_is_none_wherever_it_is() {
+        let region = frame();
+        let router = Router::new(&region, 0.45, 20.0);
+        for at in (0..80).flat_map(|x| (0..40).map(move |y| [x, y].map(|half| 0.5 * f64::from(half)))) {
+            assert_eq!(
+                router.way(at, [at[0] + 1e-9, at[1]]),
+                Way::Inside(Vec::new(), distance(at, [at[0] + 1e-9, at[1]]))
+            );
+        }
     }
 
     #[test]

@@ -112,13 +112,14 @@ impl Chain {
         start: Option<Point>,
         end: Option<Point>,
     ) -> f64 {
-        let (mut at, mut total) = (start, 0.0);
+        let (mut at, mut island, mut total) = (start, None, 0.0);
         for &visit in sequence {
             let (enter, leave) = ends_on_path(layer, visit);
-            total += at.map_or(0.0, |from| self.cost.link(from, enter));
-            at = Some(leave);
+            let here = Some(layer.paths[visit.item as usize].island);
+            total += at.map_or(0.0, |from| self.cost.of(from.distance_mm(enter), here == island));
+            (at, island) = (Some(leave), here);
         }
-        total + at.zip(end).map_or(0.0, |(from, to)| self.cost.link(from, to))
+        total + at.zip(end).map_or(0.0, |(from, to)| self.cost.of(from.distance_mm(to), false))
     }
 
     fn solve_layer(

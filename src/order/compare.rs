@@ -2,8 +2,8 @@
 
 use serde_json::{Value, json};
 
-use super::{Cost, Problem, Visit};
-use crate::geom::Point;
+use super::cost::{Cost, links};
+use super::{Problem, Visit};
 
 /// What one strategy made of one layer.
 #[derive(Clone, Debug, PartialEq)]
@@ -40,14 +40,10 @@ impl LayerRow {
     pub fn new(layer: usize, problem: &Problem, sequence: &[Visit], time: &Cost) -> Self {
         let mut row =
             Self { layer, paths: sequence.len(), link_mm: 0.0, travels: 0, travel_s: 0.0, bound_mm: None };
-        let mut at: Option<Point> = problem.start;
-        for visit in sequence {
-            let (enter, leave) = problem.items[visit.item as usize].ends(visit.entry);
-            let link_mm = at.map_or(0.0, |from| from.distance_mm(enter));
+        for (link_mm, inside) in links(problem, sequence) {
             row.link_mm += link_mm;
             row.travels += usize::from(link_mm > 0.0);
-            row.travel_s += time.of(link_mm);
-            at = Some(leave);
+            row.travel_s += time.of(link_mm, inside);
         }
         row
     }

@@ -1,11 +1,10 @@
 //! What ordering minimises.
 
 use super::{Problem, Visit};
-use crate::geom::Point;
 use crate::profile::{CostKind, Flavor, Settings};
 
 /// Cost of the travel between two paths, a non-decreasing function of its straight-line length with
-/// `cost(0) = 0`, so a nearer point is never dearer.
+/// `cost(0) = 0`, so a nearer point of the same island is never dearer, nor one elsewhere.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Cost {
     /// The length, millimetres. A metric.
@@ -27,8 +26,10 @@ pub struct TravelTime {
     /// What stopping the bead before and starting the one after costs, seconds: a bead that goes on where the last one
     /// ends is drawn through.
     pub stop_s: f64,
-    /// Travels longer than this are retracted, mm.
+    /// Travels from one island to another that are longer than this are retracted, mm.
     pub retract_from_mm: f64,
+    /// Travels inside of an island that are longer than this are retracted, mm: no less than the other.
+    pub retract_inside_from_mm: f64,
     /// Pulling back, lifting, lowering and pushing forward again, seconds.
     pub retract_s: f64,
 }
@@ -40,7 +41,7 @@ impl TravelTime {
     /// The corners between bead and travel are taken to be stops: at the speed of a corner, a tenth of the travel's or
     /// less, that is off by hundredths.
     pub fn new(settings: &Settings) -> Self {
-        let Settings { machine, speed, acceleration, retract, .. } = settings;
+        let Settings { machine, speed, acceleration, retract, travel, .. } = settings;
         let given = |values: &[f64]| values.iter().copied().find(|a| *a > 0.0).unwrap_or(0.0);
         let (max_speed, max_acceleration) =
             (machine.max_speed.map(|v| v.0), machine.max_acceleration.map(|a| a.0));
@@ -67,20 +68,23 @@ impl TravelTime {
             },
             stop_s: speed.infill.0.min(speed.perimeter.0) / usual,
             retract_from_mm: retract.min_travel.0,
+            retract_inside_from_mm: travel.retract_inside.0.max(retract.min_travel.0),
             retract_s,
         }
     }
 
     /// Duration of a travel in seconds: a trapezoid of speed from rest to rest, the stop and the start of the beads
-    /// that it joins, and the retraction where it is due. Staying in place takes no time.
+    /// that it joins, and the retraction where it is due: `inside` of an island or from one to another. Staying in place
+    /// takes no time.
     #[inline]
-    pub fn of(&self, length_mm: f64) -> f64 {
+    pub fn of(&self, length_mm: f64, inside: bool) -> f64 {
         if length_mm <= 0.0 {
             return 0.0;
         }
         let moving_s =
             self.stop_s + trapezoid_s(length_mm, self.speed_mm_s, self.acceleration_mm_s2, self.cruise_ratio);
-        if length_mm > self.retract_from_mm { moving_s + self.retract_s } else { moving_s }
+        let retract_from_mm = if inside { self.retract_inside_from_mm } else { self.retract_from_mm };
+        if length_mm > retract_from_mm { moving_s + self.retract_s } else { moving_s }
     }
 }
 
@@ -103,38 +107,45 @@ impl Cost {
         }
     }
 
-    /// Cost of a travel of this length: millimetres or seconds.
+    /// Cost of a travel of this length, inside of an island or from one to another: millimetres or seconds.
     #[inline]
-    pub fn of(&self, length_mm: f64) -> f64 {
+    pub fn of(&self, length_mm: f64, inside: bool) -> f64 {
         match self {
             Self::Length => length_mm,
-            Self::Time(time) => time.of(length_mm),
+            Self::Time(time) => time.of(length_mm, inside),
         }
     }
 
-    /// Cost of the straight travel between two points.
+    /// The least that a travel of this length can cost.
     #[inline]
-    pub fn link(&self, from: Point, to: Point) -> f64 {
-        self.of(from.distance_mm(to))
+    pub fn least(&self, length_mm: f64) -> f64 {
+        self.of(length_mm, true)
     }
 }
 
 /// Total cost of a solution's links: from the start (where it is known) to the first path, between paths, and
-/// to the end (where it is known). Summed in the order of the walk, so equal walks give equal bits.
+/// to the end (where it is known); these two belong to no island. Summed in the order of the walk, so equal walks give
+/// equal bits.
 ///
 /// Every visit must refer to an item and an entry of the problem.
 pub fn evaluate(problem: &Problem, sequence: &[Visit], cost: &Cost) -> f64 {
-    let mut total = 0.0;
-    let mut at = problem.start;
-    for visit in sequence {
-        let (enter, leave) = problem.items[visit.item as usize].ends(visit.entry);
-        total += at.map_or(0.0, |from| cost.link(from, enter));
-        at = Some(leave);
-    }
-    match (at, problem.end) {
-        (Some(from), Some(to)) => total + cost.link(from, to),
-        _ => total,
-    }
+    let links = links(problem, sequence).map(|(length_mm, inside)| cost.of(length_mm, inside));
+    let last = sequence.last().map(|visit| problem.items[visit.item as usize].ends(visit.entry).1);
+    let end = last.or(problem.start).zip(problem.end).map(|(from, to)| cost.of(from.distance_mm(to), false));
+    links.chain(end).sum()
+}
+
+/// Length of the link to each visit of a solution, in millimetres, and whether it is inside of an island. None leads from
+/// anywhere.
+pub fn links(problem: &Problem, sequence: &[Visit]) -> impl Iterator<Item = (f64, bool)> {
+    let mut at = (problem.start, None);
+    sequence.iter().map(move |visit| {
+        let item = &problem.items[visit.item as usize];
+        let (enter, leave) = item.ends(visit.entry);
+        let island = Some(problem.runs[item.run as usize].island);
+        let (from, left) = std::mem::replace(&mut at, (Some(leave), island));
+        (from.map_or(0.0, |from| from.distance_mm(enter)), left == island)
+    })
 }
 
 #[cfg(test)]
@@ -147,24 +158,25 @@ mod tests {
         cruise_ratio: 0.0,
         stop_s: 0.0,
         retract_from_mm: 1.5,
+        retract_inside_from_mm: 5.0,
         retract_s: 0.05,
     };
 
     #[test]
     fn a_long_travel_cruises_and_is_retracted() {
-        assert!((TIME.of(150.0) - (1.0 + 0.05 + 0.05)).abs() < 1e-12);
+        assert!((TIME.of(150.0, true) - (1.0 + 0.05 + 0.05)).abs() < 1e-12);
     }
 
     #[test]
     fn a_short_travel_never_reaches_top_speed() {
-        assert!((TIME.of(0.75) - 2.0 * (0.75f64 / 3000.0).sqrt()).abs() < 1e-12);
+        assert!((TIME.of(0.75, false) - 2.0 * (0.75f64 / 3000.0).sqrt()).abs() < 1e-12);
     }
 
     #[test]
     fn half_of_a_short_travel_is_cruised_at_a_cruise_ratio_of_a_half() {
         let half = TravelTime { cruise_ratio: 0.5, ..TIME };
         // Up to 30 mm/s in 0.15 mm and 10 ms, 0.3 mm along in 10 ms, and down.
-        assert!((half.of(0.6) - 0.03).abs() < 1e-12, "{}", half.of(0.6));
+        assert!((half.of(0.6, false) - 0.03).abs() < 1e-12, "{}", half.of(0.6, false));
     }
 
     #[test]
@@ -176,12 +188,21 @@ mod tests {
     }
 
     #[test]
+    fn inside_of_an_island_longer_travels_go_without_retraction() {
+        assert_eq!(TIME.of(1.5, false), TIME.of(1.5, true));
+        assert!((TIME.of(5.0, false) - TIME.of(5.0, true) - 0.05).abs() < 1e-12);
+        assert_eq!(TIME.of(5.1, false), TIME.of(5.1, true));
+    }
+
+    #[test]
     fn cost_never_falls_with_length() {
-        let mut last = 0.0;
-        for step in 0..4000 {
-            let now = TIME.of(f64::from(step) * 0.01);
-            assert!(now >= last);
-            last = now;
+        for inside in [false, true] {
+            let mut last = 0.0;
+            for step in 0..4000 {
+                let now = TIME.of(f64::from(step) * 0.01, inside);
+                assert!(now >= last);
+                last = now;
+            }
         }
     }
 }

@@ -72,7 +72,14 @@ impl Ways {
     }
 
     /// The cheapest walk to a place by one of the ways from `from` on and before `to`: its cost, and the way.
-    fn cheapest(&mut self, from: usize, to: usize, [x, y]: [f64; 2], cost: &Cost) -> (f64, u32) {
+    fn cheapest(
+        &mut self,
+        from: usize,
+        to: usize,
+        [x, y]: [f64; 2],
+        cost: &Cost,
+        inside: bool,
+    ) -> (f64, u32) {
         let (xs, ys) = (&self.leave[0][from..to], &self.leave[1][from..to]);
         self.links.clear();
         // To or from anywhere (not a number) is no way at all. These two loops are vectorised.
@@ -84,7 +91,10 @@ impl Ways {
         match cost {
             Cost::Length => self.links.iter_mut().zip(costs).for_each(|(link, cost)| *link += cost),
             Cost::Time(time) => {
-                self.links.iter_mut().zip(costs).for_each(|(link, cost)| *link = time.of(*link) + cost);
+                self.links
+                    .iter_mut()
+                    .zip(costs)
+                    .for_each(|(link, cost)| *link = time.of(*link, inside) + cost);
             }
         }
         let mut best = (f64::INFINITY, 0);
@@ -98,7 +108,8 @@ impl Ways {
 }
 
 /// The cheapest choice of one way for each of `count` paths: its cost and the entries. `ways` appends those of a path; the walk
-/// comes from `start` and goes on to `end`; not a number: from or to anywhere.
+/// comes from `start` and goes on to `end`; not a number: from or to anywhere. `inside` says of the link to a path, and to
+/// the end, whether it is inside of an island.
 ///
 /// Shortest path through layers of candidates: the *cluster optimisation* of the generalised travelling salesman problem
 /// (Fischetti, Salazar & Toth 1997, doi:10.1287/opre.45.3.378). Of equal ways the first. The last value counts pairs.
@@ -108,6 +119,7 @@ pub(super) fn cheapest_entries(
     mut ways: impl FnMut(usize, &mut Vec<Way>),
     end: [f64; 2],
     cost: &Cost,
+    inside: impl Fn(usize) -> bool,
 ) -> (f64, Vec<u32>, u64) {
     let mut all = Ways {
         entry: vec![0],
@@ -123,13 +135,14 @@ pub(super) fn cheapest_entries(
         here.clear();
         ways(path, &mut here);
         pairs += ((from - last) * here.len()) as u64;
+        let inside = inside(path);
         for &way in &here {
-            let (least, before) = all.cheapest(last, from, way.enter, cost);
+            let (least, before) = all.cheapest(last, from, way.enter, cost, inside);
             all.push(way, least, before);
         }
         last = from;
     }
-    let (total, mut at) = all.cheapest(last, all.entry.len(), end, cost);
+    let (total, mut at) = all.cheapest(last, all.entry.len(), end, cost, inside(count));
     let mut entries = vec![0; count];
     for entry in entries.iter_mut().rev() {
         *entry = all.entry[at as usize];
@@ -162,7 +175,8 @@ pub(super) fn enter_shortest(
                 }
             }
         };
-        let (_, entries, _) = cheapest_entries(place(start), sequence.len(), ways, place(end), &Cost::Length);
+        let (start, end) = (place(start), place(end));
+        let (_, entries, _) = cheapest_entries(start, sequence.len(), ways, end, &Cost::Length, |_| false);
         for (visit, entry) in sequence.iter_mut().zip(entries) {
             visit.entry = entry;
         }

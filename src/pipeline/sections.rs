@@ -4,7 +4,7 @@ use geo::{ConvexHull, MultiPoint, Simplify};
 
 use crate::geom::{self, Bounds, Point, Polygon, Region};
 use crate::mesh::Plate;
-use crate::profile::Settings;
+use crate::profile::{Settings, SupportStyle};
 use crate::slice::{Gaps, Layer, LayerSpan, Slicer};
 use crate::toolpath::support::{self, BeadSpec, Outlines};
 use crate::toolpath::{self, LayerPaths, ObjectLayer, Planner, PlateLayer, Role, Shells};
@@ -139,8 +139,14 @@ impl Sections {
             let (first, layer) = (above_raft == 0, &part[above_raft]);
             // Support stands on the raft, over which the part floats.
             let gap_mm = if first && on_raft { settings.raft.gap.0 } else { 0.0 };
+            // Trees are clear of the part already, though not of what surrounds it on the bed.
+            let tree = settings.support.style == SupportStyle::Tree;
             let spec = BeadSpec {
-                part: if first && !on_raft { planner.covered() } else { &supports::section(layer) },
+                part: match first && !on_raft {
+                    true => planner.covered(),
+                    false if tree => Region::EMPTY,
+                    false => &geom::simplify(&supports::section(layer), support::ROUGH_MM),
+                },
                 height_mm: layer.span.height_mm + gap_mm,
                 usual_height_mm: settings.layer.height.0,
                 on_bed: first,

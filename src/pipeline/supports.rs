@@ -1,6 +1,6 @@
 //! Supports of a plate: found and stood before any layer is planned, laid as beads layer by layer.
 
-use crate::geom::{Bounds, Region, offset, union_all};
+use crate::geom::{Bounds, Region, offset, simplify, union_all};
 use crate::mesh::Plate;
 use crate::profile::{LayerSettings, Settings, SupportStyle};
 use crate::slice::{Layer, Slicer};
@@ -59,11 +59,12 @@ impl Supports {
         let stands_on = spec.gap_layers + 1;
         if support.style == SupportStyle::Tree {
             let discs = support::grow(&held, &solid, &spec, support);
+            let rough = parallel::map(count, |i| simplify(&sections[i], support::ROUGH_MM));
             let outlines = parallel::map(count, |i| {
                 if discs[i].is_empty() {
                     return Outlines::default();
                 }
-                let near = &sections[i.saturating_sub(spec.gap_layers)..=i];
+                let near = &rough[i.saturating_sub(spec.gap_layers)..=i];
                 let kept_free = offset(&union_all(near), support.xy_gap.0);
                 let (all, interface) = support::outline(&discs[i], &kept_free);
                 Outlines { all, interface }

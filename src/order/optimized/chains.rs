@@ -30,7 +30,8 @@ impl Search<'_> {
         let end = walk.place(walk.node(End { gap: to, right: true }));
         let ways = |at: usize, ways: &mut Vec<Way>| self.ways(from + at as u32, look, ways);
         let count = (to - from) as usize;
-        let (cost, entries, pairs) = cheapest_entries(start, count, ways, end, walk.cost());
+        let inside = |at: usize| walk.is_inside(from + at as u32);
+        let (cost, entries, pairs) = cheapest_entries(start, count, ways, end, walk.cost(), inside);
         self.walk.work += pairs;
         if cost >= now - GAIN {
             return false;

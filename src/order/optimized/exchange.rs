@@ -1,5 +1,6 @@
 //! Exchanging two or three links within a group.
 
+use super::super::Cost;
 use super::neighbours::Near;
 use super::search::{GAIN, Search};
 use super::walk::{End, Walk};
@@ -140,8 +141,10 @@ impl Search<'_> {
     /// Cost of the link from a node to one in its list.
     #[inline]
     fn added(&self, node: u32, near: Near) -> f64 {
-        // Where a loop is entered may be farther away than its nearest sample.
-        if self.walk.is_loop(near.node / 2) { self.walk.link(node, near.node) } else { near.least }
+        // Where a loop is entered may be farther away than its nearest sample, and between islands it may cost more. Times
+        // step where a travel is retracted: there rounding must be the same everywhere, or there is no end of gains.
+        let exact = *self.walk.cost() == Cost::Length && !self.walk.is_loop(near.node / 2);
+        if exact { near.least } else { self.walk.link(node, near.node) }
     }
 
     /// The list of what lies near a node within a group.

@@ -16,8 +16,7 @@ impl Search<'_> {
         let Some(vertices) = self.walk.vertices(item) else { return false };
         let at = self.walk.position(item);
         let (before, after) = (End { gap: at, right: false }, End { gap: at + 1, right: true });
-        let (before, after) =
-            (self.walk.place(self.walk.node(before)), self.walk.place(self.walk.node(after)));
+        let (before, after) = (self.walk.node(before), self.walk.node(after));
         let now = self.walk.gap(at) + self.walk.gap(at + 1);
         if now <= GAIN || vertices.len() == 1 {
             return false;
@@ -32,8 +31,8 @@ impl Search<'_> {
         true
     }
 
-    /// The vertex of a loop that is cheapest to visit between two places, and what its two links cost.
-    pub fn best_vertex(&mut self, item: u32, before: [f64; 2], after: [f64; 2]) -> (f64, u32) {
+    /// The vertex of a loop that is cheapest to visit between two nodes, and what its two links cost.
+    pub fn best_vertex(&mut self, item: u32, before: u32, after: u32) -> (f64, u32) {
         self.walk.work += self.walk.vertices(item).map_or(0, <[_]>::len) as u64;
         self.walk.best_vertex(item, before, after)
     }
@@ -60,9 +59,9 @@ impl Search<'_> {
         let mut best = (saved - GAIN, NONE);
         if last - first <= FEW {
             for gap in (first..=last).filter(|&gap| gap != at && gap != at + 1) {
-                let left = self.walk.place(self.walk.node(End { gap, right: false }));
-                let right = self.walk.place(self.walk.node(End { gap, right: true }));
-                let added = self.best_vertex(item, left, right).0 - self.walk.between(left, right);
+                let left = self.walk.node(End { gap, right: false });
+                let right = self.walk.node(End { gap, right: true });
+                let added = self.best_vertex(item, left, right).0 - self.walk.link(left, right);
                 if added < best.0 {
                     best = (added, gap);
                 }
@@ -83,10 +82,11 @@ impl Search<'_> {
                         if gap == at || gap == at + 1 || gap.abs_diff(at) > self.reach {
                             continue;
                         }
-                        let left = self.walk.place(self.walk.node(End { gap, right: false }));
-                        let right = self.walk.place(self.walk.node(End { gap, right: true }));
-                        let added = self.walk.between(left, vertex) + self.walk.between(vertex, right)
-                            - self.walk.between(left, right);
+                        let left = self.walk.node(End { gap, right: false });
+                        let right = self.walk.node(End { gap, right: true });
+                        let added = self.walk.link_to(left, item, vertex)
+                            + self.walk.link_to(right, item, vertex)
+                            - self.walk.link(left, right);
                         self.walk.work += 3;
                         if added < best.0 {
                             best = (added, gap);
@@ -99,8 +99,8 @@ impl Search<'_> {
         if gap == NONE {
             return false;
         }
-        let left = self.walk.place(self.walk.node(End { gap, right: false }));
-        let right = self.walk.place(self.walk.node(End { gap, right: true }));
+        let left = self.walk.node(End { gap, right: false });
+        let right = self.walk.node(End { gap, right: true });
         let (_, entry) = self.best_vertex(item, left, right);
         self.walk.enter(item, entry);
         if gap < at {

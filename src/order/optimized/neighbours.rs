@@ -116,7 +116,7 @@ impl Neighbours {
         let mut list = EMPTY;
         self.grids[group as usize].nearest(point, except, NEAR, &mut self.found);
         for (near, &(distance2, node, entry)) in list.iter_mut().zip(&self.found) {
-            let least = self.cost.of((distance2 as f64).sqrt() * to_mm(1));
+            let least = self.cost.least((distance2 as f64).sqrt() * to_mm(1));
             *near = Near { node, entry, least };
         }
         list

@@ -198,8 +198,7 @@ impl Search<'_> {
             let link = self.walk.link(left, right);
             self.walk.work += 4;
             if let Some((center, radius)) = disc {
-                let (left, right) = (self.walk.place(left), self.walk.place(right));
-                let least = |place| self.walk.beyond(place, center, radius);
+                let least = |node| self.walk.beyond(self.walk.place(node), center, radius);
                 if least(left) + least(right) - link < best.0 {
                     let (cost, _) = self.best_vertex(self.walk.item_at(from), left, right);
                     if cost - link < best.0 {
@@ -224,7 +223,7 @@ impl Search<'_> {
         if disc.is_some() {
             let item = self.walk.item_at(from);
             let (left, right) = (node(&self.walk, gap, false), node(&self.walk, gap, true));
-            let (_, entry) = self.best_vertex(item, self.walk.place(left), self.walk.place(right));
+            let (_, entry) = self.best_vertex(item, left, right);
             self.walk.enter(item, entry);
         }
         let gaps = if gap < from {

@@ -30,6 +30,8 @@ pub struct Walk {
     /// Where each loop is entered.
     entry: Vec<u32>,
     group: Vec<u32>,
+    /// Island of each item.
+    island: Vec<u32>,
     /// First position and length of each group.
     span: Vec<(u32, u32)>,
     journal: Vec<Change>,
@@ -63,6 +65,9 @@ impl End {
     }
 }
 
+/// The island of where the nozzle comes from; one less, of where it goes to: no path's.
+const NO_ISLAND: u32 = u32::MAX - 1;
+
 /// No place in particular: links to it cost nothing.
 const ANYWHERE: [f64; 2] = [f64::NAN; 2];
 
@@ -90,6 +95,9 @@ impl Walk {
         places.extend([place(problem.start), place(problem.start), ANYWHERE, ANYWHERE]);
         let mut group = groups.of.clone();
         group.extend([NONE, NONE]);
+        let mut island: Vec<u32> =
+            problem.items.iter().map(|item| problem.runs[item.run as usize].island).collect();
+        island.extend([NO_ISLAND, NO_ISLAND - 1]);
         Self {
             cost,
             entered: vec![2 * n as u32, 2 * n as u32 + 2],
@@ -101,6 +109,7 @@ impl Walk {
             first_vertex,
             entry: vec![0; n],
             group,
+            island,
             span: groups.items.iter().map(|items| (0, items.len() as u32)).collect(),
             journal: Vec::new(),
             total: 0.0,
@@ -247,19 +256,35 @@ impl Walk {
     /// Cost of the link between two nodes.
     #[inline]
     pub fn link(&self, a: u32, b: u32) -> f64 {
-        self.between(self.place[a as usize], self.place[b as usize])
+        self.between([a, b].map(|node| self.place[node as usize]), [a / 2, b / 2])
     }
 
-    /// Cost of the link between two places; nothing if one of them is anywhere.
+    /// Cost of the link between a node and a vertex of a loop.
     #[inline]
-    pub fn between(&self, a: [f64; 2], b: [f64; 2]) -> f64 {
+    pub fn link_to(&self, node: u32, item: u32, vertex: [f64; 2]) -> f64 {
+        self.between([self.place[node as usize], vertex], [node / 2, item])
+    }
+
+    /// Cost of the link between places on two items; nothing if one of them is anywhere.
+    #[inline]
+    fn between(&self, [a, b]: [[f64; 2]; 2], items: [u32; 2]) -> f64 {
         let (dx, dy) = (a[0] - b[0], a[1] - b[1]);
         let square = dx * dx + dy * dy;
-        if square > 0.0 { self.cost.of(square.sqrt()) } else { 0.0 }
+        if square > 0.0 { self.cost.of(square.sqrt(), self.share_island(items)) } else { 0.0 }
     }
 
-    /// The vertex of a loop that is cheapest to visit between two places, and what its two links cost.
-    pub fn best_vertex(&self, item: u32, before: [f64; 2], after: [f64; 2]) -> (f64, u32) {
+    #[inline]
+    fn share_island(&self, [a, b]: [u32; 2]) -> bool {
+        self.island[a as usize] == self.island[b as usize]
+    }
+
+    /// Whether the link over a gap is inside of an island.
+    pub fn is_inside(&self, gap: u32) -> bool {
+        self.share_island([false, true].map(|right| self.node(End { gap, right }) / 2))
+    }
+
+    /// The vertex of a loop that is cheapest to visit between two nodes, and what its two links cost.
+    pub fn best_vertex(&self, item: u32, before: u32, after: u32) -> (f64, u32) {
         const AT_ONCE: usize = 8;
         let vertices = self.vertices(item).unwrap_or_default();
         let length_mm = |a: [f64; 2], b: [f64; 2]| {
@@ -267,6 +292,8 @@ impl Walk {
             // Not a number, from or to anywhere, becomes 0.
             (dx * dx + dy * dy).sqrt().max(0.0)
         };
+        let [to_inside, from_inside] = [before, after].map(|node| self.share_island([node / 2, item]));
+        let (before, after) = (self.place(before), self.place(after));
         let mut best = (f64::INFINITY, 0);
         let mut lengths = [[0.0; 2]; AT_ONCE];
         for (some, first) in vertices.chunks(AT_ONCE).zip((0..).step_by(AT_ONCE)) {
@@ -274,7 +301,7 @@ impl Walk {
                 *lengths = [length_mm(before, vertex), length_mm(vertex, after)];
             }
             for ([to, from], entry) in lengths[..some.len()].iter().zip(first..) {
-                let cost = self.cost.of(*to) + self.cost.of(*from);
+                let cost = self.cost.of(*to, to_inside) + self.cost.of(*from, from_inside);
                 if cost < best.0 {
                     best = (cost, entry);
                 }
@@ -287,7 +314,7 @@ impl Walk {
     #[inline]
     pub fn beyond(&self, place: [f64; 2], center: [f64; 2], radius: f64) -> f64 {
         let distance_mm = (place[0] - center[0]).hypot(place[1] - center[1]);
-        if distance_mm > radius { self.cost.of(distance_mm - radius) } else { 0.0 }
+        if distance_mm > radius { self.cost.least(distance_mm - radius) } else { 0.0 }
     }
 
     /// Cost of the link at a node.

@@ -46,7 +46,7 @@ impl Outlines {
 /// A layer that support is laid into.
 #[derive(Clone, Copy, Debug)]
 pub struct BeadSpec<'a> {
-    /// The part, which no support touches.
+    /// The part, which no support touches, unless the outlines are clear of it.
     pub part: &'a Region,
     /// Height of the beads.
     pub height_mm: f64,
@@ -63,6 +63,9 @@ pub struct BeadSpec<'a> {
 /// Lines lie on tracks that are the same on all layers, so each stands on the one below. Those of the interface
 /// cross them and are extended to the next track or loop, so that none begins in mid-air.
 pub fn lay(outlines: &Outlines, layer: &BeadSpec<'_>, settings: &SupportSettings) -> Vec<Path> {
+    if outlines.all.is_empty() {
+        return Vec::new();
+    }
     let width_mm = settings.width.0;
     let room = geom::difference(&outlines.all, &geom::offset(layer.part, settings.xy_gap.0));
     let mut paths = Vec::new();

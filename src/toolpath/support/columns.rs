@@ -8,6 +8,9 @@ const FIRM_MM: f64 = 4.0;
 /// Height over which a narrow column gains one cell on every side.
 const WIDEN_EVERY_MM: f64 = 2.0;
 
+/// Height over which columns lean out by one cell, upwards, to hold what has nothing of its own to stand on.
+const LEAN_EVERY_MM: f64 = 0.8;
+
 /// How far, in cells, a corner may lie from the largest square that fits.
 const CORNER: usize = 3;
 
@@ -45,7 +48,8 @@ pub struct ColumnSpec {
 /// Returns the cells of each layer's support.
 ///
 /// Top down, each layer has what the one above it has, and the pads under what is held over it, less the part. What
-/// ends on the part rests there. Last, bottom up, whatever rests on nothing is taken out. O(layers · cells).
+/// ends on the part rests there. Last, bottom up, whatever rests on nothing is taken out, but for what a column beside
+/// it can lean out to: a flank too steep to stand on cuts columns off at its foot. O(layers · cells).
 pub fn stand(held: &[Bitmap], solid: &[Bitmap], spec: &ColumnSpec) -> Vec<Cells> {
     let Some(first) = solid.first() else { return Vec::new() };
     let grid = first.grid();
@@ -102,11 +106,12 @@ pub(super) fn kept_free(solid: &[Bitmap], layer: usize, spec: &ColumnSpec) -> Bi
 
 /// Takes out what stands neither on the bed nor on support nor, where that is allowed, on the part.
 fn rest(all: &mut [Bitmap], solid: &[Bitmap], spec: &ColumnSpec) {
+    let lean_every = ((LEAN_EVERY_MM / spec.height_mm) as usize).max(1);
     for layer in 1..all.len() {
         if all[layer].is_empty() {
             continue;
         }
-        let mut under = all[layer - 1].clone();
+        let mut under = all[layer - 1].grown(usize::from(layer % lean_every == 0));
         if !spec.from_bed_only {
             let nearest = layer.saturating_sub(spec.gap_layers + 1);
             solid[nearest..layer].iter().for_each(|solid| under.add(&solid.grown(1)));

@@ -9,7 +9,7 @@ use crate::profile::SupportSettings;
 const CRUMB_MM2: f64 = 0.05;
 
 /// Outlines are simplified to this before they are grown: a tenth of what a layer may lean out.
-const ROUGH_MM: f64 = 0.02;
+pub const ROUGH_MM: f64 = 0.02;
 
 /// What of a layer rests on nothing.
 #[derive(Clone, Debug)]

@@ -32,24 +32,28 @@ impl<'a> Ground<'a> {
     }
 
     /// Beads made to begin, from whichever end they are drawn, where they are carried. Loops that are not carried
-    /// everywhere are opened where they are; other beads lose the ends that are not, and vanish if nothing is left.
+    /// everywhere are opened where they are; other beads lose the ends that are not. What is carried nowhere vanishes.
     pub fn carry(&self, beads: Vec<Path>) -> Vec<Path> {
         beads
             .into_iter()
-            .filter_map(|bead| if bead.closed { Some(self.opened(bead)) } else { self.cut(bead) })
+            .filter_map(|bead| if bead.closed { self.opened(bead) } else { self.cut(bead) })
             .collect()
     }
 
-    fn opened(&self, mut bead: Path) -> Path {
-        let carried = |p: &Point| self.carries(*p, &bead);
-        if !bead.points.iter().all(carried)
-            && let Some(first) = bead.points.iter().position(carried)
-        {
-            bead.points.rotate_left(first);
-            bead.points.push(bead.points[0]);
-            bead.closed = false;
+    fn opened(&self, mut bead: Path) -> Option<Path> {
+        if bead.points.iter().all(|&p| self.carries(p, &bead)) {
+            return Some(bead);
         }
-        bead
+        bead.closed = false;
+        bead.points.push(bead.points[0]);
+        let (next, first) = self.first_carried(&bead)?;
+        bead.points.pop();
+        let count = bead.points.len();
+        bead.points.rotate_left(next % count);
+        bead.points.insert(0, first);
+        bead.points.push(first);
+        bead.points.dedup();
+        Some(bead)
     }
 
     fn cut(&self, mut bead: Path) -> Option<Path> {

@@ -44,7 +44,7 @@ const DETOUR: i64 = 10;
 const LEAST_HOLE_MM2: f64 = 10.0;
 
 /// Corners of a circle.
-const CORNERS: usize = 20;
+const CORNERS: usize = 12;
 
 /// A branch where it passes a layer.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -324,7 +324,8 @@ pub fn outline(discs: &[Disc], kept_free: &Region) -> (Region, Region) {
         })
     });
     let heads = circles.iter().zip(discs).filter(|(_, disc)| disc.is_head).map(|(circle, _)| circle);
-    (all, geom::union_all(heads))
+    let heads = if discs.iter().all(|disc| disc.is_head) { united } else { geom::union_all(heads) };
+    (all, heads)
 }
 
 #[cfg(test)]
