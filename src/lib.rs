@@ -6,11 +6,13 @@
 #![forbid(unsafe_code)]
 #![deny(missing_docs)]
 
+pub mod check;
 pub mod cli;
 pub mod estimate;
 pub mod gcode;
 pub mod geom;
 pub mod job;
+pub mod limits;
 pub mod mesh;
 pub mod motion;
 pub mod order;

@@ -8,11 +8,18 @@ use std::fs::{self, File, OpenOptions};
 use std::io::{self, BufRead, BufReader, BufWriter, ErrorKind, Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, PoisonError};
+use std::time::Duration;
 
 use tempfile::NamedTempFile;
 
 /// Size of buffers for files.
 const BUFFER_BYTES: usize = 1 << 18;
+
+/// What names of temporary files begin and end with.
+const PREFIX: &str = ".pathwright-";
+const SUFFIX: &str = ".tmp";
+/// A temporary file that was not touched for so long belongs to nobody.
+const ABANDONED: Duration = Duration::from_secs(24 * 3600);
 
 /// Temporary files of this process that are not complete yet.
 static PENDING: Mutex<Vec<PathBuf>> = Mutex::new(Vec::new());
@@ -246,6 +253,20 @@ fn open(path: &Path) -> io::Result<Sink> {
     Ok(Sink::File { file: BufWriter::with_capacity(BUFFER_BYTES, file), target })
 }
 
+/// Removes temporary files that runs have left behind which were killed outright. Those of a day may still be written.
+fn sweep(folder: &Path) {
+    let Ok(entries) = fs::read_dir(folder) else { return };
+    for entry in entries.flatten() {
+        let name = entry.file_name();
+        let ours = name.to_str().is_some_and(|name| name.starts_with(PREFIX) && name.ends_with(SUFFIX));
+        let old = || entry.metadata().ok()?.modified().ok()?.elapsed().ok().map(|age| age > ABANDONED);
+        if ours && old() == Some(true) {
+            // Another run may have done it; if it cannot be done, that is no reason not to write.
+            let _ = fs::remove_file(entry.path());
+        }
+    }
+}
+
 /// A temporary file that is removed when dropped, and by [`abandon_and_exit`].
 #[derive(Debug)]
 struct Pending {
@@ -258,8 +279,9 @@ impl Pending {
         let mut pending = PENDING.lock().unwrap_or_else(PoisonError::into_inner);
         // Those that were given up have removed themselves.
         pending.retain(|path| path.exists());
+        sweep(folder);
         let mut builder = tempfile::Builder::new();
-        builder.prefix(".pathwright-").suffix(".tmp");
+        builder.prefix(PREFIX).suffix(SUFFIX);
         // A temporary file is private unless told otherwise; the process's umask still applies to this.
         #[cfg(unix)]
         builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
@@ -352,6 +374,17 @@ mod tests {
         assert!(output.patch(12, b"long").is_err(), "beyond the end");
         output.commit().unwrap();
         assert_eq!(fs::read(&path).unwrap(), b";TIME:1234\nG28\n");
+    }
+
+    #[test]
+    fn what_a_killed_run_left_behind_is_removed_after_a_day() {
+        let folder = tempfile::tempdir().unwrap();
+        for (name, hours) in [(".pathwright-a.tmp", 25), (".pathwright-b.tmp", 23), ("c.tmp", 99)] {
+            let file = File::create(folder.path().join(name)).unwrap();
+            file.set_modified(std::time::SystemTime::now() - Duration::from_secs(hours * 3600)).unwrap();
+        }
+        drop(Output::create(&folder.path().join("part.gcode")).unwrap());
+        assert_eq!(names(folder.path()), [".pathwright-b.tmp", "c.tmp"]);
     }
 
     #[test]

@@ -5,8 +5,8 @@ use std::path::{Path, PathBuf};
 
 /// The modules of the crate, each before those that may use it.
 const ORDER: &[&str] = &[
-    "units", "profile", "geom", "mesh", "slice", "toolpath", "order", "motion", "estimate", "gcode",
-    "reorder", "report", "view", "output", "job", "pipeline", "cli",
+    "units", "limits", "profile", "geom", "mesh", "slice", "toolpath", "order", "motion", "estimate",
+    "gcode", "reorder", "report", "check", "view", "output", "job", "pipeline", "cli",
 ];
 
 fn sources(folder: &Path, out: &mut Vec<PathBuf>) {
@@ -52,4 +52,15 @@ fn imports_point_one_way() {
         }
     }
     assert_eq!(wrong, Vec::<String>::new());
+}
+
+#[test]
+fn no_other_program_is_ever_started() {
+    let mut files = Vec::new();
+    sources(&Path::new(env!("CARGO_MANIFEST_DIR")).join("src"), &mut files);
+    for file in files {
+        let text = fs::read_to_string(&file).unwrap();
+        let code = text.split("#[cfg(test)]\nmod tests").next().unwrap_or_default();
+        assert!(!code.contains("process::Command") && !code.contains("Command::new("), "{}", file.display());
+    }
 }

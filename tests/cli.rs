@@ -109,6 +109,54 @@ fn the_time_of_a_file_is_told_by_role_and_layer() {
 }
 
 #[test]
+fn a_check_tells_by_its_exit_code_whether_there_are_errors() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = |name: &str, text: &str| {
+        let path = folder.path().join(name);
+        fs::write(&path, text).unwrap();
+        path.display().to_string()
+    };
+    let print = "M109 S210\nG28\nG90\nM83\n;LAYER:0\nG1 X10 Y10 Z.2 F600\nG1 X20 E.3\nM104 S0\n";
+    let good = file("good.gcode", print);
+    assert!(run(&["check", &good], 0).0.contains("nothing wrong was found"));
+    let faulty = file("faulty.gcode", &print.replace("X20", "X-20"));
+    let (table, _) = run(&["check", &faulty, &good], 7);
+    assert!(table.contains("outside-bed") && table.contains("line 7, layer 1: to X-20.000"), "{table}");
+    let (json, _) = run(&["check", "--json", &faulty], 7);
+    let report: serde_json::Value = serde_json::from_str(&json).unwrap();
+    assert_eq!((&report["errors"], &report["print_mm"]), (&1.into(), &30.0.into()));
+    assert_eq!(run(&["check", "-q", &faulty], 7), (String::new(), String::new()));
+    let poem = file("poem.gcode", "no moves at all\n");
+    assert!(run(&["check", &poem, &good], 3).1.contains("is it G-code?"));
+    run(&["check", "missing.gcode"], 3);
+    run(&["check", "-", "--model", "models/calibration_cube.stl"], 2);
+}
+
+#[test]
+fn what_is_too_much_is_refused_before_memory_is_taken() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = |name: &str| folder.path().join(name).display().to_string();
+    let fine = ["layer.height=0.01", "layer.first_height=0.01", "bed.height=5000"];
+    let out = path("a.gcode");
+    let mut args = vec!["slice", "models/calibration_cube.stl", "--scale", "1,1,200", "-o", &out];
+    args.extend(fine.iter().flat_map(|set| ["--set", *set]));
+    assert!(run(&args, 3).1.contains("400000 layers; at most 100000"));
+    // Files of zeros that take no place.
+    let sparse = |name: &str, bytes: u64| fs::File::create(path(name)).and_then(|file| file.set_len(bytes));
+    if sparse("large.stl", 5 << 30).is_ok() {
+        assert!(run(&["info", &path("large.stl")], 3).1.contains("more than 4 GB"));
+    }
+    if cfg!(target_os = "linux") && sparse("medium.stl", 3 << 30).is_ok() {
+        let program = assert_cmd::cargo::cargo_bin!("pathwright").display().to_string();
+        let limited = format!("ulimit -v 3000000; exec '{program}' info '{}'", path("medium.stl"));
+        let done = Command::new("sh").args(["-c", &limited]).output().unwrap();
+        let message = String::from_utf8_lossy(&done.stderr).into_owned();
+        assert_eq!(done.status.code(), Some(3), "{message}");
+        assert!(message.contains("of memory are needed"), "{message}");
+    }
+}
+
+#[test]
 fn every_bad_setting_has_its_line() {
     let (_, err) = run(&["slice", "a.stl", "--set", "walls.cuont=3", "--set", "infill.density=150%"], 4);
     let lines: Vec<&str> = err.lines().collect();

@@ -233,6 +233,57 @@ fn a_circle_of_parents_is_named() {
 }
 
 #[test]
+fn a_profile_inherits_only_from_its_own_folder() {
+    let folder = tempfile::tempdir().unwrap();
+    file(&folder, "base.toml", "[walls]\ncount = 7\n");
+    fs::create_dir(folder.path().join("sub")).unwrap();
+    let absolute = folder.path().join("base.toml").display().to_string();
+    for parent in ["../base.toml", &absolute, "../sub/../base.toml"] {
+        let mine = file(&folder, "sub/mine.toml", &format!("inherits = {parent:?}\n"));
+        let lines = problems(&[&mine], &[]);
+        assert!(lines.len() == 1 && lines[0].contains("not in this profile's folder"), "{lines:#?}");
+    }
+    let from_above = file(&folder, "top.toml", "inherits = \"sub/low.toml\"\n");
+    file(&folder, "sub/low.toml", "[walls]\ncount = 8\n");
+    assert_eq!(settings(&[&from_above], &[]).walls.count, 8);
+    #[cfg(unix)]
+    {
+        std::os::unix::fs::symlink(&absolute, folder.path().join("sub/link.toml")).unwrap();
+        let mine = file(&folder, "sub/mine.toml", "inherits = \"link.toml\"\n");
+        assert!(problems(&[&mine], &[])[0].contains("not in this profile's folder"));
+    }
+}
+
+#[test]
+fn profiles_neither_nest_nor_multiply_without_end() {
+    let folder = tempfile::tempdir().unwrap();
+    for level in 0..40 {
+        let next = level + 1;
+        let text = format!("inherits = [\"p{next}.toml\", \"p{next}.toml\"]\n");
+        file(&folder, &format!("p{level}.toml"), &text);
+    }
+    file(&folder, "p40.toml", "");
+    let first = folder.path().join("p0.toml").display().to_string();
+    let lines = problems(&[&first], &[]);
+    assert!(lines.len() == 1 && lines[0].contains("too many profiles"), "{lines:#?}");
+    let large = file(&folder, "large.toml", &"# much\n".repeat(200_000));
+    assert!(problems(&[&large], &[])[0].contains("larger than 1 MB"));
+}
+
+#[test]
+fn texts_cannot_bring_commands_of_their_own() {
+    for key in ["printer.name", "filament.material"] {
+        for value in ["PLA\nM112", "PLA\rM112", "a\u{85}b\u{0}"] {
+            assert!(problems(&[], &[(key, value)])[0].contains("a text of one line"), "{key} {value:?}");
+        }
+    }
+    let mut settings = Settings::default();
+    settings.filament.material = "PLA\nM112 ; {z_f}".into();
+    let script = profile::expand("; {filament}\nG28", &settings, PrintBounds::default()).unwrap();
+    assert_eq!(script.lines().count(), 2, "{script}");
+}
+
+#[test]
 fn an_unknown_profile_lists_the_known_ones_and_the_nearest() {
     let lines = problems(&["ptg"], &[]);
     assert!(lines[0].contains("did you mean `petg`?") && lines[0].contains("corexy-klipper"), "{}", lines[0]);

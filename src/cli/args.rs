@@ -19,7 +19,7 @@ Exit codes:
   4    settings: unknown profile or key, value out of range, contradiction
   5    the models do not fit the printer
   6    the output cannot be written
-  7    a check of the result failed
+  7    a check of the result failed, or of the file that was to be checked
   130  interrupted";
 
 /// Slices models for RepRap-class printers and orders the nozzle's way near-optimally.
@@ -38,6 +38,7 @@ pub(super) enum Command {
     View(Box<ViewArgs>),
     Info(InfoArgs),
     Time(TimeArgs),
+    Check(CheckArgs),
     Profiles(ProfilesArgs),
     /// Print a completion script for a shell
     Completions {
@@ -391,6 +392,33 @@ pub(super) struct TimeArgs {
     /// Print JSON, one line for each file
     #[arg(long)]
     pub json: bool,
+}
+
+/// Check G-code of any slicer before it is printed
+///
+/// Tells every fault with its line, layer and severity, and ends with code 7 if one is an error. With --model the print
+/// is compared with its model too: islands that are missing, material outside, beads over air, volume.
+#[derive(Debug, Args)]
+#[command(after_help = EXIT_CODES)]
+pub(super) struct CheckArgs {
+    /// G-code files; - for standard input
+    #[arg(required = true, value_name = "FILE", value_hint = ValueHint::FilePath)]
+    pub files: Vec<PathBuf>,
+
+    /// The one model that was printed, in one copy, neither turned nor scaled
+    #[arg(long, value_name = "MODEL", value_hint = ValueHint::FilePath)]
+    pub model: Option<PathBuf>,
+
+    #[command(flatten)]
+    pub settings: SettingArgs,
+
+    /// Print JSON, one line for each file
+    #[arg(long)]
+    pub json: bool,
+
+    /// Print nothing; the exit code tells
+    #[arg(short, long, conflicts_with = "json")]
+    pub quiet: bool,
 }
 
 /// Show profiles and settings

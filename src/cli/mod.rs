@@ -1,6 +1,7 @@
 //! The command line: arguments as typed → what they mean → the library → exit code.
 
 mod args;
+mod check;
 mod compare;
 mod console;
 mod exit;
@@ -40,6 +41,7 @@ pub fn run(args: impl IntoIterator<Item = OsString>, engine: &dyn Engine) -> Exi
         Command::Reorder(args) => reorder::run(args, engine),
         Command::Info(args) => info::run(args, engine),
         Command::Time(args) => time::run(args),
+        Command::Check(args) => check::run(args),
         Command::Profiles(args) => profiles::run(args),
         Command::Completions { shell } => pages::completions(*shell),
         Command::Man { command } => pages::man(command.as_deref()),

@@ -8,6 +8,7 @@ use super::console::{self, Bar};
 use super::exit::{Exit, Failure};
 use super::plan;
 use crate::job::{Engine, Job, Progress, Silent};
+use crate::limits;
 use crate::output::Output;
 use crate::profile::Settings;
 use crate::report::Summary;
@@ -77,8 +78,13 @@ fn gcode(
         if args.certify {
             return Err(plan::usage("--certify is for models; of a G-code file the order is given"));
         }
-        let text = fs::read(path)
-            .map_err(|error| Failure::new(Exit::Input, format!("{}: {error}", path.display())))?;
+        let failed = |error: String| Failure::new(Exit::Input, format!("{}: {error}", path.display()));
+        let bytes = fs::metadata(path).map_err(|error| failed(error.to_string()))?.len();
+        if bytes > limits::VIEW_BYTES {
+            return Err(failed(format!("more than {} GB cannot be shown", limits::VIEW_BYTES >> 30)));
+        }
+        limits::room(bytes).map_err(failed)?;
+        let text = fs::read(path).map_err(|error| failed(error.to_string()))?;
         return Ok((text, None));
     }
     let job = Job {

@@ -19,8 +19,8 @@ pub use effect::Effect;
 pub use layer::{LayerText, format_layer};
 pub use read::{
     Action, Annotated, Center, Clock, Code, Context, Line, Lines, Mark, Measure, Meter, Reader, Replay,
-    State, Step, Stroke, Timetable, TypeMeasure, Words, annotate, file_time, lines, mark, measure, replay,
-    role,
+    State, Step, Stroke, Timetable, TypeMeasure, Words, annotate, each_line, file_time, lines, mark, measure,
+    replay, role,
 };
 pub use script::Scripts;
 pub use settings::{ObjectLabel, PrintFacts, WriterSettings};

@@ -27,6 +27,8 @@ impl fmt::Display for Place {
 pub enum MeshError {
     #[error("{}: cannot be read: {source}", path.display())]
     Read { path: PathBuf, source: std::io::Error },
+    #[error("{}: the model is too large: {problem}; reduce its number of facets", path.display())]
+    TooLarge { path: PathBuf, problem: String },
     #[error("{}: the file is empty; export the model again", path.display())]
     EmptyFile { path: PathBuf },
     #[error("{}: not an STL file, nor 3MF or OBJ ({found}); export the model as binary STL", path.display())]

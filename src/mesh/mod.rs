@@ -23,6 +23,7 @@ mod transform;
 mod weld;
 mod words;
 
+use std::io::Read;
 use std::path::Path;
 
 pub use error::{MeshError, Place};
@@ -33,6 +34,7 @@ pub use transform::{Transform, TransformError};
 
 pub(crate) use edges::NO_TWIN;
 
+use crate::limits;
 use edges::Edges;
 
 /// A surface of triangles over shared vertices.
@@ -173,7 +175,22 @@ pub fn objects_from_bytes(path: &Path, data: &[u8]) -> Result<Vec<Model>, MeshEr
 }
 
 fn contents(path: &Path) -> Result<Vec<u8>, MeshError> {
-    std::fs::read(path).map_err(|source| MeshError::Read { path: path.to_path_buf(), source })
+    let failed = |source| MeshError::Read { path: path.to_path_buf(), source };
+    let too_large = |problem| MeshError::TooLarge { path: path.to_path_buf(), problem };
+    let file = std::fs::File::open(path).map_err(failed)?;
+    let check = |bytes: u64| {
+        if bytes > limits::MODEL_BYTES {
+            return Err(too_large(format!("the file has more than {} GB", limits::MODEL_BYTES >> 30)));
+        }
+        limits::room(bytes.saturating_mul(limits::BYTES_PER_BYTE)).map_err(too_large)
+    };
+    let length = file.metadata().map_err(failed)?.len();
+    check(length)?;
+    let mut data = Vec::with_capacity(usize::try_from(length).unwrap_or(0));
+    // A pipe does not tell its length.
+    file.take(limits::MODEL_BYTES + 1).read_to_end(&mut data).map_err(failed)?;
+    check(data.len() as u64)?;
+    Ok(data)
 }
 
 fn repaired(
@@ -183,6 +200,10 @@ fn repaired(
     format: &'static str,
     notes: Vec<String>,
 ) -> Result<(Mesh, MeshReport), MeshError> {
+    if facets > limits::FACETS {
+        let problem = format!("{facets} facets; at most {} are read", limits::FACETS);
+        return Err(MeshError::TooLarge { path: path.to_path_buf(), problem });
+    }
     let repair::Repaired { vertices, triangles, twins, repairs } = repair::repair(soup);
     let mesh = Mesh {
         vertices: vertices.into_iter().map(|v| v.map(f64::from)).collect(),

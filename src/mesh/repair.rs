@@ -16,6 +16,10 @@ pub(super) struct Repairs {
     pub duplicates: usize,
     pub welded: usize,
     pub flipped: usize,
+    /// Holes of the size of one facet that were filled.
+    pub filled: usize,
+    /// Parts of which nearly as many facets faced in as out.
+    pub doubtful: usize,
     pub open: usize,
     pub non_manifold: usize,
     /// Edges whose two facets could not be made to agree.
@@ -53,8 +57,16 @@ pub(super) fn repair(soup: Soup) -> Repaired {
         (triangles, edges) = (closed.triangles, closed.edges);
     }
     if edges.clashing > 0 {
-        repairs.flipped = agree(&mut triangles, vertices.len());
+        (repairs.flipped, repairs.doubtful) = agree(&mut triangles, vertices.len());
         edges = Edges::new(&triangles, vertices.len());
+    }
+    if edges.open > 0 {
+        let facets = missing_facets(&triangles, &edges);
+        if !facets.is_empty() {
+            repairs.filled = facets.len();
+            triangles.extend(facets);
+            edges = Edges::new(&triangles, vertices.len());
+        }
     }
     if degenerate > 0 {
         drop_unused(&mut vertices, &mut triangles);
@@ -120,9 +132,35 @@ fn drop_unused(vertices: &mut Vec<[f32; 3]>, triangles: &mut [[u32; 3]]) {
     }
 }
 
+/// At a vertex with more open edges the rest are left alone: it is no mesh that can be mended, and must not take long.
+const MOST_OPEN: usize = 64;
+
+/// The facets that close holes of three edges. There is but one way to fill those, so nothing is guessed: a facet is
+/// missing, or a neighbour's edge has a vertex on it that this facet's has not (a T-junction), and the facet has no
+/// area. O(n log n) for n open edges.
+fn missing_facets(triangles: &[[u32; 3]], edges: &Edges) -> Vec<[u32; 3]> {
+    let mut open: Vec<(u32, u32)> = open_halves(triangles, &edges.twins).collect();
+    open.sort_unstable();
+    let from = |vertex: u32| {
+        let first = open.partition_point(|half| half.0 < vertex);
+        let fan = open[first..].iter().take(MOST_OPEN);
+        fan.take_while(move |half| half.0 == vertex).map(|half| half.1)
+    };
+    let around = |&(a, b): &(u32, u32)| {
+        let mut corners = from(b).filter(|&c| open.binary_search(&(c, a)).is_ok());
+        // Where holes meet, an edge may belong to either of two.
+        let c = corners.next().filter(|_| corners.next().is_none())?;
+        (a < b && a < c).then_some([b, a, c])
+    };
+    open.iter().filter_map(around).collect()
+}
+
+/// A part is in doubt if its facets' majority is smaller than this share of them.
+const CLEAR_MAJORITY: f64 = 0.2;
+
 /// Turns facets so that neighbours agree across every edge with two facets; in each connected part the minority is
-/// turned. Returns how many were turned.
-fn agree(triangles: &mut [[u32; 3]], vertex_count: usize) -> usize {
+/// turned. Returns how many were turned, and in how many parts that was in doubt.
+fn agree(triangles: &mut [[u32; 3]], vertex_count: usize) -> (usize, usize) {
     let mut parts = Components::new(triangles.len());
     for_each_edge(triangles, vertex_count, |sides| {
         if let [a, b] = *sides {
@@ -131,9 +169,11 @@ fn agree(triangles: &mut [[u32; 3]], vertex_count: usize) -> usize {
         }
     });
     let mut votes = vec![0i64; triangles.len()];
+    let mut members = vec![0i64; triangles.len()];
     let sides: Vec<(u32, bool)> = (0..triangles.len() as u32).map(|t| parts.find(t)).collect();
     for &(root, opposed) in &sides {
         votes[root as usize] += if opposed { -1 } else { 1 };
+        members[root as usize] += 1;
     }
     let mut turned = 0;
     for (triangle, &(root, opposed)) in triangles.iter_mut().zip(&sides) {
@@ -142,7 +182,8 @@ fn agree(triangles: &mut [[u32; 3]], vertex_count: usize) -> usize {
             turned += 1;
         }
     }
-    turned
+    let close = |(votes, members): &(i64, i64)| (votes.abs() as f64) < CLEAR_MAJORITY * *members as f64;
+    (turned, votes.into_iter().zip(members).filter(close).count())
 }
 
 /// Numbers the parts that hang together by edges, in the order of their first facets.

@@ -40,6 +40,8 @@ pub struct MeshReport {
     pub flipped: usize,
     /// Vertices welded across small gaps.
     pub gaps_welded: usize,
+    /// Holes of the size of one facet, filled.
+    pub holes_filled: usize,
     /// Edges with one facet: rims of holes.
     pub open_edges: usize,
     /// Edges with more than two facets.
@@ -64,6 +66,12 @@ impl MeshReport {
         if repairs.open > 0 {
             warnings.push(format!("{} edges are open; slices are closed across holes", repairs.open));
         }
+        if repairs.doubtful > 0 {
+            warnings.push(format!(
+                "in {} shells nearly as many facets faced in as out; which side is the outside was guessed",
+                repairs.doubtful
+            ));
+        }
         if repairs.clashing > 0 {
             warnings.push(format!(
                 "{} edges have facets that disagree on the outside; inside is where a ray crosses the surface an \
@@ -87,6 +95,7 @@ impl MeshReport {
             duplicates_dropped: repairs.duplicates,
             flipped: repairs.flipped,
             gaps_welded: repairs.welded,
+            holes_filled: repairs.filled,
             open_edges: repairs.open,
             non_manifold_edges: repairs.non_manifold,
             inconsistent_edges: repairs.clashing,
@@ -134,6 +143,7 @@ impl fmt::Display for MeshReport {
             ("duplicate facets dropped", self.duplicates_dropped),
             ("facets turned", self.flipped),
             ("vertices welded across gaps", self.gaps_welded),
+            ("small holes filled", self.holes_filled),
             ("open edges", self.open_edges),
             ("non-manifold edges", self.non_manifold_edges),
             ("inconsistent edges", self.inconsistent_edges),

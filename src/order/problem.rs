@@ -34,6 +34,8 @@ pub struct Run {
 
 /// One layer: an open walk through every item, at least total link cost.
 ///
+/// Points lie within 10 m of the origin, as those of meshes do: the squares of their distances fit 64 bits.
+///
 /// Precedence: items of stage 0 come first under every scope. `layer`: nothing else. `feature`: a run is never
 /// interrupted, and the runs of one island come by ascending rank; an island may be left between runs.
 /// `island`: as `feature`, and all runs of an island (of one stage) are consecutive.

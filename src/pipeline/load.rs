@@ -3,6 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use crate::job::{Job, JobError, TransformOptions};
+use crate::limits;
 use crate::mesh::{self, Item, Mesh, MeshReport, Model, Object, Placement, Plate, Transform};
 use crate::profile::{LayerSettings, Sequence, Settings};
 use crate::report::ModelInfo;
@@ -51,6 +52,7 @@ pub(super) fn plate<'a>(job: &'a Job, settings: &Settings) -> Result<Loaded<'a>,
         mesh::keep(items, &settings.bed, &placement)
     };
     let plate = placed.map_err(|error| JobError::DoesNotFit(error.to_string()))?;
+    check_size(&plate, &settings.layer)?;
     let origins =
         copies.iter().zip(&files).flat_map(|((count, item), file)| (0..*count).map(move |_| (item, file)));
     let names: Vec<Vec<String>> = plate
@@ -234,6 +236,38 @@ pub(super) fn check_height(top_mm: f64, settings: &Settings) -> Result<(), JobEr
     Err(JobError::DoesNotFit(format!(
         "on its raft the print is {top_mm:.2} mm high, the printer {bed_mm} mm; give a smaller raft.layers or --scale"
     )))
+}
+
+/// Whether the plate can be cut into so many layers.
+pub(super) fn check_size(plate: &Plate, settings: &LayerSettings) -> Result<(), JobError> {
+    let (first_mm, height_mm) = (settings.first_height.0, settings.height.0);
+    let top_mm = plate.meshes.iter().map(|mesh| mesh.bounds()[1][2]).fold(0.0, f64::max);
+    let layers = (top_mm - first_mm).max(0.0) / height_mm + 1.0;
+    if layers > limits::LAYERS as f64 {
+        let most = limits::LAYERS;
+        return Err(JobError::Input(format!(
+            "{layers:.0} layers; at most {most} are made: choose a larger layer.height, or check the model's unit"
+        )));
+    }
+    let crossed = |mesh: &Mesh, triangle: &[u32; 3]| {
+        let z = triangle.map(|v| mesh.vertices()[v as usize][2]);
+        ((z[0].max(z[1]).max(z[2]) - z[0].min(z[1]).min(z[2])) / height_mm).ceil() as u64
+    };
+    let crossings: u64 =
+        plate.meshes.iter().flat_map(|mesh| mesh.triangles().iter().map(|t| crossed(mesh, t))).sum();
+    let too_large = |problem| {
+        JobError::Input(format!(
+            "the print is too large: {problem}; choose a larger layer.height or reduce the number of facets"
+        ))
+    };
+    if crossings > limits::CROSSINGS {
+        let millions = |count: u64| count / 1_000_000;
+        let (crossings, most) = (millions(crossings), millions(limits::CROSSINGS));
+        return Err(too_large(format!(
+            "layers cross {crossings} million facets; at most {most} are allowed"
+        )));
+    }
+    limits::room(crossings * limits::BYTES_PER_CROSSING).map_err(too_large)
 }
 
 /// Seconds since 1970 for the header.

@@ -6,6 +6,7 @@
 
 mod compare;
 mod infill;
+mod inspect;
 mod load;
 mod ordering;
 mod paper;

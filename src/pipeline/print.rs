@@ -16,12 +16,16 @@ use crate::toolpath::LayerPaths;
 use crate::units::{Mm3, Seconds};
 use crate::view;
 
+use super::inspect::Inspector;
 use super::ordering::Certificate;
 use super::rounds::{self, Round};
 use super::{load, ordering, parallel, spiral};
 
 /// Chunks of layers in flight for each thread: enough to keep all busy, few enough to bound the memory.
 const CHUNKS_PER_THREAD: usize = 16;
+
+/// Layers that are finished for each thread while those before them are checked.
+const LAYERS_PER_THREAD: usize = 8;
 
 /// Slices a plate.
 pub(super) fn slice(
@@ -58,8 +62,11 @@ pub(super) fn slice(
     let mut opening = gcode::opening(settings, &facts, &scripts, true);
     opening.comment(&thumbnails(&loaded.plate, settings));
     let mut slots = opening.slots;
+    let labels = gcode::labels(settings, &labels);
+    let mut inspector = Inspector::new(settings, &opening.bytes);
+    inspector.take(&labels);
     output.write(&opening.bytes)?;
-    output.write(&gcode::labels(settings, &labels))?;
+    output.write(&labels)?;
     let begun = scripts.start_effect(settings, &run.machine);
     let mut ordered = Vec::new();
     let mut tally = Tally::default();
@@ -74,12 +81,14 @@ pub(super) fn slice(
         let mut seam = SeamRule::new(settings.seam.position);
         at.over_mm = round.over_mm;
         if let Some(name) = &round.name {
-            output.write(&gcode::object_comment(name))?;
+            let comment = gcode::object_comment(name);
+            inspector.take(&comment);
+            output.write(&comment)?;
         }
         let mut first = 0;
         while first < count {
             let layers = first..(first + batch).min(count);
-            let (done, paths) = run.batch(round, layers.clone(), chunk, &mut seam, &mut at);
+            let (done, paths) = run.batch(round, layers.clone(), chunk, &mut seam, &mut at, &mut inspector);
             ordered.extend(paths);
             for done in done {
                 let base = output.written() as usize;
@@ -95,7 +104,10 @@ pub(super) fn slice(
         tally.add_script(&scripts.end_effect(settings, &run.machine, [x, y, at.z_mm]), &run.machine);
     }
     let totals = tally.totals();
-    output.write(&gcode::closing(settings, &facts, &scripts, &totals))?;
+    let closing = gcode::closing(settings, &facts, &scripts, &totals);
+    inspector.take(&closing);
+    output.write(&closing)?;
+    inspector.verdict()?;
     for slot in &slots {
         output.patch(slot.offset as u64, &totals.fill(slot, &settings.filament))?;
     }
@@ -167,6 +179,7 @@ impl Run<'_> {
         chunk: usize,
         seam: &mut SeamRule,
         at: &mut Entry,
+        inspector: &mut Inspector,
     ) -> (Vec<Done>, Vec<Ordered>) {
         let first = layers.start;
         let paths =
@@ -186,15 +199,38 @@ impl Run<'_> {
                 std::mem::replace(at, next)
             })
             .collect();
-        let done = parallel::map(layers.len(), |i| {
-            self.finish(&paths[i], &sequences[i], entries[i].clone(), round.first_layer)
-        });
+        let done = self.finish_all(&paths, &sequences, &entries, round.first_layer, inspector);
         if !self.certify {
             return (done, Vec::new());
         }
         let starts = entries.iter().map(|entry| entry.xy.map(|[x, y]| Point::from_mm(x, y)));
         let ordered = paths.into_iter().zip(pins).zip(starts);
         (done, ordered.map(|(layer, start)| Ordered { layer, start }).collect())
+    }
+
+    /// Finishes layers, and checks those that are finished meanwhile.
+    fn finish_all(
+        &self,
+        paths: &[LayerPaths],
+        sequences: &[Sequence],
+        entries: &[Entry],
+        before: usize,
+        inspector: &mut Inspector,
+    ) -> Vec<Done> {
+        let mut done: Vec<Done> = Vec::with_capacity(paths.len());
+        let mut unchecked = 0;
+        let mut inspect = |layers: &[Done]| layers.iter().for_each(|layer| inspector.take(&layer.text.bytes));
+        while done.len() < paths.len() {
+            let first = done.len();
+            let count = (LAYERS_PER_THREAD * parallel::threads()).min(paths.len() - first);
+            let layer = |i: usize| self.finish(&paths[i], &sequences[i], entries[i].clone(), before);
+            let finish = || parallel::map(count, |i| layer(first + i));
+            let (more, ()) = parallel::join(finish, || inspect(&done[unchecked..]));
+            unchecked = first;
+            done.extend(more);
+        }
+        inspect(&done[unchecked..]);
+        done
     }
 
     /// Motion, cooling and formatting of one layer, numbered after those of the rounds before.

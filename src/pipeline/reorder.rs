@@ -4,6 +4,7 @@ use std::fs::File;
 use std::io::{self, BufRead, BufReader, Read, Seek, SeekFrom};
 use std::ops::Range;
 use std::path::Path;
+use std::time::SystemTime;
 
 use crate::estimate::Machine;
 use crate::job::{JobError, Progress, ReorderJob};
@@ -17,7 +18,7 @@ use crate::reorder::{
 use crate::report::{Reordered, Way};
 use crate::toolpath::LayerPaths;
 
-use super::{ordering, parallel};
+use super::{inspect, ordering, parallel};
 
 /// A batch holds at least so many bytes of the file: enough to keep all threads busy, whatever the file's size, and
 /// blocks enough to be weighed against each other.
@@ -39,6 +40,7 @@ pub(super) fn reorder(
     progress: &dyn Progress,
 ) -> Result<Reordered, JobError> {
     let mut run = Run { more_pulls: job.more_retractions, ..Run::new(settings, job.keep_direction, true) };
+    let begun = stamp(&job.file)?;
     let machine = tells_time(&job.file)?.then(|| Machine::new(settings));
     let input = Blocks::new(open(&job.file)?).timed(machine.as_ref());
     let (mut before, mut after) =
@@ -54,9 +56,20 @@ pub(super) fn reorder(
             (report.before, report.after) = (Way::from(&proof.before), Way::from(&proof.after));
             (report.layers, report.changed) = (proof.layers, true);
             update_times(&job.file, &run.times, times, output)?;
+            inspect::remade(&job.file, output, settings)?;
         }
     }
+    if stamp(&job.file)? != begun {
+        let error = io::Error::other("it was changed while it was read; nothing was written");
+        return Err(input_error(&job.file, &error));
+    }
     Ok(report)
+}
+
+/// What tells that a file has been changed.
+fn stamp(path: &Path) -> Result<(u64, Option<SystemTime>), JobError> {
+    let found = std::fs::metadata(path).map_err(|error| input_error(path, &error))?;
+    Ok((found.len(), found.modified().ok()))
 }
 
 /// Whether a file has lines about time near its beginning or its end, as all slicers write them that write any.

@@ -1,5 +1,6 @@
 //! Reads profiles as written, ours and those of other slicers, and flattens what they inherit into assignments, parents first.
 
+use std::io::Read;
 use std::path::{Path, PathBuf};
 
 use toml::{Table, Value};
@@ -8,6 +9,7 @@ use super::embedded::{self, EMBEDDED};
 use super::error::{Origin, Problem};
 use super::import::{self, Import};
 use super::suggest;
+use crate::limits;
 
 /// One `key = value`, and where it was written.
 #[derive(Clone, Debug, PartialEq)]
@@ -27,6 +29,9 @@ pub(super) struct Reader {
     pub notes: Vec<Problem>,
     /// The profiles being read, outermost first, to notice one that inherits itself.
     open: Vec<Found>,
+    /// Profiles read so far.
+    count: usize,
+    too_many: bool,
 }
 
 impl Reader {
@@ -44,6 +49,21 @@ impl Reader {
             Ok(found) => found,
             Err(message) => return self.problem(asker, message),
         };
+        if matches!(asker, Origin::File(_)) && !found.stays_in(folder) {
+            let message = format!(
+                "inherits `{name_or_path}`, which is not in this profile's folder; name it with --profile"
+            );
+            return self.problem(asker, message);
+        }
+        self.count += 1;
+        if self.count > limits::PROFILES || self.open.len() >= limits::PROFILE_DEPTH {
+            if !std::mem::replace(&mut self.too_many, true) {
+                let (most, depth) = (limits::PROFILES, limits::PROFILE_DEPTH);
+                let message = format!("too many profiles: at most {most}, {depth} in a row");
+                self.problem(asker, message);
+            }
+            return;
+        }
         if let Some(first) = self.open.iter().position(|open| open.identity == found.identity) {
             let circle: Vec<String> =
                 self.open[first..].iter().chain([&found]).map(|profile| profile.origin.to_string()).collect();
@@ -136,6 +156,15 @@ struct Found {
     folder: PathBuf,
 }
 
+impl Found {
+    /// Whether it is an embedded profile or a file in a folder or below, links followed.
+    fn stays_in(&self, folder: &Path) -> bool {
+        let folder = if folder.as_os_str().is_empty() { Path::new(".") } else { folder };
+        matches!(self.origin, Origin::Embedded(_))
+            || folder.canonicalize().is_ok_and(|folder| self.identity.starts_with(folder))
+    }
+}
+
 /// An embedded name wins over a file of that name; `./name` always means the file.
 fn locate(name_or_path: &str, folder: &Path) -> Result<Found, String> {
     if let Some(profile) = embedded::find(name_or_path) {
@@ -151,8 +180,17 @@ fn locate(name_or_path: &str, folder: &Path) -> Result<Found, String> {
     if !looks_like_path && !path.exists() {
         return Err(unknown_profile(name_or_path));
     }
-    let text = std::fs::read_to_string(&path)
-        .map_err(|error| format!("cannot read profile `{}`: {error}", path.display()))?;
+    let failed = |error: std::io::Error| format!("cannot read profile `{}`: {error}", path.display());
+    let mut text = String::new();
+    let file = std::fs::File::open(&path).map_err(failed)?;
+    file.take(limits::PROFILE_BYTES + 1).read_to_string(&mut text).map_err(failed)?;
+    if text.len() as u64 > limits::PROFILE_BYTES {
+        return Err(format!(
+            "profile `{}` is larger than {} MB",
+            path.display(),
+            limits::PROFILE_BYTES >> 20
+        ));
+    }
     Ok(Found {
         origin: Origin::File(path.display().to_string()),
         identity: path.canonicalize().unwrap_or_else(|_| path.clone()),

@@ -2,6 +2,8 @@
 
 #![allow(dead_code, reason = "each test program uses a part of it")]
 
+pub mod broken;
+
 use std::path::{Path, PathBuf};
 
 use pathwright::mesh::{Mesh, MeshError, MeshReport, from_bytes};

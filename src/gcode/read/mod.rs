@@ -11,6 +11,7 @@ mod limits;
 mod marks;
 mod measure;
 mod replay;
+mod stream;
 mod time;
 mod timetable;
 
@@ -20,5 +21,6 @@ pub use lexer::{Code, Line, Lines, Words, lines};
 pub use marks::{Mark, mark};
 pub use measure::{Measure, Meter, TypeMeasure, measure, measure_on};
 pub use replay::{Action, Center, Replay, State, Step, Stroke, replay, resume};
+pub use stream::each_line;
 pub use time::{Clock, file_time, time_on};
 pub use timetable::Timetable;

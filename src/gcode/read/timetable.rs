@@ -2,17 +2,13 @@
 
 use std::io::{self, Read};
 
-use memchr::memchr;
-
 use super::annotate::Reader;
 use super::lexer::Line;
 use super::replay::{Action, Stroke};
+use super::stream::each_line;
 use super::time::Clock;
 use crate::estimate::Machine;
 use crate::toolpath::Role;
-
-/// Bytes read at a time. A line longer than this is no G-code and is cut.
-const CHUNK: usize = 1 << 20;
 
 const TRAVEL: usize = 0;
 const RETRACTION: usize = 1;
@@ -37,34 +33,10 @@ impl Timetable {
     ///
     /// # Errors
     /// Those of reading.
-    pub fn read(mut file: impl Read, machine: &Machine) -> io::Result<Self> {
+    pub fn read(file: impl Read, machine: &Machine) -> io::Result<Self> {
         let mut reading = Reading::new(machine);
-        let mut buffer = vec![0; CHUNK];
-        let (mut filled, mut number) = (0, 0);
-        loop {
-            let read = match file.read(&mut buffer[filled..]) {
-                Ok(read) => read,
-                Err(error) if error.kind() == io::ErrorKind::Interrupted => continue,
-                Err(error) => return Err(error),
-            };
-            filled += read;
-            let mut begun = 0;
-            while let Some(end) = line_end(&buffer[begun..filled]) {
-                number += 1;
-                reading.line(Line::new(number, 0, &buffer[begun..begun + end]));
-                begun += end;
-            }
-            if begun < filled && (read == 0 || filled - begun == CHUNK) {
-                number += 1;
-                reading.line(Line::new(number, 0, &buffer[begun..filled]));
-                begun = filled;
-            }
-            if read == 0 {
-                return Ok(reading.finish());
-            }
-            buffer.copy_within(begun..filled, 0);
-            filled -= begun;
-        }
+        each_line(file, |line| reading.line(line))?;
+        Ok(reading.finish())
     }
 
     /// All of it, seconds.
@@ -112,11 +84,6 @@ fn named(accounts: &[f64; ACCOUNTS]) -> Vec<(&'static str, f64)> {
         }
     }
     out
-}
-
-/// Where the first line ends, its end included.
-fn line_end(text: &[u8]) -> Option<usize> {
-    memchr(b'\n', text).map(|at| at + 1)
 }
 
 struct Reading {

@@ -162,7 +162,7 @@ impl Grid {
             }
             // Whatever is farther out is at least `ring` whole cells away.
             let reach = ring * self.cell;
-            if worst <= reach * reach {
+            if worst <= reach.saturating_mul(reach) {
                 return;
             }
         }

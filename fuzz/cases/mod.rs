@@ -1,0 +1,132 @@
+//! What fuzzing does with bytes: each function takes any bytes and must come to an end without a panic. Used by the fuzz
+//! targets, and by `tests/fuzz.rs` on a stable toolchain.
+
+#![allow(dead_code, reason = "each fuzz target uses one of them")]
+
+mod shapes;
+
+use std::path::Path;
+
+use pathwright::check::{Survey, check};
+use pathwright::gcode::{annotate, measure};
+use pathwright::geom::{self, Region};
+use pathwright::mesh::{self, Item, Placement};
+use pathwright::order::{self, LayerProblem, SeamRule, strategy};
+use pathwright::profile::{
+    self, CostKind, Effort, OrderStrategy, Override, Pattern, Scope, SeamPosition, Settings, WallGenerator,
+};
+use pathwright::slice;
+use pathwright::toolpath::{LayerPaths, ObjectLayer, Planner, PlateLayer, Shells};
+use pathwright::units::Mm;
+use shapes::Bytes;
+
+/// Any bytes as a model; what is one is repaired and cut.
+pub fn stl(bytes: &[u8]) {
+    let Ok((mesh, report)) = mesh::from_bytes(Path::new("part.stl"), bytes) else { return };
+    assert!(report.volume_mm3.is_finite());
+    let settings = Settings::default();
+    let item = Item { name: "part".into(), mesh, copies: 1 };
+    let Ok(plate) = mesh::place(vec![item], &settings.bed, &Placement::default()) else { return };
+    let layers = slice::slice(&plate, &settings.layer);
+    let area_mm2: f64 = layers.iter().flat_map(|layer| &layer.sections).map(|s| s.region.area_mm2()).sum();
+    assert!(area_mm2 >= 0.0);
+}
+
+/// Any text as a profile, in a file and as `--set`.
+pub fn profile(bytes: &[u8]) {
+    let text = String::from_utf8_lossy(bytes);
+    let folder = std::env::temp_dir().join(format!("pathwright-fuzz-{}", std::process::id()));
+    let path = folder.join("any.toml");
+    if std::fs::create_dir_all(&folder).and_then(|()| std::fs::write(&path, bytes)).is_ok() {
+        let _ = profile::resolve(&[path.display().to_string()], &[]);
+    }
+    let _ = std::fs::remove_dir_all(&folder);
+    let sets: Vec<Override> = text
+        .lines()
+        .filter_map(|line| line.split_once('='))
+        .map(|(key, value)| Override { key: key.trim().into(), value: value.trim().into(), option: "--set" })
+        .collect();
+    if let Ok(resolved) = profile::resolve(&[], &sets) {
+        assert!(profile::resolve(&[], &[]).is_ok() && resolved.settings.bed.height.0 > 0.0);
+    }
+}
+
+/// Any bytes through the reader of G-code, the checks and the sums.
+pub fn gcode(bytes: &[u8]) {
+    let settings = Settings::default();
+    let mut survey = Survey::default();
+    let report = check(bytes, &settings, &mut survey).expect("memory can be read");
+    if let Some(report) = report {
+        assert!(report.faults.iter().all(|fault| fault.count > 0 && !fault.first.is_empty()));
+        let _ = report.to_string();
+    }
+    assert_eq!(annotate(bytes).map(|read| read.line.raw.len()).sum::<usize>(), bytes.len());
+    let _ = measure(bytes, settings.filament.diameter);
+}
+
+/// Polygons that nobody would draw through offsets, walls, fills and the order of paths.
+pub fn slicing(bytes: &[u8]) {
+    let mut bytes = Bytes::new(bytes);
+    let region = geom::unite_rings(&shapes::rings(&mut bytes));
+    let by_mm = f64::from(bytes.int(400)) / 100.0;
+    let inset = geom::offset(&region, -by_mm);
+    // Corners are rounded to the grid.
+    let around: usize = region.vertex_count() + inset.vertex_count();
+    assert!(inset.area_mm2() <= region.area_mm2() + 1e-6 * (1 + around) as f64, "an inset grows");
+    let _ = geom::medial_axis(&region, 0.1, 1.0, 0.5);
+    let mut settings = Settings::default();
+    settings.infill.pattern = Pattern::ALL[bytes.int(Pattern::ALL.len() as u32) as usize].1;
+    settings.walls.generator = WallGenerator::ALL[bytes.int(2) as usize].1;
+    settings.walls.count = bytes.int(5);
+    settings.walls.width = Mm(0.1 + f64::from(bytes.int(20)) / 20.0);
+    settings.walls.external_width = settings.walls.width;
+    settings.layer.elephant_foot = Mm(0.0);
+    let sections = [region.clone(), geom::offset(&region, 0.3), inset, region];
+    let layers = plan(&sections, &settings);
+    let mut seam = SeamRule::new(SeamPosition::ALL[bytes.int(SeamPosition::ALL.len() as u32) as usize].1);
+    for layer in &layers {
+        assert!(layer.paths.iter().all(|path| path.points.len() >= 2 || path.closed));
+        let pins = seam.pins(layer);
+        let scope = Scope::ALL[bytes.int(3) as usize].1;
+        let problem = LayerProblem::new(layer, &pins, scope);
+        solve(&problem.problem, OrderStrategy::Nearest, CostKind::Length);
+    }
+}
+
+/// Layers of random paths through every strategy and the checker.
+pub fn ordering(bytes: &[u8]) {
+    let mut bytes = Bytes::new(bytes);
+    let name = OrderStrategy::ALL[bytes.int(OrderStrategy::ALL.len() as u32) as usize].1;
+    let kind = [CostKind::Length, CostKind::Time][bytes.int(2) as usize];
+    let layer = shapes::layer(&mut bytes);
+    solve(&layer.problem(), name, kind);
+}
+
+fn solve(problem: &order::Problem<'_>, name: OrderStrategy, kind: CostKind) {
+    let cost = order::Cost::new(kind, &Settings::default());
+    let sequence = strategy(name).solve(problem, &cost, Effort::Fast);
+    assert_eq!(order::check(problem, &sequence), Ok(()), "{name:?}");
+}
+
+fn plan(sections: &[Region], settings: &Settings) -> Vec<LayerPaths> {
+    let refs: Vec<&Region> = sections.iter().collect();
+    let sequential = |n: usize, f: &(dyn Fn(usize) -> Region + Sync)| (0..n).map(f).collect();
+    let nothing = Region::default();
+    let height_mm = 0.2;
+    let shells = Shells::build(&refs, &vec![height_mm; sections.len()], &settings.shell, &sequential);
+    let planner = Planner::new(settings.into(), &sections[0], height_mm);
+    let layer = |index: usize| PlateLayer {
+        index,
+        top_mm: height_mm * (index + 1) as f64,
+        height_mm,
+        objects: vec![ObjectLayer {
+            object: 0,
+            section: &sections[index],
+            next: sections.get(index + 1).unwrap_or(&nothing),
+            beneath: index.checked_sub(1).map(|below| &sections[below]),
+            above: shells.above(index),
+            below: shells.below(index),
+        }],
+    };
+    (0..sections.len()).map(|index| planner.layer(&layer(index))).collect()
+}

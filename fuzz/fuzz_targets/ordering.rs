@@ -1,0 +1,10 @@
+//! See `cases::ordering`.
+//!
+//!     cargo +nightly fuzz run ordering
+
+#![no_main]
+
+#[path = "../cases/mod.rs"]
+mod cases;
+
+libfuzzer_sys::fuzz_target!(|bytes: &[u8]| cases::ordering(bytes));

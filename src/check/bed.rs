@@ -1,0 +1,68 @@
+//! Where the nozzle may be: inside the printable volume.
+
+use super::fault::Kind;
+use super::report::Found;
+use super::rule::{Rule, Seen};
+use crate::profile::{BedOrigin, BedShape, Settings};
+
+/// Coordinates are rounded to this.
+const SLACK_MM: f64 = 2e-3;
+/// Arcs are looked at in so many places.
+const ARC_PLACES: usize = 16;
+
+/// The printable volume.
+pub(super) struct Bed {
+    low: [f64; 2],
+    high: [f64; 2],
+    round: bool,
+    /// The printer's Z of the bed's surface.
+    floor_mm: f64,
+    top_mm: f64,
+}
+
+impl Bed {
+    pub fn new(settings: &Settings) -> Self {
+        let [width, depth] = settings.bed.size.map(|length| length.0);
+        let low = match settings.bed.origin {
+            BedOrigin::Corner => [0.0, 0.0],
+            BedOrigin::Center => [-width / 2.0, -depth / 2.0],
+        };
+        let floor_mm = settings.layer.z_offset.0;
+        Self {
+            low,
+            high: [low[0] + width, low[1] + depth],
+            round: settings.bed.shape == BedShape::Round,
+            floor_mm,
+            top_mm: settings.bed.height.0 + floor_mm.max(0.0) + settings.layer.height.0 / 2.0,
+        }
+    }
+
+    fn holds(&self, [x, y, z]: [f64; 3]) -> bool {
+        let inside = if self.round {
+            let middle = [0, 1].map(|i| (self.low[i] + self.high[i]) / 2.0);
+            (x - middle[0]).hypot(y - middle[1]) <= (self.high[0] - self.low[0]) / 2.0 + SLACK_MM
+        } else {
+            let within = |v: f64, i: usize| self.low[i] - SLACK_MM <= v && v <= self.high[i] + SLACK_MM;
+            within(x, 0) && within(y, 1)
+        };
+        inside && z <= self.top_mm + SLACK_MM
+    }
+}
+
+impl Rule for Bed {
+    fn see(&mut self, seen: &Seen<'_>, found: &mut Found) {
+        let Some(stroke) = seen.stroke() else { return };
+        let [x, y, z] = stroke.to;
+        let arc = stroke.arc.is_some() && stroke.xy_mm.is_finite();
+        let between = |i: usize| stroke.at(i as f64 / ARC_PLACES as f64);
+        if !self.holds(stroke.to) || arc && (1..ARC_PLACES).any(|i| !self.holds(between(i))) {
+            let kind = if seen.begun { Kind::OutsideBed } else { Kind::OutsideAtStart };
+            seen.fault(found, kind, || format!("to X{x:.3} Y{y:.3} Z{z:.3}"));
+        }
+        // A bead needs some height; elsewhere the nozzle may touch the bed.
+        let lowest_mm = if stroke.extrudes() { self.floor_mm + 1e-6 } else { self.floor_mm - SLACK_MM };
+        if z < lowest_mm && (seen.begun || stroke.extrudes()) {
+            seen.fault(found, Kind::BelowBed, || format!("Z{z:.3}"));
+        }
+    }
+}

@@ -1,0 +1,92 @@
+//! What can be wrong with a file, and how bad it is.
+
+use serde::Serialize;
+
+/// How bad a fault is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Severity {
+    /// Worth knowing.
+    Note,
+    /// The print may suffer, or the firmware will do something else than the file says.
+    Warning,
+    /// The print fails, or the machine is harmed.
+    Error,
+}
+
+impl Severity {
+    /// Its name in reports.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Note => "note",
+            Self::Warning => "warning",
+            Self::Error => "error",
+        }
+    }
+}
+
+macro_rules! kinds {
+    ($($kind:ident, $severity:ident, $name:literal, $text:literal;)*) => {
+        /// A kind of fault.
+        #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+        pub enum Kind { $(#[doc = $text] $kind,)* }
+
+        impl Kind {
+            /// Every kind, in the order of reports.
+            pub const ALL: &'static [Kind] = &[$(Kind::$kind,)*];
+
+            /// Its name in reports; it does not change.
+            pub fn name(self) -> &'static str {
+                match self { $(Kind::$kind => $name,)* }
+            }
+
+            /// How bad it is.
+            pub fn severity(self) -> Severity {
+                match self { $(Kind::$kind => Severity::$severity,)* }
+            }
+
+            /// What it means, in words.
+            pub fn text(self) -> &'static str {
+                match self { $(Kind::$kind => $text,)* }
+            }
+        }
+    };
+}
+
+kinds! {
+    NotANumber, Error, "not-a-number", "a value is no number";
+    Malformed, Error, "malformed", "a command cannot be read";
+    Exponent, Error, "exponent", "a number with an exponent, which firmware reads as E";
+    BadFeedRate, Error, "bad-feed-rate", "a feed rate that is not positive";
+    OutsideBed, Error, "outside-bed", "a move outside of the printable volume";
+    BelowBed, Error, "below-bed", "the nozzle at or below the bed";
+    ThroughPrint, Error, "through-print", "a move through what has been printed";
+    HeightOrder, Error, "height-order", "printing below a finished layer";
+    ColdExtrusion, Error, "cold-extrusion", "filament is pushed while the nozzle is cold";
+    RetractedExtrusion, Error, "retracted-extrusion", "a bead is begun with the filament pulled back";
+    ExtrusionInPlace, Error, "extrusion-in-place", "filament is pushed out in place";
+    Flow, Error, "flow", "more flow than the hot end melts";
+    MissingIsland, Error, "missing-island", "an island of the model is not printed";
+    ExtraMaterial, Error, "extra-material", "material outside of the model";
+    OverVolume, Error, "over-volume", "more material than the model has volume";
+    UnbalancedRetraction, Warning, "unbalanced-retraction", "filament is not pushed back as far as it was pulled";
+    OutsideAtStart, Warning, "outside-at-start", "a move outside of the printable volume before the print";
+    HeaterLeftOn, Warning, "heater-left-on", "a heater is left on at the end";
+    NotAwaited, Warning, "not-awaited", "nothing waits for the nozzle to be hot";
+    UnknownCommand, Warning, "unknown-command", "a command that no common firmware knows";
+    Speed, Warning, "speed", "faster than the machine; the firmware slows it down";
+    Acceleration, Warning, "acceleration", "more acceleration than the machine has";
+    FewDecimals, Warning, "few-decimals", "numbers have too few decimals";
+    CoarseAmounts, Warning, "coarse-amounts", "E has grown so large that firmware rounds it";
+    OverAir, Warning, "over-air", "a bead rests on nothing and is held at neither or only one end";
+    NotPlaced, Warning, "not-placed", "the model is not found in the print";
+    NoTemperature, Note, "no-temperature", "the file itself does not heat the nozzle";
+}
+
+impl Kind {
+    /// Whether it can lie in how beads and travels are laid. Other faults come from scripts and settings, which are
+    /// the user's.
+    pub fn is_of_paths(self) -> bool {
+        self.severity() == Severity::Error && self != Kind::ColdExtrusion
+    }
+}

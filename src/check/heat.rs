@@ -1,0 +1,119 @@
+//! Heaters: hot before filament moves, off at the end.
+
+use super::fault::Kind;
+use super::report::Found;
+use super::rule::{Rule, Seen};
+
+/// No filament flows below this; firmwares ask for 170 °C unless told otherwise.
+const COLD_C: f64 = 100.0;
+/// Nozzles that are told apart.
+const NOZZLES: usize = 16;
+
+/// Follows temperatures.
+#[derive(Default)]
+pub(super) struct Heat {
+    /// Targets, where the file has set them.
+    nozzles: [Option<f64>; NOZZLES],
+    tool: usize,
+    bed: f64,
+    /// Whether something has waited for the nozzle.
+    awaited: bool,
+    /// Whether the printer may have heated by itself: a macro, a command that this is not aware of, UltiGCode.
+    elsewhere: bool,
+    /// Whether the firmware has been told to extrude cold.
+    cold_allowed: bool,
+    /// Whether it was said that nothing waits, or that nothing heats.
+    told: [bool; 2],
+    begun: bool,
+    /// The last line, and its layer.
+    last: (usize, Option<usize>),
+    /// Whether a macro comes after the last bead: it may turn heaters off.
+    macro_at_end: bool,
+}
+
+impl Rule for Heat {
+    fn see(&mut self, seen: &Seen<'_>, found: &mut Found) {
+        self.last = (seen.line.number, seen.context.layer);
+        match seen.stroke() {
+            Some(stroke) => {
+                if stroke.fresh_mm > 1e-9 {
+                    self.extrude(seen, found);
+                }
+                if stroke.extrudes() {
+                    (self.begun, self.macro_at_end) = (true, false);
+                }
+            }
+            None => self.obey(seen),
+        }
+    }
+
+    fn end(&mut self, found: &mut Found) {
+        if !self.begun || self.macro_at_end {
+            return;
+        }
+        let nozzle = self.nozzles.iter().flatten().copied().fold(0.0, f64::max);
+        for (what, celsius) in [("nozzle", nozzle), ("bed", self.bed)] {
+            if celsius > 0.0 {
+                let (line, layer) = self.last;
+                found
+                    .add(Kind::HeaterLeftOn, line, layer, || format!("the {what} is set to {celsius:.0} °C"));
+            }
+        }
+    }
+}
+
+impl Heat {
+    fn extrude(&mut self, seen: &Seen<'_>, found: &mut Found) {
+        if self.cold_allowed {
+            return;
+        }
+        match self.nozzles[self.tool] {
+            Some(celsius) if celsius < COLD_C => {
+                seen.fault(found, Kind::ColdExtrusion, || format!("at {celsius:.0} °C: {}", seen.text()));
+            }
+            Some(celsius) => {
+                if !self.awaited && !self.elsewhere && !std::mem::replace(&mut self.told[0], true) {
+                    seen.fault(found, Kind::NotAwaited, || format!("{celsius:.0} °C is set, not waited for"));
+                }
+            }
+            None if self.elsewhere || seen.state.volumetric => {
+                if !std::mem::replace(&mut self.told[1], true) {
+                    seen.fault(found, Kind::NoTemperature, || "the printer or a macro has to".into());
+                }
+            }
+            None => seen.fault(found, Kind::ColdExtrusion, || format!("never heated: {}", seen.text())),
+        }
+    }
+
+    fn obey(&mut self, seen: &Seen<'_>) {
+        let Some(code) = seen.line.code else {
+            if let Some(name) = seen.named() {
+                let labels = name.starts_with(b"EXCLUDE_OBJECT") || name.starts_with(b"SET_");
+                self.elsewhere |= !labels || name.starts_with(b"SET_HEATER");
+                self.macro_at_end |= !labels;
+            }
+            return;
+        };
+        let words = || seen.line.words();
+        let target = || words().get(b'S').or_else(|| words().get(b'R'));
+        match (code.letter, code.number) {
+            (b'T', tool) => self.tool = (tool as usize).min(NOZZLES - 1),
+            (b'M', 104 | 109) => {
+                let tool = words().get(b'T').map_or(self.tool, |tool| (tool as usize).min(NOZZLES - 1));
+                self.nozzles[tool] = target().or(self.nozzles[tool]);
+                // What has cooled down has to be waited for again.
+                self.awaited = code.number == 109 || self.awaited && target().is_none_or(|c| c >= COLD_C);
+            }
+            (b'M', 116) => self.awaited = true,
+            (b'M', 140 | 190) => self.bed = target().unwrap_or(self.bed),
+            (b'M', 302) => {
+                self.cold_allowed =
+                    words().get(b'S').is_some_and(|s| s < COLD_C) || words().get(b'P') == Some(1.0)
+            }
+            // RepRapFirmware's and Bambu's ways to heat, macro files, and files that call others.
+            (b'G', 10) => self.elsewhere |= words().get(b'S').is_some() || words().get(b'R').is_some(),
+            (b'M', 98 | 32 | 568 | 620 | 1002) => (self.elsewhere, self.macro_at_end) = (true, true),
+            _ => {}
+        }
+    }
+}

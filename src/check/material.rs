@@ -1,0 +1,44 @@
+//! What has been printed is in the nozzle's way.
+
+use super::fault::Kind;
+use super::relief::Relief;
+use super::report::Found;
+use super::rule::{Rule, Seen};
+use crate::profile::{BedOrigin, Settings};
+
+/// Side of the cells in which heights are kept: about a bead's width.
+const CELL_MM: f64 = 0.5;
+/// Dips that are none: layers of unequal height beside each other, and those that are sunk into a raft.
+const SLACK_MM: f64 = 0.15;
+
+/// Looks whether moves pass through the print.
+pub(super) struct Material {
+    relief: Relief,
+}
+
+impl Material {
+    pub fn new(settings: &Settings) -> Self {
+        let [width, depth] = settings.bed.size.map(|length| length.0);
+        let low = match settings.bed.origin {
+            BedOrigin::Corner => [0.0, 0.0],
+            BedOrigin::Center => [-width / 2.0, -depth / 2.0],
+        };
+        Self { relief: Relief::new(low, [low[0] + width, low[1] + depth], CELL_MM) }
+    }
+}
+
+impl Rule for Material {
+    fn see(&mut self, seen: &Seen<'_>, found: &mut Found) {
+        let Some(stroke) = seen.stroke().filter(|stroke| stroke.xy_mm > 0.0) else { return };
+        if seen.located
+            && let Some(([x, y, z], depth_mm)) = self.relief.dip(stroke, SLACK_MM)
+        {
+            seen.fault(found, Kind::ThroughPrint, || {
+                format!("at X{x:.2} Y{y:.2} Z{z:.2}, {depth_mm:.2} mm deep")
+            });
+        }
+        if stroke.extrudes() {
+            self.relief.lay(stroke);
+        }
+    }
+}

@@ -1,0 +1,215 @@
+//! The print and the model, layer beside layer.
+
+use std::io::{self, Read};
+
+use super::super::fault::Kind;
+use super::super::relief::Relief;
+use super::super::report::Found;
+use super::ModelReport;
+use super::air::{Ground, Way};
+use super::sections::{Level, Sections};
+use super::survey::{Survey, is_part};
+use crate::gcode::{Action, Reader, Stroke, each_line};
+use crate::geom::{Bounds, Point, Region};
+use crate::toolpath::bead;
+use crate::toolpath::support::{Bitmap, Grid};
+
+/// Cells in which beads are painted.
+const CELL_MM: f64 = 0.1;
+/// Outlines are looked at every so often.
+const STEP_MM: f64 = 0.4;
+/// An island is missing if less than this share of its outline is printed.
+const PRINTED: f64 = 0.3;
+/// Specks smaller than this are not asked for.
+const SPECK_MM2: f64 = 0.05;
+/// So much of a layer's beads may lie outside.
+const EXTRA_MM: f64 = 2.0;
+
+/// Reads the file beside the sections of the model, which stands at `at_mm`.
+pub(super) fn compare(
+    sections: &Sections<'_>,
+    survey: &Survey,
+    at_mm: [f64; 2],
+    area_mm2: f64,
+    file: impl Read,
+    model: &mut ModelReport,
+    found: &mut Found,
+) -> io::Result<()> {
+    let Some(all) = survey.extents()[1] else { return Ok(()) };
+    let relief = || Relief::new(all.low.map(|mm| mm - 2.0), all.high.map(|mm| mm + 2.0), CELL_MM);
+    let ground = Ground { part: relief(), support: relief(), bed_mm: sections.bed_mm() };
+    let mut print = Print {
+        sections,
+        shift: Point::from_mm(at_mm[0], at_mm[1]),
+        tells_roles: survey.tells_roles(),
+        area_mm2,
+        ground,
+        layer: None,
+        way: Way::default(),
+        last: (1, None),
+        model,
+        found,
+    };
+    let mut reader = Reader::default();
+    let mut last = (1, None);
+    each_line(file, |line| {
+        let read = reader.read(line);
+        last = (read.line.number, read.context.layer);
+        match read.action {
+            Action::Stroke(stroke) if stroke.extrudes() => {
+                let part = read.context.role.map_or(!print.tells_roles, is_part);
+                print.bead(&stroke, part, read.context.height_mm, last);
+            }
+            Action::Stroke(stroke) if stroke.xy_mm > 0.0 => print.leave(),
+            _ => {}
+        }
+    })?;
+    print.end_layer();
+    let printed_mm = sections.levels().last().map_or(0.0, |level| level.z_mm);
+    let height_mm = sections.levels().last().map_or(0.0, |level| level.height_mm);
+    if sections.top_mm() > printed_mm + height_mm {
+        print.model.missing_islands += 1;
+        print.found.add(Kind::MissingIsland, last.0, last.1, || {
+            format!("the print ends at Z{printed_mm:.2}, the model at Z{:.2}", sections.top_mm())
+        });
+    }
+    Ok(())
+}
+
+/// The layer under way.
+struct LayerNow {
+    level: Level,
+    /// Which of the sections' layers it is; support may have layers of its own.
+    index: Option<usize>,
+    /// Where beads of the model may be.
+    may: Option<Bitmap>,
+    must: Region,
+    /// Beads that will be part of the ground, with their width and whether they are the model's.
+    beads: Vec<(Stroke, f64, bool)>,
+    extra_mm: f64,
+    extra_at: Option<[f64; 3]>,
+    /// Its first line, and its number.
+    place: (usize, Option<usize>),
+}
+
+struct Print<'a> {
+    sections: &'a Sections<'a>,
+    shift: Point,
+    tells_roles: bool,
+    area_mm2: f64,
+    ground: Ground,
+    layer: Option<LayerNow>,
+    way: Way,
+    /// Line and layer of the last bead.
+    last: (usize, Option<usize>),
+    model: &'a mut ModelReport,
+    found: &'a mut Found,
+}
+
+impl Print<'_> {
+    fn bead(&mut self, stroke: &Stroke, part: bool, height_mm: Option<f64>, place: (usize, Option<usize>)) {
+        let z_mm = stroke.to[2];
+        if self.layer.as_ref().is_none_or(|layer| (layer.level.z_mm - z_mm).abs() > 1e-3) {
+            self.end_layer();
+            self.begin_layer(z_mm, height_mm, place);
+        }
+        self.last = place;
+        let Some(layer) = &mut self.layer else { return };
+        let section_mm2 = stroke.fresh_mm3(self.area_mm2) / stroke.xy_mm;
+        let height_mm = layer.level.height_mm;
+        let width_mm = bead::width_mm(section_mm2 / height_mm, height_mm).clamp(0.1, 3.0);
+        if part {
+            self.way.add(stroke, height_mm, width_mm, &self.ground);
+            if let Some(may) = layer.may.as_ref().filter(|_| self.tells_roles) {
+                let [x, y, z] = stroke.at(0.5);
+                let place = Point::from_mm(x, y) - self.shift;
+                if !may.has_at(place) {
+                    layer.extra_mm += stroke.xy_mm;
+                    layer.extra_at.get_or_insert([x, y, z]);
+                }
+            }
+        }
+        layer.beads.push((*stroke, width_mm, part));
+    }
+
+    fn begin_layer(&mut self, z_mm: f64, height_mm: Option<f64>, place: (usize, Option<usize>)) {
+        let index = self.sections.find(z_mm);
+        let known = index.map(|index| self.sections.levels()[index]);
+        let level = known.unwrap_or(Level { z_mm, height_mm: height_mm.unwrap_or(0.2) });
+        let (must, may) = index.map_or_else(Default::default, |index| self.sections.layer(index));
+        let grid = may.bounds().map(|bounds: Bounds| Grid::new(bounds, 1.0, CELL_MM));
+        self.layer = Some(LayerNow {
+            level,
+            index,
+            may: grid.map(|grid| Bitmap::touching(grid, &may)),
+            must,
+            beads: Vec::new(),
+            extra_mm: 0.0,
+            extra_at: None,
+            place,
+        });
+    }
+
+    /// A path is at its end.
+    fn leave(&mut self) {
+        let way = std::mem::take(&mut self.way);
+        let hanging_mm = way.hanging_mm();
+        if hanging_mm > 0.0 {
+            self.model.over_air_mm += hanging_mm;
+            let [x, y, z] = way.end();
+            self.found.add(Kind::OverAir, self.last.0, self.last.1, || {
+                format!("{hanging_mm:.1} mm before X{x:.2} Y{y:.2} Z{z:.2}")
+            });
+        }
+    }
+
+    fn end_layer(&mut self) {
+        self.leave();
+        let Some(layer) = self.layer.take() else { return };
+        for (stroke, width_mm, part) in &layer.beads {
+            let relief = if *part { &mut self.ground.part } else { &mut self.ground.support };
+            relief.paint(stroke, *width_mm);
+        }
+        let (line, number) = layer.place;
+        if let Some([x, y, z]) = layer.extra_at.filter(|_| layer.extra_mm > EXTRA_MM) {
+            self.model.extra_mm += layer.extra_mm;
+            self.found.add(Kind::ExtraMaterial, line, number, || {
+                format!("{:.1} mm of beads, first at X{x:.2} Y{y:.2} Z{z:.2}", layer.extra_mm)
+            });
+        }
+        if layer.index.is_none() {
+            return;
+        }
+        for island in layer.must.polygons.iter().filter(|island| island.area_mm2() > SPECK_MM2) {
+            self.model.islands += 1;
+            let printed = self.printed(&island.outer, layer.level.z_mm);
+            if printed < PRINTED {
+                self.model.missing_islands += 1;
+                let [x, y] = island.outer.first().map_or([0.0; 2], |p| (*p + self.shift).mm());
+                self.found.add(Kind::MissingIsland, line, number, || {
+                    format!("{:.2} mm² at X{x:.2} Y{y:.2} Z{:.2}", island.area_mm2(), layer.level.z_mm)
+                });
+            }
+        }
+    }
+
+    /// Share of an outline on which something of this layer lies.
+    fn printed(&self, ring: &[Point], z_mm: f64) -> f64 {
+        let (mut seen, mut printed) = (0_usize, 0_usize);
+        for (i, &a) in ring.iter().enumerate() {
+            let b = ring[(i + 1) % ring.len()];
+            let count = (a.distance_mm(b) / STEP_MM).ceil().max(1.0) as usize;
+            for k in 0..count {
+                let share = k as f64 / count as f64;
+                let ([ax, ay], [bx, by]) = ((a + self.shift).mm(), (b + self.shift).mm());
+                let (x, y) = (ax + (bx - ax) * share, ay + (by - ay) * share);
+                let cell_mm = self.ground.part.cell_mm();
+                let near = [-1.5, 0.0, 1.5].map(|step| step * cell_mm);
+                let laid = |dx: f64, dy: f64| self.ground.part.at(x + dx, y + dy) >= z_mm - 0.02;
+                seen += 1;
+                printed += usize::from(near.iter().any(|dx| near.iter().any(|dy| laid(*dx, *dy))));
+            }
+        }
+        printed as f64 / seen.max(1) as f64
+    }
+}

@@ -1,0 +1,99 @@
+//! What a first reading notes of a print for the second.
+
+use std::collections::BTreeSet;
+
+use crate::gcode::{Action, Annotated, Stroke};
+use crate::toolpath::Role;
+
+/// A box around places, in millimetres.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Extent {
+    pub low: [f64; 2],
+    pub high: [f64; 2],
+}
+
+impl Extent {
+    fn add(extent: &mut Option<Self>, [x, y, _]: [f64; 3]) {
+        let e = extent.get_or_insert(Self { low: [x, y], high: [x, y] });
+        (e.low, e.high) = ([e.low[0].min(x), e.low[1].min(y)], [e.high[0].max(x), e.high[1].max(y)]);
+    }
+
+    pub fn middle(&self) -> [f64; 2] {
+        [0, 1].map(|i| (self.low[i] + self.high[i]) / 2.0)
+    }
+}
+
+/// Whether beads of a role are the model: not skirt, brim or support.
+pub(super) fn is_part(role: Role) -> bool {
+    !matches!(role, Role::Skirt | Role::Brim | Role::Support | Role::SupportInterface)
+}
+
+/// Which heights a print has, where it lies, and how much of it is the model. It grows with the number of heights only.
+#[derive(Clone, Debug, Default)]
+pub struct Survey {
+    outer: Option<Extent>,
+    all: Option<Extent>,
+    /// Heights of beads, micrometres: of the model, and of all.
+    part_um: BTreeSet<i64>,
+    all_um: BTreeSet<i64>,
+    roles: bool,
+    /// Filament and volume of the model's beads, and of all.
+    part: [f64; 2],
+    whole: [f64; 2],
+}
+
+impl Survey {
+    /// Takes up a line.
+    pub(crate) fn add(&mut self, read: &Annotated<'_>) {
+        let Action::Stroke(stroke) = &read.action else { return };
+        if !stroke.extrudes() {
+            return;
+        }
+        let um = (stroke.to[2] * 1000.0).round() as i64;
+        let role = read.context.role;
+        let amount = usize::from(stroke.volumetric);
+        self.roles |= role.is_some();
+        self.whole[amount] += stroke.fresh_mm;
+        self.all_um.insert(um);
+        Self::around(&mut self.all, stroke);
+        if role.is_some_and(is_part) {
+            self.part[amount] += stroke.fresh_mm;
+            self.part_um.insert(um);
+        }
+        if role.is_some_and(Role::is_outer_wall) {
+            Self::around(&mut self.outer, stroke);
+        }
+    }
+
+    fn around(extent: &mut Option<Extent>, stroke: &Stroke) {
+        Extent::add(extent, stroke.from);
+        Extent::add(extent, stroke.to);
+    }
+
+    /// Whether the file says what its beads are for.
+    pub(super) fn tells_roles(&self) -> bool {
+        self.roles
+    }
+
+    /// Volume of the model's beads; of all, where they cannot be told apart.
+    pub(super) fn part_volume_mm3(&self, area_mm2: f64) -> f64 {
+        let [length_mm, volume_mm3] = if self.roles { self.part } else { self.whole };
+        length_mm * area_mm2 + volume_mm3
+    }
+
+    /// Heights of the model's layers, millimetres, ascending.
+    pub(super) fn heights_mm(&self) -> Vec<f64> {
+        let heights_um = if self.roles { &self.part_um } else { &self.all_um };
+        heights_um.iter().map(|um| *um as f64 / 1000.0).collect()
+    }
+
+    /// The lowest bead of all.
+    pub(super) fn lowest_mm(&self) -> f64 {
+        self.all_um.first().map_or(0.0, |um| *um as f64 / 1000.0)
+    }
+
+    /// Around the outer walls, and around all beads.
+    pub(super) fn extents(&self) -> [Option<Extent>; 2] {
+        [self.outer, self.all]
+    }
+}

@@ -1,0 +1,76 @@
+//! What every rule is given, and what it does.
+
+use super::fault::Kind;
+use super::report::Found;
+use crate::gcode::{Action, Context, Line, State, Stroke};
+
+/// A line, what it does, and what the machine had in mind before. Places are the machine's, whatever G92 calls them.
+pub(super) struct Seen<'a> {
+    pub line: &'a Line<'a>,
+    pub action: &'a Action<'a>,
+    pub context: Context,
+    /// After the line.
+    pub state: &'a State,
+    /// Filament pulled back before the line, mm.
+    pub retracted_mm: f64,
+    /// Whether it was pulled back by G10 before the line.
+    pub firmware_retracted: bool,
+    /// Whether a bead has been laid before or by this line.
+    pub begun: bool,
+    /// Whether the place that a move starts from is known: it is not after some axes have been homed.
+    pub located: bool,
+}
+
+impl<'a> Seen<'a> {
+    /// The move, if it is one.
+    pub fn stroke(&self) -> Option<&'a Stroke> {
+        match self.action {
+            Action::Stroke(stroke) => Some(stroke),
+            _ => None,
+        }
+    }
+
+    /// The move, if it lays a bead.
+    pub fn bead(&self) -> Option<&'a Stroke> {
+        self.stroke().filter(|stroke| stroke.extrudes())
+    }
+
+    /// Whether the line is a command with a name (a macro), of which nothing is known.
+    pub fn named(&self) -> Option<&'a [u8]> {
+        let text = self.line.parameters().trim_ascii();
+        let name = text.split(u8::is_ascii_whitespace).next().unwrap_or_default();
+        let letters = name.len() > 1 && name.iter().take(2).all(|b| b.is_ascii_alphabetic() || *b == b'_');
+        (self.line.code.is_none() && letters).then_some(name)
+    }
+
+    /// Whether the line says that printing goes on with another object, which may stand on the bed.
+    pub fn another_object(&self) -> bool {
+        if let Some(code) = self.line.code {
+            return (code.letter, code.number) == (b'M', 486);
+        }
+        let comment = self.line.comment.unwrap_or_default().trim_ascii();
+        comment.starts_with(b"printing object")
+            || comment.starts_with(b"MESH:")
+            || self.named().is_some_and(|name| name.eq_ignore_ascii_case(b"EXCLUDE_OBJECT_START"))
+    }
+
+    /// Reports a fault of this line.
+    pub fn fault(&self, found: &mut Found, kind: Kind, detail: impl FnOnce() -> String) {
+        found.add(kind, self.line.number, self.context.layer, detail);
+    }
+
+    /// The command, for messages.
+    pub fn text(&self) -> String {
+        let text = self.line.text.split(|b| *b == b';').next().unwrap_or_default();
+        String::from_utf8_lossy(text).trim().chars().take(60).collect()
+    }
+}
+
+/// A family of rules. It follows the file line by line in memory that does not grow with it.
+pub(super) trait Rule: Send {
+    /// Takes up a line.
+    fn see(&mut self, seen: &Seen<'_>, found: &mut Found);
+
+    /// The file is at its end.
+    fn end(&mut self, _found: &mut Found) {}
+}

@@ -1,0 +1,67 @@
+//! `pathwright check`.
+
+use std::fs::File;
+use std::io;
+use std::path::Path;
+
+use super::args::CheckArgs;
+use super::console;
+use super::exit::{Exit, Failure};
+use super::plan;
+use crate::check::{self, CheckReport, Survey};
+use crate::mesh::{self, Mesh};
+use crate::profile::Settings;
+
+/// Checks file by file. The exit code is that of the first one that cannot be read, or else tells whether any has an
+/// error.
+pub(super) fn run(args: &CheckArgs) -> Result<Exit, Failure> {
+    let resolved = plan::settings(&args.settings, &[])?;
+    let mesh = args.model.as_deref().map(mesh::load).transpose();
+    let mesh = mesh.map_err(|error| Failure::new(Exit::Input, error))?.map(|(mesh, _)| mesh);
+    if mesh.is_some() && args.files.iter().any(|file| file == Path::new("-")) {
+        return Err(plan::usage("with --model the file is read more than once; standard input cannot be"));
+    }
+    let (mut unread, mut faulty) = (false, false);
+    for path in &args.files {
+        match check(path, mesh.as_ref(), &resolved.settings) {
+            Ok(report) => {
+                faulty |= report.errors > 0;
+                tell(&report, args)?;
+            }
+            Err(failure) => {
+                console::fail(&failure);
+                unread = true;
+            }
+        }
+    }
+    Ok(match (unread, faulty) {
+        (true, _) => Exit::Input,
+        (_, true) => Exit::Check,
+        _ => Exit::Done,
+    })
+}
+
+fn tell(report: &CheckReport, args: &CheckArgs) -> Result<(), Failure> {
+    match (args.quiet, args.json) {
+        (true, _) => Ok(()),
+        (_, true) => console::print_json(report),
+        _ => console::print(&report.to_string()),
+    }
+}
+
+fn check(path: &Path, mesh: Option<&Mesh>, settings: &Settings) -> Result<CheckReport, Failure> {
+    let failed = |error: io::Error| Failure::new(Exit::Input, format!("{}: {error}", path.display()));
+    let mut survey = Survey::default();
+    let report = match path == Path::new("-") {
+        true => check::check(io::stdin().lock(), settings, &mut survey),
+        false => File::open(path).and_then(|file| check::check(file, settings, &mut survey)),
+    };
+    let Some(mut report) = report.map_err(failed)? else {
+        return Err(failed(io::Error::other("there are no moves in it; is it G-code?")));
+    };
+    if let Some(mesh) = mesh {
+        check::against(mesh, &survey, || File::open(path), settings, &mut report).map_err(failed)?;
+    }
+    report.file = path.display().to_string();
+    Ok(report)
+}

@@ -1,0 +1,71 @@
+//! What is written is checked before anybody gets it.
+
+use std::fs::File;
+use std::io::Read;
+use std::path::Path;
+
+use crate::check::{Checker, Found};
+use crate::gcode::each_line;
+use crate::job::JobError;
+use crate::output::Output;
+use crate::profile::Settings;
+
+use super::reorder::input_error;
+
+/// Goes over a print while it is written.
+pub(super) struct Inspector {
+    checker: Checker,
+}
+
+impl Inspector {
+    /// An inspector of what comes after an opening.
+    pub(super) fn new(settings: &Settings, opening: &[u8]) -> Self {
+        let mut checker = Checker::of_paths(settings, false);
+        checker.text(opening);
+        checker.pardon();
+        Self { checker }
+    }
+
+    /// Takes up whole lines.
+    pub(super) fn take(&mut self, text: &[u8]) {
+        self.checker.text(text);
+    }
+
+    /// Whether the print may be let go.
+    ///
+    /// # Errors
+    /// [`JobError::Check`] with the first fault.
+    pub(super) fn verdict(self) -> Result<(), JobError> {
+        refuse(self.checker.finish().first_of_paths(&Found::default()))
+    }
+}
+
+/// Checks what has been made of a file: there is no kind of fault in it that the file has not.
+///
+/// # Errors
+/// [`JobError::Check`] with the first fault, and those of reading.
+pub(super) fn remade(path: &Path, output: &mut Output, settings: &Settings) -> Result<(), JobError> {
+    let read = |file: &mut dyn Read| {
+        let mut checker = Checker::of_paths(settings, true);
+        each_line(file, |line| {
+            checker.line(line);
+        })
+        .map_err(|error| input_error(path, &error))?;
+        Ok::<_, JobError>(checker.finish())
+    };
+    let after = read(&mut output.reread(0)?)?;
+    if after.first_of_paths(&Found::default()).is_none() {
+        return Ok(());
+    }
+    let mut input = File::open(path).map_err(|error| input_error(path, &error))?;
+    refuse(after.first_of_paths(&read(&mut input)?))
+}
+
+fn refuse(fault: Option<String>) -> Result<(), JobError> {
+    match fault {
+        Some(fault) => Err(JobError::Check(format!(
+            "the result failed its check, which is a mistake of this program; nothing was written: {fault}"
+        ))),
+        None => Ok(()),
+    }
+}

@@ -1,0 +1,187 @@
+//! The functions of the fuzz targets on random and damaged input, without a fuzzer; cases that once failed are kept.
+//!
+//! `PATHWRIGHT_FUZZ_SECONDS=600 cargo test --profile quick --test fuzz -- --ignored NAME` goes on for longer.
+
+#[path = "../fuzz/cases/mod.rs"]
+mod cases;
+
+use std::time::{Duration, Instant};
+
+/// Deterministic random numbers: splitmix64 (Steele, Lea & Flood 2014, doi:10.1145/2714064.2660195).
+struct Random(u64);
+
+impl Random {
+    fn next(&mut self) -> u64 {
+        self.0 = self.0.wrapping_add(0x9E37_79B9_7F4A_7C15);
+        let mut z = self.0;
+        z = (z ^ (z >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
+        z = (z ^ (z >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
+        z ^ (z >> 31)
+    }
+
+    fn below(&mut self, end: usize) -> usize {
+        (self.next() % end.max(1) as u64) as usize
+    }
+
+    fn bytes(&mut self, most: usize) -> Vec<u8> {
+        (0..self.below(most)).map(|_| self.next() as u8).collect()
+    }
+
+    /// Bytes replaced, removed, repeated, or exchanged for words that matter.
+    fn damaged(&mut self, seed: &[u8], words: &[&str]) -> Vec<u8> {
+        let mut bytes = seed.to_vec();
+        for _ in 0..1 + self.below(8) {
+            let at = self.below(bytes.len() + 1);
+            let end = (at + self.below(24)).min(bytes.len());
+            match self.below(5) {
+                0 if at < bytes.len() => bytes[at] = self.next() as u8,
+                1 => drop(bytes.drain(at..end)),
+                2 => {
+                    let part = bytes[at..end].to_vec();
+                    bytes.splice(at..at, part);
+                }
+                3 => {
+                    let word = words[self.below(words.len())];
+                    drop(bytes.splice(at..end, word.bytes()));
+                }
+                _ if at < bytes.len() => bytes[at] ^= 1 << self.below(8),
+                _ => {}
+            }
+        }
+        bytes
+    }
+}
+
+/// Runs cases for a short time, or for as long as the environment says. A case that panics is printed.
+fn run(seed: u64, long: bool, mut make: impl FnMut(&mut Random) -> Vec<u8>, case: fn(&[u8])) {
+    let seconds = std::env::var("PATHWRIGHT_FUZZ_SECONDS").ok().and_then(|text| text.parse().ok());
+    let time = if long { Duration::from_secs(seconds.unwrap_or(60)) } else { Duration::from_millis(700) };
+    let (begin, mut random, mut count) = (Instant::now(), Random(seed), 0_u64);
+    let mut slowest = (Duration::ZERO, 0);
+    while begin.elapsed() < time {
+        let bytes = make(&mut random);
+        let begun = Instant::now();
+        if std::panic::catch_unwind(|| case(&bytes)).is_err() {
+            panic!("case {count}: {}", hex(&bytes));
+        }
+        slowest = slowest.max((begun.elapsed(), bytes.len()));
+        count += 1;
+    }
+    println!("{count} cases, the slowest {:.3} s with {} bytes", slowest.0.as_secs_f64(), slowest.1);
+    assert!(slowest.0 < Duration::from_secs(60), "a case takes {:?}", slowest.0);
+}
+
+fn hex(bytes: &[u8]) -> String {
+    bytes.iter().map(|byte| format!("{byte:02x}")).collect()
+}
+
+const GCODE: &str = "M104 S210\nG28\nM109 S210\nG21\nG90\nM83\n;LAYER:0\n;TYPE:WALL-OUTER\nG1 Z.2 F600\n\
+    G1 X10 Y10 F9000\nG1 X20.125 Y10 E.3 F1200\nG2 X30 Y20 I5 J5 E1\nG1 E-1 F2400\nG1 X5 Y5\nG1 E1\n\
+    G10\nG11\nG92 E0 X3\nG91\nG1 X-1 E.1\nM220 S50\nT1\nM82\nG20\nSET_VELOCITY_LIMIT ACCEL=3000\nM84\n";
+const GCODE_WORDS: &[&str] = &[
+    "G1 ",
+    "G2 ",
+    "G92",
+    "G28 X",
+    "X1e7",
+    "nan",
+    "inf",
+    "E-99999999999",
+    "\n",
+    ";LAYER:1\n",
+    "F0",
+    "G20\n",
+    "M82\n",
+    "R-1",
+    "I0 J0",
+    "99999999999999999999",
+    "-.",
+    "*",
+    "M200 D1\n",
+    "Z-5",
+    "X1e9 Y-1e9",
+    "M104 S0\n",
+];
+const PROFILE: &str = "inherits = [\"pla\"]\n[layer]\nheight = 0.2\n[walls]\ncount = 3\nwidth = 0.45\n[bed]\n\
+    size = [250, 250]\nshape = \"round\"\n[gcode]\nstart = '''\nG28\nM104 S{nozzle_temp}\n'''\n";
+const PROFILE_WORDS: &[&str] = &[
+    "inherits = ",
+    "\"any.toml\"",
+    "[",
+    "]",
+    "[[",
+    "{",
+    "}",
+    "= 1e999",
+    "nan",
+    "-1",
+    "'''",
+    "\"",
+    "\\u0000",
+    "[gcode]\n",
+    "start = \"{\"",
+    "9223372036854775808",
+    "true",
+    "\n",
+    "layer.height = 0\n",
+    "{nozzle_temp}",
+];
+
+fn tetrahedron() -> Vec<u8> {
+    let corners = [[0.0_f32, 0.0, 0.0], [20.0, 0.0, 0.0], [0.0, 20.0, 0.0], [0.0, 0.0, 5.0]];
+    let mut data = vec![0; 80];
+    data.extend(4_u32.to_le_bytes());
+    for facet in [[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]] {
+        data.extend([0; 12]);
+        data.extend(facet.iter().flat_map(|&i: &usize| corners[i]).flat_map(f32::to_le_bytes));
+        data.extend([0; 2]);
+    }
+    data
+}
+
+const STL_WORDS: &[&str] = &[
+    "solid",
+    "facet normal 0 0 1\n",
+    "outer loop\n",
+    "vertex 0 0 1e5\n",
+    "vertex 1 2 3\n",
+    "endloop\n",
+    "nan",
+    "endfacet\n",
+    "endsolid",
+    "\0\0\u{1}\u{2}",
+    "\n",
+];
+
+macro_rules! targets {
+    ($($name:ident, $long:ident, $case:path, $make:expr;)*) => { $(
+        #[test]
+        fn $name() {
+            run(1, false, $make, $case);
+        }
+
+        #[test]
+        #[ignore = "takes as long as it is told to"]
+        fn $long() {
+            run(std::process::id().into(), true, $make, $case);
+        }
+    )* };
+}
+
+targets! {
+    any_model, any_model_for_long, cases::stl, |r: &mut Random| match r.below(4) {
+        0 => r.bytes(400),
+        1 => {
+            let text = "solid a\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 9 0 1\nvertex 0 9 5\nendloop\nendfacet\nendsolid";
+            r.damaged(text.as_bytes(), STL_WORDS)
+        }
+        _ => r.damaged(&tetrahedron(), STL_WORDS),
+    };
+    any_profile, any_profile_for_long, cases::profile, |r: &mut Random| r.damaged(PROFILE.as_bytes(), PROFILE_WORDS);
+    any_gcode, any_gcode_for_long, cases::gcode, |r: &mut Random| match r.below(8) {
+        0 => r.bytes(400),
+        _ => r.damaged(GCODE.as_bytes(), GCODE_WORDS),
+    };
+    any_polygons, any_polygons_for_long, cases::slicing, |r: &mut Random| r.bytes(600);
+    any_order, any_order_for_long, cases::ordering, |r: &mut Random| r.bytes(900);
+}
