@@ -134,7 +134,7 @@ fn each_planted_fault_is_found_and_no_other() {
     let mut limited = Settings::default();
     limited.filament.max_flow = Mm3PerS(6.0);
     assert_eq!(kinds(&report(&clean([3, 5]).join("\n"), &limited)), []);
-    let fast = before_layer(3, &["G1 E1", "G1 X110 E.9 F1800", "G1 E-1"]);
+    let fast = before_layer(3, &["G1 E1", "G1 X125 E.9 F1800", "G1 E-1"]);
     assert_eq!(kinds(&report(&fast, &limited)), [Kind::Flow]);
 }
 
