@@ -120,13 +120,15 @@ fn optimum(problem: &Problem, cost: &Cost) -> f64 {
             stage && rank && !interrupts
         })
     };
+    let home = |item: usize| problem.runs[problem.items[item].run as usize].island;
+    let link = |from: Point, to: Point, inside: bool| cost.of(from.distance_mm(to), inside);
     let mut best = vec![vec![Vec::new(); n]; 1 << n];
     for (drawn, best) in best.iter_mut().enumerate() {
         for (item, best) in best.iter_mut().enumerate() {
             let first = drawn == 1 << item && may_follow(0, None, item);
             let reach = |entry: usize| {
                 let enter = problem.items[item].ends(entry as u32).0;
-                problem.start.map_or(0.0, |start| cost.link(start, enter))
+                problem.start.map_or(0.0, |start| link(start, enter, false))
             };
             *best =
                 (0..entries(item)).map(|entry| if first { reach(entry) } else { f64::INFINITY }).collect();
@@ -142,7 +144,7 @@ fn optimum(problem: &Problem, cost: &Cost) -> f64 {
                     let leave = problem.items[last].ends(from as u32).1;
                     for to in 0..entries(next) {
                         let enter = problem.items[next].ends(to as u32).0;
-                        let total = best[drawn][last][from] + cost.link(leave, enter);
+                        let total = best[drawn][last][from] + link(leave, enter, home(last) == home(next));
                         let known = &mut best[drawn | 1 << next][next][to];
                         *known = known.min(total);
                     }
@@ -153,7 +155,7 @@ fn optimum(problem: &Problem, cost: &Cost) -> f64 {
     let ends = (0..n).flat_map(|item| (0..entries(item)).map(move |entry| (item, entry)));
     let totals = ends.map(|(item, entry)| {
         let leave = problem.items[item].ends(entry as u32).1;
-        best[(1 << n) - 1][item][entry] + problem.end.map_or(0.0, |end| cost.link(leave, end))
+        best[(1 << n) - 1][item][entry] + problem.end.map_or(0.0, |end| link(leave, end, false))
     });
     totals.fold(f64::INFINITY, f64::min)
 }
