@@ -44,6 +44,7 @@ fn layer() -> LayerPaths {
         paths: (0..MOVES / 100).map(ring).collect(),
         outline: Region::default(),
         beneath: None,
+        rises: Vec::new(),
     }
 }
 

@@ -265,6 +265,7 @@ fn tower() -> Vec<LayerPaths> {
             paths: (0..4).map(square).chain([line]).collect(),
             outline: Region::default(),
             beneath: None,
+            rises: Vec::new(),
         }
     };
     (0..3).map(layer).collect()

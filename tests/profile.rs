@@ -322,6 +322,90 @@ fn the_reference_page_is_up_to_date() {
     assert!(page == profile::reference(), "run `cargo run -- profiles reference > docs/settings.md`");
 }
 
+#[test]
+fn the_page_of_imports_is_up_to_date() {
+    let path = concat!(env!("CARGO_MANIFEST_DIR"), "/docs/import.md");
+    let page = fs::read_to_string(path).unwrap_or_default();
+    assert!(page == profile::import_page(), "run `cargo run -- profiles imports > docs/import.md`");
+}
+
+#[test]
+fn another_slicers_configuration_is_a_profile_whose_lines_are_the_origins() {
+    let folder = tempfile::tempdir().unwrap();
+    let text = "[print:fine]\nlayer_height = 0.1\nperimeters = 4\nperimeter_speed = 60\nexternal_perimeter_speed = 50%\n\
+                [printer:mine]\nnozzle_diameter = 0.4\nbed_shape = 0x0,220x0,220x220,0x220\n\
+                start_gcode = M104 S{first_layer_temperature[0]}\\nG28\nbetween_objects_gcode = M117\n\
+                complete_objects = 1\nooze_prevention = 1\n";
+    let path = file(&folder, "config.ini", text);
+    let resolved = resolve(std::slice::from_ref(&path), &[]).unwrap_or_else(|error| panic!("{error}"));
+    let s = &resolved.settings;
+    assert_eq!((s.layer.height.0, s.walls.count, s.bed.size[0].0), (0.1, 4, 220.0));
+    assert_eq!((s.speed.external_perimeter.0, s.gcode.start.as_str()), (30.0, "M104 S{nozzle_temp}\nG28\n"));
+    assert_eq!(resolved.origins["layer.height"].to_string(), format!("{path}:2"));
+    assert_eq!(resolved.origins["speed.infill"].to_string(), "profile reprap-250", "not said");
+    let note = resolved.warnings.iter().map(ToString::to_string).find(|w| w.contains("not taken over"));
+    assert!(note.is_some_and(|note| note.contains(" 2 not taken over")), "{:?}", resolved.warnings);
+    let shown = profile::text(&path).unwrap();
+    assert!(shown.contains("# line 12: ooze_prevention = 1: "), "{shown}");
+    let mine = file(&folder, "mine.toml", &shown);
+    assert_eq!(&settings(&[&mine], &[]), s, "what is shown means the same");
+}
+
+#[test]
+fn a_script_that_is_not_understood_is_left_out_whole() {
+    let folder = tempfile::tempdir().unwrap();
+    let text = "layer_height = 0.2\nstart_gcode = G28\\nG1 Z{max_layer_z + 2}\nend_gcode = M84\\n\n";
+    let path = file(&folder, "config.ini", text);
+    let s = settings(&[&path], &[]);
+    assert_eq!(s.gcode.start, Settings::default().gcode.start);
+    assert_eq!(s.gcode.end, "M84\n");
+    assert!(profile::text(&path).unwrap().contains("line 2 of it holds {max_layer_z + 2}"));
+}
+
+/// Configurations at the end of other slicers' G-code, as they are when everything is left at its default.
+#[test]
+fn whole_configurations_in_gcode_resolve() {
+    for name in ["prusaslicer-2.9.2_ctrlV_3D_test", "slic3r-1.3.0_ctrlV_3D_test"] {
+        let path = format!("{}/../shared/gcode/{name}.gcode", env!("CARGO_MANIFEST_DIR"));
+        if std::path::Path::new(&path).exists() {
+            let s = settings(&["standard-job", &path], &[]);
+            assert_eq!((s.layer.height.0, s.walls.count, s.infill.density.0), (0.2, 2, 0.2), "{name}");
+            assert_eq!(s.cooling.full_fan_layer, s.cooling.fan_off_layers, "{name}");
+        }
+    }
+}
+
+#[test]
+fn what_is_no_configuration_is_refused() {
+    let folder = tempfile::tempdir().unwrap();
+    for (name, text) in [("a.gcode", "G1 X1\n"), ("b.ini", "nothing\n"), ("c.ini", "")] {
+        let path = file(&folder, name, text);
+        assert!(problems(&[&path], &[])[0].starts_with(&path), "{name}");
+    }
+    assert!(problems(&["missing.ini"], &[])[0].contains("cannot be read"));
+}
+
+/// The standard job as PrusaSlicer is told it. Two of its keys say something else than ours: walls of fixed width, and
+/// how E is counted; the script leaves heating to the slicer.
+#[test]
+fn the_standard_job_of_others_gives_ours() {
+    let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../shared/peers/prusa.ini");
+    if !std::path::Path::new(path).exists() {
+        return;
+    }
+    let both = resolve(&["standard-job".into(), path.into()], &[]).unwrap_or_else(|error| panic!("{error}"));
+    let taken = both.origins.values().filter(|origin| origin.to_string().contains("prusa.ini:")).count();
+    assert!(taken > 45, "{taken}");
+    let mut s = both.settings;
+    let ours = settings(&["standard-job"], &[]);
+    assert_eq!((s.walls.generator.name(), s.gcode.relative_e), ("classic", false));
+    s.walls.generator = ours.walls.generator;
+    s.gcode.relative_e = ours.gcode.relative_e;
+    assert_eq!(s.gcode.start, "G28\nG92 E0\n");
+    s.gcode.start.clone_from(&ours.gcode.start);
+    assert_eq!(s, ours);
+}
+
 /// Every command that a script of an embedded profile may hold; Klipper's are words.
 const COMMANDS: &[&str] = &[
     "G0",

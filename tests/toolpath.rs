@@ -8,7 +8,7 @@ use pathwright::geom::{self, Bounds, Point, Polygon, Region, Ring};
 use pathwright::profile::{Pattern, Settings, WallOrder};
 use pathwright::toolpath::infill::{self, AdaptiveCubic, FillPattern, FillSpec, Hollow, Joins, Lightning};
 use pathwright::toolpath::{
-    LayerPaths, ObjectLayer, Path, Planner, PlateLayer, Role, Shells, Width, bead, shell_layers,
+    LayerPaths, ObjectLayer, Path, Planner, PlateLayer, Role, Shells, Width, bead, shell_depth,
 };
 use pathwright::units::{Mm, Ratio};
 use proptest::prelude::*;
@@ -49,7 +49,7 @@ fn job() -> Settings {
 fn plan(sections: &[Region], settings: &Settings) -> Vec<LayerPaths> {
     let refs: Vec<&Region> = sections.iter().collect();
     let sequential = |n: usize, f: &(dyn Fn(usize) -> Region + Sync)| (0..n).map(f).collect();
-    let shells = Shells::build(&refs, settings.shell.top_layers, settings.shell.bottom_layers, &sequential);
+    let shells = Shells::build(&refs, &vec![HEIGHT_MM; sections.len()], &settings.shell, &sequential);
     let nothing = Region::default();
     let section = |index: usize| PlateLayer {
         index,
@@ -645,10 +645,11 @@ fn ironing_goes_once_more_over_the_top_and_lays_down_little() {
 
 #[test]
 fn thin_layers_get_more_of_them_for_the_same_shell() {
-    let mut shell = job().shell;
-    shell.min_thickness = Mm(0.7);
-    assert_eq!(shell_layers(&shell, 0.2), (4, 4));
-    assert_eq!(shell_layers(&shell, 0.1), (7, 7));
-    (shell.top_layers, shell.min_thickness) = (0, Mm(1.0));
-    assert_eq!(shell_layers(&shell, 0.1), (0, 10));
+    let depth = |height_mm: f64, layers, thickness_mm| {
+        shell_depth(std::iter::repeat_n(height_mm, 50), layers, thickness_mm)
+    };
+    assert_eq!((depth(0.2, 4, 0.7), depth(0.1, 4, 0.7), depth(0.1, 0, 0.7)), (4, 7, 0));
+    let mixed = [0.1, 0.1, 0.1, 0.3, 0.3, 0.3];
+    assert_eq!(shell_depth(mixed.into_iter(), 2, 0.6), 4, "true heights count");
+    assert_eq!(shell_depth(mixed.into_iter(), 2, 2.0), 7, "more than there are");
 }

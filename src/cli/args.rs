@@ -118,6 +118,14 @@ pub(super) struct SliceArgs {
     #[arg(long)]
     pub labels: bool,
 
+    /// One wall in one line that rises all the way, on a solid bottom [spiral.enabled]
+    #[arg(long, help_heading = "Modes")]
+    pub vase: bool,
+
+    /// Heights of layers from a table: on each line a height over the bed and a layer height [layer.heights]
+    #[arg(long, value_name = "FILE", value_hint = ValueHint::FilePath, help_heading = "Modes")]
+    pub layer_heights: Option<PathBuf>,
+
     /// Worker threads [default: $RAYON_NUM_THREADS, or all cores]; the result is the same
     #[arg(long, value_name = "N")]
     pub threads: Option<NonZeroUsize>,
@@ -351,7 +359,8 @@ pub(super) struct ModelArgs {
 
 #[derive(Debug, Args)]
 pub(super) struct SettingArgs {
-    /// Embedded profile or TOML file; repeatable, the later one wins
+    /// Embedded profile, TOML file, or configuration of PrusaSlicer or SuperSlicer (.ini, .gcode); repeatable, the later
+    /// one wins
     #[arg(short, long, value_name = "NAME|PATH", help_heading = "Settings")]
     pub profile: Vec<String>,
 
@@ -395,7 +404,7 @@ pub(super) struct ProfilesArgs {
 pub(super) enum ProfilesCommand {
     /// List the embedded profiles
     List,
-    /// Print a profile as written
+    /// Print a profile as written, or another slicer's configuration as a profile
     Show {
         #[arg(value_name = "NAME|PATH")]
         name: String,
@@ -410,6 +419,8 @@ pub(super) enum ProfilesCommand {
     },
     /// Print the reference of all keys, as Markdown
     Reference,
+    /// Print what is taken over from the configurations of other slicers, as Markdown
+    Imports,
 }
 
 /// Three numbers, for X, Y and Z.

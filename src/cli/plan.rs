@@ -8,7 +8,9 @@ use super::args::{Assignment, ModelArgs, ObjectAssignment, OrderingArgs, Setting
 use super::exit::{Exit, Failure};
 use crate::job::{Job, ObjectSettings, TransformOptions};
 use crate::output::resolve_links;
-use crate::profile::{Origin, Override, Problem, ProfileError, Resolved, SECTIONS, resolve};
+use crate::profile::{
+    Origin, Override, Problem, ProfileError, Resolved, SECTIONS, heights_from_lines, resolve,
+};
 
 /// Everything that `slice` is going to do.
 #[derive(Debug)]
@@ -41,10 +43,12 @@ impl Plan {
             (args.sequential, "--sequential", "print.sequence", "object"),
             (args.no_arrange, "--no-arrange", "plate.arrange", "false"),
             (args.orient, "--orient", "plate.orient", "true"),
+            (args.vase, "--vase", "spiral.enabled", "true"),
         ];
         for (_, option, key, value) in switches.into_iter().filter(|switch| switch.0) {
             shorthands.push(Override { key: key.into(), value: value.into(), option });
         }
+        shorthands.extend(layer_heights(args)?);
         let files = &args.models.files;
         let plates: Vec<&[PathBuf]> = if args.each { files.chunks(1).collect() } else { vec![files] };
         let tasks = plates
@@ -170,6 +174,15 @@ pub(super) fn shorthands(order: Option<&String>, args: &OrderingArgs) -> Vec<Ove
     ];
     let given = options.into_iter().filter_map(|(option, key, value)| Some((option, key, value?.clone())));
     given.map(|(option, key, value)| Override { key: key.into(), value, option }).collect()
+}
+
+/// The table of layer heights, if one is given.
+fn layer_heights(args: &SliceArgs) -> Result<Option<Override>, Failure> {
+    let Some(path) = &args.layer_heights else { return Ok(None) };
+    let wrong = |message: String| Failure::new(Exit::Settings, format!("{}: {message}", path.display()));
+    let text = fs::read_to_string(path).map_err(|error| wrong(error.to_string()))?;
+    let (key, value) = ("layer.heights".into(), heights_from_lines(&text).map_err(wrong)?);
+    Ok(Some(Override { key, value, option: "--layer-heights" }))
 }
 
 /// Beside the first model, unless `-o` names a file or a folder.

@@ -23,6 +23,7 @@ pub(super) fn run(args: &ProfilesArgs) -> Result<Exit, Failure> {
                 false => console::print(&profile::dump_toml(&resolved))?,
             }
         }
+        ProfilesCommand::Imports => console::print(&profile::import_page())?,
         ProfilesCommand::Reference => console::print(&profile::reference())?,
     }
     Ok(Exit::Done)

@@ -16,6 +16,7 @@ mod rules;
 mod settings;
 mod simplify;
 mod smooth;
+mod spiral;
 mod sums;
 mod travel;
 

@@ -64,6 +64,10 @@ pub fn plan_layer(
         trace(path, visit.entry, nozzle.rules.flow(), &mut vertices);
         let Some(start) = vertices.first() else { continue };
         nozzle.label(layer.islands.get(path.island as usize).map(|island| island.object));
+        if !layer.rises.is_empty() {
+            nozzle.wind(path, &vertices, &layer.rises, std::mem::take(&mut pause));
+            continue;
+        }
         nozzle.travel(start.at, path.island, std::mem::take(&mut pause));
         nozzle.draw(path, &mut vertices);
     }
@@ -132,7 +136,7 @@ pub(super) struct Nozzle<'a> {
     support: Option<Support>,
     /// Island of the path drawn last, if one was.
     pub(super) island: Option<u32>,
-    rules: Rules<'a>,
+    pub(super) rules: Rules<'a>,
     fan: Ratio,
     pub(super) moves: Vec<Move>,
     pub(super) at: Option<[f64; 2]>,
@@ -205,7 +209,7 @@ impl Nozzle<'_> {
     }
 
     /// Says what is drawn next.
-    fn begin(&mut self, path: &Path, role: Role) {
+    pub(super) fn begin(&mut self, path: &Path, role: Role) {
         let bead = (role, mean_width_mm(&path.width), path.height_mm);
         if self.bead != Some(bead) {
             let (role, width_mm, height_mm) = bead;

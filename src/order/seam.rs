@@ -170,6 +170,7 @@ mod tests {
             }],
             outline: Region::default(),
             beneath: None,
+            rises: Vec::new(),
         }
     }
 

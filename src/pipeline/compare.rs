@@ -9,7 +9,7 @@ use crate::profile::{CostKind, OrderStrategy, Settings};
 use crate::toolpath::LayerPaths;
 
 use super::ordering::Certificate;
-use super::{load, ordering, parallel, reorder, rounds};
+use super::{load, ordering, parallel, reorder, rounds, spiral};
 
 /// Plans the layers once and orders them by each strategy. With `job.certify`, bounds are computed as well.
 pub(super) fn compare(
@@ -53,6 +53,7 @@ pub(super) fn is_gcode(path: &Path) -> bool {
 
 /// The layers of a plate, round after round.
 fn sliced(job: &Job, settings: &Settings) -> Result<Vec<LayerPaths>, JobError> {
+    let settings = &*spiral::effective(settings);
     let loaded = load::plate(job, settings)?;
     let rounds = rounds::prepare(&loaded, settings)?;
     let layers = rounds.iter().map(|round| {

@@ -14,6 +14,7 @@ mod print;
 mod reorder;
 mod rounds;
 mod sections;
+mod spiral;
 mod styles;
 mod supports;
 

@@ -8,7 +8,7 @@ use crate::geom::{Bounds, Point};
 use crate::job::{Job, JobError, Progress};
 use crate::mesh::Plate;
 use crate::motion::{self, Entry, MotionSettings};
-use crate::order::{Chain, Pins, SeamRule, Sequence, chunk_len};
+use crate::order::{Chain, Pins, SeamRule, Sequence, Visit, chunk_len};
 use crate::output::Output;
 use crate::profile::{Settings, thumbnail_sizes};
 use crate::report::{LayerSummary, Measures, Summary};
@@ -18,7 +18,7 @@ use crate::view;
 
 use super::ordering::Certificate;
 use super::rounds::{self, Round};
-use super::{load, ordering, parallel};
+use super::{load, ordering, parallel, spiral};
 
 /// Chunks of layers in flight for each thread: enough to keep all busy, few enough to bound the memory.
 const CHUNKS_PER_THREAD: usize = 16;
@@ -30,6 +30,7 @@ pub(super) fn slice(
     output: &mut Output,
     progress: &dyn Progress,
 ) -> Result<Summary, JobError> {
+    let settings = &*spiral::effective(settings);
     let mut loaded = load::plate(job, settings)?;
     let mut warnings = std::mem::take(&mut loaded.warnings);
     let rounds = rounds::prepare(&loaded, settings)?;
@@ -39,7 +40,7 @@ pub(super) fn slice(
     else {
         return Err(load::nothing_to_print());
     };
-    warnings.extend(rounds.iter().filter_map(|round| round.sections.warning()));
+    warnings.extend(rounds.iter().flat_map(|round| round.sections.warnings()));
 
     let facts = facts(&rounds, bounds, settings);
     let scripts = Scripts::new(settings, &facts).map_err(|mistakes| JobError::Script(mistakes.join("\n")))?;
@@ -172,7 +173,11 @@ impl Run<'_> {
             parallel::map(layers.len(), |i| round.sections.paths(&round.planners, first + i, self.settings));
         let pins: Vec<Pins> = paths.iter().map(|layer| seam.pins(layer)).collect();
         let start = at.xy.map(|[x, y]| Point::from_mm(x, y));
-        let sequences = ordering::solve(&self.chain, &paths, &pins, chunk, start).sequences;
+        let mut sequences = ordering::solve(&self.chain, &paths, &pins, chunk, start).sequences;
+        // A turn is drawn upwards.
+        for (sequence, _) in sequences.iter_mut().zip(&paths).filter(|(_, layer)| !layer.rises.is_empty()) {
+            *sequence = vec![Visit { item: 0, entry: 0 }];
+        }
         let entries: Vec<Entry> = paths
             .iter()
             .zip(&sequences)

@@ -82,7 +82,7 @@ impl Round {
         };
         let styles = loaded.styles.of(&objects);
         let slicer = Slicer::new(plate, &load::layers(settings));
-        let mut sections = Sections::cut(&slicer, objects, &styles, &loaded.wishes, settings);
+        let mut sections = Sections::cut(&slicer, objects, &styles, &loaded.wishes, settings)?;
         if sections.bounds().is_none() {
             return Ok(None);
         }

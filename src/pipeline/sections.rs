@@ -3,14 +3,16 @@
 use geo::{ConvexHull, MultiPoint, Simplify};
 
 use crate::geom::{self, Bounds, Point, Polygon, Region};
+use crate::job::JobError;
 use crate::mesh::Plate;
 use crate::profile::{Settings, SupportStyle};
-use crate::slice::{Gaps, Layer, LayerSpan, Slicer};
+use crate::slice::{self, Gaps, Layer, LayerSpan, Slicer};
 use crate::toolpath::support::{self, BeadSpec, Outlines};
 use crate::toolpath::{self, LayerPaths, ObjectLayer, Planner, PlateLayer, Role, Shells};
 
 use super::infill;
 use super::parallel;
+use super::spiral::Spiral;
 use super::styles::{Planned, Planners, Styles};
 use super::supports::{self, Supports};
 
@@ -32,19 +34,24 @@ pub(super) struct Sections {
     places: Vec<Vec<Option<usize>>>,
     shells: Vec<Shells>,
     supports: Option<Supports>,
+    spiral: Option<Spiral>,
     /// Infill that was planned for all layers at once, by the settings that it is for.
     infill: Vec<Planned>,
 }
 
 impl Sections {
-    /// Cuts the objects of a slicer, which have these numbers on the whole plate.
+    /// Cuts the objects of a slicer, which have these numbers on the whole plate, and plans what depends on several
+    /// layers.
+    ///
+    /// # Errors
+    /// They cannot be printed as one spiral, if that is asked for.
     pub fn cut(
         slicer: &Slicer<'_>,
         objects: Vec<usize>,
         styles: &Styles<'_>,
         wishes: &[Plate; 2],
         settings: &Settings,
-    ) -> Self {
+    ) -> Result<Self, JobError> {
         let count = objects.len();
         let cut = parallel::map(slicer.spans().len(), |i| slicer.layer(i));
         let layers = raised(cut, settings);
@@ -52,6 +59,8 @@ impl Sections {
             .map(|object| layers.iter().map(|l| l.sections.iter().position(|s| s.object == object)).collect())
             .collect();
         let raft_layers = settings.raft.layers as usize;
+        let spans: Vec<LayerSpan> = layers.iter().map(|layer| layer.span).collect();
+        let heights_mm = slice::heights_mm(&spans, &settings.layer);
         let mut sections = Self {
             layers,
             raft_layers,
@@ -59,14 +68,20 @@ impl Sections {
             places,
             shells: Vec::new(),
             supports: None,
+            spiral: None,
             infill: Vec::new(),
         };
+        if settings.spiral.enabled {
+            // The lowest layer is level in any case: the nozzle cannot begin in the bed.
+            let part_mm = heights_mm.get(raft_layers..).unwrap_or_default();
+            let first = raft_layers + toolpath::bottom_layers(part_mm, &settings.shell).max(1);
+            sections.spiral = Some(Spiral::wind(&sections.layers, count, first, settings)?);
+        }
         sections.shells = (0..count)
             .map(|object| {
                 let shell = &styles.settings(object, settings).shell;
-                let (top, bottom) = toolpath::shell_layers(shell, settings.layer.height.0);
                 let own: Vec<&Region> = (0..sections.layers.len()).map(|i| sections.of(object, i)).collect();
-                Shells::build(&own, top, bottom, &|n, f| parallel::map(n, f))
+                Shells::build(&own, &heights_mm, shell, &|n, f| parallel::map(n, f))
             })
             .collect();
         if settings.support.enabled || !wishes[0].meshes.is_empty() {
@@ -78,7 +93,7 @@ impl Sections {
             .each(settings)
             .filter_map(|(style, settings)| Some((style, infill::plan(&sections, slicer.plate(), settings)?)))
             .collect();
-        sections
+        Ok(sections)
     }
 
     /// Where the part begins over the bed.
@@ -110,9 +125,17 @@ impl Sections {
 
     /// All paths of a layer; support comes before what it carries.
     pub fn paths(&self, planners: &Planners, index: usize, settings: &Settings) -> LayerPaths {
-        let mut layer = planners.layer(self.plate_layer(index));
+        let turn = self.spiral.as_ref().and_then(|spiral| {
+            let below = index.checked_sub(1).map_or(Region::EMPTY, |below| self.of(0, below));
+            spiral.layer(&self.layers[index].span, self.of(0, index), below)
+        });
+        let is_turn = turn.is_some();
+        let mut layer = turn.unwrap_or_else(|| planners.layer(self.plate_layer(index)));
         for island in &mut layer.islands {
             island.object = self.objects[island.object as usize] as u32;
+        }
+        if is_turn {
+            return layer;
         }
         let beads = match (index.checked_sub(self.raft_layers), &self.supports) {
             (None, _) => {
@@ -207,8 +230,13 @@ impl Sections {
         self.objects.iter().copied().zip(hulls).collect()
     }
 
-    /// What the user should know of outlines that were not closed.
-    pub fn warning(&self) -> Option<String> {
+    /// What the user should know.
+    pub fn warnings(&self) -> impl Iterator<Item = String> {
+        self.open_outlines().into_iter().chain(self.spiral.as_ref().and_then(|spiral| spiral.warning.clone()))
+    }
+
+    /// Of outlines that were not closed.
+    fn open_outlines(&self) -> Option<String> {
         let mut forced = self.layers.iter().filter(|l| l.gaps.forced > 0);
         let first = forced.next()?;
         Some(format!(

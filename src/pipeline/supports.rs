@@ -3,7 +3,7 @@
 use crate::geom::{Bounds, Region, offset, simplify, union_all};
 use crate::mesh::Plate;
 use crate::profile::{LayerSettings, Settings, SupportStyle};
-use crate::slice::{Layer, Slicer};
+use crate::slice::{self, Layer, LayerSpan, Slicer};
 use crate::toolpath::Path;
 use crate::toolpath::support::{self, Bitmap, ColumnSpec, Grid, Ground, Outlines, Overhang, Slab, Wishes};
 use crate::units::Mm;
@@ -13,6 +13,9 @@ use super::parallel;
 /// How far supports may reach beyond the part, in millimetres.
 pub(super) const REACH_MM: f64 = 4.0;
 
+/// Distances that are short by less are kept, in millimetres.
+const NOISE_MM: f64 = 1e-6;
+
 /// The outlines of support on every layer.
 pub(super) struct Supports {
     /// Each different from the one before.
@@ -21,8 +24,8 @@ pub(super) struct Supports {
     of_layer: Vec<usize>,
     /// The beads of each layer, once they are [laid](Self::lay).
     beads: Vec<Vec<Path>>,
-    /// How many layers beneath a support's the part may be that it stands on.
-    stands_on: usize,
+    /// For each layer, how many beneath it the part may be that its support stands on.
+    stands_on: Vec<usize>,
 }
 
 impl Supports {
@@ -35,14 +38,16 @@ impl Supports {
         let sections = parallel::map(count, |i| section(&layers[i]));
         let solid = parallel::map(count, |i| Bitmap::of(grid, &sections[i]));
         let slab = |i: usize| Slab { section: &sections[i], solid: &solid[i] };
-        let [enforced, blocked] = wishes.each_ref().map(|plate| bodies(plate, count, settings));
+        let [enforced, blocked] = wishes.each_ref().map(|plate| bodies(plate, layers, settings));
         // What lies on the bed hangs nowhere.
         let found: Vec<Overhang> = parallel::map(count, |i| {
             let [enforced, blocked] = [&enforced, &blocked].map(|r| r.get(i).unwrap_or(Region::EMPTY));
             let wishes = Wishes { enforced, blocked };
             support::find(slab(i), slab(i.saturating_sub(1)), layers[i].span.height_mm, wishes, support)
         });
-        let Mm(height_mm) = settings.layer.height;
+        let spans: Vec<LayerSpan> = layers.iter().map(|layer| layer.span).collect();
+        let heights_mm = slice::heights_mm(&spans, &settings.layer);
+        let height_mm = heights_mm.iter().copied().fold(f64::INFINITY, f64::min);
         let window = support::window(height_mm, support);
         let held = parallel::map(count, |i| {
             let around = &found[i.saturating_sub(window)..(i + window + 1).min(count)];
@@ -50,13 +55,13 @@ impl Supports {
         });
         drop(found);
         let spec = ColumnSpec {
-            gap_layers: (support.z_gap.0 / height_mm - 1e-6).ceil() as usize,
+            gap_layers: (0..count).map(|i| gap_layers(&heights_mm[..i], support.z_gap.0)).collect(),
             interface_layers: support.interface_layers as usize,
             gap_cells: (support.xy_gap.0 / grid.cell_mm() - 1e-6).ceil() as usize,
             from_bed_only: support.from_bed_only,
             height_mm,
         };
-        let stands_on = spec.gap_layers + 1;
+        let stands_on = spec.gap_layers.iter().map(|gap| gap + 1).collect();
         if support.style == SupportStyle::Tree {
             let discs = support::grow(&held, &solid, &spec, support);
             let rough = parallel::map(count, |i| simplify(&sections[i], support::ROUGH_MM));
@@ -64,7 +69,7 @@ impl Supports {
                 if discs[i].is_empty() {
                     return Outlines::default();
                 }
-                let near = &rough[i.saturating_sub(spec.gap_layers)..=i];
+                let near = &rough[i.saturating_sub(spec.gap_layers[i])..=i];
                 let kept_free = offset(&union_all(near), support.xy_gap.0);
                 let (all, interface) = support::outline(&discs[i], &kept_free);
                 Outlines { all, interface }
@@ -96,7 +101,8 @@ impl Supports {
         let count = self.of_layer.len();
         let laid = parallel::map(count, |i| bare(self.outlines(i), i));
         let carried = |i: usize, below: &[Path]| {
-            let near: Vec<Region> = layers[i.saturating_sub(self.stands_on)..i].iter().map(section).collect();
+            let near: Vec<Region> =
+                layers[i.saturating_sub(self.stands_on[i])..i].iter().map(section).collect();
             Ground::new(below, &near).carry(laid[i].clone())
         };
         let on_laid = parallel::map(count, |i| match i {
@@ -133,14 +139,53 @@ pub(super) fn section(layer: &Layer) -> Region {
     Region { polygons: layer.sections.iter().flat_map(|s| s.region.polygons.iter().cloned()).collect() }
 }
 
-/// The sections of bodies, up to so many layers.
-fn bodies(plate: &Plate, layers: usize, settings: &Settings) -> Vec<Region> {
+/// How many layers, of those below one, are left free to keep a distance.
+fn gap_layers(below_mm: &[f64], gap_mm: f64) -> usize {
+    let mut kept_mm = 0.0;
+    let short = |height_mm: &&f64| {
+        let is_short = kept_mm < gap_mm - NOISE_MM;
+        kept_mm += **height_mm;
+        is_short
+    };
+    below_mm.iter().rev().take_while(short).count()
+}
+
+/// The sections of bodies, in the layers of the part.
+fn bodies(plate: &Plate, layers: &[Layer], settings: &Settings) -> Vec<Region> {
     if plate.meshes.is_empty() {
         return Vec::new();
     }
     let exact = LayerSettings { xy_compensation: Mm(0.0), elephant_foot: Mm(0.0), ..settings.layer.clone() };
-    let slicer = Slicer::new(plate, &exact);
-    parallel::map(slicer.spans().len().min(layers), |i| {
+    let slicer = match slice::is_uniform(&exact) {
+        true => Slicer::new(plate, &exact),
+        false => Slicer::with_spans(plate, lowered(layers), &exact),
+    };
+    parallel::map(slicer.spans().len().min(layers.len()), |i| {
         union_all(slicer.layer(i).sections.iter().map(|section| &section.region))
     })
+}
+
+/// Where layers would lie without the raft under them.
+fn lowered(layers: &[Layer]) -> Vec<LayerSpan> {
+    let down_mm = layers.first().map_or(0.0, |first| first.span.bottom_mm);
+    let low = |(index, layer): (usize, &Layer)| LayerSpan {
+        index,
+        bottom_mm: layer.span.bottom_mm - down_mm,
+        top_mm: layer.span.top_mm - down_mm,
+        height_mm: layer.span.height_mm,
+        cut_mm: layer.span.cut_mm - down_mm,
+    };
+    layers.iter().enumerate().map(low).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_distance_is_kept_by_as_many_layers_as_it_takes() {
+        assert_eq!(gap_layers(&[0.2, 0.1, 0.1], 0.2), 2);
+        assert_eq!(gap_layers(&[0.1, 0.1, 0.28], 0.2), 1);
+        assert_eq!((gap_layers(&[0.2; 9], 0.3), gap_layers(&[0.2; 9], 0.0), gap_layers(&[], 0.3)), (2, 0, 0));
+    }
 }

@@ -3,8 +3,9 @@
 use std::collections::BTreeMap;
 
 use super::error::{Origin, Problem};
+use super::heights::layer_heights;
 use super::script::{PrintBounds, expand};
-use super::settings::{BedShape, Sequence, Settings};
+use super::settings::{BedShape, FuzzyWalls, Sequence, Settings};
 use super::sizes::thumbnail_sizes;
 
 /// What contradicts what, and what is unwise.
@@ -24,6 +25,8 @@ pub(super) fn find(settings: &Settings, origins: &BTreeMap<String, Origin>) -> C
     let values = toml::Table::try_from(settings).expect("settings are a table");
     let mut check = Check { values, origins, found: Conflicts { errors: Vec::new(), warnings: Vec::new() } };
     heights_and_widths(settings, &mut check);
+    varied_heights(settings, &mut check);
+    spiral(settings, &mut check);
     amounts(settings, &mut check);
     machine(settings, &mut check);
     retraction(settings, &mut check);
@@ -186,6 +189,54 @@ fn amounts(settings: &Settings, check: &mut Check) {
             &["order.layer_distance", "order.chain"],
             "a distance between the end of a layer and the start of the next needs order.chain = true",
         );
+    }
+}
+
+fn varied_heights(settings: &Settings, check: &mut Check) {
+    let (layer, nozzle) = (&settings.layer, settings.printer.nozzle_diameter);
+    let thinnest = [&settings.walls.width, &settings.walls.external_width, &settings.infill.width]
+        .into_iter()
+        .chain([&settings.shell.width, &settings.shell.top_width])
+        .fold(f64::INFINITY, |least, width| least.min(width.0));
+    let too_high = "a layer higher than the nozzle or a line is wide does not stick";
+    match layer_heights(&layer.heights) {
+        Err(message) => check.error(&["layer.heights"], &message),
+        Ok(table) => {
+            if table.iter().any(|[_, mm]| *mm > nozzle.0.min(thinnest)) {
+                check.error(&["layer.heights", "printer.nozzle_diameter"], too_high);
+            }
+            if layer.adaptive && !table.is_empty() {
+                check.error(
+                    &["layer.heights", "layer.adaptive"],
+                    "heights follow either a table or the surface; set one of them to \"\" or false",
+                );
+            }
+        }
+    }
+    if !layer.adaptive {
+        return;
+    }
+    if layer.min_height > layer.max_height {
+        check.error(&["layer.min_height", "layer.max_height"], "no height is between them");
+    }
+    if layer.max_height.0 > nozzle.0.min(thinnest) {
+        check.error(&["layer.max_height", "printer.nozzle_diameter"], too_high);
+    }
+}
+
+fn spiral(settings: &Settings, check: &mut Check) {
+    if !settings.spiral.enabled {
+        return;
+    }
+    let leaves = "a line that never stops cannot leave for it; set one of them to false";
+    if settings.support.enabled {
+        check.error(&["spiral.enabled", "support.enabled"], leaves);
+    }
+    if settings.skirt.draft_shield {
+        check.error(&["spiral.enabled", "skirt.draft_shield"], leaves);
+    }
+    if settings.fuzzy.walls != FuzzyWalls::None {
+        check.warn(&["fuzzy.walls", "spiral.enabled"], "only the bottom of a spiral is rough");
     }
 }
 

@@ -82,7 +82,7 @@ fn table(settings: &Settings) -> Table {
 }
 
 /// Scripts as multi-line strings, which `toml` writes on one line.
-fn toml_text(value: &Value) -> String {
+pub(super) fn toml_text(value: &Value) -> String {
     match value {
         Value::String(text) if text.contains('\n') && !text.contains("'''") && !text.contains('\r') => {
             format!("'''\n{text}'''")

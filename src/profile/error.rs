@@ -9,6 +9,8 @@ pub enum Origin {
     Embedded(String),
     /// A profile file, by path.
     File(String),
+    /// A configuration of another slicer, by path, and the line.
+    Line(String, usize),
     /// A command-line option, such as `--set` or `--order`.
     Option(&'static str),
 }
@@ -18,6 +20,7 @@ impl fmt::Display for Origin {
         match self {
             Self::Embedded(name) => write!(f, "profile {name}"),
             Self::File(path) => f.write_str(path),
+            Self::Line(path, line) => write!(f, "{path}:{line}"),
             Self::Option(option) => f.write_str(option),
         }
     }

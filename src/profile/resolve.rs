@@ -55,7 +55,7 @@ pub fn resolve(profiles: &[String], overrides: &[Override]) -> Result<Resolved, 
     for profile in profiles {
         reader.read(profile, "--profile");
     }
-    let Reader { mut assignments, mut problems, .. } = reader;
+    let Reader { mut assignments, mut problems, notes, .. } = reader;
     assignments.extend(overrides.iter().map(|o| Assignment {
         key: o.key.clone(),
         value: typed_value(&o.key, &o.value),
@@ -94,7 +94,8 @@ pub fn resolve(profiles: &[String], overrides: &[Override]) -> Result<Resolved, 
             .map(|c| c.problem),
     );
     if problems.is_empty() {
-        Ok(Resolved { settings, origins, warnings: found.warnings })
+        let warnings = notes.into_iter().chain(found.warnings).collect();
+        Ok(Resolved { settings, origins, warnings })
     } else {
         Err(ProfileError { problems })
     }
@@ -124,7 +125,7 @@ fn shown(value: &Value) -> String {
 }
 
 /// Is this value allowed for this key? The error says what would be.
-fn check(key: &str, value: &Value) -> Result<(), String> {
+pub(super) fn check(key: &str, value: &Value) -> Result<(), String> {
     let Some(field) = schema::field(key) else {
         let near: Vec<String> = suggest::keys(key).into_iter().map(|k| format!("`{k}`")).collect();
         return Err(match near.is_empty() {

@@ -81,6 +81,13 @@ choice! {
         Lightning = "lightning", }
 }
 choice! {
+    /// Which walls get a rough surface.
+    FuzzyWalls { /// None.
+        None = "none", /// The outermost.
+        Outer = "outer", /// All.
+        All = "all", }
+}
+choice! {
     /// How supports are built.
     SupportStyle { /// Straight columns.
         Grid = "grid", /// Branches that meet and avoid the part.
@@ -281,6 +288,16 @@ section! {
         height: Mm = Mm(0.2); 0.01..=2.0,
         /// Height of the first layer.
         first_height: Mm = Mm(0.2); 0.01..=2.0,
+        /// Heights follow the surface, thinner where it is nearly level; `height` then holds for rafts alone.
+        adaptive: bool = false,
+        /// How fine adaptive heights are: at 0 all are `max_height`, at 1 nearly level surfaces get `min_height`.
+        quality: Ratio = Ratio(0.5); 0.0..=1.0,
+        /// Least height of an adaptive layer.
+        min_height: Mm = Mm(0.08); 0.01..=2.0,
+        /// Greatest height of an adaptive layer.
+        max_height: Mm = Mm(0.28); 0.01..=2.0,
+        /// Heights by height over the bed, such as `0:0.2, 10:0.1` for layers of 0.1 mm from 10 mm on; empty: `height` throughout.
+        heights: String = String::new(),
         /// Added to every Z in the G-code.
         z_offset: Mm = Mm(0.0); -5.0..=5.0,
         /// Sections grow (+) or shrink (−) by this on every side.
@@ -364,6 +381,26 @@ section! {
         flow: Ratio = Ratio(0.1); 0.0..=1.0,
         /// Distance of its lines.
         spacing: Mm = Mm(0.1); 0.02..=1.0,
+    }
+}
+section! {
+    /// `[spiral]`: one wall in one line that rises all the way, on a solid bottom (vase mode).
+    SpiralSettings {
+        /// Print so.
+        enabled: bool = false,
+        /// Each turn glides from the outline below it to its own, so that no step shows where turns begin.
+        smooth: bool = true,
+    }
+}
+section! {
+    /// `[fuzzy]`: a rough surface.
+    FuzzySettings {
+        /// Which walls have it.
+        walls: FuzzyWalls = FuzzyWalls::None,
+        /// How far they leave their line to either side.
+        thickness: Mm = Mm(0.3); 0.01..=2.0,
+        /// Distance of the points that are moved.
+        distance: Mm = Mm(0.8); 0.05..=10.0,
     }
 }
 section! {
@@ -649,6 +686,8 @@ settings! {
     shell: ShellSettings,
     infill: InfillSettings,
     ironing: IroningSettings,
+    spiral: SpiralSettings,
+    fuzzy: FuzzySettings,
     first_layer: FirstLayerSettings,
     skirt: SkirtSettings,
     brim: BrimSettings,

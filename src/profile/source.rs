@@ -1,4 +1,4 @@
-//! Reads profiles as written and flattens what they inherit into assignments, parents first.
+//! Reads profiles as written, ours and those of other slicers, and flattens what they inherit into assignments, parents first.
 
 use std::path::{Path, PathBuf};
 
@@ -6,6 +6,7 @@ use toml::{Table, Value};
 
 use super::embedded::{self, EMBEDDED};
 use super::error::{Origin, Problem};
+use super::import::{self, Import};
 use super::suggest;
 
 /// One `key = value`, and where it was written.
@@ -22,6 +23,8 @@ pub(super) struct Assignment {
 pub(super) struct Reader {
     pub assignments: Vec<Assignment>,
     pub problems: Vec<Problem>,
+    /// What is to be known of what was read.
+    pub notes: Vec<Problem>,
     /// The profiles being read, outermost first, to notice one that inherits itself.
     open: Vec<Found>,
 }
@@ -34,6 +37,9 @@ impl Reader {
 
     /// `folder`: what relative paths start from; `asker`: who named the profile.
     fn read_from(&mut self, name_or_path: &str, folder: &Path, asker: &Origin) {
+        if let Some(path) = foreign(name_or_path, folder) {
+            return self.import(&path);
+        }
         let found = match locate(name_or_path, folder) {
             Ok(found) => found,
             Err(message) => return self.problem(asker, message),
@@ -54,6 +60,22 @@ impl Reader {
                 let message = format!("is not valid TOML: {}", one_line(&error, &found.text));
                 self.problem(&found.origin, message);
             }
+        }
+    }
+
+    /// Reads a configuration of another slicer.
+    fn import(&mut self, path: &Path) {
+        let name = path.display().to_string();
+        let origin = Origin::File(name.clone());
+        match Import::read(path) {
+            Ok(import) => {
+                let note = import.summary(&name);
+                self.notes.extend(note.map(|message| Problem { origin, setting: None, message }));
+                for taken in import.taken {
+                    self.assign(taken.key.to_owned(), taken.value, &Origin::Line(name.clone(), taken.line));
+                }
+            }
+            Err(message) => self.problem(&origin, message),
         }
     }
 
@@ -139,11 +161,21 @@ fn locate(name_or_path: &str, folder: &Path) -> Result<Found, String> {
     })
 }
 
-/// Text of a profile as written, by name or path.
+/// The path of a configuration of another slicer, if that is meant.
+fn foreign(name_or_path: &str, folder: &Path) -> Option<PathBuf> {
+    let path = folder.join(name_or_path);
+    (embedded::find(name_or_path).is_none() && import::is_foreign(&path)).then_some(path)
+}
+
+/// Text of a profile as written, by name or path; a configuration of another slicer as a profile of ours.
 ///
 /// # Errors
 /// A message that names the known profiles, or says why the file cannot be read.
 pub fn text(name_or_path: &str) -> Result<String, String> {
+    if let Some(path) = foreign(name_or_path, Path::new("")) {
+        let import = Import::read(&path).map_err(|message| format!("{name_or_path}: {message}"))?;
+        return Ok(import::as_profile(name_or_path, &import));
+    }
     locate(name_or_path, Path::new("")).map(|found| found.text)
 }
 

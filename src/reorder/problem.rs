@@ -92,6 +92,7 @@ impl Ordering {
             paths,
             outline: Region::default(),
             beneath: None,
+            rises: Vec::new(),
         };
         Self { layer, members, fixed_mm }
     }

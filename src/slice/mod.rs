@@ -1,16 +1,18 @@
 //! Meshes → cross-sections, layer by layer.
 //!
-//! [`plan()`] says where the layers lie, a [`Slicer`] prepares the meshes of a plate once and then cuts any layer by
+//! [`spans()`] says where the layers lie, a [`Slicer`] prepares the meshes of a plate once and then cuts any layer by
 //! itself, so that layers can be cut in parallel.
 
 mod cutter;
 mod fill;
+mod heights;
 mod nest;
 mod plan;
 mod simplify;
 mod stitch;
 
 pub use cutter::Cutter;
+pub use heights::{cusp_limit_mm, heights_mm, is_uniform, spans};
 pub use plan::{LayerSpan, plan};
 
 use crate::geom::{Region, offset};
@@ -66,8 +68,11 @@ pub struct Slicer<'a> {
 impl<'a> Slicer<'a> {
     /// Plans the layers up to the highest object, and sorts triangles by layer. O(triangles + crossings).
     pub fn new(plate: &'a Plate, settings: &LayerSettings) -> Self {
-        let height_mm = plate.meshes.iter().map(|m| m.bounds()[1][2]).fold(0.0, f64::max);
-        let spans = plan(height_mm, settings);
+        Self::with_spans(plate, spans(plate, settings), settings)
+    }
+
+    /// The same with layers that are planned already.
+    pub fn with_spans(plate: &'a Plate, spans: Vec<LayerSpan>, settings: &LayerSettings) -> Self {
         let cutters = plate.meshes.iter().map(|m| Cutter::new(m, &spans, settings.resolution.0)).collect();
         Self {
             plate,

@@ -20,7 +20,7 @@ pub struct LayerSpan {
 }
 
 /// Models in 32-bit coordinates are this uncertain: half a micrometre covers heights up to 4 m.
-const NOISE_MM: f64 = 5e-4;
+pub(super) const NOISE_MM: f64 = 5e-4;
 
 /// Layers of an object: all those whose middle lies inside it, as a last layer that is less than half filled would stand
 /// out more than one that is missing. Tops that differ by rounding noise give the same layers.

@@ -1,5 +1,6 @@
 //! What the toolpath stage makes: paths that know their role, width, height and island.
 
+use super::spiral::Rise;
 use crate::geom::{Point, Region};
 
 /// What a path is for. The order of the variants is the order in which an island is printed by default.
@@ -121,4 +122,6 @@ pub struct LayerPaths {
     pub outline: Region,
     /// What they rest on, the section one layer down; `None`: the bed.
     pub beneath: Option<Region>,
+    /// Of a layer that is one turn of a spiral how its only path rises, vertex by vertex; empty: it is level.
+    pub rises: Vec<Rise>,
 }

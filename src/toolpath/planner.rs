@@ -5,13 +5,15 @@ use std::sync::Arc;
 
 use crate::geom::{self, Polygon, Region, Ring};
 use crate::profile::{
-    BridgeSettings, BrimSettings, FirstLayerSettings, InfillSettings, IroningSettings, SeamPosition,
-    SeamSettings, Settings, ShellSettings, SkirtSettings, WallOrder, WallSettings,
+    BridgeSettings, BrimSettings, FirstLayerSettings, FuzzySettings, FuzzyWalls, InfillSettings,
+    IroningSettings, SeamPosition, SeamSettings, Settings, ShellSettings, SkirtSettings, WallOrder,
+    WallSettings,
 };
 use crate::units::Mm;
 
 use super::bead::Line;
 use super::bridges::Bridge;
+use super::fuzzy::Fuzzy;
 use super::infill::{self, FillPattern, FillSpec, Joins, SolidSpec, SparseSample};
 use super::shells::{self, Zones};
 use super::stacks::Stacks;
@@ -54,6 +56,7 @@ pub struct ToolpathSettings {
     pub infill: InfillSettings,
     pub ironing: IroningSettings,
     pub bridge: BridgeSettings,
+    pub fuzzy: FuzzySettings,
     /// The nozzle's bore: as thick as bridges are by nature.
     pub nozzle: Mm,
     pub first_layer: FirstLayerSettings,
@@ -70,6 +73,7 @@ impl From<&Settings> for ToolpathSettings {
             infill: s.infill.clone(),
             ironing: s.ironing.clone(),
             bridge: s.bridge.clone(),
+            fuzzy: s.fuzzy.clone(),
             nozzle: s.printer.nozzle_diameter,
             first_layer: s.first_layer.clone(),
             skirt: s.skirt.clone(),
@@ -262,10 +266,11 @@ impl Planner {
         let mut islands = Vec::new();
         let mut outline = Region::default();
         for object in &section.objects {
+            let fuzzy = Fuzzy::new(&self.settings.fuzzy, object.beneath, section.index, object.object);
             for polygon in &object.section.polygons {
                 draft.island = islands.len() as u32;
                 islands.push(Island { object: object.object });
-                self.island(&mut draft, polygon, object, section, &widths);
+                self.island(&mut draft, polygon, object, section, fuzzy.as_ref());
             }
             outline.polygons.extend(object.section.polygons.iter().cloned());
         }
@@ -279,7 +284,8 @@ impl Planner {
             islands,
             paths: draft.paths,
             outline,
-            beneath: rests_on(section),
+            beneath: rests_on(section, &self.settings.fuzzy),
+            rises: Vec::new(),
         }
     }
 
@@ -289,9 +295,9 @@ impl Planner {
         polygon: &Polygon,
         object: &ObjectLayer<'_>,
         section: &PlateLayer<'_>,
-        widths: &Widths,
+        fuzzy: Option<&Fuzzy<'_>>,
     ) {
-        let spec = self.wall_spec(section);
+        let (spec, widths) = (self.wall_spec(section), &self.widths(section.index));
         let Walls { loops, gaps, inside } = walls::trace(polygon, &spec);
         let count = self.settings.walls.count;
         let rank_of = |depth: u32| match self.settings.walls.order {
@@ -306,6 +312,10 @@ impl Planner {
             let (role, width_mm) = match depth {
                 0 => (Role::ExternalPerimeter, widths.external_mm),
                 _ => (Role::Perimeter, widths.wall_mm),
+            };
+            let lines = match fuzzy {
+                Some(fuzzy) => fuzzy.roughen(lines, depth),
+                None => lines,
             };
             draft.lines(role, rank_of(depth as u32), width_mm, lines);
         }
@@ -463,11 +473,14 @@ impl Planner {
     }
 }
 
-/// What a layer rests on: everything one layer down.
-fn rests_on(section: &PlateLayer<'_>) -> Option<Region> {
+/// What a layer rests on: everything one layer down. Rough walls do not hang over where they leave their line.
+fn rests_on(section: &PlateLayer<'_>, fuzzy: &FuzzySettings) -> Option<Region> {
     let mut below = Region::default();
     for object in &section.objects {
         below.polygons.extend(object.beneath?.polygons.iter().cloned());
+    }
+    if fuzzy.walls != FuzzyWalls::None {
+        below = geom::offset(&below, fuzzy.thickness.0);
     }
     Some(below)
 }

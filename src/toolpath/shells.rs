@@ -1,5 +1,7 @@
 //! Which part of a layer is solid: where a layer within the shell's thickness, above or below, is missing.
 
+use std::ops::Range;
+
 use crate::geom::{self, Region};
 use crate::profile::ShellSettings;
 
@@ -19,64 +21,118 @@ const ROUGH_MM: f64 = 0.05;
 /// Calls a function for 0, 1, … n − 1, possibly in parallel, and returns the results in order.
 pub type Map<'a> = &'a dyn Fn(usize, &(dyn Fn(usize) -> Region + Sync)) -> Vec<Region>;
 
-/// How many layers the top and the bottom shell have, with as many more as their least thickness asks for. A shell
-/// that is not wanted stays away.
-pub fn shell_layers(settings: &ShellSettings, height_mm: f64) -> (u32, u32) {
-    let least = (settings.min_thickness.0 / height_mm - 1e-9).ceil().max(0.0) as u32;
-    let layers = |wanted: u32| if wanted == 0 { 0 } else { wanted.max(least) };
-    (layers(settings.top_layers), layers(settings.bottom_layers))
+/// Thicknesses that differ by less are the same, in millimetres.
+const NOISE_MM: f64 = 1e-6;
+
+/// How many layers on one side of a layer its shell looks at: as many as are asked for, and more until those between it
+/// and the surface are as thick as asked for. `heights_mm` are those of the layers on that side, the nearest first; one
+/// more than there are says that the shell looks beyond them. A shell that is not wanted stays away.
+pub fn shell_depth(heights_mm: impl Iterator<Item = f64>, layers: u32, min_thickness_mm: f64) -> usize {
+    let (mut depth, mut thick_mm) = (0, 0.0);
+    if layers == 0 {
+        return 0;
+    }
+    for height_mm in heights_mm {
+        if depth >= layers as usize && thick_mm >= min_thickness_mm - NOISE_MM {
+            return depth;
+        }
+        depth += 1;
+        thick_mm += height_mm;
+    }
+    let enough = depth >= layers as usize && thick_mm >= min_thickness_mm - NOISE_MM;
+    if enough { depth } else { depth + 1 }
 }
 
-/// For each layer, what is common to the `top_layers` layers above it and to the `bottom_layers` below it.
+/// How many of the lowest layers, with these heights, are the solid bottom of what stands on the bed.
+pub fn bottom_layers(heights_mm: &[f64], settings: &ShellSettings) -> usize {
+    (0..heights_mm.len()).take_while(|&i| below(heights_mm, i, settings) > i).count()
+}
+
+fn above(heights_mm: &[f64], layer: usize, settings: &ShellSettings) -> usize {
+    let heights_mm = heights_mm[layer + 1..].iter().copied();
+    shell_depth(heights_mm, settings.top_layers, settings.min_thickness.0)
+}
+
+fn below(heights_mm: &[f64], layer: usize, settings: &ShellSettings) -> usize {
+    let heights_mm = heights_mm[..layer].iter().rev().copied();
+    shell_depth(heights_mm, settings.bottom_layers, settings.min_thickness.0)
+}
+
+/// For each layer, what is common to the layers above it within the top shell's thickness, and to those below it within
+/// the bottom shell's.
 #[derive(Clone, Debug, Default)]
 pub struct Shells {
-    above: Vec<Region>,
-    below: Vec<Region>,
-    top_layers: usize,
-    bottom_layers: usize,
+    windows: Vec<Region>,
+    /// For each layer its window; `None`: it reaches beyond the object.
+    above: Vec<Option<usize>>,
+    below: Vec<Option<usize>>,
+    has_top: bool,
+    has_bottom: bool,
 }
 
 impl Shells {
-    /// Builds the windows of one object from its sections, bottom up.
+    /// Builds the windows of one object from its sections and the layers' heights, bottom up.
     ///
-    /// Windows of a power of two are combined from halves, so the cost is about log₂(layers) + 1
-    /// intersections of neighbouring layers for each layer, and top and bottom share them.
-    pub fn build(sections: &[&Region], top_layers: u32, bottom_layers: u32, map: Map<'_>) -> Self {
-        let (top_layers, bottom_layers) = (top_layers as usize, bottom_layers as usize);
-        let rough = map(sections.len(), &|i| geom::simplify(sections[i], ROUGH_MM));
-        let below = windows(&rough, bottom_layers, map);
-        let above = if top_layers == bottom_layers { Vec::new() } else { windows(&rough, top_layers, map) };
-        Self { above, below, top_layers, bottom_layers }
+    /// Windows of a power of two are combined from halves, others from two that overlap, so the cost is about
+    /// log₂(layers) + 1 intersections of neighbouring layers for each layer, and top and bottom share them.
+    pub fn build(sections: &[&Region], heights_mm: &[f64], settings: &ShellSettings, map: Map<'_>) -> Self {
+        let count = sections.len();
+        let up = |i: usize| i + 1..i + 1 + above(heights_mm, i, settings);
+        let down = |i: usize| Some(i.checked_sub(below(heights_mm, i, settings))?..i);
+        let inside = |range: &Range<usize>| !range.is_empty() && range.end <= count;
+        let above: Vec<_> = (0..count).map(|i| Some(up(i)).filter(inside)).collect();
+        let below: Vec<_> = (0..count).map(|i| down(i).filter(inside)).collect();
+        let mut ranges: Vec<Range<usize>> = above.iter().chain(&below).flatten().cloned().collect();
+        ranges.sort_unstable_by_key(|range| (range.start, range.end));
+        ranges.dedup();
+        let place = |range: &Option<Range<usize>>| {
+            let range = range.as_ref()?;
+            ranges.binary_search_by_key(&(range.start, range.end), |r| (r.start, r.end)).ok()
+        };
+        let (above, below) = (above.iter().map(place).collect(), below.iter().map(place).collect());
+        let rough = map(count, &|i| geom::simplify(sections[i], ROUGH_MM));
+        let (has_top, has_bottom) = (settings.top_layers > 0, settings.bottom_layers > 0);
+        Self { windows: windows(rough, &ranges, map), above, below, has_top, has_bottom }
     }
 
     /// What layer `i`'s upper neighbours have in common; `None` where no shell is asked for.
     pub fn above(&self, i: usize) -> Option<&Region> {
-        let windows = if self.top_layers == self.bottom_layers { &self.below } else { &self.above };
-        (self.top_layers > 0).then(|| windows.get(i + 1).unwrap_or(Region::EMPTY))
+        self.has_top.then(|| self.window(&self.above, i))
     }
 
     /// What layer `i`'s lower neighbours have in common; `None` where no shell is asked for.
     pub fn below(&self, i: usize) -> Option<&Region> {
-        (self.bottom_layers > 0).then(|| match i.checked_sub(self.bottom_layers) {
-            Some(first) => self.below.get(first).unwrap_or(Region::EMPTY),
-            None => Region::EMPTY,
-        })
+        self.has_bottom.then(|| self.window(&self.below, i))
+    }
+
+    fn window(&self, places: &[Option<usize>], i: usize) -> &Region {
+        places.get(i).copied().flatten().map_or(Region::EMPTY, |place| &self.windows[place])
     }
 }
 
-/// Intersections of `length` consecutive sections, from each index at which that many are left.
-fn windows(sections: &[Region], length: usize, map: Map<'_>) -> Vec<Region> {
-    if length == 0 || sections.len() < length {
-        return Vec::new();
+/// Intersections of consecutive sections.
+fn windows(sections: Vec<Region>, ranges: &[Range<usize>], map: Map<'_>) -> Vec<Region> {
+    let mut out = vec![Region::default(); ranges.len()];
+    let longest = ranges.iter().map(Range::len).max().unwrap_or(0);
+    // Of as many sections each as there are in `have`, from each at which that many are left.
+    let (mut level, mut have) = (sections, 1);
+    while have <= longest {
+        let due: Vec<usize> =
+            (0..ranges.len()).filter(|&k| (have..2 * have).contains(&ranges[k].len())).collect();
+        let made = map(due.len(), &|k| {
+            let Range { start, end } = ranges[due[k]];
+            match end - start {
+                length if length == have => level[start].clone(),
+                _ => geom::intersection(&level[start], &level[end - have]),
+            }
+        });
+        due.iter().zip(made).for_each(|(&k, window)| out[k] = window);
+        if 2 * have <= longest {
+            level = map(level.len() - have, &|i| geom::intersection(&level[i], &level[i + have]));
+        }
+        have *= 2;
     }
-    let mut level = sections.to_vec();
-    let mut have = 1;
-    while have < length {
-        let step = have.min(length - have);
-        level = map(level.len() - step, &|i| geom::intersection(&level[i], &level[i + step]));
-        have += step;
-    }
-    level
+    out
 }
 
 /// The inside of an island, divided.

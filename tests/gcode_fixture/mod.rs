@@ -97,6 +97,7 @@ pub fn layer(index: usize, paths: Vec<Path>) -> LayerPaths {
         paths,
         outline: Region::default(),
         beneath: None,
+        rises: Vec::new(),
     }
 }
 

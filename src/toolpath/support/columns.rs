@@ -30,17 +30,17 @@ pub struct Cells {
 }
 
 /// What columns are made for.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 pub struct ColumnSpec {
-    /// Layers left free between support and the part, above and below.
-    pub gap_layers: usize,
+    /// For each layer how many under it are left free between the part and support, whichever is above.
+    pub gap_layers: Vec<usize>,
     /// Layers at the top that are dense.
     pub interface_layers: usize,
     /// How near to the part's sides columns come, in cells.
     pub gap_cells: usize,
     /// Only columns that stand on the bed.
     pub from_bed_only: bool,
-    /// Height of a layer.
+    /// Height of a layer, the least one where they differ.
     pub height_mm: f64,
 }
 
@@ -90,17 +90,19 @@ pub fn stand(held: &[Bitmap], solid: &[Bitmap], spec: &ColumnSpec) -> Vec<Cells>
 
 /// For each layer, where support ends under what is held above it.
 pub(super) fn pads(held: &[Bitmap], solid: &[Bitmap], spec: &ColumnSpec) -> Vec<Bitmap> {
-    let pad = |(layer, solid): (usize, &Bitmap)| match held.get(layer + 1 + spec.gap_layers) {
-        Some(held) if !held.is_empty() => held.grown(1),
-        _ => Bitmap::empty(solid.grid()),
-    };
-    solid.iter().enumerate().map(pad).collect()
+    let mut pads: Vec<Bitmap> = solid.iter().map(|solid| Bitmap::empty(solid.grid())).collect();
+    for (layer, held) in held.iter().enumerate().filter(|(_, held)| !held.is_empty()) {
+        if let Some(top) = layer.checked_sub(1 + spec.gap_layers[layer]) {
+            pads[top].add(&held.grown(1));
+        }
+    }
+    pads
 }
 
 /// The cells too near to the part.
 pub(super) fn kept_free(solid: &[Bitmap], layer: usize, spec: &ColumnSpec) -> Bitmap {
     let mut free = solid[layer].grown(spec.gap_cells);
-    (1..=spec.gap_layers.min(layer)).for_each(|down| free.add(&solid[layer - down]));
+    (1..=spec.gap_layers[layer].min(layer)).for_each(|down| free.add(&solid[layer - down]));
     free
 }
 
@@ -113,7 +115,7 @@ fn rest(all: &mut [Bitmap], solid: &[Bitmap], spec: &ColumnSpec) {
         }
         let mut under = all[layer - 1].grown(usize::from(layer % lean_every == 0));
         if !spec.from_bed_only {
-            let nearest = layer.saturating_sub(spec.gap_layers + 1);
+            let nearest = layer.saturating_sub(spec.gap_layers[layer] + 1);
             solid[nearest..layer].iter().for_each(|solid| under.add(&solid.grown(1)));
         }
         all[layer].keep(&under);

@@ -349,7 +349,7 @@ mod tests {
         let mut held = vec![Bitmap::empty(grid()); solid.len()];
         *held.last_mut().unwrap() = ceiling;
         let spec = ColumnSpec {
-            gap_layers: 1,
+            gap_layers: vec![1; solid.len()],
             interface_layers: 2,
             gap_cells: 1,
             from_bed_only,

@@ -1,0 +1,40 @@
+//! Turns of a spiral: drawn without a stop, rising on the way.
+
+use super::Move;
+use super::bead::{Vertex, distance};
+use super::overhang::Grade;
+use super::plan::Nozzle;
+use crate::toolpath::{Path, Rise};
+use crate::units::Mm3;
+
+impl Nozzle<'_> {
+    /// Draws the vertices of a turn, each as far below the layer's height as `rises` says. Only a turn that does not
+    /// begin where the nozzle is, the first, is travelled to.
+    pub(super) fn wind(&mut self, path: &Path, vertices: &[Vertex], rises: &[Rise], pause: bool) {
+        let (Some(start), Some(rise)) = (vertices.first(), rises.first()) else { return };
+        let top_mm = self.layer_z_mm;
+        let start_mm = top_mm - rise.below_mm;
+        if self.at == Some(start.at) && (self.z_mm - start_mm).abs() < 1e-6 && !pause {
+            self.positioned = true;
+        } else {
+            self.layer_z_mm = start_mm;
+            self.travel(start.at, path.island, pause);
+            self.layer_z_mm = top_mm;
+        }
+        self.begin(path, path.role);
+        let speed = self.rules.speed(path.role, Grade::Held);
+        let ends = vertices.iter().zip(rises);
+        for ((from, rise_from), (to, rise)) in ends.clone().zip(ends.skip(1)) {
+            let area_mm2 = 0.5 * (from.area_mm2 * rise_from.flow + to.area_mm2 * rise.flow);
+            self.moves.push(Move::Ramp {
+                to: to.at,
+                z_mm: top_mm - rise.below_mm,
+                volume: Mm3(area_mm2 * distance(from.at, to.at)),
+                speed: self.rules.melted(speed, area_mm2),
+            });
+        }
+        self.at = vertices.last().map(|v| v.at);
+        self.z_mm = top_mm - rises.last().map_or(0.0, |rise| rise.below_mm);
+        self.wipe = Vec::new();
+    }
+}

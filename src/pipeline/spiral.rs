@@ -1,0 +1,125 @@
+//! Winds a whole print into one spiral on its solid bottom.
+
+use std::borrow::Cow;
+
+use crate::geom::{Region, Ring};
+use crate::job::JobError;
+use crate::profile::Settings;
+use crate::slice::{Layer, LayerSpan};
+use crate::toolpath::{self, Island, LayerPaths, Path, Role, SpiralSpec, Turn, Width};
+use crate::units::Ratio;
+
+use super::parallel;
+
+/// Layers above the bottom as turns.
+pub(super) struct Spiral {
+    /// The layer of the first turn.
+    first: usize,
+    turns: Vec<Turn>,
+    width_mm: f64,
+    /// What the user should know of what is not printed.
+    pub warning: Option<String>,
+}
+
+/// The settings that the bottom of a spiral is printed with: one wall, nothing inside, no top.
+pub(super) fn effective(settings: &Settings) -> Cow<'_, Settings> {
+    if !settings.spiral.enabled {
+        return Cow::Borrowed(settings);
+    }
+    let mut settings = settings.clone();
+    settings.walls.count = 1;
+    settings.shell.top_layers = 0;
+    settings.infill.density = Ratio(0.0);
+    settings.ironing.enabled = false;
+    Cow::Owned(settings)
+}
+
+impl Spiral {
+    /// Winds the layers from `first` on.
+    ///
+    /// # Errors
+    /// More than one object is on the plate, or a layer in the middle has no outline to follow.
+    pub fn wind(
+        layers: &[Layer],
+        objects: usize,
+        first: usize,
+        settings: &Settings,
+    ) -> Result<Self, JobError> {
+        if objects > 1 {
+            return Err(JobError::Input(
+                "one line without a stop prints one object; slice several with --each, or without spiral.enabled"
+                    .into(),
+            ));
+        }
+        let spec = SpiralSpec { width_mm: settings.walls.external_width.0, smooth: settings.spiral.smooth };
+        let body = layers.get(first..).unwrap_or_default();
+        let section = |layer: &Layer| layer.sections.first().map(|s| s.region.clone()).unwrap_or_default();
+        let mut outlines: Vec<Option<Ring>> =
+            parallel::map(body.len(), |i| toolpath::outline(&section(&body[i]), spec.width_mm));
+        while outlines.last().is_some_and(Option::is_none) {
+            outlines.pop();
+        }
+        if let Some(gap) = outlines.iter().position(Option::is_none) {
+            return Err(JobError::Input(format!(
+                "at {:.2} mm the model is thinner than the line, which cannot go on; slice it without spiral.enabled",
+                body[gap].span.top_mm
+            )));
+        }
+        let mut outlines: Vec<Ring> = outlines.into_iter().flatten().collect();
+        let warning = warning(body, outlines.len(), &section);
+        toolpath::align(&mut outlines);
+        let mut turns = parallel::map(outlines.len(), |i| {
+            let below = i.checked_sub(1).map(|below| outlines[below].as_slice());
+            toolpath::turn(&outlines[i], below, body[i].span.height_mm, &spec)
+        });
+        if let (Some(last), Some(outline)) = (turns.last_mut(), outlines.last()) {
+            last.extend(toolpath::level(outline));
+        }
+        Ok(Self { first, turns, width_mm: spec.width_mm, warning })
+    }
+
+    /// The turn of a layer; `None`: it belongs to the bottom.
+    pub fn layer(&self, span: &LayerSpan, section: &Region, beneath: &Region) -> Option<LayerPaths> {
+        let turn = self.turns.get(span.index.checked_sub(self.first)?);
+        let Turn { points, rises } = turn.cloned().unwrap_or_default();
+        let path = Path {
+            role: Role::ExternalPerimeter,
+            closed: false,
+            points,
+            width: Width::Constant(self.width_mm),
+            height_mm: span.height_mm,
+            island: 0,
+            rank: 0,
+        };
+        Some(LayerPaths {
+            index: span.index,
+            top_mm: span.top_mm,
+            height_mm: span.height_mm,
+            islands: vec![Island { object: 0 }],
+            paths: if rises.is_empty() { Vec::new() } else { vec![path] },
+            outline: section.clone(),
+            beneath: Some(beneath.clone()),
+            rises,
+        })
+    }
+}
+
+/// Tells of parts beside the one that is followed, and of a tip too thin for the line.
+fn warning(body: &[Layer], wound: usize, section: &impl Fn(&Layer) -> Region) -> Option<String> {
+    let mut split = body.iter().filter(|layer| section(layer).polygons.len() > 1);
+    let mut parts = Vec::new();
+    if let Some(first) = split.next() {
+        parts.push(format!(
+            "{} layers, the first at {:.2} mm, are in several parts, of which the spiral follows the largest",
+            1 + split.count(),
+            first.span.top_mm
+        ));
+    }
+    if let Some(tip) = body.get(wound) {
+        parts.push(format!(
+            "from {:.2} mm on the model is thinner than the line and left out",
+            tip.span.bottom_mm
+        ));
+    }
+    (!parts.is_empty()).then(|| parts.join("; "))
+}

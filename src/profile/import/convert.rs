@@ -1,0 +1,731 @@
+//! The rules of the [table](super::table): from a value of theirs to one of ours.
+
+use toml::Value;
+
+use super::Outcome::{self, Idle, Left, Near};
+use super::config::Config;
+use super::script;
+use super::table::{How, Row};
+use crate::profile::schema::{self, Kind};
+use crate::profile::settings::{Flavor, MachineSettings, Pattern};
+use crate::units::{MmPerS, MmPerS2};
+
+/// Width of automatic lines, as a share of the nozzle.
+const AUTO_WIDTH: f64 = 1.125;
+
+/// Share of the nozzle that automatic layers are high at most.
+const AUTO_HEIGHT: f64 = 0.75;
+
+/// Share of the travel speed at which wipes are made.
+const WIPE_SPEED: f64 = 0.8;
+
+/// Anchors that are not limited are this long.
+const LONGEST_ANCHOR_MM: f64 = 100.0;
+
+/// No limit, for lengths.
+const ANY_MM: f64 = 10_000.0;
+
+/// How far a bed's outline may be from a rectangle or a circle, in millimetres.
+const BED_TOLERANCE_MM: f64 = 0.1;
+
+/// The value that a row gives.
+pub(super) fn row(row: &Row, config: &Config) -> Outcome {
+    match row.how {
+        How::With(rule) => rule(config),
+        How::Same => same(row, config).unwrap_or_else(|| Left("is not understood".into())),
+    }
+}
+
+/// The first of their keys that is set, as it is.
+fn same(row: &Row, config: &Config) -> Option<Outcome> {
+    let key = row.theirs.iter().find(|key| config.text(key).is_some())?;
+    let field = schema::field(row.ours)?;
+    let value = match field.kind {
+        // Factors may be written as percentages.
+        Kind::Number if field.unit.is_empty() => return Some(known(config.number_of(key, Some(1.0)))),
+        Kind::Number => Value::Float(config.number(key)?),
+        Kind::Count => Value::Integer(config.number(key)? as i64),
+        Kind::Share => return share(config, key),
+        Kind::Flag => Value::Boolean(config.flag(key)?),
+        Kind::Text => Value::String(config.text(key)?.split(';').next()?.trim_matches('"').to_owned()),
+        _ => return None,
+    };
+    Some(Outcome::Value(value))
+}
+
+/// `20%`, `20` or `0.2`.
+fn share(config: &Config, key: &str) -> Option<Outcome> {
+    let share = config.number_of(key, Some(1.0))?;
+    let is_percent = config.first(key)?.ends_with('%');
+    Some(number(if is_percent || share <= 1.0 { share } else { share / 100.0 }))
+}
+
+fn number(value: f64) -> Outcome {
+    Outcome::Value(Value::Float((value * 1e9).round() / 1e9))
+}
+
+fn numbers(values: &[f64]) -> Outcome {
+    Outcome::Value(Value::Array(values.iter().map(|v| Value::Float(*v)).collect()))
+}
+
+fn word(text: &str) -> Outcome {
+    Outcome::Value(Value::String(text.into()))
+}
+
+fn flag(on: bool) -> Outcome {
+    Outcome::Value(Value::Boolean(on))
+}
+
+/// A number, or why there is none.
+fn known(value: Option<f64>) -> Outcome {
+    value.map_or_else(|| Left("is not understood, or relative to what is not given".into()), number)
+}
+
+/// No value of ours for this one of theirs.
+fn no_such(config: &Config, key: &str) -> Outcome {
+    Left(format!("there is no `{}` here", config.text(key).unwrap_or_default()))
+}
+
+/// A number; 0 and unknown ones leave ours as it is.
+fn above_zero(value: Option<f64>) -> Outcome {
+    match value {
+        Some(value) if value > 0.0 => number(value),
+        Some(_) => Idle,
+        None => known(None),
+    }
+}
+
+pub(super) fn flavor(config: &Config) -> Outcome {
+    match config.text("gcode_flavor") {
+        Some("marlin" | "marlin2") => word(Flavor::Marlin.name()),
+        Some("klipper") => word(Flavor::Klipper.name()),
+        Some("reprapfirmware") => word(Flavor::RepRapFirmware.name()),
+        _ => no_such(config, "gcode_flavor"),
+    }
+}
+
+/// A bed: its shape, size and origin.
+fn bed(config: &Config) -> Option<(&'static str, [f64; 2], &'static str)> {
+    let point = |text: &str| -> Option<[f64; 2]> {
+        let (x, y) = text.trim().split_once('x')?;
+        Some([x.parse().ok()?, y.parse().ok()?])
+    };
+    let points: Vec<[f64; 2]> = config.text("bed_shape")?.split(',').map(point).collect::<Option<_>>()?;
+    let min = [0, 1].map(|i| points.iter().map(|p| p[i]).fold(f64::INFINITY, f64::min));
+    let max = [0, 1].map(|i| points.iter().map(|p| p[i]).fold(f64::NEG_INFINITY, f64::max));
+    let (size, middle) = ([0, 1].map(|i| max[i] - min[i]), [0, 1].map(|i| (min[i] + max[i]) / 2.0));
+    let near = |a: f64, b: f64| (a - b).abs() <= BED_TOLERANCE_MM;
+    let at_edge = |p: &[f64; 2]| [0, 1].iter().all(|&i| near(p[i], min[i]) || near(p[i], max[i]));
+    let on_circle = |p: &[f64; 2]| near((p[0] - middle[0]).hypot(p[1] - middle[1]), size[0] / 2.0);
+    let (shape, size) = match points.len() {
+        4 if points.iter().all(at_edge) => ("rectangular", size),
+        8.. if points.iter().all(on_circle) => ("round", [(size[0] * 10.0).round() / 10.0; 2]),
+        _ => return None,
+    };
+    let origin = if near(min[0], 0.0) && near(min[1], 0.0) {
+        "corner"
+    } else if near(middle[0], 0.0) && near(middle[1], 0.0) {
+        "center"
+    } else {
+        return None;
+    };
+    Some((shape, size, origin))
+}
+
+fn of_bed(config: &Config, part: impl Fn((&'static str, [f64; 2], &'static str)) -> Outcome) -> Outcome {
+    let reason = "is neither a rectangle nor a disc with the origin in its corner or centre";
+    bed(config).map_or_else(|| Left(reason.into()), part)
+}
+
+pub(super) fn bed_shape(config: &Config) -> Outcome {
+    of_bed(config, |(shape, _, _)| word(shape))
+}
+
+pub(super) fn bed_size(config: &Config) -> Outcome {
+    of_bed(config, |(_, size, _)| numbers(&size))
+}
+
+pub(super) fn bed_origin(config: &Config) -> Outcome {
+    of_bed(config, |(_, _, origin)| word(origin))
+}
+
+/// A limit of each axis.
+fn axes(config: &Config, limit: &str, usual: [f64; 4]) -> Outcome {
+    let names = ["x", "y", "z", "e"];
+    let stated = names.map(|axis| config.number(&format!("machine_max_{limit}_{axis}")));
+    numbers(&[0, 1, 2, 3].map(|i| stated[i].unwrap_or(usual[i])))
+}
+
+pub(super) fn max_speed(config: &Config) -> Outcome {
+    axes(config, "feedrate", MachineSettings::default().max_speed.map(|MmPerS(speed)| speed))
+}
+
+pub(super) fn max_acceleration(config: &Config) -> Outcome {
+    axes(config, "acceleration", MachineSettings::default().max_acceleration.map(|MmPerS2(a)| a))
+}
+
+pub(super) fn jerk(config: &Config) -> Outcome {
+    axes(config, "jerk", MachineSettings::default().jerk.map(|MmPerS(speed)| speed))
+}
+
+pub(super) fn density(config: &Config) -> Outcome {
+    above_zero(config.number("filament_density"))
+}
+
+pub(super) fn cost(config: &Config) -> Outcome {
+    above_zero(config.number("filament_cost"))
+}
+
+fn nozzle_mm(config: &Config) -> Option<f64> {
+    config.number("nozzle_diameter")
+}
+
+fn height_mm(config: &Config) -> Option<f64> {
+    config.number("layer_height")
+}
+
+fn first_height_mm(config: &Config) -> Option<f64> {
+    config.number_of("first_layer_height", height_mm(config))
+}
+
+pub(super) fn first_height(config: &Config) -> Outcome {
+    known(first_height_mm(config))
+}
+
+pub(super) fn min_height(config: &Config) -> Outcome {
+    above_zero(config.number_of("min_layer_height", nozzle_mm(config)))
+}
+
+pub(super) fn max_height(config: &Config) -> Outcome {
+    match config.number_of("max_layer_height", nozzle_mm(config)) {
+        Some(0.0) => known(nozzle_mm(config).map(|nozzle_mm| AUTO_HEIGHT * nozzle_mm)),
+        other => known(other),
+    }
+}
+
+pub(super) fn elephant_foot(config: &Config) -> Outcome {
+    let by_super = config.number("first_layer_size_compensation").map(|mm| 0.0 - mm);
+    known(config.number("elefant_foot_compensation").or(by_super))
+}
+
+/// Width of a line; `None`: it depends on what is not given.
+fn width_mm(config: &Config, key: &str) -> Option<f64> {
+    let whole = if config.is_super { nozzle_mm(config) } else { height_mm(config) };
+    let of = |key: &str| match config.text(key) {
+        Some(_) => config.number_of(key, whole),
+        None => Some(0.0),
+    };
+    let own = of(key)?;
+    let common = if own > 0.0 { own } else { of("extrusion_width")? };
+    if common > 0.0 { Some(common) } else { nozzle_mm(config).map(|nozzle_mm| AUTO_WIDTH * nozzle_mm) }
+}
+
+pub(super) fn wall_width(config: &Config) -> Outcome {
+    known(width_mm(config, "perimeter_extrusion_width"))
+}
+
+pub(super) fn external_width(config: &Config) -> Outcome {
+    known(width_mm(config, "external_perimeter_extrusion_width"))
+}
+
+pub(super) fn solid_width(config: &Config) -> Outcome {
+    known(width_mm(config, "solid_infill_extrusion_width"))
+}
+
+pub(super) fn top_width(config: &Config) -> Outcome {
+    known(width_mm(config, "top_infill_extrusion_width"))
+}
+
+pub(super) fn infill_width(config: &Config) -> Outcome {
+    known(width_mm(config, "infill_extrusion_width"))
+}
+
+pub(super) fn first_width(config: &Config) -> Outcome {
+    let whole = if config.is_super { nozzle_mm(config) } else { first_height_mm(config) };
+    known(config.number_of("first_layer_extrusion_width", whole))
+}
+
+pub(super) fn generator(config: &Config) -> Outcome {
+    match config.text("perimeter_generator") {
+        Some("classic") => word("classic"),
+        Some("arachne") => word("variable"),
+        _ => no_such(config, "perimeter_generator"),
+    }
+}
+
+pub(super) fn wall_order(config: &Config) -> Outcome {
+    let outer_first = config.flag("external_perimeters_first") == Some(true);
+    word(if outer_first { "outer-first" } else { "inner-first" })
+}
+
+/// A length that is a share of the nozzle and holds with walls of variable width alone.
+fn of_variable_walls(config: &Config, key: &str) -> Outcome {
+    match config.text("perimeter_generator") {
+        Some("classic") => Idle,
+        _ => known(config.number_of(key, nozzle_mm(config))),
+    }
+}
+
+pub(super) fn min_feature(config: &Config) -> Outcome {
+    of_variable_walls(config, "min_feature_size")
+}
+
+pub(super) fn min_width(config: &Config) -> Outcome {
+    of_variable_walls(config, "min_bead_width")
+}
+
+pub(super) fn gap_fill(config: &Config) -> Outcome {
+    let wanted = ["gap_fill_enabled", "fill_gaps", "gap_fill"].iter().find_map(|key| config.flag(key));
+    flag(wanted != Some(false) && config.number("gap_fill_speed") != Some(0.0))
+}
+
+pub(super) fn min_thickness(config: &Config) -> Outcome {
+    let [top, bottom] =
+        ["top_solid_min_thickness", "bottom_solid_min_thickness"].map(|key| config.number(key));
+    match (top, bottom) {
+        (Some(top), Some(bottom)) if top != bottom => {
+            Near(Value::Float(top.max(bottom)), "for top and bottom alike".into())
+        }
+        _ => known(top.or(bottom)),
+    }
+}
+
+pub(super) fn monotonic(config: &Config) -> Outcome {
+    let key = ["top_fill_pattern", "top_infill_pattern"].into_iter().find(|key| config.text(key).is_some());
+    match key.and_then(|key| config.text(key)) {
+        Some("monotonic" | "monotoniclines") => flag(true),
+        Some("rectilinear") => flag(false),
+        _ => no_such(config, key.unwrap_or_default()),
+    }
+}
+
+pub(super) fn pattern(config: &Config) -> Outcome {
+    let theirs = config.text("fill_pattern").unwrap_or_default();
+    let ours = match theirs {
+        "alignedrectilinear" => "aligned-rectilinear",
+        "stars" => "tri-hexagon",
+        "3dhoneycomb" => "3d-honeycomb",
+        "hilbertcurve" => "hilbert",
+        "adaptivecubic" => "adaptive-cubic",
+        same => same,
+    };
+    if Pattern::NAMES.contains(&ours) { word(ours) } else { no_such(config, "fill_pattern") }
+}
+
+pub(super) fn overlap(config: &Config) -> Outcome {
+    match config.first("infill_overlap") {
+        Some(text) if text.ends_with('%') => known(config.number_of("infill_overlap", Some(1.0))),
+        _ => {
+            let width_mm = width_mm(config, "infill_extrusion_width");
+            known(config.number("infill_overlap").zip(width_mm).map(|(overlap, width)| overlap / width))
+        }
+    }
+}
+
+pub(super) fn connect(config: &Config) -> Outcome {
+    flag(config.number_of("infill_anchor_max", Some(1.0)) != Some(0.0))
+}
+
+pub(super) fn anchor(config: &Config) -> Outcome {
+    let width_mm = width_mm(config, "infill_extrusion_width");
+    let most_mm = config.number_of("infill_anchor_max", width_mm).unwrap_or(LONGEST_ANCHOR_MM);
+    known(config.number_of("infill_anchor", width_mm).map(|mm| mm.min(most_mm).min(LONGEST_ANCHOR_MM)))
+}
+
+pub(super) fn sequence(config: &Config) -> Outcome {
+    word(if config.flag("complete_objects") == Some(true) { "object" } else { "layer" })
+}
+
+pub(super) fn fuzzy_walls(config: &Config) -> Outcome {
+    match config.text("fuzzy_skin") {
+        Some("none") => word("none"),
+        Some("external") => word("outer"),
+        Some("all") => word("all"),
+        _ => no_such(config, "fuzzy_skin"),
+    }
+}
+
+pub(super) fn first_speed(config: &Config) -> Outcome {
+    match config.first("first_layer_speed") {
+        Some(text) if text.ends_with('%') => {
+            let speed = config.number_of("first_layer_speed", config.number("perimeter_speed"));
+            speed.map_or_else(
+                || known(None),
+                |speed| Near(Value::Float(speed), "of `perimeter_speed`, for all that is on it".into()),
+            )
+        }
+        _ => known(config.number("first_layer_speed")),
+    }
+}
+
+/// The acceleration of most moves: the first of these keys that is not 0, or else the machine's own for them; a
+/// percentage is of the default one.
+fn acceleration_of(config: &Config, own: &[&str], limit: &str) -> Outcome {
+    let default = config.number("default_acceleration");
+    for &key in own.iter().chain(&["default_acceleration", limit]) {
+        match config.first(key).map(|_| config.number_of(key, default)) {
+            Some(Some(acceleration)) if acceleration > 0.0 => return number(acceleration),
+            Some(None) => return known(None),
+            _ => {}
+        }
+    }
+    Idle
+}
+
+const EXTRUDING: &str = "machine_max_acceleration_extruding";
+
+pub(super) fn acceleration(config: &Config) -> Outcome {
+    acceleration_of(config, &[], EXTRUDING)
+}
+
+pub(super) fn external_acceleration(config: &Config) -> Outcome {
+    acceleration_of(config, &["external_perimeter_acceleration", "perimeter_acceleration"], EXTRUDING)
+}
+
+pub(super) fn first_acceleration(config: &Config) -> Outcome {
+    acceleration_of(config, &["first_layer_acceleration"], EXTRUDING)
+}
+
+pub(super) fn travel_acceleration(config: &Config) -> Outcome {
+    acceleration_of(config, &["travel_acceleration"], "machine_max_acceleration_travel")
+}
+
+/// From filament to the way of a bead on the first layer.
+pub(super) fn skirt_length(config: &Config) -> Outcome {
+    let Some(filament_mm) = config.number("min_skirt_length") else { return known(None) };
+    if filament_mm == 0.0 {
+        return number(0.0);
+    }
+    let bead = width_mm(config, "first_layer_extrusion_width").zip(first_height_mm(config));
+    let strand_mm2 = config.number("filament_diameter").map(|d| std::f64::consts::FRAC_PI_4 * d * d);
+    known(bead.zip(strand_mm2).map(|((width, height), strand)| filament_mm * strand / (width * height)))
+}
+
+pub(super) fn brim_width(config: &Config) -> Outcome {
+    let none = config.text("brim_type") == Some("no_brim");
+    known(if none { Some(0.0) } else { config.number("brim_width") })
+}
+
+pub(super) fn brim_sides(config: &Config) -> Outcome {
+    match config.text("brim_type") {
+        Some("outer_only") => word("outer"),
+        Some("inner_only") => word("inner"),
+        Some("outer_and_inner") => word("both"),
+        Some("no_brim") => Idle,
+        _ => no_such(config, "brim_type"),
+    }
+}
+
+pub(super) fn support(config: &Config) -> Outcome {
+    let wanted = config.flag("support_material") == Some(true);
+    if wanted && config.flag("support_material_auto") == Some(false) {
+        let note = "without `support_material_auto` only enforced support is wanted: `--support-enforcer`";
+        return Near(Value::Boolean(false), note.into());
+    }
+    flag(wanted)
+}
+
+pub(super) fn support_style(config: &Config) -> Outcome {
+    match config.text("support_material_style") {
+        Some("grid") => word("grid"),
+        Some("snug") => Near(Value::String("grid".into()), "there are no snug ones".into()),
+        Some("tree" | "organic") => word("tree"),
+        _ => no_such(config, "support_material_style"),
+    }
+}
+
+pub(super) fn support_angle(config: &Config) -> Outcome {
+    match config.first("support_material_threshold") {
+        Some(text) if !text.ends_with('%') => match config.number("support_material_threshold") {
+            Some(degrees) if degrees > 0.0 => number(90.0 - degrees),
+            Some(_) => Idle,
+            None => known(None),
+        },
+        _ => no_such(config, "support_material_threshold"),
+    }
+}
+
+pub(super) fn max_bridge(config: &Config) -> Outcome {
+    match config.flag("dont_support_bridges") {
+        Some(false) => number(0.0),
+        _ => Idle,
+    }
+}
+
+pub(super) fn z_gap(config: &Config) -> Outcome {
+    known(config.number_of("support_material_contact_distance", nozzle_mm(config)))
+}
+
+pub(super) fn xy_gap(config: &Config) -> Outcome {
+    let whole = width_mm(config, "external_perimeter_extrusion_width");
+    known(config.number_of("support_material_xy_spacing", whole))
+}
+
+pub(super) fn support_pattern(config: &Config) -> Outcome {
+    match config.text("support_material_pattern") {
+        Some("rectilinear") => word("rectilinear"),
+        Some("rectilinear-grid") => word("grid"),
+        _ => no_such(config, "support_material_pattern"),
+    }
+}
+
+fn support_width_mm(config: &Config) -> Option<f64> {
+    match config.number_of("support_material_extrusion_width", height_mm(config)) {
+        Some(width_mm) if width_mm > 0.0 => Some(width_mm),
+        _ => nozzle_mm(config),
+    }
+}
+
+pub(super) fn support_width(config: &Config) -> Outcome {
+    known(support_width_mm(config))
+}
+
+/// A density from the free distance between lines.
+fn of_spacing(config: &Config, key: &str) -> Outcome {
+    known(support_width_mm(config).zip(config.number(key)).map(|(width, free)| width / (width + free)))
+}
+
+pub(super) fn support_density(config: &Config) -> Outcome {
+    of_spacing(config, "support_material_spacing")
+}
+
+pub(super) fn interface_density(config: &Config) -> Outcome {
+    of_spacing(config, "support_material_interface_spacing")
+}
+
+pub(super) fn seam(config: &Config) -> Outcome {
+    match config.text("seam_position") {
+        Some("nearest" | "near" | "cost") => word("free"),
+        Some("aligned") => word("aligned"),
+        Some("rear") => word("rear"),
+        Some("random" | "allrandom") => word("random"),
+        _ => no_such(config, "seam_position"),
+    }
+}
+
+pub(super) fn seam_gap(config: &Config) -> Outcome {
+    let key = if config.text("seam_gap_distance").is_some() { "seam_gap_distance" } else { "seam_gap" };
+    known(config.number_of(key, nozzle_mm(config)))
+}
+
+pub(super) fn scarf(config: &Config) -> Outcome {
+    match config.text("scarf_seam_placement") {
+        Some("nowhere") => number(0.0),
+        Some("everywhere") => known(config.number("scarf_seam_length")),
+        _ => no_such(config, "scarf_seam_placement"),
+    }
+}
+
+/// A speed in mm/s, relative to another where it is a percentage; 0 is automatic.
+fn speed(config: &Config, key: &str, whole: Option<f64>) -> Outcome {
+    match config.number_of(key, whole) {
+        Some(0.0) => Left("is automatic there".into()),
+        other => known(other),
+    }
+}
+
+pub(super) fn perimeter_speed(config: &Config) -> Outcome {
+    speed(config, "perimeter_speed", None)
+}
+
+fn external_mm_s(config: &Config) -> Option<f64> {
+    config.number_of("external_perimeter_speed", config.number("perimeter_speed"))
+}
+
+pub(super) fn external_speed(config: &Config) -> Outcome {
+    speed(config, "external_perimeter_speed", config.number("perimeter_speed"))
+}
+
+pub(super) fn infill_speed(config: &Config) -> Outcome {
+    speed(config, "infill_speed", None)
+}
+
+fn solid_mm_s(config: &Config) -> Option<f64> {
+    config.number_of("solid_infill_speed", config.number("infill_speed"))
+}
+
+pub(super) fn solid_speed(config: &Config) -> Outcome {
+    speed(config, "solid_infill_speed", config.number("infill_speed"))
+}
+
+pub(super) fn top_speed(config: &Config) -> Outcome {
+    speed(config, "top_solid_infill_speed", solid_mm_s(config))
+}
+
+pub(super) fn ironing_speed(config: &Config) -> Outcome {
+    speed(config, "ironing_speed", solid_mm_s(config))
+}
+
+pub(super) fn bridge_speed(config: &Config) -> Outcome {
+    speed(config, "bridge_speed", None)
+}
+
+pub(super) fn gap_fill_speed(config: &Config) -> Outcome {
+    match config.number("gap_fill_speed") {
+        Some(0.0) => Idle,
+        _ => speed(config, "gap_fill_speed", config.number("perimeter_speed")),
+    }
+}
+
+pub(super) fn support_speed(config: &Config) -> Outcome {
+    speed(config, "support_material_speed", None)
+}
+
+pub(super) fn overhang_speed(config: &Config) -> Outcome {
+    let external = external_mm_s(config);
+    if config.flag("enable_dynamic_overhang_speeds") != Some(true) {
+        let walls = external.into_iter().chain(config.number("perimeter_speed")).reduce(f64::max);
+        return walls.map_or_else(|| known(None), |speed| numbers(&[speed; 3]));
+    }
+    let speeds = ["overhang_speed_3", "overhang_speed_2", "overhang_speed_1"]
+        .map(|key| config.number_of(key, external).filter(|speed| *speed > 0.0));
+    let [Some(a), Some(b), Some(c)] = speeds else { return known(None) };
+    let note = "`overhang_speed_0`, of walls over nothing, is `speed.bridge` here".to_owned();
+    match config.number_of("overhang_speed_0", external) {
+        Some(air) if Some(air) != config.number("bridge_speed") => {
+            Near(Value::Array([a, b, c].map(Value::Float).to_vec()), note)
+        }
+        _ => numbers(&[a, b, c]),
+    }
+}
+
+pub(super) fn z_speed(config: &Config) -> Outcome {
+    above_zero(config.number("travel_speed_z"))
+}
+
+/// A key of the filament, or else the printer's.
+fn overridden(config: &Config, key: &str) -> Option<f64> {
+    config.number(&format!("filament_{key}")).or_else(|| config.number(key))
+}
+
+pub(super) fn unretract_speed(config: &Config) -> Outcome {
+    let own = overridden(config, "deretract_speed").filter(|speed| *speed > 0.0);
+    known(own.or_else(|| overridden(config, "retract_speed")))
+}
+
+pub(super) fn z_hop_inside(config: &Config) -> Outcome {
+    flag(overridden(config, "retract_lift").is_some_and(|lift| lift > 0.0))
+}
+
+pub(super) fn wipe(config: &Config) -> Outcome {
+    let on = config.flag("filament_wipe").or_else(|| config.flag("wipe"));
+    if on != Some(true) {
+        return number(0.0);
+    }
+    let (length, speed) = (overridden(config, "retract_length"), overridden(config, "retract_speed"));
+    let travel = config.number("travel_speed");
+    known(length.zip(speed).zip(travel).map(|((length, speed), travel)| WIPE_SPEED * travel * length / speed))
+}
+
+pub(super) fn max_detour(config: &Config) -> Outcome {
+    if config.flag("avoid_crossing_perimeters") != Some(true) {
+        return Idle;
+    }
+    match config.number("avoid_crossing_perimeters_max_detour") {
+        Some(0.0) => number(ANY_MM),
+        Some(mm) => number(mm),
+        None => Left("is relative to each travel".into()),
+    }
+}
+
+pub(super) fn retract_inside(config: &Config) -> Outcome {
+    let only_crossing = config.flag("only_retract_when_crossing_perimeters") == Some(true);
+    number(if only_crossing { ANY_MM } else { 0.0 })
+}
+
+pub(super) fn min_layer_time(config: &Config) -> Outcome {
+    match config.flag("cooling") {
+        Some(false) => number(0.0),
+        _ => known(config.number("slowdown_below_layer_time")),
+    }
+}
+
+pub(super) fn fan(config: &Config) -> Outcome {
+    let percent = |key: &str| config.number(key).map(|percent| percent / 100.0);
+    let least = match config.flag("fan_always_on") {
+        Some(true) => percent("min_fan_speed"),
+        _ => Some(0.0),
+    };
+    let Some(least) = least else { return known(None) };
+    let most = percent("max_fan_speed").filter(|_| config.flag("cooling") == Some(true));
+    match most {
+        Some(most) if most > least => {
+            Near(Value::Float(least), format!("{}% on short layers there", 100.0 * most))
+        }
+        _ => number(least),
+    }
+}
+
+pub(super) fn full_fan_layer(config: &Config) -> Outcome {
+    let layers = ["full_fan_speed_layer", "disable_fan_first_layers"].map(|key| config.number(key));
+    let last = layers.into_iter().flatten().reduce(f64::max);
+    last.map_or_else(|| known(None), |layer| Outcome::Value(Value::Integer(layer as i64)))
+}
+
+pub(super) fn bridge_fan(config: &Config) -> Outcome {
+    known(config.number("bridge_fan_speed").map(|percent| percent / 100.0))
+}
+
+pub(super) fn overhang_fan(config: &Config) -> Outcome {
+    match config.flag("enable_dynamic_fan_speeds") {
+        Some(true) => known(config.number("overhang_fan_speed_1").map(|percent| percent / 100.0)),
+        _ => number(0.0),
+    }
+}
+
+pub(super) fn arcs(config: &Config) -> Outcome {
+    flag(config.text("arc_fitting") != Some("disabled"))
+}
+
+pub(super) fn thumbnails(config: &Config) -> Outcome {
+    let text = config.text("thumbnails").unwrap_or_default();
+    let is_png = config.text("thumbnails_format").is_none_or(|format| format == "PNG");
+    let mut sizes = Vec::new();
+    for one in text.split(',') {
+        match one.trim().split_once('/') {
+            Some((size, "PNG")) => sizes.push(size),
+            None if is_png => sizes.push(one.trim()),
+            _ => return Left("only PNG is written".into()),
+        }
+    }
+    word(&sizes.join(","))
+}
+
+pub(super) fn labels(config: &Config) -> Outcome {
+    match config.text("gcode_label_objects") {
+        Some("octoprint") => Left("only the firmware's way of labels is written".into()),
+        Some("firmware" | "1") => flag(true),
+        _ => flag(false),
+    }
+}
+
+pub(super) fn limits(config: &Config) -> Outcome {
+    flag(config.text("machine_limits_usage") == Some("emit_to_gcode"))
+}
+
+/// Two scripts, one after the other.
+fn scripts(config: &Config, keys: [&str; 2]) -> Outcome {
+    let mut out = String::new();
+    for key in keys {
+        let Some(text) = config.text(key) else { continue };
+        match script::translate(text, config) {
+            Ok(text) => out += &text,
+            Err(reason) => {
+                return Left(format!("{key}: {reason}; the script of the profile before it stays"));
+            }
+        }
+    }
+    if out.is_empty() { Idle } else { word(&out) }
+}
+
+pub(super) fn start(config: &Config) -> Outcome {
+    scripts(config, ["start_gcode", "start_filament_gcode"])
+}
+
+pub(super) fn end(config: &Config) -> Outcome {
+    scripts(config, ["end_filament_gcode", "end_gcode"])
+}
+
+pub(super) fn pause(config: &Config) -> Outcome {
+    scripts(config, ["pause_print_gcode", ""])
+}

@@ -1,0 +1,280 @@
+//! Configurations of PrusaSlicer, SuperSlicer and Slic3r as profiles.
+//!
+//! [`table`] says key by key what is taken over and how. What is not is told with the reason; nothing is guessed.
+
+mod config;
+mod convert;
+mod page;
+mod script;
+mod table;
+
+use std::collections::BTreeMap;
+use std::path::Path;
+
+use toml::Value;
+
+use config::Config;
+pub(super) use config::is_foreign;
+pub use page::page as import_page;
+use table::{IDLE, Idle, ROWS, Row};
+
+/// What came of one row of the table.
+enum Outcome {
+    /// The value of our key.
+    Value(Value),
+    /// The same, but it does not mean quite the same, for this reason.
+    Near(Value, String),
+    /// There is nothing like it here.
+    Left(String),
+    /// It says what is so anyway.
+    Idle,
+}
+
+/// A setting of ours that a configuration gives.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Taken {
+    pub key: &'static str,
+    pub value: Value,
+    /// Line of theirs.
+    pub line: usize,
+    /// Their key.
+    pub from: &'static str,
+    /// In what it differs.
+    pub note: Option<String>,
+}
+
+/// A setting of theirs that has no counterpart.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Left {
+    pub line: usize,
+    pub key: String,
+    pub value: String,
+    pub reason: String,
+}
+
+/// A configuration, read.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub(super) struct Import {
+    /// In the order of the table.
+    pub taken: Vec<Taken>,
+    /// In the order of the file.
+    pub left: Vec<Left>,
+    /// How many keys ask for nothing that would not be so without them.
+    pub idle: usize,
+}
+
+impl Import {
+    /// Reads a file.
+    ///
+    /// # Errors
+    /// It cannot be read, or holds no configuration.
+    pub fn read(path: &Path) -> Result<Self, String> {
+        Ok(Self::of(&Config::read(path)?))
+    }
+
+    fn of(config: &Config) -> Self {
+        let mut import = Self::default();
+        // Of each of their keys whether it was of use in one row at least.
+        let mut used: BTreeMap<&str, bool> = BTreeMap::new();
+        let mut left: BTreeMap<&str, String> = BTreeMap::new();
+        for row in ROWS {
+            let set = |key: &&'static str| config.text(key).is_some();
+            let Some(&from) = row.theirs.iter().find(|key| set(key)) else { continue };
+            let outcome = match convert::row(row, config) {
+                Outcome::Value(value) => checked(row, value, None),
+                Outcome::Near(value, note) => checked(row, value, Some(note)),
+                other => Err(other),
+            };
+            let is_taken = outcome.is_ok();
+            match outcome {
+                Ok((value, note)) => {
+                    let line = config.entries[from].line;
+                    import.taken.push(Taken { key: row.ours, value, line, from, note });
+                }
+                Err(Outcome::Left(reason)) => {
+                    left.entry(from).or_insert(reason);
+                }
+                Err(_) => {}
+            }
+            for &key in row.theirs.iter().filter(|key| set(key)) {
+                *used.entry(key).or_default() |= is_taken;
+            }
+        }
+        for (key, entry) in &config.entries {
+            let reason = match used.get(key.as_str()) {
+                Some(true) => continue,
+                Some(false) => left.remove(key.as_str()),
+                None => unknown(key, config),
+            };
+            match reason {
+                None => import.idle += 1,
+                Some(reason) => {
+                    let (key, value) = (key.clone(), entry.value.clone());
+                    import.left.push(Left { line: entry.line, key, value, reason });
+                }
+            }
+        }
+        import.left.sort_by_key(|left| left.line);
+        import
+    }
+
+    /// One line that says how much was not taken over; `None`: nothing.
+    pub fn summary(&self, name: &str) -> Option<String> {
+        let near = self.taken.iter().filter(|taken| taken.note.is_some()).count();
+        let parts = [(self.left.len(), "not taken over"), (near, "taken over with a difference")];
+        let parts: Vec<String> =
+            parts.iter().filter(|(n, _)| *n > 0).map(|(n, what)| format!("{n} {what}")).collect();
+        let all = self.taken.len() + self.left.len();
+        (!parts.is_empty()).then(|| {
+            format!("of {all} settings {}; `pathwright profiles show {name}` lists them", parts.join(", "))
+        })
+    }
+}
+
+/// A value that our key allows.
+fn checked(row: &Row, value: Value, note: Option<String>) -> Result<(Value, Option<String>), Outcome> {
+    match super::resolve::check(row.ours, &value) {
+        Ok(()) => Ok((value, note)),
+        Err(expected) => Err(Outcome::Left(format!("{}: {expected}", row.ours))),
+    }
+}
+
+/// Why a key without a row is not taken over; `None`: as it stands it asks for nothing.
+fn unknown(key: &str, config: &Config) -> Option<String> {
+    let value = config.text(key)?;
+    let matches = |pattern: &str| match pattern.strip_suffix('*') {
+        Some(start) => key.starts_with(start),
+        None => key == pattern,
+    };
+    let elements = || value.split(',').map(str::trim);
+    let is = |values: &[&str]| elements().all(|element| values.contains(&element.trim_matches('"')));
+    let off = ["0", "none", "nowhere", "disabled", "false"];
+    let Some((_, idle)) = IDLE.iter().find(|(pattern, _)| matches(pattern)) else {
+        return Some("there is no such setting".into());
+    };
+    match idle {
+        Idle::Always => None,
+        Idle::At(values) if is(values) => None,
+        Idle::Without(other) if config.first(other).is_none_or(|text| off.contains(&text)) => None,
+        Idle::Like(other) if config.text(other) == Some(value) => None,
+        Idle::At(_) | Idle::Without(_) | Idle::Like(_) => Some("there is no such setting".into()),
+    }
+}
+
+/// The profile that a configuration amounts to, each key with where it comes from, and after it all that is left out.
+pub(super) fn as_profile(name: &str, import: &Import) -> String {
+    let mut out = format!("description = {}\n", Value::String(format!("From {name}")));
+    for section in super::settings::SECTIONS {
+        let dotted = format!("{}.", section.name);
+        let own: Vec<&Taken> = import.taken.iter().filter(|taken| taken.key.starts_with(&dotted)).collect();
+        if own.is_empty() {
+            continue;
+        }
+        out += &format!("\n[{}]\n", section.name);
+        for taken in own {
+            let note = taken.note.as_ref().map(|note| format!(": {note}")).unwrap_or_default();
+            let (key, value) = (&taken.key[dotted.len()..], super::dump::toml_text(&taken.value));
+            out += &match value.contains('\n') {
+                true => format!("# line {}, {}{note}\n{key} = {value}\n", taken.line, taken.from),
+                false => format!("{key} = {value} # line {}, {}{note}\n", taken.line, taken.from),
+            };
+        }
+    }
+    if !import.left.is_empty() {
+        out += "\n# Not taken over:\n";
+    }
+    for left in &import.left {
+        let value: String = left.value.chars().take(60).collect();
+        out += &format!("# line {}: {} = {value}: {}\n", left.line, left.key, left.reason);
+    }
+    if import.idle > 0 {
+        out += &format!("\n# {} more ask for nothing, or for what is so anyway.\n", import.idle);
+    }
+    out
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::profile::schema;
+
+    fn import(text: &str) -> Import {
+        Import::of(&Config::parse(&text.lines().map(str::to_owned).collect::<Vec<_>>()).unwrap())
+    }
+
+    fn value(text: &str, key: &str) -> Option<Value> {
+        import(text).taken.into_iter().find(|taken| taken.key == key).map(|taken| taken.value)
+    }
+
+    #[test]
+    fn every_row_gives_a_key_that_there_is() {
+        for row in ROWS {
+            assert!(schema::field(row.ours).is_some(), "{}", row.ours);
+            assert!(!row.theirs.is_empty(), "{}", row.ours);
+        }
+        let mut ours: Vec<&str> = ROWS.iter().map(|row| row.ours).collect();
+        ours.sort_unstable();
+        ours.dedup();
+        assert_eq!(ours.len(), ROWS.len(), "each once");
+    }
+
+    #[test]
+    fn relative_speeds_are_of_what_they_are_relative_to() {
+        let speeds = "perimeter_speed = 60\nexternal_perimeter_speed = 50%\ninfill_speed = 80\n\
+                      solid_infill_speed = 50%\ntop_solid_infill_speed = 50%\n";
+        for (key, speed) in [("external_perimeter", 30.0), ("solid", 40.0), ("top", 20.0)] {
+            assert_eq!(value(speeds, &format!("speed.{key}")), Some(Value::Float(speed)), "{key}");
+        }
+        assert_eq!(value("external_perimeter_speed = 50%\n", "speed.external_perimeter"), None);
+    }
+
+    #[test]
+    fn accelerations_of_0_are_the_default_one_and_that_the_machines() {
+        let machine = "machine_max_acceleration_extruding = 1500\ntravel_acceleration = 0\n";
+        assert_eq!(value(machine, "acceleration.travel"), None, "what the machine has is not stated");
+        assert_eq!(value(machine, "acceleration.default"), Some(Value::Float(1500.0)));
+        let relative = "default_acceleration = 1000\nperimeter_acceleration = 50%\nbridge_flow_ratio = 95%\n";
+        assert_eq!(value(relative, "acceleration.external_perimeter"), Some(Value::Float(500.0)));
+        assert_eq!(value(relative, "bridge.flow"), Some(Value::Float(0.95)));
+    }
+
+    #[test]
+    fn widths_fall_back_on_the_common_one() {
+        let widths = "nozzle_diameter = 0.4\nlayer_height = 0.2\nextrusion_width = 0.5\n\
+                      perimeter_extrusion_width = 0\ninfill_extrusion_width = 200%\n";
+        assert_eq!(value(widths, "walls.width"), Some(Value::Float(0.5)));
+        assert_eq!(value(widths, "infill.width"), Some(Value::Float(0.4)));
+    }
+
+    #[test]
+    fn what_is_not_taken_over_is_told_and_what_is_off_is_not() {
+        let import =
+            import("layer_height = 0.2\nretract_lift_above = 3\nwipe_tower = 0\nfill_pattern = scribble\n");
+        let left: Vec<(&str, usize)> = import.left.iter().map(|l| (l.key.as_str(), l.line)).collect();
+        assert_eq!(left, [("retract_lift_above", 2), ("fill_pattern", 4)]);
+        assert_eq!(import.idle, 1);
+        assert!(import.left[1].reason.contains("scribble"), "{}", import.left[1].reason);
+    }
+
+    #[test]
+    fn values_out_of_our_range_are_left_out() {
+        let import = import("perimeters = 1000\n");
+        assert!(import.taken.is_empty() && import.left[0].reason.contains("0 to 100"), "{:?}", import.left);
+    }
+
+    #[test]
+    fn beds_are_rectangles_or_discs_at_the_corner_or_the_centre() {
+        let bed = |shape: &str| {
+            let import = import(&format!("bed_shape = {shape}\n"));
+            import.taken.iter().map(|taken| taken.value.to_string()).collect::<Vec<_>>()
+        };
+        assert_eq!(bed("0x0,250x0,250x210,0x210"), ["\"rectangular\"", "[250.0, 210.0]", "\"corner\""]);
+        assert_eq!(bed("-90x-90,90x-90,90x90,-90x90"), ["\"rectangular\"", "[180.0, 180.0]", "\"center\""]);
+        let disc: Vec<String> = (0..72)
+            .map(|i| f64::from(i) * std::f64::consts::TAU / 72.0)
+            .map(|a| format!("{:.3}x{:.3}", 100.0 * a.cos(), 100.0 * a.sin()))
+            .collect();
+        assert_eq!(bed(&disc.join(",")), ["\"round\"", "[200.0, 200.0]", "\"center\""]);
+        assert!(bed("10x0,250x0,250x210,10x210").is_empty());
+    }
+}

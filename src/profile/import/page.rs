@@ -1,0 +1,43 @@
+//! What is taken over, as a page: `docs/import.md`.
+
+use std::fmt::Write;
+
+use super::script;
+use super::table::ROWS;
+
+const HEAD: &str = "# Configurations of other slicers\n\n\
+    `--profile` takes a configuration of PrusaSlicer, SuperSlicer or Slic3r as it takes a profile of ours: a file\n\
+    `.ini` as exported, with or without `[sections]`, or G-code that ends with one.\n\n\
+    ```sh\n\
+    pathwright slice part.stl --profile config.ini\n\
+    pathwright slice part.stl --profile old-print.gcode --set infill.density=10%\n\
+    pathwright profiles show config.ini > mine.toml       # as a profile of ours, and what is not taken over, and why\n\
+    pathwright profiles dump --profile config.ini         # every setting with the line that it comes from\n\
+    ```\n\n\
+    What the file does not say stays as the profiles before it have it. What it says and has no counterpart here is\n\
+    counted on standard error (not with `--quiet`) and listed by `profiles show`; the same holds for what means\n\
+    something a little different here. Keys that ask for nothing (a wipe tower that is off, notes) are only counted there. A value\n\
+    with one entry for each extruder is taken of the first one. Of a bundle of presets the active ones hold\n\
+    (`[presets]`), or the only one of each kind, with what they inherit inside of the file.\n\n\
+    G-code scripts are taken over whole or not at all. Their placeholders become ours, and conditions on the\n\
+    configuration itself (`{if filament_type[0] == \"PLA\"}`) are decided while it is read. With anything else in braces, the\n\
+    script of the profile before stays in force, and the reason is told. Heating that a script leaves out is added when\n\
+    slicing, as after any profile: read the result before the first print.\n\n\
+    This page is printed by `pathwright profiles imports`, and a test keeps it true.\n\n\
+    ## Settings\n\n\
+    | ours | theirs | how |\n|---|---|---|\n";
+
+/// The page. Each setting of ours with the keys that it comes from, and the placeholders of scripts.
+pub fn page() -> String {
+    let mut out = String::from(HEAD);
+    for row in ROWS {
+        let theirs: Vec<String> = row.theirs.iter().map(|key| format!("`{key}`")).collect();
+        let rule = if row.rule.is_empty() { "as it is" } else { row.rule };
+        let _ = writeln!(out, "| `{}` | {} | {rule} |", row.ours, theirs.join(", "));
+    }
+    out.push_str("\n## Placeholders in scripts\n\n| theirs | ours |\n|---|---|\n");
+    for (theirs, ours) in script::names() {
+        let _ = writeln!(out, "| `{theirs}` | `{{{ours}}}` |");
+    }
+    out
+}
