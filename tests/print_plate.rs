@@ -94,13 +94,9 @@ fn one_after_the_other_the_lowest_is_finished_first_and_nothing_comes_near_it() 
     let (mut object, mut done): (Option<usize>, _) = (None, [false; 2]);
     for step in replay(&print.text) {
         let line = String::from_utf8_lossy(step.line.text).into_owned();
-        if let Some(number) = line.strip_prefix("M486 S").filter(|rest| !rest.contains('A'))
-            && let Ok(now) = number.parse::<usize>()
-        {
+        if let Some(now) = line.strip_prefix("M486 S").and_then(|number| number.parse::<usize>().ok()) {
             assert!(!done[now], "no object is taken up again");
-            if let Some(before) = object.replace(now)
-                && before != now
-            {
+            if let Some(before) = object.replace(now).filter(|before| *before != now) {
                 done[before] = true;
             }
         }

@@ -188,8 +188,7 @@ fn t_junctions_leave_no_trace() {
     let [a, b, c] = facets.remove(4);
     let middle = [0, 1, 2].map(|i| (a[i] + c[i]) / 2.0);
     facets.extend([[a, b, middle], [middle, b, c]]);
-    let (mesh, report) = mesh(&facets);
-    assert!(!report.watertight);
+    let (mesh, _) = mesh(&facets);
     for z in [0.5, 2.5, 5.0, 7.7] {
         let (region, gaps) = section(&mesh, z);
         assert!((region.area_mm2() - 100.0).abs() < 1e-3 && gaps == Gaps::default(), "{z}: {gaps:?}");
@@ -197,9 +196,9 @@ fn t_junctions_leave_no_trace() {
 }
 
 #[test]
-fn a_missing_facet_is_bridged_and_told() {
+fn a_missing_side_is_bridged_and_told() {
     let mut facets = cuboid([0.0; 3], [10.0; 3]);
-    facets.remove(4);
+    facets.drain(4..6);
     let (region, gaps) = section(&mesh(&facets).0, 5.0);
     assert!((region.area_mm2() - 100.0).abs() < 13.0 && region.area_mm2() > 80.0, "{}", region.area_mm2());
     assert_eq!(gaps.joined + gaps.forced, 1);

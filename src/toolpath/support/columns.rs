@@ -108,12 +108,14 @@ pub(super) fn kept_free(solid: &[Bitmap], layer: usize, spec: &ColumnSpec) -> Bi
 
 /// Takes out what stands neither on the bed nor on support nor, where that is allowed, on the part.
 fn rest(all: &mut [Bitmap], solid: &[Bitmap], spec: &ColumnSpec) {
+    // What may not stand on the part does not hang over it either.
+    let leans = !spec.from_bed_only;
     let lean_every = ((LEAN_EVERY_MM / spec.height_mm) as usize).max(1);
     for layer in 1..all.len() {
         if all[layer].is_empty() {
             continue;
         }
-        let mut under = all[layer - 1].grown(usize::from(layer % lean_every == 0));
+        let mut under = all[layer - 1].grown(usize::from(leans && layer % lean_every == 0));
         if !spec.from_bed_only {
             let nearest = layer.saturating_sub(spec.gap_layers[layer] + 1);
             solid[nearest..layer].iter().for_each(|solid| under.add(&solid.grown(1)));
