@@ -198,7 +198,7 @@ fn beside(text: &[u8], facets: &Facets, settings: &Settings) -> CheckReport {
     report
 }
 
-/// The print without the filament of beads that end at an X beyond some place, on some layers.
+/// The print, its E relative, without the filament of beads that end at an X beyond some place, on some layers.
 fn without(text: &[u8], layers: std::ops::Range<usize>, beyond_mm: f64) -> Vec<u8> {
     let (mut layer, mut x) = (0, 0.0);
     let text = String::from_utf8_lossy(text);
@@ -217,7 +217,7 @@ fn without(text: &[u8], layers: std::ops::Range<usize>, beyond_mm: f64) -> Vec<u
 
 #[test]
 fn a_print_is_compared_with_its_model() {
-    let settings = standard(&[]);
+    let settings = standard(&["gcode.relative_e=true"]);
     let towers = [cuboid([0.0; 3], [10.0, 10.0, 4.0]), cuboid([20.0, 0.0, 0.0], [30.0, 10.0, 4.0])].concat();
     let print = sliced(&towers, &settings);
     let whole = beside(&print, &towers, &settings);

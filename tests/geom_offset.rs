@@ -232,7 +232,8 @@ proptest! {
         let ours = unite_rings(&rings);
         let theirs = union_subjects_64(&rings.iter().map(|ring| path(ring)).collect(), FillRule::NonZero);
         prop_assert!(is_clean(&ours));
-        prop_assert!(xor_mm2(&paths(&ours), &theirs) < 1e-5 * perimeter_mm(&ours) + 1e-6);
+        // Either may round a corner by a unit of the grid.
+        prop_assert!(xor_mm2(&paths(&ours), &theirs) < 2e-5 * perimeter_mm(&ours) + 1e-6);
     }
 
     #[test]
