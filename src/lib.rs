@@ -5,6 +5,8 @@
 
 #![forbid(unsafe_code)]
 #![deny(missing_docs)]
+// Pages of public items also speak to those who read the source.
+#![allow(rustdoc::private_intra_doc_links)]
 
 pub mod check;
 pub mod cli;

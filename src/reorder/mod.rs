@@ -2,7 +2,7 @@
 //!
 //! A file is read as [`Block`]s: lines that stay where they are, then paths on one layer that may change places. What
 //! the file does between two paths is learned as its [`Habit`]. A block becomes a problem for [`crate::order`]
-//! ([`Ordering`]) and text again ([`write`]): strokes as they were, and between them links as they were, or new
+//! ([`Ordering`]) and text again ([`write()`]): strokes as they were, and between them links as they were, or new
 //! travels in the file's habit that do not cross outer [`Walls`]. In the end [`verify`] compares the two files.
 
 mod block;
