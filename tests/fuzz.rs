@@ -153,6 +153,52 @@ const STL_WORDS: &[&str] = &[
     "\n",
 ];
 
+const OBJ: &str = "# box\no part\nv 0 0 0\nv 20 0 0\nv 0 20 0\nv 0 0 5\nvn 0 0 1\ng side\nf 1 3 2\nf 1//1 2//1 4//1\n\
+    f -3/1 -2/2 -1/3\nf 3 1 4\nusemtl red\n";
+const OBJ_WORDS: &[&str] = &[
+    "v ",
+    "f ",
+    "\n",
+    "-1",
+    "0",
+    "99999999999",
+    "1e39",
+    "nan",
+    "/",
+    "//",
+    "1 2 3 4 5",
+    "v 1 2\n",
+    "v 0 0 1e5\n",
+];
+const MODEL: &str = "<model unit=\"millimeter\" xmlns=\"http://schemas.microsoft.com/3dmanufacturing/core/2015/02\">\
+    <resources><object id=\"1\" type=\"model\"><mesh><vertices><vertex x=\"0\" y=\"0\" z=\"0\"/><vertex x=\"20\" y=\"0\" \
+    z=\"0\"/><vertex x=\"0\" y=\"20\" z=\"0\"/><vertex x=\"0\" y=\"0\" z=\"5\"/></vertices><triangles><triangle v1=\"0\" \
+    v2=\"2\" v3=\"1\"/><triangle v1=\"0\" v2=\"1\" v3=\"3\"/><triangle v1=\"1\" v2=\"2\" v3=\"3\"/><triangle v1=\"2\" v2=\"0\" \
+    v3=\"3\"/></triangles></mesh></object><object id=\"2\"><components><component objectid=\"1\" transform=\"1 0 0 0 1 0 0 \
+    0 1 5 0 0\"/></components></object></resources><build><item objectid=\"2\"/><item objectid=\"1\" transform=\"0 1 0 -1 \
+    0 0 0 0 1 60 0 0\"/></build></model>";
+const MODEL_WORDS: &[&str] = &[
+    "\"",
+    "<",
+    "/>",
+    ">",
+    "\0",
+    "&lt;",
+    "<!--",
+    "]]>",
+    "<component objectid=\"2\"/>",
+    "<item objectid=\"2\"/>",
+    "unit=\"inch\"",
+    "nan",
+    "1e39",
+    "-1",
+    "4294967296",
+    "id=\"2\"",
+    "type=\"support\"",
+    "<triangle v1=\"0\" v2=\"0\" v3=\"9\"/>",
+    "p:path=\"/3D/3dmodel.model\"",
+];
+
 macro_rules! targets {
     ($($name:ident, $long:ident, $case:path, $make:expr;)*) => { $(
         #[test]
@@ -177,6 +223,8 @@ targets! {
         }
         _ => r.damaged(&tetrahedron(), STL_WORDS),
     };
+    any_obj, any_obj_for_long, cases::obj, |r: &mut Random| r.damaged(OBJ.as_bytes(), OBJ_WORDS);
+    any_3mf, any_3mf_for_long, cases::threemf, |r: &mut Random| r.damaged(MODEL.as_bytes(), MODEL_WORDS);
     any_profile, any_profile_for_long, cases::profile, |r: &mut Random| r.damaged(PROFILE.as_bytes(), PROFILE_WORDS);
     any_gcode, any_gcode_for_long, cases::gcode, |r: &mut Random| match r.below(8) {
         0 => r.bytes(400),

@@ -5,6 +5,7 @@
 
 mod shapes;
 
+use std::io::{Cursor, Write};
 use std::path::Path;
 
 use pathwright::check::{Survey, check};
@@ -20,9 +21,34 @@ use pathwright::toolpath::{LayerPaths, ObjectLayer, Planner, PlateLayer, Shells}
 use pathwright::units::Mm;
 use shapes::Bytes;
 
-/// Any bytes as a model; what is one is repaired and cut.
+/// Any bytes as an STL file.
 pub fn stl(bytes: &[u8]) {
-    let Ok((mesh, report)) = mesh::from_bytes(Path::new("part.stl"), bytes) else { return };
+    model("part.stl", bytes);
+}
+
+/// Any bytes as an OBJ file.
+pub fn obj(bytes: &[u8]) {
+    model("part.obj", bytes);
+}
+
+/// Any bytes as a 3MF file, or as the two texts in a sound archive: relations, a zero, the model.
+pub fn threemf(bytes: &[u8]) {
+    model("part.3mf", bytes);
+    let end = bytes.iter().position(|&byte| byte == 0);
+    let (relations, part) = end.map_or((&[][..], bytes), |end| (&bytes[..end], &bytes[end + 1..]));
+    let mut zip = zip::ZipWriter::new(Cursor::new(Vec::new()));
+    for (name, text) in [("_rels/.rels", relations), ("3D/3dmodel.model", part)] {
+        if !text.is_empty() {
+            zip.start_file(name, zip::write::SimpleFileOptions::default()).expect("a part");
+            zip.write_all(text).expect("written");
+        }
+    }
+    model("part.3mf", &zip.finish().expect("an archive").into_inner());
+}
+
+/// A file that is a model is repaired, placed and cut.
+fn model(name: &str, bytes: &[u8]) {
+    let Ok((mesh, report)) = mesh::from_bytes(Path::new(name), bytes) else { return };
     assert!(report.volume_mm3.is_finite());
     let settings = Settings::default();
     let item = Item { name: "part".into(), mesh, copies: 1 };
