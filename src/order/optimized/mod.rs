@@ -6,18 +6,17 @@ mod grid;
 mod junctions;
 mod loops;
 mod neighbours;
-mod random;
 mod runs;
 mod search;
 mod start;
 mod walk;
 
-use self::random::Random;
 use self::search::Search;
 use super::greedy::Fragments;
 use super::precedence::Groups;
 use super::{Cost, Nearest, Problem, Sequence, Strategy, evaluate};
 use crate::profile::{Effort, Scope};
+use crate::random::Random;
 
 /// Steps of iterated search per path. A step is a link cost looked at.
 ///

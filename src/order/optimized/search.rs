@@ -7,11 +7,11 @@ use super::super::greedy::Fragments;
 use super::super::precedence::Groups;
 use super::super::{Cost, Problem, Sequence, Visit};
 use super::neighbours::Neighbours;
-use super::random::Random;
 use super::runs::Vicinity;
 use super::start::start;
 use super::walk::{End, Walk};
 use crate::geom::Point;
+use crate::random::Random;
 
 /// What an improvement must save at least (millimetres or seconds), far above rounding and far below anything
 /// that matters, so that the search ends.
