@@ -27,7 +27,6 @@ fn steps_per_path(effort: Effort, scope: Scope) -> u64 {
     match (effort, scope) {
         (Effort::Fast, Scope::Layer) => 60,
         (Effort::Fast, _) => 50,
-        (Effort::Normal, Scope::Layer) => 3_000,
         (Effort::Normal, _) => 1_200,
         (Effort::High, Scope::Layer) => 60_000,
         (Effort::High, _) => 20_000,
