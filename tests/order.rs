@@ -198,6 +198,28 @@ fn a_thousand_identical_segments_pass_the_checker() {
     }
 }
 
+/// The squares of these distances are just below what 64 bits hold.
+#[test]
+fn paths_from_one_end_of_the_grid_to_the_other_pass_the_checker() {
+    const FAR: i32 = 1_000_000_000;
+    let at = |x: i32, y: i32| Point::new(x * FAR, y * FAR);
+    for &(_, scope) in Scope::ALL {
+        let layer = Layer {
+            items: vec![
+                (0, vec![at(-1, -1), at(1, 1)]),
+                (0, vec![at(1, -1), at(-1, 1)]),
+                (1, vec![at(-1, 0), at(0, 1), at(1, 0)]),
+                (1, vec![at(-1, -1), at(-1, -1)]),
+            ],
+            runs: [0, 1].map(|rank| Run { stage: 1, island: 0, rank }).to_vec(),
+            scope,
+            start: Some(at(1, 1)),
+            end: None,
+        };
+        every_strategy_passes(&layer);
+    }
+}
+
 #[test]
 fn runs_without_paths_are_passed_over() {
     for &(_, scope) in Scope::ALL {
