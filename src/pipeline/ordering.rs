@@ -23,6 +23,8 @@ pub(super) fn chain(settings: &Settings) -> Chain {
 pub(super) struct Solved {
     /// One sequence for each layer.
     pub sequences: Vec<Sequence>,
+    /// Where the last chunk ended before its head was ordered again, if it ended anywhere.
+    pub end: Option<Point>,
     /// Time spent, of all threads together.
     pub took: Duration,
 }
@@ -40,13 +42,11 @@ pub(super) fn solve(
     let range = |c: usize| c * chunk..((c + 1) * chunk).min(paths.len());
     let solved =
         parallel::map(chunks, |c| timed(|| chain.solve_chunk(&paths[range(c)], &pins[range(c)], None)));
-    let before = |c: usize| match c.checked_sub(1) {
-        None => start,
-        Some(b) => {
-            let last = solved[b].0.iter().zip(&paths[range(b)]).rev().find(|(s, _)| !s.is_empty());
-            last.and_then(|(sequence, layer)| Some(ends_on_path(layer, *sequence.last()?).1))
-        }
+    let end = |c: usize| {
+        let last = solved[c].0.iter().zip(&paths[range(c)]).rev().find(|(s, _)| !s.is_empty());
+        last.and_then(|(sequence, layer)| Some(ends_on_path(layer, *sequence.last()?).1))
     };
+    let before = |c: usize| c.checked_sub(1).map_or(start, end);
     let heads = parallel::map(chunks, |c| {
         let (layers, sequences) = (&paths[range(c)], &solved[c].0);
         let next = layers.get(1).map(|layer| (layer, sequences[1].as_slice()));
@@ -56,13 +56,14 @@ pub(super) fn solve(
             None => sequences[0].clone(),
         })
     });
+    let end = chunks.checked_sub(1).map_or(start, end);
     let took = solved.iter().map(|s| s.1).chain(heads.iter().map(|h| h.1)).sum();
     let sequences = solved
         .into_iter()
         .zip(heads)
         .flat_map(|((sequences, _), (head, _))| std::iter::once(head).chain(sequences.into_iter().skip(1)))
         .collect();
-    Solved { sequences, took }
+    Solved { sequences, end, took }
 }
 
 fn timed<T>(work: impl FnOnce() -> T) -> (T, Duration) {
