@@ -109,21 +109,32 @@ impl EdgeGrid {
     /// and some more. They replace the contents of `found`.
     pub fn near_box(&self, bounds: Bounds, found: &mut Vec<u32>) {
         found.clear();
+        found.extend(self.items_around(bounds));
+        found.sort_unstable();
+        found.dedup();
+    }
+
+    /// The edges whose boxes touch a box, in no order; an edge may come several times.
+    pub fn edges_touching(&self, bounds: Bounds) -> impl Iterator<Item = &Edge> {
+        let edges = self.items_around(bounds).map(|i| &self.edges[i as usize]);
+        edges.filter(move |edge| edge.bounds().touches(&bounds))
+    }
+
+    /// The items of all cells that meet a box.
+    fn items_around(&self, bounds: Bounds) -> impl Iterator<Item = u32> {
         let cell = |at: i32, origin: i32, cells: i64, slack: i64| {
             (i64::from(at) - i64::from(origin) + slack).div_euclid(self.cell).clamp(0, cells - 1)
         };
         let (min, origin) = (bounds.min, self.bounds.min);
-        let columns =
-            cell(min.x, origin.x, self.columns, -SLACK)..=cell(bounds.max.x, origin.x, self.columns, SLACK);
-        for row in cell(min.y, origin.y, self.rows, -SLACK)..=cell(bounds.max.y, origin.y, self.rows, SLACK) {
-            for column in columns.clone() {
-                let cell = (row * self.columns + column) as usize;
-                let range = self.starts[cell] as usize..self.starts[cell + 1] as usize;
-                found.extend_from_slice(&self.items[range]);
-            }
-        }
-        found.sort_unstable();
-        found.dedup();
+        let left = cell(min.x, origin.x, self.columns, -SLACK);
+        let right = cell(bounds.max.x, origin.x, self.columns, SLACK);
+        let rows = cell(min.y, origin.y, self.rows, -SLACK)..=cell(bounds.max.y, origin.y, self.rows, SLACK);
+        // The cells of a row lie side by side, and so do their items.
+        rows.flat_map(move |row| {
+            let at = |column: i64| (row * self.columns + column) as usize;
+            let range = self.starts[at(left)] as usize..self.starts[at(right) + 1] as usize;
+            self.items[range].iter().copied()
+        })
     }
 
     /// Distance from a point to the nearest edge, in millimetres; more than `reach_mm` where that is more.
@@ -138,7 +149,10 @@ impl EdgeGrid {
 
     /// Whether the point is inside or on the boundary (even-odd over all rings). Passes one row of cells.
     pub fn contains(&self, p: Point) -> bool {
-        let mut near = Vec::new();
+        if !(Bounds { min: p, max: p }).touches(&self.bounds) {
+            return false;
+        }
+        let mut near = Vec::with_capacity(32);
         self.near_segment(Point::new(self.bounds.min.x.min(p.x), p.y), p, &mut near);
         let mut inside = false;
         for edge in near.iter().map(|&i| &self.edges[i as usize]) {

@@ -23,7 +23,8 @@ mod transform;
 mod weld;
 mod words;
 
-use std::io::Read;
+use std::fs::File;
+use std::io::{Read, Seek, SeekFrom};
 use std::path::Path;
 
 pub use error::{MeshError, Place};
@@ -174,10 +175,13 @@ pub fn objects_from_bytes(path: &Path, data: &[u8]) -> Result<Vec<Model>, MeshEr
     objects.into_iter().map(model).collect()
 }
 
+/// Bytes from which reading by two threads pays.
+const PARALLEL: u64 = 1 << 20;
+
 fn contents(path: &Path) -> Result<Vec<u8>, MeshError> {
     let failed = |source| MeshError::Read { path: path.to_path_buf(), source };
     let too_large = |problem| MeshError::TooLarge { path: path.to_path_buf(), problem };
-    let file = std::fs::File::open(path).map_err(failed)?;
+    let mut file = File::open(path).map_err(failed)?;
     let check = |bytes: u64| {
         if bytes > limits::MODEL_BYTES {
             return Err(too_large(format!("the file has more than {} GB", limits::MODEL_BYTES >> 30)));
@@ -186,11 +190,31 @@ fn contents(path: &Path) -> Result<Vec<u8>, MeshError> {
     };
     let length = file.metadata().map_err(failed)?.len();
     check(length)?;
+    if length >= PARALLEL
+        && let Some(data) = halves(&file, path, length)
+    {
+        return Ok(data);
+    }
     let mut data = Vec::with_capacity(usize::try_from(length).unwrap_or(0));
-    // A pipe does not tell its length.
+    // A pipe does not tell its length, nor does it go back.
+    let _ = file.rewind();
     file.take(limits::MODEL_BYTES + 1).read_to_end(&mut data).map_err(failed)?;
     check(data.len() as u64)?;
     Ok(data)
+}
+
+/// The bytes of a file of this length, read by two threads; `None` where it cannot be done.
+fn halves(mut file: &File, path: &Path, length: u64) -> Option<Vec<u8>> {
+    let mut data = vec![0; usize::try_from(length).ok()?];
+    let middle = data.len() / 2;
+    let (first, second) = data.split_at_mut(middle);
+    let read_second = || {
+        let mut file = File::open(path)?;
+        file.seek(SeekFrom::Start(middle as u64))?;
+        file.read_exact(second)
+    };
+    let (first, second) = rayon::join(|| file.read_exact(first), read_second);
+    first.and(second).ok().map(|()| data)
 }
 
 fn repaired(

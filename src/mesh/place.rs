@@ -135,7 +135,13 @@ pub fn place(items: Vec<Item>, bed: &BedSettings, options: &Placement) -> Result
     for (name, (&model, &(quarters, spot))) in names.into_iter().zip(models.iter().zip(&places)) {
         let mesh = used.iter().position(|u| *u == (model, quarters)).unwrap_or_else(|| {
             used.push((model, quarters));
-            plate.meshes.push(meshes[model].quarter_turned(quarters));
+            // Most models stand one way only: then there is no need for a copy.
+            let only =
+                models.iter().zip(&places).all(|(&other, place)| other != model || place.0 == quarters);
+            let nothing = || Mesh::new(Vec::new(), Vec::new());
+            let mesh =
+                if only { std::mem::replace(&mut meshes[model], nothing()) } else { meshes[model].clone() };
+            plate.meshes.push(mesh.quarter_turned(quarters));
             used.len() - 1
         });
         plate.objects.push(Object { name, mesh, offset: Point::from_mm(spot[0], spot[1]) });
@@ -207,8 +213,10 @@ fn packed(
         rim: Footprint::new(mesh, area.shape).rim,
     };
     let quarters = if options.turn { 4 } else { 1 };
-    let shapes: Vec<Vec<Shape>> =
-        meshes.iter().map(|mesh| (0..quarters).map(|n| shape(&mesh.quarter_turned(n))).collect()).collect();
+    let shapes: Vec<Vec<Shape>> = meshes
+        .iter()
+        .map(|mesh| (0..quarters).map(|n| shape(&mesh.clone().quarter_turned(n))).collect())
+        .collect();
     let half = area.half.map(|half| (half / cell_mm) as i64);
     let at_mm = |at: [i64; 2]| at.map(|n| n as f64 * cell_mm);
     let fits = |rim: &[[f64; 2]], at: [i64; 2]| {

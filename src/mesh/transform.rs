@@ -82,18 +82,17 @@ impl Mesh {
     }
 
     /// The mesh turned about Z by quarters, counter-clockwise seen from above; exact.
-    pub fn quarter_turned(&self, quarters: u32) -> Mesh {
-        let mut mesh = self.clone();
-        for vertex in &mut mesh.vertices {
+    pub fn quarter_turned(mut self, quarters: u32) -> Mesh {
+        let quarters = quarters % 4;
+        for vertex in self.vertices.iter_mut().filter(|_| quarters > 0) {
             let [x, y, z] = *vertex;
-            *vertex = match quarters % 4 {
-                0 => [x, y, z],
+            *vertex = match quarters {
                 1 => [-y, x, z],
                 2 => [-x, -y, z],
                 _ => [y, -x, z],
             };
         }
-        mesh
+        self
     }
 
     /// Moves the mesh, in millimetres.

@@ -99,7 +99,8 @@ struct Walk<'a> {
     width_mm: f64,
     /// Whether the present vertex is over the support, if that is known.
     inside: Option<bool>,
-    near: Vec<u32>,
+    /// Ends of the outline's edges that are near.
+    near: Vec<[[f64; 2]; 2]>,
     out: Vec<Stretch>,
 }
 
@@ -111,7 +112,10 @@ impl Walk<'_> {
             min: Point::new(a.x.min(b.x) - reach, a.y.min(b.y) - reach),
             max: Point::new(a.x.max(b.x) + reach, a.y.max(b.y) + reach),
         };
-        self.support.outline.near_box(bounds, &mut self.near);
+        // What is farther off makes no difference.
+        self.near.clear();
+        let edges = self.support.outline.edges_touching(bounds);
+        self.near.extend(edges.map(|edge| [edge.a.mm(), edge.b.mm()]));
         let away = self.away([from.at, to.at]) / self.width_mm;
         let inside = match self.inside {
             Some(inside) if away > 0.0 => inside,
@@ -138,8 +142,7 @@ impl Walk<'_> {
 
     /// Distance of a segment from the edges near it; 0 where they meet.
     fn away(&self, [a, b]: [[f64; 2]; 2]) -> f64 {
-        let edges = self.near.iter().map(|&i| self.support.outline.edges()[i as usize]);
-        edges.map(|e| segments_mm([a, b], [e.a.mm(), e.b.mm()])).fold(f64::INFINITY, f64::min)
+        self.near.iter().map(|&edge| segments_mm([a, b], edge)).fold(f64::INFINITY, f64::min)
     }
 
     fn push(&mut self, grade: Grade, from: Vertex, to: Vertex) {

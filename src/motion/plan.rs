@@ -30,7 +30,8 @@ pub fn plan_layer(
     let layer_z_mm = layer.top_mm + settings.z_offset.0;
     let rules = Rules::new(settings, layer.index);
     let vertices: usize = layer.paths.iter().map(|p| p.points.len()).sum();
-    let mut moves = Vec::with_capacity(vertices + 6 * sequence.len() + 8);
+    // Curves are drawn with more vertices than they have.
+    let mut moves = Vec::with_capacity(2 * vertices + 6 * sequence.len() + 8);
     moves.extend(rules.opening());
     let detour_mm = if settings.travel.avoid_crossing { settings.travel.max_detour.0 } else { 0.0 };
     // Where the layers are alike, as in a prism, nothing hangs over.

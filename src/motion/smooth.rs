@@ -56,7 +56,15 @@ fn direction(a: [f64; 2], b: [f64; 2]) -> ([f64; 2], f64) {
 
 /// The angle from one direction to another, counter-clockwise positive.
 fn turn_rad(u: [f64; 2], v: [f64; 2]) -> f64 {
-    (u[0] * v[1] - u[1] * v[0]).atan2(u[0] * v[0] + u[1] * v[1])
+    cross(u, v).atan2(dot(u, v))
+}
+
+fn cross(u: [f64; 2], v: [f64; 2]) -> f64 {
+    u[0] * v[1] - u[1] * v[0]
+}
+
+fn dot(u: [f64; 2], v: [f64; 2]) -> f64 {
+    u[0] * v[0] + u[1] * v[1]
 }
 
 /// Rounds the corners of a bead that begins at `from`: an arc that leaves the corner by at most the deviation and
@@ -70,7 +78,14 @@ pub(super) fn round_corners(from: [f64; 2], pieces: &[Piece], rounding: &Roundin
         let corner = pieces[i - 1].to;
         let before = if i == 1 { from } else { pieces[i - 2].to };
         let ((u, u_mm), (v, v_mm)) = (direction(before, corner), direction(corner, next.to));
-        let turn = turn_rad(u, v);
+        // Most turns are gentle, which shows without knowing the angle.
+        let gentle = dot(u, v) > 0.0 && cross(u, v).abs() < GENTLE_RAD * dot(u, v);
+        let turn = if gentle { 0.0 } else { turn_rad(u, v) };
+        if !(GENTLE_RAD..=rounding.most_rad).contains(&turn.abs()) {
+            out.push(left);
+            (at, left) = (corner, *next);
+            continue;
+        }
         let half = 0.5 * turn.abs();
         let tangent_mm = {
             let by_deviation_mm = rounding.deviation_mm * half.sin() / (1.0 - half.cos()).max(1e-9);
@@ -79,7 +94,7 @@ pub(super) fn round_corners(from: [f64; 2], pieces: &[Piece], rounding: &Roundin
         let radius_mm = tangent_mm / half.tan();
         let steps =
             (turn.abs() / rounding.step_rad).ceil().min((radius_mm * turn.abs() / SHORTEST_MM).floor());
-        if !(GENTLE_RAD..=rounding.most_rad).contains(&turn.abs()) || steps < 2.0 {
+        if steps < 2.0 {
             out.push(left);
             (at, left) = (corner, *next);
             continue;

@@ -9,6 +9,7 @@ use crate::profile::{CostKind, OrderStrategy, Settings};
 use crate::toolpath::LayerPaths;
 
 use super::ordering::Certificate;
+use super::ordering::{Layers, Sequencer};
 use super::{load, ordering, parallel, reorder, rounds, spiral};
 
 /// Plans the layers once and orders them by each strategy. With `job.certify`, bounds are computed as well.
@@ -81,17 +82,18 @@ fn row(
     let mut chain = ordering::chain(settings);
     chain.settings.strategy = strategy;
     let (paths, pins): (Vec<LayerPaths>, Vec<Pins>) = layers.iter().cloned().unzip();
-    let mut solved = ordering::solve(&chain, &paths, &pins, chunk_len(layers.len()), None);
+    let mut sequencer = Sequencer::new(&chain, chunk_len(layers.len()), None);
+    let Layers { paths, mut sequences, .. } = sequencer.take(paths, pins, true);
     if fixed.whole && strategy == OrderStrategy::AsSliced {
         let as_is =
             |layer: &LayerPaths| (0..layer.paths.len() as u32).map(|item| Visit { item, entry: 0 }).collect();
-        solved.sequences = paths.iter().map(as_is).collect();
+        sequences = paths.iter().map(as_is).collect();
     }
 
     let mut at = None;
     let starts: Vec<_> = paths
         .iter()
-        .zip(&solved.sequences)
+        .zip(&sequences)
         .map(|(layer, sequence)| {
             let start = at;
             at = sequence.last().map(|&visit| ends_on_path(layer, visit).1).or(at);
@@ -103,7 +105,7 @@ fn row(
         // Sequences name vertices of paths: measured on the problem whose seams are free.
         let mut problem = LayerProblem::new(&paths[i], &None, settings.order.scope).problem;
         problem.start = starts[i];
-        let mut row = LayerRow::new(i, &problem, &solved.sequences[i], &time);
+        let mut row = LayerRow::new(i, &problem, &sequences[i], &time);
         let bound_mm = |certificate: &Certificate| certificate.layer_mm(i, starts[i]) + fixed.links_mm[i];
         row.bound_mm = certificate.map(bound_mm);
         row.link_mm += fixed.links_mm[i];
@@ -112,7 +114,7 @@ fn row(
     });
     StrategyRow {
         strategy: strategy.name().to_owned(),
-        took_s: solved.took.as_secs_f64(),
+        took_s: sequencer.took.as_secs_f64(),
         bound_mm: certificate.map(|c| c.print_mm() + fixed.links_mm.iter().sum::<f64>()),
         layers: rows,
     }

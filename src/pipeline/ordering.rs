@@ -1,5 +1,6 @@
 //! Orders the layers of a print chunk by chunk, and bounds what any order can reach.
 
+use std::ops::Range;
 use std::time::{Duration, Instant};
 
 use crate::geom::Point;
@@ -19,53 +20,88 @@ pub(super) fn chain(settings: &Settings) -> Chain {
     }
 }
 
-/// Ordered layers.
-pub(super) struct Solved {
-    /// One sequence for each layer.
+/// Layers and the order of each.
+#[derive(Default)]
+pub(super) struct Layers {
+    pub paths: Vec<LayerPaths>,
+    pub pins: Vec<Pins>,
     pub sequences: Vec<Sequence>,
+}
+
+impl Layers {
+    /// Where the first of them end, if they do anywhere.
+    fn end(&self, count: usize) -> Option<Point> {
+        let ordered = self.sequences[..count].iter().zip(&self.paths);
+        ordered.rev().find_map(|(sequence, layer)| Some(ends_on_path(layer, *sequence.last()?).1))
+    }
+
+    fn split_off(&mut self, at: usize) -> Self {
+        Self {
+            paths: self.paths.split_off(at),
+            pins: self.pins.split_off(at),
+            sequences: self.sequences.split_off(at),
+        }
+    }
+}
+
+/// Orders the layers of a print batch by batch, with the same result as if they came all at once: in chunks, then those
+/// around each join of chunks again with both ends known.
+pub(super) struct Sequencer<'a> {
+    chain: &'a Chain,
+    chunk: usize,
+    /// Where the layers before end, but for those held back; before all, where the nozzle is.
+    end: Option<Point>,
+    /// Layers that take part in the next join.
+    held: Layers,
     /// Time spent, of all threads together.
     pub took: Duration,
 }
 
-/// Orders layers in chunks of `chunk`, then those around each join of chunks again with both ends known. `start` is where
-/// the nozzle is before the first of them.
-pub(super) fn solve(
-    chain: &Chain,
-    paths: &[LayerPaths],
-    pins: &[Pins],
-    chunk: usize,
-    start: Option<Point>,
-) -> Solved {
-    let chunks = paths.len().div_ceil(chunk);
-    let range = |c: usize| c * chunk..((c + 1) * chunk).min(paths.len());
-    let solved =
-        parallel::map(chunks, |c| timed(|| chain.solve_chunk(&paths[range(c)], &pins[range(c)], None)));
-    let mut took: Duration = solved.iter().map(|(_, took)| *took).sum();
-    let mut sequences: Vec<Sequence> = solved.into_iter().flat_map(|(sequences, _)| sequences).collect();
-    // Joins have no layer in common.
-    let overlap = chain.overlap().min(chunk - 1);
-    let join = |c: usize| (c * chunk).saturating_sub(overlap)..c * chunk + 1;
-    let joined = parallel::map(chunks, |c| {
-        let window = join(c);
-        let before = sequences[..window.start]
-            .iter()
-            .zip(paths)
-            .rev()
-            .find_map(|(sequence, layer)| Some(ends_on_path(layer, *sequence.last()?).1));
-        let before = before.or(start);
-        let old = sequences[window.clone()].to_vec();
-        let next =
-            range(c).contains(&window.end).then(|| (&paths[window.end], sequences[window.end].as_slice()));
-        timed(|| match before {
-            Some(_) => chain.resolve_join(&paths[window.clone()], &pins[window], old, next, before),
-            None => old,
-        })
-    });
-    for (c, (new, spent)) in joined.into_iter().enumerate() {
-        took += spent;
-        sequences.splice(join(c), new);
+impl<'a> Sequencer<'a> {
+    /// Begins at a place, if one is known. Chunks have `chunk` layers.
+    pub(super) fn new(chain: &'a Chain, chunk: usize, start: Option<Point>) -> Self {
+        Self { chain, chunk, end: start, held: Layers::default(), took: Duration::ZERO }
     }
-    Solved { sequences, took }
+
+    /// Takes up the next layers: whole chunks, unless they are the `last`. Returns those whose order is settled.
+    pub(super) fn take(&mut self, paths: Vec<LayerPaths>, pins: Vec<Pins>, last: bool) -> Layers {
+        let mut layers = std::mem::take(&mut self.held);
+        let first = layers.paths.len();
+        layers.paths.extend(paths);
+        layers.pins.extend(pins);
+        let (count, chunk) = (layers.paths.len(), self.chunk);
+        let chunks = (count - first).div_ceil(chunk);
+        let range = |c: usize| first + c * chunk..(first + (c + 1) * chunk).min(count);
+        let (paths, pins) = (&layers.paths, &layers.pins);
+        let solved = parallel::map(chunks, |c| {
+            timed(|| self.chain.solve_chunk(&paths[range(c)], &pins[range(c)], None))
+        });
+        for (sequences, took) in solved {
+            layers.sequences.extend(sequences);
+            self.took += took;
+        }
+        // No two joins have a layer in common.
+        let overlap = self.chain.overlap().min(chunk - 1);
+        let window = |c: usize| range(c).start.saturating_sub(overlap)..range(c).start + 1;
+        let joined = parallel::map(chunks, |c| timed(|| self.join(&layers, window(c), range(c).end)));
+        let settled = if last { count } else { count.saturating_sub(overlap) };
+        self.end = layers.end(settled).or(self.end);
+        for (c, (sequences, took)) in joined.into_iter().enumerate() {
+            layers.sequences.splice(window(c), sequences);
+            self.took += took;
+        }
+        self.held = layers.split_off(settled);
+        layers
+    }
+
+    /// Orders the layers of a join again. The chunk after it ends at `end`.
+    fn join(&self, layers: &Layers, window: Range<usize>, end: usize) -> Vec<Sequence> {
+        let old = layers.sequences[window.clone()].to_vec();
+        let Some(before) = layers.end(window.start).or(self.end) else { return old };
+        let above = window.end;
+        let next = (above < end).then(|| (&layers.paths[above], layers.sequences[above].as_slice()));
+        self.chain.resolve_join(&layers.paths[window.clone()], &layers.pins[window], old, next, Some(before))
+    }
 }
 
 fn timed<T>(work: impl FnOnce() -> T) -> (T, Duration) {

@@ -11,9 +11,10 @@ pub(super) fn with_threads<T: Send>(threads: Option<usize>, run: impl FnOnce() -
     }
 }
 
-/// The results of a function for 0, 1, … n − 1, in this order.
+/// The results of a function for 0, 1, … n − 1, in this order. Each is worth a task of its own: layers take very
+/// different times.
 pub(super) fn map<T: Send>(n: usize, f: impl Fn(usize) -> T + Sync + Send) -> Vec<T> {
-    (0..n).into_par_iter().map(f).collect()
+    (0..n).into_par_iter().with_max_len(1).map(f).collect()
 }
 
 /// The results of two functions.

@@ -1,14 +1,12 @@
 //! One plate, from meshes to bytes.
 
-use std::ops::Range;
-
 use crate::estimate::{Machine, cool};
 use crate::gcode::{self, Effect, LayerText, ObjectLabel, PrintFacts, Scripts, Slot, Totals, WriterSettings};
 use crate::geom::{Bounds, Point};
 use crate::job::{Job, JobError, Progress};
 use crate::mesh::Plate;
 use crate::motion::{self, Entry, MotionSettings};
-use crate::order::{Chain, Pins, SeamRule, Sequence, Visit, chunk_len};
+use crate::order::{Chain, Pins, SeamRule, Visit, chunk_len};
 use crate::output::Output;
 use crate::profile::{Settings, thumbnail_sizes};
 use crate::report::{LayerSummary, Measures, Summary};
@@ -17,15 +15,13 @@ use crate::units::{Mm3, Seconds};
 use crate::view;
 
 use super::inspect::Inspector;
-use super::ordering::Certificate;
+use super::ordering::{Certificate, Layers, Sequencer};
 use super::rounds::{self, Round};
 use super::{load, ordering, parallel, spiral};
 
-/// Chunks of layers in flight for each thread: enough to keep all busy, few enough to bound the memory.
-const CHUNKS_PER_THREAD: usize = 16;
-
-/// Layers that are finished for each thread while those before them are checked.
-const LAYERS_PER_THREAD: usize = 8;
+/// Chunks of layers in a batch for each thread: enough to keep all busy, few enough to bound the memory and to leave little
+/// to do when there is nothing else to do beside it.
+const CHUNKS_PER_THREAD: usize = 1;
 
 /// Slices a plate.
 pub(super) fn slice(
@@ -61,45 +57,25 @@ pub(super) fn slice(
 
     let mut opening = gcode::opening(settings, &facts, &scripts, true);
     opening.comment(&thumbnails(&loaded.plate, settings));
-    let mut slots = opening.slots;
     let labels = gcode::labels(settings, &labels);
-    let mut inspector = Inspector::new(settings, &opening.bytes);
-    inspector.take(&labels);
-    output.write(&opening.bytes)?;
-    output.write(&labels)?;
+    let inspector = Inspector::new(settings, &opening.bytes);
+    let mut sheet = Sheet { output, inspector, slots: opening.slots, tally: Tally::default(), progress };
+    sheet.output.write(&opening.bytes)?;
+    sheet.write(&labels)?;
     let begun = scripts.start_effect(settings, &run.machine);
     let mut ordered = Vec::new();
-    let mut tally = Tally::default();
-    tally.add_script(&begun, &run.machine);
+    sheet.tally.add_script(&begun, &run.machine);
     let (xy, z_mm) = (begun.end.map(|[x, y, _]| [x, y]), begun.end.map_or(0.0, |e| e[2]));
+    let start = xy.map(|[x, y]| Point::from_mm(x, y));
     let mut at = Entry { xy, z_mm, ..Entry::default() };
-    let start = at.xy.map(|[x, y]| Point::from_mm(x, y));
     for round in &rounds {
-        let count = round.sections.layers.len();
-        let chunk = chunk_len(count);
-        let batch = chunk * CHUNKS_PER_THREAD * parallel::threads();
-        let mut seam = SeamRule::new(settings.seam.position);
         at.over_mm = round.over_mm;
         if let Some(name) = &round.name {
-            let comment = gcode::object_comment(name);
-            inspector.take(&comment);
-            output.write(&comment)?;
+            sheet.write(&gcode::object_comment(name))?;
         }
-        let mut first = 0;
-        while first < count {
-            let layers = first..(first + batch).min(count);
-            let (done, paths) = run.batch(round, layers.clone(), chunk, &mut seam, &mut at, &mut inspector);
-            ordered.extend(paths);
-            for done in done {
-                let base = output.written() as usize;
-                slots.extend(done.text.progress.map(|slot| Slot { offset: base + slot.offset, ..slot }));
-                output.write(&done.text.bytes)?;
-                tally.add(done.summary);
-                progress.layer_done();
-            }
-            first = layers.end;
-        }
+        ordered.extend(run.round(round, &mut at, &mut sheet)?);
     }
+    let Sheet { output, mut inspector, slots, mut tally, .. } = sheet;
     if let Some([x, y]) = at.xy {
         tally.add_script(&scripts.end_effect(settings, &run.machine, [x, y, at.z_mm]), &run.machine);
     }
@@ -169,72 +145,118 @@ struct Done {
     summary: LayerSummary,
 }
 
-impl Run<'_> {
-    /// Takes a batch of layers through all stages. `seam` and `at` hold what the layers below left.
-    /// Returns their bytes and, if they are to be certified, what was ordered and where each was entered from.
-    fn batch(
-        &self,
-        round: &Round,
-        layers: Range<usize>,
-        chunk: usize,
-        seam: &mut SeamRule,
-        at: &mut Entry,
-        inspector: &mut Inspector,
-    ) -> (Vec<Done>, Vec<Ordered>) {
-        let first = layers.start;
-        let paths =
-            parallel::map(layers.len(), |i| round.sections.paths(&round.planners, first + i, self.settings));
-        let pins: Vec<Pins> = paths.iter().map(|layer| seam.pins(layer)).collect();
-        let start = at.xy.map(|[x, y]| Point::from_mm(x, y));
-        let mut sequences = ordering::solve(&self.chain, &paths, &pins, chunk, start).sequences;
-        // A turn is drawn upwards.
-        for (sequence, _) in sequences.iter_mut().zip(&paths).filter(|(_, layer)| !layer.rises.is_empty()) {
-            *sequence = vec![Visit { item: 0, entry: 0 }];
+/// Where layers are written, and what becomes of them.
+struct Sheet<'a> {
+    output: &'a mut Output,
+    inspector: Inspector,
+    /// What is known at the end only.
+    slots: Vec<Slot>,
+    tally: Tally,
+    progress: &'a dyn Progress,
+}
+
+impl Sheet<'_> {
+    /// Writes text, checking it.
+    fn write(&mut self, text: &[u8]) -> Result<(), JobError> {
+        self.inspector.take(text);
+        Ok(self.output.write(text)?)
+    }
+
+    /// Writes layers, checking them.
+    fn add(&mut self, layers: Vec<Done>) -> Result<(), JobError> {
+        for Done { text, summary } in layers {
+            let base = self.output.written() as usize;
+            self.slots.extend(text.progress.map(|slot| Slot { offset: base + slot.offset, ..slot }));
+            self.write(&text.bytes)?;
+            self.tally.add(summary);
+            self.progress.layer_done();
         }
-        let entries: Vec<Entry> = paths
+        Ok(())
+    }
+}
+
+/// Where the nozzle is, and what else the layers below leave for those above.
+struct Trail<'a> {
+    seam: SeamRule,
+    sequencer: Sequencer<'a>,
+    at: &'a mut Entry,
+}
+
+/// Layers whose ways are known.
+#[derive(Default)]
+struct Batch {
+    layers: Layers,
+    /// Where each is entered from.
+    entries: Vec<Entry>,
+}
+
+impl Batch {
+    fn into_ordered(self) -> impl Iterator<Item = Ordered> {
+        let starts = self.entries.into_iter().map(|entry| entry.xy.map(|[x, y]| Point::from_mm(x, y)));
+        let layers = self.layers.paths.into_iter().zip(self.layers.pins);
+        layers.zip(starts).map(|(layer, start)| Ordered { layer, start })
+    }
+}
+
+impl Run<'_> {
+    /// Takes the layers of a round through all stages, batch by batch: while one is ordered, the next is planned, the one
+    /// before gets its moves, and the one before that is checked and written. Returns, if they are to be certified, what
+    /// was ordered and where each layer was entered from.
+    fn round(&self, round: &Round, at: &mut Entry, sheet: &mut Sheet<'_>) -> Result<Vec<Ordered>, JobError> {
+        let count = round.sections.layers.len();
+        let chunk = chunk_len(count);
+        let length = chunk * CHUNKS_PER_THREAD * parallel::threads();
+        let plan = |first: usize| {
+            let layers = length.min(count.saturating_sub(first));
+            parallel::map(layers, |i| round.sections.paths(&round.planners, first + i, self.settings))
+        };
+        let sequencer = Sequencer::new(&self.chain, chunk, at.xy.map(|[x, y]| Point::from_mm(x, y)));
+        let mut trail = Trail { seam: SeamRule::new(self.settings.seam.position), sequencer, at };
+        let (mut planned, mut batch, mut done, mut kept) =
+            (plan(0), Batch::default(), Vec::new(), Vec::new());
+        // The last batch is written two steps after it is ordered.
+        for step in 1..=count.div_ceil(length) + 2 {
+            let order = || self.order(planned, step * length >= count, &mut trail);
+            let finish = || parallel::map(batch.entries.len(), |i| self.finish(&batch, i, round.first_layer));
+            let write = || sheet.add(done);
+            // What cannot be divided comes first.
+            let beside = || parallel::join(write, || parallel::join(finish, || plan(step * length)));
+            let (ordered, (written, (finished, next))) = parallel::join(order, beside);
+            written?;
+            if self.certify {
+                kept.extend(batch.into_ordered());
+            }
+            (planned, batch, done) = (next, ordered, finished);
+        }
+        Ok(kept)
+    }
+
+    /// Orders layers; the last of them is held back until it is known what comes above it.
+    fn order(&self, paths: Vec<LayerPaths>, last: bool, trail: &mut Trail<'_>) -> Batch {
+        let pins: Vec<Pins> = paths.iter().map(|layer| trail.seam.pins(layer)).collect();
+        let mut layers = trail.sequencer.take(paths, pins, last);
+        // A turn is drawn upwards.
+        for (sequence, layer) in layers.sequences.iter_mut().zip(&layers.paths) {
+            if !layer.rises.is_empty() {
+                *sequence = vec![Visit { item: 0, entry: 0 }];
+            }
+        }
+        let entries = layers
+            .paths
             .iter()
-            .zip(&sequences)
+            .zip(&layers.sequences)
             .map(|(layer, sequence)| {
-                let next = motion::exit(layer, sequence, at.clone(), &self.motion);
-                std::mem::replace(at, next)
+                let next = motion::exit(layer, sequence, trail.at.clone(), &self.motion);
+                std::mem::replace(trail.at, next)
             })
             .collect();
-        let done = self.finish_all(&paths, &sequences, &entries, round.first_layer, inspector);
-        if !self.certify {
-            return (done, Vec::new());
-        }
-        let starts = entries.iter().map(|entry| entry.xy.map(|[x, y]| Point::from_mm(x, y)));
-        let ordered = paths.into_iter().zip(pins).zip(starts);
-        (done, ordered.map(|(layer, start)| Ordered { layer, start }).collect())
+        Batch { layers, entries }
     }
 
-    /// Finishes layers, and checks those that are finished meanwhile.
-    fn finish_all(
-        &self,
-        paths: &[LayerPaths],
-        sequences: &[Sequence],
-        entries: &[Entry],
-        before: usize,
-        inspector: &mut Inspector,
-    ) -> Vec<Done> {
-        let mut done: Vec<Done> = Vec::with_capacity(paths.len());
-        let mut unchecked = 0;
-        let mut inspect = |layers: &[Done]| layers.iter().for_each(|layer| inspector.take(&layer.text.bytes));
-        while done.len() < paths.len() {
-            let first = done.len();
-            let count = (LAYERS_PER_THREAD * parallel::threads()).min(paths.len() - first);
-            let layer = |i: usize| self.finish(&paths[i], &sequences[i], entries[i].clone(), before);
-            let finish = || parallel::map(count, |i| layer(first + i));
-            let (more, ()) = parallel::join(finish, || inspect(&done[unchecked..]));
-            unchecked = first;
-            done.extend(more);
-        }
-        inspect(&done[unchecked..]);
-        done
-    }
-
-    /// Motion, cooling and formatting of one layer, numbered after those of the rounds before.
-    fn finish(&self, paths: &LayerPaths, sequence: &Sequence, from: Entry, before: usize) -> Done {
+    /// Motion, cooling and formatting of one layer of a batch, numbered after those of the rounds before.
+    fn finish(&self, batch: &Batch, i: usize, before: usize) -> Done {
+        let (paths, sequence) = (&batch.layers.paths[i], &batch.layers.sequences[i]);
+        let from = batch.entries[i].clone();
         let mut moves = motion::plan_layer(paths, sequence, from, &self.motion);
         moves.index += before;
         let time = cool(&mut moves, &self.settings.cooling, &self.machine);

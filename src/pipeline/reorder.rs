@@ -18,6 +18,7 @@ use crate::reorder::{
 use crate::report::{Reordered, Way};
 use crate::toolpath::LayerPaths;
 
+use super::ordering::Sequencer;
 use super::{inspect, ordering, parallel};
 
 /// A batch holds at least so many bytes of the file: enough to keep all threads busy, whatever the file's size, and
@@ -353,10 +354,8 @@ impl Run {
         let start = self.at.zip(blocks.first()).map(|(at, block)| block.point(at));
         let mut chain = self.chain.clone();
         chain.settings.scope = scope;
-        let sequences = match layers.is_empty() {
-            true => Vec::new(),
-            false => ordering::solve(&chain, &layers, &pins, chunk_len(layers.len()), start).sequences,
-        };
+        let sequences =
+            Sequencer::new(&chain, chunk_len(layers.len()), start).take(layers, pins, true).sequences;
         let mut picks = vec![Vec::new(); blocks.len()];
         for (&i, sequence) in with_paths.iter().zip(&sequences) {
             picks[i] = orderings[i].picks(&blocks[i], sequence);

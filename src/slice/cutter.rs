@@ -38,16 +38,19 @@ impl<'a> Cutter<'a> {
             let [a, b, c] = triangle.map(|v| corners[v as usize].rank);
             (a.min(b).min(c) as usize, a.max(b).max(c) as usize)
         };
-        // Two passes of a counting sort by layer.
-        let mut start = vec![0u32; cuts_mm.len() + 2];
+        // Two passes of a counting sort by layer. First, by how much the counts change from layer to layer.
+        let mut start = vec![0u32; cuts_mm.len() + 3];
         for triangle in mesh.triangles() {
             let (low, high) = ranks(triangle);
-            for count in &mut start[low + 2..high + 2] {
-                *count += 1;
-            }
+            start[low + 2] = start[low + 2].wrapping_add(1);
+            start[high + 2] = start[high + 2].wrapping_sub(1);
         }
-        for i in 2..start.len() {
-            start[i] += start[i - 1];
+        start.pop();
+        let (mut count, mut sum) = (0_u32, 0);
+        for place in &mut start[2..] {
+            count = count.wrapping_add(*place);
+            sum += count;
+            *place = sum;
         }
         let mut crossing = vec![0; start.last().map_or(0, |&n| n as usize)];
         for (t, triangle) in mesh.triangles().iter().enumerate() {

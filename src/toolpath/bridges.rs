@@ -86,33 +86,45 @@ impl Hold {
     fn best_angle(&self, air: &Region) -> f64 {
         let mut angles = edge_angles(air);
         angles.extend((0..FAN).map(|k| PI * f64::from(k) / f64::from(FAN)));
-        let judged = angles.into_iter().map(|angle_rad| (self.cost(air, angle_rad), angle_rad));
-        judged
-            .reduce(|best, next| if next.0 < best.0 - 1e-9 { next } else { best })
-            .map_or(0.0, |best| best.1)
+        let mut best = (f64::INFINITY, 0.0);
+        for angle_rad in angles {
+            if let Some(cost) = self.cost(air, angle_rad, best.0 - 1e-9) {
+                best = (cost, angle_rad);
+            }
+        }
+        best.1
     }
 
-    /// Share of thread that is not held at both ends (half of it counts where one end is), and a little for the spans.
-    fn cost(&self, air: &Region, angle_rad: f64) -> f64 {
-        let Some(bounds) = air.bounds() else { return 0.0 };
+    /// Share of thread that is not held at both ends (half of it counts where one end is), and a little for the spans;
+    /// `None` where that is not below a limit.
+    fn cost(&self, air: &Region, angle_rad: f64, below: f64) -> Option<f64> {
+        let judged = |cost: f64| (cost < below).then_some(cost);
+        let Some(bounds) = air.bounds() else { return judged(0.0) };
         let longest_mm = bounds.min.distance_mm(bounds.max);
         let spacing_mm = (longest_mm / LINES).max(self.width_mm / 2.0);
-        let (sin, cos) = angle_rad.sin_cos();
-        let (mut length_mm, mut loose_mm, mut squares_mm2, mut most_mm) = (0.0, 0.0, 0.0, 0.0_f64);
-        for [a, b] in geom::scan_lines(air, angle_rad, spacing_mm, 0.0).into_iter().flat_map(|l| l.segments) {
-            let span_mm = a.point.distance_mm(b.point);
-            let held =
-                usize::from(self.holds(a.point, [-cos, -sin])) + usize::from(self.holds(b.point, [cos, sin]));
+        let lines = geom::scan_lines(air, angle_rad, spacing_mm, 0.0);
+        let spans = || lines.iter().flat_map(|line| &line.segments).map(|[a, b]| [a.point, b.point]);
+        let (mut length_mm, mut squares_mm2, mut most_mm) = (0.0, 0.0, 0.0_f64);
+        for [a, b] in spans() {
+            let span_mm = a.distance_mm(b);
             length_mm += span_mm;
-            loose_mm += span_mm * (2 - held) as f64 / 2.0;
             squares_mm2 += span_mm * span_mm;
             most_mm = most_mm.max(span_mm);
         }
         if length_mm <= 0.0 {
-            return f64::MAX;
+            return judged(f64::MAX);
         }
         let [longest, mean] = SPAN_WEIGHTS;
-        loose_mm / length_mm + (longest * most_mm + mean * squares_mm2 / length_mm) / longest_mm
+        let by_span = (longest * most_mm + mean * squares_mm2 / length_mm) / longest_mm;
+        let (sin, cos) = angle_rad.sin_cos();
+        let mut loose_mm = 0.0;
+        for [a, b] in spans() {
+            // It only becomes more.
+            judged(loose_mm / length_mm + by_span)?;
+            let held = usize::from(self.holds(a, [-cos, -sin])) + usize::from(self.holds(b, [cos, sin]));
+            loose_mm += a.distance_mm(b) * (2 - held) as f64 / 2.0;
+        }
+        judged(loose_mm / length_mm + by_span)
     }
 
     /// Whether there is hold a little beyond the end of a thread that runs this way.
