@@ -81,7 +81,7 @@ fn row(
     let mut chain = ordering::chain(settings);
     chain.settings.strategy = strategy;
     let (paths, pins): (Vec<LayerPaths>, Vec<Pins>) = layers.iter().cloned().unzip();
-    let mut solved = ordering::solve(&chain, &paths, &pins, chunk_len(layers.len()), None);
+    let mut solved = ordering::solve(&chain, &paths, &pins, Vec::new(), chunk_len(layers.len()), None);
     if fixed.whole && strategy == OrderStrategy::AsSliced {
         let as_is =
             |layer: &LayerPaths| (0..layer.paths.len() as u32).map(|item| Visit { item, entry: 0 }).collect();

@@ -23,47 +23,58 @@ pub(super) fn chain(settings: &Settings) -> Chain {
 pub(super) struct Solved {
     /// One sequence for each layer.
     pub sequences: Vec<Sequence>,
-    /// Where the last chunk ended before its head was ordered again, if it ended anywhere.
+    /// So many of the last layers may be ordered again, together with the next chunk.
+    pub overlap: usize,
+    /// Where the layers before those ended, or the nozzle was, before layers around joins were ordered again.
     pub end: Option<Point>,
     /// Time spent, of all threads together.
     pub took: Duration,
 }
 
-/// Orders layers in chunks of `chunk`, then the head of each chunk again with both ends known. `start` is where the
+/// Orders layers in chunks of `chunk`, then those around each join of chunks again with both ends known. The first layers
+/// may be those that [overlap](Solved::overlap) from a chunk before, with their sequences `known`. `start` is where the
 /// nozzle is before the first of them.
 pub(super) fn solve(
     chain: &Chain,
     paths: &[LayerPaths],
     pins: &[Pins],
+    known: Vec<Sequence>,
     chunk: usize,
     start: Option<Point>,
 ) -> Solved {
-    let chunks = paths.len().div_ceil(chunk);
-    let range = |c: usize| c * chunk..((c + 1) * chunk).min(paths.len());
+    let first = known.len();
+    let chunks = (paths.len() - first).div_ceil(chunk);
+    let range = |c: usize| first + c * chunk..(first + (c + 1) * chunk).min(paths.len());
     let solved =
         parallel::map(chunks, |c| timed(|| chain.solve_chunk(&paths[range(c)], &pins[range(c)], None)));
-    let end = |c: usize| {
-        let last = solved[c].0.iter().zip(&paths[range(c)]).rev().find(|(s, _)| !s.is_empty());
-        last.and_then(|(sequence, layer)| Some(ends_on_path(layer, *sequence.last()?).1))
+    let mut took: Duration = solved.iter().map(|(_, took)| *took).sum();
+    let mut sequences = known;
+    sequences.extend(solved.into_iter().flat_map(|(sequences, _)| sequences));
+    let end_of = |layers: &[Sequence]| {
+        let ends = layers.iter().zip(paths).rev();
+        let mut ends = ends.filter_map(|(sequence, layer)| Some(ends_on_path(layer, *sequence.last()?).1));
+        ends.next().or(start)
     };
-    let before = |c: usize| c.checked_sub(1).map_or(start, end);
-    let heads = parallel::map(chunks, |c| {
-        let (layers, sequences) = (&paths[range(c)], &solved[c].0);
-        let next = layers.get(1).map(|layer| (layer, sequences[1].as_slice()));
-        let head = (&layers[0], &pins[c * chunk]);
-        timed(|| match before(c) {
-            Some(start) => chain.resolve_head(head, sequences[0].clone(), next, Some(start)),
-            None => sequences[0].clone(),
+    // Joins have no layer in common.
+    let overlap = chain.overlap().min(chunk - 1);
+    let join = |c: usize| range(c).start.saturating_sub(overlap)..range(c).start + 1;
+    let joined = parallel::map(chunks, |c| {
+        let window = join(c);
+        let old = sequences[window.clone()].to_vec();
+        let next =
+            range(c).contains(&window.end).then(|| (&paths[window.end], sequences[window.end].as_slice()));
+        timed(|| match end_of(&sequences[..window.start]) {
+            None => old,
+            before => chain.resolve_join(&paths[window.clone()], &pins[window], old, next, before),
         })
     });
-    let end = chunks.checked_sub(1).map_or(start, end);
-    let took = solved.iter().map(|s| s.1).chain(heads.iter().map(|h| h.1)).sum();
-    let sequences = solved
-        .into_iter()
-        .zip(heads)
-        .flat_map(|((sequences, _), (head, _))| std::iter::once(head).chain(sequences.into_iter().skip(1)))
-        .collect();
-    Solved { sequences, end, took }
+    let overlap = overlap.min(sequences.len());
+    let end = end_of(&sequences[..sequences.len() - overlap]);
+    for (c, (new, spent)) in joined.into_iter().enumerate() {
+        took += spent;
+        sequences.splice(join(c), new);
+    }
+    Solved { sequences, overlap, end, took }
 }
 
 fn timed<T>(work: impl FnOnce() -> T) -> (T, Duration) {

@@ -176,8 +176,9 @@ impl Sheet<'_> {
 /// Where the nozzle is, and what else the layers below leave for those above.
 struct Trail<'a> {
     seam: SeamRule,
-    /// The end of the chunk of layers before, for ordering.
-    chunk_end: Option<Point>,
+    /// Layers that are ordered again together with the next ones, and where those before them end.
+    kept: (Vec<LayerPaths>, Vec<Pins>, Vec<Sequence>),
+    end: Option<Point>,
     at: &'a mut Entry,
 }
 
@@ -212,13 +213,14 @@ impl Run<'_> {
             let layers = length.min(count.saturating_sub(first));
             parallel::map(layers, |i| round.sections.paths(&round.planners, first + i, self.settings))
         };
-        let chunk_end = at.xy.map(|[x, y]| Point::from_mm(x, y));
-        let mut trail = Trail { seam: SeamRule::new(self.settings.seam.position), chunk_end, at };
-        let (mut planned, mut batch, mut done, mut kept) =
+        let end = at.xy.map(|[x, y]| Point::from_mm(x, y));
+        let seam = SeamRule::new(self.settings.seam.position);
+        let mut trail = Trail { seam, kept: Default::default(), end, at };
+        let (mut planned, mut batch, mut done, mut certified) =
             (plan(0), Batch::default(), Vec::new(), Vec::new());
         // The last batch is written two steps after it is ordered.
         for step in 1..=count.div_ceil(length) + 2 {
-            let order = || self.order(planned, chunk, &mut trail);
+            let order = || self.order(planned, step * length >= count, chunk, &mut trail);
             let finish = || parallel::map(batch.paths.len(), |i| self.finish(&batch, i, round.first_layer));
             let write = || sheet.add(done);
             // What cannot be divided comes first.
@@ -226,19 +228,25 @@ impl Run<'_> {
             let (ordered, (written, (finished, next))) = parallel::join(order, beside);
             written?;
             if self.certify {
-                kept.extend(batch.into_ordered());
+                certified.extend(batch.into_ordered());
             }
             (planned, batch, done) = (next, ordered, finished);
         }
-        Ok(kept)
+        Ok(certified)
     }
 
-    /// Orders layers.
-    fn order(&self, paths: Vec<LayerPaths>, chunk: usize, trail: &mut Trail<'_>) -> Batch {
-        let pins: Vec<Pins> = paths.iter().map(|layer| trail.seam.pins(layer)).collect();
-        let solved = ordering::solve(&self.chain, &paths, &pins, chunk, trail.chunk_end);
+    /// Orders layers; those that may still change, unless they are the last, are left on the trail.
+    fn order(&self, planned: Vec<LayerPaths>, last: bool, chunk: usize, trail: &mut Trail<'_>) -> Batch {
+        let (mut paths, mut pins, known) = std::mem::take(&mut trail.kept);
+        pins.extend(planned.iter().map(|layer| trail.seam.pins(layer)));
+        paths.extend(planned);
+        let solved = ordering::solve(&self.chain, &paths, &pins, known, chunk, trail.end);
         let mut sequences = solved.sequences;
-        trail.chunk_end = solved.end;
+        if !last {
+            let settled = paths.len() - solved.overlap;
+            trail.kept = (paths.split_off(settled), pins.split_off(settled), sequences.split_off(settled));
+            trail.end = solved.end;
+        }
         // A turn is drawn upwards.
         for (sequence, _) in sequences.iter_mut().zip(&paths).filter(|(_, layer)| !layer.rises.is_empty()) {
             *sequence = vec![Visit { item: 0, entry: 0 }];
@@ -297,19 +305,7 @@ impl Tally {
 
     /// What a script does belongs to the whole, but to no layer.
     fn add_script(&mut self, effect: &Effect, machine: &Machine) {
-        let measure = &effect.measure;
-        self.total += &Measures {
-            print_mm: measure.print_mm,
-            travel_mm: measure.travel_mm,
-            total_mm: measure.total_mm(),
-            link_mm: measure.link_mm,
-            travels: measure.travels,
-            retractions: measure.retractions,
-            total_s: effect.time.0,
-            volume_mm3: measure.volume_mm3,
-            filament_mm: measure.volume_mm3 / machine.filament_area_mm2,
-            ..Measures::default()
-        };
+        self.total += &Measures::of(&effect.measure, effect.time, machine.filament_area_mm2);
     }
 
     /// Adds the lower bounds of all layers, and of the whole.

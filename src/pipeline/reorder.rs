@@ -355,7 +355,9 @@ impl Run {
         chain.settings.scope = scope;
         let sequences = match layers.is_empty() {
             true => Vec::new(),
-            false => ordering::solve(&chain, &layers, &pins, chunk_len(layers.len()), start).sequences,
+            false => {
+                ordering::solve(&chain, &layers, &pins, Vec::new(), chunk_len(layers.len()), start).sequences
+            }
         };
         let mut picks = vec![Vec::new(); blocks.len()];
         for (&i, sequence) in with_paths.iter().zip(&sequences) {
