@@ -80,7 +80,7 @@ impl Arrangement {
         rings.extend(second.into_iter().filter(|ring| ring.len() > 2));
         let count = rings.iter().map(|ring| ring.len() + 1).sum();
         let mut points = Vec::with_capacity(count);
-        let mut chains: Vec<Chain> = Vec::new();
+        let mut chains: Vec<Chain> = Vec::with_capacity(count / 4 + 8);
         let (mut spans, mut owned, mut boxes) = (Vec::new(), vec![0], Vec::new());
         for (index, ring) in rings.iter().enumerate() {
             let start = points.len();

@@ -8,8 +8,7 @@ use crate::order::{Cost, LayerProblem, Pins, SeamRule, Visit, chunk_len, ends_on
 use crate::profile::{CostKind, OrderStrategy, Settings};
 use crate::toolpath::LayerPaths;
 
-use super::ordering::Certificate;
-use super::ordering::{Layers, Sequencer};
+use super::ordering::{Certificate, Layers, Sequencer};
 use super::{load, ordering, parallel, reorder, rounds, spiral};
 
 /// Plans the layers once and orders them by each strategy. With `job.certify`, bounds are computed as well.

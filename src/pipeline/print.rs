@@ -19,10 +19,6 @@ use super::ordering::{Certificate, Layers, Sequencer};
 use super::rounds::{self, Round};
 use super::{load, ordering, parallel, spiral};
 
-/// Chunks of layers in a batch for each thread: enough to keep all busy, few enough to bound the memory and to leave little
-/// to do when there is nothing else to do beside it.
-const CHUNKS_PER_THREAD: usize = 1;
-
 /// Slices a plate.
 pub(super) fn slice(
     job: &Job,
@@ -33,7 +29,9 @@ pub(super) fn slice(
     let settings = &*spiral::effective(settings);
     let mut loaded = load::plate(job, settings)?;
     let mut warnings = std::mem::take(&mut loaded.warnings);
-    let rounds = rounds::prepare(&loaded, settings)?;
+    let pictures = || thumbnails(&loaded.plate, settings);
+    let (rounds, pictures) = parallel::join(|| rounds::prepare(&loaded, settings), pictures);
+    let rounds = rounds?;
     let count = rounds.iter().map(|round| round.sections.layers.len()).sum();
     progress.begin(count);
     let Some(bounds) = rounds.iter().filter_map(|round| round.sections.bounds()).reduce(|a, b| a.joined(&b))
@@ -56,7 +54,7 @@ pub(super) fn slice(
     };
 
     let mut opening = gcode::opening(settings, &facts, &scripts, true);
-    opening.comment(&thumbnails(&loaded.plate, settings));
+    opening.comment(&pictures);
     let labels = gcode::labels(settings, &labels);
     let inspector = Inspector::new(settings, &opening.bytes);
     let mut sheet = Sheet { output, inspector, slots: opening.slots, tally: Tally::default(), progress };
@@ -205,7 +203,8 @@ impl Run<'_> {
     fn round(&self, round: &Round, at: &mut Entry, sheet: &mut Sheet<'_>) -> Result<Vec<Ordered>, JobError> {
         let count = round.sections.layers.len();
         let chunk = chunk_len(count);
-        let length = chunk * CHUNKS_PER_THREAD * parallel::threads();
+        // As short as keeps all threads busy: there is nothing to do beside the first and the last batch.
+        let length = chunk * parallel::threads();
         let plan = |first: usize| {
             let layers = length.min(count.saturating_sub(first));
             parallel::map(layers, |i| round.sections.paths(&round.planners, first + i, self.settings))

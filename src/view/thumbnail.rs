@@ -165,14 +165,18 @@ impl Canvas {
         if area == 0.0 || !area.is_finite() {
             return;
         }
-        let color = shaded(corners, color);
         let span = |axis: usize, limit: usize| {
             let (low, high) = (a[axis].min(b[axis]).min(c[axis]), a[axis].max(b[axis]).max(c[axis]));
             (low - 0.5).ceil().max(0.0) as usize
                 ..((high - 0.5).floor() + 1.0).clamp(0.0, limit as f32) as usize
         };
-        for y in span(1, self.height) {
-            for x in span(0, self.width) {
+        let (columns, rows) = (span(0, self.width), span(1, self.height));
+        if columns.is_empty() || rows.is_empty() {
+            return;
+        }
+        let color = shaded(corners, color);
+        for y in rows {
+            for x in columns.clone() {
                 let (px, py) = (x as f32 + 0.5, y as f32 + 0.5);
                 let u = ((px - a[0]) * (c[1] - a[1]) - (py - a[1]) * (c[0] - a[0])) / area;
                 let v = ((b[0] - a[0]) * (py - a[1]) - (b[1] - a[1]) * (px - a[0])) / area;
