@@ -7,6 +7,8 @@ use super::{Firmware, Machine};
 pub(super) struct Way {
     /// Share of the way that X, Y, Z and E go; E's is that of the way in space, or 1 where there is none.
     pub unit: [f64; 4],
+    /// Of unit length with E as a fourth direction, where the machine's rules ask for it.
+    pub direction: [f64; 4],
     pub length_mm: f64,
     pub in_space: bool,
     /// Speed and acceleration of the move, every limit observed.
@@ -28,7 +30,18 @@ impl Way {
     }
 }
 
+/// A vector of unit length; of no length where it has none.
+fn normal(v: [f64; 4]) -> [f64; 4] {
+    let length = v.iter().map(|c| c * c).sum::<f64>().sqrt();
+    v.map(|c| c / length.max(f64::MIN_POSITIVE))
+}
+
 impl Machine {
+    /// The [direction](Way::direction) of a way.
+    pub(super) fn direction(&self, unit: [f64; 4]) -> [f64; 4] {
+        if self.firmware == Firmware::Marlin { normal(unit) } else { unit }
+    }
+
     /// Speed and acceleration that the axes allow a move of this direction.
     pub(super) fn limited(&self, unit: &[f64; 4], in_space: bool, speed: f64, asked: f64) -> (f64, f64) {
         let klipper = self.firmware == Firmware::Klipper;
@@ -78,7 +91,7 @@ impl Machine {
         let v2 = slower * slower;
         match self.firmware {
             Firmware::Klipper => v2.min(self.klipper_v2(before, now, v2)),
-            Firmware::Marlin => v2.min(self.junction_v2(before, now)),
+            Firmware::Marlin => self.junction_v2(before, now, v2),
             Firmware::MarlinClassic => self.classic_speed(before, now).powi(2),
             Firmware::RepRapFirmware => {
                 let alike =
@@ -125,13 +138,9 @@ impl Machine {
 
     /// Marlin's junction deviation (S. K. Jeon, "Improving Grbl: Cornering Algorithm", 2011), with the extruder as
     /// a fourth direction and the acceleration that the axes allow across the corner. Short moves of a smooth curve
-    /// are also held to the circle that they are part of.
-    fn junction_v2(&self, before: &Way, now: &Way) -> f64 {
-        let normal = |v: [f64; 4]| {
-            let length = v.iter().map(|c| c * c).sum::<f64>().sqrt();
-            v.map(|c| c / length.max(f64::MIN_POSITIVE))
-        };
-        let (a, b) = (normal(before.unit), normal(now.unit));
+    /// are also held to the circle that they are part of. At most `limit_v2`.
+    fn junction_v2(&self, before: &Way, now: &Way, limit_v2: f64) -> f64 {
+        let (a, b) = (before.direction, now.direction);
         let straightness = a[0] * b[0] + a[1] * b[1] + a[2] * b[2] + a[3] * b[3];
         if straightness < -0.999_999 {
             return 0.0;
@@ -143,10 +152,15 @@ impl Machine {
                 if a * share.abs() > max { max / share.abs() } else { a }
             });
         let sine = (0.5 * (1.0 + straightness)).sqrt();
-        let v2 = acceleration * self.junction_deviation_mm * sine / (1.0 - sine);
+        let v2 = limit_v2.min(acceleration * self.junction_deviation_mm * sine / (1.0 - sine));
         // A curve: it turns by less than 45° each time.
         if now.length_mm < 1.0 && straightness > std::f64::consts::FRAC_1_SQRT_2 {
-            return v2.min(now.length_mm * acceleration / straightness.acos());
+            // An angle up to 45° is at most 1.0262 times its chord. Nearly always that is enough to know.
+            let chord = (2.0 * (1.0 - straightness)).sqrt();
+            let reach = now.length_mm * acceleration;
+            if reach < v2 * (1.03 * chord) {
+                return v2.min(reach / straightness.acos());
+            }
         }
         v2
     }

@@ -38,11 +38,14 @@ pub(super) fn islands(block: &Block) -> Islands {
     let height = ((high[1] - low[1]) * per_mm) as usize + 4;
     let mut sets = Parts::new(block.paths.len());
     let mut cells = vec![u32::MAX; width * height];
+    // Cells with something in them.
+    let mut filled = Vec::new();
     let mut beside = Vec::with_capacity(block.paths.len());
     let mut meetings = Meetings::new(block.paths.len());
     for (index, path) in block.paths.iter().enumerate() {
         let (index, wall) = (index as u32, is_wall(path));
         let mut last: Option<[f64; 2]> = None;
+        let mut here = usize::MAX;
         for p in block.points(path) {
             let p = [0, 1].map(|i| (p[i] - low[i]) * per_mm + 1.0);
             let from = last.replace(p).unwrap_or(p);
@@ -52,28 +55,29 @@ pub(super) fn islands(block: &Block) -> Islands {
                 let share = step as f64 / steps as f64;
                 let [x, y] = [0, 1].map(|i| (from[i] + share * way[i]) as usize);
                 let at = y * width + x;
+                if std::mem::replace(&mut here, at) == at {
+                    meetings.stay();
+                    continue;
+                }
                 if wall {
-                    let around = [at - width, at, at + width].map(|row| [row - 1, row, row + 1]);
-                    meetings.step(around.iter().flatten().map(|&cell| cells[cell]).filter(|&o| o < index));
+                    let around = [at - width, at, at + width].map(|row| &cells[row - 1..row + 2]);
+                    meetings.step(around.into_iter().flatten().copied().filter(|&other| other < index));
                 }
                 match cells[at] {
-                    u32::MAX => cells[at] = index,
+                    u32::MAX => {
+                        cells[at] = index;
+                        filled.push(at);
+                    }
                     other => _ = sets.join(other, index),
                 }
             }
         }
         beside.push(meetings.finish());
     }
-    let rows: Vec<&[u32]> = cells.chunks_exact(width).collect();
-    for pair in rows.windows(2) {
-        let (below, row) = (pair[0], pair[1]);
-        for x in 1..width - 1 {
-            if row[x] != u32::MAX {
-                for near in [row[x - 1], below[x - 1], below[x], below[x + 1]] {
-                    if near != u32::MAX {
-                        sets.join(near, row[x]);
-                    }
-                }
+    for at in filled {
+        for near in [at - 1, at - width - 1, at - width, at - width + 1].map(|near| cells[near]) {
+            if near != u32::MAX {
+                sets.join(near, cells[at]);
             }
         }
     }
@@ -82,36 +86,48 @@ pub(super) fn islands(block: &Block) -> Islands {
 
 /// Counts on how many steps of a way others were met.
 struct Meetings {
-    /// By path: steps, and the last of them.
-    steps: Vec<(u32, u32)>,
+    /// By path.
+    steps: Vec<u32>,
     met: Vec<u32>,
+    /// Those met on the last step.
+    here: Vec<u32>,
     step: u32,
 }
 
 impl Meetings {
     fn new(paths: usize) -> Self {
-        Self { steps: vec![(0, 0); paths], met: Vec::new(), step: 0 }
+        Self { steps: vec![0; paths], met: Vec::new(), here: Vec::new(), step: 0 }
     }
 
     fn step(&mut self, others: impl Iterator<Item = u32>) {
-        self.step += 1;
+        self.here.clear();
         for other in others {
-            let (steps, last) = &mut self.steps[other as usize];
-            if *last != self.step {
-                if *steps == 0 {
-                    self.met.push(other);
-                }
-                (*steps, *last) = (*steps + 1, self.step);
+            if !self.here.contains(&other) {
+                self.here.push(other);
             }
+        }
+        self.stay();
+    }
+
+    /// A step that leads nowhere else.
+    fn stay(&mut self) {
+        self.step += 1;
+        for &other in &self.here {
+            let steps = &mut self.steps[other as usize];
+            if *steps == 0 {
+                self.met.push(other);
+            }
+            *steps += 1;
         }
     }
 
     /// The one met most often, if that is all along; the next way begins.
     fn finish(&mut self) -> Option<u32> {
-        let steps = |other: u32| self.steps[other as usize].0;
+        let steps = |other: u32| self.steps[other as usize];
         let most = self.met.iter().copied().max_by_key(|&other| (steps(other), std::cmp::Reverse(other)));
         let beside = most.filter(|&other| f64::from(steps(other)) >= BESIDE * f64::from(self.step));
-        self.met.drain(..).for_each(|other| self.steps[other as usize] = (0, 0));
+        self.met.drain(..).for_each(|other| self.steps[other as usize] = 0);
+        self.here.clear();
         self.step = 0;
         beside
     }

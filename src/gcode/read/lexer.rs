@@ -2,6 +2,9 @@
 
 use memchr::memchr;
 
+/// Numbers of more characters are not plain.
+const LONGEST_PLAIN: usize = 20;
+
 /// A letter and its number: G1, M104, T0.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Code {
@@ -15,12 +18,13 @@ pub struct Code {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Words {
     given: u32,
+    plain: bool,
     values: [f64; 26],
 }
 
 impl Default for Words {
     fn default() -> Self {
-        Self { given: 0, values: [0.0; 26] }
+        Self { given: 0, plain: true, values: [0.0; 26] }
     }
 }
 
@@ -35,6 +39,13 @@ impl Words {
     /// Whether there are none.
     pub fn is_empty(&self) -> bool {
         self.given == 0
+    }
+
+    /// Whether they are written as slicers write nearly all moves: letters of moves in capitals, each behind one blank
+    /// and with a number behind it, none twice.
+    pub fn are_plain(&self) -> bool {
+        const MOVES: u32 = letters(b"EFIJRXYZ");
+        self.plain && self.given & !MOVES == 0
     }
 
     fn set(&mut self, letter: u8, value: f64) {
@@ -92,13 +103,26 @@ impl<'a> Line<'a> {
     pub fn words(&self) -> Words {
         let mut words = Words::default();
         let mut cursor = Cursor { bytes: self.parameters, at: 0 };
-        while let Some(&letter) = self.parameters.get(cursor.at) {
+        while let Some(&byte) = self.parameters.get(cursor.at) {
             cursor.at += 1;
+            let mut letter = byte;
+            if let (b' ', Some(next @ b'A'..=b'Z')) = (byte, self.parameters.get(cursor.at)) {
+                cursor.at += 1;
+                letter = *next;
+                words.plain &= words.get(letter).is_none();
+            } else {
+                words.plain = false;
+            }
             if letter.is_ascii_alphabetic() {
+                let begin = cursor.at;
                 cursor.skip_blanks();
-                if let Some(value) = cursor.number() {
+                let value = cursor.number();
+                if let Some(value) = value {
                     words.set(letter, value);
                 }
+                words.plain &= value.is_some()
+                    && cursor.at - begin <= LONGEST_PLAIN
+                    && !matches!(self.parameters[begin], b'+' | b' ' | b'\t');
             }
         }
         words
@@ -133,6 +157,16 @@ impl<'a> Iterator for Lines<'a> {
         self.offset += end;
         Some(Line::new(self.number, offset, raw))
     }
+}
+
+/// A bit for each of some upper-case letters.
+const fn letters(names: &[u8]) -> u32 {
+    let (mut bits, mut at) = (0, 0);
+    while at < names.len() {
+        bits |= 1 << (names[at] - b'A');
+        at += 1;
+    }
+    bits
 }
 
 /// The code that a command begins with, and what follows it.
@@ -172,10 +206,14 @@ impl Cursor<'_> {
         let bytes = &self.bytes[self.at..];
         let negative = bytes.first() == Some(&b'-');
         let sign = usize::from(matches!(bytes.first(), Some(b'-' | b'+')));
-        let (mut mantissa, mut at) = (0_u64, sign);
+        let (mut mantissa, mut at) = (0_i64, sign);
         let mut digits_from = |mut at: usize| {
-            while let Some(digit) = bytes.get(at).map(|b| b.wrapping_sub(b'0')).filter(|d| *d < 10) {
-                mantissa = mantissa.wrapping_mul(10).wrapping_add(u64::from(digit));
+            for byte in &bytes[at..] {
+                let digit = byte.wrapping_sub(b'0');
+                if digit > 9 {
+                    break;
+                }
+                mantissa = mantissa.wrapping_mul(10).wrapping_add(i64::from(digit));
                 at += 1;
             }
             at
