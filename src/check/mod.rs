@@ -90,8 +90,9 @@ impl Checker {
     pub fn line<'a>(&mut self, line: Line<'a>) -> Annotated<'a> {
         self.lines += 1;
         self.bytes += line.raw.len();
-        let read = self.reader.read(line);
-        self.judge.see(read, &self.reader.state)
+        let mut read = self.reader.read(line);
+        self.judge.see(&mut read, &self.reader.state);
+        read
     }
 
     /// Moves so far. A file without any is no G-code.
@@ -130,9 +131,9 @@ impl Judge {
         }
     }
 
-    /// Takes up a line; `state`: what the machine has in mind after it. Returns it with its move where the machine makes
-    /// it, whatever G92 calls places.
-    pub fn see<'a>(&mut self, mut read: Annotated<'a>, state: &State) -> Annotated<'a> {
+    /// Takes up a line; `state`: what the machine has in mind after it. Its move is put where the machine makes it,
+    /// whatever G92 calls places.
+    pub fn see(&mut self, read: &mut Annotated<'_>, state: &State) {
         let before = std::mem::replace(&mut self.position, state.position);
         let retracted_mm = std::mem::replace(&mut self.retracted_mm, state.retracted_mm);
         let firmware_retracted = std::mem::replace(&mut self.firmware_retracted, state.firmware_retracted);
@@ -165,7 +166,6 @@ impl Judge {
         if matches!(read.action, Action::Stroke(stroke) if stroke.xy_mm > 0.0) {
             self.located = true;
         }
-        read
     }
 
     /// G92 gives places other names; homing gives them their own again.

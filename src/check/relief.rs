@@ -16,6 +16,8 @@ pub(super) struct Relief {
     /// Top of what lies in each cell, mm; minus infinity where nothing does.
     tops_mm: Vec<f32>,
     highest_mm: f64,
+    /// Where the last short bead ended.
+    end: [f64; 3],
 }
 
 impl Relief {
@@ -26,7 +28,8 @@ impl Relief {
         let [columns, rows] = [width, depth].map(|mm| (mm / cell_mm).ceil() as usize);
         let tops_mm = vec![f32::NEG_INFINITY; columns * rows];
         let cells_per_mm = cell_mm.recip();
-        Self { low, cell_mm, cells_per_mm, columns, rows, tops_mm, highest_mm: f64::NEG_INFINITY }
+        let (highest_mm, end) = (f64::NEG_INFINITY, [f64::NAN; 3]);
+        Self { low, cell_mm, cells_per_mm, columns, rows, tops_mm, highest_mm, end }
     }
 
     /// Side of a cell.
@@ -57,7 +60,10 @@ impl Relief {
     /// Raises the cells under a bead's middle line.
     pub fn lay(&mut self, bead: &Stroke) {
         if bead.arc.is_none() && bead.xy_mm <= self.cell_mm {
-            self.raise(bead.from[0], bead.from[1], bead.from[2]);
+            if bead.from != self.end {
+                self.raise(bead.from[0], bead.from[1], bead.from[2]);
+            }
+            self.end = bead.to;
             return self.raise(bead.to[0], bead.to[1], bead.to[2]);
         }
         let count = self.places(bead);

@@ -56,8 +56,14 @@ impl Machine {
                 speed = speed.min(self.max_speed[0]);
             }
         }
-        let limits = self.max_speed[first..last].iter().zip(&self.max_acceleration[first..last]);
-        for (part, (&max_speed, &max_acceleration)) in unit[first..last].iter().zip(limits) {
+        let limits = || self.max_speed[first..last].iter().zip(&self.max_acceleration[first..last]);
+        let within = |(part, (max_speed, max_acceleration)): (&f64, (&f64, &f64))| {
+            speed * part.abs() <= *max_speed && acceleration * part.abs() <= *max_acceleration
+        };
+        if unit[first..last].iter().zip(limits()).all(within) {
+            return (speed, acceleration);
+        }
+        for (part, (&max_speed, &max_acceleration)) in unit[first..last].iter().zip(limits()) {
             let share = part.abs();
             if speed * share > max_speed {
                 speed = max_speed / share;
@@ -146,11 +152,16 @@ impl Machine {
             return 0.0;
         }
         let straightness = straightness.min(0.999_999);
-        let across = normal([0, 1, 2, 3].map(|i| b[i] - a[i]));
-        let acceleration =
-            across.iter().zip(self.max_acceleration).fold(now.acceleration, |a, (share, max)| {
-                if a * share.abs() > max { max / share.abs() } else { a }
-            });
+        let across = [0, 1, 2, 3].map(|i| b[i] - a[i]);
+        let mut acceleration = now.acceleration;
+        // An axis that takes all of it need not be asked for its share.
+        if across.iter().zip(self.max_acceleration).any(|(part, max)| *part != 0.0 && acceleration > max) {
+            for (share, max) in normal(across).into_iter().zip(self.max_acceleration) {
+                if acceleration * share.abs() > max {
+                    acceleration = max / share.abs();
+                }
+            }
+        }
         let sine = (0.5 * (1.0 + straightness)).sqrt();
         let v2 = limit_v2.min(acceleration * self.junction_deviation_mm * sine / (1.0 - sine));
         // A curve: it turns by less than 45° each time.

@@ -222,7 +222,9 @@ impl Run<'_> {
         let mut inspect = |layers: &[Done]| layers.iter().for_each(|layer| inspector.take(&layer.text.bytes));
         while done.len() < paths.len() {
             let first = done.len();
-            let count = (LAYERS_PER_THREAD * parallel::threads()).min(paths.len() - first);
+            // Fewer towards the end, so that few are left to be checked while nothing else is done.
+            let left = paths.len() - first;
+            let count = (LAYERS_PER_THREAD * parallel::threads()).min(left.div_ceil(2));
             let layer = |i: usize| self.finish(&paths[i], &sequences[i], entries[i].clone(), before);
             let finish = || parallel::map(count, |i| layer(first + i));
             let (more, ()) = parallel::join(finish, || inspect(&done[unchecked..]));

@@ -46,9 +46,7 @@ pub(super) fn reorder(
     let machine = tells_time(&job.file)?.then(|| Machine::new(settings));
     let input = Blocks::new(open(&job.file)?).timed(machine.as_ref());
     let mut judge = Judge::of_paths(settings, true);
-    let check = |read: Annotated<'_>, state: &State| {
-        judge.see(read, state);
-    };
+    let check = |read: &mut Annotated<'_>, state: &State| judge.see(read, state);
     let (mut before, mut after) =
         run.rewrite(&job.file, input, Readback::timed(machine.as_ref()), check, output, progress)?;
     let times = before.take_times().zip(after.take_times());
@@ -252,7 +250,7 @@ impl Run {
         path: &Path,
         blocks: Blocks<impl BufRead + Send>,
         mut readback: Readback,
-        mut check: impl FnMut(Annotated<'_>, &State) + Send,
+        mut check: impl FnMut(&mut Annotated<'_>, &State) + Send,
         output: &mut Output,
         progress: &dyn Progress,
     ) -> Result<(Inventory, Inventory), JobError> {

@@ -399,9 +399,10 @@ impl<R: BufRead> Blocks<R> {
         }
         self.since.travel_state = self.since.travel_state.map(|state| state.saturating_sub(first_state));
         next.text = prefix;
-        // Blocks are about as long as their neighbours.
-        next.text.reserve(last.text.len().min(LONGEST_FIXED));
-        next.segs.reserve(last.segs.len().min(LONGEST_FIXED / 32));
+        // Blocks are about as long as their neighbours, or a little longer.
+        let room = |length: usize, most: usize| (length + length / 4).min(most);
+        next.text.reserve(room(last.text.len(), LONGEST_FIXED));
+        next.segs.reserve(room(last.segs.len(), LONGEST_FIXED / 32));
         next.text.extend_from_slice(&last.text[cut..]);
         last.text.truncate(cut);
         next.before.state = 0;

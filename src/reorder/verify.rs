@@ -67,7 +67,7 @@ impl Readback {
     pub fn read(
         &mut self,
         mut input: impl BufRead,
-        mut also: impl FnMut(Annotated<'_>, &State),
+        mut also: impl FnMut(&mut Annotated<'_>, &State),
     ) -> io::Result<()> {
         loop {
             let buffer = match input.fill_buf() {
@@ -104,18 +104,18 @@ impl Readback {
     }
 
     /// Takes up the line that was begun.
-    fn end_line(&mut self, also: &mut impl FnMut(Annotated<'_>, &State)) {
+    fn end_line(&mut self, also: &mut impl FnMut(&mut Annotated<'_>, &State)) {
         let line = std::mem::take(&mut self.begun);
         self.line(&line, also);
         self.begun = line;
         self.begun.clear();
     }
 
-    fn line(&mut self, line: &[u8], also: &mut impl FnMut(Annotated<'_>, &State)) {
+    fn line(&mut self, line: &[u8], also: &mut impl FnMut(&mut Annotated<'_>, &State)) {
         self.number += 1;
-        let read = self.reader.read(Line::new(self.number, 0, line));
+        let mut read = self.reader.read(Line::new(self.number, 0, line));
         self.inventory.add(&read, self.reader.state.firmware_retracted);
-        also(read, &self.reader.state);
+        also(&mut read, &self.reader.state);
     }
 
     /// What was read.

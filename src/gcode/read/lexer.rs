@@ -18,13 +18,14 @@ pub struct Code {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Words {
     given: u32,
-    plain: bool,
+    /// Whether they are written in another way than slicers write nearly all.
+    odd: bool,
     values: [f64; 26],
 }
 
 impl Default for Words {
     fn default() -> Self {
-        Self { given: 0, plain: true, values: [0.0; 26] }
+        Self { given: 0, odd: false, values: [0.0; 26] }
     }
 }
 
@@ -45,7 +46,7 @@ impl Words {
     /// and with a number behind it, none twice.
     pub fn are_plain(&self) -> bool {
         const MOVES: u32 = letters(b"EFIJRXYZ");
-        self.plain && self.given & !MOVES == 0
+        !self.odd && self.given & !MOVES == 0
     }
 
     fn set(&mut self, letter: u8, value: f64) {
@@ -102,16 +103,19 @@ impl<'a> Line<'a> {
     /// The command's parameters.
     pub fn words(&self) -> Words {
         let mut words = Words::default();
-        let mut cursor = Cursor { bytes: self.parameters, at: 0 };
-        while let Some(&byte) = self.parameters.get(cursor.at) {
+        // Numbers end before a comment and before the line's end, so the whole line can be looked at.
+        let (bytes, end) = (self.raw, self.text.len() - self.comment.map_or(0, |comment| comment.len() + 1));
+        let mut cursor = Cursor { bytes, at: end - self.parameters.len() };
+        while cursor.at < end {
+            let byte = bytes[cursor.at];
             cursor.at += 1;
             let mut letter = byte;
-            if let (b' ', Some(next @ b'A'..=b'Z')) = (byte, self.parameters.get(cursor.at)) {
+            if let (b' ', Some(next @ b'A'..=b'Z')) = (byte, bytes.get(cursor.at)) {
                 cursor.at += 1;
                 letter = *next;
-                words.plain &= words.get(letter).is_none();
+                words.odd |= words.get(letter).is_some();
             } else {
-                words.plain = false;
+                words.odd = true;
             }
             if letter.is_ascii_alphabetic() {
                 let begin = cursor.at;
@@ -120,9 +124,9 @@ impl<'a> Line<'a> {
                 if let Some(value) = value {
                     words.set(letter, value);
                 }
-                words.plain &= value.is_some()
-                    && cursor.at - begin <= LONGEST_PLAIN
-                    && !matches!(self.parameters[begin], b'+' | b' ' | b'\t');
+                words.odd |= value.is_none()
+                    || cursor.at - begin > LONGEST_PLAIN
+                    || matches!(bytes[begin], b'+' | b' ' | b'\t');
             }
         }
         words
@@ -171,6 +175,12 @@ const fn letters(names: &[u8]) -> u32 {
 
 /// The code that a command begins with, and what follows it.
 fn code(command: &[u8]) -> (Option<Code>, &[u8]) {
+    // Nearly all: G1.
+    if let [b'G', digit @ b'0'..=b'9', rest @ ..] = command
+        && !rest.first().is_some_and(u8::is_ascii_digit)
+    {
+        return (Some(Code { letter: b'G', number: u32::from(digit - b'0') }), rest);
+    }
     let command = command.trim_ascii_start();
     let [letter @ (b'G' | b'M' | b'T' | b'g' | b'm' | b't'), digits @ ..] = command else {
         return (None, command);
@@ -200,42 +210,57 @@ impl Cursor<'_> {
     /// A decimal number without exponent (E is a word of its own). Exact up to 15 digits; decimals beyond the
     /// seventeenth digit are dropped.
     fn number(&mut self) -> Option<f64> {
-        const POWERS: [f64; 18] = [
-            1e0, 1e1, 1e2, 1e3, 1e4, 1e5, 1e6, 1e7, 1e8, 1e9, 1e10, 1e11, 1e12, 1e13, 1e14, 1e15, 1e16, 1e17,
-        ];
-        let bytes = &self.bytes[self.at..];
-        let negative = bytes.first() == Some(&b'-');
-        let sign = usize::from(matches!(bytes.first(), Some(b'-' | b'+')));
-        let (mut mantissa, mut at) = (0_i64, sign);
-        let mut digits_from = |mut at: usize| {
-            for byte in &bytes[at..] {
-                let digit = byte.wrapping_sub(b'0');
-                if digit > 9 {
-                    break;
-                }
-                mantissa = mantissa.wrapping_mul(10).wrapping_add(i64::from(digit));
-                at += 1;
-            }
-            at
-        };
-        at = digits_from(at);
-        let (mut digits, mut decimals) = (at - sign, 0);
+        const POWERS: [f64; 8] = [1e0, 1e1, 1e2, 1e3, 1e4, 1e5, 1e6, 1e7];
+        const WHOLE_POWERS: [i64; 8] = [1, 10, 100, 1000, 10_000, 100_000, 1_000_000, 10_000_000];
+        let bytes = self.bytes;
+        let negative = bytes.get(self.at) == Some(&b'-');
+        let begin = self.at + usize::from(matches!(bytes.get(self.at), Some(b'-' | b'+')));
+        let (whole, mut mantissa) = digits(eight(bytes, begin));
+        let (mut at, mut decimals) = (begin + whole, 0);
         if bytes.get(at) == Some(&b'.') {
-            let end = digits_from(at + 1);
-            decimals = end - at - 1;
-            digits += decimals;
-            at = end;
+            let (count, value) = digits(eight(bytes, at + 1));
+            mantissa = mantissa * WHOLE_POWERS[count & 7] + value;
+            (at, decimals) = (at + 1 + count, count);
         }
-        if digits == 0 {
+        let value = if whole == 8 || decimals == 8 {
+            let length = bytes[begin..].iter().take_while(|b| b.is_ascii_digit()).count();
+            at = begin + length;
+            if bytes.get(at) == Some(&b'.') {
+                at += 1 + bytes[at + 1..].iter().take_while(|b| b.is_ascii_digit()).count();
+            }
+            long_number(&bytes[begin..at])
+        } else if whole + decimals == 0 {
             return None;
-        }
-        self.at += at;
-        let value = match digits {
-            0..=17 => mantissa as f64 / POWERS[decimals],
-            _ => long_number(&bytes[sign..at]),
+        } else {
+            mantissa as f64 / POWERS[decimals]
         };
+        self.at = at;
         Some(if negative { -value } else { value })
     }
+}
+
+/// The eight bytes from a place on; zeros behind the end.
+fn eight(bytes: &[u8], at: usize) -> u64 {
+    let rest = bytes.get(at..).unwrap_or_default();
+    match (rest.first_chunk(), bytes.last_chunk()) {
+        (Some(chunk), _) => u64::from_le_bytes(*chunk),
+        (None, Some(chunk)) if !rest.is_empty() => u64::from_le_bytes(*chunk) >> (64 - 8 * rest.len()),
+        _ => rest.iter().rev().fold(0, |word, byte| word << 8 | u64::from(*byte)),
+    }
+}
+
+/// How many of eight bytes are digits, from the first on, and their value. All are looked at together.
+fn digits(word: u64) -> (usize, i64) {
+    let values = word ^ 0x3030_3030_3030_3030;
+    // What is more than nine reaches the top bit of its byte.
+    let others =
+        (((values & 0x7f7f_7f7f_7f7f_7f7f) + 0x7676_7676_7676_7676) | values) & 0x8080_8080_8080_8080;
+    let count = others.trailing_zeros() / 8;
+    let values = values.checked_shl(64 - 8 * count).unwrap_or(0);
+    let pairs = values.wrapping_mul(10).wrapping_add(values >> 8);
+    let [low, high] = [pairs, pairs >> 16].map(|pairs| pairs & 0x0000_00ff_0000_00ff);
+    let sum = low.wrapping_mul(0x000f_4240_0000_0064).wrapping_add(high.wrapping_mul(0x0000_2710_0000_0001));
+    (count as usize, (sum >> 32) as i64)
 }
 
 /// The value of more digits than an integer holds.
