@@ -151,7 +151,7 @@ impl Judge {
         let seen = Seen {
             line: &read.line,
             action: &read.action,
-            context: read.context,
+            context: &read.context,
             state,
             retracted_mm,
             firmware_retracted,

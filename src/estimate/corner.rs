@@ -32,8 +32,8 @@ impl Way {
 
 /// A vector of unit length; of no length where it has none.
 fn normal(v: [f64; 4]) -> [f64; 4] {
-    let length = v.iter().map(|c| c * c).sum::<f64>().sqrt();
-    v.map(|c| c / length.max(f64::MIN_POSITIVE))
+    let scale = v.iter().map(|c| c * c).sum::<f64>().sqrt().max(f64::MIN_POSITIVE).recip();
+    v.map(|c| c * scale)
 }
 
 impl Machine {

@@ -181,9 +181,12 @@ impl<R: BufRead> Blocks<R> {
     fn is_movable(&self, bead: &Stroke, before: &Before, read: &Annotated) -> bool {
         let named = read.context.role.is_some() || self.movable;
         let sound = |mm: f64| mm.abs() < LARGEST && is_whole(in_units(mm, before.scale));
+        // What follows a stroke that may be moved begins where that one ends.
+        let goes_on = self.pending.is_empty() && !self.block.paths.is_empty();
         named
-            && bead.from.into_iter().all(sound)
-            && bead.to.into_iter().all(sound)
+            && (goes_on || bead.from.into_iter().all(sound))
+            && sound(bead.to[0])
+            && sound(bead.to[1])
             && sound(bead.e_mm)
             && self.unit.is_none_or(|unit| unit == before.scale)
             && bead.arc.is_none_or(|arc| is_round(bead, arc.at))
@@ -304,10 +307,11 @@ impl<R: BufRead> Blocks<R> {
         scale: f64,
     ) -> Option<Block> {
         let units = |mm: f64| ticks(in_units(mm, scale));
-        let point = |p: [f64; 3]| [units(p[0]), units(p[1])];
-        let level = units(bead.to[2]);
+        let from = [units(bead.from[0]), units(bead.from[1])];
+        let after = self.cursor(0);
         let frame = self.frame();
-        let same = self.block.after.at[2] == level && self.block.layer == layer && self.block.frame == frame;
+        let same =
+            self.block.after.at[2] == after.at[2] && self.block.layer == layer && self.block.frame == frame;
         let mut line = line;
         let mut ended = None;
         if !self.block.paths.is_empty() && (self.since.barrier || !same) {
@@ -322,12 +326,12 @@ impl<R: BufRead> Blocks<R> {
             self.block.junction.append(&mut self.pending);
             (self.block.frame, self.block.layer, self.block.marked) = (frame, layer, self.marked);
             self.block.begun = self.begun;
-            self.begin(point(bead.from), role, state);
+            self.begin(from, role, state);
         } else {
             self.block.times.extend(self.pending.extract_if(.., |t| matches!(t.kind, Kind::Time(_))));
             let end = self.block.end(&self.block.paths[self.block.paths.len() - 1]);
-            if self.since.moved || end != point(bead.from) {
-                self.begin(point(bead.from), role, state);
+            if self.since.moved || end != from {
+                self.begin(from, role, state);
             } else {
                 // Feed rates and states are kept with each stroke.
                 self.pending.clear();
@@ -335,16 +339,14 @@ impl<R: BufRead> Blocks<R> {
         }
         self.unit = Some(scale);
         let arc = bead.arc.map(|arc| (arc.at.map(units), arc.clockwise));
-        let (e, feed) = (units(bead.e_mm), units(bead.feed_mm_s * 60.0));
-        let to = point(bead.to);
-        let e_after = units(self.reader.state.e);
-        self.block.segs.push(Seg { line, to, e, e_after, feed, arc, state });
+        let (to, e) = ([after.at[0], after.at[1]], units(bead.e_mm));
+        self.block.segs.push(Seg { line, to, e, e_after: after.e, feed: after.feed, arc, state });
         let end = self.block.segs.len();
         if let Some(path) = self.block.paths.last_mut() {
             path.segs.end = end;
         }
         (self.since, self.begun) = (Since::default(), true);
-        self.block.after = self.cursor(state);
+        self.block.after = Cursor { state, ..after };
         ended
     }
 

@@ -101,8 +101,15 @@ impl<'a> Line<'a> {
     }
 
     /// The command's parameters.
+    #[inline]
     pub fn words(&self) -> Words {
         let mut words = Words::default();
+        self.read_words(&mut words);
+        words
+    }
+
+    fn read_words(&self, words: &mut Words) {
+        let mut odd = false;
         // Numbers end before a comment and before the line's end, so the whole line can be looked at.
         let (bytes, end) = (self.raw, self.text.len() - self.comment.map_or(0, |comment| comment.len() + 1));
         let mut cursor = Cursor { bytes, at: end - self.parameters.len() };
@@ -113,9 +120,9 @@ impl<'a> Line<'a> {
             if let (b' ', Some(next @ b'A'..=b'Z')) = (byte, bytes.get(cursor.at)) {
                 cursor.at += 1;
                 letter = *next;
-                words.odd |= words.get(letter).is_some();
+                odd |= words.get(letter).is_some();
             } else {
-                words.odd = true;
+                odd = true;
             }
             if letter.is_ascii_alphabetic() {
                 let begin = cursor.at;
@@ -124,12 +131,12 @@ impl<'a> Line<'a> {
                 if let Some(value) = value {
                     words.set(letter, value);
                 }
-                words.odd |= value.is_none()
+                odd |= value.is_none()
                     || cursor.at - begin > LONGEST_PLAIN
                     || matches!(bytes[begin], b'+' | b' ' | b'\t');
             }
         }
-        words
+        words.odd = odd;
     }
 }
 
@@ -305,6 +312,27 @@ mod tests {
         let codes: Vec<_> =
             lines(b"G1\r\n\n;c\nSET_X A=1\nT0").map(|l| (l.number, l.code.map(|c| c.number))).collect();
         assert_eq!(codes, [(1, Some(1)), (2, None), (3, None), (4, None), (5, Some(0))]);
+    }
+
+    #[test]
+    fn plain_words_are_told_apart() {
+        let plain = |text: &str| first(&format!("G1{text}")).words().are_plain();
+        for text in ["", " X1 Y-2.5 E.03 F1200", " Z1. ; c", " X1;c\r\n"] {
+            assert_eq!(plain(text), !text.contains(" ;"), "{text}");
+        }
+        for text in ["X1", " x1", " X 1", " X+1", " X", " X1 X2", " X1.2.3", " X1e5", " S1", "\tX1", " X1  Y2"] {
+            assert!(!plain(text), "{text}");
+        }
+    }
+
+    #[test]
+    fn numbers_of_any_length_are_read_to_their_end() {
+        for number in ["1", "-.5", "1234567.1234567", "12345678", "0.12345678", "123456789.123456789", "00000000001.5"]
+        {
+            let words = [format!("G1 X{number}"), format!("G1 X{number} Y7 ; and more\n")].map(|line| first(&line).words());
+            assert_eq!(words.map(|words| words.get(b'X')), [number.parse().ok(); 2], "{number}");
+            assert_eq!(words[1].get(b'Y'), Some(7.0), "{number}");
+        }
     }
 
     proptest! {
