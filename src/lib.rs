@@ -21,6 +21,7 @@ pub mod order;
 pub mod output;
 pub mod pipeline;
 pub mod profile;
+mod random;
 pub mod reorder;
 pub mod report;
 pub mod slice;

@@ -7,7 +7,7 @@ mod cases;
 
 use std::time::{Duration, Instant};
 
-/// Deterministic random numbers: splitmix64 (Steele, Lea & Flood 2014, doi:10.1145/2714064.2660195).
+/// Deterministic random numbers: splitmix64 (Steele, Lea & Flood 2014, <https://doi.org/10.1145/2660193.2660195>).
 struct Random(u64);
 
 impl Random {

@@ -198,6 +198,28 @@ fn a_thousand_identical_segments_pass_the_checker() {
     }
 }
 
+/// The squares of these distances are just below what 64 bits hold.
+#[test]
+fn paths_from_one_end_of_the_grid_to_the_other_pass_the_checker() {
+    const FAR: i32 = 1_000_000_000;
+    let at = |x: i32, y: i32| Point::new(x * FAR, y * FAR);
+    for &(_, scope) in Scope::ALL {
+        let layer = Layer {
+            items: vec![
+                (0, vec![at(-1, -1), at(1, 1)]),
+                (0, vec![at(1, -1), at(-1, 1)]),
+                (1, vec![at(-1, 0), at(0, 1), at(1, 0)]),
+                (1, vec![at(-1, -1), at(-1, -1)]),
+            ],
+            runs: [0, 1].map(|rank| Run { stage: 1, island: 0, rank }).to_vec(),
+            scope,
+            start: Some(at(1, 1)),
+            end: None,
+        };
+        every_strategy_passes(&layer);
+    }
+}
+
 #[test]
 fn runs_without_paths_are_passed_over() {
     for &(_, scope) in Scope::ALL {
@@ -313,17 +335,21 @@ fn an_optimized_layer_ends_where_the_next_one_is() {
 }
 
 #[test]
-fn a_head_is_never_dearer_once_both_its_ends_are_known() {
+fn a_join_is_never_dearer_once_both_its_ends_are_known() {
     let layers = tower();
     let free = pins(SeamPosition::Free, &layers);
     let chain = chain(SeamPosition::Free, OrderSettings::default());
     let sequences = chain.solve_chunk(&layers, &free, None);
-    let end = ends_on_path(&layers[1], sequences[1][0]).0;
+    let end = ends_on_path(&layers[2], sequences[2][0]).0;
     for start in [Point::from_mm(60., 40.), Point::from_mm(-9., 3.), Point::from_mm(25., 5.)] {
-        let next = Some((&layers[1], sequences[1].as_slice()));
-        let head = chain.resolve_head((&layers[0], &free[0]), sequences[0].clone(), next, Some(start));
-        let cost = |sequence: &[Visit]| links_mm(&layers[0], sequence, Some(start), Some(end));
-        assert!(cost(&head) <= cost(&sequences[0]) + 1e-9, "from {start:?}");
+        let next = Some((&layers[2], sequences[2].as_slice()));
+        let joined = chain.resolve_join(&layers[..2], &free[..2], sequences[..2].to_vec(), next, Some(start));
+        let cost = |sequences: &[Vec<Visit>]| {
+            let middle = ends_on_path(&layers[1], sequences[1][0]).0;
+            links_mm(&layers[0], &sequences[0], Some(start), Some(middle))
+                + links_mm(&layers[1], &sequences[1], None, Some(end))
+        };
+        assert!(cost(&joined) <= cost(&sequences) + 1e-9, "from {start:?}");
     }
 }
 
@@ -336,9 +362,11 @@ fn without_chaining_a_layer_does_not_depend_on_the_one_below() {
     let together = chain.solve_chunk(&layers, &free, None);
     let apart = chain.solve_chunk(&layers[2..], &free[2..], Some(Point::from_mm(99., 99.)));
     assert_eq!(together[2..], apart);
-    let head =
-        chain.resolve_head((&layers[0], &free[0]), together[0].clone(), None, Some(Point::from_mm(9., 9.)));
-    assert_eq!(head, together[0]);
+    let far = Some(Point::from_mm(9., 9.));
+    assert_eq!(
+        chain.resolve_join(&layers[..1], &free[..1], together[..1].to_vec(), None, far),
+        together[..1]
+    );
 }
 
 #[test]

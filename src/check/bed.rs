@@ -3,7 +3,7 @@
 use super::fault::Kind;
 use super::report::Found;
 use super::rule::{Rule, Seen};
-use crate::profile::{BedOrigin, BedShape, Settings};
+use crate::profile::{BedShape, Settings};
 
 /// Coordinates are rounded to this.
 const SLACK_MM: f64 = 2e-3;
@@ -22,15 +22,10 @@ pub(super) struct Bed {
 
 impl Bed {
     pub fn new(settings: &Settings) -> Self {
-        let [width, depth] = settings.bed.size.map(|length| length.0);
-        let low = match settings.bed.origin {
-            BedOrigin::Corner => [0.0, 0.0],
-            BedOrigin::Center => [-width / 2.0, -depth / 2.0],
-        };
         let floor_mm = settings.layer.z_offset.0;
         Self {
-            low,
-            high: [low[0] + width, low[1] + depth],
+            low: settings.bed.low_mm(),
+            high: settings.bed.high_mm(),
             round: settings.bed.shape == BedShape::Round,
             floor_mm,
             top_mm: settings.bed.height.0 + floor_mm.max(0.0) + settings.layer.height.0 / 2.0,

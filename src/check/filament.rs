@@ -35,7 +35,7 @@ impl Filament {
         let max_flow = settings.filament.max_flow.0;
         Self {
             extra_mm: settings.retract.extra.0.max(0.0),
-            area_mm2: std::f64::consts::PI / 4.0 * settings.filament.diameter.0.powi(2),
+            area_mm2: settings.filament.area_mm2(),
             max_flow: if max_flow > 0.0 { max_flow } else { f64::INFINITY },
             speed: 1.0,
             flow: 1.0,

@@ -4,7 +4,7 @@ use super::fault::Kind;
 use super::relief::Relief;
 use super::report::Found;
 use super::rule::{Rule, Seen};
-use crate::profile::{BedOrigin, Settings};
+use crate::profile::Settings;
 
 /// Side of the cells in which heights are kept: about a bead's width.
 const CELL_MM: f64 = 0.5;
@@ -18,12 +18,7 @@ pub(super) struct Material {
 
 impl Material {
     pub fn new(settings: &Settings) -> Self {
-        let [width, depth] = settings.bed.size.map(|length| length.0);
-        let low = match settings.bed.origin {
-            BedOrigin::Corner => [0.0, 0.0],
-            BedOrigin::Center => [-width / 2.0, -depth / 2.0],
-        };
-        Self { relief: Relief::new(low, [low[0] + width, low[1] + depth], CELL_MM) }
+        Self { relief: Relief::new(settings.bed.low_mm(), settings.bed.high_mm(), CELL_MM) }
     }
 }
 

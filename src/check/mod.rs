@@ -28,6 +28,7 @@ use crate::estimate::Machine;
 use crate::gcode::{Action, Annotated, Clock, Line, Meter, Reader, State, Stroke, each_line, lines};
 use crate::profile::Settings;
 use crate::report::Measures;
+use crate::units::Seconds;
 use rule::{Rule, Seen};
 
 /// Follows a file, line by line.
@@ -228,18 +229,7 @@ pub fn check(file: impl Read, settings: &Settings, survey: &mut Survey) -> io::R
     let mut report = CheckReport {
         lines: checker.lines,
         layer_count: checker.judge.layers,
-        total: Measures {
-            print_mm: measure.print_mm,
-            travel_mm: measure.travel_mm,
-            total_mm: measure.total_mm(),
-            link_mm: measure.link_mm,
-            travels: measure.travels,
-            retractions: measure.retractions,
-            total_s: clock.finish().iter().sum(),
-            volume_mm3: measure.volume_mm3,
-            filament_mm: measure.volume_mm3 / machine.filament_area_mm2,
-            ..Measures::default()
-        },
+        total: Measures::of(&measure, Seconds(clock.finish().iter().sum()), machine.filament_area_mm2),
         ..CheckReport::default()
     };
     report.extend(checker.finish());

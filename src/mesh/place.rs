@@ -5,7 +5,7 @@ use super::arrange::{Shape, Towards, arrange};
 use super::pack::{Footprint, group_box, pack};
 use super::silhouette::silhouette;
 use crate::geom::Point;
-use crate::profile::{BedOrigin, BedSettings, BedShape};
+use crate::profile::{BedSettings, BedShape};
 
 /// A model to place.
 #[derive(Clone, Debug)]
@@ -154,7 +154,7 @@ pub fn keep(
     options: &Placement,
 ) -> Result<Plate, PlacementError> {
     let area = Area::new(bed, options.margin_mm);
-    let middle = bed_middle(bed);
+    let middle = bed.middle_mm();
     let mut plate = Plate { meshes: Vec::with_capacity(items.len()), objects: Vec::new() };
     let reach_mm = options.reach_mm + if options.convex { options.spacing_mm / 2.0 } else { 0.0 };
     let mut covered = Vec::new();
@@ -234,14 +234,6 @@ fn packed(
         Ok(spots) => Ok(spots.into_iter().map(|spot| (0, spot)).collect()),
         Err(boxes_left) if boxes_left.len() < unplaced.len() => Err(boxes_left),
         Err(_) => Err(unplaced),
-    }
-}
-
-/// The middle of the bed in its own coordinates.
-fn bed_middle(bed: &BedSettings) -> [f64; 2] {
-    match bed.origin {
-        BedOrigin::Center => [0.0; 2],
-        BedOrigin::Corner => [bed.size[0].0 / 2.0, bed.size[1].0 / 2.0],
     }
 }
 
@@ -327,7 +319,7 @@ impl Area {
         bed: &BedSettings,
         options: &Placement,
     ) -> Result<Plate, PlacementError> {
-        let middle = bed_middle(bed);
+        let middle = bed.middle_mm();
         let [dx, dy, dz] = options.shift_mm;
         let rims: Vec<Vec<[f64; 2]>> =
             plate.meshes.iter().map(|mesh| Footprint::new(mesh, self.shape).rim).collect();

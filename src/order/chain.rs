@@ -1,8 +1,8 @@
 //! Chains the layers of a print: each begins where the last one ended.
 //!
 //! Chunks of layers can be solved in parallel without changing the result: their length depends on the number of
-//! layers only, each is solved in sequence from a free start, and then the first layer of each is solved again
-//! with both of its ends known.
+//! layers only, each is solved from a free start, and then the layers around each join are solved again with both
+//! ends known.
 
 use super::layer::{LayerProblem, ends_on_path, stacked};
 use super::precedence::{Frontier, Groups};
@@ -36,15 +36,31 @@ impl Chain {
     /// where the one before ended. `pins[i]` belongs to `layers[i]`. Entries of loops in the result are
     /// indices into their path's points.
     pub fn solve_chunk(&self, layers: &[LayerPaths], pins: &[Pins], start: Option<Point>) -> Vec<Sequence> {
+        self.solve_between(layers, pins, start, None)
+    }
+
+    /// Whether layers are solved as one problem.
+    fn is_together(&self) -> bool {
         // A distance between layers is kept by moving where each begins, which the others must know.
         let apart = self.settings.layer_distance.0 > 0.0;
-        if self.settings.chain && !apart && strategy(self.settings.strategy).looks_ahead() {
-            return self.solve_together(layers, pins, start);
+        self.settings.chain && !apart && strategy(self.settings.strategy).looks_ahead()
+    }
+
+    /// Orders consecutive layers on the way from one place to another, where these are known.
+    fn solve_between(
+        &self,
+        layers: &[LayerPaths],
+        pins: &[Pins],
+        start: Option<Point>,
+        end: Option<Point>,
+    ) -> Vec<Sequence> {
+        if self.is_together() {
+            return self.solve_together(layers, pins, start, end);
         }
         let mut at = start;
         let mut sequences = Vec::with_capacity(layers.len());
-        for (layer, pins) in layers.iter().zip(pins) {
-            let sequence = self.solve_layer(layer, pins, at, None);
+        for (i, (layer, pins)) in layers.iter().zip(pins).enumerate() {
+            let sequence = self.solve_layer(layer, pins, at, end.filter(|_| i + 1 == layers.len()));
             if let Some(&last) = sequence.last() {
                 at = Some(ends_on_path(layer, last).1);
             }
@@ -54,12 +70,18 @@ impl Chain {
     }
 
     /// Orders consecutive layers as one problem, so that each ends where it suits the next.
-    fn solve_together(&self, layers: &[LayerPaths], pins: &[Pins], start: Option<Point>) -> Vec<Sequence> {
+    fn solve_together(
+        &self,
+        layers: &[LayerPaths],
+        pins: &[Pins],
+        start: Option<Point>,
+        end: Option<Point>,
+    ) -> Vec<Sequence> {
         let scope = self.settings.scope;
         let mut problems: Vec<_> =
             layers.iter().zip(pins).map(|(layer, pins)| LayerProblem::new(layer, pins, scope)).collect();
         let mut problem = stacked(&problems, scope);
-        problem.start = start.or(self.origin);
+        (problem.start, problem.end) = (start.or(self.origin), end);
         let mut at = problem.start;
         let solved = strategy(self.settings.strategy).solve(&problem, &self.cost, self.settings.effort);
         let (mut solved, mut first) = (solved.into_iter(), 0);
@@ -79,45 +101,54 @@ impl Chain {
         layers.iter().zip(&mut problems).map(apart).collect()
     }
 
-    /// Orders the first layer of a chunk again, now that it is known where the chunk before ended (`start`) and
-    /// where the layer above begins (`next`, its sequence; `None` if there is none in this chunk).
-    /// Returns the better of the old and the new sequence, counting the links at both ends.
-    pub fn resolve_head(
+    /// How many layers of the chunk before take part where two chunks are joined.
+    pub fn overlap(&self) -> usize {
+        usize::from(self.is_together())
+    }
+
+    /// Orders the layers around a join again: the last [`overlap`](Self::overlap) of a chunk and the first of the next, now
+    /// that it is known where the layer before ended (`start`) and where the layer above begins (`next` and its sequence;
+    /// `None` if there is none in this chunk). Returns the better of the old and the new sequences, counting the links at
+    /// both ends.
+    pub fn resolve_join(
         &self,
-        head: (&LayerPaths, &Pins),
-        solved: Sequence,
+        layers: &[LayerPaths],
+        pins: &[Pins],
+        solved: Vec<Sequence>,
         next: Option<(&LayerPaths, &[Visit])>,
         start: Option<Point>,
-    ) -> Sequence {
+    ) -> Vec<Sequence> {
         if !self.settings.chain {
             return solved;
         }
-        let (layer, pins) = head;
         let end = next.and_then(|(layer, sequence)| Some(ends_on_path(layer, *sequence.first()?).0));
-        let again = self.solve_layer(layer, pins, start, end);
-        let cost = |sequence: &[Visit]| self.cost_between(layer, sequence, start, end);
-        let too_near = |sequence: &[Visit]| {
-            let first = sequence.first().map(|&visit| ends_on_path(layer, visit).0);
+        let again = self.solve_between(layers, pins, start, end);
+        let too_near = |sequences: &[Sequence]| {
+            let first = sequences[0].first().map(|&visit| ends_on_path(&layers[0], visit).0);
             matches!((start, first), (Some(a), Some(b)) if a.distance_mm(b) < self.settings.layer_distance.0)
         };
-        let key = |sequence: &[Visit]| (too_near(sequence), cost(sequence));
+        let key = |sequences: &[Sequence]| {
+            (too_near(sequences), self.cost_between(layers.iter().zip(sequences), start, end))
+        };
         if key(&solved) < key(&again) { solved } else { again }
     }
 
-    /// Cost of a layer's links, with those from `start` and to `end` where they are known.
-    fn cost_between(
+    /// Cost of the links of layers, with those from `start` and to `end` where they are known.
+    fn cost_between<'l>(
         &self,
-        layer: &LayerPaths,
-        sequence: &[Visit],
+        layers: impl Iterator<Item = (&'l LayerPaths, &'l Sequence)>,
         start: Option<Point>,
         end: Option<Point>,
     ) -> f64 {
-        let (mut at, mut island, mut total) = (start, None, 0.0);
-        for &visit in sequence {
-            let (enter, leave) = ends_on_path(layer, visit);
-            let here = Some(layer.paths[visit.item as usize].island);
-            total += at.map_or(0.0, |from| self.cost.of(from.distance_mm(enter), here == island));
-            (at, island) = (Some(leave), here);
+        let (mut at, mut total) = (start, 0.0);
+        for (layer, sequence) in layers {
+            let mut island = None;
+            for &visit in sequence {
+                let (enter, leave) = ends_on_path(layer, visit);
+                let here = Some(layer.paths[visit.item as usize].island);
+                total += at.map_or(0.0, |from| self.cost.of(from.distance_mm(enter), here == island));
+                (at, island) = (Some(leave), here);
+            }
         }
         total + at.zip(end).map_or(0.0, |(from, to)| self.cost.of(from.distance_mm(to), false))
     }

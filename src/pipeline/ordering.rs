@@ -27,8 +27,8 @@ pub(super) struct Solved {
     pub took: Duration,
 }
 
-/// Orders layers in chunks of `chunk`, then the head of each chunk again with both ends known. `start` is where the
-/// nozzle is before the first of them.
+/// Orders layers in chunks of `chunk`, then those around each join of chunks again with both ends known. `start` is where
+/// the nozzle is before the first of them.
 pub(super) fn solve(
     chain: &Chain,
     paths: &[LayerPaths],
@@ -40,28 +40,31 @@ pub(super) fn solve(
     let range = |c: usize| c * chunk..((c + 1) * chunk).min(paths.len());
     let solved =
         parallel::map(chunks, |c| timed(|| chain.solve_chunk(&paths[range(c)], &pins[range(c)], None)));
-    let before = |c: usize| match c.checked_sub(1) {
-        None => start,
-        Some(b) => {
-            let last = solved[b].0.iter().zip(&paths[range(b)]).rev().find(|(s, _)| !s.is_empty());
-            last.and_then(|(sequence, layer)| Some(ends_on_path(layer, *sequence.last()?).1))
-        }
-    };
-    let heads = parallel::map(chunks, |c| {
-        let (layers, sequences) = (&paths[range(c)], &solved[c].0);
-        let next = layers.get(1).map(|layer| (layer, sequences[1].as_slice()));
-        let head = (&layers[0], &pins[c * chunk]);
-        timed(|| match before(c) {
-            Some(start) => chain.resolve_head(head, sequences[0].clone(), next, Some(start)),
-            None => sequences[0].clone(),
+    let mut took: Duration = solved.iter().map(|(_, took)| *took).sum();
+    let mut sequences: Vec<Sequence> = solved.into_iter().flat_map(|(sequences, _)| sequences).collect();
+    // Joins have no layer in common.
+    let overlap = chain.overlap().min(chunk - 1);
+    let join = |c: usize| (c * chunk).saturating_sub(overlap)..c * chunk + 1;
+    let joined = parallel::map(chunks, |c| {
+        let window = join(c);
+        let before = sequences[..window.start]
+            .iter()
+            .zip(paths)
+            .rev()
+            .find_map(|(sequence, layer)| Some(ends_on_path(layer, *sequence.last()?).1));
+        let before = before.or(start);
+        let old = sequences[window.clone()].to_vec();
+        let next =
+            range(c).contains(&window.end).then(|| (&paths[window.end], sequences[window.end].as_slice()));
+        timed(|| match before {
+            Some(_) => chain.resolve_join(&paths[window.clone()], &pins[window], old, next, before),
+            None => old,
         })
     });
-    let took = solved.iter().map(|s| s.1).chain(heads.iter().map(|h| h.1)).sum();
-    let sequences = solved
-        .into_iter()
-        .zip(heads)
-        .flat_map(|((sequences, _), (head, _))| std::iter::once(head).chain(sequences.into_iter().skip(1)))
-        .collect();
+    for (c, (new, spent)) in joined.into_iter().enumerate() {
+        took += spent;
+        sequences.splice(join(c), new);
+    }
     Solved { sequences, took }
 }
 

@@ -277,19 +277,7 @@ impl Tally {
 
     /// What a script does belongs to the whole, but to no layer.
     fn add_script(&mut self, effect: &Effect, machine: &Machine) {
-        let measure = &effect.measure;
-        self.total += &Measures {
-            print_mm: measure.print_mm,
-            travel_mm: measure.travel_mm,
-            total_mm: measure.total_mm(),
-            link_mm: measure.link_mm,
-            travels: measure.travels,
-            retractions: measure.retractions,
-            total_s: effect.time.0,
-            volume_mm3: measure.volume_mm3,
-            filament_mm: measure.volume_mm3 / machine.filament_area_mm2,
-            ..Measures::default()
-        };
+        self.total += &Measures::of(&effect.measure, effect.time, machine.filament_area_mm2);
     }
 
     /// Adds the lower bounds of all layers, and of the whole.

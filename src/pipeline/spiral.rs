@@ -53,9 +53,8 @@ impl Spiral {
         }
         let spec = SpiralSpec { width_mm: settings.walls.external_width.0, smooth: settings.spiral.smooth };
         let body = layers.get(first..).unwrap_or_default();
-        let section = |layer: &Layer| layer.sections.first().map(|s| s.region.clone()).unwrap_or_default();
         let mut outlines: Vec<Option<Ring>> =
-            parallel::map(body.len(), |i| toolpath::outline(&section(&body[i]), spec.width_mm));
+            parallel::map(body.len(), |i| toolpath::outline(section(&body[i]), spec.width_mm));
         while outlines.last().is_some_and(Option::is_none) {
             outlines.pop();
         }
@@ -66,7 +65,7 @@ impl Spiral {
             )));
         }
         let mut outlines: Vec<Ring> = outlines.into_iter().flatten().collect();
-        let warning = warning(body, outlines.len(), &section);
+        let warning = warning(body, outlines.len());
         toolpath::align(&mut outlines);
         let mut turns = parallel::map(outlines.len(), |i| {
             let below = i.checked_sub(1).map(|below| outlines[below].as_slice());
@@ -104,8 +103,13 @@ impl Spiral {
     }
 }
 
+/// The section of the only object.
+fn section(layer: &Layer) -> &Region {
+    layer.sections.first().map_or(Region::EMPTY, |section| &section.region)
+}
+
 /// Tells of parts beside the one that is followed, and of a tip too thin for the line.
-fn warning(body: &[Layer], wound: usize, section: &impl Fn(&Layer) -> Region) -> Option<String> {
+fn warning(body: &[Layer], wound: usize) -> Option<String> {
     let mut split = body.iter().filter(|layer| section(layer).polygons.len() > 1);
     let mut parts = Vec::new();
     if let Some(first) = split.next() {

@@ -113,8 +113,7 @@ impl Planners {
     /// Fills with patterns that were planned for the whole print.
     pub fn use_patterns(&mut self, planned: &[Planned]) {
         for (style, pattern) in planned {
-            let mut planners = self.all().filter(|(number, _)| number == style);
-            if let Some((_, planner)) = planners.next() {
+            if let Some((_, planner)) = self.all().find(|(number, _)| number == style) {
                 planner.use_pattern(pattern.clone());
             }
         }

@@ -37,7 +37,8 @@ impl Supports {
         let grid = Grid::new(bounds, REACH_MM, support::CELL_MM);
         let sections = parallel::map(count, |i| section(&layers[i]));
         let solid = parallel::map(count, |i| Bitmap::of(grid, &sections[i]));
-        let slab = |i: usize| Slab { section: &sections[i], solid: &solid[i] };
+        let rough = parallel::map(count, |i| simplify(&sections[i], support::ROUGH_MM));
+        let slab = |i: usize| Slab { section: &sections[i], rough: &rough[i], solid: &solid[i] };
         let [enforced, blocked] = wishes.each_ref().map(|plate| bodies(plate, layers, settings));
         // What lies on the bed hangs nowhere.
         let found: Vec<Overhang> = parallel::map(count, |i| {
@@ -64,7 +65,6 @@ impl Supports {
         let stands_on = spec.gap_layers.iter().map(|gap| gap + 1).collect();
         if support.style == SupportStyle::Tree {
             let discs = support::grow(&held, &solid, &spec, support);
-            let rough = parallel::map(count, |i| simplify(&sections[i], support::ROUGH_MM));
             let outlines = parallel::map(count, |i| {
                 if discs[i].is_empty() {
                     return Outlines::default();

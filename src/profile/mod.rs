@@ -5,6 +5,7 @@
 //! first), each `--set` in turn. The later one wins, key by key; where each value came from is kept.
 
 mod conflicts;
+mod derived;
 mod dump;
 mod embedded;
 mod error;

@@ -4,7 +4,7 @@
 
 use std::f64::consts::PI;
 
-use super::settings::{BedOrigin, BedShape, Settings};
+use super::settings::{BedShape, Settings};
 use super::suggest;
 
 /// What scripts may know of a print, in bed coordinates.
@@ -36,13 +36,8 @@ struct Bed {
 
 impl Bed {
     fn new(settings: &Settings) -> Self {
-        let [width, depth] = settings.bed.size.map(|length| length.0);
-        let min = match settings.bed.origin {
-            BedOrigin::Corner => [0.0, 0.0],
-            BedOrigin::Center => [-width / 2.0, -depth / 2.0],
-        };
-        let round = settings.bed.shape == BedShape::Round;
-        Self { min, max: [min[0] + width, min[1] + depth], round }
+        let bed = &settings.bed;
+        Self { min: bed.low_mm(), max: bed.high_mm(), round: bed.shape == BedShape::Round }
     }
 
     fn size(&self) -> [f64; 2] {
@@ -300,7 +295,7 @@ mod tests {
     fn prime_line_and_park_lie_on_a_round_bed() {
         let mut settings = Settings::default();
         settings.bed.shape = BedShape::Round;
-        settings.bed.origin = BedOrigin::Center;
+        settings.bed.origin = crate::profile::BedOrigin::Center;
         settings.bed.size = [Mm(180.0); 2];
         let bed = Bed::new(&settings);
         let ([x0, x1], y) = bed.front_line();

@@ -5,6 +5,9 @@ use std::ops::AddAssign;
 
 use serde::Serialize;
 
+use crate::gcode::Measure;
+use crate::units::Seconds;
+
 /// Lengths, counts and times of a layer or a whole print. Lengths are in X and Y and count what comes after the first
 /// extruding move; `travel_mm` is the real way with its detours.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
@@ -36,6 +39,22 @@ pub struct Measures {
 }
 
 impl Measures {
+    /// What was read from G-code. `time` is its duration, `filament_area_mm2` the cross-section of the strand.
+    pub fn of(measure: &Measure, time: Seconds, filament_area_mm2: f64) -> Self {
+        Self {
+            print_mm: measure.print_mm,
+            travel_mm: measure.travel_mm,
+            total_mm: measure.total_mm(),
+            link_mm: measure.link_mm,
+            travels: measure.travels,
+            retractions: measure.retractions,
+            total_s: time.0,
+            volume_mm3: measure.volume_mm3,
+            filament_mm: measure.volume_mm3 / filament_area_mm2,
+            ..Self::default()
+        }
+    }
+
     /// Adds a lower bound for `link_mm`, and with it the gap. Where nothing can be saved the gap is 0.
     #[must_use]
     pub fn with_bound(mut self, bound_mm: f64) -> Self {

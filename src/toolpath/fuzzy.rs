@@ -5,6 +5,7 @@
 
 use crate::geom::{EdgeGrid, Point, Region};
 use crate::profile::{FuzzySettings, FuzzyWalls};
+use crate::random::Random;
 
 use super::bead::Line;
 
@@ -47,7 +48,7 @@ impl<'a> Fuzzy<'a> {
         let corners = simplified(&line.points, DETAIL * thickness_mm);
         // From the line itself, so that it does not depend on what else there is on the layer.
         let start = line.points[0];
-        let mut random = Random(self.seed ^ (start.x as u32 as u64) << 32 ^ start.y as u32 as u64);
+        let mut random = Random::new(self.seed ^ (start.x as u32 as u64) << 32 ^ start.y as u32 as u64);
         let mut out = Line { points: Vec::new(), spacing_mm: Vec::new(), closed: true };
         for (i, &from) in corners.iter().enumerate() {
             let next = corners[(i + 1) % corners.len()];
@@ -100,20 +101,6 @@ fn simplified(ring: &[Point], tolerance_mm: f64) -> Vec<usize> {
         }
     }
     (0..ring.len()).filter(|&i| kept[i]).collect()
-}
-
-/// Steele, Lea & Flood 2014, <https://doi.org/10.1145/2660193.2660195>.
-struct Random(u64);
-
-impl Random {
-    /// From −1 to 1.
-    fn either(&mut self) -> f64 {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mut z = self.0;
-        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        ((z ^ (z >> 31)) >> 11) as f64 / (1u64 << 52) as f64 - 1.0
-    }
 }
 
 #[cfg(test)]

@@ -7,7 +7,7 @@ use super::survey::Survey;
 use crate::gcode::{Action, Reader, each_line};
 use crate::geom::{EdgeGrid, Point};
 use crate::mesh::Mesh;
-use crate::profile::{BedOrigin, Settings};
+use crate::profile::Settings;
 use crate::toolpath::Role;
 
 /// So many layers are looked at.
@@ -28,12 +28,8 @@ pub(super) fn find<R: Read>(
     let [low, high] = mesh.bounds();
     let middle = [0, 1].map(|i| (low[i] + high[i]) / 2.0);
     let to = |place: [f64; 2]| [place[0] - middle[0], place[1] - middle[1]];
-    let bed = match settings.bed.origin {
-        BedOrigin::Corner => settings.bed.size.map(|length| length.0 / 2.0),
-        BedOrigin::Center => [0.0; 2],
-    };
     let extents = survey.extents().into_iter().flatten().map(|extent| to(extent.middle()));
-    let candidates: Vec<[f64; 2]> = extents.chain([to(bed), [0.0; 2]]).collect();
+    let candidates: Vec<[f64; 2]> = extents.chain([to(settings.bed.middle_mm()), [0.0; 2]]).collect();
 
     let count = sections.levels().len();
     let chosen: Vec<usize> = (0..LAYERS.min(count)).map(|i| i * count / LAYERS.min(count)).collect();

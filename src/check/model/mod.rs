@@ -77,7 +77,7 @@ pub fn against<R: Read>(
     report: &mut CheckReport,
 ) -> io::Result<()> {
     let mut found = Found::default();
-    let area_mm2 = std::f64::consts::PI / 4.0 * settings.filament.diameter.0.powi(2);
+    let area_mm2 = settings.filament.area_mm2();
     let mut model = ModelReport {
         mesh_volume_mm3: mesh.volume_and_area().0,
         part_volume_mm3: survey.part_volume_mm3(area_mm2),

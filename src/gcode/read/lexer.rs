@@ -320,16 +320,20 @@ mod tests {
         for text in ["", " X1 Y-2.5 E.03 F1200", " Z1. ; c", " X1;c\r\n"] {
             assert_eq!(plain(text), !text.contains(" ;"), "{text}");
         }
-        for text in ["X1", " x1", " X 1", " X+1", " X", " X1 X2", " X1.2.3", " X1e5", " S1", "\tX1", " X1  Y2"] {
+        for text in
+            ["X1", " x1", " X 1", " X+1", " X", " X1 X2", " X1.2.3", " X1e5", " S1", "\tX1", " X1  Y2"]
+        {
             assert!(!plain(text), "{text}");
         }
     }
 
     #[test]
     fn numbers_of_any_length_are_read_to_their_end() {
-        for number in ["1", "-.5", "1234567.1234567", "12345678", "0.12345678", "123456789.123456789", "00000000001.5"]
+        for number in
+            ["1", "-.5", "1234567.1234567", "12345678", "0.12345678", "123456789.123456789", "00000000001.5"]
         {
-            let words = [format!("G1 X{number}"), format!("G1 X{number} Y7 ; and more\n")].map(|line| first(&line).words());
+            let words = [format!("G1 X{number}"), format!("G1 X{number} Y7 ; and more\n")]
+                .map(|line| first(&line).words());
             assert_eq!(words.map(|words| words.get(b'X')), [number.parse().ok(); 2], "{number}");
             assert_eq!(words[1].get(b'Y'), Some(7.0), "{number}");
         }

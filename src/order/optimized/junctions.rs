@@ -2,9 +2,9 @@
 
 use super::exchange::ends;
 use super::neighbours::{NEAR, Near};
-use super::random::Random;
 use super::search::{GAIN, Search};
 use super::walk::End;
+use crate::random::Random;
 
 /// Farthest gap from a junction that is tried for it.
 const REACH: u32 = 500;

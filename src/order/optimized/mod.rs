@@ -6,18 +6,17 @@ mod grid;
 mod junctions;
 mod loops;
 mod neighbours;
-mod random;
 mod runs;
 mod search;
 mod start;
 mod walk;
 
-use self::random::Random;
 use self::search::Search;
 use super::greedy::Fragments;
 use super::precedence::Groups;
 use super::{Cost, Nearest, Problem, Sequence, Strategy, evaluate};
 use crate::profile::{Effort, Scope};
+use crate::random::Random;
 
 /// Steps of iterated search per path. A step is a link cost looked at.
 ///
@@ -28,7 +27,6 @@ fn steps_per_path(effort: Effort, scope: Scope) -> u64 {
     match (effort, scope) {
         (Effort::Fast, Scope::Layer) => 60,
         (Effort::Fast, _) => 50,
-        (Effort::Normal, Scope::Layer) => 3_000,
         (Effort::Normal, _) => 1_200,
         (Effort::High, Scope::Layer) => 60_000,
         (Effort::High, _) => 20_000,
@@ -47,8 +45,8 @@ fn least_steps(effort: Effort) -> u64 {
 /// Starts from greedy at `layer` scope, from nearest at the others; descends by 3-opt with neighbour lists, by entering loops
 /// elsewhere and moving them, and by moving whole runs and islands; then kicks and repairs it for as long as the effort allows.
 ///
-/// Stages are solved one after the other, each from where the last one ended, and then, for the other half of the effort, all
-/// together, so that each ends where it suits the next.
+/// Stages are begun one after the other, each from where the last one ended; kicks then take all together, so that each
+/// comes to end where it suits the next.
 ///
 /// Never dearer than [`Nearest`].
 #[derive(Clone, Copy, Debug)]
@@ -61,21 +59,18 @@ impl Strategy for Optimized {
             return nearest;
         }
         let groups = Groups::new(problem);
-        let steps = |items: usize| items as u64 * steps_per_path(effort, problem.scope);
         let mut search = Search::new(problem, &groups, *cost);
         let mut random = Random::new(problem.items.len() as u64);
         let mut fragments = Fragments::new(problem);
         let (mut first, mut stages) = (0, 0);
         for places in groups.place.chunk_by(|a, b| a.stage == b.stage) {
-            let stage = first..first + places.len();
-            (first, stages) = (stage.end, stages + 1);
-            let positions = search.append_stage(stage, &mut fragments);
-            let budget = steps(positions.len()).max(least_steps(effort)) / 2;
-            search.iterate(positions, &mut random, budget);
+            search.append_stage(first..first + places.len(), &mut fragments);
+            (first, stages) = (first + places.len(), stages + 1);
         }
         search.end();
-        let all = steps(problem.items.len()).max(stages * least_steps(effort));
-        search.iterate(1..problem.items.len() as u32 + 1, &mut random, all / 2);
+        let count = problem.items.len();
+        let steps = count as u64 * steps_per_path(effort, problem.scope);
+        search.iterate(1..count as u32 + 1, &mut random, steps.max(stages * least_steps(effort)));
         let found = search.sequence();
         if evaluate(problem, &found, cost) <= evaluate(problem, &nearest, cost) { found } else { nearest }
     }

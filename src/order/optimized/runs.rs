@@ -3,9 +3,9 @@
 use super::super::index::{Entry, Index};
 use super::super::precedence::{Groups, Place};
 use super::super::{Problem, Shape};
-use super::random::Random;
 use super::search::{GAIN, Search};
 use super::walk::{End, NONE};
+use crate::random::Random;
 
 /// Most groups in one block that moves.
 const BLOCK: u32 = 4;

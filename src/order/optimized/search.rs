@@ -7,11 +7,11 @@ use super::super::greedy::Fragments;
 use super::super::precedence::Groups;
 use super::super::{Cost, Problem, Sequence, Visit};
 use super::neighbours::Neighbours;
-use super::random::Random;
 use super::runs::Vicinity;
 use super::start::start;
 use super::walk::{End, Walk};
 use crate::geom::Point;
+use crate::random::Random;
 
 /// What an improvement must save at least (millimetres or seconds), far above rounding and far below anything
 /// that matters, so that the search ends.
@@ -65,9 +65,8 @@ impl<'a> Search<'a> {
         self.walk.sequence()
     }
 
-    /// Goes on through all items of a stage (its groups), and improves the walk until no move does any more. Returns their
-    /// positions.
-    pub fn append_stage(&mut self, stage: Range<usize>, fragments: &mut Fragments) -> Range<u32> {
+    /// Goes on through all items of a stage (its groups), and improves the walk until no move does any more.
+    pub fn append_stage(&mut self, stage: Range<usize>, fragments: &mut Fragments) {
         let from = self.walk.len() + 1;
         let visits = start(self.problem, self.groups, stage, self.at(), &mut self.neighbours, fragments);
         self.walk.append(&visits);
@@ -77,7 +76,6 @@ impl<'a> Search<'a> {
         self.reenter_all(from, to);
         self.drain();
         self.walk.commit();
-        from..to
     }
 
     /// Lets the walk go on to where it must end, and improves what joins the stages.

@@ -25,6 +25,8 @@ pub struct Overhang {
 pub struct Slab<'a> {
     /// Everything solid.
     pub section: &'a Region,
+    /// The same, simplified to [`ROUGH_MM`].
+    pub rough: &'a Region,
     /// The same as cells.
     pub solid: &'a Bitmap,
 }
@@ -49,7 +51,7 @@ pub fn find(
 ) -> Overhang {
     let grid = layer.solid.grid();
     let lean_mm = height_mm * settings.angle.to_radians().tan();
-    let carried = geom::offset(&geom::simplify(below.section, ROUGH_MM), lean_mm);
+    let carried = geom::offset(below.rough, lean_mm);
     let mut beyond =
         if settings.enabled { geom::difference(layer.section, &carried) } else { Region::default() };
     beyond.polygons.retain(|polygon| polygon.area_mm2() >= CRUMB_MM2);
