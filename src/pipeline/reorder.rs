@@ -281,7 +281,7 @@ impl Run {
 
     /// Orders and writes some blocks.
     fn batch(&mut self, blocks: &[Block]) -> Vec<Written> {
-        if blocks.iter().fold(false, |any, block| self.learner.learn(block) || any) {
+        if blocks.iter().filter(|block| self.learner.learn(block)).count() > 0 {
             self.habit = self.learner.habit();
         }
         let habit = self.habit.clone();

@@ -177,9 +177,9 @@ impl Inventory {
         // A bead may be drawn backwards.
         let extrudes = stroke.extrudes();
         let other_end = if extrudes { stroke.from } else { stroke.to };
-        for i in 0..2 {
-            self.low[i] = self.low[i].min(stroke.to[i]).min(other_end[i]);
-            self.high[i] = self.high[i].max(stroke.to[i]).max(other_end[i]);
+        for (i, (&a, &b)) in stroke.to.iter().zip(&other_end).take(2).enumerate() {
+            self.low[i] = self.low[i].min(a).min(b);
+            self.high[i] = self.high[i].max(a).max(b);
         }
         if extrudes {
             if self.layer.index != read.context.layer {
