@@ -1,8 +1,8 @@
 //! Reads finished G-code, of any slicer, and tells what is wrong with it.
 //!
 //! The reading is independent of how the program writes: of `gcode` it uses the reader of lines and the machine's
-//! state. Each family of rules is a file; a [`Checker`] hands every line to all of them, and what they find is
-//! grouped by kind. Memory does not grow with the file. [`against`] goes over a file again beside its model.
+//! state. Each family of rules is a file; a [`Judge`] hands every line to all of them, and what they find is
+//! grouped by kind; a [`Checker`] is a judge that reads by itself. Memory does not grow with the file. [`against`] goes over a file again beside its model.
 
 mod bed;
 mod fault;
@@ -25,7 +25,7 @@ pub use model::{ModelReport, Survey, against};
 pub use report::{CheckReport, Fault, Found, Place};
 
 use crate::estimate::Machine;
-use crate::gcode::{Action, Annotated, Clock, Line, Meter, Reader, Stroke, each_line, lines};
+use crate::gcode::{Action, Annotated, Clock, Line, Meter, Reader, State, Stroke, each_line, lines};
 use crate::profile::Settings;
 use crate::report::Measures;
 use crate::units::Seconds;
@@ -34,6 +34,13 @@ use rule::{Rule, Seen};
 /// Follows a file, line by line.
 pub struct Checker {
     reader: Reader,
+    judge: Judge,
+    lines: usize,
+    bytes: usize,
+}
+
+/// Finds faults in lines that have been read.
+pub struct Judge {
     rules: Vec<Box<dyn Rule>>,
     found: Found,
     /// Whether scripts are looked at as well; if not, what they do wrong is put aside.
@@ -43,8 +50,10 @@ pub struct Checker {
     located: bool,
     /// What G92 has moved the file's zero by.
     zero_mm: [f64; 3],
-    lines: usize,
-    bytes: usize,
+    /// The machine as the line before left it.
+    position: [f64; 3],
+    retracted_mm: f64,
+    firmware_retracted: bool,
     moves: usize,
     layers: usize,
 }
@@ -52,41 +61,23 @@ pub struct Checker {
 impl Checker {
     /// A checker for files for a printer.
     pub fn new(settings: &Settings) -> Self {
-        let mut checker = Self::of_paths(settings, true);
-        checker.rules.push(Box::new(heat::Heat::default()));
-        checker.rules.push(Box::new(limits::Limits::new(settings)));
-        checker.rules.push(Box::new(precision::Precision::default()));
-        checker
+        let mut judge = Judge::of_paths(settings, true);
+        judge.rules.push(Box::new(heat::Heat::default()));
+        judge.rules.push(Box::new(limits::Limits::new(settings)));
+        judge.rules.push(Box::new(precision::Precision::default()));
+        Self::with(judge)
     }
 
-    /// A checker that looks for errors in paths only. Without `scripts` it looks only at what is of a role that is known.
-    pub fn of_paths(settings: &Settings, scripts: bool) -> Self {
-        Self {
-            reader: Reader::default(),
-            rules: vec![
-                Box::new(words::Words),
-                Box::new(bed::Bed::new(settings)),
-                Box::new(filament::Filament::new(settings)),
-                Box::new(heights::Heights::new(settings)),
-                Box::new(material::Material::new(settings)),
-            ],
-            found: Found::default(),
-            scripts,
-            aside: Found::default(),
-            begun: false,
-            located: false,
-            zero_mm: [0.0; 3],
-            lines: 0,
-            bytes: 0,
-            moves: 0,
-            layers: 0,
-        }
+    /// A checker that reads for this judge.
+    pub fn with(judge: Judge) -> Self {
+        Self { reader: Reader::default(), judge, lines: 0, bytes: 0 }
     }
 
     /// Forgets what filament has been pulled back: what a script leaves behind is its own affair.
     pub fn pardon(&mut self) {
         self.reader.state.retracted_mm = 0.0;
         self.reader.state.firmware_retracted = false;
+        (self.judge.retracted_mm, self.judge.firmware_retracted) = (0.0, false);
     }
 
     /// Takes up the lines of a text, which goes on where the last one ended. It ends with a whole line.
@@ -100,15 +91,58 @@ impl Checker {
     pub fn line<'a>(&mut self, line: Line<'a>) -> Annotated<'a> {
         self.lines += 1;
         self.bytes += line.raw.len();
-        let (before, firmware_retracted) = (self.reader.state.position, self.reader.state.firmware_retracted);
-        let retracted_mm = self.reader.state.retracted_mm;
-        let read = self.reader.read(line);
-        self.follow_zero(&line, before);
-        let action = match read.action {
-            Action::Stroke(stroke) => Action::Stroke(moved(stroke, self.zero_mm)),
-            action => action,
-        };
-        if let Action::Stroke(stroke) = &action {
+        let mut read = self.reader.read(line);
+        self.judge.see(&mut read, &self.reader.state);
+        read
+    }
+
+    /// Moves so far. A file without any is no G-code.
+    pub fn moves(&self) -> usize {
+        self.judge.moves
+    }
+
+    /// The file is at its end.
+    pub fn finish(self) -> Found {
+        self.judge.finish()
+    }
+}
+
+impl Judge {
+    /// A judge that looks for errors in paths only. Without `scripts` it looks only at what is of a role that is known.
+    pub fn of_paths(settings: &Settings, scripts: bool) -> Self {
+        Self {
+            rules: vec![
+                Box::new(words::Words),
+                Box::new(bed::Bed::new(settings)),
+                Box::new(filament::Filament::new(settings)),
+                Box::new(heights::Heights::new(settings)),
+                Box::new(material::Material::new(settings)),
+            ],
+            found: Found::default(),
+            scripts,
+            aside: Found::default(),
+            begun: false,
+            located: false,
+            zero_mm: [0.0; 3],
+            position: [0.0; 3],
+            retracted_mm: 0.0,
+            firmware_retracted: false,
+            moves: 0,
+            layers: 0,
+        }
+    }
+
+    /// Takes up a line; `state`: what the machine has in mind after it. Its move is put where the machine makes it,
+    /// whatever G92 calls places.
+    pub fn see(&mut self, read: &mut Annotated<'_>, state: &State) {
+        let before = std::mem::replace(&mut self.position, state.position);
+        let retracted_mm = std::mem::replace(&mut self.retracted_mm, state.retracted_mm);
+        let firmware_retracted = std::mem::replace(&mut self.firmware_retracted, state.firmware_retracted);
+        self.follow_zero(&read.line, before);
+        if let Action::Stroke(stroke) = &mut read.action {
+            if self.zero_mm != [0.0; 3] {
+                *stroke = moved(*stroke, self.zero_mm);
+            }
             self.moves += 1;
             self.begun |= stroke.extrudes();
             if stroke.extrudes() {
@@ -116,10 +150,10 @@ impl Checker {
             }
         }
         let seen = Seen {
-            line: &line,
-            action: &action,
-            context: read.context,
-            state: &self.reader.state,
+            line: &read.line,
+            action: &read.action,
+            context: &read.context,
+            state,
             retracted_mm,
             firmware_retracted,
             begun: self.begun,
@@ -130,17 +164,16 @@ impl Checker {
         for rule in &mut self.rules {
             rule.see(&seen, found);
         }
-        if matches!(action, Action::Stroke(stroke) if stroke.xy_mm > 0.0) {
+        if matches!(read.action, Action::Stroke(stroke) if stroke.xy_mm > 0.0) {
             self.located = true;
         }
-        Annotated { action, ..read }
     }
 
     /// G92 gives places other names; homing gives them their own again.
     fn follow_zero(&mut self, line: &Line<'_>, before: [f64; 3]) {
         if line.is(b'G', 92) {
             for (axis, zero) in self.zero_mm.iter_mut().enumerate() {
-                *zero += before[axis] - self.reader.state.position[axis];
+                *zero += before[axis] - self.position[axis];
             }
         } else if line.is(b'G', 28) {
             self.located = false;
@@ -150,11 +183,6 @@ impl Checker {
                 *zero = if all || named(letter) { 0.0 } else { *zero };
             }
         }
-    }
-
-    /// Moves so far. A file without any is no G-code.
-    pub fn moves(&self) -> usize {
-        self.moves
     }
 
     /// The file is at its end.
@@ -200,7 +228,7 @@ pub fn check(file: impl Read, settings: &Settings, survey: &mut Survey) -> io::R
     let measure = meter.finish();
     let mut report = CheckReport {
         lines: checker.lines,
-        layer_count: checker.layers,
+        layer_count: checker.judge.layers,
         total: Measures::of(&measure, Seconds(clock.finish().iter().sum()), machine.filament_area_mm2),
         ..CheckReport::default()
     };

@@ -16,7 +16,7 @@ pub(super) struct Relief {
     /// Top of what lies in each cell, mm; minus infinity where nothing does.
     tops_mm: Vec<f32>,
     highest_mm: f64,
-    /// Where the last short bead ended: that cell is raised.
+    /// Where the last short bead ended.
     end: [f64; 3],
 }
 
@@ -28,16 +28,8 @@ impl Relief {
         let [columns, rows] = [width, depth].map(|mm| (mm / cell_mm).ceil() as usize);
         let tops_mm = vec![f32::NEG_INFINITY; columns * rows];
         let cells_per_mm = cell_mm.recip();
-        Self {
-            low,
-            cell_mm,
-            cells_per_mm,
-            columns,
-            rows,
-            tops_mm,
-            highest_mm: f64::NEG_INFINITY,
-            end: [f64::NAN; 3],
-        }
+        let (highest_mm, end) = (f64::NEG_INFINITY, [f64::NAN; 3]);
+        Self { low, cell_mm, cells_per_mm, columns, rows, tops_mm, highest_mm, end }
     }
 
     /// Side of a cell.
@@ -68,7 +60,7 @@ impl Relief {
     /// Raises the cells under a bead's middle line.
     pub fn lay(&mut self, bead: &Stroke) {
         if bead.arc.is_none() && bead.xy_mm <= self.cell_mm {
-            if self.end != bead.from {
+            if bead.from != self.end {
                 self.raise(bead.from[0], bead.from[1], bead.from[2]);
             }
             self.end = bead.to;

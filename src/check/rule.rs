@@ -8,7 +8,7 @@ use crate::gcode::{Action, Context, Line, State, Stroke};
 pub(super) struct Seen<'a> {
     pub line: &'a Line<'a>,
     pub action: &'a Action<'a>,
-    pub context: Context,
+    pub context: &'a Context,
     /// After the line.
     pub state: &'a State,
     /// Filament pulled back before the line, mm.

@@ -104,6 +104,7 @@ impl Rule for Words {
             seen.fault(found, Kind::UnknownCommand, || seen.text());
         }
         if strict
+            && !seen.stroke().is_some_and(|stroke| stroke.plain)
             && !is_plain(seen.line.parameters())
             && let Err(kind) = read(seen.line.parameters(), code.number == 92 && code.letter == b'G')
         {

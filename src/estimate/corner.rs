@@ -7,6 +7,8 @@ use super::{Firmware, Machine};
 pub(super) struct Way {
     /// Share of the way that X, Y, Z and E go; E's is that of the way in space, or 1 where there is none.
     pub unit: [f64; 4],
+    /// Of unit length with E as a fourth direction, where the machine's rules ask for it.
+    pub direction: [f64; 4],
     pub length_mm: f64,
     pub in_space: bool,
     /// Speed and acceleration of the move, every limit observed.
@@ -28,7 +30,18 @@ impl Way {
     }
 }
 
+/// A vector of unit length; of no length where it has none.
+fn normal(v: [f64; 4]) -> [f64; 4] {
+    let scale = v.iter().map(|c| c * c).sum::<f64>().sqrt().max(f64::MIN_POSITIVE).recip();
+    v.map(|c| c * scale)
+}
+
 impl Machine {
+    /// The [direction](Way::direction) of a way.
+    pub(super) fn direction(&self, unit: [f64; 4]) -> [f64; 4] {
+        if self.firmware == Firmware::Marlin { normal(unit) } else { unit }
+    }
+
     /// Speed and acceleration that the axes allow a move of this direction.
     pub(super) fn limited(&self, unit: &[f64; 4], in_space: bool, speed: f64, asked: f64) -> (f64, f64) {
         let klipper = self.firmware == Firmware::Klipper;
@@ -43,8 +56,14 @@ impl Machine {
                 speed = speed.min(self.max_speed[0]);
             }
         }
-        let limits = self.max_speed[first..last].iter().zip(&self.max_acceleration[first..last]);
-        for (part, (&max_speed, &max_acceleration)) in unit[first..last].iter().zip(limits) {
+        let limits = || self.max_speed[first..last].iter().zip(&self.max_acceleration[first..last]);
+        let within = |(part, (max_speed, max_acceleration)): (&f64, (&f64, &f64))| {
+            speed * part.abs() <= *max_speed && acceleration * part.abs() <= *max_acceleration
+        };
+        if unit[first..last].iter().zip(limits()).all(within) {
+            return (speed, acceleration);
+        }
+        for (part, (&max_speed, &max_acceleration)) in unit[first..last].iter().zip(limits()) {
             let share = part.abs();
             if speed * share > max_speed {
                 speed = max_speed / share;
@@ -78,7 +97,7 @@ impl Machine {
         let v2 = slower * slower;
         match self.firmware {
             Firmware::Klipper => v2.min(self.klipper_v2(before, now, v2)),
-            Firmware::Marlin => v2.min(self.junction_v2(before, now)),
+            Firmware::Marlin => self.junction_v2(before, now, v2),
             Firmware::MarlinClassic => self.classic_speed(before, now).powi(2),
             Firmware::RepRapFirmware => {
                 let alike =
@@ -125,28 +144,34 @@ impl Machine {
 
     /// Marlin's junction deviation (S. K. Jeon, "Improving Grbl: Cornering Algorithm", 2011), with the extruder as
     /// a fourth direction and the acceleration that the axes allow across the corner. Short moves of a smooth curve
-    /// are also held to the circle that they are part of.
-    fn junction_v2(&self, before: &Way, now: &Way) -> f64 {
-        let normal = |v: [f64; 4]| {
-            let length = v.iter().map(|c| c * c).sum::<f64>().sqrt();
-            v.map(|c| c / length.max(f64::MIN_POSITIVE))
-        };
-        let (a, b) = (normal(before.unit), normal(now.unit));
+    /// are also held to the circle that they are part of. At most `limit_v2`.
+    fn junction_v2(&self, before: &Way, now: &Way, limit_v2: f64) -> f64 {
+        let (a, b) = (before.direction, now.direction);
         let straightness = a[0] * b[0] + a[1] * b[1] + a[2] * b[2] + a[3] * b[3];
         if straightness < -0.999_999 {
             return 0.0;
         }
         let straightness = straightness.min(0.999_999);
-        let across = normal([0, 1, 2, 3].map(|i| b[i] - a[i]));
-        let acceleration =
-            across.iter().zip(self.max_acceleration).fold(now.acceleration, |a, (share, max)| {
-                if a * share.abs() > max { max / share.abs() } else { a }
-            });
+        let across = [0, 1, 2, 3].map(|i| b[i] - a[i]);
+        let mut acceleration = now.acceleration;
+        // An axis that takes all of it need not be asked for its share.
+        if across.iter().zip(self.max_acceleration).any(|(part, max)| *part != 0.0 && acceleration > max) {
+            for (share, max) in normal(across).into_iter().zip(self.max_acceleration) {
+                if acceleration * share.abs() > max {
+                    acceleration = max / share.abs();
+                }
+            }
+        }
         let sine = (0.5 * (1.0 + straightness)).sqrt();
-        let v2 = acceleration * self.junction_deviation_mm * sine / (1.0 - sine);
+        let v2 = limit_v2.min(acceleration * self.junction_deviation_mm * sine / (1.0 - sine));
         // A curve: it turns by less than 45° each time.
         if now.length_mm < 1.0 && straightness > std::f64::consts::FRAC_1_SQRT_2 {
-            return v2.min(now.length_mm * acceleration / straightness.acos());
+            // An angle up to 45° is at most 1.0262 times its chord. Nearly always that is enough to know.
+            let chord = (2.0 * (1.0 - straightness)).sqrt();
+            let reach = now.length_mm * acceleration;
+            if reach < v2 * (1.03 * chord) {
+                return v2.min(reach / straightness.acos());
+            }
         }
         v2
     }

@@ -102,6 +102,7 @@ impl Planner {
         let (speed, acceleration) = machine.limited(&unit, in_space, segment.speed, segment.acceleration);
         let now = Way {
             unit,
+            direction: machine.direction(unit),
             length_mm,
             in_space,
             speed,

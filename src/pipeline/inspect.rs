@@ -1,13 +1,12 @@
 //! What is written is checked before anybody gets it.
 
 use std::fs::File;
-use std::io::Read;
+use std::io;
 use std::path::Path;
 
-use crate::check::{Checker, Found};
+use crate::check::{Checker, Found, Judge};
 use crate::gcode::each_line;
 use crate::job::JobError;
-use crate::output::Output;
 use crate::profile::Settings;
 
 use super::reorder::input_error;
@@ -20,7 +19,7 @@ pub(super) struct Inspector {
 impl Inspector {
     /// An inspector of what comes after an opening.
     pub(super) fn new(settings: &Settings, opening: &[u8]) -> Self {
-        let mut checker = Checker::of_paths(settings, false);
+        let mut checker = Checker::with(Judge::of_paths(settings, false));
         checker.text(opening);
         checker.pardon();
         Self { checker }
@@ -40,25 +39,21 @@ impl Inspector {
     }
 }
 
-/// Checks what has been made of a file: there is no kind of fault in it that the file has not.
+/// Judges what has been made of a file by what was found in it: there is no kind of fault in it that the file has not.
 ///
 /// # Errors
 /// [`JobError::Check`] with the first fault, and those of reading.
-pub(super) fn remade(path: &Path, output: &mut Output, settings: &Settings) -> Result<(), JobError> {
-    let read = |file: &mut dyn Read| {
-        let mut checker = Checker::of_paths(settings, true);
-        each_line(file, |line| {
-            checker.line(line);
-        })
-        .map_err(|error| input_error(path, &error))?;
-        Ok::<_, JobError>(checker.finish())
-    };
-    let after = read(&mut output.reread(0)?)?;
-    if after.first_of_paths(&Found::default()).is_none() {
+pub(super) fn remade(path: &Path, found: &Found, settings: &Settings) -> Result<(), JobError> {
+    if found.first_of_paths(&Found::default()).is_none() {
         return Ok(());
     }
-    let mut input = File::open(path).map_err(|error| input_error(path, &error))?;
-    refuse(after.first_of_paths(&read(&mut input)?))
+    let failed = |error: io::Error| input_error(path, &error);
+    let mut checker = Checker::with(Judge::of_paths(settings, true));
+    each_line(File::open(path).map_err(failed)?, |line| {
+        checker.line(line);
+    })
+    .map_err(failed)?;
+    refuse(found.first_of_paths(&checker.finish()))
 }
 
 fn refuse(fault: Option<String>) -> Result<(), JobError> {

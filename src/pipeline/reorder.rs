@@ -6,7 +6,9 @@ use std::ops::Range;
 use std::path::Path;
 use std::time::SystemTime;
 
+use crate::check::Judge;
 use crate::estimate::Machine;
+use crate::gcode::{Annotated, State};
 use crate::job::{JobError, Progress, ReorderJob};
 use crate::order::{Chain, Pins, SeamRule, chunk_len};
 use crate::output::Output;
@@ -44,8 +46,10 @@ pub(super) fn reorder(
     let begun = stamp(&job.file)?;
     let machine = tells_time(&job.file)?.then(|| Machine::new(settings));
     let input = Blocks::new(open(&job.file)?).timed(machine.as_ref());
+    let mut judge = Judge::of_paths(settings, true);
+    let check = |read: &mut Annotated<'_>, state: &State| judge.see(read, state);
     let (mut before, mut after) =
-        run.rewrite(&job.file, input, Readback::timed(machine.as_ref()), output, progress)?;
+        run.rewrite(&job.file, input, Readback::timed(machine.as_ref()), check, output, progress)?;
     let times = before.take_times().zip(after.take_times());
     let mut report = Reordered { file: job.file.display().to_string(), ..Reordered::default() };
     if run.improved() {
@@ -57,7 +61,7 @@ pub(super) fn reorder(
             (report.before, report.after) = (Way::from(&proof.before), Way::from(&proof.after));
             (report.layers, report.changed) = (proof.layers, true);
             update_times(&job.file, &run.times, times, output)?;
-            inspect::remade(&job.file, output, settings)?;
+            inspect::remade(&job.file, &judge.finish(), settings)?;
         }
     }
     if stamp(&job.file)? != begun {
@@ -141,7 +145,7 @@ pub(super) fn rewritten(
     progress: &dyn Progress,
 ) -> Result<(), JobError> {
     let mut run = Run::new(settings, false, false);
-    run.rewrite(path, Blocks::new(input), Readback::default(), output, progress).map(drop)
+    run.rewrite(path, Blocks::new(input), Readback::default(), |_, _| (), output, progress).map(drop)
 }
 
 pub(super) fn open(path: &Path) -> Result<BufReader<File>, JobError> {
@@ -189,6 +193,8 @@ struct Run {
     /// Whether retractions may grow in number where that saves more than they cost.
     more_pulls: bool,
     learner: Learner,
+    /// What it has learned.
+    habit: Option<Habit>,
     /// What a retraction is worth, mm of travel.
     retraction_mm: f64,
     /// Where the nozzle is, if not where the file has it.
@@ -214,6 +220,7 @@ impl Run {
             choosy,
             more_pulls: false,
             learner: Learner::default(),
+            habit: None,
             retraction_mm: 0.0,
             at: None,
             marked: false,
@@ -237,13 +244,14 @@ impl Run {
         self.after.within(limit) && score(self.after) < score(self.before) * (1.0 - WORTHWHILE)
     }
 
-    /// Batch by batch: while one is ordered and written, the next is read, and the one before is read back. What the
-    /// file prints, and what the result does.
+    /// Batch by batch: while one is ordered and written, the next is read, and the one before is read back, which is
+    /// also when every line of the result is checked. What the file prints, and what the result does.
     fn rewrite(
         &mut self,
         path: &Path,
         blocks: Blocks<impl BufRead + Send>,
         mut readback: Readback,
+        mut check: impl FnMut(&mut Annotated<'_>, &State) + Send,
         output: &mut Output,
         progress: &dyn Progress,
     ) -> Result<(Inventory, Inventory), JobError> {
@@ -254,9 +262,10 @@ impl Run {
         while !batch.is_empty() {
             let end = output.written();
             let back = output.reread(checked)?;
-            let check = || readback.read(back);
-            let ((written, read_back), next) =
-                parallel::join(|| parallel::join(|| self.batch(&batch), check), || batches.read());
+            let read_back = || readback.read(back, &mut check);
+            // What cannot be divided begins first; ordering takes whatever thread is free.
+            let ((read_back, written), next) =
+                parallel::join(|| parallel::join(read_back, || self.batch(&batch)), || batches.read());
             read_back.map_err(failed)?;
             checked = end;
             for written in written {
@@ -267,14 +276,16 @@ impl Run {
             }
             batch = next.map_err(failed)?;
         }
-        readback.read(output.reread(checked)?).map_err(failed)?;
+        readback.read(output.reread(checked)?, &mut check).map_err(failed)?;
         Ok((batches.blocks.finish(), readback.finish()))
     }
 
     /// Orders and writes some blocks.
     fn batch(&mut self, blocks: &[Block]) -> Vec<Written> {
-        blocks.iter().for_each(|block| self.learner.learn(block));
-        let habit = self.learner.habit();
+        if blocks.iter().filter(|block| self.learner.learn(block)).count() > 0 {
+            self.habit = self.learner.habit();
+        }
+        let habit = self.habit.clone();
         // What comes before the first mark is no layer of the print.
         self.marked |= blocks.iter().any(Block::marked);
         let (marked, seam) = (self.marked, self.seam.clone());

@@ -69,11 +69,12 @@ const MOST_KINDS: usize = 100;
 const ENOUGH: usize = 20_000;
 
 impl Learner {
-    /// Looks at the links of a block.
-    pub fn learn(&mut self, block: &Block) {
+    /// Looks at the links of a block. Whether there was anything to be learned.
+    pub fn learn(&mut self, block: &Block) -> bool {
         if self.seen.len() >= ENOUGH {
-            return;
+            return false;
         }
+        let known = self.seen.len();
         for (index, path) in block.paths.iter().enumerate().skip(1) {
             let from = block.end(&block.paths[index - 1]);
             let tokens = &block.links[path.link.clone()];
@@ -81,6 +82,7 @@ impl Learner {
             let length_mm = (a[0] - b[0]).hypot(a[1] - b[1]);
             self.seen.extend(seen(block, tokens, length_mm));
         }
+        self.seen.len() > known
     }
 
     /// The habit, if there is one to be seen.

@@ -12,24 +12,30 @@ const MOST_CELLS: f64 = 4e6;
 const STEP: f64 = 0.7;
 /// A wall runs along another bead that is in its cells, or those around them, on this part of its way.
 const BESIDE: f64 = 0.75;
+/// Beads met on a smaller part than this do not matter to it.
+const PARTLY: f64 = 0.25;
 
 /// How the paths of a block lie to each other.
 pub(super) struct Islands {
     /// The island of every path: connected sets of beads, numbered as they first appear in the file.
     pub of: Vec<u32>,
-    /// For every wall, a path before it in the file that it runs along.
-    pub beside: Vec<Option<u32>>,
+    /// For every wall, what comes before it in the file and lies beside it.
+    pub beside: Vec<Option<Beside>>,
+}
+
+/// The path that a wall has beside it for most of its way.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Beside {
+    pub path: u32,
+    /// Whether it is the same one all along. If not, there are several, or there are some on a part of the way only.
+    pub along: bool,
 }
 
 /// Draws all beads into a grid. Those that share a cell or have neighbouring ones are joined. O(way / reach).
 pub(super) fn islands(block: &Block) -> Islands {
-    let (mut low, mut high) = ([f64::INFINITY; 2], [f64::NEG_INFINITY; 2]);
-    for p in block.paths.iter().flat_map(|path| block.points(path)) {
-        for i in 0..2 {
-            low[i] = low[i].min(p[i]);
-            high[i] = high[i].max(p[i]);
-        }
-    }
+    let Some([low, high]) = extent(block) else {
+        return Islands { of: Vec::new(), beside: Vec::new() };
+    };
     let area = (high[0] - low[0] + 2.0) * (high[1] - low[1] + 2.0);
     let cell_mm = REACH_MM.max((area / MOST_CELLS).sqrt());
     let per_mm = 1.0 / cell_mm;
@@ -38,81 +44,129 @@ pub(super) fn islands(block: &Block) -> Islands {
     let height = ((high[1] - low[1]) * per_mm) as usize + 4;
     let mut sets = Parts::new(block.paths.len());
     let mut cells = vec![u32::MAX; width * height];
+    // Cells with something in them.
+    let mut filled = Vec::new();
     let mut beside = Vec::with_capacity(block.paths.len());
     let mut meetings = Meetings::new(block.paths.len());
     for (index, path) in block.paths.iter().enumerate() {
         let (index, wall) = (index as u32, is_wall(path));
         let mut last: Option<[f64; 2]> = None;
+        let mut here = usize::MAX;
         for p in block.points(path) {
             let p = [0, 1].map(|i| (p[i] - low[i]) * per_mm + 1.0);
             let from = last.replace(p).unwrap_or(p);
             let way = [p[0] - from[0], p[1] - from[1]];
-            let steps = ((way[0] * way[0] + way[1] * way[1]).sqrt() / STEP) as usize + 1;
+            let length2 = way[0] * way[0] + way[1] * way[1];
+            // Most strokes are short, and dividing and roots take long.
+            let steps = if length2 < 0.9 * STEP * STEP { 1 } else { (length2.sqrt() / STEP) as usize + 1 };
             for step in 1..=steps {
-                let share = step as f64 / steps as f64;
+                let share = if step == steps { 1.0 } else { step as f64 / steps as f64 };
                 let [x, y] = [0, 1].map(|i| (from[i] + share * way[i]) as usize);
                 let at = y * width + x;
+                if std::mem::replace(&mut here, at) == at {
+                    meetings.stay();
+                    continue;
+                }
                 if wall {
-                    let around = [at - width, at, at + width].map(|row| [row - 1, row, row + 1]);
-                    meetings.step(around.iter().flatten().map(|&cell| cells[cell]).filter(|&o| o < index));
+                    let around = [at - width, at, at + width].map(|row| &cells[row - 1..row + 2]);
+                    meetings.step(around.into_iter().flatten().copied().filter(|&other| other < index));
                 }
                 match cells[at] {
-                    u32::MAX => cells[at] = index,
+                    u32::MAX => {
+                        cells[at] = index;
+                        filled.push(at);
+                    }
                     other => _ = sets.join(other, index),
                 }
             }
         }
         beside.push(meetings.finish());
     }
-    let rows: Vec<&[u32]> = cells.chunks_exact(width).collect();
-    for pair in rows.windows(2) {
-        let (below, row) = (pair[0], pair[1]);
-        for x in 1..width - 1 {
-            if row[x] != u32::MAX {
-                for near in [row[x - 1], below[x - 1], below[x], below[x + 1]] {
-                    if near != u32::MAX {
-                        sets.join(near, row[x]);
-                    }
-                }
+    for at in filled {
+        for near in [at - 1, at - width - 1, at - width, at - width + 1].map(|near| cells[near]) {
+            if near != u32::MAX {
+                sets.join(near, cells[at]);
             }
         }
     }
     Islands { of: (0..block.paths.len() as u32).map(|path| sets.find(path)).collect(), beside }
 }
 
+/// The corners of a rectangle that holds all beads, mm; of no beads, none.
+fn extent(block: &Block) -> Option<[[f64; 2]; 2]> {
+    let mut corners: Option<[[i64; 2]; 2]> = None;
+    for p in block.paths.iter().map(|path| path.from).chain(block.segs.iter().map(|seg| seg.to)) {
+        let [low, high] = corners.unwrap_or([p, p]);
+        corners = Some([[0, 1].map(|i| low[i].min(p[i])), [0, 1].map(|i| high[i].max(p[i]))]);
+    }
+    Some(corners?.map(|p| block.mm(p)))
+}
+
 /// Counts on how many steps of a way others were met.
 struct Meetings {
-    /// By path: steps, and the last of them.
-    steps: Vec<(u32, u32)>,
+    /// By path.
+    steps: Vec<u32>,
     met: Vec<u32>,
+    /// Those met on the last step.
+    here: Vec<u32>,
     step: u32,
+    /// Steps on which any was met.
+    beside: u32,
 }
 
 impl Meetings {
     fn new(paths: usize) -> Self {
-        Self { steps: vec![(0, 0); paths], met: Vec::new(), step: 0 }
+        Self { steps: vec![0; paths], met: Vec::new(), here: Vec::new(), step: 0, beside: 0 }
     }
 
     fn step(&mut self, others: impl Iterator<Item = u32>) {
-        self.step += 1;
+        self.here.clear();
         for other in others {
-            let (steps, last) = &mut self.steps[other as usize];
-            if *last != self.step {
-                if *steps == 0 {
-                    self.met.push(other);
-                }
-                (*steps, *last) = (*steps + 1, self.step);
+            if !self.here.contains(&other) {
+                self.here.push(other);
             }
+        }
+        self.stay();
+    }
+
+    /// A step that leads nowhere else.
+    fn stay(&mut self) {
+        self.step += 1;
+        self.beside += u32::from(!self.here.is_empty());
+        for &other in &self.here {
+            let steps = &mut self.steps[other as usize];
+            if *steps == 0 {
+                self.met.push(other);
+            }
+            *steps += 1;
         }
     }
 
-    /// The one met most often, if that is all along; the next way begins.
-    fn finish(&mut self) -> Option<u32> {
-        let steps = |other: u32| self.steps[other as usize].0;
+    /// The one met most often, if some were on a good part of the way; the next way begins.
+    fn finish(&mut self) -> Option<Beside> {
+        let steps = |other: u32| self.steps[other as usize];
         let most = self.met.iter().copied().max_by_key(|&other| (steps(other), std::cmp::Reverse(other)));
-        let beside = most.filter(|&other| f64::from(steps(other)) >= BESIDE * f64::from(self.step));
-        self.met.drain(..).for_each(|other| self.steps[other as usize] = (0, 0));
-        self.step = 0;
+        let is_part = |count: u32, part: f64| f64::from(count) >= part * f64::from(self.step);
+        let beside = most
+            .filter(|_| is_part(self.beside, PARTLY))
+            .map(|path| Beside { path, along: is_part(steps(path), BESIDE) });
+        self.met.drain(..).for_each(|other| self.steps[other as usize] = 0);
+        self.here.clear();
+        (self.step, self.beside) = (0, 0);
         beside
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::Blocks;
+    use super::*;
+
+    #[test]
+    fn a_bead_that_ends_on_the_edge_of_the_last_cell_stays_within_the_grid() {
+        // 28 cells high, but for the last bit; the end of the bead is computed to lie in the 29th.
+        let text = "M83\n;TYPE:WALL-OUTER\nG1 X9 Y70 F900\nG1 X9 Y72.61 E1\nG1 X9 Y86.8 E1\n";
+        let block = Blocks::new(text.as_bytes()).read().expect("read").expect("a block");
+        assert_eq!(islands(&block).of, [0]);
     }
 }

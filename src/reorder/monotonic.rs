@@ -15,24 +15,39 @@ const PARALLEL: f64 = 0.02;
 /// So many lines one beside the other are no accident.
 const LEAST: usize = 4;
 
+/// So many beads that are no such lines, at the edge of a hole say, do not interrupt a surface.
+const STRANGERS: usize = 4;
+
 /// For each path whether it belongs to the one before it, as the next line of a surface.
 pub(super) fn kept(block: &Block, island: &[u32]) -> Vec<bool> {
     let lines: Vec<Option<Line>> = block.paths.iter().map(|path| Line::of(block, path)).collect();
     let mut kept = vec![false; lines.len()];
-    let (mut first, mut sign) = (0, 0.0);
-    for i in 1..=lines.len() {
-        let pair = lines.get(i).and_then(|line| lines[i - 1].as_ref().zip(line.as_ref()));
-        let step_mm = pair.filter(|_| island[i] == island[i - 1]).and_then(|(a, b)| a.step_mm(b));
-        let goes_on = step_mm.is_some_and(|mm| mm.abs() <= SAME_MM || mm * sign >= 0.0);
-        if !goes_on {
-            if i - first >= LEAST {
-                kept[first + 1..i].fill(true);
-            }
-            (first, sign) = (i, 0.0);
+    let mut first = 0;
+    while first < lines.len() {
+        let end = end(&lines, island, first);
+        if end - first >= LEAST {
+            kept[first + 1..end].fill(true);
         }
-        sign = step_mm.filter(|mm| goes_on && mm.abs() > SAME_MM).map_or(sign, f64::signum);
+        first = end;
     }
     kept
+}
+
+/// Where the lines end of which this is the first, each beside the one before and never back.
+fn end(lines: &[Option<Line>], island: &[u32], first: usize) -> usize {
+    let (mut last, mut sign) = (first, 0.0);
+    while let Some(line) = &lines[last] {
+        let strangers = if last - first + 1 < LEAST { 0 } else { STRANGERS };
+        let near =
+            (last + 1..lines.len().min(last + 2 + strangers)).take_while(|&i| island[i] == island[last]);
+        let others = near.map_while(|i| Some((i, line.step_mm(lines[i].as_ref()?))));
+        let goes_on = |step_mm: f64| step_mm.abs() <= SAME_MM || step_mm * sign >= 0.0;
+        let next = others.filter_map(|(i, step_mm)| Some((i, step_mm.filter(|&mm| goes_on(mm))?))).next();
+        let Some((next, step_mm)) = next else { break };
+        sign = if step_mm.abs() > SAME_MM { step_mm.signum() } else { sign };
+        last = next;
+    }
+    last + 1
 }
 
 /// A bead of a top surface, as its longest stroke.

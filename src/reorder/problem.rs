@@ -6,7 +6,7 @@ use std::ops::Range;
 use rustc_hash::FxHashMap;
 
 use super::block::{Block, Path};
-use super::islands::{Islands, islands};
+use super::islands::{Beside, Islands, islands};
 use super::monotonic;
 use super::state::Key;
 use crate::geom::{Point, Region};
@@ -160,7 +160,7 @@ struct Classes {
 }
 
 impl Classes {
-    fn new(block: &Block, island: &[u32], beside: &[Option<u32>]) -> Self {
+    fn new(block: &Block, island: &[u32], beside: &[Option<Beside>]) -> Self {
         let name = |path: &Path| {
             let state = block.segs[path.segs.start].state as usize;
             (path.role, block.states[state].get(Key::Type).of(&block.text))
@@ -230,23 +230,28 @@ impl Classes {
 }
 
 /// How many walls of its own type and island each wall has on one side of it, where the file draws those of a type one
-/// depth after another; elsewhere, and of what is no wall, 0.
-fn depths<K: Eq + Hash>(paths: &[Path], kind: impl Fn(usize) -> K, beside: &[Option<u32>]) -> Vec<u32> {
-    let mut depth = vec![0; paths.len()];
+/// depth after another; elsewhere, and of what is no wall, 0. A wall that has several beside it may be of any depth: it is
+/// taken to be of the one that is being drawn.
+fn depths<K: Eq + Hash>(paths: &[Path], kind: impl Fn(usize) -> K, beside: &[Option<Beside>]) -> Vec<u32> {
+    let (mut depth, mut drawn) = (vec![0; paths.len()], vec![0; paths.len()]);
     // The depth drawn last of each kind; `None`: they are drawn to and fro.
     let mut last: FxHashMap<K, Option<u32>> = FxHashMap::default();
     for i in (0..paths.len()).filter(|&i| is_wall(&paths[i])) {
-        let inner = beside[i].map(|other| other as usize).filter(|&other| kind(other) == kind(i));
+        let other = beside[i].filter(|other| kind(other.path as usize) == kind(i));
+        let inner = other.filter(|other| other.along).map(|other| other.path as usize);
         depth[i] = inner.map_or(0, |inner| depth[inner] + 1);
         let known = last.entry(kind(i)).or_insert(Some(depth[i]));
-        *known = known.filter(|&known| known <= depth[i]).map(|_| depth[i]);
+        if inner.is_some() || other.is_none() {
+            *known = known.filter(|&known| known <= depth[i]).map(|_| depth[i]);
+        }
+        drawn[i] = known.unwrap_or(depth[i]);
     }
     for i in (0..paths.len()).filter(|&i| is_wall(&paths[i])) {
         if last.get(&kind(i)).is_none_or(Option::is_none) {
-            depth[i] = 0;
+            drawn[i] = 0;
         }
     }
-    depth
+    drawn
 }
 
 /// All paths of one type and depth in one island.

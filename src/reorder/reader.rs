@@ -7,14 +7,14 @@ use memchr::memchr2;
 
 use super::block::{Block, Cursor, Frame, Kind, Path, Seg, Slice, Token};
 use super::state::{Key, States};
-use super::ticks::{is_whole, ticks};
+use super::ticks::{in_units, is_whole, ticks};
 use super::times::is_time;
 use super::verify::Inventory;
 use crate::estimate::Machine;
 use crate::gcode::{Action, Annotated, Line, Mark, Reader, Stroke, mark};
 
 /// Longer lines are no G-code.
-const LONGEST_LINE: usize = 1 << 22;
+pub(super) const LONGEST_LINE: usize = 1 << 22;
 /// A block without paths is ended after so many bytes where it can be.
 const LONGEST_FIXED: usize = 1 << 20;
 /// Coordinates beyond this are no positions of a printer, file units.
@@ -143,7 +143,7 @@ impl<R: BufRead> Blocks<R> {
     fn line(&mut self, range: Range<usize>) -> Option<Block> {
         let state = &self.reader.state;
         let pulled = state.firmware_retracted || state.retracted_mm > 1e-6;
-        let e = ticks(state.e / state.scale);
+        let e = ticks(in_units(state.e, state.scale));
         let before = Before { scale: state.scale, pulled, doubtful: state.e_doubtful, e };
         let slice = Slice { start: range.start as u32, len: range.len() as u32 };
         let text = std::mem::take(&mut self.block.text);
@@ -155,7 +155,7 @@ impl<R: BufRead> Blocks<R> {
             Action::Stroke(stroke) => Some(stroke),
             _ => None,
         };
-        let plain = stroke.is_some() && is_plain(read.line.parameters());
+        let plain = stroke.is_some_and(|stroke| stroke.plain || is_plain(read.line.parameters()));
         let bead = stroke.filter(|s| s.extrudes());
         let kind = match (stroke, bead) {
             (_, Some(bead)) => {
@@ -180,10 +180,14 @@ impl<R: BufRead> Blocks<R> {
     /// Whether a stroke that extrudes may be moved at all.
     fn is_movable(&self, bead: &Stroke, before: &Before, read: &Annotated) -> bool {
         let named = read.context.role.is_some() || self.movable;
-        let sound = |mm: f64| mm.abs() < LARGEST && is_whole(mm / before.scale);
-        let amounts = bead.from.iter().chain(&bead.to).chain([&bead.e_mm]);
+        let sound = |mm: f64| mm.abs() < LARGEST && is_whole(in_units(mm, before.scale));
+        // What follows a stroke that may be moved begins where that one ends.
+        let goes_on = self.pending.is_empty() && !self.block.paths.is_empty();
         named
-            && amounts.copied().all(sound)
+            && (goes_on || bead.from.into_iter().all(sound))
+            && sound(bead.to[0])
+            && sound(bead.to[1])
+            && sound(bead.e_mm)
             && self.unit.is_none_or(|unit| unit == before.scale)
             && bead.arc.is_none_or(|arc| is_round(bead, arc.at))
             && !before.pulled
@@ -233,9 +237,9 @@ impl<R: BufRead> Blocks<R> {
     fn cursor(&self, state: u32) -> Cursor {
         let s = &self.reader.state;
         Cursor {
-            at: s.position.map(|mm| ticks(mm / s.scale)),
-            e: ticks(s.e / s.scale),
-            feed: ticks(s.feed_mm_s * 60.0 / s.scale),
+            at: s.position.map(|mm| ticks(in_units(mm, s.scale))),
+            e: ticks(in_units(s.e, s.scale)),
+            feed: ticks(in_units(s.feed_mm_s * 60.0, s.scale)),
             state,
         }
     }
@@ -302,10 +306,12 @@ impl<R: BufRead> Blocks<R> {
         layer: usize,
         scale: f64,
     ) -> Option<Block> {
-        let point = |p: [f64; 3]| [ticks(p[0] / scale), ticks(p[1] / scale)];
-        let level = ticks(bead.to[2] / scale);
+        let units = |mm: f64| ticks(in_units(mm, scale));
+        let from = [units(bead.from[0]), units(bead.from[1])];
+        let after = self.cursor(0);
         let frame = self.frame();
-        let same = self.block.after.at[2] == level && self.block.layer == layer && self.block.frame == frame;
+        let same =
+            self.block.after.at[2] == after.at[2] && self.block.layer == layer && self.block.frame == frame;
         let mut line = line;
         let mut ended = None;
         if !self.block.paths.is_empty() && (self.since.barrier || !same) {
@@ -320,29 +326,27 @@ impl<R: BufRead> Blocks<R> {
             self.block.junction.append(&mut self.pending);
             (self.block.frame, self.block.layer, self.block.marked) = (frame, layer, self.marked);
             self.block.begun = self.begun;
-            self.begin(point(bead.from), role, state);
+            self.begin(from, role, state);
         } else {
             self.block.times.extend(self.pending.extract_if(.., |t| matches!(t.kind, Kind::Time(_))));
             let end = self.block.end(&self.block.paths[self.block.paths.len() - 1]);
-            if self.since.moved || end != point(bead.from) {
-                self.begin(point(bead.from), role, state);
+            if self.since.moved || end != from {
+                self.begin(from, role, state);
             } else {
                 // Feed rates and states are kept with each stroke.
                 self.pending.clear();
             }
         }
         self.unit = Some(scale);
-        let arc = bead.arc.map(|arc| (arc.at.map(|v| ticks(v / scale)), arc.clockwise));
-        let (e, feed) = (ticks(bead.e_mm / scale), ticks(bead.feed_mm_s * 60.0 / scale));
-        let to = point(bead.to);
-        let e_after = ticks(self.reader.state.e / scale);
-        self.block.segs.push(Seg { line, to, e, e_after, feed, arc, state });
+        let arc = bead.arc.map(|arc| (arc.at.map(units), arc.clockwise));
+        let (to, e) = ([after.at[0], after.at[1]], units(bead.e_mm));
+        self.block.segs.push(Seg { line, to, e, e_after: after.e, feed: after.feed, arc, state });
         let end = self.block.segs.len();
         if let Some(path) = self.block.paths.last_mut() {
             path.segs.end = end;
         }
         (self.since, self.begun) = (Since::default(), true);
-        self.block.after = self.cursor(state);
+        self.block.after = Cursor { state, ..after };
         ended
     }
 
@@ -397,9 +401,10 @@ impl<R: BufRead> Blocks<R> {
         }
         self.since.travel_state = self.since.travel_state.map(|state| state.saturating_sub(first_state));
         next.text = prefix;
-        // Blocks are about as long as their neighbours.
-        next.text.reserve(last.text.len().min(LONGEST_FIXED));
-        next.segs.reserve(last.segs.len().min(LONGEST_FIXED / 32));
+        // Blocks are about as long as their neighbours, or a little longer.
+        let room = |length: usize, most: usize| (length + length / 4).min(most);
+        next.text.reserve(room(last.text.len(), LONGEST_FIXED));
+        next.segs.reserve(room(last.segs.len(), LONGEST_FIXED / 32));
         next.text.extend_from_slice(&last.text[cut..]);
         last.text.truncate(cut);
         next.before.state = 0;
@@ -523,8 +528,7 @@ fn is_plain(parameters: &[u8]) -> bool {
 ///
 /// # Errors
 /// As the system says; and where the bytes cannot be G-code. `number` is that of the line.
-pub(super) fn read_line(input: &mut impl BufRead, number: usize, out: &mut Vec<u8>) -> io::Result<usize> {
-    let refused = |message: String| Err(io::Error::new(ErrorKind::InvalidData, message));
+fn read_line(input: &mut impl BufRead, number: usize, out: &mut Vec<u8>) -> io::Result<usize> {
     let start = out.len();
     loop {
         let buffer = match input.fill_buf() {
@@ -535,16 +539,26 @@ pub(super) fn read_line(input: &mut impl BufRead, number: usize, out: &mut Vec<u
         };
         let found = memchr2(b'\n', 0, buffer);
         if found.is_some_and(|at| buffer[at] == 0) {
-            return refused(format!("line {number}: binary data; this is no G-code text"));
+            return Err(binary(number));
         }
         let used = found.map_or(buffer.len(), |at| at + 1);
         out.extend_from_slice(&buffer[..used]);
         input.consume(used);
         if out.len() - start > LONGEST_LINE {
-            return refused("a line is longer than 4 MB; this is no G-code text".into());
+            return Err(too_long());
         }
         if found.is_some() {
             return Ok(out.len() - start);
         }
     }
+}
+
+/// A line, by its number, holds what no text holds.
+pub(super) fn binary(number: usize) -> io::Error {
+    io::Error::new(ErrorKind::InvalidData, format!("line {number}: binary data; this is no G-code text"))
+}
+
+/// A line is longer than [`LONGEST_LINE`].
+pub(super) fn too_long() -> io::Error {
+    io::Error::new(ErrorKind::InvalidData, "a line is longer than 4 MB; this is no G-code text")
 }

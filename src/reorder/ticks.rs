@@ -18,7 +18,14 @@ pub(super) fn units(ticks: i64) -> f64 {
 
 /// Whether a number of the file is given in no more decimals than ticks have, but for errors of computing.
 pub(super) fn is_whole(value: f64) -> bool {
-    (units(ticks(value)) - value).abs() < 1e-8
+    (ticks(value) as f64 - value * PER_UNIT).abs() < 1e-2
+}
+
+/// Millimetres in units of the file.
+#[inline]
+pub(super) fn in_units(mm: f64, scale: f64) -> f64 {
+    // Nearly all files are in millimetres, and dividing takes long.
+    if scale == 1.0 { mm } else { mm / scale }
 }
 
 /// Appends a letter and a number, without zeros at its end: ` X12.5`.

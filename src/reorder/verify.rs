@@ -1,16 +1,17 @@
 //! The proof that a reordered file prints what the file printed before.
 
 use std::hash::Hasher;
-use std::io::{self, BufRead};
+use std::io::{self, BufRead, ErrorKind};
 
+use memchr::memchr2;
 use rustc_hash::FxHasher;
 
-use super::reader::read_line;
+use super::reader::{LONGEST_LINE, binary, too_long};
 use super::state::Key;
 use super::ticks::ticks;
 use super::times::{Stopwatch, Times, is_time};
 use crate::estimate::Machine;
-use crate::gcode::{Action, Annotated, Line, Measure, Meter, Reader, Stroke};
+use crate::gcode::{Action, Annotated, Line, Measure, Meter, Reader, State, Stroke};
 use crate::units::Mm;
 
 /// Filament of a layer may differ by this, mm.
@@ -37,8 +38,8 @@ pub struct Proof {
 /// The first difference, with its layer; or what the system says.
 pub fn verify(before: impl BufRead, after: impl BufRead) -> io::Result<Result<Proof, String>> {
     let [mut old, mut new] = [(); 2].map(|()| Readback::default());
-    old.read(before)?;
-    new.read(after)?;
+    old.read(before, |_, _| ())?;
+    new.read(after, |_, _| ())?;
     Ok(old.finish().compare(new.finish()))
 }
 
@@ -47,7 +48,8 @@ pub fn verify(before: impl BufRead, after: impl BufRead) -> io::Result<Result<Pr
 pub struct Readback {
     reader: Reader,
     number: usize,
-    text: Vec<u8>,
+    /// The beginning of a line of which the rest has not been read.
+    begun: Vec<u8>,
     inventory: Inventory,
 }
 
@@ -57,21 +59,63 @@ impl Readback {
         Self { inventory: Inventory::timed(machine), ..Self::default() }
     }
 
-    /// Reads on. The input ends with a line, or with the file.
+    /// Reads on. The input ends with a line, or with the file. Every line is also given to somebody else, with what the
+    /// machine has in mind after it.
     ///
     /// # Errors
     /// As the system says; and where the bytes cannot be G-code.
-    pub fn read(&mut self, mut input: impl BufRead) -> io::Result<()> {
+    pub fn read(
+        &mut self,
+        mut input: impl BufRead,
+        mut also: impl FnMut(&mut Annotated<'_>, &State),
+    ) -> io::Result<()> {
         loop {
-            self.text.clear();
-            self.number += 1;
-            if read_line(&mut input, self.number, &mut self.text)? == 0 {
-                self.number -= 1;
-                return Ok(());
+            let buffer = match input.fill_buf() {
+                Ok([]) => break,
+                Ok(buffer) => buffer,
+                Err(error) if error.kind() == ErrorKind::Interrupted => continue,
+                Err(error) => return Err(error),
+            };
+            let mut rest = buffer;
+            while let Some(at) = memchr2(b'\n', 0, rest) {
+                if rest[at] == 0 {
+                    return Err(binary(self.number + 1));
+                }
+                let (line, next) = rest.split_at(at + 1);
+                if self.begun.is_empty() {
+                    self.line(line, &mut also);
+                } else {
+                    self.begun.extend_from_slice(line);
+                    self.end_line(&mut also);
+                }
+                rest = next;
             }
-            let read = self.reader.read(Line::new(self.number, 0, &self.text));
-            self.inventory.add(&read, self.reader.state.firmware_retracted);
+            self.begun.extend_from_slice(rest);
+            if self.begun.len() > LONGEST_LINE {
+                return Err(too_long());
+            }
+            let used = buffer.len();
+            input.consume(used);
         }
+        if !self.begun.is_empty() {
+            self.end_line(&mut also);
+        }
+        Ok(())
+    }
+
+    /// Takes up the line that was begun.
+    fn end_line(&mut self, also: &mut impl FnMut(&mut Annotated<'_>, &State)) {
+        let line = std::mem::take(&mut self.begun);
+        self.line(&line, also);
+        self.begun = line;
+        self.begun.clear();
+    }
+
+    fn line(&mut self, line: &[u8], also: &mut impl FnMut(&mut Annotated<'_>, &State)) {
+        self.number += 1;
+        let mut read = self.reader.read(Line::new(self.number, 0, line));
+        self.inventory.add(&read, self.reader.state.firmware_retracted);
+        also(&mut read, &self.reader.state);
     }
 
     /// What was read.
@@ -131,12 +175,13 @@ impl Inventory {
             return self.other(&read.line, &read.action);
         };
         // A bead may be drawn backwards.
-        let places = [stroke.to, if stroke.extrudes() { stroke.from } else { stroke.to }];
-        for (place, i) in places.iter().flat_map(|place| [(place, 0), (place, 1)]) {
-            self.low[i] = self.low[i].min(place[i]);
-            self.high[i] = self.high[i].max(place[i]);
+        let extrudes = stroke.extrudes();
+        let other_end = if extrudes { stroke.from } else { stroke.to };
+        for (i, (&a, &b)) in stroke.to.iter().zip(&other_end).take(2).enumerate() {
+            self.low[i] = self.low[i].min(a).min(b);
+            self.high[i] = self.high[i].max(a).max(b);
         }
-        if stroke.extrudes() {
+        if extrudes {
             if self.layer.index != read.context.layer {
                 let next = Layer { index: read.context.layer, ..Layer::default() };
                 self.layers.push(std::mem::replace(&mut self.layer, next));

@@ -531,7 +531,11 @@ impl Draft {
         let turn = if settings.density.0 > SOLID_DENSITY { CORE_TURN } else { SKIN_TURN };
         let spec = SolidSpec { spacing_mm, reach_mm, turn, angle_rad, layer, joined: !ordered, capped: true };
         let mut next_rank = rank + 1;
-        for patch in infill::fill_solid(&zone, &spec) {
+        let mut patches = infill::fill_solid(&zone, &spec);
+        if ordered {
+            infill::nearest_first(&mut patches);
+        }
+        for patch in patches {
             let width_mm = bead::width_mm(patch.spacing_mm, self.height_mm);
             // Ordered lines have ranks of their own, the order across the lines, one patch after the other: no
             // ordering may change it.

@@ -2,6 +2,9 @@
 
 use memchr::memchr;
 
+/// Numbers of more characters are not plain.
+const LONGEST_PLAIN: usize = 20;
+
 /// A letter and its number: G1, M104, T0.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Code {
@@ -15,12 +18,14 @@ pub struct Code {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Words {
     given: u32,
+    /// Whether they are written in another way than slicers write nearly all.
+    odd: bool,
     values: [f64; 26],
 }
 
 impl Default for Words {
     fn default() -> Self {
-        Self { given: 0, values: [0.0; 26] }
+        Self { given: 0, odd: false, values: [0.0; 26] }
     }
 }
 
@@ -35,6 +40,13 @@ impl Words {
     /// Whether there are none.
     pub fn is_empty(&self) -> bool {
         self.given == 0
+    }
+
+    /// Whether they are written as slicers write nearly all moves: letters of moves in capitals, each behind one blank
+    /// and with a number behind it, none twice.
+    pub fn are_plain(&self) -> bool {
+        const MOVES: u32 = letters(b"EFIJRXYZ");
+        !self.odd && self.given & !MOVES == 0
     }
 
     fn set(&mut self, letter: u8, value: f64) {
@@ -89,19 +101,42 @@ impl<'a> Line<'a> {
     }
 
     /// The command's parameters.
+    #[inline]
     pub fn words(&self) -> Words {
         let mut words = Words::default();
-        let mut cursor = Cursor { bytes: self.parameters, at: 0 };
-        while let Some(&letter) = self.parameters.get(cursor.at) {
+        self.read_words(&mut words);
+        words
+    }
+
+    fn read_words(&self, words: &mut Words) {
+        let mut odd = false;
+        // Numbers end before a comment and before the line's end, so the whole line can be looked at.
+        let (bytes, end) = (self.raw, self.text.len() - self.comment.map_or(0, |comment| comment.len() + 1));
+        let mut cursor = Cursor { bytes, at: end - self.parameters.len() };
+        while cursor.at < end {
+            let byte = bytes[cursor.at];
             cursor.at += 1;
+            let mut letter = byte;
+            if let (b' ', Some(next @ b'A'..=b'Z')) = (byte, bytes.get(cursor.at)) {
+                cursor.at += 1;
+                letter = *next;
+                odd |= words.get(letter).is_some();
+            } else {
+                odd = true;
+            }
             if letter.is_ascii_alphabetic() {
+                let begin = cursor.at;
                 cursor.skip_blanks();
-                if let Some(value) = cursor.number() {
+                let value = cursor.number();
+                if let Some(value) = value {
                     words.set(letter, value);
                 }
+                odd |= value.is_none()
+                    || cursor.at - begin > LONGEST_PLAIN
+                    || matches!(bytes[begin], b'+' | b' ' | b'\t');
             }
         }
-        words
+        words.odd = odd;
     }
 }
 
@@ -135,8 +170,24 @@ impl<'a> Iterator for Lines<'a> {
     }
 }
 
+/// A bit for each of some upper-case letters.
+const fn letters(names: &[u8]) -> u32 {
+    let (mut bits, mut at) = (0, 0);
+    while at < names.len() {
+        bits |= 1 << (names[at] - b'A');
+        at += 1;
+    }
+    bits
+}
+
 /// The code that a command begins with, and what follows it.
 fn code(command: &[u8]) -> (Option<Code>, &[u8]) {
+    // Nearly all: G1.
+    if let [b'G', digit @ b'0'..=b'9', rest @ ..] = command
+        && !rest.first().is_some_and(u8::is_ascii_digit)
+    {
+        return (Some(Code { letter: b'G', number: u32::from(digit - b'0') }), rest);
+    }
     let command = command.trim_ascii_start();
     let [letter @ (b'G' | b'M' | b'T' | b'g' | b'm' | b't'), digits @ ..] = command else {
         return (None, command);
@@ -166,38 +217,57 @@ impl Cursor<'_> {
     /// A decimal number without exponent (E is a word of its own). Exact up to 15 digits; decimals beyond the
     /// seventeenth digit are dropped.
     fn number(&mut self) -> Option<f64> {
-        const POWERS: [f64; 18] = [
-            1e0, 1e1, 1e2, 1e3, 1e4, 1e5, 1e6, 1e7, 1e8, 1e9, 1e10, 1e11, 1e12, 1e13, 1e14, 1e15, 1e16, 1e17,
-        ];
-        let bytes = &self.bytes[self.at..];
-        let negative = bytes.first() == Some(&b'-');
-        let sign = usize::from(matches!(bytes.first(), Some(b'-' | b'+')));
-        let (mut mantissa, mut at) = (0_u64, sign);
-        let mut digits_from = |mut at: usize| {
-            while let Some(digit) = bytes.get(at).map(|b| b.wrapping_sub(b'0')).filter(|d| *d < 10) {
-                mantissa = mantissa.wrapping_mul(10).wrapping_add(u64::from(digit));
-                at += 1;
-            }
-            at
-        };
-        at = digits_from(at);
-        let (mut digits, mut decimals) = (at - sign, 0);
+        const POWERS: [f64; 8] = [1e0, 1e1, 1e2, 1e3, 1e4, 1e5, 1e6, 1e7];
+        const WHOLE_POWERS: [i64; 8] = [1, 10, 100, 1000, 10_000, 100_000, 1_000_000, 10_000_000];
+        let bytes = self.bytes;
+        let negative = bytes.get(self.at) == Some(&b'-');
+        let begin = self.at + usize::from(matches!(bytes.get(self.at), Some(b'-' | b'+')));
+        let (whole, mut mantissa) = digits(eight(bytes, begin));
+        let (mut at, mut decimals) = (begin + whole, 0);
         if bytes.get(at) == Some(&b'.') {
-            let end = digits_from(at + 1);
-            decimals = end - at - 1;
-            digits += decimals;
-            at = end;
+            let (count, value) = digits(eight(bytes, at + 1));
+            mantissa = mantissa * WHOLE_POWERS[count & 7] + value;
+            (at, decimals) = (at + 1 + count, count);
         }
-        if digits == 0 {
+        let value = if whole == 8 || decimals == 8 {
+            let length = bytes[begin..].iter().take_while(|b| b.is_ascii_digit()).count();
+            at = begin + length;
+            if bytes.get(at) == Some(&b'.') {
+                at += 1 + bytes[at + 1..].iter().take_while(|b| b.is_ascii_digit()).count();
+            }
+            long_number(&bytes[begin..at])
+        } else if whole + decimals == 0 {
             return None;
-        }
-        self.at += at;
-        let value = match digits {
-            0..=17 => mantissa as f64 / POWERS[decimals],
-            _ => long_number(&bytes[sign..at]),
+        } else {
+            mantissa as f64 / POWERS[decimals]
         };
+        self.at = at;
         Some(if negative { -value } else { value })
     }
+}
+
+/// The eight bytes from a place on; zeros behind the end.
+fn eight(bytes: &[u8], at: usize) -> u64 {
+    let rest = bytes.get(at..).unwrap_or_default();
+    match (rest.first_chunk(), bytes.last_chunk()) {
+        (Some(chunk), _) => u64::from_le_bytes(*chunk),
+        (None, Some(chunk)) if !rest.is_empty() => u64::from_le_bytes(*chunk) >> (64 - 8 * rest.len()),
+        _ => rest.iter().rev().fold(0, |word, byte| word << 8 | u64::from(*byte)),
+    }
+}
+
+/// How many of eight bytes are digits, from the first on, and their value. All are looked at together.
+fn digits(word: u64) -> (usize, i64) {
+    let values = word ^ 0x3030_3030_3030_3030;
+    // What is more than nine reaches the top bit of its byte.
+    let others =
+        (((values & 0x7f7f_7f7f_7f7f_7f7f) + 0x7676_7676_7676_7676) | values) & 0x8080_8080_8080_8080;
+    let count = others.trailing_zeros() / 8;
+    let values = values.checked_shl(64 - 8 * count).unwrap_or(0);
+    let pairs = values.wrapping_mul(10).wrapping_add(values >> 8);
+    let [low, high] = [pairs, pairs >> 16].map(|pairs| pairs & 0x0000_00ff_0000_00ff);
+    let sum = low.wrapping_mul(0x000f_4240_0000_0064).wrapping_add(high.wrapping_mul(0x0000_2710_0000_0001));
+    (count as usize, (sum >> 32) as i64)
 }
 
 /// The value of more digits than an integer holds.
@@ -242,6 +312,31 @@ mod tests {
         let codes: Vec<_> =
             lines(b"G1\r\n\n;c\nSET_X A=1\nT0").map(|l| (l.number, l.code.map(|c| c.number))).collect();
         assert_eq!(codes, [(1, Some(1)), (2, None), (3, None), (4, None), (5, Some(0))]);
+    }
+
+    #[test]
+    fn plain_words_are_told_apart() {
+        let plain = |text: &str| first(&format!("G1{text}")).words().are_plain();
+        for text in ["", " X1 Y-2.5 E.03 F1200", " Z1. ; c", " X1;c\r\n"] {
+            assert_eq!(plain(text), !text.contains(" ;"), "{text}");
+        }
+        for text in
+            ["X1", " x1", " X 1", " X+1", " X", " X1 X2", " X1.2.3", " X1e5", " S1", "\tX1", " X1  Y2"]
+        {
+            assert!(!plain(text), "{text}");
+        }
+    }
+
+    #[test]
+    fn numbers_of_any_length_are_read_to_their_end() {
+        for number in
+            ["1", "-.5", "1234567.1234567", "12345678", "0.12345678", "123456789.123456789", "00000000001.5"]
+        {
+            let words = [format!("G1 X{number}"), format!("G1 X{number} Y7 ; and more\n")]
+                .map(|line| first(&line).words());
+            assert_eq!(words.map(|words| words.get(b'X')), [number.parse().ok(); 2], "{number}");
+            assert_eq!(words[1].get(b'Y'), Some(7.0), "{number}");
+        }
     }
 
     proptest! {

@@ -33,6 +33,8 @@ pub struct Stroke {
     pub feed_mm_s: f64,
     /// Whether amounts of filament are volumes, cubic millimetres, instead of lengths (UltiGCode, M200).
     pub volumetric: bool,
+    /// Whether its words are written [plainly](Words::are_plain).
+    pub plain: bool,
 }
 
 impl Stroke {
@@ -266,6 +268,7 @@ impl State {
             retracts,
             feed_mm_s: self.feed_mm_s,
             volumetric: self.volumetric,
+            plain: words.are_plain(),
         }
     }
 

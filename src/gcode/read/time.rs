@@ -78,9 +78,13 @@ impl Clock {
         let e_mm = if stroke.volumetric { stroke.e_mm / self.filament_area_mm2 } else { stroke.e_mm };
         let in_space = stroke.xy_mm > 0.0 || stroke.from[2] != stroke.to[2];
         let acceleration = self.limits.acceleration(self.planner.machine().firmware, in_space, e_mm);
-        let chords =
-            if stroke.arc.is_some() { (stroke.xy_mm / CHORD_MM).ceil().clamp(1.0, 1e5) } else { 1.0 };
         let mut from = stroke.from;
+        if stroke.arc.is_none() {
+            let to = stroke.to;
+            let delta = [to[0] - from[0], to[1] - from[1], to[2] - from[2], e_mm];
+            return self.planner.push(&Segment { delta, speed, acceleration, account });
+        }
+        let chords = (stroke.xy_mm / CHORD_MM).ceil().clamp(1.0, 1e5);
         for chord in 1..=chords as u32 {
             let to = stroke.at(f64::from(chord) / chords);
             let delta = [to[0] - from[0], to[1] - from[1], to[2] - from[2], e_mm / chords];

@@ -33,7 +33,7 @@ pub use adaptive_cubic::AdaptiveCubic;
 pub use connect::Joins;
 pub use density::{SparseSample, calibrate, flow, lay};
 pub use lightning::{Hollow, Lightning};
-pub use solid::{SolidSpec, fill as fill_solid, iron, split_narrow};
+pub use solid::{SolidSpec, fill as fill_solid, iron, nearest_first, split_narrow};
 
 /// What a pattern needs to know of a layer.
 #[derive(Clone, Copy, Debug, PartialEq)]

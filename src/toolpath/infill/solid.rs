@@ -47,6 +47,34 @@ pub struct SolidPatch {
     pub lines: Vec<(u32, Line)>,
 }
 
+impl SolidPatch {
+    /// The ends of its first and of its last line.
+    fn ends(&self) -> [Vec<Point>; 2] {
+        let ends = |line: Option<&(u32, Line)>| match line {
+            Some((_, line)) => line.points.first().into_iter().chain(line.points.last()).copied().collect(),
+            None => Vec::new(),
+        };
+        let index = |line: &&(u32, Line)| line.0;
+        [ends(self.lines.iter().min_by_key(index)), ends(self.lines.iter().max_by_key(index))]
+    }
+}
+
+/// Puts patches whose lines keep their order one behind the other, each time the one that begins nearest to where the
+/// one before ends. O(n²) of their number.
+pub fn nearest_first(patches: &mut [SolidPatch]) {
+    for next in 1..patches.len() {
+        let [_, from] = patches[next - 1].ends();
+        let way_mm = |patch: &SolidPatch| {
+            let [to, _] = patch.ends();
+            let ways = from.iter().flat_map(|a| to.iter().map(|b| a.distance_mm(*b)));
+            ways.fold(f64::INFINITY, f64::min)
+        };
+        let ways_mm = patches[next..].iter().map(way_mm).enumerate();
+        let nearest = ways_mm.min_by(|a, b| a.1.total_cmp(&b.1)).map_or(0, |(index, _)| index);
+        patches[next..=next + nearest].rotate_right(1);
+    }
+}
+
 /// How a region is filled solid.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SolidSpec {
