@@ -2,7 +2,7 @@
 //!
 //! Sections of all layers come first, since shells look at neighbours. Then layers flow in batches through
 //! toolpaths, ordering, motion and formatting, each stage parallel over the layers (ordering: over chunks of
-//! layers), and their bytes go out in order.
+//! layers) and at work on a batch of its own, and their bytes are checked and go out in order.
 
 mod compare;
 mod infill;
