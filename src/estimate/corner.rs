@@ -154,22 +154,30 @@ impl Machine {
         let straightness = straightness.min(0.999_999);
         let across = [0, 1, 2, 3].map(|i| b[i] - a[i]);
         let mut acceleration = now.acceleration;
-        // An axis that takes all of it need not be asked for its share.
-        if across.iter().zip(self.max_acceleration).any(|(part, max)| *part != 0.0 && acceleration > max) {
+        // Squares tell whether an axis' share is too much for it, without a root; nearly always that is all.
+        let turn2 = across.iter().map(|part| part * part).sum::<f64>();
+        let limits = across.iter().zip(self.max_acceleration);
+        if limits.into_iter().any(|(part, max)| (acceleration * part).powi(2) > max * max * turn2) {
             for (share, max) in normal(across).into_iter().zip(self.max_acceleration) {
                 if acceleration * share.abs() > max {
                     acceleration = max / share.abs();
                 }
             }
         }
-        let sine = (0.5 * (1.0 + straightness)).sqrt();
-        let v2 = limit_v2.min(acceleration * self.junction_deviation_mm * sine / (1.0 - sine));
+        let sine2 = 0.5 * (1.0 + straightness);
+        let arc_v2 = acceleration * self.junction_deviation_mm;
+        let v2 = if sine2 * (limit_v2 + arc_v2).powi(2) >= limit_v2 * limit_v2 {
+            limit_v2
+        } else {
+            let sine = sine2.sqrt();
+            arc_v2 * sine / (1.0 - sine)
+        };
         // A curve: it turns by less than 45° each time.
         if now.length_mm < 1.0 && straightness > std::f64::consts::FRAC_1_SQRT_2 {
             // An angle up to 45° is at most 1.0262 times its chord. Nearly always that is enough to know.
-            let chord = (2.0 * (1.0 - straightness)).sqrt();
+            let chord2 = 2.0 * (1.0 - straightness);
             let reach = now.length_mm * acceleration;
-            if reach < v2 * (1.03 * chord) {
+            if reach * reach < v2 * v2 * (1.03 * 1.03 * chord2) {
                 return v2.min(reach / straightness.acos());
             }
         }

@@ -124,7 +124,7 @@ impl Planner {
             rest_v2,
             account: segment.account,
         };
-        let corner_v2 = self.last.map_or(0.0, |last| machine.corner_v2(&last, &now));
+        let corner_v2 = self.last.as_ref().map_or(0.0, |last| machine.corner_v2(last, &now));
         self.last = Some(now);
         match self.blocks.last() {
             Some(before) if corner_v2 > 0.0 => {
