@@ -20,14 +20,13 @@ use crate::random::Random;
 
 /// Steps of iterated search per path. A step is a link cost looked at.
 ///
-/// `fast` does little more than descend, at `layer` scope to 0.80 of nearest; `normal` buys the next
-/// 2 % there. Precedence leaves less to be found at the other scopes, where `normal` is the default and must stay cheap:
-/// `docs/ordering.md` has the figures.
+/// `fast` does little more than descend, at `layer` scope to 0.79 of nearest; `normal` buys the next 2 % there. Precedence leaves
+/// less to be found at the other scopes: `docs/ordering.md` has the figures.
 fn steps_per_path(effort: Effort, scope: Scope) -> u64 {
     match (effort, scope) {
         (Effort::Fast, Scope::Layer) => 60,
         (Effort::Fast, _) => 50,
-        (Effort::Normal, _) => 1_200,
+        (Effort::Normal, _) => 1_000,
         (Effort::High, Scope::Layer) => 60_000,
         (Effort::High, _) => 20_000,
     }
