@@ -60,7 +60,7 @@ pub(super) fn reorder(
         if fewer && proof.after.travel_mm <= proof.before.travel_mm {
             (report.before, report.after) = (Way::from(&proof.before), Way::from(&proof.after));
             (report.layers, report.changed) = (proof.layers, true);
-            update_times(&job.file, &run.times, times, output)?;
+            update_times(&run.times, times, output)?;
             inspect::remade(&job.file, &judge.finish(), settings)?;
         }
     }
@@ -92,23 +92,27 @@ fn tells_time(path: &Path) -> Result<bool, JobError> {
     Ok(tells)
 }
 
-/// Brings lines about time up to date: they are at these places of the output, and have these numbers in the file.
-/// Without `times`, of the file and of the output, nothing is said.
+/// A line about time in the output.
+struct TimeLine {
+    /// Where it begins.
+    offset: u64,
+    /// Its number in the file, among its kind.
+    number: usize,
+    text: Vec<u8>,
+}
+
+/// Brings lines about time up to date. Without `times`, of the file and of the output, nothing is said.
 fn update_times(
-    path: &Path,
-    places: &[(u64, usize)],
+    lines: &[TimeLine],
     times: Option<(Times, Times)>,
     output: &mut Output,
 ) -> Result<(), JobError> {
-    let failed = |error: io::Error| input_error(path, &error);
-    for (index, &(offset, number)) in places.iter().enumerate() {
-        let mut line = Vec::new();
-        output.reread(offset)?.read_until(b'\n', &mut line).map_err(failed)?;
-        let room = line.trim_ascii_end().len() + reorder::TIME_ROOM.len();
-        let updated = times.as_ref().and_then(|(old, new)| old.updated(&line, number, new, index));
+    for (index, TimeLine { offset, number, text }) in lines.iter().enumerate() {
+        let room = text.trim_ascii_end().len() + reorder::TIME_ROOM.len();
+        let updated = times.as_ref().and_then(|(old, new)| old.updated(text, *number, new, index));
         let mut updated = updated.filter(|updated| updated.len() <= room).unwrap_or_else(|| b";".to_vec());
         updated.resize(room, b' ');
-        output.patch(offset, &updated)?;
+        output.patch(*offset, &updated)?;
     }
     Ok(())
 }
@@ -204,8 +208,8 @@ struct Run {
     /// Whether there was a path.
     begun: bool,
     blocks: usize,
-    /// Lines about time: their places in the output, and their numbers in the file.
-    times: Vec<(u64, usize)>,
+    /// Lines about time in the output.
+    times: Vec<TimeLine>,
     before: Toll,
     after: Toll,
 }
@@ -270,7 +274,10 @@ impl Run {
             checked = end;
             for written in written {
                 let begin = output.written();
-                self.times.extend(written.times.iter().map(|&(at, number)| (begin + at as u64, number)));
+                self.times.extend(written.times.iter().map(|&(at, number)| {
+                    let text = written.bytes[at..].split_inclusive(|&byte| byte == b'\n').next();
+                    TimeLine { offset: begin + at as u64, number, text: text.unwrap_or_default().to_vec() }
+                }));
                 output.write(&written.bytes)?;
                 progress.layer_done();
             }
