@@ -2,7 +2,8 @@
 //!
 //! The reading is independent of how the program writes: of `gcode` it uses the reader of lines and the machine's
 //! state. Each family of rules is a file; a [`Judge`] hands every line to all of them, and what they find is
-//! grouped by kind; a [`Checker`] is a judge that reads by itself. Memory does not grow with the file. [`against`] goes over a file again beside its model.
+//! grouped by kind; a [`Checker`] is a judge that reads by itself. Memory does not grow with the file. [`against`] goes
+//! over a file again beside its model.
 
 mod bed;
 mod fault;

@@ -1,7 +1,6 @@
 //! The machine that moves are planned for.
 
 use crate::profile::{Flavor, Settings};
-use crate::units::Mm;
 
 /// Whose rules a machine plans by.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -97,7 +96,6 @@ impl Machine {
     /// The machine of the settings under any firmware.
     pub fn under(firmware: Firmware, settings: &Settings) -> Self {
         let (machine, retract) = (&settings.machine, &settings.retract);
-        let Mm(diameter) = settings.filament.diameter;
         let mut made = Self {
             firmware,
             max_speed: machine.max_speed.map(|v| v.0),
@@ -115,7 +113,7 @@ impl Machine {
                 speed: retract.speed.0,
                 unretract_speed: retract.unretract_speed.0,
             },
-            filament_area_mm2: std::f64::consts::PI / 4.0 * diameter * diameter,
+            filament_area_mm2: settings.filament.area_mm2(),
         };
         if made.junction_deviation_mm <= 0.0 {
             let usual = Some(settings.acceleration.default.0).filter(|a| *a > 0.0);

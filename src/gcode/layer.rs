@@ -3,9 +3,10 @@
 use super::extruder::{E_DECIMALS, Extruder};
 use super::flavor::{Dialect, Purpose, dialect};
 use super::number::{push_fixed, push_word, text, ticks};
-use super::settings::{WriterSettings, filament_area_mm2};
+use super::settings::WriterSettings;
 use super::slot::{PROGRESS_WIDTH, Pending, Slot};
 use crate::motion::{LayerMoves, Move};
+use crate::profile::strand_area_mm2;
 use crate::toolpath::Role;
 use crate::units::{Celsius, Mm3, MmPerS, MmPerS2};
 
@@ -69,7 +70,7 @@ impl<'a> Writer<'a> {
             y: UNKNOWN,
             z: UNKNOWN,
             f: UNKNOWN,
-            extruder: Extruder::new(filament_area_mm2(settings.filament_diameter)),
+            extruder: Extruder::new(strand_area_mm2(settings.filament_diameter)),
             asked: None,
             in_force: [None; 2],
             object: None,

@@ -97,8 +97,3 @@ impl WriterSettings {
         }
     }
 }
-
-/// Cross-section of the strand, square millimetres.
-pub(super) fn filament_area_mm2(diameter: Mm) -> f64 {
-    std::f64::consts::PI / 4.0 * diameter.0 * diameter.0
-}

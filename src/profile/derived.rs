@@ -3,6 +3,7 @@
 use std::f64::consts::PI;
 
 use super::settings::{BedOrigin, BedSettings, FilamentSettings};
+use crate::units::Mm;
 
 impl BedSettings {
     /// The corner of least X and Y, millimetres.
@@ -31,6 +32,11 @@ impl BedSettings {
 impl FilamentSettings {
     /// Cross-section of the strand, square millimetres.
     pub fn area_mm2(&self) -> f64 {
-        PI / 4.0 * self.diameter.0 * self.diameter.0
+        strand_area_mm2(self.diameter)
     }
+}
+
+/// Cross-section of a strand of a diameter, square millimetres.
+pub fn strand_area_mm2(diameter: Mm) -> f64 {
+    PI / 4.0 * diameter.0 * diameter.0
 }

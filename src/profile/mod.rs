@@ -19,6 +19,7 @@ mod sizes;
 mod source;
 mod suggest;
 
+pub use derived::strand_area_mm2;
 pub use dump::{dump_json, dump_toml, reference};
 pub use embedded::{EMBEDDED, EmbeddedProfile, ProfileKind, find as embedded};
 pub use error::{Origin, Problem, ProfileError};

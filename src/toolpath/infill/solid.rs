@@ -62,16 +62,17 @@ impl SolidPatch {
 /// Puts patches whose lines keep their order one behind the other, each time the one that begins nearest to where the
 /// one before ends. O(n²) of their number.
 pub fn nearest_first(patches: &mut [SolidPatch]) {
+    let mut ends: Vec<_> = patches.iter().map(SolidPatch::ends).collect();
     for next in 1..patches.len() {
-        let [_, from] = patches[next - 1].ends();
-        let way_mm = |patch: &SolidPatch| {
-            let [to, _] = patch.ends();
+        let from = &ends[next - 1][1];
+        let way_mm = |[to, _]: &[Vec<Point>; 2]| {
             let ways = from.iter().flat_map(|a| to.iter().map(|b| a.distance_mm(*b)));
             ways.fold(f64::INFINITY, f64::min)
         };
-        let ways_mm = patches[next..].iter().map(way_mm).enumerate();
+        let ways_mm = ends[next..].iter().map(way_mm).enumerate();
         let nearest = ways_mm.min_by(|a, b| a.1.total_cmp(&b.1)).map_or(0, |(index, _)| index);
         patches[next..=next + nearest].rotate_right(1);
+        ends[next..=next + nearest].rotate_right(1);
     }
 }
 
