@@ -155,6 +155,11 @@ fn any_region() -> impl Strategy<Value = Region> {
     prop_oneof![star(), blob(), comb(), nested(), lattice()].prop_filter("empty", |r| !r.is_empty())
 }
 
+/// Without the parts narrower than 2.5 µm, which an offset may take for nothing.
+fn solid_region() -> impl Strategy<Value = Region> {
+    any_region().prop_map(|region| simplify(&region, 0.0025)).prop_filter("empty", |r| !r.is_empty())
+}
+
 proptest! {
     #![proptest_config(ProptestConfig { failure_persistence: None, ..ProptestConfig::with_cases(400) })]
 
@@ -175,7 +180,7 @@ proptest! {
     }
 
     #[test]
-    fn round_offsets_agree_with_the_oracle(region in any_region(), by_mm in -2.0..2.0_f64) {
+    fn round_offsets_agree_with_the_oracle(region in solid_region(), by_mm in -2.0..2.0_f64) {
         let ours = offset_with(&region, by_mm, Join::Round { tolerance_mm: 0.002 });
         let theirs = inflate_paths_64(
             &paths(&region), (by_mm * UNITS_PER_MM).round(), JoinType::Round, EndType::Polygon, 2.0, 200.0,
@@ -189,7 +194,7 @@ proptest! {
     }
 
     #[test]
-    fn mitred_offsets_agree_with_the_oracle(region in any_region(), by_mm in -2.0..2.0_f64) {
+    fn mitred_offsets_agree_with_the_oracle(region in solid_region(), by_mm in -2.0..2.0_f64) {
         let ours = offset(&region, by_mm);
         let theirs = inflate_paths_64(
             &paths(&region), (by_mm * UNITS_PER_MM).round(), JoinType::Miter, EndType::Polygon, 2.0, 200.0,
