@@ -16,6 +16,8 @@ pub const CROSSINGS: u64 = 2_000_000_000;
 pub const PROFILE_BYTES: u64 = 1 << 20;
 /// Most profiles that inherit from each other in a row.
 pub const PROFILE_DEPTH: usize = 32;
+/// Most problems of one set of settings that are listed.
+pub const PROFILE_PROBLEMS: usize = 100;
 /// Most profiles read for one set of settings.
 pub const PROFILES: usize = 1_000;
 /// Largest G-code file that is held in memory as a whole, to be viewed. Other commands read files of any size.

@@ -272,6 +272,18 @@ fn profiles_neither_nest_nor_multiply_without_end() {
 }
 
 #[test]
+fn of_many_problems_the_first_hundred_are_listed() {
+    let folder = tempfile::tempdir().unwrap();
+    let keys: String = (0..40_000).map(|i| format!("speeed{i} = 1\n")).collect();
+    let lines = problems(&[&file(&folder, "many.toml", &format!("[motion]\n{keys}"))], &[]);
+    assert_eq!(lines.len(), 101);
+    assert!(lines[100].ends_with("only the first 100 problems are listed"), "{}", lines[100]);
+    let endless = problems(&[], &[(&"walls_count".repeat(100_000), "3")]);
+    assert!(endless[0].contains("unknown key; `pathwright profiles dump` lists"), "{:.200}", endless[0]);
+    assert!(endless[0].len() < 200, "{:.200}", endless[0]);
+}
+
+#[test]
 fn texts_cannot_bring_commands_of_their_own() {
     for key in ["printer.name", "filament.material"] {
         for value in ["PLA\nM112", "PLA\rM112", "a\u{85}b\u{0}"] {

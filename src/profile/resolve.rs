@@ -12,6 +12,7 @@ use super::schema::{self, Field, Kind};
 use super::settings::Settings;
 use super::source::{Assignment, Reader};
 use super::suggest;
+use crate::limits;
 
 /// A setting given on the command line.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -38,7 +39,7 @@ pub struct Resolved {
 /// Resolves the default profile, then `profiles` (names or paths) in turn, then `overrides` in turn.
 ///
 /// # Errors
-/// Every problem of every source at once: unreadable or unknown profiles, circles of `inherits`, unknown keys,
+/// Every problem of every source at once (up to a hundred): unreadable or unknown profiles, circles of `inherits`, unknown keys,
 /// values of the wrong type or out of range, and settings that contradict each other.
 ///
 /// # Examples
@@ -66,6 +67,11 @@ pub fn resolve(profiles: &[String], overrides: &[Override]) -> Result<Resolved, 
     let mut origins = BTreeMap::new();
     let mut refused = Vec::new();
     for Assignment { key, value, origin } in assignments {
+        if problems.len() >= limits::PROFILE_PROBLEMS {
+            let message = format!("only the first {} problems are listed", limits::PROFILE_PROBLEMS);
+            problems.push(Problem { origin, setting: None, message });
+            return Err(ProfileError { problems });
+        }
         match check(&key, &value) {
             Ok(()) => {
                 if let Some((section, name)) = key.split_once('.')
@@ -76,7 +82,7 @@ pub fn resolve(profiles: &[String], overrides: &[Override]) -> Result<Resolved, 
                 origins.insert(key, origin);
             }
             Err(message) => {
-                let setting = Some((key.clone(), shown(&value)));
+                let setting = Some((shortened(&key), shown(&value)));
                 problems.push(Problem { origin, setting, message });
                 refused.push(key);
             }
@@ -113,13 +119,16 @@ fn typed_value(key: &str, typed: &str) -> Value {
 
 /// A value as one line of an error message.
 fn shown(value: &Value) -> String {
+    match value {
+        Value::String(text) => shortened(&format!("{text:?}")),
+        other => shortened(&other.to_string().replace('\n', " ")),
+    }
+}
+
+fn shortened(text: &str) -> String {
     const LONGEST: usize = 60;
-    let text = match value {
-        Value::String(text) => format!("{text:?}"),
-        other => other.to_string().replace('\n', " "),
-    };
     if text.chars().count() <= LONGEST {
-        return text;
+        return text.to_owned();
     }
     text.chars().take(LONGEST).chain(['…']).collect()
 }

@@ -22,6 +22,12 @@ fn distance(a: &str, b: &str) -> usize {
     rows[1][b.len()]
 }
 
+/// The distance, if it is at most `most`; texts whose lengths differ by more are not compared.
+fn distance_within(most: usize, a: &str, b: &str) -> Option<usize> {
+    let lengths_apart = a.chars().count().abs_diff(b.chars().count());
+    (lengths_apart <= most).then(|| distance(a, b)).filter(|away| *away <= most)
+}
+
 /// How far a name may be from what was written and still be suggested: a third of it.
 fn limit(written: &str) -> usize {
     (written.chars().count() / 3).max(1)
@@ -31,8 +37,7 @@ fn limit(written: &str) -> usize {
 pub(super) fn name<'a>(written: &str, known: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
     known
         .into_iter()
-        .map(|name| (distance(written, name), name))
-        .filter(|(away, _)| *away <= limit(written))
+        .filter_map(|name| Some((distance_within(limit(written), written, name)?, name)))
         .min_by_key(|(away, _)| *away)
         .map(|(_, name)| name)
 }
@@ -40,9 +45,13 @@ pub(super) fn name<'a>(written: &str, known: impl IntoIterator<Item = &'a str>) 
 /// Up to three known keys nearest to a dotted key: nearly the same key, or the same name in another section.
 pub(super) fn keys(written: &str) -> Vec<String> {
     let name = written.rsplit('.').next().unwrap_or(written);
+    let most = limit(name);
     let mut near: Vec<(usize, String)> = schema::keys()
-        .map(|(key, field)| (distance(written, &key).min(1 + distance(name, field.name)), key))
-        .filter(|(away, _)| *away <= limit(name))
+        .filter_map(|(key, field)| {
+            let same_section = distance_within(most, written, &key);
+            let other_section = distance_within(most - 1, name, field.name).map(|away| away + 1);
+            Some((same_section.into_iter().chain(other_section).min()?, key))
+        })
         .collect();
     near.sort_by_key(|(away, _)| *away);
     if let Some(&(best, _)) = near.first() {
