@@ -358,6 +358,14 @@ fn filament_pulled_back_on_the_way_after_a_travel_stays_on_that_way() {
 }
 
 #[test]
+fn filament_pulled_back_beyond_all_measure_does_no_harm() {
+    // Found by fuzzing: the opposite of the least number there is overflowed.
+    let text = "M82\nG1 F3000\nG1 X30 Y25 E1\nG1 E-9999999999999\nG1 E1\nG1 X40 Y20 E9\n";
+    let (code, result, said) = reorder(text.as_bytes(), &[]);
+    assert_eq!((code, result.as_deref()), (0, Some(text.as_bytes())), "{said}");
+}
+
+#[test]
 fn a_line_that_lets_nothing_pass_leaves_the_nozzle_where_the_order_has_it() {
     // Found by mutation: the bead after it was taken to begin where the file's own order would have ended.
     let mut script = Script::new(true);

@@ -12,9 +12,10 @@ use pathwright::check::{Survey, check};
 use pathwright::gcode::{annotate, measure};
 use pathwright::geom::{self, Region};
 use pathwright::mesh::{self, Item, Placement};
-use pathwright::order::{self, LayerProblem, SeamRule, strategy};
+use pathwright::order::{self, Chain, DetourRule, LayerProblem, SeamRule, strategy};
 use pathwright::profile::{
-    self, CostKind, Effort, OrderStrategy, Override, Pattern, Scope, SeamPosition, Settings, WallGenerator,
+    self, CostKind, Effort, OrderSettings, OrderStrategy, Override, Pattern, Scope, SeamPosition, Settings,
+    WallGenerator,
 };
 use pathwright::slice;
 use pathwright::toolpath::{LayerPaths, ObjectLayer, Planner, PlateLayer, Shells};
@@ -109,13 +110,22 @@ pub fn slicing(bytes: &[u8]) {
     settings.layer.elephant_foot = Mm(0.0);
     let sections = [region.clone(), geom::offset(&region, 0.3), inset, region];
     let layers = plan(&sections, &settings);
-    let mut seam = SeamRule::new(SeamPosition::ALL[bytes.int(SeamPosition::ALL.len() as u32) as usize].1);
-    for layer in &layers {
-        assert!(layer.paths.iter().all(|path| path.points.len() >= 2 || path.closed));
-        let pins = seam.pins(layer);
-        let scope = Scope::ALL[bytes.int(3) as usize].1;
-        let problem = LayerProblem::new(layer, &pins, scope);
-        solve(&problem.problem, OrderStrategy::Nearest, CostKind::Length);
+    assert!(layers.iter().flat_map(|layer| &layer.paths).all(|path| path.points.len() >= 2 || path.closed));
+    let seam = SeamPosition::ALL[bytes.int(SeamPosition::ALL.len() as u32) as usize].1;
+    let mut rule = SeamRule::new(seam);
+    let pins: Vec<_> = layers.iter().map(|layer| rule.pins(layer)).collect();
+    let scope = Scope::ALL[bytes.int(3) as usize].1;
+    let cost = [CostKind::Length, CostKind::Time][bytes.int(2) as usize];
+    let chain = Chain {
+        settings: OrderSettings { scope, cost, effort: Effort::Fast, ..settings.order.clone() },
+        cost: order::Cost::new(cost, &settings),
+        detours: DetourRule::new(&settings),
+        seam,
+        origin: None,
+    };
+    for (layer, sequence) in layers.iter().zip(chain.solve_chunk(&layers, &pins, None)) {
+        let problem = LayerProblem::new(layer, &None, scope).problem;
+        assert_eq!(order::check(&problem, &sequence), Ok(()));
     }
 }
 

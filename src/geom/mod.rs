@@ -14,6 +14,7 @@ mod offset;
 mod point;
 mod raw_offset;
 mod region;
+mod route;
 mod simplify;
 
 pub use boolean::{difference, intersection, union, union_all, unite_rings};
@@ -26,4 +27,5 @@ pub use offset::{closing, offset, offset_with, opening};
 pub use point::{Point, UNITS_PER_MM, to_mm, to_segment_mm, to_units};
 pub use raw_offset::Join;
 pub use region::{Bounds, Polygon, Region, Ring, ring_area, ring_length_mm};
+pub use route::{Router, Way};
 pub use simplify::simplify;

@@ -11,7 +11,6 @@ mod overhang;
 mod pause;
 mod plan;
 mod prime;
-mod route;
 mod rules;
 mod settings;
 mod simplify;

@@ -3,8 +3,8 @@
 
 use super::bead::distance;
 use super::plan::Nozzle;
-use super::route::Way;
 use super::{MotionSettings, Move};
+use crate::geom::Way;
 use crate::units::{Mm3, MmPerS};
 
 impl Nozzle<'_> {

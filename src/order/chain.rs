@@ -4,11 +4,13 @@
 //! layers only, each is solved from a free start, and then the layers around each join are solved again with both
 //! ends known.
 
+use std::slice;
+
 use super::layer::{LayerProblem, ends_on_path, stacked};
 use super::precedence::{Frontier, Groups};
 use super::seam::{Pins, enter_nearest};
-use super::{Cost, Nearest, Problem, Sequence, Shape, Strategy, Visit, strategy};
-use crate::geom::Point;
+use super::{Cost, DetourRule, Detours, Nearest, Problem, Sequence, Shape, Strategy, Visit, strategy};
+use crate::geom::{Point, Router};
 use crate::profile::{OrderSettings, SeamPosition};
 use crate::toolpath::LayerPaths;
 
@@ -25,6 +27,8 @@ pub struct Chain {
     pub settings: OrderSettings,
     /// What is minimised.
     pub cost: Cost,
+    /// How travels are led inside of islands; `None`: straight.
+    pub detours: Option<DetourRule>,
     /// Only `nearest` matters here; the other rules arrive as [`Pins`].
     pub seam: SeamPosition,
     /// Where the nozzle is before the first layer, if that is known.
@@ -36,7 +40,13 @@ impl Chain {
     /// where the one before ended. `pins[i]` belongs to `layers[i]`. Entries of loops in the result are
     /// indices into their path's points.
     pub fn solve_chunk(&self, layers: &[LayerPaths], pins: &[Pins], start: Option<Point>) -> Vec<Sequence> {
-        self.solve_between(layers, pins, start, None)
+        self.solve_between(layers, pins, start, None, &self.routers(layers))
+    }
+
+    /// What finds the ways of each layer; nothing where travels go straight.
+    fn routers<'l>(&self, layers: &'l [LayerPaths]) -> Vec<Router<'l>> {
+        let router = |rule: DetourRule| layers.iter().map(move |layer| rule.router(layer));
+        self.detours.map(router).into_iter().flatten().collect()
     }
 
     /// Whether layers are solved as one problem.
@@ -53,14 +63,16 @@ impl Chain {
         pins: &[Pins],
         start: Option<Point>,
         end: Option<Point>,
+        routers: &[Router],
     ) -> Vec<Sequence> {
         if self.is_together() {
-            return self.solve_together(layers, pins, start, end);
+            return self.solve_together(layers, pins, start, end, routers);
         }
         let mut at = start;
         let mut sequences = Vec::with_capacity(layers.len());
         for (i, (layer, pins)) in layers.iter().zip(pins).enumerate() {
-            let sequence = self.solve_layer(layer, pins, at, end.filter(|_| i + 1 == layers.len()));
+            let end = end.filter(|_| i + 1 == layers.len());
+            let sequence = self.solve_layer(layer, pins, at, end, routers.get(i));
             if let Some(&last) = sequence.last() {
                 at = Some(ends_on_path(layer, last).1);
             }
@@ -76,6 +88,7 @@ impl Chain {
         pins: &[Pins],
         start: Option<Point>,
         end: Option<Point>,
+        routers: &[Router],
     ) -> Vec<Sequence> {
         let scope = self.settings.scope;
         let mut problems: Vec<_> =
@@ -83,7 +96,7 @@ impl Chain {
         let mut problem = stacked(&problems, scope);
         (problem.start, problem.end) = (start.or(self.origin), end);
         let mut at = problem.start;
-        let solved = strategy(self.settings.strategy).solve(&problem, &self.cost, self.settings.effort);
+        let solved = self.solve(&problem, layers, routers);
         let (mut solved, mut first) = (solved.into_iter(), 0);
         let apart = |(layer, problem): (&LayerPaths, &mut LayerProblem)| {
             let count = layer.paths.len();
@@ -99,6 +112,15 @@ impl Chain {
             sequence
         };
         layers.iter().zip(&mut problems).map(apart).collect()
+    }
+
+    /// Solves the problem of consecutive layers.
+    fn solve(&self, problem: &Problem, layers: &[LayerPaths], routers: &[Router]) -> Sequence {
+        let (strategy, effort) = (strategy(self.settings.strategy), self.settings.effort);
+        let solved = strategy.solve(problem, &self.cost, effort);
+        let Some(rule) = self.detours else { return solved };
+        let detours = Detours::new(rule, self.cost, layers, routers);
+        strategy.refine(problem, &self.cost, effort, &detours, solved)
     }
 
     /// How many layers of the chunk before take part where two chunks are joined.
@@ -122,31 +144,41 @@ impl Chain {
             return solved;
         }
         let end = next.and_then(|(layer, sequence)| Some(ends_on_path(layer, *sequence.first()?).0));
-        let again = self.solve_between(layers, pins, start, end);
+        let routers = self.routers(layers);
+        let again = self.solve_between(layers, pins, start, end, &routers);
         let too_near = |sequences: &[Sequence]| {
             let first = sequences[0].first().map(|&visit| ends_on_path(&layers[0], visit).0);
             matches!((start, first), (Some(a), Some(b)) if a.distance_mm(b) < self.settings.layer_distance.0)
         };
         let key = |sequences: &[Sequence]| {
-            (too_near(sequences), self.cost_between(layers.iter().zip(sequences), start, end))
+            (too_near(sequences), self.cost_between(layers, sequences, start, end, &routers))
         };
         if key(&solved) < key(&again) { solved } else { again }
     }
 
     /// Cost of the links of layers, with those from `start` and to `end` where they are known.
-    fn cost_between<'l>(
+    fn cost_between(
         &self,
-        layers: impl Iterator<Item = (&'l LayerPaths, &'l Sequence)>,
+        layers: &[LayerPaths],
+        sequences: &[Sequence],
         start: Option<Point>,
         end: Option<Point>,
+        routers: &[Router],
     ) -> f64 {
         let (mut at, mut total) = (start, 0.0);
-        for (layer, sequence) in layers {
+        for (i, (layer, sequence)) in layers.iter().zip(sequences).enumerate() {
             let mut island = None;
+            let router = self.detours.zip(routers.get(i));
             for &visit in sequence {
                 let (enter, leave) = ends_on_path(layer, visit);
                 let here = Some(layer.paths[visit.item as usize].island);
-                total += at.map_or(0.0, |from| self.cost.of(from.distance_mm(enter), here == island));
+                total += match (at, router) {
+                    (Some(from), Some((rule, router))) if here == island => {
+                        rule.cost(router, &self.cost, from.mm(), enter.mm())
+                    }
+                    (Some(from), _) => self.cost.of(from.distance_mm(enter), here == island),
+                    (None, _) => 0.0,
+                };
                 (at, island) = (Some(leave), here);
             }
         }
@@ -155,15 +187,19 @@ impl Chain {
 
     fn solve_layer(
         &self,
-        layer: &LayerPaths,
+        paths: &LayerPaths,
         pins: &Pins,
         start: Option<Point>,
         end: Option<Point>,
+        router: Option<&Router>,
     ) -> Sequence {
-        let mut layer = LayerProblem::new(layer, pins, self.settings.scope);
+        let mut layer = LayerProblem::new(paths, pins, self.settings.scope);
         (layer.problem.start, layer.problem.end) =
             if self.settings.chain { (start.or(self.origin), end) } else { (self.origin, None) };
-        let mut sequence = self.solve_apart(&mut layer.problem, start);
+        let solve = |problem: &Problem| {
+            self.solve(problem, slice::from_ref(paths), router.map(slice::from_ref).unwrap_or_default())
+        };
+        let mut sequence = self.solve_apart(&mut layer.problem, start, solve);
         if self.seam == SeamPosition::Nearest {
             enter_nearest(&layer.problem, &mut sequence);
         }
@@ -172,10 +208,12 @@ impl Chain {
 
     /// Solves a problem; if its walk would begin too near to where the last layer ended, it is made to begin at
     /// the nearest entry that is far enough, where there is one.
-    fn solve_apart(&self, problem: &mut Problem, last: Option<Point>) -> Sequence {
-        let solve = |problem: &Problem| {
-            strategy(self.settings.strategy).solve(problem, &self.cost, self.settings.effort)
-        };
+    fn solve_apart(
+        &self,
+        problem: &mut Problem,
+        last: Option<Point>,
+        solve: impl Fn(&Problem) -> Sequence,
+    ) -> Sequence {
         let sequence = solve(problem);
         let distance_mm = self.settings.layer_distance.0;
         let Some(last) = last.filter(|_| distance_mm > 0.0) else { return sequence };

@@ -1,5 +1,6 @@
 //! One trait behind which every way of ordering lives. Adding one is a file and a line in [`strategy`].
 
+use super::detours::Detours;
 use super::{AsSliced, Christofides, ChristofidesOpen, Cost, Greedy, Nearest, Optimized, Problem, Sequence};
 use crate::profile::{Effort, OrderStrategy};
 
@@ -9,6 +10,19 @@ pub trait Strategy: Sync {
     /// links cheap (see [`super::evaluate`]). The same arguments give the same sequence on every machine
     /// and in every thread. An empty problem gives an empty sequence.
     fn solve(&self, problem: &Problem, cost: &Cost, effort: Effort) -> Sequence;
+
+    /// Improves a solution of its own where travels cost more than straight lines because they lead round something.
+    /// The default leaves it as it is.
+    fn refine(
+        &self,
+        _problem: &Problem,
+        _cost: &Cost,
+        _effort: Effort,
+        _detours: &Detours,
+        sequence: Sequence,
+    ) -> Sequence {
+        sequence
+    }
 
     /// Whether consecutive layers are better solved together, as the stages of one problem, than one after the other.
     fn looks_ahead(&self) -> bool {

@@ -15,6 +15,7 @@ pub(super) fn chain(settings: &Settings) -> Chain {
     Chain {
         settings: settings.order.clone(),
         cost: Cost::new(settings.order.cost, settings),
+        detours: None,
         seam: settings.seam.position,
         origin: None,
     }

@@ -6,7 +6,7 @@ use crate::geom::{Bounds, Point};
 use crate::job::{Job, JobError, Progress};
 use crate::mesh::Plate;
 use crate::motion::{self, Entry, MotionSettings};
-use crate::order::{Chain, Pins, SeamRule, Visit, chunk_len};
+use crate::order::{Chain, DetourRule, Pins, SeamRule, Visit, chunk_len};
 use crate::output::Output;
 use crate::profile::{Settings, thumbnail_sizes};
 use crate::report::{LayerSummary, Measures, Summary};
@@ -45,7 +45,7 @@ pub(super) fn slice(
     let labels = if settings.gcode.labels { labels(&loaded.plate, &rounds) } else { Vec::new() };
     let names = labels.iter().map(|label| label.name.clone()).collect();
     let run = Run {
-        chain: ordering::chain(settings),
+        chain: Chain { detours: DetourRule::new(settings), ..ordering::chain(settings) },
         motion: MotionSettings::new(settings, &job.pauses),
         machine: Machine::new(settings),
         writer: WriterSettings { objects: names, ..WriterSettings::new(settings, &scripts, true) },

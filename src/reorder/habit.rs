@@ -126,7 +126,7 @@ impl Habit {
 impl Retract {
     /// All that is pulled back.
     pub fn pulled(&self) -> i64 {
-        self.before.0 + self.wipe.0 + self.after.0
+        self.before.0.saturating_add(self.wipe.0).saturating_add(self.after.0)
     }
 }
 
@@ -171,19 +171,19 @@ fn seen(block: &Block, tokens: &[Token], length_mm: f64) -> Option<Seen> {
             }
             Kind::Wipe => {
                 wiped = true;
-                retract.wipe = (retract.wipe.0 - token.e, token.feed);
+                retract.wipe = (retract.wipe.0.saturating_sub(token.e), token.feed);
                 retract.wipe_mm += token.xy_mm;
             }
-            Kind::Pull if wiped => retract.after = (retract.after.0 - token.e, token.feed),
-            Kind::Pull => retract.before = (retract.before.0 - token.e, token.feed),
-            Kind::Push => retract.push = (retract.push.0 + token.e, token.feed),
+            Kind::Pull if wiped => retract.after = (retract.after.0.saturating_sub(token.e), token.feed),
+            Kind::Pull => retract.before = (retract.before.0.saturating_sub(token.e), token.feed),
+            Kind::Push => retract.push = (retract.push.0.saturating_add(token.e), token.feed),
             Kind::FirmwarePull => retract.firmware = true,
             Kind::ResetE => retract.reset = true,
             Kind::Noise => retract.wipe_marks |= token.line.of(&block.text).starts_with(b";WIPE_START"),
             _ => {}
         }
         if token.to[2] > z && travel.is_none() {
-            retract.hop = Some((token.to[2] - level, token.feed, token.feed));
+            retract.hop = Some((token.to[2].saturating_sub(level), token.feed, token.feed));
         } else if token.to[2] < z
             && let Some(hop) = &mut retract.hop
         {

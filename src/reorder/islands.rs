@@ -10,7 +10,8 @@ const REACH_MM: f64 = 0.6;
 const MOST_CELLS: f64 = 4e6;
 /// Beads are drawn in steps of at most so many cells.
 const STEP: f64 = 0.7;
-/// A wall runs along another bead that is in its cells, or those around them, on this part of its way.
+/// A wall runs along another bead that is in its cells, or those around them, on this part of the way of either: a wall
+/// inside of it may be much shorter.
 const BESIDE: f64 = 0.75;
 /// Beads met on a smaller part than this do not matter to it.
 const PARTLY: f64 = 0.25;
@@ -19,15 +20,16 @@ const PARTLY: f64 = 0.25;
 pub(super) struct Islands {
     /// The island of every path: connected sets of beads, numbered as they first appear in the file.
     pub of: Vec<u32>,
-    /// For every wall, what comes before it in the file and lies beside it.
+    /// For every wall, what of its role comes before it in the file and lies beside it.
     pub beside: Vec<Option<Beside>>,
 }
 
-/// The path that a wall has beside it for most of its way.
+/// The path that a wall has beside it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Beside {
+    /// The last one along which the wall runs; if there is none, the one that is beside it on most of its way.
     pub path: u32,
-    /// Whether it is the same one all along. If not, there are several, or there are some on a part of the way only.
+    /// Whether it runs along it. If not, there are several, or there are some on a part of the way only.
     pub along: bool,
 }
 
@@ -80,7 +82,7 @@ pub(super) fn islands(block: &Block) -> Islands {
                 }
             }
         }
-        beside.push(meetings.finish());
+        beside.push(meetings.finish(|other| block.paths[other as usize].role == path.role));
     }
     for at in filled {
         for near in [at - 1, at - width - 1, at - width, at - width + 1].map(|near| cells[near]) {
@@ -104,8 +106,9 @@ fn extent(block: &Block) -> Option<[[f64; 2]; 2]> {
 
 /// Counts on how many steps of a way others were met.
 struct Meetings {
-    /// By path.
+    /// By path: steps on which it was met, and its own.
     steps: Vec<u32>,
+    lengths: Vec<u32>,
     met: Vec<u32>,
     /// Those met on the last step.
     here: Vec<u32>,
@@ -116,7 +119,14 @@ struct Meetings {
 
 impl Meetings {
     fn new(paths: usize) -> Self {
-        Self { steps: vec![0; paths], met: Vec::new(), here: Vec::new(), step: 0, beside: 0 }
+        Self {
+            steps: vec![0; paths],
+            lengths: Vec::with_capacity(paths),
+            met: Vec::new(),
+            here: Vec::new(),
+            step: 0,
+            beside: 0,
+        }
     }
 
     fn step(&mut self, others: impl Iterator<Item = u32>) {
@@ -142,16 +152,24 @@ impl Meetings {
         }
     }
 
-    /// The one met most often, if some were on a good part of the way; the next way begins.
-    fn finish(&mut self) -> Option<Beside> {
+    /// What was met of a kind; the next way begins.
+    fn finish(&mut self, of_kind: impl Fn(u32) -> bool) -> Option<Beside> {
         let steps = |other: u32| self.steps[other as usize];
-        let most = self.met.iter().copied().max_by_key(|&other| (steps(other), std::cmp::Reverse(other)));
-        let is_part = |count: u32, part: f64| f64::from(count) >= part * f64::from(self.step);
-        let beside = most
-            .filter(|_| is_part(self.beside, PARTLY))
-            .map(|path| Beside { path, along: is_part(steps(path), BESIDE) });
+        let is_part = |count: u32, part: f64, whole: u32| f64::from(count) >= part * f64::from(whole);
+        let runs_along = |&other: &u32| {
+            let shorter = self.step.min(self.lengths[other as usize]);
+            shorter > 0 && is_part(steps(other), BESIDE, shorter)
+        };
+        let met = || self.met.iter().copied().filter(|&other| of_kind(other));
+        let along = met().filter(runs_along).max().map(|path| Beside { path, along: true });
+        let beside = along.or_else(|| {
+            let most = met().max_by_key(|&other| (steps(other), std::cmp::Reverse(other)));
+            let most = most.filter(|_| is_part(self.beside, PARTLY, self.step));
+            most.map(|path| Beside { path, along: false })
+        });
         self.met.drain(..).for_each(|other| self.steps[other as usize] = 0);
         self.here.clear();
+        self.lengths.push(self.step);
         (self.step, self.beside) = (0, 0);
         beside
     }

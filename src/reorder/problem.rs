@@ -230,18 +230,21 @@ impl Classes {
 }
 
 /// How many walls of its own type and island each wall has on one side of it, where the file draws those of a type one
-/// depth after another; elsewhere, and of what is no wall, 0. A wall that has several beside it may be of any depth: it is
-/// taken to be of the one that is being drawn.
+/// depth after another; elsewhere, and of what is no wall, 0. A wall that runs along none, before it or after, may be of any
+/// depth: it is taken to be of the one that is being drawn.
 fn depths<K: Eq + Hash>(paths: &[Path], kind: impl Fn(usize) -> K, beside: &[Option<Beside>]) -> Vec<u32> {
     let (mut depth, mut drawn) = (vec![0; paths.len()], vec![0; paths.len()]);
+    let neighbour = |i: usize| beside[i].filter(|other| kind(other.path as usize) == kind(i));
+    let inner = |i: usize| neighbour(i).filter(|other| other.along).map(|other| other.path as usize);
+    let mut has_outer = vec![false; paths.len()];
+    (0..paths.len()).filter_map(inner).for_each(|inner| has_outer[inner] = true);
     // The depth drawn last of each kind; `None`: they are drawn to and fro.
     let mut last: FxHashMap<K, Option<u32>> = FxHashMap::default();
     for i in (0..paths.len()).filter(|&i| is_wall(&paths[i])) {
-        let other = beside[i].filter(|other| kind(other.path as usize) == kind(i));
-        let inner = other.filter(|other| other.along).map(|other| other.path as usize);
+        let inner = inner(i);
         depth[i] = inner.map_or(0, |inner| depth[inner] + 1);
         let known = last.entry(kind(i)).or_insert(Some(depth[i]));
-        if inner.is_some() || other.is_none() {
+        if inner.is_some() || has_outer[i] {
             *known = known.filter(|&known| known <= depth[i]).map(|_| depth[i]);
         }
         drawn[i] = known.unwrap_or(depth[i]);

@@ -22,8 +22,11 @@ impl Search<'_> {
         self.reenter_chain(from, to, Look::Everywhere) || self.reenter_chain(from, to, Look::Around)
     }
 
-    /// The same for the paths at the positions `from` to `to` − 1.
+    /// The same for the paths at the positions `from` to `to` − 1. Knows of no detours, and leaves those to the other moves.
     fn reenter_chain(&mut self, from: u32, to: u32, look: Look) -> bool {
+        if self.walk.has_detours() {
+            return false;
+        }
         let now: f64 = (from..=to).map(|gap| self.walk.gap(gap)).sum();
         let walk = &self.walk;
         let start = walk.place(walk.node(End { gap: from, right: false }));

@@ -93,7 +93,10 @@ impl Search<'_> {
                 let t4 = t3.across();
                 let node4 = self.walk.node(t4);
                 if t3.right == t2.right {
-                    let gain = open - self.walk.link(node4, node1);
+                    let mut gain = open - self.walk.link(node4, node1);
+                    if gain > best_gain {
+                        gain -= self.walk.surcharge(node2, node3) + self.walk.surcharge(node4, node1);
+                    }
                     if gain > best_gain {
                         best_gain = gain;
                         best = Some(Exchange::Two(t1.gap.min(t3.gap), t1.gap.max(t3.gap)));
@@ -123,7 +126,13 @@ impl Search<'_> {
                         {
                             continue;
                         }
-                        let gain = left - self.walk.link(self.walk.node(t5.across()), node1);
+                        let [node5, node6] = [t5, t5.across()].map(|end| self.walk.node(end));
+                        let mut gain = left - self.walk.link(node6, node1);
+                        if gain > best_gain {
+                            gain -= self.walk.surcharge(node2, node3)
+                                + self.walk.surcharge(node4, node5)
+                                + self.walk.surcharge(node6, node1);
+                        }
                         if gain > best_gain
                             && let Some(three) = three([t1, t2, t3, t4, t5, t5.across()])
                         {

@@ -51,8 +51,13 @@ impl Search<'_> {
                             continue;
                         }
                         let beyond = self.walk.node(other.across());
-                        let gain = left + self.walk.link(node, beyond) - self.walk.link(far_end, beyond);
+                        let mut gain = left + self.walk.gap(other.gap) - self.walk.link(far_end, beyond);
                         self.walk.work += 2;
+                        if gain > best_gain {
+                            gain -= self.walk.surcharge(self.walk.node(outer), near_end)
+                                + self.walk.surcharge(inner, node)
+                                + self.walk.surcharge(far_end, beyond);
+                        }
                         if gain > best_gain {
                             best_gain = gain;
                             best = Some(Shift { from: gap.min(other.gap), junction, to: gap.max(other.gap) });

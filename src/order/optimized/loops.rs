@@ -21,7 +21,7 @@ impl Search<'_> {
         if now <= GAIN || vertices.len() == 1 {
             return false;
         }
-        let (cost, entry) = self.best_vertex(item, before, after);
+        let (cost, entry) = self.best_vertex(item, before, after, now - GAIN);
         if cost >= now - GAIN {
             return false;
         }
@@ -31,10 +31,22 @@ impl Search<'_> {
         true
     }
 
-    /// The vertex of a loop that is cheapest to visit between two nodes, and what its two links cost.
-    pub fn best_vertex(&mut self, item: u32, before: u32, after: u32) -> (f64, u32) {
+    /// The vertex of a loop that is cheapest to visit between two nodes if links go straight, and what its two links cost:
+    /// detours counted, if the straight links cost less than `most`.
+    pub fn best_vertex(&mut self, item: u32, before: u32, after: u32, most: f64) -> (f64, u32) {
         self.walk.work += self.walk.vertices(item).map_or(0, <[_]>::len) as u64;
-        self.walk.best_vertex(item, before, after)
+        let (straight, entry) = self.walk.best_vertex(item, before, after);
+        if straight >= most {
+            return (straight, entry);
+        }
+        (straight + self.surcharges(item, entry, before, after), entry)
+    }
+
+    /// By how much the links of a loop entered at a vertex between two nodes are dearer than straight ones.
+    fn surcharges(&self, item: u32, entry: u32, before: u32, after: u32) -> f64 {
+        let Some(vertices) = self.walk.vertices(item) else { return 0.0 };
+        let to = |node| self.walk.surcharge_to(node, item, vertices[entry as usize]);
+        to(before) + to(after)
     }
 
     /// Moves a loop to the gap in its group, and to the vertex, where it costs least.
@@ -52,18 +64,23 @@ impl Search<'_> {
         }
         let before = self.walk.node(End { gap: at, right: false });
         let after = self.walk.node(End { gap: at + 1, right: true });
-        let saved = self.walk.gap(at) + self.walk.gap(at + 1) - self.walk.link(before, after);
+        let mut saved = self.walk.gap(at) + self.walk.gap(at + 1) - self.walk.link(before, after);
+        if saved > GAIN {
+            saved -= self.walk.surcharge(before, after);
+        }
         if saved <= GAIN {
             return false;
         }
-        let mut best = (saved - GAIN, NONE);
+        let mut best = (saved - GAIN, NONE, 0);
         if last - first <= FEW {
             for gap in (first..=last).filter(|&gap| gap != at && gap != at + 1) {
                 let left = self.walk.node(End { gap, right: false });
                 let right = self.walk.node(End { gap, right: true });
-                let added = self.best_vertex(item, left, right).0 - self.walk.link(left, right);
+                let now = self.walk.gap(gap);
+                let (cost, entry) = self.best_vertex(item, left, right, best.0 + now);
+                let added = cost - now;
                 if added < best.0 {
-                    best = (added, gap);
+                    best = (added, gap, entry);
                 }
             }
         } else {
@@ -84,25 +101,30 @@ impl Search<'_> {
                         }
                         let left = self.walk.node(End { gap, right: false });
                         let right = self.walk.node(End { gap, right: true });
-                        let added = self.walk.link_to(left, item, vertex)
+                        let mut added = self.walk.link_to(left, item, vertex)
                             + self.walk.link_to(right, item, vertex)
-                            - self.walk.link(left, right);
+                            - self.walk.gap(gap);
                         self.walk.work += 3;
                         if added < best.0 {
-                            best = (added, gap);
+                            added += self.surcharges(item, entry, left, right);
+                        }
+                        if added < best.0 {
+                            best = (added, gap, entry);
                         }
                     }
                 }
             }
         }
-        let gap = best.1;
+        let (added, gap, near) = best;
         if gap == NONE {
             return false;
         }
         let left = self.walk.node(End { gap, right: false });
         let right = self.walk.node(End { gap, right: true });
-        let (_, entry) = self.best_vertex(item, left, right);
-        self.walk.enter(item, entry);
+        let (cost, entry) = self.best_vertex(item, left, right, f64::INFINITY);
+        // The vertex that is best for straight links may have a longer way.
+        let better = cost - self.walk.gap(gap) <= added;
+        self.walk.enter(item, if better { entry } else { near });
         if gap < at {
             self.walk.swap(gap, at, at + 1, false, false);
             [gap, gap + 1, at + 1].into_iter().for_each(|gap| self.touch(gap));

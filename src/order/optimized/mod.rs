@@ -6,12 +6,14 @@ mod grid;
 mod junctions;
 mod loops;
 mod neighbours;
+mod refine;
 mod runs;
 mod search;
 mod start;
 mod walk;
 
 use self::search::Search;
+use super::detours::Detours;
 use super::greedy::Fragments;
 use super::precedence::Groups;
 use super::{Cost, Nearest, Problem, Sequence, Strategy, evaluate};
@@ -76,5 +78,16 @@ impl Strategy for Optimized {
 
     fn looks_ahead(&self) -> bool {
         true
+    }
+
+    fn refine(
+        &self,
+        problem: &Problem,
+        cost: &Cost,
+        effort: Effort,
+        detours: &Detours,
+        sequence: Sequence,
+    ) -> Sequence {
+        refine::refine(problem, cost, effort, detours, sequence)
     }
 }

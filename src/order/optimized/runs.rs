@@ -114,10 +114,13 @@ impl Search<'_> {
         let node = |gap, right| self.walk.node(End { gap, right });
         let (before, enter, leave, after) =
             (node(from, false), node(from, true), node(to, false), node(to, true));
-        let now = self.walk.link(before, enter) + self.walk.link(leave, after);
+        let now = self.walk.gap(from) + self.walk.gap(to);
         let reversed = self.walk.link(before, leave) + self.walk.link(enter, after);
         self.walk.work += 4;
-        if reversed >= now - GAIN {
+        let dearer = |reversed: f64| reversed >= now - GAIN;
+        if dearer(reversed)
+            || dearer(reversed + self.walk.surcharge(before, leave) + self.walk.surcharge(enter, after))
+        {
             return false;
         }
         self.walk.reverse(from, to - 1);
@@ -180,8 +183,11 @@ impl Search<'_> {
         let node = |walk: &super::walk::Walk, gap, right| walk.node(End { gap, right });
         let (before, after) = (node(&self.walk, from, false), node(&self.walk, to, true));
         let (enter, leave) = (node(&self.walk, from, true), node(&self.walk, to, false));
-        let saved = self.walk.gap(from) + self.walk.gap(to) - self.walk.link(before, after);
+        let mut saved = self.walk.gap(from) + self.walk.gap(to) - self.walk.link(before, after);
         self.walk.work += 3;
+        if saved > GAIN {
+            saved -= self.walk.surcharge(before, after);
+        }
         if saved <= GAIN {
             return false;
         }
@@ -195,23 +201,30 @@ impl Search<'_> {
         let mut best = (saved - GAIN, NONE, false);
         for gap in self.gaps_near(from, to, low, high) {
             let (left, right) = (node(&self.walk, gap, false), node(&self.walk, gap, true));
-            let link = self.walk.link(left, right);
+            let link = self.walk.gap(gap);
             self.walk.work += 4;
             if let Some((center, radius)) = disc {
                 let least = |node| self.walk.beyond(self.walk.place(node), center, radius);
                 if least(left) + least(right) - link < best.0 {
-                    let (cost, _) = self.best_vertex(self.walk.item_at(from), left, right);
+                    let item = self.walk.item_at(from);
+                    let (cost, _) = self.best_vertex(item, left, right, best.0 + link);
                     if cost - link < best.0 {
                         best = (cost - link, gap, false);
                     }
                 }
                 continue;
             }
-            let forwards = self.walk.link(left, enter) + self.walk.link(leave, right) - link;
+            let mut forwards = self.walk.link(left, enter) + self.walk.link(leave, right) - link;
+            if forwards < best.0 {
+                forwards += self.walk.surcharge(left, enter) + self.walk.surcharge(leave, right);
+            }
             if forwards < best.0 {
                 best = (forwards, gap, false);
             }
-            let backwards = self.walk.link(left, leave) + self.walk.link(enter, right) - link;
+            let mut backwards = self.walk.link(left, leave) + self.walk.link(enter, right) - link;
+            if lone && backwards < best.0 {
+                backwards += self.walk.surcharge(left, leave) + self.walk.surcharge(enter, right);
+            }
             if lone && backwards < best.0 {
                 best = (backwards, gap, true);
             }
@@ -223,7 +236,7 @@ impl Search<'_> {
         if disc.is_some() {
             let item = self.walk.item_at(from);
             let (left, right) = (node(&self.walk, gap, false), node(&self.walk, gap, true));
-            let (_, entry) = self.best_vertex(item, left, right);
+            let (_, entry) = self.best_vertex(item, left, right, 0.0);
             self.walk.enter(item, entry);
         }
         let gaps = if gap < from {

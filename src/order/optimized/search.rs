@@ -3,6 +3,7 @@
 use std::collections::VecDeque;
 use std::ops::Range;
 
+use super::super::detours::Detours;
 use super::super::greedy::Fragments;
 use super::super::precedence::Groups;
 use super::super::{Cost, Problem, Sequence, Visit};
@@ -32,7 +33,7 @@ const FEW: usize = 6;
 pub struct Search<'a> {
     pub(super) problem: &'a Problem<'a>,
     pub(super) groups: &'a Groups,
-    pub(super) walk: Walk,
+    pub(super) walk: Walk<'a>,
     pub(super) neighbours: Neighbours,
     /// Exchanges move at most so many items.
     pub(super) reach: u32,
@@ -47,10 +48,29 @@ pub struct Search<'a> {
 impl<'a> Search<'a> {
     /// Begins with a walk through nothing.
     pub fn new(problem: &'a Problem<'a>, groups: &'a Groups, cost: Cost) -> Self {
+        Self::on(problem, groups, cost, None)
+    }
+
+    /// As [`Self::new`]; links inside of islands cost what the way costs, not the straight line.
+    pub fn with_detours(
+        problem: &'a Problem<'a>,
+        groups: &'a Groups,
+        cost: Cost,
+        detours: &'a Detours<'a>,
+    ) -> Self {
+        Self::on(problem, groups, cost, Some(detours))
+    }
+
+    fn on(
+        problem: &'a Problem<'a>,
+        groups: &'a Groups,
+        cost: Cost,
+        detours: Option<&'a Detours<'a>>,
+    ) -> Self {
         Self {
             problem,
             groups,
-            walk: Walk::new(problem, groups, cost),
+            walk: Walk::new(problem, groups, cost, detours),
             neighbours: Neighbours::new(problem, groups, cost),
             reach: u32::MAX,
             vicinity: Vicinity::new(problem, groups),
@@ -80,14 +100,18 @@ impl<'a> Search<'a> {
 
     /// Lets the walk go on to where it must end, and improves what joins the stages.
     pub fn end(&mut self) {
+        self.finish(|walk, gap| gap > walk.len() || walk.group_at(gap - 1) != walk.group_at(gap));
+    }
+
+    /// Lets the walk go on to where it must end, and improves it around some of its gaps.
+    pub(super) fn finish(&mut self, concerns: impl Fn(&Walk, u32) -> bool) {
         self.walk.end_at(self.problem.end);
         self.complete = true;
-        for gap in 1..=self.walk.len() {
-            if self.walk.group_at(gap - 1) != self.walk.group_at(gap) {
+        for gap in 1..=self.walk.len() + 1 {
+            if concerns(&self.walk, gap) {
                 self.touch(gap);
             }
         }
-        self.touch(self.walk.len() + 1);
         self.drain();
         self.walk.commit();
     }
@@ -128,21 +152,25 @@ impl<'a> Search<'a> {
     fn iterate_within(&mut self, from: u32, to: u32, random: &mut Random, budget: u64) {
         let end = self.walk.work + budget;
         while self.walk.work < end {
-            self.walk.work += 8;
-            let at = from + random.below(to - from);
-            self.kick(at, random);
-            let group = self.walk.group_at(at);
-            let more = if self.is_thorough(group) { random.below(3) } else { 0 };
-            for _ in 0..more {
-                let stage = self.positions_of_stage(group);
-                self.kick(stage.start + random.below(stage.end - stage.start), random);
-            }
-            self.repair();
-            if self.walk.is_worse() {
-                self.walk.undo();
-            } else {
-                self.walk.commit();
-            }
+            self.kick_and_repair(from + random.below(to - from), random);
+        }
+    }
+
+    /// Kicks the walk at a position, repairs it, and keeps what is not worse.
+    pub(super) fn kick_and_repair(&mut self, at: u32, random: &mut Random) {
+        self.walk.work += 8;
+        self.kick(at, random);
+        let group = self.walk.group_at(at);
+        let more = if self.is_thorough(group) { random.below(3) } else { 0 };
+        for _ in 0..more {
+            let stage = self.positions_of_stage(group);
+            self.kick(stage.start + random.below(stage.end - stage.start), random);
+        }
+        self.repair();
+        if self.walk.is_worse() {
+            self.walk.undo();
+        } else {
+            self.walk.commit();
         }
     }
 

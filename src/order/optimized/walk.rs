@@ -1,7 +1,9 @@
 //! The walk under improvement, as an array.
 
+use super::super::detours::Detours;
 use super::super::precedence::Groups;
 use super::super::{Cost, Problem, Sequence, Shape, Visit};
+use super::search::GAIN;
 use crate::geom::Point;
 
 /// No group: that of the sentinels.
@@ -13,8 +15,10 @@ pub const NONE: u32 = u32::MAX;
 /// and n + 1 are sentinels: where the nozzle is and where the next layer begins. Positions from 1 on hold
 /// the items; gap g lies between the positions g − 1 and g.
 #[derive(Debug)]
-pub struct Walk {
+pub struct Walk<'a> {
     cost: Cost,
+    /// What links inside of islands cost; `None`: as much as straight lines.
+    detours: Option<&'a Detours<'a>>,
     /// The node at which the item at each position is entered; it is left at the other node, `^ 1`.
     entered: Vec<u32>,
     position: Vec<u32>,
@@ -75,9 +79,9 @@ fn place(point: Option<Point>) -> [f64; 2] {
     point.map_or(ANYWHERE, Point::mm)
 }
 
-impl Walk {
+impl<'a> Walk<'a> {
     /// A walk from the start of a problem through nothing as yet, to anywhere.
-    pub fn new(problem: &Problem, groups: &Groups, cost: Cost) -> Self {
+    pub fn new(problem: &Problem, groups: &Groups, cost: Cost, detours: Option<&'a Detours<'a>>) -> Self {
         let n = problem.items.len();
         let mut places = Vec::with_capacity(2 * n + 4);
         let (mut all_vertices, mut first_vertex) = (Vec::new(), Vec::with_capacity(n + 3));
@@ -100,6 +104,7 @@ impl Walk {
         island.extend([NO_ISLAND, NO_ISLAND - 1]);
         Self {
             cost,
+            detours,
             entered: vec![2 * n as u32, 2 * n as u32 + 2],
             position: vec![0; n + 2],
             place: places,
@@ -242,9 +247,15 @@ impl Walk {
         }
     }
 
-    /// What is minimised.
+    /// What is minimised, of straight lines.
     pub fn cost(&self) -> &Cost {
         &self.cost
+    }
+
+    /// Whether links may cost more than straight lines.
+    #[inline]
+    pub fn has_detours(&self) -> bool {
+        self.detours.is_some()
     }
 
     /// Place of a node, millimetres.
@@ -253,24 +264,61 @@ impl Walk {
         self.place[node as usize]
     }
 
-    /// Cost of the link between two nodes.
+    /// Cost of the link between two nodes if it went straight.
     #[inline]
     pub fn link(&self, a: u32, b: u32) -> f64 {
         self.between([a, b].map(|node| self.place[node as usize]), [a / 2, b / 2])
     }
 
-    /// Cost of the link between a node and a vertex of a loop.
+    /// Cost of the link between a node and a vertex of a loop if it went straight.
     #[inline]
     pub fn link_to(&self, node: u32, item: u32, vertex: [f64; 2]) -> f64 {
         self.between([self.place[node as usize], vertex], [node / 2, item])
     }
 
-    /// Cost of the link between places on two items; nothing if one of them is anywhere.
+    /// By how much the link between two nodes is dearer than a straight one. Finding out takes long; a move that straight
+    /// links would not make cheaper need not ask.
+    #[inline]
+    pub fn surcharge(&self, a: u32, b: u32) -> f64 {
+        if self.detours.is_none() {
+            0.0
+        } else {
+            self.beyond_straight([a, b].map(|n| self.place(n)), [a / 2, b / 2])
+        }
+    }
+
+    /// By how much the link between a node and a vertex of a loop is dearer than a straight one.
+    #[inline]
+    pub fn surcharge_to(&self, node: u32, item: u32, vertex: [f64; 2]) -> f64 {
+        if self.detours.is_none() {
+            0.0
+        } else {
+            self.beyond_straight([self.place(node), vertex], [node / 2, item])
+        }
+    }
+
+    fn beyond_straight(&self, places: [[f64; 2]; 2], items: [u32; 2]) -> f64 {
+        let straight = self.between(places, items);
+        match self.detours {
+            Some(detours) if straight > 0.0 && self.share_island(items) => {
+                detours.cost(items, places[0], places[1]) - straight
+            }
+            _ => 0.0,
+        }
+    }
+
+    /// Cost of the straight link between places on two items; nothing if one of them is anywhere.
     #[inline]
     fn between(&self, [a, b]: [[f64; 2]; 2], items: [u32; 2]) -> f64 {
         let (dx, dy) = (a[0] - b[0], a[1] - b[1]);
         let square = dx * dx + dy * dy;
         if square > 0.0 { self.cost.of(square.sqrt(), self.share_island(items)) } else { 0.0 }
+    }
+
+    /// Whether the link over a gap is dearer than a straight one.
+    pub fn is_dear(&self, gap: u32) -> bool {
+        let [left, right] = [false, true].map(|right| self.node(End { gap, right }));
+        self.gap(gap) > self.link(left, right) + GAIN
     }
 
     #[inline]
@@ -283,7 +331,7 @@ impl Walk {
         self.share_island([false, true].map(|right| self.node(End { gap, right }) / 2))
     }
 
-    /// The vertex of a loop that is cheapest to visit between two nodes, and what its two links cost.
+    /// The vertex of a loop that is cheapest to visit between two nodes, and what its two links cost, if they go straight.
     pub fn best_vertex(&self, item: u32, before: u32, after: u32) -> (f64, u32) {
         const AT_ONCE: usize = 8;
         let vertices = self.vertices(item).unwrap_or_default();
@@ -332,7 +380,7 @@ impl Walk {
     /// Finds the cost of the link over a gap after a change.
     fn relink(&mut self, gap: u32) -> f64 {
         let (left, right) = (self.node(End { gap, right: false }), self.node(End { gap, right: true }));
-        let cost = self.link(left, right);
+        let cost = self.link(left, right) + self.surcharge(left, right);
         (self.link[left as usize], self.link[right as usize]) = (cost, cost);
         cost
     }

@@ -6,8 +6,7 @@
 
 use std::cell::{OnceCell, RefCell};
 
-use super::bead::distance;
-use crate::geom::{self, Boundary, BoundaryPos, EdgeGrid, Point, Region};
+use super::{Boundary, BoundaryPos, EdgeGrid, Point, Polygon, Region, offset, polyline_length_mm, simplify};
 
 /// How near to the outline a travel may pass, as a share of the outermost wall's width: near enough to begin and end
 /// on any bead, and so far inside that no bead is dragged over the edge.
@@ -27,7 +26,7 @@ const PULLS: usize = 4;
 
 /// How a travel gets from one place to another.
 #[derive(Clone, Debug, PartialEq)]
-pub(super) enum Way {
+pub enum Way {
     /// Inside the part, past these points (none: straight), so long in all.
     Inside(Vec<[f64; 2]>, f64),
     /// Straight over whatever is there.
@@ -36,7 +35,7 @@ pub(super) enum Way {
 
 /// Finds ways inside one layer. What it needs to know of the outline is worked out when first asked for.
 #[derive(Debug)]
-pub(super) struct Router<'a> {
+pub struct Router<'a> {
     outline: &'a Region,
     width_mm: f64,
     max_detour_mm: f64,
@@ -75,7 +74,7 @@ struct Access {
 impl<'a> Router<'a> {
     /// A router inside `outline`, whose outermost walls are `width_mm` wide. Detours add at most `max_detour_mm` to
     /// the straight way; 0: there are none.
-    pub(super) fn new(outline: &'a Region, width_mm: f64, max_detour_mm: f64) -> Self {
+    pub fn new(outline: &'a Region, width_mm: f64, max_detour_mm: f64) -> Self {
         Self {
             outline,
             width_mm,
@@ -88,9 +87,9 @@ impl<'a> Router<'a> {
 
     /// The way from one place to another. O(passed cells) where the straight line is clear, else O(n) for n
     /// vertices of the lanes, and a few clearance tests.
-    pub(super) fn way(&self, from: [f64; 2], to: [f64; 2]) -> Way {
+    pub fn way(&self, from: [f64; 2], to: [f64; 2]) -> Way {
         let [a, b] = [from, to].map(|[x, y]| Point::from_mm(x, y));
-        let straight_mm = distance(from, to);
+        let straight_mm = distance_mm(from, to);
         if a == b {
             return Way::Inside(Vec::new(), straight_mm);
         }
@@ -113,7 +112,7 @@ impl<'a> Router<'a> {
                 break;
             }
         }
-        let length_mm = geom::polyline_length_mm(&points);
+        let length_mm = polyline_length_mm(&points);
         if length_mm > longest_mm || !points.windows(2).all(|leg| self.clear(leg[0], leg[1])) {
             return Way::Across;
         }
@@ -122,15 +121,14 @@ impl<'a> Router<'a> {
     }
 
     fn edge(&self) -> &EdgeGrid {
-        self.edge.get_or_init(|| EdgeGrid::new(&geom::offset(self.outline, -CLEARANCE * self.width_mm)))
+        self.edge.get_or_init(|| EdgeGrid::new(&offset(self.outline, -CLEARANCE * self.width_mm)))
     }
 
     fn lanes(&self) -> &Lanes {
         self.lanes.get_or_init(|| {
-            let region = geom::offset(self.outline, -self.width_mm);
-            let region = geom::simplify(&region, ROUGH * self.width_mm);
-            let rings =
-                |(polygon, p): (usize, &geom::Polygon)| std::iter::repeat_n(polygon, 1 + p.holes.len());
+            let region = offset(self.outline, -self.width_mm);
+            let region = simplify(&region, ROUGH * self.width_mm);
+            let rings = |(polygon, p): (usize, &Polygon)| std::iter::repeat_n(polygon, 1 + p.holes.len());
             let polygon = region.polygons.iter().enumerate().flat_map(rings).collect();
             Lanes { grid: EdgeGrid::new(&region), polygon, region }
         })
@@ -192,15 +190,14 @@ impl<'a> Router<'a> {
         }
         points.extend([end.point, b]);
         points.dedup();
-        (geom::polyline_length_mm(&points) <= longest_mm).then_some(points)
+        (polyline_length_mm(&points) <= longest_mm).then_some(points)
     }
 
     /// Where a place has access to the lanes: itself if it is on one, else the nearest place on a boundary.
     fn access(&self, p: Point) -> Option<Access> {
         let lanes = self.lanes();
         if lanes.grid.contains(p) {
-            let inside =
-                |polygon: &geom::Polygon| polygon.rings().fold(false, |odd, ring| odd ^ winds(ring, p));
+            let inside = |polygon: &Polygon| polygon.rings().fold(false, |odd, ring| odd ^ winds(ring, p));
             let polygon = lanes.region.polygons.iter().position(inside)?;
             return Some(Access { point: p, polygon, on: None });
         }
@@ -284,10 +281,15 @@ fn scaled(d: Point, t: f64) -> Point {
     Point::new((f64::from(d.x) * t).round() as i32, (f64::from(d.y) * t).round() as i32)
 }
 
+fn distance_mm(a: [f64; 2], b: [f64; 2]) -> f64 {
+    let (dx, dy) = (b[0] - a[0], b[1] - a[1]);
+    (dx * dx + dy * dy).sqrt()
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::geom::{Polygon, Ring};
+    use crate::geom::{self, Ring};
 
     fn ring(points: &[(f64, f64)]) -> Ring {
         points.iter().map(|&(x, y)| Point::from_mm(x, y)).collect()
@@ -311,7 +313,7 @@ mod tests {
     fn a_clear_way_is_straight() {
         let region = frame();
         let way = Router::new(&region, 0.45, 20.0).way([2.0, 2.0], [38.0, 3.0]);
-        assert_eq!(way, Way::Inside(Vec::new(), distance([2.0, 2.0], [38.0, 3.0])));
+        assert_eq!(way, Way::Inside(Vec::new(), distance_mm([2.0, 2.0], [38.0, 3.0])));
     }
 
     #[test]
@@ -321,7 +323,7 @@ mod tests {
         for at in (0..80).flat_map(|x| (0..40).map(move |y| [x, y].map(|half| 0.5 * f64::from(half)))) {
             assert_eq!(
                 router.way(at, [at[0] + 1e-9, at[1]]),
-                Way::Inside(Vec::new(), distance(at, [at[0] + 1e-9, at[1]]))
+                Way::Inside(Vec::new(), distance_mm(at, [at[0] + 1e-9, at[1]]))
             );
         }
     }
@@ -334,7 +336,7 @@ mod tests {
         let Way::Inside(points, length) = router.way(from, to) else { panic!("there is a way") };
         // Over two corners of the lane around the hole.
         let corner = [15.0 - 0.45, 15.0 + 0.45];
-        let shortest = 2.0 * distance(from, corner) + 10.9;
+        let shortest = 2.0 * distance_mm(from, corner) + 10.9;
         assert!((length - shortest).abs() < 0.05, "{length} instead of {shortest}: {points:?}");
         let on_wall = router.way([2.0, 11.0], [25.0 + 0.225, 12.0]);
         assert!(length_mm(&on_wall) < 30.0, "from an outer wall, {on_wall:?}");
@@ -359,7 +361,7 @@ mod tests {
                 .map(|[x, y]| Point::from_mm(x, y))
                 .collect();
             let pieces = geom::clip_polyline(&region, &all);
-            let inside: f64 = pieces.iter().map(|p| geom::polyline_length_mm(&p.points)).sum();
+            let inside: f64 = pieces.iter().map(|p| polyline_length_mm(&p.points)).sum();
             assert!((inside - length).abs() < 1e-6, "{inside} of {length} mm inside");
         }
     }

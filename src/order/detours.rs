@@ -1,0 +1,85 @@
+//! What travels inside of islands really cost: the way round holes and outer walls, or over them and retracted where it is too long.
+
+use std::cell::RefCell;
+
+use rustc_hash::FxHashMap;
+
+use super::Cost;
+use crate::geom::{Router, Way};
+use crate::profile::Settings;
+use crate::toolpath::LayerPaths;
+
+/// How travels are led round what they must not cross.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct DetourRule {
+    /// Width of the outermost wall, millimetres.
+    wall_width_mm: f64,
+    /// By how much a detour may lengthen a travel, millimetres.
+    max_mm: f64,
+    /// What a retraction is worth, millimetres: travels inside are not retracted up to this length.
+    retraction_mm: f64,
+}
+
+impl DetourRule {
+    /// The rule of the settings; `None`: travels go straight.
+    pub fn new(settings: &Settings) -> Option<Self> {
+        let (travel, walls) = (&settings.travel, &settings.walls);
+        let rule = Self {
+            wall_width_mm: walls.external_width.0,
+            max_mm: travel.max_detour.0,
+            retraction_mm: travel.retract_inside.0,
+        };
+        (travel.avoid_crossing && rule.max_mm > 0.0).then_some(rule)
+    }
+
+    /// What finds the ways of one layer.
+    pub fn router(self, layer: &LayerPaths) -> Router<'_> {
+        Router::new(&layer.outline, self.wall_width_mm, self.max_mm)
+    }
+
+    /// Cost of the travel between two places of an island. A detour costs what so long a travel does; crossing a wall, what
+    /// the travel costs with a retraction, and where lengths count, that much more as is travelled without one.
+    pub fn cost(self, router: &Router, cost: &Cost, from: [f64; 2], to: [f64; 2]) -> f64 {
+        match (router.way(from, to), cost) {
+            (Way::Inside(_, length_mm), _) => cost.of(length_mm, true),
+            (Way::Across, Cost::Length) => (from[0] - to[0]).hypot(from[1] - to[1]) + self.retraction_mm,
+            (Way::Across, Cost::Time(_)) => cost.of((from[0] - to[0]).hypot(from[1] - to[1]), false),
+        }
+    }
+}
+
+/// The detours of consecutive layers, ordered as one problem. Remembers what it was asked.
+#[derive(Debug)]
+pub struct Detours<'a> {
+    rule: DetourRule,
+    cost: Cost,
+    routers: &'a [Router<'a>],
+    /// The first item of each layer, ascending.
+    first_item: Vec<u32>,
+    known: RefCell<FxHashMap<(u32, [u64; 4]), f64>>,
+}
+
+impl<'a> Detours<'a> {
+    /// Those of layers whose paths are numbered through, each with its router.
+    pub fn new(rule: DetourRule, cost: Cost, layers: &[LayerPaths], routers: &'a [Router<'a>]) -> Self {
+        let mut count = 0;
+        let first_item = layers.iter().map(|layer| {
+            let first = count;
+            count += layer.paths.len() as u32;
+            first
+        });
+        Self { rule, cost, first_item: first_item.collect(), routers, known: RefCell::default() }
+    }
+
+    /// Cost of the travel between places on two items of an island, of one layer or of neighbouring ones; the same in both
+    /// directions.
+    pub fn cost(&self, items: [u32; 2], from: [f64; 2], to: [f64; 2]) -> f64 {
+        let (from, to) = if from <= to { (from, to) } else { (to, from) };
+        // The nozzle climbs first, so the upper layer's outline matters.
+        let upper = items[0].max(items[1]);
+        let layer = self.first_item.partition_point(|&first| first <= upper) - 1;
+        let key = (layer as u32, [from[0], from[1], to[0], to[1]].map(f64::to_bits));
+        let find = || self.rule.cost(&self.routers[layer], &self.cost, from, to);
+        *self.known.borrow_mut().entry(key).or_insert_with(find)
+    }
+}

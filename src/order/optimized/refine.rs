@@ -1,0 +1,63 @@
+//! Local search with what travels really cost, around the links that are longer than they look.
+
+use super::super::detours::Detours;
+use super::super::precedence::Groups;
+use super::super::{Cost, Problem, Sequence};
+use super::search::Search;
+use super::steps_per_path;
+use crate::profile::Effort;
+use crate::random::Random;
+
+/// How often those links are found again and kicked.
+const ROUNDS: u64 = 8;
+
+/// Improves a solution that was found as if all travels went straight. Only where its links lead round something is there
+/// anything to gain.
+///
+/// Never dearer than it was, detours counted.
+pub(super) fn refine(
+    problem: &Problem,
+    cost: &Cost,
+    effort: Effort,
+    detours: &Detours,
+    sequence: Sequence,
+) -> Sequence {
+    let groups = Groups::new(problem);
+    let mut search = Search::with_detours(problem, &groups, *cost, detours);
+    search.resume(&sequence);
+    let mut random = Random::new(problem.items.len() as u64);
+    for _ in 0..ROUNDS {
+        let dear = search.dear();
+        if dear.is_empty() {
+            break;
+        }
+        let steps = dear.len() as u64 * steps_per_path(effort, problem.scope) / ROUNDS;
+        search.iterate_at(&dear, &mut random, steps);
+    }
+    search.sequence()
+}
+
+impl Search<'_> {
+    /// Takes up a solution, and improves what is dearer than it looks.
+    fn resume(&mut self, sequence: &Sequence) {
+        self.walk.append(sequence);
+        self.finish(|walk, gap| walk.is_dear(gap));
+    }
+
+    /// Items before and after which a link is dearer than it looks.
+    fn dear(&self) -> Vec<u32> {
+        (1..=self.walk.len())
+            .filter(|&gap| self.walk.is_dear(gap))
+            .map(|gap| self.walk.item_at(gap))
+            .collect()
+    }
+
+    /// Kicks the walk at some items, each wherever it is by then, until `budget` steps are done.
+    fn iterate_at(&mut self, items: &[u32], random: &mut Random, budget: u64) {
+        let end = self.walk.work + budget;
+        while self.walk.work < end {
+            let item = items[random.below(items.len() as u32) as usize];
+            self.kick_and_repair(self.walk.position(item), random);
+        }
+    }
+}
