@@ -61,8 +61,8 @@ pub struct Learner {
 /// What a retraction by the firmware is taken to last.
 const FIRMWARE_MINUTES: f64 = 0.1 / 60.0;
 /// A way goes round something if it is so many times as long as the straight one, and this much longer, mm.
-const DETOUR: f64 = 1.1;
-const DETOUR_MM: f64 = 1.0;
+const DETOUR: f64 = 1.05;
+const DETOUR_MM: f64 = 0.3;
 /// Of more different ways to travel none is a habit.
 const MOST_KINDS: usize = 100;
 /// So many links tell enough.
