@@ -49,6 +49,7 @@ pub struct Router<'a> {
 #[derive(Debug)]
 struct Lanes {
     region: Region,
+    boundary: Boundary<'static>,
     grid: EdgeGrid,
     /// Which polygon each ring belongs to.
     polygon: Vec<usize>,
@@ -130,7 +131,8 @@ impl<'a> Router<'a> {
             let region = simplify(&region, ROUGH * self.width_mm);
             let rings = |(polygon, p): (usize, &Polygon)| std::iter::repeat_n(polygon, 1 + p.holes.len());
             let polygon = region.polygons.iter().enumerate().flat_map(rings).collect();
-            Lanes { grid: EdgeGrid::new(&region), polygon, region }
+            let boundary = Boundary::new(&region).into_owned();
+            Lanes { grid: EdgeGrid::new(&region), boundary, polygon, region }
         })
     }
 
@@ -174,17 +176,16 @@ impl<'a> Router<'a> {
             return None;
         }
         let meetings = lanes.meetings(&start, &end);
-        let boundary = Boundary::new(&lanes.region);
         let mut points = vec![a, start.point];
         let mut first = 0;
         while first < meetings.len() {
             let from = meetings[first];
             let last = meetings.iter().rposition(|m| m.on.ring == from.on.ring)?;
             let to = meetings[last];
-            let ahead_mm = boundary.way_mm(from.on, to.on)?;
-            let ahead = ahead_mm <= boundary.ring_length_mm(from.on.ring) / 2.0;
+            let ahead_mm = lanes.boundary.way_mm(from.on, to.on)?;
+            let ahead = ahead_mm <= lanes.boundary.ring_length_mm(from.on.ring) / 2.0;
             points.push(from.point);
-            points.extend(boundary.vertices_between(from.on, to.on, ahead));
+            points.extend(lanes.boundary.vertices_between(from.on, to.on, ahead));
             points.push(to.point);
             first = last + 1;
         }

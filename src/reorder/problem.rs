@@ -161,11 +161,8 @@ struct Classes {
 
 impl Classes {
     fn new(block: &Block, island: &[u32], beside: &[Option<Beside>]) -> Self {
-        let name = |path: &Path| {
-            let state = block.segs[path.segs.start].state as usize;
-            (path.role, block.states[state].get(Key::Type).of(&block.text))
-        };
-        let depth = depths(&block.paths, |i| (island[i], name(&block.paths[i])), beside);
+        let name = names(block);
+        let depth = depths(&block.paths, |i| (island[i], name[i]), beside);
         // (island, type, depth) in the order of their first paths.
         let mut known = FxHashMap::default();
         let mut runs: Vec<Run> = Vec::new();
@@ -174,7 +171,7 @@ impl Classes {
             .iter()
             .enumerate()
             .map(|(i, path)| {
-                let run = *known.entry((island[i], name(path), depth[i])).or_insert_with(|| {
+                let run = *known.entry((island[i], name[i], depth[i])).or_insert_with(|| {
                     runs.push(Run {
                         island: island[i],
                         wall: is_wall(path),
@@ -227,6 +224,17 @@ impl Classes {
     fn stay_together(&self, a: usize, b: usize, island: &[u32]) -> bool {
         island[a] == island[b] && self.alternating[a] && self.alternating[b] && self.kind[a] <= self.kind[b]
     }
+}
+
+/// A number for the role and type of each path, the same for the same.
+fn names(block: &Block) -> Vec<u32> {
+    let mut known = FxHashMap::default();
+    let name = |path: &Path| {
+        let state = block.segs[path.segs.start].state as usize;
+        let next = known.len() as u32;
+        *known.entry((path.role, block.states[state].get(Key::Type).of(&block.text))).or_insert(next)
+    };
+    block.paths.iter().map(name).collect()
 }
 
 /// How many walls of its own type and island each wall has on one side of it, where the file draws those of a type one
