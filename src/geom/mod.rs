@@ -24,7 +24,7 @@ pub use grid::{Edge, EdgeGrid};
 pub use hatch::{HatchEnd, HatchLine, scan_lines};
 pub use medial::{MedialPath, medial_axis};
 pub use offset::{closing, offset, offset_with, opening};
-pub use point::{Point, UNITS_PER_MM, to_mm, to_segment_mm, to_units};
+pub use point::{Point, UNITS_PER_MM, distance_mm, to_mm, to_segment_mm, to_units};
 pub use raw_offset::Join;
 pub use region::{Bounds, Polygon, Region, Ring, ring_area, ring_length_mm};
 pub use route::{Router, Way};

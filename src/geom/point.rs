@@ -103,6 +103,13 @@ impl Neg for Point {
     }
 }
 
+/// Distance of two points, all in millimetres.
+#[inline]
+pub fn distance_mm(a: [f64; 2], b: [f64; 2]) -> f64 {
+    let (dx, dy) = (b[0] - a[0], b[1] - a[1]);
+    (dx * dx + dy * dy).sqrt()
+}
+
 /// Distance of a point from the segment between two others, all in millimetres.
 pub fn to_segment_mm(p: [f64; 2], a: [f64; 2], b: [f64; 2]) -> f64 {
     let d = [b[0] - a[0], b[1] - a[1]];

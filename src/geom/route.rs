@@ -6,7 +6,8 @@
 
 use std::cell::{OnceCell, RefCell};
 
-use super::{Boundary, BoundaryPos, EdgeGrid, Point, Polygon, Region, offset, polyline_length_mm, simplify};
+use super::{Boundary, BoundaryPos, EdgeGrid, Point, Polygon, Region};
+use super::{distance_mm, offset, polyline_length_mm, simplify};
 
 /// How near to the outline a travel may pass, as a share of the outermost wall's width: near enough to begin and end
 /// on any bead, and so far inside that no bead is dragged over the edge.
@@ -280,11 +281,6 @@ fn winds(ring: &[Point], p: Point) -> bool {
 
 fn scaled(d: Point, t: f64) -> Point {
     Point::new((f64::from(d.x) * t).round() as i32, (f64::from(d.y) * t).round() as i32)
-}
-
-fn distance_mm(a: [f64; 2], b: [f64; 2]) -> f64 {
-    let (dx, dy) = (b[0] - a[0], b[1] - a[1]);
-    (dx * dx + dy * dy).sqrt()
 }
 
 #[cfg(test)]

@@ -1,7 +1,7 @@
 //! Finds the stretches of a polyline that follow a circle, to be written as one G2 or G3 each.
 
-use super::bead::distance;
 use super::simplify::MERGE_TOLERANCE_MM;
+use crate::geom::distance_mm;
 use crate::geom::to_segment_mm;
 
 /// An arc replaces at least this many segments: fewer are no shorter as arcs.
@@ -86,7 +86,7 @@ enum Fit {
 /// x² − Lx + y² = 2cy; c, the centre's distance from the chord, is found by linear least squares.
 fn fit(points: &[[f64; 2]], tolerance_mm: f64) -> Fit {
     let (a, b) = (points[0], points[points.len() - 1]);
-    let chord_mm = distance(a, b);
+    let chord_mm = distance_mm(a, b);
     if chord_mm <= MERGE_TOLERANCE_MM {
         return Fit::Bad;
     }
@@ -104,7 +104,7 @@ fn fit(points: &[[f64; 2]], tolerance_mm: f64) -> Fit {
     }
     let c = 0.5 * yq / yy;
     let center = [0.5 * (a[0] + b[0]) - c * along[1], 0.5 * (a[1] + b[1]) + c * along[0]];
-    let radius_mm = distance(a, center);
+    let radius_mm = distance_mm(a, center);
     if radius_mm > MAX_RADIUS_MM {
         return Fit::Flat;
     }
@@ -116,7 +116,7 @@ fn fit(points: &[[f64; 2]], tolerance_mm: f64) -> Fit {
             return Fit::Bad;
         }
         swept += turn.abs();
-        let off_mm = (distance(pair[1], center) - radius_mm).abs();
+        let off_mm = (distance_mm(pair[1], center) - radius_mm).abs();
         let sag_mm = (radius_mm - to_segment_mm(center, pair[0], pair[1])).abs();
         if off_mm > tolerance_mm || sag_mm > tolerance_mm {
             return Fit::Bad;
@@ -153,7 +153,7 @@ mod tests {
         assert!(parts.len() <= 3, "{parts:?}");
         for part in &parts {
             let arc = part.arc.expect("all of it is round");
-            assert!(distance(arc.center, [50.0, 50.0]) < 0.01 && !arc.clockwise);
+            assert!(distance_mm(arc.center, [50.0, 50.0]) < 0.01 && !arc.clockwise);
         }
         assert_eq!(parts.last().map(|p| p.end), Some(100));
     }

@@ -27,13 +27,6 @@ impl Vertex {
     }
 }
 
-/// Distance of two points.
-#[inline]
-pub(super) fn distance(a: [f64; 2], b: [f64; 2]) -> f64 {
-    let (dx, dy) = (b[0] - a[0], b[1] - a[1]);
-    (dx * dx + dy * dy).sqrt()
-}
-
 /// Writes the path's vertices, in the order in which they are drawn, over what `out` held. A closed path
 /// begins and ends with the same vertex. `entry` as in [`Visit`](crate::order::Visit).
 pub(super) fn trace(path: &Path, entry: u32, flow: f64, out: &mut Vec<Vertex>) {

@@ -1,6 +1,7 @@
 //! How loops begin and end without a blob: with a gap, or with a scarf.
 
-use super::bead::{Vertex, distance};
+use super::bead::Vertex;
+use crate::geom::distance_mm;
 
 /// Loops shorter than so many gaps or scarfs stay as they are.
 const SHORTEST: f64 = 4.0;
@@ -18,7 +19,7 @@ pub(super) fn clip(vertices: &mut Vec<Vertex>, gap_mm: f64) {
     }
     let mut left_mm = gap_mm;
     while let [.., before, last] = vertices.as_mut_slice() {
-        let edge_mm = distance(before.at, last.at);
+        let edge_mm = distance_mm(before.at, last.at);
         if edge_mm > left_mm {
             *last = before.towards(*last, 1.0 - left_mm / edge_mm);
             return;
@@ -70,7 +71,7 @@ impl Scarf {
             let (middle, end) = (share(f64::from(step) - 0.5), share(f64::from(step)));
             while left_mm > 1e-9 {
                 let [from, to] = [rest[0], rest[1]];
-                let edge_mm = distance(from.at, to.at);
+                let edge_mm = distance_mm(from.at, to.at);
                 let part = from.towards(to, left_mm / edge_mm.max(f64::MIN_POSITIVE));
                 let way_mm = edge_mm.min(left_mm);
                 let area_mm2 = 0.5 * (from.area_mm2 + part.area_mm2);
@@ -93,7 +94,7 @@ impl Scarf {
 }
 
 fn length_mm(vertices: &[Vertex]) -> f64 {
-    vertices.windows(2).map(|v| distance(v[0].at, v[1].at)).sum()
+    vertices.windows(2).map(|v| distance_mm(v[0].at, v[1].at)).sum()
 }
 
 #[cfg(test)]
@@ -109,7 +110,7 @@ mod tests {
     fn a_clipped_loop_is_shorter_by_the_gap() {
         let mut vertices = square();
         clip(&mut vertices, 0.3);
-        assert!(distance(vertices[4].at, [0.0, 0.3]) < 1e-9, "{vertices:?}");
+        assert!(distance_mm(vertices[4].at, [0.0, 0.3]) < 1e-9, "{vertices:?}");
         clip(&mut vertices, 9.75);
         assert!((length_mm(&vertices) - 29.95).abs() < 1e-9, "over a corner: {vertices:?}");
         let before = vertices.clone();

@@ -1,6 +1,7 @@
 //! How far walls hang over what they rest on, and how they are printed there.
 
-use super::bead::{Vertex, distance};
+use super::bead::Vertex;
+use crate::geom::distance_mm;
 use crate::geom::{Bounds, EdgeGrid, Point, Region, to_segment_mm};
 
 /// Walls are looked at in steps of this.
@@ -59,7 +60,7 @@ impl Support {
     pub(super) fn stretches(&self, vertices: &[Vertex], width_mm: f64) -> Vec<Stretch> {
         let mut walk = Walk { support: self, width_mm, inside: None, near: Vec::new(), out: Vec::new() };
         for pair in vertices.windows(2) {
-            let parts = (distance(pair[0].at, pair[1].at) / PART_MM).ceil().max(1.0);
+            let parts = (distance_mm(pair[0].at, pair[1].at) / PART_MM).ceil().max(1.0);
             let mut from = pair[0];
             for part in 1..=parts as u32 {
                 let to = pair[0].towards(pair[1], f64::from(part) / parts);
@@ -79,7 +80,7 @@ fn smoothed(stretches: Vec<Stretch>) -> Vec<Stretch> {
     let grades: Vec<Grade> = stretches.iter().map(|stretch| stretch.0).collect();
     let mut out: Vec<Stretch> = Vec::with_capacity(stretches.len());
     for (i, (own, vertices)) in stretches.into_iter().enumerate() {
-        let length_mm: f64 = vertices.windows(2).map(|v| distance(v[0].at, v[1].at)).sum();
+        let length_mm: f64 = vertices.windows(2).map(|v| distance_mm(v[0].at, v[1].at)).sum();
         let beside = &grades[i.saturating_sub(1)..(i + 2).min(grades.len())];
         let grade = match beside.iter().max() {
             Some(&most) if length_mm < SHORTEST_MM => most,
@@ -125,7 +126,7 @@ impl Walk<'_> {
         if away >= 0.5 || (inside && away >= 0.25) {
             return self.push(Grade::of(if inside { -away } else { away }), from, to);
         }
-        let steps = (distance(from.at, to.at) / STEP_MM).ceil().max(1.0);
+        let steps = (distance_mm(from.at, to.at) / STEP_MM).ceil().max(1.0);
         let mut start = from;
         for step in 1..=steps as u32 {
             let end = from.towards(to, f64::from(step) / steps);
@@ -207,10 +208,10 @@ mod tests {
         let stretches = Support::new(&two).stretches(&line(&[[1.0, 5.0], [29.0, 5.0]]), 0.4);
         let grades: Vec<Grade> = stretches.iter().map(|s| s.0).collect();
         assert_eq!(grades, [Grade::Held, Grade::Air, Grade::Held]);
-        let (air, length_mm) = (&stretches[1].1, distance([1.0, 5.0], [29.0, 5.0]));
+        let (air, length_mm) = (&stretches[1].1, distance_mm([1.0, 5.0], [29.0, 5.0]));
         assert!((air[0].at[0] - 10.0).abs() < 0.6 && (air.last().unwrap().at[0] - 20.0).abs() < 0.6);
         let sum: f64 =
-            stretches.iter().flat_map(|s| s.1.windows(2)).map(|v| distance(v[0].at, v[1].at)).sum();
+            stretches.iter().flat_map(|s| s.1.windows(2)).map(|v| distance_mm(v[0].at, v[1].at)).sum();
         assert!((sum - length_mm).abs() < 1e-9, "nothing is lost: {sum}");
     }
 }

@@ -33,12 +33,11 @@ pub fn plan_layer(
     // Curves are drawn with more vertices than they have.
     let mut moves = Vec::with_capacity(2 * vertices + 6 * sequence.len() + 8);
     moves.extend(rules.opening());
-    let detour_mm = if settings.travel.avoid_crossing { settings.travel.max_detour.0 } else { 0.0 };
     // Where the layers are alike, as in a prism, nothing hangs over.
     let beneath = layer.beneath.as_ref().filter(|beneath| **beneath != layer.outline);
     let mut nozzle = Nozzle {
         settings,
-        router: Router::new(&layer.outline, settings.wall_width.0, detour_mm),
+        router: Router::new(&layer.outline, settings.wall_width.0, settings.travel.detour_mm()),
         support: beneath.map(Support::new),
         island: None,
         fan: rules.fan(None),
@@ -299,5 +298,5 @@ impl Nozzle<'_> {
 }
 
 fn points_length_mm(vertices: &[Vertex]) -> f64 {
-    vertices.windows(2).map(|v| super::bead::distance(v[0].at, v[1].at)).sum()
+    vertices.windows(2).map(|v| crate::geom::distance_mm(v[0].at, v[1].at)).sum()
 }

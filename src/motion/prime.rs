@@ -1,7 +1,7 @@
 //! What is fed beyond what was pulled back: with the beginning of the next bead, so that it leaves no blob.
 
 use super::Move;
-use super::bead::distance;
+use crate::geom::distance_mm;
 use crate::units::Mm3;
 
 /// Way on which it is fed.
@@ -20,7 +20,7 @@ pub(super) fn prime(moves: &mut Vec<Move>, first: usize, from: [f64; 2], owed_mm
         | Move::Ramp { to, volume, speed, .. }
         | Move::Arc { to, volume, speed, .. } = step
         {
-            let length_mm = distance(at, to);
+            let length_mm = distance_mm(at, to);
             let share = if line { (left_mm / length_mm).min(1.0) } else { 1.0 };
             if share < 1.0 {
                 let cut = [0, 1].map(|i| at[i] + share * (to[i] - at[i]));

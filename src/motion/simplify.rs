@@ -1,7 +1,8 @@
 //! Fewer moves for the same bead: vertices that the machine could not tell from a straight line are dropped,
 //! and beads of changing width are cut into pieces of constant flow.
 
-use super::bead::{Vertex, distance};
+use super::bead::Vertex;
+use crate::geom::distance_mm;
 
 /// How far a dropped vertex may lie from the line that replaces it: less than half a step of a common machine
 /// (80 steps/mm are 12.5 µm each).
@@ -87,7 +88,7 @@ pub(super) fn straighten(vertices: &[Vertex], out: &mut Vec<Piece>) {
             d = [vertex.at[0] - anchor.at[0], vertex.at[1] - anchor.at[1]];
             length_mm = (d[0] * d[0] + d[1] * d[1]).sqrt();
         }
-        volume_mm3 += 0.5 * (last.area_mm2 + vertex.area_mm2) * distance(last.at, vertex.at);
+        volume_mm3 += 0.5 * (last.area_mm2 + vertex.area_mm2) * distance_mm(last.at, vertex.at);
         if length_mm > MERGE_TOLERANCE_MM {
             let around = Cone::around(d, length_mm);
             cone = Some(cone.map_or(around, |cone| cone.narrowed(around)));
@@ -105,7 +106,7 @@ fn split(a: Vertex, b: Vertex, volume_mm3: f64, out: &mut Vec<Piece>) {
         out.push(Piece { to: b.at, volume_mm3, area_mm2: 0.5 * sum });
         return;
     }
-    let by_length = (distance(a.at, b.at) / MIN_PIECE_MM).floor();
+    let by_length = (distance_mm(a.at, b.at) / MIN_PIECE_MM).floor();
     let count = (change / AREA_STEP).ceil().min(by_length).max(1.0);
     for piece in 1..=count as u32 {
         let (end, middle) = (f64::from(piece) / count, (f64::from(piece) - 0.5) / count);
@@ -164,7 +165,7 @@ mod tests {
                 steps.iter().map(|s| { at = [at[0] + s.0, at[1] + s.1]; at }).collect();
             let mut out = Vec::new();
             straighten(&vertices(&points), &mut out);
-            let length: f64 = points.windows(2).map(|w| distance(w[0], w[1])).sum();
+            let length: f64 = points.windows(2).map(|w| distance_mm(w[0], w[1])).sum();
             prop_assert!((out.iter().map(|p| p.volume_mm3).sum::<f64>() - 0.08 * length).abs() < 1e-9);
             let kept: Vec<[f64; 2]> = std::iter::once(points[0]).chain(out.iter().map(|p| p.to)).collect();
             for p in &points {

@@ -3,8 +3,8 @@
 //! Firmwares take a corner the slower the more it turns, a curve in many small turns nearly as fast as its
 //! radius allows. So the turns of infill are rounded, and curves get back the vertices that slicing took.
 
-use super::bead::distance;
 use super::simplify::Piece;
+use crate::geom::distance_mm;
 use crate::toolpath::Role;
 
 /// No piece is made shorter than this.
@@ -49,7 +49,7 @@ const CORNER_RAD: f64 = 0.6;
 
 /// The direction of a way, and its length.
 fn direction(a: [f64; 2], b: [f64; 2]) -> ([f64; 2], f64) {
-    let length_mm = distance(a, b);
+    let length_mm = distance_mm(a, b);
     let per_mm = 1.0 / length_mm.max(f64::MIN_POSITIVE);
     ([(b[0] - a[0]) * per_mm, (b[1] - a[1]) * per_mm], length_mm)
 }
@@ -102,7 +102,7 @@ pub(super) fn round_corners(from: [f64; 2], pieces: &[Piece], rounding: &Roundin
         let begin = [corner[0] - u[0] * tangent_mm, corner[1] - u[1] * tangent_mm];
         let (from_u_mm3, from_v_mm3) =
             (pieces[i - 1].volume_mm3 * tangent_mm / u_mm, next.volume_mm3 * tangent_mm / v_mm);
-        if distance(at, begin) > 1e-6 {
+        if distance_mm(at, begin) > 1e-6 {
             out.push(Piece { to: begin, volume_mm3: left.volume_mm3 - from_u_mm3, ..left });
         }
         let left_of = [-u[1] * turn.signum(), u[0] * turn.signum()];
@@ -117,7 +117,7 @@ pub(super) fn round_corners(from: [f64; 2], pieces: &[Piece], rounding: &Roundin
         }
         left = Piece { volume_mm3: next.volume_mm3 - from_v_mm3, ..*next };
     }
-    if distance(at, left.to) > 1e-6 {
+    if distance_mm(at, left.to) > 1e-6 {
         out.push(left);
     }
 }
@@ -164,7 +164,7 @@ mod tests {
 
     fn pieces(points: &[[f64; 2]]) -> Vec<Piece> {
         let piece =
-            |w: &[[f64; 2]]| Piece { to: w[1], volume_mm3: 0.08 * distance(w[0], w[1]), area_mm2: 0.08 };
+            |w: &[[f64; 2]]| Piece { to: w[1], volume_mm3: 0.08 * distance_mm(w[0], w[1]), area_mm2: 0.08 };
         points.windows(2).map(piece).collect()
     }
 
@@ -184,7 +184,7 @@ mod tests {
         assert!(out.iter().all(|p| p.to != points[2]), "{out:?}");
         // The chords cut off a little more than the arc.
         let middle = |w: &[Piece]| [0, 1].map(|i| 0.5 * (w[0].to[i] + w[1].to[i]));
-        let off_mm = out.windows(2).map(|w| distance(middle(w), points[2])).fold(f64::INFINITY, f64::min);
+        let off_mm = out.windows(2).map(|w| distance_mm(middle(w), points[2])).fold(f64::INFINITY, f64::min);
         assert!(off_mm < 0.015 && off_mm > 0.0, "{off_mm}");
     }
 
@@ -194,7 +194,7 @@ mod tests {
         let mut out = Vec::new();
         round_corners(points[0], &pieces(&points), &Rounding::of(Role::InternalInfill, 0.45), &mut out);
         assert!(sharpest(points[0], &out) < 0.4, "{out:?}");
-        assert!(out.iter().all(|p| distance(p.to, [9.0, 0.0]) > 0.08));
+        assert!(out.iter().all(|p| distance_mm(p.to, [9.0, 0.0]) > 0.08));
         assert!((out.iter().map(|p| p.volume_mm3).sum::<f64>() - 0.08 * 18.41).abs() < 1e-9);
         assert_eq!(out.last().map(|p| p.to), Some(points[3]));
     }
@@ -210,8 +210,10 @@ mod tests {
         refine_curves(circle[0], &pieces(&circle), &mut out);
         // The first and the last piece have a neighbour on one side only.
         let inner = &out[4..out.len() - 4];
-        assert!(inner.len() >= 55 && inner.iter().all(|p| (distance(p.to, [0.0, 0.0]) - 1.0).abs() < 0.001));
-        assert!(out.windows(2).all(|p| distance(p[0].to, p[1].to) > 0.05));
+        assert!(
+            inner.len() >= 55 && inner.iter().all(|p| (distance_mm(p.to, [0.0, 0.0]) - 1.0).abs() < 0.001)
+        );
+        assert!(out.windows(2).all(|p| distance_mm(p[0].to, p[1].to) > 0.05));
         out.clear();
         refine_curves(hexagon[0], &pieces(&hexagon), &mut out);
         assert_eq!(out, pieces(&hexagon));

@@ -1,9 +1,10 @@
 //! Turns of a spiral: drawn without a stop, rising on the way.
 
 use super::Move;
-use super::bead::{Vertex, distance};
+use super::bead::Vertex;
 use super::overhang::Grade;
 use super::plan::Nozzle;
+use crate::geom::distance_mm;
 use crate::toolpath::{Path, Rise};
 use crate::units::Mm3;
 
@@ -29,7 +30,7 @@ impl Nozzle<'_> {
             self.moves.push(Move::Ramp {
                 to: to.at,
                 z_mm: top_mm - rise.below_mm,
-                volume: Mm3(area_mm2 * distance(from.at, to.at)),
+                volume: Mm3(area_mm2 * distance_mm(from.at, to.at)),
                 speed: self.rules.melted(speed, area_mm2),
             });
         }

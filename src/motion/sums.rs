@@ -1,7 +1,7 @@
 //! Lengths and volume of planned moves, as they would be measured on the finished file.
 
-use super::bead::distance;
 use super::{LayerMoves, Move};
+use crate::geom::distance_mm;
 use crate::units::{Mm, Mm3};
 
 /// What a layer's moves come to. Ways are in X and Y; those before the first bead of the print do not count.
@@ -43,7 +43,7 @@ impl LayerMoves {
         for step in &self.moves {
             match step {
                 Move::Travel { to, .. } | Move::Climb { to, .. } | Move::Wipe { to, .. } => {
-                    travel_mm += at.map_or(0.0, |at| distance(at, *to));
+                    travel_mm += at.map_or(0.0, |at| distance_mm(at, *to));
                     at = Some(*to);
                 }
                 Move::Extrude { to, volume, .. }
@@ -52,13 +52,13 @@ impl LayerMoves {
                     let start = at.unwrap_or(*to);
                     if let (true, Some(end)) = (travel_mm > 0.0, bead_end) {
                         sums.travel += Mm(travel_mm);
-                        sums.link += Mm(distance(end, start));
+                        sums.link += Mm(distance_mm(end, start));
                         sums.travels += 1;
                     }
                     travel_mm = 0.0;
                     sums.print += Mm(match step {
                         Move::Arc { center, clockwise, .. } => arc_mm(start, *to, *center, *clockwise),
-                        _ => distance(start, *to),
+                        _ => distance_mm(start, *to),
                     });
                     sums.volume += *volume;
                     (at, bead_end) = (Some(*to), Some(*to));
@@ -85,5 +85,5 @@ pub(crate) fn arc_mm(from: [f64; 2], to: [f64; 2], center: [f64; 2], clockwise: 
     let sweep = turn.rem_euclid(std::f64::consts::TAU);
     // No turn at all is a whole circle.
     let sweep = if sweep < 1e-9 { std::f64::consts::TAU } else { sweep };
-    distance(from, center) * sweep
+    distance_mm(from, center) * sweep
 }

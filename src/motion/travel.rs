@@ -1,10 +1,10 @@
 //! The way from the end of one bead to the start of the next: inside the part where there is a way, retracted where
 //! it is long.
 
-use super::bead::distance;
 use super::plan::Nozzle;
 use super::{MotionSettings, Move};
 use crate::geom::Way;
+use crate::geom::distance_mm;
 use crate::units::{Mm3, MmPerS};
 
 impl Nozzle<'_> {
@@ -24,7 +24,7 @@ impl Nozzle<'_> {
         let mut way = self.way(to, same_island);
         let far = self.at.is_none_or(|at| match way {
             Way::Inside(_, length_mm) => length_mm > travel.retract_inside.0.max(retract.min_travel.0),
-            Way::Across => distance(at, to) > retract.min_travel.0,
+            Way::Across => distance_mm(at, to) > retract.min_travel.0,
         });
         let over_mm = (std::mem::take(&mut self.over_mm) - self.layer_z_mm).max(0.0);
         if over_mm > 0.0 {
@@ -46,7 +46,7 @@ impl Nozzle<'_> {
         };
         stops.push(to);
         let climb_mm = self.layer_z_mm - self.z_mm;
-        let first_mm = self.at.map_or(0.0, |at| distance(at, stops[0]));
+        let first_mm = self.at.map_or(0.0, |at| distance_mm(at, stops[0]));
         let climbs = climb_mm > 0.0 && first_mm > climb_mm && hop_mm <= 0.0 && !pause;
         if !climbs && (arriving || pause || hop_mm > 0.0) {
             self.lift(self.layer_z_mm + hop_mm);
@@ -102,14 +102,14 @@ impl Nozzle<'_> {
         let (length_mm, speed) = (retract.length.0, retract.speed);
         coast(&mut self.moves, retract.coast.0);
         let way = if retract.firmware { Vec::new() } else { std::mem::take(&mut self.wipe) };
-        let way_mm: f64 = way.windows(2).map(|w| distance(w[0], w[1])).sum();
+        let way_mm: f64 = way.windows(2).map(|w| distance_mm(w[0], w[1])).sum();
         if way_mm <= 0.0 {
             self.moves.push(Move::Retract { length_mm, speed });
             return false;
         }
         let wipe_speed = wipe_speed(self.settings, way_mm);
         for w in way.windows(2) {
-            let share = distance(w[0], w[1]) / way_mm;
+            let share = distance_mm(w[0], w[1]) / way_mm;
             self.moves.push(Move::Wipe { to: w[1], length_mm: length_mm * share, speed: wipe_speed });
         }
         self.at = way.last().copied();
@@ -136,7 +136,7 @@ pub(super) fn wipe_way(points: impl Iterator<Item = [f64; 2]>, wipe_mm: f64) -> 
         if left_mm <= 0.0 {
             break;
         }
-        let length_mm = distance(from, p);
+        let length_mm = distance_mm(from, p);
         if length_mm > left_mm {
             let t = left_mm / length_mm;
             way.push([from[0] + t * (p[0] - from[0]), from[1] + t * (p[1] - from[1])]);
@@ -157,7 +157,7 @@ fn coast(moves: &mut Vec<Move>, coast_mm: f64) {
         let Some(&Move::Extrude { to, volume, speed }) = moves.last() else { break };
         let Some(from) = moves[..moves.len() - 1].iter().rev().find_map(end_of) else { break };
         moves.pop();
-        let length_mm = distance(from, to);
+        let length_mm = distance_mm(from, to);
         on.push(Move::Travel { to, speed });
         if length_mm > left_mm {
             let share = 1.0 - left_mm / length_mm;

@@ -120,7 +120,7 @@ impl Chain {
         let solved = strategy.solve(problem, &self.cost, effort);
         let Some(rule) = self.detours else { return solved };
         let detours = Detours::new(rule, self.cost, layers, routers);
-        strategy.refine(problem, &self.cost, effort, &detours, solved)
+        strategy.refine(problem, effort, &detours, solved)
     }
 
     /// How many layers of the chunk before take part where two chunks are joined.

@@ -1,4 +1,5 @@
-//! What travels inside of islands really cost: the way round holes and outer walls, or over them and retracted where it is too long.
+//! What travels inside of islands really cost: the way round holes and outer walls, or over them and retracted where it
+//! is too long.
 
 use std::cell::RefCell;
 
@@ -26,10 +27,10 @@ impl DetourRule {
         let (travel, walls) = (&settings.travel, &settings.walls);
         let rule = Self {
             wall_width_mm: walls.external_width.0,
-            max_mm: travel.max_detour.0,
+            max_mm: travel.detour_mm(),
             retraction_mm: travel.retract_inside.0,
         };
-        (travel.avoid_crossing && rule.max_mm > 0.0).then_some(rule)
+        (rule.max_mm > 0.0).then_some(rule)
     }
 
     /// What finds the ways of one layer.
@@ -69,6 +70,11 @@ impl<'a> Detours<'a> {
             first
         });
         Self { rule, cost, first_item: first_item.collect(), routers, known: RefCell::default() }
+    }
+
+    /// What is minimised, of travels as long as they are.
+    pub fn minimised(&self) -> Cost {
+        self.cost
     }
 
     /// Cost of the travel between places on two items of an island, of one layer or of neighbouring ones; the same in both

@@ -16,7 +16,6 @@ pub trait Strategy: Sync {
     fn refine(
         &self,
         _problem: &Problem,
-        _cost: &Cost,
         _effort: Effort,
         _detours: &Detours,
         sequence: Sequence,

@@ -2,7 +2,7 @@
 
 use std::f64::consts::PI;
 
-use super::settings::{BedOrigin, BedSettings, FilamentSettings};
+use super::settings::{BedOrigin, BedSettings, FilamentSettings, TravelSettings};
 use crate::units::Mm;
 
 impl BedSettings {
@@ -33,6 +33,13 @@ impl FilamentSettings {
     /// Cross-section of the strand, square millimetres.
     pub fn area_mm2(&self) -> f64 {
         strand_area_mm2(self.diameter)
+    }
+}
+
+impl TravelSettings {
+    /// By how much a detour may lengthen a travel, millimetres; 0: travels go straight.
+    pub fn detour_mm(&self) -> f64 {
+        if self.avoid_crossing { self.max_detour.0 } else { 0.0 }
     }
 }
 

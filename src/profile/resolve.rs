@@ -39,8 +39,8 @@ pub struct Resolved {
 /// Resolves the default profile, then `profiles` (names or paths) in turn, then `overrides` in turn.
 ///
 /// # Errors
-/// Every problem of every source at once (up to a hundred): unreadable or unknown profiles, circles of `inherits`, unknown keys,
-/// values of the wrong type or out of range, and settings that contradict each other.
+/// Every problem of every source at once (up to a hundred): unreadable or unknown profiles, circles of `inherits`, unknown
+/// keys, values of the wrong type or out of range, and settings that contradict each other.
 ///
 /// # Examples
 /// ```

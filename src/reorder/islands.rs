@@ -13,24 +13,13 @@ const STEP: f64 = 0.7;
 /// A wall runs along another bead that is in its cells, or those around them, on this part of the way of either: a wall
 /// inside of it may be much shorter.
 const BESIDE: f64 = 0.75;
-/// Beads met on a smaller part than this do not matter to it.
-const PARTLY: f64 = 0.25;
 
 /// How the paths of a block lie to each other.
 pub(super) struct Islands {
     /// The island of every path: connected sets of beads, numbered as they first appear in the file.
     pub of: Vec<u32>,
-    /// For every wall, what of its role comes before it in the file and lies beside it.
-    pub beside: Vec<Option<Beside>>,
-}
-
-/// The path that a wall has beside it.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Beside {
-    /// The last one along which the wall runs; if there is none, the one that is beside it on most of its way.
-    pub path: u32,
-    /// Whether it runs along it. If not, there are several, or there are some on a part of the way only.
-    pub along: bool,
+    /// For every wall, the last one of its role before it in the file along which it runs.
+    pub beside: Vec<Option<u32>>,
 }
 
 /// Draws all beads into a grid. Those that share a cell or have neighbouring ones are joined. O(way / reach).
@@ -113,8 +102,6 @@ struct Meetings {
     /// Those met on the last step.
     here: Vec<u32>,
     step: u32,
-    /// Steps on which any was met.
-    beside: u32,
 }
 
 impl Meetings {
@@ -125,7 +112,6 @@ impl Meetings {
             met: Vec::new(),
             here: Vec::new(),
             step: 0,
-            beside: 0,
         }
     }
 
@@ -142,7 +128,6 @@ impl Meetings {
     /// A step that leads nowhere else.
     fn stay(&mut self) {
         self.step += 1;
-        self.beside += u32::from(!self.here.is_empty());
         for &other in &self.here {
             let steps = &mut self.steps[other as usize];
             if *steps == 0 {
@@ -152,26 +137,18 @@ impl Meetings {
         }
     }
 
-    /// What was met of a kind; the next way begins.
-    fn finish(&mut self, of_kind: impl Fn(u32) -> bool) -> Option<Beside> {
-        let steps = |other: u32| self.steps[other as usize];
-        let is_part = |count: u32, part: f64, whole: u32| f64::from(count) >= part * f64::from(whole);
+    /// The last one of a kind along which the way leads; the next way begins.
+    fn finish(&mut self, of_kind: impl Fn(u32) -> bool) -> Option<u32> {
         let runs_along = |&other: &u32| {
             let shorter = self.step.min(self.lengths[other as usize]);
-            shorter > 0 && is_part(steps(other), BESIDE, shorter)
+            shorter > 0 && f64::from(self.steps[other as usize]) >= BESIDE * f64::from(shorter)
         };
-        let met = || self.met.iter().copied().filter(|&other| of_kind(other));
-        let along = met().filter(runs_along).max().map(|path| Beside { path, along: true });
-        let beside = along.or_else(|| {
-            let most = met().max_by_key(|&other| (steps(other), std::cmp::Reverse(other)));
-            let most = most.filter(|_| is_part(self.beside, PARTLY, self.step));
-            most.map(|path| Beside { path, along: false })
-        });
+        let along = self.met.iter().copied().filter(|&other| of_kind(other)).filter(runs_along).max();
         self.met.drain(..).for_each(|other| self.steps[other as usize] = 0);
         self.here.clear();
         self.lengths.push(self.step);
-        (self.step, self.beside) = (0, 0);
-        beside
+        self.step = 0;
+        along
     }
 }
 

@@ -6,7 +6,7 @@ use std::ops::Range;
 use rustc_hash::FxHashMap;
 
 use super::block::{Block, Path};
-use super::islands::{Beside, Islands, islands};
+use super::islands::{Islands, islands};
 use super::monotonic;
 use super::state::Key;
 use crate::geom::{Point, Region};
@@ -160,7 +160,7 @@ struct Classes {
 }
 
 impl Classes {
-    fn new(block: &Block, island: &[u32], beside: &[Option<Beside>]) -> Self {
+    fn new(block: &Block, island: &[u32], beside: &[Option<u32>]) -> Self {
         let name = names(block);
         let depth = depths(&block.paths, |i| (island[i], name[i]), beside);
         // (island, type, depth) in the order of their first paths.
@@ -240,10 +240,9 @@ fn names(block: &Block) -> Vec<u32> {
 /// How many walls of its own type and island each wall has on one side of it, where the file draws those of a type one
 /// depth after another; elsewhere, and of what is no wall, 0. A wall that runs along none, before it or after, may be of any
 /// depth: it is taken to be of the one that is being drawn.
-fn depths<K: Eq + Hash>(paths: &[Path], kind: impl Fn(usize) -> K, beside: &[Option<Beside>]) -> Vec<u32> {
+fn depths<K: Eq + Hash>(paths: &[Path], kind: impl Fn(usize) -> K, beside: &[Option<u32>]) -> Vec<u32> {
     let (mut depth, mut drawn) = (vec![0; paths.len()], vec![0; paths.len()]);
-    let neighbour = |i: usize| beside[i].filter(|other| kind(other.path as usize) == kind(i));
-    let inner = |i: usize| neighbour(i).filter(|other| other.along).map(|other| other.path as usize);
+    let inner = |i: usize| beside[i].map(|other| other as usize).filter(|&other| kind(other) == kind(i));
     let mut has_outer = vec![false; paths.len()];
     (0..paths.len()).filter_map(inner).for_each(|inner| has_outer[inner] = true);
     // The depth drawn last of each kind; `None`: they are drawn to and fro.

@@ -60,7 +60,7 @@ impl Strategy for Optimized {
             return nearest;
         }
         let groups = Groups::new(problem);
-        let mut search = Search::new(problem, &groups, *cost);
+        let mut search = Search::new(problem, &groups, *cost, None);
         let mut random = Random::new(problem.items.len() as u64);
         let mut fragments = Fragments::new(problem);
         let (mut first, mut stages) = (0, 0);
@@ -80,14 +80,7 @@ impl Strategy for Optimized {
         true
     }
 
-    fn refine(
-        &self,
-        problem: &Problem,
-        cost: &Cost,
-        effort: Effort,
-        detours: &Detours,
-        sequence: Sequence,
-    ) -> Sequence {
-        refine::refine(problem, cost, effort, detours, sequence)
+    fn refine(&self, problem: &Problem, effort: Effort, detours: &Detours, sequence: Sequence) -> Sequence {
+        refine::refine(problem, effort, detours, sequence)
     }
 }

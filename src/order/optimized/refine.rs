@@ -2,7 +2,7 @@
 
 use super::super::detours::Detours;
 use super::super::precedence::Groups;
-use super::super::{Cost, Problem, Sequence};
+use super::super::{Problem, Sequence};
 use super::search::Search;
 use super::steps_per_path;
 use crate::profile::Effort;
@@ -15,15 +15,9 @@ const ROUNDS: u64 = 8;
 /// anything to gain.
 ///
 /// Never dearer than it was, detours counted.
-pub(super) fn refine(
-    problem: &Problem,
-    cost: &Cost,
-    effort: Effort,
-    detours: &Detours,
-    sequence: Sequence,
-) -> Sequence {
+pub(super) fn refine(problem: &Problem, effort: Effort, detours: &Detours, sequence: Sequence) -> Sequence {
     let groups = Groups::new(problem);
-    let mut search = Search::with_detours(problem, &groups, *cost, detours);
+    let mut search = Search::new(problem, &groups, detours.minimised(), Some(detours));
     search.resume(&sequence);
     let mut random = Random::new(problem.items.len() as u64);
     for _ in 0..ROUNDS {

@@ -46,22 +46,9 @@ pub struct Search<'a> {
 }
 
 impl<'a> Search<'a> {
-    /// Begins with a walk through nothing.
-    pub fn new(problem: &'a Problem<'a>, groups: &'a Groups, cost: Cost) -> Self {
-        Self::on(problem, groups, cost, None)
-    }
-
-    /// As [`Self::new`]; links inside of islands cost what the way costs, not the straight line.
-    pub fn with_detours(
-        problem: &'a Problem<'a>,
-        groups: &'a Groups,
-        cost: Cost,
-        detours: &'a Detours<'a>,
-    ) -> Self {
-        Self::on(problem, groups, cost, Some(detours))
-    }
-
-    fn on(
+    /// Begins with a walk through nothing. With `detours`, links inside of islands cost what the way costs, not the straight
+    /// line.
+    pub fn new(
         problem: &'a Problem<'a>,
         groups: &'a Groups,
         cost: Cost,

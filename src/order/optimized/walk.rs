@@ -280,31 +280,23 @@ impl<'a> Walk<'a> {
     /// links would not make cheaper need not ask.
     #[inline]
     pub fn surcharge(&self, a: u32, b: u32) -> f64 {
-        if self.detours.is_none() {
-            0.0
-        } else {
-            self.beyond_straight([a, b].map(|n| self.place(n)), [a / 2, b / 2])
-        }
+        self.beyond_straight([a, b].map(|node| self.place(node)), [a / 2, b / 2])
     }
 
     /// By how much the link between a node and a vertex of a loop is dearer than a straight one.
     #[inline]
     pub fn surcharge_to(&self, node: u32, item: u32, vertex: [f64; 2]) -> f64 {
-        if self.detours.is_none() {
-            0.0
-        } else {
-            self.beyond_straight([self.place(node), vertex], [node / 2, item])
-        }
+        self.beyond_straight([self.place(node), vertex], [node / 2, item])
     }
 
+    #[inline]
     fn beyond_straight(&self, places: [[f64; 2]; 2], items: [u32; 2]) -> f64 {
+        let Some(detours) = self.detours else { return 0.0 };
         let straight = self.between(places, items);
-        match self.detours {
-            Some(detours) if straight > 0.0 && self.share_island(items) => {
-                detours.cost(items, places[0], places[1]) - straight
-            }
-            _ => 0.0,
+        if straight <= 0.0 || !self.share_island(items) {
+            return 0.0;
         }
+        detours.cost(items, places[0], places[1]) - straight
     }
 
     /// Cost of the straight link between places on two items; nothing if one of them is anywhere.
