@@ -2,7 +2,7 @@
 
 use std::hint::black_box;
 
-use criterion::{Criterion, Throughput, criterion_group, criterion_main};
+use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
 use pathwright::estimate::{Firmware, Machine, Planner, Segment, layer_time};
 use pathwright::gcode::{PrintFacts, Scripts, Timetable, WriterSettings, format_layer, measure};
 use pathwright::geom::{Point, Region};
@@ -100,7 +100,8 @@ fn gcode(c: &mut Criterion) {
     group.finish();
 }
 
-/// A finished file of this program through reading, ordering, writing and the proof.
+/// Finished files through reading, ordering and writing; then with all that `reorder` does besides: the proof, the
+/// times, the check. One file has long outlines, the other one many short ways between small islands.
 fn reorder(c: &mut Criterion) {
     let settings = |set: &[(&str, &str)]| {
         let overrides: Vec<Override> = set
@@ -110,25 +111,33 @@ fn reorder(c: &mut Criterion) {
         resolve(&[], &overrides).expect("sound settings").settings
     };
     let folder = tempfile::tempdir().expect("a folder");
-    let file = folder.path().join("pins.gcode");
-    let model = concat!(env!("CARGO_MANIFEST_DIR"), "/models/pin_forest.stl");
-    let job = Job { models: vec![model.into()], ..Job::default() };
-    let mut output = Output::create(&file).expect("a file");
-    let made = settings(&[("order.strategy", "as-sliced"), ("layer.height", "0.1")]);
-    Pipeline.slice(&job, &made, &mut output, &Silent).expect("a print");
-    output.commit().expect("written");
-
     let wanted = settings(&[("order.strategy", "nearest"), ("seam.position", "pinned")]);
-    let job = ReorderJob { file: file.clone(), ..ReorderJob::default() };
     let mut group = c.benchmark_group("reorder");
     group.sample_size(10);
-    group.throughput(Throughput::Bytes(std::fs::metadata(&file).expect("a file").len()));
-    group.bench_function("nearest", |b| {
-        b.iter(|| {
-            let mut output = Output::nowhere().expect("a place");
-            Pipeline.reorder(&job, &wanted, &mut output, &Silent).expect("the same print")
+    for (name, height) in [("helical_gear", "0.02"), ("pin_forest", "0.1")] {
+        let file = folder.path().join(name);
+        let model = format!("{}/models/{name}.stl", env!("CARGO_MANIFEST_DIR"));
+        let job = Job { models: vec![model.into()], ..Job::default() };
+        let mut output = Output::create(&file).expect("a file");
+        let made = settings(&[("order.strategy", "as-sliced"), ("layer.height", height)]);
+        Pipeline.slice(&job, &made, &mut output, &Silent).expect("a print");
+        output.commit().expect("written");
+
+        group.throughput(Throughput::Bytes(std::fs::metadata(&file).expect("a file").len()));
+        group.bench_function(BenchmarkId::new("nearest", name), |b| {
+            b.iter(|| {
+                let mut output = Output::nowhere().expect("a place");
+                Pipeline.rewrite(&file, &wanted, &mut output).expect("written");
+            });
         });
-    });
+        let job = ReorderJob { file: file.clone(), ..ReorderJob::default() };
+        group.bench_function(BenchmarkId::new("nearest, proven", name), |b| {
+            b.iter(|| {
+                let mut output = Output::nowhere().expect("a place");
+                Pipeline.reorder(&job, &wanted, &mut output, &Silent).expect("the same print")
+            });
+        });
+    }
     group.finish();
 }
 

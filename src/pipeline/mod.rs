@@ -31,6 +31,17 @@ use crate::report::{ModelInfo, PaperRow, Reordered, Summary};
 #[derive(Clone, Copy, Debug)]
 pub struct Pipeline;
 
+impl Pipeline {
+    /// Writes a file in the order that the settings ask for, whether or not that is any better. Nothing is compared
+    /// with what was there before, which [`Engine::reorder`] does: this is how the strategies themselves are measured.
+    ///
+    /// # Errors
+    /// Where the file cannot be read, or the output not be written.
+    pub fn rewrite(&self, file: &Path, settings: &Settings, output: &mut Output) -> Result<(), JobError> {
+        reorder::rewritten(file, settings, output)
+    }
+}
+
 impl Engine for Pipeline {
     fn slice(
         &self,

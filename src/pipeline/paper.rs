@@ -85,7 +85,7 @@ fn rows(
             settings.order.strategy = strategy;
             let begun = Instant::now();
             let mut output = Output::nowhere()?;
-            reorder::rewritten(file, reorder::open(file)?, &settings, &mut output, &Silent)?;
+            reorder::rewritten(file, &settings, &mut output)?;
             let took_s = begun.elapsed().as_secs_f64();
             let text = read(output.reread(0)?)?;
             let gap = gap(compared.link_mm(), compared.bound_mm);

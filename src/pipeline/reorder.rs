@@ -9,7 +9,7 @@ use std::time::SystemTime;
 use crate::check::Judge;
 use crate::estimate::Machine;
 use crate::gcode::{Annotated, State};
-use crate::job::{JobError, Progress, ReorderJob};
+use crate::job::{JobError, Progress, ReorderJob, Silent};
 use crate::order::{Chain, Pins, SeamRule, chunk_len};
 use crate::output::Output;
 use crate::profile::{OrderStrategy, Scope, SeamPosition, Settings};
@@ -45,11 +45,13 @@ pub(super) fn reorder(
     let mut run = Run { more_pulls: job.more_retractions, ..Run::new(settings, job.keep_direction, true) };
     let begun = stamp(&job.file)?;
     let machine = tells_time(&job.file)?.then(|| Machine::new(settings));
-    let input = Blocks::new(open(&job.file)?).timed(machine.as_ref());
+    let input = Blocks::new(open(&job.file)?).proven(machine.as_ref());
     let mut judge = Judge::of_paths(settings, true);
-    let check = |read: &mut Annotated<'_>, state: &State| judge.see(read, state);
-    let (mut before, mut after) =
-        run.rewrite(&job.file, input, Readback::timed(machine.as_ref()), check, output, progress)?;
+    let mut readback = Readback::timed(machine.as_ref());
+    let mut check = |read: &mut Annotated<'_>, state: &State| judge.see(read, state);
+    let back = |text: Box<dyn BufRead + Send + '_>| readback.read(text, &mut check);
+    let mut before = run.rewrite(&job.file, input, back, output, progress)?.unwrap_or_default();
+    let mut after = readback.finish();
     let times = before.take_times().zip(after.take_times());
     let mut report = Reordered { file: job.file.display().to_string(), ..Reordered::default() };
     if run.improved() {
@@ -140,16 +142,10 @@ pub(super) fn seam_rule(position: SeamPosition) -> SeamRule {
     SeamRule::new(if position == SeamPosition::Pinned { SeamPosition::Free } else { position })
 }
 
-/// Writes a file in the order that the settings ask for, whether or not that is any better.
-pub(super) fn rewritten(
-    path: &Path,
-    input: impl BufRead + Send,
-    settings: &Settings,
-    output: &mut Output,
-    progress: &dyn Progress,
-) -> Result<(), JobError> {
-    let mut run = Run::new(settings, false, false);
-    run.rewrite(path, Blocks::new(input), Readback::default(), |_, _| (), output, progress).map(drop)
+/// Writes a file in the order that the settings ask for, whether or not that is any better, and without the proof.
+pub(super) fn rewritten(path: &Path, settings: &Settings, output: &mut Output) -> Result<(), JobError> {
+    let blocks = Blocks::new(open(path)?);
+    Run::new(settings, false, false).rewrite(path, blocks, |_| Ok(()), output, &Silent).map(drop)
 }
 
 pub(super) fn open(path: &Path) -> Result<BufReader<File>, JobError> {
@@ -248,25 +244,24 @@ impl Run {
         self.after.within(limit) && score(self.after) < score(self.before) * (1.0 - WORTHWHILE)
     }
 
-    /// Batch by batch: while one is ordered and written, the next is read, and the one before is read back, which is
-    /// also when every line of the result is checked. What the file prints, and what the result does.
+    /// Batch by batch: while one is ordered and written, the next is read, and the one before is given `back` to be
+    /// compared and checked. What the file prints, where that is to be proven.
     fn rewrite(
         &mut self,
         path: &Path,
         blocks: Blocks<impl BufRead + Send>,
-        mut readback: Readback,
-        mut check: impl FnMut(&mut Annotated<'_>, &State) + Send,
+        mut back: impl FnMut(Box<dyn BufRead + Send + '_>) -> io::Result<()> + Send,
         output: &mut Output,
         progress: &dyn Progress,
-    ) -> Result<(Inventory, Inventory), JobError> {
+    ) -> Result<Option<Inventory>, JobError> {
         let failed = |error: io::Error| input_error(path, &error);
         let mut batches = Batches { blocks, carry: None, least: self.batch_bytes() };
         let mut batch = batches.read().map_err(failed)?;
         let mut checked = output.written();
         while !batch.is_empty() {
             let end = output.written();
-            let back = output.reread(checked)?;
-            let read_back = || readback.read(back, &mut check);
+            let text = output.reread(checked)?;
+            let read_back = || back(text);
             // What cannot be divided begins first; ordering takes whatever thread is free.
             let ((read_back, written), next) =
                 parallel::join(|| parallel::join(read_back, || self.batch(&batch)), || batches.read());
@@ -283,8 +278,8 @@ impl Run {
             }
             batch = next.map_err(failed)?;
         }
-        readback.read(output.reread(checked)?, &mut check).map_err(failed)?;
-        Ok((batches.blocks.finish(), readback.finish()))
+        back(output.reread(checked)?).map_err(failed)?;
+        Ok(batches.blocks.finish())
     }
 
     /// Orders and writes some blocks.

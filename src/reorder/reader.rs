@@ -41,8 +41,8 @@ pub struct Blocks<R> {
     /// The name of the feature, if it is one that is known, or none was given.
     movable: bool,
     block: Block,
-    /// What was read so far, for the proof.
-    inventory: Inventory,
+    /// What was read so far, where a proof is wanted.
+    inventory: Option<Inventory>,
     /// Lines since the last path, and what they hold.
     pending: Vec<Token>,
     since: Since,
@@ -87,20 +87,20 @@ impl<R: BufRead> Blocks<R> {
             unit: None,
             movable: true,
             block: empty(start, frame, States::default()),
-            inventory: Inventory::default(),
+            inventory: None,
             pending: Vec::new(),
             since: Since::default(),
             done: false,
         }
     }
 
-    /// Also measures when lines about time come, on this machine.
-    pub fn timed(self, machine: Option<&Machine>) -> Self {
-        Self { inventory: Inventory::timed(machine), ..self }
+    /// Also takes up what is read for a proof, and, on a machine, when lines about time come.
+    pub fn proven(self, machine: Option<&Machine>) -> Self {
+        Self { inventory: Some(Inventory::timed(machine)), ..self }
     }
 
-    /// What was read so far.
-    pub fn finish(self) -> Inventory {
+    /// What was read so far, if it was to be proven.
+    pub fn finish(self) -> Option<Inventory> {
         self.inventory
     }
 
@@ -150,7 +150,9 @@ impl<R: BufRead> Blocks<R> {
         let line = Line::new(self.number, self.offset, &text[range.clone()]);
         self.offset += range.len();
         let read = self.reader.read(line);
-        self.inventory.add(&read, self.reader.state.firmware_retracted);
+        if let Some(inventory) = &mut self.inventory {
+            inventory.add(&read, self.reader.state.firmware_retracted);
+        }
         let stroke = match read.action {
             Action::Stroke(stroke) => Some(stroke),
             _ => None,

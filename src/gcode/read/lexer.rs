@@ -202,6 +202,9 @@ fn code(command: &[u8]) -> (Option<Code>, &[u8]) {
     (Some(Code { letter: letter.to_ascii_uppercase(), number }), &digits[count..])
 }
 
+const POWERS: [f64; 8] = [1e0, 1e1, 1e2, 1e3, 1e4, 1e5, 1e6, 1e7];
+const WHOLE_POWERS: [i64; 8] = [1, 10, 100, 1000, 10_000, 100_000, 1_000_000, 10_000_000];
+
 struct Cursor<'a> {
     bytes: &'a [u8],
     at: usize,
@@ -216,32 +219,21 @@ impl Cursor<'_> {
 
     /// A decimal number without exponent (E is a word of its own). Exact up to 15 digits; decimals beyond the
     /// seventeenth digit are dropped.
+    #[inline]
     fn number(&mut self) -> Option<f64> {
-        const POWERS: [f64; 8] = [1e0, 1e1, 1e2, 1e3, 1e4, 1e5, 1e6, 1e7];
-        const WHOLE_POWERS: [i64; 8] = [1, 10, 100, 1000, 10_000, 100_000, 1_000_000, 10_000_000];
         let bytes = self.bytes;
-        let negative = bytes.get(self.at) == Some(&b'-');
-        let begin = self.at + usize::from(matches!(bytes.get(self.at), Some(b'-' | b'+')));
-        let (whole, mut mantissa) = digits(eight(bytes, begin));
-        let (mut at, mut decimals) = (begin + whole, 0);
-        if bytes.get(at) == Some(&b'.') {
-            let (count, value) = digits(eight(bytes, at + 1));
-            mantissa = mantissa * WHOLE_POWERS[count & 7] + value;
-            (at, decimals) = (at + 1 + count, count);
-        }
-        let value = if whole == 8 || decimals == 8 {
-            let length = bytes[begin..].iter().take_while(|b| b.is_ascii_digit()).count();
-            at = begin + length;
-            if bytes.get(at) == Some(&b'.') {
-                at += 1 + bytes[at + 1..].iter().take_while(|b| b.is_ascii_digit()).count();
-            }
-            long_number(&bytes[begin..at])
-        } else if whole + decimals == 0 {
-            return None;
-        } else {
-            mantissa as f64 / POWERS[decimals]
+        let first = bytes.get(self.at);
+        let negative = first == Some(&b'-');
+        let begin = self.at + usize::from(negative || first == Some(&b'+'));
+        let digits = short_number(eight(bytes, begin)).or_else(|| usual_number(&bytes[begin..]));
+        let (value, length) = match digits {
+            Some(digits) => (digits.mantissa as f64 / POWERS[digits.decimals & 7], digits.length),
+            None => long_number(&bytes[begin..]),
         };
-        self.at = at;
+        if length == 0 {
+            return None;
+        }
+        self.at = begin + length;
         Some(if negative { -value } else { value })
     }
 }
@@ -256,35 +248,100 @@ fn eight(bytes: &[u8], at: usize) -> u64 {
     }
 }
 
-/// How many of eight bytes are digits, from the first on, and their value. All are looked at together.
-fn digits(word: u64) -> (usize, i64) {
+/// The top bit of each of eight bytes.
+const TOPS: u64 = 0x8080_8080_8080_8080;
+
+/// The top bits of those of eight bytes that are no digits, and the values of those that are.
+#[inline]
+fn tell_digits(word: u64) -> (u64, u64) {
     let values = word ^ 0x3030_3030_3030_3030;
     // What is more than nine reaches the top bit of its byte.
-    let others =
-        (((values & 0x7f7f_7f7f_7f7f_7f7f) + 0x7676_7676_7676_7676) | values) & 0x8080_8080_8080_8080;
-    let count = others.trailing_zeros() / 8;
-    let values = values.checked_shl(64 - 8 * count).unwrap_or(0);
+    ((((values & !TOPS) + 0x7676_7676_7676_7676) | values) & TOPS, values)
+}
+
+/// The number that the first of eight values of digits make, one at least.
+#[inline]
+fn joined(values: u64, count: usize) -> i64 {
+    let values = values << (64 - 8 * count);
     let pairs = values.wrapping_mul(10).wrapping_add(values >> 8);
     let [low, high] = [pairs, pairs >> 16].map(|pairs| pairs & 0x0000_00ff_0000_00ff);
     let sum = low.wrapping_mul(0x000f_4240_0000_0064).wrapping_add(high.wrapping_mul(0x0000_2710_0000_0001));
-    (count as usize, (sum >> 32) as i64)
+    (sum >> 32) as i64
 }
 
-/// The value of more digits than an integer holds.
-fn long_number(digits: &[u8]) -> f64 {
-    const MOST: u64 = 100_000_000_000_000_000;
-    let (mut mantissa, mut scale, mut point) = (0_u64, 1.0, false);
-    for &byte in digits {
-        if byte == b'.' {
-            point = true;
-        } else if mantissa < MOST {
-            mantissa = mantissa * 10 + u64::from(byte - b'0');
-            scale *= if point { 10.0 } else { 1.0 };
-        } else if !point {
-            mantissa = mantissa.saturating_mul(10).saturating_add(u64::from(byte - b'0'));
-        }
+/// A number without sign.
+#[derive(Clone, Copy, Default)]
+struct Digits {
+    /// All its digits as one whole number, and how many of them are decimals.
+    mantissa: i64,
+    decimals: usize,
+    /// Its length; 0: there is no digit.
+    length: usize,
+}
+
+/// The number that eight bytes begin with; `None` if it does not end there.
+#[inline]
+fn short_number(word: u64) -> Option<Digits> {
+    let (others, values) = tell_digits(word);
+    let whole = if others == 0 { return None } else { others.trailing_zeros() as usize / 8 };
+    let (length, decimals, values) = if (word >> (8 * whole)) as u8 == b'.' {
+        let others = others & (others - 1);
+        let length = if others == 0 { return None } else { others.trailing_zeros() as usize / 8 };
+        // The decimals move up to the digits before the point.
+        let before = (1 << (8 * whole)) - 1;
+        (length, length - whole - 1, values & before | values >> 8 & !before)
+    } else {
+        (whole, 0, values)
+    };
+    let count = length - usize::from(length > whole);
+    if count == 0 {
+        return Some(Digits::default());
     }
-    mantissa as f64 / scale
+    Some(Digits { mantissa: joined(values, count), decimals, length })
+}
+
+/// The number that some bytes begin with; `None` if it has more than seven digits before or behind the point.
+fn usual_number(bytes: &[u8]) -> Option<Digits> {
+    let part = |at: usize| {
+        let (others, values) = tell_digits(eight(bytes, at));
+        let count = if others == 0 { return None } else { others.trailing_zeros() as usize / 8 };
+        Some((count, if count > 0 { joined(values, count) } else { 0 }))
+    };
+    let (whole, mantissa) = part(0)?;
+    if bytes.get(whole) != Some(&b'.') {
+        return Some(Digits { mantissa, decimals: 0, length: whole });
+    }
+    let (decimals, value) = part(whole + 1)?;
+    if whole + decimals == 0 {
+        return Some(Digits::default());
+    }
+    Some(Digits {
+        mantissa: mantissa * WHOLE_POWERS[decimals] + value,
+        decimals,
+        length: whole + 1 + decimals,
+    })
+}
+
+/// The value of a number of any length, and its length.
+fn long_number(bytes: &[u8]) -> (f64, usize) {
+    const MOST: u64 = 100_000_000_000_000_000;
+    let (mut mantissa, mut scale, mut point, mut length) = (0_u64, 1.0, false, 0);
+    for &byte in bytes {
+        match byte {
+            b'.' if !point => point = true,
+            b'0'..=b'9' if mantissa < MOST => {
+                mantissa = mantissa * 10 + u64::from(byte - b'0');
+                scale *= if point { 10.0 } else { 1.0 };
+            }
+            b'0'..=b'9' if !point => {
+                mantissa = mantissa.saturating_mul(10).saturating_add(u64::from(byte - b'0'));
+            }
+            b'0'..=b'9' => {}
+            _ => break,
+        }
+        length += 1;
+    }
+    (mantissa as f64 / scale, length)
 }
 
 #[cfg(test)]
