@@ -7,7 +7,7 @@ use super::overhang::{Grade, Support};
 use super::prime::prime;
 use super::rules::Rules;
 use super::simplify::{Piece, straighten};
-use super::smooth::{Rounding, refine_curves, round_corners};
+use super::smooth::{Rounding, gentle_rad, refine_curves, round_corners};
 use super::{Entry, LayerMoves, MotionSettings, Move, travel};
 use crate::geom::Router;
 use crate::order::Visit;
@@ -254,8 +254,9 @@ impl Nozzle<'_> {
         self.plain.clear();
         straighten(vertices, &mut self.plain);
         self.curved.clear();
-        refine_curves(from, &self.plain, &mut self.curved);
-        round_corners(from, &self.curved, &Rounding::of(role, width_mm), &mut self.pieces);
+        let gentle_rad = gentle_rad(speed, self.settings.square_corner_velocity);
+        refine_curves(from, &self.plain, gentle_rad, &mut self.curved);
+        round_corners(from, &self.curved, &Rounding::of(role, width_mm, gentle_rad), &mut self.pieces);
         self.moves.extend(self.pieces.iter().map(|piece| Move::Extrude {
             to: piece.to,
             volume: Mm3(piece.volume_mm3),

@@ -5,7 +5,7 @@ use crate::profile::{
     AccelerationSettings, CoolingSettings, FirstLayerSettings, RetractSettings, SeamSettings, Settings,
     SpeedSettings, TemperatureSettings, TravelSettings,
 };
-use crate::units::{Mm, Mm3PerS, MmPerS2};
+use crate::units::{Mm, Mm3PerS, MmPerS, MmPerS2};
 
 /// How much is extruded.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -28,6 +28,8 @@ pub struct MotionSettings {
     pub acceleration: AccelerationSettings,
     /// What the firmware uses where `acceleration` says 0.
     pub firmware_acceleration: MmPerS2,
+    /// Speed at which the machine takes a right-angled corner.
+    pub square_corner_velocity: MmPerS,
     pub seam: SeamSettings,
     pub retract: RetractSettings,
     pub travel: TravelSettings,
@@ -58,6 +60,7 @@ impl MotionSettings {
             speed: settings.speed.clone(),
             acceleration: settings.acceleration.clone(),
             firmware_acceleration: settings.machine.max_acceleration[0],
+            square_corner_velocity: settings.machine.square_corner_velocity,
             seam: settings.seam.clone(),
             retract: settings.retract.clone(),
             travel: settings.travel.clone(),

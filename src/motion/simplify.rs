@@ -79,7 +79,10 @@ pub(super) fn straighten(vertices: &[Vertex], out: &mut Vec<Piece>) {
     for &vertex in &vertices[1..] {
         let mut d = [vertex.at[0] - anchor.at[0], vertex.at[1] - anchor.at[1]];
         let mut length_mm = (d[0] * d[0] + d[1] * d[1]).sqrt();
-        let alike = (vertex.area_mm2 - anchor.area_mm2).abs() <= AREA_TOLERANCE * anchor.area_mm2;
+        // The vertex before may be one that only began the piece.
+        let alike = [vertex, last]
+            .iter()
+            .all(|v| (v.area_mm2 - anchor.area_mm2).abs() <= AREA_TOLERANCE * anchor.area_mm2);
         let fits = alike && cone.is_none_or(|cone| cone.contains(d, length_mm));
         // A first vertex after the anchor always starts a piece, whatever its width.
         if !fits && last.at != anchor.at {
@@ -128,6 +131,22 @@ mod tests {
 
     fn vertices(points: &[[f64; 2]]) -> Vec<Vertex> {
         points.iter().map(|&at| Vertex { at, area_mm2: 0.08 }).collect()
+    }
+
+    #[test]
+    fn what_a_piece_holds_is_its_cross_section_over_its_length() {
+        let areas = [0.08, 0.09, 0.08, 0.0801, 0.12, 0.0805, 0.08];
+        let at = |i: usize| [0.3 * i as f64, 0.0];
+        let vertices: Vec<Vertex> =
+            areas.iter().enumerate().map(|(i, &area_mm2)| Vertex { at: at(i), area_mm2 }).collect();
+        let mut out = Vec::new();
+        straighten(&vertices, &mut out);
+        let mut from = at(0);
+        for piece in out {
+            let flat_mm3 = piece.area_mm2 * distance_mm(from, piece.to);
+            assert!((piece.volume_mm3 / flat_mm3 - 1.0).abs() < AREA_TOLERANCE, "{piece:?}");
+            from = piece.to;
+        }
     }
 
     #[test]

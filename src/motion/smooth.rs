@@ -6,6 +6,21 @@
 use super::simplify::Piece;
 use crate::geom::distance_mm;
 use crate::toolpath::Role;
+use crate::units::MmPerS;
+
+/// What a vertex may turn by, in rad × mm/s over mm/s: at 50 mm/s and a square corner velocity of 5 mm/s, 0.22 rad.
+/// By Klipper's rule a corner of 1.8 in these units costs no speed at all, and a little more hardly any time.
+const GENTLE: f64 = 2.2;
+
+/// Finer turns take more vertices than they are worth, coarser ones can be seen.
+const GENTLE_RAD: std::ops::RangeInclusive<f64> = 0.1..=0.25;
+
+/// Turns below this angle are fast enough for a bead that is drawn at a speed, on a machine with this square corner
+/// velocity.
+pub(super) fn gentle_rad(speed: MmPerS, square_corner_velocity: MmPerS) -> f64 {
+    let rad = GENTLE * square_corner_velocity.0 / speed.0.max(f64::MIN_POSITIVE);
+    rad.clamp(*GENTLE_RAD.start(), *GENTLE_RAD.end())
+}
 
 /// No piece is made shorter than this.
 const SHORTEST_MM: f64 = 0.05;
@@ -13,7 +28,8 @@ const SHORTEST_MM: f64 = 0.05;
 /// Which corners are rounded, and how far.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Rounding {
-    /// Corners that turn by more than this are left as they are.
+    /// Corners that turn by less or by more than this are left as they are.
+    least_rad: f64,
     most_rad: f64,
     /// So far may an arc leave its corner.
     deviation_mm: f64,
@@ -26,25 +42,21 @@ impl Rounding {
     /// reach into the wall. The blunt corners of other beads, mostly curves that the model has as polygons, may by as
     /// much as slicing simplifies them; sharp ones are kept. So are the turns of solid infill: their corners fill what
     /// the lines leave open beside the wall.
-    pub fn of(role: Role, width_mm: f64) -> Self {
+    pub fn of(role: Role, width_mm: f64, gentle_rad: f64) -> Self {
+        let least_rad = gentle_rad;
         match role {
             Role::InternalInfill | Role::Support => {
-                Self { most_rad: 3.0, deviation_mm: 0.25 * width_mm, step_rad: 0.3 }
+                Self { least_rad, most_rad: 3.0, deviation_mm: 0.25 * width_mm, step_rad: 0.3 }
             }
-            _ => Self { most_rad: 1.0, deviation_mm: 0.0125, step_rad: 0.15 },
+            _ => Self { least_rad, most_rad: 1.0, deviation_mm: 0.0125, step_rad: gentle_rad },
         }
     }
 }
 
-/// Turns below this angle are fast enough.
-const GENTLE_RAD: f64 = 0.15;
-
 /// A curve is refined where its arc leaves the chord by at most this …
 const BULGE_MM: f64 = 0.016;
 
-/// … and turns by more than this on the piece, down to which it is refined; where it turns by more than that at a
-/// vertex, there is a corner.
-const FINE_RAD: f64 = 0.1;
+/// … and where it turns by less than this at a vertex: otherwise there is a corner.
 const CORNER_RAD: f64 = 0.6;
 
 /// The direction of a way, and its length.
@@ -79,9 +91,9 @@ pub(super) fn round_corners(from: [f64; 2], pieces: &[Piece], rounding: &Roundin
         let before = if i == 1 { from } else { pieces[i - 2].to };
         let ((u, u_mm), (v, v_mm)) = (direction(before, corner), direction(corner, next.to));
         // Most turns are gentle, which shows without knowing the angle.
-        let gentle = dot(u, v) > 0.0 && cross(u, v).abs() < GENTLE_RAD * dot(u, v);
+        let gentle = dot(u, v) > 0.0 && cross(u, v).abs() < rounding.least_rad * dot(u, v);
         let turn = if gentle { 0.0 } else { turn_rad(u, v) };
-        if !(GENTLE_RAD..=rounding.most_rad).contains(&turn.abs()) {
+        if !(rounding.least_rad..=rounding.most_rad).contains(&turn.abs()) {
             out.push(left);
             (at, left) = (corner, *next);
             continue;
@@ -124,8 +136,9 @@ pub(super) fn round_corners(from: [f64; 2], pieces: &[Piece], rounding: &Roundin
 
 /// Cuts the pieces of curves so that they turn by little at each vertex: the vertices added lie on the curve that goes
 /// through the others halfway between the directions before and after (a cubic; of a circle's chords, the circle),
-/// at most [`BULGE_MM`] beside the piece. Each piece keeps its volume.
-pub(super) fn refine_curves(from: [f64; 2], pieces: &[Piece], out: &mut Vec<Piece>) {
+/// at most [`BULGE_MM`] beside the piece. Turns are gentle then, if the pieces need not become too short for that. Each
+/// piece keeps its volume.
+pub(super) fn refine_curves(from: [f64; 2], pieces: &[Piece], gentle_rad: f64, out: &mut Vec<Piece>) {
     let mut a = from;
     let mut turn_before = 0.0_f64;
     for (i, piece) in pieces.iter().enumerate() {
@@ -140,7 +153,7 @@ pub(super) fn refine_curves(from: [f64; 2], pieces: &[Piece], out: &mut Vec<Piec
         // Slopes against the piece at its start and end.
         let (start, end): (f64, f64) = (-0.5 * turn_before, 0.5 * turn_after);
         let bulge_mm = length_mm * (start.abs() + end.abs()) / 8.0;
-        let steps = ((start.abs() + end.abs()) / FINE_RAD).ceil().min((length_mm / SHORTEST_MM).floor());
+        let steps = ((start.abs() + end.abs()) / gentle_rad).ceil().min((length_mm / SHORTEST_MM).floor());
         if steps < 2.0 || bulge_mm > BULGE_MM {
             out.push(*piece);
         } else {
@@ -176,7 +189,7 @@ mod tests {
 
     #[test]
     fn walls_keep_their_sharp_corners_and_lose_a_hundredth_at_blunt_ones() {
-        let wall = Rounding::of(Role::ExternalPerimeter, 0.45);
+        let wall = Rounding::of(Role::ExternalPerimeter, 0.45, 0.15);
         let points = [[0.0, 0.0], [5.0, 0.0], [5.0, 5.0], [8.0, 10.0]];
         let mut out = Vec::new();
         round_corners(points[0], &pieces(&points), &wall, &mut out);
@@ -189,10 +202,16 @@ mod tests {
     }
 
     #[test]
+    fn the_slower_a_bead_the_more_may_its_vertices_turn() {
+        let at = |speed| gentle_rad(MmPerS(speed), MmPerS(5.0));
+        assert_eq!([0.0, 20.0, 50.0, 100.0, 300.0].map(at), [0.25, 0.25, 0.22, 0.11, 0.1]);
+    }
+
+    #[test]
     fn the_turn_of_a_zigzag_becomes_a_half_circle() {
         let points = [[0.0, 0.0], [9.0, 0.0], [9.0, 0.41], [0.0, 0.41]];
         let mut out = Vec::new();
-        round_corners(points[0], &pieces(&points), &Rounding::of(Role::InternalInfill, 0.45), &mut out);
+        round_corners(points[0], &pieces(&points), &Rounding::of(Role::InternalInfill, 0.45, 0.15), &mut out);
         assert!(sharpest(points[0], &out) < 0.4, "{out:?}");
         assert!(out.iter().all(|p| distance_mm(p.to, [9.0, 0.0]) > 0.08));
         assert!((out.iter().map(|p| p.volume_mm3).sum::<f64>() - 0.08 * 18.41).abs() < 1e-9);
@@ -207,7 +226,7 @@ mod tests {
         };
         let (circle, hexagon) = (ring(20, 1.0), ring(6, 5.0));
         let mut out = Vec::new();
-        refine_curves(circle[0], &pieces(&circle), &mut out);
+        refine_curves(circle[0], &pieces(&circle), 0.1, &mut out);
         // The first and the last piece have a neighbour on one side only.
         let inner = &out[4..out.len() - 4];
         assert!(
@@ -215,7 +234,7 @@ mod tests {
         );
         assert!(out.windows(2).all(|p| distance_mm(p[0].to, p[1].to) > 0.05));
         out.clear();
-        refine_curves(hexagon[0], &pieces(&hexagon), &mut out);
+        refine_curves(hexagon[0], &pieces(&hexagon), 0.1, &mut out);
         assert_eq!(out, pieces(&hexagon));
     }
 
@@ -230,10 +249,10 @@ mod tests {
             let plain = pieces(&points);
             let volume: f64 = plain.iter().map(|p| p.volume_mm3).sum();
             let (mut fine, mut round) = (Vec::new(), Vec::new());
-            refine_curves(points[0], &plain, &mut fine);
-            round_corners(points[0], &plain, &Rounding::of(Role::InternalInfill, 0.45), &mut round);
+            refine_curves(points[0], &plain, 0.1, &mut fine);
+            round_corners(points[0], &plain, &Rounding::of(Role::InternalInfill, 0.45, 0.15), &mut round);
             let mut blunt = Vec::new();
-            round_corners(points[0], &plain, &Rounding::of(Role::Perimeter, 0.45), &mut blunt);
+            round_corners(points[0], &plain, &Rounding::of(Role::Perimeter, 0.45, 0.15), &mut blunt);
             for out in [fine, round, blunt] {
                 prop_assert!((out.iter().map(|p| p.volume_mm3).sum::<f64>() - volume).abs() < 1e-9);
                 prop_assert!(out.iter().all(|p| p.volume_mm3 >= -1e-12 && p.area_mm2.is_finite()));
