@@ -5,7 +5,7 @@ mod print_support;
 use pathwright::estimate::Machine;
 use pathwright::gcode::file_time;
 use pathwright::geom::{Point, offset};
-use pathwright::profile::{OrderStrategy, Settings};
+use pathwright::profile::{EMBEDDED, OrderStrategy, Settings};
 use print_support::{Bead, Print, model, print, settings, solid, standard};
 
 /// Small models with holes, islands, slopes, thin walls.
@@ -180,6 +180,19 @@ fn every_order_prints_the_same_paths() {
         );
         assert!(optimized.link_mm <= measure.link_mm + 1e-6, "{order} beats optimized: {}", measure.link_mm);
     }
+}
+
+#[test]
+fn what_any_profile_makes_passes_the_check() {
+    // Slicing ends in an error where it does not.
+    for profile in EMBEDDED {
+        let settings = settings(&[profile.name], &[]);
+        for name in ["thin_wall_comb", "tilted_bracket"] {
+            print(name, &settings);
+        }
+    }
+    // Walls that widen beside holes, by a filament that melts slowly.
+    print("plate_with_holes", &settings(&["tpu"], &["order.strategy=nearest"]));
 }
 
 #[test]
