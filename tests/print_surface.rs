@@ -276,6 +276,15 @@ fn loops_end_before_they_close_by_the_gap() {
 }
 
 #[test]
+fn scarfs_of_thick_layers_beside_other_walls_pass_the_check() {
+    // Slicing ends in an error where they do not.
+    let settings = quick(&["seam.scarf=5", "layer.height=0.3", "layer.first_height=0.3"]);
+    for name in ["nested_shells", "tilted_bracket", "thin_wall_comb"] {
+        print(name, &settings);
+    }
+}
+
+#[test]
 fn a_scarf_changes_the_volume_by_nothing() {
     let [plain, scarf] = ["0", "8"].map(|length| {
         let settings = quick(&["seam.gap=0", &format!("seam.scarf={length}")]);

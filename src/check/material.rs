@@ -4,6 +4,7 @@ use super::fault::Kind;
 use super::relief::Relief;
 use super::report::Found;
 use super::rule::{Rule, Seen};
+use crate::gcode::Stroke;
 use crate::profile::Settings;
 
 /// Side of the cells in which heights are kept: about a bead's width.
@@ -25,8 +26,9 @@ impl Material {
 impl Rule for Material {
     fn see(&mut self, seen: &Seen<'_>, found: &mut Found) {
         let Some(stroke) = seen.stroke().filter(|stroke| stroke.xy_mm > 0.0) else { return };
+        let slack_mm = SLACK_MM + scarf_mm(stroke, seen);
         if seen.located
-            && let Some(([x, y, z], depth_mm)) = self.relief.dip(stroke, SLACK_MM)
+            && let Some(([x, y, z], depth_mm)) = self.relief.dip(stroke, slack_mm)
         {
             seen.fault(found, Kind::ThroughPrint, || {
                 format!("at X{x:.2} Y{y:.2} Z{z:.2}, {depth_mm:.2} mm deep")
@@ -36,4 +38,12 @@ impl Rule for Material {
             self.relief.lay(stroke);
         }
     }
+}
+
+/// How deep a bead may lie beside what stands at the height of its layer, mm: a seam's scarf begins near the bottom of
+/// the layer, and climbs.
+fn scarf_mm(stroke: &Stroke, seen: &Seen<'_>) -> f64 {
+    let below = seen.context.z_mm.is_some_and(|top_mm| stroke.from[2] < top_mm);
+    let scarf = stroke.extrudes() && (below || stroke.from[2] < stroke.to[2]);
+    seen.context.height_mm.filter(|_| scarf).unwrap_or(0.0)
 }
