@@ -203,7 +203,8 @@ impl Nozzle<'_> {
             self.draw_graded(path, vertices);
         }
         if let Some(from) = self.at {
-            prime(&mut self.moves, first, from, std::mem::take(&mut self.owed_mm3));
+            let owed_mm3 = std::mem::take(&mut self.owed_mm3);
+            prime(&mut self.moves, first, from, owed_mm3, self.settings.flow.max_flow);
         }
         (self.at, self.wipe) = end(path, vertices, scarf.as_ref(), self.settings);
     }
