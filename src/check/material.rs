@@ -4,7 +4,7 @@ use super::fault::Kind;
 use super::relief::Relief;
 use super::report::Found;
 use super::rule::{Rule, Seen};
-use crate::gcode::Stroke;
+use crate::gcode::{Context, Stroke};
 use crate::profile::Settings;
 
 /// Side of the cells in which heights are kept: about a bead's width.
@@ -26,7 +26,7 @@ impl Material {
 impl Rule for Material {
     fn see(&mut self, seen: &Seen<'_>, found: &mut Found) {
         let Some(stroke) = seen.stroke().filter(|stroke| stroke.xy_mm > 0.0) else { return };
-        let slack_mm = SLACK_MM + scarf_mm(stroke, seen);
+        let slack_mm = SLACK_MM + seen.bead().map_or(0.0, |bead| scarf_mm(bead, seen.context));
         if seen.located
             && let Some(([x, y, z], depth_mm)) = self.relief.dip(stroke, slack_mm)
         {
@@ -40,10 +40,13 @@ impl Rule for Material {
     }
 }
 
-/// How deep a bead may lie beside what stands at the height of its layer, mm: a seam's scarf begins near the bottom of
-/// the layer, and climbs.
-fn scarf_mm(stroke: &Stroke, seen: &Seen<'_>) -> f64 {
-    let below = seen.context.z_mm.is_some_and(|top_mm| stroke.from[2] < top_mm);
-    let scarf = stroke.extrudes() && (below || stroke.from[2] < stroke.to[2]);
-    seen.context.height_mm.filter(|_| scarf).unwrap_or(0.0)
+/// How far a bead may lie below what stands beside it on its own layer, mm: a seam's scarf begins near the bottom of the
+/// layer, and climbs. Where the layer's height is not known, a bead that climbs may be one.
+fn scarf_mm(bead: &Stroke, context: &Context) -> f64 {
+    let below_mm = match context.z_mm {
+        Some(top_mm) => top_mm - bead.from[2],
+        None if bead.from[2] < bead.to[2] => f64::INFINITY,
+        None => 0.0,
+    };
+    below_mm.min(context.height_mm.unwrap_or(0.0)).max(0.0)
 }

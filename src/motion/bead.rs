@@ -2,6 +2,7 @@
 
 use std::f64::consts::PI;
 
+use crate::geom::distance_mm;
 use crate::toolpath::bead::area_mm2;
 use crate::toolpath::{Path, Role, Width};
 
@@ -25,6 +26,11 @@ impl Vertex {
             area_mm2: self.area_mm2 + share * (to.area_mm2 - self.area_mm2),
         }
     }
+}
+
+/// Length of the way along vertices.
+pub(super) fn length_mm(vertices: &[Vertex]) -> f64 {
+    vertices.windows(2).map(|v| distance_mm(v[0].at, v[1].at)).sum()
 }
 
 /// Writes the path's vertices, in the order in which they are drawn, over what `out` held. A closed path

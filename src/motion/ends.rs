@@ -1,6 +1,6 @@
 //! How loops begin and end without a blob: with a gap, or with a scarf.
 
-use super::bead::Vertex;
+use super::bead::{Vertex, length_mm};
 use crate::geom::distance_mm;
 
 /// Loops shorter than so many gaps or scarfs stay as they are.
@@ -91,10 +91,6 @@ impl Scarf {
         let body = rest.into_iter().chain(edges.map(|edge| edge[1])).collect();
         Some(Self { rise, body, fade })
     }
-}
-
-fn length_mm(vertices: &[Vertex]) -> f64 {
-    vertices.windows(2).map(|v| distance_mm(v[0].at, v[1].at)).sum()
 }
 
 #[cfg(test)]

@@ -1,8 +1,7 @@
 //! How far walls hang over what they rest on, and how they are printed there.
 
-use super::bead::Vertex;
-use crate::geom::distance_mm;
-use crate::geom::{Bounds, EdgeGrid, Point, Region, to_segment_mm};
+use super::bead::{Vertex, length_mm};
+use crate::geom::{Bounds, EdgeGrid, Point, Region, distance_mm, to_segment_mm};
 
 /// Walls are looked at in steps of this.
 const STEP_MM: f64 = 0.5;
@@ -80,7 +79,7 @@ fn smoothed(stretches: Vec<Stretch>) -> Vec<Stretch> {
     let grades: Vec<Grade> = stretches.iter().map(|stretch| stretch.0).collect();
     let mut out: Vec<Stretch> = Vec::with_capacity(stretches.len());
     for (i, (own, vertices)) in stretches.into_iter().enumerate() {
-        let length_mm: f64 = vertices.windows(2).map(|v| distance_mm(v[0].at, v[1].at)).sum();
+        let length_mm = length_mm(&vertices);
         let beside = &grades[i.saturating_sub(1)..(i + 2).min(grades.len())];
         let grade = match beside.iter().max() {
             Some(&most) if length_mm < SHORTEST_MM => most,
@@ -210,8 +209,7 @@ mod tests {
         assert_eq!(grades, [Grade::Held, Grade::Air, Grade::Held]);
         let (air, length_mm) = (&stretches[1].1, distance_mm([1.0, 5.0], [29.0, 5.0]));
         assert!((air[0].at[0] - 10.0).abs() < 0.6 && (air.last().unwrap().at[0] - 20.0).abs() < 0.6);
-        let sum: f64 =
-            stretches.iter().flat_map(|s| s.1.windows(2)).map(|v| distance_mm(v[0].at, v[1].at)).sum();
+        let sum: f64 = stretches.iter().map(|s| super::length_mm(&s.1)).sum();
         assert!((sum - length_mm).abs() < 1e-9, "nothing is lost: {sum}");
     }
 }

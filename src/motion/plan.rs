@@ -1,7 +1,7 @@
 //! One layer's paths, in the order found, as moves.
 
 use super::arc;
-use super::bead::{Vertex, mean_width_mm, trace};
+use super::bead::{Vertex, length_mm, mean_width_mm, trace};
 use super::ends::{self, Scarf, Step};
 use super::overhang::{Grade, Support};
 use super::prime::prime;
@@ -204,7 +204,8 @@ impl Nozzle<'_> {
         }
         if let Some(from) = self.at {
             let owed_mm3 = std::mem::take(&mut self.owed_mm3);
-            prime(&mut self.moves, first, from, owed_mm3, self.settings.flow.max_flow);
+            let melted = |speed, area_mm2| self.rules.melted(speed, area_mm2);
+            prime(&mut self.moves, first, from, owed_mm3, melted);
         }
         (self.at, self.wipe) = end(path, vertices, scarf.as_ref(), self.settings);
     }
@@ -287,7 +288,7 @@ impl Nozzle<'_> {
                 continue;
             };
             let area_mm2 = stretch[0].area_mm2;
-            let length_mm: f64 = points_length_mm(stretch);
+            let length_mm = length_mm(stretch);
             self.moves.push(Move::Arc {
                 to: points[part.end],
                 center: circle.center,
@@ -297,8 +298,4 @@ impl Nozzle<'_> {
             });
         }
     }
-}
-
-fn points_length_mm(vertices: &[Vertex]) -> f64 {
-    vertices.windows(2).map(|v| crate::geom::distance_mm(v[0].at, v[1].at)).sum()
 }

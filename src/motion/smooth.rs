@@ -12,14 +12,16 @@ use crate::units::MmPerS;
 /// By Klipper's rule a corner of 1.8 in these units costs no speed at all, and a little more hardly any time.
 const GENTLE: f64 = 2.2;
 
-/// Finer turns take more vertices than they are worth, coarser ones can be seen.
-const GENTLE_RAD: std::ops::RangeInclusive<f64> = 0.1..=0.25;
+/// Finer turns take more vertices than they are worth …
+const FINEST_RAD: f64 = 0.1;
+/// … and coarser ones can be seen.
+const COARSEST_RAD: f64 = 0.25;
 
 /// Turns below this angle are fast enough for a bead that is drawn at a speed, on a machine with this square corner
 /// velocity.
 pub(super) fn gentle_rad(speed: MmPerS, square_corner_velocity: MmPerS) -> f64 {
     let rad = GENTLE * square_corner_velocity.0 / speed.0.max(f64::MIN_POSITIVE);
-    rad.clamp(*GENTLE_RAD.start(), *GENTLE_RAD.end())
+    rad.clamp(FINEST_RAD, COARSEST_RAD)
 }
 
 /// No piece is made shorter than this.
@@ -43,13 +45,11 @@ impl Rounding {
     /// much as slicing simplifies them; sharp ones are kept. So are the turns of solid infill: their corners fill what
     /// the lines leave open beside the wall.
     pub fn of(role: Role, width_mm: f64, gentle_rad: f64) -> Self {
-        let least_rad = gentle_rad;
-        match role {
-            Role::InternalInfill | Role::Support => {
-                Self { least_rad, most_rad: 3.0, deviation_mm: 0.25 * width_mm, step_rad: 0.3 }
-            }
-            _ => Self { least_rad, most_rad: 1.0, deviation_mm: 0.0125, step_rad: gentle_rad },
-        }
+        let (most_rad, deviation_mm, step_rad) = match role {
+            Role::InternalInfill | Role::Support => (3.0, 0.25 * width_mm, 0.3),
+            _ => (1.0, 0.0125, gentle_rad),
+        };
+        Self { least_rad: gentle_rad, most_rad, deviation_mm, step_rad }
     }
 }
 

@@ -56,10 +56,7 @@ impl LayerMoves {
                         sums.travels += 1;
                     }
                     travel_mm = 0.0;
-                    sums.print += Mm(match step {
-                        Move::Arc { center, clockwise, .. } => arc_mm(start, *to, *center, *clockwise),
-                        _ => distance_mm(start, *to),
-                    });
+                    sums.print += Mm(drawn_mm(step, start));
                     sums.volume += *volume;
                     (at, bead_end) = (Some(*to), Some(*to));
                 }
@@ -75,6 +72,15 @@ impl LayerMoves {
             }
         }
         sums
+    }
+}
+
+/// Length of what a move draws from where the nozzle is.
+pub(super) fn drawn_mm(step: &Move, from: [f64; 2]) -> f64 {
+    match step {
+        Move::Arc { to, center, clockwise, .. } => arc_mm(from, *to, *center, *clockwise),
+        Move::Extrude { to, .. } | Move::Ramp { to, .. } => distance_mm(from, *to),
+        _ => 0.0,
     }
 }
 

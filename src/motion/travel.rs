@@ -3,8 +3,7 @@
 
 use super::plan::Nozzle;
 use super::{MotionSettings, Move};
-use crate::geom::Way;
-use crate::geom::distance_mm;
+use crate::geom::{Way, distance_mm};
 use crate::units::{Mm3, MmPerS};
 
 impl Nozzle<'_> {

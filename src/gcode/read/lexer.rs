@@ -259,6 +259,12 @@ fn tell_digits(word: u64) -> (u64, u64) {
     ((((values & !TOPS) + 0x7676_7676_7676_7676) | values) & TOPS, values)
 }
 
+/// Which of eight bytes is the first whose top bit is set.
+#[inline]
+fn first(tops: u64) -> Option<usize> {
+    (tops != 0).then(|| tops.trailing_zeros() as usize / 8)
+}
+
 /// The number that the first of eight values of digits make, one at least.
 #[inline]
 fn joined(values: u64, count: usize) -> i64 {
@@ -283,10 +289,9 @@ struct Digits {
 #[inline]
 fn short_number(word: u64) -> Option<Digits> {
     let (others, values) = tell_digits(word);
-    let whole = if others == 0 { return None } else { others.trailing_zeros() as usize / 8 };
+    let whole = first(others)?;
     let (length, decimals, values) = if (word >> (8 * whole)) as u8 == b'.' {
-        let others = others & (others - 1);
-        let length = if others == 0 { return None } else { others.trailing_zeros() as usize / 8 };
+        let length = first(others & (others - 1))?;
         // The decimals move up to the digits before the point.
         let before = (1 << (8 * whole)) - 1;
         (length, length - whole - 1, values & before | values >> 8 & !before)
@@ -300,11 +305,12 @@ fn short_number(word: u64) -> Option<Digits> {
     Some(Digits { mantissa: joined(values, count), decimals, length })
 }
 
-/// The number that some bytes begin with; `None` if it has more than seven digits before or behind the point.
+/// The number that some bytes begin with, which does not end within eight; `None` if it has more than seven digits before
+/// or behind the point.
 fn usual_number(bytes: &[u8]) -> Option<Digits> {
     let part = |at: usize| {
         let (others, values) = tell_digits(eight(bytes, at));
-        let count = if others == 0 { return None } else { others.trailing_zeros() as usize / 8 };
+        let count = first(others)?;
         Some((count, if count > 0 { joined(values, count) } else { 0 }))
     };
     let (whole, mantissa) = part(0)?;
@@ -312,9 +318,6 @@ fn usual_number(bytes: &[u8]) -> Option<Digits> {
         return Some(Digits { mantissa, decimals: 0, length: whole });
     }
     let (decimals, value) = part(whole + 1)?;
-    if whole + decimals == 0 {
-        return Some(Digits::default());
-    }
     Some(Digits {
         mantissa: mantissa * WHOLE_POWERS[decimals] + value,
         decimals,
