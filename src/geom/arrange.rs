@@ -1,8 +1,10 @@
-//! Sets of rings that do not touch: recognised quickly, and turned into regions without a sweep.
+//! Sets of rings, and where they meet: those that touch nowhere are turned into regions at once.
 //!
 //! Most rings that a slicer meets are simple already. A ring falls into chains that are monotone in x and y,
 //! whose every part lies in the box of its two ends; so two chains are compared by halving, and chains are
 //! paired by a sweep over their boxes. All decisions are exact.
+
+use std::ops::ControlFlow;
 
 use super::{Bounds, Point, Polygon, Region, Ring, ring_area};
 
@@ -22,7 +24,7 @@ pub(super) enum Rule {
 }
 
 impl Rule {
-    fn inside(self, [first, second]: [i32; 2]) -> bool {
+    pub(super) fn inside(self, [first, second]: [i32; 2]) -> bool {
         match self {
             Rule::NonZero => first != 0,
             Rule::Positive => first > 0,
@@ -31,6 +33,15 @@ impl Rule {
             Rule::FirstOnly => first != 0 && second == 0,
         }
     }
+}
+
+/// How two edges that are not neighbours, or fold back over each other, meet.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Contact {
+    /// Each parts the ends of the other.
+    Cross,
+    /// An end of one is on the other.
+    Touch,
 }
 
 /// Edges `first..last` of the closed-up points, monotone in both coordinates.
@@ -59,10 +70,6 @@ pub(super) struct Arrangement {
 
 fn box_of(a: Point, b: Point) -> Bounds {
     Bounds { min: Point::new(a.x.min(b.x), a.y.min(b.y)), max: Point::new(a.x.max(b.x), a.y.max(b.y)) }
-}
-
-fn holds(b: &Bounds, p: Point) -> bool {
-    b.min.x <= p.x && p.x <= b.max.x && b.min.y <= p.y && p.y <= b.max.y
 }
 
 impl Arrangement {
@@ -120,6 +127,25 @@ impl Arrangement {
     /// Whether no two edges touch, but for neighbours in a ring at their common vertex.
     /// O(n + c log c) for n vertices in c chains when chains are mostly apart.
     pub(super) fn is_simple(&self) -> bool {
+        self.meetings(&mut |_, _, _| ControlFlow::Break(())).is_continue()
+    }
+
+    /// Pairs of edges that cross, each by its first vertex in [`Self::points`]; `None` where edges touch otherwise. As
+    /// [`Self::is_simple`], and O(1) for each pair.
+    pub(super) fn crossings(&self) -> Option<Vec<(usize, usize)>> {
+        let mut pairs = Vec::new();
+        let end = self.meetings(&mut |i, j, contact| {
+            if contact == Contact::Touch {
+                return ControlFlow::Break(());
+            }
+            pairs.push((i, j));
+            ControlFlow::Continue(())
+        });
+        end.is_continue().then_some(pairs)
+    }
+
+    /// Calls a function for every two edges that meet elsewhere than at a vertex between neighbours.
+    fn meetings(&self, see: &mut impl FnMut(usize, usize, Contact) -> ControlFlow<()>) -> ControlFlow<()> {
         // Sweep along the axis on which the chains are shorter.
         let extent = |low: fn(&Bounds) -> i32, high: fn(&Bounds) -> i32| {
             let length = |b: &Bounds| f64::from(high(b)) - f64::from(low(b));
@@ -142,34 +168,45 @@ impl Arrangement {
             let a = &self.chains[a as usize];
             for &(_, b, _) in order[i + 1..].iter().take_while(|b| b.0 <= high) {
                 let b = &self.chains[b as usize];
-                if a.bounds.touches(&b.bounds) && self.touch((a.first, a.last), (b.first, b.last), a.ring) {
-                    return false;
+                if a.bounds.touches(&b.bounds) {
+                    self.meetings_of(a, b, see)?;
                 }
             }
         }
-        true
+        ControlFlow::Continue(())
     }
 
-    /// Whether two runs of edges touch elsewhere than at a vertex between neighbours. `ring` is that of `a`.
-    fn touch(&self, a: (usize, usize), b: (usize, usize), ring: usize) -> bool {
-        let boxes = [a, b].map(|(first, last)| box_of(self.points[first], self.points[last]));
-        if !boxes[0].touches(&boxes[1]) {
-            return false;
-        }
-        let (length_a, length_b) = (a.1 - a.0, b.1 - b.0);
+    /// [`Self::meetings`] of two chains whose boxes touch.
+    fn meetings_of(
+        &self,
+        a: &Chain,
+        b: &Chain,
+        see: &mut impl FnMut(usize, usize, Contact) -> ControlFlow<()>,
+    ) -> ControlFlow<()> {
+        let (length_a, length_b) = (a.last - a.first, b.last - b.first);
         if length_a == 1 && length_b == 1 {
-            return self.edges_touch(a.0, b.0, ring);
+            return match self.contact(a.first, b.first, a.ring) {
+                Some(contact) => see(a.first, b.first, contact),
+                None => ControlFlow::Continue(()),
+            };
         }
-        if length_a >= length_b {
-            let half = a.0 + length_a / 2;
-            self.touch((a.0, half), b, ring) || self.touch((half, a.1), b, ring)
-        } else {
-            let half = b.0 + length_b / 2;
-            self.touch(a, (b.0, half), ring) || self.touch(a, (half, b.1), ring)
+        let longer = if length_a >= length_b { a } else { b };
+        let half = usize::midpoint(longer.first, longer.last);
+        for (first, last) in [(longer.first, half), (half, longer.last)] {
+            let bounds = box_of(self.points[first], self.points[last]);
+            let part = Chain { first, last, bounds, ring: longer.ring };
+            if length_a >= length_b {
+                if bounds.touches(&b.bounds) {
+                    self.meetings_of(&part, b, see)?;
+                }
+            } else if bounds.touches(&a.bounds) {
+                self.meetings_of(a, &part, see)?;
+            }
         }
+        ControlFlow::Continue(())
     }
 
-    fn edges_touch(&self, i: usize, j: usize, ring: usize) -> bool {
+    fn contact(&self, i: usize, j: usize, ring: usize) -> Option<Contact> {
         let (a, b, c, d) = (self.points[i], self.points[i + 1], self.points[j], self.points[j + 1]);
         let (start, end) = self.spans[ring];
         let follows = |i: usize, j: usize| i + 1 == j || (j == start && i + 1 == end);
@@ -177,28 +214,51 @@ impl Arrangement {
             (from - at).cross(to - at) == 0 && (from - at).dot(to - at) > 0
         };
         if follows(i, j) {
-            return folds(a, b, d);
+            return folds(a, b, d).then_some(Contact::Touch);
         }
         if follows(j, i) {
-            return folds(c, d, b);
+            return folds(c, d, b).then_some(Contact::Touch);
         }
         let side = |p: Point, q: Point, r: Point| (q - p).cross(r - p).signum();
-        side(a, b, c) * side(a, b, d) <= 0 && side(c, d, a) * side(c, d, b) <= 0
+        match (side(a, b, c) * side(a, b, d), side(c, d, a) * side(c, d, b)) {
+            (-1, -1) => Some(Contact::Cross),
+            (..=0, ..=0) => Some(Contact::Touch),
+            _ => None,
+        }
     }
 
-    /// Winding numbers of the first and the second rings but `own` around a point of `own`, which none may touch.
-    fn winding_outside(&self, own: usize) -> [i32; 2] {
-        let p = self.points[self.spans[own].0];
-        let around = self.boxes.iter().enumerate().filter(|(ring, b)| *ring != own && holds(b, p));
+    /// The first rings, then the second.
+    pub(super) fn rings(&self) -> &[Ring] {
+        &self.rings
+    }
+
+    /// All rings, each with its first point repeated at the end.
+    pub(super) fn points(&self) -> &[Point] {
+        &self.points
+    }
+
+    /// First and last index of each ring in [`Self::points`].
+    pub(super) fn spans(&self) -> &[(usize, usize)] {
+        &self.spans
+    }
+
+    /// Whether a ring is one of the second.
+    pub(super) fn is_second(&self, ring: usize) -> bool {
+        ring >= self.firsts
+    }
+
+    /// Winding numbers of the first and the second rings but `own` around a point, which none of them may touch.
+    pub(super) fn winding_outside(&self, own: usize, p: Point) -> [i32; 2] {
+        let around = self.boxes.iter().enumerate().filter(|(ring, b)| *ring != own && b.holds(p));
         around.fold([0, 0], |mut sum, (ring, _)| {
-            sum[usize::from(ring >= self.firsts)] += self.winding(ring, p);
+            sum[usize::from(self.is_second(ring))] += self.winding(ring, p);
             sum
         })
     }
 
     /// Winding number of a ring around a point that is not on it.
     fn winding(&self, ring: usize, p: Point) -> i32 {
-        if !holds(&self.boxes[ring], p) {
+        if !self.boxes[ring].holds(p) {
             return 0;
         }
         self.chains[self.owned[ring]..self.owned[ring + 1]]
@@ -225,9 +285,9 @@ impl Arrangement {
         let mut turned = vec![false; self.rings.len()];
         for ring in 0..self.rings.len() {
             let area = ring_area(&self.rings[ring]);
-            let outside = self.winding_outside(ring);
+            let outside = self.winding_outside(ring, self.points[self.spans[ring].0]);
             let mut inside = outside;
-            inside[usize::from(ring >= self.firsts)] += if area > 0.0 { 1 } else { -1 };
+            inside[usize::from(self.is_second(ring))] += if area > 0.0 { 1 } else { -1 };
             match (rule.inside(outside), rule.inside(inside)) {
                 (false, true) => outers.push((ring, area.abs())),
                 (true, false) => holes.push(ring),
@@ -264,10 +324,6 @@ impl Arrangement {
         region
     }
 
-    /// The rings as they were given.
-    pub(super) fn into_rings(self) -> Vec<Ring> {
-        self.rings
-    }
 }
 
 #[cfg(test)]

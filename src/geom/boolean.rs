@@ -1,7 +1,8 @@
 //! Boolean operations on regions, exact on the grid but for the rounding of intersection points.
 //!
-//! Polygons that meet no other pass through untouched, as do polygons that are the same in both operands, and
-//! outlines that do not touch are only nested; the rest goes through the sweep of `i_overlay`, cluster by cluster.
+//! Polygons that meet no other pass through untouched, as do polygons that are the same in both operands; outlines that
+//! do not touch are only nested, and those that cross are cut there. Where outlines touch without crossing, or share
+//! edges, the sweep of `i_overlay` sorts them out. All this cluster by cluster.
 
 use std::cell::RefCell;
 
@@ -11,6 +12,7 @@ use i_overlay::core::overlay_rule::OverlayRule;
 use i_overlay::i_float::int::point::IntPoint;
 
 use super::arrange::{Arrangement, Rule};
+use super::crossed::Crossed;
 use super::{Bounds, Point, Polygon, Region, Ring};
 
 thread_local! {
@@ -20,17 +22,26 @@ thread_local! {
 
 /// The area in both.
 pub fn intersection(a: &Region, b: &Region) -> Region {
-    combine(a, b, OverlayRule::Intersect)
+    let [both] = combine(a, b, [Rule::Both]);
+    both
 }
 
 /// The area in either.
 pub fn union(a: &Region, b: &Region) -> Region {
-    combine(a, b, OverlayRule::Union)
+    let [either] = combine(a, b, [Rule::Either]);
+    either
 }
 
 /// The area in `a` and not in `b`.
 pub fn difference(a: &Region, b: &Region) -> Region {
-    combine(a, b, OverlayRule::Difference)
+    let [rest] = combine(a, b, [Rule::FirstOnly]);
+    rest
+}
+
+/// `a` in two parts: what is in `b`, and what is not. At little more than the cost of either.
+pub fn split(a: &Region, b: &Region) -> (Region, Region) {
+    let [both, rest] = combine(a, b, [Rule::Both, Rule::FirstOnly]);
+    (both, rest)
 }
 
 /// The area in any of them.
@@ -43,8 +54,8 @@ pub fn union_all<'a>(regions: impl IntoIterator<Item = &'a Region>) -> Region {
         if cluster[1..].iter().all(|&i| polygons[i] == first) {
             result.polygons.push(first.clone());
         } else {
-            let rings = cluster.iter().flat_map(|&i| polygons[i].rings());
-            result.polygons.extend(sweep(rings, [], OverlayRule::Subject, FillRule::NonZero).polygons);
+            let rings = cluster.iter().flat_map(|&i| polygons[i].rings()).map(|ring| clean(ring)).collect();
+            result.polygons.extend(resolve(rings, Rule::NonZero).polygons);
         }
     }
     result
@@ -52,17 +63,18 @@ pub fn union_all<'a>(regions: impl IntoIterator<Item = &'a Region>) -> Region {
 
 /// The area that rings of any orientation wind around at least once (non-zero rule), as a region.
 pub fn unite_rings(rings: &[Ring]) -> Region {
-    let arrangement = Arrangement::new(rings.iter().map(|ring| clean(ring)).collect());
-    if arrangement.is_simple() {
-        return arrangement.into_region(Rule::NonZero);
-    }
-    sweep(&arrangement.into_rings(), [], OverlayRule::Subject, FillRule::NonZero)
+    resolve(rings.iter().map(|ring| clean(ring)).collect(), Rule::NonZero)
 }
 
-/// The area that the rings wind around a positive number of times.
+/// The area that the rings wind around a positive number of times. No two neighbouring points of a ring may be equal.
 pub(super) fn positive(rings: impl IntoIterator<Item = Ring>) -> Region {
-    let rings: Vec<Ring> = rings.into_iter().collect();
-    sweep(&rings, [], OverlayRule::Subject, FillRule::Positive)
+    resolve(rings.into_iter().collect(), Rule::Positive)
+}
+
+fn resolve(rings: Vec<Ring>, rule: Rule) -> Region {
+    let arrangement = Arrangement::new(rings);
+    let region = Crossed::new(&arrangement).and_then(|crossed| crossed.region(rule));
+    region.unwrap_or_else(|| sweep(&arrangement, rule))
 }
 
 /// Groups of boxes that are connected by touching pairs for which `links` holds, each ascending, in the order of
@@ -100,48 +112,36 @@ pub(super) fn clusters(boxes: &[Bounds], links: impl Fn(usize, usize) -> bool) -
     groups
 }
 
-fn combine(a: &Region, b: &Region, rule: OverlayRule) -> Region {
+fn combine<const N: usize>(a: &Region, b: &Region, rules: [Rule; N]) -> [Region; N] {
     let split = a.polygons.len();
     let polygons: Vec<&Polygon> = a.polygons.iter().chain(&b.polygons).collect();
     let boxes: Vec<Bounds> = polygons.iter().map(|p| bounds(p)).collect();
-    let mut result = Region::default();
+    let mut results = [const { Region { polygons: Vec::new() } }; N];
     for cluster in clusters(&boxes, |i, j| (i < split) != (j < split)) {
         let (in_a, in_b) = cluster.split_at(cluster.partition_point(|&i| i < split));
         let same =
             in_a.len() == in_b.len() && in_a.iter().zip(in_b).all(|(&i, &j)| polygons[i] == polygons[j]);
-        let whole = match rule {
-            OverlayRule::Intersect if in_a.is_empty() || in_b.is_empty() => continue,
-            OverlayRule::Difference if in_a.is_empty() || same => continue,
-            OverlayRule::Union if in_a.is_empty() => in_b,
-            OverlayRule::Intersect | OverlayRule::Union if same => in_a,
-            OverlayRule::Union | OverlayRule::Difference if in_b.is_empty() => in_a,
-            _ => {
-                let rings = |part: &'_ [usize]| -> Vec<&Ring> {
-                    part.iter().flat_map(|&i| polygons[i].rings()).collect()
+        if same || in_a.is_empty() || in_b.is_empty() {
+            for (result, rule) in results.iter_mut().zip(rules) {
+                let whole = match rule {
+                    Rule::Both if !same => &[],
+                    Rule::FirstOnly if same => &[],
+                    Rule::Either if in_a.is_empty() => in_b,
+                    _ => in_a,
                 };
-                let (subject, clip) = (rings(in_a), rings(in_b));
-                let region = nested(&subject, &clip, rule)
-                    .unwrap_or_else(|| sweep(subject, clip, rule, FillRule::NonZero));
-                result.polygons.extend(region.polygons);
-                continue;
+                result.polygons.extend(whole.iter().map(|&i| polygons[i].clone()));
             }
-        };
-        result.polygons.extend(whole.iter().map(|&i| polygons[i].clone()));
+            continue;
+        }
+        let rings = |part: &[usize]| part.iter().flat_map(|&i| polygons[i].rings()).map(|r| clean(r)).collect();
+        let arrangement = Arrangement::of_two(rings(in_a), rings(in_b));
+        let crossed = Crossed::new(&arrangement);
+        for (result, rule) in results.iter_mut().zip(rules) {
+            let region = crossed.as_ref().and_then(|crossed| crossed.region(rule));
+            result.polygons.extend(region.unwrap_or_else(|| sweep(&arrangement, rule)).polygons);
+        }
     }
-    result
-}
-
-/// The operation on outlines that do not touch, as those of neighbouring layers on a slope.
-fn nested(subject: &[&Ring], clip: &[&Ring], rule: OverlayRule) -> Option<Region> {
-    let rule = match rule {
-        OverlayRule::Intersect => Rule::Both,
-        OverlayRule::Union => Rule::Either,
-        OverlayRule::Difference => Rule::FirstOnly,
-        _ => return None,
-    };
-    let clean_all = |rings: &[&Ring]| rings.iter().map(|ring| clean(ring)).collect();
-    let arrangement = Arrangement::of_two(clean_all(subject), clean_all(clip));
-    arrangement.is_simple().then(|| arrangement.into_region(rule))
+    results
 }
 
 /// The ring without equal neighbours.
@@ -159,20 +159,20 @@ fn bounds(polygon: &Polygon) -> Bounds {
         .unwrap_or(Bounds { min: Point::default(), max: Point::default() })
 }
 
-fn sweep<'a>(
-    subject: impl IntoIterator<Item = &'a Ring>,
-    clip: impl IntoIterator<Item = &'a Ring>,
-    rule: OverlayRule,
-    fill: FillRule,
-) -> Region {
-    let grid = |p: &Point| IntPoint::new(p.x, p.y);
+/// The region that a rule leaves of any rings.
+fn sweep(arrangement: &Arrangement, rule: Rule) -> Region {
+    let (rule, fill) = match rule {
+        Rule::NonZero => (OverlayRule::Subject, FillRule::NonZero),
+        Rule::Positive => (OverlayRule::Subject, FillRule::Positive),
+        Rule::Both => (OverlayRule::Intersect, FillRule::NonZero),
+        Rule::Either => (OverlayRule::Union, FillRule::NonZero),
+        Rule::FirstOnly => (OverlayRule::Difference, FillRule::NonZero),
+    };
     let shapes = OVERLAY.with_borrow_mut(|overlay| {
         overlay.clear();
-        for ring in subject {
-            overlay.add_path_iter(ring.iter().map(grid), ShapeType::Subject);
-        }
-        for ring in clip {
-            overlay.add_path_iter(ring.iter().map(grid), ShapeType::Clip);
+        for (ring, points) in arrangement.rings().iter().enumerate() {
+            let role = if arrangement.is_second(ring) { ShapeType::Clip } else { ShapeType::Subject };
+            overlay.add_path_iter(points.iter().map(|p| IntPoint::new(p.x, p.y)), role);
         }
         overlay.overlay(rule, fill)
     });

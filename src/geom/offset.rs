@@ -4,7 +4,7 @@
 //! already. Else the overlaps are taken out by winding number.
 
 use super::arrange::{Arrangement, Rule};
-use super::boolean::{clusters, positive};
+use super::boolean::{clusters, difference, positive};
 use super::raw_offset::{Join, RingOffset};
 use super::simplify::simplify_ring;
 use super::{Bounds, Point, Polygon, Region, Ring, UNITS_PER_MM, ring_area};
@@ -12,6 +12,9 @@ use super::{Bounds, Point, Polygon, Region, Ring, UNITS_PER_MM, ring_area};
 /// Offsetting may move the boundary by this much, in millimetres, to save vertices: a quarter of the finest
 /// step of common motion systems (80 steps/mm). Half is spent on the input, half on the result.
 const TOLERANCE_MM: f64 = 0.0025;
+
+/// A part is taken out of a region with so much to spare: twice what offsetting may have moved the boundary.
+const KERF_MM: f64 = 2.0 * TOLERANCE_MM;
 
 /// Parts of a result smaller than this many square millimetres (a square of 5 µm) are dropped.
 const MIN_AREA_MM2: f64 = 2.5e-5;
@@ -68,6 +71,13 @@ pub fn opening(region: &Region, radius_mm: f64) -> Region {
 /// The region grown and shrunk back: gaps and holes narrower than twice the radius are filled.
 pub fn closing(region: &Region, radius_mm: f64) -> Region {
     offset(&offset(region, radius_mm), -radius_mm)
+}
+
+/// What is left of a region when a part of it is taken out whose boundary is, or nearly is, the region's own over long
+/// stretches, as what an opening leaves. The part is taken out with 5 µm to spare, which leaves no slivers.
+pub fn remainder(region: &Region, part: &Region) -> Region {
+    // Nor do outlines share edges then, which take much longer to sort out than crossings.
+    difference(region, &offset(part, KERF_MM))
 }
 
 struct Offset {

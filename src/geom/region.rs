@@ -150,6 +150,11 @@ impl Bounds {
         }))
     }
 
+    /// Whether a point is in the box.
+    pub fn holds(&self, p: Point) -> bool {
+        self.min.x <= p.x && p.x <= self.max.x && self.min.y <= p.y && p.y <= self.max.y
+    }
+
     /// Whether two boxes share a point.
     pub fn touches(&self, other: &Self) -> bool {
         self.min.x <= other.max.x

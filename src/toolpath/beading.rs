@@ -103,7 +103,7 @@ pub(super) fn narrower(region: &Region, opened: &Region, least_mm: f64) -> Regio
     if same_area(region, opened) {
         return Region::default();
     }
-    geom::opening(&geom::difference(region, opened), least_mm / 2.0)
+    geom::opening(&geom::remainder(region, opened), least_mm / 2.0)
 }
 
 /// Whether opening a region lost no more than its corners' slivers.

@@ -160,13 +160,13 @@ pub fn divide(
     next: &Region,
     line_mm: f64,
 ) -> Zones {
-    let common = |region: &Region, window: Option<&Region>| match window {
-        Some(window) => geom::intersection(region, window),
-        None => region.clone(),
+    let parted = |region: &Region, window: Option<&Region>| match window {
+        Some(window) => geom::split(region, window),
+        None => (region.clone(), Region::default()),
     };
-    let roofed = common(inside, above);
-    let sparse = common(&roofed, below);
-    let (inside_mm2, sparse_mm2) = (inside.area_mm2(), sparse.area_mm2());
+    let (roofed, mut bare) = parted(inside, above);
+    let (common, unsupported) = parted(&roofed, below);
+    let (inside_mm2, sparse_mm2) = (inside.area_mm2(), common.area_mm2());
     let all_sparse = || Zones { sparse: inside.clone(), sparse_mm2, ..Zones::default() };
     if inside_mm2 - sparse_mm2 < CRUMB_MM2.min(0.5 * inside_mm2) {
         return all_sparse();
@@ -174,14 +174,15 @@ pub fn divide(
     let (sparse, solid) = if sparse_mm2 < CRUMB_MM2 {
         (Region::default(), inside.clone())
     } else {
-        let mut strips = geom::opening(&geom::difference(inside, &sparse), NARROWEST_STRIP / 2.0 * line_mm);
+        bare.polygons.extend(unsupported.polygons);
+        let mut strips = geom::opening(&bare, NARROWEST_STRIP / 2.0 * line_mm);
         strips.polygons.retain(|patch| patch.area_mm2() >= SMALLEST_PATCH * line_mm * line_mm);
         if strips.is_empty() {
             return all_sparse();
         }
         let anchored = geom::offset(&strips, line_mm / 2.0);
         let sparse = geom::opening(&geom::difference(inside, &anchored), line_mm / 2.0);
-        let solid = geom::difference(inside, &sparse);
+        let solid = geom::remainder(inside, &sparse);
         (sparse, solid)
     };
     // What has a roof of the whole shell's thickness has one on the next layer.
@@ -192,8 +193,6 @@ pub fn divide(
     if exposed.is_empty() {
         return Zones { sparse, solid, top: exposed, sparse_mm2 };
     }
-    let around = geom::offset(&exposed, line_mm / 2.0);
-    let top = geom::intersection(&around, &solid);
-    let solid = geom::difference(&solid, &around);
+    let (top, solid) = geom::split(&solid, &geom::offset(&exposed, line_mm / 2.0));
     Zones { sparse, solid, top, sparse_mm2 }
 }

@@ -31,12 +31,12 @@ pub fn split_narrow(zone: &Region, spacing_mm: f64) -> (Region, Region) {
     if zone.area_mm2() - wide.area_mm2() < CORNER * spacing_mm * spacing_mm {
         return (zone.clone(), Region::default());
     }
-    let mut narrow = geom::opening(&geom::difference(zone, &wide), spacing_mm / 4.0);
+    let mut narrow = geom::opening(&geom::remainder(zone, &wide), spacing_mm / 4.0);
     narrow.polygons.retain(|polygon| polygon.area_mm2() >= CORNER * spacing_mm * spacing_mm);
     if narrow.is_empty() {
         return (zone.clone(), narrow);
     }
-    (geom::difference(zone, &narrow), narrow)
+    (geom::remainder(zone, &narrow), narrow)
 }
 
 /// Lines laid side by side into one patch.

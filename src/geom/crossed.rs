@@ -1,0 +1,267 @@
+//! Regions of rings that cross: the rings are cut where they do, and of the arcs between, those that part inside from
+//! outside make up the boundary (as Weiler & Atherton 1977, doi:10.1145/563858.563896, for windings of any number).
+//!
+//! Winding numbers are found once for each ring and then followed along it, changing by one at every crossing; so the cost
+//! is that of finding the crossings. Where rings touch without crossing, somebody else has to sort them out.
+
+use super::arrange::{Arrangement, Rule};
+use super::point::nearest_unit;
+use super::{Bounds, Point, Polygon, Region, Ring, ring_area};
+
+/// Where a ring meets a crossing. The arc from here to the ring's next stop goes by the stop's index.
+#[derive(Clone, Copy)]
+struct Stop {
+    /// The ring's edge, by its first vertex.
+    edge: usize,
+    /// Place on the edge, from 0 to 1.
+    along: f64,
+    crossing: usize,
+    /// How the windings change here, going forward.
+    step: [i32; 2],
+    /// The ring's next stop.
+    next: usize,
+}
+
+/// A whole ring that crosses nothing, or the arc from a stop to the next one of its ring.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Side {
+    /// Inside is on its left.
+    Left,
+    /// Inside is on its right.
+    Right,
+    /// It parts nothing.
+    Neither,
+}
+
+/// Rings that are cut where they cross.
+pub(super) struct Crossed<'a> {
+    arrangement: &'a Arrangement,
+    /// In the order of the rings, and along them.
+    stops: Vec<Stop>,
+    /// The stops of each ring.
+    owned: Vec<std::ops::Range<usize>>,
+    /// The crossings.
+    places: Vec<Point>,
+    /// Windings to the left of each ring without stops, or of each arc, and how much less they are to the right.
+    rings: Vec<[[i32; 2]; 2]>,
+    arcs: Vec<[[i32; 2]; 2]>,
+}
+
+impl<'a> Crossed<'a> {
+    /// Cuts the rings; `None` where some touch without crossing. O(n + c log c), as to find out whether rings cross, and
+    /// O(k log k) for k crossings.
+    pub(super) fn new(arrangement: &'a Arrangement) -> Option<Self> {
+        let crossings = arrangement.crossings()?;
+        let mut out = Self {
+            arrangement,
+            stops: Vec::with_capacity(2 * crossings.len()),
+            owned: Vec::new(),
+            places: Vec::with_capacity(crossings.len()),
+            rings: Vec::new(),
+            arcs: vec![[[0; 2]; 2]; 2 * crossings.len()],
+        };
+        out.cut(&crossings);
+        for ring in 0..arrangement.spans().len() {
+            out.wind(ring)?;
+        }
+        Some(out)
+    }
+
+    fn cut(&mut self, crossings: &[(usize, usize)]) {
+        let (points, spans) = (self.arrangement.points(), self.arrangement.spans());
+        let ring_of = |edge: usize| spans.partition_point(|&(_, end)| end <= edge);
+        for (crossing, &(i, j)) in crossings.iter().enumerate() {
+            let (a, c) = (points[i], points[j]);
+            let (u, v) = (points[i + 1] - a, points[j + 1] - c);
+            // Not zero, as they cross.
+            let turn = u.cross(v);
+            let along = |other: Point| (c - a).cross(other) as f64 / turn as f64;
+            let place = |from: i32, by: i32| nearest_unit(f64::from(from) + along(v) * f64::from(by));
+            self.places.push(Point::new(place(a.x, u.x), place(a.y, u.y)));
+            // Where `j` points to the left of `i`, going along `i` leads from its left to its right.
+            let sign = if turn > 0 { -1 } else { 1 };
+            for (edge, along, other, sign) in [(i, along(v), j, sign), (j, along(u), i, -sign)] {
+                let step = if self.arrangement.is_second(ring_of(other)) { [0, sign] } else { [sign, 0] };
+                self.stops.push(Stop { edge, along, crossing, step, next: 0 });
+            }
+        }
+        self.stops.sort_unstable_by(|a, b| {
+            a.edge.cmp(&b.edge).then(a.along.total_cmp(&b.along)).then(a.crossing.cmp(&b.crossing))
+        });
+        let mut from = 0;
+        for &(_, end) in spans {
+            let to = from + self.stops[from..].partition_point(|stop| stop.edge < end);
+            for stop in from..to {
+                self.stops[stop].next = if stop + 1 < to { stop + 1 } else { from };
+            }
+            self.owned.push(from..to);
+            from = to;
+        }
+    }
+
+    /// Finds the windings beside a ring; `None` if they do not add up.
+    fn wind(&mut self, ring: usize) -> Option<()> {
+        let (start, end) = self.arrangement.spans()[ring];
+        let points = self.arrangement.points();
+        // Left of its leftmost vertex (of those the lowest) the ring does not wind.
+        let corner = (start..end).min_by_key(|&i| points[i])?;
+        let before = points[if corner == start { end } else { corner } - 1];
+        let turns_left = (points[corner] - before).cross(points[corner + 1] - points[corner]) > 0;
+        let own = usize::from(self.arrangement.is_second(ring));
+        let mut left = self.arrangement.winding_outside(ring, points[corner]);
+        let mut fall = [0; 2];
+        (left[own], fall[own]) = (left[own] + i32::from(turns_left), 1);
+        self.rings.push([left, fall]);
+        let owned = self.owned[ring].clone();
+        if owned.is_empty() {
+            return Some(());
+        }
+        let next = self.stops[owned.clone()].partition_point(|stop| stop.edge < corner);
+        let first = left;
+        for k in 0..owned.len() {
+            let stop = owned.start + (next + k) % owned.len();
+            let step = self.stops[stop].step;
+            left = [left[0] + step[0], left[1] + step[1]];
+            self.arcs[stop] = [left, fall];
+        }
+        (left == first).then_some(())
+    }
+
+    /// The region that a rule leaves; `None` where its outlines meet at a crossing.
+    pub(super) fn region(&self, rule: Rule) -> Option<Region> {
+        let side = |&[left, fall]: &[[i32; 2]; 2]| {
+            let right = [left[0] - fall[0], left[1] - fall[1]];
+            match (rule.inside(left), rule.inside(right)) {
+                (true, false) => Side::Left,
+                (false, true) => Side::Right,
+                _ => Side::Neither,
+            }
+        };
+        let mut outlines = self.whole_rings(&side);
+        let sides: Vec<Side> = self.arcs.iter().map(side).collect();
+        let leaving = self.links(&sides)?;
+        let mut done = vec![false; self.places.len()];
+        for start in 0..self.places.len() {
+            let mut outline = Ring::new();
+            let mut at = start;
+            while !done[at]
+                && let Some(arc) = leaving[at]
+            {
+                done[at] = true;
+                outline.push(self.places[at]);
+                at = self.follow(arc, sides[arc], &mut outline);
+            }
+            outline.dedup();
+            while outline.len() > 1 && outline.last() == outline.first() {
+                outline.pop();
+            }
+            if outline.len() > 2 {
+                outlines.push(outline);
+            }
+        }
+        Some(nest(outlines))
+    }
+
+    /// Rings that cross nothing, those that have inside on their right turned.
+    fn whole_rings(&self, side: impl Fn(&[[i32; 2]; 2]) -> Side) -> Vec<Ring> {
+        let mut out = Vec::new();
+        for (ring, &(start, end)) in self.arrangement.spans().iter().enumerate() {
+            if self.owned[ring].is_empty() {
+                let points = self.arrangement.points()[start..end].iter().copied();
+                match side(&self.rings[ring]) {
+                    Side::Left => out.push(points.collect()),
+                    Side::Right => out.push(points.rev().collect()),
+                    Side::Neither => {}
+                }
+            }
+        }
+        out
+    }
+
+    /// The arc by which the boundary leaves each crossing, if it passes there; `None` where it passes twice.
+    fn links(&self, sides: &[Side]) -> Option<Vec<Option<usize>>> {
+        let mut leaving = vec![None; self.places.len()];
+        for (arc, &side) in sides.iter().enumerate() {
+            let from = match side {
+                Side::Left => arc,
+                Side::Right => self.stops[arc].next,
+                Side::Neither => continue,
+            };
+            if leaving[self.stops[from].crossing].replace(arc).is_some() {
+                return None;
+            }
+        }
+        // As many arrive as leave.
+        let arrive = sides.iter().enumerate().filter_map(|(arc, &side)| match side {
+            Side::Left => Some(self.stops[arc].next),
+            Side::Right => Some(arc),
+            Side::Neither => None,
+        });
+        let mut open: Vec<bool> = leaving.iter().map(Option::is_some).collect();
+        for to in arrive {
+            if !std::mem::take(&mut open[self.stops[to].crossing]) {
+                return None;
+            }
+        }
+        Some(leaving)
+    }
+
+    /// Appends the vertices of an arc, with inside on the left, and returns the crossing at its end.
+    fn follow(&self, arc: usize, side: Side, outline: &mut Ring) -> usize {
+        let next = self.stops[arc].next;
+        let (from, to) = (self.stops[arc].edge, self.stops[next].edge);
+        let points = self.arrangement.points();
+        let at = outline.len();
+        if next > arc {
+            outline.extend_from_slice(&points[from + 1..to + 1]);
+        } else {
+            let ring = self.owned.partition_point(|owned| owned.end <= arc);
+            let (start, end) = self.arrangement.spans()[ring];
+            outline.extend_from_slice(&points[from + 1..end]);
+            outline.extend_from_slice(&points[start..to + 1]);
+        }
+        if side == Side::Right {
+            outline[at..].reverse();
+            return self.stops[arc].crossing;
+        }
+        self.stops[next].crossing
+    }
+}
+
+/// Polygons of outlines that have inside on their left and do not cross.
+fn nest(outlines: Vec<Ring>) -> Region {
+    let mut polygons: Vec<(Bounds, f64, Polygon)> = Vec::new();
+    let mut holes = Vec::new();
+    for outline in outlines {
+        let area = ring_area(&outline);
+        if area > 0.0 {
+            let bounds = Bounds::of(outline.iter().copied());
+            polygons.extend(bounds.map(|b| (b, area, Polygon { outer: outline, holes: Vec::new() })));
+        } else if area < 0.0 {
+            holes.push(outline);
+        }
+    }
+    for hole in holes {
+        let around = |(bounds, _, polygon): &&mut (Bounds, f64, Polygon)| {
+            bounds.holds(hole[0]) && surrounds(&polygon.outer, hole[0])
+        };
+        let home = match polygons.as_mut_slice() {
+            [only] => Some(only),
+            several => several.iter_mut().filter(around).min_by(|a, b| a.1.total_cmp(&b.1)),
+        };
+        if let Some((_, _, polygon)) = home {
+            polygon.holes.push(hole);
+        }
+    }
+    Region { polygons: polygons.into_iter().map(|(_, _, polygon)| polygon).collect() }
+}
+
+/// Whether a ring winds around a point.
+fn surrounds(ring: &[Point], p: Point) -> bool {
+    let closing = ring.last().map(|&last| (last, ring[0]));
+    let edges = ring.windows(2).map(|edge| (edge[0], edge[1])).chain(closing);
+    let crossed = edges.filter(|&(a, b)| {
+        (a.y <= p.y) != (b.y <= p.y) && ((b - a).cross(p - a) > 0) == (b.y > a.y)
+    });
+    crossed.count() % 2 == 1
+}
