@@ -323,7 +323,6 @@ impl Arrangement {
         }
         region
     }
-
 }
 
 #[cfg(test)]

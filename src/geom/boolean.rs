@@ -133,7 +133,8 @@ fn combine<const N: usize>(a: &Region, b: &Region, rules: [Rule; N]) -> [Region;
             }
             continue;
         }
-        let rings = |part: &[usize]| part.iter().flat_map(|&i| polygons[i].rings()).map(|r| clean(r)).collect();
+        let rings =
+            |part: &[usize]| part.iter().flat_map(|&i| polygons[i].rings()).map(|r| clean(r)).collect();
         let arrangement = Arrangement::of_two(rings(in_a), rings(in_b));
         let crossed = Crossed::new(&arrangement);
         for (result, rule) in results.iter_mut().zip(rules) {

@@ -260,8 +260,7 @@ fn nest(outlines: Vec<Ring>) -> Region {
 fn surrounds(ring: &[Point], p: Point) -> bool {
     let closing = ring.last().map(|&last| (last, ring[0]));
     let edges = ring.windows(2).map(|edge| (edge[0], edge[1])).chain(closing);
-    let crossed = edges.filter(|&(a, b)| {
-        (a.y <= p.y) != (b.y <= p.y) && ((b - a).cross(p - a) > 0) == (b.y > a.y)
-    });
+    let crossed =
+        edges.filter(|&(a, b)| (a.y <= p.y) != (b.y <= p.y) && ((b - a).cross(p - a) > 0) == (b.y > a.y));
     crossed.count() % 2 == 1
 }

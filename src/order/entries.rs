@@ -52,8 +52,10 @@ impl Way {
     }
 }
 
-/// The ways of drawing consecutive paths, and what the cheapest walk up to each costs.
-struct Ways {
+/// The ways of drawing consecutive paths, and what the cheapest walk up to each costs. Kept from search to search for its
+/// buffers.
+#[derive(Debug, Default)]
+pub(super) struct Ways {
     entry: Vec<u32>,
     leave: [Vec<f64>; 2],
     cost: Vec<f64>,
@@ -61,9 +63,20 @@ struct Ways {
     before: Vec<u32>,
     /// Links from all ways of the last path to one place.
     links: Vec<f64>,
+    /// The ways of one path.
+    here: Vec<Way>,
+    chosen: Vec<u32>,
 }
 
 impl Ways {
+    fn begin(&mut self, start: [f64; 2]) {
+        self.entry.clear();
+        self.leave.iter_mut().for_each(Vec::clear);
+        self.cost.clear();
+        self.before.clear();
+        self.push(Way::at(0, start), 0.0, 0);
+    }
+
     fn push(&mut self, way: Way, cost: f64, before: u32) {
         self.entry.push(way.entry);
         self.leave.iter_mut().zip(way.leave).for_each(|(axis, at)| axis.push(at));
@@ -107,48 +120,47 @@ impl Ways {
     }
 }
 
-/// The cheapest choice of one way for each of `count` paths: its cost and the entries. `ways` appends those of a path; the walk
-/// comes from `start` and goes on to `end`; not a number: from or to anywhere. `inside` says of the link to a path, and to
-/// the end, whether it is inside of an island.
-///
-/// Shortest path through layers of candidates: the *cluster optimisation* of the generalised travelling salesman problem
-/// (Fischetti, Salazar & Toth 1997, doi:10.1287/opre.45.3.378). Of equal ways the first. The last value counts pairs.
-pub(super) fn cheapest_entries(
-    start: [f64; 2],
-    count: usize,
-    mut ways: impl FnMut(usize, &mut Vec<Way>),
-    end: [f64; 2],
-    cost: &Cost,
-    inside: impl Fn(usize) -> bool,
-) -> (f64, Vec<u32>, u64) {
-    let mut all = Ways {
-        entry: vec![0],
-        leave: [vec![start[0]], vec![start[1]]],
-        cost: vec![0.0],
-        before: vec![0],
-        links: Vec::new(),
-    };
-    let mut here = Vec::new();
-    let (mut last, mut pairs) = (0, 0);
-    for path in 0..count {
-        let from = all.entry.len();
-        here.clear();
-        ways(path, &mut here);
-        pairs += ((from - last) * here.len()) as u64;
-        let inside = inside(path);
-        for &way in &here {
-            let (least, before) = all.cheapest(last, from, way.enter, cost, inside);
-            all.push(way, least, before);
+impl Ways {
+    /// The cheapest choice of one way for each of `count` paths: its cost, the entries, and how many pairs were looked at.
+    /// `ways` appends those of a path; the walk comes from `start` and goes on to `end`; not a number: from or to anywhere.
+    /// `inside` says of the link to a path, and to the end, whether it is inside of an island.
+    ///
+    /// Shortest path through layers of candidates: the *cluster optimisation* of the generalised travelling salesman problem
+    /// (Fischetti, Salazar & Toth 1997, doi:10.1287/opre.45.3.378). Of equal ways the first.
+    pub fn cheapest_entries(
+        &mut self,
+        start: [f64; 2],
+        count: usize,
+        mut ways: impl FnMut(usize, &mut Vec<Way>),
+        end: [f64; 2],
+        cost: &Cost,
+        inside: impl Fn(usize) -> bool,
+    ) -> (f64, &[u32], u64) {
+        self.begin(start);
+        let mut here = std::mem::take(&mut self.here);
+        let (mut last, mut pairs) = (0, 0);
+        for path in 0..count {
+            let from = self.entry.len();
+            here.clear();
+            ways(path, &mut here);
+            pairs += ((from - last) * here.len()) as u64;
+            let inside = inside(path);
+            for &way in &here {
+                let (least, before) = self.cheapest(last, from, way.enter, cost, inside);
+                self.push(way, least, before);
+            }
+            last = from;
         }
-        last = from;
+        self.here = here;
+        let (total, mut at) = self.cheapest(last, self.entry.len(), end, cost, inside(count));
+        self.chosen.clear();
+        self.chosen.resize(count, 0);
+        for entry in self.chosen.iter_mut().rev() {
+            *entry = self.entry[at as usize];
+            at = self.before[at as usize];
+        }
+        (total, &self.chosen, pairs)
     }
-    let (total, mut at) = all.cheapest(last, all.entry.len(), end, cost, inside(count));
-    let mut entries = vec![0; count];
-    for entry in entries.iter_mut().rev() {
-        *entry = all.entry[at as usize];
-        at = all.before[at as usize];
-    }
-    (total, entries, pairs)
 }
 
 /// Enters every loop of a solution where the links are shortest, the order and the directions of open paths being as they are:
@@ -160,6 +172,7 @@ pub(super) fn enter_shortest(
     sequence: &mut Sequence,
 ) {
     let place = |point: Option<Point>| point.map_or([f64::NAN; 2], Point::mm);
+    let mut search = Ways::default();
     for look in [Look::Everywhere, Look::Around] {
         let ways = |at: usize, ways: &mut Vec<Way>| {
             let visit = sequence[at];
@@ -176,8 +189,9 @@ pub(super) fn enter_shortest(
             }
         };
         let (start, end) = (place(start), place(end));
-        let (_, entries, _) = cheapest_entries(start, sequence.len(), ways, end, &Cost::Length, |_| false);
-        for (visit, entry) in sequence.iter_mut().zip(entries) {
+        let (_, entries, _) =
+            search.cheapest_entries(start, sequence.len(), ways, end, &Cost::Length, |_| false);
+        for (visit, &entry) in sequence.iter_mut().zip(entries) {
             visit.entry = entry;
         }
     }

@@ -1,6 +1,6 @@
 //! Directions and entries of consecutive paths, chosen together.
 
-use super::super::entries::{Look, Way, cheapest_entries};
+use super::super::entries::{Look, Way};
 use super::search::{GAIN, Search};
 use super::walk::End;
 
@@ -27,19 +27,27 @@ impl Search<'_> {
         if self.walk.has_detours() {
             return false;
         }
+        let mut search = std::mem::take(&mut self.ways);
         let now: f64 = (from..=to).map(|gap| self.walk.gap(gap)).sum();
         let walk = &self.walk;
         let start = walk.place(walk.node(End { gap: from, right: false }));
         let end = walk.place(walk.node(End { gap: to, right: true }));
-        let ways = |at: usize, ways: &mut Vec<Way>| self.ways(from + at as u32, look, ways);
+        let ways = |at: usize, ways: &mut Vec<Way>| self.ways_at(from + at as u32, look, ways);
         let count = (to - from) as usize;
         let inside = |at: usize| walk.is_inside(from + at as u32);
-        let (cost, entries, pairs) = cheapest_entries(start, count, ways, end, walk.cost(), inside);
+        let (cost, entries, pairs) = search.cheapest_entries(start, count, ways, end, walk.cost(), inside);
         self.walk.work += pairs;
-        if cost >= now - GAIN {
-            return false;
+        let gains = cost < now - GAIN;
+        if gains {
+            self.enter_as(from, entries);
         }
-        for (at, entry) in (from..to).zip(entries) {
+        self.ways = search;
+        gains
+    }
+
+    /// Draws the paths from a position on as found.
+    fn enter_as(&mut self, from: u32, entries: &[u32]) {
+        for (at, &entry) in (from..).zip(entries) {
             let item = self.walk.item_at(at);
             if !self.walk.is_loop(item) {
                 if entry == 1 {
@@ -53,11 +61,10 @@ impl Search<'_> {
                 self.touch(at + 1);
             }
         }
-        true
     }
 
     /// Appends the ways of drawing the path at a position that are to be considered; of an open path, entry 1 turns it round.
-    fn ways(&self, at: u32, look: Look, ways: &mut Vec<Way>) {
+    fn ways_at(&self, at: u32, look: Look, ways: &mut Vec<Way>) {
         let item = self.walk.item_at(at);
         if let Some(vertices) = self.walk.vertices(item) {
             let way = |entry| Way::at(entry, vertices[entry as usize]);

@@ -14,6 +14,7 @@ struct Site {
     node: u32,
     /// Of a loop, the vertex; of an open path, the end.
     entry: u32,
+    is_loop: bool,
 }
 
 /// Entries in square cells.
@@ -38,12 +39,17 @@ impl Grid {
         for &item in items {
             match problem.items[item as usize].shape {
                 Shape::Open(ends) => {
-                    let site = |(entry, point)| Site { point, node: 2 * item + entry, entry };
+                    let site = |(entry, point)| Site { point, node: 2 * item + entry, entry, is_loop: false };
                     sites.extend((0..).zip(ends).map(site));
                 }
                 Shape::Loop(vertices) => {
                     // Which loops are near is all that a search must tell; their vertices are chosen exactly elsewhere.
-                    let site = |entry: u32| Site { point: vertices[entry as usize], node: 2 * item, entry };
+                    let site = |entry: u32| Site {
+                        point: vertices[entry as usize],
+                        node: 2 * item,
+                        entry,
+                        is_loop: true,
+                    };
                     sites.extend(samples(vertices.len(), false).map(site));
                 }
             }
@@ -106,7 +112,8 @@ impl Grid {
                 return worst;
             }
             // A loop has several sites of one node.
-            let known = found.iter().position(|&(_, node, _)| node == site.node);
+            let known =
+                if site.is_loop { found.iter().position(|&(_, node, _)| node == site.node) } else { None };
             let mut at = known.unwrap_or(found.len().min(k - 1));
             match found.get(at) {
                 Some(other) if known.is_some() && *other <= entry => return worst,

@@ -4,6 +4,7 @@ use std::collections::VecDeque;
 use std::ops::Range;
 
 use super::super::detours::Detours;
+use super::super::entries::Ways;
 use super::super::greedy::Fragments;
 use super::super::precedence::Groups;
 use super::super::{Cost, Problem, Sequence, Visit};
@@ -43,6 +44,8 @@ pub struct Search<'a> {
     complete: bool,
     queue: VecDeque<u32>,
     queued: Vec<bool>,
+    /// Buffers of the search for entries.
+    pub(super) ways: Ways,
 }
 
 impl<'a> Search<'a> {
@@ -64,6 +67,7 @@ impl<'a> Search<'a> {
             complete: false,
             queue: VecDeque::new(),
             queued: vec![false; 2 * problem.items.len()],
+            ways: Ways::default(),
         }
     }
 
