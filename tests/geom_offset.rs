@@ -5,8 +5,8 @@ use clipper2_rust::{
     intersect_64, union_subjects_64, xor_64,
 };
 use pathwright::geom::{
-    Join, Point, Region, Ring, UNITS_PER_MM, closing, difference, intersection, offset, offset_with, opening,
-    ring_area, ring_length_mm, simplify, union, union_all, unite_rings,
+    Join, Point, Polygon, Region, Ring, UNITS_PER_MM, closing, difference, intersection, offset, offset_with,
+    opening, remainder, ring_area, ring_length_mm, simplify, split, union, union_all, unite_rings,
 };
 use proptest::prelude::*;
 
@@ -86,6 +86,11 @@ fn is_clean(region: &Region) -> bool {
             && p.rings()
                 .all(|ring| ring.len() > 2 && (0..ring.len()).all(|i| ring[i] != ring[(i + 1) % ring.len()]))
     })
+}
+
+/// What a hole takes out.
+fn turned(hole: &Ring) -> Region {
+    polygon(hole.iter().rev().copied().collect(), vec![])
 }
 
 fn polar(center: (f64, f64), radii: &[f64]) -> Ring {
@@ -218,6 +223,36 @@ proptest! {
         prop_assert!((union(&a, &b).area_mm2() - (a.area_mm2() + b.area_mm2() - area_mm2(&both))).abs() < slack);
         prop_assert!((difference(&a, &b).area_mm2() - (a.area_mm2() - area_mm2(&both))).abs() < slack);
         prop_assert!((union_all([&a, &b, &a]).area_mm2() - union(&a, &b).area_mm2()).abs() < slack);
+        prop_assert_eq!(split(&a, &b), (ours, difference(&a, &b)));
+    }
+
+    /// Zones of a layer: what an opening leaves is taken out, and the thin rest is what is searched for.
+    #[test]
+    fn a_part_that_shares_its_boundary_with_the_region_leaves_only_the_rest(
+        region in any_region(),
+        radius_mm in 0.1..0.8_f64,
+    ) {
+        let part = opening(&region, radius_mm);
+        let rest = remainder(&region, &part);
+        prop_assert!(is_clean(&rest));
+        let slack = 1e-5 * perimeter_mm(&region) + 1e-6;
+        prop_assert!(intersection(&rest, &part).area_mm2() < slack);
+        // 5 µm along the part's boundary may be missing, corners included.
+        let missing = region.area_mm2() - union(&part, &rest).area_mm2();
+        prop_assert!(missing < 0.008 * (perimeter_mm(&part) + 1.0), "{missing} mm²");
+        prop_assert!(outside_mm2(&rest, &region) < slack);
+    }
+
+    /// Wherever outlines cross, each hole that arises belongs to the polygon around it.
+    #[test]
+    fn holes_lie_in_their_polygons(a in any_region(), b in any_region()) {
+        let held = |p: &Polygon| {
+            let outer = polygon(p.outer.clone(), vec![]);
+            p.holes.iter().all(|hole| outside_mm2(&turned(hole), &outer) < 1e-5)
+        };
+        for ours in [intersection(&a, &b), difference(&a, &b), union(&a, &b)] {
+            prop_assert!(is_clean(&ours) && ours.polygons.iter().all(held));
+        }
     }
 
     /// Neighbouring layers on a slope: outlines inside each other, that touch nowhere.
