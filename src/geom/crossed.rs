@@ -137,7 +137,7 @@ impl<'a> Crossed<'a> {
                 _ => Side::Neither,
             }
         };
-        let mut outlines = self.whole_rings(&side);
+        let mut outlines = self.whole_rings(side);
         let sides: Vec<Side> = self.arcs.iter().map(side).collect();
         let leaving = self.links(&sides)?;
         let mut done = vec![false; self.places.len()];
