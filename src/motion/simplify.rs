@@ -9,13 +9,13 @@ use crate::geom::distance_mm;
 pub(super) const MERGE_TOLERANCE_MM: f64 = 0.005;
 
 /// Vertices are dropped only while the cross-section stays within this share of what it was.
-const AREA_TOLERANCE: f64 = 0.02;
+const AREA_TOLERANCE: f64 = 0.05;
 
-/// Between pieces of constant flow the cross-section changes by at most this share …
-const AREA_STEP: f64 = 0.1;
+/// Between pieces of constant flow the cross-section changes by at most this share (what melts follows no faster) …
+const AREA_STEP: f64 = 0.2;
 
 /// … unless the pieces would become shorter than this.
-const MIN_PIECE_MM: f64 = 0.1;
+const MIN_PIECE_MM: f64 = 0.2;
 
 /// A straight piece of a bead, extruded at constant flow.
 #[derive(Clone, Copy, Debug, PartialEq)]
