@@ -14,7 +14,7 @@ const FEW: u32 = 12;
 /// Near groups of each group.
 const NEAR: usize = 24;
 /// Places of a group from which near groups are looked for, and how many from each.
-const SAMPLES: usize = 8;
+const SAMPLES: usize = 4;
 const NEAR_SAMPLE: usize = 6;
 
 /// The groups of one stage, and the gaps between which they lie; the last group is excluded.
