@@ -22,15 +22,30 @@ struct Stop {
     next: usize,
 }
 
-/// A whole ring that crosses nothing, or the arc from a stop to the next one of its ring.
+/// Windings of the first and the second rings on both sides of a ring, or of an arc of one.
+#[derive(Clone, Copy, Default)]
+struct Beside {
+    left: [i32; 2],
+    right: [i32; 2],
+}
+
+/// On which side of a ring, or of an arc, the inside is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Side {
-    /// Inside is on its left.
     Left,
-    /// Inside is on its right.
     Right,
-    /// It parts nothing.
+    /// It does not part inside from outside.
     Neither,
+}
+
+impl Beside {
+    fn side(&self, rule: Rule) -> Side {
+        match (rule.inside(self.left), rule.inside(self.right)) {
+            (true, false) => Side::Left,
+            (false, true) => Side::Right,
+            _ => Side::Neither,
+        }
+    }
 }
 
 /// Rings that are cut where they cross.
@@ -42,9 +57,10 @@ pub(super) struct Crossed<'a> {
     owned: Vec<std::ops::Range<usize>>,
     /// The crossings.
     places: Vec<Point>,
-    /// Windings to the left of each ring without stops, or of each arc, and how much less they are to the right.
-    rings: Vec<[[i32; 2]; 2]>,
-    arcs: Vec<[[i32; 2]; 2]>,
+    /// At the leftmost vertex of each ring.
+    rings: Vec<Beside>,
+    /// Along each arc.
+    arcs: Vec<Beside>,
 }
 
 impl<'a> Crossed<'a> {
@@ -58,7 +74,7 @@ impl<'a> Crossed<'a> {
             owned: Vec::new(),
             places: Vec::with_capacity(crossings.len()),
             rings: Vec::new(),
-            arcs: vec![[[0; 2]; 2]; 2 * crossings.len()],
+            arcs: vec![Beside::default(); 2 * crossings.len()],
         };
         out.cut(&crossings);
         for ring in 0..arrangement.spans().len() {
@@ -109,9 +125,13 @@ impl<'a> Crossed<'a> {
         let turns_left = (points[corner] - before).cross(points[corner + 1] - points[corner]) > 0;
         let own = usize::from(self.arrangement.is_second(ring));
         let mut left = self.arrangement.winding_outside(ring, points[corner]);
-        let mut fall = [0; 2];
-        (left[own], fall[own]) = (left[own] + i32::from(turns_left), 1);
-        self.rings.push([left, fall]);
+        left[own] += i32::from(turns_left);
+        let beside = |left: [i32; 2]| {
+            let mut right = left;
+            right[own] -= 1;
+            Beside { left, right }
+        };
+        self.rings.push(beside(left));
         let owned = self.owned[ring].clone();
         if owned.is_empty() {
             return Some(());
@@ -122,23 +142,15 @@ impl<'a> Crossed<'a> {
             let stop = owned.start + (next + k) % owned.len();
             let step = self.stops[stop].step;
             left = [left[0] + step[0], left[1] + step[1]];
-            self.arcs[stop] = [left, fall];
+            self.arcs[stop] = beside(left);
         }
         (left == first).then_some(())
     }
 
     /// The region that a rule leaves; `None` where its outlines meet at a crossing.
     pub(super) fn region(&self, rule: Rule) -> Option<Region> {
-        let side = |&[left, fall]: &[[i32; 2]; 2]| {
-            let right = [left[0] - fall[0], left[1] - fall[1]];
-            match (rule.inside(left), rule.inside(right)) {
-                (true, false) => Side::Left,
-                (false, true) => Side::Right,
-                _ => Side::Neither,
-            }
-        };
-        let mut outlines = self.whole_rings(side);
-        let sides: Vec<Side> = self.arcs.iter().map(side).collect();
+        let mut outlines = self.whole_rings(rule);
+        let sides: Vec<Side> = self.arcs.iter().map(|arc| arc.side(rule)).collect();
         let leaving = self.links(&sides)?;
         let mut done = vec![false; self.places.len()];
         for start in 0..self.places.len() {
@@ -163,12 +175,12 @@ impl<'a> Crossed<'a> {
     }
 
     /// Rings that cross nothing, those that have inside on their right turned.
-    fn whole_rings(&self, side: impl Fn(&[[i32; 2]; 2]) -> Side) -> Vec<Ring> {
+    fn whole_rings(&self, rule: Rule) -> Vec<Ring> {
         let mut out = Vec::new();
         for (ring, &(start, end)) in self.arrangement.spans().iter().enumerate() {
             if self.owned[ring].is_empty() {
                 let points = self.arrangement.points()[start..end].iter().copied();
-                match side(&self.rings[ring]) {
+                match self.rings[ring].side(rule) {
                     Side::Left => out.push(points.collect()),
                     Side::Right => out.push(points.rev().collect()),
                     Side::Neither => {}
@@ -242,15 +254,17 @@ fn nest(outlines: Vec<Ring>) -> Region {
         }
     }
     for hole in holes {
-        let around = |(bounds, _, polygon): &&mut (Bounds, f64, Polygon)| {
-            bounds.holds(hole[0]) && surrounds(&polygon.outer, hole[0])
+        let around = |p: Point| {
+            let holds = |(bounds, _, polygon): &(Bounds, f64, Polygon)| {
+                bounds.holds(p) && surrounds(&polygon.outer, p)
+            };
+            let those = (0..polygons.len()).filter(|&i| holds(&polygons[i]));
+            those.min_by(|&a, &b| polygons[a].1.total_cmp(&polygons[b].1))
         };
-        let home = match polygons.as_mut_slice() {
-            [only] => Some(only),
-            several => several.iter_mut().filter(around).min_by(|a, b| a.1.total_cmp(&b.1)),
-        };
-        if let Some((_, _, polygon)) = home {
-            polygon.holes.push(hole);
+        // Rounding may have put a vertex on the outline around.
+        let home = if polygons.len() == 1 { Some(0) } else { hole.iter().find_map(|&p| around(p)) };
+        if let Some(home) = home {
+            polygons[home].2.holes.push(hole);
         }
     }
     Region { polygons: polygons.into_iter().map(|(_, _, polygon)| polygon).collect() }
