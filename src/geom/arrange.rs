@@ -1,4 +1,4 @@
-//! Sets of rings, and where they meet: those that touch nowhere are turned into regions at once.
+//! Sets of rings, and where they meet.
 //!
 //! Most rings that a slicer meets are simple already. A ring falls into chains that are monotone in x and y,
 //! whose every part lies in the box of its two ends; so two chains are compared by halving, and chains are
@@ -6,7 +6,8 @@
 
 use std::ops::ControlFlow;
 
-use super::{Bounds, Point, Polygon, Region, Ring, ring_area};
+use super::region::push_ring;
+use super::{Bounds, Point, Ring};
 
 /// What counts as inside, by the winding numbers of the first rings and of the second.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -55,7 +56,6 @@ struct Chain {
 
 /// The rings of an arrangement, split into monotone chains.
 pub(super) struct Arrangement {
-    rings: Vec<Ring>,
     /// How many of the rings are first ones.
     firsts: usize,
     /// All rings, each with its first point repeated at the end.
@@ -73,27 +73,36 @@ fn box_of(a: Point, b: Point) -> Bounds {
 }
 
 impl Arrangement {
-    /// Splits the rings, all of them first ones. Rings of fewer than three points are left out. No two
-    /// neighbouring points of a ring may be equal.
-    pub(super) fn new(first: Vec<Ring>) -> Self {
-        Self::of_two(first, Vec::new())
+    /// Splits the rings, all of them first ones. Rings of fewer than three points, of equal neighbours one, are left out.
+    pub(super) fn new<'a>(first: impl IntoIterator<Item = &'a Ring>) -> Self {
+        Self::of_two(first, [])
     }
 
     /// As [`Self::new`], of first and second rings.
-    pub(super) fn of_two(first: Vec<Ring>, second: Vec<Ring>) -> Self {
-        let mut rings = first;
-        rings.retain(|ring| ring.len() > 2);
-        let firsts = rings.len();
-        rings.extend(second.into_iter().filter(|ring| ring.len() > 2));
-        let count = rings.iter().map(|ring| ring.len() + 1).sum();
-        let mut points = Vec::with_capacity(count);
-        let mut chains: Vec<Chain> = Vec::with_capacity(count / 4 + 8);
-        let (mut spans, mut owned, mut boxes) = (Vec::new(), vec![0], Vec::new());
-        for (index, ring) in rings.iter().enumerate() {
+    pub(super) fn of_two<'a>(
+        first: impl IntoIterator<Item = &'a Ring>,
+        second: impl IntoIterator<Item = &'a Ring>,
+    ) -> Self {
+        let mut rings: Vec<&Ring> = first.into_iter().collect();
+        let split = rings.len();
+        rings.extend(second);
+        let mut points = Vec::with_capacity(rings.iter().map(|ring| ring.len() + 1).sum());
+        let (mut spans, mut firsts) = (Vec::with_capacity(rings.len()), 0);
+        for (index, ring) in rings.into_iter().enumerate() {
             let start = points.len();
-            points.extend_from_slice(ring);
-            points.push(ring[0]);
-            let end = points.len() - 1;
+            push_ring(&mut points, ring);
+            let end = points.len();
+            if end - start > 2 {
+                points.push(points[start]);
+                spans.push((start, end));
+                firsts += usize::from(index < split);
+            } else {
+                points.truncate(start);
+            }
+        }
+        let mut chains: Vec<Chain> = Vec::with_capacity(points.len() / 4 + 8);
+        let (mut owned, mut boxes) = (vec![0], Vec::with_capacity(spans.len()));
+        for (index, &(start, end)) in spans.iter().enumerate() {
             let (mut first, mut sense) = (start, (0, 0));
             let mut whole: Option<Bounds> = None;
             let mut emit = |first: usize, last: usize| {
@@ -117,11 +126,10 @@ impl Arrangement {
                 }
             }
             emit(first, end);
-            spans.push((start, end));
             owned.push(chains.len());
-            boxes.push(whole.unwrap_or(box_of(ring[0], ring[0])));
+            boxes.push(whole.unwrap_or(box_of(points[start], points[start])));
         }
-        Self { rings, firsts, points, spans, chains, owned, boxes }
+        Self { firsts, points, spans, chains, owned, boxes }
     }
 
     /// Whether no two edges touch, but for neighbours in a ring at their common vertex.
@@ -227,17 +235,12 @@ impl Arrangement {
         }
     }
 
-    /// The first rings, then the second.
-    pub(super) fn rings(&self) -> &[Ring] {
-        &self.rings
-    }
-
     /// All rings, each with its first point repeated at the end.
     pub(super) fn points(&self) -> &[Point] {
         &self.points
     }
 
-    /// First and last index of each ring in [`Self::points`].
+    /// First and last index of each ring in [`Self::points`], first rings first.
     pub(super) fn spans(&self) -> &[(usize, usize)] {
         &self.spans
     }
@@ -245,6 +248,20 @@ impl Arrangement {
     /// Whether a ring is one of the second.
     pub(super) fn is_second(&self, ring: usize) -> bool {
         ring >= self.firsts
+    }
+
+    /// The leftmost vertex of a ring, of those the lowest, by its index in [`Self::points`].
+    pub(super) fn leftmost(&self, ring: usize) -> usize {
+        let least = self.boxes[ring].min.x;
+        let chains = &self.chains[self.owned[ring]..self.owned[ring + 1]];
+        let is_least = |i: &usize| self.points[*i].x == least;
+        let found = chains.iter().flat_map(|chain| {
+            let rising = (chain.first..=chain.last).take_while(is_least);
+            rising.chain((chain.first..=chain.last).rev().take_while(is_least))
+        });
+        let (start, end) = self.spans[ring];
+        let lowest = found.min_by_key(|&i| self.points[i]).unwrap_or(start);
+        if lowest == end { start } else { lowest }
     }
 
     /// Winding numbers of the first and the second rings but `own` around a point, which none of them may touch.
@@ -276,53 +293,6 @@ impl Arrangement {
             })
             .sum()
     }
-
-    /// The region of a simple arrangement (see [`Self::is_simple`]): each ring that parts inside from outside
-    /// becomes an outer ring or a hole of the polygon around it, the others are dropped.
-    pub(super) fn into_region(mut self, rule: Rule) -> Region {
-        let mut outers: Vec<(usize, f64)> = Vec::new();
-        let mut holes: Vec<usize> = Vec::new();
-        let mut turned = vec![false; self.rings.len()];
-        for ring in 0..self.rings.len() {
-            let area = ring_area(&self.rings[ring]);
-            let outside = self.winding_outside(ring, self.points[self.spans[ring].0]);
-            let mut inside = outside;
-            inside[usize::from(self.is_second(ring))] += if area > 0.0 { 1 } else { -1 };
-            match (rule.inside(outside), rule.inside(inside)) {
-                (false, true) => outers.push((ring, area.abs())),
-                (true, false) => holes.push(ring),
-                _ => continue,
-            }
-            turned[ring] = rule.inside(outside) == (area > 0.0);
-        }
-        let mut polygon_of = vec![0; self.rings.len()];
-        let mut region = Region { polygons: Vec::with_capacity(outers.len()) };
-        let homes: Vec<Option<usize>> = holes
-            .iter()
-            .map(|&hole| {
-                let p = self.points[self.spans[hole].0];
-                let around = outers.iter().filter(|(outer, _)| self.winding(*outer, p) != 0);
-                around.min_by(|a, b| a.1.total_cmp(&b.1)).map(|(outer, _)| *outer)
-            })
-            .collect();
-        let mut take = |ring: usize| {
-            let mut points = std::mem::take(&mut self.rings[ring]);
-            if turned[ring] {
-                points.reverse();
-            }
-            points
-        };
-        for (outer, _) in outers {
-            polygon_of[outer] = region.polygons.len();
-            region.polygons.push(Polygon { outer: take(outer), holes: Vec::new() });
-        }
-        for (hole, home) in holes.into_iter().zip(homes) {
-            if let Some(home) = home {
-                region.polygons[polygon_of[home]].holes.push(take(hole));
-            }
-        }
-        region
-    }
 }
 
 #[cfg(test)]
@@ -338,7 +308,7 @@ mod tests {
     }
 
     fn is_simple(rings: &[Ring]) -> bool {
-        Arrangement::new(rings.to_vec()).is_simple()
+        Arrangement::new(rings).is_simple()
     }
 
     #[test]
@@ -349,29 +319,5 @@ mod tests {
         assert!(is_simple(&[square(0, 0, 10), square(1, 1, 8)]));
         assert!(!is_simple(&[ring(&[(0, 0), (10, 10), (10, 0), (0, 10)])]));
         assert!(!is_simple(&[ring(&[(0, 0), (10, 0), (5, 0), (5, 5)])]));
-    }
-
-    #[test]
-    fn nesting_follows_the_rule() {
-        let reversed = |mut ring: Ring| {
-            ring.reverse();
-            ring
-        };
-        // An outer ring, a hole, an island in the hole; and a stray ring that only the non-zero rule fills.
-        let rings = [square(0, 0, 100), reversed(square(10, 10, 80)), square(20, 20, 10)];
-        let stray = reversed(square(200, 0, 10));
-        let all: Vec<Ring> = rings.iter().cloned().chain([stray]).collect();
-        let positive = Arrangement::new(all.clone()).into_region(Rule::Positive);
-        assert_eq!(positive.polygons.len(), 2);
-        assert_eq!(positive.polygons[0].holes, [rings[1].clone()]);
-        let non_zero = Arrangement::new(all).into_region(Rule::NonZero);
-        assert_eq!(non_zero.polygons.len(), 3);
-        assert!(non_zero.polygons.iter().all(|p| ring_area(&p.outer) > 0.0));
-    }
-
-    #[test]
-    fn a_ring_inside_another_of_the_same_sense_vanishes() {
-        let region = Arrangement::new(vec![square(0, 0, 100), square(10, 10, 80)]).into_region(Rule::NonZero);
-        assert_eq!(region.polygons, [Polygon { outer: square(0, 0, 100), holes: vec![] }]);
     }
 }

@@ -54,7 +54,7 @@ pub fn union_all<'a>(regions: impl IntoIterator<Item = &'a Region>) -> Region {
         if cluster[1..].iter().all(|&i| polygons[i] == first) {
             result.polygons.push(first.clone());
         } else {
-            let rings = cluster.iter().flat_map(|&i| polygons[i].rings()).map(|ring| clean(ring)).collect();
+            let rings = cluster.iter().flat_map(|&i| polygons[i].rings());
             result.polygons.extend(resolve(rings, Rule::NonZero).polygons);
         }
     }
@@ -63,15 +63,15 @@ pub fn union_all<'a>(regions: impl IntoIterator<Item = &'a Region>) -> Region {
 
 /// The area that rings of any orientation wind around at least once (non-zero rule), as a region.
 pub fn unite_rings(rings: &[Ring]) -> Region {
-    resolve(rings.iter().map(|ring| clean(ring)).collect(), Rule::NonZero)
+    resolve(rings, Rule::NonZero)
 }
 
-/// The area that the rings wind around a positive number of times. No two neighbouring points of a ring may be equal.
-pub(super) fn positive(rings: impl IntoIterator<Item = Ring>) -> Region {
-    resolve(rings.into_iter().collect(), Rule::Positive)
+/// The area that the rings wind around a positive number of times.
+pub(super) fn positive(rings: &[Ring]) -> Region {
+    resolve(rings, Rule::Positive)
 }
 
-fn resolve(rings: Vec<Ring>, rule: Rule) -> Region {
+fn resolve<'a>(rings: impl IntoIterator<Item = &'a Ring>, rule: Rule) -> Region {
     let arrangement = Arrangement::new(rings);
     let region = Crossed::new(&arrangement).and_then(|crossed| crossed.region(rule));
     region.unwrap_or_else(|| sweep(&arrangement, rule))
@@ -133,9 +133,8 @@ fn combine<const N: usize>(a: &Region, b: &Region, rules: [Rule; N]) -> [Region;
             }
             continue;
         }
-        let rings =
-            |part: &[usize]| part.iter().flat_map(|&i| polygons[i].rings()).map(|r| clean(r)).collect();
-        let arrangement = Arrangement::of_two(rings(in_a), rings(in_b));
+        let [in_a, in_b] = [in_a, in_b].map(|part| part.iter().flat_map(|&i| polygons[i].rings()));
+        let arrangement = Arrangement::of_two(in_a, in_b);
         let crossed = Crossed::new(&arrangement);
         for (result, rule) in results.iter_mut().zip(rules) {
             let region = crossed.as_ref().and_then(|crossed| crossed.region(rule));
@@ -143,16 +142,6 @@ fn combine<const N: usize>(a: &Region, b: &Region, rules: [Rule; N]) -> [Region;
         }
     }
     results
-}
-
-/// The ring without equal neighbours.
-fn clean(ring: &[Point]) -> Ring {
-    let mut ring = ring.to_vec();
-    ring.dedup();
-    while ring.len() > 1 && ring.last() == ring.first() {
-        ring.pop();
-    }
-    ring
 }
 
 fn bounds(polygon: &Polygon) -> Bounds {
@@ -171,9 +160,12 @@ fn sweep(arrangement: &Arrangement, rule: Rule) -> Region {
     };
     let shapes = OVERLAY.with_borrow_mut(|overlay| {
         overlay.clear();
-        for (ring, points) in arrangement.rings().iter().enumerate() {
+        for (ring, &(start, end)) in arrangement.spans().iter().enumerate() {
             let role = if arrangement.is_second(ring) { ShapeType::Clip } else { ShapeType::Subject };
-            overlay.add_path_iter(points.iter().map(|p| IntPoint::new(p.x, p.y)), role);
+            overlay.add_path_iter(
+                arrangement.points()[start..end].iter().map(|p| IntPoint::new(p.x, p.y)),
+                role,
+            );
         }
         overlay.overlay(rule, fill)
     });

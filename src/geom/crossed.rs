@@ -1,11 +1,12 @@
-//! Regions of rings that cross: the rings are cut where they do, and of the arcs between, those that part inside from
-//! outside make up the boundary (as Weiler & Atherton 1977, doi:10.1145/563858.563896, for windings of any number).
+//! Regions of rings that are apart or cross: they are cut where they cross, and of the rings and arcs that are left, those
+//! that part inside from outside make up the boundary (as Weiler & Atherton 1977, doi:10.1145/563858.563896, for windings of any number).
 //!
 //! Winding numbers are found once for each ring and then followed along it, changing by one at every crossing; so the cost
 //! is that of finding the crossings. Where rings touch without crossing, somebody else has to sort them out.
 
 use super::arrange::{Arrangement, Rule};
 use super::point::nearest_unit;
+use super::region::push_ring;
 use super::{Bounds, Point, Polygon, Region, Ring, ring_area};
 
 /// Where a ring meets a crossing. The arc from here to the ring's next stop goes by the stop's index.
@@ -67,7 +68,15 @@ impl<'a> Crossed<'a> {
     /// Cuts the rings; `None` where some touch without crossing. O(n + c log c), as to find out whether rings cross, and
     /// O(k log k) for k crossings.
     pub(super) fn new(arrangement: &'a Arrangement) -> Option<Self> {
-        let crossings = arrangement.crossings()?;
+        Self::cut_at(arrangement, &arrangement.crossings()?)
+    }
+
+    /// Rings that meet nowhere; `None` where some do.
+    pub(super) fn apart(arrangement: &'a Arrangement) -> Option<Self> {
+        arrangement.is_simple().then(|| Self::cut_at(arrangement, &[]))?
+    }
+
+    fn cut_at(arrangement: &'a Arrangement, crossings: &[(usize, usize)]) -> Option<Self> {
         let mut out = Self {
             arrangement,
             stops: Vec::with_capacity(2 * crossings.len()),
@@ -76,7 +85,7 @@ impl<'a> Crossed<'a> {
             rings: Vec::new(),
             arcs: vec![Beside::default(); 2 * crossings.len()],
         };
-        out.cut(&crossings);
+        out.cut(crossings);
         for ring in 0..arrangement.spans().len() {
             out.wind(ring)?;
         }
@@ -119,8 +128,8 @@ impl<'a> Crossed<'a> {
     fn wind(&mut self, ring: usize) -> Option<()> {
         let (start, end) = self.arrangement.spans()[ring];
         let points = self.arrangement.points();
-        // Left of its leftmost vertex (of those the lowest) the ring does not wind.
-        let corner = (start..end).min_by_key(|&i| points[i])?;
+        // Left of its leftmost vertex the ring does not wind.
+        let corner = self.arrangement.leftmost(ring);
         let before = points[if corner == start { end } else { corner } - 1];
         let turns_left = (points[corner] - before).cross(points[corner + 1] - points[corner]) > 0;
         let own = usize::from(self.arrangement.is_second(ring));
@@ -157,18 +166,18 @@ impl<'a> Crossed<'a> {
             let mut outline = Ring::new();
             let mut at = start;
             while !done[at]
-                && let Some(arc) = leaving[at]
+                && let Some((arc, to)) = leaving[at]
             {
                 done[at] = true;
                 outline.push(self.places[at]);
-                at = self.follow(arc, sides[arc], &mut outline);
+                self.follow(arc, sides[arc], &mut outline);
+                at = to;
             }
-            outline.dedup();
-            while outline.len() > 1 && outline.last() == outline.first() {
-                outline.pop();
-            }
-            if outline.len() > 2 {
-                outlines.push(outline);
+            // Rounding may have put a crossing on a vertex.
+            let mut distinct = Ring::with_capacity(outline.len());
+            push_ring(&mut distinct, &outline);
+            if distinct.len() > 2 {
+                outlines.push(distinct);
             }
         }
         Some(nest(outlines))
@@ -190,36 +199,35 @@ impl<'a> Crossed<'a> {
         out
     }
 
-    /// The arc by which the boundary leaves each crossing, if it passes there; `None` where it passes twice.
-    fn links(&self, sides: &[Side]) -> Option<Vec<Option<usize>>> {
-        let mut leaving = vec![None; self.places.len()];
-        for (arc, &side) in sides.iter().enumerate() {
-            let from = match side {
-                Side::Left => arc,
-                Side::Right => self.stops[arc].next,
-                Side::Neither => continue,
-            };
-            if leaving[self.stops[from].crossing].replace(arc).is_some() {
-                return None;
-            }
-        }
-        // As many arrive as leave.
-        let arrive = sides.iter().enumerate().filter_map(|(arc, &side)| match side {
-            Side::Left => Some(self.stops[arc].next),
-            Side::Right => Some(arc),
+    /// The crossings at which the boundary enters and leaves an arc, if it is part of it.
+    fn ends(&self, arc: usize, side: Side) -> Option<[usize; 2]> {
+        let [back, front] = [arc, self.stops[arc].next].map(|stop| self.stops[stop].crossing);
+        match side {
+            Side::Left => Some([back, front]),
+            Side::Right => Some([front, back]),
             Side::Neither => None,
-        });
-        let mut open: Vec<bool> = leaving.iter().map(Option::is_some).collect();
-        for to in arrive {
-            if !std::mem::take(&mut open[self.stops[to].crossing]) {
-                return None;
-            }
         }
-        Some(leaving)
     }
 
-    /// Appends the vertices of an arc, with inside on the left, and returns the crossing at its end.
-    fn follow(&self, arc: usize, side: Side, outline: &mut Ring) -> usize {
+    /// For each crossing that the boundary passes, the arc by which it leaves and the crossing at that arc's end; `None`
+    /// where it passes one twice.
+    fn links(&self, sides: &[Side]) -> Option<Vec<Option<(usize, usize)>>> {
+        let mut leaving = vec![None; self.places.len()];
+        let mut is_reached = vec![false; self.places.len()];
+        for (arc, &side) in sides.iter().enumerate() {
+            if let Some([from, to]) = self.ends(arc, side)
+                && (leaving[from].replace((arc, to)).is_some()
+                    || std::mem::replace(&mut is_reached[to], true))
+            {
+                return None;
+            }
+        }
+        let is_passed = leaving.iter().map(Option::is_some);
+        is_passed.eq(is_reached).then_some(leaving)
+    }
+
+    /// Appends the vertices of an arc, with inside on the left.
+    fn follow(&self, arc: usize, side: Side, outline: &mut Ring) {
         let next = self.stops[arc].next;
         let (from, to) = (self.stops[arc].edge, self.stops[next].edge);
         let points = self.arrangement.points();
@@ -234,40 +242,41 @@ impl<'a> Crossed<'a> {
         }
         if side == Side::Right {
             outline[at..].reverse();
-            return self.stops[arc].crossing;
         }
-        self.stops[next].crossing
     }
 }
 
 /// Polygons of outlines that have inside on their left and do not cross.
 fn nest(outlines: Vec<Ring>) -> Region {
-    let mut polygons: Vec<(Bounds, f64, Polygon)> = Vec::new();
-    let mut holes = Vec::new();
+    let (mut region, mut areas, mut holes) = (Region::default(), Vec::new(), Vec::new());
     for outline in outlines {
         let area = ring_area(&outline);
         if area > 0.0 {
-            let bounds = Bounds::of(outline.iter().copied());
-            polygons.extend(bounds.map(|b| (b, area, Polygon { outer: outline, holes: Vec::new() })));
+            areas.push(area);
+            region.polygons.push(Polygon { outer: outline, holes: Vec::new() });
         } else if area < 0.0 {
             holes.push(outline);
         }
     }
+    let polygons = &mut region.polygons;
+    let boxes: Vec<Option<Bounds>> = if holes.is_empty() || polygons.len() == 1 {
+        Vec::new()
+    } else {
+        polygons.iter().map(|polygon| Bounds::of(polygon.outer.iter().copied())).collect()
+    };
     for hole in holes {
         let around = |p: Point| {
-            let holds = |(bounds, _, polygon): &(Bounds, f64, Polygon)| {
-                bounds.holds(p) && surrounds(&polygon.outer, p)
-            };
-            let those = (0..polygons.len()).filter(|&i| holds(&polygons[i]));
-            those.min_by(|&a, &b| polygons[a].1.total_cmp(&polygons[b].1))
+            let holds =
+                |i: &usize| boxes[*i].is_some_and(|b| b.holds(p)) && surrounds(&polygons[*i].outer, p);
+            (0..polygons.len()).filter(holds).min_by(|&i, &j| areas[i].total_cmp(&areas[j]))
         };
         // Rounding may have put a vertex on the outline around.
         let home = if polygons.len() == 1 { Some(0) } else { hole.iter().find_map(|&p| around(p)) };
         if let Some(home) = home {
-            polygons[home].2.holes.push(hole);
+            polygons[home].holes.push(hole);
         }
     }
-    Region { polygons: polygons.into_iter().map(|(_, _, polygon)| polygon).collect() }
+    region
 }
 
 /// Whether a ring winds around a point.
@@ -277,4 +286,41 @@ fn surrounds(ring: &[Point], p: Point) -> bool {
     let crossed =
         edges.filter(|&(a, b)| (a.y <= p.y) != (b.y <= p.y) && ((b - a).cross(p - a) > 0) == (b.y > a.y));
     crossed.count() % 2 == 1
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn square(x: i32, y: i32, side: i32) -> Ring {
+        [(x, y), (x + side, y), (x + side, y + side), (x, y + side)].map(|(x, y)| Point::new(x, y)).to_vec()
+    }
+
+    fn region(rings: &[Ring], rule: Rule) -> Option<Region> {
+        Crossed::apart(&Arrangement::new(rings))?.region(rule)
+    }
+
+    #[test]
+    fn nesting_follows_the_rule() {
+        let reversed = |mut ring: Ring| {
+            ring.reverse();
+            ring
+        };
+        // An outer ring, a hole, an island in the hole; and a stray ring that only the non-zero rule fills.
+        let rings = [square(0, 0, 100), reversed(square(10, 10, 80)), square(20, 20, 10)];
+        let stray = reversed(square(200, 0, 10));
+        let all: Vec<Ring> = rings.iter().cloned().chain([stray]).collect();
+        let positive = region(&all, Rule::Positive).unwrap();
+        assert_eq!(positive.polygons.len(), 2);
+        assert_eq!(positive.polygons[0].holes, [rings[1].clone()]);
+        let non_zero = region(&all, Rule::NonZero).unwrap();
+        assert_eq!(non_zero.polygons.len(), 3);
+        assert!(non_zero.polygons.iter().all(|p| ring_area(&p.outer) > 0.0));
+    }
+
+    #[test]
+    fn a_ring_inside_another_of_the_same_sense_vanishes() {
+        let region = region(&[square(0, 0, 100), square(10, 10, 80)], Rule::NonZero).unwrap();
+        assert_eq!(region.polygons, [Polygon { outer: square(0, 0, 100), holes: vec![] }]);
+    }
 }

@@ -149,7 +149,7 @@ impl EdgeGrid {
 
     /// Whether the point is inside or on the boundary (even-odd over all rings). Passes one row of cells.
     pub fn contains(&self, p: Point) -> bool {
-        if !(Bounds { min: p, max: p }).touches(&self.bounds) {
+        if !self.bounds.holds(p) {
             return false;
         }
         let mut near = Vec::with_capacity(32);
@@ -157,7 +157,7 @@ impl EdgeGrid {
         let mut inside = false;
         for edge in near.iter().map(|&i| &self.edges[i as usize]) {
             let side = (edge.b - edge.a).cross(p - edge.a);
-            if side == 0 && (Bounds { min: p, max: p }).touches(&edge.bounds()) {
+            if side == 0 && edge.bounds().holds(p) {
                 return true;
             }
             let up = edge.a.y <= p.y;

@@ -5,6 +5,7 @@
 
 use super::arrange::{Arrangement, Rule};
 use super::boolean::{clusters, difference, positive};
+use super::crossed::Crossed;
 use super::raw_offset::{Join, RingOffset};
 use super::simplify::simplify_ring;
 use super::{Bounds, Point, Polygon, Region, Ring, UNITS_PER_MM, ring_area};
@@ -91,10 +92,9 @@ impl Offset {
     fn together(&mut self, polygons: &[&Polygon], result: &mut Region) {
         let rings = self.prepare(polygons);
         let kept = result.polygons.len();
-        let region = match self.fronts(&rings) {
-            Some(arrangement) => arrangement.into_region(Rule::Positive),
-            None => positive(rings.iter().filter_map(|ring| self.rings.raw(ring))),
-        };
+        let region = self.fronts(&rings).unwrap_or_else(|| {
+            positive(&rings.iter().map(|ring| self.rings.raw(ring)).collect::<Vec<Ring>>())
+        });
         result.polygons.extend(region.polygons);
         let mut index = 0;
         result.polygons.retain(|polygon| {
@@ -103,14 +103,15 @@ impl Offset {
         });
     }
 
-    /// The moved rings, if they touch neither themselves nor each other.
-    fn fronts(&mut self, rings: &[Ring]) -> Option<Arrangement> {
+    /// What the moved rings enclose, if they touch neither themselves nor each other.
+    fn fronts(&mut self, rings: &[Ring]) -> Option<Region> {
         let fronts = rings.iter().map(|ring| {
             let front = simplify_ring(&self.rings.front(ring)?, self.tolerance);
             (!front.is_empty()).then_some(front)
         });
-        let arrangement = Arrangement::new(fronts.collect::<Option<Vec<Ring>>>()?);
-        arrangement.is_simple().then_some(arrangement)
+        let fronts = fronts.collect::<Option<Vec<Ring>>>()?;
+        let arrangement = Arrangement::new(&fronts);
+        Crossed::apart(&arrangement)?.region(Rule::Positive)
     }
 
     /// The rings, simplified, outer ones counter-clockwise and holes clockwise, without those that surely vanish.

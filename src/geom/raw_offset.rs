@@ -137,12 +137,12 @@ impl RingOffset {
                 break;
             }
         }
-        close(curve)
+        Some(curve)
     }
 
     /// The offset curve of every edge at its full length, joined through the corner itself where offset edges cross:
     /// its points of positive winding are the offset (Chen & McMains 2005, doi:10.1115/DETC2005-85513).
-    pub(super) fn raw(&mut self, ring: &[Point]) -> Option<Ring> {
+    pub(super) fn raw(&mut self, ring: &[Point]) -> Ring {
         self.load(ring);
         let mut curve = Ring::with_capacity(self.corners.len() * 2);
         for corner in &self.corners {
@@ -157,7 +157,7 @@ impl RingOffset {
                 curve.extend(ends.map(Vector::point));
             }
         }
-        close(curve)
+        curve
     }
 
     fn load(&mut self, ring: &[Point]) {
@@ -292,12 +292,4 @@ impl RingOffset {
 fn square_gain(open: f64) -> f64 {
     let half = (open.max(0.0) / 2.0).sqrt();
     ((1.0 - half) / (1.0 + half)).sqrt()
-}
-
-fn close(mut curve: Ring) -> Option<Ring> {
-    curve.dedup();
-    while curve.len() > 1 && curve.last() == curve.first() {
-        curve.pop();
-    }
-    (curve.len() > 2).then_some(curve)
 }

@@ -130,6 +130,19 @@ impl Region {
     }
 }
 
+/// Appends a ring to points, of equal neighbours one.
+pub(super) fn push_ring(points: &mut Vec<Point>, ring: &[Point]) {
+    let start = points.len();
+    if ring.windows(2).all(|pair| pair[0] != pair[1]) {
+        points.extend_from_slice(ring);
+    } else {
+        points.extend(ring.chunk_by(|a, b| a == b).map(|same| same[0]));
+    }
+    while points.len() > start + 1 && points.last() == Some(&points[start]) {
+        points.pop();
+    }
+}
+
 /// An axis-parallel box in grid units, limits included.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Bounds {

@@ -159,7 +159,7 @@ impl Walls {
             self.rings.iter().map(|ring| Region { polygons: vec![alone(ring)] }).collect();
         let around = |inner: usize, outer: usize| {
             let p = self.rings[inner][0];
-            let near = boxes[outer].is_some_and(|b| b.touches(&Bounds { min: p, max: p }));
+            let near = boxes[outer].is_some_and(|b| b.holds(p));
             inner != outer && near && regions[outer].contains(p)
         };
         let turned = (0..self.rings.len()).map(|i| {

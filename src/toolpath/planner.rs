@@ -358,7 +358,7 @@ impl Planner {
             return self.fill(draft, &zone, area_mm2, section, own);
         };
         let shared = geom::intersection(&zone, &stack.area);
-        let rest = geom::opening(&geom::difference(&zone, &shared), own.height_mm / 2.0);
+        let rest = geom::opening(&geom::remainder(&zone, &shared), own.height_mm / 2.0);
         self.fill(draft, &rest, rest.area_mm2(), section, own);
         if section.index == stack.last {
             let slab = Slab { height_mm: stack.height_mm, turn: number };

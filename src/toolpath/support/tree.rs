@@ -319,9 +319,7 @@ pub fn outline(discs: &[Disc], kept_free: &Region) -> (Region, Region) {
     all.polygons.retain(|polygon| {
         let alone = Region { polygons: vec![polygon.clone()] };
         let bounds = alone.bounds();
-        middles.iter().any(|&p| {
-            bounds.is_some_and(|b| b.touches(&geom::Bounds { min: p, max: p })) && alone.contains(p)
-        })
+        middles.iter().any(|&p| bounds.is_some_and(|b| b.holds(p)) && alone.contains(p))
     });
     let heads = circles.iter().zip(discs).filter(|(_, disc)| disc.is_head).map(|(circle, _)| circle);
     let heads = if discs.iter().all(|disc| disc.is_head) { united } else { geom::union_all(heads) };
