@@ -64,6 +64,11 @@ impl Groups {
         let unit = |group: u32| self.place.get(group as usize).map(|place| place.unit);
         (unit(next) == unit(group)).then_some(next)
     }
+
+    /// The group that must come before this one in its unit, if there is one.
+    pub fn previous_in_unit(&self, group: u32) -> Option<u32> {
+        group.checked_sub(1).filter(|&previous| self.next_in_unit(previous) == Some(group))
+    }
 }
 
 /// Which groups may be begun next, while a walk is built from its start.

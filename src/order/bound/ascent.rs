@@ -1,5 +1,6 @@
 //! Held and Karp's ascent: multipliers follow what the tree does too often or too seldom.
 
+use super::directions::Directions;
 use super::relaxation::{Multipliers, Relaxation};
 use super::tree::Usage;
 
@@ -96,6 +97,7 @@ struct Ascent {
     nodes: Climb,
     cuts: Climb,
     ties: Climb,
+    runs_in_out: Climb,
     directions: Vec<f64>,
     /// The terminal at which each loop is entered where that gives back most.
     entered: Vec<u32>,
@@ -111,11 +113,13 @@ impl Ascent {
             nodes: Climb::default(),
             cuts: Climb::default(),
             ties: Climb::default(),
+            runs_in_out: Climb::default(),
             directions: vec![0.0; model.terminals.len()],
             entered: vec![0; model.bodies.len()],
             run_of: model.run_of(),
             runs: vec![0.0; model.bodies.len()],
         };
+        ascent.runs_in_out.grow(2 * relaxation.directions.as_ref().map_or(0, Directions::count));
         ascent.grow(relaxation);
         ascent
     }
@@ -145,6 +149,10 @@ impl Ascent {
         for (t, terminal) in model.terminals.iter().enumerate() {
             let together = self.runs[self.run_of[terminal.item as usize] as usize];
             now.nodes[t] = self.nodes.go(t, self.directions[t] + TOGETHER * together, step);
+        }
+        let passed = usage.runs.as_flattened().iter().zip(now.runs.as_flattened_mut());
+        for (k, (&times, multiplier)) in passed.enumerate() {
+            *multiplier = self.runs_in_out.go(k, f64::from(times - 1), step);
         }
         for (cut, members) in relaxation.cuts.members.iter().enumerate() {
             let ends: i32 = members.iter().map(|&t| usage.degrees[t as usize]).sum();

@@ -6,8 +6,10 @@
 //! ascent looks for multipliers under which the tree resembles a walk; whatever it finds, the bound is evaluated over
 //! *all* links, in integers, each link rounded down. `docs/ordering-bounds.md` has the proof and the figures.
 
+mod arborescence;
 mod ascent;
 mod cuts;
+mod directions;
 mod model;
 mod pricing;
 mod relaxation;

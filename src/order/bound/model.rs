@@ -221,6 +221,17 @@ impl Model {
         }
     }
 
+    /// Whether precedence lets one path come straight after another, of another run of its stage.
+    pub(super) fn leads(&self, from: u32, to: u32) -> bool {
+        let [a, b] = [from, to].map(|item| &self.bodies[item as usize]);
+        self.permits(from, to) && (a.island != b.island || a.rank <= b.rank)
+    }
+
+    /// Whether all paths are of one stage.
+    pub(super) fn is_one_stage(&self) -> bool {
+        self.stages == 1
+    }
+
     /// Whether a walk may begin with this path.
     pub(super) fn may_begin(&self, item: u32) -> bool {
         let body = &self.bodies[item as usize];

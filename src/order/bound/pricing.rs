@@ -67,17 +67,16 @@ impl<'a> Pricing<'a> {
         self.families.iter().map(|family| &family.points[..])
     }
 
-    /// A cheapest tree over the paths: within every group, and over its siblings.
+    /// A cheapest tree over the paths: within every group, and over its siblings, down from groups at some depth.
     ///
     /// Borůvka's rounds (1926, translated in Nešetřil, Milková & Nešetřilová 2001, <https://doi.org/10.1016/S0012-365X(00)00224-7>): each part finds its cheapest way out, among the listed links and by a
     /// search that leaves out boxes which cannot hold a cheaper one and boxes that lie wholly within the part.
-    pub(super) fn tree(&self, prices: &Prices) -> Vec<Priced> {
+    pub(super) fn tree(&self, prices: &Prices, depth: usize) -> Vec<Priced> {
         let mut parts = Parts::new(self.model.bodies.len());
         let mut tree = Vec::new();
-        for family in &self.families {
+        for family in self.families.iter().filter(|family| family.depth >= depth) {
             self.join(family, prices, &mut parts, &mut tree);
         }
-        debug_assert_eq!(tree.len() + 1, self.model.bodies.len().max(1));
         tree
     }
 

@@ -5,6 +5,7 @@ use rustc_hash::{FxHashMap, FxHashSet};
 use super::super::matching::delaunay;
 use super::super::parts::Parts;
 use super::cuts::{Cuts, common};
+use super::directions::Directions;
 use super::model::{Body, DEPTHS, Model};
 use super::pricing::{Priced, Prices, Pricing};
 use super::tree::{Forest, Link, Usage};
@@ -20,6 +21,8 @@ pub(super) struct Multipliers {
     /// For a link from one neighbour at one piece of a loop that is not entered there, not negative. Number 0 stands for
     /// no tie and costs nothing.
     pub(super) ties: Vec<i64>,
+    /// For the link into each run and for the one out of it, of either sign; none where links have no directions.
+    pub(super) runs: Vec<[i64; 2]>,
 }
 
 /// A place where a walk may begin or end.
@@ -35,10 +38,14 @@ struct Way {
     used: u32,
 }
 
+/// The depth of links between runs that may have directions.
+const RUNS: usize = 1;
+
 /// See the module.
 pub(super) struct Relaxation<'a> {
     pub(super) model: &'a Model,
     pricing: Pricing<'a>,
+    pub(super) directions: Option<Directions>,
     /// The known links, by depth, and the terminals that they join.
     links: [Vec<Link>; DEPTHS],
     known: FxHashSet<(u32, u32)>,
@@ -62,6 +69,7 @@ impl<'a> Relaxation<'a> {
         let mut relaxation = Self {
             model,
             pricing: Pricing::new(model),
+            directions: Directions::new(model),
             links: Default::default(),
             known: FxHashSet::default(),
             pairs: FxHashSet::default(),
@@ -100,6 +108,7 @@ impl<'a> Relaxation<'a> {
             nodes: vec![0; self.model.terminals.len()],
             cuts: vec![0; self.cuts.members.len()],
             ties: vec![0; self.ties],
+            runs: vec![[0; 2]; self.directions.as_ref().map_or(0, Directions::count)],
         }
     }
 
@@ -264,7 +273,8 @@ impl<'a> Relaxation<'a> {
             Some(_) => 0,
         });
         let cuts = multipliers.cuts.iter().zip(always).map(|(cut, least)| cut * least);
-        cuts.sum::<i64>() - self.model.bodies.iter().enumerate().map(nodes).sum::<i64>()
+        let runs = multipliers.runs.as_flattened().iter();
+        cuts.sum::<i64>() - self.model.bodies.iter().enumerate().map(nodes).sum::<i64>() - runs.sum::<i64>()
     }
 
     /// What entering a loop at one piece gives back, where that is most, and at which piece.
@@ -285,12 +295,19 @@ impl<'a> Relaxation<'a> {
 
     /// What a way in or out pays besides its length.
     fn pays(&self, ways: usize, way: &Way, weights: &[i64], multipliers: &Multipliers) -> i64 {
-        let own = weights[way.terminal as usize] + multipliers.ties[way.tie as usize];
+        let run = self.run_of(way).map_or(0, |run| multipliers.runs[run][ways]);
+        let own = weights[way.terminal as usize] + multipliers.ties[way.tie as usize] + run;
         if ways == 1 {
             return own;
         }
         let both = self.shared_by(way).iter().map(|&cut| multipliers.cuts[cut as usize]);
         own + weights[self.model.terminals.len()] + 2 * both.sum::<i64>()
+    }
+
+    /// The run that a way leads to or from, if links have directions.
+    fn run_of(&self, way: &Way) -> Option<usize> {
+        let item = self.model.terminals[way.terminal as usize].item;
+        self.directions.as_ref().map(|directions| directions.run_of[item as usize] as usize)
     }
 
     /// Cuts that hold both the start and a way's terminal.
@@ -308,18 +325,26 @@ impl<'a> Relaxation<'a> {
     pub(super) fn relax(&mut self, multipliers: &Multipliers, usage: &mut Usage) -> i64 {
         let weights = self.weights(multipliers);
         let start = self.model.terminals.len();
-        usage.reset(start + 1, multipliers.cuts.len(), multipliers.ties.len());
+        usage.reset(start + 1, multipliers.cuts.len(), multipliers.ties.len(), multipliers.runs.len());
         let parts = Parts::new(self.model.bodies.len());
         let mut forest = Forest { model: self.model, parts, usage, shared: &self.shared, total: 0 };
-        for links in self.links.iter_mut().rev() {
+        for (depth, links) in self.links.iter_mut().enumerate().rev() {
             let price = |link: &Link| price(link, &weights, multipliers, &self.shared);
             self.keys.clear();
             self.keys.extend(links.iter().map(price).zip(0..));
-            forest.span(links, &mut self.keys);
+            match &self.directions {
+                Some(directions) if depth == RUNS => {
+                    forest.span_runs(directions, links, &self.keys, &multipliers.runs);
+                }
+                _ => forest.span(links, &mut self.keys),
+            }
         }
         let mut total = forest.total + self.constant(multipliers);
         for ways in 0..2 {
             let Some((price, k)) = self.cheapest(ways, &weights, multipliers) else { continue };
+            if let Some(run) = self.run_of(&self.ways[ways][k]) {
+                usage.runs[run][ways] += 1;
+            }
             let way = &mut self.ways[ways][k];
             way.used += 1;
             total += price;
@@ -350,7 +375,7 @@ impl<'a> Relaxation<'a> {
             });
             listed.collect()
         };
-        let tree = self.pricing.tree(&Prices {
+        let prices = Prices {
             listed: self.links.each_ref().map(list),
             known: &|a, b| self.known.contains(&(a.min(b), a.max(b))),
             weights: &weights,
@@ -360,7 +385,16 @@ impl<'a> Relaxation<'a> {
                     + self.tied(a, b, multipliers)
                     + self.tied(b, a, multipliers)
             },
-        });
+        };
+        let tree = match &self.directions {
+            Some(directions) => {
+                let mut tree = self.pricing.tree(&prices, RUNS + 1);
+                tree.extend(directions.span_all(self.model, &prices, &multipliers.runs));
+                tree
+            }
+            None => self.pricing.tree(&prices, 0),
+        };
+        debug_assert_eq!(tree.len() + 1, self.model.bodies.len().max(1));
         let links: i64 = tree.iter().map(|found| found.cost).sum();
         let ways = (0..2).filter_map(|ways| self.cheapest(ways, &weights, multipliers));
         let ways: i64 = ways.map(|(price, _)| price).sum();

@@ -1,6 +1,7 @@
 //! The cheapest tree over listed links.
 
 use super::super::parts::Parts;
+use super::directions::{Directions, Taken};
 use super::model::Model;
 
 /// A link between two terminals.
@@ -34,11 +35,15 @@ pub(super) struct Usage {
     pub(super) inside: Vec<i32>,
     /// Links at each tie.
     pub(super) tied: Vec<i32>,
+    /// Links into each run and out of it, where they have directions.
+    pub(super) runs: Vec<[i32; 2]>,
 }
 
 impl Usage {
     /// Sets all counts to zero.
-    pub(super) fn reset(&mut self, terminals: usize, cuts: usize, ties: usize) {
+    pub(super) fn reset(&mut self, terminals: usize, cuts: usize, ties: usize, runs: usize) {
+        self.runs.clear();
+        self.runs.resize(runs, [0; 2]);
         for (counts, len) in
             [(&mut self.degrees, terminals), (&mut self.inside, cuts), (&mut self.tied, ties)]
         {
@@ -83,6 +88,23 @@ impl Forest<'_> {
             }
         }
         self.span(links, &mut heavy[..kept]);
+    }
+
+    /// Joins what the links of a cheapest arborescence over the runs join. `keys` are as in [`Self::span`].
+    pub(super) fn span_runs(
+        &mut self,
+        directions: &Directions,
+        links: &mut [Link],
+        keys: &[(i64, u32)],
+        runs: &[[i64; 2]],
+    ) {
+        for Taken { link, forwards, price } in directions.span(self.model, links, keys, runs) {
+            let [i, j] = self.items(&links[link]).map(|item| directions.run_of[item as usize] as usize);
+            let (tail, head) = if forwards { (i, j) } else { (j, i) };
+            self.usage.runs[tail][1] += 1;
+            self.usage.runs[head][0] += 1;
+            self.take(&mut links[link], price);
+        }
     }
 
     fn take(&mut self, link: &mut Link, price: i64) {

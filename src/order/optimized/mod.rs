@@ -1,5 +1,6 @@
 //! Local search, then iterated local search.
 
+mod blocks;
 mod chains;
 mod exchange;
 mod grid;

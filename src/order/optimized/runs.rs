@@ -169,9 +169,7 @@ impl Search<'_> {
                 let (begins, _) = self.walk.span(next);
                 high = if begins >= to { high.min(begins) } else { high };
             }
-            if let Some(before) = group.checked_sub(1)
-                && self.groups.next_in_unit(before) == Some(group)
-            {
+            if let Some(before) = self.groups.previous_in_unit(group) {
                 let (_, ends) = self.walk.span(before);
                 low = if ends <= from { low.max(ends) } else { low };
             }
@@ -271,18 +269,33 @@ impl Search<'_> {
             }
             gaps.extend([low, high]);
         }
-        let inside_unit = |gap: u32| {
-            self.groups.whole_units
-                && gap > 1
-                && gap <= self.walk.len()
-                && self.unit_at(gap - 1) == self.unit_at(gap)
-        };
         gaps.retain(|&gap| {
             (low..=high).contains(&gap)
                 && !(from..=to).contains(&gap)
                 && gap.abs_diff(from) <= self.reach
-                && !inside_unit(gap)
+                && self.parts_units(gap)
         });
+        gaps
+    }
+
+    /// Whether no unit that must stay whole lies on both sides of a gap.
+    pub fn parts_units(&self, gap: u32) -> bool {
+        let is_inside = gap > 1 && gap <= self.walk.len() && self.unit_at(gap - 1) == self.unit_at(gap);
+        !(self.groups.whole_units && is_inside)
+    }
+
+    /// Gaps before groups of the stage of one that lie near it, and the gap after the stage.
+    pub fn begins_near(&mut self, group: u32) -> Vec<u32> {
+        let stage = self.vicinity.stage[group as usize];
+        let mut gaps = Vec::with_capacity(NEAR + 1);
+        if self.groups_in_stage(group) <= FEW {
+            gaps.extend((stage.groups.0..stage.groups.1).map(|group| self.walk.span(group).0));
+        } else {
+            self.find_near_groups(group);
+            let near = self.vicinity.near[group as usize].iter().flatten();
+            gaps.extend(near.map(|&group| self.walk.span(group).0));
+        }
+        gaps.push(stage.gaps.1);
         gaps
     }
 

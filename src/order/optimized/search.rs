@@ -225,7 +225,8 @@ impl<'a> Search<'a> {
             || (outer
                 && ((self.complete && self.shift(end.gap))
                     || self.reverse_group(group)
-                    || self.move_group(group)))
+                    || self.move_group(group)
+                    || self.swap_blocks(end.gap, group)))
     }
 
     /// Swaps two neighbouring stretches, of one group or of whole groups, at or after a position.
