@@ -1,6 +1,5 @@
 //! Held and Karp's ascent: multipliers follow what the tree does too often or too seldom.
 
-use super::directions::Directions;
 use super::relaxation::{Multipliers, Relaxation};
 use super::tree::Usage;
 
@@ -10,6 +9,9 @@ const STEPS: usize = 150;
 /// geometrically. Firsts from 1 to 3 and lasts from 0.003 to 0.03 end within 0.5 % of each other.
 const FIRST: f64 = 2.0;
 const LAST: f64 = 0.01;
+/// Steps when multipliers were found before, and the first of them.
+const AGAIN: usize = 50;
+const FIRST_AGAIN: f64 = 0.5;
 /// How far a step follows its own direction; the rest follows the one before it (Volgenant & Jonker 1982,
 /// <https://doi.org/10.1016/0377-2217(82)90015-7>).
 const FRESH: f64 = 0.7;
@@ -22,13 +24,16 @@ const FIRST_LOOK: usize = 8;
 const FIRST_CUTS: usize = 20;
 
 /// Multipliers of one kind on their way.
-#[derive(Default)]
 struct Climb {
     at: Vec<f64>,
     last: Vec<f64>,
 }
 
 impl Climb {
+    fn from(multipliers: &[i64]) -> Self {
+        Self { at: multipliers.iter().map(|&at| at as f64).collect(), last: vec![0.0; multipliers.len()] }
+    }
+
     /// Moves one multiplier and returns it, rounded to an integer.
     fn go(&mut self, k: usize, direction: f64, step: f64) -> i64 {
         self.at[k] += step * (FRESH * direction + (1.0 - FRESH) * self.last[k]);
@@ -51,18 +56,22 @@ impl Climb {
 
 /// Multipliers whose bound over all links is the best that was found (Held & Karp 1970 and 1971,
 /// <https://doi.org/10.1287/opre.18.6.1138>, <https://doi.org/10.1007/BF01584070>).
-pub(super) fn ascend(relaxation: &mut Relaxation) -> Multipliers {
-    let mut now = relaxation.zero();
+///
+/// `from` are those found before, for other places to come from and to go on to.
+pub(super) fn ascend(relaxation: &mut Relaxation, from: Option<Multipliers>) -> Multipliers {
+    let (steps, first) = if from.is_some() { (AGAIN, FIRST_AGAIN) } else { (STEPS, FIRST) };
+    let mut now = from.unwrap_or_else(|| relaxation.zero());
+    relaxation.forget_trees();
     let mut usage = Usage::default();
-    let mut ascent = Ascent::new(relaxation);
+    let mut ascent = Ascent::new(relaxation, &now);
     // Over all links, and as far as the known links tell.
     let mut proved = (relaxation.exact(&now).0, now.clone());
     let mut hoped = (relaxation.relax(&now, &mut usage), now.clone());
-    let mut step = FIRST * proved.0.max(now.nodes.len() as i64) as f64 / now.nodes.len().max(1) as f64;
+    let mut step = first * proved.0.max(now.nodes.len() as i64) as f64 / now.nodes.len().max(1) as f64;
     let (mut look, mut cut) = (FIRST_LOOK, 0);
-    for k in 1..=STEPS {
+    for k in 1..=steps {
         ascent.step(relaxation, &usage, &mut now, step);
-        step *= LAST.powf(1.0 / STEPS as f64);
+        step *= (LAST * FIRST / first).powf(1.0 / steps as f64);
         let mut value = relaxation.relax(&now, &mut usage);
         if k == look {
             let (bound, tree) = relaxation.exact(&now);
@@ -107,19 +116,18 @@ struct Ascent {
 }
 
 impl Ascent {
-    fn new(relaxation: &Relaxation) -> Self {
+    fn new(relaxation: &Relaxation, from: &Multipliers) -> Self {
         let model = relaxation.model;
         let mut ascent = Self {
-            nodes: Climb::default(),
-            cuts: Climb::default(),
-            ties: Climb::default(),
-            runs_in_out: Climb::default(),
+            nodes: Climb::from(&from.nodes),
+            cuts: Climb::from(&from.cuts),
+            ties: Climb::from(&from.ties),
+            runs_in_out: Climb::from(from.runs.as_flattened()),
             directions: vec![0.0; model.terminals.len()],
             entered: vec![0; model.bodies.len()],
             run_of: model.run_of(),
             runs: vec![0.0; model.bodies.len()],
         };
-        ascent.runs_in_out.grow(2 * relaxation.directions.as_ref().map_or(0, Directions::count));
         ascent.grow(relaxation);
         ascent
     }

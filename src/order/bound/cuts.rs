@@ -80,8 +80,7 @@ impl Cuts {
             degrees[link.a as usize] += link.used;
             degrees[link.b as usize] += link.used;
         }
-        let in_pieces = model.bodies.iter().any(|body| body.closed && body.last - body.first > 1);
-        for whole in [true, false].into_iter().filter(|&whole| whole || in_pieces) {
+        for whole in [true, false].into_iter().filter(|&whole| whole || model.has_pieces()) {
             for share in SHARES {
                 let mut parts = Parts::new(model.terminals.len());
                 for body in model.bodies.iter().filter(|body| body.closed && whole) {

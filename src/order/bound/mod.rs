@@ -20,7 +20,7 @@ use super::matching::KdTree;
 use crate::geom::Point;
 use ascent::ascend;
 use model::{Model, fine, link, to_mm};
-use relaxation::Relaxation;
+use relaxation::{Multipliers, Relaxation};
 
 /// What a layer adds to a bound, wherever it is entered and left: its multipliers, and all that they prove.
 #[derive(Clone, Debug, Default)]
@@ -54,23 +54,33 @@ impl Beyond<'_> {
     }
 }
 
-impl Share {
-    fn new(problem: &Problem, below: &Beyond, above: &Beyond) -> Self {
-        let model = Model::new(problem);
-        if model.bodies.is_empty() {
-            return Self::default();
-        }
-        let mut relaxation = Relaxation::new(&model);
-        for (way, places) in [below.places(true), above.places(false)].iter().enumerate() {
-            if let Some(places) = places {
-                relaxation.measure(way, |p| places.nearest(p));
-            }
-        }
-        let multipliers = ascend(&mut relaxation);
-        let (inner, ways) = relaxation.settle(&multipliers);
-        Self { inner, ways }
+/// A layer whose multipliers are sought.
+struct Climber<'a> {
+    relaxation: Relaxation<'a>,
+    /// The best so far.
+    multipliers: Option<Multipliers>,
+}
+
+impl<'a> Climber<'a> {
+    fn new(model: &'a Model) -> Self {
+        Self { relaxation: Relaxation::new(model), multipliers: None }
     }
 
+    /// Seeks better multipliers for what lies below and above.
+    fn climb(&mut self, below: &Beyond, above: &Beyond) -> Share {
+        for (way, places) in [below.places(true), above.places(false)].iter().enumerate() {
+            if let Some(places) = places {
+                self.relaxation.measure(way, |p| places.nearest(p));
+            }
+        }
+        let multipliers = ascend(&mut self.relaxation, self.multipliers.take());
+        let (inner, ways) = self.relaxation.settle(&multipliers);
+        self.multipliers = Some(multipliers);
+        Share { inner, ways }
+    }
+}
+
+impl Share {
     fn is_empty(&self) -> bool {
         self.ways.iter().all(Vec::is_empty)
     }
@@ -105,8 +115,12 @@ impl Share {
 }
 
 /// Layers that are taken one after the other. Between neighbours of which neither knows what links pay at the other the
-/// bound loses most: alternate layers (1) lost 1 % on a print of many small islands.
-const CHUNK: usize = 8;
+/// bound loses most.
+const CHUNK: usize = 16;
+
+/// How often the multipliers of a layer are sought, each time with what its neighbours have found. On five models with pinned
+/// seams at `feature` the gap is 6.9 % after one pass, 6.4 after two, 5.6 after six, 5.1 after twelve.
+const PASSES: usize = 6;
 
 /// The shares of a print's layers, from the first to the last; a layer that nothing is drawn on has an empty one. The
 /// start of the first and the end of the last count where they are known.
@@ -136,23 +150,31 @@ pub fn shares(
     layers.iter().map(share).map(Option::unwrap_or_default).collect()
 }
 
-/// The shares of one chunk of layers, the first of which is given, none without paths.
+/// The shares of one chunk of layers, the first of which is given, none without paths: up and down, several times.
 fn chunk(layers: &[&Problem], known: &[Option<Share>], first: usize) -> Vec<Share> {
-    let mut done: Vec<Share> = Vec::with_capacity(CHUNK);
-    for (at, problem) in layers.iter().enumerate().skip(first).take(CHUNK) {
-        let beyond = |k: usize, place: Option<Point>| match layers.get(k) {
-            Some(layer) => {
-                let share = k.checked_sub(first).and_then(|k| done.get(k)).or(known[k].as_ref());
-                share.map_or(Beyond::Layer(layer), Beyond::Share)
-            }
-            None => place.map_or(Beyond::Anything, Beyond::Place),
-        };
-        // Below the first layer there is no layer usize::MAX either.
-        let below = beyond(at.wrapping_sub(1), problem.start);
-        let share = Share::new(problem, &below, &beyond(at + 1, problem.end));
-        done.push(share);
+    let last = (first + CHUNK).min(layers.len());
+    let models: Vec<Model> = layers[first..last].iter().map(|problem| Model::new(problem)).collect();
+    let mut climbers: Vec<Climber> = models.iter().map(Climber::new).collect();
+    let mut done: Vec<Option<Share>> = vec![None; last - first];
+    // Free loops take several times as long, and what they lose is lost elsewhere.
+    let passes = if models.iter().any(Model::has_pieces) { 1 } else { PASSES };
+    for pass in 0..passes {
+        for step in first..last {
+            let at = if pass % 2 == 0 { step } else { first + last - 1 - step };
+            let beyond = |k: usize, place: Option<Point>| match layers.get(k) {
+                Some(layer) => {
+                    let own = if (first..last).contains(&k) { &done[k - first] } else { &known[k] };
+                    own.as_ref().map_or(Beyond::Layer(layer), Beyond::Share)
+                }
+                None => place.map_or(Beyond::Anything, Beyond::Place),
+            };
+            // Below the first layer there is no layer usize::MAX either.
+            let below = beyond(at.wrapping_sub(1), layers[at].start);
+            let share = climbers[at - first].climb(&below, &beyond(at + 1, layers[at].end));
+            done[at - first] = Some(share);
+        }
     }
-    done
+    done.into_iter().flatten().collect()
 }
 
 /// A length in millimetres that the links of no solution of the problem can stay below.

@@ -227,6 +227,11 @@ impl Model {
         self.permits(from, to) && (a.island != b.island || a.rank <= b.rank)
     }
 
+    /// Whether there are loops of which several pieces are told apart.
+    pub(super) fn has_pieces(&self) -> bool {
+        self.bodies.iter().any(|body| body.closed && body.last - body.first > 1)
+    }
+
     /// Whether all paths are of one stage.
     pub(super) fn is_one_stage(&self) -> bool {
         self.stages == 1

@@ -230,28 +230,34 @@ impl<'a> Relaxation<'a> {
         let used = |ways: &Vec<Way>| -> Vec<_> { ways.iter().map(|way| (way.terminal, way.used)).collect() };
         let [begun, ended] = self.ways.each_ref().map(used);
         self.cuts.separate_precedence(self.model, &links, [&begun, &ended], trees);
+        self.forget_trees();
         let grown = self.cuts.members.len() > before;
         if grown {
-            self.shared.clear();
-        }
-        let start = self.model.terminals.len() as u32;
-        for way in self.ways.iter_mut().flatten() {
-            way.used = 0;
-            if grown {
-                let first = self.shared.len() as u32;
-                self.shared.extend(self.cuts.shared(start, way.terminal));
-                way.shared = (first, self.shared.len() as u32);
-            }
-        }
-        for link in self.links.iter_mut().flatten() {
-            link.used = 0;
-            if grown {
-                let first = self.shared.len() as u32;
-                self.shared.extend(self.cuts.shared(link.a, link.b));
-                link.shared = (first, self.shared.len() as u32);
-            }
+            self.share_cuts();
         }
         grown
+    }
+
+    /// Begins to count anew how often trees use links.
+    pub(super) fn forget_trees(&mut self) {
+        self.ways.iter_mut().flatten().for_each(|way| way.used = 0);
+        self.links.iter_mut().flatten().for_each(|link| link.used = 0);
+    }
+
+    /// Lists the cuts that hold both ends of each link.
+    fn share_cuts(&mut self) {
+        self.shared.clear();
+        let start = self.model.terminals.len() as u32;
+        for way in self.ways.iter_mut().flatten() {
+            let first = self.shared.len() as u32;
+            self.shared.extend(self.cuts.shared(start, way.terminal));
+            way.shared = (first, self.shared.len() as u32);
+        }
+        for link in self.links.iter_mut().flatten() {
+            let first = self.shared.len() as u32;
+            self.shared.extend(self.cuts.shared(link.a, link.b));
+            link.shared = (first, self.shared.len() as u32);
+        }
     }
 
     /// What a link pays at each terminal: its multiplier, less those of the cuts that hold it (a link within a cut pays
