@@ -6,7 +6,7 @@ mod order_layer;
 use exact::{chained_optimum, optimum};
 use order_layer::{Layer, point};
 use pathwright::geom::Point;
-use pathwright::order::{Cost, bound, evaluate, strategy};
+use pathwright::order::{Cost, Run, bound, evaluate, strategy};
 use pathwright::profile::{Effort, OrderStrategy, Scope};
 use proptest::prelude::*;
 
@@ -24,6 +24,16 @@ fn layer(most: usize) -> impl Strategy<Value = Layer> {
     order_layer::layer(prop::collection::vec(path, 0..=most), runs, REACH)
 }
 
+/// The same with all runs in one stage, so that those of an island come by rank under `feature` scope and links between them
+/// have a direction.
+fn ranked(most: usize) -> impl Strategy<Value = Layer> {
+    layer(most).prop_map(|mut layer| {
+        layer.scope = Scope::Feature;
+        layer.runs.iter_mut().for_each(|run| run.stage = 1);
+        layer
+    })
+}
+
 /// Sums of a few square roots: far above their rounding, far below a bound that is wrong.
 const ROUNDING_MM: f64 = 1e-9;
 
@@ -32,6 +42,13 @@ proptest! {
 
     #[test]
     fn the_bound_of_a_layer_is_not_above_its_optimum(layer in layer(7)) {
+        let problem = layer.problem();
+        let (bound, optimum) = (bound::layer(&problem), optimum(&problem));
+        prop_assert!(bound <= optimum + ROUNDING_MM, "{bound} > {optimum}");
+    }
+
+    #[test]
+    fn the_bound_of_a_layer_whose_links_have_directions_is_not_above_its_optimum(layer in ranked(7)) {
         let problem = layer.problem();
         let (bound, optimum) = (bound::layer(&problem), optimum(&problem));
         prop_assert!(bound <= optimum + ROUNDING_MM, "{bound} > {optimum}");
@@ -49,7 +66,14 @@ proptest! {
     }
 
     #[test]
-    fn a_share_holds_wherever_its_layer_is_entered(layers in [layer(5), layer(5)], start in prop::option::of(point(REACH))) {
+    fn the_bound_of_a_print_whose_links_have_directions_is_not_above_its_optimum(layers in [ranked(5), ranked(5), ranked(5)]) {
+        let problems: Vec<_> = layers.iter().map(Layer::problem).collect();
+        let (bound, optimum) = (bound::print(&problems), chained_optimum(&problems));
+        prop_assert!(bound <= optimum + ROUNDING_MM, "{bound} > {optimum}");
+    }
+
+    #[test]
+    fn a_share_holds_wherever_its_layer_is_entered(layers in [layer(5).boxed(), ranked(5).boxed()], start in prop::option::of(point(REACH))) {
         let mut problems: Vec<_> = layers.iter().map(Layer::problem).collect();
         let shares = bound::shares(&problems, |n, chunk| (0..n).map(chunk).collect());
         for (problem, share) in problems.iter_mut().zip(shares) {

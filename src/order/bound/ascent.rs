@@ -106,7 +106,7 @@ struct Ascent {
     nodes: Climb,
     cuts: Climb,
     ties: Climb,
-    runs_in_out: Climb,
+    passages: Climb,
     directions: Vec<f64>,
     /// The terminal at which each loop is entered where that gives back most.
     entered: Vec<u32>,
@@ -122,7 +122,7 @@ impl Ascent {
             nodes: Climb::from(&from.nodes),
             cuts: Climb::from(&from.cuts),
             ties: Climb::from(&from.ties),
-            runs_in_out: Climb::from(from.runs.as_flattened()),
+            passages: Climb::from(from.runs.as_flattened()),
             directions: vec![0.0; model.terminals.len()],
             entered: vec![0; model.bodies.len()],
             run_of: model.run_of(),
@@ -160,7 +160,7 @@ impl Ascent {
         }
         let passed = usage.runs.as_flattened().iter().zip(now.runs.as_flattened_mut());
         for (k, (&times, multiplier)) in passed.enumerate() {
-            *multiplier = self.runs_in_out.go(k, f64::from(times - 1), step);
+            *multiplier = self.passages.go(k, f64::from(times - 1), step);
         }
         for (cut, members) in relaxation.cuts.members.iter().enumerate() {
             let ends: i32 = members.iter().map(|&t| usage.degrees[t as usize]).sum();

@@ -10,15 +10,19 @@ const FAR: u32 = 64;
 type Gaps = [u32; 3];
 
 impl Search<'_> {
-    /// Makes the best swap of two neighbouring stretches of groups that removes the link over a gap and saves something: the
+    /// Makes the best swap of two neighbouring stretches of groups that removes the link at a node and saves something: the
     /// 3-opt move that reverses nothing, as precedence asks for.
     ///
-    /// One new link leads from what lies before the gap to a near group. Whether the stretches may pass each other is told group by
+    /// One new link leads on from the node before the gap to a near group. Whether the stretches may pass each other is told group by
     /// group as one of them grows, each in constant time (Gambardella & Dorigo 2000, doi:10.1287/ijoc.12.3.237.12636).
-    pub fn swap_blocks(&mut self, gap: u32, group: u32) -> bool {
+    pub fn swap_blocks(&mut self, End { gap, right }: End, group: u32) -> bool {
         let removed = self.walk.gap(gap);
         let stage = self.positions_of_stage(group);
-        if removed <= GAIN || self.groups_in_stage(group) < 3 || !self.parts_units(gap) {
+        if (right && gap != stage.start)
+            || removed <= GAIN
+            || self.groups_in_stage(group) < 3
+            || !self.parts_units(gap)
+        {
             return false;
         }
         let left = self.walk.node(End { gap, right: false });
@@ -28,7 +32,7 @@ impl Search<'_> {
                 continue;
             }
             let added = self.walk.link(left, self.walk.node(End { gap: other, right: true }));
-            self.walk.work += 1;
+            self.walk.work += 2;
             if added >= removed - GAIN {
                 continue;
             }
@@ -109,7 +113,7 @@ impl Search<'_> {
         });
         let mut gain = gaps.iter().map(|&gap| self.walk.gap(gap)).sum::<f64>();
         gain -= added.iter().map(|&[a, b]| self.walk.link(a, b)).sum::<f64>();
-        self.walk.work += 3;
+        self.walk.work += 6;
         if gain > best.0 {
             gain -= added.iter().map(|&[a, b]| self.walk.surcharge(a, b)).sum::<f64>();
         }

@@ -226,7 +226,7 @@ impl<'a> Search<'a> {
                 && ((self.complete && self.shift(end.gap))
                     || self.reverse_group(group)
                     || self.move_group(group)
-                    || self.swap_blocks(end.gap, group)))
+                    || self.swap_blocks(end, group)))
     }
 
     /// Swaps two neighbouring stretches, of one group or of whole groups, at or after a position.
