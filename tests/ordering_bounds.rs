@@ -6,7 +6,7 @@ mod order_layer;
 use exact::{chained_optimum, optimum};
 use order_layer::{Layer, point};
 use pathwright::geom::Point;
-use pathwright::order::{Cost, Run, bound, evaluate, strategy};
+use pathwright::order::{Cost, bound, evaluate, strategy};
 use pathwright::profile::{Effort, OrderStrategy, Scope};
 use proptest::prelude::*;
 
