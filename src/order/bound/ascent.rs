@@ -54,11 +54,11 @@ impl Climb {
     }
 }
 
-/// Multipliers whose bound over all links is the best that was found (Held & Karp 1970 and 1971,
+/// The best bound over all links that was found, and its multipliers (Held & Karp 1970 and 1971,
 /// <https://doi.org/10.1287/opre.18.6.1138>, <https://doi.org/10.1007/BF01584070>).
 ///
 /// `from` are those found before, for other places to come from and to go on to.
-pub(super) fn ascend(relaxation: &mut Relaxation, from: Option<Multipliers>) -> Multipliers {
+pub(super) fn ascend(relaxation: &mut Relaxation, from: Option<Multipliers>) -> (i64, Multipliers) {
     let (steps, first) = if from.is_some() { (AGAIN, FIRST_AGAIN) } else { (STEPS, FIRST) };
     let mut now = from.unwrap_or_else(|| relaxation.zero());
     relaxation.forget_trees();
@@ -99,7 +99,7 @@ pub(super) fn ascend(relaxation: &mut Relaxation, from: Option<Multipliers>) -> 
         }
     }
     let (bound, _) = relaxation.exact(&hoped.1);
-    if bound > proved.0 { hoped.1 } else { proved.1 }
+    if bound > proved.0 { (bound, hoped.1) } else { proved }
 }
 
 struct Ascent {

@@ -19,13 +19,6 @@ pub(super) struct Directions {
     begins: Vec<bool>,
 }
 
-/// An arc of the arborescence: the number of the link, and whether it goes from `a` to `b`.
-pub(super) struct Taken {
-    pub(super) link: usize,
-    pub(super) forwards: bool,
-    pub(super) price: i64,
-}
-
 impl Directions {
     /// The directions of a layer's links; `None` where they have none, or are too many.
     pub(super) fn new(model: &Model) -> Option<Self> {
@@ -44,31 +37,29 @@ impl Directions {
         self.begins.len()
     }
 
-    /// The links of a cheapest arborescence over the runs, of those given with their prices and numbers. Besides, a link pays
-    /// `runs[i][1]` for leaving run i, and `runs[i][0]` for entering it.
+    /// The numbers of the links in a cheapest arborescence over the runs, of those given with their prices and numbers, and the arcs
+    /// that they are. Besides, a link pays `runs[i][1]` for leaving run i, and `runs[i][0]` for entering it.
     pub(super) fn span(
         &self,
         model: &Model,
         links: &[Link],
         keys: &[(i64, u32)],
         runs: &[[i64; 2]],
-    ) -> Vec<Taken> {
+    ) -> Vec<(u32, Arc)> {
         let mut arcs = Vec::with_capacity(2 * keys.len() + self.count());
-        let mut taken = Vec::with_capacity(2 * keys.len());
+        let mut numbers = Vec::with_capacity(2 * keys.len());
         for &(price, k) in keys {
             let Link { a, b, .. } = links[k as usize];
             let [i, j] = [a, b].map(|t| model.terminals[t as usize].item);
-            for (from, to, forwards) in [(i, j, true), (j, i, false)] {
+            for (from, to) in [(i, j), (j, i)] {
                 if model.leads(from, to) {
-                    let arc = self.arc(from, to, price, runs);
-                    arcs.push(arc);
-                    taken.push(Taken { link: k as usize, forwards, price: arc.price });
+                    let [tail, head] = [from, to].map(|item| self.run_of[item as usize]);
+                    arcs.push(arc(tail, head, price, runs));
+                    numbers.push(k);
                 }
             }
         }
-        let used = self.solve(&mut arcs);
-        let mut taken: Vec<Option<Taken>> = taken.into_iter().map(Some).collect();
-        used.into_iter().filter_map(|arc| taken[arc].take()).collect()
+        self.solve(&mut arcs).into_iter().map(|at| (numbers[at], arcs[at])).collect()
     }
 
     /// A cheapest arborescence over the runs, of all links.
@@ -108,17 +99,11 @@ impl Directions {
         }
         let (mut arcs, mut links) = (Vec::new(), Vec::new());
         for (k, &found) in best.iter().enumerate().filter(|(_, found)| found.cost != NONE) {
-            let (head, tail) = (k / count, k % count);
-            let cost = found.cost + runs[tail][1] + runs[head][0];
-            arcs.push(Arc { price: cost, tail: tail as u32, head: head as u32 });
-            links.push(Priced { cost, ..found });
+            let arc = arc((k % count) as u32, (k / count) as u32, found.cost, runs);
+            arcs.push(arc);
+            links.push(Priced { cost: arc.price, ..found });
         }
         self.solve(&mut arcs).into_iter().map(|arc| links[arc]).collect()
-    }
-
-    fn arc(&self, from: u32, to: u32, price: i64, runs: &[[i64; 2]]) -> Arc {
-        let [tail, head] = [from, to].map(|item| self.run_of[item as usize]);
-        Arc { price: price + runs[tail as usize][1] + runs[head as usize][0], tail, head }
     }
 
     /// The numbers of the arcs in a cheapest arborescence that begins with any run which may come first.
@@ -133,4 +118,9 @@ impl Directions {
         debug_assert_eq!(used.len() + 1, count);
         used
     }
+}
+
+/// The arc of a link from one run to another.
+fn arc(tail: u32, head: u32, price: i64, runs: &[[i64; 2]]) -> Arc {
+    Arc { price: price + runs[tail as usize][1] + runs[head as usize][0], tail, head }
 }

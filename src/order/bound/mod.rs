@@ -73,8 +73,8 @@ impl<'a> Climber<'a> {
                 self.relaxation.measure(way, |p| places.nearest(p));
             }
         }
-        let multipliers = ascend(&mut self.relaxation, self.multipliers.take());
-        let (inner, ways) = self.relaxation.settle(&multipliers);
+        let (bound, multipliers) = ascend(&mut self.relaxation, self.multipliers.take());
+        let (inner, ways) = self.relaxation.settle(bound, &multipliers);
         self.multipliers = Some(multipliers);
         Share { inner, ways }
     }

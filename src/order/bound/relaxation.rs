@@ -407,8 +407,8 @@ impl<'a> Relaxation<'a> {
         (links + ways + self.constant(multipliers), tree)
     }
 
-    /// The exact bound without the ways in and out, and what links pay at each point where a walk may begin or end.
-    pub(super) fn settle(&self, multipliers: &Multipliers) -> (i64, [Vec<(Point, i64)>; 2]) {
+    /// An exact bound without the ways in and out, and what links pay at each point where a walk may begin or end.
+    pub(super) fn settle(&self, bound: i64, multipliers: &Multipliers) -> (i64, [Vec<(Point, i64)>; 2]) {
         let weights = self.weights(multipliers);
         let ways = [0, 1].map(|ways| {
             let points = self.ways[ways].iter().flat_map(|way| {
@@ -419,7 +419,7 @@ impl<'a> Relaxation<'a> {
         });
         let cheapest = (0..2).filter_map(|ways| self.cheapest(ways, &weights, multipliers));
         let cheapest: i64 = cheapest.map(|(price, _)| price).sum();
-        (self.exact(multipliers).0 - cheapest, ways)
+        (bound - cheapest, ways)
     }
 }
 

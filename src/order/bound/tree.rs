@@ -1,7 +1,7 @@
 //! The cheapest tree over listed links.
 
 use super::super::parts::Parts;
-use super::directions::{Directions, Taken};
+use super::directions::Directions;
 use super::model::Model;
 
 /// A link between two terminals.
@@ -98,12 +98,10 @@ impl Forest<'_> {
         keys: &[(i64, u32)],
         runs: &[[i64; 2]],
     ) {
-        for Taken { link, forwards, price } in directions.span(self.model, links, keys, runs) {
-            let [i, j] = self.items(&links[link]).map(|item| directions.run_of[item as usize] as usize);
-            let (tail, head) = if forwards { (i, j) } else { (j, i) };
-            self.usage.runs[tail][1] += 1;
-            self.usage.runs[head][0] += 1;
-            self.take(&mut links[link], price);
+        for (link, arc) in directions.span(self.model, links, keys, runs) {
+            self.usage.runs[arc.tail as usize][1] += 1;
+            self.usage.runs[arc.head as usize][0] += 1;
+            self.take(&mut links[link as usize], arc.price);
         }
     }
 

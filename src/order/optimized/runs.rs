@@ -280,8 +280,10 @@ impl Search<'_> {
 
     /// Whether no unit that must stay whole lies on both sides of a gap.
     pub fn parts_units(&self, gap: u32) -> bool {
-        let is_inside = gap > 1 && gap <= self.walk.len() && self.unit_at(gap - 1) == self.unit_at(gap);
-        !(self.groups.whole_units && is_inside)
+        !self.groups.whole_units
+            || gap <= 1
+            || gap > self.walk.len()
+            || self.unit_at(gap - 1) != self.unit_at(gap)
     }
 
     /// Gaps before groups of the stage of one that lie near it, and the gap after the stage.
