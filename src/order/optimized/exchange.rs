@@ -177,8 +177,9 @@ impl Search<'_> {
 pub fn ends(walk: &Walk, node: u32) -> impl Iterator<Item = End> + use<> {
     let first = walk.end_of(node);
     // A loop's nodes are alike; which of them is listed says nothing.
-    let second = End { gap: if first.right { first.gap + 1 } else { first.gap - 1 }, right: !first.right };
-    [first, second].into_iter().take(1 + usize::from(walk.is_loop(node / 2)))
+    let gap = if first.right { first.gap + 1 } else { first.gap - 1 };
+    let second = walk.is_loop(node / 2).then_some(End { gap, right: !first.right });
+    std::iter::once(first).chain(second)
 }
 
 /// The exchange that removes the links t1–t2, t3–t4, t5–t6 and adds t2–t3, t4–t5, t6–t1, if it leaves one walk.
