@@ -23,8 +23,8 @@ use crate::random::Random;
 
 /// Steps of iterated search per path. A step is a link cost looked at.
 ///
-/// `fast` does little more than descend, at `layer` scope nothing, to 0.80 of nearest; `normal` buys the next 2 % there. Precedence leaves
-/// less to be found at the other scopes: `docs/ordering.md` has the figures.
+/// `fast` only descends at `layer` scope, to 0.80 of nearest, and does little more at the others; `normal` buys the next 2 %.
+/// Precedence leaves less to be found: `docs/ordering.md` has the figures.
 fn steps_per_path(effort: Effort, scope: Scope) -> u64 {
     match (effort, scope) {
         (Effort::Fast, Scope::Layer) => 0,
@@ -35,7 +35,7 @@ fn steps_per_path(effort: Effort, scope: Scope) -> u64 {
     }
 }
 
-/// Steps that a layer gets on average, however few its paths: enough to find the optimum of a handful of them.
+/// Steps that a layer gets on average, however few its paths: enough to find the optimum of a handful of them, but for `fast`.
 fn least_steps(effort: Effort) -> u64 {
     match effort {
         Effort::Fast => 0,

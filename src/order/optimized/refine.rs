@@ -20,13 +20,14 @@ pub(super) fn refine(problem: &Problem, effort: Effort, detours: &Detours, seque
     let mut search = Search::new(problem, &groups, detours.minimised(), Some(detours));
     search.resume(&sequence);
     let mut random = Random::new(problem.items.len() as u64);
-    for _ in 0..ROUNDS {
+    let steps = steps_per_path(effort, problem.scope);
+    // No steps, no rounds.
+    for _ in 0..ROUNDS.min(steps) {
         let dear = search.dear();
         if dear.is_empty() {
             break;
         }
-        let steps = dear.len() as u64 * steps_per_path(effort, problem.scope) / ROUNDS;
-        search.iterate_at(&dear, &mut random, steps);
+        search.iterate_at(&dear, &mut random, dear.len() as u64 * steps / ROUNDS);
     }
     search.sequence()
 }

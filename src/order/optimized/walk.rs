@@ -304,12 +304,7 @@ impl<'a> Walk<'a> {
     fn between(&self, [a, b]: [[f64; 2]; 2], items: [u32; 2]) -> f64 {
         let (dx, dy) = (a[0] - b[0], a[1] - b[1]);
         let square = dx * dx + dy * dy;
-        match &self.cost {
-            _ if square.is_nan() => 0.0,
-            // Which island is no matter.
-            Cost::Length => square.sqrt(),
-            Cost::Time(time) => time.of(square.sqrt(), self.share_island(items)),
-        }
+        if square > 0.0 { self.cost.of(square.sqrt(), self.share_island(items)) } else { 0.0 }
     }
 
     /// Whether the link over a gap is dearer than a straight one.
