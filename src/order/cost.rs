@@ -94,7 +94,9 @@ fn trapezoid_s(length_mm: f64, speed: f64, acceleration: f64, cruise_ratio: f64)
     if acceleration <= 0.0 {
         return length_mm / speed;
     }
-    let reached = speed.min((acceleration * (1.0 - cruise_ratio) * length_mm).sqrt());
+    // The share last: a product of what does not change would be taken out of the loops of the search, and worked out of
+    // whatever is in memory where the cost is a length. Of subnormal numbers that takes a hundred cycles.
+    let reached = speed.min((acceleration * length_mm * (1.0 - cruise_ratio)).sqrt());
     reached / acceleration + length_mm / reached
 }
 
