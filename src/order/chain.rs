@@ -66,7 +66,7 @@ impl Chain {
         routers: &[Router],
     ) -> Vec<Sequence> {
         if self.is_together() {
-            return self.solve_together(layers, pins, start, end, routers);
+            return self.solve_together(layers, pins, start, end, routers, None);
         }
         let mut at = start;
         let mut sequences = Vec::with_capacity(layers.len());
@@ -81,7 +81,8 @@ impl Chain {
         sequences
     }
 
-    /// Orders consecutive layers as one problem, so that each ends where it suits the next.
+    /// Orders consecutive layers as one problem, so that each ends where it suits the next; anew, or from what was `solved`
+    /// before.
     fn solve_together(
         &self,
         layers: &[LayerPaths],
@@ -89,6 +90,7 @@ impl Chain {
         start: Option<Point>,
         end: Option<Point>,
         routers: &[Router],
+        solved: Option<&[Sequence]>,
     ) -> Vec<Sequence> {
         let scope = self.settings.scope;
         let mut problems: Vec<_> =
@@ -96,7 +98,16 @@ impl Chain {
         let mut problem = stacked(&problems, scope);
         (problem.start, problem.end) = (start.or(self.origin), end);
         let mut at = problem.start;
-        let solved = self.solve(&problem, layers, routers);
+        let before = solved.map(|solved| {
+            let mut before = Sequence::new();
+            for (problem, sequence) in problems.iter().zip(solved) {
+                let first = before.len() as u32;
+                let visits = problem.from_paths(sequence.clone()).into_iter();
+                before.extend(visits.map(|visit| Visit { item: visit.item + first, ..visit }));
+            }
+            before
+        });
+        let solved = self.solve(&problem, layers, routers, before);
         let (mut solved, mut first) = (solved.into_iter(), 0);
         let apart = |(layer, problem): (&LayerPaths, &mut LayerProblem)| {
             let count = layer.paths.len();
@@ -114,10 +125,19 @@ impl Chain {
         layers.iter().zip(&mut problems).map(apart).collect()
     }
 
-    /// Solves the problem of consecutive layers.
-    fn solve(&self, problem: &Problem, layers: &[LayerPaths], routers: &[Router]) -> Sequence {
+    /// Solves the problem of consecutive layers, anew or from what was found `before`.
+    fn solve(
+        &self,
+        problem: &Problem,
+        layers: &[LayerPaths],
+        routers: &[Router],
+        before: Option<Sequence>,
+    ) -> Sequence {
         let (strategy, effort) = (strategy(self.settings.strategy), self.settings.effort);
-        let solved = strategy.solve(problem, &self.cost, effort);
+        let solved = match before {
+            Some(before) => strategy.resume(problem, &self.cost, effort, before),
+            None => strategy.solve(problem, &self.cost, effort),
+        };
         let Some(rule) = self.detours else { return solved };
         let detours = Detours::new(rule, self.cost, layers, routers);
         strategy.refine(problem, effort, &detours, solved)
@@ -145,7 +165,11 @@ impl Chain {
         }
         let end = next.and_then(|(layer, sequence)| Some(ends_on_path(layer, *sequence.first()?).0));
         let routers = self.routers(layers);
-        let again = self.solve_between(layers, pins, start, end, &routers);
+        let again = if self.is_together() {
+            self.solve_together(layers, pins, start, end, &routers, Some(&solved))
+        } else {
+            self.solve_between(layers, pins, start, end, &routers)
+        };
         let too_near = |sequences: &[Sequence]| {
             let first = sequences[0].first().map(|&visit| ends_on_path(&layers[0], visit).0);
             matches!((start, first), (Some(a), Some(b)) if a.distance_mm(b) < self.settings.layer_distance.0)
@@ -197,7 +221,8 @@ impl Chain {
         (layer.problem.start, layer.problem.end) =
             if self.settings.chain { (start.or(self.origin), end) } else { (self.origin, None) };
         let solve = |problem: &Problem| {
-            self.solve(problem, slice::from_ref(paths), router.map(slice::from_ref).unwrap_or_default())
+            let routers = router.map(slice::from_ref).unwrap_or_default();
+            self.solve(problem, slice::from_ref(paths), routers, None)
         };
         let mut sequence = self.solve_apart(&mut layer.problem, start, solve);
         if self.seam == SeamPosition::Nearest {

@@ -37,13 +37,23 @@ impl<'a> LayerProblem<'a> {
     /// A solution of the problem in terms of the layer: the entry of a loop is an index into its path's points.
     pub fn on_paths(&self, mut sequence: Sequence) -> Sequence {
         if let Some(pins) = self.pins {
-            for visit in &mut sequence {
-                if matches!(self.problem.items[visit.item as usize].shape, Shape::Loop(_)) {
-                    visit.entry += pins[visit.item as usize];
-                }
-            }
+            self.loops(&mut sequence).for_each(|visit| visit.entry += pins[visit.item as usize]);
         }
         sequence
+    }
+
+    /// A solution in terms of the layer as one of the problem: what [`Self::on_paths`] makes of it is the same again.
+    pub fn from_paths(&self, mut sequence: Sequence) -> Sequence {
+        if let Some(pins) = self.pins {
+            self.loops(&mut sequence).for_each(|visit| visit.entry -= pins[visit.item as usize]);
+        }
+        sequence
+    }
+
+    fn loops<'s>(&self, sequence: &'s mut Sequence) -> impl Iterator<Item = &'s mut Visit> {
+        let is_loop =
+            |visit: &&mut Visit| matches!(self.problem.items[visit.item as usize].shape, Shape::Loop(_));
+        sequence.iter_mut().filter(is_loop)
     }
 }
 

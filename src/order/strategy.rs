@@ -11,6 +11,12 @@ pub trait Strategy: Sync {
     /// and in every thread. An empty problem gives an empty sequence.
     fn solve(&self, problem: &Problem, cost: &Cost, effort: Effort) -> Sequence;
 
+    /// Solves a problem again, of which it is known only now where the nozzle comes from and where it goes to, from a solution of
+    /// its own. The default begins anew.
+    fn resume(&self, problem: &Problem, cost: &Cost, effort: Effort, _sequence: Sequence) -> Sequence {
+        self.solve(problem, cost, effort)
+    }
+
     /// Improves a solution of its own where travels cost more than straight lines because they lead round something.
     /// The default leaves it as it is.
     fn refine(

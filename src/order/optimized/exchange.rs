@@ -77,29 +77,31 @@ impl Search<'_> {
             if near.least >= removed {
                 break;
             }
-            let added = self.added(node2, near);
+            let alike = self.walk.alike(near.node);
+            let added = self.added(node2, near, alike);
             work += 1;
             if added >= removed {
                 continue;
             }
-            for t3 in ends(&self.walk, near.node) {
-                let distance = t3.gap.abs_diff(t1.gap);
-                let node3 = self.walk.node(t3);
-                let open = removed - added + self.walk.link_at(node3);
+            for node3 in (0..alike).map(|other| near.node ^ other) {
                 work += 2;
-                if distance == 0 || distance > self.reach || open <= best_gain {
+                let open = removed - added + self.walk.link_at(node3);
+                if open <= best_gain || node3 == node1 || node3 == node2 {
                     continue;
                 }
-                let t4 = t3.across();
-                let node4 = self.walk.node(t4);
+                let t3 = self.walk.end_of(node3);
+                if t3.gap.abs_diff(t1.gap) > self.reach {
+                    continue;
+                }
+                let node4 = self.walk.across(node3);
                 if t3.right == t2.right {
-                    let mut gain = open - self.walk.link(node4, node1);
+                    let gain = open - self.walk.link(node4, node1);
                     if gain > best_gain {
-                        gain -= self.walk.surcharge(node2, node3) + self.walk.surcharge(node4, node1);
-                    }
-                    if gain > best_gain {
-                        best_gain = gain;
-                        best = Some(Exchange::Two(t1.gap.min(t3.gap), t1.gap.max(t3.gap)));
+                        let gain = gain - self.walk.surcharges([(node2, node3), (node4, node1)]);
+                        if gain > best_gain {
+                            best_gain = gain;
+                            best = Some(Exchange::Two(t1.gap.min(t3.gap), t1.gap.max(t3.gap)));
+                        }
                     }
                 }
                 if open <= best_gain || self.walk.group_of(node4) != group {
@@ -111,30 +113,31 @@ impl Search<'_> {
                     if open - near.least <= best_gain {
                         break;
                     }
-                    let left = open - self.added(node4, near);
+                    let alike = self.walk.alike(near.node);
+                    let left = open - self.added(node4, near, alike);
                     work += 1;
                     if left <= best_gain {
                         continue;
                     }
-                    for t5 in ends(&self.walk, near.node) {
-                        let left = left + self.walk.link_at(self.walk.node(t5));
+                    for node5 in (0..alike).map(|other| near.node ^ other) {
+                        let left = left + self.walk.link_at(node5);
                         work += 2;
-                        if left <= best_gain
-                            || t5.gap == t1.gap
-                            || t5.gap == t3.gap
-                            || t5.gap.abs_diff(t1.gap) > self.reach
-                        {
+                        if left <= best_gain {
                             continue;
                         }
-                        let [node5, node6] = [t5, t5.across()].map(|end| self.walk.node(end));
-                        let mut gain = left - self.walk.link(node6, node1);
-                        if gain > best_gain {
-                            gain -= self.walk.surcharge(node2, node3)
-                                + self.walk.surcharge(node4, node5)
-                                + self.walk.surcharge(node6, node1);
+                        let node6 = self.walk.across(node5);
+                        let gain = left - self.walk.link(node6, node1);
+                        if gain <= best_gain || [node1, node2, node3, node4].contains(&node5) {
+                            continue;
                         }
+                        let t5 = self.walk.end_of(node5);
+                        if t5.gap.abs_diff(t1.gap) > self.reach {
+                            continue;
+                        }
+                        let gain =
+                            gain - self.walk.surcharges([(node2, node3), (node4, node5), (node6, node1)]);
                         if gain > best_gain
-                            && let Some(three) = three([t1, t2, t3, t4, t5, t5.across()])
+                            && let Some(three) = three([t1, t2, t3, t3.across(), t5, t5.across()])
                         {
                             best_gain = gain;
                             best = Some(three);
@@ -147,12 +150,12 @@ impl Search<'_> {
         best
     }
 
-    /// Cost of the link from a node to one in its list.
-    #[inline]
-    fn added(&self, node: u32, near: Near) -> f64 {
+    /// Cost of the link from a node to one in its list, of so many alike.
+    #[inline(always)]
+    fn added(&self, node: u32, near: Near, alike: u32) -> f64 {
         // Where a loop is entered may be farther away than its nearest sample, and between islands it may cost more. Times
         // step where a travel is retracted: there rounding must be the same everywhere, or there is no end of gains.
-        let exact = *self.walk.cost() == Cost::Length && !self.walk.is_loop(near.node / 2);
+        let exact = matches!(self.walk.cost(), Cost::Length) && alike == 1;
         if exact { near.least } else { self.walk.link(node, near.node) }
     }
 

@@ -102,38 +102,42 @@ impl Grid {
         (x.div_euclid(self.cell), y.div_euclid(self.cell))
     }
 
-    /// The `k` nodes nearest to a point, nearest first, into `found`; each loop once, `except` (an item) not at all.
-    /// Ties go to the lowest node.
-    pub fn nearest(&self, p: Point, except: u32, k: usize, found: &mut Vec<Found>) {
-        found.clear();
-        self.search(p, &mut |site, distance2, worst| {
-            let entry = (distance2, site.node, site.entry);
-            if site.node / 2 == except || (found.len() == k && entry >= found[k - 1]) {
+    /// The nodes nearest to a point, nearest first; each loop once, `except` (an item) not at all. Squared distances compare in
+    /// single precision.
+    pub fn nearest<const K: usize>(&self, p: Point, except: u32) -> impl Iterator<Item = Found> {
+        // Squared distance and site in one number, in the order of the distances: those of positive floats are those of their
+        // bits. A new one goes in by exchanges without a jump: which of two is less is as good as random.
+        let mut found = [u64::MAX; K];
+        let site = |key: u64| self.sites.get(key as u32 as usize);
+        self.search(p, &mut |index, new_site, distance2, worst| {
+            if new_site.node / 2 == except {
                 return worst;
             }
+            let mut new = u64::from(distance2.to_bits()) << 32 | index as u64;
             // A loop has several sites of one node.
-            let known =
-                if site.is_loop { found.iter().position(|&(_, node, _)| node == site.node) } else { None };
-            let mut at = known.unwrap_or(found.len().min(k - 1));
-            match found.get(at) {
-                Some(other) if known.is_some() && *other <= entry => return worst,
-                Some(_) => {}
-                None => found.push(entry),
+            let is_same = |&key: &u64| site(key).is_some_and(|site| site.node == new_site.node);
+            if new_site.is_loop
+                && let Some(at) = found.iter().position(is_same)
+            {
+                if found[at] <= new {
+                    return worst;
+                }
+                found.copy_within(at + 1.., at);
+                found[K - 1] = u64::MAX;
             }
-            while at > 0 && entry < found[at - 1] {
-                found[at] = found[at - 1];
-                at -= 1;
+            for other in &mut found {
+                (*other, new) = ((*other).min(new), (*other).max(new));
             }
-            found[at] = entry;
-            if found.len() == k { found[k - 1].0 } else { i64::MAX }
+            if found[K - 1] == u64::MAX { worst } else { f32::from_bits((found[K - 1] >> 32) as u32) }
         });
+        found.into_iter().map_while(site).map(move |site| (site.point.distance2(p), site.node, site.entry))
     }
 
     /// The nearest site whose node and entry are wanted. Ties go to the lowest node.
     pub fn nearest_wanted(&self, p: Point, wanted: impl Fn(u32, u32) -> bool) -> Option<Found> {
         let mut best: Option<Found> = None;
-        self.search(p, &mut |site, distance2, worst| {
-            let entry = (distance2, site.node, site.entry);
+        self.search(p, &mut |_, site, distance2, worst| {
+            let entry = (site.point.distance2(p), site.node, site.entry);
             if best.is_some_and(|best| best <= entry) || !wanted(site.node, site.entry) {
                 return worst;
             }
@@ -145,32 +149,44 @@ impl Grid {
 
     /// Shows sites to `visit`, cells in growing rings around a point: those not farther than the worst that is still of interest,
     /// which `visit` gets and returns as it is from then on.
-    fn search(&self, p: Point, visit: &mut impl FnMut(&Site, i64, i64) -> i64) {
+    fn search(&self, p: Point, visit: &mut impl FnMut(usize, &Site, f32, f32) -> f32) {
         let (column, row) = self.cell_of(p);
         // Rings of cells from where they first meet the grid to where they have left it on all sides.
         let outside = |at: i64, cells: i64| (-at).max(at - (cells - 1)).max(0);
         let nearest = outside(column, self.columns).max(outside(row, self.rows));
         let farthest = column.max(self.columns - 1 - column).max(row).max(self.rows - 1 - row);
-        let mut worst = i64::MAX;
-        for ring in nearest..=farthest {
-            let (left, right) = (column - ring, column + ring);
-            let (from, to) = (left.max(0), right.min(self.columns - 1));
-            for at in (row - ring).max(0)..=(row + ring).min(self.rows - 1) {
-                if at == row - ring || at == row + ring {
+        let columns = |ring: i64| ((column - ring).max(0), (column + ring).min(self.columns - 1));
+        let rows = |ring: i64| (row - ring).max(0)..=(row + ring).min(self.rows - 1);
+        // Nearly always more than the point's own cell is of interest: the cells around it are looked at with it.
+        let first = nearest.max(1);
+        let (from, to) = columns(first);
+        let mut worst = f32::INFINITY;
+        for at in rows(first) {
+            worst = self.scan(at, from, to, p, worst, visit);
+        }
+        // How far the sides of the point's own cell are.
+        let west = i64::from(p.x) - i64::from(self.origin.x) - column * self.cell;
+        let south = i64::from(p.y) - i64::from(self.origin.y) - row * self.cell;
+        let [east, north] = [west, south].map(|side| self.cell - side);
+        let closest = west.min(east).min(south).min(north);
+        for ring in first + 1..=farthest {
+            let inside = (ring - 1) * self.cell;
+            let is_near = |side: i64, worst: f32| ((inside + side) as f32).powi(2) <= worst;
+            if !is_near(closest, worst) {
+                return;
+            }
+            let (from, to) = columns(ring);
+            for (at, side) in [(row - ring, south), (row + ring, north)] {
+                if is_near(side, worst) && (0..self.rows).contains(&at) {
                     worst = self.scan(at, from, to, p, worst, visit);
-                    continue;
-                }
-                if left >= 0 {
-                    worst = self.scan(at, left, left, p, worst, visit);
-                }
-                if right < self.columns {
-                    worst = self.scan(at, right, right, p, worst, visit);
                 }
             }
-            // Whatever is farther out is at least `ring` whole cells away.
-            let reach = ring * self.cell;
-            if worst <= reach.saturating_mul(reach) {
-                return;
+            for (at, side) in [(column - ring, west), (column + ring, east)] {
+                if is_near(side, worst) && (0..self.columns).contains(&at) {
+                    for row in rows(ring - 1) {
+                        worst = self.scan(row, at, at, p, worst, visit);
+                    }
+                }
             }
         }
     }
@@ -183,16 +199,16 @@ impl Grid {
         from: i64,
         to: i64,
         p: Point,
-        mut worst: i64,
-        visit: &mut impl FnMut(&Site, i64, i64) -> i64,
-    ) -> i64 {
+        mut worst: f32,
+        visit: &mut impl FnMut(usize, &Site, f32, f32) -> f32,
+    ) -> f32 {
         let base = row * self.columns;
         let sites =
             self.first[(base + from) as usize] as usize..self.first[(base + to) as usize + 1] as usize;
-        for site in &self.sites[sites] {
-            let distance2 = site.point.distance2(p);
+        for (index, site) in (sites.start..).zip(&self.sites[sites]) {
+            let distance2 = site.point.distance2(p) as f32;
             if distance2 <= worst {
-                worst = visit(site, distance2, worst);
+                worst = visit(index, site, distance2, worst);
             }
         }
         worst
@@ -212,21 +228,20 @@ mod tests {
         fn the_grid_finds_what_looking_at_all_finds(
             ends in prop::collection::vec((-50..50i32, -9..9i32, -50..50i32, -9..9i32), 1..60),
             (x, y) in (-99..99i32, -99..99i32),
-            k in 1..9usize,
         ) {
             let shape = |&(a, b, c, d): &_| Shape::Open([Point::new(a, b), Point::new(c, d)]);
             let items: Vec<_> = ends.iter().map(|ends| Item { run: 0, shape: shape(ends) }).collect();
             let all: Vec<u32> = (0..items.len() as u32).collect();
             let problem = Problem { items, runs: Vec::new(), scope: Scope::Layer, start: None, end: None };
-            let mut found = Vec::new();
             let p = Point::new(x, y);
-            Grid::new(&problem, &all).nearest(p, 3, k, &mut found);
+            let grid = Grid::new(&problem, &all);
+            let found: Vec<i64> = grid.nearest::<5>(p, 3).map(|(distance2, ..)| distance2).collect();
             let nodes = (0..2 * all.len() as u32).filter(|node| node / 2 != 3);
-            let mut expected: Vec<Found> = nodes
-                .map(|node| (problem.items[node as usize / 2].ends(node % 2).0.distance2(p), node, node % 2))
+            let mut expected: Vec<i64> = nodes
+                .map(|node| problem.items[node as usize / 2].ends(node % 2).0.distance2(p))
                 .collect();
             expected.sort_unstable();
-            expected.truncate(k);
+            expected.truncate(5);
             prop_assert_eq!(found, expected);
         }
     }

@@ -29,6 +29,7 @@ fn steps_per_path(effort: Effort, scope: Scope) -> u64 {
     match (effort, scope) {
         (Effort::Fast, Scope::Layer) => 0,
         (Effort::Fast, _) => 50,
+        (Effort::Normal, Scope::Layer) => 1_800,
         (Effort::Normal, _) => 1_000,
         (Effort::High, Scope::Layer) => 60_000,
         (Effort::High, _) => 20_000,
@@ -56,25 +57,18 @@ pub struct Optimized;
 
 impl Strategy for Optimized {
     fn solve(&self, problem: &Problem, cost: &Cost, effort: Effort) -> Sequence {
-        let nearest = Nearest.solve(problem, cost, effort);
-        if nearest.is_empty() {
-            return nearest;
-        }
-        let groups = Groups::new(problem);
-        let mut search = Search::new(problem, &groups, *cost, None);
-        let mut random = Random::new(problem.items.len() as u64);
-        let mut fragments = Fragments::new(problem);
-        let (mut first, mut stages) = (0, 0);
-        for places in groups.place.chunk_by(|a, b| a.stage == b.stage) {
-            search.append_stage(first..first + places.len(), &mut fragments);
-            (first, stages) = (first + places.len(), stages + 1);
-        }
-        search.end();
-        let count = problem.items.len();
-        let steps = count as u64 * steps_per_path(effort, problem.scope);
-        search.iterate(1..count as u32 + 1, &mut random, steps.max(stages * least_steps(effort)));
-        let found = search.sequence();
-        if evaluate(problem, &found, cost) <= evaluate(problem, &nearest, cost) { found } else { nearest }
+        improved(problem, cost, effort, |search, groups| {
+            let mut fragments = Fragments::new(problem);
+            let mut first = 0;
+            for places in groups.place.chunk_by(|a, b| a.stage == b.stage) {
+                search.append_stage(first..first + places.len(), &mut fragments);
+                first += places.len();
+            }
+        })
+    }
+
+    fn resume(&self, problem: &Problem, cost: &Cost, effort: Effort, sequence: Sequence) -> Sequence {
+        improved(problem, cost, effort, |search, _| search.take_up(&sequence))
     }
 
     fn looks_ahead(&self) -> bool {
@@ -84,4 +78,27 @@ impl Strategy for Optimized {
     fn refine(&self, problem: &Problem, effort: Effort, detours: &Detours, sequence: Sequence) -> Sequence {
         refine::refine(problem, effort, detours, sequence)
     }
+}
+
+/// Lets a search begin somehow, descends from there, and kicks.
+fn improved(
+    problem: &Problem,
+    cost: &Cost,
+    effort: Effort,
+    begin: impl FnOnce(&mut Search, &Groups),
+) -> Sequence {
+    let nearest = Nearest.solve(problem, cost, effort);
+    if nearest.is_empty() {
+        return nearest;
+    }
+    let groups = Groups::new(problem);
+    let mut search = Search::new(problem, &groups, *cost, None);
+    begin(&mut search, &groups);
+    search.end();
+    let count = problem.items.len() as u64;
+    let stages = groups.place.chunk_by(|a, b| a.stage == b.stage).count() as u64;
+    let steps = (count * steps_per_path(effort, problem.scope)).max(stages * least_steps(effort));
+    search.iterate(1..count as u32 + 1, &mut Random::new(count), steps);
+    let found = search.sequence();
+    if evaluate(problem, &found, cost) <= evaluate(problem, &nearest, cost) { found } else { nearest }
 }

@@ -40,7 +40,6 @@ pub struct Neighbours {
     others: FxHashMap<(u32, u32), u32>,
     /// The lists; the first is that of the last place that is no entry of the group.
     lists: Vec<List>,
-    found: Vec<Found>,
 }
 
 impl Neighbours {
@@ -66,7 +65,6 @@ impl Neighbours {
                 lists.push(EMPTY);
                 lists
             },
-            found: Vec::with_capacity(NEAR + 1),
         }
     }
 
@@ -112,10 +110,10 @@ impl Neighbours {
         self.lists[list][at]
     }
 
-    fn find(&mut self, group: u32, point: Point, except: u32) -> List {
+    fn find(&self, group: u32, point: Point, except: u32) -> List {
         let mut list = EMPTY;
-        self.grids[group as usize].nearest(point, except, NEAR, &mut self.found);
-        for (near, &(distance2, node, entry)) in list.iter_mut().zip(&self.found) {
+        let found = self.grids[group as usize].nearest::<NEAR>(point, except);
+        for (near, (distance2, node, entry)) in list.iter_mut().zip(found) {
             let least = self.cost.least((distance2 as f64).sqrt() * to_mm(1));
             *near = Near { node, entry, least };
         }

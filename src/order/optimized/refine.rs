@@ -18,7 +18,8 @@ const ROUNDS: u64 = 8;
 pub(super) fn refine(problem: &Problem, effort: Effort, detours: &Detours, sequence: Sequence) -> Sequence {
     let groups = Groups::new(problem);
     let mut search = Search::new(problem, &groups, detours.minimised(), Some(detours));
-    search.resume(&sequence);
+    search.take_up(&sequence);
+    search.finish(|walk, gap| walk.is_dear(gap));
     let mut random = Random::new(problem.items.len() as u64);
     let steps = steps_per_path(effort, problem.scope);
     // No steps, no rounds.
@@ -33,12 +34,6 @@ pub(super) fn refine(problem: &Problem, effort: Effort, detours: &Detours, seque
 }
 
 impl Search<'_> {
-    /// Takes up a solution, and improves what is dearer than it looks.
-    fn resume(&mut self, sequence: &Sequence) {
-        self.walk.append(sequence);
-        self.finish(|walk, gap| walk.is_dear(gap));
-    }
-
     /// Items before and after which a link is dearer than it looks.
     fn dear(&self) -> Vec<u32> {
         (1..=self.walk.len())

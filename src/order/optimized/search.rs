@@ -89,6 +89,11 @@ impl<'a> Search<'a> {
         self.walk.commit();
     }
 
+    /// Goes on through all items as a solution does.
+    pub fn take_up(&mut self, sequence: &Sequence) {
+        self.walk.append(sequence);
+    }
+
     /// Lets the walk go on to where it must end, and improves what joins the stages.
     pub fn end(&mut self) {
         self.finish(|walk, gap| gap > walk.len() || walk.group_at(gap - 1) != walk.group_at(gap));

@@ -22,10 +22,7 @@ pub struct Walk<'a> {
     /// The node at which the item at each position is entered; it is left at the other node, `^ 1`.
     entered: Vec<u32>,
     position: Vec<u32>,
-    /// Place of each node, millimetres; not a number: anywhere, so that links to it cost nothing.
-    place: Vec<[f64; 2]>,
-    /// Cost of the link at each node.
-    link: Vec<f64>,
+    nodes: Vec<Node>,
     /// Which items are loops.
     looped: Vec<bool>,
     /// Vertices of all loops, and those of each item: `vertices[first_vertex[i]..first_vertex[i + 1]]`.
@@ -33,7 +30,6 @@ pub struct Walk<'a> {
     first_vertex: Vec<u32>,
     /// Where each loop is entered.
     entry: Vec<u32>,
-    group: Vec<u32>,
     /// Island of each item.
     island: Vec<u32>,
     /// First position and length of each group.
@@ -44,6 +40,19 @@ pub struct Walk<'a> {
     committed: f64,
     /// Elementary steps so far: link costs looked at and array cells written (in eighths).
     pub work: u64,
+}
+
+/// What the search asks of a node, side by side.
+#[derive(Clone, Copy, Debug)]
+struct Node {
+    /// Where it is, millimetres; not a number: anywhere, so that links to it cost nothing.
+    place: [f64; 2],
+    /// Cost of its link.
+    link: f64,
+    /// The node that it is linked to.
+    across: u32,
+    /// Group of its item; [`NONE`] for sentinels.
+    group: u32,
 }
 
 #[derive(Clone, Copy, Debug)]
@@ -97,8 +106,8 @@ impl<'a> Walk<'a> {
         }
         first_vertex.extend([all_vertices.len() as u32; 3]);
         places.extend([place(problem.start), place(problem.start), ANYWHERE, ANYWHERE]);
-        let mut group = groups.of.clone();
-        group.extend([NONE, NONE]);
+        let group = groups.of.iter().copied().chain([NONE, NONE]).flat_map(|group| [group, group]);
+        let node = |(place, group)| Node { place, link: 0.0, across: 0, group };
         let mut island: Vec<u32> =
             problem.items.iter().map(|item| problem.runs[item.run as usize].island).collect();
         island.extend([NO_ISLAND, NO_ISLAND - 1]);
@@ -107,13 +116,11 @@ impl<'a> Walk<'a> {
             detours,
             entered: vec![2 * n as u32, 2 * n as u32 + 2],
             position: vec![0; n + 2],
-            place: places,
-            link: vec![0.0; 2 * n + 4],
+            nodes: places.into_iter().zip(group).map(node).collect(),
             looped: first_vertex.windows(2).map(|w| w[0] < w[1]).collect(),
             vertices: all_vertices,
             first_vertex,
             entry: vec![0; n],
-            group,
             island,
             span: groups.items.iter().map(|items| (0, items.len() as u32)).collect(),
             journal: Vec::new(),
@@ -146,7 +153,7 @@ impl<'a> Walk<'a> {
     /// Goes on to a place at the end.
     pub fn end_at(&mut self, end: Option<Point>) {
         let node = self.entered[self.entered.len() - 1] as usize;
-        self.place[node..node + 2].fill(place(end));
+        self.nodes[node..node + 2].iter_mut().for_each(|node| node.place = place(end));
         self.total += self.relink(self.len() + 1);
         self.commit();
     }
@@ -174,6 +181,12 @@ impl<'a> Walk<'a> {
     #[inline]
     pub fn is_loop(&self, item: u32) -> bool {
         self.looped[item as usize]
+    }
+
+    /// How many nodes a listed one stands for: both of a loop, or one.
+    #[inline]
+    pub fn alike(&self, node: u32) -> u32 {
+        1 + u32::from(self.is_loop(node / 2))
     }
 
     /// Where a loop may be entered, millimetres; nothing for open paths and sentinels.
@@ -214,13 +227,13 @@ impl<'a> Walk<'a> {
     /// Group of the item at a position; [`NONE`] for sentinels.
     #[inline]
     pub fn group_at(&self, position: u32) -> u32 {
-        self.group[self.item_at(position) as usize]
+        self.group_of(self.entered[position as usize])
     }
 
     /// Group of the item that a node belongs to; [`NONE`] for sentinels.
     #[inline]
     pub fn group_of(&self, node: u32) -> u32 {
-        self.group[node as usize / 2]
+        self.nodes[node as usize].group
     }
 
     /// Positions of a group's items, the last one excluded; also its first and last gap.
@@ -234,6 +247,12 @@ impl<'a> Walk<'a> {
     #[inline]
     pub fn node(&self, end: End) -> u32 {
         if end.right { self.entered[end.gap as usize] } else { self.entered[end.gap as usize - 1] ^ 1 }
+    }
+
+    /// The node on the other side of a node's gap.
+    #[inline]
+    pub fn across(&self, node: u32) -> u32 {
+        self.nodes[node as usize].across
     }
 
     /// The gap of an open path's node.
@@ -261,19 +280,19 @@ impl<'a> Walk<'a> {
     /// Place of a node, millimetres.
     #[inline]
     pub fn place(&self, node: u32) -> [f64; 2] {
-        self.place[node as usize]
+        self.nodes[node as usize].place
     }
 
     /// Cost of the link between two nodes if it went straight.
     #[inline]
     pub fn link(&self, a: u32, b: u32) -> f64 {
-        self.between([a, b].map(|node| self.place[node as usize]), [a / 2, b / 2])
+        self.between([a, b].map(|node| self.place(node)), [a / 2, b / 2])
     }
 
     /// Cost of the link between a node and a vertex of a loop if it went straight.
     #[inline]
     pub fn link_to(&self, node: u32, item: u32, vertex: [f64; 2]) -> f64 {
-        self.between([self.place[node as usize], vertex], [node / 2, item])
+        self.between([self.place(node), vertex], [node / 2, item])
     }
 
     /// By how much the link between two nodes is dearer than a straight one. Finding out takes long; a move that straight
@@ -281,6 +300,15 @@ impl<'a> Walk<'a> {
     #[inline]
     pub fn surcharge(&self, a: u32, b: u32) -> f64 {
         self.beyond_straight([a, b].map(|node| self.place(node)), [a / 2, b / 2])
+    }
+
+    /// By how much links between nodes are dearer than straight ones, together.
+    #[inline]
+    pub fn surcharges<const N: usize>(&self, links: [(u32, u32); N]) -> f64 {
+        if self.detours.is_none() {
+            return 0.0;
+        }
+        links.into_iter().map(|(a, b)| self.surcharge(a, b)).sum()
     }
 
     /// By how much the link between a node and a vertex of a loop is dearer than a straight one.
@@ -360,7 +388,7 @@ impl<'a> Walk<'a> {
     /// Cost of the link at a node.
     #[inline]
     pub fn link_at(&self, node: u32) -> f64 {
-        self.link[node as usize]
+        self.nodes[node as usize].link
     }
 
     /// Cost of the link over a gap.
@@ -373,7 +401,10 @@ impl<'a> Walk<'a> {
     fn relink(&mut self, gap: u32) -> f64 {
         let (left, right) = (self.node(End { gap, right: false }), self.node(End { gap, right: true }));
         let cost = self.link(left, right) + self.surcharge(left, right);
-        (self.link[left as usize], self.link[right as usize]) = (cost, cost);
+        for (node, across) in [(left, right), (right, left)] {
+            let node = &mut self.nodes[node as usize];
+            (node.link, node.across) = (cost, across);
+        }
         cost
     }
 
@@ -438,8 +469,8 @@ impl<'a> Walk<'a> {
 
     fn put(&mut self, item: u32) {
         let at = self.vertices(item).map_or(ANYWHERE, |v| v[self.entry[item as usize] as usize]);
-        self.place[2 * item as usize] = at;
-        self.place[2 * item as usize + 1] = at;
+        self.nodes[2 * item as usize].place = at;
+        self.nodes[2 * item as usize + 1].place = at;
     }
 
     fn flip(&mut self, from: u32, to: u32) {
@@ -459,7 +490,7 @@ impl<'a> Walk<'a> {
     fn find_spans(&mut self, from: u32, to: u32) {
         let mut at = from;
         while at <= to {
-            let span = &mut self.span[self.group[self.entered[at as usize] as usize / 2] as usize];
+            let span = &mut self.span[self.nodes[self.entered[at as usize] as usize].group as usize];
             span.0 = at;
             at += span.1;
         }
