@@ -337,19 +337,35 @@ fn an_optimized_layer_ends_where_the_next_one_is() {
 #[test]
 fn a_join_is_never_dearer_once_both_its_ends_are_known() {
     let layers = tower();
-    let free = pins(SeamPosition::Free, &layers);
-    let chain = chain(SeamPosition::Free, OrderSettings::default());
-    let sequences = chain.solve_chunk(&layers, &free, None);
-    let end = ends_on_path(&layers[2], sequences[2][0]).0;
-    for start in [Point::from_mm(60., 40.), Point::from_mm(-9., 3.), Point::from_mm(25., 5.)] {
-        let next = Some((&layers[2], sequences[2].as_slice()));
-        let joined = chain.resolve_join(&layers[..2], &free[..2], sequences[..2].to_vec(), next, Some(start));
-        let cost = |sequences: &[Vec<Visit>]| {
-            let middle = ends_on_path(&layers[1], sequences[1][0]).0;
-            links_mm(&layers[0], &sequences[0], Some(start), Some(middle))
-                + links_mm(&layers[1], &sequences[1], None, Some(end))
-        };
-        assert!(cost(&joined) <= cost(&sequences) + 1e-9, "from {start:?}");
+    for seam in [SeamPosition::Free, SeamPosition::Rear] {
+        let pins = pins(seam, &layers);
+        let chain = chain(seam, OrderSettings::default());
+        let sequences = chain.solve_chunk(&layers, &pins, None);
+        let end = ends_on_path(&layers[2], sequences[2][0]).0;
+        for start in [Point::from_mm(60., 40.), Point::from_mm(-9., 3.), Point::from_mm(25., 5.)] {
+            let next = Some((&layers[2], sequences[2].as_slice()));
+            let joined =
+                chain.resolve_join(&layers[..2], &pins[..2], sequences[..2].to_vec(), next, Some(start));
+            let cost = |sequences: &[Vec<Visit>]| {
+                let middle = ends_on_path(&layers[1], sequences[1][0]).0;
+                links_mm(&layers[0], &sequences[0], Some(start), Some(middle))
+                    + links_mm(&layers[1], &sequences[1], None, Some(end))
+            };
+            assert!(cost(&joined) <= cost(&sequences) + 1e-9, "{seam:?} from {start:?}");
+        }
+    }
+}
+
+#[test]
+fn a_join_keeps_its_seams() {
+    let layers = tower();
+    let pins = pins(SeamPosition::Rear, &layers);
+    let chain = chain(SeamPosition::Rear, OrderSettings::default());
+    let sequences = chain.solve_chunk(&layers, &pins, None);
+    let joined = chain.resolve_join(&layers, &pins, sequences, None, Some(Point::from_mm(60., 40.)));
+    for (sequence, pins) in joined.iter().zip(pins.iter().flatten()) {
+        let mut loops = sequence.iter().filter(|visit| visit.item != 4);
+        assert!(loops.all(|visit| visit.entry == pins[visit.item as usize] && visit.entry > 0));
     }
 }
 
