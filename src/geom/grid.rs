@@ -1,5 +1,7 @@
 //! A uniform grid over the edges of a region, for "which edges are near this segment".
 
+use std::ops::Range;
+
 use super::{Bounds, Point, Region, UNITS_PER_MM, to_segment_mm};
 
 /// How far beyond a segment its cells reach, in grid units: more than any rounding of its ends.
@@ -67,7 +69,7 @@ impl EdgeGrid {
     fn fill(&mut self) {
         let mut starts = vec![0_u32; (self.columns * self.rows) as usize + 1];
         for edge in &self.edges {
-            self.cells_along(edge.a, edge.b, |cell| starts[cell + 1] += 1);
+            self.spans_along(edge.a, edge.b).flatten().for_each(|cell| starts[cell + 1] += 1);
         }
         for cell in 1..starts.len() {
             starts[cell] += starts[cell - 1];
@@ -75,7 +77,7 @@ impl EdgeGrid {
         let mut next = starts.clone();
         let mut items = vec![0; *starts.last().unwrap_or(&0) as usize];
         for (i, edge) in self.edges.iter().enumerate() {
-            self.cells_along(edge.a, edge.b, |cell| {
+            self.spans_along(edge.a, edge.b).flatten().for_each(|cell| {
                 items[next[cell] as usize] = i as u32;
                 next[cell] += 1;
             });
@@ -97,12 +99,14 @@ impl EdgeGrid {
     /// pass within one unit of it, and some more. They replace the contents of `found`.
     pub fn near_segment(&self, a: Point, b: Point, found: &mut Vec<u32>) {
         found.clear();
-        self.cells_along(a, b, |cell| {
-            let range = self.starts[cell] as usize..self.starts[cell + 1] as usize;
-            found.extend_from_slice(&self.items[range]);
-        });
+        self.spans_along(a, b).for_each(|span| found.extend_from_slice(self.items_in(span)));
         found.sort_unstable();
         found.dedup();
+    }
+
+    /// Edges that share a cell with the segment, as [`Self::near_segment`] finds them, but in no order, and some several times.
+    pub fn edges_along(&self, a: Point, b: Point) -> impl Iterator<Item = &Edge> {
+        self.spans_along(a, b).flat_map(|span| self.items_in(span)).map(|&i| &self.edges[i as usize])
     }
 
     /// Indices, ascending and without repetition, of edges that share a cell with the box: all that come into it,
@@ -132,9 +136,13 @@ impl EdgeGrid {
         // The cells of a row lie side by side, and so do their items.
         rows.flat_map(move |row| {
             let at = |column: i64| (row * self.columns + column) as usize;
-            let range = self.starts[at(left)] as usize..self.starts[at(right) + 1] as usize;
-            self.items[range].iter().copied()
+            self.items_in(at(left)..at(right) + 1).iter().copied()
         })
+    }
+
+    /// The items of cells side by side.
+    fn items_in(&self, cells: Range<usize>) -> &[u32] {
+        &self.items[self.starts[cells.start] as usize..self.starts[cells.end] as usize]
     }
 
     /// Distance from a point to the nearest edge, in millimetres; more than `reach_mm` where that is more.
@@ -168,30 +176,30 @@ impl EdgeGrid {
         inside
     }
 
-    /// Calls for every cell within [`SLACK`] of the segment, row by row.
-    fn cells_along(&self, a: Point, b: Point, mut visit: impl FnMut(usize)) {
+    /// All cells within [`SLACK`] of the segment: of every row those side by side.
+    fn spans_along(&self, a: Point, b: Point) -> impl Iterator<Item = Range<usize>> + use<> {
         let (a, b) = if a.y <= b.y { (a, b) } else { (b, a) };
         let (min_x, min_y) = (i64::from(self.bounds.min.x), i64::from(self.bounds.min.y));
         let (ax, ay) = (i64::from(a.x) - min_x, i64::from(a.y) - min_y);
         let (bx, by) = (i64::from(b.x) - min_x, i64::from(b.y) - min_y);
         let slope = if by > ay { (bx - ax) as f64 / (by - ay) as f64 } else { 0.0 };
-        let at = |y: i64| match y {
+        let at = move |y: i64| match y {
             y if y <= ay => ax,
             y if y >= by => bx,
             y => ax + (slope * (y - ay) as f64) as i64,
         };
-        let first_row = (ay - SLACK).div_euclid(self.cell).max(0);
-        let last_row = (by + SLACK).div_euclid(self.cell).min(self.rows - 1);
-        for row in first_row..=last_row {
-            let (low, high) = (row * self.cell - SLACK, (row + 1) * self.cell + SLACK);
+        let (cell, columns) = (self.cell, self.columns);
+        let first_row = (ay - SLACK).div_euclid(cell).max(0);
+        let last_row = (by + SLACK).div_euclid(cell).min(self.rows - 1);
+        (first_row..=last_row).filter_map(move |row| {
+            let (low, high) = (row * cell - SLACK, (row + 1) * cell + SLACK);
             // A level segment is in one row at all its abscissae.
             let (enter, leave) = if low <= ay && by <= high { (ax, bx) } else { (at(low), at(high)) };
-            let from = (enter.min(leave) - SLACK).div_euclid(self.cell).max(0);
-            let to = (enter.max(leave) + SLACK).div_euclid(self.cell).min(self.columns - 1);
-            for column in from..=to {
-                visit((row * self.columns + column) as usize);
-            }
-        }
+            let from = (enter.min(leave) - SLACK).div_euclid(cell).max(0);
+            let to = (enter.max(leave) + SLACK).div_euclid(cell).min(columns - 1);
+            let index = |column: i64| (row * columns + column) as usize;
+            (from <= to).then(|| index(from)..index(to) + 1)
+        })
     }
 }
 

@@ -6,8 +6,10 @@
 
 use std::cell::{OnceCell, RefCell};
 
-use super::{Boundary, BoundaryPos, EdgeGrid, Point, Polygon, Region};
-use super::{distance_mm, offset, polyline_length_mm, simplify};
+use rustc_hash::FxHashMap;
+
+use super::{Boundary, BoundaryPos, Bounds, Edge, EdgeGrid, Point, Polygon, Region};
+use super::{distance_mm, offset, polyline_length_mm, simplify, to_units};
 
 /// How near to the outline a travel may pass, as a share of the outermost wall's width: near enough to begin and end
 /// on any bead, and so far inside that no bead is dragged over the edge.
@@ -42,8 +44,16 @@ pub struct Router<'a> {
     max_detour_mm: f64,
     edge: OnceCell<EdgeGrid>,
     lanes: OnceCell<Lanes>,
-    /// Buffer of [`Self::clear`].
-    near: RefCell<Vec<u32>>,
+    /// What is known of places where travels begin and end.
+    places: RefCell<FxHashMap<Point, Place>>,
+}
+
+/// What a router knows of a place.
+#[derive(Clone, Copy, Debug, Default)]
+struct Place {
+    /// Whether travels may go there at all.
+    inside: Option<bool>,
+    access: Option<Option<Access>>,
 }
 
 /// The boundary that detours follow.
@@ -66,6 +76,7 @@ struct Meeting {
 }
 
 /// Where a travel begins or ends, as seen from the lanes.
+#[derive(Clone, Copy, Debug)]
 struct Access {
     point: Point,
     polygon: usize,
@@ -83,7 +94,7 @@ impl<'a> Router<'a> {
             max_detour_mm,
             edge: OnceCell::new(),
             lanes: OnceCell::new(),
-            near: RefCell::default(),
+            places: RefCell::default(),
         }
     }
 
@@ -96,8 +107,7 @@ impl<'a> Router<'a> {
             return Way::Inside(Vec::new(), straight_mm);
         }
         if self.clear(a, b) {
-            let inside = self.edge().contains(a);
-            return if inside { Way::Inside(Vec::new(), straight_mm) } else { Way::Across };
+            return if self.inside(a) { Way::Inside(Vec::new(), straight_mm) } else { Way::Across };
         }
         if self.max_detour_mm <= 0.0 {
             return Way::Across;
@@ -137,12 +147,15 @@ impl<'a> Router<'a> {
         })
     }
 
+    /// Whether a place is inside of the part, and not too near to its edge.
+    fn inside(&self, p: Point) -> bool {
+        let mut places = self.places.borrow_mut();
+        *places.entry(p).or_default().inside.get_or_insert_with(|| self.edge().contains(p))
+    }
+
     /// Whether the straight line meets no edge.
     fn clear(&self, a: Point, b: Point) -> bool {
-        let edge = self.edge();
-        let mut near = self.near.borrow_mut();
-        edge.near_segment(a, b, &mut near);
-        near.iter().map(|&i| edge.edges()[i as usize]).all(|e| !meet([a, b], [e.a, e.b]))
+        self.edge().edges_along(a, b).all(|e| !meet([a, b], [e.a, e.b]))
     }
 
     /// Leaves out points of a way where the straight line between others is clear: from each, the last that a
@@ -197,21 +210,28 @@ impl<'a> Router<'a> {
 
     /// Where a place has access to the lanes: itself if it is on one, else the nearest place on a boundary.
     fn access(&self, p: Point) -> Option<Access> {
+        let mut places = self.places.borrow_mut();
+        *places.entry(p).or_default().access.get_or_insert_with(|| self.find_access(p))
+    }
+
+    fn find_access(&self, p: Point) -> Option<Access> {
         let lanes = self.lanes();
         if lanes.grid.contains(p) {
             let inside = |polygon: &Polygon| polygon.rings().fold(false, |odd, ring| odd ^ winds(ring, p));
             let polygon = lanes.region.polygons.iter().position(inside)?;
             return Some(Access { point: p, polygon, on: None });
         }
-        let nearest = |index: usize| {
-            let edge = &lanes.grid.edges()[index];
+        let reach = to_units(ATTACH * self.width_mm);
+        let around = Bounds { min: p, max: p }.grown(reach);
+        let place_on = |edge: &Edge| {
             let (d, along) = (edge.b - edge.a, p - edge.a);
             let t = (along.dot(d) as f64 / (d.dot(d) as f64).max(1.0)).clamp(0.0, 1.0);
             let point = edge.a + scaled(d, t);
-            (point.distance2(p), index, point)
+            (point.distance2(p), edge.ring, edge.index, point)
         };
-        let (_, index, point) = (0..lanes.grid.edges().len()).map(nearest).min()?;
-        let edge = &lanes.grid.edges()[index];
+        let nearest = |edge| (place_on(edge), edge);
+        let near = lanes.grid.edges_touching(around).map(nearest);
+        let ((.., point), edge) = near.min_by_key(|&(place, _)| place)?;
         if point.distance_mm(p) > ATTACH * self.width_mm || !self.clear(p, point) {
             return None;
         }

@@ -9,7 +9,7 @@ use std::slice;
 use super::layer::{LayerProblem, ends_on_path, stacked};
 use super::precedence::{Frontier, Groups};
 use super::seam::{Pins, enter_nearest};
-use super::{Cost, DetourRule, Detours, Nearest, Problem, Sequence, Shape, Strategy, Visit, strategy};
+use super::{Cost, DetourRule, Detours, Known, Nearest, Problem, Sequence, Shape, Strategy, Visit, strategy};
 use crate::geom::{Point, Router};
 use crate::profile::{OrderSettings, SeamPosition};
 use crate::toolpath::LayerPaths;
@@ -125,22 +125,17 @@ impl Chain {
         layers.iter().zip(&mut problems).map(apart).collect()
     }
 
-    /// Solves the problem of consecutive layers, anew or from what was found `before`.
+    /// Solves the problem of consecutive layers, anew or from what was found before.
     fn solve(
         &self,
         problem: &Problem,
         layers: &[LayerPaths],
         routers: &[Router],
-        before: Option<Sequence>,
+        solved: Option<Sequence>,
     ) -> Sequence {
-        let (strategy, effort) = (strategy(self.settings.strategy), self.settings.effort);
-        let solved = match before {
-            Some(before) => strategy.resume(problem, &self.cost, effort, before),
-            None => strategy.solve(problem, &self.cost, effort),
-        };
-        let Some(rule) = self.detours else { return solved };
-        let detours = Detours::new(rule, self.cost, layers, routers);
-        strategy.refine(problem, effort, &detours, solved)
+        let detours = self.detours.map(|rule| Detours::new(rule, self.cost, layers, routers));
+        let known = Known { detours: detours.as_ref(), solved };
+        strategy(self.settings.strategy).solve_knowing(problem, &self.cost, self.settings.effort, known)
     }
 
     /// How many layers of the chunk before take part where two chunks are joined.

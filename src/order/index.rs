@@ -315,9 +315,33 @@ impl<'a> Index<'a> {
         if self.nodes.get(self.root as usize).is_none_or(|root| !root.visible) {
             return;
         }
-        self.search(self.root, p, i64::MAX, &mut |block, _| {
-            insert(found, Entry { item: groups.of[block.item as usize], ..self.nearest_of(block, p) }, k)
+        self.search_groups(self.root, p, groups, k, found);
+    }
+
+    /// Looks for the nearest groups in a subtree of whole groups: each is searched for its nearest entry only.
+    fn search_groups(&self, node: u32, p: Point, groups: &Groups, k: usize, found: &mut Vec<Entry>) {
+        let bound = |found: &[Entry]| if found.len() < k { i64::MAX } else { found[k - 1].distance2 };
+        if node >= self.above {
+            for (distance2, child) in self.children(node, p) {
+                let here = &self.nodes[child as usize];
+                if here.count > 0 && here.visible && distance2 <= bound(found) {
+                    self.search_groups(child, p, groups, k, found);
+                }
+            }
+            return;
+        }
+        let mut nearest: Option<Entry> = None;
+        self.search(node, p, bound(found), &mut |block, bound| {
+            let entry = Entry { item: groups.of[block.item as usize], ..self.nearest_of(block, p) };
+            if nearest.is_none_or(|nearest| entry < nearest) {
+                nearest = Some(entry);
+            }
+            bound.min(entry.distance2)
         });
+        if let Some(entry) = nearest {
+            found.insert(found.partition_point(|other| *other < entry), entry);
+            found.truncate(k);
+        }
     }
 
     /// Shows every block of the subtree whose box is not farther than the bound to `visit`, which gets the bound and
@@ -336,17 +360,21 @@ impl<'a> Index<'a> {
             }
             return bound;
         }
-        let distance = |child: u32| (self.nodes[child as usize].bounds.distance2(p), child);
-        let (mut near, mut far) = (distance(here.from), distance(here.to));
-        if far.0 < near.0 {
-            std::mem::swap(&mut near, &mut far);
-        }
-        for (distance2, child) in [near, far] {
+        for (distance2, child) in self.children(node, p) {
             if distance2 <= bound && self.nodes[child as usize].visible {
                 bound = self.search(child, p, bound, visit);
             }
         }
         bound
+    }
+
+    /// The children of an inner node and their squared distances from a point, the nearer first.
+    #[inline]
+    fn children(&self, node: u32, p: Point) -> [(i64, u32); 2] {
+        let distance = |child: u32| (self.nodes[child as usize].bounds.distance2(p), child);
+        let here = &self.nodes[node as usize];
+        let (near, far) = (distance(here.from), distance(here.to));
+        if far.0 < near.0 { [far, near] } else { [near, far] }
     }
 
     /// The entries of a block.
@@ -369,22 +397,4 @@ impl<'a> Index<'a> {
         }
         best
     }
-}
-
-/// Keeps the best entry of each of the `k` nearest items, sorted; returns how near others must be to be among them.
-fn insert(found: &mut Vec<Entry>, entry: Entry, k: usize) -> i64 {
-    let known = found.iter().position(|known| known.item == entry.item);
-    let last = known.unwrap_or(found.len());
-    if known.is_none_or(|known| entry < found[known]) {
-        let at = found.partition_point(|other| *other < entry);
-        if known.is_none() && last < k {
-            found.push(entry);
-        }
-        let last = last.min(k - 1);
-        if at <= last {
-            found.copy_within(at..last, at + 1);
-            found[at] = entry;
-        }
-    }
-    if found.len() < k { i64::MAX } else { found[k - 1].distance2 }
 }

@@ -36,4 +36,4 @@ pub use optimized::Optimized;
 pub(crate) use parts::Parts;
 pub use problem::{Item, Problem, Run, Sequence, Shape, Visit};
 pub use seam::{Pins, SeamRule, enter_nearest};
-pub use strategy::{Strategy, strategy};
+pub use strategy::{Known, Strategy, strategy};

@@ -11,28 +11,24 @@ pub trait Strategy: Sync {
     /// and in every thread. An empty problem gives an empty sequence.
     fn solve(&self, problem: &Problem, cost: &Cost, effort: Effort) -> Sequence;
 
-    /// Solves a problem again, of which it is known only now where the nozzle comes from and where it goes to, from a solution of
-    /// its own. The default begins anew.
-    fn resume(&self, problem: &Problem, cost: &Cost, effort: Effort, _sequence: Sequence) -> Sequence {
+    /// As [`Self::solve`], with what else is known. The default makes nothing of it.
+    fn solve_knowing(&self, problem: &Problem, cost: &Cost, effort: Effort, _known: Known) -> Sequence {
         self.solve(problem, cost, effort)
-    }
-
-    /// Improves a solution of its own where travels cost more than straight lines because they lead round something.
-    /// The default leaves it as it is.
-    fn refine(
-        &self,
-        _problem: &Problem,
-        _effort: Effort,
-        _detours: &Detours,
-        sequence: Sequence,
-    ) -> Sequence {
-        sequence
     }
 
     /// Whether consecutive layers are better solved together, as the stages of one problem, than one after the other.
     fn looks_ahead(&self) -> bool {
         false
     }
+}
+
+/// What a strategy may be told beyond the problem.
+#[derive(Clone, Debug, Default)]
+pub struct Known<'a> {
+    /// What links inside of islands cost, where they lead round something; `None`: they go straight.
+    pub detours: Option<&'a Detours<'a>>,
+    /// A solution that the strategy found before it was known where the nozzle comes from and where it goes to.
+    pub solved: Option<Sequence>,
 }
 
 /// The strategy that a setting names.

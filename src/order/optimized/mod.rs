@@ -14,10 +14,8 @@ mod start;
 mod walk;
 
 use self::search::Search;
-use super::detours::Detours;
-use super::greedy::Fragments;
 use super::precedence::Groups;
-use super::{Cost, Nearest, Problem, Sequence, Strategy, evaluate};
+use super::{Cost, Known, Nearest, Problem, Sequence, Strategy, evaluate};
 use crate::profile::{Effort, Scope};
 use crate::random::Random;
 
@@ -45,6 +43,9 @@ fn least_steps(effort: Effort) -> u64 {
     }
 }
 
+/// A solution that was found before gets one step in so many: only its ends are new.
+const RESUMED: u64 = 4;
+
 /// Starts from greedy at `layer` scope, from nearest at the others; descends by 3-opt with neighbour lists, by entering loops
 /// elsewhere and moving them, and by moving whole runs and islands; then kicks and repairs it for as long as the effort allows.
 ///
@@ -57,48 +58,44 @@ pub struct Optimized;
 
 impl Strategy for Optimized {
     fn solve(&self, problem: &Problem, cost: &Cost, effort: Effort) -> Sequence {
-        improved(problem, cost, effort, |search, groups| {
-            let mut fragments = Fragments::new(problem);
-            let mut first = 0;
-            for places in groups.place.chunk_by(|a, b| a.stage == b.stage) {
-                search.append_stage(first..first + places.len(), &mut fragments);
-                first += places.len();
-            }
-        })
+        self.solve_knowing(problem, cost, effort, Known::default())
     }
 
-    fn resume(&self, problem: &Problem, cost: &Cost, effort: Effort, sequence: Sequence) -> Sequence {
-        improved(problem, cost, effort, |search, _| search.take_up(&sequence))
+    fn solve_knowing(&self, problem: &Problem, cost: &Cost, effort: Effort, known: Known) -> Sequence {
+        let Known { detours, solved } = known;
+        let groups = Groups::new(problem);
+        let count = problem.items.len() as u64;
+        let stages = groups.place.chunk_by(|a, b| a.stage == b.stage).count() as u64;
+        let steps = (count * steps_per_path(effort, problem.scope)).max(stages * least_steps(effort));
+        let kick = |search: &mut Search, steps| {
+            search.iterate(1..count as u32 + 1, &mut Random::new(count), steps);
+        };
+        let mut search = Search::new(problem, &groups, *cost);
+        if let Some(solved) = solved {
+            search.take_up(&solved);
+            // What was found with detours in mind is not to be lost to straight lines.
+            detours.inspect(|detours| search.lead_round(detours));
+            search.end();
+            kick(&mut search, steps / RESUMED);
+        } else {
+            search.begin();
+            search.end();
+            kick(&mut search, steps);
+        }
+        let nearest = Nearest.solve(problem, cost, effort);
+        if evaluate(problem, &nearest, cost) < evaluate(problem, &search.sequence(), cost) {
+            search = Search::new(problem, &groups, *cost);
+            search.take_up(&nearest);
+            search.end();
+        }
+        if let Some(detours) = detours {
+            search.lead_round(detours);
+            search.refine(steps_per_path(effort, problem.scope));
+        }
+        search.sequence()
     }
 
     fn looks_ahead(&self) -> bool {
         true
     }
-
-    fn refine(&self, problem: &Problem, effort: Effort, detours: &Detours, sequence: Sequence) -> Sequence {
-        refine::refine(problem, effort, detours, sequence)
-    }
-}
-
-/// Lets a search begin somehow, descends from there, and kicks.
-fn improved(
-    problem: &Problem,
-    cost: &Cost,
-    effort: Effort,
-    begin: impl FnOnce(&mut Search, &Groups),
-) -> Sequence {
-    let nearest = Nearest.solve(problem, cost, effort);
-    if nearest.is_empty() {
-        return nearest;
-    }
-    let groups = Groups::new(problem);
-    let mut search = Search::new(problem, &groups, *cost, None);
-    begin(&mut search, &groups);
-    search.end();
-    let count = problem.items.len() as u64;
-    let stages = groups.place.chunk_by(|a, b| a.stage == b.stage).count() as u64;
-    let steps = (count * steps_per_path(effort, problem.scope)).max(stages * least_steps(effort));
-    search.iterate(1..count as u32 + 1, &mut Random::new(count), steps);
-    let found = search.sequence();
-    if evaluate(problem, &found, cost) <= evaluate(problem, &nearest, cost) { found } else { nearest }
 }

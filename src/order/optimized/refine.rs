@@ -1,39 +1,35 @@
 //! Local search with what travels really cost, around the links that are longer than they look.
 
 use super::super::detours::Detours;
-use super::super::precedence::Groups;
-use super::super::{Problem, Sequence};
 use super::search::Search;
-use super::steps_per_path;
-use crate::profile::Effort;
 use crate::random::Random;
 
 /// How often those links are found again and kicked.
 const ROUNDS: u64 = 8;
 
-/// Improves a solution that was found as if all travels went straight. Only where its links lead round something is there
-/// anything to gain.
-///
-/// Never dearer than it was, detours counted.
-pub(super) fn refine(problem: &Problem, effort: Effort, detours: &Detours, sequence: Sequence) -> Sequence {
-    let groups = Groups::new(problem);
-    let mut search = Search::new(problem, &groups, detours.minimised(), Some(detours));
-    search.take_up(&sequence);
-    search.finish(|walk, gap| walk.is_dear(gap));
-    let mut random = Random::new(problem.items.len() as u64);
-    let steps = steps_per_path(effort, problem.scope);
-    // No steps, no rounds.
-    for _ in 0..ROUNDS.min(steps) {
-        let dear = search.dear();
-        if dear.is_empty() {
-            break;
-        }
-        search.iterate_at(&dear, &mut random, dear.len() as u64 * steps / ROUNDS);
+impl<'a> Search<'a> {
+    /// From now on, links inside of islands cost what the way costs, not the straight line.
+    pub fn lead_round(&mut self, detours: &'a Detours<'a>) {
+        self.walk.lead_round(detours);
     }
-    search.sequence()
-}
 
-impl Search<'_> {
+    /// Improves a walk that was found as if all travels went straight. Only where its links lead round something is there anything
+    /// to gain.
+    ///
+    /// Never dearer than it was, detours counted.
+    pub fn refine(&mut self, steps: u64) {
+        self.finish(|walk, gap| walk.is_dear(gap));
+        let mut random = Random::new(self.problem.items.len() as u64);
+        // No steps, no rounds.
+        for _ in 0..ROUNDS.min(steps) {
+            let dear = self.dear();
+            if dear.is_empty() {
+                break;
+            }
+            self.iterate_at(&dear, &mut random, dear.len() as u64 * steps / ROUNDS);
+        }
+    }
+
     /// Items before and after which a link is dearer than it looks.
     fn dear(&self) -> Vec<u32> {
         (1..=self.walk.len())

@@ -3,7 +3,6 @@
 use std::collections::VecDeque;
 use std::ops::Range;
 
-use super::super::detours::Detours;
 use super::super::entries::Ways;
 use super::super::greedy::Fragments;
 use super::super::precedence::Groups;
@@ -49,18 +48,12 @@ pub struct Search<'a> {
 }
 
 impl<'a> Search<'a> {
-    /// Begins with a walk through nothing. With `detours`, links inside of islands cost what the way costs, not the straight
-    /// line.
-    pub fn new(
-        problem: &'a Problem<'a>,
-        groups: &'a Groups,
-        cost: Cost,
-        detours: Option<&'a Detours<'a>>,
-    ) -> Self {
+    /// Begins with a walk through nothing.
+    pub fn new(problem: &'a Problem<'a>, groups: &'a Groups, cost: Cost) -> Self {
         Self {
             problem,
             groups,
-            walk: Walk::new(problem, groups, cost, detours),
+            walk: Walk::new(problem, groups, cost),
             neighbours: Neighbours::new(problem, groups, cost),
             reach: u32::MAX,
             vicinity: Vicinity::new(problem, groups),
@@ -76,8 +69,18 @@ impl<'a> Search<'a> {
         self.walk.sequence()
     }
 
+    /// Goes through all items, stage by stage, each from where the last one ended.
+    pub fn begin(&mut self) {
+        let mut fragments = Fragments::new(self.problem);
+        let mut first = 0;
+        for places in self.groups.place.chunk_by(|a, b| a.stage == b.stage) {
+            self.append_stage(first..first + places.len(), &mut fragments);
+            first += places.len();
+        }
+    }
+
     /// Goes on through all items of a stage (its groups), and improves the walk until no move does any more.
-    pub fn append_stage(&mut self, stage: Range<usize>, fragments: &mut Fragments) {
+    fn append_stage(&mut self, stage: Range<usize>, fragments: &mut Fragments) {
         let from = self.walk.len() + 1;
         let visits = start(self.problem, self.groups, stage, self.at(), &mut self.neighbours, fragments);
         self.walk.append(&visits);

@@ -90,7 +90,7 @@ fn place(point: Option<Point>) -> [f64; 2] {
 
 impl<'a> Walk<'a> {
     /// A walk from the start of a problem through nothing as yet, to anywhere.
-    pub fn new(problem: &Problem, groups: &Groups, cost: Cost, detours: Option<&'a Detours<'a>>) -> Self {
+    pub fn new(problem: &Problem, groups: &Groups, cost: Cost) -> Self {
         let n = problem.items.len();
         let mut places = Vec::with_capacity(2 * n + 4);
         let (mut all_vertices, mut first_vertex) = (Vec::new(), Vec::with_capacity(n + 3));
@@ -113,7 +113,7 @@ impl<'a> Walk<'a> {
         island.extend([NO_ISLAND, NO_ISLAND - 1]);
         Self {
             cost,
-            detours,
+            detours: None,
             entered: vec![2 * n as u32, 2 * n as u32 + 2],
             position: vec![0; n + 2],
             nodes: places.into_iter().zip(group).map(node).collect(),
@@ -147,6 +147,13 @@ impl<'a> Walk<'a> {
         self.entered.push(end);
         self.find_spans(from, self.len());
         self.total += (from..=self.len() + 1).map(|gap| self.relink(gap)).sum::<f64>();
+        self.commit();
+    }
+
+    /// From now on, links inside of islands cost what the way costs, not the straight line. Cannot be undone.
+    pub fn lead_round(&mut self, detours: &'a Detours<'a>) {
+        self.detours = Some(detours);
+        self.total = (1..=self.len() + 1).map(|gap| self.relink(gap)).sum();
         self.commit();
     }
 
