@@ -282,13 +282,16 @@ impl Lanes {
 /// Whether two segments have a point in common.
 fn meet([a, b]: [Point; 2], [c, d]: [Point; 2]) -> bool {
     let side = |a: Point, b: Point, p: Point| (b - a).cross(p - a).signum();
-    let (c_side, d_side, a_side, b_side) = (side(a, b, c), side(a, b, d), side(c, d, a), side(c, d, b));
+    let (c_side, d_side) = (side(a, b, c), side(a, b, d));
+    if c_side * d_side > 0 {
+        return false;
+    }
     if c_side == 0 && d_side == 0 {
         // On one line: their boxes tell.
         let overlap = |a: i32, b: i32, c: i32, d: i32| a.min(b) <= c.max(d) && c.min(d) <= a.max(b);
         return overlap(a.x, b.x, c.x, d.x) && overlap(a.y, b.y, c.y, d.y);
     }
-    c_side * d_side <= 0 && a_side * b_side <= 0
+    side(c, d, a) * side(c, d, b) <= 0
 }
 
 /// Whether a ray from the point crosses the ring an odd number of times.
