@@ -72,11 +72,6 @@ impl<'a> Detours<'a> {
         Self { rule, cost, first_item: first_item.collect(), routers, known: RefCell::default() }
     }
 
-    /// What is minimised, of travels as long as they are.
-    pub fn minimised(&self) -> Cost {
-        self.cost
-    }
-
     /// Cost of the travel between places on two items of an island, of one layer or of neighbouring ones; the same in both
     /// directions.
     pub fn cost(&self, items: [u32; 2], from: [f64; 2], to: [f64; 2]) -> f64 {

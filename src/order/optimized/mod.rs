@@ -67,29 +67,27 @@ impl Strategy for Optimized {
         let count = problem.items.len() as u64;
         let stages = groups.place.chunk_by(|a, b| a.stage == b.stage).count() as u64;
         let steps = (count * steps_per_path(effort, problem.scope)).max(stages * least_steps(effort));
-        let kick = |search: &mut Search, steps| {
-            search.iterate(1..count as u32 + 1, &mut Random::new(count), steps);
-        };
         let mut search = Search::new(problem, &groups, *cost);
-        if let Some(solved) = solved {
-            search.take_up(&solved);
-            // What was found with detours in mind is not to be lost to straight lines.
+        match &solved {
+            Some(solved) => search.take_up(solved),
+            None => search.begin(),
+        }
+        // What was found with detours in mind is not to be lost to straight lines.
+        let led = detours.filter(|_| solved.is_some());
+        led.inspect(|detours| search.lead_round(detours));
+        search.end();
+        let steps = if solved.is_some() { steps / RESUMED } else { steps };
+        search.iterate(1..count as u32 + 1, &mut Random::new(count), steps);
+        if led.is_none() {
+            let nearest = Nearest.solve(problem, cost, effort);
+            if evaluate(problem, &nearest, cost) < evaluate(problem, &search.sequence(), cost) {
+                search = Search::new(problem, &groups, *cost);
+                search.take_up(&nearest);
+                search.end();
+            }
             detours.inspect(|detours| search.lead_round(detours));
-            search.end();
-            kick(&mut search, steps / RESUMED);
-        } else {
-            search.begin();
-            search.end();
-            kick(&mut search, steps);
         }
-        let nearest = Nearest.solve(problem, cost, effort);
-        if evaluate(problem, &nearest, cost) < evaluate(problem, &search.sequence(), cost) {
-            search = Search::new(problem, &groups, *cost);
-            search.take_up(&nearest);
-            search.end();
-        }
-        if let Some(detours) = detours {
-            search.lead_round(detours);
+        if detours.is_some() {
             search.refine(steps_per_path(effort, problem.scope));
         }
         search.sequence()
