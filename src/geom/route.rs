@@ -221,17 +221,14 @@ impl<'a> Router<'a> {
             let polygon = lanes.region.polygons.iter().position(inside)?;
             return Some(Access { point: p, polygon, on: None });
         }
-        let reach = to_units(ATTACH * self.width_mm);
-        let around = Bounds { min: p, max: p }.grown(reach);
-        let place_on = |edge: &Edge| {
+        let around = Bounds { min: p, max: p }.grown(to_units(ATTACH * self.width_mm));
+        let point_on = |edge: &Edge| {
             let (d, along) = (edge.b - edge.a, p - edge.a);
             let t = (along.dot(d) as f64 / (d.dot(d) as f64).max(1.0)).clamp(0.0, 1.0);
-            let point = edge.a + scaled(d, t);
-            (point.distance2(p), edge.ring, edge.index, point)
+            edge.a + scaled(d, t)
         };
-        let nearest = |edge| (place_on(edge), edge);
-        let near = lanes.grid.edges_touching(around).map(nearest);
-        let ((.., point), edge) = near.min_by_key(|&(place, _)| place)?;
+        let near = lanes.grid.edges_touching(around).map(|edge| (point_on(edge), edge));
+        let (point, edge) = near.min_by_key(|(point, edge)| (point.distance2(p), edge.ring, edge.index))?;
         if point.distance_mm(p) > ATTACH * self.width_mm || !self.clear(p, point) {
             return None;
         }

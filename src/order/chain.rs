@@ -40,7 +40,7 @@ impl Chain {
     /// where the one before ended. `pins[i]` belongs to `layers[i]`. Entries of loops in the result are
     /// indices into their path's points.
     pub fn solve_chunk(&self, layers: &[LayerPaths], pins: &[Pins], start: Option<Point>) -> Vec<Sequence> {
-        self.solve_between(layers, pins, start, None, &self.routers(layers))
+        self.solve_between(layers, pins, start, None, &self.routers(layers), None)
     }
 
     /// What finds the ways of each layer; nothing where travels go straight.
@@ -56,7 +56,8 @@ impl Chain {
         self.settings.chain && !apart && strategy(self.settings.strategy).looks_ahead()
     }
 
-    /// Orders consecutive layers on the way from one place to another, where these are known.
+    /// Orders consecutive layers on the way from one place to another, where these are known: anew, or, where they are
+    /// solved as one problem, from what was `solved` before.
     fn solve_between(
         &self,
         layers: &[LayerPaths],
@@ -64,9 +65,10 @@ impl Chain {
         start: Option<Point>,
         end: Option<Point>,
         routers: &[Router],
+        solved: Option<&[Sequence]>,
     ) -> Vec<Sequence> {
         if self.is_together() {
-            return self.solve_together(layers, pins, start, end, routers, None);
+            return self.solve_together(layers, pins, start, end, routers, solved);
         }
         let mut at = start;
         let mut sequences = Vec::with_capacity(layers.len());
@@ -81,8 +83,7 @@ impl Chain {
         sequences
     }
 
-    /// Orders consecutive layers as one problem, so that each ends where it suits the next; anew, or from what was `solved`
-    /// before.
+    /// Orders consecutive layers as one problem, so that each ends where it suits the next.
     fn solve_together(
         &self,
         layers: &[LayerPaths],
@@ -160,11 +161,7 @@ impl Chain {
         }
         let end = next.and_then(|(layer, sequence)| Some(ends_on_path(layer, *sequence.first()?).0));
         let routers = self.routers(layers);
-        let again = if self.is_together() {
-            self.solve_together(layers, pins, start, end, &routers, Some(&solved))
-        } else {
-            self.solve_between(layers, pins, start, end, &routers)
-        };
+        let again = self.solve_between(layers, pins, start, end, &routers, Some(&solved));
         let too_near = |sequences: &[Sequence]| {
             let first = sequences[0].first().map(|&visit| ends_on_path(&layers[0], visit).0);
             matches!((start, first), (Some(a), Some(b)) if a.distance_mm(b) < self.settings.layer_distance.0)

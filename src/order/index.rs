@@ -271,7 +271,7 @@ impl<'a> Index<'a> {
     /// The nearest entry among the open groups. Ties go to the lowest item and entry.
     pub fn nearest_open(&self, p: Point) -> Option<Entry> {
         let visible = self.nodes.get(self.root as usize).is_some_and(|root| root.visible);
-        if visible { self.nearest(self.root, p, NONE, |_| true) } else { None }
+        if visible { self.nearest(self.root, p, NONE, i64::MAX, |_| true) } else { None }
     }
 
     /// The nearest entry that `wanted` lets pass among what is left of a group. Ties go to the lowest item and entry.
@@ -283,18 +283,20 @@ impl<'a> Index<'a> {
         except: Option<u32>,
         wanted: impl FnMut(&Entry) -> bool,
     ) -> Option<Entry> {
-        self.nearest(self.roots[group as usize], p, except.unwrap_or(NONE), wanted)
+        self.nearest(self.roots[group as usize], p, except.unwrap_or(NONE), i64::MAX, wanted)
     }
 
+    /// The nearest entry of a subtree, of the blocks that are not farther than the bound.
     fn nearest(
         &self,
         root: u32,
         p: Point,
         except: u32,
+        bound: i64,
         mut wanted: impl FnMut(&Entry) -> bool,
     ) -> Option<Entry> {
         let mut best: Option<Entry> = None;
-        self.search(root, p, i64::MAX, &mut |block, bound| {
+        self.search(root, p, bound, &mut |block, bound| {
             if block.item == except {
                 return bound;
             }
@@ -304,7 +306,7 @@ impl<'a> Index<'a> {
                     best = Some(entry);
                 }
             }
-            best.map_or(i64::MAX, |best| best.distance2)
+            best.map_or(bound, |best| bound.min(best.distance2))
         });
         best
     }
@@ -330,15 +332,8 @@ impl<'a> Index<'a> {
             }
             return;
         }
-        let mut nearest: Option<Entry> = None;
-        self.search(node, p, bound(found), &mut |block, bound| {
-            let entry = Entry { item: groups.of[block.item as usize], ..self.nearest_of(block, p) };
-            if nearest.is_none_or(|nearest| entry < nearest) {
-                nearest = Some(entry);
-            }
-            bound.min(entry.distance2)
-        });
-        if let Some(entry) = nearest {
+        if let Some(entry) = self.nearest(node, p, NONE, bound(found), |_| true) {
+            let entry = Entry { item: groups.of[entry.item as usize], ..entry };
             found.insert(found.partition_point(|other| *other < entry), entry);
             found.truncate(k);
         }
@@ -384,17 +379,5 @@ impl<'a> Index<'a> {
             Shape::Open(ends) => &ends[entries],
             Shape::Loop(vertices) => &vertices[entries],
         }
-    }
-
-    /// The entry of a block that is nearest to a point; of equal ones the first.
-    fn nearest_of(&self, block: &Block, p: Point) -> Entry {
-        let mut best = Entry { distance2: i64::MAX, item: block.item, entry: block.entry };
-        for (entry, point) in (block.entry..).zip(self.points(block)) {
-            let distance2 = point.distance2(p);
-            if distance2 < best.distance2 {
-                best = Entry { distance2, entry, ..best };
-            }
-        }
-        best
     }
 }

@@ -58,6 +58,11 @@ impl Groups {
         Self { items, of, place, whole_units: problem.scope == Scope::Island }
     }
 
+    /// The places of each stage's groups, in their order.
+    pub fn stages(&self) -> impl Iterator<Item = &[Place]> {
+        self.place.chunk_by(|a, b| a.stage == b.stage)
+    }
+
     /// The group that must come after this one in its unit, if there is one.
     pub fn next_in_unit(&self, group: u32) -> Option<u32> {
         let next = group + 1;

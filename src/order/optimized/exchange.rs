@@ -3,7 +3,7 @@
 use super::super::Cost;
 use super::neighbours::Near;
 use super::search::{GAIN, Search};
-use super::walk::{End, Walk};
+use super::walk::End;
 
 /// Neighbours tried for the second new link of an exchange.
 const SECOND: usize = 5;
@@ -77,13 +77,12 @@ impl Search<'_> {
             if near.least >= removed {
                 break;
             }
-            let alike = self.walk.alike(near.node);
-            let added = self.added(node2, near, alike);
+            let added = self.added(node2, near);
             work += 1;
             if added >= removed {
                 continue;
             }
-            for node3 in (0..alike).map(|other| near.node ^ other) {
+            for node3 in self.walk.alike(near.node) {
                 work += 2;
                 let open = removed - added + self.walk.link_at(node3);
                 if open <= best_gain || node3 == node1 || node3 == node2 {
@@ -97,7 +96,8 @@ impl Search<'_> {
                 if t3.right == t2.right {
                     let gain = open - self.walk.link(node4, node1);
                     if gain > best_gain {
-                        let gain = gain - self.walk.surcharges([(node2, node3), (node4, node1)]);
+                        let dearer = self.walk.surcharge(node2, node3) + self.walk.surcharge(node4, node1);
+                        let gain = gain - dearer;
                         if gain > best_gain {
                             best_gain = gain;
                             best = Some(Exchange::Two(t1.gap.min(t3.gap), t1.gap.max(t3.gap)));
@@ -113,13 +113,12 @@ impl Search<'_> {
                     if open - near.least <= best_gain {
                         break;
                     }
-                    let alike = self.walk.alike(near.node);
-                    let left = open - self.added(node4, near, alike);
+                    let left = open - self.added(node4, near);
                     work += 1;
                     if left <= best_gain {
                         continue;
                     }
-                    for node5 in (0..alike).map(|other| near.node ^ other) {
+                    for node5 in self.walk.alike(near.node) {
                         let left = left + self.walk.link_at(node5);
                         work += 2;
                         if left <= best_gain {
@@ -134,8 +133,10 @@ impl Search<'_> {
                         if t5.gap.abs_diff(t1.gap) > self.reach {
                             continue;
                         }
-                        let gain =
-                            gain - self.walk.surcharges([(node2, node3), (node4, node5), (node6, node1)]);
+                        let dearer = self.walk.surcharge(node2, node3)
+                            + self.walk.surcharge(node4, node5)
+                            + self.walk.surcharge(node6, node1);
+                        let gain = gain - dearer;
                         if gain > best_gain
                             && let Some(three) = three([t1, t2, t3, t3.across(), t5, t5.across()])
                         {
@@ -150,12 +151,12 @@ impl Search<'_> {
         best
     }
 
-    /// Cost of the link from a node to one in its list, of so many alike.
+    /// Cost of the link from a node to one in its list.
     #[inline(always)]
-    fn added(&self, node: u32, near: Near, alike: u32) -> f64 {
+    fn added(&self, node: u32, near: Near) -> f64 {
         // Where a loop is entered may be farther away than its nearest sample, and between islands it may cost more. Times
         // step where a travel is retracted: there rounding must be the same everywhere, or there is no end of gains.
-        let exact = matches!(self.walk.cost(), Cost::Length) && alike == 1;
+        let exact = matches!(self.walk.cost(), Cost::Length) && !self.walk.is_loop(near.node / 2);
         if exact { near.least } else { self.walk.link(node, near.node) }
     }
 
@@ -173,16 +174,6 @@ impl Search<'_> {
             self.neighbours.in_other(self.problem, group, item, entry)
         }
     }
-}
-
-/// Where a listed node can be linked anew: an end of a path at its one gap, a loop at both of its gaps.
-#[inline]
-pub fn ends(walk: &Walk, node: u32) -> impl Iterator<Item = End> + use<> {
-    let first = walk.end_of(node);
-    // A loop's nodes are alike; which of them is listed says nothing.
-    let gap = if first.right { first.gap + 1 } else { first.gap - 1 };
-    let second = walk.is_loop(node / 2).then_some(End { gap, right: !first.right });
-    std::iter::once(first).chain(second)
 }
 
 /// The exchange that removes the links t1–t2, t3–t4, t5–t6 and adds t2–t3, t4–t5, t6–t1, if it leaves one walk.

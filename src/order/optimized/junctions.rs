@@ -1,6 +1,5 @@
 //! Moving the place where one group ends and the next begins.
 
-use super::exchange::ends;
 use super::neighbours::{NEAR, Near};
 use super::search::{GAIN, Search};
 use super::walk::End;
@@ -46,7 +45,8 @@ impl Search<'_> {
                     }
                     let left = saved - self.walk.link(inner, node);
                     self.walk.work += 1;
-                    for other in ends(&self.walk, node) {
+                    for node in self.walk.alike(node) {
+                        let other = self.walk.end_of(node);
                         if other.right != right || other.gap == junction {
                             continue;
                         }
@@ -80,7 +80,8 @@ impl Search<'_> {
         if least.is_infinite() {
             return;
         }
-        if let Some(to) = ends(&self.walk, node).find(|end| !end.right) {
+        let to = self.walk.alike(node).map(|node| self.walk.end_of(node)).find(|end| !end.right);
+        if let Some(to) = to {
             self.make(Shift { from, junction, to: to.gap });
         }
     }

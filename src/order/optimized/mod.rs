@@ -65,7 +65,7 @@ impl Strategy for Optimized {
         let Known { detours, solved } = known;
         let groups = Groups::new(problem);
         let count = problem.items.len() as u64;
-        let stages = groups.place.chunk_by(|a, b| a.stage == b.stage).count() as u64;
+        let stages = groups.stages().count() as u64;
         let steps = (count * steps_per_path(effort, problem.scope)).max(stages * least_steps(effort));
         let mut search = Search::new(problem, &groups, *cost);
         match &solved {

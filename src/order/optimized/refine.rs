@@ -13,8 +13,7 @@ impl<'a> Search<'a> {
         self.walk.lead_round(detours);
     }
 
-    /// Improves a walk that was found as if all travels went straight. Only where its links lead round something is there anything
-    /// to gain.
+    /// Improves a walk around the links that lead round something: it may have been found as if all travels went straight.
     ///
     /// Never dearer than it was, detours counted.
     pub fn refine(&mut self, steps: u64) {

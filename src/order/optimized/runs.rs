@@ -42,7 +42,7 @@ impl Vicinity<'_> {
     pub fn new(problem: &Problem, groups: &Groups) -> Self {
         let mut stage = Vec::with_capacity(groups.items.len());
         let mut gap = 1;
-        for places in groups.place.chunk_by(|a, b| a.stage == b.stage) {
+        for places in groups.stages() {
             let (first, begin) = (stage.len(), gap);
             let end = first + places.len();
             gap += groups.items[first..end].iter().map(|items| items.len() as u32).sum::<u32>();

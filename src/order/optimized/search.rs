@@ -73,7 +73,7 @@ impl<'a> Search<'a> {
     pub fn begin(&mut self) {
         let mut fragments = Fragments::new(self.problem);
         let mut first = 0;
-        for places in self.groups.place.chunk_by(|a, b| a.stage == b.stage) {
+        for places in self.groups.stages() {
             self.append_stage(first..first + places.len(), &mut fragments);
             first += places.len();
         }

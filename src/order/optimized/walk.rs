@@ -190,10 +190,11 @@ impl<'a> Walk<'a> {
         self.looped[item as usize]
     }
 
-    /// How many nodes a listed one stands for: both of a loop, or one.
+    /// The nodes that a listed one stands for: both of a loop, or itself.
     #[inline]
-    pub fn alike(&self, node: u32) -> u32 {
-        1 + u32::from(self.is_loop(node / 2))
+    pub fn alike(&self, node: u32) -> impl Iterator<Item = u32> + use<> {
+        let count = 1 + u32::from(self.is_loop(node / 2));
+        (0..count).map(move |other| node ^ other)
     }
 
     /// Where a loop may be entered, millimetres; nothing for open paths and sentinels.
@@ -307,15 +308,6 @@ impl<'a> Walk<'a> {
     #[inline]
     pub fn surcharge(&self, a: u32, b: u32) -> f64 {
         self.beyond_straight([a, b].map(|node| self.place(node)), [a / 2, b / 2])
-    }
-
-    /// By how much links between nodes are dearer than straight ones, together.
-    #[inline]
-    pub fn surcharges<const N: usize>(&self, links: [(u32, u32); N]) -> f64 {
-        if self.detours.is_none() {
-            return 0.0;
-        }
-        links.into_iter().map(|(a, b)| self.surcharge(a, b)).sum()
     }
 
     /// By how much the link between a node and a vertex of a loop is dearer than a straight one.
