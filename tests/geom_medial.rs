@@ -2,7 +2,9 @@
 
 use std::f64::consts::TAU;
 
-use pathwright::geom::{MedialPath, Point, Region, Ring, difference, medial_axis, offset, unite_rings};
+use pathwright::geom::{
+    MedialPath, Point, Region, Ring, difference, medial_axis, medial_axis_in, offset, opening, unite_rings,
+};
 use proptest::prelude::*;
 
 fn ring(points: &[(f64, f64)]) -> Ring {
@@ -142,6 +144,24 @@ fn bad_widths_give_nothing() {
     assert!(medial_axis(&Region::default(), 0.1, 1.0, 0.5).is_empty());
 }
 
+#[test]
+fn a_neck_has_its_line_along_it_even_where_it_is_wider_than_long() {
+    for length in [0.25, 0.4, 1.0] {
+        for angle in [0.0, 0.3, 0.785, 1.5] {
+            let h = length / 2.0;
+            let below = [(-2.0, -2.0), (-h, -2.0), (-h, -0.25), (h, -0.25), (h, -2.0), (2.0, -2.0)];
+            let above = [(2.0, 2.0), (h, 2.0), (h, 0.25), (-h, 0.25), (-h, 2.0), (-2.0, 2.0)];
+            let dumbbell = turned(&[below, above].concat(), angle);
+            let neck = turned(&[(-h, -0.25), (h, -0.25), (h, 0.25), (-h, 0.25)], angle);
+            let paths = medial_axis_in(&neck, &dumbbell, 0.1, 0.6, [0.5, 0.0]);
+            assert_eq!(paths.len(), 1, "{length} {angle}: {paths:?}");
+            let across = |p: &Point| (p.mm()[1] * angle.cos() - p.mm()[0] * angle.sin()).abs();
+            assert!(paths[0].points.iter().all(|p| across(p) < 0.03), "{length} {angle}: {paths:?}");
+            assert!((paths[0].length_mm() - length).abs() < 0.05, "{length} {angle}: {paths:?}");
+        }
+    }
+}
+
 proptest! {
     #![proptest_config(ProptestConfig { failure_persistence: None, ..ProptestConfig::with_cases(150) })]
 
@@ -180,5 +200,11 @@ proptest! {
             }
         }
         prop_assert_eq!(&paths, &medial_axis(&region, min, max, 0.5));
+        let narrow = difference(&region, &opening(&region, max / 2.0));
+        for path in medial_axis_in(&narrow, &region, min, max, [0.5, 0.25]) {
+            prop_assert_eq!(path.points.len(), path.width_mm.len());
+            prop_assert!(path.points.iter().all(|p| region.contains(*p)), "{:?}", path);
+            prop_assert!(path.width_mm.iter().all(|w| (min as f32 - 1e-6..=max as f32).contains(w)));
+        }
     }
 }

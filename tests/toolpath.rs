@@ -567,6 +567,25 @@ fn a_wedge_is_filled_from_its_thin_to_its_thick_end() {
 }
 
 #[test]
+fn webs_between_slots_are_filled_however_short() {
+    for web_mm in [0.35, 0.42, 0.5, 0.58] {
+        for slot_mm in [0.4, 0.5, 0.7] {
+            let slot = rectangle(2.0, 5.0 - web_mm - 0.5, 8.0, 5.0 - web_mm);
+            let mut section = with_hole(rectangle(0.0, 0.0, 10.0, 10.0), &slot);
+            for x in [3.0, 6.0] {
+                section = with_hole(section, &rectangle(x, 5.0, x + slot_mm, 8.0));
+            }
+            let layer = solid_layer(&section);
+            for x in [3.0, 6.0] {
+                let web = rectangle(x, 5.0 - web_mm, x + slot_mm, 5.0);
+                let found = coverage(&web, &layer.paths);
+                assert!(found.void <= 0.15, "{web_mm} by {slot_mm} mm: {found:?}");
+            }
+        }
+    }
+}
+
+#[test]
 fn solid_layers_are_closed_around_holes_and_along_slants() {
     let circle = |x: f64, y: f64, radius: f64| {
         let at = |i: i32| f64::from(i) / 32.0 * std::f64::consts::TAU;

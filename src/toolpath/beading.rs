@@ -48,12 +48,21 @@ const STEP: f64 = 0.6;
 /// boundary's length: mitred corners come back exactly but for slivers of this width.
 const CORNER_LOSS_MM: f64 = 0.002;
 
+/// A narrow place, to be filled with single beads.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Gap {
+    /// What is to be filled.
+    pub area: Region,
+    /// The region in which it is narrow: other lines lie on the rest.
+    pub region: Region,
+}
+
 /// The outermost beads of a region, and what they leave.
 pub(super) struct Pair {
     /// Closed beads along the boundary.
     pub(super) loops: Vec<Line>,
     /// Where there is room for a single bead.
-    pub(super) gap: Region,
+    pub(super) gap: Option<Gap>,
     /// What lies inside the loops.
     pub(super) rest: Region,
 }
@@ -81,13 +90,13 @@ pub(super) fn pair(region: &Region, spacing_mm: f64, least_mm: f64) -> Pair {
 }
 
 /// Fills a region with nested beads until nothing is left: loops, and the places for single beads.
-pub(super) fn fill(region: &Region, spacing_mm: f64) -> (Vec<Line>, Region) {
-    let (mut loops, mut gaps) = (Vec::new(), Region::default());
+pub(super) fn fill(region: &Region, spacing_mm: f64) -> (Vec<Line>, Vec<Gap>) {
+    let (mut loops, mut gaps) = (Vec::new(), Vec::new());
     let mut rest = region.clone();
     while !rest.is_empty() {
         let pair = pair(&rest, spacing_mm, MIN_GAP_MM);
         loops.extend(pair.loops);
-        gaps.polygons.extend(pair.gap.polygons);
+        gaps.extend(pair.gap);
         rest = pair.rest;
     }
     (loops, gaps)
@@ -99,11 +108,12 @@ pub(super) fn constant(centre: &Region) -> Vec<Line> {
 }
 
 /// What an opening took off a region, as far as it is at least `least_mm` wide.
-pub(super) fn narrower(region: &Region, opened: &Region, least_mm: f64) -> Region {
+pub(super) fn narrower(region: &Region, opened: &Region, least_mm: f64) -> Option<Gap> {
     if same_area(region, opened) {
-        return Region::default();
+        return None;
     }
-    geom::opening(&geom::remainder(region, opened), least_mm / 2.0)
+    let area = geom::opening(&geom::remainder(region, opened), least_mm / 2.0);
+    (!area.is_empty()).then(|| Gap { area, region: region.clone() })
 }
 
 /// Whether opening a region lost no more than its corners' slivers.

@@ -16,6 +16,7 @@ pub mod support;
 mod walls;
 
 pub use adhesion::{raft, raft_area};
+pub use beading::Gap;
 pub use path::{Island, LayerPaths, Path, Role, Width};
 pub use planner::{ObjectLayer, Planner, PlateLayer, ToolpathSettings};
 pub use shells::{Map, Shells, Zones, bottom_layers, shell_depth};

@@ -12,13 +12,14 @@ use crate::profile::{
 use crate::units::Mm;
 
 use super::bead::Line;
+use super::beading::{self, Gap};
 use super::bridges::Bridge;
 use super::fuzzy::Fuzzy;
 use super::infill::{self, FillPattern, FillSpec, Joins, SolidSpec, SparseSample};
 use super::shells::{self, Zones};
 use super::stacks::Stacks;
 use super::walls::{self, WallSpec, Walls};
-use super::{Island, LayerPaths, Path, Role, Width, adhesion, bead, beading, bridges, entries};
+use super::{Island, LayerPaths, Path, Role, Width, adhesion, bead, bridges, entries};
 
 /// Densities above this are solid.
 const SOLID_DENSITY: f64 = 0.995;
@@ -523,7 +524,9 @@ impl Draft {
         if !narrow.is_empty() {
             let (loops, gaps) = beading::fill(&narrow, spacing_mm);
             self.lines(role, rank, width_mm, loops);
-            self.gap(role, rank, &gaps, beading::MIN_GAP_MM..=beading::WIDEST * spacing_mm, 0.0);
+            for gap in &gaps {
+                self.gap(role, rank, gap, beading::MIN_GAP_MM..=beading::WIDEST * spacing_mm, 0.0);
+            }
         }
         // Free ends alone fill the zone when they reach its edge.
         let reach_mm = if ordered { spacing_mm / 2.0 } else { settings.overlap.0 * width_mm };
@@ -568,9 +571,10 @@ impl Draft {
     }
 
     /// One bead of fitting width, but at least `least_mm`, along the middle of each part whose width is in a range.
-    fn gap(&mut self, role: Role, rank: u32, gap: &Region, range: RangeInclusive<f64>, least_mm: f64) {
+    fn gap(&mut self, role: Role, rank: u32, gap: &Gap, range: RangeInclusive<f64>, least_mm: f64) {
         let tip = if role == Role::ExternalPerimeter { 0.5 } else { GAP_TIP };
-        for path in geom::medial_axis(gap, *range.start(), *range.end(), tip) {
+        let Gap { area, region } = gap;
+        for path in geom::medial_axis_in(area, region, *range.start(), *range.end(), [tip, GAP_TIP]) {
             if path.length_mm() < SHORTEST_GAP_MM {
                 continue;
             }

@@ -9,7 +9,7 @@ use crate::geom::{self, Polygon, Region};
 use crate::profile::WallGenerator;
 
 use super::bead::{self, Line};
-use super::beading;
+use super::beading::{self, Gap};
 
 /// Two beads of fixed width that face each other may come this close, as a share of their spacing; nearer, one bead of
 /// fitting width replaces them. Slic3r allows the same overlap.
@@ -68,7 +68,7 @@ pub struct Walls {
     /// holes.
     pub loops: Vec<Vec<Line>>,
     /// Narrow places between the beads, to be filled with single beads; each with the depth it lies at.
-    pub gaps: Vec<(u32, Region)>,
+    pub gaps: Vec<(u32, Gap)>,
     /// What lies inside the innermost walls: the place for infill.
     pub inside: Region,
 }
@@ -120,8 +120,8 @@ fn fitted(section: &Region, spec: &WallSpec) -> Walls {
             break;
         }
         let pair = beading::pair(&rest, spec.spacing_mm(depth), spec.least_gap_mm(depth));
-        if spec.gap_fill && !pair.gap.is_empty() {
-            walls.gaps.push((depth, pair.gap));
+        if spec.gap_fill {
+            walls.gaps.extend(pair.gap.map(|gap| (depth, gap)));
         }
         if !pair.loops.is_empty() {
             walls.loops.push(pair.loops);
@@ -131,8 +131,7 @@ fn fitted(section: &Region, spec: &WallSpec) -> Walls {
     if spec.gap_fill && !rest.is_empty() {
         let room_mm = beading::PAIR * spec.spacing_mm(spec.count);
         let wide = geom::opening(&rest, room_mm);
-        let gap = beading::narrower(&rest, &wide, beading::MIN_GAP_MM);
-        if !gap.is_empty() {
+        if let Some(gap) = beading::narrower(&rest, &wide, beading::MIN_GAP_MM) {
             walls.gaps.push((spec.count, gap));
             rest = geom::intersection(&wide, &rest);
         }
@@ -155,9 +154,7 @@ fn with_gaps(section: &Region, spec: &WallSpec) -> Walls {
         let covered = geom::offset(&thick, spacing_mm / 2.0 + closest_mm);
         if spec.gap_fill {
             let gap = beading::narrower(&rest, &covered, spec.least_gap_mm(depth));
-            if !gap.is_empty() {
-                walls.gaps.push((depth, gap));
-            }
+            walls.gaps.extend(gap.map(|gap| (depth, gap)));
         }
         if depth == spec.count {
             rest = if spec.gap_fill { geom::intersection(&covered, &rest) } else { rest };

@@ -30,8 +30,8 @@ impl Branch {
 }
 
 /// Removes branches with a free end that reach no farther than the region is wide where they leave: they lead into
-/// corners, which the width there covers already.
-pub(super) fn prune(nodes: &mut [Node]) {
+/// corners, which the width there covers already, if anything does.
+pub(super) fn prune(nodes: &mut [Node], covers: impl Fn(&Node) -> bool) {
     for _ in 0..ROUNDS {
         let mut spurs: Vec<(u32, f64, u32)> = Vec::new();
         for branch in branches(nodes) {
@@ -39,7 +39,11 @@ pub(super) fn prune(nodes: &mut [Node]) {
                 let (leaf, root) = (branch.end(i), branch.end(1 - i));
                 let (leaf_node, root_node) = (&nodes[leaf as usize], &nodes[root as usize]);
                 let extent = branch.length + leaf_node.reach;
-                if leaf_node.degree() == 1 && root_node.degree() == 3 && extent < root_node.width {
+                if leaf_node.degree() == 1
+                    && root_node.degree() == 3
+                    && extent < root_node.width
+                    && covers(root_node)
+                {
                     let first = branch.nodes[if i == 0 { branch.nodes.len() - 2 } else { 1 }];
                     spurs.push((root, extent, first));
                 }

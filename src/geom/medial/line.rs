@@ -1,0 +1,301 @@
+//! A middle line on its way from the axis to a path.
+
+use super::MedialPath;
+use super::axis::Node;
+use super::branches::Trail;
+use super::outline::{Position, direction, distance, lerp};
+use crate::geom::{Bounds, EdgeGrid, Point};
+
+/// Vertices are dropped that move the line, or the width, by no more than this: a hundredth of a common line width.
+const TOLERANCE_MM: f64 = 0.005;
+
+/// Least length of what is cut out of a line.
+const SHORTEST_MM: f64 = 0.2;
+
+/// Lines that go so little into an area only touch it.
+const TOUCH_MM: f64 = 0.05;
+
+/// A path in the making.
+#[derive(Clone)]
+pub(super) struct Line {
+    at: Vec<Position>,
+    width: Vec<f64>,
+    closed: bool,
+}
+
+impl Line {
+    pub(super) fn new(nodes: &[Node], trail: &Trail, grid: &EdgeGrid, max_mm: f64, tip: f64) -> Self {
+        let (free, closed) = (trail.free, trail.closed);
+        let mut trail = trail.nodes.as_slice();
+        // A junction that lost its spurs says less about the middle than the nodes before it.
+        let is_junction = |n: &u32| nodes[*n as usize].junction;
+        if free[0] && trail.len() > 2 && trail.first().is_some_and(is_junction) {
+            trail = &trail[1..];
+        }
+        if free[1] && trail.len() > 2 && trail.last().is_some_and(is_junction) {
+            trail = &trail[..trail.len() - 1];
+        }
+        let on = trail.iter().map(|&n| &nodes[n as usize]);
+        let mut line =
+            Self { at: on.clone().map(|n| n.at).collect(), width: on.map(|n| n.width).collect(), closed };
+        line.smooth();
+        for end in [1, 0] {
+            line.reverse();
+            if free[1 - end] && !closed {
+                line.extend(grid, max_mm, tip);
+            }
+        }
+        line
+    }
+
+    fn reverse(&mut self) {
+        self.at.reverse();
+        self.width.reverse();
+    }
+
+    /// Takes the zig-zag out of the points: each to the middle between itself and its neighbours' middle.
+    fn smooth(&mut self) {
+        let n = self.at.len();
+        if n < 3 {
+            return;
+        }
+        let (at, width) = (self.at.clone(), self.width.clone());
+        for i in 0..n {
+            if !self.closed && (i == 0 || i + 1 == n) {
+                continue;
+            }
+            let (a, b) = ((i + n - 1) % n, (i + 1) % n);
+            // Weights by distance keep evenly curved lines where they are.
+            let (da, db) = (distance(at[a], at[i]), distance(at[i], at[b]));
+            let t = if da + db > 0.0 { da / (da + db) } else { 0.5 };
+            self.at[i] = lerp(at[i], lerp(at[a], at[b], t), 0.5);
+            self.width[i] = 0.5 * (width[i] + width[a] + t * (width[b] - width[a]));
+        }
+    }
+
+    /// Moves the last end along the line to `tip` times the width from the boundary.
+    fn extend(&mut self, grid: &EdgeGrid, max_mm: f64, tip: f64) {
+        let Some(last) = self.at.len().checked_sub(1) else {
+            return;
+        };
+        let (end, width) = (self.at[last], self.width[last]);
+        let Some(back) =
+            (0..last).rev().find(|&i| distance(self.at[i], end) >= width.min(0.5)).or(last.checked_sub(1))
+        else {
+            return;
+        };
+        let along = direction(self.at[back], end);
+        let far = [end[0] + 4.0 * max_mm * along[0], end[1] + 4.0 * max_mm * along[1]];
+        let Some(room) = first_hit(grid, end, far) else {
+            return;
+        };
+        let by = room - tip * width;
+        if by > 0.0 {
+            self.at.push([end[0] + by * along[0], end[1] + by * along[1]]);
+            self.width.push(width);
+        } else {
+            self.shorten(-by);
+        }
+    }
+
+    /// Takes a length off the last end, up to the last edge.
+    fn shorten(&mut self, mut by: f64) {
+        while let [.., a, b] = self.at[..] {
+            let length = distance(a, b);
+            let last = self.at.len() - 1;
+            if by < length {
+                self.at[last] = lerp(b, a, by / length);
+                self.width[last] += by / length * (self.width[last - 1] - self.width[last]);
+                return;
+            }
+            if last == 1 {
+                return;
+            }
+            by -= length;
+            self.at.pop();
+            self.width.pop();
+        }
+    }
+
+    /// Whether the line's box touches an area's.
+    pub(super) fn comes_near(&self, area: &EdgeGrid) -> bool {
+        let bounds = Bounds::of(self.at.iter().map(|at| Point::from_mm(at[0], at[1])));
+        bounds.is_some_and(|bounds| bounds.touches(&area.bounds()))
+    }
+
+    /// The parts in an area, their new ends taken back by `cut` times the width there, but not so far that less than
+    /// [`SHORTEST_MM`] is left: shorter parts reach out of the area instead.
+    pub(super) fn parts_in(mut self, area: &EdgeGrid, cut: f64) -> Vec<Line> {
+        if self.closed {
+            let outside = self.at.iter().position(|at| !area.contains(Point::from_mm(at[0], at[1])));
+            let Some(outside) = outside else { return vec![self] };
+            self.at.rotate_left(outside);
+            self.width.rotate_left(outside);
+            self.at.push(self.at[0]);
+            self.width.push(self.width[0]);
+            self.closed = false;
+        }
+        let along = self.along();
+        let end = along[along.len() - 1];
+        let mut parts = self.stretches_in(area, &along);
+        for part in &mut parts {
+            let is_cut = [part[0] > 0.0, part[1] < end];
+            for (side, sign) in [(0, 1.0), (1, -1.0)] {
+                if is_cut[side] {
+                    part[side] += sign * cut * self.at_length(&along, part[side]).1;
+                }
+            }
+            let missing = (SHORTEST_MM - (part[1] - part[0])).max(0.0);
+            let each = if is_cut[0] && is_cut[1] { missing / 2.0 } else { missing };
+            part[0] -= if is_cut[0] { each.min(part[0]) } else { 0.0 };
+            part[1] += if is_cut[1] { each.min(end - part[1]) } else { 0.0 };
+        }
+        parts.into_iter().map(|[from, to]| self.stretch(&along, from, to)).collect()
+    }
+
+    /// Length of the line up to each of its vertices.
+    fn along(&self) -> Vec<f64> {
+        let mut length = 0.0;
+        let steps = self.at.windows(2).map(|w| distance(w[0], w[1]));
+        let lengths = steps.map(|step| {
+            length += step;
+            length
+        });
+        std::iter::once(0.0).chain(lengths.collect::<Vec<_>>()).collect()
+    }
+
+    /// Point and width where the line has a length, which is `along` at its vertices.
+    fn at_length(&self, along: &[f64], length: f64) -> (Position, f64) {
+        let next = along.partition_point(|&l| l < length).clamp(1, along.len() - 1);
+        let (from, to) = (along[next - 1], along[next]);
+        let t = if to > from { ((length - from) / (to - from)).clamp(0.0, 1.0) } else { 0.0 };
+        let (a, b) = (self.width[next - 1], self.width[next]);
+        (lerp(self.at[next - 1], self.at[next], t), a + t * (b - a))
+    }
+
+    /// Where the line enters an area and where it leaves it, as lengths; stretches that hardly do are left out.
+    fn stretches_in(&self, area: &EdgeGrid, along: &[f64]) -> Vec<[f64; 2]> {
+        let mut found: Vec<[f64; 2]> = Vec::new();
+        let (mut stops, mut inside, mut met) = (Vec::new(), false, true);
+        for i in 1..self.at.len() {
+            let (a, b, step) = (self.at[i - 1], self.at[i], along[i] - along[i - 1]);
+            stops.clear();
+            stops.extend([0.0, 1.0].into_iter().chain(hits(area, a, b)));
+            stops.sort_unstable_by(f64::total_cmp);
+            for stop in stops.windows(2).filter(|stop| stop[0] < stop[1]) {
+                // Where the boundary is not met, neither here nor just before, nothing changes.
+                if stops.len() > 2 || met {
+                    let middle = lerp(a, b, (stop[0] + stop[1]) / 2.0);
+                    inside = area.contains(Point::from_mm(middle[0], middle[1]));
+                }
+                if !inside {
+                    continue;
+                }
+                let [from, to] = [stop[0], stop[1]].map(|t| along[i - 1] + t * step);
+                match found.last_mut().filter(|last| from - last[1] < 1e-6) {
+                    Some(last) => last[1] = to,
+                    None => found.push([from, to]),
+                }
+            }
+            met = stops.len() > 2;
+        }
+        found.retain(|[from, to]| to - from >= TOUCH_MM);
+        found
+    }
+
+    /// The line from one length to another.
+    fn stretch(&self, along: &[f64], from: f64, to: f64) -> Line {
+        let ends = [from, to].map(|length| self.at_length(along, length));
+        let between = (0..along.len()).filter(|&i| from < along[i] && along[i] < to);
+        let inner = between.map(|i| (self.at[i], self.width[i]));
+        let (at, width) = std::iter::once(ends[0]).chain(inner).chain([ends[1]]).unzip();
+        Line { at, width, closed: false }
+    }
+
+    /// The parts at least `min_mm` wide, no width above `max_mm`.
+    pub(super) fn wide_parts(mut self, min_mm: f64, max_mm: f64) -> Vec<Line> {
+        self.width.iter_mut().for_each(|w| *w = w.min(max_mm));
+        let is_wide = |w: f64| w >= min_mm;
+        if self.width.iter().all(|&w| is_wide(w)) {
+            return vec![self];
+        }
+        if self.closed {
+            // Opened at a narrow vertex.
+            let cut = self.width.iter().position(|&w| !is_wide(w)).unwrap_or(0);
+            self.at.rotate_left(cut);
+            self.width.rotate_left(cut);
+            self.at.push(self.at[0]);
+            self.width.push(self.width[0]);
+        }
+        let mut parts = Vec::new();
+        let mut part = Line { at: Vec::new(), width: Vec::new(), closed: false };
+        for i in 0..self.at.len() {
+            if i > 0 && is_wide(self.width[i]) != is_wide(self.width[i - 1]) {
+                let t = (min_mm - self.width[i - 1]) / (self.width[i] - self.width[i - 1]);
+                part.at.push(lerp(self.at[i - 1], self.at[i], t));
+                part.width.push(min_mm);
+            }
+            if is_wide(self.width[i]) {
+                part.at.push(self.at[i]);
+                part.width.push(self.width[i]);
+            } else if !part.at.is_empty() {
+                let next = Line { at: Vec::new(), width: Vec::new(), closed: false };
+                parts.push(std::mem::replace(&mut part, next));
+            }
+        }
+        parts.push(part);
+        parts
+    }
+
+    /// Leaves out vertices that change neither line nor width, and what rounding or smoothing put outside. `None` of what vanishes.
+    pub(super) fn into_path(self, grid: &EdgeGrid) -> Option<MedialPath> {
+        let n = self.at.len();
+        let mut kept: Vec<usize> = Vec::with_capacity(n);
+        for i in 0..n {
+            let straight = kept.last().is_some_and(|&a| {
+                i + 1 < n && i - a < 24 && (a + 1..=i).all(|k| self.is_between(k, a, i + 1))
+            });
+            if !straight {
+                kept.push(i);
+            }
+        }
+        let mut path = MedialPath { closed: self.closed, ..Default::default() };
+        for i in kept {
+            let p = Point::from_mm(self.at[i][0], self.at[i][1]);
+            if path.points.last() != Some(&p) && grid.contains(p) {
+                path.points.push(p);
+                path.width_mm.push(self.width[i] as f32);
+            }
+        }
+        if path.closed && path.points.last() == path.points.first() {
+            path.points.pop();
+            path.width_mm.pop();
+        }
+        (path.points.len() >= if path.closed { 3 } else { 2 }).then_some(path)
+    }
+
+    /// Whether vertex `k` is where a straight edge from `a` to `b` passes, and as wide.
+    fn is_between(&self, k: usize, a: usize, b: usize) -> bool {
+        let (da, db) = (distance(self.at[a], self.at[k]), distance(self.at[k], self.at[b]));
+        let t = if da + db > 0.0 { da / (da + db) } else { 0.5 };
+        distance(self.at[k], lerp(self.at[a], self.at[b], t)) <= TOLERANCE_MM
+            && (self.width[k] - self.width[a] - t * (self.width[b] - self.width[a])).abs() <= TOLERANCE_MM
+    }
+}
+
+/// Distance from `a` to the first boundary edge on the way to `b`, in millimetres.
+fn first_hit(grid: &EdgeGrid, a: Position, b: Position) -> Option<f64> {
+    hits(grid, a, b).min_by(f64::total_cmp).map(|t| t * distance(a, b))
+}
+
+/// Where a segment meets the boundary, as shares of its length, in no order and some several times.
+fn hits(grid: &EdgeGrid, a: Position, b: Position) -> impl Iterator<Item = f64> {
+    let (p, q) = (Point::from_mm(a[0], a[1]), Point::from_mm(b[0], b[1]));
+    grid.edges_along(p, q).filter_map(move |edge| {
+        let (d, e) = (q - p, edge.b - edge.a);
+        let turn = d.cross(e) as f64;
+        let t = (edge.a - p).cross(e) as f64 / turn;
+        let s = (edge.a - p).cross(d) as f64 / turn;
+        ((0.0..=1.0).contains(&t) && (0.0..=1.0).contains(&s)).then_some(t)
+    })
+}
