@@ -117,23 +117,27 @@ impl Line {
         }
     }
 
-    /// Whether the line's box touches an area's.
-    pub(super) fn comes_near(&self, area: &EdgeGrid) -> bool {
-        let bounds = Bounds::of(self.at.iter().map(|at| Point::from_mm(at[0], at[1])));
-        bounds.is_some_and(|bounds| bounds.touches(&area.bounds()))
+    /// The box around the line; `None` of nothing.
+    pub(super) fn bounds(&self) -> Option<Bounds> {
+        Bounds::of(self.at.iter().map(|&at| point(at)))
+    }
+
+    /// Opens a closed line at a vertex, which becomes both ends.
+    fn open_at(&mut self, vertex: usize) {
+        self.at.rotate_left(vertex);
+        self.width.rotate_left(vertex);
+        self.at.push(self.at[0]);
+        self.width.push(self.width[0]);
+        self.closed = false;
     }
 
     /// The parts in an area, their new ends taken back by `cut` times the width there, but not so far that less than
     /// [`SHORTEST_MM`] is left: shorter parts reach out of the area instead.
     pub(super) fn parts_in(mut self, area: &EdgeGrid, cut: f64) -> Vec<Line> {
         if self.closed {
-            let outside = self.at.iter().position(|at| !area.contains(Point::from_mm(at[0], at[1])));
+            let outside = self.at.iter().position(|&at| !area.contains(point(at)));
             let Some(outside) = outside else { return vec![self] };
-            self.at.rotate_left(outside);
-            self.width.rotate_left(outside);
-            self.at.push(self.at[0]);
-            self.width.push(self.width[0]);
-            self.closed = false;
+            self.open_at(outside);
         }
         let along = self.along();
         let end = along[along.len() - 1];
@@ -155,13 +159,12 @@ impl Line {
 
     /// Length of the line up to each of its vertices.
     fn along(&self) -> Vec<f64> {
-        let mut length = 0.0;
         let steps = self.at.windows(2).map(|w| distance(w[0], w[1]));
-        let lengths = steps.map(|step| {
-            length += step;
-            length
+        let lengths = steps.scan(0.0, |length, step| {
+            *length += step;
+            Some(*length)
         });
-        std::iter::once(0.0).chain(lengths.collect::<Vec<_>>()).collect()
+        std::iter::once(0.0).chain(lengths).collect()
     }
 
     /// Point and width where the line has a length, which is `along` at its vertices.
@@ -185,8 +188,7 @@ impl Line {
             for stop in stops.windows(2).filter(|stop| stop[0] < stop[1]) {
                 // Where the boundary is not met, neither here nor just before, nothing changes.
                 if stops.len() > 2 || met {
-                    let middle = lerp(a, b, (stop[0] + stop[1]) / 2.0);
-                    inside = area.contains(Point::from_mm(middle[0], middle[1]));
+                    inside = area.contains(point(lerp(a, b, (stop[0] + stop[1]) / 2.0)));
                 }
                 if !inside {
                     continue;
@@ -222,10 +224,7 @@ impl Line {
         if self.closed {
             // Opened at a narrow vertex.
             let cut = self.width.iter().position(|&w| !is_wide(w)).unwrap_or(0);
-            self.at.rotate_left(cut);
-            self.width.rotate_left(cut);
-            self.at.push(self.at[0]);
-            self.width.push(self.width[0]);
+            self.open_at(cut);
         }
         let mut parts = Vec::new();
         let mut part = Line { at: Vec::new(), width: Vec::new(), closed: false };
@@ -261,7 +260,7 @@ impl Line {
         }
         let mut path = MedialPath { closed: self.closed, ..Default::default() };
         for i in kept {
-            let p = Point::from_mm(self.at[i][0], self.at[i][1]);
+            let p = point(self.at[i]);
             if path.points.last() != Some(&p) && grid.contains(p) {
                 path.points.push(p);
                 path.width_mm.push(self.width[i] as f32);
@@ -283,6 +282,10 @@ impl Line {
     }
 }
 
+pub(super) fn point([x, y]: Position) -> Point {
+    Point::from_mm(x, y)
+}
+
 /// Distance from `a` to the first boundary edge on the way to `b`, in millimetres.
 fn first_hit(grid: &EdgeGrid, a: Position, b: Position) -> Option<f64> {
     hits(grid, a, b).min_by(f64::total_cmp).map(|t| t * distance(a, b))
@@ -290,7 +293,7 @@ fn first_hit(grid: &EdgeGrid, a: Position, b: Position) -> Option<f64> {
 
 /// Where a segment meets the boundary, as shares of its length, in no order and some several times.
 fn hits(grid: &EdgeGrid, a: Position, b: Position) -> impl Iterator<Item = f64> {
-    let (p, q) = (Point::from_mm(a[0], a[1]), Point::from_mm(b[0], b[1]));
+    let (p, q) = (point(a), point(b));
     grid.edges_along(p, q).filter_map(move |edge| {
         let (d, e) = (q - p, edge.b - edge.a);
         let turn = d.cross(e) as f64;

@@ -6,10 +6,10 @@ mod line;
 mod outline;
 
 use axis::Node;
-use line::Line;
+use line::{Line, point};
 use outline::Outline;
 
-use super::{EdgeGrid, Point, Polygon, Region};
+use super::{Bounds, EdgeGrid, Point, Polygon, Region};
 
 /// A line along the middle of a narrow region, with the region's width at each vertex.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -87,18 +87,19 @@ pub fn medial_axis_in(
     let around = super::intersection(region, &super::offset(area, REACH * max_mm));
     let all = EdgeGrid::new(area);
     // A spur that comes from elsewhere is not covered by a line there.
-    let covers = |node: &Node| all.contains(Point::from_mm(node.at[0], node.at[1]));
+    let covers = |node: &Node| all.contains(point(node.at));
     let lines_in = |polygon| {
         let grid = grid_of(polygon);
-        (lines(polygon, &grid, covers, max_mm, tip), grid)
+        let lines = lines(polygon, &grid, covers, max_mm, tip).into_iter();
+        (lines.filter_map(|line| Some((line.bounds()?, line))).collect(), grid)
     };
-    let wholes: Vec<(Vec<Line>, EdgeGrid)> = around.polygons.iter().map(lines_in).collect();
+    let wholes: Vec<(Vec<(Bounds, Line)>, EdgeGrid)> = around.polygons.iter().map(lines_in).collect();
     let in_part = |part: &Polygon| {
         let inside = grid_of(part);
         let mut cuts = Vec::new();
         for (lines, grid) in &wholes {
-            let near = lines.iter().filter(|line| line.comes_near(&inside));
-            let parts = near.flat_map(|line| line.clone().parts_in(&inside, cut));
+            let near = lines.iter().filter(|(bounds, _)| bounds.touches(&inside.bounds()));
+            let parts = near.flat_map(|(_, line)| line.clone().parts_in(&inside, cut));
             cuts.extend(paths(parts, grid, min_mm, max_mm));
         }
         if covered_mm2(&cuts) < ENOUGH * part.area_mm2() {
