@@ -5,7 +5,7 @@ mod toolpath_raster;
 use std::sync::Arc;
 
 use pathwright::geom::{self, Bounds, Point, Polygon, Region, Ring};
-use pathwright::profile::{Pattern, Settings, WallOrder};
+use pathwright::profile::{Pattern, Settings, WallGenerator, WallOrder};
 use pathwright::toolpath::infill::{self, AdaptiveCubic, FillPattern, FillSpec, Hollow, Joins, Lightning};
 use pathwright::toolpath::{
     LayerPaths, ObjectLayer, Path, Planner, PlateLayer, Role, Shells, Width, bead, shell_depth,
@@ -581,6 +581,29 @@ fn webs_between_slots_are_filled_however_short() {
                 let found = coverage(&web, &layer.paths);
                 assert!(found.void <= 0.15, "{web_mm} by {slot_mm} mm: {found:?}");
             }
+        }
+    }
+}
+
+#[test]
+fn narrow_places_are_filled_however_long_the_outline_is() {
+    let corners = [(0.0, 0.0), (300.0, 0.0), (300.0, 300.0), (0.0, 300.0)];
+    let plate = |outer: &[(f64, f64)], hole: &[(f64, f64)]| Region {
+        polygons: vec![Polygon { outer: ring(outer), holes: vec![ring(hole)] }],
+    };
+    // A neck between the edge and a hole, with room for a bead and a bit between the walls; and a tab at the edge.
+    let hole = [(60.0, 1.3), (56.6, 8.0), (64.0, 8.0), (60.6, 1.3)];
+    let neck = rectangle(60.0, 0.05, 60.6, 1.25);
+    let tab = rectangle(100.0, -2.0, 100.4, 0.0);
+    let with_tab =
+        [&corners[..1], &[(100.0, 0.0), (100.0, -2.0), (100.4, -2.0), (100.4, 0.0)], &corners[1..]];
+    for generator in [WallGenerator::Classic, WallGenerator::Variable] {
+        let mut settings = job();
+        settings.walls.generator = generator;
+        for (outer, narrow) in [(&corners[..], &neck), (&with_tab.concat(), &tab)] {
+            let layer = plan(&vec![plate(outer, &hole); 3], &settings).swap_remove(1);
+            let found = coverage(narrow, &layer.paths);
+            assert!(found.void <= 0.05 && found.double <= 0.02, "{generator:?}: {found:?}");
         }
     }
 }

@@ -44,10 +44,6 @@ const NEARLY_STRAIGHT: f64 = 0.05;
 /// The thickness is looked up at least this often, in spacings.
 const STEP: f64 = 0.6;
 
-/// Area that rounding of corners may lose before a region counts as having narrow places, as a share of its
-/// boundary's length: mitred corners come back exactly but for slivers of this width.
-const CORNER_LOSS_MM: f64 = 0.002;
-
 /// A narrow place, to be filled with single beads.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Gap {
@@ -76,10 +72,9 @@ pub(super) fn pair(region: &Region, spacing_mm: f64, least_mm: f64) -> Pair {
         around_mm < spacing_mm || 2.0 * polygon.area_mm2() >= HYSTERESIS * spacing_mm * around_mm
     });
     let covered = geom::offset(&core, PAIR * spacing_mm);
-    let gap = narrower(region, &covered, least_mm);
+    let gap = gap(region, &core, PAIR * spacing_mm, least_mm);
     let deep = geom::offset(&core, -(FULL - PAIR) * spacing_mm);
-    let thick = geom::offset(&deep, FULL * spacing_mm);
-    let loops = if same_area(&covered, &thick) {
+    let loops = if geom::narrower(&covered, &deep, FULL * spacing_mm, MIN_GAP_MM).is_empty() {
         constant(&geom::offset(&core, (PAIR - 0.5) * spacing_mm))
     } else {
         let centre = geom::offset(&core, PAIR / 2.0 * spacing_mm);
@@ -107,19 +102,10 @@ pub(super) fn constant(centre: &Region) -> Vec<Line> {
     centre.rings().filter_map(|ring| Line::nominal(ring.clone(), true).sound()).collect()
 }
 
-/// What an opening took off a region, as far as it is at least `least_mm` wide.
-pub(super) fn narrower(region: &Region, opened: &Region, least_mm: f64) -> Option<Gap> {
-    if same_area(region, opened) {
-        return None;
-    }
-    let area = geom::opening(&geom::remainder(region, opened), least_mm / 2.0);
+/// The places where a region is narrower than twice the radius that it was shrunk by to `core`, and at least `least_mm`.
+pub(super) fn gap(region: &Region, core: &Region, radius_mm: f64, least_mm: f64) -> Option<Gap> {
+    let area = geom::narrower(region, core, radius_mm, least_mm);
     (!area.is_empty()).then(|| Gap { area, region: region.clone() })
-}
-
-/// Whether opening a region lost no more than its corners' slivers.
-pub(super) fn same_area(before: &Region, after: &Region) -> bool {
-    let boundary_mm: f64 = before.rings().map(|r| geom::ring_length_mm(r)).sum();
-    before.area_mm2() - after.area_mm2() <= CORNER_LOSS_MM * boundary_mm
 }
 
 /// A place on a bead's way: position, direction inwards, spacing.

@@ -82,7 +82,7 @@ pub fn trace(island: &Polygon, spec: &WallSpec) -> Walls {
     let closest = if variable { 2.0 * beading::PAIR } else { CLOSEST };
     let core_mm = depth_mm + spec.spacing_mm(1) * closest / 2.0;
     let core = geom::offset(&section, -core_mm);
-    if !core.is_empty() && beading::same_area(&section, &geom::offset(&core, core_mm)) {
+    if !core.is_empty() && geom::narrower(&section, &core, core_mm, beading::MIN_GAP_MM).is_empty() {
         concentric(&section, spec)
     } else if variable {
         fitted(&section, spec)
@@ -130,10 +130,10 @@ fn fitted(section: &Region, spec: &WallSpec) -> Walls {
     }
     if spec.gap_fill && !rest.is_empty() {
         let room_mm = beading::PAIR * spec.spacing_mm(spec.count);
-        let wide = geom::opening(&rest, room_mm);
-        if let Some(gap) = beading::narrower(&rest, &wide, beading::MIN_GAP_MM) {
+        let core = geom::offset(&rest, -room_mm);
+        if let Some(gap) = beading::gap(&rest, &core, room_mm, beading::MIN_GAP_MM) {
             walls.gaps.push((spec.count, gap));
-            rest = geom::intersection(&wide, &rest);
+            rest = geom::intersection(&geom::offset(&core, room_mm), &rest);
         }
     }
     walls.inside = rest;
@@ -150,14 +150,17 @@ fn with_gaps(section: &Region, spec: &WallSpec) -> Walls {
         }
         let spacing_mm = spec.spacing_mm(depth);
         let closest_mm = spacing_mm * CLOSEST / 2.0;
-        let thick = geom::offset(&rest, -(spacing_mm / 2.0 + closest_mm));
-        let covered = geom::offset(&thick, spacing_mm / 2.0 + closest_mm);
+        let thick_mm = spacing_mm / 2.0 + closest_mm;
+        let thick = geom::offset(&rest, -thick_mm);
         if spec.gap_fill {
-            let gap = beading::narrower(&rest, &covered, spec.least_gap_mm(depth));
+            let gap = beading::gap(&rest, &thick, thick_mm, spec.least_gap_mm(depth));
+            let narrow = gap.is_some();
             walls.gaps.extend(gap.map(|gap| (depth, gap)));
+            if depth == spec.count && narrow {
+                rest = geom::intersection(&geom::offset(&thick, thick_mm), &rest);
+            }
         }
         if depth == spec.count {
-            rest = if spec.gap_fill { geom::intersection(&covered, &rest) } else { rest };
             break;
         }
         let centre = geom::offset(&thick, closest_mm);

@@ -23,15 +23,12 @@ const CORNER: f64 = 4.0;
 
 /// Divides a solid zone into what is wide enough for parallel lines, and the rest.
 pub fn split_narrow(zone: &Region, spacing_mm: f64) -> (Region, Region) {
-    let core = geom::offset(zone, -NARROW / 2.0 * spacing_mm);
+    let radius_mm = NARROW / 2.0 * spacing_mm;
+    let core = geom::offset(zone, -radius_mm);
     if core.is_empty() {
         return (core, zone.clone());
     }
-    let wide = geom::offset(&core, NARROW / 2.0 * spacing_mm);
-    if zone.area_mm2() - wide.area_mm2() < CORNER * spacing_mm * spacing_mm {
-        return (zone.clone(), Region::default());
-    }
-    let mut narrow = geom::opening(&geom::remainder(zone, &wide), spacing_mm / 4.0);
+    let mut narrow = geom::narrower(zone, &core, radius_mm, spacing_mm / 2.0);
     narrow.polygons.retain(|polygon| polygon.area_mm2() >= CORNER * spacing_mm * spacing_mm);
     if narrow.is_empty() {
         return (zone.clone(), narrow);
