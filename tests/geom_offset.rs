@@ -5,8 +5,9 @@ use clipper2_rust::{
     intersect_64, union_subjects_64, xor_64,
 };
 use pathwright::geom::{
-    Join, Point, Polygon, Region, Ring, UNITS_PER_MM, closing, difference, intersection, offset, offset_with,
-    opening, remainder, ring_area, ring_length_mm, simplify, split, union, union_all, unite_rings,
+    Join, Point, Polygon, Region, Ring, UNITS_PER_MM, close_between, closing, difference, intersection,
+    offset, offset_with, opening, remainder, ring_area, ring_length_mm, simplify, split, union, union_all,
+    unite_rings,
 };
 use proptest::prelude::*;
 
@@ -300,6 +301,20 @@ proptest! {
         let slack = 0.006 * perimeter_mm(&region) + 0.5 * radius_mm * radius_mm * region.vertex_count() as f64;
         prop_assert!(opening(&region, radius_mm).area_mm2() <= region.area_mm2() + slack);
         prop_assert!(closing(&region, radius_mm).area_mm2() >= region.area_mm2() - slack);
+    }
+
+    #[test]
+    fn closing_between_fills_what_closing_fills_and_leaves_lonely_polygons_as_they_are(
+        region in any_region(),
+        radius_mm in 0.02..0.5_f64,
+    ) {
+        let closed = close_between(&region, radius_mm);
+        let slack_mm2 = 0.006 * perimeter_mm(&region);
+        prop_assert!(difference(&region, &closed).area_mm2() <= slack_mm2);
+        prop_assert!(difference(&closed, &closing(&region, radius_mm)).area_mm2() <= slack_mm2);
+        if let [polygon] = region.polygons.as_slice() {
+            prop_assert_eq!(&closed.polygons, std::slice::from_ref(polygon));
+        }
     }
 
     #[test]

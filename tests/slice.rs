@@ -18,7 +18,7 @@ fn span(cut_mm: f64) -> LayerSpan {
 }
 
 fn section(mesh: &Mesh, cut_mm: f64) -> (Region, Gaps) {
-    Cutter::new(mesh, &[span(cut_mm)], LayerSettings::default().resolution.0).section(0)
+    Cutter::new(mesh, &[span(cut_mm)], &LayerSettings::default()).section(0)
 }
 
 fn plate(mesh: Mesh, copies: usize) -> Plate {
@@ -147,6 +147,30 @@ fn overlapping_bodies_are_one_and_cavities_are_holes() {
     let nested = [cuboid([0.0; 3], [10.0; 3]), inside_out(cuboid([2.0; 3], [4.0; 3]))].concat();
     let (region, _) = section(&mesh(&nested).0, 3.0);
     assert_eq!((region.area_mm2(), region.polygons.len(), region.polygons[0].holes.len()), (96.0, 1, 1));
+}
+
+#[test]
+fn bodies_with_hardly_a_gap_between_them_are_one() {
+    // The second body stands beside the first as near as `gaps_mm[0]`, the third, which touches the second, as `gaps_mm[1]`.
+    let outlines = |gaps_mm: [f32; 2], closing_mm: f64| {
+        let settings = LayerSettings { closing_radius: Mm(closing_mm), ..LayerSettings::default() };
+        let bodies = [
+            cuboid([0.0; 3], [10.0; 3]),
+            cuboid([10.0 + gaps_mm[0], 0.0, 0.0], [20.0, 6.0, 10.0]),
+            cuboid([10.0 + gaps_mm[1], 6.0, 0.0], [20.0, 10.0, 10.0]),
+        ];
+        let region = Cutter::new(&mesh(&bodies.concat()).0, &[span(5.0)], &settings).section(0).0;
+        (region.rings().count(), region.area_mm2())
+    };
+    for gap_mm in [0.002, 0.01, 0.04, 0.09] {
+        // With a gap all along, and with a slit in one outline.
+        for gaps_mm in [[gap_mm; 2], [0.0, gap_mm]] {
+            let (rings, area_mm2) = outlines(gaps_mm, 0.049);
+            assert!(rings == 1 && (area_mm2 - 200.0).abs() < 0.02, "{gaps_mm:?}: {rings}, {area_mm2}");
+        }
+        assert_eq!(outlines([gap_mm; 2], 0.0).0, 2);
+    }
+    assert_eq!(outlines([0.11; 2], 0.049).0, 2);
 }
 
 #[test]

@@ -24,7 +24,7 @@ pub use clip::{ClippedPiece, Clipper, clip_polyline, clip_segments, polyline_len
 pub use grid::{Edge, EdgeGrid};
 pub use hatch::{HatchEnd, HatchLine, scan_lines};
 pub use medial::{MedialPath, medial_axis, medial_axis_in};
-pub use offset::{closing, narrower, offset, offset_with, opening, remainder};
+pub use offset::{close_between, closing, narrower, offset, offset_with, opening, remainder};
 pub use point::{Point, UNITS_PER_MM, distance_mm, to_mm, to_segment_mm, to_units};
 pub use raw_offset::Join;
 pub use region::{Bounds, Polygon, Region, Ring, ring_area, ring_length_mm};

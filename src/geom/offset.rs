@@ -74,6 +74,24 @@ pub fn closing(region: &Region, radius_mm: f64) -> Region {
     offset(&offset(region, radius_mm), -radius_mm)
 }
 
+/// Gaps between the polygons of a region that are narrower than twice the radius are filled, and what else a
+/// [`closing`] fills of polygons that have others near. The rest stays as it is.
+pub fn close_between(region: &Region, radius_mm: f64) -> Region {
+    let reach = (radius_mm * UNITS_PER_MM).ceil() as i32;
+    let outer = |polygon: &Polygon| Bounds::of(polygon.outer.iter().copied());
+    let Some(boxes) = region.polygons.iter().map(outer).collect::<Option<Vec<Bounds>>>() else {
+        return region.clone();
+    };
+    let boxes: Vec<Bounds> = boxes.into_iter().map(|bounds| bounds.grown(reach)).collect();
+    let mut result = Region::default();
+    for group in clusters(&boxes, |_, _| true) {
+        let near = Region { polygons: group.iter().map(|&i| region.polygons[i].clone()).collect() };
+        let closed = if group.len() > 1 { closing(&near, radius_mm) } else { near };
+        result.polygons.extend(closed.polygons);
+    }
+    result
+}
+
 /// What is left of a region when a part of it is taken out whose boundary is, or nearly is, the region's own over long
 /// stretches. The part is taken out with 5 µm to spare, which leaves no slivers.
 pub fn remainder(region: &Region, part: &Region) -> Region {

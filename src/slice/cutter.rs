@@ -7,6 +7,7 @@ use super::simplify::simplify;
 use super::stitch::stitch;
 use crate::geom::{Point, Region, Ring};
 use crate::mesh::{Mesh, NO_TWIN};
+use crate::profile::LayerSettings;
 
 /// A vertex, and how many cuts lie at or below it: it is above cut `i` if `rank > i`. A vertex on a cut is above it, so
 /// no cut ever passes through a vertex.
@@ -26,11 +27,12 @@ pub struct Cutter<'a> {
     start: Vec<u32>,
     crossing: Vec<u32>,
     resolution_mm: f64,
+    closing_mm: f64,
 }
 
 impl<'a> Cutter<'a> {
-    /// Sorts the triangles by layer; outlines will be simplified to `resolution_mm`. O(triangles + crossings).
-    pub fn new(mesh: &'a Mesh, spans: &[LayerSpan], resolution_mm: f64) -> Self {
+    /// Sorts the triangles by layer; of the settings it needs those of outlines. O(triangles + crossings).
+    pub fn new(mesh: &'a Mesh, spans: &[LayerSpan], settings: &LayerSettings) -> Self {
         let cuts_mm: Vec<f64> = spans.iter().map(|s| s.cut_mm).collect();
         let corners: Vec<Corner> =
             mesh.vertices().iter().map(|&at_mm| Corner { at_mm, rank: rank(&cuts_mm, at_mm[2]) }).collect();
@@ -60,7 +62,8 @@ impl<'a> Cutter<'a> {
                 *place += 1;
             }
         }
-        Self { mesh, corners, cuts_mm, start, crossing, resolution_mm }
+        let (resolution_mm, closing_mm) = (settings.resolution.0, settings.closing_radius.0);
+        Self { mesh, corners, cuts_mm, start, crossing, resolution_mm, closing_mm }
     }
 
     /// The section at a layer's cut, and what had to be mended. Cost grows with the triangles that the layer crosses.
@@ -74,7 +77,11 @@ impl<'a> Cutter<'a> {
             simplify(ring, self.resolution_mm);
         }
         rings.retain(|ring| ring.len() >= 3);
-        let region = if self.mesh.is_oriented() { fill::non_zero(&rings) } else { fill::even_odd(&rings) };
+        let region = if self.mesh.is_oriented() {
+            fill::non_zero(&rings, self.closing_mm)
+        } else {
+            fill::even_odd(&rings)
+        };
         (region, gaps)
     }
 

@@ -73,7 +73,7 @@ impl<'a> Slicer<'a> {
 
     /// The same with layers that are planned already.
     pub fn with_spans(plate: &'a Plate, spans: Vec<LayerSpan>, settings: &LayerSettings) -> Self {
-        let cutters = plate.meshes.iter().map(|m| Cutter::new(m, &spans, settings.resolution.0)).collect();
+        let cutters = plate.meshes.iter().map(|m| Cutter::new(m, &spans, settings)).collect();
         Self {
             plate,
             cutters,

@@ -65,7 +65,7 @@ impl<'a> Sections<'a> {
             })
             .collect();
         Self {
-            cutter: Cutter::new(mesh, &spans, settings.layer.resolution.0),
+            cutter: Cutter::new(mesh, &spans, &settings.layer),
             levels,
             bottom_mm,
             top_mm: bottom_mm + high[2] - low[2],
