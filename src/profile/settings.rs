@@ -305,7 +305,7 @@ section! {
         /// The first layer shrinks by this on every side (elephant foot).
         elephant_foot: Mm = Mm(0.0); 0.0..=2.0,
         /// Gaps between bodies that are narrower than twice this are closed, so that they become one.
-        closing_radius: Mm = Mm(0.049); 0.0..=0.5,
+        closing_radius: Mm = Mm(0.02); 0.0..=0.5,
         /// Vertices that move the outline less than this are dropped.
         resolution: Mm = Mm(0.0125); 0.0..=0.5,
     }

@@ -82,7 +82,8 @@ pub fn trace(island: &Polygon, spec: &WallSpec) -> Walls {
     let closest = if variable { 2.0 * beading::PAIR } else { CLOSEST };
     let core_mm = depth_mm + spec.spacing_mm(1) * closest / 2.0;
     let core = geom::offset(&section, -core_mm);
-    if !core.is_empty() && geom::narrower(&section, &core, core_mm, beading::MIN_GAP_MM).is_empty() {
+    let least_mm = spec.least_gap_mm(0).min(beading::MIN_GAP_MM);
+    if !core.is_empty() && geom::narrower(&section, &core, core_mm, least_mm).is_empty() {
         concentric(&section, spec)
     } else if variable {
         fitted(&section, spec)
@@ -128,23 +129,14 @@ fn fitted(section: &Region, spec: &WallSpec) -> Walls {
         }
         rest = pair.rest;
     }
-    if spec.gap_fill && !rest.is_empty() {
-        let room_mm = beading::PAIR * spec.spacing_mm(spec.count);
-        let core = geom::offset(&rest, -room_mm);
-        if let Some(gap) = beading::gap(&rest, &core, room_mm, beading::MIN_GAP_MM) {
-            walls.gaps.push((spec.count, gap));
-            rest = geom::intersection(&geom::offset(&core, room_mm), &rest);
-        }
-    }
-    walls.inside = rest;
-    walls
+    leave_inside(walls, rest, beading::PAIR * spec.spacing_mm(spec.count), spec)
 }
 
 /// The walls of an island with narrow places, with fixed widths.
 fn with_gaps(section: &Region, spec: &WallSpec) -> Walls {
     let mut walls = Walls::default();
     let mut rest = geom::offset(section, -bead::rounding_mm(spec.height_mm) / 2.0);
-    for depth in 0..=spec.count {
+    for depth in 0..spec.count {
         if rest.is_empty() {
             break;
         }
@@ -154,20 +146,25 @@ fn with_gaps(section: &Region, spec: &WallSpec) -> Walls {
         let thick = geom::offset(&rest, -thick_mm);
         if spec.gap_fill {
             let gap = beading::gap(&rest, &thick, thick_mm, spec.least_gap_mm(depth));
-            let narrow = gap.is_some();
             walls.gaps.extend(gap.map(|gap| (depth, gap)));
-            if depth == spec.count && narrow {
-                rest = geom::intersection(&geom::offset(&thick, thick_mm), &rest);
-            }
-        }
-        if depth == spec.count {
-            break;
         }
         let centre = geom::offset(&thick, closest_mm);
         walls.loops.push(beading::constant(&centre));
         rest = geom::offset(&centre, -spacing_mm / 2.0);
     }
-    walls.inside = rest;
     walls.loops.retain(|rings| !rings.is_empty());
+    leave_inside(walls, rest, (1.0 + CLOSEST) / 2.0 * spec.spacing_mm(spec.count), spec)
+}
+
+/// What the walls leave is the place for infill; narrower places than twice the radius become gaps.
+fn leave_inside(mut walls: Walls, mut rest: Region, radius_mm: f64, spec: &WallSpec) -> Walls {
+    if spec.gap_fill && !rest.is_empty() {
+        let core = geom::offset(&rest, -radius_mm);
+        if let Some(gap) = beading::gap(&rest, &core, radius_mm, spec.least_gap_mm(spec.count)) {
+            walls.gaps.push((spec.count, gap));
+            rest = geom::intersection(&geom::offset(&core, radius_mm), &rest);
+        }
+    }
+    walls.inside = rest;
     walls
 }
