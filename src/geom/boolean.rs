@@ -144,7 +144,8 @@ fn combine<const N: usize>(a: &Region, b: &Region, rules: [Rule; N]) -> [Region;
     results
 }
 
-fn bounds(polygon: &Polygon) -> Bounds {
+/// The box of a polygon; that of the origin for one without vertices.
+pub(super) fn bounds(polygon: &Polygon) -> Bounds {
     Bounds::of(polygon.outer.iter().copied())
         .unwrap_or(Bounds { min: Point::default(), max: Point::default() })
 }

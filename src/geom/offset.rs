@@ -4,7 +4,7 @@
 //! already. Else the overlaps are taken out by winding number.
 
 use super::arrange::{Arrangement, Rule};
-use super::boolean::{clusters, difference, positive};
+use super::boolean::{bounds, clusters, difference, positive};
 use super::crossed::Crossed;
 use super::raw_offset::{Join, RingOffset};
 use super::simplify::simplify_ring;
@@ -53,9 +53,7 @@ pub fn offset_with(region: &Region, by_mm: f64, join: Join) -> Region {
             task.together(&[polygon], &mut result);
         }
     } else {
-        let reach = (by * join.reach()).ceil();
-        let boxes: Vec<Bounds> = region.polygons.iter().map(|p| grown_bounds(&p.outer, reach)).collect();
-        for group in clusters(&boxes, |_, _| true) {
+        for group in groups(region, by * join.reach()) {
             let polygons: Vec<&Polygon> = group.iter().map(|&i| &region.polygons[i]).collect();
             task.together(&polygons, &mut result);
         }
@@ -77,14 +75,8 @@ pub fn closing(region: &Region, radius_mm: f64) -> Region {
 /// Gaps between the polygons of a region that are narrower than twice the radius are filled, and what else a
 /// [`closing`] fills of polygons that have others near. The rest stays as it is.
 pub fn close_between(region: &Region, radius_mm: f64) -> Region {
-    let reach = (radius_mm * UNITS_PER_MM).ceil() as i32;
-    let outer = |polygon: &Polygon| Bounds::of(polygon.outer.iter().copied());
-    let Some(boxes) = region.polygons.iter().map(outer).collect::<Option<Vec<Bounds>>>() else {
-        return region.clone();
-    };
-    let boxes: Vec<Bounds> = boxes.into_iter().map(|bounds| bounds.grown(reach)).collect();
     let mut result = Region::default();
-    for group in clusters(&boxes, |_, _| true) {
+    for group in groups(region, radius_mm * UNITS_PER_MM) {
         let near = Region { polygons: group.iter().map(|&i| region.polygons[i].clone()).collect() };
         let closed = if group.len() > 1 { closing(&near, radius_mm) } else { near };
         result.polygons.extend(closed.polygons);
@@ -103,6 +95,12 @@ pub fn remainder(region: &Region, part: &Region) -> Region {
 /// radius.
 pub fn narrower(region: &Region, core: &Region, radius_mm: f64, least_mm: f64) -> Region {
     opening(&difference(region, &offset(core, radius_mm + KERF_MM)), least_mm / 2.0)
+}
+
+/// The polygons of a region in groups that may meet when each grows by `reach` units, as their numbers.
+fn groups(region: &Region, reach: f64) -> Vec<Vec<usize>> {
+    let boxes: Vec<Bounds> = region.polygons.iter().map(|p| bounds(p).grown(reach.ceil() as i32)).collect();
+    clusters(&boxes, |_, _| true)
 }
 
 struct Offset {
@@ -169,15 +167,5 @@ impl Offset {
             let height = i64::from(b.max.y) - i64::from(b.min.y);
             width.min(height) as f64 <= 2.0 * self.by.abs()
         })
-    }
-}
-
-fn grown_bounds(ring: &[Point], by: f64) -> Bounds {
-    let b =
-        Bounds::of(ring.iter().copied()).unwrap_or(Bounds { min: Point::default(), max: Point::default() });
-    let moved = |v: i32, by: f64| (f64::from(v) + by) as i32;
-    Bounds {
-        min: Point::new(moved(b.min.x, -by), moved(b.min.y, -by)),
-        max: Point::new(moved(b.max.x, by), moved(b.max.y, by)),
     }
 }

@@ -15,8 +15,7 @@ pub(super) fn non_zero(rings: &[Ring], closing_mm: f64) -> Region {
         Some(region) if closing_mm > 0.0 => geom::close_between(&region, closing_mm),
         Some(region) => region,
         // Where bodies touch along a part of their sides, the gaps are slits in one outline.
-        None if closing_mm > 0.0 => geom::closing(&geom::unite_rings(rings), closing_mm),
-        None => geom::unite_rings(rings),
+        None => geom::closing(&geom::unite_rings(rings), closing_mm),
     }
 }
 
