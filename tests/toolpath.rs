@@ -62,6 +62,7 @@ fn plan(sections: &[Region], settings: &Settings) -> Vec<LayerPaths> {
             beneath: index.checked_sub(1).map(|below| &sections[below]),
             above: shells.above(index),
             below: shells.below(index),
+            hollow: shells.beneath(index),
         }],
     };
     let mut planner = Planner::new(settings.into(), &sections[0], HEIGHT_MM);
@@ -329,6 +330,42 @@ fn on_a_slope_every_exposed_place_is_solid_to_the_shell_depth() {
     }
 }
 
+#[test]
+fn solid_patches_over_sparse_infill_lie_on_a_line_of_it() {
+    // Pockets of about 1 mm from the top, on all places that lines 3 mm apart can leave them.
+    let full = rectangle(0.0, 0.0, 60.0, 60.0);
+    let mut open = full.clone();
+    for (i, j) in (0..7).flat_map(|i| (0..7).map(move |j| (i, j))) {
+        let (x, y, wide) = (6.0 + 7.37 * f64::from(i), 6.0 + 7.13 * f64::from(j), 0.8 + 0.1 * f64::from(i));
+        open = with_hole(open, &rectangle(x, y, x + wide, y + 1.0));
+    }
+    let mut settings = job();
+    settings.infill.density = Ratio(0.15);
+    for pattern in [Pattern::Rectilinear, Pattern::Grid, Pattern::Cubic] {
+        settings.infill.pattern = pattern;
+        let layers = plan(&[vec![full.clone(); 12], vec![open.clone(); 8]].concat(), &settings);
+        let lowest = (5..12).find(|&i| !of_role(&layers[i], Role::SolidInfill).is_empty()).unwrap();
+        let beneath: Vec<[Point; 2]> = of_role(&layers[lowest - 1], Role::InternalInfill)
+            .iter()
+            .flat_map(|p| p.points.windows(2).map(|e| [e[0], e[1]]))
+            .collect();
+        let rests =
+            |p: Point| beneath.iter().any(|[a, b]| geom::to_segment_mm(p.mm(), a.mm(), b.mm()) < 0.45);
+        for path in of_role(&layers[lowest], Role::SolidInfill) {
+            let points = path.points.iter().chain(path.points.first().filter(|_| path.closed));
+            let points: Vec<Point> = points.copied().collect();
+            let places = points.windows(2).flat_map(|e| {
+                let ([ax, ay], [bx, by]) = (e[0].mm(), e[1].mm());
+                (0..=20)
+                    .map(f64::from)
+                    .map(move |k| Point::from_mm(ax + (bx - ax) * k / 20.0, ay + (by - ay) * k / 20.0))
+            });
+            let hangs = length_mm(path) > 1.5 && !places.into_iter().any(rests);
+            assert!(!hangs, "{pattern:?}: {:.1} mm at {:?}", length_mm(path), path.points[0].mm());
+        }
+    }
+}
+
 /// The layer that closes an opening: full sections on top of sections with it.
 fn roof(open: &Region, full: &Region) -> LayerPaths {
     let sections = [vec![open.clone(); 6], vec![full.clone(); 6]].concat();
@@ -367,6 +404,20 @@ fn bridges_between_two_pillars_go_from_one_to_the_other() {
     let mut pillars = rectangle(0.0, 0.0, 8.0, 8.0);
     pillars.polygons.extend(rectangle(32.0, 0.0, 40.0, 8.0).polygons);
     assert!(bridges_run(&roof(&pillars, &full), 0.0, &pillars));
+}
+
+#[test]
+fn no_thread_of_a_bridge_ends_halfway_along_an_edge_that_is_nearly_straight() {
+    let full = |slant_mm: f64| {
+        let outer = ring(&[(0.0, 0.0), (40.0, slant_mm), (40.0, 8.0), (0.0, 8.0 - slant_mm)]);
+        Region { polygons: vec![Polygon { outer, holes: vec![] }] }
+    };
+    let mut pillars = rectangle(0.0, 0.0, 8.0, 8.0);
+    pillars.polygons.extend(rectangle(32.0, 0.0, 40.0, 8.0).polygons);
+    for slant_mm in [-0.03, -0.01, 0.01, 0.03] {
+        let open = geom::intersection(&pillars, &full(slant_mm));
+        assert!(bridges_run(&roof(&open, &full(slant_mm)), 0.0, &pillars), "{slant_mm}");
+    }
 }
 
 #[test]

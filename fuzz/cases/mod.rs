@@ -164,6 +164,7 @@ fn plan(sections: &[Region], settings: &Settings) -> Vec<LayerPaths> {
             beneath: index.checked_sub(1).map(|below| &sections[below]),
             above: shells.above(index),
             below: shells.below(index),
+            hollow: shells.beneath(index),
         }],
     };
     (0..sections.len()).map(|index| planner.layer(&layer(index))).collect()

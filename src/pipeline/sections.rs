@@ -119,6 +119,7 @@ impl Sections {
                 .map(|below| self.of(s.object, below)),
             above: self.shells[s.object].above(index),
             below: self.shells[s.object].below(index),
+            hollow: self.shells[s.object].beneath(index),
         });
         PlateLayer { index, top_mm: span.top_mm, height_mm: span.height_mm, objects: objects.collect() }
     }

@@ -9,6 +9,7 @@ mod fuzzy;
 pub mod infill;
 mod path;
 mod planner;
+mod reach;
 mod shells;
 mod spiral;
 mod stacks;

@@ -15,7 +15,8 @@ use super::bead::Line;
 use super::beading::{self, Gap};
 use super::bridges::Bridge;
 use super::fuzzy::Fuzzy;
-use super::infill::{self, FillPattern, FillSpec, Joins, SolidSpec, SparseSample};
+use super::infill::{self, FillPattern, FillSpec, Joins, LineSet, SolidSpec, SparseSample};
+use super::reach::Reach;
 use super::shells::{self, Zones};
 use super::stacks::Stacks;
 use super::walls::{self, WallSpec, Walls};
@@ -99,6 +100,8 @@ pub struct ObjectLayer<'a> {
     pub above: Option<&'a Region>,
     /// What the layers of the bottom shell's thickness below have in common; `None`: no bottom shell.
     pub below: Option<&'a Region>,
+    /// `above` and `below` of the layer beneath: its sparse infill is in both.
+    pub hollow: [Option<&'a Region>; 2],
 }
 
 /// One layer of the plate.
@@ -402,11 +405,33 @@ impl Planner {
     /// Divides an island's inside; at full density nothing is sparse.
     fn zones(&self, inside: &Region, object: &ObjectLayer<'_>, section: &PlateLayer<'_>) -> Zones {
         let spacing_mm = bead::spacing_mm(self.widths(section.index).solid_mm, section.height_mm);
-        let every = self.settings.infill.solid_every as usize;
-        let full = self.settings.infill.density.0 > SOLID_DENSITY
-            || (section.index + 1).checked_rem(every).is_some_and(|rest| rest == 0);
+        let full = self.is_full(section.index);
         let below = if full { Some(Region::EMPTY) } else { object.below };
-        shells::divide(inside, object.above, below, object.next, spacing_mm)
+        let reach =
+            object.beneath.filter(|_| !full && !self.is_full(section.index - 1)).map(|beneath| Reach {
+                hollow: [beneath, object.hollow[0].unwrap_or(beneath), object.hollow[1].unwrap_or(beneath)],
+                sparse: self.lines_beneath(section),
+                angle_rad: infill::turned(self.settings.infill.angle.to_radians(), section.index),
+            });
+        shells::divide(inside, object.above, below, object.next, spacing_mm, reach.as_ref())
+    }
+
+    /// Whether nothing of a layer is sparse.
+    fn is_full(&self, layer: usize) -> bool {
+        let every = self.settings.infill.solid_every as usize;
+        self.settings.infill.density.0 > SOLID_DENSITY
+            || (layer + 1).checked_rem(every).is_some_and(|rest| rest == 0)
+    }
+
+    /// The lines of the sparse pattern one layer down.
+    fn lines_beneath(&self, section: &PlateLayer<'_>) -> Vec<LineSet> {
+        if self.settings.infill.density.0 <= 0.0 {
+            return Vec::new();
+        }
+        let index = section.index - 1;
+        let turn = self.stacks.of(index).map_or(index, |(_, number)| number);
+        let spec = self.fill_spec(section, Slab { height_mm: section.height_mm, turn });
+        self.pattern.sets(&FillSpec { layer: index, z_mm: spec.z_mm - section.height_mm, ..spec })
     }
 
     /// Distance of neighbouring beads of sparse infill.

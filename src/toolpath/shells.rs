@@ -5,6 +5,8 @@ use std::ops::Range;
 use crate::geom::{self, Region};
 use crate::profile::ShellSettings;
 
+use super::reach::Reach;
+
 /// Area below which what an island has of a zone is given to the other zone: less than a nozzle's bore.
 const CRUMB_MM2: f64 = 0.05;
 
@@ -105,6 +107,11 @@ impl Shells {
         self.has_bottom.then(|| self.window(&self.below, i))
     }
 
+    /// What the two are for the layer beneath layer `i`: its sparse infill is in both.
+    pub fn beneath(&self, i: usize) -> [Option<&Region>; 2] {
+        i.checked_sub(1).map_or([None; 2], |beneath| [self.above(beneath), self.below(beneath)])
+    }
+
     fn window(&self, places: &[Option<usize>], i: usize) -> &Region {
         places.get(i).copied().flatten().map_or(Region::EMPTY, |place| &self.windows[place])
     }
@@ -152,13 +159,15 @@ pub struct Zones {
 /// Divides the inside of an island into sparse, solid and top.
 ///
 /// `above` and `below` are the windows of [`Shells`], `next` is the section of the layer above (empty on the
-/// last). Very narrow solid strips are left to the walls beside them; sparse ones become solid.
+/// last). Very narrow solid strips are left to the walls beside them; sparse ones become solid. Solid patches `reach`
+/// over a line of sparse infill beneath.
 pub fn divide(
     inside: &Region,
     above: Option<&Region>,
     below: Option<&Region>,
     next: &Region,
     line_mm: f64,
+    reach: Option<&Reach<'_>>,
 ) -> Zones {
     let parted = |region: &Region, window: Option<&Region>| match window {
         Some(window) => geom::split(region, window),
@@ -179,6 +188,9 @@ pub fn divide(
         strips.polygons.retain(|patch| patch.area_mm2() >= SMALLEST_PATCH * line_mm * line_mm);
         if strips.is_empty() {
             return all_sparse();
+        }
+        if let Some(reach) = reach {
+            strips = reach.grow(strips, inside, line_mm);
         }
         let anchored = geom::offset(&strips, line_mm / 2.0);
         let sparse = geom::opening(&geom::difference(inside, &anchored), line_mm / 2.0);

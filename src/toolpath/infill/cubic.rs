@@ -6,19 +6,16 @@
 
 use std::f64::consts::{FRAC_1_SQRT_2, FRAC_PI_3};
 
-use crate::geom::Region;
-
-use super::super::bead::Line;
-use super::{FillPattern, FillSpec, lines};
+use super::{FillPattern, FillSpec, LineSet, lines};
 
 /// See the module.
 #[derive(Debug)]
 pub struct Cubic;
 
 impl FillPattern for Cubic {
-    fn fill(&self, region: &Region, spec: &FillSpec) -> Vec<Line> {
+    fn sets(&self, spec: &FillSpec) -> Vec<LineSet> {
         let moved_mm = spec.z_mm * FRAC_1_SQRT_2;
-        lines::sets(region, spec, FRAC_PI_3, &[-moved_mm, moved_mm, -moved_mm])
+        lines::sets(spec, FRAC_PI_3, &[-moved_mm, moved_mm, -moved_mm])
     }
 
     fn nests(&self) -> bool {

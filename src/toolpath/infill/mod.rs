@@ -33,7 +33,8 @@ pub use adaptive_cubic::AdaptiveCubic;
 pub use connect::Joins;
 pub use density::{SparseSample, calibrate, flow, lay};
 pub use lightning::{Hollow, Lightning};
-pub use solid::{SolidSpec, fill as fill_solid, iron, nearest_first, split_narrow};
+pub use lines::LineSet;
+pub use solid::{SolidSpec, fill as fill_solid, iron, nearest_first, split_narrow, turned};
 
 /// What a pattern needs to know of a layer.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -70,7 +71,14 @@ impl FillSpec {
 /// A sparse infill pattern.
 pub trait FillPattern: Debug + Send + Sync {
     /// The pattern's beads inside a region. Beads end on its boundary and nowhere leave it.
-    fn fill(&self, region: &Region, spec: &FillSpec) -> Vec<Line>;
+    fn fill(&self, region: &Region, spec: &FillSpec) -> Vec<Line> {
+        lines::lay(region, &self.sets(spec), &spec.joins)
+    }
+
+    /// The sets of parallel lines that it consists of; none if it is made of something else.
+    fn sets(&self, _spec: &FillSpec) -> Vec<LineSet> {
+        Vec::new()
+    }
 
     /// By how much the lines of a layer are turned against those of the first one, in radians.
     fn turn_rad(&self, _layer: usize) -> f64 {

@@ -2,18 +2,15 @@
 
 use std::f64::consts::FRAC_PI_2;
 
-use crate::geom::Region;
-
-use super::super::bead::Line;
-use super::{FillPattern, FillSpec, lines};
+use super::{FillPattern, FillSpec, LineSet, lines};
 
 /// See the module.
 #[derive(Debug)]
 pub struct Rectilinear;
 
 impl FillPattern for Rectilinear {
-    fn fill(&self, region: &Region, spec: &FillSpec) -> Vec<Line> {
-        lines::parallel(region, spec.angle_rad, spec.line_distance_mm, 0.0, &spec.joins)
+    fn sets(&self, spec: &FillSpec) -> Vec<LineSet> {
+        lines::sets(spec, 0.0, &[0.0])
     }
 
     fn turn_rad(&self, layer: usize) -> f64 {

@@ -14,6 +14,10 @@ const LONGEST_JOIN: f64 = 12.0;
 /// The outermost lines keep this far from the patch's extreme points, where they would vanish.
 const INSIDE_MM: f64 = 0.002;
 
+/// The same where no beads of fitting width fill what is left, in spacings: an edge along the lines is never quite
+/// straight, and the outermost line should lie along all of it.
+const INSIDE: f64 = 0.15;
+
 /// Parts of a solid zone narrower than this many spacings are filled along their boundary: lines across would consist
 /// of ends.
 const NARROW: f64 = 3.5;
@@ -104,10 +108,11 @@ pub fn fill(region: &Region, spec: &SolidSpec) -> Vec<SolidPatch> {
         .map(|polygon| {
             let patch = Region { polygons: vec![polygon] };
             let (low_mm, high_mm) = extent_mm(patch.rings().flatten(), angle_rad);
-            let width_mm = (high_mm - low_mm - 2.0 * INSIDE_MM).max(0.0);
+            let inside_mm = if spec.capped { INSIDE_MM } else { INSIDE * spacing_mm };
+            let width_mm = (high_mm - low_mm - 2.0 * inside_mm).max(0.0);
             let gaps = (width_mm / spacing_mm).round();
             let (fitted_mm, phase_mm) = if gaps >= 1.0 {
-                (width_mm / gaps, low_mm + INSIDE_MM)
+                (width_mm / gaps, low_mm + inside_mm)
             } else {
                 (spacing_mm, (low_mm + high_mm) / 2.0)
             };
@@ -136,7 +141,8 @@ pub fn iron(region: &Region, spacing_mm: f64, angle_rad: f64, layer: usize) -> V
     lines::parallel(region, angle_rad, spacing_mm, 0.0, &joins)
 }
 
-fn turned(angle_rad: f64, layer: usize) -> f64 {
+/// Direction of the solid lines of a layer.
+pub fn turned(angle_rad: f64, layer: usize) -> f64 {
     angle_rad + if layer % 2 == 1 { FRAC_PI_2 } else { 0.0 }
 }
 

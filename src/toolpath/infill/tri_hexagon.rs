@@ -2,19 +2,16 @@
 
 use std::f64::consts::FRAC_PI_3;
 
-use crate::geom::Region;
-
-use super::super::bead::Line;
-use super::{FillPattern, FillSpec, lines};
+use super::{FillPattern, FillSpec, LineSet, lines};
 
 /// See the module.
 #[derive(Debug)]
 pub struct TriHexagon;
 
 impl FillPattern for TriHexagon {
-    fn fill(&self, region: &Region, spec: &FillSpec) -> Vec<Line> {
+    fn sets(&self, spec: &FillSpec) -> Vec<LineSet> {
         // The middle set runs half-way between the points where the other two meet.
         let half_mm = 1.5 * spec.line_distance_mm;
-        lines::sets(region, spec, FRAC_PI_3, &[0.0, half_mm, 0.0])
+        lines::sets(spec, FRAC_PI_3, &[0.0, half_mm, 0.0])
     }
 }

@@ -1,0 +1,159 @@
+//! Solid patches over sparse infill: each of their lines lies on one of the lines beneath.
+//!
+//! The lowest layer of a top shell rests on sparse infill alone. Where it is but a patch between the sparse lines, as over
+//! the tip of a hill or under a small pocket, its lines would hang in mid-air. They grow to the nearest line beneath.
+
+use std::cell::LazyCell;
+
+use crate::geom::{self, EdgeGrid, Point, Polygon, Region, Ring};
+
+use super::infill::LineSet;
+
+/// Distance of the chords that are looked at, in solid lines.
+const STEP: f64 = 0.5;
+
+/// What one chord needs, so many beside it get too: beads lie side by side.
+const BESIDE: i64 = 2;
+
+/// Sparse lines that run nearly as the solid ones are not reached for: sine of the angle between them.
+const ALONG: f64 = 0.3;
+
+/// A patch of whose loose chords less than this share hang, the others being held by a wall or by solid infill, stays as
+/// it is.
+const HANGING: f64 = 0.25;
+
+/// What the solid lines of a layer rest on, and where they run.
+#[derive(Clone, Debug)]
+pub struct Reach<'a> {
+    /// Sparse infill is beneath what these have in common; the rest has solid infill beneath, or nothing.
+    pub hollow: [&'a Region; 3],
+    /// The lines of the sparse infill; none if it has no straight ones: then nothing is known of what holds.
+    pub sparse: Vec<LineSet>,
+    /// Direction of the solid lines, radians from the X axis.
+    pub angle_rad: f64,
+}
+
+/// A part of a line through a patch, along and across the solid lines.
+#[derive(Clone, Copy, Debug)]
+struct Chord {
+    index: i64,
+    from_mm: f64,
+    to_mm: f64,
+    across_mm: f64,
+}
+
+impl Reach<'_> {
+    /// Patches, whose lines are `line_mm` apart, with what they have to cover besides; that may reach over the edge of
+    /// `inside` by a line. Where there are walls before a line beneath, they hold the patch.
+    pub fn grow(&self, patches: Region, inside: &Region, line_mm: f64) -> Region {
+        if self.sparse.is_empty() {
+            return patches;
+        }
+        let hollow = LazyCell::new(|| self.hollow.map(EdgeGrid::new));
+        let room = LazyCell::new(|| EdgeGrid::new(inside));
+        let free = |along_mm: f64, across_mm: f64| room.contains(self.place(along_mm, across_mm));
+        let hangs = |chord: &Chord| {
+            let Chord { from_mm, to_mm, across_mm, .. } = *chord;
+            let count = ((to_mm - from_mm) / line_mm).ceil().max(1.0);
+            let place = |i: u32| self.place(from_mm + (to_mm - from_mm) * f64::from(i) / count, across_mm);
+            free(from_mm - line_mm, across_mm)
+                && free(to_mm + line_mm, across_mm)
+                && (0..=count as u32).map(place).all(|p| hollow.iter().all(|region| region.contains(p)))
+        };
+        let mut stripes = Vec::new();
+        for patch in &patches.polygons {
+            let mut chords = self.loose(patch, line_mm);
+            let least = HANGING * chords.len() as f64;
+            chords.retain(hangs);
+            if chords.is_empty() || (chords.len() as f64) < least || self.is_held_loop(patch, line_mm) {
+                continue;
+            }
+            for chord in &mut chords {
+                self.extend(chord, line_mm / 2.0, free);
+            }
+            stripes.extend(chords.iter().map(|chord| self.stripe(chord, &chords, line_mm)));
+        }
+        if stripes.is_empty() {
+            return patches;
+        }
+        geom::union(&patches, &geom::unite_rings(&stripes))
+    }
+
+    /// Chords of a patch without a sparse line beneath, by their index.
+    fn loose(&self, patch: &Polygon, line_mm: f64) -> Vec<Chord> {
+        let patch = Region { polygons: vec![patch.clone()] };
+        let step_mm = STEP * line_mm;
+        let lines = geom::scan_lines(&patch, self.angle_rad, step_mm, 0.0);
+        let chords = lines.iter().flat_map(|line| line.segments.iter().map(|ends| (line.index, ends)));
+        let loose = chords.filter(|(_, [a, b])| !self.is_held([a.point, b.point]));
+        loose
+            .map(|(index, ends)| {
+                let [from_mm, to_mm] = ends.map(|end| self.along_mm(end.point));
+                Chord { index, from_mm, to_mm, across_mm: index as f64 * step_mm }
+            })
+            .collect()
+    }
+
+    /// Whether there is a sparse line between places.
+    fn is_held(&self, places: impl IntoIterator<Item = Point, IntoIter: Clone>) -> bool {
+        let places = places.into_iter();
+        self.sparse.iter().any(|set| {
+            let mut between = places.clone().map(|place| set.lines_to(place).floor());
+            let first = between.next();
+            between.any(|gap| Some(gap) != first)
+        })
+    }
+
+    /// Whether a patch is so narrow that one loop along its edge fills it, and that crosses a sparse line.
+    fn is_held_loop(&self, patch: &Polygon, line_mm: f64) -> bool {
+        let region = || Region { polygons: vec![patch.clone()] };
+        self.is_held(patch.outer.iter().copied()) && geom::offset(&region(), -line_mm / 2.0).is_empty()
+    }
+
+    /// Makes a chord longer, until it reaches over the nearest sparse line by `over_mm`.
+    fn extend(&self, chord: &mut Chord, over_mm: f64, free: impl Fn(f64, f64) -> bool) {
+        let Chord { from_mm, to_mm, across_mm, .. } = *chord;
+        let (mut back_mm, mut on_mm) = (f64::INFINITY, f64::INFINITY);
+        for set in &self.sparse {
+            let sine = (set.angle_rad - self.angle_rad).sin();
+            if sine.abs() < ALONG {
+                continue;
+            }
+            // Seen so that the number of the sparse lines grows along the chord, or falls.
+            let lines = |along_mm: f64| -sine.signum() * set.lines_to(self.place(along_mm, across_mm));
+            let per_line_mm = set.distance_mm / sine.abs();
+            back_mm = back_mm.min((lines(from_mm) - lines(from_mm).floor()) * per_line_mm);
+            on_mm = on_mm.min((lines(to_mm).ceil() - lines(to_mm)) * per_line_mm);
+        }
+        let (before_mm, behind_mm) = (from_mm - back_mm - over_mm, to_mm + on_mm + over_mm);
+        let (is_before, is_behind) = (free(before_mm, across_mm), free(behind_mm, across_mm));
+        if is_before && (back_mm < on_mm || !is_behind) {
+            chord.from_mm = before_mm;
+        } else if is_behind {
+            chord.to_mm = behind_mm;
+        }
+    }
+
+    /// A stripe around a chord, as long as all near it.
+    fn stripe(&self, chord: &Chord, chords: &[Chord], line_mm: f64) -> Ring {
+        let Chord { index, from_mm, to_mm, across_mm } = *chord;
+        let first = chords.partition_point(|other| other.index < index - BESIDE);
+        let near = chords[first..].iter().take_while(|other| other.index <= index + BESIDE);
+        let (mut low_mm, mut high_mm) = (from_mm, to_mm);
+        for other in near.filter(|other| other.from_mm < to_mm && other.to_mm > from_mm) {
+            (low_mm, high_mm) = (low_mm.min(other.from_mm), high_mm.max(other.to_mm));
+        }
+        let corners = [(low_mm, -line_mm), (high_mm, -line_mm), (high_mm, line_mm), (low_mm, line_mm)];
+        corners.map(|(along_mm, beside_mm)| self.place(along_mm, across_mm + beside_mm)).to_vec()
+    }
+
+    fn along_mm(&self, place: Point) -> f64 {
+        let ([x, y], (sin, cos)) = (place.mm(), self.angle_rad.sin_cos());
+        x * cos + y * sin
+    }
+
+    fn place(&self, along_mm: f64, across_mm: f64) -> Point {
+        let (sin, cos) = self.angle_rad.sin_cos();
+        Point::from_mm(along_mm * cos - across_mm * sin, along_mm * sin + across_mm * cos)
+    }
+}
