@@ -248,6 +248,25 @@ fn a_print_is_compared_with_its_model() {
 }
 
 #[test]
+fn a_print_may_end_below_a_needles_tip_but_not_below_more() {
+    let settings = settings(&["default"], &[]);
+    let needle = needle(2.0, 20.0);
+    let report = beside(&sliced(&needle, &settings), &needle, &settings);
+    assert!(!kinds(&report).contains(&Kind::MissingIsland), "{report}");
+    let tower = |high_mm: f32| cuboid([0.0; 3], [10.0, 10.0, high_mm]);
+    let report = beside(&sliced(&tower(4.0), &settings), &tower(6.0), &settings);
+    assert_eq!(kinds(&report), [Kind::MissingIsland], "{report}");
+}
+
+/// A pyramid on a square.
+fn needle(wide_mm: f64, high_mm: f64) -> Facets {
+    let [a, b, c, d] = [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]]
+        .map(|[x, y]| [(x * wide_mm) as f32, (y * wide_mm) as f32, 0.0]);
+    let tip = [(wide_mm / 2.0) as f32, (wide_mm / 2.0) as f32, high_mm as f32];
+    vec![[a, c, b], [a, d, c], [a, b, tip], [b, c, tip], [c, d, tip], [d, a, tip]]
+}
+
+#[test]
 fn beads_over_air_are_found_and_bridges_are_none() {
     let settings = standard(&[]);
     let table =

@@ -133,6 +133,18 @@ fn a_check_tells_by_its_exit_code_whether_there_are_errors() {
 }
 
 #[test]
+fn a_model_is_compared_as_large_and_turned_as_it_was_sliced() {
+    let folder = tempfile::tempdir().unwrap();
+    let out = folder.path().join("a.gcode").display().to_string();
+    let model = "models/calibration_cube.stl";
+    let shape = ["--scale", "0.5,1,0.2", "--rotate", "0,0,30"];
+    run(&[&["slice", model, "-q", "-o", &out], &shape[..]].concat(), 0);
+    let beside = |shape: &[&str], code| run(&[&["check", &out, "--model", model], shape].concat(), code).0;
+    assert!(beside(&shape, 0).contains("nothing wrong was found"));
+    assert!(beside(&[], 7).contains("missing-island"));
+}
+
+#[test]
 fn what_is_too_much_is_refused_before_memory_is_taken() {
     let folder = tempfile::tempdir().unwrap();
     let path = |name: &str| folder.path().join(name).display().to_string();

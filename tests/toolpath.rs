@@ -694,6 +694,32 @@ fn thin_parts_are_printed_down_to_the_width_stated_and_no_further() {
 }
 
 #[test]
+fn pins_of_any_thickness_are_printed_where_they_stand() {
+    let round = |wide_mm: f64| {
+        let corner = |k: u32| {
+            let (sin, cos) = (f64::from(k) * std::f64::consts::TAU / 24.0).sin_cos();
+            Point::from_mm(5.0 + wide_mm / 2.0 * cos, 5.0 + wide_mm / 2.0 * sin)
+        };
+        Region { polygons: vec![Polygon { outer: (0..24).map(corner).collect(), holes: vec![] }] }
+    };
+    for generator in [WallGenerator::Variable, WallGenerator::Classic] {
+        let mut settings = job();
+        settings.walls.generator = generator;
+        for tenths in 2..=14 {
+            let wide_mm = 0.1 * f64::from(tenths);
+            let (low, high) = (5.0 - wide_mm / 2.0, 5.0 + wide_mm / 2.0);
+            for pin in [round(wide_mm), rectangle(low, low, high, high)] {
+                let layer = plan(&vec![pin.clone(); 8], &settings).swap_remove(4);
+                let share = volume_mm3(&layer.paths) / (pin.area_mm2() * HEIGHT_MM);
+                assert!((0.4..1.6).contains(&share), "{generator:?} {wide_mm:.1}: {share:.2} of {pin:?}");
+                let out = |p: &&Point| !pin.contains(**p);
+                assert_eq!(layer.paths.iter().flat_map(|p| &p.points).find(out), None);
+            }
+        }
+    }
+}
+
+#[test]
 fn on_a_monotonic_top_every_line_comes_after_the_one_below_it() {
     let section = with_hole(rectangle(0.0, 0.0, 20.0, 15.0), &rectangle(8.0, 5.0, 12.0, 10.0));
     let mut settings = job();

@@ -341,13 +341,8 @@ pub(super) struct ModelArgs {
     #[arg(required = true, value_name = "MODEL", value_hint = ValueHint::FilePath)]
     pub files: Vec<PathBuf>,
 
-    /// Scale by one factor, or by one for each axis
-    #[arg(long, value_name = "F|X,Y,Z", value_parser = scale, help_heading = "Transform")]
-    pub scale: Option<Triple>,
-
-    /// Turn about X, then Y, then Z, in degrees
-    #[arg(long, value_name = "X,Y,Z", value_parser = triple, allow_hyphen_values = true, help_heading = "Transform")]
-    pub rotate: Option<Triple>,
+    #[command(flatten)]
+    pub shape: ShapeArgs,
 
     /// Move away from the middle of the bed, in mm
     #[arg(long, value_name = "X,Y,Z", value_parser = triple, allow_hyphen_values = true, help_heading = "Transform")]
@@ -356,6 +351,17 @@ pub(super) struct ModelArgs {
     /// Shrink a model that is larger than the bed until it fits
     #[arg(long, help_heading = "Transform")]
     pub scale_to_fit: bool,
+}
+
+#[derive(Debug, Args)]
+pub(super) struct ShapeArgs {
+    /// Scale by one factor, or by one for each axis
+    #[arg(long, value_name = "F|X,Y,Z", value_parser = scale, help_heading = "Transform")]
+    pub scale: Option<Triple>,
+
+    /// Turn about X, then Y, then Z, in degrees
+    #[arg(long, value_name = "X,Y,Z", value_parser = triple, allow_hyphen_values = true, help_heading = "Transform")]
+    pub rotate: Option<Triple>,
 }
 
 #[derive(Debug, Args)]
@@ -405,9 +411,12 @@ pub(super) struct CheckArgs {
     #[arg(required = true, value_name = "FILE", value_hint = ValueHint::FilePath)]
     pub files: Vec<PathBuf>,
 
-    /// The one model that was printed, in one copy, neither turned nor scaled
+    /// The one model that was printed, in one copy
     #[arg(long, value_name = "MODEL", value_hint = ValueHint::FilePath)]
     pub model: Option<PathBuf>,
+
+    #[command(flatten)]
+    pub shape: ShapeArgs,
 
     #[command(flatten)]
     pub settings: SettingArgs,

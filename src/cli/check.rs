@@ -4,7 +4,7 @@ use std::fs::File;
 use std::io;
 use std::path::Path;
 
-use super::args::CheckArgs;
+use super::args::{CheckArgs, ShapeArgs};
 use super::console;
 use super::exit::{Exit, Failure};
 use super::plan;
@@ -16,8 +16,7 @@ use crate::profile::Settings;
 /// error.
 pub(super) fn run(args: &CheckArgs) -> Result<Exit, Failure> {
     let resolved = plan::settings(&args.settings, &[])?;
-    let mesh = args.model.as_deref().map(mesh::load).transpose();
-    let mesh = mesh.map_err(|error| Failure::new(Exit::Input, error))?.map(|(mesh, _)| mesh);
+    let mesh = args.model.as_deref().map(|path| model(path, &args.shape)).transpose()?;
     if mesh.is_some() && args.files.iter().any(|file| file == Path::new("-")) {
         return Err(plan::usage("with --model the file is read more than once; standard input cannot be"));
     }
@@ -39,6 +38,12 @@ pub(super) fn run(args: &CheckArgs) -> Result<Exit, Failure> {
         (_, true) => Exit::Check,
         _ => Exit::Done,
     })
+}
+
+fn model(path: &Path, shape: &ShapeArgs) -> Result<Mesh, Failure> {
+    let (mesh, _) = mesh::load(path).map_err(|error| Failure::new(Exit::Input, error))?;
+    let failed = |error| Failure::new(Exit::Input, format!("{}: {error}", path.display()));
+    plan::shape(shape).apply(mesh).map_err(failed)
 }
 
 fn tell(report: &CheckReport, args: &CheckArgs) -> Result<(), Failure> {

@@ -4,9 +4,10 @@ use std::collections::BTreeMap;
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use super::args::{Assignment, ModelArgs, ObjectAssignment, OrderingArgs, SettingArgs, SliceArgs};
+use super::args::{Assignment, ModelArgs, ObjectAssignment, OrderingArgs, SettingArgs, ShapeArgs, SliceArgs};
 use super::exit::{Exit, Failure};
 use crate::job::{Job, ObjectSettings, TransformOptions};
+use crate::mesh::Transform;
 use crate::output::resolve_links;
 use crate::profile::{
     Origin, Override, Problem, ProfileError, Resolved, SECTIONS, heights_from_lines, resolve,
@@ -144,11 +145,21 @@ fn job(args: &SliceArgs, models: &[PathBuf]) -> Job {
 /// Scale, rotation and place of every model.
 pub(super) fn transform(args: &ModelArgs) -> TransformOptions {
     let none = TransformOptions::default();
+    let Transform { scale, rotate_deg } = shape(&args.shape);
     TransformOptions {
-        scale: args.scale.map_or(none.scale, |triple| triple.0),
-        rotate_deg: args.rotate.map_or(none.rotate_deg, |triple| triple.0),
+        scale,
+        rotate_deg,
         translate_mm: args.translate.map_or(none.translate_mm, |triple| triple.0),
         scale_to_fit: args.scale_to_fit,
+    }
+}
+
+/// Scale and rotation.
+pub(super) fn shape(args: &ShapeArgs) -> Transform {
+    let none = Transform::default();
+    Transform {
+        scale: args.scale.map_or(none.scale, |triple| triple.0),
+        rotate_deg: args.rotate.map_or(none.rotate_deg, |triple| triple.0),
     }
 }
 

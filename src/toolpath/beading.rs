@@ -15,7 +15,9 @@
 //! axis point approximation using nearest neighbors and the normal field", The Visual Computer 28 (2012),
 //! DOI 10.1007/s00371-011-0594-7, with edges instead of points).
 
-use crate::geom::{self, Bounds, EdgeGrid, Point, Region, Ring, UNITS_PER_MM};
+use std::f64::consts::TAU;
+
+use crate::geom::{self, Bounds, EdgeGrid, Point, Polygon, Region, Ring, UNITS_PER_MM};
 
 use super::bead::Line;
 
@@ -43,6 +45,17 @@ const NEARLY_STRAIGHT: f64 = 0.05;
 
 /// The thickness is looked up at least this often, in spacings.
 const STEP: f64 = 0.6;
+
+/// Corners of a dot's loop.
+const DOT_CORNERS: u32 = 6;
+
+/// Its radius and the width of its bead, as shares of the largest disc's diameter: together they reach to the disc's edge,
+/// and the bead holds seven tenths of the square around it.
+const DOT_RADIUS: f64 = 1.0 / 6.0;
+const DOT_WIDTH: f64 = 0.7;
+
+/// How exactly the largest disc is found.
+const DEPTH_MM: f64 = 0.005;
 
 /// A narrow place, to be filled with single beads.
 #[derive(Clone, Debug, PartialEq)]
@@ -95,6 +108,35 @@ pub(super) fn fill(region: &Region, spacing_mm: f64) -> (Vec<Line>, Vec<Gap>) {
         rest = pair.rest;
     }
     (loops, gaps)
+}
+
+/// What an island gets that is too small for a line: a loop about its deepest place, as wide as one bead, and that bead's
+/// width. The island is at least `least_mm` across.
+pub(super) fn dot(island: &Polygon, least_mm: f64) -> Option<(Ring, f64)> {
+    let island = Region { polygons: vec![island.clone()] };
+    let bounds = island.bounds()?;
+    // The largest disc inside is as large as what the island can be shrunk by.
+    let (mut from_mm, mut to_mm) = (0.0, bounds.min.distance_mm(bounds.max));
+    let mut deepest = bounds;
+    while to_mm - from_mm > DEPTH_MM {
+        let radius_mm = (from_mm + to_mm) / 2.0;
+        match geom::offset(&island, -radius_mm)
+            .polygons
+            .first()
+            .and_then(|core| Bounds::of(core.outer.iter().copied()))
+        {
+            Some(core) => (from_mm, deepest) = (radius_mm, core),
+            None => to_mm = radius_mm,
+        }
+    }
+    let across_mm = 2.0 * from_mm;
+    let ([x0, y0], [x1, y1]) = (deepest.min.mm(), deepest.max.mm());
+    let corner = |k: u32| {
+        let (sin, cos) = (f64::from(k) * TAU / f64::from(DOT_CORNERS)).sin_cos();
+        let radius_mm = DOT_RADIUS * across_mm;
+        Point::from_mm((x0 + x1) / 2.0 + radius_mm * cos, (y0 + y1) / 2.0 + radius_mm * sin)
+    };
+    (across_mm >= least_mm).then(|| ((0..DOT_CORNERS).map(corner).collect(), DOT_WIDTH * across_mm))
 }
 
 /// Loops of the width asked for.

@@ -38,6 +38,9 @@ const SHORTEST_GAP_MM: f64 = 0.1;
 /// Beads in gaps end this share of their width before the gap does: round ends would leave its corners open.
 const GAP_TIP: f64 = 0.25;
 
+/// Islands without a loop, of which lines fill less than this share, are too small for lines.
+const SMALL: f64 = 0.5;
+
 /// How far the lines of skins reach where they turn sharply at a wall, as a multiple of how far free ends do: nearly no
 /// void is left in the surface, and the wedges are a little fuller than full.
 const SKIN_TURN: f64 = 1.1;
@@ -303,6 +306,7 @@ impl Planner {
     ) {
         let (spec, widths) = (self.wall_spec(section), &self.widths(section.index));
         let Walls { loops, gaps, inside } = walls::trace(polygon, &spec);
+        let before = draft.paths.len();
         let count = self.settings.walls.count;
         let rank_of = |depth: u32| match self.settings.walls.order {
             WallOrder::InnerFirst => count - 1 - depth,
@@ -312,6 +316,7 @@ impl Planner {
         if self.settings.walls.order == WallOrder::InnerFirst {
             by_depth.reverse();
         }
+        let is_thin = by_depth.iter().all(|(_, lines)| lines.is_empty());
         for (depth, lines) in by_depth {
             let (role, width_mm) = match depth {
                 0 => (Role::ExternalPerimeter, widths.external_mm),
@@ -323,13 +328,20 @@ impl Planner {
             };
             draft.lines(role, rank_of(depth as u32), width_mm, lines);
         }
+        let mut filled_mm2 = 0.0;
         for (depth, gap) in &gaps {
             let (role, rank) = match depth {
                 0 if count > 0 => (Role::ExternalPerimeter, rank_of(0)),
                 _ => (Role::GapFill, count),
             };
             let least_mm = if *depth == 0 { self.settings.walls.min_width.0 } else { 0.0 };
-            draft.gap(role, rank, gap, spec.least_gap_mm(*depth)..=spec.widest_gap_mm(), least_mm);
+            filled_mm2 +=
+                draft.gap(role, rank, gap, spec.least_gap_mm(*depth)..=spec.widest_gap_mm(), least_mm);
+        }
+        let is_small = !gaps.is_empty() && inside.is_empty() && is_thin;
+        if is_small && filled_mm2 < SMALL * polygon.area_mm2() {
+            let rank = if count > 0 { rank_of(0) } else { count };
+            draft.dot(rank, (before, filled_mm2), polygon, &self.settings.walls);
         }
 
         let settings = &self.settings.infill;
@@ -595,18 +607,39 @@ impl Draft {
         self.height_mm = layer_mm;
     }
 
-    /// One bead of fitting width, but at least `least_mm`, along the middle of each part whose width is in a range.
-    fn gap(&mut self, role: Role, rank: u32, gap: &Gap, range: RangeInclusive<f64>, least_mm: f64) {
+    /// An island of which the lines from `first` on fill only so much: a dot instead, if that is more.
+    fn dot(
+        &mut self,
+        rank: u32,
+        (first, filled_mm2): (usize, f64),
+        island: &Polygon,
+        settings: &WallSettings,
+    ) {
+        let Some((ring, spacing_mm)) = beading::dot(island, settings.min_feature.0) else { return };
+        if geom::ring_length_mm(&ring) * spacing_mm <= filled_mm2 {
+            return;
+        }
+        let width_mm = bead::width_mm(spacing_mm, self.height_mm).max(settings.min_width.0);
+        self.paths.truncate(first);
+        self.loops(Role::ExternalPerimeter, rank, width_mm, &[ring]);
+    }
+
+    /// One bead of fitting width, but at least `least_mm`, along the middle of each part whose width is in a range. The
+    /// area that they fill.
+    fn gap(&mut self, role: Role, rank: u32, gap: &Gap, range: RangeInclusive<f64>, least_mm: f64) -> f64 {
+        let mut filled_mm2 = 0.0;
         let tip = if role == Role::ExternalPerimeter { 0.5 } else { GAP_TIP };
         let Gap { area, region } = gap;
         for path in geom::medial_axis_in(area, region, *range.start(), *range.end(), [tip, GAP_TIP]) {
             if path.length_mm() < SHORTEST_GAP_MM {
                 continue;
             }
+            filled_mm2 += path.area_mm2();
             let rounding_mm = bead::rounding_mm(self.height_mm) as f32;
             let widths =
                 path.width_mm.iter().map(|width_mm| (width_mm + rounding_mm).max(least_mm as f32)).collect();
             self.push(role, rank, path.closed, path.points, Width::PerVertex(widths));
         }
+        filled_mm2
     }
 }

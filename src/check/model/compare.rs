@@ -65,9 +65,8 @@ pub(super) fn compare(
         }
     })?;
     print.end_layer();
-    let printed_mm = sections.levels().last().map_or(0.0, |level| level.z_mm);
-    let height_mm = sections.levels().last().map_or(0.0, |level| level.height_mm);
-    if sections.top_mm() > printed_mm + height_mm {
+    if sections.above().polygons.iter().any(|island| island.area_mm2() > SPECK_MM2) {
+        let printed_mm = sections.levels().last().map_or(0.0, |level| level.z_mm);
         print.model.missing_islands += 1;
         print.found.add(Kind::MissingIsland, last.0, last.1, || {
             format!("the print ends at Z{printed_mm:.2}, the model at Z{:.2}", sections.top_mm())

@@ -10,6 +10,8 @@ use crate::slice::{Cutter, LayerSpan};
 const CUTS: [f64; 2] = [0.1, 0.9];
 /// No bead is expected where the model is thinner than twice this.
 const HALF_BEAD_MM: f64 = 0.25;
+/// Nor that one layer more is printed for what is thinner than twice this.
+const HALF_TIP_MM: f64 = 0.15;
 /// Beads may lie so far outside of the section.
 const AROUND_MM: f64 = 0.6;
 
@@ -51,7 +53,8 @@ impl<'a> Sections<'a> {
             })
             .collect();
         let [low, high] = mesh.bounds();
-        let cuts_mm = levels.iter().flat_map(|level| {
+        let above = levels.last().map(|last| Level { z_mm: last.z_mm + last.height_mm, ..*last });
+        let cuts_mm = levels.iter().chain(&above).flat_map(|level| {
             CUTS.map(|share| level.z_mm - bottom_mm - level.height_mm * (1.0 - share) + low[2])
         });
         let spans: Vec<LayerSpan> = cuts_mm
@@ -99,9 +102,22 @@ impl<'a> Sections<'a> {
         self.levels.get(at).is_some_and(|level| level.z_mm < z_mm + 1e-3).then_some(at)
     }
 
+    /// What is missing above the last layer.
+    pub fn above(&self) -> Region {
+        if self.levels.is_empty() {
+            return Region::default();
+        }
+        let [low, high] = self.cuts(self.levels.len());
+        offset(&intersection(&low, &high), -HALF_TIP_MM)
+    }
+
     /// Middle lines of the outermost beads that a layer must have, and where beads may be; in the model's place.
     pub fn layer(&self, index: usize) -> (Region, Region) {
-        let [low, high] = [2 * index, 2 * index + 1].map(|cut| self.cutter.section(cut).0);
+        let [low, high] = self.cuts(index);
         (offset(&intersection(&low, &high), -HALF_BEAD_MM), offset(&union(&low, &high), AROUND_MM))
+    }
+
+    fn cuts(&self, index: usize) -> [Region; 2] {
+        [2 * index, 2 * index + 1].map(|cut| self.cutter.section(cut).0)
     }
 }
