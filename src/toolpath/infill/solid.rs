@@ -16,7 +16,7 @@ const INSIDE_MM: f64 = 0.002;
 
 /// The same where no beads of fitting width fill what is left, in spacings: an edge along the lines is never quite
 /// straight, and the outermost line should lie along all of it.
-const INSIDE: f64 = 0.15;
+const INSIDE: f64 = 0.08;
 
 /// Parts of a solid zone narrower than this many spacings are filled along their boundary: lines across would consist
 /// of ends.
