@@ -4,6 +4,7 @@ mod adhesion;
 pub mod bead;
 mod beading;
 mod bridges;
+mod draft;
 mod entries;
 mod fuzzy;
 pub mod infill;

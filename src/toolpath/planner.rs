@@ -1,6 +1,5 @@
 //! Puts a layer's paths together: walls, gaps, shells and infill of every island, skirt and brim around.
 
-use std::ops::RangeInclusive;
 use std::sync::Arc;
 
 use crate::geom::{self, Polygon, Region, Ring};
@@ -12,42 +11,24 @@ use crate::profile::{
 use crate::units::Mm;
 
 use super::bead::Line;
-use super::beading::{self, Gap};
-use super::bridges::Bridge;
+use super::draft::{Draft, Solid};
 use super::fuzzy::Fuzzy;
-use super::infill::{self, FillPattern, FillSpec, Joins, LineSet, SolidSpec, SparseSample};
+use super::infill::{self, FillPattern, FillSpec, Joins, LineSet, SparseSample};
 use super::reach::Reach;
 use super::shells::{self, Zones};
 use super::stacks::Stacks;
 use super::walls::{self, WallSpec, Walls};
-use super::{Island, LayerPaths, Path, Role, Width, adhesion, bead, bridges, entries};
+use super::{Island, LayerPaths, Role, adhesion, bead, bridges, entries};
 
 /// Densities above this are solid.
-const SOLID_DENSITY: f64 = 0.995;
+pub(super) const SOLID_DENSITY: f64 = 0.995;
 
 /// Ends of sparse infill lines are joined along the wall up to this many line distances: the way to the next
 /// line is √2 distances at 45°, and beyond this a travel is quicker than the extrusion.
 const LONGEST_JOIN: f64 = 2.5;
 
-/// Infill lines shorter than this hold nothing.
-const SHORTEST_LINE_MM: f64 = 0.2;
-
-/// Gaps shorter than this are not worth the travel to them.
-const SHORTEST_GAP_MM: f64 = 0.1;
-
-/// Beads in gaps end this share of their width before the gap does: round ends would leave its corners open.
-const GAP_TIP: f64 = 0.25;
-
 /// Islands without a loop, of which lines fill less than this share, are too small for lines.
 const SMALL: f64 = 0.5;
-
-/// How far the lines of skins reach where they turn sharply at a wall, as a multiple of how far free ends do: nearly no
-/// void is left in the surface, and the wedges are a little fuller than full.
-const SKIN_TURN: f64 = 1.1;
-
-/// The same inside of prints that are solid throughout, where what is too much in a layer adds up: void and double
-/// cover together are least.
-const CORE_TURN: f64 = 0.8;
 
 /// After every other run of an island.
 const LAST_RANK: u32 = u32::MAX;
@@ -152,22 +133,6 @@ struct Widths {
     top_mm: f64,
     infill_mm: f64,
     skirt_mm: f64,
-}
-
-/// How a solid zone is filled.
-struct Solid {
-    role: Role,
-    rank: u32,
-    width_mm: f64,
-    /// Whether each line waits for the one beside it.
-    ordered: bool,
-}
-
-/// The paths of a layer as they grow.
-struct Draft {
-    paths: Vec<Path>,
-    height_mm: f64,
-    island: u32,
 }
 
 impl Planner {
@@ -521,125 +486,4 @@ fn rests_on(section: &PlateLayer<'_>, fuzzy: &FuzzySettings) -> Option<Region> {
         below = geom::offset(&below, fuzzy.thickness.0);
     }
     Some(below)
-}
-
-impl Draft {
-    fn push(&mut self, role: Role, rank: u32, closed: bool, points: Vec<geom::Point>, width: Width) {
-        let (height_mm, island) = (self.height_mm, self.island);
-        self.paths.push(Path { role, closed, points, width, height_mm, island, rank });
-    }
-
-    fn loops(&mut self, role: Role, rank: u32, width_mm: f64, rings: &[Ring]) {
-        for ring in rings.iter().filter(|r| r.len() >= 3) {
-            self.push(role, rank, true, ring.clone(), Width::Constant(width_mm));
-        }
-    }
-
-    fn lines(&mut self, role: Role, rank: u32, width_mm: f64, lines: impl IntoIterator<Item = Line>) {
-        let rounding_mm = bead::rounding_mm(self.height_mm) as f32;
-        for line in lines {
-            if line.closed || geom::polyline_length_mm(&line.points) >= SHORTEST_LINE_MM {
-                let width = if line.spacing_mm.is_empty() {
-                    Width::Constant(width_mm)
-                } else {
-                    Width::PerVertex(
-                        line.spacing_mm.iter().map(|spacing_mm| spacing_mm + rounding_mm).collect(),
-                    )
-                };
-                self.push(role, rank, line.closed, line.points, width);
-            }
-        }
-    }
-
-    fn solid(&mut self, zone: &Region, solid: &Solid, layer: usize, settings: &InfillSettings) {
-        if zone.is_empty() {
-            return;
-        }
-        let Solid { role, rank, width_mm, ordered } = *solid;
-        let spacing_mm = bead::spacing_mm(width_mm, self.height_mm);
-        let (zone, narrow) = infill::split_narrow(zone, spacing_mm);
-        if !narrow.is_empty() {
-            let (loops, gaps) = beading::fill(&narrow, spacing_mm);
-            self.lines(role, rank, width_mm, loops);
-            for gap in &gaps {
-                self.gap(role, rank, gap, beading::MIN_GAP_MM..=beading::WIDEST * spacing_mm, 0.0);
-            }
-        }
-        // Free ends alone fill the zone when they reach its edge.
-        let reach_mm = if ordered { spacing_mm / 2.0 } else { settings.overlap.0 * width_mm };
-        let angle_rad = settings.angle.to_radians();
-        let turn = if settings.density.0 > SOLID_DENSITY { CORE_TURN } else { SKIN_TURN };
-        let spec = SolidSpec { spacing_mm, reach_mm, turn, angle_rad, layer, joined: !ordered, capped: true };
-        let mut next_rank = rank + 1;
-        let mut patches = infill::fill_solid(&zone, &spec);
-        if ordered {
-            infill::nearest_first(&mut patches);
-        }
-        for patch in patches {
-            let width_mm = bead::width_mm(patch.spacing_mm, self.height_mm);
-            // Ordered lines have ranks of their own, the order across the lines, one patch after the other: no
-            // ordering may change it.
-            let first_rank = next_rank;
-            for (index, line) in patch.lines {
-                let own_rank = first_rank + index;
-                next_rank = next_rank.max(own_rank + 1);
-                self.lines(role, if ordered { own_rank } else { rank }, width_mm, [line]);
-            }
-        }
-    }
-
-    /// Threads side by side, each as wide as it is high.
-    fn bridge(&mut self, rank: u32, bridge: &Bridge, thread_mm: f64, settings: &InfillSettings) {
-        let reach_mm = settings.overlap.0 * thread_mm;
-        let layer_mm = std::mem::replace(&mut self.height_mm, thread_mm);
-        let spec = SolidSpec {
-            spacing_mm: thread_mm,
-            reach_mm,
-            turn: CORE_TURN,
-            angle_rad: bridge.angle_rad,
-            layer: 0,
-            joined: true,
-            capped: false,
-        };
-        for patch in infill::fill_solid(&bridge.area, &spec) {
-            self.lines(Role::BridgeInfill, rank, thread_mm, patch.lines.into_iter().map(|(_, line)| line));
-        }
-        self.height_mm = layer_mm;
-    }
-
-    /// An island of which the lines from `first` on fill only so much: a dot instead, if that is more.
-    fn dot(
-        &mut self,
-        rank: u32,
-        (first, filled_mm2): (usize, f64),
-        island: &Polygon,
-        settings: &WallSettings,
-    ) {
-        let Some((ring, spacing_mm)) = beading::dot(island, settings.min_feature.0) else { return };
-        if geom::ring_length_mm(&ring) * spacing_mm <= filled_mm2 {
-            return;
-        }
-        let width_mm = bead::width_mm(spacing_mm, self.height_mm).max(settings.min_width.0);
-        self.paths.truncate(first);
-        self.loops(Role::ExternalPerimeter, rank, width_mm, &[ring]);
-    }
-
-    /// One bead of fitting width, but at least `least_mm`, along the middle of each part whose width is in a range. The
-    /// area that they fill.
-    fn gap(&mut self, role: Role, rank: u32, gap: &Gap, range: RangeInclusive<f64>, least_mm: f64) -> f64 {
-        let mut filled_mm2 = 0.0;
-        let tip = if role == Role::ExternalPerimeter { 0.5 } else { GAP_TIP };
-        let Gap { area, region } = gap;
-        for path in geom::medial_axis_in(area, region, *range.start(), *range.end(), [tip, GAP_TIP]) {
-            if path.length_mm() < SHORTEST_GAP_MM {
-                continue;
-            }
-            filled_mm2 += path.area_mm2();
-            let rounding_mm = bead::rounding_mm(self.height_mm) as f32;
-            let widths =
-                path.width_mm.iter().map(|width_mm| (width_mm + rounding_mm).max(least_mm as f32)).collect();
-            self.push(role, rank, path.closed, path.points, Width::PerVertex(widths));
-        }
-        filled_mm2
-    }
 }

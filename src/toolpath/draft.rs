@@ -1,0 +1,174 @@
+//! The paths of a layer as they grow: beads of walls, gaps, solid infill and bridges.
+
+use std::ops::RangeInclusive;
+
+use crate::geom::{self, Polygon, Region, Ring};
+use crate::profile::{InfillSettings, WallSettings};
+
+use super::bead::{self, Line};
+use super::beading::{self, Gap};
+use super::bridges::Bridge;
+use super::infill::{self, SolidSpec};
+use super::planner::SOLID_DENSITY;
+use super::{Path, Role, Width};
+
+/// Infill lines shorter than this hold nothing.
+const SHORTEST_LINE_MM: f64 = 0.2;
+
+/// Gaps shorter than this are not worth the travel to them.
+const SHORTEST_GAP_MM: f64 = 0.1;
+
+/// Beads in gaps end this share of their width before the gap does: round ends would leave its corners open.
+const GAP_TIP: f64 = 0.25;
+
+/// How far the lines of skins reach where they turn sharply at a wall, as a multiple of how far free ends do: nearly no
+/// void is left in the surface, and the wedges are a little fuller than full.
+const SKIN_TURN: f64 = 1.1;
+
+/// The same inside of prints that are solid throughout, where what is too much in a layer adds up: void and double
+/// cover together are least.
+const CORE_TURN: f64 = 0.8;
+
+/// How a solid zone is filled.
+pub(super) struct Solid {
+    pub role: Role,
+    pub rank: u32,
+    pub width_mm: f64,
+    /// Whether each line waits for the one beside it.
+    pub ordered: bool,
+}
+
+/// The paths of a layer as they grow.
+pub(super) struct Draft {
+    pub paths: Vec<Path>,
+    pub height_mm: f64,
+    pub island: u32,
+}
+
+impl Draft {
+    fn push(&mut self, role: Role, rank: u32, closed: bool, points: Vec<geom::Point>, width: Width) {
+        let (height_mm, island) = (self.height_mm, self.island);
+        self.paths.push(Path { role, closed, points, width, height_mm, island, rank });
+    }
+
+    pub fn loops(&mut self, role: Role, rank: u32, width_mm: f64, rings: &[Ring]) {
+        for ring in rings.iter().filter(|r| r.len() >= 3) {
+            self.push(role, rank, true, ring.clone(), Width::Constant(width_mm));
+        }
+    }
+
+    pub fn lines(&mut self, role: Role, rank: u32, width_mm: f64, lines: impl IntoIterator<Item = Line>) {
+        let rounding_mm = bead::rounding_mm(self.height_mm) as f32;
+        for line in lines {
+            if line.closed || geom::polyline_length_mm(&line.points) >= SHORTEST_LINE_MM {
+                let width = if line.spacing_mm.is_empty() {
+                    Width::Constant(width_mm)
+                } else {
+                    Width::PerVertex(
+                        line.spacing_mm.iter().map(|spacing_mm| spacing_mm + rounding_mm).collect(),
+                    )
+                };
+                self.push(role, rank, line.closed, line.points, width);
+            }
+        }
+    }
+
+    pub fn solid(&mut self, zone: &Region, solid: &Solid, layer: usize, settings: &InfillSettings) {
+        if zone.is_empty() {
+            return;
+        }
+        let Solid { role, rank, width_mm, ordered } = *solid;
+        let spacing_mm = bead::spacing_mm(width_mm, self.height_mm);
+        let (zone, narrow) = infill::split_narrow(zone, spacing_mm);
+        if !narrow.is_empty() {
+            let (loops, gaps) = beading::fill(&narrow, spacing_mm);
+            self.lines(role, rank, width_mm, loops);
+            for gap in &gaps {
+                self.gap(role, rank, gap, beading::MIN_GAP_MM..=beading::WIDEST * spacing_mm, 0.0);
+            }
+        }
+        // Free ends alone fill the zone when they reach its edge.
+        let reach_mm = if ordered { spacing_mm / 2.0 } else { settings.overlap.0 * width_mm };
+        let angle_rad = settings.angle.to_radians();
+        let turn = if settings.density.0 > SOLID_DENSITY { CORE_TURN } else { SKIN_TURN };
+        let spec = SolidSpec { spacing_mm, reach_mm, turn, angle_rad, layer, joined: !ordered, capped: true };
+        let mut next_rank = rank + 1;
+        let mut patches = infill::fill_solid(&zone, &spec);
+        if ordered {
+            infill::nearest_first(&mut patches);
+        }
+        for patch in patches {
+            let width_mm = bead::width_mm(patch.spacing_mm, self.height_mm);
+            // Ordered lines have ranks of their own, the order across the lines, one patch after the other: no
+            // ordering may change it.
+            let first_rank = next_rank;
+            for (index, line) in patch.lines {
+                let own_rank = first_rank + index;
+                next_rank = next_rank.max(own_rank + 1);
+                self.lines(role, if ordered { own_rank } else { rank }, width_mm, [line]);
+            }
+        }
+    }
+
+    /// Threads side by side, each as wide as it is high.
+    pub fn bridge(&mut self, rank: u32, bridge: &Bridge, thread_mm: f64, settings: &InfillSettings) {
+        let reach_mm = settings.overlap.0 * thread_mm;
+        let layer_mm = std::mem::replace(&mut self.height_mm, thread_mm);
+        let spec = SolidSpec {
+            spacing_mm: thread_mm,
+            reach_mm,
+            turn: CORE_TURN,
+            angle_rad: bridge.angle_rad,
+            layer: 0,
+            joined: true,
+            capped: false,
+        };
+        for patch in infill::fill_solid(&bridge.area, &spec) {
+            self.lines(Role::BridgeInfill, rank, thread_mm, patch.lines.into_iter().map(|(_, line)| line));
+        }
+        self.height_mm = layer_mm;
+    }
+
+    /// An island of which the lines from `first` on fill only so much: a dot instead, if that is more.
+    pub fn dot(
+        &mut self,
+        rank: u32,
+        (first, filled_mm2): (usize, f64),
+        island: &Polygon,
+        settings: &WallSettings,
+    ) {
+        let Some((ring, spacing_mm)) = beading::dot(island, settings.min_feature.0) else { return };
+        if geom::ring_length_mm(&ring) * spacing_mm <= filled_mm2 {
+            return;
+        }
+        let width_mm = bead::width_mm(spacing_mm, self.height_mm).max(settings.min_width.0);
+        self.paths.truncate(first);
+        self.loops(Role::ExternalPerimeter, rank, width_mm, &[ring]);
+    }
+
+    /// One bead of fitting width, but at least `least_mm`, along the middle of each part whose width is in a range. The
+    /// area that they fill.
+    pub fn gap(
+        &mut self,
+        role: Role,
+        rank: u32,
+        gap: &Gap,
+        range: RangeInclusive<f64>,
+        least_mm: f64,
+    ) -> f64 {
+        let mut filled_mm2 = 0.0;
+        let tip = if role == Role::ExternalPerimeter { 0.5 } else { GAP_TIP };
+        let Gap { area, region } = gap;
+        for path in geom::medial_axis_in(area, region, *range.start(), *range.end(), [tip, GAP_TIP]) {
+            if path.length_mm() < SHORTEST_GAP_MM {
+                continue;
+            }
+            filled_mm2 += path.area_mm2();
+            let rounding_mm = bead::rounding_mm(self.height_mm) as f32;
+            let widths =
+                path.width_mm.iter().map(|width_mm| (width_mm + rounding_mm).max(least_mm as f32)).collect();
+            self.push(role, rank, path.closed, path.points, Width::PerVertex(widths));
+        }
+        filled_mm2
+    }
+}
