@@ -9,7 +9,6 @@ use super::bead::{self, Line};
 use super::beading::{self, Gap};
 use super::bridges::Bridge;
 use super::infill::{self, SolidSpec};
-use super::planner::SOLID_DENSITY;
 use super::{Path, Role, Width};
 
 /// Infill lines shorter than this hold nothing.
@@ -90,7 +89,7 @@ impl Draft {
         // Free ends alone fill the zone when they reach its edge.
         let reach_mm = if ordered { spacing_mm / 2.0 } else { settings.overlap.0 * width_mm };
         let angle_rad = settings.angle.to_radians();
-        let turn = if settings.density.0 > SOLID_DENSITY { CORE_TURN } else { SKIN_TURN };
+        let turn = if settings.density.0 > infill::SOLID_DENSITY { CORE_TURN } else { SKIN_TURN };
         let spec = SolidSpec { spacing_mm, reach_mm, turn, angle_rad, layer, joined: !ordered, capped: true };
         let mut next_rank = rank + 1;
         let mut patches = infill::fill_solid(&zone, &spec);
@@ -133,7 +132,8 @@ impl Draft {
     pub fn dot(
         &mut self,
         rank: u32,
-        (first, filled_mm2): (usize, f64),
+        first: usize,
+        filled_mm2: f64,
         island: &Polygon,
         settings: &WallSettings,
     ) {

@@ -20,9 +20,6 @@ use super::stacks::Stacks;
 use super::walls::{self, WallSpec, Walls};
 use super::{Island, LayerPaths, Role, adhesion, bead, bridges, entries};
 
-/// Densities above this are solid.
-pub(super) const SOLID_DENSITY: f64 = 0.995;
-
 /// Ends of sparse infill lines are joined along the wall up to this many line distances: the way to the next
 /// line is √2 distances at 45°, and beyond this a travel is quicker than the extrusion.
 const LONGEST_JOIN: f64 = 2.5;
@@ -192,7 +189,7 @@ impl Planner {
     pub fn calibrate(&mut self, samples: &[SparseSample], height_mm: f64) {
         let settings = &self.settings.infill;
         let density = settings.density.0;
-        if density <= 0.0 || density > SOLID_DENSITY || !self.pattern.is_even() {
+        if density <= 0.0 || density > infill::SOLID_DENSITY || !self.pattern.is_even() {
             return;
         }
         let spacing_mm = self.infill_spacing_mm(1, height_mm);
@@ -281,7 +278,6 @@ impl Planner {
         if self.settings.walls.order == WallOrder::InnerFirst {
             by_depth.reverse();
         }
-        let is_thin = by_depth.iter().all(|(_, lines)| lines.is_empty());
         for (depth, lines) in by_depth {
             let (role, width_mm) = match depth {
                 0 => (Role::ExternalPerimeter, widths.external_mm),
@@ -293,6 +289,7 @@ impl Planner {
             };
             draft.lines(role, rank_of(depth as u32), width_mm, lines);
         }
+        let is_thin = draft.paths.len() == before;
         let mut filled_mm2 = 0.0;
         for (depth, gap) in &gaps {
             let (role, rank) = match depth {
@@ -306,7 +303,7 @@ impl Planner {
         let is_small = !gaps.is_empty() && inside.is_empty() && is_thin;
         if is_small && filled_mm2 < SMALL * polygon.area_mm2() {
             let rank = if count > 0 { rank_of(0) } else { count };
-            draft.dot(rank, (before, filled_mm2), polygon, &self.settings.walls);
+            draft.dot(rank, before, filled_mm2, polygon, &self.settings.walls);
         }
 
         let settings = &self.settings.infill;
@@ -396,7 +393,7 @@ impl Planner {
     /// Whether nothing of a layer is sparse.
     fn is_full(&self, layer: usize) -> bool {
         let every = self.settings.infill.solid_every as usize;
-        self.settings.infill.density.0 > SOLID_DENSITY
+        self.settings.infill.density.0 > infill::SOLID_DENSITY
             || (layer + 1).checked_rem(every).is_some_and(|rest| rest == 0)
     }
 

@@ -5,7 +5,7 @@
 
 use std::cell::LazyCell;
 
-use crate::geom::{self, EdgeGrid, Point, Polygon, Region, Ring};
+use crate::geom::{self, Direction, EdgeGrid, Point, Region, Ring};
 
 use super::infill::LineSet;
 
@@ -61,11 +61,12 @@ impl Reach<'_> {
                 && (0..=count as u32).map(place).all(|p| hollow.iter().all(|region| region.contains(p)))
         };
         let mut stripes = Vec::new();
-        for patch in &patches.polygons {
-            let mut chords = self.loose(patch, line_mm);
+        for polygon in &patches.polygons {
+            let patch = Region { polygons: vec![polygon.clone()] };
+            let mut chords = self.loose(&patch, line_mm);
             let least = HANGING * chords.len() as f64;
             chords.retain(hangs);
-            if chords.is_empty() || (chords.len() as f64) < least || self.is_held_loop(patch, line_mm) {
+            if chords.is_empty() || (chords.len() as f64) < least || self.is_held_loop(&patch, line_mm) {
                 continue;
             }
             for chord in &mut chords {
@@ -80,15 +81,14 @@ impl Reach<'_> {
     }
 
     /// Chords of a patch without a sparse line beneath, by their index.
-    fn loose(&self, patch: &Polygon, line_mm: f64) -> Vec<Chord> {
-        let patch = Region { polygons: vec![patch.clone()] };
-        let step_mm = STEP * line_mm;
-        let lines = geom::scan_lines(&patch, self.angle_rad, step_mm, 0.0);
+    fn loose(&self, patch: &Region, line_mm: f64) -> Vec<Chord> {
+        let (step_mm, direction) = (STEP * line_mm, Direction::of(self.angle_rad));
+        let lines = geom::scan_lines(patch, self.angle_rad, step_mm, 0.0);
         let chords = lines.iter().flat_map(|line| line.segments.iter().map(|ends| (line.index, ends)));
         let loose = chords.filter(|(_, [a, b])| !self.is_held([a.point, b.point]));
         loose
             .map(|(index, ends)| {
-                let [from_mm, to_mm] = ends.map(|end| self.along_mm(end.point));
+                let [from_mm, to_mm] = ends.map(|end| direction.along_mm(end.point));
                 Chord { index, from_mm, to_mm, across_mm: index as f64 * step_mm }
             })
             .collect()
@@ -105,9 +105,9 @@ impl Reach<'_> {
     }
 
     /// Whether a patch is so narrow that one loop along its edge fills it, and that crosses a sparse line.
-    fn is_held_loop(&self, patch: &Polygon, line_mm: f64) -> bool {
-        let region = || Region { polygons: vec![patch.clone()] };
-        self.is_held(patch.outer.iter().copied()) && geom::offset(&region(), -line_mm / 2.0).is_empty()
+    fn is_held_loop(&self, patch: &Region, line_mm: f64) -> bool {
+        let outers = patch.polygons.iter().flat_map(|polygon| polygon.outer.iter().copied());
+        self.is_held(outers) && geom::offset(patch, -line_mm / 2.0).is_empty()
     }
 
     /// Makes a chord longer, until it reaches over the nearest sparse line by `over_mm`.
@@ -119,7 +119,7 @@ impl Reach<'_> {
             if sine.abs() < ALONG {
                 continue;
             }
-            // Seen so that the number of the sparse lines grows along the chord, or falls.
+            // Counted so that the number grows along the chord.
             let lines = |along_mm: f64| -sine.signum() * set.lines_to(self.place(along_mm, across_mm));
             let per_line_mm = set.distance_mm / sine.abs();
             back_mm = back_mm.min((lines(from_mm) - lines(from_mm).floor()) * per_line_mm);
@@ -147,13 +147,7 @@ impl Reach<'_> {
         corners.map(|(along_mm, beside_mm)| self.place(along_mm, across_mm + beside_mm)).to_vec()
     }
 
-    fn along_mm(&self, place: Point) -> f64 {
-        let ([x, y], (sin, cos)) = (place.mm(), self.angle_rad.sin_cos());
-        x * cos + y * sin
-    }
-
     fn place(&self, along_mm: f64, across_mm: f64) -> Point {
-        let (sin, cos) = self.angle_rad.sin_cos();
-        Point::from_mm(along_mm * cos - across_mm * sin, along_mm * sin + across_mm * cos)
+        Direction::of(self.angle_rad).from(Point::default(), along_mm, across_mm)
     }
 }

@@ -4,6 +4,7 @@
 
 use crate::geom::{Boundary, Point};
 
+use super::LineSet;
 use super::connect::{Chord, Stop};
 
 /// Beads narrower than this, as a share of the lines' distance, are not laid.
@@ -16,31 +17,10 @@ const SHORTEST: f64 = 1.2;
 /// boundary at less than 34°; steeper ends are joined with beads of full width.
 const SHORTEST_WEDGE: f64 = 1.5;
 
-/// The arrangement of a solid fill's lines: line `k` is `k · distance + phase` from the origin, along the normal
-/// (−sin, cos) of the angle.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Hatch {
-    /// Direction of the lines.
-    pub angle_rad: f64,
-    /// Distance of neighbours, in millimetres.
-    pub distance_mm: f64,
-    /// See above.
-    pub phase_mm: f64,
-}
-
-impl Hatch {
+impl LineSet {
     /// How far a point lies beyond a line, along the normal, in millimetres.
     fn over_mm(&self, line: i64, p: Point) -> f64 {
-        let (sin, cos) = self.angle_rad.sin_cos();
-        let [x, y] = p.mm();
-        y * cos - x * sin - (line as f64 * self.distance_mm + self.phase_mm)
-    }
-
-    /// A point moved along the normal.
-    fn moved(&self, p: Point, by_mm: f64) -> Point {
-        let (sin, cos) = self.angle_rad.sin_cos();
-        let [x, y] = p.mm();
-        Point::from_mm(x - by_mm * sin, y + by_mm * cos)
+        self.direction().across_mm(p) - (line as f64 * self.distance_mm + self.phase_mm)
     }
 
     /// The middle and the width of the room between a line and what runs beside it, on this side (±1): where `outer`
@@ -52,7 +32,7 @@ impl Hatch {
         } else {
             (-over_mm / 2.0, self.distance_mm - over_mm)
         };
-        (self.moved(p, side * away_mm), width_mm)
+        (self.direction().from(p, 0.0, side * away_mm), width_mm)
     }
 }
 
@@ -125,7 +105,7 @@ impl Caps {
 /// All caps along the boundary. Between two neighbouring ends of the same line the boundary stays within one distance
 /// of it. If both are ends of one chord, the cap lies between that chord and the boundary; else a hole or notch
 /// interrupts the line, and the cap lies between it and the next line.
-pub(super) fn find(boundary: &Boundary<'_>, stops: &[Stop], chords: &[Chord], hatch: Hatch) -> Vec<Cap> {
+pub(super) fn find(boundary: &Boundary<'_>, stops: &[Stop], chords: &[Chord], hatch: LineSet) -> Vec<Cap> {
     let distance_mm = hatch.distance_mm;
     let mut caps = Vec::new();
     for ring in stops.chunk_by(|a, b| a.on.ring == b.on.ring) {
@@ -172,21 +152,16 @@ pub(super) fn find(boundary: &Boundary<'_>, stops: &[Stop], chords: &[Chord], ha
 fn wedge(
     [(a, from), (b, to)]: [(&Chord, &Stop); 2],
     arc: impl FnOnce() -> Vec<Point>,
-    hatch: Hatch,
+    hatch: LineSet,
 ) -> Option<Cap> {
-    let (sin, cos) = hatch.angle_rad.sin_cos();
-    let distance_mm = hatch.distance_mm;
-    let along_mm = |p: Point| {
-        let [x, y] = p.mm();
-        x * cos + y * sin
-    };
+    let (distance_mm, direction) = (hatch.distance_mm, hatch.direction());
     // Both lines end in the same direction.
     if (a.line - b.line).abs() != 1 || from.side != to.side {
         return None;
     }
     let (at_a, at_b) = (end_of(a, from), end_of(b, to));
     let inwards = if from.side == 0 { 1.0 } else { -1.0 };
-    let shorter_mm = inwards * (along_mm(at_b) - along_mm(at_a));
+    let shorter_mm = inwards * (direction.along_mm(at_b) - direction.along_mm(at_a));
     if shorter_mm.abs() < SHORTEST_WEDGE * distance_mm {
         return None;
     }

@@ -2,7 +2,8 @@
 
 use crate::geom::{Boundary, BoundaryPos, Point, Region};
 
-use super::caps::{self, Cap, Caps, Hatch};
+use super::LineSet;
+use super::caps::{self, Cap, Caps};
 use crate::toolpath::bead::Line;
 
 /// A piece of a pattern inside the region.
@@ -28,7 +29,7 @@ pub struct Joins {
     /// How far free ends run on along the boundary at most, in millimetres.
     pub anchor_mm: f64,
     /// Of solid fills, the lines' arrangement: what no line covers beside the boundary is filled.
-    pub hatch: Option<Hatch>,
+    pub hatch: Option<LineSet>,
 }
 
 /// Chords of solid fills shorter than this many line distances touch an extreme of the boundary, which a bead along

@@ -5,6 +5,9 @@ use crate::geom::{Region, polyline_length_mm, ring_length_mm};
 use super::super::bead::Line;
 use super::{FillPattern, FillSpec, Joins};
 
+/// Densities above this are solid.
+pub const SOLID_DENSITY: f64 = 0.995;
+
 /// A layer that a pattern is calibrated on.
 #[derive(Clone, Debug)]
 pub struct SparseSample {

@@ -1,27 +1,32 @@
 //! Sets of parallel lines, with their ends joined along the boundary: what straight patterns consist of.
 
-use crate::geom::{self, Point, Region};
+use crate::geom::{self, Direction, Point, Region};
 
 use super::super::bead::Line;
 use super::FillSpec;
 use super::connect::{Chord, Joins, connect};
 
-/// Parallel lines all over the plane.
+/// Parallel lines all over the plane: line `k` is `k · distance + phase` from the origin, along the normal (−sin, cos) of
+/// the angle.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LineSet {
     /// Their direction, radians from the X axis.
     pub angle_rad: f64,
     /// Their distance in millimetres.
     pub distance_mm: f64,
-    /// Distance of one of them from the origin, along the normal.
+    /// See above.
     pub phase_mm: f64,
 }
 
 impl LineSet {
-    /// How many lines a place is away from the one at the origin, along the normal.
+    /// The way that they run.
+    pub fn direction(&self) -> Direction {
+        Direction::of(self.angle_rad)
+    }
+
+    /// How many lines a place is away from line 0, along the normal.
     pub fn lines_to(&self, place: Point) -> f64 {
-        let ([x, y], (sin, cos)) = (place.mm(), self.angle_rad.sin_cos());
-        (y * cos - x * sin - self.phase_mm) / self.distance_mm
+        (self.direction().across_mm(place) - self.phase_mm) / self.distance_mm
     }
 }
 

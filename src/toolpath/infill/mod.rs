@@ -31,7 +31,7 @@ use super::bead::Line;
 
 pub use adaptive_cubic::AdaptiveCubic;
 pub use connect::Joins;
-pub use density::{SparseSample, calibrate, flow, lay};
+pub use density::{SOLID_DENSITY, SparseSample, calibrate, flow, lay};
 pub use lightning::{Hollow, Lightning};
 pub use lines::LineSet;
 pub use solid::{SolidSpec, fill as fill_solid, iron, nearest_first, split_narrow, turned};
@@ -70,7 +70,8 @@ impl FillSpec {
 
 /// A sparse infill pattern.
 pub trait FillPattern: Debug + Send + Sync {
-    /// The pattern's beads inside a region. Beads end on its boundary and nowhere leave it.
+    /// The pattern's beads inside a region: the lines of its [`sets`](Self::sets), or what a pattern that has none makes
+    /// itself. Beads end on its boundary and nowhere leave it.
     fn fill(&self, region: &Region, spec: &FillSpec) -> Vec<Line> {
         lines::lay(region, &self.sets(spec), &spec.joins)
     }

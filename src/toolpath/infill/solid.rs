@@ -2,11 +2,10 @@
 
 use std::f64::consts::{FRAC_PI_2, FRAC_PI_4};
 
-use crate::geom::{self, Point, Region};
+use crate::geom::{self, Direction, Point, Region};
 
 use super::super::bead::Line;
-use super::caps::Hatch;
-use super::{Joins, lines};
+use super::{Joins, LineSet, lines};
 
 /// Line ends further apart than this many spacings along the boundary are not joined.
 const LONGEST_JOIN: f64 = 12.0;
@@ -121,7 +120,7 @@ pub fn fill(region: &Region, spec: &SolidSpec) -> Vec<SolidPatch> {
                 reach_mm,
                 turn_mm: spec.turn * reach_mm,
                 anchor_mm: 0.0,
-                hatch: spec.capped.then_some(Hatch { angle_rad, distance_mm: fitted_mm, phase_mm }),
+                hatch: spec.capped.then_some(LineSet { angle_rad, distance_mm: fitted_mm, phase_mm }),
             };
             let first_of = |line: &Line| {
                 let (first_mm, _) = extent_mm(&line.points, angle_rad);
@@ -148,10 +147,9 @@ pub fn turned(angle_rad: f64, layer: usize) -> f64 {
 
 /// Smallest and largest distance from the origin across the line direction.
 fn extent_mm<'a>(points: impl IntoIterator<Item = &'a Point>, angle_rad: f64) -> (f64, f64) {
-    let (sin, cos) = angle_rad.sin_cos();
-    let across = |p: &Point| {
-        let [x, y] = p.mm();
-        y * cos - x * sin
-    };
-    points.into_iter().map(across).fold((f64::MAX, f64::MIN), |(low, high), v| (low.min(v), high.max(v)))
+    let direction = Direction::of(angle_rad);
+    points
+        .into_iter()
+        .map(|&p| direction.across_mm(p))
+        .fold((f64::MAX, f64::MIN), |(low, high), v| (low.min(v), high.max(v)))
 }

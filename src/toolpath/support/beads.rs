@@ -4,7 +4,7 @@ use std::f64::consts::FRAC_PI_2;
 
 use super::columns::Cells;
 use super::trace::trace;
-use crate::geom::{self, HatchLine, Point, Polygon, Region};
+use crate::geom::{self, Direction, HatchLine, Point, Polygon, Region};
 use crate::profile::{SupportPattern, SupportSettings, SupportStyle};
 use crate::toolpath::infill::{Joins, lines};
 use crate::toolpath::{Path, Role, Width, bead};
@@ -142,20 +142,14 @@ fn extended(
     angle_rad: f64,
     apart_mm: f64,
 ) -> Vec<(i64, [Point; 2])> {
-    let (sin, cos) = angle_rad.sin_cos();
-    let along = |p: Point| {
-        let [x, y] = p.mm();
-        x * cos + y * sin
-    };
+    let direction = Direction::of(angle_rad);
+    let along = |p: Point| direction.along_mm(p);
     let mut result = Vec::new();
     for line in lines {
         let Ok(same) = room.binary_search_by_key(&line.index, |l| l.index) else { continue };
         for [start, end] in &room[same].segments {
             let (low, high) = (along(start.point), along(end.point));
-            let at = |t: f64| {
-                let [x, y] = start.point.mm();
-                Point::from_mm(x + (t - low) * cos, y + (t - low) * sin)
-            };
+            let at = |t: f64| direction.from(start.point, t - low, 0.0);
             let mut open: Option<[f64; 2]> = None;
             for [a, b] in &line.segments {
                 let (a, b) = (along(a.point), along(b.point));

@@ -1,0 +1,39 @@
+//! A direction in the plane, and how places lie to it.
+
+use super::Point;
+
+/// A direction: places have a coordinate along it, and one across it, to its left, both from the origin.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Direction {
+    sin: f64,
+    cos: f64,
+}
+
+impl Direction {
+    /// The direction at an angle, in radians from the X axis.
+    pub fn of(angle_rad: f64) -> Self {
+        let (sin, cos) = angle_rad.sin_cos();
+        Self { sin, cos }
+    }
+
+    /// The coordinate along it, in millimetres.
+    pub fn along_mm(self, place: Point) -> f64 {
+        let [x, y] = place.mm();
+        x * self.cos + y * self.sin
+    }
+
+    /// The coordinate across it, in millimetres.
+    pub fn across_mm(self, place: Point) -> f64 {
+        let [x, y] = place.mm();
+        y * self.cos - x * self.sin
+    }
+
+    /// The place so far along and across from another, in millimetres.
+    pub fn from(self, place: Point, along_mm: f64, across_mm: f64) -> Point {
+        let [x, y] = place.mm();
+        Point::from_mm(
+            x + along_mm * self.cos - across_mm * self.sin,
+            y + along_mm * self.sin + across_mm * self.cos,
+        )
+    }
+}
