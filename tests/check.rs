@@ -273,6 +273,7 @@ fn beads_over_air_are_found_and_bridges_are_none() {
         [cuboid([10.0, 10.0, 0.0], [14.0, 14.0, 3.0]), cuboid([0.0, 0.0, 3.0], [24.0, 24.0, 4.0])].concat();
     let report = beside(&sliced(&table, &settings), &table, &settings);
     assert_eq!(kinds(&report), [Kind::OverAir], "{report}");
+    assert!(report.to_string().contains(" mm of "), "what they are part of: {report}");
     assert!(report.model.expect("compared").over_air_mm > 100.0);
     let feet = [cuboid([0.0; 3], [4.0, 10.0, 3.0]), cuboid([20.0, 0.0, 0.0], [24.0, 10.0, 3.0])].concat();
     let gate = [feet, cuboid([0.0, 0.0, 3.0], [24.0, 10.0, 4.0])].concat();

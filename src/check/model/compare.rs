@@ -11,6 +11,7 @@ use super::sections::{Level, Sections};
 use super::survey::{Survey, is_part};
 use crate::gcode::{Action, Reader, Stroke, each_line};
 use crate::geom::{Bounds, Point, Region};
+use crate::toolpath::Role;
 use crate::toolpath::bead;
 use crate::toolpath::support::{Bitmap, Grid};
 
@@ -47,6 +48,7 @@ pub(super) fn compare(
         layer: None,
         way: Way::default(),
         last: (1, None),
+        role: None,
         model,
         found,
     };
@@ -58,6 +60,7 @@ pub(super) fn compare(
         match read.action {
             Action::Stroke(stroke) if stroke.extrudes() => {
                 let part = read.context.role.map_or(!print.tells_roles, is_part);
+                print.role = read.context.role;
                 print.bead(&stroke, part, read.context.height_mm, last);
             }
             Action::Stroke(stroke) if stroke.xy_mm > 0.0 => print.leave(),
@@ -101,6 +104,8 @@ struct Print<'a> {
     way: Way,
     /// Line and layer of the last bead.
     last: (usize, Option<usize>),
+    /// What that bead is part of, if the file tells.
+    role: Option<Role>,
     model: &'a mut ModelReport,
     found: &'a mut Found,
 }
@@ -157,7 +162,10 @@ impl Print<'_> {
             self.model.over_air_mm += hanging_mm;
             let [x, y, z] = way.end();
             self.found.add(Kind::OverAir, self.last.0, self.last.1, || {
-                format!("{hanging_mm:.1} mm before X{x:.2} Y{y:.2} Z{z:.2}")
+                let of = self
+                    .role
+                    .map_or(String::new(), |role| format!(" of {}", role.type_name().to_lowercase()));
+                format!("{hanging_mm:.1} mm{of} before X{x:.2} Y{y:.2} Z{z:.2}")
             });
         }
     }
