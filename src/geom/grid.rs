@@ -155,13 +155,15 @@ impl EdgeGrid {
         edges.map(|edge| to_segment_mm(p.mm(), edge.a.mm(), edge.b.mm())).fold(f64::INFINITY, f64::min)
     }
 
-    /// Whether the point is inside or on the boundary (even-odd over all rings). Passes one row of cells.
+    /// Whether the point is inside or on the boundary (even-odd over all rings). Passes half a row of cells at most.
     pub fn contains(&self, p: Point) -> bool {
         if !self.bounds.holds(p) {
             return false;
         }
+        let Bounds { min, max } = self.bounds;
+        let to_left = i64::from(p.x) - i64::from(min.x) < i64::from(max.x) - i64::from(p.x);
         let mut near = Vec::with_capacity(32);
-        self.near_segment(Point::new(self.bounds.min.x.min(p.x), p.y), p, &mut near);
+        self.near_segment(Point::new(if to_left { min.x } else { max.x }, p.y), p, &mut near);
         let mut inside = false;
         for edge in near.iter().map(|&i| &self.edges[i as usize]) {
             let side = (edge.b - edge.a).cross(p - edge.a);
@@ -169,7 +171,7 @@ impl EdgeGrid {
                 return true;
             }
             let up = edge.a.y <= p.y;
-            if up != (edge.b.y <= p.y) && (side < 0) == up {
+            if up != (edge.b.y <= p.y) && (side < 0) == (up == to_left) {
                 inside = !inside;
             }
         }
