@@ -1,5 +1,6 @@
 //! What the toolpath stage promises, checked on sections made here.
 
+mod toolpath_plan;
 mod toolpath_raster;
 
 use std::sync::Arc;
@@ -7,82 +8,11 @@ use std::sync::Arc;
 use pathwright::geom::{self, Bounds, Point, Polygon, Region, Ring};
 use pathwright::profile::{Pattern, Settings, WallGenerator, WallOrder};
 use pathwright::toolpath::infill::{self, AdaptiveCubic, FillPattern, FillSpec, Hollow, Joins, Lightning};
-use pathwright::toolpath::{
-    LayerPaths, ObjectLayer, Path, Planner, PlateLayer, Role, Shells, Width, bead, shell_depth,
-};
+use pathwright::toolpath::{LayerPaths, Path, Role, Width, bead, shell_depth};
 use pathwright::units::{Mm, Ratio};
 use proptest::prelude::*;
+use toolpath_plan::{HEIGHT_MM, job, length_mm, of_role, plan, rectangle, ring, with_hole};
 use toolpath_raster::coverage;
-
-const HEIGHT_MM: f64 = 0.2;
-
-fn ring(points: &[(f64, f64)]) -> Ring {
-    points.iter().map(|&(x, y)| Point::from_mm(x, y)).collect()
-}
-
-fn rectangle(x0: f64, y0: f64, x1: f64, y1: f64) -> Region {
-    let outer = ring(&[(x0, y0), (x1, y0), (x1, y1), (x0, y1)]);
-    Region { polygons: vec![Polygon { outer, holes: vec![] }] }
-}
-
-fn with_hole(mut region: Region, hole: &Region) -> Region {
-    region.polygons[0]
-        .holes
-        .extend(hole.polygons.iter().map(|p| p.outer.iter().rev().copied().collect::<Ring>()));
-    region
-}
-
-/// The job that slicers are compared on.
-fn job() -> Settings {
-    let mut s = Settings::default();
-    s.walls.count = 2;
-    s.shell.top_layers = 4;
-    s.shell.bottom_layers = 4;
-    s.shell.top_width = Mm(0.45);
-    s.infill.density = Ratio(0.2);
-    s.first_layer.width = Mm(0.0);
-    s.skirt.loops = 0;
-    s
-}
-
-/// The paths of every layer of an object given by its sections.
-fn plan(sections: &[Region], settings: &Settings) -> Vec<LayerPaths> {
-    let refs: Vec<&Region> = sections.iter().collect();
-    let sequential = |n: usize, f: &(dyn Fn(usize) -> Region + Sync)| (0..n).map(f).collect();
-    let shells = Shells::build(&refs, &vec![HEIGHT_MM; sections.len()], &settings.shell, &sequential);
-    let nothing = Region::default();
-    let section = |index: usize| PlateLayer {
-        index,
-        top_mm: HEIGHT_MM * (index + 1) as f64,
-        height_mm: HEIGHT_MM,
-        objects: vec![ObjectLayer {
-            object: 0,
-            section: &sections[index],
-            next: sections.get(index + 1).unwrap_or(&nothing),
-            beneath: index.checked_sub(1).map(|below| &sections[below]),
-            above: shells.above(index),
-            below: shells.below(index),
-            hollow: shells.beneath(index),
-        }],
-    };
-    let mut planner = Planner::new(settings.into(), &sections[0], HEIGHT_MM);
-    let layers: Vec<PlateLayer<'_>> = (0..sections.len()).map(section).collect();
-    let samples: Vec<_> = layers[1..].iter().map(|layer| planner.sparse_sample(layer)).collect();
-    planner.calibrate(&samples, HEIGHT_MM);
-    if settings.infill.combine_layers > 1 {
-        let areas: Vec<_> = layers.iter().map(|layer| (HEIGHT_MM, planner.sparse_area(layer))).collect();
-        planner.combine(&areas);
-    }
-    layers.iter().map(|layer| planner.layer(layer)).collect()
-}
-
-fn of_role(layer: &LayerPaths, role: Role) -> Vec<&Path> {
-    layer.paths.iter().filter(|p| p.role == role).collect()
-}
-
-fn length_mm(path: &Path) -> f64 {
-    if path.closed { geom::ring_length_mm(&path.points) } else { geom::polyline_length_mm(&path.points) }
-}
 
 fn volume_mm3<'a>(paths: impl IntoIterator<Item = &'a Path>) -> f64 {
     paths
@@ -278,6 +208,22 @@ fn anchors_run_along_the_wall_from_ends_that_are_not_joined() {
 }
 
 #[test]
+fn ends_of_sparse_lines_meet_the_wall_in_their_full_width() {
+    let mut settings = job();
+    settings.infill.connect = false;
+    let layers = plan(&vec![rectangle(0.0, 0.0, 20.0, 20.0); 11], &settings);
+    // Where two walls end: no line may come near the middle of the inner one, all have to come out of the room inside.
+    let spacing_mm = bead::spacing_mm(0.45, HEIGHT_MM);
+    let (wall_mm, edge_mm) = (0.225 + spacing_mm, 0.225 + 1.5 * spacing_mm);
+    for path in of_role(&layers[5], Role::InternalInfill) {
+        for [x, y] in [path.points[0], path.points[path.points.len() - 1]].map(Point::mm) {
+            let depth_mm = [x, y, 20.0 - x, 20.0 - y].into_iter().fold(f64::MAX, f64::min);
+            assert!((wall_mm + 0.1..=edge_mm + 0.01).contains(&depth_mm), "{depth_mm}, wall {wall_mm}");
+        }
+    }
+}
+
+#[test]
 fn density_zero_leaves_the_inside_empty() {
     let mut settings = job();
     settings.infill.density = Ratio(0.0);
@@ -364,90 +310,6 @@ fn solid_patches_over_sparse_infill_lie_on_a_line_of_it() {
             assert!(!hangs, "{pattern:?}: {:.1} mm at {:?}", length_mm(path), path.points[0].mm());
         }
     }
-}
-
-/// The layer that closes an opening: full sections on top of sections with it.
-fn roof(open: &Region, full: &Region) -> LayerPaths {
-    let sections = [vec![open.clone(); 6], vec![full.clone(); 6]].concat();
-    plan(&sections, &job()).swap_remove(6)
-}
-
-/// Whether all long threads of a layer's bridges run in a direction (degrees from X), and end over `hold`.
-fn bridges_run(layer: &LayerPaths, degrees: f64, hold: &Region) -> bool {
-    let threads: Vec<[Point; 2]> = of_role(layer, Role::BridgeInfill)
-        .iter()
-        .flat_map(|p| p.points.windows(2).map(|e| [e[0], e[1]]))
-        .filter(|[a, b]| a.distance_mm(*b) > 3.0)
-        .collect();
-    let (sin, cos) = degrees.to_radians().sin_cos();
-    let along = |[a, b]: &[Point; 2]| {
-        let [dx, dy] = (*b - *a).mm();
-        (dx * sin - dy * cos).abs() < 0.01 * a.distance_mm(*b)
-    };
-    let held = |p: &Point| hold.contains(*p);
-    !threads.is_empty() && threads.iter().all(|t| along(t) && t.iter().all(held))
-}
-
-#[test]
-fn bridges_span_a_rectangle_the_short_way() {
-    for (pit, degrees) in [(rectangle(10.0, 5.0, 30.0, 15.0), 90.0), (rectangle(15.0, 2.0, 22.0, 18.0), 0.0)]
-    {
-        let full = rectangle(0.0, 0.0, 40.0, 20.0);
-        let open = with_hole(full.clone(), &pit);
-        assert!(bridges_run(&roof(&open, &full), degrees, &open), "{degrees}");
-    }
-}
-
-#[test]
-fn bridges_between_two_pillars_go_from_one_to_the_other() {
-    let full = rectangle(0.0, 0.0, 40.0, 8.0);
-    let mut pillars = rectangle(0.0, 0.0, 8.0, 8.0);
-    pillars.polygons.extend(rectangle(32.0, 0.0, 40.0, 8.0).polygons);
-    assert!(bridges_run(&roof(&pillars, &full), 0.0, &pillars));
-}
-
-#[test]
-fn no_thread_of_a_bridge_ends_halfway_along_an_edge_that_is_nearly_straight() {
-    let full = |slant_mm: f64| {
-        let outer = ring(&[(0.0, 0.0), (40.0, slant_mm), (40.0, 8.0), (0.0, 8.0 - slant_mm)]);
-        Region { polygons: vec![Polygon { outer, holes: vec![] }] }
-    };
-    let mut pillars = rectangle(0.0, 0.0, 8.0, 8.0);
-    pillars.polygons.extend(rectangle(32.0, 0.0, 40.0, 8.0).polygons);
-    for slant_mm in [-0.03, -0.01, 0.01, 0.03] {
-        let open = geom::intersection(&pillars, &full(slant_mm));
-        assert!(bridges_run(&roof(&open, &full(slant_mm)), 0.0, &pillars), "{slant_mm}");
-    }
-}
-
-#[test]
-fn bridges_over_a_c_go_from_arm_to_arm() {
-    let full = rectangle(0.0, 0.0, 30.0, 20.0);
-    let open = geom::difference(&full, &rectangle(8.0, -1.0, 22.0, 12.0));
-    assert!(bridges_run(&roof(&open, &full), 0.0, &open));
-}
-
-#[test]
-fn bridges_over_an_l_are_shorter_than_its_arms_and_have_hold_at_both_ends() {
-    let full = rectangle(0.0, 0.0, 40.0, 40.0);
-    let pit = geom::union(&rectangle(10.0, 10.0, 18.0, 32.0), &rectangle(10.0, 10.0, 30.0, 18.0));
-    let open = geom::difference(&full, &pit);
-    let roof = roof(&open, &full);
-    let degrees = (0..180).find(|&degrees| bridges_run(&roof, f64::from(degrees), &open));
-    assert!(degrees.is_some(), "all one way, from hold to hold");
-    let spans = of_role(&roof, Role::BridgeInfill).into_iter().flat_map(|p| p.points.windows(2));
-    let longest_mm = spans.map(|e| e[0].distance_mm(e[1])).fold(0.0, f64::max);
-    assert!(longest_mm < 20.0, "along an arm it would be 20 mm and more, not {longest_mm}");
-}
-
-#[test]
-fn solid_infill_never_hangs_where_a_bridge_could() {
-    let full = rectangle(0.0, 0.0, 40.0, 20.0);
-    let pit = rectangle(10.0, 5.0, 30.0, 15.0);
-    let roof = roof(&with_hole(full.clone(), &pit), &full);
-    let air = geom::offset(&pit, -0.1);
-    let flat = roof.paths.iter().filter(|p| p.role != Role::BridgeInfill);
-    assert!(flat.flat_map(|p| &p.points).all(|&p| !air.contains(p)));
 }
 
 fn star() -> impl Strategy<Value = Region> {

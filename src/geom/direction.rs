@@ -28,6 +28,12 @@ impl Direction {
         y * self.cos - x * self.sin
     }
 
+    /// The smallest and the largest coordinate across it of some places, in millimetres.
+    pub fn extent_mm<'a>(self, places: impl IntoIterator<Item = &'a Point>) -> (f64, f64) {
+        let across_mm = places.into_iter().map(|&place| self.across_mm(place));
+        across_mm.fold((f64::MAX, f64::MIN), |(low, high), mm| (low.min(mm), high.max(mm)))
+    }
+
     /// The place so far along and across from another, in millimetres.
     pub fn from(self, place: Point, along_mm: f64, across_mm: f64) -> Point {
         let [x, y] = place.mm();

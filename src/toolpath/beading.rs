@@ -24,7 +24,7 @@ use super::bead::Line;
 /// Half the thickness at which a part gets two beads instead of one, in spacings.
 pub(super) const PAIR: f64 = 0.75;
 
-/// Parts that are thicker than where pairs begin by less than this on average, in spacings, get single beads
+/// Parts that are thicker than where pairs, or infill, begin by less than this on average, in spacings, get single beads
 /// throughout: else tiny loops and short beads would alternate where the thickness goes to and fro about that.
 const HYSTERESIS: f64 = 0.08;
 
@@ -78,12 +78,7 @@ pub(super) struct Pair {
 
 /// Lays one bead along the boundary of a region, with widths as the module says. Gaps narrower than `least_mm` are none.
 pub(super) fn pair(region: &Region, spacing_mm: f64, least_mm: f64) -> Pair {
-    let mut core = geom::offset(region, -PAIR * spacing_mm);
-    core.polygons.retain(|polygon| {
-        let around_mm: f64 = polygon.rings().map(|ring| geom::ring_length_mm(ring)).sum();
-        // What is no longer than wide is the middle of a post, which takes no bead along its axis.
-        around_mm < spacing_mm || 2.0 * polygon.area_mm2() >= HYSTERESIS * spacing_mm * around_mm
-    });
+    let core = core(region, PAIR * spacing_mm, spacing_mm);
     let covered = geom::offset(&core, PAIR * spacing_mm);
     let gap = gap(region, &core, PAIR * spacing_mm, least_mm);
     let deep = geom::offset(&core, -(FULL - PAIR) * spacing_mm);
@@ -95,6 +90,17 @@ pub(super) fn pair(region: &Region, spacing_mm: f64, least_mm: f64) -> Pair {
         centre.rings().filter_map(|ring| sides.fit(ring)).collect()
     };
     Pair { loops, gap, rest: geom::offset(&deep, (FULL - 1.0) * spacing_mm) }
+}
+
+/// A region shrunk by a radius, but for what is thicker than that here and there only.
+pub(super) fn core(region: &Region, radius_mm: f64, spacing_mm: f64) -> Region {
+    let mut core = geom::offset(region, -radius_mm);
+    core.polygons.retain(|polygon| {
+        let around_mm: f64 = polygon.rings().map(|ring| geom::ring_length_mm(ring)).sum();
+        // What is no longer than wide is the middle of a post, which takes no bead along its axis.
+        around_mm < spacing_mm || 2.0 * polygon.area_mm2() >= HYSTERESIS * spacing_mm * around_mm
+    });
+    core
 }
 
 /// Fills a region with nested beads until nothing is left: loops, and the places for single beads.

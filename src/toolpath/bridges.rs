@@ -4,11 +4,13 @@
 //! and an even fan of others, it is the one in which most of the threads are held at both ends, and of those that do
 //! equally well the one whose longest span is the shortest.
 
+use std::cell::LazyCell;
 use std::f64::consts::PI;
 
-use crate::geom::{self, EdgeGrid, Point, Polygon, Region};
+use crate::geom::{self, Direction, EdgeGrid, Point, Polygon, Region};
 
 use super::Zones;
+use super::footing::Footing;
 
 /// Directions tried besides those of the edges.
 const FAN: u32 = 18;
@@ -23,6 +25,19 @@ const LINES: f64 = 24.0;
 /// not held.
 const SPAN_WEIGHTS: [f64; 2] = [0.1, 0.01];
 
+/// Strips of fewer threads get as many as run along all of them; the threads of wider ones are spread over what holds
+/// them, too.
+const STRIP: f64 = 6.0;
+
+/// What is narrower than two threads is bridged where it is longer than so many,
+const SHORTEST_STRIP: f64 = 8.0;
+
+/// no more than so many threads wide all along, so straight,
+const STRAIGHT: f64 = 2.5;
+
+/// and can be spanned at a cost below this, nearly all of it held at both ends.
+const HELD: f64 = 0.3;
+
 /// Where a thread is looked for hold, in thread widths beyond its end: over the walls beside it.
 const PROBES: [f64; 4] = [0.25, 1.25, 2.25, 3.25];
 
@@ -33,38 +48,48 @@ pub struct Bridge {
     pub area: Region,
     /// Direction of the threads, radians from the X axis.
     pub angle_rad: f64,
+    /// Of a narrow strip of air, where it is across the threads: from, to. What it rests on may be wider.
+    pub strip_mm: Option<(f64, f64)>,
 }
 
-/// Takes the bridges out of an island's zones. `section` is the island, `beneath` what the layer rests on; threads are
+/// Takes the bridges out of an island's zones. `section` is the island, `footing` what the layer rests on; threads are
 /// `width_mm` thick and reach `anchor_mm` over their hold, inside of `inside`. What is narrower than two threads needs
-/// no bridge.
+/// no bridge, unless it is a strip that only has hold at its ends.
 pub fn take(
     zones: &mut Zones,
     inside: &Region,
     section: &Polygon,
-    beneath: &Region,
+    footing: &Footing<'_>,
     width_mm: f64,
     anchor_mm: f64,
 ) -> Vec<Bridge> {
     if zones.solid.is_empty() && zones.top.is_empty() {
         return Vec::new();
     }
-    let over_air = |zone: &Region| geom::difference(zone, beneath);
-    let air = geom::union(&over_air(&zones.solid), &over_air(&zones.top));
-    let air = geom::opening(&air, width_mm);
+    let over_air = |zone: &Region| geom::difference(zone, footing.beneath);
+    let all = geom::union(&over_air(&zones.solid), &over_air(&zones.top));
+    let core = geom::offset(&all, -width_mm);
+    let mut air = geom::offset(&core, width_mm);
+    let hold = LazyCell::new(|| Hold {
+        footing,
+        section: EdgeGrid::new(&Region { polygons: vec![section.clone()] }),
+        width_mm,
+    });
+    let is_strip = |polygon: &Polygon| hold.is_strip(&Region { polygons: vec![polygon.clone()] });
+    let mut narrow = geom::narrower(&all, &core, width_mm, width_mm);
+    narrow.polygons.retain(|p| p.area_mm2() > SHORTEST_STRIP * width_mm * width_mm && is_strip(p));
+    air.polygons.extend(narrow.polygons);
     if air.is_empty() {
         return Vec::new();
     }
-    let hold = Hold {
-        beneath: EdgeGrid::new(beneath),
-        section: EdgeGrid::new(&Region { polygons: vec![section.clone()] }),
-        width_mm,
-    };
     let taken = geom::intersection(&geom::offset(&air, anchor_mm), inside);
     let bridge = |polygon: &Polygon| {
         let area = Region { polygons: vec![polygon.clone()] };
         let spanned = geom::intersection(&air, &area);
-        Bridge { angle_rad: hold.best_angle(&spanned), area }
+        let (angle_rad, _) = hold.best_angle(&spanned);
+        let (from_mm, to_mm) = Direction::of(angle_rad).extent_mm(spanned.rings().flatten());
+        let strip_mm = (to_mm - from_mm < STRIP * width_mm).then_some((from_mm, to_mm));
+        Bridge { area, angle_rad, strip_mm }
     };
     let bridges = taken.polygons.iter().map(bridge).collect();
     let sparse = geom::difference(&zones.sparse, &taken);
@@ -76,23 +101,31 @@ pub fn take(
 }
 
 /// What can hold threads: where this layer lies on the one beneath.
-struct Hold {
-    beneath: EdgeGrid,
+struct Hold<'a> {
+    footing: &'a Footing<'a>,
     section: EdgeGrid,
     width_mm: f64,
 }
 
-impl Hold {
-    fn best_angle(&self, air: &Region) -> f64 {
+impl Hold<'_> {
+    /// Whether air of less than two threads' width can only be spanned along its length, from hold to hold.
+    fn is_strip(&self, air: &Region) -> bool {
+        let (angle_rad, cost) = self.best_angle(air);
+        let (from_mm, to_mm) = Direction::of(angle_rad).extent_mm(air.rings().flatten());
+        to_mm - from_mm < STRAIGHT * self.width_mm && cost < HELD
+    }
+
+    /// The best direction, and its cost.
+    fn best_angle(&self, air: &Region) -> (f64, f64) {
         let mut angles = edge_angles(air);
         angles.extend((0..FAN).map(|k| PI * f64::from(k) / f64::from(FAN)));
-        let mut best = (f64::INFINITY, 0.0);
+        let mut best = (0.0, f64::INFINITY);
         for angle_rad in angles {
-            if let Some(cost) = self.cost(air, angle_rad, best.0 - 1e-9) {
-                best = (cost, angle_rad);
+            if let Some(cost) = self.cost(air, angle_rad, best.1 - 1e-9) {
+                best = (angle_rad, cost);
             }
         }
-        best.1
+        best
     }
 
     /// Share of thread that is not held at both ends (half of it counts where one end is), and a little for the spans;
@@ -101,8 +134,9 @@ impl Hold {
         let judged = |cost: f64| (cost < below).then_some(cost);
         let Some(bounds) = air.bounds() else { return judged(0.0) };
         let longest_mm = bounds.min.distance_mm(bounds.max);
-        let spacing_mm = (longest_mm / LINES).max(self.width_mm / 2.0);
-        let lines = geom::scan_lines(air, angle_rad, spacing_mm, 0.0);
+        let (low_mm, high_mm) = Direction::of(angle_rad).extent_mm(air.rings().flatten());
+        let spacing_mm = ((high_mm - low_mm) / LINES).max(self.width_mm / 2.0);
+        let lines = geom::scan_lines(air, angle_rad, spacing_mm, (low_mm + high_mm) / 2.0);
         let spans = || lines.iter().flat_map(|line| &line.segments).map(|[a, b]| [a.point, b.point]);
         let (mut length_mm, mut squares_mm2, mut most_mm) = (0.0, 0.0, 0.0_f64);
         for [a, b] in spans() {
@@ -132,7 +166,7 @@ impl Hold {
         PROBES.iter().any(|widths| {
             let [x, y] = way.map(|w| w * widths * self.width_mm);
             let p = end + Point::from_mm(x, y);
-            self.beneath.contains(p) && self.section.contains(p)
+            self.footing.holds(p) && self.section.contains(p)
         })
     }
 }

@@ -90,7 +90,16 @@ impl Draft {
         let reach_mm = if ordered { spacing_mm / 2.0 } else { settings.overlap.0 * width_mm };
         let angle_rad = settings.angle.to_radians();
         let turn = if settings.density.0 > infill::SOLID_DENSITY { CORE_TURN } else { SKIN_TURN };
-        let spec = SolidSpec { spacing_mm, reach_mm, turn, angle_rad, layer, joined: !ordered, capped: true };
+        let spec = SolidSpec {
+            spacing_mm,
+            reach_mm,
+            turn,
+            angle_rad,
+            layer,
+            joined: !ordered,
+            capped: true,
+            fit_mm: None,
+        };
         let mut next_rank = rank + 1;
         let mut patches = infill::fill_solid(&zone, &spec);
         if ordered {
@@ -121,6 +130,7 @@ impl Draft {
             layer: 0,
             joined: true,
             capped: false,
+            fit_mm: bridge.strip_mm,
         };
         for patch in infill::fill_solid(&bridge.area, &spec) {
             self.lines(Role::BridgeInfill, rank, thread_mm, patch.lines.into_iter().map(|(_, line)| line));

@@ -6,6 +6,7 @@ mod beading;
 mod bridges;
 mod draft;
 mod entries;
+mod footing;
 mod fuzzy;
 pub mod infill;
 mod path;

@@ -12,6 +12,7 @@ use crate::units::Mm;
 
 use super::bead::Line;
 use super::draft::{Draft, Solid};
+use super::footing::Footing;
 use super::fuzzy::Fuzzy;
 use super::infill::{self, FillPattern, FillSpec, Joins, LineSet, SparseSample};
 use super::reach::Reach;
@@ -23,6 +24,10 @@ use super::{Island, LayerPaths, Role, adhesion, bead, bridges, entries};
 /// Ends of sparse infill lines are joined along the wall up to this many line distances: the way to the next
 /// line is √2 distances at 45°, and beyond this a travel is quicker than the extrusion.
 const LONGEST_JOIN: f64 = 2.5;
+
+/// Ends of sparse infill lines are round; so many line spacings further into the wall, they meet it in their full width, and
+/// rest on the one beneath where that leans.
+const EMBEDDED: f64 = 0.35;
 
 /// Islands without a loop, of which lines fill less than this share, are too small for lines.
 const SMALL: f64 = 0.5;
@@ -236,10 +241,11 @@ impl Planner {
         let mut outline = Region::default();
         for object in &section.objects {
             let fuzzy = Fuzzy::new(&self.settings.fuzzy, object.beneath, section.index, object.object);
+            let footing = object.beneath.map(Footing::new);
             for polygon in &object.section.polygons {
                 draft.island = islands.len() as u32;
                 islands.push(Island { object: object.object });
-                self.island(&mut draft, polygon, object, section, fuzzy.as_ref());
+                self.island(&mut draft, polygon, object, section, (fuzzy.as_ref(), footing.as_ref()));
             }
             outline.polygons.extend(object.section.polygons.iter().cloned());
         }
@@ -264,7 +270,7 @@ impl Planner {
         polygon: &Polygon,
         object: &ObjectLayer<'_>,
         section: &PlateLayer<'_>,
-        fuzzy: Option<&Fuzzy<'_>>,
+        (fuzzy, footing): (Option<&Fuzzy<'_>>, Option<&Footing<'_>>),
     ) {
         let (spec, widths) = (self.wall_spec(section), &self.widths(section.index));
         let Walls { loops, gaps, inside } = walls::trace(polygon, &spec);
@@ -306,12 +312,21 @@ impl Planner {
             draft.dot(rank, before, filled_mm2, polygon, &self.settings.walls);
         }
 
+        if let Some(footing) = footing {
+            let own = &mut draft.paths[before..];
+            footing.reach(own, polygon);
+            if self.settings.walls.order == WallOrder::InnerFirst && footing.outer_first(own) {
+                let walls = own.iter_mut().filter(|path| path.role.is_wall());
+                walls.for_each(|path| path.rank = count - 1 - path.rank);
+            }
+        }
+
         let settings = &self.settings.infill;
         let mut zones = self.zones(&inside, object, section);
-        if let Some(beneath) = object.beneath.filter(|_| self.settings.bridge.enabled) {
+        if let Some(footing) = footing.filter(|_| self.settings.bridge.enabled) {
             let thread_mm = self.settings.nozzle.0 * self.settings.bridge.flow.sqrt();
             let anchor_mm = self.settings.bridge.anchor.0;
-            for bridge in bridges::take(&mut zones, &inside, polygon, beneath, thread_mm, anchor_mm) {
+            for bridge in bridges::take(&mut zones, &inside, polygon, footing, thread_mm, anchor_mm) {
                 draft.bridge(count + 2, &bridge, thread_mm, settings);
             }
         }
@@ -435,7 +450,7 @@ impl Planner {
             z_mm: section.top_mm - slab.height_mm / 2.0,
             joins: Joins {
                 longest_mm: if settings.connect { LONGEST_JOIN * line_distance_mm } else { 0.0 },
-                reach_mm: settings.overlap.0 * self.widths(section.index).infill_mm,
+                reach_mm: settings.overlap.0 * self.widths(section.index).infill_mm + EMBEDDED * spacing_mm,
                 turn_mm: 0.0,
                 anchor_mm: settings.anchor.0,
                 hatch: None,

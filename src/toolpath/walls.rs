@@ -129,7 +129,7 @@ fn fitted(section: &Region, spec: &WallSpec) -> Walls {
         }
         rest = pair.rest;
     }
-    leave_inside(walls, rest, beading::PAIR * spec.spacing_mm(spec.count), spec)
+    leave_inside(walls, rest, beading::PAIR, spec)
 }
 
 /// The walls of an island with narrow places, with fixed widths.
@@ -153,13 +153,15 @@ fn with_gaps(section: &Region, spec: &WallSpec) -> Walls {
         rest = geom::offset(&centre, -spacing_mm / 2.0);
     }
     walls.loops.retain(|rings| !rings.is_empty());
-    leave_inside(walls, rest, (1.0 + CLOSEST) / 2.0 * spec.spacing_mm(spec.count), spec)
+    leave_inside(walls, rest, (1.0 + CLOSEST) / 2.0, spec)
 }
 
-/// What the walls leave is the place for infill; narrower places than twice the radius become gaps.
-fn leave_inside(mut walls: Walls, mut rest: Region, radius_mm: f64, spec: &WallSpec) -> Walls {
+/// What the walls leave is the place for infill; places narrower than twice the radius, in spacings, become gaps.
+fn leave_inside(mut walls: Walls, mut rest: Region, radius: f64, spec: &WallSpec) -> Walls {
     if spec.gap_fill && !rest.is_empty() {
-        let core = geom::offset(&rest, -radius_mm);
+        let spacing_mm = spec.spacing_mm(spec.count);
+        let radius_mm = radius * spacing_mm;
+        let core = beading::core(&rest, radius_mm, spacing_mm);
         if let Some(gap) = beading::gap(&rest, &core, radius_mm, spec.least_gap_mm(spec.count)) {
             walls.gaps.push((spec.count, gap));
             rest = geom::intersection(&geom::offset(&core, radius_mm), &rest);

@@ -42,8 +42,9 @@ const BACK: f64 = 0.75;
 /// Such a line goes sideways into the wedge this many times as far as it goes beyond the boundary.
 const SIDEWAYS: f64 = 1.2;
 
-/// Ends reach at most this many times the reach along their line, however flat it meets the boundary.
-const FLATTEST: f64 = 4.0;
+/// Ends of solid and of other fills reach at most this many times the reach along their line, however flat it meets the
+/// boundary.
+const FLATTEST: [f64; 2] = [4.0, 2.0];
 
 /// Anchors take up less than half of the way to the next end, whose own may come towards them.
 const ANCHOR: f64 = 0.45;
@@ -200,7 +201,8 @@ impl Joiner<'_> {
             return;
         }
         let sine = (out[0] * edge[1] - out[1] * edge[0]).abs();
-        let by = across_mm / sine.max(1.0 / FLATTEST);
+        let flattest = FLATTEST[usize::from(self.joins.hatch.is_none())];
+        let by = across_mm / sine.max(1.0 / flattest);
         let mut tip = [0, 1].map(|k| [x, y][k] + by * out[k]);
         if let Some(ahead) = ahead.map(Point::mm) {
             // The join comes from one side; the wedge is on the other.

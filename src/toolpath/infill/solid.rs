@@ -93,6 +93,9 @@ pub struct SolidSpec {
     pub joined: bool,
     /// Whether beads of fitting width fill what is left where the boundary runs along the lines.
     pub capped: bool,
+    /// What lines are fitted to, across their direction, if not to all of a patch: its smallest and its largest
+    /// coordinate.
+    pub fit_mm: Option<(f64, f64)>,
 }
 
 /// Fills each polygon of a region with lines a spacing apart or slightly closer or wider: the extent across
@@ -100,13 +103,18 @@ pub struct SolidSpec {
 pub fn fill(region: &Region, spec: &SolidSpec) -> Vec<SolidPatch> {
     let SolidSpec { spacing_mm, reach_mm, .. } = *spec;
     let angle_rad = turned(spec.angle_rad, spec.layer);
+    let direction = Direction::of(angle_rad);
     let inner = geom::offset(region, -spacing_mm / 2.0);
     inner
         .polygons
         .into_iter()
         .map(|polygon| {
             let patch = Region { polygons: vec![polygon] };
-            let (low_mm, high_mm) = extent_mm(patch.rings().flatten(), angle_rad);
+            let (mut low_mm, mut high_mm) = direction.extent_mm(patch.rings().flatten());
+            if let Some((from_mm, to_mm)) = spec.fit_mm {
+                (low_mm, high_mm) =
+                    (low_mm.max(from_mm + spacing_mm / 2.0), high_mm.min(to_mm - spacing_mm / 2.0));
+            }
             let inside_mm = if spec.capped { INSIDE_MM } else { INSIDE * spacing_mm };
             let width_mm = (high_mm - low_mm - 2.0 * inside_mm).max(0.0);
             let gaps = (width_mm / spacing_mm).round();
@@ -123,7 +131,7 @@ pub fn fill(region: &Region, spec: &SolidSpec) -> Vec<SolidPatch> {
                 hatch: spec.capped.then_some(LineSet { angle_rad, distance_mm: fitted_mm, phase_mm }),
             };
             let first_of = |line: &Line| {
-                let (first_mm, _) = extent_mm(&line.points, angle_rad);
+                let (first_mm, _) = direction.extent_mm(&line.points);
                 ((first_mm - phase_mm) / fitted_mm).round().max(0.0) as u32
             };
             let lines = lines::parallel(&patch, angle_rad, fitted_mm, phase_mm, &joins);
@@ -143,13 +151,4 @@ pub fn iron(region: &Region, spacing_mm: f64, angle_rad: f64, layer: usize) -> V
 /// Direction of the solid lines of a layer.
 pub fn turned(angle_rad: f64, layer: usize) -> f64 {
     angle_rad + if layer % 2 == 1 { FRAC_PI_2 } else { 0.0 }
-}
-
-/// Smallest and largest distance from the origin across the line direction.
-fn extent_mm<'a>(points: impl IntoIterator<Item = &'a Point>, angle_rad: f64) -> (f64, f64) {
-    let direction = Direction::of(angle_rad);
-    points
-        .into_iter()
-        .map(|&p| direction.across_mm(p))
-        .fold((f64::MAX, f64::MIN), |(low, high), v| (low.min(v), high.max(v)))
 }
