@@ -118,6 +118,13 @@ pub struct Planner {
     covered: Region,
 }
 
+/// What the islands of an object have in common at one layer.
+struct Part<'a> {
+    object: &'a ObjectLayer<'a>,
+    fuzzy: Option<Fuzzy<'a>>,
+    footing: Option<Footing<'a>>,
+}
+
 /// What one layer of sparse infill fills.
 #[derive(Clone, Copy)]
 struct Slab {
@@ -240,12 +247,15 @@ impl Planner {
         let mut islands = Vec::new();
         let mut outline = Region::default();
         for object in &section.objects {
-            let fuzzy = Fuzzy::new(&self.settings.fuzzy, object.beneath, section.index, object.object);
-            let footing = object.beneath.map(Footing::new);
+            let part = Part {
+                object,
+                fuzzy: Fuzzy::new(&self.settings.fuzzy, object.beneath, section.index, object.object),
+                footing: object.beneath.map(Footing::new),
+            };
             for polygon in &object.section.polygons {
                 draft.island = islands.len() as u32;
                 islands.push(Island { object: object.object });
-                self.island(&mut draft, polygon, object, section, (fuzzy.as_ref(), footing.as_ref()));
+                self.island(&mut draft, polygon, &part, section);
             }
             outline.polygons.extend(object.section.polygons.iter().cloned());
         }
@@ -264,14 +274,8 @@ impl Planner {
         }
     }
 
-    fn island(
-        &self,
-        draft: &mut Draft,
-        polygon: &Polygon,
-        object: &ObjectLayer<'_>,
-        section: &PlateLayer<'_>,
-        (fuzzy, footing): (Option<&Fuzzy<'_>>, Option<&Footing<'_>>),
-    ) {
+    fn island(&self, draft: &mut Draft, polygon: &Polygon, part: &Part<'_>, section: &PlateLayer<'_>) {
+        let Part { object, fuzzy, footing } = part;
         let (spec, widths) = (self.wall_spec(section), &self.widths(section.index));
         let Walls { loops, gaps, inside } = walls::trace(polygon, &spec);
         let before = draft.paths.len();
@@ -323,7 +327,7 @@ impl Planner {
 
         let settings = &self.settings.infill;
         let mut zones = self.zones(&inside, object, section);
-        if let Some(footing) = footing.filter(|_| self.settings.bridge.enabled) {
+        if let Some(footing) = footing.as_ref().filter(|_| self.settings.bridge.enabled) {
             let thread_mm = self.settings.nozzle.0 * self.settings.bridge.flow.sqrt();
             let anchor_mm = self.settings.bridge.anchor.0;
             for bridge in bridges::take(&mut zones, &inside, polygon, footing, thread_mm, anchor_mm) {
