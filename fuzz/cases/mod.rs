@@ -4,13 +4,15 @@
 #![allow(dead_code, reason = "each fuzz target uses one of them")]
 
 mod shapes;
+#[path = "../../tests/toolpath_plan/mod.rs"]
+mod toolpath_plan;
 
 use std::io::{Cursor, Write};
 use std::path::Path;
 
 use pathwright::check::{Survey, check};
 use pathwright::gcode::{annotate, measure};
-use pathwright::geom::{self, Region};
+use pathwright::geom;
 use pathwright::mesh::{self, Item, Placement};
 use pathwright::order::{self, Chain, DetourRule, LayerProblem, SeamRule, strategy};
 use pathwright::profile::{
@@ -18,9 +20,9 @@ use pathwright::profile::{
     WallGenerator,
 };
 use pathwright::slice;
-use pathwright::toolpath::{LayerPaths, ObjectLayer, Planner, PlateLayer, Shells};
 use pathwright::units::Mm;
 use shapes::Bytes;
+use toolpath_plan::plan_with;
 
 /// Any bytes as an STL file.
 pub fn stl(bytes: &[u8]) {
@@ -111,7 +113,7 @@ pub fn slicing(bytes: &[u8]) {
     settings.walls.external_width = settings.walls.width;
     settings.layer.elephant_foot = Mm(0.0);
     let sections = [region.clone(), geom::offset(&region, 0.3), inset, region];
-    let layers = plan(&sections, &settings);
+    let layers = plan_with(&sections, &settings, |_, _| ());
     assert!(layers.iter().flat_map(|layer| &layer.paths).all(|path| path.points.len() >= 2 || path.closed));
     let seam = SeamPosition::ALL[bytes.int(SeamPosition::ALL.len() as u32) as usize].1;
     let mut rule = SeamRule::new(seam);
@@ -144,28 +146,4 @@ fn solve(problem: &order::Problem<'_>, name: OrderStrategy, kind: CostKind) {
     let cost = order::Cost::new(kind, &Settings::default());
     let sequence = strategy(name).solve(problem, &cost, Effort::Fast);
     assert_eq!(order::check(problem, &sequence), Ok(()), "{name:?}");
-}
-
-fn plan(sections: &[Region], settings: &Settings) -> Vec<LayerPaths> {
-    let refs: Vec<&Region> = sections.iter().collect();
-    let sequential = |n: usize, f: &(dyn Fn(usize) -> Region + Sync)| (0..n).map(f).collect();
-    let nothing = Region::default();
-    let height_mm = 0.2;
-    let shells = Shells::build(&refs, &vec![height_mm; sections.len()], &settings.shell, &sequential);
-    let planner = Planner::new(settings.into(), &sections[0], height_mm);
-    let layer = |index: usize| PlateLayer {
-        index,
-        top_mm: height_mm * (index + 1) as f64,
-        height_mm,
-        objects: vec![ObjectLayer {
-            object: 0,
-            section: &sections[index],
-            next: sections.get(index + 1).unwrap_or(&nothing),
-            beneath: index.checked_sub(1).map(|below| &sections[below]),
-            above: shells.above(index),
-            below: shells.below(index),
-            hollow: shells.beneath(index),
-        }],
-    };
-    (0..sections.len()).map(|index| planner.layer(&layer(index))).collect()
 }

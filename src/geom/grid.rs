@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use super::{Bounds, Point, Region, UNITS_PER_MM, to_segment_mm};
+use super::{Bounds, Point, Polygon, Region, UNITS_PER_MM, to_segment_mm};
 
 /// How far beyond a segment its cells reach, in grid units: more than any rounding of its ends.
 const SLACK: i64 = 2;
@@ -64,6 +64,11 @@ impl EdgeGrid {
         let mut grid = Self { edges, bounds, cell, columns, rows, starts: vec![], items: vec![] };
         grid.fill();
         grid
+    }
+
+    /// The same of one polygon.
+    pub fn of(polygon: &Polygon) -> Self {
+        Self::new(&Region { polygons: vec![polygon.clone()] })
     }
 
     fn fill(&mut self) {

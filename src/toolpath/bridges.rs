@@ -70,11 +70,7 @@ pub fn take(
     let all = geom::union(&over_air(&zones.solid), &over_air(&zones.top));
     let core = geom::offset(&all, -width_mm);
     let mut air = geom::offset(&core, width_mm);
-    let hold = LazyCell::new(|| Hold {
-        footing,
-        section: EdgeGrid::new(&Region { polygons: vec![section.clone()] }),
-        width_mm,
-    });
+    let hold = LazyCell::new(|| Hold { footing, section: EdgeGrid::of(section), width_mm });
     let is_strip = |polygon: &Polygon| hold.is_strip(&Region { polygons: vec![polygon.clone()] });
     let mut narrow = geom::narrower(&all, &core, width_mm, width_mm);
     narrow.polygons.retain(|p| p.area_mm2() > SHORTEST_STRIP * width_mm * width_mm && is_strip(p));

@@ -44,7 +44,7 @@ impl<'a> Footing<'a> {
 
     /// Lets single beads of an island that end over air, just before hold, go on until they lie on it.
     pub fn reach(&self, paths: &mut [Path], island: &Polygon) {
-        let room = LazyCell::new(|| EdgeGrid::new(&Region { polygons: vec![island.clone()] }));
+        let room = LazyCell::new(|| EdgeGrid::of(island));
         for path in paths.iter_mut().filter(|path| !path.closed) {
             let Width::PerVertex(widths) = &mut path.width else { continue };
             for _ in 0..2 {
@@ -77,12 +77,9 @@ impl<'a> Footing<'a> {
     /// Where a bead that hangs at its end would lie on what is beyond that.
     fn beyond(&self, points: &[Point], width_mm: f64) -> Option<Point> {
         let end = points.last()?.mm();
-        if self.holds_at(end) {
-            return None;
-        }
-        let back = along(points.iter().rev().map(|p| p.mm()), STEP_MM)
+        let mut back = along(points.iter().rev().map(|p| p.mm()), STEP_MM)
             .take_while(|(place, _)| !self.holds_at(*place));
-        let (behind, _) = back.into_iter().find(|&(_, way_mm)| way_mm >= DANGLE_MM)?;
+        let (behind, _) = back.find(|&(_, way_mm)| way_mm >= DANGLE_MM)?;
         let length_mm = geom::distance_mm(behind, end);
         let place = |mm: f64| [0, 1].map(|k| end[k] + mm * (end[k] - behind[k]) / length_mm);
         let mut probes = (1..=PROBES).map(|i| f64::from(i) * PROBE * width_mm);

@@ -171,7 +171,7 @@ struct Glide {
 impl Glide {
     fn new(below: &[Point], reach_mm: f64) -> Self {
         let polygon = Polygon { outer: below.to_vec(), holes: Vec::new() };
-        Self { below: EdgeGrid::new(&Region { polygons: vec![polygon] }), reach_mm }
+        Self { below: EdgeGrid::of(&polygon), reach_mm }
     }
 
     /// A point at a share of the way from the nearest point below; where that is too far, the point itself.

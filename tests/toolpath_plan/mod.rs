@@ -36,8 +36,24 @@ pub fn job() -> Settings {
     s
 }
 
-/// The paths of every layer of an object given by its sections.
+/// The paths of every layer of an object given by its sections, planned as a print is.
 pub fn plan(sections: &[Region], settings: &Settings) -> Vec<LayerPaths> {
+    plan_with(sections, settings, |planner, layers| {
+        let samples: Vec<_> = layers[1..].iter().map(|layer| planner.sparse_sample(layer)).collect();
+        planner.calibrate(&samples, HEIGHT_MM);
+        if settings.infill.combine_layers > 1 {
+            let areas: Vec<_> = layers.iter().map(|layer| (HEIGHT_MM, planner.sparse_area(layer))).collect();
+            planner.combine(&areas);
+        }
+    })
+}
+
+/// The same, with what the planner is told before it begins.
+pub fn plan_with(
+    sections: &[Region],
+    settings: &Settings,
+    prepare: impl FnOnce(&mut Planner, &[PlateLayer<'_>]),
+) -> Vec<LayerPaths> {
     let refs: Vec<&Region> = sections.iter().collect();
     let sequential = |n: usize, f: &(dyn Fn(usize) -> Region + Sync)| (0..n).map(f).collect();
     let shells = Shells::build(&refs, &vec![HEIGHT_MM; sections.len()], &settings.shell, &sequential);
@@ -58,12 +74,7 @@ pub fn plan(sections: &[Region], settings: &Settings) -> Vec<LayerPaths> {
     };
     let mut planner = Planner::new(settings.into(), &sections[0], HEIGHT_MM);
     let layers: Vec<PlateLayer<'_>> = (0..sections.len()).map(section).collect();
-    let samples: Vec<_> = layers[1..].iter().map(|layer| planner.sparse_sample(layer)).collect();
-    planner.calibrate(&samples, HEIGHT_MM);
-    if settings.infill.combine_layers > 1 {
-        let areas: Vec<_> = layers.iter().map(|layer| (HEIGHT_MM, planner.sparse_area(layer))).collect();
-        planner.combine(&areas);
-    }
+    prepare(&mut planner, &layers);
     layers.iter().map(|layer| planner.layer(layer)).collect()
 }
 

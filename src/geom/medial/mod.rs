@@ -89,13 +89,13 @@ pub fn medial_axis_in(
     // A spur that comes from elsewhere is not covered by a line there.
     let covers = |node: &Node| all.contains(point(node.at));
     let lines_in = |polygon| {
-        let grid = grid_of(polygon);
+        let grid = EdgeGrid::of(polygon);
         let lines = lines(polygon, &grid, covers, max_mm, tip).into_iter();
         (lines.filter_map(|line| Some((line.bounds()?, line))).collect(), grid)
     };
     let wholes: Vec<(Vec<(Bounds, Line)>, EdgeGrid)> = around.polygons.iter().map(lines_in).collect();
     let in_part = |part: &Polygon| {
-        let inside = grid_of(part);
+        let inside = EdgeGrid::of(part);
         let mut cuts = Vec::new();
         for (lines, grid) in &wholes {
             let near = lines.iter().filter(|(bounds, _)| bounds.touches(&inside.bounds()));
@@ -121,12 +121,8 @@ fn are_widths(min_mm: f64, max_mm: f64) -> bool {
     min_mm >= 0.0 && max_mm > 0.0 && max_mm >= min_mm && max_mm.is_finite()
 }
 
-fn grid_of(polygon: &Polygon) -> EdgeGrid {
-    EdgeGrid::new(&Region { polygons: vec![polygon.clone()] })
-}
-
 fn of_polygon(polygon: &Polygon, min_mm: f64, max_mm: f64, tip: f64) -> Vec<MedialPath> {
-    let grid = grid_of(polygon);
+    let grid = EdgeGrid::of(polygon);
     let lines = lines(polygon, &grid, |_| true, max_mm, tip).into_iter();
     paths(lines, &grid, min_mm, max_mm).collect()
 }
