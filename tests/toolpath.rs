@@ -224,6 +224,33 @@ fn ends_of_sparse_lines_meet_the_wall_in_their_full_width() {
 }
 
 #[test]
+fn a_sparse_line_that_passes_a_corner_is_one_bead() {
+    let mut settings = job();
+    settings.infill.connect = false;
+    let deck = rectangle(0.0, 0.0, 30.0, 30.0);
+    for step in 0..40 {
+        let at_mm = 8.0 + 0.1 * f64::from(step);
+        let section = with_hole(deck.clone(), &rectangle(at_mm, 10.0, at_mm + 9.0, 20.0));
+        let layers = plan(&vec![section; 11], &settings);
+        for layer in &layers[5..=6] {
+            let ends = of_role(layer, Role::InternalInfill).into_iter().flat_map(|path| {
+                let reversed: Vec<Point> = path.points.iter().rev().copied().collect();
+                [&path.points, &reversed].map(|points| [points[1], points[0]])
+            });
+            let ends: Vec<[Point; 2]> = ends.collect();
+            for (i, [from, a]) in ends.iter().enumerate() {
+                let near = ends.iter().enumerate().filter(|(j, end)| i != *j && a.distance_mm(end[1]) < 1.0);
+                for (_, [_, b]) in near {
+                    let ahead = (f64::from(b.x - a.x) * f64::from(a.x - from.x))
+                        + (f64::from(b.y - a.y) * f64::from(a.y - from.y));
+                    assert!(ahead > 0.0, "two beads in one place at {:?}, the hole at {at_mm}", a.mm());
+                }
+            }
+        }
+    }
+}
+
+#[test]
 fn density_zero_leaves_the_inside_empty() {
     let mut settings = job();
     settings.infill.density = Ratio(0.0);

@@ -126,6 +126,26 @@ fn every_bead_of_a_strip_over_air_has_hold_at_both_ends_or_comes_after_those_tha
     }
 }
 
+#[test]
+fn the_surface_goes_on_under_ribs_of_walls_alone_but_not_under_what_has_infill() {
+    let deck = rectangle(0.0, 0.0, 40.0, 40.0);
+    for tenths in (10..=60).step_by(5) {
+        let width_mm = f64::from(tenths) / 10.0;
+        let rib = rectangle(18.03, 10.0, 18.03 + width_mm, 30.0);
+        let layers = plan(&[vec![deck.clone(); 10], vec![rib.clone(); 10]].concat(), &job());
+        let has_infill = of_role(&layers[10], Role::GapFill).is_empty()
+            && layers[10].paths.iter().any(|path| !path.role.is_wall());
+        let under = geom::offset(&rib, -0.4);
+        let sparse = of_role(&layers[9], Role::InternalInfill);
+        let hollow = sparse.iter().flat_map(|path| &path.points).any(|&p| under.contains(p))
+            || sparse
+                .iter()
+                .flat_map(|path| path.points.windows(2))
+                .any(|e| under.contains(Point { x: (e[0].x + e[1].x) / 2, y: (e[0].y + e[1].y) / 2 }));
+        assert_eq!(hollow, has_infill, "{width_mm} mm");
+    }
+}
+
 /// Distance of two walls, in millimetres.
 const GAP_MM: f64 = 30.0;
 

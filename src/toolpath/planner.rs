@@ -406,7 +406,8 @@ impl Planner {
                 sparse: self.lines_beneath(section),
                 angle_rad: infill::turned(self.settings.infill.angle.to_radians(), section.index),
             });
-        shells::divide(inside, object.above, below, object.next, spacing_mm, reach.as_ref())
+        let walls_mm = self.wall_spec(section).core_mm();
+        shells::divide(inside, object.above, below, object.next, spacing_mm, walls_mm, reach.as_ref())
     }
 
     /// Whether nothing of a layer is sparse.

@@ -160,13 +160,15 @@ pub struct Zones {
 ///
 /// `above` and `below` are the windows of [`Shells`], `next` is the section of the layer above (empty on the
 /// last). Very narrow solid strips are left to the walls beside them; sparse ones become solid. Solid patches `reach`
-/// over a line of sparse infill beneath.
+/// over a line of sparse infill beneath. A surface goes on under ribs that rise out of it and are narrower than twice
+/// `walls_mm`: their walls stand on it, and not on sparse infill.
 pub fn divide(
     inside: &Region,
     above: Option<&Region>,
     below: Option<&Region>,
     next: &Region,
     line_mm: f64,
+    walls_mm: f64,
     reach: Option<&Reach<'_>>,
 ) -> Zones {
     let parted = |region: &Region, window: Option<&Region>| match window {
@@ -205,6 +207,25 @@ pub fn divide(
     if exposed.is_empty() {
         return Zones { sparse, solid, top: exposed, sparse_mm2 };
     }
-    let (top, solid) = geom::split(&solid, &geom::offset(&exposed, line_mm / 2.0));
-    Zones { sparse, solid, top, sparse_mm2 }
+    let ribs = under_ribs(&sparse, &exposed, next, line_mm, walls_mm);
+    let mut zones = Zones { sparse, solid, top: exposed, sparse_mm2 };
+    if !ribs.is_empty() {
+        let sparse = geom::opening(&geom::difference(&zones.sparse, &ribs), line_mm / 2.0);
+        zones.sparse_mm2 = (sparse_mm2 - (zones.sparse.area_mm2() - sparse.area_mm2())).max(0.0);
+        zones.solid = geom::remainder(inside, &sparse);
+        zones.sparse = sparse;
+        zones.top = geom::union(&zones.top, &ribs);
+    }
+    (zones.top, zones.solid) = geom::split(&zones.solid, &geom::offset(&zones.top, line_mm / 2.0));
+    zones
+}
+
+/// What of the sparse zone the walls of a rib would stand on that rises out of a surface: parts beside what is exposed,
+/// where the next layer is too narrow for anything but walls.
+fn under_ribs(sparse: &Region, exposed: &Region, next: &Region, line_mm: f64, walls_mm: f64) -> Region {
+    let beside = geom::intersection(sparse, &geom::offset(exposed, 2.0 * walls_mm));
+    if beside.is_empty() {
+        return beside;
+    }
+    geom::opening(&geom::difference(&beside, &geom::opening(next, walls_mm)), line_mm / 2.0)
 }

@@ -51,6 +51,17 @@ impl WallSpec {
         (self.min_feature_mm - bead::rounding_mm(self.height_mm)).max(FINEST_MM)
     }
 
+    /// Nothing but walls fits into what is narrower than twice this.
+    pub fn core_mm(&self) -> f64 {
+        let edge_mm = bead::rounding_mm(self.height_mm) / 2.0;
+        let depth_mm = edge_mm + (0..self.count).map(|d| self.spacing_mm(d)).sum::<f64>();
+        let closest = match self.generator {
+            WallGenerator::Variable => 2.0 * beading::PAIR,
+            WallGenerator::Classic => CLOSEST,
+        };
+        depth_mm + self.spacing_mm(1) * closest / 2.0
+    }
+
     /// The widest single bead, as the spacing that it fills.
     pub fn widest_gap_mm(&self) -> f64 {
         let spacing_mm = bead::spacing_mm(self.width_mm.max(self.external_width_mm), self.height_mm);
@@ -76,11 +87,8 @@ pub struct Walls {
 /// Traces the walls of an island.
 pub fn trace(island: &Polygon, spec: &WallSpec) -> Walls {
     let section = Region { polygons: vec![island.clone()] };
-    let edge_mm = bead::rounding_mm(spec.height_mm) / 2.0;
-    let depth_mm = edge_mm + (0..spec.count).map(|d| spec.spacing_mm(d)).sum::<f64>();
     let variable = spec.generator == WallGenerator::Variable;
-    let closest = if variable { 2.0 * beading::PAIR } else { CLOSEST };
-    let core_mm = depth_mm + spec.spacing_mm(1) * closest / 2.0;
+    let core_mm = spec.core_mm();
     let core = geom::offset(&section, -core_mm);
     let least_mm = spec.least_gap_mm(0).min(beading::MIN_GAP_MM);
     if !core.is_empty() && geom::narrower(&section, &core, core_mm, least_mm).is_empty() {

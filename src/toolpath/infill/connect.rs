@@ -32,6 +32,14 @@ pub struct Joins {
     pub hatch: Option<LineSet>,
 }
 
+impl Joins {
+    /// How far along a line is so far across a boundary: both are given by unit vectors.
+    fn along_mm(&self, across_mm: f64, line: [f64; 2], edge: [f64; 2]) -> f64 {
+        let sine = (line[0] * edge[1] - line[1] * edge[0]).abs();
+        across_mm / sine.max(1.0 / FLATTEST[usize::from(self.hatch.is_none())])
+    }
+}
+
 /// Chords of solid fills shorter than this many line distances touch an extreme of the boundary, which a bead along
 /// it fills better.
 const SHORTEST: f64 = 0.5;
@@ -69,6 +77,7 @@ pub fn connect(region: &Region, mut chords: Vec<Chord>, joins: &Joins) -> Vec<Li
         });
     }
     let boundary = Boundary::new(region);
+    merge(&mut chords, &boundary, joins);
     let around = Around::new(&boundary, &chords);
     let caps =
         joins.hatch.map_or_else(Vec::new, |hatch| caps::find(&boundary, &around.stops, &chords, hatch));
@@ -82,6 +91,29 @@ pub fn connect(region: &Region, mut chords: Vec<Chord>, joins: &Joins) -> Vec<Li
         Line { points, spacing_mm, closed: false }.sound()
     }));
     lines
+}
+
+/// Makes one chord of straight ones in line whose ends would meet beyond the boundary, as where a line passes a corner.
+fn merge(chords: &mut Vec<Chord>, boundary: &Boundary<'_>, joins: &Joins) {
+    chords.dedup_by(|next, last| {
+        let ([a, b], [c, d]) = (&last.points[..], &next.points[..]) else { return false };
+        if last.line != next.line {
+            return false;
+        }
+        let gap_mm = b.distance_mm(*c);
+        let reach_mm = |on: Option<BoundaryPos>, way: Point| {
+            on.and_then(|on| boundary.direction(on)).map_or(0.0, |edge| {
+                let length = way.mm()[0].hypot(way.mm()[1]).max(f64::MIN_POSITIVE);
+                joins.along_mm(joins.reach_mm, way.mm().map(|w| w / length), edge)
+            })
+        };
+        let meet = gap_mm <= reach_mm(last.ends[1], *b - *a) + reach_mm(next.ends[0], *d - *c);
+        if meet {
+            last.points[1] = *d;
+            last.ends[1] = next.ends[1];
+        }
+        meet
+    });
 }
 
 struct Joiner<'a> {
@@ -200,9 +232,7 @@ impl Joiner<'_> {
         {
             return;
         }
-        let sine = (out[0] * edge[1] - out[1] * edge[0]).abs();
-        let flattest = FLATTEST[usize::from(self.joins.hatch.is_none())];
-        let by = across_mm / sine.max(1.0 / flattest);
+        let by = self.joins.along_mm(across_mm, out, edge);
         let mut tip = [0, 1].map(|k| [x, y][k] + by * out[k]);
         if let Some(ahead) = ahead.map(Point::mm) {
             // The join comes from one side; the wedge is on the other.
