@@ -258,6 +258,38 @@ fn a_print_may_end_below_a_needles_tip_but_not_below_more() {
     assert_eq!(kinds(&report), [Kind::MissingIsland], "{report}");
 }
 
+#[test]
+fn beads_that_rise_belong_to_the_layer_that_they_rise_to() {
+    let cube = cuboid([0.0; 3], [10.0, 10.0, 4.0]);
+    // Many short pieces, of which some do not rise by a micrometre.
+    let round = ball([10.0, 10.0, 8.0], 10.0, 4);
+    for (facets, sets) in [
+        (&cube, ["seam.scarf=5", "seam.position=aligned"]),
+        (&round, ["seam.scarf=8", "seam.position=rear"]),
+        (&cube, ["spiral.enabled=true", "skirt.loops=0"]),
+        (&round, ["spiral.enabled=true", "spiral.smooth=false"]),
+        (&cube, ["walls.count=0", "skirt.loops=2"]),
+    ] {
+        let settings = settings(&["default"], &[&["order.strategy=nearest"], &sets[..]].concat());
+        let print = sliced(facets, &settings);
+        let report = beside(&print, facets, &settings);
+        assert!(kinds(&report).iter().all(|kind| *kind == Kind::OverAir), "{sets:?} {report}");
+        let model = report.model.expect("compared");
+        let layers = String::from_utf8_lossy(&print).matches(";LAYER_CHANGE").count();
+        assert!((layers - 3..=layers + 1).contains(&model.islands), "{sets:?} {model} {layers}");
+        assert_eq!(model.missing_islands, 0, "{sets:?} {model}");
+    }
+}
+
+#[test]
+fn a_turn_of_a_spiral_that_is_mostly_left_out_is_missed() {
+    let cube = cuboid([0.0; 3], [10.0, 10.0, 4.0]);
+    let settings = standard(&["spiral.enabled=true", "gcode.relative_e=true"]);
+    let whole = sliced(&cube, &settings);
+    let report = beside(&without(&whole, 12..14, 121.0), &cube, &settings);
+    assert!(kinds(&report).contains(&Kind::MissingIsland), "{report}");
+}
+
 /// A pyramid on a square.
 fn needle(wide_mm: f64, high_mm: f64) -> Facets {
     let [a, b, c, d] = [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]]

@@ -23,6 +23,8 @@ const STEP_MM: f64 = 0.4;
 const PRINTED: f64 = 0.3;
 /// Specks smaller than this are not asked for.
 const SPECK_MM2: f64 = 0.05;
+/// Beads of a layer may lie so much lower than it.
+const SLACK_MM: f64 = 0.02;
 /// So much of a layer's beads may lie outside.
 const EXTRA_MM: f64 = 2.0;
 
@@ -90,6 +92,9 @@ struct LayerNow {
     beads: Vec<(Stroke, f64, bool)>,
     extra_mm: f64,
     extra_at: Option<[f64; 3]>,
+    /// Length of the beads at its height, and of those that rise to it.
+    level_mm: f64,
+    risen_mm: f64,
     /// Its first line, and its number.
     place: (usize, Option<usize>),
 }
@@ -112,13 +117,17 @@ struct Print<'a> {
 
 impl Print<'_> {
     fn bead(&mut self, stroke: &Stroke, part: bool, height_mm: Option<f64>, place: (usize, Option<usize>)) {
-        let z_mm = stroke.to[2];
+        // Parts of a scarf seam, or of a spiral, lie lower than their layer.
+        let z_mm = if part { self.sections.rises_to_mm(stroke.to[2]) } else { stroke.to[2] };
         if self.layer.as_ref().is_none_or(|layer| (layer.level.z_mm - z_mm).abs() > 1e-3) {
             self.end_layer();
             self.begin_layer(z_mm, height_mm, place);
         }
         self.last = place;
         let Some(layer) = &mut self.layer else { return };
+        let length_mm =
+            if z_mm - stroke.to[2] > SLACK_MM { &mut layer.risen_mm } else { &mut layer.level_mm };
+        *length_mm += stroke.xy_mm;
         let section_mm2 = stroke.fresh_mm3(self.area_mm2) / stroke.xy_mm;
         let height_mm = layer.level.height_mm;
         let width_mm = bead::width_mm(section_mm2 / height_mm, height_mm).clamp(0.1, 3.0);
@@ -150,6 +159,8 @@ impl Print<'_> {
             beads: Vec::new(),
             extra_mm: 0.0,
             extra_at: None,
+            level_mm: 0.0,
+            risen_mm: 0.0,
             place,
         });
     }
@@ -187,21 +198,24 @@ impl Print<'_> {
         if layer.index.is_none() {
             return;
         }
+        // A turn of a spiral begins where the one beneath ends.
+        let Level { z_mm, height_mm } = layer.level;
+        let least_mm = if layer.risen_mm > layer.level_mm { z_mm - height_mm } else { z_mm - SLACK_MM };
         for island in layer.must.polygons.iter().filter(|island| island.area_mm2() > SPECK_MM2) {
             self.model.islands += 1;
-            let printed = self.printed(&island.outer, layer.level.z_mm);
+            let printed = self.printed(&island.outer, least_mm);
             if printed < PRINTED {
                 self.model.missing_islands += 1;
                 let [x, y] = island.outer.first().map_or([0.0; 2], |p| (*p + self.shift).mm());
                 self.found.add(Kind::MissingIsland, line, number, || {
-                    format!("{:.2} mm² at X{x:.2} Y{y:.2} Z{:.2}", island.area_mm2(), layer.level.z_mm)
+                    format!("{:.2} mm² at X{x:.2} Y{y:.2} Z{z_mm:.2}", island.area_mm2())
                 });
             }
         }
     }
 
-    /// Share of an outline on which something of this layer lies.
-    fn printed(&self, ring: &[Point], z_mm: f64) -> f64 {
+    /// Share of an outline on which something lies at least so high.
+    fn printed(&self, ring: &[Point], least_mm: f64) -> f64 {
         let (mut seen, mut printed) = (0_usize, 0_usize);
         for (i, &a) in ring.iter().enumerate() {
             let b = ring[(i + 1) % ring.len()];
@@ -212,7 +226,7 @@ impl Print<'_> {
                 let (x, y) = (ax + (bx - ax) * share, ay + (by - ay) * share);
                 let cell_mm = self.ground.part.cell_mm();
                 let near = [-1.5, 0.0, 1.5].map(|step| step * cell_mm);
-                let laid = |dx: f64, dy: f64| self.ground.part.at(x + dx, y + dy) >= z_mm - 0.02;
+                let laid = |dx: f64, dy: f64| self.ground.part.at(x + dx, y + dy) >= least_mm;
                 seen += 1;
                 printed += usize::from(near.iter().any(|dx| near.iter().any(|dy| laid(*dx, *dy))));
             }

@@ -102,6 +102,12 @@ impl<'a> Sections<'a> {
         self.levels.get(at).is_some_and(|level| level.z_mm < z_mm + 1e-3).then_some(at)
     }
 
+    /// The height of the layer in which a bead rises to here.
+    pub fn rises_to_mm(&self, z_mm: f64) -> f64 {
+        let at = self.levels.partition_point(|level| level.z_mm < z_mm - 1e-3);
+        self.levels.get(at).map_or(z_mm, |level| level.z_mm)
+    }
+
     /// What is missing above the last layer.
     pub fn above(&self) -> Region {
         if self.levels.is_empty() {

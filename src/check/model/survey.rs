@@ -1,6 +1,6 @@
 //! What a first reading notes of a print for the second.
 
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 
 use crate::gcode::{Action, Annotated, Stroke};
 use crate::toolpath::Role;
@@ -28,6 +28,33 @@ pub(super) fn is_part(role: Role) -> bool {
     !matches!(role, Role::Skirt | Role::Brim | Role::Support | Role::SupportInterface)
 }
 
+/// Whether a bead keeps its height; those of a scarf seam and of a spiral rise.
+pub(super) fn is_level(stroke: &Stroke) -> bool {
+    (stroke.to[2] - stroke.from[2]).abs() < 1e-6
+}
+
+/// The heights of the model's beads in the layer under way, by the file's count.
+#[derive(Clone, Debug, Default)]
+struct Heights {
+    layer: Option<usize>,
+    /// Length of level beads by height, micrometres.
+    level_mm: BTreeMap<i64, f64>,
+    /// How high the rising ones come, and their length.
+    risen_um: Option<i64>,
+    risen_mm: f64,
+}
+
+impl Heights {
+    /// Those of layers: where beads rise, the one at which most of the others lie, or else the one that they rise to.
+    fn of_layers(&self) -> Vec<i64> {
+        let Some(risen_um) = self.risen_um else {
+            return self.level_mm.keys().copied().collect();
+        };
+        let longest = self.level_mm.iter().max_by(|a, b| a.1.total_cmp(b.1));
+        vec![longest.filter(|(_, mm)| **mm > self.risen_mm).map_or(risen_um, |(um, _)| *um)]
+    }
+}
+
 /// Which heights a print has, where it lies, and how much of it is the model. It grows with the number of heights only.
 #[derive(Clone, Debug, Default)]
 pub struct Survey {
@@ -36,6 +63,7 @@ pub struct Survey {
     /// Heights of beads, micrometres: of the model, and of all.
     part_um: BTreeSet<i64>,
     all_um: BTreeSet<i64>,
+    here: Heights,
     roles: bool,
     /// Filament and volume of the model's beads, and of all.
     part: [f64; 2],
@@ -58,10 +86,26 @@ impl Survey {
         Self::around(&mut self.all, stroke);
         if role.is_some_and(is_part) {
             self.part[amount] += stroke.fresh_mm;
-            self.part_um.insert(um);
+            self.add_height(read.context.layer, stroke, um);
         }
         if role.is_some_and(Role::is_outer_wall) {
             Self::around(&mut self.outer, stroke);
+        }
+    }
+
+    /// Without layers in the file nothing is known of what rises to where.
+    fn add_height(&mut self, layer: Option<usize>, stroke: &Stroke, um: i64) {
+        if layer != self.here.layer {
+            let before = std::mem::replace(&mut self.here, Heights { layer, ..Heights::default() });
+            self.part_um.extend(before.of_layers());
+        }
+        if is_level(stroke) {
+            *self.here.level_mm.entry(um).or_default() += stroke.xy_mm;
+        } else if layer.is_some() {
+            self.here.risen_um = self.here.risen_um.max(Some(um));
+            self.here.risen_mm += stroke.xy_mm;
+        } else {
+            self.part_um.insert(um);
         }
     }
 
@@ -83,8 +127,9 @@ impl Survey {
 
     /// Heights of the model's layers, millimetres, ascending.
     pub(super) fn heights_mm(&self) -> Vec<f64> {
-        let heights_um = if self.roles { &self.part_um } else { &self.all_um };
-        heights_um.iter().map(|um| *um as f64 / 1000.0).collect()
+        let mut heights_um = if self.roles { self.part_um.clone() } else { self.all_um.clone() };
+        heights_um.extend(self.here.of_layers());
+        heights_um.into_iter().map(|um| um as f64 / 1000.0).collect()
     }
 
     /// The lowest bead of all.
