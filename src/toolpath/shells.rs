@@ -223,9 +223,11 @@ pub fn divide(
 /// What of the sparse zone the walls of a rib would stand on that rises out of a surface: parts beside what is exposed,
 /// where the next layer is too narrow for anything but walls.
 fn under_ribs(sparse: &Region, exposed: &Region, next: &Region, line_mm: f64, walls_mm: f64) -> Region {
-    let beside = geom::intersection(sparse, &geom::offset(exposed, 2.0 * walls_mm));
+    let rough = |region: &Region| geom::simplify(region, ROUGH_MM);
+    let beside = geom::intersection(sparse, &geom::offset(&rough(exposed), 2.0 * walls_mm));
     if beside.is_empty() {
         return beside;
     }
-    geom::opening(&geom::difference(&beside, &geom::opening(next, walls_mm)), line_mm / 2.0)
+    let wide = geom::opening(&rough(next), walls_mm);
+    geom::opening(&geom::difference(&beside, &wide), line_mm / 2.0)
 }
