@@ -268,7 +268,6 @@ fn beads_that_rise_belong_to_the_layer_that_they_rise_to() {
         (&round, ["seam.scarf=8", "seam.position=rear"]),
         (&cube, ["spiral.enabled=true", "skirt.loops=0"]),
         (&round, ["spiral.enabled=true", "spiral.smooth=false"]),
-        (&cube, ["walls.count=0", "skirt.loops=2"]),
     ] {
         let settings = settings(&["default"], &[&["order.strategy=nearest"], &sets[..]].concat());
         let print = sliced(facets, &settings);
@@ -278,6 +277,17 @@ fn beads_that_rise_belong_to_the_layer_that_they_rise_to() {
         let layers = String::from_utf8_lossy(&print).matches(";LAYER_CHANGE").count();
         assert!((layers - 3..=layers + 1).contains(&model.islands), "{sets:?} {model} {layers}");
         assert_eq!(model.missing_islands, 0, "{sets:?} {model}");
+    }
+}
+
+#[test]
+fn a_print_without_walls_is_found_and_no_edges_are_asked_for() {
+    let cube = cuboid([0.0; 3], [10.0, 10.0, 4.0]);
+    for pattern in ["rectilinear", "concentric"] {
+        let pattern = format!("infill.pattern={pattern}");
+        let settings = standard(&["walls.count=0", "skirt.loops=2", &pattern]);
+        let report = beside(&sliced(&cube, &settings), &cube, &settings);
+        assert!(kinds(&report).iter().all(|kind| *kind == Kind::OverAir), "{report}");
     }
 }
 

@@ -34,16 +34,15 @@ pub(super) fn find<R: Read>(
     let count = sections.levels().len();
     let chosen: Vec<usize> = (0..LAYERS.min(count)).map(|i| i * count / LAYERS.min(count)).collect();
     let grids: Vec<EdgeGrid> = chosen.iter().map(|&i| EdgeGrid::new(&sections.layer(i).1)).collect();
-    let has_outer = survey.extents()[0].is_some();
-    let is_edge = |role| if has_outer { Role::is_outer_wall(role) } else { is_part(role) };
     let mut hits = vec![0_usize; candidates.len()];
     let mut beads = 0;
     let mut reader = Reader::default();
     each_line(open()?, |line| {
         let read = reader.read(line);
         let Action::Stroke(bead) = read.action else { return };
-        let told = !survey.tells_roles() || read.context.role.is_some_and(is_edge);
-        if !bead.extrudes() || !told {
+        let role = read.context.role;
+        let is_edge = if survey.has_edges() { Role::is_outer_wall } else { is_part };
+        if !bead.extrudes() || survey.tells_roles() && !role.is_some_and(is_edge) {
             return;
         }
         let Some(at) = sections.find(bead.to[2]).and_then(|layer| chosen.iter().position(|&c| c == layer))

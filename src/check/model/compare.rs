@@ -45,6 +45,7 @@ pub(super) fn compare(
         sections,
         shift: Point::from_mm(at_mm[0], at_mm[1]),
         tells_roles: survey.tells_roles(),
+        has_edges: survey.has_edges(),
         area_mm2,
         ground,
         layer: None,
@@ -103,6 +104,8 @@ struct Print<'a> {
     sections: &'a Sections<'a>,
     shift: Point,
     tells_roles: bool,
+    /// Whether islands have walls along their edge, by which they are found.
+    has_edges: bool,
     area_mm2: f64,
     ground: Ground,
     layer: Option<LayerNow>,
@@ -195,7 +198,7 @@ impl Print<'_> {
                 format!("{:.1} mm of beads, first at X{x:.2} Y{y:.2} Z{z:.2}", layer.extra_mm)
             });
         }
-        if layer.index.is_none() {
+        if layer.index.is_none() || !self.has_edges {
             return;
         }
         // A turn of a spiral begins where the one beneath ends.

@@ -119,6 +119,11 @@ impl Survey {
         self.roles
     }
 
+    /// Whether walls show where the part ends: in all files but those that tell roles and have none.
+    pub(super) fn has_edges(&self) -> bool {
+        self.outer.is_some() || !self.roles
+    }
+
     /// Volume of the model's beads; of all, where they cannot be told apart.
     pub(super) fn part_volume_mm3(&self, area_mm2: f64) -> f64 {
         let [length_mm, volume_mm3] = if self.roles { self.part } else { self.whole };
