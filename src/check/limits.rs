@@ -35,8 +35,8 @@ impl Limits {
         let rate = stroke.feed_mm_s * self.speed / way_mm;
         for (i, part_mm) in [ahead[0], ahead[1], dz, e_mm.abs()].into_iter().enumerate() {
             let (speed, most) = (part_mm * rate, self.machine.max_speed[i]);
-            // Filament beside a bead so short that the amount is mostly rounding says nothing.
-            if speed > most * SLACK && (i < 3 || xy_mm == 0.0 || xy_mm > 0.2) {
+            // Height and filament beside a bead so short that they are mostly rounding say nothing.
+            if speed > most * SLACK && (i < 2 || xy_mm == 0.0 || xy_mm > 0.2) {
                 let axis = AXES[i];
                 seen.fault(found, Kind::Speed, || {
                     format!("{axis} at {speed:.1} mm/s; it reaches {most} mm/s")
