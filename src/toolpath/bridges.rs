@@ -88,9 +88,7 @@ pub fn take(
         Bridge { area, angle_rad, strip_mm }
     };
     let bridges = taken.polygons.iter().map(bridge).collect();
-    let sparse = geom::difference(&zones.sparse, &taken);
-    zones.sparse_mm2 = (zones.sparse_mm2 - (zones.sparse.area_mm2() - sparse.area_mm2())).max(0.0);
-    zones.sparse = sparse;
+    zones.leave_sparse(geom::difference(&zones.sparse, &taken));
     zones.solid = geom::difference(&zones.solid, &taken);
     zones.top = geom::difference(&zones.top, &taken);
     bridges

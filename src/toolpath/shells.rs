@@ -156,6 +156,15 @@ pub struct Zones {
     pub sparse_mm2: f64,
 }
 
+impl Zones {
+    /// Leaves no more than this of the sparse zone; what that owes its density to becomes less by as much.
+    pub fn leave_sparse(&mut self, sparse: Region) {
+        let taken_mm2 = self.sparse.area_mm2() - sparse.area_mm2();
+        self.sparse_mm2 = (self.sparse_mm2 - taken_mm2).max(0.0);
+        self.sparse = sparse;
+    }
+}
+
 /// Divides the inside of an island into sparse, solid and top.
 ///
 /// `above` and `below` are the windows of [`Shells`], `next` is the section of the layer above (empty on the
@@ -210,10 +219,8 @@ pub fn divide(
     let ribs = under_ribs(&sparse, &exposed, next, line_mm, walls_mm);
     let mut zones = Zones { sparse, solid, top: exposed, sparse_mm2 };
     if !ribs.is_empty() {
-        let sparse = geom::opening(&geom::difference(&zones.sparse, &ribs), line_mm / 2.0);
-        zones.sparse_mm2 = (sparse_mm2 - (zones.sparse.area_mm2() - sparse.area_mm2())).max(0.0);
-        zones.solid = geom::remainder(inside, &sparse);
-        zones.sparse = sparse;
+        zones.leave_sparse(geom::opening(&geom::difference(&zones.sparse, &ribs), line_mm / 2.0));
+        zones.solid = geom::remainder(inside, &zones.sparse);
         zones.top = geom::union(&zones.top, &ribs);
     }
     (zones.top, zones.solid) = geom::split(&zones.solid, &geom::offset(&zones.top, line_mm / 2.0));

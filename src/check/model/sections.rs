@@ -98,14 +98,18 @@ impl<'a> Sections<'a> {
 
     /// The layer at a height.
     pub fn find(&self, z_mm: f64) -> Option<usize> {
-        let at = self.levels.partition_point(|level| level.z_mm < z_mm - 1e-3);
+        let at = self.not_below(z_mm);
         self.levels.get(at).is_some_and(|level| level.z_mm < z_mm + 1e-3).then_some(at)
     }
 
     /// The height of the layer in which a bead rises to here.
     pub fn rises_to_mm(&self, z_mm: f64) -> f64 {
-        let at = self.levels.partition_point(|level| level.z_mm < z_mm - 1e-3);
-        self.levels.get(at).map_or(z_mm, |level| level.z_mm)
+        self.levels.get(self.not_below(z_mm)).map_or(z_mm, |level| level.z_mm)
+    }
+
+    /// The lowest layer that is at a height or above it.
+    fn not_below(&self, z_mm: f64) -> usize {
+        self.levels.partition_point(|level| level.z_mm < z_mm - 1e-3)
     }
 
     /// What is missing above the last layer.

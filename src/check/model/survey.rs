@@ -29,7 +29,7 @@ pub(super) fn is_part(role: Role) -> bool {
 }
 
 /// Whether a bead keeps its height; those of a scarf seam and of a spiral rise.
-pub(super) fn is_level(stroke: &Stroke) -> bool {
+fn is_level(stroke: &Stroke) -> bool {
     (stroke.to[2] - stroke.from[2]).abs() < 1e-6
 }
 
@@ -60,7 +60,7 @@ impl Heights {
 pub struct Survey {
     outer: Option<Extent>,
     all: Option<Extent>,
-    /// Heights of beads, micrometres: of the model, and of all.
+    /// Heights of the model's layers but the one under way, and of all beads, micrometres.
     part_um: BTreeSet<i64>,
     all_um: BTreeSet<i64>,
     here: Heights,
@@ -93,7 +93,6 @@ impl Survey {
         }
     }
 
-    /// Without layers in the file nothing is known of what rises to where.
     fn add_height(&mut self, layer: Option<usize>, stroke: &Stroke, um: i64) {
         if layer != self.here.layer {
             let before = std::mem::replace(&mut self.here, Heights { layer, ..Heights::default() });
@@ -101,11 +100,9 @@ impl Survey {
         }
         if is_level(stroke) {
             *self.here.level_mm.entry(um).or_default() += stroke.xy_mm;
-        } else if layer.is_some() {
+        } else {
             self.here.risen_um = self.here.risen_um.max(Some(um));
             self.here.risen_mm += stroke.xy_mm;
-        } else {
-            self.part_um.insert(um);
         }
     }
 
