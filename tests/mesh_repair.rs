@@ -2,12 +2,12 @@
 
 mod mesh_shapes;
 
-use mesh_shapes::broken::{Inside, WAYS};
+use mesh_shapes::broken::{DAMAGES, Inside, WAYS};
 use mesh_shapes::{Facets, ball, cuboid, damaged, inside_out, mesh, own_models, shared_models, torus};
 use pathwright::geom::{Region, intersection};
-use pathwright::mesh::{Item, Mesh, Placement, place};
+use pathwright::mesh::{Layout, Mesh, Placement, place};
 use pathwright::profile::Settings;
-use pathwright::slice::slice;
+use pathwright::slice::{slice, volume_mm3};
 use proptest::prelude::*;
 
 fn close_to(a: f64, b: f64) -> bool {
@@ -64,12 +64,95 @@ fn gaps_of_micrometres_are_welded() {
 }
 
 #[test]
-fn a_hole_is_counted_and_not_welded_shut() {
+fn a_level_hole_is_filled_and_not_welded_shut() {
     let mut facets = cuboid([0.0; 3], [10.0; 3]);
     facets.drain(..2);
     let (_, report) = mesh(&facets);
-    assert_eq!((report.open_edges, report.gaps_welded, report.watertight), (4, 0, false));
-    assert!(report.to_string().contains("4 open edges"));
+    assert_eq!((report.open_edges, report.gaps_welded, report.holes_filled), (0, 0, 1));
+    assert!(close_to(report.volume_mm3, 1000.0) && report.uncertain.is_none());
+    assert!(report.to_string().contains("1 hole filled"));
+}
+
+#[test]
+fn a_hole_in_a_bulge_is_filled_and_said_to_be_uncertain_with_its_place_and_volume() {
+    let whole = ball([0.0, 0.0, 30.0], 10.0, 4);
+    let facets: Facets = whole.iter().filter(|f| f.iter().any(|p| p[2] < 38.0)).copied().collect();
+    let off_mm3 = mesh(&whole).1.volume_mm3 - mesh(&facets).1.volume_mm3;
+    let report = mesh(&facets).1;
+    let doubt = report.uncertain.as_ref().expect("a doubt");
+    assert!((0.5 * off_mm3..3.0 * off_mm3).contains(&doubt.volume_mm3), "{doubt} for {off_mm3} mm³");
+    assert!(doubt.min_mm[2] > 36.0 && doubt.max_mm[2] < 40.1, "{doubt}");
+    let told = report.warnings.iter().filter(|w| w.contains("the repair is uncertain: about 0."));
+    assert_eq!(told.count(), 1, "{:?}", report.warnings);
+}
+
+#[test]
+fn equal_facets_of_opposite_winding_cancel_where_they_part_bodies_that_touch() {
+    let two = [cuboid([0.0; 3], [10.0; 3]), mirrored(cuboid([-10.0, 0.0, 0.0], [0.0, 10.0, 10.0]))].concat();
+    let (_, report) = mesh(&two);
+    assert_eq!((report.pairs_cancelled, report.non_manifold_edges, report.triangles), (2, 0, 20));
+    assert!(close_to(report.volume_mm3, 2000.0) && report.uncertain.is_none());
+}
+
+/// The facets mirrored and turned, so that cubes side by side have equal facets where they touch.
+fn mirrored(facets: Facets) -> Facets {
+    let mirror = |p: [f32; 3]| [-10.0 - p[0], p[1], p[2]];
+    inside_out(facets.into_iter().map(|f| f.map(mirror)).collect())
+}
+
+#[test]
+fn equal_facets_of_opposite_winding_stay_once_where_the_surface_needs_them() {
+    let whole = ball([0.0; 3], 10.0, 3);
+    for share in [10, 3, 1] {
+        let reversed = inside_out(whole[..whole.len() / share].to_vec());
+        let (_, report) = mesh(&[whole.clone(), reversed].concat());
+        assert_eq!((report.triangles, report.duplicates_dropped), (whole.len(), whole.len() / share));
+        assert!(report.watertight && report.pairs_cancelled == 0 && report.uncertain.is_none());
+        assert!(close_to(report.volume_mm3, mesh(&whole).1.volume_mm3), "{}", report.volume_mm3);
+    }
+}
+
+#[test]
+fn fins_without_thickness_are_dropped_single_or_double() {
+    let cube = cuboid([0.0; 3], [10.0; 3]);
+    let fin = [cube[0][0], cube[0][1], [5.0, 5.0, -8.0]];
+    for fins in [vec![fin], vec![fin, [fin[1], fin[0], fin[2]]], vec![fin, fin]] {
+        let (_, report) = mesh(&[cube.clone(), fins].concat());
+        assert_eq!((report.triangles, report.watertight, report.uncertain), (12, true, None));
+        assert!(report.sheets_dropped + report.pairs_cancelled > 0 && close_to(report.volume_mm3, 1000.0));
+    }
+}
+
+#[test]
+fn a_body_full_of_holes_is_no_sheet_though_a_fin_hangs_on_it() {
+    let whole = ball([0.0; 3], 10.0, 4);
+    let holed: Facets = whole.iter().enumerate().filter(|(i, _)| i % 9 > 1).map(|(_, f)| *f).collect();
+    let fin = [holed[0][0], holed[0][1], [14.0, 14.0, 14.0]];
+    let (_, report) = mesh(&[holed, vec![fin]].concat());
+    let whole_mm3 = mesh(&whole).1.volume_mm3;
+    assert!((report.volume_mm3 / whole_mm3 - 1.0).abs() < 0.02, "{report}");
+}
+
+#[test]
+fn bodies_that_cross_are_united_also_where_one_of_them_faces_in() {
+    let (a, b) = (cuboid([0.0; 3], [10.0; 3]), cuboid([5.0, 5.0, 2.0], [15.0, 15.0, 8.0]));
+    for facets in [[a.clone(), b.clone()].concat(), [a, inside_out(b)].concat()] {
+        let (mesh, report) = mesh(&facets);
+        assert!((volume_mm3(&mesh) - 1450.0).abs() < 0.1 && report.uncertain.is_none(), "{report}");
+    }
+}
+
+#[test]
+fn every_kind_of_repair_is_listed_once_in_words() {
+    let mut facets = damaged(&ball([0.0; 3], 10.0, 3), &[3, 1, 21, 22, 4]);
+    facets.remove(0);
+    let (_, report) = mesh(&facets);
+    let lines: Vec<String> = report.repairs().iter().map(ToString::to_string).collect();
+    let has = |words: &str| lines.iter().filter(|line| line.contains(words)).count() == 1;
+    assert!(has("facets without area dropped") && has("duplicate facets dropped"), "{lines:?}");
+    assert!(has("facets turned to face outwards"), "{lines:?}");
+    assert!(lines.iter().all(|line| report.to_string().contains(line.as_str())));
+    assert!(mesh(&cuboid([0.0; 3], [1.0; 3])).1.repairs().is_empty());
 }
 
 #[test]
@@ -82,13 +165,16 @@ fn a_hole_of_one_facet_is_filled_with_it() {
 }
 
 #[test]
-fn where_half_of_the_facets_face_in_the_report_says_that_the_outside_was_guessed() {
-    let mut facets = cuboid([0.0; 3], [10.0; 3]);
-    let doubts = |facets: &Facets| mesh(facets).1.warnings.iter().any(|w| w.contains("was guessed"));
-    facets[..2].iter_mut().for_each(|f| f.swap(1, 2));
-    assert!(!doubts(&facets));
-    facets[2..6].iter_mut().for_each(|f| f.swap(1, 2));
-    assert!(doubts(&facets));
+fn where_half_of_the_facets_face_in_only_a_shell_inside_another_is_uncertain() {
+    let half_turned = |mut facets: Facets| {
+        facets[..6].iter_mut().for_each(|f| f.swap(1, 2));
+        facets
+    };
+    let (_, alone) = mesh(&half_turned(cuboid([0.0; 3], [10.0; 3])));
+    assert!(close_to(alone.volume_mm3, 1000.0) && alone.uncertain.is_none());
+    let inner = half_turned(cuboid([2.0; 3], [6.0; 3]));
+    let (_, nested) = mesh(&[cuboid([0.0; 3], [10.0; 3]), inner].concat());
+    assert!(nested.uncertain.is_some_and(|doubt| close_to(doubt.volume_mm3, 64.0)));
 }
 
 #[test]
@@ -103,7 +189,7 @@ fn bodies_that_touch_along_an_edge_or_face_stay_whole() {
 }
 
 #[test]
-fn a_moebius_strip_is_told_to_be_inconsistent() {
+fn a_moebius_strip_is_told_to_be_inconsistent_and_uncertain() {
     let count = 40;
     let point = |i: usize, side: f32| {
         let angle = i as f32 / count as f32 * std::f32::consts::TAU;
@@ -122,7 +208,8 @@ fn a_moebius_strip_is_told_to_be_inconsistent() {
         .collect();
     let with_body = [strip, cuboid([-5.0; 3], [5.0; 3])].concat();
     let (mesh, report) = mesh(&with_body);
-    assert!(!mesh.is_oriented() && report.inconsistent_edges > 0);
+    assert!(report.inconsistent_edges > 0 && report.uncertain.is_some(), "{report}");
+    assert!(mesh.is_oriented(), "the body beside it has an outside");
 }
 
 #[test]
@@ -141,7 +228,7 @@ fn shared_models_have_the_volume_that_is_known_of_them() {
 /// The sections of a mesh, layer by layer.
 fn sections(mesh: Mesh) -> Vec<Region> {
     let settings = Settings::default();
-    let item = Item { name: "part".into(), mesh, copies: 1 };
+    let item = Layout::single("part", mesh, 1);
     let plate = place(vec![item], &settings.bed, &Placement::default()).expect("room");
     let layers = slice(&plate, &settings.layer);
     layers
@@ -183,32 +270,30 @@ fn broken_meshes_print_like_the_good_ones_they_are_made_from_judged_by_volume() 
     ];
     let mut wrong = Vec::new();
     for (shape, good, inside) in &shapes {
-        let whole = sections(mesh(good).0);
+        let (sound, _) = mesh(good);
+        let whole_mm3 = volume_mm3(&sound);
+        let whole = sections(sound);
         for (way, spoil) in WAYS {
             if way == "self-union" && inside.1 == 0.0 {
                 continue;
             }
             let (mesh, report) = mesh(&spoil(good, *inside));
-            let told = !report.warnings.is_empty();
+            let told = report.uncertain.is_some();
+            let volume_off = volume_mm3(&mesh) / whole_mm3 - 1.0;
             let off = difference(&whole, &sections(mesh));
-            let volume_off = report.volume_mm3 / pathwright_volume(good) - 1.0;
             println!(
                 "| {shape} | {way} | {:.4} % | {:.4} % | {} |",
                 100.0 * off,
                 100.0 * volume_off,
                 if told { "told" } else { "mended" }
             );
-            let most = if told { 0.05 } else { 0.001 };
-            if off > most {
+            let most = if told { 0.5 } else { 0.001 };
+            if off > most || (!told && volume_off.abs() > 0.005) {
                 wrong.push(format!("{shape}, {way}: {:.3} %", 100.0 * off));
             }
         }
     }
     assert_eq!(wrong, Vec::<String>::new());
-}
-
-fn pathwright_volume(facets: &Facets) -> f64 {
-    mesh(facets).1.volume_mm3
 }
 
 proptest! {
@@ -225,5 +310,30 @@ proptest! {
         prop_assert!(close_to(report.volume_mm3, whole.volume_mm3), "{} {}", report, whole);
         prop_assert!(report.watertight);
         prop_assert_eq!(report.triangles, facets.len());
+    }
+
+    #[test]
+    fn whatever_the_damage_the_volume_is_right_or_said_to_be_uncertain(
+        first in 0..DAMAGES.len(),
+        second in 0..DAMAGES.len(),
+        share in 0.01f32..0.5,
+        seed in 0usize..1000,
+        shape in 0usize..4,
+    ) {
+        let good = match shape {
+            0 => ball([1.0, 2.0, 3.0], 12.0, 3),
+            1 => torus(20.0, 6.0, 16),
+            2 => cuboid([0.0; 3], [20.0, 15.0, 10.0]),
+            _ => [ball([0.0; 3], 12.0, 3), cuboid([5.0, -5.0, -5.0], [25.0, 5.0, 5.0])].concat(),
+        };
+        let whole_mm3 = volume_mm3(&mesh(&good).0);
+        let once = DAMAGES[first].1(&good, share, seed);
+        let facets = DAMAGES[second].1(&once, share, seed + 1);
+        let Ok((mesh, report)) = mesh_shapes::load(mesh_shapes::stl(&facets)) else { return Ok(()) };
+        let off = volume_mm3(&mesh) / whole_mm3 - 1.0;
+        prop_assert!(
+            off.abs() <= 0.005 || report.uncertain.is_some(),
+            "{} and {}: {:.2} % off\n{}", DAMAGES[first].0, DAMAGES[second].0, 100.0 * off, report
+        );
     }
 }

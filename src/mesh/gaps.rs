@@ -9,14 +9,22 @@ use super::repair::open_halves;
 /// that were exported in inches. A bead is forty times as wide.
 const TOLERANCES_MM: [f32; 3] = [1e-4, 1e-3, 1e-2];
 
+/// Wider ones, which may close what was meant to be open, so that nearly all must close.
+const WIDE_MM: [f32; 2] = [3e-2, 1e-1];
+
+/// Of so many open edges one may stay open after a wide gap was closed.
+const NEARLY_ALL: usize = 20;
+
 /// Triangles with fewer open edges; vertices that were merged into others are left over.
 pub(super) struct Closed {
     pub triangles: Vec<[u32; 3]>,
     pub edges: Edges,
     /// Vertices merged into another.
     pub welded: usize,
-    /// Facets that vanished because two of their corners were merged.
-    pub collapsed: usize,
+    /// How far they were moved on average, if that may be seen, mm.
+    pub moved_mm: f64,
+    /// Which of the facets are left: the others vanished because two of their corners were merged.
+    pub stays: Vec<bool>,
 }
 
 /// Merges vertices of open edges that lie within the tolerance of each other, or `None` where that closes nothing.
@@ -28,15 +36,30 @@ pub(super) fn close(vertices: &[[f32; 3]], triangles: &[[u32; 3]], edges: &Edges
     rim.sort_unstable();
     rim.dedup();
     let merged = TOLERANCES_MM.map(|tolerance| merge(vertices, &rim, tolerance));
-    let (target, welded) = merged.into_iter().min_by_key(|(target, _)| still_open(&open, target))?;
+    let left = |(target, _): &(Vec<u32>, usize)| still_open(&open, target);
+    let mut best = merged.into_iter().min_by_key(left)?;
+    let mut moved_mm = 0.0;
+    for tolerance in WIDE_MM {
+        let (fewest, wide) = (left(&best), merge(vertices, &rim, tolerance));
+        let wider = left(&wide);
+        if fewest * NEARLY_ALL > open.len() && wider * NEARLY_ALL <= open.len() {
+            moved_mm = mean_way_mm(vertices, &wide.0);
+            best = wide;
+        }
+    }
+    let (target, welded) = best;
     if welded == 0 {
         return None;
     }
     let mapped = triangles.iter().map(|t| t.map(|v| target[v as usize]));
-    let kept: Vec<_> = mapped.filter(|&[a, b, c]| a != b && b != c && c != a).collect();
+    let (mut kept, mut stays) = (Vec::with_capacity(triangles.len()), Vec::with_capacity(triangles.len()));
+    for [a, b, c] in mapped {
+        let stands = a != b && b != c && c != a;
+        stays.push(stands);
+        kept.extend(stands.then_some([a, b, c]));
+    }
     let matched = Edges::new(&kept, vertices.len());
-    let collapsed = triangles.len() - kept.len();
-    (matched.open < edges.open).then_some(Closed { triangles: kept, edges: matched, welded, collapsed })
+    (matched.open < edges.open).then_some(Closed { triangles: kept, edges: matched, welded, moved_mm, stays })
 }
 
 /// Edges that have one facet still, after merging.
@@ -71,6 +94,14 @@ fn merge(vertices: &[[f32; 3]], rim: &[u32], tolerance: f32) -> (Vec<u32>, usize
         }
     }
     (target, welded)
+}
+
+/// How far vertices are from those that they are merged into, on average.
+fn mean_way_mm(vertices: &[[f32; 3]], target: &[u32]) -> f64 {
+    let moved = || (0u32..).zip(target).filter(|(v, target)| *v != **target);
+    let way_mm: f64 =
+        moved().map(|(v, &w)| distance2(vertices[v as usize], vertices[w as usize]).sqrt()).sum();
+    way_mm / moved().count().max(1) as f64
 }
 
 fn neighbours(cell: [i64; 3]) -> impl Iterator<Item = [i64; 3]> {

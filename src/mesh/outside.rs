@@ -4,8 +4,15 @@ use parry3d::math::Vector;
 use parry3d::query::{Ray, RayCast};
 use parry3d::shape::TriMesh;
 
+use super::doubts::Doubtful;
 use super::edges::NO_TWIN;
 use super::facet_measures;
+
+/// A shell is looked at from so many of its corners.
+const MOST_CORNERS: usize = 16;
+
+/// All shells together from so many.
+const MOST_IN_ALL: usize = 4000;
 
 /// One connected part of a mesh.
 #[derive(Clone, Copy)]
@@ -15,11 +22,20 @@ struct Shell {
     /// Positive where facets face outwards.
     volume_mm3: f64,
     area_mm2: f64,
+    facets: usize,
 }
 
+/// Fewer facets enclose nothing.
+const LEAST_FACETS: usize = 4;
+
 impl Shell {
-    const NOTHING: Self =
-        Self { min: [f32::INFINITY; 3], max: [f32::NEG_INFINITY; 3], volume_mm3: 0.0, area_mm2: 0.0 };
+    const NOTHING: Self = Self {
+        min: [f32::INFINITY; 3],
+        max: [f32::NEG_INFINITY; 3],
+        volume_mm3: 0.0,
+        area_mm2: 0.0,
+        facets: 0,
+    };
 
     #[inline]
     fn add(&mut self, point: [f32; 3]) {
@@ -46,38 +62,60 @@ pub(super) struct Outcome {
     pub turned: usize,
     pub volume_mm3: f64,
     pub area_mm2: f64,
+    /// Shells that may be cavities or bodies.
+    pub doubts: Vec<Doubtful>,
 }
 
 /// Turns shells that face inwards, unless they bound a cavity.
 ///
 /// A mesh whose volume is negative as a whole is turned as a whole first. Then a shell that still faces inwards is a
-/// cavity if the nearest facet around it, seen from one of its corners, shows its back; else it is turned.
+/// cavity if the nearest facet around it, seen from its corners, shows its back; else it is turned. A shell with doubtful
+/// facets, of which nearly as many faced in as out, is a cavity wherever it can be one.
 pub(super) fn turn_outwards(
     vertices: &[[f32; 3]],
     triangles: &mut [[u32; 3]],
     twins: &mut [u32],
     shell_of: &[u32],
     shell_count: usize,
+    doubtful: &[bool],
 ) -> Outcome {
     let mut shells = measure(vertices, triangles, shell_of, shell_count);
     let mut turn = vec![false; shell_count];
+    let mut in_doubt = vec![false; shell_count];
+    for (&shell, _) in shell_of.iter().zip(doubtful).filter(|(_, doubtful)| **doubtful) {
+        in_doubt[shell as usize] = true;
+    }
+    // Which way those face is chance: it says nothing of the others.
+    for (shell, _) in in_doubt.iter().enumerate().filter(|(_, in_doubt)| **in_doubt) {
+        turn[shell] = shells[shell].volume_mm3 < 0.0;
+        shells[shell].volume_mm3 = shells[shell].volume_mm3.abs();
+    }
     if shells.iter().map(|s| s.volume_mm3).sum::<f64>() < 0.0 && shells.iter().any(Shell::is_inside_out) {
-        turn.fill(true);
+        turn.iter_mut().for_each(|turn| *turn ^= true);
         shells.iter_mut().for_each(|s| s.volume_mm3 = -s.volume_mm3);
     }
     // From the largest box to the smallest, so that the shells around one are settled before it.
-    let mut inward: Vec<usize> = (0..shell_count).filter(|&s| shells[s].is_inside_out()).collect();
+    let mut inward: Vec<usize> =
+        (0..shell_count).filter(|&s| shells[s].is_inside_out() || in_doubt[s]).collect();
     inward.sort_by(|&a, &b| shells[b].box_mm3().total_cmp(&shells[a].box_mm3()).then(a.cmp(&b)));
     let mut surface = None;
+    let mut doubts = Vec::new();
     for &inner in &inward {
         let enclosed = (0..shell_count).any(|s| s != inner && shells[s].encloses(&shells[inner]));
         let is_cavity = enclosed && {
-            let surface = surface.get_or_insert_with(|| Surface::new(vertices, triangles, shell_of));
+            let surface =
+                surface.get_or_insert_with(|| Surface::new(vertices, triangles, shell_of, shell_count));
             surface.shows_back_to(inner as u32, &turn)
         };
-        if !is_cavity {
+        let Shell { min, max, volume_mm3, .. } = shells[inner];
+        if is_cavity && in_doubt[inner] {
+            let cause =
+                "a shell inside another, with as many facets that face in as out, was taken for a cavity";
+            doubts.push(Doubtful { cause, volume_mm3: volume_mm3.abs(), min, max });
+        }
+        if is_cavity == (volume_mm3 > 0.0) {
             turn[inner] ^= true;
-            shells[inner].volume_mm3 = -shells[inner].volume_mm3;
+            shells[inner].volume_mm3 = -volume_mm3;
         }
     }
     let turned = match turn.contains(&true) {
@@ -88,6 +126,7 @@ pub(super) fn turn_outwards(
         turned,
         volume_mm3: shells.iter().map(|s| s.volume_mm3).sum(),
         area_mm2: shells.iter().map(|s| s.area_mm2).sum(),
+        doubts,
     }
 }
 
@@ -116,22 +155,41 @@ pub(super) fn turn_facets(
 struct Surface<'a> {
     mesh: Option<TriMesh>,
     shell_of: &'a [u32],
+    /// The facets of each shell.
+    members: Vec<Vec<u32>>,
 }
 
 impl<'a> Surface<'a> {
-    fn new(vertices: &[[f32; 3]], triangles: &[[u32; 3]], shell_of: &'a [u32]) -> Self {
+    fn new(vertices: &[[f32; 3]], triangles: &[[u32; 3]], shell_of: &'a [u32], count: usize) -> Self {
         let points = vertices.iter().map(|&p| Vector::from(p)).collect();
-        Self { mesh: TriMesh::new(points, triangles.to_vec()).ok(), shell_of }
+        let mut members = vec![Vec::new(); count];
+        for (t, &shell) in (0..).zip(shell_of) {
+            members[shell as usize].push(t);
+        }
+        Self { mesh: TriMesh::new(points, triangles.to_vec()).ok(), shell_of, members }
     }
 
-    /// Whether the nearest facets of other shells, seen from a corner of this one, show their backs: two of three
-    /// rays decide, so that one that grazes an edge does not.
+    /// Whether the nearest facets of other shells, seen from corners of this one, show their backs. A shell that is seen
+    /// otherwise from some corners crosses another and is no cavity.
     fn shows_back_to(&self, shell: u32, turn: &[bool]) -> bool {
-        let Some((mesh, first)) = self.mesh.as_ref().zip(self.shell_of.iter().position(|&s| s == shell))
-        else {
-            return false;
-        };
-        let origin = mesh.triangle(first as u32).a;
+        let Some(mesh) = self.mesh.as_ref() else { return false };
+        let own = &self.members[shell as usize];
+        // Of thousands of shells each is looked at less closely.
+        let most = (MOST_IN_ALL / self.members.len()).clamp(1, MOST_CORNERS);
+        let step = own.len().div_ceil(most).max(1);
+        let count = own.len().div_ceil(step);
+        let mut others = 0;
+        for &t in own.iter().step_by(step) {
+            others += usize::from(!self.shows_back(mesh, mesh.triangle(t).a, shell, turn));
+            if 5 * others > count {
+                return false;
+            }
+        }
+        count > 0
+    }
+
+    /// The same for one corner: two of three rays decide, so that one that grazes an edge does not.
+    fn shows_back(&self, mesh: &TriMesh, origin: Vector, shell: u32, turn: &[bool]) -> bool {
         let directions = [[0.36, 0.48, 0.8], [-0.6, 0.64, 0.48], [0.48, -0.36, -0.8]].map(Vector::from);
         let backs = directions.into_iter().filter(|&direction| {
             let ray = Ray::new(origin, direction);
@@ -168,6 +226,10 @@ fn measure(vertices: &[[f32; 3]], triangles: &[[u32; 3]], shell_of: &[u32], coun
         let (volume, area) = facet_measures(corners, middle);
         shell.volume_mm3 += volume;
         shell.area_mm2 += area;
+        shell.facets += 1;
+    }
+    for sheet in shells.iter_mut().filter(|shell| shell.facets < LEAST_FACETS) {
+        sheet.volume_mm3 = 0.0;
     }
     shells
 }

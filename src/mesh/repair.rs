@@ -1,25 +1,29 @@
-//! Soup → mesh: duplicates dropped, small gaps welded, facets turned to face outwards.
+//! Soup → mesh: repeated facets and sheets dropped, small gaps welded, facets turned to face outwards, holes filled.
 //!
-//! Each step runs only where edge matching shows that it is needed; holes, overlaps and self-intersections stay,
-//! slicing copes with them.
+//! Each step runs only where edge matching shows that it is needed; overlaps and self-intersections stay, slicing copes
+//! with them.
 
 use super::components::Components;
-use super::edges::{Edges, NO_TWIN, ends, for_each_edge};
-use super::gaps;
-use super::outside;
+use super::doubts::Doubtful;
+use super::edges::{Edges, NO_TWIN, Side, ends, for_each_edge};
+use super::measure::{area_mm2, keep};
+use super::report::Doubt;
 use super::weld::Soup;
+use super::{agree, doubts, gaps, holes, outside, pairs, sheets, walls};
 
 /// What was done and what was found; volume of an open shell: that of the cone from the middle of its box.
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Debug, Default)]
 pub(super) struct Repairs {
     pub degenerate: usize,
     pub duplicates: usize,
+    /// Pairs of equal facets of opposite winding of which neither stays.
+    pub cancelled: usize,
+    /// Facets of fins, and of walls between bodies.
+    pub sheets: usize,
     pub welded: usize,
     pub flipped: usize,
-    /// Holes of the size of one facet that were filled.
+    /// Holes that were filled.
     pub filled: usize,
-    /// Parts of which nearly as many facets faced in as out.
-    pub doubtful: usize,
     pub open: usize,
     pub non_manifold: usize,
     /// Edges whose two facets could not be made to agree.
@@ -27,6 +31,7 @@ pub(super) struct Repairs {
     pub shells: usize,
     pub volume_mm3: f64,
     pub area_mm2: f64,
+    pub doubt: Option<Doubt>,
 }
 
 /// A mesh with its neighbourhood, coordinates as read.
@@ -37,43 +42,83 @@ pub(super) struct Repaired {
     pub repairs: Repairs,
 }
 
-/// Repairs what can be repaired without guessing at shapes.
+/// The share of the surface that is taken to have moved where wide gaps were welded: moves average out.
+const WELDED_SHARE: f64 = 0.1;
+
+/// Repairs what can be repaired; what was guessed at is said to be in doubt.
 pub(super) fn repair(soup: Soup) -> Repaired {
     let Soup { mut vertices, mut triangles, mut degenerate } = soup;
     let mut repairs = Repairs::default();
+    let mut doubts = Vec::new();
+    // Facets whose winding says nothing.
+    let mut free = vec![false; triangles.len()];
     let mut edges = Edges::new(&triangles, vertices.len());
-    // Two equal facets make three edges with two facets in the same direction.
-    if edges.clashing + edges.non_manifold > 0 {
-        repairs.duplicates = drop_duplicates(&mut triangles);
-        if repairs.duplicates > 0 {
-            edges = Edges::new(&triangles, vertices.len());
-        }
-    }
+    settle(&vertices, &mut triangles, &mut free, &mut edges, &mut repairs);
     if edges.open > 0
         && let Some(closed) = gaps::close(&vertices, &triangles, &edges)
     {
         repairs.welded = closed.welded;
-        degenerate += closed.collapsed;
+        if closed.moved_mm > 0.0 {
+            let area_mm2: f64 = triangles.iter().map(|t| area_mm2(&vertices, *t)).sum();
+            let cause = "wide gaps were welded";
+            let volume_mm3 = WELDED_SHARE * area_mm2 * closed.moved_mm;
+            doubts.push(Doubtful::around(cause, volume_mm3, vertices.iter().copied()));
+        }
+        degenerate += closed.stays.iter().filter(|stays| !**stays).count();
+        keep(&mut free, &closed.stays);
         (triangles, edges) = (closed.triangles, closed.edges);
+        settle(&vertices, &mut triangles, &mut free, &mut edges, &mut repairs);
     }
-    if edges.clashing > 0 {
-        (repairs.flipped, repairs.doubtful) = agree(&mut triangles, vertices.len());
-        edges = Edges::new(&triangles, vertices.len());
-    }
-    if edges.open > 0 {
-        let facets = missing_facets(&triangles, &edges);
-        if !facets.is_empty() {
-            repairs.filled = facets.len();
-            triangles.extend(facets);
+    if edges.non_manifold > 0 {
+        repairs.sheets = sheets::drop_sheets(&vertices, &mut triangles, &mut free);
+        if repairs.sheets > 0 {
             edges = Edges::new(&triangles, vertices.len());
         }
     }
-    if degenerate > 0 {
+    let mut doubtful = Vec::new();
+    if edges.clashing > 0 {
+        let agreed = agree::agree(&vertices, &mut triangles, &edges.twins, &free);
+        repairs.flipped = agreed.turned;
+        doubtful = agreed.doubtful;
+        edges = Edges::new(&triangles, vertices.len());
+    }
+    if edges.non_manifold > 0 {
+        let turned = walls::turn_patches(&vertices, &mut triangles);
+        repairs.flipped += turned;
+        if turned > 0 {
+            edges = Edges::new(&triangles, vertices.len());
+        }
+    }
+    if edges.open + edges.clashing + edges.non_manifold > 0 {
+        let filled = holes::fill(&vertices, &triangles, &edges);
+        if filled.holes > 0 {
+            repairs.filled = filled.holes;
+            triangles.extend(filled.facets);
+            doubts.extend(filled.doubts);
+            edges = Edges::new(&triangles, vertices.len());
+        }
+    }
+    if degenerate + repairs.duplicates + repairs.cancelled + repairs.sheets > 0 {
         drop_unused(&mut vertices, &mut triangles);
     }
     let (shell_of, shells) = shells(&triangles, vertices.len(), &edges);
-    let outcome = outside::turn_outwards(&vertices, &mut triangles, &mut edges.twins, &shell_of, shells);
+    let (body_of, bodies) = match edges.non_manifold {
+        0 => (shell_of, shells),
+        _ => bodies(&triangles, vertices.len()),
+    };
+    doubtful.resize(triangles.len(), false);
+    let outcome =
+        outside::turn_outwards(&vertices, &mut triangles, &mut edges.twins, &body_of, bodies, &doubtful);
     repairs.flipped += outcome.turned;
+    doubts.extend(outcome.doubts);
+    if outcome.turned > 0 && edges.non_manifold > 0 {
+        // Bodies that meet at an edge may have turned apart.
+        edges = Edges::new(&triangles, vertices.len());
+    }
+    if doubts::is_broken(&edges.twins, edges.clashing) {
+        let cause = "edges stay open, or their facets disagree on the outside";
+        doubts.extend(doubts::along_lines(&vertices, &triangles, cause));
+    }
     Repaired {
         repairs: Repairs {
             degenerate,
@@ -83,6 +128,7 @@ pub(super) fn repair(soup: Soup) -> Repaired {
             shells,
             volume_mm3: outcome.volume_mm3,
             area_mm2: outcome.area_mm2,
+            doubt: doubts::sum(&doubts, outcome.volume_mm3, &vertices),
             ..repairs
         },
         vertices,
@@ -91,24 +137,24 @@ pub(super) fn repair(soup: Soup) -> Repaired {
     }
 }
 
-/// Drops facets that repeat another one, corner by corner in the same direction. Opposed ones stay: they are the wall
-/// between two bodies that touch. O(n log n).
-fn drop_duplicates(triangles: &mut Vec<[u32; 3]>) -> usize {
-    let turned = |&[a, b, c]: &[u32; 3]| match a.min(b).min(c) {
-        first if first == a => [a, b, c],
-        first if first == b => [b, c, a],
-        _ => [c, a, b],
-    };
-    let mut sorted: Vec<([u32; 3], usize)> = triangles.iter().map(turned).zip(0..).collect();
-    sorted.sort_unstable();
-    let mut repeated = vec![false; triangles.len()];
-    for pair in sorted.windows(2) {
-        repeated[pair[1].1] = pair[0].0 == pair[1].0;
+/// Drops facets that stand at one place with others, where edges show that there are any: two equal facets make edges
+/// with two facets in the same direction, or with more than two.
+fn settle(
+    vertices: &[[f32; 3]],
+    triangles: &mut Vec<[u32; 3]>,
+    free: &mut Vec<bool>,
+    edges: &mut Edges,
+    repairs: &mut Repairs,
+) {
+    // Two facets back to back that nothing else touches match each other.
+    if edges.clashing + edges.non_manifold > 0 {
+        let pairs::Settled { duplicates, cancelled } = pairs::settle(vertices, triangles, free);
+        repairs.duplicates += duplicates;
+        repairs.cancelled += cancelled;
+        if duplicates + cancelled > 0 {
+            *edges = Edges::new(triangles, vertices.len());
+        }
     }
-    let before = triangles.len();
-    let mut repeated = repeated.into_iter();
-    triangles.retain(|_| !repeated.next().unwrap_or(false));
-    before - triangles.len()
 }
 
 /// Drops vertices that no facet names, which dropped facets leave behind.
@@ -132,60 +178,6 @@ fn drop_unused(vertices: &mut Vec<[f32; 3]>, triangles: &mut [[u32; 3]]) {
     }
 }
 
-/// At a vertex with more open edges the rest are left alone: it is no mesh that can be mended, and must not take long.
-const MOST_OPEN: usize = 64;
-
-/// The facets that close holes of three edges. There is but one way to fill those, so nothing is guessed: a facet is
-/// missing, or a neighbour's edge has a vertex on it that this facet's has not (a T-junction), and the facet has no
-/// area. O(n log n) for n open edges.
-fn missing_facets(triangles: &[[u32; 3]], edges: &Edges) -> Vec<[u32; 3]> {
-    let mut open: Vec<(u32, u32)> = open_halves(triangles, &edges.twins).collect();
-    open.sort_unstable();
-    let from = |vertex: u32| {
-        let first = open.partition_point(|half| half.0 < vertex);
-        let fan = open[first..].iter().take(MOST_OPEN);
-        fan.take_while(move |half| half.0 == vertex).map(|half| half.1)
-    };
-    let around = |&(a, b): &(u32, u32)| {
-        let mut corners = from(b).filter(|&c| open.binary_search(&(c, a)).is_ok());
-        // Where holes meet, an edge may belong to either of two.
-        let c = corners.next().filter(|_| corners.next().is_none())?;
-        (a < b && a < c).then_some([b, a, c])
-    };
-    open.iter().filter_map(around).collect()
-}
-
-/// A part is in doubt if its facets' majority is smaller than this share of them.
-const CLEAR_MAJORITY: f64 = 0.2;
-
-/// Turns facets so that neighbours agree across every edge with two facets; in each connected part the minority is
-/// turned. Returns how many were turned, and in how many parts that was in doubt.
-fn agree(triangles: &mut [[u32; 3]], vertex_count: usize) -> (usize, usize) {
-    let mut parts = Components::new(triangles.len());
-    for_each_edge(triangles, vertex_count, |sides| {
-        if let [a, b] = *sides {
-            // A part that cannot be oriented keeps the first relation found.
-            parts.join(a.triangle(), b.triangle(), a.is_backward() == b.is_backward());
-        }
-    });
-    let mut votes = vec![0i64; triangles.len()];
-    let mut members = vec![0i64; triangles.len()];
-    let sides: Vec<(u32, bool)> = (0..triangles.len() as u32).map(|t| parts.find(t)).collect();
-    for &(root, opposed) in &sides {
-        votes[root as usize] += if opposed { -1 } else { 1 };
-        members[root as usize] += 1;
-    }
-    let mut turned = 0;
-    for (triangle, &(root, opposed)) in triangles.iter_mut().zip(&sides) {
-        if opposed == (votes[root as usize] >= 0) {
-            triangle.swap(1, 2);
-            turned += 1;
-        }
-    }
-    let close = |(votes, members): &(i64, i64)| (votes.abs() as f64) < CLEAR_MAJORITY * *members as f64;
-    (turned, votes.into_iter().zip(members).filter(close).count())
-}
-
 /// Numbers the parts that hang together by edges, in the order of their first facets.
 fn shells(triangles: &[[u32; 3]], vertex_count: usize, edges: &Edges) -> (Vec<u32>, usize) {
     let mut parts = Components::new(triangles.len());
@@ -201,6 +193,34 @@ fn shells(triangles: &[[u32; 3]], vertex_count: usize, edges: &Edges) -> (Vec<u3
             }
         });
     }
+    parts.number()
+}
+
+/// Numbers the parts that are closed by themselves: where more than two facets meet at an edge, those parts are joined
+/// that have more facets there of one direction than of the other.
+fn bodies(triangles: &[[u32; 3]], vertex_count: usize) -> (Vec<u32>, usize) {
+    let mut parts = Components::new(triangles.len());
+    for_each_edge(triangles, vertex_count, |sides| {
+        if let [a, b] = *sides {
+            parts.join(a.triangle(), b.triangle(), false);
+        }
+    });
+    let (patch_of, _) = parts.number();
+    let patch = |side: &Side| patch_of[side.triangle() as usize];
+    for_each_edge(triangles, vertex_count, |sides| {
+        if sides.len() < 3 {
+            return;
+        }
+        let net = |of: u32| -> i32 {
+            let own = sides.iter().filter(|side| patch(side) == of);
+            own.map(|side| if side.is_backward() { -1 } else { 1 }).sum()
+        };
+        let unbalanced: Vec<u32> =
+            sides.iter().filter(|side| net(patch(side)) != 0).map(|side| side.triangle()).collect();
+        unbalanced.windows(2).for_each(|pair| {
+            parts.join(pair[0], pair[1], false);
+        });
+    });
     parts.number()
 }
 

@@ -36,11 +36,15 @@ pub struct MeshReport {
     pub degenerate_dropped: usize,
     /// Facets dropped because they repeated another one.
     pub duplicates_dropped: usize,
+    /// Pairs of equal facets of opposite winding that bounded nothing, dropped.
+    pub pairs_cancelled: usize,
+    /// Facets of fins, and of walls between bodies that touch, dropped.
+    pub sheets_dropped: usize,
     /// Facets turned to face outwards.
     pub flipped: usize,
     /// Vertices welded across small gaps.
     pub gaps_welded: usize,
-    /// Holes of the size of one facet, filled.
+    /// Holes filled with facets.
     pub holes_filled: usize,
     /// Edges with one facet: rims of holes.
     pub open_edges: usize,
@@ -48,8 +52,71 @@ pub struct MeshReport {
     pub non_manifold_edges: usize,
     /// Edges whose two facets disagree on the outside, and could not be made to agree.
     pub inconsistent_edges: usize,
+    /// What the repair may have got wrong; nothing of a sound mesh or a repair that is sure.
+    pub uncertain: Option<Doubt>,
     /// What was overlooked in the file, and what looks wrong.
     pub warnings: Vec<String>,
+}
+
+/// One kind of repair, and how often it was done. `Display` gives a line in words.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+pub struct Repair {
+    /// Name for programs.
+    pub kind: &'static str,
+    /// How many facets, pairs, vertices or holes.
+    pub count: usize,
+}
+
+/// What was done of each kind: its name, what one is called, what several are called.
+const KINDS: [(&str, &str, &str); 7] = [
+    ("degenerate-dropped", "facet without area dropped", "facets without area dropped"),
+    ("duplicates-dropped", "duplicate facet dropped", "duplicate facets dropped"),
+    (
+        "pairs-cancelled",
+        "pair of facets back to back, with nothing between, dropped",
+        "pairs of facets back to back, with nothing between, dropped",
+    ),
+    ("sheets-dropped", "facet of a fin or a wall inside dropped", "facets of fins or walls inside dropped"),
+    ("flipped", "facet turned to face outwards", "facets turned to face outwards"),
+    ("gaps-welded", "vertex welded across a small gap", "vertices welded across small gaps"),
+    ("holes-filled", "hole filled", "holes filled"),
+];
+
+impl fmt::Display for Repair {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let words = KINDS.iter().find(|(kind, ..)| *kind == self.kind);
+        let (one, many) = words.map_or((self.kind, self.kind), |(_, one, many)| (one, many));
+        write!(f, "{} {}", self.count, if self.count == 1 { one } else { many })
+    }
+}
+
+/// How far the repaired volume may be from what was meant, why, and where. `Display` gives it in words.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Doubt {
+    /// What is not sure.
+    pub cause: String,
+    /// Lower corner of the place, in the file's coordinates.
+    pub min_mm: [f64; 3],
+    /// Upper corner of the place.
+    pub max_mm: [f64; 3],
+    /// Volume in doubt.
+    pub volume_mm3: f64,
+    /// Volume in doubt as a share of the repaired volume, at most 1.
+    pub share: f64,
+}
+
+impl fmt::Display for Doubt {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let ([x0, y0, z0], [x1, y1, z1]) = (self.min_mm, self.max_mm);
+        write!(
+            f,
+            "about {:.3} cm³ ({:.1} % of the volume) within X{x0:.1} … {x1:.1}, Y{y0:.1} … {y1:.1}, \
+             Z{z0:.1} … {z1:.1}: {}",
+            self.volume_mm3 / 1000.0,
+            100.0 * self.share,
+            self.cause
+        )
+    }
 }
 
 impl MeshReport {
@@ -62,23 +129,19 @@ impl MeshReport {
     ) -> Self {
         let [min_mm, max_mm] = mesh.bounds();
         let size_mm = std::array::from_fn(|i| max_mm[i] - min_mm[i]);
-        warnings.extend(unit_warning(size_mm));
+        warnings.extend(repairs.doubt.iter().map(|doubt| {
+            format!(
+                "the repair is uncertain: {doubt}; look at the preview, or repair the model where it was made"
+            )
+        }));
         if repairs.open > 0 {
             warnings.push(format!("{} edges are open; slices are closed across holes", repairs.open));
         }
-        if repairs.doubtful > 0 {
-            warnings.push(format!(
-                "in {} shells nearly as many facets faced in as out; which side is the outside was guessed",
-                repairs.doubtful
-            ));
-        }
         if repairs.clashing > 0 {
-            warnings.push(format!(
-                "{} edges have facets that disagree on the outside; inside is where a ray crosses the surface an \
-                 odd number of times",
-                repairs.clashing
-            ));
+            warnings.push(format!("{} edges have facets that disagree on the outside", repairs.clashing));
         }
+        // Of an open mesh the volume depends on where it is seen from: seen from the middle.
+        let volume_mm3 = if repairs.open > 0 { mesh.volume_and_area().0 } else { repairs.volume_mm3 };
         Self {
             format,
             facets,
@@ -88,36 +151,38 @@ impl MeshReport {
             min_mm,
             max_mm,
             size_mm,
-            volume_mm3: repairs.volume_mm3,
+            volume_mm3,
             area_mm2: repairs.area_mm2,
             watertight: !mesh.twins.contains(&super::NO_TWIN),
             degenerate_dropped: repairs.degenerate,
             duplicates_dropped: repairs.duplicates,
+            pairs_cancelled: repairs.cancelled,
+            sheets_dropped: repairs.sheets,
             flipped: repairs.flipped,
             gaps_welded: repairs.welded,
             holes_filled: repairs.filled,
             open_edges: repairs.open,
             non_manifold_edges: repairs.non_manifold,
             inconsistent_edges: repairs.clashing,
+            uncertain: repairs.doubt.clone(),
             warnings,
         }
     }
-}
 
-/// Units that programs export in, as the factor that makes them millimetres.
-const UNITS: [(&str, f64); 4] =
-    [("inches", 25.4), ("metres", 1000.0), ("centimetres", 10.0), ("micrometres", 1e-3)];
-
-/// Parts whose longest side is below 1 mm or above 2 m are rarely meant; the unit that brings it nearest to 50 mm (on
-/// a logarithmic scale) is guessed.
-fn unit_warning(size_mm: [f64; 3]) -> Option<String> {
-    let longest = size_mm.into_iter().fold(0.0, f64::max);
-    if (1.0..=2000.0).contains(&longest) || longest == 0.0 {
-        return None;
+    /// What was mended, one entry for each kind of repair that was done.
+    pub fn repairs(&self) -> Vec<Repair> {
+        let counts = [
+            self.degenerate_dropped,
+            self.duplicates_dropped,
+            self.pairs_cancelled,
+            self.sheets_dropped,
+            self.flipped,
+            self.gaps_welded,
+            self.holes_filled,
+        ];
+        let all = KINDS.iter().zip(counts).map(|(&(kind, ..), count)| Repair { kind, count });
+        all.filter(|repair| repair.count > 0).collect()
     }
-    let distance = |factor: f64| (longest * factor / 50.0).ln().abs();
-    let (unit, factor) = UNITS.into_iter().min_by(|a, b| distance(a.1).total_cmp(&distance(b.1)))?;
-    Some(format!("the part is {longest:.4} mm long; if it was made in {unit}, use --scale {factor}"))
 }
 
 impl fmt::Display for MeshReport {
@@ -138,18 +203,16 @@ impl fmt::Display for MeshReport {
         writeln!(f, "volume      {:.3} cm³", self.volume_mm3 / 1000.0)?;
         writeln!(f, "surface     {:.3} cm²", self.area_mm2 / 100.0)?;
         writeln!(f, "watertight  {}", if self.watertight { "yes" } else { "no" })?;
-        let counts = [
-            ("degenerate facets dropped", self.degenerate_dropped),
-            ("duplicate facets dropped", self.duplicates_dropped),
-            ("facets turned", self.flipped),
-            ("vertices welded across gaps", self.gaps_welded),
-            ("small holes filled", self.holes_filled),
+        for repair in self.repairs() {
+            writeln!(f, "repair      {repair}")?;
+        }
+        let left = [
             ("open edges", self.open_edges),
             ("non-manifold edges", self.non_manifold_edges),
             ("inconsistent edges", self.inconsistent_edges),
         ];
-        for (what, count) in counts.into_iter().filter(|(_, count)| *count > 0) {
-            writeln!(f, "repair      {count} {what}")?;
+        for (what, count) in left.into_iter().filter(|(_, count)| *count > 0) {
+            writeln!(f, "left        {count} {what}")?;
         }
         self.warnings.iter().try_for_each(|warning| writeln!(f, "warning     {warning}"))
     }

@@ -200,7 +200,7 @@ mod tests {
             [[a, c, b], [a, d, c]]
         };
         let triangles = (0..N).flat_map(|i| (0..N).flat_map(move |k| quad(i, k))).collect();
-        Plate { meshes: vec![Mesh::new(vertices, triangles)], objects: Vec::new() }
+        Plate { meshes: vec![Mesh::new(vertices, triangles)], objects: Vec::new(), notes: Vec::new() }
     }
 
     fn of_box(height_mm: f64) -> Surface {

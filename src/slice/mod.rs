@@ -10,10 +10,12 @@ mod nest;
 mod plan;
 mod simplify;
 mod stitch;
+mod volume;
 
 pub use cutter::Cutter;
 pub use heights::{cusp_limit_mm, heights_mm, is_uniform, spans};
 pub use plan::{LayerSpan, plan};
+pub use volume::volume_mm3;
 
 use crate::geom::{Region, offset};
 use crate::mesh::Plate;

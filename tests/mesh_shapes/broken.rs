@@ -20,6 +20,55 @@ pub const WAYS: [(&str, Way); 8] = [
     ("slivers", |good, _| slivers(good)),
 ];
 
+/// Breaks a share of a mesh, where a number says.
+pub type Damage = fn(&Facets, f32, usize) -> Facets;
+
+/// Ways to break a part of a mesh, by name.
+pub const DAMAGES: [(&str, Damage); 9] = [
+    ("sound", |good, _, _| good.clone()),
+    ("repeated", |good, share, seed| [good.clone(), some(good, share, seed)].concat()),
+    ("repeated in reverse", |good, share, seed| [good.clone(), inside_out(some(good, share, seed))].concat()),
+    ("a region repeated in reverse", |good, share, seed| {
+        [good.clone(), inside_out(near(good, share, seed).0)].concat()
+    }),
+    ("flipped", |good, share, seed| {
+        let turn = |(i, [a, b, c]): (usize, &[[f32; 3]; 3])| {
+            if random(i + 1000 * seed) < 0.6 * share { [*b, *a, *c] } else { [*a, *b, *c] }
+        };
+        good.iter().enumerate().map(turn).collect()
+    }),
+    ("a region flipped", |good, share, seed| {
+        let (region, rest) = near(good, 0.8 * share, seed);
+        [rest, inside_out(region)].concat()
+    }),
+    ("missing", |good, share, seed| some(good, 1.0 - 0.1 * share, seed)),
+    ("a region missing", |good, share, seed| near(good, share, seed).1),
+    ("fins", |good, share, seed| {
+        let fin = |[a, b, c]: [[f32; 3]; 3]| [a, b, [0, 1, 2].map(|i| 1.5 * c[i] - 0.2 * a[i])];
+        [good.clone(), some(good, 0.1 * share, seed).into_iter().map(fin).collect()].concat()
+    }),
+];
+
+/// About a share of the facets.
+fn some(good: &Facets, share: f32, seed: usize) -> Facets {
+    let chosen = good.iter().enumerate().filter(|(i, _)| random(i + 1000 * seed) < share);
+    chosen.map(|(_, facet)| *facet).collect()
+}
+
+/// A share of the facets that lie together, and the others.
+fn near(good: &Facets, share: f32, seed: usize) -> (Facets, Facets) {
+    let middle_of = |f: &[[f32; 3]; 3]| [0, 1, 2].map(|i| f[0][i] + f[1][i] + f[2][i]);
+    let from = middle_of(&good[seed % good.len()]);
+    let far = |f: &[[f32; 3]; 3]| {
+        let at = middle_of(f);
+        (0..3).map(|i| (at[i] - from[i]).powi(2)).sum::<f32>()
+    };
+    let mut sorted = good.clone();
+    sorted.sort_by(|a, b| far(a).total_cmp(&far(b)));
+    let rest = sorted.split_off((share * good.len() as f32) as usize);
+    (sorted, rest)
+}
+
 /// A number that looks random, from 0 to 1.
 fn random(seed: usize) -> f32 {
     let mut z = (seed as u64).wrapping_mul(0x9E37_79B9_7F4A_7C15);

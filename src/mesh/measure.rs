@@ -1,0 +1,32 @@
+//! Lengths, areas and directions of a mesh as it is read.
+
+use super::edges::ends;
+
+/// A point or direction, exactly as read.
+pub(super) type Vec3 = nalgebra::Vector3<f64>;
+
+pub(super) fn point(vertices: &[[f32; 3]], v: u32) -> Vec3 {
+    Vec3::from(vertices[v as usize].map(f64::from))
+}
+
+/// The facet's normal, as long as twice its area.
+pub(super) fn normal(vertices: &[[f32; 3]], [a, b, c]: [u32; 3]) -> Vec3 {
+    let [a, b, c] = [a, b, c].map(|v| point(vertices, v));
+    (b - a).cross(&(c - a))
+}
+
+pub(super) fn area_mm2(vertices: &[[f32; 3]], triangle: [u32; 3]) -> f64 {
+    normal(vertices, triangle).norm() / 2.0
+}
+
+/// Length of a half-edge.
+pub(super) fn length_mm(vertices: &[[f32; 3]], triangles: &[[u32; 3]], half: u32) -> f64 {
+    let (a, b) = ends(triangles, half);
+    (point(vertices, b) - point(vertices, a)).norm()
+}
+
+/// Keeps the elements that are marked.
+pub(super) fn keep<T>(of: &mut Vec<T>, stays: &[bool]) {
+    let mut stays = stays.iter();
+    of.retain(|_| stays.next().is_none_or(|stays| *stays));
+}

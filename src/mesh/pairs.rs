@@ -1,0 +1,236 @@
+//! Facets that stand at one place more than once: which of them the surface needs.
+//!
+//! All such facets are left out first. Then they come back, once, where edges of the rest would stay open without them:
+//! groups of them that hang together are in or out as a whole, and the edges around a group vote. What nothing needs is
+//! a wall between bodies that touch, or a fin without thickness.
+
+use super::components::Components;
+use super::edges::for_each_edge;
+use super::measure::{area_mm2, keep, length_mm};
+
+/// What was left out.
+#[derive(Default)]
+pub(super) struct Settled {
+    /// Facets that repeated one that stays.
+    pub duplicates: usize,
+    /// Pairs of facets of which none stays.
+    pub cancelled: usize,
+}
+
+/// A group whose area is this many times what its rim could enclose in a plane is a body, not a sheet.
+const BODY: f64 = 4.0;
+
+/// Rounds in which groups are decided by those decided before.
+const ROUNDS: usize = 200;
+
+/// Equal facets, as one.
+struct Stack {
+    /// The first of them; of the more frequent winding.
+    facet: [u32; 3],
+    count: usize,
+    /// As many of one winding as of the other.
+    balanced: bool,
+}
+
+/// An edge with stacks at it.
+struct Seam {
+    length_mm: f64,
+    /// Facets at it that stay.
+    fixed: usize,
+    stacks: Vec<u32>,
+}
+
+/// Votes around a group, in millimetres of edge, for its stacks of parity 0 and 1.
+#[derive(Clone, Copy, Default)]
+struct Votes {
+    needed: [f64; 2],
+    /// Edges that are closed without it.
+    held: [f64; 2],
+    /// Edges at which nothing else is.
+    loose: [f64; 2],
+    area_mm2: [f64; 2],
+    balanced_mm2: f64,
+}
+
+/// Drops repeated facets as the rest needs it, and marks as free those that stood there in both windings: their winding
+/// says nothing. O(n log n), and little where none repeats another.
+pub(super) fn settle(vertices: &[[f32; 3]], triangles: &mut Vec<[u32; 3]>, free: &mut Vec<bool>) -> Settled {
+    let (alone, stacks) = stacked(triangles);
+    let mut settled = Settled::default();
+    if stacks.is_empty() {
+        return settled;
+    }
+    let mut fixed = triangles.clone();
+    keep(&mut fixed, &alone);
+    let stays = Groups::new(vertices, &fixed, &stacks).settle();
+    // Of what is nothing but sheets, nothing would be left to tell of.
+    if fixed.is_empty() && !stays.contains(&true) {
+        return settled;
+    }
+    *triangles = fixed;
+    keep(free, &alone);
+    for (stack, stays) in stacks.iter().zip(stays) {
+        if stays {
+            triangles.push(stack.facet);
+            free.push(stack.balanced);
+            settled.duplicates += stack.count - 1;
+        } else {
+            settled.cancelled += stack.count / 2;
+            settled.duplicates += stack.count % 2;
+        }
+    }
+    settled
+}
+
+/// Which facets stand alone, and the others.
+fn stacked(triangles: &[[u32; 3]]) -> (Vec<bool>, Vec<Stack>) {
+    let mut sorted: Vec<([u32; 3], usize)> = triangles
+        .iter()
+        .map(|t| {
+            let mut key = *t;
+            key.sort_unstable();
+            key
+        })
+        .zip(0..)
+        .collect();
+    sorted.sort_unstable();
+    let mut alone = vec![true; triangles.len()];
+    let mut stacks = Vec::new();
+    for group in sorted.chunk_by(|a, b| a.0 == b.0).filter(|group| group.len() > 1) {
+        let [a, b, c] = group[0].0;
+        let first = triangles[group[0].1];
+        let is_like =
+            |t: [u32; 3], to: [u32; 3]| (0..3).any(|k| [to[k], to[(k + 1) % 3], to[(k + 2) % 3]] == t);
+        let forward = group.iter().filter(|(_, t)| is_like([a, b, c], triangles[*t])).count();
+        let backward = group.len() - forward;
+        let facet = match forward.cmp(&backward) {
+            std::cmp::Ordering::Greater => [a, b, c],
+            std::cmp::Ordering::Less => [a, c, b],
+            std::cmp::Ordering::Equal => first,
+        };
+        stacks.push(Stack { facet, count: group.len(), balanced: forward == backward });
+        group.iter().for_each(|(_, t)| alone[*t] = false);
+    }
+    (alone, stacks)
+}
+
+/// Stacks that hang together, and what is decided of them.
+struct Groups<'a> {
+    vertices: &'a [[f32; 3]],
+    stacks: &'a [Stack],
+    seams: Vec<Seam>,
+    /// The group of each stack, and on which of its two sides the stack is.
+    group: Vec<(u32, bool)>,
+    /// Which side of each group stays, if any; nothing where it is open.
+    stays: Vec<Option<[bool; 2]>>,
+}
+
+impl<'a> Groups<'a> {
+    fn new(vertices: &'a [[f32; 3]], fixed: &[[u32; 3]], stacks: &'a [Stack]) -> Self {
+        let all: Vec<[u32; 3]> = fixed.iter().copied().chain(stacks.iter().map(|s| s.facet)).collect();
+        let mut seams = Vec::new();
+        for_each_edge(&all, vertices.len(), |sides| {
+            let at = |side: &super::edges::Side| (side.triangle() as usize).checked_sub(fixed.len());
+            let here: Vec<u32> = sides.iter().filter_map(at).map(|s| s as u32).collect();
+            if !here.is_empty() {
+                let length_mm = length_mm(vertices, &all, sides[0].half());
+                seams.push(Seam { length_mm, fixed: sides.len() - here.len(), stacks: here });
+            }
+        });
+        let mut parts = Components::new(stacks.len());
+        for seam in &seams {
+            if let [a, b] = *seam.stacks {
+                // At an open edge one of the two is needed, at others both or none.
+                parts.join(a, b, seam.fixed % 2 == 1);
+            }
+        }
+        let group: Vec<(u32, bool)> = (0..stacks.len() as u32).map(|s| parts.find(s)).collect();
+        Self { vertices, stacks, seams, group, stays: vec![None; stacks.len()] }
+    }
+
+    /// Whether each stack stays.
+    fn settle(mut self) -> Vec<bool> {
+        let rules: [Rule; 3] = [by_need, by_winding, by_shape];
+        // From the rim inwards: what has come back counts for the next.
+        for _ in 0..ROUNDS {
+            let votes = self.votes();
+            let decided = rules.iter().any(|rule| {
+                let mut any = false;
+                for (stays, votes) in self.stays.iter_mut().zip(&votes).filter(|(stays, _)| stays.is_none()) {
+                    *stays = votes.as_ref().and_then(rule);
+                    any |= stays.is_some();
+                }
+                any
+            });
+            if !decided {
+                break;
+            }
+        }
+        (0..self.stacks.len()).map(|s| self.state(s) == Some(true)).collect()
+    }
+
+    /// Whether a stack stays, if that is decided.
+    fn state(&self, stack: usize) -> Option<bool> {
+        let (group, side) = self.group[stack];
+        self.stays[group as usize].map(|stays| stays[usize::from(side)])
+    }
+
+    /// Votes of the groups, at the places of their representatives.
+    fn votes(&self) -> Vec<Option<Votes>> {
+        let mut votes = vec![None; self.stacks.len()];
+        for (stack, &(group, side)) in self.stacks.iter().zip(&self.group) {
+            let votes = votes[group as usize].get_or_insert_with(Votes::default);
+            let area_mm2 = area_mm2(self.vertices, stack.facet);
+            votes.area_mm2[usize::from(side)] += area_mm2;
+            votes.balanced_mm2 += if stack.balanced { area_mm2 } else { 0.0 };
+        }
+        for seam in &self.seams {
+            let mut fixed = seam.fixed;
+            let mut open = Vec::new();
+            for &stack in &seam.stacks {
+                match self.state(stack as usize) {
+                    Some(stays) => fixed += usize::from(stays),
+                    None => open.push(stack),
+                }
+            }
+            if let [stack] = *open {
+                let (group, side) = self.group[stack as usize];
+                let Some(votes) = &mut votes[group as usize] else { continue };
+                let count = match fixed {
+                    0 => &mut votes.loose,
+                    n if n % 2 == 1 => &mut votes.needed,
+                    _ => &mut votes.held,
+                };
+                count[usize::from(side)] += seam.length_mm;
+            }
+        }
+        votes
+    }
+}
+
+/// Which side of a group stays, where votes tell.
+type Rule = fn(&Votes) -> Option<[bool; 2]>;
+
+/// The side that closes more edges than it opens.
+fn by_need(votes: &Votes) -> Option<[bool; 2]> {
+    let mixed = votes.area_mm2[1] > 0.0;
+    let gain = |side: usize| votes.needed[side] - votes.held[side] - votes.loose[side];
+    let best = usize::from(mixed && gain(1) > gain(0));
+    // Where stacks stand in each other's way at open edges, one side is needed however the rest votes.
+    let wanted = gain(best) > 0.0 || (mixed && gain(best) > gain(1 - best));
+    wanted.then_some([best == 0, best == 1])
+}
+
+/// Facets of one winding count once, unless they do nothing but part bodies.
+fn by_winding(votes: &Votes) -> Option<[bool; 2]> {
+    let area_mm2 = votes.area_mm2[0] + votes.area_mm2[1];
+    let parts = votes.held[0] > 0.0 && votes.needed[0] + votes.loose[0] <= 0.0;
+    (votes.balanced_mm2 < area_mm2 / 2.0 && !parts).then_some([true, false])
+}
+
+/// Facets of both windings are a body if they enclose something by themselves.
+fn by_shape(votes: &Votes) -> Option<[bool; 2]> {
+    let flat_mm2 = votes.loose[0].powi(2) / (4.0 * std::f64::consts::PI);
+    let encloses = votes.held[0] <= 0.0 && votes.area_mm2[0] > BODY * flat_mm2;
+    encloses.then_some([true, false])
+}
