@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
-use pathwright::mesh::{Item, Placement, load, place};
+use pathwright::mesh::{Layout, Placement, load, place};
 use pathwright::profile::{BedSettings, LayerSettings};
 use pathwright::slice::Slicer;
 
@@ -28,7 +28,7 @@ fn mesh(c: &mut Criterion) {
             b.iter(|| load(&path));
         });
         let (mesh, _) = load(&path).expect("the models are sound");
-        let items = vec![Item { name, mesh, copies: 1 }];
+        let items = vec![Layout::single(name, mesh, 1)];
         let plate = place(items, &BedSettings::default(), &Placement::default()).expect("the models fit");
         group.bench_function("prepare", |b| b.iter(|| Slicer::new(&plate, &LayerSettings::default())));
         let slicer = Slicer::new(&plate, &LayerSettings::default());

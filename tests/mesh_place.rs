@@ -4,7 +4,7 @@ mod mesh_shapes;
 
 use mesh_shapes::{ball, cuboid, mesh};
 use pathwright::mesh::{
-    Item, Mesh, Placement, PlacementError, Plate, Transform, fit_factor, keep, orient, place,
+    Arrange, Item, Layout, Line, Mesh, Placement, PlacementError, Plate, Transform, orient, place,
 };
 use pathwright::profile::{BedOrigin, BedSettings, BedShape};
 use pathwright::units::Mm;
@@ -18,8 +18,8 @@ fn block(x: f32, y: f32, z: f32) -> Mesh {
     mesh(&cuboid([3.0, -7.0, 5.0], [3.0 + x, y - 7.0, 5.0 + z])).0
 }
 
-fn item(name: &str, mesh: Mesh, copies: usize) -> Item {
-    Item { name: name.into(), mesh, copies }
+fn item(name: &str, mesh: Mesh, copies: usize) -> Layout {
+    Layout::single(name, mesh, copies)
 }
 
 /// Boxes of the objects on the bed: low x, low y, high x, high y.
@@ -53,7 +53,7 @@ fn a_model_larger_than_the_bed_is_refused_with_the_factor_that_fits() {
         message.contains("long.stl: 250.00 × 20.00 × 10.00 mm") && message.contains("50.00 mm too long in X")
     );
     assert!(message.ends_with("--scale-to-fit would scale it by 0.8"), "{message}");
-    let factor = fit_factor(&long, &bed, 0.0);
+    let factor = item("long", long.clone(), 1).fit_factor(&bed, 0.0);
     let smaller = Transform { scale: [factor; 3], ..Transform::default() }.apply(long).unwrap();
     assert!(place(vec![item("long.stl", smaller, 1)], &bed, &Placement::default()).is_ok());
     let high = place(vec![item("high", block(1.0, 1.0, 250.0), 1)], &bed, &Placement::default());
@@ -66,7 +66,7 @@ fn exact_fits_fit() {
     let items = || vec![item("a", block(190.0, 190.0, 200.0), 1)];
     assert!(place(items(), &bed, &Placement { margin_mm: 5.0, ..Placement::default() }).is_ok());
     assert!(place(items(), &bed, &Placement { margin_mm: 5.1, ..Placement::default() }).is_err());
-    assert_eq!(fit_factor(&items()[0].mesh, &bed, 5.0), 1.0);
+    assert_eq!(items()[0].fit_factor(&bed, 5.0), 1.0);
 }
 
 #[test]
@@ -134,21 +134,102 @@ fn quarter_turns_are_made_where_they_are_needed() {
 }
 
 #[test]
-fn models_stay_where_their_files_put_them_unless_they_touch() {
+fn models_stay_where_their_files_put_them() {
     let bed = bed(BedShape::Rectangular, 200.0, BedOrigin::Corner);
-    let kept = |x: f64| {
+    let kept = |x: f64, convex: bool| {
+        let spots = |spots: &[[f64; 3]]| spots.to_vec();
         let items = vec![
-            (item("a", block(20.0, 20.0, 5.0), 1), vec![[50.0, 60.0]]),
-            (item("b", block(20.0, 20.0, 5.0), 2), vec![[x, 60.0], [150.0, 100.0]]),
+            Item::new("a", block(20.0, 20.0, 5.0), spots(&[[50.0, 60.0, 0.0]])),
+            Item::new("b", block(20.0, 20.0, 5.0), spots(&[[x, 60.0, 0.0], [150.0, 100.0, 0.0]])),
         ];
-        keep(items, &bed, &Placement::default())
+        let options = Placement { arrange: Arrange::Off, convex, ..Placement::default() };
+        place(vec![Layout::new("file", items, 1)], &bed, &options)
     };
-    let plate = kept(75.0).unwrap();
+    let plate = kept(75.0, false).unwrap();
     assert_eq!(boxes(&plate)[..2], [[53.0, 53.0, 73.0, 73.0], [78.0, 53.0, 98.0, 73.0]]);
     assert_eq!((plate.meshes.len(), plate.objects[2].name.as_str()), (2, "b (2)"));
-    let error = kept(69.5).unwrap_err();
-    assert!(error.to_string().starts_with("a and b stand closer than"), "{error}");
-    assert!(matches!(kept(190.0), Err(PlacementError::Outside { name, .. }) if name == "b"));
+    assert_eq!(boxes(&kept(70.2, false).unwrap())[1][0], 73.2, "near as they are");
+    assert!(matches!(kept(74.0, true), Err(PlacementError::TooNear { .. })), "one after the other");
+    assert!(matches!(kept(190.0, false), Err(PlacementError::Outside { name, .. }) if name == "b"));
+}
+
+/// A ring of four bars, a block within it that touches nothing and begins 1 mm higher, and a block beside both.
+fn assembly() -> Layout {
+    let bar = |low: [f32; 2], high: [f32; 2]| cuboid([low[0], low[1], 0.0], [high[0], high[1], 6.0]);
+    let ring = [
+        bar([0.0, 0.0], [30.0, 5.0]),
+        bar([0.0, 25.0], [30.0, 30.0]),
+        bar([0.0, 0.0], [5.0, 30.0]),
+        bar([25.0, 0.0], [30.0, 30.0]),
+    ];
+    let inner = mesh(&cuboid([12.0, 12.0, 1.0], [18.0, 18.0, 5.0])).0;
+    let items = vec![
+        Item::new("ring", mesh(&ring.concat()).0, vec![[0.0; 3]]),
+        Item::new("inner", inner, vec![[0.0; 3]]),
+        Item::new("beside", block(10.0, 10.0, 3.0), vec![[40.0, 0.0, 0.0]]),
+    ];
+    Layout::new("assembly", items, 1)
+}
+
+fn low_mm(plate: &Plate, object: usize) -> f64 {
+    plate.meshes[plate.objects[object].mesh].bounds()[0][2]
+}
+
+#[test]
+fn a_layout_is_moved_as_a_whole_and_each_body_let_down() {
+    let bed = bed(BedShape::Rectangular, 200.0, BedOrigin::Corner);
+    let plate = place(vec![assembly()], &bed, &Placement::default()).unwrap();
+    let [ring, inner, beside] = boxes(&plate).try_into().unwrap();
+    assert_eq!([inner[0] - ring[0], inner[1] - ring[1]], [12.0; 2]);
+    assert_eq!([beside[0] - ring[0], beside[1] - ring[1]], [43.0, -7.0]);
+    assert_eq!([ring[0] + beside[2], beside[1] + ring[3]], [200.0; 2], "in the middle of the bed");
+    assert_eq!([0, 1, 2].map(|object| low_mm(&plate, object)), [0.0, 1.0, 0.0]);
+    assert_eq!(plate.objects.iter().map(|object| object.body).collect::<Vec<_>>(), [0, 0, 1]);
+    assert!(plate.notes.is_empty());
+}
+
+#[test]
+fn what_interlocks_is_moved_together_when_all_is_arranged_anew() {
+    let bed = bed(BedShape::Rectangular, 200.0, BedOrigin::Corner);
+    let options = Placement { arrange: Arrange::Bodies, turn: true, ..Placement::default() };
+    let plate = place(vec![assembly()], &bed, &options).unwrap();
+    let [ring, inner, beside] = boxes(&plate).try_into().unwrap();
+    assert_eq!([inner[0] - ring[0], inner[1] - ring[1]], [12.0; 2]);
+    assert_ne!([beside[0] - ring[0], beside[1] - ring[1]], [43.0, -7.0]);
+    assert!(gap_mm(&ring, &beside) >= 5.0);
+    assert_eq!(low_mm(&plate, 1), 1.0);
+}
+
+#[test]
+fn a_layout_too_large_for_the_bed_is_arranged_anew_and_told() {
+    let cube = || block(40.0, 40.0, 10.0);
+    let layout = |places: &[f64]| {
+        let spots = places.iter().map(|x| [*x, 60.0, 0.0]).collect();
+        Layout::new("plates", vec![Item::new("cube", cube(), spots)], 1)
+    };
+    let bed = bed(BedShape::Rectangular, 200.0, BedOrigin::Corner);
+    // Two on the bed, one beyond it: the two keep their distance.
+    let plate = place(vec![layout(&[30.0, 100.0, 300.0])], &bed, &Placement::default()).unwrap();
+    let boxes = boxes(&plate);
+    assert_eq!(boxes[1][0] - boxes[0][0], 70.0);
+    assert!(boxes.iter().flatten().all(|c| (0.0..=200.0).contains(c)));
+    assert!(plate.notes[0].contains("arranged anew: cube (3)"), "{:?}", plate.notes);
+    // Copies that fit only when the layouts are taken apart.
+    let copies = Layout::new("pair", vec![Item::new("cube", cube(), vec![[0.0; 3], [130.0, 0.0, 0.0]])], 5);
+    let plate = place(vec![copies], &bed, &Placement::default()).unwrap();
+    assert_eq!((plate.objects.len(), plate.notes.len()), (10, 1));
+}
+
+#[test]
+fn a_shell_without_a_printable_line_does_not_count() {
+    let sliver = cuboid([0.0, 0.0, -3.0], [0.02, 5.0, 0.0]);
+    let facets = [cuboid([0.0; 3], [20.0, 20.0, 10.0]), cuboid([30.0, 0.0, 2.0], [40.0, 10.0, 5.0]), sliver];
+    let item = Item::new("part", mesh(&facets.concat()).0, vec![[0.0; 3]])
+        .without_slivers(Line { width_mm: 0.16, height_mm: 0.2 });
+    let bed = bed(BedShape::Rectangular, 200.0, BedOrigin::Corner);
+    let plate = place(vec![Layout::new("part", vec![item], 1)], &bed, &Placement::default()).unwrap();
+    assert_eq!(plate.meshes[0].bounds()[0][2], -3.0);
+    assert_eq!(boxes(&plate), [[80.0, 90.0, 120.0, 110.0]]);
 }
 
 #[test]

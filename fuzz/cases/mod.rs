@@ -13,7 +13,7 @@ use std::path::Path;
 use pathwright::check::{Survey, check};
 use pathwright::gcode::{annotate, measure};
 use pathwright::geom;
-use pathwright::mesh::{self, Item, Placement};
+use pathwright::mesh::{self, Layout, Placement};
 use pathwright::order::{self, Chain, DetourRule, LayerProblem, SeamRule, strategy};
 use pathwright::profile::{
     self, CostKind, Effort, OrderSettings, OrderStrategy, Override, Pattern, Scope, SeamPosition, Settings,
@@ -54,7 +54,7 @@ fn model(name: &str, bytes: &[u8]) {
     let Ok((mesh, report)) = mesh::from_bytes(Path::new(name), bytes) else { return };
     assert!(report.volume_mm3.is_finite());
     let settings = Settings::default();
-    let item = Item { name: "part".into(), mesh, copies: 1 };
+    let item = Layout::single("part", mesh, 1);
     let Ok(plate) = mesh::place(vec![item], &settings.bed, &Placement::default()) else { return };
     let layers = slice::slice(&plate, &settings.layer);
     let area_mm2: f64 = layers.iter().flat_map(|layer| &layer.sections).map(|s| s.region.area_mm2()).sum();

@@ -3,34 +3,49 @@
 //! [`load`] reads what users have and repairs what can be repaired without guessing; a [`MeshReport`] says what
 //! was found and done. [`Transform`] scales, turns and moves; [`place()`] arranges models on the bed.
 
+mod agree;
+mod area;
 mod arrange;
 mod components;
+mod doubts;
 mod edges;
 mod error;
+mod file;
 mod formats;
 mod gaps;
+mod group;
+mod holes;
+mod layout;
+mod measure;
 mod obj;
 mod orient;
 mod outside;
 mod pack;
+mod pairs;
 mod place;
 mod repair;
 mod report;
+mod sheets;
 mod silhouette;
+mod slivers;
 mod stl;
 mod threemf;
 mod transform;
+mod units;
+mod walls;
 mod weld;
 mod words;
 
-use std::fs::File;
+use std::fs;
 use std::io::{Read, Seek, SeekFrom};
 use std::path::Path;
 
 pub use error::{MeshError, Place};
+pub use file::{File, name_of, read_file};
+pub use layout::{Item, Layout};
 pub use orient::orient;
-pub use place::{Item, Object, Placement, PlacementError, Plate, fit_factor, keep, place};
-pub use report::MeshReport;
+pub use place::{Arrange, Line, Object, Placement, PlacementError, Plate, place};
+pub use report::{Doubt, MeshReport, Repair};
 pub use transform::{Transform, TransformError};
 
 pub(crate) use edges::NO_TWIN;
@@ -58,6 +73,18 @@ impl Mesh {
     pub fn new(vertices: Vec<[f64; 3]>, triangles: Vec<[u32; 3]>) -> Self {
         let edges = Edges::new(&triangles, vertices.len());
         Self { vertices, triangles, twins: edges.twins, oriented: edges.clashing == 0 }
+    }
+
+    /// Both meshes as one; facets keep their neighbours.
+    #[must_use]
+    pub fn with(mut self, other: &Self) -> Self {
+        let (vertices, halves) = (self.vertices.len() as u32, self.twins.len() as u32);
+        self.vertices.extend_from_slice(&other.vertices);
+        self.triangles.extend(other.triangles.iter().map(|t| t.map(|v| v + vertices)));
+        let moved = |&twin: &u32| if twin == NO_TWIN { NO_TWIN } else { twin + halves };
+        self.twins.extend(other.twins.iter().map(moved));
+        self.oriented &= other.oriented;
+        self
     }
 
     /// Vertices in millimetres.
@@ -151,10 +178,16 @@ pub fn from_bytes(path: &Path, data: &[u8]) -> Result<(Mesh, MeshReport), MeshEr
     let Some(formats::FileObject { soup, facets, .. }) = objects.next() else {
         return Err(MeshError::NoFacets { path: path.to_path_buf() });
     };
-    repaired(path, soup, facets, format, notes)
+    let (mesh, report) = repaired(path, soup, facets, format, notes)?;
+    // Whoever does not scale gets what can be sliced.
+    match mesh.bounds().as_flattened().iter().any(|x| x.abs() > f64::from(weld::LIMIT_MM)) {
+        true => Err(units::too_large(path, &mesh, [1.0; 3])),
+        false => Ok((mesh, report)),
+    }
 }
 
-/// Reads and repairs every object of a mesh file by itself: several only in a 3MF file.
+/// Reads and repairs every object of a mesh file by itself: several only in a 3MF file. In whatever unit they are,
+/// coordinates reach to 1e9.
 ///
 /// # Errors
 /// As [`load`].
@@ -181,7 +214,7 @@ const PARALLEL: u64 = 1 << 20;
 fn contents(path: &Path) -> Result<Vec<u8>, MeshError> {
     let failed = |source| MeshError::Read { path: path.to_path_buf(), source };
     let too_large = |problem| MeshError::TooLarge { path: path.to_path_buf(), problem };
-    let mut file = File::open(path).map_err(failed)?;
+    let mut file = fs::File::open(path).map_err(failed)?;
     let check = |bytes: u64| {
         if bytes > limits::MODEL_BYTES {
             return Err(too_large(format!("the file has more than {} GB", limits::MODEL_BYTES >> 30)));
@@ -204,18 +237,21 @@ fn contents(path: &Path) -> Result<Vec<u8>, MeshError> {
 }
 
 /// The bytes of a file of this length, read by two threads; `None` where it cannot be done.
-fn halves(mut file: &File, path: &Path, length: u64) -> Option<Vec<u8>> {
+fn halves(mut file: &fs::File, path: &Path, length: u64) -> Option<Vec<u8>> {
     let mut data = vec![0; usize::try_from(length).ok()?];
     let middle = data.len() / 2;
     let (first, second) = data.split_at_mut(middle);
     let read_second = || {
-        let mut file = File::open(path)?;
+        let mut file = fs::File::open(path)?;
         file.seek(SeekFrom::Start(middle as u64))?;
         file.read_exact(second)
     };
     let (first, second) = rayon::join(|| file.read_exact(first), read_second);
     first.and(second).ok().map(|()| data)
 }
+
+/// The outside is known of a mesh with fewer clashing edges for each facet than one in so many.
+const FEW_CLASHES: usize = 10;
 
 fn repaired(
     path: &Path,
@@ -229,11 +265,13 @@ fn repaired(
         return Err(MeshError::TooLarge { path: path.to_path_buf(), problem });
     }
     let repair::Repaired { vertices, triangles, twins, repairs } = repair::repair(soup);
+    // A seam in a surface with one side does not take its outside from the rest.
+    let oriented = repairs.clashing * FEW_CLASHES <= triangles.len();
     let mesh = Mesh {
         vertices: vertices.into_iter().map(|v| v.map(f64::from)).collect(),
         triangles,
         twins,
-        oriented: repairs.clashing == 0,
+        oriented,
     };
     let report = MeshReport::new(&mesh, format, facets, &repairs, notes);
     // A solid is at least as thick on average as the grid is fine.

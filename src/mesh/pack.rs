@@ -3,29 +3,28 @@
 //! Greedy by falling size: each box goes where it touches (at the spacing) one that stands, so that the group takes the
 //! least share of the bed. O(n³) for n boxes.
 
-use super::Mesh;
-use super::silhouette::hull;
-use crate::profile::BedShape;
-
-/// A model seen from above, its box centred on the origin.
+/// Something seen from above, its box centred on the origin.
 #[derive(Clone)]
 pub(super) struct Footprint {
     half: [f64; 2],
+    /// How high it is.
+    pub height_mm: f64,
     /// Points whose distance from the middle matters: corners of the box, or the convex hull for a round bed.
     pub rim: Vec<[f64; 2]>,
 }
 
 impl Footprint {
-    pub fn new(mesh: &Mesh, shape: BedShape) -> Self {
-        let size = mesh.size();
+    /// Of this size; without a rim it is that of the box.
+    pub fn new(size: [f64; 3], rim: Option<Vec<[f64; 2]>>) -> Self {
         let half = [size[0] / 2.0, size[1] / 2.0];
-        let rim = match shape {
-            BedShape::Rectangular => [(1.0, 1.0), (-1.0, 1.0), (-1.0, -1.0), (1.0, -1.0)]
-                .map(|(x, y)| [x * half[0], y * half[1]])
-                .to_vec(),
-            BedShape::Round => hull(mesh),
-        };
-        Self { half, rim }
+        let corners = [(1.0, 1.0), (-1.0, 1.0), (-1.0, -1.0), (1.0, -1.0)];
+        let rim = rim.unwrap_or_else(|| corners.map(|(x, y)| [x * half[0], y * half[1]]).to_vec());
+        Self { half, height_mm: size[2], rim }
+    }
+
+    /// Extents.
+    pub fn size(&self) -> [f64; 3] {
+        [2.0 * self.half[0], 2.0 * self.half[1], self.height_mm]
     }
 }
 

@@ -1,21 +1,44 @@
 //! Where models stand on the bed.
 
-use super::Mesh;
-use super::arrange::{Shape, Towards, arrange};
-use super::pack::{Footprint, group_box, pack};
-use super::silhouette::silhouette;
-use crate::geom::Point;
-use crate::profile::{BedSettings, BedShape};
+use std::collections::BTreeMap;
 
-/// A model to place.
-#[derive(Clone, Debug)]
-pub struct Item {
-    /// What messages and G-code call it.
-    pub name: String,
-    /// The model, wherever it lies.
-    pub mesh: Mesh,
-    /// How many of it.
-    pub copies: usize,
+use geo::{Distance, Euclidean};
+
+use super::Mesh;
+use super::area::{Area, TOLERANCE_MM, fitting_factor};
+use super::arrange::{Shape, Towards, arrange};
+use super::group::{Group, turned};
+use super::layout::{Item, Layout, hull};
+use super::pack::{Footprint, pack};
+use crate::geom::Point;
+use crate::profile::{BedSettings, BedShape, Settings};
+
+/// The thinnest line that is printed: what is thinner in a model says nothing of where it stands.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Line {
+    /// Width, millimetres.
+    pub width_mm: f64,
+    /// Height of a layer, millimetres.
+    pub height_mm: f64,
+}
+
+impl Line {
+    /// The thinnest line that is printed with these settings.
+    pub fn thinnest(settings: &Settings) -> Self {
+        let height_mm = settings.layer.first_height.0.min(settings.layer.height.0);
+        Self { width_mm: settings.walls.min_feature.0, height_mm }
+    }
+}
+
+/// What decides where models stand.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Arrange {
+    /// Files, each with the layout that it has; where one does not fit, its bodies.
+    Layouts,
+    /// Bodies, each by itself.
+    Bodies,
+    /// The files' own coordinates, as those of the bed.
+    Off,
 }
 
 /// How models are placed.
@@ -31,6 +54,8 @@ pub struct Placement {
     pub convex: bool,
     /// Whether models may be turned by quarters about Z to fit.
     pub turn: bool,
+    /// What is arranged.
+    pub arrange: Arrange,
     /// Moves everything away from the middle of the bed; a negative Z sinks it, which cuts off the bottom.
     pub shift_mm: [f64; 3],
 }
@@ -43,6 +68,7 @@ impl Default for Placement {
             reach_mm: 0.0,
             convex: false,
             turn: false,
+            arrange: Arrange::Layouts,
             shift_mm: [0.0; 3],
         }
     }
@@ -57,15 +83,19 @@ pub struct Object {
     pub mesh: usize,
     /// Where the mesh's origin stands on the bed.
     pub offset: Point,
+    /// Number of the body that it is a part of: objects that interlock are one.
+    pub body: usize,
 }
 
 /// Everything that is printed in one go. Copies share a mesh, so that it is cut once.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Plate {
-    /// Meshes, the middle of their box over the origin, standing on z = 0.
+    /// Meshes, the middle of their box over the origin, standing on z = 0 or over other parts of their body.
     pub meshes: Vec<Mesh>,
     /// What stands where, in the order of the items.
     pub objects: Vec<Object>,
+    /// Layouts that were not kept, in words.
+    pub notes: Vec<String>,
 }
 
 /// Models that do not fit (exit code 5).
@@ -84,13 +114,13 @@ pub enum PlacementError {
     )]
     TooMany { total: usize, fitting: usize, left: Vec<String>, spacing_mm: f64, bed: String },
     #[error(
-        "{a} and {b} stand closer than {apart_mm:.1} mm where the files put them; leave out --no-arrange, or move them \
-         apart"
+        "{a} and {b} stand closer than {apart_mm:.1} mm where the files put them, too near to be printed one after the \
+         other; leave out --sequential (print.sequence) or --no-arrange, or move them apart"
     )]
-    Touching { a: String, b: String, apart_mm: f64 },
+    TooNear { a: String, b: String, apart_mm: f64 },
     #[error(
-        "{name}: where it is put, it reaches {by_mm:.2} mm beyond the printer's {bed}; give a smaller --translate, or \
-         leave out --no-arrange"
+        "{name}: where it is put, it reaches {by_mm:.2} mm beyond the printer's {bed}; give another --translate, or \
+         leave out --no-arrange: what a file places relative to each other stays so"
     )]
     Outside { name: String, by_mm: f64, bed: String },
     #[error(
@@ -99,107 +129,220 @@ pub enum PlacementError {
     InTheAir(f64),
 }
 
-/// Places models side by side, the whole group in the middle of the bed.
+/// Places models side by side, the whole group in the middle of the bed, or where their files put them.
 ///
-/// Models are packed by their outlines, on cells of about a millimetre: around the middle of the bed, or if that does not
-/// hold all of them, from a corner. Where neither does, boxes are packed to the micrometre. Outlines never come closer
-/// than the spacing.
+/// Layouts (or bodies, see [`Arrange`]) are packed by their outlines, on cells of about a millimetre: around the middle of
+/// the bed, or if that does not hold all of them, from a corner. Where neither does, boxes are packed to the micrometre.
+/// Outlines never come closer than the spacing. Of a layout that does not fit, the bodies that do keep their places.
 ///
 /// # Errors
-/// A model larger than the bed, models larger than the bed together, a shift off the bed.
-pub fn place(items: Vec<Item>, bed: &BedSettings, options: &Placement) -> Result<Plate, PlacementError> {
+/// A body larger than the bed, models larger than the bed together, a shift off the bed.
+pub fn place(layouts: Vec<Layout>, bed: &BedSettings, options: &Placement) -> Result<Plate, PlacementError> {
     let area = Area::new(bed, options.margin_mm);
-    let mut meshes = Vec::with_capacity(items.len());
-    let (mut names, mut models, mut footprints) = (Vec::new(), Vec::new(), Vec::new());
-    for item in items {
-        let mesh = item.mesh.centered();
-        let footprint = Footprint::new(&mesh, bed.shape);
-        area.check(&item.name, &mesh, &footprint)?;
-        for copy in 1..=item.copies {
-            names.push(if copy == 1 { item.name.clone() } else { format!("{} ({copy})", item.name) });
-            models.push(meshes.len());
+    let (layouts, standing) = match options.arrange {
+        Arrange::Off => {
+            let layout = Layout::joined(layouts);
+            let standing = as_they_are(&layout, bed, &area, options)?;
+            (vec![layout], standing)
         }
-        footprints.push(footprint);
-        meshes.push(mesh);
-    }
-    let places =
-        packed(&meshes, &footprints, &models, &area, options).map_err(|left| PlacementError::TooMany {
-            total: models.len(),
-            fitting: models.len() - left.len(),
-            left: left.into_iter().map(|model| names[model].clone()).collect(),
-            spacing_mm: options.spacing_mm,
-            bed: area.to_string(),
-        })?;
-    let mut plate = Plate { meshes: Vec::with_capacity(meshes.len()), objects: Vec::new() };
-    let mut used: Vec<(usize, u32)> = Vec::new();
-    for (name, (&model, &(quarters, spot))) in names.into_iter().zip(models.iter().zip(&places)) {
-        let mesh = used.iter().position(|u| *u == (model, quarters)).unwrap_or_else(|| {
-            used.push((model, quarters));
-            // Most models stand one way only: then there is no need for a copy.
-            let only =
-                models.iter().zip(&places).all(|(&other, place)| other != model || place.0 == quarters);
-            let nothing = || Mesh::new(Vec::new(), Vec::new());
-            let mesh =
-                if only { std::mem::replace(&mut meshes[model], nothing()) } else { meshes[model].clone() };
-            plate.meshes.push(mesh.quarter_turned(quarters));
-            used.len() - 1
-        });
-        plate.objects.push(Object { name, mesh, offset: Point::from_mm(spot[0], spot[1]) });
-    }
-    area.settle(plate, bed, options)
+        Arrange::Layouts | Arrange::Bodies => {
+            let standing = arranged(&layouts, bed, &area, options)?;
+            (layouts, standing)
+        }
+    };
+    settle(layouts, standing, bed, &area, options)
 }
 
-/// Puts models where their files have them: each item's mesh as it lies, moved by each of its spots (bed coordinates), and
-/// let down on the bed.
-///
-/// # Errors
-/// As [`place`], and models that touch.
-pub fn keep(
-    items: Vec<(Item, Vec<[f64; 2]>)>,
+/// Groups in their places.
+struct Standing {
+    groups: Vec<Group>,
+    stands: Vec<Stand>,
+    notes: Vec<String>,
+}
+
+/// A copy of a group, its middle in a place relative to the bed's, turned by quarters.
+struct Stand {
+    group: usize,
+    copy: usize,
+    quarters: u32,
+    at: [f64; 2],
+}
+
+/// Everything where the files have it.
+fn as_they_are(
+    layout: &Layout,
     bed: &BedSettings,
+    area: &Area,
     options: &Placement,
-) -> Result<Plate, PlacementError> {
-    let area = Area::new(bed, options.margin_mm);
+) -> Result<Standing, PlacementError> {
+    for body in 0..layout.body_count() {
+        let group = Group::new(0, layout, vec![body]);
+        area.check(&group.name(layout, 0), &group.footprint(layout, area.shape, 0))?;
+    }
+    let group = Group::new(0, layout, (0..layout.body_count()).collect());
+    if options.convex
+        && let Some([a, b]) = too_near(layout, &group.bodies, apart_mm(options))
+    {
+        let [a, b] = [a, b].map(|body| Group::new(0, layout, vec![body]).name(layout, 0));
+        return Err(PlacementError::TooNear { a, b, apart_mm: options.spacing_mm });
+    }
     let middle = bed.middle_mm();
-    let mut plate = Plate { meshes: Vec::with_capacity(items.len()), objects: Vec::new() };
-    let reach_mm = options.reach_mm + if options.convex { options.spacing_mm / 2.0 } else { 0.0 };
-    let mut covered = Vec::new();
-    for (item, spots) in items {
-        let [min, max] = item.mesh.bounds();
-        let mesh = item.mesh.centered();
-        area.check(&item.name, &mesh, &Footprint::new(&mesh, bed.shape))?;
-        for (copy, spot) in (1..).zip(spots) {
-            let name = if copy == 1 { item.name.clone() } else { format!("{} ({copy})", item.name) };
-            let at = [0, 1].map(|i| spot[i] + (min[i] + max[i]) / 2.0);
-            let mut moved = mesh.clone();
-            moved.shift([at[0], at[1], 0.0]);
-            covered.push(silhouette(&moved, options.convex, reach_mm, KEPT_CELL_MM));
-            let offset = Point::from_mm(at[0] - middle[0], at[1] - middle[1]);
-            plate.objects.push(Object { name, mesh: plate.meshes.len(), offset });
-        }
-        plate.meshes.push(mesh);
-    }
-    for (i, a) in covered.iter().enumerate() {
-        if let Some(j) = (i + 1..covered.len()).find(|&j| a.meets(&covered[j], [0; 2])) {
-            let [a, b] = [i, j].map(|k| plate.objects[k].name.clone());
-            let apart_mm = 2.0 * reach_mm + 2.0 * KEPT_CELL_MM;
-            return Err(PlacementError::Touching { a, b, apart_mm });
-        }
-    }
-    area.settle(plate, bed, options)
+    let at = [0, 1].map(|i| group.middle[i] - middle[i]);
+    let stands = vec![Stand { group: 0, copy: 0, quarters: 0, at }];
+    Ok(Standing { groups: vec![group], stands, notes: Vec::new() })
 }
 
-/// Cells of models that stay where they are.
-const KEPT_CELL_MM: f64 = 0.2;
+/// Least distance between bodies that are printed one after the other, with what is printed around them.
+fn apart_mm(options: &Placement) -> f64 {
+    options.spacing_mm + 2.0 * options.reach_mm
+}
+
+/// Two bodies of a layout that are nearer to each other than this.
+fn too_near(layout: &Layout, bodies: &[usize], apart_mm: f64) -> Option<[usize; 2]> {
+    let hulls: Vec<Vec<_>> = bodies
+        .iter()
+        .map(|&body| layout.bodies[body].iter().map(|m| hull(&layout.items[m.item], m.spot)).collect())
+        .collect();
+    let near = |i: usize, j: usize| {
+        hulls[i].iter().any(|a| hulls[j].iter().any(|b| Euclidean.distance(a, b) < apart_mm - TOLERANCE_MM))
+    };
+    let pairs = (0..bodies.len()).flat_map(|i| (0..i).map(move |j| [j, i]));
+    pairs.into_iter().find(|&[j, i]| near(i, j)).map(|pair| pair.map(|i| bodies[i]))
+}
+
+/// How much of a layout is kept.
+#[derive(Clone, Copy, PartialEq)]
+enum Kept {
+    All,
+    /// What lies on the bed in the file's coordinates.
+    OnBed,
+    Nothing,
+}
+
+/// Groups packed on the bed: whole layouts, as far as they fit.
+fn arranged(
+    layouts: &[Layout],
+    bed: &BedSettings,
+    area: &Area,
+    options: &Placement,
+) -> Result<Standing, PlacementError> {
+    let whole = |layout: &Layout| options.arrange == Arrange::Layouts && layout.kept;
+    let mut kept: Vec<Kept> =
+        layouts.iter().map(|layout| if whole(layout) { Kept::All } else { Kept::Nothing }).collect();
+    for (layout, kept) in layouts.iter().zip(&mut kept).filter(|(layout, _)| layout.body_count() > 1) {
+        let group = Group::new(0, layout, (0..layout.body_count()).collect());
+        let fits = area.check("", &group.footprint(layout, area.shape, 0)).is_ok();
+        let apart_mm = apart_mm(options);
+        let apart = !options.convex || too_near(layout, &group.bodies, apart_mm).is_none();
+        if *kept == Kept::All && !(fits && apart) {
+            *kept = if apart { Kept::OnBed } else { Kept::Nothing };
+        }
+    }
+    loop {
+        let groups: Vec<Group> = layouts
+            .iter()
+            .zip(&kept)
+            .enumerate()
+            .flat_map(|(number, (layout, kept))| groups(number, layout, *kept, bed, area))
+            .collect();
+        for group in &groups {
+            let layout = &layouts[group.layout];
+            area.check(&group.name(layout, 0), &group.footprint(layout, area.shape, 0))?;
+        }
+        let copies = |group: usize| (0..layouts[groups[group].layout].copies).map(move |copy| (group, copy));
+        let models: Vec<(usize, usize)> = (0..groups.len()).flat_map(copies).collect();
+        match packed(layouts, &groups, &models, area, options) {
+            Ok(places) => {
+                let stands = models.iter().zip(places).map(|(&(group, copy), (quarters, at))| Stand {
+                    group,
+                    copy,
+                    quarters,
+                    at,
+                });
+                let notes = layouts.iter().enumerate().filter(|(_, layout)| whole(layout));
+                let notes = notes.filter_map(|(number, layout)| note(number, layout, &groups, area));
+                return Ok(Standing { stands: stands.collect(), notes: notes.collect(), groups });
+            }
+            Err(left) => {
+                let divisible =
+                    |(layout, kept): (&Layout, &Kept)| layout.body_count() > 1 && *kept != Kept::Nothing;
+                if !layouts.iter().zip(&kept).any(divisible) {
+                    return Err(too_many(layouts, &groups, &models, left, area, options));
+                }
+                kept.fill(Kept::Nothing);
+            }
+        }
+    }
+}
+
+/// The groups of a layout of which so much is kept.
+fn groups(number: usize, layout: &Layout, kept: Kept, bed: &BedSettings, area: &Area) -> Vec<Group> {
+    let group = |bodies: Vec<usize>| Group::new(number, layout, bodies);
+    let all = 0..layout.body_count();
+    let middle = bed.middle_mm();
+    let on_bed = |body: &usize| {
+        let group = group(vec![*body]);
+        let at = [0, 1].map(|i| group.middle[i] - middle[i]);
+        let rim = group.footprint(layout, area.shape, 0).rim;
+        area.excess_mm(rim.iter().map(|p| [p[0] + at[0], p[1] + at[1]])) <= TOLERANCE_MM
+    };
+    match kept {
+        Kept::All => vec![group(all.collect())],
+        Kept::Nothing => all.map(|body| group(vec![body])).collect(),
+        Kept::OnBed => {
+            let (stay, go): (Vec<usize>, Vec<usize>) = all.partition(on_bed);
+            let stay = if stay.is_empty() { None } else { Some(group(stay)) };
+            stay.into_iter().chain(go.into_iter().map(|body| group(vec![body]))).collect()
+        }
+    }
+}
+
+/// That a layout was not kept.
+fn note(number: usize, layout: &Layout, groups: &[Group], area: &Area) -> Option<String> {
+    let of_it: Vec<&Group> = groups.iter().filter(|group| group.layout == number).collect();
+    if of_it.len() < 2 {
+        return None;
+    }
+    let moved: Vec<String> =
+        of_it.iter().filter(|group| group.bodies.len() == 1).map(|group| group.name(layout, 0)).collect();
+    let all = Group::new(number, layout, (0..layout.body_count()).collect());
+    let [w, d, _] = all.size;
+    Some(format!(
+        "{}: its layout of {w:.1} × {d:.1} mm does not fit the printer's {area}; arranged anew: {}",
+        layout.name,
+        listed(&moved)
+    ))
+}
+
+fn too_many(
+    layouts: &[Layout],
+    groups: &[Group],
+    models: &[(usize, usize)],
+    left: Vec<usize>,
+    area: &Area,
+    options: &Placement,
+) -> PlacementError {
+    let name = |model: usize| {
+        let (group, copy) = models[model];
+        groups[group].name(&layouts[groups[group].layout], copy)
+    };
+    PlacementError::TooMany {
+        total: models.len(),
+        fitting: models.len() - left.len(),
+        left: left.into_iter().map(name).collect(),
+        spacing_mm: options.spacing_mm,
+        bed: area.to_string(),
+    }
+}
 
 /// The bed's longer side has so many cells when models are packed.
 const CELLS: f64 = 256.0;
 
 /// Quarter turn and place of the middle for each model, relative to that of the bed; or the models that do not fit.
 fn packed(
-    meshes: &[Mesh],
-    footprints: &[Footprint],
-    models: &[usize],
+    layouts: &[Layout],
+    groups: &[Group],
+    models: &[(usize, usize)],
     area: &Area,
     options: &Placement,
 ) -> Result<Vec<(u32, [f64; 2])>, Vec<usize>> {
@@ -208,15 +351,17 @@ fn packed(
     }
     let cell_mm = (2.0 * area.half[0].max(area.half[1]) / CELLS).max(0.1);
     let reach_mm = options.reach_mm + options.spacing_mm / 2.0;
-    let shape = |mesh: &Mesh| Shape {
-        covered: silhouette(mesh, options.convex, reach_mm, cell_mm),
-        rim: Footprint::new(mesh, area.shape).rim,
+    let shape = |group: &Group, quarters: u32| {
+        let layout = &layouts[group.layout];
+        Shape {
+            covered: group.silhouette(layout, quarters, options.convex, reach_mm, cell_mm),
+            rim: group.footprint(layout, area.shape, quarters).rim,
+        }
     };
     let quarters = if options.turn { 4 } else { 1 };
-    let shapes: Vec<Vec<Shape>> = meshes
-        .iter()
-        .map(|mesh| (0..quarters).map(|n| shape(&mesh.clone().quarter_turned(n))).collect())
-        .collect();
+    let shapes: Vec<Vec<Shape>> =
+        groups.iter().map(|group| (0..quarters).map(|n| shape(group, n)).collect()).collect();
+    let kinds: Vec<usize> = models.iter().map(|(group, _)| *group).collect();
     let half = area.half.map(|half| (half / cell_mm) as i64);
     let at_mm = |at: [i64; 2]| at.map(|n| n as f64 * cell_mm);
     let fits = |rim: &[[f64; 2]], at: [i64; 2]| {
@@ -225,17 +370,20 @@ fn packed(
     };
     let mut left: Option<Vec<usize>> = None;
     for towards in [Towards::Middle, Towards::Corner] {
-        let spots = arrange(&shapes, models, half, towards, fits);
+        let spots = arrange(&shapes, &kinds, half, towards, fits);
         let without: Vec<usize> = (0..models.len()).filter(|&model| spots[model].is_none()).collect();
         if without.is_empty() {
             let placed = spots.into_iter().flatten().map(|spot| (spot.turn as u32, at_mm(spot.at))).collect();
-            return Ok(area.in_the_middle(placed, |model, turn| &shapes[models[model]][turn as usize].rim));
+            return Ok(area.in_the_middle(placed, |model, turn| &shapes[kinds[model]][turn as usize].rim));
         }
         if left.as_ref().is_none_or(|left| without.len() < left.len()) {
             left = Some(without);
         }
     }
-    let boxes: Vec<Footprint> = models.iter().map(|&model| footprints[model].clone()).collect();
+    let boxes: Vec<_> = kinds
+        .iter()
+        .map(|&group| groups[group].footprint(&layouts[groups[group].layout], area.shape, 0))
+        .collect();
     let spots = pack(&boxes, 2.0 * reach_mm, |placed, spots| area.group_share(placed, spots));
     let unplaced = left.unwrap_or_default();
     match spots {
@@ -243,6 +391,82 @@ fn packed(
         Err(boxes_left) if boxes_left.len() < unplaced.len() => Err(boxes_left),
         Err(_) => Err(unplaced),
     }
+}
+
+/// The plate in bed coordinates, shifted as asked. Objects are in the order of layouts, items, copies and places.
+fn settle(
+    mut layouts: Vec<Layout>,
+    standing: Standing,
+    bed: &BedSettings,
+    area: &Area,
+    options: &Placement,
+) -> Result<Plate, PlacementError> {
+    let (middle, [dx, dy, dz]) = (bed.middle_mm(), options.shift_mm);
+    // Layout, item, copy and place, each with where it stands.
+    let mut slots = BTreeMap::new();
+    let mut bodies = BTreeMap::new();
+    for Stand { group, copy, quarters, at } in &standing.stands {
+        let group = &standing.groups[*group];
+        for part in &group.parts {
+            let from_middle = turned(part.at, *quarters);
+            let spot = [at[0] + from_middle[0] + dx, at[1] + from_middle[1] + dy];
+            let count = bodies.len();
+            let body = *bodies.entry((group.layout, *copy, part.body)).or_insert(count);
+            slots.insert(
+                (group.layout, part.member.item, *copy, part.member.spot),
+                (*quarters, part.lift_mm, spot, body),
+            );
+        }
+    }
+    if dz > 0.0 {
+        return Err(PlacementError::InTheAir(dz));
+    }
+    let mut plate = Plate { meshes: Vec::new(), objects: Vec::new(), notes: standing.notes };
+    // Layout, item, quarter turns and height over the bed of each mesh.
+    let mut kinds: Vec<(usize, usize, u32, f64)> = Vec::new();
+    for ((layout, item, copy, place), (quarters, lift_mm, spot, body)) in slots {
+        let source = &layouts[layout].items[item];
+        let number = copy * source.spots.len() + place;
+        let name =
+            if number == 0 { source.name.clone() } else { format!("{} ({})", source.name, number + 1) };
+        let rim = rim(source, place, quarters, area.shape);
+        let by_mm = area.excess_mm(rim.iter().map(|p| [p[0] + spot[0], p[1] + spot[1]]));
+        if by_mm > TOLERANCE_MM {
+            return Err(PlacementError::Outside { name, by_mm, bed: area.to_string() });
+        }
+        let kind = (layout, item, quarters, lift_mm);
+        let mesh = kinds.iter().position(|other| *other == kind).unwrap_or_else(|| {
+            kinds.push(kind);
+            kinds.len() - 1
+        });
+        let offset = Point::from_mm(spot[0] + middle[0], spot[1] + middle[1]);
+        plate.objects.push(Object { name, mesh, offset, body });
+    }
+    for (i, &(layout, item, quarters, lift_mm)) in kinds.iter().enumerate() {
+        let Item { mesh, bounds, .. } = &mut layouts[layout].items[item];
+        // Most models stand one way only: then there is no need for a copy.
+        let again = kinds[i + 1..].iter().any(|kind| (kind.0, kind.1) == (layout, item));
+        let mesh = match again {
+            true => mesh.clone(),
+            false => std::mem::replace(mesh, Mesh::new(Vec::new(), Vec::new())),
+        };
+        let mut mesh = mesh.standing(*bounds).quarter_turned(quarters);
+        mesh.shift([0.0, 0.0, lift_mm + dz]);
+        plate.meshes.push(mesh);
+    }
+    Ok(plate)
+}
+
+/// Points of an item in one of its places, turned by quarters, that must lie on the bed.
+fn rim(item: &Item, place: usize, quarters: u32, shape: BedShape) -> Vec<[f64; 2]> {
+    let [width, depth, height] = item.size();
+    let size = if quarters.is_multiple_of(2) { [width, depth, height] } else { [depth, width, height] };
+    let rim = (shape == BedShape::Round).then(|| {
+        let [x, y, _] = item.foot(place);
+        let hull = hull(item, place);
+        hull.exterior().points().map(|p| turned([p.x() - x, p.y() - y], quarters)).collect()
+    });
+    Footprint::new(size, rim).rim
 }
 
 /// The first few of some names.
@@ -254,171 +478,11 @@ fn listed(names: &[String]) -> String {
     }
 }
 
-/// The largest factor, at most 1, that makes a mesh fit the bed.
-pub fn fit_factor(mesh: &Mesh, bed: &BedSettings, margin_mm: f64) -> f64 {
-    let area = Area::new(bed, margin_mm);
-    let mesh = mesh.clone().centered();
-    let share = area.share(&mesh, &Footprint::new(&mesh, bed.shape));
-    if share <= 1.0 {
-        return 1.0;
-    }
-    // Four digits are enough, rounded down so that the result fits.
-    ((1.0 / share) * 1e4).floor() / 1e4
-}
-
-/// Fits may be exact: a 250 mm plate on a 250 mm bed, with the noise of binary floating point.
-const TOLERANCE_MM: f64 = 1e-4;
-
-/// The usable part of the bed, its middle at the origin.
-struct Area {
-    shape: BedShape,
-    half: [f64; 2],
-    height: f64,
-    margin_mm: f64,
-}
-
-impl Area {
-    fn new(bed: &BedSettings, margin_mm: f64) -> Self {
-        let half = bed.size.map(|side| (side.0 / 2.0 - margin_mm).max(0.0));
-        Self { shape: bed.shape, half, height: bed.height.0, margin_mm }
-    }
-
-    /// How far points reach beyond the edge; negative inside.
-    fn excess_mm(&self, points: impl Iterator<Item = [f64; 2]>) -> f64 {
-        let beyond = |p: [f64; 2]| match self.shape {
-            BedShape::Rectangular => (p[0].abs() - self.half[0]).max(p[1].abs() - self.half[1]),
-            BedShape::Round => p[0].hypot(p[1]) - self.half[0],
-        };
-        points.map(beyond).fold(f64::NEG_INFINITY, f64::max)
-    }
-
-    /// Places moved together so that the box around all models has its middle over the bed's, if all stay on it.
-    fn in_the_middle<'a>(
-        &self,
-        mut places: Vec<(u32, [f64; 2])>,
-        rim: impl Fn(usize, u32) -> &'a [[f64; 2]],
-    ) -> Vec<(u32, [f64; 2])> {
-        let points = |places: &[(u32, [f64; 2])]| -> Vec<[f64; 2]> {
-            let moved = |(model, &(turn, at)): (usize, &(u32, [f64; 2]))| {
-                rim(model, turn).iter().map(move |p| [p[0] + at[0], p[1] + at[1]])
-            };
-            places.iter().enumerate().flat_map(moved).collect()
-        };
-        let extent = |pick: fn(f64, f64) -> f64| {
-            points(&places)
-                .into_iter()
-                .reduce(|a, b| [pick(a[0], b[0]), pick(a[1], b[1])])
-                .unwrap_or_default()
-        };
-        let (low, high) = (extent(f64::min), extent(f64::max));
-        let by = [0, 1].map(|i| -(low[i] + high[i]) / 2.0);
-        if self.excess_mm(points(&places).into_iter().map(|p| [p[0] + by[0], p[1] + by[1]])) <= TOLERANCE_MM {
-            for (_, at) in &mut places {
-                *at = [at[0] + by[0], at[1] + by[1]];
-            }
-        }
-        places
-    }
-
-    /// The plate, whose offsets are relative to the bed's middle, in bed coordinates and shifted as asked.
-    fn settle(
-        &self,
-        mut plate: Plate,
-        bed: &BedSettings,
-        options: &Placement,
-    ) -> Result<Plate, PlacementError> {
-        let middle = bed.middle_mm();
-        let [dx, dy, dz] = options.shift_mm;
-        let rims: Vec<Vec<[f64; 2]>> =
-            plate.meshes.iter().map(|mesh| Footprint::new(mesh, self.shape).rim).collect();
-        for object in &mut plate.objects {
-            let [x, y] = object.offset.mm();
-            let spot = [x + dx, y + dy];
-            let by_mm = self.excess_mm(rims[object.mesh].iter().map(|p| [p[0] + spot[0], p[1] + spot[1]]));
-            if by_mm > TOLERANCE_MM {
-                let (name, bed) = (object.name.clone(), self.to_string());
-                return Err(PlacementError::Outside { name, by_mm, bed });
-            }
-            object.offset = Point::from_mm(spot[0] + middle[0], spot[1] + middle[1]);
-        }
-        if dz > 0.0 {
-            return Err(PlacementError::InTheAir(dz));
-        }
-        for mesh in &mut plate.meshes {
-            mesh.shift([0.0, 0.0, dz]);
-        }
-        Ok(plate)
-    }
-
-    /// The part of the bed's extent that is needed: more than 1 does not fit.
-    fn share(&self, mesh: &Mesh, footprint: &Footprint) -> f64 {
-        let flat = self.group_share(&[footprint], &[[0.0; 2]]);
-        flat.max((mesh.size()[2] - TOLERANCE_MM) / self.height)
-    }
-
-    /// As `share`, of footprints in place, the middle of their common box taken to the middle of the bed.
-    fn group_share(&self, footprints: &[&Footprint], spots: &[[f64; 2]]) -> f64 {
-        let [min, max] = group_box(footprints, spots);
-        let usable = |half: f64| half + TOLERANCE_MM;
-        match self.shape {
-            BedShape::Rectangular => {
-                let share = |i: usize| (max[i] - min[i]) / 2.0 / usable(self.half[i]);
-                share(0).max(share(1))
-            }
-            BedShape::Round => {
-                let middle = [(min[0] + max[0]) / 2.0, (min[1] + max[1]) / 2.0];
-                let rims = footprints.iter().zip(spots).flat_map(|(f, s)| f.rim.iter().map(move |p| (p, s)));
-                let reach = rims.map(|(p, s)| (p[0] + s[0] - middle[0]).hypot(p[1] + s[1] - middle[1]));
-                reach.fold(0.0, f64::max) / usable(self.half[0])
-            }
-        }
-    }
-
-    fn check(&self, name: &str, mesh: &Mesh, footprint: &Footprint) -> Result<(), PlacementError> {
-        let share = self.share(mesh, footprint);
-        if share <= 1.0 {
-            return Ok(());
-        }
-        let size = mesh.size();
-        let mut excess = Vec::new();
-        match self.shape {
-            BedShape::Rectangular => {
-                for (axis, by) in ["X", "Y"].into_iter().zip([0, 1].map(|i| size[i] - 2.0 * self.half[i])) {
-                    if by > TOLERANCE_MM {
-                        excess.push(format!("{by:.2} mm too long in {axis}"));
-                    }
-                }
-            }
-            BedShape::Round => {
-                let by = self.excess_mm(footprint.rim.iter().copied());
-                if by > TOLERANCE_MM {
-                    excess.push(format!("it reaches {by:.2} mm beyond the edge"));
-                }
-            }
-        }
-        if size[2] > self.height + TOLERANCE_MM {
-            excess.push(format!("{:.2} mm too high", size[2] - self.height));
-        }
-        Err(PlacementError::TooLarge {
-            name: name.to_string(),
-            size,
-            bed: self.to_string(),
-            excess: excess.join(", "),
-            factor: ((1.0 / share) * 1e4).floor() / 1e4,
-        })
-    }
-}
-
-impl std::fmt::Display for Area {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        let [w, d] = self.half.map(|half| 2.0 * (half + self.margin_mm));
-        match self.shape {
-            BedShape::Rectangular => write!(f, "{w} × {d} × {} mm", self.height)?,
-            BedShape::Round => write!(f, "round bed of {w} mm, {} mm high", self.height)?,
-        }
-        if self.margin_mm > 0.0 {
-            write!(f, " less {} mm at the edge for skirt and brim", self.margin_mm)?;
-        }
-        Ok(())
+impl Layout {
+    /// The largest factor, at most 1, that makes each of its bodies fit the bed.
+    pub fn fit_factor(&self, bed: &BedSettings, margin_mm: f64) -> f64 {
+        let area = Area::new(bed, margin_mm);
+        let share = |body| area.share(&Group::new(0, self, vec![body]).footprint(self, area.shape, 0));
+        (0..self.body_count()).map(|body| fitting_factor(share(body))).fold(1.0, f64::min)
     }
 }

@@ -2,8 +2,6 @@
 
 use geo::{ConvexHull, MultiPoint};
 
-use super::Mesh;
-
 /// Cells of a square grid whose nodes lie at whole multiples of the cell; cell (i, j) reaches from node (i, j) to the next.
 ///
 /// All that is marked errs on the safe side: a cell counts as covered if anything of it is.
@@ -182,26 +180,28 @@ fn reach(triangle: [[f64; 2]; 3], [low, high]: [f64; 2]) -> Option<[f64; 2]> {
     found
 }
 
-/// What a mesh covers of the bed, and `reach_mm` around it; of its convex hull where `convex`.
-pub(super) fn silhouette(mesh: &Mesh, convex: bool, reach_mm: f64, cell_mm: f64) -> Bitmap {
-    let at = |v: u32| {
-        let [x, y, _] = mesh.vertices[v as usize];
-        [x, y]
-    };
-    let bare = if convex {
-        let hull = hull(mesh);
-        let fan = (2..hull.len()).map(|k| [hull[0], hull[k - 1], hull[k]]);
-        Bitmap::of(fan, cell_mm)
+/// What bodies, each given by its triangles, cover of the bed, and `reach_mm` around that; of the convex hull of each
+/// where `convex`.
+pub(super) fn silhouette<T: Iterator<Item = [[f64; 2]; 3]>>(
+    bodies: impl Iterator<Item = T>,
+    convex: bool,
+    reach_mm: f64,
+    cell_mm: f64,
+) -> Bitmap {
+    let triangles: Vec<[[f64; 2]; 3]> = if convex {
+        bodies.flat_map(|body| hull_fan(body.flatten())).collect()
     } else {
-        Bitmap::of(mesh.triangles.iter().map(|t| t.map(at)), cell_mm)
+        bodies.flatten().collect()
     };
+    let bare = Bitmap::of(triangles.iter().copied(), cell_mm);
     if reach_mm > 0.0 { bare.grown(reach_mm, cell_mm) } else { bare }
 }
 
-/// Corners of the convex hull of a mesh seen from above.
-pub(super) fn hull(mesh: &Mesh) -> Vec<[f64; 2]> {
-    let points: MultiPoint<f64> = mesh.vertices.iter().map(|v| (v[0], v[1])).collect();
-    points.convex_hull().exterior().points().map(|p| [p.x(), p.y()]).collect()
+/// The convex hull of points, as triangles around its first corner.
+fn hull_fan(points: impl Iterator<Item = [f64; 2]>) -> Vec<[[f64; 2]; 3]> {
+    let points: MultiPoint<f64> = points.map(|[x, y]| (x, y)).collect();
+    let hull: Vec<[f64; 2]> = points.convex_hull().exterior().points().map(|p| [p.x(), p.y()]).collect();
+    (2..hull.len()).map(|k| [hull[0], hull[k - 1], hull[k]]).collect()
 }
 
 #[cfg(test)]

@@ -75,8 +75,13 @@ impl Mesh {
     }
 
     /// The mesh moved so that the middle of its box lies over the origin and its lowest point at z = 0.
-    pub fn centered(mut self) -> Mesh {
-        let [min, max] = self.bounds();
+    pub fn centered(self) -> Mesh {
+        let bounds = self.bounds();
+        self.standing(bounds)
+    }
+
+    /// The mesh moved so that the middle of a box lies over the origin and its bottom at z = 0.
+    pub(super) fn standing(mut self, [min, max]: [[f64; 3]; 2]) -> Mesh {
         self.shift([-(min[0] + max[0]) / 2.0, -(min[1] + max[1]) / 2.0, -min[2]]);
         self
     }

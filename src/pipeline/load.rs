@@ -4,9 +4,10 @@ use std::path::{Path, PathBuf};
 
 use crate::job::{Job, JobError, TransformOptions};
 use crate::limits;
-use crate::mesh::{self, Item, Mesh, MeshReport, Model, Object, Placement, Plate, Transform};
+use crate::mesh::{self, Arrange, File, Mesh, MeshReport, Object, Placement, Plate, Transform};
 use crate::profile::{LayerSettings, Sequence, Settings};
-use crate::report::ModelInfo;
+use crate::report::{ModelInfo, Repaired};
+use crate::slice;
 use crate::units::Mm;
 
 use super::parallel;
@@ -24,90 +25,66 @@ pub(super) struct Loaded<'a> {
     /// Where support is enforced and where it is blocked: bodies on the same plate.
     pub wishes: [Plate; 2],
     pub warnings: Vec<String>,
+    pub repairs: Vec<Repaired>,
+    /// Sizes that point to another unit.
+    pub hints: Vec<String>,
 }
 
 /// Reads, transforms and places the models of a job.
 pub(super) fn plate<'a>(job: &'a Job, settings: &Settings) -> Result<Loaded<'a>, JobError> {
-    let read = parallel::map(job.models.len(), |i| objects(&job.models[i], &job.transform, settings));
-    let mut items: Vec<(Item, Vec<[f64; 2]>)> = Vec::new();
-    let mut files: Vec<&Path> = Vec::new();
-    let mut warnings = Vec::new();
-    let mut first_box = None;
-    for (objects, file) in read.into_iter().zip(&job.models) {
-        for Loose { name, mesh, was, report, spots } in objects? {
-            warnings.extend(report.warnings.iter().map(|warning| format!("{name}: {warning}")));
-            first_box.get_or_insert(was);
-            let copies = spots.len() * job.copies as usize;
-            items.push((Item { name, mesh, copies }, spots));
-            files.push(file);
+    let read = parallel::map(job.models.len(), |i| {
+        file(&job.models[i], &job.transform, job.copies as usize, settings)
+    });
+    let files: Vec<File> = read.into_iter().collect::<Result<_, JobError>>()?;
+    let first_box = files.first().map(|file| file.first_box);
+    let hints: Vec<String> = files.iter().filter_map(|file| file.hint.clone()).collect();
+    let hinted = |problem: String| [&[problem], hints.as_slice()].concat().join("; ");
+    let mut warnings = hints.clone();
+    let mut repairs: Vec<Repaired> = Vec::new();
+    let mut names: Vec<Vec<String>> = Vec::new();
+    for (file, path) in files.iter().zip(&job.models) {
+        for (item, report) in file.layout.items().iter().zip(&file.reports) {
+            warnings.extend(report.warnings.iter().map(|warning| format!("{}: {warning}", item.name)));
+            repairs.extend(Repaired::of(&item.name, report));
+            let copies = item.spots.len() * job.copies as usize;
+            let file_name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
+            let known = vec![item.name.clone(), mesh::name_of(path), file_name, path.display().to_string()];
+            names.extend(std::iter::repeat_n(known, copies));
         }
     }
     let wishes = !job.support_enforcers.is_empty() || !job.support_blockers.is_empty();
     let placement = Placement { turn: settings.plate.turn && !wishes, ..placement(settings, &job.transform) };
-    let copies: Vec<(usize, String)> =
-        items.iter().map(|(item, _)| (item.copies, item.name.clone())).collect();
-    let placed = if settings.plate.arrange {
-        mesh::place(items.into_iter().map(|(item, _)| item).collect(), &settings.bed, &placement)
-    } else {
-        mesh::keep(items, &settings.bed, &placement)
-    };
-    let plate = placed.map_err(|error| JobError::DoesNotFit(error.to_string()))?;
+    let layouts = files.into_iter().map(|file| file.layout).collect();
+    let plate = mesh::place(layouts, &settings.bed, &placement)
+        .map_err(|error| JobError::DoesNotFit(hinted(error.to_string())))?;
     check_size(&plate, &settings.layer)?;
-    let origins =
-        copies.iter().zip(&files).flat_map(|((count, item), file)| (0..*count).map(move |_| (item, file)));
-    let names: Vec<Vec<String>> = plate
-        .objects
-        .iter()
-        .zip(origins)
-        .map(|(object, (item, file))| {
-            let file_name = file.file_name().unwrap_or_default().to_string_lossy().into_owned();
-            vec![object.name.clone(), item.clone(), name(file), file_name, file.display().to_string()]
-        })
-        .collect();
+    for (names, object) in names.iter_mut().zip(&plate.objects) {
+        names.insert(0, object.name.clone());
+    }
+    warnings.extend(plate.notes.iter().cloned());
     let styles = Styles::new(&job.objects, &names)?;
     let wished = |files| wished(files, job, first_box, &plate);
     let wishes = [wished(&job.support_enforcers)?, wished(&job.support_blockers)?];
-    Ok(Loaded { plate, styles, wishes, warnings })
+    Ok(Loaded { plate, styles, wishes, warnings, repairs, hints })
 }
 
-/// An object that is not placed yet.
-struct Loose {
-    name: String,
-    mesh: Mesh,
-    /// Its box before it was oriented and fitted.
-    was: [[f64; 3]; 2],
-    /// On the mesh as it was read.
-    report: MeshReport,
-    /// Where its file puts it.
-    spots: Vec<[f64; 2]>,
-}
-
-/// The objects of a file, transformed. What is larger than the bed is shrunk where that is asked for, all by one factor.
-fn objects(path: &Path, options: &TransformOptions, settings: &Settings) -> Result<Vec<Loose>, JobError> {
-    let read = mesh::load_objects(path).map_err(|error| JobError::Input(error.to_string()))?;
-    let (transform, several) = (transform(options), read.len() > 1);
-    let mut loose = Vec::with_capacity(read.len());
-    for (number, Model { name: own, mesh, report, spots }) in (1..).zip(read) {
-        let unnamed = if several { format!("{} {number}", name(path)) } else { name(path) };
-        let mesh = transformed(path, &transform, mesh)?;
-        let was = mesh.bounds();
-        let mesh = if settings.plate.orient { mesh::orient(mesh) } else { mesh };
-        let spots = spots.iter().map(|spot| transform.of_point(*spot)).map(|[x, y, _]| [x, y]).collect();
-        // An object alone is called as its file is.
-        let name = own.filter(|_| several).unwrap_or(unnamed);
-        loose.push(Loose { name, mesh, was, report, spots });
+/// The models of a file, transformed. What is larger than the bed is shrunk where that is asked for, all by one factor.
+fn file(
+    path: &Path,
+    options: &TransformOptions,
+    copies: usize,
+    settings: &Settings,
+) -> Result<File, JobError> {
+    let mut file = mesh::read_file(path, &transform(options), mesh::Line::thinnest(settings), copies)
+        .map_err(|error| JobError::Input(error.to_string()))?;
+    if settings.plate.orient {
+        file.layout = file.layout.oriented();
     }
     if options.scale_to_fit {
-        let margin_mm = margin_mm(settings);
-        let factors = loose.iter().map(|object| mesh::fit_factor(&object.mesh, &settings.bed, margin_mm));
-        let factor = factors.fold(1.0, f64::min);
-        for object in &mut loose {
-            let mesh = std::mem::replace(&mut object.mesh, Mesh::new(Vec::new(), Vec::new()));
-            object.mesh = scaled(mesh, factor)?;
-            object.spots.iter_mut().for_each(|spot| *spot = spot.map(|x| x * factor));
-        }
+        let factor = file.layout.fit_factor(&settings.bed, margin_mm(settings));
+        file.layout = file.layout.scaled(factor).map_err(|error| JobError::Input(error.to_string()))?;
     }
-    Ok(loose)
+    Ok(file)
 }
 
 /// How models are placed.
@@ -120,6 +97,11 @@ fn placement(settings: &Settings, options: &TransformOptions) -> Placement {
         reach_mm: reach_mm(settings),
         convex: one_by_one,
         turn: settings.plate.turn,
+        arrange: match (settings.plate.arrange, settings.plate.keep_layout) {
+            (true, true) => Arrange::Layouts,
+            (true, false) => Arrange::Bodies,
+            (false, _) => Arrange::Off,
+        },
         shift_mm: options.translate_mm,
     }
 }
@@ -131,7 +113,7 @@ fn wished(
     first_box: Option<[[f64; 3]; 2]>,
     plate: &Plate,
 ) -> Result<Plate, JobError> {
-    let mut wished = Plate { meshes: Vec::new(), objects: Vec::new() };
+    let mut wished = Plate { meshes: Vec::new(), objects: Vec::new(), notes: Vec::new() };
     let (Some([was, was_to]), Some(first)) = (first_box, plate.meshes.first()) else { return Ok(wished) };
     let [is, is_to] = first.bounds();
     let factor = (0..3).map(|i| (is_to[i] - is[i]) / (was_to[i] - was[i])).fold(0.0, f64::max);
@@ -152,29 +134,45 @@ pub(super) fn info(
     options: &TransformOptions,
     settings: &Settings,
 ) -> Result<ModelInfo, JobError> {
-    let objects = objects(path, options, settings)?;
-    let report = match objects.as_slice() {
-        [only] => only.report.clone(),
-        _ => model(path, options)?.1,
+    let File { layout, mut reports, hint, .. } = file(path, options, 1, settings)?;
+    let (mesh, mut report) = match (layout.items(), reports.len()) {
+        ([only], 1) => (only.mesh.clone(), reports.remove(0)),
+        _ => model(path, options)?,
     };
-    let copies = |object: &Loose| object.spots.len();
-    let items = objects.iter().map(|object| Item {
-        name: object.name.clone(),
-        mesh: object.mesh.clone(),
-        copies: copies(object),
-    });
-    let placed = mesh::place(items.collect(), &settings.bed, &placement(settings, options));
-    let advice = placed.err().map(|error| error.to_string());
+    // Scaling and turning leave the share as it is.
+    let (sum_mm3, _) = mesh.volume_and_area();
+    if sum_mm3 > 0.0 {
+        report.volume_mm3 *= slice::volume_mm3(&mesh) / sum_mm3;
+    }
+    report.warnings.extend(hint);
     let mut text = report.to_string();
-    if objects.len() > 1 || objects.iter().any(|object| copies(object) > 1) {
-        for object in &objects {
-            text.push_str(&format!("object      {} × {}\n", copies(object), object.name));
+    let (objects, bodies) = (layout.object_count(), layout.body_count());
+    if objects > 1 {
+        text.push_str(&format!(
+            "layout      {objects} objects in {bodies} {}\n",
+            match bodies {
+                1 => "body: they interlock, and are moved together",
+                _ => "bodies",
+            }
+        ));
+        for item in layout.items() {
+            text.push_str(&format!("object      {} × {}\n", item.spots.len(), item.name));
         }
     }
+    let placed = mesh::place(vec![layout], &settings.bed, &placement(settings, options));
+    let advice = match &placed {
+        Ok(plate) => {
+            plate.notes.iter().for_each(|note| text.push_str(&format!("warning     {note}\n")));
+            None
+        }
+        Err(error) => Some(error.to_string()),
+    };
     Ok(ModelInfo {
         file: path.display().to_string(),
         mesh: serde_json::to_value(&report).unwrap_or_default(),
         text,
+        objects,
+        bodies,
         fits: advice.is_none(),
         advice,
     })
@@ -196,10 +194,6 @@ fn transformed(path: &Path, transform: &Transform, mesh: Mesh) -> Result<Mesh, J
 fn scaled(mesh: Mesh, factor: f64) -> Result<Mesh, JobError> {
     let transform = Transform { scale: [factor; 3], ..Transform::default() };
     transform.apply(mesh).map_err(|error| JobError::Input(error.to_string()))
-}
-
-fn name(path: &Path) -> String {
-    path.file_stem().unwrap_or(path.as_os_str()).to_string_lossy().into_owned()
 }
 
 /// Room that support, raft, brim and skirt take around the models.
@@ -275,10 +269,11 @@ pub(super) fn dated() -> u64 {
     std::env::var("SOURCE_DATE_EPOCH").ok().and_then(|text| text.parse().ok()).unwrap_or(DATED)
 }
 
-/// No layer has a section.
-pub(super) fn nothing_to_print() -> JobError {
-    JobError::Input(
-        "there is nothing to print: no layer's middle lies inside the model; choose a smaller layer.height"
-            .into(),
-    )
+/// No layer has a section. `hints`: sizes that point to another unit.
+pub(super) fn nothing_to_print(hints: &[String]) -> JobError {
+    let mend = match hints {
+        [] => "choose a smaller layer.height".to_owned(),
+        hints => format!("{}; or else choose a smaller layer.height", hints.join("; ")),
+    };
+    JobError::Input(format!("there is nothing to print: no layer's middle lies inside the model; {mend}"))
 }

@@ -1,14 +1,16 @@
 //! What is printed from the bed up in one go: the whole plate, or one object after the other.
 
-use crate::geom::Polygon;
+use crate::geom::{Point, Polygon};
 use crate::job::JobError;
 use crate::mesh::{Object, Plate};
 use crate::profile::{Sequence, Settings};
+use crate::report::Overhangs;
 use crate::slice::Slicer;
 
 use super::load::{self, Loaded};
 use super::sections::Sections;
 use super::styles::Planners;
+use super::supports;
 
 /// How far above finished objects the nozzle passes, millimetres: more than they may have warped.
 const PASS_MM: f64 = 2.0;
@@ -31,22 +33,23 @@ pub(super) struct Round {
 /// Objects that cannot be printed one after the other; nothing to print.
 pub(super) fn prepare(loaded: &Loaded<'_>, settings: &Settings) -> Result<Vec<Round>, JobError> {
     let plate = &loaded.plate;
-    let all = || (0..plate.objects.len()).collect();
-    if settings.print.sequence == Sequence::Layer || plate.objects.len() < 2 {
-        let round = Round::new(loaded, all(), settings, &[])?;
-        return round.map(|round| vec![round]).ok_or_else(load::nothing_to_print);
+    let bodies = bodies(plate);
+    if settings.print.sequence == Sequence::Layer || bodies.len() < 2 {
+        let round = Round::new(loaded, (0..plate.objects.len()).collect(), settings, &[])?;
+        return round.map(|round| vec![round]).ok_or_else(|| load::nothing_to_print(&loaded.hints));
     }
-    let order = order(plate, settings)?;
+    let mut order = order(plate, bodies, settings)?.into_iter();
+    let lowest = order.next().unwrap_or_default();
     // One skirt goes around all, before the first of them.
     let mut bare = settings.clone();
     bare.skirt.loops = 0;
     let mut later: Vec<Round> = Vec::new();
-    for &object in &order[1..] {
-        later.extend(Round::new(loaded, vec![object], &bare, &[])?);
+    for objects in order {
+        later.extend(Round::new(loaded, objects, &bare, &[])?);
     }
     let around: Vec<Polygon> =
         later.iter().flat_map(|round| round.sections.on_bed(&round.planners)).collect();
-    let first = Round::new(loaded, vec![order[0]], settings, &around)?;
+    let first = Round::new(loaded, lowest, settings, &around)?;
     let mut rounds: Vec<Round> = first.into_iter().chain(later).collect();
     let (mut layers, mut top_mm) = (0, 0.0_f64);
     for round in &mut rounds {
@@ -58,7 +61,22 @@ pub(super) fn prepare(loaded: &Loaded<'_>, settings: &Settings) -> Result<Vec<Ro
         layers += round.sections.layers.len();
         top_mm = top_mm.max(round.sections.layers.last().map_or(0.0, |layer| layer.span.top_mm));
     }
-    if rounds.is_empty() { Err(load::nothing_to_print()) } else { Ok(rounds) }
+    if rounds.is_empty() { Err(load::nothing_to_print(&loaded.hints)) } else { Ok(rounds) }
+}
+
+/// What would need support.
+pub(super) fn overhangs(rounds: &[Round], settings: &Settings) -> Overhangs {
+    let mut all = Overhangs::default();
+    for round in rounds {
+        let sections = &round.sections;
+        let Some(bounds) = sections.bounds() else { continue };
+        let part = &sections.layers[sections.first_layer()..];
+        let Overhangs { count, area_mm2, lowest_mm } = supports::overhangs(part, bounds, settings);
+        all.count += count;
+        all.area_mm2 += area_mm2;
+        all.lowest_mm = all.lowest_mm.into_iter().chain(lowest_mm).reduce(f64::min);
+    }
+    all
 }
 
 impl Round {
@@ -76,10 +94,7 @@ impl Round {
             own = part(&loaded.plate, &objects);
             &own
         };
-        let name = match objects.as_slice() {
-            [only] if loaded.plate.objects.len() > 1 => Some(loaded.plate.objects[*only].name.clone()),
-            _ => None,
-        };
+        let name = (objects.len() < loaded.plate.objects.len()).then(|| names(&loaded.plate, &objects));
         let styles = loaded.styles.of(&objects);
         let slicer = Slicer::new(plate, &load::layers(settings));
         let mut sections = Sections::cut(&slicer, objects, &styles, &loaded.wishes, settings)?;
@@ -96,7 +111,7 @@ impl Round {
 
 /// A plate with some of the objects.
 fn part(plate: &Plate, objects: &[usize]) -> Plate {
-    let mut part = Plate { meshes: Vec::new(), objects: Vec::new() };
+    let mut part = Plate { meshes: Vec::new(), objects: Vec::new(), notes: Vec::new() };
     for &object in objects {
         let object = &plate.objects[object];
         part.objects.push(Object { mesh: part.meshes.len(), ..object.clone() });
@@ -105,37 +120,57 @@ fn part(plate: &Plate, objects: &[usize]) -> Plate {
     part
 }
 
-/// Objects from the lowest to the highest, so that the gantry has to pass over as little as possible; of equally high ones
+/// The objects of each body.
+fn bodies(plate: &Plate) -> Vec<Vec<usize>> {
+    let mut bodies: Vec<(usize, Vec<usize>)> = Vec::new();
+    for (index, object) in plate.objects.iter().enumerate() {
+        match bodies.iter_mut().find(|(body, _)| *body == object.body) {
+            Some((_, objects)) => objects.push(index),
+            None => bodies.push((object.body, vec![index])),
+        }
+    }
+    bodies.into_iter().map(|(_, objects)| objects).collect()
+}
+
+/// What the objects of a body are called together.
+fn names(plate: &Plate, objects: &[usize]) -> String {
+    let names: Vec<&str> = objects.iter().map(|&object| plate.objects[object].name.as_str()).collect();
+    names.join(" + ")
+}
+
+/// Bodies from the lowest to the highest, so that the gantry has to pass over as little as possible; of equally high ones
 /// the nearest comes next.
 ///
 /// # Errors
 /// One that the gantry would strike while the next is printed.
-fn order(plate: &Plate, settings: &Settings) -> Result<Vec<usize>, JobError> {
-    let height_mm = |object: usize| plate.meshes[plate.objects[object].mesh].bounds()[1][2];
+fn order(plate: &Plate, bodies: Vec<Vec<usize>>, settings: &Settings) -> Result<Vec<Vec<usize>>, JobError> {
+    let top_mm = |object: usize| plate.meshes[plate.objects[object].mesh].bounds()[1][2];
+    let height_mm = |body: &[usize]| body.iter().map(|&object| top_mm(object)).fold(0.0, f64::max);
+    let offset = |body: &[usize]| body.first().map_or(Point::default(), |&first| plate.objects[first].offset);
     // Heights that differ by less than a layer are equal.
-    let step = |object: usize| (height_mm(object) / settings.layer.height.0).round() as i64;
-    let mut left: Vec<usize> = (0..plate.objects.len()).collect();
-    let mut order: Vec<usize> = Vec::with_capacity(left.len());
+    let step = |body: &[usize]| (height_mm(body) / settings.layer.height.0).round() as i64;
+    let mut left = bodies;
+    let mut order: Vec<Vec<usize>> = Vec::with_capacity(left.len());
     while !left.is_empty() {
-        let at = order.last().map(|&last: &usize| plate.objects[last].offset).unwrap_or_default();
-        let key = |&(_, &object): &(usize, &usize)| {
-            (step(object), plate.objects[object].offset.distance2(at), object)
+        let at = order.last().map(|last| offset(last)).unwrap_or_default();
+        let key = |(_, body): &(usize, &Vec<usize>)| {
+            (step(body), offset(body).distance2(at), body.first().copied())
         };
         let next = left.iter().enumerate().min_by_key(key).map_or(0, |(index, _)| index);
         order.push(left.remove(next));
     }
     let limit_mm = settings.print.clearance_height.0;
     let raft_mm = f64::from(settings.raft.layers) * settings.layer.height.0;
-    let struck = order.windows(2).find(|pair| height_mm(pair[0]) + raft_mm > limit_mm);
+    let struck = order.windows(2).find(|pair| height_mm(&pair[0]) + raft_mm > limit_mm);
     match struck {
         None => Ok(order),
         Some(pair) => Err(JobError::DoesNotFit(format!(
             "{} is {:.2} mm high, and {} is to be printed after it: the gantry, {limit_mm} mm above the nozzle \
              (print.clearance_height), would strike it; print them layer by layer (print.sequence), or on plates of their \
              own with --each",
-            plate.objects[pair[0]].name,
-            height_mm(pair[0]) + raft_mm,
-            plate.objects[pair[1]].name,
+            names(plate, &pair[0]),
+            height_mm(&pair[0]) + raft_mm,
+            names(plate, &pair[1]),
         ))),
     }
 }

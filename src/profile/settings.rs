@@ -213,6 +213,8 @@ section! {
         spacing: Mm = Mm(5.0); 0.0..=200.0,
         /// Arrange models; without, they stay where their files put them.
         arrange: bool = true,
+        /// What a file places relative to each other stays so, where it fits the bed; without, only what interlocks does.
+        keep_layout: bool = true,
         /// Models may be turned by quarters to fit.
         turn: bool = false,
         /// Turn every model onto the side on which it stands firmly and needs the least support.

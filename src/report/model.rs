@@ -14,6 +14,10 @@ pub struct ModelInfo {
     /// The same as text, one fact per line.
     #[serde(skip)]
     pub text: String,
+    /// Objects that it puts on the plate.
+    pub objects: usize,
+    /// Of these, sets that interlock and are moved together only.
+    pub bodies: usize,
     /// Whether it fits the bed.
     pub fits: bool,
     /// What to do if it does not.

@@ -1,0 +1,142 @@
+//! The bed, and what fits it.
+
+use super::pack::{Footprint, group_box};
+use super::place::PlacementError;
+use crate::profile::{BedSettings, BedShape};
+
+/// Fits may be exact: a 250 mm plate on a 250 mm bed, with the noise of binary floating point.
+pub(super) const TOLERANCE_MM: f64 = 1e-4;
+
+/// The usable part of the bed, its middle at the origin.
+pub(super) struct Area {
+    pub shape: BedShape,
+    pub half: [f64; 2],
+    height: f64,
+    margin_mm: f64,
+}
+
+impl Area {
+    pub fn new(bed: &BedSettings, margin_mm: f64) -> Self {
+        let half = bed.size.map(|side| (side.0 / 2.0 - margin_mm).max(0.0));
+        Self { shape: bed.shape, half, height: bed.height.0, margin_mm }
+    }
+
+    /// How far points reach beyond the edge; negative inside.
+    pub fn excess_mm(&self, points: impl Iterator<Item = [f64; 2]>) -> f64 {
+        let beyond = |p: [f64; 2]| match self.shape {
+            BedShape::Rectangular => (p[0].abs() - self.half[0]).max(p[1].abs() - self.half[1]),
+            BedShape::Round => p[0].hypot(p[1]) - self.half[0],
+        };
+        points.map(beyond).fold(f64::NEG_INFINITY, f64::max)
+    }
+
+    /// Places moved together so that the box around all models has its middle over the bed's, if all stay on it.
+    pub fn in_the_middle<'a>(
+        &self,
+        mut places: Vec<(u32, [f64; 2])>,
+        rim: impl Fn(usize, u32) -> &'a [[f64; 2]],
+    ) -> Vec<(u32, [f64; 2])> {
+        let points = |places: &[(u32, [f64; 2])]| -> Vec<[f64; 2]> {
+            let moved = |(model, &(turn, at)): (usize, &(u32, [f64; 2]))| {
+                rim(model, turn).iter().map(move |p| [p[0] + at[0], p[1] + at[1]])
+            };
+            places.iter().enumerate().flat_map(moved).collect()
+        };
+        let extent = |pick: fn(f64, f64) -> f64| {
+            points(&places)
+                .into_iter()
+                .reduce(|a, b| [pick(a[0], b[0]), pick(a[1], b[1])])
+                .unwrap_or_default()
+        };
+        let (low, high) = (extent(f64::min), extent(f64::max));
+        let by = [0, 1].map(|i| -(low[i] + high[i]) / 2.0);
+        if self.excess_mm(points(&places).into_iter().map(|p| [p[0] + by[0], p[1] + by[1]])) <= TOLERANCE_MM {
+            for (_, at) in &mut places {
+                *at = [at[0] + by[0], at[1] + by[1]];
+            }
+        }
+        places
+    }
+
+    /// The part of the bed's extent that is needed: more than 1 does not fit.
+    pub fn share(&self, footprint: &Footprint) -> f64 {
+        let flat = self.group_share(&[footprint], &[[0.0; 2]]);
+        flat.max((footprint.height_mm - TOLERANCE_MM) / self.height)
+    }
+
+    /// As `share`, of footprints in place, the middle of their common box taken to the middle of the bed.
+    pub fn group_share(&self, footprints: &[&Footprint], spots: &[[f64; 2]]) -> f64 {
+        let [min, max] = group_box(footprints, spots);
+        let usable = |half: f64| half + TOLERANCE_MM;
+        match self.shape {
+            BedShape::Rectangular => {
+                let share = |i: usize| (max[i] - min[i]) / 2.0 / usable(self.half[i]);
+                share(0).max(share(1))
+            }
+            BedShape::Round => {
+                let middle = [(min[0] + max[0]) / 2.0, (min[1] + max[1]) / 2.0];
+                let rims = footprints.iter().zip(spots).flat_map(|(f, s)| f.rim.iter().map(move |p| (p, s)));
+                let reach = rims.map(|(p, s)| (p[0] + s[0] - middle[0]).hypot(p[1] + s[1] - middle[1]));
+                reach.fold(0.0, f64::max) / usable(self.half[0])
+            }
+        }
+    }
+
+    /// Whether something fits at all.
+    ///
+    /// # Errors
+    /// By how much it does not.
+    pub fn check(&self, name: &str, footprint: &Footprint) -> Result<(), PlacementError> {
+        let share = self.share(footprint);
+        if share <= 1.0 {
+            return Ok(());
+        }
+        let size = footprint.size();
+        let mut excess = Vec::new();
+        match self.shape {
+            BedShape::Rectangular => {
+                for (axis, by) in ["X", "Y"].into_iter().zip([0, 1].map(|i| size[i] - 2.0 * self.half[i])) {
+                    if by > TOLERANCE_MM {
+                        excess.push(format!("{by:.2} mm too long in {axis}"));
+                    }
+                }
+            }
+            BedShape::Round => {
+                let by = self.excess_mm(footprint.rim.iter().copied());
+                if by > TOLERANCE_MM {
+                    excess.push(format!("it reaches {by:.2} mm beyond the edge"));
+                }
+            }
+        }
+        if size[2] > self.height + TOLERANCE_MM {
+            excess.push(format!("{:.2} mm too high", size[2] - self.height));
+        }
+        Err(PlacementError::TooLarge {
+            name: name.to_string(),
+            size,
+            bed: self.to_string(),
+            excess: excess.join(", "),
+            factor: fitting_factor(share),
+        })
+    }
+}
+
+/// The largest factor, at most 1, by which something that needs this share of the bed fits it: four digits are enough,
+/// rounded down.
+pub(super) fn fitting_factor(share: f64) -> f64 {
+    if share <= 1.0 { 1.0 } else { ((1.0 / share) * 1e4).floor() / 1e4 }
+}
+
+impl std::fmt::Display for Area {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        let [w, d] = self.half.map(|half| 2.0 * (half + self.margin_mm));
+        match self.shape {
+            BedShape::Rectangular => write!(f, "{w} × {d} × {} mm", self.height)?,
+            BedShape::Round => write!(f, "round bed of {w} mm, {} mm high", self.height)?,
+        }
+        if self.margin_mm > 0.0 {
+            write!(f, " less {} mm at the edge for skirt and brim", self.margin_mm)?;
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,142 @@
+//! Models that are moved together.
+
+use super::layout::{Layout, Member, hull};
+use super::pack::Footprint;
+use super::silhouette::{Bitmap, silhouette};
+use crate::profile::BedShape;
+
+/// Bodies of a layout that keep their places relative to each other.
+#[derive(Clone, Debug)]
+pub(super) struct Group {
+    /// Number of the layout.
+    pub layout: usize,
+    /// Numbers of the bodies.
+    pub bodies: Vec<usize>,
+    /// Where the middle of the box around it is in the file's coordinates.
+    pub middle: [f64; 2],
+    pub size: [f64; 3],
+    pub parts: Vec<Part>,
+}
+
+/// A member of a group in its place.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Part {
+    pub member: Member,
+    /// Number of its body.
+    pub body: usize,
+    /// Middle of its box from that of the group's.
+    pub at: [f64; 2],
+    /// How high over the bed it begins.
+    pub lift_mm: f64,
+}
+
+impl Group {
+    /// Bodies of a layout; what does not stand over anything else of them is let down on the bed.
+    pub fn new(number: usize, layout: &Layout, bodies: Vec<usize>) -> Self {
+        let foot = |m: Member| layout.items[m.item].foot(m.spot);
+        let members = |body: usize| layout.bodies[body].iter().copied();
+        let floor = |stack: usize| {
+            let stacked = bodies.iter().filter(|&&body| layout.stacks[body] == stack);
+            stacked.flat_map(|&body| members(body)).map(|m| foot(m)[2]).fold(f64::INFINITY, f64::min)
+        };
+        let mut parts: Vec<Part> = Vec::new();
+        let (mut low, mut high) = ([f64::INFINITY; 2], [f64::NEG_INFINITY; 2]);
+        let mut height_mm = 0.0_f64;
+        for &body in &bodies {
+            let floor_mm = floor(layout.stacks[body]);
+            for member in members(body) {
+                let ([x, y, z], size) = (foot(member), layout.items[member.item].size());
+                let lift_mm = z - floor_mm;
+                height_mm = height_mm.max(lift_mm + size[2]);
+                for (i, x) in [x, y].into_iter().enumerate() {
+                    low[i] = low[i].min(x - size[i] / 2.0);
+                    high[i] = high[i].max(x + size[i] / 2.0);
+                }
+                parts.push(Part { member, body, at: [x, y], lift_mm });
+            }
+        }
+        // Of one model alone the middle is its own, to the last bit.
+        let middle = match parts.as_slice() {
+            [only] => only.at,
+            _ => [0, 1].map(|i| (low[i] + high[i]) / 2.0),
+        };
+        let size = match parts.as_slice() {
+            [only] => layout.items[only.member.item].size(),
+            _ => [high[0] - low[0], high[1] - low[1], height_mm],
+        };
+        parts.iter_mut().for_each(|part| part.at = [part.at[0] - middle[0], part.at[1] - middle[1]]);
+        Self { layout: number, bodies, middle, size, parts }
+    }
+
+    /// What messages call one of its copies.
+    pub fn name(&self, layout: &Layout, copy: usize) -> String {
+        let mut items: Vec<usize> = self.parts.iter().map(|part| part.member.item).collect();
+        items.dedup();
+        let name = match items.as_slice() {
+            _ if self.bodies.len() == layout.bodies.len() && self.parts.len() > 1 => layout.name.clone(),
+            [item] => layout.items[*item].name.clone(),
+            [first, ..] => format!("{} and what it interlocks with", layout.items[*first].name),
+            [] => layout.name.clone(),
+        };
+        let number = match (self.parts.as_slice(), items.as_slice()) {
+            ([only], [item]) => copy * layout.items[*item].spots.len() + only.member.spot,
+            _ => copy,
+        };
+        if number == 0 { name } else { format!("{name} ({})", number + 1) }
+    }
+
+    /// Corners of the convex hulls of its members, seen from above, from its middle, turned by quarters.
+    fn points(&self, layout: &Layout, quarters: u32) -> Vec<[f64; 2]> {
+        let points = self.parts.iter().flat_map(|part| {
+            let hull = hull(&layout.items[part.member.item], part.member.spot);
+            let corners: Vec<[f64; 2]> = hull.exterior().points().map(|p| [p.x(), p.y()]).collect();
+            corners.into_iter().map(|[x, y]| turned([x - self.middle[0], y - self.middle[1]], quarters))
+        });
+        points.collect()
+    }
+
+    /// Seen from above, turned by quarters.
+    pub fn footprint(&self, layout: &Layout, shape: BedShape, quarters: u32) -> Footprint {
+        let [width, depth, height] = self.size;
+        let size = if quarters.is_multiple_of(2) { [width, depth, height] } else { [depth, width, height] };
+        let rim = match shape {
+            BedShape::Rectangular => None,
+            BedShape::Round => Some(self.points(layout, quarters)),
+        };
+        Footprint::new(size, rim)
+    }
+
+    /// What it covers, and `reach_mm` around that; the convex hull of each body where `convex`.
+    pub fn silhouette(
+        &self,
+        layout: &Layout,
+        quarters: u32,
+        convex: bool,
+        reach_mm: f64,
+        cell_mm: f64,
+    ) -> Bitmap {
+        let bodies = self.bodies.iter().map(|&body| {
+            let parts = self.parts.iter().filter(move |part| part.body == body);
+            parts.flat_map(|part| {
+                let item = &layout.items[part.member.item];
+                let [dx, dy, _] = item.spots[part.member.spot];
+                let at = move |v: u32| {
+                    let [x, y, _] = item.mesh.vertices[v as usize];
+                    turned([x + dx - self.middle[0], y + dy - self.middle[1]], quarters)
+                };
+                item.mesh.triangles.iter().map(move |triangle| triangle.map(at))
+            })
+        });
+        silhouette(bodies, convex, reach_mm, cell_mm)
+    }
+}
+
+/// Turned counter-clockwise by quarters; exact.
+pub(super) fn turned([x, y]: [f64; 2], quarters: u32) -> [f64; 2] {
+    match quarters % 4 {
+        0 => [x, y],
+        1 => [-y, x],
+        2 => [-x, -y],
+        _ => [y, -x],
+    }
+}
