@@ -25,6 +25,8 @@ pub struct Job {
     pub objects: Vec<ObjectSettings>,
     /// Where the print stops for a filament change.
     pub pauses: Vec<PauseAt>,
+    /// Print also what begins in mid-air, instead of refusing it.
+    pub allow_floating: bool,
     /// Prove how near to the shortest possible the order is.
     pub certify: bool,
     /// Worker threads; `None`: `RAYON_NUM_THREADS`, or else all cores.
@@ -41,6 +43,7 @@ impl Default for Job {
             copies: 1,
             objects: Vec::new(),
             pauses: Vec::new(),
+            allow_floating: false,
             certify: false,
             threads: None,
         }

@@ -72,7 +72,8 @@ impl Engine for Fake {
 
     fn info(&self, model: &Path, _: &TransformOptions, _: &Settings) -> Result<ModelInfo, JobError> {
         let file = model.display().to_string();
-        Ok(ModelInfo { file, mesh: serde_json::Value::Null, text: String::new(), fits: true, advice: None })
+        let (mesh, text) = (serde_json::Value::Null, String::new());
+        Ok(ModelInfo { file, mesh, text, objects: 1, bodies: 1, fits: true, advice: None })
     }
 }
 

@@ -80,9 +80,17 @@ pub(super) struct SliceArgs {
     #[arg(long, help_heading = "Plate")]
     pub sequential: bool,
 
+    /// Arrange all models anew, also those that a file places relative to each other [plate.keep_layout]
+    #[arg(long, help_heading = "Plate", conflicts_with = "no_arrange")]
+    pub arrange: bool,
+
     /// Leave models where their files put them [plate.arrange]
     #[arg(long, help_heading = "Plate")]
     pub no_arrange: bool,
+
+    /// Print also what begins in mid-air
+    #[arg(long)]
+    pub allow_floating: bool,
 
     /// Turn every model onto the side that needs the least support [plate.orient]
     #[arg(long, help_heading = "Plate")]
@@ -411,9 +419,9 @@ pub(super) struct CheckArgs {
     #[arg(required = true, value_name = "FILE", value_hint = ValueHint::FilePath)]
     pub files: Vec<PathBuf>,
 
-    /// The one model that was printed, in one copy
+    /// What was printed, wherever it stands and however often; repeatable
     #[arg(long, value_name = "MODEL", value_hint = ValueHint::FilePath)]
-    pub model: Option<PathBuf>,
+    pub model: Vec<PathBuf>,
 
     #[command(flatten)]
     pub shape: ShapeArgs,

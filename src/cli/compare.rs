@@ -76,6 +76,7 @@ fn job(args: &CompareArgs, model: &Path) -> Job {
     Job {
         models: vec![model.to_owned()],
         transform: plan::transform(&args.models),
+        allow_floating: true,
         certify: !args.no_bound,
         threads: args.threads.map(Into::into),
         ..Job::default()

@@ -42,6 +42,7 @@ impl Plan {
         let switches = [
             (args.labels, "--labels", "gcode.labels", "true"),
             (args.sequential, "--sequential", "print.sequence", "object"),
+            (args.arrange, "--arrange", "plate.keep_layout", "false"),
             (args.no_arrange, "--no-arrange", "plate.arrange", "false"),
             (args.orient, "--orient", "plate.orient", "true"),
             (args.vase, "--vase", "spiral.enabled", "true"),
@@ -137,6 +138,7 @@ fn job(args: &SliceArgs, models: &[PathBuf]) -> Job {
         copies: args.copies,
         objects: Vec::new(),
         pauses: args.pause_at.clone(),
+        allow_floating: args.allow_floating,
         certify: args.certify,
         threads: args.threads.map(Into::into),
     }

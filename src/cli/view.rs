@@ -90,6 +90,7 @@ fn gcode(
     let job = Job {
         models: files.clone(),
         transform: plan::transform(&args.models),
+        allow_floating: true,
         certify: args.certify,
         threads: args.threads.map(Into::into),
         ..Job::default()

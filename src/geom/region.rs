@@ -42,6 +42,37 @@ impl Polygon {
     pub fn area_mm2(&self) -> f64 {
         self.rings().map(|r| ring_area(r)).sum()
     }
+
+    /// Whether the point is inside or on the boundary. O(vertices).
+    pub fn contains(&self, p: Point) -> bool {
+        contained(self.rings(), p)
+    }
+}
+
+/// Whether the point is inside of rings or on one of them (even-odd).
+fn contained<'a>(rings: impl Iterator<Item = &'a Ring>, p: Point) -> bool {
+    let mut inside = false;
+    for ring in rings {
+        let Some(&(mut a)) = ring.last() else {
+            continue;
+        };
+        for &b in ring {
+            if a.y == p.y && b.y == p.y && (a.x <= p.x) != (b.x < p.x) || b == p {
+                return true;
+            }
+            if (a.y > p.y) != (b.y > p.y) {
+                let side = (b - a).cross(p - a);
+                if side == 0 {
+                    return true;
+                }
+                if (side > 0) == (b.y > a.y) {
+                    inside = !inside;
+                }
+            }
+            a = b;
+        }
+    }
+    inside
 }
 
 /// Disjoint polygons with holes; what a layer's cross-section is.
@@ -82,28 +113,7 @@ impl Region {
 
     /// Whether the point is inside or on the boundary (even-odd over all rings). O(vertices).
     pub fn contains(&self, p: Point) -> bool {
-        let mut inside = false;
-        for ring in self.rings() {
-            let Some(&(mut a)) = ring.last() else {
-                continue;
-            };
-            for &b in ring {
-                if a.y == p.y && b.y == p.y && (a.x <= p.x) != (b.x < p.x) || b == p {
-                    return true;
-                }
-                if (a.y > p.y) != (b.y > p.y) {
-                    let side = (b - a).cross(p - a);
-                    if side == 0 {
-                        return true;
-                    }
-                    if (side > 0) == (b.y > a.y) {
-                        inside = !inside;
-                    }
-                }
-                a = b;
-            }
-        }
-        inside
+        contained(self.rings(), p)
     }
 
     /// The region moved by a displacement.

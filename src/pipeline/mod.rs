@@ -5,10 +5,12 @@
 //! layers) and at work on a batch of its own, and their bytes are checked and go out in order.
 
 mod compare;
+mod floating;
 mod infill;
 mod inspect;
 mod load;
 mod ordering;
+mod overlaps;
 mod paper;
 mod parallel;
 mod print;

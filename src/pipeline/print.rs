@@ -9,11 +9,12 @@ use crate::motion::{self, Entry, MotionSettings};
 use crate::order::{Chain, DetourRule, Pins, SeamRule, Visit, chunk_len};
 use crate::output::Output;
 use crate::profile::{Settings, thumbnail_sizes};
-use crate::report::{LayerSummary, Measures, Summary};
+use crate::report::{LayerSummary, Measures, Overhangs, Summary};
 use crate::toolpath::LayerPaths;
 use crate::units::{Mm3, Seconds};
 use crate::view;
 
+use super::floating::{Floating, Islands};
 use super::inspect::Inspector;
 use super::ordering::{Certificate, Layers, Sequencer};
 use super::rounds::{self, Round};
@@ -36,9 +37,10 @@ pub(super) fn slice(
     progress.begin(count);
     let Some(bounds) = rounds.iter().filter_map(|round| round.sections.bounds()).reduce(|a, b| a.joined(&b))
     else {
-        return Err(load::nothing_to_print());
+        return Err(load::nothing_to_print(&loaded.hints));
     };
     warnings.extend(rounds.iter().flat_map(|round| round.sections.warnings()));
+    let overhangs = (!settings.support.enabled).then(|| rounds::overhangs(&rounds, settings));
 
     let facts = facts(&rounds, bounds, settings);
     let scripts = Scripts::new(settings, &facts).map_err(|mistakes| JobError::Script(mistakes.join("\n")))?;
@@ -62,6 +64,7 @@ pub(super) fn slice(
     sheet.write(&labels)?;
     let begun = scripts.start_effect(settings, &run.machine);
     let mut ordered = Vec::new();
+    let mut floating_warnings = Vec::new();
     sheet.tally.add_script(&begun, &run.machine);
     let (xy, z_mm) = (begun.end.map(|[x, y, _]| [x, y]), begun.end.map_or(0.0, |e| e[2]));
     let start = xy.map(|[x, y]| Point::from_mm(x, y));
@@ -71,7 +74,14 @@ pub(super) fn slice(
         if let Some(name) = &round.name {
             sheet.write(&gcode::object_comment(name))?;
         }
-        ordered.extend(run.round(round, &mut at, &mut sheet)?);
+        let names = round.sections.objects().iter().map(|&o| loaded.plate.objects[o].name.clone()).collect();
+        let layout = settings.plate.keep_layout && loaded.plate.objects.iter().any(|object| object.body > 0);
+        let mut floating = Floating::new(&round.sections, names, layout, job.allow_floating);
+        ordered.extend(run.round(round, &mut at, &mut floating, &mut sheet)?);
+        floating.finish().map_err(|error| {
+            JobError::Input([&[error.to_string()], loaded.hints.as_slice()].concat().join("; "))
+        })?;
+        floating_warnings.append(&mut floating.warnings);
     }
     let Sheet { output, mut inspector, slots, mut tally, .. } = sheet;
     if let Some([x, y]) = at.xy {
@@ -88,7 +98,14 @@ pub(super) fn slice(
     if job.certify {
         tally.certify(ordered, settings, start);
     }
-    Ok(tally.summary(bounds, &facts, &totals, settings, warnings))
+    warnings.extend(floating_warnings);
+    let islands = rounds.iter().map(|round| Islands::find(&round.sections, settings));
+    warnings.extend(islands.filter_map(|islands| islands.warning()));
+    warnings.extend(overhangs.as_ref().and_then(Overhangs::warning));
+    let repairs = loaded.repairs;
+    warnings.extend(repairs.iter().map(ToString::to_string));
+    let summary = tally.summary(bounds, &facts, &totals, settings, warnings);
+    Ok(Summary { repairs, overhangs, ..summary })
 }
 
 /// Pictures of the plate for the header.
@@ -200,7 +217,13 @@ impl Run<'_> {
     /// Takes the layers of a round through all stages, batch by batch: while one is ordered, the next is planned, the one
     /// before gets its moves, and the one before that is checked and written. Returns, if they are to be certified, what
     /// was ordered and where each layer was entered from.
-    fn round(&self, round: &Round, at: &mut Entry, sheet: &mut Sheet<'_>) -> Result<Vec<Ordered>, JobError> {
+    fn round(
+        &self,
+        round: &Round,
+        at: &mut Entry,
+        floating: &mut Floating<'_>,
+        sheet: &mut Sheet<'_>,
+    ) -> Result<Vec<Ordered>, JobError> {
         let count = round.sections.layers.len();
         let chunk = chunk_len(count);
         // As short as keeps all threads busy: there is nothing to do beside the first and the last batch.
@@ -215,6 +238,7 @@ impl Run<'_> {
             (plan(0), Batch::default(), Vec::new(), Vec::new());
         // The last batch is written two steps after it is ordered.
         for step in 1..=count.div_ceil(length) + 2 {
+            planned.iter().try_for_each(|layer| floating.take(layer))?;
             let order = || self.order(planned, step * length >= count, &mut trail);
             let finish = || parallel::map(batch.entries.len(), |i| self.finish(&batch, i, round.first_layer));
             let write = || sheet.add(done);

@@ -10,7 +10,9 @@ use crate::slice::{self, Gaps, Layer, LayerSpan, Slicer};
 use crate::toolpath::support::{self, BeadSpec, Outlines};
 use crate::toolpath::{self, LayerPaths, ObjectLayer, Planner, PlateLayer, Role, Shells};
 
+use super::floating;
 use super::infill;
+use super::overlaps;
 use super::parallel;
 use super::spiral::Spiral;
 use super::styles::{Planned, Planners, Styles};
@@ -37,6 +39,8 @@ pub(super) struct Sections {
     spiral: Option<Spiral>,
     /// Infill that was planned for all layers at once, by the settings that it is for.
     infill: Vec<Planned>,
+    /// On objects that overlap.
+    notes: Vec<String>,
 }
 
 impl Sections {
@@ -53,7 +57,8 @@ impl Sections {
         settings: &Settings,
     ) -> Result<Self, JobError> {
         let count = objects.len();
-        let cut = parallel::map(slicer.spans().len(), |i| slicer.layer(i));
+        let mut cut = parallel::map(slicer.spans().len(), |i| slicer.layer(i));
+        let notes = overlaps::resolve(&mut cut, slicer.plate(), styles);
         let layers = raised(cut, settings);
         let places: Vec<Vec<Option<usize>>> = (0..count)
             .map(|object| layers.iter().map(|l| l.sections.iter().position(|s| s.object == object)).collect())
@@ -70,6 +75,7 @@ impl Sections {
             supports: None,
             spiral: None,
             infill: Vec::new(),
+            notes,
         };
         if settings.spiral.enabled {
             // The lowest layer is level in any case: the nozzle cannot begin in the bed.
@@ -101,8 +107,47 @@ impl Sections {
         self.layers.get(self.raft_layers).map_or(0.0, |layer| layer.span.bottom_mm)
     }
 
+    /// The part's first layer.
+    pub fn first_layer(&self) -> usize {
+        self.raft_layers
+    }
+
+    /// Numbers of the objects on the plate.
+    pub fn objects(&self) -> &[usize] {
+        &self.objects
+    }
+
+    /// The number here of an object of the plate.
+    pub fn local(&self, object: usize) -> Option<usize> {
+        self.objects.iter().position(|&number| number == object)
+    }
+
+    /// Outlines of the supports that may carry a layer.
+    pub fn supports_under(&self, index: usize) -> impl Iterator<Item = &Region> {
+        let supports = self.supports.iter();
+        supports.flat_map(move |supports| supports.under(index.saturating_sub(self.raft_layers)))
+    }
+
+    /// Areas of the islands of a layer that neither the section beneath nor support carries, mm². What is thinner than
+    /// `thin_mm` neither counts nor carries.
+    pub fn begun_in_air(&self, index: usize, thin_mm: f64) -> Vec<f64> {
+        let holds_line = |polygon: &Polygon| {
+            let length_mm: f64 = polygon.rings().map(|ring| geom::ring_length_mm(ring)).sum();
+            2.0 * polygon.area_mm2() >= 2.0 * thin_mm * length_mm
+                || !geom::offset(&Region { polygons: vec![polygon.clone()] }, -thin_mm / 2.0).is_empty()
+        };
+        let beneath = supports::section(&self.layers[index - 1]);
+        let islands = self.layers[index].sections.iter().flat_map(|section| &section.region.polygons);
+        let begun = islands.filter(|island| {
+            !floating::lies_on(island, &beneath)
+                && !self.supports_under(index).any(|under| floating::lies_on(island, under))
+                && holds_line(island)
+        });
+        begun.map(Polygon::area_mm2).collect()
+    }
+
     /// An object's section in a layer; nothing above its top.
-    fn of(&self, object: usize, layer: usize) -> &Region {
+    pub fn of(&self, object: usize, layer: usize) -> &Region {
         let place = self.places[object].get(layer).copied().flatten();
         place.map_or(Region::EMPTY, |place| &self.layers[layer].sections[place].region)
     }
@@ -233,7 +278,10 @@ impl Sections {
 
     /// What the user should know.
     pub fn warnings(&self) -> impl Iterator<Item = String> {
-        self.open_outlines().into_iter().chain(self.spiral.as_ref().and_then(|spiral| spiral.warning.clone()))
+        let notes = self.notes.iter().cloned();
+        notes
+            .chain(self.open_outlines())
+            .chain(self.spiral.as_ref().and_then(|spiral| spiral.warning.clone()))
     }
 
     /// Of outlines that were not closed.

@@ -1,8 +1,9 @@
 //! Supports of a plate: found and stood before any layer is planned, laid as beads layer by layer.
 
-use crate::geom::{Bounds, Region, offset, simplify, union_all};
+use crate::geom::{Bounds, Polygon, Region, offset, simplify, union_all};
 use crate::mesh::Plate;
-use crate::profile::{LayerSettings, Settings, SupportStyle};
+use crate::profile::{LayerSettings, Settings, SupportSettings, SupportStyle};
+use crate::report::Overhangs;
 use crate::slice::{self, Layer, LayerSpan, Slicer};
 use crate::toolpath::Path;
 use crate::toolpath::support::{self, Bitmap, ColumnSpec, Grid, Ground, Outlines, Overhang, Slab, Wishes};
@@ -34,27 +35,8 @@ impl Supports {
     /// `layers` are the part's, without a raft; `wishes` the bodies in which support is enforced and blocked.
     pub fn plan(layers: &[Layer], bounds: Bounds, wishes: &[Plate; 2], settings: &Settings) -> Self {
         let (count, support) = (layers.len(), &settings.support);
-        let grid = Grid::new(bounds, REACH_MM, support::CELL_MM);
-        let sections = parallel::map(count, |i| section(&layers[i]));
-        let solid = parallel::map(count, |i| Bitmap::of(grid, &sections[i]));
-        let rough = parallel::map(count, |i| simplify(&sections[i], support::ROUGH_MM));
-        let slab = |i: usize| Slab { section: &sections[i], rough: &rough[i], solid: &solid[i] };
-        let [enforced, blocked] = wishes.each_ref().map(|plate| bodies(plate, layers, settings));
-        // What lies on the bed hangs nowhere.
-        let found: Vec<Overhang> = parallel::map(count, |i| {
-            let [enforced, blocked] = [&enforced, &blocked].map(|r| r.get(i).unwrap_or(Region::EMPTY));
-            let wishes = Wishes { enforced, blocked };
-            support::find(slab(i), slab(i.saturating_sub(1)), layers[i].span.height_mm, wishes, support)
-        });
-        let spans: Vec<LayerSpan> = layers.iter().map(|layer| layer.span).collect();
-        let heights_mm = slice::heights_mm(&spans, &settings.layer);
-        let height_mm = heights_mm.iter().copied().fold(f64::INFINITY, f64::min);
-        let window = support::window(height_mm, support);
-        let held = parallel::map(count, |i| {
-            let around = &found[i.saturating_sub(window)..(i + window + 1).min(count)];
-            support::lasting(&found[i], around.iter(), support)
-        });
-        drop(found);
+        let Hanging { grid, rough, solid, held, heights_mm, height_mm } =
+            Hanging::find(layers, bounds, wishes, settings, support);
         let spec = ColumnSpec {
             gap_layers: (0..count).map(|i| gap_layers(&heights_mm[..i], support.z_gap.0)).collect(),
             interface_layers: support.interface_layers as usize,
@@ -127,11 +109,103 @@ impl Supports {
         &self.beads[layer]
     }
 
+    /// The outlines of support on the layers that may carry this one, the part's first layer being 0.
+    pub fn under(&self, layer: usize) -> impl Iterator<Item = &Region> {
+        let first = layer.saturating_sub(self.stands_on.get(layer).copied().unwrap_or(1) + 1);
+        (first..layer).map(|below| &self.outlines(below).all)
+    }
+
     /// Where support stands on the lowest layers.
     pub fn all_outlines(&self, layers: usize) -> impl Iterator<Item = &Region> {
         let last = self.of_layer.iter().take(layers).max().copied().unwrap_or(0);
         self.outlines.iter().take(last + 1).map(|outlines| &outlines.all)
     }
+}
+
+/// What of a part hangs in the air.
+struct Hanging {
+    grid: Grid,
+    /// Each layer's section, simplified.
+    rough: Vec<Region>,
+    /// The same as cells.
+    solid: Vec<Bitmap>,
+    /// What is to be held.
+    held: Vec<Bitmap>,
+    heights_mm: Vec<f64>,
+    /// The least of them.
+    height_mm: f64,
+}
+
+impl Hanging {
+    fn find(
+        layers: &[Layer],
+        bounds: Bounds,
+        wishes: &[Plate; 2],
+        settings: &Settings,
+        support: &SupportSettings,
+    ) -> Self {
+        let count = layers.len();
+        let grid = Grid::new(bounds, REACH_MM, support::CELL_MM);
+        let sections = parallel::map(count, |i| section(&layers[i]));
+        let solid = parallel::map(count, |i| Bitmap::of(grid, &sections[i]));
+        let rough = parallel::map(count, |i| simplify(&sections[i], support::ROUGH_MM));
+        let slab = |i: usize| Slab { section: &sections[i], rough: &rough[i], solid: &solid[i] };
+        let [enforced, blocked] = wishes.each_ref().map(|plate| bodies(plate, layers, settings));
+        // What lies on the bed hangs nowhere, nor does what lies on its like.
+        let found: Vec<Overhang> = parallel::map(count, |i| {
+            if enforced.is_empty() && sections[i] == sections[i.saturating_sub(1)] {
+                return Overhang { leaning: Bitmap::empty(grid), must: Bitmap::empty(grid) };
+            }
+            let [enforced, blocked] = [&enforced, &blocked].map(|r| r.get(i).unwrap_or(Region::EMPTY));
+            let wishes = Wishes { enforced, blocked };
+            support::find(slab(i), slab(i.saturating_sub(1)), layers[i].span.height_mm, wishes, support)
+        });
+        let spans: Vec<LayerSpan> = layers.iter().map(|layer| layer.span).collect();
+        let heights_mm = slice::heights_mm(&spans, &settings.layer);
+        let height_mm = heights_mm.iter().copied().fold(f64::INFINITY, f64::min);
+        let window = support::window(height_mm, support);
+        let held = parallel::map(count, |i| {
+            let around = &found[i.saturating_sub(window)..(i + window + 1).min(count)];
+            support::lasting(&found[i], around.iter(), support)
+        });
+        Self { grid, rough, solid, held, heights_mm, height_mm }
+    }
+}
+
+/// What support would hold, if it were enabled.
+///
+/// `layers` are the part's, without a raft.
+pub(super) fn overhangs(layers: &[Layer], bounds: Bounds, settings: &Settings) -> Overhangs {
+    let support = SupportSettings { enabled: true, ..settings.support.clone() };
+    let Hanging { held, .. } = Hanging::find(layers, bounds, &none(), settings, &support);
+    let mut overhangs = Overhangs::default();
+    for (i, cells) in held.iter().enumerate().filter(|(_, cells)| !cells.is_empty()) {
+        let mut new = cells.clone();
+        if let Some(below) = i.checked_sub(1).map(|below| &held[below]) {
+            new.remove(below);
+            overhangs.count += begun(cells, &below.grown(1));
+        } else {
+            overhangs.count += begun(cells, &Bitmap::empty(cells.grid()));
+        }
+        overhangs.area_mm2 += new.area_mm2();
+        overhangs.lowest_mm.get_or_insert(layers[i].span.bottom_mm);
+    }
+    overhangs
+}
+
+/// How many connected parts of cells do not meet others.
+fn begun(cells: &Bitmap, others: &Bitmap) -> usize {
+    let outlines = support::trace(cells);
+    let apart = |polygon: &&Polygon| {
+        let mut own = Bitmap::touching(cells.grid(), &Region { polygons: vec![(*polygon).clone()] });
+        own.keep(others);
+        own.is_empty()
+    };
+    outlines.polygons.iter().filter(apart).count()
+}
+
+fn none() -> [Plate; 2] {
+    [(); 2].map(|()| Plate { meshes: Vec::new(), objects: Vec::new(), notes: Vec::new() })
 }
 
 /// All sections of a layer as one region.

@@ -3,11 +3,13 @@
 mod model;
 pub mod paper;
 mod reordered;
+mod repairs;
 mod summary;
 mod time;
 
 pub use model::ModelInfo;
 pub use paper::PaperRow;
 pub use reordered::{Reordered, Way};
-pub use summary::{LayerSummary, Measures, Summary};
+pub use repairs::Repaired;
+pub use summary::{LayerSummary, Measures, Overhangs, Summary};
 pub use time::{LayerTime, PrintTime, Seconds};

@@ -5,6 +5,7 @@ use std::ops::AddAssign;
 
 use serde::Serialize;
 
+use super::repairs::Repaired;
 use crate::gcode::Measure;
 use crate::units::Seconds;
 
@@ -93,6 +94,31 @@ pub struct LayerSummary {
     pub measures: Measures,
 }
 
+/// What hangs over beyond the limit (`support.angle`), or rests on nothing.
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+pub struct Overhangs {
+    /// Places where one begins.
+    pub count: usize,
+    /// Area seen from below.
+    pub area_mm2: f64,
+    /// Height at which the lowest begins; nothing if there are none.
+    pub lowest_mm: Option<f64>,
+}
+
+impl Overhangs {
+    /// For the user; nothing if there are none.
+    pub fn warning(&self) -> Option<String> {
+        let Self { count, area_mm2, lowest_mm } = self;
+        let overhangs = if *count == 1 { "1 overhang needs" } else { &format!("{count} overhangs need") };
+        lowest_mm.map(|lowest_mm| {
+            format!(
+                "{overhangs} support ({area_mm2:.1} mm²), the lowest at Z {lowest_mm:.2}; \
+                 --set support.enabled=true lays it"
+            )
+        })
+    }
+}
+
 /// What a run made. `Display` gives the text for people, `Serialize` the JSON.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct Summary {
@@ -111,6 +137,11 @@ pub struct Summary {
     pub filament_g: f64,
     /// Its price, in the currency of `filament.cost`.
     pub filament_cost: f64,
+    /// What was mended of the models.
+    pub repairs: Vec<Repaired>,
+    /// What would need support, where none is printed.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub overhangs: Option<Overhangs>,
     /// What was repaired, and what the user should know.
     pub warnings: Vec<String>,
     /// Each layer, from the bed up.
@@ -122,6 +153,9 @@ impl fmt::Display for Summary {
         let Self { total, size_mm: [x, y, z], .. } = self;
         writeln!(f, "{} → {}", self.models.join(" + "), self.output)?;
         writeln!(f, "  size      {x:.2} × {y:.2} × {z:.2} mm, {} layers", self.layer_count)?;
+        for repaired in &self.repairs {
+            writeln!(f, "  repaired  {repaired}")?;
+        }
         writeln!(f, "  time      {}", duration(total.total_s))?;
         let (metres, grams, cost) = (total.filament_mm / 1000.0, self.filament_g, self.filament_cost);
         writeln!(f, "  filament  {metres:.2} m, {grams:.2} g, cost {cost:.2}")?;

@@ -19,6 +19,7 @@ pub use bitmap::{Bitmap, Grid};
 pub use columns::{Cells, ColumnSpec, stand};
 pub use overhang::{Overhang, ROUGH_MM, Slab, Wishes, find, lasting, window};
 pub use rest::Ground;
+pub use trace::trace;
 pub use tree::{Disc, grow, outline};
 
 /// Side of a cell: a bead's width.

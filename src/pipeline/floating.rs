@@ -1,0 +1,205 @@
+//! What of a print begins in mid-air.
+
+use crate::geom::{self, Bounds, Point, Polygon, Region};
+use crate::job::JobError;
+use crate::profile::Settings;
+use crate::toolpath::{LayerPaths, Role};
+
+use super::parallel;
+use super::sections::Sections;
+
+/// Follows the layers from the bed up: nothing may begin in mid-air.
+pub(super) struct Floating<'a> {
+    sections: &'a Sections,
+    names: Vec<String>,
+    layout: bool,
+    /// Whether it is let pass.
+    allowed: bool,
+    /// For each object whether it was printed in the layer below, and the top of the last one where it was.
+    below: Vec<bool>,
+    last_mm: Vec<Option<f64>>,
+    next: usize,
+    pub warnings: Vec<String>,
+}
+
+impl<'a> Floating<'a> {
+    /// Nothing is printed yet. `names` are those of the sections' objects; `layout` tells whether they are where a file
+    /// places them relative to others.
+    pub fn new(sections: &'a Sections, names: Vec<String>, layout: bool, allowed: bool) -> Self {
+        let count = names.len();
+        Self {
+            sections,
+            names,
+            layout,
+            allowed,
+            below: vec![false; count],
+            last_mm: vec![None; count],
+            next: 0,
+            warnings: Vec::new(),
+        }
+    }
+
+    /// Takes up the next layer.
+    ///
+    /// # Errors
+    /// An object that begins, or goes on after a gap, where nothing is beneath it.
+    pub fn take(&mut self, layer: &LayerPaths) -> Result<(), JobError> {
+        let index = self.next;
+        self.next += 1;
+        let printed = self.printed(layer);
+        for object in (0..printed.len()).filter(|&object| printed[object]) {
+            let begins = !self.below[object] && index > self.sections.first_layer();
+            if begins && !self.rests(object, index) {
+                let message = self.message(object, index);
+                if !self.allowed {
+                    return Err(JobError::Check(message));
+                }
+                self.warnings.push(message);
+            }
+            self.last_mm[object] = Some(layer.top_mm);
+        }
+        self.below = printed;
+        Ok(())
+    }
+
+    /// Every layer has been taken up: warns of objects of which nothing was printed.
+    ///
+    /// # Errors
+    /// Nothing was printed of any.
+    pub fn finish(&mut self) -> Result<(), JobError> {
+        let has_section = |object: usize| (0..self.next).any(|i| !self.sections.of(object, i).is_empty());
+        let lost: Vec<usize> =
+            (0..self.names.len()).filter(|&o| self.last_mm[o].is_none() && has_section(o)).collect();
+        let message =
+            |object: usize| format!("{}: it is too thin to be printed anywhere", self.names[object]);
+        if let Some(&first) = lost.first().filter(|_| self.last_mm.iter().all(Option::is_none)) {
+            return Err(JobError::Input(format!("{}; scale it, or use a finer nozzle", message(first))));
+        }
+        let messages: Vec<String> = lost.into_iter().map(message).collect();
+        self.warnings.extend(messages);
+        Ok(())
+    }
+
+    /// Which objects have paths in a layer.
+    fn printed(&self, layer: &LayerPaths) -> Vec<bool> {
+        let mut printed = vec![false; self.below.len()];
+        let around = |role| matches!(role, Role::Skirt | Role::Brim | Role::Support | Role::SupportInterface);
+        for path in layer.paths.iter().filter(|path| !around(path.role)) {
+            let object = layer.islands.get(path.island as usize).map_or(0, |island| island.object);
+            if let Some(printed) = self.sections.local(object as usize).and_then(|o| printed.get_mut(o)) {
+                *printed = true;
+            }
+        }
+        printed
+    }
+
+    /// Whether an object's section lies over something that was printed: another object, or support.
+    fn rests(&self, object: usize, index: usize) -> bool {
+        let section = self.sections.of(object, index);
+        let others = (0..self.below.len()).filter(|&other| other != object && self.below[other]);
+        others.map(|other| self.sections.of(other, index - 1)).any(|under| meets(section, under))
+            || self.sections.supports_under(index).any(|under| meets(section, under))
+    }
+
+    fn message(&self, object: usize, index: usize) -> String {
+        let name = &self.names[object];
+        let layer = &self.sections.layers[index].span;
+        let from_mm = layer.bottom_mm;
+        let mend = match self.layout {
+            true => "arrange the file's objects anew with --arrange, hold it with --set support.enabled=true",
+            false => "repair the model, hold it with --set support.enabled=true",
+        };
+        let thin = (self.sections.first_layer()..index).any(|i| !self.sections.of(object, i).is_empty());
+        let cause = match self.last_mm[object] {
+            Some(last_mm) => format!("nothing of it is printed between Z {last_mm:.2} and Z {from_mm:.2}"),
+            None if thin => "what it has beneath is too thin to be printed".to_owned(),
+            None => "nothing is beneath it".to_owned(),
+        };
+        let verb = if self.last_mm[object].is_some() { "goes on" } else { "begins" };
+        format!(
+            "{name}: the print {verb} in mid-air at Z {from_mm:.2}: {cause}; {mend}, or give --allow-floating"
+        )
+    }
+}
+
+/// Islands that begin in mid-air.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(super) struct Islands {
+    pub count: usize,
+    /// Bottom of the lowest.
+    pub lowest_mm: f64,
+    /// Area in which they begin, all together.
+    pub area_mm2: f64,
+}
+
+impl Islands {
+    /// Finds what has nothing beneath it. Parts of a section too thin to be printed do not count.
+    pub fn find(sections: &Sections, settings: &Settings) -> Self {
+        let first = sections.first_layer();
+        let thin_mm = settings.walls.min_feature.0;
+        let count = sections.layers.len().saturating_sub(first + 1);
+        let areas = parallel::map(count, |i| sections.begun_in_air(first + 1 + i, thin_mm));
+        let mut islands = Self::default();
+        for (i, areas) in areas.iter().enumerate().filter(|(_, areas)| !areas.is_empty()) {
+            if islands.count == 0 {
+                islands.lowest_mm = sections.layers[first + 1 + i].span.bottom_mm;
+            }
+            islands.count += areas.len();
+            islands.area_mm2 += areas.iter().sum::<f64>();
+        }
+        islands
+    }
+
+    /// For the user; nothing if there are none.
+    pub fn warning(&self) -> Option<String> {
+        let Self { count, lowest_mm, area_mm2 } = self;
+        let islands =
+            if *count == 1 { "1 island begins".to_owned() } else { format!("{count} islands begin") };
+        (*count > 0).then(|| {
+            format!(
+                "{islands} in mid-air ({area_mm2:.1} mm²), the lowest at Z {lowest_mm:.2}; hold them with --set \
+                 support.enabled=true, or turn the model"
+            )
+        })
+    }
+}
+
+/// Whether two regions have an area in common.
+pub(super) fn meets(a: &Region, b: &Region) -> bool {
+    a.polygons.iter().any(|polygon| lies_on(polygon, b))
+}
+
+/// Whether a polygon has an area in common with a region. Mostly a corner of one is inside the other.
+pub(super) fn lies_on(polygon: &Polygon, under: &Region) -> bool {
+    let Some(bounds) = Bounds::of(polygon.outer.iter().copied()) else { return false };
+    let near: Vec<&Polygon> = under
+        .polygons
+        .iter()
+        .filter(|other| Bounds::of(other.outer.iter().copied()).is_some_and(|b| b.touches(&bounds)))
+        .collect();
+    let shares = |a: &Polygon, b: &Polygon| corners(a).any(|p| b.contains(p) && a.contains(p));
+    near.iter().any(|other| polygon.outer == other.outer || shares(polygon, other) || shares(other, polygon))
+        || near.iter().any(|other| {
+            let [a, b] = [polygon, other].map(|p| Region { polygons: vec![(*p).clone()] });
+            !geom::intersection(&a, &b).is_empty()
+        })
+}
+
+/// How far within a polygon its corners are tried, millimetres.
+const WITHIN_MM: f64 = 0.02;
+
+/// Points just inside of some convex corners.
+fn corners(polygon: &Polygon) -> impl Iterator<Item = Point> + '_ {
+    let outer = &polygon.outer;
+    let count = outer.len();
+    (0..count).step_by((count / 4).max(1)).map(move |i| {
+        let (before, at, after) = (outer[(i + count - 1) % count], outer[i], outer[(i + 1) % count]);
+        let towards = |p: Point| {
+            let [dx, dy] = (p - at).mm();
+            let length = dx.hypot(dy).max(f64::MIN_POSITIVE);
+            [dx / length, dy / length]
+        };
+        let ([ax, ay], [bx, by]) = (towards(before), towards(after));
+        at + Point::from_mm(WITHIN_MM * (ax + bx), WITHIN_MM * (ay + by))
+    })
+}

@@ -1,0 +1,169 @@
+//! Objects that overlap, or nearly touch, where their file puts them.
+
+use crate::geom::{self, Region};
+use crate::mesh::Plate;
+use crate::slice::{Layer, Section};
+
+use super::parallel;
+use super::styles::Styles;
+
+/// Objects nearer than this may fuse, millimetres: about a bead.
+const NEAR_MM: f64 = 0.4;
+
+/// What overlaps by less than twice this touches, millimetres.
+const TOUCH_MM: f64 = 0.005;
+
+/// So many pairs are named.
+const NAMED: usize = 3;
+
+/// Two objects, by their numbers here, the lower first.
+type Pair = [usize; 2];
+
+/// What was found of a pair.
+#[derive(Clone, Copy, Default)]
+struct Meeting {
+    overlap_mm3: f64,
+    /// Height of the first layer where they overlap, or come near.
+    first_mm: Option<f64>,
+    near: bool,
+}
+
+/// Makes one of what overlaps, so that nothing is printed twice, and tells what overlaps and what may fuse.
+///
+/// Objects with the same settings become one, which is the first of them; of others, what they share belongs to the first.
+pub(super) fn resolve(layers: &mut [Layer], plate: &Plate, styles: &Styles<'_>) -> Vec<String> {
+    let pairs = candidates(plate);
+    if pairs.is_empty() {
+        return Vec::new();
+    }
+    let found = parallel::map(layers.len(), |i| meetings(&layers[i], &pairs));
+    let mut meetings = vec![Meeting::default(); pairs.len()];
+    for (layer, found) in layers.iter().zip(&found) {
+        for &(pair, overlap_mm2) in found {
+            let meeting = &mut meetings[pair];
+            if overlap_mm2 > 0.0 && meeting.overlap_mm3 == 0.0 {
+                meeting.first_mm = None;
+            }
+            meeting.overlap_mm3 += overlap_mm2 * layer.span.height_mm;
+            meeting.near = true;
+            meeting.first_mm.get_or_insert(layer.span.top_mm);
+        }
+    }
+    let of_pair: Vec<(Pair, Meeting)> = pairs.iter().copied().zip(meetings).collect();
+    let overlapping: Vec<(Pair, Meeting)> =
+        of_pair.iter().copied().filter(|(_, meeting)| meeting.overlap_mm3 > 0.0).collect();
+    // The first object of what each is a part of.
+    let mut first: Vec<usize> = (0..plate.objects.len()).collect();
+    for ([a, b], _) in overlapping.iter().filter(|(pair, _)| styles.are_equal(*pair)) {
+        let (low, high) = (first[*a].min(first[*b]), first[*a].max(first[*b]));
+        first.iter_mut().filter(|one| **one == high).for_each(|one| *one = low);
+    }
+    if !overlapping.is_empty() {
+        let mended = parallel::map(layers.len(), |i| united(&layers[i].sections, &first, &overlapping));
+        for (layer, sections) in layers.iter_mut().zip(mended) {
+            layer.sections = sections;
+        }
+    }
+    let name = |object: usize| plate.objects[object].name.as_str();
+    let mut notes: Vec<String> = overlapping
+        .iter()
+        .take(NAMED)
+        .map(|([a, b], Meeting { overlap_mm3, first_mm, .. })| {
+            let how = match styles.are_equal([*a, *b]) {
+                true => "they are printed as one".to_owned(),
+                false => format!("what they share is printed as a part of {}", name(*a)),
+            };
+            let (a, b, z_mm) = (name(*a), name(*b), first_mm.unwrap_or(0.0));
+            format!("{a} and {b} overlap by {overlap_mm3:.1} mm³ from Z {z_mm:.2} on; {how}")
+        })
+        .collect();
+    if let Some(more) = overlapping.len().checked_sub(NAMED).filter(|more| *more > 0) {
+        notes.push(format!("{more} more pairs of objects overlap, and are treated alike"));
+    }
+    let apart = |(pair, meeting): &&(Pair, Meeting)| {
+        meeting.near && meeting.overlap_mm3 == 0.0 && first[pair[0]] != first[pair[1]]
+    };
+    let near: Vec<&(Pair, Meeting)> = of_pair.iter().filter(apart).collect();
+    if let Some(([a, b], Meeting { first_mm, .. })) = near.first() {
+        let (a, b, z_mm) = (name(*a), name(*b), first_mm.unwrap_or(0.0));
+        let others = match near.len() - 1 {
+            0 => String::new(),
+            1 => ", and so does another pair".to_owned(),
+            more => format!(", and so do {more} other pairs"),
+        };
+        notes.push(format!(
+            "{a} and {b} come nearer than {NEAR_MM} mm to each other at Z {z_mm:.2}{others}: they may fuse"
+        ));
+    }
+    notes
+}
+
+/// Pairs of objects whose boxes come near each other.
+fn candidates(plate: &Plate) -> Vec<Pair> {
+    let boxes: Vec<[[f64; 3]; 2]> = plate
+        .objects
+        .iter()
+        .map(|object| {
+            let [x, y] = object.offset.mm();
+            plate.meshes[object.mesh].bounds().map(|corner| [corner[0] + x, corner[1] + y, corner[2]])
+        })
+        .collect();
+    let near = |a: &[[f64; 3]; 2], b: &[[f64; 3]; 2]| {
+        (0..3).all(|i| a[0][i] <= b[1][i] + NEAR_MM && b[0][i] <= a[1][i] + NEAR_MM)
+    };
+    let pairs = (0..boxes.len()).flat_map(|b| (0..b).map(move |a| [a, b]));
+    let mut pairs: Vec<Pair> = pairs.filter(|[a, b]| near(&boxes[*a], &boxes[*b])).collect();
+    pairs.sort_unstable();
+    pairs
+}
+
+/// The pairs that come near each other in a layer, with the area by which they overlap, mm².
+fn meetings(layer: &Layer, pairs: &[Pair]) -> Vec<(usize, f64)> {
+    let section = |object: usize| layer.sections.iter().find(|section| section.object == object);
+    let mut found = Vec::new();
+    for (number, [a, b]) in pairs.iter().enumerate() {
+        let (Some(a), Some(b)) = (section(*a), section(*b)) else { continue };
+        let (Some(box_a), Some(box_b)) = (a.region.bounds(), b.region.bounds()) else { continue };
+        if !box_a.grown(geom::to_units(NEAR_MM)).touches(&box_b) {
+            continue;
+        }
+        let shared = geom::intersection(&a.region, &b.region);
+        let overlap_mm2 = match geom::offset(&shared, -TOUCH_MM).is_empty() {
+            true => 0.0,
+            false => shared.area_mm2(),
+        };
+        if overlap_mm2 > 0.0 || come_near(&a.region, &b.region) {
+            found.push((number, overlap_mm2));
+        }
+    }
+    found
+}
+
+fn come_near(a: &Region, b: &Region) -> bool {
+    let [a, b] = [a, b].map(|region| geom::offset(region, NEAR_MM / 2.0 - TOUCH_MM));
+    !geom::intersection(&a, &b).is_empty()
+}
+
+/// The sections of a layer with every overlap in one of them only.
+fn united(sections: &[Section], first: &[usize], overlapping: &[(Pair, Meeting)]) -> Vec<Section> {
+    let mut united: Vec<Section> = Vec::with_capacity(sections.len());
+    for Section { object, region } in sections {
+        let object = first[*object];
+        match united.iter_mut().find(|section| section.object == object) {
+            Some(section) => section.region = geom::union(&section.region, region),
+            None => united.push(Section { object, region: region.clone() }),
+        }
+    }
+    united.sort_by_key(|section| section.object);
+    for ([a, b], _) in overlapping {
+        let [a, b] = [first[*a], first[*b]];
+        let [a, b] = [a.min(b), a.max(b)];
+        let owner = united.iter().find(|section| section.object == a).map(|section| section.region.clone());
+        let other = united.iter_mut().find(|section| section.object == b && a != b);
+        if let (Some(owner), Some(other)) = (owner, other) {
+            other.region = geom::difference(&other.region, &owner);
+        }
+    }
+    united.retain(|section| !section.region.is_empty());
+    united
+}
