@@ -177,7 +177,18 @@ const MODEL: &str = "<model unit=\"millimeter\" xmlns=\"http://schemas.microsoft
     v3=\"3\"/></triangles></mesh></object><object id=\"2\"><components><component objectid=\"1\" transform=\"1 0 0 0 1 0 0 \
     0 1 5 0 0\"/></components></object></resources><build><item objectid=\"2\"/><item objectid=\"1\" transform=\"0 1 0 -1 \
     0 0 0 0 1 60 0 0\"/></build></model>";
+const LATTICE: &str = "<model unit=\"millimeter\" xmlns=\"http://schemas.microsoft.com/3dmanufacturing/core/2015/02\" \
+    xmlns:b=\"http://schemas.microsoft.com/3dmanufacturing/beamlattice/2017/02\" requiredextensions=\"b\" \
+    xmlns:s=\"http://schemas.microsoft.com/3dmanufacturing/beamlattice/balls/2020/07\"><resources><object id=\"1\"><mesh>\
+    <vertices><vertex x=\"0\" y=\"0\" z=\"0\"/><vertex x=\"9\" y=\"0\" z=\"7\"/></vertices><b:beamlattice radius=\"2\" \
+    minlength=\"0.1\" cap=\"butt\" s:ballmode=\"all\" s:ballradius=\"3\"><b:beams><b:beam v1=\"0\" v2=\"1\"/><b:beam v1=\"1\" \
+    v2=\"0\" r1=\"1\" r2=\"2\" cap1=\"hemisphere\" cap2=\"sphere\"/></b:beams><s:balls><s:ball vindex=\"1\" r=\"4\"/></s:balls>\
+    </b:beamlattice></mesh></object></resources><build><item objectid=\"1\"/></build></model>";
 const MODEL_WORDS: &[&str] = &[
+    "<b:beam v1=\"0\" v2=\"0\"/>",
+    "radius=\"1e-30\"",
+    "1e300",
+    "mixed",
     "\"",
     "<",
     "/>",
@@ -224,7 +235,10 @@ targets! {
         _ => r.damaged(&tetrahedron(), STL_WORDS),
     };
     any_obj, any_obj_for_long, cases::obj, |r: &mut Random| r.damaged(OBJ.as_bytes(), OBJ_WORDS);
-    any_3mf, any_3mf_for_long, cases::threemf, |r: &mut Random| r.damaged(MODEL.as_bytes(), MODEL_WORDS);
+    any_3mf, any_3mf_for_long, cases::threemf, |r: &mut Random| {
+        let seed = if r.below(2) == 0 { MODEL } else { LATTICE };
+        r.damaged(seed.as_bytes(), MODEL_WORDS)
+    };
     any_profile, any_profile_for_long, cases::profile, |r: &mut Random| r.damaged(PROFILE.as_bytes(), PROFILE_WORDS);
     any_gcode, any_gcode_for_long, cases::gcode, |r: &mut Random| match r.below(8) {
         0 => r.bytes(400),

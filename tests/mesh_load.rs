@@ -2,8 +2,13 @@
 
 mod mesh_shapes;
 
-use mesh_shapes::{box_xml, cuboid, load, model_xml, own_models, package, stl};
-use pathwright::mesh::MeshError;
+use std::f64::consts::PI;
+
+use mesh_shapes::{LATTICES, box_xml, cuboid, lattice_xml, load, model_xml, own_models, package, stl};
+use pathwright::mesh::{self, Layout, Mesh, MeshError, Placement};
+use pathwright::profile::Settings;
+use pathwright::slice;
+use pathwright::units::Mm;
 
 const FACET: &str =
     "facet normal 0 0 0\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 1 0\nendloop\nendfacet\n";
@@ -81,7 +86,7 @@ fn a_wrong_face_count_is_mended_and_told() {
     }
     let mut data = stl(&facets);
     data.extend(b"COLOR=");
-    assert!(load(data).unwrap().1.warnings[0].contains("6 bytes after the last facet"));
+    assert!(load(data).unwrap().1.warnings[0].contains("6 bytes after the last were ignored"));
 }
 
 #[test]
@@ -99,11 +104,22 @@ fn a_truncated_file_is_refused_with_what_is_there() {
 fn bad_numbers_are_refused_with_their_place() {
     let mut facets = cuboid([0.0; 3], [10.0; 3]);
     facets[4][1][2] = f32::NAN;
-    assert!(refusal(stl(&facets)).starts_with("part.stl: facet 5: coordinate NaN is not a finite number"));
+    let damaged = "coordinate NaN is damaged: the rest of the model is 10.00 × 10.00 × 10.00 mm; repair";
+    assert!(refusal(stl(&facets)).starts_with(&format!("part.stl: facet 5: {damaged}")));
     facets[4][1][2] = f32::NEG_INFINITY;
     assert!(refusal(stl(&facets)).starts_with("part.stl: facet 5: coordinate -inf"));
-    facets[4][1][2] = 10_001.0;
-    assert!(refusal(stl(&facets)).contains("coordinate 10001 mm lies more than 10 m from the origin"));
+    facets[4][1][2] = 1e30;
+    let message = refusal(stl(&facets));
+    assert!(
+        message.contains("facet 5") && message.contains("is damaged: the rest of the model is 10.00"),
+        "{message}"
+    );
+    facets[4][1][2] = 1e7;
+    let message = refusal(stl(&facets));
+    assert!(
+        message.contains("1 of its corners lie far from the rest of the model, which is 10.00"),
+        "{message}"
+    );
     let message = refusal(text("solid box", "").replacen("10 0", "ten 0", 1));
     assert!(message.contains("line 5: `ten` is not a number"), "{message}");
 }
@@ -139,12 +155,40 @@ fn a_missing_file_is_named() {
 }
 
 #[test]
-fn unlikely_sizes_name_the_unit() {
-    let warning = |side: f32| load(stl(&cuboid([0.0; 3], [side; 3]))).unwrap().1.warnings.concat();
-    assert!(warning(0.03).contains("metres, use --scale 1000"), "{}", warning(0.03));
-    assert!(warning(0.9).contains("inches, use --scale 25.4"), "{}", warning(0.9));
-    assert!(warning(9000.0).contains("micrometres, use --scale 0.001"), "{}", warning(9000.0));
-    assert_eq!(warning(20.0), "");
+fn a_count_that_does_not_match_the_length_is_named_as_that() {
+    let sound = stl(&cuboid([0.0; 3], [10.0; 3]));
+    let promising = |count: u32, tail: &[u8]| {
+        let mut data = [sound.as_slice(), tail].concat();
+        data[80..84].copy_from_slice(&count.to_le_bytes());
+        load(data)
+    };
+    let facets = |count: u32, tail: &[u8]| promising(count, tail).expect("a model").1.triangles;
+    // What stands behind the facets is no facet: text, bytes, a whole number of records.
+    let letter: Vec<u8> = b"made with love; ".iter().copied().cycle().take(150).collect();
+    assert_eq!((facets(12, b"bye"), facets(12, &letter)), (12, 12));
+    assert!(promising(12, &letter).unwrap().1.warnings[0].contains("150 bytes after the last were ignored"));
+    // A count that was never filled in.
+    assert_eq!((facets(0, b""), facets(u32::MAX, b"")), (12, 12));
+    assert!(promising(14, b"").unwrap_err().to_string().contains("ends early: 14 facets need 784 bytes"));
+    // Bytes lost before the end: what follows is read at the wrong places.
+    let mut shifted = [&sound[..334], &[0xEE; 20], &sound[334..]].concat();
+    shifted.truncate(sound.len() + 20);
+    let message = load(shifted).unwrap_err().to_string();
+    assert!(
+        message.contains("its header promises 12 facets, which take 684 bytes, but it has 704"),
+        "{message}"
+    );
+}
+
+#[test]
+fn a_model_far_from_the_origin_is_too_long_only_if_it_is_long() {
+    let far = stl(&cuboid([20_000.0; 3], [20_010.0; 3]));
+    assert!(pathwright::mesh::objects_from_bytes("far.stl".as_ref(), &far).is_ok());
+    let long = refusal(stl(&cuboid([0.0; 3], [30_000.0; 3])));
+    assert!(
+        long.contains("longer than 10 m: it is 30000.00") && long.contains("micrometres, use --scale 0.001"),
+        "{long}"
+    );
 }
 
 #[test]
@@ -154,8 +198,8 @@ fn our_own_models_are_watertight_but_the_broken_one() {
     for path in models {
         let (_, report) = pathwright::mesh::load(&path).unwrap();
         let broken = path.ends_with("broken_box.stl");
-        assert_eq!(report.watertight, !broken, "{}", path.display());
-        assert_eq!(report.flipped + report.duplicates_dropped + report.non_manifold_edges > 0, broken);
+        assert!(report.watertight, "{}", path.display());
+        assert_eq!(report.flipped + report.duplicates_dropped + report.holes_filled > 0, broken);
     }
 }
 
@@ -223,14 +267,14 @@ fn a_bad_3mf_is_refused_with_the_reason_and_the_part() {
         (threemf("", &component(1, 1), item), "its components contain each other"),
         (
             threemf("", &format!("{cube}{tower}"), "<item objectid=\"39\"/>"),
-            "its components multiply to more than",
+            "its components or struts multiply to more than",
         ),
         (
             threemf("", &cube.replace("v1=\"3\"", "v1=\"99\""), item),
             "triangle 2 names vertex 99, but there are only 36",
         ),
         (threemf("", &cube.replace("x=\"10\"", "x=\"nan\""), item), "coordinate NaN is not a finite number"),
-        (threemf("", &cube.replace("x=\"10\"", "x=\"1e6\""), item), "lies more than 10 m from the origin"),
+        (threemf("", &cube.replace("x=\"10\"", "x=\"1e6\""), item), "longer than 10 m"),
         (
             threemf("", &cube, "<item objectid=\"2\"/>"),
             "it uses object 2, which 3D/3dmodel.model does not hold",
@@ -279,5 +323,139 @@ fn the_same_mesh_is_the_same_in_every_format() {
     for (extension, format) in [("3mf", "3MF"), ("obj", "OBJ")] {
         let (same, found) = pathwright::mesh::load(&bracket.with_extension(extension)).unwrap();
         assert!(same == mesh && found.format == format && found.facets == report.facets, "{extension}");
+    }
+}
+
+/// The volume of what is printed of a mesh, by sections 0.05 mm apart.
+fn sliced_mm3(mesh: Mesh) -> f64 {
+    let mut settings = Settings::default();
+    settings.layer.elephant_foot = Mm(0.0);
+    settings.layer.height = Mm(0.05);
+    settings.layer.first_height = Mm(0.05);
+    let plate =
+        mesh::place(vec![Layout::single("part", mesh, 1)], &settings.bed, &Placement::default()).unwrap();
+    let layers = slice::slice(&plate, &settings.layer);
+    layers.iter().flat_map(|layer| &layer.sections).map(|section| 0.05 * section.region.area_mm2()).sum()
+}
+
+/// A 3MF file of one beam lattice.
+fn lattice(vertices: &[[f64; 3]], attributes: &str, beams: &[&str], balls: &str) -> Vec<u8> {
+    let object = format!("<object id=\"1\">{}</object>", lattice_xml(vertices, attributes, beams, balls));
+    threemf(LATTICES, &object, "<item objectid=\"1\"/>")
+}
+
+const STRUT: [[f64; 3]; 2] = [[0.0; 3], [6.0, 0.0, 8.0]];
+
+#[test]
+fn struts_are_as_large_as_their_radii_and_caps_say() {
+    let ball = 4.0 / 3.0 * PI * 27.0;
+    for (attributes, beam, wanted) in [
+        ("radius=\"3\" cap=\"butt\"", "v1=\"0\" v2=\"1\"", PI * 90.0),
+        ("radius=\"3\" cap=\"hemisphere\"", "v1=\"0\" v2=\"1\"", PI * 90.0 + ball),
+        ("radius=\"3\"", "v1=\"0\" v2=\"1\"", PI * 90.0 + ball),
+        (
+            "radius=\"9\"",
+            "v1=\"1\" v2=\"0\" r1=\"3\" cap1=\"butt\" cap2=\"hemisphere\"",
+            PI * 90.0 + ball / 2.0,
+        ),
+        ("radius=\"9\" cap=\"butt\"", "v1=\"0\" v2=\"1\" r1=\"3\" r2=\"1\"", PI * 10.0 * 13.0 / 3.0),
+    ] {
+        let (mesh, report) = load(lattice(&STRUT, attributes, &[beam], "")).unwrap();
+        let found = sliced_mm3(mesh);
+        assert!((found / wanted - 1.0).abs() < 0.006, "{attributes} {beam}: {found} of {wanted}");
+        assert!(report.watertight && report.flipped == 0 && report.repairs().is_empty());
+    }
+}
+
+#[test]
+fn struts_that_cross_and_balls_are_printed_as_their_union() {
+    let cross = [[0.0, 5.0, 5.0], [20.0, 5.0, 5.0], [10.0, -5.0, 5.0], [10.0, 15.0, 5.0]];
+    let beams = ["v1=\"0\" v2=\"1\"", "v1=\"2\" v2=\"3\""];
+    let (mesh, _) = load(lattice(&cross, "radius=\"3\" cap=\"butt\"", &beams, "")).unwrap();
+    let (found, wanted) = (sliced_mm3(mesh), 2.0 * PI * 9.0 * 20.0 - 16.0 / 3.0 * 27.0);
+    assert!((found / wanted - 1.0).abs() < 0.005, "{found} of {wanted}");
+
+    let dumbbell = [[0.0; 3], [0.0, 0.0, 10.0]];
+    let listed = "<bb:balls><bb:ball vindex=\"0\" r=\"3\"/><bb:ball vindex=\"1\"/></bb:balls>";
+    for (mode, balls, wanted) in [
+        ("bb:ballmode=\"all\" bb:ballradius=\"3\"", "", 239.3),
+        ("bb:ballmode=\"mixed\" bb:ballradius=\"3\"", listed, 239.3),
+        ("bb:ballmode=\"none\" bb:ballradius=\"3\"", listed, PI * 10.0 + 4.0 / 3.0 * PI),
+    ] {
+        let (mesh, _) =
+            load(lattice(&dumbbell, &format!("radius=\"1\" {mode}"), &["v1=\"0\" v2=\"1\""], balls)).unwrap();
+        let found = sliced_mm3(mesh);
+        assert!((found / wanted - 1.0).abs() < 0.01, "{mode}: {found} of {wanted}");
+    }
+}
+
+#[test]
+fn a_lattice_is_one_object_with_the_mesh_around_it_in_its_unit_and_transform() {
+    let strut = "</triangles><b:beamlattice radius=\"0.1\" minlength=\"0.01\" cap=\"butt\"><b:beams>\
+        <b:beam v1=\"0\" v2=\"0\"/><b:beam v1=\"0\" v2=\"1\"/></b:beams></b:beamlattice>";
+    let mesh = box_xml([1.0; 3]).replace("</triangles>", strut);
+    let data = threemf(
+        &format!("unit=\"inch\" {LATTICES}"),
+        &format!("<object id=\"1\">{mesh}</object>"),
+        "<item objectid=\"1\" transform=\"-1 0 0 0 1 0 0 0 2 0 0 0\"/>",
+    );
+    let found = objects(&data);
+    let report = &found[0].report;
+    assert_eq!((found.len(), report.shells, report.flipped, report.watertight), (1, 2, 0, true));
+    let wanted = 2.0 * 25.4f64.powi(3) * (1.0 + PI * 0.01);
+    assert!((report.volume_mm3 / wanted - 1.0).abs() < 1e-3, "{} of {wanted}", report.volume_mm3);
+}
+
+#[test]
+fn the_same_lattice_is_the_same_facets() {
+    let data = lattice(&STRUT, "radius=\"1\"", &["v1=\"0\" v2=\"1\"", "v1=\"1\" v2=\"0\" r1=\"2\""], "");
+    assert!(load(data.clone()).unwrap() == load(data).unwrap());
+}
+
+#[test]
+fn a_bad_lattice_is_refused_with_its_beam() {
+    let refused = |attributes: &str, beam: &str, ball: &str| {
+        refusal(lattice(&STRUT, attributes, &[beam], &format!("<bb:balls>{ball}</bb:balls>")))
+    };
+    let (radius, beam) = ("radius=\"1\"", "v1=\"0\" v2=\"1\"");
+    for (message, wanted) in [
+        (refused("", beam, ""), "object 1: a beam lattice gives no radius"),
+        (refused("radius=\"-1\"", beam, ""), "`-1` is no valid radius"),
+        (refused("radius=\"1\" clipping=\"outside\"", beam, ""), "clipped by another mesh"),
+        (refused(radius, "v1=\"0\" v2=\"2\"", ""), "beam 1 names vertex 2, but there are only 2"),
+        (refused(radius, "v1=\"0\"", ""), "beam 1: `` is no valid v2"),
+        (refused(radius, "v1=\"0\" v2=\"1\" r1=\"0\"", ""), "`0` is no valid r1"),
+        (refused(radius, "v1=\"0\" v2=\"1\" cap1=\"hat\"", ""), "`hat` is no valid cap1"),
+        (refused(radius, beam, "<bb:ball vindex=\"9\" r=\"1\"/>"), "ball 1 names vertex 9"),
+        (refused(radius, beam, "<bb:ball vindex=\"1\"/>"), "ball 1 has no radius"),
+        (refused("radius=\"1\" bb:ballmode=\"all\"", beam, ""), "gives no ballradius"),
+        (refused("radius=\"1e30\"", beam, ""), "is damaged"),
+        (
+            refused("radius=\"1\" clippingmode=\"inside\" clippingmesh=\"2\"", beam, ""),
+            "object 1: its beam lattice is clipped by another mesh (clippingmode \"inside\"), which is not understood; \
+             export it as a plain mesh",
+        ),
+    ] {
+        assert!(message.contains(wanted), "{wanted}: {message}");
+    }
+}
+
+#[test]
+fn extensions_that_are_not_understood_are_refused_by_name() {
+    let cube = format!("<object id=\"1\">{}</object>", box_xml([10.0; 3]));
+    for (address, name) in [
+        ("http://schemas.3mf.io/3dmanufacturing/volumetric/2022/01", "volumetric"),
+        ("http://schemas.3mf.io/3dmanufacturing/implicit/2023/12", "implicit"),
+        ("http://schemas.3mf.io/3dmanufacturing/booleanoperations/2023/07", "boolean operations"),
+        ("http://schemas.3mf.io/3dmanufacturing/displacement/2023/10", "displacement"),
+        ("http://schemas.microsoft.com/3dmanufacturing/securecontent/2019/04", "secure content"),
+        ("http://schemas.microsoft.com/3dmanufacturing/slice/2015/07", "slice"),
+    ] {
+        let attributes = format!("xmlns:q=\"{address}\" requiredextensions=\"q\"");
+        let message = refusal(threemf(&attributes, &cube, "<item objectid=\"1\"/>"));
+        let wanted = format!(
+            "it requires the extension \"{name}\" ({address}), which is not understood; export it as a plain mesh"
+        );
+        assert!(message.contains(&wanted), "{message}");
     }
 }

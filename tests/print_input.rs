@@ -117,3 +117,75 @@ fn each_model_of_many_gets_the_file_it_would_get_alone() {
     assert!(bytes("tilted_bracket.gcode") == bytes("alone.gcode"));
     assert!(folder.path().join("calibration_cube.gcode").exists());
 }
+
+#[test]
+fn a_size_that_points_to_another_unit_is_named_with_the_option_that_mends_it() {
+    let cube = |side: f64| block([0.0; 3], [side; 3]);
+    let metres = refused(cube(0.05).as_bytes(), &[], 3);
+    assert!(
+        metres.contains("0.0500 × 0.0500 × 0.0500 mm") && metres.contains("metres, use --scale 1000"),
+        "{metres}"
+    );
+    let microns = refused(cube(20_000.0).as_bytes(), &[], 3);
+    assert!(
+        microns.contains("20000.00 mm") && microns.contains("micrometres, use --scale 0.001"),
+        "{microns}"
+    );
+    let small_microns = refused(cube(5_000.0).as_bytes(), &[], 5);
+    assert!(small_microns.contains("micrometres, use --scale 0.001"), "{small_microns}");
+    // The advice works, and says nothing more.
+    let folder = tempfile::tempdir().expect("a folder");
+    let sliced = |name: &str, contents: String, scale: &str| {
+        let file = folder.path().join(name);
+        fs::write(&file, contents).expect("written");
+        let done = cargo_bin_cmd!("pathwright").arg("slice").arg(&file).args(["--scale", scale]).output();
+        let done = done.expect("runs");
+        assert_eq!(done.status.code(), Some(0), "{}", String::from_utf8_lossy(&done.stderr));
+        String::from_utf8(done.stderr).expect("UTF-8")
+    };
+    assert_eq!(sliced("metres.stl", cube(0.02), "1000"), "");
+    assert_eq!(sliced("microns.stl", cube(20_000.0), "0.001"), "");
+    let far = block([30_000.0, 0.0, 0.0], [30_020.0, 20.0, 10.0]);
+    assert_eq!(sliced("far.stl", far, "1"), "", "far from the origin");
+    let inches = sliced("inches.stl", block([0.0; 3], [3.6, 2.0, 1.0]), "1");
+    assert!(inches.contains("3.60 × 2.00 × 1.00 mm; if it was made in inches, use --scale 25.4"), "{inches}");
+    let twice = sliced("twice.stl", block([0.0; 3], [1.8, 1.0, 0.5]), "2");
+    assert!(twice.contains("use --scale 50.8"), "{twice}");
+}
+
+#[test]
+fn every_repair_is_told_in_the_summary_in_json_and_at_the_end() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let file = folder.path().join("box.stl");
+    // A facet twice, one turned over, one that is missing.
+    let text = block([0.0; 3], [20.0, 20.0, 10.0]);
+    let facets: Vec<&str> = text.split_inclusive("endfacet\n").collect();
+    let turned = facets[4].replacen("vertex", "corner", 1);
+    let (head, first) = turned.split_once("corner").expect("a first corner");
+    let (first, rest) = first.split_once("\nvertex").expect("a second one");
+    let (second, rest) = rest.split_once("\nvertex").expect("a third one");
+    let turned = format!("{head}vertex{second}\nvertex{first}\nvertex{rest}");
+    let damaged = [&facets[..4], &[&turned], &facets[5..9], &[facets[1]], &facets[10..]].concat().concat();
+    fs::write(&file, damaged).expect("written");
+    let run = |arguments: &[&str]| {
+        let done =
+            cargo_bin_cmd!("pathwright").arg("slice").arg(&file).args(arguments).output().expect("runs");
+        assert_eq!(done.status.code(), Some(0));
+        [done.stdout, done.stderr].map(|text| String::from_utf8(text).expect("UTF-8"))
+    };
+    let repairs = ["1 duplicate facet dropped", "1 facet turned to face outwards", "1 hole filled"];
+    let [summary, said] = run(&[]);
+    for repair in repairs {
+        assert!(summary.contains(&format!("repaired  box: {repair}")), "{summary}");
+        assert!(said.contains(&format!("warning: box: {repair}")), "{said}");
+    }
+    let json: serde_json::Value = serde_json::from_str(&run(&["--json"])[0]).expect("JSON");
+    let kinds: Vec<&str> = json["repairs"]
+        .as_array()
+        .expect("a list")
+        .iter()
+        .filter_map(|repair| repair["kind"].as_str())
+        .collect();
+    assert_eq!(kinds, ["duplicates-dropped", "flipped", "holes-filled"]);
+    assert!(json["warnings"].as_array().expect("a list").len() >= 3);
+}

@@ -3,6 +3,8 @@
 use std::fmt;
 use std::path::PathBuf;
 
+use super::TransformError;
+
 /// Where in a file something was found; both count from 1.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Place {
@@ -45,15 +47,24 @@ pub enum MeshError {
     #[error("{}: {part}: {problem}; {mend}", path.display())]
     Package { path: PathBuf, part: String, problem: String, mend: &'static str },
     #[error(
-        "{}: {place}: coordinate {value} is not a finite number; repair the model where it was made and \
+        "{}: {place}: coordinate {} is damaged{}; repair the model where it was made and export it again",
+        path.display(), shown(*value), rest.as_ref().map_or(String::new(), |rest| format!(": the rest of the model is {rest}"))
+    )]
+    Damaged { path: PathBuf, place: Place, value: f32, rest: Option<String> },
+    #[error(
+        "{}: {count} of its corners lie far from the rest of the model, which is {rest}; repair it where it was made and \
          export it again", path.display()
     )]
-    NotFinite { path: PathBuf, place: Place, value: f32 },
+    Stray { path: PathBuf, count: usize, rest: String },
+    #[error("{}: {source}", path.display())]
+    Transform { path: PathBuf, source: TransformError },
+    #[error("{}: the model is longer than 10 m: {hint}", path.display())]
+    TooLong { path: PathBuf, hint: String },
     #[error(
-        "{}: {place}: coordinate {value} mm lies more than 10 m from the origin; move the model to the origin \
-         or check its unit", path.display()
+        "{}: its header promises {promised} facets, which take {needed} bytes, but it has {got}, and {place} is none; copy \
+         or export it again", path.display()
     )]
-    TooFar { path: PathBuf, place: Place, value: f32 },
+    Count { path: PathBuf, promised: usize, needed: u64, got: u64, place: Place },
     #[error("{}: there is no facet in the file; export the model again", path.display())]
     NoFacets { path: PathBuf },
     #[error(
@@ -61,4 +72,9 @@ pub enum MeshError {
          before it can be printed", path.display(), size[0], size[1], size[2], facets
     )]
     NoVolume { path: PathBuf, size: [f64; 3], facets: usize },
+}
+
+/// A coordinate, without a row of zeros.
+fn shown(value: f32) -> String {
+    if value.is_finite() && value.abs() >= 1e9 { format!("{value:e}") } else { value.to_string() }
 }

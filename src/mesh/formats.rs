@@ -6,7 +6,8 @@ use super::error::{MeshError, Place};
 use super::obj::Obj;
 use super::stl::Stl;
 use super::threemf::ThreeMf;
-use super::weld::{LIMIT_MM, Soup, Welder};
+use super::units;
+use super::weld::{Soup, Welder};
 
 /// A kind of file.
 pub(super) trait Format: Sync {
@@ -51,7 +52,7 @@ impl Contents {
     /// Everything as one object, each where the file puts it.
     ///
     /// # Errors
-    /// A coordinate beyond 10 m.
+    /// A coordinate that is none.
     pub fn together(self, path: &Path) -> Result<Self, MeshError> {
         if let [FileObject { spots, .. }] = self.objects.as_slice()
             && *spots == [[0.0; 3]]
@@ -62,7 +63,8 @@ impl Contents {
         let facets = self.objects.iter().map(count).sum();
         let mut welder = Welder::with_capacity(facets);
         let mut number = 0;
-        for FileObject { soup, spots, .. } in &self.objects {
+        let objects = &self.objects;
+        for FileObject { soup, spots, .. } in objects {
             for spot in spots {
                 for triangle in &soup.triangles {
                     number += 1;
@@ -70,7 +72,8 @@ impl Contents {
                         let vertex = soup.vertices[v as usize];
                         [0, 1, 2].map(|i| (f64::from(vertex[i]) + spot[i]) as f32)
                     };
-                    let bad = |value| bad_coordinate(path, Place::Facet(number), value);
+                    let all = || objects.iter().flat_map(|object| object.soup.vertices.iter().copied());
+                    let bad = |value| bad_coordinate(path, Place::Facet(number), value, all());
                     welder.push(triangle.map(moved)).map_err(bad)?;
                 }
             }
@@ -110,12 +113,13 @@ pub(super) fn is_text(data: &[u8]) -> bool {
     data.iter().take(1024).all(|&b| b >= b' ' || b.is_ascii_whitespace())
 }
 
-/// The error of a coordinate that has no place on the grid.
-pub(super) fn bad_coordinate(path: &Path, place: Place, value: f32) -> MeshError {
-    let path = path.to_path_buf();
-    if value.is_finite() && value.abs() > LIMIT_MM {
-        MeshError::TooFar { path, place, value }
-    } else {
-        MeshError::NotFinite { path, place, value }
-    }
+/// The error of a coordinate that is none. `others` are the model's points.
+pub(super) fn bad_coordinate(
+    path: &Path,
+    place: Place,
+    value: f32,
+    others: impl Iterator<Item = [f32; 3]>,
+) -> MeshError {
+    let rest = units::size_of(others).map(units::in_words);
+    MeshError::Damaged { path: path.to_path_buf(), place, value, rest }
 }

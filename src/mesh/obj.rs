@@ -59,7 +59,8 @@ impl Format for Obj {
                     facets += 1;
                     polygons += usize::from(corners.len() > 3);
                     for pair in corners[1..].windows(2) {
-                        let bad = |value| bad_coordinate(path, Place::Line(line), value);
+                        let bad =
+                            |value| bad_coordinate(path, Place::Line(line), value, vertices.iter().copied());
                         welder.push([corners[0], pair[0], pair[1]]).map_err(bad)?;
                     }
                 }

@@ -9,7 +9,7 @@ use std::path::Path;
 
 use super::error::{MeshError, Place};
 use super::formats::{Contents, Format, bad_coordinate, is_text, trimmed};
-use super::weld::{LIMIT_MM, Welder};
+use super::weld::{FARTHEST, Welder};
 use super::words::{Words, number};
 
 const HEADER: usize = 84;
@@ -52,14 +52,25 @@ fn read(path: &Path, data: &[u8]) -> Result<Contents, MeshError> {
         let needed = HEADER as u64 + FACET as u64 * promised as u64;
         return Err(MeshError::Truncated { path: owned(), promised, needed, got: data.len() as u64, whole });
     }
+    let are_facets = |from: usize| data[HEADER + from * FACET..].chunks_exact(FACET).all(is_facet);
     let rest = (data.len() - HEADER) % FACET;
-    let (facets, note) = if rest == 0 || unknown {
+    let (facets, note) = if unknown || rest == 0 && are_facets(promised) {
         (whole, format!("the header promises {promised} facets, the file has {whole}: all were read"))
     } else {
         let extra = data.len() - HEADER - promised * FACET;
-        (promised, format!("{extra} bytes after the last facet were ignored"))
+        (
+            promised,
+            format!("the header promises {promised} facets: {extra} bytes after the last were ignored"),
+        )
     };
-    read_binary(path, data, facets, vec![note])
+    read_binary(path, data, facets, vec![note]).map_err(|error| match error {
+        // Where the count is wrong, what is read as a facet may be none.
+        MeshError::Damaged { path, place, .. } if !unknown => {
+            let needed = HEADER as u64 + FACET as u64 * promised as u64;
+            MeshError::Count { path, promised, needed, got: data.len() as u64, place }
+        }
+        error => error,
+    })
 }
 
 /// Facets from which reading by two threads pays.
@@ -92,9 +103,19 @@ fn weld(path: &Path, body: &[u8], offset: usize, welder: &mut Welder) -> Result<
     let unreadable = |source| MeshError::Read { path: path.to_path_buf(), source };
     for (n, facet) in stl_io::create_stl_reader(&mut part).map_err(unreadable)?.enumerate() {
         let corners = facet.map_err(unreadable)?.vertices.map(|v| v.0);
-        welder.push(corners).map_err(|value| bad_coordinate(path, Place::Facet(offset + n + 1), value))?;
+        let bad = |value| bad_coordinate(path, Place::Facet(offset + n + 1), value, corners_of(body));
+        welder.push(corners).map_err(bad)?;
     }
     Ok(())
+}
+
+/// The corners of binary facets.
+fn corners_of(body: &[u8]) -> impl Iterator<Item = [f32; 3]> {
+    body.as_chunks::<FACET>().0.iter().flat_map(|facet| {
+        let numbers = facet[12..48].as_chunks::<4>().0.iter().map(|&b| f32::from_le_bytes(b));
+        let numbers: Vec<f32> = numbers.collect();
+        [[0, 1, 2], [3, 4, 5], [6, 7, 8]].map(|corner| corner.map(|i| numbers[i]))
+    })
 }
 
 /// A part of a binary file with a header of its own, which never begins with "solid": `stl_io` would take it for text.
@@ -130,10 +151,19 @@ impl Seek for Part<'_> {
     }
 }
 
-/// Whether what follows a binary header can be a facet: a normal of at most unit length, corners within 10 m.
+/// Whether what follows a binary header can be a facet: a normal of at most unit length, corners that can be meant.
 fn is_facet(data: &[u8]) -> bool {
     let numbers = data[..48].as_chunks::<4>().0.iter().map(|&b| f32::from_le_bytes(b));
-    numbers.enumerate().all(|(i, x)| x.is_nan() || x.abs() <= if i < 3 { 1.01 } else { LIMIT_MM })
+    numbers.enumerate().all(|(i, x)| x.is_nan() || x.abs() <= if i < 3 { 1.01 } else { FARTHEST })
+}
+
+/// The corners in a text, as far as they can be read.
+fn vertices(data: &[u8]) -> impl Iterator<Item = [f32; 3]> {
+    let mut words = Words::new(data);
+    std::iter::from_fn(move || {
+        while !words.next()?.eq_ignore_ascii_case(b"vertex") {}
+        Some([(); 3].map(|()| words.next().and_then(number).unwrap_or(f32::NAN)))
+    })
 }
 
 /// Reads text word by word: only `solid`, `facet`, `vertex`, `endfacet` and `endsolid` matter, in any case.
@@ -178,7 +208,7 @@ fn read_text(path: &Path, data: &[u8]) -> Result<Contents, MeshError> {
             facets += 1;
             polygons += usize::from(corners.len() > 3);
             for pair in corners[1..].windows(2) {
-                let bad = |value| bad_coordinate(path, Place::Line(line), value);
+                let bad = |value| bad_coordinate(path, Place::Line(line), value, vertices(data));
                 welder.push([corners[0], pair[0], pair[1]]).map_err(bad)?;
             }
         } else if word.eq_ignore_ascii_case(b"solid") {

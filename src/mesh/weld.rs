@@ -3,6 +3,9 @@
 /// Coordinates beyond this (10 m) do not fit the integer grid with room for sums.
 pub(super) const LIMIT_MM: f32 = 10_000.0;
 
+/// Coordinates beyond this are no coordinates, in whatever unit: 10 m in micrometres, and far from the origin.
+pub(super) const FARTHEST: f32 = 1e9;
+
 /// Triangles over shared vertices, as read: nothing is known of their neighbourhood yet.
 #[derive(Debug, Default)]
 pub(super) struct Soup {
@@ -54,10 +57,10 @@ impl Welder {
     /// Adds a facet.
     ///
     /// # Errors
-    /// The coordinate that is not finite or beyond 10 m.
+    /// The coordinate that is not finite or beyond [`FARTHEST`].
     #[inline]
     pub fn push(&mut self, corners: [[f32; 3]; 3]) -> Result<(), f32> {
-        let inside = |x: &f32| x.abs() <= LIMIT_MM;
+        let inside = |x: &f32| x.abs() <= FARTHEST;
         if !corners.as_flattened().iter().fold(true, |all, x| all & inside(x)) {
             return Err(corners.into_iter().flatten().find(|x| !inside(x)).unwrap_or(f32::NAN));
         }
@@ -184,7 +187,7 @@ mod tests {
 
     #[test]
     fn coordinates_without_a_place_on_the_grid_are_refused() {
-        for bad in [f32::NAN, f32::INFINITY, -1.1e4] {
+        for bad in [f32::NAN, f32::INFINITY, -1.1e9] {
             assert!(Welder::with_capacity(1).push([[0.0; 3], [bad, 0.0, 0.0], [1.0; 3]]).is_err());
         }
     }

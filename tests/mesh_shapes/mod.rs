@@ -124,6 +124,22 @@ pub fn box_xml(size: [f32; 3]) -> String {
     )
 }
 
+/// Attributes of a 3MF model that requires beam lattices; the prefixes are `b` and `bb`.
+pub const LATTICES: &str = "xmlns:b=\"http://schemas.microsoft.com/3dmanufacturing/beamlattice/2017/02\" \
+    xmlns:bb=\"http://schemas.microsoft.com/3dmanufacturing/beamlattice/balls/2020/07\" requiredextensions=\"b bb\"";
+
+/// A beam lattice as the mesh of a 3MF object: vertices, attributes of the lattice, those of each beam, the balls.
+pub fn lattice_xml(vertices: &[[f64; 3]], attributes: &str, beams: &[&str], balls: &str) -> String {
+    let corners = vertices.iter().map(|[x, y, z]| format!("<vertex x=\"{x}\" y=\"{y}\" z=\"{z}\"/>"));
+    let beams = beams.iter().map(|beam| format!("<b:beam {beam}/>"));
+    format!(
+        "<mesh><vertices>{}</vertices><b:beamlattice minlength=\"0.01\" {attributes}><b:beams>{}</b:beams>\
+         {balls}</b:beamlattice></mesh>",
+        corners.collect::<String>(),
+        beams.collect::<String>()
+    )
+}
+
 /// A 3MF model part: attributes of its root, what is in its resources, and what is built.
 pub fn model_xml(attributes: &str, resources: &str, build: &str) -> String {
     format!(

@@ -49,6 +49,12 @@ impl Affine {
         (Self([a, b, c, [0.0; 3]]), shift)
     }
 
+    /// How much longer it makes what lies along an axis, at most.
+    pub fn stretch(&self) -> f64 {
+        let [a, b, c, _] = &self.0;
+        [a, b, c].map(|row| row.iter().map(|x| x * x).sum::<f64>().sqrt()).into_iter().fold(0.0, f64::max)
+    }
+
     /// Negative where it mirrors.
     pub fn determinant(&self) -> f64 {
         let [a, b, c, _] = self.0;

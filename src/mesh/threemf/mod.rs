@@ -1,5 +1,6 @@
 //! 3MF: a ZIP archive of XML parts. Core specification 1.3 and the production extension 1.1 (objects in parts of their
-//! own), as far as they say what is printed: meshes, components, transforms, units, build items.
+//! own), as far as they say what is printed: meshes, components, transforms, units, build items. Beam lattices (1.2) become
+//! meshes.
 //!
 //! The reader is our own, on `zip` and `quick-xml`: of the crates for 3MF, `threemf2` needs a later compiler than we do
 //! and `lib3mf` builds a second geometry kernel; neither says where in a file a mistake is, nor bounds what an archive
@@ -7,18 +8,21 @@
 
 mod affine;
 mod archive;
+mod lattice;
 mod model;
+mod struts;
 
 use std::collections::BTreeMap;
 use std::path::Path;
 
 use affine::Affine;
 use archive::Archive;
-use model::{Object, Part, Use};
+use model::{Object, Part, Use, extension_name};
 
 use super::error::{MeshError, Place};
 use super::formats::{Contents, FileObject, Format, bad_coordinate, has_extension};
 use super::weld::Welder;
+use crate::limits;
 
 /// Components may stand in components so deep.
 const DEEPEST: usize = 64;
@@ -28,6 +32,12 @@ const MOST_FACETS: usize = 50_000_000;
 
 /// And no more uses of objects than this.
 const MOST_USES: usize = 1_000_000;
+
+/// Facets of an object from which it is asked whether there is memory for them.
+const UNSUSPECTED: usize = 1_000_000;
+
+/// Bytes that a facet takes until it is repaired.
+const BYTES_PER_FACET: u64 = 50 * limits::BYTES_PER_BYTE;
 
 const MEND: &str = "export it again, or repair it where it was made";
 
@@ -103,7 +113,7 @@ impl<'a> Package<'a> {
                 continue;
             }
             let read = model::read(package.archive.part(&name)?);
-            let part = read.map_err(|problem| package.archive.error(&name, problem, MEND))?;
+            let part = read.map_err(|refusal| package.archive.error(&name, refusal.problem, refusal.mend))?;
             let own = if name == package.root { part.items.as_slice() } else { &[] };
             let uses = own.iter().chain(part.objects.values().flat_map(|object| &object.components));
             wanted.extend(uses.filter_map(|used| used.part.clone()));
@@ -142,10 +152,13 @@ impl<'a> Package<'a> {
                 used.object
             ));
         }
-        let left = (budget.uses.checked_sub(1), budget.facets.checked_sub(object.triangles.len()));
+        let transform = used.transform.then(outer);
+        let unit_mm = self.parts.get(&part).map_or(1.0, |part| part.unit_mm) * transform.stretch();
+        let count = if object.solid { object.facet_count(unit_mm) } else { object.triangles.len() };
+        let left = (budget.uses.checked_sub(1), budget.facets.checked_sub(count));
         let (Some(uses), Some(facets)) = left else {
             return refuse(format!(
-                "object {}: its components multiply to more than {MOST_FACETS} facets or {MOST_USES} objects",
+                "object {}: its components or struts multiply to more than {MOST_FACETS} facets or {MOST_USES} objects",
                 used.object
             ));
         };
@@ -154,11 +167,10 @@ impl<'a> Package<'a> {
             budget.skipped += 1;
             return Ok(());
         }
-        let transform = used.transform.then(outer);
         for component in &object.components {
             self.gather(component, &part, &transform, depth + 1, budget, found)?;
         }
-        if !object.triangles.is_empty() {
+        if count > 0 {
             found.push(Instance { part, object: used.object, transform });
         }
         Ok(())
@@ -181,7 +193,13 @@ impl<'a> Package<'a> {
             ))
         });
         let meshes: Vec<(&Object, Affine)> = meshes.collect();
-        let facets = meshes.iter().map(|(mesh, _)| mesh.triangles.len()).sum();
+        let facets: usize =
+            meshes.iter().map(|(mesh, transform)| mesh.facet_count(transform.stretch())).sum();
+        if facets > UNSUSPECTED {
+            let path = || self.archive.path().to_path_buf();
+            limits::room(facets as u64 * BYTES_PER_FACET)
+                .map_err(|problem| MeshError::TooLarge { path: path(), problem })?;
+        }
         let only = if let [(mesh, _)] = meshes.as_slice() { mesh.name.clone() } else { None };
         let mut welder = Welder::with_capacity(facets);
         let mut number = 0;
@@ -189,11 +207,24 @@ impl<'a> Package<'a> {
             let vertices: Vec<[f32; 3]> =
                 mesh.vertices.iter().map(|v| transform.apply(*v).map(|x| x as f32)).collect();
             let mirrored = transform.determinant() < 0.0;
+            let all = || vertices.iter().copied();
             for &[a, b, c] in &mesh.triangles {
                 number += 1;
                 let triangle = if mirrored { [a, c, b] } else { [a, b, c] };
-                let bad = |value| bad_coordinate(self.archive.path(), Place::Facet(number), value);
+                let bad = |value| bad_coordinate(self.archive.path(), Place::Facet(number), value, all());
                 welder.push(triangle.map(|v| vertices[v as usize])).map_err(bad)?;
+            }
+            if let Some(lattice) = &mesh.lattice {
+                let mut damaged = None;
+                lattice.facets(&mesh.vertices, transform.stretch(), |[a, b, c]| {
+                    number += 1;
+                    let triangle = if mirrored { [a, c, b] } else { [a, b, c] };
+                    let pushed = welder.push(triangle.map(|p| transform.apply(p).map(|x| x as f32)));
+                    damaged = damaged.or(pushed.err().map(|value| (number, value)));
+                });
+                if let Some((number, value)) = damaged {
+                    return Err(bad_coordinate(self.archive.path(), Place::Facet(number), value, all()));
+                }
             }
         }
         Ok(FileObject { name: named.name.clone().or(only), soup: welder.finish(), facets, spots })
@@ -206,7 +237,9 @@ impl<'a> Package<'a> {
         unknown.dedup();
         let mut notes: Vec<String> = unknown
             .iter()
-            .map(|address| format!("the extension {address} is not understood and was passed over"))
+            .map(|address| {
+                format!("the extension {} is not understood and was passed over", extension_name(address))
+            })
             .collect();
         if skipped > 0 {
             notes.push(format!("{skipped} objects that are no solids, such as supports, were left out"));

@@ -10,18 +10,48 @@ use quick_xml::events::{BytesStart, Event};
 use quick_xml::name::{Namespace, ResolveResult};
 use quick_xml::reader::NsReader;
 
+use super::MEND;
 use super::affine::Affine;
+use super::lattice::{self, BALLS, BEAMS, Lattice};
 
 const CORE: &str = "http://schemas.microsoft.com/3dmanufacturing/core/2015/02";
 const PRODUCTION: &str = "http://schemas.microsoft.com/3dmanufacturing/production/2015/06";
 
 /// Extensions that are understood, or that say nothing about shapes.
-const UNDERSTOOD: [&str; 4] = [
+const UNDERSTOOD: [&str; 7] = [
     CORE,
     PRODUCTION,
+    BEAMS,
+    BALLS,
+    "http://schemas.microsoft.com/3dmanufacturing/trianglesets/2021/07",
     "http://schemas.microsoft.com/3dmanufacturing/material/2015/02",
     "http://www.w3.org/XML/1998/namespace",
 ];
+
+/// What extensions that are not understood are called, by a part of their address.
+const NAMES: [(&str, &str); 6] = [
+    ("/volumetric/", "volumetric"),
+    ("/implicit/", "implicit"),
+    ("/booleanoperations/", "boolean operations"),
+    ("/displacement/", "displacement"),
+    ("/securecontent/", "secure content"),
+    ("/slice/", "slice"),
+];
+
+const PLAIN_MESH: &str = "export it as a plain mesh: 3MF without extensions, or STL";
+
+/// Why a part is refused, and the mend.
+#[derive(Debug)]
+pub(super) struct Refusal {
+    pub problem: String,
+    pub mend: &'static str,
+}
+
+impl From<String> for Refusal {
+    fn from(problem: String) -> Self {
+        Self { problem, mend: MEND }
+    }
+}
 
 /// A model part.
 #[derive(Debug)]
@@ -45,6 +75,8 @@ pub(super) struct Object {
     pub solid: bool,
     pub vertices: Vec<[f64; 3]>,
     pub triangles: Vec<[u32; 3]>,
+    /// Struts and balls besides the triangles.
+    pub lattice: Option<Lattice>,
     pub components: Vec<Use>,
 }
 
@@ -61,7 +93,7 @@ pub(super) struct Use {
 ///
 /// # Errors
 /// What is wrong, and where.
-pub(super) fn read(mut reader: NsReader<impl BufRead>) -> Result<Part, String> {
+pub(super) fn read(mut reader: NsReader<impl BufRead>) -> Result<Part, Refusal> {
     let mut part =
         Part { unit_mm: 1.0, objects: BTreeMap::new(), items: Vec::new(), unprinted: 0, unknown: Vec::new() };
     let mut buffer = Vec::new();
@@ -72,17 +104,31 @@ pub(super) fn read(mut reader: NsReader<impl BufRead>) -> Result<Part, String> {
         let at = reader.buffer_position();
         let (namespace, event) =
             reader.read_resolved_event_into(&mut buffer).map_err(|e| place(at, &e.to_string()))?;
-        let core = matches!(namespace, ResolveResult::Bound(Namespace(CORE)));
+        let within = |address: &str| matches!(namespace, ResolveResult::Bound(Namespace(n)) if n == address);
+        let (core, lattice) = (within(CORE), within(BEAMS) || within(BALLS));
         match event {
+            Event::Start(tag) | Event::Empty(tag) if lattice => {
+                if let Some((id, object)) = &mut current {
+                    if let Some(mode) = lattice::clipping(&tag) {
+                        let problem = format!(
+                            "object {id}: its beam lattice is clipped by another mesh (clippingmode \"{mode}\"), which \
+                             is not understood"
+                        );
+                        return Err(Refusal { problem, mend: PLAIN_MESH });
+                    }
+                    object.lattice(&tag).map_err(|problem| place(at, &format!("object {id}: {problem}")))?;
+                }
+            }
             Event::Start(tag) | Event::Empty(tag) if core => {
                 let done = match tag.local_name().into_inner() {
                     "model" => {
                         begun = true;
-                        part.root(&tag)
+                        part.root(&tag)?;
+                        Ok(())
                     }
                     "object" => object(&tag).map(|new| {
                         let before = current.replace(new);
-                        part.objects.extend(before);
+                        part.objects.extend(before.map(complete));
                     }),
                     "vertex" => corner(&tag).map(|vertex| {
                         if let Some((_, object)) = &mut current {
@@ -108,19 +154,37 @@ pub(super) fn read(mut reader: NsReader<impl BufRead>) -> Result<Part, String> {
                 done.map_err(|problem| place(at, &problem))?;
             }
             Event::End(tag) if core => match tag.local_name().into_inner() {
-                "object" => part.objects.extend(current.take()),
+                "object" => part.objects.extend(current.take().map(complete)),
                 "model" => ended = true,
                 _ => {}
             },
-            Event::DocType(_) => return Err(place(at, "it has a document type, which 3MF does not allow")),
-            Event::Eof if !begun => return Err("it holds no model".into()),
-            Event::Eof if !ended => return Err(place(at, "it ends early")),
+            Event::DocType(_) => {
+                return Err(place(at, "it has a document type, which 3MF does not allow").into());
+            }
+            Event::Eof if !begun => return Err(String::from("it holds no model").into()),
+            Event::Eof if !ended => return Err(place(at, "it ends early").into()),
             Event::Eof => {
-                part.objects.extend(current);
+                part.objects.extend(current.map(complete));
                 return Ok(part);
             }
             _ => {}
         }
+    }
+}
+
+/// An object after its last tag.
+fn complete((id, mut object): (u32, Object)) -> (u32, Object) {
+    if let Some(lattice) = &mut object.lattice {
+        lattice.complete();
+    }
+    (id, object)
+}
+
+/// An extension in words.
+pub(super) fn extension_name(address: &str) -> String {
+    match NAMES.iter().find(|(part, _)| address.contains(part)) {
+        Some((_, name)) => format!("\"{name}\" ({address})"),
+        None => address.to_owned(),
     }
 }
 
@@ -130,7 +194,7 @@ fn place(at: u64, problem: &str) -> String {
 
 impl Part {
     /// Unit and extensions.
-    fn root(&mut self, tag: &BytesStart<'_>) -> Result<(), String> {
+    fn root(&mut self, tag: &BytesStart<'_>) -> Result<(), Refusal> {
         let unit = value(tag, "unit").unwrap_or_else(|| "millimeter".into());
         self.unit_mm = match unit.as_str() {
             "micron" => 0.001,
@@ -139,7 +203,7 @@ impl Part {
             "inch" => 25.4,
             "foot" => 304.8,
             "meter" => 1000.0,
-            _ => return Err(format!("`{unit}` is no unit of length")),
+            _ => return Err(format!("`{unit}` is no unit of length").into()),
         };
         let address = |prefix: &str| value(tag, &format!("xmlns:{prefix}"));
         let listed = |key: &str| -> Vec<String> {
@@ -148,7 +212,9 @@ impl Part {
         };
         let unknown = |address: &String| !UNDERSTOOD.contains(&address.as_str());
         if let Some(required) = listed("requiredextensions").into_iter().find(unknown) {
-            return Err(format!("it requires the extension {required}, which is not understood"));
+            let name = extension_name(&required);
+            let problem = format!("it requires the extension {name}, which is not understood");
+            return Err(Refusal { problem, mend: PLAIN_MESH });
         }
         let declared = tag.attributes().flatten().filter(|a| a.key.0.starts_with("xmlns:"));
         self.unknown = declared.filter_map(|a| text(&a)).filter(unknown).collect();
@@ -157,6 +223,24 @@ impl Part {
 }
 
 impl Object {
+    /// Facets of it; `unit_mm` is the longest that a unit of its coordinates gets, millimetres.
+    pub fn facet_count(&self, unit_mm: f64) -> usize {
+        let lattice = self.lattice.as_ref().map_or(0, |lattice| lattice.facet_count(unit_mm));
+        self.triangles.len().saturating_add(lattice)
+    }
+
+    /// Adds what a tag says of the lattice.
+    fn lattice(&mut self, tag: &BytesStart<'_>) -> Result<(), String> {
+        let vertices = self.vertices.len();
+        match (tag.local_name().into_inner(), &mut self.lattice) {
+            ("beamlattice", lattice) => *lattice = Some(Lattice::new(tag)?),
+            ("beam", Some(lattice)) => lattice.add_beam(tag, vertices)?,
+            ("ball", Some(lattice)) => lattice.add_ball(tag, vertices)?,
+            _ => {}
+        }
+        Ok(())
+    }
+
     /// Adds a triangle, whose corners stand before it in the file.
     fn add(&mut self, triangle: [u32; 3]) -> Result<(), String> {
         match triangle.iter().find(|&&v| v as usize >= self.vertices.len()) {
