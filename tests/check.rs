@@ -10,6 +10,7 @@ use std::path::{Path, PathBuf};
 use mesh_shapes::{Facets, ball, cuboid, mesh};
 use pathwright::check::{self, CheckReport, Checker, Kind, Severity, Survey};
 use pathwright::job::{Engine, Job, Silent};
+use pathwright::mesh::Layout;
 use pathwright::output::Output;
 use pathwright::pipeline::Pipeline;
 use pathwright::profile::Settings;
@@ -194,7 +195,8 @@ fn of_models(models: Vec<PathBuf>, settings: &Settings) -> Vec<u8> {
 fn beside(text: &[u8], facets: &Facets, settings: &Settings) -> CheckReport {
     let mut survey = Survey::default();
     let mut report = check::check(text, settings, &mut survey).expect("read").expect("moves");
-    check::against(&mesh(facets).0, &survey, || Ok(Cursor::new(text)), settings, &mut report).expect("read");
+    let bodies = Layout::single("part", mesh(facets).0, 1).standing_bodies();
+    check::against(&bodies, &survey, || Ok(Cursor::new(text)), settings, &mut report).expect("read");
     report
 }
 

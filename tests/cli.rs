@@ -141,7 +141,7 @@ fn a_model_is_compared_as_large_and_turned_as_it_was_sliced() {
     run(&[&["slice", model, "-q", "-o", &out], &shape[..]].concat(), 0);
     let beside = |shape: &[&str], code| run(&[&["check", &out, "--model", model], shape].concat(), code).0;
     assert!(beside(&shape, 0).contains("nothing wrong was found"));
-    assert!(beside(&[], 7).contains("missing-island"));
+    assert!(beside(&[], 7).contains("not-placed"));
 }
 
 #[test]

@@ -66,8 +66,10 @@ kinds! {
     RetractedExtrusion, Error, "retracted-extrusion", "a bead is begun with the filament pulled back";
     ExtrusionInPlace, Error, "extrusion-in-place", "filament is pushed out in place";
     Flow, Error, "flow", "more flow than the hot end melts";
+    StartsInAir, Error, "starts-in-air", "the print begins, or goes on, where nothing is beneath";
     MissingIsland, Error, "missing-island", "an island of the model is not printed";
     ExtraMaterial, Error, "extra-material", "material outside of the model";
+    NotPlaced, Error, "not-placed", "a model is not found in the print";
     OverVolume, Error, "over-volume", "more material than the model has volume";
     UnbalancedRetraction, Warning, "unbalanced-retraction", "filament is not pushed back as far as it was pulled";
     OutsideAtStart, Warning, "outside-at-start", "a move outside of the printable volume before the print";
@@ -78,8 +80,8 @@ kinds! {
     Acceleration, Warning, "acceleration", "more acceleration than the machine has";
     FewDecimals, Warning, "few-decimals", "numbers have too few decimals";
     CoarseAmounts, Warning, "coarse-amounts", "E has grown so large that firmware rounds it";
+    FloatingIsland, Warning, "floating-island", "an island begins in mid-air";
     OverAir, Warning, "over-air", "a bead rests on nothing and is held at neither or only one end";
-    NotPlaced, Warning, "not-placed", "the model is not found in the print";
     NoTemperature, Note, "no-temperature", "the file itself does not heat the nozzle";
 }
 
@@ -87,6 +89,6 @@ impl Kind {
     /// Whether it can lie in how beads and travels are laid. Other faults come from scripts and settings, which are
     /// the user's.
     pub fn is_of_paths(self) -> bool {
-        self.severity() == Severity::Error && self != Kind::ColdExtrusion
+        self.severity() == Severity::Error && !matches!(self, Kind::ColdExtrusion | Kind::StartsInAir)
     }
 }

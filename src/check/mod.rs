@@ -8,6 +8,7 @@
 mod bed;
 mod fault;
 mod filament;
+mod floating;
 mod heat;
 mod heights;
 mod limits;
@@ -22,7 +23,7 @@ mod words;
 use std::io::{self, Read};
 
 pub use fault::{Kind, Severity};
-pub use model::{ModelReport, Survey, against};
+pub use model::{ModelReport, PlacedBody, Survey, against};
 pub use report::{CheckReport, Fault, Found, Place};
 
 use crate::estimate::Machine;
@@ -63,6 +64,7 @@ impl Checker {
     /// A checker for files for a printer.
     pub fn new(settings: &Settings) -> Self {
         let mut judge = Judge::of_paths(settings, true);
+        judge.rules.push(Box::new(floating::Floating::new(settings)));
         judge.rules.push(Box::new(heat::Heat::default()));
         judge.rules.push(Box::new(limits::Limits::new(settings)));
         judge.rules.push(Box::new(precision::Precision::default()));

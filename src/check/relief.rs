@@ -2,6 +2,9 @@
 
 use crate::gcode::Stroke;
 
+/// A painted bead is wider by so much of a cell: cells count that it covers in part.
+const OVER: f64 = 0.5 * 2.0;
+
 /// No grid has more cells: 16 MB.
 const MOST_CELLS: f64 = 4e6;
 
@@ -41,6 +44,98 @@ impl Relief {
         let (column, row) = ((x - self.low[0]) * self.cells_per_mm, (y - self.low[1]) * self.cells_per_mm);
         let inside = column >= 0.0 && row >= 0.0 && column < self.columns as f64 && row < self.rows as f64;
         inside.then(|| row as usize * self.columns + column as usize)
+    }
+
+    /// How many cells there are.
+    pub fn cell_count(&self) -> usize {
+        self.tops_mm.len()
+    }
+
+    /// Height of a cell; minus infinity where nothing is.
+    pub fn top(&self, cell: usize) -> f64 {
+        f64::from(self.tops_mm[cell])
+    }
+
+    /// Raises a cell.
+    pub fn raise_cell(&mut self, cell: usize, z_mm: f64) {
+        let top = &mut self.tops_mm[cell];
+        *top = top.max(z_mm as f32);
+        self.highest_mm = self.highest_mm.max(z_mm);
+    }
+
+    /// The cells beside a cell, four at most.
+    pub fn neighbours(&self, cell: usize) -> impl Iterator<Item = usize> {
+        let (column, columns, count) = (cell % self.columns, self.columns, self.tops_mm.len());
+        let near = [
+            (column > 0).then(|| cell - 1),
+            (column + 1 < columns).then(|| cell + 1),
+            cell.checked_sub(columns),
+            (cell + columns < count).then(|| cell + columns),
+        ];
+        near.into_iter().flatten()
+    }
+
+    /// Calls `visit` for each cell whose middle is under a bead, with the height of the bead there. Beads that rise or turn
+    /// are taken in short pieces, whose cells may come more than once.
+    pub fn each_cell(&self, bead: &Stroke, width_mm: f64, mut visit: impl FnMut(usize, f64)) {
+        let radius_mm = (width_mm / 2.0).max(self.cell_mm / 2.0);
+        if bead.arc.is_none() && bead.from[2] == bead.to[2] {
+            return self.capsule(bead.from, bead.to, radius_mm, |cell| visit(cell, bead.to[2]));
+        }
+        let count = self.places(bead);
+        let mut from = bead.from;
+        for i in 1..=count {
+            let to = bead.at(f64::from(i) / f64::from(count));
+            self.capsule(from, to, radius_mm, |cell| visit(cell, to[2]));
+            from = to;
+        }
+    }
+
+    /// Calls `visit` for each cell whose middle is within the radius of a line, row by row.
+    fn capsule(&self, from: [f64; 3], to: [f64; 3], radius_mm: f64, mut visit: impl FnMut(usize)) {
+        let [dx, dy] = [to[0] - from[0], to[1] - from[1]];
+        let length_mm = dx.hypot(dy);
+        let across = match length_mm > 0.0 {
+            true => [-dy / length_mm * radius_mm, dx / length_mm * radius_mm],
+            false => [0.0; 2],
+        };
+        // The sides of the bead; its ends are round.
+        let sides = [across, across.map(|x| -x)]
+            .map(|[ax, ay]| [[from[0] + ax, from[1] + ay], [to[0] + ax, to[1] + ay]]);
+        let ends = [[sides[0][0], sides[1][0]], [sides[0][1], sides[1][1]]];
+        let row_of = |y: f64| (y - self.low[1]) * self.cells_per_mm - 0.5;
+        let (low, high) = (from[1].min(to[1]) - radius_mm, from[1].max(to[1]) + radius_mm);
+        let (first, last) = (row_of(low).ceil().max(0.0), row_of(high).floor().min(self.rows as f64 - 1.0));
+        // Of a place that is no number nothing is covered.
+        if first.is_nan() || last.is_nan() || first > last {
+            return;
+        }
+        for row in first as usize..=last as usize {
+            let y = self.low[1] + (row as f64 + 0.5) * self.cell_mm;
+            let mut reach = [f64::INFINITY, f64::NEG_INFINITY];
+            let mut take = |x: f64| reach = [reach[0].min(x), reach[1].max(x)];
+            for end in [from, to] {
+                let half2 = radius_mm * radius_mm - (y - end[1]) * (y - end[1]);
+                if half2 >= 0.0 {
+                    let half = half2.sqrt();
+                    take(end[0] - half);
+                    take(end[0] + half);
+                }
+            }
+            for [p, q] in sides.into_iter().chain(ends) {
+                if (p[1] <= y) != (q[1] <= y) {
+                    take(p[0] + (y - p[1]) / (q[1] - p[1]) * (q[0] - p[0]));
+                }
+            }
+            let column_of = |x: f64| (x - self.low[0]) * self.cells_per_mm - 0.5;
+            let (first, last) = (
+                column_of(reach[0]).ceil().max(0.0),
+                column_of(reach[1]).floor().min(self.columns as f64 - 1.0),
+            );
+            if first <= last {
+                (first as usize..=last as usize).for_each(|column| visit(row * self.columns + column));
+            }
+        }
     }
 
     /// Height at a place; minus infinity where nothing is.
@@ -84,20 +179,13 @@ impl Relief {
 
     /// Raises all cells under a bead.
     pub fn paint(&mut self, bead: &Stroke, width_mm: f64) {
-        let radius_mm = width_mm / 2.0;
-        let reach = (radius_mm / self.cell_mm).ceil() as i32;
-        let count = self.places(bead);
-        for i in 0..=count {
-            let [x, y, z] = bead.at(f64::from(i) / f64::from(count));
-            for column in -reach..=reach {
-                for row in -reach..=reach {
-                    let (dx, dy) = (f64::from(column) * self.cell_mm, f64::from(row) * self.cell_mm);
-                    if dx.hypot(dy) <= radius_mm {
-                        self.raise(x + dx, y + dy, z);
-                    }
-                }
-            }
-        }
+        let mut tops_mm = std::mem::take(&mut self.tops_mm);
+        self.each_cell(bead, width_mm + OVER * self.cell_mm, |cell, z_mm| {
+            let top: &mut f32 = &mut tops_mm[cell];
+            *top = top.max(z_mm as f32);
+        });
+        self.tops_mm = tops_mm;
+        self.highest_mm = self.highest_mm.max(bead.from[2]).max(bead.to[2]);
     }
 
     /// How far a move dips below what stands on its way, and where: the first place deeper than `slack_mm`.

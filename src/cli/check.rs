@@ -2,27 +2,27 @@
 
 use std::fs::File;
 use std::io;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use super::args::{CheckArgs, ShapeArgs};
 use super::console;
 use super::exit::{Exit, Failure};
 use super::plan;
 use crate::check::{self, CheckReport, Survey};
-use crate::mesh::{self, Mesh};
+use crate::mesh::{self, Line, Mesh};
 use crate::profile::Settings;
 
 /// Checks file by file. The exit code is that of the first one that cannot be read, or else tells whether any has an
 /// error.
 pub(super) fn run(args: &CheckArgs) -> Result<Exit, Failure> {
     let resolved = plan::settings(&args.settings, &[])?;
-    let mesh = args.model.as_deref().map(|path| model(path, &args.shape)).transpose()?;
-    if mesh.is_some() && args.files.iter().any(|file| file == Path::new("-")) {
+    let bodies = bodies(&args.model, &args.shape, &resolved.settings)?;
+    if !bodies.is_empty() && args.files.iter().any(|file| file == Path::new("-")) {
         return Err(plan::usage("with --model the file is read more than once; standard input cannot be"));
     }
     let (mut unread, mut faulty) = (false, false);
     for path in &args.files {
-        match check(path, mesh.as_ref(), &resolved.settings) {
+        match check(path, &bodies, &resolved.settings) {
             Ok(report) => {
                 faulty |= report.errors > 0;
                 tell(&report, args)?;
@@ -40,10 +40,15 @@ pub(super) fn run(args: &CheckArgs) -> Result<Exit, Failure> {
     })
 }
 
-fn model(path: &Path, shape: &ShapeArgs) -> Result<Mesh, Failure> {
-    let (mesh, _) = mesh::load(path).map_err(|error| Failure::new(Exit::Input, error))?;
-    let failed = |error| Failure::new(Exit::Input, format!("{}: {error}", path.display()));
-    plan::shape(shape).apply(mesh).map_err(failed)
+/// The bodies of all models.
+fn bodies(paths: &[PathBuf], shape: &ShapeArgs, settings: &Settings) -> Result<Vec<(String, Mesh)>, Failure> {
+    let mut bodies = Vec::new();
+    for path in paths {
+        let file = mesh::read_file(path, &plan::shape(shape), Line::thinnest(settings), 1);
+        let file = file.map_err(|error| Failure::new(Exit::Input, error))?;
+        bodies.extend(file.layout.standing_bodies());
+    }
+    Ok(bodies)
 }
 
 fn tell(report: &CheckReport, args: &CheckArgs) -> Result<(), Failure> {
@@ -54,7 +59,7 @@ fn tell(report: &CheckReport, args: &CheckArgs) -> Result<(), Failure> {
     }
 }
 
-fn check(path: &Path, mesh: Option<&Mesh>, settings: &Settings) -> Result<CheckReport, Failure> {
+fn check(path: &Path, bodies: &[(String, Mesh)], settings: &Settings) -> Result<CheckReport, Failure> {
     let failed = |error: io::Error| Failure::new(Exit::Input, format!("{}: {error}", path.display()));
     let mut survey = Survey::default();
     let report = match path == Path::new("-") {
@@ -64,8 +69,8 @@ fn check(path: &Path, mesh: Option<&Mesh>, settings: &Settings) -> Result<CheckR
     let Some(mut report) = report.map_err(failed)? else {
         return Err(failed(io::Error::other("there are no moves in it; is it G-code?")));
     };
-    if let Some(mesh) = mesh {
-        check::against(mesh, &survey, || File::open(path), settings, &mut report).map_err(failed)?;
+    if !bodies.is_empty() {
+        check::against(bodies, &survey, || File::open(path), settings, &mut report).map_err(failed)?;
     }
     report.file = path.display().to_string();
     Ok(report)

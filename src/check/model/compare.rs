@@ -7,18 +7,17 @@ use super::super::relief::Relief;
 use super::super::report::Found;
 use super::ModelReport;
 use super::air::{Ground, Way};
-use super::sections::{Level, Sections};
+use super::levels::{Level, Levels};
+use super::sections::{Sections, along};
 use super::survey::{Survey, is_part};
 use crate::gcode::{Action, Reader, Stroke, each_line};
-use crate::geom::{Bounds, Point, Region};
+use crate::geom::{Bounds, Point, Region, Ring};
 use crate::toolpath::Role;
 use crate::toolpath::bead;
 use crate::toolpath::support::{Bitmap, Grid};
 
 /// Cells in which beads are painted.
 const CELL_MM: f64 = 0.1;
-/// Outlines are looked at every so often.
-const STEP_MM: f64 = 0.4;
 /// An island is missing if less than this share of its outline is printed.
 const PRINTED: f64 = 0.3;
 /// Specks smaller than this are not asked for.
@@ -28,11 +27,11 @@ const SLACK_MM: f64 = 0.02;
 /// So much of a layer's beads may lie outside.
 const EXTRA_MM: f64 = 2.0;
 
-/// Reads the file beside the sections of the model, which stands at `at_mm`.
+/// Reads the file beside the sections of what was printed.
 pub(super) fn compare(
     sections: &Sections<'_>,
+    levels: &Levels,
     survey: &Survey,
-    at_mm: [f64; 2],
     area_mm2: f64,
     file: impl Read,
     model: &mut ModelReport,
@@ -40,10 +39,10 @@ pub(super) fn compare(
 ) -> io::Result<()> {
     let Some(all) = survey.extents()[1] else { return Ok(()) };
     let relief = || Relief::new(all.low.map(|mm| mm - 2.0), all.high.map(|mm| mm + 2.0), CELL_MM);
-    let ground = Ground { part: relief(), support: relief(), bed_mm: sections.bed_mm() };
+    let ground = Ground { part: relief(), support: relief(), bed_mm: levels.bed_mm };
     let mut print = Print {
         sections,
-        shift: Point::from_mm(at_mm[0], at_mm[1]),
+        levels,
         tells_roles: survey.tells_roles(),
         has_edges: survey.has_edges(),
         area_mm2,
@@ -72,7 +71,7 @@ pub(super) fn compare(
     })?;
     print.end_layer();
     if sections.above().polygons.iter().any(|island| island.area_mm2() > SPECK_MM2) {
-        let printed_mm = sections.levels().last().map_or(0.0, |level| level.z_mm);
+        let printed_mm = levels.all().last().map_or(0.0, |level| level.z_mm);
         print.model.missing_islands += 1;
         print.found.add(Kind::MissingIsland, last.0, last.1, || {
             format!("the print ends at Z{printed_mm:.2}, the model at Z{:.2}", sections.top_mm())
@@ -102,7 +101,7 @@ struct LayerNow {
 
 struct Print<'a> {
     sections: &'a Sections<'a>,
-    shift: Point,
+    levels: &'a Levels,
     tells_roles: bool,
     /// Whether islands have walls along their edge, by which they are found.
     has_edges: bool,
@@ -121,7 +120,7 @@ struct Print<'a> {
 impl Print<'_> {
     fn bead(&mut self, stroke: &Stroke, part: bool, height_mm: Option<f64>, place: (usize, Option<usize>)) {
         // Parts of a scarf seam, or of a spiral, lie lower than their layer.
-        let z_mm = if part { self.sections.rises_to_mm(stroke.to[2]) } else { stroke.to[2] };
+        let z_mm = if part { self.levels.rises_to_mm(stroke.to[2]) } else { stroke.to[2] };
         if self.layer.as_ref().is_none_or(|layer| (layer.level.z_mm - z_mm).abs() > 1e-3) {
             self.end_layer();
             self.begin_layer(z_mm, height_mm, place);
@@ -138,8 +137,7 @@ impl Print<'_> {
             self.way.add(stroke, height_mm, width_mm, &self.ground);
             if let Some(may) = layer.may.as_ref().filter(|_| self.tells_roles) {
                 let [x, y, z] = stroke.at(0.5);
-                let place = Point::from_mm(x, y) - self.shift;
-                if !may.has_at(place) {
+                if !may.has_at(Point::from_mm(x, y)) {
                     layer.extra_mm += stroke.xy_mm;
                     layer.extra_at.get_or_insert([x, y, z]);
                 }
@@ -149,8 +147,8 @@ impl Print<'_> {
     }
 
     fn begin_layer(&mut self, z_mm: f64, height_mm: Option<f64>, place: (usize, Option<usize>)) {
-        let index = self.sections.find(z_mm);
-        let known = index.map(|index| self.sections.levels()[index]);
+        let index = self.levels.find(z_mm);
+        let known = index.map(|index| self.levels.all()[index]);
         let level = known.unwrap_or(Level { z_mm, height_mm: height_mm.unwrap_or(0.2) });
         let (must, may) = index.map_or_else(Default::default, |index| self.sections.layer(index));
         let grid = may.bounds().map(|bounds: Bounds| Grid::new(bounds, 1.0, CELL_MM));
@@ -209,7 +207,7 @@ impl Print<'_> {
             let printed = self.printed(&island.outer, least_mm);
             if printed < PRINTED {
                 self.model.missing_islands += 1;
-                let [x, y] = island.outer.first().map_or([0.0; 2], |p| (*p + self.shift).mm());
+                let [x, y] = island.outer.first().map_or([0.0; 2], |p| p.mm());
                 self.found.add(Kind::MissingIsland, line, number, || {
                     format!("{:.2} mm² at X{x:.2} Y{y:.2} Z{z_mm:.2}", island.area_mm2())
                 });
@@ -218,21 +216,13 @@ impl Print<'_> {
     }
 
     /// Share of an outline on which something lies at least so high.
-    fn printed(&self, ring: &[Point], least_mm: f64) -> f64 {
+    fn printed(&self, ring: &Ring, least_mm: f64) -> f64 {
         let (mut seen, mut printed) = (0_usize, 0_usize);
-        for (i, &a) in ring.iter().enumerate() {
-            let b = ring[(i + 1) % ring.len()];
-            let count = (a.distance_mm(b) / STEP_MM).ceil().max(1.0) as usize;
-            for k in 0..count {
-                let share = k as f64 / count as f64;
-                let ([ax, ay], [bx, by]) = ((a + self.shift).mm(), (b + self.shift).mm());
-                let (x, y) = (ax + (bx - ax) * share, ay + (by - ay) * share);
-                let cell_mm = self.ground.part.cell_mm();
-                let near = [-1.5, 0.0, 1.5].map(|step| step * cell_mm);
-                let laid = |dx: f64, dy: f64| self.ground.part.at(x + dx, y + dy) >= least_mm;
-                seen += 1;
-                printed += usize::from(near.iter().any(|dx| near.iter().any(|dy| laid(*dx, *dy))));
-            }
+        let near = [-1.5, 0.0, 1.5].map(|step| step * self.ground.part.cell_mm());
+        for [x, y] in along(ring).into_iter().map(|p| p.mm()) {
+            let laid = |dx: f64, dy: f64| self.ground.part.at(x + dx, y + dy) >= least_mm;
+            seen += 1;
+            printed += usize::from(near.iter().any(|dx| near.iter().any(|dy| laid(*dx, *dy))));
         }
         printed as f64 / seen.max(1) as f64
     }

@@ -7,6 +7,8 @@
 mod air;
 mod align;
 mod compare;
+mod evidence;
+mod levels;
 mod sections;
 mod survey;
 
@@ -16,15 +18,30 @@ use std::io::{self, Read};
 use serde::Serialize;
 
 pub use survey::Survey;
+pub(super) use survey::is_part;
 
 use super::fault::Kind;
 use super::report::{CheckReport, Found};
+use crate::geom::Point;
 use crate::mesh::Mesh;
 use crate::profile::Settings;
+use align::{Placed, Search};
+use levels::Levels;
 use sections::Sections;
 
 /// A print holds more material than its model, up to this factor, where thin parts are printed wider than they are.
 const MOST_VOLUME: f64 = 1.3;
+
+/// A body that was found in a print.
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+pub struct PlacedBody {
+    /// Its objects.
+    pub name: String,
+    /// Where its own zero stands.
+    pub at_mm: [f64; 3],
+    /// By how much it is turned about Z, counter-clockwise.
+    pub turned_deg: u32,
+}
 
 /// How a print compares to its model.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
@@ -33,8 +50,10 @@ pub struct ModelReport {
     pub mesh_volume_mm3: f64,
     /// Volume of the beads that belong to the model, without skirt, brim and support where the file tells them apart.
     pub part_volume_mm3: f64,
-    /// Where the model's own zero stands on the bed; nothing if the model was not found.
+    /// Where the first body's own zero stands on the bed; nothing if none was found.
     pub placed_at_mm: Option<[f64; 3]>,
+    /// All bodies that were found, as often as they were.
+    pub placed: Vec<PlacedBody>,
     /// Islands of the model's sections, of all layers.
     pub islands: usize,
     /// Of these, the ones that are not printed.
@@ -54,9 +73,13 @@ impl fmt::Display for ModelReport {
             "  volume   {part_volume_mm3:.1} mm³ laid, {share:.1} % of the model's {mesh_volume_mm3:.1} mm³"
         )?;
         if let Some([x, y, z]) = self.placed_at_mm {
+            let more = match self.placed.len() {
+                0 | 1 => String::new(),
+                count => format!(" and {} more places", count - 1),
+            };
             writeln!(
                 f,
-                "  model    at X{x:.2} Y{y:.2} Z{z:.2}; {missing_islands} of {islands} islands missing"
+                "  model    at X{x:.2} Y{y:.2} Z{z:.2}{more}; {missing_islands} of {islands} islands missing"
             )?;
             writeln!(f, "  beads    {:.1} mm outside, {:.1} mm over air", self.extra_mm, self.over_air_mm)?;
         }
@@ -64,13 +87,13 @@ impl fmt::Display for ModelReport {
     }
 }
 
-/// Compares a file, of which a survey was made, with its model, and adds to the report what it finds. `open` opens the
-/// file anew.
+/// Compares a file, of which a survey was made, with what was printed, and adds to the report what it finds. `open` opens
+/// the file anew. `bodies` stand on z = 0, each with its name.
 ///
 /// # Errors
 /// Those of reading.
 pub fn against<R: Read>(
-    mesh: &Mesh,
+    bodies: &[(String, Mesh)],
     survey: &Survey,
     open: impl Fn() -> io::Result<R>,
     settings: &Settings,
@@ -78,24 +101,48 @@ pub fn against<R: Read>(
 ) -> io::Result<()> {
     let mut found = Found::default();
     let area_mm2 = settings.filament.area_mm2();
+    let volume_mm3 = |body: usize| crate::slice::volume_mm3(&bodies[body].1);
     let mut model = ModelReport {
-        mesh_volume_mm3: mesh.volume_and_area().0,
+        mesh_volume_mm3: (0..bodies.len()).map(volume_mm3).sum(),
         part_volume_mm3: survey.part_volume_mm3(area_mm2),
         ..ModelReport::default()
     };
-    let sections = Sections::new(mesh, survey, settings);
-    match align::find(mesh, survey, &sections, settings, &open)? {
-        None => found.add(Kind::NotPlaced, 1, None, || {
-            "neither in the middle of the bed, nor where the print is, nor at its own place".into()
-        }),
-        Some(at_mm) => {
-            model.placed_at_mm = Some([at_mm[0], at_mm[1], sections.bottom_mm()]);
-            compare::compare(&sections, survey, at_mm, area_mm2, open()?, &mut model, &mut found)?;
-            if survey.tells_roles() && model.part_volume_mm3 > MOST_VOLUME * model.mesh_volume_mm3 {
-                found.add(Kind::OverVolume, 1, None, || {
-                    format!("{:.1} mm³ of {:.1} mm³", model.part_volume_mm3, model.mesh_volume_mm3)
-                });
-            }
+    let levels = Levels::new(survey, settings);
+    let shown = evidence::read(&levels, survey, open()?)?;
+    let search = Search { bodies, survey, levels: &levels, shown: &shown, settings };
+    let result = search.run();
+    let lost: Vec<usize> = result.as_ref().map_or((0..bodies.len()).collect(), |result| result.lost.clone());
+    for body in lost {
+        found.add(Kind::NotPlaced, 1, None, || {
+            format!(
+                "{}: its walls are nowhere in the print, turned by quarters or not; check --model, --scale and --rotate",
+                bodies[body].0
+            )
+        });
+    }
+    if let Some(result) = result {
+        let turned: Vec<Mesh> = result
+            .placed
+            .iter()
+            .map(|placed| bodies[placed.body].1.clone().quarter_turned(placed.quarters))
+            .collect();
+        let place = |placed: &Placed| Point::from_mm(placed.at_mm[0], placed.at_mm[1]);
+        let in_place = turned.iter().zip(&result.placed).map(|(mesh, placed)| (mesh, vec![place(placed)]));
+        let sections = Sections::new(in_place, &levels, result.bottom_mm, settings);
+        model.mesh_volume_mm3 = result.placed.iter().map(|placed| volume_mm3(placed.body)).sum();
+        let at_mm = |placed: &Placed| [placed.at_mm[0], placed.at_mm[1], result.bottom_mm];
+        model.placed_at_mm = result.placed.first().map(at_mm);
+        let placed = result.placed.iter().map(|placed| PlacedBody {
+            name: bodies[placed.body].0.clone(),
+            at_mm: at_mm(placed),
+            turned_deg: 90 * placed.quarters,
+        });
+        model.placed = placed.collect();
+        compare::compare(&sections, &levels, survey, area_mm2, open()?, &mut model, &mut found)?;
+        if survey.tells_roles() && model.part_volume_mm3 > MOST_VOLUME * model.mesh_volume_mm3 {
+            found.add(Kind::OverVolume, 1, None, || {
+                format!("{:.1} mm³ of {:.1} mm³", model.part_volume_mm3, model.mesh_volume_mm3)
+            });
         }
     }
     report.extend(found);

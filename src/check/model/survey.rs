@@ -13,7 +13,8 @@ pub(super) struct Extent {
 }
 
 impl Extent {
-    fn add(extent: &mut Option<Self>, [x, y, _]: [f64; 3]) {
+    /// Makes the box reach a place.
+    pub fn add(extent: &mut Option<Self>, [x, y, _]: [f64; 3]) {
         let e = extent.get_or_insert(Self { low: [x, y], high: [x, y] });
         (e.low, e.high) = ([e.low[0].min(x), e.low[1].min(y)], [e.high[0].max(x), e.high[1].max(y)]);
     }
@@ -24,7 +25,7 @@ impl Extent {
 }
 
 /// Whether beads of a role are the model: not skirt, brim or support.
-pub(super) fn is_part(role: Role) -> bool {
+pub(in crate::check) fn is_part(role: Role) -> bool {
     !matches!(role, Role::Skirt | Role::Brim | Role::Support | Role::SupportInterface)
 }
 
