@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 use pathwright::gcode::{Action, Measure, Stroke, measure, replay};
 use pathwright::geom::{Region, intersection, offset};
 use pathwright::job::{Engine, Job, JobError, Silent};
-use pathwright::mesh::{self, Item, Placement};
+use pathwright::mesh::{self, Layout, Placement};
 use pathwright::output::Output;
 use pathwright::pipeline::Pipeline;
 use pathwright::profile::{self, Override, Settings};
@@ -72,7 +72,7 @@ pub struct Solid {
 /// Cuts a model by itself, placed as a plate of one.
 pub fn solid(path: &Path, settings: &Settings) -> Solid {
     let (mesh, report) = mesh::load(path).expect("a model");
-    let item = Item { name: "part".into(), mesh, copies: 1 };
+    let item = Layout::single("part", mesh, 1);
     let plate = mesh::place(vec![item], &settings.bed, &Placement::default()).expect("fits");
     let layers = slice::slice(&plate, &settings.layer);
     Solid { volume_mm3: report.volume_mm3, watertight: report.watertight, layers }
