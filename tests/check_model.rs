@@ -106,6 +106,21 @@ fn a_part_that_is_missing_among_several_is_an_error_that_names_it() {
 }
 
 #[test]
+fn a_model_among_others_is_found_and_the_others_are_told() {
+    let (folder, settings) = (Folder::new(), standard(&[]));
+    let models = vec![folder.file("angle.stl", &angle()), folder.file("block.stl", &block())];
+    let print =
+        run(&Job { models: models.clone(), copies: 3, ..Job::default() }, &settings).expect("a print");
+    let report = beside(&print, &bodies(&models[1..], &Transform::default()), &settings);
+    assert_eq!(
+        (kinds(&report)[0], places(&report)),
+        (Kind::ExtraMaterial, vec![("block", 0); 3]),
+        "{report}"
+    );
+    assert_eq!(report.model.expect("compared").missing_islands, 0);
+}
+
+#[test]
 fn a_print_in_mid_air_is_found_and_compared() {
     let (folder, settings) = (Folder::new(), standard(&[]));
     let post = cuboid([50.0, 0.0, 0.0], [60.0, 10.0, 12.0]);

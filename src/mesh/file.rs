@@ -30,9 +30,10 @@ pub fn read_file(path: &Path, transform: &Transform, line: Line, copies: usize) 
     let (mut items, mut reports) = (Vec::with_capacity(read.len()), Vec::with_capacity(read.len()));
     let mut first_box = None;
     let (mut low, mut high, mut volume_mm3) = ([f64::INFINITY; 3], [f64::NEG_INFINITY; 3], 0.0);
-    for (number, Model { name: own, mesh, report, spots }) in (1..).zip(read) {
+    for (number, Model { name: own, mesh, mut report, spots }) in (1..).zip(read) {
         let unnamed = if several { format!("{} {number}", name_of(path)) } else { name_of(path) };
         let (mesh, was_at) = units::brought_near(path, mesh, transform)?;
+        report.warnings.extend(units::blur(was_at));
         let failed = |source| MeshError::Transform { path: path.to_path_buf(), source };
         let mesh = transform.apply(mesh).map_err(failed)?;
         let plus = |a: [f64; 3], b: [f64; 3]| [0, 1, 2].map(|i| a[i] + b[i]);

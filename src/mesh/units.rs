@@ -91,6 +91,21 @@ pub(super) fn brought_near(
     Ok((mesh, middle))
 }
 
+/// Numbers of 24 bits that are farther apart blur a shape, millimetres.
+const BLUR_MM: f64 = 4e-3;
+
+/// What is said of a model that was so far from the origin that its file's numbers are coarse; `None` if they are not.
+pub(super) fn blur(was_at: [f64; 3]) -> Option<String> {
+    let far_mm = was_at.iter().fold(0.0_f64, |far, x| far.max(x.abs()));
+    let apart_mm = far_mm * f64::from(f32::EPSILON);
+    (apart_mm > BLUR_MM).then(|| {
+        format!(
+            "it lies {:.0} m from the origin, where coordinates are up to {apart_mm:.3} mm apart; export it at the origin",
+            far_mm / 1000.0
+        )
+    })
+}
+
 /// That a mesh is longer than 10 m, or a few of its corners lie far from the others.
 pub(super) fn too_large(path: &Path, mesh: &Mesh, scale: [f64; 3]) -> MeshError {
     let path = path.to_path_buf();
@@ -143,5 +158,12 @@ mod tests {
         assert_eq!(unit_of([8.0, 2.0, 0.5], 0.7), Some("inches"));
         assert_eq!(unit_of([0.05; 3], 1.0), Some("metres"));
         assert_eq!(unit_of([30_000.0; 3], 1.0), Some("micrometres"));
+    }
+
+    #[test]
+    fn far_from_the_origin_numbers_are_coarse() {
+        assert_eq!(blur([30_000.0, 0.0, 0.0]), None);
+        let said = blur([0.0, -1e6, 0.0]).expect("coarse");
+        assert!(said.contains("1000 m from the origin") && said.contains("0.119 mm apart"), "{said}");
     }
 }

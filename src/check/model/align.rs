@@ -16,6 +16,8 @@ use crate::profile::Settings;
 
 /// At a place at least this share of the beads lies in the sections.
 const FOUND: f64 = 0.6;
+/// Or this share, where all outlines are there.
+const PART: f64 = 0.05;
 /// So many do where nothing else needs to be looked for.
 const SURE: f64 = 0.95;
 /// At least this share of a body's outline has walls where it is.
@@ -79,6 +81,11 @@ impl Fit {
     fn worst(&self) -> f64 {
         self.inside.min(self.outlined)
     }
+
+    /// Most of the print is explained, or a part of it without a doubt: there may be other models in it.
+    fn is_enough(&self) -> bool {
+        self.inside >= FOUND && self.outlined >= SEEN || self.inside >= PART && self.outlined >= SURE
+    }
 }
 
 /// What is searched in.
@@ -107,7 +114,7 @@ impl Search<'_> {
                 break;
             }
         }
-        best.filter(|(fit, _)| fit.inside >= FOUND && fit.outlined >= SEEN).map(|(_, found)| found)
+        best.filter(|(fit, _)| fit.is_enough()).map(|(_, found)| found)
     }
 
     /// All bodies as their files place them.
