@@ -106,6 +106,12 @@ pub struct CheckReport {
 }
 
 impl CheckReport {
+    /// Adds what another report of the same file found, of other kinds than there are.
+    pub fn join(&mut self, other: CheckReport) {
+        self.extend(Found { faults: other.faults });
+        self.model = self.model.take().or(other.model);
+    }
+
     /// Adds faults, of other kinds than there are.
     pub(super) fn extend(&mut self, found: Found) {
         let all = self.faults.drain(..).chain(found.faults).collect();

@@ -61,17 +61,28 @@ fn tell(report: &CheckReport, args: &CheckArgs) -> Result<(), Failure> {
 
 fn check(path: &Path, bodies: &[(String, Mesh)], settings: &Settings) -> Result<CheckReport, Failure> {
     let failed = |error: io::Error| Failure::new(Exit::Input, format!("{}: {error}", path.display()));
-    let mut survey = Survey::default();
-    let report = match path == Path::new("-") {
-        true => check::check(io::stdin().lock(), settings, &mut survey),
-        false => File::open(path).and_then(|file| check::check(file, settings, &mut survey)),
+    let open = || File::open(path);
+    let read = || {
+        let mut survey = Survey::default();
+        match path == Path::new("-") {
+            true => check::check(io::stdin().lock(), settings, &mut survey),
+            false => open().and_then(|file| check::check(file, settings, &mut survey)),
+        }
     };
+    // The comparison reads the file by itself, beside the rules.
+    let compare = || {
+        let mut compared = CheckReport::default();
+        if !bodies.is_empty() {
+            let survey = Survey::of(open()?)?;
+            check::against(bodies, &survey, open, settings, &mut compared)?;
+        }
+        Ok(compared)
+    };
+    let (report, compared) = rayon::join(read, compare);
     let Some(mut report) = report.map_err(failed)? else {
         return Err(failed(io::Error::other("there are no moves in it; is it G-code?")));
     };
-    if !bodies.is_empty() {
-        check::against(bodies, &survey, || File::open(path), settings, &mut report).map_err(failed)?;
-    }
+    report.join(compared.map_err(failed)?);
     report.file = path.display().to_string();
     Ok(report)
 }

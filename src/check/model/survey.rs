@@ -1,8 +1,9 @@
 //! What a first reading notes of a print for the second.
 
 use std::collections::{BTreeMap, BTreeSet};
+use std::io::{self, Read};
 
-use crate::gcode::{Action, Annotated, Stroke};
+use crate::gcode::{Action, Annotated, Reader, Stroke, each_line};
 use crate::toolpath::Role;
 
 /// A box around places, in millimetres.
@@ -72,6 +73,16 @@ pub struct Survey {
 }
 
 impl Survey {
+    /// Reads a file for what it prints.
+    ///
+    /// # Errors
+    /// Those of reading.
+    pub fn of(file: impl Read) -> io::Result<Self> {
+        let (mut survey, mut reader) = (Self::default(), Reader::default());
+        each_line(file, |line| survey.add(&reader.read(line)))?;
+        Ok(survey)
+    }
+
     /// Takes up a line.
     pub(crate) fn add(&mut self, read: &Annotated<'_>) {
         let Action::Stroke(stroke) = &read.action else { return };
