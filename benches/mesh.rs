@@ -3,7 +3,8 @@
 use std::path::{Path, PathBuf};
 
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
-use pathwright::mesh::{Layout, Placement, load, place};
+use pathwright::mesh::load;
+use pathwright::plate::{Layout, Placement, place};
 use pathwright::profile::{BedSettings, LayerSettings};
 use pathwright::slice::Slicer;
 

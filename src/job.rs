@@ -3,9 +3,10 @@
 use std::path::{Path, PathBuf};
 
 use crate::motion::PauseAt;
+use crate::order::OrderStrategy;
 use crate::order::compare::StrategyRow;
 use crate::output::{Output, OutputError};
-use crate::profile::{OrderStrategy, ProfileError, Settings};
+use crate::profile::{ProfileError, Settings};
 use crate::report::{ModelInfo, PaperRow, Reordered, Summary};
 
 /// Models for one plate, and what to do with them.

@@ -11,7 +11,8 @@ use assert_cmd::cargo::cargo_bin_cmd;
 use mesh_shapes::{Facets, cuboid, stl};
 use pathwright::check::{self, CheckReport, Kind, Survey};
 use pathwright::job::Job;
-use pathwright::mesh::{Line, Mesh, Transform, read_file};
+use pathwright::mesh::{Mesh, Transform};
+use pathwright::plate::{Line, read_file};
 use pathwright::profile::Settings;
 use print_support::{Print, run, standard};
 

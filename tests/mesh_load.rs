@@ -5,7 +5,8 @@ mod mesh_shapes;
 use std::f64::consts::PI;
 
 use mesh_shapes::{LATTICES, box_xml, cuboid, lattice_xml, load, model_xml, own_models, package, stl};
-use pathwright::mesh::{self, Layout, Mesh, MeshError, Placement};
+use pathwright::mesh::{Mesh, MeshError};
+use pathwright::plate::{self, Layout, Placement};
 use pathwright::profile::Settings;
 use pathwright::slice;
 use pathwright::units::Mm;
@@ -333,7 +334,7 @@ fn sliced_mm3(mesh: Mesh) -> f64 {
     settings.layer.height = Mm(0.05);
     settings.layer.first_height = Mm(0.05);
     let plate =
-        mesh::place(vec![Layout::single("part", mesh, 1)], &settings.bed, &Placement::default()).unwrap();
+        plate::place(vec![Layout::single("part", mesh, 1)], &settings.bed, &Placement::default()).unwrap();
     let layers = slice::slice(&plate, &settings.layer);
     layers.iter().flat_map(|layer| &layer.sections).map(|section| 0.05 * section.region.area_mm2()).sum()
 }

@@ -3,9 +3,8 @@
 mod mesh_shapes;
 
 use mesh_shapes::{ball, cuboid, mesh};
-use pathwright::mesh::{
-    Arrange, Item, Layout, Line, Mesh, Placement, PlacementError, Plate, Transform, orient, place,
-};
+use pathwright::mesh::{Mesh, Transform};
+use pathwright::plate::{Arrange, Item, Layout, Line, Placement, PlacementError, Plate, orient, place};
 use pathwright::profile::{BedOrigin, BedSettings, BedShape};
 use pathwright::units::Mm;
 use proptest::prelude::*;
@@ -24,7 +23,7 @@ fn item(name: &str, mesh: Mesh, copies: usize) -> Layout {
 
 /// Boxes of the objects on the bed: low x, low y, high x, high y.
 fn boxes(plate: &Plate) -> Vec<[f64; 4]> {
-    let corner = |object: &pathwright::mesh::Object| {
+    let corner = |object: &pathwright::plate::Object| {
         let ([x, y], [min, max]) = (object.offset.mm(), plate.meshes[object.mesh].bounds());
         [x + min[0], y + min[1], x + max[0], y + max[1]]
     };
@@ -97,7 +96,7 @@ fn ell(long: f32, wide: f32) -> Mesh {
 
 /// The two boxes of every L on the bed.
 fn ells(plate: &Plate) -> Vec<[[f64; 4]; 2]> {
-    let boxes = |object: &pathwright::mesh::Object| {
+    let boxes = |object: &pathwright::plate::Object| {
         let ([x, y], vertices) = (object.offset.mm(), plate.meshes[object.mesh].vertices());
         let bounds = |part: &[[f64; 3]]| {
             part.iter().fold([f64::MAX, f64::MAX, f64::MIN, f64::MIN], |[x0, y0, x1, y1], v| {

@@ -13,8 +13,9 @@ use std::path::Path;
 use pathwright::check::{Survey, check};
 use pathwright::gcode::{annotate, measure};
 use pathwright::geom;
-use pathwright::mesh::{self, Layout, Placement};
+use pathwright::mesh;
 use pathwright::order::{self, Chain, DetourRule, LayerProblem, SeamRule, strategy};
+use pathwright::plate::{self, Layout, Placement};
 use pathwright::profile::{
     self, CostKind, Effort, OrderSettings, OrderStrategy, Override, Pattern, Scope, SeamPosition, Settings,
     WallGenerator,
@@ -55,7 +56,7 @@ fn model(name: &str, bytes: &[u8]) {
     assert!(report.volume_mm3.is_finite());
     let settings = Settings::default();
     let item = Layout::single("part", mesh, 1);
-    let Ok(plate) = mesh::place(vec![item], &settings.bed, &Placement::default()) else { return };
+    let Ok(plate) = plate::place(vec![item], &settings.bed, &Placement::default()) else { return };
     let layers = slice::slice(&plate, &settings.layer);
     let area_mm2: f64 = layers.iter().flat_map(|layer| &layer.sections).map(|s| s.region.area_mm2()).sum();
     assert!(area_mm2 >= 0.0);

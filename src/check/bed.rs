@@ -3,7 +3,8 @@
 use super::fault::Kind;
 use super::report::Found;
 use super::rule::{Rule, Seen};
-use crate::profile::{BedShape, Settings};
+use crate::plate::BedShape;
+use crate::profile::Settings;
 
 /// Coordinates are rounded to this.
 const SLACK_MM: f64 = 2e-3;

@@ -9,7 +9,7 @@ use clap_complete::Shell;
 
 use crate::estimate::Firmware;
 use crate::motion::PauseAt;
-use crate::profile::{CostKind, Effort, OrderStrategy, Scope, SeamPosition};
+use crate::order::{CostKind, Effort, OrderStrategy, Scope, SeamPosition};
 
 const EXIT_CODES: &str = "\
 Exit codes:

@@ -9,7 +9,8 @@ use super::console;
 use super::exit::{Exit, Failure};
 use super::plan;
 use crate::check::{self, CheckReport, Survey};
-use crate::mesh::{self, Line, Mesh};
+use crate::mesh::Mesh;
+use crate::plate::{self, Line};
 use crate::profile::Settings;
 
 /// Checks file by file. The exit code is that of the first one that cannot be read, or else tells whether any has an
@@ -44,7 +45,7 @@ pub(super) fn run(args: &CheckArgs) -> Result<Exit, Failure> {
 fn bodies(paths: &[PathBuf], shape: &ShapeArgs, settings: &Settings) -> Result<Vec<(String, Mesh)>, Failure> {
     let mut bodies = Vec::new();
     for path in paths {
-        let file = mesh::read_file(path, &plan::shape(shape), Line::thinnest(settings), 1);
+        let file = plate::read_file(path, &plan::shape(shape), Line::thinnest(settings), 1);
         let file = file.map_err(|error| Failure::new(Exit::Input, error))?;
         bodies.extend(file.layout.standing_bodies());
     }

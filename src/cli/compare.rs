@@ -10,8 +10,9 @@ use super::exit::{Exit, Failure};
 use super::plan;
 use super::view::{file_name, sliced, write};
 use crate::job::{Engine, Job, Progress, Silent};
+use crate::order::OrderStrategy;
 use crate::order::compare::{self, StrategyRow};
-use crate::profile::{OrderStrategy, Settings};
+use crate::profile::Settings;
 use crate::report::{PaperRow, paper};
 use crate::view::{self, Print, Scene};
 

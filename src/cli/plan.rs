@@ -9,9 +9,8 @@ use super::exit::{Exit, Failure};
 use crate::job::{Job, ObjectSettings, TransformOptions};
 use crate::mesh::Transform;
 use crate::output::resolve_links;
-use crate::profile::{
-    Origin, Override, Problem, ProfileError, Resolved, SECTIONS, heights_from_lines, resolve,
-};
+use crate::profile::{Origin, Override, Problem, ProfileError, Resolved, SECTIONS, resolve};
+use crate::slice::heights_from_lines;
 
 /// Everything that `slice` is going to do.
 #[derive(Debug)]

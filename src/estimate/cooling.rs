@@ -1,8 +1,8 @@
 //! Small layers are slowed down until they have had time to cool.
 
 use super::{LayerTime, Machine, layer_time};
+use crate::motion::CoolingSettings;
 use crate::motion::{LayerMoves, Move};
-use crate::profile::CoolingSettings;
 use crate::toolpath::Role;
 use crate::units::{MmPerS, Seconds};
 

@@ -1,7 +1,5 @@
 //! The machine that moves are planned for.
 
-use crate::profile::{Flavor, Settings};
-
 /// Whose rules a machine plans by.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Firmware {
@@ -32,16 +30,6 @@ impl Firmware {
     /// Its name on the command line.
     pub fn name(self) -> &'static str {
         Self::ALL[self as usize].0
-    }
-}
-
-impl From<Flavor> for Firmware {
-    fn from(flavor: Flavor) -> Self {
-        match flavor {
-            Flavor::Marlin => Self::Marlin,
-            Flavor::Klipper => Self::Klipper,
-            Flavor::RepRapFirmware => Self::RepRapFirmware,
-        }
     }
 }
 
@@ -88,43 +76,8 @@ pub struct Machine {
 }
 
 impl Machine {
-    /// The machine of the settings, under the firmware that they are for.
-    pub fn new(settings: &Settings) -> Self {
-        Self::under(settings.printer.flavor.into(), settings)
-    }
-
-    /// The machine of the settings under any firmware.
-    pub fn under(firmware: Firmware, settings: &Settings) -> Self {
-        let (machine, retract) = (&settings.machine, &settings.retract);
-        let mut made = Self {
-            firmware,
-            max_speed: machine.max_speed.map(|v| v.0),
-            max_acceleration: machine.max_acceleration.map(|a| a.0),
-            acceleration: machine.max_acceleration[0].0,
-            square_corner_velocity: machine.square_corner_velocity.0,
-            extruder_corner_velocity: machine.extruder_corner_velocity.0,
-            min_cruise_ratio: machine.min_cruise_ratio.0,
-            junction_deviation_mm: machine.junction_deviation.0,
-            jerk: machine.jerk.map(|v| v.0),
-            jerk_everywhere: false,
-            retraction: FirmwareRetraction {
-                length_mm: retract.length.0,
-                extra_mm: retract.extra.0.max(0.0),
-                speed: retract.speed.0,
-                unretract_speed: retract.unretract_speed.0,
-            },
-            filament_area_mm2: settings.filament.area_mm2(),
-        };
-        if made.junction_deviation_mm <= 0.0 {
-            let usual = Some(settings.acceleration.default.0).filter(|a| *a > 0.0);
-            made.junction_deviation_mm =
-                made.corner_acceleration_mm() / usual.unwrap_or(made.acceleration).min(made.acceleration);
-        }
-        made
-    }
-
     /// Junction deviation × acceleration of a machine with this square corner velocity.
-    pub(super) fn corner_acceleration_mm(&self) -> f64 {
+    pub(crate) fn corner_acceleration_mm(&self) -> f64 {
         self.square_corner_velocity * self.square_corner_velocity * (std::f64::consts::SQRT_2 - 1.0)
     }
 }

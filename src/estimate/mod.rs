@@ -7,9 +7,11 @@ mod cooling;
 mod corner;
 mod layer;
 mod machine;
+mod options;
 mod planner;
 
 pub use cooling::cool;
 pub use layer::{LayerTime, layer_time};
 pub use machine::{Firmware, FirmwareRetraction, Machine};
+pub use options::MachineSettings;
 pub use planner::{Planner, Segment, travel_time};

@@ -2,8 +2,8 @@
 
 use super::read::{Measure, measure_on, replay, resume, time_on};
 use super::script::Scripts;
+use super::settings::GcodeOptions;
 use crate::estimate::Machine;
-use crate::profile::Settings;
 use crate::units::Seconds;
 
 /// What a script comes to, measured as it would be on the finished file.
@@ -20,7 +20,7 @@ pub struct Effect {
 
 impl Scripts {
     /// The start script: heating, homing, priming.
-    pub fn start_effect(&self, settings: &Settings, machine: &Machine) -> Effect {
+    pub fn start_effect(&self, settings: &GcodeOptions, machine: &Machine) -> Effect {
         let text = self.start.as_bytes();
         let mut steps = replay(text);
         let measure = measure_on(&mut steps, settings.filament.diameter, None);
@@ -29,7 +29,7 @@ impl Scripts {
     }
 
     /// The end script, begun where the last bead ended.
-    pub fn end_effect(&self, settings: &Settings, machine: &Machine, bead_end: [f64; 3]) -> Effect {
+    pub fn end_effect(&self, settings: &GcodeOptions, machine: &Machine, bead_end: [f64; 3]) -> Effect {
         let steps = || resume(self.end.as_bytes(), bead_end, settings.gcode.relative_e);
         let mut measured = steps();
         let measure = measure_on(&mut measured, settings.filament.diameter, Some(bead_end));
@@ -41,6 +41,7 @@ impl Scripts {
 mod tests {
     use super::*;
     use crate::gcode::PrintFacts;
+    use crate::profile::Settings;
 
     fn effects(start: &str, end: &str) -> (Effect, Effect) {
         let facts = PrintFacts { layers: 1, min_mm: [0.0; 2], max_mm: [9.0; 2], max_z_mm: 0.2, dated: 0 };
@@ -49,8 +50,8 @@ mod tests {
         let scripts = Scripts::new(&settings, &facts).expect("no mistakes");
         let machine = Machine::new(&settings);
         (
-            scripts.start_effect(&settings, &machine),
-            scripts.end_effect(&settings, &machine, [10.0, 10.0, 0.2]),
+            scripts.start_effect(&GcodeOptions::from(&settings), &machine),
+            scripts.end_effect(&GcodeOptions::from(&settings), &machine, [10.0, 10.0, 0.2]),
         )
     }
 

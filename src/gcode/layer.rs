@@ -5,8 +5,8 @@ use super::flavor::{Dialect, Purpose, dialect};
 use super::number::{push_fixed, push_word, text, ticks};
 use super::settings::WriterSettings;
 use super::slot::{PROGRESS_WIDTH, Pending, Slot};
+use crate::motion::filament_area_mm2;
 use crate::motion::{LayerMoves, Move};
-use crate::profile::strand_area_mm2;
 use crate::toolpath::Role;
 use crate::units::{Celsius, Mm3, MmPerS, MmPerS2};
 
@@ -70,7 +70,7 @@ impl<'a> Writer<'a> {
             y: UNKNOWN,
             z: UNKNOWN,
             f: UNKNOWN,
-            extruder: Extruder::new(strand_area_mm2(settings.filament_diameter)),
+            extruder: Extruder::new(filament_area_mm2(settings.filament_diameter)),
             asked: None,
             in_force: [None; 2],
             object: None,

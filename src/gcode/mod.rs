@@ -9,21 +9,26 @@ mod extruder;
 mod flavor;
 mod layer;
 mod number;
+mod options;
 mod read;
 mod script;
 mod settings;
+mod sizes;
 mod slot;
 mod wrap;
 
 pub use effect::Effect;
 pub use layer::{LayerText, format_layer};
+pub(crate) use number::one_line;
+pub use options::{Flavor, GcodeSettings, PrinterSettings};
 pub use read::{
     Action, Annotated, Center, Clock, Code, Context, Line, Lines, Mark, Measure, Meter, Reader, Replay,
     State, Step, Stroke, Timetable, TypeMeasure, Words, annotate, each_line, file_time, lines, mark, measure,
     replay, role,
 };
 pub use script::Scripts;
-pub use settings::{ObjectLabel, PrintFacts, WriterSettings};
+pub use settings::{GcodeOptions, ObjectLabel, PrintFacts, WriterSettings};
+pub use sizes::thumbnail_sizes;
 pub(crate) use slot::duration;
 pub use slot::{Pending, Slot, Totals};
 pub use wrap::{Opening, closing, labels, object_comment, opening};

@@ -89,6 +89,18 @@ pub(super) fn text(value: f64, decimals: u32) -> String {
     }
 }
 
+/// Free text as it may stand in a command or comment: no line ends or other control characters, and no
+/// semicolon, which would begin a comment.
+pub(crate) fn one_line(text: &str) -> String {
+    text.chars()
+        .map(|c| match c {
+            ';' => ',',
+            c if c.is_control() => ' ',
+            c => c,
+        })
+        .collect()
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

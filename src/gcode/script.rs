@@ -1,15 +1,14 @@
 //! Start, end and pause scripts: their placeholders, and whether they heat by themselves.
 
 use super::flavor::dialect;
-use super::settings::PrintFacts;
-use crate::profile::{Flavor, PrintBounds, Settings, expand};
+use super::options::{Flavor, GcodeSettings};
 
 /// The scripts of a print, filled in.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Scripts {
     pub(super) start: String,
     pub(super) end: String,
-    pub(super) pause: String,
+    pub(crate) pause: String,
     /// Which heaters the start script sees to.
     pub(super) starts: Heaters,
     /// Which heaters the end script sees to.
@@ -24,29 +23,14 @@ pub(super) struct Heaters {
 }
 
 impl Scripts {
-    /// Fills in the scripts of the settings.
-    ///
-    /// # Errors
-    /// Every mistake in all three scripts, a line each. Scripts of a resolved profile have none.
-    pub fn new(settings: &Settings, facts: &PrintFacts) -> Result<Self, Vec<String>> {
-        let PrintFacts { min_mm, max_mm, max_z_mm, layers, .. } = *facts;
-        let print = PrintBounds { min_mm, max_mm, max_z_mm, layers };
-        let mut errors = Vec::new();
-        let mut filled = |name: &str, text: &str| {
-            expand(text, settings, print).unwrap_or_else(|mistakes| {
-                errors.extend(mistakes.iter().map(|mistake| format!("{name}: {mistake}")));
-                String::new()
-            })
-        };
-        let gcode = &settings.gcode;
-        let scripts = Self {
-            start: filled("gcode.start", &gcode.start),
-            end: filled("gcode.end", &gcode.end),
-            pause: filled("gcode.pause", &gcode.pause),
-            starts: heaters(&gcode.start, settings.printer.flavor),
-            ends: heaters(&gcode.end, settings.printer.flavor),
-        };
-        if errors.is_empty() { Ok(scripts) } else { Err(errors) }
+    /// Start, end and pause scripts, filled in; `options` has them as they are written.
+    pub(crate) fn filled_in(
+        [start, end, pause]: [String; 3],
+        options: &GcodeSettings,
+        flavor: Flavor,
+    ) -> Self {
+        let (starts, ends) = (heaters(&options.start, flavor), heaters(&options.end, flavor));
+        Self { start, end, pause, starts, ends }
     }
 }
 
@@ -83,6 +67,8 @@ fn is_macro(command: &str) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::gcode::PrintFacts;
+    use crate::profile::Settings;
 
     #[test]
     fn scripts_are_filled_in_and_their_line_ends_made_alike() {

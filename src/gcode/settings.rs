@@ -1,8 +1,10 @@
 //! What the writer needs to know.
 
 use super::number::text;
-use super::script::Scripts;
-use crate::profile::{Flavor, Settings};
+use super::options::{Flavor, GcodeSettings, PrinterSettings};
+use crate::estimate::Machine;
+use crate::motion::{FilamentSettings, RetractSettings, TemperatureSettings};
+use crate::slice::LayerSettings;
 use crate::units::Mm;
 
 /// What is known of a print before its first layer is planned.
@@ -83,17 +85,16 @@ pub struct WriterSettings {
     pub progress: bool,
 }
 
-impl WriterSettings {
-    /// What the writer needs of all settings. `progress` is for outputs that can be patched later.
-    pub fn new(settings: &Settings, scripts: &Scripts, progress: bool) -> Self {
-        Self {
-            flavor: settings.printer.flavor,
-            relative_e: settings.gcode.relative_e,
-            filament_diameter: settings.filament.diameter,
-            firmware_retraction: settings.retract.firmware,
-            pause: scripts.pause.clone(),
-            objects: Vec::new(),
-            progress,
-        }
-    }
+/// What header, footer and scripts depend on.
+#[derive(Clone, Debug, PartialEq)]
+#[allow(missing_docs)]
+pub struct GcodeOptions {
+    pub printer: PrinterSettings,
+    pub filament: FilamentSettings,
+    pub temperature: TemperatureSettings,
+    pub layer: LayerSettings,
+    pub retract: RetractSettings,
+    pub gcode: GcodeSettings,
+    /// Limits that the header states, and that scripts are timed by.
+    pub machine: Machine,
 }

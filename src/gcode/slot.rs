@@ -1,7 +1,7 @@
 //! Values that are known only at the end, and the places left for them.
 
 use super::number::text;
-use crate::profile::{FilamentSettings, strand_area_mm2};
+use crate::motion::{FilamentSettings, filament_area_mm2};
 use crate::units::{Mm, Mm3, Seconds};
 
 /// Width of the line left for M73: `M73 P100 R99999`.
@@ -55,7 +55,7 @@ pub struct Totals {
 impl Totals {
     /// Length of strand for a volume.
     pub fn filament(&self, diameter: Mm) -> Mm {
-        Mm(self.volume.0 / strand_area_mm2(diameter))
+        Mm(self.volume.0 / filament_area_mm2(diameter))
     }
 
     /// A value as text.

@@ -1,7 +1,7 @@
 //! Disjoint sets, with the parity between members: what hangs together, and whether it faces the same way.
 
 /// Union–find with path halving and parity (Tarjan & van Leeuwen 1984, doi:10.1145/62.2160).
-pub(super) struct Components {
+pub(crate) struct Components {
     /// `parent << 1 | parity towards it`.
     link: Vec<u32>,
 }

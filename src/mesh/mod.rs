@@ -1,37 +1,27 @@
-//! Triangle meshes: from a file to a repaired, indexed [`Mesh`], moved and placed on the bed.
+//! Triangle meshes: from a file to a repaired, indexed [`Mesh`].
 //!
 //! [`load`] reads what users have and repairs what can be repaired without guessing; a [`MeshReport`] says what
-//! was found and done. [`Transform`] scales, turns and moves; [`place()`] arranges models on the bed.
+//! was found and done. [`Transform`] scales, turns and moves.
 
 mod agree;
-mod area;
-mod arrange;
 mod components;
 mod doubts;
 mod edges;
 mod error;
-mod file;
 mod formats;
 mod gaps;
-mod group;
 mod holes;
-mod layout;
 mod measure;
 mod obj;
-mod orient;
 mod outside;
-mod pack;
 mod pairs;
-mod place;
 mod repair;
 mod report;
 mod sheets;
-mod silhouette;
-mod slivers;
 mod stl;
 mod threemf;
 mod transform;
-mod units;
+pub(crate) mod units;
 mod walls;
 mod weld;
 mod words;
@@ -41,13 +31,10 @@ use std::io::{Read, Seek, SeekFrom};
 use std::path::Path;
 
 pub use error::{MeshError, Place};
-pub use file::{File, name_of, read_file};
-pub use layout::{Item, Layout};
-pub use orient::orient;
-pub use place::{Arrange, Line, Object, Placement, PlacementError, Plate, place};
 pub use report::{Doubt, MeshReport, Repair};
 pub use transform::{Transform, TransformError};
 
+pub(crate) use components::Components;
 pub(crate) use edges::NO_TWIN;
 
 use crate::limits;
@@ -102,6 +89,11 @@ impl Mesh {
         &self.twins
     }
 
+    /// Moves every vertex; facets keep their neighbours.
+    pub(crate) fn moved(&mut self, to: impl Fn([f64; 3]) -> [f64; 3]) {
+        self.vertices.iter_mut().for_each(|vertex| *vertex = to(*vertex));
+    }
+
     /// Whether neighbouring triangles agree on which side is outside. If not, a point is inside where a ray from it
     /// crosses the surface an odd number of times.
     pub fn is_oriented(&self) -> bool {
@@ -137,7 +129,7 @@ impl Mesh {
 }
 
 /// Volume of the tetrahedron from a facet to a point behind it, and area of the facet.
-fn facet_measures(corners: [[f64; 3]; 3], apex: [f64; 3]) -> (f64, f64) {
+pub(crate) fn facet_measures(corners: [[f64; 3]; 3], apex: [f64; 3]) -> (f64, f64) {
     let [a, b, c] = corners;
     let minus = |p: [f64; 3], q: [f64; 3]| [p[0] - q[0], p[1] - q[1], p[2] - q[2]];
     let (u, v, w) = (minus(b, a), minus(c, a), minus(a, apex));

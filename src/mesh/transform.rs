@@ -81,7 +81,7 @@ impl Mesh {
     }
 
     /// The mesh moved so that the middle of a box lies over the origin and its bottom at z = 0.
-    pub(super) fn standing(mut self, [min, max]: [[f64; 3]; 2]) -> Mesh {
+    pub(crate) fn standing(mut self, [min, max]: [[f64; 3]; 2]) -> Mesh {
         self.shift([-(min[0] + max[0]) / 2.0, -(min[1] + max[1]) / 2.0, -min[2]]);
         self
     }

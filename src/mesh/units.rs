@@ -41,7 +41,7 @@ fn unit(size_mm: [f64; 3], volume_mm3: f64) -> Option<(&'static str, f64)> {
 
 /// The size in words, and the unit that it points to with the option that mends it; `None` where the size is usual. `scale`
 /// is what the model was scaled by.
-pub(super) fn hint(size_mm: [f64; 3], volume_mm3: f64, scale: [f64; 3]) -> Option<String> {
+pub(crate) fn hint(size_mm: [f64; 3], volume_mm3: f64, scale: [f64; 3]) -> Option<String> {
     let (unit, factor) = unit(size_mm, volume_mm3)?;
     let option = match scale {
         [x, y, z] if x == y && y == z => format!("use --scale {}", x * factor),
@@ -71,7 +71,7 @@ pub(super) fn size_of(points: impl Iterator<Item = [f32; 3]>) -> Option<[f64; 3]
 ///
 /// # Errors
 /// Scaled, it is longer than 10 m.
-pub(super) fn brought_near(
+pub(crate) fn brought_near(
     path: &Path,
     mut mesh: Mesh,
     transform: &Transform,
@@ -95,7 +95,7 @@ pub(super) fn brought_near(
 const BLUR_MM: f64 = 4e-3;
 
 /// What is said of a model that was so far from the origin that its file's numbers are coarse; `None` if they are not.
-pub(super) fn blur(was_at: [f64; 3]) -> Option<String> {
+pub(crate) fn blur(was_at: [f64; 3]) -> Option<String> {
     let far_mm = was_at.iter().fold(0.0_f64, |far, x| far.max(x.abs()));
     let apart_mm = far_mm * f64::from(f32::EPSILON);
     (apart_mm > BLUR_MM).then(|| {

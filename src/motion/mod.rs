@@ -7,6 +7,7 @@ mod arc;
 mod bead;
 mod ends;
 mod moves;
+mod options;
 mod overhang;
 mod pause;
 mod plan;
@@ -20,6 +21,10 @@ mod sums;
 mod travel;
 
 pub use moves::{Entry, LayerMoves, Move};
+pub use options::{
+    AccelerationSettings, CoolingSettings, FilamentSettings, RetractSettings, SpeedSettings,
+    TemperatureSettings, TravelSettings, filament_area_mm2,
+};
 pub use pause::{PauseAt, PauseError};
 pub use plan::{exit, plan_layer};
 pub use settings::{FlowSettings, MotionSettings};

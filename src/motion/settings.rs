@@ -1,10 +1,12 @@
 //! What the motion stage needs of the settings.
 
 use super::PauseAt;
-use crate::profile::{
-    AccelerationSettings, CoolingSettings, FirstLayerSettings, RetractSettings, SeamSettings, Settings,
-    SpeedSettings, TemperatureSettings, TravelSettings,
+use super::options::{
+    AccelerationSettings, CoolingSettings, RetractSettings, SpeedSettings, TemperatureSettings,
+    TravelSettings,
 };
+use crate::order::SeamSettings;
+use crate::toolpath::FirstLayerSettings;
 use crate::units::{Mm, Mm3PerS, MmPerS, MmPerS2};
 
 /// How much is extruded.
@@ -45,32 +47,4 @@ pub struct MotionSettings {
     pub labels: bool,
     /// Where to stop for a filament change.
     pub pauses: Vec<PauseAt>,
-}
-
-impl MotionSettings {
-    /// What motion needs of all settings, and where to pause.
-    pub fn new(settings: &Settings, pauses: &[PauseAt]) -> Self {
-        Self {
-            flow: FlowSettings {
-                multiplier: settings.filament.flow,
-                strand_mm2: std::f64::consts::PI / 4.0 * settings.filament.diameter.0.powi(2),
-                max_flow: settings.filament.max_flow,
-            },
-            first_layer: settings.first_layer.clone(),
-            speed: settings.speed.clone(),
-            acceleration: settings.acceleration.clone(),
-            firmware_acceleration: settings.machine.max_acceleration[0],
-            square_corner_velocity: settings.machine.square_corner_velocity,
-            seam: settings.seam.clone(),
-            retract: settings.retract.clone(),
-            travel: settings.travel.clone(),
-            wall_width: settings.walls.external_width,
-            cooling: settings.cooling.clone(),
-            temperature: settings.temperature.clone(),
-            z_offset: settings.layer.z_offset,
-            arcs: settings.gcode.arcs.then_some(settings.gcode.arc_tolerance),
-            labels: settings.gcode.labels,
-            pauses: pauses.to_vec(),
-        }
-    }
 }

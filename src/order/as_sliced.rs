@@ -3,9 +3,9 @@
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
 
+use super::options::Effort;
 use super::precedence::{Frontier, Groups};
 use super::{Cost, Problem, Sequence, Strategy, Visit};
-use crate::profile::Effort;
 
 /// Paths in the order and direction in which they were made, as far as precedence lets them: always the
 /// lowest index that may come next. Loops are entered at their first vertex. O(n log n).

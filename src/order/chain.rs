@@ -7,11 +7,11 @@
 use std::slice;
 
 use super::layer::{LayerProblem, ends_on_path, stacked};
+use super::options::{OrderSettings, SeamPosition};
 use super::precedence::{Frontier, Groups};
 use super::seam::{Pins, enter_nearest};
 use super::{Cost, DetourRule, Detours, Known, Nearest, Problem, Sequence, Shape, Strategy, Visit, strategy};
 use crate::geom::{Point, Router};
-use crate::profile::{OrderSettings, SeamPosition};
 use crate::toolpath::LayerPaths;
 
 /// Layers per chunk for a print of so many layers: enough chunks to keep every core busy, and not so

@@ -2,8 +2,8 @@
 
 use rustc_hash::FxHashMap;
 
+use super::options::Scope;
 use super::{Problem, Shape, Visit};
-use crate::profile::Scope;
 
 /// Why a sequence is no solution.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]

@@ -4,11 +4,11 @@ use super::entries::enter_shortest;
 use super::index::Index;
 use super::matching::{delaunay, euclidean};
 use super::nearest::walk_groups;
+use super::options::Effort;
 use super::parts::Parts;
 use super::precedence::Groups;
 use super::{Cost, Problem, Sequence, Shape, Strategy, Visit};
 use crate::geom::Point;
-use crate::profile::Effort;
 
 /// The seed's algorithm: spanning tree over the print segments, exact matching of its odd nodes, Eulerian circuit,
 /// cut at the start, shortcuts.

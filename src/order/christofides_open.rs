@@ -1,8 +1,8 @@
 //! Christofides' heuristic without a way back.
 
 use super::christofides::{Ending, solve};
+use super::options::Effort;
 use super::{Cost, Problem, Sequence, Strategy};
-use crate::profile::Effort;
 
 /// As [`super::Christofides`], but the walk need not return: the start becomes one end of the Eulerian walk, and the
 /// matching leaves one odd node free, whichever saves most, to be the other. Where the end is known, both are fixed.

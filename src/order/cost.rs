@@ -1,7 +1,6 @@
 //! What ordering minimises.
 
 use super::{Problem, Visit};
-use crate::profile::{CostKind, Flavor, Settings};
 
 /// Cost of the travel between two paths, a non-decreasing function of its straight-line length with
 /// `cost(0) = 0`, so a nearer point of the same island is never dearer, nor one elsewhere.
@@ -35,44 +34,6 @@ pub struct TravelTime {
 }
 
 impl TravelTime {
-    /// The machine and the motion of the settings. With firmware retraction, whose lengths and speeds the firmware
-    /// keeps, the profile's values are the best guess.
-    ///
-    /// The corners between bead and travel are taken to be stops: at the speed of a corner, a tenth of the travel's or
-    /// less, that is off by hundredths.
-    pub fn new(settings: &Settings) -> Self {
-        let Settings { machine, speed, acceleration, retract, travel, .. } = settings;
-        let given = |values: &[f64]| values.iter().copied().find(|a| *a > 0.0).unwrap_or(0.0);
-        let (max_speed, max_acceleration) =
-            (machine.max_speed.map(|v| v.0), machine.max_acceleration.map(|a| a.0));
-        let usual = given(&[acceleration.default.0, max_acceleration[0]]);
-        let way_s = |way_mm: f64, speed: f64, axis: usize| {
-            let (speed, acceleration) = (speed.min(max_speed[axis]), max_acceleration[axis]);
-            if way_mm > 0.0 { trapezoid_s(way_mm, speed, acceleration, 0.0) } else { 0.0 }
-        };
-        let length_mm = retract.length.0;
-        let retract_s = if length_mm > 0.0 {
-            way_s(length_mm, retract.speed.0, 3)
-                + way_s(length_mm + retract.extra.0, retract.unretract_speed.0, 3)
-                + 2.0 * way_s(retract.z_hop.0, speed.z.0, 2)
-        } else {
-            0.0
-        };
-        Self {
-            speed_mm_s: speed.travel.0.min(max_speed[0]),
-            acceleration_mm_s2: given(&[acceleration.travel.0, usual]).min(max_acceleration[0]),
-            cruise_ratio: if settings.printer.flavor == Flavor::Klipper {
-                machine.min_cruise_ratio.0
-            } else {
-                0.0
-            },
-            stop_s: speed.infill.0.min(speed.perimeter.0) / usual,
-            retract_from_mm: retract.min_travel.0,
-            retract_inside_from_mm: travel.retract_inside.0.max(retract.min_travel.0),
-            retract_s,
-        }
-    }
-
     /// Duration of a travel in seconds: a trapezoid of speed from rest to rest, the stop and the start of the beads
     /// that it joins, and the retraction where it is due: `inside` of an island or from one to another. Staying in place
     /// takes no time.
@@ -90,7 +51,7 @@ impl TravelTime {
 
 /// Seconds from rest to rest, of which at least a share of the way is cruised.
 #[inline]
-fn trapezoid_s(length_mm: f64, speed: f64, acceleration: f64, cruise_ratio: f64) -> f64 {
+pub(crate) fn trapezoid_s(length_mm: f64, speed: f64, acceleration: f64, cruise_ratio: f64) -> f64 {
     if acceleration <= 0.0 {
         return length_mm / speed;
     }
@@ -101,14 +62,6 @@ fn trapezoid_s(length_mm: f64, speed: f64, acceleration: f64, cruise_ratio: f64)
 }
 
 impl Cost {
-    /// The cost that is asked for.
-    pub fn new(kind: CostKind, settings: &Settings) -> Self {
-        match kind {
-            CostKind::Length => Self::Length,
-            CostKind::Time => Self::Time(TravelTime::new(settings)),
-        }
-    }
-
     /// Cost of a travel of this length, inside of an island or from one to another: millimetres or seconds.
     #[inline]
     pub fn of(&self, length_mm: f64, inside: bool) -> f64 {
@@ -153,6 +106,7 @@ pub fn links(problem: &Problem, sequence: &[Visit]) -> impl Iterator<Item = (f64
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::profile::Settings;
 
     const TIME: TravelTime = TravelTime {
         speed_mm_s: 150.0,

@@ -7,32 +7,20 @@ use rustc_hash::FxHashMap;
 
 use super::Cost;
 use crate::geom::{Router, Way};
-use crate::profile::Settings;
 use crate::toolpath::LayerPaths;
 
 /// How travels are led round what they must not cross.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct DetourRule {
     /// Width of the outermost wall, millimetres.
-    wall_width_mm: f64,
+    pub wall_width_mm: f64,
     /// By how much a detour may lengthen a travel, millimetres.
-    max_mm: f64,
+    pub max_mm: f64,
     /// What a retraction is worth, millimetres: travels inside are not retracted up to this length.
-    retraction_mm: f64,
+    pub retraction_mm: f64,
 }
 
 impl DetourRule {
-    /// The rule of the settings; `None`: travels go straight.
-    pub fn new(settings: &Settings) -> Option<Self> {
-        let (travel, walls) = (&settings.travel, &settings.walls);
-        let rule = Self {
-            wall_width_mm: walls.external_width.0,
-            max_mm: travel.detour_mm(),
-            retraction_mm: travel.retract_inside.0,
-        };
-        (rule.max_mm > 0.0).then_some(rule)
-    }
-
     /// What finds the ways of one layer.
     pub fn router(self, layer: &LayerPaths) -> Router<'_> {
         Router::new(&layer.outline, self.wall_width_mm, self.max_mm)

@@ -6,10 +6,10 @@ use std::collections::BinaryHeap;
 use super::entries::samples;
 use super::index::{Entry, Index};
 use super::nearest::walk_groups;
+use super::options::Effort;
 use super::precedence::Groups;
 use super::{Cost, Problem, Sequence, Shape, Strategy, Visit};
 use crate::geom::Point;
-use crate::profile::Effort;
 
 /// Joins paths into fragments by the shortest link that is still possible, until one fragment is left. A loop's
 /// entry is settled by the first link that reaches it.

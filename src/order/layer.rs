@@ -2,10 +2,10 @@
 
 use rustc_hash::FxHashMap;
 
+use super::options::Scope;
 use super::seam::Pins;
 use super::{Item, Problem, Run, Sequence, Shape, Visit};
 use crate::geom::Point;
-use crate::profile::Scope;
 use crate::toolpath::{LayerPaths, Path, Role};
 
 /// The problem of one layer whose seams are free or pinned.

@@ -1,7 +1,7 @@
 //! Precedence as groups of items that stay together, for strategies to build upon.
 
+use super::options::Scope;
 use super::{Problem, Run};
-use crate::profile::Scope;
 
 /// The items of a problem in groups that are drawn without interruption: its runs, or under `layer` scope
 /// everything of one stage. Groups are numbered by (stage, island, rank), so that a group's number is above

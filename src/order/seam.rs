@@ -1,10 +1,10 @@
 //! Where loops may be entered: the seam rules.
 
 use super::index::Index;
+use super::options::{Scope, SeamPosition};
 use super::precedence::Groups;
 use super::{Item, Problem, Run, Sequence, Shape};
 use crate::geom::Point;
-use crate::profile::{Scope, SeamPosition};
 use crate::toolpath::LayerPaths;
 
 /// A turn sharper than this is a corner, in which a seam hides (30°).

@@ -1,8 +1,8 @@
 //! One trait behind which every way of ordering lives. Adding one is a file and a line in [`strategy`].
 
 use super::detours::Detours;
+use super::options::{Effort, OrderStrategy};
 use super::{AsSliced, Christofides, ChristofidesOpen, Cost, Greedy, Nearest, Optimized, Problem, Sequence};
-use crate::profile::{Effort, OrderStrategy};
 
 /// A way of ordering a layer.
 pub trait Strategy: Sync {

@@ -5,7 +5,8 @@ use std::path::Path;
 use crate::job::{Job, JobError, Progress};
 use crate::order::compare::{LayerRow, StrategyRow};
 use crate::order::{Cost, LayerProblem, Pins, SeamRule, Visit, chunk_len, ends_on_path};
-use crate::profile::{CostKind, OrderStrategy, Settings};
+use crate::order::{CostKind, OrderStrategy};
+use crate::profile::Settings;
 use crate::toolpath::LayerPaths;
 
 use super::ordering::{Certificate, Layers, Sequencer};

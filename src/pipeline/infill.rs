@@ -3,8 +3,9 @@
 use std::sync::Arc;
 
 use crate::geom::{self, Region};
-use crate::mesh::Plate;
-use crate::profile::{Pattern, Settings};
+use crate::plate::Plate;
+use crate::profile::Settings;
+use crate::toolpath::Pattern;
 use crate::toolpath::bead;
 use crate::toolpath::infill::{AdaptiveCubic, FillPattern, Hollow, Lightning};
 

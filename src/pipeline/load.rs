@@ -4,10 +4,12 @@ use std::path::{Path, PathBuf};
 
 use crate::job::{Job, JobError, TransformOptions};
 use crate::limits;
-use crate::mesh::{self, Arrange, File, Mesh, MeshReport, Object, Placement, Plate, Transform};
-use crate::profile::{LayerSettings, Sequence, Settings};
+use crate::mesh::{self, Mesh, MeshReport, Transform};
+use crate::plate::{self, Arrange, File, Object, Placement, Plate, Sequence};
+use crate::profile::Settings;
 use crate::report::{ModelInfo, Repaired};
 use crate::slice;
+use crate::slice::LayerSettings;
 use crate::units::Mm;
 
 use super::parallel;
@@ -48,14 +50,14 @@ pub(super) fn plate<'a>(job: &'a Job, settings: &Settings) -> Result<Loaded<'a>,
             repairs.extend(Repaired::of(&item.name, report));
             let copies = item.spots.len() * job.copies as usize;
             let file_name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
-            let known = vec![item.name.clone(), mesh::name_of(path), file_name, path.display().to_string()];
+            let known = vec![item.name.clone(), plate::name_of(path), file_name, path.display().to_string()];
             names.extend(std::iter::repeat_n(known, copies));
         }
     }
     let wishes = !job.support_enforcers.is_empty() || !job.support_blockers.is_empty();
     let placement = Placement { turn: settings.plate.turn && !wishes, ..placement(settings, &job.transform) };
     let layouts = files.into_iter().map(|file| file.layout).collect();
-    let plate = mesh::place(layouts, &settings.bed, &placement)
+    let plate = plate::place(layouts, &settings.bed, &placement)
         .map_err(|error| JobError::DoesNotFit(hinted(error.to_string())))?;
     check_size(&plate, &settings.layer)?;
     for (names, object) in names.iter_mut().zip(&plate.objects) {
@@ -75,7 +77,7 @@ fn file(
     copies: usize,
     settings: &Settings,
 ) -> Result<File, JobError> {
-    let mut file = mesh::read_file(path, &transform(options), mesh::Line::thinnest(settings), copies)
+    let mut file = plate::read_file(path, &transform(options), plate::Line::thinnest(settings), copies)
         .map_err(|error| JobError::Input(error.to_string()))?;
     if settings.plate.orient {
         file.layout = file.layout.oriented();
@@ -159,7 +161,7 @@ pub(super) fn info(
             text.push_str(&format!("object      {} × {}\n", item.spots.len(), item.name));
         }
     }
-    let placed = mesh::place(vec![layout], &settings.bed, &placement(settings, options));
+    let placed = plate::place(vec![layout], &settings.bed, &placement(settings, options));
     let advice = match &placed {
         Ok(plate) => {
             plate.notes.iter().for_each(|note| text.push_str(&format!("warning     {note}\n")));

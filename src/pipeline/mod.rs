@@ -24,9 +24,10 @@ mod supports;
 use std::path::Path;
 
 use crate::job::{Engine, Job, JobError, Progress, ReorderJob, TransformOptions};
+use crate::order::OrderStrategy;
 use crate::order::compare::StrategyRow;
 use crate::output::Output;
-use crate::profile::{OrderStrategy, Settings};
+use crate::profile::Settings;
 use crate::report::{ModelInfo, PaperRow, Reordered, Summary};
 
 /// The slicer itself.

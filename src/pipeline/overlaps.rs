@@ -1,7 +1,7 @@
 //! Objects that overlap, or nearly touch, where their file puts them.
 
 use crate::geom::{self, Region};
-use crate::mesh::Plate;
+use crate::plate::Plate;
 use crate::slice::{Layer, Section};
 
 use super::parallel;

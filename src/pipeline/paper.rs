@@ -8,8 +8,9 @@ use crate::estimate::Machine;
 use crate::gcode::{file_time, measure};
 use crate::job::{Job, JobError, Progress, Silent};
 use crate::order::compare::gap;
+use crate::order::{OrderStrategy, Scope};
 use crate::output::Output;
-use crate::profile::{OrderStrategy, Scope, Settings};
+use crate::profile::Settings;
 use crate::report::PaperRow;
 
 use super::compare::{self, is_gcode};

@@ -1,14 +1,17 @@
 //! One plate, from meshes to bytes.
 
 use crate::estimate::{Machine, cool};
-use crate::gcode::{self, Effect, LayerText, ObjectLabel, PrintFacts, Scripts, Slot, Totals, WriterSettings};
+use crate::gcode::thumbnail_sizes;
+use crate::gcode::{
+    self, Effect, GcodeOptions, LayerText, ObjectLabel, PrintFacts, Scripts, Slot, Totals, WriterSettings,
+};
 use crate::geom::{Bounds, Point};
 use crate::job::{Job, JobError, Progress};
-use crate::mesh::Plate;
 use crate::motion::{self, Entry, MotionSettings};
 use crate::order::{Chain, DetourRule, Pins, SeamRule, Visit, chunk_len};
 use crate::output::Output;
-use crate::profile::{Settings, thumbnail_sizes};
+use crate::plate::Plate;
+use crate::profile::Settings;
 use crate::report::{LayerSummary, Measures, Overhangs, Summary};
 use crate::toolpath::LayerPaths;
 use crate::units::{Mm3, Seconds};
@@ -43,6 +46,7 @@ pub(super) fn slice(
     let overhangs = (!settings.support.enabled).then(|| rounds::overhangs(&rounds, settings));
 
     let facts = facts(&rounds, bounds, settings);
+    let options = GcodeOptions::from(settings);
     let scripts = Scripts::new(settings, &facts).map_err(|mistakes| JobError::Script(mistakes.join("\n")))?;
     let labels = if settings.gcode.labels { labels(&loaded.plate, &rounds) } else { Vec::new() };
     let names = labels.iter().map(|label| label.name.clone()).collect();
@@ -55,14 +59,14 @@ pub(super) fn slice(
         certify: job.certify,
     };
 
-    let mut opening = gcode::opening(settings, &facts, &scripts, true);
+    let mut opening = gcode::opening(&options, &facts, &scripts, true);
     opening.comment(&pictures);
-    let labels = gcode::labels(settings, &labels);
+    let labels = gcode::labels(&options, &labels);
     let inspector = Inspector::new(settings, &opening.bytes);
     let mut sheet = Sheet { output, inspector, slots: opening.slots, tally: Tally::default(), progress };
     sheet.output.write(&opening.bytes)?;
     sheet.write(&labels)?;
-    let begun = scripts.start_effect(settings, &run.machine);
+    let begun = scripts.start_effect(&options, &run.machine);
     let mut ordered = Vec::new();
     let mut floating_warnings = Vec::new();
     sheet.tally.add_script(&begun, &run.machine);
@@ -85,10 +89,10 @@ pub(super) fn slice(
     }
     let Sheet { output, mut inspector, slots, mut tally, .. } = sheet;
     if let Some([x, y]) = at.xy {
-        tally.add_script(&scripts.end_effect(settings, &run.machine, [x, y, at.z_mm]), &run.machine);
+        tally.add_script(&scripts.end_effect(&options, &run.machine, [x, y, at.z_mm]), &run.machine);
     }
     let totals = tally.totals();
-    let closing = gcode::closing(settings, &facts, &scripts, &totals);
+    let closing = gcode::closing(&options, &facts, &scripts, &totals);
     inspector.take(&closing);
     output.write(&closing)?;
     inspector.verdict()?;

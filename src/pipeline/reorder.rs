@@ -11,8 +11,9 @@ use crate::estimate::Machine;
 use crate::gcode::{Annotated, State};
 use crate::job::{JobError, Progress, ReorderJob, Silent};
 use crate::order::{Chain, Pins, SeamRule, chunk_len};
+use crate::order::{OrderStrategy, Scope, SeamPosition};
 use crate::output::Output;
-use crate::profile::{OrderStrategy, Scope, SeamPosition, Settings};
+use crate::profile::Settings;
 use crate::reorder::{
     self, Block, Blocks, Habit, Inventory, Learner, Options, Ordering, Pick, Readback, Times, Toll, Walls,
     Written,

@@ -2,8 +2,9 @@
 
 use crate::geom::{Point, Polygon};
 use crate::job::JobError;
-use crate::mesh::{Object, Plate};
-use crate::profile::{Sequence, Settings};
+use crate::plate::Sequence;
+use crate::plate::{Object, Plate};
+use crate::profile::Settings;
 use crate::report::Overhangs;
 use crate::slice::Slicer;
 

@@ -4,9 +4,10 @@ use geo::{ConvexHull, MultiPoint, Simplify};
 
 use crate::geom::{self, Bounds, Point, Polygon, Region};
 use crate::job::JobError;
-use crate::mesh::Plate;
-use crate::profile::{Settings, SupportStyle};
+use crate::plate::Plate;
+use crate::profile::Settings;
 use crate::slice::{self, Gaps, Layer, LayerSpan, Slicer};
+use crate::toolpath::SupportStyle;
 use crate::toolpath::support::{self, BeadSpec, Outlines};
 use crate::toolpath::{self, LayerPaths, ObjectLayer, Planner, PlateLayer, Role, Shells};
 

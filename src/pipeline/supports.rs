@@ -1,12 +1,14 @@
 //! Supports of a plate: found and stood before any layer is planned, laid as beads layer by layer.
 
 use crate::geom::{Bounds, Polygon, Region, offset, simplify, union_all};
-use crate::mesh::Plate;
-use crate::profile::{LayerSettings, Settings, SupportSettings, SupportStyle};
+use crate::plate::Plate;
+use crate::profile::Settings;
 use crate::report::Overhangs;
+use crate::slice::LayerSettings;
 use crate::slice::{self, Layer, LayerSpan, Slicer};
 use crate::toolpath::Path;
 use crate::toolpath::support::{self, Bitmap, ColumnSpec, Grid, Ground, Outlines, Overhang, Slab, Wishes};
+use crate::toolpath::{SupportSettings, SupportStyle};
 use crate::units::Mm;
 
 use super::parallel;

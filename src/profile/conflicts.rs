@@ -3,10 +3,12 @@
 use std::collections::BTreeMap;
 
 use super::error::{Origin, Problem};
-use super::heights::layer_heights;
 use super::script::{PrintBounds, expand};
-use super::settings::{BedShape, FuzzyWalls, Sequence, Settings};
-use super::sizes::thumbnail_sizes;
+use super::settings::Settings;
+use crate::gcode::thumbnail_sizes;
+use crate::plate::{BedShape, Sequence};
+use crate::slice::layer_heights;
+use crate::toolpath::FuzzyWalls;
 
 /// What contradicts what, and what is unwise.
 pub(super) struct Conflicts {

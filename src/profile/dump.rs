@@ -6,9 +6,9 @@ use serde_json::json;
 use toml::{Table, Value};
 
 use super::resolve::Resolved;
-use super::schema::{Field, Kind};
 use super::script::PLACEHOLDERS;
 use super::settings::{SECTIONS, Settings};
+use crate::options::{Field, Kind};
 
 /// Every setting in force as a profile that means the same, each with a comment that says where it came from.
 pub fn dump_toml(resolved: &Resolved) -> String {

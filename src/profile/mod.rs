@@ -5,30 +5,40 @@
 //! first), each `--set` in turn. The later one wins, key by key; where each value came from is kept.
 
 mod conflicts;
-mod derived;
 mod dump;
 mod embedded;
 mod error;
-mod heights;
 mod import;
 mod resolve;
 mod schema;
 mod script;
 mod settings;
-mod sizes;
 mod source;
+mod stages;
 mod suggest;
 
-pub use derived::strand_area_mm2;
 pub use dump::{dump_json, dump_toml, reference};
 pub use embedded::{EMBEDDED, EmbeddedProfile, ProfileKind, find as embedded};
 pub use error::{Origin, Problem, ProfileError};
-pub use heights::{heights_from_lines, layer_heights};
 pub use import::import_page;
 pub use resolve::{Override, Resolved, resolve};
-pub use schema::{Field, Kind, Section, field, keys};
-pub(crate) use script::one_line;
+pub use schema::{field, keys};
 pub use script::{PLACEHOLDERS, PrintBounds, expand};
-pub use settings::*;
-pub use sizes::thumbnail_sizes;
+pub use settings::{SECTIONS, Settings};
 pub use source::text;
+
+pub use crate::estimate::MachineSettings;
+pub use crate::gcode::{Flavor, GcodeSettings, PrinterSettings, thumbnail_sizes};
+pub use crate::motion::{
+    AccelerationSettings, CoolingSettings, FilamentSettings, RetractSettings, SpeedSettings,
+    TemperatureSettings, TravelSettings, filament_area_mm2,
+};
+pub use crate::options::{Field, Kind, Section};
+pub use crate::order::{CostKind, Effort, OrderSettings, OrderStrategy, Scope, SeamPosition, SeamSettings};
+pub use crate::plate::{BedOrigin, BedSettings, BedShape, PlateSettings, PrintSettings, Sequence};
+pub use crate::slice::{LayerSettings, heights_from_lines, layer_heights};
+pub use crate::toolpath::{
+    BridgeSettings, BrimSettings, BrimSides, FirstLayerSettings, FuzzySettings, FuzzyWalls, InfillSettings,
+    IroningSettings, Pattern, RaftSettings, ShellSettings, SkirtSettings, SpiralSettings, SupportPattern,
+    SupportSettings, SupportStyle, WallGenerator, WallOrder, WallSettings,
+};

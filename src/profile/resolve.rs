@@ -8,11 +8,12 @@ use toml::{Table, Value};
 use super::conflicts;
 use super::embedded;
 use super::error::{Origin, Problem, ProfileError};
-use super::schema::{self, Field, Kind};
+use super::schema;
 use super::settings::Settings;
 use super::source::{Assignment, Reader};
 use super::suggest;
 use crate::limits;
+use crate::options::{Field, Kind};
 
 /// A setting given on the command line.
 #[derive(Clone, Debug, PartialEq, Eq)]

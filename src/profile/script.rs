@@ -4,8 +4,10 @@
 
 use std::f64::consts::PI;
 
-use super::settings::{BedShape, Settings};
+use super::settings::Settings;
 use super::suggest;
+use crate::gcode::{PrintFacts, Scripts, one_line};
+use crate::plate::BedShape;
 
 /// What scripts may know of a print, in bed coordinates.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -168,18 +170,6 @@ placeholders! {
     "print_max_z", "greatest Z of the print": |c| number(c.print.max_z_mm);
 }
 
-/// Free text as it may stand in a command or comment: no line ends or other control characters, and no
-/// semicolon, which would begin a comment.
-pub(crate) fn one_line(text: &str) -> String {
-    text.chars()
-        .map(|c| match c {
-            ';' => ',',
-            c if c.is_control() => ' ',
-            c => c,
-        })
-        .collect()
-}
-
 fn first_z(settings: &Settings) -> f64 {
     settings.layer.first_height.0 + settings.layer.z_offset.0
 }
@@ -213,6 +203,32 @@ pub fn expand(script: &str, settings: &Settings, print: PrintBounds) -> Result<S
         out.push('\n');
     }
     if problems.is_empty() { Ok(out) } else { Err(problems) }
+}
+
+impl Scripts {
+    /// Fills in the scripts of the settings.
+    ///
+    /// # Errors
+    /// Every mistake in all three scripts, a line each. Scripts of a resolved profile have none.
+    pub fn new(settings: &Settings, facts: &PrintFacts) -> Result<Self, Vec<String>> {
+        let PrintFacts { min_mm, max_mm, max_z_mm, layers, .. } = *facts;
+        let print = PrintBounds { min_mm, max_mm, max_z_mm, layers };
+        let mut errors = Vec::new();
+        let mut filled = |name: &str, text: &str| {
+            expand(text, settings, print).unwrap_or_else(|mistakes| {
+                errors.extend(mistakes.iter().map(|mistake| format!("{name}: {mistake}")));
+                String::new()
+            })
+        };
+        let gcode = &settings.gcode;
+        let texts = [
+            filled("gcode.start", &gcode.start),
+            filled("gcode.end", &gcode.end),
+            filled("gcode.pause", &gcode.pause),
+        ];
+        let scripts = Self::filled_in(texts, gcode, settings.printer.flavor);
+        if errors.is_empty() { Ok(scripts) } else { Err(errors) }
+    }
 }
 
 fn expand_line(mut rest: &str, context: &Context, out: &mut String, problem: &mut impl FnMut(String)) {

@@ -3,7 +3,7 @@
 use super::block::Block;
 use super::problem::{Ordering, Pick};
 use super::writer::ends;
-use crate::profile::Scope;
+use crate::order::Scope;
 
 /// How many paths are moved at once.
 const LONGEST_MOVE: usize = 3;

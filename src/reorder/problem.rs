@@ -11,7 +11,7 @@ use super::monotonic;
 use super::state::Key;
 use crate::geom::{Point, Region};
 use crate::order::Visit;
-use crate::profile::{Scope, SeamPosition};
+use crate::order::{Scope, SeamPosition};
 use crate::toolpath::{LayerPaths, Path as Toolpath, Role, Width};
 
 /// One step of an order: a path, and how it is drawn.

@@ -6,8 +6,9 @@
 //! that it meets. Level facets, which have no stairs, are where layers end, if that makes none too thin.
 
 use super::plan::{LayerSpan, NOISE_MM, plan};
-use crate::mesh::{Mesh, Plate};
-use crate::profile::{LayerSettings, layer_heights};
+use crate::mesh::Mesh;
+use crate::plate::Plate;
+use crate::slice::{LayerSettings, layer_heights};
 
 /// The surface is looked at in slices of this height, and layers end on whole ones but for level surfaces.
 const CELL_MM: f64 = 0.01;

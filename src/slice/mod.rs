@@ -7,19 +7,22 @@ mod cutter;
 mod fill;
 mod heights;
 mod nest;
+mod options;
 mod plan;
 mod simplify;
 mod stitch;
+mod table;
 mod volume;
 
 pub use cutter::Cutter;
 pub use heights::{cusp_limit_mm, heights_mm, is_uniform, spans};
+pub use options::LayerSettings;
 pub use plan::{LayerSpan, plan};
+pub use table::{heights_from_lines, layer_heights};
 pub use volume::volume_mm3;
 
 use crate::geom::{Region, offset};
-use crate::mesh::Plate;
-use crate::profile::LayerSettings;
+use crate::plate::Plate;
 
 /// The cross-section of one object.
 #[derive(Clone, Debug, PartialEq)]

@@ -2,7 +2,7 @@
 
 use serde::Serialize;
 
-use crate::profile::LayerSettings;
+use super::options::LayerSettings;
 
 /// Where one layer lies, in millimetres above the bed.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]

@@ -1,9 +1,9 @@
 //! The volume that is printed: that of the union of all bodies of a mesh.
 
 use super::cutter::Cutter;
+use super::options::LayerSettings;
 use super::plan::LayerSpan;
 use crate::mesh::{Mesh, NO_TWIN};
-use crate::profile::LayerSettings;
 use crate::units::Mm;
 
 /// Pieces that the height is divided into, besides those that level facets make.

@@ -4,8 +4,8 @@ use std::f64::consts::FRAC_PI_2;
 
 use geo::ConvexHull;
 
+use super::options::{BrimSettings, BrimSides, RaftSettings, SkirtSettings};
 use crate::geom::{self, Point, Polygon, Region, Ring};
-use crate::profile::{BrimSettings, BrimSides, RaftSettings, SkirtSettings};
 
 use super::bead::Line;
 use super::infill::{Joins, lines};

@@ -2,8 +2,8 @@
 
 use std::ops::RangeInclusive;
 
+use super::options::{InfillSettings, WallSettings};
 use crate::geom::{self, Polygon, Region, Ring};
-use crate::profile::{InfillSettings, WallSettings};
 
 use super::bead::{self, Line};
 use super::beading::{self, Gap};

@@ -3,8 +3,8 @@
 //! Coarse by intent, but within bounds: no point of the wall leaves its line by more than the thickness asked for.
 //! Walls that rest on nothing, and those on the bed, stay as they are.
 
+use super::options::{FuzzySettings, FuzzyWalls};
 use crate::geom::{EdgeGrid, Point, Region};
-use crate::profile::{FuzzySettings, FuzzyWalls};
 use crate::random::Random;
 
 use super::bead::Line;

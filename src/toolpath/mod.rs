@@ -9,6 +9,7 @@ mod entries;
 mod footing;
 mod fuzzy;
 pub mod infill;
+mod options;
 mod path;
 mod planner;
 mod reach;
@@ -20,6 +21,11 @@ mod walls;
 
 pub use adhesion::{raft, raft_area};
 pub use beading::Gap;
+pub use options::{
+    BridgeSettings, BrimSettings, BrimSides, FirstLayerSettings, FuzzySettings, FuzzyWalls, InfillSettings,
+    IroningSettings, Pattern, RaftSettings, ShellSettings, SkirtSettings, SpiralSettings, SupportPattern,
+    SupportSettings, SupportStyle, WallGenerator, WallOrder, WallSettings,
+};
 pub use path::{Island, LayerPaths, Path, Role, Width};
 pub use planner::{ObjectLayer, Planner, PlateLayer, ToolpathSettings};
 pub use shells::{Map, Shells, Zones, bottom_layers, shell_depth};

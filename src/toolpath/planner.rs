@@ -2,12 +2,11 @@
 
 use std::sync::Arc;
 
-use crate::geom::{self, Polygon, Region, Ring};
-use crate::profile::{
+use super::options::{
     BridgeSettings, BrimSettings, FirstLayerSettings, FuzzySettings, FuzzyWalls, InfillSettings,
-    IroningSettings, SeamPosition, SeamSettings, Settings, ShellSettings, SkirtSettings, WallOrder,
-    WallSettings,
+    IroningSettings, ShellSettings, SkirtSettings, WallOrder, WallSettings,
 };
+use crate::geom::{self, Polygon, Region, Ring};
 use crate::units::Mm;
 
 use super::bead::Line;
@@ -50,25 +49,8 @@ pub struct ToolpathSettings {
     pub first_layer: FirstLayerSettings,
     pub skirt: SkirtSettings,
     pub brim: BrimSettings,
-    pub seam: SeamSettings,
-}
-
-impl From<&Settings> for ToolpathSettings {
-    fn from(s: &Settings) -> Self {
-        Self {
-            walls: s.walls.clone(),
-            shell: s.shell.clone(),
-            infill: s.infill.clone(),
-            ironing: s.ironing.clone(),
-            bridge: s.bridge.clone(),
-            fuzzy: s.fuzzy.clone(),
-            nozzle: s.printer.nozzle_diameter,
-            first_layer: s.first_layer.clone(),
-            skirt: s.skirt.clone(),
-            brim: s.brim.clone(),
-            seam: s.seam.clone(),
-        }
-    }
+    /// Loops may be entered anywhere, so that they get vertices to be entered at.
+    pub free_seams: bool,
 }
 
 /// What one object is at one layer, with what its neighbouring layers have to do with it.
@@ -259,7 +241,7 @@ impl Planner {
             }
             outline.polygons.extend(object.section.polygons.iter().cloned());
         }
-        if matches!(self.settings.seam.position, SeamPosition::Free | SeamPosition::Nearest) {
+        if self.settings.free_seams {
             entries::add(&mut draft.paths);
         }
         LayerPaths {

@@ -2,8 +2,8 @@
 
 use std::ops::Range;
 
+use super::options::ShellSettings;
 use crate::geom::{self, Region};
-use crate::profile::ShellSettings;
 
 use super::reach::Reach;
 

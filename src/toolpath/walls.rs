@@ -5,8 +5,8 @@
 //! fitting width. The classic generator lays walls of fixed width only; the variable one fits the innermost to the
 //! part, see [`beading`](super::beading).
 
+use super::options::WallGenerator;
 use crate::geom::{self, Polygon, Region};
-use crate::profile::WallGenerator;
 
 use super::bead::{self, Line};
 use super::beading::{self, Gap};

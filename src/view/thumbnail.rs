@@ -5,7 +5,7 @@ use tiny_skia::{Pixmap, PremultipliedColorU8};
 use super::base64;
 use super::colors::{OTHER, ROLES, Rgb, SKIRT};
 use super::scene::Scene;
-use crate::mesh::Plate;
+use crate::plate::Plate;
 
 /// The picture looks from the front left, 34° to the side and 34° from above: unit vectors to the right, up, and
 /// towards the eye.

@@ -4,7 +4,9 @@
 #![allow(dead_code)]
 
 use pathwright::estimate::{LayerTime, Machine, cool, layer_time};
-use pathwright::gcode::{PrintFacts, Scripts, Totals, WriterSettings, closing, format_layer, opening};
+use pathwright::gcode::{
+    GcodeOptions, PrintFacts, Scripts, Totals, WriterSettings, closing, format_layer, opening,
+};
 use pathwright::geom::{Point, Region};
 use pathwright::motion::{Entry, LayerMoves, MotionSettings, PauseAt, exit, plan_layer};
 use pathwright::order::Visit;
@@ -157,7 +159,7 @@ pub fn print(layers: &[LayerPaths], settings: &Settings, pauses: &[PauseAt]) -> 
     };
     let scripts = Scripts::new(settings, &facts).expect("scripts are right");
     let writer = WriterSettings::new(settings, &scripts, true);
-    let opening = opening(settings, &facts, &scripts, true);
+    let opening = opening(&GcodeOptions::from(settings), &facts, &scripts, true);
     let mut bytes = opening.bytes;
     let mut slots = opening.slots;
     let mut totals = Totals { volume: Mm3(volume_mm3(layers, settings)), ..Default::default() };
@@ -174,7 +176,7 @@ pub fn print(layers: &[LayerPaths], settings: &Settings, pauses: &[PauseAt]) -> 
     for slot in slots {
         bytes[slot.offset..slot.offset + slot.width].copy_from_slice(&totals.fill(&slot, &settings.filament));
     }
-    bytes.extend_from_slice(&closing(settings, &facts, &scripts, &totals));
+    bytes.extend_from_slice(&closing(&GcodeOptions::from(settings), &facts, &scripts, &totals));
     String::from_utf8(bytes).expect("text")
 }
 

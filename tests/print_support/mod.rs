@@ -7,9 +7,10 @@ use std::path::{Path, PathBuf};
 use pathwright::gcode::{Action, Measure, Stroke, measure, replay};
 use pathwright::geom::{Region, intersection, offset};
 use pathwright::job::{Engine, Job, JobError, Silent};
-use pathwright::mesh::{self, Layout, Placement};
+use pathwright::mesh;
 use pathwright::output::Output;
 use pathwright::pipeline::Pipeline;
+use pathwright::plate::{self, Layout, Placement};
 use pathwright::profile::{self, Override, Settings};
 use pathwright::report::Summary;
 use pathwright::slice::{self, Layer};
@@ -73,7 +74,7 @@ pub struct Solid {
 pub fn solid(path: &Path, settings: &Settings) -> Solid {
     let (mesh, report) = mesh::load(path).expect("a model");
     let item = Layout::single("part", mesh, 1);
-    let plate = mesh::place(vec![item], &settings.bed, &Placement::default()).expect("fits");
+    let plate = plate::place(vec![item], &settings.bed, &Placement::default()).expect("fits");
     let layers = slice::slice(&plate, &settings.layer);
     Solid { volume_mm3: report.volume_mm3, watertight: report.watertight, layers }
 }

@@ -4,7 +4,7 @@ use super::{Dialect, Purpose, line};
 use crate::estimate::Machine;
 use crate::gcode::number::{push_fixed, text};
 use crate::gcode::settings::ObjectLabel;
-use crate::profile::{RetractSettings, Settings};
+use crate::motion::RetractSettings;
 use crate::units::MmPerS2;
 
 pub(in crate::gcode) struct Klipper;
@@ -18,8 +18,7 @@ impl Dialect for Klipper {
         assign(out, b"SET_VELOCITY_LIMIT ACCEL=", acceleration.0.round() as i64);
     }
 
-    fn limits(&self, out: &mut Vec<u8>, settings: &Settings) {
-        let machine = Machine::new(settings);
+    fn limits(&self, out: &mut Vec<u8>, machine: &Machine) {
         let limits = [
             ("VELOCITY", machine.max_speed[0]),
             ("ACCEL", machine.max_acceleration[0]),

@@ -3,15 +3,13 @@
 use super::{Dialect, axes, line};
 use crate::estimate::Machine;
 use crate::gcode::number::text;
-use crate::profile::Settings;
 
 pub(in crate::gcode) struct Marlin;
 
 impl Dialect for Marlin {
     /// Accelerations, speeds, and what corners are taken by: builds with junction deviation take J, those with classic
     /// jerk X, Y, Z and E, and each passes over the other's.
-    fn limits(&self, out: &mut Vec<u8>, settings: &Settings) {
-        let machine = Machine::new(settings);
+    fn limits(&self, out: &mut Vec<u8>, machine: &Machine) {
         axes(out, "M201", machine.max_acceleration);
         axes(out, "M203", machine.max_speed);
         axes(out, "M205", machine.jerk);

@@ -6,7 +6,9 @@ mod reprapfirmware;
 
 use super::number::{push_word, text};
 use super::settings::ObjectLabel;
-use crate::profile::{Flavor, RetractSettings, Settings};
+use crate::estimate::Machine;
+use crate::gcode::options::Flavor;
+use crate::motion::RetractSettings;
 use crate::units::{MmPerS2, Ratio};
 
 /// Which moves an acceleration is for.
@@ -39,7 +41,7 @@ pub(super) trait Dialect {
     }
 
     /// Says what the machine can do, from `[machine]`.
-    fn limits(&self, out: &mut Vec<u8>, settings: &Settings);
+    fn limits(&self, out: &mut Vec<u8>, machine: &Machine);
 
     /// Sets linear or pressure advance, seconds.
     fn pressure_advance(&self, out: &mut Vec<u8>, seconds: f64);

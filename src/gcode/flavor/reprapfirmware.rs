@@ -3,7 +3,7 @@
 use super::{Dialect, axes, line};
 use crate::estimate::Machine;
 use crate::gcode::number::{push_word, text, ticks};
-use crate::profile::{RetractSettings, Settings};
+use crate::motion::RetractSettings;
 use crate::units::Ratio;
 
 pub(in crate::gcode) struct RepRapFirmware;
@@ -16,8 +16,7 @@ impl Dialect for RepRapFirmware {
     }
 
     /// Its speeds are a minute's.
-    fn limits(&self, out: &mut Vec<u8>, settings: &Settings) {
-        let machine = Machine::new(settings);
+    fn limits(&self, out: &mut Vec<u8>, machine: &Machine) {
         axes(out, "M201", machine.max_acceleration);
         axes(out, "M203", machine.max_speed.map(|v| v * 60.0));
         axes(out, "M566", machine.jerk.map(|v| v * 60.0));

@@ -3,7 +3,7 @@
 use std::collections::BTreeSet;
 
 use super::replay::{Action, Replay, Stroke, replay};
-use crate::profile::strand_area_mm2;
+use crate::motion::filament_area_mm2;
 use crate::units::Mm;
 
 /// A travel longer than this counts as long.
@@ -68,7 +68,7 @@ impl Meter {
         let mut out = Measure::default();
         let kind = out.kind(b"none");
         let run = Run { last_end: bead_end, ..Run::default() };
-        Self { area_mm2: strand_area_mm2(filament_diameter), out, run, kind }
+        Self { area_mm2: filament_area_mm2(filament_diameter), out, run, kind }
     }
 
     /// Adds what a line does.

@@ -2,7 +2,7 @@
 
 use super::super::{Problem, Shape};
 use crate::geom::{Point, UNITS_PER_MM};
-use crate::profile::Scope;
+use crate::order::options::Scope;
 
 /// Costs and multipliers are integers, this many to a grid unit, so that sums are exact. Rounding each link down by
 /// less than one of them (0.6 nm) costs a thousand links less than a micrometre.

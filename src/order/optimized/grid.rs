@@ -221,7 +221,7 @@ mod tests {
 
     use super::super::super::{Item, Problem};
     use super::*;
-    use crate::profile::Scope;
+    use crate::order::Scope;
 
     proptest! {
         #[test]

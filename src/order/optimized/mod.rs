@@ -16,7 +16,7 @@ mod walk;
 use self::search::Search;
 use super::precedence::Groups;
 use super::{Cost, Known, Nearest, Problem, Sequence, Strategy, evaluate};
-use crate::profile::{Effort, Scope};
+use crate::order::options::{Effort, Scope};
 use crate::random::Random;
 
 /// Steps of iterated search per path. A step is a link cost looked at.

@@ -7,7 +7,7 @@ use super::super::precedence::Groups;
 use super::super::{Cost, Item, Nearest, Problem, Sequence, Strategy};
 use super::neighbours::{NEAR, Near, Neighbours};
 use crate::geom::Point;
-use crate::profile::{Effort, Scope};
+use crate::order::options::{Effort, Scope};
 
 /// A first solution for the groups of one stage, from where the nozzle is.
 ///

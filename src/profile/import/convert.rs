@@ -6,8 +6,11 @@ use super::Outcome::{self, Idle, Left, Near};
 use super::config::Config;
 use super::script;
 use super::table::{How, Row};
-use crate::profile::schema::{self, Kind};
-use crate::profile::settings::{Flavor, MachineSettings, Pattern};
+use crate::estimate::MachineSettings;
+use crate::gcode::Flavor;
+use crate::options::Kind;
+use crate::profile::schema;
+use crate::toolpath::Pattern;
 use crate::units::{MmPerS, MmPerS2};
 
 /// Width of automatic lines, as a share of the nozzle.

@@ -25,7 +25,7 @@ use std::fmt::Debug;
 use std::sync::Arc;
 
 use crate::geom::Region;
-use crate::profile::Pattern;
+use crate::toolpath::options::Pattern;
 
 use super::bead::Line;
 

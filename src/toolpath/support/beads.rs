@@ -5,8 +5,8 @@ use std::f64::consts::FRAC_PI_2;
 use super::columns::Cells;
 use super::trace::trace;
 use crate::geom::{self, Direction, HatchLine, Point, Polygon, Region};
-use crate::profile::{SupportPattern, SupportSettings, SupportStyle};
 use crate::toolpath::infill::{Joins, lines};
+use crate::toolpath::options::{SupportPattern, SupportSettings, SupportStyle};
 use crate::toolpath::{Path, Role, Width, bead};
 
 /// Lines of support shorter than this hold nothing.

@@ -3,7 +3,7 @@
 use super::bitmap::{Bitmap, Grid};
 use super::bridge;
 use crate::geom::{self, Region};
-use crate::profile::SupportSettings;
+use crate::toolpath::options::SupportSettings;
 
 /// Overhangs smaller than this are noise of the section: less than a nozzle's bore.
 const CRUMB_MM2: f64 = 0.05;

@@ -8,7 +8,7 @@
 use super::bitmap::Bitmap;
 use super::columns::{ColumnSpec, kept_free, pads};
 use crate::geom::{self, Point, Polygon, Region};
-use crate::profile::SupportSettings;
+use crate::toolpath::options::SupportSettings;
 
 /// Distance between the tips under a wide overhang. Their heads overlap.
 const TIPS_MM: f64 = 3.0;

@@ -3,8 +3,8 @@
 use std::path::Path;
 
 use super::layout::{Item, Layout};
-use super::place::Line;
-use super::{MeshError, MeshReport, Model, Transform, load_objects, units};
+use super::slivers::Line;
+use crate::mesh::{MeshError, MeshReport, Model, Transform, load_objects, units};
 
 /// A file that is not placed yet.
 #[derive(Clone, Debug)]

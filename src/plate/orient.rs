@@ -8,7 +8,7 @@ use nalgebra::{Rotation3, UnitVector3, Vector3};
 use parry3d::math::Vector;
 use parry3d::transformation::try_convex_hull;
 
-use super::Mesh;
+use crate::mesh::Mesh;
 
 /// Sides that are tried: the largest ones.
 const CANDIDATES: usize = 40;
@@ -53,16 +53,14 @@ fn turned_down(mut mesh: Mesh, down: Vector3<f64>) -> Mesh {
     // Sides along an axis turn exactly.
     let exact = turn.iter().all(|x| (x - x.round()).abs() < 1e-6);
     let turn = if exact { turn.map(f64::round) } else { turn };
-    for vertex in &mut mesh.vertices {
-        *vertex = (turn * Vector3::from(*vertex)).into();
-    }
+    mesh.moved(|vertex| (turn * Vector3::from(vertex)).into());
     mesh
 }
 
 /// Directions that may point down: as it is, then the sides of the hull by falling area.
 fn sides(mesh: &Mesh) -> Vec<Vector3<f64>> {
     let points: Vec<Vector> =
-        mesh.vertices.iter().map(|v| Vector::new(v[0] as f32, v[1] as f32, v[2] as f32)).collect();
+        mesh.vertices().iter().map(|v| Vector::new(v[0] as f32, v[1] as f32, v[2] as f32)).collect();
     let mut sides: Vec<(Vector3<f64>, f64)> = Vec::new();
     if let Ok((points, facets)) = try_convex_hull(&points) {
         let at = |i: u32| {
@@ -87,13 +85,13 @@ fn sides(mesh: &Mesh) -> Vec<Vector3<f64>> {
 /// Whether it falls over (1 or 0), and what it costs to print it with a direction down.
 fn cost(mesh: &Mesh, down: Vector3<f64>, middle: Vector3<f64>) -> [f64; 2] {
     let height = |v: &[f64; 3]| -down.dot(&Vector3::from(*v));
-    let heights: Vec<f64> = mesh.vertices.iter().map(height).collect();
+    let heights: Vec<f64> = mesh.vertices().iter().map(height).collect();
     let lowest = heights.iter().copied().fold(f64::INFINITY, f64::min);
     let highest = heights.iter().copied().fold(f64::NEG_INFINITY, f64::max);
     let (mut support_mm3, mut contact_mm2) = (0.0, 0.0);
     let mut touching: Vec<Vector3<f64>> = Vec::new();
-    for t in &mesh.triangles {
-        let [a, b, c] = t.map(|v| Vector3::from(mesh.vertices[v as usize]));
+    for t in mesh.triangles() {
+        let [a, b, c] = t.map(|v| Vector3::from(mesh.vertices()[v as usize]));
         let normal = (b - a).cross(&(c - a)) / 2.0;
         let projected_mm2 = normal.dot(&down);
         if projected_mm2 <= OVERHANG * normal.norm() {
@@ -127,8 +125,8 @@ fn center_of_mass(mesh: &Mesh) -> Vector3<f64> {
     let [min, max] = mesh.bounds();
     let apex = Vector3::from([0, 1, 2].map(|i| (min[i] + max[i]) / 2.0));
     let (mut sum, mut volume) = (Vector3::zeros(), 0.0);
-    for t in &mesh.triangles {
-        let [a, b, c] = t.map(|v| Vector3::from(mesh.vertices[v as usize]) - apex);
+    for t in mesh.triangles() {
+        let [a, b, c] = t.map(|v| Vector3::from(mesh.vertices()[v as usize]) - apex);
         let part = a.dot(&b.cross(&c)) / 6.0;
         volume += part;
         sum += (a + b + c) / 4.0 * part;

@@ -1,9 +1,15 @@
 //! Shells too thin for a line: they do not say where a model stands.
 
-use super::components::Components;
-use super::edges::NO_TWIN;
-use super::place::Line;
-use super::{Mesh, facet_measures};
+use crate::mesh::{Components, Mesh, NO_TWIN, facet_measures};
+
+/// The thinnest line that is printed: what is thinner in a model says nothing of where it stands.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Line {
+    /// Width, millimetres.
+    pub width_mm: f64,
+    /// Height of a layer, millimetres.
+    pub height_mm: f64,
+}
 
 /// What a shell measures.
 #[derive(Clone, Copy)]
@@ -28,10 +34,10 @@ impl Shell {
 
 /// The box around the shells that hold a line; around all, if none does. O(triangles).
 pub(super) fn printable_bounds(mesh: &Mesh, line: Line) -> [[f64; 3]; 2] {
-    let mut parts = Components::new(mesh.triangles.len());
+    let mut parts = Components::new(mesh.triangles().len());
     // Open patches may make up a body together: they count as one shell.
     let mut open = None;
-    for (half, &twin) in mesh.twins.iter().enumerate() {
+    for (half, &twin) in mesh.twins().iter().enumerate() {
         let triangle = half as u32 / 3;
         if twin == NO_TWIN {
             parts.join(triangle, *open.get_or_insert(triangle), false);
@@ -43,17 +49,17 @@ pub(super) fn printable_bounds(mesh: &Mesh, line: Line) -> [[f64; 3]; 2] {
     let nothing =
         Shell { min: [f64::INFINITY; 3], max: [f64::NEG_INFINITY; 3], volume_mm3: 0.0, side_mm2: 0.0 };
     let mut shells = vec![nothing; count];
-    for (triangle, &shell) in mesh.triangles.iter().zip(&shell_of) {
+    for (triangle, &shell) in mesh.triangles().iter().zip(&shell_of) {
         let shell = &mut shells[shell as usize];
-        for corner in triangle.map(|v| mesh.vertices[v as usize]) {
+        for corner in triangle.map(|v| mesh.vertices()[v as usize]) {
             shell.min = std::array::from_fn(|i| shell.min[i].min(corner[i]));
             shell.max = std::array::from_fn(|i| shell.max[i].max(corner[i]));
         }
     }
-    for (triangle, &shell) in mesh.triangles.iter().zip(&shell_of) {
+    for (triangle, &shell) in mesh.triangles().iter().zip(&shell_of) {
         let shell = &mut shells[shell as usize];
         let middle = [0, 1, 2].map(|i| (shell.min[i] + shell.max[i]) / 2.0);
-        let corners = triangle.map(|v| mesh.vertices[v as usize]);
+        let corners = triangle.map(|v| mesh.vertices()[v as usize]);
         let (volume_mm3, area_mm2) = facet_measures(corners, middle);
         let [a, b, c] = corners;
         let level_mm2 = ((b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])) / 2.0;

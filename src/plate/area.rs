@@ -1,8 +1,8 @@
 //! The bed, and what fits it.
 
+use super::error::PlacementError;
+use super::options::{BedSettings, BedShape};
 use super::pack::{Footprint, group_box};
-use super::place::PlacementError;
-use crate::profile::{BedSettings, BedShape};
 
 /// Fits may be exact: a 250 mm plate on a 250 mm bed, with the noise of binary floating point.
 pub(super) const TOLERANCE_MM: f64 = 1e-4;

@@ -1,9 +1,10 @@
 //! Models that are moved together.
 
 use super::layout::{Layout, Member, hull};
+use super::options::BedShape;
 use super::pack::Footprint;
 use super::silhouette::{Bitmap, silhouette};
-use crate::profile::BedShape;
+use crate::mesh::Mesh;
 
 /// Bodies of a layout that keep their places relative to each other.
 #[derive(Clone, Debug)]
@@ -28,6 +29,29 @@ pub(super) struct Part {
     pub at: [f64; 2],
     /// How high over the bed it begins.
     pub lift_mm: f64,
+}
+
+impl Layout {
+    /// Each body by itself, with the names of its models: where the file has it in X and Y, and let down on z = 0.
+    pub fn standing_bodies(&self) -> Vec<(String, Mesh)> {
+        let all = Group::new(0, self, (0..self.bodies.len()).collect());
+        let body = |body: usize| {
+            let parts: Vec<&Part> = all.parts.iter().filter(|part| part.body == body).collect();
+            let mut names: Vec<&str> =
+                parts.iter().map(|part| self.items[part.member.item].name.as_str()).collect();
+            names.dedup();
+            let mut whole = Mesh::new(Vec::new(), Vec::new());
+            for part in &parts {
+                let item = &self.items[part.member.item];
+                let [x, y, _] = item.spots[part.member.spot];
+                let mut mesh = item.mesh.clone();
+                mesh.shift([x, y, part.lift_mm - item.bounds[0][2]]);
+                whole = if whole.triangles().is_empty() { mesh } else { whole.with(&mesh) };
+            }
+            (names.join(" + "), whole)
+        };
+        (0..self.bodies.len()).map(body).collect()
+    }
 }
 
 impl Group {
@@ -121,10 +145,10 @@ impl Group {
                 let item = &layout.items[part.member.item];
                 let [dx, dy, _] = item.spots[part.member.spot];
                 let at = move |v: u32| {
-                    let [x, y, _] = item.mesh.vertices[v as usize];
+                    let [x, y, _] = item.mesh.vertices()[v as usize];
                     turned([x + dx - self.middle[0], y + dy - self.middle[1]], quarters)
                 };
-                item.mesh.triangles.iter().map(move |triangle| triangle.map(at))
+                item.mesh.triangles().iter().map(move |triangle| triangle.map(at))
             })
         });
         silhouette(bodies, convex, reach_mm, cell_mm)

@@ -2,11 +2,9 @@
 
 use geo::{BoundingRect, ConvexHull, Distance, Euclidean, LineString, MultiPoint, Polygon};
 
-use super::components::Components;
-use super::group::{Group, Part};
 use super::orient::orient;
-use super::place::Line;
-use super::{Mesh, Transform, TransformError, slivers};
+use super::slivers::{Line, printable_bounds};
+use crate::mesh::{Components, Mesh, Transform, TransformError};
 
 /// Models nearer than this touch, millimetres: rounding of a file's coordinates.
 const TOUCH_MM: f64 = 0.01;
@@ -34,7 +32,7 @@ impl Item {
     /// The same, placed by the box around what of it is thick enough for a line. O(triangles).
     #[must_use]
     pub fn without_slivers(mut self, line: Line) -> Self {
-        self.bounds = slivers::printable_bounds(&self.mesh, line);
+        self.bounds = printable_bounds(&self.mesh, line);
         self
     }
 
@@ -115,27 +113,6 @@ impl Layout {
         self.bodies.len()
     }
 
-    /// Each body by itself, with the names of its models: where the file has it in X and Y, and let down on z = 0.
-    pub fn standing_bodies(&self) -> Vec<(String, Mesh)> {
-        let all = Group::new(0, self, (0..self.bodies.len()).collect());
-        let body = |body: usize| {
-            let parts: Vec<&Part> = all.parts.iter().filter(|part| part.body == body).collect();
-            let mut names: Vec<&str> =
-                parts.iter().map(|part| self.items[part.member.item].name.as_str()).collect();
-            names.dedup();
-            let mut whole = Mesh::new(Vec::new(), Vec::new());
-            for part in &parts {
-                let item = &self.items[part.member.item];
-                let [x, y, _] = item.spots[part.member.spot];
-                let mut mesh = item.mesh.clone();
-                mesh.shift([x, y, part.lift_mm - item.bounds[0][2]]);
-                whole = if whole.triangles.is_empty() { mesh } else { whole.with(&mesh) };
-            }
-            (names.join(" + "), whole)
-        };
-        (0..self.bodies.len()).map(body).collect()
-    }
-
     /// Turns every body of one model alone onto the side that needs the least support; the bodies lose their places.
     /// Bodies of several models stay as they are.
     #[must_use]
@@ -210,7 +187,7 @@ fn bodies(items: &[Item], members: &[Member]) -> (Vec<Vec<Member>>, Vec<usize>) 
 /// The convex hull of an item in one of its places, seen from above.
 pub(super) fn hull(item: &Item, spot: usize) -> Polygon<f64> {
     let [dx, dy, _] = item.spots[spot];
-    let points: MultiPoint<f64> = item.mesh.vertices.iter().map(|v| (v[0] + dx, v[1] + dy)).collect();
+    let points: MultiPoint<f64> = item.mesh.vertices().iter().map(|v| (v[0] + dx, v[1] + dy)).collect();
     match points.0.is_empty() {
         true => Polygon::new(LineString::new(Vec::new()), Vec::new()),
         false => points.convex_hull(),

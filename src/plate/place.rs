@@ -4,31 +4,16 @@ use std::collections::BTreeMap;
 
 use geo::{Distance, Euclidean};
 
-use super::Mesh;
 use super::area::{Area, TOLERANCE_MM, fitting_factor};
 use super::arrange::{Shape, Towards, arrange};
+use super::error::{PlacementError, listed};
 use super::group::{Group, turned};
 use super::layout::{Item, Layout, hull};
+use super::objects::{Object, Plate};
+use super::options::{BedSettings, BedShape};
 use super::pack::{Footprint, pack};
 use crate::geom::Point;
-use crate::profile::{BedSettings, BedShape, Settings};
-
-/// The thinnest line that is printed: what is thinner in a model says nothing of where it stands.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Line {
-    /// Width, millimetres.
-    pub width_mm: f64,
-    /// Height of a layer, millimetres.
-    pub height_mm: f64,
-}
-
-impl Line {
-    /// The thinnest line that is printed with these settings.
-    pub fn thinnest(settings: &Settings) -> Self {
-        let height_mm = settings.layer.first_height.0.min(settings.layer.height.0);
-        Self { width_mm: settings.walls.min_feature.0, height_mm }
-    }
-}
+use crate::mesh::Mesh;
 
 /// What decides where models stand.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -72,61 +57,6 @@ impl Default for Placement {
             shift_mm: [0.0; 3],
         }
     }
-}
-
-/// One model on the plate.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Object {
-    /// The item's name; copies are numbered, `part (2)`.
-    pub name: String,
-    /// Index into [`Plate::meshes`].
-    pub mesh: usize,
-    /// Where the mesh's origin stands on the bed.
-    pub offset: Point,
-    /// Number of the body that it is a part of: objects that interlock are one.
-    pub body: usize,
-}
-
-/// Everything that is printed in one go. Copies share a mesh, so that it is cut once.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Plate {
-    /// Meshes, the middle of their box over the origin, standing on z = 0 or over other parts of their body.
-    pub meshes: Vec<Mesh>,
-    /// What stands where, in the order of the items.
-    pub objects: Vec<Object>,
-    /// Layouts that were not kept, in words.
-    pub notes: Vec<String>,
-}
-
-/// Models that do not fit (exit code 5).
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
-#[allow(missing_docs)]
-pub enum PlacementError {
-    #[error(
-        "{name}: {:.2} × {:.2} × {:.2} mm does not fit the printer's {bed}: {excess}; --scale-to-fit would scale it by {factor}",
-        size[0], size[1], size[2]
-    )]
-    TooLarge { name: String, size: [f64; 3], bed: String, excess: String, factor: f64 },
-    #[error(
-        "{total} models do not fit the printer's {bed} together, {spacing_mm} mm apart: {fitting} do, and there is no \
-         room for {}; print the others on another plate, or use --each",
-        listed(left)
-    )]
-    TooMany { total: usize, fitting: usize, left: Vec<String>, spacing_mm: f64, bed: String },
-    #[error(
-        "{a} and {b} stand closer than {apart_mm:.1} mm where the files put them, too near to be printed one after the \
-         other; leave out --sequential (print.sequence) or --no-arrange, or move them apart"
-    )]
-    TooNear { a: String, b: String, apart_mm: f64 },
-    #[error(
-        "{name}: where it is put, it reaches {by_mm:.2} mm beyond the printer's {bed}; give another --translate, or \
-         leave out --no-arrange: what a file places relative to each other stays so"
-    )]
-    Outside { name: String, by_mm: f64, bed: String },
-    #[error(
-        "--translate lifts the model {0} mm off the bed; give a Z of 0, or a negative one to cut off the bottom"
-    )]
-    InTheAir(f64),
 }
 
 /// Places models side by side, the whole group in the middle of the bed, or where their files put them.
@@ -467,15 +397,6 @@ fn rim(item: &Item, place: usize, quarters: u32, shape: BedShape) -> Vec<[f64; 2
         hull.exterior().points().map(|p| turned([p.x() - x, p.y() - y], quarters)).collect()
     });
     Footprint::new(size, rim).rim
-}
-
-/// The first few of some names.
-fn listed(names: &[String]) -> String {
-    const SHOWN: usize = 5;
-    match names.len().checked_sub(SHOWN) {
-        None | Some(0) => names.join(", "),
-        Some(more) => format!("{} and {more} more", names[..SHOWN].join(", ")),
-    }
 }
 
 impl Layout {

@@ -1,0 +1,61 @@
+//! The dialect and what is written in it.
+
+use crate::estimate::Firmware;
+use crate::options::{choice, section};
+use crate::units::Mm;
+
+choice! {
+    /// Firmware dialect.
+    Flavor {
+        /// Marlin 2.
+        Marlin = "marlin",
+        /// Klipper.
+        Klipper = "klipper",
+        /// RepRapFirmware 3.
+        RepRapFirmware = "reprapfirmware",
+    }
+}
+section! {
+    /// `[printer]`: the machine's dialect.
+    PrinterSettings {
+        /// Shown in headers.
+        name: String = "RepRap 250".into(),
+        /// Firmware dialect.
+        flavor: Flavor = Flavor::Marlin,
+        /// Nozzle bore.
+        nozzle_diameter: Mm = Mm(0.4); 0.1..=2.0,
+    }
+}
+section! {
+    /// `[gcode]`
+    GcodeSettings {
+        /// E counts from the last move (M83) instead of from the layer's start (M82).
+        relative_e: bool = true,
+        /// Write arcs (G2, G3) where the path follows one.
+        arcs: bool = false,
+        /// How far an arc may leave the path.
+        arc_tolerance: Mm = Mm(0.02); 0.001..=0.5,
+        /// Pictures of the print in the header, for printers with a screen: width × height in pixels, such as 32x32,300x300; empty: none.
+        thumbnails: String = "32x32,300x300".into(),
+        /// Say which object every bead belongs to (`EXCLUDE_OBJECT`, M486), so that one can be cancelled.
+        labels: bool = false,
+        /// State `[machine]` at the start (M201, M203, M205, M566, `SET_VELOCITY_LIMIT`) instead of relying on the firmware's own.
+        limits: bool = false,
+        /// Script before the print.
+        start: String = String::new(),
+        /// Script after the print.
+        end: String = String::new(),
+        /// Script at a pause; empty: the flavour's own.
+        pause: String = String::new(),
+    }
+}
+
+impl From<Flavor> for Firmware {
+    fn from(flavor: Flavor) -> Self {
+        match flavor {
+            Flavor::Marlin => Self::Marlin,
+            Flavor::Klipper => Self::Klipper,
+            Flavor::RepRapFirmware => Self::RepRapFirmware,
+        }
+    }
+}

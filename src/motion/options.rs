@@ -1,0 +1,155 @@
+//! Material, speeds, retraction, travel and cooling.
+
+use std::f64::consts::PI;
+
+use crate::options::section;
+use crate::units::{Celsius, Mm, Mm3PerS, MmPerS, MmPerS2, Ratio, Seconds};
+
+section! {
+    /// `[filament]`: the material.
+    FilamentSettings {
+        /// Kind, as printed in headers: PLA, PETG, …
+        material: String = "PLA".into(),
+        /// Diameter of the strand.
+        diameter: Mm = Mm(1.75); 0.5..=5.0,
+        /// g/cm³.
+        density: f64 = 1.24; 0.1..=25.0, "g/cm³",
+        /// Price of a kilogram, in whatever currency.
+        cost: f64 = 20.0; 0.0..=100000.0, "per kg",
+        /// Extrusion multiplier.
+        flow: f64 = 1.0; 0.1..=3.0,
+        /// Linear or pressure advance; 0 leaves the firmware's value alone.
+        pressure_advance: f64 = 0.0; 0.0..=10.0, "s",
+        /// Largest flow the hot end melts; 0: not limited.
+        max_flow: Mm3PerS = Mm3PerS(0.0); 0.0..=1000.0,
+    }
+}
+section! {
+    /// `[temperature]`: 0 leaves a heater alone.
+    TemperatureSettings {
+        /// Nozzle from the second layer on.
+        nozzle: Celsius = Celsius(205.0); 0.0..=500.0,
+        /// Nozzle on the first layer.
+        nozzle_first_layer: Celsius = Celsius(210.0); 0.0..=500.0,
+        /// Bed from the second layer on.
+        bed: Celsius = Celsius(60.0); 0.0..=200.0,
+        /// Bed on the first layer.
+        bed_first_layer: Celsius = Celsius(60.0); 0.0..=200.0,
+    }
+}
+section! {
+    /// `[speed]`
+    SpeedSettings {
+        /// Outermost wall.
+        external_perimeter: MmPerS = MmPerS(40.0); 0.1..=2000.0,
+        /// Inner walls.
+        perimeter: MmPerS = MmPerS(60.0); 0.1..=2000.0,
+        /// Sparse infill.
+        infill: MmPerS = MmPerS(80.0); 0.1..=2000.0,
+        /// Solid infill.
+        solid: MmPerS = MmPerS(60.0); 0.1..=2000.0,
+        /// Top surfaces.
+        top: MmPerS = MmPerS(40.0); 0.1..=2000.0,
+        /// Ironing.
+        ironing: MmPerS = MmPerS(15.0); 0.1..=2000.0,
+        /// Bridges.
+        bridge: MmPerS = MmPerS(40.0); 0.1..=2000.0,
+        /// Walls that hang over by more than a quarter, a half and three quarters of their width.
+        overhang: [MmPerS; 3] = [MmPerS(35.0), MmPerS(25.0), MmPerS(15.0)]; 0.1..=2000.0,
+        /// Gap fill.
+        gap_fill: MmPerS = MmPerS(40.0); 0.1..=2000.0,
+        /// Support.
+        support: MmPerS = MmPerS(60.0); 0.1..=2000.0,
+        /// Skirt and brim.
+        skirt: MmPerS = MmPerS(40.0); 0.1..=2000.0,
+        /// Travel in X and Y.
+        travel: MmPerS = MmPerS(150.0); 0.1..=2000.0,
+        /// Travel in Z.
+        z: MmPerS = MmPerS(10.0); 0.1..=500.0,
+    }
+}
+section! {
+    /// `[acceleration]`: 0 leaves the firmware's value alone.
+    AccelerationSettings {
+        /// Everything without a value of its own.
+        default: MmPerS2 = MmPerS2(1500.0); 0.0..=100000.0,
+        /// Outermost wall.
+        external_perimeter: MmPerS2 = MmPerS2(1000.0); 0.0..=100000.0,
+        /// Travel.
+        travel: MmPerS2 = MmPerS2(2000.0); 0.0..=100000.0,
+    }
+}
+section! {
+    /// `[retract]`
+    RetractSettings {
+        /// Filament pulled back; 0: none.
+        length: Mm = Mm(1.0); 0.0..=20.0,
+        /// Speed of pulling back.
+        speed: MmPerS = MmPerS(40.0); 0.1..=500.0,
+        /// Speed of pushing forward again.
+        unretract_speed: MmPerS = MmPerS(40.0); 0.1..=500.0,
+        /// Fed beyond what was pulled back, with the first millimetres of the next bead.
+        extra: Mm = Mm(0.0); -5.0..=5.0,
+        /// Travels shorter than this are not retracted.
+        min_travel: Mm = Mm(1.5); 0.0..=1000.0,
+        /// Nozzle lift while retracted.
+        z_hop: Mm = Mm(0.0); 0.0..=10.0,
+        /// Lift on travels inside the part, too, and not only on those that cross an outer wall.
+        z_hop_inside: bool = false,
+        /// Way back over the last path while pulling back; 0: none.
+        wipe: Mm = Mm(0.0); 0.0..=50.0,
+        /// Way at the end of a bead on which nothing is fed any more before a retraction; 0: none.
+        coast: Mm = Mm(0.0); 0.0..=10.0,
+        /// Leave lengths and speeds to the firmware (G10, G11).
+        firmware: bool = false,
+    }
+}
+section! {
+    /// `[travel]`
+    TravelSettings {
+        /// Go round holes and outer walls, inside the part, instead of over them.
+        avoid_crossing: bool = true,
+        /// By how much that may lengthen a travel; longer detours are not made.
+        max_detour: Mm = Mm(20.0); 0.0..=10000.0,
+        /// Travels that stay inside the part are not retracted up to this length.
+        retract_inside: Mm = Mm(5.0); 0.0..=10000.0,
+    }
+}
+section! {
+    /// `[cooling]`
+    CoolingSettings {
+        /// Layers shorter than this are slowed down; 0: never.
+        min_layer_time: Seconds = Seconds(8.0); 0.0..=3600.0,
+        /// But not below this speed.
+        min_speed: MmPerS = MmPerS(10.0); 0.1..=500.0,
+        /// Fan on ordinary layers.
+        fan: Ratio = Ratio(1.0); 0.0..=1.0,
+        /// Layers at the start without fan.
+        fan_off_layers: u32 = 1; 0..=10000,
+        /// Layer from which the fan has its full value; it ramps up to there.
+        full_fan_layer: u32 = 3; 0..=10000,
+        /// Least fan on bridges.
+        bridge_fan: Ratio = Ratio(1.0); 0.0..=1.0,
+        /// Least fan on walls that hang over by more than half their width.
+        overhang_fan: Ratio = Ratio(1.0); 0.0..=1.0,
+    }
+}
+
+impl FilamentSettings {
+    /// Cross-section of the filament, square millimetres.
+    pub fn area_mm2(&self) -> f64 {
+        filament_area_mm2(self.diameter)
+    }
+}
+
+impl TravelSettings {
+    /// By how much a detour may lengthen a travel, millimetres; 0: travels go straight.
+    pub fn detour_mm(&self) -> f64 {
+        if self.avoid_crossing { self.max_detour.0 } else { 0.0 }
+    }
+}
+
+/// Cross-section of filament of a diameter, square millimetres.
+pub fn filament_area_mm2(diameter: Mm) -> f64 {
+    PI / 4.0 * diameter.0 * diameter.0
+}

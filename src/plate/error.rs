@@ -1,0 +1,41 @@
+//! Why models cannot be placed.
+
+/// Models that do not fit (exit code 5).
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[allow(missing_docs)]
+pub enum PlacementError {
+    #[error(
+        "{name}: {:.2} × {:.2} × {:.2} mm does not fit the printer's {bed}: {excess}; --scale-to-fit would scale it by {factor}",
+        size[0], size[1], size[2]
+    )]
+    TooLarge { name: String, size: [f64; 3], bed: String, excess: String, factor: f64 },
+    #[error(
+        "{total} models do not fit the printer's {bed} together, {spacing_mm} mm apart: {fitting} do, and there is no \
+         room for {}; print the others on another plate, or use --each",
+        listed(left)
+    )]
+    TooMany { total: usize, fitting: usize, left: Vec<String>, spacing_mm: f64, bed: String },
+    #[error(
+        "{a} and {b} stand closer than {apart_mm:.1} mm where the files put them, too near to be printed one after the \
+         other; leave out --sequential (print.sequence) or --no-arrange, or move them apart"
+    )]
+    TooNear { a: String, b: String, apart_mm: f64 },
+    #[error(
+        "{name}: where it is put, it reaches {by_mm:.2} mm beyond the printer's {bed}; give another --translate, or \
+         leave out --no-arrange: what a file places relative to each other stays so"
+    )]
+    Outside { name: String, by_mm: f64, bed: String },
+    #[error(
+        "--translate lifts the model {0} mm off the bed; give a Z of 0, or a negative one to cut off the bottom"
+    )]
+    InTheAir(f64),
+}
+
+/// The first few of some names.
+pub(super) fn listed(names: &[String]) -> String {
+    const SHOWN: usize = 5;
+    match names.len().checked_sub(SHOWN) {
+        None | Some(0) => names.join(", "),
+        Some(more) => format!("{} and {more} more", names[..SHOWN].join(", ")),
+    }
+}

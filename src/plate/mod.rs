@@ -1,0 +1,26 @@
+//! The plate: which models of the files stand where on the bed.
+//!
+//! A [`Layout`] is what a file holds, its models in their places; [`place()`] arranges layouts, or the bodies in them.
+
+mod area;
+mod arrange;
+mod error;
+mod file;
+mod group;
+mod layout;
+mod objects;
+mod options;
+mod orient;
+mod pack;
+mod place;
+mod silhouette;
+mod slivers;
+
+pub use error::PlacementError;
+pub use file::{File, name_of, read_file};
+pub use layout::{Item, Layout};
+pub use objects::{Object, Plate};
+pub use options::{BedOrigin, BedSettings, BedShape, PlateSettings, PrintSettings, Sequence};
+pub use orient::orient;
+pub use place::{Arrange, Placement, place};
+pub use slivers::Line;

@@ -1,0 +1,95 @@
+//! How the bed is shaped and how models share it.
+
+use crate::options::{choice, section};
+use crate::units::Mm;
+
+choice! {
+    /// Outline of the bed.
+    BedShape {
+        /// `size` is width and depth.
+        Rectangular = "rectangular",
+        /// `size[0]` is the diameter.
+        Round = "round",
+    }
+}
+choice! {
+    /// Where X 0, Y 0 lies on the bed.
+    BedOrigin {
+        /// Front left corner.
+        Corner = "corner",
+        /// The middle, as on deltas.
+        Center = "center",
+    }
+}
+choice! {
+    /// What is printed after what.
+    Sequence {
+        /// All objects layer by layer.
+        Layer = "layer",
+        /// One object after the other.
+        Object = "object",
+    }
+}
+section! {
+    /// `[bed]`: the printable volume.
+    BedSettings {
+        /// Rectangular or round.
+        shape: BedShape = BedShape::Rectangular,
+        /// Width and depth; of a round bed the diameter, twice.
+        size: [Mm; 2] = [Mm(250.0), Mm(250.0)]; 10.0..=5000.0,
+        /// Printable height.
+        height: Mm = Mm(250.0); 1.0..=5000.0,
+        /// Corner or centre.
+        origin: BedOrigin = BedOrigin::Corner,
+    }
+}
+section! {
+    /// `[plate]`: how several models share the bed.
+    PlateSettings {
+        /// Least distance between models, beyond what brim, raft and supports take.
+        spacing: Mm = Mm(5.0); 0.0..=200.0,
+        /// Arrange models; without, they stay where their files put them.
+        arrange: bool = true,
+        /// What a file places relative to each other stays so, where it fits the bed; without, only what interlocks does.
+        keep_layout: bool = true,
+        /// Models may be turned by quarters to fit.
+        turn: bool = false,
+        /// Turn every model onto the side on which it stands firmly and needs the least support.
+        orient: bool = false,
+    }
+}
+section! {
+    /// `[print]`: what is printed after what.
+    PrintSettings {
+        /// Layer by layer, or object by object, the lowest first.
+        sequence: Sequence = Sequence::Layer,
+        /// How far the print head reaches from the nozzle: objects printed one after the other are so far apart.
+        clearance_radius: Mm = Mm(45.0); 1.0..=200.0,
+        /// How far above the nozzle the gantry hangs: no object but the last may be higher.
+        clearance_height: Mm = Mm(20.0); 1.0..=1000.0,
+    }
+}
+
+impl BedSettings {
+    /// The corner of least X and Y, millimetres.
+    pub fn low_mm(&self) -> [f64; 2] {
+        match self.origin {
+            BedOrigin::Corner => [0.0; 2],
+            BedOrigin::Center => self.size.map(|length| -length.0 / 2.0),
+        }
+    }
+
+    /// The corner of greatest X and Y, millimetres.
+    pub fn high_mm(&self) -> [f64; 2] {
+        let low = self.low_mm();
+        [0, 1].map(|i| low[i] + self.size[i].0)
+    }
+
+    /// The middle, millimetres.
+    pub fn middle_mm(&self) -> [f64; 2] {
+        match self.origin {
+            BedOrigin::Corner => self.size.map(|length| length.0 / 2.0),
+            BedOrigin::Center => [0.0; 2],
+        }
+    }
+}

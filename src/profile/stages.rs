@@ -1,0 +1,192 @@
+//! What each stage needs of all settings.
+
+use super::settings::Settings;
+use crate::estimate::{Firmware, FirmwareRetraction, Machine};
+use crate::gcode::{Flavor, GcodeOptions, Scripts, WriterSettings};
+use crate::motion::{FlowSettings, MotionSettings, PauseAt};
+use crate::order::{Cost, CostKind, DetourRule, SeamPosition, TravelTime, trapezoid_s};
+use crate::plate::Line;
+use crate::toolpath::ToolpathSettings;
+
+impl Line {
+    /// The thinnest line that is printed with these settings.
+    pub fn thinnest(settings: &Settings) -> Self {
+        let height_mm = settings.layer.first_height.0.min(settings.layer.height.0);
+        Self { width_mm: settings.walls.min_feature.0, height_mm }
+    }
+}
+
+impl From<&Settings> for ToolpathSettings {
+    fn from(s: &Settings) -> Self {
+        Self {
+            walls: s.walls.clone(),
+            shell: s.shell.clone(),
+            infill: s.infill.clone(),
+            ironing: s.ironing.clone(),
+            bridge: s.bridge.clone(),
+            fuzzy: s.fuzzy.clone(),
+            nozzle: s.printer.nozzle_diameter,
+            first_layer: s.first_layer.clone(),
+            skirt: s.skirt.clone(),
+            brim: s.brim.clone(),
+            free_seams: matches!(s.seam.position, SeamPosition::Free | SeamPosition::Nearest),
+        }
+    }
+}
+
+impl TravelTime {
+    /// The machine and the motion of the settings. With firmware retraction, whose lengths and speeds the firmware
+    /// keeps, the profile's values are the best guess.
+    ///
+    /// The corners between bead and travel are taken to be stops: at the speed of a corner, a tenth of the travel's or
+    /// less, that is off by hundredths.
+    pub fn new(settings: &Settings) -> Self {
+        let Settings { machine, speed, acceleration, retract, travel, .. } = settings;
+        let given = |values: &[f64]| values.iter().copied().find(|a| *a > 0.0).unwrap_or(0.0);
+        let (max_speed, max_acceleration) =
+            (machine.max_speed.map(|v| v.0), machine.max_acceleration.map(|a| a.0));
+        let usual = given(&[acceleration.default.0, max_acceleration[0]]);
+        let way_s = |way_mm: f64, speed: f64, axis: usize| {
+            let (speed, acceleration) = (speed.min(max_speed[axis]), max_acceleration[axis]);
+            if way_mm > 0.0 { trapezoid_s(way_mm, speed, acceleration, 0.0) } else { 0.0 }
+        };
+        let length_mm = retract.length.0;
+        let retract_s = if length_mm > 0.0 {
+            way_s(length_mm, retract.speed.0, 3)
+                + way_s(length_mm + retract.extra.0, retract.unretract_speed.0, 3)
+                + 2.0 * way_s(retract.z_hop.0, speed.z.0, 2)
+        } else {
+            0.0
+        };
+        Self {
+            speed_mm_s: speed.travel.0.min(max_speed[0]),
+            acceleration_mm_s2: given(&[acceleration.travel.0, usual]).min(max_acceleration[0]),
+            cruise_ratio: if settings.printer.flavor == Flavor::Klipper {
+                machine.min_cruise_ratio.0
+            } else {
+                0.0
+            },
+            stop_s: speed.infill.0.min(speed.perimeter.0) / usual,
+            retract_from_mm: retract.min_travel.0,
+            retract_inside_from_mm: travel.retract_inside.0.max(retract.min_travel.0),
+            retract_s,
+        }
+    }
+}
+
+impl Cost {
+    /// The cost that is asked for.
+    pub fn new(kind: CostKind, settings: &Settings) -> Self {
+        match kind {
+            CostKind::Length => Self::Length,
+            CostKind::Time => Self::Time(TravelTime::new(settings)),
+        }
+    }
+}
+
+impl DetourRule {
+    /// The rule of the settings; `None`: travels go straight.
+    pub fn new(settings: &Settings) -> Option<Self> {
+        let (travel, walls) = (&settings.travel, &settings.walls);
+        let rule = Self {
+            wall_width_mm: walls.external_width.0,
+            max_mm: travel.detour_mm(),
+            retraction_mm: travel.retract_inside.0,
+        };
+        (rule.max_mm > 0.0).then_some(rule)
+    }
+}
+
+impl MotionSettings {
+    /// What motion needs of all settings, and where to pause.
+    pub fn new(settings: &Settings, pauses: &[PauseAt]) -> Self {
+        Self {
+            flow: FlowSettings {
+                multiplier: settings.filament.flow,
+                strand_mm2: std::f64::consts::PI / 4.0 * settings.filament.diameter.0.powi(2),
+                max_flow: settings.filament.max_flow,
+            },
+            first_layer: settings.first_layer.clone(),
+            speed: settings.speed.clone(),
+            acceleration: settings.acceleration.clone(),
+            firmware_acceleration: settings.machine.max_acceleration[0],
+            square_corner_velocity: settings.machine.square_corner_velocity,
+            seam: settings.seam.clone(),
+            retract: settings.retract.clone(),
+            travel: settings.travel.clone(),
+            wall_width: settings.walls.external_width,
+            cooling: settings.cooling.clone(),
+            temperature: settings.temperature.clone(),
+            z_offset: settings.layer.z_offset,
+            arcs: settings.gcode.arcs.then_some(settings.gcode.arc_tolerance),
+            labels: settings.gcode.labels,
+            pauses: pauses.to_vec(),
+        }
+    }
+}
+
+impl Machine {
+    /// The machine of the settings, under the firmware that they are for.
+    pub fn new(settings: &Settings) -> Self {
+        Self::under(settings.printer.flavor.into(), settings)
+    }
+
+    /// The machine of the settings under any firmware.
+    pub fn under(firmware: Firmware, settings: &Settings) -> Self {
+        let (machine, retract) = (&settings.machine, &settings.retract);
+        let mut made = Self {
+            firmware,
+            max_speed: machine.max_speed.map(|v| v.0),
+            max_acceleration: machine.max_acceleration.map(|a| a.0),
+            acceleration: machine.max_acceleration[0].0,
+            square_corner_velocity: machine.square_corner_velocity.0,
+            extruder_corner_velocity: machine.extruder_corner_velocity.0,
+            min_cruise_ratio: machine.min_cruise_ratio.0,
+            junction_deviation_mm: machine.junction_deviation.0,
+            jerk: machine.jerk.map(|v| v.0),
+            jerk_everywhere: false,
+            retraction: FirmwareRetraction {
+                length_mm: retract.length.0,
+                extra_mm: retract.extra.0.max(0.0),
+                speed: retract.speed.0,
+                unretract_speed: retract.unretract_speed.0,
+            },
+            filament_area_mm2: settings.filament.area_mm2(),
+        };
+        if made.junction_deviation_mm <= 0.0 {
+            let usual = Some(settings.acceleration.default.0).filter(|a| *a > 0.0);
+            made.junction_deviation_mm =
+                made.corner_acceleration_mm() / usual.unwrap_or(made.acceleration).min(made.acceleration);
+        }
+        made
+    }
+}
+
+impl WriterSettings {
+    /// What the writer needs of all settings. `progress` is for outputs that can be patched later.
+    pub fn new(settings: &Settings, scripts: &Scripts, progress: bool) -> Self {
+        Self {
+            flavor: settings.printer.flavor,
+            relative_e: settings.gcode.relative_e,
+            filament_diameter: settings.filament.diameter,
+            firmware_retraction: settings.retract.firmware,
+            pause: scripts.pause.clone(),
+            objects: Vec::new(),
+            progress,
+        }
+    }
+}
+
+impl From<&Settings> for GcodeOptions {
+    fn from(settings: &Settings) -> Self {
+        Self {
+            printer: settings.printer.clone(),
+            filament: settings.filament.clone(),
+            temperature: settings.temperature.clone(),
+            layer: settings.layer.clone(),
+            retract: settings.retract.clone(),
+            gcode: settings.gcode.clone(),
+            machine: Machine::new(settings),
+        }
+    }
+}

@@ -1,0 +1,293 @@
+//! Walls, shells, infill, support and what lies around the part.
+
+use crate::options::{choice, section};
+use crate::units::{Mm, MmPerS, MmPerS2, Ratio};
+
+choice! {
+    /// Which wall of an island is printed first.
+    WallOrder {
+        /// From the inside out: better overhangs.
+        InnerFirst = "inner-first",
+        /// From the outside in: better dimensions.
+        OuterFirst = "outer-first",
+    }
+}
+choice! {
+    /// How wide walls are.
+    WallGenerator {
+        /// As wide as asked for; single beads of fitting width in what is left.
+        Classic = "classic",
+        /// Those in the middle of a thin part as wide as fits.
+        Variable = "variable",
+    }
+}
+choice! {
+    /// Infill pattern.
+    Pattern {
+        /// Parallel lines, turned by 90° from layer to layer.
+        Rectilinear = "rectilinear",
+        /// Parallel lines in the same direction on all layers.
+        AlignedRectilinear = "aligned-rectilinear",
+        /// Two crossing sets of lines in each layer.
+        Grid = "grid",
+        /// Three crossing sets of lines in each layer.
+        Triangles = "triangles",
+        /// Three sets of lines, hexagons between triangles.
+        TriHexagon = "tri-hexagon",
+        /// Cubes standing on a corner.
+        Cubic = "cubic",
+        /// The same, larger inside than near the surface.
+        AdaptiveCubic = "adaptive-cubic",
+        /// Triply periodic minimal surface.
+        Gyroid = "gyroid",
+        /// Hexagons with upright walls.
+        Honeycomb = "honeycomb",
+        /// Truncated octahedra.
+        Honeycomb3d = "3d-honeycomb",
+        /// Loops parallel to the outline.
+        Concentric = "concentric",
+        /// One curve through every cell of a square grid.
+        Hilbert = "hilbert",
+        /// Branches under roofs, nothing elsewhere.
+        Lightning = "lightning",
+    }
+}
+choice! {
+    /// Which walls get a rough surface.
+    FuzzyWalls {
+        /// None.
+        None = "none",
+        /// The outermost.
+        Outer = "outer",
+        /// All.
+        All = "all",
+    }
+}
+choice! {
+    /// How supports are built.
+    SupportStyle {
+        /// Straight columns.
+        Grid = "grid",
+        /// Branches that meet and avoid the part.
+        Tree = "tree",
+    }
+}
+choice! {
+    /// Lines inside of support columns.
+    SupportPattern {
+        /// In one direction.
+        Rectilinear = "rectilinear",
+        /// In two directions, twice as far apart.
+        Grid = "grid",
+    }
+}
+choice! {
+    /// Where a brim lies.
+    BrimSides {
+        /// Around the part.
+        Outer = "outer",
+        /// In its holes.
+        Inner = "inner",
+        /// Around it and in its holes.
+        Both = "both",
+    }
+}
+section! {
+    /// `[walls]`: perimeters.
+    WallSettings {
+        /// Number of walls.
+        count: u32 = 3; 0..=100,
+        /// Width of inner walls.
+        width: Mm = Mm(0.45); 0.05..=5.0,
+        /// Width of the outermost wall.
+        external_width: Mm = Mm(0.45); 0.05..=5.0,
+        /// Fixed or variable width.
+        generator: WallGenerator = WallGenerator::Variable,
+        /// Inner or outer first.
+        order: WallOrder = WallOrder::InnerFirst,
+        /// Parts of a section thinner than this are left out.
+        min_feature: Mm = Mm(0.16); 0.05..=1.0,
+        /// Thin parts are printed at least this wide.
+        min_width: Mm = Mm(0.2); 0.05..=1.0,
+        /// Fill what is left between walls, and walls too thin for a loop, with single beads of fitting width.
+        gap_fill: bool = true,
+    }
+}
+section! {
+    /// `[shell]`: solid top and bottom.
+    ShellSettings {
+        /// Solid layers under every top surface.
+        top_layers: u32 = 5; 0..=10000,
+        /// Solid layers above every bottom surface.
+        bottom_layers: u32 = 4; 0..=10000,
+        /// Top and bottom are at least this thick, with more layers than the above where those are thin.
+        min_thickness: Mm = Mm(0.7); 0.0..=100.0,
+        /// Top surfaces in lines each beside the one before, never between two others. Holds while a run is not
+        /// interrupted: under any `order.scope` but `layer`.
+        monotonic: bool = true,
+        /// Line width of solid infill.
+        width: Mm = Mm(0.45); 0.05..=5.0,
+        /// Line width of top surfaces.
+        top_width: Mm = Mm(0.42); 0.05..=5.0,
+    }
+}
+section! {
+    /// `[infill]`: the inside.
+    InfillSettings {
+        /// Pattern of sparse infill.
+        pattern: Pattern = Pattern::Rectilinear,
+        /// Share of the inside that is filled.
+        density: Ratio = Ratio(0.15); 0.0..=1.0,
+        /// Line width of sparse infill.
+        width: Mm = Mm(0.45); 0.05..=5.0,
+        /// Direction of the first layer's lines, degrees from the X axis.
+        angle: f64 = 45.0; -360.0..=360.0, "°",
+        /// Directions of the layers' lines in turn, instead of `infill.angle` and the pattern's own turning; empty: none.
+        angles: Vec<f64> = Vec::new(); -360.0..=360.0, "°",
+        /// How far line ends reach into the innermost wall, as a share of the line width.
+        overlap: Ratio = Ratio(0.2); 0.0..=1.0,
+        /// Join line ends along the wall.
+        connect: bool = true,
+        /// How far line ends that are not joined run on along the wall, at most.
+        anchor: Mm = Mm(0.0); 0.0..=100.0,
+        /// Sparse infill only on every so many layers, in beads as high as all of them; no higher than the nozzle's bore.
+        combine_layers: u32 = 1; 1..=50,
+        /// One layer in so many is solid; 0: none.
+        solid_every: u32 = 0; 0..=10000,
+    }
+}
+section! {
+    /// `[ironing]`: a second, thin pass over top surfaces.
+    IroningSettings {
+        /// Whether there is one.
+        enabled: bool = false,
+        /// What it deposits, as a share of a full layer.
+        flow: Ratio = Ratio(0.1); 0.0..=1.0,
+        /// Distance of its lines.
+        spacing: Mm = Mm(0.1); 0.02..=1.0,
+    }
+}
+section! {
+    /// `[spiral]`: one wall in one line that rises all the way, on a solid bottom (vase mode).
+    SpiralSettings {
+        /// Print so.
+        enabled: bool = false,
+        /// Each turn glides from the outline below it to its own, so that no step shows where turns begin.
+        smooth: bool = true,
+    }
+}
+section! {
+    /// `[fuzzy]`: a rough surface.
+    FuzzySettings {
+        /// Which walls have it.
+        walls: FuzzyWalls = FuzzyWalls::None,
+        /// How far they leave their line to either side.
+        thickness: Mm = Mm(0.3); 0.01..=2.0,
+        /// Distance of the points that are moved.
+        distance: Mm = Mm(0.8); 0.05..=10.0,
+    }
+}
+section! {
+    /// `[first_layer]`: what holds for the layer on the bed.
+    FirstLayerSettings {
+        /// Line width of everything on it; 0: as elsewhere.
+        width: Mm = Mm(0.5); 0.0..=5.0,
+        /// Speed of everything on it; 0: as elsewhere.
+        speed: MmPerS = MmPerS(20.0); 0.0..=2000.0,
+        /// Extrusion multiplier.
+        flow: f64 = 1.0; 0.1..=3.0,
+        /// Acceleration of everything on it; 0: as elsewhere.
+        acceleration: MmPerS2 = MmPerS2(500.0); 0.0..=100000.0,
+    }
+}
+section! {
+    /// `[skirt]`
+    SkirtSettings {
+        /// Loops around everything; 0: none.
+        loops: u32 = 1; 0..=100,
+        /// Distance from part or brim.
+        distance: Mm = Mm(3.0); 0.0..=100.0,
+        /// Layers it is printed on.
+        layers: u32 = 1; 1..=10000,
+        /// Go on up to the top of the part with one loop, to shield it from draughts.
+        draft_shield: bool = false,
+        /// More loops until this much filament (path length) is primed.
+        min_length: Mm = Mm(0.0); 0.0..=10000.0,
+    }
+}
+section! {
+    /// `[brim]`
+    BrimSettings {
+        /// Width around the part; 0: none.
+        width: Mm = Mm(0.0); 0.0..=100.0,
+        /// Distance from the part.
+        gap: Mm = Mm(0.0); 0.0..=10.0,
+        /// On which sides of the part's outlines.
+        sides: BrimSides = BrimSides::Outer,
+        /// Only around parts of the footprint smaller than this; 0: around all.
+        max_area: f64 = 0.0; 0.0..=1000000.0, "mm²",
+    }
+}
+section! {
+    /// `[raft]`: layers of support under the whole print.
+    RaftSettings {
+        /// Number of layers; 0: none.
+        layers: u32 = 0; 0..=100,
+        /// Free height between raft and part.
+        gap: Mm = Mm(0.2); 0.0..=5.0,
+        /// Width beyond the part.
+        margin: Mm = Mm(3.0); 0.0..=100.0,
+        /// Share of the lower layers that is filled; the upper two are solid.
+        density: Ratio = Ratio(0.5); 0.05..=1.0,
+    }
+}
+section! {
+    /// `[support]`
+    SupportSettings {
+        /// Hold up overhangs.
+        enabled: bool = false,
+        /// Columns or trees.
+        style: SupportStyle = SupportStyle::Grid,
+        /// Walls that lean out further than this from the vertical are held.
+        angle: f64 = 50.0; 0.0..=89.0, "°",
+        /// Support stands on the bed only, never on the part.
+        from_bed_only: bool = false,
+        /// Overhangs that reach out less than this are printed without support.
+        min_reach: Mm = Mm(0.8); 0.0..=10.0,
+        /// Bridges up to this long are printed without support; 0: none.
+        max_bridge: Mm = Mm(10.0); 0.0..=1000.0,
+        /// Free height between support and part, in whole layers, rounded up.
+        z_gap: Mm = Mm(0.2); 0.0..=5.0,
+        /// Free distance between support and the part's sides.
+        xy_gap: Mm = Mm(0.4); 0.0..=5.0,
+        /// Lines inside of columns.
+        pattern: SupportPattern = SupportPattern::Rectilinear,
+        /// Share of a column that the lines inside its outline fill.
+        density: Ratio = Ratio(0.1); 0.0..=1.0,
+        /// Direction of the lines, degrees from the X axis.
+        line_angle: f64 = 0.0; -360.0..=360.0, "°",
+        /// Line width of support.
+        width: Mm = Mm(0.4); 0.05..=5.0,
+        /// Dense layers under the part.
+        interface_layers: u32 = 2; 0..=100,
+        /// Share of them that is filled.
+        interface_density: Ratio = Ratio(0.75); 0.0..=1.0,
+        /// Trees: how far branches may lean, degrees from the vertical.
+        branch_angle: f64 = 40.0; 5.0..=60.0, "°",
+        /// Trees: diameter of a branch at its tip.
+        branch_diameter: Mm = Mm(2.0); 0.5..=20.0,
+        /// Trees: by how much the sides of a branch widen downwards, degrees from the vertical.
+        branch_taper: f64 = 2.0; 0.0..=30.0, "°",
+    }
+}
+section! {
+    /// `[bridge]`: solid infill over air; its speed is `speed.bridge`, its fan `cooling.bridge_fan`.
+    BridgeSettings {
+        /// Span air with threads side by side in the direction in which they reach hold soonest.
+        enabled: bool = true,
+        /// Thickness of the threads: multiplies the cross-section of one as thick as the nozzle's bore.
+        flow: f64 = 1.0; 0.1..=2.0,
+        /// How far they reach over what holds them.
+        anchor: Mm = Mm(1.0); 0.0..=20.0,
+    }
+}
