@@ -12,7 +12,6 @@ pub mod check;
 pub mod cli;
 pub mod estimate;
 pub mod gcode;
-pub mod geom;
 pub mod job;
 pub mod limits;
 pub mod mesh;
@@ -23,13 +22,16 @@ pub mod output;
 pub mod pipeline;
 pub mod plate;
 pub mod profile;
-mod random;
 pub mod reorder;
 pub mod report;
 pub mod slice;
 pub mod toolpath;
 pub mod units;
 pub mod view;
+
+pub use geometry;
+#[doc(hidden)]
+pub use geometry as geom;
 
 /// The examples of the README are compiled with the documentation's.
 #[cfg(doctest)]

@@ -1,7 +1,7 @@
 //! Finds the stretches of a polyline that follow a circle, to be written as one G2 or G3 each.
 
 use super::simplify::MERGE_TOLERANCE_MM;
-use crate::geom::{distance_mm, to_segment_mm};
+use geometry::{distance_mm, to_segment_mm};
 
 /// An arc replaces at least this many segments: fewer are no shorter as arcs.
 const MIN_SEGMENTS: usize = 3;

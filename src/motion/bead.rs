@@ -2,9 +2,9 @@
 
 use std::f64::consts::PI;
 
-use crate::geom::distance_mm;
 use crate::toolpath::bead::area_mm2;
 use crate::toolpath::{Path, Role, Width};
+use geometry::distance_mm;
 
 /// A vertex of a bead.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -84,7 +84,7 @@ pub(super) fn mean_width_mm(width: &Width) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::geom::Point;
+    use geometry::Point;
 
     #[test]
     fn beads_laid_at_their_spacing_fill_the_layer() {

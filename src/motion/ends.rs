@@ -1,7 +1,7 @@
 //! How loops begin and end without a blob: with a gap, or with a scarf.
 
 use super::bead::{Vertex, length_mm};
-use crate::geom::distance_mm;
+use geometry::distance_mm;
 
 /// Loops shorter than so many gaps or scarfs stay as they are.
 const SHORTEST: f64 = 4.0;

@@ -1,7 +1,7 @@
 //! How far walls hang over what they rest on, and how they are printed there.
 
 use super::bead::{Vertex, length_mm};
-use crate::geom::{Bounds, EdgeGrid, Point, Region, distance_mm, to_segment_mm};
+use geometry::{Bounds, EdgeGrid, Point, Region, distance_mm, to_segment_mm};
 
 /// Walls are looked at in steps of this.
 const STEP_MM: f64 = 0.5;
@@ -107,7 +107,7 @@ struct Walk<'a> {
 impl Walk<'_> {
     fn edge(&mut self, from: Vertex, to: Vertex) {
         let [a, b] = [from, to].map(|v| Point::from_mm(v.at[0], v.at[1]));
-        let reach = crate::geom::to_units(0.5 * self.width_mm) + 1;
+        let reach = geometry::to_units(0.5 * self.width_mm) + 1;
         let bounds = Bounds {
             min: Point::new(a.x.min(b.x) - reach, a.y.min(b.y) - reach),
             max: Point::new(a.x.max(b.x) + reach, a.y.max(b.y) + reach),
@@ -171,7 +171,7 @@ fn segments_mm(s: [[f64; 2]; 2], e: [[f64; 2]; 2]) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::geom::Polygon;
+    use geometry::Polygon;
 
     fn rectangle(x0: f64, y0: f64, x1: f64, y1: f64) -> Region {
         let corners = [(x0, y0), (x1, y0), (x1, y1), (x0, y1)];

@@ -9,10 +9,10 @@ use super::rules::Rules;
 use super::simplify::{Piece, straighten};
 use super::smooth::{Rounding, gentle_rad, refine_curves, round_corners};
 use super::{Entry, LayerMoves, MotionSettings, Move, travel};
-use crate::geom::Router;
 use crate::order::Visit;
 use crate::toolpath::{LayerPaths, Path, Role};
 use crate::units::{Mm3, MmPerS2, Ratio};
+use geometry::Router;
 
 /// Plans a layer. `sequence` says in which order and direction its paths are drawn: `entry` is 0 or 1
 /// (forwards, backwards) of open paths, of closed ones the index of the vertex where they are entered and

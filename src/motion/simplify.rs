@@ -2,7 +2,7 @@
 //! and beads of changing width are cut into pieces of constant flow.
 
 use super::bead::Vertex;
-use crate::geom::distance_mm;
+use geometry::distance_mm;
 
 /// How far a dropped vertex may lie from the line that replaces it: less than half a step of a common machine
 /// (80 steps/mm are 12.5 µm each).
@@ -124,7 +124,7 @@ fn split(a: Vertex, b: Vertex, volume_mm3: f64, out: &mut Vec<Piece>) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::geom::to_segment_mm;
+    use geometry::to_segment_mm;
     use proptest::prelude::*;
 
     fn vertices(points: &[[f64; 2]]) -> Vec<Vertex> {

@@ -4,9 +4,9 @@
 //! radius allows. So the turns of infill are rounded, and curves get back the vertices that slicing took.
 
 use super::simplify::Piece;
-use crate::geom::distance_mm;
 use crate::toolpath::Role;
 use crate::units::MmPerS;
+use geometry::distance_mm;
 
 /// What a vertex may turn by, in rad × mm/s over mm/s: at 50 mm/s and a square corner velocity of 5 mm/s, 0.22 rad.
 /// By Klipper's rule a corner of 1.8 in these units costs no speed at all, and a little more hardly any time.

@@ -4,9 +4,9 @@ use super::Move;
 use super::bead::Vertex;
 use super::overhang::Grade;
 use super::plan::Nozzle;
-use crate::geom::distance_mm;
 use crate::toolpath::{Path, Rise};
 use crate::units::Mm3;
+use geometry::distance_mm;
 
 impl Nozzle<'_> {
     /// Draws the vertices of a turn, each as far below the layer's height as `rises` says. Only a turn that does not

@@ -1,8 +1,8 @@
 //! Lengths and volume of planned moves, as they would be measured on the finished file.
 
 use super::{LayerMoves, Move};
-use crate::geom::distance_mm;
 use crate::units::{Mm, Mm3};
+use geometry::distance_mm;
 
 /// What a layer's moves come to. Ways are in X and Y; those before the first bead of the print do not count.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]

@@ -3,8 +3,8 @@
 
 use super::plan::Nozzle;
 use super::{MotionSettings, Move};
-use crate::geom::{Way, distance_mm};
 use crate::units::{Mm3, MmPerS};
+use geometry::{Way, distance_mm};
 
 impl Nozzle<'_> {
     /// Moves to where the next bead, one of this island, starts, at the height of the layer.

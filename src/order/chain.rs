@@ -11,8 +11,8 @@ use super::options::{OrderSettings, SeamPosition};
 use super::precedence::{Frontier, Groups};
 use super::seam::{Pins, enter_nearest};
 use super::{Cost, DetourRule, Detours, Known, Nearest, Problem, Sequence, Shape, Strategy, Visit, strategy};
-use crate::geom::{Point, Router};
 use crate::toolpath::LayerPaths;
+use geometry::{Point, Router};
 
 /// Layers per chunk for a print of so many layers: enough chunks to keep every core busy, and not so
 /// short that solving heads twice costs much.

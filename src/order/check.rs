@@ -90,7 +90,7 @@ fn precedence(problem: &Problem, sequence: &[Visit]) -> Result<(), Fault> {
 mod tests {
     use super::super::{Item, Run};
     use super::*;
-    use crate::geom::Point;
+    use geometry::Point;
 
     /// Two islands of two runs with one short path each, after a skirt.
     fn problem(scope: Scope) -> Problem<'static> {

@@ -8,7 +8,7 @@ use super::options::Effort;
 use super::parts::Parts;
 use super::precedence::Groups;
 use super::{Cost, Problem, Sequence, Shape, Strategy, Visit};
-use crate::geom::Point;
+use geometry::Point;
 
 /// The seed's algorithm: spanning tree over the print segments, exact matching of its odd nodes, Eulerian circuit,
 /// cut at the start, shortcuts.

@@ -6,8 +6,8 @@ use std::cell::RefCell;
 use rustc_hash::FxHashMap;
 
 use super::Cost;
-use crate::geom::{Router, Way};
 use crate::toolpath::LayerPaths;
+use geometry::{Router, Way};
 
 /// How travels are led round what they must not cross.
 #[derive(Clone, Copy, Debug, PartialEq)]

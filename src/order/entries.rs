@@ -1,7 +1,7 @@
 //! The best directions and entries of consecutive paths together, their order being as it is.
 
 use super::{Cost, Problem, Sequence, Shape};
-use crate::geom::Point;
+use geometry::Point;
 
 /// Vertices of each loop that are considered at a time.
 const CANDIDATES: usize = 12;

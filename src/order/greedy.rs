@@ -9,7 +9,7 @@ use super::nearest::walk_groups;
 use super::options::Effort;
 use super::precedence::Groups;
 use super::{Cost, Problem, Sequence, Shape, Strategy, Visit};
-use crate::geom::Point;
+use geometry::Point;
 
 /// Joins paths into fragments by the shortest link that is still possible, until one fragment is left. A loop's
 /// entry is settled by the first link that reaches it.

@@ -2,7 +2,7 @@
 
 use super::precedence::Groups;
 use super::{Problem, Shape};
-use crate::geom::Point;
+use geometry::Point;
 
 /// Entries per block. Neighbouring vertices of a loop share a box: 16 keep the tree an order of magnitude
 /// smaller than one leaf per vertex would, and a block is scanned in the time of a few tree nodes.

@@ -5,8 +5,8 @@ use rustc_hash::FxHashMap;
 use super::options::Scope;
 use super::seam::Pins;
 use super::{Item, Problem, Run, Sequence, Shape, Visit};
-use crate::geom::Point;
 use crate::toolpath::{LayerPaths, Path, Role};
+use geometry::Point;
 
 /// The problem of one layer whose seams are free or pinned.
 #[derive(Clone, Debug)]

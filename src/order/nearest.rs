@@ -4,7 +4,7 @@ use super::index::Index;
 use super::options::Effort;
 use super::precedence::{Frontier, Groups};
 use super::{Cost, Problem, Sequence, Strategy, Visit};
-use crate::geom::Point;
+use geometry::Point;
 
 /// From where the nozzle is, always on to the nearest place where a path can be entered that may come next:
 /// an end of an open path, an allowed vertex of a loop. Nothing known of the start: the first path as made.

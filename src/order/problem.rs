@@ -1,7 +1,7 @@
 //! The ordering problem of one layer, free of anything but ends, loops and precedence.
 
 use super::options::Scope;
-use crate::geom::Point;
+use geometry::Point;
 
 /// What of a path matters to ordering.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -4,8 +4,8 @@ use super::index::Index;
 use super::options::{Scope, SeamPosition};
 use super::precedence::Groups;
 use super::{Item, Problem, Run, Sequence, Shape};
-use crate::geom::Point;
 use crate::toolpath::LayerPaths;
+use geometry::Point;
 
 /// A turn sharper than this is a corner, in which a seam hides (30°).
 const CORNER_SIN: f64 = 0.5;
@@ -143,8 +143,8 @@ pub fn enter_nearest(problem: &Problem, sequence: &mut Sequence) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::geom::Region;
     use crate::toolpath::{Path, Role, Width};
+    use geometry::Region;
 
     fn square(index: usize, offset_mm: f64) -> LayerPaths {
         let corner = |x, y| Point::from_mm(x + offset_mm, y);

@@ -1,9 +1,9 @@
 //! What of a print begins in mid-air.
 
-use crate::geom::{self, Bounds, Point, Polygon, Region};
 use crate::job::JobError;
 use crate::profile::Settings;
 use crate::toolpath::{LayerPaths, Role};
+use geometry::{Bounds, Point, Polygon, Region};
 
 use super::parallel;
 use super::sections::Sections;
@@ -181,7 +181,7 @@ pub(super) fn lies_on(polygon: &Polygon, under: &Region) -> bool {
     near.iter().any(|other| polygon.outer == other.outer || shares(polygon, other) || shares(other, polygon))
         || near.iter().any(|other| {
             let [a, b] = [polygon, other].map(|p| Region { polygons: vec![(*p).clone()] });
-            !geom::intersection(&a, &b).is_empty()
+            !geometry::intersection(&a, &b).is_empty()
         })
 }
 

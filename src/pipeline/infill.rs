@@ -2,12 +2,12 @@
 
 use std::sync::Arc;
 
-use crate::geom::{self, Region};
 use crate::plate::Plate;
 use crate::profile::Settings;
 use crate::toolpath::Pattern;
 use crate::toolpath::bead;
 use crate::toolpath::infill::{AdaptiveCubic, FillPattern, Hollow, Lightning};
+use geometry::Region;
 
 use super::parallel;
 use super::sections::Sections;
@@ -60,10 +60,11 @@ fn hollow(sections: &Sections, index: usize, settings: &Settings) -> Hollow {
     };
     let (mut ground, mut sparse) = (Region::default(), Region::default());
     for object in &layer.objects {
-        let rough = geom::simplify(object.section, ROUGH_MM);
-        let inside = geom::offset(&rough, -thick_mm);
-        let roofed = object.above.map_or_else(|| inside.clone(), |above| geom::intersection(&inside, above));
-        ground.polygons.extend(geom::offset(&rough, -thick_mm / 2.0).polygons);
+        let rough = geometry::simplify(object.section, ROUGH_MM);
+        let inside = geometry::offset(&rough, -thick_mm);
+        let roofed =
+            object.above.map_or_else(|| inside.clone(), |above| geometry::intersection(&inside, above));
+        ground.polygons.extend(geometry::offset(&rough, -thick_mm / 2.0).polygons);
         sparse.polygons.extend(roofed.polygons);
     }
     Hollow { ground, sparse, height_mm: layer.height_mm }

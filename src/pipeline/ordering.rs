@@ -3,10 +3,10 @@
 use std::ops::Range;
 use std::time::{Duration, Instant};
 
-use crate::geom::Point;
 use crate::order::{Chain, Cost, LayerProblem, Pins, Problem, Sequence, bound, ends_on_path};
 use crate::profile::Settings;
 use crate::toolpath::LayerPaths;
+use geometry::Point;
 
 use super::parallel;
 

@@ -1,8 +1,8 @@
 //! Objects that overlap, or nearly touch, where their file puts them.
 
-use crate::geom::{self, Region};
 use crate::plate::Plate;
 use crate::slice::{Layer, Section};
+use geometry::Region;
 
 use super::parallel;
 use super::styles::Styles;
@@ -124,11 +124,11 @@ fn meetings(layer: &Layer, pairs: &[Pair]) -> Vec<(usize, f64)> {
     for (number, [a, b]) in pairs.iter().enumerate() {
         let (Some(a), Some(b)) = (section(*a), section(*b)) else { continue };
         let (Some(box_a), Some(box_b)) = (a.region.bounds(), b.region.bounds()) else { continue };
-        if !box_a.grown(geom::to_units(NEAR_MM)).touches(&box_b) {
+        if !box_a.grown(geometry::to_units(NEAR_MM)).touches(&box_b) {
             continue;
         }
-        let shared = geom::intersection(&a.region, &b.region);
-        let overlap_mm2 = match geom::offset(&shared, -TOUCH_MM).is_empty() {
+        let shared = geometry::intersection(&a.region, &b.region);
+        let overlap_mm2 = match geometry::offset(&shared, -TOUCH_MM).is_empty() {
             true => 0.0,
             false => shared.area_mm2(),
         };
@@ -140,8 +140,8 @@ fn meetings(layer: &Layer, pairs: &[Pair]) -> Vec<(usize, f64)> {
 }
 
 fn come_near(a: &Region, b: &Region) -> bool {
-    let [a, b] = [a, b].map(|region| geom::offset(region, NEAR_MM / 2.0 - TOUCH_MM));
-    !geom::intersection(&a, &b).is_empty()
+    let [a, b] = [a, b].map(|region| geometry::offset(region, NEAR_MM / 2.0 - TOUCH_MM));
+    !geometry::intersection(&a, &b).is_empty()
 }
 
 /// The sections of a layer with every overlap in one of them only.
@@ -150,7 +150,7 @@ fn united(sections: &[Section], first: &[usize], overlapping: &[(Pair, Meeting)]
     for Section { object, region } in sections {
         let object = first[*object];
         match united.iter_mut().find(|section| section.object == object) {
-            Some(section) => section.region = geom::union(&section.region, region),
+            Some(section) => section.region = geometry::union(&section.region, region),
             None => united.push(Section { object, region: region.clone() }),
         }
     }
@@ -161,7 +161,7 @@ fn united(sections: &[Section], first: &[usize], overlapping: &[(Pair, Meeting)]
         let owner = united.iter().find(|section| section.object == a).map(|section| section.region.clone());
         let other = united.iter_mut().find(|section| section.object == b && a != b);
         if let (Some(owner), Some(other)) = (owner, other) {
-            other.region = geom::difference(&other.region, &owner);
+            other.region = geometry::difference(&other.region, &owner);
         }
     }
     united.retain(|section| !section.region.is_empty());

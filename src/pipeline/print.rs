@@ -5,7 +5,6 @@ use crate::gcode::thumbnail_sizes;
 use crate::gcode::{
     self, Effect, GcodeOptions, LayerText, ObjectLabel, PrintFacts, Scripts, Slot, Totals, WriterSettings,
 };
-use crate::geom::{Bounds, Point};
 use crate::job::{Job, JobError, Progress};
 use crate::motion::{self, Entry, MotionSettings};
 use crate::order::{Chain, DetourRule, Pins, SeamRule, Visit, chunk_len};
@@ -16,6 +15,7 @@ use crate::report::{LayerSummary, Measures, Overhangs, Summary};
 use crate::toolpath::LayerPaths;
 use crate::units::{Mm3, Seconds};
 use crate::view;
+use geometry::{Bounds, Point};
 
 use super::floating::{Floating, Islands};
 use super::inspect::Inspector;

@@ -1,12 +1,12 @@
 //! What is printed from the bed up in one go: the whole plate, or one object after the other.
 
-use crate::geom::{Point, Polygon};
 use crate::job::JobError;
 use crate::plate::Sequence;
 use crate::plate::{Object, Plate};
 use crate::profile::Settings;
 use crate::report::Overhangs;
 use crate::slice::Slicer;
+use geometry::{Point, Polygon};
 
 use super::load::{self, Loaded};
 use super::sections::Sections;

@@ -2,7 +2,6 @@
 
 use geo::{ConvexHull, MultiPoint, Simplify};
 
-use crate::geom::{self, Bounds, Point, Polygon, Region};
 use crate::job::JobError;
 use crate::plate::Plate;
 use crate::profile::Settings;
@@ -10,6 +9,7 @@ use crate::slice::{self, Gaps, Layer, LayerSpan, Slicer};
 use crate::toolpath::SupportStyle;
 use crate::toolpath::support::{self, BeadSpec, Outlines};
 use crate::toolpath::{self, LayerPaths, ObjectLayer, Planner, PlateLayer, Role, Shells};
+use geometry::{Bounds, Point, Polygon, Region};
 
 use super::floating;
 use super::infill;
@@ -133,9 +133,9 @@ impl Sections {
     /// `thin_mm` neither counts nor carries.
     pub fn begun_in_air(&self, index: usize, thin_mm: f64) -> Vec<f64> {
         let holds_line = |polygon: &Polygon| {
-            let length_mm: f64 = polygon.rings().map(|ring| geom::ring_length_mm(ring)).sum();
+            let length_mm: f64 = polygon.rings().map(|ring| geometry::ring_length_mm(ring)).sum();
             2.0 * polygon.area_mm2() >= 2.0 * thin_mm * length_mm
-                || !geom::offset(&Region { polygons: vec![polygon.clone()] }, -thin_mm / 2.0).is_empty()
+                || !geometry::offset(&Region { polygons: vec![polygon.clone()] }, -thin_mm / 2.0).is_empty()
         };
         let beneath = supports::section(&self.layers[index - 1]);
         let islands = self.layers[index].sections.iter().flat_map(|section| &section.region.polygons);
@@ -215,7 +215,7 @@ impl Sections {
                 part: match first && !on_raft {
                     true => planner.covered(),
                     false if tree => Region::EMPTY,
-                    false => &geom::simplify(&supports::section(layer), support::ROUGH_MM),
+                    false => &geometry::simplify(&supports::section(layer), support::ROUGH_MM),
                 },
                 height_mm: layer.span.height_mm + gap_mm,
                 usual_height_mm: settings.layer.height.0,
@@ -232,7 +232,7 @@ impl Sections {
         let mut footprint = supports::section(&self.layers[self.raft_layers]);
         let standing = self.supports.as_ref().map_or(Region::EMPTY, |supports| &supports.outlines(0).all);
         if self.raft_layers > 0 {
-            footprint = toolpath::raft_area(&geom::union(&footprint, standing), &settings.raft);
+            footprint = toolpath::raft_area(&geometry::union(&footprint, standing), &settings.raft);
         }
         let first_height_mm = self.layers[0].span.height_mm;
         let mut planners = Planners::new(settings, styles, &footprint, first_height_mm);

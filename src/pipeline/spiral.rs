@@ -2,12 +2,12 @@
 
 use std::borrow::Cow;
 
-use crate::geom::{Region, Ring};
 use crate::job::JobError;
 use crate::profile::Settings;
 use crate::slice::{Layer, LayerSpan};
 use crate::toolpath::{self, Island, LayerPaths, Path, Role, SpiralSpec, Turn, Width};
 use crate::units::Ratio;
+use geometry::{Region, Ring};
 
 use super::parallel;
 

@@ -2,12 +2,12 @@
 
 use std::sync::Arc;
 
-use crate::geom::{Polygon, Region};
 use crate::job::{JobError, ObjectSettings};
 use crate::profile::{Origin, Problem, ProfileError, Settings};
 use crate::toolpath::infill::FillPattern;
 use crate::toolpath::{LayerPaths, Planner, PlateLayer, ToolpathSettings};
 use crate::units::Mm;
+use geometry::{Polygon, Region};
 
 use super::parallel;
 

@@ -1,6 +1,5 @@
 //! Supports of a plate: found and stood before any layer is planned, laid as beads layer by layer.
 
-use crate::geom::{Bounds, Polygon, Region, offset, simplify, union_all};
 use crate::plate::Plate;
 use crate::profile::Settings;
 use crate::report::Overhangs;
@@ -10,6 +9,7 @@ use crate::toolpath::Path;
 use crate::toolpath::support::{self, Bitmap, ColumnSpec, Grid, Ground, Outlines, Overhang, Slab, Wishes};
 use crate::toolpath::{SupportSettings, SupportStyle};
 use crate::units::Mm;
+use geometry::{Bounds, Polygon, Region, offset, simplify, union_all};
 
 use super::parallel;
 

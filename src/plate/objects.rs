@@ -1,7 +1,7 @@
 //! What stands on the bed.
 
-use crate::geom::Point;
 use crate::mesh::Mesh;
+use geometry::Point;
 
 /// One model on the plate.
 #[derive(Clone, Debug, PartialEq, Eq)]

@@ -12,8 +12,8 @@ use super::layout::{Item, Layout, hull};
 use super::objects::{Object, Plate};
 use super::options::{BedSettings, BedShape};
 use super::pack::{Footprint, pack};
-use crate::geom::Point;
 use crate::mesh::Mesh;
+use geometry::Point;
 
 /// What decides where models stand.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

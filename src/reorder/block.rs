@@ -4,8 +4,8 @@ use std::ops::Range;
 
 use super::state::{Key, States};
 use super::toll::Toll;
-use crate::geom::Point;
 use crate::toolpath::Role;
+use geometry::Point;
 
 /// Part of a block's text.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]

@@ -9,10 +9,10 @@ use super::block::{Block, Path};
 use super::islands::{Islands, islands};
 use super::monotonic;
 use super::state::Key;
-use crate::geom::{Point, Region};
 use crate::order::Visit;
 use crate::order::{Scope, SeamPosition};
 use crate::toolpath::{LayerPaths, Path as Toolpath, Role, Width};
+use geometry::{Point, Region};
 
 /// One step of an order: a path, and how it is drawn.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -3,7 +3,7 @@
 use std::sync::OnceLock;
 
 use super::block::Block;
-use crate::geom::{
+use geometry::{
     Boundary, BoundaryPos, Bounds, Clipper, Point, Polygon, Region, Ring, UNITS_PER_MM, offset, ring_area,
     unite_rings,
 };

@@ -11,7 +11,7 @@ use super::times::is_understood;
 use super::toll::Toll;
 use super::walls::{Walls, Way};
 use crate::gcode::Line;
-use crate::geom::Point;
+use geometry::Point;
 
 /// Room behind a line about time.
 pub const TIME_ROOM: &[u8] = b"    ";

@@ -6,8 +6,8 @@ use super::options::LayerSettings;
 use super::plan::LayerSpan;
 use super::simplify::simplify;
 use super::stitch::stitch;
-use crate::geom::{Point, Region, Ring};
 use crate::mesh::{Mesh, NO_TWIN};
+use geometry::{Point, Region, Ring};
 
 /// A vertex, and how many cuts lie at or below it: it is above cut `i` if `rank > i`. A vertex on a cut is above it, so
 /// no cut ever passes through a vertex.

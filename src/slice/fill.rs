@@ -6,16 +6,16 @@ use i_overlay::core::overlay_rule::OverlayRule;
 use i_overlay::i_float::int::point::IntPoint;
 
 use super::nest;
-use crate::geom::{self, Point, Polygon, Region, Ring};
+use geometry::{Point, Polygon, Region, Ring};
 
 /// What the rings wind around: bodies that overlap or touch become one, and so do those with gaps narrower than twice
 /// `closing_mm` between them.
 pub(super) fn non_zero(rings: &[Ring], closing_mm: f64) -> Region {
     match nest::assemble(rings) {
-        Some(region) if closing_mm > 0.0 => geom::close_between(&region, closing_mm),
+        Some(region) if closing_mm > 0.0 => geometry::close_between(&region, closing_mm),
         Some(region) => region,
         // Where bodies touch along a part of their sides, the gaps are slits in one outline.
-        None => geom::closing(&geom::unite_rings(rings), closing_mm),
+        None => geometry::closing(&geometry::unite_rings(rings), closing_mm),
     }
 }
 

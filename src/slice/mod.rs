@@ -21,8 +21,8 @@ pub use plan::{LayerSpan, plan};
 pub use table::{heights_from_lines, layer_heights};
 pub use volume::volume_mm3;
 
-use crate::geom::{Region, offset};
 use crate::plate::Plate;
+use geometry::{Region, offset};
 
 /// The cross-section of one object.
 #[derive(Clone, Debug, PartialEq)]

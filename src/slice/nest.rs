@@ -2,7 +2,7 @@
 //!
 //! Most sections of sound meshes are like that, and proving it takes a fraction of the time of a union.
 
-use crate::geom::{Bounds, Point, Polygon, Region, Ring, ring_area};
+use geometry::{Bounds, Point, Polygon, Region, Ring, ring_area};
 
 /// Comparisons allowed for each edge before the proof is given up.
 const PATIENCE: usize = 100;
@@ -134,7 +134,7 @@ fn meet(e: &Edge, f: &Edge) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::geom::{difference, unite_rings};
+    use geometry::{difference, unite_rings};
     use proptest::prelude::*;
 
     fn square(x: i32, y: i32, side: i32, hole: bool) -> Ring {

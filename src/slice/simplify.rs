@@ -1,6 +1,6 @@
 //! Fewer vertices within a tolerance.
 
-use crate::geom::{Point, Ring, UNITS_PER_MM};
+use geometry::{Point, Ring, UNITS_PER_MM};
 
 /// Drops vertices that move the outline by at most `tolerance_mm`, and keeps the area: each edge that replaces a
 /// chain moves sideways by the mean distance of that chain, so that finely drawn circles do not shrink.
@@ -134,7 +134,7 @@ fn corner(before: Edge, after: Edge, tolerance: f64) -> Point {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::geom::ring_area;
+    use geometry::ring_area;
 
     fn circle(radius_mm: f64, count: usize) -> Ring {
         let angle = |i: usize| i as f64 / count as f64 * std::f64::consts::TAU;

@@ -1,7 +1,7 @@
 //! Closing outlines of open meshes.
 
 use super::Gaps;
-use crate::geom::{Point, Ring, to_units};
+use geometry::{Point, Ring, to_units};
 
 /// Gaps are closed in this order of width, in millimetres: rounding at T-junctions, hairline cracks, small holes. A
 /// ladder keeps the search for pairs short where thousands of ends meet.
@@ -88,7 +88,7 @@ fn pairs(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::geom::ring_area;
+    use geometry::ring_area;
 
     fn chain(points: &[(f64, f64)]) -> Vec<Point> {
         points.iter().map(|&(x, y)| Point::from_mm(x, y)).collect()

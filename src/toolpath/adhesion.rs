@@ -5,7 +5,7 @@ use std::f64::consts::FRAC_PI_2;
 use geo::ConvexHull;
 
 use super::options::{BrimSettings, BrimSides, RaftSettings, SkirtSettings};
-use crate::geom::{self, Point, Polygon, Region, Ring};
+use geometry::{Point, Polygon, Region, Ring};
 
 use super::bead::Line;
 use super::infill::{Joins, lines};
@@ -30,13 +30,14 @@ pub fn brim(footprint: &Region, settings: &BrimSettings, width_mm: f64, height_m
     let filled = without_holes(&own);
     if settings.sides != BrimSides::Inner {
         rings.extend((0..count).flat_map(|k| {
-            without_holes(&geom::offset(&filled, away_mm(k))).polygons.into_iter().map(|p| p.outer)
+            without_holes(&geometry::offset(&filled, away_mm(k))).polygons.into_iter().map(|p| p.outer)
         }));
     }
     if settings.sides != BrimSides::Outer {
-        let holes = geom::difference(&filled, &own);
+        let holes = geometry::difference(&filled, &own);
         rings.extend(
-            (0..count).flat_map(|k| geom::offset(&holes, -away_mm(k)).rings().cloned().collect::<Vec<_>>()),
+            (0..count)
+                .flat_map(|k| geometry::offset(&holes, -away_mm(k)).rings().cloned().collect::<Vec<_>>()),
         );
     }
     let loops = rings.into_iter().filter(|ring| ring.len() >= 3);
@@ -44,14 +45,15 @@ pub fn brim(footprint: &Region, settings: &BrimSettings, width_mm: f64, height_m
         return loops.map(|points| Line::nominal(points, true)).collect();
     }
     let reach_mm = away_mm(count) + width_mm;
-    let room = geom::difference(&geom::offset(&filled, reach_mm), &geom::offset(&others, away_mm(0)));
+    let room =
+        geometry::difference(&geometry::offset(&filled, reach_mm), &geometry::offset(&others, away_mm(0)));
     loops.flat_map(|ring| interrupted(ring, &room)).collect()
 }
 
 /// The parts of a loop inside of a room; the loop, if that is all of it.
 fn interrupted(mut ring: Ring, room: &Region) -> Vec<Line> {
     ring.extend(ring.first().copied());
-    let pieces = geom::clip_polyline(room, &ring);
+    let pieces = geometry::clip_polyline(room, &ring);
     match pieces.as_slice() {
         [whole] if whole.points == ring => {
             ring.pop();
@@ -72,10 +74,10 @@ pub fn skirt(footprint: &Region, settings: &SkirtSettings, width_mm: f64, height
     let mut length_mm = 0.0;
     while loops.len() < settings.loops as usize || (settings.loops > 0 && length_mm < settings.min_length.0) {
         let away_mm = settings.distance.0 + width_mm / 2.0 + loops.len() as f64 * spacing_mm;
-        let Some(polygon) = geom::offset(&hull, away_mm).polygons.into_iter().next() else {
+        let Some(polygon) = geometry::offset(&hull, away_mm).polygons.into_iter().next() else {
             break;
         };
-        length_mm += geom::ring_length_mm(&polygon.outer);
+        length_mm += geometry::ring_length_mm(&polygon.outer);
         loops.push(polygon.outer);
     }
     loops.reverse();
@@ -85,7 +87,7 @@ pub fn skirt(footprint: &Region, settings: &SkirtSettings, width_mm: f64, height
 /// Where a raft lies: under everything that stands on it, and around it; places between are filled.
 pub fn raft_area(footprint: &Region, settings: &RaftSettings) -> Region {
     let margin_mm = settings.margin.0.max(0.1);
-    geom::offset(&geom::closing(footprint, 2.0 * margin_mm), margin_mm)
+    geometry::offset(&geometry::closing(footprint, 2.0 * margin_mm), margin_mm)
 }
 
 /// The beads of one layer of a raft, 0 the lowest: a loop and parallel lines, turned by 90° from layer to layer, the
@@ -102,10 +104,10 @@ pub fn raft(
     let role = if is_solid { Role::SupportInterface } else { Role::Support };
     let spacing_mm = bead::spacing_mm(width_mm, height_mm);
     let distance_mm = if is_solid { spacing_mm } else { spacing_mm / settings.density.0 };
-    let frame = geom::offset(area, -width_mm / 2.0);
+    let frame = geometry::offset(area, -width_mm / 2.0);
     let loops = frame.rings().map(|ring| Line::nominal(ring.clone(), true));
     let angle_rad = if layer % 2 == 1 { FRAC_PI_2 } else { 0.0 };
-    let inside = geom::offset(&frame, -spacing_mm);
+    let inside = geometry::offset(&frame, -spacing_mm);
     let joins = Joins { longest_mm: LONGEST_JOIN * distance_mm, ..Joins::default() };
     let lines = lines::parallel(&inside, angle_rad, distance_mm, 0.0, &joins);
     let width = Width::Constant(width_mm);
@@ -121,7 +123,7 @@ pub fn raft(
 
 fn without_holes(region: &Region) -> Region {
     let rings: Vec<Ring> = region.polygons.iter().map(|p| p.outer.clone()).collect();
-    geom::unite_rings(&rings)
+    geometry::unite_rings(&rings)
 }
 
 fn hull(region: &Region) -> Option<Region> {
@@ -135,8 +137,8 @@ fn hull(region: &Region) -> Option<Region> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::geom::{polyline_length_mm, ring_area, ring_length_mm};
     use crate::units::Mm;
+    use geometry::{polyline_length_mm, ring_area, ring_length_mm};
 
     const WIDTH_MM: f64 = 0.45;
     const HEIGHT_MM: f64 = 0.2;
@@ -174,7 +176,7 @@ mod tests {
         let found = loops(&footprint, BrimSettings { max_area: 100.0, ..BrimSettings::default() });
         assert!(found.iter().any(|line| line.closed) && found.iter().any(|line| !line.closed));
         let large = Region { polygons: footprint.polygons[..1].to_vec() };
-        let near = geom::offset(&large, WIDTH_MM / 2.0 - 0.01);
+        let near = geometry::offset(&large, WIDTH_MM / 2.0 - 0.01);
         assert!(found.iter().flat_map(|line| &line.points).all(|&p| !near.contains(p)));
         assert!(loops(&footprint, BrimSettings { max_area: 1.0, ..BrimSettings::default() }).is_empty());
     }

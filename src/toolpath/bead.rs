@@ -5,7 +5,7 @@
 
 use std::f64::consts::FRAC_PI_4;
 
-use crate::geom::Point;
+use geometry::Point;
 
 /// The line that a bead follows, without what it is for.
 #[derive(Clone, Debug, PartialEq)]

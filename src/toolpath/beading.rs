@@ -17,7 +17,7 @@
 
 use std::f64::consts::TAU;
 
-use crate::geom::{self, Bounds, EdgeGrid, Point, Polygon, Region, Ring, UNITS_PER_MM};
+use geometry::{Bounds, EdgeGrid, Point, Polygon, Region, Ring, UNITS_PER_MM};
 
 use super::bead::Line;
 
@@ -79,24 +79,24 @@ pub(super) struct Pair {
 /// Lays one bead along the boundary of a region, with widths as the module says. Gaps narrower than `least_mm` are none.
 pub(super) fn pair(region: &Region, spacing_mm: f64, least_mm: f64) -> Pair {
     let core = core(region, PAIR * spacing_mm, spacing_mm);
-    let covered = geom::offset(&core, PAIR * spacing_mm);
+    let covered = geometry::offset(&core, PAIR * spacing_mm);
     let gap = gap(region, &core, PAIR * spacing_mm, least_mm);
-    let deep = geom::offset(&core, -(FULL - PAIR) * spacing_mm);
-    let loops = if geom::narrower(&covered, &deep, FULL * spacing_mm, MIN_GAP_MM).is_empty() {
-        constant(&geom::offset(&core, (PAIR - 0.5) * spacing_mm))
+    let deep = geometry::offset(&core, -(FULL - PAIR) * spacing_mm);
+    let loops = if geometry::narrower(&covered, &deep, FULL * spacing_mm, MIN_GAP_MM).is_empty() {
+        constant(&geometry::offset(&core, (PAIR - 0.5) * spacing_mm))
     } else {
-        let centre = geom::offset(&core, PAIR / 2.0 * spacing_mm);
+        let centre = geometry::offset(&core, PAIR / 2.0 * spacing_mm);
         let sides = Sides { grid: EdgeGrid::new(&covered), outline: EdgeGrid::new(region), spacing_mm };
         centre.rings().filter_map(|ring| sides.fit(ring)).collect()
     };
-    Pair { loops, gap, rest: geom::offset(&deep, (FULL - 1.0) * spacing_mm) }
+    Pair { loops, gap, rest: geometry::offset(&deep, (FULL - 1.0) * spacing_mm) }
 }
 
 /// A region shrunk by a radius, but for what is thicker than that here and there only.
 pub(super) fn core(region: &Region, radius_mm: f64, spacing_mm: f64) -> Region {
-    let mut core = geom::offset(region, -radius_mm);
+    let mut core = geometry::offset(region, -radius_mm);
     core.polygons.retain(|polygon| {
-        let around_mm: f64 = polygon.rings().map(|ring| geom::ring_length_mm(ring)).sum();
+        let around_mm: f64 = polygon.rings().map(|ring| geometry::ring_length_mm(ring)).sum();
         // What is no longer than wide is the middle of a post, which takes no bead along its axis.
         around_mm < spacing_mm || 2.0 * polygon.area_mm2() >= HYSTERESIS * spacing_mm * around_mm
     });
@@ -126,7 +126,7 @@ pub(super) fn dot(island: &Polygon, least_mm: f64) -> Option<(Ring, f64)> {
     let mut deepest = bounds;
     while to_mm - from_mm > DEPTH_MM {
         let radius_mm = (from_mm + to_mm) / 2.0;
-        match geom::offset(&island, -radius_mm)
+        match geometry::offset(&island, -radius_mm)
             .polygons
             .first()
             .and_then(|core| Bounds::of(core.outer.iter().copied()))
@@ -152,7 +152,7 @@ pub(super) fn constant(centre: &Region) -> Vec<Line> {
 
 /// The places where a region is narrower than twice the radius that it was shrunk by to `core`, and at least `least_mm`.
 pub(super) fn gap(region: &Region, core: &Region, radius_mm: f64, least_mm: f64) -> Option<Gap> {
-    let area = geom::narrower(region, core, radius_mm, least_mm);
+    let area = geometry::narrower(region, core, radius_mm, least_mm);
     (!area.is_empty()).then(|| Gap { area, region: region.clone() })
 }
 

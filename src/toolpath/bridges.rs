@@ -7,7 +7,7 @@
 use std::cell::LazyCell;
 use std::f64::consts::PI;
 
-use crate::geom::{self, Direction, EdgeGrid, Point, Polygon, Region};
+use geometry::{Direction, EdgeGrid, Point, Polygon, Region};
 
 use super::Zones;
 use super::footing::Footing;
@@ -66,31 +66,31 @@ pub fn take(
     if zones.solid.is_empty() && zones.top.is_empty() {
         return Vec::new();
     }
-    let over_air = |zone: &Region| geom::difference(zone, footing.beneath);
-    let all = geom::union(&over_air(&zones.solid), &over_air(&zones.top));
-    let core = geom::offset(&all, -width_mm);
-    let mut air = geom::offset(&core, width_mm);
+    let over_air = |zone: &Region| geometry::difference(zone, footing.beneath);
+    let all = geometry::union(&over_air(&zones.solid), &over_air(&zones.top));
+    let core = geometry::offset(&all, -width_mm);
+    let mut air = geometry::offset(&core, width_mm);
     let hold = LazyCell::new(|| Hold { footing, section: EdgeGrid::of(section), width_mm });
     let is_strip = |polygon: &Polygon| hold.is_strip(&Region { polygons: vec![polygon.clone()] });
-    let mut narrow = geom::narrower(&all, &core, width_mm, width_mm);
+    let mut narrow = geometry::narrower(&all, &core, width_mm, width_mm);
     narrow.polygons.retain(|p| p.area_mm2() > SHORTEST_STRIP * width_mm * width_mm && is_strip(p));
     air.polygons.extend(narrow.polygons);
     if air.is_empty() {
         return Vec::new();
     }
-    let taken = geom::intersection(&geom::offset(&air, anchor_mm), inside);
+    let taken = geometry::intersection(&geometry::offset(&air, anchor_mm), inside);
     let bridge = |polygon: &Polygon| {
         let area = Region { polygons: vec![polygon.clone()] };
-        let spanned = geom::intersection(&air, &area);
+        let spanned = geometry::intersection(&air, &area);
         let (angle_rad, _) = hold.best_angle(&spanned);
         let (from_mm, to_mm) = Direction::of(angle_rad).extent_mm(spanned.rings().flatten());
         let strip_mm = (to_mm - from_mm < STRIP * width_mm).then_some((from_mm, to_mm));
         Bridge { area, angle_rad, strip_mm }
     };
     let bridges = taken.polygons.iter().map(bridge).collect();
-    zones.leave_sparse(geom::difference(&zones.sparse, &taken));
-    zones.solid = geom::difference(&zones.solid, &taken);
-    zones.top = geom::difference(&zones.top, &taken);
+    zones.leave_sparse(geometry::difference(&zones.sparse, &taken));
+    zones.solid = geometry::difference(&zones.solid, &taken);
+    zones.top = geometry::difference(&zones.top, &taken);
     bridges
 }
 
@@ -130,7 +130,7 @@ impl Hold<'_> {
         let longest_mm = bounds.min.distance_mm(bounds.max);
         let (low_mm, high_mm) = Direction::of(angle_rad).extent_mm(air.rings().flatten());
         let spacing_mm = ((high_mm - low_mm) / LINES).max(self.width_mm / 2.0);
-        let lines = geom::scan_lines(air, angle_rad, spacing_mm, (low_mm + high_mm) / 2.0);
+        let lines = geometry::scan_lines(air, angle_rad, spacing_mm, (low_mm + high_mm) / 2.0);
         let spans = || lines.iter().flat_map(|line| &line.segments).map(|[a, b]| [a.point, b.point]);
         let (mut length_mm, mut squares_mm2, mut most_mm) = (0.0, 0.0, 0.0_f64);
         for [a, b] in spans() {

@@ -3,7 +3,7 @@
 use std::ops::RangeInclusive;
 
 use super::options::{InfillSettings, WallSettings};
-use crate::geom::{self, Polygon, Region, Ring};
+use geometry::{Polygon, Region, Ring};
 
 use super::bead::{self, Line};
 use super::beading::{self, Gap};
@@ -45,7 +45,7 @@ pub(super) struct Draft {
 }
 
 impl Draft {
-    fn push(&mut self, role: Role, rank: u32, closed: bool, points: Vec<geom::Point>, width: Width) {
+    fn push(&mut self, role: Role, rank: u32, closed: bool, points: Vec<geometry::Point>, width: Width) {
         let (height_mm, island) = (self.height_mm, self.island);
         self.paths.push(Path { role, closed, points, width, height_mm, island, rank });
     }
@@ -59,7 +59,7 @@ impl Draft {
     pub fn lines(&mut self, role: Role, rank: u32, width_mm: f64, lines: impl IntoIterator<Item = Line>) {
         let rounding_mm = bead::rounding_mm(self.height_mm) as f32;
         for line in lines {
-            if line.closed || geom::polyline_length_mm(&line.points) >= SHORTEST_LINE_MM {
+            if line.closed || geometry::polyline_length_mm(&line.points) >= SHORTEST_LINE_MM {
                 let width = if line.spacing_mm.is_empty() {
                     Width::Constant(width_mm)
                 } else {
@@ -148,7 +148,7 @@ impl Draft {
         settings: &WallSettings,
     ) {
         let Some((ring, spacing_mm)) = beading::dot(island, settings.min_feature.0) else { return };
-        if geom::ring_length_mm(&ring) * spacing_mm <= filled_mm2 {
+        if geometry::ring_length_mm(&ring) * spacing_mm <= filled_mm2 {
             return;
         }
         let width_mm = bead::width_mm(spacing_mm, self.height_mm).max(settings.min_width.0);
@@ -169,7 +169,7 @@ impl Draft {
         let mut filled_mm2 = 0.0;
         let tip = if role == Role::ExternalPerimeter { 0.5 } else { GAP_TIP };
         let Gap { area, region } = gap;
-        for path in geom::medial_axis_in(area, region, *range.start(), *range.end(), [tip, GAP_TIP]) {
+        for path in geometry::medial_axis_in(area, region, *range.start(), *range.end(), [tip, GAP_TIP]) {
             if path.length_mm() < SHORTEST_GAP_MM {
                 continue;
             }

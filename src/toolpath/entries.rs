@@ -1,7 +1,7 @@
 //! Places to begin a loop.
 
 use super::{Path, Width};
-use crate::geom::Point;
+use geometry::Point;
 
 /// Loops can be begun at least so often, whatever their vertices.
 const SPACING_MM: f64 = 1.0;

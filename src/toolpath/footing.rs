@@ -2,7 +2,7 @@
 
 use std::cell::{LazyCell, OnceCell};
 
-use crate::geom::{self, EdgeGrid, Point, Polygon, Region};
+use geometry::{EdgeGrid, Point, Polygon, Region};
 
 use super::Path;
 use super::path::{Role, Width};
@@ -80,7 +80,7 @@ impl<'a> Footing<'a> {
         let mut back = along(points.iter().rev().map(|p| p.mm()), STEP_MM)
             .take_while(|(place, _)| !self.holds_at(*place));
         let (behind, _) = back.find(|&(_, way_mm)| way_mm >= DANGLE_MM)?;
-        let length_mm = geom::distance_mm(behind, end);
+        let length_mm = geometry::distance_mm(behind, end);
         let place = |mm: f64| [0, 1].map(|k| end[k] + mm * (end[k] - behind[k]) / length_mm);
         let mut probes = (1..=PROBES).map(|i| f64::from(i) * PROBE * width_mm);
         let [x, y] = place(probes.find(|&mm| self.holds_at(place(mm)))? + width_mm / 2.0);
@@ -101,7 +101,7 @@ impl<'a> Footing<'a> {
             }
             if let [from, .., to] = run[..] {
                 let run_mm = STEP_MM * run.len() as f64;
-                if run_mm > 2.0 * DANGLE_MM && geom::distance_mm(from, to) < TURN * run_mm {
+                if run_mm > 2.0 * DANGLE_MM && geometry::distance_mm(from, to) < TURN * run_mm {
                     return true;
                 }
             }
@@ -122,7 +122,7 @@ fn along(points: impl Iterator<Item = [f64; 2]>, step_mm: f64) -> impl Iterator<
     let (mut way_mm, mut count) = (0.0, 0_u32);
     points.flat_map(move |to| {
         let from = last.replace(to).unwrap_or(to);
-        let length_mm = geom::distance_mm(from, to);
+        let length_mm = geometry::distance_mm(from, to);
         let start_mm = way_mm;
         way_mm += length_mm;
         let first = count;

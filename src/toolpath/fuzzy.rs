@@ -4,8 +4,8 @@
 //! Walls that rest on nothing, and those on the bed, stay as they are.
 
 use super::options::{FuzzySettings, FuzzyWalls};
-use crate::geom::{EdgeGrid, Point, Region};
-use crate::random::Random;
+use geometry::Random;
+use geometry::{EdgeGrid, Point, Region};
 
 use super::bead::Line;
 
@@ -93,7 +93,7 @@ fn simplified(ring: &[Point], tolerance_mm: f64) -> Vec<usize> {
     let mut open = vec![(0, far), (far, ring.len())];
     while let Some((from, to)) = open.pop() {
         let (a, b) = (ring[from].mm(), ring[to % ring.len()].mm());
-        let off = |i: usize| crate::geom::to_segment_mm(ring[i].mm(), a, b);
+        let off = |i: usize| geometry::to_segment_mm(ring[i].mm(), a, b);
         let worst = (from + 1..to).max_by(|&a, &b| off(a).total_cmp(&off(b)).then(b.cmp(&a)));
         if let Some(worst) = worst.filter(|&i| off(i) > tolerance_mm) {
             kept[worst] = true;
@@ -106,8 +106,8 @@ fn simplified(ring: &[Point], tolerance_mm: f64) -> Vec<usize> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::geom::{self, Polygon};
     use crate::units::Mm;
+    use geometry::Polygon;
 
     fn square(side_mm: f64) -> Region {
         let corners = [(0.0, 0.0), (side_mm, 0.0), (side_mm, side_mm), (0.0, side_mm)];
@@ -127,7 +127,7 @@ mod tests {
     fn a_rough_wall_stays_within_the_thickness_and_uses_most_of_it() {
         let (settings, wall) = (settings(0.3), square(20.0));
         let fuzzy = Fuzzy::new(&settings, Some(&wall), 3, 0).unwrap();
-        let beneath = geom::offset(&wall, 1.0);
+        let beneath = geometry::offset(&wall, 1.0);
         let fuzzy = Fuzzy { beneath: EdgeGrid::new(&beneath), ..fuzzy };
         let grid = EdgeGrid::new(&wall);
         let rough = fuzzy.roughen(vec![line(&wall)], 0).remove(0);

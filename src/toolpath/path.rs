@@ -1,7 +1,7 @@
 //! What the toolpath stage makes: paths that know their role, width, height and island.
 
 use super::spiral::Rise;
-use crate::geom::{Point, Region};
+use geometry::{Point, Region};
 
 /// What a path is for. The order of the variants is the order in which an island is printed by default.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]

@@ -6,8 +6,8 @@ use super::options::{
     BridgeSettings, BrimSettings, FirstLayerSettings, FuzzySettings, FuzzyWalls, InfillSettings,
     IroningSettings, ShellSettings, SkirtSettings, WallOrder, WallSettings,
 };
-use crate::geom::{self, Polygon, Region, Ring};
 use crate::units::Mm;
+use geometry::{Polygon, Region, Ring};
 
 use super::bead::Line;
 use super::draft::{Draft, Solid};
@@ -137,7 +137,7 @@ impl Planner {
         planner.brim = adhesion::brim(footprint, &planner.settings.brim, width_mm, first_height_mm);
         if !planner.brim.is_empty() {
             let reach_mm = planner.settings.brim.gap.0 + planner.settings.brim.width.0;
-            planner.covered = geom::offset(footprint, reach_mm);
+            planner.covered = geometry::offset(footprint, reach_mm);
         }
         planner.enclose([], first_height_mm);
         planner
@@ -170,7 +170,7 @@ impl Planner {
         for object in &layer.objects {
             for island in &object.section.polygons {
                 let zones = self.zones(&walls::trace(island, &spec).inside, object, layer);
-                let room = geom::offset(&zones.sparse, -fill_spec.spacing_mm / 2.0);
+                let room = geometry::offset(&zones.sparse, -fill_spec.spacing_mm / 2.0);
                 sample.room.polygons.extend(room.polygons);
                 sample.area_mm2 += zones.sparse_mm2;
             }
@@ -336,8 +336,8 @@ impl Planner {
         let Some((stack, number)) = self.stacks.of(section.index) else {
             return self.fill(draft, &zone, area_mm2, section, own);
         };
-        let shared = geom::intersection(&zone, &stack.area);
-        let rest = geom::opening(&geom::remainder(&zone, &shared), own.height_mm / 2.0);
+        let shared = geometry::intersection(&zone, &stack.area);
+        let rest = geometry::opening(&geometry::remainder(&zone, &shared), own.height_mm / 2.0);
         self.fill(draft, &rest, rest.area_mm2(), section, own);
         if section.index == stack.last {
             let slab = Slab { height_mm: stack.height_mm, turn: number };
@@ -352,7 +352,7 @@ impl Planner {
         }
         let (pattern, density) = (&*self.pattern, self.settings.infill.density.0);
         let spec = self.fill_spec(section, slab);
-        let room = geom::offset(zone, -spec.spacing_mm / 2.0);
+        let room = geometry::offset(zone, -spec.spacing_mm / 2.0);
         let (lines, flow) = if pattern.is_even() {
             let solid_mm = area_mm2 / spec.spacing_mm;
             let lines = infill::lay(pattern, &room, &spec, solid_mm, density);
@@ -370,7 +370,7 @@ impl Planner {
     /// A thin pass over top surfaces, as far as the nozzle's middle may go without pressing material over their edge.
     fn iron(&self, draft: &mut Draft, top: &Region, section: &PlateLayer<'_>, widths: &Widths) {
         let settings = &self.settings.ironing;
-        let zone = geom::offset(top, -bead::spacing_mm(widths.top_mm, section.height_mm) / 2.0);
+        let zone = geometry::offset(top, -bead::spacing_mm(widths.top_mm, section.height_mm) / 2.0);
         let angle_rad = self.settings.infill.angle.to_radians();
         let lines = infill::iron(&zone, settings.spacing.0, angle_rad, section.index);
         let width_mm = bead::width_mm(settings.flow.0 * settings.spacing.0, section.height_mm);
@@ -482,7 +482,7 @@ fn rests_on(section: &PlateLayer<'_>, fuzzy: &FuzzySettings) -> Option<Region> {
         below.polygons.extend(object.beneath?.polygons.iter().cloned());
     }
     if fuzzy.walls != FuzzyWalls::None {
-        below = geom::offset(&below, fuzzy.thickness.0);
+        below = geometry::offset(&below, fuzzy.thickness.0);
     }
     Some(below)
 }

@@ -5,7 +5,7 @@
 
 use std::cell::LazyCell;
 
-use crate::geom::{self, Direction, EdgeGrid, Point, Region, Ring};
+use geometry::{Direction, EdgeGrid, Point, Region, Ring};
 
 use super::infill::LineSet;
 
@@ -77,13 +77,13 @@ impl Reach<'_> {
         if stripes.is_empty() {
             return patches;
         }
-        geom::union(&patches, &geom::unite_rings(&stripes))
+        geometry::union(&patches, &geometry::unite_rings(&stripes))
     }
 
     /// Chords of a patch without a sparse line beneath, by their index.
     fn loose(&self, patch: &Region, line_mm: f64) -> Vec<Chord> {
         let (step_mm, direction) = (STEP * line_mm, Direction::of(self.angle_rad));
-        let lines = geom::scan_lines(patch, self.angle_rad, step_mm, 0.0);
+        let lines = geometry::scan_lines(patch, self.angle_rad, step_mm, 0.0);
         let chords = lines.iter().flat_map(|line| line.segments.iter().map(|ends| (line.index, ends)));
         let loose = chords.filter(|(_, [a, b])| !self.is_held([a.point, b.point]));
         loose
@@ -107,7 +107,7 @@ impl Reach<'_> {
     /// Whether a patch is so narrow that one loop along its edge fills it, and that crosses a sparse line.
     fn is_held_loop(&self, patch: &Region, line_mm: f64) -> bool {
         let outers = patch.polygons.iter().flat_map(|polygon| polygon.outer.iter().copied());
-        self.is_held(outers) && geom::offset(patch, -line_mm / 2.0).is_empty()
+        self.is_held(outers) && geometry::offset(patch, -line_mm / 2.0).is_empty()
     }
 
     /// Makes a chord longer, until it reaches over the nearest sparse line by `over_mm`.

@@ -3,7 +3,7 @@
 use std::ops::Range;
 
 use super::options::ShellSettings;
-use crate::geom::{self, Region};
+use geometry::Region;
 
 use super::reach::Reach;
 
@@ -92,7 +92,7 @@ impl Shells {
             ranges.binary_search_by_key(&(range.start, range.end), |r| (r.start, r.end)).ok()
         };
         let (above, below) = (above.iter().map(place).collect(), below.iter().map(place).collect());
-        let rough = map(count, &|i| geom::simplify(sections[i], ROUGH_MM));
+        let rough = map(count, &|i| geometry::simplify(sections[i], ROUGH_MM));
         let (has_top, has_bottom) = (settings.top_layers > 0, settings.bottom_layers > 0);
         Self { windows: windows(rough, &ranges, map), above, below, has_top, has_bottom }
     }
@@ -130,12 +130,12 @@ fn windows(sections: Vec<Region>, ranges: &[Range<usize>], map: Map<'_>) -> Vec<
             let Range { start, end } = ranges[due[k]];
             match end - start {
                 length if length == have => level[start].clone(),
-                _ => geom::intersection(&level[start], &level[end - have]),
+                _ => geometry::intersection(&level[start], &level[end - have]),
             }
         });
         due.iter().zip(made).for_each(|(&k, window)| out[k] = window);
         if 2 * have <= longest {
-            level = map(level.len() - have, &|i| geom::intersection(&level[i], &level[i + have]));
+            level = map(level.len() - have, &|i| geometry::intersection(&level[i], &level[i + have]));
         }
         have *= 2;
     }
@@ -181,7 +181,7 @@ pub fn divide(
     reach: Option<&Reach<'_>>,
 ) -> Zones {
     let parted = |region: &Region, window: Option<&Region>| match window {
-        Some(window) => geom::split(region, window),
+        Some(window) => geometry::split(region, window),
         None => (region.clone(), Region::default()),
     };
     let (roofed, mut bare) = parted(inside, above);
@@ -195,7 +195,7 @@ pub fn divide(
         (Region::default(), inside.clone())
     } else {
         bare.polygons.extend(unsupported.polygons);
-        let mut strips = geom::opening(&bare, NARROWEST_STRIP / 2.0 * line_mm);
+        let mut strips = geometry::opening(&bare, NARROWEST_STRIP / 2.0 * line_mm);
         strips.polygons.retain(|patch| patch.area_mm2() >= SMALLEST_PATCH * line_mm * line_mm);
         if strips.is_empty() {
             return all_sparse();
@@ -203,38 +203,38 @@ pub fn divide(
         if let Some(reach) = reach {
             strips = reach.grow(strips, inside, line_mm);
         }
-        let anchored = geom::offset(&strips, line_mm / 2.0);
-        let sparse = geom::opening(&geom::difference(inside, &anchored), line_mm / 2.0);
-        let solid = geom::remainder(inside, &sparse);
+        let anchored = geometry::offset(&strips, line_mm / 2.0);
+        let sparse = geometry::opening(&geometry::difference(inside, &anchored), line_mm / 2.0);
+        let solid = geometry::remainder(inside, &sparse);
         (sparse, solid)
     };
     // What has a roof of the whole shell's thickness has one on the next layer.
     if inside_mm2 - roofed.area_mm2() < CRUMB_MM2 {
         return Zones { sparse, solid, top: Region::default(), sparse_mm2 };
     }
-    let exposed = geom::opening(&geom::difference(&solid, next), line_mm / 2.0);
+    let exposed = geometry::opening(&geometry::difference(&solid, next), line_mm / 2.0);
     if exposed.is_empty() {
         return Zones { sparse, solid, top: exposed, sparse_mm2 };
     }
     let ribs = under_ribs(&sparse, &exposed, next, line_mm, walls_mm);
     let mut zones = Zones { sparse, solid, top: exposed, sparse_mm2 };
     if !ribs.is_empty() {
-        zones.leave_sparse(geom::opening(&geom::difference(&zones.sparse, &ribs), line_mm / 2.0));
-        zones.solid = geom::remainder(inside, &zones.sparse);
-        zones.top = geom::union(&zones.top, &ribs);
+        zones.leave_sparse(geometry::opening(&geometry::difference(&zones.sparse, &ribs), line_mm / 2.0));
+        zones.solid = geometry::remainder(inside, &zones.sparse);
+        zones.top = geometry::union(&zones.top, &ribs);
     }
-    (zones.top, zones.solid) = geom::split(&zones.solid, &geom::offset(&zones.top, line_mm / 2.0));
+    (zones.top, zones.solid) = geometry::split(&zones.solid, &geometry::offset(&zones.top, line_mm / 2.0));
     zones
 }
 
 /// What of the sparse zone the walls of a rib would stand on that rises out of a surface: parts beside what is exposed,
 /// where the next layer is too narrow for anything but walls.
 fn under_ribs(sparse: &Region, exposed: &Region, next: &Region, line_mm: f64, walls_mm: f64) -> Region {
-    let rough = |region: &Region| geom::simplify(region, ROUGH_MM);
-    let beside = geom::intersection(sparse, &geom::offset(&rough(exposed), 2.0 * walls_mm));
+    let rough = |region: &Region| geometry::simplify(region, ROUGH_MM);
+    let beside = geometry::intersection(sparse, &geometry::offset(&rough(exposed), 2.0 * walls_mm));
     if beside.is_empty() {
         return beside;
     }
-    let wide = geom::opening(&rough(next), walls_mm);
-    geom::opening(&geom::difference(&beside, &wide), line_mm / 2.0)
+    let wide = geometry::opening(&rough(next), walls_mm);
+    geometry::opening(&geometry::difference(&beside, &wide), line_mm / 2.0)
 }

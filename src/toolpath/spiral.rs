@@ -4,7 +4,7 @@
 //! next begins, it glides from the outline below to its own: a vertex at a share s of the way is drawn at that share of
 //! the way from the nearest point of the outline below.
 
-use crate::geom::{self, Bounds, EdgeGrid, Point, Polygon, Region, Ring, UNITS_PER_MM};
+use geometry::{Bounds, EdgeGrid, Point, Polygon, Region, Ring, UNITS_PER_MM};
 
 /// Between two outlines lines are cut into pieces of at most this.
 const STEP_MM: f64 = 1.0;
@@ -52,11 +52,13 @@ pub struct SpiralSpec {
 pub fn outline(section: &Region, width_mm: f64) -> Option<Ring> {
     let largest = |region: Region| {
         let rings = region.polygons.into_iter().map(|polygon| polygon.outer);
-        rings.reduce(|best, ring| if geom::ring_area(&ring) > geom::ring_area(&best) { ring } else { best })
+        rings.reduce(
+            |best, ring| if geometry::ring_area(&ring) > geometry::ring_area(&best) { ring } else { best },
+        )
     };
     let outer = largest(section.clone())?;
     let filled = Region { polygons: vec![Polygon { outer, holes: Vec::new() }] };
-    largest(geom::offset(&filled, -width_mm / 2.0)).filter(|ring| ring.len() >= 3)
+    largest(geometry::offset(&filled, -width_mm / 2.0)).filter(|ring| ring.len() >= 3)
 }
 
 /// Makes each outline begin at the point that is nearest to where the one below it begins, the first one rearmost.
@@ -88,7 +90,7 @@ pub fn turn(outline: &[Point], below: Option<&[Point]>, height_mm: f64, spec: &S
     // As in a prism, where there is nothing to glide over.
     let below = below.filter(|below| *below != outline);
     let glide = below.filter(|_| spec.smooth).map(|below| Glide::new(below, GLIDE_WIDTHS * spec.width_mm));
-    let length_mm = geom::ring_length_mm(outline).max(f64::MIN_POSITIVE);
+    let length_mm = geometry::ring_length_mm(outline).max(f64::MIN_POSITIVE);
     let step_mm = match (&glide, first) {
         (_, true) => length_mm / FADE_STEPS,
         (Some(_), _) => STEP_MM,
@@ -106,7 +108,7 @@ pub fn turn(outline: &[Point], below: Option<&[Point]>, height_mm: f64, spec: &S
 
 /// The turn that levels the top: once more along the last outline, at its height, the line fading to nothing.
 pub fn level(outline: &[Point]) -> Turn {
-    let length_mm = geom::ring_length_mm(outline).max(f64::MIN_POSITIVE);
+    let length_mm = geometry::ring_length_mm(outline).max(f64::MIN_POSITIVE);
     let points: Vec<Point> =
         steps(outline, length_mm, length_mm / FADE_STEPS).into_iter().map(|(_, point)| point).collect();
     Turn::along(&points, |share| Rise { below_mm: 0.0, flow: (1.0 - share).max(LEAST_FLOW) })
@@ -248,7 +250,7 @@ mod tests {
             let flows = turn.rises.windows(2).map(|w| (w[0].flow + w[1].flow) / 2.0);
             let edges = turn.points.windows(2).map(|w| square(w[1] - w[0]).sqrt() / UNITS_PER_MM);
             let held: f64 = flows.zip(edges).map(|(flow, mm)| flow * mm).sum();
-            assert!((held / geom::ring_length_mm(&ring) - 0.5).abs() < 1e-3, "{held}");
+            assert!((held / geometry::ring_length_mm(&ring) - 0.5).abs() < 1e-3, "{held}");
         }
     }
 
@@ -262,7 +264,7 @@ mod tests {
         let large = Polygon { outer: square(0.0, 9.0), holes: vec![hole] };
         let small = Polygon { outer: square(20.0, 4.0), holes: vec![] };
         let ring = outline(&Region { polygons: vec![small, large] }, 0.5).unwrap();
-        assert!((geom::ring_area(&ring) - 8.5 * 8.5).abs() < 1e-6);
+        assert!((geometry::ring_area(&ring) - 8.5 * 8.5).abs() < 1e-6);
         assert_eq!(outline(Region::EMPTY, 0.5), None);
     }
 }

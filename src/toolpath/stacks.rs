@@ -1,6 +1,6 @@
 //! Layers whose sparse infill is laid in one go, in beads as high as all of them.
 
-use crate::geom::{self, Region};
+use geometry::Region;
 
 /// Neighbouring layers that are filled at the height of the last one.
 #[derive(Clone, Debug)]
@@ -32,7 +32,7 @@ impl Stacks {
                 stack.last + 1 == index && index - stack.first < most && fits
             });
             if let Some(stack) = last {
-                let shared = geom::intersection(&stack.area, area);
+                let shared = geometry::intersection(&stack.area, area);
                 if !shared.is_empty() {
                     (stack.last, stack.area) = (index, shared);
                     stack.height_mm += height_mm;

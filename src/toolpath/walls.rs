@@ -6,7 +6,7 @@
 //! part, see [`beading`](super::beading).
 
 use super::options::WallGenerator;
-use crate::geom::{self, Polygon, Region};
+use geometry::{Polygon, Region};
 
 use super::bead::{self, Line};
 use super::beading::{self, Gap};
@@ -89,9 +89,9 @@ pub fn trace(island: &Polygon, spec: &WallSpec) -> Walls {
     let section = Region { polygons: vec![island.clone()] };
     let variable = spec.generator == WallGenerator::Variable;
     let core_mm = spec.core_mm();
-    let core = geom::offset(&section, -core_mm);
+    let core = geometry::offset(&section, -core_mm);
     let least_mm = spec.least_gap_mm(0).min(beading::MIN_GAP_MM);
-    if !core.is_empty() && geom::narrower(&section, &core, core_mm, least_mm).is_empty() {
+    if !core.is_empty() && geometry::narrower(&section, &core, core_mm, least_mm).is_empty() {
         concentric(&section, spec)
     } else if variable {
         fitted(&section, spec)
@@ -106,7 +106,7 @@ fn concentric(section: &Region, spec: &WallSpec) -> Walls {
     let mut outline = section.clone();
     let mut step_mm = spec.external_width_mm / 2.0;
     for depth in 0..spec.count {
-        outline = geom::offset(&outline, -step_mm);
+        outline = geometry::offset(&outline, -step_mm);
         walls.loops.push(beading::constant(&outline));
         step_mm = spec.spacing_mm(depth) / 2.0;
         if depth + 1 < spec.count {
@@ -116,14 +116,14 @@ fn concentric(section: &Region, spec: &WallSpec) -> Walls {
     if spec.count == 0 {
         step_mm = bead::rounding_mm(spec.height_mm) / 2.0;
     }
-    walls.inside = geom::offset(&outline, -step_mm);
+    walls.inside = geometry::offset(&outline, -step_mm);
     walls
 }
 
 /// Walls of variable width.
 fn fitted(section: &Region, spec: &WallSpec) -> Walls {
     let mut walls = Walls::default();
-    let mut rest = geom::offset(section, -bead::rounding_mm(spec.height_mm) / 2.0);
+    let mut rest = geometry::offset(section, -bead::rounding_mm(spec.height_mm) / 2.0);
     for depth in 0..spec.count {
         if rest.is_empty() {
             break;
@@ -143,7 +143,7 @@ fn fitted(section: &Region, spec: &WallSpec) -> Walls {
 /// The walls of an island with narrow places, with fixed widths.
 fn with_gaps(section: &Region, spec: &WallSpec) -> Walls {
     let mut walls = Walls::default();
-    let mut rest = geom::offset(section, -bead::rounding_mm(spec.height_mm) / 2.0);
+    let mut rest = geometry::offset(section, -bead::rounding_mm(spec.height_mm) / 2.0);
     for depth in 0..spec.count {
         if rest.is_empty() {
             break;
@@ -151,14 +151,14 @@ fn with_gaps(section: &Region, spec: &WallSpec) -> Walls {
         let spacing_mm = spec.spacing_mm(depth);
         let closest_mm = spacing_mm * CLOSEST / 2.0;
         let thick_mm = spacing_mm / 2.0 + closest_mm;
-        let thick = geom::offset(&rest, -thick_mm);
+        let thick = geometry::offset(&rest, -thick_mm);
         if spec.gap_fill {
             let gap = beading::gap(&rest, &thick, thick_mm, spec.least_gap_mm(depth));
             walls.gaps.extend(gap.map(|gap| (depth, gap)));
         }
-        let centre = geom::offset(&thick, closest_mm);
+        let centre = geometry::offset(&thick, closest_mm);
         walls.loops.push(beading::constant(&centre));
-        rest = geom::offset(&centre, -spacing_mm / 2.0);
+        rest = geometry::offset(&centre, -spacing_mm / 2.0);
     }
     walls.loops.retain(|rings| !rings.is_empty());
     leave_inside(walls, rest, (1.0 + CLOSEST) / 2.0, spec)
@@ -172,7 +172,7 @@ fn leave_inside(mut walls: Walls, mut rest: Region, radius: f64, spec: &WallSpec
         let core = beading::core(&rest, radius_mm, spacing_mm);
         if let Some(gap) = beading::gap(&rest, &core, radius_mm, spec.least_gap_mm(spec.count)) {
             walls.gaps.push((spec.count, gap));
-            rest = geom::intersection(&geom::offset(&core, radius_mm), &rest);
+            rest = geometry::intersection(&geometry::offset(&core, radius_mm), &rest);
         }
     }
     walls.inside = rest;

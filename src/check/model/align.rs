@@ -10,9 +10,9 @@ use super::evidence::Shown;
 use super::levels::Levels;
 use super::sections::{Sections, along};
 use super::survey::{Extent, Survey};
-use crate::geom::{EdgeGrid, Point, Region};
 use crate::mesh::Mesh;
 use crate::profile::Settings;
+use geometry::{EdgeGrid, Point, Region};
 
 /// At a place at least this share of the beads lies in the sections.
 const FOUND: f64 = 0.6;

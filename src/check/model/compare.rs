@@ -11,10 +11,10 @@ use super::levels::{Level, Levels};
 use super::sections::{Sections, along};
 use super::survey::{Survey, is_part};
 use crate::gcode::{Action, Reader, Stroke, each_line};
-use crate::geom::{Bounds, Point, Region, Ring};
 use crate::toolpath::Role;
 use crate::toolpath::bead;
 use crate::toolpath::support::{Bitmap, Grid};
+use geometry::{Bounds, Point, Region, Ring};
 
 /// Cells in which beads are painted.
 const CELL_MM: f64 = 0.1;

@@ -5,9 +5,9 @@ use std::io::{self, Read};
 use super::levels::Levels;
 use super::survey::{Extent, Survey, is_part};
 use crate::gcode::{Action, Reader, Stroke, each_line};
-use crate::geom::{Bounds, Point};
 use crate::toolpath::Role;
 use crate::toolpath::support::{Bitmap, Grid};
+use geometry::{Bounds, Point};
 
 /// So many layers are looked at.
 const LAYERS: usize = 12;

@@ -22,10 +22,10 @@ pub(super) use survey::is_part;
 
 use super::fault::Kind;
 use super::report::{CheckReport, Found};
-use crate::geom::Point;
 use crate::mesh::Mesh;
 use crate::profile::Settings;
 use align::{Placed, Search};
+use geometry::Point;
 use levels::Levels;
 use sections::Sections;
 

@@ -1,10 +1,10 @@
 //! Sections of what was printed at the bottom and the top of every layer.
 
 use super::levels::{Level, Levels};
-use crate::geom::{Point, Region, Ring, intersection, offset, union, union_all};
 use crate::mesh::Mesh;
 use crate::profile::Settings;
 use crate::slice::{Cutter, LayerSpan};
+use geometry::{Point, Region, Ring, intersection, offset, union, union_all};
 
 /// A layer is cut at these shares of its height.
 const CUTS: [f64; 2] = [0.1, 0.9];

@@ -17,8 +17,8 @@ mod tree;
 
 use super::Problem;
 use super::matching::KdTree;
-use crate::geom::Point;
 use ascent::ascend;
+use geometry::Point;
 use model::{Model, fine, link, to_mm};
 use relaxation::{Multipliers, Relaxation};
 

@@ -1,8 +1,8 @@
 //! What the relaxation knows of a layer: terminals at which links may end, and which links precedence permits.
 
 use super::super::{Problem, Shape};
-use crate::geom::{Point, UNITS_PER_MM};
 use crate::order::options::Scope;
+use geometry::{Point, UNITS_PER_MM};
 
 /// Costs and multipliers are integers, this many to a grid unit, so that sums are exact. Rounding each link down by
 /// less than one of them (0.6 nm) costs a thousand links less than a micrometre.

@@ -9,7 +9,7 @@ use super::directions::Directions;
 use super::model::{Body, DEPTHS, Model};
 use super::pricing::{Priced, Prices, Pricing};
 use super::tree::{Forest, Link, Usage};
-use crate::geom::Point;
+use geometry::Point;
 
 /// The prices, in fine units.
 #[derive(Clone)]

@@ -5,7 +5,7 @@ use spade::{DelaunayTriangulation, Point2, Triangulation};
 
 use super::kd_tree::KdTree;
 use super::solver::{Edge, Family, Graph, NONE, Solver};
-use crate::geom::Point;
+use geometry::Point;
 
 /// Neighbours by distance that join the Delaunay edges as first candidates. On 10,000 random points pricing then adds
 /// 136 pairs in three rounds; with ten neighbours 16, also in three, on a graph half as large again.

@@ -4,7 +4,7 @@
 //! points (additively weighted nearest neighbours, pairs with negative reduced cost) attach the extreme weight of
 //! each node by [`KdTree::aggregate`] and decide themselves which nodes to leave out.
 
-use crate::geom::Point;
+use geometry::Point;
 
 /// Points in a leaf, at most.
 const LEAF: usize = 8;

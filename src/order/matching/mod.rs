@@ -25,7 +25,7 @@ pub fn perfect(vertices: usize, edges: &[Edge]) -> Option<Vec<u32>> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::geom::Point;
+    use geometry::Point;
     use proptest::prelude::*;
 
     fn cost(edges: &[Edge], mates: &[u32]) -> i64 {

@@ -2,7 +2,7 @@
 
 use super::super::entries::samples;
 use super::super::{Problem, Shape};
-use crate::geom::Point;
+use geometry::Point;
 
 /// Points per cell.
 const PER_CELL: usize = 2;

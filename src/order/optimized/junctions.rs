@@ -3,7 +3,7 @@
 use super::neighbours::{NEAR, Near};
 use super::search::{GAIN, Search};
 use super::walk::End;
-use crate::random::Random;
+use geometry::Random;
 
 /// Farthest gap from a junction that is tried for it.
 const REACH: u32 = 500;

@@ -17,7 +17,7 @@ use self::search::Search;
 use super::precedence::Groups;
 use super::{Cost, Known, Nearest, Problem, Sequence, Strategy, evaluate};
 use crate::order::options::{Effort, Scope};
-use crate::random::Random;
+use geometry::Random;
 
 /// Steps of iterated search per path. A step is a link cost looked at.
 ///

@@ -6,7 +6,7 @@ use super::super::precedence::Groups;
 use super::super::{Cost, Problem, Shape};
 use super::grid::{Found, Grid};
 use super::walk::NONE;
-use crate::geom::{Point, to_mm};
+use geometry::{Point, to_mm};
 
 /// Length of the lists. On layers of nine G-code files, 8 instead of 6 ended the first descent 1 % lower for a tenth
 /// more time; 5 lost another 1 %.

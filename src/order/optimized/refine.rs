@@ -2,7 +2,7 @@
 
 use super::super::detours::Detours;
 use super::search::Search;
-use crate::random::Random;
+use geometry::Random;
 
 /// How often those links are found again and kicked.
 const ROUNDS: u64 = 8;

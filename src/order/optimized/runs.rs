@@ -5,7 +5,7 @@ use super::super::precedence::{Groups, Place};
 use super::super::{Problem, Shape};
 use super::search::{GAIN, Search};
 use super::walk::{End, NONE};
-use crate::random::Random;
+use geometry::Random;
 
 /// Most groups in one block that moves.
 const BLOCK: u32 = 4;
@@ -53,7 +53,7 @@ impl Vicinity<'_> {
             ([_], Shape::Loop(vertices)) => {
                 let sum = vertices.iter().map(|v| v.mm()).fold([0.0; 2], |s, p| [s[0] + p[0], s[1] + p[1]]);
                 let center = sum.map(|sum| sum / vertices.len() as f64);
-                let from_center = |v: &crate::geom::Point| {
+                let from_center = |v: &geometry::Point| {
                     let [x, y] = v.mm();
                     (x - center[0]).hypot(y - center[1])
                 };

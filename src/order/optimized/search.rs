@@ -11,8 +11,8 @@ use super::neighbours::Neighbours;
 use super::runs::Vicinity;
 use super::start::start;
 use super::walk::{End, Walk};
-use crate::geom::Point;
-use crate::random::Random;
+use geometry::Point;
+use geometry::Random;
 
 /// What an improvement must save at least (millimetres or seconds), far above rounding and far below anything
 /// that matters, so that the search ends.

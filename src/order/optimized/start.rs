@@ -6,8 +6,8 @@ use super::super::greedy::{Fragments, Link, Links};
 use super::super::precedence::Groups;
 use super::super::{Cost, Item, Nearest, Problem, Sequence, Strategy};
 use super::neighbours::{NEAR, Near, Neighbours};
-use crate::geom::Point;
 use crate::order::options::{Effort, Scope};
+use geometry::Point;
 
 /// A first solution for the groups of one stage, from where the nozzle is.
 ///

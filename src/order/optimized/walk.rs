@@ -4,7 +4,7 @@ use super::super::detours::Detours;
 use super::super::precedence::Groups;
 use super::super::{Cost, Problem, Sequence, Shape, Visit};
 use super::search::GAIN;
-use crate::geom::Point;
+use geometry::Point;
 
 /// No group: that of the sentinels.
 pub const NONE: u32 = u32::MAX;

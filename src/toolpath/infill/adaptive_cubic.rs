@@ -11,7 +11,7 @@
 
 use std::f64::consts::{FRAC_PI_2, SQRT_2, TAU};
 
-use crate::geom::{Clipper, Point, Region};
+use geometry::{Clipper, Point, Region};
 
 use super::super::bead::Line;
 use super::connect::{Chord, connect};
@@ -252,8 +252,8 @@ impl Facet {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::geom::{Polygon, polyline_length_mm, to_segment_mm};
     use crate::toolpath::infill::{Joins, cubic::Cubic};
+    use geometry::{Polygon, polyline_length_mm, to_segment_mm};
 
     fn square(side_mm: f64) -> Region {
         let corners = [(0.0, 0.0), (side_mm, 0.0), (side_mm, side_mm), (0.0, side_mm)];

@@ -2,7 +2,7 @@
 //! extreme of the boundary, less than a line wide; and the wedges between lines and a boundary that they meet at a
 //! small angle.
 
-use crate::geom::{Boundary, Point};
+use geometry::{Boundary, Point};
 
 use super::LineSet;
 use super::connect::{Chord, Stop};

@@ -1,6 +1,6 @@
 //! Loops parallel to the outline.
 
-use crate::geom::{self, Region};
+use geometry::Region;
 
 use super::super::bead::Line;
 use super::{FillPattern, FillSpec};
@@ -13,10 +13,10 @@ impl FillPattern for Concentric {
     fn fill(&self, region: &Region, spec: &FillSpec) -> Vec<Line> {
         let mut loops = Vec::new();
         // The walls around are the pattern's outermost loop, half a distance outside the region on average.
-        let mut rest = geom::offset(region, -spec.line_distance_mm / 2.0);
+        let mut rest = geometry::offset(region, -spec.line_distance_mm / 2.0);
         while !rest.is_empty() {
             loops.extend(rest.rings().map(|ring| Line::nominal(ring.clone(), true)));
-            rest = geom::offset(&rest, -spec.line_distance_mm);
+            rest = geometry::offset(&rest, -spec.line_distance_mm);
         }
         loops
     }

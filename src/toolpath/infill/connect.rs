@@ -1,6 +1,6 @@
 //! Joins the ends of infill lines along the boundary, so that a line ends where the next one begins.
 
-use crate::geom::{Boundary, BoundaryPos, Point, Region};
+use geometry::{Boundary, BoundaryPos, Point, Region};
 
 use super::LineSet;
 use super::caps::{self, Cap, Caps};

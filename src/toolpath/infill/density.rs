@@ -1,6 +1,6 @@
 //! Sparse infill of exactly the density asked for.
 
-use crate::geom::{Region, polyline_length_mm, ring_length_mm};
+use geometry::{Region, polyline_length_mm, ring_length_mm};
 
 use super::super::bead::Line;
 use super::{FillPattern, FillSpec, Joins};
@@ -142,8 +142,8 @@ fn line_length_mm(line: &Line) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::geom::{Point, Polygon};
     use crate::toolpath::infill::rectilinear::Rectilinear;
+    use geometry::{Point, Polygon};
 
     #[test]
     fn in_a_narrow_room_fewer_lines_join_to_one_bead_of_the_same_density() {

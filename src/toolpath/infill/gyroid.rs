@@ -7,7 +7,7 @@
 
 use std::f64::consts::TAU;
 
-use crate::geom::{Clipper, Point, Region, to_mm};
+use geometry::{Clipper, Point, Region, to_mm};
 
 use super::super::bead::Line;
 use super::connect::{Chord, connect};
@@ -74,7 +74,7 @@ impl FillPattern for Gyroid {
 mod tests {
     use super::super::Joins;
     use super::*;
-    use crate::geom::Polygon;
+    use geometry::Polygon;
 
     #[test]
     fn waves_lie_on_the_surface() {

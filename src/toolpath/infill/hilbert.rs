@@ -4,7 +4,7 @@
 //! DOI 10.1007/BF01199431. The curve is one for the whole plane, so that those of all layers lie on each other; only the
 //! part near the region is made.
 
-use crate::geom::Region;
+use geometry::Region;
 
 use super::super::bead::Line;
 use super::waves::{self, Frame};

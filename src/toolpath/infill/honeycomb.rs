@@ -5,7 +5,7 @@
 
 use std::f64::consts::FRAC_PI_3;
 
-use crate::geom::Region;
+use geometry::Region;
 
 use super::super::bead::Line;
 use super::waves::{self, Frame};

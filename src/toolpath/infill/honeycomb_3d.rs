@@ -7,7 +7,7 @@
 
 use std::f64::consts::{FRAC_PI_2, SQRT_2};
 
-use crate::geom::Region;
+use geometry::Region;
 
 use super::super::bead::Line;
 use super::waves::{self, Frame};

@@ -8,7 +8,7 @@
 //! T. Tricard, F. Claux, S. Lefebvre, "Ribbed support vaults for 3D printing of hollowed objects", Computer Graphics Forum
 //! 39 (2020), DOI 10.1111/cgf.13750.
 
-use crate::geom::{self, Clipper, Point, Region, Ring};
+use geometry::{Clipper, Point, Region, Ring};
 
 use super::super::bead::Line;
 use super::connect::{Chord, connect};
@@ -57,7 +57,7 @@ impl Lightning {
             let above = hollows.get(layer + 1).map_or(Region::EMPTY, |above| &above.sparse);
             forest.shrink(LEAN * hollow.height_mm);
             forest.ground(&hollow.ground);
-            let mut roof = geom::difference(&hollow.sparse, above);
+            let mut roof = geometry::difference(&hollow.sparse, above);
             roof.polygons.retain(|polygon| polygon.area_mm2() >= SMALLEST_ROOF * reach_mm * reach_mm);
             forest.hold(&samples(&roof, reach_mm), &hollow.ground, reach_mm);
             layers[layer] = forest.strokes();
@@ -76,7 +76,7 @@ impl FillPattern for Lightning {
         });
         let mut lines = connect(region, chords.collect(), &spec.apart().joins);
         // Twigs that the bead they come off is nearly as wide as hold nothing.
-        lines.retain(|line| geom::polyline_length_mm(&line.points) >= spec.spacing_mm);
+        lines.retain(|line| geometry::polyline_length_mm(&line.points) >= spec.spacing_mm);
         lines
     }
 
@@ -88,13 +88,13 @@ impl FillPattern for Lightning {
 /// Points all over a region.
 fn samples(region: &Region, reach_mm: f64) -> Vec<Point> {
     let step_mm = (SAMPLE * reach_mm).max(FINEST_SAMPLE_MM);
-    let lines = geom::scan_lines(region, 0.0, step_mm, 0.0);
+    let lines = geometry::scan_lines(region, 0.0, step_mm, 0.0);
     let segments = lines.iter().flat_map(|line| &line.segments);
     segments
         .flat_map(|[a, b]| {
             let (from, to) = (a.point.mm()[0], b.point.mm()[0]);
             let columns = (from / step_mm).ceil() as i64..=(to / step_mm).floor() as i64;
-            columns.map(|column| Point::new(geom::to_units(column as f64 * step_mm), a.point.y))
+            columns.map(|column| Point::new(geometry::to_units(column as f64 * step_mm), a.point.y))
         })
         .collect()
 }
@@ -103,7 +103,7 @@ fn samples(region: &Region, reach_mm: f64) -> Vec<Point> {
 mod tests {
     use super::super::Joins;
     use super::*;
-    use crate::geom::{Polygon, to_segment_mm};
+    use geometry::{Polygon, to_segment_mm};
 
     const HEIGHT_MM: f64 = 0.2;
 
@@ -152,7 +152,7 @@ mod tests {
     #[test]
     fn every_branch_rests_on_the_layer_below_or_on_a_wall() {
         let (layers, ground) = grown();
-        let walls = crate::geom::EdgeGrid::new(&ground);
+        let walls = geometry::EdgeGrid::new(&ground);
         for (below, above) in layers.iter().zip(&layers[1..]) {
             for p in above.iter().flat_map(|line| &line.points) {
                 let wall_mm = walls.distance_mm(*p, 1.0);
@@ -166,7 +166,7 @@ mod tests {
     fn far_below_a_roof_little_is_left() {
         let (layers, _) = grown();
         let length_mm =
-            |layer: usize| layers[layer].iter().map(|l| geom::polyline_length_mm(&l.points)).sum::<f64>();
+            |layer: usize| layers[layer].iter().map(|l| geometry::polyline_length_mm(&l.points)).sum::<f64>();
         assert!(length_mm(0) < 0.4 * length_mm(59), "{} of {}", length_mm(0), length_mm(59));
     }
 }

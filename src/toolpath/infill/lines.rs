@@ -1,6 +1,6 @@
 //! Sets of parallel lines, with their ends joined along the boundary: what straight patterns consist of.
 
-use crate::geom::{self, Direction, Point, Region};
+use geometry::{Direction, Point, Region};
 
 use super::super::bead::Line;
 use super::FillSpec;
@@ -57,7 +57,7 @@ pub fn parallel(
 pub fn lay(region: &Region, sets: &[LineSet], joins: &Joins) -> Vec<Line> {
     let count = sets.len();
     let chords = sets.iter().enumerate().flat_map(|(k, set)| {
-        let lines = geom::scan_lines(region, set.angle_rad, set.distance_mm, set.phase_mm);
+        let lines = geometry::scan_lines(region, set.angle_rad, set.distance_mm, set.phase_mm);
         lines.into_iter().flat_map(move |line| {
             line.segments.into_iter().map(move |[a, b]| Chord {
                 points: vec![a.point, b.point],

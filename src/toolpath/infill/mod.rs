@@ -24,8 +24,8 @@ mod waves;
 use std::fmt::Debug;
 use std::sync::Arc;
 
-use crate::geom::Region;
 use crate::toolpath::options::Pattern;
+use geometry::Region;
 
 use super::bead::Line;
 

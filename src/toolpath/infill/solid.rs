@@ -2,7 +2,7 @@
 
 use std::f64::consts::{FRAC_PI_2, FRAC_PI_4};
 
-use crate::geom::{self, Direction, Point, Region};
+use geometry::{Direction, Point, Region};
 
 use super::super::bead::Line;
 use super::{Joins, LineSet, lines};
@@ -27,16 +27,16 @@ const CORNER: f64 = 4.0;
 /// Divides a solid zone into what is wide enough for parallel lines, and the rest.
 pub fn split_narrow(zone: &Region, spacing_mm: f64) -> (Region, Region) {
     let radius_mm = NARROW / 2.0 * spacing_mm;
-    let core = geom::offset(zone, -radius_mm);
+    let core = geometry::offset(zone, -radius_mm);
     if core.is_empty() {
         return (core, zone.clone());
     }
-    let mut narrow = geom::narrower(zone, &core, radius_mm, spacing_mm / 2.0);
+    let mut narrow = geometry::narrower(zone, &core, radius_mm, spacing_mm / 2.0);
     narrow.polygons.retain(|polygon| polygon.area_mm2() >= CORNER * spacing_mm * spacing_mm);
     if narrow.is_empty() {
         return (zone.clone(), narrow);
     }
-    (geom::remainder(zone, &narrow), narrow)
+    (geometry::remainder(zone, &narrow), narrow)
 }
 
 /// Lines laid side by side into one patch.
@@ -104,7 +104,7 @@ pub fn fill(region: &Region, spec: &SolidSpec) -> Vec<SolidPatch> {
     let SolidSpec { spacing_mm, reach_mm, .. } = *spec;
     let angle_rad = turned(spec.angle_rad, spec.layer);
     let direction = Direction::of(angle_rad);
-    let inner = geom::offset(region, -spacing_mm / 2.0);
+    let inner = geometry::offset(region, -spacing_mm / 2.0);
     inner
         .polygons
         .into_iter()

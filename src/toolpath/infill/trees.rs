@@ -1,6 +1,6 @@
 //! Trees in the plane that stand on a boundary: what [`lightning`](super::lightning) consists of on a layer.
 
-use crate::geom::{Bounds, Clipper, EdgeGrid, Point, Region, Ring, to_segment_mm, to_units};
+use geometry::{Bounds, Clipper, EdgeGrid, Point, Region, Ring, to_segment_mm, to_units};
 
 /// A node without a parent stands on the boundary.
 const ROOT: u32 = u32::MAX;

@@ -2,7 +2,7 @@
 
 use std::ops::RangeInclusive;
 
-use crate::geom::{Clipper, Point, Region};
+use geometry::{Clipper, Point, Region};
 
 use super::super::bead::Line;
 use super::FillSpec;

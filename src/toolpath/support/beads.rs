@@ -4,10 +4,10 @@ use std::f64::consts::FRAC_PI_2;
 
 use super::columns::Cells;
 use super::trace::trace;
-use crate::geom::{self, Direction, HatchLine, Point, Polygon, Region};
 use crate::toolpath::infill::{Joins, lines};
 use crate::toolpath::options::{SupportPattern, SupportSettings, SupportStyle};
 use crate::toolpath::{Path, Role, Width, bead};
+use geometry::{Direction, HatchLine, Point, Polygon, Region};
 
 /// Lines of support shorter than this hold nothing.
 pub(super) const SHORTEST_MM: f64 = 0.5;
@@ -67,17 +67,18 @@ pub fn lay(outlines: &Outlines, layer: &BeadSpec<'_>, settings: &SupportSettings
         return Vec::new();
     }
     let width_mm = settings.width.0;
-    let room = geom::difference(&outlines.all, &geom::offset(layer.part, settings.xy_gap.0));
+    let room = geometry::difference(&outlines.all, &geometry::offset(layer.part, settings.xy_gap.0));
     let mut paths = Vec::new();
     let mut push = |role, rank, closed, points: Vec<Point>| {
         let width = Width::Constant(width_mm);
         paths.push(Path { role, closed, points, width, height_mm: layer.height_mm, island: u32::MAX, rank });
     };
-    let frame = geom::offset(&room, -width_mm / 2.0);
-    for ring in frame.rings().filter(|ring| ring.len() >= 3 && geom::ring_length_mm(ring) >= SHORTEST_MM) {
+    let frame = geometry::offset(&room, -width_mm / 2.0);
+    for ring in frame.rings().filter(|ring| ring.len() >= 3 && geometry::ring_length_mm(ring) >= SHORTEST_MM)
+    {
         push(Role::Support, layer.rank, true, ring.clone());
     }
-    let inside = geom::offset(&frame, -width_mm * (1.0 - OVERLAP));
+    let inside = geometry::offset(&frame, -width_mm * (1.0 - OVERLAP));
     let spacing_mm = bead::spacing_mm(width_mm, layer.usual_height_mm);
     let denser = if layer.on_bed { DENSER_ON_BED } else { 1.0 };
     let sets = match settings.pattern {
@@ -86,15 +87,15 @@ pub fn lay(outlines: &Outlines, layer: &BeadSpec<'_>, settings: &SupportSettings
     };
     let apart_mm = f64::from(sets) * spacing_mm / settings.density.0;
     let dense =
-        if layer.on_bed { Region::default() } else { geom::intersection(&inside, &outlines.interface) };
+        if layer.on_bed { Region::default() } else { geometry::intersection(&inside, &outlines.interface) };
     let mut wide = wide_parts(&inside);
     if settings.style == SupportStyle::Tree {
         // Branches shift from layer to layer: under a head there need be no track to reach for.
         wide.polygons.retain(|polygon| {
-            geom::intersection(&Region { polygons: vec![polygon.clone()] }, &dense).is_empty()
+            geometry::intersection(&Region { polygons: vec![polygon.clone()] }, &dense).is_empty()
         });
     }
-    let body = geom::difference(&wide, &dense);
+    let body = geometry::difference(&wide, &dense);
     let angle_rad = settings.line_angle.to_radians();
     if settings.density.0 > 0.0 {
         for set in 0..sets {
@@ -102,7 +103,7 @@ pub fn lay(outlines: &Outlines, layer: &BeadSpec<'_>, settings: &SupportSettings
             let distance_mm = apart_mm / denser;
             let joins = Joins { longest_mm: LONGEST_JOIN * distance_mm, ..Joins::default() };
             for line in lines::parallel(&body, turned_rad, distance_mm, 0.0, &joins) {
-                if geom::polyline_length_mm(&line.points) >= SHORTEST_MM {
+                if geometry::polyline_length_mm(&line.points) >= SHORTEST_MM {
                     push(Role::Support, layer.rank, line.closed, line.points);
                 }
             }
@@ -111,7 +112,7 @@ pub fn lay(outlines: &Outlines, layer: &BeadSpec<'_>, settings: &SupportSettings
     if settings.interface_density.0 > 0.0 && !dense.is_empty() {
         let across_rad = angle_rad + FRAC_PI_2;
         let tracks =
-            |region| geom::scan_lines(region, across_rad, spacing_mm / settings.interface_density.0, 0.0);
+            |region| geometry::scan_lines(region, across_rad, spacing_mm / settings.interface_density.0, 0.0);
         let narrow = Region {
             polygons: inside.polygons.iter().filter(|p| !wide.polygons.contains(p)).cloned().collect(),
         };
@@ -128,7 +129,7 @@ pub fn lay(outlines: &Outlines, layer: &BeadSpec<'_>, settings: &SupportSettings
 /// The polygons whose mean width is at least that of a disc of [`WIDE_MM`]: twice the area over the boundary.
 fn wide_parts(region: &Region) -> Region {
     let is_wide = |polygon: &&Polygon| {
-        let around_mm: f64 = polygon.rings().map(|ring| geom::ring_length_mm(ring)).sum();
+        let around_mm: f64 = polygon.rings().map(|ring| geometry::ring_length_mm(ring)).sum();
         2.0 * polygon.area_mm2() >= WIDE_MM / 2.0 * around_mm
     };
     Region { polygons: region.polygons.iter().filter(is_wide).cloned().collect() }

@@ -3,7 +3,7 @@
 //! Supports need no better resolution than a bead's width, but unions, differences and offsets of many layers, one
 //! after the other. On bits each of them is a pass over a few thousand words.
 
-use crate::geom::{self, Bounds, Point, Region};
+use geometry::{Bounds, Point, Region};
 
 /// No grid has more cells than this along a side: a layer then has at most 128 kB.
 const MOST_CELLS: f64 = 1024.0;
@@ -30,7 +30,7 @@ impl Grid {
         let count = |mm: f64| (mm / cell_mm).ceil().max(1.0) as usize;
         Self {
             origin: Point::from_mm(min[0] - margin_mm, min[1] - margin_mm),
-            cell: geom::to_units(cell_mm).max(1),
+            cell: geometry::to_units(cell_mm).max(1),
             columns: count(size_mm[0]),
             rows: count(size_mm[1]),
         }
@@ -38,7 +38,7 @@ impl Grid {
 
     /// Side of a cell in millimetres.
     pub fn cell_mm(&self) -> f64 {
-        geom::to_mm(self.cell)
+        geometry::to_mm(self.cell)
     }
 
     /// How many cells a length is, to the nearest.
@@ -101,8 +101,8 @@ impl Bitmap {
     pub fn of(grid: Grid, region: &Region) -> Self {
         let mut map = Self::empty(grid);
         let cell_mm = grid.cell_mm();
-        let phase_mm = geom::to_mm(grid.origin.y) + cell_mm / 2.0;
-        for line in geom::scan_lines(region, 0.0, cell_mm, phase_mm) {
+        let phase_mm = geometry::to_mm(grid.origin.y) + cell_mm / 2.0;
+        for line in geometry::scan_lines(region, 0.0, cell_mm, phase_mm) {
             let Some(row) = usize::try_from(line.index).ok().filter(|&row| row < grid.rows) else { continue };
             for [a, b] in line.segments {
                 // Middles at or right of a, left of b.
@@ -303,7 +303,7 @@ impl Bitmap {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::geom::Polygon;
+    use geometry::Polygon;
 
     fn grid() -> Grid {
         Grid::new(Bounds { min: Point::from_mm(0.0, 0.0), max: Point::from_mm(40.0, 10.0) }, 0.0, 0.5)

@@ -3,7 +3,7 @@
 use std::f64::consts::PI;
 
 use super::bitmap::Bitmap;
-use crate::geom::{self, Point, Region};
+use geometry::{Point, Region};
 
 /// Directions that are tried over half a turn.
 const DIRECTIONS: u32 = 12;
@@ -34,7 +34,8 @@ pub fn spanned(overhang: &Region, carrier: &Bitmap, longest_mm: f64) -> Bitmap {
         let angle_rad = f64::from(k) * PI / f64::from(DIRECTIONS);
         let (sin, cos) = angle_rad.sin_cos();
         let (mut held, mut all_mm, mut held_mm) = (Vec::new(), 0.0, 0.0);
-        for [a, b] in geom::scan_lines(overhang, angle_rad, LINE_MM, 0.0).into_iter().flat_map(|l| l.segments)
+        for [a, b] in
+            geometry::scan_lines(overhang, angle_rad, LINE_MM, 0.0).into_iter().flat_map(|l| l.segments)
         {
             let length_mm = a.point.distance_mm(b.point);
             let beyond = |p: Point, by_mm: f64| {
@@ -79,8 +80,8 @@ fn stroked(lines: &[[Point; 2]], like: &Bitmap) -> Bitmap {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::geom::{Bounds, Polygon};
     use crate::toolpath::support::bitmap::Grid;
+    use geometry::{Bounds, Polygon};
 
     fn rectangle(x0: f64, y0: f64, x1: f64, y1: f64) -> Region {
         let outer = [(x0, y0), (x1, y0), (x1, y1), (x0, y1)].map(|(x, y)| Point::from_mm(x, y)).to_vec();

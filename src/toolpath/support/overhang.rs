@@ -2,8 +2,8 @@
 
 use super::bitmap::{Bitmap, Grid};
 use super::bridge;
-use crate::geom::{self, Region};
 use crate::toolpath::options::SupportSettings;
+use geometry::Region;
 
 /// Overhangs smaller than this are noise of the section: less than a nozzle's bore.
 const CRUMB_MM2: f64 = 0.05;
@@ -51,9 +51,9 @@ pub fn find(
 ) -> Overhang {
     let grid = layer.solid.grid();
     let lean_mm = height_mm * settings.angle.to_radians().tan();
-    let carried = geom::offset(below.rough, lean_mm);
+    let carried = geometry::offset(below.rough, lean_mm);
     let mut beyond =
-        if settings.enabled { geom::difference(layer.section, &carried) } else { Region::default() };
+        if settings.enabled { geometry::difference(layer.section, &carried) } else { Region::default() };
     beyond.polygons.retain(|polygon| polygon.area_mm2() >= CRUMB_MM2);
     // What nothing touches comes out of the difference as it was.
     let (islands, edges): (Vec<_>, Vec<_>) =
@@ -63,7 +63,7 @@ pub fn find(
     air.remove(below.solid);
     let mut leaning = Bitmap::empty(grid);
     for polygon in edges {
-        let whole = geom::offset(&Region { polygons: vec![polygon] }, lean_mm + ROUGH_MM);
+        let whole = geometry::offset(&Region { polygons: vec![polygon] }, lean_mm + ROUGH_MM);
         let mut cells = Bitmap::of(grid, &whole);
         cells.keep(&air);
         cells.remove(&bridge::spanned(&whole, below.solid, settings.max_bridge.0));

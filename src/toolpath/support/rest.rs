@@ -3,8 +3,8 @@
 use std::cell::OnceCell;
 
 use super::beads::SHORTEST_MM;
-use crate::geom::{self, EdgeGrid, Point, Polygon, Region};
 use crate::toolpath::{Path, Width};
+use geometry::{EdgeGrid, Point, Polygon, Region};
 
 /// A bead lies on another if their middles are at most so many widths apart: half of it at least is carried.
 const CARRIED: f64 = 1.0;
@@ -64,7 +64,7 @@ impl<'a> Ground<'a> {
             bead.points.reverse();
         }
         bead.points.dedup();
-        (geom::polyline_length_mm(&bead.points) >= SHORTEST_MM).then_some(bead)
+        (geometry::polyline_length_mm(&bead.points) >= SHORTEST_MM).then_some(bead)
     }
 
     /// The first place of an open bead that is carried, and the index of the vertex after it.
@@ -127,7 +127,7 @@ mod tests {
         // Just where it comes over the part, half a bead early at most, and then all around.
         let [x, y] = first.mm();
         assert!((2.0..2.5).contains(&x) && y == 4.0, "{x} {y}");
-        assert!((geom::polyline_length_mm(&opened.points) - 16.0).abs() < 1e-6);
+        assert!((geometry::polyline_length_mm(&opened.points) - 16.0).abs() < 1e-6);
         assert!(ground.carry(vec![bead(true, &[(6.0, 1.0), (6.0, 4.0), (4.0, 4.0)])]).is_empty());
     }
 }

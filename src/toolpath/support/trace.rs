@@ -1,7 +1,7 @@
 //! Cells back to regions.
 
 use super::bitmap::{Bitmap, Grid};
-use crate::geom::{self, Region, Ring};
+use geometry::{Region, Ring};
 
 /// The outline of a set of cells, its steps smoothed: the ring runs through the middles of the cells' sides, which
 /// cuts every corner by half a cell, and steps that are left are evened out.
@@ -10,7 +10,7 @@ use crate::geom::{self, Region, Ring};
 pub fn trace(map: &Bitmap) -> Region {
     let grid = map.grid();
     let rings: Vec<Ring> = Edges::of(map).rings(grid);
-    geom::simplify(&geom::unite_rings(&rings), SMOOTH * grid.cell_mm())
+    geometry::simplify(&geometry::unite_rings(&rings), SMOOTH * grid.cell_mm())
 }
 
 /// Vertices nearer than this to the outline without them are left out, in cells.
@@ -89,7 +89,7 @@ impl Edges {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::geom::{Bounds, Point};
+    use geometry::{Bounds, Point};
 
     #[test]
     fn outlines_keep_their_area_and_holes() {

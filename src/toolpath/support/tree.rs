@@ -7,8 +7,8 @@
 
 use super::bitmap::Bitmap;
 use super::columns::{ColumnSpec, kept_free, pads};
-use crate::geom::{self, Point, Polygon, Region};
 use crate::toolpath::options::SupportSettings;
+use geometry::{Point, Polygon, Region};
 
 /// Distance between the tips under a wide overhang. Their heads overlap.
 const TIPS_MM: f64 = 3.0;
@@ -310,11 +310,11 @@ pub fn outline(discs: &[Disc], kept_free: &Region) -> (Region, Region) {
         Region { polygons: vec![Polygon { outer: (0..CORNERS).map(corner).collect(), holes: Vec::new() }] }
     };
     let circles: Vec<Region> = discs.iter().map(circle).collect();
-    let mut united = geom::union_all(&circles);
+    let mut united = geometry::union_all(&circles);
     for polygon in &mut united.polygons {
-        polygon.holes.retain(|hole| geom::ring_area(hole).abs() > LEAST_HOLE_MM2);
+        polygon.holes.retain(|hole| geometry::ring_area(hole).abs() > LEAST_HOLE_MM2);
     }
-    let mut all = geom::difference(&united, kept_free);
+    let mut all = geometry::difference(&united, kept_free);
     let middles: Vec<Point> = discs.iter().map(|disc| Point::from_mm(disc.at[0], disc.at[1])).collect();
     all.polygons.retain(|polygon| {
         let alone = Region { polygons: vec![polygon.clone()] };
@@ -322,15 +322,15 @@ pub fn outline(discs: &[Disc], kept_free: &Region) -> (Region, Region) {
         middles.iter().any(|&p| bounds.is_some_and(|b| b.holds(p)) && alone.contains(p))
     });
     let heads = circles.iter().zip(discs).filter(|(_, disc)| disc.is_head).map(|(circle, _)| circle);
-    let heads = if discs.iter().all(|disc| disc.is_head) { united } else { geom::union_all(heads) };
+    let heads = if discs.iter().all(|disc| disc.is_head) { united } else { geometry::union_all(heads) };
     (all, heads)
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::geom::Bounds;
     use crate::toolpath::support::bitmap::Grid;
+    use geometry::Bounds;
 
     const HEIGHT_MM: f64 = 0.2;
 

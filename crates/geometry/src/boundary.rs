@@ -136,7 +136,7 @@ impl<'a> Boundary<'a> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::geom::Polygon;
+    use crate::Polygon;
 
     fn square() -> Region {
         let corner = |x, y| Point::from_mm(x, y);

@@ -306,7 +306,7 @@ fn scaled(d: Point, t: f64) -> Point {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::geom::{self, Ring};
+    use crate::{self as geom, Ring};
 
     fn ring(points: &[(f64, f64)]) -> Ring {
         points.iter().map(|&(x, y)| Point::from_mm(x, y)).collect()

@@ -1,7 +1,7 @@
 //! The boundary of a polygon as evenly spaced samples.
 
-use crate::geom::simplify::simplify_ring;
-use crate::geom::{Polygon, UNITS_PER_MM};
+use crate::simplify::simplify_ring;
+use crate::{Polygon, UNITS_PER_MM};
 
 /// Positions in millimetres.
 pub(super) type Position = [f64; 2];

@@ -213,7 +213,7 @@ impl EdgeGrid {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::geom::Polygon;
+    use crate::Polygon;
 
     #[test]
     fn every_edge_is_found_from_a_segment_through_its_middle() {

@@ -3,6 +3,10 @@
 //! One unit is 10 nm, so an `i32` spans ±21 m and products fit an `i64`. Everything that is added,
 //! subtracted or compared is exact; only offsets and intersections round, to the nearest unit.
 
+#![forbid(unsafe_code)]
+#![deny(missing_docs)]
+#![allow(rustdoc::private_intra_doc_links)]
+
 mod arrange;
 mod boolean;
 mod boundary;
@@ -14,6 +18,7 @@ mod hatch;
 mod medial;
 mod offset;
 mod point;
+mod random;
 mod raw_offset;
 mod region;
 mod route;
@@ -28,6 +33,7 @@ pub use hatch::{HatchEnd, HatchLine, scan_lines};
 pub use medial::{MedialPath, medial_axis, medial_axis_in};
 pub use offset::{close_between, closing, narrower, offset, offset_with, opening, remainder};
 pub use point::{Point, UNITS_PER_MM, distance_mm, to_mm, to_segment_mm, to_units};
+pub use random::Random;
 pub use raw_offset::Join;
 pub use region::{Bounds, Polygon, Region, Ring, ring_area, ring_length_mm};
 pub use route::{Router, Way};

@@ -115,7 +115,7 @@ fn direction(angle_rad: f64) -> (f64, f64) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::geom::{Polygon, Ring};
+    use crate::{Polygon, Ring};
     use std::f64::consts::{FRAC_PI_2, PI};
 
     fn ring(points: &[(f64, f64)]) -> Ring {

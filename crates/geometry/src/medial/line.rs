@@ -4,7 +4,7 @@ use super::MedialPath;
 use super::axis::Node;
 use super::branches::Trail;
 use super::outline::{Position, direction, distance, lerp};
-use crate::geom::{Bounds, EdgeGrid, Point};
+use crate::{Bounds, EdgeGrid, Point};
 
 /// Vertices are dropped that move the line, or the width, by no more than this: a hundredth of a common line width.
 const TOLERANCE_MM: f64 = 0.005;

@@ -244,7 +244,7 @@ fn cut(edge: &Edge, p: Point, q: Point) -> Cut {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::geom::{Polygon, Ring, scan_lines};
+    use crate::{Polygon, Ring, scan_lines};
     use proptest::prelude::*;
 
     fn ring(points: &[(i32, i32)]) -> Ring {
