@@ -51,8 +51,8 @@ fn sequence(layer: &LayerPaths, cost: Cost, scope: Scope, detours: Option<Detour
 
 /// Cost of the travels of an order, those from where the nozzle was left out.
 fn ways(layer: &LayerPaths, cost: Cost, sequence: &[Visit]) -> f64 {
-    let rule = DetourRule::new(&settings()).unwrap();
-    let router = rule.router(layer);
+    let rule = settings().detour_rule().unwrap();
+    let router = pathwright::geometry::Router::new(&layer.outline, rule.wall_width_mm, rule.max_mm);
     let ends: Vec<_> = sequence.iter().map(|&visit| ends_on_path(layer, visit)).collect();
     ends.windows(2).map(|pair| rule.cost(&router, &cost, pair[0].1.mm(), pair[1].0.mm())).sum()
 }
@@ -62,7 +62,7 @@ fn posts_are_left_where_the_way_to_the_next_is_short() {
     // Ten upright lines in each post, 0.5 mm apart; straight, the posts are as near to each other at the top.
     let rows = [3.5, 10.5].into_iter().flat_map(|x| (0..10).map(move |i| (x, 2.0 + 1.7 * f64::from(i))));
     let layer = posts(rows.map(|(x, y)| path(&[(x, y), (x, y + 1.2)])).collect());
-    let found = sequence(&layer, Cost::Length, Scope::Layer, DetourRule::new(&settings()));
+    let found = sequence(&layer, Cost::Length, Scope::Layer, settings().detour_rule());
     let way_mm = ways(&layer, Cost::Length, &found);
     assert!(way_mm < 18.0 * 0.5 + 9.0, "{way_mm} mm");
 }
@@ -71,7 +71,7 @@ fn posts_are_left_where_the_way_to_the_next_is_short() {
 fn without_detours_there_is_no_rule() {
     let mut settings = settings();
     settings.travel.avoid_crossing = false;
-    assert_eq!(DetourRule::new(&settings), None);
+    assert_eq!(settings.detour_rule(), None);
 }
 
 /// Lines and squares in either post.
@@ -95,9 +95,9 @@ proptest! {
         let mut layer = posts(paths);
         let scope = if ranked { Scope::Feature } else { Scope::Layer };
         layer.paths.iter_mut().for_each(|path| path.rank = u32::from(path.closed));
-        let cost = Cost::new(if time { CostKind::Time } else { CostKind::Length }, &settings());
+        let cost = settings().order_cost(if time { CostKind::Time } else { CostKind::Length });
         let straight = sequence(&layer, cost, scope, None);
-        let led = sequence(&layer, cost, scope, DetourRule::new(&settings()));
+        let led = sequence(&layer, cost, scope, settings().detour_rule());
         let problem = LayerProblem::new(&layer, &None, scope).problem;
         prop_assert_eq!(check(&problem, &led), Ok(()));
         // The way to the first path counts in both, and is part of what was minimised.

@@ -14,7 +14,7 @@ use pathwright::check::{Survey, check};
 use pathwright::gcode::{annotate, measure};
 use pathwright::geom;
 use pathwright::mesh;
-use pathwright::order::{self, Chain, DetourRule, LayerProblem, SeamRule, strategy};
+use pathwright::order::{self, Chain, LayerProblem, SeamRule, strategy};
 use pathwright::plate::{self, Layout, Placement};
 use pathwright::profile::{
     self, CostKind, Effort, OrderSettings, OrderStrategy, Override, Pattern, Scope, SeamPosition, Settings,
@@ -123,8 +123,8 @@ pub fn slicing(bytes: &[u8]) {
     let cost = [CostKind::Length, CostKind::Time][bytes.int(2) as usize];
     let chain = Chain {
         settings: OrderSettings { scope, cost, effort: Effort::Fast, ..settings.order.clone() },
-        cost: order::Cost::new(cost, &settings),
-        detours: DetourRule::new(&settings),
+        cost: settings.order_cost(cost),
+        detours: settings.detour_rule(),
         seam,
         origin: None,
     };
@@ -144,7 +144,7 @@ pub fn ordering(bytes: &[u8]) {
 }
 
 fn solve(problem: &order::Problem<'_>, name: OrderStrategy, kind: CostKind) {
-    let cost = order::Cost::new(kind, &Settings::default());
+    let cost = Settings::default().order_cost(kind);
     let sequence = strategy(name).solve(problem, &cost, Effort::Fast);
     assert_eq!(order::check(problem, &sequence), Ok(()), "{name:?}");
 }

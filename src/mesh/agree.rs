@@ -8,9 +8,9 @@ use std::f64::consts::PI;
 
 use rustc_hash::FxHashMap;
 
-use super::components::Components;
 use super::edges::{NO_TWIN, for_each_edge};
 use super::measure::{length_mm, normal, point};
+use geometry::DisjointSets;
 
 /// What was turned.
 pub(super) struct Agreed {
@@ -51,14 +51,14 @@ pub(super) fn agree(
     twins: &[u32],
     free: &[bool],
 ) -> Agreed {
-    let mut parts = Components::new(triangles.len());
+    let mut parts = DisjointSets::new(triangles.len());
     let mut clashes = Vec::new();
     for_each_edge(triangles, vertices.len(), |sides| {
         if let [a, b] = *sides {
             if a.is_backward() == b.is_backward() {
                 clashes.push((a.triangle(), b.triangle(), length_mm(vertices, triangles, a.half())));
             } else {
-                parts.join(a.triangle(), b.triangle(), false);
+                parts.join(a.triangle(), b.triangle());
             }
         }
     });
@@ -72,7 +72,7 @@ pub(super) fn agree(
         let (first, second) = (&patches[a as usize], &patches[b as usize]);
         let bodies = first.is_body() && second.is_body();
         let opposed = !bodies || (first.volume_mm3 > 0.0) != (second.volume_mm3 > 0.0);
-        parts.join(member[a as usize], member[b as usize], opposed);
+        parts.join_opposed(member[a as usize], member[b as usize], opposed);
     }
     vote(triangles, &mut parts, free)
 }
@@ -121,10 +121,10 @@ fn measure(
 }
 
 /// In each connected part the minority is turned.
-fn vote(triangles: &mut [[u32; 3]], parts: &mut Components, free: &[bool]) -> Agreed {
+fn vote(triangles: &mut [[u32; 3]], parts: &mut DisjointSets, free: &[bool]) -> Agreed {
     let mut votes = vec![0i64; triangles.len()];
     let mut members = vec![0i64; triangles.len()];
-    let sides: Vec<(u32, bool)> = (0..triangles.len() as u32).map(|t| parts.find(t)).collect();
+    let sides: Vec<(u32, bool)> = (0..triangles.len() as u32).map(|t| parts.find_opposed(t)).collect();
     for (&(root, opposed), &free) in sides.iter().zip(free) {
         let vote = if free { 0 } else { 1 };
         votes[root as usize] += if opposed { -vote } else { vote };

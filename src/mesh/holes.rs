@@ -7,10 +7,10 @@
 
 use std::f64::consts::PI;
 
-use super::components::Components;
 use super::doubts::Doubtful;
 use super::edges::{Edges, NO_TWIN, ends};
 use super::measure::{Vec3, area_mm2, length_mm, normal, point};
+use geometry::DisjointSets;
 
 /// What closes holes.
 #[derive(Default)]
@@ -164,10 +164,10 @@ struct Surface<'a> {
 impl Surface<'_> {
     /// The part of each facet that hangs together by edges, and the area of each.
     fn patches(&self) -> (Vec<u32>, Vec<f64>) {
-        let mut parts = Components::new(self.triangles.len());
+        let mut parts = DisjointSets::new(self.triangles.len());
         for (half, &twin) in (0..).zip(self.twins).filter(|(half, twin)| **twin != NO_TWIN && *half < **twin)
         {
-            parts.join(half / 3, twin / 3, false);
+            parts.join(half / 3, twin / 3);
         }
         let (patch_of, count) = parts.number();
         let mut patch_mm2 = vec![0.0; count];

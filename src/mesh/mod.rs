@@ -4,7 +4,6 @@
 //! was found and done. [`Transform`] scales, turns and moves.
 
 mod agree;
-mod components;
 mod doubts;
 mod edges;
 mod error;
@@ -34,7 +33,6 @@ pub use error::{MeshError, Place};
 pub use report::{Doubt, MeshReport, Repair};
 pub use transform::{Transform, TransformError};
 
-pub(crate) use components::Components;
 pub(crate) use edges::NO_TWIN;
 
 use crate::limits;

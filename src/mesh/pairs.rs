@@ -4,9 +4,9 @@
 //! groups of them that hang together are in or out as a whole, and the edges around a group vote. What nothing needs is
 //! a wall between bodies that touch, or a fin without thickness.
 
-use super::components::Components;
 use super::edges::for_each_edge;
 use super::measure::{area_mm2, keep, length_mm};
+use geometry::DisjointSets;
 
 /// What was left out.
 #[derive(Default)]
@@ -137,14 +137,14 @@ impl<'a> Groups<'a> {
                 seams.push(Seam { length_mm, fixed: sides.len() - here.len(), stacks: here });
             }
         });
-        let mut parts = Components::new(stacks.len());
+        let mut parts = DisjointSets::new(stacks.len());
         for seam in &seams {
             if let [a, b] = *seam.stacks {
                 // At an open edge one of the two is needed, at others both or none.
-                parts.join(a, b, seam.fixed % 2 == 1);
+                parts.join_opposed(a, b, seam.fixed % 2 == 1);
             }
         }
-        let group: Vec<(u32, bool)> = (0..stacks.len() as u32).map(|s| parts.find(s)).collect();
+        let group: Vec<(u32, bool)> = (0..stacks.len() as u32).map(|s| parts.find_opposed(s)).collect();
         Self { vertices, stacks, seams, group, stays: vec![None; stacks.len()] }
     }
 

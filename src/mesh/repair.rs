@@ -3,13 +3,13 @@
 //! Each step runs only where edge matching shows that it is needed; overlaps and self-intersections stay, slicing copes
 //! with them.
 
-use super::components::Components;
 use super::doubts::Doubtful;
 use super::edges::{Edges, NO_TWIN, Side, ends, for_each_edge};
 use super::measure::{area_mm2, keep};
 use super::report::Doubt;
 use super::weld::Soup;
 use super::{agree, doubts, gaps, holes, outside, pairs, sheets, walls};
+use geometry::DisjointSets;
 
 /// What was done and what was found; volume of an open shell: that of the cone from the middle of its box.
 #[derive(Clone, Debug, Default)]
@@ -180,16 +180,16 @@ fn drop_unused(vertices: &mut Vec<[f32; 3]>, triangles: &mut [[u32; 3]]) {
 
 /// Numbers the parts that hang together by edges, in the order of their first facets.
 fn shells(triangles: &[[u32; 3]], vertex_count: usize, edges: &Edges) -> (Vec<u32>, usize) {
-    let mut parts = Components::new(triangles.len());
+    let mut parts = DisjointSets::new(triangles.len());
     for (half, &twin) in edges.twins.iter().enumerate() {
         if twin != NO_TWIN && (half as u32) < twin {
-            parts.join(half as u32 / 3, twin / 3, false);
+            parts.join(half as u32 / 3, twin / 3);
         }
     }
     if edges.non_manifold + edges.clashing > 0 {
         for_each_edge(triangles, vertex_count, |sides| {
             for pair in sides.windows(2) {
-                parts.join(pair[0].triangle(), pair[1].triangle(), false);
+                parts.join(pair[0].triangle(), pair[1].triangle());
             }
         });
     }
@@ -199,10 +199,10 @@ fn shells(triangles: &[[u32; 3]], vertex_count: usize, edges: &Edges) -> (Vec<u3
 /// Numbers the parts that are closed by themselves: where more than two facets meet at an edge, those parts are joined
 /// that have more facets there of one direction than of the other.
 fn bodies(triangles: &[[u32; 3]], vertex_count: usize) -> (Vec<u32>, usize) {
-    let mut parts = Components::new(triangles.len());
+    let mut parts = DisjointSets::new(triangles.len());
     for_each_edge(triangles, vertex_count, |sides| {
         if let [a, b] = *sides {
-            parts.join(a.triangle(), b.triangle(), false);
+            parts.join(a.triangle(), b.triangle());
         }
     });
     let (patch_of, _) = parts.number();
@@ -218,7 +218,7 @@ fn bodies(triangles: &[[u32; 3]], vertex_count: usize) -> (Vec<u32>, usize) {
         let unbalanced: Vec<u32> =
             sides.iter().filter(|side| net(patch(side)) != 0).map(|side| side.triangle()).collect();
         unbalanced.windows(2).for_each(|pair| {
-            parts.join(pair[0], pair[1], false);
+            parts.join(pair[0], pair[1]);
         });
     });
     parts.number()

@@ -1,8 +1,8 @@
 //! Sheets that hang on a surface: fins, and walls between bodies that touch.
 
-use super::components::Components;
 use super::edges::for_each_edge;
 use super::measure::{area_mm2, keep, length_mm};
+use geometry::DisjointSets;
 
 /// A patch between edges that do not have two facets.
 #[derive(Clone, Copy)]
@@ -38,10 +38,10 @@ pub(super) fn drop_sheets(
     let before = triangles.len();
     // Each round leaves fewer patches; meshes with many are not mended that way.
     for _ in 0..MOST_ROUNDS {
-        let mut parts = Components::new(triangles.len());
+        let mut parts = DisjointSets::new(triangles.len());
         for_each_edge(triangles, vertices.len(), |sides| {
             if let [a, b] = *sides {
-                parts.join(a.triangle(), b.triangle(), false);
+                parts.join(a.triangle(), b.triangle());
             }
         });
         let (patch_of, count) = parts.number();

@@ -9,9 +9,9 @@ use parry3d::math::Vector;
 use parry3d::query::{Ray, RayCast};
 use parry3d::shape::TriMesh;
 
-use super::components::Components;
 use super::edges::{Side, for_each_edge};
 use super::measure::{Vec3, area_mm2, length_mm, normal, point};
+use geometry::DisjointSets;
 
 /// Points on each patch from which rays are cast.
 const SAMPLES: usize = 3;
@@ -43,10 +43,10 @@ struct Seam {
 
 /// Turns patches that face inwards; returns how many facets were turned.
 pub(super) fn turn_patches(vertices: &[[f32; 3]], triangles: &mut [[u32; 3]]) -> usize {
-    let mut parts = Components::new(triangles.len());
+    let mut parts = DisjointSets::new(triangles.len());
     for_each_edge(triangles, vertices.len(), |sides| {
         if let [a, b] = *sides {
-            parts.join(a.triangle(), b.triangle(), false);
+            parts.join(a.triangle(), b.triangle());
         }
     });
     let (patch_of, count) = parts.number();

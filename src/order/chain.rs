@@ -8,11 +8,12 @@ use std::slice;
 
 use super::layer::{LayerProblem, ends_on_path, stacked};
 use super::options::{OrderSettings, SeamPosition};
-use super::precedence::{Frontier, Groups};
 use super::seam::{Pins, enter_nearest};
-use super::{Cost, DetourRule, Detours, Known, Nearest, Problem, Sequence, Shape, Strategy, Visit, strategy};
 use crate::toolpath::LayerPaths;
 use geometry::{Point, Router};
+use ordering::{
+    Cost, DetourRule, Detours, Known, Nearest, Problem, Sequence, Strategy, Visit, first_points, strategy,
+};
 
 /// Layers per chunk for a print of so many layers: enough chunks to keep every core busy, and not so
 /// short that solving heads twice costs much.
@@ -45,7 +46,10 @@ impl Chain {
 
     /// What finds the ways of each layer; nothing where travels go straight.
     fn routers<'l>(&self, layers: &'l [LayerPaths]) -> Vec<Router<'l>> {
-        let router = |rule: DetourRule| layers.iter().map(move |layer| rule.router(layer));
+        let router = |rule: DetourRule| {
+            let (width_mm, most_mm) = (rule.wall_width_mm, rule.max_mm);
+            layers.iter().map(move |layer| Router::new(&layer.outline, width_mm, most_mm))
+        };
         self.detours.map(router).into_iter().flatten().collect()
     }
 
@@ -134,7 +138,10 @@ impl Chain {
         routers: &[Router],
         solved: Option<Sequence>,
     ) -> Sequence {
-        let detours = self.detours.map(|rule| Detours::new(rule, self.cost, layers, routers));
+        let detours = self.detours.map(|rule| {
+            let items = layers.iter().map(|layer| layer.paths.len());
+            Detours::new(rule, self.cost, items, routers)
+        });
         let known = Known { detours: detours.as_ref(), solved };
         strategy(self.settings.strategy).solve_knowing(problem, &self.cost, self.settings.effort, known)
     }
@@ -254,12 +261,7 @@ impl Chain {
 
 /// The entry nearest to `last` that is at least so far away, among the items that may come first.
 fn nearest_apart(problem: &Problem, last: Point, distance_mm: f64) -> Option<Point> {
-    let groups = Groups::new(problem);
-    let (_, available) = Frontier::new(&groups);
-    let items = available.iter().flat_map(|&group| &groups.items[group as usize]);
-    let points = items.flat_map(|&item| match &problem.items[item as usize].shape {
-        Shape::Open(ends) => ends.as_slice(),
-        Shape::Loop(vertices) => vertices,
-    });
-    points.copied().filter(|p| p.distance_mm(last) >= distance_mm).min_by_key(|p| (p.distance2(last), *p))
+    first_points(problem)
+        .filter(|p| p.distance_mm(last) >= distance_mm)
+        .min_by_key(|p| (p.distance2(last), *p))
 }

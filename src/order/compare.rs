@@ -2,8 +2,7 @@
 
 use serde_json::{Value, json};
 
-use super::cost::{Cost, links};
-use super::{Problem, Visit};
+use ordering::{Cost, Problem, Visit, links};
 
 /// What one strategy made of one layer.
 #[derive(Clone, Debug, PartialEq)]

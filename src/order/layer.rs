@@ -4,9 +4,9 @@ use rustc_hash::FxHashMap;
 
 use super::options::Scope;
 use super::seam::Pins;
-use super::{Item, Problem, Run, Sequence, Shape, Visit};
 use crate::toolpath::{LayerPaths, Path, Role};
 use geometry::Point;
+use ordering::{Item, Problem, Run, Sequence, Shape, Visit};
 
 /// The problem of one layer whose seams are free or pinned.
 #[derive(Clone, Debug)]

@@ -1,7 +1,19 @@
 //! How paths are ordered and where loops start.
 
-use crate::options::{choice, section};
+use crate::options::{FieldType, Kind, choice, section};
 use crate::units::Mm;
+
+pub use ordering::{Effort, OrderStrategy, Scope};
+
+macro_rules! named {
+    ($($name:ident)*) => {$(
+        impl FieldType for $name {
+            const KIND: Kind = Kind::Choice($name::NAMES);
+        }
+    )*};
+}
+
+named! { Effort OrderStrategy Scope }
 
 choice! {
     /// Where loops start and end.
@@ -21,51 +33,12 @@ choice! {
     }
 }
 choice! {
-    /// How the order of paths in a layer is found.
-    OrderStrategy {
-        /// As the toolpath stage made them.
-        AsSliced = "as-sliced",
-        /// Nearest reachable end next.
-        Nearest = "nearest",
-        /// Multi-fragment: shortest link first.
-        Greedy = "greedy",
-        /// The 2016 algorithm.
-        Christofides = "christofides",
-        /// Christofides with no return leg.
-        ChristofidesOpen = "christofides-open",
-        /// Local search, then iterated local search.
-        Optimized = "optimized",
-    }
-}
-choice! {
-    /// How far ordering may mix paths.
-    Scope {
-        /// Anywhere in the layer.
-        Layer = "layer",
-        /// A run (one role in one island) is never interrupted; roles of an island in order.
-        Feature = "feature",
-        /// As `feature`, and all runs of an island are consecutive.
-        Island = "island",
-    }
-}
-choice! {
     /// What ordering minimises.
     CostKind {
         /// Straight-line length of the links.
         Length = "length",
         /// Time of the travels, with retraction.
         Time = "time",
-    }
-}
-choice! {
-    /// How long ordering may search.
-    Effort {
-        /// At most about 1 ms per 100 paths.
-        Fast = "fast",
-        /// The default.
-        Normal = "normal",
-        /// For the last percent.
-        High = "high",
     }
 }
 section! {

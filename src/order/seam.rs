@@ -1,11 +1,10 @@
 //! Where loops may be entered: the seam rules.
 
-use super::index::Index;
-use super::options::{Scope, SeamPosition};
-use super::precedence::Groups;
-use super::{Item, Problem, Run, Sequence, Shape};
+use super::options::SeamPosition;
 use crate::toolpath::LayerPaths;
 use geometry::Point;
+use ordering::matching::KdTree;
+use ordering::{Problem, Sequence, Shape};
 
 /// A turn sharper than this is a corner, in which a seam hides (30°).
 const CORNER_SIN: f64 = 0.5;
@@ -78,20 +77,11 @@ fn scatter(a: u64, b: u64) -> u64 {
 /// begins in its best corner, else at its rear. Concave corners hide a seam better than convex ones, and sharp ones
 /// better than blunt ones; of several alike the rearmost is taken.
 fn aligned(layer: &LayerPaths, below: &[Point]) -> Vec<u32> {
-    let items = below.iter().map(|seam| Item { run: 0, shape: Shape::Loop(std::slice::from_ref(seam)) });
-    let seams = Problem {
-        items: items.collect(),
-        runs: vec![Run { stage: 0, island: 0, rank: 0 }],
-        scope: Scope::Layer,
-        start: None,
-        end: None,
-    };
-    let groups = Groups::new(&seams);
-    let index = (!below.is_empty()).then(|| Index::new(&seams, &groups));
+    let seams = KdTree::new(below);
     let nearest_seam = |points: &[Point]| {
         let samples = points.iter().step_by(points.len().div_ceil(SAMPLES));
-        let found = samples.filter_map(|&p| index.as_ref()?.nearest_in(0, p, None, |_| true)).min()?;
-        Some(below[found.item as usize])
+        let found = samples.filter_map(|&p| seams.nearest(below, p)).min()?;
+        Some(below[found.1 as usize])
     };
     let pin = |points: &[Point]| {
         let all = 0..points.len();

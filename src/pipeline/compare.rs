@@ -4,8 +4,8 @@ use std::path::Path;
 
 use crate::job::{Job, JobError, Progress};
 use crate::order::compare::{LayerRow, StrategyRow};
-use crate::order::{Cost, LayerProblem, Pins, SeamRule, Visit, chunk_len, ends_on_path};
 use crate::order::{CostKind, OrderStrategy};
+use crate::order::{LayerProblem, Pins, SeamRule, Visit, chunk_len, ends_on_path};
 use crate::profile::Settings;
 use crate::toolpath::LayerPaths;
 
@@ -100,7 +100,7 @@ fn row(
             start
         })
         .collect();
-    let time = Cost::new(CostKind::Time, settings);
+    let time = settings.order_cost(CostKind::Time);
     let rows = parallel::map(layers.len(), |i| {
         // Sequences name vertices of paths: measured on the problem whose seams are free.
         let mut problem = LayerProblem::new(&paths[i], &None, settings.order.scope).problem;

@@ -3,7 +3,7 @@
 use std::ops::Range;
 use std::time::{Duration, Instant};
 
-use crate::order::{Chain, Cost, LayerProblem, Pins, Problem, Sequence, bound, ends_on_path};
+use crate::order::{Chain, LayerProblem, Pins, Problem, Sequence, bound, ends_on_path};
 use crate::profile::Settings;
 use crate::toolpath::LayerPaths;
 use geometry::Point;
@@ -14,7 +14,7 @@ use super::parallel;
 pub(super) fn chain(settings: &Settings) -> Chain {
     Chain {
         settings: settings.order.clone(),
-        cost: Cost::new(settings.order.cost, settings),
+        cost: settings.order_cost(settings.order.cost),
         detours: None,
         seam: settings.seam.position,
         origin: None,

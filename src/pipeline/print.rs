@@ -7,7 +7,7 @@ use crate::gcode::{
 };
 use crate::job::{Job, JobError, Progress};
 use crate::motion::{self, Entry, MotionSettings};
-use crate::order::{Chain, DetourRule, Pins, SeamRule, Visit, chunk_len};
+use crate::order::{Chain, Pins, SeamRule, Visit, chunk_len};
 use crate::output::Output;
 use crate::plate::Plate;
 use crate::profile::Settings;
@@ -51,7 +51,7 @@ pub(super) fn slice(
     let labels = if settings.gcode.labels { labels(&loaded.plate, &rounds) } else { Vec::new() };
     let names = labels.iter().map(|label| label.name.clone()).collect();
     let run = Run {
-        chain: Chain { detours: DetourRule::new(settings), ..ordering::chain(settings) },
+        chain: Chain { detours: settings.detour_rule(), ..ordering::chain(settings) },
         motion: MotionSettings::new(settings, &job.pauses),
         machine: Machine::new(settings),
         writer: WriterSettings { objects: names, ..WriterSettings::new(settings, &scripts, true) },

@@ -4,7 +4,8 @@ use geo::{BoundingRect, ConvexHull, Distance, Euclidean, LineString, MultiPoint,
 
 use super::orient::orient;
 use super::slivers::{Line, printable_bounds};
-use crate::mesh::{Components, Mesh, Transform, TransformError};
+use crate::mesh::{Mesh, Transform, TransformError};
+use geometry::DisjointSets;
 
 /// Models nearer than this touch, millimetres: rounding of a file's coordinates.
 const TOUCH_MM: f64 = 0.01;
@@ -160,16 +161,16 @@ fn bodies(items: &[Item], members: &[Member]) -> (Vec<Vec<Member>>, Vec<usize>) 
     });
     let heights: Vec<[f64; 2]> = heights.collect();
     let near = |low: [f64; 2], high: [f64; 2]| low[0] <= high[1] + TOUCH_MM && high[0] <= low[1] + TOUCH_MM;
-    let (mut joined, mut stacked) = (Components::new(members.len()), Components::new(members.len()));
+    let (mut joined, mut stacked) = (DisjointSets::new(members.len()), DisjointSets::new(members.len()));
     for i in 0..members.len() {
         for j in 0..i {
             let (Some(a), Some(b)) = (&boxes[i], &boxes[j]) else { continue };
             let boxes_meet = near([a.min().x, a.max().x], [b.min().x, b.max().x])
                 && near([a.min().y, a.max().y], [b.min().y, b.max().y]);
             if boxes_meet && Euclidean.distance(&hulls[i], &hulls[j]) <= TOUCH_MM {
-                stacked.join(i as u32, j as u32, false);
+                stacked.join(i as u32, j as u32);
                 if near(heights[i], heights[j]) {
-                    joined.join(i as u32, j as u32, false);
+                    joined.join(i as u32, j as u32);
                 }
             }
         }
@@ -179,7 +180,7 @@ fn bodies(items: &[Item], members: &[Member]) -> (Vec<Vec<Member>>, Vec<usize>) 
     let mut stacks = vec![0; count];
     for (index, &member) in members.iter().enumerate() {
         bodies[body_of[index] as usize].push(member);
-        stacks[body_of[index] as usize] = stacked.find(index as u32).0 as usize;
+        stacks[body_of[index] as usize] = stacked.find(index as u32) as usize;
     }
     (bodies, stacks)
 }

@@ -1,6 +1,7 @@
 //! Shells too thin for a line: they do not say where a model stands.
 
-use crate::mesh::{Components, Mesh, NO_TWIN, facet_measures};
+use crate::mesh::{Mesh, NO_TWIN, facet_measures};
+use geometry::DisjointSets;
 
 /// The thinnest line that is printed: what is thinner in a model says nothing of where it stands.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -34,15 +35,15 @@ impl Shell {
 
 /// The box around the shells that hold a line; around all, if none does. O(triangles).
 pub(super) fn printable_bounds(mesh: &Mesh, line: Line) -> [[f64; 3]; 2] {
-    let mut parts = Components::new(mesh.triangles().len());
+    let mut parts = DisjointSets::new(mesh.triangles().len());
     // Open patches may make up a body together: they count as one shell.
     let mut open = None;
     for (half, &twin) in mesh.twins().iter().enumerate() {
         let triangle = half as u32 / 3;
         if twin == NO_TWIN {
-            parts.join(triangle, *open.get_or_insert(triangle), false);
+            parts.join(triangle, *open.get_or_insert(triangle));
         } else if (half as u32) < twin {
-            parts.join(triangle, twin / 3, false);
+            parts.join(triangle, twin / 3);
         }
     }
     let (shell_of, count) = parts.number();

@@ -4,9 +4,10 @@ use super::settings::Settings;
 use crate::estimate::{Firmware, FirmwareRetraction, Machine};
 use crate::gcode::{Flavor, GcodeOptions, Scripts, WriterSettings};
 use crate::motion::{FlowSettings, MotionSettings, PauseAt};
-use crate::order::{Cost, CostKind, DetourRule, SeamPosition, TravelTime, trapezoid_s};
+use crate::order::{CostKind, SeamPosition};
 use crate::plate::Line;
 use crate::toolpath::ToolpathSettings;
+use ordering::{Cost, DetourRule, TravelTime, trapezoid_s};
 
 impl Line {
     /// The thinnest line that is printed with these settings.
@@ -34,13 +35,13 @@ impl From<&Settings> for ToolpathSettings {
     }
 }
 
-impl TravelTime {
+impl From<&Settings> for TravelTime {
     /// The machine and the motion of the settings. With firmware retraction, whose lengths and speeds the firmware
     /// keeps, the profile's values are the best guess.
     ///
     /// The corners between bead and travel are taken to be stops: at the speed of a corner, a tenth of the travel's or
     /// less, that is off by hundredths.
-    pub fn new(settings: &Settings) -> Self {
+    fn from(settings: &Settings) -> Self {
         let Settings { machine, speed, acceleration, retract, travel, .. } = settings;
         let given = |values: &[f64]| values.iter().copied().find(|a| *a > 0.0).unwrap_or(0.0);
         let (max_speed, max_acceleration) =
@@ -74,21 +75,21 @@ impl TravelTime {
     }
 }
 
-impl Cost {
-    /// The cost that is asked for.
-    pub fn new(kind: CostKind, settings: &Settings) -> Self {
+impl Settings {
+    /// What ordering minimises, where this is asked for.
+    pub fn order_cost(&self, kind: CostKind) -> Cost {
         match kind {
-            CostKind::Length => Self::Length,
-            CostKind::Time => Self::Time(TravelTime::new(settings)),
+            CostKind::Length => Cost::Length,
+            CostKind::Time => Cost::Time(TravelTime::from(self)),
         }
     }
 }
 
-impl DetourRule {
-    /// The rule of the settings; `None`: travels go straight.
-    pub fn new(settings: &Settings) -> Option<Self> {
-        let (travel, walls) = (&settings.travel, &settings.walls);
-        let rule = Self {
+impl Settings {
+    /// How travels are led inside of islands; `None`: straight.
+    pub fn detour_rule(&self) -> Option<DetourRule> {
+        let (travel, walls) = (&self.travel, &self.walls);
+        let rule = DetourRule {
             wall_width_mm: walls.external_width.0,
             max_mm: travel.detour_mm(),
             retraction_mm: travel.retract_inside.0,
@@ -188,5 +189,18 @@ impl From<&Settings> for GcodeOptions {
             gcode: settings.gcode.clone(),
             machine: Machine::new(settings),
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_settings_give_the_retraction_pair_and_the_stop() {
+        let time = TravelTime::from(&Settings::default());
+        // 1 mm there and back at 800 mm/s²: too short to reach 40 mm/s.
+        assert!((time.retract_s - 2.0 * 2.0 * (1.0_f64 / 800.0).sqrt()).abs() < 1e-12);
+        assert!((time.stop_s - 60.0 / 1500.0).abs() < 1e-12);
     }
 }

@@ -2,7 +2,7 @@
 
 use super::block::Block;
 use super::problem::is_wall;
-use crate::order::Parts;
+use geometry::DisjointSets;
 
 /// Beads nearer to each other than about this belong to one island, mm.
 const REACH_MM: f64 = 0.6;
@@ -33,7 +33,7 @@ pub(super) fn islands(block: &Block) -> Islands {
     // A cell to spare on every side, and one for rounding.
     let width = ((high[0] - low[0]) * per_mm) as usize + 4;
     let height = ((high[1] - low[1]) * per_mm) as usize + 4;
-    let mut sets = Parts::new(block.paths.len());
+    let mut sets = DisjointSets::new(block.paths.len());
     let mut cells = vec![u32::MAX; width * height];
     // Cells with something in them.
     let mut filled = Vec::new();

@@ -13,6 +13,7 @@ mod boundary;
 mod clip;
 mod crossed;
 mod direction;
+mod disjoint_sets;
 mod grid;
 mod hatch;
 mod medial;
@@ -28,6 +29,7 @@ pub use boolean::{difference, intersection, split, union, union_all, unite_rings
 pub use boundary::{Boundary, BoundaryPos};
 pub use clip::{ClippedPiece, Clipper, clip_polyline, clip_segments, polyline_length_mm};
 pub use direction::Direction;
+pub use disjoint_sets::DisjointSets;
 pub use grid::{Edge, EdgeGrid};
 pub use hatch::{HatchEnd, HatchLine, scan_lines};
 pub use medial::{MedialPath, medial_axis, medial_axis_in};
@@ -38,3 +40,8 @@ pub use raw_offset::Join;
 pub use region::{Bounds, Polygon, Region, Ring, ring_area, ring_length_mm};
 pub use route::{Router, Way};
 pub use simplify::simplify;
+
+/// The examples of the README are compiled with the documentation's.
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+pub struct Readme;

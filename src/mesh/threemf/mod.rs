@@ -24,10 +24,10 @@ use super::formats::{Contents, FileObject, Format, bad_coordinate, has_extension
 use super::weld::Welder;
 use crate::limits;
 
-/// Components may stand in components so deep.
+/// DisjointSets may stand in components so deep.
 const DEEPEST: usize = 64;
 
-/// Components of components multiply: no more facets than this are made of a file.
+/// DisjointSets of components multiply: no more facets than this are made of a file.
 const MOST_FACETS: usize = 50_000_000;
 
 /// And no more uses of objects than this.

@@ -1,0 +1,73 @@
+//! What travels inside of islands really cost: the way round holes and outer walls, or over them and retracted where it
+//! is too long.
+
+use std::cell::RefCell;
+
+use rustc_hash::FxHashMap;
+
+use super::Cost;
+use pathwright_geometry::{Router, Way};
+
+/// How travels are led round what they must not cross.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct DetourRule {
+    /// Width of the outermost wall, millimetres.
+    pub wall_width_mm: f64,
+    /// By how much a detour may lengthen a travel, millimetres.
+    pub max_mm: f64,
+    /// What a retraction is worth, millimetres: travels inside are not retracted up to this length.
+    pub retraction_mm: f64,
+}
+
+impl DetourRule {
+    /// Cost of the travel between two places of an island. A detour costs what so long a travel does; crossing a wall, what
+    /// the travel costs with a retraction, and where lengths count, that much more as is travelled without one.
+    pub fn cost(self, router: &Router, cost: &Cost, from: [f64; 2], to: [f64; 2]) -> f64 {
+        match (router.way(from, to), cost) {
+            (Way::Inside(_, length_mm), _) => cost.of(length_mm, true),
+            (Way::Across, Cost::Length) => (from[0] - to[0]).hypot(from[1] - to[1]) + self.retraction_mm,
+            (Way::Across, Cost::Time(_)) => cost.of((from[0] - to[0]).hypot(from[1] - to[1]), false),
+        }
+    }
+}
+
+/// The detours of consecutive layers, ordered as one problem. Remembers what it was asked.
+#[derive(Debug)]
+pub struct Detours<'a> {
+    rule: DetourRule,
+    cost: Cost,
+    routers: &'a [Router<'a>],
+    /// The first item of each layer, ascending.
+    first_item: Vec<u32>,
+    known: RefCell<FxHashMap<(u32, [u64; 4]), f64>>,
+}
+
+impl<'a> Detours<'a> {
+    /// Those of layers with so many items each, which are numbered through, each layer with its router.
+    pub fn new(
+        rule: DetourRule,
+        cost: Cost,
+        items: impl IntoIterator<Item = usize>,
+        routers: &'a [Router<'a>],
+    ) -> Self {
+        let mut count = 0;
+        let first_item = items.into_iter().map(|items| {
+            let first = count;
+            count += items as u32;
+            first
+        });
+        Self { rule, cost, first_item: first_item.collect(), routers, known: RefCell::default() }
+    }
+
+    /// Cost of the travel between places on two items of an island, of one layer or of neighbouring ones; the same in both
+    /// directions.
+    pub fn cost(&self, items: [u32; 2], from: [f64; 2], to: [f64; 2]) -> f64 {
+        let (from, to) = if from <= to { (from, to) } else { (to, from) };
+        // The nozzle climbs first, so the upper layer's outline matters.
+        let upper = items[0].max(items[1]);
+        let layer = self.first_item.partition_point(|&first| first <= upper) - 1;
+        let key = (layer as u32, [from[0], from[1], to[0], to[1]].map(f64::to_bits));
+        let find = || self.rule.cost(&self.routers[layer], &self.cost, from, to);
+        *self.known.borrow_mut().entry(key).or_insert_with(find)
+    }
+}

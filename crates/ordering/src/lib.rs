@@ -1,0 +1,58 @@
+//! The order, direction and entry of strokes that a machine draws, such that the links between them cost little, with a
+//! lower bound that says how much could still be saved.
+//!
+//! A [`Problem`] states what is drawn and what comes before what, a [`Strategy`] finds a [`Sequence`], [`evaluate`] says
+//! what its links cost under a [`Cost`], [`check`](check()) whether it keeps to the problem, and [`bound`] what no sequence
+//! can stay below.
+//!
+//! # Examples
+//! ```
+//! use pathwright_geometry::Point;
+//! use pathwright_ordering::{Cost, Effort, OrderStrategy, Problem, Shape, evaluate, strategy};
+//!
+//! let line = |y: f64| Shape::Open([Point::from_mm(0.0, y), Point::from_mm(50.0, y)]);
+//! let problem = Problem::of([line(0.0), line(2.0), line(1.0)]);
+//! let sequence = strategy(OrderStrategy::Optimized).solve(&problem, &Cost::Length, Effort::Normal);
+//! assert_eq!(evaluate(&problem, &sequence, &Cost::Length), 2.0);
+//! ```
+
+#![forbid(unsafe_code)]
+#![deny(missing_docs)]
+#![allow(rustdoc::private_intra_doc_links)]
+
+mod as_sliced;
+pub mod bound;
+mod check;
+mod christofides;
+mod christofides_open;
+mod cost;
+mod detours;
+mod entries;
+mod greedy;
+mod index;
+pub mod matching;
+mod nearest;
+mod optimized;
+mod options;
+mod precedence;
+mod problem;
+mod strategy;
+
+pub use as_sliced::AsSliced;
+pub use check::{Fault, check};
+pub use christofides::Christofides;
+pub use christofides_open::ChristofidesOpen;
+pub use cost::{Cost, TravelTime, evaluate, links, trapezoid_s};
+pub use detours::{DetourRule, Detours};
+pub use greedy::Greedy;
+pub use nearest::Nearest;
+pub use optimized::Optimized;
+pub use options::{Effort, OrderStrategy, Scope};
+pub use precedence::first_points;
+pub use problem::{Item, Problem, Run, Sequence, Shape, Visit};
+pub use strategy::{Known, Strategy, strategy};
+
+/// The examples of the README are compiled with the documentation's.
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+pub struct Readme;

@@ -1,0 +1,75 @@
+//! Nearest reachable end next: what most slicers do.
+
+use super::index::Index;
+use super::options::Effort;
+use super::precedence::{Frontier, Groups};
+use super::{Cost, Problem, Sequence, Strategy, Visit};
+use pathwright_geometry::Point;
+
+/// From where the nozzle is, always on to the nearest place where a path can be entered that may come next:
+/// an end of an open path, an allowed vertex of a loop. Nothing known of the start: the first path as made.
+///
+/// Nearest in length is nearest in any [`Cost`]. O(n log n) in practice. In the worst case Θ(log n) times the
+/// optimum for a metric (Rosenkrantz, Stearns & Lewis 1977, doi:10.1137/0206041).
+#[derive(Clone, Copy, Debug)]
+pub struct Nearest;
+
+impl Strategy for Nearest {
+    fn solve(&self, problem: &Problem, _: &Cost, _: Effort) -> Sequence {
+        let groups = Groups::new(problem);
+        let mut index = Index::new(problem, &groups);
+        walk_groups(problem, &groups, &mut index, |group, start, index, sequence| {
+            let Some(first) = index.nearest_in(group, start, None, |_| true) else { return };
+            let mut next = Some(first);
+            while let Some(entry) = next {
+                let visit = Visit { item: entry.item, entry: entry.entry };
+                sequence.push(visit);
+                index.remove(entry.item);
+                let (_, at) = problem.items[entry.item as usize].ends(entry.entry);
+                next = index.nearest_in(group, at, None, |_| true);
+            }
+        })
+    }
+}
+
+/// Goes from group to group, always to the one with the entry nearest to where the nozzle is, and lets
+/// `draw(group, from, index, sequence)` append all items of that group; it may remove them from the index.
+///
+/// With no known start, the walk begins where the first path as made begins.
+pub fn walk_groups(
+    problem: &Problem,
+    groups: &Groups,
+    index: &mut Index,
+    mut draw: impl FnMut(u32, Point, &mut Index, &mut Sequence),
+) -> Sequence {
+    let (mut frontier, mut released) = Frontier::new(groups);
+    let first = |group: &u32| groups.items[*group as usize][0];
+    let mut at = problem.start.unwrap_or_else(|| {
+        let item = released.iter().map(first).min();
+        item.map_or(Point::default(), |item| problem.items[item as usize].ends(0).0)
+    });
+    let mut sequence = Sequence::with_capacity(problem.items.len());
+    let mut forced = None;
+    loop {
+        for group in released.drain(..).filter(|&group| forced != Some(group)) {
+            index.open(group);
+        }
+        let group = match forced {
+            Some(group) => group,
+            None => {
+                let Some(entry) = index.nearest_open(at) else { return sequence };
+                let group = groups.of[entry.item as usize];
+                index.close(group);
+                group
+            }
+        };
+        let drawn = sequence.len();
+        draw(group, at, index, &mut sequence);
+        sequence[drawn..].iter().for_each(|visit| index.remove(visit.item));
+        if let Some(visit) = sequence.last() {
+            at = problem.items[visit.item as usize].ends(visit.entry).1;
+        }
+        released = frontier.take(group);
+        forced = if groups.whole_units { groups.next_in_unit(group) } else { None };
+    }
+}

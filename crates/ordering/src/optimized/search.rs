@@ -1,0 +1,268 @@
+//! Local search with a work queue, and iterated local search on top of it.
+
+use std::collections::VecDeque;
+use std::ops::Range;
+
+use super::super::entries::Ways;
+use super::super::greedy::Fragments;
+use super::super::precedence::Groups;
+use super::super::{Cost, Problem, Sequence, Visit};
+use super::neighbours::Neighbours;
+use super::runs::Vicinity;
+use super::start::start;
+use super::walk::{End, Walk};
+use pathwright_geometry::Point;
+use pathwright_geometry::Random;
+
+/// What an improvement must save at least (millimetres or seconds), far above rounding and far below anything
+/// that matters, so that the search ends.
+pub const GAIN: f64 = 1e-7;
+/// Longest stretch that a kick swaps.
+const KICK: u32 = 20;
+/// Farthest exchange while kicks are repaired: what is farther away does not depend on the kick.
+const KICK_REACH: u32 = 1000;
+/// One kick in so many shifts a junction.
+const SHIFT: u32 = 4;
+/// Paths that are kicked before the next so many are.
+const WINDOW: u32 = 2000;
+
+/// Stages of so few items are searched thoroughly.
+const FEW: usize = 6;
+
+/// A walk and what is needed to improve it.
+pub struct Search<'a> {
+    pub(super) problem: &'a Problem<'a>,
+    pub(super) groups: &'a Groups,
+    pub(super) walk: Walk<'a>,
+    pub(super) neighbours: Neighbours,
+    /// Exchanges move at most so many items.
+    pub(super) reach: u32,
+    pub(super) vicinity: Vicinity<'a>,
+    /// Whether all items are on the walk. Before that, stages are not fitted to each other: the search would pay for it again
+    /// with every kick.
+    complete: bool,
+    queue: VecDeque<u32>,
+    queued: Vec<bool>,
+    /// Buffers of the search for entries.
+    pub(super) ways: Ways,
+}
+
+impl<'a> Search<'a> {
+    /// Begins with a walk through nothing.
+    pub fn new(problem: &'a Problem<'a>, groups: &'a Groups, cost: Cost) -> Self {
+        Self {
+            problem,
+            groups,
+            walk: Walk::new(problem, groups, cost),
+            neighbours: Neighbours::new(problem, groups, cost),
+            reach: u32::MAX,
+            vicinity: Vicinity::new(problem, groups),
+            complete: false,
+            queue: VecDeque::new(),
+            queued: vec![false; 2 * problem.items.len()],
+            ways: Ways::default(),
+        }
+    }
+
+    /// The walk as it is now.
+    pub fn sequence(&self) -> Sequence {
+        self.walk.sequence()
+    }
+
+    /// Goes through all items, stage by stage, each from where the last one ended.
+    pub fn begin(&mut self) {
+        let mut fragments = Fragments::new(self.problem);
+        let mut first = 0;
+        for places in self.groups.stages() {
+            self.append_stage(first..first + places.len(), &mut fragments);
+            first += places.len();
+        }
+    }
+
+    /// Goes on through all items of a stage (its groups), and improves the walk until no move does any more.
+    fn append_stage(&mut self, stage: Range<usize>, fragments: &mut Fragments) {
+        let from = self.walk.len() + 1;
+        let visits = start(self.problem, self.groups, stage, self.at(), &mut self.neighbours, fragments);
+        self.walk.append(&visits);
+        let to = self.walk.len() + 1;
+        (from..=to).for_each(|gap| self.touch(gap));
+        self.drain();
+        self.reenter_all(from, to);
+        self.drain();
+        self.walk.commit();
+    }
+
+    /// Goes on through all items as a solution does.
+    pub fn take_up(&mut self, sequence: &Sequence) {
+        self.walk.append(sequence);
+    }
+
+    /// Lets the walk go on to where it must end, and improves what joins the stages.
+    pub fn end(&mut self) {
+        self.finish(|walk, gap| gap > walk.len() || walk.group_at(gap - 1) != walk.group_at(gap));
+    }
+
+    /// Lets the walk go on to where it must end, and improves it around some of its gaps.
+    pub(super) fn finish(&mut self, concerns: impl Fn(&Walk, u32) -> bool) {
+        self.walk.end_at(self.problem.end);
+        self.complete = true;
+        for gap in 1..=self.walk.len() + 1 {
+            if concerns(&self.walk, gap) {
+                self.touch(gap);
+            }
+        }
+        self.drain();
+        self.walk.commit();
+    }
+
+    /// Where the walk ends as it is now.
+    fn at(&self) -> Option<Point> {
+        match self.walk.len() {
+            0 => self.problem.start,
+            last => {
+                let Visit { item, entry } = self.walk.visit(last);
+                Some(self.problem.items[item as usize].ends(entry).1)
+            }
+        }
+    }
+
+    /// Kicks the walk somewhere in a range of positions, repairs it, keeps what is not worse; until `budget` steps are done.
+    ///
+    /// Iterated local search with segment-local double bridges (Martin, Otto & Felten 1991), local kicks and
+    /// undo as in Applegate, Cook & Rohe 2003, doi:10.1287/ijoc.15.1.82.13157.
+    ///
+    /// Kicks go along the walk from one window of [`WINDOW`] paths to the next, so that what a window needs stays in the
+    /// processor's caches.
+    pub fn iterate(&mut self, positions: Range<u32>, random: &mut Random, budget: u64) {
+        let count = positions.end - positions.start;
+        let windows = count.div_ceil(WINDOW);
+        self.reach = KICK_REACH;
+        for window in 0..windows {
+            let bound = |window: u32| {
+                positions.start + (u64::from(count) * u64::from(window) / u64::from(windows)) as u32
+            };
+            let (from, to) = (bound(window), bound(window + 1));
+            self.iterate_within(from, to, random, budget * u64::from(to - from) / u64::from(count));
+        }
+        self.reach = u32::MAX;
+    }
+
+    /// Kicks at the positions `from` to `to` − 1.
+    fn iterate_within(&mut self, from: u32, to: u32, random: &mut Random, budget: u64) {
+        let end = self.walk.work + budget;
+        while self.walk.work < end {
+            self.kick_and_repair(from + random.below(to - from), random);
+        }
+    }
+
+    /// Kicks the walk at a position, repairs it, and keeps what is not worse.
+    pub(super) fn kick_and_repair(&mut self, at: u32, random: &mut Random) {
+        self.walk.work += 8;
+        self.kick(at, random);
+        let group = self.walk.group_at(at);
+        let more = if self.is_thorough(group) { random.below(3) } else { 0 };
+        for _ in 0..more {
+            let stage = self.positions_of_stage(group);
+            self.kick(stage.start + random.below(stage.end - stage.start), random);
+        }
+        self.repair();
+        if self.walk.is_worse() {
+            self.walk.undo();
+        } else {
+            self.walk.commit();
+        }
+    }
+
+    /// Whether neighbouring loops are entered anew together, which is dear.
+    fn is_thorough(&self, group: u32) -> bool {
+        self.positions_of_stage(group).len() <= FEW
+    }
+
+    /// Queues the nodes on both sides of a gap.
+    pub(super) fn touch(&mut self, gap: u32) {
+        for right in [false, true] {
+            let node = self.walk.node(End { gap, right });
+            if let Some(queued) = self.queued.get_mut(node as usize)
+                && !std::mem::replace(queued, true)
+            {
+                self.queue.push_back(node);
+            }
+        }
+    }
+
+    fn drain(&mut self) {
+        while let Some(node) = self.queue.pop_front() {
+            self.queued[node as usize] = false;
+            while self.improve(node) {}
+        }
+    }
+
+    /// As [`Self::drain`], but ends as soon as the walk costs what it did before the kick: most likely it is the same again.
+    fn repair(&mut self) {
+        while let Some(node) = self.queue.pop_front() {
+            self.queued[node as usize] = false;
+            while self.improve(node) {
+                if self.walk.is_as_before() {
+                    self.queue.drain(..).for_each(|node| self.queued[node as usize] = false);
+                    return;
+                }
+            }
+        }
+    }
+
+    /// Makes one improving move that concerns the link at a node, if there is one.
+    fn improve(&mut self, node: u32) -> bool {
+        let item = node / 2;
+        // A loop whose other node is queued as well has its turn then.
+        let turn = !self.queued[node as usize ^ 1];
+        if turn && self.reenter(item) {
+            return true;
+        }
+        let end = self.walk.end_of(node);
+        let group = self.walk.group_of(node);
+        let (first, last) = self.walk.span(group);
+        let outer = end.gap == first || end.gap == last;
+        if last - first > 1
+            && (self.exchange(end, group)
+                || (outer && self.exchange(end.across(), group))
+                || (turn && self.reinsert(item)))
+        {
+            return true;
+        }
+        (turn && self.is_thorough(group) && self.reenter_beside(self.walk.position(item)))
+            || (outer
+                && ((self.complete && self.shift(end.gap))
+                    || self.reverse_group(group)
+                    || self.move_group(group)
+                    || self.swap_blocks(end, group)))
+    }
+
+    /// Swaps two neighbouring stretches, of one group or of whole groups, at or after a position.
+    fn kick(&mut self, at: u32, random: &mut Random) {
+        let group = self.walk.group_at(at);
+        if self.is_thorough(group)
+            && let Some(vertices) = self.walk.vertices(self.walk.item_at(at))
+            && random.below(2) == 0
+        {
+            self.walk.enter(self.walk.item_at(at), random.below(vertices.len() as u32));
+        }
+        if self.walk.span(group).1 <= self.walk.len() && random.below(SHIFT) == 0 {
+            self.kick_junction(group, random);
+            return;
+        }
+        let (first, end) = self.walk.span(group);
+        if self.groups_in_stage(group) > 1 && (end - first < 3 || random.below(4) == 0) {
+            self.kick_groups(group, random);
+            return;
+        }
+        if end - first < 2 {
+            return;
+        }
+        let from = at.min(end - 2);
+        let middle = from + 1 + random.below(KICK.min(end - from - 1));
+        let to = middle + 1 + random.below(KICK.min(end - middle));
+        let reversed = random.below(8);
+        self.walk.swap(from, middle, to, reversed == 0, reversed == 1);
+        [from, from + (to - middle), to].into_iter().for_each(|gap| self.touch(gap));
+    }
+}

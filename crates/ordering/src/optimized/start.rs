@@ -1,0 +1,99 @@
+//! First solutions.
+
+use std::cmp::Reverse;
+
+use super::super::greedy::{Fragments, Link, Links};
+use super::super::precedence::Groups;
+use super::super::{Cost, Item, Nearest, Problem, Sequence, Strategy};
+use super::neighbours::{NEAR, Near, Neighbours};
+use crate::options::{Effort, Scope};
+use pathwright_geometry::Point;
+
+/// A first solution for the groups of one stage, from where the nozzle is.
+///
+/// Fragments that were joined shortest first leave less to mend; but where runs must not be mixed, choosing the next run by the
+/// nearest of its ends matters more, and nearest begins lower.
+pub fn start(
+    problem: &Problem,
+    groups: &Groups,
+    stage: std::ops::Range<usize>,
+    from: Option<Point>,
+    neighbours: &mut Neighbours,
+    fragments: &mut Fragments,
+) -> Sequence {
+    if problem.scope != Scope::Layer {
+        return nearest(problem, groups.items[stage].concat(), from);
+    }
+    let mut sequence = Sequence::new();
+    for group in stage {
+        let items = &groups.items[group];
+        let from = from.unwrap_or_else(|| problem.items[items[0] as usize].ends(0).0);
+        let mut near = NearLists { problem, group: group as u32, from, neighbours };
+        fragments.join(items, &mut near);
+        fragments.walk(items, &mut sequence);
+    }
+    sequence
+}
+
+/// [`Nearest`] on some of the items.
+fn nearest(problem: &Problem, mut items: Vec<u32>, from: Option<Point>) -> Sequence {
+    items.sort_unstable();
+    let mut runs: Vec<u32> = items.iter().map(|&item| problem.items[item as usize].run).collect();
+    runs.sort_unstable();
+    runs.dedup();
+    let item = |&item: &u32| {
+        let item = problem.items[item as usize];
+        Item { run: runs.partition_point(|&run| run < item.run) as u32, ..item }
+    };
+    let stage = Problem {
+        items: items.iter().map(item).collect(),
+        runs: runs.iter().map(|&run| problem.runs[run as usize]).collect(),
+        scope: problem.scope,
+        start: from,
+        end: None,
+    };
+    let mut sequence = Nearest.solve(&stage, &Cost::Length, Effort::Normal);
+    sequence.iter_mut().for_each(|visit| visit.item = items[visit.item as usize]);
+    sequence
+}
+
+/// Links to what the lists of neighbours hold, and to anything in the group where they are exhausted.
+struct NearLists<'s, 'a> {
+    problem: &'s Problem<'a>,
+    group: u32,
+    from: Point,
+    neighbours: &'s mut Neighbours,
+}
+
+impl Links for NearLists<'_, '_> {
+    fn shortest(&mut self, fragments: &Fragments, node: u32) -> Option<Link> {
+        let Some(item) = fragments.item(node) else { return self.search(fragments, node, self.from, 0) };
+        let mut best: Option<Link> = None;
+        for entry in fragments.entries(node) {
+            let from = self.problem.items[item as usize].ends(entry).0;
+            let list = self.neighbours.of(self.problem, self.group, item, entry);
+            let permitted = (0..NEAR)
+                .map(|at| self.neighbours.get(list, at))
+                .take_while(|near| near.least.is_finite())
+                .find(|near| fragments.permits(node, near.node / 2, near.entry));
+            let link = match permitted {
+                Some(Near { node: to, entry: to_entry, .. }) => {
+                    let distance2 = self.problem.items[to as usize / 2].ends(to_entry).0.distance2(from);
+                    Some(Reverse((distance2, node, entry, to / 2, to_entry)))
+                }
+                None => self.search(fragments, node, from, entry),
+            };
+            best = best.max(link);
+        }
+        best
+    }
+}
+
+impl NearLists<'_, '_> {
+    fn search(&self, fragments: &Fragments, node: u32, from: Point, from_entry: u32) -> Option<Link> {
+        let own = fragments.item(node);
+        let wanted = |to: u32, entry: u32| Some(to / 2) != own && fragments.permits(node, to / 2, entry);
+        let (distance2, to, entry) = self.neighbours.nearest_wanted(self.group, from, wanted)?;
+        Some(Reverse((distance2, node, from_entry, to / 2, entry)))
+    }
+}
