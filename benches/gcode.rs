@@ -3,10 +3,11 @@
 use std::hint::black_box;
 
 use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
+use pathwright::Observer;
 use pathwright::estimate::{Firmware, Machine, Planner, Segment, layer_time};
 use pathwright::gcode::{PrintFacts, Scripts, Timetable, WriterSettings, format_layer, measure};
 use pathwright::geom::{Point, Region};
-use pathwright::job::{Engine, Job, ReorderJob, Silent};
+use pathwright::job::{Engine, Job, ReorderJob};
 use pathwright::motion::{Entry, LayerMoves, MotionSettings, plan_layer};
 use pathwright::order::Visit;
 use pathwright::output::Output;
@@ -120,7 +121,7 @@ fn reorder(c: &mut Criterion) {
         let job = Job { models: vec![model.into()], ..Job::default() };
         let mut output = Output::create(&file).expect("a file");
         let made = settings(&[("order.strategy", "as-sliced"), ("layer.height", height)]);
-        Pipeline.slice(&job, &made, &mut output, &Silent).expect("a print");
+        Pipeline.slice(&job, &made, &mut output, &Observer::none()).expect("a print");
         output.commit().expect("written");
 
         group.throughput(Throughput::Bytes(std::fs::metadata(&file).expect("a file").len()));
@@ -134,7 +135,7 @@ fn reorder(c: &mut Criterion) {
         group.bench_function(BenchmarkId::new("nearest, proven", name), |b| {
             b.iter(|| {
                 let mut output = Output::nowhere().expect("a place");
-                Pipeline.reorder(&job, &wanted, &mut output, &Silent).expect("the same print")
+                Pipeline.reorder(&job, &wanted, &mut output, &Observer::none()).expect("the same print")
             });
         });
     }

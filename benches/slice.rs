@@ -3,7 +3,8 @@
 use std::path::{Path, PathBuf};
 
 use criterion::{Criterion, criterion_group, criterion_main};
-use pathwright::job::{Engine, Job, Silent};
+use pathwright::Observer;
+use pathwright::job::{Engine, Job};
 use pathwright::output::Output;
 use pathwright::pipeline::Pipeline;
 use pathwright::profile::{self, Settings};
@@ -28,7 +29,7 @@ fn models() -> Vec<PathBuf> {
 fn slice(model: &Path, settings: &Settings, output: &Path) -> usize {
     let job = Job { models: vec![model.into()], ..Job::default() };
     let mut output = Output::create(output).expect("a file");
-    let summary = Pipeline.slice(&job, settings, &mut output, &Silent).expect("a print");
+    let summary = Pipeline.slice(&job, settings, &mut output, &Observer::none()).expect("a print");
     output.commit().expect("written");
     summary.layer_count
 }

@@ -5,7 +5,8 @@
 use std::path::Path;
 use std::process::ExitCode;
 
-use pathwright::job::{Engine, JobError, ReorderJob, Silent};
+use pathwright::Observer;
+use pathwright::job::{Engine, JobError, ReorderJob};
 use pathwright::output::Output;
 use pathwright::pipeline::Pipeline;
 use pathwright::profile::Settings;
@@ -32,7 +33,7 @@ fn main() -> ExitCode {
 fn reorder(file: &Path, shorter: &Path) -> Result<Reordered, JobError> {
     let job = ReorderJob { file: file.to_owned(), ..ReorderJob::default() };
     let mut output = Output::create(shorter)?;
-    let report = Pipeline.reorder(&job, &Settings::default(), &mut output, &Silent)?;
+    let report = Pipeline.reorder(&job, &Settings::default(), &mut output, &Observer::none())?;
     // What was written is of use only if it is better.
     if report.changed {
         output.commit()?;

@@ -5,8 +5,9 @@
 use std::path::PathBuf;
 use std::process::ExitCode;
 
+use pathwright::Observer;
 use pathwright::check::{Survey, check};
-use pathwright::job::{Engine, Job, Silent};
+use pathwright::job::{Engine, Job};
 use pathwright::output::Output;
 use pathwright::pipeline::Pipeline;
 use pathwright::profile;
@@ -34,7 +35,7 @@ fn slice(model: PathBuf, file: PathBuf, profiles: &[String]) -> Result<String, B
     let resolved = profile::resolve(profiles, &[])?;
     let job = Job { models: vec![model], ..Job::default() };
     let mut output = Output::create(&file)?;
-    let summary = Pipeline.slice(&job, &resolved.settings, &mut output, &Silent)?;
+    let summary = Pipeline.slice(&job, &resolved.settings, &mut output, &Observer::none())?;
     // Until now nothing is to be seen of the file.
     output.commit()?;
     let report = check(std::fs::File::open(&file)?, &resolved.settings, &mut Survey::default())?;

@@ -1,8 +1,9 @@
-//! What a run is asked to do, how it tells how far it is, and how it can fail.
+//! What a run is asked to do, and how it can fail.
 
 use std::path::{Path, PathBuf};
 
 use crate::motion::PauseAt;
+use crate::observer::Observer;
 use crate::order::OrderStrategy;
 use crate::order::compare::StrategyRow;
 use crate::output::{Output, OutputError};
@@ -26,11 +27,13 @@ pub struct Job {
     pub objects: Vec<ObjectSettings>,
     /// Where the print stops for a filament change.
     pub pauses: Vec<PauseAt>,
+    /// Date of the header, seconds since 1970; `None`: a fixed one, so that the same input gives the same bytes.
+    pub dated: Option<u64>,
     /// Print also what begins in mid-air, instead of refusing it.
     pub allow_floating: bool,
     /// Prove how near to the shortest possible the order is.
     pub certify: bool,
-    /// Worker threads; `None`: `RAYON_NUM_THREADS`, or else all cores.
+    /// Worker threads; 0: as `RAYON_NUM_THREADS` says, or else all cores; `None`: those that the caller has.
     pub threads: Option<usize>,
 }
 
@@ -44,6 +47,7 @@ impl Default for Job {
             copies: 1,
             objects: Vec::new(),
             pauses: Vec::new(),
+            dated: None,
             allow_floating: false,
             certify: false,
             threads: None,
@@ -93,25 +97,8 @@ pub struct ReorderJob {
     pub keep_direction: bool,
     /// Whether there may be more retractions than before, where that saves more travel than they are worth.
     pub more_retractions: bool,
-    /// Worker threads; `None`: `RAYON_NUM_THREADS`, or else all cores.
+    /// Worker threads; 0: as `RAYON_NUM_THREADS` says, or else all cores; `None`: those that the caller has.
     pub threads: Option<usize>,
-}
-
-/// Is told how far a run is. Called from any thread.
-pub trait Progress: Sync {
-    /// So many layers there are.
-    fn begin(&self, layers: usize);
-    /// One more layer has been written.
-    fn layer_done(&self);
-}
-
-/// Tells nobody.
-#[derive(Clone, Copy, Debug)]
-pub struct Silent;
-
-impl Progress for Silent {
-    fn begin(&self, _layers: usize) {}
-    fn layer_done(&self) {}
 }
 
 /// Why a run gave no result. Each message holds the place and the mend.
@@ -135,6 +122,9 @@ pub enum JobError {
     /// The result failed a check of its own; nothing is written.
     #[error("{0}")]
     Check(String),
+    /// The run was cancelled.
+    #[error("cancelled")]
+    Cancelled,
 }
 
 /// What does the work for the command line.
@@ -148,7 +138,7 @@ pub trait Engine: Sync {
         job: &Job,
         settings: &Settings,
         output: &mut Output,
-        progress: &dyn Progress,
+        observer: &Observer<'_>,
     ) -> Result<Summary, JobError>;
 
     /// Orders the layers of one plate by each strategy, side by side; with `job.certify`, against a lower bound.
@@ -160,7 +150,7 @@ pub trait Engine: Sync {
         job: &Job,
         settings: &Settings,
         strategies: &[OrderStrategy],
-        progress: &dyn Progress,
+        observer: &Observer<'_>,
     ) -> Result<Vec<StrategyRow>, JobError>;
 
     /// What ordering saves on a file, as the paper's table has it; the first row is the file as it is. A model is sliced
@@ -172,7 +162,7 @@ pub trait Engine: Sync {
         &self,
         job: &Job,
         settings: &Settings,
-        progress: &dyn Progress,
+        observer: &Observer<'_>,
     ) -> Result<Vec<PaperRow>, JobError>;
 
     /// Puts a G-code file into another order. The caller commits the output, if anything changed; otherwise what
@@ -185,7 +175,7 @@ pub trait Engine: Sync {
         job: &ReorderJob,
         settings: &Settings,
         output: &mut Output,
-        progress: &dyn Progress,
+        observer: &Observer<'_>,
     ) -> Result<Reordered, JobError>;
 
     /// Tells what is in a model, and whether it fits.

@@ -9,6 +9,7 @@
 #![allow(rustdoc::private_intra_doc_links)]
 
 pub mod check;
+#[cfg(feature = "cli")]
 pub mod cli;
 pub mod estimate;
 pub mod gcode;
@@ -16,18 +17,24 @@ pub mod job;
 pub mod limits;
 pub mod mesh;
 pub mod motion;
+mod observer;
 pub mod options;
 pub mod order;
 pub mod output;
+mod parallel;
 pub mod pipeline;
+mod plan;
 pub mod plate;
 pub mod profile;
 pub mod reorder;
 pub mod report;
 pub mod slice;
+mod source;
 pub mod toolpath;
 pub mod units;
 pub mod view;
+
+pub use observer::Observer;
 
 pub use geometry;
 #[doc(hidden)]

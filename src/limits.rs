@@ -1,8 +1,8 @@
-//! How much is too much. What goes beyond is refused before memory is taken for it.
+//! How much is too much. What goes beyond is refused.
 //!
 //! `docs/trust.md` lists these limits for users, with those of coordinates ([`crate::mesh`]) and settings.
 
-use std::fs;
+use std::sync::OnceLock;
 
 /// Largest model file.
 pub const MODEL_BYTES: u64 = 4 << 30;
@@ -28,56 +28,26 @@ pub const BYTES_PER_BYTE: u64 = 3;
 /// Bytes that a print needs for each triangle that a layer crosses: outlines, shells, paths (measured: below 60).
 pub const BYTES_PER_CROSSING: u64 = 64;
 
-/// Whether there is so much memory.
+/// Who knows how much memory is free.
+static MEMORY: OnceLock<fn() -> Option<u64>> = OnceLock::new();
+
+/// Has models and prints refused for which the memory that is free would not do. `free_bytes` is asked for it, and knows it
+/// or not. The first caller decides.
+pub fn watch_memory(free_bytes: fn() -> Option<u64>) {
+    let _ = MEMORY.set(free_bytes);
+}
+
+/// Whether there is so much memory, where somebody knows how much is free.
 ///
 /// # Errors
 /// How much is needed, and how much there is.
 pub fn room(need_bytes: u64) -> Result<(), String> {
-    match available_bytes() {
+    match MEMORY.get().and_then(|free_bytes| free_bytes()) {
         Some(free_bytes) if need_bytes > free_bytes => Err(format!(
             "about {} MB of memory are needed, {} MB are free",
             need_bytes >> 20,
             free_bytes >> 20
         )),
         _ => Ok(()),
-    }
-}
-
-/// Memory that this process can still get, as far as the system tells: of the machine, of its control group, of its own
-/// address space.
-fn available_bytes() -> Option<u64> {
-    let read = |path: &str| fs::read_to_string(path).ok();
-    let machine = read("/proc/meminfo").and_then(|text| Some(field(&text, "MemAvailable:")? << 10));
-    let number = |path: &str| read(path)?.trim().parse::<u64>().ok();
-    let group = number("/sys/fs/cgroup/memory.max")
-        .and_then(|most| Some(most.saturating_sub(number("/sys/fs/cgroup/memory.current")?)));
-    let taken = read("/proc/self/status").and_then(|text| Some(field(&text, "VmSize:")? << 10));
-    let own = read("/proc/self/limits")
-        .and_then(|text| Some(field(&text, "Max address space")?.saturating_sub(taken?)));
-    [machine, group, own].into_iter().flatten().min()
-}
-
-/// The number that follows a name at the beginning of a line.
-fn field(text: &str, name: &str) -> Option<u64> {
-    let line = text.lines().find_map(|line| line.strip_prefix(name))?;
-    line.split_whitespace().next()?.parse().ok()
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn fields_are_found_by_their_names() {
-        let text = "MemTotal:  9 kB\nMemAvailable:   123 kB\nMax address space         unlimited  unlimited";
-        assert_eq!((field(text, "MemAvailable:"), field(text, "Max address space")), (Some(123), None));
-    }
-
-    #[test]
-    fn what_no_machine_has_is_refused() {
-        assert!(room(0).is_ok());
-        if available_bytes().is_some() {
-            assert!(room(1 << 60).unwrap_err().contains("are needed"));
-        }
     }
 }

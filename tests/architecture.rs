@@ -5,8 +5,9 @@ use std::path::{Path, PathBuf};
 
 /// The modules of the crate, each before those that may use it.
 const ORDER: &[&str] = &[
-    "units", "options", "limits", "random", "geom", "mesh", "plate", "slice", "toolpath", "order", "motion",
-    "estimate", "gcode", "profile", "reorder", "report", "check", "view", "output", "job", "pipeline", "cli",
+    "units", "options", "limits", "observer", "parallel", "source", "mesh", "plate", "slice", "toolpath",
+    "order", "motion", "estimate", "gcode", "profile", "reorder", "report", "check", "view", "output", "job",
+    "plan", "pipeline", "cli",
 ];
 
 fn sources(folder: &Path, out: &mut Vec<PathBuf>) {

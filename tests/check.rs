@@ -8,8 +8,9 @@ use std::io::Cursor;
 use std::path::{Path, PathBuf};
 
 use mesh_shapes::{Facets, ball, cuboid, mesh};
+use pathwright::Observer;
 use pathwright::check::{self, CheckReport, Checker, Kind, Severity, Survey};
-use pathwright::job::{Engine, Job, Silent};
+use pathwright::job::{Engine, Job};
 use pathwright::output::Output;
 use pathwright::pipeline::Pipeline;
 use pathwright::plate::Layout;
@@ -188,7 +189,7 @@ fn sliced(facets: &Facets, settings: &Settings) -> Vec<u8> {
 fn of_models(models: Vec<PathBuf>, settings: &Settings) -> Vec<u8> {
     let job = Job { models, ..Job::default() };
     let mut output = Output::memory();
-    Pipeline.slice(&job, settings, &mut output, &Silent).expect("a print");
+    Pipeline.slice(&job, settings, &mut output, &Observer::none()).expect("a print");
     output.into_bytes()
 }
 

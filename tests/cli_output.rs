@@ -5,8 +5,9 @@ use std::ffi::OsString;
 use std::fs;
 use std::path::Path;
 
+use pathwright::Observer;
 use pathwright::cli::{self, Exit};
-use pathwright::job::{Engine, Job, JobError, Progress, ReorderJob, TransformOptions};
+use pathwright::job::{Engine, Job, JobError, ReorderJob, TransformOptions};
 use pathwright::motion::PauseAt;
 use pathwright::order::compare::StrategyRow;
 use pathwright::output::Output;
@@ -27,7 +28,7 @@ impl Engine for Fake {
         job: &Job,
         settings: &Settings,
         output: &mut Output,
-        progress: &dyn Progress,
+        progress: &Observer<'_>,
     ) -> Result<Summary, JobError> {
         SEEN.with_borrow_mut(|seen| seen.push((job.clone(), settings.clone())));
         progress.begin(job.models.len());
@@ -51,12 +52,12 @@ impl Engine for Fake {
         _: &Job,
         _: &Settings,
         _: &[OrderStrategy],
-        _: &dyn Progress,
+        _: &Observer<'_>,
     ) -> Result<Vec<StrategyRow>, JobError> {
         Ok(Vec::new())
     }
 
-    fn paper(&self, _: &Job, _: &Settings, _: &dyn Progress) -> Result<Vec<PaperRow>, JobError> {
+    fn paper(&self, _: &Job, _: &Settings, _: &Observer<'_>) -> Result<Vec<PaperRow>, JobError> {
         Ok(Vec::new())
     }
 
@@ -65,7 +66,7 @@ impl Engine for Fake {
         _: &ReorderJob,
         _: &Settings,
         _: &mut Output,
-        _: &dyn Progress,
+        _: &Observer<'_>,
     ) -> Result<Reordered, JobError> {
         Ok(Reordered::default())
     }

@@ -4,9 +4,10 @@ mod print_support;
 
 use std::f64::consts::PI;
 
+use pathwright::Observer;
 use pathwright::gcode::Stroke;
 use pathwright::geom::{EdgeGrid, Point, Region, offset};
-use pathwright::job::{Engine, Job, ReorderJob, Silent};
+use pathwright::job::{Engine, Job, ReorderJob};
 use pathwright::output::Output;
 use pathwright::pipeline::Pipeline;
 use pathwright::profile::Settings;
@@ -114,7 +115,7 @@ fn reordering_leaves_a_spiral_alone() {
     std::fs::write(&file, &print.text).unwrap();
     let mut output = Output::memory();
     let job = ReorderJob { file, ..ReorderJob::default() };
-    Pipeline.reorder(&job, &standard(&[]), &mut output, &Silent).expect("reordered");
+    Pipeline.reorder(&job, &standard(&[]), &mut output, &Observer::none()).expect("reordered");
     let body = |text: &[u8]| {
         let text = String::from_utf8_lossy(text).into_owned();
         let moves = text.split(";LAYER:4\n").nth(1).expect("the first turn").to_owned();

@@ -79,7 +79,7 @@ fn check(path: &Path, bodies: &[(String, Mesh)], settings: &Settings) -> Result<
         }
         Ok(compared)
     };
-    let (report, compared) = rayon::join(read, compare);
+    let (report, compared) = crate::parallel::join(read, compare);
     let Some(mut report) = report.map_err(failed)? else {
         return Err(failed(io::Error::other("there are no moves in it; is it G-code?")));
     };

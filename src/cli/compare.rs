@@ -9,7 +9,7 @@ use super::console::{self, Bar};
 use super::exit::{Exit, Failure};
 use super::plan;
 use super::view::{file_name, sliced, write};
-use crate::job::{Engine, Job, Progress, Silent};
+use crate::job::{Engine, Job};
 use crate::order::OrderStrategy;
 use crate::order::compare::{self, StrategyRow};
 use crate::profile::Settings;
@@ -39,8 +39,8 @@ pub(super) fn run(args: &CompareArgs, engine: &dyn Engine) -> Result<Exit, Failu
     for (index, model) in args.models.files.iter().enumerate() {
         let job = job(args, model);
         let bar = Bar::on_terminal(!args.no_progress);
-        let progress: &dyn Progress = bar.as_ref().map_or(&Silent, |bar| bar);
-        let result = engine.compare(&job, &resolved.settings, &chosen, progress);
+        let observer = Bar::observer(bar.as_ref());
+        let result = engine.compare(&job, &resolved.settings, &chosen, &observer);
         if let Some(bar) = bar {
             bar.remove();
         }
@@ -79,7 +79,8 @@ fn job(args: &CompareArgs, model: &Path) -> Job {
         transform: plan::transform(&args.models),
         allow_floating: true,
         certify: !args.no_bound,
-        threads: args.threads.map(Into::into),
+        threads: Some(args.threads.map_or(0, Into::into)),
+        dated: console::source_date(),
         ..Job::default()
     }
 }
@@ -89,7 +90,7 @@ fn paper(args: &CompareArgs, settings: &Settings, engine: &dyn Engine) -> Result
     let mut exit = Exit::Done;
     let mut tables: Vec<Vec<PaperRow>> = Vec::new();
     for file in &args.models.files {
-        match engine.paper(&job(args, file), settings, &Silent) {
+        match engine.paper(&job(args, file), settings, &Bar::observer(None)) {
             Ok(rows) => {
                 let own = file.extension().is_some_and(|e| e.eq_ignore_ascii_case("stl"));
                 console::print(&(paper::table(&file.display().to_string(), own, &rows) + "\n"))?;

@@ -2,12 +2,14 @@
 
 use std::fmt::Display;
 use std::io::{self, ErrorKind, IsTerminal, Write};
+use std::sync::OnceLock;
+use std::time::{Duration, Instant};
 
 use indicatif::{ProgressBar, ProgressState, ProgressStyle};
 use serde::Serialize;
 
 use super::exit::{Exit, Failure};
-use crate::job::Progress;
+use crate::observer::Observer;
 
 /// One line on standard error for each warning.
 pub(super) fn warn<T: Display>(warnings: &[T]) {
@@ -59,18 +61,30 @@ impl Bar {
         Some(Self(ProgressBar::new(0).with_style(style)))
     }
 
+    /// Who moves the bar, where there is one, and has a clock.
+    pub fn observer(bar: Option<&Self>) -> Observer<'static> {
+        let observer = Observer::none().timed_by(clock);
+        let Some(Self(bar)) = bar else { return observer };
+        let bar = bar.clone();
+        observer.on_progress(move |done, of| {
+            bar.set_length(of as u64);
+            bar.set_position(done as u64);
+        })
+    }
+
     /// Takes the bar off the terminal.
     pub fn remove(self) {
         self.0.finish_and_clear();
     }
 }
 
-impl Progress for Bar {
-    fn begin(&self, layers: usize) {
-        self.0.set_length(layers as u64);
-    }
+/// Time since it was first asked for.
+fn clock() -> Duration {
+    static BEGUN: OnceLock<Instant> = OnceLock::new();
+    BEGUN.get_or_init(Instant::now).elapsed()
+}
 
-    fn layer_done(&self) {
-        self.0.inc(1);
-    }
+/// The date that `SOURCE_DATE_EPOCH` gives, seconds since 1970 (<https://reproducible-builds.org/specs/source-date-epoch/>).
+pub(super) fn source_date() -> Option<u64> {
+    std::env::var("SOURCE_DATE_EPOCH").ok()?.parse().ok()
 }

@@ -69,6 +69,7 @@ impl From<JobError> for Failure {
             JobError::DoesNotFit(message) => Self::new(Exit::DoesNotFit, message),
             JobError::Output(error) => error.into(),
             JobError::Check(message) => Self::new(Exit::Check, message),
+            JobError::Cancelled => Self::new(Exit::Interrupted, "interrupted"),
         }
     }
 }

@@ -6,6 +6,7 @@ mod compare;
 mod console;
 mod exit;
 mod info;
+mod memory;
 mod pages;
 mod plan;
 mod profiles;
@@ -23,9 +24,13 @@ pub use exit::Exit;
 use args::{Command, LowArgs};
 
 use crate::job::Engine;
+use crate::limits;
+use crate::observer::Observer;
+use crate::parallel;
 
 /// Does what the arguments (with the program's name first) ask for, and reports to standard output and standard error.
 pub fn run(args: impl IntoIterator<Item = OsString>, engine: &dyn Engine) -> Exit {
+    limits::watch_memory(memory::available_bytes);
     let args = match LowArgs::try_parse_from(args) {
         Ok(args) => args,
         Err(message) => {
@@ -39,9 +44,9 @@ pub fn run(args: impl IntoIterator<Item = OsString>, engine: &dyn Engine) -> Exi
         Command::Compare(args) => compare::run(args, engine),
         Command::View(args) => view::run(args, engine),
         Command::Reorder(args) => reorder::run(args, engine),
-        Command::Info(args) => info::run(args, engine),
+        Command::Info(args) => in_pool(|| info::run(args, engine)),
         Command::Time(args) => time::run(args),
-        Command::Check(args) => check::run(args),
+        Command::Check(args) => in_pool(|| check::run(args)),
         Command::Profiles(args) => profiles::run(args),
         Command::Completions { shell } => pages::completions(*shell),
         Command::Man { command } => pages::man(command.as_deref()),
@@ -50,4 +55,9 @@ pub fn run(args: impl IntoIterator<Item = OsString>, engine: &dyn Engine) -> Exi
         console::fail(&failure);
         failure.exit
     })
+}
+
+/// Does something with as many threads as the machine has cores.
+fn in_pool(work: impl FnOnce() -> Result<Exit, exit::Failure> + Send) -> Result<Exit, exit::Failure> {
+    parallel::run(Some(0), &Observer::none(), |_| work()).unwrap_or(Ok(Exit::Interrupted))
 }

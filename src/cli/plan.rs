@@ -5,6 +5,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use super::args::{Assignment, ModelArgs, ObjectAssignment, OrderingArgs, SettingArgs, ShapeArgs, SliceArgs};
+use super::console;
 use super::exit::{Exit, Failure};
 use crate::job::{Job, ObjectSettings, TransformOptions};
 use crate::mesh::Transform;
@@ -139,7 +140,8 @@ fn job(args: &SliceArgs, models: &[PathBuf]) -> Job {
         pauses: args.pause_at.clone(),
         allow_floating: args.allow_floating,
         certify: args.certify,
-        threads: args.threads.map(Into::into),
+        threads: Some(args.threads.map_or(0, Into::into)),
+        dated: console::source_date(),
     }
 }
 

@@ -8,7 +8,8 @@ use super::args::ReorderArgs;
 use super::console;
 use super::exit::{Exit, Failure};
 use super::plan;
-use crate::job::{Engine, ReorderJob, Silent};
+use crate::job::{Engine, ReorderJob};
+use crate::observer::Observer;
 use crate::output::Output;
 use crate::profile::{Override, Settings};
 use crate::report::Reordered;
@@ -96,9 +97,9 @@ fn reorder(
         file: file.to_owned(),
         keep_direction: args.keep_direction,
         more_retractions: args.ordering.cost.is_some() || sets(args, "order.cost"),
-        threads: args.threads.map(Into::into),
+        threads: Some(args.threads.map_or(0, Into::into)),
     };
-    let mut report = engine.reorder(&job, settings, &mut output, &Silent)?;
+    let mut report = engine.reorder(&job, settings, &mut output, &Observer::none())?;
     report.output = match destination {
         Destination::Nowhere => None,
         Destination::Stdout => Some("standard output".into()),

@@ -6,7 +6,7 @@ use super::args::SliceArgs;
 use super::console::{self, Bar};
 use super::exit::{Exit, Failure};
 use super::plan::{Destination, Plan, Task};
-use crate::job::{Engine, Progress, Silent};
+use crate::job::Engine;
 use crate::output::Output;
 use crate::profile::Settings;
 use crate::report::Summary;
@@ -42,8 +42,8 @@ fn slice(
         Destination::File(path) => Output::create(path)?,
     };
     let bar = Bar::on_terminal(!args.quiet && !args.no_progress);
-    let progress: &dyn Progress = bar.as_ref().map_or(&Silent, |bar| bar);
-    let result = engine.slice(&task.job, settings, &mut output, progress);
+    let observer = Bar::observer(bar.as_ref());
+    let result = engine.slice(&task.job, settings, &mut output, &observer);
     if let Some(bar) = bar {
         bar.remove();
     }

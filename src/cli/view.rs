@@ -7,7 +7,8 @@ use super::args::ViewArgs;
 use super::console::{self, Bar};
 use super::exit::{Exit, Failure};
 use super::plan;
-use crate::job::{Engine, Job, Progress, Silent};
+use crate::gcode::is_gcode;
+use crate::job::{Engine, Job};
 use crate::limits;
 use crate::output::Output;
 use crate::profile::Settings;
@@ -92,7 +93,8 @@ fn gcode(
         transform: plan::transform(&args.models),
         allow_floating: true,
         certify: args.certify,
-        threads: args.threads.map(Into::into),
+        threads: Some(args.threads.map_or(0, Into::into)),
+        dated: console::source_date(),
         ..Job::default()
     };
     let (text, summary) = sliced(&job, settings, engine, !args.no_progress)?;
@@ -108,18 +110,13 @@ pub(super) fn sliced(
     show_progress: bool,
 ) -> Result<(Vec<u8>, Summary), Failure> {
     let bar = Bar::on_terminal(show_progress);
-    let progress: &dyn Progress = bar.as_ref().map_or(&Silent, |bar| bar);
+    let observer = Bar::observer(bar.as_ref());
     let mut output = Output::memory();
-    let result = engine.slice(job, settings, &mut output, progress);
+    let result = engine.slice(job, settings, &mut output, &observer);
     if let Some(bar) = bar {
         bar.remove();
     }
     Ok((output.into_bytes(), result?))
-}
-
-fn is_gcode(path: &Path) -> bool {
-    let extension = path.extension().unwrap_or_default().to_string_lossy().to_ascii_lowercase();
-    ["gcode", "gco", "gc", "g", "nc", "ngc"].contains(&extension.as_str())
 }
 
 fn layer<'a>(scene: &'a Scene, args: &ViewArgs) -> Result<&'a Layer, Failure> {

@@ -17,6 +17,8 @@ mod sizes;
 mod slot;
 mod wrap;
 
+use std::path::Path;
+
 pub use effect::Effect;
 pub use layer::{LayerText, format_layer};
 pub(crate) use number::one_line;
@@ -32,3 +34,11 @@ pub use sizes::thumbnail_sizes;
 pub(crate) use slot::duration;
 pub use slot::{Pending, Slot, Totals};
 pub use wrap::{Opening, closing, labels, object_comment, opening};
+
+/// Endings of G-code files.
+const ENDINGS: [&str; 6] = ["gcode", "gco", "gc", "g", "nc", "ngc"];
+
+/// Whether a name is that of a G-code file.
+pub fn is_gcode(path: &Path) -> bool {
+    path.extension().is_some_and(|found| ENDINGS.iter().any(|ending| found.eq_ignore_ascii_case(ending)))
+}

@@ -137,7 +137,7 @@ impl Edges {
         let [a, b] = if triangles.len() < PARALLEL {
             [match_from(0..count), Self::default()]
         } else {
-            rayon::join(|| match_from(0..count / 2), || match_from(count / 2..count)).into()
+            crate::parallel::join(|| match_from(0..count / 2), || match_from(count / 2..count)).into()
         };
         Self {
             twins: twins.into_iter().map(AtomicU32::into_inner).collect(),

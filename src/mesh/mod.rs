@@ -236,7 +236,7 @@ fn halves(mut file: &fs::File, path: &Path, length: u64) -> Option<Vec<u8>> {
         file.seek(SeekFrom::Start(middle as u64))?;
         file.read_exact(second)
     };
-    let (first, second) = rayon::join(|| file.read_exact(first), read_second);
+    let (first, second) = crate::parallel::join(|| file.read_exact(first), read_second);
     first.and(second).ok().map(|()| data)
 }
 

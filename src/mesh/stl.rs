@@ -85,7 +85,7 @@ fn read_binary(path: &Path, data: &[u8], facets: usize, notes: Vec<String>) -> R
         // Two halves, welded each by itself and then together: the same vertices in the same order as in one go.
         let half = facets / 2;
         let mut later = Welder::with_capacity(facets - half);
-        let (first, second) = rayon::join(
+        let (first, second) = crate::parallel::join(
             || weld(path, &body[..half * FACET], 0, &mut welder),
             || weld(path, &body[half * FACET..], half, &mut later),
         );

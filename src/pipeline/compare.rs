@@ -1,35 +1,56 @@
 //! Strategies side by side on the layers of one plate, or of a finished file.
 
-use std::path::Path;
-
-use crate::job::{Job, JobError, Progress};
+use crate::gcode::is_gcode;
+use crate::job::{Job, JobError};
 use crate::order::compare::{LayerRow, StrategyRow};
 use crate::order::{CostKind, OrderStrategy};
 use crate::order::{LayerProblem, Pins, SeamRule, Visit, chunk_len, ends_on_path};
+use crate::parallel::Workers;
+use crate::plan::spiral;
 use crate::profile::Settings;
+use crate::source::Source;
 use crate::toolpath::LayerPaths;
 
 use super::ordering::{Certificate, Layers, Sequencer};
-use super::{load, ordering, parallel, reorder, rounds, spiral};
+use super::{load, ordering, reorder, rounds};
 
 /// Plans the layers once and orders them by each strategy. With `job.certify`, bounds are computed as well.
 pub(super) fn compare(
     job: &Job,
     settings: &Settings,
     strategies: &[OrderStrategy],
-    progress: &dyn Progress,
+    workers: Workers<'_>,
 ) -> Result<Vec<StrategyRow>, JobError> {
-    let file = job.models.first().filter(|file| is_gcode(file));
-    let (paths, links_mm) = match file {
-        Some(file) => reorder::layers(file, settings)?,
-        None => {
-            let layers = sliced(job, settings)?;
-            let none = vec![0.0; layers.len()];
-            (layers, none)
-        }
-    };
-    let fixed = Fixed { whole: file.is_some(), links_mm };
-    progress.begin(paths.len() * strategies.len());
+    if let Some(file) = job.models.first().filter(|file| is_gcode(file)) {
+        return compare_file(&file.as_path().into(), settings, strategies, job.certify, workers);
+    }
+    let layers = sliced(job, settings, workers)?;
+    let fixed = Fixed { whole: false, links_mm: vec![0.0; layers.len()] };
+    Ok(compare_layers(layers, &fixed, settings, strategies, job.certify, workers))
+}
+
+/// The same for the layers of a finished file.
+pub(super) fn compare_file(
+    source: &Source,
+    settings: &Settings,
+    strategies: &[OrderStrategy],
+    certify: bool,
+    workers: Workers<'_>,
+) -> Result<Vec<StrategyRow>, JobError> {
+    let (layers, links_mm) = reorder::layers(source, settings)?;
+    let fixed = Fixed { whole: true, links_mm };
+    Ok(compare_layers(layers, &fixed, settings, strategies, certify, workers))
+}
+
+fn compare_layers(
+    paths: Vec<LayerPaths>,
+    fixed: &Fixed,
+    settings: &Settings,
+    strategies: &[OrderStrategy],
+    certify: bool,
+    workers: Workers<'_>,
+) -> Vec<StrategyRow> {
+    workers.observer.begin(paths.len() * strategies.len());
     let position = settings.seam.position;
     let mut seam = if fixed.whole { reorder::seam_rule(position) } else { SeamRule::new(position) };
     let layers: Vec<(LayerPaths, Pins)> = paths
@@ -39,26 +60,20 @@ pub(super) fn compare(
             (layer, pins)
         })
         .collect();
-    let certificate = job.certify.then(|| Certificate::new(&layers, settings, None));
+    let certificate = certify.then(|| Certificate::new(&layers, settings, None, workers));
     let rows = strategies
         .iter()
-        .map(|&strategy| row(strategy, &layers, &fixed, settings, certificate.as_ref(), progress));
-    Ok(rows.collect())
-}
-
-/// Whether a name is that of a G-code file.
-pub(super) fn is_gcode(path: &Path) -> bool {
-    let extension = path.extension().map(|e| e.to_string_lossy().to_ascii_lowercase());
-    extension.is_some_and(|e| matches!(e.as_str(), "gcode" | "gco" | "gc" | "g" | "nc" | "ngc"))
+        .map(|&strategy| row(strategy, &layers, fixed, settings, certificate.as_ref(), workers));
+    rows.collect()
 }
 
 /// The layers of a plate, round after round.
-fn sliced(job: &Job, settings: &Settings) -> Result<Vec<LayerPaths>, JobError> {
+fn sliced(job: &Job, settings: &Settings, workers: Workers<'_>) -> Result<Vec<LayerPaths>, JobError> {
     let settings = &*spiral::effective(settings);
-    let loaded = load::plate(job, settings)?;
-    let rounds = rounds::prepare(&loaded, settings)?;
+    let loaded = load::plate(job, settings, workers)?;
+    let rounds = rounds::prepare(&loaded, settings, workers)?;
     let layers = rounds.iter().map(|round| {
-        parallel::map(round.sections.layers.len(), |i| round.sections.paths(&round.planners, i, settings))
+        workers.map(round.sections.layers.len(), |i| round.sections.paths(&round.planners, i, settings))
     });
     Ok(layers.flatten().collect())
 }
@@ -77,12 +92,12 @@ fn row(
     fixed: &Fixed,
     settings: &Settings,
     certificate: Option<&Certificate>,
-    progress: &dyn Progress,
+    workers: Workers<'_>,
 ) -> StrategyRow {
     let mut chain = ordering::chain(settings);
     chain.settings.strategy = strategy;
     let (paths, pins): (Vec<LayerPaths>, Vec<Pins>) = layers.iter().cloned().unzip();
-    let mut sequencer = Sequencer::new(&chain, chunk_len(layers.len()), None);
+    let mut sequencer = Sequencer::new(&chain, workers, chunk_len(layers.len()), None);
     let Layers { paths, mut sequences, .. } = sequencer.take(paths, pins, true);
     if fixed.whole && strategy == OrderStrategy::AsSliced {
         let as_is =
@@ -101,7 +116,7 @@ fn row(
         })
         .collect();
     let time = settings.order_cost(CostKind::Time);
-    let rows = parallel::map(layers.len(), |i| {
+    let rows = workers.map(layers.len(), |i| {
         // Sequences name vertices of paths: measured on the problem whose seams are free.
         let mut problem = LayerProblem::new(&paths[i], &None, settings.order.scope).problem;
         problem.start = starts[i];
@@ -109,7 +124,7 @@ fn row(
         let bound_mm = |certificate: &Certificate| certificate.layer_mm(i, starts[i]) + fixed.links_mm[i];
         row.bound_mm = certificate.map(bound_mm);
         row.link_mm += fixed.links_mm[i];
-        progress.layer_done();
+        workers.observer.layer_done();
         row
     });
     StrategyRow {

@@ -1,13 +1,12 @@
 //! What is written is checked before anybody gets it.
 
-use std::fs::File;
 use std::io;
-use std::path::Path;
 
 use crate::check::{Checker, Found, Judge};
 use crate::gcode::each_line;
 use crate::job::JobError;
 use crate::profile::Settings;
+use crate::source::Source;
 
 use super::reorder::input_error;
 
@@ -43,13 +42,13 @@ impl Inspector {
 ///
 /// # Errors
 /// [`JobError::Check`] with the first fault, and those of reading.
-pub(super) fn remade(path: &Path, found: &Found, settings: &Settings) -> Result<(), JobError> {
+pub(super) fn remade(source: &Source, found: &Found, settings: &Settings) -> Result<(), JobError> {
     if found.first_of_paths(&Found::default()).is_none() {
         return Ok(());
     }
-    let failed = |error: io::Error| input_error(path, &error);
+    let failed = |error: io::Error| input_error(source, &error);
     let mut checker = Checker::with(Judge::of_paths(settings, true));
-    each_line(File::open(path).map_err(failed)?, |line| {
+    each_line(source.open().map_err(failed)?, |line| {
         checker.line(line);
     })
     .map_err(failed)?;

@@ -12,12 +12,12 @@ use crate::slice;
 use crate::slice::LayerSettings;
 use crate::units::Mm;
 
-use super::parallel;
-use super::styles::Styles;
-use super::supports::REACH_MM as SUPPORT_REACH_MM;
+use crate::parallel::Workers;
+use crate::plan::styles::Styles;
+use crate::plan::supports::REACH_MM as SUPPORT_REACH_MM;
 
-/// Header date where `SOURCE_DATE_EPOCH` gives none: the same input gives the same bytes. 2026-01-01.
-const DATED: u64 = 1_767_225_600;
+/// Header date where none is given: the same input gives the same bytes. 2026-01-01.
+pub(super) const DATED: u64 = 1_767_225_600;
 
 /// Models, placed.
 pub(super) struct Loaded<'a> {
@@ -33,10 +33,13 @@ pub(super) struct Loaded<'a> {
 }
 
 /// Reads, transforms and places the models of a job.
-pub(super) fn plate<'a>(job: &'a Job, settings: &Settings) -> Result<Loaded<'a>, JobError> {
-    let read = parallel::map(job.models.len(), |i| {
-        file(&job.models[i], &job.transform, job.copies as usize, settings)
-    });
+pub(super) fn plate<'a>(
+    job: &'a Job,
+    settings: &Settings,
+    workers: Workers<'_>,
+) -> Result<Loaded<'a>, JobError> {
+    let read = workers
+        .map(job.models.len(), |i| file(&job.models[i], &job.transform, job.copies as usize, settings));
     let files: Vec<File> = read.into_iter().collect::<Result<_, JobError>>()?;
     let first_box = files.first().map(|file| file.first_box);
     let hints: Vec<String> = files.iter().filter_map(|file| file.hint.clone()).collect();
@@ -115,7 +118,7 @@ fn wished(
     first_box: Option<[[f64; 3]; 2]>,
     plate: &Plate,
 ) -> Result<Plate, JobError> {
-    let mut wished = Plate { meshes: Vec::new(), objects: Vec::new(), notes: Vec::new() };
+    let mut wished = Plate::default();
     let (Some([was, was_to]), Some(first)) = (first_box, plate.meshes.first()) else { return Ok(wished) };
     let [is, is_to] = first.bounds();
     let factor = (0..3).map(|i| (is_to[i] - is[i]) / (was_to[i] - was[i])).fold(0.0, f64::max);
@@ -264,11 +267,6 @@ pub(super) fn check_size(plate: &Plate, settings: &LayerSettings) -> Result<(), 
         )));
     }
     limits::room(crossings * limits::BYTES_PER_CROSSING).map_err(too_large)
-}
-
-/// Seconds since 1970 for the header.
-pub(super) fn dated() -> u64 {
-    std::env::var("SOURCE_DATE_EPOCH").ok().and_then(|text| text.parse().ok()).unwrap_or(DATED)
 }
 
 /// No layer has a section. `hints`: sizes that point to another unit.

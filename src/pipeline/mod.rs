@@ -1,32 +1,26 @@
-//! Wires the stages; the only user of rayon.
+//! Wires the stages.
 //!
 //! Sections of all layers come first, since shells look at neighbours. Then layers flow in batches through
 //! toolpaths, ordering, motion and formatting, each stage parallel over the layers (ordering: over chunks of
 //! layers) and at work on a batch of its own, and their bytes are checked and go out in order.
 
 mod compare;
-mod floating;
-mod infill;
 mod inspect;
 mod load;
 mod ordering;
-mod overlaps;
 mod paper;
-mod parallel;
 mod print;
 mod reorder;
 mod rounds;
-mod sections;
-mod spiral;
-mod styles;
-mod supports;
 
 use std::path::Path;
 
-use crate::job::{Engine, Job, JobError, Progress, ReorderJob, TransformOptions};
+use crate::job::{Engine, Job, JobError, ReorderJob, TransformOptions};
+use crate::observer::Observer;
 use crate::order::OrderStrategy;
 use crate::order::compare::StrategyRow;
 use crate::output::Output;
+use crate::parallel::{self, Workers};
 use crate::profile::Settings;
 use crate::report::{ModelInfo, PaperRow, Reordered, Summary};
 
@@ -41,7 +35,8 @@ impl Pipeline {
     /// # Errors
     /// Where the file cannot be read, or the output not be written.
     pub fn rewrite(&self, file: &Path, settings: &Settings, output: &mut Output) -> Result<(), JobError> {
-        reorder::rewritten(file, settings, output)
+        let observer = Observer::none();
+        reorder::rewritten(&file.into(), settings, output, Workers { observer: &observer })
     }
 }
 
@@ -51,9 +46,10 @@ impl Engine for Pipeline {
         job: &Job,
         settings: &Settings,
         output: &mut Output,
-        progress: &dyn Progress,
+        observer: &Observer<'_>,
     ) -> Result<Summary, JobError> {
-        parallel::with_threads(job.threads, || print::slice(job, settings, output, progress))
+        parallel::run(job.threads, observer, |workers| print::slice(job, settings, output, workers))
+            .unwrap_or(Err(JobError::Cancelled))
     }
 
     fn compare(
@@ -61,18 +57,20 @@ impl Engine for Pipeline {
         job: &Job,
         settings: &Settings,
         strategies: &[OrderStrategy],
-        progress: &dyn Progress,
+        observer: &Observer<'_>,
     ) -> Result<Vec<StrategyRow>, JobError> {
-        parallel::with_threads(job.threads, || compare::compare(job, settings, strategies, progress))
+        parallel::run(job.threads, observer, |workers| compare::compare(job, settings, strategies, workers))
+            .unwrap_or(Err(JobError::Cancelled))
     }
 
     fn paper(
         &self,
         job: &Job,
         settings: &Settings,
-        progress: &dyn Progress,
+        observer: &Observer<'_>,
     ) -> Result<Vec<PaperRow>, JobError> {
-        parallel::with_threads(job.threads, || paper::paper(job, settings, progress))
+        parallel::run(job.threads, observer, |workers| paper::paper(job, settings, workers))
+            .unwrap_or(Err(JobError::Cancelled))
     }
 
     fn reorder(
@@ -80,9 +78,12 @@ impl Engine for Pipeline {
         job: &ReorderJob,
         settings: &Settings,
         output: &mut Output,
-        progress: &dyn Progress,
+        observer: &Observer<'_>,
     ) -> Result<Reordered, JobError> {
-        parallel::with_threads(job.threads, || reorder::reorder(job, settings, output, progress))
+        parallel::run(job.threads, observer, |workers| {
+            reorder::reorder(&job.file.as_path().into(), job, settings, output, workers)
+        })
+        .unwrap_or(Err(JobError::Cancelled))
     }
 
     fn info(

@@ -1,14 +1,14 @@
 //! Orders the layers of a print chunk by chunk, and bounds what any order can reach.
 
 use std::ops::Range;
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 use crate::order::{Chain, LayerProblem, Pins, Problem, Sequence, bound, ends_on_path};
 use crate::profile::Settings;
 use crate::toolpath::LayerPaths;
 use geometry::Point;
 
-use super::parallel;
+use crate::parallel::Workers;
 
 /// The chain that the settings ask for.
 pub(super) fn chain(settings: &Settings) -> Chain {
@@ -49,6 +49,7 @@ impl Layers {
 /// around each join of chunks again with both ends known.
 pub(super) struct Sequencer<'a> {
     chain: &'a Chain,
+    workers: Workers<'a>,
     chunk: usize,
     /// Where the layers before end, but for those held back; before all, where the nozzle is.
     end: Option<Point>,
@@ -60,8 +61,8 @@ pub(super) struct Sequencer<'a> {
 
 impl<'a> Sequencer<'a> {
     /// Begins at a place, if one is known. Chunks have `chunk` layers.
-    pub(super) fn new(chain: &'a Chain, chunk: usize, start: Option<Point>) -> Self {
-        Self { chain, chunk, end: start, held: Layers::default(), took: Duration::ZERO }
+    pub(super) fn new(chain: &'a Chain, workers: Workers<'a>, chunk: usize, start: Option<Point>) -> Self {
+        Self { chain, workers, chunk, end: start, held: Layers::default(), took: Duration::ZERO }
     }
 
     /// Takes up the next layers: whole chunks, unless they are the `last`. Returns those whose order is settled.
@@ -74,9 +75,9 @@ impl<'a> Sequencer<'a> {
         let chunks = (count - first).div_ceil(chunk);
         let range = |c: usize| first + c * chunk..(first + (c + 1) * chunk).min(count);
         let (paths, pins) = (&layers.paths, &layers.pins);
-        let solved = parallel::map(chunks, |c| {
-            timed(|| self.chain.solve_chunk(&paths[range(c)], &pins[range(c)], None))
-        });
+        let (workers, timed) = (self.workers, Timed(self.workers));
+        let solved = workers
+            .map(chunks, |c| timed.run(|| self.chain.solve_chunk(&paths[range(c)], &pins[range(c)], None)));
         for (sequences, took) in solved {
             layers.sequences.extend(sequences);
             self.took += took;
@@ -84,7 +85,7 @@ impl<'a> Sequencer<'a> {
         // No two joins have a layer in common.
         let overlap = self.chain.overlap().min(chunk - 1);
         let window = |c: usize| range(c).start.saturating_sub(overlap)..range(c).start + 1;
-        let joined = parallel::map(chunks, |c| timed(|| self.join(&layers, window(c), range(c).end)));
+        let joined = workers.map(chunks, |c| timed.run(|| self.join(&layers, window(c), range(c).end)));
         let settled = if last { count } else { count.saturating_sub(overlap) };
         self.end = layers.end(settled).or(self.end);
         for (c, (sequences, took)) in joined.into_iter().enumerate() {
@@ -105,10 +106,16 @@ impl<'a> Sequencer<'a> {
     }
 }
 
-fn timed<T>(work: impl FnOnce() -> T) -> (T, Duration) {
-    let begun = Instant::now();
-    let done = work();
-    (done, begun.elapsed())
+/// Measures how long work takes, where there is a clock.
+#[derive(Clone, Copy)]
+struct Timed<'a>(Workers<'a>);
+
+impl Timed<'_> {
+    fn run<T>(self, work: impl FnOnce() -> T) -> (T, Duration) {
+        let begun = self.0.observer.now();
+        let done = work();
+        (done, self.0.observer.now().saturating_sub(begun))
+    }
 }
 
 /// Lower bounds of the links of a print and of each of its layers, whatever the strategy.
@@ -119,7 +126,12 @@ pub(super) struct Certificate {
 
 impl Certificate {
     /// Bounds for layers whose first is entered from `start`.
-    pub(super) fn new(layers: &[(LayerPaths, Pins)], settings: &Settings, start: Option<Point>) -> Self {
+    pub(super) fn new(
+        layers: &[(LayerPaths, Pins)],
+        settings: &Settings,
+        start: Option<Point>,
+        workers: Workers<'_>,
+    ) -> Self {
         let mut problems: Vec<Problem> = layers
             .iter()
             .map(|(layer, pins)| LayerProblem::new(layer, pins, settings.order.scope).problem)
@@ -127,7 +139,7 @@ impl Certificate {
         if let Some(first) = problems.iter_mut().find(|problem| !problem.items.is_empty()) {
             first.start = start;
         }
-        Self { shares: bound::shares(&problems, |n, chunk| parallel::map(n, chunk)), start }
+        Self { shares: bound::shares(&problems, |n, chunk| workers.map(n, chunk)), start }
     }
 
     /// A length that the links of a layer, entered from `start`, cannot stay below.

@@ -1,19 +1,19 @@
 //! The table of the paper of 2016: what ordering saves on files of the slicer that it was measured on.
 
 use std::io::Read;
-use std::path::Path;
-use std::time::Instant;
 
 use crate::estimate::Machine;
-use crate::gcode::{file_time, measure};
-use crate::job::{Job, JobError, Progress, Silent};
+use crate::gcode::{file_time, is_gcode, measure};
+use crate::job::{Job, JobError};
 use crate::order::compare::gap;
 use crate::order::{OrderStrategy, Scope};
 use crate::output::Output;
+use crate::parallel::Workers;
 use crate::profile::Settings;
 use crate::report::PaperRow;
+use crate::source::Source;
 
-use super::compare::{self, is_gcode};
+use super::compare;
 use super::{print, reorder};
 
 /// The orders of the table, beside the file's own.
@@ -31,37 +31,31 @@ const ORDERS: [(Scope, &[OrderStrategy]); 2] = [
 ];
 
 /// The rows of one file. A model is sliced first, its paths as they are made.
-pub(super) fn paper(
-    job: &Job,
-    settings: &Settings,
-    progress: &dyn Progress,
-) -> Result<Vec<PaperRow>, JobError> {
+pub(super) fn paper(job: &Job, settings: &Settings, workers: Workers<'_>) -> Result<Vec<PaperRow>, JobError> {
     let Some(file) = job.models.first() else { return Ok(Vec::new()) };
-    progress.begin(ORDERS.iter().map(|(_, strategies)| strategies.len()).sum());
-    if is_gcode(file) {
-        return rows(file, job, settings, progress);
-    }
-    let folder = tempfile::tempdir().map_err(|error| reorder::input_error(file, &error))?;
-    let sliced = folder.path().join("sliced.gcode");
-    let mut as_made = settings.clone();
-    as_made.order.strategy = OrderStrategy::AsSliced;
-    let mut output = Output::create(&sliced)?;
-    print::slice(job, &as_made, &mut output, &Silent)?;
-    output.commit()?;
-    rows(&sliced, job, settings, progress)
+    workers.observer.begin(ORDERS.iter().map(|(_, strategies)| strategies.len()).sum());
+    let source = if is_gcode(file) {
+        file.as_path().into()
+    } else {
+        let mut as_made = settings.clone();
+        as_made.order.strategy = OrderStrategy::AsSliced;
+        let silent = workers.observer.silent();
+        let mut output = Output::memory();
+        print::slice(job, &as_made, &mut output, Workers { observer: &silent })?;
+        output.into_bytes().into()
+    };
+    rows(&source, settings, job.certify, workers)
 }
 
 fn rows(
-    file: &Path,
-    job: &Job,
+    source: &Source,
     settings: &Settings,
-    progress: &dyn Progress,
+    certify: bool,
+    workers: Workers<'_>,
 ) -> Result<Vec<PaperRow>, JobError> {
     let machine = Machine::new(settings);
-    let read = |mut input: Box<dyn std::io::BufRead + '_>| {
-        let mut text = Vec::new();
-        input.read_to_end(&mut text).map(|_| text).map_err(|error| reorder::input_error(file, &error))
-    };
+    let silent = workers.observer.silent();
+    let quiet = Workers { observer: &silent };
     let row = |order: &str, scope: &str, text: &[u8], took_s: f64, gap: Option<f64>| {
         let measure = measure(text, settings.filament.diameter);
         PaperRow {
@@ -76,22 +70,24 @@ fn rows(
             gap,
         }
     };
-    let mut rows = vec![row("as sliced", "", &read(Box::new(reorder::open(file)?))?, 0.0, None)];
+    let mut text = Vec::new();
+    let read = source.open().and_then(|mut input| input.read_to_end(&mut text));
+    read.map_err(|error| reorder::input_error(source, &error))?;
+    let mut rows = vec![row("as sliced", "", &text, 0.0, None)];
     for (scope, strategies) in ORDERS {
         let mut settings = settings.clone();
         settings.order.scope = scope;
-        let certified = Job { models: vec![file.to_owned()], ..job.clone() };
-        let compared = compare::compare(&certified, &settings, strategies, &Silent)?;
+        let compared = compare::compare_file(source, &settings, strategies, certify, quiet)?;
         for (&strategy, compared) in strategies.iter().zip(compared) {
             settings.order.strategy = strategy;
-            let begun = Instant::now();
-            let mut output = Output::nowhere()?;
-            reorder::rewritten(file, &settings, &mut output)?;
-            let took_s = begun.elapsed().as_secs_f64();
-            let text = read(output.reread(0)?)?;
+            let begun = workers.observer.now();
+            let mut output = Output::memory();
+            reorder::rewritten(source, &settings, &mut output, quiet)?;
+            let took_s = workers.observer.now().saturating_sub(begun).as_secs_f64();
+            let text = output.into_bytes();
             let gap = gap(compared.link_mm(), compared.bound_mm);
             rows.push(row(strategy.name(), scope.name(), &text, took_s, gap));
-            progress.layer_done();
+            workers.observer.layer_done();
         }
     }
     Ok(rows)

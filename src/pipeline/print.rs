@@ -5,10 +5,13 @@ use crate::gcode::thumbnail_sizes;
 use crate::gcode::{
     self, Effect, GcodeOptions, LayerText, ObjectLabel, PrintFacts, Scripts, Slot, Totals, WriterSettings,
 };
-use crate::job::{Job, JobError, Progress};
+use crate::job::{Job, JobError};
 use crate::motion::{self, Entry, MotionSettings};
 use crate::order::{Chain, Pins, SeamRule, Visit, chunk_len};
 use crate::output::Output;
+use crate::parallel::{self, Workers};
+use crate::plan::floating::{Floating, Islands};
+use crate::plan::spiral;
 use crate::plate::Plate;
 use crate::profile::Settings;
 use crate::report::{LayerSummary, Measures, Overhangs, Summary};
@@ -17,38 +20,37 @@ use crate::units::{Mm3, Seconds};
 use crate::view;
 use geometry::{Bounds, Point};
 
-use super::floating::{Floating, Islands};
 use super::inspect::Inspector;
 use super::ordering::{Certificate, Layers, Sequencer};
 use super::rounds::{self, Round};
-use super::{load, ordering, parallel, spiral};
+use super::{load, ordering};
 
 /// Slices a plate.
 pub(super) fn slice(
     job: &Job,
     settings: &Settings,
     output: &mut Output,
-    progress: &dyn Progress,
+    workers: Workers<'_>,
 ) -> Result<Summary, JobError> {
     let settings = &*spiral::effective(settings);
-    let mut loaded = load::plate(job, settings)?;
+    let mut loaded = load::plate(job, settings, workers)?;
     let mut warnings = std::mem::take(&mut loaded.warnings);
-    let pictures = || thumbnails(&loaded.plate, settings);
-    let (rounds, pictures) = parallel::join(|| rounds::prepare(&loaded, settings), pictures);
+    let pictures = || thumbnails(&loaded.plate, settings, workers);
+    let (rounds, pictures) = parallel::join(|| rounds::prepare(&loaded, settings, workers), pictures);
     let rounds = rounds?;
     let count = rounds.iter().map(|round| round.sections.layers.len()).sum();
-    progress.begin(count);
+    workers.observer.begin(count);
     let Some(bounds) = rounds.iter().filter_map(|round| round.sections.bounds()).reduce(|a, b| a.joined(&b))
     else {
         return Err(load::nothing_to_print(&loaded.hints));
     };
     warnings.extend(rounds.iter().flat_map(|round| round.sections.warnings()));
-    let overhangs = (!settings.support.enabled).then(|| rounds::overhangs(&rounds, settings));
+    let overhangs = (!settings.support.enabled).then(|| rounds::overhangs(&rounds, settings, workers));
 
-    let facts = facts(&rounds, bounds, settings);
+    let facts = facts(&rounds, bounds, job.dated, settings);
     let options = GcodeOptions::from(settings);
     let scripts = Scripts::new(settings, &facts).map_err(|mistakes| JobError::Script(mistakes.join("\n")))?;
-    let labels = if settings.gcode.labels { labels(&loaded.plate, &rounds) } else { Vec::new() };
+    let labels = if settings.gcode.labels { labels(&loaded.plate, &rounds, workers) } else { Vec::new() };
     let names = labels.iter().map(|label| label.name.clone()).collect();
     let run = Run {
         chain: Chain { detours: settings.detour_rule(), ..ordering::chain(settings) },
@@ -57,13 +59,14 @@ pub(super) fn slice(
         writer: WriterSettings { objects: names, ..WriterSettings::new(settings, &scripts, true) },
         settings,
         certify: job.certify,
+        workers,
     };
 
     let mut opening = gcode::opening(&options, &facts, &scripts, true);
     opening.comment(&pictures);
     let labels = gcode::labels(&options, &labels);
     let inspector = Inspector::new(settings, &opening.bytes);
-    let mut sheet = Sheet { output, inspector, slots: opening.slots, tally: Tally::default(), progress };
+    let mut sheet = Sheet { output, inspector, slots: opening.slots, tally: Tally::default(), workers };
     sheet.output.write(&opening.bytes)?;
     sheet.write(&labels)?;
     let begun = scripts.start_effect(&options, &run.machine);
@@ -100,10 +103,10 @@ pub(super) fn slice(
         output.patch(slot.offset as u64, &totals.fill(slot, &settings.filament))?;
     }
     if job.certify {
-        tally.certify(ordered, settings, start);
+        tally.certify(ordered, settings, start, workers);
     }
     warnings.extend(floating_warnings);
-    let islands = rounds.iter().map(|round| Islands::find(&round.sections, settings));
+    let islands = rounds.iter().map(|round| Islands::find(&round.sections, settings, workers));
     warnings.extend(islands.filter_map(|islands| islands.warning()));
     warnings.extend(overhangs.as_ref().and_then(Overhangs::warning));
     let repairs = loaded.repairs;
@@ -113,31 +116,31 @@ pub(super) fn slice(
 }
 
 /// Pictures of the plate for the header.
-fn thumbnails(plate: &Plate, settings: &Settings) -> String {
+fn thumbnails(plate: &Plate, settings: &Settings, workers: Workers<'_>) -> String {
     // The profile has checked the sizes.
     let sizes = thumbnail_sizes(&settings.gcode.thumbnails).unwrap_or_default();
     let comments =
-        parallel::map(sizes.len(), |i| view::thumbnail_comment(sizes[i], &view::thumbnail(plate, sizes[i])));
+        workers.map(sizes.len(), |i| view::thumbnail_comment(sizes[i], &view::thumbnail(plate, sizes[i])));
     comments.concat()
 }
 
 /// What printers that can cancel an object are told of each.
-fn labels(plate: &Plate, rounds: &[Round]) -> Vec<ObjectLabel> {
+fn labels(plate: &Plate, rounds: &[Round], workers: Workers<'_>) -> Vec<ObjectLabel> {
     let mut hulls = vec![Vec::new(); plate.objects.len()];
-    for (object, hull) in rounds.iter().flat_map(|round| round.sections.hulls()) {
+    for (object, hull) in rounds.iter().flat_map(|round| round.sections.hulls(workers)) {
         hulls[object] = hull;
     }
     ObjectLabel::all(plate.objects.iter().map(|object| object.name.clone()).zip(hulls))
 }
 
-fn facts(rounds: &[Round], bounds: Bounds, settings: &Settings) -> PrintFacts {
+fn facts(rounds: &[Round], bounds: Bounds, dated: Option<u64>, settings: &Settings) -> PrintFacts {
     let tops = rounds.iter().filter_map(|round| Some(round.sections.layers.last()?.span.top_mm));
     PrintFacts {
         layers: rounds.iter().map(|round| round.sections.layers.len()).sum(),
         min_mm: bounds.min.mm(),
         max_mm: bounds.max.mm(),
         max_z_mm: tops.fold(0.0, f64::max) + settings.layer.z_offset.0,
-        dated: load::dated(),
+        dated: dated.unwrap_or(load::DATED),
     }
 }
 
@@ -150,6 +153,7 @@ struct Run<'a> {
     settings: &'a Settings,
     /// Whether lower bounds are wanted.
     certify: bool,
+    workers: Workers<'a>,
 }
 
 /// What was ordered, kept for the certificate.
@@ -171,7 +175,7 @@ struct Sheet<'a> {
     /// What is known at the end only.
     slots: Vec<Slot>,
     tally: Tally,
-    progress: &'a dyn Progress,
+    workers: Workers<'a>,
 }
 
 impl Sheet<'_> {
@@ -188,7 +192,7 @@ impl Sheet<'_> {
             self.slots.extend(text.progress.map(|slot| Slot { offset: base + slot.offset, ..slot }));
             self.write(&text.bytes)?;
             self.tally.add(summary);
-            self.progress.layer_done();
+            self.workers.observer.layer_done();
         }
         Ok(())
     }
@@ -231,12 +235,13 @@ impl Run<'_> {
         let count = round.sections.layers.len();
         let chunk = chunk_len(count);
         // As short as keeps all threads busy: there is nothing to do beside the first and the last batch.
+        let workers = self.workers;
         let length = chunk * parallel::threads();
         let plan = |first: usize| {
             let layers = length.min(count.saturating_sub(first));
-            parallel::map(layers, |i| round.sections.paths(&round.planners, first + i, self.settings))
+            workers.map(layers, |i| round.sections.paths(&round.planners, first + i, self.settings))
         };
-        let sequencer = Sequencer::new(&self.chain, chunk, at.xy.map(|[x, y]| Point::from_mm(x, y)));
+        let sequencer = Sequencer::new(&self.chain, workers, chunk, at.xy.map(|[x, y]| Point::from_mm(x, y)));
         let mut trail = Trail { seam: SeamRule::new(self.settings.seam.position), sequencer, at };
         let (mut planned, mut batch, mut done, mut kept) =
             (plan(0), Batch::default(), Vec::new(), Vec::new());
@@ -244,7 +249,7 @@ impl Run<'_> {
         for step in 1..=count.div_ceil(length) + 2 {
             planned.iter().try_for_each(|layer| floating.take(layer))?;
             let order = || self.order(planned, step * length >= count, &mut trail);
-            let finish = || parallel::map(batch.entries.len(), |i| self.finish(&batch, i, round.first_layer));
+            let finish = || workers.map(batch.entries.len(), |i| self.finish(&batch, i, round.first_layer));
             let write = || sheet.add(done);
             // What cannot be divided comes first.
             let beside = || parallel::join(write, || parallel::join(finish, || plan(step * length)));
@@ -328,10 +333,16 @@ impl Tally {
     }
 
     /// Adds the lower bounds of all layers, and of the whole.
-    fn certify(&mut self, ordered: Vec<Ordered>, settings: &Settings, start: Option<Point>) {
+    fn certify(
+        &mut self,
+        ordered: Vec<Ordered>,
+        settings: &Settings,
+        start: Option<Point>,
+        workers: Workers<'_>,
+    ) {
         let (layers, starts): (Vec<_>, Vec<_>) =
             ordered.into_iter().map(|ordered| (ordered.layer, ordered.start)).unzip();
-        let certificate = Certificate::new(&layers, settings, start);
+        let certificate = Certificate::new(&layers, settings, start, workers);
         for (i, (layer, start)) in self.layers.iter_mut().zip(starts).enumerate() {
             let measures = std::mem::take(&mut layer.measures);
             layer.measures = measures.with_bound(certificate.layer_mm(i, start));

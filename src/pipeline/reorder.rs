@@ -1,28 +1,27 @@
 //! A G-code file in another order: read, ordered, written and compared in batches of blocks.
 
-use std::fs::File;
-use std::io::{self, BufRead, BufReader, Read, Seek, SeekFrom};
+use std::io::{self, BufRead, Read, Seek, SeekFrom};
 use std::ops::Range;
-use std::path::Path;
-use std::time::SystemTime;
 
 use crate::check::Judge;
 use crate::estimate::Machine;
 use crate::gcode::{Annotated, State};
-use crate::job::{JobError, Progress, ReorderJob, Silent};
+use crate::job::{JobError, ReorderJob};
 use crate::order::{Chain, Pins, SeamRule, chunk_len};
 use crate::order::{OrderStrategy, Scope, SeamPosition};
 use crate::output::Output;
+use crate::parallel::{self, Workers};
 use crate::profile::Settings;
 use crate::reorder::{
     self, Block, Blocks, Habit, Inventory, Learner, Options, Ordering, Pick, Readback, Times, Toll, Walls,
     Written,
 };
 use crate::report::{Reordered, Way};
+use crate::source::{Input, Source};
 use crate::toolpath::LayerPaths;
 
 use super::ordering::Sequencer;
-use super::{inspect, ordering, parallel};
+use super::{inspect, ordering};
 
 /// A batch holds at least so many bytes of the file: enough to keep all threads busy, whatever the file's size, and
 /// blocks enough to be weighed against each other.
@@ -31,59 +30,53 @@ const BATCH_BYTES: usize = 8 << 20;
 const NEAREST_BYTES: usize = 1 << 20;
 /// Lines about time are looked for in so many bytes at either end of a file.
 const TIME_BYTES: u64 = 1 << 16;
-/// Size of the buffer in front of the file.
-const BUFFER_BYTES: usize = 1 << 18;
 /// An improvement below this share of the travel is none.
 const WORTHWHILE: f64 = 1e-4;
 
 /// Puts a file into another order.
 pub(super) fn reorder(
+    source: &Source,
     job: &ReorderJob,
     settings: &Settings,
     output: &mut Output,
-    progress: &dyn Progress,
+    workers: Workers<'_>,
 ) -> Result<Reordered, JobError> {
-    let mut run = Run { more_pulls: job.more_retractions, ..Run::new(settings, job.keep_direction, true) };
-    let begun = stamp(&job.file)?;
-    let machine = tells_time(&job.file)?.then(|| Machine::new(settings));
-    let input = Blocks::new(open(&job.file)?).proven(machine.as_ref());
+    let mut run =
+        Run { more_pulls: job.more_retractions, ..Run::new(settings, job.keep_direction, true, workers) };
+    let begun = source.stamp().map_err(|error| input_error(source, &error))?;
+    let machine = tells_time(source)?.then(|| Machine::new(settings));
+    let input = Blocks::new(open(source)?).proven(machine.as_ref());
     let mut judge = Judge::of_paths(settings, true);
     let mut readback = Readback::timed(machine.as_ref());
     let mut check = |read: &mut Annotated<'_>, state: &State| judge.see(read, state);
     let back = |text: Box<dyn BufRead + Send + '_>| readback.read(text, &mut check);
-    let mut before = run.rewrite(&job.file, input, back, output, progress)?.unwrap_or_default();
+    let mut before = run.rewrite(source, input, back, output)?.unwrap_or_default();
     let mut after = readback.finish();
     let times = before.take_times().zip(after.take_times());
-    let mut report = Reordered { file: job.file.display().to_string(), ..Reordered::default() };
+    let mut report = Reordered { file: source.to_string(), ..Reordered::default() };
     if run.improved() {
-        let proof = before.compare(after).map_err(|difference| {
-            JobError::Check(format!("{}: {difference}; nothing was written", job.file.display()))
-        })?;
+        let proof = before
+            .compare(after)
+            .map_err(|difference| JobError::Check(format!("{source}: {difference}; nothing was written")))?;
         let fewer = job.more_retractions || proof.after.retractions <= proof.before.retractions;
         if fewer && proof.after.travel_mm <= proof.before.travel_mm {
             (report.before, report.after) = (Way::from(&proof.before), Way::from(&proof.after));
             (report.layers, report.changed) = (proof.layers, true);
             update_times(&run.times, times, output)?;
-            inspect::remade(&job.file, &judge.finish(), settings)?;
+            inspect::remade(source, &judge.finish(), settings)?;
         }
     }
-    if stamp(&job.file)? != begun {
+    if source.stamp().map_err(|error| input_error(source, &error))? != begun {
         let error = io::Error::other("it was changed while it was read; nothing was written");
-        return Err(input_error(&job.file, &error));
+        return Err(input_error(source, &error));
     }
     Ok(report)
 }
 
-/// What tells that a file has been changed.
-fn stamp(path: &Path) -> Result<(u64, Option<SystemTime>), JobError> {
-    let found = std::fs::metadata(path).map_err(|error| input_error(path, &error))?;
-    Ok((found.len(), found.modified().ok()))
-}
-
 /// Whether a file has lines about time near its beginning or its end, as all slicers write them that write any.
-fn tells_time(path: &Path) -> Result<bool, JobError> {
-    let mut input = open(path)?;
-    let failed = |error: io::Error| input_error(path, &error);
+fn tells_time(source: &Source) -> Result<bool, JobError> {
+    let mut input = open(source)?;
+    let failed = |error: io::Error| input_error(source, &error);
     let length = input.seek(SeekFrom::End(0)).map_err(failed)?;
     let mut tells = false;
     for offset in [0, length.saturating_sub(TIME_BYTES)] {
@@ -121,11 +114,11 @@ fn update_times(
 }
 
 /// The layers of a file as they are ordered, and the links within each that are not open to ordering, mm.
-pub(super) fn layers(path: &Path, settings: &Settings) -> Result<(Vec<LayerPaths>, Vec<f64>), JobError> {
-    let mut blocks = Blocks::new(open(path)?);
+pub(super) fn layers(source: &Source, settings: &Settings) -> Result<(Vec<LayerPaths>, Vec<f64>), JobError> {
+    let mut blocks = Blocks::new(open(source)?);
     let (mut layers, mut fixed_mm) = (Vec::new(), Vec::new());
     let (seam, scope) = (settings.seam.position, settings.order.scope);
-    while let Some(block) = blocks.read().map_err(|error| input_error(path, &error))? {
+    while let Some(block) = blocks.read().map_err(|error| input_error(source, &error))? {
         if block.paths() > 0 {
             let ordering = Ordering::new(&block, layers.len(), seam, scope);
             layers.push(ordering.layer);
@@ -133,7 +126,7 @@ pub(super) fn layers(path: &Path, settings: &Settings) -> Result<(Vec<LayerPaths
         }
     }
     if layers.is_empty() {
-        return Err(JobError::Input(format!("{}: nothing is printed in it", path.display())));
+        return Err(JobError::Input(format!("{source}: nothing is printed in it")));
     }
     Ok((layers, fixed_mm))
 }
@@ -144,18 +137,22 @@ pub(super) fn seam_rule(position: SeamPosition) -> SeamRule {
 }
 
 /// Writes a file in the order that the settings ask for, whether or not that is any better, and without the proof.
-pub(super) fn rewritten(path: &Path, settings: &Settings, output: &mut Output) -> Result<(), JobError> {
-    let blocks = Blocks::new(open(path)?);
-    Run::new(settings, false, false).rewrite(path, blocks, |_| Ok(()), output, &Silent).map(drop)
+pub(super) fn rewritten(
+    source: &Source,
+    settings: &Settings,
+    output: &mut Output,
+    workers: Workers<'_>,
+) -> Result<(), JobError> {
+    let blocks = Blocks::new(open(source)?);
+    Run::new(settings, false, false, workers).rewrite(source, blocks, |_| Ok(()), output).map(drop)
 }
 
-pub(super) fn open(path: &Path) -> Result<BufReader<File>, JobError> {
-    let file = File::open(path).map_err(|error| input_error(path, &error))?;
-    Ok(BufReader::with_capacity(BUFFER_BYTES, file))
+fn open(source: &Source) -> Result<Box<dyn Input>, JobError> {
+    source.open().map_err(|error| input_error(source, &error))
 }
 
-pub(super) fn input_error(path: &Path, error: &io::Error) -> JobError {
-    JobError::Input(format!("{}: {error}", path.display()))
+pub(super) fn input_error(source: &Source, error: &io::Error) -> JobError {
+    JobError::Input(format!("{source}: {error}"))
 }
 
 /// Batches of blocks of a file.
@@ -184,7 +181,8 @@ impl<R: BufRead> Batches<R> {
 }
 
 /// What goes on from batch to batch.
-struct Run {
+struct Run<'a> {
+    workers: Workers<'a>,
     chain: Chain,
     seam: SeamRule,
     position: SeamPosition,
@@ -211,9 +209,10 @@ struct Run {
     after: Toll,
 }
 
-impl Run {
-    fn new(settings: &Settings, keep_direction: bool, choosy: bool) -> Self {
+impl<'a> Run<'a> {
+    fn new(settings: &Settings, keep_direction: bool, choosy: bool, workers: Workers<'a>) -> Self {
         Self {
+            workers,
             chain: ordering::chain(settings),
             seam: seam_rule(settings.seam.position),
             position: settings.seam.position,
@@ -249,13 +248,12 @@ impl Run {
     /// compared and checked. What the file prints, where that is to be proven.
     fn rewrite(
         &mut self,
-        path: &Path,
+        source: &Source,
         blocks: Blocks<impl BufRead + Send>,
         mut back: impl FnMut(Box<dyn BufRead + Send + '_>) -> io::Result<()> + Send,
         output: &mut Output,
-        progress: &dyn Progress,
     ) -> Result<Option<Inventory>, JobError> {
-        let failed = |error: io::Error| input_error(path, &error);
+        let failed = |error: io::Error| input_error(source, &error);
         let mut batches = Batches { blocks, carry: None, least: self.batch_bytes() };
         let mut batch = batches.read().map_err(failed)?;
         let mut checked = output.written();
@@ -275,7 +273,7 @@ impl Run {
                     TimeLine { offset: begin + at as u64, number, text: text.unwrap_or_default().to_vec() }
                 }));
                 output.write(&written.bytes)?;
-                progress.layer_done();
+                self.workers.observer.layer_done();
             }
             batch = next.map_err(failed)?;
         }
@@ -306,13 +304,14 @@ impl Run {
         let habit = habit.unwrap_or_default();
         self.retraction_mm = habit.retraction_mm();
         let start = self.at.unwrap_or(blocks[0].start());
-        let walls = walls(blocks);
+        let workers = self.workers;
+        let walls = walls(blocks, workers);
         let silent = match self.begun {
             true => 0,
             false => blocks.iter().position(|block| block.paths() > 0).map_or(blocks.len(), |i| i + 1),
         };
         self.begun |= silent < blocks.len();
-        let batch = Batch { blocks, orders, habit, walls, start, silent };
+        let batch = Batch { workers, blocks, orders, habit, walls, start, silent };
         for (i, block) in blocks.iter().enumerate() {
             let [junction, inside] = block.tolls();
             self.before += batch.heard(i, junction) + inside;
@@ -324,7 +323,7 @@ impl Run {
             };
             batch.best(limit, self.retraction_mm)
         } else {
-            (vec![1; blocks.len()], parallel::map(blocks.len(), |i| batch.write(1, 1, i)))
+            (vec![1; blocks.len()], workers.map(blocks.len(), |i| batch.write(1, 1, i)))
         };
         for (i, written) in written.iter().enumerate() {
             self.after += batch.heard(i, written.junction) + written.inside;
@@ -359,8 +358,9 @@ impl Run {
 
     /// The order of the paths of every block.
     fn order(&mut self, blocks: &[Block], scope: Scope) -> Vec<Vec<Pick>> {
+        let workers = self.workers;
         let orderings: Vec<Ordering> =
-            parallel::map(blocks.len(), |i| Ordering::new(&blocks[i], self.blocks + i, self.position, scope));
+            workers.map(blocks.len(), |i| Ordering::new(&blocks[i], self.blocks + i, self.position, scope));
         // Blocks without paths are passed over.
         let with_paths: Vec<usize> = (0..blocks.len()).filter(|&i| blocks[i].paths() > 0).collect();
         let layers: Vec<LayerPaths> = with_paths.iter().map(|&i| orderings[i].layer.clone()).collect();
@@ -368,15 +368,16 @@ impl Run {
         let start = self.at.zip(blocks.first()).map(|(at, block)| block.point(at));
         let mut chain = self.chain.clone();
         chain.settings.scope = scope;
-        let sequences =
-            Sequencer::new(&chain, chunk_len(layers.len()), start).take(layers, pins, true).sequences;
+        let sequences = Sequencer::new(&chain, workers, chunk_len(layers.len()), start)
+            .take(layers, pins, true)
+            .sequences;
         let mut picks = vec![Vec::new(); blocks.len()];
         for (&i, sequence) in with_paths.iter().zip(&sequences) {
             picks[i] = orderings[i].picks(&blocks[i], sequence);
         }
         if self.keep_direction {
             let forwards = |i: usize| reorder::forwards(&blocks[i], &orderings[i], scope, &picks[i]);
-            picks = parallel::map(blocks.len(), forwards);
+            picks = workers.map(blocks.len(), forwards);
         }
         picks
     }
@@ -384,6 +385,7 @@ impl Run {
 
 /// Some blocks, and what it takes to write them.
 struct Batch<'a> {
+    workers: Workers<'a>,
     blocks: &'a [Block],
     /// The paths of every block in several orders, the first being that of the file.
     orders: Vec<Vec<Vec<Pick>>>,
@@ -399,16 +401,16 @@ struct Batch<'a> {
 impl Batch<'_> {
     /// The best choice of orders within a limit, and the text of every block.
     fn best(&self, limit: Toll, retraction_mm: f64) -> (Vec<usize>, Vec<Written>) {
-        let (count, orders) = (self.blocks.len(), self.orders.len());
+        let (workers, count, orders) = (self.workers, self.blocks.len(), self.orders.len());
         let mut written: Vec<Vec<Written>> =
-            (1..orders).map(|order| parallel::map(count, |i| self.write(order, order, i))).collect();
-        let options = parallel::map(count, |i| self.options(&written, i));
+            (1..orders).map(|order| workers.map(count, |i| self.write(order, order, i))).collect();
+        let options = workers.map(count, |i| self.options(&written, i));
         let chosen = reorder::choose(&options, limit, retraction_mm).unwrap_or_else(|| vec![0; count]);
         // A block's text depends on where the one before ends.
         let before = |i: usize| i.checked_sub(1).map_or(0, |before| chosen[before]);
         let again = |i: &usize| chosen[*i] == 0 || *i > 0 && before(*i) != chosen[*i];
         let again: Vec<usize> = (0..count).filter(again).collect();
-        let texts = parallel::map(again.len(), |k| self.write(before(again[k]), chosen[again[k]], again[k]));
+        let texts = workers.map(again.len(), |k| self.write(before(again[k]), chosen[again[k]], again[k]));
         let mut texts = texts.into_iter();
         let mut again = again.into_iter().peekable();
         let best = |i: usize| match again.next_if_eq(&i) {
@@ -464,7 +466,7 @@ impl Batch<'_> {
 }
 
 /// The walls of every layer, with the blocks that make it up.
-fn walls(blocks: &[Block]) -> Vec<(Range<usize>, Walls)> {
+fn walls(blocks: &[Block], workers: Workers<'_>) -> Vec<(Range<usize>, Walls)> {
     let mut ranges: Vec<Range<usize>> = Vec::new();
     for (index, block) in blocks.iter().enumerate() {
         match ranges.last_mut() {
@@ -472,6 +474,6 @@ fn walls(blocks: &[Block]) -> Vec<(Range<usize>, Walls)> {
             _ => ranges.push(index..index + 1),
         }
     }
-    let walls = parallel::map(ranges.len(), |i| Walls::new(blocks[ranges[i].clone()].iter()));
+    let walls = workers.map(ranges.len(), |i| Walls::new(blocks[ranges[i].clone()].iter()));
     ranges.into_iter().zip(walls).collect()
 }

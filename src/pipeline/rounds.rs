@@ -9,9 +9,10 @@ use crate::slice::Slicer;
 use geometry::{Point, Polygon};
 
 use super::load::{self, Loaded};
-use super::sections::Sections;
-use super::styles::Planners;
-use super::supports;
+use crate::parallel::Workers;
+use crate::plan::sections::Sections;
+use crate::plan::styles::Planners;
+use crate::plan::supports;
 
 /// How far above finished objects the nozzle passes, millimetres: more than they may have warped.
 const PASS_MM: f64 = 2.0;
@@ -32,11 +33,15 @@ pub(super) struct Round {
 ///
 /// # Errors
 /// Objects that cannot be printed one after the other; nothing to print.
-pub(super) fn prepare(loaded: &Loaded<'_>, settings: &Settings) -> Result<Vec<Round>, JobError> {
+pub(super) fn prepare(
+    loaded: &Loaded<'_>,
+    settings: &Settings,
+    workers: Workers<'_>,
+) -> Result<Vec<Round>, JobError> {
     let plate = &loaded.plate;
     let bodies = bodies(plate);
     if settings.print.sequence == Sequence::Layer || bodies.len() < 2 {
-        let round = Round::new(loaded, (0..plate.objects.len()).collect(), settings, &[])?;
+        let round = Round::new(loaded, (0..plate.objects.len()).collect(), settings, &[], workers)?;
         return round.map(|round| vec![round]).ok_or_else(|| load::nothing_to_print(&loaded.hints));
     }
     let mut order = order(plate, bodies, settings)?.into_iter();
@@ -46,11 +51,11 @@ pub(super) fn prepare(loaded: &Loaded<'_>, settings: &Settings) -> Result<Vec<Ro
     bare.skirt.loops = 0;
     let mut later: Vec<Round> = Vec::new();
     for objects in order {
-        later.extend(Round::new(loaded, objects, &bare, &[])?);
+        later.extend(Round::new(loaded, objects, &bare, &[], workers)?);
     }
     let around: Vec<Polygon> =
         later.iter().flat_map(|round| round.sections.on_bed(&round.planners)).collect();
-    let first = Round::new(loaded, lowest, settings, &around)?;
+    let first = Round::new(loaded, lowest, settings, &around, workers)?;
     let mut rounds: Vec<Round> = first.into_iter().chain(later).collect();
     let (mut layers, mut top_mm) = (0, 0.0_f64);
     for round in &mut rounds {
@@ -66,13 +71,13 @@ pub(super) fn prepare(loaded: &Loaded<'_>, settings: &Settings) -> Result<Vec<Ro
 }
 
 /// What would need support.
-pub(super) fn overhangs(rounds: &[Round], settings: &Settings) -> Overhangs {
+pub(super) fn overhangs(rounds: &[Round], settings: &Settings, workers: Workers<'_>) -> Overhangs {
     let mut all = Overhangs::default();
     for round in rounds {
         let sections = &round.sections;
         let Some(bounds) = sections.bounds() else { continue };
         let part = &sections.layers[sections.first_layer()..];
-        let Overhangs { count, area_mm2, lowest_mm } = supports::overhangs(part, bounds, settings);
+        let Overhangs { count, area_mm2, lowest_mm } = supports::overhangs(part, bounds, settings, workers);
         all.count += count;
         all.area_mm2 += area_mm2;
         all.lowest_mm = all.lowest_mm.into_iter().chain(lowest_mm).reduce(f64::min);
@@ -87,6 +92,7 @@ impl Round {
         objects: Vec<usize>,
         settings: &Settings,
         around: &[Polygon],
+        workers: Workers<'_>,
     ) -> Result<Option<Self>, JobError> {
         let own;
         let plate = if objects.len() == loaded.plate.objects.len() {
@@ -98,12 +104,12 @@ impl Round {
         let name = (objects.len() < loaded.plate.objects.len()).then(|| names(&loaded.plate, &objects));
         let styles = loaded.styles.of(&objects);
         let slicer = Slicer::new(plate, &load::layers(settings));
-        let mut sections = Sections::cut(&slicer, objects, &styles, &loaded.wishes, settings)?;
+        let mut sections = Sections::cut(&slicer, objects, &styles, &loaded.wishes, settings, workers)?;
         if sections.bounds().is_none() {
             return Ok(None);
         }
-        let planners = sections.planners(&styles, settings, around);
-        sections.lay_supports(&planners.main, settings);
+        let planners = sections.planners(&styles, settings, around, workers);
+        sections.lay_supports(&planners.main, settings, workers);
         let top_mm = sections.layers.last().map_or(0.0, |layer| layer.span.top_mm);
         load::check_height(top_mm + settings.layer.z_offset.0, settings)?;
         Ok(Some(Self { sections, planners, name, first_layer: 0, over_mm: 0.0 }))
@@ -112,7 +118,7 @@ impl Round {
 
 /// A plate with some of the objects.
 fn part(plate: &Plate, objects: &[usize]) -> Plate {
-    let mut part = Plate { meshes: Vec::new(), objects: Vec::new(), notes: Vec::new() };
+    let mut part = Plate::default();
     for &object in objects {
         let object = &plate.objects[object];
         part.objects.push(Object { mesh: part.meshes.len(), ..object.clone() });

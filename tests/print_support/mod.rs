@@ -4,9 +4,10 @@
 
 use std::path::{Path, PathBuf};
 
+use pathwright::Observer;
 use pathwright::gcode::{Action, Measure, Stroke, measure, replay};
 use pathwright::geom::{Region, intersection, offset};
-use pathwright::job::{Engine, Job, JobError, Silent};
+use pathwright::job::{Engine, Job, JobError};
 use pathwright::mesh;
 use pathwright::output::Output;
 use pathwright::pipeline::Pipeline;
@@ -58,7 +59,7 @@ pub fn run(job: &Job, settings: &Settings) -> Result<Print, JobError> {
     let folder = tempfile::tempdir().expect("a folder");
     let file = folder.path().join("part.gcode");
     let mut output = Output::create(&file)?;
-    let summary = Pipeline.slice(job, settings, &mut output, &Silent)?;
+    let summary = Pipeline.slice(job, settings, &mut output, &Observer::none())?;
     output.commit()?;
     Ok(Print { text: std::fs::read(&file).expect("written"), summary })
 }

@@ -6,6 +6,8 @@ use std::fs::File;
 use std::io::{BufRead, BufReader};
 use std::path::Path;
 
+use crate::gcode::is_gcode;
+
 /// One value, and the line it stands on, from 1.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(super) struct Entry {
@@ -27,11 +29,7 @@ type Preset = (String, Vec<(String, Entry)>);
 /// Whether a file of this name is read as a configuration of another slicer.
 pub(in crate::profile) fn is_foreign(path: &Path) -> bool {
     let extension = path.extension().unwrap_or_default().to_string_lossy().to_ascii_lowercase();
-    extension == "ini" || is_gcode(&extension)
-}
-
-fn is_gcode(extension: &str) -> bool {
-    ["gcode", "gco", "gc", "g"].contains(&extension)
+    extension == "ini" || is_gcode(path)
 }
 
 impl Config {
@@ -40,11 +38,10 @@ impl Config {
     /// # Errors
     /// The file cannot be read, holds no configuration, or several presets of one kind without saying which is meant.
     pub fn read(path: &Path) -> Result<Self, String> {
-        let extension = path.extension().unwrap_or_default().to_string_lossy().to_ascii_lowercase();
         let read = |error: std::io::Error| format!("cannot be read: {error}");
         let file = BufReader::new(File::open(path).map_err(read)?);
         let lines = file.split(b'\n').map(|line| line.map(|l| String::from_utf8_lossy(&l).into_owned()));
-        if is_gcode(&extension) {
+        if is_gcode(path) {
             let mut block = Block::default();
             for (index, line) in lines.enumerate() {
                 block.line(line.map_err(read)?.trim(), index + 1);

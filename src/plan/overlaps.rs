@@ -4,8 +4,8 @@ use crate::plate::Plate;
 use crate::slice::{Layer, Section};
 use geometry::Region;
 
-use super::parallel;
 use super::styles::Styles;
+use crate::parallel::Workers;
 
 /// Objects nearer than this may fuse, millimetres: about a bead.
 const NEAR_MM: f64 = 0.4;
@@ -31,12 +31,17 @@ struct Meeting {
 /// Makes one of what overlaps, so that nothing is printed twice, and tells what overlaps and what may fuse.
 ///
 /// Objects with the same settings become one, which is the first of them; of others, what they share belongs to the first.
-pub(super) fn resolve(layers: &mut [Layer], plate: &Plate, styles: &Styles<'_>) -> Vec<String> {
+pub(crate) fn resolve(
+    layers: &mut [Layer],
+    plate: &Plate,
+    styles: &Styles<'_>,
+    workers: Workers<'_>,
+) -> Vec<String> {
     let pairs = candidates(plate);
     if pairs.is_empty() {
         return Vec::new();
     }
-    let found = parallel::map(layers.len(), |i| meetings(&layers[i], &pairs));
+    let found = workers.map(layers.len(), |i| meetings(&layers[i], &pairs));
     let mut meetings = vec![Meeting::default(); pairs.len()];
     for (layer, found) in layers.iter().zip(&found) {
         for &(pair, overlap_mm2) in found {
@@ -59,7 +64,7 @@ pub(super) fn resolve(layers: &mut [Layer], plate: &Plate, styles: &Styles<'_>) 
         first.iter_mut().filter(|one| **one == high).for_each(|one| *one = low);
     }
     if !overlapping.is_empty() {
-        let mended = parallel::map(layers.len(), |i| united(&layers[i].sections, &first, &overlapping));
+        let mended = workers.map(layers.len(), |i| united(&layers[i].sections, &first, &overlapping));
         for (layer, sections) in layers.iter_mut().zip(mended) {
             layer.sections = sections;
         }

@@ -9,17 +9,17 @@ use crate::toolpath::{LayerPaths, Planner, PlateLayer, ToolpathSettings};
 use crate::units::Mm;
 use geometry::{Polygon, Region};
 
-use super::parallel;
+use crate::parallel::Workers;
 
 /// Layers that sparse infill is calibrated on.
 const SAMPLES: usize = 12;
 
 /// Infill that was planned for a whole print, and the number of the settings that it is for; `None`: the plate's.
-pub(super) type Planned = (Option<usize>, Arc<dyn FillPattern>);
+pub(crate) type Planned = (Option<usize>, Arc<dyn FillPattern>);
 
 /// The settings of each object.
 #[derive(Clone, Debug, Default)]
-pub(super) struct Styles<'a> {
+pub(crate) struct Styles<'a> {
     /// For each object its own settings, as an index; `None`: it has those of the plate.
     of_object: Vec<Option<usize>>,
     own: &'a [ObjectSettings],
@@ -95,7 +95,7 @@ impl<'a> Styles<'a> {
 }
 
 /// The planners of a plate: one for the plate, and one for each set of settings of its own.
-pub(super) struct Planners {
+pub(crate) struct Planners {
     /// Lays also what belongs to no object.
     pub main: Planner,
     /// With the number of the settings.
@@ -139,6 +139,7 @@ impl Planners {
     /// Calibrates sparse infill on some of the layers `first..layers`.
     pub fn calibrate<'l>(
         &mut self,
+        workers: Workers<'_>,
         layer: impl Fn(usize) -> PlateLayer<'l> + Sync + Send,
         first: usize,
         layers: usize,
@@ -150,18 +151,22 @@ impl Planners {
         chosen.retain(|&i| i >= first);
         let of_object = self.of_object.clone();
         for (style, planner) in self.all() {
-            let samples = parallel::map(chosen.len(), |k| {
-                planner.sparse_sample(&part(layer(chosen[k]), &of_object, style))
-            });
+            let samples = workers
+                .map(chosen.len(), |k| planner.sparse_sample(&part(layer(chosen[k]), &of_object, style)));
             planner.calibrate(&samples, height_mm);
         }
     }
 
     /// Combines the sparse infill of layers where the settings ask for it.
-    pub fn combine<'l>(&mut self, layer: impl Fn(usize) -> PlateLayer<'l> + Sync + Send, layers: usize) {
+    pub fn combine<'l>(
+        &mut self,
+        workers: Workers<'_>,
+        layer: impl Fn(usize) -> PlateLayer<'l> + Sync + Send,
+        layers: usize,
+    ) {
         let of_object = self.of_object.clone();
         for (style, planner) in self.all().filter(|(_, planner)| planner.combines()) {
-            let areas = parallel::map(layers, |i| {
+            let areas = workers.map(layers, |i| {
                 let layer = part(layer(i), &of_object, style);
                 (layer.height_mm, planner.sparse_area(&layer))
             });

@@ -14,10 +14,10 @@ use geometry::{Bounds, Point, Polygon, Region};
 use super::floating;
 use super::infill;
 use super::overlaps;
-use super::parallel;
 use super::spiral::Spiral;
 use super::styles::{Planned, Planners, Styles};
 use super::supports::{self, Supports};
+use crate::parallel::Workers;
 
 /// How far the outline of a label may differ from the object's hull, millimetres.
 const LABEL_TOLERANCE_MM: f64 = 0.05;
@@ -26,7 +26,7 @@ const LABEL_TOLERANCE_MM: f64 = 0.05;
 const SUPPORT_RANK: u32 = 2;
 
 /// The sections of all layers, and the shells that follow from them.
-pub(super) struct Sections {
+pub(crate) struct Sections {
     /// Those of a raft first; they have no section.
     pub layers: Vec<Layer>,
     /// How many are a raft's.
@@ -56,10 +56,11 @@ impl Sections {
         styles: &Styles<'_>,
         wishes: &[Plate; 2],
         settings: &Settings,
+        workers: Workers<'_>,
     ) -> Result<Self, JobError> {
         let count = objects.len();
-        let mut cut = parallel::map(slicer.spans().len(), |i| slicer.layer(i));
-        let notes = overlaps::resolve(&mut cut, slicer.plate(), styles);
+        let mut cut = workers.map(slicer.spans().len(), |i| slicer.layer(i));
+        let notes = overlaps::resolve(&mut cut, slicer.plate(), styles, workers);
         let layers = raised(cut, settings);
         let places: Vec<Vec<Option<usize>>> = (0..count)
             .map(|object| layers.iter().map(|l| l.sections.iter().position(|s| s.object == object)).collect())
@@ -82,23 +83,25 @@ impl Sections {
             // The lowest layer is level in any case: the nozzle cannot begin in the bed.
             let part_mm = heights_mm.get(raft_layers..).unwrap_or_default();
             let first = raft_layers + toolpath::bottom_layers(part_mm, &settings.shell).max(1);
-            sections.spiral = Some(Spiral::wind(&sections.layers, count, first, settings)?);
+            sections.spiral = Some(Spiral::wind(&sections.layers, count, first, settings, workers)?);
         }
         sections.shells = (0..count)
             .map(|object| {
                 let shell = &styles.settings(object, settings).shell;
                 let own: Vec<&Region> = (0..sections.layers.len()).map(|i| sections.of(object, i)).collect();
-                Shells::build(&own, &heights_mm, shell, &|n, f| parallel::map(n, f))
+                Shells::build(&own, &heights_mm, shell, &|n, f| workers.map(n, f))
             })
             .collect();
         if settings.support.enabled || !wishes[0].meshes.is_empty() {
             let bounds = sections.bounds();
             let part = &sections.layers[raft_layers.min(sections.layers.len())..];
-            sections.supports = bounds.map(|bounds| Supports::plan(part, bounds, wishes, settings));
+            sections.supports = bounds.map(|bounds| Supports::plan(part, bounds, wishes, settings, workers));
         }
         sections.infill = styles
             .each(settings)
-            .filter_map(|(style, settings)| Some((style, infill::plan(&sections, slicer.plate(), settings)?)))
+            .filter_map(|(style, settings)| {
+                Some((style, infill::plan(&sections, slicer.plate(), settings, workers)?))
+            })
             .collect();
         Ok(sections)
     }
@@ -202,7 +205,7 @@ impl Sections {
     }
 
     /// Lays the beads of supports, beside what the planner lays on the bed.
-    pub fn lay_supports(&mut self, planner: &Planner, settings: &Settings) {
+    pub fn lay_supports(&mut self, planner: &Planner, settings: &Settings, workers: Workers<'_>) {
         let Some(supports) = &mut self.supports else { return };
         let (part, on_raft) = (&self.layers[self.raft_layers..], self.raft_layers > 0);
         let lay = |outlines: &Outlines, above_raft: usize| {
@@ -224,11 +227,17 @@ impl Sections {
             };
             support::lay(outlines, &spec, &settings.support)
         };
-        supports.lay(lay, part);
+        supports.lay(lay, part, workers);
     }
 
     /// The toolpath planners, their sparse infill calibrated on sample layers. The skirt goes also around `around`.
-    pub fn planners(&self, styles: &Styles<'_>, settings: &Settings, around: &[Polygon]) -> Planners {
+    pub fn planners(
+        &self,
+        styles: &Styles<'_>,
+        settings: &Settings,
+        around: &[Polygon],
+        workers: Workers<'_>,
+    ) -> Planners {
         let mut footprint = supports::section(&self.layers[self.raft_layers]);
         let standing = self.supports.as_ref().map_or(Region::EMPTY, |supports| &supports.outlines(0).all);
         if self.raft_layers > 0 {
@@ -244,8 +253,8 @@ impl Sections {
         planners.enclose(enclosed, first_height_mm);
         let height_mm = self.layers.last().map_or(first_height_mm, |last| last.span.height_mm);
         let layer = |i: usize| self.plate_layer(i);
-        planners.calibrate(layer, self.raft_layers + 1, self.layers.len(), height_mm);
-        planners.combine(layer, self.layers.len());
+        planners.calibrate(workers, layer, self.raft_layers + 1, self.layers.len(), height_mm);
+        planners.combine(workers, layer, self.layers.len());
         planners
     }
 
@@ -263,7 +272,7 @@ impl Sections {
     }
 
     /// The convex hull of each object, with its number on the plate; empty where no layer holds anything of it.
-    pub fn hulls(&self) -> Vec<(usize, Vec<[f64; 2]>)> {
+    pub fn hulls(&self, workers: Workers<'_>) -> Vec<(usize, Vec<[f64; 2]>)> {
         let hull = |object: usize| {
             let regions = (0..self.layers.len()).map(|layer| self.of(object, layer));
             let outers = regions.flat_map(|region| &region.polygons).flat_map(|polygon| &polygon.outer);
@@ -273,7 +282,7 @@ impl Sections {
             let corners = hull.exterior().points().map(|p| [p.x(), p.y()]);
             corners.skip(1).collect()
         };
-        let hulls = parallel::map(self.objects.len(), hull);
+        let hulls = workers.map(self.objects.len(), hull);
         self.objects.iter().copied().zip(hulls).collect()
     }
 

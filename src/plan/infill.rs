@@ -9,14 +9,19 @@ use crate::toolpath::bead;
 use crate::toolpath::infill::{AdaptiveCubic, FillPattern, Hollow, Lightning};
 use geometry::Region;
 
-use super::parallel;
 use super::sections::Sections;
+use crate::parallel::Workers;
 
 /// Outlines are simplified to this before branches grow in them: a quarter of a bead.
 const ROUGH_MM: f64 = 0.1;
 
 /// The pattern, where it must know all layers.
-pub(super) fn plan(sections: &Sections, plate: &Plate, settings: &Settings) -> Option<Arc<dyn FillPattern>> {
+pub(crate) fn plan(
+    sections: &Sections,
+    plate: &Plate,
+    settings: &Settings,
+    workers: Workers<'_>,
+) -> Option<Arc<dyn FillPattern>> {
     let infill = &settings.infill;
     if !(infill.density.0 > 0.0 && infill.density.0 < 1.0) {
         return None;
@@ -30,7 +35,7 @@ pub(super) fn plan(sections: &Sections, plate: &Plate, settings: &Settings) -> O
         }
         Pattern::Lightning => {
             let count = sections.layers.len();
-            let hollows = parallel::map(count, |i| hollow(sections, i, settings));
+            let hollows = workers.map(count, |i| hollow(sections, i, settings));
             Some(Arc::new(Lightning::new(&hollows, line_distance_mm)))
         }
         _ => None,

@@ -9,10 +9,10 @@ use crate::toolpath::{self, Island, LayerPaths, Path, Role, SpiralSpec, Turn, Wi
 use crate::units::Ratio;
 use geometry::{Region, Ring};
 
-use super::parallel;
+use crate::parallel::Workers;
 
 /// Layers above the bottom as turns.
-pub(super) struct Spiral {
+pub(crate) struct Spiral {
     /// The layer of the first turn.
     first: usize,
     turns: Vec<Turn>,
@@ -22,7 +22,7 @@ pub(super) struct Spiral {
 }
 
 /// The settings that the bottom of a spiral is printed with: one wall, nothing inside, no top.
-pub(super) fn effective(settings: &Settings) -> Cow<'_, Settings> {
+pub(crate) fn effective(settings: &Settings) -> Cow<'_, Settings> {
     if !settings.spiral.enabled {
         return Cow::Borrowed(settings);
     }
@@ -44,6 +44,7 @@ impl Spiral {
         objects: usize,
         first: usize,
         settings: &Settings,
+        workers: Workers<'_>,
     ) -> Result<Self, JobError> {
         if objects > 1 {
             return Err(JobError::Input(
@@ -54,7 +55,7 @@ impl Spiral {
         let spec = SpiralSpec { width_mm: settings.walls.external_width.0, smooth: settings.spiral.smooth };
         let body = layers.get(first..).unwrap_or_default();
         let mut outlines: Vec<Option<Ring>> =
-            parallel::map(body.len(), |i| toolpath::outline(section(&body[i]), spec.width_mm));
+            workers.map(body.len(), |i| toolpath::outline(section(&body[i]), spec.width_mm));
         while outlines.last().is_some_and(Option::is_none) {
             outlines.pop();
         }
@@ -67,7 +68,7 @@ impl Spiral {
         let mut outlines: Vec<Ring> = outlines.into_iter().flatten().collect();
         let warning = warning(body, outlines.len());
         toolpath::align(&mut outlines);
-        let mut turns = parallel::map(outlines.len(), |i| {
+        let mut turns = workers.map(outlines.len(), |i| {
             let below = i.checked_sub(1).map(|below| outlines[below].as_slice());
             toolpath::turn(&outlines[i], below, body[i].span.height_mm, &spec)
         });

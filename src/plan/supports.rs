@@ -11,16 +11,16 @@ use crate::toolpath::{SupportSettings, SupportStyle};
 use crate::units::Mm;
 use geometry::{Bounds, Polygon, Region, offset, simplify, union_all};
 
-use super::parallel;
+use crate::parallel::Workers;
 
 /// How far supports may reach beyond the part, in millimetres.
-pub(super) const REACH_MM: f64 = 4.0;
+pub(crate) const REACH_MM: f64 = 4.0;
 
 /// Distances that are short by less are kept, in millimetres.
 const NOISE_MM: f64 = 1e-6;
 
 /// The outlines of support on every layer.
-pub(super) struct Supports {
+pub(crate) struct Supports {
     /// Each different from the one before.
     outlines: Vec<Outlines>,
     /// For each layer its outlines.
@@ -35,10 +35,16 @@ impl Supports {
     /// Finds what hangs in the air and stands supports under it.
     ///
     /// `layers` are the part's, without a raft; `wishes` the bodies in which support is enforced and blocked.
-    pub fn plan(layers: &[Layer], bounds: Bounds, wishes: &[Plate; 2], settings: &Settings) -> Self {
+    pub fn plan(
+        layers: &[Layer],
+        bounds: Bounds,
+        wishes: &[Plate; 2],
+        settings: &Settings,
+        workers: Workers<'_>,
+    ) -> Self {
         let (count, support) = (layers.len(), &settings.support);
         let Hanging { grid, rough, solid, held, heights_mm, height_mm } =
-            Hanging::find(layers, bounds, wishes, settings, support);
+            Hanging::find(layers, bounds, wishes, settings, support, workers);
         let spec = ColumnSpec {
             gap_layers: (0..count).map(|i| gap_layers(&heights_mm[..i], support.z_gap.0)).collect(),
             interface_layers: support.interface_layers as usize,
@@ -49,7 +55,7 @@ impl Supports {
         let stands_on = spec.gap_layers.iter().map(|gap| gap + 1).collect();
         if support.style == SupportStyle::Tree {
             let discs = support::grow(&held, &solid, &spec, support);
-            let outlines = parallel::map(count, |i| {
+            let outlines = workers.map(count, |i| {
                 if discs[i].is_empty() {
                     return Outlines::default();
                 }
@@ -70,7 +76,7 @@ impl Supports {
                 distinct.len() - 1
             })
             .collect();
-        let outlines = parallel::map(distinct.len(), |k| Outlines::of(&cells[distinct[k]]));
+        let outlines = workers.map(distinct.len(), |k| Outlines::of(&cells[distinct[k]]));
         Self { outlines, of_layer, beads: Vec::new(), stands_on }
     }
 
@@ -81,15 +87,20 @@ impl Supports {
 
     /// Lays all beads. `bare` lays those of a layer into its outlines; they begin where they rest on those of the layer
     /// below or on the part, whose sections are in `layers`.
-    pub fn lay(&mut self, bare: impl Fn(&Outlines, usize) -> Vec<Path> + Sync + Send, layers: &[Layer]) {
+    pub fn lay(
+        &mut self,
+        bare: impl Fn(&Outlines, usize) -> Vec<Path> + Sync + Send,
+        layers: &[Layer],
+        workers: Workers<'_>,
+    ) {
         let count = self.of_layer.len();
-        let laid = parallel::map(count, |i| bare(self.outlines(i), i));
+        let laid = workers.map(count, |i| bare(self.outlines(i), i));
         let carried = |i: usize, below: &[Path]| {
             let near: Vec<Region> =
                 layers[i.saturating_sub(self.stands_on[i])..i].iter().map(section).collect();
             Ground::new(below, &near).carry(laid[i].clone())
         };
-        let on_laid = parallel::map(count, |i| match i {
+        let on_laid = workers.map(count, |i| match i {
             0 => laid[0].clone(),
             _ if laid[i].is_empty() => Vec::new(),
             _ => carried(i, &laid[i - 1]),
@@ -145,16 +156,17 @@ impl Hanging {
         wishes: &[Plate; 2],
         settings: &Settings,
         support: &SupportSettings,
+        workers: Workers<'_>,
     ) -> Self {
         let count = layers.len();
         let grid = Grid::new(bounds, REACH_MM, support::CELL_MM);
-        let sections = parallel::map(count, |i| section(&layers[i]));
-        let solid = parallel::map(count, |i| Bitmap::of(grid, &sections[i]));
-        let rough = parallel::map(count, |i| simplify(&sections[i], support::ROUGH_MM));
+        let sections = workers.map(count, |i| section(&layers[i]));
+        let solid = workers.map(count, |i| Bitmap::of(grid, &sections[i]));
+        let rough = workers.map(count, |i| simplify(&sections[i], support::ROUGH_MM));
         let slab = |i: usize| Slab { section: &sections[i], rough: &rough[i], solid: &solid[i] };
-        let [enforced, blocked] = wishes.each_ref().map(|plate| bodies(plate, layers, settings));
+        let [enforced, blocked] = wishes.each_ref().map(|plate| bodies(plate, layers, settings, workers));
         // What lies on the bed hangs nowhere, nor does what lies on its like.
-        let found: Vec<Overhang> = parallel::map(count, |i| {
+        let found: Vec<Overhang> = workers.map(count, |i| {
             if enforced.is_empty() && sections[i] == sections[i.saturating_sub(1)] {
                 return Overhang { leaning: Bitmap::empty(grid), must: Bitmap::empty(grid) };
             }
@@ -166,7 +178,7 @@ impl Hanging {
         let heights_mm = slice::heights_mm(&spans, &settings.layer);
         let height_mm = heights_mm.iter().copied().fold(f64::INFINITY, f64::min);
         let window = support::window(height_mm, support);
-        let held = parallel::map(count, |i| {
+        let held = workers.map(count, |i| {
             let around = &found[i.saturating_sub(window)..(i + window + 1).min(count)];
             support::lasting(&found[i], around.iter(), support)
         });
@@ -177,9 +189,15 @@ impl Hanging {
 /// What support would hold, if it were enabled.
 ///
 /// `layers` are the part's, without a raft.
-pub(super) fn overhangs(layers: &[Layer], bounds: Bounds, settings: &Settings) -> Overhangs {
+pub(crate) fn overhangs(
+    layers: &[Layer],
+    bounds: Bounds,
+    settings: &Settings,
+    workers: Workers<'_>,
+) -> Overhangs {
     let support = SupportSettings { enabled: true, ..settings.support.clone() };
-    let Hanging { held, .. } = Hanging::find(layers, bounds, &none(), settings, &support);
+    let Hanging { held, .. } =
+        Hanging::find(layers, bounds, &Default::default(), settings, &support, workers);
     let mut overhangs = Overhangs::default();
     for (i, cells) in held.iter().enumerate().filter(|(_, cells)| !cells.is_empty()) {
         let mut new = cells.clone();
@@ -206,12 +224,8 @@ fn begun(cells: &Bitmap, others: &Bitmap) -> usize {
     outlines.polygons.iter().filter(apart).count()
 }
 
-fn none() -> [Plate; 2] {
-    [(); 2].map(|()| Plate { meshes: Vec::new(), objects: Vec::new(), notes: Vec::new() })
-}
-
 /// All sections of a layer as one region.
-pub(super) fn section(layer: &Layer) -> Region {
+pub(crate) fn section(layer: &Layer) -> Region {
     Region { polygons: layer.sections.iter().flat_map(|s| s.region.polygons.iter().cloned()).collect() }
 }
 
@@ -227,7 +241,7 @@ fn gap_layers(below_mm: &[f64], gap_mm: f64) -> usize {
 }
 
 /// The sections of bodies, in the layers of the part.
-fn bodies(plate: &Plate, layers: &[Layer], settings: &Settings) -> Vec<Region> {
+fn bodies(plate: &Plate, layers: &[Layer], settings: &Settings, workers: Workers<'_>) -> Vec<Region> {
     if plate.meshes.is_empty() {
         return Vec::new();
     }
@@ -236,7 +250,7 @@ fn bodies(plate: &Plate, layers: &[Layer], settings: &Settings) -> Vec<Region> {
         true => Slicer::new(plate, &exact),
         false => Slicer::with_spans(plate, lowered(layers), &exact),
     };
-    parallel::map(slicer.spans().len().min(layers.len()), |i| {
+    workers.map(slicer.spans().len().min(layers.len()), |i| {
         union_all(slicer.layer(i).sections.iter().map(|section| &section.region))
     })
 }

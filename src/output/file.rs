@@ -1,8 +1,4 @@
-//! Where G-code goes: whole, or not at all.
-//!
-//! A file is written under another name in the same folder and renamed when it is complete, so that a
-//! printer that watches the folder never sees half a job. A device, a pipe or standard output cannot be renamed or
-//! patched: what goes there is held back and written in one go, so that its bytes are those of the file.
+//! Files, written beside their place and renamed, and streams.
 
 use std::fs::{self, File, OpenOptions};
 use std::io::{self, BufRead, BufReader, BufWriter, ErrorKind, Seek, SeekFrom, Write};
@@ -11,6 +7,8 @@ use std::sync::{Mutex, PoisonError};
 use std::time::Duration;
 
 use tempfile::NamedTempFile;
+
+use super::{Output, OutputError, Sink};
 
 /// Size of buffers for files.
 const BUFFER_BYTES: usize = 1 << 18;
@@ -24,49 +22,9 @@ const ABANDONED: Duration = Duration::from_secs(24 * 3600);
 /// Temporary files of this process that are not complete yet.
 static PENDING: Mutex<Vec<PathBuf>> = Mutex::new(Vec::new());
 
-/// What could not be done to which output.
-#[derive(Debug, thiserror::Error)]
-#[error("{path}: {}", reason(source))]
-pub struct OutputError {
-    /// As the user named it.
-    pub path: String,
-    /// What the system says.
-    pub source: io::Error,
-}
-
-impl OutputError {
-    /// The reader of a pipe went away; nobody is interested in a message.
-    pub fn is_broken_pipe(&self) -> bool {
-        self.source.kind() == ErrorKind::BrokenPipe
-    }
-}
-
-fn reason(error: &io::Error) -> String {
-    match error.kind() {
-        ErrorKind::StorageFull | ErrorKind::QuotaExceeded => "the disk is full; free some space".into(),
-        ErrorKind::NotFound => "cannot be written: there is no such folder".into(),
-        ErrorKind::PermissionDenied => format!("cannot be written: {error}; choose another place with -o"),
-        _ => format!("cannot be written: {error}"),
-    }
-}
-
-/// A destination that is being written. Dropped without [`Output::commit`], it leaves nothing behind.
+/// What is written in one go.
 #[derive(Debug)]
-pub struct Output {
-    name: String,
-    written: u64,
-    sink: Sink,
-}
-
-#[derive(Debug)]
-enum Sink {
-    File { file: BufWriter<Pending>, target: PathBuf },
-    Direct { held: Vec<u8>, to: Stream },
-}
-
-#[derive(Debug)]
-enum Stream {
-    Nowhere,
+pub(super) enum Stream {
     Stdout,
     Device(File),
 }
@@ -74,22 +32,8 @@ enum Stream {
 impl Output {
     /// Standard output.
     pub fn stdout() -> Self {
-        let sink = Sink::Direct { held: Vec::new(), to: Stream::Stdout };
+        let sink = Sink::Direct(Vec::new(), Stream::Stdout);
         Self { name: "standard output".into(), written: 0, sink }
-    }
-
-    /// Nowhere: the bytes are for [`Output::into_bytes`].
-    pub fn memory() -> Self {
-        let sink = Sink::Direct { held: Vec::new(), to: Stream::Nowhere };
-        Self { name: "memory".into(), written: 0, sink }
-    }
-
-    /// What was written, where it is held in memory; nothing of a file.
-    pub fn into_bytes(self) -> Vec<u8> {
-        match self.sink {
-            Sink::File { .. } => Vec::new(),
-            Sink::Direct { held, .. } => held,
-        }
     }
 
     /// No place at all: what is written can be read back, and is gone then.
@@ -98,12 +42,8 @@ impl Output {
     /// If the system has no place for temporary files.
     pub fn nowhere() -> Result<Self, OutputError> {
         let name = "a temporary file".to_owned();
-        match Pending::create(&std::env::temp_dir()) {
-            Ok(file) => {
-                let target = file.file.path().to_owned();
-                let file = BufWriter::with_capacity(BUFFER_BYTES, file);
-                Ok(Self { name, written: 0, sink: Sink::File { file, target } })
-            }
+        match Pending::create(&std::env::temp_dir(), PathBuf::new()) {
+            Ok(pending) => Ok(Self { name, written: 0, sink: Sink::File(pending) }),
             Err(source) => Err(OutputError { path: name, source }),
         }
     }
@@ -121,96 +61,22 @@ impl Output {
         }
     }
 
-    /// Appends.
-    ///
-    /// # Errors
-    /// As the system says, for example that the disk is full.
-    pub fn write(&mut self, bytes: &[u8]) -> Result<(), OutputError> {
-        self.written += bytes.len() as u64;
-        match &mut self.sink {
-            Sink::File { file, .. } => file.write_all(bytes),
-            Sink::Direct { held, .. } => {
-                held.extend_from_slice(bytes);
-                Ok(())
-            }
-        }
-        .map_err(|source| self.error(source))
-    }
-
-    /// Bytes written so far: where the next ones go.
-    pub fn written(&self) -> u64 {
-        self.written
-    }
-
-    /// Replaces bytes that were written before.
-    ///
-    /// # Errors
-    /// As [`Output::write`], and if the place has not been written yet.
-    pub fn patch(&mut self, offset: u64, bytes: &[u8]) -> Result<(), OutputError> {
-        if offset.checked_add(bytes.len() as u64).is_none_or(|end| end > self.written) {
-            return Err(self.error(io::Error::new(ErrorKind::InvalidInput, "patch beyond the end")));
-        }
-        match &mut self.sink {
-            Sink::File { file, .. } => patch_file(file, offset, bytes),
-            Sink::Direct { held, .. } => {
-                let start = offset as usize;
-                held[start..start + bytes.len()].copy_from_slice(bytes);
-                Ok(())
-            }
-        }
-        .map_err(|source| self.error(source))
-    }
-
-    /// What has been written so far, from an offset on.
-    ///
-    /// # Errors
-    /// As [`Output::write`].
-    pub fn reread(&mut self, offset: u64) -> Result<Box<dyn BufRead + Send + '_>, OutputError> {
-        let name = &self.name;
-        match &mut self.sink {
-            Sink::File { file, .. } => {
-                let open = |path: &Path| {
-                    let mut opened = File::open(path)?;
-                    opened.seek(SeekFrom::Start(offset)).map(|_| opened)
-                };
-                let opened = file.flush().and_then(|()| open(file.get_ref().file.path()));
-                let opened = opened.map_err(|source| OutputError { path: name.clone(), source })?;
-                Ok(Box::new(BufReader::with_capacity(BUFFER_BYTES, opened)))
-            }
-            Sink::Direct { held, .. } => Ok(Box::new(&held[held.len().min(offset as usize)..])),
-        }
-    }
-
     /// Puts the complete output in its place.
     ///
     /// # Errors
     /// As [`Output::write`]; then the place is as it was before.
     pub fn commit(self) -> Result<(), OutputError> {
         let done = match self.sink {
-            Sink::File { file, target } => file
-                .into_inner()
-                .map_err(io::IntoInnerError::into_error)
-                .and_then(|file| file.rename(&target)),
-            Sink::Direct { to: Stream::Nowhere, .. } => Ok(()),
-            Sink::Direct { held, to: Stream::Stdout } => {
+            Sink::Memory(_) => Ok(()),
+            Sink::File(file) => file.rename(),
+            Sink::Direct(held, Stream::Stdout) => {
                 let mut stdout = io::stdout().lock();
                 stdout.write_all(&held).and_then(|()| stdout.flush())
             }
-            Sink::Direct { held, to: Stream::Device(mut device) } => device.write_all(&held),
+            Sink::Direct(held, Stream::Device(mut device)) => device.write_all(&held),
         };
         done.map_err(|source| OutputError { path: self.name, source })
     }
-
-    fn error(&self, source: io::Error) -> OutputError {
-        OutputError { path: self.name.clone(), source }
-    }
-}
-
-fn patch_file(file: &mut BufWriter<Pending>, offset: u64, bytes: &[u8]) -> io::Result<()> {
-    file.seek(SeekFrom::Start(offset))?;
-    file.write_all(bytes)?;
-    file.seek(SeekFrom::End(0))?;
-    Ok(())
 }
 
 /// The file that a path stands for, which need not exist: symbolic links followed, also broken ones.
@@ -239,18 +105,19 @@ fn open(path: &Path) -> io::Result<Sink> {
         }
         if !existing.is_file() {
             let device = OpenOptions::new().write(true).open(&target)?;
-            return Ok(Sink::Direct { held: Vec::new(), to: Stream::Device(device) });
+            return Ok(Sink::Direct(Vec::new(), Stream::Device(device)));
         }
         if existing.permissions().readonly() {
             return Err(io::Error::new(ErrorKind::PermissionDenied, "the file is write-protected"));
         }
     }
-    let file = Pending::create(target.parent().unwrap_or(Path::new("")))?;
+    let folder = target.parent().unwrap_or(Path::new("")).to_owned();
+    let pending = Pending::create(&folder, target)?;
     if let Some(existing) = existing {
         // Memory cards and network drives may know no modes; that is no reason not to write.
-        let _ = file.file.as_file().set_permissions(existing.permissions());
+        let _ = pending.file.get_ref().as_file().set_permissions(existing.permissions());
     }
-    Ok(Sink::File { file: BufWriter::with_capacity(BUFFER_BYTES, file), target })
+    Ok(Sink::File(pending))
 }
 
 /// Removes temporary files that runs have left behind which were killed outright. Those of a day may still be written.
@@ -267,14 +134,15 @@ fn sweep(folder: &Path) {
     }
 }
 
-/// A temporary file that is removed when dropped, and by [`abandon_and_exit`].
+/// A temporary file, and what it will be renamed to. Removed when dropped, and by [`abandon_and_exit`].
 #[derive(Debug)]
-struct Pending {
-    file: NamedTempFile,
+pub(super) struct Pending {
+    file: BufWriter<NamedTempFile>,
+    target: PathBuf,
 }
 
 impl Pending {
-    fn create(folder: &Path) -> io::Result<Self> {
+    fn create(folder: &Path, target: PathBuf) -> io::Result<Self> {
         let folder = if folder.as_os_str().is_empty() { Path::new(".") } else { folder };
         let mut pending = PENDING.lock().unwrap_or_else(PoisonError::into_inner);
         // Those that were given up have removed themselves.
@@ -287,31 +155,34 @@ impl Pending {
         builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
         let file = builder.tempfile_in(folder)?;
         pending.push(file.path().to_owned());
-        Ok(Self { file })
+        Ok(Self { file: BufWriter::with_capacity(BUFFER_BYTES, file), target })
     }
 
-    fn rename(self, target: &Path) -> io::Result<()> {
+    pub fn append(&mut self, bytes: &[u8]) -> io::Result<()> {
+        self.file.write_all(bytes)
+    }
+
+    pub fn patch(&mut self, offset: u64, bytes: &[u8]) -> io::Result<()> {
+        self.file.seek(SeekFrom::Start(offset))?;
+        self.file.write_all(bytes)?;
+        self.file.seek(SeekFrom::End(0)).map(drop)
+    }
+
+    /// What has been written, from an offset on.
+    pub fn reread(&mut self, offset: u64) -> io::Result<Box<dyn BufRead + Send>> {
+        self.file.flush()?;
+        let mut opened = File::open(self.file.get_ref().path())?;
+        opened.seek(SeekFrom::Start(offset))?;
+        Ok(Box::new(BufReader::with_capacity(BUFFER_BYTES, opened)))
+    }
+
+    fn rename(self) -> io::Result<()> {
+        let file = self.file.into_inner().map_err(io::IntoInnerError::into_error)?;
         let mut pending = PENDING.lock().unwrap_or_else(PoisonError::into_inner);
-        let temporary = self.file.path().to_owned();
-        let renamed = self.file.persist(target).map(drop).map_err(|error| error.error);
+        let temporary = file.path().to_owned();
+        let renamed = file.persist(&self.target).map(drop).map_err(|error| error.error);
         pending.retain(|path| *path != temporary);
         renamed
-    }
-}
-
-impl Write for Pending {
-    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
-        self.file.as_file_mut().write(bytes)
-    }
-
-    fn flush(&mut self) -> io::Result<()> {
-        self.file.as_file_mut().flush()
-    }
-}
-
-impl Seek for Pending {
-    fn seek(&mut self, to: SeekFrom) -> io::Result<u64> {
-        self.file.as_file_mut().seek(to)
     }
 }
 

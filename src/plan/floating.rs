@@ -5,11 +5,11 @@ use crate::profile::Settings;
 use crate::toolpath::{LayerPaths, Role};
 use geometry::{Bounds, Point, Polygon, Region};
 
-use super::parallel;
 use super::sections::Sections;
+use crate::parallel::Workers;
 
 /// Follows the layers from the bed up: nothing may begin in mid-air.
-pub(super) struct Floating<'a> {
+pub(crate) struct Floating<'a> {
     sections: &'a Sections,
     names: Vec<String>,
     layout: bool,
@@ -124,7 +124,7 @@ impl<'a> Floating<'a> {
 
 /// Islands that begin in mid-air.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub(super) struct Islands {
+pub(crate) struct Islands {
     pub count: usize,
     /// Bottom of the lowest.
     pub lowest_mm: f64,
@@ -134,11 +134,11 @@ pub(super) struct Islands {
 
 impl Islands {
     /// Finds what has nothing beneath it. Parts of a section too thin to be printed do not count.
-    pub fn find(sections: &Sections, settings: &Settings) -> Self {
+    pub fn find(sections: &Sections, settings: &Settings, workers: Workers<'_>) -> Self {
         let first = sections.first_layer();
         let thin_mm = settings.walls.min_feature.0;
         let count = sections.layers.len().saturating_sub(first + 1);
-        let areas = parallel::map(count, |i| sections.begun_in_air(first + 1 + i, thin_mm));
+        let areas = workers.map(count, |i| sections.begun_in_air(first + 1 + i, thin_mm));
         let mut islands = Self::default();
         for (i, areas) in areas.iter().enumerate().filter(|(_, areas)| !areas.is_empty()) {
             if islands.count == 0 {
@@ -165,12 +165,12 @@ impl Islands {
 }
 
 /// Whether two regions have an area in common.
-pub(super) fn meets(a: &Region, b: &Region) -> bool {
+pub(crate) fn meets(a: &Region, b: &Region) -> bool {
     a.polygons.iter().any(|polygon| lies_on(polygon, b))
 }
 
 /// Whether a polygon has an area in common with a region. Mostly a corner of one is inside the other.
-pub(super) fn lies_on(polygon: &Polygon, under: &Region) -> bool {
+pub(crate) fn lies_on(polygon: &Polygon, under: &Region) -> bool {
     let Some(bounds) = Bounds::of(polygon.outer.iter().copied()) else { return false };
     let near: Vec<&Polygon> = under
         .polygons

@@ -1,0 +1,95 @@
+//! Who is told how far a run is, and asked whether it shall go on.
+
+use std::fmt;
+use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
+use std::time::Duration;
+
+/// Told how far a run is, and asked whether it shall go on. Called from any thread.
+///
+/// # Examples
+/// ```
+/// use std::sync::atomic::AtomicBool;
+/// use pathwright::Observer;
+///
+/// let stop = AtomicBool::new(false);
+/// let observer = Observer::none().on_progress(|done, of| println!("{done} of {of} layers")).cancelled_by(&stop);
+/// # let _ = observer;
+/// ```
+#[derive(Default)]
+pub struct Observer<'a> {
+    on_progress: Option<Box<dyn Fn(usize, usize) + Send + Sync + 'a>>,
+    cancelled: Option<&'a AtomicBool>,
+    clock: Option<fn() -> Duration>,
+    done: AtomicUsize,
+    total: AtomicUsize,
+}
+
+impl<'a> Observer<'a> {
+    /// Nobody: the run is neither watched nor cancelled.
+    pub fn none() -> Self {
+        Self::default()
+    }
+
+    /// Calls a function with the layers that are done and all that there are, whenever that changes.
+    #[must_use]
+    pub fn on_progress(mut self, call: impl Fn(usize, usize) + Send + Sync + 'a) -> Self {
+        self.on_progress = Some(Box::new(call));
+        self
+    }
+
+    /// Ends the run with an error soon after a flag is set.
+    #[must_use]
+    pub fn cancelled_by(mut self, flag: &'a AtomicBool) -> Self {
+        self.cancelled = Some(flag);
+        self
+    }
+
+    /// Lets a run measure how long its parts take: the clock gives the time since any moment.
+    #[must_use]
+    pub fn timed_by(mut self, clock: fn() -> Duration) -> Self {
+        self.clock = Some(clock);
+        self
+    }
+
+    /// The same without reports of progress, for a part of a run.
+    pub(crate) fn silent(&self) -> Observer<'a> {
+        Observer { cancelled: self.cancelled, clock: self.clock, ..Observer::none() }
+    }
+
+    /// So many layers there are.
+    pub fn begin(&self, layers: usize) {
+        self.total.store(layers, Ordering::Relaxed);
+        self.done.store(0, Ordering::Relaxed);
+        self.tell(0);
+    }
+
+    /// One more layer is done.
+    pub fn layer_done(&self) {
+        self.tell(self.done.fetch_add(1, Ordering::Relaxed) + 1);
+    }
+
+    /// Whether the run shall end.
+    pub(crate) fn is_cancelled(&self) -> bool {
+        self.cancelled.is_some_and(|flag| flag.load(Ordering::Relaxed))
+    }
+
+    /// The time, where there is a clock.
+    pub(crate) fn now(&self) -> Duration {
+        self.clock.map_or(Duration::ZERO, |clock| clock())
+    }
+
+    fn tell(&self, done: usize) {
+        if let Some(call) = &self.on_progress {
+            call(done, self.total.load(Ordering::Relaxed));
+        }
+    }
+}
+
+impl fmt::Debug for Observer<'_> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("Observer")
+            .field("done", &self.done)
+            .field("total", &self.total)
+            .finish_non_exhaustive()
+    }
+}

@@ -1,0 +1,77 @@
+//! Parallel loops whose results do not depend on the number of threads, and which end when a run is cancelled.
+//!
+//! Threads are used by whoever runs in a pool of rayon's; elsewhere everything is done by the calling thread, and no pool is
+//! started.
+
+use std::panic::{AssertUnwindSafe, catch_unwind, resume_unwind};
+
+use rayon::prelude::*;
+
+use crate::observer::Observer;
+
+/// What unwinds a run that was cancelled.
+struct Cancelled;
+
+/// Those who do the work of one run.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Workers<'a> {
+    /// Who watches it.
+    pub observer: &'a Observer<'a>,
+}
+
+impl Workers<'_> {
+    /// The results of a function for 0, 1, … n − 1, in this order. Each is worth a task of its own: layers take very
+    /// different times.
+    pub fn map<T: Send>(self, n: usize, f: impl Fn(usize) -> T + Sync + Send) -> Vec<T> {
+        let f = |i: usize| {
+            self.go_on();
+            f(i)
+        };
+        if in_pool() {
+            (0..n).into_par_iter().with_max_len(1).map(f).collect()
+        } else {
+            (0..n).map(f).collect()
+        }
+    }
+
+    /// Unwinds to [`run`] if the run is cancelled, without a message.
+    pub fn go_on(self) {
+        if self.observer.is_cancelled() {
+            resume_unwind(Box::new(Cancelled));
+        }
+    }
+}
+
+/// The results of two functions.
+pub(crate) fn join<A: Send, B: Send>(a: impl FnOnce() -> A + Send, b: impl FnOnce() -> B + Send) -> (A, B) {
+    if in_pool() { rayon::join(a, b) } else { (a(), b()) }
+}
+
+/// Threads at work.
+pub(crate) fn threads() -> usize {
+    if in_pool() { rayon::current_num_threads() } else { 1 }
+}
+
+fn in_pool() -> bool {
+    rayon::current_thread_index().is_some()
+}
+
+/// Does something with a number of threads of its own (0: as many as `RAYON_NUM_THREADS` says, or else the machine has
+/// cores); `None`: with those that the caller has. `None` comes back if the observer cancels it.
+pub(crate) fn run<T: Send>(
+    threads: Option<usize>,
+    observer: &Observer<'_>,
+    work: impl FnOnce(Workers<'_>) -> T + Send,
+) -> Option<T> {
+    let work = || work(Workers { observer });
+    let attempt = || match threads.map(|n| rayon::ThreadPoolBuilder::new().num_threads(n).build()) {
+        Some(Ok(pool)) => pool.install(work),
+        // Where the system has no threads to give, the caller does the work.
+        Some(Err(_)) | None => work(),
+    };
+    match catch_unwind(AssertUnwindSafe(attempt)) {
+        Ok(done) => Some(done),
+        Err(payload) if payload.is::<Cancelled>() => None,
+        Err(payload) => resume_unwind(payload),
+    }
+}

@@ -1,0 +1,10 @@
+//! Plans a plate: sections of all layers, and what depends on several of them (shells, supports, infill, the spiral), so that
+//! each layer's paths can be made by itself.
+
+pub(crate) mod floating;
+mod infill;
+mod overlaps;
+pub(crate) mod sections;
+pub(crate) mod spiral;
+pub(crate) mod styles;
+pub(crate) mod supports;
