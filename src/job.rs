@@ -2,6 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
+use crate::mesh::MeshError;
 use crate::motion::PauseAt;
 use crate::observer::Observer;
 use crate::order::OrderStrategy;
@@ -103,8 +104,12 @@ pub struct ReorderJob {
 
 /// Why a run gave no result. Each message holds the place and the mend.
 #[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
 pub enum JobError {
-    /// A model is unreadable or holds nothing to print.
+    /// A model cannot be read, or not be used as it is.
+    #[error(transparent)]
+    Mesh(#[from] MeshError),
+    /// There is nothing to print, or G-code cannot be read.
     #[error("{0}")]
     Input(String),
     /// Settings that this job cannot be done with.

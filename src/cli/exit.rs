@@ -63,6 +63,7 @@ impl From<OutputError> for Failure {
 impl From<JobError> for Failure {
     fn from(error: JobError) -> Self {
         match error {
+            JobError::Mesh(error) => Self::new(Exit::Input, error),
             JobError::Input(message) => Self::new(Exit::Input, message),
             JobError::Settings(error) => error.into(),
             JobError::Script(message) => Self::new(Exit::Settings, message),

@@ -58,14 +58,7 @@ impl std::ops::AddAssign for LayerTime {
 
 /// The time of a layer, at rest at its start and end. O(moves).
 pub fn layer_time(layer: &LayerMoves, machine: &Machine) -> LayerTime {
-    let mut walk = Walk {
-        planner: Planner::new(machine),
-        at: layer.from.xy,
-        z_mm: layer.from.z_mm,
-        acceleration: machine.acceleration,
-        account: ROLES,
-        e_per_mm3: 1.0 / machine.filament_area_mm2,
-    };
+    let mut walk = Walk::new(layer, machine);
     for step in &layer.moves {
         walk.step(step);
     }
@@ -76,6 +69,18 @@ pub fn layer_time(layer: &LayerMoves, machine: &Machine) -> LayerTime {
     time
 }
 
+/// How long each move of a layer takes, at rest at its start and end, seconds. O(moves).
+pub fn move_times_s(layer: &LayerMoves, machine: &Machine) -> Vec<f64> {
+    let mut walk = Walk::new(layer, machine);
+    for (index, step) in layer.moves.iter().enumerate() {
+        walk.only = Some(index);
+        walk.step(step);
+    }
+    let mut seconds = walk.planner.finish();
+    seconds.resize(layer.moves.len(), 0.0);
+    seconds
+}
+
 /// The machine's state along the layer.
 struct Walk {
     planner: Planner,
@@ -84,10 +89,24 @@ struct Walk {
     acceleration: f64,
     /// Account of the role being extruded.
     account: usize,
+    /// The account for everything, whatever it is.
+    only: Option<usize>,
     e_per_mm3: f64,
 }
 
 impl Walk {
+    fn new(layer: &LayerMoves, machine: &Machine) -> Self {
+        Self {
+            planner: Planner::new(machine),
+            at: layer.from.xy,
+            z_mm: layer.from.z_mm,
+            acceleration: machine.acceleration,
+            account: ROLES,
+            only: None,
+            e_per_mm3: 1.0 / machine.filament_area_mm2,
+        }
+    }
+
     fn step(&mut self, step: &Move) {
         match *step {
             Move::Bead { role, .. } => self.account = ROLES + role as usize,
@@ -117,6 +136,7 @@ impl Walk {
     }
 
     fn push(&mut self, delta: [f64; 4], speed: f64, account: usize) {
+        let account = self.only.unwrap_or(account);
         self.planner.push(&Segment { delta, speed, acceleration: self.acceleration, account });
     }
 

@@ -11,7 +11,7 @@ mod options;
 mod planner;
 
 pub use cooling::cool;
-pub use layer::{LayerTime, layer_time};
+pub use layer::{LayerTime, layer_time, move_times_s};
 pub use machine::{Firmware, FirmwareRetraction, Machine};
 pub use options::MachineSettings;
 pub use planner::{Planner, Segment, travel_time};

@@ -60,6 +60,14 @@ impl Mesh {
         Self { vertices, triangles, twins: edges.twins, oriented: edges.clashing == 0 }
     }
 
+    /// Reads and repairs a file (STL, 3MF or OBJ) as one mesh; [`load`] also reports what was done.
+    ///
+    /// # Errors
+    /// See [`MeshError`].
+    pub fn read(path: impl AsRef<Path>) -> Result<Self, MeshError> {
+        load(path.as_ref()).map(|(mesh, _)| mesh)
+    }
+
     /// Both meshes as one; facets keep their neighbours.
     #[must_use]
     pub fn with(mut self, other: &Self) -> Self {
@@ -147,6 +155,14 @@ pub struct Model {
     pub report: MeshReport,
     /// Where the file puts the mesh's origin: once, or several times, millimetres.
     pub spots: Vec<[f64; 3]>,
+}
+
+impl From<Mesh> for Model {
+    fn from(mesh: Mesh) -> Self {
+        let facets = mesh.triangles.len();
+        let report = MeshReport::new(&mesh, "memory", facets, &repair::Repairs::default(), Vec::new());
+        Self { name: None, mesh, report, spots: vec![[0.0; 3]] }
+    }
 }
 
 /// Reads and repairs a mesh file (STL, 3MF or OBJ) as one mesh: what are several objects is taken together, each where

@@ -7,6 +7,7 @@ use crate::order::{CostKind, OrderStrategy};
 use crate::order::{LayerProblem, Pins, SeamRule, Visit, chunk_len, ends_on_path};
 use crate::parallel::Workers;
 use crate::plan::spiral;
+use crate::plate::Model;
 use crate::profile::Settings;
 use crate::source::Source;
 use crate::toolpath::LayerPaths;
@@ -24,7 +25,19 @@ pub(super) fn compare(
     if let Some(file) = job.models.first().filter(|file| is_gcode(file)) {
         return compare_file(&file.as_path().into(), settings, strategies, job.certify, workers);
     }
-    let layers = sliced(job, settings, workers)?;
+    let models = load::read(job, settings, workers)?;
+    compare_models(models, job, settings, strategies, workers)
+}
+
+/// The same for models that have been read.
+pub(super) fn compare_models(
+    models: Vec<Model>,
+    job: &Job,
+    settings: &Settings,
+    strategies: &[OrderStrategy],
+    workers: Workers<'_>,
+) -> Result<Vec<StrategyRow>, JobError> {
+    let layers = sliced(models, job, settings, workers)?;
     let fixed = Fixed { whole: false, links_mm: vec![0.0; layers.len()] };
     Ok(compare_layers(layers, &fixed, settings, strategies, job.certify, workers))
 }
@@ -68,9 +81,14 @@ fn compare_layers(
 }
 
 /// The layers of a plate, round after round.
-fn sliced(job: &Job, settings: &Settings, workers: Workers<'_>) -> Result<Vec<LayerPaths>, JobError> {
+fn sliced(
+    models: Vec<Model>,
+    job: &Job,
+    settings: &Settings,
+    workers: Workers<'_>,
+) -> Result<Vec<LayerPaths>, JobError> {
     let settings = &*spiral::effective(settings);
-    let loaded = load::plate(job, settings, workers)?;
+    let loaded = load::place(models, job, settings)?;
     let rounds = rounds::prepare(&loaded, settings, workers)?;
     let layers = rounds.iter().map(|round| {
         workers.map(round.sections.layers.len(), |i| round.sections.paths(&round.planners, i, settings))

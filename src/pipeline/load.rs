@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use crate::job::{Job, JobError, TransformOptions};
 use crate::limits;
 use crate::mesh::{self, Mesh, MeshReport, Transform};
-use crate::plate::{self, Arrange, File, Object, Placement, Plate, Sequence};
+use crate::plate::{self, Arrange, Model, Object, Placement, Plate, Sequence};
 use crate::profile::Settings;
 use crate::report::{ModelInfo, Repaired};
 use crate::slice;
@@ -32,34 +32,40 @@ pub(super) struct Loaded<'a> {
     pub hints: Vec<String>,
 }
 
-/// Reads, transforms and places the models of a job.
-pub(super) fn plate<'a>(
+/// Reads and transforms the models of a job.
+pub(super) fn read(job: &Job, settings: &Settings, workers: Workers<'_>) -> Result<Vec<Model>, JobError> {
+    let read = |i: usize| {
+        let path = &job.models[i];
+        let objects = mesh::load_objects(path)?;
+        model(path, objects, &job.transform, job.copies as usize, settings)
+    };
+    workers.map(job.models.len(), read).into_iter().collect()
+}
+
+/// Places models as a job wants it.
+pub(super) fn place<'a>(
+    models: Vec<Model>,
     job: &'a Job,
     settings: &Settings,
-    workers: Workers<'_>,
 ) -> Result<Loaded<'a>, JobError> {
-    let read = workers
-        .map(job.models.len(), |i| file(&job.models[i], &job.transform, job.copies as usize, settings));
-    let files: Vec<File> = read.into_iter().collect::<Result<_, JobError>>()?;
-    let first_box = files.first().map(|file| file.first_box);
-    let hints: Vec<String> = files.iter().filter_map(|file| file.hint.clone()).collect();
+    let first_box = models.first().map(|model| model.first_box);
+    let hints: Vec<String> = models.iter().filter_map(|model| model.hint.clone()).collect();
     let hinted = |problem: String| [&[problem], hints.as_slice()].concat().join("; ");
     let mut warnings = hints.clone();
     let mut repairs: Vec<Repaired> = Vec::new();
     let mut names: Vec<Vec<String>> = Vec::new();
-    for (file, path) in files.iter().zip(&job.models) {
-        for (item, report) in file.layout.items().iter().zip(&file.reports) {
+    for model in &models {
+        for (item, report) in model.layout.items().iter().zip(&model.reports) {
             warnings.extend(report.warnings.iter().map(|warning| format!("{}: {warning}", item.name)));
             repairs.extend(Repaired::of(&item.name, report));
-            let copies = item.spots.len() * job.copies as usize;
-            let file_name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
-            let known = vec![item.name.clone(), plate::name_of(path), file_name, path.display().to_string()];
+            let copies = item.spots.len() * model.layout.copies();
+            let known = [std::slice::from_ref(&item.name), &model.names].concat();
             names.extend(std::iter::repeat_n(known, copies));
         }
     }
     let wishes = !job.support_enforcers.is_empty() || !job.support_blockers.is_empty();
     let placement = Placement { turn: settings.plate.turn && !wishes, ..placement(settings, &job.transform) };
-    let layouts = files.into_iter().map(|file| file.layout).collect();
+    let layouts = models.into_iter().map(|model| model.layout).collect();
     let plate = plate::place(layouts, &settings.bed, &placement)
         .map_err(|error| JobError::DoesNotFit(hinted(error.to_string())))?;
     check_size(&plate, &settings.layer)?;
@@ -73,23 +79,24 @@ pub(super) fn plate<'a>(
     Ok(Loaded { plate, styles, wishes, warnings, repairs, hints })
 }
 
-/// The models of a file, transformed. What is larger than the bed is shrunk where that is asked for, all by one factor.
-fn file(
+/// The objects of a file, transformed. What is larger than the bed is shrunk where that is asked for, all by one factor.
+pub(crate) fn model(
     path: &Path,
+    objects: Vec<mesh::Model>,
     options: &TransformOptions,
     copies: usize,
     settings: &Settings,
-) -> Result<File, JobError> {
-    let mut file = plate::read_file(path, &transform(options), plate::Line::thinnest(settings), copies)
-        .map_err(|error| JobError::Input(error.to_string()))?;
+) -> Result<Model, JobError> {
+    let line = plate::Line::thinnest(settings);
+    let mut model = Model::new(path, objects, &transform(options), line, copies)?;
     if settings.plate.orient {
-        file.layout = file.layout.oriented();
+        model.layout = model.layout.oriented();
     }
     if options.scale_to_fit {
-        let factor = file.layout.fit_factor(&settings.bed, margin_mm(settings));
-        file.layout = file.layout.scaled(factor).map_err(|error| JobError::Input(error.to_string()))?;
+        let factor = model.layout.fit_factor(&settings.bed, margin_mm(settings));
+        model.layout = model.layout.scaled(factor).map_err(|error| JobError::Input(error.to_string()))?;
     }
-    Ok(file)
+    Ok(model)
 }
 
 /// How models are placed.
@@ -123,7 +130,7 @@ fn wished(
     let [is, is_to] = first.bounds();
     let factor = (0..3).map(|i| (is_to[i] - is[i]) / (was_to[i] - was[i])).fold(0.0, f64::max);
     for file in files {
-        let (mesh, _) = model(file, &job.transform)?;
+        let (mesh, _) = single(file, &job.transform)?;
         let mut mesh = scaled(mesh, factor)?;
         mesh.shift([0, 1, 2].map(|i| is[i] - factor * was[i]));
         let copies = plate.objects.iter().filter(|object| object.mesh == 0);
@@ -139,10 +146,11 @@ pub(super) fn info(
     options: &TransformOptions,
     settings: &Settings,
 ) -> Result<ModelInfo, JobError> {
-    let File { layout, mut reports, hint, .. } = file(path, options, 1, settings)?;
+    let Model { layout, mut reports, hint, .. } =
+        model(path, mesh::load_objects(path)?, options, 1, settings)?;
     let (mesh, mut report) = match (layout.items(), reports.len()) {
         ([only], 1) => (only.mesh.clone(), reports.remove(0)),
-        _ => model(path, options)?,
+        _ => single(path, options)?,
     };
     // Scaling and turning leave the share as it is.
     let (sum_mm3, _) = mesh.volume_and_area();
@@ -183,8 +191,9 @@ pub(super) fn info(
     })
 }
 
-fn model(path: &Path, options: &TransformOptions) -> Result<(Mesh, MeshReport), JobError> {
-    let (mesh, report) = mesh::load(path).map_err(|error| JobError::Input(error.to_string()))?;
+/// A file as one mesh, transformed.
+fn single(path: &Path, options: &TransformOptions) -> Result<(Mesh, MeshReport), JobError> {
+    let (mesh, report) = mesh::load(path)?;
     Ok((transformed(path, &transform(options), mesh)?, report))
 }
 

@@ -6,7 +6,8 @@
 
 mod compare;
 mod inspect;
-mod load;
+mod kept;
+pub(crate) mod load;
 mod ordering;
 mod paper;
 mod print;
@@ -21,8 +22,11 @@ use crate::order::OrderStrategy;
 use crate::order::compare::StrategyRow;
 use crate::output::Output;
 use crate::parallel::{self, Workers};
+use crate::plate::Model;
 use crate::profile::Settings;
 use crate::report::{ModelInfo, PaperRow, Reordered, Summary};
+
+pub use kept::PrintLayer;
 
 /// The slicer itself.
 #[derive(Clone, Copy, Debug)]
@@ -40,6 +44,46 @@ impl Pipeline {
     }
 }
 
+impl Pipeline {
+    /// Slices models that have been read, and keeps the layers.
+    pub(crate) fn slice_models(
+        models: Vec<Model>,
+        job: &Job,
+        settings: &Settings,
+        output: &mut Output,
+        layers: &mut Vec<PrintLayer>,
+        observer: &Observer<'_>,
+    ) -> Result<Summary, JobError> {
+        let slice = |workers: Workers<'_>| print::slice(models, job, settings, output, Some(layers), workers);
+        parallel::run(job.threads, observer, slice).unwrap_or(Err(JobError::Cancelled))
+    }
+
+    /// Compares strategies on models that have been read.
+    pub(crate) fn compare_models(
+        models: Vec<Model>,
+        job: &Job,
+        settings: &Settings,
+        strategies: &[OrderStrategy],
+        observer: &Observer<'_>,
+    ) -> Result<Vec<StrategyRow>, JobError> {
+        let compare =
+            |workers: Workers<'_>| compare::compare_models(models, job, settings, strategies, workers);
+        parallel::run(job.threads, observer, compare).unwrap_or(Err(JobError::Cancelled))
+    }
+
+    /// Reorders G-code in memory.
+    pub(crate) fn reorder_bytes(
+        gcode: Vec<u8>,
+        job: &ReorderJob,
+        settings: &Settings,
+        output: &mut Output,
+        observer: &Observer<'_>,
+    ) -> Result<Reordered, JobError> {
+        let reorder = |workers: Workers<'_>| reorder::reorder(&gcode.into(), job, settings, output, workers);
+        parallel::run(job.threads, observer, reorder).unwrap_or(Err(JobError::Cancelled))
+    }
+}
+
 impl Engine for Pipeline {
     fn slice(
         &self,
@@ -48,8 +92,11 @@ impl Engine for Pipeline {
         output: &mut Output,
         observer: &Observer<'_>,
     ) -> Result<Summary, JobError> {
-        parallel::run(job.threads, observer, |workers| print::slice(job, settings, output, workers))
-            .unwrap_or(Err(JobError::Cancelled))
+        parallel::run(job.threads, observer, |workers| {
+            let models = load::read(job, settings, workers)?;
+            print::slice(models, job, settings, output, None, workers)
+        })
+        .unwrap_or(Err(JobError::Cancelled))
     }
 
     fn compare(

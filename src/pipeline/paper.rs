@@ -14,7 +14,7 @@ use crate::report::PaperRow;
 use crate::source::Source;
 
 use super::compare;
-use super::{print, reorder};
+use super::{load, print, reorder};
 
 /// The orders of the table, beside the file's own.
 const ORDERS: [(Scope, &[OrderStrategy]); 2] = [
@@ -41,7 +41,8 @@ pub(super) fn paper(job: &Job, settings: &Settings, workers: Workers<'_>) -> Res
         as_made.order.strategy = OrderStrategy::AsSliced;
         let silent = workers.observer.silent();
         let mut output = Output::memory();
-        print::slice(job, &as_made, &mut output, Workers { observer: &silent })?;
+        let models = load::read(job, &as_made, workers)?;
+        print::slice(models, job, &as_made, &mut output, None, Workers { observer: &silent })?;
         output.into_bytes().into()
     };
     rows(&source, settings, job.certify, workers)

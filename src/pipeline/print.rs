@@ -12,7 +12,7 @@ use crate::output::Output;
 use crate::parallel::{self, Workers};
 use crate::plan::floating::{Floating, Islands};
 use crate::plan::spiral;
-use crate::plate::Plate;
+use crate::plate::{Model, Plate};
 use crate::profile::Settings;
 use crate::report::{LayerSummary, Measures, Overhangs, Summary};
 use crate::toolpath::LayerPaths;
@@ -21,19 +21,22 @@ use crate::view;
 use geometry::{Bounds, Point};
 
 use super::inspect::Inspector;
+use super::kept::PrintLayer;
 use super::ordering::{Certificate, Layers, Sequencer};
 use super::rounds::{self, Round};
 use super::{load, ordering};
 
-/// Slices a plate.
+/// Slices a plate. Layers are kept where that is wanted.
 pub(super) fn slice(
+    models: Vec<Model>,
     job: &Job,
     settings: &Settings,
     output: &mut Output,
+    kept: Option<&mut Vec<PrintLayer>>,
     workers: Workers<'_>,
 ) -> Result<Summary, JobError> {
     let settings = &*spiral::effective(settings);
-    let mut loaded = load::plate(job, settings, workers)?;
+    let mut loaded = load::place(models, job, settings)?;
     let mut warnings = std::mem::take(&mut loaded.warnings);
     let pictures = || thumbnails(&loaded.plate, settings, workers);
     let (rounds, pictures) = parallel::join(|| rounds::prepare(&loaded, settings, workers), pictures);
@@ -59,6 +62,7 @@ pub(super) fn slice(
         writer: WriterSettings { objects: names, ..WriterSettings::new(settings, &scripts, true) },
         settings,
         certify: job.certify,
+        keep: kept.is_some(),
         workers,
     };
 
@@ -66,7 +70,7 @@ pub(super) fn slice(
     opening.comment(&pictures);
     let labels = gcode::labels(&options, &labels);
     let inspector = Inspector::new(settings, &opening.bytes);
-    let mut sheet = Sheet { output, inspector, slots: opening.slots, tally: Tally::default(), workers };
+    let mut sheet = Sheet { output, inspector, slots: opening.slots, tally: Tally::default(), kept, workers };
     sheet.output.write(&opening.bytes)?;
     sheet.write(&labels)?;
     let begun = scripts.start_effect(&options, &run.machine);
@@ -153,6 +157,8 @@ struct Run<'a> {
     settings: &'a Settings,
     /// Whether lower bounds are wanted.
     certify: bool,
+    /// Whether finished layers are kept.
+    keep: bool,
     workers: Workers<'a>,
 }
 
@@ -166,6 +172,7 @@ struct Ordered {
 struct Done {
     text: LayerText,
     summary: LayerSummary,
+    layer: Option<PrintLayer>,
 }
 
 /// Where layers are written, and what becomes of them.
@@ -175,6 +182,7 @@ struct Sheet<'a> {
     /// What is known at the end only.
     slots: Vec<Slot>,
     tally: Tally,
+    kept: Option<&'a mut Vec<PrintLayer>>,
     workers: Workers<'a>,
 }
 
@@ -187,11 +195,14 @@ impl Sheet<'_> {
 
     /// Writes layers, checking them.
     fn add(&mut self, layers: Vec<Done>) -> Result<(), JobError> {
-        for Done { text, summary } in layers {
+        for Done { text, summary, layer } in layers {
             let base = self.output.written() as usize;
             self.slots.extend(text.progress.map(|slot| Slot { offset: base + slot.offset, ..slot }));
             self.write(&text.bytes)?;
             self.tally.add(summary);
+            if let Some(kept) = &mut self.kept {
+                kept.extend(layer);
+            }
             self.workers.observer.layer_done();
         }
         Ok(())
@@ -308,6 +319,7 @@ impl Run<'_> {
         Done {
             text: gcode::format_layer(&moves, &self.writer),
             summary: LayerSummary { z_mm: (moves.z_mm * 1e6).round() / 1e6, measures },
+            layer: self.keep.then(|| PrintLayer::new(paths, sequence, moves, &self.machine)),
         }
     }
 }

@@ -4,11 +4,11 @@ use std::path::Path;
 
 use super::layout::{Item, Layout};
 use super::slivers::Line;
-use crate::mesh::{MeshError, MeshReport, Model, Transform, load_objects, units};
+use crate::mesh::{MeshError, MeshReport, Model as Object, Transform, load_objects, units};
 
-/// A file that is not placed yet.
+/// The objects of a file, not placed yet.
 #[derive(Clone, Debug)]
-pub struct File {
+pub struct Model {
     /// Its models.
     pub layout: Layout,
     /// Of each model what was found and done, before it was transformed.
@@ -17,6 +17,8 @@ pub struct File {
     pub first_box: [[f64; 3]; 2],
     /// The unit that the size points to, with the file's name.
     pub hint: Option<String>,
+    /// What the file is called: its name without folder and ending, without folder, and whole.
+    pub names: [String; 3],
 }
 
 /// Reads and repairs a file's models, and transforms them. `line` is the thinnest that is printed, `copies` how many of
@@ -24,42 +26,63 @@ pub struct File {
 ///
 /// # Errors
 /// As [`load_objects`]; a transform that leaves nothing, a model longer than 10 m.
-pub fn read_file(path: &Path, transform: &Transform, line: Line, copies: usize) -> Result<File, MeshError> {
-    let read = load_objects(path)?;
-    let several = read.len() > 1;
-    let (mut items, mut reports) = (Vec::with_capacity(read.len()), Vec::with_capacity(read.len()));
-    let mut first_box = None;
-    let (mut low, mut high, mut volume_mm3) = ([f64::INFINITY; 3], [f64::NEG_INFINITY; 3], 0.0);
-    for (number, Model { name: own, mesh, mut report, spots }) in (1..).zip(read) {
-        let unnamed = if several { format!("{} {number}", name_of(path)) } else { name_of(path) };
-        let (mesh, was_at) = units::brought_near(path, mesh, transform)?;
-        report.warnings.extend(units::blur(was_at));
-        let failed = |source| MeshError::Transform { path: path.to_path_buf(), source };
-        let mesh = transform.apply(mesh).map_err(failed)?;
-        let plus = |a: [f64; 3], b: [f64; 3]| [0, 1, 2].map(|i| a[i] + b[i]);
-        let spots: Vec<[f64; 3]> = spots.iter().map(|spot| transform.of_point(plus(*spot, was_at))).collect();
-        let bounds = mesh.bounds();
-        first_box.get_or_insert_with(|| bounds.map(|corner| plus(corner, transform.of_point(was_at))));
-        for &spot in &spots {
-            let [min, max] = bounds.map(|corner| plus(corner, spot));
-            low = [0, 1, 2].map(|i| low[i].min(min[i]));
-            high = [0, 1, 2].map(|i| high[i].max(max[i]));
+pub fn read_file(path: &Path, transform: &Transform, line: Line, copies: usize) -> Result<Model, MeshError> {
+    Model::new(path, load_objects(path)?, transform, line, copies)
+}
+
+impl Model {
+    /// The objects of a file, transformed; see [`read_file`].
+    ///
+    /// # Errors
+    /// A transform that leaves nothing, a model longer than 10 m.
+    pub fn new(
+        path: &Path,
+        read: Vec<Object>,
+        transform: &Transform,
+        line: Line,
+        copies: usize,
+    ) -> Result<Self, MeshError> {
+        let several = read.len() > 1;
+        let (mut items, mut reports) = (Vec::with_capacity(read.len()), Vec::with_capacity(read.len()));
+        let mut first_box = None;
+        let (mut low, mut high, mut volume_mm3) = ([f64::INFINITY; 3], [f64::NEG_INFINITY; 3], 0.0);
+        for (number, Object { name: own, mesh, mut report, spots }) in (1..).zip(read) {
+            let unnamed = if several { format!("{} {number}", name_of(path)) } else { name_of(path) };
+            let (mesh, was_at) = units::brought_near(path, mesh, transform)?;
+            report.warnings.extend(units::blur(was_at));
+            let failed = |source| MeshError::Transform { path: path.to_path_buf(), source };
+            let mesh = transform.apply(mesh).map_err(failed)?;
+            let plus = |a: [f64; 3], b: [f64; 3]| [0, 1, 2].map(|i| a[i] + b[i]);
+            let spots: Vec<[f64; 3]> =
+                spots.iter().map(|spot| transform.of_point(plus(*spot, was_at))).collect();
+            let bounds = mesh.bounds();
+            first_box.get_or_insert_with(|| bounds.map(|corner| plus(corner, transform.of_point(was_at))));
+            for &spot in &spots {
+                let [min, max] = bounds.map(|corner| plus(corner, spot));
+                low = [0, 1, 2].map(|i| low[i].min(min[i]));
+                high = [0, 1, 2].map(|i| high[i].max(max[i]));
+            }
+            let grown = transform.scale.iter().product::<f64>().abs() * spots.len() as f64;
+            volume_mm3 += grown * report.volume_mm3.abs();
+            // An object alone is called as its file is.
+            let item = Item::new(own.filter(|_| several).unwrap_or(unnamed), mesh, spots);
+            items.push(if report.shells > 1 { item.without_slivers(line) } else { item });
+            reports.push(report);
         }
-        let grown = transform.scale.iter().product::<f64>().abs() * spots.len() as f64;
-        volume_mm3 += grown * report.volume_mm3.abs();
-        // An object alone is called as its file is.
-        let item = Item::new(own.filter(|_| several).unwrap_or(unnamed), mesh, spots);
-        items.push(if report.shells > 1 { item.without_slivers(line) } else { item });
-        reports.push(report);
+        let size_mm = [0, 1, 2].map(|i| high[i] - low[i]);
+        let hint = units::hint(size_mm, volume_mm3, transform.scale);
+        Ok(Self {
+            layout: Layout::new(name_of(path), items, copies),
+            reports,
+            first_box: first_box.unwrap_or_default(),
+            hint: hint.map(|hint| format!("{}: {hint}", path.display())),
+            names: [
+                name_of(path),
+                path.file_name().unwrap_or_default().to_string_lossy().into_owned(),
+                path.display().to_string(),
+            ],
+        })
     }
-    let size_mm = [0, 1, 2].map(|i| high[i] - low[i]);
-    let hint = units::hint(size_mm, volume_mm3, transform.scale);
-    Ok(File {
-        layout: Layout::new(name_of(path), items, copies),
-        reports,
-        first_box: first_box.unwrap_or_default(),
-        hint: hint.map(|hint| format!("{}: {hint}", path.display())),
-    })
 }
 
 /// What a file is called: its name without folder and ending.

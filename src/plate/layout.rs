@@ -104,6 +104,11 @@ impl Layout {
         &self.items
     }
 
+    /// How many of it are wanted.
+    pub fn copies(&self) -> usize {
+        self.copies
+    }
+
     /// How many objects it puts on the plate.
     pub fn object_count(&self) -> usize {
         self.copies * self.items.iter().map(|item| item.spots.len()).sum::<usize>()

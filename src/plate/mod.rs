@@ -17,7 +17,7 @@ mod silhouette;
 mod slivers;
 
 pub use error::PlacementError;
-pub use file::{File, name_of, read_file};
+pub use file::{Model, name_of, read_file};
 pub use layout::{Item, Layout};
 pub use objects::{Object, Plate};
 pub use options::{BedOrigin, BedSettings, BedShape, PlateSettings, PrintSettings, Sequence};

@@ -108,6 +108,58 @@ pub fn resolve(profiles: &[String], overrides: &[Override]) -> Result<Resolved, 
     }
 }
 
+impl Settings {
+    /// The default profile with others on top, each the name of an embedded one or a file (a profile, or another slicer's
+    /// configuration).
+    ///
+    /// # Errors
+    /// As [`resolve`].
+    pub fn load(profiles: &[&str]) -> Result<Self, ProfileError> {
+        let profiles: Vec<String> = profiles.iter().map(|&profile| profile.to_owned()).collect();
+        resolve(&profiles, &[]).map(|resolved| resolved.settings)
+    }
+
+    /// The same with another value, written as on the command line: `15%`, `0.2`, `inner-first`, `[220, 220]`.
+    ///
+    /// # Errors
+    /// An unknown key, a value of the wrong type or out of range, settings that contradict each other.
+    pub fn set(self, key: &str, value: &str) -> Result<Self, ProfileError> {
+        self.set_all(&[(key, value)])
+    }
+
+    /// The same with other values, of which each may only be allowed with the others.
+    ///
+    /// # Errors
+    /// As [`Settings::set`], every problem at once.
+    pub fn set_all(self, values: &[(&str, &str)]) -> Result<Self, ProfileError> {
+        let mut table = Table::try_from(self).expect("settings are a table");
+        let (mut origins, mut problems) = (BTreeMap::new(), Vec::new());
+        let origin = Origin::Option("set");
+        for (key, typed) in values {
+            let value = typed_value(key, typed);
+            match (check(key, &value), key.split_once('.')) {
+                (Ok(()), Some((section, name))) => {
+                    if let Some(Value::Table(section)) = table.get_mut(section) {
+                        section.insert(name.to_owned(), value);
+                    }
+                    origins.insert((*key).to_owned(), origin.clone());
+                }
+                (checked, _) => problems.push(Problem {
+                    origin: origin.clone(),
+                    setting: Some((shortened(key), shown(&value))),
+                    message: checked.err().unwrap_or_default(),
+                }),
+            }
+        }
+        let settings = Self::deserialize(Value::Table(table)).expect("every value was checked");
+        if problems.is_empty() {
+            problems
+                .extend(conflicts::find(&settings, &origins).errors.into_iter().map(|found| found.problem));
+        }
+        if problems.is_empty() { Ok(settings) } else { Err(ProfileError { problems }) }
+    }
+}
+
 /// Reads a value typed on the command line. Quotes may be left out around texts, words and percentages.
 fn typed_value(key: &str, typed: &str) -> Value {
     let typed = typed.trim();

@@ -1,0 +1,97 @@
+//! Finished G-code, of any slicer.
+
+use crate::check::{self as checking, CheckReport, Survey};
+use crate::estimate::{Firmware, Machine};
+use crate::gcode::Timetable;
+use crate::job::{JobError, ReorderJob};
+use crate::mesh::Mesh;
+use crate::observer::Observer;
+use crate::output::Output;
+use crate::pipeline::Pipeline;
+use crate::profile::Settings;
+use crate::report::{PrintTime, Reordered};
+
+/// Puts G-code into an order that travels less and prints the same; as it was, where nothing is gained.
+///
+/// # Errors
+/// It is not understood, the result fails its proof, or the observer cancels the run.
+///
+/// # Examples
+/// ```
+/// use pathwright::{Observer, Settings, reorder};
+///
+/// let gcode = b"G28\nM83\nG1 X0 Y0 F3000\nG1 X9 Y0 E1\nG0 X0 Y2\nG1 X9 Y2 E1\n";
+/// let (shorter, report) = reorder(gcode.to_vec(), &Settings::default(), &Observer::none())?;
+/// assert!(report.after.travel_mm <= report.before.travel_mm && !shorter.is_empty());
+/// # Ok::<(), pathwright::Error>(())
+/// ```
+pub fn reorder(
+    gcode: Vec<u8>,
+    settings: &Settings,
+    observer: &Observer<'_>,
+) -> Result<(Vec<u8>, Reordered), JobError> {
+    let mut output = Output::memory();
+    let job = ReorderJob::default();
+    let report = Pipeline::reorder_bytes(gcode.clone(), &job, settings, &mut output, observer)?;
+    Ok((if report.changed { output.into_bytes() } else { gcode }, report))
+}
+
+/// Finds what is wrong with G-code for a printer.
+///
+/// # Errors
+/// There is no move in it.
+///
+/// # Examples
+/// ```
+/// use pathwright::{Settings, check};
+///
+/// let report = check(b"G28\nG1 X900 Y0 F3000\n", &Settings::default())?;
+/// assert!(report.to_string().contains("outside"));
+/// # Ok::<(), pathwright::Error>(())
+/// ```
+pub fn check(gcode: &[u8], settings: &Settings) -> Result<CheckReport, JobError> {
+    checked(gcode, settings, &mut Survey::default())
+}
+
+/// As [`check`], and sets the G-code beside what it should print: bodies that stand on z = 0, each with its name.
+///
+/// # Errors
+/// As [`check`].
+pub fn check_against(
+    gcode: &[u8],
+    bodies: &[(String, Mesh)],
+    settings: &Settings,
+) -> Result<CheckReport, JobError> {
+    let mut survey = Survey::default();
+    let mut report = checked(gcode, settings, &mut survey)?;
+    checking::against(bodies, &survey, || Ok(gcode), settings, &mut report).map_err(unreadable)?;
+    Ok(report)
+}
+
+fn checked(gcode: &[u8], settings: &Settings, survey: &mut Survey) -> Result<CheckReport, JobError> {
+    let report = checking::check(gcode, settings, survey).map_err(unreadable)?;
+    report.ok_or_else(|| JobError::Input("there are no moves in it; is it G-code?".into()))
+}
+
+/// How long G-code takes, by layer and by what the time is spent on, on the machine of the settings.
+///
+/// # Errors
+/// It cannot be read.
+///
+/// # Examples
+/// ```
+/// use pathwright::{Settings, time};
+///
+/// let time = time(b"G28\nG1 X150 Y0 F6000\n", &Settings::default())?;
+/// assert!((time.total_s - 1.5).abs() < 0.1);
+/// # Ok::<(), pathwright::Error>(())
+/// ```
+pub fn time(gcode: &[u8], settings: &Settings) -> Result<PrintTime, JobError> {
+    let firmware = Firmware::from(settings.printer.flavor);
+    let times = Timetable::read(gcode, &Machine::new(settings)).map_err(unreadable)?;
+    Ok(PrintTime::new("G-code".into(), firmware, &times))
+}
+
+fn unreadable(error: std::io::Error) -> JobError {
+    JobError::Input(format!("the G-code cannot be read: {error}"))
+}

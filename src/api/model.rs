@@ -1,0 +1,94 @@
+//! What is to be printed.
+
+use std::path::{Path, PathBuf};
+
+use crate::job::{JobError, TransformOptions};
+use crate::mesh::{self, Mesh};
+use crate::pipeline::load;
+use crate::plate;
+use crate::profile::Settings;
+
+/// A model: the objects of a file, or a mesh, with what is done to them before they are placed.
+///
+/// # Examples
+/// ```
+/// use pathwright::Model;
+///
+/// let model = Model::read("models/calibration_cube.stl")?.scaled(1.5).rotated([0.0, 0.0, 45.0]).copies(2);
+/// # let _ = model;
+/// # Ok::<(), pathwright::Error>(())
+/// ```
+#[derive(Clone, Debug)]
+pub struct Model {
+    path: PathBuf,
+    objects: Vec<mesh::Model>,
+    transform: TransformOptions,
+    copies: usize,
+}
+
+impl Model {
+    /// Reads and repairs a file (STL, 3MF or OBJ).
+    ///
+    /// # Errors
+    /// The file cannot be read, is no model, or holds nothing that has a volume.
+    pub fn read(path: impl AsRef<Path>) -> Result<Self, JobError> {
+        let path = path.as_ref();
+        Ok(Self::of(path, mesh::load_objects(path)?))
+    }
+
+    /// As [`Model::read`], from the file's contents; `name` is what messages call it.
+    ///
+    /// # Errors
+    /// As [`Model::read`].
+    pub fn from_bytes(name: &str, contents: &[u8]) -> Result<Self, JobError> {
+        let path = Path::new(name);
+        Ok(Self::of(path, mesh::objects_from_bytes(path, contents)?))
+    }
+
+    fn of(path: &Path, objects: Vec<mesh::Model>) -> Self {
+        Self { path: path.to_owned(), objects, transform: TransformOptions::default(), copies: 1 }
+    }
+
+    /// What messages and object labels call it.
+    #[must_use]
+    pub fn named(mut self, name: &str) -> Self {
+        self.path = name.into();
+        self
+    }
+
+    /// Scaled by a factor.
+    #[must_use]
+    pub fn scaled(mut self, factor: f64) -> Self {
+        self.transform.scale = self.transform.scale.map(|scale| scale * factor);
+        self
+    }
+
+    /// Turned about X, then Y, then Z, by so many degrees.
+    #[must_use]
+    pub fn rotated(mut self, degrees: [f64; 3]) -> Self {
+        self.transform.rotate_deg = degrees;
+        self
+    }
+
+    /// So many of it.
+    #[must_use]
+    pub fn copies(mut self, copies: usize) -> Self {
+        self.copies = copies;
+        self
+    }
+
+    /// The meshes, each with what was found and repaired.
+    pub fn objects(&self) -> &[mesh::Model] {
+        &self.objects
+    }
+
+    pub(super) fn prepared(self, settings: &Settings) -> Result<plate::Model, JobError> {
+        load::model(&self.path, self.objects, &self.transform, self.copies, settings)
+    }
+}
+
+impl From<Mesh> for Model {
+    fn from(mesh: Mesh) -> Self {
+        Self::of(Path::new("object"), vec![mesh.into()])
+    }
+}
