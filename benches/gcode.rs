@@ -116,7 +116,7 @@ fn reorder(c: &mut Criterion) {
     group.sample_size(10);
     for (name, height) in [("helical_gear", "0.02"), ("pin_forest", "0.1")] {
         let file = folder.path().join(name);
-        let model = format!("{}/models/{name}.stl", env!("CARGO_MANIFEST_DIR"));
+        let model = format!("{}/../models/{name}.stl", env!("CARGO_MANIFEST_DIR"));
         let job = Job { models: vec![model.into()], ..Job::default() };
         let mut output = Output::create(&file).expect("a file");
         let made = settings(&[("order.strategy", "as-sliced"), ("layer.height", height)]);
