@@ -6,7 +6,7 @@ use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_m
 use pathwright::Observer;
 use pathwright::estimate::{Firmware, Machine, Planner, Segment, layer_time};
 use pathwright::gcode::{PrintFacts, Scripts, Timetable, WriterSettings, format_layer, measure};
-use pathwright::geom::{Point, Region};
+use pathwright::geometry::{Point, Region};
 use pathwright::job::{Engine, Job, ReorderJob};
 use pathwright::motion::{Entry, LayerMoves, MotionSettings, plan_layer};
 use pathwright::order::Visit;
@@ -117,7 +117,7 @@ fn reorder(c: &mut Criterion) {
     group.sample_size(10);
     for (name, height) in [("helical_gear", "0.02"), ("pin_forest", "0.1")] {
         let file = folder.path().join(name);
-        let model = format!("{}/models/{name}.stl", env!("CARGO_MANIFEST_DIR"));
+        let model = format!("{}/../models/{name}.stl", env!("CARGO_MANIFEST_DIR"));
         let job = Job { models: vec![model.into()], ..Job::default() };
         let mut output = Output::create(&file).expect("a file");
         let made = settings(&[("order.strategy", "as-sliced"), ("layer.height", height)]);

@@ -4,7 +4,7 @@ use std::f64::consts::TAU;
 use std::hint::black_box;
 
 use criterion::{Criterion, criterion_group, criterion_main};
-use pathwright::geom::{
+use pathwright::geometry::{
     Clipper, Point, Region, Ring, difference, intersection, medial_axis, offset, scan_lines, union_all,
     unite_rings,
 };

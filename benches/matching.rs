@@ -1,7 +1,7 @@
 //! Exact minimum-cost perfect matching on nearest-neighbour graphs and on points.
 
 use criterion::{BenchmarkId, Criterion, criterion_group, criterion_main};
-use pathwright::geom::Point;
+use pathwright::geometry::Point;
 use pathwright::order::matching;
 
 /// Reproducible points in a square of 200 mm (a linear congruential generator, Knuth's MMIX constants).

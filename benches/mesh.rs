@@ -9,7 +9,7 @@ use pathwright::profile::{BedSettings, LayerSettings};
 use pathwright::slice::Slicer;
 
 fn inputs() -> Vec<PathBuf> {
-    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let root = Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/.."));
     let names = [
         "models/plate_with_holes.stl",
         "../shared/models/seed/3DHackerTest.stl",

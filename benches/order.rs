@@ -3,7 +3,7 @@
 use std::time::Duration;
 
 use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
-use pathwright::geom::Point;
+use pathwright::geometry::Point;
 use pathwright::order::{Cost, Item, Problem, Run, Shape, strategy};
 use pathwright::profile::{Effort, OrderStrategy, Scope};
 

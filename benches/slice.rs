@@ -14,7 +14,7 @@ const BUNDLED: [&str; 3] = ["plate_with_holes", "helical_gear", "pin_forest"];
 
 /// Bundled models, and larger ones from a folder beside the project, where that is there.
 fn models() -> Vec<PathBuf> {
-    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let root = Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/.."));
     let mut models: Vec<PathBuf> =
         BUNDLED.iter().map(|name| root.join("models").join(format!("{name}.stl"))).collect();
     if let Ok(entries) = std::fs::read_dir(root.join("../shared/models/seed")) {

@@ -2,7 +2,7 @@
 //!
 //!     cargo run --release --example order
 
-use pathwright::geom::Point;
+use pathwright::geometry::Point;
 use pathwright::order::{Cost, Item, Problem, Run, Shape, check, evaluate, strategy};
 use pathwright::profile::{Effort, OrderStrategy, Scope};
 

@@ -1,18 +1,16 @@
 //! What fuzzing does with bytes: each function takes any bytes and must come to an end without a panic. Used by the fuzz
-//! targets, and by `tests/fuzz.rs` on a stable toolchain.
+//! targets, and by `tests/stages/fuzz.rs` on a stable toolchain.
 
 #![allow(dead_code, reason = "each fuzz target uses one of them")]
 
 mod shapes;
-#[path = "../../tests/toolpath_plan/mod.rs"]
-mod toolpath_plan;
 
 use std::io::{Cursor, Write};
 use std::path::Path;
 
 use pathwright::check::{Survey, check};
 use pathwright::gcode::{annotate, measure};
-use pathwright::geom;
+use pathwright::geometry;
 use pathwright::mesh;
 use pathwright::order::{self, Chain, LayerProblem, SeamRule, strategy};
 use pathwright::plate::{self, Layout, Placement};
@@ -23,7 +21,8 @@ use pathwright::profile::{
 use pathwright::slice;
 use pathwright::units::Mm;
 use shapes::Bytes;
-use toolpath_plan::plan_with;
+
+use super::toolpath_plan::plan_with;
 
 /// Any bytes as an STL file.
 pub fn stl(bytes: &[u8]) {

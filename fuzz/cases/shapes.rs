@@ -1,6 +1,6 @@
 //! Bytes → polygons and layers of the kinds that break geometry.
 
-use pathwright::geom::{Point, Ring};
+use pathwright::geometry::{Point, Ring};
 use pathwright::order::{Item, Problem, Run, Shape};
 use pathwright::profile::Scope;
 

@@ -6,5 +6,7 @@
 
 #[path = "../cases/mod.rs"]
 mod cases;
+#[path = "../../tests/support/toolpath_plan.rs"]
+mod toolpath_plan;
 
 libfuzzer_sys::fuzz_target!(|bytes: &[u8]| cases::stl(bytes));

@@ -1,0 +1,180 @@
+//! A headless Chromium, driven by the DevTools protocol (<https://chromedevtools.github.io/devtools-protocol/>).
+
+use std::io::{BufRead, BufReader};
+use std::net::TcpStream;
+use std::path::Path;
+use std::process::{Child, Command, Stdio};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError, Weak};
+use std::thread::sleep;
+use std::time::{Duration, Instant};
+
+use serde_json::{Value, json};
+use tempfile::TempDir;
+use tungstenite::stream::MaybeTlsStream;
+use tungstenite::{Message, WebSocket};
+
+/// Slow machines are no failure.
+const PATIENCE: Duration = Duration::from_secs(90);
+
+/// A browser with one page.
+pub struct Browser {
+    process: Child,
+    socket: WebSocket<MaybeTlsStream<TcpStream>>,
+    session: Option<String>,
+    calls: u64,
+    /// What was reported since the page was opened and is no mere information.
+    errors: Vec<String>,
+    /// Removed when the browser has ended.
+    profile: TempDir,
+}
+
+/// A browser that tests take turns at: starting one takes longer than most tests.
+pub struct Shared(Arc<Mutex<Browser>>);
+
+impl Shared {
+    /// Waits for its turn.
+    pub fn page(&self) -> MutexGuard<'_, Browser> {
+        self.0.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+}
+
+impl Browser {
+    /// The one with WebGL that other tests use just now, or a new one, which ends with the last of its users.
+    pub fn shared() -> Shared {
+        static CURRENT: Mutex<Weak<Mutex<Browser>>> = Mutex::new(Weak::new());
+        let mut current = CURRENT.lock().unwrap_or_else(PoisonError::into_inner);
+        let browser = match current.upgrade() {
+            Some(browser) => browser,
+            None => Arc::new(Mutex::new(Self::start(true))),
+        };
+        *current = Arc::downgrade(&browser);
+        Shared(browser)
+    }
+
+    /// Starts one.
+    pub fn start(webgl: bool) -> Self {
+        let program = program().expect("there is a Chromium");
+        let profile = tempfile::tempdir().unwrap();
+        let graphics: &[&str] = match webgl {
+            true => &["--use-gl=angle", "--use-angle=swiftshader", "--enable-unsafe-swiftshader"],
+            false => &["--disable-3d-apis"],
+        };
+        let mut process = Command::new(program)
+            .args(["--headless", "--no-sandbox", "--disable-gpu", "--disable-quic", "--no-first-run"])
+            .args(["--disable-background-networking", "--disable-component-update", "--disable-sync"])
+            .arg("--remote-debugging-port=0")
+            .args(graphics)
+            .arg(format!("--user-data-dir={}", profile.path().display()))
+            .arg("about:blank")
+            .stdout(Stdio::null())
+            .stderr(Stdio::piped())
+            .spawn()
+            .unwrap();
+        let mut lines = BufReader::new(process.stderr.take().unwrap()).lines();
+        let address = lines
+            .find_map(|line| Some(line.ok()?.strip_prefix("DevTools listening on ")?.to_owned()))
+            .expect("the browser tells its address");
+        // Whoever writes must be read, or it stops.
+        std::thread::spawn(move || lines.for_each(drop));
+        let (socket, _) = tungstenite::connect(address).unwrap();
+        let mut browser = Self { process, socket, session: None, calls: 0, errors: Vec::new(), profile };
+        let target = browser.call("Target.createTarget", &json!({ "url": "about:blank" }));
+        let attach = json!({ "targetId": target["targetId"], "flatten": true });
+        let attached = browser.call("Target.attachToTarget", &attach);
+        browser.session = Some(attached["sessionId"].as_str().expect("attached").to_owned());
+        for domain in ["Page.enable", "Runtime.enable", "Log.enable"] {
+            browser.call(domain, &json!({}));
+        }
+        browser
+    }
+
+    /// Sets the size of the window; that of a phone also has its touch and its pixels.
+    pub fn resize(&mut self, width: u32, height: u32, phone: bool) {
+        let ratio = if phone { 2 } else { 1 };
+        let size = json!({ "width": width, "height": height, "deviceScaleFactor": ratio, "mobile": phone });
+        self.call("Emulation.setDeviceMetricsOverride", &size);
+    }
+
+    /// Opens a page of ours from disk and waits until it shows a print or says why it cannot.
+    pub fn open(&mut self, page: &Path, hash: &str) {
+        self.call("Page.navigate", &json!({ "url": "about:blank" }));
+        self.errors.clear();
+        let url = format!("file://{}#{hash}", page.display());
+        self.call("Page.navigate", &json!({ "url": url }));
+        let begun = Instant::now();
+        let ready = "document.readyState === 'complete' && \
+            (!!window.pathwright || document.getElementById('notice')?.hidden === false)";
+        while self.run(ready) != json!(true) {
+            assert!(begun.elapsed() < PATIENCE, "the page does not open; {:?}", self.errors);
+            sleep(Duration::from_millis(20));
+        }
+    }
+
+    /// The value of an expression in the page, awaited if it is a promise.
+    pub fn run(&mut self, script: &str) -> Value {
+        let arguments = json!({ "expression": script, "returnByValue": true, "awaitPromise": true });
+        let answer = self.call("Runtime.evaluate", &arguments);
+        assert!(answer.get("exceptionDetails").is_none(), "{script}\n{answer:#}");
+        answer["result"]["value"].clone()
+    }
+
+    /// Errors in the console, and exceptions that nobody caught, since the page was opened.
+    pub fn errors(&mut self) -> Vec<String> {
+        self.run("new Promise((done) => setTimeout(done, 50))");
+        self.errors.clone()
+    }
+
+    fn call(&mut self, method: &str, params: &Value) -> Value {
+        self.calls += 1;
+        let mut message = json!({ "id": self.calls, "method": method, "params": params });
+        if let Some(session) = &self.session {
+            message["sessionId"] = json!(session);
+        }
+        self.socket.send(Message::text(message.to_string())).unwrap();
+        loop {
+            let Message::Text(text) = self.socket.read().unwrap() else { continue };
+            let answer: Value = serde_json::from_str(&text).unwrap();
+            if answer["id"] == json!(self.calls) {
+                assert!(answer.get("error").is_none(), "{method}: {answer:#}");
+                return answer["result"].clone();
+            }
+            self.take_note(&answer);
+        }
+    }
+
+    fn take_note(&mut self, event: &Value) {
+        let params = &event["params"];
+        let error = match event["method"].as_str() {
+            Some("Runtime.exceptionThrown") => Some(params["exceptionDetails"].to_string()),
+            Some("Runtime.consoleAPICalled") if params["type"] == "error" => Some(params["args"].to_string()),
+            Some("Log.entryAdded") if params["entry"]["level"] == "error" => {
+                Some(params["entry"].to_string())
+            }
+            _ => None,
+        };
+        self.errors.extend(error);
+    }
+}
+
+impl Drop for Browser {
+    fn drop(&mut self) {
+        // It may have ended by itself. Its helpers follow it, and let go of the profile a moment later.
+        let _ = self.process.kill();
+        let _ = self.process.wait();
+        let begun = Instant::now();
+        while std::fs::remove_dir_all(self.profile.path()).is_err()
+            && begun.elapsed() < Duration::from_secs(2)
+        {
+            sleep(Duration::from_millis(50));
+        }
+    }
+}
+
+/// What starts Chromium here, if anything does.
+pub fn program() -> Option<&'static str> {
+    ["chromium", "chromium-browser", "google-chrome"].into_iter().find(|name| {
+        let mut command = Command::new(name);
+        command.arg("--version").stdin(Stdio::null()).stdout(Stdio::null()).stderr(Stdio::null());
+        command.status().is_ok_and(|status| status.success())
+    })
+}

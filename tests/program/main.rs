@@ -1,0 +1,23 @@
+//! Whole runs, from file to file: through the library, and through the program as users and scripts call it.
+
+#[path = "../support/mod.rs"]
+mod support;
+
+mod check;
+mod check_model;
+mod cli;
+mod cli_output;
+#[cfg(unix)]
+mod faults;
+mod print;
+mod print_assembly;
+mod print_floating;
+mod print_golden;
+mod print_input;
+mod print_modes;
+mod print_plate;
+mod print_surface;
+mod print_volume;
+mod reorder;
+mod supports;
+mod view;

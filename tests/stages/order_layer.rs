@@ -1,0 +1,59 @@
+//! Layers as plain data, for tests that make them up.
+
+use pathwright::geometry::Point;
+use pathwright::order::{Item, Problem, Run, Shape};
+use pathwright::profile::Scope;
+use proptest::prelude::*;
+
+/// A layer from which problems borrow.
+#[derive(Clone, Debug)]
+pub struct Layer {
+    /// Run and vertices; two vertices make an open path, others a loop.
+    pub items: Vec<(u32, Vec<Point>)>,
+    pub runs: Vec<Run>,
+    pub scope: Scope,
+    pub start: Option<Point>,
+    pub end: Option<Point>,
+}
+
+impl Layer {
+    pub fn problem(&self) -> Problem<'_> {
+        let items = self.items.iter().map(|(run, points)| Item {
+            run: *run,
+            shape: if points.len() == 2 { Shape::Open([points[0], points[1]]) } else { Shape::Loop(points) },
+        });
+        let (items, runs) = (items.collect(), self.runs.clone());
+        Problem { items, runs, scope: self.scope, start: self.start, end: self.end }
+    }
+}
+
+/// A point on a coarse grid, where points coincide often and many links are equal, or anywhere below `reach`.
+pub fn point(reach: i32) -> impl Strategy<Value = Point> {
+    prop_oneof![
+        (0..4_i32, 0..4_i32).prop_map(|(x, y)| Point::new(x * 100_000, y * 100_000)),
+        (0..reach, 0..reach).prop_map(|(x, y)| Point::new(x, y)),
+    ]
+}
+
+/// Layers of the given paths, each in one of `runs` (stage, island, rank), of which those without a path are left out.
+/// Start and end are known or not.
+pub fn layer(
+    paths: impl Strategy<Value = Vec<Vec<Point>>>,
+    runs: impl Strategy<Value = Vec<(u32, u32, u32)>>,
+    reach: i32,
+) -> impl Strategy<Value = Layer> {
+    let scope = prop::sample::select(vec![Scope::Layer, Scope::Feature, Scope::Island]);
+    let ends = (prop::option::of(point(reach)), prop::option::of(point(reach)));
+    let choices = prop::collection::vec(any::<prop::sample::Index>(), 64);
+    (paths, choices, runs, scope, ends).prop_map(|(paths, choices, runs, scope, (start, end))| {
+        let chosen: Vec<usize> =
+            (0..paths.len()).map(|path| choices[path % choices.len()].index(runs.len())).collect();
+        let mut used = chosen.clone();
+        used.sort_unstable();
+        used.dedup();
+        let number = |run: usize| used.binary_search(&run).expect("listed") as u32;
+        let items = paths.into_iter().zip(&chosen).map(|(points, &run)| (number(run), points)).collect();
+        let run = |&run: &usize| Run { stage: runs[run].0, island: runs[run].1, rank: runs[run].2 };
+        Layer { items, runs: used.iter().map(run).collect(), scope, start, end }
+    })
+}

@@ -1,0 +1,108 @@
+//! Lower bounds against the optimum, and Christofides against its guarantee, on thousands of small layers.
+
+use crate::exact::{chained_optimum, optimum};
+use crate::order_layer::{self, Layer, point};
+use pathwright::geometry::Point;
+use pathwright::order::{Cost, bound, evaluate, strategy};
+use pathwright::profile::{Effort, OrderStrategy, Scope};
+use proptest::prelude::*;
+
+/// Largest coordinate, in grid units.
+const REACH: i32 = 500_000;
+
+/// Layers of up to `most` paths, a third of them pinned and a sixth free loops, in up to five runs.
+fn layer(most: usize) -> impl Strategy<Value = Layer> {
+    let path = prop_oneof![
+        3 => prop::collection::vec(point(REACH), 2),
+        2 => prop::collection::vec(point(REACH), 1),
+        1 => prop::collection::vec(point(REACH), 3..11),
+    ];
+    let runs = prop::collection::vec((0..2_u32, 0..3_u32, 0..3_u32), 5);
+    order_layer::layer(prop::collection::vec(path, 0..=most), runs, REACH)
+}
+
+/// The same with all runs in one stage, so that those of an island come by rank under `feature` scope and links between them
+/// have a direction.
+fn ranked(most: usize) -> impl Strategy<Value = Layer> {
+    layer(most).prop_map(|mut layer| {
+        layer.scope = Scope::Feature;
+        layer.runs.iter_mut().for_each(|run| run.stage = 1);
+        layer
+    })
+}
+
+/// Sums of a few square roots: far above their rounding, far below a bound that is wrong.
+const ROUNDING_MM: f64 = 1e-9;
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 3000, ..ProptestConfig::default() })]
+
+    #[test]
+    fn the_bound_of_a_layer_is_not_above_its_optimum(layer in layer(7)) {
+        let problem = layer.problem();
+        let (bound, optimum) = (bound::layer(&problem), optimum(&problem));
+        prop_assert!(bound <= optimum + ROUNDING_MM, "{bound} > {optimum}");
+    }
+
+    #[test]
+    fn the_bound_of_a_layer_whose_links_have_directions_is_not_above_its_optimum(layer in ranked(7)) {
+        let problem = layer.problem();
+        let (bound, optimum) = (bound::layer(&problem), optimum(&problem));
+        prop_assert!(bound <= optimum + ROUNDING_MM, "{bound} > {optimum}");
+    }
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 1000, ..ProptestConfig::default() })]
+
+    #[test]
+    fn the_bound_of_a_print_is_not_above_its_optimum(layers in [layer(5), layer(5), layer(5)]) {
+        let problems: Vec<_> = layers.iter().map(Layer::problem).collect();
+        let (bound, optimum) = (bound::print(&problems), chained_optimum(&problems));
+        prop_assert!(bound <= optimum + ROUNDING_MM, "{bound} > {optimum}");
+    }
+
+    #[test]
+    fn the_bound_of_a_print_whose_links_have_directions_is_not_above_its_optimum(layers in [ranked(5), ranked(5), ranked(5)]) {
+        let problems: Vec<_> = layers.iter().map(Layer::problem).collect();
+        let (bound, optimum) = (bound::print(&problems), chained_optimum(&problems));
+        prop_assert!(bound <= optimum + ROUNDING_MM, "{bound} > {optimum}");
+    }
+
+    #[test]
+    fn a_share_holds_wherever_its_layer_is_entered(layers in [layer(5).boxed(), ranked(5).boxed()], start in prop::option::of(point(REACH))) {
+        let mut problems: Vec<_> = layers.iter().map(Layer::problem).collect();
+        let shares = bound::shares(&problems, |n, chunk| (0..n).map(chunk).collect());
+        for (problem, share) in problems.iter_mut().zip(shares) {
+            (problem.start, problem.end) = (start, None);
+            let (bound, optimum) = (share.layer_mm(start, None), optimum(problem));
+            prop_assert!(bound <= optimum + ROUNDING_MM, "{bound} > {optimum}");
+        }
+    }
+
+    #[test]
+    fn a_closed_christofides_tour_is_within_its_guarantee(mut layer in layer(7)) {
+        layer.items.iter_mut().filter(|(_, points)| points.len() > 2).for_each(|(_, points)| points.truncate(1));
+        layer.scope = Scope::Layer;
+        layer.runs.iter_mut().for_each(|run| run.stage = 1);
+        layer.start.get_or_insert(Point::new(0, 0));
+        layer.end = layer.start;
+        let problem = layer.problem();
+        let print_mm: f64 = layer.items.iter().map(|(_, points)| points[0].distance_mm(points[points.len() - 1])).sum();
+        let tour = strategy(OrderStrategy::Christofides).solve(&problem, &Cost::Length, Effort::Fast);
+        let found = evaluate(&problem, &tour, &Cost::Length);
+        let best = optimum(&problem);
+        prop_assert!(print_mm + found <= 1.5 * (print_mm + best) + 1e-4, "{found} against {best}, {print_mm} drawn");
+    }
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 100, ..ProptestConfig::default() })]
+
+    #[test]
+    fn the_bound_of_a_print_in_several_chunks_is_not_above_its_optimum(layers in prop::collection::vec(layer(2), 30)) {
+        let problems: Vec<_> = layers.iter().map(Layer::problem).collect();
+        let (bound, optimum) = (bound::print(&problems), chained_optimum(&problems));
+        prop_assert!(bound <= optimum + ROUNDING_MM, "{bound} > {optimum}");
+    }
+}

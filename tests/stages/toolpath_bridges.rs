@@ -1,0 +1,175 @@
+//! What is laid over air, checked on sections made here.
+
+use crate::support::toolpath_plan::{job, length_mm, of_role, plan, rectangle, ring, with_hole};
+use pathwright::geometry::{self as geom, Point, Polygon, Region};
+use pathwright::profile::WallGenerator;
+use pathwright::toolpath::{LayerPaths, Path, Role};
+
+/// The layer that closes an opening: full sections on top of sections with it.
+fn roof(open: &Region, full: &Region) -> LayerPaths {
+    let sections = [vec![open.clone(); 6], vec![full.clone(); 6]].concat();
+    plan(&sections, &job()).swap_remove(6)
+}
+
+/// Whether all long threads of a layer's bridges run in a direction (degrees from X), and end over `hold`.
+fn bridges_run(layer: &LayerPaths, degrees: f64, hold: &Region) -> bool {
+    let threads: Vec<[Point; 2]> = of_role(layer, Role::BridgeInfill)
+        .iter()
+        .flat_map(|p| p.points.windows(2).map(|e| [e[0], e[1]]))
+        .filter(|[a, b]| a.distance_mm(*b) > 3.0)
+        .collect();
+    let (sin, cos) = degrees.to_radians().sin_cos();
+    let along = |[a, b]: &[Point; 2]| {
+        let [dx, dy] = (*b - *a).mm();
+        (dx * sin - dy * cos).abs() < 0.01 * a.distance_mm(*b)
+    };
+    let held = |p: &Point| hold.contains(*p);
+    !threads.is_empty() && threads.iter().all(|t| along(t) && t.iter().all(held))
+}
+
+#[test]
+fn bridges_span_a_rectangle_the_short_way() {
+    for (pit, degrees) in [(rectangle(10.0, 5.0, 30.0, 15.0), 90.0), (rectangle(15.0, 2.0, 22.0, 18.0), 0.0)]
+    {
+        let full = rectangle(0.0, 0.0, 40.0, 20.0);
+        let open = with_hole(full.clone(), &pit);
+        assert!(bridges_run(&roof(&open, &full), degrees, &open), "{degrees}");
+    }
+}
+
+#[test]
+fn bridges_between_two_pillars_go_from_one_to_the_other() {
+    let full = rectangle(0.0, 0.0, 40.0, 8.0);
+    let mut pillars = rectangle(0.0, 0.0, 8.0, 8.0);
+    pillars.polygons.extend(rectangle(32.0, 0.0, 40.0, 8.0).polygons);
+    assert!(bridges_run(&roof(&pillars, &full), 0.0, &pillars));
+}
+
+#[test]
+fn no_thread_of_a_bridge_ends_halfway_along_an_edge_that_is_nearly_straight() {
+    let full = |slant_mm: f64| {
+        let outer = ring(&[(0.0, 0.0), (40.0, slant_mm), (40.0, 8.0), (0.0, 8.0 - slant_mm)]);
+        Region { polygons: vec![Polygon { outer, holes: vec![] }] }
+    };
+    let mut pillars = rectangle(0.0, 0.0, 8.0, 8.0);
+    pillars.polygons.extend(rectangle(32.0, 0.0, 40.0, 8.0).polygons);
+    for slant_mm in [-0.03, -0.01, 0.01, 0.03] {
+        let open = geom::intersection(&pillars, &full(slant_mm));
+        assert!(bridges_run(&roof(&open, &full(slant_mm)), 0.0, &pillars), "{slant_mm}");
+    }
+}
+
+#[test]
+fn bridges_over_a_c_go_from_arm_to_arm() {
+    let full = rectangle(0.0, 0.0, 30.0, 20.0);
+    let open = geom::difference(&full, &rectangle(8.0, -1.0, 22.0, 12.0));
+    assert!(bridges_run(&roof(&open, &full), 0.0, &open));
+}
+
+#[test]
+fn bridges_over_an_l_are_shorter_than_its_arms_and_have_hold_at_both_ends() {
+    let full = rectangle(0.0, 0.0, 40.0, 40.0);
+    let pit = geom::union(&rectangle(10.0, 10.0, 18.0, 32.0), &rectangle(10.0, 10.0, 30.0, 18.0));
+    let open = geom::difference(&full, &pit);
+    let roof = roof(&open, &full);
+    let degrees = (0..180).find(|&degrees| bridges_run(&roof, f64::from(degrees), &open));
+    assert!(degrees.is_some(), "all one way, from hold to hold");
+    let spans = of_role(&roof, Role::BridgeInfill).into_iter().flat_map(|p| p.points.windows(2));
+    let longest_mm = spans.map(|e| e[0].distance_mm(e[1])).fold(0.0, f64::max);
+    assert!(longest_mm < 20.0, "along an arm it would be 20 mm and more, not {longest_mm}");
+}
+
+#[test]
+fn solid_infill_never_hangs_where_a_bridge_could() {
+    let full = rectangle(0.0, 0.0, 40.0, 20.0);
+    let pit = rectangle(10.0, 5.0, 30.0, 15.0);
+    let roof = roof(&with_hole(full.clone(), &pit), &full);
+    let air = geom::offset(&pit, -0.1);
+    let flat = roof.paths.iter().filter(|p| p.role != Role::BridgeInfill);
+    assert!(flat.flat_map(|p| &p.points).all(|&p| !air.contains(p)));
+}
+
+#[test]
+fn every_bead_of_a_strip_over_air_has_hold_at_both_ends_or_comes_after_those_that_have() {
+    // Walls of 0.9 mm hold two of the three loops; what is inside of the third begins before them.
+    for (wall_mm, widest, generator) in
+        [(1.2, 40, WallGenerator::Classic), (0.9, 31, WallGenerator::Variable)]
+    {
+        for tenths in 4..=widest {
+            let width_mm = f64::from(tenths) / 10.0;
+            let layer = strip_over_air(wall_mm, width_mm, generator);
+            let over: Vec<&Path> =
+                layer.paths.iter().filter(|p| length_mm(p) > 1.5 && is_over_the_gap(p)).collect();
+            let held_beside = |path: &Path, x: f64| {
+                let near = |p: &Point| p.mm()[0] < 0.24 && x == 0.0 || p.mm()[0] > GAP_MM - 0.24 && x > 0.0;
+                path.points.iter().any(near)
+            };
+            let spans = |path: &Path| held_beside(path, 0.0) && held_beside(path, GAP_MM);
+            assert!(over.iter().any(|path| spans(path)), "{width_mm} {generator:?}: nothing over the gap");
+            for path in &over {
+                let what = format!("{width_mm} {generator:?}: {:?} of {:.1} mm", path.role, length_mm(path));
+                if path.closed {
+                    let before = |other: &&&Path| other.rank < path.rank && other.closed;
+                    let follows = over.iter().filter(before).any(|other| spans(other));
+                    assert!(spans(path) || follows, "{what}");
+                } else {
+                    let ends = [path.points[0], path.points[path.points.len() - 1]].map(|p| p.mm()[0]);
+                    assert!(
+                        ends.iter().all(|&x| !(0.24..GAP_MM - 0.24).contains(&x)),
+                        "{what}, ends {ends:?}"
+                    );
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn the_surface_goes_on_under_ribs_of_walls_alone_but_not_under_what_has_infill() {
+    let deck = rectangle(0.0, 0.0, 40.0, 40.0);
+    for tenths in (10..=60).step_by(5) {
+        let width_mm = f64::from(tenths) / 10.0;
+        let rib = rectangle(18.03, 10.0, 18.03 + width_mm, 30.0);
+        let layers = plan(&[vec![deck.clone(); 10], vec![rib.clone(); 10]].concat(), &job());
+        let has_infill = of_role(&layers[10], Role::GapFill).is_empty()
+            && layers[10].paths.iter().any(|path| !path.role.is_wall());
+        let under = geom::offset(&rib, -0.4);
+        let sparse = of_role(&layers[9], Role::InternalInfill);
+        let hollow = sparse.iter().flat_map(|path| &path.points).any(|&p| under.contains(p))
+            || sparse
+                .iter()
+                .flat_map(|path| path.points.windows(2))
+                .any(|e| under.contains(Point { x: (e[0].x + e[1].x) / 2, y: (e[0].y + e[1].y) / 2 }));
+        assert_eq!(hollow, has_infill, "{width_mm} mm");
+    }
+}
+
+/// Distance of two walls, in millimetres.
+const GAP_MM: f64 = 30.0;
+
+/// The layer in which a strip leads from one wall to another, with three perimeters at most.
+fn strip_over_air(wall_mm: f64, width_mm: f64, generator: WallGenerator) -> LayerPaths {
+    let wall = |x: f64| rectangle(x, -10.0, x + wall_mm, 10.0);
+    let open = geom::union(&wall(-wall_mm), &wall(GAP_MM));
+    // Its sides are not quite straight, as those of models are.
+    let (low, high, bend) = (-0.7, width_mm - 0.7, 0.005);
+    let outer = ring(&[
+        (-0.1, low),
+        (13.0, low + bend),
+        (GAP_MM + 0.1, low),
+        (GAP_MM + 0.1, high),
+        (20.0, high + bend),
+        (-0.1, high),
+    ]);
+    let full = geom::union(&open, &Region { polygons: vec![Polygon { outer, holes: vec![] }] });
+    let mut settings = job();
+    (settings.walls.count, settings.walls.generator) = (3, generator);
+    plan(&[vec![open; 6], vec![full; 6]].concat(), &settings).swap_remove(6)
+}
+
+/// Whether part of a path is over the gap.
+fn is_over_the_gap(path: &Path) -> bool {
+    let ends = path.points.iter().map(|p| p.mm()[0]);
+    let (low, high) = ends.fold((f64::MAX, f64::MIN), |(low, high), x| (low.min(x), high.max(x)));
+    high > 2.0 && low < GAP_MM - 2.0
+}

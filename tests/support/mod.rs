@@ -1,0 +1,11 @@
+//! What tests of several programs use. Each of them names this folder in one line of its `main.rs`.
+
+#![allow(dead_code, reason = "each test program uses a part of it")]
+
+pub mod found;
+pub mod gcode_fixture;
+pub mod mesh_shapes;
+pub mod oracle;
+pub mod print;
+pub mod program;
+pub mod toolpath_plan;

@@ -1,0 +1,87 @@
+//! Sections made here, and the paths that the toolpath stage makes of them.
+
+use pathwright::geometry::{self as geom, Point, Polygon, Region, Ring};
+use pathwright::profile::Settings;
+use pathwright::toolpath::{LayerPaths, ObjectLayer, Path, Planner, PlateLayer, Role, Shells};
+use pathwright::units::{Mm, Ratio};
+
+pub const HEIGHT_MM: f64 = 0.2;
+
+pub fn ring(points: &[(f64, f64)]) -> Ring {
+    points.iter().map(|&(x, y)| Point::from_mm(x, y)).collect()
+}
+
+pub fn rectangle(x0: f64, y0: f64, x1: f64, y1: f64) -> Region {
+    let outer = ring(&[(x0, y0), (x1, y0), (x1, y1), (x0, y1)]);
+    Region { polygons: vec![Polygon { outer, holes: vec![] }] }
+}
+
+pub fn with_hole(mut region: Region, hole: &Region) -> Region {
+    region.polygons[0]
+        .holes
+        .extend(hole.polygons.iter().map(|p| p.outer.iter().rev().copied().collect::<Ring>()));
+    region
+}
+
+/// The job that slicers are compared on.
+pub fn job() -> Settings {
+    let mut s = Settings::default();
+    s.walls.count = 2;
+    s.shell.top_layers = 4;
+    s.shell.bottom_layers = 4;
+    s.shell.top_width = Mm(0.45);
+    s.infill.density = Ratio(0.2);
+    s.first_layer.width = Mm(0.0);
+    s.skirt.loops = 0;
+    s
+}
+
+/// The paths of every layer of an object given by its sections, planned as a print is.
+pub fn plan(sections: &[Region], settings: &Settings) -> Vec<LayerPaths> {
+    plan_with(sections, settings, |planner, layers| {
+        let samples: Vec<_> = layers[1..].iter().map(|layer| planner.sparse_sample(layer)).collect();
+        planner.calibrate(&samples, HEIGHT_MM);
+        if settings.infill.combine_layers > 1 {
+            let areas: Vec<_> = layers.iter().map(|layer| (HEIGHT_MM, planner.sparse_area(layer))).collect();
+            planner.combine(&areas);
+        }
+    })
+}
+
+/// The same, with what the planner is told before it begins.
+pub fn plan_with(
+    sections: &[Region],
+    settings: &Settings,
+    prepare: impl FnOnce(&mut Planner, &[PlateLayer<'_>]),
+) -> Vec<LayerPaths> {
+    let refs: Vec<&Region> = sections.iter().collect();
+    let sequential = |n: usize, f: &(dyn Fn(usize) -> Region + Sync)| (0..n).map(f).collect();
+    let shells = Shells::build(&refs, &vec![HEIGHT_MM; sections.len()], &settings.shell, &sequential);
+    let nothing = Region::default();
+    let section = |index: usize| PlateLayer {
+        index,
+        top_mm: HEIGHT_MM * (index + 1) as f64,
+        height_mm: HEIGHT_MM,
+        objects: vec![ObjectLayer {
+            object: 0,
+            section: &sections[index],
+            next: sections.get(index + 1).unwrap_or(&nothing),
+            beneath: index.checked_sub(1).map(|below| &sections[below]),
+            above: shells.above(index),
+            below: shells.below(index),
+            hollow: shells.beneath(index),
+        }],
+    };
+    let mut planner = Planner::new(settings.into(), &sections[0], HEIGHT_MM);
+    let layers: Vec<PlateLayer<'_>> = (0..sections.len()).map(section).collect();
+    prepare(&mut planner, &layers);
+    layers.iter().map(|layer| planner.layer(layer)).collect()
+}
+
+pub fn of_role(layer: &LayerPaths, role: Role) -> Vec<&Path> {
+    layer.paths.iter().filter(|p| p.role == role).collect()
+}
+
+pub fn length_mm(path: &Path) -> f64 {
+    if path.closed { geom::ring_length_mm(&path.points) } else { geom::polyline_length_mm(&path.points) }
+}
