@@ -88,8 +88,6 @@ mod source;
 
 pub use api::{Model, Plate, Print, Slicer, check, check_against, reorder, time};
 pub use geometry;
-#[doc(hidden)]
-pub use geometry as geom;
 pub use job::JobError as Error;
 pub use mesh::Mesh;
 pub use observer::Observer;

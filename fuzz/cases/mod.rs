@@ -96,15 +96,15 @@ pub fn gcode(bytes: &[u8]) {
 /// Polygons that nobody would draw through offsets, walls, fills and the order of paths.
 pub fn slicing(bytes: &[u8]) {
     let mut bytes = Bytes::new(bytes);
-    let region = geom::unite_rings(&shapes::rings(&mut bytes));
+    let region = geometry::unite_rings(&shapes::rings(&mut bytes));
     let by_mm = f64::from(bytes.int(400)) / 100.0;
-    let inset = geom::offset(&region, -by_mm);
+    let inset = geometry::offset(&region, -by_mm);
     // Corners are rounded to the grid.
     let around: usize = region.vertex_count() + inset.vertex_count();
     assert!(inset.area_mm2() <= region.area_mm2() + 1e-6 * (1 + around) as f64, "an inset grows");
-    let _ = geom::medial_axis(&region, 0.1, 1.0, 0.5);
-    let narrow = geom::difference(&region, &geom::opening(&region, 0.5));
-    let _ = geom::medial_axis_in(&narrow, &region, 0.1, 1.0, [0.5, 0.25]);
+    let _ = geometry::medial_axis(&region, 0.1, 1.0, 0.5);
+    let narrow = geometry::difference(&region, &geometry::opening(&region, 0.5));
+    let _ = geometry::medial_axis_in(&narrow, &region, 0.1, 1.0, [0.5, 0.25]);
     let mut settings = Settings::default();
     settings.infill.pattern = Pattern::ALL[bytes.int(Pattern::ALL.len() as u32) as usize].1;
     settings.walls.generator = WallGenerator::ALL[bytes.int(2) as usize].1;
@@ -112,7 +112,7 @@ pub fn slicing(bytes: &[u8]) {
     settings.walls.width = Mm(0.1 + f64::from(bytes.int(20)) / 20.0);
     settings.walls.external_width = settings.walls.width;
     settings.layer.elephant_foot = Mm(0.0);
-    let sections = [region.clone(), geom::offset(&region, 0.3), inset, region];
+    let sections = [region.clone(), geometry::offset(&region, 0.3), inset, region];
     let layers = plan_with(&sections, &settings, |_, _| ());
     assert!(layers.iter().flat_map(|layer| &layer.paths).all(|path| path.points.len() >= 2 || path.closed));
     let seam = SeamPosition::ALL[bytes.int(SeamPosition::ALL.len() as u32) as usize].1;

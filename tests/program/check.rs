@@ -12,7 +12,6 @@ use pathwright::job::{Engine, Job};
 use pathwright::output::Output;
 use pathwright::pipeline::Pipeline;
 use pathwright::plate::Layout;
-use pathwright::plate::Layout;
 use pathwright::profile::Settings;
 use pathwright::units::Mm3PerS;
 

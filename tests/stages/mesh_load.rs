@@ -5,8 +5,8 @@ use std::f64::consts::PI;
 use crate::support::mesh_shapes::{
     LATTICES, box_xml, cuboid, lattice_xml, load, model_xml, own_models, package, stl,
 };
-use pathwright::mesh::{self, Mesh, MeshError};
-use pathwright::plate::{Layout, Placement};
+use pathwright::mesh::{Mesh, MeshError};
+use pathwright::plate::{self, Layout, Placement};
 use pathwright::profile::Settings;
 use pathwright::slice;
 use pathwright::units::Mm;

@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use crate::support::toolpath_plan::{HEIGHT_MM, job, length_mm, of_role, plan, rectangle, ring, with_hole};
 use crate::toolpath_raster::coverage;
-use pathwright::geometry::{self as geom, Bounds, Point, Polygon, Region, Ring};
+use pathwright::geometry::{self, Bounds, Point, Polygon, Region, Ring};
 use pathwright::profile::{Pattern, Settings, WallGenerator, WallOrder};
 use pathwright::toolpath::infill::{self, AdaptiveCubic, FillPattern, FillSpec, Hollow, Joins, Lightning};
 use pathwright::toolpath::{LayerPaths, Path, Role, Width, bead, shell_depth};
@@ -62,7 +62,7 @@ fn beads_of_neighbouring_walls_fill_the_layer_without_void_or_overlap() {
     let layers = plan(&vec![rectangle(0.0, 0.0, 20.0, 20.0); 10], &job());
     let x_max = |role| {
         let points = of_role(&layers[5], role).into_iter().flat_map(|p| p.points.iter().copied());
-        geom::to_mm(Bounds::of(points).expect("walls").max.x)
+        geometry::to_mm(Bounds::of(points).expect("walls").max.x)
     };
     let (outer_mm, inner_mm) = (x_max(Role::ExternalPerimeter), x_max(Role::Perimeter));
     assert!((20.0 - outer_mm - 0.45 / 2.0).abs() < 1e-4, "outer wall at {outer_mm}");
@@ -93,7 +93,7 @@ fn every_even_pattern_has_the_density_asked_for() {
             settings.infill.density = Ratio(density);
             let layers = plan(&vec![section.clone(); 13], &settings);
             let inside_mm2 =
-                geom::offset(&section, -(0.45 + bead::spacing_mm(0.45, HEIGHT_MM) - 0.0215)).area_mm2();
+                geometry::offset(&section, -(0.45 + bead::spacing_mm(0.45, HEIGHT_MM) - 0.0215)).area_mm2();
             let sparse = layers.iter().flat_map(|l| of_role(l, Role::InternalInfill));
             let share = volume_mm3(sparse) / (inside_mm2 * HEIGHT_MM * 5.0);
             assert!((share / density - 1.0).abs() < 0.01, "{name} at {density}: {share}");
@@ -267,7 +267,7 @@ fn skirt_and_brim_keep_their_distance() {
     let reach_mm = |role| {
         let points = of_role(&layers[0], role).into_iter().flat_map(|p| p.points.iter().copied());
         let bounds = Bounds::of(points).expect("loops");
-        (geom::to_mm(bounds.max.x) - 120.0, of_role(&layers[0], role).len())
+        (geometry::to_mm(bounds.max.x) - 120.0, of_role(&layers[0], role).len())
     };
     let spacing_mm = bead::spacing_mm(0.45, HEIGHT_MM);
     let (brim_mm, brims) = reach_mm(Role::Brim);
@@ -292,10 +292,10 @@ fn on_a_slope_every_exposed_place_is_solid_to_the_shell_depth() {
         .collect();
     let layers = plan(&sections, &job());
     for i in 4..20 {
-        let shell = geom::difference(&sections[i], &sections[i + 4]);
+        let shell = geometry::difference(&sections[i], &sections[i + 4]);
         let sparse: Vec<Point> =
             of_role(&layers[i], Role::InternalInfill).iter().flat_map(|p| p.points.iter().copied()).collect();
-        let deep = geom::offset(&shell, -0.05);
+        let deep = geometry::offset(&shell, -0.05);
         assert!(sparse.iter().all(|&p| !deep.contains(p)), "sparse infill in the shell of layer {i}");
     }
 }
@@ -320,7 +320,7 @@ fn solid_patches_over_sparse_infill_lie_on_a_line_of_it() {
             .flat_map(|p| p.points.windows(2).map(|e| [e[0], e[1]]))
             .collect();
         let rests =
-            |p: Point| beneath.iter().any(|[a, b]| geom::to_segment_mm(p.mm(), a.mm(), b.mm()) < 0.45);
+            |p: Point| beneath.iter().any(|[a, b]| geometry::to_segment_mm(p.mm(), a.mm(), b.mm()) < 0.45);
         for path in of_role(&layers[lowest], Role::SolidInfill) {
             let points = path.points.iter().chain(path.points.first().filter(|_| path.closed));
             let points: Vec<Point> = points.copied().collect();
@@ -347,7 +347,7 @@ fn star() -> impl Strategy<Value = Region> {
                 Point::from_mm(50.0 + r * cos, 50.0 + r * sin)
             })
             .collect();
-        geom::unite_rings(&[outer])
+        geometry::unite_rings(&[outer])
     })
 }
 
@@ -361,7 +361,7 @@ fn planned(kind: Pattern, section: &Region, top_mm: f64, line_distance_mm: f64) 
         }
         Pattern::Lightning => {
             let hollow =
-                Hollow { ground: geom::offset(section, 0.3), sparse: section.clone(), height_mm: HEIGHT_MM };
+                Hollow { ground: geometry::offset(section, 0.3), sparse: section.clone(), height_mm: HEIGHT_MM };
             let layers = (top_mm / HEIGHT_MM).round() as usize;
             Arc::new(Lightning::new(&vec![hollow; layers], line_distance_mm))
         }
@@ -382,7 +382,7 @@ proptest! {
                         Width::Constant(width_mm) => (*width_mm, 0.003),
                         Width::PerVertex(widths) => (f64::from(widths[i]), 0.04),
                     };
-                    let room = geom::offset(&section, -(width_mm / 2.0 - slack_mm));
+                    let room = geometry::offset(&section, -(width_mm / 2.0 - slack_mm));
                     prop_assert!(room.contains(p), "{p:?}");
                 }
             }
@@ -394,7 +394,7 @@ proptest! {
         section in star(), hole in star(), kind in 0..Pattern::ALL.len(),
         layer in 0_usize..20, distance_mm in 0.6..5.0_f64, joined in any::<bool>(), anchor_mm in 0.0..3.0_f64,
     ) {
-        let region = geom::difference(&section, &geom::offset(&hole, -3.0));
+        let region = geometry::difference(&section, &geometry::offset(&hole, -3.0));
         let (name, kind) = Pattern::ALL[kind];
         let longest_mm = if joined { 2.5 * distance_mm } else { 0.0 };
         let spec = FillSpec {
@@ -405,7 +405,7 @@ proptest! {
             z_mm: (layer as f64 + 0.5) * HEIGHT_MM,
             joins: Joins { longest_mm, anchor_mm, ..Joins::default() },
         };
-        let room = geom::offset(&region, 0.005);
+        let room = geometry::offset(&region, 0.005);
         for line in planned(kind, &region, 4.0, distance_mm).fill(&region, &spec) {
             let closing = line.closed.then(|| [line.points[line.points.len() - 1], line.points[0]]);
             for [a, b] in line.points.windows(2).map(|e| [e[0], e[1]]).chain(closing) {
@@ -421,7 +421,7 @@ proptest! {
 
     #[test]
     fn no_infill_crosses_a_wall(section in star(), hole in star(), kind in 0..Pattern::ALL.len(), density in 0.05..0.8_f64) {
-        let section = geom::difference(&section, &geom::offset(&hole, -3.0));
+        let section = geometry::difference(&section, &geometry::offset(&hole, -3.0));
         let (name, kind) = Pattern::ALL[kind];
         let mut settings = job();
         (settings.infill.pattern, settings.infill.density) = (kind, Ratio(density));
@@ -466,7 +466,7 @@ fn walls_of_any_thickness_are_filled_without_void_or_overlap() {
         let section = rectangle(0.0, 0.0, thickness_mm, 12.0);
         let layer = solid_layer(&section);
         // What the round sides of the outermost bead leave out is no void.
-        let filled = geom::offset(&section, -bead::rounding_mm(HEIGHT_MM) / 2.0);
+        let filled = geometry::offset(&section, -bead::rounding_mm(HEIGHT_MM) / 2.0);
         let share = volume_mm3(&layer.paths) / (filled.area_mm2() * HEIGHT_MM);
         // The round ends of a single bead hold less than square ones would.
         assert!((0.95..=1.03).contains(&share), "{thickness_mm} mm: {share} of the volume");
@@ -641,10 +641,10 @@ fn ironing_goes_once_more_over_the_top_and_lays_down_little() {
     let layers = plan(&vec![section.clone(); 8], &settings);
     assert!(layers[..7].iter().all(|layer| of_role(layer, Role::Ironing).is_empty()));
     let ironing = of_role(&layers[7], Role::Ironing);
-    let share = volume_mm3(ironing.iter().copied()) / (geom::offset(&section, -1.0).area_mm2() * HEIGHT_MM);
+    let share = volume_mm3(ironing.iter().copied()) / (geometry::offset(&section, -1.0).area_mm2() * HEIGHT_MM);
     assert!((share - 0.1).abs() < 0.01, "{share}");
     assert!(layers[7].paths.iter().all(|p| p.role == Role::Ironing || p.rank < ironing[0].rank));
-    let room = geom::offset(&section, -0.8);
+    let room = geometry::offset(&section, -0.8);
     assert!(ironing.iter().flat_map(|p| &p.points).all(|&p| room.contains(p)));
 }
 

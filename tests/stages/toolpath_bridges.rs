@@ -1,7 +1,7 @@
 //! What is laid over air, checked on sections made here.
 
 use crate::support::toolpath_plan::{job, length_mm, of_role, plan, rectangle, ring, with_hole};
-use pathwright::geometry::{self as geom, Point, Polygon, Region};
+use pathwright::geometry::{self, Point, Polygon, Region};
 use pathwright::profile::WallGenerator;
 use pathwright::toolpath::{LayerPaths, Path, Role};
 
@@ -54,7 +54,7 @@ fn no_thread_of_a_bridge_ends_halfway_along_an_edge_that_is_nearly_straight() {
     let mut pillars = rectangle(0.0, 0.0, 8.0, 8.0);
     pillars.polygons.extend(rectangle(32.0, 0.0, 40.0, 8.0).polygons);
     for slant_mm in [-0.03, -0.01, 0.01, 0.03] {
-        let open = geom::intersection(&pillars, &full(slant_mm));
+        let open = geometry::intersection(&pillars, &full(slant_mm));
         assert!(bridges_run(&roof(&open, &full(slant_mm)), 0.0, &pillars), "{slant_mm}");
     }
 }
@@ -62,15 +62,15 @@ fn no_thread_of_a_bridge_ends_halfway_along_an_edge_that_is_nearly_straight() {
 #[test]
 fn bridges_over_a_c_go_from_arm_to_arm() {
     let full = rectangle(0.0, 0.0, 30.0, 20.0);
-    let open = geom::difference(&full, &rectangle(8.0, -1.0, 22.0, 12.0));
+    let open = geometry::difference(&full, &rectangle(8.0, -1.0, 22.0, 12.0));
     assert!(bridges_run(&roof(&open, &full), 0.0, &open));
 }
 
 #[test]
 fn bridges_over_an_l_are_shorter_than_its_arms_and_have_hold_at_both_ends() {
     let full = rectangle(0.0, 0.0, 40.0, 40.0);
-    let pit = geom::union(&rectangle(10.0, 10.0, 18.0, 32.0), &rectangle(10.0, 10.0, 30.0, 18.0));
-    let open = geom::difference(&full, &pit);
+    let pit = geometry::union(&rectangle(10.0, 10.0, 18.0, 32.0), &rectangle(10.0, 10.0, 30.0, 18.0));
+    let open = geometry::difference(&full, &pit);
     let roof = roof(&open, &full);
     let degrees = (0..180).find(|&degrees| bridges_run(&roof, f64::from(degrees), &open));
     assert!(degrees.is_some(), "all one way, from hold to hold");
@@ -84,7 +84,7 @@ fn solid_infill_never_hangs_where_a_bridge_could() {
     let full = rectangle(0.0, 0.0, 40.0, 20.0);
     let pit = rectangle(10.0, 5.0, 30.0, 15.0);
     let roof = roof(&with_hole(full.clone(), &pit), &full);
-    let air = geom::offset(&pit, -0.1);
+    let air = geometry::offset(&pit, -0.1);
     let flat = roof.paths.iter().filter(|p| p.role != Role::BridgeInfill);
     assert!(flat.flat_map(|p| &p.points).all(|&p| !air.contains(p)));
 }
@@ -133,7 +133,7 @@ fn the_surface_goes_on_under_ribs_of_walls_alone_but_not_under_what_has_infill()
         let layers = plan(&[vec![deck.clone(); 10], vec![rib.clone(); 10]].concat(), &job());
         let has_infill = of_role(&layers[10], Role::GapFill).is_empty()
             && layers[10].paths.iter().any(|path| !path.role.is_wall());
-        let under = geom::offset(&rib, -0.4);
+        let under = geometry::offset(&rib, -0.4);
         let sparse = of_role(&layers[9], Role::InternalInfill);
         let hollow = sparse.iter().flat_map(|path| &path.points).any(|&p| under.contains(p))
             || sparse
@@ -150,7 +150,7 @@ const GAP_MM: f64 = 30.0;
 /// The layer in which a strip leads from one wall to another, with three perimeters at most.
 fn strip_over_air(wall_mm: f64, width_mm: f64, generator: WallGenerator) -> LayerPaths {
     let wall = |x: f64| rectangle(x, -10.0, x + wall_mm, 10.0);
-    let open = geom::union(&wall(-wall_mm), &wall(GAP_MM));
+    let open = geometry::union(&wall(-wall_mm), &wall(GAP_MM));
     // Its sides are not quite straight, as those of models are.
     let (low, high, bend) = (-0.7, width_mm - 0.7, 0.005);
     let outer = ring(&[
@@ -161,7 +161,7 @@ fn strip_over_air(wall_mm: f64, width_mm: f64, generator: WallGenerator) -> Laye
         (20.0, high + bend),
         (-0.1, high),
     ]);
-    let full = geom::union(&open, &Region { polygons: vec![Polygon { outer, holes: vec![] }] });
+    let full = geometry::union(&open, &Region { polygons: vec![Polygon { outer, holes: vec![] }] });
     let mut settings = job();
     (settings.walls.count, settings.walls.generator) = (3, generator);
     plan(&[vec![open; 6], vec![full; 6]].concat(), &settings).swap_remove(6)

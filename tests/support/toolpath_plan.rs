@@ -1,6 +1,6 @@
 //! Sections made here, and the paths that the toolpath stage makes of them.
 
-use pathwright::geometry::{self as geom, Point, Polygon, Region, Ring};
+use pathwright::geometry::{self, Point, Polygon, Region, Ring};
 use pathwright::profile::Settings;
 use pathwright::toolpath::{LayerPaths, ObjectLayer, Path, Planner, PlateLayer, Role, Shells};
 use pathwright::units::{Mm, Ratio};
@@ -83,5 +83,5 @@ pub fn of_role(layer: &LayerPaths, role: Role) -> Vec<&Path> {
 }
 
 pub fn length_mm(path: &Path) -> f64 {
-    if path.closed { geom::ring_length_mm(&path.points) } else { geom::polyline_length_mm(&path.points) }
+    if path.closed { geometry::ring_length_mm(&path.points) } else { geometry::polyline_length_mm(&path.points) }
 }
