@@ -4,7 +4,7 @@
 
 #![no_main]
 
-#[path = "../cases/mod.rs"]
+#[path = "../../tests/support/cases/mod.rs"]
 mod cases;
 #[path = "../../tests/support/toolpath_plan.rs"]
 mod toolpath_plan;

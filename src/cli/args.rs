@@ -15,14 +15,14 @@ const EXIT_CODES: &str = "\
 Exit codes:
   0    done
   2    usage: the arguments make no sense
-  3    a model is unreadable or invalid
-  4    settings: unknown profile or key, value out of range, contradiction
-  5    the models do not fit the printer
+  3    a file is unreadable, invalid or too large, or there is nothing to print
+  4    settings: unknown profile or key, value out of range, contradiction, a script's mistake
+  5    the models do not fit the printer, or cannot be printed one after the other
   6    the output cannot be written
-  7    a check of the result failed, or of the file that was to be checked
+  7    a check failed: of the result, of the file to be checked, or something begins in mid-air
   130  interrupted";
 
-/// Slices models for RepRap-class printers and orders the nozzle's way near-optimally.
+/// Slices models for RepRap-class printers and orders the nozzle's path near-optimally.
 #[derive(Debug, Parser)]
 #[command(name = "pathwright", version, after_help = EXIT_CODES, arg_required_else_help = true)]
 pub(super) struct LowArgs {

@@ -13,15 +13,15 @@ pub enum Exit {
     Done = 0,
     /// The arguments make no sense.
     Usage = 2,
-    /// A model is unreadable or invalid.
+    /// A file is unreadable, invalid or too large, or there is nothing to print.
     Input = 3,
-    /// Settings are wrong.
+    /// Settings are wrong, or a script.
     Settings = 4,
-    /// The models do not fit the printer.
+    /// The models do not fit the printer, or cannot be printed one after the other.
     DoesNotFit = 5,
     /// The output cannot be written.
     Output = 6,
-    /// A check of the result failed.
+    /// A check failed: of the result, of the file to be checked, or something begins in mid-air.
     Check = 7,
     /// Ended by a signal.
     Interrupted = 130,

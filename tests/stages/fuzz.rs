@@ -2,10 +2,7 @@
 //!
 //! `PATHWRIGHT_FUZZ_SECONDS=600 cargo test --profile quick --test stages -- --ignored fuzz::NAME` goes on for longer.
 
-#[path = "../../fuzz/cases/mod.rs"]
-mod cases;
-
-use crate::support::toolpath_plan;
+use crate::support::cases;
 use std::time::{Duration, Instant};
 
 /// Deterministic random numbers: splitmix64 (Steele, Lea & Flood 2014, <https://doi.org/10.1145/2660193.2660195>).

@@ -2,6 +2,7 @@
 
 #![allow(dead_code, reason = "each test program uses a part of it")]
 
+pub mod cases;
 pub mod found;
 pub mod gcode_fixture;
 pub mod mesh_shapes;
