@@ -6,6 +6,7 @@
 //! over a file again beside its model.
 
 mod bed;
+mod beside;
 mod fault;
 mod filament;
 mod floating;
@@ -22,8 +23,9 @@ mod words;
 
 use std::io::{self, Read};
 
+pub use beside::{ModelReport, PlacedBody};
 pub use fault::{Kind, Severity};
-pub use model::{ModelReport, PlacedBody, Survey, against};
+pub use model::{Survey, against};
 pub use report::{CheckReport, Fault, Found, Place};
 
 use crate::estimate::Machine;

@@ -4,8 +4,8 @@ use std::fmt;
 
 use serde::{Serialize, Serializer};
 
+use super::beside::ModelReport;
 use super::fault::{Kind, Severity};
-use super::model::ModelReport;
 use crate::report::Measures;
 
 /// So many places are kept of each kind of fault.

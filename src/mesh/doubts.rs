@@ -1,7 +1,39 @@
 //! How much volume a repair may have got wrong.
 
+use std::fmt;
+
+use serde::Serialize;
+
 use super::edges::NO_TWIN;
-use super::report::Doubt;
+
+/// How far the repaired volume may be from what was meant, why, and where. `Display` gives it in words.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Doubt {
+    /// What is not sure.
+    pub cause: String,
+    /// Lower corner of the place, in the file's coordinates.
+    pub min_mm: [f64; 3],
+    /// Upper corner of the place.
+    pub max_mm: [f64; 3],
+    /// Volume in doubt.
+    pub volume_mm3: f64,
+    /// Volume in doubt as a share of the repaired volume, at most 1.
+    pub share: f64,
+}
+
+impl fmt::Display for Doubt {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let ([x0, y0, z0], [x1, y1, z1]) = (self.min_mm, self.max_mm);
+        write!(
+            f,
+            "about {:.3} cm³ ({:.1} % of the volume) within X{x0:.1} … {x1:.1}, Y{y0:.1} … {y1:.1}, \
+             Z{z0:.1} … {z1:.1}: {}",
+            self.volume_mm3 / 1000.0,
+            100.0 * self.share,
+            self.cause
+        )
+    }
+}
 
 /// Volume in doubt at one place.
 #[derive(Clone, Debug)]

@@ -168,6 +168,14 @@ impl Edges {
     }
 }
 
+/// The two ends of every half-edge without a partner.
+pub(super) fn open_halves<'a>(
+    triangles: &'a [[u32; 3]],
+    twins: &'a [u32],
+) -> impl Iterator<Item = (u32, u32)> + 'a {
+    (0..twins.len() as u32).filter(|&h| twins[h as usize] == NO_TWIN).map(|h| ends(triangles, h))
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

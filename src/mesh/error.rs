@@ -3,7 +3,7 @@
 use std::fmt;
 use std::path::PathBuf;
 
-use super::TransformError;
+use super::transform::TransformError;
 
 /// Where in a file something was found; both count from 1.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

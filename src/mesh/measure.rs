@@ -30,3 +30,13 @@ pub(super) fn keep<T>(of: &mut Vec<T>, stays: &[bool]) {
     let mut stays = stays.iter();
     of.retain(|_| stays.next().is_none_or(|stays| *stays));
 }
+
+/// Volume of the tetrahedron from a facet to a point behind it, and area of the facet.
+pub(crate) fn facet_measures(corners: [[f64; 3]; 3], apex: [f64; 3]) -> (f64, f64) {
+    let [a, b, c] = corners;
+    let minus = |p: [f64; 3], q: [f64; 3]| [p[0] - q[0], p[1] - q[1], p[2] - q[2]];
+    let (u, v, w) = (minus(b, a), minus(c, a), minus(a, apex));
+    let normal = [u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2], u[0] * v[1] - u[1] * v[0]];
+    let dot = |p: [f64; 3], q: [f64; 3]| p[0] * q[0] + p[1] * q[1] + p[2] * q[2];
+    (dot(w, normal) / 6.0, dot(normal, normal).sqrt() / 2.0)
+}

@@ -7,9 +7,11 @@ mod agree;
 mod doubts;
 mod edges;
 mod error;
+mod format;
 mod formats;
 mod gaps;
 mod holes;
+mod load;
 mod measure;
 mod obj;
 mod outside;
@@ -18,6 +20,7 @@ mod repair;
 mod report;
 mod sheets;
 mod stl;
+mod surface;
 mod threemf;
 mod transform;
 pub(crate) mod units;
@@ -25,264 +28,12 @@ mod walls;
 mod weld;
 mod words;
 
-use std::fs;
-use std::io::{Read, Seek, SeekFrom};
-use std::path::Path;
-
+pub use doubts::Doubt;
 pub use error::{MeshError, Place};
-pub use report::{Doubt, MeshReport, Repair};
+pub use load::{Model, from_bytes, load, load_objects, objects_from_bytes};
+pub use report::{MeshReport, Repair};
+pub use surface::Mesh;
 pub use transform::{Transform, TransformError};
 
 pub(crate) use edges::NO_TWIN;
-
-use crate::limits;
-use edges::Edges;
-
-/// A surface of triangles over shared vertices.
-///
-/// Corners run counter-clockwise seen from outside. Half-edge `3 t + k` runs from corner `k` of triangle `t` to the
-/// next corner.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Mesh {
-    vertices: Vec<[f64; 3]>,
-    triangles: Vec<[u32; 3]>,
-    twins: Vec<u32>,
-    oriented: bool,
-}
-
-impl Mesh {
-    /// A mesh from vertices (in millimetres) and triangles, taken as they are: nothing is repaired. O(triangles).
-    ///
-    /// # Panics
-    /// If a triangle names a vertex that does not exist.
-    pub fn new(vertices: Vec<[f64; 3]>, triangles: Vec<[u32; 3]>) -> Self {
-        let edges = Edges::new(&triangles, vertices.len());
-        Self { vertices, triangles, twins: edges.twins, oriented: edges.clashing == 0 }
-    }
-
-    /// Reads and repairs a file (STL, 3MF or OBJ) as one mesh; [`load`] also reports what was done.
-    ///
-    /// # Errors
-    /// See [`MeshError`].
-    pub fn read(path: impl AsRef<Path>) -> Result<Self, MeshError> {
-        load(path.as_ref()).map(|(mesh, _)| mesh)
-    }
-
-    /// Both meshes as one; facets keep their neighbours.
-    #[must_use]
-    pub fn with(mut self, other: &Self) -> Self {
-        let (vertices, halves) = (self.vertices.len() as u32, self.twins.len() as u32);
-        self.vertices.extend_from_slice(&other.vertices);
-        self.triangles.extend(other.triangles.iter().map(|t| t.map(|v| v + vertices)));
-        let moved = |&twin: &u32| if twin == NO_TWIN { NO_TWIN } else { twin + halves };
-        self.twins.extend(other.twins.iter().map(moved));
-        self.oriented &= other.oriented;
-        self
-    }
-
-    /// Vertices in millimetres.
-    pub fn vertices(&self) -> &[[f64; 3]] {
-        &self.vertices
-    }
-
-    /// Vertex indices of each triangle.
-    pub fn triangles(&self) -> &[[u32; 3]] {
-        &self.triangles
-    }
-
-    /// For each half-edge its partner in the neighbouring triangle, or `u32::MAX` on an open edge.
-    pub fn twins(&self) -> &[u32] {
-        &self.twins
-    }
-
-    /// Moves every vertex; facets keep their neighbours.
-    pub(crate) fn moved(&mut self, to: impl Fn([f64; 3]) -> [f64; 3]) {
-        self.vertices.iter_mut().for_each(|vertex| *vertex = to(*vertex));
-    }
-
-    /// Whether neighbouring triangles agree on which side is outside. If not, a point is inside where a ray from it
-    /// crosses the surface an odd number of times.
-    pub fn is_oriented(&self) -> bool {
-        self.oriented
-    }
-
-    /// Smallest box around the vertices, as its lower and upper corner; zeros of an empty mesh.
-    pub fn bounds(&self) -> [[f64; 3]; 2] {
-        let Some(&first) = self.vertices.first() else {
-            return [[0.0; 3]; 2];
-        };
-        self.vertices.iter().fold([first; 2], |[min, max], v| {
-            [std::array::from_fn(|i| min[i].min(v[i])), std::array::from_fn(|i| max[i].max(v[i]))]
-        })
-    }
-
-    /// Extent along each axis in millimetres.
-    pub fn size(&self) -> [f64; 3] {
-        let [min, max] = self.bounds();
-        std::array::from_fn(|i| max[i] - min[i])
-    }
-
-    /// Enclosed volume (mm³) and surface (mm²). Of an open mesh the volume is an estimate: that of the cone from the
-    /// middle of its box.
-    pub fn volume_and_area(&self) -> (f64, f64) {
-        let [min, max] = self.bounds();
-        let middle = std::array::from_fn(|i| (min[i] + max[i]) / 2.0);
-        self.triangles.iter().fold((0.0, 0.0), |(volume, area), t| {
-            let (v, a) = facet_measures(t.map(|v| self.vertices[v as usize]), middle);
-            (volume + v, area + a)
-        })
-    }
-}
-
-/// Volume of the tetrahedron from a facet to a point behind it, and area of the facet.
-pub(crate) fn facet_measures(corners: [[f64; 3]; 3], apex: [f64; 3]) -> (f64, f64) {
-    let [a, b, c] = corners;
-    let minus = |p: [f64; 3], q: [f64; 3]| [p[0] - q[0], p[1] - q[1], p[2] - q[2]];
-    let (u, v, w) = (minus(b, a), minus(c, a), minus(a, apex));
-    let normal = [u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2], u[0] * v[1] - u[1] * v[0]];
-    let dot = |p: [f64; 3], q: [f64; 3]| p[0] * q[0] + p[1] * q[1] + p[2] * q[2];
-    (dot(w, normal) / 6.0, dot(normal, normal).sqrt() / 2.0)
-}
-
-/// One object of a model file.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Model {
-    /// As the file calls it, if it does.
-    pub name: Option<String>,
-    /// The repaired mesh, in the file's own coordinates.
-    pub mesh: Mesh,
-    /// What was found and done. Notes on the file as a whole are with its first object.
-    pub report: MeshReport,
-    /// Where the file puts the mesh's origin: once, or several times, millimetres.
-    pub spots: Vec<[f64; 3]>,
-}
-
-impl From<Mesh> for Model {
-    fn from(mesh: Mesh) -> Self {
-        let facets = mesh.triangles.len();
-        let report = MeshReport::new(&mesh, "memory", facets, &repair::Repairs::default(), Vec::new());
-        Self { name: None, mesh, report, spots: vec![[0.0; 3]] }
-    }
-}
-
-/// Reads and repairs a mesh file (STL, 3MF or OBJ) as one mesh: what are several objects is taken together, each where
-/// the file puts it.
-///
-/// # Errors
-/// See [`MeshError`]: the file cannot be read, is no model, ends early, or holds nothing that has a volume.
-pub fn load(path: &Path) -> Result<(Mesh, MeshReport), MeshError> {
-    from_bytes(path, &contents(path)?)
-}
-
-/// As [`load`], from the file's contents; `path` is what messages call it.
-///
-/// # Errors
-/// As [`load`].
-pub fn from_bytes(path: &Path, data: &[u8]) -> Result<(Mesh, MeshReport), MeshError> {
-    let formats::Contents { objects, format, notes } = formats::read(path, data)?.together(path)?;
-    let mut objects = objects.into_iter();
-    let Some(formats::FileObject { soup, facets, .. }) = objects.next() else {
-        return Err(MeshError::NoFacets { path: path.to_path_buf() });
-    };
-    let (mesh, report) = repaired(path, soup, facets, format, notes)?;
-    // Whoever does not scale gets what can be sliced.
-    match mesh.bounds().as_flattened().iter().any(|x| x.abs() > f64::from(weld::LIMIT_MM)) {
-        true => Err(units::too_large(path, &mesh, [1.0; 3])),
-        false => Ok((mesh, report)),
-    }
-}
-
-/// Reads and repairs every object of a mesh file by itself: several only in a 3MF file. In whatever unit they are,
-/// coordinates reach to 1e9.
-///
-/// # Errors
-/// As [`load`].
-pub fn load_objects(path: &Path) -> Result<Vec<Model>, MeshError> {
-    objects_from_bytes(path, &contents(path)?)
-}
-
-/// As [`load_objects`], from the file's contents; `path` is what messages call it.
-///
-/// # Errors
-/// As [`load`].
-pub fn objects_from_bytes(path: &Path, data: &[u8]) -> Result<Vec<Model>, MeshError> {
-    let formats::Contents { objects, format, mut notes } = formats::read(path, data)?;
-    let model = |formats::FileObject { name, soup, facets, spots }| {
-        let (mesh, report) = repaired(path, soup, facets, format, std::mem::take(&mut notes))?;
-        Ok(Model { name, mesh, report, spots })
-    };
-    objects.into_iter().map(model).collect()
-}
-
-/// Bytes from which reading by two threads pays.
-const PARALLEL: u64 = 1 << 20;
-
-fn contents(path: &Path) -> Result<Vec<u8>, MeshError> {
-    let failed = |source| MeshError::Read { path: path.to_path_buf(), source };
-    let too_large = |problem| MeshError::TooLarge { path: path.to_path_buf(), problem };
-    let mut file = fs::File::open(path).map_err(failed)?;
-    let check = |bytes: u64| {
-        if bytes > limits::MODEL_BYTES {
-            return Err(too_large(format!("the file has more than {} GB", limits::MODEL_BYTES >> 30)));
-        }
-        limits::room(bytes.saturating_mul(limits::BYTES_PER_BYTE)).map_err(too_large)
-    };
-    let length = file.metadata().map_err(failed)?.len();
-    check(length)?;
-    if length >= PARALLEL
-        && let Some(data) = halves(&file, path, length)
-    {
-        return Ok(data);
-    }
-    let mut data = Vec::with_capacity(usize::try_from(length).unwrap_or(0));
-    // A pipe does not tell its length, nor does it go back.
-    let _ = file.rewind();
-    file.take(limits::MODEL_BYTES + 1).read_to_end(&mut data).map_err(failed)?;
-    check(data.len() as u64)?;
-    Ok(data)
-}
-
-/// The bytes of a file of this length, read by two threads; `None` where it cannot be done.
-fn halves(mut file: &fs::File, path: &Path, length: u64) -> Option<Vec<u8>> {
-    let mut data = vec![0; usize::try_from(length).ok()?];
-    let middle = data.len() / 2;
-    let (first, second) = data.split_at_mut(middle);
-    let read_second = || {
-        let mut file = fs::File::open(path)?;
-        file.seek(SeekFrom::Start(middle as u64))?;
-        file.read_exact(second)
-    };
-    let (first, second) = crate::parallel::join(|| file.read_exact(first), read_second);
-    first.and(second).ok().map(|()| data)
-}
-
-/// The outside is known of a mesh with fewer clashing edges for each facet than one in so many.
-const FEW_CLASHES: usize = 10;
-
-fn repaired(
-    path: &Path,
-    soup: weld::Soup,
-    facets: usize,
-    format: &'static str,
-    notes: Vec<String>,
-) -> Result<(Mesh, MeshReport), MeshError> {
-    if facets > limits::FACETS {
-        let problem = format!("{facets} facets; at most {} are read", limits::FACETS);
-        return Err(MeshError::TooLarge { path: path.to_path_buf(), problem });
-    }
-    let repair::Repaired { vertices, triangles, twins, repairs } = repair::repair(soup);
-    // A seam in a surface with one side does not take its outside from the rest.
-    let oriented = repairs.clashing * FEW_CLASHES <= triangles.len();
-    let mesh = Mesh {
-        vertices: vertices.into_iter().map(|v| v.map(f64::from)).collect(),
-        triangles,
-        twins,
-        oriented,
-    };
-    let report = MeshReport::new(&mesh, format, facets, &repairs, notes);
-    // A solid is at least as thick on average as the grid is fine.
-    if report.volume_mm3.abs() <= 1e-5 * report.area_mm2 {
-        return Err(MeshError::NoVolume { path: path.to_path_buf(), size: report.size_mm, facets });
-    }
-    Ok((mesh, report))
-}
+pub(crate) use measure::facet_measures;

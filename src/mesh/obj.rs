@@ -6,7 +6,7 @@
 use std::path::Path;
 
 use super::error::{MeshError, Place};
-use super::formats::{Contents, Format, bad_coordinate, has_extension, is_text};
+use super::format::{Contents, Format, bad_coordinate, has_extension, is_text};
 use super::weld::Welder;
 use super::words::{Words, number};
 

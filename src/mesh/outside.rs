@@ -6,7 +6,7 @@ use parry3d::shape::TriMesh;
 
 use super::doubts::Doubtful;
 use super::edges::NO_TWIN;
-use super::facet_measures;
+use super::measure::facet_measures;
 
 /// A shell is looked at from so many of its corners.
 const MOST_CORNERS: usize = 16;

@@ -3,10 +3,9 @@
 //! Each step runs only where edge matching shows that it is needed; overlaps and self-intersections stay, slicing copes
 //! with them.
 
-use super::doubts::Doubtful;
-use super::edges::{Edges, NO_TWIN, Side, ends, for_each_edge};
+use super::doubts::{Doubt, Doubtful};
+use super::edges::{Edges, NO_TWIN, Side, for_each_edge};
 use super::measure::{area_mm2, keep};
-use super::report::Doubt;
 use super::weld::Soup;
 use super::{agree, doubts, gaps, holes, outside, pairs, sheets, walls};
 use geometry::DisjointSets;
@@ -222,12 +221,4 @@ fn bodies(triangles: &[[u32; 3]], vertex_count: usize) -> (Vec<u32>, usize) {
         });
     });
     parts.number()
-}
-
-/// The two ends of every half-edge without a partner.
-pub(super) fn open_halves<'a>(
-    triangles: &'a [[u32; 3]],
-    twins: &'a [u32],
-) -> impl Iterator<Item = (u32, u32)> + 'a {
-    (0..twins.len() as u32).filter(|&h| twins[h as usize] == NO_TWIN).map(|h| ends(triangles, h))
 }

@@ -8,7 +8,7 @@ use std::io::{self, Read, Seek, SeekFrom};
 use std::path::Path;
 
 use super::error::{MeshError, Place};
-use super::formats::{Contents, Format, bad_coordinate, is_text, trimmed};
+use super::format::{Contents, Format, bad_coordinate, is_text, trimmed};
 use super::weld::{FARTHEST, Welder};
 use super::words::{Words, number};
 

@@ -2,7 +2,7 @@
 
 use nalgebra::{Matrix3, Rotation3, Vector3};
 
-use super::Mesh;
+use super::surface::Mesh;
 use super::weld::LIMIT_MM;
 
 /// What is done to a mesh, in this order: scaled, then turned about X, Y and Z. Moving is up to [`place()`](super::place()).

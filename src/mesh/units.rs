@@ -3,8 +3,9 @@
 use std::path::Path;
 
 use super::error::MeshError;
+use super::surface::Mesh;
+use super::transform::Transform;
 use super::weld::{FARTHEST, LIMIT_MM};
-use super::{Mesh, Transform};
 
 /// Units that programs export in, as the factor that makes them millimetres.
 const UNITS: [(&str, f64); 4] =

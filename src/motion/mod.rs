@@ -7,6 +7,7 @@ mod arc;
 mod bead;
 mod ends;
 mod moves;
+mod nozzle;
 mod options;
 mod overhang;
 mod pause;

@@ -3,15 +3,16 @@
 use super::arc;
 use super::bead::{Vertex, length_mm, mean_width_mm, trace};
 use super::ends::{self, Scarf, Step};
+use super::nozzle::Nozzle;
 use super::overhang::{Grade, Support};
 use super::prime::prime;
 use super::rules::Rules;
-use super::simplify::{Piece, straighten};
+use super::simplify::straighten;
 use super::smooth::{Rounding, gentle_rad, refine_curves, round_corners};
 use super::{Entry, LayerMoves, MotionSettings, Move, travel};
 use crate::order::Visit;
 use crate::toolpath::{LayerPaths, Path, Role};
-use crate::units::{Mm3, MmPerS2, Ratio};
+use crate::units::Mm3;
 use geometry::Router;
 
 /// Plans a layer. `sequence` says in which order and direction its paths are drawn: `entry` is 0 or 1
@@ -126,37 +127,6 @@ fn finish(path: &Path, vertices: &mut Vec<Vertex>, layer: usize, settings: &Moti
         ends::clip(vertices, settings.seam.gap.0);
     }
     scarf
-}
-
-/// The state of the machine while a layer is planned.
-pub(super) struct Nozzle<'a> {
-    pub(super) settings: &'a MotionSettings,
-    pub(super) router: Router<'a>,
-    /// What walls may hang over; `None`: none does.
-    support: Option<Support>,
-    /// Island of the path drawn last, if one was.
-    pub(super) island: Option<u32>,
-    pub(super) rules: Rules<'a>,
-    fan: Ratio,
-    pub(super) moves: Vec<Move>,
-    pub(super) at: Option<[f64; 2]>,
-    pub(super) z_mm: f64,
-    pub(super) layer_z_mm: f64,
-    /// Whether this layer's moves have said where the nozzle is.
-    pub(super) positioned: bool,
-    /// Where to wipe after the bead drawn last.
-    pub(super) wipe: Vec<[f64; 2]>,
-    /// The next travel keeps above this.
-    pub(super) over_mm: f64,
-    /// Filament to be fed with the next bead beyond what it holds.
-    pub(super) owed_mm3: f64,
-    acceleration: Option<MmPerS2>,
-    bead: Option<(Role, f64, f64)>,
-    object: Option<u32>,
-    /// The bead under way, with its corners as they are, its curves refined, and as it is drawn.
-    plain: Vec<Piece>,
-    curved: Vec<Piece>,
-    pieces: Vec<Piece>,
 }
 
 impl Nozzle<'_> {

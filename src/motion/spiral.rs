@@ -2,8 +2,8 @@
 
 use super::Move;
 use super::bead::Vertex;
+use super::nozzle::Nozzle;
 use super::overhang::Grade;
-use super::plan::Nozzle;
 use crate::toolpath::{Path, Rise};
 use crate::units::Mm3;
 use geometry::distance_mm;

@@ -1,7 +1,7 @@
 //! The way from the end of one bead to the start of the next: inside the part where there is a way, retracted where
 //! it is long.
 
-use super::plan::Nozzle;
+use super::nozzle::Nozzle;
 use super::{MotionSettings, Move};
 use crate::units::{Mm3, MmPerS};
 use geometry::{Way, distance_mm};

@@ -7,8 +7,14 @@
 #[cfg(feature = "cli")]
 mod file;
 
+#[cfg(feature = "cli")]
+use std::io::Write;
 use std::io::{self, BufRead, ErrorKind};
+#[cfg(feature = "cli")]
+use std::path::{Path, PathBuf};
 
+#[cfg(feature = "cli")]
+use file::{Opened, Pending, Stream};
 #[cfg(feature = "cli")]
 pub use file::{abandon_and_exit, resolve_links};
 
@@ -49,11 +55,11 @@ pub struct Output {
 #[derive(Debug)]
 enum Sink {
     #[cfg(feature = "cli")]
-    File(file::Pending),
+    File(Pending),
     Memory(Vec<u8>),
     /// Held back for what cannot be patched.
     #[cfg(feature = "cli")]
-    Direct(Vec<u8>, file::Stream),
+    Direct(Vec<u8>, Stream),
 }
 
 impl Output {
@@ -133,5 +139,196 @@ impl Output {
 
     fn error(&self, source: io::Error) -> OutputError {
         OutputError { path: self.name.clone(), source }
+    }
+}
+
+#[cfg(feature = "cli")]
+impl Output {
+    /// Standard output.
+    pub fn stdout() -> Self {
+        let sink = Sink::Direct(Vec::new(), Stream::Stdout);
+        Self { name: "standard output".into(), written: 0, sink }
+    }
+
+    /// No place at all: what is written can be read back, and is gone then.
+    ///
+    /// # Errors
+    /// If the system has no place for temporary files.
+    pub fn nowhere() -> Result<Self, OutputError> {
+        let name = "a temporary file".to_owned();
+        match Pending::create(&std::env::temp_dir(), PathBuf::new()) {
+            Ok(pending) => Ok(Self { name, written: 0, sink: Sink::File(pending) }),
+            Err(source) => Err(OutputError { path: name, source }),
+        }
+    }
+
+    /// A file, by way of a temporary one beside it, which gets the mode of the file that it will replace. What a
+    /// symbolic link points to is replaced, not the link. Something that is no regular file is written directly.
+    ///
+    /// # Errors
+    /// If it is a folder or write-protected, or the folder does not exist or cannot be written.
+    pub fn create(path: &Path) -> Result<Self, OutputError> {
+        let name = path.display().to_string();
+        match file::open(path) {
+            Ok(Opened::File(file)) => Ok(Self { name, written: 0, sink: Sink::File(file) }),
+            Ok(Opened::Device(device)) => {
+                Ok(Self { name, written: 0, sink: Sink::Direct(Vec::new(), Stream::Device(device)) })
+            }
+            Err(source) => Err(OutputError { path: name, source }),
+        }
+    }
+
+    /// Puts the complete output in its place.
+    ///
+    /// # Errors
+    /// As [`Output::write`]; then the place is as it was before.
+    pub fn commit(self) -> Result<(), OutputError> {
+        let done = match self.sink {
+            Sink::Memory(_) => Ok(()),
+            Sink::File(file) => file.rename(),
+            Sink::Direct(held, Stream::Stdout) => {
+                let mut stdout = io::stdout().lock();
+                stdout.write_all(&held).and_then(|()| stdout.flush())
+            }
+            Sink::Direct(held, Stream::Device(mut device)) => device.write_all(&held),
+        };
+        done.map_err(|source| OutputError { path: self.name, source })
+    }
+}
+
+#[cfg(all(test, feature = "cli"))]
+mod tests {
+    use super::file::*;
+    use super::*;
+    use std::fs;
+    use std::time::Duration;
+
+    fn names(folder: &Path) -> Vec<String> {
+        let entries =
+            fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().file_name().into_string().unwrap());
+        let mut names: Vec<String> = entries.collect();
+        names.sort();
+        names
+    }
+
+    #[test]
+    fn nothing_is_seen_before_commit_and_only_the_file_after() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("part.gcode");
+        let mut output = Output::create(&path).unwrap();
+        output.write(b"G28\n").unwrap();
+        assert!(!path.exists());
+        output.commit().unwrap();
+        assert_eq!(fs::read(&path).unwrap(), b"G28\n");
+        assert_eq!(names(folder.path()), ["part.gcode"]);
+    }
+
+    #[test]
+    fn without_commit_the_old_file_stays_and_nothing_is_left() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("part.gcode");
+        fs::write(&path, "old").unwrap();
+        let mut output = Output::create(&path).unwrap();
+        output.write(b"new").unwrap();
+        drop(output);
+        assert_eq!(fs::read(&path).unwrap(), b"old");
+        assert_eq!(names(folder.path()), ["part.gcode"]);
+    }
+
+    #[test]
+    fn a_patch_replaces_what_was_written_and_writing_goes_on_at_the_end() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("part.gcode");
+        let mut output = Output::create(&path).unwrap();
+        output.write(b";TIME:0000\n").unwrap();
+        output.patch(6, b"1234").unwrap();
+        output.write(b"G28\n").unwrap();
+        assert_eq!(output.written(), 15);
+        assert!(output.patch(12, b"long").is_err(), "beyond the end");
+        output.commit().unwrap();
+        assert_eq!(fs::read(&path).unwrap(), b";TIME:1234\nG28\n");
+    }
+
+    #[test]
+    fn what_a_killed_run_left_behind_is_removed_after_a_day() {
+        let folder = tempfile::tempdir().unwrap();
+        for (name, hours) in [(".pathwright-a.tmp", 25), (".pathwright-b.tmp", 23), ("c.tmp", 99)] {
+            let file = File::create(folder.path().join(name)).unwrap();
+            file.set_modified(std::time::SystemTime::now() - Duration::from_secs(hours * 3600)).unwrap();
+        }
+        drop(Output::create(&folder.path().join("part.gcode")).unwrap());
+        assert_eq!(names(folder.path()), [".pathwright-b.tmp", "c.tmp"]);
+    }
+
+    #[test]
+    fn a_missing_folder_and_a_folder_are_refused() {
+        let folder = tempfile::tempdir().unwrap();
+        let missing = Output::create(&folder.path().join("no/part.gcode")).unwrap_err();
+        assert!(missing.to_string().ends_with("there is no such folder"), "{missing}");
+        let taken = Output::create(folder.path()).unwrap_err();
+        assert!(taken.to_string().ends_with("it is a folder"), "{taken}");
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn the_mode_of_the_file_that_is_replaced_is_kept() {
+        use std::os::unix::fs::PermissionsExt;
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("part.gcode");
+        fs::write(&path, "old").unwrap();
+        fs::set_permissions(&path, fs::Permissions::from_mode(0o640)).unwrap();
+        let output = Output::create(&path).unwrap();
+        output.commit().unwrap();
+        assert_eq!(fs::metadata(&path).unwrap().permissions().mode() & 0o777, 0o640);
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn a_new_file_has_the_mode_that_any_new_file_has() {
+        use std::os::unix::fs::PermissionsExt;
+        let folder = tempfile::tempdir().unwrap();
+        let (path, other) = (folder.path().join("part.gcode"), folder.path().join("other"));
+        Output::create(&path).unwrap().commit().unwrap();
+        fs::write(&other, "").unwrap();
+        let mode = |path: &Path| fs::metadata(path).unwrap().permissions().mode();
+        assert_eq!(mode(&path), mode(&other));
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn a_write_protected_file_is_not_replaced() {
+        use std::os::unix::fs::PermissionsExt;
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("part.gcode");
+        fs::write(&path, "old").unwrap();
+        fs::set_permissions(&path, fs::Permissions::from_mode(0o444)).unwrap();
+        assert!(Output::create(&path).unwrap_err().to_string().contains("write-protected"));
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn a_link_stays_and_what_it_points_to_is_replaced() {
+        let folder = tempfile::tempdir().unwrap();
+        let (link, path) = (folder.path().join("link"), folder.path().join("real.gcode"));
+        std::os::unix::fs::symlink("real.gcode", &link).unwrap();
+        for text in ["first", "second"] {
+            let mut output = Output::create(&link).unwrap();
+            output.write(text.as_bytes()).unwrap();
+            output.commit().unwrap();
+            assert_eq!(fs::read_to_string(&path).unwrap(), text);
+            assert!(fs::symlink_metadata(&link).unwrap().is_symlink());
+        }
+    }
+
+    #[cfg(target_os = "linux")]
+    #[test]
+    fn devices_are_written_directly_and_a_full_one_says_so() {
+        let mut output = Output::create(Path::new("/dev/null")).unwrap();
+        output.write(b"G28\n").unwrap();
+        output.patch(0, b"G29").unwrap();
+        output.commit().unwrap();
+        let mut output = Output::create(Path::new("/dev/full")).unwrap();
+        output.write(b"G28\n").unwrap();
+        assert!(output.commit().unwrap_err().to_string().contains("disk is full"));
     }
 }

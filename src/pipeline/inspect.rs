@@ -8,7 +8,7 @@ use crate::job::JobError;
 use crate::profile::Settings;
 use crate::source::Source;
 
-use super::reorder::input_error;
+use super::input::input_error;
 
 /// Goes over a print while it is written.
 pub(super) struct Inspector {

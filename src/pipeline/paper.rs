@@ -14,6 +14,7 @@ use crate::report::PaperRow;
 use crate::source::Source;
 
 use super::compare;
+use super::input::input_error;
 use super::{load, print, reorder};
 
 /// The orders of the table, beside the file's own.
@@ -73,7 +74,7 @@ fn rows(
     };
     let mut text = Vec::new();
     let read = source.open().and_then(|mut input| input.read_to_end(&mut text));
-    read.map_err(|error| reorder::input_error(source, &error))?;
+    read.map_err(|error| input_error(source, &error))?;
     let mut rows = vec![row("as sliced", "", &text, 0.0, None)];
     for (scope, strategies) in ORDERS {
         let mut settings = settings.clone();

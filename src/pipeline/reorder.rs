@@ -20,6 +20,7 @@ use crate::report::{Reordered, Way};
 use crate::source::{Input, Source};
 use crate::toolpath::LayerPaths;
 
+use super::input::input_error;
 use super::ordering::Sequencer;
 use super::{inspect, ordering};
 
@@ -149,10 +150,6 @@ pub(super) fn rewritten(
 
 fn open(source: &Source) -> Result<Box<dyn Input>, JobError> {
     source.open().map_err(|error| input_error(source, &error))
-}
-
-pub(super) fn input_error(source: &Source, error: &io::Error) -> JobError {
-    JobError::Input(format!("{source}: {error}"))
 }
 
 /// Batches of blocks of a file.

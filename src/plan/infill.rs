@@ -5,20 +5,22 @@ use std::sync::Arc;
 use crate::plate::Plate;
 use crate::profile::Settings;
 use crate::toolpath::Pattern;
+use crate::toolpath::PlateLayer;
 use crate::toolpath::bead;
 use crate::toolpath::infill::{AdaptiveCubic, FillPattern, Hollow, Lightning};
 use geometry::Region;
 
-use super::sections::Sections;
 use crate::parallel::Workers;
 
 /// Outlines are simplified to this before branches grow in them: a quarter of a bead.
 const ROUGH_MM: f64 = 0.1;
 
-/// The pattern, where it must know all layers.
-pub(crate) fn plan(
-    sections: &Sections,
+/// The pattern, where it must know all layers; `up_mm`: where the part begins over the bed.
+pub(crate) fn plan<'l>(
     plate: &Plate,
+    up_mm: f64,
+    layers: usize,
+    layer: impl Fn(usize) -> PlateLayer<'l> + Sync + Send,
     settings: &Settings,
     workers: Workers<'_>,
 ) -> Option<Arc<dyn FillPattern>> {
@@ -29,13 +31,11 @@ pub(crate) fn plan(
     let line_distance_mm = bead::spacing_mm(infill.width.0, settings.layer.height.0) / infill.density.0;
     match infill.pattern {
         Pattern::AdaptiveCubic => {
-            let up_mm = sections.bottom_mm();
             let surface = surface(plate, up_mm);
             Some(Arc::new(AdaptiveCubic::new(surface, line_distance_mm, infill.angle.to_radians())))
         }
         Pattern::Lightning => {
-            let count = sections.layers.len();
-            let hollows = workers.map(count, |i| hollow(sections, i, settings));
+            let hollows = workers.map(layers, |i| hollow(&layer(i), settings));
             Some(Arc::new(Lightning::new(&hollows, line_distance_mm)))
         }
         _ => None,
@@ -55,8 +55,7 @@ fn surface(plate: &Plate, up_mm: f64) -> impl Iterator<Item = [[f64; 3]; 3]> {
 }
 
 /// A layer as branches see it, all objects together.
-fn hollow(sections: &Sections, index: usize, settings: &Settings) -> Hollow {
-    let layer = sections.plate_layer(index);
+fn hollow(layer: &PlateLayer<'_>, settings: &Settings) -> Hollow {
     let walls = &settings.walls;
     let wall_mm = |width_mm: f64| bead::spacing_mm(width_mm, layer.height_mm);
     let thick_mm = match walls.count {

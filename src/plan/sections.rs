@@ -1,5 +1,7 @@
 //! The sections of a plate, and what must be known of all layers before any is planned.
 
+use std::sync::Arc;
+
 use geo::{ConvexHull, MultiPoint, Simplify};
 
 use crate::job::JobError;
@@ -7,11 +9,12 @@ use crate::plate::Plate;
 use crate::profile::Settings;
 use crate::slice::{self, Gaps, Layer, LayerSpan, Slicer};
 use crate::toolpath::SupportStyle;
+use crate::toolpath::infill::FillPattern;
 use crate::toolpath::support::{self, BeadSpec, Outlines};
 use crate::toolpath::{self, LayerPaths, ObjectLayer, Planner, PlateLayer, Role, Shells};
 use geometry::{Bounds, Point, Polygon, Region};
 
-use super::floating;
+use super::contact;
 use super::infill;
 use super::overlaps;
 use super::spiral::Spiral;
@@ -100,10 +103,21 @@ impl Sections {
         sections.infill = styles
             .each(settings)
             .filter_map(|(style, settings)| {
-                Some((style, infill::plan(&sections, slicer.plate(), settings, workers)?))
+                Some((style, sections.infill_pattern(slicer.plate(), settings, workers)?))
             })
             .collect();
         Ok(sections)
+    }
+
+    /// The infill pattern, where it must know all layers.
+    fn infill_pattern(
+        &self,
+        plate: &Plate,
+        settings: &Settings,
+        workers: Workers<'_>,
+    ) -> Option<Arc<dyn FillPattern>> {
+        let layer = |i: usize| self.plate_layer(i);
+        infill::plan(plate, self.bottom_mm(), self.layers.len(), layer, settings, workers)
     }
 
     /// Where the part begins over the bed.
@@ -143,8 +157,8 @@ impl Sections {
         let beneath = supports::section(&self.layers[index - 1]);
         let islands = self.layers[index].sections.iter().flat_map(|section| &section.region.polygons);
         let begun = islands.filter(|island| {
-            !floating::lies_on(island, &beneath)
-                && !self.supports_under(index).any(|under| floating::lies_on(island, under))
+            !contact::lies_on(island, &beneath)
+                && !self.supports_under(index).any(|under| contact::lies_on(island, under))
                 && holds_line(island)
         });
         begun.map(Polygon::area_mm2).collect()

@@ -8,6 +8,7 @@ use toml::{Table, Value};
 use super::resolve::Resolved;
 use super::script::PLACEHOLDERS;
 use super::settings::{SECTIONS, Settings};
+use super::value::toml_text;
 use crate::options::{Field, Kind};
 
 /// Every setting in force as a profile that means the same, each with a comment that says where it came from.
@@ -79,16 +80,6 @@ const PLACEHOLDER_HEAD: &str = "\n## Placeholders in scripts\n\n\
 
 fn table(settings: &Settings) -> Table {
     Table::try_from(settings).expect("settings are a table")
-}
-
-/// Scripts as multi-line strings, which `toml` writes on one line.
-pub(super) fn toml_text(value: &Value) -> String {
-    match value {
-        Value::String(text) if text.contains('\n') && !text.contains("'''") && !text.contains('\r') => {
-            format!("'''\n{text}'''")
-        }
-        value => value.to_string(),
-    }
 }
 
 fn default_text(value: &Value) -> String {

@@ -16,6 +16,7 @@ mod settings;
 mod source;
 mod stages;
 mod suggest;
+mod value;
 
 pub use dump::{dump_json, dump_toml, reference};
 pub use embedded::{EMBEDDED, EmbeddedProfile, ProfileKind, find as embedded};

@@ -2,27 +2,11 @@
 
 use std::ops::Range;
 
+use super::slice::Slice;
 use super::state::{Key, States};
 use super::toll::Toll;
 use crate::toolpath::Role;
 use geometry::Point;
-
-/// Part of a block's text.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub(super) struct Slice {
-    pub start: u32,
-    pub len: u32,
-}
-
-impl Slice {
-    pub fn is_empty(self) -> bool {
-        self.len == 0
-    }
-
-    pub fn of(self, text: &[u8]) -> &[u8] {
-        &text[self.start as usize..(self.start + self.len) as usize]
-    }
-}
 
 /// What a line that draws nothing is.
 #[derive(Clone, Copy, Debug, PartialEq)]

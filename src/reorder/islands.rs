@@ -1,7 +1,7 @@
 //! Which beads belong together.
 
-use super::block::Block;
-use super::problem::is_wall;
+use super::block::{Block, Path};
+use crate::toolpath::Role;
 use geometry::DisjointSets;
 
 /// Beads nearer to each other than about this belong to one island, mm.
@@ -150,6 +150,10 @@ impl Meetings {
         self.step = 0;
         along
     }
+}
+
+pub(super) fn is_wall(path: &Path) -> bool {
+    path.role.is_some_and(Role::is_wall)
 }
 
 #[cfg(test)]

@@ -6,7 +6,7 @@ use std::ops::Range;
 use rustc_hash::FxHashMap;
 
 use super::block::{Block, Path};
-use super::islands::{Islands, islands};
+use super::islands::{Islands, is_wall, islands};
 use super::monotonic;
 use super::state::Key;
 use crate::order::Visit;
@@ -284,8 +284,4 @@ struct IslandRuns {
     alternating: bool,
     /// The rank of its walls, where these are one run.
     walls: Option<u32>,
-}
-
-pub(super) fn is_wall(path: &Path) -> bool {
-    path.role.is_some_and(Role::is_wall)
 }

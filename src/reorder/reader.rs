@@ -5,7 +5,9 @@ use std::ops::Range;
 
 use memchr::memchr2;
 
-use super::block::{Block, Cursor, Frame, Kind, Path, Seg, Slice, Token};
+use super::block::{Block, Cursor, Frame, Kind, Path, Seg, Token};
+use super::lines::{LONGEST_LINE, binary, too_long};
+use super::slice::Slice;
 use super::state::{Key, States};
 use super::ticks::{in_units, is_whole, ticks};
 use super::times::is_time;
@@ -13,8 +15,6 @@ use super::verify::Inventory;
 use crate::estimate::Machine;
 use crate::gcode::{Action, Annotated, Line, Mark, Reader, Stroke, mark};
 
-/// Longer lines are no G-code.
-pub(super) const LONGEST_LINE: usize = 1 << 22;
 /// A block without paths is ended after so many bytes where it can be.
 const LONGEST_FIXED: usize = 1 << 20;
 /// Coordinates beyond this are no positions of a printer, file units.
@@ -553,14 +553,4 @@ fn read_line(input: &mut impl BufRead, number: usize, out: &mut Vec<u8>) -> io::
             return Ok(out.len() - start);
         }
     }
-}
-
-/// A line, by its number, holds what no text holds.
-pub(super) fn binary(number: usize) -> io::Error {
-    io::Error::new(ErrorKind::InvalidData, format!("line {number}: binary data; this is no G-code text"))
-}
-
-/// A line is longer than [`LONGEST_LINE`].
-pub(super) fn too_long() -> io::Error {
-    io::Error::new(ErrorKind::InvalidData, "a line is longer than 4 MB; this is no G-code text")
 }

@@ -1,6 +1,6 @@
 //! What holds for a bead besides its own words: the fan, accelerations, and what comments say of it.
 
-use super::block::Slice;
+use super::slice::Slice;
 use crate::gcode::{Line, Mark, mark};
 
 /// Something that a line sets and that holds until the next such line.

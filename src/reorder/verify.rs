@@ -6,7 +6,7 @@ use std::io::{self, BufRead, ErrorKind};
 use memchr::memchr2;
 use rustc_hash::FxHasher;
 
-use super::reader::{LONGEST_LINE, binary, too_long};
+use super::lines::{LONGEST_LINE, binary, too_long};
 use super::state::Key;
 use super::ticks::ticks;
 use super::times::{Stopwatch, Times, is_time};

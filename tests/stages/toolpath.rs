@@ -360,8 +360,11 @@ fn planned(kind: Pattern, section: &Region, top_mm: f64, line_distance_mm: f64) 
             Arc::new(AdaptiveCubic::new(roof.into_iter(), line_distance_mm, 0.3))
         }
         Pattern::Lightning => {
-            let hollow =
-                Hollow { ground: geometry::offset(section, 0.3), sparse: section.clone(), height_mm: HEIGHT_MM };
+            let hollow = Hollow {
+                ground: geometry::offset(section, 0.3),
+                sparse: section.clone(),
+                height_mm: HEIGHT_MM,
+            };
             let layers = (top_mm / HEIGHT_MM).round() as usize;
             Arc::new(Lightning::new(&vec![hollow; layers], line_distance_mm))
         }
@@ -641,7 +644,8 @@ fn ironing_goes_once_more_over_the_top_and_lays_down_little() {
     let layers = plan(&vec![section.clone(); 8], &settings);
     assert!(layers[..7].iter().all(|layer| of_role(layer, Role::Ironing).is_empty()));
     let ironing = of_role(&layers[7], Role::Ironing);
-    let share = volume_mm3(ironing.iter().copied()) / (geometry::offset(&section, -1.0).area_mm2() * HEIGHT_MM);
+    let share =
+        volume_mm3(ironing.iter().copied()) / (geometry::offset(&section, -1.0).area_mm2() * HEIGHT_MM);
     assert!((share - 0.1).abs() < 0.01, "{share}");
     assert!(layers[7].paths.iter().all(|p| p.role == Role::Ironing || p.rank < ironing[0].rank));
     let room = geometry::offset(&section, -0.8);

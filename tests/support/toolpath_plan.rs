@@ -83,5 +83,9 @@ pub fn of_role(layer: &LayerPaths, role: Role) -> Vec<&Path> {
 }
 
 pub fn length_mm(path: &Path) -> f64 {
-    if path.closed { geometry::ring_length_mm(&path.points) } else { geometry::polyline_length_mm(&path.points) }
+    if path.closed {
+        geometry::ring_length_mm(&path.points)
+    } else {
+        geometry::polyline_length_mm(&path.points)
+    }
 }

@@ -37,6 +37,7 @@ mod options;
 mod polyline;
 mod precedence;
 mod problem;
+mod strategies;
 mod strategy;
 
 pub use as_sliced::AsSliced;
@@ -52,7 +53,8 @@ pub use options::{Effort, OrderStrategy, Scope};
 pub use polyline::{OrderOptions, Ordered, Polyline, order};
 pub use precedence::first_points;
 pub use problem::{Item, Problem, Run, Sequence, Shape, Visit};
-pub use strategy::{Known, Strategy, strategy};
+pub use strategies::strategy;
+pub use strategy::{Known, Strategy};
 
 /// The examples of the README are compiled with the documentation's.
 #[cfg(doctest)]

@@ -1,8 +1,9 @@
-//! One trait behind which every way of ordering lives. Adding one is a file and a line in [`strategy`].
+//! What strategies have in common.
 
+use super::cost::Cost;
 use super::detours::Detours;
-use super::options::{Effort, OrderStrategy};
-use super::{AsSliced, Christofides, ChristofidesOpen, Cost, Greedy, Nearest, Optimized, Problem, Sequence};
+use super::options::Effort;
+use super::problem::{Problem, Sequence};
 
 /// A way of ordering a layer.
 pub trait Strategy: Sync {
@@ -29,16 +30,4 @@ pub struct Known<'a> {
     pub detours: Option<&'a Detours<'a>>,
     /// A solution that the strategy found before it was known where the nozzle comes from and where it goes to.
     pub solved: Option<Sequence>,
-}
-
-/// The strategy that a setting names.
-pub fn strategy(name: OrderStrategy) -> &'static dyn Strategy {
-    match name {
-        OrderStrategy::AsSliced => &AsSliced,
-        OrderStrategy::Nearest => &Nearest,
-        OrderStrategy::Greedy => &Greedy,
-        OrderStrategy::Christofides => &Christofides,
-        OrderStrategy::ChristofidesOpen => &ChristofidesOpen,
-        OrderStrategy::Optimized => &Optimized,
-    }
 }

@@ -2,10 +2,10 @@
 
 use std::io::{self, Read};
 
+use super::super::beside::ModelReport;
 use super::super::fault::Kind;
 use super::super::relief::Relief;
 use super::super::report::Found;
-use super::ModelReport;
 use super::air::{Ground, Way};
 use super::levels::{Level, Levels};
 use super::sections::{Sections, along};

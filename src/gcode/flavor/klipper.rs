@@ -1,6 +1,6 @@
 //! Klipper: one acceleration for everything, extended commands, macros.
 
-use super::{Dialect, Purpose, line};
+use super::dialect::{Dialect, Purpose, line};
 use crate::estimate::Machine;
 use crate::gcode::number::{push_fixed, text};
 use crate::gcode::settings::ObjectLabel;

@@ -1,6 +1,6 @@
 //! Marlin 2: the common dialect is its own.
 
-use super::{Dialect, axes, line};
+use super::dialect::{Dialect, axes, line};
 use crate::estimate::Machine;
 use crate::gcode::number::text;
 

@@ -1,111 +1,13 @@
 //! What firmwares say differently; all else is common.
 
+mod dialect;
 mod klipper;
 mod marlin;
 mod reprapfirmware;
 
-use super::number::{push_word, text};
-use super::settings::ObjectLabel;
-use crate::estimate::Machine;
 use crate::gcode::options::Flavor;
-use crate::motion::RetractSettings;
-use crate::units::{MmPerS2, Ratio};
 
-/// Which moves an acceleration is for.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Purpose {
-    Print,
-    Travel,
-}
-
-/// A firmware's dialect.
-pub(super) trait Dialect {
-    /// Whether it keeps one acceleration for printing and another for travel.
-    fn has_travel_acceleration(&self) -> bool {
-        true
-    }
-
-    /// Sets the acceleration of what follows (of that purpose, where it keeps them apart).
-    fn acceleration(&self, out: &mut Vec<u8>, purpose: Purpose, acceleration: MmPerS2) {
-        out.extend_from_slice(b"M204");
-        let letter = if purpose == Purpose::Print { b'P' } else { b'T' };
-        push_word(out, letter, acceleration.0.round() as i64, 0);
-        out.push(b'\n');
-    }
-
-    /// Sets the part-cooling fan.
-    fn fan(&self, out: &mut Vec<u8>, share: Ratio) {
-        out.extend_from_slice(b"M106");
-        push_word(out, b'S', (share.0.clamp(0.0, 1.0) * 255.0).round() as i64, 0);
-        out.push(b'\n');
-    }
-
-    /// Says what the machine can do, from `[machine]`.
-    fn limits(&self, out: &mut Vec<u8>, machine: &Machine);
-
-    /// Sets linear or pressure advance, seconds.
-    fn pressure_advance(&self, out: &mut Vec<u8>, seconds: f64);
-
-    /// Sets up G10 and G11.
-    fn firmware_retraction(&self, out: &mut Vec<u8>, retract: &RetractSettings) {
-        let (length, extra) = (text(retract.length.0, 3), text(retract.extra.0.max(0.0), 3));
-        line(out, &format!("M207 S{length} F{}", text(retract.speed.0 * 60.0, 0)));
-        line(out, &format!("M208 S{extra} F{}", text(retract.unretract_speed.0 * 60.0, 0)));
-    }
-
-    /// Says which objects there are. M486 has names only (A, which RepRapFirmware reads); where they are is said in a comment, for
-    /// hosts that can cancel objects.
-    fn objects(&self, out: &mut Vec<u8>, objects: &[ObjectLabel]) {
-        line(out, &format!("M486 T{}", objects.len()));
-        for (index, object) in objects.iter().enumerate() {
-            line(out, &format!("M486 S{index} A\"{}\"", object.name));
-        }
-        line(out, "M486 S-1");
-        let info = objects.iter().map(|object| {
-            let [x, y] = object.center_mm().map(|v| text(v, 2));
-            format!("{{\"name\":\"{}\",\"center\":[{x},{y}],\"polygon\":{}}}", object.name, object.polygon())
-        });
-        line(out, &format!("; objects_info = {{\"objects\":[{}]}}", info.collect::<Vec<_>>().join(",")));
-    }
-
-    /// What follows belongs to an object, by its number and name.
-    fn object_begins(&self, out: &mut Vec<u8>, object: u32, _name: &str) {
-        line(out, &format!("M486 S{object}"));
-    }
-
-    /// What follows belongs to no object any more.
-    fn object_ends(&self, out: &mut Vec<u8>, _name: &str) {
-        line(out, "M486 S-1");
-    }
-
-    /// The command that pauses for a filament change.
-    fn pause(&self) -> &'static str {
-        "M600"
-    }
-
-    /// Said before the first layer.
-    fn print_begins(&self, _out: &mut Vec<u8>, _layers: usize) {}
-
-    /// Said at the start of each layer, counted from 1.
-    fn layer_begins(&self, _out: &mut Vec<u8>, _number: usize) {}
-
-    /// Whether the first word of a line can be a macro's name.
-    fn has_macros(&self) -> bool {
-        false
-    }
-}
-
-/// Appends a line.
-pub(super) fn line(out: &mut Vec<u8>, text: &str) {
-    out.extend_from_slice(text.as_bytes());
-    out.push(b'\n');
-}
-
-/// A command with a word for each of X, Y, Z and E.
-fn axes(out: &mut Vec<u8>, command: &str, values: [f64; 4]) {
-    let words = values.iter().zip("XYZE".chars()).map(|(value, axis)| format!(" {axis}{}", text(*value, 2)));
-    line(out, &format!("{command}{}", words.collect::<String>()));
-}
+pub(super) use dialect::{Dialect, Purpose, line};
 
 /// The dialect of a flavour.
 pub(super) fn dialect(flavor: Flavor) -> &'static dyn Dialect {

@@ -1,6 +1,6 @@
 //! RepRapFirmware 3: fan values are shares. A pause by M600 runs `filament-change.g`, or `pause.g`.
 
-use super::{Dialect, axes, line};
+use super::dialect::{Dialect, axes, line};
 use crate::estimate::Machine;
 use crate::gcode::number::{push_word, text, ticks};
 use crate::motion::RetractSettings;

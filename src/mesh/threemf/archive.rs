@@ -7,7 +7,7 @@ use quick_xml::events::Event;
 use quick_xml::reader::NsReader;
 use zip::ZipArchive;
 
-use super::model::value;
+use super::xml::value;
 use crate::mesh::error::MeshError;
 
 /// No part may be larger than this unpacked: some thirty million facets.

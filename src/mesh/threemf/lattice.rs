@@ -2,7 +2,7 @@
 
 use quick_xml::events::BytesStart;
 
-use super::model::value;
+use super::xml::value;
 
 pub(super) const BEAMS: &str = "http://schemas.microsoft.com/3dmanufacturing/beamlattice/2017/02";
 pub(super) const BALLS: &str = "http://schemas.microsoft.com/3dmanufacturing/beamlattice/balls/2020/07";

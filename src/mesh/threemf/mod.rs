@@ -11,6 +11,7 @@ mod archive;
 mod lattice;
 mod model;
 mod struts;
+mod xml;
 
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -20,9 +21,10 @@ use archive::Archive;
 use model::{Object, Part, Use, extension_name};
 
 use super::error::{MeshError, Place};
-use super::formats::{Contents, FileObject, Format, bad_coordinate, has_extension};
+use super::format::{Contents, FileObject, Format, bad_coordinate, has_extension};
 use super::weld::Welder;
 use crate::limits;
+use xml::MEND;
 
 /// DisjointSets may stand in components so deep.
 const DEEPEST: usize = 64;
@@ -38,8 +40,6 @@ const UNSUSPECTED: usize = 1_000_000;
 
 /// Bytes that a facet takes until it is repaired.
 const BYTES_PER_FACET: u64 = 50 * limits::BYTES_PER_BYTE;
-
-const MEND: &str = "export it again, or repair it where it was made";
 
 pub(super) struct ThreeMf;
 

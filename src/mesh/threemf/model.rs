@@ -1,18 +1,15 @@
 //! One model part of a 3MF package: objects, components and build items.
 
-use std::borrow::Cow;
 use std::collections::BTreeMap;
 use std::io::BufRead;
 
-use quick_xml::XmlVersion;
-use quick_xml::events::attributes::Attribute;
 use quick_xml::events::{BytesStart, Event};
 use quick_xml::name::{Namespace, ResolveResult};
 use quick_xml::reader::NsReader;
 
-use super::MEND;
 use super::affine::Affine;
 use super::lattice::{self, BALLS, BEAMS, Lattice};
+use super::xml::{MEND, text, value};
 
 const CORE: &str = "http://schemas.microsoft.com/3dmanufacturing/core/2015/02";
 const PRODUCTION: &str = "http://schemas.microsoft.com/3dmanufacturing/production/2015/06";
@@ -255,16 +252,6 @@ impl Object {
             }
         }
     }
-}
-
-/// The attribute of this name, with its prefix if it has one.
-pub(super) fn value(tag: &BytesStart<'_>, key: &str) -> Option<String> {
-    tag.attributes().flatten().find(|a| a.key.0 == key).as_ref().and_then(text)
-}
-
-/// What the attribute says.
-fn text(attribute: &Attribute<'_>) -> Option<String> {
-    attribute.normalized_value(XmlVersion::Implicit1_0).ok().map(Cow::into_owned)
 }
 
 /// The attribute of the production extension, whatever its prefix.

@@ -2,10 +2,10 @@
 
 use toml::Value;
 
-use super::Outcome::{self, Idle, Left, Near};
 use super::config::Config;
+use super::row::Outcome::{self, Idle, Left, Near};
+use super::row::{How, Row};
 use super::script;
-use super::table::{How, Row};
 use crate::estimate::MachineSettings;
 use crate::gcode::Flavor;
 use crate::options::Kind;

@@ -5,6 +5,7 @@
 mod config;
 mod convert;
 mod page;
+mod row;
 mod script;
 mod table;
 
@@ -16,19 +17,8 @@ use toml::Value;
 use config::Config;
 pub(super) use config::is_foreign;
 pub use page::page as import_page;
-use table::{IDLE, Idle, ROWS, Row};
-
-/// What came of one row of the table.
-enum Outcome {
-    /// The value of our key.
-    Value(Value),
-    /// The same, but it does not mean quite the same, for this reason.
-    Near(Value, String),
-    /// There is nothing like it here.
-    Left(String),
-    /// It says what is so anyway.
-    Idle,
-}
+use row::{Outcome, Row};
+use table::{IDLE, Idle, ROWS};
 
 /// A setting of ours that a configuration gives.
 #[derive(Clone, Debug, PartialEq)]
@@ -133,7 +123,7 @@ impl Import {
 
 /// A value that our key allows.
 fn checked(row: &Row, value: Value, note: Option<String>) -> Result<(Value, Option<String>), Outcome> {
-    match super::resolve::check(row.ours, &value) {
+    match super::value::check(row.ours, &value) {
         Ok(()) => Ok((value, note)),
         Err(expected) => Err(Outcome::Left(format!("{}: {expected}", row.ours))),
     }
@@ -173,7 +163,7 @@ pub(super) fn as_profile(name: &str, import: &Import) -> String {
         out += &format!("\n[{}]\n", section.name);
         for taken in own {
             let note = taken.note.as_ref().map(|note| format!(": {note}")).unwrap_or_default();
-            let (key, value) = (&taken.key[dotted.len()..], super::dump::toml_text(&taken.value));
+            let (key, value) = (&taken.key[dotted.len()..], super::value::toml_text(&taken.value));
             out += &match value.contains('\n') {
                 true => format!("# line {}, {}{note}\n{key} = {value}\n", taken.line, taken.from),
                 false => format!("{key} = {value} # line {}, {}{note}\n", taken.line, taken.from),

@@ -1,29 +1,9 @@
 //! What is taken over of the configurations of others, key by key: the one place that says so. `docs/import.md` is
 //! printed from it.
 
-use super::Outcome;
 use super::config::Config;
 use super::convert as c;
-
-/// How a value becomes ours.
-#[derive(Clone, Copy)]
-pub(super) enum How {
-    /// As it is, of the first extruder; the first of their keys that is set.
-    Same,
-    /// By a rule of its own.
-    With(fn(&Config) -> Outcome),
-}
-
-/// One setting of ours.
-pub(super) struct Row {
-    /// Our key.
-    pub ours: &'static str,
-    /// Their keys that say something of it; it is looked at as soon as one of them is set.
-    pub theirs: &'static [&'static str],
-    pub how: How,
-    /// The rule in words; empty: as it is.
-    pub rule: &'static str,
-}
+use super::row::{How, Outcome, Row};
 
 const fn same(ours: &'static str, theirs: &'static [&'static str]) -> Row {
     Row { ours, theirs, how: How::Same, rule: "" }

@@ -14,8 +14,10 @@ use std::f64::consts::{FRAC_PI_2, SQRT_2, TAU};
 use geometry::{Clipper, Point, Region};
 
 use super::super::bead::Line;
-use super::connect::{Chord, connect};
-use super::{FillPattern, FillSpec};
+use super::connect::connect;
+use super::pattern::FillPattern;
+use super::spec::Chord;
+use super::spec::FillSpec;
 
 /// Halvings from the cube around everything to the finest that are divided: those are at least 1.9 mm wide, it spans
 /// 62 m.

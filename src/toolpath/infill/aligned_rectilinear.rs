@@ -1,6 +1,10 @@
 //! Parallel lines in the same direction on every layer: walls of one direction, stiff along it, cheap to print.
 
-use super::{FillPattern, FillSpec, LineSet, lines};
+use super::pattern::FillPattern;
+
+use super::spec::{FillSpec, LineSet};
+
+use super::lines;
 
 /// See the module.
 #[derive(Debug)]

@@ -4,8 +4,7 @@
 
 use geometry::{Boundary, Point};
 
-use super::LineSet;
-use super::connect::{Chord, Stop};
+use super::spec::{Chord, LineSet, Stop};
 
 /// Beads narrower than this, as a share of the lines' distance, are not laid.
 const NARROWEST: f64 = 0.12;

@@ -3,7 +3,8 @@
 use geometry::Region;
 
 use super::super::bead::Line;
-use super::{FillPattern, FillSpec};
+use super::pattern::FillPattern;
+use super::spec::FillSpec;
 
 /// See the module.
 #[derive(Debug)]

@@ -2,43 +2,9 @@
 
 use geometry::{Boundary, BoundaryPos, Point, Region};
 
-use super::LineSet;
 use super::caps::{self, Cap, Caps};
+use super::spec::{Chord, Joins, Stop};
 use crate::toolpath::bead::Line;
-
-/// A piece of a pattern inside the region.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Chord {
-    /// Vertices, at least two.
-    pub points: Vec<Point>,
-    /// Where it starts and ends on the boundary.
-    pub ends: [Option<BoundaryPos>; 2],
-    /// Which line of the pattern it is part of: neighbours differ by one.
-    pub line: i64,
-}
-
-/// How line ends are treated.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Joins {
-    /// Ends are joined along the boundary where that way is at most this long, in millimetres.
-    pub longest_mm: f64,
-    /// How far free ends reach beyond the boundary, in millimetres across it.
-    pub reach_mm: f64,
-    /// The same of ends whose join turns back sharply and so leaves a wedge open between line and boundary.
-    pub turn_mm: f64,
-    /// How far free ends run on along the boundary at most, in millimetres.
-    pub anchor_mm: f64,
-    /// Of solid fills, the lines' arrangement: what no line covers beside the boundary is filled.
-    pub hatch: Option<LineSet>,
-}
-
-impl Joins {
-    /// How far along a line is so far across a boundary: both are given by unit vectors.
-    fn along_mm(&self, across_mm: f64, line: [f64; 2], edge: [f64; 2]) -> f64 {
-        let sine = (line[0] * edge[1] - line[1] * edge[0]).abs();
-        across_mm / sine.max(1.0 / FLATTEST[usize::from(self.hatch.is_none())])
-    }
-}
 
 /// Chords of solid fills shorter than this many line distances touch an extreme of the boundary, which a bead along
 /// it fills better.
@@ -50,20 +16,8 @@ const BACK: f64 = 0.75;
 /// Such a line goes sideways into the wedge this many times as far as it goes beyond the boundary.
 const SIDEWAYS: f64 = 1.2;
 
-/// Ends of solid and of other fills reach at most this many times the reach along their line, however flat it meets the
-/// boundary.
-const FLATTEST: [f64; 2] = [4.0, 2.0];
-
 /// Anchors take up less than half of the way to the next end, whose own may come towards them.
 const ANCHOR: f64 = 0.45;
-
-/// One end of a chord, in its place on the boundary.
-#[derive(Clone, Copy)]
-pub(super) struct Stop {
-    pub(super) chord: u32,
-    pub(super) side: u8,
-    pub(super) on: BoundaryPos,
-}
 
 /// Joins chords into longer lines.
 ///

@@ -6,7 +6,11 @@
 
 use std::f64::consts::{FRAC_1_SQRT_2, FRAC_PI_3};
 
-use super::{FillPattern, FillSpec, LineSet, lines};
+use super::pattern::FillPattern;
+
+use super::spec::{FillSpec, LineSet};
+
+use super::lines;
 
 /// See the module.
 #[derive(Debug)]

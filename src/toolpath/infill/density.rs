@@ -3,7 +3,8 @@
 use geometry::{Region, polyline_length_mm, ring_length_mm};
 
 use super::super::bead::Line;
-use super::{FillPattern, FillSpec, Joins};
+use super::pattern::FillPattern;
+use super::spec::{FillSpec, Joins};
 
 /// Densities above this are solid.
 pub const SOLID_DENSITY: f64 = 0.995;

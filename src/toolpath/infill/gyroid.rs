@@ -10,8 +10,11 @@ use std::f64::consts::TAU;
 use geometry::{Clipper, Point, Region, to_mm};
 
 use super::super::bead::Line;
-use super::connect::{Chord, connect};
-use super::{FillPattern, FillSpec, waves};
+use super::connect::connect;
+use super::pattern::FillPattern;
+use super::spec::Chord;
+use super::spec::FillSpec;
+use super::waves;
 
 /// Steps in a period: the chord error of a wave is below 1 % of its amplitude.
 const STEPS: usize = 24;

@@ -7,8 +7,9 @@
 use geometry::Region;
 
 use super::super::bead::Line;
+use super::pattern::FillPattern;
+use super::spec::FillSpec;
 use super::waves::{self, Frame};
-use super::{FillPattern, FillSpec};
 
 /// Halvings from the whole curve to a cell: with cells of 0.4 mm it spans 26 m.
 const ORDER: u32 = 16;

@@ -8,8 +8,9 @@ use std::f64::consts::FRAC_PI_3;
 use geometry::Region;
 
 use super::super::bead::Line;
+use super::pattern::FillPattern;
+use super::spec::FillSpec;
 use super::waves::{self, Frame};
-use super::{FillPattern, FillSpec};
 
 /// Side of a hexagon in mean line distances: four sides are drawn in each hexagon's area of 3√3/2 squared sides.
 const SIDE: f64 = 1.539_600_717_839_002;

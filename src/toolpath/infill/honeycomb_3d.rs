@@ -10,8 +10,9 @@ use std::f64::consts::{FRAC_PI_2, SQRT_2};
 use geometry::Region;
 
 use super::super::bead::Line;
+use super::pattern::FillPattern;
+use super::spec::FillSpec;
 use super::waves::{self, Frame};
-use super::{FillPattern, FillSpec};
 
 /// Distance of the waves in mean line distances: on average over the height they are (1 + √2)/2 times as long as straight
 /// lines.

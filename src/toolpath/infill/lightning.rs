@@ -11,9 +11,11 @@
 use geometry::{Clipper, Point, Region, Ring};
 
 use super::super::bead::Line;
-use super::connect::{Chord, connect};
+use super::connect::connect;
+use super::pattern::FillPattern;
+use super::spec::Chord;
+use super::spec::FillSpec;
 use super::trees::Forest;
-use super::{FillPattern, FillSpec};
 
 /// Tangent of how far branches lean: 40° from the vertical.
 const LEAN: f64 = 0.84;

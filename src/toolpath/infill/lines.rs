@@ -1,34 +1,10 @@
 //! Sets of parallel lines, with their ends joined along the boundary: what straight patterns consist of.
 
-use geometry::{Direction, Point, Region};
+use geometry::Region;
 
 use super::super::bead::Line;
-use super::FillSpec;
-use super::connect::{Chord, Joins, connect};
-
-/// Parallel lines all over the plane: line `k` is `k · distance + phase` from the origin, along the normal (−sin, cos) of
-/// the angle.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct LineSet {
-    /// Their direction, radians from the X axis.
-    pub angle_rad: f64,
-    /// Their distance in millimetres.
-    pub distance_mm: f64,
-    /// See above.
-    pub phase_mm: f64,
-}
-
-impl LineSet {
-    /// The way that they run.
-    pub fn direction(&self) -> Direction {
-        Direction::of(self.angle_rad)
-    }
-
-    /// How many lines a place is away from line 0, along the normal.
-    pub fn lines_to(&self, place: Point) -> f64 {
-        (self.direction().across_mm(place) - self.phase_mm) / self.distance_mm
-    }
-}
+use super::connect::connect;
+use super::spec::{Chord, FillSpec, Joins, LineSet};
 
 /// Sets of a layer, each turned by `turn_rad` against the one before and moved along its normal by its own phase, and
 /// each so much wider spaced that together they have the distance of the spec.

@@ -5,7 +5,8 @@ use std::f64::consts::{FRAC_PI_2, FRAC_PI_4};
 use geometry::{Direction, Point, Region};
 
 use super::super::bead::Line;
-use super::{Joins, LineSet, lines};
+use super::lines;
+use super::spec::{Joins, LineSet};
 
 /// Line ends further apart than this many spacings along the boundary are not joined.
 const LONGEST_JOIN: f64 = 12.0;

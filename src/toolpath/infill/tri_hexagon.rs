@@ -2,7 +2,11 @@
 
 use std::f64::consts::FRAC_PI_3;
 
-use super::{FillPattern, FillSpec, LineSet, lines};
+use super::pattern::FillPattern;
+
+use super::spec::{FillSpec, LineSet};
+
+use super::lines;
 
 /// See the module.
 #[derive(Debug)]

@@ -5,8 +5,8 @@ use std::ops::RangeInclusive;
 use geometry::{Clipper, Point, Region};
 
 use super::super::bead::Line;
-use super::FillSpec;
-use super::connect::{Chord, connect};
+use super::connect::connect;
+use super::spec::{Chord, FillSpec};
 
 /// Parts lie within this of the origin, and differences of points within it fit the grid.
 const FURTHEST_MM: f64 = 10_000.0;

@@ -1,9 +1,9 @@
 //! A middle line on its way from the axis to a path.
 
-use super::MedialPath;
 use super::axis::Node;
 use super::branches::Trail;
 use super::outline::{Position, direction, distance, lerp};
+use super::path::MedialPath;
 use crate::{Bounds, EdgeGrid, Point};
 
 /// Vertices are dropped that move the line, or the width, by no more than this: a hundredth of a common line width.

@@ -8,8 +8,8 @@
 
 use rustc_hash::FxHashSet;
 
+use super::link::Link;
 use super::model::Model;
-use super::tree::Link;
 use pathwright_geometry::DisjointSets;
 
 /// Shares of the recent trees by which links are told to be in or out, when sets are looked for.

@@ -1,9 +1,9 @@
 //! Which run follows which: under `feature` scope the runs of an island come by rank, so links between runs have a direction.
 
 use super::arborescence::{Arc, cheapest};
+use super::link::Link;
 use super::model::{Model, link};
 use super::pricing::{Priced, Prices};
-use super::tree::Link;
 
 /// The price of being where a walk begins, far above all others; it is taken off again.
 const BEGIN: i64 = 1 << 50;

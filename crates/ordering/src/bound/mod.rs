@@ -10,6 +10,7 @@ mod arborescence;
 mod ascent;
 mod cuts;
 mod directions;
+mod link;
 mod model;
 mod pricing;
 mod relaxation;

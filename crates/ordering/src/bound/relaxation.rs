@@ -5,9 +5,10 @@ use rustc_hash::{FxHashMap, FxHashSet};
 use super::super::matching::delaunay;
 use super::cuts::{Cuts, common};
 use super::directions::Directions;
+use super::link::Link;
 use super::model::{Body, DEPTHS, Model};
 use super::pricing::{Priced, Prices, Pricing};
-use super::tree::{Forest, Link, Usage};
+use super::tree::{Forest, Usage};
 use pathwright_geometry::DisjointSets;
 use pathwright_geometry::Point;
 

@@ -1,30 +1,9 @@
 //! The cheapest tree over listed links.
 
 use super::directions::Directions;
+use super::link::Link;
 use super::model::Model;
 use pathwright_geometry::DisjointSets;
-
-/// A link between two terminals.
-#[derive(Clone, Copy)]
-pub(super) struct Link {
-    /// Length in fine units.
-    pub(super) length: i64,
-    pub(super) a: u32,
-    pub(super) b: u32,
-    /// The tie at either end; 0: none.
-    pub(super) ties: [u32; 2],
-    /// Cuts that hold both ends: a piece of the list of all these.
-    pub(super) shared: (u32, u32),
-    /// Trees since the last look that used it.
-    pub(super) used: u32,
-}
-
-impl Link {
-    /// Its piece of the list of shared cuts.
-    pub(super) fn shared<'a>(&self, all: &'a [u32]) -> &'a [u32] {
-        &all[self.shared.0 as usize..self.shared.1 as usize]
-    }
-}
 
 /// How often a solution of the relaxation uses each thing that has a multiplier.
 #[derive(Default)]

@@ -1,7 +1,8 @@
 //! Swapping neighbouring stretches of whole groups (runs), however long.
 
-use super::search::{GAIN, Search};
-use super::walk::End;
+use super::end::End;
+use super::end::GAIN;
+use super::state::Search;
 
 /// Groups that a stretch may grow by while its partner stays.
 const FAR: u32 = 64;

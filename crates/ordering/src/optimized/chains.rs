@@ -1,8 +1,9 @@
 //! Directions and entries of consecutive paths, chosen together.
 
 use super::super::entries::{Look, Way};
-use super::search::{GAIN, Search};
-use super::walk::End;
+use super::end::End;
+use super::end::GAIN;
+use super::state::Search;
 
 /// Paths on either side of one that are entered anew with it.
 const BESIDE: u32 = 2;

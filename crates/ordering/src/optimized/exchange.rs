@@ -1,9 +1,10 @@
 //! Exchanging two or three links within a group.
 
 use super::super::Cost;
+use super::end::End;
+use super::end::GAIN;
 use super::neighbours::Near;
-use super::search::{GAIN, Search};
-use super::walk::End;
+use super::state::Search;
 
 /// Neighbours tried for the second new link of an exchange.
 const SECOND: usize = 5;

@@ -1,8 +1,9 @@
 //! Moving the place where one group ends and the next begins.
 
+use super::end::End;
+use super::end::GAIN;
 use super::neighbours::{NEAR, Near};
-use super::search::{GAIN, Search};
-use super::walk::End;
+use super::state::Search;
 use pathwright_geometry::Random;
 
 /// Farthest gap from a junction that is tried for it.

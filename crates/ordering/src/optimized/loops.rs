@@ -1,9 +1,10 @@
 //! Loops: entering them elsewhere, and moving them to another gap and vertex at once.
 
 use super::super::entries::samples;
+use super::end::GAIN;
+use super::end::{End, NONE};
 use super::neighbours::Near;
-use super::search::{GAIN, Search};
-use super::walk::{End, NONE};
+use super::state::Search;
 
 /// In groups of so few items, all gaps and vertices are tried for a loop.
 const FEW: u32 = 6;

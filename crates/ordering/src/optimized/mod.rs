@@ -2,6 +2,7 @@
 
 mod blocks;
 mod chains;
+mod end;
 mod exchange;
 mod grid;
 mod junctions;
@@ -11,9 +12,11 @@ mod refine;
 mod runs;
 mod search;
 mod start;
+mod state;
+mod vicinity;
 mod walk;
 
-use self::search::Search;
+use self::state::Search;
 use super::precedence::Groups;
 use super::{Cost, Known, Nearest, Problem, Sequence, Strategy, evaluate};
 use crate::options::{Effort, Scope};

@@ -4,8 +4,8 @@ use rustc_hash::FxHashMap;
 
 use super::super::precedence::Groups;
 use super::super::{Cost, Problem, Shape};
+use super::end::NONE;
 use super::grid::{Found, Grid};
-use super::walk::NONE;
 use pathwright_geometry::{Point, to_mm};
 
 /// Length of the lists. On layers of nine G-code files, 8 instead of 6 ended the first descent 1 % lower for a tenth

@@ -1,7 +1,7 @@
 //! Local search with what travels really cost, around the links that are longer than they look.
 
 use super::super::detours::Detours;
-use super::search::Search;
+use super::state::Search;
 use pathwright_geometry::Random;
 
 /// How often those links are found again and kicked.

@@ -7,16 +7,15 @@ use super::super::entries::Ways;
 use super::super::greedy::Fragments;
 use super::super::precedence::Groups;
 use super::super::{Cost, Problem, Sequence, Visit};
+use super::end::End;
 use super::neighbours::Neighbours;
-use super::runs::Vicinity;
 use super::start::start;
-use super::walk::{End, Walk};
+use super::state::Search;
+use super::vicinity::Vicinity;
+use super::walk::Walk;
 use pathwright_geometry::Point;
 use pathwright_geometry::Random;
 
-/// What an improvement must save at least (millimetres or seconds), far above rounding and far below anything
-/// that matters, so that the search ends.
-pub const GAIN: f64 = 1e-7;
 /// Longest stretch that a kick swaps.
 const KICK: u32 = 20;
 /// Farthest exchange while kicks are repaired: what is farther away does not depend on the kick.
@@ -28,24 +27,6 @@ const WINDOW: u32 = 2000;
 
 /// Stages of so few items are searched thoroughly.
 const FEW: usize = 6;
-
-/// A walk and what is needed to improve it.
-pub struct Search<'a> {
-    pub(super) problem: &'a Problem<'a>,
-    pub(super) groups: &'a Groups,
-    pub(super) walk: Walk<'a>,
-    pub(super) neighbours: Neighbours,
-    /// Exchanges move at most so many items.
-    pub(super) reach: u32,
-    pub(super) vicinity: Vicinity<'a>,
-    /// Whether all items are on the walk. Before that, stages are not fitted to each other: the search would pay for it again
-    /// with every kick.
-    complete: bool,
-    queue: VecDeque<u32>,
-    queued: Vec<bool>,
-    /// Buffers of the search for entries.
-    pub(super) ways: Ways,
-}
 
 impl<'a> Search<'a> {
     /// Begins with a walk through nothing.

@@ -3,11 +3,8 @@
 use super::super::detours::Detours;
 use super::super::precedence::Groups;
 use super::super::{Cost, Problem, Sequence, Shape, Visit};
-use super::search::GAIN;
+use super::end::{End, GAIN, NONE};
 use pathwright_geometry::Point;
-
-/// No group: that of the sentinels.
-pub const NONE: u32 = u32::MAX;
 
 /// A walk through all items, with a journal of changes so that they can be undone.
 ///
@@ -59,23 +56,6 @@ struct Node {
 enum Change {
     Reversed(u32, u32),
     Entered { item: u32, before: u32 },
-}
-
-/// One of the two nodes at a gap.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct End {
-    /// The gap.
-    pub gap: u32,
-    /// The node after the gap rather than the one before it.
-    pub right: bool,
-}
-
-impl End {
-    /// The other node at the gap.
-    #[inline]
-    pub fn across(self) -> Self {
-        Self { right: !self.right, ..self }
-    }
 }
 
 /// The island of where the nozzle comes from; one less, of where it goes to: no path's.

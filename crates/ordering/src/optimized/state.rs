@@ -1,0 +1,28 @@
+//! What the search works on.
+
+use std::collections::VecDeque;
+
+use super::super::Problem;
+use super::super::entries::Ways;
+use super::super::precedence::Groups;
+use super::neighbours::Neighbours;
+use super::vicinity::Vicinity;
+use super::walk::Walk;
+
+/// A walk and what is needed to improve it.
+pub struct Search<'a> {
+    pub(super) problem: &'a Problem<'a>,
+    pub(super) groups: &'a Groups,
+    pub(super) walk: Walk<'a>,
+    pub(super) neighbours: Neighbours,
+    /// Exchanges move at most so many items.
+    pub(super) reach: u32,
+    pub(super) vicinity: Vicinity<'a>,
+    /// Whether all items are on the walk. Before that, stages are not fitted to each other: the search would pay for it again
+    /// with every kick.
+    pub(super) complete: bool,
+    pub(super) queue: VecDeque<u32>,
+    pub(super) queued: Vec<bool>,
+    /// Buffers of the search for entries.
+    pub(super) ways: Ways,
+}

@@ -1,0 +1,103 @@
+//! What kinds of model files have in common.
+
+use std::path::Path;
+
+use super::error::{MeshError, Place};
+use super::units;
+use super::weld::{Soup, Welder};
+
+/// A kind of file.
+pub(super) trait Format: Sync {
+    /// Whether the file is of this kind, by its content, or its name where the content does not tell.
+    fn recognises(&self, path: &Path, data: &[u8]) -> bool;
+
+    /// Reads a file of this kind.
+    ///
+    /// # Errors
+    /// See [`MeshError`].
+    fn read(&self, path: &Path, data: &[u8]) -> Result<Contents, MeshError>;
+}
+
+/// What a file holds.
+pub(super) struct Contents {
+    pub objects: Vec<FileObject>,
+    pub format: &'static str,
+    /// What had to be overlooked.
+    pub notes: Vec<String>,
+}
+
+/// An object of a file, as often as the file wants it.
+pub(super) struct FileObject {
+    /// As the file calls it.
+    pub name: Option<String>,
+    pub soup: Soup,
+    /// Facets in the file, before any was left out.
+    pub facets: usize,
+    /// Where the file puts the object's origin, once or several times, millimetres.
+    pub spots: Vec<[f64; 3]>,
+}
+
+impl Contents {
+    /// A file that is one object, where it lies.
+    pub fn single(soup: Soup, format: &'static str, facets: usize, notes: Vec<String>) -> Self {
+        Self { objects: vec![FileObject { name: None, soup, facets, spots: vec![[0.0; 3]] }], format, notes }
+    }
+
+    /// Everything as one object, each where the file puts it.
+    ///
+    /// # Errors
+    /// A coordinate that is none.
+    pub fn together(self, path: &Path) -> Result<Self, MeshError> {
+        if let [FileObject { spots, .. }] = self.objects.as_slice()
+            && *spots == [[0.0; 3]]
+        {
+            return Ok(self);
+        }
+        let count = |object: &FileObject| object.facets * object.spots.len();
+        let facets = self.objects.iter().map(count).sum();
+        let mut welder = Welder::with_capacity(facets);
+        let mut number = 0;
+        let objects = &self.objects;
+        for FileObject { soup, spots, .. } in objects {
+            for spot in spots {
+                for triangle in &soup.triangles {
+                    number += 1;
+                    let moved = |v: u32| {
+                        let vertex = soup.vertices[v as usize];
+                        [0, 1, 2].map(|i| (f64::from(vertex[i]) + spot[i]) as f32)
+                    };
+                    let all = || objects.iter().flat_map(|object| object.soup.vertices.iter().copied());
+                    let bad = |value| bad_coordinate(path, Place::Facet(number), value, all());
+                    welder.push(triangle.map(moved)).map_err(bad)?;
+                }
+            }
+        }
+        Ok(Self::single(welder.finish(), self.format, facets, self.notes))
+    }
+}
+
+/// Whether a file's name ends so, in any case.
+pub(super) fn has_extension(path: &Path, wanted: &str) -> bool {
+    path.extension().is_some_and(|found| found.eq_ignore_ascii_case(wanted))
+}
+
+/// Without byte order mark and leading blanks.
+pub(super) fn trimmed(data: &[u8]) -> &[u8] {
+    data.strip_prefix(b"\xEF\xBB\xBF").unwrap_or(data).trim_ascii_start()
+}
+
+/// Whether the first kilobyte is free of control characters; binary facets are full of zeros.
+pub(super) fn is_text(data: &[u8]) -> bool {
+    data.iter().take(1024).all(|&b| b >= b' ' || b.is_ascii_whitespace())
+}
+
+/// The error of a coordinate that is none. `others` are the model's points.
+pub(super) fn bad_coordinate(
+    path: &Path,
+    place: Place,
+    value: f32,
+    others: impl Iterator<Item = [f32; 3]>,
+) -> MeshError {
+    let rest = units::size_of(others).map(units::in_words);
+    MeshError::Damaged { path: path.to_path_buf(), place, value, rest }
+}

@@ -1,0 +1,92 @@
+//! A surface of triangles.
+
+use super::edges::{Edges, NO_TWIN};
+use super::measure::facet_measures;
+
+/// A surface of triangles over shared vertices.
+///
+/// Corners run counter-clockwise seen from outside. Half-edge `3 t + k` runs from corner `k` of triangle `t` to the
+/// next corner.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Mesh {
+    pub(super) vertices: Vec<[f64; 3]>,
+    pub(super) triangles: Vec<[u32; 3]>,
+    pub(super) twins: Vec<u32>,
+    pub(super) oriented: bool,
+}
+
+impl Mesh {
+    /// A mesh from vertices (in millimetres) and triangles, taken as they are: nothing is repaired. O(triangles).
+    ///
+    /// # Panics
+    /// If a triangle names a vertex that does not exist.
+    pub fn new(vertices: Vec<[f64; 3]>, triangles: Vec<[u32; 3]>) -> Self {
+        let edges = Edges::new(&triangles, vertices.len());
+        Self { vertices, triangles, twins: edges.twins, oriented: edges.clashing == 0 }
+    }
+
+    /// Both meshes as one; facets keep their neighbours.
+    #[must_use]
+    pub fn with(mut self, other: &Self) -> Self {
+        let (vertices, halves) = (self.vertices.len() as u32, self.twins.len() as u32);
+        self.vertices.extend_from_slice(&other.vertices);
+        self.triangles.extend(other.triangles.iter().map(|t| t.map(|v| v + vertices)));
+        let moved = |&twin: &u32| if twin == NO_TWIN { NO_TWIN } else { twin + halves };
+        self.twins.extend(other.twins.iter().map(moved));
+        self.oriented &= other.oriented;
+        self
+    }
+
+    /// Vertices in millimetres.
+    pub fn vertices(&self) -> &[[f64; 3]] {
+        &self.vertices
+    }
+
+    /// Vertex indices of each triangle.
+    pub fn triangles(&self) -> &[[u32; 3]] {
+        &self.triangles
+    }
+
+    /// For each half-edge its partner in the neighbouring triangle, or `u32::MAX` on an open edge.
+    pub fn twins(&self) -> &[u32] {
+        &self.twins
+    }
+
+    /// Moves every vertex; facets keep their neighbours.
+    pub(crate) fn moved(&mut self, to: impl Fn([f64; 3]) -> [f64; 3]) {
+        self.vertices.iter_mut().for_each(|vertex| *vertex = to(*vertex));
+    }
+
+    /// Whether neighbouring triangles agree on which side is outside. If not, a point is inside where a ray from it
+    /// crosses the surface an odd number of times.
+    pub fn is_oriented(&self) -> bool {
+        self.oriented
+    }
+
+    /// Smallest box around the vertices, as its lower and upper corner; zeros of an empty mesh.
+    pub fn bounds(&self) -> [[f64; 3]; 2] {
+        let Some(&first) = self.vertices.first() else {
+            return [[0.0; 3]; 2];
+        };
+        self.vertices.iter().fold([first; 2], |[min, max], v| {
+            [std::array::from_fn(|i| min[i].min(v[i])), std::array::from_fn(|i| max[i].max(v[i]))]
+        })
+    }
+
+    /// Extent along each axis in millimetres.
+    pub fn size(&self) -> [f64; 3] {
+        let [min, max] = self.bounds();
+        std::array::from_fn(|i| max[i] - min[i])
+    }
+
+    /// Enclosed volume (mm³) and surface (mm²). Of an open mesh the volume is an estimate: that of the cone from the
+    /// middle of its box.
+    pub fn volume_and_area(&self) -> (f64, f64) {
+        let [min, max] = self.bounds();
+        let middle = std::array::from_fn(|i| (min[i] + max[i]) / 2.0);
+        self.triangles.iter().fold((0.0, 0.0), |(volume, area), t| {
+            let (v, a) = facet_measures(t.map(|v| self.vertices[v as usize]), middle);
+            (volume + v, area + a)
+        })
+    }
+}

@@ -1,0 +1,41 @@
+//! The state of the machine while a layer is planned.
+
+use geometry::Router;
+
+use super::overhang::Support;
+use super::rules::Rules;
+use super::simplify::Piece;
+use super::{MotionSettings, Move};
+use crate::toolpath::Role;
+use crate::units::{MmPerS2, Ratio};
+
+/// The state of the machine while a layer is planned.
+pub(super) struct Nozzle<'a> {
+    pub(super) settings: &'a MotionSettings,
+    pub(super) router: Router<'a>,
+    /// What walls may hang over; `None`: none does.
+    pub(super) support: Option<Support>,
+    /// Island of the path drawn last, if one was.
+    pub(super) island: Option<u32>,
+    pub(super) rules: Rules<'a>,
+    pub(super) fan: Ratio,
+    pub(super) moves: Vec<Move>,
+    pub(super) at: Option<[f64; 2]>,
+    pub(super) z_mm: f64,
+    pub(super) layer_z_mm: f64,
+    /// Whether this layer's moves have said where the nozzle is.
+    pub(super) positioned: bool,
+    /// Where to wipe after the bead drawn last.
+    pub(super) wipe: Vec<[f64; 2]>,
+    /// The next travel keeps above this.
+    pub(super) over_mm: f64,
+    /// Filament to be fed with the next bead beyond what it holds.
+    pub(super) owed_mm3: f64,
+    pub(super) acceleration: Option<MmPerS2>,
+    pub(super) bead: Option<(Role, f64, f64)>,
+    pub(super) object: Option<u32>,
+    /// The bead under way, with its corners as they are, its curves refined, and as it is drawn.
+    pub(super) plain: Vec<Piece>,
+    pub(super) curved: Vec<Piece>,
+    pub(super) pieces: Vec<Piece>,
+}

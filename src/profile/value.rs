@@ -1,0 +1,100 @@
+//! Values as they are written, and whether they are allowed.
+
+use toml::{Table, Value};
+
+use super::schema;
+use super::suggest;
+use crate::options::{Field, Kind};
+
+/// Reads a value typed on the command line. Quotes may be left out around texts, words and percentages.
+pub(super) fn typed_value(key: &str, typed: &str) -> Value {
+    let typed = typed.trim();
+    let quoted = typed.starts_with(['"', '\'']);
+    let is_text = matches!(schema::field(key), Some(Field { kind: Kind::Text | Kind::Choice(_), .. }));
+    let read = || format!("v = {typed}").parse::<Table>().ok()?.remove("v");
+    let value = if is_text && !quoted { None } else { read() };
+    value.unwrap_or_else(|| Value::String(typed.to_owned()))
+}
+
+/// A value as one line of an error message.
+pub(super) fn shown(value: &Value) -> String {
+    match value {
+        Value::String(text) => shortened(&format!("{text:?}")),
+        other => shortened(&other.to_string().replace('\n', " ")),
+    }
+}
+
+pub(super) fn shortened(text: &str) -> String {
+    const LONGEST: usize = 60;
+    if text.chars().count() <= LONGEST {
+        return text.to_owned();
+    }
+    text.chars().take(LONGEST).chain(['…']).collect()
+}
+
+/// Is this value allowed for this key? The error says what would be.
+pub(super) fn check(key: &str, value: &Value) -> Result<(), String> {
+    let Some(field) = schema::field(key) else {
+        let near: Vec<String> = suggest::keys(key).into_iter().map(|k| format!("`{k}`")).collect();
+        return Err(match near.is_empty() {
+            true => "unknown key; `pathwright profiles dump` lists every key".into(),
+            false => format!("unknown key; did you mean {}?", near.join(" or ")),
+        });
+    };
+    let expected = || format!("{} is expected", field.expected());
+    let fits = match (field.kind, value) {
+        (Kind::Number, value) => number(value).is_some_and(|n| in_range(field, n)),
+        (Kind::Count, Value::Integer(n)) => in_range(field, *n as f64) && u32::try_from(*n).is_ok(),
+        (Kind::Share, value) => share(value).is_some_and(|n| in_range(field, n)),
+        (Kind::Flag, value) => value.is_bool(),
+        (Kind::Text, Value::String(text))
+            if !key.starts_with("gcode.") && text.contains(char::is_control) =>
+        {
+            return Err("a text of one line is expected".into());
+        }
+        (Kind::Text, value) => value.is_str(),
+        (Kind::Choice(names), Value::String(word)) if !names.contains(&word.as_str()) => {
+            let hint = suggest::name(word, names.iter().copied());
+            let hint = hint.map(|near| format!("; did you mean `{near}`?")).unwrap_or_default();
+            return Err(expected() + &hint);
+        }
+        (Kind::Choice(_), value) => value.is_str(),
+        (Kind::Numbers(count), Value::Array(values)) => {
+            values.len() == count && values.iter().all(|v| number(v).is_some_and(|n| in_range(field, n)))
+        }
+        (Kind::List, Value::Array(values)) => {
+            values.iter().all(|v| number(v).is_some_and(|n| in_range(field, n)))
+        }
+        _ => false,
+    };
+    if fits { Ok(()) } else { Err(expected()) }
+}
+
+fn in_range(field: &Field, number: f64) -> bool {
+    number.is_finite() && field.range.is_none_or(|(low, high)| (low..=high).contains(&number))
+}
+
+fn number(value: &Value) -> Option<f64> {
+    match value {
+        Value::Integer(n) => Some(*n as f64),
+        Value::Float(n) => Some(*n),
+        _ => None,
+    }
+}
+
+fn share(value: &Value) -> Option<f64> {
+    match value {
+        Value::String(text) => Some(text.strip_suffix('%')?.trim().parse::<f64>().ok()? / 100.0),
+        value => number(value),
+    }
+}
+
+/// Scripts as multi-line strings, which `toml` writes on one line.
+pub(super) fn toml_text(value: &Value) -> String {
+    match value {
+        Value::String(text) if text.contains('\n') && !text.contains("'''") && !text.contains('\r') => {
+            format!("'''\n{text}'''")
+        }
+        value => value.to_string(),
+    }
+}
