@@ -118,10 +118,21 @@ pub fn sliders_keys_and_the_legend_change_the_picture() {
     browser.run("put('color', 'role', 'change')");
     browser.run(&press("3"));
     assert!(number(browser.run("pixels(OUTER, 160)")) > 200.0, "the print is seen in space");
-    let fastest = "(() => { const took = []; for (let i = 0; i < 30; i++) { const begun = performance.now(); \
-        app.goTo(i % 6); app.render(); took.push(performance.now() - begun); } return Math.min(...took); })()";
-    let step_ms = number(browser.run(fastest));
-    assert!(step_ms <= 16.0, "a step takes {step_ms} ms of script");
+    // The frame of 16 ms that a step has is measured by work that takes so long here, so that the machine does not matter.
+    let fastest = "(() => {
+        const steps = [], frames = [], timed = (list, work) => {
+          const begun = performance.now();
+          work();
+          list.push(performance.now() - begun);
+        };
+        for (let i = 0; i < 30; i++) {
+          timed(steps, () => { app.goTo(i % 6); app.render(); });
+          timed(frames, () => { window.sum = 0; for (let k = 1; k < 380000; k++) window.sum += Math.sin(k); });
+        }
+        return [Math.min(...steps), Math.min(...frames)];
+      })()";
+    let took = browser.run(fastest);
+    assert!(number(took[0].clone()) <= number(took[1].clone()), "a step takes {took} ms of script");
     browser.run(
         "(() => { const strip = document.querySelector('.chart canvas'), box = strip.getBoundingClientRect();
          strip.dispatchEvent(new PointerEvent('pointerdown', { clientX: box.left + 9, clientY: box.top + 5 })); })()",

@@ -67,7 +67,7 @@ fn replaced(from: &str, to: &str) -> String {
 
 #[test]
 fn a_clean_file_has_no_fault() {
-    let report = report(&clean([3, 5]).join("\n"), &Settings::default());
+    let report = report(clean([3, 5]).join("\n"), &Settings::default());
     assert_eq!(report.faults, []);
     assert_eq!(report.layer_count, LAYERS);
     assert!((report.total.print_mm - 60.0 * 2.0 * LAYERS as f64).abs() < 0.1, "{}", report.total.print_mm);
@@ -121,7 +121,7 @@ fn each_planted_fault_is_found_and_no_other() {
     }
     let mut limited = Settings::default();
     limited.filament.max_flow = Mm3PerS(6.0);
-    assert_eq!(kinds(&report(&clean([3, 5]).join("\n"), &limited)), []);
+    assert_eq!(kinds(&report(clean([3, 5]).join("\n"), &limited)), []);
     let fast = before_layer(3, &["G1 E1", "G1 X125 E.9 F1800", "G1 E-1"]);
     assert_eq!(kinds(&report(&fast, &limited)), [Kind::Flow]);
 }
@@ -161,8 +161,8 @@ fn round_beds_end_where_they_are_round() {
     let delta = settings(&["delta-round"], &[]);
     let text =
         |place: &str| format!("M109 S210\nG28\nG90\nM83\nG1 X0 Y0 Z.2 F600\nG1 X10 E.3\nG0 {place}\nM104 S0");
-    assert_eq!(kinds(&report(&text("X80 Y80"), &delta)), []);
-    assert_eq!(kinds(&report(&text("X100 Y100"), &delta)), [Kind::OutsideBed]);
+    assert_eq!(kinds(&report(text("X80 Y80"), &delta)), []);
+    assert_eq!(kinds(&report(text("X100 Y100"), &delta)), [Kind::OutsideBed]);
 }
 
 fn sliced(facets: &Facets, settings: &Settings) -> Vec<u8> {

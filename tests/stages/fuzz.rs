@@ -233,7 +233,7 @@ macro_rules! targets {
 }
 
 targets! {
-    any_model, any_model_for_long, 1000, cases::stl, |r: &mut Random| match r.below(4) {
+    any_model, any_model_for_long, 8000, cases::stl, |r: &mut Random| match r.below(4) {
         0 => r.bytes(400),
         1 => {
             let text = "solid a\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 9 0 1\nvertex 0 9 5\nendloop\nendfacet\nendsolid";
@@ -241,16 +241,16 @@ targets! {
         }
         _ => r.damaged(&tetrahedron(), STL_WORDS),
     };
-    any_obj, any_obj_for_long, 1000, cases::obj, |r: &mut Random| r.damaged(OBJ.as_bytes(), OBJ_WORDS);
-    any_3mf, any_3mf_for_long, 1000, cases::threemf, |r: &mut Random| {
+    any_obj, any_obj_for_long, 16000, cases::obj, |r: &mut Random| r.damaged(OBJ.as_bytes(), OBJ_WORDS);
+    any_3mf, any_3mf_for_long, 4000, cases::threemf, |r: &mut Random| {
         let seed = if r.below(2) == 0 { MODEL } else { LATTICE };
         r.damaged(seed.as_bytes(), MODEL_WORDS)
     };
-    any_profile, any_profile_for_long, 1000, cases::profile, |r: &mut Random| r.damaged(PROFILE.as_bytes(), PROFILE_WORDS);
-    any_gcode, any_gcode_for_long, 1000, cases::gcode, |r: &mut Random| match r.below(8) {
+    any_profile, any_profile_for_long, 400, cases::profile, |r: &mut Random| r.damaged(PROFILE.as_bytes(), PROFILE_WORDS);
+    any_gcode, any_gcode_for_long, 80, cases::gcode, |r: &mut Random| match r.below(8) {
         0 => r.bytes(400),
         _ => r.damaged(GCODE.as_bytes(), GCODE_WORDS),
     };
-    any_polygons, any_polygons_for_long, 1000, cases::slicing, |r: &mut Random| r.bytes(600);
-    any_order, any_order_for_long, 1000, cases::ordering, |r: &mut Random| r.bytes(900);
+    any_polygons, any_polygons_for_long, 40, cases::slicing, |r: &mut Random| r.bytes(600);
+    any_order, any_order_for_long, 3000, cases::ordering, |r: &mut Random| r.bytes(900);
 }
