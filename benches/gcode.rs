@@ -9,11 +9,11 @@ use pathwright::gcode::{PrintFacts, Scripts, Timetable, WriterSettings, format_l
 use pathwright::geometry::{Point, Region};
 use pathwright::job::{Engine, Job, ReorderJob};
 use pathwright::motion::{Entry, LayerMoves, MotionSettings, plan_layer};
-use pathwright::order::Visit;
+use pathwright::order::PathVisit;
 use pathwright::output::Output;
 use pathwright::pipeline::Pipeline;
 use pathwright::profile::{Override, Settings, resolve};
-use pathwright::toolpath::{Island, LayerPaths, Path, Role, Width};
+use pathwright::toolpath::{Island, IslandId, LayerKind, LayerPaths, Path, Phase, Role, Width};
 use pathwright::units::Mm;
 
 const MOVES: u64 = 1_000_000;
@@ -33,8 +33,8 @@ fn layer() -> LayerPaths {
             points: points.collect(),
             width: Width::Constant(0.45),
             height_mm: 0.2,
-            island: 0,
-            rank: 0,
+            island: Some(IslandId(0)),
+            phase: Phase::Wall(0),
         }
     };
     LayerPaths {
@@ -45,7 +45,7 @@ fn layer() -> LayerPaths {
         paths: (0..MOVES / 100).map(ring).collect(),
         outline: Region::default(),
         beneath: None,
-        rises: Vec::new(),
+        kind: LayerKind::Flat,
     }
 }
 
@@ -61,7 +61,8 @@ fn segments() -> Vec<Segment> {
 }
 
 fn plan(layer: &LayerPaths, settings: &Settings) -> LayerMoves {
-    let sequence: Vec<Visit> = (0..layer.paths.len() as u32).map(|item| Visit { item, entry: 0 }).collect();
+    let sequence: Vec<PathVisit> =
+        (0..layer.paths.len() as u32).map(|item| PathVisit { path: item, entry: 0 }).collect();
     plan_layer(layer, &sequence, Entry::default(), &MotionSettings::new(settings, &[]))
 }
 

@@ -6,7 +6,7 @@
 #![no_main]
 
 use libfuzzer_sys::fuzz_target;
-use pathwright::order::Visit;
+use pathwright::order::PathVisit;
 use pathwright::profile::{Scope, SeamPosition};
 use pathwright::reorder::{Block, Blocks, Learner, Ordering, Walls, end, verify, write};
 
@@ -24,7 +24,7 @@ fuzz_target!(|bytes: &[u8]| {
     for (index, block) in blocks.iter().enumerate() {
         let ordering = Ordering::new(block, index, SeamPosition::Free, Scope::Feature);
         let items = (0..ordering.layer.paths.len() as u32).rev();
-        let visits: Vec<Visit> = items.map(|item| Visit { item, entry: item % 2 }).collect();
+        let visits: Vec<PathVisit> = items.map(|item| PathVisit { path: item, entry: item % 2 }).collect();
         let picks = ordering.picks(block, &visits);
         let walls = Walls::new(std::iter::once(block));
         written.extend(write(block, &picks, at, &habit, &walls).bytes);

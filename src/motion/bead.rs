@@ -34,7 +34,7 @@ pub(super) fn length_mm(vertices: &[Vertex]) -> f64 {
 }
 
 /// Writes the path's vertices, in the order in which they are drawn, over what `out` held. A closed path
-/// begins and ends with the same vertex. `entry` as in [`Visit`](crate::order::Visit).
+/// begins and ends with the same vertex. `entry` as in [`PathVisit`](crate::order::PathVisit).
 pub(super) fn trace(path: &Path, entry: u32, flow: f64, out: &mut Vec<Vertex>) {
     out.clear();
     let area = |width_mm: f64| {
@@ -84,6 +84,7 @@ pub(super) fn mean_width_mm(width: &Width) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::toolpath::{IslandId, Phase};
     use geometry::Point;
 
     #[test]
@@ -103,8 +104,8 @@ mod tests {
             points,
             width: Width::Constant(0.4),
             height_mm: 0.2,
-            island: 0,
-            rank: 0,
+            island: Some(IslandId(0)),
+            phase: Phase::Wall(0),
         };
         let mut out = Vec::new();
         trace(&path, 2, 1.0, &mut out);

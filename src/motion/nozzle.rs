@@ -6,7 +6,7 @@ use super::overhang::Support;
 use super::rules::Rules;
 use super::simplify::Piece;
 use super::{MotionSettings, Move};
-use crate::toolpath::Role;
+use crate::toolpath::{IslandId, Role};
 use crate::units::{MmPerS2, Ratio};
 
 /// The state of the machine while a layer is planned.
@@ -16,7 +16,7 @@ pub(super) struct Nozzle<'a> {
     /// What walls may hang over; `None`: none does.
     pub(super) support: Option<Support>,
     /// Island of the path drawn last, if one was.
-    pub(super) island: Option<u32>,
+    pub(super) island: Option<Option<IslandId>>,
     pub(super) rules: Rules<'a>,
     pub(super) fan: Ratio,
     pub(super) moves: Vec<Move>,

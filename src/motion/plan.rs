@@ -10,8 +10,8 @@ use super::rules::Rules;
 use super::simplify::straighten;
 use super::smooth::{Rounding, gentle_rad, refine_curves, round_corners};
 use super::{Entry, LayerMoves, MotionSettings, Move, travel};
-use crate::order::Visit;
-use crate::toolpath::{LayerPaths, Path, Role};
+use crate::order::PathVisit;
+use crate::toolpath::{LayerKind, LayerPaths, Path, Role};
 use crate::units::Mm3;
 use geometry::Router;
 
@@ -24,7 +24,7 @@ use geometry::Router;
 /// skipped.
 pub fn plan_layer(
     layer: &LayerPaths,
-    sequence: &[Visit],
+    sequence: &[PathVisit],
     from: Entry,
     settings: &MotionSettings,
 ) -> LayerMoves {
@@ -61,12 +61,14 @@ pub fn plan_layer(
     let mut pause = settings.pauses.iter().any(|p| p.precedes(layer.index, layer.top_mm, layer.height_mm));
     let mut vertices = Vec::new();
     for visit in sequence {
-        let Some(path) = layer.paths.get(visit.item as usize) else { continue };
+        let Some(path) = layer.paths.get(visit.path as usize) else { continue };
         trace(path, visit.entry, nozzle.rules.flow(), &mut vertices);
         let Some(start) = vertices.first() else { continue };
-        nozzle.label(layer.islands.get(path.island as usize).map(|island| island.object));
-        if !layer.rises.is_empty() {
-            nozzle.wind(path, &vertices, &layer.rises, std::mem::take(&mut pause));
+        nozzle.label(
+            path.island.and_then(|island| layer.islands.get(island.index())).map(|island| island.object),
+        );
+        if let LayerKind::Spiral(rises) = &layer.kind {
+            nozzle.wind(path, &vertices, rises, std::mem::take(&mut pause));
             continue;
         }
         nozzle.travel(start.at, path.island, std::mem::take(&mut pause));
@@ -79,10 +81,10 @@ pub fn plan_layer(
 
 /// Where the nozzle is after a layer: what the next one is planned [from](Entry). A layer without paths leaves
 /// it where it was.
-pub fn exit(layer: &LayerPaths, sequence: &[Visit], from: Entry, settings: &MotionSettings) -> Entry {
+pub fn exit(layer: &LayerPaths, sequence: &[PathVisit], from: Entry, settings: &MotionSettings) -> Entry {
     let mut vertices = Vec::new();
     let last = sequence.iter().rev().find_map(|visit| {
-        let path = layer.paths.get(visit.item as usize)?;
+        let path = layer.paths.get(visit.path as usize)?;
         trace(path, visit.entry, 1.0, &mut vertices);
         (!vertices.is_empty()).then_some(path)
     });

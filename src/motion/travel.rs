@@ -3,6 +3,7 @@
 
 use super::nozzle::Nozzle;
 use super::{MotionSettings, Move};
+use crate::toolpath::IslandId;
 use crate::units::{Mm3, MmPerS};
 use geometry::{Way, distance_mm};
 
@@ -12,7 +13,7 @@ impl Nozzle<'_> {
     /// A travel *longer* than `retract.min_travel`, or inside the part than `travel.retract_inside`, or from an
     /// unknown place, is retracted. The nozzle climbs to the next layer on the way, or before it where the way is
     /// no longer than high; never does it go down, or to where something may be in its way, before it is above.
-    pub(super) fn travel(&mut self, to: [f64; 2], island: u32, pause: bool) {
+    pub(super) fn travel(&mut self, to: [f64; 2], island: Option<IslandId>, pause: bool) {
         let (retract, travel) = (&self.settings.retract, &self.settings.travel);
         let arriving = !self.positioned || self.z_mm != self.layer_z_mm;
         if self.at == Some(to) && !arriving && !pause {

@@ -6,7 +6,7 @@
 
 use std::slice;
 
-use super::layer::{LayerProblem, ends_on_path, stacked};
+use super::layer::{LayerProblem, PathOrder, PathVisit, ends_on_path, stacked};
 use super::options::{OrderSettings, SeamPosition};
 use super::seam::{Pins, enter_nearest};
 use crate::toolpath::LayerPaths;
@@ -40,7 +40,7 @@ impl Chain {
     /// Orders consecutive layers, the first of them from `start` (`None`: from anywhere), each of the others from
     /// where the one before ended. `pins[i]` belongs to `layers[i]`. Entries of loops in the result are
     /// indices into their path's points.
-    pub fn solve_chunk(&self, layers: &[LayerPaths], pins: &[Pins], start: Option<Point>) -> Vec<Sequence> {
+    pub fn solve_chunk(&self, layers: &[LayerPaths], pins: &[Pins], start: Option<Point>) -> Vec<PathOrder> {
         self.solve_between(layers, pins, start, None, &self.routers(layers), None)
     }
 
@@ -69,8 +69,8 @@ impl Chain {
         start: Option<Point>,
         end: Option<Point>,
         routers: &[Router],
-        solved: Option<&[Sequence]>,
-    ) -> Vec<Sequence> {
+        solved: Option<&[PathOrder]>,
+    ) -> Vec<PathOrder> {
         if self.is_together() {
             return self.solve_together(layers, pins, start, end, routers, solved);
         }
@@ -95,8 +95,8 @@ impl Chain {
         start: Option<Point>,
         end: Option<Point>,
         routers: &[Router],
-        solved: Option<&[Sequence]>,
-    ) -> Vec<Sequence> {
+        solved: Option<&[PathOrder]>,
+    ) -> Vec<PathOrder> {
         let scope = self.settings.scope;
         let mut problems: Vec<_> =
             layers.iter().zip(pins).map(|(layer, pins)| LayerProblem::new(layer, pins, scope)).collect();
@@ -107,7 +107,7 @@ impl Chain {
             let mut before = Sequence::new();
             for (problem, sequence) in problems.iter().zip(solved) {
                 let first = before.len() as u32;
-                let visits = problem.from_paths(sequence.clone()).into_iter();
+                let visits = problem.from_paths(sequence).into_iter();
                 before.extend(visits.map(|visit| Visit { item: visit.item + first, ..visit }));
             }
             before
@@ -159,21 +159,21 @@ impl Chain {
         &self,
         layers: &[LayerPaths],
         pins: &[Pins],
-        solved: Vec<Sequence>,
-        next: Option<(&LayerPaths, &[Visit])>,
+        solved: Vec<PathOrder>,
+        next: Option<(&LayerPaths, &[PathVisit])>,
         start: Option<Point>,
-    ) -> Vec<Sequence> {
+    ) -> Vec<PathOrder> {
         if !self.settings.chain {
             return solved;
         }
         let end = next.and_then(|(layer, sequence)| Some(ends_on_path(layer, *sequence.first()?).0));
         let routers = self.routers(layers);
         let again = self.solve_between(layers, pins, start, end, &routers, Some(&solved));
-        let too_near = |sequences: &[Sequence]| {
+        let too_near = |sequences: &[PathOrder]| {
             let first = sequences[0].first().map(|&visit| ends_on_path(&layers[0], visit).0);
             matches!((start, first), (Some(a), Some(b)) if a.distance_mm(b) < self.settings.layer_distance.0)
         };
-        let key = |sequences: &[Sequence]| {
+        let key = |sequences: &[PathOrder]| {
             (too_near(sequences), self.cost_between(layers, sequences, start, end, &routers))
         };
         if key(&solved) < key(&again) { solved } else { again }
@@ -183,7 +183,7 @@ impl Chain {
     fn cost_between(
         &self,
         layers: &[LayerPaths],
-        sequences: &[Sequence],
+        sequences: &[PathOrder],
         start: Option<Point>,
         end: Option<Point>,
         routers: &[Router],
@@ -194,7 +194,7 @@ impl Chain {
             let router = self.detours.zip(routers.get(i));
             for &visit in sequence {
                 let (enter, leave) = ends_on_path(layer, visit);
-                let here = Some(layer.paths[visit.item as usize].island);
+                let here = Some(layer.paths[visit.path as usize].island);
                 total += match (at, router) {
                     (Some(from), Some((rule, router))) if here == island => {
                         rule.cost(router, &self.cost, from.mm(), enter.mm())
@@ -215,7 +215,7 @@ impl Chain {
         start: Option<Point>,
         end: Option<Point>,
         router: Option<&Router>,
-    ) -> Sequence {
+    ) -> PathOrder {
         let mut layer = LayerProblem::new(paths, pins, self.settings.scope);
         (layer.problem.start, layer.problem.end) =
             if self.settings.chain { (start.or(self.origin), end) } else { (self.origin, None) };

@@ -4,7 +4,7 @@ use rustc_hash::FxHashMap;
 
 use super::options::Scope;
 use super::seam::Pins;
-use crate::toolpath::{LayerPaths, Path, Role};
+use crate::toolpath::{LayerPaths, Path, Phase, Role};
 use geometry::Point;
 use ordering::{Item, Problem, Run, Sequence, Shape, Visit};
 
@@ -23,7 +23,8 @@ impl<'a> LayerProblem<'a> {
         let mut runs = Vec::new();
         let mut items = Vec::with_capacity(layer.paths.len());
         for (index, path) in layer.paths.iter().enumerate() {
-            let run = Run { stage: stage(path.role), island: path.island, rank: path.rank };
+            let island = path.island.map_or(NO_ISLAND, |island| island.0);
+            let run = Run { stage: stage(path.role), island, rank: rank(path.phase) };
             let number = *numbers.entry((run.stage, run.island, run.rank)).or_insert_with(|| {
                 runs.push(run);
                 runs.len() as u32 - 1
@@ -34,26 +35,56 @@ impl<'a> LayerProblem<'a> {
         Self { problem: Problem { items, runs, scope, start: None, end: None }, pins }
     }
 
-    /// A solution of the problem in terms of the layer: the entry of a loop is an index into its path's points.
-    pub fn on_paths(&self, mut sequence: Sequence) -> Sequence {
-        if let Some(pins) = self.pins {
-            self.loops(&mut sequence).for_each(|visit| visit.entry += pins[visit.item as usize]);
-        }
-        sequence
+    /// A solution of the problem as an order of the layer's paths.
+    pub fn on_paths(&self, sequence: Sequence) -> PathOrder {
+        let visit = |Visit { item, entry }| PathVisit { path: item, entry: entry + self.pin(item) };
+        sequence.into_iter().map(visit).collect()
     }
 
-    /// A solution in terms of the layer as one of the problem: what [`Self::on_paths`] makes of it is the same again.
-    pub fn from_paths(&self, mut sequence: Sequence) -> Sequence {
-        if let Some(pins) = self.pins {
-            self.loops(&mut sequence).for_each(|visit| visit.entry -= pins[visit.item as usize]);
-        }
-        sequence
+    /// An order of the layer's paths as a solution of the problem: what [`Self::on_paths`] makes of it is the same again.
+    pub fn from_paths(&self, order: &[PathVisit]) -> Sequence {
+        let visit =
+            |&PathVisit { path, entry }: &PathVisit| Visit { item: path, entry: entry - self.pin(path) };
+        order.iter().map(visit).collect()
     }
 
-    fn loops<'s>(&self, sequence: &'s mut Sequence) -> impl Iterator<Item = &'s mut Visit> {
-        let is_loop =
-            |visit: &&mut Visit| matches!(self.problem.items[visit.item as usize].shape, Shape::Loop(_));
-        sequence.iter_mut().filter(is_loop)
+    /// The vertex of a pinned loop that is its only entry; 0 of everything else.
+    fn pin(&self, item: u32) -> u32 {
+        let is_loop = matches!(self.problem.items[item as usize].shape, Shape::Loop(_));
+        self.pins.as_ref().filter(|_| is_loop).map_or(0, |pins| pins[item as usize])
+    }
+}
+
+/// One step of a layer's order.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct PathVisit {
+    /// Index of the path in its layer.
+    pub path: u32,
+    /// Open paths: 0 forwards, 1 backwards. Loops: index into the path's points.
+    pub entry: u32,
+}
+
+/// The order of a layer: every path once.
+pub type PathOrder = Vec<PathVisit>;
+
+/// What belongs to no island.
+const NO_ISLAND: u32 = u32::MAX;
+
+/// Phases as ranks.
+fn rank(phase: Phase) -> u32 {
+    match phase {
+        Phase::Skirt => 0,
+        Phase::Brim => 1,
+        Phase::Support => 2,
+        Phase::SupportInterface => 3,
+        Phase::Wall(depth) => depth,
+        Phase::GapFill => 1000,
+        Phase::Solid => 1001,
+        Phase::Bridge => 1002,
+        Phase::Sparse => 1003,
+        Phase::Top(line) => 2000 + line,
+        Phase::Ironing => u32::MAX,
+        Phase::Found(rank) => rank,
     }
 }
 
@@ -85,8 +116,8 @@ fn shape(path: &Path, pin: Option<usize>) -> Shape<'_> {
     }
 }
 
-/// Where drawing a path begins and where it ends, for a visit as [`LayerProblem::on_paths`] gives it.
-pub fn ends_on_path(layer: &LayerPaths, visit: Visit) -> (Point, Point) {
-    let path = &layer.paths[visit.item as usize];
+/// Where drawing a path begins and where it ends.
+pub fn ends_on_path(layer: &LayerPaths, visit: PathVisit) -> (Point, Point) {
+    let path = &layer.paths[visit.path as usize];
     Item { run: 0, shape: shape(path, None) }.ends(visit.entry)
 }

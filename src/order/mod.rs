@@ -7,7 +7,7 @@ mod options;
 mod seam;
 
 pub use chain::{Chain, chunk_len};
-pub use layer::{LayerProblem, ends_on_path};
+pub use layer::{LayerProblem, PathOrder, PathVisit, ends_on_path};
 pub use options::{CostKind, OrderSettings, SeamPosition, SeamSettings};
 pub use ordering::*;
 pub use seam::{Pins, SeamRule, enter_nearest};

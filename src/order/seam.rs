@@ -133,7 +133,7 @@ pub fn enter_nearest(problem: &Problem, sequence: &mut Sequence) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::toolpath::{Path, Role, Width};
+    use crate::toolpath::{IslandId, LayerKind, Path, Phase, Role, Width};
     use geometry::Region;
 
     fn square(index: usize, offset_mm: f64) -> LayerPaths {
@@ -155,12 +155,12 @@ mod tests {
                 ],
                 width: Width::Constant(0.4),
                 height_mm: 0.2,
-                island: 0,
-                rank: 0,
+                island: Some(IslandId(0)),
+                phase: Phase::Wall(0),
             }],
             outline: Region::default(),
             beneath: None,
-            rises: Vec::new(),
+            kind: LayerKind::Flat,
         }
     }
 

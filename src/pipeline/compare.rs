@@ -4,7 +4,7 @@ use crate::gcode::is_gcode;
 use crate::job::{Job, JobError};
 use crate::order::compare::{LayerRow, StrategyRow};
 use crate::order::{CostKind, OrderStrategy};
-use crate::order::{LayerProblem, Pins, SeamRule, Visit, chunk_len, ends_on_path};
+use crate::order::{LayerProblem, PathVisit, Pins, SeamRule, chunk_len, ends_on_path};
 use crate::parallel::Workers;
 use crate::plan::spiral;
 use crate::plate::Model;
@@ -118,8 +118,9 @@ fn row(
     let mut sequencer = Sequencer::new(&chain, workers, chunk_len(layers.len()), None);
     let Layers { paths, mut sequences, .. } = sequencer.take(paths, pins, true);
     if fixed.whole && strategy == OrderStrategy::AsSliced {
-        let as_is =
-            |layer: &LayerPaths| (0..layer.paths.len() as u32).map(|item| Visit { item, entry: 0 }).collect();
+        let as_is = |layer: &LayerPaths| {
+            (0..layer.paths.len() as u32).map(|path| PathVisit { path, entry: 0 }).collect()
+        };
         sequences = paths.iter().map(as_is).collect();
     }
 
@@ -136,9 +137,9 @@ fn row(
     let time = settings.order_cost(CostKind::Time);
     let rows = workers.map(layers.len(), |i| {
         // Sequences name vertices of paths: measured on the problem whose seams are free.
-        let mut problem = LayerProblem::new(&paths[i], &None, settings.order.scope).problem;
-        problem.start = starts[i];
-        let mut row = LayerRow::new(i, &problem, &sequences[i], &time);
+        let mut layer = LayerProblem::new(&paths[i], &None, settings.order.scope);
+        layer.problem.start = starts[i];
+        let mut row = LayerRow::new(i, &layer.problem, &layer.from_paths(&sequences[i]), &time);
         let bound_mm = |certificate: &Certificate| certificate.layer_mm(i, starts[i]) + fixed.links_mm[i];
         row.bound_mm = certificate.map(bound_mm);
         row.link_mm += fixed.links_mm[i];

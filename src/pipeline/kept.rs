@@ -2,7 +2,7 @@
 
 use crate::estimate::{Machine, move_times_s};
 use crate::motion::{LayerMoves, Move};
-use crate::order::Sequence;
+use crate::order::PathVisit;
 use crate::toolpath::{LayerPaths, Path, Width};
 
 /// A layer of a print, as it is printed.
@@ -24,11 +24,11 @@ pub struct PrintLayer {
 }
 
 impl PrintLayer {
-    pub(super) fn new(layer: &LayerPaths, sequence: &Sequence, moves: LayerMoves, machine: &Machine) -> Self {
-        let path = |visit: &crate::order::Visit| begun_at(&layer.paths[visit.item as usize], visit.entry);
+    pub(super) fn new(layer: &LayerPaths, order: &[PathVisit], moves: LayerMoves, machine: &Machine) -> Self {
+        let path = |visit: &PathVisit| begun_at(&layer.paths[visit.path as usize], visit.entry);
         let move_times_s = move_times_s(&moves, machine);
         let LayerMoves { index, z_mm, height_mm, moves, .. } = moves;
-        Self { index, z_mm, height_mm, paths: sequence.iter().map(path).collect(), moves, move_times_s }
+        Self { index, z_mm, height_mm, paths: order.iter().map(path).collect(), moves, move_times_s }
     }
 }
 

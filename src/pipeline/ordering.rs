@@ -3,7 +3,7 @@
 use std::ops::Range;
 use std::time::Duration;
 
-use crate::order::{Chain, LayerProblem, Pins, Problem, Sequence, bound, ends_on_path};
+use crate::order::{Chain, LayerProblem, PathOrder, Pins, Problem, bound, ends_on_path};
 use crate::profile::Settings;
 use crate::toolpath::LayerPaths;
 use geometry::Point;
@@ -26,7 +26,7 @@ pub(super) fn chain(settings: &Settings) -> Chain {
 pub(super) struct Layers {
     pub paths: Vec<LayerPaths>,
     pub pins: Vec<Pins>,
-    pub sequences: Vec<Sequence>,
+    pub sequences: Vec<PathOrder>,
 }
 
 impl Layers {
@@ -97,7 +97,7 @@ impl<'a> Sequencer<'a> {
     }
 
     /// Orders the layers of a join again. The chunk after it ends at `end`.
-    fn join(&self, layers: &Layers, window: Range<usize>, end: usize) -> Vec<Sequence> {
+    fn join(&self, layers: &Layers, window: Range<usize>, end: usize) -> Vec<PathOrder> {
         let old = layers.sequences[window.clone()].to_vec();
         let Some(before) = layers.end(window.start).or(self.end) else { return old };
         let above = window.end;

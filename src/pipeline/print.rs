@@ -7,7 +7,7 @@ use crate::gcode::{
 };
 use crate::job::{Job, JobError};
 use crate::motion::{self, Entry, MotionSettings};
-use crate::order::{Chain, Pins, SeamRule, Visit, chunk_len};
+use crate::order::{Chain, PathVisit, Pins, SeamRule, chunk_len};
 use crate::output::Output;
 use crate::parallel::{self, Workers};
 use crate::plan::floating::{Floating, Islands};
@@ -15,7 +15,7 @@ use crate::plan::spiral;
 use crate::plate::{Model, Plate};
 use crate::profile::Settings;
 use crate::report::{LayerSummary, Measures, Overhangs, Summary};
-use crate::toolpath::LayerPaths;
+use crate::toolpath::{LayerKind, LayerPaths};
 use crate::units::{Mm3, Seconds};
 use crate::view;
 use geometry::{Bounds, Point};
@@ -280,8 +280,8 @@ impl Run<'_> {
         let mut layers = trail.sequencer.take(paths, pins, last);
         // A turn is drawn upwards.
         for (sequence, layer) in layers.sequences.iter_mut().zip(&layers.paths) {
-            if !layer.rises.is_empty() {
-                *sequence = vec![Visit { item: 0, entry: 0 }];
+            if matches!(layer.kind, LayerKind::Spiral(_)) {
+                *sequence = vec![PathVisit { path: 0, entry: 0 }];
             }
         }
         let entries = layers

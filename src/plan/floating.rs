@@ -85,7 +85,8 @@ impl<'a> Floating<'a> {
         let mut printed = vec![false; self.below.len()];
         let around = |role| matches!(role, Role::Skirt | Role::Brim | Role::Support | Role::SupportInterface);
         for path in layer.paths.iter().filter(|path| !around(path.role)) {
-            let object = layer.islands.get(path.island as usize).map_or(0, |island| island.object);
+            let island = path.island.and_then(|island| layer.islands.get(island.index()));
+            let object = island.map_or(0, |island| island.object);
             if let Some(printed) = self.sections.local(object as usize).and_then(|o| printed.get_mut(o)) {
                 *printed = true;
             }

@@ -67,7 +67,7 @@ fn hollow(layer: &PlateLayer<'_>, settings: &Settings) -> Hollow {
         let rough = geometry::simplify(object.section, ROUGH_MM);
         let inside = geometry::offset(&rough, -thick_mm);
         let roofed =
-            object.above.map_or_else(|| inside.clone(), |above| geometry::intersection(&inside, above));
+            object.windows.top.map_or_else(|| inside.clone(), |above| geometry::intersection(&inside, above));
         ground.polygons.extend(geometry::offset(&rough, -thick_mm / 2.0).polygons);
         sparse.polygons.extend(roofed.polygons);
     }

@@ -11,7 +11,7 @@ use crate::slice::{self, Gaps, Layer, LayerSpan, Slicer};
 use crate::toolpath::SupportStyle;
 use crate::toolpath::infill::FillPattern;
 use crate::toolpath::support::{self, BeadSpec, Outlines};
-use crate::toolpath::{self, LayerPaths, ObjectLayer, Planner, PlateLayer, Role, Shells};
+use crate::toolpath::{self, LayerPaths, ObjectLayer, Planner, PlateLayer, Role, ShellWindows, Shells};
 use geometry::{Bounds, Point, Polygon, Region};
 
 use super::contact;
@@ -24,9 +24,6 @@ use crate::parallel::Workers;
 
 /// How far the outline of a label may differ from the object's hull, millimetres.
 const LABEL_TOLERANCE_MM: f64 = 0.05;
-
-/// Runs of support among the paths that belong to no island, after skirt and brim.
-const SUPPORT_RANK: u32 = 2;
 
 /// The sections of all layers, and the shells that follow from them.
 pub(crate) struct Sections {
@@ -175,14 +172,15 @@ impl Sections {
         let objects = sections.iter().map(|s| ObjectLayer {
             object: s.object as u32,
             section: &s.region,
-            next: self.of(s.object, index + 1),
+            above: self.of(s.object, index + 1),
             beneath: index
                 .checked_sub(1)
                 .filter(|&below| below >= self.raft_layers)
                 .map(|below| self.of(s.object, below)),
-            above: self.shells[s.object].above(index),
-            below: self.shells[s.object].below(index),
-            hollow: self.shells[s.object].beneath(index),
+            windows: self.shells[s.object].windows(index),
+            windows_beneath: index
+                .checked_sub(1)
+                .map_or_else(ShellWindows::default, |beneath| self.shells[s.object].windows(beneath)),
         });
         PlateLayer { index, top_mm: span.top_mm, height_mm: span.height_mm, objects: objects.collect() }
     }
@@ -206,8 +204,8 @@ impl Sections {
                 let width_mm =
                     [settings.walls.width.0, settings.first_layer.width.0][usize::from(index == 0)];
                 let width_mm = if width_mm > 0.0 { width_mm } else { settings.walls.width.0 };
-                let (area, rank) = (planners.main.covered(), SUPPORT_RANK);
-                toolpath::raft(area, index as u32, &settings.raft, width_mm, layer.height_mm, rank)
+                let area = planners.main.covered();
+                toolpath::raft(area, index as u32, &settings.raft, width_mm, layer.height_mm)
             }
             (Some(_), None) => return layer,
             (Some(above_raft), Some(supports)) => supports.beads(above_raft).to_vec(),
@@ -237,7 +235,6 @@ impl Sections {
                 height_mm: layer.span.height_mm + gap_mm,
                 usual_height_mm: settings.layer.height.0,
                 on_bed: first,
-                rank: SUPPORT_RANK,
             };
             support::lay(outlines, &spec, &settings.support)
         };

@@ -5,7 +5,9 @@ use std::borrow::Cow;
 use crate::job::JobError;
 use crate::profile::Settings;
 use crate::slice::{Layer, LayerSpan};
-use crate::toolpath::{self, Island, LayerPaths, Path, Role, SpiralSpec, Turn, Width};
+use crate::toolpath::{
+    self, Island, IslandId, LayerKind, LayerPaths, Path, Phase, Role, SpiralSpec, Turn, Width,
+};
 use crate::units::Ratio;
 use geometry::{Region, Ring};
 
@@ -88,8 +90,8 @@ impl Spiral {
             points,
             width: Width::Constant(self.width_mm),
             height_mm: span.height_mm,
-            island: 0,
-            rank: 0,
+            island: Some(IslandId(0)),
+            phase: Phase::Wall(0),
         };
         Some(LayerPaths {
             index: span.index,
@@ -99,7 +101,7 @@ impl Spiral {
             paths: if rises.is_empty() { Vec::new() } else { vec![path] },
             outline: section.clone(),
             beneath: Some(beneath.clone()),
-            rises,
+            kind: if rises.is_empty() { LayerKind::Flat } else { LayerKind::Spiral(rises) },
         })
     }
 }

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use crate::job::{JobError, ObjectSettings};
 use crate::profile::{Origin, Problem, ProfileError, Settings};
 use crate::toolpath::infill::FillPattern;
-use crate::toolpath::{LayerPaths, Planner, PlateLayer, ToolpathSettings};
+use crate::toolpath::{IslandId, LayerPaths, Planner, PlateLayer, ToolpathSettings};
 use crate::units::Mm;
 use geometry::{Polygon, Region};
 
@@ -182,7 +182,7 @@ impl Planners {
             let first = all.islands.len() as u32;
             all.islands.extend(more.islands);
             all.paths.extend(more.paths.into_iter().map(|mut path| {
-                path.island = path.island.saturating_add(first);
+                path.island = path.island.map(|island| IslandId(island.0 + first));
                 path
             }));
             all.outline.polygons.extend(more.outline.polygons);

@@ -9,9 +9,9 @@ use super::block::{Block, Path};
 use super::islands::{Islands, is_wall, islands};
 use super::monotonic;
 use super::state::Key;
-use crate::order::Visit;
+use crate::order::PathVisit;
 use crate::order::{Scope, SeamPosition};
-use crate::toolpath::{LayerPaths, Path as Toolpath, Role, Width};
+use crate::toolpath::{IslandId, LayerKind, LayerPaths, Path as Toolpath, Phase, Role, Width};
 use geometry::{Point, Region};
 
 /// One step of an order: a path, and how it is drawn.
@@ -78,8 +78,8 @@ impl Ordering {
                 points,
                 width: Width::Constant(0.4),
                 height_mm: 0.2,
-                island: island[first],
-                rank: classes.rank[first],
+                island: Some(IslandId(island[first])),
+                phase: Phase::Found(classes.rank[first]),
             });
             members.push(first..end);
             first = end;
@@ -92,16 +92,16 @@ impl Ordering {
             paths,
             outline: Region::default(),
             beneath: None,
-            rises: Vec::new(),
+            kind: LayerKind::Flat,
         };
         Self { layer, members, fixed_mm }
     }
 
     /// The picks that a solution means.
-    pub fn picks(&self, block: &Block, sequence: &[Visit]) -> Vec<Pick> {
+    pub fn picks(&self, block: &Block, sequence: &[PathVisit]) -> Vec<Pick> {
         let mut picks = Vec::with_capacity(block.paths.len());
         for visit in sequence {
-            let item = visit.item as usize;
+            let item = visit.path as usize;
             let members = self.members[item].clone();
             picks.extend(members.clone().map(Pick::as_is));
             let Some(pick) = picks.last_mut().filter(|_| members.len() == 1) else { continue };
@@ -117,14 +117,15 @@ impl Ordering {
     }
 
     /// Which paths may be mixed: equal numbers follow each other in a solution and may change places.
-    pub(super) fn runs(&self, scope: Scope) -> Vec<(usize, bool, u32, u32)> {
+    pub(super) fn runs(&self, scope: Scope) -> Vec<(usize, bool, Option<IslandId>, Phase)> {
         let of = |item: usize| {
             let path = &self.layer.paths[item];
             let leading = path.role == Role::Skirt;
-            let (island, rank) = if scope == Scope::Layer { (0, 0) } else { (path.island, path.rank) };
+            let (island, phase) =
+                if scope == Scope::Layer { (None, Phase::Found(0)) } else { (path.island, path.phase) };
             // Walls that stay together are a run of their own.
             let whole = if self.members[item].len() > 1 { item + 1 } else { 0 };
-            self.members[item].clone().map(move |_| (whole, leading, island, rank))
+            self.members[item].clone().map(move |_| (whole, leading, island, phase))
         };
         (0..self.members.len()).flat_map(of).collect()
     }

@@ -9,7 +9,7 @@ use geometry::{Point, Polygon, Region, Ring};
 
 use super::bead::Line;
 use super::infill::{Joins, lines};
-use super::{Path, Role, Width, bead};
+use super::{Path, Phase, Role, Width, bead};
 
 /// Layers at the top of a raft that are solid.
 const SOLID_RAFT_LAYERS: u32 = 2;
@@ -92,14 +92,7 @@ pub fn raft_area(footprint: &Region, settings: &RaftSettings) -> Region {
 
 /// The beads of one layer of a raft, 0 the lowest: a loop and parallel lines, turned by 90° from layer to layer, the
 /// uppermost ones solid.
-pub fn raft(
-    area: &Region,
-    layer: u32,
-    settings: &RaftSettings,
-    width_mm: f64,
-    height_mm: f64,
-    rank: u32,
-) -> Vec<Path> {
+pub fn raft(area: &Region, layer: u32, settings: &RaftSettings, width_mm: f64, height_mm: f64) -> Vec<Path> {
     let is_solid = layer + SOLID_RAFT_LAYERS >= settings.layers;
     let role = if is_solid { Role::SupportInterface } else { Role::Support };
     let spacing_mm = bead::spacing_mm(width_mm, height_mm);
@@ -116,7 +109,7 @@ pub fn raft(
         .filter(|line| line.points.len() >= 2 + usize::from(line.closed))
         .map(|line| {
             let (closed, points, width) = (line.closed, line.points, width.clone());
-            Path { role, closed, points, width, height_mm, island: u32::MAX, rank }
+            Path { role, closed, points, width, height_mm, island: None, phase: Phase::Support }
         })
         .collect()
 }
@@ -190,7 +183,7 @@ mod tests {
         );
         assert!((area.area_mm2() - 36.0 * 36.0).abs() < 1.0);
         let share = |layer| {
-            let paths = raft(&area, layer, &settings, WIDTH_MM, HEIGHT_MM, 0);
+            let paths = raft(&area, layer, &settings, WIDTH_MM, HEIGHT_MM);
             let length_mm =
                 |p: &Path| if p.closed { ring_length_mm(&p.points) } else { polyline_length_mm(&p.points) };
             paths.iter().map(length_mm).sum::<f64>() * bead::spacing_mm(WIDTH_MM, HEIGHT_MM) / area.area_mm2()

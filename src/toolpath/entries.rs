@@ -40,7 +40,7 @@ pub(super) fn add(paths: &mut [Path]) {
 
 #[cfg(test)]
 mod tests {
-    use super::super::Role;
+    use super::super::{IslandId, Phase, Role};
     use super::*;
 
     #[test]
@@ -52,8 +52,8 @@ mod tests {
             points: corners.map(|(x, y)| Point::from_mm(x, y)).to_vec(),
             width: Width::Constant(0.45),
             height_mm: 0.2,
-            island: 0,
-            rank: 0,
+            island: Some(IslandId(0)),
+            phase: Phase::Wall(0),
         }];
         add(&mut paths);
         let points = &paths[0].points;

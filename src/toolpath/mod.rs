@@ -4,11 +4,11 @@ mod adhesion;
 pub mod bead;
 mod beading;
 mod bridges;
-mod draft;
 mod entries;
 mod footing;
 mod fuzzy;
 pub mod infill;
+mod layer_builder;
 mod options;
 mod path;
 mod planner;
@@ -26,8 +26,8 @@ pub use options::{
     IroningSettings, Pattern, RaftSettings, ShellSettings, SkirtSettings, SpiralSettings, SupportPattern,
     SupportSettings, SupportStyle, WallGenerator, WallOrder, WallSettings,
 };
-pub use path::{Island, LayerPaths, Path, Role, Width};
+pub use path::{Island, IslandId, LayerKind, LayerPaths, Path, Phase, Role, Width};
 pub use planner::{ObjectLayer, Planner, PlateLayer, ToolpathSettings};
-pub use shells::{Map, Shells, Zones, bottom_layers, shell_depth};
+pub use shells::{Map, ShellWindows, Shells, Zones, bottom_layers, shell_depth};
 pub use spiral::{Rise, SpiralSpec, Turn, align, level, outline, turn};
 pub use walls::{WallSpec, Walls};

@@ -91,11 +91,52 @@ pub struct Path {
     pub width: Width,
     /// Bead height in millimetres.
     pub height_mm: f64,
-    /// Index into [`LayerPaths::islands`]; skirt, brim and support, which belong to none, use `u32::MAX`.
-    pub island: u32,
-    /// The run it belongs to within its island, in printing order: ordering under `feature` and `island` scope
-    /// prints runs of an island by ascending rank and never mixes them. Walls have one rank per depth.
-    pub rank: u32,
+    /// The island it belongs to; `None`: skirt, brim and support, which belong to none.
+    pub island: Option<IslandId>,
+    /// When it is printed, among the paths of its island.
+    pub phase: Phase,
+}
+
+/// Index into [`LayerPaths::islands`].
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub struct IslandId(pub u32);
+
+impl IslandId {
+    /// As an index.
+    pub fn index(self) -> usize {
+        self.0 as usize
+    }
+}
+
+/// When a path is printed, among those of its island or, of skirt, brim and support, among those of none.
+///
+/// Ordering under `feature` and `island` scope prints phases in this order and never mixes them.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub enum Phase {
+    /// Around everything.
+    Skirt,
+    /// Around the part.
+    Brim,
+    /// Support, and rafts.
+    Support,
+    /// Dense support under the part.
+    SupportInterface,
+    /// Walls of one depth, 0 those printed first.
+    Wall(u32),
+    /// Beads between walls.
+    GapFill,
+    /// Solid infill.
+    Solid,
+    /// Bridges.
+    Bridge,
+    /// Sparse infill.
+    Sparse,
+    /// Top surfaces; of a monotonic one the lines one after the other.
+    Top(u32),
+    /// A second pass over top surfaces.
+    Ironing,
+    /// Of a finished file: as it was found there.
+    Found(u32),
 }
 
 /// A connected part of a layer's section.
@@ -122,6 +163,16 @@ pub struct LayerPaths {
     pub outline: Region,
     /// What they rest on, the section one layer down; `None`: the bed.
     pub beneath: Option<Region>,
-    /// Of a layer that is one turn of a spiral how its only path rises, vertex by vertex; empty: it is level.
-    pub rises: Vec<Rise>,
+    /// Whether it is level.
+    pub kind: LayerKind,
+}
+
+/// Whether a layer is level.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub enum LayerKind {
+    /// It is.
+    #[default]
+    Flat,
+    /// It is one revolution of a spiral, which is its only path and rises so, vertex by vertex.
+    Spiral(Vec<Rise>),
 }

@@ -10,15 +10,15 @@ use crate::units::Mm;
 use geometry::{Polygon, Region, Ring};
 
 use super::bead::Line;
-use super::draft::{Draft, Solid};
 use super::footing::Footing;
 use super::fuzzy::Fuzzy;
 use super::infill::{self, FillPattern, FillSpec, Joins, LineSet, SparseSample};
+use super::layer_builder::{LayerBuilder, Solid};
 use super::reach::Reach;
-use super::shells::{self, Zones};
+use super::shells::{self, ShellWindows, Zones};
 use super::stacks::Stacks;
 use super::walls::{self, WallSpec, Walls};
-use super::{Island, LayerPaths, Role, adhesion, bead, bridges, entries};
+use super::{Island, IslandId, LayerKind, LayerPaths, Phase, Role, adhesion, bead, bridges, entries};
 
 /// Ends of sparse infill lines are joined along the wall up to this many line distances: the way to the next
 /// line is √2 distances at 45°, and beyond this a travel is quicker than the extrusion.
@@ -30,9 +30,6 @@ const EMBEDDED: f64 = 0.35;
 
 /// Islands without a loop, of which lines fill less than this share, are too small for lines.
 const SMALL: f64 = 0.5;
-
-/// After every other run of an island.
-const LAST_RANK: u32 = u32::MAX;
 
 /// The settings that toolpaths depend on.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -61,15 +58,13 @@ pub struct ObjectLayer<'a> {
     /// Its section.
     pub section: &'a Region,
     /// Its section one layer up; empty on its last layer.
-    pub next: &'a Region,
+    pub above: &'a Region,
     /// Its section one layer down; `None`: the bed.
     pub beneath: Option<&'a Region>,
-    /// What the layers of the top shell's thickness above have in common; `None`: no top shell.
-    pub above: Option<&'a Region>,
-    /// What the layers of the bottom shell's thickness below have in common; `None`: no bottom shell.
-    pub below: Option<&'a Region>,
-    /// `above` and `below` of the layer beneath: its sparse infill is in both.
-    pub hollow: [Option<&'a Region>; 2],
+    /// What decides where its shells are.
+    pub windows: ShellWindows<'a>,
+    /// The same of the layer beneath: its sparse infill is in both windows.
+    pub windows_beneath: ShellWindows<'a>,
 }
 
 /// One layer of the plate.
@@ -216,15 +211,15 @@ impl Planner {
 
     /// The paths of one layer.
     pub fn layer(&self, section: &PlateLayer<'_>) -> LayerPaths {
-        let mut draft = Draft { paths: Vec::new(), height_mm: section.height_mm, island: u32::MAX };
+        let mut layer = LayerBuilder { paths: Vec::new(), height_mm: section.height_mm, island: None };
         let widths = self.widths(section.index);
         if section.index < self.settings.skirt.layers as usize {
-            draft.loops(Role::Skirt, 0, widths.skirt_mm, &self.skirt);
+            layer.loops(Role::Skirt, Phase::Skirt, widths.skirt_mm, &self.skirt);
         } else if let Some(innermost) = self.skirt.last().filter(|_| self.settings.skirt.draft_shield) {
-            draft.loops(Role::Skirt, 0, widths.skirt_mm, std::slice::from_ref(innermost));
+            layer.loops(Role::Skirt, Phase::Skirt, widths.skirt_mm, std::slice::from_ref(innermost));
         }
         if section.index == 0 {
-            draft.lines(Role::Brim, 1, widths.skirt_mm, self.brim.clone());
+            layer.lines(Role::Brim, Phase::Brim, widths.skirt_mm, self.brim.clone());
         }
         let mut islands = Vec::new();
         let mut outline = Region::default();
@@ -235,36 +230,36 @@ impl Planner {
                 footing: object.beneath.map(Footing::new),
             };
             for polygon in &object.section.polygons {
-                draft.island = islands.len() as u32;
+                layer.island = Some(IslandId(islands.len() as u32));
                 islands.push(Island { object: object.object });
-                self.island(&mut draft, polygon, &part, section);
+                self.island(&mut layer, polygon, &part, section);
             }
             outline.polygons.extend(object.section.polygons.iter().cloned());
         }
         if self.settings.free_seams {
-            entries::add(&mut draft.paths);
+            entries::add(&mut layer.paths);
         }
         LayerPaths {
             index: section.index,
             top_mm: section.top_mm,
             height_mm: section.height_mm,
             islands,
-            paths: draft.paths,
+            paths: layer.paths,
             outline,
             beneath: rests_on(section, &self.settings.fuzzy),
-            rises: Vec::new(),
+            kind: LayerKind::Flat,
         }
     }
 
-    fn island(&self, draft: &mut Draft, polygon: &Polygon, part: &Part<'_>, section: &PlateLayer<'_>) {
+    fn island(&self, layer: &mut LayerBuilder, polygon: &Polygon, part: &Part<'_>, section: &PlateLayer<'_>) {
         let Part { object, fuzzy, footing } = part;
         let (spec, widths) = (self.wall_spec(section), &self.widths(section.index));
         let Walls { loops, gaps, inside } = walls::trace(polygon, &spec);
-        let before = draft.paths.len();
+        let before = layer.paths.len();
         let count = self.settings.walls.count;
-        let rank_of = |depth: u32| match self.settings.walls.order {
-            WallOrder::InnerFirst => count - 1 - depth,
-            WallOrder::OuterFirst => depth,
+        let wall = |depth: u32| match self.settings.walls.order {
+            WallOrder::InnerFirst => Phase::Wall(count - 1 - depth),
+            WallOrder::OuterFirst => Phase::Wall(depth),
         };
         let mut by_depth: Vec<(usize, Vec<Line>)> = loops.into_iter().enumerate().collect();
         if self.settings.walls.order == WallOrder::InnerFirst {
@@ -279,31 +274,34 @@ impl Planner {
                 Some(fuzzy) => fuzzy.roughen(lines, depth),
                 None => lines,
             };
-            draft.lines(role, rank_of(depth as u32), width_mm, lines);
+            layer.lines(role, wall(depth as u32), width_mm, lines);
         }
-        let is_thin = draft.paths.len() == before;
+        let is_thin = layer.paths.len() == before;
         let mut filled_mm2 = 0.0;
         for (depth, gap) in &gaps {
-            let (role, rank) = match depth {
-                0 if count > 0 => (Role::ExternalPerimeter, rank_of(0)),
-                _ => (Role::GapFill, count),
+            let (role, phase) = match depth {
+                0 if count > 0 => (Role::ExternalPerimeter, wall(0)),
+                _ => (Role::GapFill, Phase::GapFill),
             };
             let least_mm = if *depth == 0 { self.settings.walls.min_width.0 } else { 0.0 };
             filled_mm2 +=
-                draft.gap(role, rank, gap, spec.least_gap_mm(*depth)..=spec.widest_gap_mm(), least_mm);
+                layer.gap(role, phase, gap, spec.least_gap_mm(*depth)..=spec.widest_gap_mm(), least_mm);
         }
         let is_small = !gaps.is_empty() && inside.is_empty() && is_thin;
         if is_small && filled_mm2 < SMALL * polygon.area_mm2() {
-            let rank = if count > 0 { rank_of(0) } else { count };
-            draft.dot(rank, before, filled_mm2, polygon, &self.settings.walls);
+            let phase = if count > 0 { wall(0) } else { Phase::GapFill };
+            layer.dot(phase, before, filled_mm2, polygon, &self.settings.walls);
         }
 
         if let Some(footing) = footing {
-            let own = &mut draft.paths[before..];
+            let own = &mut layer.paths[before..];
             footing.reach(own, polygon);
             if self.settings.walls.order == WallOrder::InnerFirst && footing.outer_first(own) {
-                let walls = own.iter_mut().filter(|path| path.role.is_wall());
-                walls.for_each(|path| path.rank = count - 1 - path.rank);
+                for path in own {
+                    if let Phase::Wall(place) = &mut path.phase {
+                        *place = count - 1 - *place;
+                    }
+                }
             }
         }
 
@@ -313,40 +311,48 @@ impl Planner {
             let thread_mm = self.settings.nozzle.0 * self.settings.bridge.flow.sqrt();
             let anchor_mm = self.settings.bridge.anchor.0;
             for bridge in bridges::take(&mut zones, &inside, polygon, footing, thread_mm, anchor_mm) {
-                draft.bridge(count + 2, &bridge, thread_mm, settings);
+                layer.bridge(&bridge, thread_mm, settings);
             }
         }
         let solid =
-            Solid { role: Role::SolidInfill, rank: count + 1, width_mm: widths.solid_mm, ordered: false };
-        draft.solid(&zones.solid, &solid, section.index, settings);
+            Solid { role: Role::SolidInfill, phase: Phase::Solid, width_mm: widths.solid_mm, ordered: false };
+        layer.solid(&zones.solid, &solid, section.index, settings);
         if settings.density.0 > 0.0 {
-            self.sparse(draft, zones.sparse, zones.sparse_mm2, section);
+            self.sparse(layer, zones.sparse, zones.sparse_mm2, section);
         }
         let ordered = self.settings.shell.monotonic;
-        let solid = Solid { role: Role::TopSolidInfill, rank: count + 4, width_mm: widths.top_mm, ordered };
-        draft.solid(&zones.top, &solid, section.index, settings);
+        let solid =
+            Solid { role: Role::TopSolidInfill, phase: Phase::Top(0), width_mm: widths.top_mm, ordered };
+        layer.solid(&zones.top, &solid, section.index, settings);
         if self.settings.ironing.enabled {
-            self.iron(draft, &zones.top, section, widths);
+            self.iron(layer, &zones.top, section, widths);
         }
     }
 
     /// Sparse infill: of the layer, and of those beneath that it is combined with.
-    fn sparse(&self, draft: &mut Draft, zone: Region, area_mm2: f64, section: &PlateLayer<'_>) {
+    fn sparse(&self, layer: &mut LayerBuilder, zone: Region, area_mm2: f64, section: &PlateLayer<'_>) {
         let own = Slab { height_mm: section.height_mm, turn: section.index };
         let Some((stack, number)) = self.stacks.of(section.index) else {
-            return self.fill(draft, &zone, area_mm2, section, own);
+            return self.fill(layer, &zone, area_mm2, section, own);
         };
         let shared = geometry::intersection(&zone, &stack.area);
         let rest = geometry::opening(&geometry::remainder(&zone, &shared), own.height_mm / 2.0);
-        self.fill(draft, &rest, rest.area_mm2(), section, own);
+        self.fill(layer, &rest, rest.area_mm2(), section, own);
         if section.index == stack.last {
             let slab = Slab { height_mm: stack.height_mm, turn: number };
-            self.fill(draft, &shared, shared.area_mm2(), section, slab);
+            self.fill(layer, &shared, shared.area_mm2(), section, slab);
         }
     }
 
     /// Lays the pattern into a zone, with beads as high as the slab. Their density is exact for `area_mm2`.
-    fn fill(&self, draft: &mut Draft, zone: &Region, area_mm2: f64, section: &PlateLayer<'_>, slab: Slab) {
+    fn fill(
+        &self,
+        layer: &mut LayerBuilder,
+        zone: &Region,
+        area_mm2: f64,
+        section: &PlateLayer<'_>,
+        slab: Slab,
+    ) {
         if zone.is_empty() {
             return;
         }
@@ -361,35 +367,39 @@ impl Planner {
         } else {
             (pattern.fill(&room, &spec), 1.0)
         };
-        let layer_mm = std::mem::replace(&mut draft.height_mm, slab.height_mm);
+        let layer_mm = std::mem::replace(&mut layer.height_mm, slab.height_mm);
         let width_mm = bead::width_mm(spec.spacing_mm * flow, slab.height_mm);
-        draft.lines(Role::InternalInfill, self.settings.walls.count + 3, width_mm, lines);
-        draft.height_mm = layer_mm;
+        layer.lines(Role::InternalInfill, Phase::Sparse, width_mm, lines);
+        layer.height_mm = layer_mm;
     }
 
     /// A thin pass over top surfaces, as far as the nozzle's middle may go without pressing material over their edge.
-    fn iron(&self, draft: &mut Draft, top: &Region, section: &PlateLayer<'_>, widths: &Widths) {
+    fn iron(&self, layer: &mut LayerBuilder, top: &Region, section: &PlateLayer<'_>, widths: &Widths) {
         let settings = &self.settings.ironing;
         let zone = geometry::offset(top, -bead::spacing_mm(widths.top_mm, section.height_mm) / 2.0);
         let angle_rad = self.settings.infill.angle.to_radians();
         let lines = infill::iron(&zone, settings.spacing.0, angle_rad, section.index);
         let width_mm = bead::width_mm(settings.flow.0 * settings.spacing.0, section.height_mm);
-        draft.lines(Role::Ironing, LAST_RANK, width_mm, lines);
+        layer.lines(Role::Ironing, Phase::Ironing, width_mm, lines);
     }
 
     /// Divides an island's inside; at full density nothing is sparse.
     fn zones(&self, inside: &Region, object: &ObjectLayer<'_>, section: &PlateLayer<'_>) -> Zones {
         let spacing_mm = bead::spacing_mm(self.widths(section.index).solid_mm, section.height_mm);
         let full = self.is_full(section.index);
-        let below = if full { Some(Region::EMPTY) } else { object.below };
+        let below = if full { Some(Region::EMPTY) } else { object.windows.bottom };
         let reach =
             object.beneath.filter(|_| !full && !self.is_full(section.index - 1)).map(|beneath| Reach {
-                hollow: [beneath, object.hollow[0].unwrap_or(beneath), object.hollow[1].unwrap_or(beneath)],
+                hollow: [
+                    beneath,
+                    object.windows_beneath.top.unwrap_or(beneath),
+                    object.windows_beneath.bottom.unwrap_or(beneath),
+                ],
                 sparse: self.lines_beneath(section),
                 angle_rad: infill::turned(self.settings.infill.angle.to_radians(), section.index),
             });
         let walls_mm = self.wall_spec(section).core_mm();
-        shells::divide(inside, object.above, below, object.next, spacing_mm, walls_mm, reach.as_ref())
+        shells::divide(inside, object.windows.top, below, object.above, spacing_mm, walls_mm, reach.as_ref())
     }
 
     /// Whether nothing of a layer is sparse.

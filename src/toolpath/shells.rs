@@ -60,6 +60,15 @@ fn below(heights_mm: &[f64], layer: usize, settings: &ShellSettings) -> usize {
     shell_depth(heights_mm, settings.bottom_layers, settings.min_thickness.0)
 }
 
+/// What the layers that a shell reaches over have in common: where something is missing in it, the shell is.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct ShellWindows<'a> {
+    /// Of the layers above, as many as the top shell is thick; `None`: no top shell.
+    pub top: Option<&'a Region>,
+    /// Of the layers below, as many as the bottom shell is thick; `None`: no bottom shell.
+    pub bottom: Option<&'a Region>,
+}
+
 /// For each layer, what is common to the layers above it within the top shell's thickness, and to those below it within
 /// the bottom shell's.
 #[derive(Clone, Debug, Default)]
@@ -97,19 +106,12 @@ impl Shells {
         Self { windows: windows(rough, &ranges, map), above, below, has_top, has_bottom }
     }
 
-    /// What layer `i`'s upper neighbours have in common; `None` where no shell is asked for.
-    pub fn above(&self, i: usize) -> Option<&Region> {
-        self.has_top.then(|| self.window(&self.above, i))
-    }
-
-    /// What layer `i`'s lower neighbours have in common; `None` where no shell is asked for.
-    pub fn below(&self, i: usize) -> Option<&Region> {
-        self.has_bottom.then(|| self.window(&self.below, i))
-    }
-
-    /// What the two are for the layer beneath layer `i`: its sparse infill is in both.
-    pub fn beneath(&self, i: usize) -> [Option<&Region>; 2] {
-        i.checked_sub(1).map_or([None; 2], |beneath| [self.above(beneath), self.below(beneath)])
+    /// The windows of layer `i`.
+    pub fn windows(&self, i: usize) -> ShellWindows<'_> {
+        ShellWindows {
+            top: self.has_top.then(|| self.window(&self.above, i)),
+            bottom: self.has_bottom.then(|| self.window(&self.below, i)),
+        }
     }
 
     fn window(&self, places: &[Option<usize>], i: usize) -> &Region {

@@ -3,11 +3,11 @@
 use crate::order_layer::{self, Layer, point};
 use pathwright::geometry::{Point, Region};
 use pathwright::order::{
-    Chain, Cost, LayerProblem, Pins, Problem, Run, SeamRule, Shape, TravelTime, Visit, check, ends_on_path,
-    evaluate, strategy,
+    Chain, Cost, LayerProblem, PathVisit, Pins, Problem, Run, SeamRule, Shape, TravelTime, check,
+    ends_on_path, evaluate, strategy,
 };
 use pathwright::profile::{Effort, OrderSettings, OrderStrategy, Scope, SeamPosition};
-use pathwright::toolpath::{LayerPaths, Path, Role, Width};
+use pathwright::toolpath::{IslandId, LayerKind, LayerPaths, Path, Phase, Role, Width};
 use pathwright::units::Mm;
 use proptest::prelude::*;
 
@@ -263,8 +263,8 @@ fn path(closed: bool, points: Vec<Point>, rank: u32) -> Path {
         points,
         width: Width::Constant(0.4),
         height_mm: 0.2,
-        island: 0,
-        rank,
+        island: Some(IslandId(0)),
+        phase: Phase::Found(rank),
     }
 }
 
@@ -285,7 +285,7 @@ fn tower() -> Vec<LayerPaths> {
             paths: (0..4).map(square).chain([line]).collect(),
             outline: Region::default(),
             beneath: None,
-            rises: Vec::new(),
+            kind: LayerKind::Flat,
         }
     };
     (0..3).map(layer).collect()
@@ -301,10 +301,10 @@ fn pins(seam: SeamPosition, layers: &[LayerPaths]) -> Vec<Pins> {
 }
 
 /// Links of a layer from a place to a place.
-fn links_mm(layer: &LayerPaths, sequence: &[Visit], start: Option<Point>, end: Option<Point>) -> f64 {
-    let mut problem = LayerProblem::new(layer, &None, Scope::Layer).problem;
-    (problem.start, problem.end) = (start, end);
-    evaluate(&problem, sequence, &Cost::Length)
+fn links_mm(layer: &LayerPaths, sequence: &[PathVisit], start: Option<Point>, end: Option<Point>) -> f64 {
+    let mut layer = LayerProblem::new(layer, &None, Scope::Layer);
+    (layer.problem.start, layer.problem.end) = (start, end);
+    evaluate(&layer.problem, &layer.from_paths(sequence), &Cost::Length)
 }
 
 #[test]
@@ -329,7 +329,7 @@ fn an_optimized_layer_ends_where_the_next_one_is() {
     // The line at 0 is the nearer one, and yet it is to be the last.
     let start = Some(Point::from_mm(9., 0.));
     let sequences = chain(SeamPosition::Free, OrderSettings::default()).solve_chunk(&layers, &free, start);
-    assert_eq!(sequences[0].iter().map(|visit| visit.item).collect::<Vec<_>>(), [1, 0]);
+    assert_eq!(sequences[0].iter().map(|visit| visit.path).collect::<Vec<_>>(), [1, 0]);
 }
 
 #[test]
@@ -344,7 +344,7 @@ fn a_join_is_never_dearer_once_both_its_ends_are_known() {
             let next = Some((&layers[2], sequences[2].as_slice()));
             let joined =
                 chain.resolve_join(&layers[..2], &pins[..2], sequences[..2].to_vec(), next, Some(start));
-            let cost = |sequences: &[Vec<Visit>]| {
+            let cost = |sequences: &[Vec<PathVisit>]| {
                 let middle = ends_on_path(&layers[1], sequences[1][0]).0;
                 links_mm(&layers[0], &sequences[0], Some(start), Some(middle))
                     + links_mm(&layers[1], &sequences[1], None, Some(end))
@@ -362,8 +362,8 @@ fn a_join_keeps_its_seams() {
     let sequences = chain.solve_chunk(&layers, &pins, None);
     let joined = chain.resolve_join(&layers, &pins, sequences, None, Some(Point::from_mm(60., 40.)));
     for (sequence, pins) in joined.iter().zip(pins.iter().flatten()) {
-        let mut loops = sequence.iter().filter(|visit| visit.item != 4);
-        assert!(loops.all(|visit| visit.entry == pins[visit.item as usize] && visit.entry > 0));
+        let mut loops = sequence.iter().filter(|visit| visit.path != 4);
+        assert!(loops.all(|visit| visit.entry == pins[visit.path as usize] && visit.entry > 0));
     }
 }
 
@@ -405,7 +405,7 @@ fn pinned_loops_are_entered_at_their_first_vertex() {
     for &(_, strategy) in OrderStrategy::ALL {
         let settings = OrderSettings { strategy, ..OrderSettings::default() };
         for sequence in chain(SeamPosition::Pinned, settings).solve_chunk(&layers, &pinned, None) {
-            assert!(sequence.iter().all(|visit| visit.item == 4 || visit.entry == 0), "{strategy:?}");
+            assert!(sequence.iter().all(|visit| visit.path == 4 || visit.entry == 0), "{strategy:?}");
         }
     }
 }
@@ -416,10 +416,10 @@ fn nearest_seams_are_nearest_to_where_the_nozzle_comes_from() {
     let free = pins(SeamPosition::Nearest, &layers);
     let sequences = chain(SeamPosition::Nearest, OrderSettings::default()).solve_chunk(&layers, &free, None);
     for (layer, sequence) in layers.iter().zip(&sequences) {
-        for pair in sequence.windows(2).filter(|pair| pair[1].item != 4) {
+        for pair in sequence.windows(2).filter(|pair| pair[1].path != 4) {
             let from = ends_on_path(layer, pair[0]).1;
             let entered = ends_on_path(layer, pair[1]).0;
-            let points = &layer.paths[pair[1].item as usize].points;
+            let points = &layer.paths[pair[1].path as usize].points;
             assert_eq!(Some(from.distance2(entered)), points.iter().map(|p| from.distance2(*p)).min());
         }
     }

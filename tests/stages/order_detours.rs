@@ -3,9 +3,9 @@
 use std::slice;
 
 use pathwright::geometry::{Point, unite_rings};
-use pathwright::order::{Chain, Cost, DetourRule, LayerProblem, Visit, check, ends_on_path};
+use pathwright::order::{Chain, Cost, DetourRule, LayerProblem, PathVisit, check, ends_on_path};
 use pathwright::profile::{CostKind, OrderSettings, Scope, SeamPosition, Settings};
-use pathwright::toolpath::{LayerPaths, Path, Role, Width};
+use pathwright::toolpath::{IslandId, LayerKind, LayerPaths, Path, Phase, Role, Width};
 use pathwright::units::Mm;
 use proptest::prelude::*;
 
@@ -16,8 +16,8 @@ fn path(points: &[(f64, f64)]) -> Path {
         points: points.iter().map(|&(x, y)| Point::from_mm(x, y)).collect(),
         width: Width::Constant(0.4),
         height_mm: 0.2,
-        island: 0,
-        rank: 0,
+        island: Some(IslandId(0)),
+        phase: Phase::Wall(0),
     }
 }
 
@@ -32,7 +32,7 @@ fn posts(paths: Vec<Path>) -> LayerPaths {
         paths,
         outline: unite_rings(&[outer.map(|(x, y)| Point::from_mm(x, y)).to_vec()]),
         beneath: None,
-        rises: Vec::new(),
+        kind: LayerKind::Flat,
     }
 }
 
@@ -43,14 +43,14 @@ fn settings() -> Settings {
 }
 
 /// The order found with detours known or not.
-fn sequence(layer: &LayerPaths, cost: Cost, scope: Scope, detours: Option<DetourRule>) -> Vec<Visit> {
+fn sequence(layer: &LayerPaths, cost: Cost, scope: Scope, detours: Option<DetourRule>) -> Vec<PathVisit> {
     let settings = OrderSettings { scope, ..OrderSettings::default() };
     let chain = Chain { settings, cost, detours, seam: SeamPosition::Free, origin: None };
     chain.solve_chunk(slice::from_ref(layer), &[None], Some(Point::from_mm(3.0, 19.5))).swap_remove(0)
 }
 
 /// Cost of the travels of an order, those from where the nozzle was left out.
-fn ways(layer: &LayerPaths, cost: Cost, sequence: &[Visit]) -> f64 {
+fn ways(layer: &LayerPaths, cost: Cost, sequence: &[PathVisit]) -> f64 {
     let rule = settings().detour_rule().unwrap();
     let router = pathwright::geometry::Router::new(&layer.outline, rule.wall_width_mm, rule.max_mm);
     let ends: Vec<_> = sequence.iter().map(|&visit| ends_on_path(layer, visit)).collect();
@@ -94,18 +94,18 @@ proptest! {
     fn knowing_detours_never_makes_ways_dearer(paths in paths(), time in any::<bool>(), ranked in any::<bool>()) {
         let mut layer = posts(paths);
         let scope = if ranked { Scope::Feature } else { Scope::Layer };
-        layer.paths.iter_mut().for_each(|path| path.rank = u32::from(path.closed));
+        layer.paths.iter_mut().for_each(|path| path.phase = Phase::Found(u32::from(path.closed)));
         let cost = settings().order_cost(if time { CostKind::Time } else { CostKind::Length });
         let straight = sequence(&layer, cost, scope, None);
         let led = sequence(&layer, cost, scope, settings().detour_rule());
-        let problem = LayerProblem::new(&layer, &None, scope).problem;
-        prop_assert_eq!(check(&problem, &led), Ok(()));
+        let problem = LayerProblem::new(&layer, &None, scope);
+        prop_assert_eq!(check(&problem.problem, &problem.from_paths(&led)), Ok(()));
         // The way to the first path counts in both, and is part of what was minimised.
-        let first = |sequence: &[Visit]| {
+        let first = |sequence: &[PathVisit]| {
             let to = ends_on_path(&layer, sequence[0]).0;
             cost.of(Point::from_mm(3.0, 19.5).distance_mm(to), false)
         };
-        let total = |sequence: &[Visit]| first(sequence) + ways(&layer, cost, sequence);
+        let total = |sequence: &[PathVisit]| first(sequence) + ways(&layer, cost, sequence);
         prop_assert!(total(&led) <= total(&straight) + 1e-6, "{} and {}", total(&led), total(&straight));
     }
 }

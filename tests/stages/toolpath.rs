@@ -51,7 +51,7 @@ fn walls_come_in_the_order_asked_for() {
         let mut settings = job();
         settings.walls.order = order;
         let layers = plan(&vec![rectangle(0.0, 0.0, 20.0, 20.0); 10], &settings);
-        let lowest = layers[5].paths.iter().min_by_key(|p| p.rank).expect("paths");
+        let lowest = layers[5].paths.iter().min_by_key(|p| p.phase).expect("paths");
         assert_eq!(lowest.role, first);
         assert_eq!(layers[5].paths[0].role, first);
     }
@@ -626,10 +626,10 @@ fn on_a_monotonic_top_every_line_comes_after_the_one_below_it() {
         for b in &lines {
             let apart_mm = across(b) - across(a);
             assert!(
-                apart_mm < 0.3 || b.rank > a.rank,
-                "{apart_mm} mm above, rank {} after {}",
-                b.rank,
-                a.rank
+                apart_mm < 0.3 || b.phase > a.phase,
+                "{apart_mm} mm above, {:?} after {:?}",
+                b.phase,
+                a.phase
             );
         }
     }
@@ -647,7 +647,7 @@ fn ironing_goes_once_more_over_the_top_and_lays_down_little() {
     let share =
         volume_mm3(ironing.iter().copied()) / (geometry::offset(&section, -1.0).area_mm2() * HEIGHT_MM);
     assert!((share - 0.1).abs() < 0.01, "{share}");
-    assert!(layers[7].paths.iter().all(|p| p.role == Role::Ironing || p.rank < ironing[0].rank));
+    assert!(layers[7].paths.iter().all(|p| p.role == Role::Ironing || p.phase < ironing[0].phase));
     let room = geometry::offset(&section, -0.8);
     assert!(ironing.iter().flat_map(|p| &p.points).all(|&p| room.contains(p)));
 }

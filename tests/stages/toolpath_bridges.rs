@@ -109,7 +109,7 @@ fn every_bead_of_a_strip_over_air_has_hold_at_both_ends_or_comes_after_those_tha
             for path in &over {
                 let what = format!("{width_mm} {generator:?}: {:?} of {:.1} mm", path.role, length_mm(path));
                 if path.closed {
-                    let before = |other: &&&Path| other.rank < path.rank && other.closed;
+                    let before = |other: &&&Path| other.phase < path.phase && other.closed;
                     let follows = over.iter().filter(before).any(|other| spans(other));
                     assert!(spans(path) || follows, "{what}");
                 } else {

@@ -7,10 +7,10 @@ use pathwright::gcode::{
 };
 use pathwright::geometry::{Point, Region};
 use pathwright::motion::{Entry, LayerMoves, MotionSettings, PauseAt, exit, plan_layer};
-use pathwright::order::Visit;
+use pathwright::order::PathVisit;
 use pathwright::profile::Settings;
 use pathwright::toolpath::bead::area_mm2;
-use pathwright::toolpath::{Island, LayerPaths, Path, Role, Width};
+use pathwright::toolpath::{Island, IslandId, LayerKind, LayerPaths, Path, Phase, Role, Width};
 use pathwright::units::{Mm, Mm3, Seconds};
 
 /// Heats, homes, primes along the front edge, and lifts.
@@ -63,8 +63,8 @@ pub fn path(role: Role, closed: bool, points: &[(f64, f64)]) -> Path {
         points: points.iter().map(|&(x, y)| Point::from_mm(x, y)).collect(),
         width: Width::Constant(0.45),
         height_mm: 0.2,
-        island: 0,
-        rank: 0,
+        island: Some(IslandId(0)),
+        phase: Phase::Wall(0),
     }
 }
 
@@ -97,7 +97,7 @@ pub fn layer(index: usize, paths: Vec<Path>) -> LayerPaths {
         paths,
         outline: Region::default(),
         beneath: None,
-        rises: Vec::new(),
+        kind: LayerKind::Flat,
     }
 }
 
@@ -122,9 +122,12 @@ pub fn mixed(layers: usize) -> Vec<LayerPaths> {
 }
 
 /// All paths in order, loops entered at their third vertex, open paths every other time backwards.
-pub fn sequence(layer: &LayerPaths) -> Vec<Visit> {
+pub fn sequence(layer: &LayerPaths) -> Vec<PathVisit> {
     (0..layer.paths.len() as u32)
-        .map(|item| Visit { item, entry: if layer.paths[item as usize].closed { 2 } else { item % 2 } })
+        .map(|item| PathVisit {
+            path: item,
+            entry: if layer.paths[item as usize].closed { 2 } else { item % 2 },
+        })
         .collect()
 }
 

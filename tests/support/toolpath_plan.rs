@@ -65,11 +65,10 @@ pub fn plan_with(
         objects: vec![ObjectLayer {
             object: 0,
             section: &sections[index],
-            next: sections.get(index + 1).unwrap_or(&nothing),
+            above: sections.get(index + 1).unwrap_or(&nothing),
             beneath: index.checked_sub(1).map(|below| &sections[below]),
-            above: shells.above(index),
-            below: shells.below(index),
-            hollow: shells.beneath(index),
+            windows: shells.windows(index),
+            windows_beneath: index.checked_sub(1).map(|below| shells.windows(below)).unwrap_or_default(),
         }],
     };
     let mut planner = Planner::new(settings.into(), &sections[0], HEIGHT_MM);

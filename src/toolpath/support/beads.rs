@@ -6,7 +6,7 @@ use super::columns::Cells;
 use super::trace::trace;
 use crate::toolpath::infill::{Joins, lines};
 use crate::toolpath::options::{SupportPattern, SupportSettings, SupportStyle};
-use crate::toolpath::{Path, Role, Width, bead};
+use crate::toolpath::{Path, Phase, Role, Width, bead};
 use geometry::{Direction, HatchLine, Point, Polygon, Region};
 
 /// Lines of support shorter than this hold nothing.
@@ -54,8 +54,6 @@ pub struct BeadSpec<'a> {
     pub usual_height_mm: f64,
     /// Whether it lies on the bed.
     pub on_bed: bool,
-    /// Run of the body among the paths that belong to no island; the interface has the next one.
-    pub rank: u32,
 }
 
 /// The beads: a loop around each part of the region, parallel lines inside.
@@ -69,14 +67,14 @@ pub fn lay(outlines: &Outlines, layer: &BeadSpec<'_>, settings: &SupportSettings
     let width_mm = settings.width.0;
     let room = geometry::difference(&outlines.all, &geometry::offset(layer.part, settings.xy_gap.0));
     let mut paths = Vec::new();
-    let mut push = |role, rank, closed, points: Vec<Point>| {
+    let mut push = |role, phase, closed, points: Vec<Point>| {
         let width = Width::Constant(width_mm);
-        paths.push(Path { role, closed, points, width, height_mm: layer.height_mm, island: u32::MAX, rank });
+        paths.push(Path { role, closed, points, width, height_mm: layer.height_mm, island: None, phase });
     };
     let frame = geometry::offset(&room, -width_mm / 2.0);
     for ring in frame.rings().filter(|ring| ring.len() >= 3 && geometry::ring_length_mm(ring) >= SHORTEST_MM)
     {
-        push(Role::Support, layer.rank, true, ring.clone());
+        push(Role::Support, Phase::Support, true, ring.clone());
     }
     let inside = geometry::offset(&frame, -width_mm * (1.0 - OVERLAP));
     let spacing_mm = bead::spacing_mm(width_mm, layer.usual_height_mm);
@@ -104,7 +102,7 @@ pub fn lay(outlines: &Outlines, layer: &BeadSpec<'_>, settings: &SupportSettings
             let joins = Joins { longest_mm: LONGEST_JOIN * distance_mm, ..Joins::default() };
             for line in lines::parallel(&body, turned_rad, distance_mm, 0.0, &joins) {
                 if geometry::polyline_length_mm(&line.points) >= SHORTEST_MM {
-                    push(Role::Support, layer.rank, line.closed, line.points);
+                    push(Role::Support, Phase::Support, line.closed, line.points);
                 }
             }
         }
@@ -119,7 +117,7 @@ pub fn lay(outlines: &Outlines, layer: &BeadSpec<'_>, settings: &SupportSettings
         for (part, apart_mm) in [(&wide, apart_mm), (&narrow, f64::INFINITY)] {
             let lines = extended(&tracks(&dense), &tracks(part), across_rad, apart_mm);
             for points in joined(lines, part, LONGEST_JOIN * spacing_mm / settings.interface_density.0) {
-                push(Role::SupportInterface, layer.rank + 1, false, points);
+                push(Role::SupportInterface, Phase::SupportInterface, false, points);
             }
         }
     }

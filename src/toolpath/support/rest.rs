@@ -92,12 +92,20 @@ impl<'a> Ground<'a> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::toolpath::Role;
+    use crate::toolpath::{Phase, Role};
 
     fn bead(closed: bool, points: &[(f64, f64)]) -> Path {
         let points = points.iter().map(|&(x, y)| Point::from_mm(x, y)).collect();
         let width = Width::Constant(0.4);
-        Path { role: Role::Support, closed, points, width, height_mm: 0.2, island: u32::MAX, rank: 0 }
+        Path {
+            role: Role::Support,
+            closed,
+            points,
+            width,
+            height_mm: 0.2,
+            island: None,
+            phase: Phase::Support,
+        }
     }
 
     #[test]

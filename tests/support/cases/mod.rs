@@ -128,8 +128,8 @@ pub fn slicing(bytes: &[u8]) {
         origin: None,
     };
     for (layer, sequence) in layers.iter().zip(chain.solve_chunk(&layers, &pins, None)) {
-        let problem = LayerProblem::new(layer, &None, scope).problem;
-        assert_eq!(order::check(&problem, &sequence), Ok(()));
+        let layer = LayerProblem::new(layer, &None, scope);
+        assert_eq!(order::check(&layer.problem, &layer.from_paths(&sequence)), Ok(()));
     }
 }
 

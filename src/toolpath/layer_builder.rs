@@ -1,4 +1,4 @@
-//! The paths of a layer as they grow: beads of walls, gaps, solid infill and bridges.
+//! Builds the paths of a layer: beads of walls, gaps, solid infill and bridges.
 
 use std::ops::RangeInclusive;
 
@@ -9,7 +9,7 @@ use super::bead::{self, Line};
 use super::beading::{self, Gap};
 use super::bridges::Bridge;
 use super::infill::{self, SolidSpec};
-use super::{Path, Role, Width};
+use super::{IslandId, Path, Phase, Role, Width};
 
 /// Infill lines shorter than this hold nothing.
 const SHORTEST_LINE_MM: f64 = 0.2;
@@ -31,32 +31,32 @@ const CORE_TURN: f64 = 0.8;
 /// How a solid zone is filled.
 pub(super) struct Solid {
     pub role: Role,
-    pub rank: u32,
+    pub phase: Phase,
     pub width_mm: f64,
     /// Whether each line waits for the one beside it.
     pub ordered: bool,
 }
 
 /// The paths of a layer as they grow.
-pub(super) struct Draft {
+pub(super) struct LayerBuilder {
     pub paths: Vec<Path>,
     pub height_mm: f64,
-    pub island: u32,
+    pub island: Option<IslandId>,
 }
 
-impl Draft {
-    fn push(&mut self, role: Role, rank: u32, closed: bool, points: Vec<geometry::Point>, width: Width) {
+impl LayerBuilder {
+    fn push(&mut self, role: Role, phase: Phase, closed: bool, points: Vec<geometry::Point>, width: Width) {
         let (height_mm, island) = (self.height_mm, self.island);
-        self.paths.push(Path { role, closed, points, width, height_mm, island, rank });
+        self.paths.push(Path { role, closed, points, width, height_mm, island, phase });
     }
 
-    pub fn loops(&mut self, role: Role, rank: u32, width_mm: f64, rings: &[Ring]) {
+    pub fn loops(&mut self, role: Role, phase: Phase, width_mm: f64, rings: &[Ring]) {
         for ring in rings.iter().filter(|r| r.len() >= 3) {
-            self.push(role, rank, true, ring.clone(), Width::Constant(width_mm));
+            self.push(role, phase, true, ring.clone(), Width::Constant(width_mm));
         }
     }
 
-    pub fn lines(&mut self, role: Role, rank: u32, width_mm: f64, lines: impl IntoIterator<Item = Line>) {
+    pub fn lines(&mut self, role: Role, phase: Phase, width_mm: f64, lines: impl IntoIterator<Item = Line>) {
         let rounding_mm = bead::rounding_mm(self.height_mm) as f32;
         for line in lines {
             if line.closed || geometry::polyline_length_mm(&line.points) >= SHORTEST_LINE_MM {
@@ -67,7 +67,7 @@ impl Draft {
                         line.spacing_mm.iter().map(|spacing_mm| spacing_mm + rounding_mm).collect(),
                     )
                 };
-                self.push(role, rank, line.closed, line.points, width);
+                self.push(role, phase, line.closed, line.points, width);
             }
         }
     }
@@ -76,14 +76,14 @@ impl Draft {
         if zone.is_empty() {
             return;
         }
-        let Solid { role, rank, width_mm, ordered } = *solid;
+        let Solid { role, phase, width_mm, ordered } = *solid;
         let spacing_mm = bead::spacing_mm(width_mm, self.height_mm);
         let (zone, narrow) = infill::split_narrow(zone, spacing_mm);
         if !narrow.is_empty() {
             let (loops, gaps) = beading::fill(&narrow, spacing_mm);
-            self.lines(role, rank, width_mm, loops);
+            self.lines(role, phase, width_mm, loops);
             for gap in &gaps {
-                self.gap(role, rank, gap, beading::MIN_GAP_MM..=beading::WIDEST * spacing_mm, 0.0);
+                self.gap(role, phase, gap, beading::MIN_GAP_MM..=beading::WIDEST * spacing_mm, 0.0);
             }
         }
         // Free ends alone fill the zone when they reach its edge.
@@ -100,26 +100,26 @@ impl Draft {
             capped: true,
             fit_mm: None,
         };
-        let mut next_rank = rank + 1;
+        let mut next = 1;
         let mut patches = infill::fill_solid(&zone, &spec);
         if ordered {
             infill::nearest_first(&mut patches);
         }
         for patch in patches {
             let width_mm = bead::width_mm(patch.spacing_mm, self.height_mm);
-            // Ordered lines have ranks of their own, the order across the lines, one patch after the other: no
+            // Ordered lines have phases of their own, the order across the lines, one patch after the other: no
             // ordering may change it.
-            let first_rank = next_rank;
+            let first = next;
             for (index, line) in patch.lines {
-                let own_rank = first_rank + index;
-                next_rank = next_rank.max(own_rank + 1);
-                self.lines(role, if ordered { own_rank } else { rank }, width_mm, [line]);
+                let own = first + index;
+                next = next.max(own + 1);
+                self.lines(role, if ordered { Phase::Top(own) } else { phase }, width_mm, [line]);
             }
         }
     }
 
     /// Threads side by side, each as wide as it is high.
-    pub fn bridge(&mut self, rank: u32, bridge: &Bridge, thread_mm: f64, settings: &InfillSettings) {
+    pub fn bridge(&mut self, bridge: &Bridge, thread_mm: f64, settings: &InfillSettings) {
         let reach_mm = settings.overlap.0 * thread_mm;
         let layer_mm = std::mem::replace(&mut self.height_mm, thread_mm);
         let spec = SolidSpec {
@@ -133,7 +133,12 @@ impl Draft {
             fit_mm: bridge.strip_mm,
         };
         for patch in infill::fill_solid(&bridge.area, &spec) {
-            self.lines(Role::BridgeInfill, rank, thread_mm, patch.lines.into_iter().map(|(_, line)| line));
+            self.lines(
+                Role::BridgeInfill,
+                Phase::Bridge,
+                thread_mm,
+                patch.lines.into_iter().map(|(_, line)| line),
+            );
         }
         self.height_mm = layer_mm;
     }
@@ -141,7 +146,7 @@ impl Draft {
     /// An island of which the lines from `first` on fill only so much: a dot instead, if that is more.
     pub fn dot(
         &mut self,
-        rank: u32,
+        phase: Phase,
         first: usize,
         filled_mm2: f64,
         island: &Polygon,
@@ -153,7 +158,7 @@ impl Draft {
         }
         let width_mm = bead::width_mm(spacing_mm, self.height_mm).max(settings.min_width.0);
         self.paths.truncate(first);
-        self.loops(Role::ExternalPerimeter, rank, width_mm, &[ring]);
+        self.loops(Role::ExternalPerimeter, phase, width_mm, &[ring]);
     }
 
     /// One bead of fitting width, but at least `least_mm`, along the middle of each part whose width is in a range. The
@@ -161,7 +166,7 @@ impl Draft {
     pub fn gap(
         &mut self,
         role: Role,
-        rank: u32,
+        phase: Phase,
         gap: &Gap,
         range: RangeInclusive<f64>,
         least_mm: f64,
@@ -177,7 +182,7 @@ impl Draft {
             let rounding_mm = bead::rounding_mm(self.height_mm) as f32;
             let widths =
                 path.width_mm.iter().map(|width_mm| (width_mm + rounding_mm).max(least_mm as f32)).collect();
-            self.push(role, rank, path.closed, path.points, Width::PerVertex(widths));
+            self.push(role, phase, path.closed, path.points, Width::PerVertex(widths));
         }
         filled_mm2
     }
