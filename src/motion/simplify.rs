@@ -2,7 +2,7 @@
 //! and beads of changing width are cut into pieces of constant flow.
 
 use super::bead::Vertex;
-use geometry::distance_mm;
+use geometry::{cross, distance_mm};
 
 /// How far a dropped vertex may lie from the line that replaces it: less than half a step of a common machine
 /// (80 steps/mm are 12.5 µm each).
@@ -34,10 +34,6 @@ struct Cone {
     right: [f64; 2],
     left: [f64; 2],
     reach_mm: f64,
-}
-
-fn cross(a: [f64; 2], b: [f64; 2]) -> f64 {
-    a[0] * b[1] - a[1] * b[0]
 }
 
 impl Cone {

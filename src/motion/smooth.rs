@@ -6,7 +6,7 @@
 use super::simplify::Piece;
 use crate::toolpath::Role;
 use crate::units::MmPerS;
-use geometry::distance_mm;
+use geometry::{cross, distance_mm};
 
 /// What a vertex may turn by, in rad × mm/s over mm/s: at 50 mm/s and a square corner velocity of 5 mm/s, 0.22 rad.
 /// By Klipper's rule a corner of 1.8 in these units costs no speed at all, and a little more hardly any time.
@@ -69,10 +69,6 @@ fn direction(a: [f64; 2], b: [f64; 2]) -> ([f64; 2], f64) {
 /// The angle from one direction to another, counter-clockwise positive.
 fn turn_rad(u: [f64; 2], v: [f64; 2]) -> f64 {
     cross(u, v).atan2(dot(u, v))
-}
-
-fn cross(u: [f64; 2], v: [f64; 2]) -> f64 {
-    u[0] * v[1] - u[1] * v[0]
 }
 
 fn dot(u: [f64; 2], v: [f64; 2]) -> f64 {

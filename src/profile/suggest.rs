@@ -2,30 +2,10 @@
 
 use super::schema;
 
-/// Optimal string alignment distance: insertions, deletions, substitutions, swaps of neighbours each cost 1.
-/// Damerau 1964, <https://doi.org/10.1145/363958.363994>. O(len²).
-fn distance(a: &str, b: &str) -> usize {
-    let (a, b): (Vec<char>, Vec<char>) = (a.chars().collect(), b.chars().collect());
-    let mut rows = [vec![0; b.len() + 1], (0..=b.len()).collect::<Vec<_>>(), vec![0; b.len() + 1]];
-    for i in 1..=a.len() {
-        let [before, above, row] = &mut rows;
-        row[0] = i;
-        for j in 1..=b.len() {
-            let differs = usize::from(a[i - 1] != b[j - 1]);
-            row[j] = (above[j] + 1).min(row[j - 1] + 1).min(above[j - 1] + differs);
-            if i > 1 && j > 1 && a[i - 1] == b[j - 2] && a[i - 2] == b[j - 1] {
-                row[j] = row[j].min(before[j - 2] + 1);
-            }
-        }
-        rows.rotate_left(1);
-    }
-    rows[1][b.len()]
-}
-
-/// The distance, if it is at most `most`; texts whose lengths differ by more are not compared.
+/// The distance (insertions, deletions, substitutions and swaps of neighbours cost 1), if it is at most `most`; texts whose lengths differ by more are not compared.
 fn distance_within(most: usize, a: &str, b: &str) -> Option<usize> {
     let lengths_apart = a.chars().count().abs_diff(b.chars().count());
-    (lengths_apart <= most).then(|| distance(a, b)).filter(|away| *away <= most)
+    (lengths_apart <= most).then(|| strsim::osa_distance(a, b)).filter(|away| *away <= most)
 }
 
 /// How far a name may be from what was written and still be suggested: a third of it.
@@ -64,13 +44,6 @@ pub(super) fn keys(written: &str) -> Vec<String> {
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn distance_counts_a_swap_as_one() {
-        assert_eq!(distance("walls.cuont", "walls.count"), 1);
-        assert_eq!(distance("", "abc"), 3);
-        assert_eq!(distance("kitten", "sitting"), 3);
-    }
 
     #[test]
     fn a_typing_error_finds_its_key() {

@@ -4,6 +4,7 @@ use super::block::Block;
 use super::problem::{Ordering, Pick};
 use super::writer::ends;
 use crate::order::Scope;
+use geometry::distance_mm;
 
 /// How many paths are moved at once.
 const LONGEST_MOVE: usize = 3;
@@ -39,16 +40,12 @@ pub fn forwards(block: &Block, ordering: &Ordering, scope: Scope, picks: &[Pick]
     picks
 }
 
-fn distance(a: [f64; 2], b: [f64; 2]) -> f64 {
-    (a[0] - b[0]).hypot(a[1] - b[1])
-}
-
 /// The better of the order as given and of going to the nearest, improved. `at`: where the way comes from.
 fn improved(ends: &[[[f64; 2]; 2]], at: Option<[f64; 2]>) -> Vec<usize> {
     let given: Vec<usize> = (0..ends.len()).collect();
     let way = |order: &[usize]| {
-        let first = at.map_or(0.0, |at| distance(at, ends[order[0]][0]));
-        first + order.windows(2).map(|w| distance(ends[w[0]][1], ends[w[1]][0])).sum::<f64>()
+        let first = at.map_or(0.0, |at| distance_mm(at, ends[order[0]][0]));
+        first + order.windows(2).map(|w| distance_mm(ends[w[0]][1], ends[w[1]][0])).sum::<f64>()
     };
     let nearest = nearest(ends, at);
     let mut order = if way(&nearest) < way(&given) { nearest } else { given };
@@ -66,7 +63,7 @@ fn nearest(ends: &[[[f64; 2]; 2]], at: Option<[f64; 2]>) -> Vec<usize> {
     let mut order = Vec::with_capacity(ends.len());
     let mut at = at.unwrap_or(ends[0][0]);
     while !left.is_empty() {
-        let key = |&k: &usize| distance(at, ends[left[k]][0]);
+        let key = |&k: &usize| distance_mm(at, ends[left[k]][0]);
         let next = (0..left.len()).min_by(|a, b| key(a).total_cmp(&key(b)).then(left[*a].cmp(&left[*b])));
         let index = left.swap_remove(next.unwrap_or(0));
         at = ends[index][1];
@@ -83,7 +80,7 @@ fn moves(order: &mut Vec<usize>, ends: &[[[f64; 2]; 2]], at: Option<[f64; 2]>) -
             let before = from.checked_sub(1).map(|i| ends[order[i]][1]).or(at);
             let after = order.get(from + len).map(|&j| ends[j][0]);
             let link =
-                |a: Option<[f64; 2]>, b: Option<[f64; 2]>| a.zip(b).map_or(0.0, |(a, b)| distance(a, b));
+                |a: Option<[f64; 2]>, b: Option<[f64; 2]>| a.zip(b).map_or(0.0, |(a, b)| distance_mm(a, b));
             let (head, tail) = (ends[order[from]][0], ends[order[from + len - 1]][1]);
             let gain = link(before, Some(head)) + link(Some(tail), after) - link(before, after);
             let places =

@@ -2,7 +2,7 @@
 //!
 //! Most sections of sound meshes are like that, and proving it takes a fraction of the time of a union.
 
-use geometry::{Bounds, Point, Polygon, Region, Ring, ring_area};
+use geometry::{Bounds, Point, Polygon, Region, Ring, ring_area, ring_contains};
 
 /// Comparisons allowed for each edge before the proof is given up.
 const PATIENCE: usize = 100;
@@ -24,7 +24,7 @@ pub(super) fn assemble(rings: &[Ring]) -> Option<Region> {
         let around = (0..rings.len()).filter(|&outer| {
             outer != inner
                 && encloses(&bounds[outer], &bounds[inner])
-                && contains(&rings[outer], rings[inner][0])
+                && ring_contains(&rings[outer], rings[inner][0])
         });
         let around: Vec<usize> = around.collect();
         let outside: i32 = around.iter().map(|&ring| turn(ring)).sum();
@@ -56,19 +56,6 @@ fn encloses(outer: &Bounds, inner: &Bounds) -> bool {
         && outer.min.y < inner.min.y
         && inner.max.x < outer.max.x
         && inner.max.y < outer.max.y
-}
-
-/// Whether a point off the ring is inside, by the parity of crossings.
-fn contains(ring: &[Point], p: Point) -> bool {
-    let mut inside = false;
-    let mut a = ring[ring.len() - 1];
-    for &b in ring {
-        if (a.y > p.y) != (b.y > p.y) && ((b - a).cross(p - a) > 0) == (b.y > a.y) {
-            inside = !inside;
-        }
-        a = b;
-    }
-    inside
 }
 
 /// An edge of a ring, ends sorted by x.

@@ -1,6 +1,6 @@
 //! Fewer vertices within a tolerance.
 
-use geometry::{Point, Ring, UNITS_PER_MM};
+use geometry::{Point, Ring, UNITS_PER_MM, cross};
 
 /// Drops vertices that move the outline by at most `tolerance_mm`, and keeps the area: each edge that replaces a
 /// chain moves sideways by the mean distance of that chain, so that finely drawn circles do not shrink.
@@ -74,10 +74,6 @@ fn reach(points: &[Point], from: usize, tolerance: f64) -> usize {
         }
         end += 1;
     }
-}
-
-fn cross(a: [f64; 2], b: [f64; 2]) -> f64 {
-    a[0] * b[1] - a[1] * b[0]
 }
 
 /// An edge that replaces a chain of edges.

@@ -2,7 +2,6 @@
 //!
 //! [`Scene`] is what all of them draw: the strokes of a G-code file, layer by layer, with what each is for.
 
-mod base64;
 mod colors;
 mod layer_png;
 mod layer_svg;

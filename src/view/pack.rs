@@ -5,9 +5,10 @@
 //! jumps (homing, G92) are strokes of their own. What a stroke has in common with the one before is left out. All of it
 //! is deflated (RFC 1950). The page's `unpack.js` reads it.
 
+use base64::Engine;
+use base64::engine::general_purpose::STANDARD;
 use miniz_oxide::deflate::compress_to_vec_zlib;
 
-use super::base64;
 use super::scene::{Layer, MarkKind, Scene, Stroke};
 
 /// Units: positions, widths and heights, lengths and volumes of layers (mm, mm³); cross-sections (mm²); speeds (mm/s).
@@ -48,7 +49,7 @@ pub(super) fn pack(scene: &Scene) -> Packed {
         packer.layer(layer);
     }
     let Packer { out, strokes, marks, .. } = packer;
-    Packed { base64: base64::encode(&compress_to_vec_zlib(&out, LEVEL)), strokes, marks }
+    Packed { base64: STANDARD.encode(&compress_to_vec_zlib(&out, LEVEL)), strokes, marks }
 }
 
 #[derive(Default)]

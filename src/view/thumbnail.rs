@@ -1,8 +1,9 @@
 //! Small pictures of a print, drawn without display or GPU, and how they go into G-code.
 
+use base64::Engine;
+use base64::engine::general_purpose::STANDARD;
 use tiny_skia::{Pixmap, PremultipliedColorU8};
 
-use super::base64;
 use super::colors::{OTHER, ROLES, Rgb, SKIRT};
 use super::scene::Scene;
 use crate::plate::Plate;
@@ -91,7 +92,7 @@ pub fn thumbnail(solid: &dyn Solid, [width, height]: [u32; 2]) -> Vec<u8> {
 
 /// A PNG as comment lines in the form that Moonraker, OctoPrint and firmwares read.
 pub fn thumbnail_comment([width, height]: [u32; 2], png: &[u8]) -> String {
-    let text = base64::encode(png);
+    let text = STANDARD.encode(png);
     let mut out = format!(";\n; thumbnail begin {width}x{height} {}\n", text.len());
     let mut rest = text.as_str();
     while !rest.is_empty() {
@@ -255,6 +256,6 @@ mod tests {
         assert!(text.lines().all(|line| line.starts_with(';') && line.len() <= 80));
         let held: String = text.lines().filter(|l| !l.contains("thumbnail")).map(|l| l[1..].trim()).collect();
         assert!(text.contains(&format!("; thumbnail begin 32x32 {}\n", held.len())));
-        assert_eq!(held, base64::encode(&png));
+        assert_eq!(held, STANDARD.encode(&png));
     }
 }

@@ -34,10 +34,10 @@ pub use grid::{Edge, EdgeGrid};
 pub use hatch::{HatchEnd, HatchLine, scan_lines};
 pub use medial::{MedialPath, medial_axis, medial_axis_in};
 pub use offset::{close_between, closing, narrower, offset, offset_with, opening, remainder};
-pub use point::{Point, UNITS_PER_MM, distance_mm, to_mm, to_segment_mm, to_units};
+pub use point::{Point, UNITS_PER_MM, cross, distance_mm, to_mm, to_segment_mm, to_units};
 pub use random::Random;
 pub use raw_offset::Join;
-pub use region::{Bounds, Polygon, Region, Ring, ring_area, ring_length_mm};
+pub use region::{Bounds, Polygon, Region, Ring, ring_area, ring_contains, ring_length_mm};
 pub use route::{Router, Way};
 pub use simplify::simplify;
 

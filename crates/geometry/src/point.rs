@@ -103,6 +103,12 @@ impl Neg for Point {
     }
 }
 
+/// Cross product of two vectors.
+#[inline]
+pub fn cross(u: [f64; 2], v: [f64; 2]) -> f64 {
+    u[0] * v[1] - u[1] * v[0]
+}
+
 /// Distance of two points, all in millimetres.
 #[inline]
 pub fn distance_mm(a: [f64; 2], b: [f64; 2]) -> f64 {

@@ -49,6 +49,11 @@ impl Polygon {
     }
 }
 
+/// Whether the point is inside of a ring or on it. O(vertices).
+pub fn ring_contains(ring: &Ring, p: Point) -> bool {
+    contained(std::iter::once(ring), p)
+}
+
 /// Whether the point is inside of rings or on one of them (even-odd).
 fn contained<'a>(rings: impl Iterator<Item = &'a Ring>, p: Point) -> bool {
     let mut inside = false;
@@ -126,17 +131,6 @@ impl Region {
                 .map(|p| Polygon { outer: ring(&p.outer), holes: p.holes.iter().map(ring).collect() })
                 .collect(),
         }
-    }
-
-    /// The same area as a `geo` multi-polygon, coordinates in millimetres.
-    pub fn to_geo(&self) -> geo::MultiPolygon<f64> {
-        let ring = |r: &Ring| geo::LineString::from_iter(r.iter().map(|p| p.mm()));
-        geo::MultiPolygon(
-            self.polygons
-                .iter()
-                .map(|p| geo::Polygon::new(ring(&p.outer), p.holes.iter().map(ring).collect()))
-                .collect(),
-        )
     }
 }
 

@@ -1,6 +1,6 @@
 //! Trees in the plane that stand on a boundary: what [`lightning`](super::lightning) consists of on a layer.
 
-use geometry::{Bounds, Clipper, EdgeGrid, Point, Region, Ring, to_segment_mm, to_units};
+use geometry::{Bounds, Clipper, EdgeGrid, Point, Region, Ring, distance_mm, to_segment_mm, to_units};
 
 /// A node without a parent stands on the boundary.
 const ROOT: u32 = u32::MAX;
@@ -50,7 +50,7 @@ impl Forest {
                 continue;
             }
             let parent = node.parent as usize;
-            let length_mm = distance(node.at, old[parent].at);
+            let length_mm = distance_mm(node.at, old[parent].at);
             if !kept[i] && length_mm <= left_mm[i] {
                 left_mm[parent] = left_mm[parent].min(left_mm[i] - length_mm);
                 continue;
@@ -59,8 +59,8 @@ impl Forest {
                 self.nodes[i].at = towards(node.at, old[parent].at, left_mm[i]);
             } else if children[i] == 1 {
                 let (from, to) = (old[parent].at, old[only_child[i] as usize].at);
-                let beyond_mm = distance(node.at, to);
-                let straight = towards(from, to, distance(from, to) * length_mm / (length_mm + beyond_mm));
+                let beyond_mm = distance_mm(node.at, to);
+                let straight = towards(from, to, distance_mm(from, to) * length_mm / (length_mm + beyond_mm));
                 self.nodes[i].at = towards(node.at, straight, by_mm);
             }
             kept[i] = true;
@@ -191,10 +191,10 @@ impl Forest {
     /// A node at a place on the edge to another's parent, or a node near there.
     fn fork(&mut self, i: u32, at: [f64; 2], reach_mm: f64, near: &mut Near) -> u32 {
         let Node { at: tip, parent } = self.nodes[i as usize];
-        if parent == ROOT || distance(at, tip) < FORK * reach_mm {
+        if parent == ROOT || distance_mm(at, tip) < FORK * reach_mm {
             return i;
         }
-        if distance(at, self.nodes[parent as usize].at) < FORK * reach_mm {
+        if distance_mm(at, self.nodes[parent as usize].at) < FORK * reach_mm {
             return parent;
         }
         let middle = self.nodes.len();
@@ -217,7 +217,7 @@ impl Forest {
         let mut longest = vec![ROOT; count];
         for (i, node) in self.nodes.iter().enumerate().rev() {
             let Some(parent) = self.nodes.get(node.parent as usize) else { continue };
-            let up_mm = reach_mm[i] + distance(node.at, parent.at);
+            let up_mm = reach_mm[i] + distance_mm(node.at, parent.at);
             if up_mm > reach_mm[node.parent as usize] {
                 reach_mm[node.parent as usize] = up_mm;
                 longest[node.parent as usize] = i as u32;
@@ -288,7 +288,7 @@ impl Near {
             let edges = cells.flat_map(|cell| &self.cells[cell]).map(|&i| {
                 let [a, b] = forest.edge(i as usize);
                 let at = foot(p, a, b);
-                (distance(p, at), i, at)
+                (distance_mm(p, at), i, at)
             });
             let found = edges.min_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
             match found {
@@ -310,7 +310,7 @@ fn on_boundary(edges: &EdgeGrid, p: Point) -> Option<([f64; 2], f64)> {
         let feet = near.iter().map(|&i| {
             let edge = &edges.edges()[i as usize];
             let at = foot(p.mm(), edge.a.mm(), edge.b.mm());
-            (at, distance(p.mm(), at))
+            (at, distance_mm(p.mm(), at))
         });
         let found = feet.min_by(|a, b| a.1.total_cmp(&b.1));
         if found.is_some_and(|(_, away_mm)| away_mm <= reach_mm) || near.len() == edges.edges().len() {
@@ -329,12 +329,8 @@ fn foot(p: [f64; 2], a: [f64; 2], b: [f64; 2]) -> [f64; 2] {
     [0, 1].map(|i| a[i] + t * (b[i] - a[i]))
 }
 
-fn distance(a: [f64; 2], b: [f64; 2]) -> f64 {
-    (a[0] - b[0]).hypot(a[1] - b[1])
-}
-
 /// A place moved so far towards another, at most to it.
 fn towards(from: [f64; 2], to: [f64; 2], by_mm: f64) -> [f64; 2] {
-    let t = (by_mm / distance(from, to).max(f64::MIN_POSITIVE)).min(1.0);
+    let t = (by_mm / distance_mm(from, to).max(f64::MIN_POSITIVE)).min(1.0);
     [0, 1].map(|i| from[i] + t * (to[i] - from[i]))
 }

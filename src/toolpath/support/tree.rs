@@ -8,7 +8,7 @@
 use super::bitmap::Bitmap;
 use super::columns::{ColumnSpec, kept_free, pads};
 use crate::toolpath::options::SupportSettings;
-use geometry::{Point, Polygon, Region};
+use geometry::{Point, Polygon, Region, distance_mm};
 
 /// Distance between the tips under a wide overhang. Their heads overlap.
 const TIPS_MM: f64 = 3.0;
@@ -189,13 +189,9 @@ fn step(branch: &Branch, avoided: &Bitmap, lean_mm: f64) -> [f64; 2] {
 
 /// From one place to another, but no further than so much.
 fn toward(from: [f64; 2], to: [f64; 2], most_mm: f64) -> [f64; 2] {
-    let away_mm = distance(from, to);
+    let away_mm = distance_mm(from, to);
     let share = if away_mm > most_mm { most_mm / away_mm } else { 1.0 };
     [0, 1].map(|i| from[i] + share * (to[i] - from[i]))
-}
-
-fn distance(a: [f64; 2], b: [f64; 2]) -> f64 {
-    (a[0] - b[0]).hypot(a[1] - b[1])
 }
 
 /// Makes one of branches that have met: the thicker one goes on.
@@ -209,7 +205,7 @@ fn merge(branches: &mut Vec<Branch>, trunks: &mut [usize], radius: &impl Fn(usiz
             }
             let (thick, thin) = if branches[j].depth > branches[i].depth { (j, i) } else { (i, j) };
             let inside_mm = radius(branches[thick].depth) - radius(branches[thin].depth);
-            if distance(branches[i].at, branches[j].at) <= near_mm.max(inside_mm) {
+            if distance_mm(branches[i].at, branches[j].at) <= near_mm.max(inside_mm) {
                 gone[thin] = true;
                 trunks[branches[thin].id] = branches[thick].id;
                 let head = branches[thin].head;
@@ -235,7 +231,7 @@ fn begin(branches: &mut Vec<Branch>, trunks: &mut Vec<usize>, pad: &Bitmap) {
     let mut tips: Vec<([i64; 2], [f64; 2], f64)> = Vec::new();
     for cell in pad.cells() {
         let at = grid.middle_mm(cell);
-        let holder = buckets.near(at).find(|&i| distance(branches[i].at, at) <= HEAD_MM - grid.cell_mm());
+        let holder = buckets.near(at).find(|&i| distance_mm(branches[i].at, at) <= HEAD_MM - grid.cell_mm());
         if let Some(holder) = holder {
             branches[holder].head = 0;
             continue;
@@ -264,7 +260,7 @@ fn look_around(branches: &mut [Branch], meet_mm: f64) {
     let goals: Vec<Option<[f64; 2]>> = (0..branches.len())
         .map(|i| {
             let at = branches[i].at;
-            let others = buckets.near(at).filter(|&j| j != i).map(|j| (distance(at, branches[j].at), j));
+            let others = buckets.near(at).filter(|&j| j != i).map(|j| (distance_mm(at, branches[j].at), j));
             let (far_mm, nearest) = others.min_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)))?;
             (far_mm <= reach_mm).then_some(branches[nearest].at)
         })
@@ -370,7 +366,7 @@ mod tests {
         let most_mm = HEIGHT_MM * SupportSettings::default().branch_angle.to_radians().tan() + 1e-9;
         for pair in layers[..58].windows(2) {
             for above in &pair[1] {
-                let nearest = pair[0].iter().map(|b| distance(b.at, above.at)).fold(f64::MAX, f64::min);
+                let nearest = pair[0].iter().map(|b| distance_mm(b.at, above.at)).fold(f64::MAX, f64::min);
                 assert!(nearest <= 2.0 * most_mm, "{nearest}");
             }
         }
