@@ -32,6 +32,9 @@ pub struct Cutter<'a> {
 
 impl<'a> Cutter<'a> {
     /// Sorts the triangles by layer; of the settings it needs those of outlines. O(triangles + crossings).
+    ///
+    /// # Panics
+    /// If layers cross more triangles than 32 bits number, which [`limits::CROSSINGS`](crate::limits::CROSSINGS) forbids.
     pub fn new(mesh: &'a Mesh, spans: &[LayerSpan], settings: &LayerSettings) -> Self {
         let cuts_mm: Vec<f64> = spans.iter().map(|s| s.cut_mm).collect();
         let corners: Vec<Corner> =
@@ -48,10 +51,10 @@ impl<'a> Cutter<'a> {
             start[high + 2] = start[high + 2].wrapping_sub(1);
         }
         start.pop();
-        let (mut count, mut sum) = (0_u32, 0);
+        let (mut count, mut sum) = (0_u32, 0_u32);
         for place in &mut start[2..] {
             count = count.wrapping_add(*place);
-            sum += count;
+            sum = u32::checked_add(sum, count).expect("crossings are numbered in 32 bits: see limits::CROSSINGS");
             *place = sum;
         }
         let mut crossing = vec![0; start.last().map_or(0, |&n| n as usize)];
