@@ -198,9 +198,8 @@ impl Output {
 
 #[cfg(all(test, feature = "cli"))]
 mod tests {
-    use super::file::*;
     use super::*;
-    use std::fs;
+    use std::fs::{self, File};
     use std::time::Duration;
 
     fn names(folder: &Path) -> Vec<String> {

@@ -212,7 +212,7 @@ fn foot(a: Point, b: Point, share: f64) -> Point {
 
 /// Goes along the boundary, the shorter way round. `None` where that is not possible.
 fn along(boundary: &Boundary<'_>, from: BoundaryPos, to: BoundaryPos, way: &mut Vec<Point>) -> Option<()> {
-    let forward_mm = boundary.way_mm(from, to)?;
+    let forward_mm = boundary.forward_mm(from, to)?;
     let forward = forward_mm <= boundary.ring_length_mm(from.ring) - forward_mm;
     way.extend(boundary.vertices_between(from, to, forward));
     Some(())

@@ -154,8 +154,8 @@ impl Joiner<'_> {
         };
         let rooms_mm = self.around.beside(chord, side).map(|(stop, ahead)| {
             let (from, to) = if ahead { (on, stop.on) } else { (stop.on, on) };
-            let way_mm = self.boundary.way_mm(from, to).filter(|&mm| mm > 0.0);
-            (way_mm.unwrap_or(self.boundary.ring_length_mm(on.ring)), ahead)
+            let length_mm = self.boundary.forward_mm(from, to).filter(|&mm| mm > 0.0);
+            (length_mm.unwrap_or(self.boundary.ring_length_mm(on.ring)), ahead)
         });
         let (room_mm, ahead) = if rooms_mm[1].0 > rooms_mm[0].0 { rooms_mm[1] } else { rooms_mm[0] };
         let way = self.boundary.walk(on, self.joins.anchor_mm.min(ANCHOR * room_mm), ahead);
@@ -252,13 +252,13 @@ impl Around {
             .into_iter()
             .filter_map(|(stop, ahead)| {
                 let (from, until) = if ahead { (here.on, stop.on) } else { (stop.on, here.on) };
-                let way_mm = boundary.way_mm(from, until)?;
+                let length_mm = boundary.forward_mm(from, until)?;
                 let itself = (stop.chord as usize, stop.side as usize) == (chord, side);
                 let free = !itself && !used[stop.chord as usize];
                 // Two ends of one line side by side on the boundary are the pattern's own edge, not a neighbour.
                 let apart =
                     chords[stop.chord as usize].line != chords[chord].line || chords[chord].points.len() > 2;
-                (free && apart && way_mm <= joins.longest_mm).then_some((way_mm, ahead, stop))
+                (free && apart && length_mm <= joins.longest_mm).then_some((length_mm, ahead, stop))
             })
             .min_by(|a, b| a.0.total_cmp(&b.0))
             .map(|(_, ahead, stop)| {
