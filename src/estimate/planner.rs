@@ -6,7 +6,7 @@ use super::{Firmware, Machine};
 /// One straight move.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Segment {
-    /// CornerMove in X, Y, Z and E, millimetres.
+    /// Displacement in X, Y, Z and E, millimetres.
     pub delta: [f64; 4],
     /// Speed asked for, mm/s: along the path in space, or of E where there is none.
     pub speed: f64,

@@ -9,9 +9,9 @@ use crate::gcode::Measure;
 /// Distances and counts of a file, as a reader of G-code measures them.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct PathMeasures {
-    /// PathMeasures while extruding, mm.
+    /// Distance while extruding, mm.
     pub print_mm: f64,
-    /// PathMeasures while not extruding, mm.
+    /// Distance while not extruding, mm.
     pub travel_mm: f64,
     /// Straight lines from the end of each extruded run to the start of the next, mm.
     pub link_mm: f64,

@@ -40,7 +40,7 @@ pub struct Measures {
 }
 
 impl Measures {
-    /// What was read from G-code. `time` is its duration, `filament_area_mm2` the cross-section of the strand.
+    /// What was read from G-code. `time` is its duration, `filament_area_mm2` the cross-section of the filament.
     pub fn of(measure: &Measure, time: Seconds, filament_area_mm2: f64) -> Self {
         Self {
             print_mm: measure.print_mm,

@@ -199,7 +199,7 @@ impl Print<'_> {
         if layer.index.is_none() || !self.has_edges {
             return;
         }
-        // A turn of a spiral begins where the one beneath ends.
+        // A revolution of a spiral begins where the one beneath ends.
         let Level { z_mm, height_mm } = layer.level;
         let least_mm = if layer.risen_mm > layer.level_mm { z_mm - height_mm } else { z_mm - SLACK_MM };
         for island in layer.must.polygons.iter().filter(|island| island.area_mm2() > SPECK_MM2) {
