@@ -18,7 +18,7 @@ fuzz_target!(|bytes: &[u8]| {
         learner.learn(&block);
         blocks.push(block);
     }
-    let habit = learner.habit().unwrap_or_default();
+    let style = learner.style().unwrap_or_default();
     let mut at = blocks.first().map_or([0; 2], Block::start);
     let mut written = Vec::new();
     for (index, block) in blocks.iter().enumerate() {
@@ -27,7 +27,7 @@ fuzz_target!(|bytes: &[u8]| {
         let visits: Vec<PathVisit> = items.map(|item| PathVisit { path: item, entry: item % 2 }).collect();
         let picks = ordering.picks(block, &visits);
         let walls = Walls::new(std::iter::once(block));
-        written.extend(write(block, &picks, at, &habit, &walls).bytes);
+        written.extend(write(block, &picks, at, &style, &walls).bytes);
         at = end(block, &picks);
     }
     // Whatever it says, it must come to an end.

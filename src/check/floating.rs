@@ -24,19 +24,19 @@ const GAP_MM: f64 = 0.4;
 const SHORTEST_MM: f64 = 1.5;
 /// A first layer is not thicker than this.
 const FIRST_MM: f64 = 0.6;
-/// Steps of so many nozzle bores may be a layer's height, where the file does not tell it.
-const LAYER_BORES: f64 = 0.85;
+/// Steps of so many nozzle diameters may be a layer's height, where the file does not tell it.
+const LAYER_NOZZLES: f64 = 0.85;
 /// And steps up to so many times the usual one.
 const LAYER_STEPS: f64 = 1.6;
-/// Width of a bead in nozzle bores, where the file does not tell it.
-const WIDTH_BORES: f64 = 1.1;
+/// Width of a bead in nozzle diameters, where the file does not tell it.
+const WIDTH_NOZZLES: f64 = 1.1;
 
 /// Follows what is printed, layer by layer.
 pub(super) struct Floating {
     part: Relief,
     /// Supports, skirts and what is not known.
     other: Relief,
-    bore_mm: f64,
+    nozzle_mm: f64,
     /// Whether the file says what beads are for.
     tells_roles: bool,
     layer: Option<Option<usize>>,
@@ -60,7 +60,7 @@ impl Floating {
             islands: Islands::new(part.cell_count()),
             part,
             other: relief(),
-            bore_mm: settings.printer.nozzle_diameter.0,
+            nozzle_mm: settings.printer.nozzle_diameter.0,
             tells_roles: false,
             layer: None,
             steps: Steps::default(),
@@ -76,13 +76,13 @@ impl Floating {
         let z_mm = bead.to[2];
         let height_mm = seen.context.height_mm.unwrap_or_else(|| {
             let step_mm = z_mm - if self.top_mm.is_finite() { self.top_mm } else { 0.0 };
-            self.steps.height_mm(step_mm, self.bore_mm)
+            self.steps.height_mm(step_mm, self.nozzle_mm)
         });
-        let width_mm = seen.context.width_mm.unwrap_or(WIDTH_BORES * self.bore_mm).clamp(0.1, 3.0);
-        let place = Place { line: seen.line.number, layer: seen.context.layer, at_mm: bead.to };
+        let width_mm = seen.context.width_mm.unwrap_or(WIDTH_NOZZLES * self.nozzle_mm).clamp(0.1, 3.0);
+        let location = Location { line: seen.line.number, layer: seen.context.layer, at_mm: bead.to };
         let island = match self.last {
             (end, island) if end == bead.from && island < self.islands.count() => island,
-            _ => self.islands.begin(place),
+            _ => self.islands.begin(location),
         };
         self.last = (bead.to, island);
         // What has no wall lies inside of something that has.
@@ -115,17 +115,17 @@ impl Floating {
         let of_part = |island: &&Island| island.has_wall && island.length_mm > SHORTEST_MM;
         let hanging: Vec<&Island> = islands.iter().filter(of_part).filter(|island| !island.held).collect();
         if !hanging.is_empty() && !islands.iter().any(|island| island.is_part && island.held) {
-            let (place, z_mm, top_mm) = (&hanging[0].place, self.z_mm, self.top_mm);
-            found.add(Kind::StartsInAir, place.line, place.layer, || match top_mm.is_finite() {
+            let (location, z_mm, top_mm) = (&hanging[0].location, self.z_mm, self.top_mm);
+            found.add(Kind::StartsInAir, location.line, location.layer, || match top_mm.is_finite() {
                 true => format!(
                     "at Z{z_mm:.2}; of the part nothing is beneath, and nothing at all above Z{top_mm:.2}"
                 ),
                 false => format!("at Z{z_mm:.2}; nothing is beneath"),
             });
         } else {
-            for Island { place, cells, .. } in hanging {
-                let [x, y, z] = place.at_mm;
-                found.add(Kind::FloatingIsland, place.line, place.layer, || {
+            for Island { location, cells, .. } in hanging {
+                let [x, y, z] = location.at_mm;
+                found.add(Kind::FloatingIsland, location.line, location.layer, || {
                     let area_mm2 = *cells as f64 * cell_mm * cell_mm;
                     format!("about {area_mm2:.1} mm² at X{x:.2} Y{y:.2} Z{z:.2}")
                 });
@@ -202,17 +202,17 @@ impl Steps {
     }
 
     /// The height of a layer that lies so far above the one before: that, unless it is more than a layer can be.
-    fn height_mm(&self, step_mm: f64, bore_mm: f64) -> f64 {
+    fn height_mm(&self, step_mm: f64, nozzle_mm: f64) -> f64 {
         let most = self.made.iter().max_by_key(|(um, count)| (*count, -um));
         let usual_mm = self.told_mm.or(most.map(|(um, _)| *um as f64 / 1000.0));
-        let limit_mm = (LAYER_BORES * bore_mm).max(usual_mm.unwrap_or(FIRST_MM) * LAYER_STEPS);
-        if step_mm <= limit_mm { step_mm.max(0.0) } else { usual_mm.unwrap_or(bore_mm / 2.0) }
+        let limit_mm = (LAYER_NOZZLES * nozzle_mm).max(usual_mm.unwrap_or(FIRST_MM) * LAYER_STEPS);
+        if step_mm <= limit_mm { step_mm.max(0.0) } else { usual_mm.unwrap_or(nozzle_mm / 2.0) }
     }
 }
 
 /// Where something is found.
 #[derive(Clone, Copy)]
-struct Place {
+struct Location {
     line: usize,
     layer: Option<usize>,
     at_mm: [f64; 3],
@@ -220,7 +220,7 @@ struct Place {
 
 /// Beads of a layer that touch.
 struct Island {
-    place: Place,
+    location: Location,
     cells: usize,
     length_mm: f64,
     held: bool,
@@ -246,10 +246,10 @@ impl Islands {
         self.islands.len()
     }
 
-    fn begin(&mut self, place: Place) -> usize {
+    fn begin(&mut self, location: Location) -> usize {
         self.parent.push(self.islands.len());
         let (held, is_part, has_wall) = (false, false, false);
-        self.islands.push(Island { place, cells: 0, length_mm: 0.0, held, is_part, has_wall });
+        self.islands.push(Island { location, cells: 0, length_mm: 0.0, held, is_part, has_wall });
         self.islands.len() - 1
     }
 

@@ -5,7 +5,7 @@ use super::report::Found;
 use super::rule::{Rule, Seen};
 use crate::profile::Settings;
 
-/// Walls printed for several layers before their infill, and slopes, go down by less than this many nozzle bores.
+/// Walls printed for several layers before their infill, and slopes, go down by less than this many nozzle diameters.
 const SLACK_BORES: f64 = 1.5;
 
 /// Follows the height of beads.

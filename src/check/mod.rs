@@ -26,7 +26,7 @@ use std::io::{self, Read};
 pub use beside::{ModelReport, PlacedBody};
 pub use fault::{Kind, Severity};
 pub use model::{Survey, against};
-pub use report::{CheckReport, Fault, Found, Place};
+pub use report::{CheckReport, Fault, Found, Location};
 
 use crate::estimate::Machine;
 use crate::gcode::{Action, Annotated, Clock, Line, Meter, Reader, State, Stroke, each_line, lines};

@@ -8,14 +8,14 @@ use super::beside::ModelReport;
 use super::fault::{Kind, Severity};
 use crate::report::Measures;
 
-/// So many places are kept of each kind of fault.
-const PLACES: usize = 5;
-/// So many of them are shown to people.
+/// Number of locations kept of each kind of fault.
+const KEPT: usize = 5;
+/// Number of them shown to people.
 const SHOWN: usize = 3;
 
 /// Where a fault is.
 #[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct Place {
+pub struct Location {
     /// Line of the file, from 1.
     pub line: usize,
     /// Layer, from 1; nothing before the first.
@@ -34,8 +34,8 @@ pub struct Fault {
     pub severity: Severity,
     /// How often it was found.
     pub count: usize,
-    /// The first few places.
-    pub first: Vec<Place>,
+    /// The first few locations.
+    pub first: Vec<Location>,
 }
 
 fn kind_name<S: Serializer>(kind: &Kind, serializer: S) -> Result<S::Ok, S::Error> {
@@ -58,8 +58,8 @@ impl Found {
         });
         let fault = &mut self.faults[at];
         fault.count += 1;
-        if fault.first.len() < PLACES {
-            fault.first.push(Place { line, layer: layer.map(|index| index + 1), detail: detail() });
+        if fault.first.len() < KEPT {
+            fault.first.push(Location { line, layer: layer.map(|index| index + 1), detail: detail() });
         }
     }
 
@@ -74,9 +74,9 @@ impl Found {
     pub fn first_of_paths(&self, but: &Found) -> Option<String> {
         let known = |kind: Kind| but.faults.iter().any(|fault| fault.kind == kind);
         let faults = self.faults.iter().filter(|fault| fault.kind.is_of_paths() && !known(fault.kind));
-        let first = faults.min_by_key(|fault| fault.first.first().map_or(0, |place| place.line))?;
-        let place = first.first.first()?;
-        Some(format!("line {}: {}: {}", place.line, first.kind.text(), place.detail))
+        let first = faults.min_by_key(|fault| fault.first.first().map_or(0, |location| location.line))?;
+        let location = first.first.first()?;
+        Some(format!("line {}: {}: {}", location.line, first.kind.text(), location.detail))
     }
 }
 
@@ -129,9 +129,9 @@ impl fmt::Display for CheckReport {
         for fault in &self.faults {
             let Fault { kind, severity, count, first } = fault;
             writeln!(f, "  {:<8} {:<22} {count:>7}  {}", severity.name(), kind.name(), kind.text())?;
-            for place in first.iter().take(SHOWN) {
-                let layer = place.layer.map_or(String::new(), |layer| format!(", layer {layer}"));
-                writeln!(f, "  {:8} {:22} line {}{layer}: {}", "", "", place.line, place.detail)?;
+            for location in first.iter().take(SHOWN) {
+                let layer = location.layer.map_or(String::new(), |layer| format!(", layer {layer}"));
+                writeln!(f, "  {:8} {:22} line {}{layer}: {}", "", "", location.line, location.detail)?;
             }
         }
         if let Some(model) = &self.model {

@@ -2,10 +2,10 @@
 
 use super::{Firmware, Machine};
 
-/// A move as far as its corners need it.
+/// What the corners at both ends of a move depend on.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Way {
-    /// Share of the way that X, Y, Z and E go; E's is that of the way in space, or 1 where there is none.
+pub(super) struct CornerMove {
+    /// Displacement of X, Y, Z and E per millimetre in space; of moves of E alone, per millimetre of E.
     pub unit: [f64; 4],
     /// Of unit length with E as a fourth direction, where the machine's rules ask for it.
     pub direction: [f64; 4],
@@ -20,7 +20,7 @@ pub(super) struct Way {
     pub rest_speed: f64,
 }
 
-impl Way {
+impl CornerMove {
     fn moves_in_plane(&self) -> bool {
         self.unit[0] != 0.0 || self.unit[1] != 0.0
     }
@@ -37,7 +37,7 @@ fn normal(v: [f64; 4]) -> [f64; 4] {
 }
 
 impl Machine {
-    /// The [direction](Way::direction) of a way.
+    /// The [direction](CornerMove::direction) of a move.
     pub(super) fn direction(&self, unit: [f64; 4]) -> [f64; 4] {
         if self.firmware == Firmware::Marlin { normal(unit) } else { unit }
     }
@@ -92,7 +92,7 @@ impl Machine {
     }
 
     /// The square of the speed at which the corner between two moves can be taken.
-    pub(super) fn corner_v2(&self, before: &Way, now: &Way) -> f64 {
+    pub(super) fn corner_v2(&self, before: &CornerMove, now: &CornerMove) -> f64 {
         let slower = before.speed.min(now.speed);
         let v2 = slower * slower;
         match self.firmware {
@@ -115,7 +115,7 @@ impl Machine {
     /// Klipper: the arc that leaves the corner by a fixed distance, taken at the acceleration in force, which
     /// must not begin before the middle of either move; and a step of the extruder. Moves of the extruder alone are
     /// begun and ended at rest. <https://www.klipper3d.org/Kinematics.html>
-    fn klipper_v2(&self, before: &Way, now: &Way, v2: f64) -> f64 {
+    fn klipper_v2(&self, before: &CornerMove, now: &CornerMove, v2: f64) -> f64 {
         if !(before.in_space && now.in_space) {
             return 0.0;
         }
@@ -127,17 +127,17 @@ impl Machine {
             v2 = (step / e_step).powi(2);
         }
         let straightness = a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-        // Half the angle between the two ways seen from the corner: 90° when straight on, 0 when turning back.
+        // Half the angle between the two moves seen from the corner: 90° when straight on, 0 when turning back.
         let sine = (0.5 * (1.0 + straightness)).max(0.0).sqrt();
         let cosine = (0.5 * (1.0 - straightness)).max(0.0).sqrt();
         if cosine < 1e-4 {
             return v2;
         }
         let tangent = 0.5 * sine / cosine;
-        let reach = |way: &Way| {
-            let share = way.acceleration / way.asked_acceleration;
+        let reach = |at: &CornerMove| {
+            let share = at.acceleration / at.asked_acceleration;
             (sine / (1.0 - sine) * share * self.corner_acceleration_mm())
-                .min(tangent * way.length_mm * way.acceleration)
+                .min(tangent * at.length_mm * at.acceleration)
         };
         v2.min(reach(before)).min(reach(now))
     }
@@ -145,7 +145,7 @@ impl Machine {
     /// Marlin's junction deviation (S. K. Jeon, "Improving Grbl: Cornering Algorithm", 2011), with the extruder as
     /// a fourth direction and the acceleration that the axes allow across the corner. Short moves of a smooth curve
     /// are also held to the circle that they are part of. At most `limit_v2`.
-    fn junction_v2(&self, before: &Way, now: &Way, limit_v2: f64) -> f64 {
+    fn junction_v2(&self, before: &CornerMove, now: &CornerMove, limit_v2: f64) -> f64 {
         let (a, b) = (before.direction, now.direction);
         let straightness = a[0] * b[0] + a[1] * b[1] + a[2] * b[2] + a[3] * b[3];
         if straightness < -0.999_999 {
@@ -186,7 +186,7 @@ impl Machine {
 
     /// Marlin's classic jerk: an axis that goes on in its direction may step by its jerk, one that turns round
     /// may go to or from rest at it.
-    fn classic_speed(&self, before: &Way, now: &Way) -> f64 {
+    fn classic_speed(&self, before: &CornerMove, now: &CornerMove) -> f64 {
         let slower = before.speed.min(now.speed);
         let mut factor = 1.0;
         for axis in 0..4 {

@@ -147,7 +147,7 @@ impl Walk {
     }
 
     fn go(&mut self, to: [f64; 2], e_mm: f64, speed: f64, account: usize) {
-        // A way from an unknown place takes no time that could be known.
+        // A move from an unknown position takes no time that could be known.
         if let Some(at) = self.at {
             self.push([to[0] - at[0], to[1] - at[1], 0.0, e_mm], speed, account);
         }

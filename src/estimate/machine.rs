@@ -71,7 +71,7 @@ pub struct Machine {
     pub jerk_everywhere: bool,
     /// What G10 and G11 do.
     pub retraction: FirmwareRetraction,
-    /// Cross-section of the strand, which turns volumes into E.
+    /// Cross-section of the filament, which turns volumes into E.
     pub filament_area_mm2: f64,
 }
 

@@ -1,14 +1,14 @@
 //! The look-ahead planner: a sequence of straight moves, at rest before and after, and how long they take.
 
-use super::corner::Way;
+use super::corner::CornerMove;
 use super::{Firmware, Machine};
 
 /// One straight move.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Segment {
-    /// Way in X, Y, Z and E, millimetres.
+    /// Displacement in X, Y, Z and E, millimetres.
     pub delta: [f64; 4],
-    /// Speed asked for, mm/s: along the way in space, or of E where there is none.
+    /// Speed asked for, mm/s: along the path in space, or of E where there is none.
     pub speed: f64,
     /// Acceleration asked for, mm/s².
     pub acceleration: f64,
@@ -29,7 +29,7 @@ const MOST_BLOCKS: usize = 1 << 20;
 pub struct Planner {
     machine: Machine,
     blocks: Vec<Block>,
-    last: Option<Way>,
+    last: Option<CornerMove>,
     /// The hill of speeds that the last settled move is on (of the cruise ratio).
     hill_v2: f64,
     hills: Vec<f64>,
@@ -38,13 +38,13 @@ pub struct Planner {
     seconds: Vec<f64>,
 }
 
-/// Squares of speeds (v2), since v² grows linearly along the way.
+/// Squares of speeds (v2), since v² grows linearly along the path.
 #[derive(Clone, Copy, Debug)]
 struct Block {
     length_mm: f64,
     acceleration: f64,
     cruise_v2: f64,
-    /// How much v² can change on the way, and how much it should where the cruise ratio has a say.
+    /// How much v² can change along the move, and how much it should where the cruise ratio has a say.
     delta_v2: f64,
     smooth_delta_v2: f64,
     /// Highest speed at its start, first as far as the moves before allow, in the end really.
@@ -90,9 +90,9 @@ impl Planner {
     /// Adds a move. One that goes nowhere is nothing.
     pub fn push(&mut self, segment: &Segment) {
         let [x, y, z, e] = segment.delta;
-        let way_mm = (x * x + y * y + z * z).sqrt();
-        let in_space = way_mm > 1e-9;
-        let length_mm = if in_space { way_mm } else { e.abs() };
+        let space_mm = (x * x + y * y + z * z).sqrt();
+        let in_space = space_mm > 1e-9;
+        let length_mm = if in_space { space_mm } else { e.abs() };
         if !(length_mm > 1e-9 && segment.speed > 0.0 && segment.acceleration > 0.0) {
             return;
         }
@@ -100,7 +100,7 @@ impl Planner {
         let unit = segment.delta.map(|d| d * per_mm);
         let machine = &self.machine;
         let (speed, acceleration) = machine.limited(&unit, in_space, segment.speed, segment.acceleration);
-        let now = Way {
+        let now = CornerMove {
             unit,
             direction: machine.direction(unit),
             length_mm,
@@ -250,7 +250,7 @@ impl Planner {
     }
 }
 
-/// Seconds of a straight way from rest to rest: a trapezoid, or a triangle where the top speed is not reached.
+/// Seconds of a straight move from rest to rest: a trapezoid, or a triangle where the top speed is not reached.
 pub fn travel_time(distance_mm: f64, speed: f64, acceleration: f64) -> f64 {
     let ramps_mm = speed * speed / acceleration;
     if distance_mm >= ramps_mm {
@@ -266,9 +266,9 @@ mod tests {
     use crate::profile::Settings;
     use proptest::prelude::*;
 
-    fn seconds(machine: &Machine, ways: &[[f64; 4]], speed: f64) -> f64 {
+    fn seconds(machine: &Machine, moves: &[[f64; 4]], speed: f64) -> f64 {
         let mut planner = Planner::new(machine);
-        for &delta in ways {
+        for &delta in moves {
             planner.push(&Segment { delta, speed, acceleration: 1000.0, account: 0 });
         }
         planner.finish()[0]
@@ -283,7 +283,7 @@ mod tests {
     }
 
     /// 50 mm and 50 mm more at 100 mm/s and 1000 mm/s², begun, joined and ended at these speeds.
-    fn two_ways(ends: f64, corner: f64) -> f64 {
+    fn two_moves(ends: f64, corner: f64) -> f64 {
         let ramps_s = 2.0 * (100.0 - ends + 100.0 - corner) / 1000.0;
         let ramps_mm = 2.0 * (2.0 * 100.0 * 100.0 - ends * ends - corner * corner) / 2000.0;
         ramps_s + (100.0 - ramps_mm) / 100.0
@@ -291,7 +291,7 @@ mod tests {
 
     #[test]
     fn each_firmware_takes_a_right_angle_by_its_own_rule() {
-        let ways = [[50.0, 0.0, 0.0, 0.0], [0.0, 50.0, 0.0, 0.0]];
+        let moves = [[50.0, 0.0, 0.0, 0.0], [0.0, 50.0, 0.0, 0.0]];
         // The default machine: 5 mm/s at 1500 mm/s², so at 1000 mm/s² Marlin's arc allows less.
         let deviation = 5.0 * (1000.0_f64 / 1500.0).sqrt();
         for (firmware, ends, corner) in [
@@ -300,22 +300,22 @@ mod tests {
             (Firmware::MarlinClassic, 10.0, 10.0),
             (Firmware::RepRapFirmware, 0.0, 10.0),
         ] {
-            let (got, wanted) = (seconds(&under(firmware), &ways, 100.0), two_ways(ends, corner));
+            let (got, wanted) = (seconds(&under(firmware), &moves, 100.0), two_moves(ends, corner));
             assert!((got - wanted).abs() < 1e-6, "{firmware:?}: {got} {wanted}");
         }
     }
 
     #[test]
     fn turning_back_is_a_stop_or_as_fast_as_jerk_allows() {
-        let ways = [[50.0, 0.0, 0.0, 0.0], [-50.0, 0.0, 0.0, 0.0]];
+        let moves = [[50.0, 0.0, 0.0, 0.0], [-50.0, 0.0, 0.0, 0.0]];
         for (firmware, ends, corner) in [
             (Firmware::Klipper, 0.0, 0.0),
             (Firmware::Marlin, 0.0, 0.0),
             (Firmware::MarlinClassic, 10.0, 10.0),
-            // Jerk is the whole step of an axis here, and half of it is each way's.
+            // Jerk is the whole step of an axis here, and half of it is each move's.
             (Firmware::RepRapFirmware, 0.0, 5.0),
         ] {
-            let (got, wanted) = (seconds(&under(firmware), &ways, 100.0), two_ways(ends, corner));
+            let (got, wanted) = (seconds(&under(firmware), &moves, 100.0), two_moves(ends, corner));
             assert!((got - wanted).abs() < 1e-6, "{firmware:?}: {got} {wanted}");
         }
     }
@@ -323,12 +323,13 @@ mod tests {
     #[test]
     fn a_dwell_adds_its_seconds_and_two_stops() {
         let mut planner = Planner::new(&machine());
-        let way = Segment { delta: [50.0, 0.0, 0.0, 0.0], speed: 100.0, acceleration: 1000.0, account: 0 };
-        planner.push(&way);
+        let segment =
+            Segment { delta: [50.0, 0.0, 0.0, 0.0], speed: 100.0, acceleration: 1000.0, account: 0 };
+        planner.push(&segment);
         planner.dwell(2.5, 1);
-        planner.push(&way);
+        planner.push(&segment);
         let seconds = planner.finish();
-        assert!((seconds[0] - two_ways(0.0, 0.0)).abs() < 1e-9 && seconds[1] == 2.5, "{seconds:?}");
+        assert!((seconds[0] - two_moves(0.0, 0.0)).abs() < 1e-9 && seconds[1] == 2.5, "{seconds:?}");
     }
 
     #[test]
@@ -377,13 +378,13 @@ mod tests {
     proptest! {
         #[test]
         fn settling_early_changes_nothing(
-            ways in prop::collection::vec((-2.0..2.0f64, -0.5..2.0f64, 0.0..0.2f64), 600..1500),
+            moves in prop::collection::vec((-2.0..2.0f64, -0.5..2.0f64, 0.0..0.2f64), 600..1500),
             firmware in 0..4usize,
         ) {
             let machine = Machine::under(Firmware::ALL[firmware].1, &Settings::default());
             let (mut early, mut late) = (Planner::new(&machine), Planner::new(&machine));
             (early.patience, late.patience) = (8, usize::MAX);
-            for (x, y, e) in ways {
+            for (x, y, e) in moves {
                 let segment = Segment { delta: [x, y, 0.0, e], speed: 80.0, acceleration: 500.0, account: 0 };
                 early.push(&segment);
                 late.push(&segment);
@@ -395,15 +396,15 @@ mod tests {
 
         #[test]
         fn no_move_is_faster_than_asked_and_slower_speeds_take_longer(
-            ways in prop::collection::vec((-5.0..5.0f64, -5.0..5.0f64, 0.0..0.2f64), 1..50),
+            moves in prop::collection::vec((-5.0..5.0f64, -5.0..5.0f64, 0.0..0.2f64), 1..50),
             ratio in 0.0..0.9f64,
         ) {
-            let ways: Vec<[f64; 4]> = ways.into_iter().map(|(x, y, e)| [x, y, 0.0, e]).collect();
+            let moves: Vec<[f64; 4]> = moves.into_iter().map(|(x, y, e)| [x, y, 0.0, e]).collect();
             let machine = Machine { min_cruise_ratio: ratio, ..machine() };
-            let length: f64 = ways.iter().map(|d| d[0].hypot(d[1])).sum();
-            let fast = seconds(&machine, &ways, 100.0);
+            let length: f64 = moves.iter().map(|d| d[0].hypot(d[1])).sum();
+            let fast = seconds(&machine, &moves, 100.0);
             prop_assert!(fast.is_finite() && fast >= length / 100.0 - 1e-9);
-            prop_assert!(seconds(&machine, &ways, 20.0) >= fast - 1e-9);
+            prop_assert!(seconds(&machine, &moves, 20.0) >= fast - 1e-9);
         }
     }
 }

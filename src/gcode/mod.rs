@@ -7,6 +7,7 @@
 mod effect;
 mod extruder;
 mod flavor;
+mod header;
 mod layer;
 mod number;
 mod options;
@@ -15,11 +16,11 @@ mod script;
 mod settings;
 mod sizes;
 mod slot;
-mod wrap;
 
 use std::path::Path;
 
 pub use effect::Effect;
+pub use header::{Opening, closing, labels, object_comment, opening};
 pub use layer::{LayerText, format_layer};
 pub(crate) use number::one_line;
 pub use options::{Flavor, GcodeSettings, PrinterSettings};
@@ -33,7 +34,6 @@ pub use settings::{GcodeOptions, ObjectLabel, PrintFacts, WriterSettings};
 pub use sizes::thumbnail_sizes;
 pub(crate) use slot::duration;
 pub use slot::{Pending, Slot, Totals};
-pub use wrap::{Opening, closing, labels, object_comment, opening};
 
 /// Endings of G-code files.
 const ENDINGS: [&str; 6] = ["gcode", "gco", "gc", "g", "nc", "ngc"];

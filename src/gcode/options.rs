@@ -22,7 +22,7 @@ section! {
         name: String = "RepRap 250".into(),
         /// Firmware dialect.
         flavor: Flavor = Flavor::Marlin,
-        /// Nozzle bore.
+        /// Nozzle diameter.
         nozzle_diameter: Mm = Mm(0.4); 0.1..=2.0,
     }
 }

@@ -73,7 +73,7 @@ pub struct WriterSettings {
     pub flavor: Flavor,
     /// E counts from the last move (M83) instead of from the layer's start (M82).
     pub relative_e: bool,
-    /// Diameter of the strand.
+    /// Diameter of the filament.
     pub filament_diameter: Mm,
     /// Write G10 and G11 instead of E moves.
     pub firmware_retraction: bool,

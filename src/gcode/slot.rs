@@ -15,7 +15,7 @@ pub(super) const VALUE_WIDTH: usize = 16;
 pub enum Pending {
     /// Print time as `1h 2m 3s`.
     PrintTime,
-    /// Filament, millimetres of strand.
+    /// Filament length, millimetres.
     FilamentMm,
     /// Filament, cubic centimetres.
     FilamentCm3,
@@ -53,7 +53,7 @@ pub struct Totals {
 }
 
 impl Totals {
-    /// Length of strand for a volume.
+    /// Length of filament for a volume.
     pub fn filament(&self, diameter: Mm) -> Mm {
         Mm(self.volume.0 / filament_area_mm2(diameter))
     }

@@ -7,23 +7,23 @@ use super::transform::TransformError;
 
 /// Where in a file something was found; both count from 1.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Place {
+pub enum Location {
     /// The n-th facet of a file that is no text.
     Facet(usize),
     /// The n-th line of a text file.
     Line(usize),
 }
 
-impl fmt::Display for Place {
+impl fmt::Display for Location {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Place::Facet(n) => write!(f, "facet {n}"),
-            Place::Line(n) => write!(f, "line {n}"),
+            Location::Facet(n) => write!(f, "facet {n}"),
+            Location::Line(n) => write!(f, "line {n}"),
         }
     }
 }
 
-/// A file that cannot be made into a mesh (exit code 3). Each message names the file, the place and the mend.
+/// A file that cannot be made into a mesh (exit code 3). Each message names the file, the location and the remedy.
 #[derive(Debug, thiserror::Error)]
 #[allow(missing_docs)]
 pub enum MeshError {
@@ -40,17 +40,17 @@ pub enum MeshError {
          copy or export it again", path.display()
     )]
     Truncated { path: PathBuf, promised: usize, needed: u64, got: u64, whole: usize },
-    #[error("{}: {place}: the file ends inside a facet; copy or export it again", path.display())]
-    EndsInFacet { path: PathBuf, place: Place },
-    #[error("{}: {place}: {problem}; export the model again, best as binary STL", path.display())]
-    Syntax { path: PathBuf, place: Place, problem: String },
+    #[error("{}: {location}: the file ends inside a facet; copy or export it again", path.display())]
+    EndsInFacet { path: PathBuf, location: Location },
+    #[error("{}: {location}: {problem}; export the model again, best as binary STL", path.display())]
+    Syntax { path: PathBuf, location: Location, problem: String },
     #[error("{}: {part}: {problem}; {mend}", path.display())]
     Package { path: PathBuf, part: String, problem: String, mend: &'static str },
     #[error(
-        "{}: {place}: coordinate {} is damaged{}; repair the model where it was made and export it again",
+        "{}: {location}: coordinate {} is damaged{}; repair the model where it was made and export it again",
         path.display(), shown(*value), rest.as_ref().map_or(String::new(), |rest| format!(": the rest of the model is {rest}"))
     )]
-    Damaged { path: PathBuf, place: Place, value: f32, rest: Option<String> },
+    Damaged { path: PathBuf, location: Location, value: f32, rest: Option<String> },
     #[error(
         "{}: {count} of its corners lie far from the rest of the model, which is {rest}; repair it where it was made and \
          export it again", path.display()
@@ -61,10 +61,10 @@ pub enum MeshError {
     #[error("{}: the model is longer than 10 m: {hint}", path.display())]
     TooLong { path: PathBuf, hint: String },
     #[error(
-        "{}: its header promises {promised} facets, which take {needed} bytes, but it has {got}, and {place} is none; copy \
+        "{}: its header promises {promised} facets, which take {needed} bytes, but it has {got}, and {location} is none; copy \
          or export it again", path.display()
     )]
-    Count { path: PathBuf, promised: usize, needed: u64, got: u64, place: Place },
+    Count { path: PathBuf, promised: usize, needed: u64, got: u64, location: Location },
     #[error("{}: there is no facet in the file; export the model again", path.display())]
     NoFacets { path: PathBuf },
     #[error(

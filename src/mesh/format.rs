@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use super::error::{MeshError, Place};
+use super::error::{Location, MeshError};
 use super::units;
 use super::weld::{Soup, Welder};
 
@@ -67,7 +67,7 @@ impl Contents {
                         [0, 1, 2].map(|i| (f64::from(vertex[i]) + spot[i]) as f32)
                     };
                     let all = || objects.iter().flat_map(|object| object.soup.vertices.iter().copied());
-                    let bad = |value| bad_coordinate(path, Place::Facet(number), value, all());
+                    let bad = |value| bad_coordinate(path, Location::Facet(number), value, all());
                     welder.push(triangle.map(moved)).map_err(bad)?;
                 }
             }
@@ -94,10 +94,10 @@ pub(super) fn is_text(data: &[u8]) -> bool {
 /// The error of a coordinate that is none. `others` are the model's points.
 pub(super) fn bad_coordinate(
     path: &Path,
-    place: Place,
+    location: Location,
     value: f32,
     others: impl Iterator<Item = [f32; 3]>,
 ) -> MeshError {
     let rest = units::size_of(others).map(units::in_words);
-    MeshError::Damaged { path: path.to_path_buf(), place, value, rest }
+    MeshError::Damaged { path: path.to_path_buf(), location, value, rest }
 }

@@ -29,7 +29,7 @@ mod weld;
 mod words;
 
 pub use doubts::Doubt;
-pub use error::{MeshError, Place};
+pub use error::{Location, MeshError};
 pub use load::{Model, from_bytes, load, load_objects, objects_from_bytes};
 pub use report::{MeshReport, Repair};
 pub use surface::Mesh;

@@ -5,7 +5,7 @@
 
 use std::path::Path;
 
-use super::error::{MeshError, Place};
+use super::error::{Location, MeshError};
 use super::format::{Contents, Format, bad_coordinate, has_extension, is_text};
 use super::weld::Welder;
 use super::words::{Words, number};
@@ -22,8 +22,11 @@ impl Format for Obj {
 
     /// All objects and groups of the file together, as they are parts of one model.
     fn read(&self, path: &Path, data: &[u8]) -> Result<Contents, MeshError> {
-        let syntax =
-            |line, problem| MeshError::Syntax { path: path.to_path_buf(), place: Place::Line(line), problem };
+        let syntax = |line, problem| MeshError::Syntax {
+            path: path.to_path_buf(),
+            location: Location::Line(line),
+            problem,
+        };
         let mut words = Words::new(data);
         let mut vertices: Vec<[f32; 3]> = Vec::new();
         let mut welder = Welder::with_capacity(data.len() / 40);
@@ -59,8 +62,9 @@ impl Format for Obj {
                     facets += 1;
                     polygons += usize::from(corners.len() > 3);
                     for pair in corners[1..].windows(2) {
-                        let bad =
-                            |value| bad_coordinate(path, Place::Line(line), value, vertices.iter().copied());
+                        let bad = |value| {
+                            bad_coordinate(path, Location::Line(line), value, vertices.iter().copied())
+                        };
                         welder.push([corners[0], pair[0], pair[1]]).map_err(bad)?;
                     }
                 }

@@ -7,7 +7,7 @@
 use std::io::{self, Read, Seek, SeekFrom};
 use std::path::Path;
 
-use super::error::{MeshError, Place};
+use super::error::{Location, MeshError};
 use super::format::{Contents, Format, bad_coordinate, is_text, trimmed};
 use super::weld::{FARTHEST, Welder};
 use super::words::{Words, number};
@@ -65,9 +65,9 @@ fn read(path: &Path, data: &[u8]) -> Result<Contents, MeshError> {
     };
     read_binary(path, data, facets, vec![note]).map_err(|error| match error {
         // Where the count is wrong, what is read as a facet may be none.
-        MeshError::Damaged { path, place, .. } if !unknown => {
+        MeshError::Damaged { path, location, .. } if !unknown => {
             let needed = HEADER as u64 + FACET as u64 * promised as u64;
-            MeshError::Count { path, promised, needed, got: data.len() as u64, place }
+            MeshError::Count { path, promised, needed, got: data.len() as u64, location }
         }
         error => error,
     })
@@ -103,7 +103,7 @@ fn weld(path: &Path, body: &[u8], offset: usize, welder: &mut Welder) -> Result<
     let unreadable = |source| MeshError::Read { path: path.to_path_buf(), source };
     for (n, facet) in stl_io::create_stl_reader(&mut part).map_err(unreadable)?.enumerate() {
         let corners = facet.map_err(unreadable)?.vertices.map(|v| v.0);
-        let bad = |value| bad_coordinate(path, Place::Facet(offset + n + 1), value, corners_of(body));
+        let bad = |value| bad_coordinate(path, Location::Facet(offset + n + 1), value, corners_of(body));
         welder.push(corners).map_err(bad)?;
     }
     Ok(())
@@ -173,8 +173,11 @@ fn read_text(path: &Path, data: &[u8]) -> Result<Contents, MeshError> {
     let mut corners: Vec<[f32; 3]> = Vec::with_capacity(4);
     let (mut facets, mut solids, mut ends, mut polygons) = (0, 0, 0, 0);
     let mut inside = false;
-    let syntax =
-        |line, problem| MeshError::Syntax { path: path.to_path_buf(), place: Place::Line(line), problem };
+    let syntax = |line, problem| MeshError::Syntax {
+        path: path.to_path_buf(),
+        location: Location::Line(line),
+        problem,
+    };
     while let Some(word) = words.next() {
         let line = words.line;
         if word.eq_ignore_ascii_case(b"vertex") {
@@ -186,7 +189,7 @@ fn read_text(path: &Path, data: &[u8]) -> Result<Contents, MeshError> {
                 let Some(word) = words.next() else {
                     return Err(MeshError::EndsInFacet {
                         path: path.to_path_buf(),
-                        place: Place::Line(line),
+                        location: Location::Line(line),
                     });
                 };
                 *coordinate = number(word).ok_or_else(|| {
@@ -208,7 +211,7 @@ fn read_text(path: &Path, data: &[u8]) -> Result<Contents, MeshError> {
             facets += 1;
             polygons += usize::from(corners.len() > 3);
             for pair in corners[1..].windows(2) {
-                let bad = |value| bad_coordinate(path, Place::Line(line), value, vertices(data));
+                let bad = |value| bad_coordinate(path, Location::Line(line), value, vertices(data));
                 welder.push([corners[0], pair[0], pair[1]]).map_err(bad)?;
             }
         } else if word.eq_ignore_ascii_case(b"solid") {
@@ -220,7 +223,10 @@ fn read_text(path: &Path, data: &[u8]) -> Result<Contents, MeshError> {
         }
     }
     if inside {
-        return Err(MeshError::EndsInFacet { path: path.to_path_buf(), place: Place::Line(words.line) });
+        return Err(MeshError::EndsInFacet {
+            path: path.to_path_buf(),
+            location: Location::Line(words.line),
+        });
     }
     let mut notes = Vec::new();
     if solids > 1 {

@@ -10,7 +10,7 @@ section! {
     FilamentSettings {
         /// Kind, as printed in headers: PLA, PETG, …
         material: String = "PLA".into(),
-        /// Diameter of the strand.
+        /// Diameter of the filament.
         diameter: Mm = Mm(1.75); 0.5..=5.0,
         /// g/cm³.
         density: f64 = 1.24; 0.1..=25.0, "g/cm³",

@@ -5,7 +5,7 @@ use super::nozzle::Nozzle;
 use super::{MotionSettings, Move};
 use crate::toolpath::IslandId;
 use crate::units::{Mm3, MmPerS};
-use geometry::{Way, distance_mm};
+use geometry::{Route, distance_mm};
 
 impl Nozzle<'_> {
     /// Moves to where the next bead, one of this island, starts, at the height of the layer.
@@ -23,12 +23,12 @@ impl Nozzle<'_> {
         self.island = Some(island);
         let mut way = self.way(to, same_island);
         let far = self.at.is_none_or(|at| match way {
-            Way::Inside(_, length_mm) => length_mm > travel.retract_inside.0.max(retract.min_travel.0),
-            Way::Across => distance_mm(at, to) > retract.min_travel.0,
+            Route::Inside(_, length_mm) => length_mm > travel.retract_inside.0.max(retract.min_travel.0),
+            Route::Across => distance_mm(at, to) > retract.min_travel.0,
         });
         let over_mm = (std::mem::take(&mut self.over_mm) - self.layer_z_mm).max(0.0);
         if over_mm > 0.0 {
-            way = Way::Across;
+            way = Route::Across;
         }
         let retracted = (far || pause || over_mm > 0.0) && retract.length.0 > 0.0;
         if retracted && self.retract() && over_mm <= 0.0 {
@@ -36,13 +36,13 @@ impl Nozzle<'_> {
         }
         if pause {
             self.moves.push(Move::Pause);
-            way = Way::Across;
+            way = Route::Across;
         }
-        let hops = retracted && (way == Way::Across || retract.z_hop_inside);
+        let hops = retracted && (way == Route::Across || retract.z_hop_inside);
         let hop_mm = if hops { retract.z_hop.0.max(over_mm) } else { over_mm };
         let mut stops = match way {
-            Way::Inside(between, _) => between,
-            Way::Across => Vec::new(),
+            Route::Inside(between, _) => between,
+            Route::Across => Vec::new(),
         };
         stops.push(to);
         let climb_mm = self.layer_z_mm - self.z_mm;
@@ -74,14 +74,14 @@ impl Nozzle<'_> {
 
     /// How to get from where the nozzle is to a place, on the same island or another. Not asked for where nothing
     /// depends on it.
-    fn way(&self, to: [f64; 2], same_island: bool) -> Way {
+    fn way(&self, to: [f64; 2], same_island: bool) -> Route {
         let MotionSettings { travel, retract, .. } = self.settings;
         let matters = travel.avoid_crossing
             || travel.retract_inside > retract.min_travel
             || (retract.z_hop.0 > 0.0 && !retract.z_hop_inside);
         match self.at {
-            Some(at) if matters && same_island => self.router.way(at, to),
-            _ => Way::Across,
+            Some(at) if matters && same_island => self.router.route(at, to),
+            _ => Route::Across,
         }
     }
 

@@ -25,7 +25,7 @@ pub(super) struct Loaded<'a> {
     /// What each object has of settings of its own.
     pub styles: Styles<'a>,
     /// Where support is enforced and where it is blocked: bodies on the same plate.
-    pub wishes: [Plate; 2],
+    pub modifiers: [Plate; 2],
     pub warnings: Vec<String>,
     pub repairs: Vec<Repaired>,
     /// Sizes that point to another unit.
@@ -63,8 +63,9 @@ pub(super) fn place<'a>(
             names.extend(std::iter::repeat_n(known, copies));
         }
     }
-    let wishes = !job.support_enforcers.is_empty() || !job.support_blockers.is_empty();
-    let placement = Placement { turn: settings.plate.turn && !wishes, ..placement(settings, &job.transform) };
+    let has_modifiers = !job.support_enforcers.is_empty() || !job.support_blockers.is_empty();
+    let placement =
+        Placement { turn: settings.plate.turn && !has_modifiers, ..placement(settings, &job.transform) };
     let layouts = models.into_iter().map(|model| model.layout).collect();
     let plate = plate::place(layouts, &settings.bed, &placement)
         .map_err(|error| JobError::DoesNotFit(hinted(error.to_string())))?;
@@ -74,9 +75,9 @@ pub(super) fn place<'a>(
     }
     warnings.extend(plate.notes.iter().cloned());
     let styles = Styles::new(&job.objects, &names)?;
-    let wished = |files| wished(files, job, first_box, &plate);
-    let wishes = [wished(&job.support_enforcers)?, wished(&job.support_blockers)?];
-    Ok(Loaded { plate, styles, wishes, warnings, repairs, hints })
+    let load = |files| load_modifiers(files, job, first_box, &plate);
+    let modifiers = [load(&job.support_enforcers)?, load(&job.support_blockers)?];
+    Ok(Loaded { plate, styles, modifiers, warnings, repairs, hints })
 }
 
 /// The objects of a file, transformed. What is larger than the bed is shrunk where that is asked for, all by one factor.
@@ -119,14 +120,14 @@ fn placement(settings: &Settings, options: &TransformOptions) -> Placement {
 }
 
 /// Bodies taken along by the first model, which was in `first_box` before it was fitted and placed.
-fn wished(
+fn load_modifiers(
     files: &[PathBuf],
     job: &Job,
     first_box: Option<[[f64; 3]; 2]>,
     plate: &Plate,
 ) -> Result<Plate, JobError> {
-    let mut wished = Plate::default();
-    let (Some([was, was_to]), Some(first)) = (first_box, plate.meshes.first()) else { return Ok(wished) };
+    let mut modifiers = Plate::default();
+    let (Some([was, was_to]), Some(first)) = (first_box, plate.meshes.first()) else { return Ok(modifiers) };
     let [is, is_to] = first.bounds();
     let factor = (0..3).map(|i| (is_to[i] - is[i]) / (was_to[i] - was[i])).fold(0.0, f64::max);
     for file in files {
@@ -134,10 +135,12 @@ fn wished(
         let mut mesh = scaled(mesh, factor)?;
         mesh.shift([0, 1, 2].map(|i| is[i] - factor * was[i]));
         let copies = plate.objects.iter().filter(|object| object.mesh == 0);
-        wished.objects.extend(copies.map(|object| Object { mesh: wished.meshes.len(), ..object.clone() }));
-        wished.meshes.push(mesh);
+        modifiers
+            .objects
+            .extend(copies.map(|object| Object { mesh: modifiers.meshes.len(), ..object.clone() }));
+        modifiers.meshes.push(mesh);
     }
-    Ok(wished)
+    Ok(modifiers)
 }
 
 /// What is in a model, and whether it fits.

@@ -55,7 +55,7 @@ pub(super) fn slice(
     let scripts = Scripts::new(settings, &facts).map_err(|mistakes| JobError::Script(mistakes.join("\n")))?;
     let labels = if settings.gcode.labels { labels(&loaded.plate, &rounds, workers) } else { Vec::new() };
     let names = labels.iter().map(|label| label.name.clone()).collect();
-    let run = Run {
+    let maker = LayerMaker {
         chain: Chain { detours: settings.detour_rule(), ..ordering::chain(settings) },
         motion: MotionSettings::new(settings, &job.pauses),
         machine: Machine::new(settings),
@@ -70,35 +70,42 @@ pub(super) fn slice(
     opening.comment(&pictures);
     let labels = gcode::labels(&options, &labels);
     let inspector = Inspector::new(settings, &opening.bytes);
-    let mut sheet = Sheet { output, inspector, slots: opening.slots, tally: Tally::default(), kept, workers };
-    sheet.output.write(&opening.bytes)?;
-    sheet.write(&labels)?;
-    let begun = scripts.start_effect(&options, &run.machine);
+    let mut writer = PrintWriter {
+        output,
+        inspector,
+        slots: opening.slots,
+        statistics: Statistics::default(),
+        kept,
+        workers,
+    };
+    writer.output.write(&opening.bytes)?;
+    writer.write(&labels)?;
+    let begun = scripts.start_effect(&options, &maker.machine);
     let mut ordered = Vec::new();
     let mut floating_warnings = Vec::new();
-    sheet.tally.add_script(&begun, &run.machine);
+    writer.statistics.add_script(&begun, &maker.machine);
     let (xy, z_mm) = (begun.end.map(|[x, y, _]| [x, y]), begun.end.map_or(0.0, |e| e[2]));
     let start = xy.map(|[x, y]| Point::from_mm(x, y));
     let mut at = Entry { xy, z_mm, ..Entry::default() };
     for round in &rounds {
         at.over_mm = round.over_mm;
         if let Some(name) = &round.name {
-            sheet.write(&gcode::object_comment(name))?;
+            writer.write(&gcode::object_comment(name))?;
         }
         let names = round.sections.objects().iter().map(|&o| loaded.plate.objects[o].name.clone()).collect();
         let layout = settings.plate.keep_layout && loaded.plate.objects.iter().any(|object| object.body > 0);
         let mut floating = Floating::new(&round.sections, names, layout, job.allow_floating);
-        ordered.extend(run.round(round, &mut at, &mut floating, &mut sheet)?);
+        ordered.extend(maker.round(round, &mut at, &mut floating, &mut writer)?);
         floating.finish().map_err(|error| {
             JobError::Input([&[error.to_string()], loaded.hints.as_slice()].concat().join("; "))
         })?;
         floating_warnings.append(&mut floating.warnings);
     }
-    let Sheet { output, mut inspector, slots, mut tally, .. } = sheet;
+    let PrintWriter { output, mut inspector, slots, mut statistics, .. } = writer;
     if let Some([x, y]) = at.xy {
-        tally.add_script(&scripts.end_effect(&options, &run.machine, [x, y, at.z_mm]), &run.machine);
+        statistics.add_script(&scripts.end_effect(&options, &maker.machine, [x, y, at.z_mm]), &maker.machine);
     }
-    let totals = tally.totals();
+    let totals = statistics.totals();
     let closing = gcode::closing(&options, &facts, &scripts, &totals);
     inspector.take(&closing);
     output.write(&closing)?;
@@ -107,7 +114,7 @@ pub(super) fn slice(
         output.patch(slot.offset as u64, &totals.fill(slot, &settings.filament))?;
     }
     if job.certify {
-        tally.certify(ordered, settings, start, workers);
+        statistics.certify(ordered, settings, start, workers);
     }
     warnings.extend(floating_warnings);
     let islands = rounds.iter().map(|round| Islands::find(&round.sections, settings, workers));
@@ -115,7 +122,7 @@ pub(super) fn slice(
     warnings.extend(overhangs.as_ref().and_then(Overhangs::warning));
     let repairs = loaded.repairs;
     warnings.extend(repairs.iter().map(ToString::to_string));
-    let summary = tally.summary(bounds, &facts, &totals, settings, warnings);
+    let summary = statistics.summary(bounds, &facts, &totals, settings, warnings);
     Ok(Summary { repairs, overhangs, ..summary })
 }
 
@@ -148,8 +155,8 @@ fn facts(rounds: &[Round], bounds: Bounds, dated: Option<u64>, settings: &Settin
     }
 }
 
-/// Everything that layers are made with.
-struct Run<'a> {
+/// Makes layers: everything that does not change from layer to layer.
+struct LayerMaker<'a> {
     chain: Chain,
     motion: MotionSettings,
     machine: Machine,
@@ -175,18 +182,18 @@ struct Done {
     layer: Option<PrintLayer>,
 }
 
-/// Where layers are written, and what becomes of them.
-struct Sheet<'a> {
+/// Writes finished layers, checks the text and adds up the statistics.
+struct PrintWriter<'a> {
     output: &'a mut Output,
     inspector: Inspector,
     /// What is known at the end only.
     slots: Vec<Slot>,
-    tally: Tally,
+    statistics: Statistics,
     kept: Option<&'a mut Vec<PrintLayer>>,
     workers: Workers<'a>,
 }
 
-impl Sheet<'_> {
+impl PrintWriter<'_> {
     /// Writes text, checking it.
     fn write(&mut self, text: &[u8]) -> Result<(), JobError> {
         self.inspector.take(text);
@@ -199,7 +206,7 @@ impl Sheet<'_> {
             let base = self.output.written() as usize;
             self.slots.extend(text.progress.map(|slot| Slot { offset: base + slot.offset, ..slot }));
             self.write(&text.bytes)?;
-            self.tally.add(summary);
+            self.statistics.add(summary);
             if let Some(kept) = &mut self.kept {
                 kept.extend(layer);
             }
@@ -209,14 +216,14 @@ impl Sheet<'_> {
     }
 }
 
-/// Where the nozzle is, and what else the layers below leave for those above.
-struct Trail<'a> {
+/// What ordering carries from layer to layer: the seam rule, the sequencer and where the nozzle is.
+struct OrderState<'a> {
     seam: SeamRule,
     sequencer: Sequencer<'a>,
     at: &'a mut Entry,
 }
 
-/// Layers whose ways are known.
+/// Layers whose order is known.
 #[derive(Default)]
 struct Batch {
     layers: Layers,
@@ -232,7 +239,7 @@ impl Batch {
     }
 }
 
-impl Run<'_> {
+impl LayerMaker<'_> {
     /// Takes the layers of a round through all stages, batch by batch: while one is ordered, the next is planned, the one
     /// before gets its moves, and the one before that is checked and written. Returns, if they are to be certified, what
     /// was ordered and where each layer was entered from.
@@ -241,7 +248,7 @@ impl Run<'_> {
         round: &Round,
         at: &mut Entry,
         floating: &mut Floating<'_>,
-        sheet: &mut Sheet<'_>,
+        writer: &mut PrintWriter<'_>,
     ) -> Result<Vec<Ordered>, JobError> {
         let count = round.sections.layers.len();
         let chunk = chunk_len(count);
@@ -253,15 +260,15 @@ impl Run<'_> {
             workers.map(layers, |i| round.sections.paths(&round.planners, first + i, self.settings))
         };
         let sequencer = Sequencer::new(&self.chain, workers, chunk, at.xy.map(|[x, y]| Point::from_mm(x, y)));
-        let mut trail = Trail { seam: SeamRule::new(self.settings.seam.position), sequencer, at };
+        let mut state = OrderState { seam: SeamRule::new(self.settings.seam.position), sequencer, at };
         let (mut planned, mut batch, mut done, mut kept) =
             (plan(0), Batch::default(), Vec::new(), Vec::new());
         // The last batch is written two steps after it is ordered.
         for step in 1..=count.div_ceil(length) + 2 {
             planned.iter().try_for_each(|layer| floating.take(layer))?;
-            let order = || self.order(planned, step * length >= count, &mut trail);
+            let order = || self.order(planned, step * length >= count, &mut state);
             let finish = || workers.map(batch.entries.len(), |i| self.finish(&batch, i, round.first_layer));
-            let write = || sheet.add(done);
+            let write = || writer.add(done);
             // What cannot be divided comes first.
             let beside = || parallel::join(write, || parallel::join(finish, || plan(step * length)));
             let (ordered, (written, (finished, next))) = parallel::join(order, beside);
@@ -275,10 +282,10 @@ impl Run<'_> {
     }
 
     /// Orders layers; the last of them is held back until it is known what comes above it.
-    fn order(&self, paths: Vec<LayerPaths>, last: bool, trail: &mut Trail<'_>) -> Batch {
-        let pins: Vec<Pins> = paths.iter().map(|layer| trail.seam.pins(layer)).collect();
-        let mut layers = trail.sequencer.take(paths, pins, last);
-        // A turn is drawn upwards.
+    fn order(&self, paths: Vec<LayerPaths>, last: bool, state: &mut OrderState<'_>) -> Batch {
+        let pins: Vec<Pins> = paths.iter().map(|layer| state.seam.pins(layer)).collect();
+        let mut layers = state.sequencer.take(paths, pins, last);
+        // A revolution of the spiral is drawn upwards.
         for (sequence, layer) in layers.sequences.iter_mut().zip(&layers.paths) {
             if matches!(layer.kind, LayerKind::Spiral(_)) {
                 *sequence = vec![PathVisit { path: 0, entry: 0 }];
@@ -289,8 +296,8 @@ impl Run<'_> {
             .iter()
             .zip(&layers.sequences)
             .map(|(layer, sequence)| {
-                let next = motion::exit(layer, sequence, trail.at.clone(), &self.motion);
-                std::mem::replace(trail.at, next)
+                let next = motion::exit(layer, sequence, state.at.clone(), &self.motion);
+                std::mem::replace(state.at, next)
             })
             .collect();
         Batch { layers, entries }
@@ -324,15 +331,15 @@ impl Run<'_> {
     }
 }
 
-/// What has been written so far.
+/// Statistics of what has been written so far.
 #[derive(Default)]
-struct Tally {
+struct Statistics {
     layers: Vec<LayerSummary>,
     total: Measures,
     layer_starts: Vec<Seconds>,
 }
 
-impl Tally {
+impl Statistics {
     fn add(&mut self, layer: LayerSummary) {
         self.layer_starts.push(Seconds(self.total.total_s));
         self.total += &layer.measures;

@@ -13,10 +13,10 @@ use crate::output::Output;
 use crate::parallel::{self, Workers};
 use crate::profile::Settings;
 use crate::reorder::{
-    self, Block, Blocks, Habit, Inventory, Learner, Options, Ordering, Pick, Readback, Times, Toll, Walls,
-    Written,
+    self, Block, Blocks, Inventory, Learner, LinkCost, Options, Ordering, Pick, Readback, RetractionStyle,
+    Times, Walls, Written,
 };
-use crate::report::{Reordered, Way};
+use crate::report::{PathMeasures, Reordered};
 use crate::source::{Input, Source};
 use crate::toolpath::LayerPaths;
 
@@ -42,8 +42,10 @@ pub(super) fn reorder(
     output: &mut Output,
     workers: Workers<'_>,
 ) -> Result<Reordered, JobError> {
-    let mut run =
-        Run { more_pulls: job.more_retractions, ..Run::new(settings, job.keep_direction, true, workers) };
+    let mut rewriter = Rewriter {
+        more_retractions: job.more_retractions,
+        ..Rewriter::new(settings, job.keep_direction, true, workers)
+    };
     let begun = source.stamp().map_err(|error| input_error(source, &error))?;
     let machine = tells_time(source)?.then(|| Machine::new(settings));
     let input = Blocks::new(open(source)?).proven(machine.as_ref());
@@ -51,19 +53,20 @@ pub(super) fn reorder(
     let mut readback = Readback::timed(machine.as_ref());
     let mut check = |read: &mut Annotated<'_>, state: &State| judge.see(read, state);
     let back = |text: Box<dyn BufRead + Send + '_>| readback.read(text, &mut check);
-    let mut before = run.rewrite(source, input, back, output)?.unwrap_or_default();
+    let mut before = rewriter.rewrite(source, input, back, output)?.unwrap_or_default();
     let mut after = readback.finish();
     let times = before.take_times().zip(after.take_times());
     let mut report = Reordered { file: source.to_string(), ..Reordered::default() };
-    if run.improved() {
+    if rewriter.improved() {
         let proof = before
             .compare(after)
             .map_err(|difference| JobError::Check(format!("{source}: {difference}; nothing was written")))?;
         let fewer = job.more_retractions || proof.after.retractions <= proof.before.retractions;
         if fewer && proof.after.travel_mm <= proof.before.travel_mm {
-            (report.before, report.after) = (Way::from(&proof.before), Way::from(&proof.after));
+            (report.before, report.after) =
+                (PathMeasures::from(&proof.before), PathMeasures::from(&proof.after));
             (report.layers, report.changed) = (proof.layers, true);
-            update_times(&run.times, times, output)?;
+            update_times(&rewriter.times, times, output)?;
             inspect::remade(source, &judge.finish(), settings)?;
         }
     }
@@ -145,7 +148,7 @@ pub(super) fn rewritten(
     workers: Workers<'_>,
 ) -> Result<(), JobError> {
     let blocks = Blocks::new(open(source)?);
-    Run::new(settings, false, false, workers).rewrite(source, blocks, |_| Ok(()), output).map(drop)
+    Rewriter::new(settings, false, false, workers).rewrite(source, blocks, |_| Ok(()), output).map(drop)
 }
 
 fn open(source: &Source) -> Result<Box<dyn Input>, JobError> {
@@ -177,8 +180,8 @@ impl<R: BufRead> Batches<R> {
     }
 }
 
-/// What goes on from batch to batch.
-struct Run<'a> {
+/// Rewrites a file batch by batch: what goes on from one to the next.
+struct Rewriter<'a> {
     workers: Workers<'a>,
     chain: Chain,
     seam: SeamRule,
@@ -187,10 +190,10 @@ struct Run<'a> {
     /// Whether blocks keep their old order where the new one is not worth it.
     choosy: bool,
     /// Whether retractions may grow in number where that saves more than they cost.
-    more_pulls: bool,
+    more_retractions: bool,
     learner: Learner,
     /// What it has learned.
-    habit: Option<Habit>,
+    style: Option<RetractionStyle>,
     /// What a retraction is worth, mm of travel.
     retraction_mm: f64,
     /// Where the nozzle is, if not where the file has it.
@@ -202,11 +205,11 @@ struct Run<'a> {
     blocks: usize,
     /// Lines about time in the output.
     times: Vec<TimeLine>,
-    before: Toll,
-    after: Toll,
+    before: LinkCost,
+    after: LinkCost,
 }
 
-impl<'a> Run<'a> {
+impl<'a> Rewriter<'a> {
     fn new(settings: &Settings, keep_direction: bool, choosy: bool, workers: Workers<'a>) -> Self {
         Self {
             workers,
@@ -215,29 +218,29 @@ impl<'a> Run<'a> {
             position: settings.seam.position,
             keep_direction,
             choosy,
-            more_pulls: false,
+            more_retractions: false,
             learner: Learner::default(),
-            habit: None,
+            style: None,
             retraction_mm: 0.0,
             at: None,
             marked: false,
             begun: false,
             blocks: 0,
             times: Vec::new(),
-            before: Toll::default(),
-            after: Toll::default(),
+            before: LinkCost::default(),
+            after: LinkCost::default(),
         }
     }
 
     /// Retractions that the file may have.
-    fn most_pulls(&self) -> usize {
-        if self.more_pulls { usize::MAX } else { self.before.pulls }
+    fn max_retractions(&self) -> usize {
+        if self.more_retractions { usize::MAX } else { self.before.retractions }
     }
 
     /// Whether what was written is worth anything.
     fn improved(&self) -> bool {
-        let score = |toll: Toll| toll.score(self.retraction_mm);
-        let limit = Toll { pulls: self.most_pulls(), ..self.before };
+        let score = |cost: LinkCost| cost.score(self.retraction_mm);
+        let limit = LinkCost { retractions: self.max_retractions(), ..self.before };
         self.after.within(limit) && score(self.after) < score(self.before) * (1.0 - WORTHWHILE)
     }
 
@@ -281,13 +284,13 @@ impl<'a> Run<'a> {
     /// Orders and writes some blocks.
     fn batch(&mut self, blocks: &[Block]) -> Vec<Written> {
         if blocks.iter().filter(|block| self.learner.learn(block)).count() > 0 {
-            self.habit = self.learner.habit();
+            self.style = self.learner.style();
         }
-        let habit = self.habit.clone();
+        let style = self.style.clone();
         // What comes before the first mark is no layer of the print.
         self.marked |= blocks.iter().any(Block::marked);
         let (marked, seam) = (self.marked, self.seam.clone());
-        let stays = |block: &Block| habit.is_none() || marked && !block.marked();
+        let stays = |block: &Block| style.is_none() || marked && !block.marked();
         let old = |block: &Block| (0..block.paths()).map(Pick::as_is).collect::<Vec<_>>();
         let mut orders: Vec<Vec<Vec<Pick>>> = vec![blocks.iter().map(old).collect()];
         for &scope in self.scopes() {
@@ -298,8 +301,8 @@ impl<'a> Run<'a> {
             }
             orders.push(picks);
         }
-        let habit = habit.unwrap_or_default();
-        self.retraction_mm = habit.retraction_mm();
+        let style = style.unwrap_or_default();
+        self.retraction_mm = style.retraction_mm();
         let start = self.at.unwrap_or(blocks[0].start());
         let workers = self.workers;
         let walls = walls(blocks, workers);
@@ -308,15 +311,15 @@ impl<'a> Run<'a> {
             false => blocks.iter().position(|block| block.paths() > 0).map_or(blocks.len(), |i| i + 1),
         };
         self.begun |= silent < blocks.len();
-        let batch = Batch { workers, blocks, orders, habit, walls, start, silent };
+        let batch = Batch { workers, blocks, orders, style, walls, start, silent };
         for (i, block) in blocks.iter().enumerate() {
-            let [junction, inside] = block.tolls();
+            let [junction, inside] = block.costs();
             self.before += batch.heard(i, junction) + inside;
         }
         let (chosen, written) = if self.choosy {
-            let limit = Toll {
+            let limit = LinkCost {
                 travel_mm: self.before.travel_mm - self.after.travel_mm,
-                pulls: self.most_pulls().saturating_sub(self.after.pulls),
+                retractions: self.max_retractions().saturating_sub(self.after.retractions),
             };
             batch.best(limit, self.retraction_mm)
         } else {
@@ -386,18 +389,18 @@ struct Batch<'a> {
     blocks: &'a [Block],
     /// The paths of every block in several orders, the first being that of the file.
     orders: Vec<Vec<Vec<Pick>>>,
-    habit: Habit,
+    style: RetractionStyle,
     /// The walls of each layer, with the blocks that make it up.
     walls: Vec<(Range<usize>, Walls)>,
     /// Where the nozzle is before the first block.
     start: [i64; 2],
-    /// So many blocks at the beginning come before the first bead: the way to them is no travel.
+    /// So many blocks at the beginning come before the first bead: the move to them is no travel.
     silent: usize,
 }
 
 impl Batch<'_> {
     /// The best choice of orders within a limit, and the text of every block.
-    fn best(&self, limit: Toll, retraction_mm: f64) -> (Vec<usize>, Vec<Written>) {
+    fn best(&self, limit: LinkCost, retraction_mm: f64) -> (Vec<usize>, Vec<Written>) {
         let (workers, count, orders) = (self.workers, self.blocks.len(), self.orders.len());
         let mut written: Vec<Vec<Written>> =
             (1..orders).map(|order| workers.map(count, |i| self.write(order, order, i))).collect();
@@ -421,14 +424,14 @@ impl Batch<'_> {
     /// A block's text in an order, the block before being drawn in the order `before`.
     fn write(&self, before: usize, order: usize, i: usize) -> Written {
         let from = self.end(before, i);
-        reorder::write(&self.blocks[i], &self.orders[order][i], from, &self.habit, self.walls(i))
+        reorder::write(&self.blocks[i], &self.orders[order][i], from, &self.style, self.walls(i))
     }
 
     /// What a block comes to in each order; `written`: all blocks in each of the new orders.
     fn options(&self, written: &[Vec<Written>], i: usize) -> Options {
         let junction = |before: usize, order: usize| {
             let (from, picks) = (self.end(before, i), &self.orders[order][i]);
-            reorder::junction(&self.blocks[i], picks, from, &self.habit, self.walls(i))
+            reorder::junction(&self.blocks[i], picks, from, &self.style, self.walls(i))
         };
         let row = |before: usize| {
             let to = |order: usize| match order == before && order > 0 {
@@ -440,14 +443,14 @@ impl Batch<'_> {
         let befores = if i == 0 { 1 } else { self.orders.len() };
         let new = written.iter().map(|written| written[i].inside);
         Options {
-            inside: std::iter::once(self.blocks[i].tolls()[1]).chain(new).collect(),
+            inside: std::iter::once(self.blocks[i].costs()[1]).chain(new).collect(),
             junction: (0..befores).map(row).collect(),
         }
     }
 
-    /// What a way to a block counts.
-    fn heard(&self, i: usize, junction: Toll) -> Toll {
-        if i < self.silent { Toll::default() } else { junction }
+    /// What the travel to a block counts.
+    fn heard(&self, i: usize, junction: LinkCost) -> LinkCost {
+        if i < self.silent { LinkCost::default() } else { junction }
     }
 
     /// Where the nozzle is before a block, if the one before is drawn in this order.

@@ -104,7 +104,7 @@ impl Round {
         let name = (objects.len() < loaded.plate.objects.len()).then(|| names(&loaded.plate, &objects));
         let styles = loaded.styles.of(&objects);
         let slicer = Slicer::new(plate, &load::layers(settings));
-        let mut sections = Sections::cut(&slicer, objects, &styles, &loaded.wishes, settings, workers)?;
+        let mut sections = Sections::cut(&slicer, objects, &styles, &loaded.modifiers, settings, workers)?;
         if sections.bounds().is_none() {
             return Ok(None);
         }

@@ -83,7 +83,7 @@ impl Sections {
             // The lowest layer is level in any case: the nozzle cannot begin in the bed.
             let part_mm = heights_mm.get(raft_layers..).unwrap_or_default();
             let first = raft_layers + toolpath::bottom_layers(part_mm, &settings.shell).max(1);
-            sections.spiral = Some(Spiral::wind(&sections.layers, count, first, settings, workers)?);
+            sections.spiral = Some(Spiral::new(&sections.layers, count, first, settings, workers)?);
         }
         sections.shells = (0..count)
             .map(|object| {

@@ -1,4 +1,4 @@
-//! Winds a whole print into one spiral on its solid bottom.
+//! Makes one spiral of a whole print on its solid bottom.
 
 use std::borrow::Cow;
 
@@ -6,18 +6,18 @@ use crate::job::JobError;
 use crate::profile::Settings;
 use crate::slice::{Layer, LayerSpan};
 use crate::toolpath::{
-    self, Island, IslandId, LayerKind, LayerPaths, Path, Phase, Role, SpiralSpec, Turn, Width,
+    self, Island, IslandId, LayerKind, LayerPaths, Path, Phase, Revolution, Role, SpiralSpec, Width,
 };
 use crate::units::Ratio;
 use geometry::{Region, Ring};
 
 use crate::parallel::Workers;
 
-/// Layers above the bottom as turns.
+/// Layers above the bottom as revolutions.
 pub(crate) struct Spiral {
-    /// The layer of the first turn.
+    /// The layer of the first revolution.
     first: usize,
-    turns: Vec<Turn>,
+    revolutions: Vec<Revolution>,
     width_mm: f64,
     /// What the user should know of what is not printed.
     pub warning: Option<String>,
@@ -37,11 +37,11 @@ pub(crate) fn effective(settings: &Settings) -> Cow<'_, Settings> {
 }
 
 impl Spiral {
-    /// Winds the layers from `first` on.
+    /// Makes a spiral of the layers from `first` on.
     ///
     /// # Errors
     /// More than one object is on the plate, or a layer in the middle has no outline to follow.
-    pub fn wind(
+    pub fn new(
         layers: &[Layer],
         objects: usize,
         first: usize,
@@ -70,20 +70,20 @@ impl Spiral {
         let mut outlines: Vec<Ring> = outlines.into_iter().flatten().collect();
         let warning = warning(body, outlines.len());
         toolpath::align(&mut outlines);
-        let mut turns = workers.map(outlines.len(), |i| {
+        let mut revolutions = workers.map(outlines.len(), |i| {
             let below = i.checked_sub(1).map(|below| outlines[below].as_slice());
-            toolpath::turn(&outlines[i], below, body[i].span.height_mm, &spec)
+            toolpath::revolution(&outlines[i], below, body[i].span.height_mm, &spec)
         });
-        if let (Some(last), Some(outline)) = (turns.last_mut(), outlines.last()) {
+        if let (Some(last), Some(outline)) = (revolutions.last_mut(), outlines.last()) {
             last.extend(toolpath::level(outline));
         }
-        Ok(Self { first, turns, width_mm: spec.width_mm, warning })
+        Ok(Self { first, revolutions, width_mm: spec.width_mm, warning })
     }
 
-    /// The turn of a layer; `None`: it belongs to the bottom.
+    /// The revolution of a layer; `None`: it belongs to the bottom.
     pub fn layer(&self, span: &LayerSpan, section: &Region, beneath: &Region) -> Option<LayerPaths> {
-        let turn = self.turns.get(span.index.checked_sub(self.first)?);
-        let Turn { points, rises } = turn.cloned().unwrap_or_default();
+        let revolution = self.revolutions.get(span.index.checked_sub(self.first)?);
+        let Revolution { points, rises } = revolution.cloned().unwrap_or_default();
         let path = Path {
             role: Role::ExternalPerimeter,
             closed: false,
@@ -112,7 +112,7 @@ fn section(layer: &Layer) -> &Region {
 }
 
 /// Tells of parts beside the one that is followed, and of a tip too thin for the line.
-fn warning(body: &[Layer], wound: usize) -> Option<String> {
+fn warning(body: &[Layer], revolutions: usize) -> Option<String> {
     let mut split = body.iter().filter(|layer| section(layer).polygons.len() > 1);
     let mut parts = Vec::new();
     if let Some(first) = split.next() {
@@ -122,7 +122,7 @@ fn warning(body: &[Layer], wound: usize) -> Option<String> {
             first.span.top_mm
         ));
     }
-    if let Some(tip) = body.get(wound) {
+    if let Some(tip) = body.get(revolutions) {
         parts.push(format!(
             "from {:.2} mm on the model is thinner than the line and left out",
             tip.span.bottom_mm

@@ -6,7 +6,9 @@ use crate::report::Overhangs;
 use crate::slice::LayerSettings;
 use crate::slice::{self, Layer, LayerSpan, Slicer};
 use crate::toolpath::Path;
-use crate::toolpath::support::{self, Bitmap, ColumnSpec, Grid, Ground, Outlines, Overhang, Slab, Wishes};
+use crate::toolpath::support::{
+    self, Bitmap, ColumnSpec, Grid, Ground, Outlines, Overhang, Slab, SupportModifiers,
+};
 use crate::toolpath::{SupportSettings, SupportStyle};
 use crate::units::Mm;
 use geometry::{Bounds, Polygon, Region, offset, simplify, union_all};
@@ -34,17 +36,17 @@ pub(crate) struct Supports {
 impl Supports {
     /// Finds what hangs in the air and stands supports under it.
     ///
-    /// `layers` are the part's, without a raft; `wishes` the bodies in which support is enforced and blocked.
+    /// `layers` are the part's, without a raft; `modifiers` the enforcers and the blockers.
     pub fn plan(
         layers: &[Layer],
         bounds: Bounds,
-        wishes: &[Plate; 2],
+        modifiers: &[Plate; 2],
         settings: &Settings,
         workers: Workers<'_>,
     ) -> Self {
         let (count, support) = (layers.len(), &settings.support);
         let Hanging { grid, rough, solid, held, heights_mm, height_mm } =
-            Hanging::find(layers, bounds, wishes, settings, support, workers);
+            Hanging::find(layers, bounds, modifiers, settings, support, workers);
         let spec = ColumnSpec {
             gap_layers: (0..count).map(|i| gap_layers(&heights_mm[..i], support.z_gap.0)).collect(),
             interface_layers: support.interface_layers as usize,
@@ -153,7 +155,7 @@ impl Hanging {
     fn find(
         layers: &[Layer],
         bounds: Bounds,
-        wishes: &[Plate; 2],
+        modifiers: &[Plate; 2],
         settings: &Settings,
         support: &SupportSettings,
         workers: Workers<'_>,
@@ -164,15 +166,15 @@ impl Hanging {
         let solid = workers.map(count, |i| Bitmap::of(grid, &sections[i]));
         let rough = workers.map(count, |i| simplify(&sections[i], support::ROUGH_MM));
         let slab = |i: usize| Slab { section: &sections[i], rough: &rough[i], solid: &solid[i] };
-        let [enforced, blocked] = wishes.each_ref().map(|plate| bodies(plate, layers, settings, workers));
+        let [enforced, blocked] = modifiers.each_ref().map(|plate| bodies(plate, layers, settings, workers));
         // What lies on the bed hangs nowhere, nor does what lies on its like.
         let found: Vec<Overhang> = workers.map(count, |i| {
             if enforced.is_empty() && sections[i] == sections[i.saturating_sub(1)] {
                 return Overhang { leaning: Bitmap::empty(grid), must: Bitmap::empty(grid) };
             }
             let [enforced, blocked] = [&enforced, &blocked].map(|r| r.get(i).unwrap_or(Region::EMPTY));
-            let wishes = Wishes { enforced, blocked };
-            support::find(slab(i), slab(i.saturating_sub(1)), layers[i].span.height_mm, wishes, support)
+            let modifiers = SupportModifiers { enforced, blocked };
+            support::find(slab(i), slab(i.saturating_sub(1)), layers[i].span.height_mm, modifiers, support)
         });
         let spans: Vec<LayerSpan> = layers.iter().map(|layer| layer.span).collect();
         let heights_mm = slice::heights_mm(&spans, &settings.layer);

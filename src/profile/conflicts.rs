@@ -140,7 +140,7 @@ fn amounts(settings: &Settings, check: &mut Check) {
     if infill.combine_layers > 1 && settings.layer.height * 2.0 > settings.printer.nozzle_diameter {
         check.warn(
             &["infill.combine_layers", "layer.height", "printer.nozzle_diameter"],
-            "no layers are combined: two of them are higher than the nozzle's bore",
+            "no layers are combined: two of them are higher than the nozzle's diameter",
         );
     }
     let margin = settings.brim.width + settings.brim.gap + settings.skirt.distance;

@@ -103,8 +103,8 @@ fn prime_line(c: &Context) -> ([f64; 2], [f64; 2]) {
 fn prime_filament_mm(settings: &Settings, bed: &Bed) -> f64 {
     let ([from, to], _) = bed.front_line();
     let section = settings.layer.first_height.0 * prime_width_mm(settings);
-    let strand = PI * (settings.filament.diameter.0 / 2.0).powi(2);
-    (to - from) * section * settings.filament.flow / strand
+    let filament_mm2 = PI * (settings.filament.diameter.0 / 2.0).powi(2);
+    (to - from) * section * settings.filament.flow / filament_mm2
 }
 
 /// Height to lift to at the end: clear of the print and handy to reach, inside the machine.
@@ -146,10 +146,10 @@ placeholders! {
     "layer_height", "height of the layers from the second on, mm": |c| number(c.settings.layer.height.0);
     "first_layer_height", "height of the first layer, mm": |c| number(c.settings.layer.first_height.0);
     "first_layer_z", "Z of the first layer, with the Z offset": |c| number(first_z(c.settings));
-    "nozzle_diameter", "bore of the nozzle, mm": |c| number(c.settings.printer.nozzle_diameter.0);
+    "nozzle_diameter", "diameter of the nozzle, mm": |c| number(c.settings.printer.nozzle_diameter.0);
     "filament", "material, such as PLA": |c| one_line(&c.settings.filament.material);
     "printer", "name of the printer": |c| one_line(&c.settings.printer.name);
-    "filament_diameter", "diameter of the strand, mm": |c| number(c.settings.filament.diameter.0);
+    "filament_diameter", "diameter of the filament, mm": |c| number(c.settings.filament.diameter.0);
     "retract_length", "filament pulled back at a retraction, mm": |c| number(c.settings.retract.length.0);
     "retract_f", "feed rate of retractions, mm/min": |c| number(c.settings.retract.speed.0 * 60.0);
     "travel_f", "feed rate of travel in X and Y, mm/min": |c| number(c.settings.speed.travel.0 * 60.0);

@@ -2,9 +2,9 @@
 
 use std::ops::Range;
 
+use super::link_cost::LinkCost;
 use super::slice::Slice;
 use super::state::{Key, States};
-use super::toll::Toll;
 use crate::toolpath::Role;
 use geometry::Point;
 
@@ -187,24 +187,24 @@ impl Block {
         std::iter::once(from).chain(self.segs[path.segs.clone()].iter().map(|seg| seg.to)).map(|p| self.mm(p))
     }
 
-    /// What the file's own way costs up to the first path, and from there on.
-    pub fn tolls(&self) -> [Toll; 2] {
+    /// What the file's own travel costs up to the first path, and from there on.
+    pub fn costs(&self) -> [LinkCost; 2] {
         [&self.junction, &self.links].map(|tokens| {
-            let (mut toll, mut pulled) = (Toll::default(), false);
+            let (mut cost, mut pulled) = (LinkCost::default(), false);
             for token in tokens {
                 if matches!(token.kind, Kind::Travel | Kind::Wipe) {
-                    toll.travel_mm += token.xy_mm;
+                    cost.travel_mm += token.xy_mm;
                 }
                 match token.kind {
                     Kind::Pull | Kind::Wipe | Kind::FirmwarePull => {
-                        toll.pulls += usize::from(!pulled);
+                        cost.retractions += usize::from(!pulled);
                         pulled = true;
                     }
                     Kind::Push | Kind::FirmwarePush | Kind::Fixed => pulled = false,
                     _ => {}
                 }
             }
-            toll
+            cost
         })
     }
 }

@@ -1,4 +1,4 @@
-//! Outer walls, which a nozzle that oozes must not cross, and ways around them.
+//! Outer walls, which an oozing nozzle must not cross, and detours around them.
 
 use std::sync::OnceLock;
 
@@ -10,17 +10,17 @@ use geometry::{
 
 /// Gaps of seams are closed up to this, mm.
 const SEAM_GAP_MM: f64 = 1.0;
-/// Crossings this near to an end of the way are that end's own wall, mm.
+/// Crossings this near to an end of a travel are that end's own wall, mm.
 const OWN_WALL_MM: f64 = 0.25;
-/// Ways around keep this far from the middle of the walls, mm: over the next bead inside, or else, where it is
+/// Detours keep this far from the middle of the walls, mm: over the next bead inside, or else, where it is
 /// narrow, between two beads that touch.
 const CLEARANCES_MM: [f64; 2] = [0.4, 0.15];
-/// How far the way along the inside of a wall may be from where it is entered, mm.
+/// How far the route along the inside of a wall may be from where it is entered, mm.
 const REACH_MM: f64 = 1.5;
 
-/// How a straight way lies to the walls of its layer.
+/// How a straight travel lies relative to the walls of its layer.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Way {
+pub(super) enum TravelKind {
     /// Within one part.
     Inside,
     /// Through the open, touching no part.
@@ -78,23 +78,23 @@ impl Walls {
         self.rings.is_empty()
     }
 
-    /// How the straight way between two points lies.
-    pub(super) fn way(&self, a: Point, b: Point) -> Way {
+    /// How the straight travel between two points lies.
+    pub(super) fn classify(&self, a: Point, b: Point) -> TravelKind {
         let pieces = self.clipper.clip(&[a, b]);
-        let (Some(first), Some(last)) = (pieces.first(), pieces.last()) else { return Way::Outside };
+        let (Some(first), Some(last)) = (pieces.first(), pieces.last()) else { return TravelKind::Outside };
         let (enter, leave) = (first.points[0], last.points[last.points.len() - 1]);
         let own =
             pieces.len() == 1 && enter.distance_mm(a) < OWN_WALL_MM && leave.distance_mm(b) < OWN_WALL_MM;
         let length_mm: f64 =
             pieces.iter().map(|p| p.points[0].distance_mm(p.points[p.points.len() - 1])).sum();
         match own {
-            true => Way::Inside,
-            false if length_mm < OWN_WALL_MM => Way::Outside,
-            false => Way::Crosses,
+            true => TravelKind::Inside,
+            false if length_mm < OWN_WALL_MM => TravelKind::Outside,
+            false => TravelKind::Crosses,
         }
     }
 
-    /// The corners of a way inside the part from one point to another whose straight way crosses walls, if there is
+    /// The corners of a route inside the part from one point to another whose straight line crosses walls, if there is
     /// one that goes along the walls and is not too long.
     pub fn around(&self, a: Point, b: Point) -> Option<Vec<Point>> {
         self.insets.iter().zip(CLEARANCES_MM).find_map(|(inset, clearance_mm)| {
@@ -104,49 +104,49 @@ impl Walls {
 
     fn around_in(&self, inset: &Inset, a: Point, b: Point) -> Option<Vec<Point>> {
         let pieces = inset.clipper.clip(&[a, b]);
-        let mut way = vec![a];
-        // Where the way has left the inset and must go along its boundary.
+        let mut route = vec![a];
+        // Where the route has left the inset and must go along its boundary.
         let mut left = match pieces.first().map(|piece| piece.ends[0]) {
             Some(None) => None,
             _ => Some(inset.nearest(a)?),
         };
         for piece in &pieces {
             if let (Some(from), Some(to)) = (left, piece.ends[0]) {
-                along(&inset.boundary, from, to, &mut way)?;
+                along(&inset.boundary, from, to, &mut route)?;
             }
-            way.extend([piece.points[0], piece.points[piece.points.len() - 1]]);
+            route.extend([piece.points[0], piece.points[piece.points.len() - 1]]);
             left = piece.ends[1];
         }
         if let Some(from) = left {
-            along(&inset.boundary, from, inset.nearest(b)?, &mut way)?;
+            along(&inset.boundary, from, inset.nearest(b)?, &mut route)?;
         }
-        way.push(b);
-        way.dedup();
-        let way = self.pulled_tight(&way)?;
-        let length_mm: f64 = way.windows(2).map(|w| w[0].distance_mm(w[1])).sum();
-        (length_mm < 2.0 * a.distance_mm(b) + 10.0).then(|| way[1..way.len() - 1].to_vec())
+        route.push(b);
+        route.dedup();
+        let route = self.pulled_tight(&route)?;
+        let length_mm: f64 = route.windows(2).map(|w| w[0].distance_mm(w[1])).sum();
+        (length_mm < 2.0 * a.distance_mm(b) + 10.0).then(|| route[1..route.len() - 1].to_vec())
     }
 
-    /// Leaves out corners that are not needed. `None` where a part of the way crosses a wall after all.
-    fn pulled_tight(&self, way: &[Point]) -> Option<Vec<Point>> {
-        let free = |i: usize, j: usize| self.way(way[i], way[j]) == Way::Inside;
-        let mut out = vec![way[0]];
+    /// Leaves out corners that are not needed. `None` where a part of the route crosses a wall after all.
+    fn pulled_tight(&self, route: &[Point]) -> Option<Vec<Point>> {
+        let free = |i: usize, j: usize| self.classify(route[i], route[j]) == TravelKind::Inside;
+        let mut out = vec![route[0]];
         let mut at = 0;
-        while at + 1 < way.len() {
+        while at + 1 < route.len() {
             let mut step = 1;
             if !free(at, at + 1) {
                 return None;
             }
-            while at + 2 * step < way.len() && free(at, at + 2 * step) {
+            while at + 2 * step < route.len() && free(at, at + 2 * step) {
                 step *= 2;
             }
-            let (mut good, mut bad) = (step, (2 * step).min(way.len() - at));
+            let (mut good, mut bad) = (step, (2 * step).min(route.len() - at));
             while good + 1 < bad {
                 let middle = good.midpoint(bad);
                 if free(at, at + middle) { good = middle } else { bad = middle }
             }
             at += good;
-            out.push(way[at]);
+            out.push(route[at]);
         }
         Some(out)
     }
@@ -176,7 +176,7 @@ impl Walls {
 }
 
 impl Inset {
-    /// The place on the boundary nearest to a point, if it is near enough.
+    /// The position on the boundary nearest to a point, if it is near enough.
     fn nearest(&self, p: Point) -> Option<BoundaryPos> {
         let mut best: Option<(f64, BoundaryPos)> = None;
         for (ring_index, ring) in self.region.rings().enumerate() {
@@ -211,10 +211,10 @@ fn foot(a: Point, b: Point, share: f64) -> Point {
 }
 
 /// Goes along the boundary, the shorter way round. `None` where that is not possible.
-fn along(boundary: &Boundary<'_>, from: BoundaryPos, to: BoundaryPos, way: &mut Vec<Point>) -> Option<()> {
-    let forward_mm = boundary.way_mm(from, to)?;
+fn along(boundary: &Boundary<'_>, from: BoundaryPos, to: BoundaryPos, route: &mut Vec<Point>) -> Option<()> {
+    let forward_mm = boundary.forward_mm(from, to)?;
     let forward = forward_mm <= boundary.ring_length_mm(from.ring) - forward_mm;
-    way.extend(boundary.vertices_between(from, to, forward));
+    route.extend(boundary.vertices_between(from, to, forward));
     Some(())
 }
 
@@ -224,7 +224,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_way_around_is_found_through_a_strip_of_two_beads() {
+    fn a_detour_is_found_through_a_strip_of_two_beads() {
         // A U whose legs are 0.5 mm wide.
         let mut text = String::from("M83\n;TYPE:WALL-OUTER\nG1 X0 Y0 F900\n");
         for (x, y) in
@@ -235,9 +235,12 @@ mod tests {
         let block = Blocks::new(text.as_bytes()).read().expect("read").expect("a block");
         let walls = Walls::new([&block].into_iter());
         let [a, b] = [0.25, 3.75].map(|x| Point::from_mm(x, 3.5));
-        assert_eq!(walls.way(a, b), Way::Crosses);
-        let corners = walls.around(a, b).expect("a way");
-        let way: Vec<Point> = [a].into_iter().chain(corners).chain([b]).collect();
-        assert!(way.len() > 3 && way.windows(2).all(|w| walls.way(w[0], w[1]) == Way::Inside), "{way:?}");
+        assert_eq!(walls.classify(a, b), TravelKind::Crosses);
+        let corners = walls.around(a, b).expect("a route");
+        let route: Vec<Point> = [a].into_iter().chain(corners).chain([b]).collect();
+        assert!(
+            route.len() > 3 && route.windows(2).all(|w| walls.classify(w[0], w[1]) == TravelKind::Inside),
+            "{route:?}"
+        );
     }
 }

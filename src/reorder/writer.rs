@@ -3,13 +3,13 @@
 use memchr::memchr3;
 
 use super::block::{Block, Frame, Kind, Path, Seg, Token};
-use super::habit::{Habit, Retract};
+use super::link_cost::LinkCost;
 use super::problem::Pick;
+use super::retraction::{Retract, RetractionStyle};
 use super::state::{Key, States};
 use super::ticks::{push_word, ticks, units};
 use super::times::is_understood;
-use super::toll::Toll;
-use super::walls::{Walls, Way};
+use super::walls::{TravelKind, Walls};
 use crate::gcode::Line;
 use geometry::Point;
 
@@ -25,9 +25,9 @@ pub struct Written {
     /// some blanks behind them as room for other numbers.
     pub times: Vec<(usize, usize)>,
     /// What it costs to come to its first path.
-    pub junction: Toll,
+    pub junction: LinkCost,
     /// What it costs from there on.
-    pub inside: Toll,
+    pub inside: LinkCost,
 }
 
 /// Where a block's text ends: the last stroke of its last path; of one without paths, as in the file.
@@ -50,11 +50,17 @@ pub(super) fn ends(block: &Block, pick: &Pick) -> ([i64; 2], [i64; 2]) {
 
 /// Writes a block whose paths are drawn as `picks` say, the nozzle coming from `from`. At its end everything is as the
 /// file has it there, but for the nozzle's place in X and Y.
-pub fn write(block: &Block, picks: &[Pick], from: [i64; 2], habit: &Habit, walls: &Walls) -> Written {
-    let mut writer = Writer::new(block, from, habit, walls);
+pub fn write(
+    block: &Block,
+    picks: &[Pick],
+    from: [i64; 2],
+    style: &RetractionStyle,
+    walls: &Walls,
+) -> Written {
+    let mut writer = Writer::new(block, from, style, walls);
     writer.out.reserve(block.text.len() + 256);
     writer.junction(picks.first());
-    let junction = std::mem::take(&mut writer.toll);
+    let junction = std::mem::take(&mut writer.cost);
     for (index, pick) in picks.iter().enumerate() {
         if index > 0 {
             writer.link(&picks[index - 1], pick);
@@ -64,19 +70,25 @@ pub fn write(block: &Block, picks: &[Pick], from: [i64; 2], habit: &Habit, walls
     if !picks.is_empty() {
         writer.close();
     }
-    Written { bytes: writer.out, times: writer.times, junction, inside: writer.toll }
+    Written { bytes: writer.out, times: writer.times, junction, inside: writer.cost }
 }
 
 /// What it costs to come to the first of a block's paths, the nozzle coming from `from`.
-pub fn junction(block: &Block, picks: &[Pick], from: [i64; 2], habit: &Habit, walls: &Walls) -> Toll {
-    let mut writer = Writer::new(block, from, habit, walls);
+pub fn junction(
+    block: &Block,
+    picks: &[Pick],
+    from: [i64; 2],
+    style: &RetractionStyle,
+    walls: &Walls,
+) -> LinkCost {
+    let mut writer = Writer::new(block, from, style, walls);
     writer.junction(picks.first());
-    writer.toll
+    writer.cost
 }
 
 struct Writer<'a> {
     block: &'a Block,
-    habit: &'a Habit,
+    style: &'a RetractionStyle,
     walls: &'a Walls,
     eol: &'static [u8],
     out: Vec<u8>,
@@ -97,16 +109,16 @@ struct Writer<'a> {
     pulled: bool,
     /// Whether there was no bead yet: nothing can ooze.
     dry: bool,
-    toll: Toll,
+    cost: LinkCost,
 }
 
 impl<'a> Writer<'a> {
-    fn new(block: &'a Block, from: [i64; 2], habit: &'a Habit, walls: &'a Walls) -> Self {
+    fn new(block: &'a Block, from: [i64; 2], style: &'a RetractionStyle, walls: &'a Walls) -> Self {
         let first_line = block.text[block.body..].split(|b| *b == b'\n').next();
         let crlf = first_line.is_some_and(|line| line.ends_with(b"\r"));
         Self {
             block,
-            habit,
+            style,
             walls,
             eol: if crlf { b"\r\n" } else { b"\n" },
             out: Vec::new(),
@@ -121,18 +133,18 @@ impl<'a> Writer<'a> {
             last: None,
             pulled: false,
             dry: !block.begun,
-            toll: Toll::default(),
+            cost: LinkCost::default(),
         }
     }
 
-    /// What stays where it is, and the way to the first path.
+    /// What stays where it is, and the travel to the first path.
     fn junction(&mut self, first: Option<&Pick>) {
         let block = self.block;
         let tokens = &block.junction;
         let before = block.before.at;
         let target = first.map(|pick| ends(block, pick).0);
         let moved = self.at != before;
-        // All up to what draws, or moves in ways of its own, is as it was.
+        // All up to what draws, or moves in some other manner, is as it was.
         let mut fixed = if target.is_none() { tokens.len() } else { 0 };
         for (index, token) in tokens.iter().enumerate() {
             if token.kind == Kind::Fixed || places(self.barrier_code(token)) {
@@ -185,7 +197,7 @@ impl<'a> Writer<'a> {
         }
     }
 
-    /// The way from one path to the next.
+    /// The travel from one path to the next.
     fn link(&mut self, from: &Pick, to: &Pick) {
         let block = self.block;
         let path = &block.paths[to.path];
@@ -207,7 +219,7 @@ impl<'a> Writer<'a> {
             self.state = self.state.with_commands_of(&wanted);
             self.entered = None;
         }
-        // Backwards along the way that the file itself went.
+        // Backwards along the path that the file itself took.
         if from.path == to.path + 1 && from.reversed && start == block.end(path) && after == before.from {
             let link = &block.links[before.link.clone()];
             let moves = |t: &&Token| t.kind == Kind::Travel;
@@ -299,7 +311,7 @@ impl<'a> Writer<'a> {
             self.f(after.feed);
             self.end_line();
         }
-        // What was said on the way is said behind it, the last of each kind.
+        // What was written during the travel is written after it, the last of each kind.
         let letters = |token: &Token| {
             let line = token.line.of(&block.text).iter();
             line.copied().filter(u8::is_ascii_alphabetic).collect::<Vec<u8>>()
@@ -350,7 +362,7 @@ impl<'a> Writer<'a> {
             _ => {}
         }
         if matches!(token.kind, Kind::Travel | Kind::Wipe) {
-            self.toll.travel_mm += self.distance_mm([token.to[0], token.to[1]]);
+            self.cost.travel_mm += self.distance_mm([token.to[0], token.to[1]]);
         }
         // A line without coordinates leaves the nozzle where it is, wherever that was in the file.
         match token.kind {
@@ -400,20 +412,20 @@ impl<'a> Writer<'a> {
     }
 
     fn pull_counted(&mut self) {
-        self.toll.pulls += usize::from(!self.pulled);
+        self.cost.retractions += usize::from(!self.pulled);
         self.pulled = true;
     }
 
     /// Pulls back standing still what the file pulled back while wiping somewhere else.
     fn pull_in_place(&mut self, token: &Token) {
-        let feed = self.habit.retract.as_ref().map_or(token.feed, |r| {
+        let feed = self.style.retract.as_ref().map_or(token.feed, |r| {
             [r.after.1, r.before.1, r.push.1].into_iter().find(|f| *f > 0).unwrap_or(token.feed)
         });
         self.feed_filament(token.e, feed);
         self.pull_counted();
     }
 
-    /// The way to a place, retracted where the file would have done so. `as_was`: the travel in whose place it is.
+    /// A travel to a position, retracted where the file would have done so. `as_was`: the travel that it replaces.
     fn go(&mut self, to: [i64; 2], as_was: Option<&Token>) {
         let z = as_was.map_or(self.at[2], |t| t.to[2]);
         let [a, b] = [[self.at[0], self.at[1]], to].map(|p| self.mm(p)).map(|[x, y]| Point::from_mm(x, y));
@@ -421,15 +433,15 @@ impl<'a> Writer<'a> {
             return;
         }
         let length_mm = a.distance_mm(b);
-        let (far, habit) = (length_mm >= self.habit.threshold_mm, self.habit);
-        let way = if self.walls.is_empty() { None } else { Some(self.walls.way(a, b)) };
-        let goes_round = way == Some(Way::Crosses) && (habit.combs || habit.rounds);
+        let (far, style) = (length_mm >= self.style.threshold_mm, self.style);
+        let kind = if self.walls.is_empty() { None } else { Some(self.walls.classify(a, b)) };
+        let goes_round = kind == Some(TravelKind::Crosses) && (style.combs || style.rounds);
         let corners = goes_round.then(|| self.walls.around(a, b)).flatten();
-        let retract = match way {
+        let retract = match kind {
             _ if self.pulled || self.dry => None,
-            None | Some(Way::Outside) => habit.retract.as_ref().filter(|_| far),
-            Some(Way::Inside) => habit.retract.as_ref().filter(|_| far && !habit.combs),
-            Some(Way::Crosses) => habit.retract.as_ref().filter(|_| corners.is_none() || !habit.combs),
+            None | Some(TravelKind::Outside) => style.retract.as_ref().filter(|_| far),
+            Some(TravelKind::Inside) => style.retract.as_ref().filter(|_| far && !style.combs),
+            Some(TravelKind::Crosses) => style.retract.as_ref().filter(|_| corners.is_none() || !style.combs),
         };
         let level = self.at[2];
         let mut height = z;
@@ -442,7 +454,7 @@ impl<'a> Writer<'a> {
         }
         for corner in corners.into_iter().flatten() {
             let corner = corner.mm().map(|mm| rounded(mm / self.frame.scale));
-            self.travel_to(corner, height, habit.travel_feed);
+            self.travel_to(corner, height, style.travel_feed);
         }
         match as_was {
             Some(token) if retract.is_none_or(|r| r.hop.is_none()) && z != self.at[2] => {
@@ -493,8 +505,8 @@ impl<'a> Writer<'a> {
         if amount <= 0 {
             return;
         }
-        let way = self.way_back(retract.wipe_mm);
-        let mut left_mm: f64 = way.windows(2).map(|w| self.between_mm(w[0], w[1])).sum();
+        let path = self.wipe_path(retract.wipe_mm);
+        let mut left_mm: f64 = path.windows(2).map(|w| self.between_mm(w[0], w[1])).sum();
         if left_mm <= 0.0 {
             return self.feed_filament(-amount, feed);
         }
@@ -503,7 +515,7 @@ impl<'a> Writer<'a> {
             self.end_line();
         }
         let mut left = amount;
-        for w in way.windows(2) {
+        for w in path.windows(2) {
             let length_mm = self.between_mm(w[0], w[1]);
             // To a hundred-thousandth; the last one gets the rest.
             let share = if length_mm >= left_mm {
@@ -512,7 +524,7 @@ impl<'a> Writer<'a> {
                 (left as f64 * length_mm / left_mm / 10.0).round() as i64 * 10
             };
             (left, left_mm) = (left - share, left_mm - length_mm);
-            self.toll.travel_mm += length_mm;
+            self.cost.travel_mm += length_mm;
             self.out.extend_from_slice(b"G1");
             self.xy(w[1]);
             self.e_word(-share);
@@ -527,7 +539,7 @@ impl<'a> Writer<'a> {
     }
 
     /// The last of what was drawn, backwards, so many millimetres of it.
-    fn way_back(&self, wipe_mm: f64) -> Vec<[i64; 2]> {
+    fn wipe_path(&self, wipe_mm: f64) -> Vec<[i64; 2]> {
         let Some(pick) = self.last else { return Vec::new() };
         let block = self.block;
         let path = &block.paths[pick.path];
@@ -542,20 +554,20 @@ impl<'a> Writer<'a> {
             points.reverse();
         }
         let mut left_mm = wipe_mm;
-        let mut way = vec![points[0]];
+        let mut path = vec![points[0]];
         for w in points.windows(2) {
             let length_mm = self.between_mm(w[0], w[1]);
             if length_mm >= left_mm {
                 let share = left_mm / length_mm;
                 let at = [0, 1].map(|i| rounded(units(w[0][i]) + share * (units(w[1][i]) - units(w[0][i]))));
-                way.push(at);
+                path.push(at);
                 break;
             }
-            way.push(w[1]);
+            path.push(w[1]);
             left_mm -= length_mm;
         }
-        way.dedup();
-        way
+        path.dedup();
+        path
     }
 
     fn feed_filament(&mut self, e: i64, feed: i64) {
@@ -585,14 +597,14 @@ impl<'a> Writer<'a> {
     }
 
     fn travel(&mut self, to: [i64; 2]) {
-        self.travel_to(to, self.at[2], self.habit.travel_feed);
+        self.travel_to(to, self.at[2], self.style.travel_feed);
     }
 
     fn travel_to(&mut self, to: [i64; 2], z: i64, feed: i64) {
         if [to[0], to[1], z] == self.at {
             return;
         }
-        self.toll.travel_mm += self.distance_mm(to);
+        self.cost.travel_mm += self.distance_mm(to);
         self.command();
         self.xy(to);
         if z != self.at[2] {
@@ -608,7 +620,7 @@ impl<'a> Writer<'a> {
     }
 
     fn command(&mut self) {
-        self.out.extend_from_slice(if self.habit.command == 0 { b"G0" } else { b"G1" });
+        self.out.extend_from_slice(if self.style.command == 0 { b"G0" } else { b"G1" });
     }
 
     fn xy(&mut self, to: [i64; 2]) {

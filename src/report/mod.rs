@@ -9,7 +9,7 @@ mod time;
 
 pub use model::ModelInfo;
 pub use paper::PaperRow;
-pub use reordered::{Reordered, Way};
+pub use reordered::{PathMeasures, Reordered};
 pub use repairs::Repaired;
 pub use summary::{LayerSummary, Measures, Overhangs, Summary};
 pub use time::{LayerTime, PrintTime, Seconds};

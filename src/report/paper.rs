@@ -31,12 +31,12 @@ const PAPER: [(&str, f64); 5] = [
 const PAPER_MEAN: f64 = -8.58;
 
 impl PaperRow {
-    /// The whole way: printing and travel.
+    /// Length of the whole path: printing and travel.
     pub fn path_mm(&self) -> f64 {
         self.print_mm + self.travel_mm
     }
 
-    /// The whole way with straight travels.
+    /// Length of the whole path with straight travels.
     pub fn straight_mm(&self) -> f64 {
         self.print_mm + self.link_mm
     }
@@ -47,7 +47,7 @@ pub fn table(file: &str, own: bool, rows: &[PaperRow]) -> String {
     let mut out = format!("{file}{}\n", if own { " (own segments)" } else { "" });
     out += &format!(
         "{:<18} {:<8} {:>9} {:>9} {:>9} {:>9} {:>7} {:>9} {:>8} {:>7}\n",
-        "order", "scope", "path m", "change", "straight", "paper", "pulls", "time s", "took s", "gap"
+        "order", "scope", "path m", "change", "straight", "paper", "retr.", "time s", "took s", "gap"
     );
     let Some(first) = rows.first() else { return out };
     let percent =

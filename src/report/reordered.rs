@@ -6,22 +6,22 @@ use serde::Serialize;
 
 use crate::gcode::Measure;
 
-/// The nozzle's way in a file, as a reader of G-code measures it.
+/// Distances and counts of a file, as a reader of G-code measures them.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
-pub struct Way {
-    /// Way while extruding, mm.
+pub struct PathMeasures {
+    /// Distance while extruding, mm.
     pub print_mm: f64,
-    /// Way while not extruding, mm.
+    /// Distance while not extruding, mm.
     pub travel_mm: f64,
     /// Straight lines from the end of each extruded run to the start of the next, mm.
     pub link_mm: f64,
     /// Runs of moves without extrusion.
     pub travels: usize,
-    /// Times that filament is pulled back.
+    /// Number of retractions.
     pub retractions: usize,
 }
 
-impl From<&Measure> for Way {
+impl From<&Measure> for PathMeasures {
     fn from(measure: &Measure) -> Self {
         Self {
             print_mm: measure.print_mm,
@@ -46,9 +46,9 @@ pub struct Reordered {
     /// Layers compared.
     pub layers: usize,
     /// As it was.
-    pub before: Way,
+    pub before: PathMeasures,
     /// As it is.
-    pub after: Way,
+    pub after: PathMeasures,
 }
 
 impl fmt::Display for Reordered {
@@ -67,7 +67,7 @@ impl fmt::Display for Reordered {
         };
         metres(f, "travel", a.travel_mm, b.travel_mm)?;
         metres(f, "links", a.link_mm, b.link_mm)?;
-        metres(f, "whole way", a.print_mm + a.travel_mm, b.print_mm + b.travel_mm)?;
+        metres(f, "total path", a.print_mm + a.travel_mm, b.print_mm + b.travel_mm)?;
         writeln!(f, "  {:<12} {} → {}", "travels", a.travels, b.travels)?;
         writeln!(f, "  {:<12} {} → {}", "retractions", a.retractions, b.retractions)?;
         writeln!(f, "  {:<12} {} layers print the same as before", "checked", self.layers)

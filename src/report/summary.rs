@@ -10,12 +10,12 @@ use crate::gcode::Measure;
 use crate::units::Seconds;
 
 /// Lengths, counts and times of a layer or a whole print. Lengths are in X and Y and count what comes after the first
-/// extruding move; `travel_mm` is the real way with its detours.
+/// extruding move; `travel_mm` is the real distance with detours.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct Measures {
-    /// Way while extruding.
+    /// Distance while extruding.
     pub print_mm: f64,
-    /// Way while not extruding.
+    /// Distance while not extruding.
     pub travel_mm: f64,
     /// Both.
     pub total_mm: f64,
@@ -40,7 +40,7 @@ pub struct Measures {
 }
 
 impl Measures {
-    /// What was read from G-code. `time` is its duration, `filament_area_mm2` the cross-section of the strand.
+    /// What was read from G-code. `time` is its duration, `filament_area_mm2` the cross-section of the filament.
     pub fn of(measure: &Measure, time: Seconds, filament_area_mm2: f64) -> Self {
         Self {
             print_mm: measure.print_mm,
@@ -161,7 +161,7 @@ impl fmt::Display for Summary {
         writeln!(f, "  filament  {metres:.2} m, {grams:.2} g, cost {cost:.2}")?;
         let share = if total.total_mm > 0.0 { 100.0 * total.travel_mm / total.total_mm } else { 0.0 };
         writeln!(f, "  path      {:.2} m printed", total.print_mm / 1000.0)?;
-        write!(f, "  travel    {:.2} m ({share:.1} % of the way), ", total.travel_mm / 1000.0)?;
+        write!(f, "  travel    {:.2} m ({share:.1} % of the path), ", total.travel_mm / 1000.0)?;
         writeln!(f, "{} travels, {} retractions", total.travels, total.retractions)?;
         if let Some(bound_mm) = total.bound_mm {
             let (links, bound) = (total.link_mm / 1000.0, bound_mm / 1000.0);

@@ -54,7 +54,8 @@ impl<'a> Cutter<'a> {
         let (mut count, mut sum) = (0_u32, 0_u32);
         for place in &mut start[2..] {
             count = count.wrapping_add(*place);
-            sum = u32::checked_add(sum, count).expect("crossings are numbered in 32 bits: see limits::CROSSINGS");
+            sum = u32::checked_add(sum, count)
+                .expect("crossings are numbered in 32 bits: see limits::CROSSINGS");
             *place = sum;
         }
         let mut crossing = vec![0; start.last().map_or(0, |&n| n as usize)];

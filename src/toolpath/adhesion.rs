@@ -45,15 +45,15 @@ pub fn brim(footprint: &Region, settings: &BrimSettings, width_mm: f64, height_m
         return loops.map(|points| Line::nominal(points, true)).collect();
     }
     let reach_mm = away_mm(count) + width_mm;
-    let room =
+    let area =
         geometry::difference(&geometry::offset(&filled, reach_mm), &geometry::offset(&others, away_mm(0)));
-    loops.flat_map(|ring| interrupted(ring, &room)).collect()
+    loops.flat_map(|ring| interrupted(ring, &area)).collect()
 }
 
-/// The parts of a loop inside of a room; the loop, if that is all of it.
-fn interrupted(mut ring: Ring, room: &Region) -> Vec<Line> {
+/// The parts of a loop inside an area; the loop, if that is all of it.
+fn interrupted(mut ring: Ring, area: &Region) -> Vec<Line> {
     ring.extend(ring.first().copied());
-    let pieces = geometry::clip_polyline(room, &ring);
+    let pieces = geometry::clip_polyline(area, &ring);
     match pieces.as_slice() {
         [whole] if whole.points == ring => {
             ring.pop();

@@ -3,14 +3,14 @@
 //! After Kuipers, Doubrovski, Wu, Wang: "A framework for adaptive width control of dense contour-parallel toolpaths in
 //! fused deposition modeling", Computer-Aided Design 128 (2020), DOI 10.1016/j.cad.2020.102907: where a part is not a
 //! whole number of beads thick, the beads in its middle are made wider or narrower, the others keep their width. With
-//! s the spacing of a bead and t what is left of the thickness, a place gets
+//! s the spacing of a bead and t what is left of the thickness, a point gets
 //!
 //! - one bead of width t, where t < 1.5 s;
 //! - two beads of t/2, where 1.5 s ≤ t < 2.5 s;
 //! - two beads of s, and the rest again by this table, where t ≥ 2.5 s.
 //!
 //! So a middle bead is between half and one and a half times as wide as asked for, one of a pair at least three
-//! quarters and at most five quarters. Instead of a skeletal trapezoidation, the places are found by offsets, and the
+//! quarters and at most five quarters. Instead of a skeletal trapezoidation, the positions are found by offsets, and the
 //! thickness is that of the largest disc that touches the boundary and its opposite side (Ma, Bae, Choi: "3D medial
 //! axis point approximation using nearest neighbors and the normal field", The Visual Computer 28 (2012),
 //! DOI 10.1007/s00371-011-0594-7, with edges instead of points).
@@ -57,7 +57,7 @@ const DOT_WIDTH: f64 = 0.7;
 /// How exactly the largest disc is found.
 const DEPTH_MM: f64 = 0.005;
 
-/// A narrow place, to be filled with single beads.
+/// A narrow area, to be filled with single beads.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Gap {
     /// What is to be filled.
@@ -103,7 +103,7 @@ pub(super) fn core(region: &Region, radius_mm: f64, spacing_mm: f64) -> Region {
     core
 }
 
-/// Fills a region with nested beads until nothing is left: loops, and the places for single beads.
+/// Fills a region with nested beads until nothing is left: loops, and the areas for single beads.
 pub(super) fn fill(region: &Region, spacing_mm: f64) -> (Vec<Line>, Vec<Gap>) {
     let (mut loops, mut gaps) = (Vec::new(), Vec::new());
     let mut rest = region.clone();
@@ -116,7 +116,7 @@ pub(super) fn fill(region: &Region, spacing_mm: f64) -> (Vec<Line>, Vec<Gap>) {
     (loops, gaps)
 }
 
-/// What an island gets that is too small for a line: a loop about its deepest place, as wide as one bead, and that bead's
+/// What an island gets that is too small for a line: a loop about its deepest point, as wide as one bead, and that bead's
 /// width. The island is at least `least_mm` across.
 pub(super) fn dot(island: &Polygon, least_mm: f64) -> Option<(Ring, f64)> {
     let island = Region { polygons: vec![island.clone()] };
@@ -150,14 +150,14 @@ pub(super) fn constant(centre: &Region) -> Vec<Line> {
     centre.rings().filter_map(|ring| Line::nominal(ring.clone(), true).sound()).collect()
 }
 
-/// The places where a region is narrower than twice the radius that it was shrunk by to `core`, and at least `least_mm`.
+/// The areas where a region is narrower than twice the radius that it was shrunk by to `core`, and at least `least_mm`.
 pub(super) fn gap(region: &Region, core: &Region, radius_mm: f64, least_mm: f64) -> Option<Gap> {
     let area = geometry::narrower(region, core, radius_mm, least_mm);
     (!area.is_empty()).then(|| Gap { area, region: region.clone() })
 }
 
-/// A place on a bead's way: position, direction inwards, spacing.
-struct Place {
+/// A sample along a bead: position, direction inwards, spacing.
+struct Sample {
     at: [f64; 2],
     inwards: [f64; 2],
     spacing_mm: f64,
@@ -177,18 +177,18 @@ impl Sides {
     fn fit(&self, ring: &Ring) -> Option<Line> {
         let n = ring.len();
         let corners: Vec<[f64; 2]> = ring.iter().map(|p| p.mm()).collect();
-        let edges: Vec<Vec<Place>> = (0..n).map(|i| self.along(corners[i], corners[(i + 1) % n])).collect();
+        let edges: Vec<Vec<Sample>> = (0..n).map(|i| self.along(corners[i], corners[(i + 1) % n])).collect();
         let mut line = Line::nominal(Vec::new(), true);
         for (i, edge) in edges.iter().enumerate() {
             let (Some(start), Some(end)) = (edge.first(), edges[(i + n - 1) % n].last()) else {
                 continue;
             };
             self.corner(end, start, &mut line);
-            for place in edge.get(1..edge.len() - 1).unwrap_or_default() {
+            for sample in edge.get(1..edge.len() - 1).unwrap_or_default() {
                 self.push(
-                    place.at,
-                    place.inwards.map(|k| k * self.shift_mm(place)),
-                    place.spacing_mm,
+                    sample.at,
+                    sample.inwards.map(|k| k * self.shift_mm(sample)),
+                    sample.spacing_mm,
                     &mut line,
                 );
             }
@@ -200,13 +200,13 @@ impl Sides {
     }
 
     /// How far a bead lies inside the ring.
-    fn shift_mm(&self, place: &Place) -> f64 {
-        (place.spacing_mm - PAIR * self.spacing_mm) / 2.0
+    fn shift_mm(&self, sample: &Sample) -> f64 {
+        (sample.spacing_mm - PAIR * self.spacing_mm) / 2.0
     }
 
     /// The vertex between two edges, as far inside either as its bead asks for, and as wide as the narrower one: a
     /// wider bead would poke out beside that.
-    fn corner(&self, end: &Place, start: &Place, line: &mut Line) {
+    fn corner(&self, end: &Sample, start: &Sample, line: &mut Line) {
         let (a, b) = (end.inwards, start.inwards);
         let cosine = a[0] * b[0] + a[1] * b[1];
         let (from, to) = (self.shift_mm(end), self.shift_mm(start));
@@ -222,21 +222,21 @@ impl Sides {
     }
 
     /// Distance to the outline, as far as it is less than half a spacing.
-    fn room_mm(&self, at: Point, spacing_mm: f64) -> f64 {
+    fn clearance_mm(&self, at: Point, spacing_mm: f64) -> f64 {
         self.outline.distance_mm(at, spacing_mm / 2.0).min(spacing_mm / 2.0)
     }
 
-    /// Appends a vertex, no wider than the room there.
+    /// Appends a vertex, no wider than the clearance there.
     fn push(&self, at: [f64; 2], by: [f64; 2], spacing_mm: f64, line: &mut Line) {
         let point = Point::from_mm(at[0] + by[0], at[1] + by[1]);
         if line.points.last() != Some(&point) {
             line.points.push(point);
-            line.spacing_mm.push(spacing_mm.min(2.0 * self.room_mm(point, spacing_mm)) as f32);
+            line.spacing_mm.push(spacing_mm.min(2.0 * self.clearance_mm(point, spacing_mm)) as f32);
         }
     }
 
-    /// Both ends of an edge, and places between where the other side is near.
-    fn along(&self, a: [f64; 2], b: [f64; 2]) -> Vec<Place> {
+    /// Both ends of an edge, and samples between where the other side is near.
+    fn along(&self, a: [f64; 2], b: [f64; 2]) -> Vec<Sample> {
         let length_mm = (b[0] - a[0]).hypot(b[1] - a[1]);
         if length_mm <= 0.0 {
             return Vec::new();
@@ -245,23 +245,23 @@ impl Sides {
         let facing = self.facing(a, b, inwards);
         let steps =
             if facing.is_empty() { 1.0 } else { (length_mm / (STEP * self.spacing_mm)).ceil().max(3.0) };
-        let mut places: Vec<Place> = (0..=steps as usize)
+        let mut samples: Vec<Sample> = (0..=steps as usize)
             .map(|k| {
                 let at = [0, 1].map(|i| a[i] + (b[i] - a[i]) * k as f64 / steps);
-                Place { at, inwards, spacing_mm: self.spacing_at(at, inwards, &facing) }
+                Sample { at, inwards, spacing_mm: self.spacing_at(at, inwards, &facing) }
             })
             .collect();
-        // The places next to the corners stay: the corner's width is between those of both edges.
+        // The samples next to the corners stay: the corner's width is between those of both edges.
         let mut k = 2;
-        while k + 2 < places.len() {
-            let [before, here, after] = [k - 1, k, k + 1].map(|i| places[i].spacing_mm);
+        while k + 2 < samples.len() {
+            let [before, here, after] = [k - 1, k, k + 1].map(|i| samples[i].spacing_mm);
             if before == here && here == after {
-                places.remove(k);
+                samples.remove(k);
             } else {
                 k += 1;
             }
         }
-        places
+        samples
     }
 
     /// Edges of the boundary that face an edge of the ring near enough to matter, as their ends.
@@ -285,7 +285,7 @@ impl Sides {
             .collect()
     }
 
-    /// The bead's spacing at a place of the ring.
+    /// The bead's spacing at a point of the ring.
     fn spacing_at(&self, at: [f64; 2], inwards: [f64; 2], facing: &[[[f64; 2]; 2]]) -> f64 {
         let foot = [0, 1].map(|k| at[k] - inwards[k] * PAIR / 2.0 * self.spacing_mm);
         let radius_mm =

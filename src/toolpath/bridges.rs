@@ -1,7 +1,7 @@
-//! Bridges: solid infill over air, spanned by threads from hold to hold.
+//! Bridges: solid infill over air, spanned by bridge lines from hold to hold.
 //!
 //! Each patch gets one direction, pieces of air near to each other together. Among those of its edges, their normals
-//! and an even fan of others, it is the one in which most of the threads are held at both ends, and of those that do
+//! and an even fan of others, it is the one in which most of the bridge lines are held at both ends, and of those that do
 //! equally well the one whose longest span is the shortest.
 
 use std::cell::LazyCell;
@@ -10,7 +10,7 @@ use std::f64::consts::PI;
 use geometry::{Direction, EdgeGrid, Point, Polygon, Region};
 
 use super::Zones;
-use super::footing::Footing;
+use super::beneath::Beneath;
 
 /// Directions tried besides those of the edges.
 const FAN: u32 = 18;
@@ -21,56 +21,56 @@ const EDGES: usize = 6;
 /// Lines by which a direction is judged.
 const LINES: f64 = 24.0;
 
-/// Weights of the longest and of the mean span, as a share of the longest there could be, against the share of threads
+/// Weights of the longest and of the mean span, as a share of the longest there could be, against the share of bridge lines
 /// not held.
 const SPAN_WEIGHTS: [f64; 2] = [0.1, 0.01];
 
-/// Strips of fewer threads get as many as run along all of them; the threads of wider ones are spread over what holds
+/// Strips of fewer bridge lines get as many as run along all of them; the bridge lines of wider ones are spread over what holds
 /// them, too.
 const STRIP: f64 = 6.0;
 
-/// What is narrower than two threads is bridged where it is longer than so many,
+/// What is narrower than two bridge lines is bridged where it is longer than so many,
 const SHORTEST_STRIP: f64 = 8.0;
 
-/// no more than so many threads wide all along, so straight,
+/// no more than so many bridge lines wide all along, so straight,
 const STRAIGHT: f64 = 2.5;
 
 /// and can be spanned at a cost below this, nearly all of it held at both ends.
 const HELD: f64 = 0.3;
 
-/// Where a thread is looked for hold, in thread widths beyond its end: over the walls beside it.
+/// Where a bridge line is looked for hold, in line widths beyond its end: over the walls beside it.
 const PROBES: [f64; 4] = [0.25, 1.25, 2.25, 3.25];
 
-/// One patch of threads.
+/// One patch of bridge lines.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Bridge {
     /// Where it is, what it rests on at its edges included.
     pub area: Region,
-    /// Direction of the threads, radians from the X axis.
+    /// Direction of the bridge lines, radians from the X axis.
     pub angle_rad: f64,
-    /// Of a narrow strip of air, where it is across the threads: from, to. What it rests on may be wider.
+    /// Of a narrow strip of air, where it is across the bridge lines: from, to. What it rests on may be wider.
     pub strip_mm: Option<(f64, f64)>,
 }
 
-/// Takes the bridges out of an island's zones. `section` is the island, `footing` what the layer rests on; threads are
-/// `width_mm` thick and reach `anchor_mm` over their hold, inside of `inside`. What is narrower than two threads needs
+/// Takes the bridges out of an island's zones. `section` is the island, `beneath` what the layer rests on; bridge lines are
+/// `width_mm` thick and reach `anchor_mm` over their hold, inside of `inside`. What is narrower than two bridge lines needs
 /// no bridge, unless it is a strip that only has hold at its ends.
 pub fn take(
     zones: &mut Zones,
     inside: &Region,
     section: &Polygon,
-    footing: &Footing<'_>,
+    beneath: &Beneath<'_>,
     width_mm: f64,
     anchor_mm: f64,
 ) -> Vec<Bridge> {
     if zones.solid.is_empty() && zones.top.is_empty() {
         return Vec::new();
     }
-    let over_air = |zone: &Region| geometry::difference(zone, footing.beneath);
+    let over_air = |zone: &Region| geometry::difference(zone, beneath.region);
     let all = geometry::union(&over_air(&zones.solid), &over_air(&zones.top));
     let core = geometry::offset(&all, -width_mm);
     let mut air = geometry::offset(&core, width_mm);
-    let hold = LazyCell::new(|| Hold { footing, section: EdgeGrid::of(section), width_mm });
+    let hold = LazyCell::new(|| Hold { beneath, section: EdgeGrid::of(section), width_mm });
     let is_strip = |polygon: &Polygon| hold.is_strip(&Region { polygons: vec![polygon.clone()] });
     let mut narrow = geometry::narrower(&all, &core, width_mm, width_mm);
     narrow.polygons.retain(|p| p.area_mm2() > SHORTEST_STRIP * width_mm * width_mm && is_strip(p));
@@ -94,15 +94,15 @@ pub fn take(
     bridges
 }
 
-/// What can hold threads: where this layer lies on the one beneath.
+/// What can hold bridge lines: where this layer lies on the one beneath.
 struct Hold<'a> {
-    footing: &'a Footing<'a>,
+    beneath: &'a Beneath<'a>,
     section: EdgeGrid,
     width_mm: f64,
 }
 
 impl Hold<'_> {
-    /// Whether air of less than two threads' width can only be spanned along its length, from hold to hold.
+    /// Whether air of less than two bridge lines' width can only be spanned along its length, from hold to hold.
     fn is_strip(&self, air: &Region) -> bool {
         let (angle_rad, cost) = self.best_angle(air);
         let (from_mm, to_mm) = Direction::of(angle_rad).extent_mm(air.rings().flatten());
@@ -122,7 +122,7 @@ impl Hold<'_> {
         best
     }
 
-    /// Share of thread that is not held at both ends (half of it counts where one end is), and a little for the spans;
+    /// Share of bridge line length that is not held at both ends (half of it counts where one end is), and a little for the spans;
     /// `None` where that is not below a limit.
     fn cost(&self, air: &Region, angle_rad: f64, below: f64) -> Option<f64> {
         let judged = |cost: f64| (cost < below).then_some(cost);
@@ -155,12 +155,12 @@ impl Hold<'_> {
         judged(loose_mm / length_mm + by_span)
     }
 
-    /// Whether there is hold a little beyond the end of a thread that runs this way.
-    fn holds(&self, end: Point, way: [f64; 2]) -> bool {
+    /// Whether there is hold a little beyond the end of a bridge line in this direction.
+    fn holds(&self, end: Point, direction: [f64; 2]) -> bool {
         PROBES.iter().any(|widths| {
-            let [x, y] = way.map(|w| w * widths * self.width_mm);
+            let [x, y] = direction.map(|d| d * widths * self.width_mm);
             let p = end + Point::from_mm(x, y);
-            self.footing.holds(p) && self.section.contains(p)
+            self.beneath.holds(p) && self.section.contains(p)
         })
     }
 }

@@ -3,9 +3,10 @@
 mod adhesion;
 pub mod bead;
 mod beading;
+mod beneath;
 mod bridges;
+mod combined;
 mod entries;
-mod footing;
 mod fuzzy;
 pub mod infill;
 mod layer_builder;
@@ -15,7 +16,6 @@ mod planner;
 mod reach;
 mod shells;
 mod spiral;
-mod stacks;
 pub mod support;
 mod walls;
 
@@ -29,5 +29,5 @@ pub use options::{
 pub use path::{Island, IslandId, LayerKind, LayerPaths, Path, Phase, Role, Width};
 pub use planner::{ObjectLayer, Planner, PlateLayer, ToolpathSettings};
 pub use shells::{Map, ShellWindows, Shells, Zones, bottom_layers, shell_depth};
-pub use spiral::{Rise, SpiralSpec, Turn, align, level, outline, turn};
+pub use spiral::{Revolution, Rise, SpiralSpec, align, level, outline, revolution};
 pub use walls::{WallSpec, Walls};

@@ -150,7 +150,7 @@ section! {
         connect: bool = true,
         /// How far line ends that are not joined run on along the wall, at most.
         anchor: Mm = Mm(0.0); 0.0..=100.0,
-        /// Sparse infill only on every so many layers, in beads as high as all of them; no higher than the nozzle's bore.
+        /// Combine the sparse infill of up to this many layers, in beads of their total height; at most the nozzle diameter.
         combine_layers: u32 = 1; 1..=50,
         /// One layer in so many is solid; 0: none.
         solid_every: u32 = 0; 0..=10000,
@@ -172,7 +172,7 @@ section! {
     SpiralSettings {
         /// Print so.
         enabled: bool = false,
-        /// Each turn glides from the outline below it to its own, so that no step shows where turns begin.
+        /// Each revolution glides from the outline below it to its own, so that no step shows where revolutions begin.
         smooth: bool = true,
     }
 }
@@ -283,9 +283,9 @@ section! {
 section! {
     /// `[bridge]`: solid infill over air; its speed is `speed.bridge`, its fan `cooling.bridge_fan`.
     BridgeSettings {
-        /// Span air with threads side by side in the direction in which they reach hold soonest.
+        /// Span air with bridge lines side by side in the direction with the shortest spans.
         enabled: bool = true,
-        /// Thickness of the threads: multiplies the cross-section of one as thick as the nozzle's bore.
+        /// Bridge flow: multiplies the cross-section of a round bridge line as thick as the nozzle diameter.
         flow: f64 = 1.0; 0.1..=2.0,
         /// How far they reach over what holds them.
         anchor: Mm = Mm(1.0); 0.0..=20.0,

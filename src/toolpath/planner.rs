@@ -10,13 +10,13 @@ use crate::units::Mm;
 use geometry::{Polygon, Region, Ring};
 
 use super::bead::Line;
-use super::footing::Footing;
+use super::beneath::Beneath;
+use super::combined::CombinedInfill;
 use super::fuzzy::Fuzzy;
 use super::infill::{self, FillPattern, FillSpec, Joins, LineSet, SparseSample};
 use super::layer_builder::{LayerBuilder, Solid};
 use super::reach::Reach;
 use super::shells::{self, ShellWindows, Zones};
-use super::stacks::Stacks;
 use super::walls::{self, WallSpec, Walls};
 use super::{Island, IslandId, LayerKind, LayerPaths, Phase, Role, adhesion, bead, bridges, entries};
 
@@ -88,7 +88,7 @@ pub struct Planner {
     /// Calibrated distance of sparse lines.
     line_distance_mm: Option<f64>,
     /// Layers that are combined, bottom up.
-    stacks: Stacks,
+    stacks: CombinedInfill,
     brim: Vec<Line>,
     skirt: Vec<Ring>,
     /// What part and brim cover on the bed.
@@ -99,7 +99,7 @@ pub struct Planner {
 struct Part<'a> {
     object: &'a ObjectLayer<'a>,
     fuzzy: Option<Fuzzy<'a>>,
-    footing: Option<Footing<'a>>,
+    footing: Option<Beneath<'a>>,
 }
 
 /// What one layer of sparse infill fills.
@@ -126,7 +126,7 @@ impl Planner {
     pub fn new(settings: ToolpathSettings, footprint: &Region, first_height_mm: f64) -> Self {
         let (line_distance_mm, covered) = (None, footprint.clone());
         let pattern = infill::pattern(settings.infill.pattern);
-        let (stacks, brim, skirt) = (Stacks::default(), Vec::new(), Vec::new());
+        let (stacks, brim, skirt) = (CombinedInfill::default(), Vec::new(), Vec::new());
         let mut planner = Self { settings, pattern, line_distance_mm, stacks, brim, skirt, covered };
         let width_mm = planner.widths(0).skirt_mm;
         planner.brim = adhesion::brim(footprint, &planner.settings.brim, width_mm, first_height_mm);
@@ -161,12 +161,12 @@ impl Planner {
         let spec = self.wall_spec(layer);
         let slab = Slab { height_mm: layer.height_mm, turn: layer.index };
         let fill_spec = self.fill_spec(layer, slab);
-        let mut sample = SparseSample { room: Region::default(), area_mm2: 0.0, spec: fill_spec };
+        let mut sample = SparseSample { area: Region::default(), area_mm2: 0.0, spec: fill_spec };
         for object in &layer.objects {
             for island in &object.section.polygons {
                 let zones = self.zones(&walls::trace(island, &spec).inside, object, layer);
                 let room = geometry::offset(&zones.sparse, -fill_spec.spacing_mm / 2.0);
-                sample.room.polygons.extend(room.polygons);
+                sample.area.polygons.extend(room.polygons);
                 sample.area_mm2 += zones.sparse_mm2;
             }
         }
@@ -206,7 +206,7 @@ impl Planner {
     /// `areas` are the heights and [`sparse_area`](Self::sparse_area)s of all layers; the first is left alone.
     pub fn combine(&mut self, areas: &[(f64, Region)]) {
         self.stacks =
-            Stacks::new(areas, self.settings.infill.combine_layers as usize, self.settings.nozzle.0);
+            CombinedInfill::new(areas, self.settings.infill.combine_layers as usize, self.settings.nozzle.0);
     }
 
     /// The paths of one layer.
@@ -227,7 +227,7 @@ impl Planner {
             let part = Part {
                 object,
                 fuzzy: Fuzzy::new(&self.settings.fuzzy, object.beneath, section.index, object.object),
-                footing: object.beneath.map(Footing::new),
+                footing: object.beneath.map(Beneath::new),
             };
             for polygon in &object.section.polygons {
                 layer.island = Some(IslandId(islands.len() as u32));

@@ -50,15 +50,15 @@ impl Reach<'_> {
             return patches;
         }
         let hollow = LazyCell::new(|| self.hollow.map(EdgeGrid::new));
-        let room = LazyCell::new(|| EdgeGrid::new(inside));
-        let free = |along_mm: f64, across_mm: f64| room.contains(self.place(along_mm, across_mm));
+        let area = LazyCell::new(|| EdgeGrid::new(inside));
+        let free = |along_mm: f64, across_mm: f64| area.contains(self.point(along_mm, across_mm));
         let hangs = |chord: &Chord| {
             let Chord { from_mm, to_mm, across_mm, .. } = *chord;
             let count = ((to_mm - from_mm) / line_mm).ceil().max(1.0);
-            let place = |i: u32| self.place(from_mm + (to_mm - from_mm) * f64::from(i) / count, across_mm);
+            let sample = |i: u32| self.point(from_mm + (to_mm - from_mm) * f64::from(i) / count, across_mm);
             free(from_mm - line_mm, across_mm)
                 && free(to_mm + line_mm, across_mm)
-                && (0..=count as u32).map(place).all(|p| hollow.iter().all(|region| region.contains(p)))
+                && (0..=count as u32).map(sample).all(|p| hollow.iter().all(|region| region.contains(p)))
         };
         let mut stripes = Vec::new();
         for polygon in &patches.polygons {
@@ -94,11 +94,11 @@ impl Reach<'_> {
             .collect()
     }
 
-    /// Whether there is a sparse line between places.
-    fn is_held(&self, places: impl IntoIterator<Item = Point, IntoIter: Clone>) -> bool {
-        let places = places.into_iter();
+    /// Whether there is a sparse line between points.
+    fn is_held(&self, points: impl IntoIterator<Item = Point, IntoIter: Clone>) -> bool {
+        let points = points.into_iter();
         self.sparse.iter().any(|set| {
-            let mut between = places.clone().map(|place| set.lines_to(place).floor());
+            let mut between = points.clone().map(|point| set.lines_to(point).floor());
             let first = between.next();
             between.any(|gap| Some(gap) != first)
         })
@@ -120,7 +120,7 @@ impl Reach<'_> {
                 continue;
             }
             // Counted so that the number grows along the chord.
-            let lines = |along_mm: f64| -sine.signum() * set.lines_to(self.place(along_mm, across_mm));
+            let lines = |along_mm: f64| -sine.signum() * set.lines_to(self.point(along_mm, across_mm));
             let per_line_mm = set.distance_mm / sine.abs();
             back_mm = back_mm.min((lines(from_mm) - lines(from_mm).floor()) * per_line_mm);
             on_mm = on_mm.min((lines(to_mm).ceil() - lines(to_mm)) * per_line_mm);
@@ -144,10 +144,10 @@ impl Reach<'_> {
             (low_mm, high_mm) = (low_mm.min(other.from_mm), high_mm.max(other.to_mm));
         }
         let corners = [(low_mm, -line_mm), (high_mm, -line_mm), (high_mm, line_mm), (low_mm, line_mm)];
-        corners.map(|(along_mm, beside_mm)| self.place(along_mm, across_mm + beside_mm)).to_vec()
+        corners.map(|(along_mm, beside_mm)| self.point(along_mm, across_mm + beside_mm)).to_vec()
     }
 
-    fn place(&self, along_mm: f64, across_mm: f64) -> Point {
+    fn point(&self, along_mm: f64, across_mm: f64) -> Point {
         Direction::of(self.angle_rad).from(Point::default(), along_mm, across_mm)
     }
 }

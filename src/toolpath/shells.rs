@@ -7,7 +7,7 @@ use geometry::Region;
 
 use super::reach::Reach;
 
-/// Area below which what an island has of a zone is given to the other zone: less than a nozzle's bore.
+/// Area below which what an island has of a zone is given to the other zone: less than a nozzle diameter.
 const CRUMB_MM2: f64 = 0.05;
 
 /// Solid patches smaller than this many squared lines are dropped: the walls and the lines beside them close the hole.

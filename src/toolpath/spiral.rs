@@ -1,15 +1,15 @@
-//! Vase mode: one wall in one line that rises all the way, a turn for each layer.
+//! Vase mode: one wall in one line that rises all the way, a revolution for each layer.
 //!
-//! A turn follows the outline of its layer and rises by its height. So that nothing shows where one turn ends and the
-//! next begins, it glides from the outline below to its own: a vertex at a share s of the way is drawn at that share of
-//! the way from the nearest point of the outline below.
+//! A revolution follows the outline of its layer and rises by its height. So that nothing shows where one revolution ends and the
+//! next begins, it glides from the outline below to its own: a vertex at a share s of the length is drawn at that share of
+//! the distance from the nearest point of the outline below.
 
 use geometry::{Bounds, EdgeGrid, Point, Polygon, Region, Ring, UNITS_PER_MM};
 
 /// Between two outlines lines are cut into pieces of at most this.
 const STEP_MM: f64 = 1.0;
 
-/// Into how many pieces of constant flow the first and the last turn are cut at least.
+/// Into how many pieces of constant flow the first and the last revolution are cut at least.
 const FADE_STEPS: f64 = 64.0;
 
 /// Share of a full line that swelling begins and fading ends with: less is not put down on short pieces.
@@ -30,21 +30,21 @@ pub struct Rise {
     pub flow: f64,
 }
 
-/// One turn: a line, and how it rises.
+/// One revolution: a line, and how it rises.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Turn {
-    /// Vertices; the first is the last of the turn before.
+pub struct Revolution {
+    /// Vertices; the first is the last of the revolution before.
     pub points: Vec<Point>,
     /// One for each vertex.
     pub rises: Vec<Rise>,
 }
 
-/// What turns are made for.
+/// What revolutions are made for.
 #[derive(Clone, Copy, Debug)]
 pub struct SpiralSpec {
     /// Width of the line.
     pub width_mm: f64,
-    /// Whether turns glide from the outline below to their own.
+    /// Whether revolutions glide from the outline below to their own.
     pub smooth: bool,
 }
 
@@ -83,9 +83,14 @@ pub fn align(outlines: &mut [Ring]) {
     }
 }
 
-/// Winds the turn of a layer of this height along its outline, which begins where it is to begin. `below` is the
-/// outline of the turn before; `None`: it is the first, and its line swells from nothing.
-pub fn turn(outline: &[Point], below: Option<&[Point]>, height_mm: f64, spec: &SpiralSpec) -> Turn {
+/// The revolution of a layer of this height along its outline, which begins where the revolution is to begin. `below` is the
+/// outline of the revolution before; `None`: it is the first, and its line swells from nothing.
+pub fn revolution(
+    outline: &[Point],
+    below: Option<&[Point]>,
+    height_mm: f64,
+    spec: &SpiralSpec,
+) -> Revolution {
     let first = below.is_none();
     // As in a prism, where there is nothing to glide over.
     let below = below.filter(|below| *below != outline);
@@ -100,22 +105,22 @@ pub fn turn(outline: &[Point], below: Option<&[Point]>, height_mm: f64, spec: &S
     let on_way = steps(outline, length_mm, step_mm).into_iter();
     let mut points: Vec<Point> = joint.into_iter().collect();
     points.extend(on_way.map(|(share, p)| glide.as_ref().map_or(p, |glide| glide.at(p, share))));
-    Turn::along(&points, |share| Rise {
+    Revolution::along(&points, |share| Rise {
         below_mm: (1.0 - share) * height_mm,
         flow: if first { share.max(LEAST_FLOW) } else { 1.0 },
     })
 }
 
-/// The turn that levels the top: once more along the last outline, at its height, the line fading to nothing.
-pub fn level(outline: &[Point]) -> Turn {
+/// The revolution that levels the top: once more along the last outline, at its height, the line fading to nothing.
+pub fn level(outline: &[Point]) -> Revolution {
     let length_mm = geometry::ring_length_mm(outline).max(f64::MIN_POSITIVE);
     let points: Vec<Point> =
         steps(outline, length_mm, length_mm / FADE_STEPS).into_iter().map(|(_, point)| point).collect();
-    Turn::along(&points, |share| Rise { below_mm: 0.0, flow: (1.0 - share).max(LEAST_FLOW) })
+    Revolution::along(&points, |share| Rise { below_mm: 0.0, flow: (1.0 - share).max(LEAST_FLOW) })
 }
 
-impl Turn {
-    /// Goes on with another turn from where this one ends.
+impl Revolution {
+    /// Goes on with another revolution from where this one ends.
     pub fn extend(&mut self, other: Self) {
         self.points.extend(other.points.into_iter().skip(1));
         self.rises.extend(other.rises.into_iter().skip(1));
@@ -222,13 +227,13 @@ mod tests {
     fn turns_of_a_cone_grow_all_the_way_round() {
         let mut rings = [circle(10.0, 0.0), circle(10.3, 0.4)];
         align(&mut rings);
-        let turn = turn(&rings[1], Some(&rings[0]), 0.2, &SPEC);
-        assert_eq!((turn.points[0], *turn.points.last().unwrap()), (rings[0][0], rings[1][0]));
-        for (point, rise) in turn.points.iter().zip(&turn.rises) {
+        let revolution = revolution(&rings[1], Some(&rings[0]), 0.2, &SPEC);
+        assert_eq!((revolution.points[0], *revolution.points.last().unwrap()), (rings[0][0], rings[1][0]));
+        for (point, rise) in revolution.points.iter().zip(&revolution.rises) {
             let ([x, y], share) = (point.mm(), 1.0 - rise.below_mm / 0.2);
             assert!((x.hypot(y) - (10.0 + 0.3 * share)).abs() < 0.01, "{share}: {}", x.hypot(y));
         }
-        assert!(turn.rises.windows(2).all(|w| w[1].below_mm <= w[0].below_mm));
+        assert!(revolution.rises.windows(2).all(|w| w[1].below_mm <= w[0].below_mm));
     }
 
     #[test]
@@ -238,17 +243,17 @@ mod tests {
         let mut rings = vec![square.clone(), square];
         align(&mut rings);
         assert_eq!(rings[0], rings[1]);
-        let turn = turn(&rings[1], Some(&rings[0]), 0.2, &SPEC);
-        assert_eq!(turn.points.len(), 5);
-        assert_eq!(turn.points[0], turn.points[4]);
+        let revolution = revolution(&rings[1], Some(&rings[0]), 0.2, &SPEC);
+        assert_eq!(revolution.points.len(), 5);
+        assert_eq!(revolution.points[0], revolution.points[4]);
     }
 
     #[test]
     fn the_first_turn_swells_and_the_last_fades_each_holding_half() {
         let ring = circle(10.0, 0.0);
-        for turn in [turn(&ring, None, 0.2, &SPEC), level(&ring)] {
-            let flows = turn.rises.windows(2).map(|w| (w[0].flow + w[1].flow) / 2.0);
-            let edges = turn.points.windows(2).map(|w| square(w[1] - w[0]).sqrt() / UNITS_PER_MM);
+        for revolution in [revolution(&ring, None, 0.2, &SPEC), level(&ring)] {
+            let flows = revolution.rises.windows(2).map(|w| (w[0].flow + w[1].flow) / 2.0);
+            let edges = revolution.points.windows(2).map(|w| square(w[1] - w[0]).sqrt() / UNITS_PER_MM);
             let held: f64 = flows.zip(edges).map(|(flow, mm)| flow * mm).sum();
             assert!((held / geometry::ring_length_mm(&ring) - 0.5).abs() < 1e-3, "{held}");
         }

@@ -26,7 +26,7 @@ fn job(model: &Path) -> Job {
 }
 
 pub fn full_prints_deposit_the_volume_of_the_mesh() {
-    // Without bridges, whose threads are thicker than a layer.
+    // Without bridges, whose bridge lines are thicker than a layer.
     let settings = standard(&["infill.density=100%", "skirt.loops=0", "bridge.enabled=false"]);
     let (mut pooled, mut wanted) = (0.0, 0.0);
     for model in models() {

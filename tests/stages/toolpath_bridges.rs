@@ -11,9 +11,9 @@ fn roof(open: &Region, full: &Region) -> LayerPaths {
     plan(&sections, &job()).swap_remove(6)
 }
 
-/// Whether all long threads of a layer's bridges run in a direction (degrees from X), and end over `hold`.
+/// Whether all long bridge lines of a layer's bridges run in a direction (degrees from X), and end over `hold`.
 fn bridges_run(layer: &LayerPaths, degrees: f64, hold: &Region) -> bool {
-    let threads: Vec<[Point; 2]> = of_role(layer, Role::BridgeInfill)
+    let lines: Vec<[Point; 2]> = of_role(layer, Role::BridgeInfill)
         .iter()
         .flat_map(|p| p.points.windows(2).map(|e| [e[0], e[1]]))
         .filter(|[a, b]| a.distance_mm(*b) > 3.0)
@@ -24,7 +24,7 @@ fn bridges_run(layer: &LayerPaths, degrees: f64, hold: &Region) -> bool {
         (dx * sin - dy * cos).abs() < 0.01 * a.distance_mm(*b)
     };
     let held = |p: &Point| hold.contains(*p);
-    !threads.is_empty() && threads.iter().all(|t| along(t) && t.iter().all(held))
+    !lines.is_empty() && lines.iter().all(|t| along(t) && t.iter().all(held))
 }
 
 #[test]

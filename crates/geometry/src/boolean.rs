@@ -99,15 +99,15 @@ pub(super) fn clusters(boxes: &[Bounds], links: impl Fn(usize, usize) -> bool) -
             }
         }
     }
-    let mut place = vec![usize::MAX; boxes.len()];
+    let mut group_of = vec![usize::MAX; boxes.len()];
     let mut groups: Vec<Vec<usize>> = Vec::new();
     for i in 0..boxes.len() {
         let r = find(&mut root, i);
-        if place[r] == usize::MAX {
-            place[r] = groups.len();
+        if group_of[r] == usize::MAX {
+            group_of[r] = groups.len();
             groups.push(Vec::new());
         }
-        groups[place[r]].push(i);
+        groups[group_of[r]].push(i);
     }
     groups
 }

@@ -1,10 +1,10 @@
-//! Positions on the boundary of a region, and the ways between them along it.
+//! Positions on the boundary of a region, and the paths between them along it.
 
 use std::borrow::Cow;
 
 use super::{Point, Region};
 
-/// A place on the boundary of a region.
+/// A position on the boundary of a region.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct BoundaryPos {
     /// Index of the ring in the order of [`Region::rings`].
@@ -15,7 +15,7 @@ pub struct BoundaryPos {
     pub along_mm: f64,
 }
 
-/// The rings of a region with their running lengths: how far apart two places on one ring are, and what
+/// The rings of a region with their running lengths: how far apart two positions on one ring are, and what
 /// lies between them.
 #[derive(Clone, Debug)]
 pub struct Boundary<'a> {
@@ -61,16 +61,16 @@ impl<'a> Boundary<'a> {
         start.copied().unwrap_or(0.0) + at.along_mm
     }
 
-    /// Length of the way from one place to another along their ring, in the ring's direction, in millimetres;
+    /// Length of the path from one position to another along their ring, in the ring's direction, in millimetres;
     /// the other way round is the ring's length less this. `None` where they are on different rings.
-    pub fn way_mm(&self, from: BoundaryPos, to: BoundaryPos) -> Option<f64> {
+    pub fn forward_mm(&self, from: BoundaryPos, to: BoundaryPos) -> Option<f64> {
         (from.ring == to.ring).then(|| {
-            let way = self.distance_mm(to) - self.distance_mm(from);
-            if way < 0.0 { way + self.ring_length_mm(from.ring) } else { way }
+            let length_mm = self.distance_mm(to) - self.distance_mm(from);
+            if length_mm < 0.0 { length_mm + self.ring_length_mm(from.ring) } else { length_mm }
         })
     }
 
-    /// The way of a length from a place along its ring, in the ring's direction if `forward`: the vertices that it passes
+    /// The path of a given length from a position along its ring, in the ring's direction if `forward`: the vertices that it passes
     /// and the point where it ends. At most once round.
     pub fn walk(&self, from: BoundaryPos, length_mm: f64, forward: bool) -> Vec<Point> {
         let Some(ring) = self.rings.get(from.ring as usize).filter(|ring| !ring.is_empty()) else {
@@ -81,8 +81,8 @@ impl<'a> Boundary<'a> {
             |step: usize| if forward { ring[(edge + 1 + step) % n] } else { ring[(edge + n - step % n) % n] };
         let side_mm = ring[edge].distance_mm(ring[(edge + 1) % n]);
         let mut left_mm = length_mm;
-        let mut way = Vec::new();
-        // Where on the edge from the vertex behind to the next one the way begins.
+        let mut path = Vec::new();
+        // Where on the edge from the vertex behind to the next one the path begins.
         let (mut behind, mut begun_mm) = match forward {
             true => (ring[edge], from.along_mm),
             false => (ring[(edge + 1) % n], side_mm - from.along_mm),
@@ -93,17 +93,17 @@ impl<'a> Boundary<'a> {
             if rest_mm >= left_mm {
                 let t = (begun_mm + left_mm) / behind.distance_mm(next).max(f64::MIN_POSITIVE);
                 let ([ax, ay], [bx, by]) = (behind.mm(), next.mm());
-                way.push(Point::from_mm(ax + t * (bx - ax), ay + t * (by - ay)));
+                path.push(Point::from_mm(ax + t * (bx - ax), ay + t * (by - ay)));
                 break;
             }
-            way.push(next);
+            path.push(next);
             left_mm -= rest_mm;
             (behind, begun_mm) = (next, 0.0);
         }
-        way
+        path
     }
 
-    /// Unit vector along the edge of a place; `None` of an edge without length or a place that is not there.
+    /// Unit vector along the edge of a position; `None` of an edge without length or a position that is not there.
     pub fn direction(&self, at: BoundaryPos) -> Option<[f64; 2]> {
         let ring = self.rings.get(at.ring as usize)?;
         let a = ring.get(at.edge as usize)?;
@@ -112,13 +112,13 @@ impl<'a> Boundary<'a> {
         (length_mm > 0.0).then(|| [(bx - ax) / length_mm, (by - ay) / length_mm])
     }
 
-    /// The vertices strictly between two places of one ring, in the ring's direction if `forward`, else
-    /// against it. Empty where the places are on different rings or share an edge with nothing between.
+    /// The vertices strictly between two positions of one ring, in the ring's direction if `forward`, else
+    /// against it. Empty where the positions are on different rings or share an edge with nothing between.
     pub fn vertices_between(&self, from: BoundaryPos, to: BoundaryPos, forward: bool) -> Vec<Point> {
         if !forward {
-            let mut way = self.vertices_between(to, from, true);
-            way.reverse();
-            return way;
+            let mut vertices = self.vertices_between(to, from, true);
+            vertices.reverse();
+            return vertices;
         }
         let Some(ring) = self.rings.get(from.ring as usize).filter(|_| from.ring == to.ring) else {
             return Vec::new();
@@ -153,8 +153,8 @@ mod tests {
         let region = square();
         let boundary = Boundary::new(&region);
         let (a, b) = (at(0, 3.0), at(2, 4.0));
-        assert_eq!(boundary.way_mm(a, b), Some(21.0));
-        assert_eq!(boundary.way_mm(b, a), Some(19.0));
+        assert_eq!(boundary.forward_mm(a, b), Some(21.0));
+        assert_eq!(boundary.forward_mm(b, a), Some(19.0));
         assert_eq!(boundary.ring_length_mm(0), 40.0);
     }
 

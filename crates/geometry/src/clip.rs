@@ -30,7 +30,7 @@ struct Cut {
 }
 
 /// Where a boundary edge crosses the line through a segment, seen along that line.
-enum Place {
+enum Crossing {
     Before,
     Within,
     After,
@@ -62,8 +62,8 @@ impl Clipper {
                 None => {
                     let state = self.starts_inside(p, q, &mut near);
                     match (trace.open, state) {
-                        (false, true) => trace.begin(p, self.place_of(p, &near)),
-                        (true, false) => trace.end(p, self.place_of(p, &near)),
+                        (false, true) => trace.begin(p, self.position_of(p, &near)),
+                        (true, false) => trace.end(p, self.position_of(p, &near)),
                         _ => {}
                     }
                     state
@@ -83,9 +83,9 @@ impl Clipper {
             inside = Some(state).filter(|_| !touches);
         }
         if trace.open && inside.is_none() {
-            trace.last_place = polyline.last().and_then(|&q| {
+            trace.last_position = polyline.last().and_then(|&q| {
                 self.grid.near_segment(q, q, &mut near);
-                self.place_of(q, &near)
+                self.position_of(q, &near)
             });
         }
         trace.finish()
@@ -99,7 +99,7 @@ impl Clipper {
         for &i in near.iter() {
             let edge = &self.grid.edges()[i as usize];
             touches |= on_edge(edge, q);
-            if let Some(Place::Within) = place(edge, p, q) {
+            if let Some(Crossing::Within) = crossing(edge, p, q) {
                 cuts.push(cut(edge, p, q));
             }
         }
@@ -125,13 +125,13 @@ impl Clipper {
         self.grid.near_segment(behind, p, near);
         let before = near
             .iter()
-            .filter(|&&i| matches!(place(&self.grid.edges()[i as usize], p, q), Some(Place::Before)))
+            .filter(|&&i| matches!(crossing(&self.grid.edges()[i as usize], p, q), Some(Crossing::Before)))
             .count();
         before % 2 == 1
     }
 
-    /// The place of a point that is on one of the given edges.
-    fn place_of(&self, p: Point, near: &[u32]) -> Option<BoundaryPos> {
+    /// The position of a point that is on one of the given edges.
+    fn position_of(&self, p: Point, near: &[u32]) -> Option<BoundaryPos> {
         let edge = near.iter().map(|&i| &self.grid.edges()[i as usize]).find(|e| on_edge(e, p))?;
         Some(BoundaryPos { ring: edge.ring, edge: edge.index, along_mm: edge.a.distance_mm(p) })
     }
@@ -158,7 +158,7 @@ pub fn polyline_length_mm(polyline: &[Point]) -> f64 {
 struct Trace {
     pieces: Vec<ClippedPiece>,
     open: bool,
-    last_place: Option<BoundaryPos>,
+    last_position: Option<BoundaryPos>,
 }
 
 impl Trace {
@@ -194,7 +194,7 @@ impl Trace {
 
     fn finish(mut self) -> Vec<ClippedPiece> {
         if let Some(piece) = self.pieces.last_mut().filter(|_| self.open) {
-            piece.ends[1] = self.last_place;
+            piece.ends[1] = self.last_position;
         }
         self.drop_point();
         self.pieces
@@ -214,21 +214,21 @@ fn on_edge(edge: &Edge, p: Point) -> bool {
 
 /// Where the edge crosses the line through `p` and `q`, or `None` where it does not: edge ends on the line
 /// count as to the right of it. A crossing at `p` is before, one at `q` after the segment.
-fn place(edge: &Edge, p: Point, q: Point) -> Option<Place> {
+fn crossing(edge: &Edge, p: Point, q: Point) -> Option<Crossing> {
     if (side(p, q, edge.a) > 0) == (side(p, q, edge.b) > 0) {
         return None;
     }
     let (at_p, at_q) = (side(edge.a, edge.b, p), side(edge.a, edge.b, q));
     Some(if at_p == 0 {
-        Place::Before
+        Crossing::Before
     } else if at_q == 0 {
-        Place::After
+        Crossing::After
     } else if (at_p > 0) != (at_q > 0) {
-        Place::Within
+        Crossing::Within
     } else if at_p.unsigned_abs() < at_q.unsigned_abs() {
-        Place::Before
+        Crossing::Before
     } else {
-        Place::After
+        Crossing::After
     })
 }
 
@@ -266,8 +266,8 @@ mod tests {
         let pieces = clip_polyline(&frame(), &ring(&[(-100, 500), (1100, 500)]));
         let points: Vec<&Ring> = pieces.iter().map(|piece| &piece.points).collect();
         assert_eq!(points, [&ring(&[(0, 500), (400, 500)]), &ring(&[(600, 500), (1000, 500)])]);
-        let places = pieces[0].ends.map(|end| end.map(|on| (on.ring, on.edge)));
-        assert_eq!(places, [Some((0, 3)), Some((1, 0))]);
+        let positions = pieces[0].ends.map(|end| end.map(|on| (on.ring, on.edge)));
+        assert_eq!(positions, [Some((0, 3)), Some((1, 0))]);
     }
 
     #[test]

@@ -14,7 +14,7 @@ use super::{Bounds, Point, Polygon, Region, Ring, ring_area};
 struct Stop {
     /// The ring's edge, by its first vertex.
     edge: usize,
-    /// Place on the edge, from 0 to 1.
+    /// Position on the edge, from 0 to 1.
     along: f64,
     crossing: usize,
     /// How the windings change here, going forward.
@@ -57,7 +57,7 @@ pub(super) struct Crossed<'a> {
     /// The stops of each ring.
     owned: Vec<std::ops::Range<usize>>,
     /// The crossings.
-    places: Vec<Point>,
+    points: Vec<Point>,
     /// At the leftmost vertex of each ring.
     rings: Vec<Beside>,
     /// Along each arc.
@@ -81,7 +81,7 @@ impl<'a> Crossed<'a> {
             arrangement,
             stops: Vec::with_capacity(2 * crossings.len()),
             owned: Vec::new(),
-            places: Vec::with_capacity(crossings.len()),
+            points: Vec::with_capacity(crossings.len()),
             rings: Vec::new(),
             arcs: vec![Beside::default(); 2 * crossings.len()],
         };
@@ -101,8 +101,8 @@ impl<'a> Crossed<'a> {
             // Not zero, as they cross.
             let turn = u.cross(v);
             let along = |other: Point| (c - a).cross(other) as f64 / turn as f64;
-            let place = |from: i32, by: i32| nearest_unit(f64::from(from) + along(v) * f64::from(by));
-            self.places.push(Point::new(place(a.x, u.x), place(a.y, u.y)));
+            let at = |from: i32, by: i32| nearest_unit(f64::from(from) + along(v) * f64::from(by));
+            self.points.push(Point::new(at(a.x, u.x), at(a.y, u.y)));
             // Where `j` points to the left of `i`, going along `i` leads from its left to its right.
             let sign = if turn > 0 { -1 } else { 1 };
             for (edge, along, other, sign) in [(i, along(v), j, sign), (j, along(u), i, -sign)] {
@@ -161,15 +161,15 @@ impl<'a> Crossed<'a> {
         let mut outlines = self.whole_rings(rule);
         let sides: Vec<Side> = self.arcs.iter().map(|arc| arc.side(rule)).collect();
         let leaving = self.links(&sides)?;
-        let mut done = vec![false; self.places.len()];
-        for start in 0..self.places.len() {
+        let mut done = vec![false; self.points.len()];
+        for start in 0..self.points.len() {
             let mut outline = Ring::new();
             let mut at = start;
             while !done[at]
                 && let Some((arc, to)) = leaving[at]
             {
                 done[at] = true;
-                outline.push(self.places[at]);
+                outline.push(self.points[at]);
                 self.follow(arc, sides[arc], &mut outline);
                 at = to;
             }
@@ -212,8 +212,8 @@ impl<'a> Crossed<'a> {
     /// For each crossing that the boundary passes, the arc by which it leaves and the crossing at that arc's end; `None`
     /// where it passes one twice.
     fn links(&self, sides: &[Side]) -> Option<Vec<Option<(usize, usize)>>> {
-        let mut leaving = vec![None; self.places.len()];
-        let mut is_reached = vec![false; self.places.len()];
+        let mut leaving = vec![None; self.points.len()];
+        let mut is_reached = vec![false; self.points.len()];
         for (arc, &side) in sides.iter().enumerate() {
             if let Some([from, to]) = self.ends(arc, side)
                 && (leaving[from].replace((arc, to)).is_some()

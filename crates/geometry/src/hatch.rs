@@ -11,7 +11,7 @@ const MIN_SPACING_MM: f64 = 0.001;
 pub struct HatchEnd {
     /// The end, rounded to the grid.
     pub point: Point,
-    /// Its place on the boundary.
+    /// Its position on the boundary.
     pub on: BoundaryPos,
 }
 

@@ -38,7 +38,7 @@ pub use point::{Point, UNITS_PER_MM, cross, distance_mm, to_mm, to_segment_mm, t
 pub use random::Random;
 pub use raw_offset::Join;
 pub use region::{Bounds, Polygon, Region, Ring, ring_area, ring_contains, ring_length_mm};
-pub use route::{Router, Way};
+pub use route::{Route, Router};
 pub use simplify::simplify;
 
 /// The examples of the README are compiled with the documentation's.

@@ -31,7 +31,7 @@ pub fn offset(region: &Region, by_mm: f64) -> Region {
 ///
 /// A shrunk region lies inside its input, a grown one covers it. The boundary is within 2.5 µm (for distances
 /// below 20 µm, an eighth of the distance) of where the joins put it; in exchange the result has hardly more
-/// vertices than its input, mostly fewer. Outer rings and holes are recognised by their place in the polygon,
+/// vertices than its input, mostly fewer. Outer rings and holes are recognised by their position in the polygon,
 /// whatever their orientation. Parts smaller than 25 µm² or narrower
 /// than 2.5 µm may vanish. A distance that is not a number or below the
 /// grid's unit changes nothing, one beyond 5 m is taken as 5 m; results are cut off at ±10.7 m.

@@ -1,4 +1,4 @@
-//! Ways inside the part: round holes and outer walls instead of over them.
+//! Routes of travels inside the part: around holes and outer walls instead of over them.
 //!
 //! A straight travel that stays inside is kept. Any other is led along lanes, the outline shrunk by the width of the
 //! outermost wall: wherever the straight line would leave the lanes it follows their boundary, the shorter way
@@ -18,25 +18,25 @@ const CLEARANCE: f64 = 0.25;
 /// Lanes are simplified to this share of the outermost wall's width: less than their distance from the clearance.
 const ROUGH: f64 = 0.2;
 
-/// A place further than this many widths of the outermost wall from any lane has none.
+/// A position further than this many widths of the outermost wall from any lane has none.
 const ATTACH: f64 = 3.0;
 
-/// A way along the lanes that is so many times too long is not pulled taut to see whether it would fit.
+/// A route along the lanes that is this many times too long is not pulled taut to see whether it would fit.
 const SLACK: f64 = 2.0;
 
 /// Passes of pulling taut: each sees what the one before has freed.
 const PULLS: usize = 4;
 
-/// How a travel gets from one place to another.
+/// How a travel gets from one position to another.
 #[derive(Clone, Debug, PartialEq)]
-pub enum Way {
-    /// Inside the part, past these points (none: straight), so long in all.
+pub enum Route {
+    /// Inside the part, via these points (none: straight), with the total length in millimetres.
     Inside(Vec<[f64; 2]>, f64),
     /// Straight over whatever is there.
     Across,
 }
 
-/// Finds ways inside one layer. What it needs to know of the outline is worked out when first asked for.
+/// Finds routes inside one layer. What it needs to know of the outline is computed when first needed.
 #[derive(Debug)]
 pub struct Router<'a> {
     outline: &'a Region,
@@ -44,13 +44,13 @@ pub struct Router<'a> {
     max_detour_mm: f64,
     edge: OnceCell<EdgeGrid>,
     lanes: OnceCell<Lanes>,
-    /// What is known of places where travels begin and end.
-    places: RefCell<FxHashMap<Point, Place>>,
+    /// What is known of the positions where travels begin and end.
+    endpoints: RefCell<FxHashMap<Point, Endpoint>>,
 }
 
-/// What a router knows of a place.
+/// What a router knows of a position.
 #[derive(Clone, Copy, Debug, Default)]
-struct Place {
+struct Endpoint {
     /// Whether travels may go there at all.
     inside: Option<bool>,
     access: Option<Option<Access>>,
@@ -66,10 +66,10 @@ struct Lanes {
     polygon: Vec<usize>,
 }
 
-/// A place where a travel meets a lane's boundary.
+/// A point where a travel meets a lane's boundary.
 #[derive(Clone, Copy, Debug)]
 struct Meeting {
-    /// Share of the way from the start.
+    /// Fraction of the distance from the start.
     t: f64,
     point: Point,
     on: BoundaryPos,
@@ -80,13 +80,13 @@ struct Meeting {
 struct Access {
     point: Point,
     polygon: usize,
-    /// Its place on the boundary, if it had to be moved there.
+    /// Its position on the boundary, if it had to be moved there.
     on: Option<BoundaryPos>,
 }
 
 impl<'a> Router<'a> {
     /// A router inside `outline`, whose outermost walls are `width_mm` wide. Detours add at most `max_detour_mm` to
-    /// the straight way; 0: there are none.
+    /// the straight line; 0: there are none.
     pub fn new(outline: &'a Region, width_mm: f64, max_detour_mm: f64) -> Self {
         Self {
             outline,
@@ -94,26 +94,26 @@ impl<'a> Router<'a> {
             max_detour_mm,
             edge: OnceCell::new(),
             lanes: OnceCell::new(),
-            places: RefCell::default(),
+            endpoints: RefCell::default(),
         }
     }
 
-    /// The way from one place to another. O(passed cells) where the straight line is clear, else O(n) for n
+    /// The route from one position to another. O(passed cells) where the straight line is clear, else O(n) for n
     /// vertices of the lanes, and a few clearance tests.
-    pub fn way(&self, from: [f64; 2], to: [f64; 2]) -> Way {
+    pub fn route(&self, from: [f64; 2], to: [f64; 2]) -> Route {
         let [a, b] = [from, to].map(|[x, y]| Point::from_mm(x, y));
         let straight_mm = distance_mm(from, to);
         if a == b {
-            return Way::Inside(Vec::new(), straight_mm);
+            return Route::Inside(Vec::new(), straight_mm);
         }
         if self.clear(a, b) {
-            return if self.inside(a) { Way::Inside(Vec::new(), straight_mm) } else { Way::Across };
+            return if self.inside(a) { Route::Inside(Vec::new(), straight_mm) } else { Route::Across };
         }
         if self.max_detour_mm <= 0.0 {
-            return Way::Across;
+            return Route::Across;
         }
         let longest_mm = straight_mm + self.max_detour_mm;
-        let Some(mut points) = self.along_lanes(a, b, SLACK * longest_mm) else { return Way::Across };
+        let Some(mut points) = self.along_lanes(a, b, SLACK * longest_mm) else { return Route::Across };
         for _ in 0..PULLS {
             let before = points.len();
             points = self.pulled(&points);
@@ -126,10 +126,10 @@ impl<'a> Router<'a> {
         }
         let length_mm = polyline_length_mm(&points);
         if length_mm > longest_mm || !points.windows(2).all(|leg| self.clear(leg[0], leg[1])) {
-            return Way::Across;
+            return Route::Across;
         }
         let between = &points[1..points.len() - 1];
-        Way::Inside(between.iter().map(|p| p.mm()).collect(), length_mm)
+        Route::Inside(between.iter().map(|p| p.mm()).collect(), length_mm)
     }
 
     fn edge(&self) -> &EdgeGrid {
@@ -147,10 +147,10 @@ impl<'a> Router<'a> {
         })
     }
 
-    /// Whether a place is inside of the part, and not too near to its edge.
+    /// Whether a position is inside the part, and not too near to its edge.
     fn inside(&self, p: Point) -> bool {
-        let mut places = self.places.borrow_mut();
-        *places.entry(p).or_default().inside.get_or_insert_with(|| self.edge().contains(p))
+        let mut endpoints = self.endpoints.borrow_mut();
+        *endpoints.entry(p).or_default().inside.get_or_insert_with(|| self.edge().contains(p))
     }
 
     /// Whether the straight line meets no edge.
@@ -158,7 +158,7 @@ impl<'a> Router<'a> {
         self.edge().edges_along(a, b).all(|e| !meet([a, b], [e.a, e.b]))
     }
 
-    /// Leaves out points of a way where the straight line between others is clear: from each, the last that a
+    /// Leaves out points of a route where the straight line between others is clear: from each, the last that a
     /// doubling, then halving step can see.
     fn pulled(&self, points: &[Point]) -> Vec<Point> {
         let mut out = vec![points[0]];
@@ -182,7 +182,7 @@ impl<'a> Router<'a> {
         out
     }
 
-    /// The way along the lanes, before it is pulled taut; `None` if there is none, or it is longer than that.
+    /// The route along the lanes, before it is pulled taut; `None` if there is none, or it is longer than that.
     fn along_lanes(&self, a: Point, b: Point, longest_mm: f64) -> Option<Vec<Point>> {
         let lanes = self.lanes();
         let (start, end) = (self.access(a)?, self.access(b)?);
@@ -196,7 +196,7 @@ impl<'a> Router<'a> {
             let from = meetings[first];
             let last = meetings.iter().rposition(|m| m.on.ring == from.on.ring)?;
             let to = meetings[last];
-            let ahead_mm = lanes.boundary.way_mm(from.on, to.on)?;
+            let ahead_mm = lanes.boundary.forward_mm(from.on, to.on)?;
             let ahead = ahead_mm <= lanes.boundary.ring_length_mm(from.on.ring) / 2.0;
             points.push(from.point);
             points.extend(lanes.boundary.vertices_between(from.on, to.on, ahead));
@@ -208,10 +208,10 @@ impl<'a> Router<'a> {
         (polyline_length_mm(&points) <= longest_mm).then_some(points)
     }
 
-    /// Where a place has access to the lanes: itself if it is on one, else the nearest place on a boundary.
+    /// Where a position has access to the lanes: itself if it is on one, else the nearest point of a boundary.
     fn access(&self, p: Point) -> Option<Access> {
-        let mut places = self.places.borrow_mut();
-        *places.entry(p).or_default().access.get_or_insert_with(|| self.find_access(p))
+        let mut endpoints = self.endpoints.borrow_mut();
+        *endpoints.entry(p).or_default().access.get_or_insert_with(|| self.find_access(p))
     }
 
     fn find_access(&self, p: Point) -> Option<Access> {
@@ -238,7 +238,7 @@ impl<'a> Router<'a> {
 }
 
 impl Lanes {
-    /// Where the straight way meets the boundary of its polygon, in its order; ends that lie on it are the first and
+    /// Where the straight line meets the boundary of its polygon, in its order; ends that lie on it are the first and
     /// the last.
     fn meetings(&self, start: &Access, end: &Access) -> Vec<Meeting> {
         /// Ends on a boundary are rounded to the grid; what is met within this of them is they themselves.
@@ -319,48 +319,48 @@ mod tests {
         Region { polygons: vec![Polygon { outer, holes: vec![hole] }] }
     }
 
-    fn length_mm(way: &Way) -> f64 {
-        match way {
-            Way::Inside(_, length_mm) => *length_mm,
-            Way::Across => f64::INFINITY,
+    fn length_mm(route: &Route) -> f64 {
+        match route {
+            Route::Inside(_, length_mm) => *length_mm,
+            Route::Across => f64::INFINITY,
         }
     }
 
     #[test]
-    fn a_clear_way_is_straight() {
+    fn a_clear_route_is_straight() {
         let region = frame();
-        let way = Router::new(&region, 0.45, 20.0).way([2.0, 2.0], [38.0, 3.0]);
-        assert_eq!(way, Way::Inside(Vec::new(), distance_mm([2.0, 2.0], [38.0, 3.0])));
+        let route = Router::new(&region, 0.45, 20.0).route([2.0, 2.0], [38.0, 3.0]);
+        assert_eq!(route, Route::Inside(Vec::new(), distance_mm([2.0, 2.0], [38.0, 3.0])));
     }
 
     #[test]
-    fn the_way_to_the_same_place_is_none_wherever_it_is() {
+    fn the_route_to_the_same_position_is_empty_everywhere() {
         let region = frame();
         let router = Router::new(&region, 0.45, 20.0);
         for at in (0..80).flat_map(|x| (0..40).map(move |y| [x, y].map(|half| 0.5 * f64::from(half)))) {
             assert_eq!(
-                router.way(at, [at[0] + 1e-9, at[1]]),
-                Way::Inside(Vec::new(), distance_mm(at, [at[0] + 1e-9, at[1]]))
+                router.route(at, [at[0] + 1e-9, at[1]]),
+                Route::Inside(Vec::new(), distance_mm(at, [at[0] + 1e-9, at[1]]))
             );
         }
     }
 
     #[test]
-    fn a_hole_is_passed_on_its_nearer_side_by_the_shortest_way() {
+    fn a_hole_is_passed_on_its_nearer_side_by_the_shortest_route() {
         let region = frame();
         let router = Router::new(&region, 0.45, 20.0);
         let (from, to) = ([2.0, 11.0], [38.0, 11.0]);
-        let Way::Inside(points, length) = router.way(from, to) else { panic!("there is a way") };
+        let Route::Inside(points, length) = router.route(from, to) else { panic!("there is a route") };
         // Over two corners of the lane around the hole.
         let corner = [15.0 - 0.45, 15.0 + 0.45];
         let shortest = 2.0 * distance_mm(from, corner) + 10.9;
         assert!((length - shortest).abs() < 0.05, "{length} instead of {shortest}: {points:?}");
-        let on_wall = router.way([2.0, 11.0], [25.0 + 0.225, 12.0]);
+        let on_wall = router.route([2.0, 11.0], [25.0 + 0.225, 12.0]);
         assert!(length_mm(&on_wall) < 30.0, "from an outer wall, {on_wall:?}");
     }
 
     #[test]
-    fn no_way_leaves_the_part() {
+    fn no_route_leaves_the_part() {
         let teeth = (0..6).flat_map(|i| {
             let x = 6.0 * f64::from(i);
             [(x, 2.0), (x, 20.0), (x + 3.0, 20.0), (x + 3.0, 2.0)]
@@ -370,7 +370,7 @@ mod tests {
         let router = Router::new(&region, 0.45, 200.0);
         for tooth in 1..6 {
             let x = 6.0 * f64::from(tooth) + 1.5;
-            let Way::Inside(points, length) = router.way([1.5, 19.0], [x, 19.0]) else { panic!("{x}") };
+            let Route::Inside(points, length) = router.route([1.5, 19.0], [x, 19.0]) else { panic!("{x}") };
             assert!(length < 2.0 * 18.0 + x + 3.0, "{length}");
             let all: Vec<Point> = std::iter::once([1.5, 19.0])
                 .chain(points)
@@ -384,17 +384,17 @@ mod tests {
     }
 
     #[test]
-    fn long_detours_and_ways_to_other_parts_go_across() {
+    fn long_detours_and_routes_to_other_parts_go_across() {
         let mut region = frame();
         let router = Router::new(&region, 0.45, 1.0);
-        assert_eq!(router.way([2.0, 10.0], [38.0, 10.0]), Way::Across);
+        assert_eq!(router.route([2.0, 10.0], [38.0, 10.0]), Route::Across);
         region.polygons[0].holes.clear();
         region.polygons.push(Polygon {
             outer: ring(&[(50.0, 0.0), (60.0, 0.0), (60.0, 20.0), (50.0, 20.0)]),
             holes: Vec::new(),
         });
         let router = Router::new(&region, 0.45, 1000.0);
-        assert_eq!(router.way([2.0, 10.0], [55.0, 10.0]), Way::Across);
-        assert_eq!(router.way([42.0, 10.0], [45.0, 10.0]), Way::Across, "outside of everything");
+        assert_eq!(router.route([2.0, 10.0], [55.0, 10.0]), Route::Across);
+        assert_eq!(router.route([42.0, 10.0], [45.0, 10.0]), Route::Across, "outside of everything");
     }
 }

@@ -15,7 +15,7 @@ pub fn simplify(region: &Region, tol_mm: f64) -> Region {
 
 /// A ring with the vertices left out that are within `tol` units of the new edge in their place, starting at its
 /// leftmost (then lowest) vertex. It may touch or cross itself where it is narrower than the tolerance.
-/// Rings of no more than two distinct places come out empty.
+/// Rings of no more than two distinct points come out empty.
 pub(super) fn simplify_ring(ring: &[Point], tol: f64) -> Ring {
     let Some(start) = (0..ring.len()).min_by_key(|&i| (ring[i], i)) else {
         return Ring::new();

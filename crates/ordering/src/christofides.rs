@@ -106,9 +106,9 @@ const START: u32 = 0;
 
 /// What an edge of the multigraph stands for.
 #[derive(Clone, Copy, PartialEq, Eq)]
-enum Way {
+enum EdgeKind {
     /// A travel.
-    Move,
+    Travel,
     /// An open path, by index into the items; the direction is that of the walk.
     Draw(u32),
 }
@@ -130,7 +130,7 @@ struct Network<'a> {
     /// Each item's first node.
     first: Vec<u32>,
     items: &'a [u32],
-    edges: Vec<(u32, u32, Way)>,
+    edges: Vec<(u32, u32, EdgeKind)>,
     /// Whether the last node is where the walk must end.
     fixed_end: bool,
 }
@@ -145,7 +145,7 @@ impl<'a> Network<'a> {
             first.push(node);
             let vertices = match &problem.items[item as usize].shape {
                 Shape::Open(ends) => {
-                    edges.push((node, node + 1, Way::Draw(item)));
+                    edges.push((node, node + 1, EdgeKind::Draw(item)));
                     &ends[..]
                 }
                 Shape::Loop(vertices) => vertices,
@@ -162,8 +162,8 @@ impl<'a> Network<'a> {
         let mut settled = vec![false; self.items.len() + 1];
         for (u, v) in self.spanning_tree() {
             for node in [u, v] {
-                let place = &mut settled[self.owner(node)];
-                kept[node as usize] |= !std::mem::replace(place, true);
+                let slot = &mut settled[self.owner(node)];
+                kept[node as usize] |= !std::mem::replace(slot, true);
             }
         }
         let open = |node: &Node| {
@@ -221,7 +221,7 @@ impl<'a> Network<'a> {
     }
 
     /// Adds the cheapest set of links that leaves an Eulerian walk with the given ending.
-    fn make_even(&self, edges: &mut Vec<(u32, u32, Way)>, ending: Ending) {
+    fn make_even(&self, edges: &mut Vec<(u32, u32, EdgeKind)>, ending: Ending) {
         let mut odd = vec![false; self.nodes.len()];
         for &(u, v, _) in edges.iter() {
             odd[u as usize] ^= true;
@@ -236,7 +236,7 @@ impl<'a> Network<'a> {
         let points: Vec<Point> = odd.iter().map(|&v| self.nodes[v as usize].at).collect();
         for (v, mate) in euclidean(&points).into_iter().enumerate() {
             if v < mate as usize {
-                edges.push((odd[v], odd[mate as usize], Way::Move));
+                edges.push((odd[v], odd[mate as usize], EdgeKind::Travel));
             }
         }
     }
@@ -257,7 +257,7 @@ impl<'a> Network<'a> {
     /// and a circuit is cut on either side of the start.
     fn tour(&self, ending: Ending, end: Option<Point>) -> Sequence {
         let mut edges = self.edges.clone();
-        edges.extend(self.spanning_tree().into_iter().map(|(u, v)| (u, v, Way::Move)));
+        edges.extend(self.spanning_tree().into_iter().map(|(u, v)| (u, v, EdgeKind::Travel)));
         self.make_even(&mut edges, ending);
         let start = self.nodes[START as usize].at;
         let mut best = (f64::INFINITY, Sequence::new());
@@ -306,16 +306,16 @@ impl<'a> Network<'a> {
     }
 
     /// Draws every path where the walk does, and every loop at the one of its visits that is the shortest detour.
-    fn shortcut(&self, walk: &[(u32, Way)]) -> Sequence {
+    fn shortcut(&self, walk: &[(u32, EdgeKind)]) -> Sequence {
         let open = |item: u32| matches!(self.problem.items[item as usize].shape, Shape::Open(_));
         let mut stops: Vec<Visit> = Vec::with_capacity(self.items.len());
-        for &(node, way) in walk {
+        for &(node, kind) in walk {
             let Node { item, entry, .. } = self.nodes[node as usize];
-            match way {
+            match kind {
                 // The walk arrives at the other end of the path it draws.
-                Way::Draw(item) => stops.push(Visit { item, entry: 1 - entry }),
-                Way::Move if item != u32::MAX && !open(item) => stops.push(Visit { item, entry }),
-                Way::Move => {}
+                EdgeKind::Draw(item) => stops.push(Visit { item, entry: 1 - entry }),
+                EdgeKind::Travel if item != u32::MAX && !open(item) => stops.push(Visit { item, entry }),
+                EdgeKind::Travel => {}
             }
         }
         let mut visits = vec![Vec::new(); self.first.len()];
@@ -363,7 +363,7 @@ impl<'a> Network<'a> {
 
     /// The nodes of an Eulerian walk from the start, each with the edge that leads to it. Hierholzer 1873,
     /// <https://doi.org/10.1007/BF01442866>.
-    fn eulerian(&self, edges: &[(u32, u32, Way)]) -> Vec<(u32, Way)> {
+    fn eulerian(&self, edges: &[(u32, u32, EdgeKind)]) -> Vec<(u32, EdgeKind)> {
         let mut rows = vec![0_u32; self.nodes.len() + 2];
         for &(u, v, _) in edges {
             rows[u as usize + 2] += 1;
@@ -375,27 +375,27 @@ impl<'a> Network<'a> {
         let mut incident = vec![0_u32; 2 * edges.len()];
         for (e, &(u, v, _)) in edges.iter().enumerate() {
             for node in [u, v] {
-                let place = &mut rows[node as usize + 1];
-                incident[*place as usize] = e as u32;
-                *place += 1;
+                let slot = &mut rows[node as usize + 1];
+                incident[*slot as usize] = e as u32;
+                *slot += 1;
             }
         }
         let mut next: Vec<u32> = rows[..self.nodes.len()].to_vec();
         let mut used = vec![false; edges.len()];
-        let mut stack = vec![(START, Way::Move)];
+        let mut stack = vec![(START, EdgeKind::Travel)];
         let mut walk = Vec::with_capacity(edges.len() + 1);
-        while let Some(&(node, way)) = stack.last() {
-            let place = &mut next[node as usize];
-            if *place == rows[node as usize + 1] {
-                walk.push((node, way));
+        while let Some(&(node, kind)) = stack.last() {
+            let slot = &mut next[node as usize];
+            if *slot == rows[node as usize + 1] {
+                walk.push((node, kind));
                 stack.pop();
                 continue;
             }
-            let e = incident[*place as usize];
-            *place += 1;
+            let e = incident[*slot as usize];
+            *slot += 1;
             if !std::mem::replace(&mut used[e as usize], true) {
-                let (u, v, way) = edges[e as usize];
-                stack.push((u ^ v ^ node, way));
+                let (u, v, kind) = edges[e as usize];
+                stack.push((u ^ v ^ node, kind));
             }
         }
         // The walk comes out backwards.

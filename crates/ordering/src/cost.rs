@@ -49,7 +49,7 @@ impl TravelTime {
     }
 }
 
-/// Seconds from rest to rest, of which at least a share of the way is cruised.
+/// Seconds from rest to rest, of which at least a share of the distance is cruised.
 #[inline]
 pub fn trapezoid_s(length_mm: f64, speed: f64, acceleration: f64, cruise_ratio: f64) -> f64 {
     if acceleration <= 0.0 {

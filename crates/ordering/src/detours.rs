@@ -1,4 +1,4 @@
-//! What travels inside of islands really cost: the way round holes and outer walls, or over them and retracted where it
+//! What travels inside islands really cost: the route around holes and outer walls, or over them and retracted where it
 //! is too long.
 
 use std::cell::RefCell;
@@ -6,9 +6,9 @@ use std::cell::RefCell;
 use rustc_hash::FxHashMap;
 
 use super::Cost;
-use pathwright_geometry::{Router, Way};
+use pathwright_geometry::{Route, Router};
 
-/// How travels are led round what they must not cross.
+/// How travels are led around what they must not cross.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct DetourRule {
     /// Width of the outermost wall, millimetres.
@@ -20,13 +20,13 @@ pub struct DetourRule {
 }
 
 impl DetourRule {
-    /// Cost of the travel between two places of an island. A detour costs what so long a travel does; crossing a wall, what
+    /// Cost of the travel between two positions in an island. A detour costs what a travel of that length does; crossing a wall, what
     /// the travel costs with a retraction, and where lengths count, that much more as is travelled without one.
     pub fn cost(self, router: &Router, cost: &Cost, from: [f64; 2], to: [f64; 2]) -> f64 {
-        match (router.way(from, to), cost) {
-            (Way::Inside(_, length_mm), _) => cost.of(length_mm, true),
-            (Way::Across, Cost::Length) => (from[0] - to[0]).hypot(from[1] - to[1]) + self.retraction_mm,
-            (Way::Across, Cost::Time(_)) => cost.of((from[0] - to[0]).hypot(from[1] - to[1]), false),
+        match (router.route(from, to), cost) {
+            (Route::Inside(_, length_mm), _) => cost.of(length_mm, true),
+            (Route::Across, Cost::Length) => (from[0] - to[0]).hypot(from[1] - to[1]) + self.retraction_mm,
+            (Route::Across, Cost::Time(_)) => cost.of((from[0] - to[0]).hypot(from[1] - to[1]), false),
         }
     }
 }
@@ -59,7 +59,7 @@ impl<'a> Detours<'a> {
         Self { rule, cost, first_item: first_item.collect(), routers, known: RefCell::default() }
     }
 
-    /// Cost of the travel between places on two items of an island, of one layer or of neighbouring ones; the same in both
+    /// Cost of the travel between positions on two items of an island, of one layer or of neighbouring ones; the same in both
     /// directions.
     pub fn cost(&self, items: [u32; 2], from: [f64; 2], to: [f64; 2]) -> f64 {
         let (from, to) = if from <= to { (from, to) } else { (to, from) };

@@ -10,7 +10,7 @@ const CANDIDATES: usize = 12;
 const SAMPLES: usize = 8;
 const COARSER: usize = 2;
 
-/// Some vertices of a loop of so many, spread evenly; the coarse ones are among the others.
+/// Some vertices of a loop of this many, spread evenly; the coarse ones are among the others.
 pub(super) fn samples(vertices: usize, coarse: bool) -> impl Iterator<Item = u32> {
     let step = vertices.div_ceil(SAMPLES).max(1);
     (0..vertices).step_by(if coarse { COARSER * step } else { step }).map(|entry| entry as u32)
@@ -37,54 +37,54 @@ impl Look {
     }
 }
 
-/// A way of drawing a path: [`super::Visit::entry`], and where it begins and ends, in millimetres.
+/// One choice of entry and direction for a path: [`super::Visit::entry`], and where it begins and ends, in millimetres.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Way {
+pub(super) struct Candidate {
     pub entry: u32,
     pub enter: [f64; 2],
     pub leave: [f64; 2],
 }
 
-impl Way {
+impl Candidate {
     /// A loop that is entered and left at a vertex.
     pub fn at(entry: u32, vertex: [f64; 2]) -> Self {
         Self { entry, enter: vertex, leave: vertex }
     }
 }
 
-/// The ways of drawing consecutive paths, and what the cheapest walk up to each costs. Kept from search to search for its
-/// buffers.
+/// Searches for the best entries of consecutive paths: the candidates of each, and the cost of the cheapest walk up to
+/// each candidate. Kept from search to search for its buffers.
 #[derive(Debug, Default)]
-pub(super) struct Ways {
+pub(super) struct EntrySearch {
     entry: Vec<u32>,
     leave: [Vec<f64>; 2],
     cost: Vec<f64>,
-    /// Which way comes before it.
+    /// Which candidate comes before it.
     before: Vec<u32>,
-    /// Links from all ways of the last path to one place.
+    /// Links from all candidates of the last path to one point.
     links: Vec<f64>,
-    /// The ways of one path.
-    here: Vec<Way>,
+    /// The candidates of one path.
+    here: Vec<Candidate>,
     chosen: Vec<u32>,
 }
 
-impl Ways {
+impl EntrySearch {
     fn begin(&mut self, start: [f64; 2]) {
         self.entry.clear();
         self.leave.iter_mut().for_each(Vec::clear);
         self.cost.clear();
         self.before.clear();
-        self.push(Way::at(0, start), 0.0, 0);
+        self.push(Candidate::at(0, start), 0.0, 0);
     }
 
-    fn push(&mut self, way: Way, cost: f64, before: u32) {
-        self.entry.push(way.entry);
-        self.leave.iter_mut().zip(way.leave).for_each(|(axis, at)| axis.push(at));
+    fn push(&mut self, candidate: Candidate, cost: f64, before: u32) {
+        self.entry.push(candidate.entry);
+        self.leave.iter_mut().zip(candidate.leave).for_each(|(axis, at)| axis.push(at));
         self.cost.push(cost);
         self.before.push(before);
     }
 
-    /// The cheapest walk to a place by one of the ways from `from` on and before `to`: its cost, and the way.
+    /// The cheapest walk to a point by one of the candidates from `from` on and before `to`: its cost, and the candidate.
     fn cheapest(
         &mut self,
         from: usize,
@@ -95,7 +95,7 @@ impl Ways {
     ) -> (f64, u32) {
         let (xs, ys) = (&self.leave[0][from..to], &self.leave[1][from..to]);
         self.links.clear();
-        // To or from anywhere (not a number) is no way at all. These two loops are vectorised.
+        // A link to or from an unknown point (NaN) costs nothing. These two loops are vectorised.
         self.links.extend(xs.iter().zip(ys).map(|(&at_x, &at_y)| {
             let (dx, dy) = (at_x - x, at_y - y);
             (dx * dx + dy * dy).sqrt().max(0.0)
@@ -111,27 +111,27 @@ impl Ways {
             }
         }
         let mut best = (f64::INFINITY, 0);
-        for (&total, way) in self.links.iter().zip(from as u32..) {
+        for (&total, candidate) in self.links.iter().zip(from as u32..) {
             if total < best.0 {
-                best = (total, way);
+                best = (total, candidate);
             }
         }
         best
     }
 }
 
-impl Ways {
-    /// The cheapest choice of one way for each of `count` paths: its cost, the entries, and how many pairs were looked at.
-    /// `ways` appends those of a path; the walk comes from `start` and goes on to `end`; not a number: from or to anywhere.
-    /// `inside` says of the link to a path, and to the end, whether it is inside of an island.
+impl EntrySearch {
+    /// The cheapest choice of one candidate for each of `count` paths: its cost, the entries, and how many pairs were looked at.
+    /// `candidates` appends those of a path; the walk comes from `start` and goes on to `end`, which are NaN if unknown.
+    /// `inside` tells of the link to a path, and to the end, whether it is inside an island.
     ///
     /// Shortest path through layers of candidates: the *cluster optimisation* of the generalised travelling salesman problem
-    /// (Fischetti, Salazar & Toth 1997, doi:10.1287/opre.45.3.378). Of equal ways the first.
+    /// (Fischetti, Salazar & Toth 1997, doi:10.1287/opre.45.3.378). Of equal candidates the first.
     pub fn cheapest_entries(
         &mut self,
         start: [f64; 2],
         count: usize,
-        mut ways: impl FnMut(usize, &mut Vec<Way>),
+        mut candidates: impl FnMut(usize, &mut Vec<Candidate>),
         end: [f64; 2],
         cost: &Cost,
         inside: impl Fn(usize) -> bool,
@@ -142,12 +142,12 @@ impl Ways {
         for path in 0..count {
             let from = self.entry.len();
             here.clear();
-            ways(path, &mut here);
+            candidates(path, &mut here);
             pairs += ((from - last) * here.len()) as u64;
             let inside = inside(path);
-            for &way in &here {
-                let (least, before) = self.cheapest(last, from, way.enter, cost, inside);
-                self.push(way, least, before);
+            for &candidate in &here {
+                let (least, before) = self.cheapest(last, from, candidate.enter, cost, inside);
+                self.push(candidate, least, before);
             }
             last = from;
         }
@@ -171,26 +171,26 @@ pub(super) fn enter_shortest(
     end: Option<Point>,
     sequence: &mut Sequence,
 ) {
-    let place = |point: Option<Point>| point.map_or([f64::NAN; 2], Point::mm);
-    let mut search = Ways::default();
+    let coordinates = |point: Option<Point>| point.map_or([f64::NAN; 2], Point::mm);
+    let mut search = EntrySearch::default();
     for look in [Look::Everywhere, Look::Around] {
-        let ways = |at: usize, ways: &mut Vec<Way>| {
+        let candidates = |at: usize, candidates: &mut Vec<Candidate>| {
             let visit = sequence[at];
             let item = problem.items[visit.item as usize];
             match item.shape {
                 Shape::Loop(vertices) => {
-                    let way = |entry| Way::at(entry, vertices[entry as usize].mm());
-                    ways.extend(look.at(vertices.len(), visit.entry).map(way));
+                    let candidate = |entry| Candidate::at(entry, vertices[entry as usize].mm());
+                    candidates.extend(look.at(vertices.len(), visit.entry).map(candidate));
                 }
                 Shape::Open(_) => {
                     let (enter, leave) = item.ends(visit.entry);
-                    ways.push(Way { entry: visit.entry, enter: enter.mm(), leave: leave.mm() });
+                    candidates.push(Candidate { entry: visit.entry, enter: enter.mm(), leave: leave.mm() });
                 }
             }
         };
-        let (start, end) = (place(start), place(end));
+        let (start, end) = (coordinates(start), coordinates(end));
         let (_, entries, _) =
-            search.cheapest_entries(start, sequence.len(), ways, end, &Cost::Length, |_| false);
+            search.cheapest_entries(start, sequence.len(), candidates, end, &Cost::Length, |_| false);
         for (visit, &entry) in sequence.iter_mut().zip(entries) {
             visit.entry = entry;
         }

@@ -1,4 +1,4 @@
-//! A spatial index over the places where paths can be entered.
+//! A spatial index over the positions where paths can be entered.
 
 use super::precedence::Groups;
 use super::{Problem, Shape};
@@ -31,7 +31,7 @@ pub struct Index<'a> {
     root: u32,
 }
 
-/// A place where a path can be entered, and its squared distance (square units) from where a search began.
+/// A position where a path can be entered, and its squared distance (square units) from where a search began.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub struct Entry {
     /// Squared distance, square units.

@@ -6,7 +6,7 @@ use super::precedence::{Frontier, Groups};
 use super::{Cost, Problem, Sequence, Strategy, Visit};
 use pathwright_geometry::Point;
 
-/// From where the nozzle is, always on to the nearest place where a path can be entered that may come next:
+/// From where the nozzle is, always on to the nearest position where a path can be entered that may come next:
 /// an end of an open path, an allowed vertex of a loop. Nothing known of the start: the first path as made.
 ///
 /// Nearest in length is nearest in any [`Cost`]. O(n log n) in practice. In the worst case Θ(log n) times the

@@ -14,14 +14,14 @@ pub struct Groups {
     /// Group of each item.
     pub of: Vec<u32>,
     /// Stage and unit of each group.
-    pub place: Vec<Place>,
+    pub positions: Vec<GroupPosition>,
     /// Whether the groups of a unit are consecutive (`island` scope).
     pub whole_units: bool,
 }
 
 /// Where a group stands in the precedence.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub struct Place {
+pub struct GroupPosition {
     /// All groups of a stage come before all of the next.
     pub stage: u32,
     /// The groups of one island in one stage, which come by ascending number; ascending over all stages.
@@ -39,14 +39,14 @@ impl Groups {
         let mut keys: Vec<_> = problem.items.iter().map(|item| key_of_run[item.run as usize]).collect();
         keys.sort_unstable();
         keys.dedup();
-        let mut place: Vec<Place> = Vec::with_capacity(keys.len());
+        let mut positions: Vec<GroupPosition> = Vec::with_capacity(keys.len());
         for (group, &(stage, island, ..)) in keys.iter().enumerate() {
-            let unit = match place.last() {
+            let unit = match positions.last() {
                 Some(last) if (keys[group - 1].0, keys[group - 1].1) == (stage, island) => last.unit,
                 Some(last) => last.unit + 1,
                 None => 0,
             };
-            place.push(Place { stage, unit });
+            positions.push(GroupPosition { stage, unit });
         }
         // A run without items is no group, and nothing asks for it.
         let group_of_run: Vec<u32> =
@@ -56,18 +56,18 @@ impl Groups {
         for (item, &group) in of.iter().enumerate() {
             items[group as usize].push(item as u32);
         }
-        Self { items, of, place, whole_units: problem.scope == Scope::Island }
+        Self { items, of, positions, whole_units: problem.scope == Scope::Island }
     }
 
-    /// The places of each stage's groups, in their order.
-    pub fn stages(&self) -> impl Iterator<Item = &[Place]> {
-        self.place.chunk_by(|a, b| a.stage == b.stage)
+    /// The positions of each stage's groups, in their order.
+    pub fn stages(&self) -> impl Iterator<Item = &[GroupPosition]> {
+        self.positions.chunk_by(|a, b| a.stage == b.stage)
     }
 
     /// The group that must come after this one in its unit, if there is one.
     pub fn next_in_unit(&self, group: u32) -> Option<u32> {
         let next = group + 1;
-        let unit = |group: u32| self.place.get(group as usize).map(|place| place.unit);
+        let unit = |group: u32| self.positions.get(group as usize).map(|at| at.unit);
         (unit(next) == unit(group)).then_some(next)
     }
 
@@ -106,11 +106,12 @@ impl<'a> Frontier<'a> {
     }
 
     fn begin_stage(&mut self) -> Vec<u32> {
-        let (from, place) = (self.next_stage, &self.groups.place);
-        let Some(stage) = place.get(from).map(|place| place.stage) else { return Vec::new() };
-        let to = from + place[from..].partition_point(|place| place.stage == stage);
+        let (from, positions) = (self.next_stage, &self.groups.positions);
+        let Some(stage) = positions.get(from).map(|at| at.stage) else { return Vec::new() };
+        let to = from + positions[from..].partition_point(|at| at.stage == stage);
         (self.next_stage, self.left_in_stage) = (to, to - from);
-        let first_of_unit = |&group: &usize| group == from || place[group].unit != place[group - 1].unit;
+        let first_of_unit =
+            |&group: &usize| group == from || positions[group].unit != positions[group - 1].unit;
         (from..to).filter(first_of_unit).map(|group| group as u32).collect()
     }
 }

@@ -24,7 +24,7 @@ pub(super) struct Ground {
 }
 
 impl Ground {
-    /// Whether something holds a bead of this size at a place: right under it, or beside that by a little more than
+    /// Whether something holds a bead of this size at a position: right under it, or beside that by a little more than
     /// half its width.
     fn holds(&self, [x, y, z]: [f64; 3], height_mm: f64, width_mm: f64) -> bool {
         let under_mm = z - height_mm;
@@ -43,19 +43,19 @@ impl Ground {
     }
 }
 
-/// A path under way: beads without a travel between them.
+/// The current path: beads without a travel between them.
 #[derive(Default)]
-pub(super) struct Way {
+pub(super) struct OpenPath {
     start: Option<[f64; 3]>,
     end: [f64; 3],
     length_mm: f64,
-    /// From its start to the first place that is held; none if there is no such place yet.
+    /// From its start to the first position that is held; none if there is none yet.
     head_mm: Option<f64>,
-    /// Since the last place that is held.
+    /// Since the last position that is held.
     tail_mm: f64,
 }
 
-impl Way {
+impl OpenPath {
     /// Takes up the next bead.
     pub fn add(&mut self, bead: &Stroke, height_mm: f64, width_mm: f64, ground: &Ground) {
         self.start.get_or_insert(bead.from);

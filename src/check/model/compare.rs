@@ -6,7 +6,7 @@ use super::super::beside::ModelReport;
 use super::super::fault::Kind;
 use super::super::relief::Relief;
 use super::super::report::Found;
-use super::air::{Ground, Way};
+use super::air::{Ground, OpenPath};
 use super::levels::{Level, Levels};
 use super::sections::{Sections, along};
 use super::survey::{Survey, is_part};
@@ -48,7 +48,7 @@ pub(super) fn compare(
         area_mm2,
         ground,
         layer: None,
-        way: Way::default(),
+        path: OpenPath::default(),
         last: (1, None),
         role: None,
         model,
@@ -108,7 +108,7 @@ struct Print<'a> {
     area_mm2: f64,
     ground: Ground,
     layer: Option<LayerNow>,
-    way: Way,
+    path: OpenPath,
     /// Line and layer of the last bead.
     last: (usize, Option<usize>),
     /// What that bead is part of, if the file tells.
@@ -134,7 +134,7 @@ impl Print<'_> {
         let height_mm = layer.level.height_mm;
         let width_mm = bead::width_mm(section_mm2 / height_mm, height_mm).clamp(0.1, 3.0);
         if part {
-            self.way.add(stroke, height_mm, width_mm, &self.ground);
+            self.path.add(stroke, height_mm, width_mm, &self.ground);
             if let Some(may) = layer.may.as_ref().filter(|_| self.tells_roles) {
                 let [x, y, z] = stroke.at(0.5);
                 if !may.has_at(Point::from_mm(x, y)) {
@@ -168,11 +168,11 @@ impl Print<'_> {
 
     /// A path is at its end.
     fn leave(&mut self) {
-        let way = std::mem::take(&mut self.way);
-        let hanging_mm = way.hanging_mm();
+        let path = std::mem::take(&mut self.path);
+        let hanging_mm = path.hanging_mm();
         if hanging_mm > 0.0 {
             self.model.over_air_mm += hanging_mm;
-            let [x, y, z] = way.end();
+            let [x, y, z] = path.end();
             self.found.add(Kind::OverAir, self.last.0, self.last.1, || {
                 let of = self
                     .role
@@ -199,7 +199,7 @@ impl Print<'_> {
         if layer.index.is_none() || !self.has_edges {
             return;
         }
-        // A turn of a spiral begins where the one beneath ends.
+        // A revolution of a spiral begins where the one beneath ends.
         let Level { z_mm, height_mm } = layer.level;
         let least_mm = if layer.risen_mm > layer.level_mm { z_mm - height_mm } else { z_mm - SLACK_MM };
         for island in layer.must.polygons.iter().filter(|island| island.area_mm2() > SPECK_MM2) {

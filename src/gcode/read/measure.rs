@@ -18,12 +18,12 @@ pub struct TypeMeasure {
     pub volume_mm3: f64,
 }
 
-/// What a file prints. Ways are in X and Y and count from the first extruding move on.
+/// What a file prints. Distances are in X and Y and count from the first extruding move on.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Measure {
-    /// Way while extruding.
+    /// Distance while extruding.
     pub print_mm: f64,
-    /// Way without.
+    /// Distance without extrusion.
     pub travel_mm: f64,
     /// Straight lines from the end of each extruded run to the start of the next.
     pub link_mm: f64,
@@ -58,7 +58,7 @@ pub fn measure_on(steps: &mut Replay<'_>, filament_diameter: Mm, bead_end: Optio
 pub struct Meter {
     area_mm2: f64,
     out: Measure,
-    run: Run,
+    state: MeasureState,
     kind: usize,
 }
 
@@ -67,8 +67,8 @@ impl Meter {
     pub fn new(filament_diameter: Mm, bead_end: Option<[f64; 3]>) -> Self {
         let mut out = Measure::default();
         let kind = out.kind(b"none");
-        let run = Run { last_end: bead_end, ..Run::default() };
-        Self { area_mm2: filament_area_mm2(filament_diameter), out, run, kind }
+        let state = MeasureState { last_end: bead_end, ..MeasureState::default() };
+        Self { area_mm2: filament_area_mm2(filament_diameter), out, state, kind }
     }
 
     /// Adds what a line does.
@@ -82,10 +82,10 @@ impl Meter {
                 out.retractions += usize::from(stroke.retracts);
                 if stroke.extrudes() {
                     out.by_type[self.kind].print_mm += stroke.xy_mm;
-                    self.run.extrude(stroke, out);
-                } else if stroke.xy_mm > 1e-9 && self.run.last_end.is_some() {
+                    self.state.extrude(stroke, out);
+                } else if stroke.xy_mm > 1e-9 && self.state.last_end.is_some() {
                     out.travel_mm += stroke.xy_mm;
-                    *self.run.travel_mm.get_or_insert(0.0) += stroke.xy_mm;
+                    *self.state.travel_mm.get_or_insert(0.0) += stroke.xy_mm;
                 }
             }
             Action::FirmwareRetract => out.retractions += 1,
@@ -97,13 +97,13 @@ impl Meter {
     /// The sums.
     pub fn finish(mut self) -> Measure {
         self.out.by_type.retain(|t| t.print_mm > 0.0 || t.volume_mm3 > 0.0);
-        self.out.heights_um = self.run.heights_um.into_iter().collect();
+        self.out.heights_um = self.state.heights_um.into_iter().collect();
         self.out
     }
 }
 
 impl Measure {
-    /// Way with and without extrusion.
+    /// Distance with and without extrusion.
     pub fn total_mm(&self) -> f64 {
         self.print_mm + self.travel_mm
     }
@@ -118,9 +118,9 @@ impl Measure {
     }
 }
 
-/// The travel under way.
+/// State of the measurement: the current travel and the heights extruded at.
 #[derive(Clone, Debug, Default)]
-struct Run {
+struct MeasureState {
     /// Where the last extrusion ended.
     last_end: Option<[f64; 3]>,
     /// Length travelled since.
@@ -130,7 +130,7 @@ struct Run {
     heights_um: BTreeSet<i64>,
 }
 
-impl Run {
+impl MeasureState {
     fn extrude(&mut self, stroke: &Stroke, out: &mut Measure) {
         out.print_mm += stroke.xy_mm;
         if let (Some(end), Some(travel_mm)) = (self.last_end, self.travel_mm.take()) {

@@ -20,7 +20,7 @@ use affine::Affine;
 use archive::Archive;
 use model::{Object, Part, Use, extension_name};
 
-use super::error::{MeshError, Place};
+use super::error::{Location, MeshError};
 use super::format::{Contents, FileObject, Format, bad_coordinate, has_extension};
 use super::weld::Welder;
 use crate::limits;
@@ -211,7 +211,7 @@ impl<'a> Package<'a> {
             for &[a, b, c] in &mesh.triangles {
                 number += 1;
                 let triangle = if mirrored { [a, c, b] } else { [a, b, c] };
-                let bad = |value| bad_coordinate(self.archive.path(), Place::Facet(number), value, all());
+                let bad = |value| bad_coordinate(self.archive.path(), Location::Facet(number), value, all());
                 welder.push(triangle.map(|v| vertices[v as usize])).map_err(bad)?;
             }
             if let Some(lattice) = &mesh.lattice {
@@ -223,7 +223,7 @@ impl<'a> Package<'a> {
                     damaged = damaged.or(pushed.err().map(|value| (number, value)));
                 });
                 if let Some((number, value)) = damaged {
-                    return Err(bad_coordinate(self.archive.path(), Place::Facet(number), value, all()));
+                    return Err(bad_coordinate(self.archive.path(), Location::Facet(number), value, all()));
                 }
             }
         }

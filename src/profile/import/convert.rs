@@ -400,8 +400,11 @@ pub(super) fn skirt_length(config: &Config) -> Outcome {
         return number(0.0);
     }
     let bead = width_mm(config, "first_layer_extrusion_width").zip(first_height_mm(config));
-    let strand_mm2 = config.number("filament_diameter").map(|d| std::f64::consts::FRAC_PI_4 * d * d);
-    known(bead.zip(strand_mm2).map(|((width, height), strand)| filament_mm * strand / (width * height)))
+    let filament_mm2 = config.number("filament_diameter").map(|d| std::f64::consts::FRAC_PI_4 * d * d);
+    known(
+        bead.zip(filament_mm2)
+            .map(|((width, height), filament_area)| filament_mm * filament_area / (width * height)),
+    )
 }
 
 pub(super) fn brim_width(config: &Config) -> Outcome {

@@ -10,18 +10,18 @@ use crate::toolpath::bead::Line;
 /// it fills better.
 const SHORTEST: f64 = 0.5;
 
-/// Where a line turns back sharply, it leaves its way this many line distances before the boundary.
+/// Where a line turns back sharply, it leaves its line this many line distances before the boundary.
 const BACK: f64 = 0.75;
 
 /// Such a line goes sideways into the wedge this many times as far as it goes beyond the boundary.
 const SIDEWAYS: f64 = 1.2;
 
-/// Anchors take up less than half of the way to the next end, whose own may come towards them.
+/// Anchors take up less than half of the distance to the next end, whose own may come towards them.
 const ANCHOR: f64 = 0.45;
 
 /// Joins chords into longer lines.
 ///
-/// A line goes on from its end to the neighbouring end on the boundary, either way round, if the way there is
+/// A line goes on from its end to the neighbouring end on the boundary, in either direction, if the distance there is
 /// at most as long as allowed; the nearer one where both are free. Chords are taken in the order given, each line
 /// grows at both ends. O(n log n).
 pub fn connect(region: &Region, mut chords: Vec<Chord>, joins: &Joins) -> Vec<Line> {
@@ -55,10 +55,10 @@ fn merge(chords: &mut Vec<Chord>, boundary: &Boundary<'_>, joins: &Joins) {
             return false;
         }
         let gap_mm = b.distance_mm(*c);
-        let reach_mm = |on: Option<BoundaryPos>, way: Point| {
+        let reach_mm = |on: Option<BoundaryPos>, out: Point| {
             on.and_then(|on| boundary.direction(on)).map_or(0.0, |edge| {
-                let length = way.mm()[0].hypot(way.mm()[1]).max(f64::MIN_POSITIVE);
-                joins.along_mm(joins.reach_mm, way.mm().map(|w| w / length), edge)
+                let length = out.mm()[0].hypot(out.mm()[1]).max(f64::MIN_POSITIVE);
+                joins.along_mm(joins.reach_mm, out.mm().map(|w| w / length), edge)
             })
         };
         let meet = gap_mm <= reach_mm(last.ends[1], *b - *a) + reach_mm(next.ends[0], *d - *c);
@@ -92,10 +92,10 @@ impl Joiner<'_> {
         let mut bead: Bead = self.chords[first].points.iter().map(|&p| (p, nominal)).collect();
         for side in [1, 0] {
             let mut at = (first, side);
-            while let Some((way, next)) = self.over_a_cap(at).or_else(|| {
-                let (way, next) =
+            while let Some((join, next)) = self.over_a_cap(at).or_else(|| {
+                let (join, next) =
                     self.around.next(&self.boundary, self.chords, &self.used, at, self.joins)?;
-                Some((way.into_iter().map(|p| (p, nominal)).collect(), next))
+                Some((join.into_iter().map(|p| (p, nominal)).collect(), next))
             }) {
                 self.used[next.0] = true;
                 let chord = &self.chords[next.0].points;
@@ -103,13 +103,13 @@ impl Joiner<'_> {
                 if next.1 == 1 {
                     onward.reverse();
                 }
-                let ahead = way.first().unwrap_or(&onward[0]).0;
-                let behind = way.last().or(bead.last()).map_or(ahead, |v| v.0);
+                let ahead = join.first().unwrap_or(&onward[0]).0;
+                let behind = join.last().or(bead.last()).map_or(ahead, |v| v.0);
                 self.reach(&mut bead, at, Some(ahead));
                 onward.reverse();
                 self.reach(&mut onward, next, Some(behind));
                 onward.reverse();
-                bead.extend(way);
+                bead.extend(join);
                 bead.extend(onward);
                 at = (next.0, 1 - next.1);
             }
@@ -124,7 +124,7 @@ impl Joiner<'_> {
         Line { points, spacing_mm: if varies { spacing_mm } else { Vec::new() }, closed: false }.sound()
     }
 
-    /// The way on over a cap that leads to a chord, where that is free.
+    /// The join over a cap that leads to a chord, where that is free.
     fn over_a_cap(&mut self, (chord, side): (usize, usize)) -> Option<(Bead, (usize, usize))> {
         if self.joins.longest_mm <= 0.0 {
             return None;
@@ -147,19 +147,19 @@ impl Joiner<'_> {
         true
     }
 
-    /// Leads a bead on along the boundary, where there is more room.
+    /// Leads a bead on along the boundary, where it is longer free.
     fn anchor(&self, bead: &mut Bead, (chord, side): (usize, usize), spacing_mm: f32) -> bool {
         let Some(on) = self.chords[chord].ends[side].filter(|_| self.joins.anchor_mm > 0.0) else {
             return false;
         };
-        let rooms_mm = self.around.beside(chord, side).map(|(stop, ahead)| {
+        let free_mm = self.around.beside(chord, side).map(|(stop, ahead)| {
             let (from, to) = if ahead { (on, stop.on) } else { (stop.on, on) };
-            let way_mm = self.boundary.way_mm(from, to).filter(|&mm| mm > 0.0);
-            (way_mm.unwrap_or(self.boundary.ring_length_mm(on.ring)), ahead)
+            let length_mm = self.boundary.forward_mm(from, to).filter(|&mm| mm > 0.0);
+            (length_mm.unwrap_or(self.boundary.ring_length_mm(on.ring)), ahead)
         });
-        let (room_mm, ahead) = if rooms_mm[1].0 > rooms_mm[0].0 { rooms_mm[1] } else { rooms_mm[0] };
-        let way = self.boundary.walk(on, self.joins.anchor_mm.min(ANCHOR * room_mm), ahead);
-        bead.extend(way.into_iter().map(|p| (p, spacing_mm)));
+        let (longest_mm, ahead) = if free_mm[1].0 > free_mm[0].0 { free_mm[1] } else { free_mm[0] };
+        let anchor = self.boundary.walk(on, self.joins.anchor_mm.min(ANCHOR * longest_mm), ahead);
+        bead.extend(anchor.into_iter().map(|p| (p, spacing_mm)));
         true
     }
 
@@ -238,7 +238,7 @@ impl Around {
         Self { stops, place }
     }
 
-    /// The chord end to go on to, with the way there along the boundary.
+    /// The chord end to go on to, with the join along the boundary.
     fn next(
         &self,
         boundary: &Boundary<'_>,
@@ -252,18 +252,18 @@ impl Around {
             .into_iter()
             .filter_map(|(stop, ahead)| {
                 let (from, until) = if ahead { (here.on, stop.on) } else { (stop.on, here.on) };
-                let way_mm = boundary.way_mm(from, until)?;
+                let length_mm = boundary.forward_mm(from, until)?;
                 let itself = (stop.chord as usize, stop.side as usize) == (chord, side);
                 let free = !itself && !used[stop.chord as usize];
                 // Two ends of one line side by side on the boundary are the pattern's own edge, not a neighbour.
                 let apart =
                     chords[stop.chord as usize].line != chords[chord].line || chords[chord].points.len() > 2;
-                (free && apart && way_mm <= joins.longest_mm).then_some((way_mm, ahead, stop))
+                (free && apart && length_mm <= joins.longest_mm).then_some((length_mm, ahead, stop))
             })
             .min_by(|a, b| a.0.total_cmp(&b.0))
             .map(|(_, ahead, stop)| {
-                let way = boundary.vertices_between(here.on, stop.on, ahead);
-                (way, (stop.chord as usize, stop.side as usize))
+                let join = boundary.vertices_between(here.on, stop.on, ahead);
+                (join, (stop.chord as usize, stop.side as usize))
             })
     }
 

@@ -13,7 +13,7 @@ pub const SOLID_DENSITY: f64 = 0.995;
 #[derive(Clone, Debug)]
 pub struct SparseSample {
     /// Where the pattern's lines may run.
-    pub room: Region,
+    pub area: Region,
     /// Area that is to be filled to the density, square millimetres.
     pub area_mm2: f64,
     /// The layer; its line distance is not read.
@@ -26,10 +26,10 @@ const ROUNDS: usize = 4;
 /// Share of the density that is near enough.
 const EXACT: f64 = 0.002;
 
-/// The same for a single room, whose lines may else be laid otherwise.
+/// The same for a single area, whose lines may else be laid otherwise.
 const NEAR_ENOUGH: f64 = 0.01;
 
-/// Of so many lines at least one is laid in narrow rooms.
+/// Of so many lines at least one is laid in narrow areas.
 const SPARSEST: u32 = 5;
 
 /// Joined lines may hold so many times what they should before they are left apart: each line apart costs a travel, and
@@ -57,27 +57,27 @@ fn reached(lines: &[Line], solid_mm: f64, density: f64) -> f64 {
     length_mm * flow(lines, solid_mm, density) / (solid_mm * density)
 }
 
-/// A pattern's lines in a room that needs `solid_mm` of line to be solid.
+/// A pattern's lines in an area that needs `solid_mm` of line to be solid.
 ///
-/// In narrow rooms the ways along the walls outweigh the lines themselves. There only every second, third … line is
+/// In narrow areas the connections along the walls outweigh the lines themselves. There only every second, third … line is
 /// laid, as few as hold enough, so that they still join to few long beads; where that is far too much nevertheless,
 /// lines stay apart. Those of a pattern that does not [nest](FillPattern::nests) are laid apart at once.
 pub fn lay(
     pattern: &dyn FillPattern,
-    room: &Region,
+    area: &Region,
     spec: &FillSpec,
     solid_mm: f64,
     density: f64,
 ) -> Vec<Line> {
     let share = |lines: &[Line]| reached(lines, solid_mm, density);
     let enough = 1.0 - NEAR_ENOUGH..=1.0 + NEAR_ENOUGH;
-    let mut joined = pattern.fill(room, spec);
+    let mut joined = pattern.fill(area, spec);
     let sparsest = if pattern.nests() { SPARSEST } else { 1 };
     for n in 2..=sparsest {
         if share(&joined) <= *enough.end() {
             break;
         }
-        let fewer = pattern.fill(room, &spec.sparser(n));
+        let fewer = pattern.fill(area, &spec.sparser(n));
         if share(&fewer) < *enough.start() {
             break;
         }
@@ -87,7 +87,7 @@ pub fn lay(
     if (*enough.start()..=most).contains(&share(&joined)) {
         return joined;
     }
-    let apart = pattern.fill(room, &spec.apart());
+    let apart = pattern.fill(area, &spec.apart());
     let off = |lines: &[Line]| (share(lines) - 1.0).abs();
     if off(&apart) < off(&joined) { apart } else { joined }
 }
@@ -117,7 +117,7 @@ pub fn calibrate(
             .map(|sample| {
                 let joins = Joins { longest_mm: join * distance_mm, ..sample.spec.joins };
                 let spec = FillSpec { line_distance_mm: distance_mm, joins, ..sample.spec };
-                pattern.fill(&sample.room, &spec).iter().map(line_length_mm).sum::<f64>()
+                pattern.fill(&sample.area, &spec).iter().map(line_length_mm).sum::<f64>()
             })
             .sum();
         if length_mm <= 0.0 || area_mm2 <= 0.0 {
@@ -150,7 +150,7 @@ mod tests {
     fn in_a_narrow_room_fewer_lines_join_to_one_bead_of_the_same_density() {
         let corners = [(0.0, 0.0), (40.0, 0.0), (40.0, 3.0), (0.0, 3.0)];
         let outer = corners.map(|(x, y)| Point::from_mm(x, y)).to_vec();
-        let room = Region { polygons: vec![Polygon { outer, holes: Vec::new() }] };
+        let area = Region { polygons: vec![Polygon { outer, holes: Vec::new() }] };
         let (distance_mm, density) = (2.0, 0.2);
         let spec = FillSpec {
             line_distance_mm: distance_mm,
@@ -160,8 +160,8 @@ mod tests {
             z_mm: 0.1,
             joins: Joins { longest_mm: 2.5 * distance_mm, ..Joins::default() },
         };
-        let solid_mm = room.area_mm2() / (distance_mm * density);
-        let lines = lay(&Rectilinear, &room, &spec, solid_mm, density);
+        let solid_mm = area.area_mm2() / (distance_mm * density);
+        let lines = lay(&Rectilinear, &area, &spec, solid_mm, density);
         assert!(lines.len() <= 2, "{}", lines.len());
         let share = reached(&lines, solid_mm, density);
         assert!((0.99..=1.2).contains(&share), "{share}");

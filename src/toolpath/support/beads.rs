@@ -65,13 +65,13 @@ pub fn lay(outlines: &Outlines, layer: &BeadSpec<'_>, settings: &SupportSettings
         return Vec::new();
     }
     let width_mm = settings.width.0;
-    let room = geometry::difference(&outlines.all, &geometry::offset(layer.part, settings.xy_gap.0));
+    let area = geometry::difference(&outlines.all, &geometry::offset(layer.part, settings.xy_gap.0));
     let mut paths = Vec::new();
     let mut push = |role, phase, closed, points: Vec<Point>| {
         let width = Width::Constant(width_mm);
         paths.push(Path { role, closed, points, width, height_mm: layer.height_mm, island: None, phase });
     };
-    let frame = geometry::offset(&room, -width_mm / 2.0);
+    let frame = geometry::offset(&area, -width_mm / 2.0);
     for ring in frame.rings().filter(|ring| ring.len() >= 3 && geometry::ring_length_mm(ring) >= SHORTEST_MM)
     {
         push(Role::Support, Phase::Support, true, ring.clone());
@@ -134,10 +134,10 @@ fn wide_parts(region: &Region) -> Region {
 }
 
 /// Lines with both ends moved outwards to a multiple of `apart_mm`, where the body's tracks are, or to the end of the
-/// room's line that they are part of. Lines that meet become one. Returns them with the index of their track.
+/// area's line that they are part of. Lines that meet become one. Returns them with the index of their track.
 fn extended(
     lines: &[HatchLine],
-    room: &[HatchLine],
+    area: &[HatchLine],
     angle_rad: f64,
     apart_mm: f64,
 ) -> Vec<(i64, [Point; 2])> {
@@ -145,8 +145,8 @@ fn extended(
     let along = |p: Point| direction.along_mm(p);
     let mut result = Vec::new();
     for line in lines {
-        let Ok(same) = room.binary_search_by_key(&line.index, |l| l.index) else { continue };
-        for [start, end] in &room[same].segments {
+        let Ok(same) = area.binary_search_by_key(&line.index, |l| l.index) else { continue };
+        for [start, end] in &area[same].segments {
             let (low, high) = (along(start.point), along(end.point));
             let at = |t: f64| direction.from(start.point, t - low, 0.0);
             let mut open: Option<[f64; 2]> = None;
@@ -171,15 +171,15 @@ fn extended(
     result
 }
 
-/// Lines of neighbouring tracks joined to and fro where their ends are near and the way between is in the room.
-fn joined(lines: Vec<(i64, [Point; 2])>, room: &Region, longest_mm: f64) -> Vec<Vec<Point>> {
+/// Lines of neighbouring tracks joined to and fro where their ends are near and the straight line between is in the area.
+fn joined(lines: Vec<(i64, [Point; 2])>, area: &Region, longest_mm: f64) -> Vec<Vec<Point>> {
     let mut chains: Vec<(i64, Vec<Point>)> = Vec::new();
     for (track, [a, b]) in lines.into_iter().filter(|(_, [a, b])| a.distance_mm(*b) >= SHORTEST_MM) {
         // Chains that may go on are among the last.
         let near = |end: &Point| {
             let to = if a.distance_mm(*end) <= b.distance_mm(*end) { a } else { b };
             let half_way = Point::new((to.x + end.x) / 2, (to.y + end.y) / 2);
-            to.distance_mm(*end) <= longest_mm && room.contains(half_way)
+            to.distance_mm(*end) <= longest_mm && area.contains(half_way)
         };
         let recent = chains.iter_mut().rev().take(RECENT);
         let chain =

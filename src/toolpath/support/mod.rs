@@ -17,7 +17,7 @@ mod tree;
 pub use beads::{BeadSpec, Outlines, lay};
 pub use bitmap::{Bitmap, Grid};
 pub use columns::{Cells, ColumnSpec, stand};
-pub use overhang::{Overhang, ROUGH_MM, Slab, Wishes, find, lasting, window};
+pub use overhang::{Overhang, ROUGH_MM, Slab, SupportModifiers, find, lasting, window};
 pub use rest::Ground;
 pub use trace::trace;
 pub use tree::{Disc, grow, outline};

@@ -5,7 +5,7 @@ use super::bridge;
 use crate::toolpath::options::SupportSettings;
 use geometry::Region;
 
-/// Overhangs smaller than this are noise of the section: less than a nozzle's bore.
+/// Overhangs smaller than this are noise of the section: less than a nozzle diameter.
 const CRUMB_MM2: f64 = 0.05;
 
 /// Outlines are simplified to this before they are grown: a tenth of what a layer may lean out.
@@ -31,9 +31,9 @@ pub struct Slab<'a> {
     pub solid: &'a Bitmap,
 }
 
-/// Where the user wants support, or none, at the height of one layer.
+/// Support modifiers at the height of one layer: where the user enforces or blocks support.
 #[derive(Clone, Copy, Debug)]
-pub struct Wishes<'a> {
+pub struct SupportModifiers<'a> {
     /// Everything that rests on nothing is held here.
     pub enforced: &'a Region,
     /// Nothing is held here.
@@ -46,7 +46,7 @@ pub fn find(
     layer: Slab<'_>,
     below: Slab<'_>,
     height_mm: f64,
-    wishes: Wishes<'_>,
+    modifiers: SupportModifiers<'_>,
     settings: &SupportSettings,
 ) -> Overhang {
     let grid = layer.solid.grid();
@@ -70,12 +70,12 @@ pub fn find(
         leaning.add(&cells);
     }
     let mut must = Bitmap::touching(grid, &Region { polygons: islands });
-    if !wishes.enforced.is_empty() {
-        air.keep(&Bitmap::of(grid, wishes.enforced));
+    if !modifiers.enforced.is_empty() {
+        air.keep(&Bitmap::of(grid, modifiers.enforced));
         must.add(&air);
     }
-    if !wishes.blocked.is_empty() {
-        let blocked = Bitmap::of(grid, wishes.blocked);
+    if !modifiers.blocked.is_empty() {
+        let blocked = Bitmap::of(grid, modifiers.blocked);
         leaning.remove(&blocked);
         must.remove(&blocked);
     }

@@ -14,7 +14,7 @@ pub(super) struct Node {
     pub(super) width: f64,
     /// How far the region goes on beyond this node, if it is the end of a branch.
     pub(super) reach: f64,
-    /// Up to three neighbours, [`NONE`] in unused places.
+    /// Up to three neighbours, [`NONE`] in unused slots.
     pub(super) links: [u32; 3],
     /// Whether it is the centre of a triangle, not the middle between two sides.
     pub(super) junction: bool,

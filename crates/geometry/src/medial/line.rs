@@ -286,7 +286,7 @@ pub(super) fn point([x, y]: Position) -> Point {
     Point::from_mm(x, y)
 }
 
-/// Distance from `a` to the first boundary edge on the way to `b`, in millimetres.
+/// Distance from `a` to the first boundary edge on the path to `b`, in millimetres.
 fn first_hit(grid: &EdgeGrid, a: Position, b: Position) -> Option<f64> {
     hits(grid, a, b).min_by(f64::total_cmp).map(|t| t * distance(a, b))
 }

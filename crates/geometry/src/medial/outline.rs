@@ -50,7 +50,7 @@ impl Outline {
         let out = direction(middle, best);
         let is_beside = |q: Position| (q[0] - middle[0]) * out[0] + (q[1] - middle[1]) * out[1] > 0.0;
         for neighbours in [&self.next, &self.before] {
-            let (mut a, mut way) = (sample, 0.0);
+            let (mut a, mut walked) = (sample, 0.0);
             for _ in 0..MAX_STEPS {
                 let b = neighbours[a as usize];
                 let (from, to) = (self.at[a as usize], self.at[b as usize]);
@@ -58,8 +58,8 @@ impl Outline {
                 if distance(p, q) < distance(p, best) && is_beside(q) {
                     best = q;
                 }
-                way += distance(from, to);
-                if way >= reach {
+                walked += distance(from, to);
+                if walked >= reach {
                     break;
                 }
                 a = b;

@@ -22,8 +22,8 @@ pub(super) fn cheapest(nodes: usize, arcs: &[Arc]) -> Option<Vec<u32>> {
         let entry = &mut entries[arc.head as usize * nodes + arc.tail as usize];
         *entry = (*entry).min((arc.price, number));
     }
-    let place = (0..nodes as u32).collect();
-    Some(Level { nodes, root: nodes - 1, entries, place }.enter(arcs)?[..nodes - 1].to_vec())
+    let part_of = (0..nodes as u32).collect();
+    Some(Level { nodes, root: nodes - 1, entries, part_of }.enter(arcs)?[..nodes - 1].to_vec())
 }
 
 /// The problem after some contractions.
@@ -33,13 +33,13 @@ struct Level {
     /// Cheapest arc between two nodes, with what is left of its price: `entries[head * nodes + tail]`.
     entries: Vec<(i64, u32)>,
     /// What has become of each node that there was at first.
-    place: Vec<u32>,
+    part_of: Vec<u32>,
 }
 
 impl Level {
     /// The arc that enters each node; what stands for the root means nothing.
     fn enter(self, arcs: &[Arc]) -> Option<Vec<u32>> {
-        let tail_of = |number: u32| self.place[arcs[number as usize].tail as usize] as usize;
+        let tail_of = |number: u32| self.part_of[arcs[number as usize].tail as usize] as usize;
         let mut chosen = vec![NONE; self.nodes];
         for head in (0..self.nodes).filter(|&head| head != self.root) {
             let row = &self.entries[head * self.nodes..(head + 1) * self.nodes];
@@ -63,11 +63,11 @@ impl Level {
                 }
             }
         }
-        let place = self.place.iter().map(|&node| part[node as usize] as u32).collect();
+        let part_of = self.part_of.iter().map(|&node| part[node as usize] as u32).collect();
         let root = part[self.root];
-        let below = Level { nodes: parts, root, entries, place }.enter(arcs)?;
+        let below = Level { nodes: parts, root, entries, part_of }.enter(arcs)?;
         for (_, &number) in below.iter().enumerate().filter(|&(node, _)| node != root) {
-            numbers[self.place[arcs[number as usize].head as usize] as usize] = number;
+            numbers[self.part_of[arcs[number as usize].head as usize] as usize] = number;
         }
         Some(numbers)
     }

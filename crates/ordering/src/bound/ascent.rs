@@ -57,7 +57,7 @@ impl Climb {
 /// The best bound over all links that was found, and its multipliers (Held & Karp 1970 and 1971,
 /// <https://doi.org/10.1287/opre.18.6.1138>, <https://doi.org/10.1007/BF01584070>).
 ///
-/// `from` are those found before, for other places to come from and to go on to.
+/// `from` are those found before, for other points to come from and to go on to.
 pub(super) fn ascend(relaxation: &mut Relaxation, from: Option<Multipliers>) -> (i64, Multipliers) {
     let (steps, first) = if from.is_some() { (AGAIN, FIRST_AGAIN) } else { (STEPS, FIRST) };
     let mut now = from.unwrap_or_else(|| relaxation.zero());

@@ -130,12 +130,12 @@ impl Cuts {
 
     /// Adds the sets of whole runs that recent trees left less than three times on average, for every two runs of which
     /// one must directly precede the other: least cuts between the start with the later one and the end with the earlier
-    /// one. `ways` are terminals where trees began and ended, with the number of trees.
+    /// one. `ends_used` are terminals where trees began and ended, with the number of trees.
     pub(super) fn separate_precedence(
         &mut self,
         model: &Model,
         links: &[Link],
-        ways: [&[(u32, u32)]; 2],
+        ends_used: [&[(u32, u32)]; 2],
         trees: u32,
     ) {
         let run_of = model.run_of();
@@ -143,9 +143,10 @@ impl Cuts {
         let run = |t: u32| run_of[model.terminals[t as usize].item as usize];
         let (start, end) = (runs, runs + 1);
         let between = links.iter().map(|link| (run(link.a), run(link.b), link.used));
-        let ends = [(start, ways[0]), (end, ways[1])];
-        let ends =
-            ends.into_iter().flat_map(|(node, way)| way.iter().map(move |&(t, used)| (node, run(t), used)));
+        let ends = [(start, ends_used[0]), (end, ends_used[1])];
+        let ends = ends
+            .into_iter()
+            .flat_map(|(node, terminals)| terminals.iter().map(move |&(t, used)| (node, run(t), used)));
         let network = Network::new(runs + 2, between.chain(ends));
         let enough = ((3.0 - SLACK) * f64::from(trees)) as u32;
         for (earlier, later) in model.successions(&run_of) {
@@ -202,10 +203,10 @@ impl Network {
             both.extend([(pair[0].0, pair[0].1, capacity), (pair[0].1, pair[0].0, capacity)]);
         }
         both.sort_unstable();
-        let place = |u: u32, v: u32| both.partition_point(|arc| (arc.0, arc.1) < (u, v)) as u32;
+        let row = |u: u32, v: u32| both.partition_point(|arc| (arc.0, arc.1) < (u, v)) as u32;
         Self {
-            rows: (0..=nodes).map(|u| place(u, 0)).collect(),
-            arcs: both.iter().map(|&(u, v, _)| (v, place(v, u))).collect(),
+            rows: (0..=nodes).map(|u| row(u, 0)).collect(),
+            arcs: both.iter().map(|&(u, v, _)| (v, row(v, u))).collect(),
             capacities: both.iter().map(|arc| arc.2).collect(),
         }
     }

@@ -29,29 +29,29 @@ pub struct Share {
     /// Everything but the links in and out, in fine units.
     inner: i64,
     /// Where a walk may begin and where it may end, with what a link pays there.
-    ways: [Vec<(Point, i64)>; 2],
+    ends: [Vec<(Point, i64)>; 2],
 }
 
 /// What a layer's walk comes from, or goes on to, while its multipliers are sought.
 enum Beyond<'a> {
     /// Not known: the link there is left out.
     Anything,
-    Place(Point),
+    At(Point),
     /// A layer whose multipliers are not known yet.
     Layer(&'a Problem<'a>),
     Share(&'a Share),
 }
 
 impl Beyond<'_> {
-    /// The places at the other end of the link; `below`: whether a layer is left there, not entered.
-    fn places(&self, below: bool) -> Option<Places> {
-        let places = match self {
+    /// The points at the other end of the link; `below`: whether a layer is left there, not entered.
+    fn points(&self, below: bool) -> Option<PricedPoints> {
+        let points = match self {
             Self::Anything => return None,
-            Self::Place(at) => vec![(*at, 0)],
-            Self::Layer(problem) => Model::new(problem).ways(usize::from(below)).map(|p| (p, 0)).collect(),
-            Self::Share(share) => share.ways[usize::from(below)].clone(),
+            Self::At(at) => vec![(*at, 0)],
+            Self::Layer(problem) => Model::new(problem).ends(usize::from(below)).map(|p| (p, 0)).collect(),
+            Self::Share(share) => share.ends[usize::from(below)].clone(),
         };
-        Some(Places::new(places))
+        Some(PricedPoints::new(points))
     }
 }
 
@@ -69,39 +69,39 @@ impl<'a> Climber<'a> {
 
     /// Seeks better multipliers for what lies below and above.
     fn climb(&mut self, below: &Beyond, above: &Beyond) -> Share {
-        for (way, places) in [below.places(true), above.places(false)].iter().enumerate() {
-            if let Some(places) = places {
-                self.relaxation.measure(way, |p| places.nearest(p));
+        for (side, points) in [below.points(true), above.points(false)].iter().enumerate() {
+            if let Some(points) = points {
+                self.relaxation.measure(side, |p| points.nearest(p));
             }
         }
         let (bound, multipliers) = ascend(&mut self.relaxation, self.multipliers.take());
-        let (inner, ways) = self.relaxation.settle(bound, &multipliers);
+        let (inner, ends) = self.relaxation.settle(bound, &multipliers);
         self.multipliers = Some(multipliers);
-        Share { inner, ways }
+        Share { inner, ends }
     }
 }
 
 impl Share {
     fn is_empty(&self) -> bool {
-        self.ways.iter().all(Vec::is_empty)
+        self.ends.iter().all(Vec::is_empty)
     }
 
-    /// The least price of a link in or out, from or to a place that may be unknown.
-    fn way(&self, way: usize, place: Option<Point>) -> i64 {
-        let price = |&(p, pay): &(Point, i64)| pay + place.map_or(0, |place| link(place, p));
-        self.ways[way].iter().map(price).min().unwrap_or(0)
+    /// The least price of a link in or out, from or to a point that may be unknown.
+    fn end_price(&self, side: usize, point: Option<Point>) -> i64 {
+        let price = |&(p, pay): &(Point, i64)| pay + point.map_or(0, |point| link(point, p));
+        self.ends[side].iter().map(price).min().unwrap_or(0)
     }
 
     /// The least price of the link from this layer to the next.
     fn link_to(&self, next: &Self) -> i64 {
-        let places = Places::new(self.ways[1].clone());
-        next.ways[0].iter().map(|&(p, pay)| places.nearest(p) + pay).min().unwrap_or(0)
+        let points = PricedPoints::new(self.ends[1].clone());
+        next.ends[0].iter().map(|&(p, pay)| points.nearest(p) + pay).min().unwrap_or(0)
     }
 
     /// A length in millimetres that the layer's links cannot stay below, entered from `start` and left for `end`, where these
     /// are known.
     pub fn layer_mm(&self, start: Option<Point>, end: Option<Point>) -> f64 {
-        to_mm((self.inner + self.way(0, start) + self.way(1, end)).max(0))
+        to_mm((self.inner + self.end_price(0, start) + self.end_price(1, end)).max(0))
     }
 
     /// A length in millimetres that the links of a whole print cannot stay below, however its layers are ordered and wherever
@@ -111,7 +111,7 @@ impl Share {
         let (Some(first), Some(last)) = (layers.first(), layers.last()) else { return 0.0 };
         let inner: i64 = layers.iter().map(|share| share.inner).sum();
         let between: i64 = layers.windows(2).map(|pair| pair[0].link_to(pair[1])).sum();
-        to_mm((first.way(0, start) + inner + between + last.way(1, end)).max(0))
+        to_mm((first.end_price(0, start) + inner + between + last.end_price(1, end)).max(0))
     }
 }
 
@@ -162,12 +162,12 @@ fn chunk(layers: &[&Problem], known: &[Option<Share>], first: usize) -> Vec<Shar
     for pass in 0..passes {
         for step in first..last {
             let at = if pass % 2 == 0 { step } else { first + last - 1 - step };
-            let beyond = |k: usize, place: Option<Point>| match layers.get(k) {
+            let beyond = |k: usize, point: Option<Point>| match layers.get(k) {
                 Some(layer) => {
                     let own = if (first..last).contains(&k) { &done[k - first] } else { &known[k] };
                     own.as_ref().map_or(Beyond::Layer(layer), Beyond::Share)
                 }
-                None => place.map_or(Beyond::Anything, Beyond::Place),
+                None => point.map_or(Beyond::Anything, Beyond::At),
             };
             // Below the first layer there is no layer usize::MAX either.
             let below = beyond(at.wrapping_sub(1), layers[at].start);
@@ -192,19 +192,19 @@ pub fn print(layers: &[Problem]) -> f64 {
     Share::print_mm(&shares, start, end)
 }
 
-/// Places with a price each.
-struct Places {
-    places: Vec<(Point, i64)>,
+/// Points with a price each.
+struct PricedPoints {
+    priced: Vec<(Point, i64)>,
     tree: KdTree,
     lowest: Vec<i64>,
 }
 
-impl Places {
-    fn new(places: Vec<(Point, i64)>) -> Self {
-        let points: Vec<Point> = places.iter().map(|&(p, _)| p).collect();
+impl PricedPoints {
+    fn new(priced: Vec<(Point, i64)>) -> Self {
+        let points: Vec<Point> = priced.iter().map(|&(p, _)| p).collect();
         let tree = KdTree::new(&points);
-        let lowest = tree.aggregate(i64::MAX, |id| places[id as usize].1, i64::min);
-        Self { places, tree, lowest }
+        let lowest = tree.aggregate(i64::MAX, |id| priced[id as usize].1, i64::min);
+        Self { priced, tree, lowest }
     }
 
     /// The least sum of a link and the price at its other end.
@@ -214,8 +214,8 @@ impl Places {
             (fine(distance) - 1).saturating_add(self.lowest[node]) < *best
         };
         self.tree.search(from, &mut best, &enter, &mut |best, id| {
-            let (place, price) = self.places[id as usize];
-            *best = (*best).min(link(from, place) + price);
+            let (point, price) = self.priced[id as usize];
+            *best = (*best).min(link(from, point) + price);
         });
         best
     }

@@ -45,7 +45,7 @@ pub(super) fn to_mm(fine: i64) -> f64 {
     fine as f64 / (FINE * UNITS_PER_MM)
 }
 
-/// A place, or a set of places, at which links end: an end of an open path, a piece of a loop.
+/// A point, or a set of points, at which links end: an end of an open path, a piece of a loop.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Terminal {
     pub(super) item: u32,
@@ -64,7 +64,7 @@ pub(super) struct Body {
     pub(super) closed: bool,
     /// Nested groups: stage; run under `feature`, island under `island`; run under `island`.
     pub(super) groups: [u32; 3],
-    /// Island, and place of the run's rank among the ranks of its island in its stage.
+    /// Island, and position of the run's rank among the ranks of its island in its stage.
     island: u32,
     rank: u32,
     /// Whether nothing of its stage must come before, or after.
@@ -185,8 +185,8 @@ impl Model {
         if self.scope != Scope::Feature {
             return Vec::new();
         }
-        let place = |body: &Body| (body.groups[0], body.island, body.rank);
-        let mut runs: Vec<_> = self.bodies.iter().map(place).zip(run_of).collect();
+        let key = |body: &Body| (body.groups[0], body.island, body.rank);
+        let mut runs: Vec<_> = self.bodies.iter().map(key).zip(run_of).collect();
         runs.sort_unstable();
         runs.dedup();
         let mut pairs = Vec::new();
@@ -244,8 +244,8 @@ impl Model {
     }
 
     /// Every point at which a walk may begin (0) or end (1).
-    pub(super) fn ways(&self, way: usize) -> impl Iterator<Item = Point> {
-        let permits = move |item| if way == 0 { self.may_begin(item) } else { self.may_end(item) };
+    pub(super) fn ends(&self, side: usize) -> impl Iterator<Item = Point> {
+        let permits = move |item| if side == 0 { self.may_begin(item) } else { self.may_end(item) };
         self.points.iter().zip(0..).filter(move |&(_, k)| permits(self.item_of_point(k))).map(|(&p, _)| p)
     }
 

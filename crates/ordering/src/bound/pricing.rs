@@ -54,8 +54,8 @@ impl<'a> Pricing<'a> {
                     _ => child(*point).1[depth] != first.1[depth],
                 };
                 if parent.iter().any(parted) {
-                    let places: Vec<_> = parent.iter().map(|&point| model.points[point as usize]).collect();
-                    families.push(Siblings { depth, points: parent.to_vec(), tree: KdTree::new(&places) });
+                    let points: Vec<_> = parent.iter().map(|&point| model.points[point as usize]).collect();
+                    families.push(Siblings { depth, points: parent.to_vec(), tree: KdTree::new(&points) });
                 }
             }
         }

@@ -26,9 +26,9 @@ pub(super) struct Multipliers {
     pub(super) runs: Vec<[i64; 2]>,
 }
 
-/// A place where a walk may begin or end.
+/// A terminal where a walk may begin or end.
 #[derive(Clone, Copy)]
-struct Way {
+struct WalkEnd {
     terminal: u32,
     tie: u32,
     /// Of the link there, in fine units.
@@ -59,8 +59,8 @@ pub(super) struct Relaxation<'a> {
     pub(super) blocks: Vec<Vec<u32>>,
     block_of: FxHashMap<(u32, u32), u32>,
     pub(super) ties: usize,
-    /// Ways in and ways out.
-    ways: [Vec<Way>; 2],
+    /// Where the walk may begin, and where it may end.
+    walk_ends: [Vec<WalkEnd>; 2],
     keys: Vec<(i64, u32)>,
 }
 
@@ -79,15 +79,15 @@ impl<'a> Relaxation<'a> {
             blocks: vec![Vec::new(); model.bodies.len()],
             block_of: FxHashMap::default(),
             ties: 1,
-            ways: Default::default(),
+            walk_ends: Default::default(),
             keys: Vec::new(),
         };
         for item in 0..model.bodies.len() as u32 {
-            for (way, permitted) in [model.may_begin(item), model.may_end(item)].into_iter().enumerate() {
+            for (side, permitted) in [model.may_begin(item), model.may_end(item)].into_iter().enumerate() {
                 if permitted {
                     let block = relaxation.add_block(item);
                     let body = &model.bodies[item as usize];
-                    relaxation.ways[way].extend((body.first..body.last).map(|terminal| Way {
+                    relaxation.walk_ends[side].extend((body.first..body.last).map(|terminal| WalkEnd {
                         terminal,
                         tie: tie(block, terminal - body.first),
                         length: 0,
@@ -115,9 +115,9 @@ impl<'a> Relaxation<'a> {
 
     /// Makes the link from where the walk comes from (0) or to where it goes on (1) part of the bound; `length` is the
     /// least for a point.
-    pub(super) fn measure(&mut self, ways: usize, length: impl Fn(Point) -> i64) {
-        for way in &mut self.ways[ways] {
-            way.length = self.model.points_of(way.terminal).iter().map(|&p| length(p)).min().unwrap_or(0);
+    pub(super) fn measure(&mut self, side: usize, length: impl Fn(Point) -> i64) {
+        for end in &mut self.walk_ends[side] {
+            end.length = self.model.points_of(end.terminal).iter().map(|&p| length(p)).min().unwrap_or(0);
         }
     }
 
@@ -126,9 +126,9 @@ impl<'a> Relaxation<'a> {
         let model = self.model;
         let mut pairs = Vec::new();
         for points in self.pricing.families() {
-            let places: Vec<Point> = points.iter().map(|&point| model.points[point as usize]).collect();
+            let positions: Vec<Point> = points.iter().map(|&point| model.points[point as usize]).collect();
             let owner = |k: u32| model.owner[points[k as usize] as usize];
-            pairs.extend(delaunay(&places).into_iter().map(|(u, v)| (owner(u), owner(v))));
+            pairs.extend(delaunay(&positions).into_iter().map(|(u, v)| (owner(u), owner(v))));
         }
         for (a, b) in pairs {
             self.add_pair(a, b);
@@ -228,8 +228,9 @@ impl<'a> Relaxation<'a> {
         let before = self.cuts.members.len();
         let links = self.links.concat();
         self.cuts.separate_parts(self.model, &links, trees);
-        let used = |ways: &Vec<Way>| -> Vec<_> { ways.iter().map(|way| (way.terminal, way.used)).collect() };
-        let [begun, ended] = self.ways.each_ref().map(used);
+        let used =
+            |ends: &Vec<WalkEnd>| -> Vec<_> { ends.iter().map(|end| (end.terminal, end.used)).collect() };
+        let [begun, ended] = self.walk_ends.each_ref().map(used);
         self.cuts.separate_precedence(self.model, &links, [&begun, &ended], trees);
         self.forget_trees();
         let grown = self.cuts.members.len() > before;
@@ -241,7 +242,7 @@ impl<'a> Relaxation<'a> {
 
     /// Begins to count anew how often trees use links.
     pub(super) fn forget_trees(&mut self) {
-        self.ways.iter_mut().flatten().for_each(|way| way.used = 0);
+        self.walk_ends.iter_mut().flatten().for_each(|end| end.used = 0);
         self.links.iter_mut().flatten().for_each(|link| link.used = 0);
     }
 
@@ -249,10 +250,10 @@ impl<'a> Relaxation<'a> {
     fn share_cuts(&mut self) {
         self.shared.clear();
         let start = self.model.terminals.len() as u32;
-        for way in self.ways.iter_mut().flatten() {
+        for end in self.walk_ends.iter_mut().flatten() {
             let first = self.shared.len() as u32;
-            self.shared.extend(self.cuts.shared(start, way.terminal));
-            way.shared = (first, self.shared.len() as u32);
+            self.shared.extend(self.cuts.shared(start, end.terminal));
+            end.shared = (first, self.shared.len() as u32);
         }
         for link in self.links.iter_mut().flatten() {
             let first = self.shared.len() as u32;
@@ -300,32 +301,32 @@ impl<'a> Relaxation<'a> {
         own.iter().enumerate().map(|(k, node)| (2 * node + ties(k) - guarded(k), k)).max().unwrap_or((0, 0))
     }
 
-    /// What a way in or out pays besides its length.
-    fn pays(&self, ways: usize, way: &Way, weights: &[i64], multipliers: &Multipliers) -> i64 {
-        let run = self.run_of(way).map_or(0, |run| multipliers.runs[run][ways]);
-        let own = weights[way.terminal as usize] + multipliers.ties[way.tie as usize] + run;
-        if ways == 1 {
+    /// What the link into or out of the layer pays besides its length.
+    fn pays(&self, side: usize, end: &WalkEnd, weights: &[i64], multipliers: &Multipliers) -> i64 {
+        let run = self.run_of(end).map_or(0, |run| multipliers.runs[run][side]);
+        let own = weights[end.terminal as usize] + multipliers.ties[end.tie as usize] + run;
+        if side == 1 {
             return own;
         }
-        let both = self.shared_by(way).iter().map(|&cut| multipliers.cuts[cut as usize]);
+        let both = self.shared_by(end).iter().map(|&cut| multipliers.cuts[cut as usize]);
         own + weights[self.model.terminals.len()] + 2 * both.sum::<i64>()
     }
 
-    /// The run that a way leads to or from, if links have directions.
-    fn run_of(&self, way: &Way) -> Option<usize> {
-        let item = self.model.terminals[way.terminal as usize].item;
+    /// The run that the walk begins or ends in, if links have directions.
+    fn run_of(&self, end: &WalkEnd) -> Option<usize> {
+        let item = self.model.terminals[end.terminal as usize].item;
         self.directions.as_ref().map(|directions| directions.run_of[item as usize] as usize)
     }
 
-    /// Cuts that hold both the start and a way's terminal.
-    fn shared_by(&self, way: &Way) -> &[u32] {
-        &self.shared[way.shared.0 as usize..way.shared.1 as usize]
+    /// Cuts that hold both the start and the terminal of an end.
+    fn shared_by(&self, end: &WalkEnd) -> &[u32] {
+        &self.shared[end.shared.0 as usize..end.shared.1 as usize]
     }
 
-    /// The cheapest way in or out: its price and its number.
-    fn cheapest(&self, ways: usize, weights: &[i64], multipliers: &Multipliers) -> Option<(i64, usize)> {
-        let price = |way: &Way| way.length + self.pays(ways, way, weights, multipliers);
-        self.ways[ways].iter().map(price).zip(0..).min()
+    /// The cheapest end: its price and its number.
+    fn cheapest(&self, side: usize, weights: &[i64], multipliers: &Multipliers) -> Option<(i64, usize)> {
+        let price = |end: &WalkEnd| end.length + self.pays(side, end, weights, multipliers);
+        self.walk_ends[side].iter().map(price).zip(0..).min()
     }
 
     /// The bound as far as the known links tell, and what the solution uses.
@@ -347,19 +348,19 @@ impl<'a> Relaxation<'a> {
             }
         }
         let mut total = forest.total + self.constant(multipliers);
-        for ways in 0..2 {
-            let Some((price, k)) = self.cheapest(ways, &weights, multipliers) else { continue };
-            if let Some(run) = self.run_of(&self.ways[ways][k]) {
-                usage.runs[run][ways] += 1;
+        for side in 0..2 {
+            let Some((price, k)) = self.cheapest(side, &weights, multipliers) else { continue };
+            if let Some(run) = self.run_of(&self.walk_ends[side][k]) {
+                usage.runs[run][side] += 1;
             }
-            let way = &mut self.ways[ways][k];
-            way.used += 1;
+            let end = &mut self.walk_ends[side][k];
+            end.used += 1;
             total += price;
-            usage.degrees[way.terminal as usize] += 1;
-            usage.tied[way.tie as usize] += 1;
-            if ways == 0 {
+            usage.degrees[end.terminal as usize] += 1;
+            usage.tied[end.tie as usize] += 1;
+            if side == 0 {
                 usage.degrees[start] += 1;
-                for &cut in &self.shared[way.shared.0 as usize..way.shared.1 as usize] {
+                for &cut in &self.shared[end.shared.0 as usize..end.shared.1 as usize] {
                     usage.inside[cut as usize] += 1;
                 }
             }
@@ -403,24 +404,24 @@ impl<'a> Relaxation<'a> {
         };
         debug_assert_eq!(tree.len() + 1, self.model.bodies.len().max(1));
         let links: i64 = tree.iter().map(|found| found.cost).sum();
-        let ways = (0..2).filter_map(|ways| self.cheapest(ways, &weights, multipliers));
-        let ways: i64 = ways.map(|(price, _)| price).sum();
-        (links + ways + self.constant(multipliers), tree)
+        let ends = (0..2).filter_map(|side| self.cheapest(side, &weights, multipliers));
+        let ends: i64 = ends.map(|(price, _)| price).sum();
+        (links + ends + self.constant(multipliers), tree)
     }
 
-    /// An exact bound without the ways in and out, and what links pay at each point where a walk may begin or end.
+    /// An exact bound without the links in and out, and what links pay at each point where a walk may begin or end.
     pub(super) fn settle(&self, bound: i64, multipliers: &Multipliers) -> (i64, [Vec<(Point, i64)>; 2]) {
         let weights = self.weights(multipliers);
-        let ways = [0, 1].map(|ways| {
-            let points = self.ways[ways].iter().flat_map(|way| {
-                let pay = self.pays(ways, way, &weights, multipliers);
-                self.model.points_of(way.terminal).iter().map(move |&p| (p, pay))
+        let ends = [0, 1].map(|side| {
+            let points = self.walk_ends[side].iter().flat_map(|end| {
+                let pay = self.pays(side, end, &weights, multipliers);
+                self.model.points_of(end.terminal).iter().map(move |&p| (p, pay))
             });
             points.collect()
         });
-        let cheapest = (0..2).filter_map(|ways| self.cheapest(ways, &weights, multipliers));
+        let cheapest = (0..2).filter_map(|side| self.cheapest(side, &weights, multipliers));
         let cheapest: i64 = cheapest.map(|(price, _)| price).sum();
-        (bound - cheapest, ways)
+        (bound - cheapest, ends)
     }
 }
 

@@ -74,7 +74,7 @@ pub fn euclidean(points: &[Point]) -> Vec<u32> {
     mates
 }
 
-/// Matches coincident points with each other; returns the one of each place that is left over, if any.
+/// Matches coincident points with each other; returns the one of each position that is left over, if any.
 fn pair_coincident(points: &[Point], mates: &mut [u32]) -> Vec<u32> {
     let mut order: Vec<u32> = (0..points.len() as u32).collect();
     order.sort_unstable_by_key(|&v| (points[v as usize], v));

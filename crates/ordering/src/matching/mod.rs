@@ -91,7 +91,7 @@ mod tests {
         }
     }
 
-    /// Layouts that are hard on geometry: random, on a small grid (many ties), on a line, in clusters, all in one place.
+    /// Layouts that are hard on geometry: random, on a small grid (many ties), on a line, in clusters, all at one point.
     fn places() -> impl Strategy<Value = Vec<Point>> {
         let xy = |range: std::ops::Range<i32>| (range.clone(), range);
         let clustered = ((-3..3_i32, -3..3_i32), xy(-20..20))

@@ -1,6 +1,6 @@
 //! Directions and entries of consecutive paths, chosen together.
 
-use super::super::entries::{Look, Way};
+use super::super::entries::{Candidate, Look};
 use super::end::End;
 use super::end::GAIN;
 use super::state::Search;
@@ -28,21 +28,24 @@ impl Search<'_> {
         if self.walk.has_detours() {
             return false;
         }
-        let mut search = std::mem::take(&mut self.ways);
+        let mut search = std::mem::take(&mut self.entry_search);
         let now: f64 = (from..=to).map(|gap| self.walk.gap(gap)).sum();
         let walk = &self.walk;
-        let start = walk.place(walk.node(End { gap: from, right: false }));
-        let end = walk.place(walk.node(End { gap: to, right: true }));
-        let ways = |at: usize, ways: &mut Vec<Way>| self.ways_at(from + at as u32, look, ways);
+        let start = walk.point(walk.node(End { gap: from, right: false }));
+        let end = walk.point(walk.node(End { gap: to, right: true }));
+        let candidates = |at: usize, candidates: &mut Vec<Candidate>| {
+            self.candidates_at(from + at as u32, look, candidates)
+        };
         let count = (to - from) as usize;
         let inside = |at: usize| walk.is_inside(from + at as u32);
-        let (cost, entries, pairs) = search.cheapest_entries(start, count, ways, end, walk.cost(), inside);
+        let (cost, entries, pairs) =
+            search.cheapest_entries(start, count, candidates, end, walk.cost(), inside);
         self.walk.work += pairs;
         let gains = cost < now - GAIN;
         if gains {
             self.enter_as(from, entries);
         }
-        self.ways = search;
+        self.entry_search = search;
         gains
     }
 
@@ -65,15 +68,18 @@ impl Search<'_> {
     }
 
     /// Appends the ways of drawing the path at a position that are to be considered; of an open path, entry 1 turns it round.
-    fn ways_at(&self, at: u32, look: Look, ways: &mut Vec<Way>) {
+    fn candidates_at(&self, at: u32, look: Look, candidates: &mut Vec<Candidate>) {
         let item = self.walk.item_at(at);
         if let Some(vertices) = self.walk.vertices(item) {
-            let way = |entry| Way::at(entry, vertices[entry as usize]);
-            ways.extend(look.at(vertices.len(), self.walk.entry(item)).map(way));
+            let candidate = |entry| Candidate::at(entry, vertices[entry as usize]);
+            candidates.extend(look.at(vertices.len(), self.walk.entry(item)).map(candidate));
             return;
         }
-        let enter = self.walk.place(self.walk.node(End { gap: at, right: true }));
-        let leave = self.walk.place(self.walk.node(End { gap: at + 1, right: false }));
-        ways.extend([Way { entry: 0, enter, leave }, Way { entry: 1, enter: leave, leave: enter }]);
+        let enter = self.walk.point(self.walk.node(End { gap: at, right: true }));
+        let leave = self.walk.point(self.walk.node(End { gap: at + 1, right: false }));
+        candidates.extend([
+            Candidate { entry: 0, enter, leave },
+            Candidate { entry: 1, enter: leave, leave: enter },
+        ]);
     }
 }

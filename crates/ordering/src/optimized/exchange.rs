@@ -166,7 +166,7 @@ impl Search<'_> {
         let item = node / 2;
         if item as usize >= self.problem.items.len() {
             self.walk.work += 16;
-            return self.neighbours.near(group, self.walk.place(node));
+            return self.neighbours.near(group, self.walk.point(node));
         }
         let entry = if self.walk.is_loop(item) { self.walk.entry(item) } else { node % 2 };
         if self.walk.group_of(node) == group {

@@ -1,4 +1,4 @@
-//! Moving the place where one group ends and the next begins.
+//! Moving the position where one group ends and the next begins.
 
 use super::end::End;
 use super::end::GAIN;

@@ -1,4 +1,4 @@
-//! Short lists of what lies near each place.
+//! Short lists of what lies near each position.
 
 use rustc_hash::FxHashMap;
 
@@ -12,7 +12,7 @@ use pathwright_geometry::{Point, to_mm};
 /// more time; 5 lost another 1 %.
 pub const NEAR: usize = 8;
 
-/// A node near a place.
+/// A node near a position.
 #[derive(Clone, Copy, Debug)]
 pub struct Near {
     /// The node; of a loop, its even node. [`NONE`] and an infinite cost follow the last one.
@@ -23,7 +23,7 @@ pub struct Near {
     pub least: f64,
 }
 
-/// Nodes near a place, nearest first.
+/// Nodes near a position, nearest first.
 pub type List = [Near; NEAR];
 const EMPTY: List = [Near { node: NONE, entry: 0, least: f64::INFINITY }; NEAR];
 
@@ -38,7 +38,7 @@ pub struct Neighbours {
     slot: Vec<u32>,
     /// Index of the list of entries in groups other than their own.
     others: FxHashMap<(u32, u32), u32>,
-    /// The lists; the first is that of the last place that is no entry of the group.
+    /// The lists; the first is that of the last position that is no entry of the group.
     lists: Vec<List>,
 }
 
@@ -92,7 +92,7 @@ impl Neighbours {
         self.lists.len() - 1
     }
 
-    /// The list of what of a group lies near a place outside it, until the next such list; empty if the place is anywhere.
+    /// The list of what of a group lies near a position outside it, until the next such list; empty if the position is anywhere.
     pub fn near(&mut self, group: u32, [x, y]: [f64; 2]) -> usize {
         self.lists[0] = if x.is_nan() { EMPTY } else { self.find(group, Point::from_mm(x, y), NONE) };
         0
@@ -104,7 +104,7 @@ impl Neighbours {
         &self.lists[list]
     }
 
-    /// A place in a list.
+    /// A position in a list.
     #[inline]
     pub fn get(&self, list: usize, at: usize) -> Near {
         self.lists[list][at]
@@ -120,7 +120,7 @@ impl Neighbours {
         list
     }
 
-    /// The entry of a group nearest to a place, among those wanted (by node and entry).
+    /// The entry of a group nearest to a position, among those wanted (by node and entry).
     pub fn nearest_wanted(&self, group: u32, p: Point, wanted: impl Fn(u32, u32) -> bool) -> Option<Found> {
         self.grids[group as usize].nearest_wanted(p, wanted)
     }

@@ -1,7 +1,7 @@
 //! Moving whole groups (runs) and units (islands) between positions.
 
 use super::super::index::{Entry, Index};
-use super::super::precedence::Place;
+use super::super::precedence::GroupPosition;
 use super::end::{End, GAIN, NONE};
 use super::state::Search;
 use pathwright_geometry::Random;
@@ -12,7 +12,7 @@ const BLOCK: u32 = 4;
 const FEW: u32 = 12;
 /// Near groups of each group.
 const NEAR: usize = 24;
-/// Places of a group from which near groups are looked for, and how many from each.
+/// Positions of a group from which near groups are looked for, and how many from each.
 const SAMPLES: usize = 4;
 const NEAR_SAMPLE: usize = 6;
 
@@ -85,8 +85,8 @@ impl Search<'_> {
         if gap <= 1 { gap } else { self.walk.span(self.walk.group_at(gap - 1)).0 }
     }
 
-    fn unit_at(&self, position: u32) -> Option<Place> {
-        self.groups.place.get(self.walk.group_at(position) as usize).copied()
+    fn unit_at(&self, position: u32) -> Option<GroupPosition> {
+        self.groups.positions.get(self.walk.group_at(position) as usize).copied()
     }
 
     /// Widens a stretch of whole groups until it holds whole units.
@@ -148,7 +148,7 @@ impl Search<'_> {
             let link = self.walk.gap(gap);
             self.walk.work += 4;
             if let Some((center, radius)) = disc {
-                let least = |node| self.walk.beyond(self.walk.place(node), center, radius);
+                let least = |node| self.walk.beyond(self.walk.point(node), center, radius);
                 if least(left) + least(right) - link < best.0 {
                     let item = self.walk.item_at(from);
                     let (cost, _) = self.best_vertex(item, left, right, best.0 + link);

@@ -3,7 +3,7 @@
 use std::collections::VecDeque;
 use std::ops::Range;
 
-use super::super::entries::Ways;
+use super::super::entries::EntrySearch;
 use super::super::greedy::Fragments;
 use super::super::precedence::Groups;
 use super::super::{Cost, Problem, Sequence, Visit};
@@ -41,7 +41,7 @@ impl<'a> Search<'a> {
             complete: false,
             queue: VecDeque::new(),
             queued: vec![false; 2 * problem.items.len()],
-            ways: Ways::default(),
+            entry_search: EntrySearch::default(),
         }
     }
 

@@ -3,7 +3,7 @@
 use std::collections::VecDeque;
 
 use super::super::Problem;
-use super::super::entries::Ways;
+use super::super::entries::EntrySearch;
 use super::super::precedence::Groups;
 use super::neighbours::Neighbours;
 use super::vicinity::Vicinity;
@@ -24,5 +24,5 @@ pub struct Search<'a> {
     pub(super) queue: VecDeque<u32>,
     pub(super) queued: Vec<bool>,
     /// Buffers of the search for entries.
-    pub(super) ways: Ways,
+    pub(super) entry_search: EntrySearch,
 }

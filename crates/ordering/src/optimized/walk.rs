@@ -43,7 +43,7 @@ pub struct Walk<'a> {
 #[derive(Clone, Copy, Debug)]
 struct Node {
     /// Where it is, millimetres; not a number: anywhere, so that links to it cost nothing.
-    place: [f64; 2],
+    at: [f64; 2],
     /// Cost of its link.
     link: f64,
     /// The node that it is linked to.
@@ -61,10 +61,10 @@ enum Change {
 /// The island of where the nozzle comes from; one less, of where it goes to: no path's.
 const NO_ISLAND: u32 = u32::MAX - 1;
 
-/// No place in particular: links to it cost nothing.
+/// An unknown point: links to it cost nothing.
 const ANYWHERE: [f64; 2] = [f64::NAN; 2];
 
-fn place(point: Option<Point>) -> [f64; 2] {
+fn coordinates(point: Option<Point>) -> [f64; 2] {
     point.map_or(ANYWHERE, Point::mm)
 }
 
@@ -72,22 +72,22 @@ impl<'a> Walk<'a> {
     /// A walk from the start of a problem through nothing as yet, to anywhere.
     pub fn new(problem: &Problem, groups: &Groups, cost: Cost) -> Self {
         let n = problem.items.len();
-        let mut places = Vec::with_capacity(2 * n + 4);
+        let mut points = Vec::with_capacity(2 * n + 4);
         let (mut all_vertices, mut first_vertex) = (Vec::new(), Vec::with_capacity(n + 3));
         for item in &problem.items {
             first_vertex.push(all_vertices.len() as u32);
             match item.shape {
-                Shape::Open([a, b]) => places.extend([a.mm(), b.mm()]),
+                Shape::Open([a, b]) => points.extend([a.mm(), b.mm()]),
                 Shape::Loop(vertices) => {
                     all_vertices.extend(vertices.iter().map(|v| v.mm()));
-                    places.extend([vertices[0].mm(); 2]);
+                    points.extend([vertices[0].mm(); 2]);
                 }
             }
         }
         first_vertex.extend([all_vertices.len() as u32; 3]);
-        places.extend([place(problem.start), place(problem.start), ANYWHERE, ANYWHERE]);
+        points.extend([coordinates(problem.start), coordinates(problem.start), ANYWHERE, ANYWHERE]);
         let group = groups.of.iter().copied().chain([NONE, NONE]).flat_map(|group| [group, group]);
-        let node = |(place, group)| Node { place, link: 0.0, across: 0, group };
+        let node = |(at, group)| Node { at, link: 0.0, across: 0, group };
         let mut island: Vec<u32> =
             problem.items.iter().map(|item| problem.runs[item.run as usize].island).collect();
         island.extend([NO_ISLAND, NO_ISLAND - 1]);
@@ -96,7 +96,7 @@ impl<'a> Walk<'a> {
             detours: None,
             entered: vec![2 * n as u32, 2 * n as u32 + 2],
             position: vec![0; n + 2],
-            nodes: places.into_iter().zip(group).map(node).collect(),
+            nodes: points.into_iter().zip(group).map(node).collect(),
             looped: first_vertex.windows(2).map(|w| w[0] < w[1]).collect(),
             vertices: all_vertices,
             first_vertex,
@@ -130,17 +130,17 @@ impl<'a> Walk<'a> {
         self.commit();
     }
 
-    /// From now on, links inside of islands cost what the way costs, not the straight line. Cannot be undone.
+    /// From now on, links inside islands cost what the route with its detours costs, not the straight line. Cannot be undone.
     pub fn lead_round(&mut self, detours: &'a Detours<'a>) {
         self.detours = Some(detours);
         self.total = (1..=self.len() + 1).map(|gap| self.relink(gap)).sum();
         self.commit();
     }
 
-    /// Goes on to a place at the end.
+    /// Goes on to a point at the end.
     pub fn end_at(&mut self, end: Option<Point>) {
         let node = self.entered[self.entered.len() - 1] as usize;
-        self.nodes[node..node + 2].iter_mut().for_each(|node| node.place = place(end));
+        self.nodes[node..node + 2].iter_mut().for_each(|node| node.at = coordinates(end));
         self.total += self.relink(self.len() + 1);
         self.commit();
     }
@@ -265,48 +265,48 @@ impl<'a> Walk<'a> {
         self.detours.is_some()
     }
 
-    /// Place of a node, millimetres.
+    /// Position of a node, millimetres.
     #[inline]
-    pub fn place(&self, node: u32) -> [f64; 2] {
-        self.nodes[node as usize].place
+    pub fn point(&self, node: u32) -> [f64; 2] {
+        self.nodes[node as usize].at
     }
 
     /// Cost of the link between two nodes if it went straight.
     #[inline]
     pub fn link(&self, a: u32, b: u32) -> f64 {
-        self.between([a, b].map(|node| self.place(node)), [a / 2, b / 2])
+        self.between([a, b].map(|node| self.point(node)), [a / 2, b / 2])
     }
 
     /// Cost of the link between a node and a vertex of a loop if it went straight.
     #[inline]
     pub fn link_to(&self, node: u32, item: u32, vertex: [f64; 2]) -> f64 {
-        self.between([self.place(node), vertex], [node / 2, item])
+        self.between([self.point(node), vertex], [node / 2, item])
     }
 
     /// By how much the link between two nodes is dearer than a straight one. Finding out takes long; a move that straight
     /// links would not make cheaper need not ask.
     #[inline]
     pub fn surcharge(&self, a: u32, b: u32) -> f64 {
-        self.beyond_straight([a, b].map(|node| self.place(node)), [a / 2, b / 2])
+        self.beyond_straight([a, b].map(|node| self.point(node)), [a / 2, b / 2])
     }
 
     /// By how much the link between a node and a vertex of a loop is dearer than a straight one.
     #[inline]
     pub fn surcharge_to(&self, node: u32, item: u32, vertex: [f64; 2]) -> f64 {
-        self.beyond_straight([self.place(node), vertex], [node / 2, item])
+        self.beyond_straight([self.point(node), vertex], [node / 2, item])
     }
 
     #[inline]
-    fn beyond_straight(&self, places: [[f64; 2]; 2], items: [u32; 2]) -> f64 {
+    fn beyond_straight(&self, points: [[f64; 2]; 2], items: [u32; 2]) -> f64 {
         let Some(detours) = self.detours else { return 0.0 };
-        let straight = self.between(places, items);
+        let straight = self.between(points, items);
         if straight <= 0.0 || !self.share_island(items) {
             return 0.0;
         }
-        detours.cost(items, places[0], places[1]) - straight
+        detours.cost(items, points[0], points[1]) - straight
     }
 
-    /// Cost of the straight link between places on two items; nothing if one of them is anywhere.
+    /// Cost of the straight link between points on two items; nothing if one of them is anywhere.
     #[inline]
     fn between(&self, [a, b]: [[f64; 2]; 2], items: [u32; 2]) -> f64 {
         let (dx, dy) = (a[0] - b[0], a[1] - b[1]);
@@ -340,7 +340,7 @@ impl<'a> Walk<'a> {
             (dx * dx + dy * dy).sqrt().max(0.0)
         };
         let [to_inside, from_inside] = [before, after].map(|node| self.share_island([node / 2, item]));
-        let (before, after) = (self.place(before), self.place(after));
+        let (before, after) = (self.point(before), self.point(after));
         let mut best = (f64::INFINITY, 0);
         let mut lengths = [[0.0; 2]; AT_ONCE];
         for (some, first) in vertices.chunks(AT_ONCE).zip((0..).step_by(AT_ONCE)) {
@@ -357,10 +357,10 @@ impl<'a> Walk<'a> {
         best
     }
 
-    /// The least that a link from a place to anything in a disc can cost.
+    /// The least that a link from a point to anything in a disc can cost.
     #[inline]
-    pub fn beyond(&self, place: [f64; 2], center: [f64; 2], radius: f64) -> f64 {
-        let distance_mm = (place[0] - center[0]).hypot(place[1] - center[1]);
+    pub fn beyond(&self, point: [f64; 2], center: [f64; 2], radius: f64) -> f64 {
+        let distance_mm = (point[0] - center[0]).hypot(point[1] - center[1]);
         if distance_mm > radius { self.cost.least(distance_mm - radius) } else { 0.0 }
     }
 
@@ -448,8 +448,8 @@ impl<'a> Walk<'a> {
 
     fn put(&mut self, item: u32) {
         let at = self.vertices(item).map_or(ANYWHERE, |v| v[self.entry[item as usize] as usize]);
-        self.nodes[2 * item as usize].place = at;
-        self.nodes[2 * item as usize + 1].place = at;
+        self.nodes[2 * item as usize].at = at;
+        self.nodes[2 * item as usize + 1].at = at;
     }
 
     fn flip(&mut self, from: u32, to: u32) {

@@ -1,4 +1,4 @@
-//! What comes before the first layer and after the last.
+//! Header and footer: what comes before the first layer and after the last.
 
 use super::flavor::{dialect, line};
 use super::number::one_line;

@@ -1,4 +1,5 @@
-//! What walls and gap beads rest on: over air, beads reach for hold, and loops follow those that have it.
+//! The layer beneath walls and gap beads: over air, beads are extended to where they are held, and loops wait for those
+//! that are held.
 
 use std::cell::{LazyCell, OnceCell};
 
@@ -7,35 +8,35 @@ use geometry::{EdgeGrid, Point, Polygon, Region};
 use super::Path;
 use super::path::{Role, Width};
 
-/// Places looked at are so far apart.
+/// Distance between the points looked at.
 const STEP_MM: f64 = 0.5;
 
 /// What hangs over less than this holds by itself.
 const DANGLE_MM: f64 = 1.5;
 
-/// Beyond an end, hold is looked for in so many steps of so many bead widths: behind the loops that turn before it.
+/// Beyond an end, hold is looked for in this many steps of this many bead widths: behind the loops that turn before it.
 const PROBES: u32 = 16;
 const PROBE: f64 = 0.25;
 
 /// A bead over air between ends nearer than this share of it is a loop that turns there, not a bridge.
 const TURN: f64 = 0.5;
 
-/// What is one layer down.
+/// The layer beneath.
 #[derive(Debug)]
-pub(super) struct Footing<'a> {
-    pub beneath: &'a Region,
-    /// The same, for looking up places.
+pub(super) struct Beneath<'a> {
+    pub region: &'a Region,
+    /// The same, for looking up samples.
     grid: OnceCell<EdgeGrid>,
 }
 
-impl<'a> Footing<'a> {
-    pub fn new(beneath: &'a Region) -> Self {
-        Self { beneath, grid: OnceCell::new() }
+impl<'a> Beneath<'a> {
+    pub fn new(region: &'a Region) -> Self {
+        Self { region, grid: OnceCell::new() }
     }
 
-    /// Whether there is something right under a place.
-    pub fn holds(&self, place: Point) -> bool {
-        self.grid.get_or_init(|| EdgeGrid::new(self.beneath)).contains(place)
+    /// Whether there is something right under a point.
+    pub fn holds(&self, point: Point) -> bool {
+        self.grid.get_or_init(|| EdgeGrid::new(self.region)).contains(point)
     }
 
     fn holds_at(&self, [x, y]: [f64; 2]) -> bool {
@@ -44,13 +45,13 @@ impl<'a> Footing<'a> {
 
     /// Lets single beads of an island that end over air, just before hold, go on until they lie on it.
     pub fn reach(&self, paths: &mut [Path], island: &Polygon) {
-        let room = LazyCell::new(|| EdgeGrid::of(island));
+        let inside = LazyCell::new(|| EdgeGrid::of(island));
         for path in paths.iter_mut().filter(|path| !path.closed) {
             let Width::PerVertex(widths) = &mut path.width else { continue };
             for _ in 0..2 {
                 let width_mm = widths.last().copied().unwrap_or_default();
                 if let Some(tip) = self.beyond(&path.points, f64::from(width_mm))
-                    && room.contains(tip)
+                    && inside.contains(tip)
                 {
                     path.points.push(tip);
                     widths.push(width_mm);
@@ -65,8 +66,7 @@ impl<'a> Footing<'a> {
     /// walls: it has to wait for them.
     pub fn outer_first(&self, paths: &[Path]) -> bool {
         let loops = |role| paths.iter().filter(move |path| path.role == role && path.closed);
-        let leaves =
-            |path: &Path| along(round(path), 2.0 * DANGLE_MM).any(|(place, _)| !self.holds_at(place));
+        let leaves = |path: &Path| along(round(path), 2.0 * DANGLE_MM).any(|(at, _)| !self.holds_at(at));
         let hangs = |role| loops(role).any(|path| self.hangs(path));
         loops(Role::Perimeter).next().is_some()
             && loops(Role::ExternalPerimeter).any(leaves)
@@ -77,26 +77,26 @@ impl<'a> Footing<'a> {
     /// Where a bead that hangs at its end would lie on what is beyond that.
     fn beyond(&self, points: &[Point], width_mm: f64) -> Option<Point> {
         let end = points.last()?.mm();
-        let mut back = along(points.iter().rev().map(|p| p.mm()), STEP_MM)
-            .take_while(|(place, _)| !self.holds_at(*place));
-        let (behind, _) = back.find(|&(_, way_mm)| way_mm >= DANGLE_MM)?;
+        let mut back =
+            along(points.iter().rev().map(|p| p.mm()), STEP_MM).take_while(|(at, _)| !self.holds_at(*at));
+        let (behind, _) = back.find(|&(_, along_mm)| along_mm >= DANGLE_MM)?;
         let length_mm = geometry::distance_mm(behind, end);
-        let place = |mm: f64| [0, 1].map(|k| end[k] + mm * (end[k] - behind[k]) / length_mm);
+        let extended = |mm: f64| [0, 1].map(|k| end[k] + mm * (end[k] - behind[k]) / length_mm);
         let mut probes = (1..=PROBES).map(|i| f64::from(i) * PROBE * width_mm);
-        let [x, y] = place(probes.find(|&mm| self.holds_at(place(mm)))? + width_mm / 2.0);
+        let [x, y] = extended(probes.find(|&mm| self.holds_at(extended(mm)))? + width_mm / 2.0);
         (length_mm > 0.0).then(|| Point::from_mm(x, y))
     }
 
     /// Whether a loop hangs over air without being a bridge: nothing of it is held, or it turns back where it hangs.
     fn hangs(&self, path: &Path) -> bool {
-        let places: Vec<([f64; 2], bool)> =
-            along(round(path), STEP_MM).map(|(place, _)| (place, self.holds_at(place))).collect();
-        let length_mm = STEP_MM * places.len() as f64;
-        let Some(start) = places.iter().position(|place| place.1) else { return length_mm > DANGLE_MM };
+        let samples: Vec<([f64; 2], bool)> =
+            along(round(path), STEP_MM).map(|(at, _)| (at, self.holds_at(at))).collect();
+        let length_mm = STEP_MM * samples.len() as f64;
+        let Some(start) = samples.iter().position(|sample| sample.1) else { return length_mm > DANGLE_MM };
         let mut run: Vec<[f64; 2]> = Vec::new();
-        for &(place, held) in places[start..].iter().chain(&places[..=start]) {
+        for &(at, held) in samples[start..].iter().chain(&samples[..=start]) {
             if !held {
-                run.push(place);
+                run.push(at);
                 continue;
             }
             if let [from, .., to] = run[..] {
@@ -116,17 +116,17 @@ fn round(path: &Path) -> impl Iterator<Item = [f64; 2]> {
     path.points.iter().chain(path.points.first()).map(|p| p.mm())
 }
 
-/// Places along a polyline, so far apart, with their distance from its start.
+/// Points along a polyline at a spacing, with their distance from its start.
 fn along(points: impl Iterator<Item = [f64; 2]>, step_mm: f64) -> impl Iterator<Item = ([f64; 2], f64)> {
     let mut last: Option<[f64; 2]> = None;
-    let (mut way_mm, mut count) = (0.0, 0_u32);
+    let (mut along_mm, mut count) = (0.0, 0_u32);
     points.flat_map(move |to| {
         let from = last.replace(to).unwrap_or(to);
         let length_mm = geometry::distance_mm(from, to);
-        let start_mm = way_mm;
-        way_mm += length_mm;
+        let start_mm = along_mm;
+        along_mm += length_mm;
         let first = count;
-        count = (way_mm / step_mm) as u32 + 1;
+        count = (along_mm / step_mm) as u32 + 1;
         (first..count).map(move |i| {
             let at_mm = f64::from(i) * step_mm;
             let share = if length_mm > 0.0 { (at_mm - start_mm) / length_mm } else { 0.0 };

@@ -1,4 +1,4 @@
-//! How a file travels: what it does between two beads, learned from what it did.
+//! How a file travels and retracts between two beads, learned from its own travels.
 
 use super::block::{Block, Kind, Token};
 use super::ticks::units;
@@ -6,7 +6,7 @@ use crate::gcode::Line;
 
 /// Retraction and travel as the file does them. Amounts in ticks of the file's unit, feed rates in ticks per minute.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Habit {
+pub struct RetractionStyle {
     /// Number of the travel's command: G0 or G1.
     pub(super) command: u8,
     pub(super) travel_feed: i64,
@@ -47,7 +47,7 @@ struct Seen {
     retract: Option<Retract>,
     command: u8,
     travel_feed: i64,
-    /// Whether it is much longer than the straight way.
+    /// Whether it is much longer than the straight line.
     turns: bool,
     steps: usize,
 }
@@ -60,10 +60,10 @@ pub struct Learner {
 
 /// What a retraction by the firmware is taken to last.
 const FIRMWARE_MINUTES: f64 = 0.1 / 60.0;
-/// A way goes round something if it is so many times as long as the straight one, and this much longer, mm.
+/// A travel is a detour if it is this many times as long as the straight line, and this much longer, mm.
 const DETOUR: f64 = 1.05;
 const DETOUR_MM: f64 = 0.3;
-/// Of more different ways to travel none is a habit.
+/// With more different kinds of retraction than this, no style is recognised.
 const MOST_KINDS: usize = 100;
 /// So many links tell enough.
 const ENOUGH: usize = 20_000;
@@ -85,8 +85,8 @@ impl Learner {
         self.seen.len() > known
     }
 
-    /// The habit, if there is one to be seen.
-    pub fn habit(&self) -> Option<Habit> {
+    /// The retraction style, if one can be recognised.
+    pub fn style(&self) -> Option<RetractionStyle> {
         let retracted: Vec<&Seen> = self.seen.iter().filter(|s| s.retract.is_some()).collect();
         let mut lengths: Vec<f64> = retracted.iter().map(|s| s.length_mm).collect();
         lengths.sort_by(f64::total_cmp);
@@ -100,7 +100,7 @@ impl Learner {
         });
         let travel =
             most_frequent(&self.seen.iter().collect::<Vec<_>>(), |s| Some((s.command, s.travel_feed)))?;
-        Some(Habit {
+        Some(RetractionStyle {
             command: travel.command,
             travel_feed: travel.travel_feed,
             threshold_mm,
@@ -111,15 +111,15 @@ impl Learner {
     }
 }
 
-impl Habit {
+impl RetractionStyle {
     /// The travel that takes as long as pulling back, lifting, lowering and pushing forward again, mm.
     pub fn retraction_mm(&self) -> f64 {
         let Some(retract) = &self.retract else { return 0.0 };
         let minutes = |(amount, feed): (i64, i64)| if feed > 0 { amount as f64 / feed as f64 } else { 0.0 };
         let hop =
             retract.hop.map_or(0.0, |(height, up, down)| minutes((height, up)) + minutes((height, down)));
-        let pulls = minutes(retract.before) + minutes(retract.after) + minutes(retract.push);
-        units(self.travel_feed) * (hop + if retract.firmware { FIRMWARE_MINUTES } else { pulls })
+        let moves = minutes(retract.before) + minutes(retract.after) + minutes(retract.push);
+        units(self.travel_feed) * (hop + if retract.firmware { FIRMWARE_MINUTES } else { moves })
     }
 }
 
@@ -192,7 +192,7 @@ fn seen(block: &Block, tokens: &[Token], length_mm: f64) -> Option<Seen> {
         z = token.to[2];
     }
     let (command, travel_feed) = travel?;
-    let pulls = retract.firmware || retract.pulled() > 0 && retract.push.0 > 0;
-    let (retract, turns) = (pulls.then_some(retract), travelled_mm > DETOUR * length_mm + DETOUR_MM);
+    let retracts = retract.firmware || retract.pulled() > 0 && retract.push.0 > 0;
+    let (retract, turns) = (retracts.then_some(retract), travelled_mm > DETOUR * length_mm + DETOUR_MM);
     Some(Seen { length_mm, retract, command, travel_feed, turns, steps: tokens.len() })
 }
