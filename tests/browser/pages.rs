@@ -148,7 +148,7 @@ pub fn strategies_stand_side_by_side_with_lengths_of_their_own() {
     let browser = Browser::shared();
     let mut browser = browser.page();
     let pages = Pages::new();
-    let model = "models/pin_forest.stl";
+    let model = "models/plate_with_holes.stl";
     let args =
         ["compare", model, "--order", "nearest,optimized", "--scale", "0.5", "--set", "layer.height=0.3"];
     browser.open(&pages.made(&args, "--html"), "");
