@@ -106,7 +106,7 @@ impl Relief {
         let row_of = |y: f64| (y - self.low[1]) * self.cells_per_mm - 0.5;
         let (low, high) = (from[1].min(to[1]) - radius_mm, from[1].max(to[1]) + radius_mm);
         let (first, last) = (row_of(low).ceil().max(0.0), row_of(high).floor().min(self.rows as f64 - 1.0));
-        // Of a place that is no number nothing is covered.
+        // A position that is not a number covers nothing.
         if first.is_nan() || last.is_nan() || first > last {
             return;
         }
@@ -138,12 +138,12 @@ impl Relief {
         }
     }
 
-    /// Height at a place; minus infinity where nothing is.
+    /// Height at a position; minus infinity where nothing is.
     pub fn at(&self, x: f64, y: f64) -> f64 {
         self.index(x, y).map_or(f64::NEG_INFINITY, |index| f64::from(self.tops_mm[index]))
     }
 
-    /// Raises the cell at a place.
+    /// Raises the cell at a position.
     pub fn raise(&mut self, x: f64, y: f64, z_mm: f64) {
         if let Some(index) = self.index(x, y) {
             let top = &mut self.tops_mm[index];
@@ -188,7 +188,7 @@ impl Relief {
         self.highest_mm = self.highest_mm.max(bead.from[2]).max(bead.to[2]);
     }
 
-    /// How far a move dips below what stands on its way, and where: the first place deeper than `slack_mm`.
+    /// How far a move dips below what stands on its way, and where: the first position deeper than `slack_mm`.
     pub fn dip(&self, way: &Stroke, slack_mm: f64) -> Option<([f64; 3], f64)> {
         if way.from[2].min(way.to[2]) >= self.highest_mm - slack_mm {
             return None;
@@ -201,7 +201,7 @@ impl Relief {
         })
     }
 
-    /// A cell is passed at most once between two places.
+    /// A cell is passed at most once between two positions.
     fn places(&self, way: &Stroke) -> u32 {
         let most = 4.0 * (self.columns + self.rows) as f64;
         let count = (way.xy_mm / self.cell_mm).ceil();

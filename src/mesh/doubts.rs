@@ -11,9 +11,9 @@ use super::edges::NO_TWIN;
 pub struct Doubt {
     /// What is not sure.
     pub cause: String,
-    /// Lower corner of the place, in the file's coordinates.
+    /// Lower corner of the location, in the file's coordinates.
     pub min_mm: [f64; 3],
-    /// Upper corner of the place.
+    /// Upper corner of the position.
     pub max_mm: [f64; 3],
     /// Volume in doubt.
     pub volume_mm3: f64,
@@ -35,7 +35,7 @@ impl fmt::Display for Doubt {
     }
 }
 
-/// Volume in doubt at one place.
+/// Volume in doubt at one location.
 #[derive(Clone, Debug)]
 pub(super) struct Doubtful {
     pub cause: &'static str,

@@ -1,4 +1,4 @@
-//! Facets that stand at one place more than once: which of them the surface needs.
+//! Facets that stand at one position more than once: which of them the surface needs.
 //!
 //! All such facets are left out first. Then they come back, once, where edges of the rest would stay open without them:
 //! groups of them that hang together are in or out as a whole, and the edges around a group vote. What nothing needs is
@@ -175,7 +175,7 @@ impl<'a> Groups<'a> {
         self.stays[group as usize].map(|stays| stays[usize::from(side)])
     }
 
-    /// Votes of the groups, at the places of their representatives.
+    /// Votes of the groups, at the positions of their representatives.
     fn votes(&self) -> Vec<Option<Votes>> {
         let mut votes = vec![None; self.stacks.len()];
         for (stack, &(group, side)) in self.stacks.iter().zip(&self.group) {

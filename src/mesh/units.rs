@@ -58,7 +58,7 @@ pub(super) fn in_words(size_mm: [f64; 3]) -> String {
     format!("{x:.decimals$} × {y:.decimals$} × {z:.decimals$} mm")
 }
 
-/// Extents of the points that have a place; `None`: none has.
+/// Extents of the points that have a position; `None`: none has.
 pub(super) fn size_of(points: impl Iterator<Item = [f32; 3]>) -> Option<[f64; 3]> {
     let sound = |p: &[f32; 3]| p.iter().all(|x| x.abs() <= FARTHEST);
     let corners = points.filter(sound).map(|p| [p, p]);

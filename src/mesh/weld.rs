@@ -33,7 +33,7 @@ const EMPTY: u32 = u32::MAX;
 const BATCH: usize = 3 * 64;
 
 impl Welder {
-    /// Room for as many vertices as a closed mesh of so many facets has (about half).
+    /// Room for as many vertices as a closed mesh of this many facets has (about half).
     pub fn with_capacity(facets: usize) -> Self {
         let soup = Soup {
             vertices: Vec::with_capacity(facets / 2 + 16),

@@ -30,7 +30,7 @@ impl Area {
         points.map(beyond).fold(f64::NEG_INFINITY, f64::max)
     }
 
-    /// Places moved together so that the box around all models has its middle over the bed's, if all stay on it.
+    /// Positions moved together so that the box around all models has its middle over the bed's, if all stay on it.
     pub fn in_the_middle<'a>(
         &self,
         mut places: Vec<(u32, [f64; 2])>,

@@ -20,7 +20,7 @@ pub(super) struct Spot {
     pub at: [i64; 2],
 }
 
-/// Which places are tried first.
+/// Which positions are tried first.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum Towards {
     /// The middle of the bed: a compact group.
@@ -29,10 +29,10 @@ pub(super) enum Towards {
     Corner,
 }
 
-/// Places models so that no two cover a cell. `shapes` holds each model's ways to be turned, `models` which of them each
+/// Places models so that no two cover a cell. `shapes` holds each model's rotations, `models` which of them each
 /// model is. `fits` says whether a rim, moved, lies on the bed, which reaches `half` cells from its middle.
 ///
-/// `None`: no place is left for the model. The largest comes first, of equals the first. Places are tried in a fixed order,
+/// `None`: no position is left for the model. The largest comes first, of equals the first. Positions are tried in a fixed order,
 /// and never again what was taken for an equal model: O(places · rows) for each different shape where the bed is not full.
 pub(super) fn arrange(
     shapes: &[Vec<Shape>],
@@ -48,7 +48,7 @@ pub(super) fn arrange(
     let mut order: Vec<usize> = (0..models.len()).collect();
     let size = |model: usize| shapes[models[model]].iter().map(|s| s.covered.count()).max();
     order.sort_by_key(|&model| (std::cmp::Reverse(size(model)), models[model], model));
-    // Cells are taken and never given back: what was no place for a shape will be none.
+    // Cells are taken and never given back: what had no position for a shape will have none later.
     let mut tried: Vec<Vec<usize>> = shapes.iter().map(|turns| vec![0; turns.len()]).collect();
     let mut spots = vec![None; models.len()];
     for model in order {

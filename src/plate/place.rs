@@ -90,7 +90,7 @@ struct Standing {
     notes: Vec<String>,
 }
 
-/// A copy of a group, its middle in a place relative to the bed's, turned by quarters.
+/// A copy of a group, its middle at a position relative to the bed's, turned by quarters.
 struct Stand {
     group: usize,
     copy: usize,
@@ -387,7 +387,7 @@ fn settle(
     Ok(plate)
 }
 
-/// Points of an item in one of its places, turned by quarters, that must lie on the bed.
+/// Points of an item in one of its positions, turned by quarters, that must lie on the bed.
 fn rim(item: &Item, place: usize, quarters: u32, shape: BedShape) -> Vec<[f64; 2]> {
     let [width, depth, height] = item.size();
     let size = if quarters.is_multiple_of(2) { [width, depth, height] } else { [depth, width, height] };

@@ -133,7 +133,7 @@ impl<R: BufRead> Blocks<R> {
         Ok((rest.text.len() > rest.body).then_some(rest))
     }
 
-    /// The block at hand; an empty one takes its place.
+    /// The block at hand; an empty one replaces it.
     fn take(&mut self) -> Block {
         let next = empty(self.block.after, self.block.frame, States::default());
         std::mem::replace(&mut self.block, next)

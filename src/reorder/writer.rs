@@ -334,7 +334,7 @@ impl<'a> Writer<'a> {
                 self.state.set(key, token.line);
                 self.entered = None;
             }
-            // A line that names the place where the nozzle is in the file would move it from where it is here.
+            // A line that names the position where the nozzle is in the file would move it from where it is here.
             Kind::Lift | Kind::Pull | Kind::Push | Kind::Feed
                 if self.at[..2] != token.to[..2] && (names(line, b"X") || names(line, b"Y")) =>
             {

@@ -127,7 +127,7 @@ impl Revolution {
     }
 
     /// A line through points, those that are close left out but for the ends, that rises evenly: `rise` says what holds
-    /// at a share of its way.
+    /// at a share of its length.
     fn along(points: &[Point], rise: impl Fn(f64) -> Rise) -> Self {
         let mut kept: Vec<Point> = points.first().copied().into_iter().collect();
         let mm = |a: Point, b: Point| square(a - b).sqrt() / UNITS_PER_MM;
@@ -169,7 +169,7 @@ fn steps(ring: &[Point], length_mm: f64, step_mm: f64) -> Vec<(f64, Point)> {
     out
 }
 
-/// The way from the outline below.
+/// The path from the outline below.
 struct Glide {
     below: EdgeGrid,
     reach_mm: f64,
@@ -181,7 +181,7 @@ impl Glide {
         Self { below: EdgeGrid::of(&polygon), reach_mm }
     }
 
-    /// A point at a share of the way from the nearest point below; where that is too far, the point itself.
+    /// A point at a share of the distance from the nearest point below; where that is too far, the point itself.
     fn at(&self, p: Point, share: f64) -> Point {
         let mut near = Vec::new();
         let reach = (self.reach_mm * UNITS_PER_MM) as i32;

@@ -14,7 +14,7 @@ use crate::mesh::Mesh;
 use crate::profile::Settings;
 use geometry::{EdgeGrid, Point, Region};
 
-/// At a place at least this share of the beads lies in the sections.
+/// At a position at least this share of the beads lies in the sections.
 const FOUND: f64 = 0.6;
 /// Or this share, where all outlines are there.
 const PART: f64 = 0.05;
@@ -33,7 +33,7 @@ const TRIED: usize = 100;
 /// Islands smaller than this say little.
 const SPECK_MM2: f64 = 0.5;
 
-/// A body in its place.
+/// A body at its position.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Placed {
     pub body: usize,
@@ -59,7 +59,7 @@ struct Shape {
     may: Vec<Region>,
 }
 
-/// A place where bodies of a kind may be.
+/// A position where bodies of a kind may be.
 struct Candidate {
     kind: usize,
     quarters: u32,

@@ -19,7 +19,7 @@ const AROUND_MM: f64 = 0.6;
 
 /// Bodies in their places, cut.
 pub(super) struct Sections<'a> {
-    /// Each with its places on the bed.
+    /// Each with its positions on the bed.
     bodies: Vec<(Cutter<'a>, Vec<Point>)>,
     count: usize,
     top_mm: f64,

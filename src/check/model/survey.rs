@@ -14,7 +14,7 @@ pub(super) struct Extent {
 }
 
 impl Extent {
-    /// Makes the box reach a place.
+    /// Extends the box to a point.
     pub fn add(extent: &mut Option<Self>, [x, y, _]: [f64; 3]) {
         let e = extent.get_or_insert(Self { low: [x, y], high: [x, y] });
         (e.low, e.high) = ([e.low[0].min(x), e.low[1].min(y)], [e.high[0].max(x), e.high[1].max(y)]);

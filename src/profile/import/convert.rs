@@ -699,7 +699,7 @@ pub(super) fn thumbnails(config: &Config) -> Outcome {
 
 pub(super) fn labels(config: &Config) -> Outcome {
     match config.text("gcode_label_objects") {
-        Some("octoprint") => Left("only the firmware's way of labels is written".into()),
+        Some("octoprint") => Left("only the firmware's own labels are written".into()),
         Some("firmware" | "1") => flag(true),
         _ => flag(false),
     }

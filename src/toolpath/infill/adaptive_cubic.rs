@@ -36,7 +36,7 @@ const PLANES: f64 = 2.449_489_742_783_178;
 /// Parts of a plane this near to each other are one.
 const TOUCHING_MM: f64 = 1e-6;
 
-/// A cube by its place among those of its level, along the three axes.
+/// A cube by its position among those of its level, along the three axes.
 type Cube = [i32; 3];
 
 /// See the module. The default knows of no surface and has no cubes.
@@ -130,7 +130,7 @@ impl AdaptiveCubic {
         })
     }
 
-    /// The place on the bed of a point of a plane.
+    /// The position on the bed of a point of a plane.
     fn place_mm(&self, axis: usize, number: i64, difference_mm: f64, z_mm: f64) -> [f64; 2] {
         let along_mm = (number as f64 / 2.0 - MIDDLE) * self.finest_mm;
         let sum_mm = z_mm * 3.0_f64.sqrt() - along_mm;

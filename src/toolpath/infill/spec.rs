@@ -56,7 +56,7 @@ impl LineSet {
         Direction::of(self.angle_rad)
     }
 
-    /// How many lines a place is away from line 0, along the normal.
+    /// How many lines a position is away from line 0, along the normal.
     pub fn lines_to(&self, place: Point) -> f64 {
         (self.direction().across_mm(place) - self.phase_mm) / self.distance_mm
     }
@@ -96,7 +96,7 @@ pub struct Chord {
     pub line: i64,
 }
 
-/// One end of a chord, in its place on the boundary.
+/// One end of a chord, at its position on the boundary.
 #[derive(Clone, Copy)]
 pub(super) struct Stop {
     pub(super) chord: u32,

@@ -188,7 +188,7 @@ impl Forest {
         self.nodes = nodes;
     }
 
-    /// A node at a place on the edge to another's parent, or a node near there.
+    /// A node at a position on the edge to another's parent, or a node near there.
     fn fork(&mut self, i: u32, at: [f64; 2], reach_mm: f64, near: &mut Near) -> u32 {
         let Node { at: tip, parent } = self.nodes[i as usize];
         if parent == ROOT || distance(at, tip) < FORK * reach_mm {
@@ -280,7 +280,7 @@ impl Near {
         }
     }
 
-    /// The node whose edge to its parent comes nearest to a place, at most so far away, and where it does.
+    /// The node whose edge to its parent comes nearest to a position, at most so far away, and where it does.
     fn nearest(&self, forest: &Forest, p: [f64; 2], within_mm: f64) -> Option<(u32, [f64; 2])> {
         let mut reach_mm = self.cell_mm.min(within_mm);
         loop {
@@ -300,7 +300,7 @@ impl Near {
     }
 }
 
-/// The nearest place on the boundary, and how far it is.
+/// The nearest position on the boundary, and how far it is.
 fn on_boundary(edges: &EdgeGrid, p: Point) -> Option<([f64; 2], f64)> {
     let mut near = Vec::new();
     let mut reach_mm = 1.0;
@@ -321,7 +321,7 @@ fn on_boundary(edges: &EdgeGrid, p: Point) -> Option<([f64; 2], f64)> {
     None
 }
 
-/// The nearest place to another on a line between two.
+/// The nearest position to another on a line between two.
 fn foot(p: [f64; 2], a: [f64; 2], b: [f64; 2]) -> [f64; 2] {
     let length2 = (b[0] - a[0]).powi(2) + (b[1] - a[1]).powi(2);
     let along = (p[0] - a[0]) * (b[0] - a[0]) + (p[1] - a[1]) * (b[1] - a[1]);
@@ -333,7 +333,7 @@ fn distance(a: [f64; 2], b: [f64; 2]) -> f64 {
     (a[0] - b[0]).hypot(a[1] - b[1])
 }
 
-/// A place moved so far towards another, at most to it.
+/// A position moved so far towards another, at most to it.
 fn towards(from: [f64; 2], to: [f64; 2], by_mm: f64) -> [f64; 2] {
     let t = (by_mm / distance(from, to).max(f64::MIN_POSITIVE)).min(1.0);
     [0, 1].map(|i| from[i] + t * (to[i] - from[i]))

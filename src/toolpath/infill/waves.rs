@@ -25,7 +25,7 @@ impl Frame {
         Self { sin, cos }
     }
 
-    /// A point of the plane from its place in the frame, in millimetres; as [`on_grid`].
+    /// A point of the plane from its position in the frame, in millimetres; as [`on_grid`].
     pub fn point(&self, [u, v]: [f64; 2]) -> Point {
         on_grid([u * self.cos - v * self.sin, u * self.sin + v * self.cos])
     }

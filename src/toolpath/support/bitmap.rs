@@ -65,7 +65,7 @@ impl Grid {
         [x0 + (x as f64 + 0.5) * self.cell_mm(), y0 + (y as f64 + 0.5) * self.cell_mm()]
     }
 
-    /// How far a place lies inside of the grid's edges, in millimetres; 0 outside.
+    /// How far a position lies inside of the grid's edges, in millimetres; 0 outside.
     pub fn inside_mm(&self, [x, y]: [f64; 2]) -> f64 {
         let [x0, y0] = self.origin.mm();
         let [width, depth] = [self.columns, self.rows].map(|cells| cells as f64 * self.cell_mm());
@@ -150,7 +150,7 @@ impl Bitmap {
         inside && self.words[y * self.grid.stride() + x / WORD] >> (x % WORD) & 1 == 1
     }
 
-    /// Whether the cell at a place is in it.
+    /// Whether the cell at a position is in it.
     pub fn has_at(&self, p: Point) -> bool {
         self.grid.cell_at(p).is_some_and(|cell| self.has(cell))
     }
@@ -214,7 +214,7 @@ impl Bitmap {
         map
     }
 
-    /// The union of all squares of so many cells that fit: what is narrower vanishes.
+    /// The union of all squares of this many cells that fit: what is narrower vanishes.
     pub fn opened(&self, side: usize) -> Self {
         let mut map = self.clone();
         for axis in [[-1, 0], [0, -1]] {

@@ -9,7 +9,7 @@ use geometry::{EdgeGrid, Point, Polygon, Region};
 /// A bead lies on another if their middles are at most so many widths apart: half of it at least is carried.
 const CARRIED: f64 = 1.0;
 
-/// Places along a bead are tried this far apart, in millimetres.
+/// Positions along a bead are tried this far apart, in millimetres.
 const STEP_MM: f64 = 0.1;
 
 /// What a layer of support rests on.

@@ -34,21 +34,21 @@ class App {
 
   /** The first view: several prints at the layer where they differ most, one print as a whole if there is any. */
   begin(several) {
-    const wish = new URLSearchParams(location.hash.slice(1));
+    const query = new URLSearchParams(location.hash.slice(1));
     const spread = (layer) => {
-      const ways = this.prints.map((print) => print.travel[layer] ?? 0);
-      return Math.max(...ways) - Math.min(...ways);
+      const travels = this.prints.map((print) => print.travel[layer] ?? 0);
+      return Math.max(...travels) - Math.min(...travels);
     };
     let busiest = 0;
     for (let layer = 1; layer < this.layers; layer++) if (spread(layer) > spread(busiest)) busiest = layer;
-    this.state.theme = wish.get("theme") || (matchMedia("(prefers-color-scheme: dark)").matches ? "dark" : "light");
+    this.state.theme = query.get("theme") || (matchMedia("(prefers-color-scheme: dark)").matches ? "dark" : "light");
     document.documentElement.dataset.theme = this.state.theme;
-    if (wish.get("color") in COLORINGS) find("color").value = this.state.color = wish.get("color");
+    if (query.get("color") in COLORINGS) find("color").value = this.state.color = query.get("color");
     // Where nothing is extruded, travel is all there is to see.
-    const solid = !several && this.ways().some((way, role) => role < TRAVEL && way > 0);
-    this.setMode(wish.get("view") || (solid ? "3d" : "2d"));
-    this.goTo(wish.has("layer") ? wish.get("layer") - 1 : several ? busiest : this.layers - 1);
-    if (wish.has("way")) this.setWay(this.longest() * wish.get("way"));
+    const solid = !several && this.lengths().some((length, role) => role < TRAVEL && length > 0);
+    this.setMode(query.get("view") || (solid ? "3d" : "2d"));
+    this.goTo(query.has("layer") ? query.get("layer") - 1 : several ? busiest : this.layers - 1);
+    if (query.has("way")) this.setWay(this.longest() * query.get("way"));
     this.colored();
   }
 
@@ -66,7 +66,7 @@ class App {
   }
 
   /** Length of each role over all prints, travel last. */
-  ways() {
+  lengths() {
     this.wayCache ??= this.prints.reduce((sums, { points, role, strokes }) => {
       for (let i = 0; i < strokes; i++) {
         const dx = points[3 * i + 3] - points[3 * i], dy = points[3 * i + 4] - points[3 * i + 1];
