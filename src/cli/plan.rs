@@ -223,7 +223,7 @@ fn destination(args: &SliceArgs, model: &Path) -> Result<Destination, Failure> {
     Ok(Destination::File(output.clone()))
 }
 
-/// A path that is the same for every way to name one file, which need not exist.
+/// A path that is the same however a file is named, which need not exist.
 fn identity(path: &Path) -> PathBuf {
     let path = resolve_links(path);
     let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));

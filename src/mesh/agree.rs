@@ -79,12 +79,12 @@ pub(super) fn agree(
 
 /// Pairs of patches with the length of the rim at which they clash, longest first.
 fn rims(clashes: &[(u32, u32, f64)], patch_of: &[u32]) -> Vec<(u32, u32, f64)> {
-    let mut place: FxHashMap<(u32, u32), usize> = FxHashMap::default();
+    let mut index_of: FxHashMap<(u32, u32), usize> = FxHashMap::default();
     let mut rims: Vec<(u32, u32, f64)> = Vec::new();
     for &(a, b, length_mm) in clashes {
         let (a, b) = (patch_of[a as usize], patch_of[b as usize]);
         let (a, b) = (a.min(b), a.max(b));
-        let at = *place.entry((a, b)).or_insert_with(|| {
+        let at = *index_of.entry((a, b)).or_insert_with(|| {
             rims.push((a, b, 0.0));
             rims.len() - 1
         });

@@ -154,12 +154,12 @@ fn along_axis(
         let (from, to) =
             if alone { (f64::from(all.min[axis]), f64::from(all.max[axis])) } else { (from, to) };
         doubt.volume_mm3 += (to - from) * step[0] * step[1];
-        let mut place = [0.0; 3];
-        (place[u], place[v]) = (at(0, cell / LINES) as f32, at(1, cell % LINES) as f32);
+        let mut corner = [0.0; 3];
+        (corner[u], corner[v]) = (at(0, cell / LINES) as f32, at(1, cell % LINES) as f32);
         for end in [from, to] {
-            place[axis] = end as f32;
-            doubt.min = std::array::from_fn(|i| doubt.min[i].min(place[i]));
-            doubt.max = std::array::from_fn(|i| doubt.max[i].max(place[i]));
+            corner[axis] = end as f32;
+            doubt.min = std::array::from_fn(|i| doubt.min[i].min(corner[i]));
+            doubt.max = std::array::from_fn(|i| doubt.max[i].max(corner[i]));
         }
     }
     (doubt.volume_mm3 > 0.0).then_some(doubt)

@@ -216,7 +216,7 @@ fn by_need(votes: &Votes) -> Option<[bool; 2]> {
     let mixed = votes.area_mm2[1] > 0.0;
     let gain = |side: usize| votes.needed[side] - votes.held[side] - votes.loose[side];
     let best = usize::from(mixed && gain(1) > gain(0));
-    // Where stacks stand in each other's way at open edges, one side is needed however the rest votes.
+    // Where stacks conflict with each other at open edges, one side is needed however the rest votes.
     let wanted = gain(best) > 0.0 || (mixed && gain(best) > gain(1 - best));
     wanted.then_some([best == 0, best == 1])
 }

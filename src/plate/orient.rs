@@ -31,7 +31,7 @@ const HEIGHT_WORTH_MM2: f64 = 1.0;
 /// The mesh turned so that it stands firmly and needs the least support; as it is, where nothing is better.
 ///
 /// Support is measured as the volume between overhanging facets (more than 45°) and the bed. A part whose middle is not over
-/// what touches the bed falls over, and is turned so only if there is no other way. Deterministic. O(40 · triangles).
+/// what touches the bed falls over, and is turned so only if there is no alternative. Deterministic. O(40 · triangles).
 pub fn orient(mesh: Mesh) -> Mesh {
     let middle = center_of_mass(&mesh);
     let downs = sides(&mesh);

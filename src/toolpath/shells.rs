@@ -87,11 +87,11 @@ impl Shells {
         let mut ranges: Vec<Range<usize>> = above.iter().chain(&below).flatten().cloned().collect();
         ranges.sort_unstable_by_key(|range| (range.start, range.end));
         ranges.dedup();
-        let place = |range: &Option<Range<usize>>| {
+        let index_of = |range: &Option<Range<usize>>| {
             let range = range.as_ref()?;
             ranges.binary_search_by_key(&(range.start, range.end), |r| (r.start, r.end)).ok()
         };
-        let (above, below) = (above.iter().map(place).collect(), below.iter().map(place).collect());
+        let (above, below) = (above.iter().map(index_of).collect(), below.iter().map(index_of).collect());
         let rough = map(count, &|i| geometry::simplify(sections[i], ROUGH_MM));
         let (has_top, has_bottom) = (settings.top_layers > 0, settings.bottom_layers > 0);
         Self { windows: windows(rough, &ranges, map), above, below, has_top, has_bottom }
@@ -112,8 +112,8 @@ impl Shells {
         i.checked_sub(1).map_or([None; 2], |beneath| [self.above(beneath), self.below(beneath)])
     }
 
-    fn window(&self, places: &[Option<usize>], i: usize) -> &Region {
-        places.get(i).copied().flatten().map_or(Region::EMPTY, |place| &self.windows[place])
+    fn window(&self, indices: &[Option<usize>], i: usize) -> &Region {
+        indices.get(i).copied().flatten().map_or(Region::EMPTY, |index| &self.windows[index])
     }
 }
 

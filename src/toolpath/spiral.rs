@@ -1,4 +1,4 @@
-//! Vase mode: one wall in one line that rises all the way, a revolution for each layer.
+//! Vase mode: one wall in one continuously rising line, a revolution for each layer.
 //!
 //! A revolution follows the outline of its layer and rises by its height. So that nothing shows where one revolution ends and the
 //! next begins, it glides from the outline below to its own: a vertex at a share s of the length is drawn at that share of
@@ -140,18 +140,18 @@ impl Revolution {
             kept.pop();
             kept.push(*end);
         }
-        let ways = kept.windows(2).scan(0.0, |way_mm, w| {
-            *way_mm += mm(w[0], w[1]);
-            Some(*way_mm)
+        let along_mm = kept.windows(2).scan(0.0, |total_mm, w| {
+            *total_mm += mm(w[0], w[1]);
+            Some(*total_mm)
         });
-        let ways: Vec<f64> = std::iter::once(0.0).chain(ways).collect();
-        let whole_mm = ways.last().copied().unwrap_or_default().max(f64::MIN_POSITIVE);
-        Self { points: kept, rises: ways.iter().map(|way_mm| rise(way_mm / whole_mm)).collect() }
+        let along_mm: Vec<f64> = std::iter::once(0.0).chain(along_mm).collect();
+        let whole_mm = along_mm.last().copied().unwrap_or_default().max(f64::MIN_POSITIVE);
+        Self { points: kept, rises: along_mm.iter().map(|mm| rise(mm / whole_mm)).collect() }
     }
 }
 
 /// The vertices of a ring from its first back to it, and points between at most so far apart, each with its share of the
-/// way.
+/// length.
 fn steps(ring: &[Point], length_mm: f64, step_mm: f64) -> Vec<(f64, Point)> {
     let mut out = vec![(0.0, ring[0])];
     let mut done_mm = 0.0;

@@ -5,7 +5,7 @@ use super::detours::Detours;
 use super::options::Effort;
 use super::problem::{Problem, Sequence};
 
-/// A way of ordering a layer.
+/// A strategy that orders a layer.
 pub trait Strategy: Sync {
     /// Draws every item of the problem once, precedence kept (see [`super::check`]), and tries to keep the
     /// links cheap (see [`super::evaluate`]). The same arguments give the same sequence on every machine

@@ -133,7 +133,7 @@ impl Search<'_> {
         });
         let [low, high] = joined.unwrap_or_default();
         let middle = [0, 1].map(|i| (low[i] + high[i]) / 2.0);
-        let to = |place: [f64; 2]| [place[0] - middle[0], place[1] - middle[1]];
+        let to = |point: [f64; 2]| [point[0] - middle[0], point[1] - middle[1]];
         let extents = self.survey.extents().into_iter().flatten().map(|extent| to(extent.middle()));
         let mut candidates: Vec<[f64; 2]> =
             extents.chain([to(self.settings.bed.middle_mm()), [0.0; 2]]).collect();

@@ -18,7 +18,7 @@ pub struct Code {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Words {
     given: u32,
-    /// Whether they are written in another way than slicers write nearly all.
+    /// Whether they are written in another form than slicers write nearly all.
     odd: bool,
     values: [f64; 26],
 }

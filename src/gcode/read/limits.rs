@@ -144,7 +144,7 @@ fn axes(number: u32, words: &Words, machine: &mut Machine) {
     }
 }
 
-/// Firmware retraction: M207, and M208 for the way back. Speeds are a minute's.
+/// Firmware retraction: M207, and M208 for the unretraction. Speeds are a minute's.
 fn retraction(number: u32, words: &Words, machine: &mut Machine) {
     let retraction = &mut machine.retraction;
     let length = words.get(b'S').filter(|s| *s >= 0.0);

@@ -69,7 +69,7 @@ impl AdaptiveCubic {
         for _ in 0..=LEVELS {
             finest.sort_unstable_by_key(|cube| (height(cube), *cube));
             finest.dedup();
-            let coarser = finest.iter().map(|cube| cube.map(|place| place >> 1)).collect();
+            let coarser = finest.iter().map(|cube| cube.map(|index| index >> 1)).collect();
             cubes.levels.push(std::mem::replace(&mut finest, coarser));
         }
         cubes
@@ -223,7 +223,7 @@ impl Facet {
         let [low, high] = [self.low, self.high].map(|corner| corner.map(|v| v.floor() as i32));
         let level = (0..32).find(|&level| (0..3).all(|i| low[i] >> level == high[i] >> level));
         if let Some(level) = level {
-            self.mark_in(low.map(|place| place >> level), level, cubes);
+            self.mark_in(low.map(|index| index >> level), level, cubes);
         }
     }
 
@@ -243,7 +243,7 @@ impl Facet {
     /// triangle does, and a few more beside its edges.
     fn is_near(&self, cube: Cube, level: u32) -> bool {
         let side = f64::from(1_u32 << level);
-        let from = cube.map(|place| f64::from(place) * side);
+        let from = cube.map(|index| f64::from(index) * side);
         let boxed = (0..3).all(|i| from[i] <= self.high[i] && from[i] + side >= self.low[i]);
         let middle = [0, 1, 2].map(|i| from[i] + side / 2.0 - self.corner[i]);
         let reach = (side / 2.0 + NEAR) * self.normal.iter().map(|v| v.abs()).sum::<f64>();

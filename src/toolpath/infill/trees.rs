@@ -95,11 +95,11 @@ impl Forest {
 
     /// Takes nodes out; the parents of those that stay do so too.
     fn retain(&mut self, kept: &[bool]) {
-        let mut place = vec![ROOT; self.nodes.len()];
+        let mut index_of = vec![ROOT; self.nodes.len()];
         let mut nodes = Vec::with_capacity(self.nodes.len());
         for (i, node) in self.nodes.iter().enumerate().filter(|(i, _)| kept[*i]) {
-            place[i] = nodes.len() as u32;
-            let parent = if node.parent == ROOT { ROOT } else { place[node.parent as usize] };
+            index_of[i] = nodes.len() as u32;
+            let parent = if node.parent == ROOT { ROOT } else { index_of[node.parent as usize] };
             nodes.push(Node { parent, ..*node });
         }
         self.nodes = nodes;
@@ -111,7 +111,7 @@ impl Forest {
         let clipper = Clipper::new(region);
         let edges = EdgeGrid::new(region);
         let mut nodes: Vec<Node> = Vec::with_capacity(self.nodes.len());
-        let mut place = vec![ROOT; self.nodes.len()];
+        let mut index_of = vec![ROOT; self.nodes.len()];
         for (i, node) in self.nodes.iter().enumerate() {
             let at = Point::from_mm(node.at[0], node.at[1]);
             if !edges.contains(at) {
@@ -128,13 +128,13 @@ impl Forest {
                 let [x, y] = self.nodes[node.parent as usize].at;
                 let piece = clipper.clip(&[at, Point::from_mm(x, y)]).into_iter().next();
                 let whole = piece.as_ref().is_some_and(|p| p.points == [at, Point::from_mm(x, y)]);
-                match (place[node.parent as usize], piece) {
+                match (index_of[node.parent as usize], piece) {
                     (parent, _) if parent != ROOT && whole => parent,
                     (_, Some(piece)) if piece.points[0] == at => stand(piece.points[1].mm(), &mut nodes),
                     _ => ROOT,
                 }
             };
-            place[i] = nodes.len() as u32;
+            index_of[i] = nodes.len() as u32;
             nodes.push(Node { at: at.mm(), parent });
         }
         self.nodes = nodes;
@@ -204,7 +204,7 @@ impl Forest {
         middle as u32
     }
 
-    /// A node's place and its parent's.
+    /// A node's index_of and its parent's.
     fn edge(&self, i: usize) -> [[f64; 2]; 2] {
         let Node { at, parent } = self.nodes[i];
         [at, self.nodes.get(parent as usize).map_or(at, |parent| parent.at)]
@@ -266,10 +266,10 @@ impl Near {
 
     /// The cells that a box comes into; beyond the points the nearest ones.
     fn cells(&self, from: [f64; 2], to: [f64; 2]) -> impl Iterator<Item = usize> + use<> {
-        let place = |at: [f64; 2]| {
+        let cell = |at: [f64; 2]| {
             [0, 1].map(|i| (((at[i] - self.low[i]) / self.cell_mm).max(0.0) as usize).min(self.size[i] - 1))
         };
-        let ([x0, y0], [x1, y1], columns) = (place(from), place(to), self.size[0]);
+        let ([x0, y0], [x1, y1], columns) = (cell(from), cell(to), self.size[0]);
         (y0..=y1).flat_map(move |y| (x0..=x1).map(move |x| y * columns + x))
     }
 

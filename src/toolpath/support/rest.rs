@@ -72,11 +72,11 @@ impl<'a> Ground<'a> {
         bead.points.windows(2).enumerate().find_map(|(i, ends)| {
             let ([ax, ay], [bx, by]) = (ends[0].mm(), ends[1].mm());
             let steps = (ends[0].distance_mm(ends[1]) / STEP_MM).ceil();
-            let places = (0..=steps as usize).map(|k| {
+            let points = (0..=steps as usize).map(|k| {
                 let t = k as f64 / steps.max(1.0);
                 Point::from_mm(ax + t * (bx - ax), ay + t * (by - ay))
             });
-            places.into_iter().find(|&p| self.carries(p, bead)).map(|p| (i + 1, p))
+            points.into_iter().find(|&p| self.carries(p, bead)).map(|p| (i + 1, p))
         })
     }
 

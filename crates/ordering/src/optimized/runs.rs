@@ -54,7 +54,7 @@ impl Search<'_> {
         first..end
     }
 
-    /// Draws a group the other way round if that is cheaper.
+    /// Draws a group in reverse if that is cheaper.
     pub fn reverse_group(&mut self, group: u32) -> bool {
         let (from, to) = self.walk.span(group);
         let node = |gap, right| self.walk.node(End { gap, right });

@@ -54,9 +54,9 @@ impl<'a> Search<'a> {
     pub fn begin(&mut self) {
         let mut fragments = Fragments::new(self.problem);
         let mut first = 0;
-        for places in self.groups.stages() {
-            self.append_stage(first..first + places.len(), &mut fragments);
-            first += places.len();
+        for positions in self.groups.stages() {
+            self.append_stage(first..first + positions.len(), &mut fragments);
+            first += positions.len();
         }
     }
 
