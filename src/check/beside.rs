@@ -30,7 +30,7 @@ pub struct ModelReport {
     pub islands: usize,
     /// Of these, the ones that are not printed.
     pub missing_islands: usize,
-    /// Length of beads outside of the model.
+    /// Length of beads outside the model.
     pub extra_mm: f64,
     /// Length of beads that rest on nothing and are not held at both ends.
     pub over_air_mm: f64,

@@ -26,7 +26,7 @@ const SHORTEST_MM: f64 = 1.5;
 const FIRST_MM: f64 = 0.6;
 /// Steps of this many nozzle diameters may be a layer's height, where the file does not tell it.
 const LAYER_NOZZLES: f64 = 0.85;
-/// And steps up to so many times the usual one.
+/// And steps up to this many times the usual one.
 const LAYER_STEPS: f64 = 1.6;
 /// Width of a bead in nozzle diameters, where the file does not tell it.
 const WIDTH_NOZZLES: f64 = 1.1;

@@ -147,7 +147,7 @@ impl<'a> Writer<'a> {
         self.object = object;
     }
 
-    /// Moves in X and Y, feeding so many ticks of filament (for a wipe, negative).
+    /// Moves in X and Y, feeding this many ticks of filament (for a wipe, negative).
     fn travel(&mut self, to: [f64; 2], fed: i64, speed: MmPerS) {
         let Some(to) = self.onward(to) else { return self.e_only(fed, speed) };
         self.accelerate(Purpose::Travel);

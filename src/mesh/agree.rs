@@ -25,7 +25,7 @@ const CLEAR_MAJORITY: f64 = 0.2;
 /// … than this share where another part is in doubt …
 const CLEARER_MAJORITY: f64 = 0.5;
 
-/// … or than so many times what it is by chance, as a standard deviation.
+/// … or than this many times what it is by chance, as a standard deviation.
 const CHANCE: f64 = 2.0;
 
 /// A patch whose area is this many times what its rim could enclose in a plane is closed but for a small rim.

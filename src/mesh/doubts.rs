@@ -89,7 +89,7 @@ pub(super) fn sum(doubts: &[Doubtful], volume_mm3: f64, vertices: &[[f32; 3]]) -
     })
 }
 
-/// Lines that are shot through a mesh along each axis: so many times so many.
+/// Lines that are shot through a mesh along each axis: this many by this many.
 const LINES: usize = 64;
 
 /// What a line meets: where, and whether it enters.

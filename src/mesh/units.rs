@@ -122,7 +122,7 @@ pub(super) fn too_large(path: &Path, mesh: &Mesh, scale: [f64; 3]) -> MeshError 
 
 /// Corners far from nearly all others: how many, and the size of the rest.
 fn strays(mesh: &Mesh) -> Option<(usize, [f64; 3])> {
-    /// Corners so many times farther from the middle one than three of four are stray, if they are few.
+    /// Corners this many times farther from the middle one than three of four are stray, if they are few.
     const FAR: f64 = 100.0;
     let near = [0, 1, 2].map(|axis| {
         let mut values: Vec<f64> = mesh.vertices.iter().map(|v| v[axis]).collect();

@@ -127,7 +127,7 @@ impl Welder {
         }
     }
 
-    /// Makes the table large enough for so many more vertices.
+    /// Makes the table large enough for this many more vertices.
     fn reserve(&mut self, more: usize) {
         let size = ((self.soup.vertices.len() + more) * 2).next_power_of_two();
         if size <= self.table.len() {

@@ -265,7 +265,7 @@ fn too_many(
     }
 }
 
-/// The bed's longer side has so many cells when models are packed.
+/// The bed's longer side has this many cells when models are packed.
 const CELLS: f64 = 256.0;
 
 /// Quarter turn and place of the middle for each model, relative to that of the bed; or the models that do not fit.

@@ -6,12 +6,12 @@ use geometry::DisjointSets;
 
 /// Beads nearer to each other than about this belong to one island, mm.
 const REACH_MM: f64 = 0.6;
-/// At most so many cells; of larger blocks the cells are larger.
+/// At most this many cells; of larger blocks the cells are larger.
 const MOST_CELLS: f64 = 4e6;
-/// Beads are drawn in steps of at most so many cells.
+/// Beads are drawn in steps of at most this many cells.
 const STEP: f64 = 0.7;
 /// A wall runs along another bead that is in its cells, or those around them, on this share of the length of either: a wall
-/// inside of it may be much shorter.
+/// inside it may be much shorter.
 const BESIDE: f64 = 0.75;
 
 /// How the paths of a block lie to each other.

@@ -15,7 +15,7 @@ use super::verify::Inventory;
 use crate::estimate::Machine;
 use crate::gcode::{Action, Annotated, Line, Mark, Reader, Stroke, mark};
 
-/// A block without paths is ended after so many bytes where it can be.
+/// A block without paths is ended after this many bytes where it can be.
 const LONGEST_FIXED: usize = 1 << 20;
 /// Coordinates beyond this are no positions of a printer, file units.
 const LARGEST: f64 = 1e5;

@@ -538,7 +538,7 @@ impl<'a> Writer<'a> {
         }
     }
 
-    /// The last of what was drawn, backwards, so many millimetres of it.
+    /// The last of what was drawn, backwards, this many millimetres of it.
     fn wipe_path(&self, wipe_mm: f64) -> Vec<[i64; 2]> {
         let Some(pick) = self.last else { return Vec::new() };
         let block = self.block;

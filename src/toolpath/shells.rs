@@ -142,7 +142,7 @@ fn windows(sections: Vec<Region>, ranges: &[Range<usize>], map: Map<'_>) -> Vec<
     out
 }
 
-/// The inside of an island, divided.
+/// The inside an island, divided.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Zones {
     /// Filled by the sparse pattern.
@@ -165,7 +165,7 @@ impl Zones {
     }
 }
 
-/// Divides the inside of an island into sparse, solid and top.
+/// Divides the inside an island into sparse, solid and top.
 ///
 /// `above` and `below` are the windows of [`Shells`], `next` is the section of the layer above (empty on the
 /// last). Very narrow solid strips are left to the walls beside them; sparse ones become solid. Solid patches `reach`

@@ -23,10 +23,10 @@ pub trait Strategy: Sync {
     }
 }
 
-/// What a strategy may be told beyond the problem.
+/// What a strategy may be given besides the problem.
 #[derive(Clone, Debug, Default)]
 pub struct Known<'a> {
-    /// What links inside of islands cost, where they lead round something; `None`: they go straight.
+    /// What links inside islands cost, where they lead round something; `None`: they go straight.
     pub detours: Option<&'a Detours<'a>>,
     /// A solution that the strategy found before it was known where the nozzle comes from and where it goes to.
     pub solved: Option<Sequence>,

@@ -195,7 +195,7 @@ impl Search<'_> {
         votes.into_iter().take(TRIED).map(|(count, sum)| sum.map(|mm| mm / count as f64)).collect()
     }
 
-    /// Each body by itself, as often as it is there, turned by less than so many quarters: where its walls fit best comes
+    /// Each body by itself, as often as it is there, turned by less than this many quarters: where its walls fit best comes
     /// first.
     fn one_by_one(&self, bottom_mm: f64, quarters: u32) -> (Fit, Found) {
         let kinds = self.kinds();
@@ -236,7 +236,7 @@ impl Search<'_> {
             if self.outlined(&shape.must, by, &taken) < OUTLINED {
                 continue;
             }
-            // Bodies of one kind are told apart by their order alone.
+            // Bodies of one kind are distinguished by their order alone.
             let body = kinds[kind].get(counts[kind]).copied().unwrap_or(kinds[kind][0]);
             counts[kind] += 1;
             let [own, other] = [kinds[kind][0], body].map(|body| self.middle(body, quarters));
@@ -323,7 +323,7 @@ fn alike(a: &Mesh, b: &Mesh) -> bool {
         && close(a.volume_and_area().0, b.volume_and_area().0)
 }
 
-/// Whether two bodies differ by less than can be told from a print.
+/// Whether two bodies differ by less than can be measured in a print.
 fn near_alike(a: &Mesh, b: &Mesh) -> bool {
     (0..3).all(|i| (a.size()[i] - b.size()[i]).abs() < ALIKE_MM)
 }

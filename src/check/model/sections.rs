@@ -14,10 +14,10 @@ const HALF_BEAD_MM: f64 = 0.25;
 const HALF_TIP_MM: f64 = 0.15;
 /// Outlines are looked at every so often.
 const STEP_MM: f64 = 0.4;
-/// Beads may lie so far outside of the section.
+/// Beads may lie so far outside the section.
 const AROUND_MM: f64 = 0.6;
 
-/// Bodies in their positions, cut.
+/// Bodies at their positions, cut.
 pub(super) struct Sections<'a> {
     /// Each with its positions on the bed.
     bodies: Vec<(Cutter<'a>, Vec<Point>)>,

@@ -133,7 +133,7 @@ impl Survey {
         self.outer.is_some() || !self.roles
     }
 
-    /// Volume of the model's beads; of all, where they cannot be told apart.
+    /// Volume of the model's beads; of all, where they cannot be distinguished.
     pub(super) fn part_volume_mm3(&self, area_mm2: f64) -> f64 {
         let [length_mm, volume_mm3] = if self.roles { self.part } else { self.whole };
         length_mm * area_mm2 + volume_mm3

@@ -16,7 +16,7 @@ pub(super) struct Limits {
 
 /// What a command makes of the time.
 pub(super) enum Effect {
-    /// The moves before it are brought to an end, then the machine waits so many seconds.
+    /// The moves before it are brought to an end, then the machine waits this many seconds.
     Wait(f64),
     /// Nothing.
     None,

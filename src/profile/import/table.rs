@@ -363,7 +363,7 @@ pub(super) enum Idle {
 
 use Idle::{Always, At, Like, Without};
 
-/// Keys without a row that need not be told of, and when; `*` stands for any end. The first that fits holds.
+/// Keys without a row that need not be reported, and when; `*` stands for any end. The first that fits holds.
 pub(super) const IDLE: &[(&str, Idle)] = &[
     ("inherits*", Always),
     ("compatible_*", Always),

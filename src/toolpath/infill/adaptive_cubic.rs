@@ -23,7 +23,7 @@ use super::spec::FillSpec;
 /// 62 m.
 const LEVELS: u32 = 15;
 
-/// The corner of the bed is the middle of the cube around everything, so many of the finest ones from its corner.
+/// The corner of the bed is the middle of the cube around everything, this many of the finest ones from its corner.
 const MIDDLE: f64 = (1_u32 << (LEVELS - 1)) as f64;
 
 /// The surface is felt this far around it, in sides of the finest divided cubes: everything nearer is fine.

@@ -11,7 +11,7 @@ const STRAIGHT_MM: f64 = 0.01;
 /// Roots this near to the boundary stand on it, in millimetres.
 const ON_WALL_MM: f64 = 0.01;
 
-/// Edges are sorted into at most so many cells along a side.
+/// Edges are sorted into at most this many cells along a side.
 const MOST_CELLS: f64 = 1024.0;
 
 /// Branches come off this near to a node at the node itself, in reaches.
@@ -204,7 +204,7 @@ impl Forest {
         middle as u32
     }
 
-    /// A node's index_of and its parent's.
+    /// A node's index and its parent's.
     fn edge(&self, i: usize) -> [[f64; 2]; 2] {
         let Node { at, parent } = self.nodes[i];
         [at, self.nodes.get(parent as usize).map_or(at, |parent| parent.at)]

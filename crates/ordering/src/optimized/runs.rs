@@ -8,7 +8,7 @@ use pathwright_geometry::Random;
 
 /// Most groups in one block that moves.
 const BLOCK: u32 = 4;
-/// With at most so many groups in a stage, all gaps between groups are tried; with more, those beside near groups.
+/// With at most this many groups in a stage, all gaps between groups are tried; with more, those beside near groups.
 const FEW: u32 = 12;
 /// Near groups of each group.
 const NEAR: usize = 24;
