@@ -102,7 +102,7 @@ pub struct ReorderJob {
     pub threads: Option<usize>,
 }
 
-/// Why a run gave no result. Each message holds the place and the mend.
+/// Why a run gave no result. Each message names the location and the remedy.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum JobError {

@@ -1,4 +1,4 @@
-//! Who is told how far a run is, and asked whether it shall go on.
+//! Observer of a run: receives progress and may cancel.
 
 use std::fmt;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};

@@ -63,7 +63,7 @@ impl Model {
         self
     }
 
-    /// Turned about X, then Y, then Z, by so many degrees.
+    /// Turned about X, then Y, then Z, by this many degrees.
     #[must_use]
     pub fn rotated(mut self, degrees: [f64; 3]) -> Self {
         self.transform.rotate_deg = degrees;

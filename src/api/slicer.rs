@@ -36,7 +36,7 @@ impl Slicer {
         Self { settings: settings.clone(), job: Job::default() }
     }
 
-    /// Starts so many threads for each run; 0: as many as the machine has cores. The result is the same.
+    /// Starts this many threads for each run; 0: as many as the machine has cores. The result is the same.
     #[must_use]
     pub fn threads(mut self, threads: usize) -> Self {
         self.job.threads = Some(threads);

@@ -8,7 +8,7 @@ use crate::profile::Settings;
 
 /// Coordinates are rounded to this.
 const SLACK_MM: f64 = 2e-3;
-/// Arcs are looked at in so many places.
+/// Number of points at which an arc is tested.
 const ARC_PLACES: usize = 16;
 
 /// The printable volume.

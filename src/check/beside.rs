@@ -30,7 +30,7 @@ pub struct ModelReport {
     pub islands: usize,
     /// Of these, the ones that are not printed.
     pub missing_islands: usize,
-    /// Length of beads outside of the model.
+    /// Length of beads outside the model.
     pub extra_mm: f64,
     /// Length of beads that rest on nothing and are not held at both ends.
     pub over_air_mm: f64,
@@ -42,12 +42,12 @@ impl fmt::Display for ModelReport {
         let share = 100.0 * part_volume_mm3 / mesh_volume_mm3.max(f64::MIN_POSITIVE);
         writeln!(
             f,
-            "  volume   {part_volume_mm3:.1} mm³ laid, {share:.1} % of the model's {mesh_volume_mm3:.1} mm³"
+            "  volume   {part_volume_mm3:.1} mm³ printed, {share:.1} % of the model's {mesh_volume_mm3:.1} mm³"
         )?;
         if let Some([x, y, z]) = self.placed_at_mm {
             let more = match self.placed.len() {
                 0 | 1 => String::new(),
-                count => format!(" and {} more places", count - 1),
+                count => format!(" and {} more positions", count - 1),
             };
             writeln!(
                 f,

@@ -54,7 +54,7 @@ macro_rules! kinds {
 }
 
 kinds! {
-    NotANumber, Error, "not-a-number", "a value is no number";
+    NotANumber, Error, "not-a-number", "a value is not a number";
     Malformed, Error, "malformed", "a command cannot be read";
     Exponent, Error, "exponent", "a number with an exponent, which firmware reads as E";
     BadFeedRate, Error, "bad-feed-rate", "a feed rate that is not positive";
@@ -62,16 +62,16 @@ kinds! {
     BelowBed, Error, "below-bed", "the nozzle at or below the bed";
     ThroughPrint, Error, "through-print", "a move through what has been printed";
     HeightOrder, Error, "height-order", "printing below a finished layer";
-    ColdExtrusion, Error, "cold-extrusion", "filament is pushed while the nozzle is cold";
-    RetractedExtrusion, Error, "retracted-extrusion", "a bead is begun with the filament pulled back";
-    ExtrusionInPlace, Error, "extrusion-in-place", "filament is pushed out in place";
+    ColdExtrusion, Error, "cold-extrusion", "extrusion while the nozzle is cold";
+    RetractedExtrusion, Error, "retracted-extrusion", "a bead starts while the filament is retracted";
+    ExtrusionInPlace, Error, "extrusion-in-place", "filament is extruded without moving";
     Flow, Error, "flow", "more flow than the hot end melts";
     StartsInAir, Error, "starts-in-air", "the print begins, or goes on, where nothing is beneath";
     MissingIsland, Error, "missing-island", "an island of the model is not printed";
     ExtraMaterial, Error, "extra-material", "material outside of the model";
     NotPlaced, Error, "not-placed", "a model is not found in the print";
     OverVolume, Error, "over-volume", "more material than the model has volume";
-    UnbalancedRetraction, Warning, "unbalanced-retraction", "filament is not pushed back as far as it was pulled";
+    UnbalancedRetraction, Warning, "unbalanced-retraction", "unretraction and retraction differ in length";
     OutsideAtStart, Warning, "outside-at-start", "a move outside of the printable volume before the print";
     HeaterLeftOn, Warning, "heater-left-on", "a heater is left on at the end";
     NotAwaited, Warning, "not-awaited", "nothing waits for the nozzle to be hot";
@@ -81,7 +81,7 @@ kinds! {
     FewDecimals, Warning, "few-decimals", "numbers have too few decimals";
     CoarseAmounts, Warning, "coarse-amounts", "E has grown so large that firmware rounds it";
     FloatingIsland, Warning, "floating-island", "an island begins in mid-air";
-    OverAir, Warning, "over-air", "a bead rests on nothing and is held at neither or only one end";
+    OverAir, Warning, "over-air", "a bead over air that is held at one end or at none";
     NoTemperature, Note, "no-temperature", "the file itself does not heat the nozzle";
 }
 

@@ -24,9 +24,9 @@ const GAP_MM: f64 = 0.4;
 const SHORTEST_MM: f64 = 1.5;
 /// A first layer is not thicker than this.
 const FIRST_MM: f64 = 0.6;
-/// Steps of so many nozzle diameters may be a layer's height, where the file does not tell it.
+/// Steps of this many nozzle diameters may be a layer's height, where the file does not tell it.
 const LAYER_NOZZLES: f64 = 0.85;
-/// And steps up to so many times the usual one.
+/// And steps up to this many times the usual one.
 const LAYER_STEPS: f64 = 1.6;
 /// Width of a bead in nozzle diameters, where the file does not tell it.
 const WIDTH_NOZZLES: f64 = 1.1;

@@ -4,9 +4,9 @@ use super::fault::Kind;
 use super::report::Found;
 use super::rule::{Rule, Seen};
 
-/// No filament flows below this; firmwares ask for 170 °C unless told otherwise.
+/// No filament flows below this; firmwares ask for 170 °C unless configured otherwise.
 const COLD_C: f64 = 100.0;
-/// Nozzles that are told apart.
+/// Number of nozzles that are distinguished.
 const NOZZLES: usize = 16;
 
 /// Follows temperatures.
@@ -20,10 +20,10 @@ pub(super) struct Heat {
     awaited: bool,
     /// Whether the printer may have heated by itself: a macro, a command that this is not aware of, UltiGCode.
     elsewhere: bool,
-    /// Whether the firmware has been told to extrude cold.
+    /// Whether the firmware has been allowed to extrude cold.
     cold_allowed: bool,
     /// Whether it was said that nothing waits, or that nothing heats.
-    told: [bool; 2],
+    reported: [bool; 2],
     begun: bool,
     /// The last line, and its layer.
     last: (usize, Option<usize>),
@@ -72,12 +72,12 @@ impl Heat {
                 seen.fault(found, Kind::ColdExtrusion, || format!("at {celsius:.0} °C: {}", seen.text()));
             }
             Some(celsius) => {
-                if !self.awaited && !self.elsewhere && !std::mem::replace(&mut self.told[0], true) {
+                if !self.awaited && !self.elsewhere && !std::mem::replace(&mut self.reported[0], true) {
                     seen.fault(found, Kind::NotAwaited, || format!("{celsius:.0} °C is set, not waited for"));
                 }
             }
             None if self.elsewhere || seen.state.volumetric => {
-                if !std::mem::replace(&mut self.told[1], true) {
+                if !std::mem::replace(&mut self.reported[1], true) {
                     seen.fault(found, Kind::NoTemperature, || "the printer or a macro has to".into());
                 }
             }

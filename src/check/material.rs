@@ -1,4 +1,4 @@
-//! What has been printed is in the nozzle's way.
+//! Moves of the nozzle through what has been printed.
 
 use super::fault::Kind;
 use super::relief::Relief;

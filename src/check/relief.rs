@@ -82,7 +82,7 @@ impl Relief {
         if bead.arc.is_none() && bead.from[2] == bead.to[2] {
             return self.capsule(bead.from, bead.to, radius_mm, |cell| visit(cell, bead.to[2]));
         }
-        let count = self.places(bead);
+        let count = self.samples(bead);
         let mut from = bead.from;
         for i in 1..=count {
             let to = bead.at(f64::from(i) / f64::from(count));
@@ -106,7 +106,7 @@ impl Relief {
         let row_of = |y: f64| (y - self.low[1]) * self.cells_per_mm - 0.5;
         let (low, high) = (from[1].min(to[1]) - radius_mm, from[1].max(to[1]) + radius_mm);
         let (first, last) = (row_of(low).ceil().max(0.0), row_of(high).floor().min(self.rows as f64 - 1.0));
-        // Of a place that is no number nothing is covered.
+        // A position that is not a number covers nothing.
         if first.is_nan() || last.is_nan() || first > last {
             return;
         }
@@ -138,12 +138,12 @@ impl Relief {
         }
     }
 
-    /// Height at a place; minus infinity where nothing is.
+    /// Height at a position; minus infinity where nothing is.
     pub fn at(&self, x: f64, y: f64) -> f64 {
         self.index(x, y).map_or(f64::NEG_INFINITY, |index| f64::from(self.tops_mm[index]))
     }
 
-    /// Raises the cell at a place.
+    /// Raises the cell at a position.
     pub fn raise(&mut self, x: f64, y: f64, z_mm: f64) {
         if let Some(index) = self.index(x, y) {
             let top = &mut self.tops_mm[index];
@@ -161,7 +161,7 @@ impl Relief {
             self.end = bead.to;
             return self.raise(bead.to[0], bead.to[1], bead.to[2]);
         }
-        let count = self.places(bead);
+        let count = self.samples(bead);
         if bead.arc.is_some() {
             for i in 0..=count {
                 let [x, y, z] = bead.at(f64::from(i) / f64::from(count));
@@ -188,23 +188,23 @@ impl Relief {
         self.highest_mm = self.highest_mm.max(bead.from[2]).max(bead.to[2]);
     }
 
-    /// How far a move dips below what stands on its way, and where: the first place deeper than `slack_mm`.
-    pub fn dip(&self, way: &Stroke, slack_mm: f64) -> Option<([f64; 3], f64)> {
-        if way.from[2].min(way.to[2]) >= self.highest_mm - slack_mm {
+    /// How far a move dips below what stands on its way, and where: the first position deeper than `slack_mm`.
+    pub fn dip(&self, travel: &Stroke, slack_mm: f64) -> Option<([f64; 3], f64)> {
+        if travel.from[2].min(travel.to[2]) >= self.highest_mm - slack_mm {
             return None;
         }
-        let count = self.places(way);
+        let count = self.samples(travel);
         (0..=count).find_map(|i| {
-            let place = way.at(f64::from(i) / f64::from(count));
-            let depth_mm = self.at(place[0], place[1]) - place[2];
-            (depth_mm > slack_mm).then_some((place, depth_mm))
+            let point = travel.at(f64::from(i) / f64::from(count));
+            let depth_mm = self.at(point[0], point[1]) - point[2];
+            (depth_mm > slack_mm).then_some((point, depth_mm))
         })
     }
 
-    /// A cell is passed at most once between two places.
-    fn places(&self, way: &Stroke) -> u32 {
+    /// A cell is passed at most once between two positions.
+    fn samples(&self, travel: &Stroke) -> u32 {
         let most = 4.0 * (self.columns + self.rows) as f64;
-        let count = (way.xy_mm / self.cell_mm).ceil();
+        let count = (travel.xy_mm / self.cell_mm).ceil();
         if count.is_finite() { count.clamp(1.0, most) as u32 } else { 1 }
     }
 }

@@ -17,7 +17,7 @@ pub(super) struct Seen<'a> {
     pub firmware_retracted: bool,
     /// Whether a bead has been laid before or by this line.
     pub begun: bool,
-    /// Whether the place that a move starts from is known: it is not after some axes have been homed.
+    /// Whether the position that a move starts from is known: it is not after some axes have been homed.
     pub located: bool,
 }
 

@@ -14,15 +14,15 @@ use crate::order::{CostKind, Effort, OrderStrategy, Scope, SeamPosition};
 const EXIT_CODES: &str = "\
 Exit codes:
   0    done
-  2    usage: the arguments make no sense
+  2    usage: invalid arguments
   3    a file is unreadable, invalid or too large, or there is nothing to print
-  4    settings: unknown profile or key, value out of range, contradiction, a script's mistake
+  4    settings: unknown profile or key, value out of range, conflict, error in a script
   5    the models do not fit the printer, or cannot be printed one after the other
   6    the output cannot be written
-  7    a check failed: of the result, of the file to be checked, or something begins in mid-air
+  7    a check of the result or of the given file failed, or a part would start in mid-air
   130  interrupted";
 
-/// Slices models for RepRap-class printers and orders the nozzle's path near-optimally.
+/// Slices models for RepRap-class printers and orders their toolpaths near-optimally.
 #[derive(Debug, Parser)]
 #[command(name = "pathwright", version, after_help = EXIT_CODES, arg_required_else_help = true)]
 pub(super) struct LowArgs {
@@ -46,15 +46,15 @@ pub(super) enum Command {
     },
     /// Print a man page
     Man {
-        /// Of this command; without it, of the program
+        /// Command to describe; without it, the whole program
         command: Option<String>,
     },
 }
 
 /// Slice models into G-code
 ///
-/// All models go on one plate, side by side, and into one file beside the first model (part.stl gives
-/// part.gcode), or with --each into one file for each model.
+/// All models are placed on one plate, side by side, and written to one file next to the first model (part.stl gives
+/// part.gcode), or with --each to one file per model.
 #[derive(Debug, Args)]
 #[command(after_help = EXIT_CODES)]
 pub(super) struct SliceArgs {
@@ -68,11 +68,11 @@ pub(super) struct SliceArgs {
     #[arg(short, long, value_name = "PATH", value_hint = ValueHint::AnyPath)]
     pub output: Option<PathBuf>,
 
-    /// One G-code file for each model, instead of one plate with all of them
+    /// Write one G-code file per model, instead of one plate with all of them
     #[arg(long)]
     pub each: bool,
 
-    /// Print each model so many times
+    /// Number of copies of each model
     #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=1000))]
     pub copies: u32,
 
@@ -80,31 +80,31 @@ pub(super) struct SliceArgs {
     #[arg(long, help_heading = "Plate")]
     pub sequential: bool,
 
-    /// Arrange all models anew, also those that a file places relative to each other [plate.keep_layout]
+    /// Arrange all objects, including those that a file positions relative to each other [plate.keep_layout]
     #[arg(long, help_heading = "Plate", conflicts_with = "no_arrange")]
     pub arrange: bool,
 
-    /// Leave models where their files put them [plate.arrange]
+    /// Keep models at the coordinates in their files [plate.arrange]
     #[arg(long, help_heading = "Plate")]
     pub no_arrange: bool,
 
-    /// Print also what begins in mid-air
+    /// Also print parts that start in mid-air
     #[arg(long)]
     pub allow_floating: bool,
 
-    /// Turn every model onto the side that needs the least support [plate.orient]
+    /// Rotate every model onto the side that needs the least support [plate.orient]
     #[arg(long, help_heading = "Plate")]
     pub orient: bool,
 
-    /// A setting of some objects alone, such as b.stl:infill.density=40%; repeatable, wins over --set
+    /// Override a setting for some objects, such as b.stl:infill.density=40%; repeatable, wins over --set
     #[arg(long, value_name = "NAME:KEY=VALUE", value_parser = object_setting, help_heading = "Plate", conflicts_with = "each")]
     pub object: Vec<ObjectAssignment>,
 
-    /// Support all that rests on nothing inside of this body, in the first model's coordinates; repeatable
+    /// Enforce support inside this body, given in the first model's coordinates; repeatable
     #[arg(long, value_name = "FILE", value_hint = ValueHint::FilePath, help_heading = "Support")]
     pub support_enforcer: Vec<PathBuf>,
 
-    /// Support nothing inside of this body, in the first model's coordinates; repeatable
+    /// Block support inside this body, given in the first model's coordinates; repeatable
     #[arg(long, value_name = "FILE", value_hint = ValueHint::FilePath, help_heading = "Support")]
     pub support_blocker: Vec<PathBuf>,
 
@@ -112,26 +112,26 @@ pub(super) struct SliceArgs {
     #[arg(long, value_name = "WHERE")]
     pub pause_at: Vec<PauseAt>,
 
-    /// How the order of paths is found [order.strategy]
+    /// Ordering strategy [order.strategy]
     #[arg(long, value_name = "STRATEGY", value_parser = PossibleValuesParser::new(OrderStrategy::NAMES), help_heading = "Ordering")]
     pub order: Option<String>,
 
     #[command(flatten)]
     pub ordering: OrderingArgs,
 
-    /// Prove how near to the shortest possible the order is
+    /// Certify the order: compute a lower bound and the gap to it
     #[arg(long, help_heading = "Ordering")]
     pub certify: bool,
 
-    /// Say which object every bead belongs to, so that a printer can cancel one [gcode.labels]
+    /// Label the objects in the G-code, so that a printer can cancel a single one [gcode.labels]
     #[arg(long)]
     pub labels: bool,
 
-    /// One wall in one line that rises all the way, on a solid bottom [spiral.enabled]
+    /// Spiral vase mode: one continuously rising wall on a solid bottom [spiral.enabled]
     #[arg(long, help_heading = "Modes")]
     pub vase: bool,
 
-    /// Heights of layers from a table: on each line a height over the bed and a layer height [layer.heights]
+    /// Variable layer heights from a table: on each line a height above the bed and a layer height [layer.heights]
     #[arg(long, value_name = "FILE", value_hint = ValueHint::FilePath, help_heading = "Modes")]
     pub layer_heights: Option<PathBuf>,
 
@@ -139,7 +139,7 @@ pub(super) struct SliceArgs {
     #[arg(long, value_name = "N")]
     pub threads: Option<NonZeroUsize>,
 
-    /// Print the summary as JSON, one line for each file written
+    /// Print the summary as JSON, one line per file written
     #[arg(long, conflicts_with = "quiet")]
     pub json: bool,
 
@@ -147,16 +147,16 @@ pub(super) struct SliceArgs {
     #[arg(short, long)]
     pub quiet: bool,
 
-    /// No progress bar, also on a terminal
+    /// No progress bar, even on a terminal
     #[arg(long)]
     pub no_progress: bool,
 }
 
 /// Compare ordering strategies on the layers of models or finished G-code
 ///
-/// Each model is sliced once, of a G-code file the paths are taken as they are, and the layers are ordered by each
-/// strategy. The table shows the links (straight lines
-/// from path end to path start), a length that no order can stay below, and how far above it each strategy is.
+/// Each model is sliced once; the paths of a G-code file are used as they are. The layers are ordered by each strategy.
+/// The table shows the links (straight lines from path end to path start), a lower bound on their length, and the gap of
+/// each strategy to it.
 #[derive(Debug, Args)]
 #[command(after_help = EXIT_CODES)]
 pub(super) struct CompareArgs {
@@ -177,11 +177,11 @@ pub(super) struct CompareArgs {
     #[arg(long, conflicts_with_all = ["order", "scope", "json", "csv"])]
     pub paper: bool,
 
-    /// Write a page that shows the strategies side by side; one model only
+    /// Write an HTML page that shows the strategies side by side; one model only
     #[arg(long, value_name = "PATH", value_hint = ValueHint::FilePath)]
     pub html: Option<PathBuf>,
 
-    /// Leave out the lower bounds, which take longer than the ordering
+    /// Skip the lower bounds, which take longer than the ordering
     #[arg(long, help_heading = "Ordering")]
     pub no_bound: bool,
 
@@ -189,23 +189,23 @@ pub(super) struct CompareArgs {
     #[arg(long, value_name = "N")]
     pub threads: Option<NonZeroUsize>,
 
-    /// Print JSON with every layer, one line for each model
+    /// Print JSON with every layer, one line per model
     #[arg(long, conflicts_with = "csv")]
     pub json: bool,
 
-    /// Print comma-separated values, one line for each model, strategy and layer
+    /// Print comma-separated values, one line per model, strategy and layer
     #[arg(long)]
     pub csv: bool,
 
-    /// No progress bar, also on a terminal
+    /// No progress bar, even on a terminal
     #[arg(long)]
     pub no_progress: bool,
 }
 
-/// Shorten the travel of finished G-code, of any slicer
+/// Shorten the travel in finished G-code from any slicer
 ///
-/// What is printed within each layer is put into another order; everything else stays. The result is read back and
-/// compared layer by layer before it replaces anything. If nothing improves, the file stays as it is.
+/// The paths within each layer are reordered; everything else stays. The result is read back and compared layer by layer
+/// before it replaces anything. If nothing improves, the file is not changed.
 #[derive(Debug, Args)]
 #[command(after_help = EXIT_CODES)]
 pub(super) struct ReorderArgs {
@@ -217,22 +217,22 @@ pub(super) struct ReorderArgs {
     #[arg(short, long, value_name = "PATH", value_hint = ValueHint::AnyPath, conflicts_with_all = ["in_place", "dry_run"])]
     pub output: Option<PathBuf>,
 
-    /// Replace the files themselves, as slicers expect of a post-processing script
+    /// Replace the files, as slicers expect of a post-processing script
     #[arg(long)]
     pub in_place: bool,
 
-    /// Only tell what would be saved
+    /// Only report what would be saved
     #[arg(long, conflicts_with = "in_place")]
     pub dry_run: bool,
 
-    /// Draw no open path backwards; loops keep their direction in any case
+    /// Print no open path backwards; loops keep their direction in any case
     #[arg(long, help_heading = "Ordering")]
     pub keep_direction: bool,
 
     #[command(flatten)]
     pub settings: SettingArgs,
 
-    /// How the order of paths is found [order.strategy]
+    /// Ordering strategy [order.strategy]
     #[arg(long, value_name = "STRATEGY", value_parser = PossibleValuesParser::new(OrderStrategy::NAMES), help_heading = "Ordering")]
     pub order: Option<String>,
 
@@ -243,7 +243,7 @@ pub(super) struct ReorderArgs {
     #[arg(long, value_name = "N")]
     pub threads: Option<NonZeroUsize>,
 
-    /// Print what was saved as JSON, one line for each file
+    /// Print what was saved as JSON, one line per file
     #[arg(long, conflicts_with = "quiet")]
     pub json: bool,
 
@@ -252,10 +252,10 @@ pub(super) struct ReorderArgs {
     pub quiet: bool,
 }
 
-/// Show a print: a page for the browser, or pictures
+/// Preview a print: an HTML page for the browser, or pictures
 ///
-/// Of a G-code file of any slicer, or of models, which are sliced first. The page is one file that needs no network; it
-/// goes beside the input (part.gcode gives part.html) unless -o names another, or only pictures are asked for.
+/// Of a G-code file from any slicer, or of models, which are sliced first. The page is one file that needs no network; it
+/// is written next to the input (part.gcode gives part.html), unless -o names another file or only pictures are requested.
 #[derive(Debug, Args)]
 #[command(after_help = EXIT_CODES)]
 pub(super) struct ViewArgs {
@@ -289,14 +289,14 @@ pub(super) struct ViewArgs {
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=2000), help_heading = "Pictures")]
     pub size: Option<u32>,
 
-    /// How the order of paths is found [order.strategy]
+    /// Ordering strategy [order.strategy]
     #[arg(long, value_name = "STRATEGY", value_parser = PossibleValuesParser::new(OrderStrategy::NAMES), help_heading = "Ordering")]
     pub order: Option<String>,
 
     #[command(flatten)]
     pub ordering: OrderingArgs,
 
-    /// Prove how near to the shortest possible the order of models is, and show it
+    /// Certify the order of models: compute a lower bound and show the gap to it
     #[arg(long, help_heading = "Ordering")]
     pub certify: bool,
 
@@ -304,7 +304,7 @@ pub(super) struct ViewArgs {
     #[arg(long, value_name = "N")]
     pub threads: Option<NonZeroUsize>,
 
-    /// No progress bar, also on a terminal
+    /// No progress bar, even on a terminal
     #[arg(long)]
     pub no_progress: bool,
 }
@@ -312,7 +312,7 @@ pub(super) struct ViewArgs {
 /// How paths are ordered, whatever the strategy.
 #[derive(Debug, Args)]
 pub(super) struct OrderingArgs {
-    /// How far paths may mix [order.scope]
+    /// How far paths of different kinds and islands may be mixed [order.scope]
     #[arg(long, value_parser = PossibleValuesParser::new(Scope::NAMES), help_heading = "Ordering")]
     pub scope: Option<String>,
 
@@ -324,12 +324,12 @@ pub(super) struct OrderingArgs {
     #[arg(long, value_name = "POSITION", value_parser = PossibleValuesParser::new(SeamPosition::NAMES), help_heading = "Ordering")]
     pub seam: Option<String>,
 
-    /// How long is searched [order.effort]
+    /// How long to search [order.effort]
     #[arg(long, value_parser = PossibleValuesParser::new(Effort::NAMES), help_heading = "Ordering")]
     pub effort: Option<String>,
 }
 
-/// Tell what is in models, what was repaired, and whether they fit
+/// Show what models contain, what was repaired, and whether they fit the printer
 #[derive(Debug, Args)]
 pub(super) struct InfoArgs {
     #[command(flatten)]
@@ -338,7 +338,7 @@ pub(super) struct InfoArgs {
     #[command(flatten)]
     pub settings: SettingArgs,
 
-    /// Print JSON, one line for each model
+    /// Print JSON, one line per model
     #[arg(long)]
     pub json: bool,
 }
@@ -352,7 +352,7 @@ pub(super) struct ModelArgs {
     #[command(flatten)]
     pub shape: ShapeArgs,
 
-    /// Move away from the middle of the bed, in mm
+    /// Offset from the center of the bed, in mm
     #[arg(long, value_name = "X,Y,Z", value_parser = triple, allow_hyphen_values = true, help_heading = "Transform")]
     pub translate: Option<Triple>,
 
@@ -363,11 +363,11 @@ pub(super) struct ModelArgs {
 
 #[derive(Debug, Args)]
 pub(super) struct ShapeArgs {
-    /// Scale by one factor, or by one for each axis
+    /// Scale by one factor, or by one per axis
     #[arg(long, value_name = "F|X,Y,Z", value_parser = scale, help_heading = "Transform")]
     pub scale: Option<Triple>,
 
-    /// Turn about X, then Y, then Z, in degrees
+    /// Rotate about X, then Y, then Z, in degrees
     #[arg(long, value_name = "X,Y,Z", value_parser = triple, allow_hyphen_values = true, help_heading = "Transform")]
     pub rotate: Option<Triple>,
 }
@@ -384,10 +384,10 @@ pub(super) struct SettingArgs {
     pub set: Vec<Assignment>,
 }
 
-/// Tell how long G-code takes, of any slicer
+/// Estimate the print time of G-code from any slicer
 ///
 /// Moves are planned as the firmware plans them, with the machine's limits and those that the file sets. The time is
-/// given in total, by role and, with --json, by layer. Heating, homing and pauses are left out.
+/// reported in total, by role and, with --json, by layer. Heating, homing and pauses are not included.
 #[derive(Debug, Args)]
 #[command(after_help = EXIT_CODES)]
 pub(super) struct TimeArgs {
@@ -395,23 +395,23 @@ pub(super) struct TimeArgs {
     #[arg(required = true, value_name = "FILE", value_hint = ValueHint::FilePath)]
     pub files: Vec<PathBuf>,
 
-    /// Firmware that the moves are planned as [default: that of the limits]
+    /// Firmware whose motion planning is modelled [default: that of the limits]
     #[arg(long, value_name = "FIRMWARE", value_parser = PossibleValuesParser::new(Firmware::ALL.map(|(name, _)| name)))]
     pub machine: Option<String>,
 
-    /// Embedded profile or TOML file whose [machine] holds the limits [default: those of the generic printer]
+    /// Embedded profile or TOML file whose [machine] section has the limits [default: those of the generic printer]
     #[arg(long, value_name = "NAME|FILE")]
     pub limits: Option<String>,
 
-    /// Print JSON, one line for each file
+    /// Print JSON, one line per file
     #[arg(long)]
     pub json: bool,
 }
 
-/// Check G-code of any slicer before it is printed
+/// Check G-code from any slicer before it is printed
 ///
-/// Tells every fault with its line, layer and severity, and ends with code 7 if one is an error. With --model the print
-/// is compared with its model too: islands that are missing, material outside, beads over air, volume.
+/// Reports every fault with its line, layer and severity, and exits with code 7 if one is an error. With --model the print
+/// is also compared with its model: missing islands, material outside, beads over air, volume.
 #[derive(Debug, Args)]
 #[command(after_help = EXIT_CODES)]
 pub(super) struct CheckArgs {
@@ -419,7 +419,7 @@ pub(super) struct CheckArgs {
     #[arg(required = true, value_name = "FILE", value_hint = ValueHint::FilePath)]
     pub files: Vec<PathBuf>,
 
-    /// What was printed, wherever it stands and however often; repeatable
+    /// Model to compare with, at whatever position and in any number of copies; repeatable
     #[arg(long, value_name = "MODEL", value_hint = ValueHint::FilePath)]
     pub model: Vec<PathBuf>,
 
@@ -429,11 +429,11 @@ pub(super) struct CheckArgs {
     #[command(flatten)]
     pub settings: SettingArgs,
 
-    /// Print JSON, one line for each file
+    /// Print JSON, one line per file
     #[arg(long)]
     pub json: bool,
 
-    /// Print nothing; the exit code tells
+    /// Print nothing; the result is the exit code
     #[arg(short, long, conflicts_with = "json")]
     pub quiet: bool,
 }
@@ -454,7 +454,7 @@ pub(super) enum ProfilesCommand {
         #[arg(value_name = "NAME|PATH")]
         name: String,
     },
-    /// Print every setting in force and where it came from, as a profile
+    /// Print all effective settings and where each came from, as a profile
     Dump {
         #[command(flatten)]
         settings: SettingArgs,
@@ -464,7 +464,7 @@ pub(super) enum ProfilesCommand {
     },
     /// Print the reference of all keys, as Markdown
     Reference,
-    /// Print what is taken over from the configurations of other slicers, as Markdown
+    /// Print what is imported from the configurations of other slicers, as Markdown
     Imports,
 }
 

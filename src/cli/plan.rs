@@ -62,9 +62,7 @@ impl Plan {
         let resolved = settings(&args.settings, &shorthands)?;
         let plate = &resolved.settings.plate;
         if args.copies > 1 && !plate.arrange {
-            return Err(usage(
-                "copies have no place of their own in a file; leave out --copies or --no-arrange",
-            ));
+            return Err(usage("copies have no position in a file; leave out --copies or --no-arrange"));
         }
         if plate.orient && !(args.support_enforcer.is_empty() && args.support_blocker.is_empty()) {
             return Err(usage(
@@ -113,7 +111,7 @@ fn why_not_of_an_object(section: &str) -> Option<&'static str> {
         _ if ObjectSettings::SECTIONS.contains(&section) => None,
         "layer" | "first_layer" => Some("all objects of a plate share their layers"),
         "skirt" | "brim" | "raft" | "support" => {
-            Some("what holds and supports objects is laid for the plate as a whole")
+            Some("adhesion and supports are planned for the plate as a whole")
         }
         "seam" | "order" | "speed" | "acceleration" | "retract" | "travel" | "cooling" => {
             Some("how the nozzle moves is decided for whole layers, not for objects")
@@ -209,7 +207,7 @@ fn destination(args: &SliceArgs, model: &Path) -> Result<Destination, Failure> {
         return Ok(Destination::Stdout);
     }
     if output.is_dir() {
-        let name = beside.file_name().ok_or_else(|| usage(format!("{}: is no file", model.display())))?;
+        let name = beside.file_name().ok_or_else(|| usage(format!("{}: is not a file", model.display())))?;
         return Ok(Destination::File(output.join(name)));
     }
     let text = output.to_string_lossy();
@@ -225,7 +223,7 @@ fn destination(args: &SliceArgs, model: &Path) -> Result<Destination, Failure> {
     Ok(Destination::File(output.clone()))
 }
 
-/// A path that is the same for every way to name one file, which need not exist.
+/// A path that is the same however a file is named, which need not exist.
 fn identity(path: &Path) -> PathBuf {
     let path = resolve_links(path);
     let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));

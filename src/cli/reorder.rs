@@ -65,7 +65,7 @@ fn destination(args: &ReorderArgs, file: &Path) -> Result<Destination, Failure> 
     match &args.output {
         None if args.dry_run => Ok(Destination::Nowhere),
         None if args.in_place => Ok(Destination::File(file.to_owned())),
-        None => usage("say where the result goes: -o PATH, or --in-place, or --dry-run"),
+        None => usage("give a destination: -o PATH, --in-place or --dry-run"),
         Some(output) if output == Path::new("-") => match args.files.len() {
             1 if args.json => usage("--json and -o - both want standard output; give one of them a file"),
             1 => Ok(Destination::Stdout),
@@ -73,7 +73,7 @@ fn destination(args: &ReorderArgs, file: &Path) -> Result<Destination, Failure> 
         },
         Some(output) if output.is_dir() => match file.file_name() {
             Some(name) => Ok(Destination::File(output.join(name))),
-            None => usage("one of the files is no file"),
+            None => usage("one of the arguments is not a file"),
         },
         Some(_) if args.files.len() > 1 => usage("with several files, -o names a folder that exists"),
         Some(output) => Ok(Destination::File(output.clone())),

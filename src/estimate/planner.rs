@@ -18,7 +18,7 @@ pub struct Segment {
 
 /// So many moves are collected before the planner tries to settle some of them …
 const PATIENCE: usize = 256;
-/// … and so many at most before it takes the machine to stop.
+/// … and this many at most before it takes the machine to stop.
 const MOST_BLOCKS: usize = 1 << 20;
 
 /// Plans moves and adds up their seconds on accounts.

@@ -13,7 +13,7 @@ pub struct Effect {
     pub measure: Measure,
     /// Time of its moves; heating and homing take none.
     pub time: Seconds,
-    /// Where it leaves the nozzle, millimetres; `None` where nothing has been extruded, for then the way from here
+    /// Where it leaves the nozzle, millimetres; `None` where nothing has been extruded, for then the path from here
     /// does not count.
     pub end: Option<[f64; 3]>,
 }

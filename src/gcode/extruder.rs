@@ -1,4 +1,4 @@
-//! E to the last digit: how much filament a move is told to feed.
+//! E to the last digit: the amount of filament that each move feeds.
 
 use super::number::nearest;
 

@@ -13,7 +13,7 @@ use super::slot::{Pending, Slot, Totals, VALUE_WIDTH};
 pub struct Opening {
     /// Header, heating, start script, modes.
     pub bytes: Vec<u8>,
-    /// Places for values known at the end; offsets into `bytes`.
+    /// Slots for values known at the end; offsets into `bytes`.
     pub slots: Vec<Slot>,
 }
 
@@ -38,7 +38,7 @@ const PENDING: [(&str, Pending); 5] = [
 ];
 
 /// Header, heating (where the start script leaves it out), start script and modes. `seekable`: the output can
-/// be patched later, so values known only at the end get a place here too (they are always in the footer).
+/// be patched later, so values known only at the end get a slot here too (they are always in the footer).
 pub fn opening(settings: &GcodeOptions, facts: &PrintFacts, scripts: &Scripts, seekable: bool) -> Opening {
     let (mut bytes, mut slots) = (Vec::new(), Vec::new());
     let (name, version) = ("Pathwright", env!("CARGO_PKG_VERSION"));

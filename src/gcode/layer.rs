@@ -80,7 +80,7 @@ impl<'a> Writer<'a> {
         }
     }
 
-    /// The comments at the top, the place for M73, and E's origin.
+    /// The comments at the top, the slot for M73, and E's origin.
     fn open(&mut self, layer: &LayerMoves) -> Option<Slot> {
         let (z, height) = (text(layer.z_mm, XYZ_DECIMALS), text(layer.height_mm, XYZ_DECIMALS));
         let top = format!(";LAYER_CHANGE\n;Z:{z}\n;HEIGHT:{height}\n;LAYER:{}\n", layer.index);
@@ -147,7 +147,7 @@ impl<'a> Writer<'a> {
         self.object = object;
     }
 
-    /// Moves in X and Y, feeding so many ticks of filament (for a wipe, negative).
+    /// Moves in X and Y, feeding this many ticks of filament (for a wipe, negative).
     fn travel(&mut self, to: [f64; 2], fed: i64, speed: MmPerS) {
         let Some(to) = self.onward(to) else { return self.e_only(fed, speed) };
         self.accelerate(Purpose::Travel);

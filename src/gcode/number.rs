@@ -63,7 +63,7 @@ pub(super) fn push_word(out: &mut Vec<u8>, letter: u8, ticks: i64, decimals: u32
     push_fixed(out, ticks, decimals);
 }
 
-/// The nearest whole number, halves away from zero; values that are no numbers become 0, too large ones
+/// The nearest whole number, halves away from zero; NaN becomes 0, too large ones
 /// saturate. (`f64::round` is a call into the C library on the x86-64 that we build for.)
 #[inline]
 pub(super) fn nearest(value: f64) -> i64 {

@@ -18,7 +18,7 @@ choice! {
 section! {
     /// `[printer]`: the machine's dialect.
     PrinterSettings {
-        /// Shown in headers.
+        /// Name, written in the header.
         name: String = "RepRap 250".into(),
         /// Firmware dialect.
         flavor: Flavor = Flavor::Marlin,
@@ -35,17 +35,17 @@ section! {
         arcs: bool = false,
         /// How far an arc may leave the path.
         arc_tolerance: Mm = Mm(0.02); 0.001..=0.5,
-        /// Pictures of the print in the header, for printers with a screen: width × height in pixels, such as 32x32,300x300; empty: none.
+        /// Thumbnails in the header, for printers with a screen: width × height in pixels, such as 32x32,300x300; empty: none.
         thumbnails: String = "32x32,300x300".into(),
-        /// Say which object every bead belongs to (`EXCLUDE_OBJECT`, M486), so that one can be cancelled.
+        /// Label objects (`EXCLUDE_OBJECT`, M486), so that a printer can cancel a single one.
         labels: bool = false,
         /// State `[machine]` at the start (M201, M203, M205, M566, `SET_VELOCITY_LIMIT`) instead of relying on the firmware's own.
         limits: bool = false,
-        /// Script before the print.
+        /// Start script.
         start: String = String::new(),
-        /// Script after the print.
+        /// End script.
         end: String = String::new(),
-        /// Script at a pause; empty: the flavour's own.
+        /// Pause script; empty: the flavor's own.
         pause: String = String::new(),
     }
 }

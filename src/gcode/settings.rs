@@ -23,7 +23,7 @@ pub struct PrintFacts {
     pub dated: u64,
 }
 
-/// An object on the plate, as printers that can cancel one are told of it.
+/// An object on the plate, as labelled for printers that can cancel single objects.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ObjectLabel {
     /// Letters, digits and underscores; another for each object, also where case does not count.

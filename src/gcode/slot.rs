@@ -1,4 +1,4 @@
-//! Values that are known only at the end, and the places left for them.
+//! Values that are known only at the end, and the slots left for them.
 
 use super::number::text;
 use crate::motion::{FilamentSettings, filament_area_mm2};

@@ -25,7 +25,7 @@ const CLEAR_MAJORITY: f64 = 0.2;
 /// … than this share where another part is in doubt …
 const CLEARER_MAJORITY: f64 = 0.5;
 
-/// … or than so many times what it is by chance, as a standard deviation.
+/// … or than this many times what it is by chance, as a standard deviation.
 const CHANCE: f64 = 2.0;
 
 /// A patch whose area is this many times what its rim could enclose in a plane is closed but for a small rim.
@@ -79,12 +79,12 @@ pub(super) fn agree(
 
 /// Pairs of patches with the length of the rim at which they clash, longest first.
 fn rims(clashes: &[(u32, u32, f64)], patch_of: &[u32]) -> Vec<(u32, u32, f64)> {
-    let mut place: FxHashMap<(u32, u32), usize> = FxHashMap::default();
+    let mut index_of: FxHashMap<(u32, u32), usize> = FxHashMap::default();
     let mut rims: Vec<(u32, u32, f64)> = Vec::new();
     for &(a, b, length_mm) in clashes {
         let (a, b) = (patch_of[a as usize], patch_of[b as usize]);
         let (a, b) = (a.min(b), a.max(b));
-        let at = *place.entry((a, b)).or_insert_with(|| {
+        let at = *index_of.entry((a, b)).or_insert_with(|| {
             rims.push((a, b, 0.0));
             rims.len() - 1
         });

@@ -11,9 +11,9 @@ use super::edges::NO_TWIN;
 pub struct Doubt {
     /// What is not sure.
     pub cause: String,
-    /// Lower corner of the place, in the file's coordinates.
+    /// Lower corner of the location, in the file's coordinates.
     pub min_mm: [f64; 3],
-    /// Upper corner of the place.
+    /// Upper corner of the position.
     pub max_mm: [f64; 3],
     /// Volume in doubt.
     pub volume_mm3: f64,
@@ -35,7 +35,7 @@ impl fmt::Display for Doubt {
     }
 }
 
-/// Volume in doubt at one place.
+/// Volume in doubt at one location.
 #[derive(Clone, Debug)]
 pub(super) struct Doubtful {
     pub cause: &'static str,
@@ -89,7 +89,7 @@ pub(super) fn sum(doubts: &[Doubtful], volume_mm3: f64, vertices: &[[f32; 3]]) -
     })
 }
 
-/// Lines that are shot through a mesh along each axis: so many times so many.
+/// Lines that are shot through a mesh along each axis: this many by this many.
 const LINES: usize = 64;
 
 /// What a line meets: where, and whether it enters.
@@ -154,12 +154,12 @@ fn along_axis(
         let (from, to) =
             if alone { (f64::from(all.min[axis]), f64::from(all.max[axis])) } else { (from, to) };
         doubt.volume_mm3 += (to - from) * step[0] * step[1];
-        let mut place = [0.0; 3];
-        (place[u], place[v]) = (at(0, cell / LINES) as f32, at(1, cell % LINES) as f32);
+        let mut corner = [0.0; 3];
+        (corner[u], corner[v]) = (at(0, cell / LINES) as f32, at(1, cell % LINES) as f32);
         for end in [from, to] {
-            place[axis] = end as f32;
-            doubt.min = std::array::from_fn(|i| doubt.min[i].min(place[i]));
-            doubt.max = std::array::from_fn(|i| doubt.max[i].max(place[i]));
+            corner[axis] = end as f32;
+            doubt.min = std::array::from_fn(|i| doubt.min[i].min(corner[i]));
+            doubt.max = std::array::from_fn(|i| doubt.max[i].max(corner[i]));
         }
     }
     (doubt.volume_mm3 > 0.0).then_some(doubt)

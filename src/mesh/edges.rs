@@ -76,15 +76,15 @@ fn for_each_edge_from(triangles: &[[u32; 3]], vertices: Range<u32>, mut visit: i
     for v in 2..start.len() {
         start[v] += start[v - 1];
     }
-    // `start[bucket + 1]` is the bucket's next free place while filling, and its end when filled.
+    // `start[bucket + 1]` is the bucket's next free index while filling, and its end when filled.
     let mut sorted = vec![Side::default(); start[count + 1] as usize];
     let mut half = 0;
     for &[a, b, c] in triangles {
         for (from, to) in [(a, b), (b, c), (c, a)] {
             if let Some(bucket) = bucket_of(from, to) {
-                let place = &mut start[bucket + 1];
-                sorted[*place as usize] = Side::new(from, to, half);
-                *place += 1;
+                let next = &mut start[bucket + 1];
+                sorted[*next as usize] = Side::new(from, to, half);
+                *next += 1;
             }
             half += 1;
         }
@@ -133,7 +133,7 @@ impl Edges {
         let twins: Vec<AtomicU32> = (0..triangles.len() * 3).map(|_| AtomicU32::new(NO_TWIN)).collect();
         let match_from = |vertices| Self::match_from(triangles, vertices, &twins);
         let count = vertex_count as u32;
-        // Every edge belongs to one range, so the two never write to the same place.
+        // Every edge belongs to one range, so the two never write to the same element.
         let [a, b] = if triangles.len() < PARALLEL {
             [match_from(0..count), Self::default()]
         } else {

@@ -11,7 +11,7 @@ const TOLERANCES_MM: [f32; 3] = [1e-4, 1e-3, 1e-2];
 /// Wider ones, which may close what was meant to be open, so that nearly all must close.
 const WIDE_MM: [f32; 2] = [3e-2, 1e-1];
 
-/// Of so many open edges one may stay open after a wide gap was closed.
+/// Of this many open edges one may stay open after a wide gap was closed.
 const NEARLY_ALL: usize = 20;
 
 /// Triangles with fewer open edges; vertices that were merged into others are left over.

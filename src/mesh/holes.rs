@@ -29,7 +29,7 @@ const PATIENCE: usize = 40_000_000;
 /// At a vertex with more open edges the rest are left alone: it is no mesh that can be mended, and must not take long.
 const MOST_OPEN: usize = 64;
 
-/// What is not larger than so many times the facets that would close it is a sheet.
+/// What is not larger than this many times the facets that would close it is a sheet.
 const SHEET: f64 = 1.05;
 
 /// Facets that differ by less than 3° lie in one plane.

@@ -134,7 +134,7 @@ fn halves(mut file: &fs::File, path: &Path, length: u64) -> Option<Vec<u8>> {
     first.and(second).ok().map(|()| data)
 }
 
-/// The outside is known of a mesh with fewer clashing edges for each facet than one in so many.
+/// The outside is known of a mesh with fewer clashing edges for each facet than one in this many.
 const FEW_CLASHES: usize = 10;
 
 fn repaired(

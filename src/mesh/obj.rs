@@ -90,8 +90,8 @@ fn vertex(corner: &[u8], vertices: &[[f32; 3]]) -> Result<[f32; 3], String> {
     let shown = || String::from_utf8_lossy(index);
     let parsed = std::str::from_utf8(index).ok().and_then(|text| text.parse::<i64>().ok());
     let number = parsed.ok_or_else(|| format!("`{}` is not the number of a vertex", shown()))?;
-    let place = if number > 0 { number - 1 } else { (vertices.len() as i64).saturating_add(number) };
-    let found = usize::try_from(place).ok().and_then(|place| vertices.get(place));
+    let index = if number > 0 { number - 1 } else { (vertices.len() as i64).saturating_add(number) };
+    let found = usize::try_from(index).ok().and_then(|index| vertices.get(index));
     found
         .copied()
         .ok_or_else(|| format!("a face names vertex {number}, and {} were given before it", vertices.len()))

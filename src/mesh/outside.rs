@@ -8,10 +8,10 @@ use super::doubts::Doubtful;
 use super::edges::NO_TWIN;
 use super::measure::facet_measures;
 
-/// A shell is looked at from so many of its corners.
+/// A shell is looked at from this many of its corners.
 const MOST_CORNERS: usize = 16;
 
-/// All shells together from so many.
+/// All shells together from this many.
 const MOST_IN_ALL: usize = 4000;
 
 /// One connected part of a mesh.

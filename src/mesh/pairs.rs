@@ -1,4 +1,4 @@
-//! Facets that stand at one place more than once: which of them the surface needs.
+//! Facets that stand at one position more than once: which of them the surface needs.
 //!
 //! All such facets are left out first. Then they come back, once, where edges of the rest would stay open without them:
 //! groups of them that hang together are in or out as a whole, and the edges around a group vote. What nothing needs is
@@ -175,7 +175,7 @@ impl<'a> Groups<'a> {
         self.stays[group as usize].map(|stays| stays[usize::from(side)])
     }
 
-    /// Votes of the groups, at the places of their representatives.
+    /// Votes of the groups, at the positions of their representatives.
     fn votes(&self) -> Vec<Option<Votes>> {
         let mut votes = vec![None; self.stacks.len()];
         for (stack, &(group, side)) in self.stacks.iter().zip(&self.group) {
@@ -216,7 +216,7 @@ fn by_need(votes: &Votes) -> Option<[bool; 2]> {
     let mixed = votes.area_mm2[1] > 0.0;
     let gain = |side: usize| votes.needed[side] - votes.held[side] - votes.loose[side];
     let best = usize::from(mixed && gain(1) > gain(0));
-    // Where stacks stand in each other's way at open edges, one side is needed however the rest votes.
+    // Where stacks conflict with each other at open edges, one side is needed however the rest votes.
     let wanted = gain(best) > 0.0 || (mixed && gain(best) > gain(1 - best));
     wanted.then_some([best == 0, best == 1])
 }

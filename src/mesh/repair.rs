@@ -136,7 +136,7 @@ pub(super) fn repair(soup: Soup) -> Repaired {
     }
 }
 
-/// Drops facets that stand at one place with others, where edges show that there are any: two equal facets make edges
+/// Drops facets that stand at one position with others, where edges show that there are any: two equal facets make edges
 /// with two facets in the same direction, or with more than two.
 fn settle(
     vertices: &[[f32; 3]],

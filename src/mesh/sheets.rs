@@ -15,10 +15,10 @@ struct Patch {
     holds: bool,
 }
 
-/// Sheets have no more than so many times the area that their rim could enclose in a plane: what has more bulges.
+/// Sheets have no more than this many times the area that their rim could enclose in a plane: what has more bulges.
 const FLAT: f64 = 2.0;
 
-/// A sheet hangs on something with so many times its area.
+/// A sheet hangs on something with this many times its area.
 const LARGER: f64 = 1.5;
 
 impl Patch {

@@ -58,7 +58,7 @@ pub(super) fn in_words(size_mm: [f64; 3]) -> String {
     format!("{x:.decimals$} × {y:.decimals$} × {z:.decimals$} mm")
 }
 
-/// Extents of the points that have a place; `None`: none has.
+/// Extents of the points that have a position; `None`: none has.
 pub(super) fn size_of(points: impl Iterator<Item = [f32; 3]>) -> Option<[f64; 3]> {
     let sound = |p: &[f32; 3]| p.iter().all(|x| x.abs() <= FARTHEST);
     let corners = points.filter(sound).map(|p| [p, p]);
@@ -122,7 +122,7 @@ pub(super) fn too_large(path: &Path, mesh: &Mesh, scale: [f64; 3]) -> MeshError 
 
 /// Corners far from nearly all others: how many, and the size of the rest.
 fn strays(mesh: &Mesh) -> Option<(usize, [f64; 3])> {
-    /// Corners so many times farther from the middle one than three of four are stray, if they are few.
+    /// Corners this many times farther from the middle one than three of four are stray, if they are few.
     const FAR: f64 = 100.0;
     let near = [0, 1, 2].map(|axis| {
         let mut values: Vec<f64> = mesh.vertices.iter().map(|v| v[axis]).collect();

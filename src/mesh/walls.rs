@@ -149,7 +149,7 @@ fn balance(seams: &[Seam], found: &[Finding], turn: &mut [bool]) {
         }
     }
     let sum = |seam: &Seam, turn: &[bool]| -> i32 {
-        seam.sides.iter().map(|&(patch, way)| if turn[patch as usize] { -way } else { way }).sum()
+        seam.sides.iter().map(|&(patch, sign)| if turn[patch as usize] { -sign } else { sign }).sum()
     };
     for _ in 0..ROUNDS {
         let mut changed = false;

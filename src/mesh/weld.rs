@@ -33,7 +33,7 @@ const EMPTY: u32 = u32::MAX;
 const BATCH: usize = 3 * 64;
 
 impl Welder {
-    /// Room for as many vertices as a closed mesh of so many facets has (about half).
+    /// Room for as many vertices as a closed mesh of this many facets has (about half).
     pub fn with_capacity(facets: usize) -> Self {
         let soup = Soup {
             vertices: Vec::with_capacity(facets / 2 + 16),
@@ -127,7 +127,7 @@ impl Welder {
         }
     }
 
-    /// Makes the table large enough for so many more vertices.
+    /// Makes the table large enough for this many more vertices.
     fn reserve(&mut self, more: usize) {
         let size = ((self.soup.vertices.len() + more) * 2).next_power_of_two();
         if size <= self.table.len() {

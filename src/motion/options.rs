@@ -96,9 +96,9 @@ section! {
         z_hop: Mm = Mm(0.0); 0.0..=10.0,
         /// Lift on travels inside the part, too, and not only on those that cross an outer wall.
         z_hop_inside: bool = false,
-        /// Way back over the last path while pulling back; 0: none.
+        /// Wipe: distance moved back over the last path while retracting; 0: none.
         wipe: Mm = Mm(0.0); 0.0..=50.0,
-        /// Way at the end of a bead on which nothing is fed any more before a retraction; 0: none.
+        /// Coasting: distance at the end of a bead without extrusion, before a retraction; 0: none.
         coast: Mm = Mm(0.0); 0.0..=10.0,
         /// Leave lengths and speeds to the firmware (G10, G11).
         firmware: bool = false,

@@ -48,7 +48,7 @@ section! {
         position: SeamPosition = SeamPosition::Free,
         /// Loops end this much before they would close, so that the ends leave no blob.
         gap: Mm = Mm(0.05); 0.0..=2.0,
-        /// Way on which the outermost wall rises from nothing at its start, and fades out on top of that; 0: none.
+        /// Scarf length: distance over which the outermost wall rises from nothing at its start, and fades out over itself; 0: none.
         scarf: Mm = Mm(0.0); 0.0..=100.0,
     }
 }

@@ -39,7 +39,7 @@ fn reason(error: &io::Error) -> String {
     match error.kind() {
         ErrorKind::StorageFull | ErrorKind::QuotaExceeded => "the disk is full; free some space".into(),
         ErrorKind::NotFound => "cannot be written: there is no such folder".into(),
-        ErrorKind::PermissionDenied => format!("cannot be written: {error}; choose another place with -o"),
+        ErrorKind::PermissionDenied => format!("cannot be written: {error}; choose another path with -o"),
         _ => format!("cannot be written: {error}"),
     }
 }
@@ -103,7 +103,7 @@ impl Output {
     /// Replaces bytes that were written before.
     ///
     /// # Errors
-    /// As [`Output::write`], and if the place has not been written yet.
+    /// As [`Output::write`], and if the position has not been written yet.
     pub fn patch(&mut self, offset: u64, bytes: &[u8]) -> Result<(), OutputError> {
         if offset.checked_add(bytes.len() as u64).is_none_or(|end| end > self.written) {
             return Err(self.error(io::Error::new(ErrorKind::InvalidInput, "patch beyond the end")));
@@ -150,10 +150,10 @@ impl Output {
         Self { name: "standard output".into(), written: 0, sink }
     }
 
-    /// No place at all: what is written can be read back, and is gone then.
+    /// No file at all: what is written can be read back, and is gone then.
     ///
     /// # Errors
-    /// If the system has no place for temporary files.
+    /// If the system has no folder for temporary files.
     pub fn nowhere() -> Result<Self, OutputError> {
         let name = "a temporary file".to_owned();
         match Pending::create(&std::env::temp_dir(), PathBuf::new()) {
@@ -178,10 +178,10 @@ impl Output {
         }
     }
 
-    /// Puts the complete output in its place.
+    /// Moves the complete output to its path.
     ///
     /// # Errors
-    /// As [`Output::write`]; then the place is as it was before.
+    /// As [`Output::write`]; then the file at the path is as it was before.
     pub fn commit(self) -> Result<(), OutputError> {
         let done = match self.sink {
             Sink::Memory(_) => Ok(()),

@@ -17,7 +17,7 @@ pub struct PrintLayer {
     pub height_mm: f64,
     /// The paths in their order, each from where it is begun; role and width are theirs.
     pub paths: Vec<Path>,
-    /// What the machine is told to do.
+    /// Commands to the machine.
     pub moves: Vec<Move>,
     /// How long each move takes, seconds.
     pub move_times_s: Vec<f64>,

@@ -249,7 +249,7 @@ pub(super) fn check_height(top_mm: f64, settings: &Settings) -> Result<(), JobEr
     )))
 }
 
-/// Whether the plate can be cut into so many layers.
+/// Whether the plate can be cut into this many layers.
 pub(super) fn check_size(plate: &Plate, settings: &LayerSettings) -> Result<(), JobError> {
     let (first_mm, height_mm) = (settings.first_height.0, settings.height.0);
     let top_mm = plate.meshes.iter().map(|mesh| mesh.bounds()[1][2]).fold(0.0, f64::max);

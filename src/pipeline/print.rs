@@ -135,7 +135,7 @@ fn thumbnails(plate: &Plate, settings: &Settings, workers: Workers<'_>) -> Strin
     comments.concat()
 }
 
-/// What printers that can cancel an object are told of each.
+/// Labels of the objects, for printers that can cancel single objects.
 fn labels(plate: &Plate, rounds: &[Round], workers: Workers<'_>) -> Vec<ObjectLabel> {
     let mut hulls = vec![Vec::new(); plate.objects.len()];
     for (object, hull) in rounds.iter().flat_map(|round| round.sections.hulls(workers)) {

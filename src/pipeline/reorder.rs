@@ -24,12 +24,12 @@ use super::input::input_error;
 use super::ordering::Sequencer;
 use super::{inspect, ordering};
 
-/// A batch holds at least so many bytes of the file: enough to keep all threads busy, whatever the file's size, and
+/// A batch holds at least this many bytes of the file: enough to keep all threads busy, whatever the file's size, and
 /// blocks enough to be weighed against each other.
 const BATCH_BYTES: usize = 8 << 20;
 /// As many for the order that is found fastest, where reading and checking would wait for each other.
 const NEAREST_BYTES: usize = 1 << 20;
-/// Lines about time are looked for in so many bytes at either end of a file.
+/// Lines about time are looked for in this many bytes at either end of a file.
 const TIME_BYTES: u64 = 1 << 16;
 /// An improvement below this share of the travel is none.
 const WORTHWHILE: f64 = 1e-4;
@@ -159,7 +159,7 @@ fn open(source: &Source) -> Result<Box<dyn Input>, JobError> {
 struct Batches<R> {
     blocks: Blocks<R>,
     carry: Option<Block>,
-    /// A batch holds at least so many bytes.
+    /// A batch holds at least this many bytes.
     least: usize,
 }
 

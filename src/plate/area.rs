@@ -30,32 +30,34 @@ impl Area {
         points.map(beyond).fold(f64::NEG_INFINITY, f64::max)
     }
 
-    /// Places moved together so that the box around all models has its middle over the bed's, if all stay on it.
+    /// Positions moved together so that the box around all models has its middle over the bed's, if all stay on it.
     pub fn in_the_middle<'a>(
         &self,
-        mut places: Vec<(u32, [f64; 2])>,
+        mut positions: Vec<(u32, [f64; 2])>,
         rim: impl Fn(usize, u32) -> &'a [[f64; 2]],
     ) -> Vec<(u32, [f64; 2])> {
-        let points = |places: &[(u32, [f64; 2])]| -> Vec<[f64; 2]> {
+        let points = |positions: &[(u32, [f64; 2])]| -> Vec<[f64; 2]> {
             let moved = |(model, &(turn, at)): (usize, &(u32, [f64; 2]))| {
                 rim(model, turn).iter().map(move |p| [p[0] + at[0], p[1] + at[1]])
             };
-            places.iter().enumerate().flat_map(moved).collect()
+            positions.iter().enumerate().flat_map(moved).collect()
         };
         let extent = |pick: fn(f64, f64) -> f64| {
-            points(&places)
+            points(&positions)
                 .into_iter()
                 .reduce(|a, b| [pick(a[0], b[0]), pick(a[1], b[1])])
                 .unwrap_or_default()
         };
         let (low, high) = (extent(f64::min), extent(f64::max));
         let by = [0, 1].map(|i| -(low[i] + high[i]) / 2.0);
-        if self.excess_mm(points(&places).into_iter().map(|p| [p[0] + by[0], p[1] + by[1]])) <= TOLERANCE_MM {
-            for (_, at) in &mut places {
+        if self.excess_mm(points(&positions).into_iter().map(|p| [p[0] + by[0], p[1] + by[1]]))
+            <= TOLERANCE_MM
+        {
+            for (_, at) in &mut positions {
                 *at = [at[0] + by[0], at[1] + by[1]];
             }
         }
-        places
+        positions
     }
 
     /// The part of the bed's extent that is needed: more than 1 does not fit.

@@ -1,8 +1,8 @@
-//! Packing true outlines: each model goes to the first free place of a list, the largest first.
+//! Packing true outlines: each model goes to the first free position of a list, the largest first.
 
 use super::silhouette::Bitmap;
 
-/// A model in one of the ways in which it may be turned.
+/// A model in one of its permitted rotations.
 #[derive(Clone, Debug)]
 pub(super) struct Shape {
     /// What it covers, its middle at node (0, 0), and what must be left free around it.
@@ -14,13 +14,13 @@ pub(super) struct Shape {
 /// Where a model goes.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Spot {
-    /// Index into the ways in which it may be turned.
+    /// Index into its permitted rotations.
     pub turn: usize,
-    /// Place of its middle, in cells from the bed's.
+    /// Position of its middle, in cells from the bed's.
     pub at: [i64; 2],
 }
 
-/// Which places are tried first.
+/// Which positions are tried first.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum Towards {
     /// The middle of the bed: a compact group.
@@ -29,11 +29,11 @@ pub(super) enum Towards {
     Corner,
 }
 
-/// Places models so that no two cover a cell. `shapes` holds each model's ways to be turned, `models` which of them each
+/// Places models so that no two cover a cell. `shapes` holds each model's rotations, `models` which of them each
 /// model is. `fits` says whether a rim, moved, lies on the bed, which reaches `half` cells from its middle.
 ///
-/// `None`: no place is left for the model. The largest comes first, of equals the first. Places are tried in a fixed order,
-/// and never again what was taken for an equal model: O(places · rows) for each different shape where the bed is not full.
+/// `None`: no position is left for the model. The largest comes first, of equals the first. Positions are tried in a fixed order,
+/// and never again what was taken for an equal model: O(positions · rows) for each different shape where the bed is not full.
 pub(super) fn arrange(
     shapes: &[Vec<Shape>],
     models: &[usize],
@@ -41,14 +41,14 @@ pub(super) fn arrange(
     towards: Towards,
     fits: impl Fn(&[[f64; 2]], [i64; 2]) -> bool,
 ) -> Vec<Option<Spot>> {
-    let places = places(half, towards);
+    let positions = candidate_positions(half, towards);
     let reach =
         shapes.iter().flatten().map(|s| s.covered.reach()).max().unwrap_or(0) + half[0].max(half[1]) + 1;
     let mut taken = Bitmap::new([-reach; 2], [reach; 2]);
     let mut order: Vec<usize> = (0..models.len()).collect();
     let size = |model: usize| shapes[models[model]].iter().map(|s| s.covered.count()).max();
     order.sort_by_key(|&model| (std::cmp::Reverse(size(model)), models[model], model));
-    // Cells are taken and never given back: what was no place for a shape will be none.
+    // Cells are taken and never given back: what had no position for a shape will have none later.
     let mut tried: Vec<Vec<usize>> = shapes.iter().map(|turns| vec![0; turns.len()]).collect();
     let mut spots = vec![None; models.len()];
     for model in order {
@@ -56,25 +56,25 @@ pub(super) fn arrange(
         let mut best: Option<(usize, usize)> = None;
         for (turn, Shape { covered, rim }) in turns.iter().enumerate() {
             let first = &mut tried[models[model]][turn];
-            let free = |&place: &usize| fits(rim, places[place]) && !taken.meets(covered, places[place]);
-            *first = (*first..places.len()).find(free).unwrap_or(places.len());
-            if *first < best.map_or(places.len(), |(place, _)| place) {
+            let free = |&at: &usize| fits(rim, positions[at]) && !taken.meets(covered, positions[at]);
+            *first = (*first..positions.len()).find(free).unwrap_or(positions.len());
+            if *first < best.map_or(positions.len(), |(at, _)| at) {
                 best = Some((*first, turn));
             }
         }
-        if let Some((place, turn)) = best {
-            taken.add(&turns[turn].covered, places[place]);
-            spots[model] = Some(Spot { turn, at: places[place] });
+        if let Some((at, turn)) = best {
+            taken.add(&turns[turn].covered, positions[at]);
+            spots[model] = Some(Spot { turn, at: positions[at] });
         }
     }
     spots
 }
 
 /// All nodes of the bed, in the order in which they are tried.
-fn places([x, y]: [i64; 2], towards: Towards) -> Vec<[i64; 2]> {
-    let mut places: Vec<[i64; 2]> = (-y..=y).flat_map(|j| (-x..=x).map(move |i| [i, j])).collect();
+fn candidate_positions([x, y]: [i64; 2], towards: Towards) -> Vec<[i64; 2]> {
+    let mut positions: Vec<[i64; 2]> = (-y..=y).flat_map(|j| (-x..=x).map(move |i| [i, j])).collect();
     if let Towards::Middle = towards {
-        places.sort_by_key(|[i, j]| i * i + j * j);
+        positions.sort_by_key(|[i, j]| i * i + j * j);
     }
-    places
+    positions
 }

@@ -19,7 +19,7 @@ pub(super) struct Group {
     pub parts: Vec<Part>,
 }
 
-/// A member of a group in its place.
+/// A member of a group at its position.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Part {
     pub member: Member,

@@ -37,7 +37,7 @@ impl Item {
         self
     }
 
-    /// Middle of the box in X and Y, and its bottom, of the item in one of its places.
+    /// Middle of the box in X and Y, and its bottom, of the item in one of its positions.
     pub(super) fn foot(&self, spot: usize) -> [f64; 3] {
         let [min, max] = self.bounds;
         let at = [(min[0] + max[0]) / 2.0, (min[1] + max[1]) / 2.0, min[2]];
@@ -51,7 +51,7 @@ impl Item {
     }
 }
 
-/// An item in one of its places: index of the item, and of the place.
+/// An item in one of its positions: index of the item, and of the position.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(super) struct Member {
     pub item: usize,
@@ -93,7 +93,7 @@ impl Layout {
         Self::new(name.clone(), vec![Item::new(name, mesh, vec![[0.0; 3]])], copies)
     }
 
-    /// Several files as if they were one, each model once for each of its places.
+    /// Several files as if they were one, each model once for each of its positions.
     pub(super) fn joined(layouts: Vec<Layout>) -> Self {
         let name = layouts.first().map_or(String::new(), |layout| layout.name.clone());
         Self::new(name, layouts.into_iter().flat_map(|layout| layout.items).collect(), 1)
@@ -190,7 +190,7 @@ fn bodies(items: &[Item], members: &[Member]) -> (Vec<Vec<Member>>, Vec<usize>) 
     (bodies, stacks)
 }
 
-/// The convex hull of an item in one of its places, seen from above.
+/// The convex hull of an item in one of its positions, seen from above.
 pub(super) fn hull(item: &Item, spot: usize) -> Polygon<f64> {
     let [dx, dy, _] = item.spots[spot];
     let points: MultiPoint<f64> = item.mesh.vertices().iter().map(|v| (v[0] + dx, v[1] + dy)).collect();

@@ -22,16 +22,16 @@ const SAME_SIDE: f64 = 0.99985;
 /// What lies so near to the lowest point touches the bed, mm.
 const CONTACT_MM: f64 = 0.05;
 
-/// A square millimetre that touches the bed is worth so many cubic millimetres of support: a layer's height or two.
+/// A square millimetre that touches the bed is worth this many cubic millimetres of support: a layer's height or two.
 const CONTACT_WORTH_MM: f64 = 0.5;
 
-/// A millimetre less in height is worth so many cubic millimetres of support, as a share of the side of the contact.
+/// A millimetre less in height is worth this many cubic millimetres of support, as a share of the side of the contact.
 const HEIGHT_WORTH_MM2: f64 = 1.0;
 
 /// The mesh turned so that it stands firmly and needs the least support; as it is, where nothing is better.
 ///
 /// Support is measured as the volume between overhanging facets (more than 45°) and the bed. A part whose middle is not over
-/// what touches the bed falls over, and is turned so only if there is no other way. Deterministic. O(40 · triangles).
+/// what touches the bed falls over, and is turned so only if there is no alternative. Deterministic. O(40 · triangles).
 pub fn orient(mesh: Mesh) -> Mesh {
     let middle = center_of_mass(&mesh);
     let downs = sides(&mesh);

@@ -85,7 +85,7 @@ pub(super) fn pack(
     Ok(result)
 }
 
-/// Places for the last footprint beside each of those that stand: four sides, flush at either end or in the middle.
+/// Positions for the last footprint beside each of those that stand: four sides, flush at either end or in the middle.
 fn candidates(placed: &[&Footprint], spots: &[[f64; 2]], spacing_mm: f64) -> Vec<[f64; 2]> {
     let Some((new, standing)) = placed.split_last().filter(|(_, s)| !s.is_empty()) else {
         return vec![[0.0; 2]];

@@ -90,7 +90,7 @@ struct Standing {
     notes: Vec<String>,
 }
 
-/// A copy of a group, its middle in a place relative to the bed's, turned by quarters.
+/// A copy of a group, its middle at a position relative to the bed's, turned by quarters.
 struct Stand {
     group: usize,
     copy: usize,
@@ -182,8 +182,8 @@ fn arranged(
         let copies = |group: usize| (0..layouts[groups[group].layout].copies).map(move |copy| (group, copy));
         let models: Vec<(usize, usize)> = (0..groups.len()).flat_map(copies).collect();
         match packed(layouts, &groups, &models, area, options) {
-            Ok(places) => {
-                let stands = models.iter().zip(places).map(|(&(group, copy), (quarters, at))| Stand {
+            Ok(positions) => {
+                let stands = models.iter().zip(positions).map(|(&(group, copy), (quarters, at))| Stand {
                     group,
                     copy,
                     quarters,
@@ -265,7 +265,7 @@ fn too_many(
     }
 }
 
-/// The bed's longer side has so many cells when models are packed.
+/// The bed's longer side has this many cells when models are packed.
 const CELLS: f64 = 256.0;
 
 /// Quarter turn and place of the middle for each model, relative to that of the bed; or the models that do not fit.
@@ -354,12 +354,12 @@ fn settle(
     let mut plate = Plate { meshes: Vec::new(), objects: Vec::new(), notes: standing.notes };
     // Layout, item, quarter turns and height over the bed of each mesh.
     let mut kinds: Vec<(usize, usize, u32, f64)> = Vec::new();
-    for ((layout, item, copy, place), (quarters, lift_mm, spot, body)) in slots {
+    for ((layout, item, copy, instance), (quarters, lift_mm, spot, body)) in slots {
         let source = &layouts[layout].items[item];
-        let number = copy * source.spots.len() + place;
+        let number = copy * source.spots.len() + instance;
         let name =
             if number == 0 { source.name.clone() } else { format!("{} ({})", source.name, number + 1) };
-        let rim = rim(source, place, quarters, area.shape);
+        let rim = rim(source, instance, quarters, area.shape);
         let by_mm = area.excess_mm(rim.iter().map(|p| [p[0] + spot[0], p[1] + spot[1]]));
         if by_mm > TOLERANCE_MM {
             return Err(PlacementError::Outside { name, by_mm, bed: area.to_string() });
@@ -374,7 +374,7 @@ fn settle(
     }
     for (i, &(layout, item, quarters, lift_mm)) in kinds.iter().enumerate() {
         let Item { mesh, bounds, .. } = &mut layouts[layout].items[item];
-        // Most models stand one way only: then there is no need for a copy.
+        // Most models have one position only: then there is no need for a copy.
         let again = kinds[i + 1..].iter().any(|kind| (kind.0, kind.1) == (layout, item));
         let mesh = match again {
             true => mesh.clone(),
@@ -387,13 +387,13 @@ fn settle(
     Ok(plate)
 }
 
-/// Points of an item in one of its places, turned by quarters, that must lie on the bed.
-fn rim(item: &Item, place: usize, quarters: u32, shape: BedShape) -> Vec<[f64; 2]> {
+/// Points of an item in one of its positions, turned by quarters, that must lie on the bed.
+fn rim(item: &Item, instance: usize, quarters: u32, shape: BedShape) -> Vec<[f64; 2]> {
     let [width, depth, height] = item.size();
     let size = if quarters.is_multiple_of(2) { [width, depth, height] } else { [depth, width, height] };
     let rim = (shape == BedShape::Round).then(|| {
-        let [x, y, _] = item.foot(place);
-        let hull = hull(item, place);
+        let [x, y, _] = item.foot(instance);
+        let hull = hull(item, instance);
         hull.exterior().points().map(|p| turned([p.x() - x, p.y() - y], quarters)).collect()
     });
     Footprint::new(size, rim).rim

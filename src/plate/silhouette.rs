@@ -106,12 +106,12 @@ impl Bitmap {
         runs
     }
 
-    /// Whether a cell is covered by both, the other moved by so many cells.
+    /// Whether a cell is covered by both, the other moved by this many cells.
     pub fn meets(&self, other: &Self, [di, dj]: [i64; 2]) -> bool {
         self.each_word(other, [di, dj], |mine, theirs| self.bits[mine] & theirs == 0).is_err()
     }
 
-    /// Covers what another covers, moved by so many cells.
+    /// Covers what another covers, moved by this many cells.
     pub fn add(&mut self, other: &Self, [di, dj]: [i64; 2]) {
         let mut set = Vec::new();
         let _ = self.each_word(other, [di, dj], |mine, theirs| {

@@ -162,7 +162,7 @@ fn amounts(settings: &Settings, check: &mut Check) {
     if settings.print.sequence == Sequence::Object && settings.skirt.draft_shield {
         check.error(
             &["skirt.draft_shield", "print.sequence"],
-            "a draft shield around all objects would be in the way of the print head; set it to false",
+            "a draft shield around all objects would obstruct the print head; set it to false",
         );
     }
     let temperature = &settings.temperature;

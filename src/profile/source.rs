@@ -149,7 +149,7 @@ fn parents(value: Value) -> Option<Vec<String>> {
 struct Found {
     /// As the user named it.
     origin: Origin,
-    /// The same for every way to name it.
+    /// The same however it is named.
     identity: PathBuf,
     text: String,
     /// What its own relative paths start from.

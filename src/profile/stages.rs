@@ -86,7 +86,7 @@ impl Settings {
 }
 
 impl Settings {
-    /// How travels are led inside of islands; `None`: straight.
+    /// How travels are led inside islands; `None`: straight.
     pub fn detour_rule(&self) -> Option<DetourRule> {
         let (travel, walls) = (&self.travel, &self.walls);
         let rule = DetourRule {

@@ -14,7 +14,7 @@ const FARTHEST_MOVE: usize = 400;
 const ROUNDS: usize = 20;
 
 /// An order with every open path forwards: the given one or, run by run, the one that always goes on to the nearest
-/// start, whichever is shorter; then up to three consecutive paths at a time are moved to where they lengthen the way
+/// start, whichever is shorter; then up to three consecutive paths at a time are moved to where they lengthen the travel
 /// least (Or-opt: Or 1976, as in Babin, Deneault & Laporte 2007, doi:10.1057/palgrave.jors.2602196), as long as that
 /// helps. Runs keep their order.
 pub fn forwards(block: &Block, ordering: &Ordering, scope: Scope, picks: &[Pick]) -> Vec<Pick> {
@@ -40,15 +40,15 @@ pub fn forwards(block: &Block, ordering: &Ordering, scope: Scope, picks: &[Pick]
     picks
 }
 
-/// The better of the order as given and of going to the nearest, improved. `at`: where the way comes from.
+/// The better of the order as given and of going to the nearest, improved. `at`: where the nozzle comes from.
 fn improved(ends: &[[[f64; 2]; 2]], at: Option<[f64; 2]>) -> Vec<usize> {
     let given: Vec<usize> = (0..ends.len()).collect();
-    let way = |order: &[usize]| {
+    let length = |order: &[usize]| {
         let first = at.map_or(0.0, |at| distance_mm(at, ends[order[0]][0]));
         first + order.windows(2).map(|w| distance_mm(ends[w[0]][1], ends[w[1]][0])).sum::<f64>()
     };
     let nearest = nearest(ends, at);
-    let mut order = if way(&nearest) < way(&given) { nearest } else { given };
+    let mut order = if length(&nearest) < length(&given) { nearest } else { given };
     for _ in 0..ROUNDS {
         if !moves(&mut order, ends, at) {
             break;
@@ -83,21 +83,21 @@ fn moves(order: &mut Vec<usize>, ends: &[[[f64; 2]; 2]], at: Option<[f64; 2]>) -
                 |a: Option<[f64; 2]>, b: Option<[f64; 2]>| a.zip(b).map_or(0.0, |(a, b)| distance_mm(a, b));
             let (head, tail) = (ends[order[from]][0], ends[order[from + len - 1]][1]);
             let gain = link(before, Some(head)) + link(Some(tail), after) - link(before, after);
-            let places =
+            let positions =
                 from.saturating_sub(FARTHEST_MOVE)..(from + len + FARTHEST_MOVE).min(order.len()) + 1;
-            // Place p is before the path that is p-th now.
-            let best = places.filter(|p| *p < from || *p > from + len).map(|place| {
-                let left = place.checked_sub(1).map(|i| ends[order[i]][1]).or(at);
-                let right = order.get(place).map(|&j| ends[j][0]);
-                (link(left, Some(head)) + link(Some(tail), right) - link(left, right), place)
+            // Position p is before the path that is p-th now.
+            let best = positions.filter(|p| *p < from || *p > from + len).map(|position| {
+                let left = position.checked_sub(1).map(|i| ends[order[i]][1]).or(at);
+                let right = order.get(position).map(|&j| ends[j][0]);
+                (link(left, Some(head)) + link(Some(tail), right) - link(left, right), position)
             });
             let best = best.min_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
-            if let Some((cost, place)) = best
+            if let Some((cost, position)) = best
                 && cost < gain - 1e-9
             {
                 let part: Vec<usize> = order.drain(from..from + len).collect();
-                let place = if place > from { place - len } else { place };
-                order.splice(place..place, part);
+                let position = if position > from { position - len } else { position };
+                order.splice(position..position, part);
                 moved = true;
             }
         }

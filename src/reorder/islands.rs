@@ -6,12 +6,12 @@ use geometry::DisjointSets;
 
 /// Beads nearer to each other than about this belong to one island, mm.
 const REACH_MM: f64 = 0.6;
-/// At most so many cells; of larger blocks the cells are larger.
+/// At most this many cells; of larger blocks the cells are larger.
 const MOST_CELLS: f64 = 4e6;
-/// Beads are drawn in steps of at most so many cells.
+/// Beads are drawn in steps of at most this many cells.
 const STEP: f64 = 0.7;
-/// A wall runs along another bead that is in its cells, or those around them, on this part of the way of either: a wall
-/// inside of it may be much shorter.
+/// A wall runs along another bead that is in its cells, or those around them, on this share of the length of either: a wall
+/// inside it may be much shorter.
 const BESIDE: f64 = 0.75;
 
 /// How the paths of a block lie to each other.
@@ -22,7 +22,7 @@ pub(super) struct Islands {
     pub beside: Vec<Option<u32>>,
 }
 
-/// Draws all beads into a grid. Those that share a cell or have neighbouring ones are joined. O(way / reach).
+/// Draws all beads into a grid. Those that share a cell or have neighbouring ones are joined. O(length / reach).
 pub(super) fn islands(block: &Block) -> Islands {
     let Some([low, high]) = extent(block) else {
         return Islands { of: Vec::new(), beside: Vec::new() };
@@ -46,13 +46,13 @@ pub(super) fn islands(block: &Block) -> Islands {
         for p in block.points(path) {
             let p = [0, 1].map(|i| (p[i] - low[i]) * per_mm + 1.0);
             let from = last.replace(p).unwrap_or(p);
-            let way = [p[0] - from[0], p[1] - from[1]];
-            let length2 = way[0] * way[0] + way[1] * way[1];
+            let delta = [p[0] - from[0], p[1] - from[1]];
+            let length2 = delta[0] * delta[0] + delta[1] * delta[1];
             // Most strokes are short, and dividing and roots take long.
             let steps = if length2 < 0.9 * STEP * STEP { 1 } else { (length2.sqrt() / STEP) as usize + 1 };
             for step in 1..=steps {
                 let share = if step == steps { 1.0 } else { step as f64 / steps as f64 };
-                let [x, y] = [0, 1].map(|i| (from[i] + share * way[i]) as usize);
+                let [x, y] = [0, 1].map(|i| (from[i] + share * delta[i]) as usize);
                 let at = y * width + x;
                 if std::mem::replace(&mut here, at) == at {
                     meetings.stay();
@@ -93,7 +93,7 @@ fn extent(block: &Block) -> Option<[[f64; 2]; 2]> {
     Some(corners?.map(|p| block.mm(p)))
 }
 
-/// Counts on how many steps of a way others were met.
+/// Counts on how many steps of a path others were met.
 struct Meetings {
     /// By path: steps on which it was met, and its own.
     steps: Vec<u32>,
@@ -137,7 +137,7 @@ impl Meetings {
         }
     }
 
-    /// The last one of a kind along which the way leads; the next way begins.
+    /// The last one of a kind along which the path leads; the next path begins.
     fn finish(&mut self, of_kind: impl Fn(u32) -> bool) -> Option<u32> {
         let runs_along = |&other: &u32| {
             let shorter = self.step.min(self.lengths[other as usize]);

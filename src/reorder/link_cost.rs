@@ -12,7 +12,7 @@ pub struct LinkCost {
 }
 
 impl LinkCost {
-    /// One number for both, a retraction being worth so many millimetres.
+    /// One number for both, a retraction being worth this many millimetres.
     pub fn score(self, retraction_mm: f64) -> f64 {
         self.travel_mm + retraction_mm * self.retractions as f64
     }
@@ -56,11 +56,11 @@ fn weights() -> impl Iterator<Item = f64> {
     up.chain(down).chain([0.0])
 }
 
-/// One retraction in so many less is a clear gain.
+/// One retraction in this many less is a clear gain.
 const CLEAR: usize = 200;
 
 /// The order of each of consecutive blocks: as little travel and as few retractions as can be, a retraction being
-/// worth so many millimetres, but neither more travel nor more retractions than `limit`. A retraction is given other
+/// worth this many millimetres, but neither more travel nor more retractions than `limit`. A retraction is given other
 /// values (Lagrangian relaxation) until both are clearly below the limit, or else until both are below it, or neither
 /// is above it. `None` where even that is not found.
 pub fn choose(options: &[Options], limit: LinkCost, retraction_mm: f64) -> Option<Vec<usize>> {

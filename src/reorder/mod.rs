@@ -1,4 +1,4 @@
-//! Other slicers' G-code in another order: what is printed stays, the way between changes.
+//! Other slicers' G-code in another order: what is printed stays, the travels between change.
 //!
 //! A file is read as [`Block`]s: lines that stay where they are, then paths on one layer that may change places. What
 //! the file does between two paths is learned as its [`RetractionStyle`]. A block becomes a problem for [`crate::order`]

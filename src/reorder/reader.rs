@@ -15,7 +15,7 @@ use super::verify::Inventory;
 use crate::estimate::Machine;
 use crate::gcode::{Action, Annotated, Line, Mark, Reader, Stroke, mark};
 
-/// A block without paths is ended after so many bytes where it can be.
+/// A block without paths is ended after this many bytes where it can be.
 const LONGEST_FIXED: usize = 1 << 20;
 /// Coordinates beyond this are no positions of a printer, file units.
 const LARGEST: f64 = 1e5;
@@ -133,7 +133,7 @@ impl<R: BufRead> Blocks<R> {
         Ok((rest.text.len() > rest.body).then_some(rest))
     }
 
-    /// The block at hand; an empty one takes its place.
+    /// The block at hand; an empty one replaces it.
     fn take(&mut self) -> Block {
         let next = empty(self.block.after, self.block.frame, States::default());
         std::mem::replace(&mut self.block, next)

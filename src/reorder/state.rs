@@ -32,7 +32,7 @@ const COMMENTS: usize = 4;
 const ACCELERATIONS: std::ops::Range<usize> = 8..11;
 
 impl Key {
-    /// Its place among all.
+    /// Its position among all.
     pub fn index(self) -> usize {
         match self {
             Key::Type => 0,

@@ -53,11 +53,11 @@ pub(super) fn push_number(out: &mut Vec<u8>, value: i64) {
     out.extend_from_slice(&digits[at..]);
     if rest > 0 {
         out.push(b'.');
-        let mut place = 100_000;
+        let mut power = 100_000;
         while rest > 0 {
-            out.push(b'0' + (rest / place) as u8);
-            rest %= place;
-            place /= 10;
+            out.push(b'0' + (rest / power) as u8);
+            rest %= power;
+            power /= 10;
         }
     }
 }

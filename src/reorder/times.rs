@@ -39,7 +39,7 @@ pub(super) fn is_understood(line: &Line) -> bool {
     updated(line, &Moment::default(), &Moment::default()).is_some()
 }
 
-/// A place in a file, by our estimate.
+/// A position in a file, by our estimate.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 struct Moment {
     /// Seconds up to there.
@@ -102,7 +102,7 @@ impl Stopwatch {
 }
 
 impl Times {
-    /// The n-th line about time as it is in this file, brought up to date for its place in another one, where it
+    /// The n-th line about time as it is in this file, brought up to date for its position in another one, where it
     /// is the m-th.
     pub fn updated(&self, line: &[u8], n: usize, other: &Self, m: usize) -> Option<Vec<u8>> {
         let [old, new] = [(self, n), (other, m)].map(|(times, index)| {

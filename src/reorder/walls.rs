@@ -15,7 +15,7 @@ const OWN_WALL_MM: f64 = 0.25;
 /// Detours keep this far from the middle of the walls, mm: over the next bead inside, or else, where it is
 /// narrow, between two beads that touch.
 const CLEARANCES_MM: [f64; 2] = [0.4, 0.15];
-/// How far the route along the inside of a wall may be from where it is entered, mm.
+/// How far the route along the inside a wall may be from where it is entered, mm.
 const REACH_MM: f64 = 1.5;
 
 /// How a straight travel lies relative to the walls of its layer.

@@ -147,7 +147,7 @@ impl<'a> Writer<'a> {
         // All up to what draws, or moves in some other manner, is as it was.
         let mut fixed = if target.is_none() { tokens.len() } else { 0 };
         for (index, token) in tokens.iter().enumerate() {
-            if token.kind == Kind::Fixed || places(self.barrier_code(token)) {
+            if token.kind == Kind::Fixed || repositions(self.barrier_code(token)) {
                 fixed = fixed.max(index + 1);
             }
         }
@@ -155,7 +155,7 @@ impl<'a> Writer<'a> {
         if moved && fixed > 0 {
             let placed = head.iter().find(|t| {
                 matches!(t.kind, Kind::Travel | Kind::Fixed)
-                    || places(self.barrier_code(t))
+                    || repositions(self.barrier_code(t))
                     || t.to[..2] != before[..2] && t.kind != Kind::Wipe
             });
             let by_itself = |t: &Token| {
@@ -165,13 +165,13 @@ impl<'a> Writer<'a> {
                 self.go([before[0], before[1]], None);
             }
         }
-        let mut place = before;
+        let mut at = before;
         for token in head {
             match token.kind {
-                Kind::Wipe if self.at[..2] != place[..2] => self.pull_in_place(token),
+                Kind::Wipe if self.at[..2] != at[..2] => self.pull_in_place(token),
                 _ => self.token(token),
             }
-            place = token.to;
+            at = token.to;
         }
         let Some(target) = target else { return };
         let as_it_was =
@@ -334,7 +334,7 @@ impl<'a> Writer<'a> {
                 self.state.set(key, token.line);
                 self.entered = None;
             }
-            // A line that names the place where the nozzle is in the file would move it from where it is here.
+            // A line that names the position where the nozzle is in the file would move it from where it is here.
             Kind::Lift | Kind::Pull | Kind::Push | Kind::Feed
                 if self.at[..2] != token.to[..2] && (names(line, b"X") || names(line, b"Y")) =>
             {
@@ -346,7 +346,7 @@ impl<'a> Writer<'a> {
                 let e = (self.frame.e_absolute && self.e != token.e_after).then_some(self.e);
                 self.stroke_line(line, e, token.feed);
             }
-            _ if token.kind == Kind::Fixed || places(code) => self.fixed(token, line),
+            _ if token.kind == Kind::Fixed || repositions(code) => self.fixed(token, line),
             _ => {
                 self.whole_line(line);
                 if token.kind == Kind::Barrier && Key::of(&Line::new(0, 0, line)).is_some() {
@@ -367,7 +367,7 @@ impl<'a> Writer<'a> {
         // A line without coordinates leaves the nozzle where it is, wherever that was in the file.
         match token.kind {
             Kind::Travel | Kind::Wipe | Kind::Fixed => self.at = token.to,
-            Kind::Barrier if places(code) => self.at = token.to,
+            Kind::Barrier if repositions(code) => self.at = token.to,
             _ => self.at[2] = token.to[2],
         }
         self.original = (token.e_after, token.feed);
@@ -538,7 +538,7 @@ impl<'a> Writer<'a> {
         }
     }
 
-    /// The last of what was drawn, backwards, so many millimetres of it.
+    /// The last of what was drawn, backwards, this many millimetres of it.
     fn wipe_path(&self, wipe_mm: f64) -> Vec<[i64; 2]> {
         let Some(pick) = self.last else { return Vec::new() };
         let block = self.block;
@@ -650,8 +650,8 @@ impl<'a> Writer<'a> {
         } else {
             let command = memchr3(b';', b'\r', b'\n', line).unwrap_or(line.len());
             let (command, rest) = line.split_at(command);
-            let place = |letter: u8| command.iter().rposition(|b| b.to_ascii_uppercase() == letter);
-            match e.zip(place(b'E')) {
+            let index_of = |letter: u8| command.iter().rposition(|b| b.to_ascii_uppercase() == letter);
+            match e.zip(index_of(b'E')) {
                 Some((value, at)) => {
                     self.out.extend_from_slice(&command[..=at]);
                     super::ticks::push_number(&mut self.out, value);
@@ -710,7 +710,7 @@ fn rounded(value: f64) -> i64 {
 }
 
 /// Whether a G-code of this number moves the nozzle in X and Y, or says where it is.
-fn places(code: Option<u32>) -> bool {
+fn repositions(code: Option<u32>) -> bool {
     matches!(code, Some(0..=3 | 20 | 21 | 28 | 92))
 }
 

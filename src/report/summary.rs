@@ -97,7 +97,7 @@ pub struct LayerSummary {
 /// What hangs over beyond the limit (`support.angle`), or rests on nothing.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct Overhangs {
-    /// Places where one begins.
+    /// Positions where one begins.
     pub count: usize,
     /// Area seen from below.
     pub area_mm2: f64,

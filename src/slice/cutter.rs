@@ -52,18 +52,18 @@ impl<'a> Cutter<'a> {
         }
         start.pop();
         let (mut count, mut sum) = (0_u32, 0_u32);
-        for place in &mut start[2..] {
-            count = count.wrapping_add(*place);
+        for entry in &mut start[2..] {
+            count = count.wrapping_add(*entry);
             sum = u32::checked_add(sum, count)
                 .expect("crossings are numbered in 32 bits: see limits::CROSSINGS");
-            *place = sum;
+            *entry = sum;
         }
         let mut crossing = vec![0; start.last().map_or(0, |&n| n as usize)];
         for (t, triangle) in mesh.triangles().iter().enumerate() {
             let (low, high) = ranks(triangle);
-            for place in &mut start[low + 1..high + 1] {
-                crossing[*place as usize] = t as u32;
-                *place += 1;
+            for entry in &mut start[low + 1..high + 1] {
+                crossing[*entry as usize] = t as u32;
+                *entry += 1;
             }
         }
         let (resolution_mm, closing_mm) = (settings.resolution.0, settings.closing_radius.0);

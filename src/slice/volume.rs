@@ -9,7 +9,7 @@ use crate::units::Mm;
 /// Pieces that the height is divided into, besides those that level facets make.
 const PIECES: f64 = 64.0;
 
-/// Of the heights with level facets so many make breaks: those with most of them.
+/// Of the heights with level facets this many make breaks: those with most of them.
 const MOST_BREAKS: usize = 256;
 
 /// Facets whose corners differ by less in height are level, mm.
@@ -21,7 +21,7 @@ const GAUSS: [f64; 2] = [0.211_324_865_405_187_1, 0.788_675_134_594_812_9];
 /// Sums of signed volumes that agree so well with the sections are exact, the sections are not.
 const EXACT: f64 = 1e-3;
 
-/// Where more than one edge in so many is open, sections are as much guessed as the signed volume, and take long.
+/// Where more than one edge in this many is open, sections are as much guessed as the signed volume, and take long.
 const HOPELESS: usize = 20;
 
 /// Volume that a mesh encloses, mm³: where bodies overlap it counts once.

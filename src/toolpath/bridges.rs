@@ -29,10 +29,10 @@ const SPAN_WEIGHTS: [f64; 2] = [0.1, 0.01];
 /// them, too.
 const STRIP: f64 = 6.0;
 
-/// What is narrower than two bridge lines is bridged where it is longer than so many,
+/// What is narrower than two bridge lines is bridged where it is longer than this many,
 const SHORTEST_STRIP: f64 = 8.0;
 
-/// no more than so many bridge lines wide all along, so straight,
+/// no more than this many bridge lines wide all along, so straight,
 const STRAIGHT: f64 = 2.5;
 
 /// and can be spanned at a cost below this, nearly all of it held at both ends.

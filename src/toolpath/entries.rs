@@ -1,4 +1,4 @@
-//! Places to begin a loop.
+//! Points at which loops may begin.
 
 use super::{Path, Width};
 use geometry::Point;

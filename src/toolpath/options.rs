@@ -73,7 +73,7 @@ choice! {
     }
 }
 choice! {
-    /// Lines inside of support columns.
+    /// Pattern of support columns.
     SupportPattern {
         /// In one direction.
         Rectilinear = "rectilinear",
@@ -122,7 +122,7 @@ section! {
         bottom_layers: u32 = 4; 0..=10000,
         /// Top and bottom are at least this thick, with more layers than the above where those are thin.
         min_thickness: Mm = Mm(0.7); 0.0..=100.0,
-        /// Top surfaces in lines each beside the one before, never between two others. Holds while a run is not
+        /// Print each line of a top surface next to the one before, never between two others. Applies while a run is not
         /// interrupted: under any `order.scope` but `layer`.
         monotonic: bool = true,
         /// Line width of solid infill.
@@ -142,35 +142,35 @@ section! {
         width: Mm = Mm(0.45); 0.05..=5.0,
         /// Direction of the first layer's lines, degrees from the X axis.
         angle: f64 = 45.0; -360.0..=360.0, "°",
-        /// Directions of the layers' lines in turn, instead of `infill.angle` and the pattern's own turning; empty: none.
+        /// Line directions that layers cycle through, instead of `infill.angle` and the pattern's own rotation; empty: none.
         angles: Vec<f64> = Vec::new(); -360.0..=360.0, "°",
         /// How far line ends reach into the innermost wall, as a share of the line width.
         overlap: Ratio = Ratio(0.2); 0.0..=1.0,
         /// Join line ends along the wall.
         connect: bool = true,
-        /// How far line ends that are not joined run on along the wall, at most.
+        /// Length of the anchor along the wall at line ends that are not joined, at most.
         anchor: Mm = Mm(0.0); 0.0..=100.0,
         /// Combine the sparse infill of up to this many layers, in beads of their total height; at most the nozzle diameter.
         combine_layers: u32 = 1; 1..=50,
-        /// One layer in so many is solid; 0: none.
+        /// Every n-th layer is solid; 0: none.
         solid_every: u32 = 0; 0..=10000,
     }
 }
 section! {
     /// `[ironing]`: a second, thin pass over top surfaces.
     IroningSettings {
-        /// Whether there is one.
+        /// Iron top surfaces.
         enabled: bool = false,
-        /// What it deposits, as a share of a full layer.
+        /// Flow, as a share of a full layer.
         flow: Ratio = Ratio(0.1); 0.0..=1.0,
-        /// Distance of its lines.
+        /// Line spacing.
         spacing: Mm = Mm(0.1); 0.02..=1.0,
     }
 }
 section! {
-    /// `[spiral]`: one wall in one line that rises all the way, on a solid bottom (vase mode).
+    /// `[spiral]`: vase mode, one continuously rising wall on a solid bottom.
     SpiralSettings {
-        /// Print so.
+        /// Print in vase mode.
         enabled: bool = false,
         /// Each revolution glides from the outline below it to its own, so that no step shows where revolutions begin.
         smooth: bool = true,
@@ -181,9 +181,9 @@ section! {
     FuzzySettings {
         /// Which walls have it.
         walls: FuzzyWalls = FuzzyWalls::None,
-        /// How far they leave their line to either side.
+        /// Displacement to either side of the wall, at most.
         thickness: Mm = Mm(0.3); 0.01..=2.0,
-        /// Distance of the points that are moved.
+        /// Distance between displaced points.
         distance: Mm = Mm(0.8); 0.05..=10.0,
     }
 }
@@ -209,7 +209,7 @@ section! {
         distance: Mm = Mm(3.0); 0.0..=100.0,
         /// Layers it is printed on.
         layers: u32 = 1; 1..=10000,
-        /// Go on up to the top of the part with one loop, to shield it from draughts.
+        /// Continue one loop to the top of the part as a draft shield.
         draft_shield: bool = false,
         /// More loops until this much filament (path length) is primed.
         min_length: Mm = Mm(0.0); 0.0..=10000.0,
@@ -233,7 +233,7 @@ section! {
     RaftSettings {
         /// Number of layers; 0: none.
         layers: u32 = 0; 0..=100,
-        /// Free height between raft and part.
+        /// Vertical gap between raft and part.
         gap: Mm = Mm(0.2); 0.0..=5.0,
         /// Width beyond the part.
         margin: Mm = Mm(3.0); 0.0..=100.0,
@@ -244,11 +244,11 @@ section! {
 section! {
     /// `[support]`
     SupportSettings {
-        /// Hold up overhangs.
+        /// Make support.
         enabled: bool = false,
         /// Columns or trees.
         style: SupportStyle = SupportStyle::Grid,
-        /// Walls that lean out further than this from the vertical are held.
+        /// Overhang angle from the vertical beyond which support is made.
         angle: f64 = 50.0; 0.0..=89.0, "°",
         /// Support stands on the bed only, never on the part.
         from_bed_only: bool = false,
@@ -256,11 +256,11 @@ section! {
         min_reach: Mm = Mm(0.8); 0.0..=10.0,
         /// Bridges up to this long are printed without support; 0: none.
         max_bridge: Mm = Mm(10.0); 0.0..=1000.0,
-        /// Free height between support and part, in whole layers, rounded up.
+        /// Vertical gap between support and part, in whole layers, rounded up.
         z_gap: Mm = Mm(0.2); 0.0..=5.0,
-        /// Free distance between support and the part's sides.
+        /// Horizontal gap between support and part.
         xy_gap: Mm = Mm(0.4); 0.0..=5.0,
-        /// Lines inside of columns.
+        /// Pattern of columns.
         pattern: SupportPattern = SupportPattern::Rectilinear,
         /// Share of a column that the lines inside its outline fill.
         density: Ratio = Ratio(0.1); 0.0..=1.0,
@@ -287,7 +287,7 @@ section! {
         enabled: bool = true,
         /// Bridge flow: multiplies the cross-section of a round bridge line as thick as the nozzle diameter.
         flow: f64 = 1.0; 0.1..=2.0,
-        /// How far they reach over what holds them.
+        /// How far bridge lines extend over their anchors.
         anchor: Mm = Mm(1.0); 0.0..=20.0,
     }
 }

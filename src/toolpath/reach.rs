@@ -12,7 +12,7 @@ use super::infill::LineSet;
 /// Distance of the chords that are looked at, in solid lines.
 const STEP: f64 = 0.5;
 
-/// What one chord needs, so many beside it get too: beads lie side by side.
+/// What one chord needs, this many beside it get too: beads lie side by side.
 const BESIDE: i64 = 2;
 
 /// Sparse lines that run nearly as the solid ones are not reached for: sine of the angle between them.

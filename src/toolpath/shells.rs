@@ -96,11 +96,11 @@ impl Shells {
         let mut ranges: Vec<Range<usize>> = above.iter().chain(&below).flatten().cloned().collect();
         ranges.sort_unstable_by_key(|range| (range.start, range.end));
         ranges.dedup();
-        let place = |range: &Option<Range<usize>>| {
+        let index_of = |range: &Option<Range<usize>>| {
             let range = range.as_ref()?;
             ranges.binary_search_by_key(&(range.start, range.end), |r| (r.start, r.end)).ok()
         };
-        let (above, below) = (above.iter().map(place).collect(), below.iter().map(place).collect());
+        let (above, below) = (above.iter().map(index_of).collect(), below.iter().map(index_of).collect());
         let rough = map(count, &|i| geometry::simplify(sections[i], ROUGH_MM));
         let (has_top, has_bottom) = (settings.top_layers > 0, settings.bottom_layers > 0);
         Self { windows: windows(rough, &ranges, map), above, below, has_top, has_bottom }
@@ -114,8 +114,8 @@ impl Shells {
         }
     }
 
-    fn window(&self, places: &[Option<usize>], i: usize) -> &Region {
-        places.get(i).copied().flatten().map_or(Region::EMPTY, |place| &self.windows[place])
+    fn window(&self, indices: &[Option<usize>], i: usize) -> &Region {
+        indices.get(i).copied().flatten().map_or(Region::EMPTY, |index| &self.windows[index])
     }
 }
 
@@ -144,7 +144,7 @@ fn windows(sections: Vec<Region>, ranges: &[Range<usize>], map: Map<'_>) -> Vec<
     out
 }
 
-/// The inside of an island, divided.
+/// The inside an island, divided.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Zones {
     /// Filled by the sparse pattern.
@@ -167,7 +167,7 @@ impl Zones {
     }
 }
 
-/// Divides the inside of an island into sparse, solid and top.
+/// Divides the inside an island into sparse, solid and top.
 ///
 /// `above` and `below` are the windows of [`Shells`], `next` is the section of the layer above (empty on the
 /// last). Very narrow solid strips are left to the walls beside them; sparse ones become solid. Solid patches `reach`

@@ -1,4 +1,4 @@
-//! Vase mode: one wall in one line that rises all the way, a revolution for each layer.
+//! Vase mode: one wall in one continuously rising line, a revolution for each layer.
 //!
 //! A revolution follows the outline of its layer and rises by its height. So that nothing shows where one revolution ends and the
 //! next begins, it glides from the outline below to its own: a vertex at a share s of the length is drawn at that share of
@@ -127,7 +127,7 @@ impl Revolution {
     }
 
     /// A line through points, those that are close left out but for the ends, that rises evenly: `rise` says what holds
-    /// at a share of its way.
+    /// at a share of its length.
     fn along(points: &[Point], rise: impl Fn(f64) -> Rise) -> Self {
         let mut kept: Vec<Point> = points.first().copied().into_iter().collect();
         let mm = |a: Point, b: Point| square(a - b).sqrt() / UNITS_PER_MM;
@@ -140,18 +140,18 @@ impl Revolution {
             kept.pop();
             kept.push(*end);
         }
-        let ways = kept.windows(2).scan(0.0, |way_mm, w| {
-            *way_mm += mm(w[0], w[1]);
-            Some(*way_mm)
+        let along_mm = kept.windows(2).scan(0.0, |total_mm, w| {
+            *total_mm += mm(w[0], w[1]);
+            Some(*total_mm)
         });
-        let ways: Vec<f64> = std::iter::once(0.0).chain(ways).collect();
-        let whole_mm = ways.last().copied().unwrap_or_default().max(f64::MIN_POSITIVE);
-        Self { points: kept, rises: ways.iter().map(|way_mm| rise(way_mm / whole_mm)).collect() }
+        let along_mm: Vec<f64> = std::iter::once(0.0).chain(along_mm).collect();
+        let whole_mm = along_mm.last().copied().unwrap_or_default().max(f64::MIN_POSITIVE);
+        Self { points: kept, rises: along_mm.iter().map(|mm| rise(mm / whole_mm)).collect() }
     }
 }
 
 /// The vertices of a ring from its first back to it, and points between at most so far apart, each with its share of the
-/// way.
+/// length.
 fn steps(ring: &[Point], length_mm: f64, step_mm: f64) -> Vec<(f64, Point)> {
     let mut out = vec![(0.0, ring[0])];
     let mut done_mm = 0.0;
@@ -169,7 +169,7 @@ fn steps(ring: &[Point], length_mm: f64, step_mm: f64) -> Vec<(f64, Point)> {
     out
 }
 
-/// The way from the outline below.
+/// The path from the outline below.
 struct Glide {
     below: EdgeGrid,
     reach_mm: f64,
@@ -181,7 +181,7 @@ impl Glide {
         Self { below: EdgeGrid::of(&polygon), reach_mm }
     }
 
-    /// A point at a share of the way from the nearest point below; where that is too far, the point itself.
+    /// A point at a share of the distance from the nearest point below; where that is too far, the point itself.
     fn at(&self, p: Point, share: f64) -> Point {
         let mut near = Vec::new();
         let reach = (self.reach_mm * UNITS_PER_MM) as i32;

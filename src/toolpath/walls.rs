@@ -80,7 +80,7 @@ pub struct Walls {
     pub loops: Vec<Vec<Line>>,
     /// Narrow places between the beads, to be filled with single beads; each with the depth it lies at.
     pub gaps: Vec<(u32, Gap)>,
-    /// What lies inside the innermost walls: the place for infill.
+    /// What lies inside the innermost walls: the fill area.
     pub inside: Region,
 }
 
@@ -164,7 +164,7 @@ fn with_gaps(section: &Region, spec: &WallSpec) -> Walls {
     leave_inside(walls, rest, (1.0 + CLOSEST) / 2.0, spec)
 }
 
-/// What the walls leave is the place for infill; places narrower than twice the radius, in spacings, become gaps.
+/// What the walls leave is the fill area; parts narrower than twice the radius, in spacings, become gaps.
 fn leave_inside(mut walls: Walls, mut rest: Region, radius: f64, spec: &WallSpec) -> Walls {
     if spec.gap_fill && !rest.is_empty() {
         let spacing_mm = spec.spacing_mm(spec.count);

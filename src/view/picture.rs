@@ -73,7 +73,7 @@ fn beads(layer: &Layer) -> Vec<Shape> {
 }
 
 fn travels(layer: &Layer, width_mm: f32) -> Vec<Shape> {
-    // The way to the first bead belongs to the start script.
+    // The path to the first bead belongs to the start script.
     let first = layer.strokes.iter().position(|s| s.role.is_some()).unwrap_or(0);
     let mut shapes = Vec::new();
     for stroke in layer.strokes[first..].iter().filter(|s| s.role.is_none()) {

@@ -1,4 +1,4 @@
-//! What a G-code file draws: strokes by layer, with role, bead and speed, and marks on the way.
+//! What a G-code file draws: strokes by layer, with role, bead and speed, and marks.
 
 use super::colors::{self, OTHER, SEAMED};
 use crate::estimate::Machine;
@@ -92,7 +92,7 @@ impl Scene {
         reader.finish()
     }
 
-    /// Whether something is extruded on the way.
+    /// Whether something is extruded along it.
     pub fn extrudes(&self) -> bool {
         self.layers.iter().flat_map(|layer| &layer.strokes).any(|stroke| stroke.role.is_some())
     }

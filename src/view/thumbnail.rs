@@ -54,9 +54,9 @@ impl Solid for Scene {
         let all = strokes().filter_map(|stroke| stroke.role).all(|role| beside(&role));
         for stroke in strokes() {
             let Some(role) = stroke.role.filter(|role| all || !beside(role)) else { continue };
-            let way = [stroke.to[0] - stroke.from[0], stroke.to[1] - stroke.from[1]];
-            let scale = stroke.width_mm / 2.0 / way[0].hypot(way[1]).max(f32::MIN_POSITIVE);
-            let (along, side) = ([way[0] * scale, way[1] * scale], [-way[1] * scale, way[0] * scale]);
+            let delta = [stroke.to[0] - stroke.from[0], stroke.to[1] - stroke.from[1]];
+            let scale = stroke.width_mm / 2.0 / delta[0].hypot(delta[1]).max(f32::MIN_POSITIVE);
+            let (along, side) = ([delta[0] * scale, delta[1] * scale], [-delta[1] * scale, delta[0] * scale]);
             // Corners of the top, then those below them.
             let corner = |i: usize| {
                 let (end, ahead) = if i & 1 == 0 { (stroke.from, -1.0) } else { (stroke.to, 1.0) };

@@ -109,9 +109,9 @@ pub fn sliders_keys_and_the_legend_change_the_picture() {
     assert_eq!(browser.run("app.state.layer"), json!(5));
     browser.run(&press("ArrowDown"));
     assert_eq!(browser.run("app.state.layer"), json!(4));
-    let before = number(browser.run("app.state.way"));
+    let before = number(browser.run("app.state.progress"));
     browser.run(&press("ArrowLeft"));
-    assert!(number(browser.run("app.state.way")) < before);
+    assert!(number(browser.run("app.state.progress")) < before);
 
     browser.run("put('color', 'speed', 'change')");
     assert_eq!(browser.run("pixels(OUTER)"), json!(0), "walls have the colour of their speed");

@@ -15,7 +15,7 @@ struct Travel {
     points: Vec<[f64; 2]>,
     pulled_mm: f64,
     pushed_mm: f64,
-    pulls: usize,
+    retractions: usize,
     z_mm: f64,
     /// Where it ended, and whether it was at no other height between.
     to_z_mm: f64,
@@ -33,14 +33,15 @@ fn travels(print: &Print) -> Vec<Travel> {
                 points: vec![[x, y]],
                 pulled_mm: 0.0,
                 pushed_mm: 0.0,
-                pulls: 0,
+                retractions: 0,
                 z_mm,
                 to_z_mm: z_mm,
                 level: true,
             });
         } else if let Some(travel) = &mut open {
             if stroke.e_mm < 0.0 {
-                (travel.pulled_mm, travel.pulls) = (travel.pulled_mm - stroke.e_mm, travel.pulls + 1);
+                (travel.pulled_mm, travel.retractions) =
+                    (travel.pulled_mm - stroke.e_mm, travel.retractions + 1);
             }
             travel.pushed_mm += stroke.e_mm.max(0.0);
             travel.to_z_mm = stroke.to[2];
@@ -76,16 +77,19 @@ fn long_travels_are_retracted_once_and_undone_exactly() {
             let section = offset(&solid.section(Some(layer_at(travel.z_mm, &settings))), -0.14);
             let stays = travel.level && travel.inside_mm(&section) > length_mm - 1e-3;
             assert_eq!(travel.pulled_mm, travel.pushed_mm, "{name}: {length_mm} mm");
-            assert!(travel.pulls <= 1 && travel.pulled_mm == travel.pulls as f64, "{name}: {length_mm} mm");
+            assert!(
+                travel.retractions <= 1 && travel.pulled_mm == travel.retractions as f64,
+                "{name}: {length_mm} mm"
+            );
             if length_mm <= settings.retract.min_travel.0 - 0.01 {
-                assert_eq!(travel.pulls, 0, "{name}: {length_mm} mm");
+                assert_eq!(travel.retractions, 0, "{name}: {length_mm} mm");
             } else if length_mm > settings.travel.retract_inside.0 + 0.01 {
-                assert_eq!(travel.pulls, 1, "{name}: {length_mm} mm");
+                assert_eq!(travel.retractions, 1, "{name}: {length_mm} mm");
             } else if stays && length_mm < settings.travel.retract_inside.0 - 0.01 {
-                assert_eq!(travel.pulls, 0, "{name}: {length_mm} mm inside");
+                assert_eq!(travel.retractions, 0, "{name}: {length_mm} mm inside");
                 inside += 1;
             } else if travel.inside_mm(&offset(&section, 0.14)) < length_mm - 1e-3 {
-                assert_eq!(travel.pulls, 1, "{name}: {length_mm} mm over an edge");
+                assert_eq!(travel.retractions, 1, "{name}: {length_mm} mm over an edge");
             }
         }
         assert!(inside > 0 || name == "pin_forest", "{name} has travels inside");
@@ -119,7 +123,7 @@ fn the_nozzle_lifts_only_over_outer_walls() {
     let settings = quick(&["retract.z_hop=0.3", "travel.retract_inside=0", "travel.max_detour=0"]);
     let (print, solid) = (print("thin_wall_comb", &settings), solid(&model("thin_wall_comb"), &settings));
     let mut counts = [0, 0];
-    for travel in travels(&print).iter().filter(|t| t.pulls > 0 && t.to_z_mm == t.z_mm) {
+    for travel in travels(&print).iter().filter(|t| t.retractions > 0 && t.to_z_mm == t.z_mm) {
         let section = solid.section(Some(layer_at(travel.z_mm, &settings)));
         let length_mm = travel.length_mm();
         let crosses = travel.inside_mm(&section) < length_mm - 1e-3;
@@ -168,7 +172,7 @@ fn nothing_is_laid_in_mid_air_but_bridges_with_hold_at_both_ends() {
 }
 
 /// What is laid between two travels.
-struct Run {
+struct DrawnLine {
     z_mm: f64,
     points: Vec<[f64; 2]>,
     /// `;TYPE:` of each line.
@@ -176,8 +180,8 @@ struct Run {
     closed: bool,
 }
 
-fn runs(print: &Print) -> Vec<Run> {
-    let mut runs: Vec<Run> = Vec::new();
+fn runs(print: &Print) -> Vec<DrawnLine> {
+    let mut runs: Vec<DrawnLine> = Vec::new();
     for bead in print.beads() {
         let kinds = vec![bead.kind.clone(); bead.points.len() - 1];
         match runs.last_mut() {
@@ -185,7 +189,7 @@ fn runs(print: &Print) -> Vec<Run> {
                 run.points.extend(&bead.points[1..]);
                 run.kinds.extend(kinds);
             }
-            _ => runs.push(Run { z_mm: bead.z_mm, points: bead.points, kinds, closed: false }),
+            _ => runs.push(DrawnLine { z_mm: bead.z_mm, points: bead.points, kinds, closed: false }),
         }
     }
     for run in &mut runs {
@@ -195,7 +199,7 @@ fn runs(print: &Print) -> Vec<Run> {
     runs
 }
 
-impl Run {
+impl DrawnLine {
     /// Places half a millimetre apart or less, with the kind of what is laid there.
     fn samples(&self) -> impl Iterator<Item = (Point, &str)> {
         self.points.windows(2).zip(&self.kinds).flat_map(|(w, kind)| {
@@ -296,9 +300,9 @@ fn a_scarf_changes_the_volume_by_nothing() {
 fn wipes_follow_the_loop_and_cross_layer_changes() {
     let settings = quick(&["retract.wipe=1", "skirt.loops=0", "travel.retract_inside=0"]);
     let (mut wiped, mut bare) = (0, 0);
-    for travel in travels(&print("pin_forest", &settings)).iter().filter(|t| t.pulls > 0) {
+    for travel in travels(&print("pin_forest", &settings)).iter().filter(|t| t.retractions > 0) {
         assert!((travel.pulled_mm - travel.pushed_mm).abs() < 1e-9);
-        if travel.pulls > 1 || travel.points.len() > 2 { wiped += 1 } else { bare += 1 }
+        if travel.retractions > 1 || travel.points.len() > 2 { wiped += 1 } else { bare += 1 }
     }
     assert!(wiped > 100 && bare == 0, "{wiped} retractions with a wipe, {bare} without");
 }

@@ -1,6 +1,6 @@
 //! Repair: what is broken is mended, what is meant is kept.
 
-use crate::support::mesh_shapes::broken::{DAMAGES, Inside, WAYS};
+use crate::support::mesh_shapes::broken::{BREAKAGES, DAMAGES, Inside};
 use crate::support::mesh_shapes::{
     Facets, ball, cuboid, damaged, inside_out, load, mesh, own_models, stl, torus,
 };
@@ -261,8 +261,8 @@ fn broken_meshes_print_like_the_good_ones_they_are_made_from_judged_by_volume() 
         let (sound, _) = mesh(good);
         let whole_mm3 = volume_mm3(&sound);
         let whole = sections(sound);
-        for (way, spoil) in WAYS {
-            if way == "self-union" && inside.1 == 0.0 {
+        for (breakage, spoil) in BREAKAGES {
+            if breakage == "self-union" && inside.1 == 0.0 {
                 continue;
             }
             let (mesh, report) = mesh(&spoil(good, *inside));
@@ -270,14 +270,14 @@ fn broken_meshes_print_like_the_good_ones_they_are_made_from_judged_by_volume() 
             let volume_off = volume_mm3(&mesh) / whole_mm3 - 1.0;
             let off = difference(&whole, &sections(mesh));
             println!(
-                "| {shape} | {way} | {:.4} % | {:.4} % | {} |",
+                "| {shape} | {breakage} | {:.4} % | {:.4} % | {} |",
                 100.0 * off,
                 100.0 * volume_off,
                 if told { "told" } else { "mended" }
             );
             let most = if told { 0.5 } else { 0.001 };
             if off > most || (!told && volume_off.abs() > 0.005) {
-                wrong.push(format!("{shape}, {way}: {:.3} %", 100.0 * off));
+                wrong.push(format!("{shape}, {breakage}: {:.3} %", 100.0 * off));
             }
         }
     }

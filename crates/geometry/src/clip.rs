@@ -110,7 +110,7 @@ impl Clipper {
     /// Whether the segment from `p` to `q` is inside just after its start: the parity of the crossings behind it.
     fn starts_inside(&self, p: Point, q: Point, near: &mut Vec<u32>) -> bool {
         let bounds = self.grid.bounds();
-        // A point of the line behind `p` outside of the box, kept within range; only its cells matter.
+        // A point of the line behind `p` outside the box, kept within range; only its cells matter.
         let (dx, dy) = (f64::from(p.x) - f64::from(q.x), f64::from(p.y) - f64::from(q.y));
         let reach = |d: f64, from: i32, min: i32, max: i32| match d {
             d if d > 0.0 => (f64::from(max) - f64::from(from)) / d,
@@ -281,7 +281,7 @@ mod tests {
     fn vertices_on_the_boundary_do_not_confuse() {
         assert_eq!(clipped(&[(-50, 0), (0, 0), (500, 200), (1000, 0), (1050, 0)]).len(), 1);
         assert_eq!(clipped(&[(500, -50), (500, 0), (450, 400), (450, 500), (450, 600), (450, 700)]).len(), 2);
-        // Touching the hole's corner from outside of the hole.
+        // Touching the hole's corner from outside the hole.
         assert_eq!(clipped(&[(300, 500), (500, 300)]).len(), 1);
         assert_eq!(clipped(&[(300, 500), (400, 400), (500, 300)]).len(), 1);
         assert!(clipped(&[(500, 500), (400, 400), (400, 500)]).iter().all(|p| p.len() == 2));

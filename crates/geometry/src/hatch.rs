@@ -38,7 +38,7 @@ struct Crossing {
 /// of a line for both of its edges, so each ring is crossed an even number of times, whatever the rounding.
 /// A part shorter than the grid's unit vanishes. Ends are within one unit of the exact crossing.
 ///
-/// A spacing below 1 µm or not a number gives no line. O(n + m log m) for n vertices and m crossings.
+/// A spacing that is below 1 µm or NaN gives no line. O(n + m log m) for n vertices and m crossings.
 pub fn scan_lines(region: &Region, angle_rad: f64, spacing_mm: f64, phase_mm: f64) -> Vec<HatchLine> {
     if !(spacing_mm >= MIN_SPACING_MM && angle_rad.is_finite() && phase_mm.is_finite()) {
         return Vec::new();

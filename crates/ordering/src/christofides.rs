@@ -15,7 +15,7 @@ use pathwright_geometry::Point;
 ///
 /// Every path is an edge of the graph from the outset, and Kruskal joins what they leave apart by shortest links. The
 /// nozzle's position is a node, joined to itself by a virtual segment, which leaves all parities alone; the circuit begins
-/// there and its way back is dropped. What lies between two paths in the circuit is one straight travel.
+/// there and the return to it is dropped. What lies between two paths in the circuit is one straight travel.
 ///
 /// A closed path is a node that is joined to itself, as the start is: it is entered and left at one vertex, at first the one that
 /// the shortest link of a spanning tree over all vertices touches. (As a circuit of all its vertices a loop would seem to carry

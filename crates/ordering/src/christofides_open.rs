@@ -1,4 +1,4 @@
-//! Christofides' heuristic without a way back.
+//! Christofides' heuristic without the return to the start.
 
 use super::christofides::{Ending, solve};
 use super::options::Effort;

@@ -27,7 +27,7 @@ pub struct TravelTime {
     pub stop_s: f64,
     /// Travels from one island to another that are longer than this are retracted, mm.
     pub retract_from_mm: f64,
-    /// Travels inside of an island that are longer than this are retracted, mm: no less than the other.
+    /// Travels inside an island that are longer than this are retracted, mm: no less than the other.
     pub retract_inside_from_mm: f64,
     /// Pulling back, lifting, lowering and pushing forward again, seconds.
     pub retract_s: f64,
@@ -62,7 +62,7 @@ pub fn trapezoid_s(length_mm: f64, speed: f64, acceleration: f64, cruise_ratio: 
 }
 
 impl Cost {
-    /// Cost of a travel of this length, inside of an island or from one to another: millimetres or seconds.
+    /// Cost of a travel of this length, inside an island or from one to another: millimetres or seconds.
     #[inline]
     pub fn of(&self, length_mm: f64, inside: bool) -> f64 {
         match self {
@@ -90,7 +90,7 @@ pub fn evaluate(problem: &Problem, sequence: &[Visit], cost: &Cost) -> f64 {
     links.chain(end).sum()
 }
 
-/// Length of the link to each visit of a solution, in millimetres, and whether it is inside of an island. None leads from
+/// Length of the link to each visit of a solution, in millimetres, and whether it is inside an island. None leads from
 /// anywhere.
 pub fn links(problem: &Problem, sequence: &[Visit]) -> impl Iterator<Item = (f64, bool)> {
     let mut at = (problem.start, None);

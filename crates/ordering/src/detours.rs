@@ -43,7 +43,7 @@ pub struct Detours<'a> {
 }
 
 impl<'a> Detours<'a> {
-    /// Those of layers with so many items each, which are numbered through, each layer with its router.
+    /// Those of layers with this many items each, which are numbered through, each layer with its router.
     pub fn new(
         rule: DetourRule,
         cost: Cost,

@@ -5,7 +5,7 @@ use super::detours::Detours;
 use super::options::Effort;
 use super::problem::{Problem, Sequence};
 
-/// A way of ordering a layer.
+/// A strategy that orders a layer.
 pub trait Strategy: Sync {
     /// Draws every item of the problem once, precedence kept (see [`super::check`]), and tries to keep the
     /// links cheap (see [`super::evaluate`]). The same arguments give the same sequence on every machine
@@ -23,10 +23,10 @@ pub trait Strategy: Sync {
     }
 }
 
-/// What a strategy may be told beyond the problem.
+/// What a strategy may be given besides the problem.
 #[derive(Clone, Debug, Default)]
 pub struct Known<'a> {
-    /// What links inside of islands cost, where they lead round something; `None`: they go straight.
+    /// What links inside islands cost, where they lead round something; `None`: they go straight.
     pub detours: Option<&'a Detours<'a>>,
     /// A solution that the strategy found before it was known where the nozzle comes from and where it goes to.
     pub solved: Option<Sequence>,

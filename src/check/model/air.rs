@@ -16,7 +16,7 @@ const GAP_MM: f64 = 0.4;
 /// Ends nearer than this close a loop.
 const CLOSED_MM: f64 = 0.3;
 
-/// What stands already: the model and what is not told apart from it, and support.
+/// What stands already: the model and what cannot be distinguished from it, and support.
 pub(super) struct Ground {
     pub part: Relief,
     pub support: Relief,

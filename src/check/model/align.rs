@@ -14,7 +14,7 @@ use crate::mesh::Mesh;
 use crate::profile::Settings;
 use geometry::{EdgeGrid, Point, Region};
 
-/// At a place at least this share of the beads lies in the sections.
+/// At a position at least this share of the beads lies in the sections.
 const FOUND: f64 = 0.6;
 /// Or this share, where all outlines are there.
 const PART: f64 = 0.05;
@@ -33,7 +33,7 @@ const TRIED: usize = 100;
 /// Islands smaller than this say little.
 const SPECK_MM2: f64 = 0.5;
 
-/// A body in its place.
+/// A body at its position.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Placed {
     pub body: usize,
@@ -59,7 +59,7 @@ struct Shape {
     may: Vec<Region>,
 }
 
-/// A place where bodies of a kind may be.
+/// A position where bodies of a kind may be.
 struct Candidate {
     kind: usize,
     quarters: u32,
@@ -133,7 +133,7 @@ impl Search<'_> {
         });
         let [low, high] = joined.unwrap_or_default();
         let middle = [0, 1].map(|i| (low[i] + high[i]) / 2.0);
-        let to = |place: [f64; 2]| [place[0] - middle[0], place[1] - middle[1]];
+        let to = |point: [f64; 2]| [point[0] - middle[0], point[1] - middle[1]];
         let extents = self.survey.extents().into_iter().flatten().map(|extent| to(extent.middle()));
         let mut candidates: Vec<[f64; 2]> =
             extents.chain([to(self.settings.bed.middle_mm()), [0.0; 2]]).collect();
@@ -195,7 +195,7 @@ impl Search<'_> {
         votes.into_iter().take(TRIED).map(|(count, sum)| sum.map(|mm| mm / count as f64)).collect()
     }
 
-    /// Each body by itself, as often as it is there, turned by less than so many quarters: where its walls fit best comes
+    /// Each body by itself, as often as it is there, turned by less than this many quarters: where its walls fit best comes
     /// first.
     fn one_by_one(&self, bottom_mm: f64, quarters: u32) -> (Fit, Found) {
         let kinds = self.kinds();
@@ -236,7 +236,7 @@ impl Search<'_> {
             if self.outlined(&shape.must, by, &taken) < OUTLINED {
                 continue;
             }
-            // Bodies of one kind are told apart by their order alone.
+            // Bodies of one kind are distinguished by their order alone.
             let body = kinds[kind].get(counts[kind]).copied().unwrap_or(kinds[kind][0]);
             counts[kind] += 1;
             let [own, other] = [kinds[kind][0], body].map(|body| self.middle(body, quarters));
@@ -323,7 +323,7 @@ fn alike(a: &Mesh, b: &Mesh) -> bool {
         && close(a.volume_and_area().0, b.volume_and_area().0)
 }
 
-/// Whether two bodies differ by less than can be told from a print.
+/// Whether two bodies differ by less than can be measured in a print.
 fn near_alike(a: &Mesh, b: &Mesh) -> bool {
     (0..3).all(|i| (a.size()[i] - b.size()[i]).abs() < ALIKE_MM)
 }

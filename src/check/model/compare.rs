@@ -96,7 +96,7 @@ struct LayerNow {
     level_mm: f64,
     risen_mm: f64,
     /// Its first line, and its number.
-    place: (usize, Option<usize>),
+    location: (usize, Option<usize>),
 }
 
 struct Print<'a> {
@@ -118,14 +118,20 @@ struct Print<'a> {
 }
 
 impl Print<'_> {
-    fn bead(&mut self, stroke: &Stroke, part: bool, height_mm: Option<f64>, place: (usize, Option<usize>)) {
+    fn bead(
+        &mut self,
+        stroke: &Stroke,
+        part: bool,
+        height_mm: Option<f64>,
+        location: (usize, Option<usize>),
+    ) {
         // Parts of a scarf seam, or of a spiral, lie lower than their layer.
         let z_mm = if part { self.levels.rises_to_mm(stroke.to[2]) } else { stroke.to[2] };
         if self.layer.as_ref().is_none_or(|layer| (layer.level.z_mm - z_mm).abs() > 1e-3) {
             self.end_layer();
-            self.begin_layer(z_mm, height_mm, place);
+            self.begin_layer(z_mm, height_mm, location);
         }
-        self.last = place;
+        self.last = location;
         let Some(layer) = &mut self.layer else { return };
         let length_mm =
             if z_mm - stroke.to[2] > SLACK_MM { &mut layer.risen_mm } else { &mut layer.level_mm };
@@ -146,7 +152,7 @@ impl Print<'_> {
         layer.beads.push((*stroke, width_mm, part));
     }
 
-    fn begin_layer(&mut self, z_mm: f64, height_mm: Option<f64>, place: (usize, Option<usize>)) {
+    fn begin_layer(&mut self, z_mm: f64, height_mm: Option<f64>, location: (usize, Option<usize>)) {
         let index = self.levels.find(z_mm);
         let known = index.map(|index| self.levels.all()[index]);
         let level = known.unwrap_or(Level { z_mm, height_mm: height_mm.unwrap_or(0.2) });
@@ -162,7 +168,7 @@ impl Print<'_> {
             extra_at: None,
             level_mm: 0.0,
             risen_mm: 0.0,
-            place,
+            location,
         });
     }
 
@@ -189,7 +195,7 @@ impl Print<'_> {
             let relief = if *part { &mut self.ground.part } else { &mut self.ground.support };
             relief.paint(stroke, *width_mm);
         }
-        let (line, number) = layer.place;
+        let (line, number) = layer.location;
         if let Some([x, y, z]) = layer.extra_at.filter(|_| layer.extra_mm > EXTRA_MM) {
             self.model.extra_mm += layer.extra_mm;
             self.found.add(Kind::ExtraMaterial, line, number, || {

@@ -69,8 +69,8 @@ pub fn against<R: Read>(
             .iter()
             .map(|placed| bodies[placed.body].1.clone().quarter_turned(placed.quarters))
             .collect();
-        let place = |placed: &Placed| Point::from_mm(placed.at_mm[0], placed.at_mm[1]);
-        let in_place = turned.iter().zip(&result.placed).map(|(mesh, placed)| (mesh, vec![place(placed)]));
+        let position = |placed: &Placed| Point::from_mm(placed.at_mm[0], placed.at_mm[1]);
+        let in_place = turned.iter().zip(&result.placed).map(|(mesh, placed)| (mesh, vec![position(placed)]));
         let sections = Sections::new(in_place, &levels, result.bottom_mm, settings);
         model.mesh_volume_mm3 = result.placed.iter().map(|placed| volume_mm3(placed.body)).sum();
         let at_mm = |placed: &Placed| [placed.at_mm[0], placed.at_mm[1], result.bottom_mm];

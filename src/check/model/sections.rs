@@ -14,12 +14,12 @@ const HALF_BEAD_MM: f64 = 0.25;
 const HALF_TIP_MM: f64 = 0.15;
 /// Outlines are looked at every so often.
 const STEP_MM: f64 = 0.4;
-/// Beads may lie so far outside of the section.
+/// Beads may lie so far outside the section.
 const AROUND_MM: f64 = 0.6;
 
-/// Bodies in their places, cut.
+/// Bodies at their positions, cut.
 pub(super) struct Sections<'a> {
-    /// Each with its places on the bed.
+    /// Each with its positions on the bed.
     bodies: Vec<(Cutter<'a>, Vec<Point>)>,
     count: usize,
     top_mm: f64,
@@ -52,8 +52,9 @@ impl<'a> Sections<'a> {
         let bodies: Vec<(&Mesh, Vec<Point>)> = bodies.into_iter().collect();
         let tops = bodies.iter().map(|(mesh, _)| bottom_mm + mesh.bounds()[1][2]);
         let top_mm = tops.fold(bottom_mm, f64::max);
-        let cutter =
-            |(mesh, places): (&'a Mesh, Vec<Point>)| (Cutter::new(mesh, &spans, &settings.layer), places);
+        let cutter = |(mesh, positions): (&'a Mesh, Vec<Point>)| {
+            (Cutter::new(mesh, &spans, &settings.layer), positions)
+        };
         let bodies = bodies.into_iter().map(cutter).collect();
         Self { bodies, count: levels.len(), top_mm }
     }
@@ -80,9 +81,9 @@ impl<'a> Sections<'a> {
 
     fn cuts(&self, index: usize) -> [Region; 2] {
         [2 * index, 2 * index + 1].map(|cut| {
-            let parts = self.bodies.iter().flat_map(|(cutter, places)| {
+            let parts = self.bodies.iter().flat_map(|(cutter, positions)| {
                 let section = cutter.section(cut).0;
-                places.iter().map(move |place| section.translated(*place)).collect::<Vec<_>>()
+                positions.iter().map(move |position| section.translated(*position)).collect::<Vec<_>>()
             });
             let mut parts: Vec<Region> = parts.collect();
             if parts.len() == 1 { parts.swap_remove(0) } else { union_all(&parts) }

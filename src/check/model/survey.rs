@@ -14,7 +14,7 @@ pub(super) struct Extent {
 }
 
 impl Extent {
-    /// Makes the box reach a place.
+    /// Extends the box to a point.
     pub fn add(extent: &mut Option<Self>, [x, y, _]: [f64; 3]) {
         let e = extent.get_or_insert(Self { low: [x, y], high: [x, y] });
         (e.low, e.high) = ([e.low[0].min(x), e.low[1].min(y)], [e.high[0].max(x), e.high[1].max(y)]);
@@ -133,7 +133,7 @@ impl Survey {
         self.outer.is_some() || !self.roles
     }
 
-    /// Volume of the model's beads; of all, where they cannot be told apart.
+    /// Volume of the model's beads; of all, where they cannot be distinguished.
     pub(super) fn part_volume_mm3(&self, area_mm2: f64) -> f64 {
         let [length_mm, volume_mm3] = if self.roles { self.part } else { self.whole };
         length_mm * area_mm2 + volume_mm3

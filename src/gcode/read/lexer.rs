@@ -18,7 +18,7 @@ pub struct Code {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Words {
     given: u32,
-    /// Whether they are written in another way than slicers write nearly all.
+    /// Whether they are written in another form than slicers write nearly all.
     odd: bool,
     values: [f64; 26],
 }
@@ -238,7 +238,7 @@ impl Cursor<'_> {
     }
 }
 
-/// The eight bytes from a place on; zeros behind the end.
+/// The eight bytes from a position on; zeros behind the end.
 fn eight(bytes: &[u8], at: usize) -> u64 {
     let rest = bytes.get(at..).unwrap_or_default();
     match (rest.first_chunk(), bytes.last_chunk()) {

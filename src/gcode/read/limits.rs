@@ -16,7 +16,7 @@ pub(super) struct Limits {
 
 /// What a command makes of the time.
 pub(super) enum Effect {
-    /// The moves before it are brought to an end, then the machine waits so many seconds.
+    /// The moves before it are brought to an end, then the machine waits this many seconds.
     Wait(f64),
     /// Nothing.
     None,
@@ -144,7 +144,7 @@ fn axes(number: u32, words: &Words, machine: &mut Machine) {
     }
 }
 
-/// Firmware retraction: M207, and M208 for the way back. Speeds are a minute's.
+/// Firmware retraction: M207, and M208 for the unretraction. Speeds are a minute's.
 fn retraction(number: u32, words: &Words, machine: &mut Machine) {
     let retraction = &mut machine.retraction;
     let length = words.get(b'S').filter(|s| *s >= 0.0);

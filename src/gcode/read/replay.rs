@@ -21,7 +21,7 @@ pub struct Stroke {
     pub to: [f64; 3],
     /// The circle, of G2 and G3.
     pub arc: Option<Center>,
-    /// Length of the way in X and Y.
+    /// Length of the move in X and Y.
     pub xy_mm: f64,
     /// Filament fed (negative: pulled back).
     pub e_mm: f64,
@@ -38,7 +38,7 @@ pub struct Stroke {
 }
 
 impl Stroke {
-    /// The position after a share (0 to 1) of the way.
+    /// The position after a share (0 to 1) of the move.
     pub fn at(&self, share: f64) -> [f64; 3] {
         let straight = [0, 1, 2].map(|i| self.from[i] + (self.to[i] - self.from[i]) * share);
         let Some(center) = self.arc.filter(|_| share < 1.0) else { return straight };
@@ -57,7 +57,7 @@ impl Stroke {
         if self.volumetric { self.fresh_mm } else { self.fresh_mm * filament_area_mm2 }
     }
 
-    /// Whether it puts down filament on the way. Lengths below a picometre are none.
+    /// Whether it extrudes while moving in X and Y. Lengths below a picometre are none.
     pub fn extrudes(&self) -> bool {
         self.e_mm > 1e-9 && self.xy_mm > 1e-9
     }

@@ -67,7 +67,7 @@ impl Lattice {
         Ok(Self { radius, cap, mode, ball_radius, beams: Vec::new(), balls: Vec::new() })
     }
 
-    /// Adds the beam of a tag, between two of so many vertices.
+    /// Adds the beam of a tag, between two of this many vertices.
     ///
     /// # Errors
     /// A vertex that is not there, a radius that is none, a cap that does not exist.
@@ -86,7 +86,7 @@ impl Lattice {
         Ok(())
     }
 
-    /// Adds the ball of a tag, on one of so many vertices.
+    /// Adds the ball of a tag, on one of this many vertices.
     ///
     /// # Errors
     /// A vertex that is not there, no radius.

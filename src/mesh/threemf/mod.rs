@@ -48,7 +48,7 @@ impl Format for ThreeMf {
         data.starts_with(b"PK\x03\x04") || data.starts_with(b"PK\x05\x06") || has_extension(path, "3mf")
     }
 
-    /// One object for each object that the build names, with the places of all items that differ by a shift alone.
+    /// One object for each object that the build names, with the positions of all items that differ by a shift alone.
     fn read(&self, path: &Path, data: &[u8]) -> Result<Contents, MeshError> {
         let mut package = Package::open(path, data)?;
         let root = package.root.clone();
@@ -88,7 +88,7 @@ struct Budget {
     skipped: usize,
 }
 
-/// A mesh in its place.
+/// A mesh at its position.
 struct Instance {
     part: String,
     object: u32,

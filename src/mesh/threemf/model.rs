@@ -100,7 +100,7 @@ pub(super) fn read(mut reader: NsReader<impl BufRead>) -> Result<Part, Refusal> 
         buffer.clear();
         let at = reader.buffer_position();
         let (namespace, event) =
-            reader.read_resolved_event_into(&mut buffer).map_err(|e| place(at, &e.to_string()))?;
+            reader.read_resolved_event_into(&mut buffer).map_err(|e| located(at, &e.to_string()))?;
         let within = |address: &str| matches!(namespace, ResolveResult::Bound(Namespace(n)) if n == address);
         let (core, lattice) = (within(CORE), within(BEAMS) || within(BALLS));
         match event {
@@ -113,7 +113,9 @@ pub(super) fn read(mut reader: NsReader<impl BufRead>) -> Result<Part, Refusal> 
                         );
                         return Err(Refusal { problem, mend: PLAIN_MESH });
                     }
-                    object.lattice(&tag).map_err(|problem| place(at, &format!("object {id}: {problem}")))?;
+                    object
+                        .lattice(&tag)
+                        .map_err(|problem| located(at, &format!("object {id}: {problem}")))?;
                 }
             }
             Event::Start(tag) | Event::Empty(tag) if core => {
@@ -148,7 +150,7 @@ pub(super) fn read(mut reader: NsReader<impl BufRead>) -> Result<Part, Refusal> 
                     "item" => usage(&tag, part.unit_mm).map(|used| part.items.push(used)),
                     _ => Ok(()),
                 };
-                done.map_err(|problem| place(at, &problem))?;
+                done.map_err(|problem| located(at, &problem))?;
             }
             Event::End(tag) if core => match tag.local_name().into_inner() {
                 "object" => part.objects.extend(current.take().map(complete)),
@@ -156,10 +158,10 @@ pub(super) fn read(mut reader: NsReader<impl BufRead>) -> Result<Part, Refusal> 
                 _ => {}
             },
             Event::DocType(_) => {
-                return Err(place(at, "it has a document type, which 3MF does not allow").into());
+                return Err(located(at, "it has a document type, which 3MF does not allow").into());
             }
             Event::Eof if !begun => return Err(String::from("it holds no model").into()),
-            Event::Eof if !ended => return Err(place(at, "it ends early").into()),
+            Event::Eof if !ended => return Err(located(at, "it ends early").into()),
             Event::Eof => {
                 part.objects.extend(current.map(complete));
                 return Ok(part);
@@ -185,7 +187,7 @@ pub(super) fn extension_name(address: &str) -> String {
     }
 }
 
-fn place(at: u64, problem: &str) -> String {
+fn located(at: u64, problem: &str) -> String {
     format!("byte {at}: {problem}")
 }
 

@@ -393,7 +393,7 @@ pub(super) fn travel_acceleration(config: &Config) -> Outcome {
     acceleration_of(config, &["travel_acceleration"], "machine_max_acceleration_travel")
 }
 
-/// From filament to the way of a bead on the first layer.
+/// From filament to the length of a bead on the first layer.
 pub(super) fn skirt_length(config: &Config) -> Outcome {
     let Some(filament_mm) = config.number("min_skirt_length") else { return known(None) };
     if filament_mm == 0.0 {
@@ -699,7 +699,7 @@ pub(super) fn thumbnails(config: &Config) -> Outcome {
 
 pub(super) fn labels(config: &Config) -> Outcome {
     match config.text("gcode_label_objects") {
-        Some("octoprint") => Left("only the firmware's way of labels is written".into()),
+        Some("octoprint") => Left("only the firmware's own labels are written".into()),
         Some("firmware" | "1") => flag(true),
         _ => flag(false),
     }

@@ -1,6 +1,6 @@
 //! Configurations of PrusaSlicer, SuperSlicer and Slic3r as profiles.
 //!
-//! [`table`] says key by key what is taken over and how. What is not is told with the reason; nothing is guessed.
+//! [`table`] says key by key what is taken over and how. What is not is reported with the reason; nothing is guessed.
 
 mod config;
 mod convert;

@@ -21,7 +21,7 @@ const HEAD: &str = "# Configurations of other slicers\n\n\
     (`[presets]`), or the only one of each kind, with what they inherit inside of the file.\n\n\
     G-code scripts are taken over whole or not at all. Their placeholders become ours, and conditions on the\n\
     configuration itself (`{if filament_type[0] == \"PLA\"}`) are decided while it is read. With anything else in braces, the\n\
-    script of the profile before stays in force, and the reason is told. Heating that a script leaves out is added when\n\
+    script of the profile before stays in force, and the reason is reported. Heating that a script leaves out is added when\n\
     slicing, as after any profile: read the result before the first print.\n\n\
     This page is printed by `pathwright profiles imports`, and a test keeps it true.\n\n\
     ## Settings\n\n\

@@ -176,7 +176,7 @@ pub(super) const ROWS: &[Row] = &[
     same("skirt.distance", &["skirt_distance"]),
     same("skirt.layers", &["skirt_height"]),
     same("skirt.draft_shield", &["draft_shield"]),
-    with("skirt.min_length", &["min_skirt_length"], "from filament to way", c::skirt_length),
+    with("skirt.min_length", &["min_skirt_length"], "from filament to path length", c::skirt_length),
     with("brim.width", &["brim_width"], "0 where `brim_type` is `no_brim`", c::brim_width),
     same("brim.gap", &["brim_separation"]),
     with("brim.sides", &["brim_type"], "`outer_only`, `inner_only`, `outer_and_inner`", c::brim_sides),
@@ -363,7 +363,7 @@ pub(super) enum Idle {
 
 use Idle::{Always, At, Like, Without};
 
-/// Keys without a row that need not be told of, and when; `*` stands for any end. The first that fits holds.
+/// Keys without a row that need not be reported, and when; `*` stands for any end. The first that fits holds.
 pub(super) const IDLE: &[(&str, Idle)] = &[
     ("inherits*", Always),
     ("compatible_*", Always),

@@ -23,7 +23,7 @@ use super::spec::FillSpec;
 /// 62 m.
 const LEVELS: u32 = 15;
 
-/// The corner of the bed is the middle of the cube around everything, so many of the finest ones from its corner.
+/// The corner of the bed is the middle of the cube around everything, this many of the finest ones from its corner.
 const MIDDLE: f64 = (1_u32 << (LEVELS - 1)) as f64;
 
 /// The surface is felt this far around it, in sides of the finest divided cubes: everything nearer is fine.
@@ -36,7 +36,7 @@ const PLANES: f64 = 2.449_489_742_783_178;
 /// Parts of a plane this near to each other are one.
 const TOUCHING_MM: f64 = 1e-6;
 
-/// A cube by its place among those of its level, along the three axes.
+/// A cube by its position among those of its level, along the three axes.
 type Cube = [i32; 3];
 
 /// See the module. The default knows of no surface and has no cubes.
@@ -69,7 +69,7 @@ impl AdaptiveCubic {
         for _ in 0..=LEVELS {
             finest.sort_unstable_by_key(|cube| (height(cube), *cube));
             finest.dedup();
-            let coarser = finest.iter().map(|cube| cube.map(|place| place >> 1)).collect();
+            let coarser = finest.iter().map(|cube| cube.map(|index| index >> 1)).collect();
             cubes.levels.push(std::mem::replace(&mut finest, coarser));
         }
         cubes
@@ -130,7 +130,7 @@ impl AdaptiveCubic {
         })
     }
 
-    /// The place on the bed of a point of a plane.
+    /// The position on the bed of a point of a plane.
     fn place_mm(&self, axis: usize, number: i64, difference_mm: f64, z_mm: f64) -> [f64; 2] {
         let along_mm = (number as f64 / 2.0 - MIDDLE) * self.finest_mm;
         let sum_mm = z_mm * 3.0_f64.sqrt() - along_mm;
@@ -223,7 +223,7 @@ impl Facet {
         let [low, high] = [self.low, self.high].map(|corner| corner.map(|v| v.floor() as i32));
         let level = (0..32).find(|&level| (0..3).all(|i| low[i] >> level == high[i] >> level));
         if let Some(level) = level {
-            self.mark_in(low.map(|place| place >> level), level, cubes);
+            self.mark_in(low.map(|index| index >> level), level, cubes);
         }
     }
 
@@ -243,7 +243,7 @@ impl Facet {
     /// triangle does, and a few more beside its edges.
     fn is_near(&self, cube: Cube, level: u32) -> bool {
         let side = f64::from(1_u32 << level);
-        let from = cube.map(|place| f64::from(place) * side);
+        let from = cube.map(|index| f64::from(index) * side);
         let boxed = (0..3).all(|i| from[i] <= self.high[i] && from[i] + side >= self.low[i]);
         let middle = [0, 1, 2].map(|i| from[i] + side / 2.0 - self.corner[i]);
         let reach = (side / 2.0 + NEAR) * self.normal.iter().map(|v| v.abs()).sum::<f64>();

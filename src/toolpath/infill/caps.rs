@@ -12,7 +12,7 @@ const NARROWEST: f64 = 0.12;
 /// Beads shorter than this many distances are laid only where a line ends beside them.
 const SHORTEST: f64 = 1.2;
 
-/// A wedge is filled by a bead of its own that is at least so many distances long, which means that the lines meet the
+/// A wedge is filled by a bead of its own that is at least this many distances long, which means that the lines meet the
 /// boundary at less than 34°; steeper ends are joined with beads of full width.
 const SHORTEST_WEDGE: f64 = 1.5;
 

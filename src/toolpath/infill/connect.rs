@@ -208,7 +208,7 @@ impl Joiner<'_> {
 struct Around {
     stops: Vec<Stop>,
     /// Index into `stops` of both ends of each chord.
-    place: Vec<[u32; 2]>,
+    index_of: Vec<[u32; 2]>,
 }
 
 impl Around {
@@ -231,11 +231,11 @@ impl Around {
                 .then(a_key.1.total_cmp(&b_key.1))
                 .then((a.chord, a.side).cmp(&(b.chord, b.side)))
         });
-        let mut place = vec![[u32::MAX; 2]; chords.len()];
+        let mut index_of = vec![[u32::MAX; 2]; chords.len()];
         for (i, stop) in stops.iter().enumerate() {
-            place[stop.chord as usize][stop.side as usize] = i as u32;
+            index_of[stop.chord as usize][stop.side as usize] = i as u32;
         }
-        Self { stops, place }
+        Self { stops, index_of }
     }
 
     /// The chord end to go on to, with the join along the boundary.
@@ -247,7 +247,7 @@ impl Around {
         (chord, side): (usize, usize),
         joins: &Joins,
     ) -> Option<(Vec<Point>, (usize, usize))> {
-        let here = self.stops.get(self.place[chord][side] as usize)?;
+        let here = self.stops.get(self.index_of[chord][side] as usize)?;
         self.beside(chord, side)
             .into_iter()
             .filter_map(|(stop, ahead)| {
@@ -269,7 +269,7 @@ impl Around {
 
     /// The ends beside one that is on the boundary: ahead along the ring, and back. On a ring of its own it is both.
     fn beside(&self, chord: usize, side: usize) -> [(&Stop, bool); 2] {
-        let at = self.place[chord][side] as usize;
+        let at = self.index_of[chord][side] as usize;
         let ring = self.stops[at].on.ring;
         let forward = if at + 1 < self.stops.len() && self.stops[at + 1].on.ring == ring {
             at + 1

@@ -29,10 +29,10 @@ const EXACT: f64 = 0.002;
 /// The same for a single area, whose lines may else be laid otherwise.
 const NEAR_ENOUGH: f64 = 0.01;
 
-/// Of so many lines at least one is laid in narrow areas.
+/// Of this many lines at least one is laid in narrow areas.
 const SPARSEST: u32 = 5;
 
-/// Joined lines may hold so many times what they should before they are left apart: each line apart costs a travel, and
+/// Joined lines may hold this many times what they should before they are left apart: each line apart costs a travel, and
 /// that takes longer than a few millimetres of bead.
 const MOST_SHARE: f64 = 1.5;
 

@@ -1,4 +1,4 @@
-//! Branches that hold up roofs inside of the part and nothing else.
+//! Branches that hold up roofs inside the part and nothing else.
 //!
 //! Under every roof branches end so close to each other that no place of it is further than half the line distance from a
 //! branch or a wall. From layer to layer downwards they grow shorter and straighter, no faster than a wall may lean, until
@@ -32,7 +32,7 @@ const SMALLEST_ROOF: f64 = 0.5;
 /// What lightning has to know of a layer.
 #[derive(Clone, Debug, Default)]
 pub struct Hollow {
-    /// What lies inside of the middle of the walls.
+    /// What lies inside the middle of the walls.
     pub ground: Region,
     /// What sparse infill would fill.
     pub sparse: Region,

@@ -66,12 +66,12 @@ pub fn nearest_first(patches: &mut [SolidPatch]) {
     let mut ends: Vec<_> = patches.iter().map(SolidPatch::ends).collect();
     for next in 1..patches.len() {
         let from = &ends[next - 1][1];
-        let way_mm = |[to, _]: &[Vec<Point>; 2]| {
-            let ways = from.iter().flat_map(|a| to.iter().map(|b| a.distance_mm(*b)));
-            ways.fold(f64::INFINITY, f64::min)
+        let distance_mm = |[to, _]: &[Vec<Point>; 2]| {
+            let distances = from.iter().flat_map(|a| to.iter().map(|b| a.distance_mm(*b)));
+            distances.fold(f64::INFINITY, f64::min)
         };
-        let ways_mm = ends[next..].iter().map(way_mm).enumerate();
-        let nearest = ways_mm.min_by(|a, b| a.1.total_cmp(&b.1)).map_or(0, |(index, _)| index);
+        let distances_mm = ends[next..].iter().map(distance_mm).enumerate();
+        let nearest = distances_mm.min_by(|a, b| a.1.total_cmp(&b.1)).map_or(0, |(index, _)| index);
         patches[next..=next + nearest].rotate_right(1);
         ends[next..=next + nearest].rotate_right(1);
     }

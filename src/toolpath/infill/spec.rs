@@ -51,21 +51,21 @@ pub struct LineSet {
 }
 
 impl LineSet {
-    /// The way that they run.
+    /// The direction that they run in.
     pub fn direction(&self) -> Direction {
         Direction::of(self.angle_rad)
     }
 
-    /// How many lines a place is away from line 0, along the normal.
-    pub fn lines_to(&self, place: Point) -> f64 {
-        (self.direction().across_mm(place) - self.phase_mm) / self.distance_mm
+    /// How many lines a position is away from line 0, along the normal.
+    pub fn lines_to(&self, point: Point) -> f64 {
+        (self.direction().across_mm(point) - self.phase_mm) / self.distance_mm
     }
 }
 
 /// How line ends are treated.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Joins {
-    /// Ends are joined along the boundary where that way is at most this long, in millimetres.
+    /// Ends are joined along the boundary where that path is at most this long, in millimetres.
     pub longest_mm: f64,
     /// How far free ends reach beyond the boundary, in millimetres across it.
     pub reach_mm: f64,
@@ -96,7 +96,7 @@ pub struct Chord {
     pub line: i64,
 }
 
-/// One end of a chord, in its place on the boundary.
+/// One end of a chord, at its position on the boundary.
 #[derive(Clone, Copy)]
 pub(super) struct Stop {
     pub(super) chord: u32,

@@ -11,7 +11,7 @@ const STRAIGHT_MM: f64 = 0.01;
 /// Roots this near to the boundary stand on it, in millimetres.
 const ON_WALL_MM: f64 = 0.01;
 
-/// Edges are sorted into at most so many cells along a side.
+/// Edges are sorted into at most this many cells along a side.
 const MOST_CELLS: f64 = 1024.0;
 
 /// Branches come off this near to a node at the node itself, in reaches.
@@ -95,11 +95,11 @@ impl Forest {
 
     /// Takes nodes out; the parents of those that stay do so too.
     fn retain(&mut self, kept: &[bool]) {
-        let mut place = vec![ROOT; self.nodes.len()];
+        let mut index_of = vec![ROOT; self.nodes.len()];
         let mut nodes = Vec::with_capacity(self.nodes.len());
         for (i, node) in self.nodes.iter().enumerate().filter(|(i, _)| kept[*i]) {
-            place[i] = nodes.len() as u32;
-            let parent = if node.parent == ROOT { ROOT } else { place[node.parent as usize] };
+            index_of[i] = nodes.len() as u32;
+            let parent = if node.parent == ROOT { ROOT } else { index_of[node.parent as usize] };
             nodes.push(Node { parent, ..*node });
         }
         self.nodes = nodes;
@@ -111,7 +111,7 @@ impl Forest {
         let clipper = Clipper::new(region);
         let edges = EdgeGrid::new(region);
         let mut nodes: Vec<Node> = Vec::with_capacity(self.nodes.len());
-        let mut place = vec![ROOT; self.nodes.len()];
+        let mut index_of = vec![ROOT; self.nodes.len()];
         for (i, node) in self.nodes.iter().enumerate() {
             let at = Point::from_mm(node.at[0], node.at[1]);
             if !edges.contains(at) {
@@ -128,13 +128,13 @@ impl Forest {
                 let [x, y] = self.nodes[node.parent as usize].at;
                 let piece = clipper.clip(&[at, Point::from_mm(x, y)]).into_iter().next();
                 let whole = piece.as_ref().is_some_and(|p| p.points == [at, Point::from_mm(x, y)]);
-                match (place[node.parent as usize], piece) {
+                match (index_of[node.parent as usize], piece) {
                     (parent, _) if parent != ROOT && whole => parent,
                     (_, Some(piece)) if piece.points[0] == at => stand(piece.points[1].mm(), &mut nodes),
                     _ => ROOT,
                 }
             };
-            place[i] = nodes.len() as u32;
+            index_of[i] = nodes.len() as u32;
             nodes.push(Node { at: at.mm(), parent });
         }
         self.nodes = nodes;
@@ -188,7 +188,7 @@ impl Forest {
         self.nodes = nodes;
     }
 
-    /// A node at a place on the edge to another's parent, or a node near there.
+    /// A node at a position on the edge to another's parent, or a node near there.
     fn fork(&mut self, i: u32, at: [f64; 2], reach_mm: f64, near: &mut Near) -> u32 {
         let Node { at: tip, parent } = self.nodes[i as usize];
         if parent == ROOT || distance_mm(at, tip) < FORK * reach_mm {
@@ -204,7 +204,7 @@ impl Forest {
         middle as u32
     }
 
-    /// A node's place and its parent's.
+    /// A node's index and its parent's.
     fn edge(&self, i: usize) -> [[f64; 2]; 2] {
         let Node { at, parent } = self.nodes[i];
         [at, self.nodes.get(parent as usize).map_or(at, |parent| parent.at)]
@@ -266,10 +266,10 @@ impl Near {
 
     /// The cells that a box comes into; beyond the points the nearest ones.
     fn cells(&self, from: [f64; 2], to: [f64; 2]) -> impl Iterator<Item = usize> + use<> {
-        let place = |at: [f64; 2]| {
+        let cell = |at: [f64; 2]| {
             [0, 1].map(|i| (((at[i] - self.low[i]) / self.cell_mm).max(0.0) as usize).min(self.size[i] - 1))
         };
-        let ([x0, y0], [x1, y1], columns) = (place(from), place(to), self.size[0]);
+        let ([x0, y0], [x1, y1], columns) = (cell(from), cell(to), self.size[0]);
         (y0..=y1).flat_map(move |y| (x0..=x1).map(move |x| y * columns + x))
     }
 
@@ -280,7 +280,7 @@ impl Near {
         }
     }
 
-    /// The node whose edge to its parent comes nearest to a place, at most so far away, and where it does.
+    /// The node whose edge to its parent comes nearest to a position, at most so far away, and where it does.
     fn nearest(&self, forest: &Forest, p: [f64; 2], within_mm: f64) -> Option<(u32, [f64; 2])> {
         let mut reach_mm = self.cell_mm.min(within_mm);
         loop {
@@ -300,7 +300,7 @@ impl Near {
     }
 }
 
-/// The nearest place on the boundary, and how far it is.
+/// The nearest position on the boundary, and how far it is.
 fn on_boundary(edges: &EdgeGrid, p: Point) -> Option<([f64; 2], f64)> {
     let mut near = Vec::new();
     let mut reach_mm = 1.0;
@@ -321,7 +321,7 @@ fn on_boundary(edges: &EdgeGrid, p: Point) -> Option<([f64; 2], f64)> {
     None
 }
 
-/// The nearest place to another on a line between two.
+/// The nearest position to another on a line between two.
 fn foot(p: [f64; 2], a: [f64; 2], b: [f64; 2]) -> [f64; 2] {
     let length2 = (b[0] - a[0]).powi(2) + (b[1] - a[1]).powi(2);
     let along = (p[0] - a[0]) * (b[0] - a[0]) + (p[1] - a[1]) * (b[1] - a[1]);
@@ -329,7 +329,7 @@ fn foot(p: [f64; 2], a: [f64; 2], b: [f64; 2]) -> [f64; 2] {
     [0, 1].map(|i| a[i] + t * (b[i] - a[i]))
 }
 
-/// A place moved so far towards another, at most to it.
+/// A position moved so far towards another, at most to it.
 fn towards(from: [f64; 2], to: [f64; 2], by_mm: f64) -> [f64; 2] {
     let t = (by_mm / distance_mm(from, to).max(f64::MIN_POSITIVE)).min(1.0);
     [0, 1].map(|i| from[i] + t * (to[i] - from[i]))

@@ -25,18 +25,18 @@ impl Frame {
         Self { sin, cos }
     }
 
-    /// A point of the plane from its place in the frame, in millimetres; as [`on_grid`].
+    /// A point of the plane from its position in the frame, in millimetres; as [`on_grid`].
     pub fn point(&self, [u, v]: [f64; 2]) -> Point {
         on_grid([u * self.cos - v * self.sin, u * self.sin + v * self.cos])
     }
 
     /// Least and greatest `u` and `v` of a region's vertices, in millimetres; `None` of an empty one.
     pub fn extent_mm(&self, region: &Region) -> Option<[[f64; 2]; 2]> {
-        let places = region.polygons.iter().flat_map(|polygon| &polygon.outer).map(|p| {
+        let points = region.polygons.iter().flat_map(|polygon| &polygon.outer).map(|p| {
             let [x, y] = p.mm();
             [x * self.cos + y * self.sin, y * self.cos - x * self.sin]
         });
-        places.fold(None, |extent, at| {
+        points.fold(None, |extent, at| {
             let [low, high] = extent.unwrap_or([at; 2]);
             Some([[0, 1].map(|i| low[i].min(at[i])), [0, 1].map(|i| high[i].max(at[i]))])
         })

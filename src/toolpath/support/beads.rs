@@ -183,14 +183,14 @@ fn joined(lines: Vec<(i64, [Point; 2])>, area: &Region, longest_mm: f64) -> Vec<
         };
         let recent = chains.iter_mut().rev().take(RECENT);
         let chain =
-            recent.filter(|(last, _)| *last + 1 == track).find(|(_, way)| way.last().is_some_and(near));
-        let Some((last, way)) = chain else {
+            recent.filter(|(last, _)| *last + 1 == track).find(|(_, path)| path.last().is_some_and(near));
+        let Some((last, path)) = chain else {
             chains.push((track, vec![a, b]));
             continue;
         };
-        let a_first = way.last().is_some_and(|end| a.distance_mm(*end) <= b.distance_mm(*end));
-        way.extend(if a_first { [a, b] } else { [b, a] });
+        let a_first = path.last().is_some_and(|end| a.distance_mm(*end) <= b.distance_mm(*end));
+        path.extend(if a_first { [a, b] } else { [b, a] });
         *last = track;
     }
-    chains.into_iter().map(|(_, way)| way).collect()
+    chains.into_iter().map(|(_, path)| path).collect()
 }

@@ -65,7 +65,7 @@ impl Grid {
         [x0 + (x as f64 + 0.5) * self.cell_mm(), y0 + (y as f64 + 0.5) * self.cell_mm()]
     }
 
-    /// How far a place lies inside of the grid's edges, in millimetres; 0 outside.
+    /// How far a position lies inside the grid's edges, in millimetres; 0 outside.
     pub fn inside_mm(&self, [x, y]: [f64; 2]) -> f64 {
         let [x0, y0] = self.origin.mm();
         let [width, depth] = [self.columns, self.rows].map(|cells| cells as f64 * self.cell_mm());
@@ -144,13 +144,13 @@ impl Bitmap {
         f64::from(count) * self.grid.cell_mm().powi(2)
     }
 
-    /// Whether a cell is in it; cells outside of the grid are not.
+    /// Whether a cell is in it; cells outside the grid are not.
     pub fn has(&self, [x, y]: [usize; 2]) -> bool {
         let inside = x < self.grid.columns && y < self.grid.rows;
         inside && self.words[y * self.grid.stride() + x / WORD] >> (x % WORD) & 1 == 1
     }
 
-    /// Whether the cell at a place is in it.
+    /// Whether the cell at a position is in it.
     pub fn has_at(&self, p: Point) -> bool {
         self.grid.cell_at(p).is_some_and(|cell| self.has(cell))
     }
@@ -199,7 +199,7 @@ impl Bitmap {
         self.words.iter_mut().zip(&other.words).for_each(|(a, b)| *a &= b);
     }
 
-    /// With everything within about so many cells: an octagon around each.
+    /// With everything within about this many cells: an octagon around each.
     pub fn grown(&self, cells: usize) -> Self {
         let mut map = self.clone();
         for step in 0..cells {
@@ -214,7 +214,7 @@ impl Bitmap {
         map
     }
 
-    /// The union of all squares of so many cells that fit: what is narrower vanishes.
+    /// The union of all squares of this many cells that fit: what is narrower vanishes.
     pub fn opened(&self, side: usize) -> Self {
         let mut map = self.clone();
         for axis in [[-1, 0], [0, -1]] {
@@ -238,14 +238,14 @@ impl Bitmap {
         }
     }
 
-    /// With gaps and holes filled that are narrower than about twice so many cells.
+    /// With gaps and holes filled that are narrower than about twice this many cells.
     pub fn closed(&self, cells: usize) -> Self {
         let mut map = self.grown(cells).shrunk(cells);
         map.add(self);
         map
     }
 
-    /// Without everything within about so many cells of what it does not have; beyond the grid is everything.
+    /// Without everything within about this many cells of what it does not have; beyond the grid is everything.
     pub fn shrunk(&self, cells: usize) -> Self {
         self.inverted().grown(cells).inverted()
     }
@@ -257,7 +257,7 @@ impl Bitmap {
         map
     }
 
-    /// Combines it, word by word, with another set of the same grid moved by so many cells, fewer than 64 to a side.
+    /// Combines it, word by word, with another set of the same grid moved by this many cells, fewer than 64 to a side.
     /// Bits beyond the last column may be left over.
     fn merge(&mut self, other: &Self, [right, up]: [isize; 2], op: impl Fn(u64, u64) -> u64) {
         let stride = self.grid.stride();

@@ -6,10 +6,10 @@ use super::beads::SHORTEST_MM;
 use crate::toolpath::{Path, Width};
 use geometry::{EdgeGrid, Point, Polygon, Region};
 
-/// A bead lies on another if their middles are at most so many widths apart: half of it at least is carried.
+/// A bead lies on another if their middles are at most this many widths apart: half of it at least is carried.
 const CARRIED: f64 = 1.0;
 
-/// Places along a bead are tried this far apart, in millimetres.
+/// Positions along a bead are tried this far apart, in millimetres.
 const STEP_MM: f64 = 0.1;
 
 /// What a layer of support rests on.
@@ -72,11 +72,11 @@ impl<'a> Ground<'a> {
         bead.points.windows(2).enumerate().find_map(|(i, ends)| {
             let ([ax, ay], [bx, by]) = (ends[0].mm(), ends[1].mm());
             let steps = (ends[0].distance_mm(ends[1]) / STEP_MM).ceil();
-            let places = (0..=steps as usize).map(|k| {
+            let points = (0..=steps as usize).map(|k| {
                 let t = k as f64 / steps.max(1.0);
                 Point::from_mm(ax + t * (bx - ax), ay + t * (by - ay))
             });
-            places.into_iter().find(|&p| self.carries(p, bead)).map(|p| (i + 1, p))
+            points.into_iter().find(|&p| self.carries(p, bead)).map(|p| (i + 1, p))
         })
     }
 

@@ -1,6 +1,6 @@
 //! Branches that grow down from what is to be held, lean towards each other, merge, and keep clear of the part.
 //!
-//! For every layer the places are known from which a branch, leaning no more than it may, still finds its way down to
+//! For every layer the positions are known from which a branch, leaning no more than it may, still finds its way down to
 //! the bed ([`avoidance`]); a branch stays there if it can, and otherwise ends on the part. The idea of such
 //! avoidance areas is that of J. Vanek, J. A. G. Galicia and B. Benes, Clever Support, Computer Graphics Forum 33 (2014),
 //! doi:10.1111/cgf.12437, as slicers have made it layer by layer.
@@ -187,7 +187,7 @@ fn step(branch: &Branch, avoided: &Bitmap, lean_mm: f64) -> [f64; 2] {
     nearest.map_or(branch.at, |(_, cell)| toward(branch.at, grid.middle_mm(cell), lean_mm))
 }
 
-/// From one place to another, but no further than so much.
+/// From one position to another, but no further than so much.
 fn toward(from: [f64; 2], to: [f64; 2], most_mm: f64) -> [f64; 2] {
     let away_mm = distance_mm(from, to);
     let share = if away_mm > most_mm { most_mm / away_mm } else { 1.0 };
@@ -268,7 +268,7 @@ fn look_around(branches: &mut [Branch], meet_mm: f64) {
     branches.iter_mut().zip(goals).for_each(|(branch, goal)| branch.goal = goal);
 }
 
-/// Branches by squares of the plane, to find those near a place.
+/// Branches by squares of the plane, to find those near a position.
 struct Buckets {
     side_mm: f64,
     /// Square and branch, sorted.

@@ -6,7 +6,7 @@ class App {
     this.layers = Math.max(...prints.map((print) => print.layers));
     const several = prints.length > 1;
     this.state = {
-      mode: "2d", layer: 0, way: Infinity, color: "role", playing: false, theme: null,
+      mode: "2d", layer: 0, progress: Infinity, color: "role", playing: false, theme: null,
       // In space travel and marks hide more than they tell.
       hiddenIn: { "2d": new Set(several ? ["mark-0", "mark-1", "mark-2"] : ["mark-1"]), "3d": new Set(["role-13", "mark-0", "mark-1", "mark-2"]) },
     };
@@ -34,21 +34,21 @@ class App {
 
   /** The first view: several prints at the layer where they differ most, one print as a whole if there is any. */
   begin(several) {
-    const wish = new URLSearchParams(location.hash.slice(1));
+    const query = new URLSearchParams(location.hash.slice(1));
     const spread = (layer) => {
-      const ways = this.prints.map((print) => print.travel[layer] ?? 0);
-      return Math.max(...ways) - Math.min(...ways);
+      const travels = this.prints.map((print) => print.travel[layer] ?? 0);
+      return Math.max(...travels) - Math.min(...travels);
     };
     let busiest = 0;
     for (let layer = 1; layer < this.layers; layer++) if (spread(layer) > spread(busiest)) busiest = layer;
-    this.state.theme = wish.get("theme") || (matchMedia("(prefers-color-scheme: dark)").matches ? "dark" : "light");
+    this.state.theme = query.get("theme") || (matchMedia("(prefers-color-scheme: dark)").matches ? "dark" : "light");
     document.documentElement.dataset.theme = this.state.theme;
-    if (wish.get("color") in COLORINGS) find("color").value = this.state.color = wish.get("color");
+    if (query.get("color") in COLORINGS) find("color").value = this.state.color = query.get("color");
     // Where nothing is extruded, travel is all there is to see.
-    const solid = !several && this.ways().some((way, role) => role < TRAVEL && way > 0);
-    this.setMode(wish.get("view") || (solid ? "3d" : "2d"));
-    this.goTo(wish.has("layer") ? wish.get("layer") - 1 : several ? busiest : this.layers - 1);
-    if (wish.has("way")) this.setWay(this.longest() * wish.get("way"));
+    const solid = !several && this.lengths().some((length, role) => role < TRAVEL && length > 0);
+    this.setMode(query.get("view") || (solid ? "3d" : "2d"));
+    this.goTo(query.has("layer") ? query.get("layer") - 1 : several ? busiest : this.layers - 1);
+    if (query.has("way")) this.setProgress(this.longest() * query.get("way"));
     this.colored();
   }
 
@@ -66,15 +66,15 @@ class App {
   }
 
   /** Length of each role over all prints, travel last. */
-  ways() {
-    this.wayCache ??= this.prints.reduce((sums, { points, role, strokes }) => {
+  lengths() {
+    this.lengthCache ??= this.prints.reduce((sums, { points, role, strokes }) => {
       for (let i = 0; i < strokes; i++) {
         const dx = points[3 * i + 3] - points[3 * i], dy = points[3 * i + 4] - points[3 * i + 1];
         sums[role[i]] += Math.sqrt(dx * dx + dy * dy);
       }
       return sums;
     }, new Float64Array(JUMP + 1)).slice(0, JUMP);
-    return this.wayCache;
+    return this.lengthCache;
   }
 
   markCounts() {
@@ -94,25 +94,25 @@ class App {
     this.schedule();
   }
 
-  goTo(layer, way = Infinity) {
+  goTo(layer, progress = Infinity) {
     const whole = Math.round(+layer) || 0;
     this.state.layer = Math.min(Math.max(whole, 0), this.layers - 1);
-    this.setWay(way);
+    this.setProgress(progress);
   }
 
-  setWay(seconds) {
-    this.state.way = Math.min(Math.max(seconds, 0), this.longest());
+  setProgress(seconds) {
+    this.state.progress = Math.min(Math.max(seconds, 0), this.longest());
     this.moved = true;
     this.schedule();
   }
 
   /** To the end of a stroke so many strokes from here, of the first print, also into the layers beside. */
   step(strokes) {
-    const pane = this.panes[0], { layer, stroke, part } = pane.at(this.state.layer, this.state.way);
+    const pane = this.panes[0], { layer, stroke, part } = pane.at(this.state.layer, this.state.progress);
     const wanted = stroke + strokes + (strokes < 0 && part < 1 ? 1 : 0), { first } = pane.print;
-    if (wanted < first[layer]) return layer > 0 ? this.goTo(layer - 1) : this.setWay(0);
-    if (wanted >= first[layer + 1]) return layer + 1 < this.layers ? this.goTo(layer + 1, 0) : this.setWay(Infinity);
-    this.setWay(pane.times[wanted - first[layer]]);
+    if (wanted < first[layer]) return layer > 0 ? this.goTo(layer - 1) : this.setProgress(0);
+    if (wanted >= first[layer + 1]) return layer + 1 < this.layers ? this.goTo(layer + 1, 0) : this.setProgress(Infinity);
+    this.setProgress(pane.times[wanted - first[layer]]);
   }
 
   toggle(key) {
@@ -182,13 +182,13 @@ class App {
     button.setAttribute("aria-pressed", on);
     button.setAttribute("aria-label", on ? "Pause" : "Play");
     if (!on) return;
-    if (state.way >= this.longest()) state.layer + 1 < this.layers && state.mode === "3d" ? this.goTo(state.layer + 1, 0) : this.setWay(0);
+    if (state.progress >= this.longest()) state.layer + 1 < this.layers && state.mode === "3d" ? this.goTo(state.layer + 1, 0) : this.setProgress(0);
     let before = performance.now();
     const tick = (now) => {
       if (!state.playing) return;
       const seconds = (Math.max(now - before, 0) / 1000) * +find("rate").value;
       before = now;
-      if (state.way < this.longest()) this.setWay(state.way + seconds);
+      if (state.progress < this.longest()) this.setProgress(state.progress + seconds);
       else if (state.layer + 1 < this.layers) this.goTo(state.layer + 1, 0);
       else return this.play(false);
       requestAnimationFrame(tick);
@@ -232,15 +232,15 @@ class App {
   }
 
   showText() {
-    const { state, prints, panes, layers } = this, layer = find("layer"), way = find("way"), longest = this.longest();
+    const { state, prints, panes, layers } = this, layer = find("layer"), slider = find("way"), longest = this.longest();
     const z = prints[0].z[Math.min(state.layer, prints[0].layers - 1)];
     layer.value = state.layer + 1;
-    way.max = longest || 1;
-    way.value = longest ? state.way : 1;
+    slider.max = longest || 1;
+    slider.value = longest ? state.progress : 1;
     find("layer-text").textContent = `${state.layer + 1} / ${layers} · ${fixed(z, 2)} mm`;
-    find("way-text").textContent = `${duration(state.way)} / ${duration(longest)}`;
+    find("way-text").textContent = `${duration(state.progress)} / ${duration(longest)}`;
     layer.setAttribute("aria-valuetext", `layer ${state.layer + 1} of ${layers}, at ${fixed(z, 2)} mm`);
-    way.setAttribute("aria-valuetext", `${duration(state.way)} of ${duration(longest)}`);
+    slider.setAttribute("aria-valuetext", `${duration(state.progress)} of ${duration(longest)}`);
     for (const { print, canvas, caption } of panes) {
       const i = Math.min(state.layer, print.layers - 1);
       const gap = gapOf(print.link[i], print.bound[i]);

@@ -24,8 +24,8 @@ class Charts {
 
   jump(canvas, event) {
     const box = canvas.getBoundingClientRect(), layers = this.app.layers;
-    const place = (event.clientX - box.left - INSET) / Math.max(box.width - 2 * INSET, 1);
-    this.app.goTo(Math.round(place * (layers - 1)));
+    const share = (event.clientX - box.left - INSET) / Math.max(box.width - 2 * INSET, 1);
+    this.app.goTo(Math.round(share * (layers - 1)));
   }
 
   /** Draws anew; `moved`: only the mark of the layer is elsewhere. */
@@ -55,9 +55,9 @@ class Charts {
     const curves = app.prints.map((print) => {
       const curve = new Float64Array(columns);
       for (let x = 0; x < columns; x++) {
-        // A layer owns the columns nearest to its place on the slider.
-        const place = (v) => Math.round((v / columns) * (layers - 1));
-        for (let layer = place(x); layer <= Math.max(place(x + 1) - 1, place(x)) && layer < print.layers; layer++) {
+        // A layer owns the columns nearest to its position on the slider.
+        const layerAt = (v) => Math.round((v / columns) * (layers - 1));
+        for (let layer = layerAt(x); layer <= Math.max(layerAt(x + 1) - 1, layerAt(x)) && layer < print.layers; layer++) {
           curve[x] = Math.max(curve[x], print[key][layer]);
         }
       }

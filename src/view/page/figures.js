@@ -57,7 +57,7 @@ function drawTable(root, prints, layer) {
   const least = values.map((column) => Math.min(...column.filter((v) => v !== null && v !== undefined)));
   const heads = (row) => row.map(([name]) => element("th", { scope: "col" }, name));
   root.replaceChildren(element("table", {},
-    element("caption", {}, "Links are the straight lines between paths, which ordering shortens; the gap is how far they are above what no order can beat."),
+    element("caption", {}, "Links are the straight lines between paths, which ordering shortens; the gap is how far they are above a length that no order can go below."),
     element("thead", {},
       element("tr", {}, element("th", { rowspan: 2 }, "Strategy"), element("th", { colspan: ofLayer }, `Layer ${layer + 1}`),
         element("th", { colspan: columns.length - ofLayer }, "Whole print")),

@@ -27,18 +27,18 @@ class Legend {
         : swatch;
       list.append(element("li", {}, element("label", {}, box, sample, label, element("span", { class: "share" }, share))));
     };
-    const ways = app.ways(), total = ways.reduce((sum, way) => sum + way, 0) || 1;
+    const lengths = app.lengths(), total = lengths.reduce((sum, length) => sum + length, 0) || 1;
     data.roles.forEach(({ label, color }, i) => {
-      if (ways[i] > 0) item(`role-${i}`, label, coloring ? "transparent" : color, percent(ways[i] / total));
+      if (lengths[i] > 0) item(`role-${i}`, label, coloring ? "transparent" : color, percent(lengths[i] / total));
     });
-    item(`role-${TRAVEL}`, "Travel", theme.travel, percent(ways[TRAVEL] / total), true);
+    item(`role-${TRAVEL}`, "Travel", theme.travel, percent(lengths[TRAVEL] / total), true);
     const counts = app.markCounts();
-    [["Retraction", "▼", theme.retraction], ["Un-retraction", "▲", theme.unretraction], ["Seam", "◆", theme.seam]]
+    [["Retraction", "▼", theme.retraction], ["Unretraction", "▲", theme.unretraction], ["Seam", "◆", theme.seam]]
       .forEach(([label, sign, color], i) => {
         const swatch = element("span", { style: `color: ${color}; width: 18px; text-align: center`, "aria-hidden": "true" }, sign);
         if (counts[i]) item(`mark-${i}`, label, swatch, app.prints.length > 1 ? "" : String(counts[i]));
       });
-    parts.push(element("h2", {}, "Share of the way"), list);
+    parts.push(element("h2", {}, "Share of the distance"), list);
     root.replaceChildren(...parts);
   }
 }

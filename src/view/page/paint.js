@@ -41,7 +41,7 @@ function scaleValues(values, low, high) {
 
 /** The ramp's colour for a value of 0..1, as CSS. */
 function rampColor(ramp, value) {
-  const place = Math.min(Math.max(value, 0), 1) * (ramp.length - 1), i = Math.min(Math.floor(place), ramp.length - 2);
+  const at = Math.min(Math.max(value, 0), 1) * (ramp.length - 1), i = Math.min(Math.floor(at), ramp.length - 2);
   const a = rgb(ramp[i]), b = rgb(ramp[i + 1]);
-  return `rgb(${a.map((c, k) => Math.round(255 * (c + (b[k] - c) * (place - i)))).join(" ")})`;
+  return `rgb(${a.map((c, k) => Math.round(255 * (c + (b[k] - c) * (at - i)))).join(" ")})`;
 }

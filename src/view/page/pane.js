@@ -48,7 +48,7 @@ class Pane {
     return { width: Math.max(clientWidth, 1), height: Math.max(clientHeight, 1), ratio: this.solid ? OVERSAMPLING : Math.min(devicePixelRatio || 1, 2) };
   }
 
-  /** Where the nozzle is so many seconds after the layer's start: stroke under way, and how much of it is done. */
+  /** Where the nozzle is this many seconds after the layer's start: the current stroke, and how much of it is done. */
   at(layer, seconds) {
     const { print } = this;
     layer = Math.min(layer, print.layers - 1);
@@ -66,7 +66,7 @@ class Pane {
   }
 
   draw(look, state, camera) {
-    const now = this.at(state.layer, state.way), size = this.size();
+    const now = this.at(state.layer, state.progress), size = this.size();
     this.drawn = size;
     this.painter.draw(look, now, camera, size);
     this.placeNozzle(now, camera, size);

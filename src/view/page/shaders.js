@@ -60,12 +60,12 @@ void main() {
     return;
   }
   float half_width = travels ? hair : max(0.5 * bead.x, 0.6 * pixel);
-  vec2 way = finish.xy - start.xy;
-  float way_mm = length(way);
-  vec2 along = way_mm > 0.0 ? way / way_mm : vec2(1.0, 0.0);
+  vec2 delta = finish.xy - start.xy;
+  float length_mm = length(delta);
+  vec2 along = length_mm > 0.0 ? delta / length_mm : vec2(1.0, 0.0);
   float reach = half_width + pixel;
-  place = vec2(corner.x > 0.0 ? way_mm + reach : -reach, corner.y * reach);
-  size = vec2(way_mm, half_width);
+  place = vec2(corner.x > 0.0 ? length_mm + reach : -reach, corner.y * reach);
+  size = vec2(length_mm, half_width);
   vec2 at = start.xy + along * place.x + vec2(-along.y, along.x) * place.y;
   gl_Position = vec4(at * view.xy + view.zw, 0.0, 1.0);
 }`;
@@ -87,7 +87,7 @@ void main() {
   result = vec4(color * (1.0 - 0.38 * rim), 1.0) * cover;
 }`;
 
-/** A bead in space: a roof along the way, with pointed ends, whose ridge is towards the eye. `corner`: end, side, up, tip. */
+/** A bead in space: a roof along the stroke, with pointed ends, whose ridge is towards the eye. `corner`: end, side, up, tip. */
 const SOLID_VERTEX = STROKE_HEAD + `
 uniform mat4 view;
 uniform float thin;
@@ -102,9 +102,9 @@ void main() {
     return;
   }
   vec2 half_size = travels ? vec2(thin) : max(0.5 * bead, vec2(0.35 * pixel));
-  vec3 way = finish - start;
-  float way_mm = length(way);
-  vec3 along = way_mm > 0.0 ? way / way_mm : vec3(1.0, 0.0, 0.0);
+  vec3 delta = finish - start;
+  float length_mm = length(delta);
+  vec3 along = length_mm > 0.0 ? delta / length_mm : vec3(1.0, 0.0, 0.0);
   vec3 side = abs(along.z) > 0.99 ? vec3(1.0, 0.0, 0.0) : normalize(vec3(-along.y, along.x, 0.0));
   vec3 up = upside * cross(along, side);
   vec3 at = mix(start, finish, corner.x) + side * corner.y * half_size.x + up * corner.z * half_size.y

@@ -109,7 +109,7 @@ function glance(print, step) {
     if (stays) z = print.z[layer];
     for (let i = first[layer]; stays && i < first[layer + 1]; i++) {
       if (!((OUTSIDE >> role[i]) & 1)) continue;
-      // A way from somewhere else begins with a jump there.
+      // A stroke from somewhere else begins with a jump there.
       if (end !== i) {
         kept.push(i);
         source.push(-1);

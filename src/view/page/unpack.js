@@ -102,8 +102,8 @@ function strokeTimes(print, layer) {
   for (let i = 0; i < count; i++) {
     const p = 3 * (first + i);
     if (role[first + i] !== JUMP) {
-      const way = Math.hypot(points[p + 3] - points[p], points[p + 4] - points[p + 1], points[p + 5] - points[p + 2]);
-      sum += way / Math.max(speed[first + i], 0.1);
+      const length = Math.hypot(points[p + 3] - points[p], points[p + 4] - points[p + 1], points[p + 5] - points[p + 2]);
+      sum += length / Math.max(speed[first + i], 0.1);
     }
     times[i] = sum;
   }

@@ -6,10 +6,10 @@ use super::{Facets, ball, inside_out};
 pub type Inside = ([f32; 3], f32);
 
 /// Breaks a mesh.
-pub type Way = fn(&Facets, Inside) -> Facets;
+pub type Breakage = fn(&Facets, Inside) -> Facets;
 
-/// Every way to break a mesh, by name.
-pub const WAYS: [(&str, Way); 8] = [
+/// Every kind of breakage, by name.
+pub const BREAKAGES: [(&str, Breakage); 8] = [
     ("holes", |good, _| holes(good)),
     ("30 % flipped", |good, _| flipped(good)),
     ("duplicated", |good, _| [good.clone(), good.clone()].concat()),
@@ -23,7 +23,7 @@ pub const WAYS: [(&str, Way); 8] = [
 /// Breaks a share of a mesh, where a number says.
 pub type Damage = fn(&Facets, f32, usize) -> Facets;
 
-/// Ways to break a part of a mesh, by name.
+/// Kinds of damage to a part of a mesh, by name.
 pub const DAMAGES: [(&str, Damage); 9] = [
     ("sound", |good, _, _| good.clone()),
     ("repeated", |good, share, seed| [good.clone(), some(good, share, seed)].concat()),

@@ -23,7 +23,7 @@ const FIRST_LOOK: usize = 8;
 /// Steps before cuts are looked for: earlier trees tell little.
 const FIRST_CUTS: usize = 20;
 
-/// Multipliers of one kind on their way.
+/// Multipliers of one kind during the ascent.
 struct Climb {
     at: Vec<f64>,
     last: Vec<f64>,

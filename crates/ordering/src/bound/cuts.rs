@@ -12,7 +12,7 @@ use super::link::Link;
 use super::model::Model;
 use pathwright_geometry::DisjointSets;
 
-/// Shares of the recent trees by which links are told to be in or out, when sets are looked for.
+/// Shares of the recent trees by which links are classified as in or out, when sets are looked for.
 const SHARES: [f64; 9] = [0.0, 0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8];
 /// Sets that the recent trees left less often than they must, on average, by more than this become cuts.
 const SLACK: f64 = 0.05;

@@ -227,7 +227,7 @@ impl Model {
         self.permits(from, to) && (a.island != b.island || a.rank <= b.rank)
     }
 
-    /// Whether there are loops of which several pieces are told apart.
+    /// Whether there are loops of which several pieces are distinguished.
     pub(super) fn has_pieces(&self) -> bool {
         self.bodies.iter().any(|body| body.closed && body.last - body.first > 1)
     }

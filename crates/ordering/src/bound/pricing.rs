@@ -148,7 +148,7 @@ impl<'a> Pricing<'a> {
     }
 }
 
-/// Equal costs are told apart by the points, the same way from both ends: or parts could close a circle.
+/// Ties between equal costs are broken by the points, identically from both ends; otherwise parts could close a cycle.
 fn improve(best: &mut Option<Priced>, link: Priced) {
     if best.is_none_or(|best| link < best) {
         *best = Some(link);

@@ -92,7 +92,7 @@ mod tests {
     }
 
     /// Layouts that are hard on geometry: random, on a small grid (many ties), on a line, in clusters, all at one point.
-    fn places() -> impl Strategy<Value = Vec<Point>> {
+    fn layouts() -> impl Strategy<Value = Vec<Point>> {
         let xy = |range: std::ops::Range<i32>| (range.clone(), range);
         let clustered = ((-3..3_i32, -3..3_i32), xy(-20..20))
             .prop_map(|(c, p)| (c.0 * 100_000 + p.0, c.1 * 100_000 + p.1));
@@ -112,7 +112,7 @@ mod tests {
         #![proptest_config(ProptestConfig::with_cases(1500))]
 
         #[test]
-        fn on_points_it_is_as_good_as_on_all_pairs(points in places()) {
+        fn on_points_it_is_as_good_as_on_all_pairs(points in layouts()) {
             let n = points.len() as u32;
             let even = n + n % 2;
             let length = |u: u32, v: u32| if v == n { 0 } else { distance(points[u as usize], points[v as usize]) };

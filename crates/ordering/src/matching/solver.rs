@@ -54,9 +54,9 @@ impl Graph {
         let mut tails = Vec::with_capacity(2 * edges.len());
         for (e, &(u, v, cost)) in edges.iter().enumerate() {
             for (side, (tail, head)) in [(u, v), (v, u)].into_iter().enumerate() {
-                let place = &mut rows[tail as usize + 1];
-                arcs[*place as usize] = Arc { head, id: (2 * e + side) as u32, cost: 4 * cost };
-                *place += 1;
+                let next = &mut rows[tail as usize + 1];
+                arcs[*next as usize] = Arc { head, id: (2 * e + side) as u32, cost: 4 * cost };
+                *next += 1;
                 tails.push(tail);
             }
         }

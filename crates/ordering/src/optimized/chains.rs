@@ -67,7 +67,7 @@ impl Search<'_> {
         }
     }
 
-    /// Appends the ways of drawing the path at a position that are to be considered; of an open path, entry 1 turns it round.
+    /// Appends the candidates of the path at a position that are to be considered; of an open path, entry 1 turns it round.
     fn candidates_at(&self, at: u32, look: Look, candidates: &mut Vec<Candidate>) {
         let item = self.walk.item_at(at);
         if let Some(vertices) = self.walk.vertices(item) {

@@ -8,7 +8,7 @@ use pathwright_geometry::Random;
 
 /// Farthest gap from a junction that is tried for it.
 const REACH: u32 = 500;
-/// Nearest ways to go on of which a kick takes one.
+/// Nearest continuations of which a kick takes one.
 const NEAREST: u32 = 4;
 
 /// A junction, and one gap on either side of it: what lies between is reversed on both sides, so that the walk goes from group

@@ -123,7 +123,7 @@ impl Search<'_> {
         let left = self.walk.node(End { gap, right: false });
         let right = self.walk.node(End { gap, right: true });
         let (cost, entry) = self.best_vertex(item, left, right, f64::INFINITY);
-        // The vertex that is best for straight links may have a longer way.
+        // The vertex that is best for straight links may have a longer route.
         let better = cost - self.walk.gap(gap) <= added;
         self.walk.enter(item, if better { entry } else { near });
         if gap < at {

@@ -46,7 +46,7 @@ fn least_steps(effort: Effort) -> u64 {
     }
 }
 
-/// A solution that was found before gets one step in so many: only its ends are new.
+/// A solution that was found before gets one step in this many: only its ends are new.
 const RESUMED: u64 = 4;
 
 /// Starts from greedy at `layer` scope, from nearest at the others; descends by 3-opt with neighbour lists, by entering loops

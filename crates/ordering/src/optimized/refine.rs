@@ -8,7 +8,7 @@ use pathwright_geometry::Random;
 const ROUNDS: u64 = 8;
 
 impl<'a> Search<'a> {
-    /// From now on, links inside of islands cost what the way costs, not the straight line.
+    /// From now on, links inside islands cost what their route costs, not the straight line.
     pub fn lead_round(&mut self, detours: &'a Detours<'a>) {
         self.walk.lead_round(detours);
     }

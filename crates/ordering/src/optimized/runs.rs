@@ -8,7 +8,7 @@ use pathwright_geometry::Random;
 
 /// Most groups in one block that moves.
 const BLOCK: u32 = 4;
-/// With at most so many groups in a stage, all gaps between groups are tried; with more, those beside near groups.
+/// With at most this many groups in a stage, all gaps between groups are tried; with more, those beside near groups.
 const FEW: u32 = 12;
 /// Near groups of each group.
 const NEAR: usize = 24;
@@ -54,7 +54,7 @@ impl Search<'_> {
         first..end
     }
 
-    /// Draws a group the other way round if that is cheaper.
+    /// Draws a group in reverse if that is cheaper.
     pub fn reverse_group(&mut self, group: u32) -> bool {
         let (from, to) = self.walk.span(group);
         let node = |gap, right| self.walk.node(End { gap, right });

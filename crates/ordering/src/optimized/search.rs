@@ -20,9 +20,9 @@ use pathwright_geometry::Random;
 const KICK: u32 = 20;
 /// Farthest exchange while kicks are repaired: what is farther away does not depend on the kick.
 const KICK_REACH: u32 = 1000;
-/// One kick in so many shifts a junction.
+/// One kick in this many shifts a junction.
 const SHIFT: u32 = 4;
-/// Paths that are kicked before the next so many are.
+/// Paths that are kicked before the next this many are.
 const WINDOW: u32 = 2000;
 
 /// Stages of so few items are searched thoroughly.
@@ -54,9 +54,9 @@ impl<'a> Search<'a> {
     pub fn begin(&mut self) {
         let mut fragments = Fragments::new(self.problem);
         let mut first = 0;
-        for places in self.groups.stages() {
-            self.append_stage(first..first + places.len(), &mut fragments);
-            first += places.len();
+        for positions in self.groups.stages() {
+            self.append_stage(first..first + positions.len(), &mut fragments);
+            first += positions.len();
         }
     }
 

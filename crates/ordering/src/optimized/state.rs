@@ -15,7 +15,7 @@ pub struct Search<'a> {
     pub(super) groups: &'a Groups,
     pub(super) walk: Walk<'a>,
     pub(super) neighbours: Neighbours,
-    /// Exchanges move at most so many items.
+    /// Exchanges move at most this many items.
     pub(super) reach: u32,
     pub(super) vicinity: Vicinity<'a>,
     /// Whether all items are on the walk. Before that, stages are not fitted to each other: the search would pay for it again

@@ -29,12 +29,12 @@ impl Vicinity<'_> {
     pub fn new(problem: &Problem, groups: &Groups) -> Self {
         let mut stage = Vec::with_capacity(groups.items.len());
         let mut gap = 1;
-        for places in groups.stages() {
+        for positions in groups.stages() {
             let (first, begin) = (stage.len(), gap);
-            let end = first + places.len();
+            let end = first + positions.len();
             gap += groups.items[first..end].iter().map(|items| items.len() as u32).sum::<u32>();
             let all = Stage { groups: (first as u32, end as u32), gaps: (begin, gap) };
-            stage.extend(places.iter().map(|_| all));
+            stage.extend(positions.iter().map(|_| all));
         }
         let disc = |items: &Vec<u32>| match (items.as_slice(), problem.items[items[0] as usize].shape) {
             ([_], Shape::Loop(vertices)) => {

@@ -14,7 +14,7 @@ use pathwright_geometry::Point;
 #[derive(Debug)]
 pub struct Walk<'a> {
     cost: Cost,
-    /// What links inside of islands cost; `None`: as much as straight lines.
+    /// What links inside islands cost; `None`: as much as straight lines.
     detours: Option<&'a Detours<'a>>,
     /// The node at which the item at each position is entered; it is left at the other node, `^ 1`.
     entered: Vec<u32>,
@@ -42,7 +42,7 @@ pub struct Walk<'a> {
 /// What the search asks of a node, side by side.
 #[derive(Clone, Copy, Debug)]
 struct Node {
-    /// Where it is, millimetres; not a number: anywhere, so that links to it cost nothing.
+    /// Where it is, millimetres; NaN: unknown, so that links to it cost nothing.
     at: [f64; 2],
     /// Cost of its link.
     link: f64,
@@ -325,7 +325,7 @@ impl<'a> Walk<'a> {
         self.island[a as usize] == self.island[b as usize]
     }
 
-    /// Whether the link over a gap is inside of an island.
+    /// Whether the link over a gap is inside an island.
     pub fn is_inside(&self, gap: u32) -> bool {
         self.share_island([false, true].map(|right| self.node(End { gap, right }) / 2))
     }
