@@ -1,4 +1,4 @@
-//! Filament: pulled back and pushed forward in pairs, pushed out only along beads, no faster than it melts.
+//! Filament: retracted and unretracted in pairs, extruded only along beads, no faster than it melts.
 
 use super::fault::Kind;
 use super::report::Found;
@@ -16,7 +16,7 @@ const FLOW_SLACK: f64 = 1.05;
 
 /// Follows the filament.
 pub(super) struct Filament {
-    /// What is pushed forward beyond what was pulled back, on purpose.
+    /// Extra filament unretracted on purpose.
     extra_mm: f64,
     area_mm2: f64,
     /// Flow that the hot end melts, mm³/s; infinite where it is not known.

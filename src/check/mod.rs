@@ -78,7 +78,7 @@ impl Checker {
         Self { reader: Reader::default(), judge, lines: 0, bytes: 0 }
     }
 
-    /// Forgets what filament has been pulled back: what a script leaves behind is its own affair.
+    /// Forgets what filament has been retracted: what a script leaves behind is its own affair.
     pub fn pardon(&mut self) {
         self.reader.state.retracted_mm = 0.0;
         self.reader.state.firmware_retracted = false;

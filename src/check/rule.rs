@@ -11,9 +11,9 @@ pub(super) struct Seen<'a> {
     pub context: &'a Context,
     /// After the line.
     pub state: &'a State,
-    /// Filament pulled back before the line, mm.
+    /// Filament retracted before the line, mm.
     pub retracted_mm: f64,
-    /// Whether it was pulled back by G10 before the line.
+    /// Whether it was retracted by G10 before the line.
     pub firmware_retracted: bool,
     /// Whether a bead has been laid before or by this line.
     pub begun: bool,

@@ -36,7 +36,7 @@ impl Firmware {
 /// What G10 and G11 do.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FirmwareRetraction {
-    /// Filament pulled back, millimetres.
+    /// Filament retracted, millimetres.
     pub length_mm: f64,
     /// Pushed forward beyond that.
     pub extra_mm: f64,

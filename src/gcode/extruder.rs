@@ -14,7 +14,7 @@ pub(super) struct Extruder {
     /// Filament extruded so far: what it should be, and what was written.
     owed: f64,
     paid: i64,
-    /// Filament pulled back at present: what it should be, and what was written.
+    /// Filament retracted at present: what it should be, and what was written.
     pulled: f64,
     pulled_written: i64,
     /// Absolute E.

@@ -26,7 +26,7 @@ const MOST_EDGES: usize = 320;
 /// So many facets are tried in all; what would take more stays open.
 const PATIENCE: usize = 40_000_000;
 
-/// At a vertex with more open edges the rest are left alone: it is no mesh that can be mended, and must not take long.
+/// At a vertex with more open edges the rest are left alone: it is no mesh that can be repaired, and must not take long.
 const MOST_OPEN: usize = 64;
 
 /// What is not larger than this many times the facets that would close it is a sheet.

@@ -141,7 +141,7 @@ impl MeshReport {
         }
     }
 
-    /// What was mended, one entry for each kind of repair that was done.
+    /// What was repaired, one entry for each kind of repair that was done.
     pub fn repairs(&self) -> Vec<Repair> {
         let counts = [
             self.degenerate_dropped,

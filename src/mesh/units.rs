@@ -40,7 +40,7 @@ fn unit(size_mm: [f64; 3], volume_mm3: f64) -> Option<(&'static str, f64)> {
     UNITS.into_iter().min_by(|a, b| distance(a.1).total_cmp(&distance(b.1)))
 }
 
-/// The size in words, and the unit that it points to with the option that mends it; `None` where the size is usual. `scale`
+/// The size in words, and the unit that it points to with the option that fixes it; `None` where the size is usual. `scale`
 /// is what the model was scaled by.
 pub(crate) fn hint(size_mm: [f64; 3], volume_mm3: f64, scale: [f64; 3]) -> Option<String> {
     let (unit, factor) = unit(size_mm, volume_mm3)?;

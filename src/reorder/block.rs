@@ -13,11 +13,11 @@ use geometry::Point;
 pub(super) enum Kind {
     /// Moves in X and Y, and perhaps Z, with the filament at rest.
     Travel,
-    /// Moves in X and Y while filament is pulled back.
+    /// Moves in X and Y while filament is retracted.
     Wipe,
     /// Moves in Z only.
     Lift,
-    /// Pulls filament back, or pushes it forward again, in place.
+    /// Retracts or unretracts filament without moving.
     Pull,
     Push,
     /// Sets the feed rate, and nothing else.

@@ -154,7 +154,7 @@ fn may_rotate(path: &Path, seam: SeamPosition) -> bool {
 struct Classes {
     /// Rank of each path among the runs of its island.
     rank: Vec<u32>,
-    /// Place of its type among those of its island.
+    /// Position of its type among those of its island.
     kind: Vec<u32>,
     /// Whether it is a wall, and the file goes to and fro between its island's types of walls.
     alternating: Vec<bool>,
@@ -271,7 +271,7 @@ struct Run {
     wall: bool,
     first: usize,
     last: usize,
-    /// Place among the types of its island, and among its runs.
+    /// Position among the types of its island, and among its runs.
     kind: u32,
     rank: u32,
 }

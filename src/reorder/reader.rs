@@ -21,7 +21,7 @@ const LONGEST_FIXED: usize = 1 << 20;
 const LARGEST: f64 = 1e5;
 /// The radius of an arc may differ by this between its ends, mm.
 const ROUND_MM: f64 = 0.05;
-/// More filament pushed than was pulled back is priming and stays where it is, mm.
+/// More filament pushed than was retracted is priming and stays where it is, mm.
 const PRIMING_MM: f64 = 0.5;
 
 /// Reads blocks.
@@ -63,7 +63,7 @@ struct Since {
 /// What matters of the machine before a line.
 struct Before {
     scale: f64,
-    /// Whether filament is pulled back.
+    /// Whether filament is retracted.
     pulled: bool,
     /// Whether firmwares disagree about E.
     doubtful: bool,

@@ -36,7 +36,7 @@ pub(super) struct Retract {
     /// Height of the hop, and feed rates up and down.
     pub hop: Option<(i64, i64, i64)>,
     pub push: (i64, i64),
-    /// Whether E is set to 0 while pulled back.
+    /// Whether E is set to 0 while retracted.
     pub reset: bool,
 }
 
@@ -112,7 +112,7 @@ impl Learner {
 }
 
 impl RetractionStyle {
-    /// The travel that takes as long as pulling back, lifting, lowering and pushing forward again, mm.
+    /// The travel that takes as long as retracting, lifting, lowering and unretracting, mm.
     pub fn retraction_mm(&self) -> f64 {
         let Some(retract) = &self.retract else { return 0.0 };
         let minutes = |(amount, feed): (i64, i64)| if feed > 0 { amount as f64 / feed as f64 } else { 0.0 };
@@ -124,7 +124,7 @@ impl RetractionStyle {
 }
 
 impl Retract {
-    /// All that is pulled back.
+    /// All that is retracted.
     pub fn pulled(&self) -> i64 {
         self.before.0.saturating_add(self.wipe.0).saturating_add(self.after.0)
     }

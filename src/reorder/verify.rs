@@ -165,7 +165,7 @@ impl Inventory {
         self.stopwatch.take().map(Stopwatch::finish)
     }
 
-    /// Takes up a line. `pulled`: whether filament is pulled back by the firmware after it.
+    /// Takes up a line. `pulled`: whether filament is retracted by the firmware after it.
     pub(super) fn add(&mut self, read: &Annotated, pulled: bool) {
         self.meter.add(&read.action);
         if let Some(stopwatch) = &mut self.stopwatch {

@@ -105,7 +105,7 @@ struct Writer<'a> {
     entered: Option<u32>,
     /// The path drawn last.
     last: Option<Pick>,
-    /// Whether filament is pulled back.
+    /// Whether filament is retracted.
     pulled: bool,
     /// Whether there was no bead yet: nothing can ooze.
     dry: bool,
@@ -416,7 +416,7 @@ impl<'a> Writer<'a> {
         self.pulled = true;
     }
 
-    /// Pulls back standing still what the file pulled back while wiping somewhere else.
+    /// Retracts standing still what the file retracted while wiping somewhere else.
     fn pull_in_place(&mut self, token: &Token) {
         let feed = self.style.retract.as_ref().map_or(token.feed, |r| {
             [r.after.1, r.before.1, r.push.1].into_iter().find(|f| *f > 0).unwrap_or(token.feed)

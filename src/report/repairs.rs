@@ -1,4 +1,4 @@
-//! What was mended of the models.
+//! What was repaired of the models.
 
 use std::fmt;
 

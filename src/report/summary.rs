@@ -29,7 +29,7 @@ pub struct Measures {
     pub gap: Option<f64>,
     /// Runs of moves without extrusion.
     pub travels: usize,
-    /// Times that filament is pulled back.
+    /// Number of retractions.
     pub retractions: usize,
     /// Estimated duration.
     pub total_s: f64,
@@ -137,7 +137,7 @@ pub struct Summary {
     pub filament_g: f64,
     /// Its price, in the currency of `filament.cost`.
     pub filament_cost: f64,
-    /// What was mended of the models.
+    /// What was repaired of the models.
     pub repairs: Vec<Repaired>,
     /// What would need support, where none is printed.
     #[serde(skip_serializing_if = "Option::is_none")]

@@ -70,7 +70,7 @@ impl<'a> Cutter<'a> {
         Self { mesh, corners, cuts_mm, start, crossing, resolution_mm, closing_mm }
     }
 
-    /// The section at a layer's cut, and what had to be mended. Cost grows with the triangles that the layer crosses.
+    /// The section at a layer's cut, and what had to be repaired. Cost grows with the triangles that the layer crosses.
     ///
     /// # Panics
     /// If there is no such layer.

@@ -33,7 +33,7 @@ pub struct Section {
     pub region: Region,
 }
 
-/// What had to be mended in a layer's outlines.
+/// What had to be repaired in a layer's outlines.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Gaps {
     /// Loose ends joined across a gap within the tolerance.

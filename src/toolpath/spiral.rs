@@ -12,10 +12,10 @@ const STEP_MM: f64 = 1.0;
 /// Into how many pieces of constant flow the first and the last revolution are cut at least.
 const FADE_STEPS: f64 = 64.0;
 
-/// Share of a full line that swelling begins and fading ends with: less is not put down on short pieces.
+/// Share of a full line that swelling begins and fading ends with: less is not deposited on short pieces.
 const LEAST_FLOW: f64 = 1.0 / 128.0;
 
-/// Vertices nearer to each other are one: what is put down between them would round to nothing.
+/// Vertices nearer to each other are one: what is deposited between them would round to nothing.
 const CLOSE_MM: f64 = 0.02;
 
 /// Outlines further apart than this many widths are joined by no glide: there is an edge in the surface.
@@ -26,7 +26,7 @@ const GLIDE_WIDTHS: f64 = 2.0;
 pub struct Rise {
     /// How far below the layer's top, in millimetres.
     pub below_mm: f64,
-    /// Share of the bead's cross-section that is put down there.
+    /// Share of the bead's cross-section that is deposited there.
     pub flow: f64,
 }
 

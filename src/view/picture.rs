@@ -49,7 +49,7 @@ impl Picture {
     }
 }
 
-/// The sign of a mark, as in the page: retraction ▼ and un-retraction ▲ touch the point with their tip, seam ◆.
+/// The sign of a mark, as in the page: retraction ▼ and unretraction ▲ touch the point with their tip, seam ◆.
 fn sign(kind: MarkKind, at: [f32; 2], size_mm: f32) -> Shape {
     let (label, color, corners) = match kind {
         MarkKind::Retraction => ("Retraction", LIGHT.retraction, &[[-0.8, 1.5], [0.8, 1.5], [0.0, 0.0]][..]),

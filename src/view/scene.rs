@@ -38,9 +38,9 @@ pub struct Stroke {
 /// What happens at a point.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum MarkKind {
-    /// Filament is pulled back.
+    /// Filament is retracted.
     Retraction,
-    /// Filament is pushed forward again.
+    /// Filament is unretracted.
     Unretraction,
     /// An outer wall begins.
     Seam,

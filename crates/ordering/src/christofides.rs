@@ -10,7 +10,7 @@ use super::{Cost, Problem, Sequence, Shape, Strategy, Visit};
 use pathwright_geometry::DisjointSets;
 use pathwright_geometry::Point;
 
-/// The seed's algorithm: spanning tree over the print segments, exact matching of its odd nodes, Eulerian circuit,
+/// The algorithm of the 2016 paper: spanning tree over the print segments, exact matching of its odd nodes, Eulerian circuit,
 /// cut at the start, shortcuts.
 ///
 /// Every path is an edge of the graph from the outset, and Kruskal joins what they leave apart by shortest links. The
@@ -49,7 +49,7 @@ pub(super) enum Ending {
     Open,
 }
 
-/// How often the loops are settled anew where the last tour enters them.
+/// How often the loops are settled again where the last tour enters them.
 const ROUNDS: usize = 3;
 
 pub(super) fn solve(problem: &Problem, ending: Ending) -> Sequence {

@@ -3,7 +3,7 @@
 use super::{Problem, Visit};
 
 /// Cost of the travel between two paths, a non-decreasing function of its straight-line length with
-/// `cost(0) = 0`, so a nearer point of the same island is never dearer, nor one elsewhere.
+/// `cost(0) = 0`, so a nearer point of the same island is never more expensive, nor one elsewhere.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Cost {
     /// The length, millimetres. A metric.
@@ -29,7 +29,7 @@ pub struct TravelTime {
     pub retract_from_mm: f64,
     /// Travels inside an island that are longer than this are retracted, mm: no less than the other.
     pub retract_inside_from_mm: f64,
-    /// Pulling back, lifting, lowering and pushing forward again, seconds.
+    /// Retracting, lifting, lowering and unretracting, seconds.
     pub retract_s: f64,
 }
 

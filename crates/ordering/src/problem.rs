@@ -28,7 +28,7 @@ pub struct Run {
     pub stage: u32,
     /// Island; runs of one island are printed by ascending rank under `feature` and `island`.
     pub island: u32,
-    /// Place among the runs of its island.
+    /// Position among the runs of its island.
     pub rank: u32,
 }
 

@@ -31,7 +31,7 @@ pub struct Measure {
     pub travels: usize,
     /// Of these, the ones longer than 2 mm.
     pub long_travels: usize,
-    /// Filament pulled back, by E or G10.
+    /// Filament retracted, by E or G10.
     pub retractions: usize,
     /// Filament pushed out, retractions netted out.
     pub volume_mm3: f64,

@@ -23,9 +23,9 @@ pub struct Stroke {
     pub arc: Option<Center>,
     /// Length of the move in X and Y.
     pub xy_mm: f64,
-    /// Filament fed (negative: pulled back).
+    /// Filament fed (negative: retracted).
     pub e_mm: f64,
-    /// Of that, what is not just pushed forward again after a retraction.
+    /// Of that, the part that is not just unretraction.
     pub fresh_mm: f64,
     /// Whether it begins a retraction.
     pub retracts: bool,
@@ -140,9 +140,9 @@ pub struct State {
     e_said: Option<bool>,
     /// Millimetres in a unit of the file.
     pub scale: f64,
-    /// Filament pulled back and not yet pushed forward again by E.
+    /// Filament retracted and not yet unretracted by E.
     pub retracted_mm: f64,
-    /// Whether filament is pulled back by G10.
+    /// Whether filament is retracted by G10.
     pub firmware_retracted: bool,
     /// Whether E counts volume.
     pub volumetric: bool,

@@ -14,7 +14,7 @@ impl Search<'_> {
     /// Makes the best swap of two neighbouring stretches of groups that removes the link at a node and saves something: the
     /// 3-opt move that reverses nothing, as precedence asks for.
     ///
-    /// One new link leads on from the node before the gap to a near group. Whether the stretches may pass each other is told group by
+    /// One new link leads on from the node before the gap to a near group. Whether the stretches may be swapped is checked group by
     /// group as one of them grows, each in constant time (Gambardella & Dorigo 2000, doi:10.1287/ijoc.12.3.237.12636).
     pub fn swap_blocks(&mut self, End { gap, right }: End, group: u32) -> bool {
         let removed = self.walk.gap(gap);

@@ -5,7 +5,7 @@ use super::end::End;
 use super::end::GAIN;
 use super::state::Search;
 
-/// Paths on either side of one that are entered anew with it.
+/// Paths on either side of one that are entered again with it.
 const BESIDE: u32 = 2;
 
 impl Search<'_> {

@@ -43,7 +43,7 @@ impl Search<'_> {
         (straight + self.surcharges(item, entry, before, after), entry)
     }
 
-    /// By how much the links of a loop entered at a vertex between two nodes are dearer than straight ones.
+    /// By how much the links of a loop entered at a vertex between two nodes are more expensive than straight ones.
     fn surcharges(&self, item: u32, entry: u32, before: u32, after: u32) -> f64 {
         let Some(vertices) = self.walk.vertices(item) else { return 0.0 };
         let to = |node| self.walk.surcharge_to(node, item, vertices[entry as usize]);

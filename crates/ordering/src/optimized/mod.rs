@@ -55,7 +55,7 @@ const RESUMED: u64 = 4;
 /// Stages are begun one after the other, each from where the last one ended; kicks then take all together, so that each
 /// comes to end where it suits the next.
 ///
-/// Never dearer than [`Nearest`].
+/// Never more expensive than [`Nearest`].
 #[derive(Clone, Copy, Debug)]
 pub struct Optimized;
 

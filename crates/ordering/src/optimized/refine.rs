@@ -15,7 +15,7 @@ impl<'a> Search<'a> {
 
     /// Improves a walk around the links that lead round something: it may have been found as if all travels went straight.
     ///
-    /// Never dearer than it was, detours counted.
+    /// Never more expensive than it was, detours counted.
     pub fn refine(&mut self, steps: u64) {
         self.finish(|walk, gap| walk.is_dear(gap));
         let mut random = Random::new(self.problem.items.len() as u64);
@@ -29,7 +29,7 @@ impl<'a> Search<'a> {
         }
     }
 
-    /// Items before and after which a link is dearer than it looks.
+    /// Items before and after which a link is more expensive than it looks.
     fn dear(&self) -> Vec<u32> {
         (1..=self.walk.len())
             .filter(|&gap| self.walk.is_dear(gap))

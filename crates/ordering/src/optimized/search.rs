@@ -154,7 +154,7 @@ impl<'a> Search<'a> {
         }
     }
 
-    /// Whether neighbouring loops are entered anew together, which is dear.
+    /// Whether neighbouring loops are entered again together, which is expensive.
     fn is_thorough(&self, group: u32) -> bool {
         self.positions_of_stage(group).len() <= FEW
     }

@@ -11,7 +11,7 @@ use pathwright_geometry::Point;
 
 /// A first solution for the groups of one stage, from where the nozzle is.
 ///
-/// Fragments that were joined shortest first leave less to mend; but where runs must not be mixed, choosing the next run by the
+/// Fragments that were joined shortest first leave less to improve; but where runs must not be mixed, choosing the next run by the
 /// nearest of its ends matters more, and nearest begins lower.
 pub fn start(
     problem: &Problem,

@@ -184,7 +184,7 @@ impl<'a> Walk<'a> {
         (from < to).then(|| &self.vertices[from as usize..to as usize])
     }
 
-    /// Whether the walk is dearer than at the last [`Self::commit`].
+    /// Whether the walk is more expensive than at the last [`Self::commit`].
     pub fn is_worse(&self) -> bool {
         self.total > self.committed + 1e-9
     }
@@ -283,14 +283,14 @@ impl<'a> Walk<'a> {
         self.between([self.point(node), vertex], [node / 2, item])
     }
 
-    /// By how much the link between two nodes is dearer than a straight one. Finding out takes long; a move that straight
+    /// By how much the link between two nodes is more expensive than a straight one. Finding out takes long; a move that straight
     /// links would not make cheaper need not ask.
     #[inline]
     pub fn surcharge(&self, a: u32, b: u32) -> f64 {
         self.beyond_straight([a, b].map(|node| self.point(node)), [a / 2, b / 2])
     }
 
-    /// By how much the link between a node and a vertex of a loop is dearer than a straight one.
+    /// By how much the link between a node and a vertex of a loop is more expensive than a straight one.
     #[inline]
     pub fn surcharge_to(&self, node: u32, item: u32, vertex: [f64; 2]) -> f64 {
         self.beyond_straight([self.point(node), vertex], [node / 2, item])
@@ -314,7 +314,7 @@ impl<'a> Walk<'a> {
         if square > 0.0 { self.cost.of(square.sqrt(), self.share_island(items)) } else { 0.0 }
     }
 
-    /// Whether the link over a gap is dearer than a straight one.
+    /// Whether the link over a gap is more expensive than a straight one.
     pub fn is_dear(&self, gap: u32) -> bool {
         let [left, right] = [false, true].map(|right| self.node(End { gap, right }));
         self.gap(gap) > self.link(left, right) + GAIN
@@ -336,7 +336,7 @@ impl<'a> Walk<'a> {
         let vertices = self.vertices(item).unwrap_or_default();
         let length_mm = |a: [f64; 2], b: [f64; 2]| {
             let (dx, dy) = (a[0] - b[0], a[1] - b[1]);
-            // Not a number, from or to anywhere, becomes 0.
+            // NaN, from or to an unknown point, becomes 0.
             (dx * dx + dy * dy).sqrt().max(0.0)
         };
         let [to_inside, from_inside] = [before, after].map(|node| self.share_island([node / 2, item]));
