@@ -49,7 +49,7 @@ impl Polygon {
     }
 }
 
-/// Whether the point is inside of rings or on one of them (even-odd).
+/// Whether the point is inside the rings or on one of them (even-odd).
 fn contained<'a>(rings: impl Iterator<Item = &'a Ring>, p: Point) -> bool {
     let mut inside = false;
     for ring in rings {
