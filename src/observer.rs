@@ -56,7 +56,7 @@ impl<'a> Observer<'a> {
         Observer { cancelled: self.cancelled, clock: self.clock, ..Observer::none() }
     }
 
-    /// So many layers there are.
+    /// Number of layers.
     pub fn begin(&self, layers: usize) {
         self.total.store(layers, Ordering::Relaxed);
         self.done.store(0, Ordering::Relaxed);

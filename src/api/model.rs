@@ -70,7 +70,7 @@ impl Model {
         self
     }
 
-    /// So many of it.
+    /// Number of copies.
     #[must_use]
     pub fn copies(mut self, copies: usize) -> Self {
         self.copies = copies;

@@ -14,7 +14,7 @@ use crate::toolpath::Role;
 
 /// Side of a cell: less than a bead, so that beads side by side touch and those of two islands do not.
 const CELL_MM: f64 = 0.3;
-/// A bead may lie so much higher than what it rests on.
+/// A bead may lie this much higher than what it rests on.
 const SLACK_MM: f64 = 0.05;
 /// A bead is held also by what lies beside it at a little more than half its width, as on slopes.
 const REACH: f64 = 1.3;
@@ -42,7 +42,7 @@ pub(super) struct Floating {
     layer: Option<Option<usize>>,
     islands: Islands,
     steps: Steps,
-    /// Tops of the beads under way, by cell.
+    /// Tops of the current beads, by cell.
     laid: Vec<(usize, f32, bool)>,
     /// The lowest bead, and the highest of the layers before.
     lowest_mm: f64,
@@ -85,7 +85,7 @@ impl Floating {
             _ => self.islands.begin(location),
         };
         self.last = (bead.to, island);
-        // What has no wall lies inside of something that has.
+        // What has no wall lies inside something that has.
         let is_wall = seen.context.role.is_none_or(Role::is_wall);
         self.islands.lengthen(island, bead.xy_mm, [is_part, is_part && is_wall]);
         // Where the file does not tell supports from the part, gaps over them have to be let pass.
@@ -108,7 +108,7 @@ impl Floating {
         }
     }
 
-    /// The layer under way is complete.
+    /// The current layer is complete.
     fn end_layer(&mut self, found: &mut Found) {
         let islands = self.islands.finish();
         let cell_mm = self.part.cell_mm();
@@ -182,7 +182,7 @@ struct Steps {
 impl Steps {
     const MOST: usize = 64;
 
-    /// Takes up a comment of the header: Cura's `;Layer height: 0.2`.
+    /// Adds a comment of the header: Cura's `;Layer height: 0.2`.
     fn header(&mut self, comment: &[u8]) {
         let Some(value) = comment.trim_ascii().strip_prefix(b"Layer height:") else { return };
         let value = std::str::from_utf8(value).ok().and_then(|text| text.trim().parse::<f64>().ok());
@@ -228,7 +228,7 @@ struct Island {
     has_wall: bool,
 }
 
-/// The islands of the layer under way, by union and find over cells.
+/// The islands of the current layer, by union and find over cells.
 struct Islands {
     /// For each cell the layer in which it was covered last, and by which island.
     of_cell: Vec<(u32, u32)>,

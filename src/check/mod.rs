@@ -85,14 +85,14 @@ impl Checker {
         (self.judge.retracted_mm, self.judge.firmware_retracted) = (0.0, false);
     }
 
-    /// Takes up the lines of a text, which goes on where the last one ended. It ends with a whole line.
+    /// Takes the lines of a text, which goes on where the last one ended. It ends with a whole line.
     pub fn text(&mut self, text: &[u8]) {
         for line in lines(text) {
             self.line(Line::new(self.lines + 1, self.bytes, line.raw));
         }
     }
 
-    /// Takes up a line. Returns it with what it does.
+    /// Processes a line. Returns it with what it does.
     pub fn line<'a>(&mut self, line: Line<'a>) -> Annotated<'a> {
         self.lines += 1;
         self.bytes += line.raw.len();
@@ -137,7 +137,7 @@ impl Judge {
         }
     }
 
-    /// Takes up a line; `state`: what the machine has in mind after it. Its move is put where the machine makes it,
+    /// Processes a line; `state`: what the machine has in mind after it. Its move is put where the machine makes it,
     /// whatever G92 calls places.
     pub fn see(&mut self, read: &mut Annotated<'_>, state: &State) {
         let before = std::mem::replace(&mut self.position, state.position);
@@ -174,7 +174,7 @@ impl Judge {
         }
     }
 
-    /// G92 gives places other names; homing gives them their own again.
+    /// G92 gives positions other names; homing gives them their own again.
     fn follow_zero(&mut self, line: &Line<'_>, before: [f64; 3]) {
         if line.is(b'G', 92) {
             for (axis, zero) in self.zero_mm.iter_mut().enumerate() {

@@ -2,7 +2,7 @@
 
 use crate::gcode::Stroke;
 
-/// A painted bead is wider by so much of a cell: cells count that it covers in part.
+/// A painted bead is wider by this much of a cell: cells count that it covers in part.
 const OVER: f64 = 0.5 * 2.0;
 
 /// No grid has more cells: 16 MB.

@@ -49,7 +49,7 @@ pub struct Found {
 }
 
 impl Found {
-    /// Takes up a fault. The detail is made only where it is kept.
+    /// Adds a fault. The detail is made only where it is kept.
     pub fn add(&mut self, kind: Kind, line: usize, layer: Option<usize>, detail: impl FnOnce() -> String) {
         let at = self.faults.iter().position(|fault| fault.kind == kind).unwrap_or_else(|| {
             let severity = kind.severity();

@@ -4,7 +4,7 @@ use super::fault::Kind;
 use super::report::Found;
 use crate::gcode::{Action, Context, Line, State, Stroke};
 
-/// A line, what it does, and what the machine had in mind before. Places are the machine's, whatever G92 calls them.
+/// A line, what it does, and what the machine had in mind before. Positions are the machine's, whatever G92 calls them.
 pub(super) struct Seen<'a> {
     pub line: &'a Line<'a>,
     pub action: &'a Action<'a>,
@@ -15,7 +15,7 @@ pub(super) struct Seen<'a> {
     pub retracted_mm: f64,
     /// Whether it was retracted by G10 before the line.
     pub firmware_retracted: bool,
-    /// Whether a bead has been laid before or by this line.
+    /// Whether a bead has been printed before or by this line.
     pub begun: bool,
     /// Whether the position that a move starts from is known: it is not after some axes have been homed.
     pub located: bool,
@@ -30,7 +30,7 @@ impl<'a> Seen<'a> {
         }
     }
 
-    /// The move, if it lays a bead.
+    /// The move, if it extrudes a bead.
     pub fn bead(&self) -> Option<&'a Stroke> {
         self.stroke().filter(|stroke| stroke.extrudes())
     }
@@ -68,7 +68,7 @@ impl<'a> Seen<'a> {
 
 /// A family of rules. It follows the file line by line in memory that does not grow with it.
 pub(super) trait Rule: Send {
-    /// Takes up a line.
+    /// Processes a line.
     fn see(&mut self, seen: &Seen<'_>, found: &mut Found);
 
     /// The file is at its end.

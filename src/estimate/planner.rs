@@ -16,7 +16,7 @@ pub struct Segment {
     pub account: usize,
 }
 
-/// So many moves are collected before the planner tries to settle some of them …
+/// This many moves are collected before the planner tries to settle some of them …
 const PATIENCE: usize = 256;
 /// … and this many at most before it takes the machine to stop.
 const MOST_BLOCKS: usize = 1 << 20;

@@ -52,7 +52,7 @@ struct Writer<'a> {
     /// The acceleration asked for, and the ones in force for printing and travel.
     asked: Option<f64>,
     in_force: [Option<f64>; 2],
-    /// The object under way, where labels are wanted.
+    /// The current object, where labels are wanted.
     object: Option<u32>,
     type_name: &'static str,
     width: i64,
@@ -134,7 +134,7 @@ impl<'a> Writer<'a> {
         }
     }
 
-    /// Ends the object under way and begins another.
+    /// Ends the current object and begins another.
     fn object(&mut self, object: Option<u32>) {
         let names = &self.settings.objects;
         let name = |object: u32| names.get(object as usize).map_or("", String::as_str);

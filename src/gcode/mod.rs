@@ -1,6 +1,6 @@
 //! Typed moves → bytes that a printer reads, and such bytes → moves again.
 //!
-//! Every layer is formatted by itself ([`format_layer`]) and concatenated between [`opening`] and [`closing`].
+//! Every layer is formatted by itself ([`format_layer`]) and concatenated between [`header()`] and [`footer()`].
 //! Values known only when all layers are done have [`Slot`]s of fixed width, filled in before the file is
 //! renamed.
 
@@ -20,7 +20,7 @@ mod slot;
 use std::path::Path;
 
 pub use effect::Effect;
-pub use header::{Opening, closing, labels, object_comment, opening};
+pub use header::{Header, footer, header, labels, object_comment};
 pub use layer::{LayerText, format_layer};
 pub(crate) use number::one_line;
 pub use options::{Flavor, GcodeSettings, PrinterSettings};

@@ -23,7 +23,7 @@ pub(super) struct Filled {
 /// Larger loops are left open. The time grows with the third power.
 const MOST_EDGES: usize = 320;
 
-/// So many facets are tried in all; what would take more stays open.
+/// This many facets are tried in all; what would take more stays open.
 const PATIENCE: usize = 40_000_000;
 
 /// At a vertex with more open edges the rest are left alone: it is no mesh that can be repaired, and must not take long.

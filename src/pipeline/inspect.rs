@@ -16,15 +16,15 @@ pub(super) struct Inspector {
 }
 
 impl Inspector {
-    /// An inspector of what comes after an opening.
-    pub(super) fn new(settings: &Settings, opening: &[u8]) -> Self {
+    /// An inspector of what comes after a header.
+    pub(super) fn new(settings: &Settings, header: &[u8]) -> Self {
         let mut checker = Checker::with(Judge::of_paths(settings, false));
-        checker.text(opening);
+        checker.text(header);
         checker.pardon();
         Self { checker }
     }
 
-    /// Takes up whole lines.
+    /// Adds whole lines.
     pub(super) fn take(&mut self, text: &[u8]) {
         self.checker.text(text);
     }

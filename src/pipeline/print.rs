@@ -66,19 +66,19 @@ pub(super) fn slice(
         workers,
     };
 
-    let mut opening = gcode::opening(&options, &facts, &scripts, true);
-    opening.comment(&pictures);
+    let mut header = gcode::header(&options, &facts, &scripts, true);
+    header.comment(&pictures);
     let labels = gcode::labels(&options, &labels);
-    let inspector = Inspector::new(settings, &opening.bytes);
+    let inspector = Inspector::new(settings, &header.bytes);
     let mut writer = PrintWriter {
         output,
         inspector,
-        slots: opening.slots,
+        slots: header.slots,
         statistics: Statistics::default(),
         kept,
         workers,
     };
-    writer.output.write(&opening.bytes)?;
+    writer.output.write(&header.bytes)?;
     writer.write(&labels)?;
     let begun = scripts.start_effect(&options, &maker.machine);
     let mut ordered = Vec::new();
@@ -106,9 +106,9 @@ pub(super) fn slice(
         statistics.add_script(&scripts.end_effect(&options, &maker.machine, [x, y, at.z_mm]), &maker.machine);
     }
     let totals = statistics.totals();
-    let closing = gcode::closing(&options, &facts, &scripts, &totals);
-    inspector.take(&closing);
-    output.write(&closing)?;
+    let footer = gcode::footer(&options, &facts, &scripts, &totals);
+    inspector.take(&footer);
+    output.write(&footer)?;
     inspector.verdict()?;
     for slot in &slots {
         output.patch(slot.offset as u64, &totals.fill(slot, &settings.filament))?;

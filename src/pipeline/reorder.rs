@@ -394,7 +394,7 @@ struct Batch<'a> {
     walls: Vec<(Range<usize>, Walls)>,
     /// Where the nozzle is before the first block.
     start: [i64; 2],
-    /// So many blocks at the beginning come before the first bead: the move to them is no travel.
+    /// This many blocks at the beginning come before the first bead: the move to them is no travel.
     silent: usize,
 }
 

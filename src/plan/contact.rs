@@ -26,7 +26,7 @@ pub(crate) fn lies_on(polygon: &Polygon, under: &Region) -> bool {
 /// How far within a polygon its corners are tried, millimetres.
 const WITHIN_MM: f64 = 0.02;
 
-/// Points just inside of some convex corners.
+/// Points just inside some convex corners.
 fn corners(polygon: &Polygon) -> impl Iterator<Item = Point> + '_ {
     let outer = &polygon.outer;
     let count = outer.len();

@@ -39,7 +39,7 @@ impl<'a> Floating<'a> {
         }
     }
 
-    /// Takes up the next layer.
+    /// Adds the next layer.
     ///
     /// # Errors
     /// An object that begins, or goes on after a gap, where nothing is beneath it.

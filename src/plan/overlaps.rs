@@ -13,7 +13,7 @@ const NEAR_MM: f64 = 0.4;
 /// What overlaps by less than twice this touches, millimetres.
 const TOUCH_MM: f64 = 0.005;
 
-/// So many pairs are named.
+/// This many pairs are named.
 const NAMED: usize = 3;
 
 /// Two objects, by their numbers here, the lower first.

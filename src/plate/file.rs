@@ -1,4 +1,4 @@
-//! A file's models, scaled and turned, in their places relative to each other.
+//! A file's models, scaled and turned, at their positions relative to each other.
 
 use std::path::Path;
 

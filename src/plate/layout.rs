@@ -1,4 +1,4 @@
-//! What a file holds: models in their places relative to each other, and which of them are one body.
+//! What a file holds: models at their positions relative to each other, and which of them are one body.
 
 use geo::{BoundingRect, ConvexHull, Distance, Euclidean, LineString, MultiPoint, Polygon};
 
@@ -58,7 +58,7 @@ pub(super) struct Member {
     pub spot: usize,
 }
 
-/// The models of a file, in their places relative to each other.
+/// The models of a file, at their positions relative to each other.
 ///
 /// Models that interlock (their convex hulls seen from above meet, and so do their heights) are one body: they are only
 /// ever moved together.

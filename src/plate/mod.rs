@@ -1,6 +1,6 @@
 //! The plate: which models of the files stand where on the bed.
 //!
-//! A [`Layout`] is what a file holds, its models in their places; [`place()`] arranges layouts, or the bodies in them.
+//! A [`Layout`] is what a file holds, its models at their positions; [`place()`] arranges layouts, or the bodies in them.
 
 mod area;
 mod arrange;

@@ -83,7 +83,7 @@ pub fn place(layouts: Vec<Layout>, bed: &BedSettings, options: &Placement) -> Re
     settle(layouts, standing, bed, &area, options)
 }
 
-/// Groups in their places.
+/// Groups at their positions.
 struct Standing {
     groups: Vec<Group>,
     stands: Vec<Stand>,

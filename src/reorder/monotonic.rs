@@ -12,10 +12,10 @@ const SAME_MM: f64 = 0.05;
 /// Lines are parallel if the sine of the angle between them is at most this.
 const PARALLEL: f64 = 0.02;
 
-/// So many lines one beside the other are no accident.
+/// This many lines one beside the other are no accident.
 const LEAST: usize = 4;
 
-/// So many beads that are no such lines, at the edge of a hole say, do not interrupt a surface.
+/// This many beads that are no such lines, at the edge of a hole say, do not interrupt a surface.
 const STRANGERS: usize = 4;
 
 /// For each path whether it belongs to the one before it, as the next line of a surface.

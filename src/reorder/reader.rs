@@ -139,7 +139,7 @@ impl<R: BufRead> Blocks<R> {
         std::mem::replace(&mut self.block, next)
     }
 
-    /// Takes up a line; returns a block that it ends.
+    /// Processes a line; returns a block that it ends.
     fn line(&mut self, range: Range<usize>) -> Option<Block> {
         let state = &self.reader.state;
         let pulled = state.firmware_retracted || state.retracted_mm > 1e-6;
@@ -299,7 +299,7 @@ impl<R: BufRead> Blocks<R> {
         None
     }
 
-    /// Takes up a stroke of a path; returns the block before if it begins another one.
+    /// Adds a stroke of a path; returns the block before if it begins another one.
     fn bead(
         &mut self,
         line: Slice,

@@ -43,7 +43,7 @@ pub fn verify(before: impl BufRead, after: impl BufRead) -> io::Result<Result<Pr
     Ok(old.finish().compare(new.finish()))
 }
 
-/// Takes up a file piece by piece.
+/// Adds a file piece by piece.
 #[derive(Debug, Default)]
 pub struct Readback {
     reader: Reader,
@@ -103,7 +103,7 @@ impl Readback {
         Ok(())
     }
 
-    /// Takes up the line that was begun.
+    /// Adds the line that was begun.
     fn end_line(&mut self, also: &mut impl FnMut(&mut Annotated<'_>, &State)) {
         let line = std::mem::take(&mut self.begun);
         self.line(&line, also);
@@ -165,7 +165,7 @@ impl Inventory {
         self.stopwatch.take().map(Stopwatch::finish)
     }
 
-    /// Takes up a line. `pulled`: whether filament is retracted by the firmware after it.
+    /// Processes a line. `pulled`: whether filament is retracted by the firmware after it.
     pub(super) fn add(&mut self, read: &Annotated, pulled: bool) {
         self.meter.add(&read.action);
         if let Some(stopwatch) = &mut self.stopwatch {
@@ -192,7 +192,7 @@ impl Inventory {
         }
     }
 
-    /// Takes up a line that does not move.
+    /// Processes a line that does not move.
     fn other(&mut self, line: &Line, action: &Action) {
         let firmware = matches!(action, Action::FirmwareRetract | Action::FirmwareUnretract);
         if firmware || is_time(line) || line.is(b'G', 92) && line.words().get(b'E').is_some() {

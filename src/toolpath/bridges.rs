@@ -15,7 +15,7 @@ use super::beneath::Beneath;
 /// Directions tried besides those of the edges.
 const FAN: u32 = 18;
 
-/// So many of the longest edges give their directions.
+/// This many of the longest edges give their directions.
 const EDGES: usize = 6;
 
 /// Lines by which a direction is judged.
@@ -53,7 +53,7 @@ pub struct Bridge {
 }
 
 /// Takes the bridges out of an island's zones. `section` is the island, `beneath` what the layer rests on; bridge lines are
-/// `width_mm` thick and reach `anchor_mm` over their hold, inside of `inside`. What is narrower than two bridge lines needs
+/// `width_mm` thick and reach `anchor_mm` over their hold, inside `inside`. What is narrower than two bridge lines needs
 /// no bridge, unless it is a strip that only has hold at its ends.
 pub fn take(
     zones: &mut Zones,

@@ -124,7 +124,7 @@ impl Scene {
     }
 }
 
-/// The reading under way.
+/// The current reading.
 struct Reader {
     /// Every lap is an account of the clock.
     clock: Clock,

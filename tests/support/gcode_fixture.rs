@@ -3,7 +3,7 @@
 
 use pathwright::estimate::{LayerTime, Machine, cool, layer_time};
 use pathwright::gcode::{
-    GcodeOptions, PrintFacts, Scripts, Totals, WriterSettings, closing, format_layer, opening,
+    GcodeOptions, PrintFacts, Scripts, Totals, WriterSettings, footer, format_layer, header,
 };
 use pathwright::geometry::{Point, Region};
 use pathwright::motion::{Entry, LayerMoves, MotionSettings, PauseAt, exit, plan_layer};
@@ -160,9 +160,9 @@ pub fn print(layers: &[LayerPaths], settings: &Settings, pauses: &[PauseAt]) -> 
     };
     let scripts = Scripts::new(settings, &facts).expect("scripts are right");
     let writer = WriterSettings::new(settings, &scripts, true);
-    let opening = opening(&GcodeOptions::from(settings), &facts, &scripts, true);
-    let mut bytes = opening.bytes;
-    let mut slots = opening.slots;
+    let header = header(&GcodeOptions::from(settings), &facts, &scripts, true);
+    let mut bytes = header.bytes;
+    let mut slots = header.slots;
     let mut totals = Totals { volume: Mm3(volume_mm3(layers, settings)), ..Default::default() };
     for (moves, time) in plan(layers, settings, pauses) {
         let text = format_layer(&moves, &writer);
@@ -177,7 +177,7 @@ pub fn print(layers: &[LayerPaths], settings: &Settings, pauses: &[PauseAt]) -> 
     for slot in slots {
         bytes[slot.offset..slot.offset + slot.width].copy_from_slice(&totals.fill(&slot, &settings.filament));
     }
-    bytes.extend_from_slice(&closing(&GcodeOptions::from(settings), &facts, &scripts, &totals));
+    bytes.extend_from_slice(&footer(&GcodeOptions::from(settings), &facts, &scripts, &totals));
     String::from_utf8(bytes).expect("text")
 }
 

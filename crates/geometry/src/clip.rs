@@ -11,7 +11,7 @@ pub struct ClippedPiece {
     pub ends: [Option<BoundaryPos>; 2],
 }
 
-/// A region made ready to clip many polylines.
+/// A region prepared to clip many polylines.
 ///
 /// Inside means the even-odd rule over all rings. Decisions are exact: a boundary vertex on the line through
 /// a segment counts as to its right, so a polyline that runs along the boundary or through its vertices is

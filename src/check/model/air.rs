@@ -9,7 +9,7 @@ const STEP_MM: f64 = 0.2;
 const DANGLE_MM: f64 = 3.0;
 /// What is so short is a corner or a dot.
 const SHORTEST_MM: f64 = 1.5;
-/// A layer may be so much thicker than it should be.
+/// A layer may be this much thicker than it should be.
 const SLACK_MM: f64 = 0.05;
 /// Support leaves a gap of at most this under what it holds.
 const GAP_MM: f64 = 0.4;
@@ -56,7 +56,7 @@ pub(super) struct OpenPath {
 }
 
 impl OpenPath {
-    /// Takes up the next bead.
+    /// Adds the next bead.
     pub fn add(&mut self, bead: &Stroke, height_mm: f64, width_mm: f64, ground: &Ground) {
         self.start.get_or_insert(bead.from);
         self.end = bead.to;

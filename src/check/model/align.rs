@@ -18,7 +18,7 @@ use geometry::{EdgeGrid, Point, Region};
 const FOUND: f64 = 0.6;
 /// Or this share, where all outlines are there.
 const PART: f64 = 0.05;
-/// So many do where nothing else needs to be looked for.
+/// This many do where nothing else needs to be looked for.
 const SURE: f64 = 0.95;
 /// At least this share of a body's outline has walls where it is.
 const OUTLINED: f64 = 0.7;
@@ -28,7 +28,7 @@ const SEEN: f64 = 0.3;
 const ALIKE_MM: f64 = 0.4;
 /// Shifts that differ by less are one.
 const SAME_MM: f64 = 0.25;
-/// So many shifts are tried for a body.
+/// This many shifts are tried for a body.
 const TRIED: usize = 100;
 /// Islands smaller than this say little.
 const SPECK_MM2: f64 = 0.5;
@@ -69,7 +69,7 @@ struct Candidate {
     shape: Rc<Shape>,
 }
 
-/// How well bodies in their places and a print fit.
+/// How well bodies at their positions and a print fit.
 struct Fit {
     /// The share of beads that lie in the bodies.
     inside: f64,
@@ -287,7 +287,7 @@ impl Search<'_> {
         [[x, y], [-y, x], [-x, -y], [y, -x]][quarters as usize % 4]
     }
 
-    /// Bodies that are the same but for their places.
+    /// Bodies that are the same but for their positions.
     fn kinds(&self) -> Vec<Vec<usize>> {
         let mut kinds: Vec<Vec<usize>> = Vec::new();
         for body in 0..self.bodies.len() {
@@ -315,7 +315,7 @@ impl Search<'_> {
     }
 }
 
-/// Whether two bodies are the same but for their places.
+/// Whether two bodies are the same but for their positions.
 fn alike(a: &Mesh, b: &Mesh) -> bool {
     let close = |a: f64, b: f64| (a - b).abs() < 1e-3 + 1e-4 * a.abs();
     a.triangles().len() == b.triangles().len()

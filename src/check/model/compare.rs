@@ -22,9 +22,9 @@ const CELL_MM: f64 = 0.1;
 const PRINTED: f64 = 0.3;
 /// Specks smaller than this are not asked for.
 const SPECK_MM2: f64 = 0.05;
-/// Beads of a layer may lie so much lower than it.
+/// Beads of a layer may lie this much lower than it.
 const SLACK_MM: f64 = 0.02;
-/// So much of a layer's beads may lie outside.
+/// This much of a layer's beads may lie outside.
 const EXTRA_MM: f64 = 2.0;
 
 /// Reads the file beside the sections of what was printed.
@@ -80,7 +80,7 @@ pub(super) fn compare(
     Ok(())
 }
 
-/// The layer under way.
+/// The current layer.
 struct LayerNow {
     level: Level,
     /// Which of the sections' layers it is; support may have layers of its own.

@@ -9,7 +9,7 @@ use crate::toolpath::Role;
 use crate::toolpath::support::{Bitmap, Grid};
 use geometry::{Bounds, Point};
 
-/// So many layers are looked at.
+/// This many layers are looked at.
 const LAYERS: usize = 12;
 /// Cells in which walls are marked, and the steps in which they are.
 const CELL_MM: f64 = 0.2;
@@ -29,7 +29,7 @@ pub(super) struct Shown {
     pub loops: Vec<Extent>,
     /// Where its middle lines are.
     pub walls: Bitmap,
-    /// The loop under way, and where it has come to.
+    /// The current loop, and where it has come to.
     under_way: Option<(Extent, [f64; 3])>,
 }
 

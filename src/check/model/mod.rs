@@ -31,7 +31,7 @@ use sections::Sections;
 const MOST_VOLUME: f64 = 1.3;
 
 /// Compares a file, of which a survey was made, with what was printed, and adds to the report what it finds. `open` opens
-/// the file anew. `bodies` stand on z = 0, each with its name.
+/// the file again. `bodies` stand on z = 0, each with its name.
 ///
 /// # Errors
 /// Those of reading.

@@ -6,7 +6,7 @@ use std::io::{self, Read};
 use crate::gcode::{Action, Annotated, Reader, Stroke, each_line};
 use crate::toolpath::Role;
 
-/// A box around places, in millimetres.
+/// A box around positions, in millimetres.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Extent {
     pub low: [f64; 2],
@@ -35,7 +35,7 @@ fn is_level(stroke: &Stroke) -> bool {
     (stroke.to[2] - stroke.from[2]).abs() < 1e-6
 }
 
-/// The heights of the model's beads in the layer under way, by the file's count.
+/// The heights of the model's beads in the current layer, by the file's count.
 #[derive(Clone, Debug, Default)]
 struct Heights {
     layer: Option<usize>,
@@ -62,7 +62,7 @@ impl Heights {
 pub struct Survey {
     outer: Option<Extent>,
     all: Option<Extent>,
-    /// Heights of the model's layers but the one under way, and of all beads, micrometres.
+    /// Heights of the model's layers but the current one, and of all beads, micrometres.
     part_um: BTreeSet<i64>,
     all_um: BTreeSet<i64>,
     here: Heights,
@@ -83,7 +83,7 @@ impl Survey {
         Ok(survey)
     }
 
-    /// Takes up a line.
+    /// Processes a line.
     pub(crate) fn add(&mut self, read: &Annotated<'_>) {
         let Action::Stroke(stroke) = &read.action else { return };
         if !stroke.extrudes() {

@@ -83,7 +83,7 @@ impl Reader {
         &self.context
     }
 
-    /// Takes up a comment on a line of its own.
+    /// Adds a comment on a line of its own.
     fn alone(&mut self, mark: Option<Mark<'_>>) {
         match mark {
             Some(Mark::Layer) => self.layer_mark(),

@@ -45,7 +45,7 @@ impl Limits {
         }
     }
 
-    /// Takes up a line that is no move.
+    /// Processes a line that is no move.
     pub fn obey(&mut self, line: &Line<'_>, machine: &mut Machine) -> Effect {
         let Some(code) = line.code else {
             if machine.firmware == Firmware::Klipper {

@@ -134,7 +134,7 @@ impl<'a> Package<'a> {
         }
     }
 
-    /// The meshes that an object is made of, in their places, in the order of the file.
+    /// The meshes that an object is made of, at their positions, in the order of the file.
     fn gather(
         &self,
         used: &Use,

@@ -12,7 +12,7 @@ struct Siblings {
     tree: KdTree,
 }
 
-/// All links of a layer, ready to be searched.
+/// All links of a layer, prepared to be searched.
 pub(super) struct Pricing<'a> {
     model: &'a Model,
     /// Deepest first.
