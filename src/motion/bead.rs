@@ -16,7 +16,7 @@ pub(super) struct Vertex {
 }
 
 impl Vertex {
-    /// The vertex at a share of the way to another; that one from 1 on.
+    /// The vertex at a share of the distance to another; that one from 1 on.
     pub(super) fn towards(self, to: Self, share: f64) -> Self {
         if share >= 1.0 {
             return to;
@@ -28,7 +28,7 @@ impl Vertex {
     }
 }
 
-/// Length of the way along vertices.
+/// Length along vertices.
 pub(super) fn length_mm(vertices: &[Vertex]) -> f64 {
     vertices.windows(2).map(|v| distance_mm(v[0].at, v[1].at)).sum()
 }

@@ -15,9 +15,9 @@ pub enum Move {
     Climb { to: [f64; 2], z_mm: f64, speed: MmPerS },
     /// Move to a height.
     Lift { z_mm: f64, speed: MmPerS },
-    /// Extrude on the straight way to a point.
+    /// Extrude straight to a point.
     Extrude { to: [f64; 2], volume: Mm3, speed: MmPerS },
-    /// Extrude on the straight way to a point while changing height.
+    /// Extrude straight to a point while changing height.
     Ramp { to: [f64; 2], z_mm: f64, volume: Mm3, speed: MmPerS },
     /// Extrude along an arc around a centre.
     Arc { to: [f64; 2], center: [f64; 2], clockwise: bool, volume: Mm3, speed: MmPerS },
@@ -48,7 +48,7 @@ pub struct Entry {
     /// `None`: wherever the start script left it.
     pub xy: Option<[f64; 2]>,
     pub z_mm: f64,
-    /// The way on which to wipe before leaving, from `xy` on; empty where nothing is wiped.
+    /// The path along which to wipe before leaving, from `xy` on; empty where nothing is wiped.
     pub wipe: Vec<[f64; 2]>,
     /// The first travel keeps above this, as finished objects may be in its way; 0: none are.
     pub over_mm: f64,

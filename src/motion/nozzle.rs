@@ -34,7 +34,7 @@ pub(super) struct Nozzle<'a> {
     pub(super) acceleration: Option<MmPerS2>,
     pub(super) bead: Option<(Role, f64, f64)>,
     pub(super) object: Option<u32>,
-    /// The bead under way, with its corners as they are, its curves refined, and as it is drawn.
+    /// The current bead, with its corners as they are, its curves refined, and as it is drawn.
     pub(super) plain: Vec<Piece>,
     pub(super) curved: Vec<Piece>,
     pub(super) pieces: Vec<Piece>,

@@ -68,14 +68,14 @@ pub fn plan_layer(
             path.island.and_then(|island| layer.islands.get(island.index())).map(|island| island.object),
         );
         if let LayerKind::Spiral(rises) = &layer.kind {
-            nozzle.wind(path, &vertices, rises, std::mem::take(&mut pause));
+            nozzle.draw_revolution(path, &vertices, rises, std::mem::take(&mut pause));
             continue;
         }
         nozzle.travel(start.at, path.island, std::mem::take(&mut pause));
         nozzle.draw(path, &mut vertices);
     }
     nozzle.label(None);
-    nozzle.blow(None);
+    nozzle.set_fan(None);
     LayerMoves { index: layer.index, z_mm: layer_z_mm, height_mm: layer.height_mm, from, moves: nozzle.moves }
 }
 
@@ -95,7 +95,7 @@ pub fn exit(layer: &LayerPaths, sequence: &[PathVisit], from: Entry, settings: &
 }
 
 /// Where a bead ends, and where to wipe from there: of a loop on along it, over its beginning, away from the seam; else
-/// back the way it came.
+/// back along itself.
 fn end(
     path: &Path,
     vertices: &[Vertex],
@@ -106,15 +106,15 @@ fn end(
     let last = vertices.last().map(|v| v.at);
     if let Some(Scarf { fade, .. }) = scarf {
         let end = fade.last().map(|step| step.to);
-        return (end, travel::wipe_way(fade.iter().rev().map(|step| step.to), wipe_mm));
+        return (end, travel::wipe_path(fade.iter().rev().map(|step| step.to), wipe_mm));
     }
     let back = vertices.iter().map(|v| v.at);
-    let way = match path.closed {
+    let wipe = match path.closed {
         _ if wipe_mm <= 0.0 => Vec::new(),
-        true => travel::wipe_way(last.into_iter().chain(back), wipe_mm),
-        false => travel::wipe_way(back.rev(), wipe_mm),
+        true => travel::wipe_path(last.into_iter().chain(back), wipe_mm),
+        false => travel::wipe_path(back.rev(), wipe_mm),
     };
-    (last, way)
+    (last, wipe)
 }
 
 /// Makes the end of a loop: a scarf, or else a gap, which is cut off its vertices.
@@ -152,7 +152,7 @@ impl Nozzle<'_> {
     }
 
     /// Sets the fan to what a grade of overhang, or a bridge, asks for; `None`: to the layer's own.
-    fn blow(&mut self, role: Option<Role>) {
+    fn set_fan(&mut self, role: Option<Role>) {
         let fan = self.rules.fan(role);
         if fan != self.fan {
             self.moves.push(Move::Fan(fan));
@@ -190,7 +190,7 @@ impl Nozzle<'_> {
             self.moves.push(Move::Bead { role, width_mm, height_mm });
             self.bead = Some(bead);
         }
-        self.blow(Some(role));
+        self.set_fan(Some(role));
         self.accelerate(Some(path.role));
     }
 

@@ -14,8 +14,8 @@ use crate::units::{Mm, Mm3PerS, MmPerS, MmPerS2};
 pub struct FlowSettings {
     /// Multiplier of everything.
     pub multiplier: f64,
-    /// Cross-section of the strand, square millimetres.
-    pub strand_mm2: f64,
+    /// Cross-section of the filament, square millimetres.
+    pub filament_mm2: f64,
     /// Largest flow the hot end melts; 0: not limited.
     pub max_flow: Mm3PerS,
 }

@@ -59,7 +59,7 @@ const BULGE_MM: f64 = 0.016;
 /// … and where it turns by less than this at a vertex: otherwise there is a corner.
 const CORNER_RAD: f64 = 0.6;
 
-/// The direction of a way, and its length.
+/// A direction, and the length.
 fn direction(a: [f64; 2], b: [f64; 2]) -> ([f64; 2], f64) {
     let length_mm = distance_mm(a, b);
     let per_mm = 1.0 / length_mm.max(f64::MIN_POSITIVE);

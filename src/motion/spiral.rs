@@ -1,4 +1,4 @@
-//! Turns of a spiral: drawn without a stop, rising on the way.
+//! Revolutions of a spiral: drawn without a stop, rising all along.
 
 use super::Move;
 use super::bead::Vertex;
@@ -9,9 +9,9 @@ use crate::units::Mm3;
 use geometry::distance_mm;
 
 impl Nozzle<'_> {
-    /// Draws the vertices of a turn, each as far below the layer's height as `rises` says. Only a turn that does not
+    /// Draws the vertices of a revolution, each as far below the layer's height as `rises` says. Only a revolution that does not
     /// begin where the nozzle is, the first, is travelled to.
-    pub(super) fn wind(&mut self, path: &Path, vertices: &[Vertex], rises: &[Rise], pause: bool) {
+    pub(super) fn draw_revolution(&mut self, path: &Path, vertices: &[Vertex], rises: &[Rise], pause: bool) {
         let (Some(start), Some(rise)) = (vertices.first(), rises.first()) else { return };
         let top_mm = self.layer_z_mm;
         let start_mm = top_mm - rise.below_mm;

@@ -1,4 +1,4 @@
-//! The way from the end of one bead to the start of the next: inside the part where there is a way, retracted where
+//! Travels from the end of one bead to the start of the next: inside the part where that is possible, retracted where
 //! it is long.
 
 use super::nozzle::Nozzle;
@@ -11,7 +11,7 @@ impl Nozzle<'_> {
     /// Moves to where the next bead, one of this island, starts, at the height of the layer.
     ///
     /// A travel *longer* than `retract.min_travel`, or inside the part than `travel.retract_inside`, or from an
-    /// unknown place, is retracted. The nozzle climbs to the next layer on the way, or before it where the way is
+    /// unknown place, is retracted. The nozzle climbs to the next layer while it travels, or before where the travel is
     /// no longer than high; never does it go down, or to where something may be in its way, before it is above.
     pub(super) fn travel(&mut self, to: [f64; 2], island: Option<IslandId>, pause: bool) {
         let (retract, travel) = (&self.settings.retract, &self.settings.travel);
@@ -21,26 +21,26 @@ impl Nozzle<'_> {
         }
         let same_island = self.island.is_none_or(|last| last == island);
         self.island = Some(island);
-        let mut way = self.way(to, same_island);
-        let far = self.at.is_none_or(|at| match way {
+        let mut route = self.route(to, same_island);
+        let far = self.at.is_none_or(|at| match route {
             Route::Inside(_, length_mm) => length_mm > travel.retract_inside.0.max(retract.min_travel.0),
             Route::Across => distance_mm(at, to) > retract.min_travel.0,
         });
         let over_mm = (std::mem::take(&mut self.over_mm) - self.layer_z_mm).max(0.0);
         if over_mm > 0.0 {
-            way = Route::Across;
+            route = Route::Across;
         }
         let retracted = (far || pause || over_mm > 0.0) && retract.length.0 > 0.0;
         if retracted && self.retract() && over_mm <= 0.0 {
-            way = self.way(to, same_island);
+            route = self.route(to, same_island);
         }
         if pause {
             self.moves.push(Move::Pause);
-            way = Route::Across;
+            route = Route::Across;
         }
-        let hops = retracted && (way == Route::Across || retract.z_hop_inside);
+        let hops = retracted && (route == Route::Across || retract.z_hop_inside);
         let hop_mm = if hops { retract.z_hop.0.max(over_mm) } else { over_mm };
-        let mut stops = match way {
+        let mut stops = match route {
             Route::Inside(between, _) => between,
             Route::Across => Vec::new(),
         };
@@ -65,7 +65,7 @@ impl Nozzle<'_> {
         if retracted {
             self.moves.push(Move::Unretract { length_mm: retract.length.0, speed: retract.unretract_speed });
             if !retract.firmware {
-                self.owed_mm3 = retract.extra.0 * self.settings.flow.strand_mm2;
+                self.owed_mm3 = retract.extra.0 * self.settings.flow.filament_mm2;
             }
         }
         self.at = Some(to);
@@ -74,7 +74,7 @@ impl Nozzle<'_> {
 
     /// How to get from where the nozzle is to a place, on the same island or another. Not asked for where nothing
     /// depends on it.
-    fn way(&self, to: [f64; 2], same_island: bool) -> Route {
+    fn route(&self, to: [f64; 2], same_island: bool) -> Route {
         let MotionSettings { travel, retract, .. } = self.settings;
         let matters = travel.avoid_crossing
             || travel.retract_inside > retract.min_travel
@@ -101,36 +101,36 @@ impl Nozzle<'_> {
         let retract = &self.settings.retract;
         let (length_mm, speed) = (retract.length.0, retract.speed);
         coast(&mut self.moves, retract.coast.0);
-        let way = if retract.firmware { Vec::new() } else { std::mem::take(&mut self.wipe) };
-        let way_mm: f64 = way.windows(2).map(|w| distance_mm(w[0], w[1])).sum();
-        if way_mm <= 0.0 {
+        let wipe = if retract.firmware { Vec::new() } else { std::mem::take(&mut self.wipe) };
+        let wipe_mm: f64 = wipe.windows(2).map(|w| distance_mm(w[0], w[1])).sum();
+        if wipe_mm <= 0.0 {
             self.moves.push(Move::Retract { length_mm, speed });
             return false;
         }
-        let wipe_speed = wipe_speed(self.settings, way_mm);
-        for w in way.windows(2) {
-            let share = distance_mm(w[0], w[1]) / way_mm;
+        let wipe_speed = wipe_speed(self.settings, wipe_mm);
+        for w in wipe.windows(2) {
+            let share = distance_mm(w[0], w[1]) / wipe_mm;
             self.moves.push(Move::Wipe { to: w[1], length_mm: length_mm * share, speed: wipe_speed });
         }
-        self.at = way.last().copied();
+        self.at = wipe.last().copied();
         true
     }
 }
 
 /// The nozzle's speed that takes as long over the wipe as the retraction would take in place, at most the
 /// travel speed.
-fn wipe_speed(settings: &MotionSettings, way_mm: f64) -> MmPerS {
-    let speed = way_mm * settings.retract.speed.0 / settings.retract.length.0;
+fn wipe_speed(settings: &MotionSettings, wipe_mm: f64) -> MmPerS {
+    let speed = wipe_mm * settings.retract.speed.0 / settings.retract.length.0;
     MmPerS(speed.min(settings.speed.travel.0))
 }
 
-/// The first `wipe_mm` of a way; all of it where it is shorter.
-pub(super) fn wipe_way(points: impl Iterator<Item = [f64; 2]>, wipe_mm: f64) -> Vec<[f64; 2]> {
-    let mut way: Vec<[f64; 2]> = Vec::new();
+/// The first `wipe_mm` of a path; all of it where it is shorter.
+pub(super) fn wipe_path(points: impl Iterator<Item = [f64; 2]>, wipe_mm: f64) -> Vec<[f64; 2]> {
+    let mut path: Vec<[f64; 2]> = Vec::new();
     let mut left_mm = wipe_mm;
     for p in points {
-        let Some(&from) = way.last() else {
-            way.push(p);
+        let Some(&from) = path.last() else {
+            path.push(p);
             continue;
         };
         if left_mm <= 0.0 {
@@ -139,15 +139,15 @@ pub(super) fn wipe_way(points: impl Iterator<Item = [f64; 2]>, wipe_mm: f64) -> 
         let length_mm = distance_mm(from, p);
         if length_mm > left_mm {
             let t = left_mm / length_mm;
-            way.push([from[0] + t * (p[0] - from[0]), from[1] + t * (p[1] - from[1])]);
+            path.push([from[0] + t * (p[0] - from[0]), from[1] + t * (p[1] - from[1])]);
             break;
         }
         if length_mm > 0.0 {
-            way.push(p);
+            path.push(p);
             left_mm -= length_mm;
         }
     }
-    way
+    path
 }
 
 /// Stops feeding on the last `coast_mm` of the lines drawn last; a line that begins before is cut there.
@@ -188,10 +188,10 @@ mod tests {
 
     #[test]
     fn a_wipe_goes_as_far_as_it_is_long() {
-        let way = [[3.0, 1.0], [3.0, 0.0], [0.0, 0.0]];
-        assert_eq!(wipe_way(way.into_iter(), 2.0), [[3.0, 1.0], [3.0, 0.0], [2.0, 0.0]]);
-        assert_eq!(wipe_way(way.into_iter(), 99.0), way);
-        assert!(wipe_way([].into_iter(), 1.0).is_empty());
+        let path = [[3.0, 1.0], [3.0, 0.0], [0.0, 0.0]];
+        assert_eq!(wipe_path(path.into_iter(), 2.0), [[3.0, 1.0], [3.0, 0.0], [2.0, 0.0]]);
+        assert_eq!(wipe_path(path.into_iter(), 99.0), path);
+        assert!(wipe_path([].into_iter(), 1.0).is_empty());
     }
 
     #[test]

@@ -60,7 +60,7 @@ impl Chain {
         self.settings.chain && !apart && strategy(self.settings.strategy).looks_ahead()
     }
 
-    /// Orders consecutive layers on the way from one place to another, where these are known: anew, or, where they are
+    /// Orders consecutive layers from one position to another, where these are known: anew, or, where they are
     /// solved as one problem, from what was `solved` before.
     fn solve_between(
         &self,

@@ -54,7 +54,7 @@ impl Sections {
         slicer: &Slicer<'_>,
         objects: Vec<usize>,
         styles: &Styles<'_>,
-        wishes: &[Plate; 2],
+        modifiers: &[Plate; 2],
         settings: &Settings,
         workers: Workers<'_>,
     ) -> Result<Self, JobError> {
@@ -92,10 +92,11 @@ impl Sections {
                 Shells::build(&own, &heights_mm, shell, &|n, f| workers.map(n, f))
             })
             .collect();
-        if settings.support.enabled || !wishes[0].meshes.is_empty() {
+        if settings.support.enabled || !modifiers[0].meshes.is_empty() {
             let bounds = sections.bounds();
             let part = &sections.layers[raft_layers.min(sections.layers.len())..];
-            sections.supports = bounds.map(|bounds| Supports::plan(part, bounds, wishes, settings, workers));
+            sections.supports =
+                bounds.map(|bounds| Supports::plan(part, bounds, modifiers, settings, workers));
         }
         sections.infill = styles
             .each(settings)

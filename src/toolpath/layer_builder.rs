@@ -118,12 +118,12 @@ impl LayerBuilder {
         }
     }
 
-    /// Threads side by side, each as wide as it is high.
-    pub fn bridge(&mut self, bridge: &Bridge, thread_mm: f64, settings: &InfillSettings) {
-        let reach_mm = settings.overlap.0 * thread_mm;
-        let layer_mm = std::mem::replace(&mut self.height_mm, thread_mm);
+    /// Bridge lines side by side, each as wide as it is high.
+    pub fn bridge(&mut self, bridge: &Bridge, bridge_line_mm: f64, settings: &InfillSettings) {
+        let reach_mm = settings.overlap.0 * bridge_line_mm;
+        let layer_mm = std::mem::replace(&mut self.height_mm, bridge_line_mm);
         let spec = SolidSpec {
-            spacing_mm: thread_mm,
+            spacing_mm: bridge_line_mm,
             reach_mm,
             turn: CORE_TURN,
             angle_rad: bridge.angle_rad,
@@ -136,7 +136,7 @@ impl LayerBuilder {
             self.lines(
                 Role::BridgeInfill,
                 Phase::Bridge,
-                thread_mm,
+                bridge_line_mm,
                 patch.lines.into_iter().map(|(_, line)| line),
             );
         }

@@ -41,7 +41,7 @@ pub struct ToolpathSettings {
     pub ironing: IroningSettings,
     pub bridge: BridgeSettings,
     pub fuzzy: FuzzySettings,
-    /// The nozzle's bore: as thick as bridges are by nature.
+    /// The nozzle's diameter: as thick as bridges are by nature.
     pub nozzle: Mm,
     pub first_layer: FirstLayerSettings,
     pub skirt: SkirtSettings,
@@ -99,7 +99,7 @@ pub struct Planner {
 struct Part<'a> {
     object: &'a ObjectLayer<'a>,
     fuzzy: Option<Fuzzy<'a>>,
-    footing: Option<Beneath<'a>>,
+    support_below: Option<Beneath<'a>>,
 }
 
 /// What one layer of sparse infill fills.
@@ -202,7 +202,7 @@ impl Planner {
         Region { polygons: zones.flat_map(|zone| zone.polygons).collect() }
     }
 
-    /// Combines the sparse infill of layers, `infill.combine_layers` at a time and as many as the nozzle's bore allows.
+    /// Combines the sparse infill of layers, `infill.combine_layers` at a time and as many as the nozzle's diameter allows.
     /// `areas` are the heights and [`sparse_area`](Self::sparse_area)s of all layers; the first is left alone.
     pub fn combine(&mut self, areas: &[(f64, Region)]) {
         self.stacks =
@@ -227,7 +227,7 @@ impl Planner {
             let part = Part {
                 object,
                 fuzzy: Fuzzy::new(&self.settings.fuzzy, object.beneath, section.index, object.object),
-                footing: object.beneath.map(Beneath::new),
+                support_below: object.beneath.map(Beneath::new),
             };
             for polygon in &object.section.polygons {
                 layer.island = Some(IslandId(islands.len() as u32));
@@ -252,7 +252,7 @@ impl Planner {
     }
 
     fn island(&self, layer: &mut LayerBuilder, polygon: &Polygon, part: &Part<'_>, section: &PlateLayer<'_>) {
-        let Part { object, fuzzy, footing } = part;
+        let Part { object, fuzzy, support_below } = part;
         let (spec, widths) = (self.wall_spec(section), &self.widths(section.index));
         let Walls { loops, gaps, inside } = walls::trace(polygon, &spec);
         let before = layer.paths.len();
@@ -293,10 +293,10 @@ impl Planner {
             layer.dot(phase, before, filled_mm2, polygon, &self.settings.walls);
         }
 
-        if let Some(footing) = footing {
+        if let Some(support_below) = support_below {
             let own = &mut layer.paths[before..];
-            footing.reach(own, polygon);
-            if self.settings.walls.order == WallOrder::InnerFirst && footing.outer_first(own) {
+            support_below.reach(own, polygon);
+            if self.settings.walls.order == WallOrder::InnerFirst && support_below.outer_first(own) {
                 for path in own {
                     if let Phase::Wall(place) = &mut path.phase {
                         *place = count - 1 - *place;
@@ -307,11 +307,13 @@ impl Planner {
 
         let settings = &self.settings.infill;
         let mut zones = self.zones(&inside, object, section);
-        if let Some(footing) = footing.as_ref().filter(|_| self.settings.bridge.enabled) {
-            let thread_mm = self.settings.nozzle.0 * self.settings.bridge.flow.sqrt();
+        if let Some(support_below) = support_below.as_ref().filter(|_| self.settings.bridge.enabled) {
+            let bridge_line_mm = self.settings.nozzle.0 * self.settings.bridge.flow.sqrt();
             let anchor_mm = self.settings.bridge.anchor.0;
-            for bridge in bridges::take(&mut zones, &inside, polygon, footing, thread_mm, anchor_mm) {
-                layer.bridge(&bridge, thread_mm, settings);
+            for bridge in
+                bridges::take(&mut zones, &inside, polygon, support_below, bridge_line_mm, anchor_mm)
+            {
+                layer.bridge(&bridge, bridge_line_mm, settings);
             }
         }
         let solid =

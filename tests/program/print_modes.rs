@@ -64,7 +64,7 @@ fn a_spiral_holds_its_way_times_its_cross_section() {
     for name in MODELS {
         let settings = standard(&["spiral.enabled=true"]);
         let (body, height_mm) = (body(&print(name, &settings)), settings.layer.height.0);
-        let strand_mm2 = PI / 4.0 * settings.filament.diameter.0.powi(2);
+        let filament_mm2 = PI / 4.0 * settings.filament.diameter.0.powi(2);
         let area_mm2 = bead::area_mm2(settings.walls.external_width.0, height_mm);
         let (base_mm, top_mm) = (body[0].from[2], body.last().unwrap().to[2]);
         let swells = |s: &Stroke| s.to[2] <= base_mm + height_mm + 1e-6;
@@ -72,12 +72,12 @@ fn a_spiral_holds_its_way_times_its_cross_section() {
         // What swells or fades holds half.
         let share = |s: &Stroke| if swells(s) || fades(s) { 0.5 } else { 1.0 };
         let wanted: f64 = body.iter().map(|s| s.xy_mm * area_mm2 * share(s)).sum();
-        let held: f64 = body.iter().map(|s| s.e_mm * strand_mm2).sum();
+        let held: f64 = body.iter().map(|s| s.e_mm * filament_mm2).sum();
         assert!((held / wanted - 1.0).abs() < 0.01, "{name}: {held} of {wanted} mm³");
         let of = |part: &dyn Fn(&Stroke) -> bool| {
             let strokes = body.iter().filter(|s| part(s));
             let (e, mm) = strokes.fold((0.0, 0.0), |(e, mm), s| (e + s.e_mm, mm + s.xy_mm));
-            e * strand_mm2 / (mm * area_mm2)
+            e * filament_mm2 / (mm * area_mm2)
         };
         assert!((of(&swells) - 0.5).abs() < 0.02 && (of(&fades) - 0.5).abs() < 0.02, "{name}");
     }
