@@ -14,7 +14,7 @@ const STEP_MM: f64 = 0.5;
 /// What hangs over less than this holds by itself.
 const DANGLE_MM: f64 = 1.5;
 
-/// Beyond an end, hold is looked for in this many steps of this many bead widths: behind the loops that turn before it.
+/// Beyond an end, an anchor is searched in this many steps of this many bead widths: behind the loops that turn before it.
 const PROBES: u32 = 16;
 const PROBE: f64 = 0.25;
 
@@ -43,7 +43,7 @@ impl<'a> Beneath<'a> {
         self.holds(Point::from_mm(x, y))
     }
 
-    /// Lets single beads of an island that end over air, just before hold, go on until they lie on it.
+    /// Lets single beads of an island that end over air, just before an anchor, go on until they lie on it.
     pub fn reach(&self, paths: &mut [Path], island: &Polygon) {
         let inside = LazyCell::new(|| EdgeGrid::of(island));
         for path in paths.iter_mut().filter(|path| !path.closed) {
@@ -62,7 +62,7 @@ impl<'a> Beneath<'a> {
         }
     }
 
-    /// Whether an inner loop of an island hangs over air, while the outer ones have hold, as in a narrow strip between thin
+    /// Whether an inner loop of an island hangs over air, while the outer ones are held, as in a narrow strip between thin
     /// walls: it has to wait for them.
     pub fn outer_first(&self, paths: &[Path]) -> bool {
         let loops = |role| paths.iter().filter(move |path| path.role == role && path.closed);

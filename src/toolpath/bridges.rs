@@ -1,4 +1,4 @@
-//! Bridges: solid infill over air, spanned by bridge lines from hold to hold.
+//! Bridges: solid infill over air, spanned by bridge lines from anchor to anchor.
 //!
 //! Each patch gets one direction, pieces of air near to each other together. Among those of its edges, their normals
 //! and an even fan of others, it is the one in which most of the bridge lines are held at both ends, and of those that do
@@ -38,7 +38,7 @@ const STRAIGHT: f64 = 2.5;
 /// and can be spanned at a cost below this, nearly all of it held at both ends.
 const HELD: f64 = 0.3;
 
-/// Where a bridge line is looked for hold, in line widths beyond its end: over the walls beside it.
+/// Where a bridge line is tested for an anchor, in line widths beyond its end: over the walls beside it.
 const PROBES: [f64; 4] = [0.25, 1.25, 2.25, 3.25];
 
 /// One patch of bridge lines.
@@ -53,8 +53,8 @@ pub struct Bridge {
 }
 
 /// Takes the bridges out of an island's zones. `section` is the island, `beneath` what the layer rests on; bridge lines are
-/// `width_mm` thick and reach `anchor_mm` over their hold, inside `inside`. What is narrower than two bridge lines needs
-/// no bridge, unless it is a strip that only has hold at its ends.
+/// `width_mm` thick and reach `anchor_mm` over their anchors, inside `inside`. What is narrower than two bridge lines needs
+/// no bridge, unless it is a strip that has anchors only at its ends.
 pub fn take(
     zones: &mut Zones,
     inside: &Region,
@@ -70,8 +70,8 @@ pub fn take(
     let all = geometry::union(&over_air(&zones.solid), &over_air(&zones.top));
     let core = geometry::offset(&all, -width_mm);
     let mut air = geometry::offset(&core, width_mm);
-    let hold = LazyCell::new(|| Hold { beneath, section: EdgeGrid::of(section), width_mm });
-    let is_strip = |polygon: &Polygon| hold.is_strip(&Region { polygons: vec![polygon.clone()] });
+    let anchors = LazyCell::new(|| Anchors { beneath, section: EdgeGrid::of(section), width_mm });
+    let is_strip = |polygon: &Polygon| anchors.is_strip(&Region { polygons: vec![polygon.clone()] });
     let mut narrow = geometry::narrower(&all, &core, width_mm, width_mm);
     narrow.polygons.retain(|p| p.area_mm2() > SHORTEST_STRIP * width_mm * width_mm && is_strip(p));
     air.polygons.extend(narrow.polygons);
@@ -82,7 +82,7 @@ pub fn take(
     let bridge = |polygon: &Polygon| {
         let area = Region { polygons: vec![polygon.clone()] };
         let spanned = geometry::intersection(&air, &area);
-        let (angle_rad, _) = hold.best_angle(&spanned);
+        let (angle_rad, _) = anchors.best_angle(&spanned);
         let (from_mm, to_mm) = Direction::of(angle_rad).extent_mm(spanned.rings().flatten());
         let strip_mm = (to_mm - from_mm < STRIP * width_mm).then_some((from_mm, to_mm));
         Bridge { area, angle_rad, strip_mm }
@@ -94,15 +94,15 @@ pub fn take(
     bridges
 }
 
-/// What can hold bridge lines: where this layer lies on the one beneath.
-struct Hold<'a> {
+/// What can anchor bridge lines: where this layer lies on the one beneath.
+struct Anchors<'a> {
     beneath: &'a Beneath<'a>,
     section: EdgeGrid,
     width_mm: f64,
 }
 
-impl Hold<'_> {
-    /// Whether air of less than two bridge lines' width can only be spanned along its length, from hold to hold.
+impl Anchors<'_> {
+    /// Whether air of less than two bridge lines' width can only be spanned along its length, from anchor to anchor.
     fn is_strip(&self, air: &Region) -> bool {
         let (angle_rad, cost) = self.best_angle(air);
         let (from_mm, to_mm) = Direction::of(angle_rad).extent_mm(air.rings().flatten());
@@ -155,7 +155,7 @@ impl Hold<'_> {
         judged(loose_mm / length_mm + by_span)
     }
 
-    /// Whether there is hold a little beyond the end of a bridge line in this direction.
+    /// Whether there is an anchor a little beyond the end of a bridge line in this direction.
     fn holds(&self, end: Point, direction: [f64; 2]) -> bool {
         PROBES.iter().any(|widths| {
             let [x, y] = direction.map(|d| d * widths * self.width_mm);

@@ -1,4 +1,4 @@
-//! What parallel lines leave open where the boundary runs along them: the room between the last line and an
+//! What parallel lines leave open where the boundary runs along them: the gap between the last line and an
 //! extreme of the boundary, less than a line wide; and the wedges between lines and a boundary that they meet at a
 //! small angle.
 
@@ -22,9 +22,9 @@ impl LineSet {
         self.direction().across_mm(p) - (line as f64 * self.distance_mm + self.phase_mm)
     }
 
-    /// The middle and the width of the room between a line and what runs beside it, on this side (±1): where `outer`
-    /// there is nothing beyond that, else the room goes on from there to the next line.
-    fn room(&self, line: i64, side: f64, outer: bool, p: Point) -> (Point, f64) {
+    /// The middle and the width of the gap between a line and what runs beside it, on this side (±1): where `outer`
+    /// there is nothing beyond that, else the gap goes on from there to the next line.
+    fn gap(&self, line: i64, side: f64, outer: bool, p: Point) -> (Point, f64) {
         let over_mm = side * self.over_mm(line, p);
         let (away_mm, width_mm) = if outer {
             ((self.distance_mm - over_mm) / 2.0, over_mm)
@@ -119,11 +119,11 @@ pub(super) fn find(boundary: &Boundary<'_>, stops: &[Stop], chords: &[Chord], ha
             let arc = boundary.vertices_between(from.on, to.on, true);
             let outer = from.chord == to.chord;
             let side = arc.iter().map(|&p| hatch.over_mm(a.line, p)).sum::<f64>().signum();
-            // Vertex, and the width of the room beside it.
+            // Vertex, and the width of the gap beside it.
             let profile: Vec<(Point, f64)> = std::iter::once(end_of(a, from))
                 .chain(arc.iter().copied())
                 .chain(std::iter::once(end_of(b, to)))
-                .map(|p| hatch.room(a.line, side, outer, p))
+                .map(|p| hatch.gap(a.line, side, outer, p))
                 .collect();
             let ends = [(from.chord, from.side), (to.chord, to.side)];
             let parts = wide_parts(&profile, NARROWEST * distance_mm);
@@ -173,7 +173,7 @@ fn wedge(
     let profile: Vec<(Point, f64)> = std::iter::once(at_a)
         .chain(arc())
         .chain(std::iter::once(at_b))
-        .map(|p| hatch.room(long.line, side, true, p))
+        .map(|p| hatch.gap(long.line, side, true, p))
         .collect();
     let tolerance_mm = 0.1 * distance_mm;
     if profile.iter().any(|&(_, mm)| !(-tolerance_mm..=distance_mm + tolerance_mm).contains(&mm)) {
