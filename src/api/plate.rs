@@ -34,6 +34,7 @@ impl Plate {
     ///
     /// # Errors
     /// A scale or rotation that leaves nothing, or makes it longer than 10 m.
+    #[allow(clippy::should_implement_trait, reason = "a plate plus a model is no sum")]
     pub fn add(mut self, model: impl Into<Model>) -> Result<Self, JobError> {
         let model = model.into().prepared(&self.settings)?;
         self.models.push(model);

@@ -49,7 +49,7 @@ pub(super) fn pack(scene: &Scene) -> Packed {
         packer.layer(layer);
     }
     let Packer { out, strokes, marks, .. } = packer;
-    Packed { base64: STANDARD.encode(&compress_to_vec_zlib(&out, LEVEL)), strokes, marks }
+    Packed { base64: STANDARD.encode(compress_to_vec_zlib(&out, LEVEL)), strokes, marks }
 }
 
 #[derive(Default)]
