@@ -11,8 +11,11 @@ const ORDER: &[&str] = &[
     "source", "plan", "pipeline", "api", "cli",
 ];
 
-/// The crates, without what stands above all their files.
-const CRATES: &[&str] = &["src", "crates/geometry/src", "crates/ordering/src"];
+/// The sources of all crates that are there: a packaged crate has its own alone.
+fn crates() -> impl Iterator<Item = PathBuf> {
+    let folders = ["src", "crates/geometry/src", "crates/ordering/src"];
+    folders.into_iter().map(|folder| root().join(folder)).filter(|folder| folder.exists())
+}
 
 fn root() -> &'static Path {
     Path::new(env!("CARGO_MANIFEST_DIR"))
@@ -164,8 +167,8 @@ fn modules_use_only_those_before_them() {
 
 #[test]
 fn files_use_each_other_one_way() {
-    for folder in CRATES {
-        let mut left = uses(&root().join(folder));
+    for folder in crates() {
+        let mut left = uses(&folder);
         // Who uses nothing that is left goes; what stays is in a circle, or uses one.
         while let Some(done) = left.iter().find(|(_, used)| used.is_empty()).map(|(module, _)| module.clone())
         {
@@ -180,14 +183,14 @@ fn files_use_each_other_one_way() {
         {
             left.remove(&free);
         }
-        assert!(left.is_empty(), "{folder}: circles among {left:#?}");
+        assert!(left.is_empty(), "{}: circles among {left:#?}", folder.display());
     }
 }
 
 #[test]
 fn no_other_program_is_ever_started() {
-    for folder in CRATES {
-        for (module, code) in modules(&root().join(folder)) {
+    for folder in crates() {
+        for (module, code) in modules(&folder) {
             let starts = code.contains("process::Command") || code.contains("Command::new(");
             assert!(!starts, "{}", module.join("::"));
         }
