@@ -11,6 +11,7 @@ use super::rule::{Rule, Seen};
 use crate::gcode::Stroke;
 use crate::profile::Settings;
 use crate::toolpath::Role;
+use geometry::DisjointSets;
 
 /// Side of a cell: less than a bead, so that beads side by side touch and those of two islands do not.
 const CELL_MM: f64 = 0.3;
@@ -228,18 +229,18 @@ struct Island {
     has_wall: bool,
 }
 
-/// The islands of the current layer, by union and find over cells.
+/// The islands of the current layer, joined over cells.
 struct Islands {
     /// For each cell the layer in which it was covered last, and by which island.
     of_cell: Vec<(u32, u32)>,
     layer: u32,
-    parent: Vec<usize>,
+    joined: DisjointSets,
     islands: Vec<Island>,
 }
 
 impl Islands {
     fn new(cells: usize) -> Self {
-        Self { of_cell: vec![(0, 0); cells], layer: 1, parent: Vec::new(), islands: Vec::new() }
+        Self { of_cell: vec![(0, 0); cells], layer: 1, joined: DisjointSets::default(), islands: Vec::new() }
     }
 
     fn count(&self) -> usize {
@@ -247,7 +248,7 @@ impl Islands {
     }
 
     fn begin(&mut self, location: Location) -> usize {
-        self.parent.push(self.islands.len());
+        self.joined.push();
         let (held, is_part, has_wall) = (false, false, false);
         self.islands.push(Island { location, cells: 0, length_mm: 0.0, held, is_part, has_wall });
         self.islands.len() - 1
@@ -258,14 +259,6 @@ impl Islands {
         island.length_mm += by_mm;
         island.is_part |= is_part;
         island.has_wall |= is_wall;
-    }
-
-    fn root(&mut self, mut island: usize) -> usize {
-        while self.parent[island] != island {
-            self.parent[island] = self.parent[self.parent[island]];
-            island = self.parent[island];
-        }
-        island
     }
 
     /// Covers a cell, and joins what covers it and its neighbours already.
@@ -290,14 +283,13 @@ impl Islands {
     }
 
     fn join(&mut self, a: usize, b: usize) {
-        let (a, b) = (self.root(a), self.root(b));
-        self.parent[a.max(b)] = a.min(b);
+        self.joined.join(a as u32, b as u32);
     }
 
     /// The islands, joined; the next layer begins.
     fn finish(&mut self) -> Vec<Island> {
         for island in (0..self.islands.len()).rev() {
-            let root = self.root(island);
+            let root = self.joined.find(island as u32) as usize;
             if root != island {
                 let Island { cells, length_mm, held, is_part, has_wall, .. } = self.islands[island];
                 let into = &mut self.islands[root];
@@ -308,9 +300,9 @@ impl Islands {
                 into.has_wall |= has_wall;
             }
         }
-        let parent = std::mem::take(&mut self.parent);
+        let mut joined = std::mem::take(&mut self.joined);
         self.layer += 1;
         let islands = std::mem::take(&mut self.islands).into_iter().enumerate();
-        islands.filter(|(i, _)| parent[*i] == *i).map(|(_, island)| island).collect()
+        islands.filter(|(i, _)| joined.find(*i as u32) as usize == *i).map(|(_, island)| island).collect()
     }
 }
