@@ -51,3 +51,16 @@ pub fn room(need_bytes: u64) -> Result<(), String> {
         _ => Ok(()),
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_no_machine_has_is_refused() {
+        // So much is free that no other test of this program is refused anything.
+        watch_memory(|| Some(1 << 50));
+        assert!(room(0).is_ok());
+        assert!(room(1 << 60).unwrap_err().contains("are needed"));
+    }
+}

@@ -32,7 +32,7 @@ pub fn reorder(
 ) -> Result<(Vec<u8>, Reordered), JobError> {
     let mut output = Output::memory();
     let job = ReorderJob::default();
-    let report = Pipeline::reorder_bytes(gcode.clone(), &job, settings, &mut output, observer)?;
+    let report = Pipeline::reorder_bytes(&gcode, &job, settings, &mut output, observer)?;
     Ok((if report.changed { output.into_bytes() } else { gcode }, report))
 }
 

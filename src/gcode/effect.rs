@@ -3,7 +3,6 @@
 use super::read::{Measure, measure_on, replay, resume, time_on};
 use super::script::Scripts;
 use super::settings::GcodeOptions;
-use crate::estimate::Machine;
 use crate::units::Seconds;
 
 /// What a script comes to, measured as it would be on the finished file.
@@ -20,20 +19,20 @@ pub struct Effect {
 
 impl Scripts {
     /// The start script: heating, homing, priming.
-    pub fn start_effect(&self, settings: &GcodeOptions, machine: &Machine) -> Effect {
+    pub fn start_effect(&self, settings: &GcodeOptions) -> Effect {
         let text = self.start.as_bytes();
         let mut steps = replay(text);
         let measure = measure_on(&mut steps, settings.filament.diameter, None);
         let end = (measure.print_mm > 0.0).then(|| steps.position());
-        Effect { measure, time: time_on(replay(text), machine), end }
+        Effect { measure, time: time_on(replay(text), &settings.machine), end }
     }
 
     /// The end script, begun where the last bead ended.
-    pub fn end_effect(&self, settings: &GcodeOptions, machine: &Machine, bead_end: [f64; 3]) -> Effect {
+    pub fn end_effect(&self, settings: &GcodeOptions, bead_end: [f64; 3]) -> Effect {
         let steps = || resume(self.end.as_bytes(), bead_end, settings.gcode.relative_e);
         let mut measured = steps();
         let measure = measure_on(&mut measured, settings.filament.diameter, Some(bead_end));
-        Effect { measure, time: time_on(steps(), machine), end: Some(measured.position()) }
+        Effect { measure, time: time_on(steps(), &settings.machine), end: Some(measured.position()) }
     }
 }
 
@@ -48,10 +47,9 @@ mod tests {
         let mut settings = Settings::default();
         (settings.gcode.start, settings.gcode.end) = (start.into(), end.into());
         let scripts = Scripts::new(&settings, &facts).expect("no mistakes");
-        let machine = Machine::new(&settings);
         (
-            scripts.start_effect(&GcodeOptions::from(&settings), &machine),
-            scripts.end_effect(&GcodeOptions::from(&settings), &machine, [10.0, 10.0, 0.2]),
+            scripts.start_effect(&GcodeOptions::from(&settings)),
+            scripts.end_effect(&GcodeOptions::from(&settings), [10.0, 10.0, 0.2]),
         )
     }
 

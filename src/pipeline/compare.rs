@@ -23,7 +23,7 @@ pub(super) fn compare(
     workers: Workers<'_>,
 ) -> Result<Vec<StrategyRow>, JobError> {
     if let Some(file) = job.models.first().filter(|file| is_gcode(file)) {
-        return compare_file(&file.as_path().into(), settings, strategies, job.certify, workers);
+        return compare_file(Source::File(file), settings, strategies, job.certify, workers);
     }
     let models = load::read(job, settings, workers)?;
     compare_models(models, job, settings, strategies, workers)
@@ -44,7 +44,7 @@ pub(super) fn compare_models(
 
 /// The same for the layers of a finished file.
 pub(super) fn compare_file(
-    source: &Source,
+    source: Source<'_>,
     settings: &Settings,
     strategies: &[OrderStrategy],
     certify: bool,

@@ -8,8 +8,6 @@ use crate::job::JobError;
 use crate::profile::Settings;
 use crate::source::Source;
 
-use super::input::input_error;
-
 /// Goes over a print while it is written.
 pub(super) struct Inspector {
     checker: Checker,
@@ -42,11 +40,11 @@ impl Inspector {
 ///
 /// # Errors
 /// [`JobError::Check`] with the first fault, and those of reading.
-pub(super) fn remade(source: &Source, found: &Found, settings: &Settings) -> Result<(), JobError> {
+pub(super) fn remade(source: Source<'_>, found: &Found, settings: &Settings) -> Result<(), JobError> {
     if found.first_of_paths(&Found::default()).is_none() {
         return Ok(());
     }
-    let failed = |error: io::Error| input_error(source, &error);
+    let failed = |error: io::Error| source.error(&error);
     let mut checker = Checker::with(Judge::of_paths(settings, true));
     each_line(source.open().map_err(failed)?, |line| {
         checker.line(line);

@@ -5,7 +5,6 @@
 //! layers) and at work on a batch of its own, and their bytes are checked and go out in order.
 
 mod compare;
-mod input;
 mod inspect;
 mod kept;
 pub(crate) mod load;
@@ -26,6 +25,7 @@ use crate::parallel::{self, Workers};
 use crate::plate::Model;
 use crate::profile::Settings;
 use crate::report::{ModelInfo, PaperRow, Reordered, Summary};
+use crate::source::Source;
 
 pub use kept::PrintLayer;
 
@@ -41,7 +41,7 @@ impl Pipeline {
     /// Where the file cannot be read, or the output not be written.
     pub fn rewrite(&self, file: &Path, settings: &Settings, output: &mut Output) -> Result<(), JobError> {
         let observer = Observer::none();
-        reorder::rewritten(&file.into(), settings, output, Workers { observer: &observer })
+        reorder::rewritten(Source::File(file), settings, output, Workers { observer: &observer })
     }
 }
 
@@ -74,13 +74,14 @@ impl Pipeline {
 
     /// Reorders G-code in memory.
     pub(crate) fn reorder_bytes(
-        gcode: Vec<u8>,
+        gcode: &[u8],
         job: &ReorderJob,
         settings: &Settings,
         output: &mut Output,
         observer: &Observer<'_>,
     ) -> Result<Reordered, JobError> {
-        let reorder = |workers: Workers<'_>| reorder::reorder(&gcode.into(), job, settings, output, workers);
+        let reorder =
+            |workers: Workers<'_>| reorder::reorder(Source::Memory(gcode), job, settings, output, workers);
         parallel::run(job.threads, observer, reorder).unwrap_or(Err(JobError::Cancelled))
     }
 }
@@ -129,7 +130,7 @@ impl Engine for Pipeline {
         observer: &Observer<'_>,
     ) -> Result<Reordered, JobError> {
         parallel::run(job.threads, observer, |workers| {
-            reorder::reorder(&job.file.as_path().into(), job, settings, output, workers)
+            reorder::reorder(Source::File(&job.file), job, settings, output, workers)
         })
         .unwrap_or(Err(JobError::Cancelled))
     }

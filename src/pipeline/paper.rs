@@ -14,7 +14,6 @@ use crate::report::PaperRow;
 use crate::source::Source;
 
 use super::compare;
-use super::input::input_error;
 use super::{load, print, reorder};
 
 /// The orders of the table, beside the file's own.
@@ -35,22 +34,20 @@ const ORDERS: [(Scope, &[OrderStrategy]); 2] = [
 pub(super) fn paper(job: &Job, settings: &Settings, workers: Workers<'_>) -> Result<Vec<PaperRow>, JobError> {
     let Some(file) = job.models.first() else { return Ok(Vec::new()) };
     workers.observer.begin(ORDERS.iter().map(|(_, strategies)| strategies.len()).sum());
-    let source = if is_gcode(file) {
-        file.as_path().into()
-    } else {
-        let mut as_made = settings.clone();
-        as_made.order.strategy = OrderStrategy::AsSliced;
-        let silent = workers.observer.silent();
-        let mut output = Output::memory();
-        let models = load::read(job, &as_made, workers)?;
-        print::slice(models, job, &as_made, &mut output, None, Workers { observer: &silent })?;
-        output.into_bytes().into()
-    };
-    rows(&source, settings, job.certify, workers)
+    if is_gcode(file) {
+        return rows(Source::File(file), settings, job.certify, workers);
+    }
+    let mut as_made = settings.clone();
+    as_made.order.strategy = OrderStrategy::AsSliced;
+    let silent = workers.observer.silent();
+    let mut output = Output::memory();
+    let models = load::read(job, &as_made, workers)?;
+    print::slice(models, job, &as_made, &mut output, None, Workers { observer: &silent })?;
+    rows(Source::Memory(&output.into_bytes()), settings, job.certify, workers)
 }
 
 fn rows(
-    source: &Source,
+    source: Source<'_>,
     settings: &Settings,
     certify: bool,
     workers: Workers<'_>,
@@ -74,7 +71,7 @@ fn rows(
     };
     let mut text = Vec::new();
     let read = source.open().and_then(|mut input| input.read_to_end(&mut text));
-    read.map_err(|error| input_error(source, &error))?;
+    read.map_err(|error| source.error(&error))?;
     let mut rows = vec![row("as sliced", "", &text, 0.0, None)];
     for (scope, strategies) in ORDERS {
         let mut settings = settings.clone();

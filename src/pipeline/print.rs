@@ -58,7 +58,7 @@ pub(super) fn slice(
     let maker = LayerMaker {
         chain: Chain { detours: settings.detour_rule(), ..ordering::chain(settings) },
         motion: MotionSettings::new(settings, &job.pauses),
-        machine: Machine::new(settings),
+        machine: options.machine,
         writer: WriterSettings { objects: names, ..WriterSettings::new(settings, &scripts, true) },
         settings,
         certify: job.certify,
@@ -80,7 +80,7 @@ pub(super) fn slice(
     };
     writer.output.write(&header.bytes)?;
     writer.write(&labels)?;
-    let begun = scripts.start_effect(&options, &maker.machine);
+    let begun = scripts.start_effect(&options);
     let mut ordered = Vec::new();
     let mut floating_warnings = Vec::new();
     writer.statistics.add_script(&begun, &maker.machine);
@@ -103,7 +103,7 @@ pub(super) fn slice(
     }
     let PrintWriter { output, mut inspector, slots, mut statistics, .. } = writer;
     if let Some([x, y]) = at.xy {
-        statistics.add_script(&scripts.end_effect(&options, &maker.machine, [x, y, at.z_mm]), &maker.machine);
+        statistics.add_script(&scripts.end_effect(&options, [x, y, at.z_mm]), &maker.machine);
     }
     let totals = statistics.totals();
     let footer = gcode::footer(&options, &facts, &scripts, &totals);

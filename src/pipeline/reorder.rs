@@ -20,7 +20,6 @@ use crate::report::{PathMeasures, Reordered};
 use crate::source::{Input, Source};
 use crate::toolpath::LayerPaths;
 
-use super::input::input_error;
 use super::ordering::Sequencer;
 use super::{inspect, ordering};
 
@@ -36,7 +35,7 @@ const WORTHWHILE: f64 = 1e-4;
 
 /// Puts a file into another order.
 pub(super) fn reorder(
-    source: &Source,
+    source: Source<'_>,
     job: &ReorderJob,
     settings: &Settings,
     output: &mut Output,
@@ -46,7 +45,7 @@ pub(super) fn reorder(
         more_retractions: job.more_retractions,
         ..Rewriter::new(settings, job.keep_direction, true, workers)
     };
-    let begun = source.stamp().map_err(|error| input_error(source, &error))?;
+    let begun = source.stamp().map_err(|error| source.error(&error))?;
     let machine = tells_time(source)?.then(|| Machine::new(settings));
     let input = Blocks::new(open(source)?).proven(machine.as_ref());
     let mut judge = Judge::of_paths(settings, true);
@@ -70,17 +69,17 @@ pub(super) fn reorder(
             inspect::remade(source, &judge.finish(), settings)?;
         }
     }
-    if source.stamp().map_err(|error| input_error(source, &error))? != begun {
+    if source.stamp().map_err(|error| source.error(&error))? != begun {
         let error = io::Error::other("it was changed while it was read; nothing was written");
-        return Err(input_error(source, &error));
+        return Err(source.error(&error));
     }
     Ok(report)
 }
 
 /// Whether a file has lines about time near its beginning or its end, as all slicers write them that write any.
-fn tells_time(source: &Source) -> Result<bool, JobError> {
+fn tells_time(source: Source<'_>) -> Result<bool, JobError> {
     let mut input = open(source)?;
-    let failed = |error: io::Error| input_error(source, &error);
+    let failed = |error: io::Error| source.error(&error);
     let length = input.seek(SeekFrom::End(0)).map_err(failed)?;
     let mut tells = false;
     for offset in [0, length.saturating_sub(TIME_BYTES)] {
@@ -118,11 +117,14 @@ fn update_times(
 }
 
 /// The layers of a file as they are ordered, and the links within each that are not open to ordering, mm.
-pub(super) fn layers(source: &Source, settings: &Settings) -> Result<(Vec<LayerPaths>, Vec<f64>), JobError> {
+pub(super) fn layers(
+    source: Source<'_>,
+    settings: &Settings,
+) -> Result<(Vec<LayerPaths>, Vec<f64>), JobError> {
     let mut blocks = Blocks::new(open(source)?);
     let (mut layers, mut fixed_mm) = (Vec::new(), Vec::new());
     let (seam, scope) = (settings.seam.position, settings.order.scope);
-    while let Some(block) = blocks.read().map_err(|error| input_error(source, &error))? {
+    while let Some(block) = blocks.read().map_err(|error| source.error(&error))? {
         if block.paths() > 0 {
             let ordering = Ordering::new(&block, layers.len(), seam, scope);
             layers.push(ordering.layer);
@@ -142,7 +144,7 @@ pub(super) fn seam_rule(position: SeamPosition) -> SeamRule {
 
 /// Writes a file in the order that the settings ask for, whether or not that is any better, and without the proof.
 pub(super) fn rewritten(
-    source: &Source,
+    source: Source<'_>,
     settings: &Settings,
     output: &mut Output,
     workers: Workers<'_>,
@@ -151,8 +153,8 @@ pub(super) fn rewritten(
     Rewriter::new(settings, false, false, workers).rewrite(source, blocks, |_| Ok(()), output).map(drop)
 }
 
-fn open(source: &Source) -> Result<Box<dyn Input>, JobError> {
-    source.open().map_err(|error| input_error(source, &error))
+fn open(source: Source<'_>) -> Result<Box<dyn Input + '_>, JobError> {
+    source.open().map_err(|error| source.error(&error))
 }
 
 /// Batches of blocks of a file.
@@ -248,12 +250,12 @@ impl<'a> Rewriter<'a> {
     /// compared and checked. What the file prints, where that is to be proven.
     fn rewrite(
         &mut self,
-        source: &Source,
+        source: Source<'_>,
         blocks: Blocks<impl BufRead + Send>,
         mut back: impl FnMut(Box<dyn BufRead + Send + '_>) -> io::Result<()> + Send,
         output: &mut Output,
     ) -> Result<Option<Inventory>, JobError> {
-        let failed = |error: io::Error| input_error(source, &error);
+        let failed = |error: io::Error| source.error(&error);
         let mut batches = Batches { blocks, carry: None, least: self.batch_bytes() };
         let mut batch = batches.read().map_err(failed)?;
         let mut checked = output.written();

@@ -62,14 +62,36 @@ pub fn resolve(profiles: &[String], overrides: &[Override]) -> Result<Resolved, 
         origin: Origin::Option(o.option),
     }));
 
-    let mut table = Table::try_from(Settings::default()).expect("settings are a table");
+    let Assigned { settings, origins, warnings } = assigned(Settings::default(), assignments, &mut problems);
+    if problems.is_empty() {
+        let warnings = notes.into_iter().chain(warnings).collect();
+        Ok(Resolved { settings, origins, warnings })
+    } else {
+        Err(ProfileError { problems })
+    }
+}
+
+/// Settings after assignments, with what they brought.
+struct Assigned {
+    settings: Settings,
+    origins: BTreeMap<String, Origin>,
+    warnings: Vec<Problem>,
+}
+
+/// Makes assignments in turn, and looks at the whole. Ends early where the list of problems is full.
+fn assigned(
+    settings: Settings,
+    assignments: impl IntoIterator<Item = Assignment>,
+    problems: &mut Vec<Problem>,
+) -> Assigned {
+    let mut table = Table::try_from(&settings).expect("settings are a table");
     let mut origins = BTreeMap::new();
     let mut refused = Vec::new();
     for Assignment { key, value, origin } in assignments {
         if problems.len() >= limits::PROFILE_PROBLEMS {
             let message = format!("only the first {} problems are listed", limits::PROFILE_PROBLEMS);
             problems.push(Problem { origin, setting: None, message });
-            return Err(ProfileError { problems });
+            return Assigned { settings, origins, warnings: Vec::new() };
         }
         match check(&key, &value) {
             Ok(()) => {
@@ -98,12 +120,7 @@ pub fn resolve(profiles: &[String], overrides: &[Override]) -> Result<Resolved, 
             .filter(|c| !c.keys.iter().any(|k| refused.iter().any(|r| r == k)))
             .map(|c| c.problem),
     );
-    if problems.is_empty() {
-        let warnings = notes.into_iter().chain(found.warnings).collect();
-        Ok(Resolved { settings, origins, warnings })
-    } else {
-        Err(ProfileError { problems })
-    }
+    Assigned { settings, origins, warnings: found.warnings }
 }
 
 impl Settings {
@@ -130,30 +147,13 @@ impl Settings {
     /// # Errors
     /// As [`Settings::set`], every problem at once.
     pub fn set_all(self, values: &[(&str, &str)]) -> Result<Self, ProfileError> {
-        let mut table = Table::try_from(self).expect("settings are a table");
-        let (mut origins, mut problems) = (BTreeMap::new(), Vec::new());
-        let origin = Origin::Option("set");
-        for (key, typed) in values {
-            let value = typed_value(key, typed);
-            match (check(key, &value), key.split_once('.')) {
-                (Ok(()), Some((section, name))) => {
-                    if let Some(Value::Table(section)) = table.get_mut(section) {
-                        section.insert(name.to_owned(), value);
-                    }
-                    origins.insert((*key).to_owned(), origin.clone());
-                }
-                (checked, _) => problems.push(Problem {
-                    origin: origin.clone(),
-                    setting: Some((shortened(key), shown(&value))),
-                    message: checked.err().unwrap_or_default(),
-                }),
-            }
-        }
-        let settings = Self::deserialize(Value::Table(table)).expect("every value was checked");
-        if problems.is_empty() {
-            problems
-                .extend(conflicts::find(&settings, &origins).errors.into_iter().map(|found| found.problem));
-        }
+        let assignments = values.iter().map(|&(key, typed)| Assignment {
+            key: key.to_owned(),
+            value: typed_value(key, typed),
+            origin: Origin::Option("set"),
+        });
+        let mut problems = Vec::new();
+        let Assigned { settings, .. } = assigned(self, assignments, &mut problems);
         if problems.is_empty() { Ok(settings) } else { Err(ProfileError { problems }) }
     }
 }

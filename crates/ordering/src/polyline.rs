@@ -86,8 +86,7 @@ pub fn order(polylines: &[Polyline], options: &OrderOptions) -> Ordered {
             false => Shape::Open([points[0], points[points.len() - 1]]),
         },
     });
-    let problem = Problem { runs, start: options.start, ..Problem::of([]) };
-    let problem = Problem { items: items.collect(), ..problem };
+    let problem = Problem { items: items.collect(), runs, start: options.start, ..Problem::of([]) };
     let sequence = strategy(options.strategy).solve(&problem, &options.cost, options.effort);
     Ordered {
         length_mm: evaluate(&problem, &sequence, &Cost::Length),
