@@ -68,10 +68,6 @@ pub(super) struct Arrangement {
     boxes: Vec<Bounds>,
 }
 
-fn box_of(a: Point, b: Point) -> Bounds {
-    Bounds { min: Point::new(a.x.min(b.x), a.y.min(b.y)), max: Point::new(a.x.max(b.x), a.y.max(b.y)) }
-}
-
 impl Arrangement {
     /// Splits the rings, all of them first ones. Rings of fewer than three points, of equal neighbours one, are left out.
     pub(super) fn new<'a>(first: impl IntoIterator<Item = &'a Ring>) -> Self {
@@ -106,7 +102,7 @@ impl Arrangement {
             let (mut first, mut sense) = (start, (0, 0));
             let mut whole: Option<Bounds> = None;
             let mut emit = |first: usize, last: usize| {
-                let bounds = box_of(points[first], points[last]);
+                let bounds = Bounds::spanned(points[first], points[last]);
                 whole = Some(whole.map_or(bounds, |w| w.joined(&bounds)));
                 chains.push(Chain { first, last, ring: index, bounds });
             };
@@ -127,7 +123,7 @@ impl Arrangement {
             }
             emit(first, end);
             owned.push(chains.len());
-            boxes.push(whole.unwrap_or(box_of(points[start], points[start])));
+            boxes.push(whole.unwrap_or(Bounds::spanned(points[start], points[start])));
         }
         Self { firsts, points, spans, chains, owned, boxes }
     }
@@ -201,7 +197,7 @@ impl Arrangement {
         let longer = if length_a >= length_b { a } else { b };
         let half = usize::midpoint(longer.first, longer.last);
         for (first, last) in [(longer.first, half), (half, longer.last)] {
-            let bounds = box_of(self.points[first], self.points[last]);
+            let bounds = Bounds::spanned(self.points[first], self.points[last]);
             let part = Chain { first, last, bounds, ring: longer.ring };
             if length_a >= length_b {
                 if bounds.touches(&b.bounds) {

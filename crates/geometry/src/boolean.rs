@@ -146,8 +146,7 @@ fn combine<const N: usize>(a: &Region, b: &Region, rules: [Rule; N]) -> [Region;
 
 /// The box of a polygon; that of the origin for one without vertices.
 pub(super) fn bounds(polygon: &Polygon) -> Bounds {
-    Bounds::of(polygon.outer.iter().copied())
-        .unwrap_or(Bounds { min: Point::default(), max: Point::default() })
+    Bounds::of(polygon.outer.iter().copied()).unwrap_or_default()
 }
 
 /// The region that a rule leaves of any rings.

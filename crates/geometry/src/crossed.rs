@@ -6,7 +6,7 @@
 
 use super::arrange::{Arrangement, Rule};
 use super::point::nearest_unit;
-use super::region::push_ring;
+use super::region::{push_ring, surrounds};
 use super::{Bounds, Point, Polygon, Region, Ring, ring_area};
 
 /// Where a ring meets a crossing. The arc from here to the ring's next stop goes by the stop's index.
@@ -277,15 +277,6 @@ fn nest(outlines: Vec<Ring>) -> Region {
         }
     }
     region
-}
-
-/// Whether a ring winds around a point.
-fn surrounds(ring: &[Point], p: Point) -> bool {
-    let closing = ring.last().map(|&last| (last, ring[0]));
-    let edges = ring.windows(2).map(|edge| (edge[0], edge[1])).chain(closing);
-    let crossed =
-        edges.filter(|&(a, b)| (a.y <= p.y) != (b.y <= p.y) && ((b - a).cross(p - a) > 0) == (b.y > a.y));
-    crossed.count() % 2 == 1
 }
 
 #[cfg(test)]

@@ -1,4 +1,5 @@
-//! A uniform grid over the edges of a region, for "which edges are near this segment".
+//! A uniform grid over the edges of a region, for "which edges are near this segment": the index for outlines that stay
+//! as they are. Of points, `pathwright-ordering` has trees and a grid.
 
 use std::ops::Range;
 
@@ -22,10 +23,7 @@ pub struct Edge {
 
 impl Edge {
     fn bounds(&self) -> Bounds {
-        Bounds {
-            min: Point::new(self.a.x.min(self.b.x), self.a.y.min(self.b.y)),
-            max: Point::new(self.a.x.max(self.b.x), self.a.y.max(self.b.y)),
-        }
+        Bounds::spanned(self.a, self.b)
     }
 }
 
@@ -52,9 +50,8 @@ impl EdgeGrid {
                 edges.push(Edge { a, b, ring: ring_index as u32, index: i as u32 });
             }
         }
-        let bounds = region.bounds().unwrap_or(Bounds { min: Point::default(), max: Point::default() });
-        let width = i64::from(bounds.max.x) - i64::from(bounds.min.x) + 1;
-        let height = i64::from(bounds.max.y) - i64::from(bounds.min.y) + 1;
+        let bounds = region.bounds().unwrap_or_default();
+        let [width, height] = bounds.size().map(|side| side + 1);
         let count = edges.len().max(1) as f64;
         // Neither more cells than edges in a compact region, nor in a long and thin one.
         let cell = ((width as f64 * height as f64 / count).sqrt() as i64)

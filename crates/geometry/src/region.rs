@@ -54,6 +54,15 @@ pub fn ring_contains(ring: &Ring, p: Point) -> bool {
     contained(std::iter::once(ring), p)
 }
 
+/// Whether a ring winds around a point an odd number of times; of one on the ring, either.
+pub(super) fn surrounds(ring: &[Point], p: Point) -> bool {
+    let closing = ring.last().map(|&last| (last, ring[0]));
+    let edges = ring.windows(2).map(|edge| (edge[0], edge[1])).chain(closing);
+    let crossed =
+        edges.filter(|&(a, b)| (a.y > p.y) != (b.y > p.y) && ((b - a).cross(p - a) > 0) == (b.y > a.y));
+    crossed.count() % 2 == 1
+}
+
 /// Whether the point is inside of rings or on one of them (even-odd).
 fn contained<'a>(rings: impl Iterator<Item = &'a Ring>, p: Point) -> bool {
     let mut inside = false;
@@ -147,8 +156,8 @@ pub(super) fn push_ring(points: &mut Vec<Point>, ring: &[Point]) {
     }
 }
 
-/// An axis-parallel box in grid units, limits included.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+/// An axis-parallel box in grid units, limits included. By default the origin alone.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Bounds {
     /// Lower left corner.
     pub min: Point,
@@ -165,6 +174,35 @@ impl Bounds {
             min: Point::new(b.min.x.min(p.x), b.min.y.min(p.y)),
             max: Point::new(b.max.x.max(p.x), b.max.y.max(p.y)),
         }))
+    }
+
+    /// The box that two points span.
+    #[inline]
+    pub fn spanned(a: Point, b: Point) -> Self {
+        Self { min: Point::new(a.x.min(b.x), a.y.min(b.y)), max: Point::new(a.x.max(b.x), a.y.max(b.y)) }
+    }
+
+    /// Width and height, in grid units.
+    #[inline]
+    pub fn size(&self) -> [i64; 2] {
+        let length = |low: i32, high: i32| i64::from(high) - i64::from(low);
+        [length(self.min.x, self.max.x), length(self.min.y, self.max.y)]
+    }
+
+    /// How far a point lies outside along X and Y, in grid units; 0 where it is between the sides.
+    #[inline]
+    pub fn beyond(&self, p: Point) -> [i64; 2] {
+        let axis = |low: i32, high: i32, at: i32| {
+            (i64::from(low) - i64::from(at)).max(i64::from(at) - i64::from(high)).max(0)
+        };
+        [axis(self.min.x, self.max.x, p.x), axis(self.min.y, self.max.y, p.y)]
+    }
+
+    /// Squared distance of a point, in square units; 0 inside.
+    #[inline]
+    pub fn distance2(&self, p: Point) -> i64 {
+        let [dx, dy] = self.beyond(p);
+        dx * dx + dy * dy
     }
 
     /// Whether a point is in the box.
@@ -187,6 +225,7 @@ impl Bounds {
     }
 
     /// The box that holds both.
+    #[inline]
     pub fn joined(&self, other: &Self) -> Self {
         Self {
             min: Point::new(self.min.x.min(other.min.x), self.min.y.min(other.min.y)),

@@ -8,6 +8,7 @@ use std::cell::{OnceCell, RefCell};
 
 use rustc_hash::FxHashMap;
 
+use super::region::surrounds;
 use super::{Boundary, BoundaryPos, Bounds, Edge, EdgeGrid, Point, Polygon, Region};
 use super::{distance_mm, offset, polyline_length_mm, simplify, to_units};
 
@@ -217,7 +218,8 @@ impl<'a> Router<'a> {
     fn find_access(&self, p: Point) -> Option<Access> {
         let lanes = self.lanes();
         if lanes.grid.contains(p) {
-            let inside = |polygon: &Polygon| polygon.rings().fold(false, |odd, ring| odd ^ winds(ring, p));
+            let inside =
+                |polygon: &Polygon| polygon.rings().fold(false, |odd, ring| odd ^ surrounds(ring, p));
             let polygon = lanes.region.polygons.iter().position(inside)?;
             return Some(Access { point: p, polygon, on: None });
         }
@@ -289,14 +291,6 @@ fn meet([a, b]: [Point; 2], [c, d]: [Point; 2]) -> bool {
         return overlap(a.x, b.x, c.x, d.x) && overlap(a.y, b.y, c.y, d.y);
     }
     side(c, d, a) * side(c, d, b) <= 0
-}
-
-/// Whether a ray from the point crosses the ring an odd number of times.
-fn winds(ring: &[Point], p: Point) -> bool {
-    let ends = ring.iter().cycle().skip(1);
-    let crossed =
-        |(a, b): (&Point, &Point)| (a.y > p.y) != (b.y > p.y) && ((*b - *a).cross(p - *a) > 0) == (b.y > a.y);
-    ring.iter().zip(ends).filter(|&edge| crossed(edge)).count() % 2 == 1
 }
 
 fn scaled(d: Point, t: f64) -> Point {

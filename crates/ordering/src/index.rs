@@ -1,8 +1,9 @@
-//! A spatial index over the positions where paths can be entered.
+//! A spatial index over the positions where paths can be entered: the tree for searches among fewer and fewer paths.
+//! Those that never change have [`KdTree`](super::matching::KdTree).
 
 use super::precedence::Groups;
 use super::{Problem, Shape};
-use pathwright_geometry::Point;
+use pathwright_geometry::{Bounds, Point};
 
 /// Entries per block. Neighbouring vertices of a loop share a box: 16 keep the tree an order of magnitude
 /// smaller than one leaf per vertex would, and a block is scanned in the time of a few tree nodes.
@@ -42,12 +43,6 @@ pub struct Entry {
     pub entry: u32,
 }
 
-#[derive(Clone, Copy, Debug)]
-struct Bounds {
-    min: Point,
-    max: Point,
-}
-
 #[derive(Debug)]
 struct Node {
     bounds: Bounds,
@@ -70,42 +65,20 @@ struct Block {
     len: u32,
 }
 
-impl Bounds {
-    fn of(points: &[Point]) -> Self {
-        points[1..]
-            .iter()
-            .fold(Self { min: points[0], max: points[0] }, |bounds, &p| bounds.with(Self { min: p, max: p }))
-    }
+/// The box of some points, of which there is at least one.
+fn box_of(points: &[Point]) -> Bounds {
+    points[1..].iter().fold(Bounds::spanned(points[0], points[0]), |b, &p| b.joined(&Bounds::spanned(p, p)))
+}
 
-    fn with(self, other: Self) -> Self {
-        Self {
-            min: Point::new(self.min.x.min(other.min.x), self.min.y.min(other.min.y)),
-            max: Point::new(self.max.x.max(other.max.x), self.max.y.max(other.max.y)),
-        }
-    }
+/// Twice the coordinate of a box's centre along an axis.
+fn center2(bounds: &Bounds, vertical: bool) -> i64 {
+    let (low, high) = if vertical { (bounds.min.y, bounds.max.y) } else { (bounds.min.x, bounds.max.x) };
+    i64::from(low) + i64::from(high)
+}
 
-    /// Squared distance from a point to the box.
-    #[inline]
-    fn distance2(&self, p: Point) -> i64 {
-        let axis = |low: i32, high: i32, at: i32| {
-            (i64::from(low) - i64::from(at)).max(i64::from(at) - i64::from(high)).max(0)
-        };
-        let (dx, dy) = (axis(self.min.x, self.max.x, p.x), axis(self.min.y, self.max.y, p.y));
-        dx * dx + dy * dy
-    }
-
-    /// Twice the centre's coordinate along an axis, and twice the box's extent along both.
-    fn center2(&self, vertical: bool) -> i64 {
-        if vertical {
-            i64::from(self.min.y) + i64::from(self.max.y)
-        } else {
-            i64::from(self.min.x) + i64::from(self.max.x)
-        }
-    }
-
-    fn taller_than_wide(&self) -> bool {
-        i64::from(self.max.y) - i64::from(self.min.y) > i64::from(self.max.x) - i64::from(self.min.x)
-    }
+fn is_taller_than_wide(bounds: &Bounds) -> bool {
+    let [width, height] = bounds.size();
+    height > width
 }
 
 impl<'a> Index<'a> {
@@ -152,7 +125,7 @@ impl<'a> Index<'a> {
             Shape::Loop(vertices) => {
                 for (block, vertices) in vertices.chunks(BLOCK).enumerate() {
                     let (entry, len) = ((block * BLOCK) as u32, vertices.len() as u32);
-                    self.blocks.push(Block { bounds: Bounds::of(vertices), item, entry, len });
+                    self.blocks.push(Block { bounds: box_of(vertices), item, entry, len });
                 }
             }
         }
@@ -161,7 +134,7 @@ impl<'a> Index<'a> {
     /// A tree over `blocks[from..to]`, which it reorders; returns its root.
     fn build_group(&mut self, from: usize, to: usize) -> u32 {
         let blocks = &mut self.blocks[from..to];
-        let bounds = blocks[1..].iter().fold(blocks[0].bounds, |bounds, block| bounds.with(block.bounds));
+        let bounds = blocks[1..].iter().fold(blocks[0].bounds, |bounds, block| bounds.joined(&block.bounds));
         let node = self.nodes.len() as u32;
         let count = (to - from) as u32;
         if blocks.len() <= LEAF {
@@ -176,8 +149,8 @@ impl<'a> Index<'a> {
             });
             return node;
         }
-        let (middle, vertical) = (blocks.len() / 2, bounds.taller_than_wide());
-        blocks.select_nth_unstable_by_key(middle, |b| (b.bounds.center2(vertical), b.item, b.entry));
+        let (middle, vertical) = (blocks.len() / 2, is_taller_than_wide(&bounds));
+        blocks.select_nth_unstable_by_key(middle, |b| (center2(&b.bounds, vertical), b.item, b.entry));
         self.nodes.push(Node { bounds, parent: NONE, from: 0, to: 0, leaf: false, count, visible: true });
         let children = [self.build_group(from, from + middle), self.build_group(from + middle, to)];
         self.adopt(node, children);
@@ -191,9 +164,9 @@ impl<'a> Index<'a> {
         }
         let bounds_of = |node: u32| self.nodes[node as usize].bounds;
         let bounds =
-            roots[1..].iter().fold(bounds_of(roots[0]), |bounds, &root| bounds.with(bounds_of(root)));
-        let (middle, vertical) = (roots.len() / 2, bounds.taller_than_wide());
-        roots.select_nth_unstable_by_key(middle, |&root| (bounds_of(root).center2(vertical), root));
+            roots[1..].iter().fold(bounds_of(roots[0]), |bounds, &root| bounds.joined(&bounds_of(root)));
+        let (middle, vertical) = (roots.len() / 2, is_taller_than_wide(&bounds));
+        roots.select_nth_unstable_by_key(middle, |&root| (center2(&bounds_of(root), vertical), root));
         let node = self.nodes.len() as u32;
         self.nodes.push(Node { bounds, parent: NONE, from: 0, to: 0, leaf: false, count: 0, visible: true });
         let (low, high) = roots.split_at_mut(middle);

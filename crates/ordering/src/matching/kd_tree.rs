@@ -1,34 +1,26 @@
-//! A static two-dimensional tree over points, whose nodes can carry whatever a search wants to prune by.
+//! A static two-dimensional tree over points, whose nodes can carry whatever a search wants to prune by: the index for
+//! points that stay, and searches that weigh them.
 //!
 //! Bentley 1975, <https://doi.org/10.1145/361002.361007>: halves at the median of the longer side. Searches that weigh
 //! points (additively weighted nearest neighbours, pairs with negative reduced cost) attach the extreme weight of
 //! each node by [`KdTree::aggregate`] and decide themselves which nodes to leave out.
 
-use pathwright_geometry::Point;
+use pathwright_geometry::{Bounds, Point};
 
 /// Points in a leaf, at most.
 const LEAF: usize = 8;
 
-#[derive(Clone, Copy, Debug)]
-struct Box2 {
-    min: Point,
-    max: Point,
-}
-
-impl Box2 {
-    fn distance(&self, p: Point) -> f64 {
-        let gap = |low: i32, high: i32, at: i32| {
-            (f64::from(low) - f64::from(at)).max(f64::from(at) - f64::from(high)).max(0.0)
-        };
-        (gap(self.min.x, self.max.x, p.x).powi(2) + gap(self.min.y, self.max.y, p.y).powi(2)).sqrt()
-    }
+/// Distance of a point from a box, in units, rounded.
+fn distance(bounds: &Bounds, p: Point) -> f64 {
+    let [dx, dy] = bounds.beyond(p).map(|d| d as f64);
+    (dx * dx + dy * dy).sqrt()
 }
 
 /// The tree. Node 0 is the root, node `i` has the children `2i + 1` and `2i + 2`.
 pub struct KdTree {
     /// Point indices, each node a contiguous piece.
     order: Vec<u32>,
-    boxes: Vec<Box2>,
+    boxes: Vec<Bounds>,
 }
 
 impl KdTree {
@@ -40,7 +32,7 @@ impl KdTree {
             nodes = 2 * nodes + 1;
             size -= size / 2;
         }
-        let nowhere = Box2 { min: Point::new(i32::MAX, i32::MAX), max: Point::new(i32::MIN, i32::MIN) };
+        let nowhere = Bounds { min: Point::new(i32::MAX, i32::MAX), max: Point::new(i32::MIN, i32::MIN) };
         let mut tree = Self { order: (0..points.len() as u32).collect(), boxes: vec![nowhere; nodes] };
         tree.split(points, 0, 0, points.len());
         tree
@@ -48,18 +40,14 @@ impl KdTree {
 
     fn split(&mut self, points: &[Point], node: usize, from: usize, to: usize) {
         let ids = &mut self.order[from..to];
-        let mut bounds = self.boxes[node];
-        for p in ids.iter().map(|&id| points[id as usize]) {
-            bounds.min = Point::new(bounds.min.x.min(p.x), bounds.min.y.min(p.y));
-            bounds.max = Point::new(bounds.max.x.max(p.x), bounds.max.y.max(p.y));
-        }
+        let bounds = Bounds::of(ids.iter().map(|&id| points[id as usize])).unwrap_or(self.boxes[node]);
         self.boxes[node] = bounds;
         if 2 * node + 1 >= self.boxes.len() {
             return;
         }
         let half = ids.len() / 2;
-        let wide = i64::from(bounds.max.x) - i64::from(bounds.min.x)
-            >= i64::from(bounds.max.y) - i64::from(bounds.min.y);
+        let [width, height] = bounds.size();
+        let wide = width >= height;
         let key = |id: &u32| {
             let p = points[*id as usize];
             if wide { (p.x, p.y, *id) } else { (p.y, p.x, *id) }
@@ -129,7 +117,7 @@ impl KdTree {
         enter: &impl Fn(&S, usize, f64) -> bool,
         visit: &mut impl FnMut(&mut S, u32),
     ) {
-        let distance = self.boxes[0].distance(from);
+        let distance = distance(&self.boxes[0], from);
         if !self.order.is_empty() && enter(state, 0, distance) {
             self.descend(0, (0, self.order.len()), from, state, enter, visit);
         }
@@ -152,7 +140,7 @@ impl KdTree {
         }
         let half = first + (last - first) / 2;
         let mut children = [(2 * node + 1, (first, half)), (2 * node + 2, (half, last))]
-            .map(|(child, piece)| (self.boxes[child].distance(from), child, piece));
+            .map(|(child, piece)| (distance(&self.boxes[child], from), child, piece));
         if children[1].0 < children[0].0 {
             children.swap(0, 1);
         }

@@ -1,8 +1,8 @@
-//! A grid over the entries of one group, for many small searches.
+//! A grid over the entries of one group, for many small searches: no entry ever goes, and few are near.
 
 use super::super::entries::samples;
 use super::super::{Problem, Shape};
-use pathwright_geometry::Point;
+use pathwright_geometry::{Bounds, Point};
 
 /// Points per cell.
 const PER_CELL: usize = 2;
@@ -54,20 +54,14 @@ impl Grid {
                 }
             }
         }
-        let first = sites.first().map_or(Point::default(), |site| site.point);
-        let (mut low, mut high) = (first, first);
-        for Site { point, .. } in &sites {
-            low = Point::new(low.x.min(point.x), low.y.min(point.y));
-            high = Point::new(high.x.max(point.x), high.y.max(point.y));
-        }
-        let width = i64::from(high.x) - i64::from(low.x) + 1;
-        let height = i64::from(high.y) - i64::from(low.y) + 1;
+        let bounds = Bounds::of(sites.iter().map(|site| site.point)).unwrap_or_default();
+        let [width, height] = bounds.size().map(|side| side + 1);
         let cells = (sites.len() / PER_CELL).max(1) as f64;
         // At most about twice as many cells as asked for, however long and narrow the box is.
         let cell =
             (width as f64 * height as f64 / cells).sqrt().max(width.max(height) as f64 / cells).ceil() as i64;
         let (columns, rows) = (width / cell + 1, height / cell + 1);
-        let mut grid = Self { origin: low, cell, columns, rows, first: Vec::new(), sites: Vec::new() };
+        let mut grid = Self { origin: bounds.min, cell, columns, rows, first: Vec::new(), sites: Vec::new() };
         grid.fill(&sites);
         grid
     }
