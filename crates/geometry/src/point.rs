@@ -8,12 +8,11 @@ pub const UNITS_PER_MM: f64 = 100_000.0;
 /// Millimetres to the nearest grid unit. Saturates at the limits of `i32` (±21.47 m).
 #[inline]
 pub fn to_units(mm: f64) -> i32 {
-    let units = mm * UNITS_PER_MM;
-    // `f64::round` is a call into the C library on baseline x86-64.
-    (units + 0.5_f64.copysign(units)) as i32
+    nearest_unit(mm * UNITS_PER_MM)
 }
 
-/// The nearest grid unit, halves away from zero, saturating: `round` without its function call.
+/// The nearest grid unit, halves away from zero, saturating. (`f64::round` is a call into the C library on baseline
+/// x86-64.)
 #[inline]
 pub(super) fn nearest_unit(units: f64) -> i32 {
     (units + 0.5_f64.copysign(units)) as i32

@@ -246,7 +246,8 @@ impl Forest {
     }
 }
 
-/// Edges of a forest, to be found by where they are.
+/// Edges of a forest, to be found by where they are. More come while it is searched; [`EdgeGrid`] is
+/// for outlines that stay.
 struct Near {
     low: [f64; 2],
     cell_mm: f64,

@@ -268,7 +268,7 @@ fn look_around(branches: &mut [Branch], meet_mm: f64) {
     branches.iter_mut().zip(goals).for_each(|(branch, goal)| branch.goal = goal);
 }
 
-/// Branches by squares of the plane, to find those near a position.
+/// Branches by squares of the plane, to find those near a position: made anew for every layer, so only sorted.
 struct Buckets {
     side_mm: f64,
     /// Square and branch, sorted.
