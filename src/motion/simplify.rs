@@ -2,7 +2,7 @@
 //! and beads of changing width are cut into pieces of constant flow.
 
 use super::bead::Vertex;
-use geometry::{cross, distance_mm};
+use geometry::{Cone, distance_mm};
 
 /// How far a dropped vertex may lie from the line that replaces it: less than half a step of a common machine
 /// (80 steps/mm are 12.5 µm each).
@@ -28,49 +28,18 @@ pub(super) struct Piece {
     pub area_mm2: f64,
 }
 
-/// The directions from an anchor in which a straight line passes every vertex so far within the tolerance.
-#[derive(Clone, Copy)]
-struct Cone {
-    right: [f64; 2],
-    left: [f64; 2],
-    reach_mm: f64,
-}
-
-impl Cone {
-    /// The lines from the origin that pass the disc of the tolerance around `d`.
-    fn around(d: [f64; 2], length_mm: f64) -> Self {
-        let sine = MERGE_TOLERANCE_MM / length_mm;
-        let cosine = (1.0 - sine * sine).sqrt();
-        let turned = |s: f64| [d[0] * cosine - d[1] * s, d[0] * s + d[1] * cosine];
-        Self { right: turned(-sine), left: turned(sine), reach_mm: length_mm }
-    }
-
-    fn contains(&self, d: [f64; 2], length_mm: f64) -> bool {
-        let ahead = d[0] * (self.right[0] + self.left[0]) + d[1] * (self.right[1] + self.left[1]) > 0.0;
-        ahead && length_mm >= self.reach_mm && cross(self.right, d) >= 0.0 && cross(d, self.left) >= 0.0
-    }
-
-    fn narrowed(self, other: Self) -> Self {
-        Self {
-            right: if cross(self.right, other.right) > 0.0 { other.right } else { self.right },
-            left: if cross(self.left, other.left) < 0.0 { other.left } else { self.left },
-            reach_mm: other.reach_mm,
-        }
-    }
-}
-
 /// Appends the pieces that draw the vertices. Vertices are dropped where the line that replaces them stays
 /// within [`MERGE_TOLERANCE_MM`] of them; first and last stay. The volume is that of the undropped path.
 ///
-/// Cone intersection: Sklansky & Gonzalez, Fast polygonal approximation of digitized curves, 1980,
-/// <https://doi.org/10.1016/0031-3203(80)90031-X>. O(n).
+/// O(n) by intersection of cones.
 pub(super) fn straighten(vertices: &[Vertex], out: &mut Vec<Piece>) {
     let Some(&first) = vertices.first() else {
         return;
     };
     let mut anchor = first;
     let mut last = first;
-    let mut cone: Option<Cone> = None;
+    // With the distance of the farthest vertex.
+    let mut cone: Option<(Cone, f64)> = None;
     let mut volume_mm3 = 0.0;
     for &vertex in &vertices[1..] {
         let mut d = [vertex.at[0] - anchor.at[0], vertex.at[1] - anchor.at[1]];
@@ -79,7 +48,7 @@ pub(super) fn straighten(vertices: &[Vertex], out: &mut Vec<Piece>) {
         let alike = [vertex, last]
             .iter()
             .all(|v| (v.area_mm2 - anchor.area_mm2).abs() <= AREA_TOLERANCE * anchor.area_mm2);
-        let fits = alike && cone.is_none_or(|cone| cone.contains(d, length_mm));
+        let fits = alike && cone.is_none_or(|(cone, reach_mm)| length_mm >= reach_mm && cone.contains(d));
         // A first vertex after the anchor always starts a piece, whatever its width.
         if !fits && last.at != anchor.at {
             split(anchor, last, volume_mm3, out);
@@ -88,9 +57,8 @@ pub(super) fn straighten(vertices: &[Vertex], out: &mut Vec<Piece>) {
             length_mm = (d[0] * d[0] + d[1] * d[1]).sqrt();
         }
         volume_mm3 += 0.5 * (last.area_mm2 + vertex.area_mm2) * distance_mm(last.at, vertex.at);
-        if length_mm > MERGE_TOLERANCE_MM {
-            let around = Cone::around(d, length_mm);
-            cone = Some(cone.map_or(around, |cone| cone.narrowed(around)));
+        if let Some(around) = Cone::around(d, MERGE_TOLERANCE_MM) {
+            cone = Some((cone.map_or(around, |(cone, _)| cone.narrowed(around)), length_mm));
         }
         last = vertex;
     }

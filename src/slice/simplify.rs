@@ -1,12 +1,11 @@
 //! Fewer vertices within a tolerance.
 
-use geometry::{Point, Ring, UNITS_PER_MM, cross};
+use geometry::{Cone, Point, Ring, UNITS_PER_MM};
 
 /// Drops vertices that move the outline by at most `tolerance_mm`, and keeps the area: each edge that replaces a
 /// chain moves sideways by the mean distance of that chain, so that finely drawn circles do not shrink.
 ///
-/// Vertices are dropped by cone intersection (Williams 1978, Computer Graphics and Image Processing 8, 286–293), from the lexicographically
-/// least vertex on, so that the result does not depend on where the ring begins. What is left of a ring thinner than the
+/// Vertices are dropped by intersection of cones ([`Cone`]), from the lexicographically least vertex on, so that the result does not depend on where the ring begins. What is left of a ring thinner than the
 /// tolerance has less than three vertices. O(n).
 pub(super) fn simplify(ring: &mut Ring, tolerance_mm: f64) {
     if ring.len() > 1 && ring.first() == ring.last() {
@@ -43,14 +42,14 @@ pub(super) fn simplify(ring: &mut Ring, tolerance_mm: f64) {
 /// The farthest vertex that a straight edge from `from` can go to while all vertices between stay within the tolerance.
 fn reach(points: &[Point], from: usize, tolerance: f64) -> usize {
     let origin = points[from];
-    let mut cone: Option<([f64; 2], [f64; 2])> = None;
+    let mut cone: Option<Cone> = None;
     let mut farthest = 0.0;
     let mut end = from + 1;
     loop {
         let q = points[end] - origin;
         let q = [f64::from(q.x), f64::from(q.y)];
         let distance2 = q[0] * q[0] + q[1] * q[1];
-        let inside = cone.is_none_or(|(right, left)| cross(right, q) >= 0.0 && cross(q, left) >= 0.0);
+        let inside = cone.is_none_or(|cone| cone.contains(q));
         // An edge that comes back would leave the turning point out.
         if end > from + 1 && (!inside || distance2 < farthest) {
             return end - 1;
@@ -59,18 +58,8 @@ fn reach(points: &[Point], from: usize, tolerance: f64) -> usize {
             return end;
         }
         farthest = distance2;
-        if distance2 > tolerance * tolerance {
-            // Tangents from the origin to the circle of the tolerance around the vertex.
-            let along = (distance2 - tolerance * tolerance).sqrt();
-            let turned = |side: f64| [q[0] * along - q[1] * side, q[1] * along + q[0] * side];
-            let (right, left) = (turned(-tolerance), turned(tolerance));
-            cone = Some(match cone {
-                Some((r, l)) => (
-                    if cross(r, right) > 0.0 { right } else { r },
-                    if cross(l, left) < 0.0 { left } else { l },
-                ),
-                None => (right, left),
-            });
+        if let Some(around) = Cone::around(q, tolerance) {
+            cone = Some(cone.map_or(around, |cone| cone.narrowed(around)));
         }
         end += 1;
     }
