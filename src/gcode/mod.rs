@@ -22,7 +22,7 @@ use std::path::Path;
 pub use effect::Effect;
 pub use header::{Header, footer, header, labels, object_comment};
 pub use layer::{LayerText, format_layer};
-pub(crate) use number::one_line;
+pub(crate) use number::{nearest, one_line, push_number};
 pub use options::{Flavor, GcodeSettings, PrinterSettings};
 pub use read::{
     Action, Annotated, Center, Clock, Code, Context, Line, Lines, Mark, Measure, Meter, Reader, Replay,

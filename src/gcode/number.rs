@@ -13,6 +13,16 @@ const PAIRS: [[u8; 2]; 100] = {
 
 /// Appends `ticks / 10^decimals`: no trailing zeros, no zero before the point (`.05`, as firmwares read it).
 pub(super) fn push_fixed(out: &mut Vec<u8>, ticks: i64, decimals: u32) {
+    push(out, ticks, decimals, false);
+}
+
+/// Appends `ticks / 10^decimals`: no trailing zeros, a zero before the point (`0.05`).
+pub(crate) fn push_number(out: &mut Vec<u8>, ticks: i64, decimals: u32) {
+    push(out, ticks, decimals, true);
+}
+
+#[inline]
+fn push(out: &mut Vec<u8>, ticks: i64, decimals: u32, leading_zero: bool) {
     if ticks == 0 {
         out.push(b'0');
         return;
@@ -50,6 +60,8 @@ pub(super) fn push_fixed(out: &mut Vec<u8>, ticks: i64, decimals: u32) {
     }
     if at < point {
         out.extend_from_slice(&digits[at..point]);
+    } else if leading_zero {
+        out.push(b'0');
     }
     if end > point {
         out.push(b'.');
@@ -66,7 +78,7 @@ pub(super) fn push_word(out: &mut Vec<u8>, letter: u8, ticks: i64, decimals: u32
 /// The nearest whole number, halves away from zero; NaN becomes 0, too large ones
 /// saturate. (`f64::round` is a call into the C library on the x86-64 that we build for.)
 #[inline]
-pub(super) fn nearest(value: f64) -> i64 {
+pub(crate) fn nearest(value: f64) -> i64 {
     (value + 0.5_f64.copysign(value)) as i64
 }
 
@@ -80,13 +92,8 @@ pub(super) fn ticks(value: f64, decimals: u32) -> i64 {
 /// A value with at most `decimals` digits behind the point, a zero before it: for comments and scripts.
 pub(super) fn text(value: f64, decimals: u32) -> String {
     let mut out = Vec::new();
-    push_fixed(&mut out, ticks(value, decimals), decimals);
-    let text = String::from_utf8_lossy(&out).into_owned();
-    match text.strip_prefix('-') {
-        Some(positive) if positive.starts_with('.') => format!("-0{positive}"),
-        None if text.starts_with('.') => format!("0{text}"),
-        _ => text,
-    }
+    push_number(&mut out, ticks(value, decimals), decimals);
+    String::from_utf8_lossy(&out).into_owned()
 }
 
 /// Free text as it may stand in a command or comment: no line ends or other control characters, and no
@@ -121,6 +128,12 @@ mod tests {
         }
         assert_eq!(fixed(1200, 0), "1200");
         assert_eq!(fixed(i64::MIN, 5), "-92233720368547.75808");
+        let short = [0, -50_000, 12_500_000, 100_000_000, 1].map(|ticks| {
+            let mut out = Vec::new();
+            push_number(&mut out, ticks, 6);
+            String::from_utf8(out).expect("digits")
+        });
+        assert_eq!(short, ["0", "-0.05", "12.5", "100", "0.000001"]);
         assert_eq!(
             (text(0.2, 3), text(-0.25, 3), text(f64::NAN, 3)),
             ("0.2".into(), "-0.25".into(), "0".into())

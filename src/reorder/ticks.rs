@@ -1,14 +1,17 @@
 //! Decimal numbers as files have them: whole millionths of the file's unit, so that nothing is lost by rounding.
 
+use crate::gcode;
+
+/// Decimals that ticks have.
+const DECIMALS: u32 = 6;
+
 /// Ticks in a unit.
 const PER_UNIT: f64 = 1e6;
 
 /// A number of the file as ticks, halves away from zero. What is out of range is clamped.
 #[inline]
 pub(super) fn ticks(value: f64) -> i64 {
-    let ticks = value * PER_UNIT;
-    // `f64::round` is a call into the C library on baseline x86-64.
-    (ticks + 0.5_f64.copysign(ticks)) as i64
+    gcode::nearest(value * PER_UNIT)
 }
 
 /// Ticks as a number.
@@ -36,43 +39,5 @@ pub(super) fn push_word(out: &mut Vec<u8>, letter: u8, value: i64) {
 
 /// Appends a number without zeros at its end.
 pub(super) fn push_number(out: &mut Vec<u8>, value: i64) {
-    if value < 0 {
-        out.push(b'-');
-    }
-    let (whole, mut rest) = (value.unsigned_abs() / 1_000_000, value.unsigned_abs() % 1_000_000);
-    let mut digits = [0; 20];
-    let (mut at, mut left) = (digits.len(), whole);
-    loop {
-        at -= 1;
-        digits[at] = b'0' + (left % 10) as u8;
-        left /= 10;
-        if left == 0 {
-            break;
-        }
-    }
-    out.extend_from_slice(&digits[at..]);
-    if rest > 0 {
-        out.push(b'.');
-        let mut power = 100_000;
-        while rest > 0 {
-            out.push(b'0' + (rest / power) as u8);
-            rest %= power;
-            power /= 10;
-        }
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn numbers_are_written_as_short_as_they_can_be() {
-        let text = |value: f64| {
-            let mut out = Vec::new();
-            push_number(&mut out, ticks(value));
-            String::from_utf8(out).unwrap()
-        };
-        assert_eq!([0.0, -0.05, 12.5, 100.0, 0.000001].map(text), ["0", "-0.05", "12.5", "100", "0.000001"]);
-    }
+    gcode::push_number(out, value, DECIMALS);
 }
