@@ -15,7 +15,7 @@ pub struct FlowSettings {
     /// Multiplier of everything.
     pub multiplier: f64,
     /// Cross-section of the filament, square millimetres.
-    pub filament_mm2: f64,
+    pub filament_area_mm2: f64,
     /// Largest flow the hot end melts; 0: not limited.
     pub max_flow: Mm3PerS,
 }

@@ -104,7 +104,7 @@ impl MotionSettings {
         Self {
             flow: FlowSettings {
                 multiplier: settings.filament.flow,
-                filament_mm2: std::f64::consts::PI / 4.0 * settings.filament.diameter.0.powi(2),
+                filament_area_mm2: settings.filament.area_mm2(),
                 max_flow: settings.filament.max_flow,
             },
             first_layer: settings.first_layer.clone(),
