@@ -37,3 +37,4 @@ pub use transform::{Transform, TransformError};
 
 pub(crate) use edges::NO_TWIN;
 pub(crate) use measure::facet_measures;
+pub(crate) use transform::quarter_turned;

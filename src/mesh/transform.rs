@@ -68,6 +68,16 @@ impl Transform {
     }
 }
 
+/// A position turned counter-clockwise about the origin by quarters; exact.
+pub(crate) fn quarter_turned([x, y]: [f64; 2], quarters: u32) -> [f64; 2] {
+    match quarters % 4 {
+        0 => [x, y],
+        1 => [-y, x],
+        2 => [-x, -y],
+        _ => [y, -x],
+    }
+}
+
 impl Mesh {
     /// Every facet turned over.
     fn turn_over(&mut self) {
@@ -88,14 +98,8 @@ impl Mesh {
 
     /// The mesh turned about Z by quarters, counter-clockwise seen from above; exact.
     pub fn quarter_turned(mut self, quarters: u32) -> Mesh {
-        let quarters = quarters % 4;
-        for vertex in self.vertices.iter_mut().filter(|_| quarters > 0) {
-            let [x, y, z] = *vertex;
-            *vertex = match quarters {
-                1 => [-y, x, z],
-                2 => [-x, -y, z],
-                _ => [y, -x, z],
-            };
+        for [x, y, _] in self.vertices.iter_mut().filter(|_| !quarters.is_multiple_of(4)) {
+            [*x, *y] = quarter_turned([*x, *y], quarters);
         }
         self
     }

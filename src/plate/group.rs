@@ -1,10 +1,10 @@
 //! Models that are moved together.
 
-use super::layout::{Layout, Member, hull};
+use super::layout::{Item, Layout, Member, hull};
 use super::options::BedShape;
 use super::pack::Footprint;
 use super::silhouette::{Bitmap, silhouette};
-use crate::mesh::Mesh;
+use crate::mesh::{Mesh, quarter_turned};
 
 /// Bodies of a layout that keep their places relative to each other.
 #[derive(Clone, Debug)]
@@ -109,25 +109,10 @@ impl Group {
         if number == 0 { name } else { format!("{name} ({})", number + 1) }
     }
 
-    /// Corners of the convex hulls of its members, seen from above, from its middle, turned by quarters.
-    fn points(&self, layout: &Layout, quarters: u32) -> Vec<[f64; 2]> {
-        let points = self.parts.iter().flat_map(|part| {
-            let hull = hull(&layout.items[part.member.item], part.member.spot);
-            let corners: Vec<[f64; 2]> = hull.exterior().points().map(|p| [p.x(), p.y()]).collect();
-            corners.into_iter().map(|[x, y]| turned([x - self.middle[0], y - self.middle[1]], quarters))
-        });
-        points.collect()
-    }
-
     /// Seen from above, turned by quarters.
     pub fn footprint(&self, layout: &Layout, shape: BedShape, quarters: u32) -> Footprint {
-        let [width, depth, height] = self.size;
-        let size = if quarters.is_multiple_of(2) { [width, depth, height] } else { [depth, width, height] };
-        let rim = match shape {
-            BedShape::Rectangular => None,
-            BedShape::Round => Some(self.points(layout, quarters)),
-        };
-        Footprint::new(size, rim)
+        let of_part = |part: &Part| corners(&layout.items[part.member.item], part.member.spot, self.middle);
+        footprint(self.size, shape, quarters, || self.parts.iter().flat_map(of_part).collect())
     }
 
     /// What it covers, and `reach_mm` around that; the convex hull of each body where `convex`.
@@ -146,7 +131,7 @@ impl Group {
                 let [dx, dy, _] = item.spots[part.member.spot];
                 let at = move |v: u32| {
                     let [x, y, _] = item.mesh.vertices()[v as usize];
-                    turned([x + dx - self.middle[0], y + dy - self.middle[1]], quarters)
+                    quarter_turned([x + dx - self.middle[0], y + dy - self.middle[1]], quarters)
                 };
                 item.mesh.triangles().iter().map(move |triangle| triangle.map(at))
             })
@@ -155,12 +140,22 @@ impl Group {
     }
 }
 
-/// Turned counter-clockwise by quarters; exact.
-pub(super) fn turned([x, y]: [f64; 2], quarters: u32) -> [f64; 2] {
-    match quarters % 4 {
-        0 => [x, y],
-        1 => [-y, x],
-        2 => [-x, -y],
-        _ => [y, -x],
-    }
+/// Corners of the convex hull of an item in one of its positions, seen from above, from a middle.
+pub(super) fn corners(item: &Item, spot: usize, middle: [f64; 2]) -> Vec<[f64; 2]> {
+    hull(item, spot).exterior().points().map(|p| [p.x() - middle[0], p.y() - middle[1]]).collect()
+}
+
+/// What is of this size seen from above, turned by quarters; its corners matter on a round bed.
+pub(super) fn footprint(
+    [width, depth, height]: [f64; 3],
+    shape: BedShape,
+    quarters: u32,
+    corners: impl FnOnce() -> Vec<[f64; 2]>,
+) -> Footprint {
+    let size = if quarters.is_multiple_of(2) { [width, depth, height] } else { [depth, width, height] };
+    let rim = match shape {
+        BedShape::Rectangular => None,
+        BedShape::Round => Some(corners().into_iter().map(|p| quarter_turned(p, quarters)).collect()),
+    };
+    Footprint::new(size, rim)
 }

@@ -7,12 +7,12 @@ use geo::{Distance, Euclidean};
 use super::area::{Area, TOLERANCE_MM, fitting_factor};
 use super::arrange::{Shape, Towards, arrange};
 use super::error::{PlacementError, listed};
-use super::group::{Group, turned};
+use super::group::{Group, corners, footprint};
 use super::layout::{Item, Layout, hull};
 use super::objects::{Object, Plate};
-use super::options::{BedSettings, BedShape};
-use super::pack::{Footprint, pack};
-use crate::mesh::Mesh;
+use super::options::BedSettings;
+use super::pack::pack;
+use crate::mesh::{Mesh, quarter_turned};
 use geometry::Point;
 
 /// What decides where models stand.
@@ -338,7 +338,7 @@ fn settle(
     for Stand { group, copy, quarters, at } in &standing.stands {
         let group = &standing.groups[*group];
         for part in &group.parts {
-            let from_middle = turned(part.at, *quarters);
+            let from_middle = quarter_turned(part.at, *quarters);
             let spot = [at[0] + from_middle[0] + dx, at[1] + from_middle[1] + dy];
             let count = bodies.len();
             let body = *bodies.entry((group.layout, *copy, part.body)).or_insert(count);
@@ -359,7 +359,9 @@ fn settle(
         let number = copy * source.spots.len() + instance;
         let name =
             if number == 0 { source.name.clone() } else { format!("{} ({})", source.name, number + 1) };
-        let rim = rim(source, instance, quarters, area.shape);
+        let [x, y, _] = source.foot(instance);
+        let of_item = || corners(source, instance, [x, y]);
+        let rim = footprint(source.size(), area.shape, quarters, of_item).rim;
         let by_mm = area.excess_mm(rim.iter().map(|p| [p[0] + spot[0], p[1] + spot[1]]));
         if by_mm > TOLERANCE_MM {
             return Err(PlacementError::Outside { name, by_mm, bed: area.to_string() });
@@ -385,18 +387,6 @@ fn settle(
         plate.meshes.push(mesh);
     }
     Ok(plate)
-}
-
-/// Points of an item in one of its positions, turned by quarters, that must lie on the bed.
-fn rim(item: &Item, instance: usize, quarters: u32, shape: BedShape) -> Vec<[f64; 2]> {
-    let [width, depth, height] = item.size();
-    let size = if quarters.is_multiple_of(2) { [width, depth, height] } else { [depth, width, height] };
-    let rim = (shape == BedShape::Round).then(|| {
-        let [x, y, _] = item.foot(instance);
-        let hull = hull(item, instance);
-        hull.exterior().points().map(|p| turned([p.x() - x, p.y() - y], quarters)).collect()
-    });
-    Footprint::new(size, rim).rim
 }
 
 impl Layout {

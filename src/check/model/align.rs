@@ -10,7 +10,7 @@ use super::evidence::Shown;
 use super::levels::Levels;
 use super::sections::{Sections, along};
 use super::survey::{Extent, Survey};
-use crate::mesh::Mesh;
+use crate::mesh::{Mesh, quarter_turned};
 use crate::profile::Settings;
 use geometry::{EdgeGrid, Point, Region};
 
@@ -284,7 +284,7 @@ impl Search<'_> {
     fn middle(&self, body: usize, quarters: u32) -> [f64; 2] {
         let [low, high] = self.bodies[body].1.bounds();
         let [x, y] = [0, 1].map(|i| (low[i] + high[i]) / 2.0);
-        [[x, y], [-y, x], [-x, -y], [y, -x]][quarters as usize % 4]
+        quarter_turned([x, y], quarters)
     }
 
     /// Bodies that are the same but for their positions.
