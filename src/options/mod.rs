@@ -130,21 +130,10 @@ impl Field {
 /// An option that is one of a few words: an enum whose variants stand beside their spelling.
 macro_rules! choice {
     ($(#[$doc:meta])* $name:ident { $($(#[$vdoc:meta])* $variant:ident = $text:literal,)* }) => {
-        $(#[$doc])*
-        #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, serde::Serialize, serde::Deserialize)]
-        pub enum $name { $($(#[$vdoc])* #[serde(rename = $text)] $variant,)* }
-
-        impl $name {
-            /// Every value with its spelling in profiles and on the command line.
-            pub const ALL: &'static [(&'static str, $name)] = &[$(($text, $name::$variant),)*];
-
-            /// The spellings alone.
-            pub const NAMES: &'static [&'static str] = &[$($text,)*];
-
-            /// The spelling in profiles and on the command line.
-            pub fn name(self) -> &'static str {
-                Self::NAMES[self as usize]
-            }
+        ordering::choice! {
+            $(#[$doc])*
+            #[derive(serde::Serialize, serde::Deserialize)]
+            $name { $($(#[$vdoc])* #[serde(rename = $text)] $variant = $text,)* }
         }
 
         impl $crate::options::FieldType for $name {

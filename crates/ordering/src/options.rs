@@ -1,17 +1,16 @@
 //! What can be chosen.
 
-/// An enum whose variants stand beside their names.
+/// An enum whose variants stand beside their names. (Pathwright makes its own options by it.)
+#[doc(hidden)]
+#[macro_export]
 macro_rules! choice {
-    ($(#[$doc:meta])* $name:ident { $($(#[$vdoc:meta])* $variant:ident = $text:literal,)* }) => {
-        $(#[$doc])*
+    ($(#[$meta:meta])* $name:ident { $($(#[$vmeta:meta])* $variant:ident = $text:literal,)* }) => {
+        $(#[$meta])*
         #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-        #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-        pub enum $name {
-            $($(#[$vdoc])* #[cfg_attr(feature = "serde", serde(rename = $text))] $variant,)*
-        }
+        pub enum $name { $($(#[$vmeta])* $variant,)* }
 
         impl $name {
-            /// Every value with its name.
+            /// Every value with its name, as profiles and command lines have it.
             pub const ALL: &'static [(&'static str, $name)] = &[$(($text, $name::$variant),)*];
 
             /// The names alone.
@@ -27,6 +26,8 @@ macro_rules! choice {
 
 choice! {
     /// How the order of paths in a layer is found.
+    #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+    #[cfg_attr(feature = "serde", serde(rename_all = "kebab-case"))]
     OrderStrategy {
         /// As the toolpath stage made them.
         AsSliced = "as-sliced",
@@ -45,6 +46,8 @@ choice! {
 
 choice! {
     /// How far ordering may mix paths.
+    #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+    #[cfg_attr(feature = "serde", serde(rename_all = "kebab-case"))]
     Scope {
         /// Anywhere in the layer.
         Layer = "layer",
@@ -57,6 +60,8 @@ choice! {
 
 choice! {
     /// How long ordering may search.
+    #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+    #[cfg_attr(feature = "serde", serde(rename_all = "kebab-case"))]
     Effort {
         /// At most about 1 ms per 100 paths.
         Fast = "fast",
