@@ -1,31 +1,11 @@
 //! Layers as plain data, for tests that make them up.
 
 use pathwright::geometry::Point;
-use pathwright::order::{Item, Problem, Run, Shape};
+use pathwright::order::Run;
 use pathwright::profile::Scope;
 use proptest::prelude::*;
 
-/// A layer from which problems borrow.
-#[derive(Clone, Debug)]
-pub struct Layer {
-    /// Run and vertices; two vertices make an open path, others a loop.
-    pub items: Vec<(u32, Vec<Point>)>,
-    pub runs: Vec<Run>,
-    pub scope: Scope,
-    pub start: Option<Point>,
-    pub end: Option<Point>,
-}
-
-impl Layer {
-    pub fn problem(&self) -> Problem<'_> {
-        let items = self.items.iter().map(|(run, points)| Item {
-            run: *run,
-            shape: if points.len() == 2 { Shape::Open([points[0], points[1]]) } else { Shape::Loop(points) },
-        });
-        let (items, runs) = (items.collect(), self.runs.clone());
-        Problem { items, runs, scope: self.scope, start: self.start, end: self.end }
-    }
-}
+pub use crate::support::cases::shapes::Layer;
 
 /// A point on a coarse grid, where points coincide often and many links are equal, or anywhere below `reach`.
 pub fn point(reach: i32) -> impl Strategy<Value = Point> {

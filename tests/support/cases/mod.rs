@@ -3,7 +3,7 @@
 
 #![allow(dead_code, reason = "each fuzz target uses one of them")]
 
-mod shapes;
+pub mod shapes;
 
 use std::io::{Cursor, Write};
 use std::path::Path;

@@ -88,12 +88,15 @@ fn ring(bytes: &mut Bytes<'_>) -> Ring {
         .collect()
 }
 
-/// A layer from which a problem borrows.
+/// A layer as plain data, from which a problem borrows.
+#[derive(Clone, Debug)]
 pub struct Layer {
-    items: Vec<(u32, Vec<Point>)>,
-    runs: Vec<Run>,
-    scope: Scope,
-    ends: [Option<Point>; 2],
+    /// Run and vertices; two vertices make an open path, others a loop.
+    pub items: Vec<(u32, Vec<Point>)>,
+    pub runs: Vec<Run>,
+    pub scope: Scope,
+    pub start: Option<Point>,
+    pub end: Option<Point>,
 }
 
 impl Layer {
@@ -104,7 +107,7 @@ impl Layer {
             shape: if points.len() == 2 { Shape::Open([points[0], points[1]]) } else { Shape::Loop(points) },
         });
         let (items, runs) = (items.collect(), self.runs.clone());
-        Problem { items, runs, scope: self.scope, start: self.ends[0], end: self.ends[1] }
+        Problem { items, runs, scope: self.scope, start: self.start, end: self.end }
     }
 }
 
@@ -113,7 +116,7 @@ pub fn layer(bytes: &mut Bytes<'_>) -> Layer {
     let scope = Scope::ALL[bytes.int(3) as usize].1;
     let reach = [4, 5_000_000, 1_000_000_000][bytes.next() as usize % 3];
     let point = |bytes: &mut Bytes<'_>| Point::new(bytes.around(reach), bytes.around(reach));
-    let ends = [0, 1].map(|_| bytes.next().is_multiple_of(2).then(|| point(bytes)));
+    let [start, end] = [0, 1].map(|_| bytes.next().is_multiple_of(2).then(|| point(bytes)));
     let mut items: Vec<(u32, Vec<Point>)> = Vec::new();
     let mut used = Vec::new();
     while items.len() < 60 && !bytes.is_empty() {
@@ -132,5 +135,5 @@ pub fn layer(bytes: &mut Bytes<'_>) -> Layer {
         *run = sorted.iter().position(|known| *known == used[*run as usize]).unwrap_or(0) as u32;
     }
     let runs = sorted.into_iter().map(|(stage, island, rank)| Run { stage, island, rank }).collect();
-    Layer { items, runs, scope, ends }
+    Layer { items, runs, scope, start, end }
 }
