@@ -6,7 +6,7 @@ use std::path::PathBuf;
 use std::process::ExitCode;
 
 use pathwright::Observer;
-use pathwright::check::{Survey, check};
+use pathwright::check::check;
 use pathwright::job::{Engine, Job};
 use pathwright::output::Output;
 use pathwright::pipeline::Pipeline;
@@ -38,6 +38,6 @@ fn slice(model: PathBuf, file: PathBuf, profiles: &[String]) -> Result<String, B
     let summary = Pipeline.slice(&job, &resolved.settings, &mut output, &Observer::none())?;
     // Until now nothing is to be seen of the file.
     output.commit()?;
-    let report = check(std::fs::File::open(&file)?, &resolved.settings, &mut Survey::default())?;
+    let report = check(std::fs::File::open(&file)?, &resolved.settings, None)?;
     Ok(format!("{summary}{}", report.map(|report| report.to_string()).unwrap_or_default()))
 }

@@ -50,7 +50,7 @@ pub fn reorder(
 /// # Ok::<(), pathwright::Error>(())
 /// ```
 pub fn check(gcode: &[u8], settings: &Settings) -> Result<CheckReport, JobError> {
-    checked(gcode, settings, &mut Survey::default())
+    checked(gcode, settings, None)
 }
 
 /// As [`check`], and sets the G-code beside what it should print: bodies that stand on z = 0, each with its name.
@@ -63,12 +63,12 @@ pub fn check_against(
     settings: &Settings,
 ) -> Result<CheckReport, JobError> {
     let mut survey = Survey::default();
-    let mut report = checked(gcode, settings, &mut survey)?;
+    let mut report = checked(gcode, settings, Some(&mut survey))?;
     checking::against(bodies, &survey, || Ok(gcode), settings, &mut report).map_err(unreadable)?;
     Ok(report)
 }
 
-fn checked(gcode: &[u8], settings: &Settings, survey: &mut Survey) -> Result<CheckReport, JobError> {
+fn checked(gcode: &[u8], settings: &Settings, survey: Option<&mut Survey>) -> Result<CheckReport, JobError> {
     let report = checking::check(gcode, settings, survey).map_err(unreadable)?;
     report.ok_or_else(|| JobError::Input("there are no moves in it; is it G-code?".into()))
 }

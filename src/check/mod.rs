@@ -212,11 +212,15 @@ fn moved(mut stroke: Stroke, by_mm: [f64; 3]) -> Stroke {
 }
 
 /// Reads a file for a printer once and reports what is wrong with it; `None` if there is no move in it. What the file
-/// prints is noted in the survey, for [`against`].
+/// prints is noted in a survey, where one is wanted for [`against`].
 ///
 /// # Errors
 /// Those of reading.
-pub fn check(file: impl Read, settings: &Settings, survey: &mut Survey) -> io::Result<Option<CheckReport>> {
+pub fn check(
+    file: impl Read,
+    settings: &Settings,
+    mut survey: Option<&mut Survey>,
+) -> io::Result<Option<CheckReport>> {
     let machine = Machine::new(settings);
     let mut checker = Checker::new(settings);
     let mut meter = Meter::new(settings.filament.diameter, None);
@@ -225,7 +229,9 @@ pub fn check(file: impl Read, settings: &Settings, survey: &mut Survey) -> io::R
         let read = checker.line(line);
         meter.add(&read.action);
         clock.step(&read.line, &read.action, 0);
-        survey.add(&read);
+        if let Some(survey) = &mut survey {
+            survey.add(&read);
+        }
     })?;
     if checker.moves() == 0 {
         return Ok(None);

@@ -63,12 +63,9 @@ fn tell(report: &CheckReport, args: &CheckArgs) -> Result<(), Failure> {
 fn check(path: &Path, bodies: &[(String, Mesh)], settings: &Settings) -> Result<CheckReport, Failure> {
     let failed = |error: io::Error| Failure::new(Exit::Input, format!("{}: {error}", path.display()));
     let open = || File::open(path);
-    let read = || {
-        let mut survey = Survey::default();
-        match path == Path::new("-") {
-            true => check::check(io::stdin().lock(), settings, &mut survey),
-            false => open().and_then(|file| check::check(file, settings, &mut survey)),
-        }
+    let read = || match path == Path::new("-") {
+        true => check::check(io::stdin().lock(), settings, None),
+        false => open().and_then(|file| check::check(file, settings, None)),
     };
     // The comparison reads the file by itself, beside the rules.
     let compare = || {

@@ -174,7 +174,7 @@ impl Search<'_> {
     fn shifts(&self, outlines: &[&Region]) -> Vec<[f64; 2]> {
         let mut votes: BTreeMap<[i64; 2], (usize, [f64; 2])> = BTreeMap::new();
         for (shown, outline) in self.shown.iter().zip(outlines) {
-            for island in outline.polygons.iter().filter(|island| island.area_mm2() > SPECK_MM2) {
+            for island in outline.polygons().iter().filter(|island| island.area_mm2() > SPECK_MM2) {
                 let mut extent = None;
                 island.outer.iter().for_each(|p| Extent::add(&mut extent, [p.mm()[0], p.mm()[1], 0.0]));
                 let Some(own) = extent else { continue };

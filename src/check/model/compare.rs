@@ -70,7 +70,7 @@ pub(super) fn compare(
         }
     })?;
     print.end_layer();
-    if sections.above().polygons.iter().any(|island| island.area_mm2() > SPECK_MM2) {
+    if sections.above().polygons().iter().any(|island| island.area_mm2() > SPECK_MM2) {
         let printed_mm = levels.all().last().map_or(0.0, |level| level.z_mm);
         print.model.missing_islands += 1;
         print.found.add(Kind::MissingIsland, last.0, last.1, || {
@@ -208,7 +208,7 @@ impl Print<'_> {
         // A revolution of a spiral begins where the one beneath ends.
         let Level { z_mm, height_mm } = layer.level;
         let least_mm = if layer.risen_mm > layer.level_mm { z_mm - height_mm } else { z_mm - SLACK_MM };
-        for island in layer.must.polygons.iter().filter(|island| island.area_mm2() > SPECK_MM2) {
+        for island in layer.must.polygons().iter().filter(|island| island.area_mm2() > SPECK_MM2) {
             self.model.islands += 1;
             let printed = self.printed(&island.outer, least_mm);
             if printed < PRINTED {

@@ -84,7 +84,7 @@ pub fn profile(bytes: &[u8]) {
 pub fn gcode(bytes: &[u8]) {
     let settings = Settings::default();
     let mut survey = Survey::default();
-    let report = check(bytes, &settings, &mut survey).expect("memory can be read");
+    let report = check(bytes, &settings, Some(&mut survey)).expect("memory can be read");
     if let Some(report) = report {
         assert!(report.faults.iter().all(|fault| fault.count > 0 && !fault.first.is_empty()));
         let _ = report.to_string();
