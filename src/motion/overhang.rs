@@ -176,7 +176,7 @@ mod tests {
     fn rectangle(x0: f64, y0: f64, x1: f64, y1: f64) -> Region {
         let corners = [(x0, y0), (x1, y0), (x1, y1), (x0, y1)];
         let outer = corners.map(|(x, y)| Point::from_mm(x, y)).to_vec();
-        Region { polygons: vec![Polygon { outer, holes: Vec::new() }] }
+        Region::from(Polygon { outer, holes: Vec::new() })
     }
 
     fn line(points: &[[f64; 2]]) -> Vec<Vertex> {
@@ -203,7 +203,7 @@ mod tests {
     #[test]
     fn a_wall_over_a_gap_is_cut_where_the_air_begins() {
         let mut two = rectangle(0.0, 0.0, 10.0, 10.0);
-        two.polygons.extend(rectangle(20.0, 0.0, 30.0, 10.0).polygons);
+        two.add_disjoint(rectangle(20.0, 0.0, 30.0, 10.0).into_polygons());
         let stretches = Support::new(&two).stretches(&line(&[[1.0, 5.0], [29.0, 5.0]]), 0.4);
         let grades: Vec<Grade> = stretches.iter().map(|s| s.0).collect();
         assert_eq!(grades, [Grade::Held, Grade::Air, Grade::Held]);

@@ -4,21 +4,21 @@ use geometry::{Bounds, Point, Polygon, Region};
 
 /// Whether two regions have an area in common.
 pub(crate) fn meets(a: &Region, b: &Region) -> bool {
-    a.polygons.iter().any(|polygon| lies_on(polygon, b))
+    a.polygons().iter().any(|polygon| lies_on(polygon, b))
 }
 
 /// Whether a polygon has an area in common with a region. Mostly a corner of one is inside the other.
 pub(crate) fn lies_on(polygon: &Polygon, under: &Region) -> bool {
     let Some(bounds) = Bounds::of(polygon.outer.iter().copied()) else { return false };
     let near: Vec<&Polygon> = under
-        .polygons
+        .polygons()
         .iter()
         .filter(|other| Bounds::of(other.outer.iter().copied()).is_some_and(|b| b.touches(&bounds)))
         .collect();
     let shares = |a: &Polygon, b: &Polygon| corners(a).any(|p| b.contains(p) && a.contains(p));
     near.iter().any(|other| polygon.outer == other.outer || shares(polygon, other) || shares(other, polygon))
         || near.iter().any(|other| {
-            let [a, b] = [polygon, other].map(|p| Region { polygons: vec![(*p).clone()] });
+            let [a, b] = [polygon, other].map(|p| Region::from((*p).clone()));
             !geometry::intersection(&a, &b).is_empty()
         })
 }

@@ -68,8 +68,8 @@ fn hollow(layer: &PlateLayer<'_>, settings: &Settings) -> Hollow {
         let inside = geometry::offset(&rough, -thick_mm);
         let roofed =
             object.windows.top.map_or_else(|| inside.clone(), |above| geometry::intersection(&inside, above));
-        ground.polygons.extend(geometry::offset(&rough, -thick_mm / 2.0).polygons);
-        sparse.polygons.extend(roofed.polygons);
+        ground.add_disjoint(geometry::offset(&rough, -thick_mm / 2.0).into_polygons());
+        sparse.add_disjoint(roofed.into_polygons());
     }
     Hollow { ground, sparse, height_mm: layer.height_mm }
 }

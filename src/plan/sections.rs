@@ -150,10 +150,10 @@ impl Sections {
         let holds_line = |polygon: &Polygon| {
             let length_mm: f64 = polygon.rings().map(|ring| geometry::ring_length_mm(ring)).sum();
             2.0 * polygon.area_mm2() >= 2.0 * thin_mm * length_mm
-                || !geometry::offset(&Region { polygons: vec![polygon.clone()] }, -thin_mm / 2.0).is_empty()
+                || !geometry::offset(&Region::from(polygon.clone()), -thin_mm / 2.0).is_empty()
         };
         let beneath = supports::section(&self.layers[index - 1]);
-        let islands = self.layers[index].sections.iter().flat_map(|section| &section.region.polygons);
+        let islands = self.layers[index].sections.iter().flat_map(|section| section.region.polygons());
         let begun = islands.filter(|island| {
             !contact::lies_on(island, &beneath)
                 && !self.supports_under(index).any(|under| contact::lies_on(island, under))
@@ -261,7 +261,7 @@ impl Sections {
         let shielded = if settings.skirt.draft_shield { self.layers.len() } else { 0 };
         let sections = self.layers[..shielded].iter().flat_map(|l| &l.sections).map(|s| &s.region);
         let supports = self.supports.iter().flat_map(|s| s.all_outlines(shielded.max(1)));
-        let enclosed = sections.chain(supports).flat_map(|region| &region.polygons).chain(around);
+        let enclosed = sections.chain(supports).flat_map(|region| region.polygons()).chain(around);
         planners.enclose(enclosed, first_height_mm);
         let height_mm = self.layers.last().map_or(first_height_mm, |last| last.span.height_mm);
         let layer = |i: usize| self.plate_layer(i);
@@ -274,7 +274,7 @@ impl Sections {
     pub fn on_bed(&self, planners: &Planners) -> Vec<Polygon> {
         let supports = self.supports.iter().flat_map(|supports| supports.all_outlines(1));
         let regions = std::iter::once(planners.main.covered()).chain(supports);
-        regions.flat_map(|region| region.polygons.iter().cloned()).collect()
+        regions.flat_map(|region| region.polygons().iter().cloned()).collect()
     }
 
     /// Box around everything that is printed, without skirt and brim.
@@ -287,7 +287,7 @@ impl Sections {
     pub fn hulls(&self, workers: Workers<'_>) -> Vec<(usize, Vec<[f64; 2]>)> {
         let hull = |object: usize| {
             let regions = (0..self.layers.len()).map(|layer| self.of(object, layer));
-            let outers = regions.flat_map(|region| &region.polygons).flat_map(|polygon| &polygon.outer);
+            let outers = regions.flat_map(|region| region.polygons()).flat_map(|polygon| &polygon.outer);
             let points: MultiPoint<f64> = outers.map(|p: &Point| (p.mm()[0], p.mm()[1])).collect();
             let hull = points.convex_hull().simplify(LABEL_TOLERANCE_MM);
             // The first corner is repeated at the end.

@@ -113,7 +113,7 @@ fn section(layer: &Layer) -> &Region {
 
 /// Tells of parts beside the one that is followed, and of a tip too thin for the line.
 fn warning(body: &[Layer], revolutions: usize) -> Option<String> {
-    let mut split = body.iter().filter(|layer| section(layer).polygons.len() > 1);
+    let mut split = body.iter().filter(|layer| section(layer).polygons().len() > 1);
     let mut parts = Vec::new();
     if let Some(first) = split.next() {
         parts.push(format!(

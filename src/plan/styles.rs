@@ -185,9 +185,9 @@ impl Planners {
                 path.island = path.island.map(|island| IslandId(island.0 + first));
                 path
             }));
-            all.outline.polygons.extend(more.outline.polygons);
+            all.outline.add_disjoint(more.outline.into_polygons());
             all.beneath = all.beneath.zip(more.beneath).map(|(mut all, more)| {
-                all.polygons.extend(more.polygons);
+                all.add_disjoint(more.into_polygons());
                 all
             });
         }

@@ -219,16 +219,16 @@ pub(crate) fn overhangs(
 fn begun(cells: &Bitmap, others: &Bitmap) -> usize {
     let outlines = support::trace(cells);
     let apart = |polygon: &&Polygon| {
-        let mut own = Bitmap::touching(cells.grid(), &Region { polygons: vec![(*polygon).clone()] });
+        let mut own = Bitmap::touching(cells.grid(), &Region::from((*polygon).clone()));
         own.keep(others);
         own.is_empty()
     };
-    outlines.polygons.iter().filter(apart).count()
+    outlines.polygons().iter().filter(apart).count()
 }
 
 /// All sections of a layer as one region.
 pub(crate) fn section(layer: &Layer) -> Region {
-    Region { polygons: layer.sections.iter().flat_map(|s| s.region.polygons.iter().cloned()).collect() }
+    Region::disjoint(layer.sections.iter().flat_map(|s| s.region.polygons().iter().cloned()))
 }
 
 /// How many layers, of those below one, are left free to keep a distance.

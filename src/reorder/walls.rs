@@ -69,7 +69,7 @@ impl Walls {
         }
         let ring = |ring: &Ring| Polygon { outer: ring.clone(), holes: Vec::new() };
         // The clipper goes by the even-odd rule: how the rings are nested does not matter to it.
-        let clipper = Clipper::new(&Region { polygons: rings.iter().map(ring).collect() });
+        let clipper = Clipper::new(&Region::disjoint(rings.iter().map(ring)));
         Self { rings, clipper, insets: Default::default() }
     }
 
@@ -155,8 +155,7 @@ impl Walls {
         let boxes: Vec<Option<Bounds>> =
             self.rings.iter().map(|ring| Bounds::of(ring.iter().copied())).collect();
         let alone = |ring: &Ring| Polygon { outer: ring.clone(), holes: Vec::new() };
-        let regions: Vec<Region> =
-            self.rings.iter().map(|ring| Region { polygons: vec![alone(ring)] }).collect();
+        let regions: Vec<Region> = self.rings.iter().map(|ring| Region::from(alone(ring))).collect();
         let around = |inner: usize, outer: usize| {
             let p = self.rings[inner][0];
             let near = boxes[outer].is_some_and(|b| b.holds(p));

@@ -30,5 +30,5 @@ pub(super) fn even_odd(rings: &[Ring]) -> Region {
         let mut rings = shape.into_iter().map(|c| c.into_iter().map(|p| Point::new(p.x, p.y)).collect());
         Some(Polygon { outer: rings.next()?, holes: rings.collect() })
     });
-    Region { polygons: polygons.collect() }
+    Region::disjoint(polygons)
 }

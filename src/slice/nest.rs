@@ -17,7 +17,7 @@ pub(super) fn assemble(rings: &[Ring]) -> Option<Region> {
     let bounds: Vec<Bounds> = rings.iter().map(|r| Bounds::of(r.iter().copied())).collect::<Option<_>>()?;
     let areas: Vec<f64> = rings.iter().map(|r| ring_area(r)).collect();
     let turn = |ring: usize| if areas[ring] > 0.0 { 1 } else { -1 };
-    let mut region = Region::default();
+    let mut polygons: Vec<Polygon> = Vec::new();
     let mut polygon_of = vec![None; rings.len()];
     let mut holes = Vec::new();
     for inner in 0..rings.len() {
@@ -30,10 +30,8 @@ pub(super) fn assemble(rings: &[Ring]) -> Option<Region> {
         let outside: i32 = around.iter().map(|&ring| turn(ring)).sum();
         let inside = outside + turn(inner);
         if outside == 0 {
-            polygon_of[inner] = Some(region.polygons.len());
-            region
-                .polygons
-                .push(Polygon { outer: turned(&rings[inner], areas[inner] > 0.0), holes: Vec::new() });
+            polygon_of[inner] = Some(polygons.len());
+            polygons.push(Polygon { outer: turned(&rings[inner], areas[inner] > 0.0), holes: Vec::new() });
         } else if inside == 0 {
             holes.push((inner, around));
         }
@@ -42,9 +40,9 @@ pub(super) fn assemble(rings: &[Ring]) -> Option<Region> {
         // The innermost outer ring around it.
         let outers = around.into_iter().filter(|&ring| polygon_of[ring].is_some());
         let outer = outers.min_by(|&a, &b| areas[a].abs().total_cmp(&areas[b].abs()))?;
-        region.polygons[polygon_of[outer]?].holes.push(turned(&rings[hole], areas[hole] < 0.0));
+        polygons[polygon_of[outer]?].holes.push(turned(&rings[hole], areas[hole] < 0.0));
     }
-    Some(region)
+    Some(Region::disjoint(polygons))
 }
 
 fn turned(ring: &Ring, keep: bool) -> Ring {
@@ -141,7 +139,7 @@ mod tests {
             square(250, 600, 20, false),
         ];
         let region = assemble(&rings).expect("the rings are apart");
-        assert_eq!(region.polygons.iter().map(|p| p.holes.len()).collect::<Vec<_>>(), [1, 1, 0]);
+        assert_eq!(region.polygons().iter().map(|p| p.holes.len()).collect::<Vec<_>>(), [1, 1, 0]);
         assert_eq!(region.area_mm2(), unite_rings(&rings).area_mm2());
     }
 

@@ -23,14 +23,15 @@ pub fn brim(footprint: &Region, settings: &BrimSettings, width_mm: f64, height_m
     let spacing_mm = bead::spacing_mm(width_mm, height_mm);
     let count = (settings.width.0 / spacing_mm).round() as usize;
     let is_small = |p: &Polygon| settings.max_area <= 0.0 || p.area_mm2() < settings.max_area;
-    let (own, others): (Vec<Polygon>, Vec<Polygon>) = footprint.polygons.iter().cloned().partition(is_small);
-    let (own, others) = (Region { polygons: own }, Region { polygons: others });
+    let (own, others): (Vec<Polygon>, Vec<Polygon>) =
+        footprint.polygons().iter().cloned().partition(is_small);
+    let (own, others) = (Region::disjoint(own), Region::disjoint(others));
     let away_mm = |k: usize| settings.gap.0 + width_mm / 2.0 + k as f64 * spacing_mm;
     let mut rings: Vec<Ring> = Vec::new();
     let filled = without_holes(&own);
     if settings.sides != BrimSides::Inner {
         rings.extend((0..count).flat_map(|k| {
-            without_holes(&geometry::offset(&filled, away_mm(k))).polygons.into_iter().map(|p| p.outer)
+            without_holes(&geometry::offset(&filled, away_mm(k))).into_polygons().into_iter().map(|p| p.outer)
         }));
     }
     if settings.sides != BrimSides::Outer {
@@ -74,7 +75,7 @@ pub fn skirt(footprint: &Region, settings: &SkirtSettings, width_mm: f64, height
     let mut length_mm = 0.0;
     while loops.len() < settings.loops as usize || (settings.loops > 0 && length_mm < settings.min_length.0) {
         let away_mm = settings.distance.0 + width_mm / 2.0 + loops.len() as f64 * spacing_mm;
-        let Some(polygon) = geometry::offset(&hull, away_mm).polygons.into_iter().next() else {
+        let Some(polygon) = geometry::offset(&hull, away_mm).into_polygons().into_iter().next() else {
             break;
         };
         length_mm += geometry::ring_length_mm(&polygon.outer);
@@ -115,16 +116,16 @@ pub fn raft(area: &Region, layer: u32, settings: &RaftSettings, width_mm: f64, h
 }
 
 fn without_holes(region: &Region) -> Region {
-    let rings: Vec<Ring> = region.polygons.iter().map(|p| p.outer.clone()).collect();
+    let rings: Vec<Ring> = region.polygons().iter().map(|p| p.outer.clone()).collect();
     geometry::unite_rings(&rings)
 }
 
 fn hull(region: &Region) -> Option<Region> {
     let points: geo::MultiPoint<f64> =
-        region.polygons.iter().flat_map(|p| &p.outer).map(|p| geo::Point::from(p.mm())).collect();
+        region.polygons().iter().flat_map(|p| &p.outer).map(|p| geo::Point::from(p.mm())).collect();
     let outer: Ring =
         points.convex_hull().exterior().coords().skip(1).map(|c| Point::from_mm(c.x, c.y)).collect();
-    (outer.len() >= 3).then(|| Region { polygons: vec![Polygon { outer, holes: Vec::new() }] })
+    (outer.len() >= 3).then(|| Region::from(Polygon { outer, holes: Vec::new() }))
 }
 
 #[cfg(test)]
@@ -150,7 +151,7 @@ mod tests {
     fn a_brim_of_three_millimetres_has_seven_loops_on_each_side() {
         let mut hole = square(10.0, 10.0).iter().map(|&p| p + Point::from_mm(0.0, 10.0)).collect::<Ring>();
         hole.reverse();
-        let ring = Region { polygons: vec![Polygon { outer: square(0.0, 30.0), holes: vec![hole] }] };
+        let ring = Region::from(Polygon { outer: square(0.0, 30.0), holes: vec![hole] });
         for (sides, outside, inside) in
             [(BrimSides::Outer, 7, 0), (BrimSides::Inner, 0, 7), (BrimSides::Both, 7, 7)]
         {
@@ -165,10 +166,10 @@ mod tests {
     #[test]
     fn only_a_small_foot_has_a_brim_which_keeps_off_the_large_one() {
         let alone = |x, side| Polygon { outer: square(x, side), holes: Vec::new() };
-        let footprint = Region { polygons: vec![alone(0.0, 30.0), alone(31.5, 5.0)] };
+        let footprint = Region::disjoint([alone(0.0, 30.0), alone(31.5, 5.0)]);
         let found = loops(&footprint, BrimSettings { max_area: 100.0, ..BrimSettings::default() });
         assert!(found.iter().any(|line| line.closed) && found.iter().any(|line| !line.closed));
-        let large = Region { polygons: footprint.polygons[..1].to_vec() };
+        let large = Region::disjoint(footprint.polygons()[..1].to_vec());
         let near = geometry::offset(&large, WIDTH_MM / 2.0 - 0.01);
         assert!(found.iter().flat_map(|line| &line.points).all(|&p| !near.contains(p)));
         assert!(loops(&footprint, BrimSettings { max_area: 1.0, ..BrimSettings::default() }).is_empty());
@@ -177,10 +178,7 @@ mod tests {
     #[test]
     fn a_raft_is_sparse_below_and_solid_above() {
         let settings = RaftSettings { layers: 4, ..RaftSettings::default() };
-        let area = raft_area(
-            &Region { polygons: vec![Polygon { outer: square(0.0, 30.0), holes: vec![] }] },
-            &settings,
-        );
+        let area = raft_area(&Region::from(Polygon { outer: square(0.0, 30.0), holes: vec![] }), &settings);
         assert!((area.area_mm2() - 36.0 * 36.0).abs() < 1.0);
         let share = |layer| {
             let paths = raft(&area, layer, &settings, WIDTH_MM, HEIGHT_MM);

@@ -95,7 +95,7 @@ pub(super) fn pair(region: &Region, spacing_mm: f64, least_mm: f64) -> Pair {
 /// A region shrunk by a radius, but for what is thicker than that here and there only.
 pub(super) fn core(region: &Region, radius_mm: f64, spacing_mm: f64) -> Region {
     let mut core = geometry::offset(region, -radius_mm);
-    core.polygons.retain(|polygon| {
+    core.retain(|polygon| {
         let around_mm: f64 = polygon.rings().map(|ring| geometry::ring_length_mm(ring)).sum();
         // What is no longer than wide is the middle of a post, which takes no bead along its axis.
         around_mm < spacing_mm || 2.0 * polygon.area_mm2() >= HYSTERESIS * spacing_mm * around_mm
@@ -119,7 +119,7 @@ pub(super) fn fill(region: &Region, spacing_mm: f64) -> (Vec<Line>, Vec<Gap>) {
 /// What an island gets that is too small for a line: a loop about its deepest point, as wide as one bead, and that bead's
 /// width. The island is at least `least_mm` across.
 pub(super) fn dot(island: &Polygon, least_mm: f64) -> Option<(Ring, f64)> {
-    let island = Region { polygons: vec![island.clone()] };
+    let island = Region::from(island.clone());
     let bounds = island.bounds()?;
     // The largest disc inside is as large as what the island can be shrunk by.
     let (mut from_mm, mut to_mm) = (0.0, bounds.min.distance_mm(bounds.max));
@@ -127,7 +127,7 @@ pub(super) fn dot(island: &Polygon, least_mm: f64) -> Option<(Ring, f64)> {
     while to_mm - from_mm > DEPTH_MM {
         let radius_mm = (from_mm + to_mm) / 2.0;
         match geometry::offset(&island, -radius_mm)
-            .polygons
+            .polygons()
             .first()
             .and_then(|core| Bounds::of(core.outer.iter().copied()))
         {

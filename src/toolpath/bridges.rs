@@ -71,23 +71,23 @@ pub fn take(
     let core = geometry::offset(&all, -width_mm);
     let mut air = geometry::offset(&core, width_mm);
     let anchors = LazyCell::new(|| Anchors { beneath, section: EdgeGrid::of(section), width_mm });
-    let is_strip = |polygon: &Polygon| anchors.is_strip(&Region { polygons: vec![polygon.clone()] });
+    let is_strip = |polygon: &Polygon| anchors.is_strip(&Region::from(polygon.clone()));
     let mut narrow = geometry::narrower(&all, &core, width_mm, width_mm);
-    narrow.polygons.retain(|p| p.area_mm2() > SHORTEST_STRIP * width_mm * width_mm && is_strip(p));
-    air.polygons.extend(narrow.polygons);
+    narrow.retain(|p| p.area_mm2() > SHORTEST_STRIP * width_mm * width_mm && is_strip(p));
+    air.add_disjoint(narrow.into_polygons());
     if air.is_empty() {
         return Vec::new();
     }
     let taken = geometry::intersection(&geometry::offset(&air, anchor_mm), inside);
     let bridge = |polygon: &Polygon| {
-        let area = Region { polygons: vec![polygon.clone()] };
+        let area = Region::from(polygon.clone());
         let spanned = geometry::intersection(&air, &area);
         let (angle_rad, _) = anchors.best_angle(&spanned);
         let (from_mm, to_mm) = Direction::of(angle_rad).extent_mm(spanned.rings().flatten());
         let strip_mm = (to_mm - from_mm < STRIP * width_mm).then_some((from_mm, to_mm));
         Bridge { area, angle_rad, strip_mm }
     };
-    let bridges = taken.polygons.iter().map(bridge).collect();
+    let bridges = taken.polygons().iter().map(bridge).collect();
     zones.leave_sparse(geometry::difference(&zones.sparse, &taken));
     zones.solid = geometry::difference(&zones.solid, &taken);
     zones.top = geometry::difference(&zones.top, &taken);
@@ -167,7 +167,7 @@ impl Anchors<'_> {
 
 /// Directions of the longest edges, and their normals.
 fn edge_angles(air: &Region) -> Vec<f64> {
-    let outers = air.polygons.iter().map(|p| &p.outer);
+    let outers = air.polygons().iter().map(|p| &p.outer);
     let mut edges: Vec<(i64, Point)> = outers
         .flat_map(|ring| ring.iter().zip(ring.iter().cycle().skip(1)))
         .map(|(a, b)| (a.distance2(*b), *b - *a))

@@ -112,11 +112,11 @@ mod tests {
     fn square(side_mm: f64) -> Region {
         let corners = [(0.0, 0.0), (side_mm, 0.0), (side_mm, side_mm), (0.0, side_mm)];
         let outer = corners.map(|(x, y)| Point::from_mm(x, y)).to_vec();
-        Region { polygons: vec![Polygon { outer, holes: vec![] }] }
+        Region::from(Polygon { outer, holes: vec![] })
     }
 
     fn line(region: &Region) -> Line {
-        Line::nominal(region.polygons[0].outer.clone(), true)
+        Line::nominal(region.polygons()[0].outer.clone(), true)
     }
 
     fn settings(thickness_mm: f64) -> FuzzySettings {

@@ -147,7 +147,7 @@ impl Planner {
     pub fn enclose<'a>(&mut self, more: impl IntoIterator<Item = &'a Polygon>, first_height_mm: f64) {
         let width_mm = self.widths(0).skirt_mm;
         let mut all = self.covered.clone();
-        all.polygons.extend(more.into_iter().cloned());
+        all.add_disjoint(more.into_iter().cloned());
         self.skirt = adhesion::skirt(&all, &self.settings.skirt, width_mm, first_height_mm);
     }
 
@@ -163,10 +163,10 @@ impl Planner {
         let fill_spec = self.fill_spec(layer, slab);
         let mut sample = SparseSample { area: Region::default(), area_mm2: 0.0, spec: fill_spec };
         for object in &layer.objects {
-            for island in &object.section.polygons {
+            for island in object.section.polygons() {
                 let zones = self.zones(&walls::trace(island, &spec).inside, object, layer);
                 let room = geometry::offset(&zones.sparse, -fill_spec.spacing_mm / 2.0);
-                sample.area.polygons.extend(room.polygons);
+                sample.area.add_disjoint(room.into_polygons());
                 sample.area_mm2 += zones.sparse_mm2;
             }
         }
@@ -196,10 +196,10 @@ impl Planner {
     pub fn sparse_area(&self, layer: &PlateLayer<'_>) -> Region {
         let spec = self.wall_spec(layer);
         let islands =
-            layer.objects.iter().flat_map(|o| o.section.polygons.iter().map(move |island| (o, island)));
+            layer.objects.iter().flat_map(|o| o.section.polygons().iter().map(move |island| (o, island)));
         let zones =
             islands.map(|(o, island)| self.zones(&walls::trace(island, &spec).inside, o, layer).sparse);
-        Region { polygons: zones.flat_map(|zone| zone.polygons).collect() }
+        Region::disjoint(zones.flat_map(|zone| zone.into_polygons()))
     }
 
     /// Combines the sparse infill of layers, `infill.combine_layers` at a time and as many as the nozzle's diameter allows.
@@ -229,12 +229,12 @@ impl Planner {
                 fuzzy: Fuzzy::new(&self.settings.fuzzy, object.beneath, section.index, object.object),
                 support_below: object.beneath.map(Beneath::new),
             };
-            for polygon in &object.section.polygons {
+            for polygon in object.section.polygons() {
                 layer.island = Some(IslandId(islands.len() as u32));
                 islands.push(Island { object: object.object });
                 self.island(&mut layer, polygon, &part, section);
             }
-            outline.polygons.extend(object.section.polygons.iter().cloned());
+            outline.add_disjoint(object.section.polygons().iter().cloned());
         }
         if self.settings.free_seams {
             entries::add(&mut layer.paths);
@@ -491,7 +491,7 @@ impl Planner {
 fn rests_on(section: &PlateLayer<'_>, fuzzy: &FuzzySettings) -> Option<Region> {
     let mut below = Region::default();
     for object in &section.objects {
-        below.polygons.extend(object.beneath?.polygons.iter().cloned());
+        below.add_disjoint(object.beneath?.polygons().iter().cloned());
     }
     if fuzzy.walls != FuzzyWalls::None {
         below = geometry::offset(&below, fuzzy.thickness.0);

@@ -61,8 +61,8 @@ impl Reach<'_> {
                 && (0..=count as u32).map(sample).all(|p| hollow.iter().all(|region| region.contains(p)))
         };
         let mut stripes = Vec::new();
-        for polygon in &patches.polygons {
-            let patch = Region { polygons: vec![polygon.clone()] };
+        for polygon in patches.polygons() {
+            let patch = Region::from(polygon.clone());
             let mut chords = self.loose(&patch, line_mm);
             let least = HANGING * chords.len() as f64;
             chords.retain(hangs);
@@ -106,7 +106,7 @@ impl Reach<'_> {
 
     /// Whether a patch is so narrow that one loop along its edge fills it, and that crosses a sparse line.
     fn is_held_loop(&self, patch: &Region, line_mm: f64) -> bool {
-        let outers = patch.polygons.iter().flat_map(|polygon| polygon.outer.iter().copied());
+        let outers = patch.polygons().iter().flat_map(|polygon| polygon.outer.iter().copied());
         self.is_held(outers) && geometry::offset(patch, -line_mm / 2.0).is_empty()
     }
 

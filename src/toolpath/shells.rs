@@ -196,9 +196,9 @@ pub fn divide(
     let (sparse, solid) = if sparse_mm2 < CRUMB_MM2 {
         (Region::default(), inside.clone())
     } else {
-        bare.polygons.extend(unsupported.polygons);
+        bare.add_disjoint(unsupported.into_polygons());
         let mut strips = geometry::opening(&bare, NARROWEST_STRIP / 2.0 * line_mm);
-        strips.polygons.retain(|patch| patch.area_mm2() >= SMALLEST_PATCH * line_mm * line_mm);
+        strips.retain(|patch| patch.area_mm2() >= SMALLEST_PATCH * line_mm * line_mm);
         if strips.is_empty() {
             return all_sparse();
         }

@@ -51,13 +51,13 @@ pub struct SpiralSpec {
 /// The middle of the wall around the largest part of a section, its holes closed; `None`: none is wide enough.
 pub fn outline(section: &Region, width_mm: f64) -> Option<Ring> {
     let largest = |region: Region| {
-        let rings = region.polygons.into_iter().map(|polygon| polygon.outer);
+        let rings = region.into_polygons().into_iter().map(|polygon| polygon.outer);
         rings.reduce(
             |best, ring| if geometry::ring_area(&ring) > geometry::ring_area(&best) { ring } else { best },
         )
     };
     let outer = largest(section.clone())?;
-    let filled = Region { polygons: vec![Polygon { outer, holes: Vec::new() }] };
+    let filled = Region::from(Polygon { outer, holes: Vec::new() });
     largest(geometry::offset(&filled, -width_mm / 2.0)).filter(|ring| ring.len() >= 3)
 }
 
@@ -268,7 +268,7 @@ mod tests {
         hole.reverse();
         let large = Polygon { outer: square(0.0, 9.0), holes: vec![hole] };
         let small = Polygon { outer: square(20.0, 4.0), holes: vec![] };
-        let ring = outline(&Region { polygons: vec![small, large] }, 0.5).unwrap();
+        let ring = outline(&Region::disjoint([small, large]), 0.5).unwrap();
         assert!((geometry::ring_area(&ring) - 8.5 * 8.5).abs() < 1e-6);
         assert_eq!(outline(Region::EMPTY, 0.5), None);
     }

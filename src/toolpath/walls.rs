@@ -86,7 +86,7 @@ pub struct Walls {
 
 /// Traces the walls of an island.
 pub fn trace(island: &Polygon, spec: &WallSpec) -> Walls {
-    let section = Region { polygons: vec![island.clone()] };
+    let section = Region::from(island.clone());
     let variable = spec.generator == WallGenerator::Variable;
     let core_mm = spec.core_mm();
     let core = geometry::offset(&section, -core_mm);

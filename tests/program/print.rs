@@ -50,8 +50,8 @@ fn every_island_has_an_external_perimeter() {
     for name in MODELS {
         let (print, solid) = (print(name, &settings), solid(&model(name), &settings));
         for (i, beads) in beads_by_layer(&print, &settings).iter().enumerate() {
-            for island in solid.section(Some(i)).polygons {
-                let island = pathwright::geometry::Region { polygons: vec![island] };
+            for island in solid.section(Some(i)).into_polygons() {
+                let island = pathwright::geometry::Region::from(island);
                 if offset(&island, -0.25).is_empty() {
                     continue;
                 }

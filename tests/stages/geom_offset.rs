@@ -81,7 +81,7 @@ fn perimeter_mm(region: &Region) -> f64 {
 
 /// Outer rings are positive, holes negative, nothing degenerate.
 fn is_clean(region: &Region) -> bool {
-    region.polygons.iter().all(|p| {
+    region.polygons().iter().all(|p| {
         ring_area(&p.outer) > 0.0
             && p.holes.iter().all(|h| ring_area(h) < 0.0)
             && p.rings()
@@ -252,7 +252,7 @@ proptest! {
             p.holes.iter().all(|hole| outside_mm2(&turned(hole), &outer) < 1e-5)
         };
         for ours in [intersection(&a, &b), difference(&a, &b), union(&a, &b)] {
-            prop_assert!(is_clean(&ours) && ours.polygons.iter().all(held));
+            prop_assert!(is_clean(&ours) && ours.polygons().iter().all(held));
         }
     }
 
@@ -291,7 +291,7 @@ proptest! {
     fn simplifying_moves_the_boundary_by_the_tolerance_at_most(region in any_region(), tol_mm in 0.001..0.1_f64) {
         let slim = simplify(&region, tol_mm);
         prop_assert!(is_clean(&slim));
-        prop_assert!(slim.vertex_count() <= region.vertex_count() || slim.polygons.len() != region.polygons.len());
+        prop_assert!(slim.vertex_count() <= region.vertex_count() || slim.polygons().len() != region.polygons().len());
         let grown = offset_with(&region, 1.1 * tol_mm + 0.001, Join::Round { tolerance_mm: 0.0005 });
         prop_assert!(outside_mm2(&slim, &grown) < 1e-4);
     }
@@ -312,8 +312,8 @@ proptest! {
         let slack_mm2 = 0.006 * perimeter_mm(&region);
         prop_assert!(difference(&region, &closed).area_mm2() <= slack_mm2);
         prop_assert!(difference(&closed, &closing(&region, radius_mm)).area_mm2() <= slack_mm2);
-        if let [polygon] = region.polygons.as_slice() {
-            prop_assert_eq!(&closed.polygons, std::slice::from_ref(polygon));
+        if let [polygon] = region.polygons() {
+            prop_assert_eq!(closed.polygons(), std::slice::from_ref(polygon));
         }
     }
 
@@ -329,9 +329,8 @@ proptest! {
 
 /// By nonzero winding, for rings that each go round once.
 fn in_any(rings: &[Ring], p: Point) -> bool {
-    let solid = |ring: &Ring| Region {
-        polygons: vec![pathwright::geometry::Polygon { outer: ring.clone(), holes: vec![] }],
-    };
+    let solid =
+        |ring: &Ring| Region::from(pathwright::geometry::Polygon { outer: ring.clone(), holes: vec![] });
     let winding =
         |ring: &Ring| i32::from(solid(ring).contains(p)) * if ring_area(ring) < 0.0 { -1 } else { 1 };
     rings.iter().map(winding).sum::<i32>() != 0
@@ -354,7 +353,7 @@ fn ring(points: &[(i32, i32)]) -> Ring {
 }
 
 fn polygon(outer: Ring, holes: Vec<Ring>) -> Region {
-    Region { polygons: vec![pathwright::geometry::Polygon { outer, holes }] }
+    Region::from(pathwright::geometry::Polygon { outer, holes })
 }
 
 #[test]
@@ -372,7 +371,7 @@ fn a_wall_thinner_than_the_distance_vanishes_with_its_hole() {
     assert!((offset(&frame, -0.49).area_mm2() - (9.02_f64.powi(2) - 8.98_f64.powi(2))).abs() < 1e-9);
     assert!(offset(&frame, -0.5).is_empty());
     assert!(offset(&frame, -0.7).is_empty());
-    assert_eq!(offset(&frame, 5.0).polygons[0].holes.len(), 0);
+    assert_eq!(offset(&frame, 5.0).polygons()[0].holes.len(), 0);
 }
 
 #[test]
@@ -381,10 +380,10 @@ fn an_island_swallowed_by_its_frame_is_one_area() {
     let mut hole = square(100_000, 900_000);
     hole.reverse();
     let mut region = polygon(square(0, 1_000_000), vec![hole]);
-    region.polygons.extend(polygon(square(300_000, 700_000), vec![]).polygons);
-    assert_eq!(offset(&region, 0.5).polygons.len(), 2);
+    region.add_disjoint(polygon(square(300_000, 700_000), vec![]).into_polygons());
+    assert_eq!(offset(&region, 0.5).polygons().len(), 2);
     let solid = offset(&region, 3.0);
-    assert_eq!(solid.polygons.len(), 1);
+    assert_eq!(solid.polygons().len(), 1);
     assert!((solid.area_mm2() - 256.0).abs() < 1e-6);
 }
 

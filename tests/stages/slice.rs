@@ -57,7 +57,7 @@ fn overlapping_bodies_are_one_and_cavities_are_holes() {
     assert_eq!(section(&mesh(&overlap).0, 5.0).0.area_mm2(), 175.0);
     let nested = [cuboid([0.0; 3], [10.0; 3]), inside_out(cuboid([2.0; 3], [4.0; 3]))].concat();
     let (region, _) = section(&mesh(&nested).0, 3.0);
-    assert_eq!((region.area_mm2(), region.polygons.len(), region.polygons[0].holes.len()), (96.0, 1, 1));
+    assert_eq!((region.area_mm2(), region.polygons().len(), region.polygons()[0].holes.len()), (96.0, 1, 1));
 }
 
 #[test]

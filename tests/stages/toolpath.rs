@@ -500,7 +500,7 @@ fn beads_are_between_half_and_one_and_a_half_times_as_wide_as_asked_for() {
 #[test]
 fn a_wedge_is_filled_from_its_thin_to_its_thick_end() {
     let outer = ring(&[(0.0, -0.15), (30.0, -1.0), (30.0, 1.0), (0.0, 0.15)]);
-    let section = Region { polygons: vec![Polygon { outer, holes: vec![] }] };
+    let section = Region::from(Polygon { outer, holes: vec![] });
     let layer = solid_layer(&section);
     let found = coverage(&section, &layer.paths);
     assert!(found.void <= 0.012 && found.double <= 0.02 && found.outside <= 0.003, "{found:?}");
@@ -528,8 +528,8 @@ fn webs_between_slots_are_filled_however_short() {
 #[test]
 fn narrow_places_are_filled_however_long_the_outline_is() {
     let corners = [(0.0, 0.0), (300.0, 0.0), (300.0, 300.0), (0.0, 300.0)];
-    let plate = |outer: &[(f64, f64)], hole: &[(f64, f64)]| Region {
-        polygons: vec![Polygon { outer: ring(outer), holes: vec![ring(hole)] }],
+    let plate = |outer: &[(f64, f64)], hole: &[(f64, f64)]| {
+        Region::from(Polygon { outer: ring(outer), holes: vec![ring(hole)] })
     };
     // A neck between the edge and a hole, with room for a bead and a bit between the walls; and a tab at the edge.
     let hole = [(60.0, 1.3), (56.6, 8.0), (64.0, 8.0), (60.6, 1.3)];
@@ -554,14 +554,14 @@ fn solid_layers_are_closed_around_holes_and_along_slants() {
         let at = |i: i32| f64::from(i) / 32.0 * std::f64::consts::TAU;
         let points = (0..32).map(|i| (x + radius * at(i).cos(), y + radius * at(i).sin()));
         let outer = ring(&points.collect::<Vec<_>>());
-        Region { polygons: vec![Polygon { outer, holes: vec![] }] }
+        Region::from(Polygon { outer, holes: vec![] })
     };
     let plate = with_hole(
         with_hole(rectangle(0.0, 0.0, 16.0, 12.0), &circle(4.0, 4.0, 1.5)),
         &circle(11.0, 7.0, 2.2),
     );
     let hexagon = ring(&[(6.0, 0.0), (3.0, 5.2), (-3.0, 5.2), (-6.0, 0.0), (-3.0, -5.2), (3.0, -5.2)]);
-    let hexagon = Region { polygons: vec![Polygon { outer: hexagon, holes: vec![] }] };
+    let hexagon = Region::from(Polygon { outer: hexagon, holes: vec![] });
     for section in [plate, circle(0.0, 0.0, 5.0), hexagon] {
         let found = coverage(&section, &solid_layer(&section).paths);
         assert!(found.void <= 0.006 && found.double <= 0.02 && found.outside <= 0.001, "{found:?}");
@@ -589,7 +589,7 @@ fn pins_of_any_thickness_are_printed_where_they_stand() {
             let (sin, cos) = (f64::from(k) * std::f64::consts::TAU / 24.0).sin_cos();
             Point::from_mm(5.0 + wide_mm / 2.0 * cos, 5.0 + wide_mm / 2.0 * sin)
         };
-        Region { polygons: vec![Polygon { outer: (0..24).map(corner).collect(), holes: vec![] }] }
+        Region::from(Polygon { outer: (0..24).map(corner).collect(), holes: vec![] })
     };
     for generator in [WallGenerator::Variable, WallGenerator::Classic] {
         let mut settings = job();

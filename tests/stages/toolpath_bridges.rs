@@ -41,7 +41,7 @@ fn bridges_span_a_rectangle_the_short_way() {
 fn bridges_between_two_pillars_go_from_one_to_the_other() {
     let full = rectangle(0.0, 0.0, 40.0, 8.0);
     let mut pillars = rectangle(0.0, 0.0, 8.0, 8.0);
-    pillars.polygons.extend(rectangle(32.0, 0.0, 40.0, 8.0).polygons);
+    pillars.add_disjoint(rectangle(32.0, 0.0, 40.0, 8.0).into_polygons());
     assert!(bridges_run(&roof(&pillars, &full), 0.0, &pillars));
 }
 
@@ -49,10 +49,10 @@ fn bridges_between_two_pillars_go_from_one_to_the_other() {
 fn no_thread_of_a_bridge_ends_halfway_along_an_edge_that_is_nearly_straight() {
     let full = |slant_mm: f64| {
         let outer = ring(&[(0.0, 0.0), (40.0, slant_mm), (40.0, 8.0), (0.0, 8.0 - slant_mm)]);
-        Region { polygons: vec![Polygon { outer, holes: vec![] }] }
+        Region::from(Polygon { outer, holes: vec![] })
     };
     let mut pillars = rectangle(0.0, 0.0, 8.0, 8.0);
-    pillars.polygons.extend(rectangle(32.0, 0.0, 40.0, 8.0).polygons);
+    pillars.add_disjoint(rectangle(32.0, 0.0, 40.0, 8.0).into_polygons());
     for slant_mm in [-0.03, -0.01, 0.01, 0.03] {
         let open = geometry::intersection(&pillars, &full(slant_mm));
         assert!(bridges_run(&roof(&open, &full(slant_mm)), 0.0, &pillars), "{slant_mm}");
@@ -161,7 +161,7 @@ fn strip_over_air(wall_mm: f64, width_mm: f64, generator: WallGenerator) -> Laye
         (20.0, high + bend),
         (-0.1, high),
     ]);
-    let full = geometry::union(&open, &Region { polygons: vec![Polygon { outer, holes: vec![] }] });
+    let full = geometry::union(&open, &Region::from(Polygon { outer, holes: vec![] }));
     let mut settings = job();
     (settings.walls.count, settings.walls.generator) = (3, generator);
     plan(&[vec![open; 6], vec![full; 6]].concat(), &settings).swap_remove(6)

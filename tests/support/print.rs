@@ -82,8 +82,8 @@ impl Solid {
     /// The section of a layer; nothing below the bed and above the top.
     pub fn section(&self, layer: Option<usize>) -> Region {
         let sections = layer.and_then(|i| self.layers.get(i)).map(|l| &l.sections);
-        let polygons = sections.into_iter().flatten().flat_map(|s| s.region.polygons.iter().cloned());
-        Region { polygons: polygons.collect() }
+        let polygons = sections.into_iter().flatten().flat_map(|s| s.region.polygons().iter().cloned());
+        Region::disjoint(polygons)
     }
 
     /// Area times height of what lies inside the walls, with material in every layer of the shells' thickness above

@@ -13,14 +13,14 @@ pub fn ring(points: &[(f64, f64)]) -> Ring {
 
 pub fn rectangle(x0: f64, y0: f64, x1: f64, y1: f64) -> Region {
     let outer = ring(&[(x0, y0), (x1, y0), (x1, y1), (x0, y1)]);
-    Region { polygons: vec![Polygon { outer, holes: vec![] }] }
+    Region::from(Polygon { outer, holes: vec![] })
 }
 
-pub fn with_hole(mut region: Region, hole: &Region) -> Region {
-    region.polygons[0]
-        .holes
-        .extend(hole.polygons.iter().map(|p| p.outer.iter().rev().copied().collect::<Ring>()));
-    region
+pub fn with_hole(region: Region, hole: &Region) -> Region {
+    let mut polygons = region.into_polygons();
+    let holes = hole.polygons().iter().map(|p| p.outer.iter().rev().copied().collect::<Ring>());
+    polygons[0].holes.extend(holes);
+    Region::disjoint(polygons)
 }
 
 /// The job that slicers are compared on.

@@ -90,15 +90,49 @@ fn contained<'a>(rings: impl Iterator<Item = &'a Ring>, p: Point) -> bool {
 }
 
 /// Disjoint polygons with holes; what a layer's cross-section is.
+///
+/// [`unite_rings`](super::unite_rings) makes one of any rings.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Region {
-    /// The polygons; no two overlap.
-    pub polygons: Vec<Polygon>,
+    /// No two overlap.
+    pub(super) polygons: Vec<Polygon>,
+}
+
+/// A polygon alone.
+impl From<Polygon> for Region {
+    fn from(polygon: Polygon) -> Self {
+        Self { polygons: vec![polygon] }
+    }
 }
 
 impl Region {
     /// Nothing.
     pub const EMPTY: &'static Region = &Region { polygons: Vec::new() };
+
+    /// Of polygons of which no two overlap, which is not verified.
+    pub fn disjoint(polygons: impl IntoIterator<Item = Polygon>) -> Self {
+        Self { polygons: polygons.into_iter().collect() }
+    }
+
+    /// Adds polygons that overlap neither each other nor what is there, which is not verified.
+    pub fn add_disjoint(&mut self, polygons: impl IntoIterator<Item = Polygon>) {
+        self.polygons.extend(polygons);
+    }
+
+    /// Leaves out the polygons that a function refuses.
+    pub fn retain(&mut self, keep: impl FnMut(&Polygon) -> bool) {
+        self.polygons.retain(keep);
+    }
+
+    /// The polygons.
+    pub fn polygons(&self) -> &[Polygon] {
+        &self.polygons
+    }
+
+    /// The polygons, out of the region.
+    pub fn into_polygons(self) -> Vec<Polygon> {
+        self.polygons
+    }
 
     /// Whether there is nothing in it.
     pub fn is_empty(&self) -> bool {

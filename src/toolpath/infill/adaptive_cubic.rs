@@ -260,7 +260,7 @@ mod tests {
     fn square(side_mm: f64) -> Region {
         let corners = [(0.0, 0.0), (side_mm, 0.0), (side_mm, side_mm), (0.0, side_mm)];
         let outer = corners.map(|(x, y)| Point::from_mm(x, y)).to_vec();
-        Region { polygons: vec![Polygon { outer, holes: Vec::new() }] }
+        Region::from(Polygon { outer, holes: Vec::new() })
     }
 
     fn spec(z_mm: f64) -> FillSpec {

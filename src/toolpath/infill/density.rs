@@ -150,7 +150,7 @@ mod tests {
     fn in_a_narrow_room_fewer_lines_join_to_one_bead_of_the_same_density() {
         let corners = [(0.0, 0.0), (40.0, 0.0), (40.0, 3.0), (0.0, 3.0)];
         let outer = corners.map(|(x, y)| Point::from_mm(x, y)).to_vec();
-        let area = Region { polygons: vec![Polygon { outer, holes: Vec::new() }] };
+        let area = Region::from(Polygon { outer, holes: Vec::new() });
         let (distance_mm, density) = (2.0, 0.2);
         let spec = FillSpec {
             line_distance_mm: distance_mm,

@@ -83,7 +83,7 @@ mod tests {
     fn waves_lie_on_the_surface() {
         let corner = |x, y| Point::from_mm(x, y);
         let outer = vec![corner(0.0, 0.0), corner(40.0, 0.0), corner(40.0, 30.0), corner(0.0, 30.0)];
-        let region = Region { polygons: vec![Polygon { outer, holes: vec![] }] };
+        let region = Region::from(Polygon { outer, holes: vec![] });
         for layer in 0..40 {
             let z_mm = 0.1 + 0.2 * layer as f64;
             let spec = FillSpec {

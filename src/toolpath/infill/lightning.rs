@@ -60,7 +60,7 @@ impl Lightning {
             forest.shrink(LEAN * hollow.height_mm);
             forest.ground(&hollow.ground);
             let mut roof = geometry::difference(&hollow.sparse, above);
-            roof.polygons.retain(|polygon| polygon.area_mm2() >= SMALLEST_ROOF * reach_mm * reach_mm);
+            roof.retain(|polygon| polygon.area_mm2() >= SMALLEST_ROOF * reach_mm * reach_mm);
             forest.hold(&samples(&roof, reach_mm), &hollow.ground, reach_mm);
             layers[layer] = forest.strokes();
         }
@@ -112,7 +112,7 @@ mod tests {
     fn square(from: f64, to: f64) -> Region {
         let corners = [(from, from), (to, from), (to, to), (from, to)];
         let outer = corners.map(|(x, y)| Point::from_mm(x, y)).to_vec();
-        Region { polygons: vec![Polygon { outer, holes: Vec::new() }] }
+        Region::from(Polygon { outer, holes: Vec::new() })
     }
 
     /// The strokes of each layer of a box with a roof over its right half, and one over all at the top.

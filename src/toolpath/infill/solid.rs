@@ -33,7 +33,7 @@ pub fn split_narrow(zone: &Region, spacing_mm: f64) -> (Region, Region) {
         return (core, zone.clone());
     }
     let mut narrow = geometry::narrower(zone, &core, radius_mm, spacing_mm / 2.0);
-    narrow.polygons.retain(|polygon| polygon.area_mm2() >= CORNER * spacing_mm * spacing_mm);
+    narrow.retain(|polygon| polygon.area_mm2() >= CORNER * spacing_mm * spacing_mm);
     if narrow.is_empty() {
         return (zone.clone(), narrow);
     }
@@ -107,10 +107,10 @@ pub fn fill(region: &Region, spec: &SolidSpec) -> Vec<SolidPatch> {
     let direction = Direction::of(angle_rad);
     let inner = geometry::offset(region, -spacing_mm / 2.0);
     inner
-        .polygons
+        .into_polygons()
         .into_iter()
         .map(|polygon| {
-            let patch = Region { polygons: vec![polygon] };
+            let patch = Region::from(polygon);
             let (mut low_mm, mut high_mm) = direction.extent_mm(patch.rings().flatten());
             if let Some((from_mm, to_mm)) = spec.fit_mm {
                 (low_mm, high_mm) =

@@ -32,7 +32,7 @@ impl Frame {
 
     /// Least and greatest `u` and `v` of a region's vertices, in millimetres; `None` of an empty one.
     pub fn extent_mm(&self, region: &Region) -> Option<[[f64; 2]; 2]> {
-        let points = region.polygons.iter().flat_map(|polygon| &polygon.outer).map(|p| {
+        let points = region.polygons().iter().flat_map(|polygon| &polygon.outer).map(|p| {
             let [x, y] = p.mm();
             [x * self.cos + y * self.sin, y * self.cos - x * self.sin]
         });

@@ -89,9 +89,7 @@ pub fn lay(outlines: &Outlines, layer: &BeadSpec<'_>, settings: &SupportSettings
     let mut wide = wide_parts(&inside);
     if settings.style == SupportStyle::Tree {
         // Branches shift from layer to layer: under a head there need be no track to reach for.
-        wide.polygons.retain(|polygon| {
-            geometry::intersection(&Region { polygons: vec![polygon.clone()] }, &dense).is_empty()
-        });
+        wide.retain(|polygon| geometry::intersection(&Region::from(polygon.clone()), &dense).is_empty());
     }
     let body = geometry::difference(&wide, &dense);
     let angle_rad = settings.line_angle.to_radians();
@@ -111,9 +109,8 @@ pub fn lay(outlines: &Outlines, layer: &BeadSpec<'_>, settings: &SupportSettings
         let across_rad = angle_rad + FRAC_PI_2;
         let tracks =
             |region| geometry::scan_lines(region, across_rad, spacing_mm / settings.interface_density.0, 0.0);
-        let narrow = Region {
-            polygons: inside.polygons.iter().filter(|p| !wide.polygons.contains(p)).cloned().collect(),
-        };
+        let narrow =
+            Region::disjoint(inside.polygons().iter().filter(|p| !wide.polygons().contains(p)).cloned());
         for (part, apart_mm) in [(&wide, apart_mm), (&narrow, f64::INFINITY)] {
             let lines = extended(&tracks(&dense), &tracks(part), across_rad, apart_mm);
             for points in joined(lines, part, LONGEST_JOIN * spacing_mm / settings.interface_density.0) {
@@ -130,7 +127,7 @@ fn wide_parts(region: &Region) -> Region {
         let around_mm: f64 = polygon.rings().map(|ring| geometry::ring_length_mm(ring)).sum();
         2.0 * polygon.area_mm2() >= WIDE_MM / 2.0 * around_mm
     };
-    Region { polygons: region.polygons.iter().filter(is_wide).cloned().collect() }
+    Region::disjoint(region.polygons().iter().filter(is_wide).cloned())
 }
 
 /// Lines with both ends moved outwards to a multiple of `apart_mm`, where the body's tracks are, or to the end of the

@@ -312,7 +312,7 @@ mod tests {
     fn square(x: f64, y: f64, side: f64) -> Region {
         let corner = |dx: f64, dy: f64| Point::from_mm(x + dx * side, y + dy * side);
         let outer = vec![corner(0.0, 0.0), corner(1.0, 0.0), corner(1.0, 1.0), corner(0.0, 1.0)];
-        Region { polygons: vec![Polygon { outer, holes: Vec::new() }] }
+        Region::from(Polygon { outer, holes: Vec::new() })
     }
 
     #[test]

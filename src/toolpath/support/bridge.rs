@@ -85,7 +85,7 @@ mod tests {
 
     fn rectangle(x0: f64, y0: f64, x1: f64, y1: f64) -> Region {
         let outer = [(x0, y0), (x1, y0), (x1, y1), (x0, y1)].map(|(x, y)| Point::from_mm(x, y)).to_vec();
-        Region { polygons: vec![Polygon { outer, holes: Vec::new() }] }
+        Region::from(Polygon { outer, holes: Vec::new() })
     }
 
     fn carrier(parts: &[Region]) -> Bitmap {

@@ -54,22 +54,22 @@ pub fn find(
     let carried = geometry::offset(below.rough, lean_mm);
     let mut beyond =
         if settings.enabled { geometry::difference(layer.section, &carried) } else { Region::default() };
-    beyond.polygons.retain(|polygon| polygon.area_mm2() >= CRUMB_MM2);
+    beyond.retain(|polygon| polygon.area_mm2() >= CRUMB_MM2);
     // What nothing touches comes out of the difference as it was.
     let (islands, edges): (Vec<_>, Vec<_>) =
-        beyond.polygons.into_iter().partition(|polygon| layer.section.polygons.contains(polygon));
+        beyond.into_polygons().into_iter().partition(|polygon| layer.section.polygons().contains(polygon));
 
     let mut air = layer.solid.clone();
     air.remove(below.solid);
     let mut leaning = Bitmap::empty(grid);
     for polygon in edges {
-        let whole = geometry::offset(&Region { polygons: vec![polygon] }, lean_mm + ROUGH_MM);
+        let whole = geometry::offset(&Region::from(polygon), lean_mm + ROUGH_MM);
         let mut cells = Bitmap::of(grid, &whole);
         cells.keep(&air);
         cells.remove(&bridge::spanned(&whole, below.solid, settings.max_bridge.0));
         leaning.add(&cells);
     }
-    let mut must = Bitmap::touching(grid, &Region { polygons: islands });
+    let mut must = Bitmap::touching(grid, &Region::disjoint(islands));
     if !modifiers.enforced.is_empty() {
         air.keep(&Bitmap::of(grid, modifiers.enforced));
         must.add(&air);

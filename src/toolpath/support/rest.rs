@@ -27,7 +27,7 @@ impl<'a> Ground<'a> {
             let back = path.points.iter().rev().skip(1).filter(|_| !path.closed);
             Polygon { outer: path.points.iter().chain(back).copied().collect(), holes: Vec::new() }
         };
-        let beads = EdgeGrid::new(&Region { polygons: beads.iter().map(outline).collect() });
+        let beads = EdgeGrid::new(&Region::disjoint(beads.iter().map(outline)));
         Self { beads, part, grids: OnceCell::new() }
     }
 
@@ -124,7 +124,7 @@ mod tests {
     fn a_loop_begins_over_the_part_if_only_that_carries_it_or_not_at_all() {
         let corners = [(0.0, 0.0), (2.0, 0.0), (2.0, 10.0), (0.0, 10.0)];
         let outer = corners.map(|(x, y)| Point::from_mm(x, y)).to_vec();
-        let part = [Region { polygons: vec![Polygon { outer, holes: Vec::new() }] }];
+        let part = [Region::from(Polygon { outer, holes: Vec::new() })];
         let ground = Ground::new(&[], &part);
         let [opened] = &ground.carry(vec![bead(true, &[(6.0, 1.0), (6.0, 4.0), (1.0, 4.0), (1.0, 1.0)])])[..]
         else {

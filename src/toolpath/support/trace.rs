@@ -102,8 +102,8 @@ mod tests {
         let mut ring = Bitmap::empty(map.grid());
         map.cells().filter(|&[x, y]| !hole(x, y)).for_each(|cell| ring.set(cell));
         let region = trace(&ring);
-        assert_eq!(region.polygons.len(), 1);
-        assert_eq!(region.polygons[0].holes.len(), 1);
+        assert_eq!(region.polygons().len(), 1);
+        assert_eq!(region.polygons()[0].holes.len(), 1);
         assert!((region.area_mm2() - ring.area_mm2()).abs() < 0.02 * ring.area_mm2());
     }
 
@@ -115,6 +115,6 @@ mod tests {
             map.set_run(row, 0, 8);
             map.set_run(row + 8, 8, 16);
         }
-        assert_eq!(trace(&map).polygons.len(), 2);
+        assert_eq!(trace(&map).polygons().len(), 2);
     }
 }

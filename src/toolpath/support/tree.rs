@@ -303,17 +303,18 @@ pub fn outline(discs: &[Disc], kept_free: &Region) -> (Region, Region) {
             let (sin, cos) = (k as f64 / CORNERS as f64 * std::f64::consts::TAU).sin_cos();
             Point::from_mm(disc.at[0] + disc.radius_mm * cos, disc.at[1] + disc.radius_mm * sin)
         };
-        Region { polygons: vec![Polygon { outer: (0..CORNERS).map(corner).collect(), holes: Vec::new() }] }
+        Region::from(Polygon { outer: (0..CORNERS).map(corner).collect(), holes: Vec::new() })
     };
     let circles: Vec<Region> = discs.iter().map(circle).collect();
-    let mut united = geometry::union_all(&circles);
-    for polygon in &mut united.polygons {
+    let mut united = geometry::union_all(&circles).into_polygons();
+    for polygon in &mut united {
         polygon.holes.retain(|hole| geometry::ring_area(hole).abs() > LEAST_HOLE_MM2);
     }
+    let united = Region::disjoint(united);
     let mut all = geometry::difference(&united, kept_free);
     let middles: Vec<Point> = discs.iter().map(|disc| Point::from_mm(disc.at[0], disc.at[1])).collect();
-    all.polygons.retain(|polygon| {
-        let alone = Region { polygons: vec![polygon.clone()] };
+    all.retain(|polygon| {
+        let alone = Region::from(polygon.clone());
         let bounds = alone.bounds();
         middles.iter().any(|&p| bounds.is_some_and(|b| b.holds(p)) && alone.contains(p))
     });
@@ -336,7 +337,7 @@ mod tests {
 
     fn cells(x0: f64, y0: f64, x1: f64, y1: f64) -> Bitmap {
         let outer = [(x0, y0), (x1, y0), (x1, y1), (x0, y1)].map(|(x, y)| Point::from_mm(x, y)).to_vec();
-        Bitmap::of(grid(), &Region { polygons: vec![Polygon { outer, holes: Vec::new() }] })
+        Bitmap::of(grid(), &Region::from(Polygon { outer, holes: Vec::new() }))
     }
 
     fn discs(solid: &[Bitmap], ceiling: Bitmap, from_bed_only: bool) -> Vec<Vec<Disc>> {
