@@ -1,15 +1,18 @@
 //! What a run is asked to do, and how it can fail.
 
+mod error;
+
 use std::path::{Path, PathBuf};
 
-use crate::mesh::MeshError;
 use crate::motion::PauseAt;
 use crate::observer::Observer;
 use crate::order::OrderStrategy;
 use crate::order::compare::StrategyRow;
-use crate::output::{Output, OutputError};
-use crate::profile::{ProfileError, Settings};
+use crate::output::Output;
+use crate::profile::Settings;
 use crate::report::{ModelInfo, PaperRow, Reordered, Summary};
+
+pub use error::{CheckError, FitError, InputError, JobError};
 
 /// Models for one plate, and what to do with them.
 #[derive(Clone, Debug, PartialEq)]
@@ -100,36 +103,6 @@ pub struct ReorderJob {
     pub more_retractions: bool,
     /// Worker threads; 0: as `RAYON_NUM_THREADS` says, or else all cores; `None`: those that the caller has.
     pub threads: Option<usize>,
-}
-
-/// Why a run gave no result. Each message names the location and the remedy.
-#[derive(Debug, thiserror::Error)]
-#[non_exhaustive]
-pub enum JobError {
-    /// A model cannot be read, or not be used as it is.
-    #[error(transparent)]
-    Mesh(#[from] MeshError),
-    /// There is nothing to print, or G-code cannot be read.
-    #[error("{0}")]
-    Input(String),
-    /// Settings that this job cannot be done with.
-    #[error(transparent)]
-    Settings(#[from] ProfileError),
-    /// A script of the profile has mistakes.
-    #[error("{0}")]
-    Script(String),
-    /// The models do not fit the printer.
-    #[error("{0}")]
-    DoesNotFit(String),
-    /// The G-code cannot be written.
-    #[error(transparent)]
-    Output(#[from] OutputError),
-    /// The result failed a check of its own; nothing is written.
-    #[error("{0}")]
-    Check(String),
-    /// The run was cancelled.
-    #[error("cancelled")]
-    Cancelled,
 }
 
 /// What does the work for the command line.

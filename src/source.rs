@@ -6,7 +6,7 @@ use std::io::{self, BufRead, BufReader, Cursor, Seek};
 use std::path::Path;
 use std::time::SystemTime;
 
-use crate::job::JobError;
+use crate::job::{InputError, JobError};
 
 /// Size of the buffer in front of a file.
 const BUFFER_BYTES: usize = 1 << 18;
@@ -36,8 +36,8 @@ impl<'a> Source<'a> {
     }
 
     /// The error of input that cannot be read.
-    pub fn error(self, error: &io::Error) -> JobError {
-        JobError::Input(format!("{self}: {error}"))
+    pub fn error(self, source: io::Error) -> JobError {
+        InputError::Read { file: self.to_string(), source }.into()
     }
 
     /// What tells that it has been changed.

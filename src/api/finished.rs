@@ -3,7 +3,7 @@
 use crate::check::{self as checking, CheckReport, Survey};
 use crate::estimate::{Firmware, Machine};
 use crate::gcode::Timetable;
-use crate::job::{JobError, ReorderJob};
+use crate::job::{InputError, JobError, ReorderJob};
 use crate::mesh::Mesh;
 use crate::observer::Observer;
 use crate::output::Output;
@@ -70,7 +70,7 @@ pub fn check_against(
 
 fn checked(gcode: &[u8], settings: &Settings, survey: Option<&mut Survey>) -> Result<CheckReport, JobError> {
     let report = checking::check(gcode, settings, survey).map_err(unreadable)?;
-    report.ok_or_else(|| JobError::Input("there are no moves in it; is it G-code?".into()))
+    report.ok_or_else(|| InputError::NoMoves.into())
 }
 
 /// How long G-code takes, by layer and by what the time is spent on, on the machine of the settings.
@@ -92,6 +92,6 @@ pub fn time(gcode: &[u8], settings: &Settings) -> Result<PrintTime, JobError> {
     Ok(PrintTime::new("G-code".into(), firmware, &times))
 }
 
-fn unreadable(error: std::io::Error) -> JobError {
-    JobError::Input(format!("the G-code cannot be read: {error}"))
+fn unreadable(source: std::io::Error) -> JobError {
+    InputError::Gcode { source }.into()
 }

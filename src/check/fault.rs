@@ -29,6 +29,7 @@ macro_rules! kinds {
     ($($kind:ident, $severity:ident, $name:literal, $text:literal;)*) => {
         /// A kind of fault.
         #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+        #[non_exhaustive]
         pub enum Kind { $(#[doc = $text] $kind,)* }
 
         impl Kind {

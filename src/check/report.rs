@@ -69,14 +69,12 @@ impl Found {
         self.faults
     }
 
-    /// The first fault of a path, in words, that is of another kind than those of another file; nothing if there is
-    /// none.
-    pub fn first_of_paths(&self, but: &Found) -> Option<String> {
+    /// The first fault of a path that is of another kind than those of another file; nothing if there is none.
+    pub fn first_of_paths(&self, but: &Found) -> Option<(Kind, Location)> {
         let known = |kind: Kind| but.faults.iter().any(|fault| fault.kind == kind);
         let faults = self.faults.iter().filter(|fault| fault.kind.is_of_paths() && !known(fault.kind));
         let first = faults.min_by_key(|fault| fault.first.first().map_or(0, |location| location.line))?;
-        let location = first.first.first()?;
-        Some(format!("line {}: {}: {}", location.line, first.kind.text(), location.detail))
+        Some((first.kind, first.first.first()?.clone()))
     }
 }
 

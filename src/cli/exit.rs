@@ -64,12 +64,12 @@ impl From<JobError> for Failure {
     fn from(error: JobError) -> Self {
         match error {
             JobError::Mesh(error) => Self::new(Exit::Input, error),
-            JobError::Input(message) => Self::new(Exit::Input, message),
+            JobError::Input(error) => Self::new(Exit::Input, error),
             JobError::Settings(error) => error.into(),
-            JobError::Script(message) => Self::new(Exit::Settings, message),
-            JobError::DoesNotFit(message) => Self::new(Exit::DoesNotFit, message),
+            JobError::Script { .. } => Self::new(Exit::Settings, error),
+            JobError::DoesNotFit(error) => Self::new(Exit::DoesNotFit, error),
             JobError::Output(error) => error.into(),
-            JobError::Check(message) => Self::new(Exit::Check, message),
+            JobError::Check(error) => Self::new(Exit::Check, error),
             JobError::Cancelled => Self::new(Exit::Interrupted, "interrupted"),
         }
     }

@@ -7,6 +7,7 @@ use super::transform::TransformError;
 
 /// Where in a file something was found; both count from 1.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum Location {
     /// The n-th facet of a file that is no text.
     Facet(usize),
@@ -25,6 +26,7 @@ impl fmt::Display for Location {
 
 /// A file that cannot be made into a mesh (exit code 3). Each message names the file, the location and the remedy.
 #[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
 #[allow(missing_docs)]
 pub enum MeshError {
     #[error("{}: cannot be read: {source}", path.display())]

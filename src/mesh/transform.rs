@@ -22,6 +22,7 @@ impl Default for Transform {
 
 /// A transformation that leaves no printable mesh (exit code 2: the arguments are at fault).
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
 #[allow(missing_docs)]
 pub enum TransformError {
     #[error("a scale of {0} flattens the model; give factors other than 0")]

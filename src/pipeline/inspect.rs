@@ -2,9 +2,9 @@
 
 use std::io;
 
-use crate::check::{Checker, Found, Judge};
+use crate::check::{Checker, Found, Judge, Kind, Location};
 use crate::gcode::each_line;
-use crate::job::JobError;
+use crate::job::{CheckError, JobError};
 use crate::profile::Settings;
 use crate::source::Source;
 
@@ -44,7 +44,7 @@ pub(super) fn remade(source: Source<'_>, found: &Found, settings: &Settings) -> 
     if found.first_of_paths(&Found::default()).is_none() {
         return Ok(());
     }
-    let failed = |error: io::Error| source.error(&error);
+    let failed = |error: io::Error| source.error(error);
     let mut checker = Checker::with(Judge::of_paths(settings, true));
     each_line(source.open().map_err(failed)?, |line| {
         checker.line(line);
@@ -53,11 +53,9 @@ pub(super) fn remade(source: Source<'_>, found: &Found, settings: &Settings) -> 
     refuse(found.first_of_paths(&checker.finish()))
 }
 
-fn refuse(fault: Option<String>) -> Result<(), JobError> {
+fn refuse(fault: Option<(Kind, Location)>) -> Result<(), JobError> {
     match fault {
-        Some(fault) => Err(JobError::Check(format!(
-            "the result failed its check, which is a mistake of this program; nothing was written: {fault}"
-        ))),
+        Some((kind, at)) => Err(CheckError::Fault { kind, at }.into()),
         None => Ok(()),
     }
 }

@@ -2,9 +2,9 @@
 
 use std::path::{Path, PathBuf};
 
-use crate::job::{Job, JobError, TransformOptions};
+use crate::job::{FitError, InputError, Job, JobError, TransformOptions};
 use crate::limits;
-use crate::mesh::{self, Mesh, MeshReport, Transform};
+use crate::mesh::{self, Mesh, MeshError, MeshReport, Transform, TransformError};
 use crate::plate::{self, Arrange, Model, Object, Placement, Plate, Sequence};
 use crate::profile::Settings;
 use crate::report::{ModelInfo, Repaired};
@@ -50,7 +50,6 @@ pub(super) fn place<'a>(
 ) -> Result<Loaded<'a>, JobError> {
     let first_box = models.first().map(|model| model.first_box);
     let hints: Vec<String> = models.iter().filter_map(|model| model.hint.clone()).collect();
-    let hinted = |problem: String| [&[problem], hints.as_slice()].concat().join("; ");
     let mut warnings = hints.clone();
     let mut repairs: Vec<Repaired> = Vec::new();
     let mut names: Vec<Vec<String>> = Vec::new();
@@ -68,7 +67,7 @@ pub(super) fn place<'a>(
         Placement { turn: settings.plate.turn && !has_modifiers, ..placement(settings, &job.transform) };
     let layouts = models.into_iter().map(|model| model.layout).collect();
     let plate = plate::place(layouts, &settings.bed, &placement)
-        .map_err(|error| JobError::DoesNotFit(hinted(error.to_string())))?;
+        .map_err(|source| FitError::Placement { source, hints: hints.clone() })?;
     check_size(&plate, &settings.layer)?;
     for (names, object) in names.iter_mut().zip(&plate.objects) {
         names.insert(0, object.name.clone());
@@ -95,7 +94,7 @@ pub(crate) fn model(
     }
     if options.scale_to_fit {
         let factor = model.layout.fit_factor(&settings.bed, margin_mm(settings));
-        model.layout = model.layout.scaled(factor).map_err(|error| JobError::Input(error.to_string()))?;
+        model.layout = model.layout.scaled(factor).map_err(|source| unusable(path, source))?;
     }
     Ok(model)
 }
@@ -132,7 +131,8 @@ fn load_modifiers(
     let factor = (0..3).map(|i| (is_to[i] - is[i]) / (was_to[i] - was[i])).fold(0.0, f64::max);
     for file in files {
         let (mesh, _) = single(file, &job.transform)?;
-        let mut mesh = scaled(mesh, factor)?;
+        let factor_only = Transform { scale: [factor; 3], ..Transform::default() };
+        let mut mesh = transformed(file, &factor_only, mesh)?;
         mesh.shift([0, 1, 2].map(|i| is[i] - factor * was[i]));
         let copies = plate.objects.iter().filter(|object| object.mesh == 0);
         modifiers
@@ -205,12 +205,11 @@ fn transform(options: &TransformOptions) -> Transform {
 }
 
 fn transformed(path: &Path, transform: &Transform, mesh: Mesh) -> Result<Mesh, JobError> {
-    transform.apply(mesh).map_err(|error| JobError::Input(format!("{}: {error}", path.display())))
+    transform.apply(mesh).map_err(|source| unusable(path, source).into())
 }
 
-fn scaled(mesh: Mesh, factor: f64) -> Result<Mesh, JobError> {
-    let transform = Transform { scale: [factor; 3], ..Transform::default() };
-    transform.apply(mesh).map_err(|error| JobError::Input(error.to_string()))
+fn unusable(path: &Path, source: TransformError) -> MeshError {
+    MeshError::Transform { path: path.to_path_buf(), source }
 }
 
 /// Room that support, raft, brim and skirt take around the models.
@@ -244,9 +243,7 @@ pub(super) fn check_height(top_mm: f64, settings: &Settings) -> Result<(), JobEr
     if settings.raft.layers == 0 || top_mm <= bed_mm + settings.layer.height.0 / 2.0 {
         return Ok(());
     }
-    Err(JobError::DoesNotFit(format!(
-        "on its raft the print is {top_mm:.2} mm high, the printer {bed_mm} mm; give a smaller raft.layers or --scale"
-    )))
+    Err(FitError::Raft { top_mm, bed_mm }.into())
 }
 
 /// Whether the plate can be cut into this many layers.
@@ -255,10 +252,8 @@ pub(super) fn check_size(plate: &Plate, settings: &LayerSettings) -> Result<(), 
     let top_mm = plate.meshes.iter().map(|mesh| mesh.bounds()[1][2]).fold(0.0, f64::max);
     let layers = (top_mm - first_mm).max(0.0) / height_mm + 1.0;
     if layers > limits::LAYERS as f64 {
-        let most = limits::LAYERS;
-        return Err(JobError::Input(format!(
-            "{layers:.0} layers; at most {most} are made: choose a larger layer.height, or check the model's unit"
-        )));
+        let layers = layers.round_ties_even() as u64;
+        return Err(InputError::TooManyLayers { layers, most: limits::LAYERS }.into());
     }
     let crossed = |mesh: &Mesh, triangle: &[u32; 3]| {
         let z = triangle.map(|v| mesh.vertices()[v as usize][2]);
@@ -266,26 +261,19 @@ pub(super) fn check_size(plate: &Plate, settings: &LayerSettings) -> Result<(), 
     };
     let crossings: u64 =
         plate.meshes.iter().flat_map(|mesh| mesh.triangles().iter().map(|t| crossed(mesh, t))).sum();
-    let too_large = |problem| {
-        JobError::Input(format!(
-            "the print is too large: {problem}; choose a larger layer.height or reduce the number of facets"
-        ))
-    };
+    let too_large = |problem| InputError::TooLarge { problem };
     if crossings > limits::CROSSINGS {
         let millions = |count: u64| count / 1_000_000;
         let (crossings, most) = (millions(crossings), millions(limits::CROSSINGS));
         return Err(too_large(format!(
             "layers cross {crossings} million facets; at most {most} are allowed"
-        )));
+        ))
+        .into());
     }
-    limits::room(crossings * limits::BYTES_PER_CROSSING).map_err(too_large)
+    Ok(limits::room(crossings * limits::BYTES_PER_CROSSING).map_err(too_large)?)
 }
 
 /// No layer has a section. `hints`: sizes that point to another unit.
 pub(super) fn nothing_to_print(hints: &[String]) -> JobError {
-    let mend = match hints {
-        [] => "choose a smaller layer.height".to_owned(),
-        hints => format!("{}; or else choose a smaller layer.height", hints.join("; ")),
-    };
-    JobError::Input(format!("there is nothing to print: no layer's middle lies inside the model; {mend}"))
+    InputError::NoLayers { hints: hints.to_vec() }.into()
 }

@@ -71,7 +71,7 @@ fn rows(
     };
     let mut text = Vec::new();
     let read = source.open().and_then(|mut input| input.read_to_end(&mut text));
-    read.map_err(|error| source.error(&error))?;
+    read.map_err(|error| source.error(error))?;
     let mut rows = vec![row("as sliced", "", &text, 0.0, None)];
     for (scope, strategies) in ORDERS {
         let mut settings = settings.clone();

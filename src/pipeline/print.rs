@@ -52,7 +52,7 @@ pub(super) fn slice(
 
     let facts = facts(&rounds, bounds, job.dated, settings);
     let options = GcodeOptions::from(settings);
-    let scripts = Scripts::new(settings, &facts).map_err(|mistakes| JobError::Script(mistakes.join("\n")))?;
+    let scripts = Scripts::new(settings, &facts).map_err(|mistakes| JobError::Script { mistakes })?;
     let labels = if settings.gcode.labels { labels(&loaded.plate, &rounds, workers) } else { Vec::new() };
     let names = labels.iter().map(|label| label.name.clone()).collect();
     let maker = LayerMaker {
@@ -96,9 +96,7 @@ pub(super) fn slice(
         let layout = settings.plate.keep_layout && loaded.plate.objects.iter().any(|object| object.body > 0);
         let mut floating = Floating::new(&round.sections, names, layout, job.allow_floating);
         ordered.extend(maker.round(round, &mut at, &mut floating, &mut writer)?);
-        floating.finish().map_err(|error| {
-            JobError::Input([&[error.to_string()], loaded.hints.as_slice()].concat().join("; "))
-        })?;
+        floating.finish(&loaded.hints)?;
         floating_warnings.append(&mut floating.warnings);
     }
     let PrintWriter { output, mut inspector, slots, mut statistics, .. } = writer;

@@ -6,7 +6,7 @@ use std::ops::Range;
 use crate::check::Judge;
 use crate::estimate::Machine;
 use crate::gcode::{Annotated, State};
-use crate::job::{JobError, ReorderJob};
+use crate::job::{CheckError, InputError, JobError, ReorderJob};
 use crate::order::{Chain, Pins, SeamRule, chunk_len};
 use crate::order::{OrderStrategy, Scope, SeamPosition};
 use crate::output::Output;
@@ -45,7 +45,7 @@ pub(super) fn reorder(
         more_retractions: job.more_retractions,
         ..Rewriter::new(settings, job.keep_direction, true, workers)
     };
-    let begun = source.stamp().map_err(|error| source.error(&error))?;
+    let begun = source.stamp().map_err(|error| source.error(error))?;
     let machine = tells_time(source)?.then(|| Machine::new(settings));
     let input = Blocks::new(open(source)?).proven(machine.as_ref());
     let mut judge = Judge::of_paths(settings, true);
@@ -59,7 +59,7 @@ pub(super) fn reorder(
     if rewriter.improved() {
         let proof = before
             .compare(after)
-            .map_err(|difference| JobError::Check(format!("{source}: {difference}; nothing was written")))?;
+            .map_err(|difference| CheckError::Differs { file: source.to_string(), difference })?;
         let fewer = job.more_retractions || proof.after.retractions <= proof.before.retractions;
         if fewer && proof.after.travel_mm <= proof.before.travel_mm {
             (report.before, report.after) =
@@ -69,9 +69,9 @@ pub(super) fn reorder(
             inspect::remade(source, &judge.finish(), settings)?;
         }
     }
-    if source.stamp().map_err(|error| source.error(&error))? != begun {
+    if source.stamp().map_err(|error| source.error(error))? != begun {
         let error = io::Error::other("it was changed while it was read; nothing was written");
-        return Err(source.error(&error));
+        return Err(source.error(error));
     }
     Ok(report)
 }
@@ -79,7 +79,7 @@ pub(super) fn reorder(
 /// Whether a file has lines about time near its beginning or its end, as all slicers write them that write any.
 fn tells_time(source: Source<'_>) -> Result<bool, JobError> {
     let mut input = open(source)?;
-    let failed = |error: io::Error| source.error(&error);
+    let failed = |error: io::Error| source.error(error);
     let length = input.seek(SeekFrom::End(0)).map_err(failed)?;
     let mut tells = false;
     for offset in [0, length.saturating_sub(TIME_BYTES)] {
@@ -124,7 +124,7 @@ pub(super) fn layers(
     let mut blocks = Blocks::new(open(source)?);
     let (mut layers, mut fixed_mm) = (Vec::new(), Vec::new());
     let (seam, scope) = (settings.seam.position, settings.order.scope);
-    while let Some(block) = blocks.read().map_err(|error| source.error(&error))? {
+    while let Some(block) = blocks.read().map_err(|error| source.error(error))? {
         if block.paths() > 0 {
             let ordering = Ordering::new(&block, layers.len(), seam, scope);
             layers.push(ordering.layer);
@@ -132,7 +132,7 @@ pub(super) fn layers(
         }
     }
     if layers.is_empty() {
-        return Err(JobError::Input(format!("{source}: nothing is printed in it")));
+        return Err(InputError::NoPaths { file: source.to_string() }.into());
     }
     Ok((layers, fixed_mm))
 }
@@ -154,7 +154,7 @@ pub(super) fn rewritten(
 }
 
 fn open(source: Source<'_>) -> Result<Box<dyn Input + '_>, JobError> {
-    source.open().map_err(|error| source.error(&error))
+    source.open().map_err(|error| source.error(error))
 }
 
 /// Batches of blocks of a file.
@@ -255,7 +255,7 @@ impl<'a> Rewriter<'a> {
         mut back: impl FnMut(Box<dyn BufRead + Send + '_>) -> io::Result<()> + Send,
         output: &mut Output,
     ) -> Result<Option<Inventory>, JobError> {
-        let failed = |error: io::Error| source.error(&error);
+        let failed = |error: io::Error| source.error(error);
         let mut batches = Batches { blocks, carry: None, least: self.batch_bytes() };
         let mut batch = batches.read().map_err(failed)?;
         let mut checked = output.written();

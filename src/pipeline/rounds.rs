@@ -1,6 +1,6 @@
 //! What is printed from the bed up in one go: the whole plate, or one object after the other.
 
-use crate::job::JobError;
+use crate::job::{FitError, JobError};
 use crate::plate::Sequence;
 use crate::plate::{Object, Plate};
 use crate::profile::Settings;
@@ -171,13 +171,11 @@ fn order(plate: &Plate, bodies: Vec<Vec<usize>>, settings: &Settings) -> Result<
     let struck = order.windows(2).find(|pair| height_mm(&pair[0]) + raft_mm > limit_mm);
     match struck {
         None => Ok(order),
-        Some(pair) => Err(JobError::DoesNotFit(format!(
-            "{} is {:.2} mm high, and {} is to be printed after it: the gantry, {limit_mm} mm above the nozzle \
-             (print.clearance_height), would strike it; print them layer by layer (print.sequence), or on plates of their \
-             own with --each",
-            names(plate, &pair[0]),
-            height_mm(&pair[0]) + raft_mm,
-            names(plate, &pair[1]),
-        ))),
+        Some(pair) => Err(JobError::DoesNotFit(FitError::Gantry {
+            object: names(plate, &pair[0]),
+            height_mm: height_mm(&pair[0]) + raft_mm,
+            next: names(plate, &pair[1]),
+            limit_mm,
+        })),
     }
 }

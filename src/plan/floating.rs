@@ -1,6 +1,6 @@
 //! What of a print begins in mid-air.
 
-use crate::job::JobError;
+use crate::job::{CheckError, InputError, JobError};
 use crate::profile::Settings;
 use crate::toolpath::{LayerPaths, Role};
 
@@ -50,11 +50,11 @@ impl<'a> Floating<'a> {
         for object in (0..printed.len()).filter(|&object| printed[object]) {
             let begins = !self.below[object] && index > self.sections.first_layer();
             if begins && !self.rests(object, index) {
-                let message = self.message(object, index);
+                let error = self.in_mid_air(object, index);
                 if !self.allowed {
-                    return Err(JobError::Check(message));
+                    return Err(error.into());
                 }
-                self.warnings.push(message);
+                self.warnings.push(error.to_string());
             }
             self.last_mm[object] = Some(layer.top_mm);
         }
@@ -62,21 +62,22 @@ impl<'a> Floating<'a> {
         Ok(())
     }
 
-    /// Every layer has been taken up: warns of objects of which nothing was printed.
+    /// Every layer has been taken up: warns of objects of which nothing was printed. `hints`: sizes that point to another
+    /// unit.
     ///
     /// # Errors
     /// Nothing was printed of any.
-    pub fn finish(&mut self) -> Result<(), JobError> {
+    pub fn finish(&mut self, hints: &[String]) -> Result<(), JobError> {
         let has_section = |object: usize| (0..self.next).any(|i| !self.sections.of(object, i).is_empty());
         let lost: Vec<usize> =
             (0..self.names.len()).filter(|&o| self.last_mm[o].is_none() && has_section(o)).collect();
-        let message =
-            |object: usize| format!("{}: it is too thin to be printed anywhere", self.names[object]);
         if let Some(&first) = lost.first().filter(|_| self.last_mm.iter().all(Option::is_none)) {
-            return Err(JobError::Input(format!("{}; scale it, or use a finer nozzle", message(first))));
+            return Err(
+                InputError::TooThin { object: self.names[first].clone(), hints: hints.to_vec() }.into()
+            );
         }
-        let messages: Vec<String> = lost.into_iter().map(message).collect();
-        self.warnings.extend(messages);
+        let names = lost.into_iter().map(|object| &self.names[object]);
+        self.warnings.extend(names.map(|name| format!("{name}: it is too thin to be printed anywhere")));
         Ok(())
     }
 
@@ -102,24 +103,20 @@ impl<'a> Floating<'a> {
             || self.sections.supports_under(index).any(|under| meets(section, under))
     }
 
-    fn message(&self, object: usize, index: usize) -> String {
-        let name = &self.names[object];
-        let layer = &self.sections.layers[index].span;
-        let from_mm = layer.bottom_mm;
-        let mend = match self.layout {
-            true => "arrange the file's objects anew with --arrange, hold it with --set support.enabled=true",
-            false => "repair the model, hold it with --set support.enabled=true",
-        };
-        let thin = (self.sections.first_layer()..index).any(|i| !self.sections.of(object, i).is_empty());
-        let cause = match self.last_mm[object] {
-            Some(last_mm) => format!("nothing of it is printed between Z {last_mm:.2} and Z {from_mm:.2}"),
-            None if thin => "what it has beneath is too thin to be printed".to_owned(),
-            None => "nothing is beneath it".to_owned(),
-        };
-        let verb = if self.last_mm[object].is_some() { "goes on" } else { "begins" };
-        format!(
-            "{name}: the print {verb} in mid-air at Z {from_mm:.2}: {cause}; {mend}, or give --allow-floating"
-        )
+    fn in_mid_air(&self, object: usize, index: usize) -> CheckError {
+        CheckError::InMidAir {
+            object: self.names[object].clone(),
+            layer: index,
+            z_mm: self.sections.layers[index].span.bottom_mm,
+            last_mm: self.last_mm[object],
+            on_thin: (self.sections.first_layer()..index).any(|i| !self.sections.of(object, i).is_empty()),
+            mend: match self.layout {
+                true => {
+                    "arrange the file's objects anew with --arrange, hold it with --set support.enabled=true"
+                }
+                false => "repair the model, hold it with --set support.enabled=true",
+            },
+        }
     }
 }
 

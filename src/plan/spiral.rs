@@ -2,7 +2,7 @@
 
 use std::borrow::Cow;
 
-use crate::job::JobError;
+use crate::job::{InputError, JobError};
 use crate::profile::Settings;
 use crate::slice::{Layer, LayerSpan};
 use crate::toolpath::{
@@ -49,10 +49,7 @@ impl Spiral {
         workers: Workers<'_>,
     ) -> Result<Self, JobError> {
         if objects > 1 {
-            return Err(JobError::Input(
-                "one line without a stop prints one object; slice several with --each, or without spiral.enabled"
-                    .into(),
-            ));
+            return Err(InputError::SpiralOfSeveral { objects }.into());
         }
         let spec = SpiralSpec { width_mm: settings.walls.external_width.0, smooth: settings.spiral.smooth };
         let body = layers.get(first..).unwrap_or_default();
@@ -62,10 +59,7 @@ impl Spiral {
             outlines.pop();
         }
         if let Some(gap) = outlines.iter().position(Option::is_none) {
-            return Err(JobError::Input(format!(
-                "at {:.2} mm the model is thinner than the line, which cannot go on; slice it without spiral.enabled",
-                body[gap].span.top_mm
-            )));
+            return Err(InputError::SpiralEnds { z_mm: body[gap].span.top_mm }.into());
         }
         let mut outlines: Vec<Ring> = outlines.into_iter().flatten().collect();
         let warning = warning(body, outlines.len());

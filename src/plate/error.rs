@@ -2,6 +2,7 @@
 
 /// Models that do not fit (exit code 5).
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
 #[allow(missing_docs)]
 pub enum PlacementError {
     #[error(

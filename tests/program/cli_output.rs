@@ -7,7 +7,9 @@ use std::path::Path;
 
 use pathwright::Observer;
 use pathwright::cli::{self, Exit};
-use pathwright::job::{Engine, Job, JobError, ReorderJob, TransformOptions};
+use pathwright::job::{
+    CheckError, Engine, FitError, InputError, Job, JobError, ReorderJob, TransformOptions,
+};
 use pathwright::motion::PauseAt;
 use pathwright::order::compare::StrategyRow;
 use pathwright::output::Output;
@@ -36,9 +38,12 @@ impl Engine for Fake {
         for model in &job.models {
             let name = model.file_stem().unwrap().to_string_lossy().into_owned();
             match name.as_str() {
-                "bad" => return Err(JobError::Input("bad: is no model".into())),
-                "large" => return Err(JobError::DoesNotFit("large: does not fit".into())),
-                "wrong" => return Err(JobError::Check("wrong: a path is lost".into())),
+                "bad" => return Err(JobError::Input(InputError::NoMoves)),
+                "large" => return Err(JobError::DoesNotFit(FitError::Raft { top_mm: 300.0, bed_mm: 250.0 })),
+                "wrong" => {
+                    let (file, difference) = (name, "a path is lost".to_owned());
+                    return Err(CheckError::Differs { file, difference }.into());
+                }
                 name => output.write(format!(";{name}\n").as_bytes())?,
             }
             progress.layer_done();

@@ -2,7 +2,7 @@
 
 use crate::support::print::{Bead, Print, model, run, settings, standard};
 use pathwright::gcode::{Action, replay};
-use pathwright::job::{Job, JobError, ObjectSettings, TransformOptions};
+use pathwright::job::{FitError, Job, JobError, ObjectSettings, TransformOptions};
 use pathwright::motion::PauseAt;
 use pathwright::profile::Settings;
 
@@ -132,11 +132,11 @@ fn one_after_the_other_the_lowest_is_finished_first_and_nothing_comes_near_it() 
 fn what_the_gantry_would_strike_is_not_printed_before_another() {
     let settings = standard(&["print.sequence=object", "print.clearance_height=2"]);
     match run(&one_by_one(), &settings) {
-        Err(JobError::DoesNotFit(message)) => assert!(
-            message.starts_with(
+        Err(JobError::DoesNotFit(error @ FitError::Gantry { .. })) => assert!(
+            error.to_string().starts_with(
                 "plate_with_holes is 3.00 mm high, and calibration_cube is to be printed after it"
             ),
-            "{message}"
+            "{error}"
         ),
         other => panic!("{:?}", other.map(|p| p.summary)),
     }
@@ -262,7 +262,8 @@ fn a_sunk_model_loses_its_lowest_layers() {
 fn what_is_too_large_is_refused_or_made_to_fit() {
     let settings = standard(&["bed.size=[30, 60]"]);
     match run(&job(&["plate_with_holes"]), &settings) {
-        Err(JobError::DoesNotFit(message)) => {
+        Err(JobError::DoesNotFit(error)) => {
+            let message = error.to_string();
             assert!(
                 message.starts_with("plate_with_holes: ") && message.contains("--scale-to-fit"),
                 "{message}"

@@ -1,0 +1,143 @@
+//! How a run can fail: what is wrong, and where.
+
+use std::io;
+
+use crate::check::{Kind, Location};
+use crate::mesh::MeshError;
+use crate::output::OutputError;
+use crate::plate::PlacementError;
+use crate::profile::ProfileError;
+
+/// Why a run gave no result. Each message names the location and the remedy.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum JobError {
+    /// A model cannot be read, or not be used as it is.
+    #[error(transparent)]
+    Mesh(#[from] MeshError),
+    /// There is nothing to print, or G-code cannot be read.
+    #[error(transparent)]
+    Input(#[from] InputError),
+    /// Settings that this job cannot be done with.
+    #[error(transparent)]
+    Settings(#[from] ProfileError),
+    /// A script of the profile has mistakes.
+    #[error("{}", mistakes.join("\n"))]
+    Script {
+        /// Each with its script and line.
+        mistakes: Vec<String>,
+    },
+    /// The models do not fit the printer.
+    #[error(transparent)]
+    DoesNotFit(#[from] FitError),
+    /// The G-code cannot be written.
+    #[error(transparent)]
+    Output(#[from] OutputError),
+    /// The result failed a check of its own; nothing is written.
+    #[error(transparent)]
+    Check(#[from] CheckError),
+    /// The run was cancelled.
+    #[error("cancelled")]
+    Cancelled,
+}
+
+/// Why nothing can be made of what is given (exit code 3). `hints`: sizes of models that point to another unit.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+#[allow(missing_docs)]
+pub enum InputError {
+    #[error("{file}: {source}")]
+    Read { file: String, source: io::Error },
+    #[error("the G-code cannot be read: {source}")]
+    Gcode { source: io::Error },
+    #[error("there are no moves in it; is it G-code?")]
+    NoMoves,
+    #[error("{file}: nothing is printed in it")]
+    NoPaths { file: String },
+    #[error("there is nothing to print: no layer's middle lies inside the model; {}", mend(hints))]
+    NoLayers { hints: Vec<String> },
+    #[error(
+        "{object}: it is too thin to be printed anywhere; scale it, or use a finer nozzle{}",
+        hints.iter().map(|hint| format!("; {hint}")).collect::<String>()
+    )]
+    TooThin { object: String, hints: Vec<String> },
+    #[error(
+        "{layers} layers; at most {most} are made: choose a larger layer.height, or check the model's unit"
+    )]
+    TooManyLayers { layers: u64, most: usize },
+    #[error("the print is too large: {problem}; choose a larger layer.height or reduce the number of facets")]
+    TooLarge { problem: String },
+    #[error(
+        "one line without a stop prints one object; slice several with --each, or without spiral.enabled"
+    )]
+    SpiralOfSeveral { objects: usize },
+    #[error(
+        "at {z_mm:.2} mm the model is thinner than the line, which cannot go on; slice it without spiral.enabled"
+    )]
+    SpiralEnds { z_mm: f64 },
+}
+
+fn mend(hints: &[String]) -> String {
+    match hints {
+        [] => "choose a smaller layer.height".to_owned(),
+        hints => format!("{}; or else choose a smaller layer.height", hints.join("; ")),
+    }
+}
+
+/// Why models do not fit the printer (exit code 5). `hints`: sizes of models that point to another unit.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+#[allow(missing_docs)]
+pub enum FitError {
+    #[error("{source}{}", hints.iter().map(|hint| format!("; {hint}")).collect::<String>())]
+    Placement { source: PlacementError, hints: Vec<String> },
+    #[error(
+        "on its raft the print is {top_mm:.2} mm high, the printer {bed_mm} mm; give a smaller raft.layers or --scale"
+    )]
+    Raft { top_mm: f64, bed_mm: f64 },
+    #[error(
+        "{object} is {height_mm:.2} mm high, and {next} is to be printed after it: the gantry, {limit_mm} mm above the \
+         nozzle (print.clearance_height), would strike it; print them layer by layer (print.sequence), or on plates of \
+         their own with --each"
+    )]
+    Gantry { object: String, height_mm: f64, next: String, limit_mm: f64 },
+}
+
+/// What is wrong with a result (exit code 7).
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+#[allow(missing_docs)]
+pub enum CheckError {
+    /// An object begins at `z_mm`, or goes on after nothing of it was printed from `last_mm` on; `mend` says what helps.
+    #[error(
+        "{object}: the print {} in mid-air at Z {z_mm:.2}: {}; {mend}, or give --allow-floating",
+        if last_mm.is_some() { "goes on" } else { "begins" },
+        cause(*last_mm, *z_mm, *on_thin)
+    )]
+    InMidAir {
+        object: String,
+        layer: usize,
+        z_mm: f64,
+        last_mm: Option<f64>,
+        /// What it has beneath is too thin to be printed.
+        on_thin: bool,
+        mend: &'static str,
+    },
+    /// A file in another order does not print the same.
+    #[error("{file}: {difference}; nothing was written")]
+    Differs { file: String, difference: String },
+    /// The first fault of a path.
+    #[error(
+        "the result failed its check, which is a mistake of this program; nothing was written: line {}: {}: {}",
+        at.line, kind.text(), at.detail
+    )]
+    Fault { kind: Kind, at: Location },
+}
+
+fn cause(last_mm: Option<f64>, z_mm: f64, on_thin: bool) -> String {
+    match last_mm {
+        Some(last_mm) => format!("nothing of it is printed between Z {last_mm:.2} and Z {z_mm:.2}"),
+        None if on_thin => "what it has beneath is too thin to be printed".to_owned(),
+        None => "nothing is beneath it".to_owned(),
+    }
+}
