@@ -7,17 +7,29 @@ use super::console::{self, Bar};
 use super::exit::{Exit, Failure};
 use super::plan::{Destination, Plan, Task};
 use crate::job::Engine;
+use crate::observer::Observer;
 use crate::output::Output;
+use crate::parallel::{self, Workers};
 use crate::profile::Settings;
 use crate::report::Summary;
 
 /// Slices plate by plate. One that fails does not keep the others from being sliced; the exit code is that of the
 /// first one that failed.
 pub(super) fn run(args: &SliceArgs, engine: &dyn Engine) -> Result<Exit, Failure> {
-    let plan = Plan::new(args)?;
+    let mut plan = Plan::new(args)?;
     if !args.quiet {
         console::warn(&plan.settings.warnings);
     }
+    if plan.tasks.len() < 2 {
+        return slice_all(&plan, args, engine);
+    }
+    // All share the threads of the first.
+    let threads = plan.tasks.iter_mut().map(|task| task.job.threads.take()).reduce(|first, _| first);
+    let work = |_: Workers<'_>| slice_all(&plan, args, engine);
+    parallel::run(threads.flatten(), &Observer::none(), work).unwrap_or(Ok(Exit::Interrupted))
+}
+
+fn slice_all(plan: &Plan, args: &SliceArgs, engine: &dyn Engine) -> Result<Exit, Failure> {
     let mut exit = Exit::Done;
     for task in &plan.tasks {
         match slice(task, &plan.settings.settings, args, engine) {
