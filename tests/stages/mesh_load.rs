@@ -248,6 +248,18 @@ fn a_3mf_is_put_together_from_its_parts_units_and_transforms() {
 }
 
 #[test]
+fn an_empty_mesh_of_a_3mf_is_left_out_with_a_warning() {
+    let cube = format!("<object id=\"1\">{}</object>", box_xml([10.0; 3]));
+    let empty = "<object id=\"2\"><mesh><vertices/><triangles/></mesh></object>";
+    let items = "<item objectid=\"2\"/><item objectid=\"1\"/>";
+    let found = objects(&threemf("", &format!("{cube}{empty}"), items));
+    assert_eq!(found.len(), 1);
+    let warnings = found[0].report.warnings.join("\n");
+    assert!(warnings.contains("1 objects without a facet were left out"), "{warnings}");
+    assert!(load(threemf("", empty, "<item objectid=\"2\"/>")).is_err(), "nothing else is there");
+}
+
+#[test]
 fn a_bad_3mf_is_refused_with_the_reason_and_the_part() {
     let cube = format!("<object id=\"1\">{}</object>", box_xml([10.0; 3]));
     let item = "<item objectid=\"1\"/>";

@@ -66,16 +66,24 @@ impl Format for ThreeMf {
             }
         }
         let mut objects = Vec::with_capacity(groups.len());
+        let mut empty = 0;
         let mut budget = Budget { facets: MOST_FACETS, uses: MOST_USES, skipped: 0 };
         for (item, spots) in groups {
-            let mut instances = Vec::new();
+            let (mut instances, skipped) = (Vec::new(), budget.skipped);
             package.gather(&item, &root, &Affine::NONE, 0, &mut budget, &mut instances)?;
-            if instances.is_empty() && budget.skipped > 0 {
+            if instances.is_empty() {
+                empty += usize::from(budget.skipped == skipped);
                 continue;
             }
             objects.push(package.object(&item, &root, &instances, spots)?);
         }
-        let notes = package.notes(&root, budget.skipped);
+        if objects.is_empty() && empty > 0 {
+            return Err(MeshError::NoFacets { path: path.to_path_buf() });
+        }
+        let mut notes = package.notes(&root, budget.skipped);
+        if empty > 0 {
+            notes.push(format!("{empty} objects without a facet were left out"));
+        }
         Ok(Contents { objects, format: "3MF", notes })
     }
 }
