@@ -149,6 +149,16 @@ enum Kept {
     Nothing,
 }
 
+/// Why a layout is not kept.
+#[derive(Clone, Copy)]
+enum Reason {
+    TooLarge,
+    /// Bodies are too near to each other to be printed one after the other.
+    TooNear,
+    /// It would fit alone.
+    NoRoom,
+}
+
 /// Groups packed on the bed: whole layouts, as far as they fit.
 fn arranged(
     layouts: &[Layout],
@@ -159,13 +169,16 @@ fn arranged(
     let whole = |layout: &Layout| options.arrange == Arrange::Layouts && layout.kept;
     let mut kept: Vec<Kept> =
         layouts.iter().map(|layout| if whole(layout) { Kept::All } else { Kept::Nothing }).collect();
-    for (layout, kept) in layouts.iter().zip(&mut kept).filter(|(layout, _)| layout.body_count() > 1) {
+    let mut reasons = vec![Reason::NoRoom; layouts.len()];
+    let several = layouts.iter().zip(kept.iter_mut().zip(&mut reasons));
+    for (layout, (kept, reason)) in several.filter(|(layout, _)| layout.body_count() > 1) {
         let group = Group::new(0, layout, (0..layout.body_count()).collect());
         let fits = area.check("", &group.footprint(layout, area.shape, 0)).is_ok();
         let apart_mm = apart_mm(options);
         let apart = !options.convex || too_near(layout, &group.bodies, apart_mm).is_none();
         if *kept == Kept::All && !(fits && apart) {
             *kept = if apart { Kept::OnBed } else { Kept::Nothing };
+            *reason = if fits { Reason::TooNear } else { Reason::TooLarge };
         }
     }
     loop {
@@ -190,7 +203,9 @@ fn arranged(
                     at,
                 });
                 let notes = layouts.iter().enumerate().filter(|(_, layout)| whole(layout));
-                let notes = notes.filter_map(|(number, layout)| note(number, layout, &groups, area));
+                let notes = notes.filter_map(|(number, layout)| {
+                    note(number, layout, reasons[number], &groups, area, options)
+                });
                 return Ok(Standing { stands: stands.collect(), notes: notes.collect(), groups });
             }
             Err(left) => {
@@ -228,7 +243,14 @@ fn groups(number: usize, layout: &Layout, kept: Kept, bed: &BedSettings, area: &
 }
 
 /// That a layout was not kept.
-fn note(number: usize, layout: &Layout, groups: &[Group], area: &Area) -> Option<String> {
+fn note(
+    number: usize,
+    layout: &Layout,
+    reason: Reason,
+    groups: &[Group],
+    area: &Area,
+    options: &Placement,
+) -> Option<String> {
     let of_it: Vec<&Group> = groups.iter().filter(|group| group.layout == number).collect();
     if of_it.len() < 2 {
         return None;
@@ -237,11 +259,17 @@ fn note(number: usize, layout: &Layout, groups: &[Group], area: &Area) -> Option
         of_it.iter().filter(|group| group.bodies.len() == 1).map(|group| group.name(layout, 0)).collect();
     let all = Group::new(number, layout, (0..layout.body_count()).collect());
     let [w, d, _] = all.size;
-    Some(format!(
-        "{}: its layout of {w:.1} × {d:.1} mm does not fit the printer's {area}; arranged anew: {}",
-        layout.name,
-        listed(&moved)
-    ))
+    let reason = match reason {
+        Reason::TooLarge => format!("its layout of {w:.1} × {d:.1} mm does not fit the printer's {area}"),
+        Reason::TooNear => format!(
+            "parts of its layout are nearer than {:.1} mm, too near to be printed one after the other",
+            apart_mm(options)
+        ),
+        Reason::NoRoom => format!(
+            "with its layout of {w:.1} × {d:.1} mm kept, not all models have room on the printer's {area}"
+        ),
+    };
+    Some(format!("{}: {reason}; arranged anew: {}", layout.name, listed(&moved)))
 }
 
 fn too_many(

@@ -210,11 +210,20 @@ fn a_layout_too_large_for_the_bed_is_arranged_anew_and_told() {
     let boxes = boxes(&plate);
     assert_eq!(boxes[1][0] - boxes[0][0], 70.0);
     assert!(boxes.iter().flatten().all(|c| (0.0..=200.0).contains(c)));
-    assert!(plate.notes[0].contains("arranged anew: cube (3)"), "{:?}", plate.notes);
+    let note = &plate.notes[0];
+    assert!(
+        note.contains("does not fit the printer's") && note.contains("arranged anew: cube (3)"),
+        "{note}"
+    );
     // Copies that fit only when the layouts are taken apart.
     let copies = Layout::new("pair", vec![Item::new("cube", cube(), vec![[0.0; 3], [130.0, 0.0, 0.0]])], 5);
     let plate = place(vec![copies], &bed, &Placement::default()).unwrap();
     assert_eq!((plate.objects.len(), plate.notes.len()), (10, 1));
+    assert!(plate.notes[0].contains("not all models have room"), "{:?}", plate.notes);
+    // Apart enough for a plate, too near to be printed one after the other.
+    let convex = Placement { convex: true, spacing_mm: 50.0, ..Placement::default() };
+    let plate = place(vec![layout(&[30.0, 100.0])], &bed, &convex).unwrap();
+    assert!(plate.notes[0].contains("too near to be printed one after the other"), "{:?}", plate.notes);
 }
 
 #[test]
