@@ -6,6 +6,7 @@ use super::error::{Origin, Problem};
 use super::script::{PrintBounds, expand};
 use super::settings::Settings;
 use crate::gcode::thumbnail_sizes;
+use crate::order::strategy;
 use crate::plate::{BedShape, Sequence};
 use crate::slice::layer_heights;
 use crate::toolpath::FuzzyWalls;
@@ -190,6 +191,11 @@ fn amounts(settings: &Settings, check: &mut Check) {
         check.error(
             &["order.layer_distance", "order.chain"],
             "a distance between the end of a layer and the start of the next needs order.chain = true",
+        );
+    } else if settings.order.layer_distance.0 > 0.0 && strategy(settings.order.strategy).looks_ahead() {
+        check.warn(
+            &["order.layer_distance", "order.strategy"],
+            "layers are then ordered one by one instead of together, which makes travels longer",
         );
     }
 }

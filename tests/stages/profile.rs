@@ -349,6 +349,14 @@ fn high_layers_are_a_warning() {
 }
 
 #[test]
+fn layers_that_cannot_be_ordered_together_are_a_warning() {
+    let apart = set("order.layer_distance", "5");
+    let resolved = resolve(&[], std::slice::from_ref(&apart)).unwrap();
+    assert!(resolved.warnings[0].to_string().contains("one by one"), "{:?}", resolved.warnings);
+    assert_eq!(resolve(&[], &[apart, set("order.strategy", "greedy")]).unwrap().warnings, []);
+}
+
+#[test]
 fn a_dump_is_a_profile_that_means_the_same() {
     let folder = tempfile::tempdir().unwrap();
     for name in ["default", "standard-job", "delta-round"] {
