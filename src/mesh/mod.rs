@@ -3,34 +3,20 @@
 //! [`load`] reads what users have and repairs what can be repaired without guessing; a [`MeshReport`] says what
 //! was found and done. [`Transform`] scales, turns and moves.
 
-mod agree;
-mod doubts;
 mod edges;
 mod error;
-mod format;
-mod formats;
-mod gaps;
-mod holes;
-mod load;
 mod measure;
-mod obj;
-mod outside;
-mod pairs;
+mod read;
 mod repair;
 mod report;
-mod sheets;
-mod stl;
 mod surface;
-mod threemf;
 mod transform;
 pub(crate) mod units;
-mod walls;
 mod weld;
-mod words;
 
-pub use doubts::Doubt;
 pub use error::{Location, MeshError};
-pub use load::{Model, from_bytes, load, load_objects, objects_from_bytes};
+pub use read::{Model, from_bytes, load, load_objects, objects_from_bytes};
+pub use repair::Doubt;
 pub use report::{MeshReport, Repair};
 pub use surface::Mesh;
 pub use transform::{Transform, TransformError};

@@ -4,8 +4,7 @@ use std::fmt;
 
 use serde::Serialize;
 
-use super::doubts::Doubt;
-use super::repair::Repairs;
+use super::repair::{Doubt, Repairs};
 use super::surface::Mesh;
 
 /// Facts and counts of a loaded mesh. `Display` gives the text of `pathwright info`.

@@ -82,7 +82,7 @@ pub(crate) fn quarter_turned([x, y]: [f64; 2], quarters: u32) -> [f64; 2] {
 impl Mesh {
     /// Every facet turned over.
     fn turn_over(&mut self) {
-        super::outside::turn_facets(&mut self.triangles, &mut self.twins, |_| true);
+        super::repair::turn_facets(&mut self.triangles, &mut self.twins, |_| true);
     }
 
     /// The mesh moved so that the middle of its box lies over the origin and its lowest point at z = 0.

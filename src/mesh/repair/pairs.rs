@@ -4,8 +4,8 @@
 //! groups of them that hang together are in or out as a whole, and the edges around a group vote. What nothing needs is
 //! a wall between bodies that touch, or a fin without thickness.
 
-use super::edges::for_each_edge;
-use super::measure::{area_mm2, keep, length_mm};
+use crate::mesh::edges::for_each_edge;
+use crate::mesh::measure::{area_mm2, keep, length_mm};
 use geometry::DisjointSets;
 
 /// What was left out.
@@ -130,7 +130,7 @@ impl<'a> Groups<'a> {
         let all: Vec<[u32; 3]> = fixed.iter().copied().chain(stacks.iter().map(|s| s.facet)).collect();
         let mut seams = Vec::new();
         for_each_edge(&all, vertices.len(), |sides| {
-            let at = |side: &super::edges::Side| (side.triangle() as usize).checked_sub(fixed.len());
+            let at = |side: &crate::mesh::edges::Side| (side.triangle() as usize).checked_sub(fixed.len());
             let here: Vec<u32> = sides.iter().filter_map(at).map(|s| s as u32).collect();
             if !here.is_empty() {
                 let length_mm = length_mm(vertices, &all, sides[0].half());

@@ -8,8 +8,8 @@
 use std::f64::consts::PI;
 
 use super::doubts::Doubtful;
-use super::edges::{Edges, NO_TWIN, ends};
-use super::measure::{Vec3, area_mm2, length_mm, normal, point};
+use crate::mesh::edges::{Edges, NO_TWIN, ends};
+use crate::mesh::measure::{Vec3, area_mm2, length_mm, normal, point};
 use geometry::DisjointSets;
 
 /// What closes holes.

@@ -4,7 +4,7 @@ use std::fmt;
 
 use serde::Serialize;
 
-use super::edges::NO_TWIN;
+use crate::mesh::edges::NO_TWIN;
 
 /// How far the repaired volume may be from what was meant, why, and where. `Display` gives it in words.
 #[derive(Clone, Debug, PartialEq, Serialize)]

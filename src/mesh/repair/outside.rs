@@ -5,8 +5,8 @@ use parry3d::query::{Ray, RayCast};
 use parry3d::shape::TriMesh;
 
 use super::doubts::Doubtful;
-use super::edges::NO_TWIN;
-use super::measure::facet_measures;
+use crate::mesh::edges::NO_TWIN;
+use crate::mesh::measure::facet_measures;
 
 /// A shell is looked at from this many of its corners.
 const MOST_CORNERS: usize = 16;
@@ -131,7 +131,7 @@ pub(super) fn turn_outwards(
 }
 
 /// Turns facets; partners of half-edges must turn together.
-pub(super) fn turn_facets(
+pub(in crate::mesh) fn turn_facets(
     triangles: &mut [[u32; 3]],
     twins: &mut [u32],
     turn: impl Fn(usize) -> bool,

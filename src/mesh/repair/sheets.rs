@@ -1,7 +1,7 @@
 //! Sheets that hang on a surface: fins, and walls between bodies that touch.
 
-use super::edges::for_each_edge;
-use super::measure::{area_mm2, keep, length_mm};
+use crate::mesh::edges::for_each_edge;
+use crate::mesh::measure::{area_mm2, keep, length_mm};
 use geometry::DisjointSets;
 
 /// A patch between edges that do not have two facets.
@@ -51,7 +51,7 @@ pub(super) fn drop_sheets(
         }
         let mut neighbours: Vec<(u32, u32)> = Vec::new();
         for_each_edge(triangles, vertices.len(), |sides| {
-            let own = |s: &super::edges::Side| patch_of[s.triangle() as usize];
+            let own = |s: &crate::mesh::edges::Side| patch_of[s.triangle() as usize];
             if sides.len() == 2 {
                 return;
             }

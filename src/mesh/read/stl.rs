@@ -7,10 +7,10 @@
 use std::io::{self, Read, Seek, SeekFrom};
 use std::path::Path;
 
-use super::error::{Location, MeshError};
 use super::format::{Contents, Format, bad_coordinate, is_text, trimmed};
-use super::weld::{FARTHEST, Welder};
 use super::words::{Words, number};
+use crate::mesh::error::{Location, MeshError};
+use crate::mesh::weld::{FARTHEST, Welder};
 
 const HEADER: usize = 84;
 const FACET: usize = 50;

@@ -2,9 +2,9 @@
 
 use std::path::Path;
 
-use super::error::{Location, MeshError};
-use super::units;
-use super::weld::{Soup, Welder};
+use crate::mesh::error::{Location, MeshError};
+use crate::mesh::units;
+use crate::mesh::weld::{Soup, Welder};
 
 /// A kind of file.
 pub(super) trait Format: Sync {

@@ -8,8 +8,8 @@ use std::f64::consts::PI;
 
 use rustc_hash::FxHashMap;
 
-use super::edges::{NO_TWIN, for_each_edge};
-use super::measure::{length_mm, normal, point};
+use crate::mesh::edges::{NO_TWIN, for_each_edge};
+use crate::mesh::measure::{length_mm, normal, point};
 use geometry::DisjointSets;
 
 /// What was turned.

@@ -2,7 +2,7 @@
 
 use rustc_hash::FxHashMap;
 
-use super::edges::{Edges, open_halves};
+use crate::mesh::edges::{Edges, open_halves};
 
 /// Widths of gap to try, in millimetres, smallest first: the rounding of text files with three digits, and of models
 /// that were exported in inches. A bead is forty times as wide.

@@ -5,10 +5,10 @@
 
 use std::path::Path;
 
-use super::error::{Location, MeshError};
 use super::format::{Contents, Format, bad_coordinate, has_extension, is_text};
-use super::weld::Welder;
 use super::words::{Words, number};
+use crate::mesh::error::{Location, MeshError};
+use crate::mesh::weld::Welder;
 
 pub(super) struct Obj;
 

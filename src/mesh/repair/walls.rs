@@ -9,8 +9,8 @@ use parry3d::math::Vector;
 use parry3d::query::{Ray, RayCast};
 use parry3d::shape::TriMesh;
 
-use super::edges::{Side, for_each_edge};
-use super::measure::{Vec3, area_mm2, length_mm, normal, point};
+use crate::mesh::edges::{Side, for_each_edge};
+use crate::mesh::measure::{Vec3, area_mm2, length_mm, normal, point};
 use geometry::DisjointSets;
 
 /// Points on each patch from which rays are cast.

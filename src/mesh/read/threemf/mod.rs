@@ -20,10 +20,10 @@ use affine::Affine;
 use archive::Archive;
 use model::{Object, Part, Use, extension_name};
 
-use super::error::{Location, MeshError};
 use super::format::{Contents, FileObject, Format, bad_coordinate, has_extension};
-use super::weld::Welder;
 use crate::limits;
+use crate::mesh::error::{Location, MeshError};
+use crate::mesh::weld::Welder;
 use xml::MEND;
 
 /// DisjointSets may stand in components so deep.

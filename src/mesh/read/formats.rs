@@ -2,11 +2,11 @@
 
 use std::path::Path;
 
-use super::error::MeshError;
 use super::format::{Contents, Format};
 use super::obj::Obj;
 use super::stl::Stl;
 use super::threemf::ThreeMf;
+use crate::mesh::error::MeshError;
 
 /// Every kind, the one that takes what is left last.
 const FORMATS: [&dyn Format; 3] = [&ThreeMf, &Obj, &Stl];

@@ -3,12 +3,23 @@
 //! Each step runs only where edge matching shows that it is needed; overlaps and self-intersections stay, slicing copes
 //! with them.
 
-use super::doubts::{Doubt, Doubtful};
-use super::edges::{Edges, NO_TWIN, Side, for_each_edge};
-use super::measure::{area_mm2, keep};
-use super::weld::Soup;
-use super::{agree, doubts, gaps, holes, outside, pairs, sheets, walls};
+mod agree;
+mod doubts;
+mod gaps;
+mod holes;
+mod outside;
+mod pairs;
+mod sheets;
+mod walls;
+
+use crate::mesh::edges::{Edges, NO_TWIN, Side, for_each_edge};
+use crate::mesh::measure::{area_mm2, keep};
+use crate::mesh::weld::Soup;
+use doubts::Doubtful;
 use geometry::DisjointSets;
+
+pub use doubts::Doubt;
+pub(super) use outside::turn_facets;
 
 /// What was done and what was found; volume of an open shell: that of the cone from the middle of its box.
 #[derive(Clone, Debug, Default)]

@@ -4,13 +4,14 @@ use std::fs;
 use std::io::{Read, Seek, SeekFrom};
 use std::path::Path;
 
-use super::error::MeshError;
 use super::format::{Contents, FileObject};
-use super::report::MeshReport;
-use super::surface::Mesh;
-use super::weld::Soup;
-use super::{formats, repair, units, weld};
+use super::formats;
 use crate::limits;
+use crate::mesh::error::MeshError;
+use crate::mesh::report::MeshReport;
+use crate::mesh::surface::Mesh;
+use crate::mesh::weld::Soup;
+use crate::mesh::{repair, units, weld};
 
 impl Mesh {
     /// Reads and repairs a file (STL, 3MF or OBJ) as one mesh; [`load`] also reports what was done.
