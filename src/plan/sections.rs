@@ -1,5 +1,8 @@
 //! The sections of a plate, and what must be known of all layers before any is planned.
 
+mod paths;
+mod raft;
+
 use std::sync::Arc;
 
 use geo::{ConvexHull, MultiPoint, Simplify};
@@ -7,18 +10,16 @@ use geo::{ConvexHull, MultiPoint, Simplify};
 use crate::job::JobError;
 use crate::plate::Plate;
 use crate::profile::Settings;
-use crate::slice::{self, Gaps, Layer, LayerSpan, Slicer};
-use crate::toolpath::SupportStyle;
+use crate::slice::{self, Layer, LayerSpan, Slicer};
 use crate::toolpath::infill::FillPattern;
-use crate::toolpath::support::{self, BeadSpec, Outlines};
-use crate::toolpath::{self, LayerPaths, ObjectLayer, Planner, PlateLayer, Role, ShellWindows, Shells};
+use crate::toolpath::{self, ObjectLayer, PlateLayer, ShellWindows, Shells};
 use geometry::{Bounds, Point, Polygon, Region};
 
 use super::contact;
 use super::infill;
 use super::overlaps;
 use super::spiral::Spiral;
-use super::styles::{Planned, Planners, Styles};
+use super::styles::{Planned, Styles};
 use super::supports::{self, Supports};
 use crate::parallel::Workers;
 
@@ -61,7 +62,7 @@ impl Sections {
         let count = objects.len();
         let mut cut = workers.map(slicer.spans().len(), |i| slicer.layer(i));
         let notes = overlaps::resolve(&mut cut, slicer.plate(), styles, workers);
-        let layers = raised(cut, settings);
+        let layers = raft::raised(cut, settings);
         let places: Vec<Vec<Option<usize>>> = (0..count)
             .map(|object| layers.iter().map(|l| l.sections.iter().position(|s| s.object == object)).collect())
             .collect();
@@ -186,97 +187,6 @@ impl Sections {
         PlateLayer { index, top_mm: span.top_mm, height_mm: span.height_mm, objects: objects.collect() }
     }
 
-    /// All paths of a layer; support comes before what it carries.
-    pub fn paths(&self, planners: &Planners, index: usize, settings: &Settings) -> LayerPaths {
-        let turn = self.spiral.as_ref().and_then(|spiral| {
-            let below = index.checked_sub(1).map_or(Region::EMPTY, |below| self.of(0, below));
-            spiral.layer(&self.layers[index].span, self.of(0, index), below)
-        });
-        let is_turn = turn.is_some();
-        let mut layer = turn.unwrap_or_else(|| planners.layer(self.plate_layer(index)));
-        for island in &mut layer.islands {
-            island.object = self.objects[island.object as usize] as u32;
-        }
-        if is_turn {
-            return layer;
-        }
-        let beads = match (index.checked_sub(self.raft_layers), &self.supports) {
-            (None, _) => {
-                let width_mm =
-                    [settings.walls.width.0, settings.first_layer.width.0][usize::from(index == 0)];
-                let width_mm = if width_mm > 0.0 { width_mm } else { settings.walls.width.0 };
-                let area = planners.main.covered();
-                toolpath::raft(area, index as u32, &settings.raft, width_mm, layer.height_mm)
-            }
-            (Some(_), None) => return layer,
-            (Some(above_raft), Some(supports)) => supports.beads(above_raft).to_vec(),
-        };
-        let around = |role| matches!(role, Role::Skirt | Role::Brim);
-        let place = layer.paths.iter().position(|p| !around(p.role)).unwrap_or(layer.paths.len());
-        layer.paths.splice(place..place, beads);
-        layer
-    }
-
-    /// Lays the beads of supports, beside what the planner lays on the bed.
-    pub fn lay_supports(&mut self, planner: &Planner, settings: &Settings, workers: Workers<'_>) {
-        let Some(supports) = &mut self.supports else { return };
-        let (part, on_raft) = (&self.layers[self.raft_layers..], self.raft_layers > 0);
-        let lay = |outlines: &Outlines, above_raft: usize| {
-            let (first, layer) = (above_raft == 0, &part[above_raft]);
-            // Support stands on the raft, over which the part floats.
-            let gap_mm = if first && on_raft { settings.raft.gap.0 } else { 0.0 };
-            // Trees are clear of the part already, though not of what surrounds it on the bed.
-            let tree = settings.support.style == SupportStyle::Tree;
-            let spec = BeadSpec {
-                part: match first && !on_raft {
-                    true => planner.covered(),
-                    false if tree => Region::EMPTY,
-                    false => &geometry::simplify(&supports::section(layer), support::ROUGH_MM),
-                },
-                height_mm: layer.span.height_mm + gap_mm,
-                usual_height_mm: settings.layer.height.0,
-                on_bed: first,
-            };
-            support::lay(outlines, &spec, &settings.support)
-        };
-        supports.lay(lay, part, workers);
-    }
-
-    /// The toolpath planners, their sparse infill calibrated on sample layers. The skirt goes also around `around`.
-    pub fn planners(
-        &self,
-        styles: &Styles<'_>,
-        settings: &Settings,
-        around: &[Polygon],
-        workers: Workers<'_>,
-    ) -> Planners {
-        let mut footprint = supports::section(&self.layers[self.raft_layers]);
-        let standing = self.supports.as_ref().map_or(Region::EMPTY, |supports| &supports.outlines(0).all);
-        if self.raft_layers > 0 {
-            footprint = toolpath::raft_area(&geometry::union(&footprint, standing), &settings.raft);
-        }
-        let first_height_mm = self.layers[0].span.height_mm;
-        let mut planners = Planners::new(settings, styles, &footprint, first_height_mm);
-        planners.use_patterns(&self.infill);
-        let shielded = if settings.skirt.draft_shield { self.layers.len() } else { 0 };
-        let sections = self.layers[..shielded].iter().flat_map(|l| &l.sections).map(|s| &s.region);
-        let supports = self.supports.iter().flat_map(|s| s.all_outlines(shielded.max(1)));
-        let enclosed = sections.chain(supports).flat_map(|region| region.polygons()).chain(around);
-        planners.enclose(enclosed, first_height_mm);
-        let height_mm = self.layers.last().map_or(first_height_mm, |last| last.span.height_mm);
-        let layer = |i: usize| self.plate_layer(i);
-        planners.calibrate(workers, layer, self.raft_layers + 1, self.layers.len(), height_mm);
-        planners.combine(workers, layer, self.layers.len());
-        planners
-    }
-
-    /// What is printed on the bed: the objects with brim and raft, and their supports.
-    pub fn on_bed(&self, planners: &Planners) -> Vec<Polygon> {
-        let supports = self.supports.iter().flat_map(|supports| supports.all_outlines(1));
-        let regions = std::iter::once(planners.main.covered()).chain(supports);
-        regions.flat_map(|region| region.polygons().iter().cloned()).collect()
-    }
-
     /// Box around everything that is printed, without skirt and brim.
     pub fn bounds(&self) -> Option<Bounds> {
         let regions = self.layers.iter().flat_map(|l| &l.sections);
@@ -317,32 +227,4 @@ impl Sections {
             first.span.top_mm
         ))
     }
-}
-
-/// The layers of a raft, and on them those of the part.
-fn raised(cut: Vec<Layer>, settings: &Settings) -> Vec<Layer> {
-    let count = settings.raft.layers as usize;
-    if count == 0 || cut.is_empty() {
-        return cut;
-    }
-    let (first_mm, other_mm) = (settings.layer.first_height.0, settings.layer.height.0);
-    let raft_mm = |layers: usize| first_mm + (layers - 1) as f64 * other_mm;
-    let raft = (0..count).map(|index| {
-        let (bottom_mm, top_mm) = (if index == 0 { 0.0 } else { raft_mm(index) }, raft_mm(index + 1));
-        let (height_mm, cut_mm) = (top_mm - bottom_mm, (bottom_mm + top_mm) / 2.0);
-        let span = LayerSpan { index, bottom_mm, top_mm, height_mm, cut_mm };
-        Layer { span, sections: Vec::new(), gaps: Gaps::default() }
-    });
-    let up_mm = raft_mm(count) + settings.raft.gap.0;
-    let part = cut.into_iter().map(|layer| {
-        let span = LayerSpan {
-            index: layer.span.index + count,
-            bottom_mm: layer.span.bottom_mm + up_mm,
-            top_mm: layer.span.top_mm + up_mm,
-            cut_mm: layer.span.cut_mm + up_mm,
-            ..layer.span
-        };
-        Layer { span, ..layer }
-    });
-    raft.chain(part).collect()
 }
