@@ -55,7 +55,7 @@
 //! ```
 //!
 //! # The stages
-//! Data flows one way: `mesh` → `plate` → `slice` → `toolpath` → `order` → `motion` → `gcode`. A module imports only those
+//! Data flows in one direction: `mesh` → `plate` → `slice` → `toolpath` → `order` → `motion` → `gcode`. A module imports only those
 //! that come before it in `tests/architecture.rs`; `docs/architecture.md` says what each is for.
 
 pub mod check;

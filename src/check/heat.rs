@@ -110,7 +110,7 @@ impl Heat {
                 self.cold_allowed =
                     words().get(b'S').is_some_and(|s| s < COLD_C) || words().get(b'P') == Some(1.0)
             }
-            // RepRapFirmware's and Bambu's ways to heat, macro files, and files that call others.
+            // RepRapFirmware's and Bambu's commands to heat, macro files, and files that call others.
             (b'G', 10) => self.elsewhere |= words().get(b'S').is_some() || words().get(b'R').is_some(),
             (b'M', 98 | 32 | 568 | 620 | 1002) => (self.elsewhere, self.macro_at_end) = (true, true),
             _ => {}

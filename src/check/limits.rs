@@ -28,11 +28,11 @@ impl Limits {
         let [dx, dy, dz] = [0, 1, 2].map(|i| (stroke.to[i] - stroke.from[i]).abs());
         let xy_mm = stroke.xy_mm;
         let ahead = if stroke.arc.is_some() { [xy_mm, xy_mm] } else { [dx, dy] };
-        let way_mm = if xy_mm > 0.0 || dz > 0.0 { xy_mm.hypot(dz) } else { e_mm.abs() };
-        if way_mm <= 1e-9 {
+        let distance_mm = if xy_mm > 0.0 || dz > 0.0 { xy_mm.hypot(dz) } else { e_mm.abs() };
+        if distance_mm <= 1e-9 {
             return;
         }
-        let rate = stroke.feed_mm_s * self.speed / way_mm;
+        let rate = stroke.feed_mm_s * self.speed / distance_mm;
         for (i, part_mm) in [ahead[0], ahead[1], dz, e_mm.abs()].into_iter().enumerate() {
             let (speed, most) = (part_mm * rate, self.machine.max_speed[i]);
             // Height and filament beside a bead so short that they are mostly rounding say nothing.

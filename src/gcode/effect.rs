@@ -54,7 +54,7 @@ mod tests {
     }
 
     #[test]
-    fn a_prime_line_counts_and_the_way_to_it_does_not() {
+    fn a_prime_line_counts_and_the_travel_to_it_does_not() {
         let (start, _) = effects("G28\nM83\nG0 X10 Y5 Z0.2 F6000\nG1 X60 E5", "");
         assert_eq!((start.measure.print_mm, start.measure.travel_mm), (50.0, 0.0));
         assert_eq!(start.end, Some([60.0, 5.0, 0.2]));
@@ -68,7 +68,7 @@ mod tests {
     }
 
     #[test]
-    fn parking_is_a_way_from_the_last_bead_and_no_link() {
+    fn parking_is_travel_from_the_last_bead_and_no_link() {
         let (_, end) = effects("", "G1 E-2 F2400\nG0 X10 Y110 F6000");
         assert_eq!((end.measure.travel_mm, end.measure.link_mm), (100.0, 0.0));
         assert_eq!((end.measure.travels, end.measure.retractions), (0, 1));

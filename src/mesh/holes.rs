@@ -81,7 +81,7 @@ fn loops(triangles: &[[u32; 3]], twins: &[u32]) -> Vec<Vec<u32>> {
     };
     let mut used = vec![false; from.len()];
     let mut found = Vec::new();
-    // Three edges first: there is but one way to close those. Where holes meet, an edge may belong to either of two.
+    // Three edges first: those can be closed in one manner only. Where holes meet, an edge may belong to either of two.
     for first in 0..from.len() {
         let closes =
             |&next: &usize| fan(to(next)).find(|&last| to(last) == from[first].0).map(|last| (next, last));

@@ -36,7 +36,7 @@ pub(super) fn drop_sheets(
     free: &mut Vec<bool>,
 ) -> usize {
     let before = triangles.len();
-    // Each round leaves fewer patches; meshes with many are not repaired that way.
+    // Each round leaves fewer patches; meshes with many are not repaired so.
     for _ in 0..MOST_ROUNDS {
         let mut parts = DisjointSets::new(triangles.len());
         for_each_edge(triangles, vertices.len(), |sides| {

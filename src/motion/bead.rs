@@ -39,7 +39,7 @@ pub(super) fn trace(path: &Path, entry: u32, flow: f64, out: &mut Vec<Vertex>) {
     out.clear();
     let area = |width_mm: f64| {
         flow * match path.role {
-            // A bridge is not pressed onto anything: it stays a round thread.
+            // A bridge is not pressed onto anything: it stays a round line.
             Role::BridgeInfill => PI / 4.0 * width_mm * width_mm,
             _ => area_mm2(width_mm, path.height_mm),
         }

@@ -50,7 +50,7 @@ pub struct Entry {
     pub z_mm: f64,
     /// The path along which to wipe before leaving, from `xy` on; empty where nothing is wiped.
     pub wipe: Vec<[f64; 2]>,
-    /// The first travel keeps above this, as finished objects may be in its way; 0: none are.
+    /// The first travel keeps above this, as finished objects may obstruct it; 0: none do.
     pub over_mm: f64,
 }
 

@@ -4,7 +4,7 @@ use super::Move;
 use super::sums::drawn_mm;
 use crate::units::{Mm3, MmPerS};
 
-/// Way on which it is fed.
+/// Distance over which it is fed.
 const PRIME_MM: f64 = 2.0;
 
 /// Adds a volume (less than 0: takes it away, as far as there is any) to the first lines of a bead that begins at

@@ -236,7 +236,7 @@ mod tests {
 
     proptest! {
         #[test]
-        fn volume_and_ends_stay_whatever_the_way(
+        fn volume_and_ends_stay_whatever_the_path(
             steps in prop::collection::vec((-2.0..2.0f64, -2.0..2.0f64), 1..40),
         ) {
             let mut at = [0.0, 0.0];

@@ -12,7 +12,7 @@ impl Nozzle<'_> {
     ///
     /// A travel *longer* than `retract.min_travel`, or inside the part than `travel.retract_inside`, or from an
     /// unknown place, is retracted. The nozzle climbs to the next layer while it travels, or before where the travel is
-    /// no longer than high; never does it go down, or to where something may be in its way, before it is above.
+    /// no longer than high; never does it go down, or to where something may obstruct it, before it is above.
     pub(super) fn travel(&mut self, to: [f64; 2], island: Option<IslandId>, pause: bool) {
         let (retract, travel) = (&self.settings.retract, &self.settings.travel);
         let arriving = !self.positioned || self.z_mm != self.layer_z_mm;

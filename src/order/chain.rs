@@ -44,7 +44,7 @@ impl Chain {
         self.solve_between(layers, pins, start, None, &self.routers(layers), None)
     }
 
-    /// What finds the ways of each layer; nothing where travels go straight.
+    /// The routers of the layers; none where travels go straight.
     fn routers<'l>(&self, layers: &'l [LayerPaths]) -> Vec<Router<'l>> {
         let router = |rule: DetourRule| {
             let (width_mm, most_mm) = (rule.wall_width_mm, rule.max_mm);

@@ -162,7 +162,7 @@ impl Output {
         }
     }
 
-    /// A file, by way of a temporary one beside it, which gets the mode of the file that it will replace. What a
+    /// A file, written as a temporary one beside it, which gets the mode of the file that it will replace. What a
     /// symbolic link points to is replaced, not the link. Something that is no regular file is written directly.
     ///
     /// # Errors

@@ -110,7 +110,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn one_way_lines_are_drawn_from_left_to_right_in_the_order_of_their_starts() {
+    fn lines_of_fixed_direction_are_drawn_from_left_to_right_in_the_order_of_their_starts() {
         // Ten lines end to end, given shuffled.
         let ends: Vec<[[f64; 2]; 2]> =
             [7, 2, 9, 0, 4, 1, 8, 3, 6, 5].map(|i| [[f64::from(i), 0.0], [f64::from(i) + 1.0, 0.0]]).to_vec();

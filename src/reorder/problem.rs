@@ -66,7 +66,7 @@ impl Ordering {
             leading &= matches!(walls[0].role, Some(Role::Skirt | Role::Brim));
             let (closed, points) = match walls {
                 [path] => shape(block, path, seam),
-                // Drawn in their own order whichever way they are come to: a position between start and end.
+                // Drawn in their own order from whichever side they are reached: a position between start and end.
                 _ => (false, vec![middle(block, &walls[0], &walls[walls.len() - 1]); 2]),
             };
             let link = |w: &[Path]| block.point(block.end(&w[0])).distance_mm(block.point(w[1].from));

@@ -210,7 +210,7 @@ fn foot(a: Point, b: Point, share: f64) -> Point {
     Point::from_mm(p[0] + share * (q[0] - p[0]), p[1] + share * (q[1] - p[1]))
 }
 
-/// Goes along the boundary, the shorter way round. `None` where that is not possible.
+/// Goes along the boundary, in the shorter direction. `None` where that is not possible.
 fn along(boundary: &Boundary<'_>, from: BoundaryPos, to: BoundaryPos, route: &mut Vec<Point>) -> Option<()> {
     let forward_mm = boundary.forward_mm(from, to)?;
     let forward = forward_mm <= boundary.ring_length_mm(from.ring) - forward_mm;

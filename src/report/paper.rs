@@ -97,7 +97,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn changes_are_those_of_the_whole_way_against_as_sliced() {
+    fn changes_are_those_of_print_and_travel_against_as_sliced() {
         let row = |order: &str, travel_mm| PaperRow {
             order: order.into(),
             print_mm: 900.0,

@@ -15,7 +15,7 @@ pub struct LayerSpan {
     pub top_mm: f64,
     /// Thickness.
     pub height_mm: f64,
-    /// Height of the cross-section: half-way up.
+    /// Height of the cross-section: at half its height.
     pub cut_mm: f64,
 }
 

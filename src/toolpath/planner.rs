@@ -20,7 +20,7 @@ use super::shells::{self, ShellWindows, Zones};
 use super::walls::{self, WallSpec, Walls};
 use super::{Island, IslandId, LayerKind, LayerPaths, Phase, Role, adhesion, bead, bridges, entries};
 
-/// Ends of sparse infill lines are joined along the wall up to this many line distances: the way to the next
+/// Ends of sparse infill lines are joined along the wall up to this many line distances: the distance to the next
 /// line is √2 distances at 45°, and beyond this a travel is quicker than the extrusion.
 const LONGEST_JOIN: f64 = 2.5;
 

@@ -102,9 +102,9 @@ pub fn revolution(
         (None, _) => f64::INFINITY,
     };
     let joint = below.and_then(|below| below.first().copied());
-    let on_way = steps(outline, length_mm, step_mm).into_iter();
+    let following = steps(outline, length_mm, step_mm).into_iter();
     let mut points: Vec<Point> = joint.into_iter().collect();
-    points.extend(on_way.map(|(share, p)| glide.as_ref().map_or(p, |glide| glide.at(p, share))));
+    points.extend(following.map(|(share, p)| glide.as_ref().map_or(p, |glide| glide.at(p, share))));
     Revolution::along(&points, |share| Rise {
         below_mm: (1.0 - share) * height_mm,
         flow: if first { share.max(LEAST_FLOW) } else { 1.0 },
@@ -224,7 +224,7 @@ mod tests {
     }
 
     #[test]
-    fn turns_of_a_cone_grow_all_the_way_round() {
+    fn revolutions_of_a_cone_grow_all_around() {
         let mut rings = [circle(10.0, 0.0), circle(10.3, 0.4)];
         align(&mut rings);
         let revolution = revolution(&rings[1], Some(&rings[0]), 0.2, &SPEC);

@@ -296,7 +296,7 @@ fn a_bad_3mf_is_refused_with_the_reason_and_the_part() {
 }
 
 #[test]
-fn an_obj_is_read_with_all_ways_to_name_a_vertex() {
+fn an_obj_is_read_with_all_notations_of_a_vertex() {
     let corners = "v 0 0 0\nv 2 0 0 1.0\nv 2 3 0 0.5 0.5 0.5\nv 0 3 0\nv 0 0 4\nv 2 0 4\nv 2 3 4\nv 0 3 4\n";
     let faces =
         "f 4 3 2 1\nf 5//1 6//1 7//1 8//1\nf 1/9 2/9 6/9 5/9\nf -7 -6 -2 -3\nf 3 4 8 7\nf 4 1 5\nf 4 5 8\n";

@@ -1,8 +1,8 @@
 //! Routes of travels inside the part: around holes and outer walls instead of over them.
 //!
 //! A straight travel that stays inside is kept. Any other is led along lanes, the outline shrunk by the width of the
-//! outermost wall: wherever the straight line would leave the lanes it follows their boundary, the shorter way
-//! round, to where it comes back last. What results is pulled taut.
+//! outermost wall: wherever the straight line would leave the lanes it follows their boundary, in the shorter
+//! direction, to where it returns last. The result is tightened.
 
 use std::cell::{OnceCell, RefCell};
 

@@ -30,7 +30,7 @@ pub(super) struct Shown {
     /// Where its middle lines are.
     pub walls: Bitmap,
     /// The current loop, and where it has come to.
-    under_way: Option<(Extent, [f64; 3])>,
+    current: Option<(Extent, [f64; 3])>,
 }
 
 impl Shown {
@@ -40,13 +40,13 @@ impl Shown {
             self.points.push(Point::from_mm(x, y));
         }
         let goes_on = |end: &[f64; 3]| (0..2).all(|i| (end[i] - bead.from[i]).abs() < CLOSE_MM);
-        if self.under_way.as_ref().is_none_or(|(_, end)| !goes_on(end)) {
+        if self.current.as_ref().is_none_or(|(_, end)| !goes_on(end)) {
             self.end_loop();
         }
-        let (mut extent, _) = self.under_way.take().unzip();
+        let (mut extent, _) = self.current.take().unzip();
         Extent::add(&mut extent, bead.from);
         Extent::add(&mut extent, bead.to);
-        self.under_way = extent.zip(Some(bead.to));
+        self.current = extent.zip(Some(bead.to));
         let grid = self.walls.grid();
         let count = (bead.xy_mm / STEP_MM).ceil().clamp(1.0, 1e5) as u32;
         for i in 0..=count {
@@ -58,7 +58,7 @@ impl Shown {
     }
 
     fn end_loop(&mut self) {
-        if let Some((extent, _)) = self.under_way.take().filter(|_| self.loops.len() < MOST) {
+        if let Some((extent, _)) = self.current.take().filter(|_| self.loops.len() < MOST) {
             self.loops.push(extent);
         }
     }
@@ -87,7 +87,7 @@ pub(super) fn read(levels: &Levels, survey: &Survey, file: impl Read) -> io::Res
             points: Vec::new(),
             loops: Vec::new(),
             walls: Bitmap::empty(grid),
-            under_way: None,
+            current: None,
         })
         .collect();
     let mut reader = Reader::default();

@@ -180,7 +180,7 @@ mod tests {
     }
 
     #[test]
-    fn each_firmware_has_its_own_way_to_say_accelerations() {
+    fn each_firmware_has_its_own_command_for_accelerations() {
         let text = "M204 P500 T700 R900\nSET_VELOCITY_LIMIT ACCEL=1234 SQUARE_CORNER_VELOCITY=7 ; no=1";
         let (marlin, _) = after(Firmware::Marlin, text);
         assert_eq!((marlin.print, marlin.travel, marlin.extruder), (500.0, 700.0, 900.0));

@@ -178,8 +178,8 @@ fn joined(lines: Vec<(i64, [Point; 2])>, area: &Region, longest_mm: f64) -> Vec<
         // Chains that may go on are among the last.
         let near = |end: &Point| {
             let to = if a.distance_mm(*end) <= b.distance_mm(*end) { a } else { b };
-            let half_way = Point::new((to.x + end.x) / 2, (to.y + end.y) / 2);
-            to.distance_mm(*end) <= longest_mm && area.contains(half_way)
+            let middle = Point::new((to.x + end.x) / 2, (to.y + end.y) / 2);
+            to.distance_mm(*end) <= longest_mm && area.contains(middle)
         };
         let recent = chains.iter_mut().rev().take(RECENT);
         let chain =

@@ -2,7 +2,7 @@
 
 use super::bitmap::Bitmap;
 
-/// Columns narrower than this are widened on their way down.
+/// Columns narrower than this are widened downwards.
 const FIRM_MM: f64 = 4.0;
 
 /// Height over which a narrow column gains one cell on every side.

@@ -1,4 +1,4 @@
-//! A middle line on its way from the axis to a path.
+//! A middle line while it becomes a path.
 
 use super::axis::Node;
 use super::branches::Trail;

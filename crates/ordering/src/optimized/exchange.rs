@@ -18,7 +18,7 @@ pub enum Exchange {
     Three([u32; 3], Three),
 }
 
-/// … are joined again in one of the four ways that keep none of the three links.
+/// … are joined again in one of the four combinations that keep none of the three links.
 #[derive(Clone, Copy, Debug)]
 pub enum Three {
     /// B, A: moves a stretch (Or-opt is the case of a short one).
