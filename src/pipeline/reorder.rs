@@ -107,10 +107,10 @@ fn update_times(
     output: &mut Output,
 ) -> Result<(), JobError> {
     for (index, TimeLine { offset, number, text }) in lines.iter().enumerate() {
-        let room = text.trim_ascii_end().len() + reorder::TIME_ROOM.len();
+        let length = text.trim_ascii_end().len() + reorder::TIME_PADDING.len();
         let updated = times.as_ref().and_then(|(old, new)| old.updated(text, *number, new, index));
-        let mut updated = updated.filter(|updated| updated.len() <= room).unwrap_or_else(|| b";".to_vec());
-        updated.resize(room, b' ');
+        let mut updated = updated.filter(|updated| updated.len() <= length).unwrap_or_else(|| b";".to_vec());
+        updated.resize(length, b' ');
         output.patch(*offset, &updated)?;
     }
     Ok(())

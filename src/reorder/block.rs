@@ -18,13 +18,13 @@ pub(super) enum Kind {
     /// Moves in Z only.
     Lift,
     /// Retracts or unretracts filament without moving.
-    Pull,
-    Push,
+    Retract,
+    Unretract,
     /// Sets the feed rate, and nothing else.
     Feed,
     /// G10 and G11.
-    FirmwarePull,
-    FirmwarePush,
+    FirmwareRetract,
+    FirmwareUnretract,
     /// G92 E.
     ResetE,
     /// Sets something that belongs to the paths that follow.
@@ -190,17 +190,17 @@ impl Block {
     /// What the file's own travel costs up to the first path, and from there on.
     pub fn costs(&self) -> [LinkCost; 2] {
         [&self.junction, &self.links].map(|tokens| {
-            let (mut cost, mut pulled) = (LinkCost::default(), false);
+            let (mut cost, mut retracted) = (LinkCost::default(), false);
             for token in tokens {
                 if matches!(token.kind, Kind::Travel | Kind::Wipe) {
                     cost.travel_mm += token.xy_mm;
                 }
                 match token.kind {
-                    Kind::Pull | Kind::Wipe | Kind::FirmwarePull => {
-                        cost.retractions += usize::from(!pulled);
-                        pulled = true;
+                    Kind::Retract | Kind::Wipe | Kind::FirmwareRetract => {
+                        cost.retractions += usize::from(!retracted);
+                        retracted = true;
                     }
-                    Kind::Push | Kind::FirmwarePush | Kind::Fixed => pulled = false,
+                    Kind::Unretract | Kind::FirmwareUnretract | Kind::Fixed => retracted = false,
                     _ => {}
                 }
             }

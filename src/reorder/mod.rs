@@ -31,4 +31,4 @@ pub use retraction::{Learner, RetractionStyle};
 pub use times::{Times, tells_time};
 pub use verify::{Inventory, Proof, Readback, verify};
 pub use walls::Walls;
-pub use writer::{TIME_ROOM, Written, end, junction, write};
+pub use writer::{TIME_PADDING, Written, end, junction, write};

@@ -21,7 +21,7 @@ const LONGEST_FIXED: usize = 1 << 20;
 const LARGEST: f64 = 1e5;
 /// The radius of an arc may differ by this between its ends, mm.
 const ROUND_MM: f64 = 0.05;
-/// More filament pushed than was retracted is priming and stays where it is, mm.
+/// More filament fed than was retracted is priming and stays where it is, mm.
 const PRIMING_MM: f64 = 0.5;
 
 /// Reads blocks.
@@ -64,7 +64,7 @@ struct Since {
 struct Before {
     scale: f64,
     /// Whether filament is retracted.
-    pulled: bool,
+    retracted: bool,
     /// Whether firmwares disagree about E.
     doubtful: bool,
     /// The extruder's position, ticks.
@@ -142,9 +142,9 @@ impl<R: BufRead> Blocks<R> {
     /// Processes a line; returns a block that it ends.
     fn line(&mut self, range: Range<usize>) -> Option<Block> {
         let state = &self.reader.state;
-        let pulled = state.firmware_retracted || state.retracted_mm > 1e-6;
+        let retracted = state.firmware_retracted || state.retracted_mm > 1e-6;
         let e = ticks(in_units(state.e, state.scale));
-        let before = Before { scale: state.scale, pulled, doubtful: state.e_doubtful, e };
+        let before = Before { scale: state.scale, retracted, doubtful: state.e_doubtful, e };
         let slice = Slice { start: range.start as u32, len: range.len() as u32 };
         let text = std::mem::take(&mut self.block.text);
         let line = Line::new(self.number, self.offset, &text[range.clone()]);
@@ -192,7 +192,7 @@ impl<R: BufRead> Blocks<R> {
             && sound(bead.e_mm)
             && self.unit.is_none_or(|unit| unit == before.scale)
             && bead.arc.is_none_or(|arc| is_round(bead, arc.at))
-            && !before.pulled
+            && !before.retracted
             && bead.from[2] == bead.to[2]
             && !before.doubtful
             && bead.feed_mm_s > 0.0
@@ -201,8 +201,8 @@ impl<R: BufRead> Blocks<R> {
     fn other_kind(&mut self, read: &Annotated) -> Kind {
         let line = &read.line;
         match read.action {
-            Action::FirmwareRetract if line.words().is_empty() => return Kind::FirmwarePull,
-            Action::FirmwareUnretract if line.words().is_empty() => return Kind::FirmwarePush,
+            Action::FirmwareRetract if line.words().is_empty() => return Kind::FirmwareRetract,
+            Action::FirmwareUnretract if line.words().is_empty() => return Kind::FirmwareUnretract,
             Action::Type(_) => self.movable = false,
             _ => {}
         }
@@ -286,7 +286,7 @@ impl<R: BufRead> Blocks<R> {
                 self.since.moved = true;
                 self.since.travel_state = Some(state);
             }
-            Kind::Wipe | Kind::Lift | Kind::Pull | Kind::Push | Kind::FirmwarePull | Kind::FirmwarePush => {
+            Kind::Wipe | Kind::Lift | Kind::Retract | Kind::Unretract | Kind::FirmwareRetract | Kind::FirmwareUnretract => {
                 self.since.moved = true
             }
             Kind::Mark | Kind::Barrier | Kind::Fixed => self.since.barrier = true,
@@ -477,9 +477,9 @@ fn stroke_kind(stroke: &Stroke) -> Kind {
         }
         (true, _) => Kind::Travel,
         (false, e) if e.abs() > 1e-9 && lifts => Kind::Barrier,
-        (false, e) if e < -1e-9 => Kind::Pull,
+        (false, e) if e < -1e-9 => Kind::Retract,
         (false, e) if e > 1e-9 && stroke.fresh_mm > PRIMING_MM => Kind::Fixed,
-        (false, e) if e > 1e-9 => Kind::Push,
+        (false, e) if e > 1e-9 => Kind::Unretract,
         _ if lifts => Kind::Lift,
         _ => Kind::Feed,
     }

@@ -122,13 +122,13 @@ impl Walls {
         }
         route.push(b);
         route.dedup();
-        let route = self.pulled_tight(&route)?;
+        let route = self.tightened(&route)?;
         let length_mm: f64 = route.windows(2).map(|w| w[0].distance_mm(w[1])).sum();
         (length_mm < 2.0 * a.distance_mm(b) + 10.0).then(|| route[1..route.len() - 1].to_vec())
     }
 
     /// Leaves out corners that are not needed. `None` where a part of the route crosses a wall after all.
-    fn pulled_tight(&self, route: &[Point]) -> Option<Vec<Point>> {
+    fn tightened(&self, route: &[Point]) -> Option<Vec<Point>> {
         let free = |i: usize, j: usize| self.classify(route[i], route[j]) == TravelKind::Inside;
         let mut out = vec![route[0]];
         let mut at = 0;
