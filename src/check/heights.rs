@@ -6,7 +6,7 @@ use super::rule::{Rule, Seen};
 use crate::profile::Settings;
 
 /// Walls printed for several layers before their infill, and slopes, go down by less than this many nozzle diameters.
-const SLACK_BORES: f64 = 1.5;
+const SLACK_NOZZLES: f64 = 1.5;
 
 /// Follows the height of beads.
 pub(super) struct Heights {
@@ -16,7 +16,7 @@ pub(super) struct Heights {
 
 impl Heights {
     pub fn new(settings: &Settings) -> Self {
-        Self { top_mm: f64::NEG_INFINITY, slack_mm: SLACK_BORES * settings.printer.nozzle_diameter.0 }
+        Self { top_mm: f64::NEG_INFINITY, slack_mm: SLACK_NOZZLES * settings.printer.nozzle_diameter.0 }
     }
 }
 

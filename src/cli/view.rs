@@ -84,7 +84,7 @@ fn gcode(
         if bytes > limits::VIEW_BYTES {
             return Err(failed(format!("more than {} GB cannot be shown", limits::VIEW_BYTES >> 30)));
         }
-        limits::room(bytes).map_err(failed)?;
+        limits::check_memory(bytes).map_err(failed)?;
         let text = fs::read(path).map_err(|error| failed(error.to_string()))?;
         return Ok((text, None));
     }

@@ -40,9 +40,9 @@ pub struct FirmwareRetraction {
     pub length_mm: f64,
     /// Pushed forward beyond that.
     pub extra_mm: f64,
-    /// Speed of pulling back, mm/s.
+    /// Speed of retraction, mm/s.
     pub speed: f64,
-    /// Speed of pushing forward, mm/s.
+    /// Speed of unretraction, mm/s.
     pub unretract_speed: f64,
 }
 

@@ -32,14 +32,14 @@ pub struct Model {
     /// What was found and done. Notes on the file as a whole are with its first object.
     pub report: MeshReport,
     /// Where the file puts the mesh's origin: once, or several times, millimetres.
-    pub spots: Vec<[f64; 3]>,
+    pub positions: Vec<[f64; 3]>,
 }
 
 impl From<Mesh> for Model {
     fn from(mesh: Mesh) -> Self {
         let facets = mesh.triangles.len();
         let report = MeshReport::new(&mesh, "memory", facets, &repair::Repairs::default(), Vec::new());
-        Self { name: None, mesh, report, spots: vec![[0.0; 3]] }
+        Self { name: None, mesh, report, positions: vec![[0.0; 3]] }
     }
 }
 
@@ -85,9 +85,9 @@ pub fn load_objects(path: &Path) -> Result<Vec<Model>, MeshError> {
 /// As [`load`].
 pub fn objects_from_bytes(path: &Path, data: &[u8]) -> Result<Vec<Model>, MeshError> {
     let Contents { objects, format, mut notes } = formats::read(path, data)?;
-    let model = |FileObject { name, soup, facets, spots }| {
+    let model = |FileObject { name, soup, facets, positions }| {
         let (mesh, report) = repaired(path, soup, facets, format, std::mem::take(&mut notes))?;
-        Ok(Model { name, mesh, report, spots })
+        Ok(Model { name, mesh, report, positions })
     };
     objects.into_iter().map(model).collect()
 }
@@ -103,7 +103,7 @@ fn contents(path: &Path) -> Result<Vec<u8>, MeshError> {
         if bytes > limits::MODEL_BYTES {
             return Err(too_large(format!("the file has more than {} GB", limits::MODEL_BYTES >> 30)));
         }
-        limits::room(bytes.saturating_mul(limits::BYTES_PER_BYTE)).map_err(too_large)
+        limits::check_memory(bytes.saturating_mul(limits::BYTES_PER_BYTE)).map_err(too_large)
     };
     let length = file.metadata().map_err(failed)?.len();
     check(length)?;

@@ -21,11 +21,11 @@ pub enum Move {
     Ramp { to: [f64; 2], z_mm: f64, volume: Mm3, speed: MmPerS },
     /// Extrude along an arc around a centre.
     Arc { to: [f64; 2], center: [f64; 2], clockwise: bool, volume: Mm3, speed: MmPerS },
-    /// Pull filament back (`length_mm` > 0) in place; with firmware retraction a plain G10.
+    /// Retract filament (`length_mm` > 0) in place; with firmware retraction a plain G10.
     Retract { length_mm: f64, speed: MmPerS },
     /// Push it forward again.
     Unretract { length_mm: f64, speed: MmPerS },
-    /// Move in X and Y while pulling filament back.
+    /// Move in X and Y while retracting.
     Wipe { to: [f64; 2], length_mm: f64, speed: MmPerS },
     /// Part-cooling fan.
     Fan(Ratio),

@@ -50,7 +50,7 @@ pub fn plan_layer(
         positioned: false,
         wipe: from.wipe.clone(),
         over_mm: from.over_mm,
-        owed_mm3: 0.0,
+        extra_mm3: 0.0,
         acceleration: None,
         bead: None,
         object: None,
@@ -175,9 +175,9 @@ impl Nozzle<'_> {
             self.draw_graded(path, vertices);
         }
         if let Some(from) = self.at {
-            let owed_mm3 = std::mem::take(&mut self.owed_mm3);
+            let extra_mm3 = std::mem::take(&mut self.extra_mm3);
             let melted = |speed, area_mm2| self.rules.melted(speed, area_mm2);
-            prime(&mut self.moves, first, from, owed_mm3, melted);
+            prime(&mut self.moves, first, from, extra_mm3, melted);
         }
         (self.at, self.wipe) = end(path, vertices, scarf.as_ref(), self.settings);
     }

@@ -15,7 +15,7 @@ pub struct LayerSums {
     pub link: Mm,
     /// Travels from one bead to another.
     pub travels: usize,
-    /// Filament pulled back.
+    /// Filament retracted.
     pub retractions: usize,
     /// Filament extruded.
     pub volume: Mm3,

@@ -65,7 +65,7 @@ impl Nozzle<'_> {
         if retracted {
             self.moves.push(Move::Unretract { length_mm: retract.length.0, speed: retract.unretract_speed });
             if !retract.firmware {
-                self.owed_mm3 = retract.extra.0 * self.settings.flow.filament_mm2;
+                self.extra_mm3 = retract.extra.0 * self.settings.flow.filament_mm2;
             }
         }
         self.at = Some(to);

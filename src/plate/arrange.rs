@@ -13,7 +13,7 @@ pub(super) struct Shape {
 
 /// Where a model goes.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Spot {
+pub(super) struct ShapePosition {
     /// Index into its permitted rotations.
     pub turn: usize,
     /// Position of its middle, in cells from the bed's.
@@ -40,7 +40,7 @@ pub(super) fn arrange(
     half: [i64; 2],
     towards: Towards,
     fits: impl Fn(&[[f64; 2]], [i64; 2]) -> bool,
-) -> Vec<Option<Spot>> {
+) -> Vec<Option<ShapePosition>> {
     let positions = candidate_positions(half, towards);
     let reach =
         shapes.iter().flatten().map(|s| s.covered.reach()).max().unwrap_or(0) + half[0].max(half[1]) + 1;
@@ -50,7 +50,7 @@ pub(super) fn arrange(
     order.sort_by_key(|&model| (std::cmp::Reverse(size(model)), models[model], model));
     // Cells are taken and never given back: what had no position for a shape will have none later.
     let mut tried: Vec<Vec<usize>> = shapes.iter().map(|turns| vec![0; turns.len()]).collect();
-    let mut spots = vec![None; models.len()];
+    let mut found = vec![None; models.len()];
     for model in order {
         let turns = &shapes[models[model]];
         let mut best: Option<(usize, usize)> = None;
@@ -64,10 +64,10 @@ pub(super) fn arrange(
         }
         if let Some((at, turn)) = best {
             taken.add(&turns[turn].covered, positions[at]);
-            spots[model] = Some(Spot { turn, at: positions[at] });
+            found[model] = Some(ShapePosition { turn, at: positions[at] });
         }
     }
-    spots
+    found
 }
 
 /// All nodes of the bed, in the order in which they are tried.

@@ -43,7 +43,7 @@ impl Layout {
             let mut whole = Mesh::new(Vec::new(), Vec::new());
             for part in &parts {
                 let item = &self.items[part.member.item];
-                let [x, y, _] = item.spots[part.member.spot];
+                let [x, y, _] = item.positions[part.member.position];
                 let mut mesh = item.mesh.clone();
                 mesh.shift([x, y, part.lift_mm - item.bounds[0][2]]);
                 whole = if whole.triangles().is_empty() { mesh } else { whole.with(&mesh) };
@@ -55,19 +55,19 @@ impl Layout {
 }
 
 impl Group {
-    /// Bodies of a layout; what does not stand over anything else of them is let down on the bed.
+    /// Bodies of a layout; what does not stand over another of them is lowered onto the bed.
     pub fn new(number: usize, layout: &Layout, bodies: Vec<usize>) -> Self {
-        let foot = |m: Member| layout.items[m.item].foot(m.spot);
+        let foot = |m: Member| layout.items[m.item].foot(m.position);
         let members = |body: usize| layout.bodies[body].iter().copied();
-        let floor = |stack: usize| {
-            let stacked = bodies.iter().filter(|&&body| layout.stacks[body] == stack);
-            stacked.flat_map(|&body| members(body)).map(|m| foot(m)[2]).fold(f64::INFINITY, f64::min)
+        let floor = |column: usize| {
+            let members_of = bodies.iter().filter(|&&body| layout.columns[body] == column);
+            members_of.flat_map(|&body| members(body)).map(|m| foot(m)[2]).fold(f64::INFINITY, f64::min)
         };
         let mut parts: Vec<Part> = Vec::new();
         let (mut low, mut high) = ([f64::INFINITY; 2], [f64::NEG_INFINITY; 2]);
         let mut height_mm = 0.0_f64;
         for &body in &bodies {
-            let floor_mm = floor(layout.stacks[body]);
+            let floor_mm = floor(layout.columns[body]);
             for member in members(body) {
                 let ([x, y, z], size) = (foot(member), layout.items[member.item].size());
                 let lift_mm = z - floor_mm;
@@ -103,7 +103,7 @@ impl Group {
             [] => layout.name.clone(),
         };
         let number = match (self.parts.as_slice(), items.as_slice()) {
-            ([only], [item]) => copy * layout.items[*item].spots.len() + only.member.spot,
+            ([only], [item]) => copy * layout.items[*item].positions.len() + only.member.position,
             _ => copy,
         };
         if number == 0 { name } else { format!("{name} ({})", number + 1) }
@@ -112,7 +112,7 @@ impl Group {
     /// Corners of the convex hulls of its members, seen from above, from its middle, turned by quarters.
     fn points(&self, layout: &Layout, quarters: u32) -> Vec<[f64; 2]> {
         let points = self.parts.iter().flat_map(|part| {
-            let hull = hull(&layout.items[part.member.item], part.member.spot);
+            let hull = hull(&layout.items[part.member.item], part.member.position);
             let corners: Vec<[f64; 2]> = hull.exterior().points().map(|p| [p.x(), p.y()]).collect();
             corners.into_iter().map(|[x, y]| turned([x - self.middle[0], y - self.middle[1]], quarters))
         });
@@ -143,7 +143,7 @@ impl Group {
             let parts = self.parts.iter().filter(move |part| part.body == body);
             parts.flat_map(|part| {
                 let item = &layout.items[part.member.item];
-                let [dx, dy, _] = item.spots[part.member.spot];
+                let [dx, dy, _] = item.positions[part.member.position];
                 let at = move |v: u32| {
                     let [x, y, _] = item.mesh.vertices()[v as usize];
                     turned([x + dx - self.middle[0], y + dy - self.middle[1]], quarters)

@@ -131,7 +131,7 @@ fn apart_mm(options: &Placement) -> f64 {
 fn too_near(layout: &Layout, bodies: &[usize], apart_mm: f64) -> Option<[usize; 2]> {
     let hulls: Vec<Vec<_>> = bodies
         .iter()
-        .map(|&body| layout.bodies[body].iter().map(|m| hull(&layout.items[m.item], m.spot)).collect())
+        .map(|&body| layout.bodies[body].iter().map(|m| hull(&layout.items[m.item], m.position)).collect())
         .collect();
     let near = |i: usize, j: usize| {
         hulls[i].iter().any(|a| hulls[j].iter().any(|b| Euclidean.distance(a, b) < apart_mm - TOLERANCE_MM))
@@ -300,10 +300,10 @@ fn packed(
     };
     let mut left: Option<Vec<usize>> = None;
     for towards in [Towards::Middle, Towards::Corner] {
-        let spots = arrange(&shapes, &kinds, half, towards, fits);
-        let without: Vec<usize> = (0..models.len()).filter(|&model| spots[model].is_none()).collect();
+        let positions = arrange(&shapes, &kinds, half, towards, fits);
+        let without: Vec<usize> = (0..models.len()).filter(|&model| positions[model].is_none()).collect();
         if without.is_empty() {
-            let placed = spots.into_iter().flatten().map(|spot| (spot.turn as u32, at_mm(spot.at))).collect();
+            let placed = positions.into_iter().flatten().map(|position| (position.turn as u32, at_mm(position.at))).collect();
             return Ok(area.in_the_middle(placed, |model, turn| &shapes[kinds[model]][turn as usize].rim));
         }
         if left.as_ref().is_none_or(|left| without.len() < left.len()) {
@@ -314,10 +314,10 @@ fn packed(
         .iter()
         .map(|&group| groups[group].footprint(&layouts[groups[group].layout], area.shape, 0))
         .collect();
-    let spots = pack(&boxes, 2.0 * reach_mm, |placed, spots| area.group_share(placed, spots));
+    let positions = pack(&boxes, 2.0 * reach_mm, |placed, positions| area.group_share(placed, positions));
     let unplaced = left.unwrap_or_default();
-    match spots {
-        Ok(spots) => Ok(spots.into_iter().map(|spot| (0, spot)).collect()),
+    match positions {
+        Ok(positions) => Ok(positions.into_iter().map(|position| (0, position)).collect()),
         Err(boxes_left) if boxes_left.len() < unplaced.len() => Err(boxes_left),
         Err(_) => Err(unplaced),
     }
@@ -339,12 +339,12 @@ fn settle(
         let group = &standing.groups[*group];
         for part in &group.parts {
             let from_middle = turned(part.at, *quarters);
-            let spot = [at[0] + from_middle[0] + dx, at[1] + from_middle[1] + dy];
+            let position = [at[0] + from_middle[0] + dx, at[1] + from_middle[1] + dy];
             let count = bodies.len();
             let body = *bodies.entry((group.layout, *copy, part.body)).or_insert(count);
             slots.insert(
-                (group.layout, part.member.item, *copy, part.member.spot),
-                (*quarters, part.lift_mm, spot, body),
+                (group.layout, part.member.item, *copy, part.member.position),
+                (*quarters, part.lift_mm, position, body),
             );
         }
     }
@@ -354,13 +354,13 @@ fn settle(
     let mut plate = Plate { meshes: Vec::new(), objects: Vec::new(), notes: standing.notes };
     // Layout, item, quarter turns and height over the bed of each mesh.
     let mut kinds: Vec<(usize, usize, u32, f64)> = Vec::new();
-    for ((layout, item, copy, instance), (quarters, lift_mm, spot, body)) in slots {
+    for ((layout, item, copy, instance), (quarters, lift_mm, position, body)) in slots {
         let source = &layouts[layout].items[item];
-        let number = copy * source.spots.len() + instance;
+        let number = copy * source.positions.len() + instance;
         let name =
             if number == 0 { source.name.clone() } else { format!("{} ({})", source.name, number + 1) };
         let rim = rim(source, instance, quarters, area.shape);
-        let by_mm = area.excess_mm(rim.iter().map(|p| [p[0] + spot[0], p[1] + spot[1]]));
+        let by_mm = area.excess_mm(rim.iter().map(|p| [p[0] + position[0], p[1] + position[1]]));
         if by_mm > TOLERANCE_MM {
             return Err(PlacementError::Outside { name, by_mm, bed: area.to_string() });
         }
@@ -369,7 +369,7 @@ fn settle(
             kinds.push(kind);
             kinds.len() - 1
         });
-        let offset = Point::from_mm(spot[0] + middle[0], spot[1] + middle[1]);
+        let offset = Point::from_mm(position[0] + middle[0], position[1] + middle[1]);
         plate.objects.push(Object { name, mesh, offset, body });
     }
     for (i, &(layout, item, quarters, lift_mm)) in kinds.iter().enumerate() {

@@ -88,7 +88,7 @@ pub struct Planner {
     /// Calibrated distance of sparse lines.
     line_distance_mm: Option<f64>,
     /// Layers that are combined, bottom up.
-    stacks: CombinedInfill,
+    combined: CombinedInfill,
     brim: Vec<Line>,
     skirt: Vec<Ring>,
     /// What part and brim cover on the bed.
@@ -126,8 +126,8 @@ impl Planner {
     pub fn new(settings: ToolpathSettings, footprint: &Region, first_height_mm: f64) -> Self {
         let (line_distance_mm, covered) = (None, footprint.clone());
         let pattern = infill::pattern(settings.infill.pattern);
-        let (stacks, brim, skirt) = (CombinedInfill::default(), Vec::new(), Vec::new());
-        let mut planner = Self { settings, pattern, line_distance_mm, stacks, brim, skirt, covered };
+        let (combined, brim, skirt) = (CombinedInfill::default(), Vec::new(), Vec::new());
+        let mut planner = Self { settings, pattern, line_distance_mm, combined, brim, skirt, covered };
         let width_mm = planner.widths(0).skirt_mm;
         planner.brim = adhesion::brim(footprint, &planner.settings.brim, width_mm, first_height_mm);
         if !planner.brim.is_empty() {
@@ -165,8 +165,8 @@ impl Planner {
         for object in &layer.objects {
             for island in &object.section.polygons {
                 let zones = self.zones(&walls::trace(island, &spec).inside, object, layer);
-                let room = geometry::offset(&zones.sparse, -fill_spec.spacing_mm / 2.0);
-                sample.area.polygons.extend(room.polygons);
+                let fill_area = geometry::offset(&zones.sparse, -fill_spec.spacing_mm / 2.0);
+                sample.area.polygons.extend(fill_area.polygons);
                 sample.area_mm2 += zones.sparse_mm2;
             }
         }
@@ -205,7 +205,7 @@ impl Planner {
     /// Combines the sparse infill of layers, `infill.combine_layers` at a time and as many as the nozzle's diameter allows.
     /// `areas` are the heights and [`sparse_area`](Self::sparse_area)s of all layers; the first is left alone.
     pub fn combine(&mut self, areas: &[(f64, Region)]) {
-        self.stacks =
+        self.combined =
             CombinedInfill::new(areas, self.settings.infill.combine_layers as usize, self.settings.nozzle.0);
     }
 
@@ -334,14 +334,14 @@ impl Planner {
     /// Sparse infill: of the layer, and of those beneath that it is combined with.
     fn sparse(&self, layer: &mut LayerBuilder, zone: Region, area_mm2: f64, section: &PlateLayer<'_>) {
         let own = Slab { height_mm: section.height_mm, turn: section.index };
-        let Some((stack, number)) = self.stacks.of(section.index) else {
+        let Some((group, number)) = self.combined.of(section.index) else {
             return self.fill(layer, &zone, area_mm2, section, own);
         };
-        let shared = geometry::intersection(&zone, &stack.area);
+        let shared = geometry::intersection(&zone, &group.area);
         let rest = geometry::opening(&geometry::remainder(&zone, &shared), own.height_mm / 2.0);
         self.fill(layer, &rest, rest.area_mm2(), section, own);
-        if section.index == stack.last {
-            let slab = Slab { height_mm: stack.height_mm, turn: number };
+        if section.index == group.last {
+            let slab = Slab { height_mm: group.height_mm, turn: number };
             self.fill(layer, &shared, shared.area_mm2(), section, slab);
         }
     }
@@ -360,14 +360,14 @@ impl Planner {
         }
         let (pattern, density) = (&*self.pattern, self.settings.infill.density.0);
         let spec = self.fill_spec(section, slab);
-        let room = geometry::offset(zone, -spec.spacing_mm / 2.0);
+        let fill_area = geometry::offset(zone, -spec.spacing_mm / 2.0);
         let (lines, flow) = if pattern.is_even() {
             let solid_mm = area_mm2 / spec.spacing_mm;
-            let lines = infill::lay(pattern, &room, &spec, solid_mm, density);
+            let lines = infill::lay(pattern, &fill_area, &spec, solid_mm, density);
             let flow = infill::flow(&lines, solid_mm, density);
             (lines, flow)
         } else {
-            (pattern.fill(&room, &spec), 1.0)
+            (pattern.fill(&fill_area, &spec), 1.0)
         };
         let layer_mm = std::mem::replace(&mut layer.height_mm, slab.height_mm);
         let width_mm = bead::width_mm(spec.spacing_mm * flow, slab.height_mm);
@@ -417,7 +417,7 @@ impl Planner {
             return Vec::new();
         }
         let index = section.index - 1;
-        let turn = self.stacks.of(index).map_or(index, |(_, number)| number);
+        let turn = self.combined.of(index).map_or(index, |(_, number)| number);
         let spec = self.fill_spec(section, Slab { height_mm: section.height_mm, turn });
         self.pattern.sets(&FillSpec { layer: index, z_mm: spec.z_mm - section.height_mm, ..spec })
     }

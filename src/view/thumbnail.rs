@@ -129,8 +129,8 @@ impl Fit {
         if !size.iter().all(|mm| mm.is_finite()) {
             return None;
         }
-        let room = 1.0 - 2.0 * MARGIN;
-        let scale = (width * room / size[0].max(1e-3)).min(height * room / size[1].max(1e-3));
+        let inner = 1.0 - 2.0 * MARGIN;
+        let scale = (width * inner / size[0].max(1e-3)).min(height * inner / size[1].max(1e-3));
         let shift =
             [width / 2.0 - scale * (low[0] + size[0] / 2.0), height / 2.0 + scale * (low[1] + size[1] / 2.0)];
         Some(Self { scale, shift })

@@ -407,9 +407,9 @@ fn a_relative_move_of_an_end_script_begins_where_the_file_has_it() {
 #[test]
 fn retractions_grow_in_number_only_where_a_cost_is_asked_for() {
     let text = slotted() + &two_layers(true);
-    let pulls = |text: &str| measure(text.as_bytes(), Mm(1.75)).retractions;
+    let retractions = |text: &str| measure(text.as_bytes(), Mm(1.75)).retractions;
     for options in [&["--scope", "feature"][..], &["--scope", "layer", "--seam", "free"]] {
-        assert!(pulls(&reordered(&text, options)) <= pulls(&text), "{options:?}");
+        assert!(retractions(&reordered(&text, options)) <= retractions(&text), "{options:?}");
     }
 }
 

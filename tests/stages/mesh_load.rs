@@ -238,7 +238,7 @@ fn a_3mf_is_put_together_from_its_parts_units_and_transforms() {
     assert_eq!(found[0].name.as_deref(), Some("pair"));
     assert_eq!(found[0].report.shells, 2);
     assert!((found[0].report.volume_mm3 - 2.0 * 50.8f64.powi(3)).abs() < 1.0);
-    assert_eq!(found[1].spots, [[0.0; 3], [4.0 * 25.4, 0.0, 0.0]], "inches of the part that says so");
+    assert_eq!(found[1].positions, [[0.0; 3], [4.0 * 25.4, 0.0, 0.0]], "inches of the part that says so");
     assert_eq!((found[2].report.volume_mm3.round(), found[2].report.flipped), (6000.0, 0), "mirrored");
     let warnings = found[0].report.warnings.join("\n");
     assert!(warnings.contains("the extension urn:odd is not understood"), "{warnings}");

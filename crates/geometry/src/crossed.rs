@@ -87,7 +87,7 @@ impl<'a> Crossed<'a> {
         };
         out.cut(crossings);
         for ring in 0..arrangement.spans().len() {
-            out.wind(ring)?;
+            out.find_windings(ring)?;
         }
         Some(out)
     }
@@ -125,7 +125,7 @@ impl<'a> Crossed<'a> {
     }
 
     /// Finds the windings beside a ring; `None` if they do not add up.
-    fn wind(&mut self, ring: usize) -> Option<()> {
+    fn find_windings(&mut self, ring: usize) -> Option<()> {
         let (start, end) = self.arrangement.spans()[ring];
         let points = self.arrangement.points();
         // Left of its leftmost vertex the ring does not wind.

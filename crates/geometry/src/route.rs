@@ -217,7 +217,7 @@ impl<'a> Router<'a> {
     fn find_access(&self, p: Point) -> Option<Access> {
         let lanes = self.lanes();
         if lanes.grid.contains(p) {
-            let inside = |polygon: &Polygon| polygon.rings().fold(false, |odd, ring| odd ^ winds(ring, p));
+            let inside = |polygon: &Polygon| polygon.rings().fold(false, |odd, ring| odd ^ encloses(ring, p));
             let polygon = lanes.region.polygons.iter().position(inside)?;
             return Some(Access { point: p, polygon, on: None });
         }
@@ -292,7 +292,7 @@ fn meet([a, b]: [Point; 2], [c, d]: [Point; 2]) -> bool {
 }
 
 /// Whether a ray from the point crosses the ring an odd number of times.
-fn winds(ring: &[Point], p: Point) -> bool {
+fn encloses(ring: &[Point], p: Point) -> bool {
     let ends = ring.iter().cycle().skip(1);
     let crossed =
         |(a, b): (&Point, &Point)| (a.y > p.y) != (b.y > p.y) && ((*b - *a).cross(p - *a) > 0) == (b.y > a.y);

@@ -32,7 +32,7 @@ impl Limits {
         }
     }
 
-    /// The acceleration of a move that feeds filament or pulls it back.
+    /// The acceleration of a move that only feeds or retracts filament.
     pub fn acceleration(&self, firmware: Firmware, in_space: bool, e_mm: f64) -> f64 {
         let prints = match firmware {
             Firmware::Marlin | Firmware::MarlinClassic => e_mm != 0.0,

@@ -147,7 +147,7 @@ mod tests {
     use geometry::{Point, Polygon};
 
     #[test]
-    fn in_a_narrow_room_fewer_lines_join_to_one_bead_of_the_same_density() {
+    fn in_a_narrow_area_fewer_lines_join_to_one_bead_of_the_same_density() {
         let corners = [(0.0, 0.0), (40.0, 0.0), (40.0, 3.0), (0.0, 3.0)];
         let outer = corners.map(|(x, y)| Point::from_mm(x, y)).to_vec();
         let area = Region { polygons: vec![Polygon { outer, holes: Vec::new() }] };

@@ -113,8 +113,8 @@ fn lines(
     let outline = Outline::sample(polygon, (SPACING * max_mm).max(length / 200_000.0).max(1e-3));
     let mut nodes = axis::chordal_axis(&outline);
     branches::prune(&mut nodes, covers);
-    let trails = branches::trails(&nodes);
-    trails.into_iter().map(|trail| Line::new(&nodes, &trail, grid, max_mm, tip)).collect()
+    let paths = branches::axis_paths(&nodes);
+    paths.into_iter().map(|path| Line::new(&nodes, &path, grid, max_mm, tip)).collect()
 }
 
 /// The parts of lines that are wide enough, within a boundary.
