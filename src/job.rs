@@ -1,4 +1,4 @@
-//! What a run is asked to do, and how it can fail.
+//! The tasks of a run, and the errors that it can end with.
 
 use std::path::{Path, PathBuf};
 
@@ -132,7 +132,7 @@ pub enum JobError {
     Cancelled,
 }
 
-/// What does the work for the command line.
+/// The operations behind the command line.
 pub trait Engine: Sync {
     /// Slices one plate and writes its G-code. The caller commits the output.
     ///
@@ -158,8 +158,7 @@ pub trait Engine: Sync {
         observer: &Observer<'_>,
     ) -> Result<Vec<StrategyRow>, JobError>;
 
-    /// What ordering saves on a file, as the paper's table has it; the first row is the file as it is. A model is sliced
-    /// first.
+    /// The rows of the paper's table for a file A model is sliced first.
     ///
     /// # Errors
     /// See [`JobError`].

@@ -4,7 +4,7 @@ use std::fmt;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::time::Duration;
 
-/// Told how far a run is, and asked whether it shall go on. Called from any thread.
+/// Receives the progress of a run and can cancel it. Called from any thread.
 ///
 /// # Examples
 /// ```

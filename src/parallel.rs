@@ -9,10 +9,10 @@ use rayon::prelude::*;
 
 use crate::observer::Observer;
 
-/// What unwinds a run that was cancelled.
+/// The panic payload of a cancelled run.
 struct Cancelled;
 
-/// Those who do the work of one run.
+/// The workers of one run.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Workers<'a> {
     /// Who watches it.

@@ -11,7 +11,7 @@ use crate::pipeline::Pipeline;
 use crate::profile::Settings;
 use crate::report::{PrintTime, Reordered};
 
-/// Puts G-code into an order that travels less and prints the same; as it was, where nothing is gained.
+/// Reorders G-code for less travel with the same print; unchanged where nothing is gained.
 ///
 /// # Errors
 /// It is not understood, the result fails its proof, or the observer cancels the run.
@@ -73,7 +73,7 @@ fn checked(gcode: &[u8], settings: &Settings, survey: &mut Survey) -> Result<Che
     report.ok_or_else(|| JobError::Input("there are no moves in it; is it G-code?".into()))
 }
 
-/// How long G-code takes, by layer and by what the time is spent on, on the machine of the settings.
+/// The print time of G-code on the machine of the settings, by layer, role and activity.
 ///
 /// # Errors
 /// It cannot be read.

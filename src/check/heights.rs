@@ -2,13 +2,13 @@
 
 use super::fault::Kind;
 use super::report::Found;
-use super::rule::{Rule, Seen};
+use super::rule::{Rule, LineContext};
 use crate::profile::Settings;
 
 /// Walls printed for several layers before their infill, and slopes, go down by less than this many nozzle diameters.
 const SLACK_NOZZLES: f64 = 1.5;
 
-/// Follows the height of beads.
+/// Checks the order of heights.
 pub(super) struct Heights {
     top_mm: f64,
     slack_mm: f64,
@@ -21,7 +21,7 @@ impl Heights {
 }
 
 impl Rule for Heights {
-    fn see(&mut self, seen: &Seen<'_>, found: &mut Found) {
+    fn check_line(&mut self, seen: &LineContext<'_>, found: &mut Found) {
         let Some(bead) = seen.bead() else {
             if seen.another_object() {
                 self.top_mm = f64::NEG_INFINITY;

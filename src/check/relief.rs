@@ -16,7 +16,7 @@ pub(super) struct Relief {
     cells_per_mm: f64,
     columns: usize,
     rows: usize,
-    /// Top of what lies in each cell, mm; minus infinity where nothing does.
+    /// Height of the print in each cell, mm; minus infinity where there is none.
     tops_mm: Vec<f32>,
     highest_mm: f64,
     /// Where the last short bead ended.

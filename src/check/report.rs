@@ -69,8 +69,7 @@ impl Found {
         self.faults
     }
 
-    /// The first fault of a path, in words, that is of another kind than those of another file; nothing if there is
-    /// none.
+    /// The first fault of a path whose kind does not occur in another file, in words; `None` if there is none.
     pub fn first_of_paths(&self, but: &Found) -> Option<String> {
         let known = |kind: Kind| but.faults.iter().any(|fault| fault.kind == kind);
         let faults = self.faults.iter().filter(|fault| fault.kind.is_of_paths() && !known(fault.kind));
@@ -80,7 +79,7 @@ impl Found {
     }
 }
 
-/// What was found in a file. `Display` gives the table for people, `Serialize` the JSON.
+/// The faults of a file. `Display` gives the table for people, `Serialize` the JSON.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct CheckReport {
     /// The file, as named on the command line.
@@ -106,7 +105,7 @@ pub struct CheckReport {
 }
 
 impl CheckReport {
-    /// Adds what another report of the same file found, of other kinds than there are.
+    /// Adds the faults of another report of the same file whose kinds are not in this one.
     pub fn join(&mut self, other: CheckReport) {
         self.extend(Found { faults: other.faults });
         self.model = self.model.take().or(other.model);

@@ -4,8 +4,8 @@ use super::fault::Kind;
 use super::report::Found;
 use crate::gcode::{Action, Context, Line, State, Stroke};
 
-/// A line, what it does, and what the machine had in mind before. Positions are the machine's, whatever G92 calls them.
-pub(super) struct Seen<'a> {
+/// A line, what it does, and the state of the machine before it. Positions are the machine's, whatever G92 calls them.
+pub(super) struct LineContext<'a> {
     pub line: &'a Line<'a>,
     pub action: &'a Action<'a>,
     pub context: &'a Context,
@@ -21,7 +21,7 @@ pub(super) struct Seen<'a> {
     pub located: bool,
 }
 
-impl<'a> Seen<'a> {
+impl<'a> LineContext<'a> {
     /// The move, if it is one.
     pub fn stroke(&self) -> Option<&'a Stroke> {
         match self.action {
@@ -69,7 +69,7 @@ impl<'a> Seen<'a> {
 /// A family of rules. It follows the file line by line in memory that does not grow with it.
 pub(super) trait Rule: Send {
     /// Processes a line.
-    fn see(&mut self, seen: &Seen<'_>, found: &mut Found);
+    fn check_line(&mut self, seen: &LineContext<'_>, found: &mut Found);
 
     /// The file is at its end.
     fn end(&mut self, _found: &mut Found) {}

@@ -8,7 +8,7 @@ use super::{Firmware, Machine};
 pub struct Segment {
     /// Displacement in X, Y, Z and E, millimetres.
     pub delta: [f64; 4],
-    /// Speed asked for, mm/s: along the path in space, or of E where there is none.
+    /// Requested speed, mm/s: along
     pub speed: f64,
     /// Acceleration asked for, mm/s².
     pub acceleration: f64,
@@ -160,8 +160,7 @@ impl Planner {
         self.seconds[account] += seconds;
     }
 
-    /// Settles the moves whose speeds are certain already: all before one whose start speed is what the moves
-    /// before it allow, and stays so even if the machine were to stop after the last move.
+    /// Fixes the speeds of the moves that no later move can change.
     fn settle_some(&mut self) {
         let (mut end_v2, mut smooth_end_v2) =
             self.blocks.last().map_or((0.0, 0.0), |b| (b.rest_v2, b.rest_v2));

@@ -5,7 +5,7 @@ use super::script::Scripts;
 use super::settings::GcodeOptions;
 use crate::units::Seconds;
 
-/// What a script comes to, measured as it would be on the finished file.
+/// The sums of a script's moves, measured as on the finished file.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Effect {
     /// Lengths, counts and volume.

@@ -11,10 +11,10 @@ const E_TICKS_PER_MM: f64 = 1e5;
 /// retraction.
 pub(super) struct Extruder {
     ticks_per_mm3: f64,
-    /// Filament extruded so far: what it should be, and what was written.
+    /// Filament extruded so far: exact and as written.
     extruded: f64,
     extruded_written: i64,
-    /// Filament retracted at present: what it should be, and what was written.
+    /// Filament retracted at present: exact and as written.
     retracted: f64,
     retracted_written: i64,
     /// Absolute E.

@@ -92,7 +92,7 @@ pub(super) fn sum(doubts: &[Doubtful], volume_mm3: f64, vertices: &[[f32; 3]]) -
 /// Lines that are shot through a mesh along each axis: this many by this many.
 const LINES: usize = 64;
 
-/// What a line meets: where, and whether it enters.
+/// An intersection of a line with the surface: its position, and whether the line enters.
 type Hit = (f64, bool);
 
 /// Volume along lines that do not leave the surface as often as they enter it, of the axis with the most: where the mesh

@@ -18,7 +18,7 @@ pub(super) trait Format: Sync {
     fn read(&self, path: &Path, data: &[u8]) -> Result<Contents, MeshError>;
 }
 
-/// What a file holds.
+/// The contents of a file.
 pub(super) struct Contents {
     pub objects: Vec<FileObject>,
     pub format: &'static str,

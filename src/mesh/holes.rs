@@ -12,7 +12,7 @@ use super::edges::{Edges, NO_TWIN, ends};
 use super::measure::{Vec3, area_mm2, length_mm, normal, point};
 use geometry::DisjointSets;
 
-/// What closes holes.
+/// The facets that close holes.
 #[derive(Default)]
 pub(super) struct Filled {
     pub facets: Vec<[u32; 3]>,
@@ -154,7 +154,7 @@ fn least_area(vertices: &[[f32; 3]], corners: &[u32]) -> Vec<[u32; 3]> {
     facets
 }
 
-/// What lies around a hole.
+/// The surface around a hole.
 struct Surface<'a> {
     vertices: &'a [[f32; 3]],
     triangles: &'a [[u32; 3]],

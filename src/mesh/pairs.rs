@@ -8,7 +8,7 @@ use super::edges::for_each_edge;
 use super::measure::{area_mm2, keep, length_mm};
 use geometry::DisjointSets;
 
-/// What was left out.
+/// Counts of the facets left out.
 #[derive(Default)]
 pub(super) struct Settled {
     /// Facets that repeated one that stays.
@@ -17,7 +17,7 @@ pub(super) struct Settled {
     pub cancelled: usize,
 }
 
-/// A group whose area is this many times what its rim could enclose in a plane is a body, not a sheet.
+/// A group is a body, not a sheet, if its area is this many times the area that its rim could enclose in a plane.
 const BODY: f64 = 4.0;
 
 /// Rounds in which groups are decided by those decided before.

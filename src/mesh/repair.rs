@@ -10,7 +10,7 @@ use super::weld::Soup;
 use super::{agree, doubts, gaps, holes, outside, pairs, sheets, walls};
 use geometry::DisjointSets;
 
-/// What was done and what was found; volume of an open shell: that of the cone from the middle of its box.
+/// Repairs and findings; the volume of an open shell is that of the cone from the middle of its box.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Repairs {
     pub degenerate: usize,
@@ -44,7 +44,7 @@ pub(super) struct Repaired {
 /// The share of the surface that is taken to have moved where wide gaps were welded: moves average out.
 const WELDED_SHARE: f64 = 0.1;
 
-/// Repairs what can be repaired; what was guessed at is said to be in doubt.
+/// Repairs a mesh as far as possible; guesses are reported as doubts.
 pub(super) fn repair(soup: Soup) -> Repaired {
     let Soup { mut vertices, mut triangles, mut degenerate } = soup;
     let mut repairs = Repairs::default();

@@ -53,7 +53,7 @@ pub struct MeshReport {
     pub non_manifold_edges: usize,
     /// Edges whose two facets disagree on the outside, and could not be made to agree.
     pub inconsistent_edges: usize,
-    /// What the repair may have got wrong; nothing of a sound mesh or a repair that is sure.
+    /// The uncertainty of the repair; `None` for a sound mesh or a certain repair.
     pub uncertain: Option<Doubt>,
     /// What was overlooked in the file, and what looks wrong.
     pub warnings: Vec<String>,
@@ -68,7 +68,7 @@ pub struct Repair {
     pub count: usize,
 }
 
-/// What was done of each kind: its name, what one is called, what several are called.
+/// Counts of repairs by kind: its name, and the words for one and for several.
 const KINDS: [(&str, &str, &str); 7] = [
     ("degenerate-dropped", "facet without area dropped", "facets without area dropped"),
     ("duplicates-dropped", "duplicate facet dropped", "duplicate facets dropped"),

@@ -15,7 +15,7 @@ struct Patch {
     holds: bool,
 }
 
-/// Sheets have no more than this many times the area that their rim could enclose in a plane: what has more bulges.
+/// Largest ratio of a sheet's area to the area that its rim could enclose in a plane; larger ones bulge.
 const FLAT: f64 = 2.0;
 
 /// A sheet hangs on something with this many times its area.

@@ -27,7 +27,7 @@ const ROUNDS: usize = 50;
 
 const DIRECTIONS: [[f32; 3]; 3] = [[0.36, 0.48, 0.8], [-0.6, 0.64, 0.48], [0.48, -0.36, -0.8]];
 
-/// What rays say of a patch.
+/// The result of casting rays from a patch.
 #[derive(Clone, Copy, PartialEq)]
 enum Finding {
     Right,

@@ -151,7 +151,7 @@ impl Nozzle<'_> {
         }
     }
 
-    /// Sets the fan to what a grade of overhang, or a bridge, asks for; `None`: to the layer's own.
+    /// Sets the fan for a grade of overhang or a bridge; `None`: to the layer's own speed.
     fn set_fan(&mut self, role: Option<Role>) {
         let fan = self.rules.fan(role);
         if fan != self.fan {

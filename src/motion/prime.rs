@@ -1,4 +1,4 @@
-//! What is fed beyond what was retracted: with the beginning of the next bead, so that it leaves no blob.
+//! The extra amount after a retraction, fed with the beginning of the next bead so that it leaves no blob.
 
 use super::Move;
 use super::sums::drawn_mm;
@@ -7,9 +7,9 @@ use crate::units::{Mm3, MmPerS};
 /// Distance over which it is fed.
 const PRIME_MM: f64 = 2.0;
 
-/// Adds a volume (less than 0: takes it away, as far as there is any) to the first lines of a bead that begins at
-/// `from` with `moves[first]`, in proportion to what they hold. A line that is longer is cut. What then holds
-/// more is drawn at the speed that is `melted` for its cross-section, mm².
+/// Adds a volume (negative: removes it, down to nothing) to the first lines of the bead that begins at `from` with
+/// `moves[first]`, in proportion to their own volumes. A line that is longer is cut. What then holds more is drawn at
+/// the speed that is `melted` for its cross-section, mm².
 pub(super) fn prime(
     moves: &mut Vec<Move>,
     first: usize,

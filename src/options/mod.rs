@@ -1,11 +1,11 @@
-//! What a setting is: type, unit, range and meaning, written beside the struct of the stage that reads it.
+//! The definition of a setting: type, unit, range and meaning, written
 //!
 //! [`section!`] makes a struct of options with its defaults and the table of its keys; [`choice!`] makes an option that is
 //! one of a few words. `profile` joins the sections of all stages.
 
 use crate::units::{Celsius, Mm, Mm3, Mm3PerS, MmPerS, MmPerS2, Ratio, Seconds};
 
-/// What a key takes.
+/// The kind of a key's value.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Kind {
     /// A number with a unit.

@@ -4,7 +4,7 @@ use serde_json::{Value, json};
 
 use ordering::{Cost, Problem, Visit, links};
 
-/// What one strategy made of one layer.
+/// The result of one strategy for one layer.
 #[derive(Clone, Debug, PartialEq)]
 pub struct LayerRow {
     /// Index of the layer from the bed.
@@ -21,7 +21,7 @@ pub struct LayerRow {
     pub bound_mm: Option<f64>,
 }
 
-/// What one strategy made of all layers.
+/// The result of one strategy for all layers.
 #[derive(Clone, Debug, PartialEq)]
 pub struct StrategyRow {
     /// The strategy's name.
@@ -70,7 +70,7 @@ impl StrategyRow {
     }
 }
 
-/// How far a length is above its bound, as a share of the bound; nothing without a bound above 0.
+/// Excess of a length over its bound, as a share of the bound; `None` without a bound above 0.
 pub fn gap(link_mm: f64, bound_mm: Option<f64>) -> Option<f64> {
     bound_mm.filter(|&bound| bound > 0.0).map(|bound| link_mm / bound - 1.0)
 }

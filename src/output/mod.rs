@@ -18,7 +18,7 @@ use file::{Opened, Pending, Stream};
 #[cfg(feature = "cli")]
 pub use file::{abandon_and_exit, resolve_links};
 
-/// What could not be done to which output.
+/// An operation on an output that failed.
 #[derive(Debug, thiserror::Error)]
 #[error("{path}: {}", reason(source))]
 pub struct OutputError {
@@ -68,7 +68,7 @@ impl Output {
         Self { name: "memory".into(), written: 0, sink: Sink::Memory(Vec::new()) }
     }
 
-    /// What was written, where it is held in memory; nothing of a file.
+    /// The bytes of an output in memory; none of a file.
     pub fn into_bytes(self) -> Vec<u8> {
         match self.sink {
             Sink::Memory(held) => held,

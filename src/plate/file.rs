@@ -48,8 +48,8 @@ impl Model {
         let (mut low, mut high, mut volume_mm3) = ([f64::INFINITY; 3], [f64::NEG_INFINITY; 3], 0.0);
         for (number, Object { name: own, mesh, mut report, positions }) in (1..).zip(read) {
             let unnamed = if several { format!("{} {number}", name_of(path)) } else { name_of(path) };
-            let (mesh, was_at) = units::brought_near(path, mesh, transform)?;
-            report.warnings.extend(units::blur(was_at));
+            let (mesh, was_at) = units::moved_near_origin(path, mesh, transform)?;
+            report.warnings.extend(units::precision_warning(was_at));
             let failed = |source| MeshError::Transform { path: path.to_path_buf(), source };
             let mesh = transform.apply(mesh).map_err(failed)?;
             let plus = |a: [f64; 3], b: [f64; 3]| [0, 1, 2].map(|i| a[i] + b[i]);

@@ -1,4 +1,4 @@
-//! What a file holds: models at their positions relative to each other, and which of them are one body.
+//! The contents of a file: models at their relative positions, grouped into bodies.
 
 use geo::{BoundingRect, ConvexHull, Distance, Euclidean, LineString, MultiPoint, Polygon};
 
@@ -30,7 +30,7 @@ impl Item {
         Self { name: name.into(), mesh, positions, bounds }
     }
 
-    /// The same, placed by the box around what of it is thick enough for a line. O(triangles).
+    /// The same item, placed by the box around its parts that are thick enough for a line. O(triangles).
     #[must_use]
     pub fn without_slivers(mut self, line: Line) -> Self {
         self.bounds = printable_bounds(&self.mesh, line);

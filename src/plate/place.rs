@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use geo::{Distance, Euclidean};
 
 use super::area::{Area, TOLERANCE_MM, fitting_factor};
-use super::arrange::{Shape, Towards, arrange};
+use super::arrange::{Shape, SearchOrder, arrange};
 use super::error::{PlacementError, listed};
 use super::group::{Group, turned};
 use super::layout::{Item, Layout, hull};
@@ -15,7 +15,7 @@ use super::pack::{Footprint, pack};
 use crate::mesh::Mesh;
 use geometry::Point;
 
-/// What decides where models stand.
+/// The method of arrangement.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Arrange {
     /// Files, each with the layout that it has; where one does not fit, its bodies.
@@ -84,14 +84,14 @@ pub fn place(layouts: Vec<Layout>, bed: &BedSettings, options: &Placement) -> Re
 }
 
 /// Groups at their positions.
-struct Standing {
+struct PlacedGroups {
     groups: Vec<Group>,
-    stands: Vec<Stand>,
+    placed: Vec<PlacedGroup>,
     notes: Vec<String>,
 }
 
-/// A copy of a group, its middle at a position relative to the bed's, turned by quarters.
-struct Stand {
+/// A copy of a group: its middle relative to the bed's, and its rotation in quarter turns.
+struct PlacedGroup {
     group: usize,
     copy: usize,
     quarters: u32,
@@ -104,7 +104,7 @@ fn as_they_are(
     bed: &BedSettings,
     area: &Area,
     options: &Placement,
-) -> Result<Standing, PlacementError> {
+) -> Result<PlacedGroups, PlacementError> {
     for body in 0..layout.body_count() {
         let group = Group::new(0, layout, vec![body]);
         area.check(&group.name(layout, 0), &group.footprint(layout, area.shape, 0))?;
@@ -118,8 +118,8 @@ fn as_they_are(
     }
     let middle = bed.middle_mm();
     let at = [0, 1].map(|i| group.middle[i] - middle[i]);
-    let stands = vec![Stand { group: 0, copy: 0, quarters: 0, at }];
-    Ok(Standing { groups: vec![group], stands, notes: Vec::new() })
+    let placed = vec![PlacedGroup { group: 0, copy: 0, quarters: 0, at }];
+    Ok(PlacedGroups { groups: vec![group], placed, notes: Vec::new() })
 }
 
 /// Least distance between bodies that are printed one after the other, with what is printed around them.
@@ -155,7 +155,7 @@ fn arranged(
     bed: &BedSettings,
     area: &Area,
     options: &Placement,
-) -> Result<Standing, PlacementError> {
+) -> Result<PlacedGroups, PlacementError> {
     let whole = |layout: &Layout| options.arrange == Arrange::Layouts && layout.kept;
     let mut kept: Vec<Kept> =
         layouts.iter().map(|layout| if whole(layout) { Kept::All } else { Kept::Nothing }).collect();
@@ -183,7 +183,7 @@ fn arranged(
         let models: Vec<(usize, usize)> = (0..groups.len()).flat_map(copies).collect();
         match packed(layouts, &groups, &models, area, options) {
             Ok(positions) => {
-                let stands = models.iter().zip(positions).map(|(&(group, copy), (quarters, at))| Stand {
+                let placed = models.iter().zip(positions).map(|(&(group, copy), (quarters, at))| PlacedGroup {
                     group,
                     copy,
                     quarters,
@@ -191,7 +191,7 @@ fn arranged(
                 });
                 let notes = layouts.iter().enumerate().filter(|(_, layout)| whole(layout));
                 let notes = notes.filter_map(|(number, layout)| note(number, layout, &groups, area));
-                return Ok(Standing { stands: stands.collect(), notes: notes.collect(), groups });
+                return Ok(PlacedGroups { placed: placed.collect(), notes: notes.collect(), groups });
             }
             Err(left) => {
                 let divisible =
@@ -299,8 +299,8 @@ fn packed(
         area.excess_mm(rim.iter().map(|p| [p[0] + x, p[1] + y])) <= TOLERANCE_MM
     };
     let mut left: Option<Vec<usize>> = None;
-    for towards in [Towards::Middle, Towards::Corner] {
-        let positions = arrange(&shapes, &kinds, half, towards, fits);
+    for search_order in [SearchOrder::Middle, SearchOrder::Corner] {
+        let positions = arrange(&shapes, &kinds, half, search_order, fits);
         let without: Vec<usize> = (0..models.len()).filter(|&model| positions[model].is_none()).collect();
         if without.is_empty() {
             let placed = positions.into_iter().flatten().map(|position| (position.turn as u32, at_mm(position.at))).collect();
@@ -326,7 +326,7 @@ fn packed(
 /// The plate in bed coordinates, shifted as asked. Objects are in the order of layouts, items, copies and places.
 fn settle(
     mut layouts: Vec<Layout>,
-    standing: Standing,
+    standing: PlacedGroups,
     bed: &BedSettings,
     area: &Area,
     options: &Placement,
@@ -335,7 +335,7 @@ fn settle(
     // Layout, item, copy and place, each with where it stands.
     let mut slots = BTreeMap::new();
     let mut bodies = BTreeMap::new();
-    for Stand { group, copy, quarters, at } in &standing.stands {
+    for PlacedGroup { group, copy, quarters, at } in &standing.placed {
         let group = &standing.groups[*group];
         for part in &group.parts {
             let from_middle = turned(part.at, *quarters);

@@ -180,8 +180,7 @@ fn reach(triangle: [[f64; 2]; 3], [low, high]: [f64; 2]) -> Option<[f64; 2]> {
     found
 }
 
-/// What bodies, each given by its triangles, cover of the bed, and `reach_mm` around that; of the convex hull of each
-/// where `convex`.
+/// The area of the bed that bodies, given by their triangles, cover
 pub(super) fn silhouette<T: Iterator<Item = [[f64; 2]; 3]>>(
     bodies: impl Iterator<Item = T>,
     convex: bool,

@@ -10,7 +10,7 @@ use crate::plate::{BedShape, Sequence};
 use crate::slice::layer_heights;
 use crate::toolpath::FuzzyWalls;
 
-/// What contradicts what, and what is unwise.
+/// Contradictions between settings, and warnings.
 pub(super) struct Conflicts {
     pub errors: Vec<Conflict>,
     pub warnings: Vec<Problem>,

@@ -28,7 +28,7 @@ pub use link_cost::{LinkCost, Options, choose};
 pub use problem::{Ordering, Pick};
 pub use reader::Blocks;
 pub use retraction::{Learner, RetractionStyle};
-pub use times::{Times, tells_time};
+pub use times::{Times, has_times};
 pub use verify::{Inventory, Proof, Readback, verify};
 pub use walls::Walls;
 pub use writer::{TIME_PADDING, Written, end, junction, write};

@@ -238,9 +238,9 @@ fn names(block: &Block) -> Vec<u32> {
     block.paths.iter().map(name).collect()
 }
 
-/// How many walls of its own type and island each wall has on one side of it, where the file draws those of a type one
-/// depth after another; elsewhere, and of what is no wall, 0. A wall that runs along none, before it or after, may be of any
-/// depth: it is taken to be of the one that is being drawn.
+/// For each wall, the number of walls of its type and island outside of it, where the file draws them depth by depth;
+/// otherwise 0. A wall that runs along none, before it or after, may be of any depth: it is taken to be of the one
+/// that is being drawn.
 fn depths<K: Eq + Hash>(paths: &[Path], kind: impl Fn(usize) -> K, beside: &[Option<u32>]) -> Vec<u32> {
     let (mut depth, mut drawn) = (vec![0; paths.len()], vec![0; paths.len()]);
     let inner = |i: usize| beside[i].map(|other| other as usize).filter(|&other| kind(other) == kind(i));

@@ -45,13 +45,13 @@ pub struct Blocks<R> {
     inventory: Option<Inventory>,
     /// Lines since the last path, and what they hold.
     pending: Vec<Token>,
-    since: Since,
+    pending_state: PendingState,
     done: bool,
 }
 
-/// What came since the last stroke of the last path.
+/// What the lines after the last stroke of the last path hold.
 #[derive(Clone, Copy, Debug, Default)]
-struct Since {
+struct PendingState {
     /// Something that moves, or feeds filament.
     moved: bool,
     /// Something that lets nothing pass.
@@ -60,7 +60,7 @@ struct Since {
     travel_state: Option<u32>,
 }
 
-/// What matters of the machine before a line.
+/// The state of the machine before a line, as far as it matters.
 struct Before {
     scale: f64,
     /// Whether filament is retracted.
@@ -89,7 +89,7 @@ impl<R: BufRead> Blocks<R> {
             block: empty(start, frame, States::default()),
             inventory: None,
             pending: Vec::new(),
-            since: Since::default(),
+            pending_state: PendingState::default(),
             done: false,
         }
     }
@@ -283,13 +283,13 @@ impl<R: BufRead> Blocks<R> {
         self.begun |= kind == Kind::Fixed;
         match kind {
             Kind::Travel => {
-                self.since.moved = true;
-                self.since.travel_state = Some(state);
+                self.pending_state.moved = true;
+                self.pending_state.travel_state = Some(state);
             }
             Kind::Wipe | Kind::Lift | Kind::Retract | Kind::Unretract | Kind::FirmwareRetract | Kind::FirmwareUnretract => {
-                self.since.moved = true
+                self.pending_state.moved = true
             }
-            Kind::Mark | Kind::Barrier | Kind::Fixed => self.since.barrier = true,
+            Kind::Mark | Kind::Barrier | Kind::Fixed => self.pending_state.barrier = true,
             Kind::ResetE | Kind::Feed | Kind::State(_) | Kind::Time(_) | Kind::Noise => {}
         }
         // After something that must stay, and draws, the nozzle is where it was: nothing has to be remembered.
@@ -316,7 +316,7 @@ impl<R: BufRead> Blocks<R> {
             self.block.after.at[2] == after.at[2] && self.block.layer == layer && self.block.frame == frame;
         let mut line = line;
         let mut ended = None;
-        if !self.block.paths.is_empty() && (self.since.barrier || !same) {
+        if !self.block.paths.is_empty() && (self.pending_state.barrier || !same) {
             let mut last = self.take();
             let cut = self.pending.first().map_or(line.start, |t| t.line.start);
             self.block = self.split(&mut last);
@@ -332,7 +332,7 @@ impl<R: BufRead> Blocks<R> {
         } else {
             self.block.times.extend(self.pending.extract_if(.., |t| matches!(t.kind, Kind::Time(_))));
             let end = self.block.end(&self.block.paths[self.block.paths.len() - 1]);
-            if self.since.moved || end != from {
+            if self.pending_state.moved || end != from {
                 self.begin(from, role, state);
             } else {
                 // Feed rates and states are kept with each stroke.
@@ -347,7 +347,7 @@ impl<R: BufRead> Blocks<R> {
         if let Some(path) = self.block.paths.last_mut() {
             path.segs.end = end;
         }
-        (self.since, self.begun) = (Since::default(), true);
+        (self.pending_state, self.begun) = (PendingState::default(), true);
         self.block.after = Cursor { state, ..after };
         ended
     }
@@ -360,12 +360,12 @@ impl<R: BufRead> Blocks<R> {
             from,
             segs: segs..segs,
             link: links..self.block.links.len(),
-            travel_state: self.since.travel_state.unwrap_or(state),
+            travel_state: self.pending_state.travel_state.unwrap_or(state),
             role,
         });
     }
 
-    /// Ends a block behind its last path; what is pending goes to a new one, which is returned.
+    /// Ends a block behind its last path and returns a new one with the pending lines.
     fn split(&mut self, last: &mut Block) -> Block {
         let cut = self.pending.first().map_or_else(
             // Nothing pending: the line at hand, if there is one, begins behind the last stroke.
@@ -401,7 +401,7 @@ impl<R: BufRead> Blocks<R> {
             token.line = shift(token.line);
             token.state -= first_state;
         }
-        self.since.travel_state = self.since.travel_state.map(|state| state.saturating_sub(first_state));
+        self.pending_state.travel_state = self.pending_state.travel_state.map(|state| state.saturating_sub(first_state));
         next.text = prefix;
         // Blocks are about as long as their neighbours, or a little longer.
         let room = |length: usize, most: usize| (length + length / 4).min(most);
@@ -419,7 +419,7 @@ impl<R: BufRead> Blocks<R> {
         let mut done = self.take();
         done.junction.append(&mut self.pending);
         done.after = self.cursor(done.states.len() as u32 - 1);
-        self.since = Since::default();
+        self.pending_state = PendingState::default();
         let mut next = empty(done.after, self.frame(), States::default());
         let mut states = done.states[done.states.len() - 1];
         for slice in states.slices_mut() {

@@ -147,7 +147,7 @@ fn most_frequent<'a, K: PartialEq>(all: &[&'a Seen], key: impl Fn(&Seen) -> Opti
     counts.into_iter().rev().max_by_key(|(_, count, _)| *count).map(|(.., seen)| seen)
 }
 
-/// What a link does, if it travels at all and does nothing unusual.
+/// The moves of a link; `None` if it does not travel or has unusual lines.
 fn seen(block: &Block, tokens: &[Token], length_mm: f64) -> Option<Seen> {
     let level = block.after.at[2];
     let mut retract = Retract {

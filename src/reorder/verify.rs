@@ -19,7 +19,7 @@ const FILAMENT_MM: f64 = 1e-4;
 /// Travel may leave the area that the file used by this, mm.
 const AREA_MM: f64 = 1e-3;
 
-/// What two files come to.
+/// The sums of two files.
 #[derive(Clone, Debug)]
 pub struct Proof {
     /// The file as it was.
@@ -124,7 +124,7 @@ impl Readback {
     }
 }
 
-/// What a file prints, in memory of some numbers for each layer and each line about time.
+/// A summary of what a file prints, in memory
 #[derive(Debug)]
 pub struct Inventory {
     meter: Meter,

@@ -73,7 +73,7 @@ impl Walls {
         Self { rings, clipper, insets: Default::default() }
     }
 
-    /// Whether there are none: nothing is known of what must not be crossed.
+    /// Whether there are no walls, so that nothing restricts travel.
     pub fn is_empty(&self) -> bool {
         self.rings.is_empty()
     }
@@ -94,8 +94,8 @@ impl Walls {
         }
     }
 
-    /// The corners of a route inside the part from one point to another whose straight line crosses walls, if there is
-    /// one that goes along the walls and is not too long.
+    /// Corners of a route along the walls, inside the part, between two points whose straight line crosses walls;
+    /// `None` if there is none or it is too long.
     pub fn around(&self, a: Point, b: Point) -> Option<Vec<Point>> {
         self.insets.iter().zip(CLEARANCES_MM).find_map(|(inset, clearance_mm)| {
             self.around_in(inset.get_or_init(|| self.inset(clearance_mm)), a, b)

@@ -16,7 +16,7 @@ use geometry::Point;
 /// Blanks behind a line about time, for a longer one.
 pub const TIME_PADDING: &[u8] = b"    ";
 
-/// A block's text, and what it comes to.
+/// A block's text and its cost.
 #[derive(Clone, Debug, Default)]
 pub struct Written {
     /// The text.
@@ -73,7 +73,7 @@ pub fn write(
     Written { bytes: writer.out, times: writer.times, junction, inside: writer.cost }
 }
 
-/// What it costs to come to the first of a block's paths, the nozzle coming from `from`.
+/// Cost of the travel from `from` to the first of a block's paths.
 pub fn junction(
     block: &Block,
     picks: &[Pick],
@@ -374,7 +374,7 @@ impl<'a> Writer<'a> {
         self.frame = token.frame;
     }
 
-    /// A line that must not be changed: E and the feed rate are made what they are before it in the file.
+    /// Writes a line that must not change, after restoring the E and feed rate that it has in the file.
     fn fixed(&mut self, token: &Token, line: &[u8]) {
         let (e, feed) = self.original;
         if self.frame.e_absolute && self.e != e {
@@ -538,7 +538,7 @@ impl<'a> Writer<'a> {
         }
     }
 
-    /// The last of what was drawn, backwards, this many millimetres of it.
+    /// The last part of the drawn path, backwards, of this many millimetres.
     fn wipe_path(&self, wipe_mm: f64) -> Vec<[i64; 2]> {
         let Some(pick) = self.last else { return Vec::new() };
         let block = self.block;

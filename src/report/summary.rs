@@ -94,7 +94,7 @@ pub struct LayerSummary {
     pub measures: Measures,
 }
 
-/// What hangs over beyond the limit (`support.angle`), or rests on nothing.
+/// Overhangs beyond `support.angle`, and islands that rest on nothing.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct Overhangs {
     /// Positions where one begins.
@@ -119,7 +119,7 @@ impl Overhangs {
     }
 }
 
-/// What a run made. `Display` gives the text for people, `Serialize` the JSON.
+/// The summary of a run. `Display` gives the text for people, `Serialize` the JSON.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct Summary {
     /// The models, as named on the command line.

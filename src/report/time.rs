@@ -31,7 +31,7 @@ pub struct PrintTime {
     pub left_out: [&'static str; 3],
     /// Before the first layer: the start script's moves.
     pub before_s: f64,
-    /// What the time is spent on: travel, retraction (all moves of filament in place), waits, and each role.
+    /// Time by activity: travel
     pub by_role: Seconds,
     /// Number of layers.
     pub layer_count: usize,

@@ -1,4 +1,4 @@
-//! What holds a print to the bed, and what surrounds it: brim, raft, skirt.
+//! Brim, raft and skirt.
 
 use std::f64::consts::FRAC_PI_2;
 

@@ -25,8 +25,8 @@ const LINES: f64 = 24.0;
 /// not held.
 const SPAN_WEIGHTS: [f64; 2] = [0.1, 0.01];
 
-/// Strips of fewer bridge lines get as many as run along all of them; the bridge lines of wider ones are spread over what holds
-/// them, too.
+/// In strips of fewer bridge lines than this all lines run along the whole strip; in wider ones they are also spread
+/// over the supports.
 const STRIP: f64 = 6.0;
 
 /// What is narrower than two bridge lines is bridged where it is longer than this many,

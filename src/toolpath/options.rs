@@ -15,7 +15,7 @@ choice! {
 choice! {
     /// How wide walls are.
     WallGenerator {
-        /// As wide as asked for; single beads of fitting width in what is left.
+        /// Walls of the given width, with single beads of fitting width in the remainder.
         Classic = "classic",
         /// Those in the middle of a thin part as wide as fits.
         Variable = "variable",

@@ -26,9 +26,9 @@ pub type Map<'a> = &'a dyn Fn(usize, &(dyn Fn(usize) -> Region + Sync)) -> Vec<R
 /// Thicknesses that differ by less are the same, in millimetres.
 const NOISE_MM: f64 = 1e-6;
 
-/// How many layers on one side of a layer its shell looks at: as many as are asked for, and more until those between it
-/// and the surface are as thick as asked for. `heights_mm` are those of the layers on that side, the nearest first; one
-/// more than there are says that the shell looks beyond them. A shell that is not wanted stays away.
+/// Number of layers on one side of a layer that its shell depends on: the requested number, and more until they have
+/// the requested thickness. `heights_mm` are those of the layers on that side, the nearest first; one more than there
+/// are says that the shell looks beyond them. A shell that is not wanted stays away.
 pub fn shell_depth(heights_mm: impl Iterator<Item = f64>, layers: u32, min_thickness_mm: f64) -> usize {
     let (mut depth, mut thick_mm) = (0, 0.0);
     if layers == 0 {
@@ -60,7 +60,7 @@ fn below(heights_mm: &[f64], layer: usize, settings: &ShellSettings) -> usize {
     shell_depth(heights_mm, settings.bottom_layers, settings.min_thickness.0)
 }
 
-/// What the layers that a shell reaches over have in common: where something is missing in it, the shell is.
+/// The intersection of the layers within a shell's thickness; the shell is what lies outside of it.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct ShellWindows<'a> {
     /// Of the layers above, as many as the top shell is thick; `None`: no top shell.
@@ -153,13 +153,13 @@ pub struct Zones {
     pub solid: Region,
     /// Solid, with nothing above.
     pub top: Region,
-    /// Area of what no shell covers, in square millimetres: what sparse infill owes its density to. The sparse zone
-    /// itself differs by what solid infill anchors in and by places too narrow for either.
+    /// Area outside of all shells, in square millimetres, to which the density of sparse infill refers. The sparse
+    /// zone itself differs by what solid infill anchors in and by places too narrow for either.
     pub sparse_mm2: f64,
 }
 
 impl Zones {
-    /// Leaves no more than this of the sparse zone; what that owes its density to becomes less by as much.
+    /// Limits the sparse zone to this area, and the area its density refers to accordingly.
     pub fn leave_sparse(&mut self, sparse: Region) {
         let taken_mm2 = self.sparse.area_mm2() - sparse.area_mm2();
         self.sparse_mm2 = (self.sparse_mm2 - taken_mm2).max(0.0);
@@ -229,8 +229,8 @@ pub fn divide(
     zones
 }
 
-/// What of the sparse zone the walls of a rib would stand on that rises out of a surface: parts beside what is exposed,
-/// where the next layer is too narrow for anything but walls.
+/// The part of the sparse zone under the walls of a rib that rises out of a surface: beside exposed parts, where the
+/// next layer is too narrow for anything but walls.
 fn under_ribs(sparse: &Region, exposed: &Region, next: &Region, line_mm: f64, walls_mm: f64) -> Region {
     let rough = |region: &Region| geometry::simplify(region, ROUGH_MM);
     let beside = geometry::intersection(sparse, &geometry::offset(&rough(exposed), 2.0 * walls_mm));

@@ -15,7 +15,7 @@ const FADE_STEPS: f64 = 64.0;
 /// Share of a full line that swelling begins and fading ends with: less is not deposited on short pieces.
 const LEAST_FLOW: f64 = 1.0 / 128.0;
 
-/// Vertices nearer to each other are one: what is deposited between them would round to nothing.
+/// Vertices nearer to each other are merged, as the amount between them would round to 0.
 const CLOSE_MM: f64 = 0.02;
 
 /// Outlines further apart than this many widths are joined by no glide: there is an edge in the surface.
@@ -39,7 +39,7 @@ pub struct Revolution {
     pub rises: Vec<Rise>,
 }
 
-/// What revolutions are made for.
+/// The settings of revolutions.
 #[derive(Clone, Copy, Debug)]
 pub struct SpiralSpec {
     /// Width of the line.

@@ -8,7 +8,7 @@ use crate::toolpath::Role;
 /// Red, green, blue.
 pub(super) type Rgb = [u8; 3];
 
-/// What roles are called and drawn in.
+/// The name and colour of a role.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct RoleColor {
     /// For people.
@@ -61,7 +61,7 @@ pub(super) const RAMP: [Rgb; 9] = [
     rgb(0xFDE725),
 ];
 
-/// The colours of what is no role.
+/// The colours of everything that is not a role.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Theme {
     pub background: Rgb,

@@ -23,7 +23,7 @@ pub struct Stroke {
     pub from: [f32; 3],
     /// End.
     pub to: [f32; 3],
-    /// What is extruded, as an index into the palette's roles; `None`: nothing, this is travel.
+    /// Index of the role in the palette; `None` for travel.
     pub role: Option<u8>,
     /// Width of the bead.
     pub width_mm: f32,
@@ -35,7 +35,7 @@ pub struct Stroke {
     pub flow_mm3_s: f32,
 }
 
-/// What happens at a point.
+/// The kind of a mark.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum MarkKind {
     /// Filament is retracted.
@@ -72,8 +72,8 @@ pub struct Layer {
 /// A print as its G-code draws it.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Scene {
-    /// Layers from the first one printed on; what a start script does belongs to the first, what an end script does to
-    /// the last.
+    /// The layers from the first printed one on; moves of the start script belong to the first, those of the end
+    /// script to the last.
     pub layers: Vec<Layer>,
     /// Measures of all.
     pub total: Measures,

@@ -104,7 +104,7 @@ fn length_mm(problem: &Problem, start: Point, end: Option<Point>, tour: &[Visit]
 /// The start is node 0.
 const START: u32 = 0;
 
-/// What an edge of the multigraph stands for.
+/// The meaning of an edge of the multigraph.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum EdgeKind {
     /// A travel.

@@ -1,5 +1,4 @@
-//! What travels inside islands really cost: the route around holes and outer walls, or over them and retracted where it
-//! is too long.
+//! The true cost of travels inside islands: the route
 
 use std::cell::RefCell;
 

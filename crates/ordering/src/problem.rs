@@ -3,7 +3,7 @@
 use super::options::Scope;
 use pathwright_geometry::Point;
 
-/// What of a path matters to ordering.
+/// The shape of a path as ordering sees it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Shape<'a> {
     /// Drawn from one end to the other, in either direction.

@@ -19,8 +19,8 @@ const MOST: usize = 100_000;
 /// Beads that are nearer than this follow each other.
 const CLOSE_MM: f64 = 0.01;
 
-/// One layer of it.
-pub(super) struct Shown {
+/// One layer of a print.
+pub(super) struct PrintedLayer {
     /// Which of the print's layers it is.
     pub level: usize,
     /// Middles of the beads along the edge of the part.
@@ -33,7 +33,7 @@ pub(super) struct Shown {
     current: Option<(Extent, [f64; 3])>,
 }
 
-impl Shown {
+impl PrintedLayer {
     fn take(&mut self, bead: &Stroke) {
         if self.points.len() < MOST {
             let [x, y, _] = bead.at(0.5);
@@ -73,7 +73,7 @@ impl Shown {
 }
 
 /// Reads the file for what layers show, from the lowest to the highest.
-pub(super) fn read(levels: &Levels, survey: &Survey, file: impl Read) -> io::Result<Vec<Shown>> {
+pub(super) fn read(levels: &Levels, survey: &Survey, file: impl Read) -> io::Result<Vec<PrintedLayer>> {
     let Some(all) = survey.extents()[1] else { return Ok(Vec::new()) };
     let corners = [all.low, all.high].map(|[x, y]| Point::from_mm(x, y));
     let Some(grid) = Bounds::of(corners).map(|bounds| Grid::new(bounds, 1.0, CELL_MM)) else {
@@ -81,8 +81,8 @@ pub(super) fn read(levels: &Levels, survey: &Survey, file: impl Read) -> io::Res
     };
     let count = levels.all().len();
     let chosen = (0..LAYERS.min(count)).map(|i| i * count / LAYERS.min(count));
-    let mut layers: Vec<Shown> = chosen
-        .map(|level| Shown {
+    let mut layers: Vec<PrintedLayer> = chosen
+        .map(|level| PrintedLayer {
             level,
             points: Vec::new(),
             loops: Vec::new(),
@@ -96,7 +96,7 @@ pub(super) fn read(levels: &Levels, survey: &Survey, file: impl Read) -> io::Res
         let Action::Stroke(bead) = read.action else { return };
         let role = read.context.role;
         let is_edge = if survey.has_edges() { Role::is_outer_wall } else { is_part };
-        if !bead.extrudes() || survey.tells_roles() && !role.is_some_and(is_edge) {
+        if !bead.extrudes() || survey.has_roles() && !role.is_some_and(is_edge) {
             return;
         }
         let level = levels.find(levels.rises_to_mm(bead.to[2]));
@@ -104,6 +104,6 @@ pub(super) fn read(levels: &Levels, survey: &Survey, file: impl Read) -> io::Res
             layer.take(&bead);
         }
     })?;
-    layers.iter_mut().for_each(Shown::end_loop);
+    layers.iter_mut().for_each(PrintedLayer::end_loop);
     Ok(layers)
 }

@@ -124,7 +124,7 @@ impl Survey {
     }
 
     /// Whether the file says what its beads are for.
-    pub(super) fn tells_roles(&self) -> bool {
+    pub(super) fn has_roles(&self) -> bool {
         self.roles
     }
 

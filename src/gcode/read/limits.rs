@@ -14,7 +14,7 @@ pub(super) struct Limits {
     pub speed: f64,
 }
 
-/// What a command makes of the time.
+/// The effect of a command on the time.
 pub(super) enum Effect {
     /// The moves before it are brought to an end, then the machine waits this many seconds.
     Wait(f64),
@@ -46,7 +46,7 @@ impl Limits {
     }
 
     /// Processes a line that is no move.
-    pub fn obey(&mut self, line: &Line<'_>, machine: &mut Machine) -> Effect {
+    pub fn apply(&mut self, line: &Line<'_>, machine: &mut Machine) -> Effect {
         let Some(code) = line.code else {
             if machine.firmware == Firmware::Klipper {
                 self.extended(line, machine);
@@ -174,7 +174,7 @@ mod tests {
         let mut machine = Machine::under(firmware, &Settings::default());
         let mut limits = Limits::new(&machine);
         for line in lines(text.as_bytes()) {
-            limits.obey(&line, &mut machine);
+            limits.apply(&line, &mut machine);
         }
         (limits, machine)
     }

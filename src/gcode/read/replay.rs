@@ -63,7 +63,7 @@ impl Stroke {
     }
 }
 
-/// What a line does.
+/// The action of a line.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Action<'a> {
     /// It moves the machine.

@@ -56,7 +56,7 @@ impl Clock {
             }
             Action::Type(_) => {}
             Action::Other => {
-                if let Effect::Wait(seconds) = self.limits.obey(line, self.planner.machine()) {
+                if let Effect::Wait(seconds) = self.limits.apply(line, self.planner.machine()) {
                     self.planner.dwell(seconds, account);
                 }
             }

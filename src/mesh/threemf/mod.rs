@@ -35,7 +35,7 @@ const MOST_FACETS: usize = 50_000_000;
 /// And no more uses of objects than this.
 const MOST_USES: usize = 1_000_000;
 
-/// Facets of an object from which it is asked whether there is memory for them.
+/// Objects with more facets than this are checked for sufficient memory.
 const UNSUSPECTED: usize = 1_000_000;
 
 /// Bytes that a facet takes until it is repaired.
@@ -80,7 +80,7 @@ impl Format for ThreeMf {
     }
 }
 
-/// What is left of what a file may ask for.
+/// The memory that a file may still use.
 struct Budget {
     facets: usize,
     uses: usize,

@@ -56,7 +56,7 @@ pub(super) struct Part {
     /// Millimetres in a unit of its coordinates.
     pub unit_mm: f64,
     pub objects: BTreeMap<u32, Object>,
-    /// What is to be built; only that of the root part counts.
+    /// The build items; only those of the root part count.
     pub items: Vec<Use>,
     /// Items that are not to be printed.
     pub unprinted: usize,

@@ -162,7 +162,7 @@ impl FillPattern for AdaptiveCubic {
         connect(region, chords, &spec.joins)
     }
 
-    fn is_even(&self) -> bool {
+    fn is_uniform(&self) -> bool {
         false
     }
 }

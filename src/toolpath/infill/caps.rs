@@ -22,8 +22,8 @@ impl LineSet {
         self.direction().across_mm(p) - (line as f64 * self.distance_mm + self.phase_mm)
     }
 
-    /// The middle and the width of the gap between a line and what runs beside it, on this side (±1): where `outer`
-    /// there is nothing beyond that, else the gap goes on from there to the next line.
+    /// Middle and width of the gap on one side (±1) of a line; `outer`: the gap to the boundary, else to the next
+    /// line.
     fn gap(&self, line: i64, side: f64, outer: bool, p: Point) -> (Point, f64) {
         let over_mm = side * self.over_mm(line, p);
         let (away_mm, width_mm) = if outer {

@@ -14,8 +14,7 @@ const LONGEST_JOIN: f64 = 12.0;
 /// The outermost lines keep this far from the patch's extreme points, where they would vanish.
 const INSIDE_MM: f64 = 0.002;
 
-/// The same where no beads of fitting width fill what is left, in spacings: an edge along the lines is never quite
-/// straight, and the outermost line should lie along all of it.
+/// The same without beads of fitting width in the remainder, in spacings:
 const INSIDE: f64 = 0.08;
 
 /// Parts of a solid zone narrower than this many spacings are filled along their boundary: lines across would consist
@@ -85,7 +84,7 @@ pub struct SolidSpec {
     /// How far free ends reach beyond half a spacing inside the boundary.
     pub reach_mm: f64,
     /// How far ends at sharp turns reach, as a multiple of that.
-    pub turn: f64,
+    pub turn_reach: f64,
     /// Direction of the first layer's lines; they turn by 90° from layer to layer.
     pub angle_rad: f64,
     /// Index of the layer, from 0.
@@ -94,8 +93,7 @@ pub struct SolidSpec {
     pub joined: bool,
     /// Whether beads of fitting width fill what is left where the boundary runs along the lines.
     pub capped: bool,
-    /// What lines are fitted to, across their direction, if not to all of a patch: its smallest and its largest
-    /// coordinate.
+    /// Smallest and largest coordinate across the lines that they are fitted to, if not those of the patch.
     pub fit_mm: Option<(f64, f64)>,
 }
 
@@ -127,7 +125,7 @@ pub fn fill(region: &Region, spec: &SolidSpec) -> Vec<SolidPatch> {
             let joins = Joins {
                 longest_mm: if spec.joined { LONGEST_JOIN * spacing_mm } else { 0.0 },
                 reach_mm,
-                turn_mm: spec.turn * reach_mm,
+                turn_reach_mm: spec.turn_reach * reach_mm,
                 anchor_mm: 0.0,
                 hatch: spec.capped.then_some(LineSet { angle_rad, distance_mm: fitted_mm, phase_mm }),
             };

@@ -1,4 +1,4 @@
-//! Branches that grow down from what is to be held, lean towards each other, merge, and keep clear of the part.
+//! Branches that grow down from the overhangs, lean
 //!
 //! For every layer the positions are known from which a branch, leaning no more than it may, still finds a route down to
 //! the bed ([`avoidance`]); a branch stays there if it can, and otherwise ends on the part. The idea of such

@@ -270,7 +270,7 @@ impl<'a> Relaxation<'a> {
         nodes.enumerate().map(|(t, node)| node - cuts(t)).collect()
     }
 
-    /// What does not depend on the tree: the multipliers times what a walk does.
+    /// The part of the bound that does not depend on the tree: the multipliers times the degrees of a walk.
     fn constant(&self, multipliers: &Multipliers) -> i64 {
         let nodes = |(item, body): (usize, &Body)| match body.closed {
             true => self.dearest(item, multipliers).0,
@@ -329,7 +329,7 @@ impl<'a> Relaxation<'a> {
         self.walk_ends[side].iter().map(price).zip(0..).min()
     }
 
-    /// The bound as far as the known links tell, and what the solution uses.
+    /// The bound over the known links, and what the solution uses.
     pub(super) fn relax(&mut self, multipliers: &Multipliers, usage: &mut Usage) -> i64 {
         let weights = self.weights(multipliers);
         let start = self.model.terminals.len();
@@ -409,7 +409,7 @@ impl<'a> Relaxation<'a> {
         (links + ends + self.constant(multipliers), tree)
     }
 
-    /// An exact bound without the links in and out, and what links pay at each point where a walk may begin or end.
+    /// An exact bound without the links in and out, and the price of links at each point
     pub(super) fn settle(&self, bound: i64, multipliers: &Multipliers) -> (i64, [Vec<(Point, i64)>; 2]) {
         let weights = self.weights(multipliers);
         let ends = [0, 1].map(|side| {

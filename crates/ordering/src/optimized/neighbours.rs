@@ -92,7 +92,7 @@ impl Neighbours {
         self.lists.len() - 1
     }
 
-    /// The list of what of a group lies near a position outside it, until the next such list; empty if the position is anywhere.
+    /// The nodes of a group near a position outside it, valid until the next call; empty if the position is free.
     pub fn near(&mut self, group: u32, [x, y]: [f64; 2]) -> usize {
         self.lists[0] = if x.is_nan() { EMPTY } else { self.find(group, Point::from_mm(x, y), NONE) };
         0

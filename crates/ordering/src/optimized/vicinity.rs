@@ -1,4 +1,4 @@
-//! What lies where, for groups.
+//! The positions of groups and the groups near each.
 
 use super::super::index::Index;
 use super::super::precedence::Groups;
@@ -11,7 +11,7 @@ pub(super) struct Stage {
     pub(super) gaps: (u32, u32),
 }
 
-/// What lies where, for groups.
+/// The positions of groups and the groups near each.
 #[derive(Debug)]
 pub struct Vicinity<'a> {
     /// Of all items, once a near group was asked for.
