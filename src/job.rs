@@ -109,7 +109,7 @@ pub enum JobError {
     /// A model cannot be read, or not be used as it is.
     #[error(transparent)]
     Mesh(#[from] MeshError),
-    /// There is nothing to print, or G-code cannot be read.
+    /// A model has nothing to print, or G-code cannot be read.
     #[error("{0}")]
     Input(String),
     /// Settings that this job cannot be done with.
@@ -158,7 +158,7 @@ pub trait Engine: Sync {
         observer: &Observer<'_>,
     ) -> Result<Vec<StrategyRow>, JobError>;
 
-    /// The rows of the paper's table for a file A model is sliced first.
+    /// The rows of the paper's table for a file; the first row is the file as it is. A model is sliced first.
     ///
     /// # Errors
     /// See [`JobError`].
@@ -182,7 +182,7 @@ pub trait Engine: Sync {
         observer: &Observer<'_>,
     ) -> Result<Reordered, JobError>;
 
-    /// Tells what is in a model, and whether it fits.
+    /// Reports the contents of a model, and whether it fits.
     ///
     /// # Errors
     /// [`JobError::Input`] if it cannot be read.

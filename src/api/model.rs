@@ -1,4 +1,4 @@
-//! What is to be printed.
+//! Models as input.
 
 use std::path::{Path, PathBuf};
 

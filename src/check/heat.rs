@@ -22,7 +22,7 @@ pub(super) struct Heat {
     elsewhere: bool,
     /// Whether the firmware has been allowed to extrude cold.
     cold_allowed: bool,
-    /// Whether it was said that nothing waits, or that nothing heats.
+    /// Whether a fault of waiting, or of heating, has been reported.
     reported: [bool; 2],
     begun: bool,
     /// The last line, and its layer.

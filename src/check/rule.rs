@@ -1,4 +1,4 @@
-//! What every rule is given, and what it does.
+//! The trait of rules, and the lines that they check.
 
 use super::fault::Kind;
 use super::report::Found;

@@ -71,7 +71,7 @@ const KNOWN_M: &[(u32, u32)] = &[
     (2000, 2000),
     (7219, 7219),
 ];
-/// Commands whose parameters are letters with numbers, and nothing else. Of others the parameters may be texts.
+/// Commands that take only letters with numbers as parameters. Of others the parameters may be texts.
 const STRICT_M: &[u32] = &[73, 82, 83, 84, 104, 106, 107, 109, 140, 190, 201, 203, 204, 205, 220, 221];
 /// The ends of an arc are as far from its centre, up to this.
 const ARC_SLACK_MM: f64 = 0.1;

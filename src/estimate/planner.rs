@@ -8,7 +8,7 @@ use super::{Firmware, Machine};
 pub struct Segment {
     /// Displacement in X, Y, Z and E, millimetres.
     pub delta: [f64; 4],
-    /// Requested speed, mm/s: along
+    /// Requested speed, mm/s: along the path in space, or of E where there is none.
     pub speed: f64,
     /// Acceleration asked for, mm/s².
     pub acceleration: f64,

@@ -18,7 +18,7 @@ const UNKNOWN: i64 = i64::MIN;
 /// The bytes of one layer.
 #[derive(Clone, Debug, PartialEq)]
 pub struct LayerText {
-    /// What goes into the file.
+    /// The bytes for the file.
     pub bytes: Vec<u8>,
     /// Where the layer's M73 goes, if wanted; offset into `bytes`.
     pub progress: Option<Slot>,

@@ -43,8 +43,7 @@ impl From<Mesh> for Model {
     }
 }
 
-/// Reads and repairs a mesh file (STL, 3MF or OBJ) as one mesh: what are several objects is taken together, each where
-/// the file puts it.
+/// Reads and repairs a mesh file (STL, 3MF or OBJ) as one mesh, with several objects at their positions in the file.
 ///
 /// # Errors
 /// See [`MeshError`]: the file cannot be read, is no model, ends early, or holds nothing that has a volume.

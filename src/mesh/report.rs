@@ -1,4 +1,4 @@
-//! What is in a mesh, and what was done to it.
+//! The report of a mesh: its contents and its repairs.
 
 use std::fmt;
 
@@ -55,7 +55,7 @@ pub struct MeshReport {
     pub inconsistent_edges: usize,
     /// The uncertainty of the repair; `None` for a sound mesh or a certain repair.
     pub uncertain: Option<Doubt>,
-    /// What was overlooked in the file, and what looks wrong.
+    /// Warnings about errors in the file and implausible contents.
     pub warnings: Vec<String>,
 }
 

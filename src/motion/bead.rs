@@ -71,7 +71,7 @@ pub(super) fn trace(path: &Path, entry: u32, flow: f64, out: &mut Vec<Vertex>) {
     }
 }
 
-/// Mean width of a path: what viewers are told.
+/// Mean width of a path, for comments that viewers read.
 pub(super) fn mean_width_mm(width: &Width) -> f64 {
     match width {
         Width::Constant(width_mm) => *width_mm,

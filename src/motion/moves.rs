@@ -1,4 +1,4 @@
-//! What the machine is told to do.
+//! The moves of the machine.
 
 use crate::toolpath::Role;
 use crate::units::{Celsius, Mm3, MmPerS, MmPerS2, Ratio};

@@ -1,4 +1,4 @@
-//! The definition of a setting: type, unit, range and meaning, written
+//! The definition of a setting: type, unit, range and meaning, written beside the struct of the stage that reads it.
 //!
 //! [`section!`] makes a struct of options with its defaults and the table of its keys; [`choice!`] makes an option that is
 //! one of a few words. `profile` joins the sections of all stages.

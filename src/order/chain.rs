@@ -230,8 +230,8 @@ impl Chain {
         layer.on_paths(sequence)
     }
 
-    /// Solves a problem; if its walk would begin too near to where the last layer ended, it is made to begin at
-    /// the nearest entry that is far enough, where there is one.
+    /// Solves a problem; a walk that would begin too near to the end of the last layer begins at the nearest entry
+    /// that is far enough, if there is one.
     fn solve_apart(
         &self,
         problem: &mut Problem,

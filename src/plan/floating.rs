@@ -134,7 +134,7 @@ pub(crate) struct Islands {
 }
 
 impl Islands {
-    /// Finds what has nothing beneath it. Parts of a section too thin to be printed do not count.
+    /// Finds parts with nothing beneath them. Parts of a section too thin to be printed do not count.
     pub fn find(sections: &Sections, settings: &Settings, workers: Workers<'_>) -> Self {
         let first = sections.first_layer();
         let thin_mm = settings.walls.min_feature.0;
@@ -151,7 +151,7 @@ impl Islands {
         islands
     }
 
-    /// For the user; nothing if there are none.
+    /// The warning for the user; `None` if there are none.
     pub fn warning(&self) -> Option<String> {
         let Self { count, lowest_mm, area_mm2 } = self;
         let islands =

@@ -144,7 +144,7 @@ struct Unsupported {
     rough: Vec<Region>,
     /// The same as cells.
     solid: Vec<Bitmap>,
-    /// What is to be held.
+    /// The areas that need support.
     held: Vec<Bitmap>,
     heights_mm: Vec<f64>,
     /// The least of them.

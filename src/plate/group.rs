@@ -32,7 +32,7 @@ pub(super) struct Part {
 }
 
 impl Layout {
-    /// Each body by itself, with the names of its models: where the file has it in X and Y, and let down on z = 0.
+    /// Each body by itself, with the names of its models: in X and Y as in the file, lowered onto z = 0.
     pub fn standing_bodies(&self) -> Vec<(String, Mesh)> {
         let all = Group::new(0, self, (0..self.bodies.len()).collect());
         let body = |body: usize| {

@@ -22,7 +22,7 @@ choice! {
     }
 }
 choice! {
-    /// What is printed after what.
+    /// The order of objects.
     Sequence {
         /// All objects layer by layer.
         Layer = "layer",

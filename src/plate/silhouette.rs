@@ -180,7 +180,8 @@ fn reach(triangle: [[f64; 2]; 3], [low, high]: [f64; 2]) -> Option<[f64; 2]> {
     found
 }
 
-/// The area of the bed that bodies, given by their triangles, cover
+/// The area of the bed that bodies, given by their triangles, cover, and `reach_mm` around that; of the convex hull
+/// of each where `convex`.
 pub(super) fn silhouette<T: Iterator<Item = [[f64; 2]; 3]>>(
     bodies: impl Iterator<Item = T>,
     convex: bool,

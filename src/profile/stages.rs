@@ -76,7 +76,7 @@ impl From<&Settings> for TravelTime {
 }
 
 impl Settings {
-    /// What ordering minimises, where this is asked for.
+    /// The requested cost that ordering minimises.
     pub fn order_cost(&self, kind: CostKind) -> Cost {
         match kind {
             CostKind::Length => Cost::Length,

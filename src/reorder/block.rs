@@ -8,7 +8,7 @@ use super::state::{Key, States};
 use crate::toolpath::Role;
 use geometry::Point;
 
-/// What a line that draws nothing is.
+/// The kind of a line that draws nothing.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Kind {
     /// Moves in X and Y, and perhaps Z, with the filament at rest.
@@ -33,11 +33,11 @@ pub(super) enum Kind {
     Time(usize),
     /// Blank, or a comment that belongs to a travel.
     Noise,
-    /// Says that a layer begins: stays, and lets nothing pass.
+    /// A layer mark: stays in position, and no path moves past it.
     Mark,
     /// Draws something that must not be moved.
     Fixed,
-    /// Anything else: stays, and lets nothing pass.
+    /// Anything else: stays in position, and no path moves past it.
     Barrier,
 }
 

@@ -54,7 +54,7 @@ pub struct Blocks<R> {
 struct PendingState {
     /// Something that moves, or feeds filament.
     moved: bool,
-    /// Something that lets nothing pass.
+    /// A line that no path moves past.
     barrier: bool,
     /// The state at the last travel.
     travel_state: Option<u32>,

@@ -124,7 +124,7 @@ impl Readback {
     }
 }
 
-/// A summary of what a file prints, in memory
+/// A summary of what a file prints, in memory of some numbers for each layer and each line about time.
 #[derive(Debug)]
 pub struct Inventory {
     meter: Meter,

@@ -24,7 +24,7 @@ pub struct Written {
     /// Lines about time: where they begin in the text, and their numbers in the file. They stand as they were, with
     /// some blanks behind them as space for other numbers.
     pub times: Vec<(usize, usize)>,
-    /// What it costs to come to its first path.
+    /// Cost of the travel to its first path.
     pub junction: LinkCost,
     /// What it costs from there on.
     pub inside: LinkCost,

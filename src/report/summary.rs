@@ -101,12 +101,12 @@ pub struct Overhangs {
     pub count: usize,
     /// Area seen from below.
     pub area_mm2: f64,
-    /// Height at which the lowest begins; nothing if there are none.
+    /// Height at which the lowest begins; `None` if there are none.
     pub lowest_mm: Option<f64>,
 }
 
 impl Overhangs {
-    /// For the user; nothing if there are none.
+    /// The warning for the user; `None` if there are none.
     pub fn warning(&self) -> Option<String> {
         let Self { count, area_mm2, lowest_mm } = self;
         let overhangs = if *count == 1 { "1 overhang needs" } else { &format!("{count} overhangs need") };
@@ -142,7 +142,7 @@ pub struct Summary {
     /// What would need support, where none is printed.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub overhangs: Option<Overhangs>,
-    /// What was repaired, and what the user should know.
+    /// Repairs and warnings.
     pub warnings: Vec<String>,
     /// Each layer, from the bed up.
     pub layers: Vec<LayerSummary>,

@@ -60,7 +60,7 @@ const DEPTH_MM: f64 = 0.005;
 /// A narrow area, to be filled with single beads.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Gap {
-    /// What is to be filled.
+    /// The area to fill.
     pub area: Region,
     /// The region in which it is narrow: other lines lie on the rest.
     pub region: Region,
@@ -116,7 +116,7 @@ pub(super) fn fill(region: &Region, spacing_mm: f64) -> (Vec<Line>, Vec<Gap>) {
     (loops, gaps)
 }
 
-/// What an island gets that is too small for a line: a loop about its deepest point, as wide as one bead, and that bead's
+/// The bead of an island too small for a line: a loop about its deepest point, as wide as one bead, and that bead's
 /// width. The island is at least `least_mm` across.
 pub(super) fn dot(island: &Polygon, least_mm: f64) -> Option<(Ring, f64)> {
     let island = Region { polygons: vec![island.clone()] };
@@ -204,8 +204,8 @@ impl Sides {
         (sample.spacing_mm - PAIR * self.spacing_mm) / 2.0
     }
 
-    /// The vertex between two edges, as far inside either as its bead asks for, and as wide as the narrower one: a
-    /// wider bead would poke out beside that.
+    /// The vertex between two edges, inside either by half its bead, and as wide as the narrower one: a wider bead
+    /// would protrude beside that.
     fn corner(&self, end: &Sample, start: &Sample, line: &mut Line) {
         let (a, b) = (end.inwards, start.inwards);
         let cosine = a[0] * b[0] + a[1] * b[1];

@@ -122,8 +122,8 @@ impl Anchors<'_> {
         best
     }
 
-    /// Share of bridge line length that is not held at both ends (half of it counts where one end is), and a little for the spans;
-    /// `None` where that is not below a limit.
+    /// Share of bridge line length without support at both ends (half of it counts with support at one end), plus a
+    /// little for the spans; `None` if it is not below a limit.
     fn cost(&self, air: &Region, angle_rad: f64, below: f64) -> Option<f64> {
         let judged = |cost: f64| (cost < below).then_some(cost);
         let Some(bounds) = air.bounds() else { return judged(0.0) };

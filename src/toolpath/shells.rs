@@ -69,8 +69,8 @@ pub struct ShellWindows<'a> {
     pub bottom: Option<&'a Region>,
 }
 
-/// For each layer, what is common to the layers above it within the top shell's thickness, and to those below it within
-/// the bottom shell's.
+/// For each layer, the intersection of the layers above it within the top shell's thickness, and of those below it
+/// within the bottom shell's.
 #[derive(Clone, Debug, Default)]
 pub struct Shells {
     windows: Vec<Region>,

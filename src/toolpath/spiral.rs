@@ -126,8 +126,8 @@ impl Revolution {
         self.rises.extend(other.rises.into_iter().skip(1));
     }
 
-    /// A line through points, those that are close left out but for the ends, that rises evenly: `rise` says what holds
-    /// at a share of its length.
+    /// A line through points (close ones left out, except ends) that rises evenly: `rise` gives the rise at a share
+    /// of its length.
     fn along(points: &[Point], rise: impl Fn(f64) -> Rise) -> Self {
         let mut kept: Vec<Point> = points.first().copied().into_iter().collect();
         let mm = |a: Point, b: Point| square(a - b).sqrt() / UNITS_PER_MM;

@@ -164,7 +164,7 @@ fn with_gaps(section: &Region, spec: &WallSpec) -> Walls {
     leave_inside(walls, rest, (1.0 + CLOSEST) / 2.0, spec)
 }
 
-/// The area inside the walls is the fill area
+/// The area inside the walls is the fill area; parts narrower than twice the radius, in spacings, become gaps.
 fn leave_inside(mut walls: Walls, mut rest: Region, radius: f64, spec: &WallSpec) -> Walls {
     if spec.gap_fill && !rest.is_empty() {
         let spacing_mm = spec.spacing_mm(spec.count);

@@ -114,7 +114,7 @@ struct Fit {
 }
 
 impl Fit {
-    /// `None` where there is nothing to see.
+    /// The picture; `None` if nothing is visible.
     fn new(solid: &dyn Solid, width: f32, height: f32) -> Option<Self> {
         let (mut low, mut high) = ([f32::INFINITY; 2], [f32::NEG_INFINITY; 2]);
         solid.facets(&mut |corners, _| {

@@ -91,7 +91,7 @@ impl Region {
     /// Nothing.
     pub const EMPTY: &'static Region = &Region { polygons: Vec::new() };
 
-    /// Whether there is nothing in it.
+    /// Whether it has no area.
     pub fn is_empty(&self) -> bool {
         self.polygons.is_empty()
     }

@@ -1,4 +1,5 @@
-//! The true cost of travels inside islands: the route
+//! The true cost of travels inside islands: the route around holes and outer walls, or over them and retracted where
+//! it is too long.
 
 use std::cell::RefCell;
 

@@ -111,7 +111,7 @@ struct Print<'a> {
     path: OpenPath,
     /// Line and layer of the last bead.
     last: (usize, Option<usize>),
-    /// What that bead is part of, if the file tells.
+    /// The role of that bead, if the file gives it.
     role: Option<Role>,
     model: &'a mut ModelReport,
     found: &'a mut Found,

@@ -1,4 +1,4 @@
-//! A print beside its model: is everything there, is nothing else there, and does it rest on something?
+//! Compares a print with its model: missing parts, material outside of it, and beads over air.
 //!
 //! The file is read twice more: once to find where on the bed the model stands, once to compare. What must be there is
 //! the part of the sections at the bottom and the top of a layer that both have; what may be there is all that either

@@ -1,6 +1,4 @@
-//! What parallel lines leave open where the boundary runs along them: the gap between the last line and an
-//! extreme of the boundary, less than a line wide; and the wedges between lines and a boundary that they meet at a
-//! small angle.
+//! Beads in the gaps that parallel lines leave where the boundary runs along them.
 
 use geometry::{Boundary, Point};
 

@@ -14,7 +14,8 @@ const LONGEST_JOIN: f64 = 12.0;
 /// The outermost lines keep this far from the patch's extreme points, where they would vanish.
 const INSIDE_MM: f64 = 0.002;
 
-/// The same without beads of fitting width in the remainder, in spacings:
+/// The same without beads of fitting width in the remainder, in spacings: an edge along the lines is never quite
+/// straight, and the outermost line should lie along all of it.
 const INSIDE: f64 = 0.08;
 
 /// Parts of a solid zone narrower than this many spacings are filled along their boundary: lines across would consist
@@ -59,8 +60,8 @@ impl SolidPatch {
     }
 }
 
-/// Puts patches whose lines keep their order one behind the other, each time the one that begins nearest to where the
-/// one before ends. O(n²) of their number.
+/// Orders patches whose lines keep their order: always the one that begins nearest to the end of the last. O(n²) of
+/// their number.
 pub fn nearest_first(patches: &mut [SolidPatch]) {
     let mut ends: Vec<_> = patches.iter().map(SolidPatch::ends).collect();
     for next in 1..patches.len() {

@@ -82,7 +82,9 @@ pub fn find(
     Overhang { leaning, must }
 }
 
-/// The part of a layer's overhang that needs support: all `around` are those layers, its own among them.
+/// The part of a layer's overhang that needs support: all that must be, and of what leans out the parts that, seen
+/// from above together with the layers just over and under it, reach out by `support.min_reach`. `around` are those
+/// layers, its own among them.
 pub fn lasting<'a>(
     own: &Overhang,
     around: impl Iterator<Item = &'a Overhang>,

@@ -6,7 +6,7 @@ use super::beads::SHORTEST_MM;
 use crate::toolpath::{Path, Width};
 use geometry::{EdgeGrid, Point, Polygon, Region};
 
-/// A bead is carried by another if their middles
+/// A bead is carried by another if their middles are at most this many widths apart: half of it at least is carried.
 const CARRIED: f64 = 1.0;
 
 /// Positions along a bead are tried this far apart, in millimetres.

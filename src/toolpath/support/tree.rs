@@ -1,4 +1,4 @@
-//! Branches that grow down from the overhangs, lean
+//! Branches that grow down from the overhangs, lean towards each other, merge, and keep clear of the part.
 //!
 //! For every layer the positions are known from which a branch, leaning no more than it may, still finds a route down to
 //! the bed ([`avoidance`]); a branch stays there if it can, and otherwise ends on the part. The idea of such
@@ -161,8 +161,8 @@ fn avoidance(solid: &[Bitmap], spec: &ColumnSpec, settings: &SupportSettings, le
         .collect()
 }
 
-/// Where a branch goes on the next layer down: towards its goal, or out of where the part obstructs it; straight
-/// down where neither is possible.
+/// Position of a branch on the next layer down: towards its goal, or out of the part; straight down where neither is
+/// possible.
 fn step(branch: &Branch, avoided: &Bitmap, lean_mm: f64) -> [f64; 2] {
     let is_free = |at: [f64; 2]| !avoided.has_at(Point::from_mm(at[0], at[1]));
     if let Some(next) = branch.goal.map(|goal| toward(branch.at, goal, lean_mm))

@@ -19,7 +19,7 @@ pub(super) struct Pricing<'a> {
     families: Vec<Siblings>,
 }
 
-/// What the multipliers make of the links.
+/// The prices of links under the multipliers.
 pub(super) struct Prices<'a> {
     /// The known links, by depth.
     pub(super) listed: [Vec<Priced>; DEPTHS],

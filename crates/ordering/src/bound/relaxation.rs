@@ -1,4 +1,5 @@
-//! The relaxation of one layer: a tree instead of a walk, with a price on whatever a tree may do and a walk may not.
+//! The relaxation of one layer: a tree instead of a walk, with multipliers on the constraints that a tree may
+//! violate.
 
 use rustc_hash::{FxHashMap, FxHashSet};
 
@@ -409,7 +410,8 @@ impl<'a> Relaxation<'a> {
         (links + ends + self.constant(multipliers), tree)
     }
 
-    /// An exact bound without the links in and out, and the price of links at each point
+    /// An exact bound without the links in and out, and the price of links at each point where a walk may begin or
+    /// end.
     pub(super) fn settle(&self, bound: i64, multipliers: &Multipliers) -> (i64, [Vec<(Point, i64)>; 2]) {
         let weights = self.weights(multipliers);
         let ends = [0, 1].map(|side| {

@@ -67,7 +67,7 @@ impl Search<'_> {
         }
     }
 
-    /// Appends the entry candidates of the path at a position
+    /// Appends the entry candidates of the path at a position; of an open path, entry 1 turns it round.
     fn candidates_at(&self, at: u32, sampling: Sampling, candidates: &mut Vec<Candidate>) {
         let item = self.walk.item_at(at);
         if let Some(vertices) = self.walk.vertices(item) {
