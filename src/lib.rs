@@ -56,7 +56,7 @@
 //!
 //! # The stages
 //! Data flows in one direction: `mesh` → `plate` → `slice` → `toolpath` → `order` → `motion` → `gcode`. A module imports only those
-//! that come before it in `tests/architecture.rs`; `docs/architecture.md` says what each is for.
+//! that come before it in `tests/stages/architecture.rs`; `docs/architecture.md` says what each is for.
 
 pub mod check;
 #[cfg(feature = "cli")]
