@@ -25,11 +25,11 @@ const GAP_MM: f64 = 0.4;
 const SHORTEST_MM: f64 = 1.5;
 /// A first layer is not thicker than this.
 const FIRST_MM: f64 = 0.6;
-/// Steps of this many nozzle diameters may be a layer's height, where the file does not tell it.
+/// Steps of this many nozzle diameters may be a layer's height, where the file does not give it.
 const LAYER_NOZZLES: f64 = 0.85;
 /// And steps up to this many times the usual one.
 const LAYER_STEPS: f64 = 1.6;
-/// Width of a bead in nozzle diameters, where the file does not tell it.
+/// Width of a bead in nozzle diameters, where the file does not give it.
 const WIDTH_NOZZLES: f64 = 1.1;
 
 /// Follows what is printed, layer by layer.
@@ -89,7 +89,7 @@ impl Floating {
         // What has no wall lies inside something that has.
         let is_wall = seen.context.role.is_none_or(Role::is_wall);
         self.islands.lengthen(island, bead.xy_mm, [is_part, is_part && is_wall]);
-        // Where the file does not tell supports from the part, gaps over them have to be let pass.
+        // Where the file does not distinguish supports from the part, gaps over them have to be let pass.
         let slack_mm = if self.has_roles { SLACK_MM } else { GAP_MM };
         let (part, other) = (&self.part, &self.other);
         let (islands, laid) = (&mut self.islands, &mut self.laid);

@@ -47,7 +47,7 @@ pub struct Checker {
 pub struct FaultFinder {
     rules: Vec<Box<dyn Rule>>,
     found: Found,
-    /// Whether scripts are looked at as well; if not, what they do wrong is put aside.
+    /// Whether scripts are looked at as well; if not, what they do wrong is recorded separately.
     scripts: bool,
     aside: Found,
     begun: bool,
@@ -85,7 +85,7 @@ impl Checker {
         (self.finder.retracted_mm, self.finder.firmware_retracted) = (0.0, false);
     }
 
-    /// Takes the lines of a text, which goes on where the last one ended. It ends with a whole line.
+    /// Takes the lines of a text, which continues where the last one ended. It ends with a whole line.
     pub fn text(&mut self, text: &[u8]) {
         for line in lines(text) {
             self.line(Line::new(self.lines + 1, self.bytes, line.raw));

@@ -43,7 +43,7 @@ impl<'a> LineContext<'a> {
         (self.line.code.is_none() && letters).then_some(name)
     }
 
-    /// Whether the line says that printing goes on with another object, which may stand on the bed.
+    /// Whether the line says that printing continues with another object, which may stand on the bed.
     pub fn another_object(&self) -> bool {
         if let Some(code) = self.line.code {
             return (code.letter, code.number) == (b'M', 486);

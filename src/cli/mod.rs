@@ -34,7 +34,7 @@ pub fn run(args: impl IntoIterator<Item = OsString>, engine: &dyn Engine) -> Exi
     let args = match Arguments::try_parse_from(args) {
         Ok(args) => args,
         Err(message) => {
-            // If the terminal is gone, there is nobody to tell. `--help` is not a failure.
+            // If the terminal is gone, no message is possible. `--help` is not a failure.
             let _ = message.print();
             return if message.use_stderr() { Exit::Usage } else { Exit::Done };
         }

@@ -15,7 +15,7 @@ use crate::profile::Settings;
 use crate::report::Summary;
 use crate::view::{self, Layer, Print, Scene};
 
-/// Writes the pictures and the page that are asked for.
+/// Writes the pictures and the page that are requested.
 pub(super) fn run(args: &ViewArgs, engine: &dyn Engine) -> Result<Exit, Failure> {
     let inputs: Vec<&Path> = args.models.files.iter().map(PathBuf::as_path).collect();
     let page = page_path(args);

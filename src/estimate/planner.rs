@@ -10,7 +10,7 @@ pub struct Segment {
     pub delta: [f64; 4],
     /// Requested speed, mm/s: along the path in space, or of E where there is none.
     pub speed: f64,
-    /// Acceleration asked for, mm/s².
+    /// Requested acceleration, mm/s².
     pub acceleration: f64,
     /// What its time is booked on, counted from 0.
     pub account: usize,

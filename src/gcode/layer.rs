@@ -49,7 +49,7 @@ struct Writer<'a> {
     /// Feed rate, mm/min.
     f: i64,
     extruder: Extruder,
-    /// The acceleration asked for, and the ones in force for printing and travel.
+    /// The requested acceleration, and the ones in force for printing and travel.
     asked: Option<f64>,
     in_force: [Option<f64>; 2],
     /// The current object, where labels are wanted.
@@ -271,7 +271,7 @@ impl<'a> Writer<'a> {
         self.out.push(b'\n');
     }
 
-    /// States the acceleration asked for, where it is not in force.
+    /// States the requested acceleration, where it is not in force.
     fn accelerate(&mut self, purpose: Purpose) {
         let Some(asked) = self.asked else { return };
         let kept_apart = self.dialect.has_travel_acceleration();

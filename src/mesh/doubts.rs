@@ -55,7 +55,7 @@ impl Doubtful {
     }
 }
 
-/// Doubts that are less than this share of the volume are not worth a word.
+/// Doubts that are less than this share of the volume are not reported.
 const LEAST_SHARE: f64 = 3e-3;
 
 /// All doubts as one, if they matter; at most as much as has room in the box around all.

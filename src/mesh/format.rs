@@ -8,7 +8,7 @@ use super::weld::{Soup, Welder};
 
 /// A kind of file.
 pub(super) trait Format: Sync {
-    /// Whether the file is of this kind, by its content, or its name where the content does not tell.
+    /// Whether the file is of this kind, by its content, or its name where the content is ambiguous.
     fn recognises(&self, path: &Path, data: &[u8]) -> bool;
 
     /// Reads a file of this kind.

@@ -112,7 +112,7 @@ fn contents(path: &Path) -> Result<Vec<u8>, MeshError> {
         return Ok(data);
     }
     let mut data = Vec::with_capacity(usize::try_from(length).unwrap_or(0));
-    // A pipe does not tell its length, nor does it go back.
+    // A pipe has no length and cannot be rewound.
     let _ = file.rewind();
     file.take(limits::MODEL_BYTES + 1).read_to_end(&mut data).map_err(failed)?;
     check(data.len() as u64)?;

@@ -1,7 +1,7 @@
 //! Facets that stand at one position more than once: which of them the surface needs.
 //!
 //! All such facets are left out first. Then they come back, once, where edges of the rest would stay open without them:
-//! groups of them that hang together are in or out as a whole, and the edges around a group vote. What nothing needs is
+//! connected groups of them are in or out as a whole, and the edges around a group vote. What nothing needs is
 //! a wall between bodies that touch, or a fin without thickness.
 
 use super::edges::for_each_edge;
@@ -208,7 +208,7 @@ impl<'a> Groups<'a> {
     }
 }
 
-/// Which side of a group stays, where votes tell.
+/// Which side of a group stays, where votes decide.
 type Rule = fn(&Votes) -> Option<[bool; 2]>;
 
 /// The side that closes more edges than it opens.

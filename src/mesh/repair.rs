@@ -177,7 +177,7 @@ fn drop_unused(vertices: &mut Vec<[f32; 3]>, triangles: &mut [[u32; 3]]) {
     }
 }
 
-/// Numbers the parts that hang together by edges, in the order of their first facets.
+/// Numbers the parts connected by edges, in the order of their first facets.
 fn shells(triangles: &[[u32; 3]], vertex_count: usize, edges: &Edges) -> (Vec<u32>, usize) {
     let mut parts = DisjointSets::new(triangles.len());
     for (half, &twin) in edges.twins.iter().enumerate() {

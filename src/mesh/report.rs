@@ -19,7 +19,7 @@ pub struct MeshReport {
     pub triangles: usize,
     /// Vertices after welding.
     pub vertices: usize,
-    /// Parts that hang together by edges.
+    /// Parts connected by edges.
     pub shells: usize,
     /// Lower corner of the bounding box.
     pub min_mm: [f64; 3],

@@ -2,7 +2,7 @@
 //!
 //! How often the surface winds around the space on both sides of a patch, counted along rays, tells which side is
 //! outside (after Takayama et al., A simple method for correcting facet orientations in polygon meshes based on ray
-//! casting, JCGT 3(4), 2014): nothing is outside nothing. Where patches coincide, rays do not tell; those are turned so
+//! casting, JCGT 3(4), 2014): nothing is outside nothing. Where patches coincide, rays do not decide; those are turned so
 //! that as many facets run along an edge in one direction as in the other.
 
 use parry3d::math::Vector;

@@ -72,7 +72,7 @@ impl Nozzle<'_> {
         self.z_mm = self.layer_z_mm;
     }
 
-    /// How to get from where the nozzle is to a place, on the same island or another. Not asked for where nothing
+    /// How to get from where the nozzle is to a place, on the same island or another. Not called where nothing
     /// depends on it.
     fn route(&self, to: [f64; 2], same_island: bool) -> Route {
         let MotionSettings { travel, retract, .. } = self.settings;

@@ -155,7 +155,7 @@ macro_rules! choice {
 pub(crate) use choice;
 
 /// A section of the settings: the struct, its defaults, and what is known about each key.
-/// After the default come the allowed range and, where the type does not tell it, the unit.
+/// After the default come the allowed range and, where the type does not give it, the unit.
 macro_rules! section {
     ($(#[doc = $doc:literal])* $name:ident { $(
         $(#[doc = $fdoc:literal])* $field:ident: $ty:ty = $default:expr

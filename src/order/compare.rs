@@ -17,7 +17,7 @@ pub struct LayerRow {
     pub travels: usize,
     /// Time of these links by the machine's trapezoid, with retractions, seconds.
     pub travel_s: f64,
-    /// Lower bound of `link_mm`, where one was asked for.
+    /// Lower bound of `link_mm`, if requested.
     pub bound_mm: Option<f64>,
 }
 
@@ -28,7 +28,7 @@ pub struct StrategyRow {
     pub strategy: String,
     /// Processor time that it took, seconds, for the text table only: it differs from run to run.
     pub took_s: f64,
-    /// Lower bound of the whole chain's links, where one was asked for. Not the sum of the layers' bounds.
+    /// Lower bound of the whole chain's links, if requested. Not the sum of the layers' bounds.
     pub bound_mm: Option<f64>,
     /// Its layers.
     pub layers: Vec<LayerRow>,

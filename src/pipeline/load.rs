@@ -80,7 +80,7 @@ pub(super) fn place<'a>(
     Ok(Loaded { plate, styles, modifiers, warnings, repairs, hints })
 }
 
-/// The objects of a file, transformed. What is larger than the bed is shrunk where that is asked for, all by one factor.
+/// The objects of a file, transformed. What is larger than the bed is shrunk if requested, all by one factor.
 pub(crate) fn model(
     path: &Path,
     objects: Vec<mesh::Model>,

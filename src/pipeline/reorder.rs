@@ -335,7 +335,7 @@ impl<'a> Rewriter<'a> {
         written
     }
 
-    /// The scopes in which orders are looked for, first the one that is asked for. What finishes one island before the
+    /// The scopes in which orders are looked for, first the one that is requested. What finishes one island before the
     /// next is begun is allowed in every scope, and retracts less often.
     fn scopes(&self) -> &'static [Scope] {
         let settings = &self.chain.settings;

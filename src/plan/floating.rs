@@ -42,7 +42,7 @@ impl<'a> Floating<'a> {
     /// Adds the next layer.
     ///
     /// # Errors
-    /// An object that begins, or goes on after a gap, where nothing is beneath it.
+    /// An object that begins, or continues after a gap, where nothing is beneath it.
     pub fn take(&mut self, layer: &LayerPaths) -> Result<(), JobError> {
         let index = self.next;
         self.next += 1;

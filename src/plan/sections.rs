@@ -49,7 +49,7 @@ impl Sections {
     /// layers.
     ///
     /// # Errors
-    /// They cannot be printed as one spiral, if that is asked for.
+    /// They cannot be printed as one spiral, if requested.
     pub fn cut(
         slicer: &Slicer<'_>,
         objects: Vec<usize>,

@@ -13,7 +13,7 @@ const FARTHEST_MOVE: usize = 400;
 /// How often the order is gone through.
 const ROUNDS: usize = 20;
 
-/// An order with every open path forwards: the given one or, run by run, the one that always goes on to the nearest
+/// An order with every open path forwards: the given one or, run by run, the one that always continues to the nearest
 /// start, whichever is shorter; then up to three consecutive paths at a time are moved to where they lengthen the travel
 /// least (Or-opt: Or 1976, as in Babin, Deneault & Laporte 2007, doi:10.1057/palgrave.jors.2602196), as long as that
 /// helps. Runs keep their order.

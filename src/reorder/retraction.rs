@@ -65,7 +65,7 @@ const DETOUR: f64 = 1.05;
 const DETOUR_MM: f64 = 0.3;
 /// With more different kinds of retraction than this, no style is recognised.
 const MOST_KINDS: usize = 100;
-/// This many links tell enough.
+/// This many links suffice.
 const ENOUGH: usize = 20_000;
 
 impl Learner {

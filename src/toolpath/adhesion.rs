@@ -63,7 +63,7 @@ fn interrupted(mut ring: Ring, area: &Region) -> Vec<Line> {
     }
 }
 
-/// Loops around the convex hull of everything, outermost first: the skirt. There are as many as asked for, and
+/// Loops around the convex hull of everything, outermost first: the skirt. There are as many as requested, and
 /// more until `min_length` is reached.
 pub fn skirt(footprint: &Region, settings: &SkirtSettings, width_mm: f64, height_mm: f64) -> Vec<Ring> {
     let Some(hull) = hull(footprint) else {

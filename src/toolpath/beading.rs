@@ -9,7 +9,7 @@
 //! - two beads of t/2, where 1.5 s ≤ t < 2.5 s;
 //! - two beads of s, and the rest again by this table, where t ≥ 2.5 s.
 //!
-//! So a middle bead is between half and one and a half times as wide as asked for, one of a pair at least three
+//! So a middle bead is between half and one and a half times as wide as requested, one of a pair at least three
 //! quarters and at most five quarters. Instead of a skeletal trapezoidation, the positions are found by offsets, and the
 //! thickness is that of the largest disc that touches the boundary and its opposite side (Ma, Bae, Choi: "3D medial
 //! axis point approximation using nearest neighbors and the normal field", The Visual Computer 28 (2012),
@@ -145,7 +145,7 @@ pub(super) fn dot(island: &Polygon, least_mm: f64) -> Option<(Ring, f64)> {
     (across_mm >= least_mm).then(|| ((0..DOT_CORNERS).map(corner).collect(), DOT_WIDTH * across_mm))
 }
 
-/// Loops of the width asked for.
+/// Loops of the requested width.
 pub(super) fn constant(centre: &Region) -> Vec<Line> {
     centre.rings().filter_map(|ring| Line::nominal(ring.clone(), true).sound()).collect()
 }

@@ -1,6 +1,6 @@
 //! A rough surface: points of walls, moved at random to either side of the line.
 //!
-//! Coarse by intent, but within bounds: no point of the wall leaves its line by more than the thickness asked for.
+//! Coarse by intent, but within bounds: no point of the wall leaves its line by more than the requested thickness.
 //! Walls that rest on nothing, and those on the bed, stay as they are.
 
 use super::options::{FuzzySettings, FuzzyWalls};

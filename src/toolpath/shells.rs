@@ -171,7 +171,7 @@ impl Zones {
 ///
 /// `above` and `below` are the windows of [`Shells`], `next` is the section of the layer above (empty on the
 /// last). Very narrow solid strips are left to the walls beside them; sparse ones become solid. Solid patches `reach`
-/// over a line of sparse infill beneath. A surface goes on under ribs that rise out of it and are narrower than twice
+/// over a line of sparse infill beneath. A surface continues under ribs that rise out of it and are narrower than twice
 /// `walls_mm`: their walls stand on it, and not on sparse infill.
 pub fn divide(
     inside: &Region,

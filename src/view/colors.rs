@@ -123,7 +123,7 @@ mod tests {
         [[1.255528, -0.076749, -0.178779], [-0.078411, 0.930809, 0.147602], [0.004733, 0.691367, 0.303900]],
     ];
 
-    /// CIE L*a*b* of a colour as somebody sees it.
+    /// CIE L*a*b* of a colour as it is seen.
     fn lab(color: Rgb, seen: &[[f64; 3]; 3]) -> [f64; 3] {
         let linear = color.map(|c| {
             let c = f64::from(c) / 255.0;

@@ -29,7 +29,7 @@ pub struct Stroke {
     pub width_mm: f32,
     /// Its height.
     pub height_mm: f32,
-    /// Speed asked for.
+    /// Requested speed.
     pub speed_mm_s: f32,
     /// Plastic per second at that speed.
     pub flow_mm3_s: f32,
@@ -83,7 +83,7 @@ pub struct Scene {
 
 impl Scene {
     /// Reads a G-code file of any common slicer. Filament and machine are those of the settings; widths that the file
-    /// does not tell follow from the amounts extruded. O(bytes).
+    /// does not give follow from the amounts extruded. O(bytes).
     pub fn read(text: &[u8], settings: &Settings) -> Self {
         let mut reader = Reader::new(settings);
         for read in gcode::annotate(text) {
@@ -191,7 +191,7 @@ impl Reader {
         self.clock.step(&read.line, &read.action, self.laps.len());
     }
 
-    /// Makes one layer of all so far, and goes on with it.
+    /// Makes one layer of all so far, and continues with it.
     fn unite(&mut self) {
         self.end_layer();
         let mut all = Layer::default();

@@ -50,7 +50,7 @@ impl Solid for Scene {
     fn facets(&self, each: &mut dyn FnMut([[f32; 3]; 3], Rgb)) {
         let strokes = || self.layers.iter().flat_map(|layer| &layer.strokes);
         let beside = |role: &u8| [SKIRT, OTHER].contains(role);
-        // A file that does not tell roles is shown whole.
+        // A file without roles is shown whole.
         let all = strokes().filter_map(|stroke| stroke.role).all(|role| beside(&role));
         for stroke in strokes() {
             let Some(role) = stroke.role.filter(|role| all || !beside(role)) else { continue };

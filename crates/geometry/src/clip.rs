@@ -162,7 +162,7 @@ struct Trace {
 }
 
 impl Trace {
-    /// Starts a piece, or goes on with the last one if that ended here.
+    /// Starts a piece, or continues with the last one if that ended here.
     fn begin(&mut self, at: Point, on: Option<BoundaryPos>) {
         self.open = true;
         if self.pieces.last().and_then(|piece| piece.points.last()) != Some(&at) {

@@ -24,7 +24,7 @@ const ATTACH: f64 = 3.0;
 /// A route along the lanes that is this many times too long is not tightened to see whether it would fit.
 const SLACK: f64 = 2.0;
 
-/// Passes of pulling taut: each sees what the one before has freed.
+/// Passes of tightening: each sees what the one before has freed.
 const PULLS: usize = 4;
 
 /// How a travel gets from one position to another.
@@ -284,7 +284,7 @@ fn meet([a, b]: [Point; 2], [c, d]: [Point; 2]) -> bool {
         return false;
     }
     if c_side == 0 && d_side == 0 {
-        // On one line: their boxes tell.
+        // On one line: their boxes decide.
         let overlap = |a: i32, b: i32, c: i32, d: i32| a.min(b) <= c.max(d) && c.min(d) <= a.max(b);
         return overlap(a.x, b.x, c.x, d.x) && overlap(a.y, b.y, c.y, d.y);
     }

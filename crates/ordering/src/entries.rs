@@ -122,7 +122,7 @@ impl EntrySearch {
 
 impl EntrySearch {
     /// The cheapest choice of one candidate for each of `count` paths: its cost, the entries, and how many pairs were looked at.
-    /// `candidates` appends those of a path; the walk comes from `start` and goes on to `end`, which are NaN if unknown.
+    /// `candidates` appends those of a path; the walk comes from `start` and continues to `end`, which are NaN if unknown.
     /// `inside` tells of the link to a path, and to the end, whether it is inside an island.
     ///
     /// Shortest path through layers of candidates: the *cluster optimisation* of the generalised travelling salesman problem

@@ -72,7 +72,7 @@ impl OpenPath {
         }
     }
 
-    /// Where it has come to.
+    /// Its last position.
     pub fn end(&self) -> [f64; 3] {
         self.end
     }

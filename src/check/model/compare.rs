@@ -20,7 +20,7 @@ use geometry::{Bounds, Point, Region, Ring};
 const CELL_MM: f64 = 0.1;
 /// An island is missing if less than this share of its outline is printed.
 const PRINTED: f64 = 0.3;
-/// Specks smaller than this are not asked for.
+/// Specks smaller than this are not required.
 const SPECK_MM2: f64 = 0.05;
 /// Beads of a layer may lie this much lower than it.
 const SLACK_MM: f64 = 0.02;

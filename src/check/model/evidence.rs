@@ -29,7 +29,7 @@ pub(super) struct PrintedLayer {
     pub loops: Vec<Extent>,
     /// Where its middle lines are.
     pub walls: Bitmap,
-    /// The current loop, and where it has come to.
+    /// The current loop, and its last position.
     current: Option<(Extent, [f64; 3])>,
 }
 

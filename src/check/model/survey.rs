@@ -128,7 +128,7 @@ impl Survey {
         self.roles
     }
 
-    /// Whether walls show where the part ends: in all files but those that tell roles and have none.
+    /// Whether walls show where the part ends: in all files but those that name roles and have none.
     pub(super) fn has_edges(&self) -> bool {
         self.outer.is_some() || !self.roles
     }

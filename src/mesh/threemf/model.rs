@@ -37,7 +37,7 @@ const NAMES: [(&str, &str); 6] = [
 
 const PLAIN_MESH: &str = "export it as a plain mesh: 3MF without extensions, or STL";
 
-/// Why a part is refused, and the mend.
+/// Why a part is refused, and the remedy.
 #[derive(Debug)]
 pub(super) struct Refusal {
     pub problem: String,

@@ -145,7 +145,7 @@ pub(super) fn find(boundary: &Boundary<'_>, stops: &[Stop], chords: &[Chord], ha
 }
 
 /// The bead between two neighbouring lines where the boundary runs from the end of one to that of the other at a small
-/// angle: the shorter line goes on along the boundary and narrows until it meets the longer one's end.
+/// angle: the shorter line continues along the boundary and narrows until it meets the longer one's end.
 fn wedge(
     [(a, from), (b, to)]: [(&Chord, &Stop); 2],
     arc: impl FnOnce() -> Vec<Point>,

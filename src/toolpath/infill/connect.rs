@@ -21,7 +21,7 @@ const ANCHOR: f64 = 0.45;
 
 /// Joins chords into longer lines.
 ///
-/// A line goes on from its end to the neighbouring end on the boundary, in either direction, if the distance there is
+/// A line continues from its end to the neighbouring end on the boundary, in either direction, if the distance there is
 /// at most as long as allowed; the nearer one where both are free. Chords are taken in the order given, each line
 /// grows at both ends. O(n log n).
 pub fn connect(region: &Region, mut chords: Vec<Chord>, joins: &Joins) -> Vec<Line> {
@@ -238,7 +238,7 @@ impl Around {
         Self { stops, index_of }
     }
 
-    /// The chord end to go on to, with the join along the boundary.
+    /// The chord end to continue to, with the join along the boundary.
     fn next(
         &self,
         boundary: &Boundary<'_>,

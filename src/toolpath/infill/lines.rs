@@ -28,7 +28,7 @@ pub fn parallel(
     lay(region, &[LineSet { angle_rad, distance_mm, phase_mm }], joins)
 }
 
-/// The lines of sets through a region, their ends treated as `joins` says. A line may go on in one of another set, whose
+/// The lines of sets through a region, their ends treated as `joins` says. A line may continue in one of another set, whose
 /// ends are nearer than those of its own.
 pub fn lay(region: &Region, sets: &[LineSet], joins: &Joins) -> Vec<Line> {
     let count = sets.len();

@@ -194,7 +194,7 @@ fn toward(from: [f64; 2], to: [f64; 2], most_mm: f64) -> [f64; 2] {
     [0, 1].map(|i| from[i] + share * (to[i] - from[i]))
 }
 
-/// Makes one of branches that have met: the thicker one goes on.
+/// Makes one of branches that have met: the thicker one continues.
 fn merge(branches: &mut Vec<Branch>, trunks: &mut [usize], radius: &impl Fn(usize) -> f64, near_mm: f64) {
     let buckets = Buckets::new(branches, THICKEST_MM.max(near_mm));
     let mut gone = vec![false; branches.len()];

@@ -12,7 +12,7 @@ pub(super) const NONE: u32 = u32::MAX;
 pub(super) struct Node {
     pub(super) at: Position,
     pub(super) width: f64,
-    /// How far the region goes on beyond this node, if it is the end of a branch.
+    /// How far the region continues beyond this node, if it is the end of a branch.
     pub(super) reach: f64,
     /// Up to three neighbours, [`NONE`] in unused slots.
     pub(super) links: [u32; 3],

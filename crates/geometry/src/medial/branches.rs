@@ -210,7 +210,7 @@ fn chain(nodes: &[Node], branches: &mut [Branch], partner: &[[Option<(usize, usi
             path.free[1] = nodes[last as usize].degree() == 1;
             match partner[branch][1 - end] {
                 Some((next, next_end)) if !used[next] => {
-                    // The junction itself is no part of a line that goes on.
+                    // The junction itself is no part of a line that continues.
                     run.pop();
                     append(&mut path.nodes, &run);
                     (branch, end) = (next, next_end);

@@ -114,7 +114,7 @@ impl<'a> Relaxation<'a> {
         }
     }
 
-    /// Makes the link from where the walk comes from (0) or to where it goes on (1) part of the bound; `length` is the
+    /// Makes the link from where the walk comes from (0) or to where it continues (1) part of the bound; `length` is the
     /// least for a point.
     pub(super) fn measure(&mut self, side: usize, length: impl Fn(Point) -> i64) {
         for end in &mut self.walk_ends[side] {

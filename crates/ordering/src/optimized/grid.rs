@@ -63,7 +63,7 @@ impl Grid {
         let width = i64::from(high.x) - i64::from(low.x) + 1;
         let height = i64::from(high.y) - i64::from(low.y) + 1;
         let cells = (sites.len() / PER_CELL).max(1) as f64;
-        // At most about twice as many cells as asked for, however long and narrow the box is.
+        // At most about twice as many cells as requested, however long and narrow the box is.
         let cell =
             (width as f64 * height as f64 / cells).sqrt().max(width.max(height) as f64 / cells).ceil() as i64;
         let (columns, rows) = (width / cell + 1, height / cell + 1);

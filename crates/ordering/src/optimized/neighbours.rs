@@ -19,7 +19,7 @@ pub struct Near {
     pub node: u32,
     /// Its entry; of a loop, some vertex that is near.
     pub entry: u32,
-    /// The least that a link to it can cost, wherever a loop is entered (as far as its samples tell).
+    /// The least that a link to it can cost, wherever a loop is entered (according to its samples).
     pub least: f64,
 }
 
@@ -27,7 +27,7 @@ pub struct Near {
 pub type List = [Near; NEAR];
 const EMPTY: List = [Near { node: NONE, entry: 0, least: f64::INFINITY }; NEAR];
 
-/// The nearest nodes of the same group for every entry, found when first asked for.
+/// The nearest nodes of the same group for every entry, found on first use.
 #[derive(Debug)]
 pub struct Neighbours {
     grids: Vec<Grid>,
