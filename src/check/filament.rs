@@ -2,7 +2,7 @@
 
 use super::fault::Kind;
 use super::report::Found;
-use super::rule::{Rule, LineContext};
+use super::rule::{LineContext, Rule};
 use crate::gcode::{Action, Stroke};
 use crate::profile::Settings;
 

@@ -7,7 +7,7 @@ use super::fault::Kind;
 use super::model::is_part;
 use super::relief::Relief;
 use super::report::Found;
-use super::rule::{Rule, LineContext};
+use super::rule::{LineContext, Rule};
 use crate::gcode::Stroke;
 use crate::profile::Settings;
 use crate::toolpath::Role;

@@ -2,7 +2,7 @@
 
 use super::fault::Kind;
 use super::report::Found;
-use super::rule::{Rule, LineContext};
+use super::rule::{LineContext, Rule};
 
 /// No filament flows below this; firmwares ask for 170 °C unless configured otherwise.
 const COLD_C: f64 = 100.0;

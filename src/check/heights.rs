@@ -2,7 +2,7 @@
 
 use super::fault::Kind;
 use super::report::Found;
-use super::rule::{Rule, LineContext};
+use super::rule::{LineContext, Rule};
 use crate::profile::Settings;
 
 /// Walls printed for several layers before their infill, and slopes, go down by less than this many nozzle diameters.

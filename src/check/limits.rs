@@ -2,7 +2,7 @@
 
 use super::fault::Kind;
 use super::report::Found;
-use super::rule::{Rule, LineContext};
+use super::rule::{LineContext, Rule};
 use crate::estimate::{Firmware, Machine};
 use crate::gcode::Stroke;
 use crate::profile::Settings;
@@ -46,7 +46,12 @@ impl Limits {
         }
     }
 
-    fn accelerations(&self, given: impl IntoIterator<Item = (f64, f64)>, seen: &LineContext<'_>, found: &mut Found) {
+    fn accelerations(
+        &self,
+        given: impl IntoIterator<Item = (f64, f64)>,
+        seen: &LineContext<'_>,
+        found: &mut Found,
+    ) {
         for (asked, most) in given {
             if asked > most * SLACK {
                 seen.fault(found, Kind::Acceleration, || {

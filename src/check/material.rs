@@ -3,7 +3,7 @@
 use super::fault::Kind;
 use super::relief::Relief;
 use super::report::Found;
-use super::rule::{Rule, LineContext};
+use super::rule::{LineContext, Rule};
 use crate::gcode::{Context, Stroke};
 use crate::profile::Settings;
 

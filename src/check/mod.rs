@@ -33,7 +33,7 @@ use crate::gcode::{Action, Annotated, Clock, Line, Meter, Reader, State, Stroke,
 use crate::profile::Settings;
 use crate::report::Measures;
 use crate::units::Seconds;
-use rule::{Rule, LineContext};
+use rule::{LineContext, Rule};
 
 /// Follows a file, line by line.
 pub struct Checker {

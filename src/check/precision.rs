@@ -2,7 +2,7 @@
 
 use super::fault::Kind;
 use super::report::Found;
-use super::rule::{Rule, LineContext};
+use super::rule::{LineContext, Rule};
 
 /// Fewer beads say nothing about how numbers are written.
 const ENOUGH_BEADS: usize = 100;

@@ -2,7 +2,7 @@
 
 use super::fault::Kind;
 use super::report::Found;
-use super::rule::{Rule, LineContext};
+use super::rule::{LineContext, Rule};
 use crate::gcode::Stroke;
 
 /// Commands of Marlin 2, Klipper, RepRapFirmware 3, Prusa's, Bambu's and UltiMaker's firmware: ranges of numbers.

@@ -21,7 +21,7 @@ use clap::Parser;
 
 pub use exit::Exit;
 
-use args::{Command, Arguments};
+use args::{Arguments, Command};
 
 use crate::job::Engine;
 use crate::limits;

@@ -40,7 +40,11 @@ pub(super) struct FileObject {
 impl Contents {
     /// A file that is one object, where it lies.
     pub fn single(soup: Soup, format: &'static str, facets: usize, notes: Vec<String>) -> Self {
-        Self { objects: vec![FileObject { name: None, soup, facets, positions: vec![[0.0; 3]] }], format, notes }
+        Self {
+            objects: vec![FileObject { name: None, soup, facets, positions: vec![[0.0; 3]] }],
+            format,
+            notes,
+        }
     }
 
     /// Everything as one object, each where the file puts it.

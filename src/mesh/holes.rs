@@ -162,7 +162,7 @@ struct Surface<'a> {
 }
 
 impl Surface<'_> {
-    /// The part of each facet connected by edges, and the area of each.
+    /// For each facet, the number of its part connected by edges, and the area of each.
     fn patches(&self) -> (Vec<u32>, Vec<f64>) {
         let mut parts = DisjointSets::new(self.triangles.len());
         for (half, &twin) in (0..).zip(self.twins).filter(|(half, twin)| **twin != NO_TWIN && *half < **twin)

@@ -2,7 +2,7 @@
 
 use std::io;
 
-use crate::check::{Checker, Found, FaultFinder};
+use crate::check::{Checker, FaultFinder, Found};
 use crate::gcode::each_line;
 use crate::job::JobError;
 use crate::profile::Settings;

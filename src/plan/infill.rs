@@ -7,7 +7,7 @@ use crate::profile::Settings;
 use crate::toolpath::Pattern;
 use crate::toolpath::PlateLayer;
 use crate::toolpath::bead;
-use crate::toolpath::infill::{AdaptiveCubic, FillPattern, LightningLayer, Lightning};
+use crate::toolpath::infill::{AdaptiveCubic, FillPattern, Lightning, LightningLayer};
 use geometry::Region;
 
 use crate::parallel::Workers;

@@ -29,12 +29,15 @@ impl Footprint {
 }
 
 pub(super) fn group_box(footprints: &[&Footprint], positions: &[[f64; 2]]) -> [[f64; 2]; 2] {
-    footprints.iter().zip(positions).fold([[f64::INFINITY; 2], [f64::NEG_INFINITY; 2]], |[min, max], (f, s)| {
-        [
-            std::array::from_fn(|i| min[i].min(s[i] - f.half[i])),
-            std::array::from_fn(|i| max[i].max(s[i] + f.half[i])),
-        ]
-    })
+    footprints.iter().zip(positions).fold(
+        [[f64::INFINITY; 2], [f64::NEG_INFINITY; 2]],
+        |[min, max], (f, s)| {
+            [
+                std::array::from_fn(|i| min[i].min(s[i] - f.half[i])),
+                std::array::from_fn(|i| max[i].max(s[i] + f.half[i])),
+            ]
+        },
+    )
 }
 
 /// Middles of the footprints, the whole group around the origin. `share` says what part of the bed a group needs.

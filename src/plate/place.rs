@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use geo::{Distance, Euclidean};
 
 use super::area::{Area, TOLERANCE_MM, fitting_factor};
-use super::arrange::{Shape, SearchOrder, arrange};
+use super::arrange::{SearchOrder, Shape, arrange};
 use super::error::{PlacementError, listed};
 use super::group::{Group, turned};
 use super::layout::{Item, Layout, hull};
@@ -183,12 +183,10 @@ fn arranged(
         let models: Vec<(usize, usize)> = (0..groups.len()).flat_map(copies).collect();
         match packed(layouts, &groups, &models, area, options) {
             Ok(positions) => {
-                let placed = models.iter().zip(positions).map(|(&(group, copy), (quarters, at))| PlacedGroup {
-                    group,
-                    copy,
-                    quarters,
-                    at,
-                });
+                let placed = models
+                    .iter()
+                    .zip(positions)
+                    .map(|(&(group, copy), (quarters, at))| PlacedGroup { group, copy, quarters, at });
                 let notes = layouts.iter().enumerate().filter(|(_, layout)| whole(layout));
                 let notes = notes.filter_map(|(number, layout)| note(number, layout, &groups, area));
                 return Ok(PlacedGroups { placed: placed.collect(), notes: notes.collect(), groups });
@@ -303,7 +301,11 @@ fn packed(
         let positions = arrange(&shapes, &kinds, half, search_order, fits);
         let without: Vec<usize> = (0..models.len()).filter(|&model| positions[model].is_none()).collect();
         if without.is_empty() {
-            let placed = positions.into_iter().flatten().map(|position| (position.turn as u32, at_mm(position.at))).collect();
+            let placed = positions
+                .into_iter()
+                .flatten()
+                .map(|position| (position.turn as u32, at_mm(position.at)))
+                .collect();
             return Ok(area.in_the_middle(placed, |model, turn| &shapes[kinds[model]][turn as usize].rim));
         }
         if left.as_ref().is_none_or(|left| without.len() < left.len()) {

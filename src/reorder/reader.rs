@@ -286,9 +286,12 @@ impl<R: BufRead> Blocks<R> {
                 self.pending_state.moved = true;
                 self.pending_state.travel_state = Some(state);
             }
-            Kind::Wipe | Kind::Lift | Kind::Retract | Kind::Unretract | Kind::FirmwareRetract | Kind::FirmwareUnretract => {
-                self.pending_state.moved = true
-            }
+            Kind::Wipe
+            | Kind::Lift
+            | Kind::Retract
+            | Kind::Unretract
+            | Kind::FirmwareRetract
+            | Kind::FirmwareUnretract => self.pending_state.moved = true,
             Kind::Mark | Kind::Barrier | Kind::Fixed => self.pending_state.barrier = true,
             Kind::ResetE | Kind::Feed | Kind::State(_) | Kind::Time(_) | Kind::Noise => {}
         }
@@ -401,7 +404,8 @@ impl<R: BufRead> Blocks<R> {
             token.line = shift(token.line);
             token.state -= first_state;
         }
-        self.pending_state.travel_state = self.pending_state.travel_state.map(|state| state.saturating_sub(first_state));
+        self.pending_state.travel_state =
+            self.pending_state.travel_state.map(|state| state.saturating_sub(first_state));
         next.text = prefix;
         // Blocks are about as long as their neighbours, or a little longer.
         let room = |length: usize, most: usize| (length + length / 4).min(most);

@@ -89,7 +89,8 @@ impl LayerBuilder {
         // Free ends alone fill the zone when they reach its edge.
         let reach_mm = if ordered { spacing_mm / 2.0 } else { settings.overlap.0 * width_mm };
         let angle_rad = settings.angle.to_radians();
-        let turn_reach = if settings.density.0 > infill::SOLID_DENSITY { CORE_TURN_REACH } else { SKIN_TURN_REACH };
+        let turn_reach =
+            if settings.density.0 > infill::SOLID_DENSITY { CORE_TURN_REACH } else { SKIN_TURN_REACH };
         let spec = SolidSpec {
             spacing_mm,
             reach_mm,

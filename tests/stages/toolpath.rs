@@ -6,7 +6,9 @@ use crate::support::toolpath_plan::{HEIGHT_MM, job, length_mm, of_role, plan, re
 use crate::toolpath_raster::coverage;
 use pathwright::geometry::{self, Bounds, Point, Polygon, Region, Ring};
 use pathwright::profile::{Pattern, Settings, WallGenerator, WallOrder};
-use pathwright::toolpath::infill::{self, AdaptiveCubic, FillPattern, FillSpec, LightningLayer, Joins, Lightning};
+use pathwright::toolpath::infill::{
+    self, AdaptiveCubic, FillPattern, FillSpec, Joins, Lightning, LightningLayer,
+};
 use pathwright::toolpath::{LayerPaths, Path, Role, Width, bead, shell_depth};
 use pathwright::units::{Mm, Ratio};
 use proptest::prelude::*;
