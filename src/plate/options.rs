@@ -59,7 +59,7 @@ section! {
     }
 }
 section! {
-    /// `[print]`: what is printed after what.
+    /// `[print]`: the order of objects.
     PrintSettings {
         /// Layer by layer, or object by object, the lowest first.
         sequence: Sequence = Sequence::Layer,
