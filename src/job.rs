@@ -16,7 +16,7 @@ use crate::report::{ModelInfo, PaperRow, Reordered, Summary};
 pub struct Job {
     /// Files, in the order in which they are placed.
     pub models: Vec<PathBuf>,
-    /// Bodies, placed as the first model is, in which everything that rests on nothing is supported.
+    /// Support enforcers, placed as the first model is.
     pub support_enforcers: Vec<PathBuf>,
     /// Bodies, placed as the first model is, in which nothing is supported.
     pub support_blockers: Vec<PathBuf>,
@@ -59,7 +59,7 @@ impl Default for Job {
 /// Settings of objects that differ from those of the plate.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ObjectSettings {
-    /// Name of the objects: a file, with or without its folder or ending, or what a 3MF file calls an object.
+    /// Name of the objects: a file, with or without folder or extension, or an object in a 3MF file.
     pub object: String,
     /// All settings; of use are those of [`ObjectSettings::SECTIONS`].
     pub settings: Settings,

@@ -36,7 +36,7 @@ pub fn reorder(
     Ok((if report.changed { output.into_bytes() } else { gcode }, report))
 }
 
-/// Finds what is wrong with G-code for a printer.
+/// Finds the faults of G-code for a printer.
 ///
 /// # Errors
 /// There is no move in it.

@@ -188,7 +188,7 @@ impl Relief {
         self.highest_mm = self.highest_mm.max(bead.from[2]).max(bead.to[2]);
     }
 
-    /// How far a move dips below what stands in its path, and where: the first position deeper than `slack_mm`.
+    /// Depth of a move below the print in its path, and the first position deeper than `slack_mm`.
     pub fn dip(&self, travel: &Stroke, slack_mm: f64) -> Option<([f64; 3], f64)> {
         if travel.from[2].min(travel.to[2]) >= self.highest_mm - slack_mm {
             return None;

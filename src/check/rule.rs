@@ -35,7 +35,7 @@ impl<'a> LineContext<'a> {
         self.stroke().filter(|stroke| stroke.extrudes())
     }
 
-    /// Whether the line is a command with a name (a macro), of which nothing is known.
+    /// Whether the line is a macro, whose effect is unknown.
     pub fn named(&self) -> Option<&'a [u8]> {
         let text = self.line.parameters().trim_ascii();
         let name = text.split(u8::is_ascii_whitespace).next().unwrap_or_default();

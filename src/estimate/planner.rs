@@ -147,7 +147,7 @@ impl Planner {
         self.book(account, seconds);
     }
 
-    /// The seconds on every account that was used, once the machine has come to rest after the last move.
+    /// The seconds of every account, after the machine has stopped behind the last move.
     pub fn finish(mut self) -> Vec<f64> {
         self.settle(self.blocks.len());
         self.seconds

@@ -12,8 +12,8 @@ pub struct Effect {
     pub measure: Measure,
     /// Time of its moves; heating and homing take none.
     pub time: Seconds,
-    /// Where it leaves the nozzle, millimetres; `None` where nothing has been extruded, for then the path from here
-    /// does not count.
+    /// Position of the nozzle afterwards, millimetres; `None` where nothing has been extruded, as the path from here
+    /// does not count then.
     pub end: Option<[f64; 3]>,
 }
 

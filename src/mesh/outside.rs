@@ -57,7 +57,7 @@ impl Shell {
     }
 }
 
-/// What was turned, and what the shells measure then.
+/// The flipped facets, and the measures of the shells afterwards.
 pub(super) struct Outcome {
     pub turned: usize,
     pub volume_mm3: f64,

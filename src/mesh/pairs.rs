@@ -114,7 +114,7 @@ fn equal_facets(triangles: &[[u32; 3]]) -> (Vec<bool>, Vec<EqualFacets>) {
     (alone, sets)
 }
 
-/// Connected sets of equal facets, and what is decided of them.
+/// Connected sets of equal facets, and the decisions about them.
 struct Groups<'a> {
     vertices: &'a [[f32; 3]],
     sets: &'a [EqualFacets],

@@ -35,7 +35,7 @@ pub enum Move {
     Nozzle(Celsius),
     /// Bed temperature, without waiting.
     Bed(Celsius),
-    /// What follows belongs to this object on the plate, or to none; told only where labels are wanted.
+    /// The object on the plate that the following moves belong to, or none; only with labels.
     Object(Option<u32>),
     /// A pause or filament change, by the profile's script.
     Pause,
@@ -48,7 +48,7 @@ pub struct Entry {
     /// `None`: wherever the start script left it.
     pub xy: Option<[f64; 2]>,
     pub z_mm: f64,
-    /// The path along which to wipe before leaving, from `xy` on; empty where nothing is wiped.
+    /// The wipe before leaving, from `xy` on; empty without one.
     pub wipe: Vec<[f64; 2]>,
     /// The first travel keeps above this, as finished objects may obstruct it; 0: none do.
     pub over_mm: f64,

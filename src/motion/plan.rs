@@ -79,8 +79,8 @@ pub fn plan_layer(
     LayerMoves { index: layer.index, z_mm: layer_z_mm, height_mm: layer.height_mm, from, moves: nozzle.moves }
 }
 
-/// Where the nozzle is after a layer: what the next one is planned [from](Entry). A layer without paths leaves
-/// it where it was.
+/// Position of the nozzle after a layer, from which the next one is [planned](Entry). A layer without paths leaves it
+/// where it was.
 pub fn exit(layer: &LayerPaths, sequence: &[PathVisit], from: Entry, settings: &MotionSettings) -> Entry {
     let mut vertices = Vec::new();
     let last = sequence.iter().rev().find_map(|visit| {

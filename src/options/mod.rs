@@ -104,7 +104,7 @@ pub const fn first_range(own: &[(f64, f64)]) -> Option<(f64, f64)> {
 }
 
 impl Field {
-    /// What the key takes, for messages and documentation: `a number from 0.01 to 2 mm`.
+    /// The accepted values in words: `a number from 0.01 to 2 mm`.
     pub fn expected(&self) -> String {
         let unit = if self.unit.is_empty() { String::new() } else { format!(" {}", self.unit) };
         let span = match self.range {

@@ -119,7 +119,7 @@ impl Output {
         Ok(())
     }
 
-    /// What has been written so far, from an offset on.
+    /// The bytes written so far, from an offset on.
     ///
     /// # Errors
     /// As [`Output::write`].
@@ -150,7 +150,7 @@ impl Output {
         Self { name: "standard output".into(), written: 0, sink }
     }
 
-    /// No file at all: what is written can be read back, and is gone then.
+    /// An output without a file: its bytes can be read back once.
     ///
     /// # Errors
     /// If the system has no folder for temporary files.

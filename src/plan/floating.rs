@@ -62,7 +62,7 @@ impl<'a> Floating<'a> {
         Ok(())
     }
 
-    /// Every layer has been taken up: warns of objects of which nothing was printed.
+    /// Ends after the last layer: warns of objects without any printed path.
     ///
     /// # Errors
     /// Nothing was printed of any.

@@ -270,7 +270,7 @@ impl Sections {
         planners
     }
 
-    /// What is printed on the bed: the objects with brim and raft, and their supports.
+    /// The area printed on the bed: the objects with brim and raft, and their supports.
     pub fn on_bed(&self, planners: &Planners) -> Vec<Polygon> {
         let supports = self.supports.iter().flat_map(|supports| supports.all_outlines(1));
         let regions = std::iter::once(planners.main.covered()).chain(supports);
@@ -283,7 +283,7 @@ impl Sections {
         regions.filter_map(|s| s.region.bounds()).reduce(|a, b| a.joined(&b))
     }
 
-    /// The convex hull of each object, with its number on the plate; empty where no layer holds anything of it.
+    /// The convex hull of each object, with its number on the plate; empty if no layer holds any of it.
     pub fn hulls(&self, workers: Workers<'_>) -> Vec<(usize, Vec<[f64; 2]>)> {
         let hull = |object: usize| {
             let regions = (0..self.layers.len()).map(|layer| self.of(object, layer));

@@ -34,7 +34,7 @@ pub(crate) struct Supports {
 }
 
 impl Supports {
-    /// Finds what hangs in the air and stands supports under it.
+    /// Finds overhangs and plans supports under them.
     ///
     /// `layers` are the part's, without a raft; `modifiers` the enforcers and the blockers.
     pub fn plan(

@@ -17,7 +17,7 @@ pub struct Model {
     pub first_box: [[f64; 3]; 2],
     /// The unit that the size points to, with the file's name.
     pub hint: Option<String>,
-    /// What the file is called: its name without folder and ending, without folder, and whole.
+    /// The names of the file: without folder and extension, without folder, and whole.
     pub names: [String; 3],
 }
 

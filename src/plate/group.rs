@@ -55,7 +55,7 @@ impl Layout {
 }
 
 impl Group {
-    /// Bodies of a layout; what does not stand over another of them is lowered onto the bed.
+    /// Bodies of a layout; those that do not stand over another are lowered onto the bed.
     pub fn new(number: usize, layout: &Layout, bodies: Vec<usize>) -> Self {
         let foot = |m: Member| layout.items[m.item].foot(m.position);
         let members = |body: usize| layout.bodies[body].iter().copied();
@@ -130,7 +130,7 @@ impl Group {
         Footprint::new(size, rim)
     }
 
-    /// What it covers, and `reach_mm` around that; the convex hull of each body where `convex`.
+    /// The area that it covers, grown by `reach_mm`; the convex hull of each body where `convex`.
     pub fn silhouette(
         &self,
         layout: &Layout,

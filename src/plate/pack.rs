@@ -9,7 +9,7 @@ pub(super) struct Footprint {
     half: [f64; 2],
     /// How high it is.
     pub height_mm: f64,
-    /// Points whose distance from the middle matters: corners of the box, or the convex hull for a round bed.
+    /// Points that determine the distance from the middle: corners of the box, or the convex hull for a round bed.
     pub rim: Vec<[f64; 2]>,
 }
 

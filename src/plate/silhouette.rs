@@ -2,7 +2,8 @@
 
 use geo::{ConvexHull, MultiPoint};
 
-/// Cells of a square grid whose nodes lie at whole multiples of the cell; cell (i, j) reaches from node (i, j) to the next.
+/// A bitmap of the bed on a square grid whose nodes lie at whole multiples of the cell; cell (i, j) reaches from node
+/// (i, j) to the next.
 ///
 /// All that is marked errs on the safe side: a cell counts as covered if anything of it is.
 #[derive(Clone, Debug)]

@@ -105,7 +105,7 @@ pub(super) struct Cursor {
     pub state: u32,
 }
 
-/// What stays where it is, then paths on one layer and at one height that may change places.
+/// Lines that stay, followed by paths of one layer and height that may change places.
 #[derive(Clone, Debug)]
 pub struct Block {
     /// The lines of the block; before them those that set the state it begins with.
@@ -187,7 +187,7 @@ impl Block {
         std::iter::once(from).chain(self.segs[path.segs.clone()].iter().map(|seg| seg.to)).map(|p| self.mm(p))
     }
 
-    /// What the file's own travel costs up to the first path, and from there on.
+    /// Cost of the file's own travel up to the first path, and from there on.
     pub fn costs(&self) -> [LinkCost; 2] {
         [&self.junction, &self.links].map(|tokens| {
             let (mut cost, mut retracted) = (LinkCost::default(), false);

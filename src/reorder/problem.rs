@@ -33,8 +33,8 @@ impl Pick {
 /// A block as the ordering knows it.
 #[derive(Clone, Debug)]
 pub struct Ordering {
-    /// Its paths: open ones by their ends, loops that must keep their seam as open ones whose ends are the same, and
-    /// walls that stay together as one path.
+    /// Its paths: open ones by their ends, loops that must keep their seam as open ones with equal ends, and walls
+    /// that stay together as one path.
     pub layer: LayerPaths,
     /// The paths of the block that each of them stands for.
     members: Vec<Range<usize>>,

@@ -94,7 +94,7 @@ impl<R: BufRead> Blocks<R> {
         }
     }
 
-    /// Also takes up what is read for a proof, and, on a machine, when lines about time come.
+    /// Also records an inventory for the proof and, with a machine, the times of lines about time.
     pub fn proven(self, machine: Option<&Machine>) -> Self {
         Self { inventory: Some(Inventory::timed(machine)), ..self }
     }

@@ -42,7 +42,7 @@ impl PaperRow {
     }
 }
 
-/// The table of one file; the first row is what the others are compared with. `own`: the segments are our own.
+/// The table of one file, whose first row is the baseline. `own`: the segments are our own.
 pub fn table(file: &str, own: bool, rows: &[PaperRow]) -> String {
     let mut out = format!("{file}{}\n", if own { " (own segments)" } else { "" });
     out += &format!(

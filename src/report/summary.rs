@@ -19,7 +19,7 @@ pub struct Measures {
     pub travel_mm: f64,
     /// Both.
     pub total_mm: f64,
-    /// Straight lines from the end of each path to the start of the next: what ordering minimises.
+    /// Length of the straight lines from the end of each path to the start of the next, which ordering minimises.
     pub link_mm: f64,
     /// No order can have shorter links than this, where it was computed.
     #[serde(skip_serializing_if = "Option::is_none")]

@@ -92,7 +92,7 @@ pub(super) fn pair(region: &Region, spacing_mm: f64, least_mm: f64) -> Pair {
     Pair { loops, gap, rest: geometry::offset(&deep, (FULL - 1.0) * spacing_mm) }
 }
 
-/// A region shrunk by a radius, but for what is thicker than that here and there only.
+/// A region shrunk by a radius, without parts that are only occasionally thicker than that.
 pub(super) fn core(region: &Region, radius_mm: f64, spacing_mm: f64) -> Region {
     let mut core = geometry::offset(region, -radius_mm);
     core.polygons.retain(|polygon| {

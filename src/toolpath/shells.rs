@@ -45,7 +45,7 @@ pub fn shell_depth(heights_mm: impl Iterator<Item = f64>, layers: u32, min_thick
     if enough { depth } else { depth + 1 }
 }
 
-/// How many of the lowest layers, with these heights, are the solid bottom of what stands on the bed.
+/// Number of solid bottom layers on the bed, with these layer heights.
 pub fn bottom_layers(heights_mm: &[f64], settings: &ShellSettings) -> usize {
     (0..heights_mm.len()).take_while(|&i| below(heights_mm, i, settings) > i).count()
 }

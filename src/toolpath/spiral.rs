@@ -111,7 +111,7 @@ pub fn revolution(
     })
 }
 
-/// The revolution that levels the top: once more along the last outline, at its height, the line fading to nothing.
+/// The last revolution, which levels the top: along the last outline at its height, fading to nothing.
 pub fn level(outline: &[Point]) -> Revolution {
     let length_mm = geometry::ring_length_mm(outline).max(f64::MIN_POSITIVE);
     let points: Vec<Point> =

@@ -102,8 +102,8 @@ impl Scene {
         self.layers.iter().all(|layer| layer.strokes.is_empty())
     }
 
-    /// Smallest and largest X and Y that roles touch (where nothing is extruded: that moves touch); `None` of an empty
-    /// scene. What a start script primes does not count where there is anything else.
+    /// Bounds of the roles in X and Y (of moves where nothing is extruded); `None` of an empty scene. What a start
+    /// script primes does not count where there is anything else.
     pub fn bounds(&self) -> Option<[[f32; 2]; 2]> {
         let wanted: [&dyn Fn(&Stroke) -> bool; 3] =
             [&|s| s.role.is_some_and(|role| role != OTHER), &|s| s.role.is_some(), &|_| true];

@@ -15,7 +15,7 @@ pub struct DetourRule {
     pub wall_width_mm: f64,
     /// By how much a detour may lengthen a travel, millimetres.
     pub max_mm: f64,
-    /// What a retraction is worth, millimetres: travels inside are not retracted up to this length.
+    /// Cost of a retraction in millimetres: travels inside are not retracted up to this length.
     pub retraction_mm: f64,
 }
 

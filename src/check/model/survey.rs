@@ -57,7 +57,8 @@ impl Heights {
     }
 }
 
-/// Which heights a print has, where it lies, and how much of it is the model. It grows with the number of heights only.
+/// The heights of a print, its position, and the share of it that is the model. It grows with the number of heights
+/// only.
 #[derive(Clone, Debug, Default)]
 pub struct Survey {
     outer: Option<Extent>,

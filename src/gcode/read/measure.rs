@@ -38,7 +38,7 @@ pub struct Measure {
     pub volume_mm3: f64,
     /// Distinct heights at which something was extruded, micrometres, ascending.
     pub heights_um: Vec<i64>,
-    /// By `;TYPE:` or what other slicers write instead, in order of appearance; `none` before the first.
+    /// Sums by `;TYPE:` or its equivalents, in order of appearance; `none` before the first.
     pub by_type: Vec<TypeMeasure>,
 }
 

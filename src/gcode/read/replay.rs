@@ -91,7 +91,7 @@ pub fn replay(text: &[u8]) -> Replay<'_> {
     Replay { lines: lines(text), state: State::default() }
 }
 
-/// Replays what follows a print that has begun: absolute positions, the nozzle at `position`, nothing retracted.
+/// Replays text that continues a print: absolute positions, the nozzle at `position`, nothing retracted.
 pub fn resume(text: &[u8], position: [f64; 3], relative_e: bool) -> Replay<'_> {
     Replay { lines: lines(text), state: State { position, e_absolute: !relative_e, ..State::default() } }
 }

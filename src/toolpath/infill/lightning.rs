@@ -1,4 +1,4 @@
-//! Branches that hold up roofs inside the part and nothing else.
+//! Lightning infill: branches that support top surfaces from inside, and nothing else.
 //!
 //! Under every roof branches end so close to each other that no place of it is further than half the line distance from a
 //! branch or a wall. From layer to layer downwards they grow shorter and straighter, no faster than a wall may lean, until

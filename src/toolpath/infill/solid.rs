@@ -25,7 +25,7 @@ const NARROW: f64 = 3.5;
 /// Narrow parts smaller than this many squared spacings are left with the wide ones: corners.
 const CORNER: f64 = 4.0;
 
-/// Divides a solid zone into what is wide enough for parallel lines, and the rest.
+/// Splits a solid zone into parts wide enough for parallel lines, and the rest.
 pub fn split_narrow(zone: &Region, spacing_mm: f64) -> (Region, Region) {
     let radius_mm = NARROW / 2.0 * spacing_mm;
     let core = geometry::offset(zone, -radius_mm);
@@ -92,7 +92,7 @@ pub struct SolidSpec {
     pub layer: usize,
     /// Whether line ends are joined along the boundary; else each line is by itself.
     pub joined: bool,
-    /// Whether beads of fitting width fill what is left where the boundary runs along the lines.
+    /// Whether beads of fitting width fill the remainder where the boundary runs along the lines.
     pub capped: bool,
     /// Smallest and largest coordinate across the lines that they are fitted to, if not those of the patch.
     pub fit_mm: Option<(f64, f64)>,

@@ -16,7 +16,7 @@ pub const ROUGH_MM: f64 = 0.02;
 pub struct Overhang {
     /// Leans out too far, or is too long a bridge.
     pub leaning: Bitmap,
-    /// Must be held, however small: islands that begin in mid-air, and what the user marked.
+    /// Areas that need support at any size: islands that begin in mid-air, and enforced ones.
     pub must: Bitmap,
 }
 

@@ -40,8 +40,7 @@ pub fn medial_axis(region: &Region, min_mm: f64, max_mm: f64, tip: f64) -> Vec<M
     region.polygons.iter().flat_map(|polygon| of_polygon(polygon, min_mm, max_mm, tip)).collect()
 }
 
-/// As [`medial_axis`], of the parts of a region that lie in `area`: what is narrow in it, for instance, where the rest is
-/// drawn otherwise.
+/// As [`medial_axis`], for the parts of a region inside `area`, such as its narrow parts.
 ///
 /// The lines are cut out of those of the region. So a neck has its line along it, however short it is, where the neck alone
 /// might be wider than long. Ends where a line leaves a part of the area are taken back by `cut` times the local width; lines

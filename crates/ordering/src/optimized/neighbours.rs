@@ -80,7 +80,7 @@ impl Neighbours {
         self.slot[at] as usize
     }
 
-    /// The list of what lies near an entry of an item in a group other than its own.
+    /// The nodes near an entry of an item, in a group other than its own.
     pub fn in_other(&mut self, problem: &Problem, group: u32, item: u32, entry: u32) -> usize {
         let at = (self.first[item as usize] + entry, group);
         if let Some(&list) = self.others.get(&at) {

@@ -8,7 +8,7 @@ use pathwright_geometry::Random;
 const ROUNDS: u64 = 8;
 
 impl<'a> Search<'a> {
-    /// From now on, links inside islands cost what their route costs, not the straight line.
+    /// Makes links inside islands cost their route instead of the straight line.
     pub fn use_detours(&mut self, detours: &'a Detours<'a>) {
         self.walk.use_detours(detours);
     }

@@ -130,7 +130,7 @@ impl<'a> Walk<'a> {
         self.commit();
     }
 
-    /// From now on, links inside islands cost what the route with its detours costs, not the straight line. Cannot be undone.
+    /// Makes links inside islands cost their route with detours instead of the straight line. Cannot be undone.
     pub fn use_detours(&mut self, detours: &'a Detours<'a>) {
         self.detours = Some(detours);
         self.total = (1..=self.len() + 1).map(|gap| self.relink(gap)).sum();
