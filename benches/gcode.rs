@@ -51,13 +51,13 @@ fn layer() -> LayerPaths {
 
 /// A wobbly spiral, never at rest.
 fn segments() -> Vec<Segment> {
-    let way = |i: u64| {
+    let line = |i: u64| {
         let (sine, cosine) = (i as f64 * 0.07).sin_cos();
         let length_mm = if i.is_multiple_of(2) { 0.6 } else { 0.4 };
         let delta = [length_mm * cosine, length_mm * sine, 0.0, 0.034 * length_mm];
         Segment { delta, speed: 60.0, acceleration: 1500.0, account: 0 }
     };
-    (0..MOVES).map(way).collect()
+    (0..MOVES).map(line).collect()
 }
 
 fn plan(layer: &LayerPaths, settings: &Settings) -> LayerMoves {
@@ -103,7 +103,7 @@ fn gcode(c: &mut Criterion) {
 }
 
 /// Finished files through reading, ordering and writing; then with all that `reorder` does besides: the proof, the
-/// times, the check. One file has long outlines, the other one many short ways between small islands.
+/// times, the check. One file has long outlines, the other one many short travels between small islands.
 fn reorder(c: &mut Criterion) {
     let settings = |set: &[(&str, &str)]| {
         let overrides: Vec<Override> = set

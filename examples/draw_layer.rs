@@ -10,7 +10,7 @@ use tiny_skia::{Color, Paint, PathBuilder, Pixmap, Stroke, StrokeDash, Transform
 const SCALE: f64 = 12.0;
 const MARGIN: f64 = 20.0;
 
-/// A straight piece of the nozzle's way.
+/// A straight piece of the nozzle's path.
 struct Piece {
     from: [f64; 2],
     to: [f64; 2],

@@ -1,4 +1,4 @@
-//! Orders one layer of paths made here by every strategy: a grid of short lines, each of which may be drawn either way.
+//! Orders one layer of paths made here by every strategy: a grid of short lines, each of which may be drawn in either direction.
 //!
 //!     cargo run --release --example order
 

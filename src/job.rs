@@ -1,4 +1,4 @@
-//! What a run is asked to do, and how it can fail.
+//! The tasks of a run, and the errors that it can end with.
 
 mod error;
 
@@ -19,7 +19,7 @@ pub use error::{CheckError, FitError, InputError, JobError};
 pub struct Job {
     /// Files, in the order in which they are placed.
     pub models: Vec<PathBuf>,
-    /// Bodies, placed as the first model is, in which everything that rests on nothing is supported.
+    /// Support enforcers, placed as the first model is.
     pub support_enforcers: Vec<PathBuf>,
     /// Bodies, placed as the first model is, in which nothing is supported.
     pub support_blockers: Vec<PathBuf>,
@@ -62,7 +62,7 @@ impl Default for Job {
 /// Settings of objects that differ from those of the plate.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ObjectSettings {
-    /// Name of the objects: a file, with or without its folder or ending, or what a 3MF file calls an object.
+    /// Name of the objects: a file, with or without folder or extension, or an object in a 3MF file.
     pub object: String,
     /// All settings; of use are those of [`ObjectSettings::SECTIONS`].
     pub settings: Settings,
@@ -105,7 +105,7 @@ pub struct ReorderJob {
     pub threads: Option<usize>,
 }
 
-/// What does the work for the command line.
+/// The operations behind the command line.
 pub trait Engine: Sync {
     /// Slices one plate and writes its G-code. The caller commits the output.
     ///
@@ -131,8 +131,7 @@ pub trait Engine: Sync {
         observer: &Observer<'_>,
     ) -> Result<Vec<StrategyRow>, JobError>;
 
-    /// What ordering saves on a file, as the paper's table has it; the first row is the file as it is. A model is sliced
-    /// first.
+    /// The rows of the paper's table for a file; the first row is the file as it is. A model is sliced first.
     ///
     /// # Errors
     /// See [`JobError`].
@@ -156,7 +155,7 @@ pub trait Engine: Sync {
         observer: &Observer<'_>,
     ) -> Result<Reordered, JobError>;
 
-    /// Tells what is in a model, and whether it fits.
+    /// Reports the contents of a model, and whether it fits.
     ///
     /// # Errors
     /// [`JobError::Input`] if it cannot be read.

@@ -55,8 +55,8 @@
 //! ```
 //!
 //! # The stages
-//! Data flows one way: `mesh` → `plate` → `slice` → `toolpath` → `order` → `motion` → `gcode`. A module imports only those
-//! that come before it in `tests/architecture.rs`; `docs/architecture.md` says what each is for.
+//! Data flows in one direction: `mesh` → `plate` → `slice` → `toolpath` → `order` → `motion` → `gcode`. A module imports only those
+//! that come before it in `tests/stages/architecture.rs`; `docs/architecture.md` says what each is for.
 
 pub mod check;
 #[cfg(feature = "cli")]

@@ -1,4 +1,4 @@
-//! How much is too much. What goes beyond is refused.
+//! The largest files, models and prints that are accepted.
 //!
 //! `docs/trust.md` lists these limits for users, with those of coordinates ([`crate::mesh`]) and settings.
 
@@ -28,20 +28,20 @@ pub const BYTES_PER_BYTE: u64 = 3;
 /// Bytes that a print needs for each triangle that a layer crosses: outlines, shells, paths (measured: below 60).
 pub const BYTES_PER_CROSSING: u64 = 64;
 
-/// Who knows how much memory is free.
+/// The function that says how much memory is free.
 static MEMORY: OnceLock<fn() -> Option<u64>> = OnceLock::new();
 
-/// Has models and prints refused for which the memory that is free would not do. `free_bytes` is asked for it, and knows it
-/// or not. The first caller decides.
+/// Makes models and prints an error for which the free memory is too small. `free_bytes` gives the free memory, or `None`
+/// if it is unknown. Only the first call counts.
 pub fn watch_memory(free_bytes: fn() -> Option<u64>) {
     let _ = MEMORY.set(free_bytes);
 }
 
-/// Whether there is so much memory, where somebody knows how much is free.
+/// Checks that this much memory is free, if [`watch_memory`] has been called.
 ///
 /// # Errors
 /// How much is needed, and how much there is.
-pub fn room(need_bytes: u64) -> Result<(), String> {
+pub fn check_memory(need_bytes: u64) -> Result<(), String> {
     match MEMORY.get().and_then(|free_bytes| free_bytes()) {
         Some(free_bytes) if need_bytes > free_bytes => Err(format!(
             "about {} MB of memory are needed, {} MB are free",
@@ -60,7 +60,7 @@ mod tests {
     fn what_no_machine_has_is_refused() {
         // So much is free that no other test of this program is refused anything.
         watch_memory(|| Some(1 << 50));
-        assert!(room(0).is_ok());
-        assert!(room(1 << 60).unwrap_err().contains("are needed"));
+        assert!(check_memory(0).is_ok());
+        assert!(check_memory(1 << 60).unwrap_err().contains("are needed"));
     }
 }

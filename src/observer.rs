@@ -4,7 +4,7 @@ use std::fmt;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::time::Duration;
 
-/// Told how far a run is, and asked whether it shall go on. Called from any thread.
+/// Receives the progress of a run and can cancel it. Called from any thread.
 ///
 /// # Examples
 /// ```
@@ -44,7 +44,7 @@ impl<'a> Observer<'a> {
         self
     }
 
-    /// Lets a run measure how long its parts take: the clock gives the time since any moment.
+    /// Sets a clock to measure the parts of a run: it gives the time since a fixed moment.
     #[must_use]
     pub fn timed_by(mut self, clock: fn() -> Duration) -> Self {
         self.clock = Some(clock);

@@ -1,6 +1,6 @@
 //! Parallel loops whose results do not depend on the number of threads, and which end when a run is cancelled.
 //!
-//! Threads are used by whoever runs in a pool of rayon's; elsewhere everything is done by the calling thread, and no pool is
+//! Threads are used if the caller runs in a pool of rayon's; elsewhere everything is done by the calling thread, and no pool is
 //! started.
 
 use std::panic::{AssertUnwindSafe, catch_unwind, resume_unwind};
@@ -9,10 +9,10 @@ use rayon::prelude::*;
 
 use crate::observer::Observer;
 
-/// What unwinds a run that was cancelled.
+/// The panic payload of a cancelled run.
 struct Cancelled;
 
-/// Those who do the work of one run.
+/// The workers of one run.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Workers<'a> {
     /// Who watches it.

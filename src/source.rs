@@ -40,7 +40,7 @@ impl<'a> Source<'a> {
         InputError::Read { file: self.to_string(), source }.into()
     }
 
-    /// What tells that it has been changed.
+    /// A stamp that changes with the file.
     ///
     /// # Errors
     /// As the system says.

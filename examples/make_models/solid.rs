@@ -109,7 +109,7 @@ pub fn rectangle(low: [f64; 2], high: [f64; 2]) -> Outline {
     vec![low, [high[0], low[1]], high, [low[0], high[1]]]
 }
 
-/// The outline the other way round: a hole.
+/// The outline in the opposite direction: a hole.
 pub fn hole(mut outline: Outline) -> Outline {
     outline.reverse();
     outline

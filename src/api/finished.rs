@@ -11,7 +11,7 @@ use crate::pipeline::Pipeline;
 use crate::profile::Settings;
 use crate::report::{PrintTime, Reordered};
 
-/// Puts G-code into an order that travels less and prints the same; as it was, where nothing is gained.
+/// Reorders G-code for less travel with the same print; unchanged where nothing is gained.
 ///
 /// # Errors
 /// It is not understood, the result fails its proof, or the observer cancels the run.
@@ -36,7 +36,7 @@ pub fn reorder(
     Ok((if report.changed { output.into_bytes() } else { gcode }, report))
 }
 
-/// Finds what is wrong with G-code for a printer.
+/// Finds the faults of G-code for a printer.
 ///
 /// # Errors
 /// There is no move in it.
@@ -73,7 +73,7 @@ fn checked(gcode: &[u8], settings: &Settings, survey: Option<&mut Survey>) -> Re
     report.ok_or_else(|| InputError::NoMoves.into())
 }
 
-/// How long G-code takes, by layer and by what the time is spent on, on the machine of the settings.
+/// The print time of G-code on the machine of the settings, by layer, role and activity.
 ///
 /// # Errors
 /// It cannot be read.

@@ -1,4 +1,4 @@
-//! What is to be printed.
+//! Models as input.
 
 use std::path::{Path, PathBuf};
 
@@ -8,7 +8,7 @@ use crate::pipeline::load;
 use crate::plate;
 use crate::profile::Settings;
 
-/// A model: the objects of a file, or a mesh, with what is done to them before they are placed.
+/// A model: the objects of a file, or a mesh, with their transformation.
 ///
 /// # Examples
 /// ```

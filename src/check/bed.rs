@@ -2,7 +2,7 @@
 
 use super::fault::Kind;
 use super::report::Found;
-use super::rule::{Rule, Seen};
+use super::rule::{LineContext, Rule};
 use crate::plate::BedShape;
 use crate::profile::Settings;
 
@@ -46,7 +46,7 @@ impl Bed {
 }
 
 impl Rule for Bed {
-    fn see(&mut self, seen: &Seen<'_>, found: &mut Found) {
+    fn check_line(&mut self, seen: &LineContext<'_>, found: &mut Found) {
         let Some(stroke) = seen.stroke() else { return };
         let [x, y, z] = stroke.to;
         let arc = stroke.arc.is_some() && stroke.xy_mm.is_finite();

@@ -20,9 +20,9 @@ pub struct PlacedBody {
 pub struct ModelReport {
     /// Volume that the model encloses.
     pub mesh_volume_mm3: f64,
-    /// Volume of the beads that belong to the model, without skirt, brim and support where the file tells them apart.
+    /// Volume of the beads that belong to the model, without skirt, brim and support where the file distinguishes them.
     pub part_volume_mm3: f64,
-    /// Where the first body's own zero stands on the bed; nothing if none was found.
+    /// Position of the first body's origin on the bed; `None` if none was found.
     pub placed_at_mm: Option<[f64; 3]>,
     /// All bodies that were found, as often as they were.
     pub placed: Vec<PlacedBody>,

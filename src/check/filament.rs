@@ -2,7 +2,7 @@
 
 use super::fault::Kind;
 use super::report::Found;
-use super::rule::{Rule, Seen};
+use super::rule::{LineContext, Rule};
 use crate::gcode::{Action, Stroke};
 use crate::profile::Settings;
 
@@ -14,7 +14,7 @@ const SHORTEST_MM: f64 = 0.2;
 /// No hot end is known more exactly than this. Rounding, and beads that widen, take up to a percent.
 const FLOW_SLACK: f64 = 1.05;
 
-/// Follows the filament.
+/// Checks retraction and flow.
 pub(super) struct Filament {
     /// Extra filament unretracted on purpose.
     extra_mm: f64,
@@ -44,7 +44,7 @@ impl Filament {
         }
     }
 
-    fn stroke(&mut self, stroke: &Stroke, seen: &Seen<'_>, found: &mut Found) {
+    fn stroke(&mut self, stroke: &Stroke, seen: &LineContext<'_>, found: &mut Found) {
         if stroke.extrudes() {
             self.purging = false;
             let back_mm = seen.retracted_mm;
@@ -63,7 +63,7 @@ impl Filament {
         }
     }
 
-    fn flow(&mut self, bead: &Stroke, seen: &Seen<'_>, found: &mut Found) {
+    fn flow(&mut self, bead: &Stroke, seen: &LineContext<'_>, found: &mut Found) {
         let speed = bead.feed_mm_s * self.speed;
         if self.max_flow.is_infinite() || bead.xy_mm < SHORTEST_MM || speed <= 0.0 {
             return;
@@ -77,7 +77,7 @@ impl Filament {
 }
 
 impl Rule for Filament {
-    fn see(&mut self, seen: &Seen<'_>, found: &mut Found) {
+    fn check_line(&mut self, seen: &LineContext<'_>, found: &mut Found) {
         match seen.action {
             Action::Stroke(stroke) => self.stroke(stroke, seen, found),
             Action::FirmwareRetract => {

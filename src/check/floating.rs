@@ -7,7 +7,7 @@ use super::fault::Kind;
 use super::model::is_part;
 use super::relief::Relief;
 use super::report::Found;
-use super::rule::{Rule, Seen};
+use super::rule::{LineContext, Rule};
 use crate::gcode::Stroke;
 use crate::profile::Settings;
 use crate::toolpath::Role;
@@ -25,11 +25,11 @@ const GAP_MM: f64 = 0.4;
 const SHORTEST_MM: f64 = 1.5;
 /// A first layer is not thicker than this.
 const FIRST_MM: f64 = 0.6;
-/// Steps of this many nozzle diameters may be a layer's height, where the file does not tell it.
+/// Steps of this many nozzle diameters may be a layer's height, where the file does not give it.
 const LAYER_NOZZLES: f64 = 0.85;
 /// And steps up to this many times the usual one.
 const LAYER_STEPS: f64 = 1.6;
-/// Width of a bead in nozzle diameters, where the file does not tell it.
+/// Width of a bead in nozzle diameters, where the file does not give it.
 const WIDTH_NOZZLES: f64 = 1.1;
 
 /// Follows what is printed, layer by layer.
@@ -39,7 +39,7 @@ pub(super) struct Floating {
     other: Relief,
     nozzle_mm: f64,
     /// Whether the file says what beads are for.
-    tells_roles: bool,
+    has_roles: bool,
     layer: Option<Option<usize>>,
     islands: Islands,
     steps: Steps,
@@ -62,7 +62,7 @@ impl Floating {
             part,
             other: relief(),
             nozzle_mm: settings.printer.nozzle_diameter.0,
-            tells_roles: false,
+            has_roles: false,
             layer: None,
             steps: Steps::default(),
             laid: Vec::new(),
@@ -73,7 +73,7 @@ impl Floating {
         }
     }
 
-    fn bead(&mut self, bead: &Stroke, seen: &Seen<'_>, is_part: bool) {
+    fn bead(&mut self, bead: &Stroke, seen: &LineContext<'_>, is_part: bool) {
         let z_mm = bead.to[2];
         let height_mm = seen.context.height_mm.unwrap_or_else(|| {
             let step_mm = z_mm - if self.top_mm.is_finite() { self.top_mm } else { 0.0 };
@@ -89,8 +89,8 @@ impl Floating {
         // What has no wall lies inside something that has.
         let is_wall = seen.context.role.is_none_or(Role::is_wall);
         self.islands.lengthen(island, bead.xy_mm, [is_part, is_part && is_wall]);
-        // Where the file does not tell supports from the part, gaps over them have to be let pass.
-        let slack_mm = if self.tells_roles { SLACK_MM } else { GAP_MM };
+        // Where the file does not distinguish supports from the part, gaps over them have to be let pass.
+        let slack_mm = if self.has_roles { SLACK_MM } else { GAP_MM };
         let (part, other) = (&self.part, &self.other);
         let (islands, laid) = (&mut self.islands, &mut self.laid);
         let lowest_mm = self.lowest_mm;
@@ -145,7 +145,7 @@ impl Floating {
 }
 
 impl Rule for Floating {
-    fn see(&mut self, seen: &Seen<'_>, found: &mut Found) {
+    fn check_line(&mut self, seen: &LineContext<'_>, found: &mut Found) {
         if seen.line.code.is_none() && self.layer.is_none() {
             self.steps.header(seen.line.comment.unwrap_or_default());
         }
@@ -154,16 +154,16 @@ impl Rule for Floating {
         if role == Some(Role::Ironing) {
             return;
         }
-        self.tells_roles |= role.is_some();
+        self.has_roles |= role.is_some();
         if self.layer.replace(seen.context.layer).is_some_and(|layer| layer != seen.context.layer) {
             self.end_layer(found);
             self.z_mm = f64::NEG_INFINITY;
         }
         self.z_mm = self.z_mm.max(bead.to[2]);
-        if role.is_some() || !self.tells_roles {
+        if role.is_some() || !self.has_roles {
             self.lowest_mm = self.lowest_mm.min(bead.to[2]);
         }
-        self.bead(bead, seen, role.map_or(!self.tells_roles, is_part));
+        self.bead(bead, seen, role.map_or(!self.has_roles, is_part));
     }
 
     fn end(&mut self, found: &mut Found) {
@@ -171,7 +171,7 @@ impl Rule for Floating {
     }
 }
 
-/// How far layers lie apart: what tells the height of one where the file does not.
+/// Distances between layers, from which a layer's height follows where the file does not give it.
 #[derive(Default)]
 struct Steps {
     /// From the file's header, mm.
@@ -211,7 +211,7 @@ impl Steps {
     }
 }
 
-/// Where something is found.
+/// The position of a finding.
 #[derive(Clone, Copy)]
 struct Location {
     line: usize,

@@ -2,14 +2,14 @@
 
 use super::fault::Kind;
 use super::report::Found;
-use super::rule::{Rule, Seen};
+use super::rule::{LineContext, Rule};
 
 /// No filament flows below this; firmwares ask for 170 °C unless configured otherwise.
 const COLD_C: f64 = 100.0;
 /// Number of nozzles that are distinguished.
 const NOZZLES: usize = 16;
 
-/// Follows temperatures.
+/// Checks temperatures.
 #[derive(Default)]
 pub(super) struct Heat {
     /// Targets, where the file has set them.
@@ -22,7 +22,7 @@ pub(super) struct Heat {
     elsewhere: bool,
     /// Whether the firmware has been allowed to extrude cold.
     cold_allowed: bool,
-    /// Whether it was said that nothing waits, or that nothing heats.
+    /// Whether a fault of waiting, or of heating, has been reported.
     reported: [bool; 2],
     begun: bool,
     /// The last line, and its layer.
@@ -32,7 +32,7 @@ pub(super) struct Heat {
 }
 
 impl Rule for Heat {
-    fn see(&mut self, seen: &Seen<'_>, found: &mut Found) {
+    fn check_line(&mut self, seen: &LineContext<'_>, found: &mut Found) {
         self.last = (seen.line.number, seen.context.layer);
         match seen.stroke() {
             Some(stroke) => {
@@ -43,7 +43,7 @@ impl Rule for Heat {
                     (self.begun, self.macro_at_end) = (true, false);
                 }
             }
-            None => self.obey(seen),
+            None => self.apply(seen),
         }
     }
 
@@ -63,7 +63,7 @@ impl Rule for Heat {
 }
 
 impl Heat {
-    fn extrude(&mut self, seen: &Seen<'_>, found: &mut Found) {
+    fn extrude(&mut self, seen: &LineContext<'_>, found: &mut Found) {
         if self.cold_allowed {
             return;
         }
@@ -85,7 +85,7 @@ impl Heat {
         }
     }
 
-    fn obey(&mut self, seen: &Seen<'_>) {
+    fn apply(&mut self, seen: &LineContext<'_>) {
         let Some(code) = seen.line.code else {
             if let Some(name) = seen.named() {
                 let labels = name.starts_with(b"EXCLUDE_OBJECT") || name.starts_with(b"SET_");
@@ -110,7 +110,7 @@ impl Heat {
                 self.cold_allowed =
                     words().get(b'S').is_some_and(|s| s < COLD_C) || words().get(b'P') == Some(1.0)
             }
-            // RepRapFirmware's and Bambu's ways to heat, macro files, and files that call others.
+            // RepRapFirmware's and Bambu's commands to heat, macro files, and files that call others.
             (b'G', 10) => self.elsewhere |= words().get(b'S').is_some() || words().get(b'R').is_some(),
             (b'M', 98 | 32 | 568 | 620 | 1002) => (self.elsewhere, self.macro_at_end) = (true, true),
             _ => {}

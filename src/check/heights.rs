@@ -2,13 +2,13 @@
 
 use super::fault::Kind;
 use super::report::Found;
-use super::rule::{Rule, Seen};
+use super::rule::{LineContext, Rule};
 use crate::profile::Settings;
 
 /// Walls printed for several layers before their infill, and slopes, go down by less than this many nozzle diameters.
-const SLACK_BORES: f64 = 1.5;
+const SLACK_NOZZLES: f64 = 1.5;
 
-/// Follows the height of beads.
+/// Checks the order of heights.
 pub(super) struct Heights {
     top_mm: f64,
     slack_mm: f64,
@@ -16,12 +16,12 @@ pub(super) struct Heights {
 
 impl Heights {
     pub fn new(settings: &Settings) -> Self {
-        Self { top_mm: f64::NEG_INFINITY, slack_mm: SLACK_BORES * settings.printer.nozzle_diameter.0 }
+        Self { top_mm: f64::NEG_INFINITY, slack_mm: SLACK_NOZZLES * settings.printer.nozzle_diameter.0 }
     }
 }
 
 impl Rule for Heights {
-    fn see(&mut self, seen: &Seen<'_>, found: &mut Found) {
+    fn check_line(&mut self, seen: &LineContext<'_>, found: &mut Found) {
         let Some(bead) = seen.bead() else {
             if seen.another_object() {
                 self.top_mm = f64::NEG_INFINITY;

@@ -2,7 +2,7 @@
 
 use super::fault::Kind;
 use super::report::Found;
-use super::rule::{Rule, Seen};
+use super::rule::{LineContext, Rule};
 use crate::estimate::{Firmware, Machine};
 use crate::gcode::Stroke;
 use crate::profile::Settings;
@@ -11,7 +11,7 @@ use crate::profile::Settings;
 const SLACK: f64 = 1.01;
 const AXES: [char; 4] = ['X', 'Y', 'Z', 'E'];
 
-/// Compares what the file asks for with what the machine can do.
+/// Compares speeds and accelerations of the file with the limits of the machine.
 pub(super) struct Limits {
     machine: Machine,
     /// Factor of all speeds (M220).
@@ -23,16 +23,16 @@ impl Limits {
         Self { machine: Machine::new(settings), speed: 1.0 }
     }
 
-    fn stroke(&self, stroke: &Stroke, seen: &Seen<'_>, found: &mut Found) {
+    fn stroke(&self, stroke: &Stroke, seen: &LineContext<'_>, found: &mut Found) {
         let e_mm = if stroke.volumetric { stroke.e_mm / self.machine.filament_area_mm2 } else { stroke.e_mm };
         let [dx, dy, dz] = [0, 1, 2].map(|i| (stroke.to[i] - stroke.from[i]).abs());
         let xy_mm = stroke.xy_mm;
         let ahead = if stroke.arc.is_some() { [xy_mm, xy_mm] } else { [dx, dy] };
-        let way_mm = if xy_mm > 0.0 || dz > 0.0 { xy_mm.hypot(dz) } else { e_mm.abs() };
-        if way_mm <= 1e-9 {
+        let distance_mm = if xy_mm > 0.0 || dz > 0.0 { xy_mm.hypot(dz) } else { e_mm.abs() };
+        if distance_mm <= 1e-9 {
             return;
         }
-        let rate = stroke.feed_mm_s * self.speed / way_mm;
+        let rate = stroke.feed_mm_s * self.speed / distance_mm;
         for (i, part_mm) in [ahead[0], ahead[1], dz, e_mm.abs()].into_iter().enumerate() {
             let (speed, most) = (part_mm * rate, self.machine.max_speed[i]);
             // Height and filament beside a bead so short that they are mostly rounding say nothing.
@@ -46,7 +46,12 @@ impl Limits {
         }
     }
 
-    fn accelerations(&self, given: impl IntoIterator<Item = (f64, f64)>, seen: &Seen<'_>, found: &mut Found) {
+    fn accelerations(
+        &self,
+        given: impl IntoIterator<Item = (f64, f64)>,
+        seen: &LineContext<'_>,
+        found: &mut Found,
+    ) {
         for (asked, most) in given {
             if asked > most * SLACK {
                 seen.fault(found, Kind::Acceleration, || {
@@ -59,7 +64,7 @@ impl Limits {
 }
 
 impl Rule for Limits {
-    fn see(&mut self, seen: &Seen<'_>, found: &mut Found) {
+    fn check_line(&mut self, seen: &LineContext<'_>, found: &mut Found) {
         if let Some(stroke) = seen.stroke() {
             return self.stroke(stroke, seen, found);
         }

@@ -3,7 +3,7 @@
 use super::fault::Kind;
 use super::relief::Relief;
 use super::report::Found;
-use super::rule::{Rule, Seen};
+use super::rule::{LineContext, Rule};
 use crate::gcode::{Context, Stroke};
 use crate::profile::Settings;
 
@@ -12,7 +12,7 @@ const CELL_MM: f64 = 0.5;
 /// Dips that are none: layers of unequal height beside each other, and those that are sunk into a raft.
 const SLACK_MM: f64 = 0.15;
 
-/// Looks whether moves pass through the print.
+/// Checks that no move passes through the print.
 pub(super) struct Material {
     relief: Relief,
 }
@@ -24,7 +24,7 @@ impl Material {
 }
 
 impl Rule for Material {
-    fn see(&mut self, seen: &Seen<'_>, found: &mut Found) {
+    fn check_line(&mut self, seen: &LineContext<'_>, found: &mut Found) {
         let Some(stroke) = seen.stroke().filter(|stroke| stroke.xy_mm > 0.0) else { return };
         let slack_mm = SLACK_MM + seen.bead().map_or(0.0, |bead| scarf_mm(bead, seen.context));
         if seen.located

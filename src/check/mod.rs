@@ -1,8 +1,8 @@
-//! Reads finished G-code, of any slicer, and tells what is wrong with it.
+//! Reads finished G-code of any slicer and finds its faults.
 //!
 //! The reading is independent of how the program writes: of `gcode` it uses the reader of lines and the machine's
-//! state. Each family of rules is a file; a [`Judge`] hands every line to all of them, and what they find is
-//! grouped by kind; a [`Checker`] is a judge that reads by itself. Memory does not grow with the file. [`against`] goes
+//! state. Each family of rules is a file; a [`FaultFinder`] hands every line to all of them, and what they find is
+//! grouped by kind; a [`Checker`] reads by itself. Memory does not grow with the file. [`against`] goes
 //! over a file again beside its model.
 
 mod bed;
@@ -33,21 +33,21 @@ use crate::gcode::{Action, Annotated, Clock, Line, Meter, Reader, State, Stroke,
 use crate::profile::Settings;
 use crate::report::Measures;
 use crate::units::Seconds;
-use rule::{Rule, Seen};
+use rule::{LineContext, Rule};
 
 /// Follows a file, line by line.
 pub struct Checker {
     reader: Reader,
-    judge: Judge,
+    finder: FaultFinder,
     lines: usize,
     bytes: usize,
 }
 
 /// Finds faults in lines that have been read.
-pub struct Judge {
+pub struct FaultFinder {
     rules: Vec<Box<dyn Rule>>,
     found: Found,
-    /// Whether scripts are looked at as well; if not, what they do wrong is put aside.
+    /// Whether scripts are looked at as well; if not, what they do wrong is recorded separately.
     scripts: bool,
     aside: Found,
     begun: bool,
@@ -65,27 +65,27 @@ pub struct Judge {
 impl Checker {
     /// A checker for files for a printer.
     pub fn new(settings: &Settings) -> Self {
-        let mut judge = Judge::of_paths(settings, true);
-        judge.rules.push(Box::new(floating::Floating::new(settings)));
-        judge.rules.push(Box::new(heat::Heat::default()));
-        judge.rules.push(Box::new(limits::Limits::new(settings)));
-        judge.rules.push(Box::new(precision::Precision::default()));
-        Self::with(judge)
+        let mut finder = FaultFinder::of_paths(settings, true);
+        finder.rules.push(Box::new(floating::Floating::new(settings)));
+        finder.rules.push(Box::new(heat::Heat::default()));
+        finder.rules.push(Box::new(limits::Limits::new(settings)));
+        finder.rules.push(Box::new(precision::Precision::default()));
+        Self::with(finder)
     }
 
-    /// A checker that reads for this judge.
-    pub fn with(judge: Judge) -> Self {
-        Self { reader: Reader::default(), judge, lines: 0, bytes: 0 }
+    /// A checker that passes the lines it reads to `finder`.
+    pub fn with(finder: FaultFinder) -> Self {
+        Self { reader: Reader::default(), finder, lines: 0, bytes: 0 }
     }
 
-    /// Forgets what filament has been retracted: what a script leaves behind is its own affair.
-    pub fn pardon(&mut self) {
+    /// Forgets any retraction so far, as one that a script leaves behind is intended.
+    pub fn forget_retraction(&mut self) {
         self.reader.state.retracted_mm = 0.0;
         self.reader.state.firmware_retracted = false;
-        (self.judge.retracted_mm, self.judge.firmware_retracted) = (0.0, false);
+        (self.finder.retracted_mm, self.finder.firmware_retracted) = (0.0, false);
     }
 
-    /// Takes the lines of a text, which goes on where the last one ended. It ends with a whole line.
+    /// Takes the lines of a text, which continues where the last one ended. It ends with a whole line.
     pub fn text(&mut self, text: &[u8]) {
         for line in lines(text) {
             self.line(Line::new(self.lines + 1, self.bytes, line.raw));
@@ -97,23 +97,23 @@ impl Checker {
         self.lines += 1;
         self.bytes += line.raw.len();
         let mut read = self.reader.read(line);
-        self.judge.see(&mut read, &self.reader.state);
+        self.finder.check_line(&mut read, &self.reader.state);
         read
     }
 
     /// Moves so far. A file without any is no G-code.
     pub fn moves(&self) -> usize {
-        self.judge.moves
+        self.finder.moves
     }
 
     /// The file is at its end.
     pub fn finish(self) -> Found {
-        self.judge.finish()
+        self.finder.finish()
     }
 }
 
-impl Judge {
-    /// A judge that looks for errors in paths only. Without `scripts` it looks only at what is of a role that is known.
+impl FaultFinder {
+    /// Looks for errors in paths only; without `scripts` only in paths whose role is known.
     pub fn of_paths(settings: &Settings, scripts: bool) -> Self {
         Self {
             rules: vec![
@@ -139,7 +139,7 @@ impl Judge {
 
     /// Processes a line; `state`: what the machine has in mind after it. Its move is put where the machine makes it,
     /// whatever G92 calls places.
-    pub fn see(&mut self, read: &mut Annotated<'_>, state: &State) {
+    pub fn check_line(&mut self, read: &mut Annotated<'_>, state: &State) {
         let before = std::mem::replace(&mut self.position, state.position);
         let retracted_mm = std::mem::replace(&mut self.retracted_mm, state.retracted_mm);
         let firmware_retracted = std::mem::replace(&mut self.firmware_retracted, state.firmware_retracted);
@@ -154,7 +154,7 @@ impl Judge {
                 self.layers = self.layers.max(read.context.layer.map_or(0, |layer| layer + 1));
             }
         }
-        let seen = Seen {
+        let seen = LineContext {
             line: &read.line,
             action: &read.action,
             context: &read.context,
@@ -167,7 +167,7 @@ impl Judge {
         let judged = self.scripts || read.context.role.is_some();
         let found = if judged { &mut self.found } else { &mut self.aside };
         for rule in &mut self.rules {
-            rule.see(&seen, found);
+            rule.check_line(&seen, found);
         }
         if matches!(read.action, Action::Stroke(stroke) if stroke.xy_mm > 0.0) {
             self.located = true;
@@ -211,8 +211,8 @@ fn moved(mut stroke: Stroke, by_mm: [f64; 3]) -> Stroke {
     stroke
 }
 
-/// Reads a file for a printer once and reports what is wrong with it; `None` if there is no move in it. What the file
-/// prints is noted in a survey, where one is wanted for [`against`].
+/// Reads a file once and reports its faults for a printer; `None` if there is no move in it. What the file prints is
+/// noted in the survey, for [`against`].
 ///
 /// # Errors
 /// Those of reading.
@@ -239,7 +239,7 @@ pub fn check(
     let measure = meter.finish();
     let mut report = CheckReport {
         lines: checker.lines,
-        layer_count: checker.judge.layers,
+        layer_count: checker.finder.layers,
         total: Measures::of(&measure, Seconds(clock.finish().iter().sum()), machine.filament_area_mm2),
         ..CheckReport::default()
     };

@@ -2,7 +2,7 @@
 
 use super::fault::Kind;
 use super::report::Found;
-use super::rule::{Rule, Seen};
+use super::rule::{LineContext, Rule};
 
 /// Fewer beads say nothing about how numbers are written.
 const ENOUGH_BEADS: usize = 100;
@@ -11,7 +11,7 @@ const DECIMALS: [usize; 2] = [2, 3];
 /// Firmwares keep E in 32 bits: from here on its steps are larger than 0.005 mm.
 const COARSE_E: f64 = 65_536.0;
 
-/// Looks at decimals and magnitudes.
+/// Checks the precision and magnitude of numbers.
 #[derive(Default)]
 pub(super) struct Precision {
     beads: usize,
@@ -22,7 +22,7 @@ pub(super) struct Precision {
 }
 
 impl Rule for Precision {
-    fn see(&mut self, seen: &Seen<'_>, found: &mut Found) {
+    fn check_line(&mut self, seen: &LineContext<'_>, found: &mut Found) {
         if seen.bead().is_none() {
             return;
         }

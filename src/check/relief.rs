@@ -16,7 +16,7 @@ pub(super) struct Relief {
     cells_per_mm: f64,
     columns: usize,
     rows: usize,
-    /// Top of what lies in each cell, mm; minus infinity where nothing does.
+    /// Height of the print in each cell, mm; minus infinity where there is none.
     tops_mm: Vec<f32>,
     highest_mm: f64,
     /// Where the last short bead ended.
@@ -188,7 +188,7 @@ impl Relief {
         self.highest_mm = self.highest_mm.max(bead.from[2]).max(bead.to[2]);
     }
 
-    /// How far a move dips below what stands on its way, and where: the first position deeper than `slack_mm`.
+    /// Depth of a move below the print in its path, and the first position deeper than `slack_mm`.
     pub fn dip(&self, travel: &Stroke, slack_mm: f64) -> Option<([f64; 3], f64)> {
         if travel.from[2].min(travel.to[2]) >= self.highest_mm - slack_mm {
             return None;

@@ -78,7 +78,7 @@ impl Found {
     }
 }
 
-/// What was found in a file. `Display` gives the table for people, `Serialize` the JSON.
+/// The faults of a file. `Display` gives the table for people, `Serialize` the JSON.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct CheckReport {
     /// The file, as named on the command line.
@@ -104,7 +104,7 @@ pub struct CheckReport {
 }
 
 impl CheckReport {
-    /// Adds what another report of the same file found, of other kinds than there are.
+    /// Adds the faults of another report of the same file whose kinds are not in this one.
     pub fn join(&mut self, other: CheckReport) {
         self.extend(Found { faults: other.faults });
         self.model = self.model.take().or(other.model);

@@ -1,11 +1,11 @@
-//! What every rule is given, and what it does.
+//! The trait of rules, and the lines that they check.
 
 use super::fault::Kind;
 use super::report::Found;
 use crate::gcode::{Action, Context, Line, State, Stroke};
 
-/// A line, what it does, and what the machine had in mind before. Positions are the machine's, whatever G92 calls them.
-pub(super) struct Seen<'a> {
+/// A line, what it does, and the state of the machine before it. Positions are the machine's, whatever G92 calls them.
+pub(super) struct LineContext<'a> {
     pub line: &'a Line<'a>,
     pub action: &'a Action<'a>,
     pub context: &'a Context,
@@ -21,7 +21,7 @@ pub(super) struct Seen<'a> {
     pub located: bool,
 }
 
-impl<'a> Seen<'a> {
+impl<'a> LineContext<'a> {
     /// The move, if it is one.
     pub fn stroke(&self) -> Option<&'a Stroke> {
         match self.action {
@@ -35,7 +35,7 @@ impl<'a> Seen<'a> {
         self.stroke().filter(|stroke| stroke.extrudes())
     }
 
-    /// Whether the line is a command with a name (a macro), of which nothing is known.
+    /// Whether the line is a macro, whose effect is unknown.
     pub fn named(&self) -> Option<&'a [u8]> {
         let text = self.line.parameters().trim_ascii();
         let name = text.split(u8::is_ascii_whitespace).next().unwrap_or_default();
@@ -43,7 +43,7 @@ impl<'a> Seen<'a> {
         (self.line.code.is_none() && letters).then_some(name)
     }
 
-    /// Whether the line says that printing goes on with another object, which may stand on the bed.
+    /// Whether the line says that printing continues with another object, which may stand on the bed.
     pub fn another_object(&self) -> bool {
         if let Some(code) = self.line.code {
             return (code.letter, code.number) == (b'M', 486);
@@ -69,7 +69,7 @@ impl<'a> Seen<'a> {
 /// A family of rules. It follows the file line by line in memory that does not grow with it.
 pub(super) trait Rule: Send {
     /// Processes a line.
-    fn see(&mut self, seen: &Seen<'_>, found: &mut Found);
+    fn check_line(&mut self, seen: &LineContext<'_>, found: &mut Found);
 
     /// The file is at its end.
     fn end(&mut self, _found: &mut Found) {}

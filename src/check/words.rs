@@ -2,7 +2,7 @@
 
 use super::fault::Kind;
 use super::report::Found;
-use super::rule::{Rule, Seen};
+use super::rule::{LineContext, Rule};
 use crate::gcode::Stroke;
 
 /// Commands of Marlin 2, Klipper, RepRapFirmware 3, Prusa's, Bambu's and UltiMaker's firmware: ranges of numbers.
@@ -71,17 +71,17 @@ const KNOWN_M: &[(u32, u32)] = &[
     (2000, 2000),
     (7219, 7219),
 ];
-/// Commands whose parameters are letters with numbers, and nothing else. Of others the parameters may be texts.
+/// Commands that take only letters with numbers as parameters. Of others the parameters may be texts.
 const STRICT_M: &[u32] = &[73, 82, 83, 84, 104, 106, 107, 109, 140, 190, 201, 203, 204, 205, 220, 221];
 /// The ends of an arc are as far from its centre, up to this.
 const ARC_SLACK_MM: f64 = 0.1;
 
-/// Looks at the writing.
+/// Checks the syntax of lines.
 #[derive(Default)]
 pub(super) struct Words;
 
 impl Rule for Words {
-    fn see(&mut self, seen: &Seen<'_>, found: &mut Found) {
+    fn check_line(&mut self, seen: &LineContext<'_>, found: &mut Found) {
         let Some(code) = seen.line.code else {
             let text = seen.line.parameters().trim_ascii();
             // `@` begins commands of print hosts; T may be followed by x, c or ?.
@@ -114,7 +114,7 @@ impl Rule for Words {
             if stroke.feed_mm_s <= 0.0 && seen.line.words().get(b'F').is_some() {
                 seen.fault(found, Kind::BadFeedRate, || seen.text());
             }
-            if stroke.arc.is_some() && !sound_arc(stroke, seen) {
+            if stroke.arc.is_some() && !is_valid_arc(stroke, seen) {
                 seen.fault(found, Kind::Malformed, || format!("no arc around that centre: {}", seen.text()));
             }
         }
@@ -122,7 +122,7 @@ impl Rule for Words {
 }
 
 /// Whether an arc has a centre, as far from its start as from its end.
-fn sound_arc(stroke: &Stroke, seen: &Seen<'_>) -> bool {
+fn is_valid_arc(stroke: &Stroke, seen: &LineContext<'_>) -> bool {
     let Some(center) = stroke.arc else { return true };
     let words = seen.line.words();
     if words.get(b'R').is_some() {

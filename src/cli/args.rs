@@ -25,7 +25,7 @@ Exit codes:
 /// Slices models for RepRap-class printers and orders their toolpaths near-optimally.
 #[derive(Debug, Parser)]
 #[command(name = "pathwright", version, after_help = EXIT_CODES, arg_required_else_help = true)]
-pub(super) struct LowArgs {
+pub(super) struct Arguments {
     #[command(subcommand)]
     pub command: Command,
 }
@@ -541,7 +541,7 @@ mod tests {
 
     #[test]
     fn the_arguments_are_consistent() {
-        LowArgs::command().debug_assert();
+        Arguments::command().debug_assert();
     }
 
     #[test]

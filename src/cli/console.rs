@@ -14,7 +14,7 @@ use crate::observer::Observer;
 /// One line on standard error for each warning.
 pub(super) fn warn<T: Display>(warnings: &[T]) {
     for warning in warnings {
-        // If standard error is closed, there is nobody to tell.
+        // If standard error is closed, no message is possible.
         let _ = writeln!(io::stderr(), "warning: {warning}");
     }
 }
@@ -78,7 +78,7 @@ impl Bar {
     }
 }
 
-/// Time since it was first asked for.
+/// Time since the first call.
 fn clock() -> Duration {
     static BEGUN: OnceLock<Instant> = OnceLock::new();
     BEGUN.get_or_init(Instant::now).elapsed()

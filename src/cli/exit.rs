@@ -1,4 +1,4 @@
-//! Exit codes, and errors on their way to one.
+//! Exit codes, and the errors that lead to them.
 
 use std::process::ExitCode;
 

@@ -6,7 +6,7 @@ use super::exit::{Exit, Failure};
 use super::plan;
 use crate::job::Engine;
 
-/// Tells what is in every model that can be read. The exit code is that of the first one that cannot.
+/// Reports the contents of every readable model. The exit code is that of the first one that cannot.
 pub(super) fn run(args: &InfoArgs, engine: &dyn Engine) -> Result<Exit, Failure> {
     let resolved = plan::settings(&args.settings, &[])?;
     let transform = plan::transform(&args.models);

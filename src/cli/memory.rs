@@ -2,7 +2,7 @@
 
 use std::fs;
 
-/// Free bytes, as far as the system tells: of the machine, of the control group, of the process's own address space.
+/// Free bytes as reported by the system: of the machine, of the control group, of the process's own address space.
 pub(super) fn available_bytes() -> Option<u64> {
     let read = |path: &str| fs::read_to_string(path).ok();
     let machine = read("/proc/meminfo").and_then(|text| Some(field(&text, "MemAvailable:")? << 10));

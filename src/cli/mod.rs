@@ -21,20 +21,20 @@ use clap::Parser;
 
 pub use exit::Exit;
 
-use args::{Command, LowArgs};
+use args::{Arguments, Command};
 
 use crate::job::Engine;
 use crate::limits;
 use crate::observer::Observer;
 use crate::parallel;
 
-/// Does what the arguments (with the program's name first) ask for, and reports to standard output and standard error.
+/// Runs the program with these arguments (its name first) and reports to standard output and standard error.
 pub fn run(args: impl IntoIterator<Item = OsString>, engine: &dyn Engine) -> Exit {
     limits::watch_memory(memory::available_bytes);
-    let args = match LowArgs::try_parse_from(args) {
+    let args = match Arguments::try_parse_from(args) {
         Ok(args) => args,
         Err(message) => {
-            // If the terminal is gone, there is nobody to tell. `--help` is not a failure.
+            // If the terminal is gone, no message is possible. `--help` is not a failure.
             let _ = message.print();
             return if message.use_stderr() { Exit::Usage } else { Exit::Done };
         }

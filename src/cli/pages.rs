@@ -3,19 +3,19 @@
 use clap::CommandFactory;
 use clap_complete::Shell;
 
-use super::args::LowArgs;
+use super::args::Arguments;
 use super::console;
 use super::exit::{Exit, Failure};
 
 pub(super) fn completions(shell: Shell) -> Result<Exit, Failure> {
     let mut page = Vec::new();
-    clap_complete::generate(shell, &mut LowArgs::command(), "pathwright", &mut page);
+    clap_complete::generate(shell, &mut Arguments::command(), "pathwright", &mut page);
     print(&page)
 }
 
 /// The man page of the program or of one of its commands.
 pub(super) fn man(command: Option<&str>) -> Result<Exit, Failure> {
-    let mut program = LowArgs::command();
+    let mut program = Arguments::command();
     program.build();
     let described = match command {
         None => program,

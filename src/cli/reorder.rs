@@ -40,7 +40,7 @@ pub(super) fn run(args: &ReorderArgs, engine: &dyn Engine) -> Result<Exit, Failu
     Ok(exit)
 }
 
-/// The settings in force. Of a finished file outer walls keep their seams, unless something else is asked for.
+/// The settings in force. Of a finished file outer walls keep their seams, unless something else is requested.
 fn settings(args: &ReorderArgs) -> Result<Settings, Failure> {
     let seam = Override { key: "seam.position".into(), value: "pinned".into(), option: "--seam" };
     let asked = args.ordering.seam.is_some() || sets(args, &seam.key);
@@ -141,7 +141,7 @@ fn tell(report: &Reordered, destination: &Destination, args: &ReorderArgs) -> Re
         _ if args.quiet => Ok(()),
         _ if args.json => console::print_json(report),
         Destination::Stdout => {
-            // If standard error is closed, there is nobody to tell.
+            // If standard error is closed, no message is possible.
             let _ = write!(std::io::stderr(), "{report}");
             Ok(())
         }

@@ -81,7 +81,7 @@ fn report(summary: &Summary, task: &Task, args: &SliceArgs) -> Result<(), Failur
     match &task.destination {
         Destination::File(_) => console::print(&summary.to_string()),
         Destination::Stdout => {
-            // If standard error is closed, there is nobody to tell.
+            // If standard error is closed, no message is possible.
             let _ = write!(std::io::stderr(), "{summary}");
             Ok(())
         }

@@ -15,7 +15,7 @@ use crate::profile::Settings;
 use crate::report::Summary;
 use crate::view::{self, Layer, Print, Scene};
 
-/// Writes the pictures and the page that are asked for.
+/// Writes the pictures and the page that are requested.
 pub(super) fn run(args: &ViewArgs, engine: &dyn Engine) -> Result<Exit, Failure> {
     let inputs: Vec<&Path> = args.models.files.iter().map(PathBuf::as_path).collect();
     let page = page_path(args);
@@ -84,7 +84,7 @@ fn gcode(
         if bytes > limits::VIEW_BYTES {
             return Err(failed(format!("more than {} GB cannot be shown", limits::VIEW_BYTES >> 30)));
         }
-        limits::room(bytes).map_err(failed)?;
+        limits::check_memory(bytes).map_err(failed)?;
         let text = fs::read(path).map_err(|error| failed(error.to_string()))?;
         return Ok((text, None));
     }

@@ -55,8 +55,8 @@ struct Slowing<'a> {
 }
 
 impl Slowing<'_> {
-    /// Slows until the layer, which takes `time` now and spends `printing` of it on these moves, lasts as long as it
-    /// should, or as far as is allowed.
+    /// Slows these moves, which take `printing` of the layer's `time`, until it lasts long enough or the lowest speed
+    /// is reached.
     fn stretch(mut self, time: LayerTime, printing: Seconds) -> LayerTime {
         let wanted = self.settings.min_layer_time;
         let full: Vec<f64> = self.moves.iter().filter_map(|&i| speed_of(&self.layer.moves[i])).collect();

@@ -184,7 +184,7 @@ impl Machine {
         v2
     }
 
-    /// Marlin's classic jerk: an axis that goes on in its direction may step by its jerk, one that turns round
+    /// Marlin's classic jerk: an axis that continues in its direction may step by its jerk, one that turns round
     /// may go to or from rest at it.
     fn classic_speed(&self, before: &CornerMove, now: &CornerMove) -> f64 {
         let slower = before.speed.min(now.speed);

@@ -32,7 +32,7 @@ impl LayerTime {
         Seconds(self.accounts[TRAVEL])
     }
 
-    /// Pulling filament back and pushing it forward in place.
+    /// Retracting and unretracting in place.
     pub fn retraction(&self) -> Seconds {
         Seconds(self.accounts[RETRACTION])
     }

@@ -1,6 +1,6 @@
 //! The machine that moves are planned for.
 
-/// Whose rules a machine plans by.
+/// The firmware whose planner a machine follows.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Firmware {
     /// Klipper: square corner velocity, minimum cruise ratio, stops around moves of the extruder alone.
@@ -33,16 +33,16 @@ impl Firmware {
     }
 }
 
-/// What G10 and G11 do.
+/// The amounts and speeds of G10 and G11.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FirmwareRetraction {
     /// Filament retracted, millimetres.
     pub length_mm: f64,
     /// Pushed forward beyond that.
     pub extra_mm: f64,
-    /// Speed of pulling back, mm/s.
+    /// Speed of retraction, mm/s.
     pub speed: f64,
-    /// Speed of pushing forward, mm/s.
+    /// Speed of unretraction, mm/s.
     pub unretract_speed: f64,
 }
 
@@ -69,7 +69,7 @@ pub struct Machine {
     pub jerk: [f64; 4],
     /// RepRapFirmware: jerk also between printing and travel (`M566 P1`).
     pub jerk_everywhere: bool,
-    /// What G10 and G11 do.
+    /// The amounts and speeds of G10 and G11.
     pub retraction: FirmwareRetraction,
     /// Cross-section of the filament, which turns volumes into E.
     pub filament_area_mm2: f64,

@@ -14,7 +14,7 @@ section! {
         square_corner_velocity: MmPerS = MmPerS(5.0); 0.0..=100.0,
         /// Step that the extruder's speed may make at a corner (Klipper's `instantaneous_corner_velocity`).
         extruder_corner_velocity: MmPerS = MmPerS(1.0); 0.0..=100.0,
-        /// Least share of a move to cruise (Klipper).
+        /// Minimum share of a move to cruise (Klipper).
         min_cruise_ratio: Ratio = Ratio(0.5); 0.0..=0.99,
         /// Junction deviation (Marlin); 0: the one that takes a 90° corner at `square_corner_velocity`.
         junction_deviation: Mm = Mm(0.0); 0.0..=1.0,

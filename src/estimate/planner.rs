@@ -8,9 +8,9 @@ use super::{Firmware, Machine};
 pub struct Segment {
     /// Displacement in X, Y, Z and E, millimetres.
     pub delta: [f64; 4],
-    /// Speed asked for, mm/s: along the path in space, or of E where there is none.
+    /// Requested speed, mm/s: along the path in space, or of E where there is none.
     pub speed: f64,
-    /// Acceleration asked for, mm/s².
+    /// Requested acceleration, mm/s².
     pub acceleration: f64,
     /// What its time is booked on, counted from 0.
     pub account: usize,
@@ -147,7 +147,7 @@ impl Planner {
         self.book(account, seconds);
     }
 
-    /// The seconds on every account that was used, once the machine has come to rest after the last move.
+    /// The seconds of every account, after the machine has stopped behind the last move.
     pub fn finish(mut self) -> Vec<f64> {
         self.settle(self.blocks.len());
         self.seconds
@@ -160,8 +160,7 @@ impl Planner {
         self.seconds[account] += seconds;
     }
 
-    /// Settles the moves whose speeds are certain already: all before one whose start speed is what the moves
-    /// before it allow, and stays so even if the machine were to stop after the last move.
+    /// Fixes the speeds of the moves that no later move can change.
     fn settle_some(&mut self) {
         let (mut end_v2, mut smooth_end_v2) =
             self.blocks.last().map_or((0.0, 0.0), |b| (b.rest_v2, b.rest_v2));

@@ -5,15 +5,15 @@ use super::script::Scripts;
 use super::settings::GcodeOptions;
 use crate::units::Seconds;
 
-/// What a script comes to, measured as it would be on the finished file.
+/// The sums of a script's moves, measured as on the finished file.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Effect {
     /// Lengths, counts and volume.
     pub measure: Measure,
     /// Time of its moves; heating and homing take none.
     pub time: Seconds,
-    /// Where it leaves the nozzle, millimetres; `None` where nothing has been extruded, for then the path from here
-    /// does not count.
+    /// Position of the nozzle afterwards, millimetres; `None` where nothing has been extruded, as the path from here
+    /// does not count then.
     pub end: Option<[f64; 3]>,
 }
 
@@ -54,7 +54,7 @@ mod tests {
     }
 
     #[test]
-    fn a_prime_line_counts_and_the_way_to_it_does_not() {
+    fn a_prime_line_counts_and_the_travel_to_it_does_not() {
         let (start, _) = effects("G28\nM83\nG0 X10 Y5 Z0.2 F6000\nG1 X60 E5", "");
         assert_eq!((start.measure.print_mm, start.measure.travel_mm), (50.0, 0.0));
         assert_eq!(start.end, Some([60.0, 5.0, 0.2]));
@@ -68,7 +68,7 @@ mod tests {
     }
 
     #[test]
-    fn parking_is_a_way_from_the_last_bead_and_no_link() {
+    fn parking_is_travel_from_the_last_bead_and_no_link() {
         let (_, end) = effects("", "G1 E-2 F2400\nG0 X10 Y110 F6000");
         assert_eq!((end.measure.travel_mm, end.measure.link_mm), (100.0, 0.0));
         assert_eq!((end.measure.travels, end.measure.retractions), (0, 1));

@@ -11,12 +11,12 @@ const E_TICKS_PER_MM: f64 = 1e5;
 /// retraction.
 pub(super) struct Extruder {
     ticks_per_mm3: f64,
-    /// Filament extruded so far: what it should be, and what was written.
-    owed: f64,
-    paid: i64,
-    /// Filament retracted at present: what it should be, and what was written.
-    pulled: f64,
-    pulled_written: i64,
+    /// Filament extruded so far: exact and as written.
+    extruded: f64,
+    extruded_written: i64,
+    /// Filament retracted at present: exact and as written.
+    retracted: f64,
+    retracted_written: i64,
     /// Absolute E.
     pub(super) position: i64,
 }
@@ -25,40 +25,41 @@ impl Extruder {
     pub(super) fn new(area_mm2: f64) -> Self {
         Self {
             ticks_per_mm3: E_TICKS_PER_MM / area_mm2,
-            owed: 0.0,
-            paid: 0,
-            pulled: 0.0,
-            pulled_written: 0,
+            extruded: 0.0,
+            extruded_written: 0,
+            retracted: 0.0,
+            retracted_written: 0,
             position: 0,
         }
     }
 
-    pub(super) fn owe(&mut self, volume_mm3: f64) {
-        self.owed += volume_mm3 * self.ticks_per_mm3;
+    /// Adds what a bead extrudes.
+    pub(super) fn add(&mut self, volume_mm3: f64) {
+        self.extruded += volume_mm3 * self.ticks_per_mm3;
     }
 
-    /// All whole ticks owed.
-    pub(super) fn pay(&mut self) -> i64 {
-        let delta = (nearest(self.owed) - self.paid).max(0);
-        self.paid += delta;
+    /// Takes the whole ticks that are still to be written.
+    pub(super) fn take(&mut self) -> i64 {
+        let delta = (nearest(self.extruded) - self.extruded_written).max(0);
+        self.extruded_written += delta;
         self.position += delta;
         delta
     }
 
-    /// Ticks (negative) of pulling back.
-    pub(super) fn pull(&mut self, length_mm: f64) -> i64 {
-        self.pulled += length_mm * E_TICKS_PER_MM;
-        let delta = nearest(self.pulled) - self.pulled_written;
-        self.pulled_written += delta;
+    /// Ticks (negative) of a retraction.
+    pub(super) fn retract(&mut self, length_mm: f64) -> i64 {
+        self.retracted += length_mm * E_TICKS_PER_MM;
+        let delta = nearest(self.retracted) - self.retracted_written;
+        self.retracted_written += delta;
         self.position -= delta;
         -delta
     }
 
-    /// Ticks of pushing forward: exactly what was pulled, and what the length goes beyond it.
-    pub(super) fn restore(&mut self, length_mm: f64) -> i64 {
-        let extra = length_mm * E_TICKS_PER_MM - self.pulled;
-        let delta = self.pulled_written + nearest(extra);
-        (self.pulled, self.pulled_written) = (0.0, 0);
+    /// Ticks of an unretraction: exactly what was retracted, and what the length exceeds it by.
+    pub(super) fn unretract(&mut self, length_mm: f64) -> i64 {
+        let extra = length_mm * E_TICKS_PER_MM - self.retracted;
+        let delta = self.retracted_written + nearest(extra);
+        (self.retracted, self.retracted_written) = (0.0, 0);
         self.position += delta;
         delta
     }
@@ -77,11 +78,11 @@ mod tests {
         ) {
             let mut extruder = Extruder::new(2.405);
             for volume in &volumes {
-                extruder.owe(*volume);
-                extruder.pay();
+                extruder.add(*volume);
+                extruder.take();
                 let before = extruder.position;
-                let pulled: i64 = wipes.iter().map(|w| extruder.pull(*w)).sum();
-                prop_assert_eq!(extruder.restore(wipes.iter().sum()), -pulled);
+                let retracted: i64 = wipes.iter().map(|w| extruder.retract(*w)).sum();
+                prop_assert_eq!(extruder.unretract(wipes.iter().sum()), -retracted);
                 prop_assert_eq!(extruder.position, before);
             }
             let wanted = volumes.iter().sum::<f64>() / 2.405 * E_TICKS_PER_MM;

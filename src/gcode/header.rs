@@ -73,7 +73,7 @@ pub fn header(settings: &GcodeOptions, facts: &PrintFacts, scripts: &Scripts, se
     Header { bytes, slots }
 }
 
-/// Which objects there are, written after the header where `gcode.labels` asks for it.
+/// The definitions of the objects, written after the header with `gcode.labels`.
 pub fn labels(settings: &GcodeOptions, objects: &[ObjectLabel]) -> Vec<u8> {
     let mut bytes = Vec::new();
     if settings.gcode.labels {

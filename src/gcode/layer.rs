@@ -18,7 +18,7 @@ const UNKNOWN: i64 = i64::MIN;
 /// The bytes of one layer.
 #[derive(Clone, Debug, PartialEq)]
 pub struct LayerText {
-    /// What goes into the file.
+    /// The bytes for the file.
     pub bytes: Vec<u8>,
     /// Where the layer's M73 goes, if wanted; offset into `bytes`.
     pub progress: Option<Slot>,
@@ -49,7 +49,7 @@ struct Writer<'a> {
     /// Feed rate, mm/min.
     f: i64,
     extruder: Extruder,
-    /// The acceleration asked for, and the ones in force for printing and travel.
+    /// The requested acceleration, and the ones in force for printing and travel.
     asked: Option<f64>,
     in_force: [Option<f64>; 2],
     /// The current object, where labels are wanted.
@@ -114,16 +114,16 @@ impl<'a> Writer<'a> {
                 self.out.extend_from_slice(b"G11\n");
             }
             Move::Retract { length_mm, speed } => {
-                let pulled = self.extruder.pull(length_mm);
-                self.e_only(pulled, speed);
+                let retracted = self.extruder.retract(length_mm);
+                self.e_only(retracted, speed);
             }
             Move::Unretract { length_mm, speed } => {
-                let pushed = self.extruder.restore(length_mm);
-                self.e_only(pushed, speed);
+                let unretracted = self.extruder.unretract(length_mm);
+                self.e_only(unretracted, speed);
             }
             Move::Wipe { to, length_mm, speed } => {
-                let pulled = self.extruder.pull(length_mm);
-                self.travel(to, pulled, speed);
+                let retracted = self.extruder.retract(length_mm);
+                self.travel(to, retracted, speed);
             }
             Move::Fan(share) => self.dialect.fan(&mut self.out, share),
             Move::Acceleration(acceleration) => self.asked = Some(acceleration.0),
@@ -186,7 +186,7 @@ impl<'a> Writer<'a> {
 
     /// Extrudes on a line, or on an arc around a centre (clockwise or not).
     fn draw(&mut self, to: [f64; 2], arc: Option<([f64; 2], bool)>, volume: Mm3, speed: MmPerS) {
-        self.extruder.owe(volume.0);
+        self.extruder.add(volume.0);
         let Some(to) = self.onward(to) else { return };
         self.accelerate(Purpose::Print);
         if let Some((center, clockwise)) = arc {
@@ -200,7 +200,7 @@ impl<'a> Writer<'a> {
             self.out.extend_from_slice(b"G1");
             self.xy(to);
         }
-        let fed = self.extruder.pay();
+        let fed = self.extruder.take();
         self.e(fed);
         self.feed(speed);
         self.end_line();
@@ -208,7 +208,7 @@ impl<'a> Writer<'a> {
 
     /// Extrudes on a line that ends at another height.
     fn ramp(&mut self, to: [f64; 2], z_mm: f64, volume: Mm3, speed: MmPerS) {
-        self.extruder.owe(volume.0);
+        self.extruder.add(volume.0);
         let Some(to) = self.onward(to) else { return self.lift(z_mm, speed) };
         self.accelerate(Purpose::Print);
         self.out.extend_from_slice(b"G1");
@@ -218,7 +218,7 @@ impl<'a> Writer<'a> {
             self.z = z;
             push_word(&mut self.out, b'Z', z, XYZ_DECIMALS);
         }
-        let fed = self.extruder.pay();
+        let fed = self.extruder.take();
         self.e(fed);
         self.feed(speed);
         self.end_line();
@@ -271,7 +271,7 @@ impl<'a> Writer<'a> {
         self.out.push(b'\n');
     }
 
-    /// States the acceleration asked for, where it is not in force.
+    /// States the requested acceleration, where it is not in force.
     fn accelerate(&mut self, purpose: Purpose) {
         let Some(asked) = self.asked else { return };
         let kept_apart = self.dialect.has_travel_acceleration();

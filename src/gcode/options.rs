@@ -33,7 +33,7 @@ section! {
         relative_e: bool = true,
         /// Write arcs (G2, G3) where the path follows one.
         arcs: bool = false,
-        /// How far an arc may leave the path.
+        /// Greatest deviation of an arc from the path.
         arc_tolerance: Mm = Mm(0.02); 0.001..=0.5,
         /// Thumbnails in the header, for printers with a screen: width × height in pixels, such as 32x32,300x300; empty: none.
         thumbnails: String = "32x32,300x300".into(),

@@ -7,7 +7,7 @@ use crate::motion::{FilamentSettings, RetractSettings, TemperatureSettings};
 use crate::slice::LayerSettings;
 use crate::units::Mm;
 
-/// What is known of a print before its first layer is planned.
+/// Facts of a print that are known before its first layer is planned.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PrintFacts {
     /// Number of layers.
@@ -28,7 +28,7 @@ pub struct PrintFacts {
 pub struct ObjectLabel {
     /// Letters, digits and underscores; another for each object, also where case does not count.
     pub name: String,
-    /// Corners of the convex hull of what is printed of it, bed coordinates, millimetres; empty: nothing is.
+    /// Corners of the convex hull of its paths in bed coordinates, millimetres; empty: it has none.
     pub polygon_mm: Vec<[f64; 2]>,
 }
 
@@ -85,7 +85,7 @@ pub struct WriterSettings {
     pub progress: bool,
 }
 
-/// What header, footer and scripts depend on.
+/// The settings of header, footer and scripts.
 #[derive(Clone, Debug, PartialEq)]
 #[allow(missing_docs)]
 pub struct GcodeOptions {

@@ -41,7 +41,7 @@ pub struct Slot {
     pub value: Pending,
 }
 
-/// What the header and the footer tell of the finished plan.
+/// Totals of the finished plan, for header and footer.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Totals {
     /// Print time without heating.

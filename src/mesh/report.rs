@@ -1,4 +1,4 @@
-//! What is in a mesh, and what was done to it.
+//! The report of a mesh: its contents and its repairs.
 
 use std::fmt;
 
@@ -18,7 +18,7 @@ pub struct MeshReport {
     pub triangles: usize,
     /// Vertices after welding.
     pub vertices: usize,
-    /// Parts that hang together by edges.
+    /// Parts connected by edges.
     pub shells: usize,
     /// Lower corner of the bounding box.
     pub min_mm: [f64; 3],
@@ -52,9 +52,9 @@ pub struct MeshReport {
     pub non_manifold_edges: usize,
     /// Edges whose two facets disagree on the outside, and could not be made to agree.
     pub inconsistent_edges: usize,
-    /// What the repair may have got wrong; nothing of a sound mesh or a repair that is sure.
+    /// The uncertainty of the repair; `None` for a sound mesh or a certain repair.
     pub uncertain: Option<Doubt>,
-    /// What was overlooked in the file, and what looks wrong.
+    /// Warnings about errors in the file and implausible contents.
     pub warnings: Vec<String>,
 }
 
@@ -67,7 +67,7 @@ pub struct Repair {
     pub count: usize,
 }
 
-/// What was done of each kind: its name, what one is called, what several are called.
+/// Counts of repairs by kind: its name, and the words for one and for several.
 const KINDS: [(&str, &str, &str); 7] = [
     ("degenerate-dropped", "facet without area dropped", "facets without area dropped"),
     ("duplicates-dropped", "duplicate facet dropped", "duplicate facets dropped"),

@@ -5,7 +5,8 @@ use nalgebra::{Matrix3, Rotation3, Vector3};
 use super::surface::Mesh;
 use super::weld::LIMIT_MM;
 
-/// What is done to a mesh, in this order: scaled, then turned about X, Y and Z. Moving is up to [`place()`](crate::plate::place()).
+/// A transformation of a mesh, in this order: scaled, then turned about X, Y and Z. Moving is up to
+/// [`place()`](crate::plate::place()).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Transform {
     /// Factors along X, Y and Z; a negative one mirrors.

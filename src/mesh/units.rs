@@ -72,7 +72,7 @@ pub(super) fn size_of(points: impl Iterator<Item = [f32; 3]>) -> Option<[f64; 3]
 ///
 /// # Errors
 /// Scaled, it is longer than 10 m.
-pub(crate) fn brought_near(
+pub(crate) fn moved_near_origin(
     path: &Path,
     mut mesh: Mesh,
     transform: &Transform,
@@ -95,8 +95,8 @@ pub(crate) fn brought_near(
 /// Numbers of 24 bits that are farther apart blur a shape, millimetres.
 const BLUR_MM: f64 = 4e-3;
 
-/// What is said of a model that was so far from the origin that its file's numbers are coarse; `None` if they are not.
-pub(crate) fn blur(was_at: [f64; 3]) -> Option<String> {
+/// The warning about a model so far from the origin that its file's numbers are coarse; `None` if they are not.
+pub(crate) fn precision_warning(was_at: [f64; 3]) -> Option<String> {
     let far_mm = was_at.iter().fold(0.0_f64, |far, x| far.max(x.abs()));
     let apart_mm = far_mm * f64::from(f32::EPSILON);
     (apart_mm > BLUR_MM).then(|| {
@@ -112,7 +112,7 @@ pub(super) fn too_large(path: &Path, mesh: &Mesh, scale: [f64; 3]) -> MeshError 
     let path = path.to_path_buf();
     let [min, max] = mesh.bounds();
     let size = [0, 1, 2].map(|i| (max[i] - min[i]) * scale[i].abs());
-    if let Some((count, rest)) = strays(mesh) {
+    if let Some((count, rest)) = stray_vertices(mesh) {
         let rest = [0, 1, 2].map(|i| rest[i] * scale[i].abs());
         return MeshError::Stray { path, count, rest: in_words(rest) };
     }
@@ -121,7 +121,7 @@ pub(super) fn too_large(path: &Path, mesh: &Mesh, scale: [f64; 3]) -> MeshError 
 }
 
 /// Corners far from nearly all others: how many, and the size of the rest.
-fn strays(mesh: &Mesh) -> Option<(usize, [f64; 3])> {
+fn stray_vertices(mesh: &Mesh) -> Option<(usize, [f64; 3])> {
     /// Corners this many times farther from the middle one than three of four are stray, if they are few.
     const FAR: f64 = 100.0;
     let near = [0, 1, 2].map(|axis| {
@@ -163,8 +163,8 @@ mod tests {
 
     #[test]
     fn far_from_the_origin_numbers_are_coarse() {
-        assert_eq!(blur([30_000.0, 0.0, 0.0]), None);
-        let said = blur([0.0, -1e6, 0.0]).expect("coarse");
+        assert_eq!(precision_warning([30_000.0, 0.0, 0.0]), None);
+        let said = precision_warning([0.0, -1e6, 0.0]).expect("coarse");
         assert!(said.contains("1000 m from the origin") && said.contains("0.119 mm apart"), "{said}");
     }
 }

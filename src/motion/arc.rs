@@ -69,7 +69,7 @@ fn longest(points: &[[f64; 2]], tolerance_mm: f64) -> Result<(usize, Circle), us
     best
 }
 
-/// What an arc would make of a stretch.
+/// The result of fitting an arc to a stretch.
 enum Fit {
     /// It follows this circle.
     Arc(Circle),

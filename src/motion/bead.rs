@@ -39,7 +39,7 @@ pub(super) fn trace(path: &Path, entry: u32, flow: f64, out: &mut Vec<Vertex>) {
     out.clear();
     let area = |width_mm: f64| {
         flow * match path.role {
-            // A bridge is not pressed onto anything: it stays a round thread.
+            // A bridge is not pressed onto anything: it stays a round line.
             Role::BridgeInfill => PI / 4.0 * width_mm * width_mm,
             _ => area_mm2(width_mm, path.height_mm),
         }
@@ -71,7 +71,7 @@ pub(super) fn trace(path: &Path, entry: u32, flow: f64, out: &mut Vec<Vertex>) {
     }
 }
 
-/// Mean width of a path: what viewers are told.
+/// Mean width of a path, for comments that viewers read.
 pub(super) fn mean_width_mm(width: &Width) -> f64 {
     match width {
         Width::Constant(width_mm) => *width_mm,

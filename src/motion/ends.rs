@@ -44,11 +44,11 @@ pub(super) struct Step {
 
 /// A closed bead with a scarf at its seam.
 pub(super) struct Scarf {
-    /// The way up, from [`BEGIN`] of the height at the start of the bead.
+    /// The rise, from [`BEGIN`] of the height at the start of the bead.
     pub rise: Vec<Step>,
     /// The rest of the loop, from where the rise ends to the seam.
     pub body: Vec<Vertex>,
-    /// The way out, over the rise: at full height, fading to nothing.
+    /// The end, over the rise: at full height, fading to nothing.
     pub fade: Vec<Step>,
 }
 
@@ -73,19 +73,19 @@ impl Scarf {
                 let [from, to] = [rest[0], rest[1]];
                 let edge_mm = distance_mm(from.at, to.at);
                 let part = from.towards(to, left_mm / edge_mm.max(f64::MIN_POSITIVE));
-                let way_mm = edge_mm.min(left_mm);
+                let part_mm = edge_mm.min(left_mm);
                 let area_mm2 = 0.5 * (from.area_mm2 + part.area_mm2);
                 let piece = |flow: f64, below: f64| Step {
                     to: part.at,
                     below,
-                    volume_mm3: flow * area_mm2 * way_mm,
+                    volume_mm3: flow * area_mm2 * part_mm,
                     area_mm2: flow * area_mm2,
                 };
-                let reached = end - (1.0 - BEGIN) * (left_mm - way_mm) / scarf_mm;
+                let reached = end - (1.0 - BEGIN) * (left_mm - part_mm) / scarf_mm;
                 rise.push(piece(middle, 1.0 - reached));
                 fade.push(piece(1.0 - middle, 0.0));
-                left_mm -= way_mm;
-                rest = if edge_mm > way_mm { vec![part, to] } else { edges.next()?.to_vec() };
+                left_mm -= part_mm;
+                rest = if edge_mm > part_mm { vec![part, to] } else { edges.next()?.to_vec() };
             }
         }
         let body = rest.into_iter().chain(edges.map(|edge| edge[1])).collect();

@@ -1,4 +1,4 @@
-//! What the machine is told to do.
+//! The moves of the machine.
 
 use crate::toolpath::Role;
 use crate::units::{Celsius, Mm3, MmPerS, MmPerS2, Ratio};
@@ -21,11 +21,11 @@ pub enum Move {
     Ramp { to: [f64; 2], z_mm: f64, volume: Mm3, speed: MmPerS },
     /// Extrude along an arc around a centre.
     Arc { to: [f64; 2], center: [f64; 2], clockwise: bool, volume: Mm3, speed: MmPerS },
-    /// Pull filament back (`length_mm` > 0) in place; with firmware retraction a plain G10.
+    /// Retract filament (`length_mm` > 0) in place; with firmware retraction a plain G10.
     Retract { length_mm: f64, speed: MmPerS },
     /// Push it forward again.
     Unretract { length_mm: f64, speed: MmPerS },
-    /// Move in X and Y while pulling filament back.
+    /// Move in X and Y while retracting.
     Wipe { to: [f64; 2], length_mm: f64, speed: MmPerS },
     /// Part-cooling fan.
     Fan(Ratio),
@@ -35,7 +35,7 @@ pub enum Move {
     Nozzle(Celsius),
     /// Bed temperature, without waiting.
     Bed(Celsius),
-    /// What follows belongs to this object on the plate, or to none; told only where labels are wanted.
+    /// The object on the plate that the following moves belong to, or none; only with labels.
     Object(Option<u32>),
     /// A pause or filament change, by the profile's script.
     Pause,
@@ -48,9 +48,9 @@ pub struct Entry {
     /// `None`: wherever the start script left it.
     pub xy: Option<[f64; 2]>,
     pub z_mm: f64,
-    /// The path along which to wipe before leaving, from `xy` on; empty where nothing is wiped.
+    /// The wipe before leaving, from `xy` on; empty without one.
     pub wipe: Vec<[f64; 2]>,
-    /// The first travel keeps above this, as finished objects may be in its way; 0: none are.
+    /// The first travel keeps above this, as finished objects may obstruct it; 0: none do.
     pub over_mm: f64,
 }
 

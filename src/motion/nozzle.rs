@@ -30,7 +30,7 @@ pub(super) struct Nozzle<'a> {
     /// The next travel keeps above this.
     pub(super) over_mm: f64,
     /// Filament to be fed with the next bead beyond what it holds.
-    pub(super) owed_mm3: f64,
+    pub(super) extra_mm3: f64,
     pub(super) acceleration: Option<MmPerS2>,
     pub(super) bead: Option<(Role, f64, f64)>,
     pub(super) object: Option<u32>,

@@ -14,11 +14,11 @@ section! {
         diameter: Mm = Mm(1.75); 0.5..=5.0,
         /// g/cm³.
         density: f64 = 1.24; 0.1..=25.0, "g/cm³",
-        /// Price of a kilogram, in whatever currency.
+        /// Price per kilogram, in any currency.
         cost: f64 = 20.0; 0.0..=100000.0, "per kg",
         /// Extrusion multiplier.
         flow: f64 = 1.0; 0.1..=3.0,
-        /// Linear or pressure advance; 0 leaves the firmware's value alone.
+        /// Linear or pressure advance; 0 leaves the firmware's value unchanged.
         pressure_advance: f64 = 0.0; 0.0..=10.0, "s",
         /// Largest flow the hot end melts; 0: not limited.
         max_flow: Mm3PerS = Mm3PerS(0.0); 0.0..=1000.0,
@@ -54,7 +54,7 @@ section! {
         ironing: MmPerS = MmPerS(15.0); 0.1..=2000.0,
         /// Bridges.
         bridge: MmPerS = MmPerS(40.0); 0.1..=2000.0,
-        /// Walls that hang over by more than a quarter, a half and three quarters of their width.
+        /// Walls that overhang by more than a quarter, a half and three quarters of their width.
         overhang: [MmPerS; 3] = [MmPerS(35.0), MmPerS(25.0), MmPerS(15.0)]; 0.1..=2000.0,
         /// Gap fill.
         gap_fill: MmPerS = MmPerS(40.0); 0.1..=2000.0,
@@ -82,19 +82,19 @@ section! {
 section! {
     /// `[retract]`
     RetractSettings {
-        /// Filament pulled back; 0: none.
+        /// Length of filament retracted; 0: none.
         length: Mm = Mm(1.0); 0.0..=20.0,
-        /// Speed of pulling back.
+        /// Speed of retraction.
         speed: MmPerS = MmPerS(40.0); 0.1..=500.0,
-        /// Speed of pushing forward again.
+        /// Speed of unretraction.
         unretract_speed: MmPerS = MmPerS(40.0); 0.1..=500.0,
-        /// Fed beyond what was pulled back, with the first millimetres of the next bead.
+        /// Filament fed beyond the retracted length, with the first millimetres of the next bead.
         extra: Mm = Mm(0.0); -5.0..=5.0,
         /// Travels shorter than this are not retracted.
         min_travel: Mm = Mm(1.5); 0.0..=1000.0,
         /// Nozzle lift while retracted.
         z_hop: Mm = Mm(0.0); 0.0..=10.0,
-        /// Lift on travels inside the part, too, and not only on those that cross an outer wall.
+        /// Lift on travels inside the part too, not only on those that cross an outer wall.
         z_hop_inside: bool = false,
         /// Wipe: distance moved back over the last path while retracting; 0: none.
         wipe: Mm = Mm(0.0); 0.0..=50.0,
@@ -107,9 +107,9 @@ section! {
 section! {
     /// `[travel]`
     TravelSettings {
-        /// Go round holes and outer walls, inside the part, instead of over them.
+        /// Lead travels round holes and outer walls instead of across them.
         avoid_crossing: bool = true,
-        /// By how much that may lengthen a travel; longer detours are not made.
+        /// Greatest extra length of a detour; longer ones are not made.
         max_detour: Mm = Mm(20.0); 0.0..=10000.0,
         /// Travels that stay inside the part are not retracted up to this length.
         retract_inside: Mm = Mm(5.0); 0.0..=10000.0,
@@ -120,7 +120,7 @@ section! {
     CoolingSettings {
         /// Layers shorter than this are slowed down; 0: never.
         min_layer_time: Seconds = Seconds(8.0); 0.0..=3600.0,
-        /// But not below this speed.
+        /// Minimum speed of layers that are slowed down.
         min_speed: MmPerS = MmPerS(10.0); 0.1..=500.0,
         /// Fan on ordinary layers.
         fan: Ratio = Ratio(1.0); 0.0..=1.0,
@@ -128,9 +128,9 @@ section! {
         fan_off_layers: u32 = 1; 0..=10000,
         /// Layer from which the fan has its full value; it ramps up to there.
         full_fan_layer: u32 = 3; 0..=10000,
-        /// Least fan on bridges.
+        /// Minimum fan on bridges.
         bridge_fan: Ratio = Ratio(1.0); 0.0..=1.0,
-        /// Least fan on walls that hang over by more than half their width.
+        /// Minimum fan on walls that overhang by more than half their width.
         overhang_fan: Ratio = Ratio(1.0); 0.0..=1.0,
     }
 }

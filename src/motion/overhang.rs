@@ -28,7 +28,7 @@ pub(super) enum Grade {
 }
 
 impl Grade {
-    /// Of a bead whose centre line is so far (in its own widths) outside of what it rests on.
+    /// The grade of a bead whose centre line is so far (in its widths) outside of the layer below.
     fn of(outside: f64) -> Self {
         match outside {
             d if d <= -0.25 => Self::Held,
@@ -43,7 +43,7 @@ impl Grade {
 /// Part of a bead with one grade: vertices, each stretch beginning where the one before ends.
 pub(super) type Stretch = (Grade, Vec<Vertex>);
 
-/// What a layer rests on.
+/// The layer below, as support.
 #[derive(Debug)]
 pub(super) struct Support {
     outline: EdgeGrid,
@@ -54,8 +54,8 @@ impl Support {
         Self { outline: EdgeGrid::new(beneath) }
     }
 
-    /// Cuts a bead of this width where its grade changes; nothing if all of it is held. Short stretches take the grade
-    /// of what hangs further beside them. O(vertices) for outlines of like detail.
+    /// Cuts a bead of this width where its grade changes; empty if all of it is supported. Short stretches take the
+    /// grade of what hangs further beside them. O(vertices) for outlines of like detail.
     pub(super) fn stretches(&self, vertices: &[Vertex], width_mm: f64) -> Vec<Stretch> {
         let mut walk = Walk { support: self, width_mm, inside: None, near: Vec::new(), out: Vec::new() };
         for pair in vertices.windows(2) {

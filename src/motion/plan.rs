@@ -50,7 +50,7 @@ pub fn plan_layer(
         positioned: false,
         wipe: from.wipe.clone(),
         over_mm: from.over_mm,
-        owed_mm3: 0.0,
+        extra_mm3: 0.0,
         acceleration: None,
         bead: None,
         object: None,
@@ -79,8 +79,8 @@ pub fn plan_layer(
     LayerMoves { index: layer.index, z_mm: layer_z_mm, height_mm: layer.height_mm, from, moves: nozzle.moves }
 }
 
-/// Where the nozzle is after a layer: what the next one is planned [from](Entry). A layer without paths leaves
-/// it where it was.
+/// Position of the nozzle after a layer, from which the next one is [planned](Entry). A layer without paths leaves it
+/// where it was.
 pub fn exit(layer: &LayerPaths, sequence: &[PathVisit], from: Entry, settings: &MotionSettings) -> Entry {
     let mut vertices = Vec::new();
     let last = sequence.iter().rev().find_map(|visit| {
@@ -151,7 +151,7 @@ impl Nozzle<'_> {
         }
     }
 
-    /// Sets the fan to what a grade of overhang, or a bridge, asks for; `None`: to the layer's own.
+    /// Sets the fan for a grade of overhang or a bridge; `None`: to the layer's own speed.
     fn set_fan(&mut self, role: Option<Role>) {
         let fan = self.rules.fan(role);
         if fan != self.fan {
@@ -175,9 +175,9 @@ impl Nozzle<'_> {
             self.draw_graded(path, vertices);
         }
         if let Some(from) = self.at {
-            let owed_mm3 = std::mem::take(&mut self.owed_mm3);
+            let extra_mm3 = std::mem::take(&mut self.extra_mm3);
             let melted = |speed, area_mm2| self.rules.melted(speed, area_mm2);
-            prime(&mut self.moves, first, from, owed_mm3, melted);
+            prime(&mut self.moves, first, from, extra_mm3, melted);
         }
         (self.at, self.wipe) = end(path, vertices, scarf.as_ref(), self.settings);
     }

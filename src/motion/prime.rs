@@ -1,23 +1,23 @@
-//! What is fed beyond what was pulled back: with the beginning of the next bead, so that it leaves no blob.
+//! The extra amount after a retraction, fed with the beginning of the next bead so that it leaves no blob.
 
 use super::Move;
 use super::sums::drawn_mm;
 use crate::units::{Mm3, MmPerS};
 
-/// Way on which it is fed.
+/// Distance over which it is fed.
 const PRIME_MM: f64 = 2.0;
 
-/// Adds a volume (less than 0: takes it away, as far as there is any) to the first lines of a bead that begins at
-/// `from` with `moves[first]`, in proportion to what they hold. A line that is longer is cut. What then holds
-/// more is drawn at the speed that is `melted` for its cross-section, mm².
+/// Adds a volume (negative: removes it, down to nothing) to the first lines of the bead that begins at `from` with
+/// `moves[first]`, in proportion to their own volumes. A line that is longer is cut. What then holds more is drawn at
+/// the speed that is `melted` for its cross-section, mm².
 pub(super) fn prime(
     moves: &mut Vec<Move>,
     first: usize,
     from: [f64; 2],
-    owed_mm3: f64,
+    extra_mm3: f64,
     melted: impl Fn(MmPerS, f64) -> MmPerS,
 ) {
-    if owed_mm3 == 0.0 {
+    if extra_mm3 == 0.0 {
         return;
     }
     let (mut at, mut left_mm, mut held_mm3, mut end) = (from, PRIME_MM, 0.0, first);
@@ -39,7 +39,7 @@ pub(super) fn prime(
         }
         end += 1;
     }
-    let factor = (1.0 + owed_mm3 / held_mm3.max(f64::MIN_POSITIVE)).max(0.0);
+    let factor = (1.0 + extra_mm3 / held_mm3.max(f64::MIN_POSITIVE)).max(0.0);
     at = from;
     for step in &mut moves[first..end] {
         let length_mm = drawn_mm(step, at);
@@ -61,7 +61,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn what_is_owed_is_fed_on_the_first_two_millimetres() {
+    fn the_extra_amount_is_fed_on_the_first_two_millimetres() {
         let line =
             |x: f64, volume: f64| Move::Extrude { to: [x, 0.0], volume: Mm3(volume), speed: MmPerS(40.0) };
         let bead = vec![line(1.0, 0.1), line(11.0, 1.0), line(21.0, 1.0)];

@@ -85,8 +85,7 @@ impl<'a> Rules<'a> {
             .or(Some(self.settings.firmware_acceleration))
     }
 
-    /// What is said once at the beginning of the layer: temperatures and fan, where they may differ from the
-    /// layer below.
+    /// The commands at the beginning of the layer: temperatures and fan, where they may differ from the layer below.
     pub(super) fn opening(&self) -> impl Iterator<Item = Move> {
         let temperature = &self.settings.temperature;
         let (nozzle, bed) = match self.index {

@@ -1,5 +1,5 @@
-//! Fewer moves for the same bead: vertices that the machine could not tell from a straight line are dropped,
-//! and beads of changing width are cut into pieces of constant flow.
+//! Simplifies beads: drops vertices that hardly deviate from a straight line, and cuts beads of changing width into
+//! pieces of constant flow.
 
 use super::bead::Vertex;
 use geometry::{Cone, distance_mm};

@@ -8,7 +8,7 @@ use crate::toolpath::Role;
 use crate::units::MmPerS;
 use geometry::{cross, distance_mm};
 
-/// What a vertex may turn by, in rad × mm/s over mm/s: at 50 mm/s and a square corner velocity of 5 mm/s, 0.22 rad.
+/// Largest angle at a vertex, in rad × mm/s over mm/s: at 50 mm/s and a square corner velocity of 5 mm/s, 0.22 rad.
 /// By Klipper's rule a corner of 1.8 in these units costs no speed at all, and a little more hardly any time.
 const GENTLE: f64 = 2.2;
 
@@ -236,7 +236,7 @@ mod tests {
 
     proptest! {
         #[test]
-        fn volume_and_ends_stay_whatever_the_way(
+        fn volume_and_ends_stay_whatever_the_path(
             steps in prop::collection::vec((-2.0..2.0f64, -2.0..2.0f64), 1..40),
         ) {
             let mut at = [0.0, 0.0];

@@ -4,18 +4,18 @@ use super::{LayerMoves, Move};
 use crate::units::{Mm, Mm3};
 use geometry::distance_mm;
 
-/// What a layer's moves come to. Ways are in X and Y; those before the first bead of the print do not count.
+/// Sums of a layer's moves. Distances are in X and Y; those before the first bead of the print do not count.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct LayerSums {
-    /// Way while extruding.
+    /// Distance while extruding.
     pub print: Mm,
-    /// Way without, the way from the layer below included.
+    /// Distance without, the travel from the layer below included.
     pub travel: Mm,
     /// Straight lines from the end of each bead to the start of the next, joined beads counting as one.
     pub link: Mm,
-    /// Ways from one bead to another.
+    /// Travels from one bead to another.
     pub travels: usize,
-    /// Filament pulled back.
+    /// Filament retracted.
     pub retractions: usize,
     /// Filament extruded.
     pub volume: Mm3,

@@ -12,7 +12,7 @@ impl Nozzle<'_> {
     ///
     /// A travel *longer* than `retract.min_travel`, or inside the part than `travel.retract_inside`, or from an
     /// unknown place, is retracted. The nozzle climbs to the next layer while it travels, or before where the travel is
-    /// no longer than high; never does it go down, or to where something may be in its way, before it is above.
+    /// no longer than high; never does it go down, or to where something may obstruct it, before it is above.
     pub(super) fn travel(&mut self, to: [f64; 2], island: Option<IslandId>, pause: bool) {
         let (retract, travel) = (&self.settings.retract, &self.settings.travel);
         let arriving = !self.positioned || self.z_mm != self.layer_z_mm;
@@ -65,14 +65,14 @@ impl Nozzle<'_> {
         if retracted {
             self.moves.push(Move::Unretract { length_mm: retract.length.0, speed: retract.unretract_speed });
             if !retract.firmware {
-                self.owed_mm3 = retract.extra.0 * self.settings.flow.filament_area_mm2;
+                self.extra_mm3 = retract.extra.0 * self.settings.flow.filament_area_mm2;
             }
         }
         self.at = Some(to);
         self.z_mm = self.layer_z_mm;
     }
 
-    /// How to get from where the nozzle is to a place, on the same island or another. Not asked for where nothing
+    /// How to get from where the nozzle is to a place, on the same island or another. Not called where nothing
     /// depends on it.
     fn route(&self, to: [f64; 2], same_island: bool) -> Route {
         let MotionSettings { travel, retract, .. } = self.settings;

@@ -1,11 +1,11 @@
-//! What a setting is: type, unit, range and meaning, written beside the struct of the stage that reads it.
+//! The definition of a setting: type, unit, range and meaning, written beside the struct of the stage that reads it.
 //!
 //! [`section!`] makes a struct of options with its defaults and the table of its keys; [`choice!`] makes an option that is
 //! one of a few words. `profile` joins the sections of all stages.
 
 use crate::units::{Celsius, Mm, Mm3, Mm3PerS, MmPerS, MmPerS2, Ratio, Seconds};
 
-/// What a key takes.
+/// The kind of a key's value.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Kind {
     /// A number with a unit.
@@ -104,7 +104,7 @@ pub const fn first_range(own: &[(f64, f64)]) -> Option<(f64, f64)> {
 }
 
 impl Field {
-    /// What the key takes, for messages and documentation: `a number from 0.01 to 2 mm`.
+    /// The accepted values in words: `a number from 0.01 to 2 mm`.
     pub fn expected(&self) -> String {
         let unit = if self.unit.is_empty() { String::new() } else { format!(" {}", self.unit) };
         let span = match self.range {
@@ -144,7 +144,7 @@ macro_rules! choice {
 pub(crate) use choice;
 
 /// A section of the settings: the struct, its defaults, and what is known about each key.
-/// After the default come the allowed range and, where the type does not tell it, the unit.
+/// After the default come the allowed range and, where the type does not give it, the unit.
 macro_rules! section {
     ($(#[doc = $doc:literal])* $name:ident { $(
         $(#[doc = $fdoc:literal])* $field:ident: $ty:ty = $default:expr

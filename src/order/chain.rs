@@ -44,7 +44,7 @@ impl Chain {
         self.solve_between(layers, pins, start, None, &self.routers(layers), None)
     }
 
-    /// What finds the ways of each layer; nothing where travels go straight.
+    /// The routers of the layers; none where travels go straight.
     fn routers<'l>(&self, layers: &'l [LayerPaths]) -> Vec<Router<'l>> {
         let router = |rule: DetourRule| {
             let (width_mm, most_mm) = (rule.wall_width_mm, rule.max_mm);
@@ -230,8 +230,8 @@ impl Chain {
         layer.on_paths(sequence)
     }
 
-    /// Solves a problem; if its walk would begin too near to where the last layer ended, it is made to begin at
-    /// the nearest entry that is far enough, where there is one.
+    /// Solves a problem; a walk that would begin too near to the end of the last layer begins at the nearest entry
+    /// that is far enough, if there is one.
     fn solve_apart(
         &self,
         problem: &mut Problem,

@@ -4,7 +4,7 @@ use serde_json::{Value, json};
 
 use ordering::{Cost, Problem, Visit, links};
 
-/// What one strategy made of one layer.
+/// The result of one strategy for one layer.
 #[derive(Clone, Debug, PartialEq)]
 pub struct LayerRow {
     /// Index of the layer from the bed.
@@ -17,18 +17,18 @@ pub struct LayerRow {
     pub travels: usize,
     /// Time of these links by the machine's trapezoid, with retractions, seconds.
     pub travel_s: f64,
-    /// Lower bound of `link_mm`, where one was asked for.
+    /// Lower bound of `link_mm`, if requested.
     pub bound_mm: Option<f64>,
 }
 
-/// What one strategy made of all layers.
+/// The result of one strategy for all layers.
 #[derive(Clone, Debug, PartialEq)]
 pub struct StrategyRow {
     /// The strategy's name.
     pub strategy: String,
     /// Processor time that it took, seconds, for the text table only: it differs from run to run.
     pub took_s: f64,
-    /// Lower bound of the whole chain's links, where one was asked for. Not the sum of the layers' bounds.
+    /// Lower bound of the whole chain's links, if requested. Not the sum of the layers' bounds.
     pub bound_mm: Option<f64>,
     /// Its layers.
     pub layers: Vec<LayerRow>,
@@ -70,7 +70,7 @@ impl StrategyRow {
     }
 }
 
-/// How far a length is above its bound, as a share of the bound; nothing without a bound above 0.
+/// Excess of a length over its bound, as a share of the bound; `None` without a bound above 0.
 pub fn gap(link_mm: f64, bound_mm: Option<f64>) -> Option<f64> {
     bound_mm.filter(|&bound| bound > 0.0).map(|bound| link_mm / bound - 1.0)
 }

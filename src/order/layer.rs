@@ -41,7 +41,8 @@ impl<'a> LayerProblem<'a> {
         sequence.into_iter().map(visit).collect()
     }
 
-    /// An order of the layer's paths as a solution of the problem: what [`Self::on_paths`] makes of it is the same again.
+    /// Turns an order of the layer's paths into a solution of the problem: what [`Self::on_paths`] makes of it is the
+    /// same again.
     pub fn from_paths(&self, order: &[PathVisit]) -> Sequence {
         let visit =
             |&PathVisit { path, entry }: &PathVisit| Visit { item: path, entry: entry - self.pin(path) };

@@ -44,9 +44,9 @@ choice! {
 section! {
     /// `[seam]`
     SeamSettings {
-        /// The rule.
+        /// Position of seams.
         position: SeamPosition = SeamPosition::Free,
-        /// Loops end this much before they would close, so that the ends leave no blob.
+        /// Loops end this far before they close, so that the ends leave no blob.
         gap: Mm = Mm(0.05); 0.0..=2.0,
         /// Scarf length: distance over which the outermost wall rises from nothing at its start, and fades out over itself; 0: none.
         scarf: Mm = Mm(0.0); 0.0..=100.0,
@@ -55,13 +55,13 @@ section! {
 section! {
     /// `[order]`
     OrderSettings {
-        /// How the order is found.
+        /// Algorithm that finds the order.
         strategy: OrderStrategy = OrderStrategy::Optimized,
         /// How far paths may mix.
         scope: Scope = Scope::Feature,
-        /// What is minimised.
+        /// Cost that is minimised.
         cost: CostKind = CostKind::Length,
-        /// How long is searched.
+        /// Duration of the search.
         effort: Effort = Effort::Normal,
         /// Each layer starts where the last one ended.
         chain: bool = true,

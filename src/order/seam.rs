@@ -73,9 +73,9 @@ fn scatter(a: u64, b: u64) -> u64 {
     z ^ (z >> 31)
 }
 
-/// Above the nearest seam of the layer below, in the best corner nearby if there is one; a loop with none below
-/// begins in its best corner, else at its rear. Concave corners hide a seam better than convex ones, and sharp ones
-/// better than blunt ones; of several alike the rearmost is taken.
+/// The vertex above the nearest seam of the layer below, in the best corner nearby if there is one; without one below
+/// in the best corner, else at the rear. Concave corners hide a seam better than convex ones, and sharp ones better
+/// than blunt ones; of several alike the rearmost is taken.
 fn aligned(layer: &LayerPaths, below: &[Point]) -> Vec<u32> {
     let seams = KdTree::new(below);
     let nearest_seam = |points: &[Point]| {

@@ -14,19 +14,19 @@ const BUFFER_BYTES: usize = 1 << 18;
 /// What names of temporary files begin and end with.
 const PREFIX: &str = ".pathwright-";
 const SUFFIX: &str = ".tmp";
-/// A temporary file that was not touched for so long belongs to nobody.
+/// A temporary file that was not touched for so long is abandoned.
 const ABANDONED: Duration = Duration::from_secs(24 * 3600);
 
 /// Temporary files of this process that are not complete yet.
 static PENDING: Mutex<Vec<PathBuf>> = Mutex::new(Vec::new());
 
-/// What a path stands for.
+/// The destination of a path.
 pub(super) enum Opened {
     File(Pending),
     Device(File),
 }
 
-/// What is written in one go.
+/// An output that is written at once.
 #[derive(Debug)]
 pub(super) enum Stream {
     Stdout,
@@ -141,12 +141,12 @@ impl Pending {
     }
 }
 
-/// Ends the process from whatever thread, for a signal: removes what is incomplete. What has been renamed stays.
+/// Removes incomplete output and ends the process, for a signal; from any thread. What has been renamed stays.
 pub fn abandon_and_exit(code: i32) -> ! {
     // Kept locked until the end, so that no file is begun or renamed meanwhile.
     let pending = PENDING.lock().unwrap_or_else(PoisonError::into_inner);
     for path in pending.iter() {
-        // A file that is gone already is as good; there is nobody left to tell.
+        // A file that is gone already is as good; no message is possible.
         let _ = fs::remove_file(path);
     }
     std::process::exit(code)

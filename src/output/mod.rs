@@ -18,7 +18,7 @@ use file::{Opened, Pending, Stream};
 #[cfg(feature = "cli")]
 pub use file::{abandon_and_exit, resolve_links};
 
-/// What could not be done to which output.
+/// An operation on an output that failed.
 #[derive(Debug, thiserror::Error)]
 #[error("{path}: {}", reason(source))]
 pub struct OutputError {
@@ -68,7 +68,7 @@ impl Output {
         Self { name: "memory".into(), written: 0, sink: Sink::Memory(Vec::new()) }
     }
 
-    /// What was written, where it is held in memory; nothing of a file.
+    /// The bytes of an output in memory; none of a file.
     pub fn into_bytes(self) -> Vec<u8> {
         match self.sink {
             Sink::Memory(held) => held,
@@ -119,7 +119,7 @@ impl Output {
         Ok(())
     }
 
-    /// What has been written so far, from an offset on.
+    /// The bytes written so far, from an offset on.
     ///
     /// # Errors
     /// As [`Output::write`].
@@ -150,7 +150,7 @@ impl Output {
         Self { name: "standard output".into(), written: 0, sink }
     }
 
-    /// No file at all: what is written can be read back, and is gone then.
+    /// An output without a file: its bytes can be read back once.
     ///
     /// # Errors
     /// If the system has no folder for temporary files.
@@ -162,7 +162,7 @@ impl Output {
         }
     }
 
-    /// A file, by way of a temporary one beside it, which gets the mode of the file that it will replace. What a
+    /// A file, written as a temporary one beside it, which gets the mode of the file that it will replace. What a
     /// symbolic link points to is replaced, not the link. Something that is no regular file is written directly.
     ///
     /// # Errors

@@ -96,9 +96,9 @@ fn sliced(
     Ok(layers.flatten().collect())
 }
 
-/// What is not open to ordering.
+/// The travel that ordering cannot change.
 struct Fixed {
-    /// Whether the layers are those of a finished file, which is what it is whatever precedence is asked of others.
+    /// Whether the layers come from a finished file, whose own order is kept as the baseline.
     whole: bool,
     /// Links of each layer that no order changes, mm.
     links_mm: Vec<f64>,

@@ -2,13 +2,13 @@
 
 use std::io;
 
-use crate::check::{Checker, Found, Judge, Kind, Location};
+use crate::check::{Checker, FaultFinder, Found, Kind, Location};
 use crate::gcode::each_line;
 use crate::job::{CheckError, JobError};
 use crate::profile::Settings;
 use crate::source::Source;
 
-/// Goes over a print while it is written.
+/// Checks a print while it is written.
 pub(super) struct Inspector {
     checker: Checker,
 }
@@ -16,9 +16,9 @@ pub(super) struct Inspector {
 impl Inspector {
     /// An inspector of what comes after a header.
     pub(super) fn new(settings: &Settings, header: &[u8]) -> Self {
-        let mut checker = Checker::with(Judge::of_paths(settings, false));
+        let mut checker = Checker::with(FaultFinder::of_paths(settings, false));
         checker.text(header);
-        checker.pardon();
+        checker.forget_retraction();
         Self { checker }
     }
 
@@ -36,7 +36,7 @@ impl Inspector {
     }
 }
 
-/// Judges what has been made of a file by what was found in it: there is no kind of fault in it that the file has not.
+/// Checks a rewritten file: it may have no kind of fault that the original has not.
 ///
 /// # Errors
 /// [`JobError::Check`] with the first fault, and those of reading.
@@ -45,7 +45,7 @@ pub(super) fn remade(source: Source<'_>, found: &Found, settings: &Settings) -> 
         return Ok(());
     }
     let failed = |error: io::Error| source.error(error);
-    let mut checker = Checker::with(Judge::of_paths(settings, true));
+    let mut checker = Checker::with(FaultFinder::of_paths(settings, true));
     each_line(source.open().map_err(failed)?, |line| {
         checker.line(line);
     })

@@ -1,4 +1,4 @@
-//! Finished layers, for those who want more of a print than its G-code.
+//! Finished layers, for callers that need more than the G-code.
 
 use crate::estimate::{Machine, move_times_s};
 use crate::motion::{LayerMoves, Move};

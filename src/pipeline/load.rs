@@ -57,7 +57,7 @@ pub(super) fn place<'a>(
         for (item, report) in model.layout.items().iter().zip(&model.reports) {
             warnings.extend(report.warnings.iter().map(|warning| format!("{}: {warning}", item.name)));
             repairs.extend(Repaired::of(&item.name, report));
-            let copies = item.spots.len() * model.layout.copies();
+            let copies = item.positions.len() * model.layout.copies();
             let known = [std::slice::from_ref(&item.name), &model.names].concat();
             names.extend(std::iter::repeat_n(known, copies));
         }
@@ -79,7 +79,7 @@ pub(super) fn place<'a>(
     Ok(Loaded { plate, styles, modifiers, warnings, repairs, hints })
 }
 
-/// The objects of a file, transformed. What is larger than the bed is shrunk where that is asked for, all by one factor.
+/// The objects of a file, transformed. What is larger than the bed is shrunk if requested, all by one factor.
 pub(crate) fn model(
     path: &Path,
     objects: Vec<mesh::Model>,
@@ -172,7 +172,7 @@ pub(super) fn info(
             }
         ));
         for item in layout.items() {
-            text.push_str(&format!("object      {} × {}\n", item.spots.len(), item.name));
+            text.push_str(&format!("object      {} × {}\n", item.positions.len(), item.name));
         }
     }
     let placed = plate::place(vec![layout], &settings.bed, &placement(settings, options));
@@ -270,7 +270,7 @@ pub(super) fn check_size(plate: &Plate, settings: &LayerSettings) -> Result<(), 
         ))
         .into());
     }
-    Ok(limits::room(crossings * limits::BYTES_PER_CROSSING).map_err(too_large)?)
+    Ok(limits::check_memory(crossings * limits::BYTES_PER_CROSSING).map_err(too_large)?)
 }
 
 /// No layer has a section. `hints`: sizes that point to another unit.

@@ -34,8 +34,9 @@ pub use kept::PrintLayer;
 pub struct Pipeline;
 
 impl Pipeline {
-    /// Writes a file in the order that the settings ask for, whether or not that is any better. Nothing is compared
-    /// with what was there before, which [`Engine::reorder`] does: this is how the strategies themselves are measured.
+    /// Writes a file in the order of the settings, without the proof, even if it is no improvement. Nothing is
+    /// compared with what was there before, which [`Engine::reorder`] does: this is how the strategies themselves are
+    /// measured.
     ///
     /// # Errors
     /// Where the file cannot be read, or the output not be written.

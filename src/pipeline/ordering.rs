@@ -10,7 +10,7 @@ use geometry::Point;
 
 use crate::parallel::Workers;
 
-/// The chain that the settings ask for.
+/// The chain of the settings.
 pub(super) fn chain(settings: &Settings) -> Chain {
     Chain {
         settings: settings.order.clone(),

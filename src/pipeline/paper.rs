@@ -1,4 +1,4 @@
-//! The table of the paper of 2016: what ordering saves on files of the slicer that it was measured on.
+//! The table of the paper of 2016: the savings of ordering on files of the slicer that it was measured on.
 
 use std::io::Read;
 

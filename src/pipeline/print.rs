@@ -167,14 +167,14 @@ struct LayerMaker<'a> {
     workers: Workers<'a>,
 }
 
-/// What was ordered, kept for the certificate.
+/// The ordered layers, kept for the certificate.
 struct Ordered {
     layer: (LayerPaths, Pins),
     start: Option<Point>,
 }
 
 /// A finished layer.
-struct Done {
+struct FinishedLayer {
     text: LayerText,
     summary: LayerSummary,
     layer: Option<PrintLayer>,
@@ -199,8 +199,8 @@ impl PrintWriter<'_> {
     }
 
     /// Writes layers, checking them.
-    fn add(&mut self, layers: Vec<Done>) -> Result<(), JobError> {
-        for Done { text, summary, layer } in layers {
+    fn add(&mut self, layers: Vec<FinishedLayer>) -> Result<(), JobError> {
+        for FinishedLayer { text, summary, layer } in layers {
             let base = self.output.written() as usize;
             self.slots.extend(text.progress.map(|slot| Slot { offset: base + slot.offset, ..slot }));
             self.write(&text.bytes)?;
@@ -279,7 +279,7 @@ impl LayerMaker<'_> {
         Ok(kept)
     }
 
-    /// Orders layers; the last of them is held back until it is known what comes above it.
+    /// Orders layers; the last one waits until the layer above it is known.
     fn order(&self, paths: Vec<LayerPaths>, last: bool, state: &mut OrderState<'_>) -> Batch {
         let pins: Vec<Pins> = paths.iter().map(|layer| state.seam.pins(layer)).collect();
         let mut layers = state.sequencer.take(paths, pins, last);
@@ -302,7 +302,7 @@ impl LayerMaker<'_> {
     }
 
     /// Motion, cooling and formatting of one layer of a batch, numbered after those of the rounds before.
-    fn finish(&self, batch: &Batch, i: usize, before: usize) -> Done {
+    fn finish(&self, batch: &Batch, i: usize, before: usize) -> FinishedLayer {
         let (paths, sequence) = (&batch.layers.paths[i], &batch.layers.sequences[i]);
         let from = batch.entries[i].clone();
         let mut moves = motion::plan_layer(paths, sequence, from, &self.motion);
@@ -321,7 +321,7 @@ impl LayerMaker<'_> {
             filament_mm: sums.volume.0 / self.machine.filament_area_mm2,
             ..Measures::default()
         };
-        Done {
+        FinishedLayer {
             text: gcode::format_layer(&moves, &self.writer),
             summary: LayerSummary { z_mm: (moves.z_mm * 1e6).round() / 1e6, measures },
             layer: self.keep.then(|| PrintLayer::new(paths, sequence, moves, &self.machine)),

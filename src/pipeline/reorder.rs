@@ -3,7 +3,7 @@
 use std::io::{self, BufRead, Read, Seek, SeekFrom};
 use std::ops::Range;
 
-use crate::check::Judge;
+use crate::check::FaultFinder;
 use crate::estimate::Machine;
 use crate::gcode::{Annotated, State};
 use crate::job::{CheckError, InputError, JobError, ReorderJob};
@@ -46,11 +46,11 @@ pub(super) fn reorder(
         ..Rewriter::new(settings, job.keep_direction, true, workers)
     };
     let begun = source.stamp().map_err(|error| source.error(error))?;
-    let machine = tells_time(source)?.then(|| Machine::new(settings));
+    let machine = has_times(source)?.then(|| Machine::new(settings));
     let input = Blocks::new(open(source)?).proven(machine.as_ref());
-    let mut judge = Judge::of_paths(settings, true);
+    let mut finder = FaultFinder::of_paths(settings, true);
     let mut readback = Readback::timed(machine.as_ref());
-    let mut check = |read: &mut Annotated<'_>, state: &State| judge.see(read, state);
+    let mut check = |read: &mut Annotated<'_>, state: &State| finder.check_line(read, state);
     let back = |text: Box<dyn BufRead + Send + '_>| readback.read(text, &mut check);
     let mut before = rewriter.rewrite(source, input, back, output)?.unwrap_or_default();
     let mut after = readback.finish();
@@ -66,7 +66,7 @@ pub(super) fn reorder(
                 (PathMeasures::from(&proof.before), PathMeasures::from(&proof.after));
             (report.layers, report.changed) = (proof.layers, true);
             update_times(&rewriter.times, times, output)?;
-            inspect::remade(source, &judge.finish(), settings)?;
+            inspect::remade(source, &finder.finish(), settings)?;
         }
     }
     if source.stamp().map_err(|error| source.error(error))? != begun {
@@ -77,7 +77,7 @@ pub(super) fn reorder(
 }
 
 /// Whether a file has lines about time near its beginning or its end, as all slicers write them that write any.
-fn tells_time(source: Source<'_>) -> Result<bool, JobError> {
+fn has_times(source: Source<'_>) -> Result<bool, JobError> {
     let mut input = open(source)?;
     let failed = |error: io::Error| source.error(error);
     let length = input.seek(SeekFrom::End(0)).map_err(failed)?;
@@ -86,7 +86,7 @@ fn tells_time(source: Source<'_>) -> Result<bool, JobError> {
         let mut text = Vec::new();
         input.seek(SeekFrom::Start(offset)).map_err(failed)?;
         input.by_ref().take(TIME_BYTES).read_to_end(&mut text).map_err(failed)?;
-        tells |= reorder::tells_time(&text);
+        tells |= reorder::has_times(&text);
     }
     Ok(tells)
 }
@@ -107,10 +107,10 @@ fn update_times(
     output: &mut Output,
 ) -> Result<(), JobError> {
     for (index, TimeLine { offset, number, text }) in lines.iter().enumerate() {
-        let room = text.trim_ascii_end().len() + reorder::TIME_ROOM.len();
+        let length = text.trim_ascii_end().len() + reorder::TIME_PADDING.len();
         let updated = times.as_ref().and_then(|(old, new)| old.updated(text, *number, new, index));
-        let mut updated = updated.filter(|updated| updated.len() <= room).unwrap_or_else(|| b";".to_vec());
-        updated.resize(room, b' ');
+        let mut updated = updated.filter(|updated| updated.len() <= length).unwrap_or_else(|| b";".to_vec());
+        updated.resize(length, b' ');
         output.patch(*offset, &updated)?;
     }
     Ok(())
@@ -142,7 +142,7 @@ pub(super) fn seam_rule(position: SeamPosition) -> SeamRule {
     SeamRule::new(if position == SeamPosition::Pinned { SeamPosition::Free } else { position })
 }
 
-/// Writes a file in the order that the settings ask for, whether or not that is any better, and without the proof.
+/// Writes a file in the order of the settings, without the proof, even if it is no improvement.
 pub(super) fn rewritten(
     source: Source<'_>,
     settings: &Settings,
@@ -182,7 +182,7 @@ impl<R: BufRead> Batches<R> {
     }
 }
 
-/// Rewrites a file batch by batch: what goes on from one to the next.
+/// The state of rewriting a file that passes from batch to batch.
 struct Rewriter<'a> {
     workers: Workers<'a>,
     chain: Chain,
@@ -316,7 +316,7 @@ impl<'a> Rewriter<'a> {
         let batch = Batch { workers, blocks, orders, style, walls, start, silent };
         for (i, block) in blocks.iter().enumerate() {
             let [junction, inside] = block.costs();
-            self.before += batch.heard(i, junction) + inside;
+            self.before += batch.counted(i, junction) + inside;
         }
         let (chosen, written) = if self.choosy {
             let limit = LinkCost {
@@ -328,14 +328,14 @@ impl<'a> Rewriter<'a> {
             (vec![1; blocks.len()], workers.map(blocks.len(), |i| batch.write(1, 1, i)))
         };
         for (i, written) in written.iter().enumerate() {
-            self.after += batch.heard(i, written.junction) + written.inside;
+            self.after += batch.counted(i, written.junction) + written.inside;
         }
         self.at = Some(batch.end(chosen[blocks.len() - 1], blocks.len()));
         self.blocks += blocks.len();
         written
     }
 
-    /// The scopes in which orders are looked for, first the one that is asked for. What finishes one island before the
+    /// The scopes in which orders are looked for, first the one that is requested. What finishes one island before the
     /// next is begun is allowed in every scope, and retracts less often.
     fn scopes(&self) -> &'static [Scope] {
         let settings = &self.chain.settings;
@@ -429,7 +429,7 @@ impl Batch<'_> {
         reorder::write(&self.blocks[i], &self.orders[order][i], from, &self.style, self.walls(i))
     }
 
-    /// What a block comes to in each order; `written`: all blocks in each of the new orders.
+    /// The costs of a block in each order; `written`: all blocks in each of the new orders.
     fn options(&self, written: &[Vec<Written>], i: usize) -> Options {
         let junction = |before: usize, order: usize| {
             let (from, picks) = (self.end(before, i), &self.orders[order][i]);
@@ -437,8 +437,8 @@ impl Batch<'_> {
         };
         let row = |before: usize| {
             let to = |order: usize| match order == before && order > 0 {
-                true => self.heard(i, written[order - 1][i].junction),
-                false => self.heard(i, junction(before, order)),
+                true => self.counted(i, written[order - 1][i].junction),
+                false => self.counted(i, junction(before, order)),
             };
             (0..self.orders.len()).map(to).collect()
         };
@@ -451,7 +451,7 @@ impl Batch<'_> {
     }
 
     /// What the travel to a block counts.
-    fn heard(&self, i: usize, junction: LinkCost) -> LinkCost {
+    fn counted(&self, i: usize, junction: LinkCost) -> LinkCost {
         if i < self.silent { LinkCost::default() } else { junction }
     }
 

@@ -1,4 +1,4 @@
-//! What is printed from the bed up in one go: the whole plate, or one object after the other.
+//! Rounds, printed from the bed up without interruption: the whole plate, or one object after the other.
 
 use crate::job::{FitError, JobError};
 use crate::plate::Sequence;
@@ -25,7 +25,7 @@ pub(super) struct Round {
     pub name: Option<String>,
     /// Layers of the rounds before.
     pub first_layer: usize,
-    /// Height at which the nozzle passes over what the rounds before have left; 0: nothing.
+    /// Height at which the nozzle passes over the objects of the rounds before; 0: there are none.
     pub over_mm: f64,
 }
 

@@ -1,4 +1,4 @@
-//! What rests on what.
+//! Contact between layers.
 
 use geometry::{Bounds, Point, Polygon, Region};
 

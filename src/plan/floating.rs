@@ -42,7 +42,7 @@ impl<'a> Floating<'a> {
     /// Adds the next layer.
     ///
     /// # Errors
-    /// An object that begins, or goes on after a gap, where nothing is beneath it.
+    /// An object that begins, or continues after a gap, where nothing is beneath it.
     pub fn take(&mut self, layer: &LayerPaths) -> Result<(), JobError> {
         let index = self.next;
         self.next += 1;
@@ -62,8 +62,7 @@ impl<'a> Floating<'a> {
         Ok(())
     }
 
-    /// Every layer has been taken up: warns of objects of which nothing was printed. `hints`: sizes that point to another
-    /// unit.
+    /// Ends after the last layer: warns of objects without any printed path.
     ///
     /// # Errors
     /// Nothing was printed of any.
@@ -131,7 +130,7 @@ pub(crate) struct Islands {
 }
 
 impl Islands {
-    /// Finds what has nothing beneath it. Parts of a section too thin to be printed do not count.
+    /// Finds parts with nothing beneath them. Parts of a section too thin to be printed do not count.
     pub fn find(sections: &Sections, settings: &Settings, workers: Workers<'_>) -> Self {
         let first = sections.first_layer();
         let thin_mm = settings.walls.min_feature.0;
@@ -148,7 +147,7 @@ impl Islands {
         islands
     }
 
-    /// For the user; nothing if there are none.
+    /// The warning for the user; `None` if there are none.
     pub fn warning(&self) -> Option<String> {
         let Self { count, lowest_mm, area_mm2 } = self;
         let islands =

@@ -7,7 +7,7 @@ use crate::profile::Settings;
 use crate::toolpath::Pattern;
 use crate::toolpath::PlateLayer;
 use crate::toolpath::bead;
-use crate::toolpath::infill::{AdaptiveCubic, FillPattern, Hollow, Lightning};
+use crate::toolpath::infill::{AdaptiveCubic, FillPattern, Lightning, LightningLayer};
 use geometry::Region;
 
 use crate::parallel::Workers;
@@ -35,7 +35,7 @@ pub(crate) fn plan<'l>(
             Some(Arc::new(AdaptiveCubic::new(surface, line_distance_mm, infill.angle.to_radians())))
         }
         Pattern::Lightning => {
-            let hollows = workers.map(layers, |i| hollow(&layer(i), settings));
+            let hollows = workers.map(layers, |i| lightning_layer(&layer(i), settings));
             Some(Arc::new(Lightning::new(&hollows, line_distance_mm)))
         }
         _ => None,
@@ -55,7 +55,7 @@ fn surface(plate: &Plate, up_mm: f64) -> impl Iterator<Item = [[f64; 3]; 3]> {
 }
 
 /// A layer as branches see it, all objects together.
-fn hollow(layer: &PlateLayer<'_>, settings: &Settings) -> Hollow {
+fn lightning_layer(layer: &PlateLayer<'_>, settings: &Settings) -> LightningLayer {
     let walls = &settings.walls;
     let wall_mm = |width_mm: f64| bead::spacing_mm(width_mm, layer.height_mm);
     let thick_mm = match walls.count {
@@ -71,5 +71,5 @@ fn hollow(layer: &PlateLayer<'_>, settings: &Settings) -> Hollow {
         ground.add_disjoint(geometry::offset(&rough, -thick_mm / 2.0).into_polygons());
         sparse.add_disjoint(roofed.into_polygons());
     }
-    Hollow { ground, sparse, height_mm: layer.height_mm }
+    LightningLayer { ground, sparse, height_mm: layer.height_mm }
 }

@@ -19,7 +19,7 @@ const NAMED: usize = 3;
 /// Two objects, by their numbers here, the lower first.
 type Pair = [usize; 2];
 
-/// What was found of a pair.
+/// The overlap of a pair.
 #[derive(Clone, Copy, Default)]
 struct Meeting {
     overlap_mm3: f64,
@@ -28,7 +28,7 @@ struct Meeting {
     near: bool,
 }
 
-/// Makes one of what overlaps, so that nothing is printed twice, and tells what overlaps and what may fuse.
+/// Unites sections that overlap, so that nothing is printed twice, and reports overlaps and objects that may fuse.
 ///
 /// Objects with the same settings become one, which is the first of them; of others, what they share belongs to the first.
 pub(crate) fn resolve(
@@ -137,14 +137,14 @@ fn meetings(layer: &Layer, pairs: &[Pair]) -> Vec<(usize, f64)> {
             true => 0.0,
             false => shared.area_mm2(),
         };
-        if overlap_mm2 > 0.0 || come_near(&a.region, &b.region) {
+        if overlap_mm2 > 0.0 || are_close(&a.region, &b.region) {
             found.push((number, overlap_mm2));
         }
     }
     found
 }
 
-fn come_near(a: &Region, b: &Region) -> bool {
+fn are_close(a: &Region, b: &Region) -> bool {
     let [a, b] = [a, b].map(|region| geometry::offset(region, NEAR_MM / 2.0 - TOUCH_MM));
     !geometry::intersection(&a, &b).is_empty()
 }

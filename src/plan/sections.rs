@@ -50,7 +50,7 @@ impl Sections {
     /// layers.
     ///
     /// # Errors
-    /// They cannot be printed as one spiral, if that is asked for.
+    /// They cannot be printed as one spiral, if requested.
     pub fn cut(
         slicer: &Slicer<'_>,
         objects: Vec<usize>,
@@ -193,7 +193,7 @@ impl Sections {
         regions.filter_map(|s| s.region.bounds()).reduce(|a, b| a.joined(&b))
     }
 
-    /// The convex hull of each object, with its number on the plate; empty where no layer holds anything of it.
+    /// The convex hull of each object, with its number on the plate; empty if no layer holds any of it.
     pub fn hulls(&self, workers: Workers<'_>) -> Vec<(usize, Vec<[f64; 2]>)> {
         let hull = |object: usize| {
             let regions = (0..self.layers.len()).map(|layer| self.of(object, layer));

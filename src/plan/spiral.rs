@@ -19,7 +19,7 @@ pub(crate) struct Spiral {
     first: usize,
     revolutions: Vec<Revolution>,
     width_mm: f64,
-    /// What the user should know of what is not printed.
+    /// Warnings about parts that are not printed.
     pub warning: Option<String>,
 }
 

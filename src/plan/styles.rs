@@ -157,7 +157,7 @@ impl Planners {
         }
     }
 
-    /// Combines the sparse infill of layers where the settings ask for it.
+    /// Combines the sparse infill of layers if the settings require it.
     pub fn combine<'l>(
         &mut self,
         workers: Workers<'_>,

@@ -34,7 +34,7 @@ pub(crate) struct Supports {
 }
 
 impl Supports {
-    /// Finds what hangs in the air and stands supports under it.
+    /// Finds overhangs and plans supports under them.
     ///
     /// `layers` are the part's, without a raft; `modifiers` the enforcers and the blockers.
     pub fn plan(
@@ -45,8 +45,8 @@ impl Supports {
         workers: Workers<'_>,
     ) -> Self {
         let (count, support) = (layers.len(), &settings.support);
-        let Hanging { grid, rough, solid, held, heights_mm, height_mm } =
-            Hanging::find(layers, bounds, modifiers, settings, support, workers);
+        let Unsupported { grid, rough, solid, held, heights_mm, height_mm } =
+            Unsupported::find(layers, bounds, modifiers, settings, support, workers);
         let spec = ColumnSpec {
             gap_layers: (0..count).map(|i| gap_layers(&heights_mm[..i], support.z_gap.0)).collect(),
             interface_layers: support.interface_layers as usize,
@@ -137,21 +137,21 @@ impl Supports {
     }
 }
 
-/// What of a part hangs in the air.
-struct Hanging {
+/// The unsupported areas of the parts on the plate.
+struct Unsupported {
     grid: Grid,
     /// Each layer's section, simplified.
     rough: Vec<Region>,
     /// The same as cells.
     solid: Vec<Bitmap>,
-    /// What is to be held.
+    /// The areas that need support.
     held: Vec<Bitmap>,
     heights_mm: Vec<f64>,
     /// The least of them.
     height_mm: f64,
 }
 
-impl Hanging {
+impl Unsupported {
     fn find(
         layers: &[Layer],
         bounds: Bounds,
@@ -198,8 +198,8 @@ pub(crate) fn overhangs(
     workers: Workers<'_>,
 ) -> Overhangs {
     let support = SupportSettings { enabled: true, ..settings.support.clone() };
-    let Hanging { held, .. } =
-        Hanging::find(layers, bounds, &Default::default(), settings, &support, workers);
+    let Unsupported { held, .. } =
+        Unsupported::find(layers, bounds, &Default::default(), settings, &support, workers);
     let mut overhangs = Overhangs::default();
     for (i, cells) in held.iter().enumerate().filter(|(_, cells)| !cells.is_empty()) {
         let mut new = cells.clone();

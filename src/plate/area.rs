@@ -67,8 +67,8 @@ impl Area {
     }
 
     /// As `share`, of footprints in place, the middle of their common box taken to the middle of the bed.
-    pub fn group_share(&self, footprints: &[&Footprint], spots: &[[f64; 2]]) -> f64 {
-        let [min, max] = group_box(footprints, spots);
+    pub fn group_share(&self, footprints: &[&Footprint], positions: &[[f64; 2]]) -> f64 {
+        let [min, max] = group_box(footprints, positions);
         let usable = |half: f64| half + TOLERANCE_MM;
         match self.shape {
             BedShape::Rectangular => {
@@ -77,7 +77,8 @@ impl Area {
             }
             BedShape::Round => {
                 let middle = [(min[0] + max[0]) / 2.0, (min[1] + max[1]) / 2.0];
-                let rims = footprints.iter().zip(spots).flat_map(|(f, s)| f.rim.iter().map(move |p| (p, s)));
+                let rims =
+                    footprints.iter().zip(positions).flat_map(|(f, s)| f.rim.iter().map(move |p| (p, s)));
                 let reach = rims.map(|(p, s)| (p[0] + s[0] - middle[0]).hypot(p[1] + s[1] - middle[1]));
                 reach.fold(0.0, f64::max) / usable(self.half[0])
             }

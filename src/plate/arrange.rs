@@ -5,24 +5,24 @@ use super::silhouette::Bitmap;
 /// A model in one of its permitted rotations.
 #[derive(Clone, Debug)]
 pub(super) struct Shape {
-    /// What it covers, its middle at node (0, 0), and what must be left free around it.
+    /// The cells that it covers and those kept free around it, its middle at node (0, 0).
     pub covered: Bitmap,
     /// Points of its outline that must lie on the bed.
     pub rim: Vec<[f64; 2]>,
 }
 
-/// Where a model goes.
+/// A model's position and rotation.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Spot {
+pub(super) struct ShapePosition {
     /// Index into its permitted rotations.
     pub turn: usize,
     /// Position of its middle, in cells from the bed's.
     pub at: [i64; 2],
 }
 
-/// Which positions are tried first.
+/// The order in which positions are tried.
 #[derive(Clone, Copy, Debug)]
-pub(super) enum Towards {
+pub(super) enum SearchOrder {
     /// The middle of the bed: a compact group.
     Middle,
     /// The front left corner: more fits.
@@ -38,10 +38,10 @@ pub(super) fn arrange(
     shapes: &[Vec<Shape>],
     models: &[usize],
     half: [i64; 2],
-    towards: Towards,
+    search_order: SearchOrder,
     fits: impl Fn(&[[f64; 2]], [i64; 2]) -> bool,
-) -> Vec<Option<Spot>> {
-    let positions = candidate_positions(half, towards);
+) -> Vec<Option<ShapePosition>> {
+    let positions = candidate_positions(half, search_order);
     let reach =
         shapes.iter().flatten().map(|s| s.covered.reach()).max().unwrap_or(0) + half[0].max(half[1]) + 1;
     let mut taken = Bitmap::new([-reach; 2], [reach; 2]);
@@ -50,7 +50,7 @@ pub(super) fn arrange(
     order.sort_by_key(|&model| (std::cmp::Reverse(size(model)), models[model], model));
     // Cells are taken and never given back: what had no position for a shape will have none later.
     let mut tried: Vec<Vec<usize>> = shapes.iter().map(|turns| vec![0; turns.len()]).collect();
-    let mut spots = vec![None; models.len()];
+    let mut found = vec![None; models.len()];
     for model in order {
         let turns = &shapes[models[model]];
         let mut best: Option<(usize, usize)> = None;
@@ -64,16 +64,16 @@ pub(super) fn arrange(
         }
         if let Some((at, turn)) = best {
             taken.add(&turns[turn].covered, positions[at]);
-            spots[model] = Some(Spot { turn, at: positions[at] });
+            found[model] = Some(ShapePosition { turn, at: positions[at] });
         }
     }
-    spots
+    found
 }
 
 /// All nodes of the bed, in the order in which they are tried.
-fn candidate_positions([x, y]: [i64; 2], towards: Towards) -> Vec<[i64; 2]> {
+fn candidate_positions([x, y]: [i64; 2], search_order: SearchOrder) -> Vec<[i64; 2]> {
     let mut positions: Vec<[i64; 2]> = (-y..=y).flat_map(|j| (-x..=x).map(move |i| [i, j])).collect();
-    if let Towards::Middle = towards {
+    if let SearchOrder::Middle = search_order {
         positions.sort_by_key(|[i, j]| i * i + j * j);
     }
     positions

@@ -17,7 +17,7 @@ pub struct Model {
     pub first_box: [[f64; 3]; 2],
     /// The unit that the size points to, with the file's name.
     pub hint: Option<String>,
-    /// What the file is called: its name without folder and ending, without folder, and whole.
+    /// The names of the file: without folder and extension, without folder, and whole.
     pub names: [String; 3],
 }
 
@@ -46,26 +46,26 @@ impl Model {
         let (mut items, mut reports) = (Vec::with_capacity(read.len()), Vec::with_capacity(read.len()));
         let mut first_box = None;
         let (mut low, mut high, mut volume_mm3) = ([f64::INFINITY; 3], [f64::NEG_INFINITY; 3], 0.0);
-        for (number, Object { name: own, mesh, mut report, spots }) in (1..).zip(read) {
+        for (number, Object { name: own, mesh, mut report, positions }) in (1..).zip(read) {
             let unnamed = if several { format!("{} {number}", name_of(path)) } else { name_of(path) };
-            let (mesh, was_at) = units::brought_near(path, mesh, transform)?;
-            report.warnings.extend(units::blur(was_at));
+            let (mesh, was_at) = units::moved_near_origin(path, mesh, transform)?;
+            report.warnings.extend(units::precision_warning(was_at));
             let failed = |source| MeshError::Transform { path: path.to_path_buf(), source };
             let mesh = transform.apply(mesh).map_err(failed)?;
             let plus = |a: [f64; 3], b: [f64; 3]| [0, 1, 2].map(|i| a[i] + b[i]);
-            let spots: Vec<[f64; 3]> =
-                spots.iter().map(|spot| transform.of_point(plus(*spot, was_at))).collect();
+            let positions: Vec<[f64; 3]> =
+                positions.iter().map(|position| transform.of_point(plus(*position, was_at))).collect();
             let bounds = mesh.bounds();
             first_box.get_or_insert_with(|| bounds.map(|corner| plus(corner, transform.of_point(was_at))));
-            for &spot in &spots {
-                let [min, max] = bounds.map(|corner| plus(corner, spot));
+            for &position in &positions {
+                let [min, max] = bounds.map(|corner| plus(corner, position));
                 low = [0, 1, 2].map(|i| low[i].min(min[i]));
                 high = [0, 1, 2].map(|i| high[i].max(max[i]));
             }
-            let grown = transform.scale.iter().product::<f64>().abs() * spots.len() as f64;
+            let grown = transform.scale.iter().product::<f64>().abs() * positions.len() as f64;
             volume_mm3 += grown * report.volume_mm3.abs();
             // An object alone is called as its file is.
-            let item = Item::new(own.filter(|_| several).unwrap_or(unnamed), mesh, spots);
+            let item = Item::new(own.filter(|_| several).unwrap_or(unnamed), mesh, positions);
             items.push(if report.shells > 1 { item.without_slivers(line) } else { item });
             reports.push(report);
         }

@@ -32,7 +32,7 @@ pub(super) struct Part {
 }
 
 impl Layout {
-    /// Each body by itself, with the names of its models: where the file has it in X and Y, and let down on z = 0.
+    /// Each body by itself, with the names of its models: in X and Y as in the file, lowered onto z = 0.
     pub fn standing_bodies(&self) -> Vec<(String, Mesh)> {
         let all = Group::new(0, self, (0..self.bodies.len()).collect());
         let body = |body: usize| {
@@ -43,7 +43,7 @@ impl Layout {
             let mut whole = Mesh::new(Vec::new(), Vec::new());
             for part in &parts {
                 let item = &self.items[part.member.item];
-                let [x, y, _] = item.spots[part.member.spot];
+                let [x, y, _] = item.positions[part.member.position];
                 let mut mesh = item.mesh.clone();
                 mesh.shift([x, y, part.lift_mm - item.bounds[0][2]]);
                 whole = if whole.triangles().is_empty() { mesh } else { whole.with(&mesh) };
@@ -55,19 +55,19 @@ impl Layout {
 }
 
 impl Group {
-    /// Bodies of a layout; what does not stand over anything else of them is let down on the bed.
+    /// Bodies of a layout; those that do not stand over another are lowered onto the bed.
     pub fn new(number: usize, layout: &Layout, bodies: Vec<usize>) -> Self {
-        let foot = |m: Member| layout.items[m.item].foot(m.spot);
+        let foot = |m: Member| layout.items[m.item].foot(m.position);
         let members = |body: usize| layout.bodies[body].iter().copied();
-        let floor = |stack: usize| {
-            let stacked = bodies.iter().filter(|&&body| layout.stacks[body] == stack);
-            stacked.flat_map(|&body| members(body)).map(|m| foot(m)[2]).fold(f64::INFINITY, f64::min)
+        let floor = |column: usize| {
+            let members_of = bodies.iter().filter(|&&body| layout.columns[body] == column);
+            members_of.flat_map(|&body| members(body)).map(|m| foot(m)[2]).fold(f64::INFINITY, f64::min)
         };
         let mut parts: Vec<Part> = Vec::new();
         let (mut low, mut high) = ([f64::INFINITY; 2], [f64::NEG_INFINITY; 2]);
         let mut height_mm = 0.0_f64;
         for &body in &bodies {
-            let floor_mm = floor(layout.stacks[body]);
+            let floor_mm = floor(layout.columns[body]);
             for member in members(body) {
                 let ([x, y, z], size) = (foot(member), layout.items[member.item].size());
                 let lift_mm = z - floor_mm;
@@ -103,7 +103,7 @@ impl Group {
             [] => layout.name.clone(),
         };
         let number = match (self.parts.as_slice(), items.as_slice()) {
-            ([only], [item]) => copy * layout.items[*item].spots.len() + only.member.spot,
+            ([only], [item]) => copy * layout.items[*item].positions.len() + only.member.position,
             _ => copy,
         };
         if number == 0 { name } else { format!("{name} ({})", number + 1) }
@@ -111,11 +111,11 @@ impl Group {
 
     /// Seen from above, turned by quarters.
     pub fn footprint(&self, layout: &Layout, shape: BedShape, quarters: u32) -> Footprint {
-        let of_part = |part: &Part| corners(&layout.items[part.member.item], part.member.spot, self.middle);
+        let of_part = |part: &Part| corners(&layout.items[part.member.item], part.member.position, self.middle);
         footprint(self.size, shape, quarters, || self.parts.iter().flat_map(of_part).collect())
     }
 
-    /// What it covers, and `reach_mm` around that; the convex hull of each body where `convex`.
+    /// The area that it covers, grown by `reach_mm`; the convex hull of each body where `convex`.
     pub fn silhouette(
         &self,
         layout: &Layout,
@@ -128,7 +128,7 @@ impl Group {
             let parts = self.parts.iter().filter(move |part| part.body == body);
             parts.flat_map(|part| {
                 let item = &layout.items[part.member.item];
-                let [dx, dy, _] = item.spots[part.member.spot];
+                let [dx, dy, _] = item.positions[part.member.position];
                 let at = move |v: u32| {
                     let [x, y, _] = item.mesh.vertices()[v as usize];
                     quarter_turned([x + dx - self.middle[0], y + dy - self.middle[1]], quarters)
@@ -141,8 +141,8 @@ impl Group {
 }
 
 /// Corners of the convex hull of an item in one of its positions, seen from above, from a middle.
-pub(super) fn corners(item: &Item, spot: usize, middle: [f64; 2]) -> Vec<[f64; 2]> {
-    hull(item, spot).exterior().points().map(|p| [p.x() - middle[0], p.y() - middle[1]]).collect()
+pub(super) fn corners(item: &Item, position: usize, middle: [f64; 2]) -> Vec<[f64; 2]> {
+    hull(item, position).exterior().points().map(|p| [p.x() - middle[0], p.y() - middle[1]]).collect()
 }
 
 /// What is of this size seen from above, turned by quarters; its corners matter on a round bed.

@@ -1,4 +1,4 @@
-//! What a file holds: models at their positions relative to each other, and which of them are one body.
+//! The contents of a file: models at their relative positions, grouped into bodies.
 
 use geo::{BoundingRect, ConvexHull, Distance, Euclidean, LineString, MultiPoint, Polygon};
 
@@ -18,19 +18,19 @@ pub struct Item {
     /// The model in its file's coordinates.
     pub mesh: Mesh,
     /// Where its origin goes: once, or several times, millimetres.
-    pub spots: Vec<[f64; 3]>,
+    pub positions: Vec<[f64; 3]>,
     /// The box that it is placed by.
     pub(super) bounds: [[f64; 3]; 2],
 }
 
 impl Item {
     /// A model that is placed by the box around it.
-    pub fn new(name: impl Into<String>, mesh: Mesh, spots: Vec<[f64; 3]>) -> Self {
+    pub fn new(name: impl Into<String>, mesh: Mesh, positions: Vec<[f64; 3]>) -> Self {
         let bounds = mesh.bounds();
-        Self { name: name.into(), mesh, spots, bounds }
+        Self { name: name.into(), mesh, positions, bounds }
     }
 
-    /// The same, placed by the box around what of it is thick enough for a line. O(triangles).
+    /// The same item, placed by the box around its parts that are thick enough for a line. O(triangles).
     #[must_use]
     pub fn without_slivers(mut self, line: Line) -> Self {
         self.bounds = printable_bounds(&self.mesh, line);
@@ -38,10 +38,10 @@ impl Item {
     }
 
     /// Middle of the box in X and Y, and its bottom, of the item in one of its positions.
-    pub(super) fn foot(&self, spot: usize) -> [f64; 3] {
+    pub(super) fn foot(&self, position: usize) -> [f64; 3] {
         let [min, max] = self.bounds;
         let at = [(min[0] + max[0]) / 2.0, (min[1] + max[1]) / 2.0, min[2]];
-        [0, 1, 2].map(|i| at[i] + self.spots[spot][i])
+        [0, 1, 2].map(|i| at[i] + self.positions[position][i])
     }
 
     /// Extents of the box.
@@ -55,7 +55,7 @@ impl Item {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(super) struct Member {
     pub item: usize,
-    pub spot: usize,
+    pub position: usize,
 }
 
 /// The models of a file, at their positions relative to each other.
@@ -68,8 +68,8 @@ pub struct Layout {
     pub(super) items: Vec<Item>,
     pub(super) copies: usize,
     pub(super) bodies: Vec<Vec<Member>>,
-    /// Members that are let down on the bed together, as one may stand over another: numbers of such sets, by body.
-    pub(super) stacks: Vec<usize>,
+    /// The column of each body: bodies that stand over one another are one column, lowered onto the bed together.
+    pub(super) columns: Vec<usize>,
     /// Whether bodies keep their places relative to each other where that is possible.
     pub(super) kept: bool,
 }
@@ -78,13 +78,13 @@ impl Layout {
     /// The models of a file, as many times as is wanted. `name` is what messages call the file.
     pub fn new(name: impl Into<String>, items: Vec<Item>, copies: usize) -> Self {
         let members: Vec<Member> = (0..items.len())
-            .flat_map(|item| (0..items[item].spots.len()).map(move |spot| Member { item, spot }))
+            .flat_map(|item| (0..items[item].positions.len()).map(move |position| Member { item, position }))
             .collect();
-        let (bodies, stacks) = match members.len() {
+        let (bodies, columns) = match members.len() {
             1 => (vec![members], vec![0]),
             _ => bodies(&items, &members),
         };
-        Self { name: name.into(), items, copies, bodies, stacks, kept: true }
+        Self { name: name.into(), items, copies, bodies, columns, kept: true }
     }
 
     /// One model alone.
@@ -111,7 +111,7 @@ impl Layout {
 
     /// How many objects it puts on the plate.
     pub fn object_count(&self) -> usize {
-        self.copies * self.items.iter().map(|item| item.spots.len()).sum::<usize>()
+        self.copies * self.items.iter().map(|item| item.positions.len()).sum::<usize>()
     }
 
     /// How many bodies one copy of it has.
@@ -147,33 +147,33 @@ impl Layout {
             let mesh = std::mem::replace(&mut item.mesh, Mesh::new(Vec::new(), Vec::new()));
             item.mesh = transform.apply(mesh)?;
             item.bounds = item.bounds.map(|corner| corner.map(|x| x * factor));
-            item.spots.iter_mut().for_each(|spot| *spot = spot.map(|x| x * factor));
+            item.positions.iter_mut().for_each(|position| *position = position.map(|x| x * factor));
         }
         Ok(self)
     }
 }
 
-/// The bodies, in the order of their first members, and for each the number of its stack: bodies one of which is over
-/// another are in one stack.
+/// The bodies, in the order of their first members, and for each the number of its column: bodies that stand over one
+/// another are in one column.
 fn bodies(items: &[Item], members: &[Member]) -> (Vec<Vec<Member>>, Vec<usize>) {
     let hulls: Vec<Polygon<f64>> =
-        members.iter().map(|&member| hull(&items[member.item], member.spot)).collect();
+        members.iter().map(|&member| hull(&items[member.item], member.position)).collect();
     let boxes: Vec<_> = hulls.iter().map(BoundingRect::bounding_rect).collect();
-    let heights = members.iter().map(|&Member { item, spot }| {
+    let heights = members.iter().map(|&Member { item, position }| {
         let item = &items[item];
-        let low = item.foot(spot)[2];
+        let low = item.foot(position)[2];
         [low, low + item.size()[2]]
     });
     let heights: Vec<[f64; 2]> = heights.collect();
     let near = |low: [f64; 2], high: [f64; 2]| low[0] <= high[1] + TOUCH_MM && high[0] <= low[1] + TOUCH_MM;
-    let (mut joined, mut stacked) = (DisjointSets::new(members.len()), DisjointSets::new(members.len()));
+    let (mut joined, mut over) = (DisjointSets::new(members.len()), DisjointSets::new(members.len()));
     for i in 0..members.len() {
         for j in 0..i {
             let (Some(a), Some(b)) = (&boxes[i], &boxes[j]) else { continue };
             let boxes_meet = near([a.min().x, a.max().x], [b.min().x, b.max().x])
                 && near([a.min().y, a.max().y], [b.min().y, b.max().y]);
             if boxes_meet && Euclidean.distance(&hulls[i], &hulls[j]) <= TOUCH_MM {
-                stacked.join(i as u32, j as u32);
+                over.join(i as u32, j as u32);
                 if near(heights[i], heights[j]) {
                     joined.join(i as u32, j as u32);
                 }
@@ -182,17 +182,17 @@ fn bodies(items: &[Item], members: &[Member]) -> (Vec<Vec<Member>>, Vec<usize>) 
     }
     let (body_of, count) = joined.number();
     let mut bodies = vec![Vec::new(); count];
-    let mut stacks = vec![0; count];
+    let mut columns = vec![0; count];
     for (index, &member) in members.iter().enumerate() {
         bodies[body_of[index] as usize].push(member);
-        stacks[body_of[index] as usize] = stacked.find(index as u32) as usize;
+        columns[body_of[index] as usize] = over.find(index as u32) as usize;
     }
-    (bodies, stacks)
+    (bodies, columns)
 }
 
 /// The convex hull of an item in one of its positions, seen from above.
-pub(super) fn hull(item: &Item, spot: usize) -> Polygon<f64> {
-    let [dx, dy, _] = item.spots[spot];
+pub(super) fn hull(item: &Item, position: usize) -> Polygon<f64> {
+    let [dx, dy, _] = item.positions[position];
     let points: MultiPoint<f64> = item.mesh.vertices().iter().map(|v| (v[0] + dx, v[1] + dy)).collect();
     match points.0.is_empty() {
         true => Polygon::new(LineString::new(Vec::new()), Vec::new()),

@@ -22,7 +22,7 @@ choice! {
     }
 }
 choice! {
-    /// What is printed after what.
+    /// The order of objects.
     Sequence {
         /// All objects layer by layer.
         Layer = "layer",
@@ -35,7 +35,7 @@ section! {
     BedSettings {
         /// Rectangular or round.
         shape: BedShape = BedShape::Rectangular,
-        /// Width and depth; of a round bed the diameter, twice.
+        /// Width and depth; for a round bed the diameter, twice.
         size: [Mm; 2] = [Mm(250.0), Mm(250.0)]; 10.0..=5000.0,
         /// Printable height.
         height: Mm = Mm(250.0); 1.0..=5000.0,
@@ -46,26 +46,26 @@ section! {
 section! {
     /// `[plate]`: how several models share the bed.
     PlateSettings {
-        /// Least distance between models, beyond what brim, raft and supports take.
+        /// Minimum distance between models with their brim, raft and supports.
         spacing: Mm = Mm(5.0); 0.0..=200.0,
-        /// Arrange models; without, they stay where their files put them.
+        /// Arrange models; if false, they keep their files' coordinates.
         arrange: bool = true,
-        /// What a file places relative to each other stays so, where it fits the bed; without, only what interlocks does.
+        /// Keep the relative positions within a file where they fit the bed; if false, only objects that interlock.
         keep_layout: bool = true,
-        /// Models may be turned by quarters to fit.
+        /// Models may be rotated by quarter turns to fit.
         turn: bool = false,
-        /// Turn every model onto the side on which it stands firmly and needs the least support.
+        /// Rotate every model to stand stably and need the least support.
         orient: bool = false,
     }
 }
 section! {
-    /// `[print]`: what is printed after what.
+    /// `[print]`: the order of objects.
     PrintSettings {
         /// Layer by layer, or object by object, the lowest first.
         sequence: Sequence = Sequence::Layer,
-        /// How far the print head reaches from the nozzle: objects printed one after the other are so far apart.
+        /// Clearance of the print head around the nozzle: minimum distance of objects printed one after the other.
         clearance_radius: Mm = Mm(45.0); 1.0..=200.0,
-        /// How far above the nozzle the gantry hangs: no object but the last may be higher.
+        /// Height of the gantry above the nozzle: no object but the last may be higher.
         clearance_height: Mm = Mm(20.0); 1.0..=1000.0,
     }
 }

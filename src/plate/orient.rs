@@ -28,7 +28,7 @@ const CONTACT_WORTH_MM: f64 = 0.5;
 /// A millimetre less in height is worth this many cubic millimetres of support, as a share of the side of the contact.
 const HEIGHT_WORTH_MM2: f64 = 1.0;
 
-/// The mesh turned so that it stands firmly and needs the least support; as it is, where nothing is better.
+/// Rotates the mesh to stand stably and need the least support; unchanged where nothing is better.
 ///
 /// Support is measured as the volume between overhanging facets (more than 45°) and the bed. A part whose middle is not over
 /// what touches the bed falls over, and is turned so only if there is no alternative. Deterministic. O(40 · triangles).

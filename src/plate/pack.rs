@@ -9,7 +9,7 @@ pub(super) struct Footprint {
     half: [f64; 2],
     /// How high it is.
     pub height_mm: f64,
-    /// Points whose distance from the middle matters: corners of the box, or the convex hull for a round bed.
+    /// Points that determine the distance from the middle: corners of the box, or the convex hull for a round bed.
     pub rim: Vec<[f64; 2]>,
 }
 
@@ -28,13 +28,16 @@ impl Footprint {
     }
 }
 
-pub(super) fn group_box(footprints: &[&Footprint], spots: &[[f64; 2]]) -> [[f64; 2]; 2] {
-    footprints.iter().zip(spots).fold([[f64::INFINITY; 2], [f64::NEG_INFINITY; 2]], |[min, max], (f, s)| {
-        [
-            std::array::from_fn(|i| min[i].min(s[i] - f.half[i])),
-            std::array::from_fn(|i| max[i].max(s[i] + f.half[i])),
-        ]
-    })
+pub(super) fn group_box(footprints: &[&Footprint], positions: &[[f64; 2]]) -> [[f64; 2]; 2] {
+    footprints.iter().zip(positions).fold(
+        [[f64::INFINITY; 2], [f64::NEG_INFINITY; 2]],
+        |[min, max], (f, s)| {
+            [
+                std::array::from_fn(|i| min[i].min(s[i] - f.half[i])),
+                std::array::from_fn(|i| max[i].max(s[i] + f.half[i])),
+            ]
+        },
+    )
 }
 
 /// Middles of the footprints, the whole group around the origin. `share` says what part of the bed a group needs.
@@ -50,56 +53,56 @@ pub(super) fn pack(
     let size = |i: usize| footprints[i].half[0] * footprints[i].half[1];
     order.sort_by(|&a, &b| size(b).total_cmp(&size(a)).then(a.cmp(&b)));
     let mut placed: Vec<&Footprint> = Vec::with_capacity(order.len());
-    let mut spots: Vec<[f64; 2]> = Vec::with_capacity(order.len());
+    let mut positions: Vec<[f64; 2]> = Vec::with_capacity(order.len());
     for (rank, &next) in order.iter().enumerate() {
         let footprint = &footprints[next];
         placed.push(footprint);
         let mut best: Option<([f64; 2], [f64; 2])> = None;
-        for spot in candidates(&placed, &spots, spacing_mm) {
-            let touches = placed.iter().zip(&spots).any(|(f, s)| {
-                (0..2).all(|i| (s[i] - spot[i]).abs() < f.half[i] + footprint.half[i] + spacing_mm - 1e-9)
+        for position in candidates(&placed, &positions, spacing_mm) {
+            let touches = placed.iter().zip(&positions).any(|(f, s)| {
+                (0..2).all(|i| (s[i] - position[i]).abs() < f.half[i] + footprint.half[i] + spacing_mm - 1e-9)
             });
             if touches {
                 continue;
             }
-            spots.push(spot);
-            let [min, max] = group_box(&placed, &spots);
-            let cost = [share(&placed, &spots), (max[0] - min[0]) * (max[1] - min[1])];
-            spots.pop();
+            positions.push(position);
+            let [min, max] = group_box(&placed, &positions);
+            let cost = [share(&placed, &positions), (max[0] - min[0]) * (max[1] - min[1])];
+            positions.pop();
             if best.is_none_or(|(_, least)| cost < least) {
-                best = Some((spot, cost));
+                best = Some((position, cost));
             }
         }
         // Beyond the rightmost model there is always a free candidate.
-        let (spot, cost) = best.unwrap_or_default();
+        let (position, cost) = best.unwrap_or_default();
         if cost[0] > 1.0 {
             return Err(order[rank..].to_vec());
         }
-        spots.push(spot);
+        positions.push(position);
     }
-    let [min, max] = group_box(&placed, &spots);
+    let [min, max] = group_box(&placed, &positions);
     let mut result = vec![[0.0; 2]; footprints.len()];
-    for (&index, spot) in order.iter().zip(&spots) {
-        result[index] = std::array::from_fn(|i| spot[i] - (min[i] + max[i]) / 2.0);
+    for (&index, position) in order.iter().zip(&positions) {
+        result[index] = std::array::from_fn(|i| position[i] - (min[i] + max[i]) / 2.0);
     }
     Ok(result)
 }
 
 /// Positions for the last footprint beside each of those that stand: four sides, flush at either end or in the middle.
-fn candidates(placed: &[&Footprint], spots: &[[f64; 2]], spacing_mm: f64) -> Vec<[f64; 2]> {
+fn candidates(placed: &[&Footprint], positions: &[[f64; 2]], spacing_mm: f64) -> Vec<[f64; 2]> {
     let Some((new, standing)) = placed.split_last().filter(|(_, s)| !s.is_empty()) else {
         return vec![[0.0; 2]];
     };
     let mut found = Vec::with_capacity(12 * standing.len());
-    for (f, s) in standing.iter().zip(spots) {
+    for (f, s) in standing.iter().zip(positions) {
         for axis in 0..2 {
             let other = 1 - axis;
             for side in [1.0, -1.0] {
                 for flush in [-1.0, 1.0, 0.0] {
-                    let mut spot = [0.0; 2];
-                    spot[axis] = s[axis] + side * (f.half[axis] + new.half[axis] + spacing_mm);
-                    spot[other] = s[other] + flush * (f.half[other] - new.half[other]);
-                    found.push(spot);
+                    let mut position = [0.0; 2];
+                    position[axis] = s[axis] + side * (f.half[axis] + new.half[axis] + spacing_mm);
+                    position[other] = s[other] + flush * (f.half[other] - new.half[other]);
+                    found.push(position);
                 }
             }
         }

@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use geo::{Distance, Euclidean};
 
 use super::area::{Area, TOLERANCE_MM, fitting_factor};
-use super::arrange::{Shape, Towards, arrange};
+use super::arrange::{SearchOrder, Shape, arrange};
 use super::error::{PlacementError, listed};
 use super::group::{Group, corners, footprint};
 use super::layout::{Item, Layout, hull};
@@ -15,7 +15,7 @@ use super::pack::pack;
 use crate::mesh::{Mesh, quarter_turned};
 use geometry::Point;
 
-/// What decides where models stand.
+/// The method of arrangement.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Arrange {
     /// Files, each with the layout that it has; where one does not fit, its bodies.
@@ -84,14 +84,14 @@ pub fn place(layouts: Vec<Layout>, bed: &BedSettings, options: &Placement) -> Re
 }
 
 /// Groups at their positions.
-struct Standing {
+struct PlacedGroups {
     groups: Vec<Group>,
-    stands: Vec<Stand>,
+    placed: Vec<PlacedGroup>,
     notes: Vec<String>,
 }
 
-/// A copy of a group, its middle at a position relative to the bed's, turned by quarters.
-struct Stand {
+/// A copy of a group: its middle relative to the bed's, and its rotation in quarter turns.
+struct PlacedGroup {
     group: usize,
     copy: usize,
     quarters: u32,
@@ -104,7 +104,7 @@ fn as_they_are(
     bed: &BedSettings,
     area: &Area,
     options: &Placement,
-) -> Result<Standing, PlacementError> {
+) -> Result<PlacedGroups, PlacementError> {
     for body in 0..layout.body_count() {
         let group = Group::new(0, layout, vec![body]);
         area.check(&group.name(layout, 0), &group.footprint(layout, area.shape, 0))?;
@@ -118,8 +118,8 @@ fn as_they_are(
     }
     let middle = bed.middle_mm();
     let at = [0, 1].map(|i| group.middle[i] - middle[i]);
-    let stands = vec![Stand { group: 0, copy: 0, quarters: 0, at }];
-    Ok(Standing { groups: vec![group], stands, notes: Vec::new() })
+    let placed = vec![PlacedGroup { group: 0, copy: 0, quarters: 0, at }];
+    Ok(PlacedGroups { groups: vec![group], placed, notes: Vec::new() })
 }
 
 /// Least distance between bodies that are printed one after the other, with what is printed around them.
@@ -131,7 +131,7 @@ fn apart_mm(options: &Placement) -> f64 {
 fn too_near(layout: &Layout, bodies: &[usize], apart_mm: f64) -> Option<[usize; 2]> {
     let hulls: Vec<Vec<_>> = bodies
         .iter()
-        .map(|&body| layout.bodies[body].iter().map(|m| hull(&layout.items[m.item], m.spot)).collect())
+        .map(|&body| layout.bodies[body].iter().map(|m| hull(&layout.items[m.item], m.position)).collect())
         .collect();
     let near = |i: usize, j: usize| {
         hulls[i].iter().any(|a| hulls[j].iter().any(|b| Euclidean.distance(a, b) < apart_mm - TOLERANCE_MM))
@@ -165,7 +165,7 @@ fn arranged(
     bed: &BedSettings,
     area: &Area,
     options: &Placement,
-) -> Result<Standing, PlacementError> {
+) -> Result<PlacedGroups, PlacementError> {
     let whole = |layout: &Layout| options.arrange == Arrange::Layouts && layout.kept;
     let mut kept: Vec<Kept> =
         layouts.iter().map(|layout| if whole(layout) { Kept::All } else { Kept::Nothing }).collect();
@@ -196,17 +196,15 @@ fn arranged(
         let models: Vec<(usize, usize)> = (0..groups.len()).flat_map(copies).collect();
         match packed(layouts, &groups, &models, area, options) {
             Ok(positions) => {
-                let stands = models.iter().zip(positions).map(|(&(group, copy), (quarters, at))| Stand {
-                    group,
-                    copy,
-                    quarters,
-                    at,
-                });
+                let placed = models
+                    .iter()
+                    .zip(positions)
+                    .map(|(&(group, copy), (quarters, at))| PlacedGroup { group, copy, quarters, at });
                 let notes = layouts.iter().enumerate().filter(|(_, layout)| whole(layout));
                 let notes = notes.filter_map(|(number, layout)| {
                     note(number, layout, reasons[number], &groups, area, options)
                 });
-                return Ok(Standing { stands: stands.collect(), notes: notes.collect(), groups });
+                return Ok(PlacedGroups { placed: placed.collect(), notes: notes.collect(), groups });
             }
             Err(left) => {
                 let divisible =
@@ -327,11 +325,15 @@ fn packed(
         area.excess_mm(rim.iter().map(|p| [p[0] + x, p[1] + y])) <= TOLERANCE_MM
     };
     let mut left: Option<Vec<usize>> = None;
-    for towards in [Towards::Middle, Towards::Corner] {
-        let spots = arrange(&shapes, &kinds, half, towards, fits);
-        let without: Vec<usize> = (0..models.len()).filter(|&model| spots[model].is_none()).collect();
+    for search_order in [SearchOrder::Middle, SearchOrder::Corner] {
+        let positions = arrange(&shapes, &kinds, half, search_order, fits);
+        let without: Vec<usize> = (0..models.len()).filter(|&model| positions[model].is_none()).collect();
         if without.is_empty() {
-            let placed = spots.into_iter().flatten().map(|spot| (spot.turn as u32, at_mm(spot.at))).collect();
+            let placed = positions
+                .into_iter()
+                .flatten()
+                .map(|position| (position.turn as u32, at_mm(position.at)))
+                .collect();
             return Ok(area.in_the_middle(placed, |model, turn| &shapes[kinds[model]][turn as usize].rim));
         }
         if left.as_ref().is_none_or(|left| without.len() < left.len()) {
@@ -342,10 +344,10 @@ fn packed(
         .iter()
         .map(|&group| groups[group].footprint(&layouts[groups[group].layout], area.shape, 0))
         .collect();
-    let spots = pack(&boxes, 2.0 * reach_mm, |placed, spots| area.group_share(placed, spots));
+    let positions = pack(&boxes, 2.0 * reach_mm, |placed, positions| area.group_share(placed, positions));
     let unplaced = left.unwrap_or_default();
-    match spots {
-        Ok(spots) => Ok(spots.into_iter().map(|spot| (0, spot)).collect()),
+    match positions {
+        Ok(positions) => Ok(positions.into_iter().map(|position| (0, position)).collect()),
         Err(boxes_left) if boxes_left.len() < unplaced.len() => Err(boxes_left),
         Err(_) => Err(unplaced),
     }
@@ -354,7 +356,7 @@ fn packed(
 /// The plate in bed coordinates, shifted as asked. Objects are in the order of layouts, items, copies and places.
 fn settle(
     mut layouts: Vec<Layout>,
-    standing: Standing,
+    standing: PlacedGroups,
     bed: &BedSettings,
     area: &Area,
     options: &Placement,
@@ -363,16 +365,16 @@ fn settle(
     // Layout, item, copy and place, each with where it stands.
     let mut slots = BTreeMap::new();
     let mut bodies = BTreeMap::new();
-    for Stand { group, copy, quarters, at } in &standing.stands {
+    for PlacedGroup { group, copy, quarters, at } in &standing.placed {
         let group = &standing.groups[*group];
         for part in &group.parts {
             let from_middle = quarter_turned(part.at, *quarters);
-            let spot = [at[0] + from_middle[0] + dx, at[1] + from_middle[1] + dy];
+            let position = [at[0] + from_middle[0] + dx, at[1] + from_middle[1] + dy];
             let count = bodies.len();
             let body = *bodies.entry((group.layout, *copy, part.body)).or_insert(count);
             slots.insert(
-                (group.layout, part.member.item, *copy, part.member.spot),
-                (*quarters, part.lift_mm, spot, body),
+                (group.layout, part.member.item, *copy, part.member.position),
+                (*quarters, part.lift_mm, position, body),
             );
         }
     }
@@ -382,15 +384,15 @@ fn settle(
     let mut plate = Plate { meshes: Vec::new(), objects: Vec::new(), notes: standing.notes };
     // Layout, item, quarter turns and height over the bed of each mesh.
     let mut kinds: Vec<(usize, usize, u32, f64)> = Vec::new();
-    for ((layout, item, copy, instance), (quarters, lift_mm, spot, body)) in slots {
+    for ((layout, item, copy, instance), (quarters, lift_mm, position, body)) in slots {
         let source = &layouts[layout].items[item];
-        let number = copy * source.spots.len() + instance;
+        let number = copy * source.positions.len() + instance;
         let name =
             if number == 0 { source.name.clone() } else { format!("{} ({})", source.name, number + 1) };
         let [x, y, _] = source.foot(instance);
         let of_item = || corners(source, instance, [x, y]);
         let rim = footprint(source.size(), area.shape, quarters, of_item).rim;
-        let by_mm = area.excess_mm(rim.iter().map(|p| [p[0] + spot[0], p[1] + spot[1]]));
+        let by_mm = area.excess_mm(rim.iter().map(|p| [p[0] + position[0], p[1] + position[1]]));
         if by_mm > TOLERANCE_MM {
             return Err(PlacementError::Outside { name, by_mm, bed: area.to_string() });
         }
@@ -399,7 +401,7 @@ fn settle(
             kinds.push(kind);
             kinds.len() - 1
         });
-        let offset = Point::from_mm(spot[0] + middle[0], spot[1] + middle[1]);
+        let offset = Point::from_mm(position[0] + middle[0], position[1] + middle[1]);
         plate.objects.push(Object { name, mesh, offset, body });
     }
     for (i, &(layout, item, quarters, lift_mm)) in kinds.iter().enumerate() {

@@ -2,7 +2,8 @@
 
 use geo::{ConvexHull, MultiPoint};
 
-/// Cells of a square grid whose nodes lie at whole multiples of the cell; cell (i, j) reaches from node (i, j) to the next.
+/// A bitmap of the bed on a square grid whose nodes lie at whole multiples of the cell; cell (i, j) reaches from node
+/// (i, j) to the next.
 ///
 /// All that is marked errs on the safe side: a cell counts as covered if anything of it is.
 #[derive(Clone, Debug)]
@@ -180,8 +181,8 @@ fn reach(triangle: [[f64; 2]; 3], [low, high]: [f64; 2]) -> Option<[f64; 2]> {
     found
 }
 
-/// What bodies, each given by its triangles, cover of the bed, and `reach_mm` around that; of the convex hull of each
-/// where `convex`.
+/// The area of the bed that bodies, given by their triangles, cover, and `reach_mm` around that; of the convex hull
+/// of each where `convex`.
 pub(super) fn silhouette<T: Iterator<Item = [[f64; 2]; 3]>>(
     bodies: impl Iterator<Item = T>,
     convex: bool,

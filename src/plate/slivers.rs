@@ -3,7 +3,7 @@
 use crate::mesh::{Mesh, NO_TWIN, facet_measures};
 use geometry::DisjointSets;
 
-/// The thinnest line that is printed: what is thinner in a model says nothing of where it stands.
+/// The thinnest line that is printed; thinner parts of a model are ignored in positioning.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Line {
     /// Width, millimetres.
@@ -12,7 +12,7 @@ pub struct Line {
     pub height_mm: f64,
 }
 
-/// What a shell measures.
+/// The measures of a shell.
 #[derive(Clone, Copy)]
 struct Shell {
     min: [f64; 3],

@@ -11,7 +11,7 @@ use crate::plate::{BedShape, Sequence};
 use crate::slice::layer_heights;
 use crate::toolpath::FuzzyWalls;
 
-/// What contradicts what, and what is unwise.
+/// Contradictions between settings, and warnings.
 pub(super) struct Conflicts {
     pub errors: Vec<Conflict>,
     pub warnings: Vec<Problem>,
@@ -23,7 +23,7 @@ pub(super) struct Conflict {
     pub problem: Problem,
 }
 
-/// Looks at the settings as a whole. `origins` says whom to blame.
+/// Looks at the settings as a whole. `origins` says where each was written.
 pub(super) fn find(settings: &Settings, origins: &BTreeMap<String, Origin>) -> Conflicts {
     let values = toml::Table::try_from(settings).expect("settings are a table");
     let mut check = Check { values, origins, found: Conflicts { errors: Vec::new(), warnings: Vec::new() } };

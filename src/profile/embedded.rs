@@ -1,6 +1,6 @@
 //! The profiles that are compiled in.
 
-/// What an embedded profile is about.
+/// The kind of an embedded profile.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ProfileKind {
     /// A machine: bed, limits, dialect, scripts, retraction.

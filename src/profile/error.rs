@@ -33,7 +33,7 @@ pub struct Problem {
     pub origin: Origin,
     /// The dotted key, with its value as written; `None`: the whole source is meant.
     pub setting: Option<(String, String)>,
-    /// What is wrong and what would be right.
+    /// The problem and its remedy.
     pub message: String,
 }
 

@@ -25,7 +25,7 @@ pub(super) struct Assignment {
 pub(super) struct Reader {
     pub assignments: Vec<Assignment>,
     pub problems: Vec<Problem>,
-    /// What is to be known of what was read.
+    /// Notes about the profiles read.
     pub notes: Vec<Problem>,
     /// The profiles being read, outermost first, to notice one that inherits itself.
     open: Vec<Found>,

@@ -47,15 +47,15 @@ impl From<&Settings> for TravelTime {
         let (max_speed, max_acceleration) =
             (machine.max_speed.map(|v| v.0), machine.max_acceleration.map(|a| a.0));
         let usual = given(&[acceleration.default.0, max_acceleration[0]]);
-        let way_s = |way_mm: f64, speed: f64, axis: usize| {
+        let move_s = |length_mm: f64, speed: f64, axis: usize| {
             let (speed, acceleration) = (speed.min(max_speed[axis]), max_acceleration[axis]);
-            if way_mm > 0.0 { trapezoid_s(way_mm, speed, acceleration, 0.0) } else { 0.0 }
+            if length_mm > 0.0 { trapezoid_s(length_mm, speed, acceleration, 0.0) } else { 0.0 }
         };
         let length_mm = retract.length.0;
         let retract_s = if length_mm > 0.0 {
-            way_s(length_mm, retract.speed.0, 3)
-                + way_s(length_mm + retract.extra.0, retract.unretract_speed.0, 3)
-                + 2.0 * way_s(retract.z_hop.0, speed.z.0, 2)
+            move_s(length_mm, retract.speed.0, 3)
+                + move_s(length_mm + retract.extra.0, retract.unretract_speed.0, 3)
+                + 2.0 * move_s(retract.z_hop.0, speed.z.0, 2)
         } else {
             0.0
         };
@@ -76,7 +76,7 @@ impl From<&Settings> for TravelTime {
 }
 
 impl Settings {
-    /// What ordering minimises, where this is asked for.
+    /// The requested cost that ordering minimises.
     pub fn order_cost(&self, kind: CostKind) -> Cost {
         match kind {
             CostKind::Length => Cost::Length,

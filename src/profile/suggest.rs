@@ -8,7 +8,7 @@ fn distance_within(most: usize, a: &str, b: &str) -> Option<usize> {
     (lengths_apart <= most).then(|| strsim::osa_distance(a, b)).filter(|away| *away <= most)
 }
 
-/// How far a name may be from what was written and still be suggested: a third of it.
+/// Largest edit distance of a suggested name, as a share of its length.
 fn limit(written: &str) -> usize {
     (written.chars().count() / 3).max(1)
 }

@@ -8,7 +8,7 @@ use super::state::{Key, States};
 use crate::toolpath::Role;
 use geometry::Point;
 
-/// What a line that draws nothing is.
+/// The kind of a line that draws nothing.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Kind {
     /// Moves in X and Y, and perhaps Z, with the filament at rest.
@@ -18,13 +18,13 @@ pub(super) enum Kind {
     /// Moves in Z only.
     Lift,
     /// Retracts or unretracts filament without moving.
-    Pull,
-    Push,
+    Retract,
+    Unretract,
     /// Sets the feed rate, and nothing else.
     Feed,
     /// G10 and G11.
-    FirmwarePull,
-    FirmwarePush,
+    FirmwareRetract,
+    FirmwareUnretract,
     /// G92 E.
     ResetE,
     /// Sets something that belongs to the paths that follow.
@@ -33,11 +33,11 @@ pub(super) enum Kind {
     Time(usize),
     /// Blank, or a comment that belongs to a travel.
     Noise,
-    /// Says that a layer begins: stays, and lets nothing pass.
+    /// A layer mark: stays in position, and no path moves past it.
     Mark,
     /// Draws something that must not be moved.
     Fixed,
-    /// Anything else: stays, and lets nothing pass.
+    /// Anything else: stays in position, and no path moves past it.
     Barrier,
 }
 
@@ -105,7 +105,7 @@ pub(super) struct Cursor {
     pub state: u32,
 }
 
-/// What stays where it is, then paths on one layer and at one height that may change places.
+/// Lines that stay, followed by paths of one layer and height that may change places.
 #[derive(Clone, Debug)]
 pub struct Block {
     /// The lines of the block; before them those that set the state it begins with.
@@ -187,20 +187,20 @@ impl Block {
         std::iter::once(from).chain(self.segs[path.segs.clone()].iter().map(|seg| seg.to)).map(|p| self.mm(p))
     }
 
-    /// What the file's own travel costs up to the first path, and from there on.
+    /// Cost of the file's own travel up to the first path, and from there on.
     pub fn costs(&self) -> [LinkCost; 2] {
         [&self.junction, &self.links].map(|tokens| {
-            let (mut cost, mut pulled) = (LinkCost::default(), false);
+            let (mut cost, mut retracted) = (LinkCost::default(), false);
             for token in tokens {
                 if matches!(token.kind, Kind::Travel | Kind::Wipe) {
                     cost.travel_mm += token.xy_mm;
                 }
                 match token.kind {
-                    Kind::Pull | Kind::Wipe | Kind::FirmwarePull => {
-                        cost.retractions += usize::from(!pulled);
-                        pulled = true;
+                    Kind::Retract | Kind::Wipe | Kind::FirmwareRetract => {
+                        cost.retractions += usize::from(!retracted);
+                        retracted = true;
                     }
-                    Kind::Push | Kind::FirmwarePush | Kind::Fixed => pulled = false,
+                    Kind::Unretract | Kind::FirmwareUnretract | Kind::Fixed => retracted = false,
                     _ => {}
                 }
             }

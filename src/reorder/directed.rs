@@ -13,7 +13,7 @@ const FARTHEST_MOVE: usize = 400;
 /// How often the order is gone through.
 const ROUNDS: usize = 20;
 
-/// An order with every open path forwards: the given one or, run by run, the one that always goes on to the nearest
+/// An order with every open path forwards: the given one or, run by run, the one that always continues to the nearest
 /// start, whichever is shorter; then up to three consecutive paths at a time are moved to where they lengthen the travel
 /// least (Or-opt: Or 1976, as in Babin, Deneault & Laporte 2007, doi:10.1057/palgrave.jors.2602196), as long as that
 /// helps. Runs keep their order.
@@ -110,7 +110,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn one_way_lines_are_drawn_from_left_to_right_in_the_order_of_their_starts() {
+    fn lines_of_fixed_direction_are_drawn_from_left_to_right_in_the_order_of_their_starts() {
         // Ten lines end to end, given shuffled.
         let ends: Vec<[[f64; 2]; 2]> =
             [7, 2, 9, 0, 4, 1, 8, 3, 6, 5].map(|i| [[f64::from(i), 0.0], [f64::from(i) + 1.0, 0.0]]).to_vec();

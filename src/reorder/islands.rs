@@ -14,7 +14,7 @@ const STEP: f64 = 0.7;
 /// inside it may be much shorter.
 const BESIDE: f64 = 0.75;
 
-/// How the paths of a block lie to each other.
+/// The relative positions of the paths of a block.
 pub(super) struct Islands {
     /// The island of every path: connected sets of beads, numbered as they first appear in the file.
     pub of: Vec<u32>,
@@ -93,7 +93,7 @@ fn extent(block: &Block) -> Option<[[f64; 2]; 2]> {
     Some(corners?.map(|p| block.mm(p)))
 }
 
-/// Counts on how many steps of a path others were met.
+/// Counts the steps of a path on which others were met.
 struct Meetings {
     /// By path: steps on which it was met, and its own.
     steps: Vec<u32>,

@@ -40,7 +40,7 @@ impl AddAssign for LinkCost {
     }
 }
 
-/// What a block comes to in each of several orders, the first of which is that of the file.
+/// The costs of a block in each of several orders, the first being the file's.
 #[derive(Clone, Debug, Default)]
 pub struct Options {
     /// From its first path on.
@@ -49,7 +49,7 @@ pub struct Options {
     pub junction: Vec<Vec<LinkCost>>,
 }
 
-/// Multiples of what a retraction is worth that are tried, one after the other: from 1 to 128, then down to nothing.
+/// Multiples of a retraction's cost that are tried in turn: from 1 to 128, then down to 0.
 fn weights() -> impl Iterator<Item = f64> {
     let up = (0..=56).map(|step| (f64::from(step) / 8.0).exp2());
     let down = (1..=32).map(|step| (f64::from(-step) / 8.0).exp2());
@@ -119,7 +119,7 @@ mod tests {
         LinkCost { travel_mm, retractions }
     }
 
-    /// Blocks whose insides cost this much, by order, and whose junctions cost nothing.
+    /// Blocks whose insides cost this much, by order, and whose junctions are free.
     fn blocks(inside: &[[LinkCost; 2]]) -> Vec<Options> {
         let block = |(i, inside): (usize, &[LinkCost; 2])| {
             let junction = vec![vec![LinkCost::default(); 2]; if i == 0 { 1 } else { 2 }];

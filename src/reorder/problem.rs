@@ -33,8 +33,8 @@ impl Pick {
 /// A block as the ordering knows it.
 #[derive(Clone, Debug)]
 pub struct Ordering {
-    /// Its paths: open ones by their ends, loops that must keep their seam as open ones whose ends are the same, and
-    /// walls that stay together as one path.
+    /// Its paths: open ones by their ends, loops that must keep their seam as open ones with equal ends, and walls
+    /// that stay together as one path.
     pub layer: LayerPaths,
     /// The paths of the block that each of them stands for.
     members: Vec<Range<usize>>,
@@ -66,7 +66,7 @@ impl Ordering {
             leading &= matches!(walls[0].role, Some(Role::Skirt | Role::Brim));
             let (closed, points) = match walls {
                 [path] => shape(block, path, seam),
-                // Drawn in their own order whichever way they are come to: a position between start and end.
+                // Drawn in their own order from whichever side they are reached: a position between start and end.
                 _ => (false, vec![middle(block, &walls[0], &walls[walls.len() - 1]); 2]),
             };
             let link = |w: &[Path]| block.point(block.end(&w[0])).distance_mm(block.point(w[1].from));
@@ -238,9 +238,9 @@ fn names(block: &Block) -> Vec<u32> {
     block.paths.iter().map(name).collect()
 }
 
-/// How many walls of its own type and island each wall has on one side of it, where the file draws those of a type one
-/// depth after another; elsewhere, and of what is no wall, 0. A wall that runs along none, before it or after, may be of any
-/// depth: it is taken to be of the one that is being drawn.
+/// For each wall, the number of walls of its type and island outside of it, where the file draws them depth by depth;
+/// otherwise 0. A wall that runs along none, before it or after, may be of any depth: it is taken to be of the one
+/// that is being drawn.
 fn depths<K: Eq + Hash>(paths: &[Path], kind: impl Fn(usize) -> K, beside: &[Option<u32>]) -> Vec<u32> {
     let (mut depth, mut drawn) = (vec![0; paths.len()], vec![0; paths.len()]);
     let inner = |i: usize| beside[i].map(|other| other as usize).filter(|&other| kind(other) == kind(i));

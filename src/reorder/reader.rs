@@ -21,7 +21,7 @@ const LONGEST_FIXED: usize = 1 << 20;
 const LARGEST: f64 = 1e5;
 /// The radius of an arc may differ by this between its ends, mm.
 const ROUND_MM: f64 = 0.05;
-/// More filament pushed than was retracted is priming and stays where it is, mm.
+/// More filament fed than was retracted is priming and stays where it is, mm.
 const PRIMING_MM: f64 = 0.5;
 
 /// Reads blocks.
@@ -45,26 +45,26 @@ pub struct Blocks<R> {
     inventory: Option<Inventory>,
     /// Lines since the last path, and what they hold.
     pending: Vec<Token>,
-    since: Since,
+    pending_state: PendingState,
     done: bool,
 }
 
-/// What came since the last stroke of the last path.
+/// What the lines after the last stroke of the last path hold.
 #[derive(Clone, Copy, Debug, Default)]
-struct Since {
+struct PendingState {
     /// Something that moves, or feeds filament.
     moved: bool,
-    /// Something that lets nothing pass.
+    /// A line that no path moves past.
     barrier: bool,
     /// The state at the last travel.
     travel_state: Option<u32>,
 }
 
-/// What matters of the machine before a line.
+/// The state of the machine before a line, as far as it matters.
 struct Before {
     scale: f64,
     /// Whether filament is retracted.
-    pulled: bool,
+    retracted: bool,
     /// Whether firmwares disagree about E.
     doubtful: bool,
     /// The extruder's position, ticks.
@@ -89,12 +89,12 @@ impl<R: BufRead> Blocks<R> {
             block: empty(start, frame, States::default()),
             inventory: None,
             pending: Vec::new(),
-            since: Since::default(),
+            pending_state: PendingState::default(),
             done: false,
         }
     }
 
-    /// Also takes up what is read for a proof, and, on a machine, when lines about time come.
+    /// Also records an inventory for the proof and, with a machine, the times of lines about time.
     pub fn proven(self, machine: Option<&Machine>) -> Self {
         Self { inventory: Some(Inventory::timed(machine)), ..self }
     }
@@ -142,9 +142,9 @@ impl<R: BufRead> Blocks<R> {
     /// Processes a line; returns a block that it ends.
     fn line(&mut self, range: Range<usize>) -> Option<Block> {
         let state = &self.reader.state;
-        let pulled = state.firmware_retracted || state.retracted_mm > 1e-6;
+        let retracted = state.firmware_retracted || state.retracted_mm > 1e-6;
         let e = ticks(in_units(state.e, state.scale));
-        let before = Before { scale: state.scale, pulled, doubtful: state.e_doubtful, e };
+        let before = Before { scale: state.scale, retracted, doubtful: state.e_doubtful, e };
         let slice = Slice { start: range.start as u32, len: range.len() as u32 };
         let text = std::mem::take(&mut self.block.text);
         let line = Line::new(self.number, self.offset, &text[range.clone()]);
@@ -192,7 +192,7 @@ impl<R: BufRead> Blocks<R> {
             && sound(bead.e_mm)
             && self.unit.is_none_or(|unit| unit == before.scale)
             && bead.arc.is_none_or(|arc| is_round(bead, arc.at))
-            && !before.pulled
+            && !before.retracted
             && bead.from[2] == bead.to[2]
             && !before.doubtful
             && bead.feed_mm_s > 0.0
@@ -201,8 +201,8 @@ impl<R: BufRead> Blocks<R> {
     fn other_kind(&mut self, read: &Annotated) -> Kind {
         let line = &read.line;
         match read.action {
-            Action::FirmwareRetract if line.words().is_empty() => return Kind::FirmwarePull,
-            Action::FirmwareUnretract if line.words().is_empty() => return Kind::FirmwarePush,
+            Action::FirmwareRetract if line.words().is_empty() => return Kind::FirmwareRetract,
+            Action::FirmwareUnretract if line.words().is_empty() => return Kind::FirmwareUnretract,
             Action::Type(_) => self.movable = false,
             _ => {}
         }
@@ -283,13 +283,16 @@ impl<R: BufRead> Blocks<R> {
         self.begun |= kind == Kind::Fixed;
         match kind {
             Kind::Travel => {
-                self.since.moved = true;
-                self.since.travel_state = Some(state);
+                self.pending_state.moved = true;
+                self.pending_state.travel_state = Some(state);
             }
-            Kind::Wipe | Kind::Lift | Kind::Pull | Kind::Push | Kind::FirmwarePull | Kind::FirmwarePush => {
-                self.since.moved = true
-            }
-            Kind::Mark | Kind::Barrier | Kind::Fixed => self.since.barrier = true,
+            Kind::Wipe
+            | Kind::Lift
+            | Kind::Retract
+            | Kind::Unretract
+            | Kind::FirmwareRetract
+            | Kind::FirmwareUnretract => self.pending_state.moved = true,
+            Kind::Mark | Kind::Barrier | Kind::Fixed => self.pending_state.barrier = true,
             Kind::ResetE | Kind::Feed | Kind::State(_) | Kind::Time(_) | Kind::Noise => {}
         }
         // After something that must stay, and draws, the nozzle is where it was: nothing has to be remembered.
@@ -316,7 +319,7 @@ impl<R: BufRead> Blocks<R> {
             self.block.after.at[2] == after.at[2] && self.block.layer == layer && self.block.frame == frame;
         let mut line = line;
         let mut ended = None;
-        if !self.block.paths.is_empty() && (self.since.barrier || !same) {
+        if !self.block.paths.is_empty() && (self.pending_state.barrier || !same) {
             let mut last = self.take();
             let cut = self.pending.first().map_or(line.start, |t| t.line.start);
             self.block = self.split(&mut last);
@@ -332,7 +335,7 @@ impl<R: BufRead> Blocks<R> {
         } else {
             self.block.times.extend(self.pending.extract_if(.., |t| matches!(t.kind, Kind::Time(_))));
             let end = self.block.end(&self.block.paths[self.block.paths.len() - 1]);
-            if self.since.moved || end != from {
+            if self.pending_state.moved || end != from {
                 self.begin(from, role, state);
             } else {
                 // Feed rates and states are kept with each stroke.
@@ -347,7 +350,7 @@ impl<R: BufRead> Blocks<R> {
         if let Some(path) = self.block.paths.last_mut() {
             path.segs.end = end;
         }
-        (self.since, self.begun) = (Since::default(), true);
+        (self.pending_state, self.begun) = (PendingState::default(), true);
         self.block.after = Cursor { state, ..after };
         ended
     }
@@ -360,12 +363,12 @@ impl<R: BufRead> Blocks<R> {
             from,
             segs: segs..segs,
             link: links..self.block.links.len(),
-            travel_state: self.since.travel_state.unwrap_or(state),
+            travel_state: self.pending_state.travel_state.unwrap_or(state),
             role,
         });
     }
 
-    /// Ends a block behind its last path; what is pending goes to a new one, which is returned.
+    /// Ends a block behind its last path and returns a new one with the pending lines.
     fn split(&mut self, last: &mut Block) -> Block {
         let cut = self.pending.first().map_or_else(
             // Nothing pending: the line at hand, if there is one, begins behind the last stroke.
@@ -401,7 +404,8 @@ impl<R: BufRead> Blocks<R> {
             token.line = shift(token.line);
             token.state -= first_state;
         }
-        self.since.travel_state = self.since.travel_state.map(|state| state.saturating_sub(first_state));
+        self.pending_state.travel_state =
+            self.pending_state.travel_state.map(|state| state.saturating_sub(first_state));
         next.text = prefix;
         // Blocks are about as long as their neighbours, or a little longer.
         let room = |length: usize, most: usize| (length + length / 4).min(most);
@@ -419,7 +423,7 @@ impl<R: BufRead> Blocks<R> {
         let mut done = self.take();
         done.junction.append(&mut self.pending);
         done.after = self.cursor(done.states.len() as u32 - 1);
-        self.since = Since::default();
+        self.pending_state = PendingState::default();
         let mut next = empty(done.after, self.frame(), States::default());
         let mut states = done.states[done.states.len() - 1];
         for slice in states.slices_mut() {
@@ -477,9 +481,9 @@ fn stroke_kind(stroke: &Stroke) -> Kind {
         }
         (true, _) => Kind::Travel,
         (false, e) if e.abs() > 1e-9 && lifts => Kind::Barrier,
-        (false, e) if e < -1e-9 => Kind::Pull,
+        (false, e) if e < -1e-9 => Kind::Retract,
         (false, e) if e > 1e-9 && stroke.fresh_mm > PRIMING_MM => Kind::Fixed,
-        (false, e) if e > 1e-9 => Kind::Push,
+        (false, e) if e > 1e-9 => Kind::Unretract,
         _ if lifts => Kind::Lift,
         _ => Kind::Feed,
     }

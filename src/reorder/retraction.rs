@@ -20,7 +20,7 @@ pub struct RetractionStyle {
     pub(super) retract: Option<Retract>,
 }
 
-/// Pulling back and pushing forward.
+/// A retraction and the unretraction after it.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Retract {
     /// By G10 and G11.
@@ -35,7 +35,7 @@ pub(super) struct Retract {
     pub wipe_marks: bool,
     /// Height of the hop, and feed rates up and down.
     pub hop: Option<(i64, i64, i64)>,
-    pub push: (i64, i64),
+    pub unretract: (i64, i64),
     /// Whether E is set to 0 while retracted.
     pub reset: bool,
 }
@@ -65,7 +65,7 @@ const DETOUR: f64 = 1.05;
 const DETOUR_MM: f64 = 0.3;
 /// With more different kinds of retraction than this, no style is recognised.
 const MOST_KINDS: usize = 100;
-/// This many links tell enough.
+/// This many links suffice.
 const ENOUGH: usize = 20_000;
 
 impl Learner {
@@ -96,7 +96,7 @@ impl Learner {
         let (far, combed) = far.fold((0, 0), |(n, c), s| (n + 1, c + usize::from(s.retract.is_none())));
         let usual = most_frequent(&retracted, |s| {
             let retract = s.retract.as_ref()?;
-            Some((retract.pulled(), retract.wipe.0 != 0, retract.hop.map(|h| h.0), retract.push.0))
+            Some((retract.retracted(), retract.wipe.0 != 0, retract.hop.map(|h| h.0), retract.unretract.0))
         });
         let travel =
             most_frequent(&self.seen.iter().collect::<Vec<_>>(), |s| Some((s.command, s.travel_feed)))?;
@@ -118,14 +118,14 @@ impl RetractionStyle {
         let minutes = |(amount, feed): (i64, i64)| if feed > 0 { amount as f64 / feed as f64 } else { 0.0 };
         let hop =
             retract.hop.map_or(0.0, |(height, up, down)| minutes((height, up)) + minutes((height, down)));
-        let moves = minutes(retract.before) + minutes(retract.after) + minutes(retract.push);
+        let moves = minutes(retract.before) + minutes(retract.after) + minutes(retract.unretract);
         units(self.travel_feed) * (hop + if retract.firmware { FIRMWARE_MINUTES } else { moves })
     }
 }
 
 impl Retract {
     /// All that is retracted.
-    pub fn pulled(&self) -> i64 {
+    pub fn retracted(&self) -> i64 {
         self.before.0.saturating_add(self.wipe.0).saturating_add(self.after.0)
     }
 }
@@ -147,7 +147,7 @@ fn most_frequent<'a, K: PartialEq>(all: &[&'a Seen], key: impl Fn(&Seen) -> Opti
     counts.into_iter().rev().max_by_key(|(_, count, _)| *count).map(|(.., seen)| seen)
 }
 
-/// What a link does, if it travels at all and does nothing unusual.
+/// The moves of a link; `None` if it does not travel or has unusual lines.
 fn seen(block: &Block, tokens: &[Token], length_mm: f64) -> Option<Seen> {
     let level = block.after.at[2];
     let mut retract = Retract {
@@ -158,7 +158,7 @@ fn seen(block: &Block, tokens: &[Token], length_mm: f64) -> Option<Seen> {
         wipe_mm: 0.0,
         wipe_marks: false,
         hop: None,
-        push: (0, 0),
+        unretract: (0, 0),
         reset: false,
     };
     let (mut travel, mut travelled_mm, mut wiped, mut z) = (None, 0.0, false, level);
@@ -174,10 +174,10 @@ fn seen(block: &Block, tokens: &[Token], length_mm: f64) -> Option<Seen> {
                 retract.wipe = (retract.wipe.0.saturating_sub(token.e), token.feed);
                 retract.wipe_mm += token.xy_mm;
             }
-            Kind::Pull if wiped => retract.after = (retract.after.0.saturating_sub(token.e), token.feed),
-            Kind::Pull => retract.before = (retract.before.0.saturating_sub(token.e), token.feed),
-            Kind::Push => retract.push = (retract.push.0.saturating_add(token.e), token.feed),
-            Kind::FirmwarePull => retract.firmware = true,
+            Kind::Retract if wiped => retract.after = (retract.after.0.saturating_sub(token.e), token.feed),
+            Kind::Retract => retract.before = (retract.before.0.saturating_sub(token.e), token.feed),
+            Kind::Unretract => retract.unretract = (retract.unretract.0.saturating_add(token.e), token.feed),
+            Kind::FirmwareRetract => retract.firmware = true,
             Kind::ResetE => retract.reset = true,
             Kind::Noise => retract.wipe_marks |= token.line.of(&block.text).starts_with(b";WIPE_START"),
             _ => {}
@@ -192,7 +192,7 @@ fn seen(block: &Block, tokens: &[Token], length_mm: f64) -> Option<Seen> {
         z = token.to[2];
     }
     let (command, travel_feed) = travel?;
-    let retracts = retract.firmware || retract.pulled() > 0 && retract.push.0 > 0;
+    let retracts = retract.firmware || retract.retracted() > 0 && retract.unretract.0 > 0;
     let (retract, turns) = (retracts.then_some(retract), travelled_mm > DETOUR * length_mm + DETOUR_MM);
     Some(Seen { length_mm, retract, command, travel_feed, turns, steps: tokens.len() })
 }

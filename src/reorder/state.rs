@@ -1,4 +1,5 @@
-//! What holds for a bead besides its own words: the fan, accelerations, and what comments say of it.
+//! The state that applies to a bead besides its own words: fan, accelerations, and type, width and height from
+//! comments.
 
 use super::slice::Slice;
 use crate::gcode::{Line, Mark, mark};
@@ -55,7 +56,7 @@ impl Key {
         self == Key::Acceleration && ACCELERATIONS.contains(&other.index())
     }
 
-    /// What a line without motion sets; `None` if that is nothing, or something that does not travel with paths.
+    /// The state that a line without motion sets; `None` if it sets none, or one that does not move with paths.
     pub fn of(line: &Line) -> Option<Self> {
         let Some(code) = line.code else { return Self::of_text(line) };
         if code.letter != b'M' {

@@ -7,7 +7,7 @@ use crate::estimate::Machine;
 use crate::gcode::{Action, Annotated, Clock, Line, duration, lines};
 use crate::units::Seconds;
 
-/// Comments that tell a time begin like this.
+/// Beginnings of comments that give a time.
 const BEGINS: [&str; 11] = [
     "TIME_ELAPSED:",
     "TIME:",
@@ -49,7 +49,7 @@ struct Moment {
     total_s: f64,
 }
 
-/// When the lines about time come.
+/// The times at which the lines about time come.
 #[derive(Clone, Debug)]
 pub struct Times {
     elapsed_s: Vec<f64>,
@@ -58,7 +58,7 @@ pub struct Times {
 }
 
 /// Whether a piece of a text has a line about time.
-pub fn tells_time(text: &[u8]) -> bool {
+pub fn has_times(text: &[u8]) -> bool {
     lines(text).any(|line| is_time(&line))
 }
 

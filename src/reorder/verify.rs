@@ -19,7 +19,7 @@ const FILAMENT_MM: f64 = 1e-4;
 /// Travel may leave the area that the file used by this, mm.
 const AREA_MM: f64 = 1e-3;
 
-/// What two files come to.
+/// The sums of two files.
 #[derive(Clone, Debug)]
 pub struct Proof {
     /// The file as it was.
@@ -124,7 +124,7 @@ impl Readback {
     }
 }
 
-/// What a file prints, in memory of some numbers for each layer and each line about time.
+/// A summary of what a file prints, in memory of some numbers for each layer and each line about time.
 #[derive(Debug)]
 pub struct Inventory {
     meter: Meter,
@@ -165,8 +165,8 @@ impl Inventory {
         self.stopwatch.take().map(Stopwatch::finish)
     }
 
-    /// Processes a line. `pulled`: whether filament is retracted by the firmware after it.
-    pub(super) fn add(&mut self, read: &Annotated, pulled: bool) {
+    /// Processes a line. `retracted`: whether filament is retracted by the firmware after it.
+    pub(super) fn add(&mut self, read: &Annotated, retracted: bool) {
         self.meter.add(&read.action);
         if let Some(stopwatch) = &mut self.stopwatch {
             stopwatch.step(read);
@@ -187,7 +187,7 @@ impl Inventory {
                 self.layers.push(std::mem::replace(&mut self.layer, next));
             }
             self.layer.strokes += 1;
-            self.layer.sum = self.layer.sum.wrapping_add(fingerprint(stroke, pulled, self.state));
+            self.layer.sum = self.layer.sum.wrapping_add(fingerprint(stroke, retracted, self.state));
             self.layer.filament_mm += stroke.fresh_mm;
         }
     }
@@ -277,7 +277,7 @@ impl Layer {
 ///
 /// The sum of such hashes stands for a multiset (Clarke et al. 2003, doi:10.1007/978-3-540-40061-5_12). Two that differ
 /// have the same sum with a probability of 2⁻⁶⁴.
-fn fingerprint(stroke: &Stroke, pulled: bool, state: i64) -> u64 {
+fn fingerprint(stroke: &Stroke, retracted: bool, state: i64) -> u64 {
     let point = |p: [f64; 3]| [ticks(p[0]), ticks(p[1])];
     let (mut a, mut b) = (point(stroke.from), point(stroke.to));
     let mut turn = stroke.arc.map_or(0, |arc| if arc.clockwise { 1 } else { 2 });
@@ -292,7 +292,7 @@ fn fingerprint(stroke: &Stroke, pulled: bool, state: i64) -> u64 {
         let product = u128::from(x) * u128::from(y);
         (product as u64 ^ (product >> 64) as u64).wrapping_add(hash.rotate_left(23))
     };
-    let flags = [turn + 4 * i64::from(pulled), state];
+    let flags = [turn + 4 * i64::from(retracted), state];
     let hash = [a, b, [rest[0], rest[1]], [rest[2], rest[3]], flags, [0x2545_f491, 0]]
         .into_iter()
         .fold(0xa076_1d64_78bd_642f, mix);

@@ -73,7 +73,7 @@ impl Walls {
         Self { rings, clipper, insets: Default::default() }
     }
 
-    /// Whether there are none: nothing is known of what must not be crossed.
+    /// Whether there are no walls, so that nothing restricts travel.
     pub fn is_empty(&self) -> bool {
         self.rings.is_empty()
     }
@@ -94,8 +94,8 @@ impl Walls {
         }
     }
 
-    /// The corners of a route inside the part from one point to another whose straight line crosses walls, if there is
-    /// one that goes along the walls and is not too long.
+    /// Corners of a route along the walls, inside the part, between two points whose straight line crosses walls;
+    /// `None` if there is none or it is too long.
     pub fn around(&self, a: Point, b: Point) -> Option<Vec<Point>> {
         self.insets.iter().zip(CLEARANCES_MM).find_map(|(inset, clearance_mm)| {
             self.around_in(inset.get_or_init(|| self.inset(clearance_mm)), a, b)
@@ -122,13 +122,13 @@ impl Walls {
         }
         route.push(b);
         route.dedup();
-        let route = self.pulled_tight(&route)?;
+        let route = self.tightened(&route)?;
         let length_mm: f64 = route.windows(2).map(|w| w[0].distance_mm(w[1])).sum();
         (length_mm < 2.0 * a.distance_mm(b) + 10.0).then(|| route[1..route.len() - 1].to_vec())
     }
 
     /// Leaves out corners that are not needed. `None` where a part of the route crosses a wall after all.
-    fn pulled_tight(&self, route: &[Point]) -> Option<Vec<Point>> {
+    fn tightened(&self, route: &[Point]) -> Option<Vec<Point>> {
         let free = |i: usize, j: usize| self.classify(route[i], route[j]) == TravelKind::Inside;
         let mut out = vec![route[0]];
         let mut at = 0;
@@ -209,7 +209,7 @@ fn foot(a: Point, b: Point, share: f64) -> Point {
     Point::from_mm(p[0] + share * (q[0] - p[0]), p[1] + share * (q[1] - p[1]))
 }
 
-/// Goes along the boundary, the shorter way round. `None` where that is not possible.
+/// Goes along the boundary, in the shorter direction. `None` where that is not possible.
 fn along(boundary: &Boundary<'_>, from: BoundaryPos, to: BoundaryPos, route: &mut Vec<Point>) -> Option<()> {
     let forward_mm = boundary.forward_mm(from, to)?;
     let forward = forward_mm <= boundary.ring_length_mm(from.ring) - forward_mm;

@@ -13,18 +13,18 @@ use super::walls::{TravelKind, Walls};
 use crate::gcode::Line;
 use geometry::Point;
 
-/// Room behind a line about time.
-pub const TIME_ROOM: &[u8] = b"    ";
+/// Blanks behind a line about time, for a longer one.
+pub const TIME_PADDING: &[u8] = b"    ";
 
-/// A block's text, and what it comes to.
+/// A block's text and its cost.
 #[derive(Clone, Debug, Default)]
 pub struct Written {
     /// The text.
     pub bytes: Vec<u8>,
     /// Lines about time: where they begin in the text, and their numbers in the file. They stand as they were, with
-    /// some blanks behind them as room for other numbers.
+    /// some blanks behind them as space for other numbers.
     pub times: Vec<(usize, usize)>,
-    /// What it costs to come to its first path.
+    /// Cost of the travel to its first path.
     pub junction: LinkCost,
     /// What it costs from there on.
     pub inside: LinkCost,
@@ -73,7 +73,7 @@ pub fn write(
     Written { bytes: writer.out, times: writer.times, junction, inside: writer.cost }
 }
 
-/// What it costs to come to the first of a block's paths, the nozzle coming from `from`.
+/// Cost of the travel from `from` to the first of a block's paths.
 pub fn junction(
     block: &Block,
     picks: &[Pick],
@@ -106,7 +106,7 @@ struct Writer<'a> {
     /// The path drawn last.
     last: Option<Pick>,
     /// Whether filament is retracted.
-    pulled: bool,
+    retracted: bool,
     /// Whether there was no bead yet: nothing can ooze.
     dry: bool,
     cost: LinkCost,
@@ -131,7 +131,7 @@ impl<'a> Writer<'a> {
             state: block.states[block.before.state as usize],
             entered: None,
             last: None,
-            pulled: false,
+            retracted: false,
             dry: !block.begun,
             cost: LinkCost::default(),
         }
@@ -168,7 +168,7 @@ impl<'a> Writer<'a> {
         let mut at = before;
         for token in head {
             match token.kind {
-                Kind::Wipe if self.at[..2] != at[..2] => self.pull_in_place(token),
+                Kind::Wipe if self.at[..2] != at[..2] => self.retract_in_place(token),
                 _ => self.token(token),
             }
             at = token.to;
@@ -184,11 +184,11 @@ impl<'a> Writer<'a> {
         for (index, token) in tail.iter().enumerate() {
             match token.kind {
                 Kind::Travel if travel == Some(index) => self.go(target, Some(token)),
-                // Filament is pushed forward for the first time where the file does so.
+                // Filament is unretracted for the first time where the file does so.
                 Kind::Travel if self.dry => self.token(token),
                 Kind::Travel if token.to[2] != self.at[2] => self.lift(token.to[2], token.feed),
                 Kind::Travel => {}
-                Kind::Wipe => self.pull_in_place(token),
+                Kind::Wipe => self.retract_in_place(token),
                 _ => self.token(token),
             }
         }
@@ -223,7 +223,7 @@ impl<'a> Writer<'a> {
         if from.path == to.path + 1 && from.reversed && start == block.end(path) && after == before.from {
             let link = &block.links[before.link.clone()];
             let moves = |t: &&Token| t.kind == Kind::Travel;
-            if link.iter().all(|t| !matches!(t.kind, Kind::Pull | Kind::Wipe | Kind::FirmwarePull)) {
+            if link.iter().all(|t| !matches!(t.kind, Kind::Retract | Kind::Wipe | Kind::FirmwareRetract)) {
                 let corners: Vec<[i64; 2]> =
                     link.iter().filter(moves).map(|t| [t.to[0], t.to[1]]).rev().skip(1).collect();
                 corners.into_iter().for_each(|corner| self.travel(corner));
@@ -335,13 +335,13 @@ impl<'a> Writer<'a> {
                 self.entered = None;
             }
             // A line that names the position where the nozzle is in the file would move it from where it is here.
-            Kind::Lift | Kind::Pull | Kind::Push | Kind::Feed
+            Kind::Lift | Kind::Retract | Kind::Unretract | Kind::Feed
                 if self.at[..2] != token.to[..2] && (names(line, b"X") || names(line, b"Y")) =>
             {
                 self.lift(token.to[2], token.feed);
                 self.feed_filament(token.e, token.feed);
             }
-            Kind::Travel | Kind::Lift | Kind::Pull | Kind::Push | Kind::Wipe | Kind::Feed => {
+            Kind::Travel | Kind::Lift | Kind::Retract | Kind::Unretract | Kind::Wipe | Kind::Feed => {
                 self.e = self.e.saturating_add(token.e);
                 let e = (self.frame.e_absolute && self.e != token.e_after).then_some(self.e);
                 self.stroke_line(line, e, token.feed);
@@ -357,8 +357,8 @@ impl<'a> Writer<'a> {
         }
         match token.kind {
             Kind::ResetE => self.e = token.e_after,
-            Kind::Pull | Kind::Wipe | Kind::FirmwarePull => self.pull_counted(),
-            Kind::Push | Kind::FirmwarePush | Kind::Fixed => self.pulled = false,
+            Kind::Retract | Kind::Wipe | Kind::FirmwareRetract => self.count_retraction(),
+            Kind::Unretract | Kind::FirmwareUnretract | Kind::Fixed => self.retracted = false,
             _ => {}
         }
         if matches!(token.kind, Kind::Travel | Kind::Wipe) {
@@ -374,7 +374,7 @@ impl<'a> Writer<'a> {
         self.frame = token.frame;
     }
 
-    /// A line that must not be changed: E and the feed rate are made what they are before it in the file.
+    /// Writes a line that must not change, after restoring the E and feed rate that it has in the file.
     fn fixed(&mut self, token: &Token, line: &[u8]) {
         let (e, feed) = self.original;
         if self.frame.e_absolute && self.e != e {
@@ -406,23 +406,23 @@ impl<'a> Writer<'a> {
         if is_understood(&Line::new(0, 0, line)) {
             self.times.push((self.out.len(), number));
             self.out.extend_from_slice(line.trim_ascii_end());
-            self.out.extend_from_slice(TIME_ROOM);
+            self.out.extend_from_slice(TIME_PADDING);
             self.end_line();
         }
     }
 
-    fn pull_counted(&mut self) {
-        self.cost.retractions += usize::from(!self.pulled);
-        self.pulled = true;
+    fn count_retraction(&mut self) {
+        self.cost.retractions += usize::from(!self.retracted);
+        self.retracted = true;
     }
 
     /// Retracts standing still what the file retracted while wiping somewhere else.
-    fn pull_in_place(&mut self, token: &Token) {
+    fn retract_in_place(&mut self, token: &Token) {
         let feed = self.style.retract.as_ref().map_or(token.feed, |r| {
-            [r.after.1, r.before.1, r.push.1].into_iter().find(|f| *f > 0).unwrap_or(token.feed)
+            [r.after.1, r.before.1, r.unretract.1].into_iter().find(|f| *f > 0).unwrap_or(token.feed)
         });
         self.feed_filament(token.e, feed);
-        self.pull_counted();
+        self.count_retraction();
     }
 
     /// A travel to a position, retracted where the file would have done so. `as_was`: the travel that it replaces.
@@ -438,7 +438,7 @@ impl<'a> Writer<'a> {
         let goes_round = kind == Some(TravelKind::Crosses) && (style.combs || style.rounds);
         let corners = goes_round.then(|| self.walls.around(a, b)).flatten();
         let retract = match kind {
-            _ if self.pulled || self.dry => None,
+            _ if self.retracted || self.dry => None,
             None | Some(TravelKind::Outside) => style.retract.as_ref().filter(|_| far),
             Some(TravelKind::Inside) => style.retract.as_ref().filter(|_| far && !style.combs),
             Some(TravelKind::Crosses) => style.retract.as_ref().filter(|_| corners.is_none() || !style.combs),
@@ -446,7 +446,7 @@ impl<'a> Writer<'a> {
         let level = self.at[2];
         let mut height = z;
         if let Some(retract) = retract {
-            self.pull(retract);
+            self.retract(retract);
             if let Some((hop, up, _)) = retract.hop {
                 height = z.max(level).saturating_add(hop);
                 self.lift(height, up);
@@ -466,12 +466,12 @@ impl<'a> Writer<'a> {
             if let Some((_, _, down)) = retract.hop {
                 self.lift(z, down);
             }
-            self.push(retract);
+            self.unretract(retract);
         }
     }
 
-    fn pull(&mut self, retract: &Retract) {
-        self.pull_counted();
+    fn retract(&mut self, retract: &Retract) {
+        self.count_retraction();
         if retract.firmware {
             self.out.extend_from_slice(b"G10");
             return self.end_line();
@@ -490,16 +490,16 @@ impl<'a> Writer<'a> {
         }
     }
 
-    fn push(&mut self, retract: &Retract) {
-        self.pulled = false;
+    fn unretract(&mut self, retract: &Retract) {
+        self.retracted = false;
         if retract.firmware {
             self.out.extend_from_slice(b"G11");
             return self.end_line();
         }
-        self.feed_filament(retract.push.0, retract.push.1);
+        self.feed_filament(retract.unretract.0, retract.unretract.1);
     }
 
-    /// Back over the path drawn last, pulling filament back.
+    /// Wipes: back over the path drawn last while filament is retracted.
     fn wipe(&mut self, retract: &Retract) {
         let (amount, feed) = retract.wipe;
         if amount <= 0 {
@@ -538,7 +538,7 @@ impl<'a> Writer<'a> {
         }
     }
 
-    /// The last of what was drawn, backwards, this many millimetres of it.
+    /// The last part of the drawn path, backwards, of this many millimetres.
     fn wipe_path(&self, wipe_mm: f64) -> Vec<[i64; 2]> {
         let Some(pick) = self.last else { return Vec::new() };
         let block = self.block;

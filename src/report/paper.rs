@@ -42,7 +42,7 @@ impl PaperRow {
     }
 }
 
-/// The table of one file; the first row is what the others are compared with. `own`: the segments are our own.
+/// The table of one file, whose first row is the baseline. `own`: the segments are our own.
 pub fn table(file: &str, own: bool, rows: &[PaperRow]) -> String {
     let mut out = format!("{file}{}\n", if own { " (own segments)" } else { "" });
     out += &format!(
@@ -97,7 +97,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn changes_are_those_of_the_whole_way_against_as_sliced() {
+    fn changes_are_those_of_print_and_travel_against_as_sliced() {
         let row = |order: &str, travel_mm| PaperRow {
             order: order.into(),
             print_mm: 900.0,

@@ -19,7 +19,7 @@ pub struct Measures {
     pub travel_mm: f64,
     /// Both.
     pub total_mm: f64,
-    /// Straight lines from the end of each path to the start of the next: what ordering minimises.
+    /// Length of the straight lines from the end of each path to the start of the next, which ordering minimises.
     pub link_mm: f64,
     /// No order can have shorter links than this, where it was computed.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -94,19 +94,19 @@ pub struct LayerSummary {
     pub measures: Measures,
 }
 
-/// What hangs over beyond the limit (`support.angle`), or rests on nothing.
+/// Overhangs beyond `support.angle`, and islands that rest on nothing.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct Overhangs {
     /// Positions where one begins.
     pub count: usize,
     /// Area seen from below.
     pub area_mm2: f64,
-    /// Height at which the lowest begins; nothing if there are none.
+    /// Height at which the lowest begins; `None` if there are none.
     pub lowest_mm: Option<f64>,
 }
 
 impl Overhangs {
-    /// For the user; nothing if there are none.
+    /// The warning for the user; `None` if there are none.
     pub fn warning(&self) -> Option<String> {
         let Self { count, area_mm2, lowest_mm } = self;
         let overhangs = if *count == 1 { "1 overhang needs" } else { &format!("{count} overhangs need") };
@@ -119,7 +119,7 @@ impl Overhangs {
     }
 }
 
-/// What a run made. `Display` gives the text for people, `Serialize` the JSON.
+/// The summary of a run. `Display` gives the text for people, `Serialize` the JSON.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct Summary {
     /// The models, as named on the command line.
@@ -142,7 +142,7 @@ pub struct Summary {
     /// What would need support, where none is printed.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub overhangs: Option<Overhangs>,
-    /// What was repaired, and what the user should know.
+    /// Repairs and warnings.
     pub warnings: Vec<String>,
     /// Each layer, from the bed up.
     pub layers: Vec<LayerSummary>,

@@ -25,13 +25,13 @@ pub struct PrintTime {
     pub file: String,
     /// The firmware whose rules were used.
     pub machine: &'static str,
-    /// All of it, but for what is left out.
+    /// Total time, without what is left out.
     pub total_s: f64,
-    /// What takes time of which nothing is known.
+    /// Commands whose duration is unknown.
     pub left_out: [&'static str; 3],
     /// Before the first layer: the start script's moves.
     pub before_s: f64,
-    /// What the time is spent on: travel, retraction (all moves of filament in place), waits, and each role.
+    /// Time by activity: travel, retraction (all moves of filament in place), waits, and each role.
     pub by_role: Seconds,
     /// Number of layers.
     pub layer_count: usize,

@@ -8,8 +8,8 @@ use i_overlay::i_float::int::point::IntPoint;
 use super::nest;
 use geometry::{Point, Polygon, Region, Ring};
 
-/// What the rings wind around: bodies that overlap or touch become one, and so do those with gaps narrower than twice
-/// `closing_mm` between them.
+/// The area that the rings wind around: bodies that overlap or touch become one, and so do those with gaps narrower
+/// than twice `closing_mm` between them.
 pub(super) fn non_zero(rings: &[Ring], closing_mm: f64) -> Region {
     match nest::assemble(rings) {
         Some(region) if closing_mm > 0.0 => geometry::close_between(&region, closing_mm),

@@ -88,7 +88,7 @@ fn tabled_mm(table: &[[f64; 2]], usual_mm: f64, bottom_mm: f64) -> f64 {
     }
 }
 
-/// How level the surface is at every height.
+/// The slope of the surface at every height.
 struct Surface {
     /// Greatest |n_z| in each slice, of facets that are steeper than level ones.
     slopes: Vec<f32>,

@@ -10,7 +10,7 @@ section! {
         height: Mm = Mm(0.2); 0.01..=2.0,
         /// Height of the first layer.
         first_height: Mm = Mm(0.2); 0.01..=2.0,
-        /// Heights follow the surface, thinner where it is nearly level; `height` then holds for rafts alone.
+        /// Heights follow the surface, thinner where it is nearly level; `height` then applies to rafts only.
         adaptive: bool = false,
         /// How fine adaptive heights are: at 0 all are `max_height`, at 1 nearly level surfaces get `min_height`.
         quality: Ratio = Ratio(0.5); 0.0..=1.0,

@@ -15,15 +15,15 @@ pub struct LayerSpan {
     pub top_mm: f64,
     /// Thickness.
     pub height_mm: f64,
-    /// Height of the cross-section: half-way up.
+    /// Height of the cross-section: at half its height.
     pub cut_mm: f64,
 }
 
 /// Models in 32-bit coordinates are this uncertain: half a micrometre covers heights up to 4 m.
 pub(super) const NOISE_MM: f64 = 5e-4;
 
-/// Layers of an object: all those whose middle lies inside it, as a last layer that is less than half filled would stand
-/// out more than one that is missing. Tops that differ by rounding noise give the same layers.
+/// The layers of an object: all whose middle lies inside it, as a last layer less than half filled would stand out
+/// more than a missing one. Tops that differ by rounding noise give the same layers.
 ///
 /// The plan is empty if the settings hold no positive heights, or the object is lower than half the first layer.
 pub fn plan(height_mm: f64, settings: &LayerSettings) -> Vec<LayerSpan> {

@@ -1,6 +1,7 @@
 //! A table of layer heights, as a setting writes it.
 
-/// Where each line begins over the bed, and the height of layers from there on, in millimetres: `0:0.2, 10:0.1`.
+/// The lines of a layer table: a height over the bed, and the layer height from there on, millimetres: `0:0.2,
+/// 10:0.1`.
 ///
 /// # Errors
 /// What is wrong and what is expected.

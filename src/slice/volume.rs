@@ -92,7 +92,7 @@ fn spread([a, b, c]: [f64; 3]) -> f64 {
     a.max(b).max(c) - a.min(b).min(c)
 }
 
-/// Box around every part that hangs together by edges.
+/// Box around every part connected by edges.
 fn shell_boxes(mesh: &Mesh) -> Vec<[[f64; 3]; 2]> {
     let mut seen = vec![false; mesh.triangles().len()];
     let mut boxes = Vec::new();

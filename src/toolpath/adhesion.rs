@@ -1,4 +1,4 @@
-//! What holds a print to the bed, and what surrounds it: brim, raft, skirt.
+//! Brim, raft and skirt.
 
 use std::f64::consts::FRAC_PI_2;
 
@@ -64,7 +64,7 @@ fn interrupted(mut ring: Ring, area: &Region) -> Vec<Line> {
     }
 }
 
-/// Loops around the convex hull of everything, outermost first: the skirt. There are as many as asked for, and
+/// Loops around the convex hull of everything, outermost first: the skirt. There are as many as requested, and
 /// more until `min_length` is reached.
 pub fn skirt(footprint: &Region, settings: &SkirtSettings, width_mm: f64, height_mm: f64) -> Vec<Ring> {
     let Some(hull) = hull(footprint) else {

@@ -40,7 +40,7 @@ pub fn width_mm(spacing_mm: f64, height_mm: f64) -> f64 {
     spacing_mm + rounding_mm(height_mm)
 }
 
-/// By how much a bead is wider than its spacing: what its round sides leave out.
+/// Difference between a bead's width and its spacing, due to its round sides.
 pub fn rounding_mm(height_mm: f64) -> f64 {
     height_mm * (1.0 - FRAC_PI_4)
 }

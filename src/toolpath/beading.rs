@@ -9,7 +9,7 @@
 //! - two beads of t/2, where 1.5 s ≤ t < 2.5 s;
 //! - two beads of s, and the rest again by this table, where t ≥ 2.5 s.
 //!
-//! So a middle bead is between half and one and a half times as wide as asked for, one of a pair at least three
+//! So a middle bead is between half and one and a half times as wide as requested, one of a pair at least three
 //! quarters and at most five quarters. Instead of a skeletal trapezoidation, the positions are found by offsets, and the
 //! thickness is that of the largest disc that touches the boundary and its opposite side (Ma, Bae, Choi: "3D medial
 //! axis point approximation using nearest neighbors and the normal field", The Visual Computer 28 (2012),
@@ -60,7 +60,7 @@ const DEPTH_MM: f64 = 0.005;
 /// A narrow area, to be filled with single beads.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Gap {
-    /// What is to be filled.
+    /// The area to fill.
     pub area: Region,
     /// The region in which it is narrow: other lines lie on the rest.
     pub region: Region,
@@ -92,7 +92,7 @@ pub(super) fn pair(region: &Region, spacing_mm: f64, least_mm: f64) -> Pair {
     Pair { loops, gap, rest: geometry::offset(&deep, (FULL - 1.0) * spacing_mm) }
 }
 
-/// A region shrunk by a radius, but for what is thicker than that here and there only.
+/// A region shrunk by a radius, without parts that are only occasionally thicker than that.
 pub(super) fn core(region: &Region, radius_mm: f64, spacing_mm: f64) -> Region {
     let mut core = geometry::offset(region, -radius_mm);
     core.retain(|polygon| {
@@ -116,7 +116,7 @@ pub(super) fn fill(region: &Region, spacing_mm: f64) -> (Vec<Line>, Vec<Gap>) {
     (loops, gaps)
 }
 
-/// What an island gets that is too small for a line: a loop about its deepest point, as wide as one bead, and that bead's
+/// The bead of an island too small for a line: a loop about its deepest point, as wide as one bead, and that bead's
 /// width. The island is at least `least_mm` across.
 pub(super) fn dot(island: &Polygon, least_mm: f64) -> Option<(Ring, f64)> {
     let island = Region::from(island.clone());
@@ -145,7 +145,7 @@ pub(super) fn dot(island: &Polygon, least_mm: f64) -> Option<(Ring, f64)> {
     (across_mm >= least_mm).then(|| ((0..DOT_CORNERS).map(corner).collect(), DOT_WIDTH * across_mm))
 }
 
-/// Loops of the width asked for.
+/// Loops of the requested width.
 pub(super) fn constant(centre: &Region) -> Vec<Line> {
     centre.rings().filter_map(|ring| Line::nominal(ring.clone(), true).sound()).collect()
 }
@@ -204,8 +204,8 @@ impl Sides {
         (sample.spacing_mm - PAIR * self.spacing_mm) / 2.0
     }
 
-    /// The vertex between two edges, as far inside either as its bead asks for, and as wide as the narrower one: a
-    /// wider bead would poke out beside that.
+    /// The vertex between two edges, inside either by half its bead, and as wide as the narrower one: a wider bead
+    /// would protrude beside that.
     fn corner(&self, end: &Sample, start: &Sample, line: &mut Line) {
         let (a, b) = (end.inwards, start.inwards);
         let cosine = a[0] * b[0] + a[1] * b[1];

@@ -43,7 +43,7 @@ impl<'a> Beneath<'a> {
         self.holds(Point::from_mm(x, y))
     }
 
-    /// Lets single beads of an island that end over air, just before an anchor, go on until they lie on it.
+    /// Extends single beads that end over air, just before an anchor, until they lie on it.
     pub fn reach(&self, paths: &mut [Path], island: &Polygon) {
         let inside = LazyCell::new(|| EdgeGrid::of(island));
         for path in paths.iter_mut().filter(|path| !path.closed) {
@@ -87,7 +87,7 @@ impl<'a> Beneath<'a> {
         (length_mm > 0.0).then(|| Point::from_mm(x, y))
     }
 
-    /// Whether a loop hangs over air without being a bridge: nothing of it is held, or it turns back where it hangs.
+    /// Whether a loop runs over air without being a bridge: no part of it is supported, or it turns back over air.
     fn hangs(&self, path: &Path) -> bool {
         let samples: Vec<([f64; 2], bool)> =
             along(round(path), STEP_MM).map(|(at, _)| (at, self.holds_at(at))).collect();

@@ -25,8 +25,8 @@ const LINES: f64 = 24.0;
 /// not held.
 const SPAN_WEIGHTS: [f64; 2] = [0.1, 0.01];
 
-/// Strips of fewer bridge lines get as many as run along all of them; the bridge lines of wider ones are spread over what holds
-/// them, too.
+/// In strips of fewer bridge lines than this all lines run along the whole strip; in wider ones they are also spread
+/// over the supports.
 const STRIP: f64 = 6.0;
 
 /// What is narrower than two bridge lines is bridged where it is longer than this many,
@@ -122,8 +122,8 @@ impl Anchors<'_> {
         best
     }
 
-    /// Share of bridge line length that is not held at both ends (half of it counts where one end is), and a little for the spans;
-    /// `None` where that is not below a limit.
+    /// Share of bridge line length without support at both ends (half of it counts with support at one end), plus a
+    /// little for the spans; `None` if it is not below a limit.
     fn cost(&self, air: &Region, angle_rad: f64, below: f64) -> Option<f64> {
         let judged = |cost: f64| (cost < below).then_some(cost);
         let Some(bounds) = air.bounds() else { return judged(0.0) };

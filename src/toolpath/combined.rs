@@ -1,4 +1,4 @@
-//! Layers whose sparse infill is laid in one go, in beads as high as all of them.
+//! Combined infill: layers whose sparse infill is laid once, in beads as high as all of them.
 
 use geometry::Region;
 

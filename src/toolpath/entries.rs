@@ -7,7 +7,7 @@ use geometry::Point;
 const SPACING_MM: f64 = 1.0;
 
 /// Adds vertices on the long edges of closed paths, so that ordering can begin a loop opposite to where the path
-/// before ends: a way below `retract.min_travel` needs no retraction. They move the outline by no more than rounding
+/// before ends: a travel below `retract.min_travel` needs no retraction. They move the outline by no more than rounding
 /// does and are dropped again where nothing begins. The first vertex stays the first.
 pub(super) fn add(paths: &mut [Path]) {
     let (mut points, mut widths) = (Vec::new(), Vec::new());

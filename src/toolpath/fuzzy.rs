@@ -1,6 +1,6 @@
 //! A rough surface: points of walls, moved at random to either side of the line.
 //!
-//! Coarse by intent, but within bounds: no point of the wall leaves its line by more than the thickness asked for.
+//! Coarse by intent, but within bounds: no point of the wall leaves its line by more than the requested thickness.
 //! Walls that rest on nothing, and those on the bed, stay as they are.
 
 use super::options::{FuzzySettings, FuzzyWalls};
@@ -15,7 +15,7 @@ const DETAIL: f64 = 0.1;
 /// Points between corners lie off their even places by up to this share of their distance.
 const SPREAD: f64 = 0.25;
 
-/// What roughens the walls of one object on one layer.
+/// The fuzzy skin of one object on one layer.
 pub(super) struct Fuzzy<'a> {
     settings: &'a FuzzySettings,
     beneath: EdgeGrid,
@@ -79,9 +79,8 @@ impl<'a> Fuzzy<'a> {
     }
 }
 
-/// Indices of the vertices of a ring that are left when those are dropped that are within a distance of what replaces
-/// them. Douglas & Peucker 1973, <https://doi.org/10.3138/FM57-6770-U75U-7727>, from the first vertex and the one
-/// farthest from it.
+/// Indices of the vertices that remain when a ring is simplified within a distance. Douglas & Peucker 1973,
+/// <https://doi.org/10.3138/FM57-6770-U75U-7727>, from the first vertex and the one farthest from it.
 fn simplified(ring: &[Point], tolerance_mm: f64) -> Vec<usize> {
     let away = |i: usize| {
         let ([x, y], [x0, y0]) = (ring[i].mm(), ring[0].mm());

@@ -22,11 +22,11 @@ const GAP_TIP: f64 = 0.25;
 
 /// How far the lines of skins reach where they turn sharply at a wall, as a multiple of how far free ends do: nearly no
 /// void is left in the surface, and the wedges are a little fuller than full.
-const SKIN_TURN: f64 = 1.1;
+const SKIN_TURN_REACH: f64 = 1.1;
 
 /// The same inside of prints that are solid throughout, where what is too much in a layer adds up: void and double
 /// cover together are least.
-const CORE_TURN: f64 = 0.8;
+const CORE_TURN_REACH: f64 = 0.8;
 
 /// How a solid zone is filled.
 pub(super) struct Solid {
@@ -89,11 +89,12 @@ impl LayerBuilder {
         // Free ends alone fill the zone when they reach its edge.
         let reach_mm = if ordered { spacing_mm / 2.0 } else { settings.overlap.0 * width_mm };
         let angle_rad = settings.angle.to_radians();
-        let turn = if settings.density.0 > infill::SOLID_DENSITY { CORE_TURN } else { SKIN_TURN };
+        let turn_reach =
+            if settings.density.0 > infill::SOLID_DENSITY { CORE_TURN_REACH } else { SKIN_TURN_REACH };
         let spec = SolidSpec {
             spacing_mm,
             reach_mm,
-            turn,
+            turn_reach,
             angle_rad,
             layer,
             joined: !ordered,
@@ -125,7 +126,7 @@ impl LayerBuilder {
         let spec = SolidSpec {
             spacing_mm: bridge_line_mm,
             reach_mm,
-            turn: CORE_TURN,
+            turn_reach: CORE_TURN_REACH,
             angle_rad: bridge.angle_rad,
             layer: 0,
             joined: true,

@@ -15,7 +15,7 @@ choice! {
 choice! {
     /// How wide walls are.
     WallGenerator {
-        /// As wide as asked for; single beads of fitting width in what is left.
+        /// Walls of the given width, with single beads of fitting width in the remainder.
         Classic = "classic",
         /// Those in the middle of a thin part as wide as fits.
         Variable = "variable",
@@ -109,7 +109,7 @@ section! {
         min_feature: Mm = Mm(0.16); 0.05..=1.0,
         /// Thin parts are printed at least this wide.
         min_width: Mm = Mm(0.2); 0.05..=1.0,
-        /// Fill what is left between walls, and walls too thin for a loop, with single beads of fitting width.
+        /// Fill gaps between walls, and walls too thin for a loop, with single beads of fitting width.
         gap_fill: bool = true,
     }
 }
@@ -120,7 +120,7 @@ section! {
         top_layers: u32 = 5; 0..=10000,
         /// Solid layers above every bottom surface.
         bottom_layers: u32 = 4; 0..=10000,
-        /// Top and bottom are at least this thick, with more layers than the above where those are thin.
+        /// Minimum thickness of top and bottom shells, which get more layers where these are thin.
         min_thickness: Mm = Mm(0.7); 0.0..=100.0,
         /// Print each line of a top surface next to the one before, never between two others. Applies while a run is not
         /// interrupted: under any `order.scope` but `layer`.
@@ -172,14 +172,15 @@ section! {
     SpiralSettings {
         /// Print in vase mode.
         enabled: bool = false,
-        /// Each revolution glides from the outline below it to its own, so that no step shows where revolutions begin.
+        /// Each revolution blends from the outline below it to its own, so that no step shows where revolutions
+        /// begin.
         smooth: bool = true,
     }
 }
 section! {
     /// `[fuzzy]`: a rough surface.
     FuzzySettings {
-        /// Which walls have it.
+        /// Walls with fuzzy skin.
         walls: FuzzyWalls = FuzzyWalls::None,
         /// Displacement to either side of the wall, at most.
         thickness: Mm = Mm(0.3); 0.01..=2.0,

@@ -20,7 +20,7 @@ use super::shells::{self, ShellWindows, Zones};
 use super::walls::{self, WallSpec, Walls};
 use super::{Island, IslandId, LayerKind, LayerPaths, Phase, Role, adhesion, bead, bridges, entries};
 
-/// Ends of sparse infill lines are joined along the wall up to this many line distances: the way to the next
+/// Ends of sparse infill lines are joined along the wall up to this many line distances: the distance to the next
 /// line is √2 distances at 45°, and beyond this a travel is quicker than the extrusion.
 const LONGEST_JOIN: f64 = 2.5;
 
@@ -50,7 +50,7 @@ pub struct ToolpathSettings {
     pub free_seams: bool,
 }
 
-/// What one object is at one layer, with what its neighbouring layers have to do with it.
+/// One object at one layer: its section and the data of its neighbouring layers.
 #[derive(Clone, Copy, Debug)]
 pub struct ObjectLayer<'a> {
     /// Which object on the plate.
@@ -88,27 +88,27 @@ pub struct Planner {
     /// Calibrated distance of sparse lines.
     line_distance_mm: Option<f64>,
     /// Layers that are combined, bottom up.
-    stacks: CombinedInfill,
+    combined: CombinedInfill,
     brim: Vec<Line>,
     skirt: Vec<Ring>,
     /// What part and brim cover on the bed.
     covered: Region,
 }
 
-/// What the islands of an object have in common at one layer.
+/// The properties shared by the islands of an object at one layer.
 struct Part<'a> {
     object: &'a ObjectLayer<'a>,
     fuzzy: Option<Fuzzy<'a>>,
     support_below: Option<Beneath<'a>>,
 }
 
-/// What one layer of sparse infill fills.
+/// The height of a layer of sparse infill, and the rotation of its pattern.
 #[derive(Clone, Copy)]
 struct Slab {
     /// Height of its beads in millimetres.
     height_mm: f64,
-    /// How often the pattern has turned.
-    turn: usize,
+    /// Number of rotations of the pattern so far.
+    rotation: usize,
 }
 
 /// Bead widths of one layer.
@@ -126,8 +126,8 @@ impl Planner {
     pub fn new(settings: ToolpathSettings, footprint: &Region, first_height_mm: f64) -> Self {
         let (line_distance_mm, covered) = (None, footprint.clone());
         let pattern = infill::pattern(settings.infill.pattern);
-        let (stacks, brim, skirt) = (CombinedInfill::default(), Vec::new(), Vec::new());
-        let mut planner = Self { settings, pattern, line_distance_mm, stacks, brim, skirt, covered };
+        let (combined, brim, skirt) = (CombinedInfill::default(), Vec::new(), Vec::new());
+        let mut planner = Self { settings, pattern, line_distance_mm, combined, brim, skirt, covered };
         let width_mm = planner.widths(0).skirt_mm;
         planner.brim = adhesion::brim(footprint, &planner.settings.brim, width_mm, first_height_mm);
         if !planner.brim.is_empty() {
@@ -159,26 +159,26 @@ impl Planner {
     /// What calibration needs of a layer; see [`Planner::calibrate`].
     pub fn sparse_sample(&self, layer: &PlateLayer<'_>) -> SparseSample {
         let spec = self.wall_spec(layer);
-        let slab = Slab { height_mm: layer.height_mm, turn: layer.index };
+        let slab = Slab { height_mm: layer.height_mm, rotation: layer.index };
         let fill_spec = self.fill_spec(layer, slab);
         let mut sample = SparseSample { area: Region::default(), area_mm2: 0.0, spec: fill_spec };
         for object in &layer.objects {
             for island in object.section.polygons() {
                 let zones = self.zones(&walls::trace(island, &spec).inside, object, layer);
-                let room = geometry::offset(&zones.sparse, -fill_spec.spacing_mm / 2.0);
-                sample.area.add_disjoint(room.into_polygons());
+                let fill_area = geometry::offset(&zones.sparse, -fill_spec.spacing_mm / 2.0);
+                sample.area.add_disjoint(fill_area.into_polygons());
                 sample.area_mm2 += zones.sparse_mm2;
             }
         }
         sample
     }
 
-    /// Sets the distance of sparse lines so that the sample layers get the density asked for; what is left to
-    /// make up on each island, the beads' width does. The first layer is no sample: its lines may be wider.
+    /// Sets the distance of sparse lines so that the sample layers have the requested density; the beads' width makes
+    /// up the remainder on each island. The first layer is no sample: its lines may be wider.
     pub fn calibrate(&mut self, samples: &[SparseSample], height_mm: f64) {
         let settings = &self.settings.infill;
         let density = settings.density.0;
-        if density <= 0.0 || density > infill::SOLID_DENSITY || !self.pattern.is_even() {
+        if density <= 0.0 || density > infill::SOLID_DENSITY || !self.pattern.is_uniform() {
             return;
         }
         let spacing_mm = self.infill_spacing_mm(1, height_mm);
@@ -205,7 +205,7 @@ impl Planner {
     /// Combines the sparse infill of layers, `infill.combine_layers` at a time and as many as the nozzle's diameter allows.
     /// `areas` are the heights and [`sparse_area`](Self::sparse_area)s of all layers; the first is left alone.
     pub fn combine(&mut self, areas: &[(f64, Region)]) {
-        self.stacks =
+        self.combined =
             CombinedInfill::new(areas, self.settings.infill.combine_layers as usize, self.settings.nozzle.0);
     }
 
@@ -333,15 +333,15 @@ impl Planner {
 
     /// Sparse infill: of the layer, and of those beneath that it is combined with.
     fn sparse(&self, layer: &mut LayerBuilder, zone: Region, area_mm2: f64, section: &PlateLayer<'_>) {
-        let own = Slab { height_mm: section.height_mm, turn: section.index };
-        let Some((stack, number)) = self.stacks.of(section.index) else {
+        let own = Slab { height_mm: section.height_mm, rotation: section.index };
+        let Some((group, number)) = self.combined.of(section.index) else {
             return self.fill(layer, &zone, area_mm2, section, own);
         };
-        let shared = geometry::intersection(&zone, &stack.area);
+        let shared = geometry::intersection(&zone, &group.area);
         let rest = geometry::opening(&geometry::remainder(&zone, &shared), own.height_mm / 2.0);
         self.fill(layer, &rest, rest.area_mm2(), section, own);
-        if section.index == stack.last {
-            let slab = Slab { height_mm: stack.height_mm, turn: number };
+        if section.index == group.last {
+            let slab = Slab { height_mm: group.height_mm, rotation: number };
             self.fill(layer, &shared, shared.area_mm2(), section, slab);
         }
     }
@@ -360,14 +360,14 @@ impl Planner {
         }
         let (pattern, density) = (&*self.pattern, self.settings.infill.density.0);
         let spec = self.fill_spec(section, slab);
-        let room = geometry::offset(zone, -spec.spacing_mm / 2.0);
-        let (lines, flow) = if pattern.is_even() {
+        let fill_area = geometry::offset(zone, -spec.spacing_mm / 2.0);
+        let (lines, flow) = if pattern.is_uniform() {
             let solid_mm = area_mm2 / spec.spacing_mm;
-            let lines = infill::lay(pattern, &room, &spec, solid_mm, density);
+            let lines = infill::lay(pattern, &fill_area, &spec, solid_mm, density);
             let flow = infill::flow(&lines, solid_mm, density);
             (lines, flow)
         } else {
-            (pattern.fill(&room, &spec), 1.0)
+            (pattern.fill(&fill_area, &spec), 1.0)
         };
         let layer_mm = std::mem::replace(&mut layer.height_mm, slab.height_mm);
         let width_mm = bead::width_mm(spec.spacing_mm * flow, slab.height_mm);
@@ -417,8 +417,8 @@ impl Planner {
             return Vec::new();
         }
         let index = section.index - 1;
-        let turn = self.stacks.of(index).map_or(index, |(_, number)| number);
-        let spec = self.fill_spec(section, Slab { height_mm: section.height_mm, turn });
+        let rotation = self.combined.of(index).map_or(index, |(_, number)| number);
+        let spec = self.fill_spec(section, Slab { height_mm: section.height_mm, rotation });
         self.pattern.sets(&FillSpec { layer: index, z_mm: spec.z_mm - section.height_mm, ..spec })
     }
 
@@ -438,8 +438,8 @@ impl Planner {
             None => spacing_mm / settings.density.0,
         };
         let angle_rad = match settings.angles.as_slice() {
-            [] => settings.angle.to_radians() + self.pattern.turn_rad(slab.turn),
-            angles => angles[slab.turn % angles.len()].to_radians(),
+            [] => settings.angle.to_radians() + self.pattern.rotation_rad(slab.rotation),
+            angles => angles[slab.rotation % angles.len()].to_radians(),
         };
         FillSpec {
             line_distance_mm,
@@ -450,7 +450,7 @@ impl Planner {
             joins: Joins {
                 longest_mm: if settings.connect { LONGEST_JOIN * line_distance_mm } else { 0.0 },
                 reach_mm: settings.overlap.0 * self.widths(section.index).infill_mm + EMBEDDED * spacing_mm,
-                turn_mm: 0.0,
+                turn_reach_mm: 0.0,
                 anchor_mm: settings.anchor.0,
                 hatch: None,
             },

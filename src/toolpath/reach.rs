@@ -22,12 +22,12 @@ const ALONG: f64 = 0.3;
 /// it is.
 const HANGING: f64 = 0.25;
 
-/// What the solid lines of a layer rest on, and where they run.
+/// The supports and directions of the solid lines of a layer.
 #[derive(Clone, Debug)]
 pub struct Reach<'a> {
-    /// Sparse infill is beneath what these have in common; the rest has solid infill beneath, or nothing.
+    /// Where all of these overlap there is sparse infill beneath; elsewhere solid infill or nothing.
     pub hollow: [&'a Region; 3],
-    /// The lines of the sparse infill; none if it has no straight ones: then nothing is known of what holds.
+    /// The lines of the sparse infill; none if it has no straight ones, as its supports are unknown then.
     pub sparse: Vec<LineSet>,
     /// Direction of the solid lines, radians from the X axis.
     pub angle_rad: f64,
@@ -43,8 +43,8 @@ struct Chord {
 }
 
 impl Reach<'_> {
-    /// Patches, whose lines are `line_mm` apart, with what they have to cover besides; that may reach over the edge of
-    /// `inside` by a line. Where there are walls before a line beneath, they hold the patch.
+    /// Extends patches of lines `line_mm` apart by the area that they must also cover; they may reach over the edge
+    /// of `inside` by a line. Where there are walls before a line beneath, they hold the patch.
     pub fn grow(&self, patches: Region, inside: &Region, line_mm: f64) -> Region {
         if self.sparse.is_empty() {
             return patches;

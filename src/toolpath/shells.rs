@@ -26,9 +26,9 @@ pub type Map<'a> = &'a dyn Fn(usize, &(dyn Fn(usize) -> Region + Sync)) -> Vec<R
 /// Thicknesses that differ by less are the same, in millimetres.
 const NOISE_MM: f64 = 1e-6;
 
-/// How many layers on one side of a layer its shell looks at: as many as are asked for, and more until those between it
-/// and the surface are as thick as asked for. `heights_mm` are those of the layers on that side, the nearest first; one
-/// more than there are says that the shell looks beyond them. A shell that is not wanted stays away.
+/// Number of layers on one side of a layer that its shell depends on: the requested number, and more until they have
+/// the requested thickness. `heights_mm` are those of the layers on that side, the nearest first; one more than there
+/// are says that the shell looks beyond them. A shell that is not wanted stays away.
 pub fn shell_depth(heights_mm: impl Iterator<Item = f64>, layers: u32, min_thickness_mm: f64) -> usize {
     let (mut depth, mut thick_mm) = (0, 0.0);
     if layers == 0 {
@@ -45,7 +45,7 @@ pub fn shell_depth(heights_mm: impl Iterator<Item = f64>, layers: u32, min_thick
     if enough { depth } else { depth + 1 }
 }
 
-/// How many of the lowest layers, with these heights, are the solid bottom of what stands on the bed.
+/// Number of solid bottom layers on the bed, with these layer heights.
 pub fn bottom_layers(heights_mm: &[f64], settings: &ShellSettings) -> usize {
     (0..heights_mm.len()).take_while(|&i| below(heights_mm, i, settings) > i).count()
 }
@@ -60,7 +60,7 @@ fn below(heights_mm: &[f64], layer: usize, settings: &ShellSettings) -> usize {
     shell_depth(heights_mm, settings.bottom_layers, settings.min_thickness.0)
 }
 
-/// What the layers that a shell reaches over have in common: where something is missing in it, the shell is.
+/// The intersection of the layers within a shell's thickness; the shell is what lies outside of it.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct ShellWindows<'a> {
     /// Of the layers above, as many as the top shell is thick; `None`: no top shell.
@@ -69,8 +69,8 @@ pub struct ShellWindows<'a> {
     pub bottom: Option<&'a Region>,
 }
 
-/// For each layer, what is common to the layers above it within the top shell's thickness, and to those below it within
-/// the bottom shell's.
+/// For each layer, the intersection of the layers above it within the top shell's thickness, and of those below it
+/// within the bottom shell's.
 #[derive(Clone, Debug, Default)]
 pub struct Shells {
     windows: Vec<Region>,
@@ -153,13 +153,13 @@ pub struct Zones {
     pub solid: Region,
     /// Solid, with nothing above.
     pub top: Region,
-    /// Area of what no shell covers, in square millimetres: what sparse infill owes its density to. The sparse zone
-    /// itself differs by what solid infill anchors in and by places too narrow for either.
+    /// Area outside of all shells, in square millimetres, to which the density of sparse infill refers. The sparse
+    /// zone itself differs by what solid infill anchors in and by places too narrow for either.
     pub sparse_mm2: f64,
 }
 
 impl Zones {
-    /// Leaves no more than this of the sparse zone; what that owes its density to becomes less by as much.
+    /// Limits the sparse zone to this area, and the area its density refers to accordingly.
     pub fn leave_sparse(&mut self, sparse: Region) {
         let taken_mm2 = self.sparse.area_mm2() - sparse.area_mm2();
         self.sparse_mm2 = (self.sparse_mm2 - taken_mm2).max(0.0);
@@ -171,7 +171,7 @@ impl Zones {
 ///
 /// `above` and `below` are the windows of [`Shells`], `next` is the section of the layer above (empty on the
 /// last). Very narrow solid strips are left to the walls beside them; sparse ones become solid. Solid patches `reach`
-/// over a line of sparse infill beneath. A surface goes on under ribs that rise out of it and are narrower than twice
+/// over a line of sparse infill beneath. A surface continues under ribs that rise out of it and are narrower than twice
 /// `walls_mm`: their walls stand on it, and not on sparse infill.
 pub fn divide(
     inside: &Region,
@@ -229,8 +229,8 @@ pub fn divide(
     zones
 }
 
-/// What of the sparse zone the walls of a rib would stand on that rises out of a surface: parts beside what is exposed,
-/// where the next layer is too narrow for anything but walls.
+/// The part of the sparse zone under the walls of a rib that rises out of a surface: beside exposed parts, where the
+/// next layer is too narrow for anything but walls.
 fn under_ribs(sparse: &Region, exposed: &Region, next: &Region, line_mm: f64, walls_mm: f64) -> Region {
     let rough = |region: &Region| geometry::simplify(region, ROUGH_MM);
     let beside = geometry::intersection(sparse, &geometry::offset(&rough(exposed), 2.0 * walls_mm));

@@ -15,7 +15,7 @@ const FADE_STEPS: f64 = 64.0;
 /// Share of a full line that swelling begins and fading ends with: less is not deposited on short pieces.
 const LEAST_FLOW: f64 = 1.0 / 128.0;
 
-/// Vertices nearer to each other are one: what is deposited between them would round to nothing.
+/// Vertices nearer to each other are merged, as the amount between them would round to 0.
 const CLOSE_MM: f64 = 0.02;
 
 /// Outlines further apart than this many widths are joined by no glide: there is an edge in the surface.
@@ -39,7 +39,7 @@ pub struct Revolution {
     pub rises: Vec<Rise>,
 }
 
-/// What revolutions are made for.
+/// The settings of revolutions.
 #[derive(Clone, Copy, Debug)]
 pub struct SpiralSpec {
     /// Width of the line.
@@ -102,16 +102,16 @@ pub fn revolution(
         (None, _) => f64::INFINITY,
     };
     let joint = below.and_then(|below| below.first().copied());
-    let on_way = steps(outline, length_mm, step_mm).into_iter();
+    let following = steps(outline, length_mm, step_mm).into_iter();
     let mut points: Vec<Point> = joint.into_iter().collect();
-    points.extend(on_way.map(|(share, p)| glide.as_ref().map_or(p, |glide| glide.at(p, share))));
+    points.extend(following.map(|(share, p)| glide.as_ref().map_or(p, |glide| glide.at(p, share))));
     Revolution::along(&points, |share| Rise {
         below_mm: (1.0 - share) * height_mm,
         flow: if first { share.max(LEAST_FLOW) } else { 1.0 },
     })
 }
 
-/// The revolution that levels the top: once more along the last outline, at its height, the line fading to nothing.
+/// The last revolution, which levels the top: along the last outline at its height, fading to nothing.
 pub fn level(outline: &[Point]) -> Revolution {
     let length_mm = geometry::ring_length_mm(outline).max(f64::MIN_POSITIVE);
     let points: Vec<Point> =
@@ -126,8 +126,8 @@ impl Revolution {
         self.rises.extend(other.rises.into_iter().skip(1));
     }
 
-    /// A line through points, those that are close left out but for the ends, that rises evenly: `rise` says what holds
-    /// at a share of its length.
+    /// A line through points (close ones left out, except ends) that rises evenly: `rise` gives the rise at a share
+    /// of its length.
     fn along(points: &[Point], rise: impl Fn(f64) -> Rise) -> Self {
         let mut kept: Vec<Point> = points.first().copied().into_iter().collect();
         let mm = |a: Point, b: Point| square(a - b).sqrt() / UNITS_PER_MM;
@@ -224,7 +224,7 @@ mod tests {
     }
 
     #[test]
-    fn turns_of_a_cone_grow_all_the_way_round() {
+    fn revolutions_of_a_cone_grow_all_around() {
         let mut rings = [circle(10.0, 0.0), circle(10.3, 0.4)];
         align(&mut rings);
         let revolution = revolution(&rings[1], Some(&rings[0]), 0.2, &SPEC);

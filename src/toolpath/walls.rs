@@ -51,7 +51,7 @@ impl WallSpec {
         (self.min_feature_mm - bead::rounding_mm(self.height_mm)).max(FINEST_MM)
     }
 
-    /// Nothing but walls fits into what is narrower than twice this.
+    /// In parts narrower than twice this only walls fit.
     pub fn core_mm(&self) -> f64 {
         let edge_mm = bead::rounding_mm(self.height_mm) / 2.0;
         let depth_mm = edge_mm + (0..self.count).map(|d| self.spacing_mm(d)).sum::<f64>();
@@ -164,7 +164,7 @@ fn with_gaps(section: &Region, spec: &WallSpec) -> Walls {
     leave_inside(walls, rest, (1.0 + CLOSEST) / 2.0, spec)
 }
 
-/// What the walls leave is the fill area; parts narrower than twice the radius, in spacings, become gaps.
+/// The area inside the walls is the fill area; parts narrower than twice the radius, in spacings, become gaps.
 fn leave_inside(mut walls: Walls, mut rest: Region, radius: f64, spec: &WallSpec) -> Walls {
     if spec.gap_fill && !rest.is_empty() {
         let spacing_mm = spec.spacing_mm(spec.count);

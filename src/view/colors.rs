@@ -8,7 +8,7 @@ use crate::toolpath::Role;
 /// Red, green, blue.
 pub(super) type Rgb = [u8; 3];
 
-/// What roles are called and drawn in.
+/// The name and colour of a role.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct RoleColor {
     /// For people.
@@ -61,7 +61,7 @@ pub(super) const RAMP: [Rgb; 9] = [
     rgb(0xFDE725),
 ];
 
-/// The colours of what is no role.
+/// The colours of everything that is not a role.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Theme {
     pub background: Rgb,
@@ -123,7 +123,7 @@ mod tests {
         [[1.255528, -0.076749, -0.178779], [-0.078411, 0.930809, 0.147602], [0.004733, 0.691367, 0.303900]],
     ];
 
-    /// CIE L*a*b* of a colour as somebody sees it.
+    /// CIE L*a*b* of a colour as it is seen.
     fn lab(color: Rgb, seen: &[[f64; 3]; 3]) -> [f64; 3] {
         let linear = color.map(|c| {
             let c = f64::from(c) / 255.0;

@@ -1,4 +1,4 @@
-//! A print as people look at it: pictures of layers, thumbnails, and a page to open in a browser.
+//! Views of a print: pictures of layers, thumbnails, and a page for a browser.
 //!
 //! [`Scene`] is what all of them draw: the strokes of a G-code file, layer by layer, with what each is for.
 

@@ -46,7 +46,7 @@ impl Print {
         Self { name, scene, filament_g }
     }
 
-    /// Takes links and lower bounds, of each layer and of all, from whoever computed the bounds. Nothing changes where
+    /// Takes links and lower bounds, of each layer and of all, from the caller. Nothing changes where
     /// those layers are others than the G-code's.
     #[must_use]
     pub fn with_bounds(mut self, layers: &[(f64, Option<f64>)], total: (f64, Option<f64>)) -> Self {

@@ -82,7 +82,7 @@ fn travels(layer: &Layer, width_mm: f32) -> Vec<Shape> {
     shapes
 }
 
-/// Adds a stroke to the last line if it goes on there.
+/// Adds a stroke to the last line if it continues there.
 fn extend(shapes: &mut Vec<Shape>, from: [f32; 3], to: [f32; 3], look: (&'static str, Rgb, f32)) {
     let (from, to) = ([from[0], from[1]], [to[0], to[1]]);
     if let Some(Shape::Line { label, width_mm, points, .. }) = shapes.last_mut()

@@ -23,19 +23,19 @@ pub struct Stroke {
     pub from: [f32; 3],
     /// End.
     pub to: [f32; 3],
-    /// What is extruded, as an index into the palette's roles; `None`: nothing, this is travel.
+    /// Index of the role in the palette; `None` for travel.
     pub role: Option<u8>,
     /// Width of the bead.
     pub width_mm: f32,
     /// Its height.
     pub height_mm: f32,
-    /// Speed asked for.
+    /// Requested speed.
     pub speed_mm_s: f32,
     /// Plastic per second at that speed.
     pub flow_mm3_s: f32,
 }
 
-/// What happens at a point.
+/// The kind of a mark.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum MarkKind {
     /// Filament is retracted.
@@ -72,8 +72,8 @@ pub struct Layer {
 /// A print as its G-code draws it.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Scene {
-    /// Layers from the first one printed on; what a start script does belongs to the first, what an end script does to
-    /// the last.
+    /// The layers from the first printed one on; moves of the start script belong to the first, those of the end
+    /// script to the last.
     pub layers: Vec<Layer>,
     /// Measures of all.
     pub total: Measures,
@@ -83,7 +83,7 @@ pub struct Scene {
 
 impl Scene {
     /// Reads a G-code file of any common slicer. Filament and machine are those of the settings; widths that the file
-    /// does not tell follow from the amounts extruded. O(bytes).
+    /// does not give follow from the amounts extruded. O(bytes).
     pub fn read(text: &[u8], settings: &Settings) -> Self {
         let mut reader = Reader::new(settings);
         for read in gcode::annotate(text) {
@@ -102,8 +102,8 @@ impl Scene {
         self.layers.iter().all(|layer| layer.strokes.is_empty())
     }
 
-    /// Smallest and largest X and Y that roles touch (where nothing is extruded: that moves touch); `None` of an empty
-    /// scene. What a start script primes does not count where there is anything else.
+    /// Bounds of the roles in X and Y (of moves where nothing is extruded); `None` of an empty scene. What a start
+    /// script primes does not count where there is anything else.
     pub fn bounds(&self) -> Option<[[f32; 2]; 2]> {
         let wanted: [&dyn Fn(&Stroke) -> bool; 3] =
             [&|s| s.role.is_some_and(|role| role != OTHER), &|s| s.role.is_some(), &|_| true];
@@ -191,7 +191,7 @@ impl Reader {
         self.clock.step(&read.line, &read.action, self.laps.len());
     }
 
-    /// Makes one layer of all so far, and goes on with it.
+    /// Makes one layer of all so far, and continues with it.
     fn unite(&mut self) {
         self.end_layer();
         let mut all = Layer::default();

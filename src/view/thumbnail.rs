@@ -50,7 +50,7 @@ impl Solid for Scene {
     fn facets(&self, each: &mut dyn FnMut([[f32; 3]; 3], Rgb)) {
         let strokes = || self.layers.iter().flat_map(|layer| &layer.strokes);
         let beside = |role: &u8| [SKIRT, OTHER].contains(role);
-        // A file that does not tell roles is shown whole.
+        // A file without roles is shown whole.
         let all = strokes().filter_map(|stroke| stroke.role).all(|role| beside(&role));
         for stroke in strokes() {
             let Some(role) = stroke.role.filter(|role| all || !beside(role)) else { continue };
@@ -114,7 +114,7 @@ struct Fit {
 }
 
 impl Fit {
-    /// `None` where there is nothing to see.
+    /// The picture; `None` if nothing is visible.
     fn new(solid: &dyn Solid, width: f32, height: f32) -> Option<Self> {
         let (mut low, mut high) = ([f32::INFINITY; 2], [f32::NEG_INFINITY; 2]);
         solid.facets(&mut |corners, _| {
@@ -129,8 +129,8 @@ impl Fit {
         if !size.iter().all(|mm| mm.is_finite()) {
             return None;
         }
-        let room = 1.0 - 2.0 * MARGIN;
-        let scale = (width * room / size[0].max(1e-3)).min(height * room / size[1].max(1e-3));
+        let inner = 1.0 - 2.0 * MARGIN;
+        let scale = (width * inner / size[0].max(1e-3)).min(height * inner / size[1].max(1e-3));
         let shift =
             [width / 2.0 - scale * (low[0] + size[0] / 2.0), height / 2.0 + scale * (low[1] + size[1] / 2.0)];
         Some(Self { scale, shift })

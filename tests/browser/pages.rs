@@ -95,7 +95,7 @@ pub fn sliders_keys_and_the_legend_change_the_picture() {
     browser.run("put('layer', 3)");
     assert_eq!(browser.run("shown('layer-text')"), json!("3 / 6 · 0.60 mm"));
     assert!(number(browser.run("pixels(OUTER)")) < 0.7 * outer, "the third layer is smaller");
-    browser.run("put('way', app.longest() / 4)");
+    browser.run("put('progress', app.longest() / 4)");
     assert!(number(browser.run("pixels(OUTER)")) < 0.4 * outer, "and only begun");
 
     browser.run("put('layer', 1)");
@@ -180,7 +180,7 @@ pub fn a_window_as_small_as_a_phone_shows_all_of_it() {
     assert!(number(browser.run("pixels(OUTER)")) > 500.0);
     assert_eq!(browser.run("document.documentElement.scrollWidth"), json!(390), "nothing sticks out");
     let inside = browser.run(
-        "['layer', 'way', 'play', 'view-3d'].every((id) => {
+        "['layer', 'progress', 'play', 'view-3d'].every((id) => {
            const box = document.getElementById(id).getBoundingClientRect();
            return box.width > 30 && box.height > 24 && box.left >= 0 && box.right <= 390 && box.bottom <= 844;
          })",

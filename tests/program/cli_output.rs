@@ -21,7 +21,7 @@ thread_local! {
     static SEEN: RefCell<Vec<(Job, Settings)>> = const { RefCell::new(Vec::new()) };
 }
 
-/// Writes the models' names; fails half-way at one that is called `bad`.
+/// Writes the models' names; fails at one that is called `bad`.
 struct Fake;
 
 impl Engine for Fake {

@@ -32,7 +32,7 @@ fn beads_stay_inside_the_section() {
         let (print, solid) = (print(name, &settings), solid(&model(name), &settings));
         for (i, beads) in beads_by_layer(&print, &settings).iter().enumerate().step_by(4) {
             let section = solid.section(Some(i));
-            // Beads of fitting width change theirs along the way; their centres have to be inside.
+            // Beads of fitting width change theirs along the path; their centres have to be inside.
             let (inner, outer) = (offset(&section, 0.05 - 0.45 / 2.0), offset(&section, 0.02));
             for bead in beads {
                 let room = if bead.width_mm == 0.45 && bead.kind != "Gap fill" { &inner } else { &outer };

@@ -22,7 +22,7 @@ const MODELS: [&str; 10] = [
 ];
 
 /// By how much layers, lengths, volumes, travels and retractions may differ: a share, and for counts two, for they
-/// depend on which of two equal ways is taken.
+/// depend on which of two equal routes is taken.
 const TOLERANCES: [(f64, f64); 5] = [(0.0, 0.0), (0.005, 0.0), (0.005, 0.0), (0.02, 2.0), (0.02, 2.0)];
 
 #[test]

@@ -1,4 +1,4 @@
-//! Ways to print that change what a layer is: spiral, heights that differ, rough walls. Read back from the G-code.
+//! Print modes that change what a layer is: spiral, heights that differ, rough walls. Read back from the G-code.
 
 use std::f64::consts::PI;
 
@@ -46,12 +46,12 @@ fn a_spiral_rises_by_a_layer_on_each_turn_at_a_constant_slope() {
             let floor_mm = rises[from].from[2];
             let turn: Vec<&&Stroke> =
                 rises[from..].iter().take_while(|s| s.to[2] <= floor_mm + height_mm + 1e-6).collect();
-            let way_mm: f64 = turn.iter().map(|s| s.xy_mm).sum();
+            let length_mm: f64 = turn.iter().map(|s| s.xy_mm).sum();
             let whole = (turn.last().unwrap().to[2] - floor_mm - height_mm).abs() < 1e-6;
             let mut done_mm = 0.0;
             for stroke in turn.iter().filter(|_| whole) {
                 done_mm += stroke.xy_mm;
-                let off_mm = stroke.to[2] - floor_mm - height_mm * done_mm / way_mm;
+                let off_mm = stroke.to[2] - floor_mm - height_mm * done_mm / length_mm;
                 assert!(off_mm.abs() < 2e-3, "{name}: {off_mm} mm at {floor_mm}");
             }
             from += turn.len();
@@ -60,7 +60,7 @@ fn a_spiral_rises_by_a_layer_on_each_turn_at_a_constant_slope() {
 }
 
 #[test]
-fn a_spiral_holds_its_way_times_its_cross_section() {
+fn a_spiral_holds_its_length_times_its_cross_section() {
     for name in MODELS {
         let settings = standard(&["spiral.enabled=true"]);
         let (body, height_mm) = (body(&print(name, &settings)), settings.layer.height.0);

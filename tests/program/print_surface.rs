@@ -97,7 +97,7 @@ fn long_travels_are_retracted_once_and_undone_exactly() {
 }
 
 #[test]
-fn travels_go_round_holes_where_a_way_round_exists() {
+fn travels_go_round_holes_where_a_detour_exists() {
     let [straight, round] = [0, 500].map(|detour_mm| {
         let set = format!("travel.max_detour={detour_mm}");
         let settings = quick(&["skirt.loops=0", "layer.height=0.3", "infill.density=0", &set]);

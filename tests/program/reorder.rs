@@ -1,4 +1,4 @@
-//! Finished G-code in another order, from file to file: what must stay stays, and the way gets shorter.
+//! Finished G-code in another order, from file to file: what must stay stays, and the travel gets shorter.
 
 use std::collections::BTreeMap;
 use std::path::PathBuf;
@@ -119,7 +119,7 @@ fn places(text: &str, begin: &str) -> Vec<(usize, String)> {
 }
 
 #[test]
-fn every_stroke_stays_and_the_way_between_shrinks() {
+fn every_stroke_stays_and_the_travel_between_shrinks() {
     for relative in [false, true] {
         let text = two_layers(relative);
         let result = reordered(&text, &[]);
@@ -331,7 +331,7 @@ fn a_spiral_and_sloped_beads_are_left_alone() {
 }
 
 #[test]
-fn filament_pulled_back_on_the_way_after_a_travel_stays_on_that_way() {
+fn filament_retracted_on_the_move_after_a_travel_stays_on_that_move() {
     // Found by mutation: an E that falls behind makes a wipe of what was a bead.
     let text =
         "M82\nG1 F3000\nG1 X30 Y25 E1.6\nG1 X35 Y25\nG1 X40 Y20 E1.3\nG1 X41 Y20 E1.35\nG1 X50 Y20 E2\n";
@@ -357,7 +357,7 @@ fn a_line_that_lets_nothing_pass_leaves_the_nozzle_where_the_order_has_it() {
     assert_eq!(strokes(&script.text), strokes(&result));
 }
 
-/// An outer wall with lines of infill inside, on either side of a slot: the straight way crosses the wall.
+/// An outer wall with lines of infill inside, on either side of a slot: the straight travel crosses the wall.
 fn slotted() -> String {
     let mut script = Script::new(true);
     script.layer(0).say(";TYPE:WALL-OUTER").go(0.0, 0.0);
@@ -407,9 +407,9 @@ fn a_relative_move_of_an_end_script_begins_where_the_file_has_it() {
 #[test]
 fn retractions_grow_in_number_only_where_a_cost_is_asked_for() {
     let text = slotted() + &two_layers(true);
-    let pulls = |text: &str| measure(text.as_bytes(), Mm(1.75)).retractions;
+    let retractions = |text: &str| measure(text.as_bytes(), Mm(1.75)).retractions;
     for options in [&["--scope", "feature"][..], &["--scope", "layer", "--seam", "free"]] {
-        assert!(pulls(&reordered(&text, options)) <= pulls(&text), "{options:?}");
+        assert!(retractions(&reordered(&text, options)) <= retractions(&text), "{options:?}");
     }
 }
 

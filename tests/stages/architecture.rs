@@ -1,4 +1,4 @@
-//! Imports point one way: between the modules of the library, and between the files of each crate.
+//! Imports point in one direction: between the modules of the library, and between the files of each crate.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
@@ -166,7 +166,7 @@ fn modules_use_only_those_before_them() {
 }
 
 #[test]
-fn files_use_each_other_one_way() {
+fn files_use_each_other_in_one_direction() {
     for folder in crates() {
         let mut left = uses(&folder);
         // Who uses nothing that is left goes; what stays is in a circle, or uses one.

@@ -17,8 +17,8 @@ pub fn chained_optimum(layers: &[Problem]) -> f64 {
         layers.first().and_then(|first| first.start).map(|p| vec![(0.0, p)]);
     for layer in &layers {
         let arrive = |at: Point| {
-            let ways = ends.iter().flatten().map(|&(so_far, from)| so_far + from.distance_mm(at));
-            if ends.is_some() { ways.fold(f64::INFINITY, f64::min) } else { 0.0 }
+            let lengths = ends.iter().flatten().map(|&(so_far, from)| so_far + from.distance_mm(at));
+            if ends.is_some() { lengths.fold(f64::INFINITY, f64::min) } else { 0.0 }
         };
         ends = Some(last_poses(layer, arrive));
     }
@@ -27,7 +27,7 @@ pub fn chained_optimum(layers: &[Problem]) -> f64 {
     ends.map_or(0.0, |ends| ends.iter().map(leave).fold(f64::INFINITY, f64::min))
 }
 
-/// Every way to have drawn everything: least length so far, and where it ends. Bellman 1962 and Held & Karp 1962
+/// Every state in which everything is drawn: least length so far, and where it ends. Bellman 1962 and Held & Karp 1962
 /// (<https://doi.org/10.1137/0110015>), the state being the set drawn and the pose in which the last was drawn.
 fn last_poses(problem: &Problem, arrive: impl Fn(Point) -> f64) -> Vec<(f64, Point)> {
     let n = problem.items.len();

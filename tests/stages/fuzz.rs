@@ -1,6 +1,6 @@
 //! The functions of the fuzz targets on random and damaged input, without a fuzzer; cases that once failed are kept.
 //!
-//! `PATHWRIGHT_FUZZ_SECONDS=600 cargo test --profile quick --test stages -- --ignored fuzz::NAME` goes on for longer.
+//! `PATHWRIGHT_FUZZ_SECONDS=600 cargo test --profile quick --test stages -- --ignored fuzz::NAME` continues for longer.
 
 use crate::support::cases;
 use std::time::{Duration, Instant};
@@ -55,7 +55,7 @@ fn variable(name: &str) -> Option<u64> {
     std::env::var(name).ok()?.parse().ok()
 }
 
-/// Runs so many cases, the same for a seed on every machine, or goes on for as long as the environment says. A case that
+/// Runs so many cases, the same for a seed on every machine, or continues for as long as the environment says. A case that
 /// panics is printed.
 fn run(cases: Option<u64>, mut make: impl FnMut(&mut Random) -> Vec<u8>, case: fn(&[u8])) {
     let time = Duration::from_secs(variable("PATHWRIGHT_FUZZ_SECONDS").unwrap_or(60));

@@ -238,7 +238,7 @@ fn a_3mf_is_put_together_from_its_parts_units_and_transforms() {
     assert_eq!(found[0].name.as_deref(), Some("pair"));
     assert_eq!(found[0].report.shells, 2);
     assert!((found[0].report.volume_mm3 - 2.0 * 50.8f64.powi(3)).abs() < 1.0);
-    assert_eq!(found[1].spots, [[0.0; 3], [4.0 * 25.4, 0.0, 0.0]], "inches of the part that says so");
+    assert_eq!(found[1].positions, [[0.0; 3], [4.0 * 25.4, 0.0, 0.0]], "inches of the part that says so");
     assert_eq!((found[2].report.volume_mm3.round(), found[2].report.flipped), (6000.0, 0), "mirrored");
     let warnings = found[0].report.warnings.join("\n");
     assert!(warnings.contains("the extension urn:odd is not understood"), "{warnings}");
@@ -308,7 +308,7 @@ fn a_bad_3mf_is_refused_with_the_reason_and_the_part() {
 }
 
 #[test]
-fn an_obj_is_read_with_all_ways_to_name_a_vertex() {
+fn an_obj_is_read_with_all_notations_of_a_vertex() {
     let corners = "v 0 0 0\nv 2 0 0 1.0\nv 2 3 0 0.5 0.5 0.5\nv 0 3 0\nv 0 0 4\nv 2 0 4\nv 2 3 4\nv 0 3 4\n";
     let faces =
         "f 4 3 2 1\nf 5//1 6//1 7//1 8//1\nf 1/9 2/9 6/9 5/9\nf -7 -6 -2 -3\nf 3 4 8 7\nf 4 1 5\nf 4 5 8\n";

@@ -134,10 +134,10 @@ fn quarter_turns_are_made_where_they_are_needed() {
 fn models_stay_where_their_files_put_them() {
     let bed = bed(BedShape::Rectangular, 200.0, BedOrigin::Corner);
     let kept = |x: f64, convex: bool| {
-        let spots = |spots: &[[f64; 3]]| spots.to_vec();
+        let positions = |positions: &[[f64; 3]]| positions.to_vec();
         let items = vec![
-            Item::new("a", block(20.0, 20.0, 5.0), spots(&[[50.0, 60.0, 0.0]])),
-            Item::new("b", block(20.0, 20.0, 5.0), spots(&[[x, 60.0, 0.0], [150.0, 100.0, 0.0]])),
+            Item::new("a", block(20.0, 20.0, 5.0), positions(&[[50.0, 60.0, 0.0]])),
+            Item::new("b", block(20.0, 20.0, 5.0), positions(&[[x, 60.0, 0.0], [150.0, 100.0, 0.0]])),
         ];
         let options = Placement { arrange: Arrange::Off, convex, ..Placement::default() };
         place(vec![Layout::new("file", items, 1)], &bed, &options)
@@ -201,8 +201,8 @@ fn what_interlocks_is_moved_together_when_all_is_arranged_anew() {
 fn a_layout_too_large_for_the_bed_is_arranged_anew_and_told() {
     let cube = || block(40.0, 40.0, 10.0);
     let layout = |places: &[f64]| {
-        let spots = places.iter().map(|x| [*x, 60.0, 0.0]).collect();
-        Layout::new("plates", vec![Item::new("cube", cube(), spots)], 1)
+        let positions = places.iter().map(|x| [*x, 60.0, 0.0]).collect();
+        Layout::new("plates", vec![Item::new("cube", cube(), positions)], 1)
     };
     let bed = bed(BedShape::Rectangular, 200.0, BedOrigin::Corner);
     // Two on the bed, one beyond it: the two keep their distance.

@@ -50,7 +50,7 @@ fn sequence(layer: &LayerPaths, cost: Cost, scope: Scope, detours: Option<Detour
 }
 
 /// Cost of the travels of an order, those from where the nozzle was left out.
-fn ways(layer: &LayerPaths, cost: Cost, sequence: &[PathVisit]) -> f64 {
+fn travel_cost(layer: &LayerPaths, cost: Cost, sequence: &[PathVisit]) -> f64 {
     let rule = settings().detour_rule().unwrap();
     let router = pathwright::geometry::Router::new(&layer.outline, rule.wall_width_mm, rule.max_mm);
     let ends: Vec<_> = sequence.iter().map(|&visit| ends_on_path(layer, visit)).collect();
@@ -58,13 +58,13 @@ fn ways(layer: &LayerPaths, cost: Cost, sequence: &[PathVisit]) -> f64 {
 }
 
 #[test]
-fn posts_are_left_where_the_way_to_the_next_is_short() {
+fn posts_are_left_where_the_travel_to_the_next_is_short() {
     // Ten upright lines in each post, 0.5 mm apart; straight, the posts are as near to each other at the top.
     let rows = [3.5, 10.5].into_iter().flat_map(|x| (0..10).map(move |i| (x, 2.0 + 1.7 * f64::from(i))));
     let layer = posts(rows.map(|(x, y)| path(&[(x, y), (x, y + 1.2)])).collect());
     let found = sequence(&layer, Cost::Length, Scope::Layer, settings().detour_rule());
-    let way_mm = ways(&layer, Cost::Length, &found);
-    assert!(way_mm < 18.0 * 0.5 + 9.0, "{way_mm} mm");
+    let travel_mm = travel_cost(&layer, Cost::Length, &found);
+    assert!(travel_mm < 18.0 * 0.5 + 9.0, "{travel_mm} mm");
 }
 
 #[test]
@@ -91,7 +91,7 @@ proptest! {
     #![proptest_config(ProptestConfig { failure_persistence: None, ..ProptestConfig::with_cases(60) })]
 
     #[test]
-    fn knowing_detours_never_makes_ways_dearer(paths in paths(), time in any::<bool>(), ranked in any::<bool>()) {
+    fn knowing_detours_never_makes_travel_dearer(paths in paths(), time in any::<bool>(), ranked in any::<bool>()) {
         let mut layer = posts(paths);
         let scope = if ranked { Scope::Feature } else { Scope::Layer };
         layer.paths.iter_mut().for_each(|path| path.phase = Phase::Found(u32::from(path.closed)));
@@ -100,12 +100,12 @@ proptest! {
         let led = sequence(&layer, cost, scope, settings().detour_rule());
         let problem = LayerProblem::new(&layer, &None, scope);
         prop_assert_eq!(check(&problem.problem, &problem.from_paths(&led)), Ok(()));
-        // The way to the first path counts in both, and is part of what was minimised.
+        // The travel to the first path counts in both, and is part of what was minimised.
         let first = |sequence: &[PathVisit]| {
             let to = ends_on_path(&layer, sequence[0]).0;
             cost.of(Point::from_mm(3.0, 19.5).distance_mm(to), false)
         };
-        let total = |sequence: &[PathVisit]| first(sequence) + ways(&layer, cost, sequence);
+        let total = |sequence: &[PathVisit]| first(sequence) + travel_cost(&layer, cost, sequence);
         prop_assert!(total(&led) <= total(&straight) + 1e-6, "{} and {}", total(&led), total(&straight));
     }
 }

@@ -6,7 +6,9 @@ use crate::support::toolpath_plan::{HEIGHT_MM, job, length_mm, of_role, plan, re
 use crate::toolpath_raster::coverage;
 use pathwright::geometry::{self, Bounds, Point, Polygon, Region, Ring};
 use pathwright::profile::{Pattern, Settings, WallGenerator, WallOrder};
-use pathwright::toolpath::infill::{self, AdaptiveCubic, FillPattern, FillSpec, Hollow, Joins, Lightning};
+use pathwright::toolpath::infill::{
+    self, AdaptiveCubic, FillPattern, FillSpec, Joins, Lightning, LightningLayer,
+};
 use pathwright::toolpath::{LayerPaths, Path, Role, Width, bead, shell_depth};
 use pathwright::units::{Mm, Ratio};
 use proptest::prelude::*;
@@ -86,7 +88,7 @@ fn a_full_layer_deposits_its_own_volume() {
 #[test]
 fn every_even_pattern_has_the_density_asked_for() {
     let section = with_hole(rectangle(0.0, 0.0, 40.0, 30.0), &rectangle(8.0, 8.0, 14.0, 17.0));
-    for &(name, pattern) in Pattern::ALL.iter().filter(|(_, kind)| infill::pattern(*kind).is_even()) {
+    for &(name, pattern) in Pattern::ALL.iter().filter(|(_, kind)| infill::pattern(*kind).is_uniform()) {
         for density in [0.05, 0.1, 0.2, 0.5, 0.8] {
             let mut settings = job();
             settings.infill.pattern = pattern;
@@ -360,7 +362,7 @@ fn planned(kind: Pattern, section: &Region, top_mm: f64, line_distance_mm: f64) 
             Arc::new(AdaptiveCubic::new(roof.into_iter(), line_distance_mm, 0.3))
         }
         Pattern::Lightning => {
-            let hollow = Hollow {
+            let hollow = LightningLayer {
                 ground: geometry::offset(section, 0.3),
                 sparse: section.clone(),
                 height_mm: HEIGHT_MM,

@@ -28,7 +28,7 @@ fn bridges_run(layer: &LayerPaths, degrees: f64, hold: &Region) -> bool {
 }
 
 #[test]
-fn bridges_span_a_rectangle_the_short_way() {
+fn bridges_span_the_short_side_of_a_rectangle() {
     for (pit, degrees) in [(rectangle(10.0, 5.0, 30.0, 15.0), 90.0), (rectangle(15.0, 2.0, 22.0, 18.0), 0.0)]
     {
         let full = rectangle(0.0, 0.0, 40.0, 20.0);
@@ -46,7 +46,7 @@ fn bridges_between_two_pillars_go_from_one_to_the_other() {
 }
 
 #[test]
-fn no_thread_of_a_bridge_ends_halfway_along_an_edge_that_is_nearly_straight() {
+fn no_line_of_a_bridge_ends_halfway_along_an_edge_that_is_nearly_straight() {
     let full = |slant_mm: f64| {
         let outer = ring(&[(0.0, 0.0), (40.0, slant_mm), (40.0, 8.0), (0.0, 8.0 - slant_mm)]);
         Region::from(Polygon { outer, holes: vec![] })
@@ -73,7 +73,7 @@ fn bridges_over_an_l_are_shorter_than_its_arms_and_have_hold_at_both_ends() {
     let open = geometry::difference(&full, &pit);
     let roof = roof(&open, &full);
     let degrees = (0..180).find(|&degrees| bridges_run(&roof, f64::from(degrees), &open));
-    assert!(degrees.is_some(), "all one way, from hold to hold");
+    assert!(degrees.is_some(), "all in one direction, from hold to hold");
     let spans = of_role(&roof, Role::BridgeInfill).into_iter().flat_map(|p| p.points.windows(2));
     let longest_mm = spans.map(|e| e[0].distance_mm(e[1])).fold(0.0, f64::max);
     assert!(longest_mm < 20.0, "along an arm it would be 20 mm and more, not {longest_mm}");

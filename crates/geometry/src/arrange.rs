@@ -9,18 +9,18 @@ use std::ops::ControlFlow;
 use super::region::push_ring;
 use super::{Bounds, Point, Ring};
 
-/// What counts as inside, by the winding numbers of the first rings and of the second.
+/// What counts as inside, by the winding numbers of the first and of the second rings.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Rule {
-    /// The first wind around at all.
+    /// Non-zero for the first rings.
     NonZero,
-    /// The first wind around counter-clockwise.
+    /// Positive (counter-clockwise) for the first rings.
     Positive,
-    /// Both wind around.
+    /// Non-zero for both.
     Both,
-    /// Either winds around.
+    /// Non-zero for either.
     Either,
-    /// The first wind around, the second do not.
+    /// Non-zero for the first, zero for the second.
     FirstOnly,
 }
 

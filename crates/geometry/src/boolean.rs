@@ -38,7 +38,7 @@ pub fn difference(a: &Region, b: &Region) -> Region {
     rest
 }
 
-/// `a` in two parts: what is in `b`, and what is not. At little more than the cost of either.
+/// Splits `a` into its parts inside and outside `b`. At little more than the cost of either.
 pub fn split(a: &Region, b: &Region) -> (Region, Region) {
     let [both, rest] = combine(a, b, [Rule::Both, Rule::FirstOnly]);
     (both, rest)

@@ -62,7 +62,7 @@ impl<'a> Boundary<'a> {
     }
 
     /// Length of the path from one position to another along their ring, in the ring's direction, in millimetres;
-    /// the other way round is the ring's length less this. `None` where they are on different rings.
+    /// backwards it is the ring's length less this. `None` where they are on different rings.
     pub fn forward_mm(&self, from: BoundaryPos, to: BoundaryPos) -> Option<f64> {
         (from.ring == to.ring).then(|| {
             let length_mm = self.distance_mm(to) - self.distance_mm(from);
@@ -149,7 +149,7 @@ mod tests {
     }
 
     #[test]
-    fn both_ways_make_the_whole_ring() {
+    fn both_directions_make_the_whole_ring() {
         let region = square();
         let boundary = Boundary::new(&region);
         let (a, b) = (at(0, 3.0), at(2, 4.0));
@@ -159,7 +159,7 @@ mod tests {
     }
 
     #[test]
-    fn a_walk_of_a_length_ends_where_a_way_of_that_length_does() {
+    fn a_walk_of_a_length_ends_where_a_path_of_that_length_does() {
         let region = square();
         let boundary = Boundary::new(&region);
         let corners = &region.polygons[0].outer;
@@ -172,7 +172,7 @@ mod tests {
     }
 
     #[test]
-    fn the_way_passes_the_corners_between() {
+    fn the_path_passes_the_corners_between() {
         let region = square();
         let boundary = Boundary::new(&region);
         let corners = &region.polygons[0].outer;

@@ -162,7 +162,7 @@ struct Trace {
 }
 
 impl Trace {
-    /// Starts a piece, or goes on with the last one if that ended here.
+    /// Starts a piece, or continues with the last one if that ended here.
     fn begin(&mut self, at: Point, on: Option<BoundaryPos>) {
         self.open = true;
         if self.pieces.last().and_then(|piece| piece.points.last()) != Some(&at) {
@@ -212,8 +212,8 @@ fn on_edge(edge: &Edge, p: Point) -> bool {
         && side(a, b, p) == 0
 }
 
-/// Where the edge crosses the line through `p` and `q`, or `None` where it does not: edge ends on the line
-/// count as to the right of it. A crossing at `p` is before, one at `q` after the segment.
+/// Where the edge crosses the line through `p` and `q`, or `None`: edge ends on the line count as to the right of it.
+/// A crossing at `p` is before, one at `q` after the segment.
 fn crossing(edge: &Edge, p: Point, q: Point) -> Option<Crossing> {
     if (side(p, q, edge.a) > 0) == (side(p, q, edge.b) > 0) {
         return None;

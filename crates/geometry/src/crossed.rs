@@ -2,7 +2,7 @@
 //! that part inside from outside make up the boundary (as Weiler & Atherton 1977, doi:10.1145/563858.563896, for windings of any number).
 //!
 //! Winding numbers are found once for each ring and then followed along it, changing by one at every crossing; so the cost
-//! is that of finding the crossings. Where rings touch without crossing, somebody else has to sort them out.
+//! is that of finding the crossings. Where rings touch without crossing, the caller has to resolve them.
 
 use super::arrange::{Arrangement, Rule};
 use super::point::nearest_unit;
@@ -87,7 +87,7 @@ impl<'a> Crossed<'a> {
         };
         out.cut(crossings);
         for ring in 0..arrangement.spans().len() {
-            out.wind(ring)?;
+            out.find_windings(ring)?;
         }
         Some(out)
     }
@@ -125,7 +125,7 @@ impl<'a> Crossed<'a> {
     }
 
     /// Finds the windings beside a ring; `None` if they do not add up.
-    fn wind(&mut self, ring: usize) -> Option<()> {
+    fn find_windings(&mut self, ring: usize) -> Option<()> {
         let (start, end) = self.arrangement.spans()[ring];
         let points = self.arrangement.points();
         // Left of its leftmost vertex the ring does not wind.

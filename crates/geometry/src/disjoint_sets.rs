@@ -1,4 +1,4 @@
-//! Disjoint sets: what hangs together, and whether it faces the same way.
+//! Disjoint sets: what is connected, and whether it has the same orientation.
 
 /// Disjoint sets of the numbers below a count, named by their least members, with the parity between members.
 ///
@@ -51,7 +51,7 @@ impl DisjointSets {
         a != b
     }
 
-    /// Joins the sets of two members that face the same way or are opposed; false if they were joined before with another
+    /// Joins the sets of two members that have the same orientation or are opposed; false if they were joined before with another
     /// parity.
     pub fn join_opposed(&mut self, a: u32, b: u32, opposed: bool) -> bool {
         let ((ra, pa), (rb, pb)) = (self.find_opposed(a), self.find_opposed(b));

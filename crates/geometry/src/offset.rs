@@ -72,8 +72,8 @@ pub fn closing(region: &Region, radius_mm: f64) -> Region {
     offset(&offset(region, radius_mm), -radius_mm)
 }
 
-/// Gaps between the polygons of a region that are narrower than twice the radius are filled, and what else a
-/// [`closing`] fills of polygons that have others near. The rest stays as it is.
+/// Fills gaps narrower than twice the radius between the polygons of a region, and everything else that a [`closing`]
+/// fills of polygons with others near. The rest stays as it is.
 pub fn close_between(region: &Region, radius_mm: f64) -> Region {
     let mut result = Region::default();
     for group in groups(region, radius_mm * UNITS_PER_MM) {
@@ -84,15 +84,15 @@ pub fn close_between(region: &Region, radius_mm: f64) -> Region {
     result
 }
 
-/// What is left of a region when a part of it is taken out whose boundary is, or nearly is, the region's own over long
-/// stretches. The part is taken out with 5 µm to spare, which leaves no slivers.
+/// A region without a part of it whose boundary is, or nearly is, the region's own over long stretches. The part is
+/// taken out with 5 µm to spare, which leaves no slivers.
 pub fn remainder(region: &Region, part: &Region) -> Region {
     // Nor do outlines share edges then, which take much longer to sort out than crossings.
     difference(region, &offset(part, KERF_MM))
 }
 
-/// What an opening takes off a region, as far as it is at least `least_mm` wide: `core` is the region shrunk by the
-/// radius.
+/// The part of a region that an opening removes, where it is at least `least_mm` wide: `core` is the region shrunk by
+/// the radius.
 pub fn narrower(region: &Region, core: &Region, radius_mm: f64, least_mm: f64) -> Region {
     opening(&difference(region, &offset(core, radius_mm + KERF_MM)), least_mm / 2.0)
 }

@@ -228,7 +228,7 @@ impl RingOffset {
                 return None;
             }
             let (a, c) = (self.corners[edge.before as usize], self.corners[edge.after as usize]);
-            // Beyond a join the neighbour must not be extended as if its edge went on there.
+            // Beyond a join the neighbour must not be extended as if its edge continued there.
             let joined = |u: Vector, v: Vector| self.parts(u, v) && 1.0 + u.dot(v) < SLIGHT;
             if joined(a.along, edge.along) || joined(edge.along, c.along) {
                 return None;

@@ -134,7 +134,7 @@ impl Region {
         self.polygons
     }
 
-    /// Whether there is nothing in it.
+    /// Whether it has no area.
     pub fn is_empty(&self) -> bool {
         self.polygons.is_empty()
     }

@@ -1,8 +1,8 @@
 //! Routes of travels inside the part: around holes and outer walls instead of over them.
 //!
 //! A straight travel that stays inside is kept. Any other is led along lanes, the outline shrunk by the width of the
-//! outermost wall: wherever the straight line would leave the lanes it follows their boundary, the shorter way
-//! round, to where it comes back last. What results is pulled taut.
+//! outermost wall: wherever the straight line would leave the lanes it follows their boundary, in the shorter
+//! direction, to where it returns last. The result is tightened.
 
 use std::cell::{OnceCell, RefCell};
 
@@ -22,10 +22,10 @@ const ROUGH: f64 = 0.2;
 /// A position further than this many widths of the outermost wall from any lane has none.
 const ATTACH: f64 = 3.0;
 
-/// A route along the lanes that is this many times too long is not pulled taut to see whether it would fit.
+/// A route along the lanes that is this many times too long is not tightened to see whether it would fit.
 const SLACK: f64 = 2.0;
 
-/// Passes of pulling taut: each sees what the one before has freed.
+/// Passes of tightening: each sees what the one before has freed.
 const PULLS: usize = 4;
 
 /// How a travel gets from one position to another.
@@ -49,7 +49,7 @@ pub struct Router<'a> {
     endpoints: RefCell<FxHashMap<Point, Endpoint>>,
 }
 
-/// What a router knows of a position.
+/// Data of an endpoint of a travel.
 #[derive(Clone, Copy, Debug, Default)]
 struct Endpoint {
     /// Whether travels may go there at all.
@@ -117,9 +117,9 @@ impl<'a> Router<'a> {
         let Some(mut points) = self.along_lanes(a, b, SLACK * longest_mm) else { return Route::Across };
         for _ in 0..PULLS {
             let before = points.len();
-            points = self.pulled(&points);
+            points = self.tightened(&points);
             points.reverse();
-            points = self.pulled(&points);
+            points = self.tightened(&points);
             points.reverse();
             if points.len() == before {
                 break;
@@ -161,7 +161,7 @@ impl<'a> Router<'a> {
 
     /// Leaves out points of a route where the straight line between others is clear: from each, the last that a
     /// doubling, then halving step can see.
-    fn pulled(&self, points: &[Point]) -> Vec<Point> {
+    fn tightened(&self, points: &[Point]) -> Vec<Point> {
         let mut out = vec![points[0]];
         let (mut at, last) = (0, points.len() - 1);
         while at < last {
@@ -183,7 +183,7 @@ impl<'a> Router<'a> {
         out
     }
 
-    /// The route along the lanes, before it is pulled taut; `None` if there is none, or it is longer than that.
+    /// The route along the lanes, before it is tightened; `None` if there is none, or it is longer than that.
     fn along_lanes(&self, a: Point, b: Point, longest_mm: f64) -> Option<Vec<Point>> {
         let lanes = self.lanes();
         let (start, end) = (self.access(a)?, self.access(b)?);
@@ -243,7 +243,7 @@ impl Lanes {
     /// Where the straight line meets the boundary of its polygon, in its order; ends that lie on it are the first and
     /// the last.
     fn meetings(&self, start: &Access, end: &Access) -> Vec<Meeting> {
-        /// Ends on a boundary are rounded to the grid; what is met within this of them is they themselves.
+        /// Ends on a boundary are rounded to the grid: intersections within this distance are the ends themselves.
         const SAME_MM: f64 = 1e-4;
         let (a, b) = (start.point, end.point);
         let length_mm = a.distance_mm(b);
@@ -286,7 +286,7 @@ fn meet([a, b]: [Point; 2], [c, d]: [Point; 2]) -> bool {
         return false;
     }
     if c_side == 0 && d_side == 0 {
-        // On one line: their boxes tell.
+        // On one line: their boxes decide.
         let overlap = |a: i32, b: i32, c: i32, d: i32| a.min(b) <= c.max(d) && c.min(d) <= a.max(b);
         return overlap(a.x, b.x, c.x, d.x) && overlap(a.y, b.y, c.y, d.y);
     }

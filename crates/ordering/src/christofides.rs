@@ -21,7 +21,7 @@ use pathwright_geometry::Point;
 /// the shortest link of a spanning tree over all vertices touches. (As a circuit of all its vertices a loop would seem to carry
 /// the walk from one to another for free, yet it is drawn at once when it is met: that made links half as long again.)
 ///
-/// Where the paper leaves a choice, the shortest of few is taken. The circuit is cut at any link and walked either way, whatever
+/// Where the paper leaves a choice, the shortest of few is taken. The circuit is cut at any link and walked in either direction, whatever
 /// makes the walk from the start shortest, and its edges can be taken in one of two orders. A loop that the circuit meets several times is drawn where that is the shortest detour. Once the
 /// order stands, entries are chosen together, by dynamic programming along the tour; then loops are settled there, and the
 /// algorithm runs again, for as long as that helps and at most three times.
@@ -104,7 +104,7 @@ fn length_mm(problem: &Problem, start: Point, end: Option<Point>, tour: &[Visit]
 /// The start is node 0.
 const START: u32 = 0;
 
-/// What an edge of the multigraph stands for.
+/// The meaning of an edge of the multigraph.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum EdgeKind {
     /// A travel.

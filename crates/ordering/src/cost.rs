@@ -13,7 +13,7 @@ pub enum Cost {
     Time(TravelTime),
 }
 
-/// What the time of a travel depends on.
+/// The parameters of a travel's time.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct TravelTime {
     /// Top speed, mm/s.
@@ -22,8 +22,7 @@ pub struct TravelTime {
     pub acceleration_mm_s2: f64,
     /// Share of every travel that is not spent on speeding up and slowing down (Klipper's minimum cruise ratio).
     pub cruise_ratio: f64,
-    /// What stopping the bead before and starting the one after costs, seconds: a bead that goes on where the last one
-    /// ends is drawn through.
+    /// Time to stop one bead and start the next, seconds; a bead that continues the last one costs none.
     pub stop_s: f64,
     /// Travels from one island to another that are longer than this are retracted, mm.
     pub retract_from_mm: f64,

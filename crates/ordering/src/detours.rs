@@ -1,5 +1,5 @@
-//! What travels inside islands really cost: the route around holes and outer walls, or over them and retracted where it
-//! is too long.
+//! The true cost of travels inside islands: the route around holes and outer walls, or over them and retracted where
+//! it is too long.
 
 use std::cell::RefCell;
 
@@ -15,7 +15,7 @@ pub struct DetourRule {
     pub wall_width_mm: f64,
     /// By how much a detour may lengthen a travel, millimetres.
     pub max_mm: f64,
-    /// What a retraction is worth, millimetres: travels inside are not retracted up to this length.
+    /// Cost of a retraction in millimetres: travels inside are not retracted up to this length.
     pub retraction_mm: f64,
 }
 

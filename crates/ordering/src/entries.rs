@@ -18,14 +18,14 @@ pub(super) fn samples(vertices: usize, coarse: bool) -> impl Iterator<Item = u32
 
 /// Which vertices of a loop to consider, given where it is entered now.
 #[derive(Clone, Copy, Debug)]
-pub(super) enum Look {
+pub(super) enum Sampling {
     /// Vertices spread over the loop, the present one among them.
     Everywhere,
     /// Vertices around the present one.
     Around,
 }
 
-impl Look {
+impl Sampling {
     /// Indices of the vertices to consider among `count`.
     pub fn at(self, count: usize, entry: u32) -> impl Iterator<Item = u32> {
         let (from, step) = match self {
@@ -122,7 +122,7 @@ impl EntrySearch {
 
 impl EntrySearch {
     /// The cheapest choice of one candidate for each of `count` paths: its cost, the entries, and how many pairs were looked at.
-    /// `candidates` appends those of a path; the walk comes from `start` and goes on to `end`, which are NaN if unknown.
+    /// `candidates` appends those of a path; the walk comes from `start` and continues to `end`, which are NaN if unknown.
     /// `inside` tells of the link to a path, and to the end, whether it is inside an island.
     ///
     /// Shortest path through layers of candidates: the *cluster optimisation* of the generalised travelling salesman problem
@@ -173,14 +173,14 @@ pub(super) fn enter_shortest(
 ) {
     let coordinates = |point: Option<Point>| point.map_or([f64::NAN; 2], Point::mm);
     let mut search = EntrySearch::default();
-    for look in [Look::Everywhere, Look::Around] {
+    for sampling in [Sampling::Everywhere, Sampling::Around] {
         let candidates = |at: usize, candidates: &mut Vec<Candidate>| {
             let visit = sequence[at];
             let item = problem.items[visit.item as usize];
             match item.shape {
                 Shape::Loop(vertices) => {
                     let candidate = |entry| Candidate::at(entry, vertices[entry as usize].mm());
-                    candidates.extend(look.at(vertices.len(), visit.entry).map(candidate));
+                    candidates.extend(sampling.at(vertices.len(), visit.entry).map(candidate));
                 }
                 Shape::Open(_) => {
                     let (enter, leave) = item.ends(visit.entry);

@@ -199,7 +199,7 @@ impl<'a> Index<'a> {
         }
     }
 
-    /// Lets searches from the root see what is left of a group.
+    /// Makes the remaining items of a group visible to searches from the root.
     pub fn open(&mut self, group: u32) {
         let root = self.roots[group as usize];
         self.nodes[root as usize].visible = true;
@@ -247,8 +247,8 @@ impl<'a> Index<'a> {
         if visible { self.nearest(self.root, p, NONE, i64::MAX, |_| true) } else { None }
     }
 
-    /// The nearest entry that `wanted` lets pass among what is left of a group. Ties go to the lowest item and entry.
-    /// One item can be excepted.
+    /// The nearest remaining entry of a group that `wanted` accepts. Ties go to the lowest item and entry. One item
+    /// can be excepted.
     pub fn nearest_in(
         &self,
         group: u32,

@@ -32,8 +32,8 @@ impl Strategy for Nearest {
     }
 }
 
-/// Goes from group to group, always to the one with the entry nearest to where the nozzle is, and lets
-/// `draw(group, from, index, sequence)` append all items of that group; it may remove them from the index.
+/// Visits all groups, always the one with the nearest entry next, and lets `draw(group, from, index, sequence)`
+/// append all items of that group; it may remove them from the index.
 ///
 /// With no known start, the walk begins where the first path as made begins.
 pub fn walk_groups(

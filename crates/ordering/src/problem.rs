@@ -3,10 +3,10 @@
 use super::options::Scope;
 use pathwright_geometry::Point;
 
-/// What of a path matters to ordering.
+/// The shape of a path as ordering sees it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Shape<'a> {
-    /// Drawn from one end to the other, either way.
+    /// Drawn from one end to the other, in either direction.
     Open([Point; 2]),
     /// Entered and left at the same vertex: any of these (one, where the seam is pinned).
     Loop(&'a [Point]),

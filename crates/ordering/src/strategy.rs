@@ -23,7 +23,7 @@ pub trait Strategy: Sync {
     }
 }
 
-/// What a strategy may be given besides the problem.
+/// Optional inputs of a strategy.
 #[derive(Clone, Debug, Default)]
 pub struct Known<'a> {
     /// What links inside islands cost, where they lead round something; `None`: they go straight.

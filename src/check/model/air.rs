@@ -16,7 +16,7 @@ const GAP_MM: f64 = 0.4;
 /// Ends nearer than this close a loop.
 const CLOSED_MM: f64 = 0.3;
 
-/// What stands already: the model and what cannot be distinguished from it, and support.
+/// What is printed below: the model (with everything indistinguishable from it) and support.
 pub(super) struct Ground {
     pub part: Relief,
     pub support: Relief,
@@ -72,12 +72,12 @@ impl OpenPath {
         }
     }
 
-    /// Where it has come to.
+    /// Its last position.
     pub fn end(&self) -> [f64; 3] {
         self.end
     }
 
-    /// What hangs in the air when the path ends, mm; 0 of a bridge, which is held at both ends.
+    /// Length without support at the end of the path, mm; 0 of a bridge, which is held at both ends.
     pub fn hanging_mm(&self) -> f64 {
         let Some(start) = self.start else { return 0.0 };
         let closed = (start[0] - self.end[0]).hypot(start[1] - self.end[1]) < CLOSED_MM;

@@ -6,7 +6,7 @@
 use std::collections::BTreeMap;
 use std::rc::Rc;
 
-use super::evidence::Shown;
+use super::evidence::PrintedLayer;
 use super::levels::Levels;
 use super::sections::{Sections, along};
 use super::survey::{Extent, Survey};
@@ -43,7 +43,7 @@ pub(super) struct Placed {
     pub at_mm: [f64; 2],
 }
 
-/// Where all bodies are.
+/// The positions of all bodies.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Found {
     pub placed: Vec<Placed>,
@@ -93,7 +93,7 @@ pub(super) struct Search<'a> {
     pub bodies: &'a [(String, Mesh)],
     pub survey: &'a Survey,
     pub levels: &'a Levels,
-    pub shown: &'a [Shown],
+    pub shown: &'a [PrintedLayer],
     pub settings: &'a Settings,
 }
 

@@ -20,7 +20,7 @@ use geometry::{Bounds, Point, Region, Ring};
 const CELL_MM: f64 = 0.1;
 /// An island is missing if less than this share of its outline is printed.
 const PRINTED: f64 = 0.3;
-/// Specks smaller than this are not asked for.
+/// Specks smaller than this are not required.
 const SPECK_MM2: f64 = 0.05;
 /// Beads of a layer may lie this much lower than it.
 const SLACK_MM: f64 = 0.02;
@@ -43,7 +43,7 @@ pub(super) fn compare(
     let mut print = Print {
         sections,
         levels,
-        tells_roles: survey.tells_roles(),
+        has_roles: survey.has_roles(),
         has_edges: survey.has_edges(),
         area_mm2,
         ground,
@@ -61,7 +61,7 @@ pub(super) fn compare(
         last = (read.line.number, read.context.layer);
         match read.action {
             Action::Stroke(stroke) if stroke.extrudes() => {
-                let part = read.context.role.map_or(!print.tells_roles, is_part);
+                let part = read.context.role.map_or(!print.has_roles, is_part);
                 print.role = read.context.role;
                 print.bead(&stroke, part, read.context.height_mm, last);
             }
@@ -102,7 +102,7 @@ struct LayerNow {
 struct Print<'a> {
     sections: &'a Sections<'a>,
     levels: &'a Levels,
-    tells_roles: bool,
+    has_roles: bool,
     /// Whether islands have walls along their edge, by which they are found.
     has_edges: bool,
     area_mm2: f64,
@@ -111,7 +111,7 @@ struct Print<'a> {
     path: OpenPath,
     /// Line and layer of the last bead.
     last: (usize, Option<usize>),
-    /// What that bead is part of, if the file tells.
+    /// The role of that bead, if the file gives it.
     role: Option<Role>,
     model: &'a mut ModelReport,
     found: &'a mut Found,
@@ -141,7 +141,7 @@ impl Print<'_> {
         let width_mm = bead::width_mm(section_mm2 / height_mm, height_mm).clamp(0.1, 3.0);
         if part {
             self.path.add(stroke, height_mm, width_mm, &self.ground);
-            if let Some(may) = layer.may.as_ref().filter(|_| self.tells_roles) {
+            if let Some(may) = layer.may.as_ref().filter(|_| self.has_roles) {
                 let [x, y, z] = stroke.at(0.5);
                 if !may.has_at(Point::from_mm(x, y)) {
                     layer.extra_mm += stroke.xy_mm;

@@ -19,8 +19,8 @@ const MOST: usize = 100_000;
 /// Beads that are nearer than this follow each other.
 const CLOSE_MM: f64 = 0.01;
 
-/// One layer of it.
-pub(super) struct Shown {
+/// One layer of a print.
+pub(super) struct PrintedLayer {
     /// Which of the print's layers it is.
     pub level: usize,
     /// Middles of the beads along the edge of the part.
@@ -29,24 +29,24 @@ pub(super) struct Shown {
     pub loops: Vec<Extent>,
     /// Where its middle lines are.
     pub walls: Bitmap,
-    /// The current loop, and where it has come to.
-    under_way: Option<(Extent, [f64; 3])>,
+    /// The current loop, and its last position.
+    current: Option<(Extent, [f64; 3])>,
 }
 
-impl Shown {
+impl PrintedLayer {
     fn take(&mut self, bead: &Stroke) {
         if self.points.len() < MOST {
             let [x, y, _] = bead.at(0.5);
             self.points.push(Point::from_mm(x, y));
         }
         let goes_on = |end: &[f64; 3]| (0..2).all(|i| (end[i] - bead.from[i]).abs() < CLOSE_MM);
-        if self.under_way.as_ref().is_none_or(|(_, end)| !goes_on(end)) {
+        if self.current.as_ref().is_none_or(|(_, end)| !goes_on(end)) {
             self.end_loop();
         }
-        let (mut extent, _) = self.under_way.take().unzip();
+        let (mut extent, _) = self.current.take().unzip();
         Extent::add(&mut extent, bead.from);
         Extent::add(&mut extent, bead.to);
-        self.under_way = extent.zip(Some(bead.to));
+        self.current = extent.zip(Some(bead.to));
         let grid = self.walls.grid();
         let count = (bead.xy_mm / STEP_MM).ceil().clamp(1.0, 1e5) as u32;
         for i in 0..=count {
@@ -58,7 +58,7 @@ impl Shown {
     }
 
     fn end_loop(&mut self) {
-        if let Some((extent, _)) = self.under_way.take().filter(|_| self.loops.len() < MOST) {
+        if let Some((extent, _)) = self.current.take().filter(|_| self.loops.len() < MOST) {
             self.loops.push(extent);
         }
     }
@@ -73,7 +73,7 @@ impl Shown {
 }
 
 /// Reads the file for what layers show, from the lowest to the highest.
-pub(super) fn read(levels: &Levels, survey: &Survey, file: impl Read) -> io::Result<Vec<Shown>> {
+pub(super) fn read(levels: &Levels, survey: &Survey, file: impl Read) -> io::Result<Vec<PrintedLayer>> {
     let Some(all) = survey.extents()[1] else { return Ok(Vec::new()) };
     let corners = [all.low, all.high].map(|[x, y]| Point::from_mm(x, y));
     let Some(grid) = Bounds::of(corners).map(|bounds| Grid::new(bounds, 1.0, CELL_MM)) else {
@@ -81,13 +81,13 @@ pub(super) fn read(levels: &Levels, survey: &Survey, file: impl Read) -> io::Res
     };
     let count = levels.all().len();
     let chosen = (0..LAYERS.min(count)).map(|i| i * count / LAYERS.min(count));
-    let mut layers: Vec<Shown> = chosen
-        .map(|level| Shown {
+    let mut layers: Vec<PrintedLayer> = chosen
+        .map(|level| PrintedLayer {
             level,
             points: Vec::new(),
             loops: Vec::new(),
             walls: Bitmap::empty(grid),
-            under_way: None,
+            current: None,
         })
         .collect();
     let mut reader = Reader::default();
@@ -96,7 +96,7 @@ pub(super) fn read(levels: &Levels, survey: &Survey, file: impl Read) -> io::Res
         let Action::Stroke(bead) = read.action else { return };
         let role = read.context.role;
         let is_edge = if survey.has_edges() { Role::is_outer_wall } else { is_part };
-        if !bead.extrudes() || survey.tells_roles() && !role.is_some_and(is_edge) {
+        if !bead.extrudes() || survey.has_roles() && !role.is_some_and(is_edge) {
             return;
         }
         let level = levels.find(levels.rises_to_mm(bead.to[2]));
@@ -104,6 +104,6 @@ pub(super) fn read(levels: &Levels, survey: &Survey, file: impl Read) -> io::Res
             layer.take(&bead);
         }
     })?;
-    layers.iter_mut().for_each(Shown::end_loop);
+    layers.iter_mut().for_each(PrintedLayer::end_loop);
     Ok(layers)
 }

@@ -1,4 +1,4 @@
-//! The layers of a print, as its beads tell them.
+//! The layers of a print, as given by its beads.
 
 use super::survey::Survey;
 use crate::profile::Settings;

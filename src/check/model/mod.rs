@@ -1,4 +1,4 @@
-//! A print beside its model: is everything there, is nothing else there, and does it rest on something?
+//! Compares a print with its model: missing parts, material outside of it, and beads over air.
 //!
 //! The file is read twice more: once to find where on the bed the model stands, once to compare. What must be there is
 //! the part of the sections at the bottom and the top of a layer that both have; what may be there is all that either
@@ -30,8 +30,8 @@ use sections::Sections;
 /// A print holds more material than its model, up to this factor, where thin parts are printed wider than they are.
 const MOST_VOLUME: f64 = 1.3;
 
-/// Compares a file, of which a survey was made, with what was printed, and adds to the report what it finds. `open` opens
-/// the file again. `bodies` stand on z = 0, each with its name.
+/// Compares a surveyed file with its model and adds the faults to the report. `open` opens the file again. `bodies`
+/// stand on z = 0, each with its name.
 ///
 /// # Errors
 /// Those of reading.
@@ -82,7 +82,7 @@ pub fn against<R: Read>(
         });
         model.placed = placed.collect();
         compare::compare(&sections, &levels, survey, area_mm2, open()?, &mut model, &mut found)?;
-        if survey.tells_roles() && model.part_volume_mm3 > MOST_VOLUME * model.mesh_volume_mm3 {
+        if survey.has_roles() && model.part_volume_mm3 > MOST_VOLUME * model.mesh_volume_mm3 {
             found.add(Kind::OverVolume, 1, None, || {
                 format!("{:.1} mm³ of {:.1} mm³", model.part_volume_mm3, model.mesh_volume_mm3)
             });

@@ -91,7 +91,7 @@ impl<'a> Sections<'a> {
     }
 }
 
-/// Points along a ring, close enough to tell what lies on it.
+/// Points along a ring, close enough for a test of what lies on it.
 pub(super) fn along(ring: &Ring) -> Vec<Point> {
     let mut points = Vec::new();
     for (i, &a) in ring.iter().enumerate() {

@@ -57,7 +57,8 @@ impl Heights {
     }
 }
 
-/// Which heights a print has, where it lies, and how much of it is the model. It grows with the number of heights only.
+/// The heights of a print, its position, and the share of it that is the model. It grows with the number of heights
+/// only.
 #[derive(Clone, Debug, Default)]
 pub struct Survey {
     outer: Option<Extent>,
@@ -124,11 +125,11 @@ impl Survey {
     }
 
     /// Whether the file says what its beads are for.
-    pub(super) fn tells_roles(&self) -> bool {
+    pub(super) fn has_roles(&self) -> bool {
         self.roles
     }
 
-    /// Whether walls show where the part ends: in all files but those that tell roles and have none.
+    /// Whether walls show where the part ends: in all files but those that name roles and have none.
     pub(super) fn has_edges(&self) -> bool {
         self.outer.is_some() || !self.roles
     }

@@ -6,10 +6,10 @@ use super::marks::{Mark, mark};
 use super::replay::{Action, State};
 use crate::toolpath::Role;
 
-/// What the comments so far say.
+/// The state given by the comments so far.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Context {
-    /// What is being printed; `None` where nothing is said, or the name is not known.
+    /// The role being printed; `None` without a comment or for an unknown name.
     pub role: Option<Role>,
     /// Layers begun before this one.
     ///
@@ -78,7 +78,7 @@ impl Reader {
         Annotated { line, action, context: context.unwrap_or(self.context) }
     }
 
-    /// What the comments so far say.
+    /// The state given by the comments so far.
     pub fn context(&self) -> &Context {
         &self.context
     }

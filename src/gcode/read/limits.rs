@@ -14,7 +14,7 @@ pub(super) struct Limits {
     pub speed: f64,
 }
 
-/// What a command makes of the time.
+/// The effect of a command on the time.
 pub(super) enum Effect {
     /// The moves before it are brought to an end, then the machine waits this many seconds.
     Wait(f64),
@@ -32,7 +32,7 @@ impl Limits {
         }
     }
 
-    /// The acceleration of a move that feeds filament or pulls it back.
+    /// The acceleration of a move that only feeds or retracts filament.
     pub fn acceleration(&self, firmware: Firmware, in_space: bool, e_mm: f64) -> f64 {
         let prints = match firmware {
             Firmware::Marlin | Firmware::MarlinClassic => e_mm != 0.0,
@@ -46,7 +46,7 @@ impl Limits {
     }
 
     /// Processes a line that is no move.
-    pub fn obey(&mut self, line: &Line<'_>, machine: &mut Machine) -> Effect {
+    pub fn apply(&mut self, line: &Line<'_>, machine: &mut Machine) -> Effect {
         let Some(code) = line.code else {
             if machine.firmware == Firmware::Klipper {
                 self.extended(line, machine);
@@ -174,13 +174,13 @@ mod tests {
         let mut machine = Machine::under(firmware, &Settings::default());
         let mut limits = Limits::new(&machine);
         for line in lines(text.as_bytes()) {
-            limits.obey(&line, &mut machine);
+            limits.apply(&line, &mut machine);
         }
         (limits, machine)
     }
 
     #[test]
-    fn each_firmware_has_its_own_way_to_say_accelerations() {
+    fn each_firmware_has_its_own_command_for_accelerations() {
         let text = "M204 P500 T700 R900\nSET_VELOCITY_LIMIT ACCEL=1234 SQUARE_CORNER_VELOCITY=7 ; no=1";
         let (marlin, _) = after(Firmware::Marlin, text);
         assert_eq!((marlin.print, marlin.travel, marlin.extruder), (500.0, 700.0, 900.0));

@@ -9,7 +9,7 @@ use crate::units::Mm;
 /// A travel longer than this counts as long.
 const LONG_TRAVEL_MM: f64 = 2.0;
 
-/// What one type of feature comes to.
+/// The sums of one type of feature.
 #[derive(Clone, Debug, Default, PartialEq)]
 #[allow(missing_docs)]
 pub struct TypeMeasure {
@@ -18,7 +18,8 @@ pub struct TypeMeasure {
     pub volume_mm3: f64,
 }
 
-/// What a file prints. Distances are in X and Y and count from the first extruding move on.
+/// Distances, amounts and counts of a printed file. Distances are in X and Y and count from the first extruding move
+/// on.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Measure {
     /// Distance while extruding.
@@ -37,7 +38,7 @@ pub struct Measure {
     pub volume_mm3: f64,
     /// Distinct heights at which something was extruded, micrometres, ascending.
     pub heights_um: Vec<i64>,
-    /// By `;TYPE:` or what other slicers write instead, in order of appearance; `none` before the first.
+    /// Sums by `;TYPE:` or its equivalents, in order of appearance; `none` before the first.
     pub by_type: Vec<TypeMeasure>,
 }
 

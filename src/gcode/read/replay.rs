@@ -63,7 +63,7 @@ impl Stroke {
     }
 }
 
-/// What a line does.
+/// The action of a line.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Action<'a> {
     /// It moves the machine.
@@ -91,7 +91,7 @@ pub fn replay(text: &[u8]) -> Replay<'_> {
     Replay { lines: lines(text), state: State::default() }
 }
 
-/// Replays what follows a print under way: absolute positions, the nozzle at `position`, nothing retracted.
+/// Replays text that continues a print: absolute positions, the nozzle at `position`, nothing retracted.
 pub fn resume(text: &[u8], position: [f64; 3], relative_e: bool) -> Replay<'_> {
     Replay { lines: lines(text), state: State { position, e_absolute: !relative_e, ..State::default() } }
 }
@@ -278,7 +278,7 @@ impl State {
         words.get(b'S').map_or(by_diameter, |on| on > 0.0)
     }
 
-    /// The centre by I and J, or the one that R means (negative: the longer way round).
+    /// The centre by I and J, or the one that R means (negative: the longer arc).
     fn center(&self, clockwise: bool, from: [f64; 3], to: [f64; 3], words: &Words) -> [f64; 2] {
         let Some(radius) = words.get(b'R').map(|r| r * self.scale) else {
             let [i, j] = [b'I', b'J'].map(|w| words.get(w).unwrap_or(0.0) * self.scale);

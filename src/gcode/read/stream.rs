@@ -49,10 +49,10 @@ pub fn each_line(mut file: impl Read, mut take: impl FnMut(Line<'_>)) -> io::Res
 mod tests {
     use super::*;
 
-    /// Gives a few bytes at a time.
-    struct Drops<'a>(&'a [u8]);
+    /// A reader that gives a few bytes at a time.
+    struct ShortReads<'a>(&'a [u8]);
 
-    impl Read for Drops<'_> {
+    impl Read for ShortReads<'_> {
         fn read(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
             let count = self.0.len().min(3).min(buffer.len());
             buffer[..count].copy_from_slice(&self.0[..count]);
@@ -65,7 +65,7 @@ mod tests {
     fn lines_come_whole_however_the_file_is_read() {
         let text = b"G28\r\nG1 X1 Y2\n\n;end";
         let mut seen = Vec::new();
-        each_line(Drops(text), |line| seen.push((line.number, line.offset, line.raw.to_vec()))).unwrap();
+        each_line(ShortReads(text), |line| seen.push((line.number, line.offset, line.raw.to_vec()))).unwrap();
         let whole = super::super::lexer::lines(text).map(|l| (l.number, l.offset, l.raw.to_vec()));
         assert_eq!(seen, whole.collect::<Vec<_>>());
     }

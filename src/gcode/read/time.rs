@@ -42,7 +42,7 @@ impl Clock {
         }
     }
 
-    /// Processes a line, whose time goes to an account.
+    /// Processes a line and adds its time to an account.
     pub fn step(&mut self, line: &Line<'_>, action: &Action<'_>, account: usize) {
         match action {
             Action::Stroke(stroke) => self.go(stroke, account),
@@ -56,7 +56,7 @@ impl Clock {
             }
             Action::Type(_) => {}
             Action::Other => {
-                if let Effect::Wait(seconds) = self.limits.obey(line, self.planner.machine()) {
+                if let Effect::Wait(seconds) = self.limits.apply(line, self.planner.machine()) {
                     self.planner.dwell(seconds, account);
                 }
             }

@@ -60,7 +60,7 @@ impl Timetable {
         (self.z_mm[index], span.iter().sum(), named(span))
     }
 
-    /// What the seconds of the whole file are spent on; only what takes any.
+    /// Seconds of the whole file by role or activity, without those of none.
     pub fn roles(&self) -> Vec<(&'static str, f64)> {
         let mut sums = [0.0; ACCOUNTS];
         for span in &self.spans {

@@ -8,7 +8,7 @@ use crate::mesh::weld::{Soup, Welder};
 
 /// A kind of file.
 pub(super) trait Format: Sync {
-    /// Whether the file is of this kind, by its content, or its name where the content does not tell.
+    /// Whether the file is of this kind, by its content, or its name where the content is ambiguous.
     fn recognises(&self, path: &Path, data: &[u8]) -> bool;
 
     /// Reads a file of this kind.
@@ -18,7 +18,7 @@ pub(super) trait Format: Sync {
     fn read(&self, path: &Path, data: &[u8]) -> Result<Contents, MeshError>;
 }
 
-/// What a file holds.
+/// The contents of a file.
 pub(super) struct Contents {
     pub objects: Vec<FileObject>,
     pub format: &'static str,
@@ -34,13 +34,17 @@ pub(super) struct FileObject {
     /// Facets in the file, before any was left out.
     pub facets: usize,
     /// Where the file puts the object's origin, once or several times, millimetres.
-    pub spots: Vec<[f64; 3]>,
+    pub positions: Vec<[f64; 3]>,
 }
 
 impl Contents {
     /// A file that is one object, where it lies.
     pub fn single(soup: Soup, format: &'static str, facets: usize, notes: Vec<String>) -> Self {
-        Self { objects: vec![FileObject { name: None, soup, facets, spots: vec![[0.0; 3]] }], format, notes }
+        Self {
+            objects: vec![FileObject { name: None, soup, facets, positions: vec![[0.0; 3]] }],
+            format,
+            notes,
+        }
     }
 
     /// Everything as one object, each where the file puts it.
@@ -48,23 +52,23 @@ impl Contents {
     /// # Errors
     /// A coordinate that is none.
     pub fn together(self, path: &Path) -> Result<Self, MeshError> {
-        if let [FileObject { spots, .. }] = self.objects.as_slice()
-            && *spots == [[0.0; 3]]
+        if let [FileObject { positions, .. }] = self.objects.as_slice()
+            && *positions == [[0.0; 3]]
         {
             return Ok(self);
         }
-        let count = |object: &FileObject| object.facets * object.spots.len();
+        let count = |object: &FileObject| object.facets * object.positions.len();
         let facets = self.objects.iter().map(count).sum();
         let mut welder = Welder::with_capacity(facets);
         let mut number = 0;
         let objects = &self.objects;
-        for FileObject { soup, spots, .. } in objects {
-            for spot in spots {
+        for FileObject { soup, positions, .. } in objects {
+            for position in positions {
                 for triangle in &soup.triangles {
                     number += 1;
                     let moved = |v: u32| {
                         let vertex = soup.vertices[v as usize];
-                        [0, 1, 2].map(|i| (f64::from(vertex[i]) + spot[i]) as f32)
+                        [0, 1, 2].map(|i| (f64::from(vertex[i]) + position[i]) as f32)
                     };
                     let all = || objects.iter().flat_map(|object| object.soup.vertices.iter().copied());
                     let bad = |value| bad_coordinate(path, Location::Facet(number), value, all());

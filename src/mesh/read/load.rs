@@ -33,19 +33,18 @@ pub struct Model {
     /// What was found and done. Notes on the file as a whole are with its first object.
     pub report: MeshReport,
     /// Where the file puts the mesh's origin: once, or several times, millimetres.
-    pub spots: Vec<[f64; 3]>,
+    pub positions: Vec<[f64; 3]>,
 }
 
 impl From<Mesh> for Model {
     fn from(mesh: Mesh) -> Self {
         let facets = mesh.triangles.len();
         let report = MeshReport::new(&mesh, "memory", facets, &repair::Repairs::default(), Vec::new());
-        Self { name: None, mesh, report, spots: vec![[0.0; 3]] }
+        Self { name: None, mesh, report, positions: vec![[0.0; 3]] }
     }
 }
 
-/// Reads and repairs a mesh file (STL, 3MF or OBJ) as one mesh: what are several objects is taken together, each where
-/// the file puts it.
+/// Reads and repairs a mesh file (STL, 3MF or OBJ) as one mesh, with several objects at their positions in the file.
 ///
 /// # Errors
 /// See [`MeshError`]: the file cannot be read, is no model, ends early, or holds nothing that has a volume.
@@ -86,9 +85,9 @@ pub fn load_objects(path: &Path) -> Result<Vec<Model>, MeshError> {
 /// As [`load`].
 pub fn objects_from_bytes(path: &Path, data: &[u8]) -> Result<Vec<Model>, MeshError> {
     let Contents { objects, format, mut notes } = formats::read(path, data)?;
-    let model = |FileObject { name, soup, facets, spots }| {
+    let model = |FileObject { name, soup, facets, positions }| {
         let (mesh, report) = repaired(path, soup, facets, format, std::mem::take(&mut notes))?;
-        Ok(Model { name, mesh, report, spots })
+        Ok(Model { name, mesh, report, positions })
     };
     objects.into_iter().map(model).collect()
 }
@@ -104,7 +103,7 @@ fn contents(path: &Path) -> Result<Vec<u8>, MeshError> {
         if bytes > limits::MODEL_BYTES {
             return Err(too_large(format!("the file has more than {} GB", limits::MODEL_BYTES >> 30)));
         }
-        limits::room(bytes.saturating_mul(limits::BYTES_PER_BYTE)).map_err(too_large)
+        limits::check_memory(bytes.saturating_mul(limits::BYTES_PER_BYTE)).map_err(too_large)
     };
     let length = file.metadata().map_err(failed)?.len();
     check(length)?;
@@ -114,7 +113,7 @@ fn contents(path: &Path) -> Result<Vec<u8>, MeshError> {
         return Ok(data);
     }
     let mut data = Vec::with_capacity(usize::try_from(length).unwrap_or(0));
-    // A pipe does not tell its length, nor does it go back.
+    // A pipe has no length and cannot be rewound.
     let _ = file.rewind();
     file.take(limits::MODEL_BYTES + 1).read_to_end(&mut data).map_err(failed)?;
     check(data.len() as u64)?;

@@ -15,7 +15,7 @@ use crate::mesh::weld::{FARTHEST, Welder};
 const HEADER: usize = 84;
 const FACET: usize = 50;
 
-/// STL, whatever a file is called that is nothing else.
+/// STL: any file of no other format.
 pub(super) struct Stl;
 
 impl Format for Stl {
@@ -151,7 +151,8 @@ impl Seek for Part<'_> {
     }
 }
 
-/// Whether what follows a binary header can be a facet: a normal of at most unit length, corners that can be meant.
+/// Whether the bytes after a binary header can be a facet: a normal of at most unit length, corners that can be
+/// meant.
 fn is_facet(data: &[u8]) -> bool {
     let numbers = data[..48].as_chunks::<4>().0.iter().map(|&b| f32::from_le_bytes(b));
     numbers.enumerate().all(|(i, x)| x.is_nan() || x.abs() <= if i < 3 { 1.01 } else { FARTHEST })

@@ -12,7 +12,7 @@ use crate::mesh::edges::{NO_TWIN, for_each_edge};
 use crate::mesh::measure::{length_mm, normal, point};
 use geometry::DisjointSets;
 
-/// What was turned.
+/// The facets that were flipped.
 pub(super) struct Agreed {
     pub turned: usize,
     /// Facets of parts of which nearly as many faced in as out.
@@ -28,7 +28,7 @@ const CLEARER_MAJORITY: f64 = 0.5;
 /// … or than this many times what it is by chance, as a standard deviation.
 const CHANCE: f64 = 2.0;
 
-/// A patch whose area is this many times what its rim could enclose in a plane is closed but for a small rim.
+/// A patch counts as closed if its area is this many times the area that its rim could enclose in a plane.
 const CLOSED: f64 = 6.0;
 
 #[derive(Clone, Copy, Default)]

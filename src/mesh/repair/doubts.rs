@@ -55,7 +55,7 @@ impl Doubtful {
     }
 }
 
-/// Doubts that are less than this share of the volume are not worth a word.
+/// Doubts that are less than this share of the volume are not reported.
 const LEAST_SHARE: f64 = 3e-3;
 
 /// All doubts as one, if they matter; at most as much as has room in the box around all.
@@ -92,7 +92,7 @@ pub(super) fn sum(doubts: &[Doubtful], volume_mm3: f64, vertices: &[[f32; 3]]) -
 /// Lines that are shot through a mesh along each axis: this many by this many.
 const LINES: usize = 64;
 
-/// What a line meets: where, and whether it enters.
+/// An intersection of a line with the surface: its position, and whether the line enters.
 type Hit = (f64, bool);
 
 /// Volume along lines that do not leave the surface as often as they enter it, of the axis with the most: where the mesh

@@ -42,7 +42,7 @@ pub(super) fn close(vertices: &[[f32; 3]], triangles: &[[u32; 3]], edges: &Edges
         let (fewest, wide) = (left(&best), merge(vertices, &rim, tolerance));
         let wider = left(&wide);
         if fewest * NEARLY_ALL > open.len() && wider * NEARLY_ALL <= open.len() {
-            moved_mm = mean_way_mm(vertices, &wide.0);
+            moved_mm = mean_shift_mm(vertices, &wide.0);
             best = wide;
         }
     }
@@ -96,11 +96,11 @@ fn merge(vertices: &[[f32; 3]], rim: &[u32], tolerance: f32) -> (Vec<u32>, usize
 }
 
 /// How far vertices are from those that they are merged into, on average.
-fn mean_way_mm(vertices: &[[f32; 3]], target: &[u32]) -> f64 {
+fn mean_shift_mm(vertices: &[[f32; 3]], target: &[u32]) -> f64 {
     let moved = || (0u32..).zip(target).filter(|(v, target)| *v != **target);
-    let way_mm: f64 =
+    let shift_mm: f64 =
         moved().map(|(v, &w)| distance2(vertices[v as usize], vertices[w as usize]).sqrt()).sum();
-    way_mm / moved().count().max(1) as f64
+    shift_mm / moved().count().max(1) as f64
 }
 
 fn neighbours(cell: [i64; 3]) -> impl Iterator<Item = [i64; 3]> {

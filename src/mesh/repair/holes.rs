@@ -2,7 +2,7 @@
 //!
 //! A loop of open edges gets the facets of least area that it bounds (Barequet & Sharir, Filling gaps in the boundary of a
 //! polyhedron, 1995, doi:10.1016/0167-8396(94)00011-G). Whether they are what was there depends on the loop and on the
-//! surface around it: in a plane that goes on beyond a part of the rim they are; where the surface bends towards the
+//! surface around it: in a plane that continues beyond a part of the rim they are; where the surface bends towards the
 //! hole, what is missing bulged.
 
 use std::f64::consts::PI;
@@ -12,7 +12,7 @@ use crate::mesh::edges::{Edges, NO_TWIN, ends};
 use crate::mesh::measure::{Vec3, area_mm2, length_mm, normal, point};
 use geometry::DisjointSets;
 
-/// What closes holes.
+/// The facets that close holes.
 #[derive(Default)]
 pub(super) struct Filled {
     pub facets: Vec<[u32; 3]>,
@@ -35,7 +35,7 @@ const SHEET: f64 = 1.05;
 /// Facets that differ by less than 3° lie in one plane.
 const COPLANAR: f64 = 0.9986;
 
-/// Facets that lean less than this against the rim's plane may go on beyond it to a tip: 75°.
+/// Facets that lean less than this against the rim's plane may continue beyond it to a tip: 75°.
 const STEEP: f64 = 0.26;
 
 /// A surface whose normals turn less than this from one row of facets to the next, as a cosine, is straight.
@@ -81,7 +81,7 @@ fn loops(triangles: &[[u32; 3]], twins: &[u32]) -> Vec<Vec<u32>> {
     };
     let mut used = vec![false; from.len()];
     let mut found = Vec::new();
-    // Three edges first: there is but one way to close those. Where holes meet, an edge may belong to either of two.
+    // Three edges first: those can be closed in one manner only. Where holes meet, an edge may belong to either of two.
     for first in 0..from.len() {
         let closes =
             |&next: &usize| fan(to(next)).find(|&last| to(last) == from[first].0).map(|last| (next, last));
@@ -154,7 +154,7 @@ fn least_area(vertices: &[[f32; 3]], corners: &[u32]) -> Vec<[u32; 3]> {
     facets
 }
 
-/// What lies around a hole.
+/// The surface around a hole.
 struct Surface<'a> {
     vertices: &'a [[f32; 3]],
     triangles: &'a [[u32; 3]],
@@ -162,7 +162,7 @@ struct Surface<'a> {
 }
 
 impl Surface<'_> {
-    /// The part of each facet that hangs together by edges, and the area of each.
+    /// For each facet, the number of its part connected by edges, and the area of each.
     fn patches(&self) -> (Vec<u32>, Vec<f64>) {
         let mut parts = DisjointSets::new(self.triangles.len());
         for (half, &twin) in (0..).zip(self.twins).filter(|(half, twin)| **twin != NO_TWIN && *half < **twin)

@@ -21,7 +21,7 @@ use geometry::DisjointSets;
 pub use doubts::Doubt;
 pub(super) use outside::turn_facets;
 
-/// What was done and what was found; volume of an open shell: that of the cone from the middle of its box.
+/// Repairs and findings; the volume of an open shell is that of the cone from the middle of its box.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Repairs {
     pub degenerate: usize,
@@ -55,7 +55,7 @@ pub(super) struct Repaired {
 /// The share of the surface that is taken to have moved where wide gaps were welded: moves average out.
 const WELDED_SHARE: f64 = 0.1;
 
-/// Repairs what can be repaired; what was guessed at is said to be in doubt.
+/// Repairs a mesh as far as possible; guesses are reported as doubts.
 pub(super) fn repair(soup: Soup) -> Repaired {
     let Soup { mut vertices, mut triangles, mut degenerate } = soup;
     let mut repairs = Repairs::default();
@@ -188,7 +188,7 @@ fn drop_unused(vertices: &mut Vec<[f32; 3]>, triangles: &mut [[u32; 3]]) {
     }
 }
 
-/// Numbers the parts that hang together by edges, in the order of their first facets.
+/// Numbers the parts connected by edges, in the order of their first facets.
 fn shells(triangles: &[[u32; 3]], vertex_count: usize, edges: &Edges) -> (Vec<u32>, usize) {
     let mut parts = DisjointSets::new(triangles.len());
     for (half, &twin) in edges.twins.iter().enumerate() {

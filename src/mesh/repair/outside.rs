@@ -57,7 +57,7 @@ impl Shell {
     }
 }
 
-/// What was turned, and what the shells measure then.
+/// The flipped facets, and the measures of the shells afterwards.
 pub(super) struct Outcome {
     pub turned: usize,
     pub volume_mm3: f64,
@@ -85,7 +85,7 @@ pub(super) fn turn_outwards(
     for (&shell, _) in shell_of.iter().zip(doubtful).filter(|(_, doubtful)| **doubtful) {
         in_doubt[shell as usize] = true;
     }
-    // Which way those face is chance: it says nothing of the others.
+    // Their orientation is chance: it says nothing of the others.
     for (shell, _) in in_doubt.iter().enumerate().filter(|(_, in_doubt)| **in_doubt) {
         turn[shell] = shells[shell].volume_mm3 < 0.0;
         shells[shell].volume_mm3 = shells[shell].volume_mm3.abs();

@@ -1,14 +1,14 @@
 //! Facets that stand at one position more than once: which of them the surface needs.
 //!
 //! All such facets are left out first. Then they come back, once, where edges of the rest would stay open without them:
-//! groups of them that hang together are in or out as a whole, and the edges around a group vote. What nothing needs is
+//! connected groups of them are in or out as a whole, and the edges around a group vote. What nothing needs is
 //! a wall between bodies that touch, or a fin without thickness.
 
 use crate::mesh::edges::for_each_edge;
 use crate::mesh::measure::{area_mm2, keep, length_mm};
 use geometry::DisjointSets;
 
-/// What was left out.
+/// Counts of the facets left out.
 #[derive(Default)]
 pub(super) struct Settled {
     /// Facets that repeated one that stays.
@@ -17,14 +17,14 @@ pub(super) struct Settled {
     pub cancelled: usize,
 }
 
-/// A group whose area is this many times what its rim could enclose in a plane is a body, not a sheet.
+/// A group is a body, not a sheet, if its area is this many times the area that its rim could enclose in a plane.
 const BODY: f64 = 4.0;
 
 /// Rounds in which groups are decided by those decided before.
 const ROUNDS: usize = 200;
 
-/// Equal facets, as one.
-struct Stack {
+/// A set of facets with the same three corners.
+struct EqualFacets {
     /// The first of them; of the more frequent winding.
     facet: [u32; 3],
     count: usize,
@@ -32,15 +32,15 @@ struct Stack {
     balanced: bool,
 }
 
-/// An edge with stacks at it.
+/// An edge of such facets.
 struct Seam {
     length_mm: f64,
     /// Facets at it that stay.
     fixed: usize,
-    stacks: Vec<u32>,
+    sets: Vec<u32>,
 }
 
-/// Votes around a group, in millimetres of edge, for its stacks of parity 0 and 1.
+/// Votes around a group, in millimetres of edge, for its sets of parity 0 and 1.
 #[derive(Clone, Copy, Default)]
 struct Votes {
     needed: [f64; 2],
@@ -55,35 +55,35 @@ struct Votes {
 /// Drops repeated facets as the rest needs it, and marks as free those that stood there in both windings: their winding
 /// says nothing. O(n log n), and little where none repeats another.
 pub(super) fn settle(vertices: &[[f32; 3]], triangles: &mut Vec<[u32; 3]>, free: &mut Vec<bool>) -> Settled {
-    let (alone, stacks) = stacked(triangles);
+    let (alone, sets) = equal_facets(triangles);
     let mut settled = Settled::default();
-    if stacks.is_empty() {
+    if sets.is_empty() {
         return settled;
     }
     let mut fixed = triangles.clone();
     keep(&mut fixed, &alone);
-    let stays = Groups::new(vertices, &fixed, &stacks).settle();
+    let stays = Groups::new(vertices, &fixed, &sets).settle();
     // Of what is nothing but sheets, nothing would be left to tell of.
     if fixed.is_empty() && !stays.contains(&true) {
         return settled;
     }
     *triangles = fixed;
     keep(free, &alone);
-    for (stack, stays) in stacks.iter().zip(stays) {
+    for (set, stays) in sets.iter().zip(stays) {
         if stays {
-            triangles.push(stack.facet);
-            free.push(stack.balanced);
-            settled.duplicates += stack.count - 1;
+            triangles.push(set.facet);
+            free.push(set.balanced);
+            settled.duplicates += set.count - 1;
         } else {
-            settled.cancelled += stack.count / 2;
-            settled.duplicates += stack.count % 2;
+            settled.cancelled += set.count / 2;
+            settled.duplicates += set.count % 2;
         }
     }
     settled
 }
 
 /// Which facets stand alone, and the others.
-fn stacked(triangles: &[[u32; 3]]) -> (Vec<bool>, Vec<Stack>) {
+fn equal_facets(triangles: &[[u32; 3]]) -> (Vec<bool>, Vec<EqualFacets>) {
     let mut sorted: Vec<([u32; 3], usize)> = triangles
         .iter()
         .map(|t| {
@@ -95,7 +95,7 @@ fn stacked(triangles: &[[u32; 3]]) -> (Vec<bool>, Vec<Stack>) {
         .collect();
     sorted.sort_unstable();
     let mut alone = vec![true; triangles.len()];
-    let mut stacks = Vec::new();
+    let mut sets = Vec::new();
     for group in sorted.chunk_by(|a, b| a.0 == b.0).filter(|group| group.len() > 1) {
         let [a, b, c] = group[0].0;
         let first = triangles[group[0].1];
@@ -108,47 +108,47 @@ fn stacked(triangles: &[[u32; 3]]) -> (Vec<bool>, Vec<Stack>) {
             std::cmp::Ordering::Less => [a, c, b],
             std::cmp::Ordering::Equal => first,
         };
-        stacks.push(Stack { facet, count: group.len(), balanced: forward == backward });
+        sets.push(EqualFacets { facet, count: group.len(), balanced: forward == backward });
         group.iter().for_each(|(_, t)| alone[*t] = false);
     }
-    (alone, stacks)
+    (alone, sets)
 }
 
-/// Stacks that hang together, and what is decided of them.
+/// Connected sets of equal facets, and the decisions about them.
 struct Groups<'a> {
     vertices: &'a [[f32; 3]],
-    stacks: &'a [Stack],
+    sets: &'a [EqualFacets],
     seams: Vec<Seam>,
-    /// The group of each stack, and on which of its two sides the stack is.
+    /// The group of each set, and on which of its two sides the set is.
     group: Vec<(u32, bool)>,
     /// Which side of each group stays, if any; nothing where it is open.
     stays: Vec<Option<[bool; 2]>>,
 }
 
 impl<'a> Groups<'a> {
-    fn new(vertices: &'a [[f32; 3]], fixed: &[[u32; 3]], stacks: &'a [Stack]) -> Self {
-        let all: Vec<[u32; 3]> = fixed.iter().copied().chain(stacks.iter().map(|s| s.facet)).collect();
+    fn new(vertices: &'a [[f32; 3]], fixed: &[[u32; 3]], sets: &'a [EqualFacets]) -> Self {
+        let all: Vec<[u32; 3]> = fixed.iter().copied().chain(sets.iter().map(|s| s.facet)).collect();
         let mut seams = Vec::new();
         for_each_edge(&all, vertices.len(), |sides| {
             let at = |side: &crate::mesh::edges::Side| (side.triangle() as usize).checked_sub(fixed.len());
             let here: Vec<u32> = sides.iter().filter_map(at).map(|s| s as u32).collect();
             if !here.is_empty() {
                 let length_mm = length_mm(vertices, &all, sides[0].half());
-                seams.push(Seam { length_mm, fixed: sides.len() - here.len(), stacks: here });
+                seams.push(Seam { length_mm, fixed: sides.len() - here.len(), sets: here });
             }
         });
-        let mut parts = DisjointSets::new(stacks.len());
+        let mut parts = DisjointSets::new(sets.len());
         for seam in &seams {
-            if let [a, b] = *seam.stacks {
+            if let [a, b] = *seam.sets {
                 // At an open edge one of the two is needed, at others both or none.
                 parts.join_opposed(a, b, seam.fixed % 2 == 1);
             }
         }
-        let group: Vec<(u32, bool)> = (0..stacks.len() as u32).map(|s| parts.find_opposed(s)).collect();
-        Self { vertices, stacks, seams, group, stays: vec![None; stacks.len()] }
+        let group: Vec<(u32, bool)> = (0..sets.len() as u32).map(|s| parts.find_opposed(s)).collect();
+        Self { vertices, sets, seams, group, stays: vec![None; sets.len()] }
     }
 
-    /// Whether each stack stays.
+    /// Whether each set stays.
     fn settle(mut self) -> Vec<bool> {
         let rules: [Rule; 3] = [by_need, by_winding, by_shape];
         // From the rim inwards: what has come back counts for the next.
@@ -166,35 +166,35 @@ impl<'a> Groups<'a> {
                 break;
             }
         }
-        (0..self.stacks.len()).map(|s| self.state(s) == Some(true)).collect()
+        (0..self.sets.len()).map(|s| self.state(s) == Some(true)).collect()
     }
 
-    /// Whether a stack stays, if that is decided.
-    fn state(&self, stack: usize) -> Option<bool> {
-        let (group, side) = self.group[stack];
+    /// Whether a set stays, if that is decided.
+    fn state(&self, set: usize) -> Option<bool> {
+        let (group, side) = self.group[set];
         self.stays[group as usize].map(|stays| stays[usize::from(side)])
     }
 
     /// Votes of the groups, at the positions of their representatives.
     fn votes(&self) -> Vec<Option<Votes>> {
-        let mut votes = vec![None; self.stacks.len()];
-        for (stack, &(group, side)) in self.stacks.iter().zip(&self.group) {
+        let mut votes = vec![None; self.sets.len()];
+        for (set, &(group, side)) in self.sets.iter().zip(&self.group) {
             let votes = votes[group as usize].get_or_insert_with(Votes::default);
-            let area_mm2 = area_mm2(self.vertices, stack.facet);
+            let area_mm2 = area_mm2(self.vertices, set.facet);
             votes.area_mm2[usize::from(side)] += area_mm2;
-            votes.balanced_mm2 += if stack.balanced { area_mm2 } else { 0.0 };
+            votes.balanced_mm2 += if set.balanced { area_mm2 } else { 0.0 };
         }
         for seam in &self.seams {
             let mut fixed = seam.fixed;
             let mut open = Vec::new();
-            for &stack in &seam.stacks {
-                match self.state(stack as usize) {
+            for &set in &seam.sets {
+                match self.state(set as usize) {
                     Some(stays) => fixed += usize::from(stays),
-                    None => open.push(stack),
+                    None => open.push(set),
                 }
             }
-            if let [stack] = *open {
-                let (group, side) = self.group[stack as usize];
+            if let [set] = *open {
+                let (group, side) = self.group[set as usize];
                 let Some(votes) = &mut votes[group as usize] else { continue };
                 let count = match fixed {
                     0 => &mut votes.loose,
@@ -208,7 +208,7 @@ impl<'a> Groups<'a> {
     }
 }
 
-/// Which side of a group stays, where votes tell.
+/// Which side of a group stays, where votes decide.
 type Rule = fn(&Votes) -> Option<[bool; 2]>;
 
 /// The side that closes more edges than it opens.
@@ -216,7 +216,7 @@ fn by_need(votes: &Votes) -> Option<[bool; 2]> {
     let mixed = votes.area_mm2[1] > 0.0;
     let gain = |side: usize| votes.needed[side] - votes.held[side] - votes.loose[side];
     let best = usize::from(mixed && gain(1) > gain(0));
-    // Where stacks conflict with each other at open edges, one side is needed however the rest votes.
+    // Where sets conflict with each other at open edges, one side is needed however the rest votes.
     let wanted = gain(best) > 0.0 || (mixed && gain(best) > gain(1 - best));
     wanted.then_some([best == 0, best == 1])
 }

@@ -15,7 +15,7 @@ struct Patch {
     holds: bool,
 }
 
-/// Sheets have no more than this many times the area that their rim could enclose in a plane: what has more bulges.
+/// Largest ratio of a sheet's area to the area that its rim could enclose in a plane; larger ones bulge.
 const FLAT: f64 = 2.0;
 
 /// A sheet hangs on something with this many times its area.
@@ -36,7 +36,7 @@ pub(super) fn drop_sheets(
     free: &mut Vec<bool>,
 ) -> usize {
     let before = triangles.len();
-    // Each round leaves fewer patches; meshes with many are not repaired that way.
+    // Each round leaves fewer patches; meshes with many are not repaired so.
     for _ in 0..MOST_ROUNDS {
         let mut parts = DisjointSets::new(triangles.len());
         for_each_edge(triangles, vertices.len(), |sides| {

@@ -2,7 +2,7 @@
 //!
 //! How often the surface winds around the space on both sides of a patch, counted along rays, tells which side is
 //! outside (after Takayama et al., A simple method for correcting facet orientations in polygon meshes based on ray
-//! casting, JCGT 3(4), 2014): nothing is outside nothing. Where patches coincide, rays do not tell; those are turned so
+//! casting, JCGT 3(4), 2014): nothing is outside nothing. Where patches coincide, rays do not decide; those are turned so
 //! that as many facets run along an edge in one direction as in the other.
 
 use parry3d::math::Vector;
@@ -27,7 +27,7 @@ const ROUNDS: usize = 50;
 
 const DIRECTIONS: [[f32; 3]; 3] = [[0.36, 0.48, 0.8], [-0.6, 0.64, 0.48], [0.48, -0.36, -0.8]];
 
-/// What rays say of a patch.
+/// The result of casting rays from a patch.
 #[derive(Clone, Copy, PartialEq)]
 enum Finding {
     Right,

@@ -2,7 +2,7 @@
 //!
 //! An octree of cubes: one that the surface comes into is divided by its three middle planes, and so are its parts, down
 //! to the finest. The planes are printed where the layer cuts them. Every plane ends on those of a larger cube around it,
-//! so no bead ends in the air. The finest cubes are those of [`Cubic`](super::cubic::Cubic) at the density asked for.
+//! so no bead ends in the air. The finest cubes are those of [`Cubic`](super::cubic::Cubic) at the requested density.
 //!
 //! Octrees: D. Meagher, "Geometric modeling using octree encoding", Computer Graphics and Image Processing 19 (1982),
 //! DOI 10.1016/0146-664X(82)90104-6. Cubes on a corner as infill whose walls need no support: J. Wu, C. C. L. Wang,
@@ -162,7 +162,7 @@ impl FillPattern for AdaptiveCubic {
         connect(region, chords, &spec.joins)
     }
 
-    fn is_even(&self) -> bool {
+    fn is_uniform(&self) -> bool {
         false
     }
 }

@@ -1,6 +1,4 @@
-//! What parallel lines leave open where the boundary runs along them: the gap between the last line and an
-//! extreme of the boundary, less than a line wide; and the wedges between lines and a boundary that they meet at a
-//! small angle.
+//! Beads in the gaps that parallel lines leave where the boundary runs along them.
 
 use geometry::{Boundary, Point};
 
@@ -22,8 +20,8 @@ impl LineSet {
         self.direction().across_mm(p) - (line as f64 * self.distance_mm + self.phase_mm)
     }
 
-    /// The middle and the width of the gap between a line and what runs beside it, on this side (±1): where `outer`
-    /// there is nothing beyond that, else the gap goes on from there to the next line.
+    /// Middle and width of the gap on one side (±1) of a line; `outer`: the gap to the boundary, else to the next
+    /// line.
     fn gap(&self, line: i64, side: f64, outer: bool, p: Point) -> (Point, f64) {
         let over_mm = side * self.over_mm(line, p);
         let (away_mm, width_mm) = if outer {
@@ -147,7 +145,7 @@ pub(super) fn find(boundary: &Boundary<'_>, stops: &[Stop], chords: &[Chord], ha
 }
 
 /// The bead between two neighbouring lines where the boundary runs from the end of one to that of the other at a small
-/// angle: the shorter line goes on along the boundary and narrows until it meets the longer one's end.
+/// angle: the shorter line continues along the boundary and narrows until it meets the longer one's end.
 fn wedge(
     [(a, from), (b, to)]: [(&Chord, &Stop); 2],
     arc: impl FnOnce() -> Vec<Point>,

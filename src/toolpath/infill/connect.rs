@@ -13,7 +13,7 @@ const SHORTEST: f64 = 0.5;
 /// Where a line turns back sharply, it leaves its line this many line distances before the boundary.
 const BACK: f64 = 0.75;
 
-/// Such a line goes sideways into the wedge this many times as far as it goes beyond the boundary.
+/// Ratio of how far such a line runs sideways into the wedge to how far it runs beyond the boundary.
 const SIDEWAYS: f64 = 1.2;
 
 /// Anchors take up less than half of the distance to the next end, whose own may come towards them.
@@ -21,7 +21,7 @@ const ANCHOR: f64 = 0.45;
 
 /// Joins chords into longer lines.
 ///
-/// A line goes on from its end to the neighbouring end on the boundary, in either direction, if the distance there is
+/// A line continues from its end to the neighbouring end on the boundary, in either direction, if the distance there is
 /// at most as long as allowed; the nearer one where both are free. Chords are taken in the order given, each line
 /// grows at both ends. O(n log n).
 pub fn connect(region: &Region, mut chords: Vec<Chord>, joins: &Joins) -> Vec<Line> {
@@ -176,7 +176,7 @@ impl Joiner<'_> {
         let [x, y] = last.0.mm();
         let length = (x - from[0]).hypot(y - from[1]);
         let beside_cap = || self.caps.any_beside((chord as u32, side as u8));
-        let across_mm = if ahead.is_some() { self.joins.turn_mm } else { self.joins.reach_mm };
+        let across_mm = if ahead.is_some() { self.joins.turn_reach_mm } else { self.joins.reach_mm };
         if across_mm <= 0.0 || length <= 0.0 || beside_cap() {
             return;
         }
@@ -238,7 +238,7 @@ impl Around {
         Self { stops, index_of }
     }
 
-    /// The chord end to go on to, with the join along the boundary.
+    /// The chord end to continue to, with the join along the boundary.
     fn next(
         &self,
         boundary: &Boundary<'_>,

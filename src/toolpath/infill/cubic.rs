@@ -2,7 +2,7 @@
 //!
 //! A plane of a cube whose space diagonal is upright leans by 35.3° from the vertical, so that its section moves by
 //! 1/√2 of the height. The horizontal parts of the three normals are 120° apart; the second set, 60° from the first, runs
-//! along the third plane seen from behind and moves the other way.
+//! along the third plane seen from behind and moves in the opposite direction.
 
 use std::f64::consts::{FRAC_1_SQRT_2, FRAC_PI_3};
 

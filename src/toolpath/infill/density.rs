@@ -1,4 +1,4 @@
-//! Sparse infill of exactly the density asked for.
+//! Sparse infill of exactly the requested density.
 
 use geometry::{Region, polyline_length_mm, ring_length_mm};
 
@@ -39,7 +39,7 @@ const MOST_SHARE: f64 = 1.5;
 /// What whole lines cannot make up, the bead's cross-section does, within this share.
 const MOST_FLOW: f64 = 0.2;
 
-/// The factor of the beads' cross-section at which lines laid into an area have the density asked for, as far as
+/// The factor of the beads' cross-section at which lines laid into an area have the requested density, as far as
 /// a few percent of flow can make up for whole lines that come and go. `solid_mm` is the length of lines that would
 /// fill the area.
 pub fn flow(lines: &[Line], solid_mm: f64, density: f64) -> f64 {
@@ -147,7 +147,7 @@ mod tests {
     use geometry::{Point, Polygon};
 
     #[test]
-    fn in_a_narrow_room_fewer_lines_join_to_one_bead_of_the_same_density() {
+    fn in_a_narrow_area_fewer_lines_join_to_one_bead_of_the_same_density() {
         let corners = [(0.0, 0.0), (40.0, 0.0), (40.0, 3.0), (0.0, 3.0)];
         let outer = corners.map(|(x, y)| Point::from_mm(x, y)).to_vec();
         let area = Region::from(Polygon { outer, holes: Vec::new() });

@@ -45,7 +45,7 @@ impl FillPattern for Honeycomb {
         waves::lay(region, curves, spec)
     }
 
-    fn turn_rad(&self, layer: usize) -> f64 {
+    fn rotation_rad(&self, layer: usize) -> f64 {
         (layer % 3) as f64 * FRAC_PI_3
     }
 }

@@ -1,4 +1,4 @@
-//! Branches that hold up roofs inside the part and nothing else.
+//! Lightning infill: branches that support top surfaces from inside, and nothing else.
 //!
 //! Under every roof branches end so close to each other that no place of it is further than half the line distance from a
 //! branch or a wall. From layer to layer downwards they grow shorter and straighter, no faster than a wall may lean, until
@@ -29,9 +29,9 @@ const FINEST_SAMPLE_MM: f64 = 0.3;
 /// Roofs smaller than this many squared reaches need no branch.
 const SMALLEST_ROOF: f64 = 0.5;
 
-/// What lightning has to know of a layer.
+/// What lightning infill needs of a layer.
 #[derive(Clone, Debug, Default)]
-pub struct Hollow {
+pub struct LightningLayer {
     /// What lies inside the middle of the walls.
     pub ground: Region,
     /// What sparse infill would fill.
@@ -50,7 +50,7 @@ pub struct Lightning {
 impl Lightning {
     /// Grows branches under all roofs, from the top down: `hollows` are the layers from the bed up. What the layer above
     /// does not fill sparsely is a roof. O(layers · branches).
-    pub fn new(hollows: &[Hollow], line_distance_mm: f64) -> Self {
+    pub fn new(hollows: &[LightningLayer], line_distance_mm: f64) -> Self {
         let reach_mm = line_distance_mm / 2.0;
         let mut layers = vec![Vec::new(); hollows.len()];
         let mut forest = Forest::default();
@@ -82,7 +82,7 @@ impl FillPattern for Lightning {
         lines
     }
 
-    fn is_even(&self) -> bool {
+    fn is_uniform(&self) -> bool {
         false
     }
 }
@@ -120,7 +120,7 @@ mod tests {
         let (ground, all) = (square(0.0, 40.0), square(0.4, 39.6));
         let layer = |i: usize| {
             let sparse = if i < 60 { all.clone() } else { square(0.4, 20.0) };
-            Hollow { ground: ground.clone(), sparse, height_mm: HEIGHT_MM }
+            LightningLayer { ground: ground.clone(), sparse, height_mm: HEIGHT_MM }
         };
         let lightning = Lightning::new(&(0..100).map(layer).collect::<Vec<_>>(), 4.0);
         let fill = |layer| {

@@ -6,12 +6,12 @@ use super::super::bead::Line;
 use super::connect::connect;
 use super::spec::{Chord, FillSpec, Joins, LineSet};
 
-/// Sets of a layer, each turned by `turn_rad` against the one before and moved along its normal by its own phase, and
+/// Sets of a layer, each turned by `rotation_rad` against the one before and moved along its normal by its own phase, and
 /// each so much wider spaced that together they have the distance of the spec.
-pub fn sets(spec: &FillSpec, turn_rad: f64, phases_mm: &[f64]) -> Vec<LineSet> {
+pub fn sets(spec: &FillSpec, rotation_rad: f64, phases_mm: &[f64]) -> Vec<LineSet> {
     let distance_mm = phases_mm.len() as f64 * spec.line_distance_mm;
     let set = |(k, &phase_mm): (usize, &f64)| {
-        let angle_rad = spec.angle_rad + k as f64 * turn_rad;
+        let angle_rad = spec.angle_rad + k as f64 * rotation_rad;
         LineSet { angle_rad, distance_mm, phase_mm }
     };
     phases_mm.iter().enumerate().map(set).collect()
@@ -28,7 +28,7 @@ pub fn parallel(
     lay(region, &[LineSet { angle_rad, distance_mm, phase_mm }], joins)
 }
 
-/// The lines of sets through a region, their ends treated as `joins` says. A line may go on in one of another set, whose
+/// The lines of sets through a region, their ends treated as `joins` says. A line may continue in one of another set, whose
 /// ends are nearer than those of its own.
 pub fn lay(region: &Region, sets: &[LineSet], joins: &Joins) -> Vec<Line> {
     let count = sets.len();

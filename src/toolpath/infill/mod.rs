@@ -29,7 +29,7 @@ use crate::toolpath::options::Pattern;
 
 pub use adaptive_cubic::AdaptiveCubic;
 pub use density::{SOLID_DENSITY, SparseSample, calibrate, flow, lay};
-pub use lightning::{Hollow, Lightning};
+pub use lightning::{Lightning, LightningLayer};
 pub use pattern::FillPattern;
 pub use solid::{SolidSpec, fill as fill_solid, iron, nearest_first, split_narrow, turned};
 pub use spec::{FillSpec, Joins, LineSet};

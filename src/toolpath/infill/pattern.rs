@@ -20,13 +20,13 @@ pub trait FillPattern: Debug + Send + Sync {
         Vec::new()
     }
 
-    /// By how much the lines of a layer are turned against those of the first one, in radians.
-    fn turn_rad(&self, _layer: usize) -> f64 {
+    /// Rotation of a layer's lines against those of the first layer, radians.
+    fn rotation_rad(&self, _layer: usize) -> f64 {
         0.0
     }
 
-    /// Whether it is spread evenly, so that it has the density asked for wherever it is.
-    fn is_even(&self) -> bool {
+    /// Whether its density is the requested one everywhere.
+    fn is_uniform(&self) -> bool {
         true
     }
 

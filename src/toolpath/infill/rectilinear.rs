@@ -17,7 +17,7 @@ impl FillPattern for Rectilinear {
         lines::sets(spec, 0.0, &[0.0])
     }
 
-    fn turn_rad(&self, layer: usize) -> f64 {
+    fn rotation_rad(&self, layer: usize) -> f64 {
         if layer % 2 == 1 { FRAC_PI_2 } else { 0.0 }
     }
 

@@ -14,7 +14,7 @@ const LONGEST_JOIN: f64 = 12.0;
 /// The outermost lines keep this far from the patch's extreme points, where they would vanish.
 const INSIDE_MM: f64 = 0.002;
 
-/// The same where no beads of fitting width fill what is left, in spacings: an edge along the lines is never quite
+/// The same without beads of fitting width in the remainder, in spacings: an edge along the lines is never quite
 /// straight, and the outermost line should lie along all of it.
 const INSIDE: f64 = 0.08;
 
@@ -25,7 +25,7 @@ const NARROW: f64 = 3.5;
 /// Narrow parts smaller than this many squared spacings are left with the wide ones: corners.
 const CORNER: f64 = 4.0;
 
-/// Divides a solid zone into what is wide enough for parallel lines, and the rest.
+/// Splits a solid zone into parts wide enough for parallel lines, and the rest.
 pub fn split_narrow(zone: &Region, spacing_mm: f64) -> (Region, Region) {
     let radius_mm = NARROW / 2.0 * spacing_mm;
     let core = geometry::offset(zone, -radius_mm);
@@ -60,8 +60,8 @@ impl SolidPatch {
     }
 }
 
-/// Puts patches whose lines keep their order one behind the other, each time the one that begins nearest to where the
-/// one before ends. O(n²) of their number.
+/// Orders patches whose lines keep their order: always the one that begins nearest to the end of the last. O(n²) of
+/// their number.
 pub fn nearest_first(patches: &mut [SolidPatch]) {
     let mut ends: Vec<_> = patches.iter().map(SolidPatch::ends).collect();
     for next in 1..patches.len() {
@@ -85,17 +85,16 @@ pub struct SolidSpec {
     /// How far free ends reach beyond half a spacing inside the boundary.
     pub reach_mm: f64,
     /// How far ends at sharp turns reach, as a multiple of that.
-    pub turn: f64,
+    pub turn_reach: f64,
     /// Direction of the first layer's lines; they turn by 90° from layer to layer.
     pub angle_rad: f64,
     /// Index of the layer, from 0.
     pub layer: usize,
     /// Whether line ends are joined along the boundary; else each line is by itself.
     pub joined: bool,
-    /// Whether beads of fitting width fill what is left where the boundary runs along the lines.
+    /// Whether beads of fitting width fill the remainder where the boundary runs along the lines.
     pub capped: bool,
-    /// What lines are fitted to, across their direction, if not to all of a patch: its smallest and its largest
-    /// coordinate.
+    /// Smallest and largest coordinate across the lines that they are fitted to, if not those of the patch.
     pub fit_mm: Option<(f64, f64)>,
 }
 
@@ -127,7 +126,7 @@ pub fn fill(region: &Region, spec: &SolidSpec) -> Vec<SolidPatch> {
             let joins = Joins {
                 longest_mm: if spec.joined { LONGEST_JOIN * spacing_mm } else { 0.0 },
                 reach_mm,
-                turn_mm: spec.turn * reach_mm,
+                turn_reach_mm: spec.turn_reach * reach_mm,
                 anchor_mm: 0.0,
                 hatch: spec.capped.then_some(LineSet { angle_rad, distance_mm: fitted_mm, phase_mm }),
             };

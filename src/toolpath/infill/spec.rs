@@ -6,7 +6,7 @@ use geometry::{BoundaryPos, Direction, Point};
 /// boundary.
 const FLATTEST: [f64; 2] = [4.0, 2.0];
 
-/// What a pattern needs to know of a layer.
+/// What a pattern needs of a layer.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FillSpec {
     /// Mean distance between beads, in millimetres: the spacing of a solid fill over the density. Patterns with
@@ -70,7 +70,7 @@ pub struct Joins {
     /// How far free ends reach beyond the boundary, in millimetres across it.
     pub reach_mm: f64,
     /// The same of ends whose join turns back sharply and so leaves a wedge open between line and boundary.
-    pub turn_mm: f64,
+    pub turn_reach_mm: f64,
     /// How far free ends run on along the boundary at most, in millimetres.
     pub anchor_mm: f64,
     /// Of solid fills, the lines' arrangement: what no line covers beside the boundary is filled.

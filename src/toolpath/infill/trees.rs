@@ -105,8 +105,8 @@ impl Forest {
         self.nodes = nodes;
     }
 
-    /// Stands the trees on the boundary of a region: what lies outside is cut off, roots inside are led on to the nearest
-    /// place on it.
+    /// Cuts the trees at the boundary of a region: removes what lies outside, and extends roots inside to the nearest
+    /// point of it.
     pub(super) fn ground(&mut self, region: &Region) {
         let clipper = Clipper::new(region);
         let edges = EdgeGrid::new(region);

@@ -14,7 +14,7 @@ pub struct TriHexagon;
 
 impl FillPattern for TriHexagon {
     fn sets(&self, spec: &FillSpec) -> Vec<LineSet> {
-        // The middle set runs half-way between the points where the other two meet.
+        // The middle set runs midway between the points where the other two meet.
         let half_mm = 1.5 * spec.line_distance_mm;
         lines::sets(spec, FRAC_PI_3, &[0.0, half_mm, 0.0])
     }

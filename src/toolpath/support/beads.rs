@@ -21,7 +21,7 @@ const WIDE_MM: f64 = 5.0;
 /// Ends of lines are joined along the loop up to this many line distances.
 const LONGEST_JOIN: f64 = 2.0;
 
-/// How many chains are looked at for one that a line may go on.
+/// How many chains are looked at for one that a line may continue.
 const RECENT: usize = 64;
 
 /// On the bed the lines lie closer by this factor, to stick.
@@ -172,11 +172,11 @@ fn extended(
 fn joined(lines: Vec<(i64, [Point; 2])>, area: &Region, longest_mm: f64) -> Vec<Vec<Point>> {
     let mut chains: Vec<(i64, Vec<Point>)> = Vec::new();
     for (track, [a, b]) in lines.into_iter().filter(|(_, [a, b])| a.distance_mm(*b) >= SHORTEST_MM) {
-        // Chains that may go on are among the last.
+        // Chains that may continue are among the last.
         let near = |end: &Point| {
             let to = if a.distance_mm(*end) <= b.distance_mm(*end) { a } else { b };
-            let half_way = Point::new((to.x + end.x) / 2, (to.y + end.y) / 2);
-            to.distance_mm(*end) <= longest_mm && area.contains(half_way)
+            let middle = Point::new((to.x + end.x) / 2, (to.y + end.y) / 2);
+            to.distance_mm(*end) <= longest_mm && area.contains(middle)
         };
         let recent = chains.iter_mut().rev().take(RECENT);
         let chain =

@@ -117,7 +117,7 @@ impl Bitmap {
         map
     }
 
-    /// The cells that a region touches, at least at its vertices: nothing is too small to be seen.
+    /// The cells that a region touches, at least those of its vertices.
     pub fn touching(grid: Grid, region: &Region) -> Self {
         let mut map = Self::of(grid, region);
         for ring in region.rings() {
@@ -214,7 +214,7 @@ impl Bitmap {
         map
     }
 
-    /// The union of all squares of this many cells that fit: what is narrower vanishes.
+    /// The union of all squares of this many cells that fit; narrower parts vanish.
     pub fn opened(&self, side: usize) -> Self {
         let mut map = self.clone();
         for axis in [[-1, 0], [0, -1]] {
@@ -245,7 +245,7 @@ impl Bitmap {
         map
     }
 
-    /// Without everything within about this many cells of what it does not have; beyond the grid is everything.
+    /// Shrinks the cells by about this many; cells beyond the grid count as set.
     pub fn shrunk(&self, cells: usize) -> Self {
         self.inverted().grown(cells).inverted()
     }

@@ -2,13 +2,13 @@
 
 use super::bitmap::Bitmap;
 
-/// Columns narrower than this are widened on their way down.
+/// Columns narrower than this are widened downwards.
 const FIRM_MM: f64 = 4.0;
 
 /// Height over which a narrow column gains one cell on every side.
 const WIDEN_EVERY_MM: f64 = 2.0;
 
-/// Height over which columns lean out by one cell, upwards, to hold what has nothing of its own to stand on.
+/// Height over which columns widen by one cell, upwards, to carry support that stands on nothing.
 const LEAN_EVERY_MM: f64 = 0.8;
 
 /// How far, in cells, a corner may lie from the largest square that fits.
@@ -29,7 +29,7 @@ pub struct Cells {
     pub interface: Bitmap,
 }
 
-/// What columns are made for.
+/// The input of columns.
 #[derive(Clone, Debug)]
 pub struct ColumnSpec {
     /// For each layer how many under it are left free between the part and support, whichever is above.

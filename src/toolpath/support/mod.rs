@@ -1,4 +1,4 @@
-//! Supports: what holds up the parts of a print that nothing else does.
+//! Supports under overhangs.
 //!
 //! Where a layer hangs over the one below is found on exact outlines ([`overhang`]); where supports stand is decided
 //! on cells of 0.4 mm ([`bitmap`]), from the top down, as columns

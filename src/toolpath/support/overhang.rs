@@ -11,12 +11,12 @@ const CRUMB_MM2: f64 = 0.05;
 /// Outlines are simplified to this before they are grown: a tenth of what a layer may lean out.
 pub const ROUGH_MM: f64 = 0.02;
 
-/// What of a layer rests on nothing.
+/// The unsupported area of a layer.
 #[derive(Clone, Debug)]
 pub struct Overhang {
     /// Leans out too far, or is too long a bridge.
     pub leaning: Bitmap,
-    /// Must be held, however small: islands that begin in mid-air, and what the user marked.
+    /// Areas that need support at any size: islands that begin in mid-air, and enforced ones.
     pub must: Bitmap,
 }
 
@@ -40,8 +40,8 @@ pub struct SupportModifiers<'a> {
     pub blocked: &'a Region,
 }
 
-/// Finds what of a layer `height_mm` high leans out over the one below by more than `support.angle`, less what can be
-/// bridged. Unless support is enabled, nothing is held but what is enforced.
+/// Finds the part of a layer `height_mm` high that overhangs the one below by more than `support.angle`, without
+/// bridges. Unless support is enabled, nothing is held but what is enforced.
 pub fn find(
     layer: Slab<'_>,
     below: Slab<'_>,
@@ -82,9 +82,9 @@ pub fn find(
     Overhang { leaning, must }
 }
 
-/// What of a layer's overhang is to be held: all that must be, and of what leans out the parts that, seen from above
-/// together with the layers just over and under it, reach out by `support.min_reach`. `around` are those layers, its
-/// own among them.
+/// The part of a layer's overhang that needs support: all that must be, and of what leans out the parts that, seen
+/// from above together with the layers just over and under it, reach out by `support.min_reach`. `around` are those
+/// layers, its own among them.
 pub fn lasting<'a>(
     own: &Overhang,
     around: impl Iterator<Item = &'a Overhang>,

@@ -6,13 +6,13 @@ use super::beads::SHORTEST_MM;
 use crate::toolpath::{Path, Width};
 use geometry::{EdgeGrid, Point, Polygon, Region};
 
-/// A bead lies on another if their middles are at most this many widths apart: half of it at least is carried.
+/// A bead is carried by another if their middles are at most this many widths apart: half of it at least is carried.
 const CARRIED: f64 = 1.0;
 
 /// Positions along a bead are tried this far apart, in millimetres.
 const STEP_MM: f64 = 0.1;
 
-/// What a layer of support rests on.
+/// The base of a layer of support.
 pub struct Ground<'a> {
     beads: EdgeGrid,
     part: &'a [Region],

@@ -1,6 +1,6 @@
-//! Branches that grow down from what is to be held, lean towards each other, merge, and keep clear of the part.
+//! Branches that grow down from the overhangs, lean towards each other, merge, and keep clear of the part.
 //!
-//! For every layer the positions are known from which a branch, leaning no more than it may, still finds its way down to
+//! For every layer the positions are known from which a branch, leaning no more than it may, still finds a route down to
 //! the bed ([`avoidance`]); a branch stays there if it can, and otherwise ends on the part. The idea of such
 //! avoidance areas is that of J. Vanek, J. A. G. Galicia and B. Benes, Clever Support, Computer Graphics Forum 33 (2014),
 //! doi:10.1111/cgf.12437, as slicers have made it layer by layer.
@@ -37,7 +37,7 @@ const REACH_MM: f64 = 15.0;
 /// Height after which branches look for their neighbours anew.
 const LOOK_EVERY_MM: f64 = 1.0;
 
-/// How far, in cells, a branch looks for a way round the part.
+/// How far, in cells, a branch looks for a route round the part.
 const DETOUR: i64 = 10;
 
 /// Smaller holes between discs are filled: a loop around one would begin in mid-air.
@@ -161,8 +161,8 @@ fn avoidance(solid: &[Bitmap], spec: &ColumnSpec, settings: &SupportSettings, le
         .collect()
 }
 
-/// Where a branch goes on the next layer down: towards its goal, or out of where the part is in its way; straight
-/// down where neither is possible.
+/// Position of a branch on the next layer down: towards its goal, or out of the part; straight down where neither is
+/// possible.
 fn step(branch: &Branch, avoided: &Bitmap, lean_mm: f64) -> [f64; 2] {
     let is_free = |at: [f64; 2]| !avoided.has_at(Point::from_mm(at[0], at[1]));
     if let Some(next) = branch.goal.map(|goal| toward(branch.at, goal, lean_mm))
@@ -194,7 +194,7 @@ fn toward(from: [f64; 2], to: [f64; 2], most_mm: f64) -> [f64; 2] {
     [0, 1].map(|i| from[i] + share * (to[i] - from[i]))
 }
 
-/// Makes one of branches that have met: the thicker one goes on.
+/// Makes one of branches that have met: the thicker one continues.
 fn merge(branches: &mut Vec<Branch>, trunks: &mut [usize], radius: &impl Fn(usize) -> f64, near_mm: f64) {
     let buckets = Buckets::new(branches, THICKEST_MM.max(near_mm));
     let mut gone = vec![false; branches.len()];
@@ -354,7 +354,7 @@ mod tests {
     }
 
     #[test]
-    fn branches_meet_on_their_way_down() {
+    fn branches_merge_downwards() {
         let layers = discs(&vec![Bitmap::empty(grid()); 100], cells(10.0, 8.0, 24.0, 12.0), true);
         let (top, bottom) = (layers.iter().rev().find(|l| !l.is_empty()).unwrap(), &layers[0]);
         assert!(top.len() >= 8 && bottom.len() <= 2, "{} → {}", top.len(), bottom.len());

@@ -48,7 +48,7 @@ class App {
     const solid = !several && this.lengths().some((length, role) => role < TRAVEL && length > 0);
     this.setMode(query.get("view") || (solid ? "3d" : "2d"));
     this.goTo(query.has("layer") ? query.get("layer") - 1 : several ? busiest : this.layers - 1);
-    if (query.has("way")) this.setProgress(this.longest() * query.get("way"));
+    if (query.has("progress")) this.setProgress(this.longest() * query.get("progress"));
     this.colored();
   }
 
@@ -232,13 +232,13 @@ class App {
   }
 
   showText() {
-    const { state, prints, panes, layers } = this, layer = find("layer"), slider = find("way"), longest = this.longest();
+    const { state, prints, panes, layers } = this, layer = find("layer"), slider = find("progress"), longest = this.longest();
     const z = prints[0].z[Math.min(state.layer, prints[0].layers - 1)];
     layer.value = state.layer + 1;
     slider.max = longest || 1;
     slider.value = longest ? state.progress : 1;
     find("layer-text").textContent = `${state.layer + 1} / ${layers} · ${fixed(z, 2)} mm`;
-    find("way-text").textContent = `${duration(state.progress)} / ${duration(longest)}`;
+    find("progress-text").textContent = `${duration(state.progress)} / ${duration(longest)}`;
     layer.setAttribute("aria-valuetext", `layer ${state.layer + 1} of ${layers}, at ${fixed(z, 2)} mm`);
     slider.setAttribute("aria-valuetext", `${duration(state.progress)} of ${duration(longest)}`);
     for (const { print, canvas, caption } of panes) {

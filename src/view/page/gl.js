@@ -49,8 +49,8 @@ class GlPainter {
   }
 
   /**
-   * Draws. `look`: mode, theme, colors, ramp, byValue, roleMask, markMask; `now`: layer, stroke (index of the one under
-   * way), part (how much of it is done); `size`: CSS pixels and their ratio to device pixels. A print of more strokes
+   * Draws. `look`: mode, theme, colors, ramp, byValue, roleMask, markMask; `now`: layer, stroke (index of the one being
+   * drawn), part (how much of it is done); `size`: CSS pixels and their ratio to device pixels. A print of more strokes
    * than the card draws at a time is drawn at a glance first, and with all of them while nothing moves.
    */
   draw(look, now, camera, size) {

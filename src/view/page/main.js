@@ -8,7 +8,7 @@ function listen(app) {
   find("help").addEventListener("click", () => find("keys").showModal());
   find("color").addEventListener("change", (event) => app.setColor(event.target.value));
   find("layer").addEventListener("input", (event) => app.goTo(event.target.value - 1));
-  find("way").addEventListener("input", (event) => app.setProgress(+event.target.value));
+  find("progress").addEventListener("input", (event) => app.setProgress(+event.target.value));
   find("play").addEventListener("click", () => app.play());
   find("back").addEventListener("click", () => app.step(-1));
   find("forward").addEventListener("click", () => app.step(1));

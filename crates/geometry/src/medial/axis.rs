@@ -12,7 +12,7 @@ pub(super) const NONE: u32 = u32::MAX;
 pub(super) struct Node {
     pub(super) at: Position,
     pub(super) width: f64,
-    /// How far the region goes on beyond this node, if it is the end of a branch.
+    /// How far the region continues beyond this node, if it is the end of a branch.
     pub(super) reach: f64,
     /// Up to three neighbours, [`NONE`] in unused slots.
     pub(super) links: [u32; 3],
@@ -57,7 +57,7 @@ impl HasPosition for Sample {
 
 /// The chordal axis (Prasad 1997, CNLS Newsletter 139): in the constrained Delaunay triangulation of the
 /// samples, the middles of inner edges are linked through the triangles inside. Each middle is then moved
-/// half-way between the two sides that its edge connects. Empty where the samples cannot be triangulated.
+/// midway between the two sides that its edge connects. Empty where the samples cannot be triangulated.
 pub(super) fn chordal_axis(outline: &Outline) -> Vec<Node> {
     let samples =
         outline.at.iter().enumerate().map(|(i, &at)| Sample { at, index: i as u32 }).collect::<Vec<_>>();
@@ -122,7 +122,7 @@ fn junction_of([a, b, c]: [Position; 3], links: [u32; 3]) -> Node {
     Node { at, width, reach: width / 2.0, links, junction: true }
 }
 
-/// The point half-way between the sides around two samples.
+/// The point midway between the sides around two samples.
 fn between_sides(outline: &Outline, a: u32, b: u32) -> Node {
     let (p, q) = (outline.at[a as usize], outline.at[b as usize]);
     let middle = lerp(p, q, 0.5);

@@ -10,10 +10,10 @@ const ROUNDS: usize = 8;
 const STRAIGHT: f64 = -0.25;
 
 /// Node indices from end to end; closed if the last is linked to the first.
-pub(super) struct Trail {
+pub(super) struct AxisPath {
     pub(super) nodes: Vec<u32>,
     pub(super) closed: bool,
-    /// Whether either end is a free end, not one at another trail.
+    /// Whether either end is a free end, not one at another path.
     pub(super) free: [bool; 2],
 }
 
@@ -116,7 +116,7 @@ fn walk(nodes: &[Node], start: u32, first: u32) -> Vec<u32> {
 /// Joins branches at junctions, the straightest pairs first, and adds the loops that have no junction.
 ///
 /// Junctions closer to each other than half their width are one.
-pub(super) fn trails(nodes: &[Node]) -> Vec<Trail> {
+pub(super) fn axis_paths(nodes: &[Node]) -> Vec<AxisPath> {
     let all = branches(nodes);
     let mut cluster: Vec<u32> = (0..nodes.len() as u32).collect();
     let is_junction = |n: u32| nodes[n as usize].degree() == 3;
@@ -187,19 +187,19 @@ fn leaving(nodes: &[Node], branch: &Branch, end: usize) -> Position {
 }
 
 /// Follows the partners from branch to branch.
-fn chain(nodes: &[Node], branches: &mut [Branch], partner: &[[Option<(usize, usize)>; 2]]) -> Vec<Trail> {
+fn chain(nodes: &[Node], branches: &mut [Branch], partner: &[[Option<(usize, usize)>; 2]]) -> Vec<AxisPath> {
     let mut used = vec![false; branches.len()];
     let mut found = Vec::new();
-    // Trails with ends first, from those ends; what is left goes round.
+    // Paths with ends first, from those ends; what is left goes round.
     let starts = (0..branches.len()).flat_map(|b| [(b, 0), (b, 1)]);
     let open = starts.clone().filter(|&(b, end)| partner[b][end].is_none());
     for (first, end) in open.chain(starts.clone()) {
         if used[first] {
             continue;
         }
-        let mut trail = Trail { nodes: Vec::new(), closed: false, free: [false; 2] };
+        let mut path = AxisPath { nodes: Vec::new(), closed: false, free: [false; 2] };
         let (mut branch, mut end) = (first, end);
-        trail.free[0] = nodes[branches[branch].end(end) as usize].degree() == 1;
+        path.free[0] = nodes[branches[branch].end(end) as usize].degree() == 1;
         loop {
             used[branch] = true;
             let mut run = std::mem::take(&mut branches[branch].nodes);
@@ -207,38 +207,38 @@ fn chain(nodes: &[Node], branches: &mut [Branch], partner: &[[Option<(usize, usi
                 run.reverse();
             }
             let last = run[run.len() - 1];
-            trail.free[1] = nodes[last as usize].degree() == 1;
+            path.free[1] = nodes[last as usize].degree() == 1;
             match partner[branch][1 - end] {
                 Some((next, next_end)) if !used[next] => {
-                    // The junction itself is no part of a line that goes on.
+                    // The junction itself is no part of a line that continues.
                     run.pop();
-                    append(&mut trail.nodes, &run);
+                    append(&mut path.nodes, &run);
                     (branch, end) = (next, next_end);
                 }
                 Some(_) => {
                     run.pop();
-                    append(&mut trail.nodes, &run);
-                    trail.closed = trail.nodes.len() > 2;
+                    append(&mut path.nodes, &run);
+                    path.closed = path.nodes.len() > 2;
                     break;
                 }
                 None => {
-                    append(&mut trail.nodes, &run);
+                    append(&mut path.nodes, &run);
                     break;
                 }
             }
         }
-        found.push(trail);
+        found.push(path);
     }
     found
 }
 
-/// Appends a branch to a trail; the junction between them is left out.
-fn append(trail: &mut Vec<u32>, run: &[u32]) {
-    let skip = usize::from(!trail.is_empty());
-    trail.extend_from_slice(run.get(skip..).unwrap_or(&[]));
+/// Appends a branch to a path; the junction between them is left out.
+fn append(path: &mut Vec<u32>, run: &[u32]) {
+    let skip = usize::from(!path.is_empty());
+    path.extend_from_slice(run.get(skip..).unwrap_or(&[]));
 }
 
-fn loops(nodes: &[Node]) -> Vec<Trail> {
+fn loops(nodes: &[Node]) -> Vec<AxisPath> {
     let mut seen = vec![false; nodes.len()];
     for branch in branches(nodes) {
         branch.nodes.iter().for_each(|&n| seen[n as usize] = true);
@@ -255,7 +255,7 @@ fn loops(nodes: &[Node]) -> Vec<Trail> {
         run.pop();
         run.iter().for_each(|&n| seen[n as usize] = true);
         if run.len() > 2 {
-            found.push(Trail { nodes: run, closed: true, free: [false; 2] });
+            found.push(AxisPath { nodes: run, closed: true, free: [false; 2] });
         }
     }
     found

@@ -1,7 +1,7 @@
-//! A middle line on its way from the axis to a path.
+//! A middle line while it becomes a path.
 
 use super::axis::Node;
-use super::branches::Trail;
+use super::branches::AxisPath;
 use super::outline::{Position, direction, distance, lerp};
 use super::path::MedialPath;
 use crate::{Bounds, EdgeGrid, Point};
@@ -24,18 +24,18 @@ pub(super) struct Line {
 }
 
 impl Line {
-    pub(super) fn new(nodes: &[Node], trail: &Trail, grid: &EdgeGrid, max_mm: f64, tip: f64) -> Self {
-        let (free, closed) = (trail.free, trail.closed);
-        let mut trail = trail.nodes.as_slice();
+    pub(super) fn new(nodes: &[Node], path: &AxisPath, grid: &EdgeGrid, max_mm: f64, tip: f64) -> Self {
+        let (free, closed) = (path.free, path.closed);
+        let mut path = path.nodes.as_slice();
         // A junction that lost its spurs says less about the middle than the nodes before it.
         let is_junction = |n: &u32| nodes[*n as usize].junction;
-        if free[0] && trail.len() > 2 && trail.first().is_some_and(is_junction) {
-            trail = &trail[1..];
+        if free[0] && path.len() > 2 && path.first().is_some_and(is_junction) {
+            path = &path[1..];
         }
-        if free[1] && trail.len() > 2 && trail.last().is_some_and(is_junction) {
-            trail = &trail[..trail.len() - 1];
+        if free[1] && path.len() > 2 && path.last().is_some_and(is_junction) {
+            path = &path[..path.len() - 1];
         }
-        let on = trail.iter().map(|&n| &nodes[n as usize]);
+        let on = path.iter().map(|&n| &nodes[n as usize]);
         let mut line =
             Self { at: on.clone().map(|n| n.at).collect(), width: on.map(|n| n.width).collect(), closed };
         line.smooth();
@@ -86,10 +86,10 @@ impl Line {
         };
         let along = direction(self.at[back], end);
         let far = [end[0] + 4.0 * max_mm * along[0], end[1] + 4.0 * max_mm * along[1]];
-        let Some(room) = first_hit(grid, end, far) else {
+        let Some(free_mm) = first_hit(grid, end, far) else {
             return;
         };
-        let by = room - tip * width;
+        let by = free_mm - tip * width;
         if by > 0.0 {
             self.at.push([end[0] + by * along[0], end[1] + by * along[1]]);
             self.width.push(width);

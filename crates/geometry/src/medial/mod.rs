@@ -40,8 +40,7 @@ pub fn medial_axis(region: &Region, min_mm: f64, max_mm: f64, tip: f64) -> Vec<M
     region.polygons.iter().flat_map(|polygon| of_polygon(polygon, min_mm, max_mm, tip)).collect()
 }
 
-/// As [`medial_axis`], of the parts of a region that lie in `area`: what is narrow in it, for instance, where the rest is
-/// drawn otherwise.
+/// As [`medial_axis`], for the parts of a region inside `area`, such as its narrow parts.
 ///
 /// The lines are cut out of those of the region. So a neck has its line along it, however short it is, where the neck alone
 /// might be wider than long. Ends where a line leaves a part of the area are taken back by `cut` times the local width; lines
@@ -113,8 +112,8 @@ fn lines(
     let outline = Outline::sample(polygon, (SPACING * max_mm).max(length / 200_000.0).max(1e-3));
     let mut nodes = axis::chordal_axis(&outline);
     branches::prune(&mut nodes, covers);
-    let trails = branches::trails(&nodes);
-    trails.into_iter().map(|trail| Line::new(&nodes, &trail, grid, max_mm, tip)).collect()
+    let paths = branches::axis_paths(&nodes);
+    paths.into_iter().map(|path| Line::new(&nodes, &path, grid, max_mm, tip)).collect()
 }
 
 /// The parts of lines that are wide enough, within a boundary.

@@ -37,7 +37,7 @@ struct Level {
 }
 
 impl Level {
-    /// The arc that enters each node; what stands for the root means nothing.
+    /// The arc that enters each node; the value of the root is meaningless.
     fn enter(self, arcs: &[Arc]) -> Option<Vec<u32>> {
         let tail_of = |number: u32| self.part_of[arcs[number as usize].tail as usize] as usize;
         let mut chosen = vec![NONE; self.nodes];

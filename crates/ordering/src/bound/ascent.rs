@@ -57,14 +57,14 @@ impl Climb {
 /// The best bound over all links that was found, and its multipliers (Held & Karp 1970 and 1971,
 /// <https://doi.org/10.1287/opre.18.6.1138>, <https://doi.org/10.1007/BF01584070>).
 ///
-/// `from` are those found before, for other points to come from and to go on to.
+/// `from` are those found before, for other points to come from and to continue to.
 pub(super) fn ascend(relaxation: &mut Relaxation, from: Option<Multipliers>) -> (i64, Multipliers) {
     let (steps, first) = if from.is_some() { (AGAIN, FIRST_AGAIN) } else { (STEPS, FIRST) };
     let mut now = from.unwrap_or_else(|| relaxation.zero());
     relaxation.forget_trees();
     let mut usage = Usage::default();
     let mut ascent = Ascent::new(relaxation, &now);
-    // Over all links, and as far as the known links tell.
+    // Over all links, and over the known links.
     let mut proved = (relaxation.exact(&now).0, now.clone());
     let mut hoped = (relaxation.relax(&now, &mut usage), now.clone());
     let mut step = first * proved.0.max(now.nodes.len() as i64) as f64 / now.nodes.len().max(1) as f64;

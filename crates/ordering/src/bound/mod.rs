@@ -23,7 +23,7 @@ use model::{Model, fine, link, to_mm};
 use pathwright_geometry::Point;
 use relaxation::{Multipliers, Relaxation};
 
-/// What a layer adds to a bound, wherever it is entered and left: its multipliers, and all that they prove.
+/// The share of a layer in a bound, wherever it is entered and left: its multipliers and their result.
 #[derive(Clone, Debug, Default)]
 pub struct Share {
     /// Everything but the links in and out, in fine units.
@@ -32,7 +32,7 @@ pub struct Share {
     ends: [Vec<(Point, i64)>; 2],
 }
 
-/// What a layer's walk comes from, or goes on to, while its multipliers are sought.
+/// Where a layer's walk comes from, or continues to, while its multipliers are sought.
 enum Beyond<'a> {
     /// Not known: the link there is left out.
     Anything,
@@ -123,8 +123,8 @@ const CHUNK: usize = 16;
 /// seams at `feature` the gap is 6.9 % after one pass, 6.4 after two, 5.6 after six, 5.1 after twelve.
 const PASSES: usize = 6;
 
-/// The shares of a print's layers, from the first to the last; a layer that nothing is drawn on has an empty one. The
-/// start of the first and the end of the last count where they are known.
+/// The shares of a print's layers, from the first to the last; empty for a layer without paths. The start of the
+/// first and the end of the last count where they are known.
 ///
 /// A layer knows what links to the layer below pay there. Chunks of layers are independent: first every other one,
 /// then those between. `map(n, f)` gives f(0), …, f(n − 1) and may call them in any order.

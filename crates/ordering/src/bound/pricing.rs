@@ -19,7 +19,7 @@ pub(super) struct Pricing<'a> {
     families: Vec<Siblings>,
 }
 
-/// What the multipliers make of the links.
+/// The prices of links under the multipliers.
 pub(super) struct Prices<'a> {
     /// The known links, by depth.
     pub(super) listed: [Vec<Priced>; DEPTHS],
@@ -69,7 +69,7 @@ impl<'a> Pricing<'a> {
 
     /// A cheapest tree over the paths: within every group, and over its siblings, down from groups at some depth.
     ///
-    /// Borůvka's rounds (1926, translated in Nešetřil, Milková & Nešetřilová 2001, <https://doi.org/10.1016/S0012-365X(00)00224-7>): each part finds its cheapest way out, among the listed links and by a
+    /// Borůvka's rounds (1926, translated in Nešetřil, Milková & Nešetřilová 2001, <https://doi.org/10.1016/S0012-365X(00)00224-7>): each part finds its cheapest link outwards, among the listed links and by a
     /// search that leaves out boxes which cannot hold a cheaper one and boxes that lie wholly within the part.
     pub(super) fn tree(&self, prices: &Prices, depth: usize) -> Vec<Priced> {
         let mut parts = DisjointSets::new(self.model.bodies.len());

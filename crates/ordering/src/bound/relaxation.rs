@@ -1,4 +1,5 @@
-//! The relaxation of one layer: a tree instead of a walk, with a price on whatever a tree may do and a walk may not.
+//! The relaxation of one layer: a tree instead of a walk, with multipliers on the constraints that a tree may
+//! violate.
 
 use rustc_hash::{FxHashMap, FxHashSet};
 
@@ -113,7 +114,7 @@ impl<'a> Relaxation<'a> {
         }
     }
 
-    /// Makes the link from where the walk comes from (0) or to where it goes on (1) part of the bound; `length` is the
+    /// Makes the link from where the walk comes from (0) or to where it continues (1) part of the bound; `length` is the
     /// least for a point.
     pub(super) fn measure(&mut self, side: usize, length: impl Fn(Point) -> i64) {
         for end in &mut self.walk_ends[side] {
@@ -270,7 +271,7 @@ impl<'a> Relaxation<'a> {
         nodes.enumerate().map(|(t, node)| node - cuts(t)).collect()
     }
 
-    /// What does not depend on the tree: the multipliers times what a walk does.
+    /// The part of the bound that does not depend on the tree: the multipliers times the degrees of a walk.
     fn constant(&self, multipliers: &Multipliers) -> i64 {
         let nodes = |(item, body): (usize, &Body)| match body.closed {
             true => self.dearest(item, multipliers).0,
@@ -329,7 +330,7 @@ impl<'a> Relaxation<'a> {
         self.walk_ends[side].iter().map(price).zip(0..).min()
     }
 
-    /// The bound as far as the known links tell, and what the solution uses.
+    /// The bound over the known links, and what the solution uses.
     pub(super) fn relax(&mut self, multipliers: &Multipliers, usage: &mut Usage) -> i64 {
         let weights = self.weights(multipliers);
         let start = self.model.terminals.len();
@@ -409,7 +410,8 @@ impl<'a> Relaxation<'a> {
         (links + ends + self.constant(multipliers), tree)
     }
 
-    /// An exact bound without the links in and out, and what links pay at each point where a walk may begin or end.
+    /// An exact bound without the links in and out, and the price of links at each point where a walk may begin or
+    /// end.
     pub(super) fn settle(&self, bound: i64, multipliers: &Multipliers) -> (i64, [Vec<(Point, i64)>; 2]) {
         let weights = self.weights(multipliers);
         let ends = [0, 1].map(|side| {

@@ -179,8 +179,7 @@ fn violated(points: &[Point], tree: &KdTree, family: &Family) -> Vec<(u32, u32)>
     found
 }
 
-/// A laminar family, prepared to be asked for the smallest common set of two, in O(log n) steps however deep sets are nested: each
-/// set knows one far out besides the next one (Myers 1983, <https://doi.org/10.1016/0020-0190(83)90106-0>).
+/// A laminar family with a search for the smallest common set of two, in O(log n) steps at any depth.
 struct Sets {
     /// The set around each; around the outermost ones, and last, is one of everything, whose dual is zero.
     outer: Vec<u32>,

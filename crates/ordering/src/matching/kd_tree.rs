@@ -1,5 +1,4 @@
-//! A static two-dimensional tree over points, whose nodes can carry whatever a search wants to prune by: the index for
-//! points that stay, and searches that weigh them.
+//! A static k-d tree over points, whose nodes can carry values for pruning searches.
 //!
 //! Bentley 1975, <https://doi.org/10.1145/361002.361007>: halves at the median of the longer side. Searches that weigh
 //! points (additively weighted nearest neighbours, pairs with negative reduced cost) attach the extreme weight of

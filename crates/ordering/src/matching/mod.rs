@@ -10,8 +10,7 @@ pub use kd_tree::KdTree;
 pub use solver::Edge;
 use solver::{Graph, Solver};
 
-/// The other end of each vertex's edge in a perfect matching of least total cost; `None` if there is no perfect
-/// matching.
+/// A perfect matching of minimum total cost, as the partner of each vertex; `None` if there is none.
 ///
 /// Edges are `(end, end, cost)` with costs from 0 to 10^15; parallel edges are allowed, loops are not.
 /// O(n·m·log n) at worst, near-linear on nearest-neighbour graphs.

@@ -11,8 +11,8 @@ const FAR: u32 = 64;
 type Gaps = [u32; 3];
 
 impl Search<'_> {
-    /// Makes the best swap of two neighbouring stretches of groups that removes the link at a node and saves something: the
-    /// 3-opt move that reverses nothing, as precedence asks for.
+    /// Makes the best improving swap of two neighbouring stretches of groups that removes the link at a node: the
+    /// 3-opt move that reverses nothing, as precedence requires.
     ///
     /// One new link leads on from the node before the gap to a near group. Whether the stretches may be swapped is checked group by
     /// group as one of them grows, each in constant time (Gambardella & Dorigo 2000, doi:10.1287/ijoc.12.3.237.12636).

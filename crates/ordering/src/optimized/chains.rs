@@ -1,6 +1,6 @@
 //! Directions and entries of consecutive paths, chosen together.
 
-use super::super::entries::{Candidate, Look};
+use super::super::entries::{Candidate, Sampling};
 use super::end::End;
 use super::end::GAIN;
 use super::state::Search;
@@ -12,19 +12,19 @@ impl Search<'_> {
     /// Finds the best directions and entries at the positions `from` to `to` − 1, first on vertices spread over each loop, then on
     /// those around the ones found.
     pub fn reenter_all(&mut self, from: u32, to: u32) {
-        for look in [Look::Everywhere, Look::Around] {
-            self.reenter_chain(from, to, look);
+        for sampling in [Sampling::Everywhere, Sampling::Around] {
+            self.reenter_chain(from, to, sampling);
         }
     }
 
     /// Finds better directions and entries of the path at a position and of those just before and after it together.
     pub fn reenter_beside(&mut self, at: u32) -> bool {
         let (from, to) = (at.saturating_sub(BESIDE).max(1), (at + BESIDE).min(self.walk.len()) + 1);
-        self.reenter_chain(from, to, Look::Everywhere) || self.reenter_chain(from, to, Look::Around)
+        self.reenter_chain(from, to, Sampling::Everywhere) || self.reenter_chain(from, to, Sampling::Around)
     }
 
     /// The same for the paths at the positions `from` to `to` − 1. Knows of no detours, and leaves those to the other moves.
-    fn reenter_chain(&mut self, from: u32, to: u32, look: Look) -> bool {
+    fn reenter_chain(&mut self, from: u32, to: u32, sampling: Sampling) -> bool {
         if self.walk.has_detours() {
             return false;
         }
@@ -34,7 +34,7 @@ impl Search<'_> {
         let start = walk.point(walk.node(End { gap: from, right: false }));
         let end = walk.point(walk.node(End { gap: to, right: true }));
         let candidates = |at: usize, candidates: &mut Vec<Candidate>| {
-            self.candidates_at(from + at as u32, look, candidates)
+            self.candidates_at(from + at as u32, sampling, candidates)
         };
         let count = (to - from) as usize;
         let inside = |at: usize| walk.is_inside(from + at as u32);
@@ -67,12 +67,12 @@ impl Search<'_> {
         }
     }
 
-    /// Appends the candidates of the path at a position that are to be considered; of an open path, entry 1 turns it round.
-    fn candidates_at(&self, at: u32, look: Look, candidates: &mut Vec<Candidate>) {
+    /// Appends the entry candidates of the path at a position; of an open path, entry 1 turns it round.
+    fn candidates_at(&self, at: u32, sampling: Sampling, candidates: &mut Vec<Candidate>) {
         let item = self.walk.item_at(at);
         if let Some(vertices) = self.walk.vertices(item) {
             let candidate = |entry| Candidate::at(entry, vertices[entry as usize]);
-            candidates.extend(look.at(vertices.len(), self.walk.entry(item)).map(candidate));
+            candidates.extend(sampling.at(vertices.len(), self.walk.entry(item)).map(candidate));
             return;
         }
         let enter = self.walk.point(self.walk.node(End { gap: at, right: true }));

@@ -1,7 +1,7 @@
 //! Ends of items, and what the search has in common.
 
-/// What an improvement must save at least (millimetres or seconds), far above rounding and far below anything
-/// that matters, so that the search ends.
+/// Least saving of an improvement (millimetres or seconds), far above rounding and far below anything that matters,
+/// so that the search ends.
 pub const GAIN: f64 = 1e-7;
 
 /// No group: that of the sentinels.

@@ -15,12 +15,12 @@ pub enum Exchange {
     /// 2-opt: the stretch between two gaps is reversed.
     Two(u32, u32),
     /// 3-opt: the stretches A and B between three gaps …
-    Three([u32; 3], Three),
+    ThreeOpt([u32; 3], ThreeOpt),
 }
 
-/// … are joined again in one of the four ways that keep none of the three links.
+/// … are joined again in one of the four combinations that keep none of the three links.
 #[derive(Clone, Copy, Debug)]
-pub enum Three {
+pub enum ThreeOpt {
     /// B, A: moves a stretch (Or-opt is the case of a short one).
     Swap,
     /// B reversed, A.
@@ -45,17 +45,17 @@ impl Search<'_> {
                 self.walk.reverse(from, to - 1);
                 [from, to, to]
             }
-            Exchange::Three([x, y, z], kind) => {
+            Exchange::ThreeOpt([x, y, z], kind) => {
                 match kind {
-                    Three::Swap => self.walk.swap(x, y, z, false, false),
-                    Three::SwapReverseA => self.walk.swap(x, y, z, true, false),
-                    Three::SwapReverseB => self.walk.swap(x, y, z, false, true),
-                    Three::ReverseBoth => {
+                    ThreeOpt::Swap => self.walk.swap(x, y, z, false, false),
+                    ThreeOpt::SwapReverseA => self.walk.swap(x, y, z, true, false),
+                    ThreeOpt::SwapReverseB => self.walk.swap(x, y, z, false, true),
+                    ThreeOpt::ReverseBoth => {
                         self.walk.reverse(x, y - 1);
                         self.walk.reverse(y, z - 1);
                     }
                 }
-                let middle = if matches!(kind, Three::ReverseBoth) { y } else { x + (z - y) };
+                let middle = if matches!(kind, ThreeOpt::ReverseBoth) { y } else { x + (z - y) };
                 [x, middle, z]
             }
         };
@@ -83,7 +83,7 @@ impl Search<'_> {
             if added >= removed {
                 continue;
             }
-            for node3 in self.walk.alike(near.node) {
+            for node3 in self.walk.nodes_of(near.node) {
                 work += 2;
                 let open = removed - added + self.walk.link_at(node3);
                 if open <= best_gain || node3 == node1 || node3 == node2 {
@@ -119,7 +119,7 @@ impl Search<'_> {
                     if left <= best_gain {
                         continue;
                     }
-                    for node5 in self.walk.alike(near.node) {
+                    for node5 in self.walk.nodes_of(near.node) {
                         let left = left + self.walk.link_at(node5);
                         work += 2;
                         if left <= best_gain {
@@ -189,15 +189,15 @@ fn three(t: [End; 6]) -> Option<Exchange> {
     let (left, right) = (|gap| End { gap, right: false }, |gap| End { gap, right: true });
     let (first, last) = (partner(left(x))?, partner(right(z))?);
     let kind = if first == right(y) && last == left(y) {
-        Three::Swap
+        ThreeOpt::Swap
     } else if first == right(y) && last == right(x) {
-        Three::SwapReverseA
+        ThreeOpt::SwapReverseA
     } else if first == left(z) && last == left(y) {
-        Three::SwapReverseB
+        ThreeOpt::SwapReverseB
     } else if first == left(y) && last == right(y) {
-        Three::ReverseBoth
+        ThreeOpt::ReverseBoth
     } else {
         return None;
     };
-    Some(Exchange::Three(gaps, kind))
+    Some(Exchange::ThreeOpt(gaps, kind))
 }

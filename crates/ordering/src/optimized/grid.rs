@@ -57,7 +57,7 @@ impl Grid {
         let bounds = Bounds::of(sites.iter().map(|site| site.point)).unwrap_or_default();
         let [width, height] = bounds.size().map(|side| side + 1);
         let cells = (sites.len() / PER_CELL).max(1) as f64;
-        // At most about twice as many cells as asked for, however long and narrow the box is.
+        // At most about twice as many cells as requested, however long and narrow the box is.
         let cell =
             (width as f64 * height as f64 / cells).sqrt().max(width.max(height) as f64 / cells).ceil() as i64;
         let (columns, rows) = (width / cell + 1, height / cell + 1);

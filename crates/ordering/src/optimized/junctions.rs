@@ -11,7 +11,7 @@ const REACH: u32 = 500;
 /// Nearest continuations of which a kick takes one.
 const NEAREST: u32 = 4;
 
-/// A junction, and one gap on either side of it: what lies between is reversed on both sides, so that the walk goes from group
+/// The reversal of everything between a junction and a gap on either side of it, so that the walk passes from group
 /// to group elsewhere.
 #[derive(Clone, Copy, Debug)]
 struct Shift {
@@ -46,7 +46,7 @@ impl Search<'_> {
                     }
                     let left = saved - self.walk.link(inner, node);
                     self.walk.work += 1;
-                    for node in self.walk.alike(node) {
+                    for node in self.walk.nodes_of(node) {
                         let other = self.walk.end_of(node);
                         if other.right != right || other.gap == junction {
                             continue;
@@ -81,7 +81,7 @@ impl Search<'_> {
         if least.is_infinite() {
             return;
         }
-        let to = self.walk.alike(node).map(|node| self.walk.end_of(node)).find(|end| !end.right);
+        let to = self.walk.nodes_of(node).map(|node| self.walk.end_of(node)).find(|end| !end.right);
         if let Some(to) = to {
             self.make(Shift { from, junction, to: to.gap });
         }

@@ -37,7 +37,7 @@ fn steps_per_path(effort: Effort, scope: Scope) -> u64 {
     }
 }
 
-/// Steps that a layer gets on average, however few its paths: enough to find the optimum of a handful of them, but for `fast`.
+/// Least number of steps of a layer on average, enough to find the optimum of a handful of paths, except with `fast`.
 fn least_steps(effort: Effort) -> u64 {
     match effort {
         Effort::Fast => 0,
@@ -77,7 +77,7 @@ impl Strategy for Optimized {
         }
         // What was found with detours in mind is not to be lost to straight lines.
         let led = detours.filter(|_| solved.is_some());
-        led.inspect(|detours| search.lead_round(detours));
+        led.inspect(|detours| search.use_detours(detours));
         search.end();
         let steps = if solved.is_some() { steps / RESUMED } else { steps };
         search.iterate(1..count as u32 + 1, &mut Random::new(count), steps);
@@ -88,7 +88,7 @@ impl Strategy for Optimized {
                 search.take_up(&nearest);
                 search.end();
             }
-            detours.inspect(|detours| search.lead_round(detours));
+            detours.inspect(|detours| search.use_detours(detours));
         }
         if detours.is_some() {
             search.refine(steps_per_path(effort, problem.scope));

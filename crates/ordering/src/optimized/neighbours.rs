@@ -19,7 +19,7 @@ pub struct Near {
     pub node: u32,
     /// Its entry; of a loop, some vertex that is near.
     pub entry: u32,
-    /// The least that a link to it can cost, wherever a loop is entered (as far as its samples tell).
+    /// The least that a link to it can cost, wherever a loop is entered (according to its samples).
     pub least: f64,
 }
 
@@ -27,7 +27,7 @@ pub struct Near {
 pub type List = [Near; NEAR];
 const EMPTY: List = [Near { node: NONE, entry: 0, least: f64::INFINITY }; NEAR];
 
-/// The nearest nodes of the same group for every entry, found when first asked for.
+/// The nearest nodes of the same group for every entry, found on first use.
 #[derive(Debug)]
 pub struct Neighbours {
     grids: Vec<Grid>,
@@ -80,7 +80,7 @@ impl Neighbours {
         self.slot[at] as usize
     }
 
-    /// The list of what lies near an entry of an item in a group other than its own.
+    /// The nodes near an entry of an item, in a group other than its own.
     pub fn in_other(&mut self, problem: &Problem, group: u32, item: u32, entry: u32) -> usize {
         let at = (self.first[item as usize] + entry, group);
         if let Some(&list) = self.others.get(&at) {
@@ -92,7 +92,7 @@ impl Neighbours {
         self.lists.len() - 1
     }
 
-    /// The list of what of a group lies near a position outside it, until the next such list; empty if the position is anywhere.
+    /// The nodes of a group near a position outside it, valid until the next call; empty if the position is free.
     pub fn near(&mut self, group: u32, [x, y]: [f64; 2]) -> usize {
         self.lists[0] = if x.is_nan() { EMPTY } else { self.find(group, Point::from_mm(x, y), NONE) };
         0

@@ -8,31 +8,31 @@ use pathwright_geometry::Random;
 const ROUNDS: u64 = 8;
 
 impl<'a> Search<'a> {
-    /// From now on, links inside islands cost what their route costs, not the straight line.
-    pub fn lead_round(&mut self, detours: &'a Detours<'a>) {
-        self.walk.lead_round(detours);
+    /// Makes links inside islands cost their route instead of the straight line.
+    pub fn use_detours(&mut self, detours: &'a Detours<'a>) {
+        self.walk.use_detours(detours);
     }
 
     /// Improves a walk around the links that lead round something: it may have been found as if all travels went straight.
     ///
     /// Never more expensive than it was, detours counted.
     pub fn refine(&mut self, steps: u64) {
-        self.finish(|walk, gap| walk.is_dear(gap));
+        self.finish(|walk, gap| walk.is_expensive(gap));
         let mut random = Random::new(self.problem.items.len() as u64);
         // No steps, no rounds.
         for _ in 0..ROUNDS.min(steps) {
-            let dear = self.dear();
-            if dear.is_empty() {
+            let expensive_items = self.expensive_items();
+            if expensive_items.is_empty() {
                 break;
             }
-            self.iterate_at(&dear, &mut random, dear.len() as u64 * steps / ROUNDS);
+            self.iterate_at(&expensive_items, &mut random, expensive_items.len() as u64 * steps / ROUNDS);
         }
     }
 
-    /// Items before and after which a link is more expensive than it looks.
-    fn dear(&self) -> Vec<u32> {
+    /// Items next to a link whose detour makes it more expensive than the straight line.
+    fn expensive_items(&self) -> Vec<u32> {
         (1..=self.walk.len())
-            .filter(|&gap| self.walk.is_dear(gap))
+            .filter(|&gap| self.walk.is_expensive(gap))
             .map(|gap| self.walk.item_at(gap))
             .collect()
     }

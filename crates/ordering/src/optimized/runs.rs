@@ -247,7 +247,7 @@ impl Search<'_> {
         gaps
     }
 
-    /// Finds the groups that lie nearest to each group in the stage of one, when first asked for one of them.
+    /// Finds the nearest groups of each group in a stage, on first use.
     fn find_near_groups(&mut self, group: u32) {
         if self.vicinity.near[group as usize].is_some() {
             return;

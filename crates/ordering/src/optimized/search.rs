@@ -78,12 +78,12 @@ impl<'a> Search<'a> {
         self.walk.append(sequence);
     }
 
-    /// Lets the walk go on to where it must end, and improves what joins the stages.
+    /// Extends the walk to its required end and improves the links between stages.
     pub fn end(&mut self) {
         self.finish(|walk, gap| gap > walk.len() || walk.group_at(gap - 1) != walk.group_at(gap));
     }
 
-    /// Lets the walk go on to where it must end, and improves it around some of its gaps.
+    /// Lets the walk continue to where it must end, and improves it around some of its gaps.
     pub(super) fn finish(&mut self, concerns: impl Fn(&Walk, u32) -> bool) {
         self.walk.end_at(self.problem.end);
         self.complete = true;

@@ -1,4 +1,4 @@
-//! What lies where, for groups.
+//! The positions of groups and the groups near each.
 
 use super::super::index::Index;
 use super::super::precedence::Groups;
@@ -11,14 +11,14 @@ pub(super) struct Stage {
     pub(super) gaps: (u32, u32),
 }
 
-/// What lies where, for groups.
+/// The positions of groups and the groups near each.
 #[derive(Debug)]
 pub struct Vicinity<'a> {
-    /// Of all items, once a near group was asked for.
+    /// Of all items, once a near group was requested.
     pub(super) index: Option<Index<'a>>,
     /// The stage of each group.
     pub(super) stage: Vec<Stage>,
-    /// Near groups of each group, once they were asked for.
+    /// Near groups of each group, once requested.
     pub(super) near: Vec<Option<Vec<u32>>>,
     /// Centre and radius of a disc, in millimetres, that holds all entries of each lone loop.
     pub(super) disc: Vec<Option<([f64; 2], f64)>>,

@@ -39,7 +39,7 @@ pub struct Walk<'a> {
     pub work: u64,
 }
 
-/// What the search asks of a node, side by side.
+/// The data of a node that the search reads, side by side.
 #[derive(Clone, Copy, Debug)]
 struct Node {
     /// Where it is, millimetres; NaN: unknown, so that links to it cost nothing.
@@ -130,8 +130,8 @@ impl<'a> Walk<'a> {
         self.commit();
     }
 
-    /// From now on, links inside islands cost what the route with its detours costs, not the straight line. Cannot be undone.
-    pub fn lead_round(&mut self, detours: &'a Detours<'a>) {
+    /// Makes links inside islands cost their route with detours instead of the straight line. Cannot be undone.
+    pub fn use_detours(&mut self, detours: &'a Detours<'a>) {
         self.detours = Some(detours);
         self.total = (1..=self.len() + 1).map(|gap| self.relink(gap)).sum();
         self.commit();
@@ -172,7 +172,7 @@ impl<'a> Walk<'a> {
 
     /// The nodes that a listed one stands for: both of a loop, or itself.
     #[inline]
-    pub fn alike(&self, node: u32) -> impl Iterator<Item = u32> + use<> {
+    pub fn nodes_of(&self, node: u32) -> impl Iterator<Item = u32> + use<> {
         let count = 1 + u32::from(self.is_loop(node / 2));
         (0..count).map(move |other| node ^ other)
     }
@@ -306,7 +306,7 @@ impl<'a> Walk<'a> {
         detours.cost(items, points[0], points[1]) - straight
     }
 
-    /// Cost of the straight link between points on two items; nothing if one of them is anywhere.
+    /// Cost of the straight link between points on two items; 0 if the position of either is free.
     #[inline]
     fn between(&self, [a, b]: [[f64; 2]; 2], items: [u32; 2]) -> f64 {
         let (dx, dy) = (a[0] - b[0], a[1] - b[1]);
@@ -315,7 +315,7 @@ impl<'a> Walk<'a> {
     }
 
     /// Whether the link over a gap is more expensive than a straight one.
-    pub fn is_dear(&self, gap: u32) -> bool {
+    pub fn is_expensive(&self, gap: u32) -> bool {
         let [left, right] = [false, true].map(|right| self.node(End { gap, right }));
         self.gap(gap) > self.link(left, right) + GAIN
     }
@@ -330,7 +330,7 @@ impl<'a> Walk<'a> {
         self.share_island([false, true].map(|right| self.node(End { gap, right }) / 2))
     }
 
-    /// The vertex of a loop that is cheapest to visit between two nodes, and what its two links cost, if they go straight.
+    /// The vertex of a loop that is cheapest to visit between two nodes, and the cost of its two straight links.
     pub fn best_vertex(&self, item: u32, before: u32, after: u32) -> (f64, u32) {
         const AT_ONCE: usize = 8;
         let vertices = self.vertices(item).unwrap_or_default();

@@ -35,7 +35,7 @@ const MOST_FACETS: usize = 50_000_000;
 /// And no more uses of objects than this.
 const MOST_USES: usize = 1_000_000;
 
-/// Facets of an object from which it is asked whether there is memory for them.
+/// Objects with more facets than this are checked for sufficient memory.
 const UNSUSPECTED: usize = 1_000_000;
 
 /// Bytes that a facet takes until it is repaired.
@@ -58,24 +58,24 @@ impl Format for ThreeMf {
         }
         let mut groups: Vec<(Use, Vec<[f64; 3]>)> = Vec::new();
         for item in items {
-            let (transform, spot) = item.transform.split();
+            let (transform, position) = item.transform.split();
             let item = Use { transform, ..item };
             match groups.iter_mut().find(|(same, _)| *same == item) {
-                Some((_, spots)) => spots.push(spot),
-                None => groups.push((item, vec![spot])),
+                Some((_, positions)) => positions.push(position),
+                None => groups.push((item, vec![position])),
             }
         }
         let mut objects = Vec::with_capacity(groups.len());
         let mut empty = 0;
         let mut budget = Budget { facets: MOST_FACETS, uses: MOST_USES, skipped: 0 };
-        for (item, spots) in groups {
+        for (item, positions) in groups {
             let (mut instances, skipped) = (Vec::new(), budget.skipped);
             package.gather(&item, &root, &Affine::NONE, 0, &mut budget, &mut instances)?;
             if instances.is_empty() {
                 empty += usize::from(budget.skipped == skipped);
                 continue;
             }
-            objects.push(package.object(&item, &root, &instances, spots)?);
+            objects.push(package.object(&item, &root, &instances, positions)?);
         }
         if objects.is_empty() && empty > 0 {
             return Err(MeshError::NoFacets { path: path.to_path_buf() });
@@ -88,7 +88,7 @@ impl Format for ThreeMf {
     }
 }
 
-/// What is left of what a file may ask for.
+/// The memory that a file may still use.
 struct Budget {
     facets: usize,
     uses: usize,
@@ -190,7 +190,7 @@ impl<'a> Package<'a> {
         item: &Use,
         root: &str,
         instances: &[Instance],
-        spots: Vec<[f64; 3]>,
+        positions: Vec<[f64; 3]>,
     ) -> Result<FileObject, MeshError> {
         let (named, _) = self.find(item, root)?;
         let meshes = instances.iter().filter_map(|instance| {
@@ -205,7 +205,7 @@ impl<'a> Package<'a> {
             meshes.iter().map(|(mesh, transform)| mesh.facet_count(transform.stretch())).sum();
         if facets > UNSUSPECTED {
             let path = || self.archive.path().to_path_buf();
-            limits::room(facets as u64 * BYTES_PER_FACET)
+            limits::check_memory(facets as u64 * BYTES_PER_FACET)
                 .map_err(|problem| MeshError::TooLarge { path: path(), problem })?;
         }
         let only = if let [(mesh, _)] = meshes.as_slice() { mesh.name.clone() } else { None };
@@ -235,7 +235,7 @@ impl<'a> Package<'a> {
                 }
             }
         }
-        Ok(FileObject { name: named.name.clone().or(only), soup: welder.finish(), facets, spots })
+        Ok(FileObject { name: named.name.clone().or(only), soup: welder.finish(), facets, positions })
     }
 
     /// What was passed over.

@@ -37,7 +37,7 @@ const NAMES: [(&str, &str); 6] = [
 
 const PLAIN_MESH: &str = "export it as a plain mesh: 3MF without extensions, or STL";
 
-/// Why a part is refused, and the mend.
+/// Why a part is refused, and the remedy.
 #[derive(Debug)]
 pub(super) struct Refusal {
     pub problem: String,
@@ -56,7 +56,7 @@ pub(super) struct Part {
     /// Millimetres in a unit of its coordinates.
     pub unit_mm: f64,
     pub objects: BTreeMap<u32, Object>,
-    /// What is to be built; only that of the root part counts.
+    /// The build items; only those of the root part count.
     pub items: Vec<Use>,
     /// Items that are not to be printed.
     pub unprinted: usize,

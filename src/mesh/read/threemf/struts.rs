@@ -24,7 +24,7 @@ struct Profile {
 }
 
 impl Lattice {
-    /// How many facets it is made of; `unit_mm` is the longest that a unit of its coordinates gets, millimetres.
+    /// Number of its facets; `unit_mm` is the length of a unit of its coordinates at most, millimetres.
     pub fn facet_count(&self, unit_mm: f64) -> usize {
         let balls = self.spheres().into_values().map(|radius| sphere_count(sides(radius * unit_mm)));
         let struts = self.beams.iter().map(|beam| {
