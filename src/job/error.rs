@@ -90,7 +90,7 @@ fn mend(hints: &[String]) -> String {
 #[allow(missing_docs)]
 pub enum FitError {
     #[error("{source}{}", hints.iter().map(|hint| format!("; {hint}")).collect::<String>())]
-    Placement { source: PlacementError, hints: Vec<String> },
+    Placement { source: Box<PlacementError>, hints: Vec<String> },
     #[error(
         "on its raft the print is {top_mm:.2} mm high, the printer {bed_mm} mm; give a smaller raft.layers or --scale"
     )]

@@ -67,7 +67,7 @@ pub(super) fn place<'a>(
         Placement { turn: settings.plate.turn && !has_modifiers, ..placement(settings, &job.transform) };
     let layouts = models.into_iter().map(|model| model.layout).collect();
     let plate = plate::place(layouts, &settings.bed, &placement)
-        .map_err(|source| FitError::Placement { source, hints: hints.clone() })?;
+        .map_err(|source| FitError::Placement { source: source.into(), hints: hints.clone() })?;
     check_size(&plate, &settings.layer)?;
     for (names, object) in names.iter_mut().zip(&plate.objects) {
         names.insert(0, object.name.clone());
