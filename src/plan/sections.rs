@@ -277,6 +277,13 @@ impl Sections {
         regions.flat_map(|region| region.polygons.iter().cloned()).collect()
     }
 
+    /// Outlines of what the first layer prints: section, brim, supports and skirt, millimetres.
+    pub fn first_layer_outlines(&self, planners: &Planners) -> Vec<Vec<[f64; 2]>> {
+        let outer = |polygon: Polygon| polygon.outer.iter().map(|p| p.mm()).collect();
+        let around = planners.main.skirt_outline(self.layers[0].span.height_mm);
+        self.on_bed(planners).into_iter().chain(around).map(outer).collect()
+    }
+
     /// Box around everything that is printed, without skirt and brim.
     pub fn bounds(&self) -> Option<Bounds> {
         let regions = self.layers.iter().flat_map(|l| &l.sections);
@@ -288,11 +295,7 @@ impl Sections {
         let hull = |object: usize| {
             let regions = (0..self.layers.len()).map(|layer| self.of(object, layer));
             let outers = regions.flat_map(|region| &region.polygons).flat_map(|polygon| &polygon.outer);
-            let points: MultiPoint<f64> = outers.map(|p: &Point| (p.mm()[0], p.mm()[1])).collect();
-            let hull = points.convex_hull().simplify(LABEL_TOLERANCE_MM);
-            // The first corner is repeated at the end.
-            let corners = hull.exterior().points().map(|p| [p.x(), p.y()]);
-            corners.skip(1).collect()
+            hull_mm(outers.map(|p: &Point| p.mm()), LABEL_TOLERANCE_MM)
         };
         let hulls = workers.map(self.objects.len(), hull);
         self.objects.iter().copied().zip(hulls).collect()
@@ -317,6 +320,14 @@ impl Sections {
             first.span.top_mm
         ))
     }
+}
+
+/// Corners of the convex hull of points, millimetres; it may differ by a tolerance.
+pub(crate) fn hull_mm(points: impl Iterator<Item = [f64; 2]>, tolerance_mm: f64) -> Vec<[f64; 2]> {
+    let points: MultiPoint<f64> = points.map(|[x, y]| (x, y)).collect();
+    let hull = points.convex_hull().simplify(tolerance_mm);
+    // The first corner is repeated at the end.
+    hull.exterior().points().map(|p| [p.x(), p.y()]).skip(1).collect()
 }
 
 /// The layers of a raft, and on them those of the part.

@@ -24,7 +24,7 @@ pub use error::{Origin, Problem, ProfileError};
 pub use import::import_page;
 pub use resolve::{Override, Resolved, resolve};
 pub use schema::{field, keys};
-pub use script::{PLACEHOLDERS, PrintBounds, expand};
+pub use script::{Moment, PLACEHOLDERS, PRINT_NAMES, ScriptRun, WholePrint, expand};
 pub use settings::{SECTIONS, Settings};
 pub use source::text;
 
