@@ -38,7 +38,7 @@ pub enum ErrorKind {
 /// let error = expand("G28\nM104 S{temprature}", &names, &mut State::default()).unwrap_err();
 /// assert_eq!(
 ///     error.to_string(),
-///     "line 2, column 7: unknown name `temprature`; did you mean `temperature`?"
+///     "line 2, column 8: unknown name `temprature`; did you mean `temperature`?"
 /// );
 /// ```
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
