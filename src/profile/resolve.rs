@@ -8,6 +8,7 @@ use toml::{Table, Value};
 use super::conflicts;
 use super::embedded;
 use super::error::{Origin, Problem, ProfileError};
+use super::script::setting_names;
 use super::settings::Settings;
 use super::source::{Assignment, Reader};
 use super::value::{check, shortened, shown, typed_value};
@@ -100,6 +101,7 @@ fn assigned(
                 {
                     section.insert(name.to_owned(), value);
                 }
+                forget_variables(&mut table, &key);
                 origins.insert(key, origin);
             }
             Err(message) => {
@@ -121,6 +123,15 @@ fn assigned(
             .map(|c| c.problem),
     );
     Assigned { settings, origins, warnings: found.warnings }
+}
+
+/// Leaves out the variables that mean a setting which has a new value.
+fn forget_variables(table: &mut Table, key: &str) {
+    if let Some(Value::Table(variables)) = table.get_mut("variables") {
+        for (name, _) in setting_names().filter(|(_, of)| *of == key) {
+            variables.remove(name);
+        }
+    }
 }
 
 impl Settings {

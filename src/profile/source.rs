@@ -94,6 +94,10 @@ impl Reader {
                 for taken in import.taken {
                     self.assign(taken.key.to_owned(), taken.value, &Origin::Line(name.clone(), taken.line));
                 }
+                // After the settings, which take the place of variables that mean the same.
+                for (variable, value, line) in import.variables {
+                    self.assign(format!("variables.{variable}"), value, &Origin::Line(name.clone(), line));
+                }
             }
             Err(message) => self.problem(&origin, message),
         }

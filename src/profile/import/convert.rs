@@ -709,29 +709,43 @@ pub(super) fn limits(config: &Config) -> Outcome {
     flag(config.text("machine_limits_usage") == Some("emit_to_gcode"))
 }
 
-/// Two scripts, one after the other.
-fn scripts(config: &Config, keys: [&str; 2]) -> Outcome {
-    let mut out = String::new();
-    for key in keys {
-        let Some(text) = config.text(key) else { continue };
-        match script::translate(text, config) {
-            Ok(text) => out += &text,
-            Err(reason) => {
-                return Left(format!("{key}: {reason}; the script of the profile before it stays"));
-            }
-        }
-    }
-    if out.is_empty() { Idle } else { word(&out) }
+/// A script, as it is written.
+fn script_of(config: &Config, key: &str) -> Outcome {
+    word(&script::of(config.text(key).unwrap_or_default()))
 }
 
 pub(super) fn start(config: &Config) -> Outcome {
-    scripts(config, ["start_gcode", "start_filament_gcode"])
+    script_of(config, "start_gcode")
+}
+
+pub(super) fn filament_start(config: &Config) -> Outcome {
+    script_of(config, "start_filament_gcode")
+}
+
+pub(super) fn before_layer(config: &Config) -> Outcome {
+    script_of(config, "before_layer_gcode")
+}
+
+pub(super) fn after_layer(config: &Config) -> Outcome {
+    script_of(config, "layer_gcode")
+}
+
+pub(super) fn between_objects(config: &Config) -> Outcome {
+    script_of(config, "between_objects_gcode")
+}
+
+pub(super) fn filament_end(config: &Config) -> Outcome {
+    script_of(config, "end_filament_gcode")
 }
 
 pub(super) fn end(config: &Config) -> Outcome {
-    scripts(config, ["end_filament_gcode", "end_gcode"])
+    script_of(config, "end_gcode")
 }
 
 pub(super) fn pause(config: &Config) -> Outcome {
-    scripts(config, ["pause_print_gcode", ""])
+    script_of(config, "pause_print_gcode")
+}
+
+pub(super) fn color_change(config: &Config) -> Outcome {
+    script_of(config, "color_change_gcode")
 }

@@ -8,6 +8,7 @@ mod page;
 mod row;
 mod script;
 mod table;
+mod variables;
 
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -18,7 +19,7 @@ use config::Config;
 pub(super) use config::is_foreign;
 pub use page::page as import_page;
 use row::{Outcome, Row};
-use table::{IDLE, Idle, ROWS};
+use table::{IDLE, Idle, ROWS, SCRIPT};
 
 /// A setting of ours that a configuration gives.
 #[derive(Clone, Debug, PartialEq)]
@@ -49,6 +50,8 @@ pub(super) struct Import {
     pub taken: Vec<Taken>,
     /// In the order of the file.
     pub left: Vec<Left>,
+    /// Names and values for scripts, and their lines.
+    pub variables: Vec<(String, Value, usize)>,
     /// How many keys ask for nothing that would not be so without them.
     pub idle: usize,
 }
@@ -63,12 +66,15 @@ impl Import {
     }
 
     fn of(config: &Config) -> Self {
-        let mut import = Self::default();
+        let mut import = Self { variables: variables::all(config), ..Self::default() };
         // Of each of their keys whether it was of use in one row at least.
         let mut used: BTreeMap<&str, bool> = BTreeMap::new();
         let mut left: BTreeMap<&str, String> = BTreeMap::new();
         for row in ROWS {
-            let set = |key: &&'static str| config.text(key).is_some();
+            // An empty script is one: it stands for no other.
+            let set = |key: &&'static str| {
+                config.text(key).is_some() || (row.rule == SCRIPT && config.entries.contains_key(*key))
+            };
             let Some(&from) = row.theirs.iter().find(|key| set(key)) else { continue };
             let outcome = match convert::row(row, config) {
                 Outcome::Value(value) => checked(row, value, None),
@@ -169,6 +175,12 @@ pub(super) fn as_profile(name: &str, import: &Import) -> String {
                 false => format!("{key} = {value} # line {}, {}{note}\n", taken.line, taken.from),
             };
         }
+    }
+    if !import.variables.is_empty() {
+        out += "\n[variables]\n";
+    }
+    for (name, value, _) in &import.variables {
+        out += &format!("{name} = {}\n", super::value::toml_text(value));
     }
     if !import.left.is_empty() {
         out += "\n# Not taken over:\n";
