@@ -7,6 +7,7 @@ mod support;
 mod gcode;
 mod gcode_time;
 mod gcode_yardstick;
+mod macros;
 mod models;
 mod presets;
 mod profile;
@@ -88,6 +89,7 @@ fn main() -> ExitCode {
         gcode::files_of_other_slicers_print_the_same_afterwards: GCODE;
         gcode_time::print_times_agree_with_klippers_planner_within_a_thousandth: GCODE;
         gcode_yardstick::an_independent_reader_finds_the_same_and_no_fault: YARDSTICK, Need::Python;
+        macros::scripts_and_conditions_of_presets_are_read: Need::Shared("presets/vendor");
         models::full_prints_deposit_the_volume_of_the_mesh: MODELS;
         models::sparse_infill_fills_its_share: MODELS;
         models::an_independent_reader_finds_no_fault_and_the_same_figures: MODELS, YARDSTICK, Need::Python;
