@@ -9,6 +9,7 @@ mod gcode_time;
 mod gcode_yardstick;
 mod macros;
 mod models;
+mod presets;
 mod profile;
 
 use std::path::{Path, PathBuf};
@@ -79,6 +80,7 @@ fn trial(name: &str, needs: &[Need], test: fn()) -> Trial {
 
 const GCODE: Need = Need::Shared("gcode");
 const MODELS: Need = Need::Shared("models");
+const PRESETS: Need = Need::Shared("presets/vendor");
 const YARDSTICK: Need = Need::Shared("tools/gcode_yardstick.py");
 
 fn main() -> ExitCode {
@@ -93,6 +95,9 @@ fn main() -> ExitCode {
         models::an_independent_reader_finds_no_fault_and_the_same_figures: MODELS, YARDSTICK, Need::Python;
         models::models_have_the_volume_that_is_known_of_them: MODELS;
         models::sections_agree_with_an_independent_cut: MODELS;
+        presets::resolved_configurations_are_those_of_the_slicer: PRESETS;
+        presets::every_preset_of_a_vendor_resolves: PRESETS;
+        presets::what_fits_a_printer_is_what_fits_it_in_the_slicer: PRESETS;
         profile::whole_configurations_in_gcode_resolve: GCODE;
         profile::the_standard_job_of_others_gives_ours: Need::Shared("peers/prusa.ini");
     };

@@ -6,8 +6,8 @@ use std::path::{Path, PathBuf};
 
 /// The modules of the library, each before those that may use it.
 const ORDER: &[&str] = &[
-    "units", "options", "limits", "observer", "parallel", "mesh", "plate", "slice", "toolpath", "order",
-    "motion", "estimate", "gcode", "profile", "reorder", "report", "check", "view", "output", "job",
+    "units", "options", "limits", "near", "observer", "parallel", "mesh", "plate", "slice", "toolpath", "order",
+    "motion", "estimate", "gcode", "presets", "profile", "reorder", "report", "check", "view", "output", "job",
     "source", "plan", "pipeline", "api", "cli",
 ];
 
