@@ -40,14 +40,24 @@ pub fn format_layer(layer: &LayerMoves, settings: &WriterSettings) -> LayerText 
     let change = LayerChange::new(layer, settings);
     let before = change.before.then_some(writer.change_mark);
     let mut after = None;
+    // What heats waits for the script after the change of layer, which may heat as well.
+    let mut heating = Vec::new();
     for step in &layer.moves {
-        if change.after && after.is_none() && (writer.z >= change.z || is_bead(step)) {
-            after = Some(writer.after_layer_change(layer));
+        if change.after && after.is_none() {
+            if matches!(step, Move::Nozzle(_) | Move::Bed(_)) {
+                heating.push(step);
+                continue;
+            }
+            if writer.z >= change.z || is_bead(step) {
+                after = Some(writer.after_layer_change(layer));
+                heating.drain(..).for_each(|step| writer.step(step));
+            }
         }
         writer.step(step);
     }
     if change.after && after.is_none() {
         after = Some(writer.out.len());
+        heating.drain(..).for_each(|step| writer.step(step));
     }
     LayerText { bytes: writer.out, progress, before, after }
 }

@@ -22,6 +22,8 @@ pub struct Scripts {
 pub(super) struct Heaters {
     pub nozzle: bool,
     pub bed: bool,
+    /// A macro is taken to, whose name says so.
+    pub by_name: bool,
 }
 
 impl Scripts {
@@ -36,8 +38,18 @@ impl Scripts {
         Self { start, filament_start, pause, color_change, starts, ..Self::default() }
     }
 
+    /// Whether the start script heats by a macro that may not be given the temperatures.
+    pub(crate) fn heat_by_name(&self) -> bool {
+        self.starts.by_name
+    }
+
     /// Adds the scripts of the end, expanded: of the filament and of the print.
-    pub(crate) fn close(&mut self, [filament_end, end]: [String; 2], options: &GcodeSettings, flavor: Flavor) {
+    pub(crate) fn close(
+        &mut self,
+        [filament_end, end]: [String; 2],
+        options: &GcodeSettings,
+        flavor: Flavor,
+    ) {
         self.ends = heaters(&options.end, &end, flavor);
         self.end = filament_end + &end;
     }
@@ -60,6 +72,7 @@ fn heaters(written: &str, expanded: &str, flavor: Flavor) -> Heaters {
         let whole = ["START_PRINT", "PRINT_START", "END_PRINT", "PRINT_END"].contains(&name.as_str());
         let extended = name.starts_with("SET_HEATER_TEMPERATURE") || name == "TURN_OFF_HEATERS";
         let [nozzle, bed] = placeholders_of_temperatures(code);
+        found.by_name |= whole;
         found.nozzle |= whole || nozzle || (extended && !code.contains("heater_bed"));
         found.bed |= whole || bed || (extended && !code.contains("extruder"));
     }
@@ -97,8 +110,7 @@ mod tests {
 
     #[test]
     fn scripts_are_filled_in_and_their_line_ends_made_alike() {
-        let facts =
-            PrintFacts { layers: 3, max_mm: [30.0, 40.5], max_z_mm: 0.6, ..PrintFacts::default() };
+        let facts = PrintFacts { layers: 3, max_mm: [30.0, 40.5], max_z_mm: 0.6, ..PrintFacts::default() };
         let mut settings = Settings::default();
         settings.gcode.start = "M109 S{nozzle_temp}\r\nG1 X{print_max_x} ; {{x}}".into();
         let scripts = Scripts::new(&settings, &facts).expect("no mistakes");
@@ -111,11 +123,14 @@ mod tests {
     #[test]
     fn a_script_that_heats_is_recognised() {
         let heats = |script, flavor| heaters(script, script, flavor);
-        let both = Heaters { nozzle: true, bed: true };
+        let both = Heaters { nozzle: true, bed: true, by_name: false };
         assert_eq!(heats("G28\n;M104 S200\n", Flavor::Marlin), Heaters::default());
         assert_eq!(heats("m104 S200\nM190 S60", Flavor::Marlin), both);
-        assert_eq!(heats("START_PRINT BED={bed_temp}", Flavor::Klipper), both);
-        assert_eq!(heats("WARM T={nozzle_temp}", Flavor::Klipper), Heaters { nozzle: true, bed: false });
+        assert_eq!(heats("START_PRINT BED={bed_temp}", Flavor::Klipper), Heaters { by_name: true, ..both });
+        assert_eq!(
+            heats("WARM T={nozzle_temp}", Flavor::Klipper),
+            Heaters { nozzle: true, ..Heaters::default() }
+        );
         assert_eq!(heats("START_PRINT", Flavor::Marlin), Heaters::default());
         assert_eq!(heats("TURN_OFF_HEATERS", Flavor::Klipper), both);
     }

@@ -61,7 +61,10 @@ pub(super) fn slice(
     let names = labels.iter().map(|label| label.name.clone()).collect();
     let maker = LayerMaker {
         chain: Chain { detours: settings.detour_rule(), ..ordering::chain(settings) },
-        motion: MotionSettings::new(settings, &job.pauses),
+        motion: MotionSettings {
+            heat_first_layer: settings.gcode.heat && scripts.heat_by_name(),
+            ..MotionSettings::new(settings, &job.pauses)
+        },
         machine: options.machine,
         writer: WriterSettings { objects: names, ..WriterSettings::new(settings, &scripts, true) },
         settings,
@@ -109,7 +112,7 @@ pub(super) fn slice(
         floating_warnings.append(&mut floating.warnings);
     }
     let PrintWriter { output, mut inspector, slots, mut statistics, scripts: mut run, .. } = writer;
-    run.moment.extruded_mm3 = statistics.total.volume_mm3;
+    run.moment.extruded_mm3 = statistics.layers_mm3;
     run.moment.totals =
         Some(WholePrint { time_s: statistics.total.total_s, volume_mm3: statistics.total.volume_mm3 });
     run.close(&mut scripts).map_err(script_error)?;
@@ -170,7 +173,9 @@ fn labels(plate: &Plate, rounds: &[Round], workers: Workers<'_>) -> Vec<ObjectLa
 
 fn facts(rounds: &[Round], plate: &Plate, bounds: Bounds, job: &Job, settings: &Settings) -> PrintFacts {
     let tops = rounds.iter().filter_map(|round| Some(round.sections.layers.last()?.span.top_mm));
-    let outlines = rounds.iter().map(|round| round.sections.first_layer_outlines(&round.planners));
+    // The layer is as large as the part: its elephant's foot is made up for.
+    let foot_mm = if settings.raft.layers > 0 { 0.0 } else { settings.layer.elephant_foot.0 };
+    let outlines = rounds.iter().map(|round| round.sections.first_layer_outlines(&round.planners, foot_mm));
     let bodies: BTreeSet<usize> = plate.objects.iter().map(|object| object.body).collect();
     let meshes: BTreeSet<usize> = plate.objects.iter().map(|object| object.mesh).collect();
     let input_name = job.models.first().and_then(|path| path.file_stem());
@@ -255,7 +260,7 @@ impl PrintWriter<'_> {
         moment.layer = Some(entry.index);
         moment.layer_z_mm = entry.z_mm - self.settings.layer.z_offset.0;
         moment.max_z_mm = moment.max_z_mm.max(moment.layer_z_mm);
-        moment.extruded_mm3 = self.statistics.total.volume_mm3;
+        moment.extruded_mm3 = self.statistics.layers_mm3;
         moment.position_mm = entry.position_mm;
         let places = [
             (layer.before, "gcode.before_layer", &options.before_layer),
@@ -423,6 +428,8 @@ impl LayerMaker<'_> {
 struct Statistics {
     layers: Vec<LayerSummary>,
     total: Measures,
+    /// Filament in the layers, mm³.
+    layers_mm3: f64,
     layer_starts: Vec<Seconds>,
 }
 
@@ -430,6 +437,7 @@ impl Statistics {
     fn add(&mut self, layer: LayerSummary) {
         self.layer_starts.push(Seconds(self.total.total_s));
         self.total += &layer.measures;
+        self.layers_mm3 += layer.measures.volume_mm3;
         self.layers.push(layer);
     }
 

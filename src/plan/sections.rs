@@ -277,11 +277,12 @@ impl Sections {
         regions.flat_map(|region| region.polygons.iter().cloned()).collect()
     }
 
-    /// Outlines of what the first layer prints: section, brim, supports and skirt, millimetres.
-    pub fn first_layer_outlines(&self, planners: &Planners) -> Vec<Vec<[f64; 2]>> {
-        let outer = |polygon: Polygon| polygon.outer.iter().map(|p| p.mm()).collect();
+    /// Outlines of what the first layer prints: section, brim, supports and skirt, millimetres; all larger by `more_mm`.
+    pub fn first_layer_outlines(&self, planners: &Planners, more_mm: f64) -> Vec<Vec<[f64; 2]>> {
+        let outer = |polygon: &Polygon| polygon.outer.iter().map(|p| p.mm()).collect();
         let around = planners.main.skirt_outline(self.layers[0].span.height_mm);
-        self.on_bed(planners).into_iter().chain(around).map(outer).collect()
+        let all = Region { polygons: self.on_bed(planners).into_iter().chain(around).collect() };
+        geometry::offset(&all, more_mm).polygons.iter().map(outer).collect()
     }
 
     /// Box around everything that is printed, without skirt and brim.

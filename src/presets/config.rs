@@ -155,7 +155,9 @@ impl Config {
 
     /// The texts of a list of them, unquoted.
     pub fn texts(&self, key: &str) -> Vec<String> {
-        self.text(key).map(|text| value::texts(text).into_iter().map(Cow::into_owned).collect()).unwrap_or_default()
+        self.text(key)
+            .map(|text| value::texts(text).into_iter().map(Cow::into_owned).collect())
+            .unwrap_or_default()
     }
 }
 

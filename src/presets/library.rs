@@ -187,7 +187,9 @@ impl Library {
         let known = listed(name).map(|listed| listed.name);
         let known = known.or_else(|| Some(family.renamed(kind, name)?.to_owned()));
         let known = known.or_else(|| fitting.iter().find(|fits| fits.eq_ignore_ascii_case(name)).cloned());
-        if let Some(found) = known.clone().filter(|name| fitting.contains(name)).and_then(|name| listed(&name)) {
+        if let Some(found) =
+            known.clone().filter(|name| fitting.contains(name)).and_then(|name| listed(&name))
+        {
             notes.extend(self.find(kind, &found.name).ok().and_then(|found| found.note));
             return Ok(found);
         }

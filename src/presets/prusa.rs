@@ -139,9 +139,8 @@ impl Prusa {
         set("printer_settings_id", &printer.name, place(printer));
         set("print_settings_id", &print.name, place(print));
         set("filament_settings_id", &each(&filament.name), place(filament));
-        let condition = |preset| {
-            self.bundles.value(preset, "compatible_printers_condition").unwrap_or_default()
-        };
+        let condition =
+            |preset| self.bundles.value(preset, "compatible_printers_condition").unwrap_or_default();
         let all = |print: &str, filament: &str, printer: Option<&str>| {
             let filaments = std::iter::repeat_n(filament, count);
             let all: Vec<&str> = std::iter::once(print).chain(filaments).chain(printer).collect();

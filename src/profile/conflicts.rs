@@ -4,8 +4,8 @@ use std::collections::BTreeMap;
 
 use super::error::{Origin, Problem};
 use super::script::{ScriptRun, WholePrint};
-use crate::gcode::PrintFacts;
 use super::settings::Settings;
+use crate::gcode::PrintFacts;
 use crate::gcode::thumbnail_sizes;
 use crate::plate::{BedShape, Sequence};
 use crate::slice::layer_heights;

@@ -122,6 +122,7 @@ impl MotionSettings {
             arcs: settings.gcode.arcs.then_some(settings.gcode.arc_tolerance),
             labels: settings.gcode.labels,
             pauses: pauses.to_vec(),
+            heat_first_layer: false,
         }
     }
 }

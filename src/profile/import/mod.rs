@@ -14,9 +14,9 @@ use std::path::Path;
 
 use toml::Value;
 
+use crate::presets::{Config, Place};
 pub use page::page as import_page;
 use row::{Outcome, Row};
-use crate::presets::{Config, Place};
 use table::{IDLE, Idle, ROWS, SCRIPT};
 
 /// A setting of ours that a configuration gives.
@@ -126,9 +126,7 @@ impl Import {
         let parts: Vec<String> =
             parts.iter().filter(|(n, _)| *n > 0).map(|(n, what)| format!("{n} {what}")).collect();
         let all = self.taken.len() + self.left.len();
-        (!parts.is_empty()).then(|| {
-            format!("of {all} settings {}; `{command}` lists them", parts.join(", "))
-        })
+        (!parts.is_empty()).then(|| format!("of {all} settings {}; `{command}` lists them", parts.join(", ")))
     }
 }
 

@@ -81,9 +81,24 @@ impl ScriptRun<'_> {
     /// As [`Self::open`].
     pub fn close(&mut self, scripts: &mut Scripts) -> Result<(), Vec<String>> {
         let options = &self.settings.gcode;
-        let texts = self.all([("gcode.filament_end", &options.filament_end), ("gcode.end", &options.end)])?;
-        scripts.close(texts, options, self.settings.printer.flavor);
+        let mut filaments = String::new();
+        // Every filament that is loaded has its script run; of one extruder with several, the one in use.
+        for extruder in 0..self.filaments() {
+            self.moment.filament_extruder = extruder;
+            let [text] = self.all([("gcode.filament_end", &options.filament_end)])?;
+            filaments += &text;
+        }
+        self.moment.filament_extruder = 0;
+        let [end] = self.all([("gcode.end", &options.end)])?;
+        scripts.close([filaments, end], options, self.settings.printer.flavor);
         Ok(())
+    }
+
+    fn filaments(&self) -> usize {
+        match self.settings.variables.get("single_extruder_multi_material") {
+            Some(toml::Value::Boolean(true)) => 1,
+            _ => moment::extruders(self.settings),
+        }
     }
 
     fn all<const N: usize>(&mut self, scripts: [(&str, &String); N]) -> Result<[String; N], Vec<String>> {

@@ -21,6 +21,8 @@ pub struct Moment {
     pub position_mm: [f64; 3],
     /// Objects finished so far, where they are printed one after the other.
     pub objects_done: usize,
+    /// The extruder whose filament's script runs.
+    pub filament_extruder: usize,
     /// What is known of the whole at its end only.
     pub totals: Option<WholePrint>,
 }
@@ -46,17 +48,11 @@ impl Context<'_> {
         volume_mm3 / 1000.0 * self.settings.filament.density
     }
 
-    /// How many extruders the printer has: as many as it has nozzles.
-    fn extruders(&self) -> usize {
-        match self.settings.variables.get("nozzle_diameter") {
-            Some(toml::Value::Array(nozzles)) => nozzles.len().max(1),
-            _ => 1,
-        }
-    }
-
     /// A value for each extruder, of which the first is used.
     fn of_first(&self, value: f64) -> Value {
-        Value::List((0..self.extruders()).map(|i| Value::Real(if i == 0 { value } else { 0.0 })).collect())
+        Value::List(
+            (0..extruders(self.settings)).map(|i| Value::Real(if i == 0 { value } else { 0.0 })).collect(),
+        )
     }
 
     fn bed(&self) -> [[f64; 2]; 2] {
@@ -69,6 +65,14 @@ impl Context<'_> {
 
     fn date(&self, part: usize) -> Option<Value> {
         Some(whole(calendar(self.print.dated)[part] as usize))
+    }
+}
+
+/// How many extruders the printer has: as many as it has nozzles.
+pub(super) fn extruders(settings: &Settings) -> usize {
+    match settings.variables.get("nozzle_diameter") {
+        Some(toml::Value::Array(nozzles)) => nozzles.len().max(1),
+        _ => 1,
     }
 }
 
@@ -143,13 +147,13 @@ names! {
     "total_wipe_tower_filament", "filament of a wipe tower, m": |_| Some(Value::Real(0.0));
     "has_wipe_tower", "whether there is a wipe tower": |_| Some(Value::Flag(false));
     "has_single_extruder_multi_material_priming", "whether several materials are primed": |_| Some(Value::Flag(false));
-    "num_extruders", "extruders of the printer": |c| Some(whole(c.extruders()));
+    "num_extruders", "extruders of the printer": |c| Some(whole(extruders(c.settings)));
     "num_printing_extruders", "extruders that print": |_| Some(whole(1));
     "initial_tool", "the first tool": |_| Some(whole(0));
     "initial_extruder", "the first extruder": |_| Some(whole(0));
     "initial_no_support_extruder", "the first extruder for the part itself": |_| Some(whole(0));
     "current_extruder", "the extruder in use": |_| Some(whole(0));
-    "filament_extruder_id", "the extruder of the filament whose script this is": |_| Some(whole(0));
+    "filament_extruder_id", "the extruder of the filament whose script this is": |c| Some(whole(c.moment.filament_extruder));
     "next_extruder", "the extruder after a change of tool": |_| Some(whole(0));
     "previous_extruder", "the extruder before a change of tool": |_| Some(Value::Integer(-1));
     "color_change_extruder", "the extruder whose color changes": |_| Some(whole(0));
