@@ -20,11 +20,11 @@ pub struct Effect {
 impl Scripts {
     /// The start script: heating, homing, priming.
     pub fn start_effect(&self, settings: &GcodeOptions) -> Effect {
-        let text = self.start.as_bytes();
-        let mut steps = replay(text);
+        let text = [self.start.as_bytes(), self.filament_start.as_bytes()].concat();
+        let mut steps = replay(&text);
         let measure = measure_on(&mut steps, settings.filament.diameter, None);
         let end = (measure.print_mm > 0.0).then(|| steps.position());
-        Effect { measure, time: time_on(replay(text), &settings.machine), end }
+        Effect { measure, time: time_on(replay(&text), &settings.machine), end }
     }
 
     /// The end script, begun where the last bead ended.
@@ -43,7 +43,7 @@ mod tests {
     use crate::profile::Settings;
 
     fn effects(start: &str, end: &str) -> (Effect, Effect) {
-        let facts = PrintFacts { layers: 1, min_mm: [0.0; 2], max_mm: [9.0; 2], max_z_mm: 0.2, dated: 0 };
+        let facts = PrintFacts { layers: 1, max_mm: [9.0; 2], max_z_mm: 0.2, ..PrintFacts::default() };
         let mut settings = Settings::default();
         (settings.gcode.start, settings.gcode.end) = (start.into(), end.into());
         let scripts = Scripts::new(&settings, &facts).expect("no mistakes");

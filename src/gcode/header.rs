@@ -52,17 +52,20 @@ pub fn header(settings: &GcodeOptions, facts: &PrintFacts, scripts: &Scripts, se
         }
     }
     facts_lines(&mut bytes, settings, facts);
-    bytes.extend_from_slice(b"\n;TYPE:Custom\n");
+    bytes.push(b'\n');
+    let dialect = dialect(settings.printer.flavor);
+    // The start script may set limits of its own.
+    if settings.gcode.limits {
+        dialect.limits(&mut bytes, &settings.machine);
+    }
+    bytes.extend_from_slice(b";TYPE:Custom\n");
     heat(&mut bytes, settings, scripts);
     bytes.extend_from_slice(scripts.start.as_bytes());
     // Marlin lets G90 set E's mode as well: M82 and M83 come after it.
     bytes.extend_from_slice(b"G21\nG90\n");
     bytes.extend_from_slice(if settings.gcode.relative_e { b"M83\n" } else { b"M82\n" });
     bytes.extend_from_slice(b"G92 E0\n");
-    let dialect = dialect(settings.printer.flavor);
-    if settings.gcode.limits {
-        dialect.limits(&mut bytes, &settings.machine);
-    }
+    bytes.extend_from_slice(scripts.filament_start.as_bytes());
     if settings.filament.pressure_advance > 0.0 {
         dialect.pressure_advance(&mut bytes, settings.filament.pressure_advance);
     }
@@ -93,8 +96,8 @@ pub fn object_comment(name: &str) -> Vec<u8> {
 pub fn footer(settings: &GcodeOptions, facts: &PrintFacts, scripts: &Scripts, totals: &Totals) -> Vec<u8> {
     let mut bytes = b";TYPE:Custom\n".to_vec();
     bytes.extend_from_slice(scripts.end.as_bytes());
-    for (seen_to, command) in [(scripts.ends.nozzle, "M104 S0"), (scripts.ends.bed, "M140 S0")] {
-        if !seen_to {
+    for (switched, command) in [(scripts.ends.nozzle, "M104 S0"), (scripts.ends.bed, "M140 S0")] {
+        if settings.gcode.heat && !switched {
             line(&mut bytes, command);
         }
     }
@@ -127,6 +130,9 @@ fn facts_lines(bytes: &mut Vec<u8>, settings: &GcodeOptions, facts: &PrintFacts)
 
 /// Heats what the script does not: the bed first, both at once, then waits.
 fn heat(bytes: &mut Vec<u8>, settings: &GcodeOptions, scripts: &Scripts) {
+    if !settings.gcode.heat {
+        return;
+    }
     let temperature = &settings.temperature;
     let (nozzle, bed) = (temperature.nozzle_first_layer.0, temperature.bed_first_layer.0);
     let wanted = [
@@ -149,6 +155,12 @@ fn heat(bytes: &mut Vec<u8>, settings: &GcodeOptions, scripts: &Scripts) {
 ///
 /// Days are counted from 1 March of year 0, so that leap days end a year: 146,097 days make 400 years.
 fn date(seconds: u64) -> String {
+    let [year, month, day, hour, minute, second] = calendar(seconds);
+    format!("{year:04}-{month:02}-{day:02} at {hour:02}:{minute:02}:{second:02} UTC")
+}
+
+/// Year, month, day, hour, minute and second (UTC) of seconds since 1970.
+pub(crate) fn calendar(seconds: u64) -> [u64; 6] {
     // Year 9999 is as late as the format goes.
     let seconds = seconds.min(253_402_300_799);
     let (days, of_day) = (seconds / 86_400 + 719_468, seconds % 86_400);
@@ -159,8 +171,7 @@ fn date(seconds: u64) -> String {
     let day = day_of_year - (153 * month + 2) / 5 + 1;
     let (month, next_year) = if month < 10 { (month + 3, 0) } else { (month - 9, 1) };
     let year = 400 * era + year_of_era + next_year;
-    let (hour, minute, second) = (of_day / 3600, of_day / 60 % 60, of_day % 60);
-    format!("{year:04}-{month:02}-{day:02} at {hour:02}:{minute:02}:{second:02} UTC")
+    [year, month, day, of_day / 3600, of_day / 60 % 60, of_day % 60]
 }
 
 #[cfg(test)]
@@ -171,7 +182,7 @@ mod tests {
 
     #[test]
     fn each_dialect_states_limits_advance_and_retraction_in_its_own_words() {
-        let facts = PrintFacts { layers: 1, min_mm: [0.0; 2], max_mm: [9.0; 2], max_z_mm: 0.2, dated: 0 };
+        let facts = PrintFacts { layers: 1, max_mm: [9.0; 2], max_z_mm: 0.2, ..PrintFacts::default() };
         let mut settings = Settings::default();
         settings.filament.pressure_advance = 0.045;
         (settings.gcode.limits, settings.retract.firmware) = (true, true);

@@ -22,6 +22,10 @@ pub struct LayerText {
     pub bytes: Vec<u8>,
     /// Where the layer's M73 goes, if wanted; offset into `bytes`.
     pub progress: Option<Slot>,
+    /// Where the script before the change of layer goes, if there is one; offset into `bytes`.
+    pub before: Option<usize>,
+    /// Where the script after it goes, if there is one; not before the other.
+    pub after: Option<usize>,
 }
 
 /// Formats a layer. It depends on nothing but its arguments: position, feed rate and acceleration are stated
@@ -33,10 +37,55 @@ pub struct LayerText {
 pub fn format_layer(layer: &LayerMoves, settings: &WriterSettings) -> LayerText {
     let mut writer = Writer::new(layer, settings);
     let progress = writer.open(layer);
+    let change = LayerChange::new(layer, settings);
+    let before = change.before.then_some(writer.change_mark);
+    let mut after = None;
+    // What heats waits for the script after the change of layer, which may heat as well.
+    let mut heating = Vec::new();
     for step in &layer.moves {
+        if change.after && after.is_none() {
+            if matches!(step, Move::Nozzle(_) | Move::Bed(_)) {
+                heating.push(step);
+                continue;
+            }
+            if writer.z >= change.z || is_bead(step) {
+                after = Some(writer.after_layer_change(layer));
+                heating.drain(..).for_each(|step| writer.step(step));
+            }
+        }
         writer.step(step);
     }
-    LayerText { bytes: writer.out, progress }
+    if change.after && after.is_none() {
+        after = Some(writer.out.len());
+        heating.drain(..).for_each(|step| writer.step(step));
+    }
+    LayerText { bytes: writer.out, progress, before, after }
+}
+
+/// Which scripts there are at the change to a layer.
+struct LayerChange {
+    before: bool,
+    after: bool,
+    /// Height from which on the layer has changed.
+    z: i64,
+}
+
+impl LayerChange {
+    fn new(layer: &LayerMoves, settings: &WriterSettings) -> Self {
+        let scripts = &settings.layer_scripts;
+        let runs = layer.index > 0 || scripts.on_first;
+        Self {
+            before: runs && scripts.before,
+            after: runs && scripts.after,
+            z: ticks(layer.z_mm, XYZ_DECIMALS),
+        }
+    }
+}
+
+/// Whether a move is part of the print, or right before it.
+fn is_bead(step: &Move) -> bool {
+    use Move::{Arc, Extrude, Ramp, Unretract};
+    matches!(step, Extrude { .. } | Ramp { .. } | Arc { .. } | Unretract { .. })
 }
 
 struct Writer<'a> {
@@ -57,6 +106,8 @@ struct Writer<'a> {
     type_name: &'static str,
     width: i64,
     height: i64,
+    /// Where the script before the change of layer goes.
+    change_mark: usize,
 }
 
 impl<'a> Writer<'a> {
@@ -77,6 +128,7 @@ impl<'a> Writer<'a> {
             type_name: "",
             width: UNKNOWN,
             height: ticks(layer.height_mm, XYZ_DECIMALS),
+            change_mark: 0,
         }
     }
 
@@ -92,10 +144,67 @@ impl<'a> Writer<'a> {
             self.out.push(b'\n');
             Slot { offset, width: PROGRESS_WIDTH, value: Pending::Progress { layer: layer.index } }
         });
+        self.change_mark = self.out.len();
         if !self.settings.relative_e {
             self.out.extend_from_slice(b"G92 E0\n");
         }
         slot
+    }
+
+    /// Returns where the script after the change of layer goes, and states everything anew that it may have changed.
+    fn after_layer_change(&mut self, layer: &LayerMoves) -> usize {
+        let mark = self.out.len();
+        let scripts = &self.settings.layer_scripts;
+        if scripts.modes {
+            self.modes();
+        } else if !self.settings.relative_e {
+            self.origin();
+        }
+        // Limits may be others now.
+        self.in_force = [None; 2];
+        if scripts.moves {
+            let [x, y, z] = [self.x, self.y, self.z];
+            self.forget_position();
+            let from = layer.from.xy.map(|xy| xy.map(|mm| ticks(mm, XYZ_DECIMALS)));
+            let known = if x == UNKNOWN { from } else { Some([x, y]) };
+            if let Some(back) = known {
+                self.out.extend_from_slice(b"G1");
+                self.xy(back);
+                self.feed(scripts.travel_speed);
+                self.end_line();
+            }
+            if z != UNKNOWN {
+                self.z = z;
+                self.out.extend_from_slice(b"G1");
+                push_word(&mut self.out, b'Z', z, XYZ_DECIMALS);
+                self.feed(scripts.z_speed);
+                self.end_line();
+            }
+        }
+        mark
+    }
+
+    /// States how positions and E are counted.
+    fn modes(&mut self) {
+        self.out.extend_from_slice(b"G90\n");
+        if self.settings.relative_e {
+            self.out.extend_from_slice(b"M83\n");
+        } else {
+            self.out.extend_from_slice(b"M82\n");
+            self.origin();
+        }
+    }
+
+    /// States absolute E.
+    fn origin(&mut self) {
+        self.out.extend_from_slice(b"G92");
+        push_word(&mut self.out, b'E', self.extruder.position, E_DECIMALS);
+        self.end_line();
+    }
+
+    fn forget_position(&mut self) {
+        (self.x, self.y, self.z, self.f) = (UNKNOWN, UNKNOWN, UNKNOWN, UNKNOWN);
+        self.in_force = [None; 2];
     }
 
     fn step(&mut self, step: &Move) {
@@ -319,15 +428,8 @@ impl<'a> Writer<'a> {
         let own = self.settings.pause.trim_end();
         let lines = if own.is_empty() { self.dialect.pause() } else { own };
         self.out.extend_from_slice(lines.as_bytes());
-        self.out.extend_from_slice(b"\nG90\n");
-        if self.settings.relative_e {
-            self.out.extend_from_slice(b"M83\n");
-        } else {
-            self.out.extend_from_slice(b"M82\nG92");
-            push_word(&mut self.out, b'E', self.extruder.position, E_DECIMALS);
-            self.end_line();
-        }
-        (self.x, self.y, self.z, self.f) = (UNKNOWN, UNKNOWN, UNKNOWN, UNKNOWN);
-        self.in_force = [None; 2];
+        self.end_line();
+        self.modes();
+        self.forget_position();
     }
 }

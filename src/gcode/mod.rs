@@ -20,6 +20,7 @@ mod slot;
 use std::path::Path;
 
 pub use effect::Effect;
+pub(crate) use header::calendar;
 pub use header::{Header, footer, header, labels, object_comment};
 pub use layer::{LayerText, format_layer};
 pub(crate) use number::{nearest, one_line, push_number};
@@ -30,7 +31,7 @@ pub use read::{
     replay, role,
 };
 pub use script::Scripts;
-pub use settings::{GcodeOptions, ObjectLabel, PrintFacts, WriterSettings};
+pub use settings::{GcodeOptions, LayerScripts, ObjectLabel, PrintFacts, WriterSettings};
 pub use sizes::thumbnail_sizes;
 pub(crate) use slot::duration;
 pub use slot::{Pending, Slot, Totals};

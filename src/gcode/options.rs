@@ -41,12 +41,30 @@ section! {
         labels: bool = false,
         /// State `[machine]` at the start (M201, M203, M205, M566, `SET_VELOCITY_LIMIT`) instead of relying on the firmware's own.
         limits: bool = false,
+        /// Heat nozzle and bed where the start script does not, and switch them off where the end script does not.
+        heat: bool = true,
         /// Start script.
         start: String = String::new(),
         /// End script.
         end: String = String::new(),
+        /// Script of the filament, after the start script.
+        filament_start: String = String::new(),
+        /// Script of the filament, before the end script.
+        filament_end: String = String::new(),
+        /// Script at each change of layer, before the nozzle rises; not on the first layer.
+        before_layer: String = String::new(),
+        /// Script at each change of layer, when the nozzle has risen; not on the first layer.
+        after_layer: String = String::new(),
+        /// Run the scripts of layer changes on the first layer as well.
+        first_layer_scripts: bool = false,
+        /// Script between objects that are printed one after the other.
+        between_objects: String = String::new(),
         /// Pause script; empty: the flavor's own.
         pause: String = String::new(),
+        /// Script of a color change; empty: that of a pause.
+        color_change: String = String::new(),
+        /// Name of the G-code file where none is given, with placeholders, such as {input_filename_base}_{layer_height}mm.gcode; empty: the model's.
+        file_name: String = String::new(),
     }
 }
 

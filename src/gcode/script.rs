@@ -1,17 +1,19 @@
-//! Start, end and pause scripts: their placeholders, and whether they heat by themselves.
+//! Scripts of a print: whether they heat by themselves.
 
 use super::flavor::dialect;
 use super::options::{Flavor, GcodeSettings};
 
-/// The scripts of a print, filled in.
-#[derive(Clone, Debug, PartialEq, Eq)]
+/// The scripts of a print, expanded, as far as they do not belong to a layer.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Scripts {
     pub(super) start: String,
+    pub(super) filament_start: String,
     pub(super) end: String,
     pub(crate) pause: String,
-    /// Which heaters the start script sees to.
+    pub(crate) color_change: String,
+    /// Which heaters the start script switches.
     pub(super) starts: Heaters,
-    /// Which heaters the end script sees to.
+    /// Which heaters the end script switches.
     pub(super) ends: Heaters,
 }
 
@@ -20,41 +22,77 @@ pub struct Scripts {
 pub(super) struct Heaters {
     pub nozzle: bool,
     pub bed: bool,
+    /// A macro is taken to, whose name says so.
+    pub by_name: bool,
 }
 
 impl Scripts {
-    /// Start, end and pause scripts, filled in; `options` has them as they are written.
-    pub(crate) fn filled_in(
-        [start, end, pause]: [String; 3],
+    /// Scripts that are run before the last layer, expanded: start, filament, pause and color change; `options` has them
+    /// as they are written.
+    pub(crate) fn opening(
+        [start, filament_start, pause, color_change]: [String; 4],
         options: &GcodeSettings,
         flavor: Flavor,
     ) -> Self {
-        let (starts, ends) = (heaters(&options.start, flavor), heaters(&options.end, flavor));
-        Self { start, end, pause, starts, ends }
+        let starts = heaters(&options.start, &start, flavor);
+        Self { start, filament_start, pause, color_change, starts, ..Self::default() }
+    }
+
+    /// Whether the start script heats by a macro that may not be given the temperatures.
+    pub(crate) fn heat_by_name(&self) -> bool {
+        self.starts.by_name
+    }
+
+    /// Adds the scripts of the end, expanded: of the filament and of the print.
+    pub(crate) fn close(
+        &mut self,
+        [filament_end, end]: [String; 2],
+        options: &GcodeSettings,
+        flavor: Flavor,
+    ) {
+        self.ends = heaters(&options.end, &end, flavor);
+        self.end = filament_end + &end;
     }
 }
 
-/// Finds out which heaters a script (placeholders not yet filled in) switches. A Klipper macro is taken to see
-/// to both where its name says that it begins or ends a print, and to those whose temperature it is given.
-fn heaters(script: &str, flavor: Flavor) -> Heaters {
+/// Finds out which heaters a script switches: by commands, once it is expanded, or by macros of Klipper, as it is written.
+/// A macro is taken to switch both where its name says that it begins or ends a print, and those whose temperature
+/// it is given.
+fn heaters(written: &str, expanded: &str, flavor: Flavor) -> Heaters {
     let mut found = Heaters::default();
-    for line in script.lines() {
-        let code = line.split(';').next().unwrap_or_default().trim();
-        let command = code.split_whitespace().next().unwrap_or_default().to_ascii_uppercase();
-        match command.as_str() {
+    for line in expanded.lines() {
+        match command(line).1.as_str() {
             "M104" | "M109" | "M568" => found.nozzle = true,
             "M140" | "M190" => found.bed = true,
-            name if dialect(flavor).has_macros() && is_macro(name) => {
-                let whole = ["START_PRINT", "PRINT_START", "END_PRINT", "PRINT_END"].contains(&name);
-                let extended = name.starts_with("SET_HEATER_TEMPERATURE") || name == "TURN_OFF_HEATERS";
-                found.nozzle |=
-                    whole || code.contains("{nozzle_temp") || (extended && !code.contains("heater_bed"));
-                found.bed |= whole || code.contains("{bed_temp") || (extended && !code.contains("extruder"));
-            }
             _ => {}
         }
     }
+    let macros = written.lines().map(command).filter(|(_, name)| is_macro(name));
+    for (code, name) in macros.filter(|_| dialect(flavor).has_macros()) {
+        let whole = ["START_PRINT", "PRINT_START", "END_PRINT", "PRINT_END"].contains(&name.as_str());
+        let extended = name.starts_with("SET_HEATER_TEMPERATURE") || name == "TURN_OFF_HEATERS";
+        let [nozzle, bed] = placeholders_of_temperatures(code);
+        found.by_name |= whole;
+        found.nozzle |= whole || nozzle || (extended && !code.contains("heater_bed"));
+        found.bed |= whole || bed || (extended && !code.contains("extruder"));
+    }
     found
+}
+
+/// A line without its comment, and the command in it, in capitals.
+fn command(line: &str) -> (&str, String) {
+    let code = line.split(';').next().unwrap_or_default().trim();
+    (code, code.split_whitespace().next().unwrap_or_default().to_ascii_uppercase())
+}
+
+/// Whether a line uses the temperature of the nozzle, or of the bed.
+fn placeholders_of_temperatures(code: &str) -> [bool; 2] {
+    let names = code.split(|c: char| !c.is_ascii_alphanumeric() && c != '_');
+    let temperatures = names.filter(|name| name.contains("_temp") || *name == "temperature");
+    temperatures.fold([false; 2], |[nozzle, bed], name| {
+        let of_bed = name.contains("bed_") || name.contains("plate_temp");
+        [nozzle || !of_bed, bed || of_bed]
+    })
 }
 
 /// Whether a command is a name rather than a letter with a number.
@@ -72,25 +110,27 @@ mod tests {
 
     #[test]
     fn scripts_are_filled_in_and_their_line_ends_made_alike() {
-        let facts =
-            PrintFacts { layers: 3, min_mm: [10.0, 20.0], max_mm: [30.0, 40.5], max_z_mm: 0.6, dated: 0 };
+        let facts = PrintFacts { layers: 3, max_mm: [30.0, 40.5], max_z_mm: 0.6, ..PrintFacts::default() };
         let mut settings = Settings::default();
         settings.gcode.start = "M109 S{nozzle_temp}\r\nG1 X{print_max_x} ; {{x}}".into();
         let scripts = Scripts::new(&settings, &facts).expect("no mistakes");
         assert_eq!(scripts.start, "M109 S210\nG1 X30 ; {x}\n");
         settings.gcode.end = "{nozle_temp}".into();
         let mistakes = Scripts::new(&settings, &facts).expect_err("a mistake");
-        assert!(mistakes[0].starts_with("gcode.end: line 1: unknown placeholder"), "{mistakes:?}");
+        assert!(mistakes[0].starts_with("gcode.end: line 1, column 2: unknown name"), "{mistakes:?}");
     }
 
     #[test]
     fn a_script_that_heats_is_recognised() {
-        let heats = |script, flavor| heaters(script, flavor);
-        let both = Heaters { nozzle: true, bed: true };
+        let heats = |script, flavor| heaters(script, script, flavor);
+        let both = Heaters { nozzle: true, bed: true, by_name: false };
         assert_eq!(heats("G28\n;M104 S200\n", Flavor::Marlin), Heaters::default());
         assert_eq!(heats("m104 S200\nM190 S60", Flavor::Marlin), both);
-        assert_eq!(heats("START_PRINT BED={bed_temp}", Flavor::Klipper), both);
-        assert_eq!(heats("WARM T={nozzle_temp}", Flavor::Klipper), Heaters { nozzle: true, bed: false });
+        assert_eq!(heats("START_PRINT BED={bed_temp}", Flavor::Klipper), Heaters { by_name: true, ..both });
+        assert_eq!(
+            heats("WARM T={nozzle_temp}", Flavor::Klipper),
+            Heaters { nozzle: true, ..Heaters::default() }
+        );
         assert_eq!(heats("START_PRINT", Flavor::Marlin), Heaters::default());
         assert_eq!(heats("TURN_OFF_HEATERS", Flavor::Klipper), both);
     }

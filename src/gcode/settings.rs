@@ -5,10 +5,10 @@ use super::options::{Flavor, GcodeSettings, PrinterSettings};
 use crate::estimate::Machine;
 use crate::motion::{FilamentSettings, RetractSettings, TemperatureSettings};
 use crate::slice::LayerSettings;
-use crate::units::Mm;
+use crate::units::{Mm, MmPerS};
 
 /// Facts of a print that are known before its first layer is planned.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct PrintFacts {
     /// Number of layers.
     pub layers: usize,
@@ -21,6 +21,25 @@ pub struct PrintFacts {
     /// Seconds since 1970 that the header is dated with: `SOURCE_DATE_EPOCH`, or a fixed value, so that the same
     /// input gives the same bytes.
     pub dated: u64,
+    /// Corners around what is printed on the first layer, bed coordinates, millimetres.
+    pub first_layer_hull_mm: Vec<[f64; 2]>,
+    /// Objects, copies counted once.
+    pub objects: usize,
+    /// Objects, copies counted.
+    pub instances: usize,
+    /// Name of the first model's file, without folder and ending.
+    pub input_name: String,
+}
+
+impl PrintFacts {
+    /// The box around the first layer: least and greatest X and Y. Where its hull is not known, that of the print.
+    pub fn first_layer_box(&self) -> [[f64; 2]; 2] {
+        let corners = self.first_layer_hull_mm.iter().map(|&corner| [corner, corner]);
+        let joined = corners.reduce(|a, b| {
+            [[0, 1].map(|i| f64::min(a[0][i], b[0][i])), [0, 1].map(|i| f64::max(a[1][i], b[1][i]))]
+        });
+        joined.unwrap_or([self.min_mm, self.max_mm])
+    }
 }
 
 /// An object on the plate, as labelled for printers that can cancel single objects.
@@ -83,6 +102,27 @@ pub struct WriterSettings {
     pub objects: Vec<String>,
     /// Leave a blank line of fixed width in every layer, for M73.
     pub progress: bool,
+    /// Scripts at changes of layer.
+    pub layer_scripts: LayerScripts,
+}
+
+/// Which scripts run at changes of layer, and what the writer has to restore after them.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct LayerScripts {
+    /// There is one before the nozzle rises.
+    pub before: bool,
+    /// There is one after it has risen.
+    pub after: bool,
+    /// They run on the first layer as well.
+    pub on_first: bool,
+    /// The one after may move the nozzle.
+    pub moves: bool,
+    /// The one after may change how positions and E are counted.
+    pub modes: bool,
+    /// Speed of the return in X and Y.
+    pub travel_speed: MmPerS,
+    /// Speed of the return in Z.
+    pub z_speed: MmPerS,
 }
 
 /// The settings of header, footer and scripts.

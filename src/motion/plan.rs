@@ -33,7 +33,8 @@ pub fn plan_layer(
     let vertices: usize = layer.paths.iter().map(|p| p.points.len()).sum();
     // Curves are drawn with more vertices than they have.
     let mut moves = Vec::with_capacity(2 * vertices + 6 * sequence.len() + 8);
-    moves.extend(rules.opening());
+    // Nothing has been printed yet that a later object would pass over.
+    moves.extend(rules.opening(from.over_mm <= 0.0));
     // Where the layers are alike, as in a prism, nothing hangs over.
     let beneath = layer.beneath.as_ref().filter(|beneath| **beneath != layer.outline);
     let mut nozzle = Nozzle {

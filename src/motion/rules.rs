@@ -85,13 +85,21 @@ impl<'a> Rules<'a> {
             .or(Some(self.settings.firmware_acceleration))
     }
 
-    /// The commands at the beginning of the layer: temperatures and fan, where they may differ from the layer below.
-    pub(super) fn opening(&self) -> impl Iterator<Item = Move> {
+    /// The commands at the beginning of the layer: temperatures and fan, where they differ from the layer below.
+    /// `begins`: nothing has been printed before it.
+    pub(super) fn opening(&self, begins: bool) -> impl Iterator<Item = Move> {
         let temperature = &self.settings.temperature;
+        let first = (temperature.nozzle_first_layer, temperature.bed_first_layer);
+        let others = (temperature.nozzle, temperature.bed);
+        let none = Celsius(0.0);
+        let changed = |to: Celsius, from: Celsius| if to == from { none } else { to };
         let (nozzle, bed) = match self.index {
-            0 => (temperature.nozzle_first_layer, temperature.bed_first_layer),
-            1 => (temperature.nozzle, temperature.bed),
-            _ => (Celsius(0.0), Celsius(0.0)),
+            // The start script heats.
+            0 if begins && !self.settings.heat_first_layer => (none, none),
+            0 if begins => first,
+            0 => (changed(first.0, others.0), changed(first.1, others.1)),
+            1 => (changed(others.0, first.0), changed(others.1, first.1)),
+            _ => (none, none),
         };
         let fan = self.layer_fan(self.index);
         let fan = (self.is_first() || fan != self.layer_fan(self.index - 1)).then_some(Move::Fan(fan));

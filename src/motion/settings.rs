@@ -47,4 +47,6 @@ pub struct MotionSettings {
     pub labels: bool,
     /// Where to stop for a filament change.
     pub pauses: Vec<PauseAt>,
+    /// The first layer states its temperatures, for the start script may leave them to a macro.
+    pub heat_first_layer: bool,
 }

@@ -1,9 +1,11 @@
 //! One plate, from meshes to bytes.
 
+use std::collections::BTreeSet;
+
 use crate::estimate::{Machine, cool};
 use crate::gcode::thumbnail_sizes;
 use crate::gcode::{
-    self, Effect, GcodeOptions, LayerText, ObjectLabel, PrintFacts, Scripts, Slot, Totals, WriterSettings,
+    self, Effect, GcodeOptions, LayerText, ObjectLabel, PrintFacts, Slot, Totals, WriterSettings,
 };
 use crate::job::{Job, JobError};
 use crate::motion::{self, Entry, MotionSettings};
@@ -11,9 +13,10 @@ use crate::order::{Chain, PathVisit, Pins, SeamRule, chunk_len};
 use crate::output::Output;
 use crate::parallel::{self, Workers};
 use crate::plan::floating::{Floating, Islands};
+use crate::plan::sections::hull_mm;
 use crate::plan::spiral;
 use crate::plate::{Model, Plate};
-use crate::profile::Settings;
+use crate::profile::{ScriptRun, Settings, WholePrint};
 use crate::report::{LayerSummary, Measures, Overhangs, Summary};
 use crate::toolpath::{LayerKind, LayerPaths};
 use crate::units::{Mm3, Seconds};
@@ -50,14 +53,18 @@ pub(super) fn slice(
     warnings.extend(rounds.iter().flat_map(|round| round.sections.warnings()));
     let overhangs = (!settings.support.enabled).then(|| rounds::overhangs(&rounds, settings, workers));
 
-    let facts = facts(&rounds, bounds, job.dated, settings);
+    let facts = facts(&rounds, &loaded.plate, bounds, job, settings);
     let options = GcodeOptions::from(settings);
-    let scripts = Scripts::new(settings, &facts).map_err(|mistakes| JobError::Script { mistakes })?;
+    let mut run = ScriptRun::new(settings, &facts);
+    let mut scripts = run.open().map_err(script_error)?;
     let labels = if settings.gcode.labels { labels(&loaded.plate, &rounds, workers) } else { Vec::new() };
     let names = labels.iter().map(|label| label.name.clone()).collect();
     let maker = LayerMaker {
         chain: Chain { detours: settings.detour_rule(), ..ordering::chain(settings) },
-        motion: MotionSettings::new(settings, &job.pauses),
+        motion: MotionSettings {
+            heat_first_layer: settings.gcode.heat && scripts.heat_by_name(),
+            ..MotionSettings::new(settings, &job.pauses)
+        },
         machine: options.machine,
         writer: WriterSettings { objects: names, ..WriterSettings::new(settings, &scripts, true) },
         settings,
@@ -76,6 +83,8 @@ pub(super) fn slice(
         slots: header.slots,
         statistics: Statistics::default(),
         kept,
+        scripts: run,
+        settings,
         workers,
     };
     writer.output.write(&header.bytes)?;
@@ -87,8 +96,9 @@ pub(super) fn slice(
     let (xy, z_mm) = (begun.end.map(|[x, y, _]| [x, y]), begun.end.map_or(0.0, |e| e[2]));
     let start = xy.map(|[x, y]| Point::from_mm(x, y));
     let mut at = Entry { xy, z_mm, ..Entry::default() };
-    for round in &rounds {
+    for (finished, round) in rounds.iter().enumerate() {
         at.over_mm = round.over_mm;
+        writer.between_objects(finished)?;
         if let Some(name) = &round.name {
             writer.write(&gcode::object_comment(name))?;
         }
@@ -99,7 +109,11 @@ pub(super) fn slice(
         floating.finish(&loaded.hints)?;
         floating_warnings.append(&mut floating.warnings);
     }
-    let PrintWriter { output, mut inspector, slots, mut statistics, .. } = writer;
+    let PrintWriter { output, mut inspector, slots, mut statistics, scripts: mut run, .. } = writer;
+    run.moment.extruded_mm3 = statistics.layers_mm3;
+    run.moment.totals =
+        Some(WholePrint { time_s: statistics.total.total_s, volume_mm3: statistics.total.volume_mm3 });
+    run.close(&mut scripts).map_err(script_error)?;
     if let Some([x, y]) = at.xy {
         statistics.add_script(&scripts.end_effect(&options, [x, y, at.z_mm]), &maker.machine);
     }
@@ -120,8 +134,21 @@ pub(super) fn slice(
     warnings.extend(overhangs.as_ref().and_then(Overhangs::warning));
     let repairs = loaded.repairs;
     warnings.extend(repairs.iter().map(ToString::to_string));
+    run.moment.totals = Some(WholePrint { time_s: totals.time.0, volume_mm3: totals.volume.0 });
+    let file_name = match settings.gcode.file_name.trim() {
+        "" => None,
+        name => Some(run.text(name).map_err(|e| script_error(vec![format!("gcode.file_name: {e}")]))?),
+    };
     let summary = statistics.summary(bounds, &facts, &totals, settings, warnings);
-    Ok(Summary { repairs, overhangs, ..summary })
+    Ok(Summary { repairs, overhangs, file_name, ..summary })
+}
+
+fn script_error(mistakes: Vec<String>) -> JobError {
+    JobError::Script { mistakes }
+}
+
+fn of_script(key: &str, mistake: &macros::Error) -> JobError {
+    script_error(vec![format!("{key}: {mistake}")])
 }
 
 /// Pictures of the plate for the header.
@@ -142,14 +169,24 @@ fn labels(plate: &Plate, rounds: &[Round], workers: Workers<'_>) -> Vec<ObjectLa
     ObjectLabel::all(plate.objects.iter().map(|object| object.name.clone()).zip(hulls))
 }
 
-fn facts(rounds: &[Round], bounds: Bounds, dated: Option<u64>, settings: &Settings) -> PrintFacts {
+fn facts(rounds: &[Round], plate: &Plate, bounds: Bounds, job: &Job, settings: &Settings) -> PrintFacts {
     let tops = rounds.iter().filter_map(|round| Some(round.sections.layers.last()?.span.top_mm));
+    // The layer is as large as the part: its elephant's foot is made up for.
+    let foot_mm = if settings.raft.layers > 0 { 0.0 } else { settings.layer.elephant_foot.0 };
+    let outlines = rounds.iter().map(|round| round.sections.first_layer_outlines(&round.planners, foot_mm));
+    let bodies: BTreeSet<usize> = plate.objects.iter().map(|object| object.body).collect();
+    let meshes: BTreeSet<usize> = plate.objects.iter().map(|object| object.mesh).collect();
+    let input_name = job.models.first().and_then(|path| path.file_stem());
     PrintFacts {
         layers: rounds.iter().map(|round| round.sections.layers.len()).sum(),
         min_mm: bounds.min.mm(),
         max_mm: bounds.max.mm(),
         max_z_mm: tops.fold(0.0, f64::max) + settings.layer.z_offset.0,
-        dated: dated.unwrap_or(load::DATED),
+        dated: job.dated.unwrap_or(load::DATED),
+        first_layer_hull_mm: hull_mm(outlines.flatten().flatten(), 0.0),
+        objects: meshes.len(),
+        instances: bodies.len(),
+        input_name: input_name.map(|name| name.to_string_lossy().into_owned()).unwrap_or_default(),
     }
 }
 
@@ -178,6 +215,15 @@ struct FinishedLayer {
     text: LayerText,
     summary: LayerSummary,
     layer: Option<PrintLayer>,
+    entry: LayerEntry,
+}
+
+/// Where a layer begins.
+struct LayerEntry {
+    index: usize,
+    /// Height of the nozzle, Z offset included.
+    z_mm: f64,
+    position_mm: [f64; 3],
 }
 
 /// Writes finished layers, checks the text and adds up the statistics.
@@ -188,10 +234,50 @@ struct PrintWriter<'a> {
     slots: Vec<Slot>,
     statistics: Statistics,
     kept: Option<&'a mut Vec<PrintLayer>>,
+    scripts: ScriptRun<'a>,
+    settings: &'a Settings,
     workers: Workers<'a>,
 }
 
 impl PrintWriter<'_> {
+    /// Writes the script between objects that are printed one after the other.
+    fn between_objects(&mut self, finished: usize) -> Result<(), JobError> {
+        self.scripts.moment.objects_done = finished;
+        if finished > 0 {
+            let script = &self.settings.gcode.between_objects;
+            let text = self.scripts.expand(script).map_err(|e| of_script("gcode.between_objects", &e))?;
+            self.output.write(text.as_bytes())?;
+        }
+        Ok(())
+    }
+
+    /// The text of a layer with the scripts of its change.
+    fn with_scripts(&mut self, layer: &LayerText, entry: &LayerEntry) -> Result<Option<Vec<u8>>, JobError> {
+        let options = &self.settings.gcode;
+        let moment = &mut self.scripts.moment;
+        moment.layer = Some(entry.index);
+        moment.layer_z_mm = entry.z_mm - self.settings.layer.z_offset.0;
+        moment.max_z_mm = moment.max_z_mm.max(moment.layer_z_mm);
+        moment.extruded_mm3 = self.statistics.layers_mm3;
+        moment.position_mm = entry.position_mm;
+        let places = [
+            (layer.before, "gcode.before_layer", &options.before_layer),
+            (layer.after, "gcode.after_layer", &options.after_layer),
+        ];
+        if layer.before.is_none() && layer.after.is_none() {
+            return Ok(None);
+        }
+        let (mut text, mut from) = (Vec::with_capacity(layer.bytes.len() + 256), 0);
+        for (place, key, script) in places {
+            let Some(place) = place else { continue };
+            text.extend_from_slice(&layer.bytes[from..place]);
+            text.extend_from_slice(self.scripts.expand(script).map_err(|e| of_script(key, &e))?.as_bytes());
+            from = place;
+        }
+        text.extend_from_slice(&layer.bytes[from..]);
+        Ok(Some(text))
+    }
+
     /// Writes text, checking it.
     fn write(&mut self, text: &[u8]) -> Result<(), JobError> {
         self.inspector.take(text);
@@ -200,10 +286,13 @@ impl PrintWriter<'_> {
 
     /// Writes layers, checking them.
     fn add(&mut self, layers: Vec<FinishedLayer>) -> Result<(), JobError> {
-        for FinishedLayer { text, summary, layer } in layers {
+        for FinishedLayer { text, summary, layer, entry } in layers {
             let base = self.output.written() as usize;
             self.slots.extend(text.progress.map(|slot| Slot { offset: base + slot.offset, ..slot }));
-            self.write(&text.bytes)?;
+            let with_scripts = self.with_scripts(&text, &entry)?;
+            // What a script does is its own affair, and undone after it.
+            self.inspector.take(&text.bytes);
+            self.output.write(with_scripts.as_ref().unwrap_or(&text.bytes))?;
             self.statistics.add(summary);
             if let Some(kept) = &mut self.kept {
                 kept.extend(layer);
@@ -321,7 +410,10 @@ impl LayerMaker<'_> {
             filament_mm: sums.volume.0 / self.machine.filament_area_mm2,
             ..Measures::default()
         };
+        let [x, y] = moves.from.xy.unwrap_or_default();
+        let position_mm = [x, y, moves.from.z_mm];
         FinishedLayer {
+            entry: LayerEntry { index: moves.index, z_mm: moves.z_mm, position_mm },
             text: gcode::format_layer(&moves, &self.writer),
             summary: LayerSummary { z_mm: (moves.z_mm * 1e6).round() / 1e6, measures },
             layer: self.keep.then(|| PrintLayer::new(paths, sequence, moves, &self.machine)),
@@ -334,6 +426,8 @@ impl LayerMaker<'_> {
 struct Statistics {
     layers: Vec<LayerSummary>,
     total: Measures,
+    /// Filament in the layers, mm³.
+    layers_mm3: f64,
     layer_starts: Vec<Seconds>,
 }
 
@@ -341,6 +435,7 @@ impl Statistics {
     fn add(&mut self, layer: LayerSummary) {
         self.layer_starts.push(Seconds(self.total.total_s));
         self.total += &layer.measures;
+        self.layers_mm3 += layer.measures.volume_mm3;
         self.layers.push(layer);
     }
 

@@ -198,11 +198,7 @@ impl Sections {
         let hull = |object: usize| {
             let regions = (0..self.layers.len()).map(|layer| self.of(object, layer));
             let outers = regions.flat_map(|region| region.polygons()).flat_map(|polygon| &polygon.outer);
-            let points: MultiPoint<f64> = outers.map(|p: &Point| (p.mm()[0], p.mm()[1])).collect();
-            let hull = points.convex_hull().simplify(LABEL_TOLERANCE_MM);
-            // The first corner is repeated at the end.
-            let corners = hull.exterior().points().map(|p| [p.x(), p.y()]);
-            corners.skip(1).collect()
+            hull_mm(outers.map(|p: &Point| p.mm()), LABEL_TOLERANCE_MM)
         };
         let hulls = workers.map(self.objects.len(), hull);
         self.objects.iter().copied().zip(hulls).collect()
@@ -227,4 +223,12 @@ impl Sections {
             first.span.top_mm
         ))
     }
+}
+
+/// Corners of the convex hull of points, millimetres; it may differ by a tolerance.
+pub(crate) fn hull_mm(points: impl Iterator<Item = [f64; 2]>, tolerance_mm: f64) -> Vec<[f64; 2]> {
+    let points: MultiPoint<f64> = points.map(|[x, y]| (x, y)).collect();
+    let hull = points.convex_hull().simplify(tolerance_mm);
+    // The first corner is repeated at the end.
+    hull.exterior().points().map(|p| [p.x(), p.y()]).skip(1).collect()
 }

@@ -3,8 +3,9 @@
 use std::collections::BTreeMap;
 
 use super::error::{Origin, Problem};
-use super::script::{PrintBounds, expand};
+use super::script::{ScriptRun, WholePrint};
 use super::settings::Settings;
+use crate::gcode::PrintFacts;
 use crate::gcode::thumbnail_sizes;
 use crate::order::strategy;
 use crate::plate::{BedShape, Sequence};
@@ -306,12 +307,48 @@ fn retraction(settings: &Settings, check: &mut Check) {
     }
 }
 
+/// Scripts are tried on a print in the middle of the bed.
 fn scripts(settings: &Settings, check: &mut Check) {
     let gcode = &settings.gcode;
-    let scripts = [("gcode.start", &gcode.start), ("gcode.end", &gcode.end), ("gcode.pause", &gcode.pause)];
+    let scripts = [
+        ("gcode.start", &gcode.start),
+        ("gcode.filament_start", &gcode.filament_start),
+        ("gcode.before_layer", &gcode.before_layer),
+        ("gcode.after_layer", &gcode.after_layer),
+        ("gcode.between_objects", &gcode.between_objects),
+        ("gcode.pause", &gcode.pause),
+        ("gcode.color_change", &gcode.color_change),
+        ("gcode.filament_end", &gcode.filament_end),
+        ("gcode.end", &gcode.end),
+        ("gcode.file_name", &gcode.file_name),
+    ];
+    let (low, high) = (settings.bed.low_mm(), settings.bed.high_mm());
+    let at = |share: f64| [0, 1].map(|i| low[i] + share * (high[i] - low[i]));
+    let layers = 100;
+    let max_z_mm = settings.layer.first_height.0 + (layers - 1) as f64 * settings.layer.height.0;
+    let print = PrintFacts {
+        layers,
+        min_mm: at(0.4),
+        max_mm: at(0.6),
+        max_z_mm,
+        objects: 1,
+        instances: 1,
+        input_name: "model".into(),
+        ..PrintFacts::default()
+    };
+    let mut run = ScriptRun::new(settings, &print);
     for (key, script) in scripts {
-        for message in expand(script, settings, PrintBounds::default()).err().into_iter().flatten() {
-            check.error(&[key], &message);
+        if key == "gcode.before_layer" {
+            run.moment.layer = Some(1);
+            run.moment.layer_z_mm = settings.layer.first_height.0 + settings.layer.height.0;
+            run.moment.max_z_mm = run.moment.layer_z_mm;
+            run.moment.extruded_mm3 = 100.0;
+        }
+        if key == "gcode.filament_end" {
+            run.moment.totals = Some(WholePrint { time_s: 600.0, volume_mm3: 1000.0 });
+        }
+        if let Err(mistake) = run.text(script) {
+            check.error(&[key], &mistake.to_string());
         }
     }
 }

@@ -6,7 +6,7 @@ use serde_json::json;
 use toml::{Table, Value};
 
 use super::resolve::Resolved;
-use super::script::PLACEHOLDERS;
+use super::script::{PLACEHOLDERS, PRINT_NAMES, setting_names};
 use super::settings::{SECTIONS, Settings};
 use super::value::toml_text;
 use crate::options::{Field, Kind};
@@ -24,6 +24,14 @@ pub fn dump_toml(resolved: &Resolved) -> String {
                 true => writeln!(out, "# {origin}\n{} = {value}", field.name),
                 false => writeln!(out, "{} = {value} # {origin}", field.name),
             };
+        }
+    }
+    if !resolved.settings.variables.is_empty() {
+        out.push_str("\n[variables]\n");
+        for (name, value) in &resolved.settings.variables {
+            let origin = resolved.origins.get(&format!("variables.{name}"));
+            let origin = origin.map(|origin| format!("# {origin}\n")).unwrap_or_default();
+            let _ = writeln!(out, "{origin}{name} = {}", toml_text(value));
         }
     }
     out
@@ -63,8 +71,11 @@ pub fn reference() -> String {
         }
     }
     out.push_str(PLACEHOLDER_HEAD);
-    for (name, meaning) in PLACEHOLDERS {
-        let _ = writeln!(out, "| `{{{name}}}` | {meaning} |");
+    for (name, meaning) in PLACEHOLDERS.iter().chain(PRINT_NAMES) {
+        let _ = writeln!(out, "| `{name}` | {meaning} |");
+    }
+    for (name, key) in setting_names() {
+        let _ = writeln!(out, "| `{name}` | `{key}` |");
     }
     out
 }
@@ -74,9 +85,12 @@ const REFERENCE_HEAD: &str = "# Settings\n\n\
     `default`. This page is printed by `pathwright profiles reference`, and a test keeps it true.\n";
 
 const PLACEHOLDER_HEAD: &str = "\n## Placeholders in scripts\n\n\
-    `gcode.start`, `gcode.end` and `gcode.pause` may hold these. Anything else in braces is an error; `{{` and `}}`\n\
-    stand for the braces themselves. Numbers are in millimetres, in the bed's own coordinates.\n\n\
-    | placeholder | meaning |\n|---|---|\n";
+    Scripts (`gcode.start` and the others) are written in the macro language of PrusaSlicer: `{name}` or `[name]`,\n\
+    `{expression}`, `{if}` … `{elsif}` … `{else}` … `{endif}`, variables and functions; see\n\
+    [crates/macros](../crates/macros/README.md). `{{` and a `}}` after it on the line stand for the braces themselves.\n\
+    A name that is not known is an error. Besides these names there are those of the profile's `[variables]`.\n\
+    Numbers are in millimetres, in the bed's own coordinates.\n\n\
+    | name | meaning |\n|---|---|\n";
 
 fn table(settings: &Settings) -> Table {
     Table::try_from(settings).expect("settings are a table")

@@ -21,10 +21,10 @@ mod value;
 pub use dump::{dump_json, dump_toml, reference};
 pub use embedded::{EMBEDDED, EmbeddedProfile, ProfileKind, find as embedded};
 pub use error::{Origin, Problem, ProfileError};
-pub use import::import_page;
-pub use resolve::{Override, Resolved, resolve};
+pub use import::{Import, Left, Taken, import_page};
+pub use resolve::{Override, Resolved, resolve, resolve_presets};
 pub use schema::{field, keys};
-pub use script::{PLACEHOLDERS, PrintBounds, expand};
+pub use script::{Moment, PLACEHOLDERS, PRINT_NAMES, ScriptRun, WholePrint, expand};
 pub use settings::{SECTIONS, Settings};
 pub use source::text;
 

@@ -8,10 +8,12 @@ use toml::{Table, Value};
 use super::conflicts;
 use super::embedded;
 use super::error::{Origin, Problem, ProfileError};
+use super::script::setting_names;
 use super::settings::Settings;
 use super::source::{Assignment, Reader};
 use super::value::{check, shortened, shown, typed_value};
 use crate::limits;
+use crate::presets::Config;
 
 /// A setting given on the command line.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -50,8 +52,31 @@ pub struct Resolved {
 /// # Ok::<(), pathwright::profile::ProfileError>(())
 /// ```
 pub fn resolve(profiles: &[String], overrides: &[Override]) -> Result<Resolved, ProfileError> {
+    resolved(None, profiles, overrides)
+}
+
+/// The same with presets of another slicer on the default profile, below all others.
+///
+/// # Errors
+/// As [`resolve`].
+pub fn resolve_presets(
+    presets: &Config,
+    profiles: &[String],
+    overrides: &[Override],
+) -> Result<Resolved, ProfileError> {
+    resolved(Some(presets), profiles, overrides)
+}
+
+fn resolved(
+    presets: Option<&Config>,
+    profiles: &[String],
+    overrides: &[Override],
+) -> Result<Resolved, ProfileError> {
     let mut reader = Reader::default();
     reader.read(embedded::DEFAULT, "--profile");
+    if let Some(presets) = presets {
+        reader.presets(presets);
+    }
     for profile in profiles {
         reader.read(profile, "--profile");
     }
@@ -100,6 +125,7 @@ fn assigned(
                 {
                     section.insert(name.to_owned(), value);
                 }
+                forget_variables(&mut table, &key);
                 origins.insert(key, origin);
             }
             Err(message) => {
@@ -123,6 +149,15 @@ fn assigned(
     Assigned { settings, origins, warnings: found.warnings }
 }
 
+/// Leaves out the variables that mean a setting which has a new value.
+fn forget_variables(table: &mut Table, key: &str) {
+    if let Some(Value::Table(variables)) = table.get_mut("variables") {
+        for (name, _) in setting_names().filter(|(_, of)| *of == key) {
+            variables.remove(name);
+        }
+    }
+}
+
 impl Settings {
     /// The default profile with others on top, each the name of an embedded one or a file (a profile, or another slicer's
     /// configuration).
@@ -132,6 +167,14 @@ impl Settings {
     pub fn load(profiles: &[&str]) -> Result<Self, ProfileError> {
         let profiles: Vec<String> = profiles.iter().map(|&profile| profile.to_owned()).collect();
         resolve(&profiles, &[]).map(|resolved| resolved.settings)
+    }
+
+    /// The default profile with presets of another slicer on top, which a [`Library`](crate::presets::Library) resolved.
+    ///
+    /// # Errors
+    /// Values that contradict each other.
+    pub fn of_presets(presets: &Config) -> Result<Self, ProfileError> {
+        resolve_presets(presets, &[], &[]).map(|resolved| resolved.settings)
     }
 
     /// The same with another value, written as on the command line: `15%`, `0.2`, `inner-first`, `[220, 220]`.

@@ -2,7 +2,10 @@
 //!
 //! `Default` gives the embedded default profile: a generic RepRap 250 × 250 × 250, PLA, 0.2 mm.
 
+use std::collections::BTreeMap;
+
 use serde::{Deserialize, Serialize};
+use toml::Value;
 
 use super::embedded::default_script;
 use crate::estimate::MachineSettings;
@@ -26,12 +29,17 @@ macro_rules! settings {
         #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
         #[serde(deny_unknown_fields)]
         #[allow(missing_docs)]
-        pub struct Settings { $(pub $section: $ty,)* }
+        pub struct Settings {
+            $(pub $section: $ty,)*
+            /// Names that scripts may use, with their values: those of another slicer's preset, or a profile's own.
+            #[serde(default)]
+            pub variables: BTreeMap<String, Value>,
+        }
 
         impl Settings {
             /// The defaults of all stages.
             fn of_stages() -> Self {
-                Self { $($section: $ty::default(),)* }
+                Self { $($section: $ty::default(),)* variables: BTreeMap::new() }
             }
         }
 

@@ -2,7 +2,7 @@
 
 use super::settings::Settings;
 use crate::estimate::{Firmware, FirmwareRetraction, Machine};
-use crate::gcode::{Flavor, GcodeOptions, Scripts, WriterSettings};
+use crate::gcode::{Flavor, GcodeOptions, LayerScripts, Scripts, WriterSettings};
 use crate::motion::{FlowSettings, MotionSettings, PauseAt};
 use crate::order::{CostKind, SeamPosition};
 use crate::plate::Line;
@@ -122,6 +122,7 @@ impl MotionSettings {
             arcs: settings.gcode.arcs.then_some(settings.gcode.arc_tolerance),
             labels: settings.gcode.labels,
             pauses: pauses.to_vec(),
+            heat_first_layer: false,
         }
     }
 }
@@ -174,7 +175,25 @@ impl WriterSettings {
             pause: scripts.pause.clone(),
             objects: Vec::new(),
             progress,
+            layer_scripts: layer_scripts(settings),
         }
+    }
+}
+
+/// What the writer needs to know of the scripts of layer changes.
+fn layer_scripts(settings: &Settings) -> LayerScripts {
+    let (before, after) = (settings.gcode.before_layer.trim(), settings.gcode.after_layer.trim());
+    let commands = || after.lines().map(|line| line.split(';').next().unwrap_or_default().trim());
+    let has = |words: &[&str]| commands().any(|line| words.iter().any(|word| line.contains(word)));
+    let plain = |line: &str| line.is_empty() || line.starts_with('M') || line.starts_with("G92 E");
+    LayerScripts {
+        before: !before.is_empty(),
+        after: !after.is_empty(),
+        on_first: settings.gcode.first_layer_scripts,
+        moves: commands().any(|line| !plain(line)),
+        modes: has(&["G90", "G91", "M82", "M83"]),
+        travel_speed: settings.speed.travel,
+        z_speed: settings.speed.z,
     }
 }
 

@@ -4,6 +4,7 @@ use toml::{Table, Value};
 
 use super::schema;
 use super::suggest;
+use crate::near;
 use crate::options::{Field, Kind};
 
 /// Reads a value typed on the command line. Quotes may be left out around texts, words and percentages.
@@ -34,6 +35,9 @@ pub(super) fn shortened(text: &str) -> String {
 
 /// Is this value allowed for this key? The error says what would be.
 pub(super) fn check(key: &str, value: &Value) -> Result<(), String> {
+    if let Some(name) = key.strip_prefix(VARIABLES) {
+        return check_variable(name, value);
+    }
     let Some(field) = schema::field(key) else {
         let near: Vec<String> = suggest::keys(key).into_iter().map(|k| format!("`{k}`")).collect();
         return Err(match near.is_empty() {
@@ -54,7 +58,7 @@ pub(super) fn check(key: &str, value: &Value) -> Result<(), String> {
         }
         (Kind::Text, value) => value.is_str(),
         (Kind::Choice(names), Value::String(word)) if !names.contains(&word.as_str()) => {
-            let hint = suggest::name(word, names.iter().copied());
+            let hint = near::name(word, names.iter().copied());
             let hint = hint.map(|near| format!("; did you mean `{near}`?")).unwrap_or_default();
             return Err(expected() + &hint);
         }
@@ -68,6 +72,25 @@ pub(super) fn check(key: &str, value: &Value) -> Result<(), String> {
         _ => false,
     };
     if fits { Ok(()) } else { Err(expected()) }
+}
+
+/// What the keys of variables begin with.
+pub(super) const VARIABLES: &str = "variables.";
+
+/// Variables are called as names in scripts may be, and hold what scripts can use.
+fn check_variable(name: &str, value: &Value) -> Result<(), String> {
+    let mut letters = name.chars();
+    let begins = letters.next().is_some_and(|c| c.is_ascii_alphabetic() || c == '_');
+    if !begins || !letters.all(|c| c.is_ascii_alphanumeric() || c == '_') {
+        return Err("a name of letters, digits and underscores is expected".into());
+    }
+    let is_scalar = |value: &Value| !matches!(value, Value::Table(_) | Value::Array(_) | Value::Datetime(_));
+    let is_flat = |value: &Value| value.as_array().is_some_and(|values| values.iter().all(is_scalar));
+    let fits = is_scalar(value)
+        || value
+            .as_array()
+            .is_some_and(|values| values.iter().all(|value| is_scalar(value) || is_flat(value)));
+    if fits { Ok(()) } else { Err("a number, text, true, false, or a list of them is expected".into()) }
 }
 
 fn in_range(field: &Field, number: f64) -> bool {

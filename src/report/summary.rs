@@ -126,6 +126,9 @@ pub struct Summary {
     pub models: Vec<String>,
     /// Where the G-code went.
     pub output: String,
+    /// What `gcode.file_name` says that its file is called.
+    #[serde(skip)]
+    pub file_name: Option<String>,
     /// Extents of the print, without skirt and brim.
     pub size_mm: [f64; 3],
     /// Number of layers.

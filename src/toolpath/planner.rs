@@ -151,6 +151,14 @@ impl Planner {
         self.skirt = adhesion::skirt(&all, &self.settings.skirt, width_mm, first_height_mm);
     }
 
+    /// The outer edge of the skirt, its loops as wide as they are apart.
+    pub fn skirt_outline(&self, first_height_mm: f64) -> Option<Polygon> {
+        let width_mm = self.widths(0).skirt_mm;
+        let away_mm = bead::spacing_mm(width_mm, first_height_mm) - width_mm / 2.0;
+        let outer = Polygon { outer: self.skirt.first()?.clone(), holes: Vec::new() };
+        geometry::offset(&Region::from(outer), away_mm).into_polygons().into_iter().next()
+    }
+
     /// What part and brim cover on the bed.
     pub fn covered(&self) -> &Region {
         &self.covered

@@ -100,4 +100,12 @@ impl Sections {
         let regions = std::iter::once(planners.main.covered()).chain(supports);
         regions.flat_map(|region| region.polygons().iter().cloned()).collect()
     }
+
+    /// Outlines of the first layer: section, brim, supports and skirt, millimetres; all grown by `more_mm`.
+    pub fn first_layer_outlines(&self, planners: &Planners, more_mm: f64) -> Vec<Vec<[f64; 2]>> {
+        let outer = |polygon: &Polygon| polygon.outer.iter().map(|p| p.mm()).collect();
+        let around = planners.main.skirt_outline(self.layers[0].span.height_mm);
+        let all = Region::disjoint(self.on_bed(planners).into_iter().chain(around));
+        geometry::offset(&all, more_mm).polygons().iter().map(outer).collect()
+    }
 }

@@ -2,13 +2,13 @@
 
 use toml::Value;
 
-use super::config::Config;
 use super::row::Outcome::{self, Idle, Left, Near};
 use super::row::{How, Row};
 use super::script;
 use crate::estimate::MachineSettings;
 use crate::gcode::Flavor;
 use crate::options::Kind;
+use crate::presets::Config;
 use crate::profile::schema;
 use crate::toolpath::Pattern;
 use crate::units::{MmPerS, MmPerS2};
@@ -213,7 +213,7 @@ pub(super) fn elephant_foot(config: &Config) -> Outcome {
 
 /// Width of a line; `None`: it depends on what is not given.
 fn width_mm(config: &Config, key: &str) -> Option<f64> {
-    let whole = if config.is_super { nozzle_mm(config) } else { height_mm(config) };
+    let whole = if config.is_super() { nozzle_mm(config) } else { height_mm(config) };
     let of = |key: &str| match config.text(key) {
         Some(_) => config.number_of(key, whole),
         None => Some(0.0),
@@ -244,7 +244,7 @@ pub(super) fn infill_width(config: &Config) -> Outcome {
 }
 
 pub(super) fn first_width(config: &Config) -> Outcome {
-    let whole = if config.is_super { nozzle_mm(config) } else { first_height_mm(config) };
+    let whole = if config.is_super() { nozzle_mm(config) } else { first_height_mm(config) };
     known(config.number_of("first_layer_extrusion_width", whole))
 }
 
@@ -709,29 +709,43 @@ pub(super) fn limits(config: &Config) -> Outcome {
     flag(config.text("machine_limits_usage") == Some("emit_to_gcode"))
 }
 
-/// Two scripts, one after the other.
-fn scripts(config: &Config, keys: [&str; 2]) -> Outcome {
-    let mut out = String::new();
-    for key in keys {
-        let Some(text) = config.text(key) else { continue };
-        match script::translate(text, config) {
-            Ok(text) => out += &text,
-            Err(reason) => {
-                return Left(format!("{key}: {reason}; the script of the profile before it stays"));
-            }
-        }
-    }
-    if out.is_empty() { Idle } else { word(&out) }
+/// A script, as it is written.
+fn script_of(config: &Config, key: &str) -> Outcome {
+    word(&script::of(config.text(key).unwrap_or_default()))
 }
 
 pub(super) fn start(config: &Config) -> Outcome {
-    scripts(config, ["start_gcode", "start_filament_gcode"])
+    script_of(config, "start_gcode")
+}
+
+pub(super) fn filament_start(config: &Config) -> Outcome {
+    script_of(config, "start_filament_gcode")
+}
+
+pub(super) fn before_layer(config: &Config) -> Outcome {
+    script_of(config, "before_layer_gcode")
+}
+
+pub(super) fn after_layer(config: &Config) -> Outcome {
+    script_of(config, "layer_gcode")
+}
+
+pub(super) fn between_objects(config: &Config) -> Outcome {
+    script_of(config, "between_objects_gcode")
+}
+
+pub(super) fn filament_end(config: &Config) -> Outcome {
+    script_of(config, "end_filament_gcode")
 }
 
 pub(super) fn end(config: &Config) -> Outcome {
-    scripts(config, ["end_filament_gcode", "end_gcode"])
+    script_of(config, "end_gcode")
 }
 
 pub(super) fn pause(config: &Config) -> Outcome {
-    scripts(config, ["pause_print_gcode", ""])
+    script_of(config, "pause_print_gcode")
+}
+
+pub(super) fn color_change(config: &Config) -> Outcome {
+    script_of(config, "color_change_gcode")
 }

@@ -2,7 +2,6 @@
 
 use std::fmt::Write;
 
-use super::script;
 use super::table::ROWS;
 
 const HEAD: &str = "# Configurations of other slicers\n\n\
@@ -19,25 +18,21 @@ const HEAD: &str = "# Configurations of other slicers\n\n\
     something a little different here. Keys that ask for nothing (a wipe tower that is off, notes) are only counted there. A value\n\
     with one entry for each extruder is taken of the first one. Of a bundle of presets the active ones hold\n\
     (`[presets]`), or the only one of each kind, with what they inherit inside of the file.\n\n\
-    G-code scripts are taken over whole or not at all. Their placeholders become ours, and conditions on the\n\
-    configuration itself (`{if filament_type[0] == \"PLA\"}`) are decided while it is read. With anything else in braces, the\n\
-    script of the profile before stays in force, and the reason is reported. Heating that a script leaves out is added when\n\
-    slicing, as after any profile: read the result before the first print.\n\n\
+    G-code scripts are taken over as they are written: scripts here speak the same language, and every key of the file is\n\
+    a name in it. A name that neither the file nor [we](settings.md#placeholders-in-scripts) know is an error (exit code 4);\n\
+    with `--ignore-scripts` such a script is left out, with a warning. A file without a script, but with an empty one,\n\
+    has none. Heating that the start script leaves out is added, unless `autoemit_temperature_commands` is 0.\n\n\
     This page is printed by `pathwright profiles imports`, and a test keeps it true.\n\n\
     ## Settings\n\n\
     | ours | theirs | how |\n|---|---|---|\n";
 
-/// The page. Each setting of ours with the keys that it comes from, and the placeholders of scripts.
+/// The page: each setting of ours with the keys that it comes from.
 pub fn page() -> String {
     let mut out = String::from(HEAD);
     for row in ROWS {
         let theirs: Vec<String> = row.theirs.iter().map(|key| format!("`{key}`")).collect();
         let rule = if row.rule.is_empty() { "as it is" } else { row.rule };
         let _ = writeln!(out, "| `{}` | {} | {rule} |", row.ours, theirs.join(", "));
-    }
-    out.push_str("\n## Placeholders in scripts\n\n| theirs | ours |\n|---|---|\n");
-    for (theirs, ours) in script::names() {
-        let _ = writeln!(out, "| `{theirs}` | `{{{ours}}}` |");
     }
     out
 }

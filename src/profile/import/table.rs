@@ -1,9 +1,9 @@
 //! What is taken over of the configurations of others, key by key: the one place that says so. `docs/import.md` is
 //! printed from it.
 
-use super::config::Config;
 use super::convert as c;
 use super::row::{How, Outcome, Row};
+use crate::presets::Config;
 
 const fn same(ours: &'static str, theirs: &'static [&'static str]) -> Row {
     Row { ours, theirs, how: How::Same, rule: "" }
@@ -23,7 +23,8 @@ const SPEED: &str = "percentages of the speed it is relative to; 0 (automatic) i
 const OFF_THE_LINE: &str = "percentages of the nozzle";
 const ACCELERATION: &str = "0: the default one";
 const MACHINE: &str = "the normal mode's; axes that are not stated have the default printer's";
-const SCRIPT: &str = "translated, see below";
+/// The rule of scripts.
+pub(super) const SCRIPT: &str = "as it is written";
 const SPACING: &str = "from the free distance of the lines";
 
 /// Every setting that is taken over.
@@ -344,9 +345,17 @@ pub(super) const ROWS: &[Row] = &[
     with("gcode.thumbnails", &["thumbnails"], "those that are PNG", c::thumbnails),
     with("gcode.labels", &["gcode_label_objects"], "`firmware`, 1", c::labels),
     with("gcode.limits", &["machine_limits_usage"], "`emit_to_gcode`", c::limits),
-    with("gcode.start", &["start_gcode", "start_filament_gcode"], SCRIPT, c::start),
-    with("gcode.end", &["end_gcode", "end_filament_gcode"], SCRIPT, c::end),
+    with("gcode.start", &["start_gcode"], SCRIPT, c::start),
+    with("gcode.filament_start", &["start_filament_gcode"], SCRIPT, c::filament_start),
+    with("gcode.before_layer", &["before_layer_gcode"], SCRIPT, c::before_layer),
+    with("gcode.after_layer", &["layer_gcode"], SCRIPT, c::after_layer),
+    with("gcode.between_objects", &["between_objects_gcode"], SCRIPT, c::between_objects),
+    with("gcode.filament_end", &["end_filament_gcode"], SCRIPT, c::filament_end),
+    with("gcode.end", &["end_gcode"], SCRIPT, c::end),
     with("gcode.pause", &["pause_print_gcode"], SCRIPT, c::pause),
+    with("gcode.color_change", &["color_change_gcode"], SCRIPT, c::color_change),
+    same("gcode.file_name", &["output_filename_format"]),
+    same("gcode.heat", &["autoemit_temperature_commands"]),
 ];
 
 /// When a key without a row asks for nothing.
@@ -386,7 +395,6 @@ pub(super) const IDLE: &[(&str, Idle)] = &[
     ("host_type", Always),
     ("print_host", Always),
     ("printhost_*", Always),
-    ("output_filename_format", Always),
     ("gcode_comments", Always),
     ("thumbnails_format", Always),
     ("remaining_times", Always),
@@ -436,7 +444,6 @@ pub(super) const IDLE: &[(&str, Idle)] = &[
     ("automatic_extrusion_widths", At(&["0"])),
     ("automatic_infill_combination", At(&["0"])),
     ("automatic_infill_combination_max_layer_height", Without("automatic_infill_combination")),
-    ("autoemit_temperature_commands", At(&["1"])),
     ("avoid_crossing_curled_overhangs", At(&["0"])),
     ("binary_gcode", At(&["0"])),
     ("bottom_fill_pattern", At(&["rectilinear", "monotonic", "monotoniclines"])),
@@ -445,9 +452,7 @@ pub(super) const IDLE: &[(&str, Idle)] = &[
     ("bridge_angle", At(&["0"])),
     ("chamber_minimal_temperature", At(&["0"])),
     ("chamber_temperature", At(&["0"])),
-    ("color_change_gcode", Always),
     ("colorprint_heights", At(&["0"])),
-    ("between_objects_gcode", Without("complete_objects")),
     ("duplicate_distance", Always),
     ("ensure_vertical_shell_thickness", Always),
     ("extra_perimeters", At(&["0"])),

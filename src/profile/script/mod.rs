@@ -1,0 +1,267 @@
+//! Scripts of a print: their placeholders, conditions and arithmetic, in the language of crate `macros`.
+//!
+//! A name is looked up among what is known of the print, our own placeholders, the variables that a profile or preset
+//! brings, and the settings under the names of other slicers.
+
+mod moment;
+mod ours;
+mod theirs;
+
+use macros::{Names, State, Value};
+
+use super::settings::Settings;
+use crate::gcode::{PrintFacts, Scripts};
+
+pub use moment::{Moment, PRINT_NAMES, WholePrint};
+pub use ours::PLACEHOLDERS;
+pub(super) use theirs::names as setting_names;
+
+/// Placeholders that scripts may write to, and what that means to them alone.
+const WRITABLE: [&str; 4] = ["position", "e_position", "e_retracted", "e_restart_extra"];
+
+/// Expands the scripts of a print, one after the other: what one keeps in global variables, the next ones find.
+pub struct ScriptRun<'a> {
+    settings: &'a Settings,
+    print: &'a PrintFacts,
+    state: State,
+    /// How far the print has come.
+    pub moment: Moment,
+}
+
+impl<'a> ScriptRun<'a> {
+    /// Before the first script.
+    pub fn new(settings: &'a Settings, print: &'a PrintFacts) -> Self {
+        Self { settings, print, state: State::default(), moment: Moment::default() }
+    }
+
+    /// Expands a script. Every line ends with `\n`, and none with blanks.
+    ///
+    /// # Errors
+    /// The first mistake with its line and column, and the nearest name where one is unknown.
+    pub fn expand(&mut self, script: &str) -> Result<String, macros::Error> {
+        let text = self.text(script)?;
+        let mut out = String::with_capacity(text.len() + 1);
+        for line in text.lines() {
+            out.push_str(line.trim_end());
+            out.push('\n');
+        }
+        Ok(out)
+    }
+
+    /// Expands a text that is no script, such as the name of a file.
+    ///
+    /// # Errors
+    /// As [`Self::expand`].
+    pub fn text(&mut self, text: &str) -> Result<String, macros::Error> {
+        let Self { settings, print, state, moment } = self;
+        macros::expand(text, &Known { settings, print, moment }, state)
+    }
+}
+
+/// The scripts that belong to no layer.
+impl ScriptRun<'_> {
+    /// Expands the scripts that are run before the last layer.
+    ///
+    /// # Errors
+    /// Every script's first mistake, a line each.
+    pub fn open(&mut self) -> Result<Scripts, Vec<String>> {
+        let options = &self.settings.gcode;
+        let texts = self.all([
+            ("gcode.start", &options.start),
+            ("gcode.filament_start", &options.filament_start),
+            ("gcode.pause", &options.pause),
+            ("gcode.color_change", &options.color_change),
+        ])?;
+        Ok(Scripts::opening(texts, options, self.settings.printer.flavor))
+    }
+
+    /// Expands the scripts of the end.
+    ///
+    /// # Errors
+    /// As [`Self::open`].
+    pub fn close(&mut self, scripts: &mut Scripts) -> Result<(), Vec<String>> {
+        let options = &self.settings.gcode;
+        let mut filaments = String::new();
+        // Every filament that is loaded has its script run; of one extruder with several, the one in use.
+        for extruder in 0..self.filaments() {
+            self.moment.filament_extruder = extruder;
+            let [text] = self.all([("gcode.filament_end", &options.filament_end)])?;
+            filaments += &text;
+        }
+        self.moment.filament_extruder = 0;
+        let [end] = self.all([("gcode.end", &options.end)])?;
+        scripts.close([filaments, end], options, self.settings.printer.flavor);
+        Ok(())
+    }
+
+    fn filaments(&self) -> usize {
+        match self.settings.variables.get("single_extruder_multi_material") {
+            Some(toml::Value::Boolean(true)) => 1,
+            _ => moment::extruders(self.settings),
+        }
+    }
+
+    fn all<const N: usize>(&mut self, scripts: [(&str, &String); N]) -> Result<[String; N], Vec<String>> {
+        let mut mistakes = Vec::new();
+        let texts = scripts.map(|(key, script)| {
+            self.expand(script).unwrap_or_else(|mistake| {
+                mistakes.push(format!("{key}: {mistake}"));
+                String::new()
+            })
+        });
+        if mistakes.is_empty() { Ok(texts) } else { Err(mistakes) }
+    }
+}
+
+impl Scripts {
+    /// Expands the scripts of the settings that belong to no layer.
+    ///
+    /// # Errors
+    /// Every script's first mistake, a line each. Scripts of a resolved profile have none.
+    pub fn new(settings: &Settings, facts: &PrintFacts) -> Result<Self, Vec<String>> {
+        let mut run = ScriptRun::new(settings, facts);
+        let mut scripts = run.open()?;
+        run.close(&mut scripts)?;
+        Ok(scripts)
+    }
+}
+
+/// Every name with a value at one moment.
+struct Known<'a> {
+    settings: &'a Settings,
+    print: &'a PrintFacts,
+    moment: &'a Moment,
+}
+
+impl Names for Known<'_> {
+    fn value(&self, name: &str) -> Option<Value> {
+        let Self { settings, print, moment } = *self;
+        moment::value(name, &moment::Context { settings, print, moment })
+            .or_else(|| ours::value(name, settings, print))
+            .or_else(|| settings.variables.get(name).map(from_toml))
+            .or_else(|| theirs::value(name, settings))
+    }
+
+    fn names(&self) -> Vec<String> {
+        let documented = PRINT_NAMES.iter().chain(PLACEHOLDERS).map(|(name, _)| (*name).to_owned());
+        let variables = self.settings.variables.keys().cloned();
+        documented.chain(variables).chain(theirs::names().map(|(name, _)| name.to_owned())).collect()
+    }
+
+    fn is_writable(&self, name: &str) -> bool {
+        WRITABLE.contains(&name)
+    }
+
+    fn whole(&self, name: &str) -> Option<f64> {
+        match self.value(theirs::whole(name)?)? {
+            Value::Real(whole) => Some(whole),
+            Value::Integer(whole) => Some(whole as f64),
+            Value::List(values) => match values.first()? {
+                Value::Real(whole) => Some(*whole),
+                Value::Integer(whole) => Some(*whole as f64),
+                _ => None,
+            },
+            _ => None,
+        }
+    }
+}
+
+/// A variable of a profile as scripts have it: a text that is a number with `%` is a percentage, the text `nil` no value.
+fn from_toml(value: &toml::Value) -> Value {
+    match value {
+        toml::Value::Boolean(flag) => Value::Flag(*flag),
+        toml::Value::Integer(whole) => Value::Integer(*whole),
+        toml::Value::Float(real) => Value::Real(*real),
+        toml::Value::String(text) if text == "nil" => Value::Nil,
+        toml::Value::String(text) => {
+            match text.strip_suffix('%').and_then(|number| number.parse::<f64>().ok()) {
+                Some(percent) => Value::Percent(percent),
+                None => Value::Text(text.clone()),
+            }
+        }
+        toml::Value::Array(values) => Value::List(values.iter().map(from_toml).collect()),
+        other => Value::Text(other.to_string()),
+    }
+}
+
+/// Expands a script as at the start of a print. Every line ends with `\n`, and none with blanks.
+///
+/// # Errors
+/// The first mistake with its line and column, and the nearest name where one is unknown.
+///
+/// # Examples
+/// ```
+/// use pathwright::gcode::PrintFacts;
+/// use pathwright::profile::{Settings, expand};
+/// let script = "M109 S{nozzle_temp}\n{if layer_height < 0.3}M221 S95{endif}";
+/// let text = expand(script, &Settings::default(), &PrintFacts::default());
+/// assert_eq!(text.unwrap(), "M109 S210\nM221 S95\n");
+/// ```
+pub fn expand(script: &str, settings: &Settings, print: &PrintFacts) -> Result<String, macros::Error> {
+    ScriptRun::new(settings, print).expand(script)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn print() -> PrintFacts {
+        PrintFacts {
+            min_mm: [100.0; 2],
+            max_mm: [150.0; 2],
+            max_z_mm: 30.0,
+            layers: 150,
+            ..PrintFacts::default()
+        }
+    }
+
+    fn filled(script: &str, settings: &Settings) -> String {
+        expand(script, settings, &print()).unwrap()
+    }
+
+    #[test]
+    fn every_name_has_a_value() {
+        let print = print();
+        let settings = Settings::default();
+        let mut run = ScriptRun::new(&settings, &print);
+        run.moment.totals = Some(WholePrint::default());
+        for (name, _) in PLACEHOLDERS.iter().chain(PRINT_NAMES) {
+            assert!(run.expand(&format!("[{name}]")).is_ok(), "{name}");
+        }
+    }
+
+    #[test]
+    fn numbers_have_no_more_digits_than_they_need() {
+        assert_eq!(filled("{bed_size_x} { layer_height }", &Settings::default()), "250 0.2\n");
+    }
+
+    #[test]
+    fn values_cannot_start_a_line_or_a_comment() {
+        let mut settings = Settings::default();
+        settings.printer.name = "evil\nM112;\rG28".into();
+        assert_eq!(filled("M117 {printer}", &settings), "M117 evil M112, G28\n");
+    }
+
+    #[test]
+    fn an_unknown_placeholder_is_reported_with_the_nearest() {
+        let error = expand("G28\n{nozle_temp}", &Settings::default(), &print()).unwrap_err();
+        assert_eq!((error.line, error.near.as_deref()), (2, Some("nozzle_temp")));
+    }
+
+    #[test]
+    fn variables_of_a_profile_are_names_and_our_settings_answer_to_those_of_other_slicers() {
+        let mut settings = Settings::default();
+        settings.variables.insert("fill_density".into(), toml::Value::String("15%".into()));
+        settings.variables.insert("printer_notes".into(), toml::Value::String("MODEL_X".into()));
+        let script = "[fill_density] {temperature[0]} {if printer_notes=~/.*MODEL_X.*/}yes{endif}";
+        assert_eq!(filled(script, &settings), "15% 210 yes\n");
+    }
+
+    #[test]
+    fn global_variables_live_from_script_to_script() {
+        let (settings, print) = (Settings::default(), print());
+        let mut run = ScriptRun::new(&settings, &print);
+        run.expand("{global count = 1}").unwrap();
+        assert_eq!(run.expand("{count + 1}").unwrap(), "2\n");
+    }
+}

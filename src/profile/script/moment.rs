@@ -1,0 +1,215 @@
+//! What scripts may know of a print: its statistics, and how far it has come.
+
+use macros::Value;
+
+use crate::gcode::{PrintFacts, calendar};
+use crate::motion::filament_area_mm2;
+use crate::profile::settings::Settings;
+
+/// How far a print has come when a script runs.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Moment {
+    /// Layers before the one that is printed or begins; `None`: before the first.
+    pub layer: Option<usize>,
+    /// Height of that layer over the bed, without the Z offset, millimetres.
+    pub layer_z_mm: f64,
+    /// The greatest height so far, without the Z offset, millimetres.
+    pub max_z_mm: f64,
+    /// Filament extruded so far, mm³.
+    pub extruded_mm3: f64,
+    /// Where the nozzle is, Z offset included, millimetres.
+    pub position_mm: [f64; 3],
+    /// Objects finished so far, where they are printed one after the other.
+    pub objects_done: usize,
+    /// The extruder whose filament's script runs.
+    pub filament_extruder: usize,
+    /// What is known of the whole at its end only.
+    pub totals: Option<WholePrint>,
+}
+
+/// What is known of a print at its end only.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct WholePrint {
+    /// Print time without heating, seconds.
+    pub time_s: f64,
+    /// Filament, mm³.
+    pub volume_mm3: f64,
+}
+
+/// All that a name may depend on.
+pub(super) struct Context<'a> {
+    pub settings: &'a Settings,
+    pub print: &'a PrintFacts,
+    pub moment: &'a Moment,
+}
+
+impl Context<'_> {
+    fn grams(&self, volume_mm3: f64) -> f64 {
+        volume_mm3 / 1000.0 * self.settings.filament.density
+    }
+
+    /// A value for each extruder, of which the first is used.
+    fn of_first(&self, value: f64) -> Value {
+        Value::List(
+            (0..extruders(self.settings)).map(|i| Value::Real(if i == 0 { value } else { 0.0 })).collect(),
+        )
+    }
+
+    fn bed(&self) -> [[f64; 2]; 2] {
+        [self.settings.bed.low_mm(), self.settings.bed.high_mm()]
+    }
+
+    fn whole(&self, value: fn(&Self, &WholePrint) -> Value) -> Option<Value> {
+        self.moment.totals.as_ref().map(|whole| value(self, whole))
+    }
+
+    fn date(&self, part: usize) -> Option<Value> {
+        Some(whole(calendar(self.print.dated)[part] as usize))
+    }
+}
+
+/// How many extruders the printer has: as many as it has nozzles.
+pub(super) fn extruders(settings: &Settings) -> usize {
+    match settings.variables.get("nozzle_diameter") {
+        Some(toml::Value::Array(nozzles)) => nozzles.len().max(1),
+        _ => 1,
+    }
+}
+
+fn whole(count: usize) -> Value {
+    Value::Integer(count as i64)
+}
+
+fn point(point: [f64; 2]) -> Value {
+    Value::List(point.map(micrometres).to_vec())
+}
+
+fn micrometres(mm: f64) -> Value {
+    Value::Real((mm * 1000.0).round() / 1000.0 + 0.0)
+}
+
+/// `1h2m`, `12m`, `34s`: as file names have it.
+fn short_time(seconds: f64) -> String {
+    let whole = seconds.round().max(0.0) as u64;
+    let minutes = (whole + 30) / 60;
+    match (minutes / 1440, minutes / 60 % 24, minutes % 60) {
+        _ if whole < 60 => format!("{whole}s"),
+        (0, 0, minutes) => format!("{minutes}m"),
+        (0, hours, minutes) => format!("{hours}h{minutes}m"),
+        (days, hours, minutes) => format!("{days}d{hours}h{minutes}m"),
+    }
+}
+
+macro_rules! names {
+    ($($name:literal, $doc:literal: $value:expr;)*) => {
+        /// Every name that scripts have for the print and its progress, with its meaning.
+        pub const PRINT_NAMES: &[(&str, &str)] = &[$(($name, $doc),)*];
+
+        /// The value of a name, where it is known at this moment.
+        pub(super) fn value(name: &str, context: &Context) -> Option<Value> {
+            match name {
+                $($name => {
+                    let of: fn(&Context) -> Option<Value> = $value;
+                    of(context)
+                })*
+                _ => None,
+            }
+        }
+    };
+}
+
+names! {
+    "layer_num", "index of the layer, from 0; -1 before the first": |c| Some(Value::Integer(c.moment.layer.map_or(-1, |l| l as i64)));
+    "layer_z", "height of the layer over the bed, mm": |c| Some(micrometres(c.moment.layer_z_mm));
+    "max_layer_z", "greatest height so far, mm": |c| Some(micrometres(c.moment.max_z_mm));
+    "total_layer_count", "number of layers": |c| Some(whole(c.print.layers));
+    "extruded_volume", "filament so far by extruder, mm³": |c| Some(c.of_first(c.moment.extruded_mm3));
+    "extruded_volume_total", "filament so far, mm³": |c| Some(Value::Real(c.moment.extruded_mm3));
+    "extruded_weight", "filament so far by extruder, g": |c| Some(c.of_first(c.grams(c.moment.extruded_mm3)));
+    "extruded_weight_total", "filament so far, g": |c| Some(Value::Real(c.grams(c.moment.extruded_mm3)));
+    "position", "where the nozzle is: X, Y, Z, mm": |c| Some(Value::List(c.moment.position_mm.map(micrometres).to_vec()));
+    "e_retracted", "filament pulled back, by extruder, mm": |c| Some(c.of_first(0.0));
+    "e_restart_extra", "filament to add after a retraction, by extruder, mm": |c| Some(c.of_first(0.0));
+    "e_position", "position of E, by extruder, mm": |c| Some(c.of_first(0.0));
+    "zhop", "how far the nozzle is lifted, mm": |_| Some(Value::Real(0.0));
+    "print_time", "print time, as 1h2m; at the end only": |c| c.whole(|_, w| Value::Text(short_time(w.time_s)));
+    "normal_print_time", "the same": |c| c.whole(|_, w| Value::Text(short_time(w.time_s)));
+    "silent_print_time", "the same": |c| c.whole(|_, w| Value::Text(short_time(w.time_s)));
+    "used_filament", "filament, m; at the end only": |c| c.whole(|c, w| {
+        Value::Real(w.volume_mm3 / filament_area_mm2(c.settings.filament.diameter) / 1000.0)
+    });
+    "total_weight", "filament, g; at the end only": |c| c.whole(|c, w| Value::Real(c.grams(w.volume_mm3)));
+    "total_cost", "price of the filament; at the end only": |c| c.whole(|c, w| {
+        Value::Real(c.grams(w.volume_mm3) / 1000.0 * c.settings.filament.cost)
+    });
+    "total_toolchanges", "changes of tool: none": |_| Some(whole(0));
+    "total_wipe_tower_cost", "price of a wipe tower: there is none": |_| Some(Value::Real(0.0));
+    "total_wipe_tower_filament", "filament of a wipe tower, m": |_| Some(Value::Real(0.0));
+    "has_wipe_tower", "whether there is a wipe tower": |_| Some(Value::Flag(false));
+    "has_single_extruder_multi_material_priming", "whether several materials are primed": |_| Some(Value::Flag(false));
+    "num_extruders", "extruders of the printer": |c| Some(whole(extruders(c.settings)));
+    "num_printing_extruders", "extruders that print": |_| Some(whole(1));
+    "initial_tool", "the first tool": |_| Some(whole(0));
+    "initial_extruder", "the first extruder": |_| Some(whole(0));
+    "initial_no_support_extruder", "the first extruder for the part itself": |_| Some(whole(0));
+    "current_extruder", "the extruder in use": |_| Some(whole(0));
+    "filament_extruder_id", "the extruder of the filament whose script this is": |c| Some(whole(c.moment.filament_extruder));
+    "next_extruder", "the extruder after a change of tool": |_| Some(whole(0));
+    "previous_extruder", "the extruder before a change of tool": |_| Some(Value::Integer(-1));
+    "color_change_extruder", "the extruder whose color changes": |_| Some(whole(0));
+    "is_extruder_used", "whether an extruder prints": |_| {
+        Some(Value::List((0..256).map(|i| Value::Flag(i == 0)).collect()))
+    };
+    "initial_filament_type", "material of the first extruder": |c| Some(Value::Text(c.settings.filament.material.clone()));
+    "printing_filament_types", "materials that are printed": |c| Some(Value::Text(c.settings.filament.material.clone()));
+    "current_object_idx", "objects finished so far, one after the other": |c| Some(whole(c.moment.objects_done));
+    "num_objects", "objects on the plate, copies once": |c| Some(whole(c.print.objects));
+    "num_instances", "objects on the plate": |c| Some(whole(c.print.instances));
+    "scale", "scale of the objects, %": |_| Some(Value::List(vec![Value::Text("x:100% y:100% z:100%".into())]));
+    "print_bed_min", "least X and Y of the bed": |c| Some(point(c.bed()[0]));
+    "print_bed_max", "greatest X and Y of the bed": |c| Some(point(c.bed()[1]));
+    "print_bed_size", "width and depth of the bed": |c| {
+        let [low, high] = c.bed();
+        Some(point([high[0] - low[0], high[1] - low[1]]))
+    };
+    "first_layer_print_min", "least X and Y of the first layer": |c| Some(point(c.print.first_layer_box()[0]));
+    "first_layer_print_max", "greatest X and Y of the first layer": |c| Some(point(c.print.first_layer_box()[1]));
+    "first_layer_print_size", "width and depth of the first layer": |c| {
+        let [low, high] = c.print.first_layer_box();
+        Some(point([high[0] - low[0], high[1] - low[1]]))
+    };
+    "first_layer_print_convex_hull", "corners around the first layer": |c| {
+        Some(Value::List(c.print.first_layer_hull_mm.iter().map(|&corner| point(corner)).collect()))
+    };
+    "input_filename", "name of the model's file": |c| Some(Value::Text(format!("{}.gcode", c.print.input_name)));
+    "input_filename_base", "the same without its ending": |c| Some(Value::Text(c.print.input_name.clone()));
+    "model_name", "the same": |c| Some(Value::Text(c.print.input_name.clone()));
+    "plate_name", "name of the plate: none": |_| Some(Value::Text(String::new()));
+    "plate_number", "number of the plate": |_| Some(Value::Text("1".into()));
+    "default_output_extension", "ending of G-code files": |_| Some(Value::Text(".gcode".into()));
+    "version", "version of this program": |_| Some(Value::Text(env!("CARGO_PKG_VERSION").into()));
+    "timestamp", "date of the print, as 20261123-184500; see SOURCE_DATE_EPOCH": |c| {
+        let [year, month, day, hour, minute, second] = calendar(c.print.dated);
+        Some(Value::Text(format!("{year:04}{month:02}{day:02}-{hour:02}{minute:02}{second:02}")))
+    };
+    "year", "year of the date": |c| c.date(0);
+    "month", "month": |c| c.date(1);
+    "day", "day": |c| c.date(2);
+    "hour", "hour, UTC": |c| c.date(3);
+    "minute", "minute": |c| c.date(4);
+    "second", "second": |c| c.date(5);
+}
+
+#[cfg(test)]
+mod tests {
+    use super::short_time;
+
+    #[test]
+    fn times_in_names_of_files_are_short() {
+        for (seconds, text) in
+            [(33.0, "33s"), (751.0, "13m"), (3_700.0, "1h2m"), (90_061.0, "1d1h1m"), (59.6, "1m")]
+        {
+            assert_eq!(short_time(seconds), text);
+        }
+    }
+}
