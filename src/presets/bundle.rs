@@ -143,10 +143,15 @@ impl Bundles {
         users.chain(self.presets.iter().filter(of_kind).filter(|preset| !preset.listed.is_user))
     }
 
+    /// The presets of a name, the one that is taken first.
+    pub fn named(&self, kind: Kind, name: &str) -> impl Iterator<Item = &Preset> {
+        let same = self.by_name.get(&(kind, name.to_owned()));
+        same.into_iter().flatten().map(|&index| &self.presets[index])
+    }
+
     /// The preset of a name that is taken.
     pub fn find(&self, kind: Kind, name: &str) -> Option<&Preset> {
-        let same = self.by_name.get(&(kind, name.to_owned()))?;
-        same.first().map(|&index| &self.presets[index])
+        self.named(kind, name).next()
     }
 
     /// The preset that had a name formerly.

@@ -87,43 +87,39 @@ impl Library {
         found.family.preset(kind, &found.listed.name)
     }
 
-    /// Every preset of a kind, with whom to ask about it.
-    fn all(&self, kind: Kind) -> impl Iterator<Item = (&dyn Family, Listed)> {
+    /// Every preset of a name, with whom to ask about it.
+    fn named(&self, kind: Kind, name: &str) -> Vec<(&dyn Family, &Listed)> {
         let families = self.families.iter().map(AsRef::as_ref);
-        families.flat_map(move |family| family.listed(kind).into_iter().map(move |l| (family, l.clone())))
+        families.flat_map(|family| family.named(kind, name).into_iter().map(move |l| (family, l))).collect()
     }
 
     /// The preset of that name, or of that former name; capitals do not count where it is clear what is meant.
     fn find(&self, kind: Kind, name: &str) -> Result<Found<'_>, PresetError> {
-        let listed = || self.all(kind);
-        let exact = listed().find(|(_, listed)| listed.name == name);
-        let former = || {
-            let now = |family: &Box<dyn Family>| Some(family.renamed(kind, name)?.to_owned());
-            let (family, now) = self.families.iter().find_map(|family| Some((family, now(family)?)))?;
-            let listed = family.listed(kind).into_iter().find(|listed| listed.name == now)?;
-            Some((family.as_ref(), listed.clone()))
-        };
-        let alike = || {
-            let mut alike = listed().filter(|(_, listed)| listed.name.eq_ignore_ascii_case(name));
-            let first = alike.next()?;
-            alike.all(|(_, other)| other.name == first.1.name).then_some(first)
-        };
-        let (family, taken) = exact.or_else(former).or_else(alike).ok_or_else(|| self.unknown(kind, name))?;
-        let mut note = None;
-        if taken.name != name {
-            note = Some(format!("{} preset `{name}` is now called `{}`", kind.name(), taken.name));
+        let mut named = self.named(kind, name);
+        if named.is_empty() {
+            let now = self.families.iter().find_map(|family| family.renamed(kind, name));
+            named = now.map(|now| self.named(kind, now)).unwrap_or_default();
         }
-        let others = listed().filter(|(_, listed)| listed.name == taken.name && listed.place != taken.place);
-        let others: Vec<String> = others.map(|(_, listed)| listed.place.file.to_string()).collect();
+        if named.is_empty() {
+            let mut alike = self.listed(kind).into_iter().filter(|l| l.name.eq_ignore_ascii_case(name));
+            if let Some(first) = alike.next().filter(|first| alike.all(|other| other.name == first.name)) {
+                named = self.named(kind, &first.name);
+            }
+        }
+        let Some((&(family, taken), others)) = named.split_first() else {
+            return Err(self.unknown(kind, name));
+        };
+        let mut notes = Vec::new();
+        if !taken.name.eq_ignore_ascii_case(name) {
+            notes.push(format!("{} preset `{name}` is now called `{}`", kind.name(), taken.name));
+        }
         if !others.is_empty() {
+            let files: Vec<&str> = others.iter().map(|(_, other)| &*other.place.file).collect();
             let (name, file) = (&taken.name, &taken.place.file);
-            note = Some(format!(
-                "{} preset `{name}` is taken from {file}, not from {}",
-                kind.name(),
-                others.join(", ")
-            ));
+            let kind = kind.name();
+            notes.push(format!("{kind} preset `{name}` is taken from {file}, not from {}", files.join(", ")));
         }
-        Ok(Found { family, listed: taken, note })
+        Ok(Found { family, listed: taken.clone(), notes })
     }
 
     fn unknown(&self, kind: Kind, name: &str) -> PresetError {
@@ -150,8 +146,7 @@ impl Library {
         print: Option<&str>,
         filament: Option<&str>,
     ) -> Result<Chosen, PresetError> {
-        let Found { family, listed: printer, note } = self.find(Kind::Printer, printer)?;
-        let mut notes = Vec::from_iter(note);
+        let Found { family, listed: printer, mut notes } = self.find(Kind::Printer, printer)?;
         let at = printer.name.as_str();
         let prints = family.compatible(Kind::Print, at, None)?;
         let preferred = family.preferred(Kind::Print, at, None)?;
@@ -177,7 +172,7 @@ impl Library {
         whole: &str,
         notes: &mut Vec<String>,
     ) -> Result<Listed, PresetError> {
-        let listed = |name: &str| family.listed(kind).into_iter().find(|listed| listed.name == name).cloned();
+        let listed = |name: &str| family.named(kind, name).first().copied().cloned();
         let fits = |name: &&String| fitting.contains(name);
         let Some(name) = named else {
             let own = preferred.iter().find(fits).or(fitting.first());
@@ -188,7 +183,7 @@ impl Library {
         let known = known.or_else(|| Some(family.renamed(kind, name)?.to_owned()));
         let known = known.or_else(|| fitting.iter().find(|fits| fits.eq_ignore_ascii_case(name)).cloned());
         if let Some(found) = known.clone().filter(|name| fitting.contains(name)).and_then(|name| listed(&name)) {
-            notes.extend(self.find(kind, &found.name).ok().and_then(|found| found.note));
+            notes.extend(self.find(kind, &found.name).into_iter().flat_map(|found| found.notes));
             return Ok(found);
         }
         let near = near::names(name, fitting.iter().map(String::as_str), NAMED);
@@ -215,7 +210,7 @@ impl Library {
 struct Found<'a> {
     family: &'a dyn Family,
     listed: Listed,
-    note: Option<String>,
+    notes: Vec<String>,
 }
 
 fn quoted<'a>(names: impl Iterator<Item = &'a str>) -> String {

@@ -11,7 +11,7 @@ use super::error::PresetError;
 use super::family::{Family, Kind, Listed, Source};
 use super::keys::{self, FORGOTTEN, KEYS, RENAMED};
 use super::names::script_value;
-use super::value::{Shape, Type, for_extruders, join_texts, texts, written_alike};
+use super::value::{Shape, Type, for_extruders, join_texts, texts, unescaped, written_alike};
 
 /// Keys that say how presets belong together, and are no settings.
 const BELONGING: [&str; 7] = [
@@ -64,6 +64,11 @@ impl Prusa {
         self.bundles.find(kind, name).ok_or_else(missing)
     }
 
+    /// Whether it is not of a printer that hardens resin.
+    fn melts(&self, preset: &Preset) -> bool {
+        preset.kind != Kind::Printer || self.bundles.value(preset, "printer_technology") != Some("SLA")
+    }
+
     /// Names that are preset of a key that is a list of texts.
     fn list(&self, preset: &Preset, key: &str) -> Vec<String> {
         let value = self.bundles.value(preset, key).unwrap_or_default();
@@ -85,8 +90,12 @@ impl Prusa {
         if !names.is_empty() {
             return names.iter().any(|name| *name == with.facts.preset || *name == with.made_from);
         }
-        let condition = self.bundles.value(preset, &format!("{key}_condition")).unwrap_or_default();
-        condition.trim().is_empty() || with.holds(condition)
+        let condition = self.condition(preset, &format!("{key}_condition"));
+        condition.trim().is_empty() || with.holds(&condition)
+    }
+
+    fn condition(&self, preset: &Preset, key: &str) -> String {
+        unescaped(self.bundles.value(preset, key).unwrap_or_default())
     }
 
     fn same_vendor(&self, preset: &Preset, printer: &Preset) -> bool {
@@ -139,15 +148,13 @@ impl Prusa {
         set("printer_settings_id", &printer.name, place(printer));
         set("print_settings_id", &print.name, place(print));
         set("filament_settings_id", &each(&filament.name), place(filament));
-        let condition = |preset| {
-            self.bundles.value(preset, "compatible_printers_condition").unwrap_or_default()
-        };
+        let condition = |preset| self.condition(preset, "compatible_printers_condition");
         let all = |print: &str, filament: &str, printer: Option<&str>| {
             let filaments = std::iter::repeat_n(filament, count);
             let all: Vec<&str> = std::iter::once(print).chain(filaments).chain(printer).collect();
             all.iter().any(|text| !text.is_empty()).then(|| join_texts(&all))
         };
-        if let Some(all) = all(condition(print), condition(filament), None) {
+        if let Some(all) = all(&condition(print), &condition(filament), None) {
             set("compatible_printers_condition_cummulative", &all, place(print));
         }
         let from = [print, filament, printer].map(|preset| self.bundles.made_from(preset));
@@ -167,10 +174,12 @@ impl Config {
 
 impl Family for Prusa {
     fn listed(&self, kind: Kind) -> Vec<&Listed> {
-        let is_fff = |preset: &&Preset| {
-            kind != Kind::Printer || self.bundles.value(preset, "printer_technology") != Some("SLA")
-        };
-        self.bundles.chosable(kind).filter(is_fff).map(|preset| &preset.listed).collect()
+        self.bundles.chosable(kind).filter(|preset| self.melts(preset)).map(|preset| &preset.listed).collect()
+    }
+
+    fn named(&self, kind: Kind, name: &str) -> Vec<&Listed> {
+        let named = self.bundles.named(kind, name).filter(|preset| !preset.name.starts_with('*'));
+        named.filter(|preset| self.melts(preset)).map(|preset| &preset.listed).collect()
     }
 
     fn renamed(&self, kind: Kind, formerly: &str) -> Option<&str> {
