@@ -72,6 +72,7 @@ pub mod order;
 pub mod output;
 pub mod pipeline;
 pub mod plate;
+pub mod presets;
 pub mod profile;
 pub mod reorder;
 pub mod report;
@@ -81,6 +82,7 @@ pub mod units;
 pub mod view;
 
 mod api;
+mod near;
 mod observer;
 mod parallel;
 mod plan;

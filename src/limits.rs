@@ -14,6 +14,8 @@ pub const LAYERS: usize = 100_000;
 pub const CROSSINGS: u64 = 2_000_000_000;
 /// Largest profile.
 pub const PROFILE_BYTES: u64 = 1 << 20;
+/// Largest file of presets of another slicer.
+pub const PRESETS_BYTES: u64 = 64 << 20;
 /// Most profiles that inherit from each other in a row.
 pub const PROFILE_DEPTH: usize = 32;
 /// Most problems of one set of settings that are listed.

@@ -2,6 +2,8 @@
 
 use std::fmt;
 
+use crate::presets::Place;
+
 /// Where a setting was written.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Origin {
@@ -9,8 +11,8 @@ pub enum Origin {
     Embedded(String),
     /// A profile file, by path.
     File(String),
-    /// A configuration of another slicer, by path, and the line.
-    Line(String, usize),
+    /// A line of another slicer's configuration or preset.
+    Line(Place),
     /// A command-line option, such as `--set` or `--order`.
     Option(&'static str),
 }
@@ -20,7 +22,7 @@ impl fmt::Display for Origin {
         match self {
             Self::Embedded(name) => write!(f, "profile {name}"),
             Self::File(path) => f.write_str(path),
-            Self::Line(path, line) => write!(f, "{path}:{line}"),
+            Self::Line(place) => place.fmt(f),
             Self::Option(option) => f.write_str(option),
         }
     }

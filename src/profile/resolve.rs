@@ -12,6 +12,7 @@ use super::settings::Settings;
 use super::source::{Assignment, Reader};
 use super::value::{check, shortened, shown, typed_value};
 use crate::limits;
+use crate::presets::Config;
 
 /// A setting given on the command line.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -50,8 +51,31 @@ pub struct Resolved {
 /// # Ok::<(), pathwright::profile::ProfileError>(())
 /// ```
 pub fn resolve(profiles: &[String], overrides: &[Override]) -> Result<Resolved, ProfileError> {
+    resolved(None, profiles, overrides)
+}
+
+/// The same with presets of another slicer on the default profile, below all others.
+///
+/// # Errors
+/// As [`resolve`].
+pub fn resolve_presets(
+    presets: &Config,
+    profiles: &[String],
+    overrides: &[Override],
+) -> Result<Resolved, ProfileError> {
+    resolved(Some(presets), profiles, overrides)
+}
+
+fn resolved(
+    presets: Option<&Config>,
+    profiles: &[String],
+    overrides: &[Override],
+) -> Result<Resolved, ProfileError> {
     let mut reader = Reader::default();
     reader.read(embedded::DEFAULT, "--profile");
+    if let Some(presets) = presets {
+        reader.presets(presets);
+    }
     for profile in profiles {
         reader.read(profile, "--profile");
     }
@@ -132,6 +156,14 @@ impl Settings {
     pub fn load(profiles: &[&str]) -> Result<Self, ProfileError> {
         let profiles: Vec<String> = profiles.iter().map(|&profile| profile.to_owned()).collect();
         resolve(&profiles, &[]).map(|resolved| resolved.settings)
+    }
+
+    /// The default profile with presets of another slicer on top, which a [`Library`](crate::presets::Library) resolved.
+    ///
+    /// # Errors
+    /// Values that contradict each other.
+    pub fn of_presets(presets: &Config) -> Result<Self, ProfileError> {
+        resolve_presets(presets, &[], &[]).map(|resolved| resolved.settings)
     }
 
     /// The same with another value, written as on the command line: `15%`, `0.2`, `inner-first`, `[220, 220]`.

@@ -5,8 +5,8 @@
 use std::f64::consts::PI;
 
 use super::settings::Settings;
-use super::suggest;
 use crate::gcode::{PrintFacts, Scripts, one_line};
+use crate::near;
 use crate::plate::BedShape;
 
 /// What scripts may know of a print, in bed coordinates.
@@ -255,7 +255,7 @@ fn expand_line(mut rest: &str, context: &Context, out: &mut String, problem: &mu
 
 fn unknown(name: &str) -> String {
     let known = PLACEHOLDERS.iter().map(|(name, _)| *name);
-    match suggest::name(name, known.clone()) {
+    match near::name(name, known.clone()) {
         Some(near) => format!("unknown placeholder {{{name}}}; did you mean {{{near}}}?"),
         None => format!("unknown placeholder {{{name}}}; known: {}", known.collect::<Vec<_>>().join(", ")),
     }

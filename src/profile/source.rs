@@ -8,8 +8,9 @@ use toml::{Table, Value};
 use super::embedded::{self, EMBEDDED};
 use super::error::{Origin, Problem};
 use super::import::{self, Import};
-use super::suggest;
 use crate::limits;
+use crate::near;
+use crate::presets::{Config, is_foreign};
 
 /// One `key = value`, and where it was written.
 #[derive(Clone, Debug, PartialEq)]
@@ -89,13 +90,22 @@ impl Reader {
         let origin = Origin::File(name.clone());
         match Import::read(path) {
             Ok(import) => {
-                let note = import.summary(&name);
+                let note = import.summary(&format!("pathwright profiles show {name}"));
                 self.notes.extend(note.map(|message| Problem { origin, setting: None, message }));
-                for taken in import.taken {
-                    self.assign(taken.key.to_owned(), taken.value, &Origin::Line(name.clone(), taken.line));
-                }
+                self.take(import);
             }
             Err(message) => self.problem(&origin, message),
+        }
+    }
+
+    /// Takes over what presets of another slicer, resolved by a library of them, come to.
+    pub fn presets(&mut self, config: &Config) {
+        self.take(Import::of(config));
+    }
+
+    fn take(&mut self, import: Import) {
+        for taken in import.taken {
+            self.assign(taken.key.to_owned(), taken.value, &Origin::Line(taken.place));
         }
     }
 
@@ -202,7 +212,7 @@ fn locate(name_or_path: &str, folder: &Path) -> Result<Found, String> {
 /// The path of a configuration of another slicer, if that is meant.
 fn foreign(name_or_path: &str, folder: &Path) -> Option<PathBuf> {
     let path = folder.join(name_or_path);
-    (embedded::find(name_or_path).is_none() && import::is_foreign(&path)).then_some(path)
+    (embedded::find(name_or_path).is_none() && is_foreign(&path)).then_some(path)
 }
 
 /// Text of a profile as written, by name or path; a configuration of another slicer as a profile of ours.
@@ -219,7 +229,7 @@ pub fn text(name_or_path: &str) -> Result<String, String> {
 
 fn unknown_profile(name: &str) -> String {
     let names = EMBEDDED.iter().map(|profile| profile.name);
-    let hint = suggest::name(name, names.clone()).map(|near| format!("; did you mean `{near}`?"));
+    let hint = near::name(name, names.clone()).map(|near| format!("; did you mean `{near}`?"));
     format!(
         "no profile `{name}`{} Known: {}; or the path of a file",
         hint.unwrap_or_else(|| ".".into()),

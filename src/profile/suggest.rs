@@ -1,26 +1,7 @@
-//! "Did you mean …?": nearest known names by edit distance.
+//! "Did you mean …?" for keys of settings.
 
 use super::schema;
-
-/// The distance (insertions, deletions, substitutions and swaps of neighbours cost 1), if it is at most `most`; texts whose lengths differ by more are not compared.
-fn distance_within(most: usize, a: &str, b: &str) -> Option<usize> {
-    let lengths_apart = a.chars().count().abs_diff(b.chars().count());
-    (lengths_apart <= most).then(|| strsim::osa_distance(a, b)).filter(|away| *away <= most)
-}
-
-/// How far a name may be from what was written and still be suggested: a third of it.
-fn limit(written: &str) -> usize {
-    (written.chars().count() / 3).max(1)
-}
-
-/// The known name nearest to what was written, if one is near.
-pub(super) fn name<'a>(written: &str, known: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
-    known
-        .into_iter()
-        .filter_map(|name| Some((distance_within(limit(written), written, name)?, name)))
-        .min_by_key(|(away, _)| *away)
-        .map(|(_, name)| name)
-}
+use crate::near::{distance_within, limit};
 
 /// Up to three known keys nearest to a dotted key: nearly the same key, or the same name in another section.
 pub(super) fn keys(written: &str) -> Vec<String> {
@@ -59,6 +40,5 @@ mod tests {
     #[test]
     fn nothing_near_suggests_nothing() {
         assert_eq!(keys("walls.zzzzzzzz"), Vec::<String>::new());
-        assert_eq!(name("frobnicate", ["pla", "petg"]), None);
     }
 }

@@ -4,6 +4,7 @@ use toml::{Table, Value};
 
 use super::schema;
 use super::suggest;
+use crate::near;
 use crate::options::{Field, Kind};
 
 /// Reads a value typed on the command line. Quotes may be left out around texts, words and percentages.
@@ -54,7 +55,7 @@ pub(super) fn check(key: &str, value: &Value) -> Result<(), String> {
         }
         (Kind::Text, value) => value.is_str(),
         (Kind::Choice(names), Value::String(word)) if !names.contains(&word.as_str()) => {
-            let hint = suggest::name(word, names.iter().copied());
+            let hint = near::name(word, names.iter().copied());
             let hint = hint.map(|near| format!("; did you mean `{near}`?")).unwrap_or_default();
             return Err(expected() + &hint);
         }

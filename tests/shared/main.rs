@@ -7,7 +7,9 @@ mod support;
 mod gcode;
 mod gcode_time;
 mod gcode_yardstick;
+mod macros;
 mod models;
+mod presets;
 mod profile;
 
 use std::path::{Path, PathBuf};
@@ -78,6 +80,7 @@ fn trial(name: &str, needs: &[Need], test: fn()) -> Trial {
 
 const GCODE: Need = Need::Shared("gcode");
 const MODELS: Need = Need::Shared("models");
+const PRESETS: Need = Need::Shared("presets/vendor");
 const YARDSTICK: Need = Need::Shared("tools/gcode_yardstick.py");
 
 fn main() -> ExitCode {
@@ -86,11 +89,15 @@ fn main() -> ExitCode {
         gcode::files_of_other_slicers_print_the_same_afterwards: GCODE;
         gcode_time::print_times_agree_with_klippers_planner_within_a_thousandth: GCODE;
         gcode_yardstick::an_independent_reader_finds_the_same_and_no_fault: YARDSTICK, Need::Python;
+        macros::scripts_and_conditions_of_presets_are_read: Need::Shared("presets/vendor");
         models::full_prints_deposit_the_volume_of_the_mesh: MODELS;
         models::sparse_infill_fills_its_share: MODELS;
         models::an_independent_reader_finds_no_fault_and_the_same_figures: MODELS, YARDSTICK, Need::Python;
         models::models_have_the_volume_that_is_known_of_them: MODELS;
         models::sections_agree_with_an_independent_cut: MODELS;
+        presets::resolved_configurations_are_those_of_the_slicer: PRESETS;
+        presets::every_preset_of_a_vendor_resolves: PRESETS;
+        presets::what_fits_a_printer_is_what_fits_it_in_the_slicer: PRESETS;
         profile::whole_configurations_in_gcode_resolve: GCODE;
         profile::the_standard_job_of_others_gives_ours: Need::Shared("peers/prusa.ini");
     };

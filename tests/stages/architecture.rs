@@ -6,14 +6,14 @@ use std::path::{Path, PathBuf};
 
 /// The modules of the library, each before those that may use it.
 const ORDER: &[&str] = &[
-    "units", "options", "limits", "observer", "parallel", "mesh", "plate", "slice", "toolpath", "order",
-    "motion", "estimate", "gcode", "profile", "reorder", "report", "check", "view", "output", "job",
+    "units", "options", "limits", "near", "observer", "parallel", "mesh", "plate", "slice", "toolpath", "order",
+    "motion", "estimate", "gcode", "presets", "profile", "reorder", "report", "check", "view", "output", "job",
     "source", "plan", "pipeline", "api", "cli",
 ];
 
 /// The sources of all crates that are there: a packaged crate has its own alone.
 fn crates() -> impl Iterator<Item = PathBuf> {
-    let folders = ["src", "crates/geometry/src", "crates/ordering/src"];
+    let folders = ["src", "crates/geometry/src", "crates/macros/src", "crates/ordering/src"];
     folders.into_iter().map(|folder| root().join(folder)).filter(|folder| folder.exists())
 }
 

@@ -134,6 +134,39 @@ const PROFILE_WORDS: &[&str] = &[
     "{nozzle_temp}",
 ];
 
+const SCRIPT: &str = "M104 S{temperature[0] - 45}\n{if printer_notes =~ /.*(MK4|XL).*/ and layer_z < 0.5}[temperature_1]\
+    {elsif is_nil(idle_temperature[0]) then local a = (1, 2.5); a[1]; else}{global b = repeat(3, \"x\" + layer_z)}{b[2]}\
+    {endif}\n{size(temperature) == 2 ? round(max(1, 7 / 2.)) : zdigits(random(1, 6), 5, 2)} {{x}}\n\
+    {interpolate_table(layer_z, (0, 1), (1, 5))} {one_of(\"a\", ~\"b.*\", /a/)} [idle_temperature]";
+const SCRIPT_WORDS: &[&str] = &[
+    "{",
+    "}",
+    "{{",
+    "[",
+    "]",
+    "(",
+    ")",
+    "\"",
+    "/",
+    ";",
+    "{if ",
+    "{else}",
+    "{endif}",
+    " then ",
+    "local a = ",
+    "global b = ",
+    "a = a + a;",
+    "9223372036854775807",
+    "-",
+    "1e308 * ",
+    "x{1000}{1000}",
+    "repeat(99999, ",
+    "layer_z",
+    "temperature",
+    "? 1 : ",
+    "\n",
+];
+
 fn tetrahedron() -> Vec<u8> {
     let corners = [[0.0_f32, 0.0, 0.0], [20.0, 0.0, 0.0], [0.0, 20.0, 0.0], [0.0, 0.0, 5.0]];
     let mut data = vec![0; 80];
@@ -247,6 +280,10 @@ targets! {
         r.damaged(seed.as_bytes(), MODEL_WORDS)
     };
     any_profile, any_profile_for_long, 400, cases::profile, |r: &mut Random| r.damaged(PROFILE.as_bytes(), PROFILE_WORDS);
+    any_script, any_script_for_long, 800, cases::macros, |r: &mut Random| match r.below(8) {
+        0 => r.bytes(100),
+        _ => r.damaged(SCRIPT.as_bytes(), SCRIPT_WORDS),
+    };
     any_gcode, any_gcode_for_long, 80, cases::gcode, |r: &mut Random| match r.below(8) {
         0 => r.bytes(400),
         _ => r.damaged(GCODE.as_bytes(), GCODE_WORDS),

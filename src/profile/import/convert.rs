@@ -2,7 +2,7 @@
 
 use toml::Value;
 
-use super::config::Config;
+use crate::presets::Config;
 use super::row::Outcome::{self, Idle, Left, Near};
 use super::row::{How, Row};
 use super::script;
@@ -213,7 +213,7 @@ pub(super) fn elephant_foot(config: &Config) -> Outcome {
 
 /// Width of a line; `None`: it depends on what is not given.
 fn width_mm(config: &Config, key: &str) -> Option<f64> {
-    let whole = if config.is_super { nozzle_mm(config) } else { height_mm(config) };
+    let whole = if config.is_super() { nozzle_mm(config) } else { height_mm(config) };
     let of = |key: &str| match config.text(key) {
         Some(_) => config.number_of(key, whole),
         None => Some(0.0),
@@ -244,7 +244,7 @@ pub(super) fn infill_width(config: &Config) -> Outcome {
 }
 
 pub(super) fn first_width(config: &Config) -> Outcome {
-    let whole = if config.is_super { nozzle_mm(config) } else { first_height_mm(config) };
+    let whole = if config.is_super() { nozzle_mm(config) } else { first_height_mm(config) };
     known(config.number_of("first_layer_extrusion_width", whole))
 }
 

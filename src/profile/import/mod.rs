@@ -2,7 +2,6 @@
 //!
 //! [`table`] says key by key what is taken over and how. What is not is reported with the reason; nothing is guessed.
 
-mod config;
 mod convert;
 mod page;
 mod row;
@@ -14,19 +13,20 @@ use std::path::Path;
 
 use toml::Value;
 
-use config::Config;
-pub(super) use config::is_foreign;
 pub use page::page as import_page;
 use row::{Outcome, Row};
+use crate::presets::{Config, Place};
 use table::{IDLE, Idle, ROWS};
 
 /// A setting of ours that a configuration gives.
 #[derive(Clone, Debug, PartialEq)]
-pub(super) struct Taken {
+pub struct Taken {
+    /// Dotted.
     pub key: &'static str,
+    /// As our profiles write it.
     pub value: Value,
-    /// Line of theirs.
-    pub line: usize,
+    /// Where theirs is written.
+    pub place: Place,
     /// Their key.
     pub from: &'static str,
     /// In what it differs.
@@ -35,16 +35,20 @@ pub(super) struct Taken {
 
 /// A setting of theirs that has no counterpart.
 #[derive(Clone, Debug, PartialEq)]
-pub(super) struct Left {
-    pub line: usize,
+pub struct Left {
+    /// Where it is written.
+    pub place: Place,
+    /// Their key.
     pub key: String,
+    /// As written.
     pub value: String,
+    /// Why there is none.
     pub reason: String,
 }
 
 /// A configuration, read.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub(super) struct Import {
+pub struct Import {
     /// In the order of the table.
     pub taken: Vec<Taken>,
     /// In the order of the file.
@@ -62,7 +66,8 @@ impl Import {
         Ok(Self::of(&Config::read(path)?))
     }
 
-    fn of(config: &Config) -> Self {
+    /// What a configuration comes to.
+    pub fn of(config: &Config) -> Self {
         let mut import = Self::default();
         // Of each of their keys whether it was of use in one row at least.
         let mut used: BTreeMap<&str, bool> = BTreeMap::new();
@@ -78,8 +83,8 @@ impl Import {
             let is_taken = outcome.is_ok();
             match outcome {
                 Ok((value, note)) => {
-                    let line = config.entries[from].line;
-                    import.taken.push(Taken { key: row.ours, value, line, from, note });
+                    let place = config.entries[from].place.clone();
+                    import.taken.push(Taken { key: row.ours, value, place, from, note });
                 }
                 Err(Outcome::Left(reason)) => {
                     left.entry(from).or_insert(reason);
@@ -100,23 +105,23 @@ impl Import {
                 None => import.idle += 1,
                 Some(reason) => {
                     let (key, value) = (key.clone(), entry.value.clone());
-                    import.left.push(Left { line: entry.line, key, value, reason });
+                    import.left.push(Left { place: entry.place.clone(), key, value, reason });
                 }
             }
         }
-        import.left.sort_by_key(|left| left.line);
+        import.left.sort_by(|a, b| a.place.cmp(&b.place));
         import
     }
 
-    /// One line that says how much was not taken over; `None`: nothing.
-    pub fn summary(&self, name: &str) -> Option<String> {
+    /// One line that says how much was not taken over, and which command lists it; `None`: nothing.
+    pub fn summary(&self, command: &str) -> Option<String> {
         let near = self.taken.iter().filter(|taken| taken.note.is_some()).count();
         let parts = [(self.left.len(), "not taken over"), (near, "taken over with a difference")];
         let parts: Vec<String> =
             parts.iter().filter(|(n, _)| *n > 0).map(|(n, what)| format!("{n} {what}")).collect();
         let all = self.taken.len() + self.left.len();
         (!parts.is_empty()).then(|| {
-            format!("of {all} settings {}; `pathwright profiles show {name}` lists them", parts.join(", "))
+            format!("of {all} settings {}; `{command}` lists them", parts.join(", "))
         })
     }
 }
@@ -151,6 +156,11 @@ fn unknown(key: &str, config: &Config) -> Option<String> {
     }
 }
 
+/// Where in the one file that is shown.
+fn line(place: &Place) -> String {
+    format!("line {}", place.line)
+}
+
 /// The profile that a configuration amounts to, each key with where it comes from, and after it all that is left out.
 pub(super) fn as_profile(name: &str, import: &Import) -> String {
     let mut out = format!("description = {}\n", Value::String(format!("From {name}")));
@@ -165,8 +175,8 @@ pub(super) fn as_profile(name: &str, import: &Import) -> String {
             let note = taken.note.as_ref().map(|note| format!(": {note}")).unwrap_or_default();
             let (key, value) = (&taken.key[dotted.len()..], super::value::toml_text(&taken.value));
             out += &match value.contains('\n') {
-                true => format!("# line {}, {}{note}\n{key} = {value}\n", taken.line, taken.from),
-                false => format!("{key} = {value} # line {}, {}{note}\n", taken.line, taken.from),
+                true => format!("# {}, {}{note}\n{key} = {value}\n", line(&taken.place), taken.from),
+                false => format!("{key} = {value} # {}, {}{note}\n", line(&taken.place), taken.from),
             };
         }
     }
@@ -175,7 +185,7 @@ pub(super) fn as_profile(name: &str, import: &Import) -> String {
     }
     for left in &import.left {
         let value: String = left.value.chars().take(60).collect();
-        out += &format!("# line {}: {} = {value}: {}\n", left.line, left.key, left.reason);
+        out += &format!("# {}: {} = {value}: {}\n", line(&left.place), left.key, left.reason);
     }
     if import.idle > 0 {
         out += &format!("\n# {} more ask for nothing, or for what is so anyway.\n", import.idle);

@@ -2,7 +2,7 @@
 
 use toml::Value;
 
-use super::config::Config;
+use crate::presets::Config;
 
 /// What came of one row of the table.
 pub(super) enum Outcome {

@@ -3,7 +3,7 @@
 //! A script is translated whole or not at all: one without a line is not the same script. Conditions that depend on the
 //! configuration alone are decided here; what depends on the print stays only where there is a placeholder for it.
 
-use super::config::Config;
+use crate::presets::Config;
 
 /// Their placeholder, ours. Those of the temperatures are of the first extruder.
 const NAMES: &[(&str, &str)] = &[

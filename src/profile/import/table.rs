@@ -1,7 +1,7 @@
 //! What is taken over of the configurations of others, key by key: the one place that says so. `docs/import.md` is
 //! printed from it.
 
-use super::config::Config;
+use crate::presets::Config;
 use super::convert as c;
 use super::row::{How, Outcome, Row};
 

@@ -5,9 +5,11 @@
 
 mod shapes;
 
+use std::collections::BTreeMap;
 use std::io::{Cursor, Write};
 use std::path::Path;
 
+use macros::Value;
 use pathwright::check::{Survey, check};
 use pathwright::gcode::{annotate, measure};
 use pathwright::geometry;
@@ -77,6 +79,27 @@ pub fn profile(bytes: &[u8]) {
         .collect();
     if let Ok(resolved) = profile::resolve(&[], &sets) {
         assert!(profile::resolve(&[], &[]).is_ok() && resolved.settings.bed.height.0 > 0.0);
+    }
+}
+
+/// Any text as a script, twice in a row and then from the start, and as a condition.
+pub fn macros(bytes: &[u8]) {
+    let text = String::from_utf8_lossy(bytes);
+    let names = BTreeMap::from([
+        ("layer_z".to_owned(), Value::Real(0.3)),
+        ("temperature".to_owned(), Value::from(vec![215, 230])),
+        ("printer_notes".to_owned(), Value::from("MK4\nIS")),
+        ("idle_temperature".to_owned(), Value::List(vec![Value::Nil, Value::Integer(100)])),
+    ]);
+    let twice = || {
+        let mut state = macros::State::default();
+        [(); 2].map(|()| macros::expand(&text, &names, &mut state))
+    };
+    let expanded = twice();
+    assert_eq!(expanded, twice());
+    for error in expanded.into_iter().filter_map(Result::err).chain(macros::holds(&text, &names).err()) {
+        let line = text.split('\n').nth(error.line - 1).expect("a line of the script");
+        assert!((1..=line.chars().count() + 1).contains(&error.column), "{error}");
     }
 }
 

@@ -1,0 +1,189 @@
+//! A configuration of another slicer: every key with its value, where it was written, and whose words it uses.
+
+use std::borrow::Cow;
+use std::collections::BTreeMap;
+use std::fmt;
+use std::sync::Arc;
+
+use super::value::{self, Type};
+
+/// Whose words a configuration was written in.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub enum Dialect {
+    /// PrusaSlicer, and Slic3r before it.
+    #[default]
+    Prusa,
+    /// SuperSlicer: percentages of widths are of the nozzle, and not of the layer's height.
+    Super,
+    /// OrcaSlicer, Bambu Studio, Creality Print.
+    Orca,
+    /// Cura.
+    Cura,
+}
+
+impl Dialect {
+    /// The slicer's name.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Prusa => "PrusaSlicer",
+            Self::Super => "SuperSlicer",
+            Self::Orca => "OrcaSlicer",
+            Self::Cura => "Cura",
+        }
+    }
+}
+
+/// Where a value was written.
+#[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub struct Place {
+    /// Path of the file as it was named; for what a slicer has built in, the slicer's name.
+    pub file: Arc<str>,
+    /// From 1; 0: not in a file, or in one that has no lines.
+    pub line: usize,
+    /// The preset in that file; empty: the file is all there is.
+    pub preset: Arc<str>,
+}
+
+impl Place {
+    /// A line of a preset in a file.
+    pub fn new(file: impl Into<Arc<str>>, line: usize, preset: impl Into<Arc<str>>) -> Self {
+        Self { file: file.into(), line, preset: preset.into() }
+    }
+
+    /// What a slicer takes where no preset says anything.
+    pub fn built_in(dialect: Dialect) -> Self {
+        Self::new(dialect.name(), 0, "")
+    }
+
+    /// Whether this is [`Place::built_in`].
+    pub fn is_built_in(&self) -> bool {
+        self.line == 0 && self.preset.is_empty()
+    }
+}
+
+impl fmt::Display for Place {
+    /// `file:line`, then the preset.
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self { file, line, preset } = self;
+        match (line, preset.is_empty()) {
+            (0, true) => write!(f, "built into {file}"),
+            (0, false) => write!(f, "{file} [{preset}]"),
+            (_, true) => write!(f, "{file}:{line}"),
+            (_, false) => write!(f, "{file}:{line} [{preset}]"),
+        }
+    }
+}
+
+/// One value, and where it was written.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Entry {
+    /// As PrusaSlicer writes it: `,` between numbers, `;` between texts, `nil`, `%`.
+    pub value: String,
+    /// Where it was written.
+    pub place: Place,
+}
+
+/// One value under the name that the slicer's own scripts know it by.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Raw {
+    /// Of all extruders, written as in [`Entry`].
+    pub value: String,
+    /// What it is; `None`: not known, to be seen from the value.
+    pub kind: Option<Type>,
+}
+
+/// Every key of a configuration.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Config {
+    /// PrusaSlicer's (or SuperSlicer's) keys, whatever the slicer, as they hold for the first extruder.
+    pub entries: BTreeMap<String, Entry>,
+    /// The complete configuration in the slicer's own keys, as its scripts see it.
+    pub raw: BTreeMap<String, Raw>,
+    /// Whose words the entries and the scripts among them use.
+    pub dialect: Dialect,
+}
+
+impl Config {
+    /// Adds a value in PrusaSlicer's words, of which the first extruder's is kept.
+    pub fn set(&mut self, key: &str, value: &str, place: Place) {
+        let value = value::of_first_extruder(key, value).into_owned();
+        self.entries.insert(key.to_owned(), Entry { value, place });
+    }
+
+    /// Adds a value as the slicer's own scripts call it.
+    pub fn set_raw(&mut self, name: &str, value: &str, kind: Option<Type>) {
+        self.raw.insert(name.to_owned(), Raw { value: value.to_owned(), kind });
+    }
+
+    /// Whether percentages of widths are of the nozzle, and not of the layer's height.
+    pub fn is_super(&self) -> bool {
+        self.dialect == Dialect::Super
+    }
+
+    /// A value that is there and not `nil`, as written.
+    pub fn text(&self, key: &str) -> Option<&str> {
+        let value = self.entries.get(key)?.value.trim();
+        (value != "nil" && !value.is_empty()).then_some(value)
+    }
+
+    /// The first extruder's share of a value.
+    pub fn first(&self, key: &str) -> Option<&str> {
+        self.text(key).map(|text| text.split(',').next().unwrap_or_default().trim())
+    }
+
+    /// A finite number.
+    pub fn number(&self, key: &str) -> Option<f64> {
+        self.first(key)?.parse().ok().filter(|n: &f64| n.is_finite())
+    }
+
+    /// A number, or a percentage of another.
+    pub fn number_of(&self, key: &str, whole: Option<f64>) -> Option<f64> {
+        match self.first(key)?.strip_suffix('%') {
+            Some(percent) => Some(percent.trim().parse::<f64>().ok()? / 100.0 * whole?),
+            None => self.number(key),
+        }
+    }
+
+    /// Whether something is on.
+    pub fn flag(&self, key: &str) -> Option<bool> {
+        match self.first(key)? {
+            "1" | "true" | "enabled" => Some(true),
+            "0" | "false" | "disabled" | "none" | "nowhere" => Some(false),
+            _ => None,
+        }
+    }
+
+    /// The texts of a list of them, unquoted.
+    pub fn texts(&self, key: &str) -> Vec<String> {
+        self.text(key).map(|text| value::texts(text).into_iter().map(Cow::into_owned).collect()).unwrap_or_default()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn percentages_are_of_something_and_nil_is_nothing() {
+        let mut config = Config::default();
+        for (key, value) in [("a", "50%"), ("b", "nil"), ("c", "1500,1250"), ("filament_wipe", "nil,1")] {
+            config.set(key, value, Place::new("x.ini", 1, ""));
+        }
+        assert_eq!(config.number_of("a", Some(30.0)), Some(15.0));
+        assert_eq!((config.number_of("a", None), config.text("b")), (None, None));
+        assert_eq!(config.number("c"), Some(1500.0), "the first of several");
+        assert_eq!(config.text("filament_wipe"), None, "the first extruder has none of its own");
+    }
+
+    #[test]
+    fn a_place_says_what_there_is_to_say() {
+        let said = [
+            (Place::new("a.ini", 7, "print:A"), "a.ini:7 [print:A]"),
+            (Place::new("a.ini", 7, ""), "a.ini:7"),
+            (Place::built_in(Dialect::Prusa), "built into PrusaSlicer"),
+        ];
+        for (place, text) in said {
+            assert_eq!(place.to_string(), text);
+        }
+    }
+}

@@ -1,0 +1,188 @@
+//! Single configurations: an exported `.ini` file, or the one in G-code.
+
+use std::path::Path;
+
+use super::bundle::{Bundles, Found};
+use super::config::{Config, Dialect, Place};
+use super::family::Kind;
+use super::ini::{self, Section, assignment};
+use super::keys::key_type;
+use crate::gcode::is_gcode;
+
+/// Whether a file of this name is read as a configuration of another slicer.
+pub fn is_foreign(path: &Path) -> bool {
+    let extension = path.extension().unwrap_or_default().to_string_lossy().to_ascii_lowercase();
+    extension == "ini" || is_gcode(path)
+}
+
+impl Config {
+    /// Reads an `.ini` file, or the configuration in a G-code file.
+    ///
+    /// # Errors
+    /// The file cannot be read, holds no configuration, or several presets of one kind without saying which is meant.
+    pub fn read(path: &Path) -> Result<Self, String> {
+        let file = path.display().to_string();
+        if is_gcode(path) {
+            let mut block = Block::default();
+            ini::each_line(path, u64::MAX, |number, line| block.line(line.trim(), number))?;
+            return block.config(&file);
+        }
+        Self::of_sections(&file, ini::sections(&ini::lines(path)?))
+    }
+
+    /// Reads the lines of an `.ini` file.
+    ///
+    /// # Errors
+    /// As [`Config::read`].
+    pub fn parse(lines: &[String]) -> Result<Self, String> {
+        Self::of_sections("", ini::sections(lines))
+    }
+
+    fn of_sections(file: &str, sections: Vec<Section>) -> Result<Self, String> {
+        const KINDS: [Kind; 3] = [Kind::Print, Kind::Filament, Kind::Printer];
+        let is_free = |section: &&Section| {
+            section.name.is_empty() || KINDS.iter().any(|kind| kind.name() == section.name)
+        };
+        let free: Vec<Section> = sections.iter().filter(is_free).cloned().collect();
+        let active = sections.iter().find(|section| section.name == "presets").cloned();
+        let mut bundles = Bundles::default();
+        bundles.add_sections(file, sections, None);
+        let mut found = Vec::new();
+        for kind in KINDS {
+            let wanted = active.as_ref().and_then(|active| active.value(kind.name()));
+            let mut chosable = bundles.chosable(kind);
+            let preset = match (wanted.and_then(|name| bundles.find(kind, name)), chosable.next()) {
+                (Some(wanted), _) => wanted,
+                (None, None) => continue,
+                (None, Some(only)) if chosable.next().is_none() => only,
+                (None, Some(_)) => return Err(several(file, &bundles)),
+            };
+            found.extend(bundles.values(preset).map_err(|error| error.to_string())?);
+        }
+        let mut config = Self::default();
+        let free = free.iter().flat_map(|section| {
+            let preset = &section.name;
+            section.lines.iter().map(move |line| (line, Place::new(file, line.line, preset.as_str())))
+        });
+        for (line, place) in free {
+            config.set_both(&line.key, &line.value, key_type(&line.key), place);
+        }
+        for Found { key, value, place } in found {
+            config.set_both(key, value, key_type(key), place);
+        }
+        if config.entries.is_empty() { Err("holds no `key = value`".into()) } else { Ok(config.named()) }
+    }
+
+    /// With the dialect that its keys are of.
+    fn named(mut self) -> Self {
+        if self.entries.contains_key("first_layer_size_compensation") {
+            self.dialect = Dialect::Super;
+        }
+        self
+    }
+}
+
+fn several(file: &str, bundles: &Bundles) -> String {
+    let count = |kind: Kind| bundles.chosable(kind).count();
+    let [printers, prints, filaments] = [Kind::Printer, Kind::Print, Kind::Filament].map(count);
+    format!(
+        "holds {printers} printer, {prints} print and {filaments} filament presets; \
+         `pathwright printers --presets \"{file}\"` lists the printers, \
+         and `--presets \"{file}\" --printer NAME` takes one"
+    )
+}
+
+/// A configuration among the comments of G-code: between marks, or else the last comments of the file.
+#[derive(Default)]
+struct Block {
+    lines: Vec<ini::Line>,
+    is_super: bool,
+    marked: bool,
+    ended: bool,
+}
+
+impl Block {
+    fn line(&mut self, line: &str, number: usize) {
+        if self.ended || line.is_empty() {
+            return;
+        }
+        let Some(comment) = line.strip_prefix(';') else {
+            if !self.marked {
+                self.lines.clear();
+            }
+            return;
+        };
+        match comment.trim() {
+            "prusaslicer_config = begin" | "SuperSlicer_config = begin" => {
+                self.lines.clear();
+                self.marked = true;
+                self.is_super = comment.contains("Super");
+            }
+            "prusaslicer_config = end" | "SuperSlicer_config = end" => self.ended = self.marked,
+            text => {
+                if let Some((key, value)) = assignment(text) {
+                    self.lines.push(ini::Line { key, value, line: number });
+                }
+            }
+        }
+    }
+
+    /// A file of the marked kind, or Slic3r's, which states at least a layer height.
+    fn config(self, file: &str) -> Result<Config, String> {
+        let mut config = Config::default();
+        for ini::Line { key, value, line } in &self.lines {
+            config.set_both(key, value, key_type(key), Place::new(file, *line, ""));
+        }
+        if !config.entries.contains_key("layer_height") || !config.entries.contains_key("perimeters") {
+            return Err("holds no configuration of PrusaSlicer, SuperSlicer or Slic3r".into());
+        }
+        if self.is_super {
+            config.dialect = Dialect::Super;
+        }
+        Ok(config.named())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn parsed(text: &str) -> Result<Config, String> {
+        Config::parse(&text.lines().map(str::to_owned).collect::<Vec<_>>())
+    }
+
+    #[test]
+    fn keys_know_their_lines() {
+        let config = parsed("# by hand\n\nlayer_height = 0.2\nstart_gcode = G28 ; X=1\\nG1\n").unwrap();
+        assert_eq!(config.entries["layer_height"].place.line, 3);
+        assert_eq!(config.text("start_gcode"), Some("G28 ; X=1\\nG1"));
+    }
+
+    #[test]
+    fn of_a_bundle_the_active_presets_hold_with_what_they_inherit() {
+        let bundle = "[print:*common*]\nperimeters = 2\nlayer_height = 0.3\n[print:A]\ninherits = *common*\n\
+                      layer_height = 0.2\n[print:B]\nperimeters = 9\n[filament:PLA]\ntemperature = 210\n";
+        let error = parsed(bundle).unwrap_err();
+        assert!(error.contains("0 printer, 2 print and 1 filament presets"), "{error}");
+        let config = parsed(&format!("{bundle}[presets]\nprint = A\nfilament = PLA\n")).unwrap();
+        assert_eq!(config.number("perimeters"), Some(2.0));
+        assert_eq!(config.number("layer_height"), Some(0.2));
+        assert_eq!(config.number("temperature"), Some(210.0));
+    }
+
+    #[test]
+    fn gcode_holds_it_between_marks_or_at_its_end() {
+        let read = |text: &str| {
+            let mut block = Block::default();
+            text.lines().enumerate().for_each(|(i, line)| block.line(line, i + 1));
+            block.config("x.gcode")
+        };
+        let marked = "; layer_height = 9\nG1 X1\n; prusaslicer_config = begin\n; layer_height = 0.2\n\
+                      ; perimeters = 2\n; prusaslicer_config = end\n; perimeters = 7\n";
+        assert_eq!(read(marked).unwrap().number("perimeters"), Some(2.0));
+        let slic3r =
+            "; perimeters = 7\nG1 X1\n; filament used = 3mm\n; layer_height = 0.2\n; perimeters = 3\n";
+        assert_eq!(read(slic3r).unwrap().number("perimeters"), Some(3.0));
+        assert!(read("G1 X1\n;LAYER:1\n").is_err());
+    }
+}

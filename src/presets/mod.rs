@@ -1,0 +1,24 @@
+//! Presets of other slicers, found by name and resolved into one configuration.
+//!
+//! A [`Library`] is read from files and folders that its caller names; nothing here looks for them.
+
+mod bundle;
+mod config;
+mod error;
+mod family;
+mod file;
+mod ini;
+mod keys;
+mod library;
+mod names;
+mod prusa;
+mod value;
+
+pub use config::{Config, Dialect, Entry, Place, Raw};
+pub use error::PresetError;
+pub use family::{Kind, Listed, Source};
+pub use file::is_foreign;
+pub use keys::key_type;
+pub use library::{Chosen, Library};
+pub use names::script_value;
+pub use value::{Scalar, Shape, Type};

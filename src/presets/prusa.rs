@@ -1,0 +1,307 @@
+//! Bundles of PrusaSlicer and SuperSlicer as a family: what fits what, and three presets as one configuration.
+
+use std::collections::{BTreeMap, BTreeSet};
+use std::path::{Path, PathBuf};
+
+use macros::{Names, Value};
+
+use super::bundle::{Bundles, Found, Preset};
+use super::config::{Config, Dialect, Place, Raw};
+use super::error::PresetError;
+use super::family::{Family, Kind, Listed, Source};
+use super::keys::{self, FORGOTTEN, KEYS, RENAMED};
+use super::names::script_value;
+use super::value::{Shape, Type, for_extruders, join_texts, texts, unescaped, written_alike};
+
+/// Keys that say how presets belong together, and are no settings.
+const BELONGING: [&str; 7] = [
+    "inherits",
+    "renamed_from",
+    "alias",
+    "compatible_printers",
+    "compatible_printers_condition",
+    "compatible_prints",
+    "compatible_prints_condition",
+];
+
+/// The vendor whose filaments are for the printers of all others.
+const TEMPLATES: &str = "Templates";
+
+/// Most extruders of a printer.
+const MOST_EXTRUDERS: usize = 256;
+
+/// Presets of PrusaSlicer and SuperSlicer.
+#[derive(Debug, Default)]
+pub(super) struct Prusa {
+    bundles: Bundles,
+}
+
+impl Prusa {
+    /// Reads what sources hold of such presets: bundles, folders of them, folders of a slicer's settings. What cannot be read
+    /// is added to the problems.
+    pub fn read(sources: &[&Source], problems: &mut Vec<PresetError>) -> Self {
+        let mut bundles = Bundles::default();
+        let mut read = |done: Result<(), PresetError>| problems.extend(done.err());
+        for Source { path, dialect } in sources {
+            if path.is_file() {
+                read(bundles.add_file(path, *dialect));
+                continue;
+            }
+            for file in ini_files(path).into_iter().chain(ini_files(&path.join("vendor"))) {
+                read(bundles.add_file(&file, *dialect));
+            }
+            for kind in [Kind::Printer, Kind::Print, Kind::Filament] {
+                for file in ini_files(&path.join(kind.name())) {
+                    read(bundles.add_preset(kind, &file, *dialect));
+                }
+            }
+        }
+        Self { bundles }
+    }
+
+    fn find(&self, kind: Kind, name: &str) -> Result<&Preset, PresetError> {
+        let missing = || PresetError::of(format!("there is no {} preset `{name}`", kind.name()));
+        self.bundles.find(kind, name).ok_or_else(missing)
+    }
+
+    /// Whether it is not of a printer that hardens resin.
+    fn melts(&self, preset: &Preset) -> bool {
+        preset.kind != Kind::Printer || self.bundles.value(preset, "printer_technology") != Some("SLA")
+    }
+
+    /// Names that are preset of a key that is a list of texts.
+    fn list(&self, preset: &Preset, key: &str) -> Vec<String> {
+        let value = self.bundles.value(preset, key).unwrap_or_default();
+        texts(value).into_iter().filter(|text| !text.is_empty()).map(|text| text.into_owned()).collect()
+    }
+
+    /// What conditions on a preset are decided with.
+    fn facts(&self, preset: &Preset) -> Result<Facts<'_>, PresetError> {
+        let found = self.bundles.values(preset)?;
+        let values: BTreeMap<&str, &str> = found.iter().map(|found| (found.key, found.value)).collect();
+        let extruders = values.get("nozzle_diameter").map_or(1, |value| extruders(value));
+        Ok(Facts { values, preset: preset.name.clone(), extruders })
+    }
+
+    /// Whether a preset is for another, as the list of names in the key `compatible_…` or the condition in
+    /// `compatible_…_condition` says.
+    fn fits(&self, preset: &Preset, key: &str, with: &mut Decided<'_>) -> bool {
+        let names = self.list(preset, key);
+        if !names.is_empty() {
+            return names.iter().any(|name| *name == with.facts.preset || *name == with.made_from);
+        }
+        let condition = self.condition(preset, &format!("{key}_condition"));
+        condition.trim().is_empty() || with.holds(&condition)
+    }
+
+    fn condition(&self, preset: &Preset, key: &str) -> String {
+        unescaped(self.bundles.value(preset, key).unwrap_or_default())
+    }
+
+    fn same_vendor(&self, preset: &Preset, printer: &Preset) -> bool {
+        match self.bundles.vendor(preset) {
+            Some(TEMPLATES) | None => true,
+            vendor => vendor == self.bundles.vendor(printer),
+        }
+    }
+
+    /// Default, and what the presets say: place and value as PrusaSlicer would write it. Extruders: as many as there are
+    /// nozzles.
+    fn combined(&self, presets: &[&Preset]) -> Result<Config, PresetError> {
+        let mut config = Config { dialect: presets[0].listed.dialect, ..Config::default() };
+        let mut found: BTreeMap<&str, Found<'_>> = BTreeMap::new();
+        for preset in presets {
+            found.extend(self.bundles.values(preset)?.into_iter().map(|found| (found.key, found)));
+        }
+        let extruders = found.get("nozzle_diameter").map_or(1, |found| extruders(found.value));
+        // What SuperSlicer has built in is not the same.
+        if config.dialect == Dialect::Prusa {
+            for key in KEYS {
+                let value = for_all(key.kind, key.default, extruders, key.default);
+                config.set_both(key.name, &value, Some(key.kind), Place::built_in(config.dialect));
+            }
+        }
+        for (key, Found { value, place, .. }) in found {
+            if BELONGING.contains(&key) || (FORGOTTEN.contains(&key) && config.dialect == Dialect::Prusa) {
+                continue;
+            }
+            let known = keys::find(key);
+            let value = match known {
+                Some(known) => {
+                    let renamed = RENAMED.iter().find(|(name, old, _)| *name == key && *old == value);
+                    let value = renamed.filter(|_| config.dialect == Dialect::Prusa).map_or(value, |r| r.2);
+                    for_all(known.kind, &written_alike(known.kind, value), extruders, known.default)
+                }
+                None => value.to_owned(),
+            };
+            config.set_both(key, &value, known.map(|known| known.kind), place);
+        }
+        Ok(config)
+    }
+
+    /// Keys that say what a configuration was made of.
+    fn add_names(&self, config: &mut Config, [printer, print, filament]: [&Preset; 3]) {
+        let count = config.raw.get("nozzle_diameter").map_or(1, |raw| extruders(&raw.value));
+        let each = |text: &str| join_texts(&vec![text; count]);
+        let place = |preset: &Preset| preset.listed.place.clone();
+        let mut set = |key: &str, value: &str, place| config.set_both(key, value, keys::key_type(key), place);
+        set("printer_settings_id", &printer.name, place(printer));
+        set("print_settings_id", &print.name, place(print));
+        set("filament_settings_id", &each(&filament.name), place(filament));
+        let condition = |preset| self.condition(preset, "compatible_printers_condition");
+        let all = |print: &str, filament: &str, printer: Option<&str>| {
+            let filaments = std::iter::repeat_n(filament, count);
+            let all: Vec<&str> = std::iter::once(print).chain(filaments).chain(printer).collect();
+            all.iter().any(|text| !text.is_empty()).then(|| join_texts(&all))
+        };
+        if let Some(all) = all(&condition(print), &condition(filament), None) {
+            set("compatible_printers_condition_cummulative", &all, place(print));
+        }
+        let from = [print, filament, printer].map(|preset| self.bundles.made_from(preset));
+        if let Some(all) = all(from[0], from[1], Some(from[2])) {
+            set("inherits_cummulative", &all, place(print));
+        }
+    }
+}
+
+impl Config {
+    /// Adds a value that the slicer's scripts call as PrusaSlicer does.
+    pub(super) fn set_both(&mut self, key: &str, value: &str, kind: Option<Type>, place: Place) {
+        self.set(key, value, place);
+        self.set_raw(key, value, kind);
+    }
+}
+
+impl Family for Prusa {
+    fn listed(&self, kind: Kind) -> Vec<&Listed> {
+        self.bundles.chosable(kind).filter(|preset| self.melts(preset)).map(|preset| &preset.listed).collect()
+    }
+
+    fn named(&self, kind: Kind, name: &str) -> Vec<&Listed> {
+        let named = self.bundles.named(kind, name).filter(|preset| !preset.name.starts_with('*'));
+        named.filter(|preset| self.melts(preset)).map(|preset| &preset.listed).collect()
+    }
+
+    fn renamed(&self, kind: Kind, formerly: &str) -> Option<&str> {
+        self.bundles.formerly(kind, formerly).map(|preset| preset.name.as_str())
+    }
+
+    fn preset(&self, kind: Kind, name: &str) -> Result<Config, PresetError> {
+        self.combined(&[self.find(kind, name)?])
+    }
+
+    fn compatible(&self, kind: Kind, printer: &str, print: Option<&str>) -> Result<Vec<String>, PresetError> {
+        let printer = self.find(Kind::Printer, printer)?;
+        let print = print.map(|print| self.find(Kind::Print, print)).transpose()?;
+        let decided = |preset| {
+            let made_from = self.bundles.made_from(preset).to_owned();
+            Ok(Decided { facts: self.facts(preset)?, made_from, known: BTreeMap::new() })
+        };
+        let mut with_printer = decided(printer)?;
+        let mut with_print = print.map(decided).transpose()?;
+        let mut names = BTreeSet::new();
+        for preset in self.bundles.chosable(kind) {
+            let is_taken = || self.bundles.find(kind, &preset.name).is_some_and(|p| std::ptr::eq(p, preset));
+            let fits = self.same_vendor(preset, printer)
+                && is_taken()
+                && self.fits(preset, "compatible_printers", &mut with_printer)
+                && with_print.as_mut().is_none_or(|with| self.fits(preset, "compatible_prints", with));
+            if fits {
+                names.insert(preset.name.clone());
+            }
+        }
+        Ok(names.into_iter().collect())
+    }
+
+    fn preferred(&self, kind: Kind, printer: &str, _print: Option<&str>) -> Result<Vec<String>, PresetError> {
+        let printer = self.find(Kind::Printer, printer)?;
+        Ok(match kind {
+            Kind::Printer => Vec::new(),
+            Kind::Print => {
+                let name = self.bundles.value(printer, "default_print_profile").unwrap_or_default();
+                Vec::from_iter((!name.is_empty()).then(|| name.to_owned()))
+            }
+            Kind::Filament => self.list(printer, "default_filament_profile"),
+        })
+    }
+
+    fn resolve(&self, printer: &str, print: &str, filament: &str) -> Result<Config, PresetError> {
+        let print = self.find(Kind::Print, print)?;
+        let filament = self.find(Kind::Filament, filament)?;
+        let presets = [self.find(Kind::Printer, printer)?, print, filament];
+        let mut config = self.combined(&presets)?;
+        self.add_names(&mut config, presets);
+        Ok(config)
+    }
+}
+
+/// How many extruders nozzles are of.
+fn extruders(nozzle_diameter: &str) -> usize {
+    nozzle_diameter.split(',').count().min(MOST_EXTRUDERS)
+}
+
+fn for_all(kind: Type, value: &str, extruders: usize, default: &str) -> String {
+    match kind.shape {
+        Shape::Each => for_extruders(kind, value, extruders, default),
+        Shape::One | Shape::List => value.to_owned(),
+    }
+}
+
+/// The `.ini` files of a folder, by name.
+fn ini_files(folder: &Path) -> Vec<PathBuf> {
+    let entries = std::fs::read_dir(folder).into_iter().flatten().flatten().map(|entry| entry.path());
+    let is_ini = |path: &PathBuf| {
+        path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("ini")) && path.is_file()
+    };
+    let mut files: Vec<PathBuf> = entries.filter(is_ini).collect();
+    files.sort();
+    files
+}
+
+/// A preset's values as conditions see them.
+struct Facts<'a> {
+    values: BTreeMap<&'a str, &'a str>,
+    preset: String,
+    extruders: usize,
+}
+
+impl Names for Facts<'_> {
+    fn value(&self, name: &str) -> Option<Value> {
+        match name {
+            "printer_preset" => return Some(Value::Text(self.preset.clone())),
+            "num_extruders" => return i64::try_from(self.extruders).ok().map(Value::Integer),
+            _ => {}
+        }
+        let known = keys::find(name);
+        let written = self.values.get(name).copied().or(known.map(|known| known.default))?;
+        let value = known.map_or_else(
+            || written.to_owned(),
+            |known| for_all(known.kind, written, self.extruders, known.default),
+        );
+        Some(script_value(&Raw { value, kind: known.map(|known| known.kind) }))
+    }
+
+    fn names(&self) -> Vec<String> {
+        self.values.keys().map(|name| (*name).to_owned()).collect()
+    }
+}
+
+/// Conditions on a preset, each decided once.
+struct Decided<'a> {
+    facts: Facts<'a>,
+    /// A list that names what a user's preset was made from means that one, too.
+    made_from: String,
+    known: BTreeMap<String, bool>,
+}
+
+impl Decided<'_> {
+    /// Like in the slicer, what cannot be decided keeps nobody out.
+    fn holds(&mut self, condition: &str) -> bool {
+        if let Some(&holds) = self.known.get(condition) {
+            return holds;
+        }
+        let holds = macros::holds(condition, &self.facts).unwrap_or(true);
+        self.known.insert(condition.to_owned(), holds);
+        holds
+    }
+}
