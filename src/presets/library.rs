@@ -1,8 +1,10 @@
 //! All presets that there are: one found by its name, what fits it, and the three that print together.
 
 use super::config::{Config, Dialect};
+use super::cura::{self, Cura};
 use super::error::PresetError;
 use super::family::{Family, Kind, Listed, Source};
+use super::orca::{self, Orca};
 use super::prusa::Prusa;
 use crate::near;
 
@@ -39,32 +41,36 @@ pub struct Chosen {
 /// Reads a family from sources.
 type Reader = fn(&[&Source], &mut Vec<PresetError>) -> Box<dyn Family>;
 
-/// The family that reads a dialect.
-fn reader(dialect: Dialect) -> Option<Reader> {
-    match dialect {
-        Dialect::Prusa | Dialect::Super => Some(|sources, problems| Box::new(Prusa::read(sources, problems))),
-        Dialect::Orca | Dialect::Cura => None,
-    }
-}
+/// The ways to write presets: whose they are, what their files are called, who reads them.
+const READERS: [(&[Dialect], fn(&str) -> bool, Reader); 3] = [
+    (&[Dialect::Prusa, Dialect::Super], |name| !name.ends_with(".json"), |s, p| Box::new(Prusa::read(s, p))),
+    (&[Dialect::Orca], orca::is_preset, |s, p| Box::new(Orca::read(s, p))),
+    (&[Dialect::Cura], cura::is_preset, |s, _| Box::new(Cura::read(s))),
+];
 
-/// Whose presets a source holds.
-fn dialect(source: &Source) -> Dialect {
-    source.dialect.unwrap_or(Dialect::Prusa)
+/// Whether a source may hold presets of one of these dialects. Files are known by their names, folders may hold any.
+fn may_hold(source: &Source, dialects: &[Dialect], is_of_name: fn(&str) -> bool) -> bool {
+    let name = source.path.file_name().unwrap_or_default().to_string_lossy().to_ascii_lowercase();
+    match source.dialect {
+        Some(dialect) => dialects.contains(&dialect),
+        None => source.path.is_dir() || is_of_name(&name),
+    }
 }
 
 impl Library {
     /// Reads what is in files and folders, those first that win where names are the same. What is not there is passed over.
     pub fn open(sources: &[Source]) -> Self {
-        let mut groups: Vec<(Reader, Vec<&Source>)> = Vec::new();
-        for source in sources.iter().filter(|source| source.path.exists()) {
-            let Some(reader) = reader(dialect(source)) else { continue };
-            match groups.iter_mut().find(|(other, _)| std::ptr::fn_addr_eq(*other, reader)) {
-                Some((_, group)) => group.push(source),
-                None => groups.push((reader, vec![source])),
-            }
-        }
+        let there: Vec<&Source> = sources.iter().filter(|source| source.path.exists()).collect();
         let mut problems = Vec::new();
-        let families = groups.iter().map(|(reader, group)| reader(group, &mut problems)).collect();
+        let mut families: Vec<(usize, Box<dyn Family>)> = Vec::new();
+        for (dialects, is_of_name, reader) in READERS {
+            let own = |source: &&&Source| may_hold(source, dialects, is_of_name);
+            let Some(first) = there.iter().position(|source| own(&source)) else { continue };
+            let own: Vec<&Source> = there.iter().filter(own).copied().collect();
+            families.push((first, reader(&own, &mut problems)));
+        }
+        families.sort_by_key(|(first, _)| *first);
+        let families = families.into_iter().map(|(_, family)| family).collect();
         Self { families, problems }
     }
 

@@ -4,6 +4,7 @@
 
 mod bundle;
 mod config;
+mod cura;
 mod error;
 mod family;
 mod file;
@@ -11,6 +12,7 @@ mod ini;
 mod keys;
 mod library;
 mod names;
+mod orca;
 mod prusa;
 mod value;
 

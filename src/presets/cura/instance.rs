@@ -104,19 +104,13 @@ impl Instance {
         let mut machines: Option<(Vec<String>, BTreeMap<String, Said>)> = None;
         let mut hotends = 0_usize;
         loop {
-            let line = || {
-                let before = usize::try_from(reader.buffer_position()).unwrap_or(usize::MAX).min(text.len());
-                memchr::memchr_iter(b'\n', &text.as_bytes()[..before]).count() + 1
-            };
-            let place = |line: usize| Place::new(file.clone(), line, read.name.as_str());
             let event = reader.read_event().map_err(|error| {
-                let at = usize::try_from(reader.error_position()).unwrap_or(usize::MAX).min(text.len());
-                let line = memchr::memchr_iter(b'\n', &text.as_bytes()[..at]).count() + 1;
-                PresetError::at(place(line), format!("is damaged XML: {error}"))
+                let place = Place::new(file.clone(), line(text, reader.error_position()), read.name.as_str());
+                PresetError::at(place, format!("is damaged XML: {error}"))
             })?;
             match event {
                 Event::Start(tag) => {
-                    let name = tag.local_name().0.to_owned();
+                    let name = local(tag.name().0).to_owned();
                     inside.clear();
                     match name.as_str() {
                         "setting" => key = attribute(&tag, "key").unwrap_or_default(),
@@ -127,8 +121,8 @@ impl Instance {
                     }
                     open.push(name);
                 }
-                Event::Empty(tag) if tag.local_name().0 == "machine_identifier" => identified(&tag, &mut machines),
-                Event::Text(part) => inside += &part.xml_content(quick_xml::XmlVersion::Implicit1_0).unwrap_or_default(),
+                Event::Empty(tag) if local(tag.name().0) == "machine_identifier" => identified(&tag, &mut machines),
+                Event::Text(part) => inside += &part.xml_content(quick_xml::XmlVersion::Implicit1_0),
                 Event::GeneralRef(entity) => {
                     let known = [("amp", "&"), ("lt", "<"), ("gt", ">"), ("quot", "\""), ("apos", "'")];
                     inside += known.iter().find(|(name, _)| *name == &*entity).map_or("", |(_, text)| text);
@@ -146,7 +140,7 @@ impl Instance {
                             let setting = MATERIAL.iter().find(|(theirs, _)| *theirs == key);
                             let setting = setting.map_or(key.as_str(), |(_, setting)| setting).to_owned();
                             let values = machines.as_mut().map_or(&mut read.values, |(_, values)| values);
-                            let place = Place::new(file.clone(), line(), "");
+                            let place = Place::new(file.clone(), line(text, reader.buffer_position()), "");
                             values.insert(setting, said(value, place));
                         }
                         (_, "hotend" | "buildplate") => hotends = hotends.saturating_sub(1),
@@ -183,6 +177,17 @@ const MATERIAL: &[(&str, &str)] = &[
     ("shrinkage percentage", "material_shrinkage_percentage"),
 ];
 
+/// The line that a byte stands on, from 1.
+fn line(text: &str, offset: u64) -> usize {
+    let before = usize::try_from(offset).unwrap_or(usize::MAX).min(text.len());
+    memchr::memchr_iter(b'\n', &text.as_bytes()[..before]).count() + 1
+}
+
+/// A name without its prefix.
+fn local(name: &str) -> &str {
+    name.rsplit(':').next().unwrap_or(name)
+}
+
 fn identified(tag: &BytesStart<'_>, machines: &mut Option<(Vec<String>, BTreeMap<String, Said>)>) {
     if let (Some((names, _)), Some(product)) = (machines, attribute(tag, "product")) {
         names.push(product);
@@ -190,7 +195,7 @@ fn identified(tag: &BytesStart<'_>, machines: &mut Option<(Vec<String>, BTreeMap
 }
 
 fn attribute(tag: &BytesStart<'_>, key: &str) -> Option<String> {
-    let attribute = tag.attributes().flatten().find(|attribute| attribute.key.local_name().0 == key)?;
+    let attribute = tag.attributes().flatten().find(|attribute| local(attribute.key.0) == key)?;
     attribute.normalized_value(quick_xml::XmlVersion::Implicit1_0).ok().map(|value| value.into_owned())
 }
 

@@ -183,7 +183,11 @@ fn kind(file: &File) -> Option<Kind> {
 }
 
 fn is_json(path: &Path) -> bool {
-    let name = path.file_name().unwrap_or_default().to_string_lossy().to_ascii_lowercase();
+    is_preset(&path.file_name().unwrap_or_default().to_string_lossy().to_ascii_lowercase())
+}
+
+/// Whether a file of that name, in small letters, may be an index or a preset.
+pub(in crate::presets) fn is_preset(name: &str) -> bool {
     name.ends_with(".json") && !name.ends_with(".def.json")
 }
 

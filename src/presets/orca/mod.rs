@@ -12,7 +12,8 @@ mod values;
 use std::collections::BTreeSet;
 use std::sync::OnceLock;
 
-pub(in crate::presets) use project::project;
+pub(super) use folder::is_preset;
+pub(super) use project::project;
 
 use super::config::{Config, Dialect, Place};
 use super::error::PresetError;
@@ -208,6 +209,10 @@ impl Family for Orca {
         let can_be_chosen = |found: &Found<'_>| found.preset.can_be_chosen();
         let list = || self.all(kind).filter(can_be_chosen).map(listed).collect();
         self.listed[at(kind)].get_or_init(list).iter().collect()
+    }
+
+    fn named(&self, kind: Kind, name: &str) -> Vec<&Listed> {
+        self.listed(kind).into_iter().filter(|listed| listed.name == name).collect()
     }
 
     fn renamed(&self, kind: Kind, formerly: &str) -> Option<&str> {
