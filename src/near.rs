@@ -23,7 +23,11 @@ pub(crate) fn name<'a>(written: &str, known: impl IntoIterator<Item = &'a str>) 
 
 /// Up to `most` known names: those with all the words that were written, the shortest first, and then those near to it;
 /// capitals do not count.
-pub(crate) fn names<'a>(written: &str, known: impl IntoIterator<Item = &'a str>, most: usize) -> Vec<&'a str> {
+pub(crate) fn names<'a>(
+    written: &str,
+    known: impl IntoIterator<Item = &'a str>,
+    most: usize,
+) -> Vec<&'a str> {
     let written = written.to_lowercase();
     let mut near: Vec<(usize, usize, &str)> = known
         .into_iter()

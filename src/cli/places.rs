@@ -149,7 +149,8 @@ pub(super) fn places(
                     in_home(&format!(".var/app/{flatpak}/{kind}/{name}")).map(&mut add);
                 }
                 in_home(&format!("snap/*/current/.config/{name}")).map(&mut add);
-                let installed = in_home(".local/share/flatpak").into_iter().chain([PathBuf::from("/var/lib/flatpak")]);
+                let installed =
+                    in_home(".local/share/flatpak").into_iter().chain([PathBuf::from("/var/lib/flatpak")]);
                 let installed: Vec<PathBuf> = installed
                     .map(|root| root.join(format!("app/{flatpak}/current/active/files/share")))
                     .collect();
@@ -160,13 +161,15 @@ pub(super) fn places(
                 }
             }
             Os::MacOs => {
-                let applications = in_home("Applications").into_iter().chain([PathBuf::from("/Applications")]);
+                let applications =
+                    in_home("Applications").into_iter().chain([PathBuf::from("/Applications")]);
                 for folder in applications {
                     slicer.macos.iter().for_each(|name| add(folder.join(name)));
                 }
             }
             Os::Windows => {
-                let programs = ["ProgramW6432", "ProgramFiles", "LOCALAPPDATA"].into_iter().filter_map(&folder);
+                let programs =
+                    ["ProgramW6432", "ProgramFiles", "LOCALAPPDATA"].into_iter().filter_map(&folder);
                 for folder in programs {
                     slicer.windows.iter().for_each(|name| add(folder.join(name)));
                 }
@@ -236,15 +239,17 @@ mod tests {
     fn what_the_user_names_comes_before_what_slicers_have() {
         let variable = if cfg!(windows) { "/a;/b" } else { "/a:/b" };
         let linux = paths(Os::Linux, &[(VARIABLE, variable)]);
-        assert_eq!(linux[..5], [
-            "mine.ini",
-            "/a",
-            "/b",
-            "/home/me/.config/pathwright/presets",
-            "/home/me/.config/PrusaSlicer"
-        ]);
+        assert_eq!(
+            linux[..5],
+            ["mine.ini", "/a", "/b", "/home/me/.config/pathwright/presets", "/home/me/.config/PrusaSlicer"]
+        );
         let flatpak = "/home/me/.var/app/com.prusa3d.PrusaSlicer/config/PrusaSlicer";
-        for path in [flatpak, "/home/me/.config/BambuStudio", "/home/me/.local/share/cura/*", "/usr/share/cura/resources"] {
+        for path in [
+            flatpak,
+            "/home/me/.config/BambuStudio",
+            "/home/me/.local/share/cura/*",
+            "/usr/share/cura/resources",
+        ] {
             assert!(linux.contains(&path.to_owned()), "{path}: {linux:#?}");
         }
     }
@@ -255,7 +260,10 @@ mod tests {
         let moved = paths(Os::Linux, &[("XDG_CONFIG_HOME", "/elsewhere")]);
         assert!(moved.contains(&"/elsewhere/OrcaSlicer".into()), "{moved:#?}");
         let ignored = paths(Os::Linux, &[("XDG_CONFIG_HOME", "relative")]);
-        assert!(ignored.contains(&"/home/me/.config/OrcaSlicer".into()), "as the standard of such folders has it");
+        assert!(
+            ignored.contains(&"/home/me/.config/OrcaSlicer".into()),
+            "as the standard of such folders has it"
+        );
         let mac = paths(Os::MacOs, &[]);
         assert!(mac.contains(&"/home/me/Library/Application Support/SuperSlicer".into()), "{mac:#?}");
         assert!(mac.contains(&"/Applications/OrcaSlicer.app/Contents/Resources/profiles".into()), "{mac:#?}");

@@ -44,7 +44,8 @@ fn list(args: &PrintersArgs) -> Result<(), Failure> {
     let mut listed = library.listed(Kind::Printer);
     listed.retain(|printer| seen.insert(printer.name.clone()));
     listed.retain(|printer| {
-        let text = format!("{} {} {}", printer.name, printer.place.file, printer.dialect.name()).to_lowercase();
+        let text =
+            format!("{} {} {}", printer.name, printer.place.file, printer.dialect.name()).to_lowercase();
         words.iter().all(|word| text.contains(word))
     });
     listed.sort_by_key(|printer| printer.name.to_lowercase());
@@ -67,7 +68,9 @@ fn row(library: &Library, printer: &Listed) -> Row {
     let whose = if printer.is_user { "yours, " } else { "" };
     let from = format!("{file} ({whose}{})", printer.dialect.name());
     match config {
-        Ok(config) => Row { name, bed: bed(&config), nozzle: nozzle(&config), firmware: firmware(&config), from },
+        Ok(config) => {
+            Row { name, bed: bed(&config), nozzle: nozzle(&config), firmware: firmware(&config), from }
+        }
         Err(error) => {
             let empty = String::new;
             Row { name, bed: empty(), nozzle: empty(), firmware: empty(), from: error.to_string() }
@@ -150,7 +153,8 @@ fn show(args: &ShowPrinterArgs) -> Result<(), Failure> {
             let origin = left.place.to_string();
             json!({ "key": left.key, "value": left.value, "reason": left.reason, "origin": origin })
         });
-        let config = chosen.config.raw.iter().map(|(key, raw)| (key.clone(), Value::from(raw.value.as_str())));
+        let config =
+            chosen.config.raw.iter().map(|(key, raw)| (key.clone(), Value::from(raw.value.as_str())));
         let config: serde_json::Map<String, Value> = config.collect();
         let more = [
             ("slicer", Value::from(chosen.config.dialect.name())),

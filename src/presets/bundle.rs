@@ -80,7 +80,8 @@ impl Bundles {
         let file = self.file(path);
         for Section { name, line, lines } in sections {
             let Some((kind, name)) = name.split_once(':') else { continue };
-            let Some(kind) = [Kind::Printer, Kind::Print, Kind::Filament].into_iter().find(|k| k.name() == kind)
+            let Some(kind) =
+                [Kind::Printer, Kind::Print, Kind::Filament].into_iter().find(|k| k.name() == kind)
             else {
                 continue;
             };
@@ -92,7 +93,12 @@ impl Bundles {
     ///
     /// # Errors
     /// The file cannot be read.
-    pub fn add_preset(&mut self, kind: Kind, path: &Path, dialect: Option<Dialect>) -> Result<(), PresetError> {
+    pub fn add_preset(
+        &mut self,
+        kind: Kind,
+        path: &Path,
+        dialect: Option<Dialect>,
+    ) -> Result<(), PresetError> {
         let lines = ini::lines(path).map_err(|message| unreadable(path, message))?;
         let sections = ini::sections(&lines);
         let is_super = || sections.iter().any(|section| section.value(SUPER_KEY).is_some());

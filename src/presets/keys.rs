@@ -155,7 +155,11 @@ pub(super) const KEYS: &[Key] = &[
     each("filament_multitool_ramming_volume", Real, "10"),
     each("filament_notes", Text, "\"\""),
     each("filament_purge_multiplier", Percent, "100%"),
-    each("filament_ramming_parameters", Text, "\"120 100 6.6 6.8 7.2 7.6 7.9 8.2 8.7 9.4 9.9 10.0| 0.05 6.6 0.45 6.8 0.95 7.8 1.45 8.3 1.95 9.7 2.45 10 2.95 7.6 3.45 7.6 3.95 7.6 4.45 7.6 4.95 7.6\""),
+    each(
+        "filament_ramming_parameters",
+        Text,
+        "\"120 100 6.6 6.8 7.2 7.6 7.9 8.2 8.7 9.4 9.9 10.0| 0.05 6.6 0.45 6.8 0.95 7.8 1.45 8.3 1.95 9.7 2.45 10 2.95 7.6 3.45 7.6 3.95 7.6 4.45 7.6 4.95 7.6\"",
+    ),
     each("filament_retract_before_travel", Real, "nil"),
     each("filament_retract_before_wipe", Percent, "nil"),
     each("filament_retract_layer_change", Flag, "nil"),

@@ -181,14 +181,25 @@ impl Library {
         let listed = |name: &str| family.named(kind, name).first().copied().cloned();
         let fits = |name: &&String| fitting.contains(name);
         let Some(name) = named else {
-            let own = preferred.iter().find(fits).or(fitting.first());
-            let none = || PresetError::of(format!("no {} preset fits `{whole}`", kind.name()));
-            return own.and_then(|name| listed(name)).ok_or_else(none);
+            let own = preferred.iter().find(fits);
+            let Some(taken) = own.or(fitting.first()).and_then(|name| listed(name)) else {
+                return Err(PresetError::of(format!("no {} preset fits `{whole}`", kind.name())));
+            };
+            if let (None, Some(asked)) = (own, preferred.first()) {
+                let (kind, count, taken) = (kind.name(), fitting.len(), &taken.name);
+                notes.push(format!(
+                    "{kind} preset `{asked}`, which the printer asks for, is not one of the {count} that fit; \
+                     the first of them is taken: `{taken}`"
+                ));
+            }
+            return Ok(taken);
         };
         let known = listed(name).map(|listed| listed.name);
         let known = known.or_else(|| Some(family.renamed(kind, name)?.to_owned()));
         let known = known.or_else(|| fitting.iter().find(|fits| fits.eq_ignore_ascii_case(name)).cloned());
-        if let Some(found) = known.clone().filter(|name| fitting.contains(name)).and_then(|name| listed(&name)) {
+        if let Some(found) =
+            known.clone().filter(|name| fitting.contains(name)).and_then(|name| listed(&name))
+        {
             notes.extend(self.find(kind, &found.name).into_iter().flat_map(|found| found.notes));
             return Ok(found);
         }

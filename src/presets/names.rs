@@ -12,7 +12,9 @@ pub fn script_value(raw: &Raw) -> Value {
     match (shape, scalar) {
         (Shape::One, Scalar::Text) => Value::Text(unescaped(text)),
         (Shape::One, scalar) => single(scalar, text),
-        (_, Scalar::Text) => Value::List(texts(text).into_iter().map(|t| Value::Text(t.into_owned())).collect()),
+        (_, Scalar::Text) => {
+            Value::List(texts(text).into_iter().map(|t| Value::Text(t.into_owned())).collect())
+        }
         (_, _) if text.is_empty() => Value::List(Vec::new()),
         (_, scalar) => Value::List(text.split(',').map(|text| single(scalar, text)).collect()),
     }
@@ -31,9 +33,9 @@ fn single(scalar: Scalar, text: &str) -> Value {
         Scalar::Integer => text.parse().ok().map(Value::Integer),
         Scalar::Real => number(text).map(Value::Real),
         Scalar::Percent | Scalar::RealOrPercent => percent().or_else(|| number(text).map(Value::Real)),
-        Scalar::Point => text.split_once('x').and_then(|(x, y)| {
-            Some(Value::List(vec![Value::Real(number(x)?), Value::Real(number(y)?)]))
-        }),
+        Scalar::Point => text
+            .split_once('x')
+            .and_then(|(x, y)| Some(Value::List(vec![Value::Real(number(x)?), Value::Real(number(y)?)]))),
         Scalar::Text | Scalar::Choice => None,
     };
     read.unwrap_or_else(|| Value::Text(text.to_owned()))
@@ -70,9 +72,7 @@ mod tests {
 
     #[test]
     fn values_are_what_their_type_says() {
-        let value = |key: &str, text: &str| {
-            script_value(&Raw { value: text.into(), kind: key_type(key) })
-        };
+        let value = |key: &str, text: &str| script_value(&Raw { value: text.into(), kind: key_type(key) });
         assert_eq!(value("nozzle_diameter", "0.4,0.6"), Value::List(vec![0.4.into(), 0.6.into()]));
         assert_eq!(value("printer_notes", "a\\nb"), Value::Text("a\nb".into()));
         assert_eq!(value("filament_type", "PLA;PETG"), Value::List(vec!["PLA".into(), "PETG".into()]));

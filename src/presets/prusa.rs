@@ -24,6 +24,9 @@ const BELONGING: [&str; 7] = [
     "compatible_prints_condition",
 ];
 
+/// Keys that ask for other presets: scripts may read them, but they are no settings.
+const ASKING: [&str; 2] = ["default_filament_profile", "default_print_profile"];
+
 /// The vendor whose filaments are for the printers of all others.
 const TEMPLATES: &str = "Templates";
 
@@ -69,7 +72,7 @@ impl Prusa {
         preset.kind != Kind::Printer || self.bundles.value(preset, "printer_technology") != Some("SLA")
     }
 
-    /// Names that are preset of a key that is a list of texts.
+    /// The names in a key, with or without quotes.
     fn list(&self, preset: &Preset, key: &str) -> Vec<String> {
         let value = self.bundles.value(preset, key).unwrap_or_default();
         texts(value).into_iter().filter(|text| !text.is_empty()).map(|text| text.into_owned()).collect()
@@ -118,7 +121,10 @@ impl Prusa {
         if config.dialect == Dialect::Prusa {
             for key in KEYS {
                 let value = for_all(key.kind, key.default, extruders, key.default);
-                config.set_both(key.name, &value, Some(key.kind), Place::built_in(config.dialect));
+                if !ASKING.contains(&key.name) {
+                    config.set(key.name, &value, Place::built_in(config.dialect));
+                }
+                config.set_raw(key.name, &value, Some(key.kind));
             }
         }
         for (key, Found { value, place, .. }) in found {
@@ -134,7 +140,10 @@ impl Prusa {
                 }
                 None => value.to_owned(),
             };
-            config.set_both(key, &value, known.map(|known| known.kind), place);
+            if !ASKING.contains(&key) {
+                config.set(key, &value, place);
+            }
+            config.set_raw(key, &value, known.map(|known| known.kind));
         }
         Ok(config)
     }
@@ -217,10 +226,7 @@ impl Family for Prusa {
         let printer = self.find(Kind::Printer, printer)?;
         Ok(match kind {
             Kind::Printer => Vec::new(),
-            Kind::Print => {
-                let name = self.bundles.value(printer, "default_print_profile").unwrap_or_default();
-                Vec::from_iter((!name.is_empty()).then(|| name.to_owned()))
-            }
+            Kind::Print => self.list(printer, "default_print_profile"),
             Kind::Filament => self.list(printer, "default_filament_profile"),
         })
     }

@@ -52,7 +52,9 @@ pub(super) fn of_first_extruder<'a>(key: &str, value: &'a str) -> Cow<'a, str> {
             Some(first) => Cow::Owned(join_texts(std::slice::from_ref(first))),
             None => Cow::Borrowed(value),
         },
-        Some(Type { shape: Shape::Each, .. }) => Cow::Borrowed(value.split(',').next().unwrap_or(value).trim()),
+        Some(Type { shape: Shape::Each, .. }) => {
+            Cow::Borrowed(value.split(',').next().unwrap_or(value).trim())
+        }
         _ => Cow::Borrowed(value),
     }
 }

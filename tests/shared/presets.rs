@@ -19,7 +19,10 @@ fn library(vendor: &str) -> Library {
 fn configuration(gcode: &str) -> BTreeMap<&str, &str> {
     let lines = gcode.lines().skip_while(|line| *line != "; prusaslicer_config = begin").skip(1);
     let lines = lines.take_while(|line| *line != "; prusaslicer_config = end");
-    lines.filter_map(|line| line.strip_prefix("; ")?.split_once(" =")).map(|(key, v)| (key, v.trim())).collect()
+    lines
+        .filter_map(|line| line.strip_prefix("; ")?.split_once(" ="))
+        .map(|(key, v)| (key, v.trim()))
+        .collect()
 }
 
 /// What the files were made with and not what the presets say: text was asked for.
@@ -75,7 +78,11 @@ pub fn what_fits_a_printer_is_what_fits_it_in_the_slicer() {
         let printer = theirs["printer"].as_str().expect("a name");
         let library = library(if printer.contains("Prusa") { "PrusaResearch" } else { "Anycubic" });
         let names = |list: &serde_json::Value| -> Vec<String> {
-            list.as_array().expect("a list").iter().map(|name| name.as_str().expect("text").to_owned()).collect()
+            list.as_array()
+                .expect("a list")
+                .iter()
+                .map(|name| name.as_str().expect("text").to_owned())
+                .collect()
         };
         let prints = theirs["prints"].as_object().expect("an object");
         for (print, list) in prints {

@@ -6,9 +6,9 @@ use std::path::{Path, PathBuf};
 
 /// The modules of the library, each before those that may use it.
 const ORDER: &[&str] = &[
-    "units", "options", "limits", "near", "observer", "parallel", "mesh", "plate", "slice", "toolpath", "order",
-    "motion", "estimate", "gcode", "presets", "profile", "reorder", "report", "check", "view", "output", "job",
-    "source", "plan", "pipeline", "api", "cli",
+    "units", "options", "limits", "near", "observer", "parallel", "mesh", "plate", "slice", "toolpath",
+    "order", "motion", "estimate", "gcode", "presets", "profile", "reorder", "report", "check", "view",
+    "output", "job", "source", "plan", "pipeline", "api", "cli",
 ];
 
 /// The sources of all crates that are there: a packaged crate has its own alone.

@@ -18,6 +18,7 @@ mod order;
 mod order_detours;
 mod order_layer;
 mod ordering_bounds;
+mod presets;
 mod profile;
 mod slice;
 mod toolpath;

@@ -2,13 +2,13 @@
 
 use toml::Value;
 
-use crate::presets::Config;
 use super::row::Outcome::{self, Idle, Left, Near};
 use super::row::{How, Row};
 use super::script;
 use crate::estimate::MachineSettings;
 use crate::gcode::Flavor;
 use crate::options::Kind;
+use crate::presets::Config;
 use crate::profile::schema;
 use crate::toolpath::Pattern;
 use crate::units::{MmPerS, MmPerS2};

@@ -1,9 +1,9 @@
 //! What is taken over of the configurations of others, key by key: the one place that says so. `docs/import.md` is
 //! printed from it.
 
-use crate::presets::Config;
 use super::convert as c;
 use super::row::{How, Outcome, Row};
+use crate::presets::Config;
 
 const fn same(ours: &'static str, theirs: &'static [&'static str]) -> Row {
     Row { ours, theirs, how: How::Same, rule: "" }
