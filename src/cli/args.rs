@@ -375,7 +375,8 @@ pub(super) struct ShapeArgs {
 
 #[derive(Debug, Args)]
 pub(super) struct PresetArgs {
-    /// Printer preset of another slicer; `pathwright printers` lists them. Profiles and --set win over presets
+    /// Printer preset of another slicer, or a project (3MF) with its settings; `pathwright printers` lists them. Profiles
+    /// and --set win over presets
     #[arg(long, value_name = "NAME", help_heading = "Settings")]
     pub printer: Option<String>,
 

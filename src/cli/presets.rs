@@ -1,12 +1,12 @@
 //! Presets that are asked for: from where, and what they come to.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use super::args::PresetArgs;
 use super::console;
 use super::exit::{Exit, Failure};
 use super::places;
-use crate::presets::{Chosen, Kind, Library, PresetError};
+use crate::presets::{Chosen, Config, Kind, Library, Listed, Place, PresetError, is_foreign};
 use crate::profile::{Import, Origin, Problem};
 
 /// How many places a message lists.
@@ -49,16 +49,40 @@ pub(super) fn library(named: &[PathBuf]) -> Result<Library, Failure> {
 /// The presets that are chosen, if any are.
 pub(super) fn chosen(args: &PresetArgs) -> Result<Option<Chosen>, Failure> {
     let Some(printer) = &args.printer else { return Ok(None) };
+    if is_foreign(Path::new(printer)) && Path::new(printer).is_file() {
+        return saved(args, printer).map(Some);
+    }
     let library = library(&args.presets)?;
     Ok(Some(library.choose(printer, args.print.as_deref(), args.filament.as_deref())?))
 }
 
+/// The presets that a file holds together: a project, an exported configuration, G-code.
+fn saved(args: &PresetArgs, file: &str) -> Result<Chosen, Failure> {
+    if let Some(other) = args.print.as_ref().or(args.filament.as_ref()) {
+        let message = format!("--printer {file}: holds all settings together, so that `{other}` has no place; leave it out");
+        return Err(Failure::new(Exit::Usage, message));
+    }
+    let config = Config::read(Path::new(file))
+        .map_err(|message| Failure::new(Exit::Settings, format!("--printer {file}: {message}")))?;
+    let listed = |name: &str| Listed {
+        name: name.to_owned(),
+        dialect: config.dialect,
+        is_user: true,
+        place: Place::new(file, 0, ""),
+    };
+    let (printer, print, filament) = (listed(file), listed(""), listed(""));
+    Ok(Chosen { printer, print, filament, prints: Vec::new(), filaments: Vec::new(), config, notes: Vec::new() })
+}
+
 /// What is to be known of a choice of presets.
 pub(super) fn notes(chosen: &Chosen) -> Vec<Problem> {
-    let command = format!(
-        "pathwright printers show \"{}\" --print \"{}\" --filament \"{}\"",
-        chosen.printer.name, chosen.print.name, chosen.filament.name
-    );
+    let command = match chosen.print.name.as_str() {
+        "" => format!("pathwright profiles show {}", chosen.printer.name),
+        print => format!(
+            "pathwright printers show \"{}\" --print \"{print}\" --filament \"{}\"",
+            chosen.printer.name, chosen.filament.name
+        ),
+    };
     let summary = Import::of(&chosen.config).summary(&command);
     let note = |message| Problem { origin: Origin::Option("--printer"), setting: None, message };
     chosen.notes.iter().cloned().chain(summary).map(note).collect()

@@ -13,6 +13,7 @@ mod keys;
 mod library;
 mod names;
 mod orca;
+mod project;
 mod prusa;
 mod value;
 

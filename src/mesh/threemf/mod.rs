@@ -10,6 +10,7 @@ mod affine;
 mod archive;
 mod lattice;
 mod model;
+mod own;
 mod struts;
 mod xml;
 
@@ -75,7 +76,8 @@ impl Format for ThreeMf {
             }
             objects.push(package.object(&item, &root, &instances, spots)?);
         }
-        let notes = package.notes(&root, budget.skipped);
+        let mut notes = package.notes(&root, budget.skipped);
+        notes.extend(package.settings_of_objects());
         Ok(Contents { objects, format: "3MF", notes })
     }
 }
@@ -228,6 +230,11 @@ impl<'a> Package<'a> {
             }
         }
         Ok(FileObject { name: named.name.clone().or(only), soup: welder.finish(), facets, spots })
+    }
+
+    /// What other slicers have saved with the objects.
+    fn settings_of_objects(&mut self) -> Option<String> {
+        own::PARTS.iter().find_map(|name| own::note(self.archive.part(name).ok()?))
     }
 
     /// What was passed over.

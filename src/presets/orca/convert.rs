@@ -5,6 +5,7 @@ use super::keys::{ABOUT, KEYS, Key, Rule};
 use super::rules;
 use super::values::{Values, is_off};
 use crate::presets::config::{Config, Dialect, Place};
+use crate::presets::keys::key_type;
 use crate::presets::value::{Scalar, Shape, Type, escaped, join_texts, written_alike};
 
 /// The configuration that values amount to, what is built in included.
@@ -89,7 +90,7 @@ fn said(key: &Key, all: &[String], values: &Values) -> Vec<(&'static str, String
 
 /// Values as PrusaSlicer would write them for its own key.
 fn for_prusa(name: &str, kind: Type, all: &[String]) -> String {
-    let target = crate::presets::key_type(name).unwrap_or(kind);
+    let target = key_type(name).unwrap_or(kind);
     serialised(if target.scalar == Scalar::Choice { kind } else { target }, all)
 }
 

@@ -57,90 +57,16 @@ pub(super) fn find(name: &str) -> Option<&'static Key> {
     KEYS.binary_search_by(|key| key.name.cmp(name)).ok().map(|at| &KEYS[at])
 }
 
+/// What the values of a key are, and what is built in for it.
+pub(super) fn built_in(name: &str) -> Option<(Type, &'static str)> {
+    find(name).map(|key| (key.kind, key.default))
+}
+
 /// Names that presets carry about themselves.
 pub(super) const ABOUT: &[&str] = &[
     "base_id", "description", "filament_id", "from", "include", "instantiation", "is_custom_defined", "name", "renamed_from",
     "setting_id", "settings_id", "type", "updated_time", "user_id", "version", "url", "belt_printer", "model_id",
     "printer_technology",
-];
-
-/// Names of older presets, and what they are called now; empty: not read any more.
-pub(super) const RENAMED: &[(&str, &str)] = &[
-    ("adaptive_layer_height", ""),
-    ("bed_temperature", ""),
-    ("bed_temperature_difference", ""),
-    ("bed_temperature_initial_layer", ""),
-    ("bridge_fan_speed", "overhang_fan_speed"),
-    ("can_add_auxiliary_fan", ""),
-    ("can_switch_nozzle_type", ""),
-    ("chamber_temperatures", "chamber_temperature"),
-    ("cooling", "slow_down_for_layer_cooling"),
-    ("counterbole_hole_bridging", "counterbore_hole_bridging"),
-    ("enable_wipe_tower", "enable_prime_tower"),
-    ("extruder_clearance_max_radius", ""),
-    ("extruder_type", ""),
-    ("filament_load_time", ""),
-    ("filament_unload_time", ""),
-    ("infill_extruder", "sparse_infill_filament"),
-    ("initial_layer_flow_ratio", "bottom_solid_infill_flow_ratio"),
-    ("internal_bridge_support_thickness", ""),
-    ("ironing_direction", "ironing_angle"),
-    ("long_retraction_when_cut", ""),
-    ("overhang_speed_classic", ""),
-    ("overhang_totally_speed", ""),
-    ("perimeter_extruder", "wall_filament"),
-    ("reduce_wall_solid_infill", ""),
-    ("remove_bed_leveling", ""),
-    ("remove_extrusion_calibration", ""),
-    ("remove_freq_sweep", ""),
-    ("retraction_distance_when_cut", ""),
-    ("rotate_solid_infill_direction", "solid_infill_rotate_template"),
-    ("smooth_coefficient", ""),
-    ("solid_infill_extruder", "solid_infill_filament"),
-    ("sparse_infill_anchor", "infill_anchor"),
-    ("sparse_infill_anchor_max", "infill_anchor_max"),
-    ("spaghetti_detector", ""),
-    ("support_material_angle", "support_angle"),
-    ("support_material_enforce_layers", "enforce_support_layers"),
-    ("support_material_extruder", "support_filament"),
-    ("support_material_interface_extruder", "support_interface_filament"),
-    ("support_sharp_tails", ""),
-    ("thumbnail_size", "thumbnails"),
-    ("tool_change_gcode", "change_filament_gcode"),
-    ("tree_support_with_infill", ""),
-    ("wall_infill_order", "wall_sequence"),
-    ("wipe_tower_brim_width", "prime_tower_brim_width"),
-    ("wipe_tower_extruder", "wipe_tower_filament"),
-    ("wipe_tower_width", "prime_tower_width"),
-    ("wiping_volume", "prime_volume"),
-    ("z_hop_type", ""),
-    ("z_lift_type", ""),
-];
-
-/// Keys whose percentages are of older presets, and not read any more.
-pub(super) const ABSOLUTE: &[&str] = &[
-    "initial_layer_print_height",
-    "initial_layer_speed",
-    "internal_solid_infill_speed",
-    "outer_wall_speed",
-    "support_interface_speed",
-    "support_object_xy_distance",
-    "top_surface_speed",
-];
-
-/// Words of older presets for what is said otherwise now: key, as written, as it is meant.
-pub(super) const REWORDED: &[(&str, &str, &str)] = &[
-    ("overhang_fan_threshold", "5%", "10%"),
-    ("support_base_pattern", "none", "hollow"),
-    ("support_type", "hybrid(auto)", "tree(auto)"),
-    ("support_type", "normal", "normal(manual)"),
-    ("support_type", "tree", "tree(manual)"),
-    ("solid_infill_rotate_template", "1", "0,90"),
-    ("wall_sequence", "infill/inner wall/outer wall", "inner wall/outer wall"),
-    ("wall_sequence", "infill/outer wall/inner wall", "outer wall/inner wall"),
-    ("wall_sequence", "inner wall/outer wall/infill", "inner wall/outer wall"),
-    ("wall_sequence", "inner-outer-inner wall/infill", "inner-outer-inner wall"),
-    ("wall_sequence", "outer wall/inner wall/infill", "outer wall/inner wall"),
 ];
 
 /// In the order of their names.
@@ -704,6 +630,7 @@ pub(super) const KEYS: &[Key] = &[
 
 #[cfg(test)]
 mod tests {
+    use super::super::legacy::RENAMED;
     use super::*;
     use crate::presets::value::written_alike;
 

@@ -5,6 +5,7 @@ mod convert;
 mod folder;
 mod json;
 mod keys;
+mod legacy;
 mod project;
 mod rules;
 mod values;
@@ -138,7 +139,7 @@ impl Orca {
 
     /// A printer as conditions of others see it.
     fn printer_config(&self, printer: Found<'_>) -> Result<Config, PresetError> {
-        let mut values = Values::default();
+        let mut values = Values::new(keys::built_in);
         self.gather(Kind::Printer, printer, &mut values)?;
         let mut config = convert::config(&values);
         let nozzles = values.all("nozzle_diameter").len();
@@ -228,7 +229,7 @@ impl Family for Orca {
     }
 
     fn preset(&self, kind: Kind, name: &str) -> Result<Config, PresetError> {
-        let mut values = Values::default();
+        let mut values = Values::new(keys::built_in);
         self.gather(kind, self.find(kind, name)?, &mut values)?;
         Ok(convert::config(&values))
     }
@@ -280,7 +281,7 @@ impl Family for Orca {
     }
 
     fn resolve(&self, printer: &str, print: &str, filament: &str) -> Result<Config, PresetError> {
-        let mut values = Values::default();
+        let mut values = Values::new(keys::built_in);
         let chosen = [(Kind::Printer, printer), (Kind::Print, print), (Kind::Filament, filament)];
         for (kind, name) in chosen {
             self.gather(kind, self.find(kind, name)?, &mut values)?;

@@ -4,19 +4,29 @@ use std::cell::RefCell;
 use std::collections::BTreeMap;
 
 use super::json::Written;
-use super::keys::{self, ABSOLUTE, RENAMED, REWORDED};
+use super::legacy::{ABSOLUTE, RENAMED, REWORDED};
 use crate::presets::config::Place;
 use crate::presets::value::{Scalar, Shape, Type, texts};
 
+/// What the values of a key are, and what is built in for it; `None`: there is no such key.
+type BuiltIn = fn(&str) -> Option<(Type, &'static str)>;
+
 /// What is written, by key; of a chain of presets the last one's word.
-#[derive(Debug, Default)]
+#[derive(Debug)]
 pub(super) struct Values {
+    /// What the values of a key are, and what is built in for it.
+    built_in: BuiltIn,
     written: BTreeMap<String, (Written, Place)>,
     /// Where the last of the keys was written that a rule asked for.
     asked: RefCell<Option<Place>>,
 }
 
 impl Values {
+    /// Nothing is written yet.
+    pub fn new(built_in: BuiltIn) -> Self {
+        Self { built_in, written: BTreeMap::new(), asked: RefCell::new(None) }
+    }
+
     /// Adds what a file says of a key; names and words of older presets become those of today.
     pub fn set(&mut self, key: &str, mut written: Written, place: Place) {
         let now = match RENAMED.iter().find(|(old, _)| *old == key) {
@@ -52,16 +62,16 @@ impl Values {
 
     /// All values of a key, as many as are written or built in.
     pub fn all(&self, name: &str) -> Vec<String> {
-        let kind = keys::find(name).map(|key| key.kind);
+        let built_in = (self.built_in)(name);
         match self.written.get(name) {
             Some((written, place)) => {
                 *self.asked.borrow_mut() = Some(place.clone());
-                match kind {
-                    Some(kind) if !written.is_list => split(kind, written.first()),
+                match built_in {
+                    Some((kind, _)) if !written.is_list => split(kind, written.first()),
                     _ => written.values.clone(),
                 }
             }
-            None => keys::find(name).map(|key| split(key.kind, key.default)).unwrap_or_default(),
+            None => built_in.map(|(kind, default)| split(kind, default)).unwrap_or_default(),
         }
     }
 
