@@ -59,7 +59,9 @@ pub(super) fn chosen(args: &PresetArgs) -> Result<Option<Chosen>, Failure> {
 /// The presets that a file holds together: a project, an exported configuration, G-code.
 fn saved(args: &PresetArgs, file: &str) -> Result<Chosen, Failure> {
     if let Some(other) = args.print.as_ref().or(args.filament.as_ref()) {
-        let message = format!("--printer {file}: holds all settings together, so that `{other}` has no place; leave it out");
+        let message = format!(
+            "--printer {file}: holds all settings together, so that `{other}` has no place; leave it out"
+        );
         return Err(Failure::new(Exit::Usage, message));
     }
     let config = Config::read(Path::new(file))
@@ -71,7 +73,15 @@ fn saved(args: &PresetArgs, file: &str) -> Result<Chosen, Failure> {
         place: Place::new(file, 0, ""),
     };
     let (printer, print, filament) = (listed(file), listed(""), listed(""));
-    Ok(Chosen { printer, print, filament, prints: Vec::new(), filaments: Vec::new(), config, notes: Vec::new() })
+    Ok(Chosen {
+        printer,
+        print,
+        filament,
+        prints: Vec::new(),
+        filaments: Vec::new(),
+        config,
+        notes: Vec::new(),
+    })
 }
 
 /// What is to be known of a choice of presets.

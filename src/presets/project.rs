@@ -44,7 +44,11 @@ pub(super) fn read(path: &Path) -> Result<Config, String> {
     let is_there = |(part, _): &&(&str, Written)| package.index_for_name(part).is_some();
     let Some((part, written)) = PARTS.iter().find(is_there) else {
         let cura = package.file_names().any(|name| name.is_ok_and(|name| name.starts_with("Cura/")));
-        let reason = if cura { "Cura's, which are not read from projects; name its presets with --printer" } else { "none" };
+        let reason = if cura {
+            "Cura's, which are not read from projects; name its presets with --printer"
+        } else {
+            "none"
+        };
         return Err(format!(
             "settings of PrusaSlicer, OrcaSlicer or one of their kin were expected in the project; it holds {reason}"
         ));

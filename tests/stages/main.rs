@@ -19,6 +19,8 @@ mod order_detours;
 mod order_layer;
 mod ordering_bounds;
 mod presets;
+mod presets_cura;
+mod presets_orca;
 mod profile;
 mod slice;
 mod toolpath;

@@ -92,7 +92,10 @@ fn library(path: &Path) -> Library {
 
 fn chosen(others: &[(&str, &str)], printer: &str) -> Result<Config, String> {
     let folder = presets(others);
-    library(folder.path()).choose(printer, None, None).map(|chosen| chosen.config).map_err(|error| error.to_string())
+    library(folder.path())
+        .choose(printer, None, None)
+        .map(|chosen| chosen.config)
+        .map_err(|error| error.to_string())
 }
 
 fn names(library: &Library, kind: Kind) -> Vec<&str> {
@@ -166,7 +169,8 @@ fn values_are_said_in_the_words_of_prusaslicer() {
 #[test]
 fn what_prusaslicer_has_no_word_for_keeps_its_name_and_place() {
     let config = chosen(&[], "M1 0.4").unwrap();
-    let place = |key: &str| config.entries.get(key).map(|entry| (entry.place.line, entry.place.preset.to_string()));
+    let place =
+        |key: &str| config.entries.get(key).map(|entry| (entry.place.line, entry.place.preset.to_string()));
     assert_eq!(place("precise_outer_wall"), Some((5, "0.2 @M1".into())));
     assert_eq!(place("layer_heigth"), Some((4, "0.2 @M1".into())), "a slip of whoever wrote it");
     assert_eq!(place("layer_height"), Some((1, "0.2 @M1".into())));
@@ -193,8 +197,14 @@ fn scripts_find_the_slicers_own_names() {
 #[test]
 fn presets_of_a_user_come_first_and_stand_on_the_vendors() {
     let own = [
-        ("user/1/machine/Mine.json", r#"{"name": "Mine", "from": "User", "inherits": "M1 0.4", "printable_height": "111"}"#),
-        ("user/1/process/Fine.json", r#"{"name": "Fine", "from": "User", "inherits": "0.2 @M1", "layer_height": "0.1"}"#),
+        (
+            "user/1/machine/Mine.json",
+            r#"{"name": "Mine", "from": "User", "inherits": "M1 0.4", "printable_height": "111"}"#,
+        ),
+        (
+            "user/1/process/Fine.json",
+            r#"{"name": "Fine", "from": "User", "inherits": "0.2 @M1", "layer_height": "0.1"}"#,
+        ),
     ];
     let folder = presets(&own);
     let library = library(folder.path());
@@ -209,7 +219,8 @@ fn presets_of_a_user_come_first_and_stand_on_the_vendors() {
 #[test]
 fn a_missing_parent_a_circle_and_damage_are_told_with_their_place() {
     let machine = "Maker/machine/M1 0.4.json";
-    let gone = chosen(&[(machine, "{\"name\": \"M1 0.4\",\n\"inherits\": \"nowhere\"}")], "M1 0.4").unwrap_err();
+    let gone =
+        chosen(&[(machine, "{\"name\": \"M1 0.4\",\n\"inherits\": \"nowhere\"}")], "M1 0.4").unwrap_err();
     assert!(gone.contains("M1 0.4.json:2 [M1 0.4]: inherits from `nowhere`, which is not there"), "{gone}");
     let circle = [
         (machine, "{\"name\": \"M1 0.4\", \"inherits\": \"common\"}"),
@@ -221,7 +232,11 @@ fn a_missing_parent_a_circle_and_damage_are_told_with_their_place() {
     assert!(damaged.contains("M1 0.4.json:2: column 1: expected `,` or `}`"), "{damaged}");
     let folder = presets(&[("Maker.json", "{\"machine_list\": [{\"name\": \"x\"}]}")]);
     let problems = library(folder.path());
-    assert!(problems.problems()[0].to_string().contains("`machine_list` holds what has no"), "{:?}", problems.problems());
+    assert!(
+        problems.problems()[0].to_string().contains("`machine_list` holds what has no"),
+        "{:?}",
+        problems.problems()
+    );
 }
 
 #[test]
@@ -240,7 +255,8 @@ fn a_project_holds_its_settings() {
     let orca = project("a.3mf", "Metadata/project_settings.config", orca).unwrap();
     assert_eq!((orca.number("layer_height"), orca.number("perimeters")), (Some(0.28), Some(4.0)));
     assert_eq!(orca.text("bed_temperature"), Some("35"));
-    let prusa = project("b.3mf", "Metadata/Slic3r_PE.config", "; layer_height = 0.15\n; perimeters = 5\n").unwrap();
+    let prusa =
+        project("b.3mf", "Metadata/Slic3r_PE.config", "; layer_height = 0.15\n; perimeters = 5\n").unwrap();
     assert_eq!((prusa.number("layer_height"), prusa.number("perimeters")), (Some(0.15), Some(5.0)));
     let none = project("c.3mf", "3D/3dmodel.model", "").unwrap_err();
     assert!(none.contains("it holds none"), "{none}");

@@ -13,8 +13,20 @@ pub(super) const PARTS: [&str; 2] = ["Metadata/Slic3r_PE_model.config", "Metadat
 
 /// What a project says of an object that is no setting.
 const ABOUT: [&str; 14] = [
-    "extruder", "face_count", "gcode_file", "locked", "matrix", "mesh_stat", "name", "part_type", "plater_id", "plater_name",
-    "subtype", "text_info", "thumbnail_file", "volume_type",
+    "extruder",
+    "face_count",
+    "gcode_file",
+    "locked",
+    "matrix",
+    "mesh_stat",
+    "name",
+    "part_type",
+    "plater_id",
+    "plater_name",
+    "subtype",
+    "text_info",
+    "thumbnail_file",
+    "volume_type",
 ];
 
 /// How many settings a note names.
@@ -50,7 +62,10 @@ pub(super) fn note<R: BufRead>(mut reader: NsReader<R>) -> Option<String> {
     let more = keys.len().saturating_sub(NAMED);
     let more = if more > 0 { format!(" and {more} more") } else { String::new() };
     (!keys.is_empty()).then(|| {
-        format!("settings of single objects are not taken over ({}{more}); give them with --object", named.join(", "))
+        format!(
+            "settings of single objects are not taken over ({}{more}); give them with --object",
+            named.join(", ")
+        )
     })
 }
 
@@ -66,7 +81,8 @@ mod tests {
                     </plate></config>";
         let said = note(NsReader::from_reader(orca.as_bytes())).unwrap();
         assert!(said.contains("(layer_height, wall_loops)"), "{said}");
-        let plain = "<config><object id=\"1\"><metadata type=\"object\" key=\"name\" value=\"A\"/></object></config>";
+        let plain =
+            "<config><object id=\"1\"><metadata type=\"object\" key=\"name\" value=\"A\"/></object></config>";
         assert_eq!(note(NsReader::from_reader(plain.as_bytes())), None);
         assert_eq!(note(NsReader::from_reader("<config><obj".as_bytes())), None);
     }

@@ -57,8 +57,9 @@ impl Definition {
     /// It cannot be read, or is no definition.
     pub fn read(path: &Path) -> Result<Self, PresetError> {
         let file: Arc<str> = path.display().to_string().into();
-        let text = std::fs::read_to_string(path)
-            .map_err(|error| PresetError::at(Place::new(file.clone(), 0, ""), format!("cannot be read: {error}")))?;
+        let text = std::fs::read_to_string(path).map_err(|error| {
+            PresetError::at(Place::new(file.clone(), 0, ""), format!("cannot be read: {error}"))
+        })?;
         Self::parse(file, text.trim_start_matches('\u{feff}'))
     }
 
@@ -69,7 +70,8 @@ impl Definition {
     pub fn parse(file: Arc<str>, text: &str) -> Result<Self, PresetError> {
         let refuse = |error: serde_json::Error| damaged(&file, &error);
         let document: Document<'_> = serde_json::from_str(text).map_err(refuse)?;
-        let mut reader = Reader { file: &file, name: &document.name, text, settings: BTreeMap::new(), depth: 0 };
+        let mut reader =
+            Reader { file: &file, name: &document.name, text, settings: BTreeMap::new(), depth: 0 };
         reader.read(&document.settings).map_err(refuse)?;
         reader.read(&document.overrides).map_err(refuse)?;
         let settings = reader.settings;
@@ -87,7 +89,8 @@ fn damaged(file: &Arc<str>, error: &serde_json::Error) -> PresetError {
     let (line, column) = (error.line(), error.column());
     let whole = error.to_string();
     let what = whole.split(" at line ").next().unwrap_or_default();
-    let message = format!("column {column}: {what}: this is no definition that could be read; write the file again");
+    let message =
+        format!("column {column}: {what}: this is no definition that could be read; write the file again");
     PresetError::at(Place::new(file.clone(), line, ""), message)
 }
 

@@ -58,8 +58,8 @@ enum Token {
 
 /// Two characters before one, so that the longer is found first.
 const SIGNS: [&str; 24] = [
-    "**", "//", "<=", ">=", "==", "!=", "+", "-", "*", "/", "%", "<", ">", "(", ")", "[", "]", ",", ".", "{", "}", ":", "|",
-    "&",
+    "**", "//", "<=", ">=", "==", "!=", "+", "-", "*", "/", "%", "<", ">", "(", ")", "[", "]", ",", ".", "{",
+    "}", ":", "|", "&",
 ];
 
 /// What a formula comes to; the setting of a name is asked for when it is needed.
@@ -92,7 +92,8 @@ fn tokens(formula: &str) -> Result<Vec<Token>, String> {
     let mut rest = formula.trim();
     while let Some(c) = rest.chars().next() {
         let length = |is_part: &dyn Fn(char) -> bool| rest.find(|c: char| !is_part(c)).unwrap_or(rest.len());
-        let taken = if c.is_ascii_digit() || (c == '.' && rest[1..].starts_with(|c: char| c.is_ascii_digit())) {
+        let taken = if c.is_ascii_digit() || (c == '.' && rest[1..].starts_with(|c: char| c.is_ascii_digit()))
+        {
             let end = length(&|c| c.is_ascii_digit() || c == '.');
             let number = rest[..end].parse().map_err(|_| format!("`{}` is no number", &rest[..end]))?;
             out.push(Token::Number(number));
@@ -226,13 +227,16 @@ impl Reader<'_> {
     }
 
     fn comparator(&mut self) -> Option<&'static str> {
-        if let Some(sign) = ["<=", ">=", "==", "!=", "<", ">"].into_iter().find(|sign| self.takes_sign(sign)) {
+        if let Some(sign) = ["<=", ">=", "==", "!=", "<", ">"].into_iter().find(|sign| self.takes_sign(sign))
+        {
             return Some(sign);
         }
         if self.takes_word("in") {
             return Some("in");
         }
-        if matches!(self.tokens.get(self.at + 1), Some(Token::Name(word)) if word == "in") && self.takes_word("not") {
+        if matches!(self.tokens.get(self.at + 1), Some(Token::Name(word)) if word == "in")
+            && self.takes_word("not")
+        {
             self.at += 1;
             return Some("not in");
         }
@@ -486,7 +490,9 @@ mod tests {
 
     #[test]
     fn what_is_not_understood_is_said_and_nothing_ends_the_program() {
-        for formula in ["", "1 +", "(1", "missing", "f(1)", "1 / 0", "'a' * 2", "a.", "1 2", "[x for x in y]", "\"", "§"] {
+        for formula in
+            ["", "1 +", "(1", "missing", "f(1)", "1 / 0", "'a' * 2", "a.", "1 2", "[x for x in y]", "\"", "§"]
+        {
             assert!(value(formula).is_err(), "{formula}");
         }
         assert!(value(&"(".repeat(10_000)).is_err());

@@ -66,7 +66,8 @@ impl Instance {
                 formula.push_str(line);
                 continue;
             }
-            let Some((key, value)) = line.split_once('=').map(|(key, value)| (key.trim(), value.trim())) else {
+            let Some((key, value)) = line.split_once('=').map(|(key, value)| (key.trim(), value.trim()))
+            else {
                 let place = Place::new(file, index + 1, section);
                 return Err(PresetError::at(place, format!("`{line}` is no `key = value`")));
             };
@@ -121,7 +122,9 @@ impl Instance {
                     }
                     open.push(name);
                 }
-                Event::Empty(tag) if local(tag.name().0) == "machine_identifier" => identified(&tag, &mut machines),
+                Event::Empty(tag) if local(tag.name().0) == "machine_identifier" => {
+                    identified(&tag, &mut machines)
+                }
                 Event::Text(part) => inside += &part.xml_content(quick_xml::XmlVersion::Implicit1_0),
                 Event::GeneralRef(entity) => {
                     let known = [("amp", "&"), ("lt", "<"), ("gt", ">"), ("quot", "\""), ("apos", "'")];
@@ -136,7 +139,7 @@ impl Instance {
                             read.metadata.insert(about.to_owned(), value.to_owned());
                         }
                         // What is for one nozzle alone would need its name.
-                        (_, "setting") if hotends == 0 => {
+                        (_, "setting") if hotends == 0 && is_for_printing(&key) => {
                             let setting = MATERIAL.iter().find(|(theirs, _)| *theirs == key);
                             let setting = setting.map_or(key.as_str(), |(_, setting)| setting).to_owned();
                             let values = machines.as_mut().map_or(&mut read.values, |(_, values)| values);
@@ -153,7 +156,8 @@ impl Instance {
                 _ => {}
             }
         }
-        let [brand, material, color, label] = ["brand", "material", "color", "label"].map(|key| read.about(key));
+        let [brand, material, color, label] =
+            ["brand", "material", "color", "label"].map(|key| read.about(key));
         read.name = match (label, color) {
             ("", "" | "Generic") => format!("{brand} {material}"),
             ("", color) => format!("{brand} {material} {color}"),
@@ -186,6 +190,11 @@ fn line(text: &str, offset: u64) -> usize {
 /// A name without its prefix.
 fn local(name: &str) -> &str {
     name.rsplit(':').next().unwrap_or(name)
+}
+
+/// Whether a material's setting has a name among settings; others are of stations that load it.
+fn is_for_printing(key: &str) -> bool {
+    !key.contains(' ') || MATERIAL.iter().any(|(theirs, _)| *theirs == key)
 }
 
 fn identified(tag: &BytesStart<'_>, machines: &mut Option<(Vec<String>, BTreeMap<String, Said>)>) {
@@ -257,7 +266,10 @@ mod tests {
                     <setting key=\"heated bed temperature\">55</setting><hotend id=\"x\"><setting key=\"print temperature\">\
                     9</setting></hotend></machine></settings></fdmmaterial>";
         let read = Instance::parse_material("a_pla.xml.fdm_material".into(), text).unwrap();
-        assert_eq!((read.name.as_str(), read.about("diameter"), read.id.as_str()), ("A & B PLA Red", "1.75", "a_pla"));
+        assert_eq!(
+            (read.name.as_str(), read.about("diameter"), read.id.as_str()),
+            ("A & B PLA Red", "1.75", "a_pla")
+        );
         assert_eq!(read.values["default_material_print_temperature"].plain, Some(Value::Number(205.0)));
         assert_eq!(read.values["cool_min_speed"].plain, Some(Value::Number(7.0)));
         let (names, values) = &read.of_machines[0];

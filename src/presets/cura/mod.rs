@@ -106,7 +106,10 @@ impl Cura {
             next = match &definition.inherits {
                 None => None,
                 Some(parent) if chain.len() > DEEPEST || chain.iter().any(|(id, _)| id == parent) => {
-                    return Err(PresetError::at(place(), format!("inherits from itself, by way of `{parent}`")));
+                    return Err(PresetError::at(
+                        place(),
+                        format!("inherits from itself, by way of `{parent}`"),
+                    ));
                 }
                 Some(parent) => Some(find(parent).ok_or_else(|| {
                     PresetError::at(place(), format!("inherits from `{parent}`, which is not there"))
@@ -187,21 +190,32 @@ impl Cura {
             }
         }
         let place = Place::new(material.file.clone(), 1, material.name.as_str());
-        for (key, about) in [("material_brand", "brand"), ("material_type", "material"), ("material_name", "material")] {
+        for (key, about) in
+            [("material_brand", "brand"), ("material_type", "material"), ("material_name", "material")]
+        {
             stack.add_value(key, Value::Text(material.about(about).to_owned()), place.clone());
         }
         if print == OWN {
             return Ok(());
         }
         let of_name: Vec<&Instance> = self.qualities(machine, Some(material))?.collect();
-        let kind = of_name.iter().find(|quality| quality.name == print).map(|quality| quality.about("quality_type"));
+        let kind =
+            of_name.iter().find(|quality| quality.name == print).map(|quality| quality.about("quality_type"));
         let kind = kind.ok_or_else(|| {
-            PresetError::of(format!("there is no print preset `{print}` for `{name}` and `{}`", material.name))
+            PresetError::of(format!(
+                "there is no print preset `{print}` for `{name}` and `{}`",
+                material.name
+            ))
         })?;
         // Those for all materials and nozzles are beneath.
-        let mut kinds: Vec<&&Instance> = of_name.iter().filter(|quality| quality.about("quality_type") == kind).collect();
+        let mut kinds: Vec<&&Instance> =
+            of_name.iter().filter(|quality| quality.about("quality_type") == kind).collect();
         kinds.sort_by_key(|quality| {
-            (quality.about("global_quality") != "True", !quality.about("material").is_empty(), quality.about("material").len())
+            (
+                quality.about("global_quality") != "True",
+                !quality.about("material").is_empty(),
+                quality.about("material").len(),
+            )
         });
         for quality in kinds {
             stack.add_values(&quality.values);
@@ -221,7 +235,8 @@ fn config(stack: &Stack) -> Config {
         told.insert(*theirs);
         match stack.value(theirs) {
             Ok(_) => {
-                let place = stack.own_place(theirs).cloned().unwrap_or_else(|| Place::built_in(Dialect::Cura));
+                let place =
+                    stack.own_place(theirs).cloned().unwrap_or_else(|| Place::built_in(Dialect::Cura));
                 if let Some(value) = table::said(rule, theirs, stack) {
                     config.set(key, &value, place);
                 }
@@ -282,7 +297,12 @@ fn at(kind: Kind) -> usize {
 
 impl Family for Cura {
     fn listed(&self, kind: Kind) -> Vec<&Listed> {
-        let listed = |name: &str, place: Place| Listed { name: name.to_owned(), dialect: Dialect::Cura, is_user: false, place };
+        let listed = |name: &str, place: Place| Listed {
+            name: name.to_owned(),
+            dialect: Dialect::Cura,
+            is_user: false,
+            place,
+        };
         let instance = |one: &Instance| listed(&one.name, Place::new(one.file.clone(), 1, one.name.as_str()));
         let list = || match kind {
             Kind::Printer => {
@@ -290,7 +310,8 @@ impl Family for Cura {
                 shown.map(|m| listed(m.name(), Place::new(m.file.clone(), 1, m.name()))).collect()
             }
             Kind::Print => {
-                let mut all: Vec<Listed> = self.folder.qualities().unwrap_or_default().iter().map(instance).collect();
+                let mut all: Vec<Listed> =
+                    self.folder.qualities().unwrap_or_default().iter().map(instance).collect();
                 if self.folder.machines().next().is_some() {
                     all.push(listed(OWN, Place::built_in(Dialect::Cura)));
                 }
@@ -341,11 +362,14 @@ impl Family for Cura {
         let diameter_mm = self.stack(&machine)?.number("material_diameter");
         let excluded = machine.about("exclude_materials").and_then(serde_json::Value::as_array);
         let is_excluded = |material: &Instance| {
-            excluded.is_some_and(|list| list.iter().any(|id| id.as_str().is_some_and(|id| material.id.starts_with(id))))
+            excluded.is_some_and(|list| {
+                list.iter().any(|id| id.as_str().is_some_and(|id| material.id.starts_with(id)))
+            })
         };
         for material in self.folder.materials()? {
             let own_mm: Option<f64> = material.about("diameter").parse().ok();
-            let fits = own_mm.zip(diameter_mm).is_none_or(|(own, machine)| (own - machine).abs() < DIAMETER_MM);
+            let fits =
+                own_mm.zip(diameter_mm).is_none_or(|(own, machine)| (own - machine).abs() < DIAMETER_MM);
             let has_quality = match print {
                 Some(print) if print != OWN => {
                     self.qualities(&machine, Some(material))?.any(|quality| quality.name == print)
@@ -365,13 +389,19 @@ impl Family for Cura {
             Kind::Printer => Vec::new(),
             Kind::Print => {
                 let wanted = machine.text("preferred_quality_type");
-                let of_type = self.qualities(&machine, None)?.filter(|quality| quality.about("quality_type") == wanted);
+                let of_type =
+                    self.qualities(&machine, None)?.filter(|quality| quality.about("quality_type") == wanted);
                 of_type.map(|quality| quality.name.clone()).collect()
             }
             Kind::Filament => {
                 // Those of the usual diameter have it in their names.
                 let wanted = machine.text("preferred_material");
-                let ids = [wanted.to_owned(), format!("{}_175", wanted.trim_end_matches("_175")), "generic_pla".into(), "generic_pla_175".into()];
+                let ids = [
+                    wanted.to_owned(),
+                    format!("{}_175", wanted.trim_end_matches("_175")),
+                    "generic_pla".into(),
+                    "generic_pla_175".into(),
+                ];
                 let materials = self.folder.materials()?;
                 let of_id = |id: &String| materials.iter().find(|material| material.id == *id);
                 ids.iter().filter_map(of_id).map(|material| material.name.clone()).collect()

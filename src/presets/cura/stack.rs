@@ -89,9 +89,7 @@ impl Stack {
         }
         let Some(said) = self.settings.get(key) else { return Err(format!("there is no setting `{key}`")) };
         let value = match (&said.formula, &said.plain) {
-            (Some(formula), _) => {
-                formula::evaluate(formula, &mut |name| self.value_at(name, depth + 1))
-            }
+            (Some(formula), _) => formula::evaluate(formula, &mut |name| self.value_at(name, depth + 1)),
             (None, Some(plain)) => Ok(plain.clone()),
             (None, None) => Ok(Value::Nothing),
         };

@@ -62,7 +62,8 @@ fn said(key: &Key, all: &[String], values: &Values) -> Vec<(&'static str, String
             values.asked();
             let Some(value) = rule(values) else { return Vec::new() };
             // Where the key itself is not written, that one is that made the rule say so.
-            let place = own_place.or_else(|| values.asked()).unwrap_or_else(|| Place::built_in(Dialect::Orca));
+            let place =
+                own_place.or_else(|| values.asked()).unwrap_or_else(|| Place::built_in(Dialect::Orca));
             let mut said = Vec::new();
             match name {
                 "enable_dynamic_fan_speeds" => {
@@ -75,7 +76,9 @@ fn said(key: &Key, all: &[String], values: &Values) -> Vec<(&'static str, String
                     let fan = |(name, share)| (name, rules::overhang_fan(values, share), place.clone());
                     said.extend(SHARES.map(fan));
                 }
-                "ironing" if value == "1" => said.push(("ironing_type", values.text("ironing_type"), place.clone())),
+                "ironing" if value == "1" => {
+                    said.push(("ironing_type", values.text("ironing_type"), place.clone()))
+                }
                 _ => {}
             }
             said.push((name, for_prusa(name, key.kind, &[value]), place));
@@ -106,7 +109,8 @@ fn serialised(kind: Type, all: &[String]) -> String {
 
 /// What nobody has described is numbers if it looks like numbers, else text.
 fn unknown(written: &Written) -> (Type, String) {
-    let is_number = |value: &String| value == "nil" || value.trim().trim_end_matches('%').parse::<f64>().is_ok();
+    let is_number =
+        |value: &String| value == "nil" || value.trim().trim_end_matches('%').parse::<f64>().is_ok();
     let shape = if written.is_list { Shape::Each } else { Shape::One };
     let numbers = !written.values.is_empty() && written.values.iter().all(is_number);
     let kind = Type { scalar: if numbers { Scalar::RealOrPercent } else { Scalar::Text }, shape };

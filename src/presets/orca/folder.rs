@@ -247,4 +247,3 @@ fn loose(folder: &Path, kind: Kind, own: &mut Folder) {
         }
     }
 }
-

@@ -42,8 +42,9 @@ impl File {
     /// It cannot be read, or is no JSON object.
     pub fn read(path: &Path) -> Result<Self, PresetError> {
         let name: Arc<str> = path.display().to_string().into();
-        let bytes = std::fs::read(path)
-            .map_err(|error| PresetError::at(Place::new(name.clone(), 0, ""), format!("cannot be read: {error}")))?;
+        let bytes = std::fs::read(path).map_err(|error| {
+            PresetError::at(Place::new(name.clone(), 0, ""), format!("cannot be read: {error}"))
+        })?;
         Self::parse(name, &bytes)
     }
 
@@ -57,7 +58,8 @@ impl File {
             let (line, column) = (error.line(), error.column());
             let whole = error.to_string();
             let what = whole.split(" at line ").next().unwrap_or_default();
-            let message = format!("column {column}: {what}: this is no JSON that could be read; write the file again");
+            let message =
+                format!("column {column}: {what}: this is no JSON that could be read; write the file again");
             PresetError::at(Place::new(path.clone(), line, ""), message)
         };
         let raw: BTreeMap<String, &RawValue> = serde_json::from_slice(bytes).map_err(refuse)?;

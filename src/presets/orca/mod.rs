@@ -129,8 +129,13 @@ impl Orca {
     fn inherited(&self, kind: Kind, preset: Found<'_>, key: &str) -> Result<Vec<String>, PresetError> {
         for found in self.chain(kind, preset)? {
             if let Some(written) = found.preset.file()?.get(key) {
-                let split = |text: &String| text.split(';').map(|name| name.trim().to_owned()).collect::<Vec<_>>();
-                let names = if written.is_list { written.values.clone() } else { written.values.iter().flat_map(split).collect() };
+                let split =
+                    |text: &String| text.split(';').map(|name| name.trim().to_owned()).collect::<Vec<_>>();
+                let names = if written.is_list {
+                    written.values.clone()
+                } else {
+                    written.values.iter().flat_map(split).collect()
+                };
                 return Ok(names.into_iter().filter(|name| !name.is_empty()).collect());
             }
         }
@@ -245,7 +250,8 @@ impl Family for Orca {
         let print_names = print.map(|print| BTreeSet::from([print.preset.name.as_str()]));
         let mut fitting: Vec<Found<'_>> = Vec::new();
         for found in self.all(kind) {
-            let is_near = found.folder.is_user || found.folder.is_library || std::ptr::eq(found.folder, stem.folder);
+            let is_near =
+                found.folder.is_user || found.folder.is_library || std::ptr::eq(found.folder, stem.folder);
             if !is_near || !found.preset.can_be_chosen() {
                 continue;
             }
@@ -262,8 +268,11 @@ impl Family for Orca {
             }
         }
         // A vendor's own filament stands for the shared one of that name.
-        let own: BTreeSet<&str> =
-            fitting.iter().filter(|found| !found.folder.is_library).map(|found| alias(&found.preset.name)).collect();
+        let own: BTreeSet<&str> = fitting
+            .iter()
+            .filter(|found| !found.folder.is_library)
+            .map(|found| alias(&found.preset.name))
+            .collect();
         fitting.retain(|found| !found.folder.is_library || !own.contains(alias(&found.preset.name)));
         fitting.sort_by_key(|found| (!found.folder.is_user, found.folder.is_library));
         let mut seen = BTreeSet::new();

@@ -6,7 +6,7 @@ use std::collections::BTreeMap;
 use super::json::Written;
 use super::legacy::{ABSOLUTE, RENAMED, REWORDED};
 use crate::presets::config::Place;
-use crate::presets::value::{Scalar, Shape, Type, texts};
+use crate::presets::value::{Scalar, Shape, Type, texts, unescaped};
 
 /// What the values of a key are, and what is built in for it; `None`: there is no such key.
 type BuiltIn = fn(&str) -> Option<(Type, &'static str)>;
@@ -71,7 +71,11 @@ impl Values {
                     _ => written.values.clone(),
                 }
             }
-            None => built_in.map(|(kind, default)| split(kind, default)).unwrap_or_default(),
+            None => match built_in {
+                Some((Type { scalar: Scalar::Text, shape: Shape::One }, default)) => vec![unescaped(default)],
+                Some((kind, default)) => split(kind, default),
+                None => Vec::new(),
+            },
         }
     }
 
