@@ -10,13 +10,13 @@ pub(super) const VARIABLE: &str = "PATHWRIGHT_PRESETS";
 
 /// What an operating system calls its folders.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Os {
+pub(super) enum System {
     Linux,
     MacOs,
     Windows,
 }
 
-impl Os {
+impl System {
     fn this() -> Self {
         match std::env::consts::OS {
             "windows" => Self::Windows,
@@ -112,7 +112,7 @@ const SLICERS: &[Slicer] = &[
 /// `named`: what the user names; `variable`: the value of an environment variable.
 pub(super) fn places(
     named: &[PathBuf],
-    os: Os,
+    system: System,
     home: Option<&Path>,
     variable: impl Fn(&str) -> Option<OsString>,
 ) -> Vec<Source> {
@@ -123,13 +123,13 @@ pub(super) fn places(
     let folder = |name: &str| variable(name).map(PathBuf::from).filter(|path| path.is_absolute());
     let in_home = |path: &str| home.map(|home| home.join(path));
     // Folders of settings, and of data where that is another one.
-    let (settings, data) = match os {
-        Os::Linux => (
+    let (settings, data) = match system {
+        System::Linux => (
             folder("XDG_CONFIG_HOME").or_else(|| in_home(".config")),
             folder("XDG_DATA_HOME").or_else(|| in_home(".local/share")),
         ),
-        Os::MacOs => (in_home("Library/Application Support"), None),
-        Os::Windows => (folder("APPDATA").or_else(|| in_home("AppData/Roaming")), None),
+        System::MacOs => (in_home("Library/Application Support"), None),
+        System::Windows => (folder("APPDATA").or_else(|| in_home("AppData/Roaming")), None),
     };
     places.extend(settings.iter().map(|folder| folder.join("pathwright/presets")).map(of(None)));
     for slicer in SLICERS {
@@ -142,8 +142,8 @@ pub(super) fn places(
         for folder in settings.iter().chain(&data) {
             add(folder.join(slicer.settings));
         }
-        match os {
-            Os::Linux => {
+        match system {
+            System::Linux => {
                 let (name, flatpak) = (slicer.settings, slicer.flatpak);
                 for kind in ["config", "data"] {
                     in_home(&format!(".var/app/{flatpak}/{kind}/{name}")).map(&mut add);
@@ -160,14 +160,14 @@ pub(super) fn places(
                     slicer.linux.iter().for_each(|name| add(folder.join(name)));
                 }
             }
-            Os::MacOs => {
+            System::MacOs => {
                 let applications =
                     in_home("Applications").into_iter().chain([PathBuf::from("/Applications")]);
                 for folder in applications {
                     slicer.macos.iter().for_each(|name| add(folder.join(name)));
                 }
             }
-            Os::Windows => {
+            System::Windows => {
                 let programs =
                     ["ProgramW6432", "ProgramFiles", "LOCALAPPDATA"].into_iter().filter_map(&folder);
                 for folder in programs {
@@ -181,7 +181,7 @@ pub(super) fn places(
 
 /// The places of this machine.
 pub(super) fn of_this_machine(named: &[PathBuf]) -> Vec<Source> {
-    places(named, Os::this(), std::env::home_dir().as_deref(), |name| std::env::var_os(name))
+    places(named, System::this(), std::env::home_dir().as_deref(), |name| std::env::var_os(name))
 }
 
 /// Those places that are there, one for each folder that a name with `*` stands for, later versions first.
@@ -227,7 +227,7 @@ fn version(path: &Path) -> (Vec<u64>, OsString) {
 mod tests {
     use super::*;
 
-    fn paths(os: Os, variables: &[(&str, &str)]) -> Vec<String> {
+    fn paths(system: System, variables: &[(&str, &str)]) -> Vec<String> {
         let variable = |name: &str| {
             variables.iter().find(|(known, _)| *known == name).map(|(_, value)| OsString::from(value))
         };
@@ -238,7 +238,7 @@ mod tests {
     #[test]
     fn what_the_user_names_comes_before_what_slicers_have() {
         let variable = if cfg!(windows) { "/a;/b" } else { "/a:/b" };
-        let linux = paths(Os::Linux, &[(VARIABLE, variable)]);
+        let linux = paths(System::Linux, &[(VARIABLE, variable)]);
         assert_eq!(
             linux[..5],
             ["mine.ini", "/a", "/b", "/home/me/.config/pathwright/presets", "/home/me/.config/PrusaSlicer"]
@@ -257,17 +257,17 @@ mod tests {
     #[cfg(unix)]
     #[test]
     fn every_system_has_its_own_folders() {
-        let moved = paths(Os::Linux, &[("XDG_CONFIG_HOME", "/elsewhere")]);
+        let moved = paths(System::Linux, &[("XDG_CONFIG_HOME", "/elsewhere")]);
         assert!(moved.contains(&"/elsewhere/OrcaSlicer".into()), "{moved:#?}");
-        let ignored = paths(Os::Linux, &[("XDG_CONFIG_HOME", "relative")]);
+        let ignored = paths(System::Linux, &[("XDG_CONFIG_HOME", "relative")]);
         assert!(
             ignored.contains(&"/home/me/.config/OrcaSlicer".into()),
             "as the standard of such folders has it"
         );
-        let mac = paths(Os::MacOs, &[]);
+        let mac = paths(System::MacOs, &[]);
         assert!(mac.contains(&"/home/me/Library/Application Support/SuperSlicer".into()), "{mac:#?}");
         assert!(mac.contains(&"/Applications/OrcaSlicer.app/Contents/Resources/profiles".into()), "{mac:#?}");
-        let windows = paths(Os::Windows, &[("APPDATA", "/r"), ("ProgramFiles", "/p")]);
+        let windows = paths(System::Windows, &[("APPDATA", "/r"), ("ProgramFiles", "/p")]);
         assert!(windows.contains(&"/r/Creality/Creality Print/*".into()), "{windows:#?}");
         assert!(windows.contains(&"/p/Prusa3D/PrusaSlicer/resources/profiles".into()), "{windows:#?}");
     }
