@@ -40,6 +40,7 @@ pub(super) enum Command {
     Time(TimeArgs),
     Check(CheckArgs),
     Profiles(ProfilesArgs),
+    Printers(PrintersArgs),
     /// Print a completion script for a shell
     Completions {
         shell: Shell,
@@ -373,7 +374,30 @@ pub(super) struct ShapeArgs {
 }
 
 #[derive(Debug, Args)]
+pub(super) struct PresetArgs {
+    /// Printer preset of another slicer, or a project (3MF) with its settings; `pathwright printers` lists them. Profiles
+    /// and --set win over presets
+    #[arg(long, value_name = "NAME", help_heading = "Settings")]
+    pub printer: Option<String>,
+
+    /// Print preset that goes with --printer [default: the printer's own]
+    #[arg(long, value_name = "NAME", requires = "printer", help_heading = "Settings")]
+    pub print: Option<String>,
+
+    /// Filament preset that goes with --printer [default: the printer's own]
+    #[arg(long, value_name = "NAME", requires = "printer", help_heading = "Settings")]
+    pub filament: Option<String>,
+
+    /// File or folder of presets, before $PATHWRIGHT_PRESETS and the folders of the slicers on this machine; repeatable
+    #[arg(long, value_name = "PATH", value_hint = ValueHint::AnyPath, help_heading = "Settings")]
+    pub presets: Vec<PathBuf>,
+}
+
+#[derive(Debug, Args)]
 pub(super) struct SettingArgs {
+    #[command(flatten)]
+    pub presets: PresetArgs,
+
     /// Embedded profile, TOML file, or configuration of PrusaSlicer or SuperSlicer (.ini, .gcode); repeatable, the later
     /// one wins
     #[arg(short, long, value_name = "NAME|PATH", help_heading = "Settings")]
@@ -466,6 +490,58 @@ pub(super) enum ProfilesCommand {
     Reference,
     /// Print what is imported from the configurations of other slicers, as Markdown
     Imports,
+}
+
+/// List the printers of other slicers' presets
+///
+/// Presets are looked for in what --presets names, in $PATHWRIGHT_PRESETS, in the folder pathwright/presets beside other
+/// settings, and in the folders of PrusaSlicer, SuperSlicer, OrcaSlicer, Bambu Studio, Creality Print and Cura.
+#[derive(Debug, Args)]
+#[command(args_conflicts_with_subcommands = true)]
+pub(super) struct PrintersArgs {
+    #[command(subcommand)]
+    pub command: Option<PrintersCommand>,
+
+    /// Words that a printer's name, file or slicer has, in any order
+    #[arg(value_name = "WORDS")]
+    pub words: Vec<String>,
+
+    /// File or folder of presets; repeatable
+    #[arg(long, value_name = "PATH", value_hint = ValueHint::AnyPath)]
+    pub presets: Vec<PathBuf>,
+
+    /// Print JSON
+    #[arg(long)]
+    pub json: bool,
+}
+
+#[derive(Debug, Subcommand)]
+pub(super) enum PrintersCommand {
+    Show(ShowPrinterArgs),
+}
+
+/// Print what a printer's presets come to: every setting with where it comes from, and what is not taken over
+#[derive(Debug, Args)]
+pub(super) struct ShowPrinterArgs {
+    /// Printer preset
+    #[arg(value_name = "NAME")]
+    pub name: String,
+
+    /// Print preset [default: the printer's own]
+    #[arg(long, value_name = "NAME")]
+    pub print: Option<String>,
+
+    /// Filament preset [default: the printer's own]
+    #[arg(long, value_name = "NAME")]
+    pub filament: Option<String>,
+
+    /// File or folder of presets; repeatable
+    #[arg(long, value_name = "PATH", value_hint = ValueHint::AnyPath)]
+    pub presets: Vec<PathBuf>,
+
+    /// Print JSON, with the other slicer's complete configuration and the presets that fit
+    #[arg(long)]
+    pub json: bool,
 }
 
 /// Three numbers, for X, Y and Z.

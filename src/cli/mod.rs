@@ -8,7 +8,10 @@ mod exit;
 mod info;
 mod memory;
 mod pages;
+mod places;
 mod plan;
+mod presets;
+mod printers;
 mod profiles;
 mod reorder;
 mod slice;
@@ -48,6 +51,7 @@ pub fn run(args: impl IntoIterator<Item = OsString>, engine: &dyn Engine) -> Exi
         Command::Time(args) => time::run(args),
         Command::Check(args) => in_pool(|| check::run(args)),
         Command::Profiles(args) => profiles::run(args),
+        Command::Printers(args) => printers::run(args),
         Command::Completions { shell } => pages::completions(*shell),
         Command::Man { command } => pages::man(command.as_deref()),
     };

@@ -7,10 +7,12 @@ use std::path::{Path, PathBuf};
 use super::args::{Assignment, ModelArgs, ObjectAssignment, OrderingArgs, SettingArgs, ShapeArgs, SliceArgs};
 use super::console;
 use super::exit::{Exit, Failure};
+use super::presets;
 use crate::job::{Job, ObjectSettings, TransformOptions};
 use crate::mesh::Transform;
 use crate::output::resolve_links;
-use crate::profile::{Origin, Override, Problem, ProfileError, Resolved, SECTIONS, resolve};
+use crate::presets::Chosen;
+use crate::profile::{Origin, Override, Problem, ProfileError, Resolved, SECTIONS, resolve, resolve_presets};
 use crate::slice::heights_from_lines;
 
 /// Everything that `slice` is going to do.
@@ -59,7 +61,8 @@ impl Plan {
         let mut tasks: Vec<Task> = tasks.collect::<Result<_, Failure>>()?;
         no_file_is_written_twice(&tasks)?;
         no_input_is_overwritten(&tasks)?;
-        let resolved = settings(&args.settings, &shorthands)?;
+        let presets = presets::chosen(&args.settings.presets)?;
+        let resolved = settings_on(presets.as_ref(), &args.settings, &shorthands)?;
         let plate = &resolved.settings.plate;
         if args.copies > 1 && !plate.arrange {
             return Err(usage("copies have no position in a file; leave out --copies or --no-arrange"));
@@ -69,7 +72,7 @@ impl Plan {
                 "support enforcers and blockers are given in the model's coordinates, which --orient changes; use one of them",
             ));
         }
-        let objects = object_settings(args, &shorthands)?;
+        let objects = object_settings(args, presets.as_ref(), &shorthands)?;
         for task in &mut tasks {
             task.job.objects.clone_from(&objects);
         }
@@ -78,7 +81,11 @@ impl Plan {
 }
 
 /// Settings of some objects: those of the plate with more on top.
-fn object_settings(args: &SliceArgs, shorthands: &[Override]) -> Result<Vec<ObjectSettings>, Failure> {
+fn object_settings(
+    args: &SliceArgs,
+    presets: Option<&Chosen>,
+    shorthands: &[Override],
+) -> Result<Vec<ObjectSettings>, Failure> {
     const OPTION: &str = "--object";
     let mut given: Vec<(&str, Vec<Override>)> = Vec::new();
     let mut problems = Vec::new();
@@ -99,7 +106,7 @@ fn object_settings(args: &SliceArgs, shorthands: &[Override]) -> Result<Vec<Obje
         return Err(ProfileError { problems }.into());
     }
     let resolved = given.into_iter().map(|(object, own)| {
-        let settings = settings(&args.settings, &[shorthands, &own].concat())?.settings;
+        let settings = settings_on(presets, &args.settings, &[shorthands, &own].concat())?.settings;
         Ok(ObjectSettings { object: object.to_owned(), settings })
     });
     resolved.collect()
@@ -166,13 +173,25 @@ pub(super) fn shape(args: &ShapeArgs) -> Transform {
 
 /// Settings in force; options with a setting's meaning win over `--set`.
 pub(super) fn settings(args: &SettingArgs, shorthands: &[Override]) -> Result<Resolved, Failure> {
+    settings_on(presets::chosen(&args.presets)?.as_ref(), args, shorthands)
+}
+
+/// The same on presets that were chosen already.
+fn settings_on(
+    presets: Option<&Chosen>,
+    args: &SettingArgs,
+    shorthands: &[Override],
+) -> Result<Resolved, Failure> {
     let typed = args.set.iter().map(|Assignment { key, value }| Override {
         key: key.clone(),
         value: value.clone(),
         option: "--set",
     });
     let overrides: Vec<Override> = typed.chain(shorthands.iter().cloned()).collect();
-    Ok(resolve(&args.profile, &overrides)?)
+    let Some(presets) = presets else { return Ok(resolve(&args.profile, &overrides)?) };
+    let mut resolved = resolve_presets(&presets.config, &args.profile, &overrides)?;
+    resolved.warnings.splice(0..0, presets::notes(presets));
+    Ok(resolved)
 }
 
 /// The options that are short for a setting.

@@ -149,10 +149,15 @@ impl Bundles {
         users.chain(self.presets.iter().filter(of_kind).filter(|preset| !preset.listed.is_user))
     }
 
+    /// The presets of a name, the one that is taken first.
+    pub fn named(&self, kind: Kind, name: &str) -> impl Iterator<Item = &Preset> {
+        let same = self.by_name.get(&(kind, name.to_owned()));
+        same.into_iter().flatten().map(|&index| &self.presets[index])
+    }
+
     /// The preset of a name that is taken.
     pub fn find(&self, kind: Kind, name: &str) -> Option<&Preset> {
-        let same = self.by_name.get(&(kind, name.to_owned()))?;
-        same.first().map(|&index| &self.presets[index])
+        self.named(kind, name).next()
     }
 
     /// The preset that had a name formerly.
@@ -174,10 +179,13 @@ impl Bundles {
             for name in texts(&line.value).iter().filter(|name| !name.is_empty()) {
                 let same = self.by_name.get(&(preset.kind, name.clone().into_owned()));
                 let mut same = same.into_iter().flatten().copied();
-                let near = |&other: &usize| self.presets[other].file == preset.file;
+                // A user's preset may be named like the one that it is made from.
+                let is_user = preset.vendor.is_none();
+                let near =
+                    |&other: &usize| self.presets[other].file == preset.file && !(is_user && other == index);
                 let found = same.clone().find(|other| near(other)).or_else(|| {
                     // A vendor's bundle is complete, a user's preset is of what is there.
-                    same.find(|&other| preset.vendor.is_none() && other != index)
+                    same.find(|&other| is_user && other != index)
                 });
                 match found {
                     Some(found) => parents.push((found, line.line)),

@@ -1,6 +1,5 @@
 //! A configuration of another slicer: every key with its value, where it was written, and whose words it uses.
 
-use std::borrow::Cow;
 use std::collections::BTreeMap;
 use std::fmt;
 use std::sync::Arc;
@@ -151,13 +150,6 @@ impl Config {
             "0" | "false" | "disabled" | "none" | "nowhere" => Some(false),
             _ => None,
         }
-    }
-
-    /// The texts of a list of them, unquoted.
-    pub fn texts(&self, key: &str) -> Vec<String> {
-        self.text(key)
-            .map(|text| value::texts(text).into_iter().map(Cow::into_owned).collect())
-            .unwrap_or_default()
     }
 }
 

@@ -58,6 +58,9 @@ pub(super) trait Family: Debug + Send + Sync {
     /// Every preset of a kind that can be chosen; of those of one name the first is taken, users' are before vendors'.
     fn listed(&self, kind: Kind) -> Vec<&Listed>;
 
+    /// Those presets of a kind that have a name, in the order in which they are taken.
+    fn named(&self, kind: Kind, name: &str) -> Vec<&Listed>;
+
     /// The name that a preset has now, given one that it had formerly.
     fn renamed(&self, kind: Kind, formerly: &str) -> Option<&str>;
 

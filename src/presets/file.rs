@@ -7,21 +7,25 @@ use super::config::{Config, Dialect, Place};
 use super::family::Kind;
 use super::ini::{self, Section, assignment};
 use super::keys::key_type;
+use super::project;
 use crate::gcode::is_gcode;
 
-/// Whether a file of this name is read as a configuration of another slicer.
+/// Whether a file of this name is read as a configuration of another slicer: `.ini`, G-code, a project (3MF).
 pub fn is_foreign(path: &Path) -> bool {
     let extension = path.extension().unwrap_or_default().to_string_lossy().to_ascii_lowercase();
-    extension == "ini" || is_gcode(path)
+    extension == "ini" || is_gcode(path) || project::is_project(path)
 }
 
 impl Config {
-    /// Reads an `.ini` file, or the configuration in a G-code file.
+    /// Reads an `.ini` file, or the configuration in a G-code file or a project.
     ///
     /// # Errors
     /// The file cannot be read, holds no configuration, or several presets of one kind without saying which is meant.
     pub fn read(path: &Path) -> Result<Self, String> {
         let file = path.display().to_string();
+        if project::is_project(path) {
+            return project::read(path);
+        }
         if is_gcode(path) {
             let mut block = Block::default();
             ini::each_line(path, u64::MAX, |number, line| block.line(line.trim(), number))?;
@@ -36,6 +40,18 @@ impl Config {
     /// As [`Config::read`].
     pub fn parse(lines: &[String]) -> Result<Self, String> {
         Self::of_sections("", ini::sections(lines))
+    }
+
+    /// Reads the lines of a file of that name, written in a dialect.
+    ///
+    /// # Errors
+    /// As [`Config::read`].
+    pub(super) fn of_lines(file: &str, lines: &[String], dialect: Dialect) -> Result<Self, String> {
+        let mut config = Self::of_sections(file, ini::sections(lines))?;
+        if dialect == Dialect::Super {
+            config.dialect = dialect;
+        }
+        Ok(config)
     }
 
     fn of_sections(file: &str, sections: Vec<Section>) -> Result<Self, String> {

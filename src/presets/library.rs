@@ -1,8 +1,10 @@
 //! All presets that there are: one found by its name, what fits it, and the three that print together.
 
 use super::config::{Config, Dialect};
+use super::cura::{self, Cura};
 use super::error::PresetError;
 use super::family::{Family, Kind, Listed, Source};
+use super::orca::{self, Orca};
 use super::prusa::Prusa;
 use crate::near;
 
@@ -39,32 +41,36 @@ pub struct Chosen {
 /// Reads a family from sources.
 type Reader = fn(&[&Source], &mut Vec<PresetError>) -> Box<dyn Family>;
 
-/// The family that reads a dialect.
-fn reader(dialect: Dialect) -> Option<Reader> {
-    match dialect {
-        Dialect::Prusa | Dialect::Super => Some(|sources, problems| Box::new(Prusa::read(sources, problems))),
-        Dialect::Orca | Dialect::Cura => None,
-    }
-}
+/// The ways to write presets: whose they are, what their files are called, who reads them.
+const READERS: [(&[Dialect], fn(&str) -> bool, Reader); 3] = [
+    (&[Dialect::Prusa, Dialect::Super], |name| !name.ends_with(".json"), |s, p| Box::new(Prusa::read(s, p))),
+    (&[Dialect::Orca], orca::is_preset, |s, p| Box::new(Orca::read(s, p))),
+    (&[Dialect::Cura], cura::is_preset, |s, _| Box::new(Cura::read(s))),
+];
 
-/// Whose presets a source holds.
-fn dialect(source: &Source) -> Dialect {
-    source.dialect.unwrap_or(Dialect::Prusa)
+/// Whether a source may hold presets of one of these dialects. Files are known by their names, folders may hold any.
+fn may_hold(source: &Source, dialects: &[Dialect], is_of_name: fn(&str) -> bool) -> bool {
+    let name = source.path.file_name().unwrap_or_default().to_string_lossy().to_ascii_lowercase();
+    match source.dialect {
+        Some(dialect) => dialects.contains(&dialect),
+        None => source.path.is_dir() || is_of_name(&name),
+    }
 }
 
 impl Library {
     /// Reads what is in files and folders, those first that win where names are the same. What is not there is passed over.
     pub fn open(sources: &[Source]) -> Self {
-        let mut groups: Vec<(Reader, Vec<&Source>)> = Vec::new();
-        for source in sources.iter().filter(|source| source.path.exists()) {
-            let Some(reader) = reader(dialect(source)) else { continue };
-            match groups.iter_mut().find(|(other, _)| std::ptr::fn_addr_eq(*other, reader)) {
-                Some((_, group)) => group.push(source),
-                None => groups.push((reader, vec![source])),
-            }
-        }
+        let there: Vec<&Source> = sources.iter().filter(|source| source.path.exists()).collect();
         let mut problems = Vec::new();
-        let families = groups.iter().map(|(reader, group)| reader(group, &mut problems)).collect();
+        let mut families: Vec<(usize, Box<dyn Family>)> = Vec::new();
+        for (dialects, is_of_name, reader) in READERS {
+            let own = |source: &&&Source| may_hold(source, dialects, is_of_name);
+            let Some(first) = there.iter().position(|source| own(&source)) else { continue };
+            let own: Vec<&Source> = there.iter().filter(own).copied().collect();
+            families.push((first, reader(&own, &mut problems)));
+        }
+        families.sort_by_key(|(first, _)| *first);
+        let families = families.into_iter().map(|(_, family)| family).collect();
         Self { families, problems }
     }
 
@@ -87,43 +93,39 @@ impl Library {
         found.family.preset(kind, &found.listed.name)
     }
 
-    /// Every preset of a kind, with whom to ask about it.
-    fn all(&self, kind: Kind) -> impl Iterator<Item = (&dyn Family, Listed)> {
+    /// Every preset of a name, with whom to ask about it.
+    fn named(&self, kind: Kind, name: &str) -> Vec<(&dyn Family, &Listed)> {
         let families = self.families.iter().map(AsRef::as_ref);
-        families.flat_map(move |family| family.listed(kind).into_iter().map(move |l| (family, l.clone())))
+        families.flat_map(|family| family.named(kind, name).into_iter().map(move |l| (family, l))).collect()
     }
 
     /// The preset of that name, or of that former name; capitals do not count where it is clear what is meant.
     fn find(&self, kind: Kind, name: &str) -> Result<Found<'_>, PresetError> {
-        let listed = || self.all(kind);
-        let exact = listed().find(|(_, listed)| listed.name == name);
-        let former = || {
-            let now = |family: &Box<dyn Family>| Some(family.renamed(kind, name)?.to_owned());
-            let (family, now) = self.families.iter().find_map(|family| Some((family, now(family)?)))?;
-            let listed = family.listed(kind).into_iter().find(|listed| listed.name == now)?;
-            Some((family.as_ref(), listed.clone()))
-        };
-        let alike = || {
-            let mut alike = listed().filter(|(_, listed)| listed.name.eq_ignore_ascii_case(name));
-            let first = alike.next()?;
-            alike.all(|(_, other)| other.name == first.1.name).then_some(first)
-        };
-        let (family, taken) = exact.or_else(former).or_else(alike).ok_or_else(|| self.unknown(kind, name))?;
-        let mut note = None;
-        if taken.name != name {
-            note = Some(format!("{} preset `{name}` is now called `{}`", kind.name(), taken.name));
+        let mut named = self.named(kind, name);
+        if named.is_empty() {
+            let now = self.families.iter().find_map(|family| family.renamed(kind, name));
+            named = now.map(|now| self.named(kind, now)).unwrap_or_default();
         }
-        let others = listed().filter(|(_, listed)| listed.name == taken.name && listed.place != taken.place);
-        let others: Vec<String> = others.map(|(_, listed)| listed.place.file.to_string()).collect();
+        if named.is_empty() {
+            let mut alike = self.listed(kind).into_iter().filter(|l| l.name.eq_ignore_ascii_case(name));
+            if let Some(first) = alike.next().filter(|first| alike.all(|other| other.name == first.name)) {
+                named = self.named(kind, &first.name);
+            }
+        }
+        let Some((&(family, taken), others)) = named.split_first() else {
+            return Err(self.unknown(kind, name));
+        };
+        let mut notes = Vec::new();
+        if !taken.name.eq_ignore_ascii_case(name) {
+            notes.push(format!("{} preset `{name}` is now called `{}`", kind.name(), taken.name));
+        }
         if !others.is_empty() {
+            let files: Vec<&str> = others.iter().map(|(_, other)| &*other.place.file).collect();
             let (name, file) = (&taken.name, &taken.place.file);
-            note = Some(format!(
-                "{} preset `{name}` is taken from {file}, not from {}",
-                kind.name(),
-                others.join(", ")
-            ));
+            let kind = kind.name();
+            notes.push(format!("{kind} preset `{name}` is taken from {file}, not from {}", files.join(", ")));
         }
-        Ok(Found { family, listed: taken, note })
+        Ok(Found { family, listed: taken.clone(), notes })
     }
 
     fn unknown(&self, kind: Kind, name: &str) -> PresetError {
@@ -150,8 +152,7 @@ impl Library {
         print: Option<&str>,
         filament: Option<&str>,
     ) -> Result<Chosen, PresetError> {
-        let Found { family, listed: printer, note } = self.find(Kind::Printer, printer)?;
-        let mut notes = Vec::from_iter(note);
+        let Found { family, listed: printer, mut notes } = self.find(Kind::Printer, printer)?;
         let at = printer.name.as_str();
         let prints = family.compatible(Kind::Print, at, None)?;
         let preferred = family.preferred(Kind::Print, at, None)?;
@@ -177,12 +178,21 @@ impl Library {
         whole: &str,
         notes: &mut Vec<String>,
     ) -> Result<Listed, PresetError> {
-        let listed = |name: &str| family.listed(kind).into_iter().find(|listed| listed.name == name).cloned();
+        let listed = |name: &str| family.named(kind, name).first().copied().cloned();
         let fits = |name: &&String| fitting.contains(name);
         let Some(name) = named else {
-            let own = preferred.iter().find(fits).or(fitting.first());
-            let none = || PresetError::of(format!("no {} preset fits `{whole}`", kind.name()));
-            return own.and_then(|name| listed(name)).ok_or_else(none);
+            let own = preferred.iter().find(fits);
+            let Some(taken) = own.or(fitting.first()).and_then(|name| listed(name)) else {
+                return Err(PresetError::of(format!("no {} preset fits `{whole}`", kind.name())));
+            };
+            if let (None, Some(asked)) = (own, preferred.first()) {
+                let (kind, count, taken) = (kind.name(), fitting.len(), &taken.name);
+                notes.push(format!(
+                    "{kind} preset `{asked}`, which the printer asks for, is not one of the {count} that fit; \
+                     the first of them is taken: `{taken}`"
+                ));
+            }
+            return Ok(taken);
         };
         let known = listed(name).map(|listed| listed.name);
         let known = known.or_else(|| Some(family.renamed(kind, name)?.to_owned()));
@@ -190,7 +200,7 @@ impl Library {
         if let Some(found) =
             known.clone().filter(|name| fitting.contains(name)).and_then(|name| listed(&name))
         {
-            notes.extend(self.find(kind, &found.name).ok().and_then(|found| found.note));
+            notes.extend(self.find(kind, &found.name).into_iter().flat_map(|found| found.notes));
             return Ok(found);
         }
         let near = near::names(name, fitting.iter().map(String::as_str), NAMED);
@@ -217,7 +227,7 @@ impl Library {
 struct Found<'a> {
     family: &'a dyn Family,
     listed: Listed,
-    note: Option<String>,
+    notes: Vec<String>,
 }
 
 fn quoted<'a>(names: impl Iterator<Item = &'a str>) -> String {

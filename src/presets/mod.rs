@@ -4,6 +4,7 @@
 
 mod bundle;
 mod config;
+mod cura;
 mod error;
 mod family;
 mod file;
@@ -11,6 +12,8 @@ mod ini;
 mod keys;
 mod library;
 mod names;
+mod orca;
+mod project;
 mod prusa;
 mod value;
 

@@ -11,7 +11,7 @@ use super::error::PresetError;
 use super::family::{Family, Kind, Listed, Source};
 use super::keys::{self, FORGOTTEN, KEYS, RENAMED};
 use super::names::script_value;
-use super::value::{Shape, Type, for_extruders, join_texts, texts, written_alike};
+use super::value::{Shape, Type, for_extruders, join_texts, texts, unescaped, written_alike};
 
 /// Keys that say how presets belong together, and are no settings.
 const BELONGING: [&str; 7] = [
@@ -23,6 +23,9 @@ const BELONGING: [&str; 7] = [
     "compatible_prints",
     "compatible_prints_condition",
 ];
+
+/// Keys that ask for other presets: scripts may read them, but they are no settings.
+const ASKING: [&str; 2] = ["default_filament_profile", "default_print_profile"];
 
 /// The vendor whose filaments are for the printers of all others.
 const TEMPLATES: &str = "Templates";
@@ -64,7 +67,12 @@ impl Prusa {
         self.bundles.find(kind, name).ok_or_else(missing)
     }
 
-    /// Names that are preset of a key that is a list of texts.
+    /// Whether it is not of a printer that hardens resin.
+    fn melts(&self, preset: &Preset) -> bool {
+        preset.kind != Kind::Printer || self.bundles.value(preset, "printer_technology") != Some("SLA")
+    }
+
+    /// The names in a key, with or without quotes.
     fn list(&self, preset: &Preset, key: &str) -> Vec<String> {
         let value = self.bundles.value(preset, key).unwrap_or_default();
         texts(value).into_iter().filter(|text| !text.is_empty()).map(|text| text.into_owned()).collect()
@@ -85,8 +93,12 @@ impl Prusa {
         if !names.is_empty() {
             return names.iter().any(|name| *name == with.facts.preset || *name == with.made_from);
         }
-        let condition = self.bundles.value(preset, &format!("{key}_condition")).unwrap_or_default();
-        condition.trim().is_empty() || with.holds(condition)
+        let condition = self.condition(preset, &format!("{key}_condition"));
+        condition.trim().is_empty() || with.holds(&condition)
+    }
+
+    fn condition(&self, preset: &Preset, key: &str) -> String {
+        unescaped(self.bundles.value(preset, key).unwrap_or_default())
     }
 
     fn same_vendor(&self, preset: &Preset, printer: &Preset) -> bool {
@@ -109,7 +121,10 @@ impl Prusa {
         if config.dialect == Dialect::Prusa {
             for key in KEYS {
                 let value = for_all(key.kind, key.default, extruders, key.default);
-                config.set_both(key.name, &value, Some(key.kind), Place::built_in(config.dialect));
+                if !ASKING.contains(&key.name) {
+                    config.set(key.name, &value, Place::built_in(config.dialect));
+                }
+                config.set_raw(key.name, &value, Some(key.kind));
             }
         }
         for (key, Found { value, place, .. }) in found {
@@ -125,7 +140,10 @@ impl Prusa {
                 }
                 None => value.to_owned(),
             };
-            config.set_both(key, &value, known.map(|known| known.kind), place);
+            if !ASKING.contains(&key) {
+                config.set(key, &value, place);
+            }
+            config.set_raw(key, &value, known.map(|known| known.kind));
         }
         Ok(config)
     }
@@ -139,14 +157,13 @@ impl Prusa {
         set("printer_settings_id", &printer.name, place(printer));
         set("print_settings_id", &print.name, place(print));
         set("filament_settings_id", &each(&filament.name), place(filament));
-        let condition =
-            |preset| self.bundles.value(preset, "compatible_printers_condition").unwrap_or_default();
+        let condition = |preset| self.condition(preset, "compatible_printers_condition");
         let all = |print: &str, filament: &str, printer: Option<&str>| {
             let filaments = std::iter::repeat_n(filament, count);
             let all: Vec<&str> = std::iter::once(print).chain(filaments).chain(printer).collect();
             all.iter().any(|text| !text.is_empty()).then(|| join_texts(&all))
         };
-        if let Some(all) = all(condition(print), condition(filament), None) {
+        if let Some(all) = all(&condition(print), &condition(filament), None) {
             set("compatible_printers_condition_cummulative", &all, place(print));
         }
         let from = [print, filament, printer].map(|preset| self.bundles.made_from(preset));
@@ -166,10 +183,12 @@ impl Config {
 
 impl Family for Prusa {
     fn listed(&self, kind: Kind) -> Vec<&Listed> {
-        let is_fff = |preset: &&Preset| {
-            kind != Kind::Printer || self.bundles.value(preset, "printer_technology") != Some("SLA")
-        };
-        self.bundles.chosable(kind).filter(is_fff).map(|preset| &preset.listed).collect()
+        self.bundles.chosable(kind).filter(|preset| self.melts(preset)).map(|preset| &preset.listed).collect()
+    }
+
+    fn named(&self, kind: Kind, name: &str) -> Vec<&Listed> {
+        let named = self.bundles.named(kind, name).filter(|preset| !preset.name.starts_with('*'));
+        named.filter(|preset| self.melts(preset)).map(|preset| &preset.listed).collect()
     }
 
     fn renamed(&self, kind: Kind, formerly: &str) -> Option<&str> {
@@ -207,10 +226,7 @@ impl Family for Prusa {
         let printer = self.find(Kind::Printer, printer)?;
         Ok(match kind {
             Kind::Printer => Vec::new(),
-            Kind::Print => {
-                let name = self.bundles.value(printer, "default_print_profile").unwrap_or_default();
-                Vec::from_iter((!name.is_empty()).then(|| name.to_owned()))
-            }
+            Kind::Print => self.list(printer, "default_print_profile"),
             Kind::Filament => self.list(printer, "default_filament_profile"),
         })
     }

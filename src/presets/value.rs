@@ -179,7 +179,8 @@ pub(super) fn join_texts<T: AsRef<str>>(texts: &[T]) -> String {
     texts.iter().map(quoted).collect::<Vec<_>>().join(";")
 }
 
-fn escaped(text: &str) -> String {
+/// A text as it stands in a configuration, on one line.
+pub(super) fn escaped(text: &str) -> String {
     text.replace('\\', "\\\\").replace('\r', "\\r").replace('\n', "\\n")
 }
 

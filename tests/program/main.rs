@@ -18,6 +18,7 @@ mod print_modes;
 mod print_plate;
 mod print_surface;
 mod print_volume;
+mod printers;
 mod reorder;
 mod supports;
 mod view;

@@ -105,6 +105,8 @@ impl Import {
             let reason = match used.get(key.as_str()) {
                 Some(true) => continue,
                 Some(false) => left.remove(key.as_str()),
+                // Nobody asked for what is built in.
+                None if entry.place.is_built_in() => None,
                 None => unknown(key, config),
             };
             match reason {
@@ -260,7 +262,7 @@ mod tests {
     fn what_is_not_taken_over_is_told_and_what_is_off_is_not() {
         let import =
             import("layer_height = 0.2\nretract_lift_above = 3\nwipe_tower = 0\nfill_pattern = scribble\n");
-        let left: Vec<(&str, usize)> = import.left.iter().map(|l| (l.key.as_str(), l.line)).collect();
+        let left: Vec<(&str, usize)> = import.left.iter().map(|l| (l.key.as_str(), l.place.line)).collect();
         assert_eq!(left, [("retract_lift_above", 2), ("fill_pattern", 4)]);
         assert_eq!(import.idle, 1);
         assert!(import.left[1].reason.contains("scribble"), "{}", import.left[1].reason);

@@ -10,6 +10,7 @@ mod affine;
 mod archive;
 mod lattice;
 mod model;
+mod own;
 mod struts;
 mod xml;
 
@@ -81,6 +82,7 @@ impl Format for ThreeMf {
             return Err(MeshError::NoFacets { path: path.to_path_buf() });
         }
         let mut notes = package.notes(&root, budget.skipped);
+        notes.extend(package.settings_of_objects());
         if empty > 0 {
             notes.push(format!("{empty} objects without a facet were left out"));
         }
@@ -236,6 +238,11 @@ impl<'a> Package<'a> {
             }
         }
         Ok(FileObject { name: named.name.clone().or(only), soup: welder.finish(), facets, positions })
+    }
+
+    /// What other slicers have saved with the objects.
+    fn settings_of_objects(&mut self) -> Option<String> {
+        own::PARTS.iter().find_map(|name| own::note(self.archive.part(name).ok()?))
     }
 
     /// What was passed over.

@@ -1,0 +1,298 @@
+//! Presets of other slicers: found, fitted, resolved.
+
+use std::fs;
+use std::path::Path;
+
+use pathwright::presets::{Chosen, Dialect, Kind, Library, Source};
+use pathwright::profile::{Import, resolve_presets};
+use proptest::prelude::*;
+use tempfile::TempDir;
+
+const VENDOR: &str = r#"
+[vendor]
+name = Acme
+
+[printer_model:A1]
+name = Acme One
+variants = 0.4; 0.6
+
+[printer:*common*]
+bed_shape = 0x0,200x0,200x180,0x180
+gcode_flavor = marlin2
+retract_length = 0.80
+printer_notes = FAST\nNO_TEMPLATES
+default_print_profile = 0.2 mm
+default_filament_profile = "PLA"
+
+[printer:Acme 0.4]
+inherits = *common*
+printer_model = A1
+nozzle_diameter = 0.4
+renamed_from = "Acme"
+
+[printer:Acme 0.6]
+inherits = *common*
+printer_model = A1
+nozzle_diameter = 0.6
+
+[printer:Acme five]
+inherits = Acme 0.4
+nozzle_diameter = 0.4,0.4,0.4,0.4,0.4
+printer_model = A5
+default_print_profile = gone
+
+[printer:Acme resin]
+printer_technology = SLA
+
+[print:*common*]
+layer_height = 0.20
+perimeters = 3
+compatible_printers_condition = printer_notes=~/.*FAST.*/ and nozzle_diameter[0]==0.4
+
+[print:0.1 mm]
+inherits = *common*
+layer_height = 0.1
+
+[print:0.2 mm]
+inherits = *common*
+
+[print:0.3 mm]
+inherits = *common*
+layer_height = 0.3
+compatible_printers_condition =
+compatible_printers = Acme 0.6;"Acme five"
+
+[filament:*common*]
+temperature = 210
+filament_type = PLA
+filament_retract_length = nil
+
+[filament:PLA]
+inherits = *common*
+compatible_printers_condition = num_extruders < 9
+
+[filament:PLA fine]
+inherits = *common*
+temperature = 215
+compatible_prints_condition = layer_height < 0.15
+"#;
+
+/// A folder as slicers keep theirs.
+fn folder(files: &[(&str, &str)]) -> TempDir {
+    let folder = tempfile::tempdir().expect("a folder");
+    for (name, text) in files {
+        let path = folder.path().join(name);
+        fs::create_dir_all(path.parent().expect("a folder")).expect("made");
+        fs::write(path, text).expect("written");
+    }
+    folder
+}
+
+fn open(paths: &[&Path]) -> Library {
+    let sources: Vec<Source> =
+        paths.iter().map(|path| Source { path: path.to_path_buf(), dialect: None }).collect();
+    Library::open(&sources)
+}
+
+fn acme() -> (TempDir, Library) {
+    let folder = folder(&[("vendor/Acme.ini", VENDOR)]);
+    let library = open(&[folder.path()]);
+    assert_eq!(library.problems(), []);
+    (folder, library)
+}
+
+fn choose(
+    library: &Library,
+    printer: &str,
+    print: Option<&str>,
+    filament: Option<&str>,
+) -> Result<Chosen, String> {
+    library.choose(printer, print, filament).map_err(|error| error.to_string())
+}
+
+fn raw<'a>(chosen: &'a Chosen, key: &str) -> &'a str {
+    &chosen.config.raw[key].value
+}
+
+#[test]
+fn presets_that_are_not_meant_to_be_chosen_are_not_listed() {
+    let (_folder, library) = acme();
+    let names = |kind| library.listed(kind).iter().map(|listed| listed.name.clone()).collect::<Vec<_>>();
+    assert_eq!(names(Kind::Printer), ["Acme 0.4", "Acme 0.6", "Acme five"]);
+    assert_eq!(names(Kind::Filament), ["PLA", "PLA fine"]);
+}
+
+#[test]
+fn what_fits_is_decided_by_lists_and_conditions() {
+    let (_folder, library) = acme();
+    let fine = choose(&library, "Acme 0.4", Some("0.1 mm"), None).unwrap();
+    assert_eq!(fine.prints, ["0.1 mm", "0.2 mm"]);
+    assert_eq!(fine.filaments, ["PLA", "PLA fine"]);
+    let coarse = choose(&library, "Acme 0.6", None, None).unwrap();
+    assert_eq!(coarse.prints, ["0.3 mm"]);
+    assert_eq!(coarse.filaments, ["PLA"], "the other one is for thin layers");
+}
+
+#[test]
+fn what_is_not_named_is_the_printers_choice_or_the_first_that_fits() {
+    let (_folder, library) = acme();
+    let own = choose(&library, "Acme 0.4", None, None).unwrap();
+    assert_eq!((own.print.name.as_str(), own.filament.name.as_str()), ("0.2 mm", "PLA"));
+    assert_eq!(own.notes, Vec::<String>::new());
+    let first = choose(&library, "Acme five", None, None).unwrap();
+    assert_eq!(first.print.name, "0.1 mm");
+    assert!(first.notes[0].contains("`gone`, which the printer asks for"), "{:?}", first.notes);
+}
+
+#[test]
+fn a_choice_that_is_impossible_says_what_is_possible() {
+    let (_folder, library) = acme();
+    let unfit = choose(&library, "Acme 0.4", Some("0.3 mm"), None).unwrap_err();
+    assert_eq!(unfit, "print preset `0.3 mm` is not for `Acme 0.4`; those that fit: `0.1 mm`, `0.2 mm`");
+    let unknown = choose(&library, "Acmee 0.4", None, None).unwrap_err();
+    assert!(unknown.contains("did you mean `Acme 0.4`"), "{unknown}");
+    let other = choose(&library, "Acme 0.4", None, Some("wood")).unwrap_err();
+    assert!(other.contains("there is no filament preset `wood`; those that fit: `PLA`"), "{other}");
+}
+
+#[test]
+fn former_names_and_other_capitals_are_understood() {
+    let (_folder, library) = acme();
+    let former = choose(&library, "Acme", None, None).unwrap();
+    assert_eq!(former.printer.name, "Acme 0.4");
+    assert_eq!(former.notes, ["printer preset `Acme` is now called `Acme 0.4`"]);
+    assert_eq!(choose(&library, "ACME FIVE", None, None).unwrap().printer.name, "Acme five");
+}
+
+#[test]
+fn the_configuration_holds_for_all_extruders_and_is_taken_of_the_first() {
+    let (_folder, library) = acme();
+    let chosen = choose(&library, "Acme five", Some("0.2 mm"), None).unwrap();
+    assert_eq!(raw(&chosen, "temperature"), "210,210,210,210,210");
+    assert_eq!(raw(&chosen, "retract_length"), "0.8,0.8,0.8,0.8,0.8");
+    assert_eq!(raw(&chosen, "filament_type"), "PLA;PLA;PLA;PLA;PLA");
+    assert_eq!(raw(&chosen, "filament_settings_id"), "PLA;PLA;PLA;PLA;PLA");
+    assert_eq!(chosen.config.number("temperature"), Some(210.0));
+    assert_eq!(chosen.config.text("filament_type"), Some("PLA"));
+    assert_eq!(chosen.config.text("filament_retract_length"), None);
+}
+
+#[test]
+fn every_value_knows_its_preset_and_what_nobody_says_is_built_in() {
+    let (_folder, library) = acme();
+    let config = choose(&library, "Acme 0.4", None, None).unwrap().config;
+    let place = |key: &str| config.entries[key].place.to_string();
+    assert!(place("perimeters").ends_with("Acme.ini:39 [print:*common*]"), "{}", place("perimeters"));
+    assert_eq!(
+        (place("fill_density"), config.text("fill_density")),
+        ("built into PrusaSlicer".into(), Some("20%"))
+    );
+    assert_eq!(config.dialect, Dialect::Prusa);
+}
+
+#[test]
+fn presets_become_settings_between_the_default_profile_and_the_others() {
+    let (_folder, library) = acme();
+    let config = choose(&library, "Acme 0.4", None, None).unwrap().config;
+    let resolved = resolve_presets(&config, &["petg".into()], &[]).unwrap_or_else(|error| panic!("{error}"));
+    assert_eq!(resolved.settings.bed.size.map(|mm| mm.0), [200.0, 180.0]);
+    assert_eq!(resolved.settings.retract.length.0, 0.8);
+    assert_eq!(resolved.settings.filament.material, "PETG", "a profile wins over presets");
+    assert!(resolved.origins["retract.length"].to_string().contains("[printer:*common*]"));
+    let left = Import::of(&config).left;
+    assert!(left.iter().all(|left| !left.place.is_built_in()), "{left:?}");
+}
+
+#[test]
+fn a_users_preset_wins_over_a_vendors_and_is_of_its_vendor() {
+    let mine = "# generated\ninherits = Acme 0.4\nretract_length = 2\n";
+    let folder =
+        folder(&[("vendor/Acme.ini", VENDOR), ("printer/Acme 0.4.ini", mine), ("printer/Mine.ini", mine)]);
+    let library = open(&[folder.path()]);
+    for name in ["Acme 0.4", "Mine"] {
+        let chosen = choose(&library, name, None, None).unwrap();
+        assert!(chosen.printer.is_user);
+        assert_eq!(chosen.config.number("retract_length"), Some(2.0));
+        assert_eq!(chosen.config.number("nozzle_diameter"), Some(0.4), "of its parent");
+        assert_eq!(chosen.prints, ["0.1 mm", "0.2 mm"]);
+        assert_eq!(chosen.notes.len(), usize::from(name == "Acme 0.4"), "{:?}", chosen.notes);
+    }
+}
+
+#[test]
+fn of_two_sources_the_first_is_taken_and_the_other_named() {
+    let other = VENDOR.replace("retract_length = 0.80", "retract_length = 9");
+    let (one, two) = (folder(&[("a.ini", VENDOR)]), folder(&[("b.ini", &other)]));
+    let first = open(&[one.path(), two.path()]);
+    let chosen = choose(&first, "Acme 0.4", None, None).unwrap();
+    assert_eq!(chosen.config.number("retract_length"), Some(0.8));
+    assert!(
+        chosen.notes[0].contains("a.ini, not from ") && chosen.notes[0].ends_with("b.ini"),
+        "{:?}",
+        chosen.notes
+    );
+    let second = open(&[&two.path().join("b.ini"), one.path()]);
+    assert_eq!(choose(&second, "Acme 0.4", None, None).unwrap().config.number("retract_length"), Some(9.0));
+}
+
+#[test]
+fn presets_of_one_vendor_are_not_for_printers_of_another() {
+    let rival = "[vendor]\nname = Rival\n[printer:R]\nnozzle_diameter = 0.4\n[print:R]\n[filament:R]\n";
+    let templates = "[vendor]\nname = Templates\n[filament:Any]\ntemperature = 200\n";
+    let folder = folder(&[("Acme.ini", VENDOR), ("Rival.ini", rival), ("Templates.ini", templates)]);
+    let chosen = choose(&open(&[folder.path()]), "R", None, None).unwrap();
+    assert_eq!(chosen.prints, ["R"]);
+    assert_eq!(chosen.filaments, ["Any", "R"], "templates are for all");
+}
+
+#[test]
+fn a_preset_of_superslicer_keeps_its_keys_and_has_nothing_built_in() {
+    let text = "[vendor]\n[printer:S]\nnozzle_diameter = 0.4\n[print:S]\nfirst_layer_size_compensation = 0.1\n\
+                perimeters = 2\n[filament:S]\ntemperature = 200\n";
+    let folder = folder(&[("s.ini", text)]);
+    let config = choose(&open(&[folder.path()]), "S", None, None).unwrap().config;
+    assert_eq!(config.dialect, Dialect::Super);
+    assert_eq!(config.number("first_layer_size_compensation"), Some(0.1));
+    assert_eq!(config.text("fill_density"), None);
+}
+
+proptest! {
+    #[test]
+    fn no_bundle_makes_it_panic_or_hang(lines in prop::collection::vec(line(), 0..60)) {
+        let folder = folder(&[("x.ini", &lines.join("\n"))]);
+        let library = open(&[folder.path()]);
+        for printer in library.listed(Kind::Printer) {
+            if let Ok(chosen) = library.choose(&printer.name, None, None) {
+                let _ = resolve_presets(&chosen.config, &[], &[]);
+            }
+        }
+    }
+}
+
+/// Lines of bundles, few names, so that they refer to each other.
+fn line() -> impl Strategy<Value = String> {
+    let kind = prop_oneof![Just("printer"), Just("print"), Just("filament")];
+    let name = prop_oneof![Just("a"), Just("b"), Just("*c*")];
+    let value = prop_oneof![
+        "[a-c](; ?[*a-c]{1,3}){0,2}",
+        "[0-9.,%x;\"\\\\ -]{0,12}",
+        Just("nozzle_diameter[0]==0.4 and printer_notes=~/.*(x/".to_owned()),
+        "\\PC{0,12}",
+    ];
+    let key = prop_oneof![
+        Just("inherits"),
+        Just("nozzle_diameter"),
+        Just("retract_length"),
+        Just("bed_shape"),
+        Just("filament_notes"),
+        Just("start_gcode"),
+        Just("renamed_from"),
+        Just("compatible_printers"),
+        Just("compatible_printers_condition"),
+        Just("default_print_profile"),
+    ];
+    prop_oneof![
+        1 => (kind, name).prop_map(|(kind, name)| format!("[{kind}:{name}]")),
+        3 => (key, value).prop_map(|(key, value)| format!("{key} = {value}")),
+    ]
+}
