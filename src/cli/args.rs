@@ -406,6 +406,10 @@ pub(super) struct SettingArgs {
     /// One setting, such as walls.count=3 or infill.density=15%; repeatable, wins over profiles
     #[arg(short, long, value_name = "KEY=VALUE", value_parser = assignment, help_heading = "Settings")]
     pub set: Vec<Assignment>,
+
+    /// Leave out scripts that cannot be expanded, instead of refusing the print [gcode.ignore_scripts]
+    #[arg(long, help_heading = "Settings")]
+    pub ignore_scripts: bool,
 }
 
 /// Estimate the print time of G-code from any slicer

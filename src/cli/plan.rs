@@ -187,7 +187,12 @@ fn settings_on(
         value: value.clone(),
         option: "--set",
     });
-    let overrides: Vec<Override> = typed.chain(shorthands.iter().cloned()).collect();
+    let ignoring = args.ignore_scripts.then(|| Override {
+        key: "gcode.ignore_scripts".into(),
+        value: "true".into(),
+        option: "--ignore-scripts",
+    });
+    let overrides: Vec<Override> = typed.chain(shorthands.iter().cloned()).chain(ignoring).collect();
     let Some(presets) = presets else { return Ok(resolve(&args.profile, &overrides)?) };
     let mut resolved = resolve_presets(&presets.config, &args.profile, &overrides)?;
     resolved.warnings.splice(0..0, presets::notes(presets));

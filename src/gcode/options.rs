@@ -43,6 +43,8 @@ section! {
         limits: bool = false,
         /// Heat nozzle and bed where the start script does not, and switch them off where the end script does not.
         heat: bool = true,
+        /// Leave out scripts that cannot be expanded, with a warning, instead of refusing the print.
+        ignore_scripts: bool = false,
         /// Start script.
         start: String = String::new(),
         /// End script.

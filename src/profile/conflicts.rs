@@ -348,7 +348,10 @@ fn scripts(settings: &Settings, check: &mut Check) {
             run.moment.totals = Some(WholePrint { time_s: 600.0, volume_mm3: 1000.0 });
         }
         if let Err(mistake) = run.text(script) {
-            check.error(&[key], &mistake.to_string());
+            match gcode.ignore_scripts {
+                true => check.warn(&[key], &format!("{mistake}; the script is left out")),
+                false => check.error(&[key], &format!("{mistake}; --ignore-scripts leaves such scripts out")),
+            }
         }
     }
 }

@@ -34,12 +34,16 @@ impl<'a> ScriptRun<'a> {
         Self { settings, print, state: State::default(), moment: Moment::default() }
     }
 
-    /// Expands a script. Every line ends with `\n`, and none with blanks.
+    /// Expands a script. Every line ends with `\n`, and none with blanks. Where mistakes are to be ignored, a script
+    /// with one is empty.
     ///
     /// # Errors
     /// The first mistake with its line and column, and the nearest name where one is unknown.
     pub fn expand(&mut self, script: &str) -> Result<String, macros::Error> {
-        let text = self.text(script)?;
+        let text = match self.text(script) {
+            Err(_) if self.settings.gcode.ignore_scripts => String::new(),
+            text => text?,
+        };
         let mut out = String::with_capacity(text.len() + 1);
         for line in text.lines() {
             out.push_str(line.trim_end());
