@@ -29,11 +29,13 @@ pub(crate) struct Packer {
     packed: bool,
     /// Whether comments are kept.
     comments: bool,
+    /// Bytes of the text.
+    length: usize,
 }
 
 impl Packer {
     pub(crate) fn new(comments: bool) -> Self {
-        let mut packer = Self { out: Vec::new(), packed: true, comments };
+        let mut packer = Self { out: Vec::new(), packed: true, comments, length: 0 };
         packer.command(PACKED);
         packer.command(NO_BLANKS);
         packer
@@ -48,6 +50,7 @@ impl Packer {
         if line.contains(&SIGNAL) || line[0] == b'G' && spaced(line) != line {
             return false;
         }
+        self.length += line.len() + 1;
         if is_comment {
             self.switch(false);
             self.out.extend_from_slice(line);
@@ -61,7 +64,12 @@ impl Packer {
         true
     }
 
+    /// What is packed to less than half is filled up with commands that change nothing: libbgcode's reader loses
+    /// characters otherwise, where its buffer grows.
     pub(crate) fn finish(mut self) -> Vec<u8> {
+        while 2 * self.out.len() <= self.length {
+            self.command(if self.packed { PACKED } else { PLAIN });
+        }
         if !self.comments {
             self.command(RESET);
         }
@@ -258,6 +266,14 @@ mod tests {
             assert!(!Packer::new(true).line(line.as_bytes()), "{line}");
         }
         assert!(!Packer::new(true).line(b"M117 \xff"));
+    }
+
+    #[test]
+    fn nothing_is_packed_to_less_than_half() {
+        let text = "G1 X1 E1 X1 E1 X1 E1 X1 E1\n".repeat(100);
+        let packed = packed(&text);
+        assert!(2 * packed.len() > text.len());
+        assert_eq!(unpack(&packed).unwrap(), text.as_bytes());
     }
 
     #[test]
