@@ -2,11 +2,10 @@
 //! comments at the end of G-code.
 
 use std::collections::BTreeMap;
-use std::fs::File;
-use std::io::{BufRead, BufReader};
+use std::io::BufRead;
 use std::path::Path;
 
-use crate::gcode::is_gcode;
+use crate::gcode::{self, is_gcode};
 
 /// One value, and the line it stands on, from 1.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -39,7 +38,7 @@ impl Config {
     /// The file cannot be read, holds no configuration, or several presets of one kind without saying which is meant.
     pub fn read(path: &Path) -> Result<Self, String> {
         let read = |error: std::io::Error| format!("cannot be read: {error}");
-        let file = BufReader::new(File::open(path).map_err(read)?);
+        let file = gcode::open(path).map_err(read)?;
         let lines = file.split(b'\n').map(|line| line.map(|l| String::from_utf8_lossy(&l).into_owned()));
         if is_gcode(path) {
             let mut block = Block::default();
