@@ -16,8 +16,8 @@ mod options;
 mod read;
 mod script;
 mod settings;
-mod sizes;
 mod slot;
+mod thumbnails;
 
 pub use binary::{BinaryMetadata, write_binary};
 #[cfg(feature = "cli")]
@@ -38,6 +38,6 @@ pub use read::{
 };
 pub use script::Scripts;
 pub use settings::{GcodeOptions, ObjectLabel, PrintFacts, WriterSettings};
-pub use sizes::thumbnail_sizes;
 pub(crate) use slot::duration;
 pub use slot::{Pending, Slot, Totals};
+pub use thumbnails::{ThumbnailFormat, ThumbnailSpec, thumbnail_list};

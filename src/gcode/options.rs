@@ -35,7 +35,7 @@ section! {
         arcs: bool = false,
         /// How far an arc may leave the path.
         arc_tolerance: Mm = Mm(0.02); 0.001..=0.5,
-        /// Thumbnails in the header, for printers with a screen: width × height in pixels, such as 32x32,300x300; empty: none.
+        /// Thumbnails in the header, for printers with a screen: width × height in pixels and a format (PNG where left out, JPG, QOI, COLPIC, BTT_TFT), such as 32x32,300x300/QOI; empty: none.
         thumbnails: String = "32x32,300x300".into(),
         /// Write binary G-code (`.bgcode`) where no output is named; a name decides for itself.
         binary: bool = false,

@@ -31,7 +31,7 @@ pub use settings::{SECTIONS, Settings};
 pub use source::text;
 
 pub use crate::estimate::MachineSettings;
-pub use crate::gcode::{Flavor, GcodeSettings, PrinterSettings, thumbnail_sizes};
+pub use crate::gcode::{Flavor, GcodeSettings, PrinterSettings, thumbnail_list};
 pub use crate::motion::{
     AccelerationSettings, CoolingSettings, FilamentSettings, RetractSettings, SpeedSettings,
     TemperatureSettings, TravelSettings, filament_area_mm2,
