@@ -94,9 +94,7 @@ fn reorder(
     let create = || match destination {
         Destination::Nowhere => Output::nowhere(),
         Destination::Stdout => Ok(Output::stdout()),
-        Destination::File(path) if to_binary(path) => {
-            Output::create_binary(path, BinaryMetadata::default())
-        }
+        Destination::File(path) if to_binary(path) => Output::create_binary(path, BinaryMetadata::default()),
         Destination::File(path) => Output::create(path),
     };
     let mut output = create()?;

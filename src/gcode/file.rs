@@ -108,6 +108,10 @@ mod tests {
     #[test]
     fn names_tell_text_from_binary() {
         assert!(is_binary_name(Path::new("a.BGCODE")) && !is_binary_name(Path::new("a.gcode")));
-        assert!(is_gcode(Path::new("no/a.bgcode")) && is_gcode(Path::new("no/a.g")) && !is_gcode(Path::new("no/a.stl")));
+        assert!(
+            is_gcode(Path::new("no/a.bgcode"))
+                && is_gcode(Path::new("no/a.g"))
+                && !is_gcode(Path::new("no/a.stl"))
+        );
     }
 }

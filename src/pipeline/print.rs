@@ -1,10 +1,10 @@
 //! One plate, from meshes to bytes.
 
 use crate::estimate::{Machine, cool};
-use crate::gcode::{ThumbnailFormat, thumbnail_list};
 use crate::gcode::{
     self, Effect, GcodeOptions, LayerText, ObjectLabel, PrintFacts, Scripts, Slot, Totals, WriterSettings,
 };
+use crate::gcode::{ThumbnailFormat, thumbnail_list};
 use crate::job::{Job, JobError};
 use crate::motion::{self, Entry, MotionSettings};
 use crate::order::{Chain, PathVisit, Pins, SeamRule, chunk_len};

@@ -71,7 +71,8 @@ fn distance(a: u16, b: u16) -> u16 {
 /// Six bits in a character from `0` on; `~` stands for the backslash.
 fn characters(mut bytes: Vec<u8>) -> String {
     bytes.resize(bytes.len().next_multiple_of(3), 0);
-    let groups = bytes.chunks_exact(3).map(|group| group.iter().fold(0, |word, byte| word << 8 | u32::from(*byte)));
+    let groups =
+        bytes.chunks_exact(3).map(|group| group.iter().fold(0, |word, byte| word << 8 | u32::from(*byte)));
     let sixes = groups.flat_map(|word| [18, 12, 6, 0].map(|shift| (word >> shift & 63) as u8));
     sixes.map(|six| if six + b'0' == b'\\' { '~' } else { char::from(six + b'0') }).collect()
 }
@@ -83,7 +84,8 @@ mod tests {
     /// Width, height and pixels, read by the description above.
     fn decode(text: &str) -> ([u32; 2], Vec<u16>) {
         let six = |c: u8| u32::from(if c == b'~' { b'\\' } else { c } - b'0');
-        let words = text.as_bytes().chunks_exact(4).map(|four| four.iter().fold(0, |word, c| word << 6 | six(*c)));
+        let words =
+            text.as_bytes().chunks_exact(4).map(|four| four.iter().fold(0, |word, c| word << 6 | six(*c)));
         let bytes: Vec<u8> = words.flat_map(|word| [16, 8, 0].map(|shift| (word >> shift) as u8)).collect();
         let word = |at: usize| u32::from_le_bytes(bytes[at..at + 4].try_into().unwrap());
         assert_eq!((word(0), word(12), word(24), word(28)), (3, 0x05DD_C33C, 0, 0));

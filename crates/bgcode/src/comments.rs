@@ -34,7 +34,8 @@ pub(crate) fn above(head: &Head) -> String {
     if let Some(by) = value(PREPARED_BY) {
         out += &format!("; {PREPARED}{by}\n");
     }
-    let others = head.file.iter().filter(|(key, _)| ![PRODUCER, PRODUCED_ON, PREPARED_BY].contains(&key.as_str()));
+    let others =
+        head.file.iter().filter(|(key, _)| ![PRODUCER, PRODUCED_ON, PREPARED_BY].contains(&key.as_str()));
     for (key, value) in others {
         out += &format!("; {key} = {value}\n");
     }

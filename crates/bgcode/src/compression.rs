@@ -26,7 +26,11 @@ pub(crate) fn compress(data: Vec<u8>, compression: Compression) -> Vec<u8> {
 ///
 /// # Errors
 /// What is wrong with the data.
-pub(crate) fn decompress(data: Vec<u8>, compression: Compression, size: usize) -> Result<Vec<u8>, &'static str> {
+pub(crate) fn decompress(
+    data: Vec<u8>,
+    compression: Compression,
+    size: usize,
+) -> Result<Vec<u8>, &'static str> {
     match compression {
         Compression::None => Ok(data),
         Compression::Deflate => {

@@ -143,7 +143,8 @@ impl BitReader<'_> {
     fn take(&mut self, count: u32) -> Option<u32> {
         let byte = self.at / 8;
         // At most 12 bits, which lie in three bytes.
-        let word = (0..3).fold(0, |word, i| word << 8 | u32::from(self.data.get(byte + i).copied().unwrap_or(0)));
+        let word =
+            (0..3).fold(0, |word, i| word << 8 | u32::from(self.data.get(byte + i).copied().unwrap_or(0)));
         if self.left() < count as usize {
             return None;
         }

@@ -13,7 +13,8 @@ use crate::block::{Head, Pairs, SlicerMetadata, Thumbnail};
 use crate::comments::{
     CONFIG, GENERATED, JSON_CONFIG, ON, PREPARED, PREPARED_BY, PRODUCED_ON, PRODUCER, config_name,
 };
-use crate::format::ImageFormat;
+use crate::format::{Encoding, ImageFormat};
+use crate::meatpack::survives;
 use crate::writer::{Options, Writer};
 
 /// Keys of the printer's metadata that are settings as well: behind the first command, comments with them stay.
@@ -58,6 +59,8 @@ pub struct Contents {
     pub head: Head,
     /// Numbers of lines, from 0, in order.
     told: Vec<Range<u64>>,
+    /// Whether there is a line that MeatPack would change.
+    changes: bool,
 }
 
 impl Contents {
@@ -87,12 +90,14 @@ impl Contents {
     }
 }
 
-/// Writes G-code, whose contents have been read, as binary G-code.
+/// Writes G-code, whose contents have been read, as binary G-code. Where MeatPack would change a line of it, none is
+/// encoded: firmware wants all blocks to have the same encoding.
 ///
 /// # Errors
 /// Those of reading and writing.
 pub fn pack<W: Write>(contents: &Contents, text: impl BufRead, options: Options, out: W) -> io::Result<W> {
-    let mut writer = Writer::new(out, options, &contents.head)?;
+    let encoding = if contents.changes { Encoding::None } else { options.encoding };
+    let mut writer = Writer::new(out, Options { encoding, ..options }, &contents.head)?;
     let (mut number, mut told) = (0, contents.told.iter().peekable());
     each_line(text, |line| {
         while told.next_if(|lines| lines.end <= number).is_some() {}
@@ -138,6 +143,7 @@ impl Scan {
     fn line(&mut self, line: &[u8]) {
         let number = self.number;
         self.number += 1;
+        self.contents.changes |= !survives(line.strip_suffix(b"\n").unwrap_or(line));
         let line = line.trim_ascii();
         let comment = line.strip_prefix(b";").and_then(|text| std::str::from_utf8(text).ok());
         let Some(comment) = comment.map(str::trim) else {

@@ -5,9 +5,7 @@ use std::io::{self, Read};
 use crate::block::{Block, Pairs, SlicerMetadata, Thumbnail};
 use crate::compression::decompress;
 use crate::error::{Error, Place};
-use crate::format::{
-    BlockKind, Checksum, Compression, Encoding, ImageFormat, LARGEST_BLOCK, MAGIC, VERSION,
-};
+use crate::format::{BlockKind, Checksum, Compression, Encoding, ImageFormat, LARGEST_BLOCK, MAGIC, VERSION};
 use crate::meatpack;
 
 const CUT: &str = "the file ends within it; it was cut short, get it again";
@@ -48,8 +46,9 @@ impl<R: Read> Reader<R> {
             return Err(place.damaged(format!("its version is {version}; only version {VERSION} is known")));
         }
         let number = u16::from_le_bytes([header[8], header[9]]);
-        let checksum = Checksum::of(number)
-            .ok_or_else(|| place.damaged(format!("its checksum is of the kind {number}; 0 and 1 are known")))?;
+        let checksum = Checksum::of(number).ok_or_else(|| {
+            place.damaged(format!("its checksum is of the kind {number}; 0 and 1 are known"))
+        })?;
         Ok(Self { input, checksum, place, offset: 10, seen: [0; 6], ended: false })
     }
 
@@ -92,7 +91,8 @@ impl<R: Read> Reader<R> {
             .ok_or_else(|| self.place.damaged(format!("its compression is {number}; 0 to 3 are known")))?;
         let header_len = if compression == Compression::None { 8 } else { 12 };
         self.exactly(&mut header[8..header_len])?;
-        let size = |at: usize| u32::from_le_bytes([header[at], header[at + 1], header[at + 2], header[at + 3]]);
+        let size =
+            |at: usize| u32::from_le_bytes([header[at], header[at + 1], header[at + 2], header[at + 3]]);
         let (unpacked, stored) = (size(4), size(header_len - 4));
         if unpacked.max(stored) > LARGEST_BLOCK {
             let size = unpacked.max(stored);

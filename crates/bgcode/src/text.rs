@@ -96,7 +96,11 @@ impl<R: Read + Seek> Text<R> {
                 self.reader.resume(place);
                 match self.reader.next().transpose()? {
                     Some(Block::Gcode(text)) => ended(text),
-                    _ => return Err(place.damaged("it is not what it was; the file was changed while it was read")),
+                    _ => {
+                        return Err(
+                            place.damaged("it is not what it was; the file was changed while it was read")
+                        );
+                    }
                 }
             }
         };

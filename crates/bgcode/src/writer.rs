@@ -5,7 +5,7 @@ use std::io::{self, Write};
 use crate::block::{Head, Pairs, SlicerMetadata};
 use crate::compression::compress;
 use crate::format::{BlockKind, Checksum, Compression, Encoding, LARGEST_BLOCK, MAGIC, VERSION};
-use crate::meatpack::Packer;
+use crate::meatpack::{Packer, survives};
 
 /// Most bytes of G-code in a block, as libbgcode has it; a longer line has one of its own.
 const GCODE_BYTES: usize = 1 << 16;
@@ -21,7 +21,7 @@ pub struct Options {
     pub slicer: Compression,
     /// Compression of G-code. Firmware does not read [`Compression::Deflate`] here.
     pub gcode: Compression,
-    /// Encoding of G-code. A block with a line that would not come back from it as it is is written as text.
+    /// Encoding of G-code. Firmware wants all blocks to have the same.
     pub encoding: Encoding,
 }
 
@@ -84,11 +84,18 @@ impl<W: Write> Writer<W> {
     /// Appends a line, with or without its end.
     ///
     /// # Errors
-    /// Those of writing; or the line is longer than readers accept.
+    /// Those of writing; the line is longer than readers accept, or would not come back from the encoding as it is.
     pub fn line(&mut self, line: &[u8]) -> io::Result<()> {
         let line = line.strip_suffix(b"\n").unwrap_or(line);
         if line.is_empty() {
             return Ok(());
+        }
+        if self.options.encoding != Encoding::None && !survives(line) {
+            let message = format!(
+                "MeatPack would change the line `{}`; write the file with the encoding None",
+                String::from_utf8_lossy(line)
+            );
+            return Err(io::Error::new(io::ErrorKind::InvalidInput, message));
         }
         if !self.lines.is_empty() && self.lines.len() + line.len() >= GCODE_BYTES {
             self.flush_lines()?;
@@ -113,10 +120,8 @@ impl<W: Write> Writer<W> {
         if lines.is_empty() {
             return Ok(());
         }
-        let (encoding, data) = match packed(&lines, self.options.encoding) {
-            Some(data) => (self.options.encoding, data),
-            None => (Encoding::None, lines),
-        };
+        let encoding = self.options.encoding;
+        let data = if encoding == Encoding::None { lines } else { packed(&lines, encoding) };
         self.block(BlockKind::Gcode, self.options.gcode, &[encoding as u16], data)
     }
 
@@ -157,15 +162,13 @@ impl<W: Write> Writer<W> {
     }
 }
 
-/// Lines in an encoding, if they come back from it as they are.
-fn packed(lines: &[u8], encoding: Encoding) -> Option<Vec<u8>> {
-    let mut packer = match encoding {
-        Encoding::None => return None,
-        Encoding::MeatPack => Packer::new(false),
-        Encoding::MeatPackComments => Packer::new(true),
-    };
-    let mut lines = lines.split(|byte| *byte == b'\n');
-    lines.all(|line| packer.line(line)).then(|| packer.finish())
+/// Lines that survive it, packed.
+fn packed(lines: &[u8], encoding: Encoding) -> Vec<u8> {
+    let mut packer = Packer::new(encoding == Encoding::MeatPackComments);
+    for line in lines.split(|byte| *byte == b'\n') {
+        packer.line(line);
+    }
+    packer.finish()
 }
 
 /// Lines of `key=value`; what cannot stand in one is a blank.

@@ -59,8 +59,12 @@ fn text_comes_back_line_by_line_in_every_compression_and_encoding() {
         let again = unpacked(&packed(&text, options));
         let (old, new) = (lines(&text), lines(&again));
         // Facts of the print are told at the beginning as well.
-        let new: Vec<&str> =
-            new.iter().enumerate().filter(|(i, line)| *i > 9 || !line.contains(" = ")).map(|(_, line)| *line).collect();
+        let new: Vec<&str> = new
+            .iter()
+            .enumerate()
+            .filter(|(i, line)| *i > 9 || !line.contains(" = "))
+            .map(|(_, line)| *line)
+            .collect();
         assert_eq!(new, old, "{options:?}");
     }
 }
@@ -82,10 +86,8 @@ fn comments_are_told_by_metadata() {
     let contents = Contents::of(sliced().as_bytes()).unwrap();
     let pair = |key: &str, value: &str| (key.to_owned(), value.to_owned());
     let picture = |format, width, height, data: &[u8]| Thumbnail { format, width, height, data: data.into() };
-    let facts = vec![
-        pair("filament used [mm]", "986.61"),
-        pair("estimated printing time (normal mode)", "32m 6s"),
-    ];
+    let facts =
+        vec![pair("filament used [mm]", "986.61"), pair("estimated printing time (normal mode)", "32m 6s")];
     assert_eq!(
         contents.head,
         Head {
@@ -106,7 +108,8 @@ fn comments_are_told_by_metadata() {
 
 #[test]
 fn what_does_not_end_well_stays_a_comment() {
-    let text = "; thumbnail begin 16x16 400\n; iVBORw==\n; thumbnail end\n; slicer_config = begin\n; a = 1\nG28\n";
+    let text =
+        "; thumbnail begin 16x16 400\n; iVBORw==\n; thumbnail end\n; slicer_config = begin\n; a = 1\nG28\n";
     let contents = Contents::of(text.as_bytes()).unwrap();
     assert_eq!(contents.head, Head::default());
     assert_eq!(lines(&unpacked(&packed(text, Options::default()))), lines(text));
@@ -139,8 +142,10 @@ fn blocks_hold_whole_lines() {
 }
 
 #[test]
-fn a_line_that_meatpack_would_change_is_written_as_text() {
+fn a_file_with_a_line_that_meatpack_would_change_is_written_as_text() {
     let text = "G28 ; GEAR\nGREET NAME=X\nM117 \u{ff}\n";
+    let mut writer = Writer::new(Vec::new(), Options::default(), &Head::default()).unwrap();
+    assert!(writer.line(b"G28 ; GEAR").unwrap_err().to_string().contains("`G28 ; GEAR`"));
     assert_eq!(lines(&unpacked(&packed(text, Options::default()))), lines(text));
 }
 
