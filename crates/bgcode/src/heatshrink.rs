@@ -34,9 +34,9 @@ pub(crate) fn compress(data: &[u8], window_bits: u32) -> Vec<u8> {
             out.put((back - 1) as u32, window_bits);
             out.put((length - 1) as u32, LENGTH_BITS);
         }
-        for place in at..at + step {
+        for (place, before) in before.iter_mut().enumerate().skip(at).take(step) {
             if let Some(slot) = slot(data, place) {
-                before[place] = last[slot];
+                *before = last[slot];
                 last[slot] = place;
             }
         }
