@@ -180,7 +180,8 @@ fn damage_is_reported_with_its_place() {
         reader.place().offset as usize
     };
     let (third, last) = (place(3), place(7));
-    let cases: [(&str, &dyn Fn(&mut Vec<u8>)); 8] = [
+    type Change<'a> = &'a dyn Fn(&mut Vec<u8>);
+    let cases: [(&str, Change<'_>); 8] = [
         ("no binary G-code", &|bytes| bytes[1] = b'X'),
         ("its version is 9", &|bytes| bytes[4] = 9),
         ("its checksum is of the kind 7", &|bytes| bytes[8] = 7),
