@@ -1,20 +1,12 @@
 //! Where G-code comes from.
 
 use std::fmt;
-use std::fs::File;
-use std::io::{self, BufRead, BufReader, Cursor, Seek};
+use std::io;
 use std::path::Path;
 use std::time::SystemTime;
 
+use crate::gcode::{self, Input};
 use crate::job::{InputError, JobError};
-
-/// Size of the buffer in front of a file.
-const BUFFER_BYTES: usize = 1 << 18;
-
-/// What G-code is read from.
-pub(crate) trait Input: BufRead + Seek + Send {}
-
-impl<T: BufRead + Seek + Send> Input for T {}
 
 /// G-code in a file, or in memory.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -24,15 +16,15 @@ pub(crate) enum Source<'a> {
 }
 
 impl<'a> Source<'a> {
-    /// Begins reading.
+    /// Begins reading, as text whatever it is.
     ///
     /// # Errors
-    /// As the system says.
+    /// As the system says; or binary G-code is damaged.
     pub fn open(self) -> io::Result<Box<dyn Input + 'a>> {
-        Ok(match self {
-            Self::File(path) => Box::new(BufReader::with_capacity(BUFFER_BYTES, File::open(path)?)),
-            Self::Memory(bytes) => Box::new(Cursor::new(bytes)),
-        })
+        match self {
+            Self::File(path) => Ok(gcode::open(path)?),
+            Self::Memory(bytes) => gcode::open_bytes(bytes),
+        }
     }
 
     /// The error of input that cannot be read.

@@ -1,8 +1,8 @@
-//! Finished G-code, of any slicer.
+//! Finished G-code, of any slicer, as text or binary.
 
 use crate::check::{self as checking, CheckReport, Survey};
 use crate::estimate::{Firmware, Machine};
-use crate::gcode::Timetable;
+use crate::gcode::{Timetable, open_bytes};
 use crate::job::{InputError, JobError, ReorderJob};
 use crate::mesh::Mesh;
 use crate::observer::Observer;
@@ -11,7 +11,7 @@ use crate::pipeline::Pipeline;
 use crate::profile::Settings;
 use crate::report::{PrintTime, Reordered};
 
-/// Reorders G-code for less travel with the same print; unchanged where nothing is gained.
+/// Reorders G-code for less travel with the same print, as text; unchanged where nothing is gained.
 ///
 /// # Errors
 /// It is not understood, the result fails its proof, or the observer cancels the run.
@@ -64,12 +64,13 @@ pub fn check_against(
 ) -> Result<CheckReport, JobError> {
     let mut survey = Survey::default();
     let mut report = checked(gcode, settings, Some(&mut survey))?;
-    checking::against(bodies, &survey, || Ok(gcode), settings, &mut report).map_err(unreadable)?;
+    checking::against(bodies, &survey, || open_bytes(gcode), settings, &mut report).map_err(unreadable)?;
     Ok(report)
 }
 
 fn checked(gcode: &[u8], settings: &Settings, survey: Option<&mut Survey>) -> Result<CheckReport, JobError> {
-    let report = checking::check(gcode, settings, survey).map_err(unreadable)?;
+    let input = open_bytes(gcode).map_err(unreadable)?;
+    let report = checking::check(input, settings, survey).map_err(unreadable)?;
     report.ok_or_else(|| InputError::NoMoves.into())
 }
 
@@ -88,7 +89,8 @@ fn checked(gcode: &[u8], settings: &Settings, survey: Option<&mut Survey>) -> Re
 /// ```
 pub fn time(gcode: &[u8], settings: &Settings) -> Result<PrintTime, JobError> {
     let firmware = Firmware::from(settings.printer.flavor);
-    let times = Timetable::read(gcode, &Machine::new(settings)).map_err(unreadable)?;
+    let input = open_bytes(gcode).map_err(unreadable)?;
+    let times = Timetable::read(input, &Machine::new(settings)).map_err(unreadable)?;
     Ok(PrintTime::new("G-code".into(), firmware, &times))
 }
 

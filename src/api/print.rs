@@ -2,6 +2,7 @@
 
 use std::io::{self, Write};
 
+use crate::gcode::{BinaryMetadata, write_binary};
 use crate::pipeline::PrintLayer;
 use crate::report::Summary;
 
@@ -9,6 +10,7 @@ use crate::report::Summary;
 #[derive(Clone, Debug)]
 pub struct Print {
     pub(super) gcode: Vec<u8>,
+    pub(super) metadata: BinaryMetadata,
     pub(super) summary: Summary,
     pub(super) layers: Vec<PrintLayer>,
 }
@@ -20,6 +22,14 @@ impl Print {
     /// Those of the writer.
     pub fn write_gcode(&self, to: &mut impl Write) -> io::Result<()> {
         to.write_all(&self.gcode)
+    }
+
+    /// Writes the G-code as binary G-code (`.bgcode`), with the settings that it was made with.
+    ///
+    /// # Errors
+    /// Those of the writer.
+    pub fn write_binary_gcode(&self, to: &mut impl Write) -> io::Result<()> {
+        write_binary(&self.gcode, &self.metadata, to)
     }
 
     /// The G-code.

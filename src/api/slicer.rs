@@ -8,7 +8,7 @@ use crate::order::OrderStrategy;
 use crate::order::compare::StrategyRow;
 use crate::output::Output;
 use crate::pipeline::Pipeline;
-use crate::profile::Settings;
+use crate::profile::{Settings, binary_metadata};
 
 /// Slices plates.
 ///
@@ -74,7 +74,7 @@ impl Slicer {
         let (job, settings) = (&self.job, &self.settings);
         let models = plate.models();
         let summary = Pipeline::slice_models(models, job, settings, &mut output, &mut layers, observer)?;
-        Ok(Print { gcode: output.into_bytes(), summary, layers })
+        Ok(Print { gcode: output.into_bytes(), metadata: binary_metadata(settings), summary, layers })
     }
 
     /// Orders the layers of a plate by each strategy, side by side.

@@ -65,7 +65,7 @@ pub(super) struct SliceArgs {
     #[command(flatten)]
     pub settings: SettingArgs,
 
-    /// Write to this file, or into this folder; - for standard output
+    /// Write to this file (.bgcode: binary), or into this folder; - for standard output
     #[arg(short, long, value_name = "PATH", value_hint = ValueHint::AnyPath)]
     pub output: Option<PathBuf>,
 
@@ -214,7 +214,7 @@ pub(super) struct ReorderArgs {
     #[arg(required = true, value_name = "FILE", value_hint = ValueHint::FilePath)]
     pub files: Vec<PathBuf>,
 
-    /// Write to this file, or into this folder; - for standard output
+    /// Write to this file (.bgcode: binary), or into this folder; - for standard output
     #[arg(short, long, value_name = "PATH", value_hint = ValueHint::AnyPath, conflicts_with_all = ["in_place", "dry_run"])]
     pub output: Option<PathBuf>,
 
@@ -398,8 +398,8 @@ pub(super) struct SettingArgs {
     #[command(flatten)]
     pub presets: PresetArgs,
 
-    /// Embedded profile, TOML file, or configuration of PrusaSlicer or SuperSlicer (.ini, .gcode); repeatable, the later
-    /// one wins
+    /// Embedded profile, TOML file, or configuration of PrusaSlicer or SuperSlicer (.ini, .gcode, .bgcode); repeatable,
+    /// the later one wins
     #[arg(short, long, value_name = "NAME|PATH", help_heading = "Settings")]
     pub profile: Vec<String>,
 

@@ -1,6 +1,5 @@
 //! `pathwright check`.
 
-use std::fs::File;
 use std::io;
 use std::path::{Path, PathBuf};
 
@@ -9,6 +8,7 @@ use super::console;
 use super::exit::{Exit, Failure};
 use super::plan;
 use crate::check::{self, CheckReport, Survey};
+use crate::gcode;
 use crate::mesh::Mesh;
 use crate::plate::{self, Line};
 use crate::profile::Settings;
@@ -62,9 +62,9 @@ fn tell(report: &CheckReport, args: &CheckArgs) -> Result<(), Failure> {
 
 fn check(path: &Path, bodies: &[(String, Mesh)], settings: &Settings) -> Result<CheckReport, Failure> {
     let failed = |error: io::Error| Failure::new(Exit::Input, format!("{}: {error}", path.display()));
-    let open = || File::open(path);
+    let open = || gcode::open(path);
     let read = || match path == Path::new("-") {
-        true => check::check(io::stdin().lock(), settings, None),
+        true => check::check(gcode::open_stream(io::stdin().lock())?, settings, None),
         false => open().and_then(|file| check::check(file, settings, None)),
     };
     // The comparison reads the file by itself, beside the rules.

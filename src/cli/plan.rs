@@ -55,14 +55,13 @@ impl Plan {
         shorthands.extend(layer_heights(args)?);
         let files = &args.models.files;
         let plates: Vec<&[PathBuf]> = if args.each { files.chunks(1).collect() } else { vec![files] };
-        let tasks = plates
-            .into_iter()
-            .map(|models| Ok(Task { job: job(args, models), destination: destination(args, &models[0])? }));
-        let mut tasks: Vec<Task> = tasks.collect::<Result<_, Failure>>()?;
-        no_file_is_written_twice(&tasks)?;
-        no_input_is_overwritten(&tasks)?;
+        // What is wrong with the arguments alone is told before what is wrong with the settings.
+        let mut tasks = tasks(args, &plates, "gcode")?;
         let presets = presets::chosen(&args.settings.presets)?;
         let resolved = settings_on(presets.as_ref(), &args.settings, &shorthands)?;
+        if resolved.settings.gcode.binary {
+            tasks = self::tasks(args, &plates, "bgcode")?;
+        }
         let plate = &resolved.settings.plate;
         if args.copies > 1 && !plate.arrange {
             return Err(usage("copies have no position in a file; leave out --copies or --no-arrange"));
@@ -78,6 +77,17 @@ impl Plan {
         }
         Ok(Self { settings: resolved, tasks })
     }
+}
+
+/// What is to be done for each plate; `ending`: that of names that are not given.
+fn tasks(args: &SliceArgs, plates: &[&[PathBuf]], ending: &str) -> Result<Vec<Task>, Failure> {
+    let tasks = plates.iter().map(|models| {
+        Ok(Task { job: job(args, models), destination: destination(args, &models[0], ending)? })
+    });
+    let tasks: Vec<Task> = tasks.collect::<Result<_, Failure>>()?;
+    no_file_is_written_twice(&tasks)?;
+    no_input_is_overwritten(&tasks)?;
+    Ok(tasks)
 }
 
 /// Settings of some objects: those of the plate with more on top.
@@ -222,8 +232,8 @@ fn layer_heights(args: &SliceArgs) -> Result<Option<Override>, Failure> {
 }
 
 /// Beside the first model, unless `-o` names a file or a folder.
-fn destination(args: &SliceArgs, model: &Path) -> Result<Destination, Failure> {
-    let beside = model.with_extension("gcode");
+fn destination(args: &SliceArgs, model: &Path, ending: &str) -> Result<Destination, Failure> {
+    let beside = model.with_extension(ending);
     let Some(output) = &args.output else {
         return Ok(Destination::File(beside));
     };

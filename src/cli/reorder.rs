@@ -8,6 +8,7 @@ use super::args::ReorderArgs;
 use super::console;
 use super::exit::{Exit, Failure};
 use super::plan;
+use crate::gcode::{self, BinaryMetadata};
 use crate::job::{Engine, ReorderJob};
 use crate::observer::Observer;
 use crate::output::Output;
@@ -87,9 +88,13 @@ fn reorder(
     args: &ReorderArgs,
     engine: &dyn Engine,
 ) -> Result<Reordered, Failure> {
+    // In place a file stays what it is, whatever its name.
+    let is_binary = gcode::is_binary(file);
+    let to_binary = |path: &Path| if args.in_place { is_binary } else { gcode::is_binary_name(path) };
     let create = || match destination {
         Destination::Nowhere => Output::nowhere(),
         Destination::Stdout => Ok(Output::stdout()),
+        Destination::File(path) if to_binary(path) => Output::create_binary(path, BinaryMetadata::default()),
         Destination::File(path) => Output::create(path),
     };
     let mut output = create()?;
@@ -111,19 +116,29 @@ fn reorder(
         _ if report.changed => output.commit()?,
         _ if in_place => {}
         _ => {
-            // The same bytes as before.
-            let mut copy = create()?;
-            copy_to(file, &mut copy)?;
+            let as_it_is = match destination {
+                Destination::File(path) => to_binary(path) == is_binary,
+                _ => !is_binary,
+            };
+            let mut copy = match destination {
+                // The same bytes as before.
+                Destination::File(path) if as_it_is => Output::create(path)?,
+                _ => create()?,
+            };
+            copy_to(file, as_it_is, &mut copy)?;
             copy.commit()?;
         }
     }
     Ok(report)
 }
 
-/// The bytes of a file, piece by piece.
-fn copy_to(file: &Path, copy: &mut Output) -> Result<(), Failure> {
+/// A file piece by piece: its bytes as they are, or its text.
+fn copy_to(file: &Path, as_it_is: bool, copy: &mut Output) -> Result<(), Failure> {
     let failed = |error: io::Error| Failure::new(Exit::Input, format!("{}: {error}", file.display()));
-    let mut input = BufReader::with_capacity(1 << 18, fs::File::open(file).map_err(failed)?);
+    let mut input: Box<dyn BufRead> = match as_it_is {
+        true => Box::new(BufReader::with_capacity(1 << 18, fs::File::open(file).map_err(failed)?)),
+        false => Box::new(gcode::open(file).map_err(failed)?),
+    };
     loop {
         let bytes = input.fill_buf().map_err(failed)?;
         if bytes.is_empty() {

@@ -6,11 +6,12 @@ use super::args::SliceArgs;
 use super::console::{self, Bar};
 use super::exit::{Exit, Failure};
 use super::plan::{Destination, Plan, Task};
+use crate::gcode::is_binary_name;
 use crate::job::Engine;
 use crate::observer::Observer;
 use crate::output::Output;
 use crate::parallel::{self, Workers};
-use crate::profile::Settings;
+use crate::profile::{Settings, binary_metadata};
 use crate::report::Summary;
 
 /// Slices plate by plate. One that fails does not keep the others from being sliced; the exit code is that of the
@@ -51,6 +52,9 @@ fn slice(
 ) -> Result<Summary, Failure> {
     let mut output = match &task.destination {
         Destination::Stdout => Output::stdout(),
+        Destination::File(path) if is_binary_name(path) => {
+            Output::create_binary(path, binary_metadata(settings))?
+        }
         Destination::File(path) => Output::create(path)?,
     };
     let bar = Bar::on_terminal(!args.quiet && !args.no_progress);

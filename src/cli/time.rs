@@ -1,6 +1,5 @@
 //! `pathwright time`.
 
-use std::fs::File;
 use std::io;
 use std::path::Path;
 
@@ -8,7 +7,7 @@ use super::args::TimeArgs;
 use super::console;
 use super::exit::{Exit, Failure};
 use crate::estimate::{Firmware, Machine};
-use crate::gcode::Timetable;
+use crate::gcode::{self, Timetable};
 use crate::profile;
 use crate::report::PrintTime;
 
@@ -42,7 +41,7 @@ pub(super) fn run(args: &TimeArgs) -> Result<Exit, Failure> {
 
 fn read(path: &Path, machine: &Machine) -> io::Result<Timetable> {
     if path == Path::new("-") {
-        return Timetable::read(io::stdin().lock(), machine);
+        return Timetable::read(gcode::open_stream(io::stdin().lock())?, machine);
     }
-    Timetable::read(File::open(path)?, machine)
+    Timetable::read(gcode::open(path)?, machine)
 }

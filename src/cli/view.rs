@@ -1,13 +1,13 @@
 //! `pathwright view`.
 
-use std::fs;
+use std::io::{Read, Seek, SeekFrom};
 use std::path::{Path, PathBuf};
 
 use super::args::ViewArgs;
 use super::console::{self, Bar};
 use super::exit::{Exit, Failure};
 use super::plan;
-use crate::gcode::is_gcode;
+use crate::gcode::{self, is_gcode};
 use crate::job::{Engine, Job};
 use crate::limits;
 use crate::output::Output;
@@ -80,12 +80,15 @@ fn gcode(
             return Err(plan::usage("--certify is for models; of a G-code file the order is given"));
         }
         let failed = |error: String| Failure::new(Exit::Input, format!("{}: {error}", path.display()));
-        let bytes = fs::metadata(path).map_err(|error| failed(error.to_string()))?.len();
+        let unread = |error: std::io::Error| failed(error.to_string());
+        let mut input = gcode::open(path).map_err(unread)?;
+        let bytes = input.seek(SeekFrom::End(0)).map_err(unread)?;
         if bytes > limits::VIEW_BYTES {
             return Err(failed(format!("more than {} GB cannot be shown", limits::VIEW_BYTES >> 30)));
         }
         limits::check_memory(bytes).map_err(failed)?;
-        let text = fs::read(path).map_err(|error| failed(error.to_string()))?;
+        let mut text = Vec::new();
+        input.rewind().and_then(|()| input.read_to_end(&mut text)).map_err(unread)?;
         return Ok((text, None));
     }
     let job = Job {

@@ -18,9 +18,14 @@ pub struct Header {
 }
 
 impl Header {
-    /// Puts comments below the first line, which tells who wrote the file.
-    pub fn comment(&mut self, lines: &str) {
+    /// Puts comments above and below the first line, which tells who wrote the file.
+    pub fn comment(&mut self, above: &str, below: &str) {
         let at = self.bytes.iter().position(|b| *b == b'\n').map_or(0, |end| end + 1);
+        self.insert(at, below);
+        self.insert(0, above);
+    }
+
+    fn insert(&mut self, at: usize, lines: &str) {
         self.bytes.splice(at..at, lines.bytes());
         for slot in &mut self.slots {
             slot.offset += lines.len();

@@ -4,8 +4,10 @@
 //! Values known only when all layers are done have [`Slot`]s of fixed width, filled in before the file is
 //! renamed.
 
+mod binary;
 mod effect;
 mod extruder;
+mod file;
 mod flavor;
 mod header;
 mod layer;
@@ -14,12 +16,17 @@ mod options;
 mod read;
 mod script;
 mod settings;
-mod sizes;
 mod slot;
+mod thumbnails;
 
-use std::path::Path;
-
+pub use binary::{BinaryMetadata, write_binary};
+#[cfg(feature = "cli")]
+pub(crate) use binary::{contents, pack_text};
 pub use effect::Effect;
+pub(crate) use file::{Input, open, open_bytes};
+#[cfg(feature = "cli")]
+pub(crate) use file::{is_binary, open_stream};
+pub use file::{is_binary_name, is_gcode};
 pub(crate) use header::calendar;
 pub use header::{Header, footer, header, labels, object_comment};
 pub use layer::{LayerText, format_layer};
@@ -32,14 +39,6 @@ pub use read::{
 };
 pub use script::Scripts;
 pub use settings::{GcodeOptions, LayerScripts, ObjectLabel, PrintFacts, WriterSettings};
-pub use sizes::thumbnail_sizes;
 pub(crate) use slot::duration;
 pub use slot::{Pending, Slot, Totals};
-
-/// Endings of G-code files.
-const ENDINGS: [&str; 6] = ["gcode", "gco", "gc", "g", "nc", "ngc"];
-
-/// Whether a name is that of a G-code file.
-pub fn is_gcode(path: &Path) -> bool {
-    path.extension().is_some_and(|found| ENDINGS.iter().any(|ending| found.eq_ignore_ascii_case(ending)))
-}
+pub use thumbnails::{ThumbnailFormat, ThumbnailSpec, thumbnail_list};

@@ -35,8 +35,10 @@ section! {
         arcs: bool = false,
         /// Greatest deviation of an arc from the path.
         arc_tolerance: Mm = Mm(0.02); 0.001..=0.5,
-        /// Thumbnails in the header, for printers with a screen: width × height in pixels, such as 32x32,300x300; empty: none.
+        /// Thumbnails in the header, for printers with a screen: width × height in pixels and a format (PNG where left out, JPG, QOI, COLPIC, BTT_TFT), such as 32x32,300x300/QOI; empty: none.
         thumbnails: String = "32x32,300x300".into(),
+        /// Write binary G-code (`.bgcode`) where no output is named; a name decides for itself.
+        binary: bool = false,
         /// Label objects (`EXCLUDE_OBJECT`, M486), so that a printer can cancel a single one.
         labels: bool = false,
         /// State `[machine]` at the start (M201, M203, M205, M566, `SET_VELOCITY_LIMIT`) instead of relying on the firmware's own.

@@ -131,6 +131,11 @@ impl Pending {
         Ok(Box::new(BufReader::with_capacity(BUFFER_BYTES, opened)))
     }
 
+    /// Where the file is until it is renamed.
+    pub fn folder(&self) -> PathBuf {
+        self.file.get_ref().path().parent().unwrap_or(Path::new(".")).to_owned()
+    }
+
     pub fn rename(self) -> io::Result<()> {
         let file = self.file.into_inner().map_err(io::IntoInnerError::into_error)?;
         let mut pending = PENDING.lock().unwrap_or_else(PoisonError::into_inner);

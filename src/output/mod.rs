@@ -18,6 +18,9 @@ use file::{Opened, Pending, Stream};
 #[cfg(feature = "cli")]
 pub use file::{abandon_and_exit, resolve_links};
 
+#[cfg(feature = "cli")]
+use crate::gcode::{self, BinaryMetadata};
+
 /// An operation on an output that failed.
 #[derive(Debug, thiserror::Error)]
 #[error("{path}: {}", reason(source))]
@@ -50,6 +53,17 @@ pub struct Output {
     name: String,
     written: u64,
     sink: Sink,
+    /// What is written is text for a binary file.
+    #[cfg(feature = "cli")]
+    binary: Option<Box<Binary>>,
+}
+
+/// A binary file that is made of what is written, when it is complete.
+#[cfg(feature = "cli")]
+#[derive(Debug)]
+struct Binary {
+    output: Output,
+    metadata: BinaryMetadata,
 }
 
 #[derive(Debug)]
@@ -65,7 +79,17 @@ enum Sink {
 impl Output {
     /// Nowhere: the bytes are for [`Output::into_bytes`].
     pub fn memory() -> Self {
-        Self { name: "memory".into(), written: 0, sink: Sink::Memory(Vec::new()) }
+        Self::of("memory".into(), Sink::Memory(Vec::new()))
+    }
+
+    fn of(name: String, sink: Sink) -> Self {
+        Self {
+            name,
+            written: 0,
+            sink,
+            #[cfg(feature = "cli")]
+            binary: None,
+        }
     }
 
     /// The bytes of an output in memory; none of a file.
@@ -146,8 +170,7 @@ impl Output {
 impl Output {
     /// Standard output.
     pub fn stdout() -> Self {
-        let sink = Sink::Direct(Vec::new(), Stream::Stdout);
-        Self { name: "standard output".into(), written: 0, sink }
+        Self::of("standard output".into(), Sink::Direct(Vec::new(), Stream::Stdout))
     }
 
     /// An output without a file: its bytes can be read back once.
@@ -155,9 +178,12 @@ impl Output {
     /// # Errors
     /// If the system has no folder for temporary files.
     pub fn nowhere() -> Result<Self, OutputError> {
-        let name = "a temporary file".to_owned();
-        match Pending::create(&std::env::temp_dir(), PathBuf::new()) {
-            Ok(pending) => Ok(Self { name, written: 0, sink: Sink::File(pending) }),
+        Self::temporary(&std::env::temp_dir(), "a temporary file".to_owned())
+    }
+
+    fn temporary(folder: &Path, name: String) -> Result<Self, OutputError> {
+        match Pending::create(folder, PathBuf::new()) {
+            Ok(pending) => Ok(Self::of(name, Sink::File(pending))),
             Err(source) => Err(OutputError { path: name, source }),
         }
     }
@@ -170,19 +196,48 @@ impl Output {
     pub fn create(path: &Path) -> Result<Self, OutputError> {
         let name = path.display().to_string();
         match file::open(path) {
-            Ok(Opened::File(file)) => Ok(Self { name, written: 0, sink: Sink::File(file) }),
+            Ok(Opened::File(file)) => Ok(Self::of(name, Sink::File(file))),
             Ok(Opened::Device(device)) => {
-                Ok(Self { name, written: 0, sink: Sink::Direct(Vec::new(), Stream::Device(device)) })
+                Ok(Self::of(name, Sink::Direct(Vec::new(), Stream::Device(device))))
             }
             Err(source) => Err(OutputError { path: name, source }),
         }
+    }
+
+    /// A file of binary G-code. What is written is text: it goes to a temporary file beside the first, which it is made of
+    /// in [`Output::commit`].
+    ///
+    /// # Errors
+    /// As [`Output::create`].
+    pub fn create_binary(path: &Path, metadata: BinaryMetadata) -> Result<Self, OutputError> {
+        let output = Self::create(path)?;
+        let folder = match &output.sink {
+            Sink::File(file) => file.folder(),
+            _ => std::env::temp_dir(),
+        };
+        let text = Self::temporary(&folder, output.name.clone())?;
+        Ok(Self { binary: Some(Box::new(Binary { output, metadata })), ..text })
+    }
+
+    /// Makes the binary file of the text.
+    fn packed(mut self, binary: Binary) -> Result<Self, OutputError> {
+        let Binary { mut output, metadata } = binary;
+        let name = self.name.clone();
+        let failed = |source: io::Error| OutputError { path: name.clone(), source };
+        let contents = gcode::contents(self.reread(0)?, &metadata).map_err(failed)?;
+        let text = self.reread(0)?;
+        gcode::pack_text(&contents, text, &mut Appending(&mut output)).map_err(failed)?;
+        Ok(output)
     }
 
     /// Moves the complete output to its path.
     ///
     /// # Errors
     /// As [`Output::write`]; then the file at the path is as it was before.
-    pub fn commit(self) -> Result<(), OutputError> {
+    pub fn commit(mut self) -> Result<(), OutputError> {
+        if let Some(binary) = self.binary.take() {
+            return self.packed(*binary)?.commit();
+        }
         let done = match self.sink {
             Sink::Memory(_) => Ok(()),
             Sink::File(file) => file.rename(),
@@ -193,6 +248,22 @@ impl Output {
             Sink::Direct(held, Stream::Device(mut device)) => device.write_all(&held),
         };
         done.map_err(|source| OutputError { path: self.name, source })
+    }
+}
+
+/// Appends to an output.
+#[cfg(feature = "cli")]
+struct Appending<'a>(&'a mut Output);
+
+#[cfg(feature = "cli")]
+impl Write for Appending<'_> {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        self.0.write(bytes).map_err(|error| error.source)?;
+        Ok(bytes.len())
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        Ok(())
     }
 }
 

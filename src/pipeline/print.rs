@@ -3,10 +3,10 @@
 use std::collections::BTreeSet;
 
 use crate::estimate::{Machine, cool};
-use crate::gcode::thumbnail_sizes;
 use crate::gcode::{
     self, Effect, GcodeOptions, LayerText, ObjectLabel, PrintFacts, Slot, Totals, WriterSettings,
 };
+use crate::gcode::{ThumbnailFormat, thumbnail_list};
 use crate::job::{Job, JobError};
 use crate::motion::{self, Entry, MotionSettings};
 use crate::order::{Chain, PathVisit, Pins, SeamRule, chunk_len};
@@ -74,7 +74,7 @@ pub(super) fn slice(
     };
 
     let mut header = gcode::header(&options, &facts, &scripts, true);
-    header.comment(&pictures);
+    header.comment(&pictures[0], &pictures[1]);
     let labels = gcode::labels(&options, &labels);
     let inspector = Inspector::new(settings, &header.bytes);
     let mut writer = PrintWriter {
@@ -151,13 +151,25 @@ fn of_script(key: &str, mistake: &macros::Error) -> JobError {
     script_error(vec![format!("{key}: {mistake}")])
 }
 
-/// Pictures of the plate for the header.
-fn thumbnails(plate: &Plate, settings: &Settings, workers: Workers<'_>) -> String {
-    // The profile has checked the sizes.
-    let sizes = thumbnail_sizes(&settings.gcode.thumbnails).unwrap_or_default();
-    let comments =
-        workers.map(sizes.len(), |i| view::thumbnail_comment(sizes[i], &view::thumbnail(plate, sizes[i])));
-    comments.concat()
+/// Pictures of the plate for the header: those that must come before anything else, and the others.
+fn thumbnails(plate: &Plate, settings: &Settings, workers: Workers<'_>) -> [String; 2] {
+    // The profile has checked the list.
+    let specs = thumbnail_list(&settings.gcode.thumbnails).unwrap_or_default();
+    let comments = workers.map(specs.len(), |i| {
+        let is_first = specs[..i].iter().all(|before| before.format != specs[i].format);
+        view::thumbnail_comment(plate, specs[i], is_first)
+    });
+    let [mut first, mut others] = [String::new(), String::new()];
+    for (spec, comment) in specs.iter().zip(comments) {
+        match spec.format {
+            ThumbnailFormat::BttTft => first += &comment,
+            _ => others += &comment,
+        }
+    }
+    if !first.is_empty() {
+        first += view::BTT_TFT_END;
+    }
+    [first, others]
 }
 
 /// Labels of the objects, for printers that can cancel single objects.

@@ -5,7 +5,7 @@ use std::ops::Range;
 
 use crate::check::FaultFinder;
 use crate::estimate::Machine;
-use crate::gcode::{Annotated, State};
+use crate::gcode::{Annotated, Input, State};
 use crate::job::{CheckError, InputError, JobError, ReorderJob};
 use crate::order::{Chain, Pins, SeamRule, chunk_len};
 use crate::order::{OrderStrategy, Scope, SeamPosition};
@@ -17,7 +17,7 @@ use crate::reorder::{
     Times, Walls, Written,
 };
 use crate::report::{PathMeasures, Reordered};
-use crate::source::{Input, Source};
+use crate::source::Source;
 use crate::toolpath::LayerPaths;
 
 use super::ordering::Sequencer;

@@ -1,5 +1,6 @@
 //! Single configurations: an exported `.ini` file, or the one in G-code.
 
+use std::io::BufRead;
 use std::path::Path;
 
 use super::bundle::{Bundles, Found};
@@ -8,7 +9,7 @@ use super::family::Kind;
 use super::ini::{self, Section, assignment};
 use super::keys::key_type;
 use super::project;
-use crate::gcode::is_gcode;
+use crate::gcode::{self, is_gcode};
 
 /// Whether a file of this name is read as a configuration of another slicer: `.ini`, G-code, a project (3MF).
 pub fn is_foreign(path: &Path) -> bool {
@@ -28,7 +29,10 @@ impl Config {
         }
         if is_gcode(path) {
             let mut block = Block::default();
-            ini::each_line(path, u64::MAX, |number, line| block.line(line.trim(), number))?;
+            let read = |error: std::io::Error| format!("cannot be read: {error}");
+            for (index, line) in gcode::open(path).map_err(read)?.split(b'\n').enumerate() {
+                block.line(String::from_utf8_lossy(&line.map_err(read)?).trim(), index + 1);
+            }
             return block.config(&file);
         }
         Self::of_sections(&file, ini::sections(&ini::lines(path)?))

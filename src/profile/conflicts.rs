@@ -5,8 +5,7 @@ use std::collections::BTreeMap;
 use super::error::{Origin, Problem};
 use super::script::{ScriptRun, WholePrint};
 use super::settings::Settings;
-use crate::gcode::PrintFacts;
-use crate::gcode::thumbnail_sizes;
+use crate::gcode::{PrintFacts, thumbnail_list};
 use crate::order::strategy;
 use crate::plate::{BedShape, Sequence};
 use crate::slice::layer_heights;
@@ -35,7 +34,7 @@ pub(super) fn find(settings: &Settings, origins: &BTreeMap<String, Origin>) -> C
     machine(settings, &mut check);
     retraction(settings, &mut check);
     scripts(settings, &mut check);
-    if let Err(message) = thumbnail_sizes(&settings.gcode.thumbnails) {
+    if let Err(message) = thumbnail_list(&settings.gcode.thumbnails) {
         check.error(&["gcode.thumbnails"], &message);
     }
     check.found

@@ -9,6 +9,7 @@ mod dump;
 mod embedded;
 mod error;
 mod import;
+mod metadata;
 mod resolve;
 mod schema;
 mod script;
@@ -22,6 +23,7 @@ pub use dump::{dump_json, dump_toml, reference};
 pub use embedded::{EMBEDDED, EmbeddedProfile, ProfileKind, find as embedded};
 pub use error::{Origin, Problem, ProfileError};
 pub use import::{Import, Left, Taken, import_page};
+pub use metadata::binary_metadata;
 pub use resolve::{Override, Resolved, resolve, resolve_presets};
 pub use schema::{field, keys};
 pub use script::{Moment, PLACEHOLDERS, PRINT_NAMES, ScriptRun, WholePrint, expand};
@@ -29,7 +31,7 @@ pub use settings::{SECTIONS, Settings};
 pub use source::text;
 
 pub use crate::estimate::MachineSettings;
-pub use crate::gcode::{Flavor, GcodeSettings, PrinterSettings, thumbnail_sizes};
+pub use crate::gcode::{Flavor, GcodeSettings, PrinterSettings, thumbnail_list};
 pub use crate::motion::{
     AccelerationSettings, CoolingSettings, FilamentSettings, RetractSettings, SpeedSettings,
     TemperatureSettings, TravelSettings, filament_area_mm2,

@@ -8,6 +8,8 @@ use toml::{Table, Value};
 use super::embedded::{self, EMBEDDED};
 use super::error::{Origin, Problem};
 use super::import::{self, Import};
+use super::metadata;
+use crate::gcode::is_gcode;
 use crate::limits;
 use crate::near;
 use crate::presets::{Config, is_foreign};
@@ -171,6 +173,15 @@ struct Found {
 }
 
 impl Found {
+    fn of_file(path: &Path, text: String) -> Self {
+        Self {
+            origin: Origin::File(path.display().to_string()),
+            identity: path.canonicalize().unwrap_or_else(|_| path.to_owned()),
+            text,
+            folder: path.parent().unwrap_or(Path::new("")).to_owned(),
+        }
+    }
+
     /// Whether it is an embedded profile or a file in a folder or below, links followed.
     fn stays_in(&self, folder: &Path) -> bool {
         let folder = if folder.as_os_str().is_empty() { Path::new(".") } else { folder };
@@ -190,6 +201,9 @@ fn locate(name_or_path: &str, folder: &Path) -> Result<Found, String> {
         });
     }
     let path = folder.join(name_or_path);
+    if let Some(text) = told(&path) {
+        return Ok(Found::of_file(&path, text));
+    }
     let looks_like_path = name_or_path.contains(['/', '\\']) || name_or_path.ends_with(".toml");
     if !looks_like_path && !path.exists() {
         return Err(unknown_profile(name_or_path));
@@ -205,18 +219,19 @@ fn locate(name_or_path: &str, folder: &Path) -> Result<Found, String> {
             limits::PROFILE_BYTES >> 20
         ));
     }
-    Ok(Found {
-        origin: Origin::File(path.display().to_string()),
-        identity: path.canonicalize().unwrap_or_else(|_| path.clone()),
-        text,
-        folder: path.parent().unwrap_or(Path::new("")).to_owned(),
-    })
+    Ok(Found::of_file(&path, text))
+}
+
+/// The settings in G-code of ours. What cannot be read is reported where it is read as another slicer's.
+fn told(path: &Path) -> Option<String> {
+    is_gcode(path).then(|| metadata::told(path).ok().flatten()).flatten()
 }
 
 /// The path of a configuration of another slicer, if that is meant.
 fn foreign(name_or_path: &str, folder: &Path) -> Option<PathBuf> {
     let path = folder.join(name_or_path);
-    (embedded::find(name_or_path).is_none() && is_foreign(&path)).then_some(path)
+    let is_foreign = embedded::find(name_or_path).is_none() && is_foreign(&path);
+    (is_foreign && told(&path).is_none()).then_some(path)
 }
 
 /// Text of a profile as written, by name or path; a configuration of another slicer as a profile of ours.

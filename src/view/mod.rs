@@ -3,6 +3,7 @@
 //! [`Scene`] is what all of them draw: the strokes of a G-code file, layer by layer, with what each is for.
 
 mod colors;
+mod colpic;
 mod layer_png;
 mod layer_svg;
 mod pack;
@@ -10,9 +11,11 @@ mod page;
 mod picture;
 mod scene;
 mod thumbnail;
+mod thumbnail_format;
 
 pub use layer_png::layer_png;
 pub use layer_svg::layer_svg;
 pub use page::{Print, page};
 pub use scene::{Layer, Mark, MarkKind, Scene, Stroke};
-pub use thumbnail::{Solid, thumbnail, thumbnail_comment};
+pub use thumbnail::{Solid, thumbnail};
+pub use thumbnail_format::{BTT_TFT_END, thumbnail_comment};

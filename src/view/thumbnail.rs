@@ -1,7 +1,5 @@
-//! Small pictures of a print, drawn without display or GPU, and how they go into G-code.
+//! Small pictures of a print, drawn without display or GPU.
 
-use base64::Engine;
-use base64::engine::general_purpose::STANDARD;
 use tiny_skia::{Pixmap, PremultipliedColorU8};
 
 use super::colors::{OTHER, ROLES, Rgb, SKIRT};
@@ -20,8 +18,6 @@ const AMBIENT: f32 = 0.5;
 const SAMPLES: usize = 3;
 /// Room left free at each side, as a share.
 const MARGIN: f32 = 0.03;
-/// Characters of base64 in a line of G-code, as in PrusaSlicer: with `; ` no longer than 80.
-const LINE: usize = 78;
 
 /// Something with a surface.
 pub trait Solid {
@@ -74,7 +70,12 @@ impl Solid for Scene {
 }
 
 /// Draws a picture of `width` × `height` pixels (at least 1, at most 2000 each) as PNG, the background transparent.
-pub fn thumbnail(solid: &dyn Solid, [width, height]: [u32; 2]) -> Vec<u8> {
+pub fn thumbnail(solid: &dyn Solid, size: [u32; 2]) -> Vec<u8> {
+    picture(solid, size).encode_png().unwrap_or_default()
+}
+
+/// The pixels of a thumbnail.
+pub(super) fn picture(solid: &dyn Solid, [width, height]: [u32; 2]) -> Pixmap {
     let (width, height) = (width.clamp(1, 2000), height.clamp(1, 2000));
     let mut canvas = Canvas::new(width as usize * SAMPLES, height as usize * SAMPLES);
     if let Some(fit) = Fit::new(solid, canvas.width as f32, canvas.height as f32) {
@@ -82,25 +83,11 @@ pub fn thumbnail(solid: &dyn Solid, [width, height]: [u32; 2]) -> Vec<u8> {
             canvas.facet(&corners.map(|corner| fit.pixel(corner)), &corners, color)
         });
     }
-    // A picture within these limits can always be made.
-    let Some(mut map) = Pixmap::new(width, height) else { return Vec::new() };
+    let mut map = Pixmap::new(width, height).expect("a picture within these limits");
     for (index, pixel) in map.pixels_mut().iter_mut().enumerate() {
         *pixel = canvas.average(index % width as usize, index / width as usize);
     }
-    map.encode_png().unwrap_or_default()
-}
-
-/// A PNG as comment lines in the form that Moonraker, OctoPrint and firmwares read.
-pub fn thumbnail_comment([width, height]: [u32; 2], png: &[u8]) -> String {
-    let text = STANDARD.encode(png);
-    let mut out = format!(";\n; thumbnail begin {width}x{height} {}\n", text.len());
-    let mut rest = text.as_str();
-    while !rest.is_empty() {
-        let (line, next) = rest.split_at(LINE.min(rest.len()));
-        out += &format!("; {line}\n");
-        rest = next;
-    }
-    out + "; thumbnail end\n;\n"
+    map
 }
 
 fn dot(a: [f32; 3], b: [f32; 3]) -> f32 {
@@ -247,15 +234,5 @@ mod tests {
     fn nothing_gives_an_empty_picture() {
         let map = Pixmap::decode_png(&thumbnail(&Scene::default(), [8, 8])).unwrap();
         assert!(map.pixels().iter().all(|pixel| pixel.alpha() == 0));
-    }
-
-    #[test]
-    fn comments_hold_what_they_announce() {
-        let png = thumbnail(&scene(), [32, 32]);
-        let text = thumbnail_comment([32, 32], &png);
-        assert!(text.lines().all(|line| line.starts_with(';') && line.len() <= 80));
-        let held: String = text.lines().filter(|l| !l.contains("thumbnail")).map(|l| l[1..].trim()).collect();
-        assert!(text.contains(&format!("; thumbnail begin 32x32 {}\n", held.len())));
-        assert_eq!(held, STANDARD.encode(&png));
     }
 }

@@ -13,7 +13,8 @@ const ORDER: &[&str] = &[
 
 /// The sources of all crates that are there: a packaged crate has its own alone.
 fn crates() -> impl Iterator<Item = PathBuf> {
-    let folders = ["src", "crates/geometry/src", "crates/macros/src", "crates/ordering/src"];
+    let folders =
+        ["src", "crates/bgcode/src", "crates/geometry/src", "crates/macros/src", "crates/ordering/src"];
     folders.into_iter().map(|folder| root().join(folder)).filter(|folder| folder.exists())
 }
 

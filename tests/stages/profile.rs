@@ -2,7 +2,8 @@
 
 use std::fs;
 
-use pathwright::profile::{self, EMBEDDED, Override, Pattern, PrintBounds, ProfileKind, Settings, resolve};
+use pathwright::gcode::PrintFacts;
+use pathwright::profile::{self, EMBEDDED, Override, Pattern, ProfileKind, Settings, resolve};
 
 fn set(key: &str, value: &str) -> Override {
     Override { key: key.into(), value: value.into(), option: "--set" }
@@ -292,7 +293,7 @@ fn texts_cannot_bring_commands_of_their_own() {
     }
     let mut settings = Settings::default();
     settings.filament.material = "PLA\nM112 ; {z_f}".into();
-    let script = profile::expand("; {filament}\nG28", &settings, PrintBounds::default()).unwrap();
+    let script = profile::expand("; {filament}\nG28", &settings, &PrintFacts::default()).unwrap();
     assert_eq!(script.lines().count(), 2, "{script}");
 }
 
@@ -473,13 +474,15 @@ fn words(line: &str) -> (&str, impl Fn(char) -> Option<f64> + '_) {
     })
 }
 
-const PRINT: PrintBounds = PrintBounds { min_mm: [0.0; 2], max_mm: [60.0; 2], max_z_mm: 40.0, layers: 200 };
+fn print() -> PrintFacts {
+    PrintFacts { max_mm: [60.0; 2], max_z_mm: 40.0, layers: 200, ..PrintFacts::default() }
+}
 
 #[test]
 fn start_scripts_heat_before_they_extrude_and_prime_inside_the_bed() {
     for profile in EMBEDDED {
         let s = settings(&[profile.name], &[]);
-        let script = profile::expand(&s.gcode.start, &s, PRINT).unwrap();
+        let script = profile::expand(&s.gcode.start, &s, &print()).unwrap();
         let ([mut x, mut y], mut hot, mut homed, mut fed) = ([0.0, 0.0], false, false, 0.0);
         for line in script.lines() {
             let (command, word) = words(line);
@@ -508,7 +511,7 @@ fn start_scripts_heat_before_they_extrude_and_prime_inside_the_bed() {
 fn end_scripts_retract_lift_leave_and_switch_off() {
     for profile in EMBEDDED.iter().filter(|p| p.name != "standard-job") {
         let s = settings(&[profile.name], &[]);
-        let script = profile::expand(&s.gcode.end, &s, PRINT).unwrap();
+        let script = profile::expand(&s.gcode.end, &s, &print()).unwrap();
         let place = |text: &str| script.find(text).unwrap_or_else(|| panic!("{}: no {text}", profile.name));
         let leaves = script.find("G28").unwrap_or_else(|| place("G0 X"));
         assert!(place("G1 E-") < place("G0 Z") && place("G0 Z") < leaves, "{script}");
@@ -518,7 +521,7 @@ fn end_scripts_retract_lift_leave_and_switch_off() {
         for line in script.lines() {
             let (command, word) = words(line);
             assert!(COMMANDS.contains(&command), "{}: {line}", profile.name);
-            assert!(word('Z').is_none_or(|z| z > PRINT.max_z_mm && z <= s.bed.height.0), "{line}");
+            assert!(word('Z').is_none_or(|z| z > print().max_z_mm && z <= s.bed.height.0), "{line}");
             if let (Some(x), Some(y)) = (word('X'), word('Y')) {
                 assert!(on_the_bed(&s, x, y), "{}: {line}", profile.name);
             }

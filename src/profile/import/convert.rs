@@ -6,7 +6,7 @@ use super::row::Outcome::{self, Idle, Left, Near};
 use super::row::{How, Row};
 use super::script;
 use crate::estimate::MachineSettings;
-use crate::gcode::Flavor;
+use crate::gcode::{Flavor, thumbnail_list};
 use crate::options::Kind;
 use crate::presets::Config;
 use crate::profile::schema;
@@ -685,16 +685,21 @@ pub(super) fn arcs(config: &Config) -> Outcome {
 
 pub(super) fn thumbnails(config: &Config) -> Outcome {
     let text = config.text("thumbnails").unwrap_or_default();
-    let is_png = config.text("thumbnails_format").is_none_or(|format| format == "PNG");
-    let mut sizes = Vec::new();
-    for one in text.split(',') {
-        match one.trim().split_once('/') {
-            Some((size, "PNG")) => sizes.push(size),
-            None if is_png => sizes.push(one.trim()),
-            _ => return Left("only PNG is written".into()),
+    let format = config.text("thumbnails_format").unwrap_or("PNG");
+    let all = text.split(',').map(|one| {
+        let (size, format) = one.trim().split_once('/').unwrap_or((one.trim(), format));
+        // SuperSlicer has another name for it.
+        match format {
+            "PNG" => size.to_owned(),
+            "BIQU" => format!("{size}/BTT_TFT"),
+            format => format!("{size}/{format}"),
         }
+    });
+    let all = all.collect::<Vec<_>>().join(",");
+    match thumbnail_list(&all) {
+        Ok(_) => word(&all),
+        Err(reason) => Left(reason),
     }
-    word(&sizes.join(","))
 }
 
 pub(super) fn labels(config: &Config) -> Outcome {

@@ -342,7 +342,7 @@ pub(super) const ROWS: &[Row] = &[
     ),
     same("gcode.relative_e", &["use_relative_e_distances"]),
     with("gcode.arcs", &["arc_fitting"], "any but `disabled`", c::arcs),
-    with("gcode.thumbnails", &["thumbnails"], "those that are PNG", c::thumbnails),
+    with("gcode.thumbnails", &["thumbnails"], "PNG, JPG, QOI, COLPIC, BTT_TFT", c::thumbnails),
     with("gcode.labels", &["gcode_label_objects"], "`firmware`, 1", c::labels),
     with("gcode.limits", &["machine_limits_usage"], "`emit_to_gcode`", c::limits),
     with("gcode.start", &["start_gcode"], SCRIPT, c::start),

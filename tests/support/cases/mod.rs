@@ -6,7 +6,7 @@
 pub mod shapes;
 
 use std::collections::BTreeMap;
-use std::io::{Cursor, Write};
+use std::io::{Cursor, Read, Seek, SeekFrom, Write};
 use std::path::Path;
 
 use macros::Value;
@@ -114,6 +114,24 @@ pub fn gcode(bytes: &[u8]) {
     }
     assert_eq!(annotate(bytes).map(|read| read.line.raw.len()).sum::<usize>(), bytes.len());
     let _ = measure(bytes, settings.filament.diameter);
+}
+
+/// Any bytes as binary G-code, and as the blocks of a file without checksums.
+pub fn bgcode(bytes: &[u8]) {
+    let headed = [&b"GCDE\x01\0\0\0\0\0"[..], bytes].concat();
+    for bytes in [bytes, &headed] {
+        let Ok(mut text) = bgcode::Text::open(Cursor::new(bytes)) else { continue };
+        let mut read = Vec::new();
+        text.read_to_end(&mut read).expect("what was read once");
+        assert_eq!(text.seek(SeekFrom::End(0)).expect("an end"), read.len() as u64);
+        let contents = bgcode::Contents::of(&*read).expect("memory can be read");
+        let again = bgcode::pack(&contents, &*read, bgcode::Options::default(), Vec::new());
+        let again = again.expect("memory can be written");
+        let is_command = |line: &[u8]| !line.trim_ascii().is_empty() && !line.trim_ascii().starts_with(b";");
+        if read.split(|byte| *byte == b'\n').any(is_command) {
+            bgcode::Text::open(Cursor::new(again)).expect("what was written can be read");
+        }
+    }
 }
 
 /// Polygons that nobody would draw through offsets, walls, fills and the order of paths.
