@@ -28,9 +28,6 @@ const LONGEST_ANCHOR_MM: f64 = 100.0;
 /// No limit, for lengths.
 const ANY_MM: f64 = 10_000.0;
 
-/// How far a bed's outline may be from a rectangle or a circle, in millimetres.
-const BED_TOLERANCE_MM: f64 = 0.1;
-
 /// The value that a row gives.
 pub(super) fn row(row: &Row, config: &Config) -> Outcome {
     match row.how {
@@ -105,51 +102,6 @@ pub(super) fn flavor(config: &Config) -> Outcome {
         Some("reprapfirmware") => word(Flavor::RepRapFirmware.name()),
         _ => no_such(config, "gcode_flavor"),
     }
-}
-
-/// A bed: its shape, size and origin.
-fn bed(config: &Config) -> Option<(&'static str, [f64; 2], &'static str)> {
-    let point = |text: &str| -> Option<[f64; 2]> {
-        let (x, y) = text.trim().split_once('x')?;
-        Some([x.parse().ok()?, y.parse().ok()?])
-    };
-    let points: Vec<[f64; 2]> = config.text("bed_shape")?.split(',').map(point).collect::<Option<_>>()?;
-    let min = [0, 1].map(|i| points.iter().map(|p| p[i]).fold(f64::INFINITY, f64::min));
-    let max = [0, 1].map(|i| points.iter().map(|p| p[i]).fold(f64::NEG_INFINITY, f64::max));
-    let (size, middle) = ([0, 1].map(|i| max[i] - min[i]), [0, 1].map(|i| (min[i] + max[i]) / 2.0));
-    let near = |a: f64, b: f64| (a - b).abs() <= BED_TOLERANCE_MM;
-    let at_edge = |p: &[f64; 2]| [0, 1].iter().all(|&i| near(p[i], min[i]) || near(p[i], max[i]));
-    let on_circle = |p: &[f64; 2]| near((p[0] - middle[0]).hypot(p[1] - middle[1]), size[0] / 2.0);
-    let (shape, size) = match points.len() {
-        4 if points.iter().all(at_edge) => ("rectangular", size),
-        8.. if points.iter().all(on_circle) => ("round", [(size[0] * 10.0).round() / 10.0; 2]),
-        _ => return None,
-    };
-    let origin = if near(min[0], 0.0) && near(min[1], 0.0) {
-        "corner"
-    } else if near(middle[0], 0.0) && near(middle[1], 0.0) {
-        "center"
-    } else {
-        return None;
-    };
-    Some((shape, size, origin))
-}
-
-fn of_bed(config: &Config, part: impl Fn((&'static str, [f64; 2], &'static str)) -> Outcome) -> Outcome {
-    let reason = "is neither a rectangle nor a disc with the origin in its corner or centre";
-    bed(config).map_or_else(|| Left(reason.into()), part)
-}
-
-pub(super) fn bed_shape(config: &Config) -> Outcome {
-    of_bed(config, |(shape, _, _)| word(shape))
-}
-
-pub(super) fn bed_size(config: &Config) -> Outcome {
-    of_bed(config, |(_, size, _)| numbers(&size))
-}
-
-pub(super) fn bed_origin(config: &Config) -> Outcome {
-    of_bed(config, |(_, _, origin)| word(origin))
 }
 
 /// A limit of each axis.

@@ -2,6 +2,7 @@
 //!
 //! [`table`] says key by key what is taken over and how. What is not is reported with the reason; nothing is guessed.
 
+mod bed;
 mod config;
 mod convert;
 mod page;
@@ -262,21 +263,5 @@ mod tests {
     fn values_out_of_our_range_are_left_out() {
         let import = import("perimeters = 1000\n");
         assert!(import.taken.is_empty() && import.left[0].reason.contains("0 to 100"), "{:?}", import.left);
-    }
-
-    #[test]
-    fn beds_are_rectangles_or_discs_at_the_corner_or_the_centre() {
-        let bed = |shape: &str| {
-            let import = import(&format!("bed_shape = {shape}\n"));
-            import.taken.iter().map(|taken| taken.value.to_string()).collect::<Vec<_>>()
-        };
-        assert_eq!(bed("0x0,250x0,250x210,0x210"), ["\"rectangular\"", "[250.0, 210.0]", "\"corner\""]);
-        assert_eq!(bed("-90x-90,90x-90,90x90,-90x90"), ["\"rectangular\"", "[180.0, 180.0]", "\"center\""]);
-        let disc: Vec<String> = (0..72)
-            .map(|i| f64::from(i) * std::f64::consts::TAU / 72.0)
-            .map(|a| format!("{:.3}x{:.3}", 100.0 * a.cos(), 100.0 * a.sin()))
-            .collect();
-        assert_eq!(bed(&disc.join(",")), ["\"round\"", "[200.0, 200.0]", "\"center\""]);
-        assert!(bed("10x0,250x0,250x210,10x210").is_empty());
     }
 }

@@ -1,6 +1,7 @@
 //! What is taken over of the configurations of others, key by key: the one place that says so. `docs/import.md` is
 //! printed from it.
 
+use super::bed;
 use super::config::Config;
 use super::convert as c;
 use super::row::{How, Outcome, Row};
@@ -32,9 +33,10 @@ pub(super) const ROWS: &[Row] = &[
     same("printer.name", &["printer_settings_id", "printer_model"]),
     with("printer.flavor", &["gcode_flavor"], "`marlin`, `marlin2`, `klipper`, `reprapfirmware`", c::flavor),
     same("printer.nozzle_diameter", &["nozzle_diameter"]),
-    with("bed.shape", &["bed_shape"], "a rectangle, or points on a circle", c::bed_shape),
-    with("bed.size", &["bed_shape"], "", c::bed_size),
-    with("bed.origin", &["bed_shape"], "the corner or the centre", c::bed_origin),
+    with("bed.shape", &["bed_shape"], "a rectangle, a disc, or what fits inside", bed::shape),
+    with("bed.size", &["bed_shape"], "", bed::size),
+    with("bed.origin", &["bed_shape"], "the corner or the centre", bed::origin),
+    with("bed.offset", &["bed_shape"], "where that is not X 0, Y 0", bed::offset),
     same("bed.height", &["max_print_height"]),
     with(
         "machine.max_speed",
