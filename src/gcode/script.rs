@@ -37,7 +37,12 @@ impl Scripts {
     }
 
     /// Adds the scripts of the end, expanded: of the filament and of the print.
-    pub(crate) fn close(&mut self, [filament_end, end]: [String; 2], options: &GcodeSettings, flavor: Flavor) {
+    pub(crate) fn close(
+        &mut self,
+        [filament_end, end]: [String; 2],
+        options: &GcodeSettings,
+        flavor: Flavor,
+    ) {
         self.ends = heaters(&options.end, &end, flavor);
         self.end = filament_end + &end;
     }
@@ -97,8 +102,7 @@ mod tests {
 
     #[test]
     fn scripts_are_filled_in_and_their_line_ends_made_alike() {
-        let facts =
-            PrintFacts { layers: 3, max_mm: [30.0, 40.5], max_z_mm: 0.6, ..PrintFacts::default() };
+        let facts = PrintFacts { layers: 3, max_mm: [30.0, 40.5], max_z_mm: 0.6, ..PrintFacts::default() };
         let mut settings = Settings::default();
         settings.gcode.start = "M109 S{nozzle_temp}\r\nG1 X{print_max_x} ; {{x}}".into();
         let scripts = Scripts::new(&settings, &facts).expect("no mistakes");

@@ -69,12 +69,22 @@ section! {
     }
 }
 section! {
-    /// `[acceleration]`: 0 leaves the firmware's value alone.
+    /// `[acceleration]`: 0 leaves the firmware's value alone, or is what is said beside it.
     AccelerationSettings {
         /// Everything without a value of its own.
         default: MmPerS2 = MmPerS2(1500.0); 0.0..=100000.0,
         /// Outermost wall.
         external_perimeter: MmPerS2 = MmPerS2(1000.0); 0.0..=100000.0,
+        /// Inner walls; 0: `acceleration.default`, as with those below.
+        perimeter: MmPerS2 = MmPerS2(0.0); 0.0..=100000.0,
+        /// Sparse infill.
+        infill: MmPerS2 = MmPerS2(0.0); 0.0..=100000.0,
+        /// Solid infill and ironing.
+        solid: MmPerS2 = MmPerS2(0.0); 0.0..=100000.0,
+        /// Top surfaces.
+        top: MmPerS2 = MmPerS2(0.0); 0.0..=100000.0,
+        /// Bridges; 0: that of the solid infill, or wall, that it is part of.
+        bridge: MmPerS2 = MmPerS2(0.0); 0.0..=100000.0,
         /// Travel.
         travel: MmPerS2 = MmPerS2(2000.0); 0.0..=100000.0,
     }

@@ -132,9 +132,9 @@ fn finish(path: &Path, vertices: &mut Vec<Vertex>, layer: usize, settings: &Moti
 }
 
 impl Nozzle<'_> {
-    /// Sets the acceleration of a role, or of travel.
-    pub(super) fn accelerate(&mut self, role: Option<Role>) {
-        let wanted = self.rules.acceleration(role);
+    /// Sets the acceleration of a role, of walls by how far they hang over, or of travel.
+    pub(super) fn accelerate(&mut self, drawn: Option<(Role, Grade)>) {
+        let wanted = self.rules.acceleration(drawn);
         if let Some(acceleration) = wanted
             && self.acceleration != wanted
         {
@@ -165,11 +165,11 @@ impl Nozzle<'_> {
         let first = self.moves.len();
         let scarf = finish(path, vertices, self.rules.index(), self.settings);
         if let Some(scarf) = &scarf {
-            self.begin(path, path.role);
+            self.begin(path, Grade::Held);
             self.lift(self.layer_z_mm - Scarf::FIRST_BELOW * path.height_mm);
             self.draw_steps(path, &scarf.rise);
             self.draw_graded(path, &scarf.body);
-            self.begin(path, path.role);
+            self.begin(path, Grade::Held);
             self.draw_steps(path, &scarf.fade);
         } else {
             self.draw_graded(path, vertices);
@@ -183,7 +183,8 @@ impl Nozzle<'_> {
     }
 
     /// Says what is drawn next.
-    pub(super) fn begin(&mut self, path: &Path, role: Role) {
+    pub(super) fn begin(&mut self, path: &Path, grade: Grade) {
+        let role = if grade > Grade::Quarter { Role::OverhangPerimeter } else { path.role };
         let bead = (role, mean_width_mm(&path.width), path.height_mm);
         if self.bead != Some(bead) {
             let (role, width_mm, height_mm) = bead;
@@ -191,7 +192,7 @@ impl Nozzle<'_> {
             self.bead = Some(bead);
         }
         self.set_fan(Some(role));
-        self.accelerate(Some(path.role));
+        self.accelerate(Some((path.role, grade)));
     }
 
     /// Draws vertices, walls graded by how far they hang.
@@ -202,11 +203,11 @@ impl Nozzle<'_> {
             _ => Vec::new(),
         };
         if stretches.is_empty() {
-            self.begin(path, path.role);
+            self.begin(path, Grade::Held);
             self.draw_stretch(path.role, Grade::Held, vertices);
         }
         for (grade, vertices) in stretches {
-            self.begin(path, if grade > Grade::Quarter { Role::OverhangPerimeter } else { path.role });
+            self.begin(path, grade);
             self.draw_stretch(path.role, grade, &vertices);
         }
     }

@@ -66,23 +66,42 @@ impl<'a> Rules<'a> {
         if max_flow > 0.0 && area_mm2 * speed.0 > max_flow { MmPerS(max_flow / area_mm2) } else { speed }
     }
 
-    /// Acceleration of a role, or of travel; `None`: the profile leaves accelerations alone altogether.
-    pub(super) fn acceleration(&self, role: Option<Role>) -> Option<MmPerS2> {
+    /// Acceleration of a role, of walls by how far they hang over, or of travel; `None`: the profile leaves accelerations
+    /// alone altogether.
+    pub(super) fn acceleration(&self, drawn: Option<(Role, Grade)>) -> Option<MmPerS2> {
         let set = &self.settings.acceleration;
         let first = self.settings.first_layer.acceleration;
-        if [set.default, set.external_perimeter, set.travel, first].iter().all(|a| a.0 <= 0.0) {
+        let all = [set.default, set.external_perimeter, set.perimeter, set.infill, set.solid, set.top];
+        if all.iter().chain(&[set.bridge, set.travel, first]).all(|a| a.0 <= 0.0) {
             return None;
         }
-        let own = match role {
-            None => set.travel,
-            Some(Role::ExternalPerimeter) => set.external_perimeter,
-            Some(_) => set.default,
+        let none = MmPerS2(0.0);
+        let (own, bridge) = match drawn {
+            None => (set.travel, none),
+            Some((role, grade)) => {
+                (self.acceleration_of(role), if grade == Grade::Air { set.bridge } else { none })
+            }
         };
-        let first = if self.is_first() { first } else { MmPerS2(0.0) };
-        [first, own, set.default]
+        let first = if self.is_first() { first } else { none };
+        [first, bridge, own, set.default]
             .into_iter()
             .find(|a| a.0 > 0.0)
             .or(Some(self.settings.firmware_acceleration))
+    }
+
+    /// What a role has of its own; 0: nothing.
+    fn acceleration_of(&self, role: Role) -> MmPerS2 {
+        let set = &self.settings.acceleration;
+        match role {
+            Role::ExternalPerimeter => set.external_perimeter,
+            Role::Perimeter => set.perimeter,
+            Role::InternalInfill => set.infill,
+            Role::SolidInfill | Role::Ironing => set.solid,
+            Role::TopSolidInfill => set.top,
+            Role::BridgeInfill if set.bridge.0 > 0.0 => set.bridge,
+            Role::BridgeInfill => set.solid,
+            _ => set.default,
+        }
     }
 
     /// What is said once at the beginning of the layer: temperatures and fan, where they may differ from the
@@ -145,6 +164,36 @@ mod tests {
     }
 
     #[test]
+    fn each_role_has_its_own_acceleration_and_walls_over_nothing_that_of_bridges() {
+        let mut all = Settings::default();
+        all.acceleration.default = MmPerS2(1000.0);
+        all.acceleration.perimeter = MmPerS2(900.0);
+        all.acceleration.infill = MmPerS2(4000.0);
+        all.acceleration.solid = MmPerS2(2000.0);
+        all.acceleration.top = MmPerS2(800.0);
+        let of = |all: &Settings, role, grade| {
+            let settings = MotionSettings::new(all, &[]);
+            Rules::new(&settings, 7).acceleration(Some((role, grade))).map(|a| a.0)
+        };
+        let held = [
+            (Role::Perimeter, 900.0),
+            (Role::InternalInfill, 4000.0),
+            (Role::SolidInfill, 2000.0),
+            (Role::BridgeInfill, 2000.0),
+            (Role::TopSolidInfill, 800.0),
+            (Role::Support, 1000.0),
+        ];
+        for (role, wanted) in held {
+            assert_eq!(of(&all, role, Grade::Held), Some(wanted), "{role:?}");
+        }
+        assert_eq!(of(&all, Role::Perimeter, Grade::Air), Some(900.0));
+        all.acceleration.bridge = MmPerS2(500.0);
+        assert_eq!(of(&all, Role::Perimeter, Grade::Air), Some(500.0));
+        assert_eq!(of(&all, Role::Perimeter, Grade::ThreeQuarters), Some(900.0));
+        assert_eq!(of(&all, Role::BridgeInfill, Grade::Held), Some(500.0));
+    }
+
+    #[test]
     fn an_acceleration_of_zero_means_the_default_and_all_zero_means_none() {
         let mut all = Settings::default();
         (all.acceleration.travel, all.first_layer.acceleration) = (MmPerS2(0.0), MmPerS2(0.0));
@@ -152,6 +201,6 @@ mod tests {
         assert_eq!(Rules::new(&settings, 0).acceleration(None), Some(all.acceleration.default));
         (all.acceleration.default, all.acceleration.external_perimeter) = (MmPerS2(0.0), MmPerS2(0.0));
         let settings = MotionSettings::new(&all, &[]);
-        assert_eq!(Rules::new(&settings, 0).acceleration(Some(Role::Perimeter)), None);
+        assert_eq!(Rules::new(&settings, 0).acceleration(Some((Role::Perimeter, Grade::Held))), None);
     }
 }

@@ -22,7 +22,7 @@ impl Nozzle<'_> {
             self.travel(start.at, path.island, pause);
             self.layer_z_mm = top_mm;
         }
-        self.begin(path, path.role);
+        self.begin(path, Grade::Held);
         let speed = self.rules.speed(path.role, Grade::Held);
         let ends = vertices.iter().zip(rises);
         for ((from, rise_from), (to, rise)) in ends.clone().zip(ends.skip(1)) {

@@ -4,8 +4,8 @@ use std::collections::BTreeMap;
 
 use super::error::{Origin, Problem};
 use super::script::{ScriptRun, WholePrint};
-use crate::gcode::PrintFacts;
 use super::settings::Settings;
+use crate::gcode::PrintFacts;
 use crate::gcode::thumbnail_sizes;
 use crate::plate::{BedShape, Sequence};
 use crate::slice::layer_heights;
@@ -275,6 +275,11 @@ fn machine(settings: &Settings, check: &mut Check) {
     let accelerations = [
         ("acceleration.default", settings.acceleration.default),
         ("acceleration.external_perimeter", settings.acceleration.external_perimeter),
+        ("acceleration.perimeter", settings.acceleration.perimeter),
+        ("acceleration.infill", settings.acceleration.infill),
+        ("acceleration.solid", settings.acceleration.solid),
+        ("acceleration.top", settings.acceleration.top),
+        ("acceleration.bridge", settings.acceleration.bridge),
         ("acceleration.travel", settings.acceleration.travel),
         ("first_layer.acceleration", settings.first_layer.acceleration),
     ];

@@ -86,7 +86,9 @@ fn check_variable(name: &str, value: &Value) -> Result<(), String> {
     let is_scalar = |value: &Value| !matches!(value, Value::Table(_) | Value::Array(_) | Value::Datetime(_));
     let is_flat = |value: &Value| value.as_array().is_some_and(|values| values.iter().all(is_scalar));
     let fits = is_scalar(value)
-        || value.as_array().is_some_and(|values| values.iter().all(|value| is_scalar(value) || is_flat(value)));
+        || value
+            .as_array()
+            .is_some_and(|values| values.iter().all(|value| is_scalar(value) || is_flat(value)));
     if fits { Ok(()) } else { Err("a number, text, true, false, or a list of them is expected".into()) }
 }
 

@@ -43,10 +43,7 @@ fn a_model_stands_in_the_middle_of_the_bed() {
 #[test]
 fn a_bed_may_lie_anywhere() {
     for (origin, middle) in [(BedOrigin::Corner, [105.0, 92.0]), (BedOrigin::Center, [5.0, -8.0])] {
-        let bed = BedSettings {
-            offset: [Mm(5.0), Mm(-8.0)],
-            ..bed(BedShape::Rectangular, 200.0, origin)
-        };
+        let bed = BedSettings { offset: [Mm(5.0), Mm(-8.0)], ..bed(BedShape::Rectangular, 200.0, origin) };
         let (low, high) = (bed.low_mm(), bed.high_mm());
         assert_eq!([0, 1].map(|i| (low[i] + high[i]) / 2.0), middle);
         let plate = place(vec![item("a", block(30.0, 20.0, 10.0), 1)], &bed, &Placement::default()).unwrap();

@@ -97,7 +97,11 @@ fn above_zero(value: Option<f64>) -> Outcome {
 
 pub(super) fn flavor(config: &Config) -> Outcome {
     match config.text("gcode_flavor") {
-        Some("marlin" | "marlin2") => word(Flavor::Marlin.name()),
+        Some("marlin2") => word(Flavor::Marlin.name()),
+        Some("marlin") => word(Flavor::MarlinLegacy.name()),
+        Some("reprap") => {
+            Near(Value::String(Flavor::MarlinLegacy.name().into()), "spoken as Marlin 1 does".into())
+        }
         Some("klipper") => word(Flavor::Klipper.name()),
         Some("reprapfirmware") => word(Flavor::RepRapFirmware.name()),
         _ => no_such(config, "gcode_flavor"),
@@ -314,12 +318,15 @@ pub(super) fn first_speed(config: &Config) -> Outcome {
 }
 
 /// The acceleration of most moves: the first of these keys that is not 0, or else the machine's own for them; a
-/// percentage is of the default one.
+/// percentage is of the default one. Where limits are stated, no more than the machine's.
 fn acceleration_of(config: &Config, own: &[&str], limit: &str) -> Outcome {
     let default = config.number("default_acceleration");
+    let most = config.number(limit).filter(|most| *most > 0.0 && states_limits(config));
     for &key in own.iter().chain(&["default_acceleration", limit]) {
         match config.first(key).map(|_| config.number_of(key, default)) {
-            Some(Some(acceleration)) if acceleration > 0.0 => return number(acceleration),
+            Some(Some(acceleration)) if acceleration > 0.0 => {
+                return number(most.map_or(acceleration, |most| most.min(acceleration)));
+            }
             Some(None) => return known(None),
             _ => {}
         }
@@ -337,8 +344,30 @@ pub(super) fn external_acceleration(config: &Config) -> Outcome {
     acceleration_of(config, &["external_perimeter_acceleration", "perimeter_acceleration"], EXTRUDING)
 }
 
+pub(super) fn perimeter_acceleration(config: &Config) -> Outcome {
+    acceleration_of(config, &["perimeter_acceleration"], EXTRUDING)
+}
+
+pub(super) fn infill_acceleration(config: &Config) -> Outcome {
+    acceleration_of(config, &["infill_acceleration"], EXTRUDING)
+}
+
+pub(super) fn solid_acceleration(config: &Config) -> Outcome {
+    acceleration_of(config, &["solid_infill_acceleration", "infill_acceleration"], EXTRUDING)
+}
+
+pub(super) fn top_acceleration(config: &Config) -> Outcome {
+    let keys = ["top_solid_infill_acceleration", "solid_infill_acceleration", "infill_acceleration"];
+    acceleration_of(config, &keys, EXTRUDING)
+}
+
+/// 0 is that of what the bridge is part of, here as there.
+pub(super) fn bridge_acceleration(config: &Config) -> Outcome {
+    known(config.number_of("bridge_acceleration", config.number("default_acceleration")))
+}
+
 pub(super) fn first_acceleration(config: &Config) -> Outcome {
-    acceleration_of(config, &["first_layer_acceleration"], EXTRUDING)
+    known(config.number_of("first_layer_acceleration", config.number("default_acceleration")))
 }
 
 pub(super) fn travel_acceleration(config: &Config) -> Outcome {
@@ -657,8 +686,23 @@ pub(super) fn labels(config: &Config) -> Outcome {
     }
 }
 
+/// Whether limits are written to G-code, which not every dialect has commands for there.
+fn states_limits(config: &Config) -> bool {
+    config.text("machine_limits_usage") == Some("emit_to_gcode")
+        && matches!(config.text("gcode_flavor"), Some("marlin" | "marlin2" | "reprapfirmware"))
+}
+
 pub(super) fn limits(config: &Config) -> Outcome {
-    flag(config.text("machine_limits_usage") == Some("emit_to_gcode"))
+    match config.text("machine_limits_usage") {
+        Some("ignore") => Near(Value::Boolean(false), "the time estimate uses them here".into()),
+        Some("emit_to_gcode" | "time_estimate_only") => flag(states_limits(config)),
+        _ => no_such(config, "machine_limits_usage"),
+    }
+}
+
+pub(super) fn min_speed(config: &Config) -> Outcome {
+    let least = ["machine_min_extruding_rate", "machine_min_travel_rate"].map(|key| config.number(key));
+    numbers(&least.map(|speed| speed.unwrap_or(0.0)))
 }
 
 /// A script, as it is written.
