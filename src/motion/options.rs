@@ -134,6 +134,11 @@ section! {
         min_speed: MmPerS = MmPerS(10.0); 0.1..=500.0,
         /// Fan on ordinary layers.
         fan: Ratio = Ratio(1.0); 0.0..=1.0,
+        /// Layers shorter than this have more fan; 0: none have.
+        short_layer_time: Seconds = Seconds(0.0); 0.0..=3600.0,
+        /// Fan on layers that take `short_layer_time`, and on those that take `min_layer_time` or less; what is between has a
+        /// fan between.
+        short_layer_fan: [Ratio; 2] = [Ratio(0.0), Ratio(0.0)]; 0.0..=1.0,
         /// Layers at the start without fan.
         fan_off_layers: u32 = 1; 0..=10000,
         /// Layer from which the fan has its full value; it ramps up to there.
@@ -142,6 +147,9 @@ section! {
         bridge_fan: Ratio = Ratio(1.0); 0.0..=1.0,
         /// Least fan on walls that hang over by more than half their width.
         overhang_fan: Ratio = Ratio(1.0); 0.0..=1.0,
+        /// Least fan on walls that hang over by more than a quarter, a half and three quarters of their width, and by all of
+        /// it, where that is more than `overhang_fan`.
+        overhang_fan_steps: [Ratio; 4] = [Ratio(0.0); 4]; 0.0..=1.0,
     }
 }
 

@@ -152,8 +152,8 @@ impl Nozzle<'_> {
     }
 
     /// Sets the fan to what a grade of overhang, or a bridge, asks for; `None`: to the layer's own.
-    fn set_fan(&mut self, role: Option<Role>) {
-        let fan = self.rules.fan(role);
+    fn set_fan(&mut self, drawn: Option<(Role, Grade)>) {
+        let fan = self.rules.fan(drawn);
         if fan != self.fan {
             self.moves.push(Move::Fan(fan));
             self.fan = fan;
@@ -191,7 +191,7 @@ impl Nozzle<'_> {
             self.moves.push(Move::Bead { role, width_mm, height_mm });
             self.bead = Some(bead);
         }
-        self.set_fan(Some(role));
+        self.set_fan(Some((path.role, grade)));
         self.accelerate(Some((path.role, grade)));
     }
 

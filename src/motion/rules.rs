@@ -3,7 +3,7 @@
 use super::overhang::Grade;
 use super::{MotionSettings, Move};
 use crate::toolpath::Role;
-use crate::units::{Celsius, MmPerS, MmPerS2, Ratio};
+use crate::units::{Celsius, MmPerS, MmPerS2, Ratio, Seconds};
 
 /// Settings as they hold on one layer.
 pub(super) struct Rules<'a> {
@@ -113,37 +113,76 @@ impl<'a> Rules<'a> {
             1 => (temperature.nozzle, temperature.bed),
             _ => (Celsius(0.0), Celsius(0.0)),
         };
-        let fan = self.layer_fan(self.index);
-        let fan = (self.is_first() || fan != self.layer_fan(self.index - 1)).then_some(Move::Fan(fan));
+        let fan = self.own_fan();
+        let changes = self.is_first() || self.fan_by_time() || fan != self.layer_fan(self.index - 1, None);
+        let fan = changes.then_some(Move::Fan(fan));
         let heats = |t: Celsius| t.0 > 0.0;
         [heats(nozzle).then_some(Move::Nozzle(nozzle)), heats(bed).then_some(Move::Bed(bed)), fan]
             .into_iter()
             .flatten()
     }
 
-    /// Fan for a role, or what the layer has without one. Bridges and overhanging walls have at least their own, but
-    /// none on layers without fan.
-    pub(super) fn fan(&self, role: Option<Role>) -> Ratio {
+    /// Fan for a role, of walls by how far they hang over, or what the layer has without one. Bridges and overhanging walls
+    /// have at least their own, but none on layers without fan.
+    pub(super) fn fan(&self, drawn: Option<(Role, Grade)>) -> Ratio {
         let cooling = &self.settings.cooling;
-        let least = match role {
-            Some(Role::BridgeInfill) => cooling.bridge_fan,
-            Some(Role::OverhangPerimeter) => cooling.overhang_fan,
-            _ => Ratio(0.0),
+        let least = match drawn {
+            None => Ratio(0.0),
+            Some((Role::BridgeInfill, _)) => cooling.bridge_fan,
+            Some((_, grade)) => {
+                let [quarter, half, three_quarters, air] = cooling.overhang_fan_steps;
+                let (step, all) = match grade {
+                    Grade::Held => (Ratio(0.0), Ratio(0.0)),
+                    Grade::Quarter => (quarter, Ratio(0.0)),
+                    Grade::Half => (half, cooling.overhang_fan),
+                    Grade::ThreeQuarters => (three_quarters, cooling.overhang_fan),
+                    Grade::Air => (air, cooling.overhang_fan),
+                };
+                if step < all { all } else { step }
+            }
         };
-        let own = self.layer_fan(self.index);
+        let own = self.own_fan();
         if self.index >= cooling.fan_off_layers as usize && own < least { least } else { own }
     }
 
-    /// Fan of a layer: off at first, then rising in equal steps until `full_fan_layer` has all of it.
-    fn layer_fan(&self, index: usize) -> Ratio {
+    /// Whether the fan depends on how long a layer takes: [`set_fan`](super::set_fan) adds what the layer has of its own.
+    pub(super) fn fan_by_time(&self) -> bool {
+        let cooling = &self.settings.cooling;
+        cooling.short_layer_time.0 > 0.0 && cooling.short_layer_fan.iter().any(|fan| fan.0 > 0.0)
+    }
+
+    /// What the layer has as far as it is known before its moves are.
+    fn own_fan(&self) -> Ratio {
+        if self.fan_by_time() { Ratio(0.0) } else { self.layer_fan(self.index, None) }
+    }
+
+    /// Fan of a layer: off at first, then rising in equal steps until `full_fan_layer` has all of it; of one that is known
+    /// to take so long, by that.
+    pub(super) fn layer_fan(&self, index: usize, took: Option<Seconds>) -> Ratio {
         let cooling = &self.settings.cooling;
         let (off, full) = (cooling.fan_off_layers as usize, cooling.full_fan_layer as usize);
+        let whole = took.map_or(cooling.fan, |took| self.timed_fan(took));
         if index < off {
             Ratio(0.0)
         } else if index >= full {
-            cooling.fan
+            whole
         } else {
-            Ratio(cooling.fan.0 * (index + 1 - off) as f64 / (full + 1 - off) as f64)
+            Ratio(whole.0 * (index + 1 - off) as f64 / (full + 1 - off) as f64)
+        }
+    }
+
+    /// The whole fan of a layer that takes so long.
+    fn timed_fan(&self, took: Seconds) -> Ratio {
+        let cooling = &self.settings.cooling;
+        let (shortest, short) = (cooling.min_layer_time, cooling.short_layer_time);
+        let [least, most] = cooling.short_layer_fan.map(|fan| fan.0);
+        if took < shortest {
+            Ratio(most)
+        } else if took < short {
+            let share = (took - shortest).0 / (short - shortest).0;
+            Ratio(share * least + (1.0 - share) * most)
+        } else {
+            cooling.fan
         }
     }
 }
@@ -161,6 +200,18 @@ mod tests {
         let settings = MotionSettings::new(&all, &[]);
         let fan: Vec<f64> = (0..7).map(|i| (Rules::new(&settings, i).fan(None).0 * 100.0).round()).collect();
         assert_eq!(fan, [0.0, 0.0, 20.0, 40.0, 60.0, 80.0, 80.0]);
+    }
+
+    #[test]
+    fn the_further_walls_hang_over_the_more_fan_they_have() {
+        let mut all = Settings::default();
+        let cooling = &mut all.cooling;
+        (cooling.fan, cooling.overhang_fan) = (Ratio(0.2), Ratio(0.5));
+        cooling.overhang_fan_steps = [0.3, 0.4, 0.6, 0.8].map(Ratio);
+        let settings = MotionSettings::new(&all, &[]);
+        let grades = [Grade::Held, Grade::Quarter, Grade::Half, Grade::ThreeQuarters, Grade::Air];
+        let fans = grades.map(|grade| Rules::new(&settings, 9).fan(Some((Role::Perimeter, grade))).0);
+        assert_eq!(fans, [0.2, 0.3, 0.5, 0.6, 0.8]);
     }
 
     #[test]

@@ -187,6 +187,13 @@ fn amounts(settings: &Settings, check: &mut Check) {
             "the fan cannot be at its full value on a layer that has it off",
         );
     }
+    let cooling = &settings.cooling;
+    if cooling.short_layer_fan.iter().any(|fan| fan.0 > 0.0) && cooling.short_layer_time.0 == 0.0 {
+        check.warn(
+            &["cooling.short_layer_fan", "cooling.short_layer_time"],
+            "no layer is shorter than 0 s; give the time below which layers are short",
+        );
+    }
     if settings.order.layer_distance.0 > 0.0 && !settings.order.chain {
         check.error(
             &["order.layer_distance", "order.chain"],

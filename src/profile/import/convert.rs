@@ -627,37 +627,70 @@ pub(super) fn min_layer_time(config: &Config) -> Outcome {
     }
 }
 
+fn percent(config: &Config, key: &str) -> Option<f64> {
+    config.number(key).map(|percent| percent / 100.0)
+}
+
 pub(super) fn fan(config: &Config) -> Outcome {
-    let percent = |key: &str| config.number(key).map(|percent| percent / 100.0);
-    let least = match config.flag("fan_always_on") {
-        Some(true) => percent("min_fan_speed"),
-        _ => Some(0.0),
-    };
-    let Some(least) = least else { return known(None) };
-    let most = percent("max_fan_speed").filter(|_| config.flag("cooling") == Some(true));
-    match most {
-        Some(most) if most > least => {
-            Near(Value::Float(least), format!("{}% on short layers there", 100.0 * most))
-        }
-        _ => number(least),
+    match config.flag("fan_always_on") {
+        Some(true) => known(percent(config, "min_fan_speed")),
+        _ => number(0.0),
     }
 }
 
+pub(super) fn short_layer_time(config: &Config) -> Outcome {
+    match config.flag("cooling") {
+        Some(false) => number(0.0),
+        _ => known(config.number("fan_below_layer_time")),
+    }
+}
+
+pub(super) fn short_layer_fan(config: &Config) -> Outcome {
+    let [least, most] = ["min_fan_speed", "max_fan_speed"].map(|key| percent(config, key));
+    let (Some(least), Some(most)) = (least, most) else { return known(None) };
+    let is_even = config.flag("fan_always_on") == Some(true) && least == most;
+    if config.flag("cooling") == Some(false) || is_even {
+        return numbers(&[0.0, 0.0]);
+    }
+    numbers(&[least, most])
+}
+
+/// Where the fan rises, it is off on the first layer.
+fn fan_off(config: &Config) -> Option<f64> {
+    let off = config.number("disable_fan_first_layers")?;
+    let rises = config.number("full_fan_speed_layer").is_some_and(|layer| layer > 0.0);
+    Some(if off <= 0.0 && rises { 1.0 } else { off })
+}
+
+pub(super) fn fan_off_layers(config: &Config) -> Outcome {
+    let off = fan_off(config);
+    off.map_or_else(|| known(None), |layers| Outcome::Value(Value::Integer(layers as i64)))
+}
+
+/// Theirs counts from 1.
 pub(super) fn full_fan_layer(config: &Config) -> Outcome {
-    let layers = ["full_fan_speed_layer", "disable_fan_first_layers"].map(|key| config.number(key));
-    let last = layers.into_iter().flatten().reduce(f64::max);
+    let full = config.number("full_fan_speed_layer").map(|layer| (layer - 1.0).max(0.0));
+    let last = full.into_iter().chain(fan_off(config)).reduce(f64::max);
     last.map_or_else(|| known(None), |layer| Outcome::Value(Value::Integer(layer as i64)))
 }
 
 pub(super) fn bridge_fan(config: &Config) -> Outcome {
-    known(config.number("bridge_fan_speed").map(|percent| percent / 100.0))
+    known(percent(config, "bridge_fan_speed"))
 }
 
-pub(super) fn overhang_fan(config: &Config) -> Outcome {
-    match config.flag("enable_dynamic_fan_speeds") {
-        Some(true) => known(config.number("overhang_fan_speed_1").map(|percent| percent / 100.0)),
-        _ => number(0.0),
-    }
+pub(super) fn overhang_fan(_config: &Config) -> Outcome {
+    number(0.0)
+}
+
+/// Walls over nothing are bridges there.
+pub(super) fn overhang_fan_steps(config: &Config) -> Outcome {
+    let is_on = config.flag("enable_dynamic_fan_speeds") == Some(true);
+    let step = |key: &str| percent(config, key).filter(|_| is_on).unwrap_or(0.0);
+    let [air, three_quarters, half, quarter] =
+        ["overhang_fan_speed_0", "overhang_fan_speed_1", "overhang_fan_speed_2", "overhang_fan_speed_3"]
+            .map(step);
+    let bridge = percent(config, "bridge_fan_speed").unwrap_or(0.0);
+    numbers(&[quarter, half, three_quarters, air.max(bridge)])
 }
 
 pub(super) fn arcs(config: &Config) -> Outcome {
