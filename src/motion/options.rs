@@ -102,12 +102,22 @@ section! {
         extra: Mm = Mm(0.0); -5.0..=5.0,
         /// Travels shorter than this are not retracted.
         min_travel: Mm = Mm(1.5); 0.0..=1000.0,
+        /// Retract before every layer but the first, however near it begins.
+        layer_change: bool = false,
         /// Nozzle lift while retracted.
         z_hop: Mm = Mm(0.0); 0.0..=10.0,
+        /// Lift on layers from this height on only.
+        z_hop_above: Mm = Mm(0.0); 0.0..=5000.0,
+        /// Lift on layers up to this height only; 0: on all.
+        z_hop_below: Mm = Mm(0.0); 0.0..=5000.0,
+        /// How steeply the nozzle lifts while it travels, as far as it stays inside the part; 90: straight up, before it travels.
+        z_hop_slope: f64 = 90.0; 1.0..=90.0, "°",
         /// Lift on travels inside the part, too, and not only on those that cross an outer wall.
         z_hop_inside: bool = false,
         /// Wipe: distance moved back over the last path while retracting; 0: none.
         wipe: Mm = Mm(0.0); 0.0..=50.0,
+        /// Share of the filament that is pulled back before a wipe; 1: there is no wipe.
+        before_wipe: Ratio = Ratio(0.0); 0.0..=1.0,
         /// Coasting: distance at the end of a bead without extrusion, before a retraction; 0: none.
         coast: Mm = Mm(0.0); 0.0..=10.0,
         /// Leave lengths and speeds to the firmware (G10, G11).

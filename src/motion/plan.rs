@@ -1,5 +1,7 @@
 //! One layer's paths, in the order found, as moves.
 
+use std::cell::OnceCell;
+
 use super::arc;
 use super::bead::{Vertex, length_mm, mean_width_mm, trace};
 use super::ends::{self, Scarf, Step};
@@ -39,6 +41,8 @@ pub fn plan_layer(
     let mut nozzle = Nozzle {
         settings,
         router: Router::new(&layer.outline, settings.wall_width.0, settings.travel.detour_mm()),
+        outline: &layer.outline,
+        clipper: OnceCell::new(),
         support: beneath.map(Support::new),
         island: None,
         fan: rules.fan(None),

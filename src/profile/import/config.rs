@@ -74,10 +74,11 @@ impl Config {
         Self { entries, is_super }
     }
 
-    /// A value that is there and not `nil`, as written.
+    /// A value that is there and not `nil` (for the first extruder), as written.
     pub fn text(&self, key: &str) -> Option<&str> {
         let value = self.entries.get(key)?.value.trim();
-        (value != "nil" && !value.is_empty()).then_some(value)
+        let first = value.split(',').next().unwrap_or_default().trim();
+        (first != "nil" && !value.is_empty()).then_some(value)
     }
 
     /// The first extruder's share of a value.
@@ -236,10 +237,11 @@ mod tests {
 
     #[test]
     fn percentages_are_of_something_and_nil_is_nothing() {
-        let config = parsed("a = 50%\nb = nil\nc = 1500,1250\n").unwrap();
+        let config = parsed("a = 50%\nb = nil\nc = 1500,1250\nd = nil,2\n").unwrap();
         assert_eq!(config.number_of("a", Some(30.0)), Some(15.0));
         assert_eq!((config.number_of("a", None), config.text("b")), (None, None));
         assert_eq!(config.number("c"), Some(1500.0), "the first extruder's");
+        assert_eq!(config.number("d"), None);
     }
 
     #[test]

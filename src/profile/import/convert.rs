@@ -22,6 +22,9 @@ const AUTO_HEIGHT: f64 = 0.75;
 /// Share of the travel speed at which wipes are made.
 const WIPE_SPEED: f64 = 0.8;
 
+/// Degrees.
+const STRAIGHT_UP: f64 = 90.0;
+
 /// Anchors that are not limited are this long.
 const LONGEST_ANCHOR_MM: f64 = 100.0;
 
@@ -590,18 +593,64 @@ pub(super) fn unretract_speed(config: &Config) -> Outcome {
     known(own.or_else(|| overridden(config, "retract_speed")))
 }
 
+/// A switch of the filament, or else the printer's.
+fn overridden_flag(config: &Config, key: &str) -> bool {
+    let flag = config.flag(&format!("filament_{key}")).or_else(|| config.flag(key));
+    flag == Some(true)
+}
+
+fn lift_mm(config: &Config) -> Option<f64> {
+    let ramps = overridden_flag(config, "travel_ramping_lift");
+    overridden(config, if ramps { "travel_max_lift" } else { "retract_lift" })
+}
+
+pub(super) fn z_hop(config: &Config) -> Outcome {
+    known(lift_mm(config))
+}
+
 pub(super) fn z_hop_inside(config: &Config) -> Outcome {
-    flag(overridden(config, "retract_lift").is_some_and(|lift| lift > 0.0))
+    flag(lift_mm(config).is_some_and(|lift| lift > 0.0))
+}
+
+pub(super) fn z_hop_slope(config: &Config) -> Outcome {
+    if !overridden_flag(config, "travel_ramping_lift") {
+        return number(STRAIGHT_UP);
+    }
+    match overridden(config, "travel_slope") {
+        Some(degrees) if degrees > 0.0 && degrees < STRAIGHT_UP => number(degrees.max(1.0)),
+        Some(_) => number(STRAIGHT_UP),
+        None => known(None),
+    }
+}
+
+pub(super) fn layer_change(config: &Config) -> Outcome {
+    flag(overridden_flag(config, "retract_layer_change"))
+}
+
+/// What is pulled back before a wipe, as a share.
+fn share_before_wipe(config: &Config) -> f64 {
+    let share = |key: &str| config.number_of(key, Some(1.0));
+    let own = share("filament_retract_before_wipe").or_else(|| share("retract_before_wipe"));
+    own.unwrap_or(0.0).clamp(0.0, 1.0)
+}
+
+pub(super) fn before_wipe(config: &Config) -> Outcome {
+    number(share_before_wipe(config))
 }
 
 pub(super) fn wipe(config: &Config) -> Outcome {
-    let on = config.flag("filament_wipe").or_else(|| config.flag("wipe"));
-    if on != Some(true) {
+    if !overridden_flag(config, "wipe") {
         return number(0.0);
     }
     let (length, speed) = (overridden(config, "retract_length"), overridden(config, "retract_speed"));
     let travel = config.number("travel_speed");
-    known(length.zip(speed).zip(travel).map(|((length, speed), travel)| WIPE_SPEED * travel * length / speed))
+    let left = 1.0 - share_before_wipe(config);
+    known(
+        length
+            .zip(speed)
+            .zip(travel)
+            .map(|((length, speed), travel)| WIPE_SPEED * travel * left * length / speed),
+    )
 }
 
 pub(super) fn max_detour(config: &Config) -> Outcome {

@@ -252,9 +252,9 @@ mod tests {
     #[test]
     fn what_is_not_taken_over_is_told_and_what_is_off_is_not() {
         let import =
-            import("layer_height = 0.2\nretract_lift_above = 3\nwipe_tower = 0\nfill_pattern = scribble\n");
+            import("layer_height = 0.2\nooze_prevention = 1\nwipe_tower = 0\nfill_pattern = scribble\n");
         let left: Vec<(&str, usize)> = import.left.iter().map(|l| (l.key.as_str(), l.line)).collect();
-        assert_eq!(left, [("retract_lift_above", 2), ("fill_pattern", 4)]);
+        assert_eq!(left, [("ooze_prevention", 2), ("fill_pattern", 4)]);
         assert_eq!(import.idle, 1);
         assert!(import.left[1].reason.contains("scribble"), "{}", import.left[1].reason);
     }

@@ -1,0 +1,107 @@
+//! What presets of other slicers ask for, read back from the G-code.
+
+use crate::support::print::{Print, print, settings, standard};
+use pathwright::gcode::Stroke;
+
+/// Strokes with what is pulled back when each begins.
+fn pulled(print: &Print) -> Vec<(f64, Stroke)> {
+    let mut pulled_mm = 0.0;
+    let with_pulled = |stroke: Stroke| {
+        let before_mm: f64 = pulled_mm;
+        pulled_mm = (pulled_mm - stroke.e_mm).max(0.0);
+        (before_mm, stroke)
+    };
+    print.strokes().into_iter().map(with_pulled).collect()
+}
+
+/// How many rises of the nozzle happen with filament pulled back, and how many without.
+fn rises(print: &Print) -> [usize; 2] {
+    let rises = pulled(print).into_iter().filter(|(_, stroke)| stroke.to[2] > stroke.from[2] && stroke.from[2] > 0.0);
+    rises.fold([0; 2], |[with, without], (pulled_mm, _)| match pulled_mm > 0.1 {
+        true => [with + 1, without],
+        false => [with, without + 1],
+    })
+}
+
+#[test]
+fn filament_is_pulled_back_at_every_change_of_layer() {
+    let [_, without] = rises(&print("calibration_cube", &standard(&["travel.retract_inside=100"])));
+    assert!(without > 50, "{without}: by itself the next layer begins near");
+    let sets = ["travel.retract_inside=100", "retract.layer_change=true"];
+    let [with, without] = rises(&print("calibration_cube", &standard(&sets)));
+    assert!(with >= 99 && without <= 1, "{with}, {without}");
+}
+
+#[test]
+fn half_of_the_filament_is_pulled_back_before_a_wipe() {
+    let sets = ["retract.wipe=2", "retract.length=1", "retract.before_wipe=50%"];
+    let strokes = print("pin_forest", &standard(&sets)).strokes();
+    let (mut wipes, mut wiped_mm, mut before_mm) = (0, 0.0, 0.0);
+    for stroke in strokes {
+        match (stroke.e_mm < 0.0, stroke.xy_mm > 0.0) {
+            (true, false) => (before_mm, wiped_mm) = (-stroke.e_mm, 0.0),
+            (true, true) => wiped_mm -= stroke.e_mm,
+            (false, _) if wiped_mm > 0.0 => {
+                assert!((wiped_mm - 0.5_f64).abs() < 1e-4 && (before_mm - 0.5_f64).abs() < 1e-4, "{wiped_mm}");
+                (wiped_mm, wipes) = (0.0, wipes + 1);
+            }
+            _ => {}
+        }
+    }
+    assert!(wipes > 100, "{wipes}");
+}
+
+/// Heights of travels over the layer that they begin on.
+fn hops(print: &Print) -> Vec<(f64, f64)> {
+    let mut layer_mm = 0.0;
+    let mut hops = Vec::new();
+    for stroke in print.strokes() {
+        if stroke.extrudes() {
+            layer_mm = stroke.to[2];
+        } else {
+            hops.push((layer_mm, stroke.to[2] - layer_mm));
+        }
+    }
+    hops
+}
+
+#[test]
+fn travels_lift_between_two_heights_only() {
+    let sets = ["retract.z_hop=0.6", "retract.z_hop_inside=true", "retract.z_hop_above=2", "retract.z_hop_below=4"];
+    let hops = hops(&print("pin_forest", &standard(&sets)));
+    let lifts = |low: f64, high: f64| {
+        hops.iter().filter(|(z, hop)| *z > low && *z < high && *hop > 0.5 && *hop < 1.0).count()
+    };
+    assert_eq!((lifts(0.1, 1.7), lifts(4.3, 100.0)), (0, 0));
+    assert!(lifts(1.9, 4.1) > 100, "{}", lifts(1.9, 4.1));
+}
+
+#[test]
+fn the_nozzle_rises_at_an_angle_while_it_travels() {
+    let sets = ["retract.z_hop=0.6", "retract.z_hop_inside=true", "retract.z_hop_slope=5", "travel.retract_inside=0"];
+    let strokes = print("plate_with_holes", &standard(&sets)).strokes();
+    let travels = strokes.iter().filter(|stroke| !stroke.extrudes() && stroke.to[2] > stroke.from[2]);
+    let (level, upright): (Vec<&Stroke>, Vec<&Stroke>) = travels.partition(|stroke| stroke.xy_mm > 0.0);
+    let degrees = |stroke: &Stroke| ((stroke.to[2] - stroke.from[2]) / stroke.xy_mm).atan().to_degrees();
+    let as_asked = level.iter().filter(|stroke| (degrees(stroke) - 5.0).abs() < 0.1).count();
+    assert!(as_asked > 50 && as_asked > 2 * upright.len(), "{as_asked} of {}, {}", level.len(), upright.len());
+    let steepest = level.iter().map(|stroke| degrees(stroke)).fold(0.0, f64::max);
+    assert!(steepest < 60.0, "none is shorter than half a millimetre: {steepest}");
+}
+
+/// The first layers' fan commands, and the layer that each is on.
+#[test]
+fn short_layers_have_more_fan() {
+    let fan = ["cooling.fan=20%", "cooling.min_layer_time=5", "cooling.fan_off_layers=1", "cooling.full_fan_layer=1"];
+    let short = ["cooling.short_layer_time=60", "cooling.short_layer_fan=[0.3, 0.9]", "order.strategy=nearest"];
+    let settings = settings(&["default"], &[&fan[..], &short].concat());
+    let found = print("calibration_cube", &settings);
+    let fans: Vec<f64> =
+        found.lines().filter_map(|line| line.strip_prefix("M106 S")?.parse::<f64>().ok()).map(|s| s / 255.0).collect();
+    let seconds = found.summary.layers[50].measures.total_s;
+    let share = (seconds - 5.0) / 55.0;
+    let wanted = share * 0.3 + (1.0 - share) * 0.9;
+    assert!(seconds > 5.0 && seconds < 60.0, "{seconds}");
+    assert!(fans.iter().any(|fan| (fan - wanted).abs() < 0.003), "{wanted} is not among {fans:?}");
+    assert_eq!(fans[0], 0.0, "off on the first layer");
+}
