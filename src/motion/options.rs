@@ -44,6 +44,8 @@ section! {
         external_perimeter: MmPerS = MmPerS(40.0); 0.1..=2000.0,
         /// Inner walls.
         perimeter: MmPerS = MmPerS(60.0); 0.1..=2000.0,
+        /// Walls no longer than the outline of a disc of 6.5 mm radius; 0: as others.
+        small_perimeter: MmPerS = MmPerS(0.0); 0.0..=2000.0,
         /// Sparse infill.
         infill: MmPerS = MmPerS(80.0); 0.1..=2000.0,
         /// Solid infill.
@@ -56,10 +58,14 @@ section! {
         bridge: MmPerS = MmPerS(40.0); 0.1..=2000.0,
         /// Walls that hang over by more than a quarter, a half and three quarters of their width.
         overhang: [MmPerS; 3] = [MmPerS(35.0), MmPerS(25.0), MmPerS(15.0)]; 0.1..=2000.0,
+        /// Walls with nothing under them; 0: as bridges.
+        over_air: MmPerS = MmPerS(0.0); 0.0..=2000.0,
         /// Gap fill.
         gap_fill: MmPerS = MmPerS(40.0); 0.1..=2000.0,
         /// Support.
         support: MmPerS = MmPerS(60.0); 0.1..=2000.0,
+        /// Dense support under the part; 0: as support.
+        support_interface: MmPerS = MmPerS(0.0); 0.0..=2000.0,
         /// Skirt and brim.
         skirt: MmPerS = MmPerS(40.0); 0.1..=2000.0,
         /// Travel in X and Y.

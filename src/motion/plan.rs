@@ -14,8 +14,11 @@ use super::smooth::{Rounding, gentle_rad, refine_curves, round_corners};
 use super::{Entry, LayerMoves, MotionSettings, Move, travel};
 use crate::order::PathVisit;
 use crate::toolpath::{LayerKind, LayerPaths, Path, Role};
-use crate::units::Mm3;
-use geometry::Router;
+use crate::units::{Mm3, MmPerS};
+use geometry::{Router, polyline_length_mm};
+
+/// Walls around discs up to this size are small.
+const SMALL_RADIUS_MM: f64 = 6.5;
 
 /// Plans a layer. `sequence` says in which order and direction its paths are drawn: `entry` is 0 or 1
 /// (forwards, backwards) of open paths, of closed ones the index of the vertex where they are entered and
@@ -57,6 +60,7 @@ pub fn plan_layer(
         owed_mm3: 0.0,
         acceleration: None,
         bead: None,
+        small: false,
         object: None,
         plain: Vec::new(),
         curved: Vec::new(),
@@ -135,6 +139,13 @@ fn finish(path: &Path, vertices: &mut Vec<Vertex>, layer: usize, settings: &Moti
     scarf
 }
 
+/// Whether a wall is no longer than the outline of a small disc.
+fn is_small(path: &Path) -> bool {
+    let closing = path.closed.then(|| path.points.first().zip(path.points.last())).flatten();
+    let closing_mm = closing.map_or(0.0, |(first, last)| first.distance_mm(*last));
+    polyline_length_mm(&path.points) + closing_mm <= std::f64::consts::TAU * SMALL_RADIUS_MM
+}
+
 impl Nozzle<'_> {
     /// Sets the acceleration of a role, of walls by how far they hang over, or of travel.
     pub(super) fn accelerate(&mut self, drawn: Option<(Role, Grade)>) {
@@ -167,6 +178,7 @@ impl Nozzle<'_> {
     /// Draws a bead from where the nozzle is, its first vertex.
     fn draw(&mut self, path: &Path, vertices: &mut Vec<Vertex>) {
         let first = self.moves.len();
+        self.small = path.role.is_wall() && is_small(path);
         let scarf = finish(path, vertices, self.rules.index(), self.settings);
         if let Some(scarf) = &scarf {
             self.begin(path, Grade::Held);
@@ -216,6 +228,11 @@ impl Nozzle<'_> {
         }
     }
 
+    /// Speed of a role before the flow limit.
+    pub(super) fn speed(&self, role: Role, grade: Grade) -> MmPerS {
+        self.rules.speed(role, grade, self.small)
+    }
+
     fn draw_stretch(&mut self, role: Role, grade: Grade, vertices: &[Vertex]) {
         match self.settings.arcs {
             Some(tolerance) if vertices.windows(2).all(|v| v[0].area_mm2 == v[1].area_mm2) => {
@@ -227,7 +244,7 @@ impl Nozzle<'_> {
 
     fn draw_straight(&mut self, role: Role, grade: Grade, vertices: &[Vertex]) {
         let Some(from) = vertices.first().map(|v| v.at) else { return };
-        let speed = self.rules.speed(role, grade);
+        let speed = self.speed(role, grade);
         let width_mm = self.bead.map_or(0.0, |bead| bead.1);
         self.pieces.clear();
         self.plain.clear();
@@ -244,7 +261,7 @@ impl Nozzle<'_> {
     }
 
     fn draw_steps(&mut self, path: &Path, steps: &[Step]) {
-        let speed = self.rules.speed(path.role, Grade::Held);
+        let speed = self.speed(path.role, Grade::Held);
         let z_mm = |step: &Step| self.layer_z_mm - step.below * path.height_mm;
         self.moves.extend(steps.iter().map(|step| Move::Ramp {
             to: step.to,
@@ -271,7 +288,7 @@ impl Nozzle<'_> {
                 center: circle.center,
                 clockwise: circle.clockwise,
                 volume: Mm3(area_mm2 * length_mm),
-                speed: self.rules.melted(self.rules.speed(role, grade), area_mm2),
+                speed: self.rules.melted(self.speed(role, grade), area_mm2),
             });
         }
     }

@@ -31,13 +31,18 @@ impl<'a> Rules<'a> {
         self.settings.flow.multiplier * first
     }
 
-    /// Speed of a role before the flow limit, of walls by how far they hang over. On the first layer never above that
-    /// layer's own.
-    pub(super) fn speed(&self, role: Role, grade: Grade) -> MmPerS {
+    /// Speed of a role before the flow limit, of walls by how far they hang over and whether they are `small`. On the
+    /// first layer never above that layer's own, but for solid infill, which may have one.
+    pub(super) fn speed(&self, role: Role, grade: Grade, small: bool) -> MmPerS {
         let speeds = &self.settings.speed;
+        let or = |own: MmPerS, other: MmPerS| if own.0 > 0.0 { own } else { other };
         let speed = match role {
             Role::Skirt | Role::Brim => speeds.skirt,
-            Role::Support | Role::SupportInterface => speeds.support,
+            Role::Support => speeds.support,
+            Role::SupportInterface => or(speeds.support_interface, speeds.support),
+            Role::Perimeter | Role::ExternalPerimeter if small && speeds.small_perimeter.0 > 0.0 => {
+                speeds.small_perimeter
+            }
             Role::Perimeter => speeds.perimeter,
             Role::ExternalPerimeter => speeds.external_perimeter,
             Role::OverhangPerimeter | Role::BridgeInfill => speeds.bridge,
@@ -53,11 +58,14 @@ impl<'a> Rules<'a> {
             Grade::Quarter => quarter,
             Grade::Half => half,
             Grade::ThreeQuarters => three_quarters,
-            Grade::Air => speeds.bridge,
+            Grade::Air => or(speeds.over_air, speeds.bridge),
         };
         let speed = if hanging < speed { hanging } else { speed };
-        let cap = self.settings.first_layer.speed;
-        if self.is_first() && cap.0 > 0.0 && cap < speed { cap } else { speed }
+        let first = &self.settings.first_layer;
+        if self.is_first() && role == Role::SolidInfill && first.infill_speed.0 > 0.0 {
+            return first.infill_speed;
+        }
+        if self.is_first() && first.speed.0 > 0.0 && first.speed < speed { first.speed } else { speed }
     }
 
     /// The speed at which a bead of this cross-section does not exceed the hot end's flow.
@@ -200,6 +208,33 @@ mod tests {
         let settings = MotionSettings::new(&all, &[]);
         let fan: Vec<f64> = (0..7).map(|i| (Rules::new(&settings, i).fan(None).0 * 100.0).round()).collect();
         assert_eq!(fan, [0.0, 0.0, 20.0, 40.0, 60.0, 80.0, 80.0]);
+    }
+
+    #[test]
+    fn small_walls_interfaces_air_and_the_first_layers_infill_have_speeds_of_their_own() {
+        let mut all = Settings::default();
+        let of = |all: &Settings, index, role, grade, small| {
+            Rules::new(&MotionSettings::new(all, &[]), index).speed(role, grade, small).0
+        };
+        let cases = [
+            (3, Role::Perimeter, Grade::Held, true, 60.0, 25.0),
+            (3, Role::Perimeter, Grade::Held, false, 60.0, 60.0),
+            (3, Role::ExternalPerimeter, Grade::Half, true, 25.0, 25.0),
+            (3, Role::Perimeter, Grade::Air, false, 40.0, 12.0),
+            (3, Role::SupportInterface, Grade::Held, false, 60.0, 33.0),
+            (0, Role::SolidInfill, Grade::Held, false, 20.0, 70.0),
+            (0, Role::Perimeter, Grade::Held, false, 20.0, 20.0),
+        ];
+        for (index, role, grade, small, usual, _) in cases {
+            assert_eq!(of(&all, index, role, grade, small), usual, "{role:?} {grade:?}");
+        }
+        all.speed.small_perimeter = MmPerS(25.0);
+        all.speed.over_air = MmPerS(12.0);
+        all.speed.support_interface = MmPerS(33.0);
+        all.first_layer.infill_speed = MmPerS(70.0);
+        for (index, role, grade, small, _, own) in cases {
+            assert_eq!(of(&all, index, role, grade, small), own, "{role:?} {grade:?}");
+        }
     }
 
     #[test]

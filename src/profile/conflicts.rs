@@ -260,15 +260,18 @@ fn machine(settings: &Settings, check: &mut Check) {
     let speeds = [
         ("speed.external_perimeter", speed.external_perimeter),
         ("speed.perimeter", speed.perimeter),
+        ("speed.small_perimeter", speed.small_perimeter),
         ("speed.infill", speed.infill),
         ("speed.solid", speed.solid),
         ("speed.top", speed.top),
         ("speed.bridge", speed.bridge),
         ("speed.gap_fill", speed.gap_fill),
         ("speed.support", speed.support),
+        ("speed.support_interface", speed.support_interface),
         ("speed.skirt", speed.skirt),
         ("speed.travel", speed.travel),
         ("first_layer.speed", settings.first_layer.speed),
+        ("first_layer.infill_speed", settings.first_layer.infill_speed),
     ];
     for (key, speed) in speeds {
         if speed.0 > top {

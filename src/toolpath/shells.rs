@@ -159,6 +159,17 @@ pub struct Zones {
 }
 
 impl Zones {
+    /// Makes patches of the sparse zone up to this size solid.
+    pub fn fill_small(&mut self, most_mm2: f64) {
+        let (small, large): (Vec<_>, Vec<_>) =
+            self.sparse.polygons.iter().cloned().partition(|polygon| polygon.area_mm2() <= most_mm2);
+        if small.is_empty() {
+            return;
+        }
+        self.solid = geometry::union(&self.solid, &Region { polygons: small });
+        self.leave_sparse(Region { polygons: large });
+    }
+
     /// Leaves no more than this of the sparse zone; what that owes its density to becomes less by as much.
     pub fn leave_sparse(&mut self, sparse: Region) {
         let taken_mm2 = self.sparse.area_mm2() - sparse.area_mm2();

@@ -16,7 +16,8 @@ fn pulled(print: &Print) -> Vec<(f64, Stroke)> {
 
 /// How many rises of the nozzle happen with filament pulled back, and how many without.
 fn rises(print: &Print) -> [usize; 2] {
-    let rises = pulled(print).into_iter().filter(|(_, stroke)| stroke.to[2] > stroke.from[2] && stroke.from[2] > 0.0);
+    let rises =
+        pulled(print).into_iter().filter(|(_, stroke)| stroke.to[2] > stroke.from[2] && stroke.from[2] > 0.0);
     rises.fold([0; 2], |[with, without], (pulled_mm, _)| match pulled_mm > 0.1 {
         true => [with + 1, without],
         false => [with, without + 1],
@@ -42,7 +43,10 @@ fn half_of_the_filament_is_pulled_back_before_a_wipe() {
             (true, false) => (before_mm, wiped_mm) = (-stroke.e_mm, 0.0),
             (true, true) => wiped_mm -= stroke.e_mm,
             (false, _) if wiped_mm > 0.0 => {
-                assert!((wiped_mm - 0.5_f64).abs() < 1e-4 && (before_mm - 0.5_f64).abs() < 1e-4, "{wiped_mm}");
+                assert!(
+                    (wiped_mm - 0.5_f64).abs() < 1e-4 && (before_mm - 0.5_f64).abs() < 1e-4,
+                    "{wiped_mm}"
+                );
                 (wiped_mm, wipes) = (0.0, wipes + 1);
             }
             _ => {}
@@ -67,7 +71,8 @@ fn hops(print: &Print) -> Vec<(f64, f64)> {
 
 #[test]
 fn travels_lift_between_two_heights_only() {
-    let sets = ["retract.z_hop=0.6", "retract.z_hop_inside=true", "retract.z_hop_above=2", "retract.z_hop_below=4"];
+    let sets =
+        ["retract.z_hop=0.6", "retract.z_hop_inside=true", "retract.z_hop_above=2", "retract.z_hop_below=4"];
     let hops = hops(&print("pin_forest", &standard(&sets)));
     let lifts = |low: f64, high: f64| {
         hops.iter().filter(|(z, hop)| *z > low && *z < high && *hop > 0.5 && *hop < 1.0).count()
@@ -78,13 +83,23 @@ fn travels_lift_between_two_heights_only() {
 
 #[test]
 fn the_nozzle_rises_at_an_angle_while_it_travels() {
-    let sets = ["retract.z_hop=0.6", "retract.z_hop_inside=true", "retract.z_hop_slope=5", "travel.retract_inside=0"];
+    let sets = [
+        "retract.z_hop=0.6",
+        "retract.z_hop_inside=true",
+        "retract.z_hop_slope=5",
+        "travel.retract_inside=0",
+    ];
     let strokes = print("plate_with_holes", &standard(&sets)).strokes();
     let travels = strokes.iter().filter(|stroke| !stroke.extrudes() && stroke.to[2] > stroke.from[2]);
     let (level, upright): (Vec<&Stroke>, Vec<&Stroke>) = travels.partition(|stroke| stroke.xy_mm > 0.0);
     let degrees = |stroke: &Stroke| ((stroke.to[2] - stroke.from[2]) / stroke.xy_mm).atan().to_degrees();
     let as_asked = level.iter().filter(|stroke| (degrees(stroke) - 5.0).abs() < 0.1).count();
-    assert!(as_asked > 50 && as_asked > 2 * upright.len(), "{as_asked} of {}, {}", level.len(), upright.len());
+    assert!(
+        as_asked > 50 && as_asked > 2 * upright.len(),
+        "{as_asked} of {}, {}",
+        level.len(),
+        upright.len()
+    );
     let steepest = level.iter().map(|stroke| degrees(stroke)).fold(0.0, f64::max);
     assert!(steepest < 60.0, "none is shorter than half a millimetre: {steepest}");
 }
@@ -92,12 +107,21 @@ fn the_nozzle_rises_at_an_angle_while_it_travels() {
 /// The first layers' fan commands, and the layer that each is on.
 #[test]
 fn short_layers_have_more_fan() {
-    let fan = ["cooling.fan=20%", "cooling.min_layer_time=5", "cooling.fan_off_layers=1", "cooling.full_fan_layer=1"];
-    let short = ["cooling.short_layer_time=60", "cooling.short_layer_fan=[0.3, 0.9]", "order.strategy=nearest"];
+    let fan = [
+        "cooling.fan=20%",
+        "cooling.min_layer_time=5",
+        "cooling.fan_off_layers=1",
+        "cooling.full_fan_layer=1",
+    ];
+    let short =
+        ["cooling.short_layer_time=60", "cooling.short_layer_fan=[0.3, 0.9]", "order.strategy=nearest"];
     let settings = settings(&["default"], &[&fan[..], &short].concat());
     let found = print("calibration_cube", &settings);
-    let fans: Vec<f64> =
-        found.lines().filter_map(|line| line.strip_prefix("M106 S")?.parse::<f64>().ok()).map(|s| s / 255.0).collect();
+    let fans: Vec<f64> = found
+        .lines()
+        .filter_map(|line| line.strip_prefix("M106 S")?.parse::<f64>().ok())
+        .map(|s| s / 255.0)
+        .collect();
     let seconds = found.summary.layers[50].measures.total_s;
     let share = (seconds - 5.0) / 55.0;
     let wanted = share * 0.3 + (1.0 - share) * 0.9;

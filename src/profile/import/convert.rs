@@ -506,16 +506,34 @@ pub(super) fn scarf(config: &Config) -> Outcome {
     }
 }
 
-/// A speed in mm/s, relative to another where it is a percentage; 0 is automatic.
+/// What an automatic speed becomes.
+const AUTOMATIC: &str = "automatic there: `max_print_speed`, as far as the hot end melts as much";
+
+/// A speed in mm/s, relative to another where it is a percentage.
 fn speed(config: &Config, key: &str, whole: Option<f64>) -> Outcome {
+    if config.text(key).is_none() {
+        return Idle;
+    }
     match config.number_of(key, whole) {
-        Some(0.0) => Left("is automatic there".into()),
+        Some(0.0) => match config.number("max_print_speed") {
+            Some(most) if most > 0.0 => Near(Value::Float(most), AUTOMATIC.into()),
+            _ => Left("is automatic there".into()),
+        },
         other => known(other),
     }
 }
 
+/// A speed that is 0 where it is that of something else, here as there.
+fn own_speed(config: &Config, key: &str, whole: Option<f64>) -> Outcome {
+    known(config.number_of(key, whole))
+}
+
 pub(super) fn perimeter_speed(config: &Config) -> Outcome {
     speed(config, "perimeter_speed", None)
+}
+
+pub(super) fn small_speed(config: &Config) -> Outcome {
+    own_speed(config, "small_perimeter_speed", config.number("perimeter_speed"))
 }
 
 fn external_mm_s(config: &Config) -> Option<f64> {
@@ -526,8 +544,19 @@ pub(super) fn external_speed(config: &Config) -> Outcome {
     speed(config, "external_perimeter_speed", config.number("perimeter_speed"))
 }
 
+/// Patterns whose lines cross each other have a limit of their own.
+const CROSSING: &[&str] = &["grid", "triangles", "stars", "cubic", "adaptivecubic", "supportcubic"];
+
+/// No faster than the filament allows.
 pub(super) fn infill_speed(config: &Config) -> Outcome {
-    speed(config, "infill_speed", None)
+    let crosses = config.text("fill_pattern").is_some_and(|pattern| CROSSING.contains(&pattern));
+    let key = if crosses { "filament_infill_max_crossing_speed" } else { "filament_infill_max_speed" };
+    let most = config.number(key).filter(|most| *most > 0.0);
+    match (speed(config, "infill_speed", None), most) {
+        (Outcome::Value(Value::Float(speed)), Some(most)) => number(speed.min(most)),
+        (Near(Value::Float(speed), note), Some(most)) => Near(Value::Float(speed.min(most)), note),
+        (outcome, _) => outcome,
+    }
 }
 
 fn solid_mm_s(config: &Config) -> Option<f64> {
@@ -561,22 +590,51 @@ pub(super) fn support_speed(config: &Config) -> Outcome {
     speed(config, "support_material_speed", None)
 }
 
+pub(super) fn interface_speed(config: &Config) -> Outcome {
+    own_speed(config, "support_material_interface_speed", config.number("support_material_speed"))
+}
+
+pub(super) fn first_infill_speed(config: &Config) -> Outcome {
+    own_speed(config, "first_layer_infill_speed", config.number("solid_infill_speed"))
+}
+
+/// The speeds of walls with this much of their width held: 0, 1, 2 and 3 quarters; 0 is that of outermost walls.
+fn overhang_mm_s(config: &Config) -> Option<[f64; 4]> {
+    let external = external_mm_s(config)?;
+    let keys = ["overhang_speed_0", "overhang_speed_1", "overhang_speed_2", "overhang_speed_3"];
+    let speeds = keys.map(|key| config.number_of(key, Some(external)));
+    let [Some(a), Some(b), Some(c), Some(d)] = speeds else { return None };
+    Some([a, b, c, d].map(|speed| if speed > 0.0 { speed } else { external }))
+}
+
+fn has_overhang_speeds(config: &Config) -> bool {
+    config.flag("enable_dynamic_overhang_speeds") == Some(true)
+}
+
 pub(super) fn overhang_speed(config: &Config) -> Outcome {
-    let external = external_mm_s(config);
-    if config.flag("enable_dynamic_overhang_speeds") != Some(true) {
+    if !has_overhang_speeds(config) {
+        let external = external_mm_s(config);
         let walls = external.into_iter().chain(config.number("perimeter_speed")).reduce(f64::max);
         return walls.map_or_else(|| known(None), |speed| numbers(&[speed; 3]));
     }
-    let speeds = ["overhang_speed_3", "overhang_speed_2", "overhang_speed_1"]
-        .map(|key| config.number_of(key, external).filter(|speed| *speed > 0.0));
-    let [Some(a), Some(b), Some(c)] = speeds else { return known(None) };
-    let note = "`overhang_speed_0`, of walls over nothing, is `speed.bridge` here".to_owned();
-    match config.number_of("overhang_speed_0", external) {
-        Some(air) if Some(air) != config.number("bridge_speed") => {
-            Near(Value::Array([a, b, c].map(Value::Float).to_vec()), note)
-        }
-        _ => numbers(&[a, b, c]),
+    overhang_mm_s(config).map_or_else(|| known(None), |[_, one, two, three]| numbers(&[three, two, one]))
+}
+
+pub(super) fn over_air(config: &Config) -> Outcome {
+    if !has_overhang_speeds(config) {
+        return number(0.0);
     }
+    known(overhang_mm_s(config).map(|speeds| speeds[0]))
+}
+
+/// What the filament and the print allow.
+pub(super) fn max_flow(config: &Config) -> Outcome {
+    let keys = ["filament_max_volumetric_speed", "max_volumetric_speed"];
+    let flows = keys.map(|key| config.number(key));
+    if flows.iter().all(Option::is_none) {
+        return known(None);
+    }
+    number(flows.into_iter().flatten().filter(|flow| *flow > 0.0).reduce(f64::min).unwrap_or(0.0))
 }
 
 pub(super) fn z_speed(config: &Config) -> Outcome {

@@ -20,7 +20,7 @@ const fn with(
 }
 
 const WIDTH: &str = "0: `extrusion_width`; where that is 0, too, 1.125 nozzles; percentages of the layer's height (SuperSlicer: of the nozzle)";
-const SPEED: &str = "percentages of the speed it is relative to; 0 (automatic) is not taken over";
+const SPEED: &str = "percentages of the speed it is relative to; 0 (automatic): `max_print_speed`";
 const OFF_THE_LINE: &str = "percentages of the nozzle";
 const ACCELERATION: &str = "0: the default one";
 const MACHINE: &str = "the normal mode's; axes that are not stated have the default printer's";
@@ -81,7 +81,12 @@ pub(super) const ROWS: &[Row] = &[
     with("filament.density", &["filament_density"], "0: not known", c::density),
     with("filament.cost", &["filament_cost"], "0: not known", c::cost),
     same("filament.flow", &["extrusion_multiplier"]),
-    same("filament.max_flow", &["filament_max_volumetric_speed"]),
+    with(
+        "filament.max_flow",
+        &["filament_max_volumetric_speed", "max_volumetric_speed"],
+        "the lesser one that is not 0",
+        c::max_flow,
+    ),
     with("print.sequence", &["complete_objects"], "1: object by object", c::sequence),
     same("print.clearance_radius", &["extruder_clearance_radius"]),
     same("print.clearance_height", &["extruder_clearance_height"]),
@@ -162,6 +167,7 @@ pub(super) const ROWS: &[Row] = &[
         c::anchor,
     ),
     same("infill.combine_layers", &["infill_every_layers"]),
+    same("infill.solid_area", &["solid_infill_below_area"]),
     same("infill.solid_every", &["solid_infill_every_layers"]),
     same("ironing.enabled", &["ironing"]),
     same("ironing.flow", &["ironing_flowrate"]),
@@ -177,6 +183,12 @@ pub(super) const ROWS: &[Row] = &[
         c::first_width,
     ),
     with("first_layer.speed", &["first_layer_speed"], "percentages of `perimeter_speed`", c::first_speed),
+    with(
+        "first_layer.infill_speed",
+        &["first_layer_infill_speed"],
+        "percentages of `solid_infill_speed`; 0: `first_layer_speed`",
+        c::first_infill_speed,
+    ),
     same("first_layer.flow", &["first_layer_flow_ratio"]),
     with(
         "first_layer.acceleration",
@@ -226,6 +238,7 @@ pub(super) const ROWS: &[Row] = &[
     same("support.branch_angle", &["support_tree_angle"]),
     same("support.branch_diameter", &["support_tree_tip_diameter"]),
     same("support.branch_taper", &["support_tree_branch_diameter_angle"]),
+    same("bridge.thick", &["thick_bridges"]),
     same("bridge.flow", &["bridge_flow_ratio"]),
     with(
         "seam.position",
@@ -235,13 +248,34 @@ pub(super) const ROWS: &[Row] = &[
     ),
     with("seam.gap", &["seam_gap_distance", "seam_gap"], OFF_THE_LINE, c::seam_gap),
     with("seam.scarf", &["scarf_seam_placement"], "`scarf_seam_length`; 0 where it is `nowhere`", c::scarf),
-    with("speed.external_perimeter", &["external_perimeter_speed"], SPEED, c::external_speed),
-    with("speed.perimeter", &["perimeter_speed"], SPEED, c::perimeter_speed),
-    with("speed.infill", &["infill_speed"], SPEED, c::infill_speed),
-    with("speed.solid", &["solid_infill_speed"], SPEED, c::solid_speed),
-    with("speed.top", &["top_solid_infill_speed"], SPEED, c::top_speed),
-    with("speed.ironing", &["ironing_speed"], SPEED, c::ironing_speed),
-    with("speed.bridge", &["bridge_speed"], SPEED, c::bridge_speed),
+    with(
+        "speed.external_perimeter",
+        &["external_perimeter_speed", "max_print_speed"],
+        SPEED,
+        c::external_speed,
+    ),
+    with("speed.perimeter", &["perimeter_speed", "max_print_speed"], SPEED, c::perimeter_speed),
+    with(
+        "speed.small_perimeter",
+        &["small_perimeter_speed"],
+        "percentages of `perimeter_speed`; 0: as others",
+        c::small_speed,
+    ),
+    with(
+        "speed.infill",
+        &[
+            "infill_speed",
+            "max_print_speed",
+            "filament_infill_max_speed",
+            "filament_infill_max_crossing_speed",
+        ],
+        "no more than the filament's own, by whether the pattern's lines cross; 0 (automatic): `max_print_speed`",
+        c::infill_speed,
+    ),
+    with("speed.solid", &["solid_infill_speed", "max_print_speed"], SPEED, c::solid_speed),
+    with("speed.top", &["top_solid_infill_speed", "max_print_speed"], SPEED, c::top_speed),
+    with("speed.ironing", &["ironing_speed", "max_print_speed"], SPEED, c::ironing_speed),
+    with("speed.bridge", &["bridge_speed", "max_print_speed"], SPEED, c::bridge_speed),
     with(
         "speed.overhang",
         &[
@@ -251,11 +285,23 @@ pub(super) const ROWS: &[Row] = &[
             "overhang_speed_2",
             "overhang_speed_3",
         ],
-        "the walls' own where `enable_dynamic_overhang_speeds` is 0, else of 3, 2 and 1",
+        "the walls' own where `enable_dynamic_overhang_speeds` is 0, else of 3, 2 and 1; 0: `external_perimeter_speed`",
         c::overhang_speed,
     ),
-    with("speed.gap_fill", &["gap_fill_speed"], SPEED, c::gap_fill_speed),
-    with("speed.support", &["support_material_speed"], SPEED, c::support_speed),
+    with(
+        "speed.over_air",
+        &["enable_dynamic_overhang_speeds", "overhang_speed_0"],
+        "0 where `enable_dynamic_overhang_speeds` is 0",
+        c::over_air,
+    ),
+    with("speed.gap_fill", &["gap_fill_speed", "max_print_speed"], SPEED, c::gap_fill_speed),
+    with("speed.support", &["support_material_speed", "max_print_speed"], SPEED, c::support_speed),
+    with(
+        "speed.support_interface",
+        &["support_material_interface_speed"],
+        "percentages of `support_material_speed`",
+        c::interface_speed,
+    ),
     with(
         "speed.skirt",
         &["support_material_speed"],
@@ -555,11 +601,9 @@ pub(super) const IDLE: &[(&str, Idle)] = &[
     ("ensure_vertical_shell_thickness", Always),
     ("extra_perimeters", At(&["0"])),
     ("extra_perimeters_on_overhangs", At(&["0"])),
-    ("filament_infill_*", At(&["0"])),
     ("filament_shrinkage_compensation_*", At(&["0%", "0"])),
     ("filament_seam_gap_distance", Always),
     ("first_layer_acceleration_over_raft", Without("raft_layers")),
-    ("first_layer_infill_speed", At(&["0"])),
     ("first_layer_speed_over_raft", Without("raft_layers")),
     ("raft_*", Without("raft_layers")),
     ("gcode_substitutions", Always),
@@ -569,8 +613,7 @@ pub(super) const IDLE: &[(&str, Idle)] = &[
     ("infill_only_where_needed", At(&["0"])),
     ("interlocking_beam", At(&["0"])),
     ("ironing_type", Without("ironing")),
-    ("max_print_speed", Always),
-    ("max_volumetric_*", At(&["0"])),
+    ("max_volumetric_extrusion_*", At(&["0"])),
     ("nozzle_high_flow", Always),
     ("only_one_perimeter_first_layer", At(&["0"])),
     ("over_bridge_speed", At(&["0"])),
@@ -582,7 +625,6 @@ pub(super) const IDLE: &[(&str, Idle)] = &[
     ("scarf_seam_length", Always),
     ("scarf_seam_*", Without("scarf_seam_placement")),
     ("slicing_mode", At(&["regular"])),
-    ("small_perimeter_speed", Like("external_perimeter_speed")),
     ("solid_infill_acceleration", At(&["0"])),
     ("solid_infill_below_area", At(&["0"])),
     ("staggered_inner_seams", At(&["0"])),
