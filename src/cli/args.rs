@@ -465,7 +465,11 @@ pub(super) enum ProfilesCommand {
     /// Print the reference of all keys, as Markdown
     Reference,
     /// Print what is imported from the configurations of other slicers, as Markdown
-    Imports,
+    Imports {
+        /// Bundles of presets (.ini): print how many of their keys are taken over instead
+        #[arg(value_name = "BUNDLE")]
+        bundles: Vec<PathBuf>,
+    },
 }
 
 /// Three numbers, for X, Y and Z.

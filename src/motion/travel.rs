@@ -7,8 +7,8 @@ use crate::toolpath::IslandId;
 use crate::units::{Mm3, MmPerS};
 use geometry::{Clipper, Point, Route, distance_mm, polyline_length_mm};
 
-/// Heights are sums of layers.
-const TOLERANCE_MM: f64 = 1e-6;
+/// Heights are sums of layers, and positions rounded.
+const TOLERANCE_MM: f64 = 1e-4;
 
 /// Shorter ways are too short to rise on: the nozzle goes straight up.
 const SHORTEST_SLOPE_MM: f64 = 0.5;
@@ -113,9 +113,18 @@ impl Nozzle<'_> {
         let at = self.at.filter(|_| degrees < 90.0)?;
         let rise_mm = self.layer_z_mm + hop_mm - self.z_mm;
         let way: Vec<[f64; 2]> = std::iter::once(at).chain(stops.iter().copied()).collect();
-        let inside_mm = self.inside_mm(&way);
-        let slope_mm = inside_mm.min(rise_mm / degrees.to_radians().tan());
-        (rise_mm > 0.0 && slope_mm >= SHORTEST_SLOPE_MM).then(|| self.sloped(&way, slope_mm, rise_mm))
+        let (inside_mm, way_mm) =
+            (self.inside_mm(&way), way.windows(2).map(|w| distance_mm(w[0], w[1])).sum());
+        let angled_mm = rise_mm / degrees.to_radians().tan();
+        // A way that ends before is not risen to the top, but to the layer at least.
+        let climb_mm = self.layer_z_mm - self.z_mm;
+        let slope_mm = match inside_mm + TOLERANCE_MM < way_mm {
+            true => inside_mm.min(angled_mm),
+            false if climb_mm > 0.0 => angled_mm.min(way_mm * rise_mm / climb_mm),
+            false => angled_mm,
+        };
+        (rise_mm > 0.0 && slope_mm.min(way_mm) >= SHORTEST_SLOPE_MM)
+            .then(|| self.sloped(&way, slope_mm, rise_mm))
     }
 
     /// How far a way stays inside the part, from its beginning on.

@@ -21,7 +21,7 @@ mod value;
 pub use dump::{dump_json, dump_toml, reference};
 pub use embedded::{EMBEDDED, EmbeddedProfile, ProfileKind, find as embedded};
 pub use error::{Origin, Problem, ProfileError};
-pub use import::import_page;
+pub use import::{KeyFigures, import_figures, import_page};
 pub use resolve::{Override, Resolved, resolve};
 pub use schema::{field, keys};
 pub use script::{Moment, PLACEHOLDERS, PRINT_NAMES, ScriptRun, WholePrint, expand};

@@ -9,6 +9,7 @@ mod gcode_time;
 mod gcode_yardstick;
 mod macros;
 mod models;
+mod presets;
 mod profile;
 
 use std::path::{Path, PathBuf};
@@ -93,6 +94,8 @@ fn main() -> ExitCode {
         models::an_independent_reader_finds_no_fault_and_the_same_figures: MODELS, YARDSTICK, Need::Python;
         models::models_have_the_volume_that_is_known_of_them: MODELS;
         models::sections_agree_with_an_independent_cut: MODELS;
+        presets::most_keys_of_presets_are_taken_over: Need::Shared("presets/vendor");
+        presets::configurations_of_printers_resolve: Need::Shared("presets/expected");
         profile::whole_configurations_in_gcode_resolve: GCODE;
         profile::the_standard_job_of_others_gives_ours: Need::Shared("peers/prusa.ini");
     };

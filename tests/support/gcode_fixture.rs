@@ -157,6 +157,7 @@ pub fn print(layers: &[LayerPaths], settings: &Settings, pauses: &[PauseAt]) -> 
         max_mm: [160.0, 160.0],
         max_z_mm: 0.2 * layers.len() as f64,
         dated: 946_684_800,
+        ..PrintFacts::default()
     };
     let scripts = Scripts::new(settings, &facts).expect("scripts are right");
     let writer = WriterSettings::new(settings, &scripts, true);

@@ -24,7 +24,10 @@ pub(super) struct Config {
 }
 
 /// A preset of a bundle: its name in brackets and what stands under it.
-type Preset = (String, Vec<(String, Entry)>);
+pub(super) type Preset = (String, Vec<(String, Entry)>);
+
+/// Kinds of presets.
+const KINDS: [&str; 3] = ["print", "filament", "printer"];
 
 /// Whether a file of this name is read as a configuration of another slicer.
 pub(in crate::profile) fn is_foreign(path: &Path) -> bool {
@@ -52,19 +55,21 @@ impl Config {
         Self::parse(&text)
     }
 
+    /// The print, filament and printer presets of a bundle, each as it stands there.
+    ///
+    /// # Errors
+    /// The file cannot be read.
+    pub fn presets(path: &Path) -> Result<Vec<Preset>, String> {
+        let bytes = std::fs::read(path).map_err(|error| format!("cannot be read: {error}"))?;
+        let lines: Vec<String> = String::from_utf8_lossy(&bytes).lines().map(str::to_owned).collect();
+        let mut presets = presets_of(&lines);
+        presets.retain(|(name, _)| KINDS.iter().any(|kind| name.starts_with(&format!("{kind}:"))));
+        Ok(presets)
+    }
+
     /// Reads the lines of an `.ini` file.
     pub fn parse(lines: &[String]) -> Result<Self, String> {
-        let mut presets: Vec<Preset> = vec![(String::new(), Vec::new())];
-        for (index, line) in lines.iter().enumerate() {
-            let line = line.trim().trim_start_matches('\u{feff}');
-            if let Some(name) = line.strip_prefix('[').and_then(|rest| rest.strip_suffix(']')) {
-                presets.push((name.trim().to_owned(), Vec::new()));
-            } else if let Some((key, value)) = assignment(line)
-                && let Some((_, entries)) = presets.last_mut()
-            {
-                entries.push((key, Entry { value, line: index + 1 }));
-            }
-        }
+        let presets = presets_of(lines);
         let config = Self::of(chosen(&presets)?);
         if config.entries.is_empty() { Err("holds no `key = value`".into()) } else { Ok(config) }
     }
@@ -153,6 +158,22 @@ impl Block {
     }
 }
 
+/// The sections of a file with their lines; what is in none comes first, without a name.
+fn presets_of(lines: &[String]) -> Vec<Preset> {
+    let mut presets: Vec<Preset> = vec![(String::new(), Vec::new())];
+    for (index, line) in lines.iter().enumerate() {
+        let line = line.trim().trim_start_matches('\u{feff}');
+        if let Some(name) = line.strip_prefix('[').and_then(|rest| rest.strip_suffix(']')) {
+            presets.push((name.trim().to_owned(), Vec::new()));
+        } else if let Some((key, value)) = assignment(line)
+            && let Some((_, entries)) = presets.last_mut()
+        {
+            entries.push((key, Entry { value, line: index + 1 }));
+        }
+    }
+    presets
+}
+
 /// `key = value`, the key one of lower-case words.
 fn assignment(line: &str) -> Option<(String, String)> {
     let (key, value) = line.split_once('=')?;
@@ -163,7 +184,6 @@ fn assignment(line: &str) -> Option<(String, String)> {
 
 /// What holds of all presets: those that `[presets]` names, or the only one of each kind; each with what it inherits.
 fn chosen(presets: &[Preset]) -> Result<BTreeMap<String, Entry>, String> {
-    const KINDS: [&str; 3] = ["print", "filament", "printer"];
     let of_kind = |kind: &'static str| {
         presets.iter().filter(move |(name, _)| {
             name.strip_prefix(kind).is_some_and(|rest| rest.starts_with(':')) && !name.contains(":*")

@@ -253,7 +253,8 @@ pub(super) fn min_thickness(config: &Config) -> Outcome {
 }
 
 pub(super) fn monotonic(config: &Config) -> Outcome {
-    let key = ["top_fill_pattern", "top_infill_pattern"].into_iter().find(|key| config.text(key).is_some());
+    let keys = ["top_fill_pattern", "top_infill_pattern", "external_fill_pattern"];
+    let key = keys.into_iter().find(|key| config.text(key).is_some());
     match key.and_then(|key| config.text(key)) {
         Some("monotonic" | "monotoniclines") => flag(true),
         Some("rectilinear") => flag(false),
@@ -494,8 +495,9 @@ pub(super) fn seam(config: &Config) -> Outcome {
 }
 
 pub(super) fn seam_gap(config: &Config) -> Outcome {
-    let key = if config.text("seam_gap_distance").is_some() { "seam_gap_distance" } else { "seam_gap" };
-    known(config.number_of(key, nozzle_mm(config)))
+    let keys = ["filament_seam_gap_distance", "seam_gap_distance", "seam_gap"];
+    let set = keys.into_iter().find(|key| config.text(key).is_some());
+    known(set.and_then(|key| config.number_of(key, nozzle_mm(config))))
 }
 
 pub(super) fn scarf(config: &Config) -> Outcome {
@@ -621,10 +623,15 @@ pub(super) fn overhang_speed(config: &Config) -> Outcome {
 }
 
 pub(super) fn over_air(config: &Config) -> Outcome {
-    if !has_overhang_speeds(config) {
-        return number(0.0);
+    if has_overhang_speeds(config) {
+        return known(overhang_mm_s(config).map(|speeds| speeds[0]));
     }
-    known(overhang_mm_s(config).map(|speeds| speeds[0]))
+    if config.flag("overhangs") == Some(false) {
+        return known(
+            external_mm_s(config).into_iter().chain(config.number("perimeter_speed")).reduce(f64::max),
+        );
+    }
+    number(0.0)
 }
 
 /// What the filament and the print allow.
@@ -796,7 +803,8 @@ pub(super) fn overhang_fan_steps(config: &Config) -> Outcome {
     let [air, three_quarters, half, quarter] =
         ["overhang_fan_speed_0", "overhang_fan_speed_1", "overhang_fan_speed_2", "overhang_fan_speed_3"]
             .map(step);
-    let bridge = percent(config, "bridge_fan_speed").unwrap_or(0.0);
+    let bridge = percent(config, "bridge_fan_speed").filter(|_| config.flag("overhangs") != Some(false));
+    let bridge = bridge.unwrap_or(0.0);
     numbers(&[quarter, half, three_quarters, air.max(bridge)])
 }
 
