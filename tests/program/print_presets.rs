@@ -126,3 +126,80 @@ fn short_layers_have_more_fan() {
     assert!(fans.iter().any(|fan| (fan - wanted).abs() < 0.003), "{wanted} is not among {fans:?}");
     assert_eq!(fans[0], 0.0, "off on the first layer");
 }
+
+/// Lines with the type that they belong to.
+fn typed(print: &Print) -> Vec<(&str, &str)> {
+    let mut kind = "";
+    let with_kind = |line| {
+        kind = Option::unwrap_or(str::strip_prefix(line, ";TYPE:"), kind);
+        (kind, line)
+    };
+    print.lines().map(with_kind).collect()
+}
+
+#[test]
+fn a_print_stands_in_the_middle_of_a_bed_that_lies_elsewhere() {
+    let strokes = print("calibration_cube", &standard(&["bed.offset=[5, -8]"])).strokes();
+    let beads = strokes.iter().filter(|stroke| stroke.extrudes());
+    let ends: Vec<[f64; 3]> = beads.map(|stroke| stroke.to).collect();
+    let middle = [0, 1].map(|i| {
+        let along = || ends.iter().map(|end| end[i]);
+        (along().fold(f64::INFINITY, f64::min) + along().fold(f64::NEG_INFINITY, f64::max)) / 2.0
+    });
+    assert!((middle[0] - 130.0).abs() < 0.1 && (middle[1] - 117.0).abs() < 0.1, "{middle:?}");
+}
+
+#[test]
+fn infill_is_drawn_with_its_own_acceleration() {
+    let found =
+        print("calibration_cube", &standard(&["acceleration.infill=1234", "first_layer.acceleration=0"]));
+    let (mut force, mut infill) = ("", 0);
+    for (kind, line) in typed(&found) {
+        if let Some(given) = line.strip_prefix("M204 P") {
+            force = given;
+        }
+        if line.starts_with("G1 X") && line.contains(" E") {
+            let wanted = if kind == "Internal infill" { "1234" } else { "3000" };
+            assert_eq!(force, wanted, "{kind}: {line}");
+            infill += usize::from(kind == "Internal infill");
+        }
+    }
+    assert!(infill > 500, "{infill}");
+}
+
+#[test]
+fn small_walls_have_a_speed_of_their_own() {
+    let speed = |name: &str, sets: &[&str]| {
+        let strokes = print(name, &standard(sets)).strokes();
+        let beads = strokes.iter().filter(|stroke| stroke.extrudes() && stroke.from[2] > 1.0);
+        beads.map(|stroke| stroke.feed_mm_s).fold(0.0, f64::max)
+    };
+    let walls_only =
+        ["infill.density=0", "shell.top_layers=0", "shell.bottom_layers=0", "speed.small_perimeter=17"];
+    assert!((speed("pin_forest", &walls_only) - 17.0).abs() < 0.1, "pins are small");
+    assert!((speed("calibration_cube", &walls_only) - 50.0).abs() < 0.1, "a cube is not");
+}
+
+#[test]
+fn bridges_may_be_as_high_as_the_layer() {
+    let heights = |thick: &str| {
+        let found = print("overhang_and_bridge", &standard(&[thick]));
+        let lines = typed(&found)
+            .into_iter()
+            .filter(|(kind, line)| *kind == "Bridge infill" && line.starts_with(";HEIGHT:"));
+        let heights: Vec<String> = lines.map(|(_, line)| line.to_owned()).collect();
+        (heights, found.lines().any(|line| line == ";TYPE:Bridge infill"))
+    };
+    let (thick, thin) = (heights("bridge.thick=true"), heights("bridge.thick=false"));
+    assert!(!thick.0.is_empty() && thick.0.iter().all(|height| height == ";HEIGHT:0.4"), "{thick:?}");
+    assert_eq!(thin, (Vec::new(), true), "the layer's own height needs no comment");
+}
+
+#[test]
+fn small_patches_of_sparse_infill_are_solid() {
+    let has = |area: &str| {
+        let found = print("calibration_cube", &standard(&[area]));
+        found.lines().any(|line| line == ";TYPE:Internal infill")
+    };
+    assert!(has("infill.solid_area=100") && !has("infill.solid_area=1000"));
+}

@@ -96,6 +96,7 @@ fn main() -> ExitCode {
         models::sections_agree_with_an_independent_cut: MODELS;
         presets::most_keys_of_presets_are_taken_over: Need::Shared("presets/vendor");
         presets::configurations_of_printers_resolve: Need::Shared("presets/expected");
+        presets::limits_are_stated_as_their_slicer_states_them: Need::Shared("presets/expected");
         profile::whole_configurations_in_gcode_resolve: GCODE;
         profile::the_standard_job_of_others_gives_ours: Need::Shared("peers/prusa.ini");
     };

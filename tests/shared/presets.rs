@@ -1,5 +1,6 @@
 //! Presets of other slicers' vendors.
 
+use pathwright::gcode::{GcodeOptions, PrintFacts, Scripts, header};
 use pathwright::profile::{import_figures, resolve};
 
 use crate::listed;
@@ -42,4 +43,33 @@ pub fn configurations_of_printers_resolve() {
         }
     }
     assert!(refused.is_empty(), "{}", refused.join("\n"));
+}
+
+/// A command with its words, each a letter and a number.
+fn command(line: &str) -> (String, Vec<(char, f64)>) {
+    let code = line.split(';').next().unwrap_or_default();
+    let mut words = code.split_whitespace();
+    let name = words.next().unwrap_or_default().to_owned();
+    let word = |word: &str| Some((word.chars().next()?, word.get(1..)?.parse().ok()?));
+    (name, words.filter_map(word).collect())
+}
+
+/// Limits are stated as PrusaSlicer states them: the same commands in the same order with the same numbers.
+pub fn limits_are_stated_as_their_slicer_states_them() {
+    let mut compared = 0;
+    for path in listed("presets/expected", "gcode") {
+        let path = path.to_str().expect("UTF-8").to_owned();
+        let text = std::fs::read_to_string(&path).expect("a text");
+        let wanted: Vec<_> = text.lines().filter(|line| line.contains(" ; sets ")).map(command).collect();
+        let settings = resolve(&[path.clone()], &[]).expect("sound settings").settings;
+        let options = GcodeOptions::from(&settings);
+        let written = header(&options, &PrintFacts::default(), &Scripts::default(), false).bytes;
+        let written = String::from_utf8(written).expect("a text");
+        let before_scripts = written.split(";TYPE:Custom").next().unwrap_or_default();
+        let found: Vec<_> =
+            before_scripts.lines().filter(|line| line.starts_with('M')).map(command).collect();
+        assert_eq!(found, wanted, "{path}");
+        compared += usize::from(!wanted.is_empty());
+    }
+    assert!(compared > 60, "{compared}");
 }
