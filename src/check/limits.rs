@@ -84,9 +84,12 @@ impl Rule for Limits {
             (b'M', 220) => self.speed = words().get(b'S').filter(|s| *s > 0.0).map_or(1.0, |s| s / 100.0),
             (b'M', 204) => {
                 let words = words();
-                let asked =
-                    [b'S', b'P', b'T'].into_iter().filter_map(|letter| Some((words.get(letter)?, level)));
-                let extruder = words.get(b'R').map(|asked| (asked, most[3]));
+                // Marlin 1: T for retractions.
+                let legacy = self.machine.firmware == Firmware::MarlinClassic && words.get(b'S').is_some();
+                let [level_letters, extruder_letter] =
+                    if legacy { [&b"SP"[..], b"T"] } else { [&b"SPT"[..], b"R"] };
+                let asked = level_letters.iter().filter_map(|letter| Some((words.get(*letter)?, level)));
+                let extruder = words.get(extruder_letter[0]).map(|asked| (asked, most[3]));
                 self.accelerations(asked.chain(extruder), seen, found);
             }
             (b'M', 201) if self.machine.firmware != Firmware::Klipper => {

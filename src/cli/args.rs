@@ -493,7 +493,11 @@ pub(super) enum ProfilesCommand {
     /// Print the reference of all keys, as Markdown
     Reference,
     /// Print what is imported from the configurations of other slicers, as Markdown
-    Imports,
+    Imports {
+        /// Bundles of presets (.ini): print how many of their keys are taken over instead
+        #[arg(value_name = "BUNDLE")]
+        bundles: Vec<PathBuf>,
+    },
 }
 
 /// List the printers of other slicers' presets

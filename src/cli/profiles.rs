@@ -23,7 +23,14 @@ pub(super) fn run(args: &ProfilesArgs) -> Result<Exit, Failure> {
                 false => console::print(&profile::dump_toml(&resolved))?,
             }
         }
-        ProfilesCommand::Imports => console::print(&profile::import_page())?,
+        ProfilesCommand::Imports { bundles } if bundles.is_empty() => {
+            console::print(&profile::import_page())?
+        }
+        ProfilesCommand::Imports { bundles } => {
+            let figures = profile::import_figures(bundles);
+            let figures = figures.map_err(|message| Failure::new(Exit::Settings, message))?;
+            console::print(&figures.to_string())?;
+        }
         ProfilesCommand::Reference => console::print(&profile::reference())?,
     }
     Ok(Exit::Done)

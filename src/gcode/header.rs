@@ -61,7 +61,7 @@ pub fn header(settings: &GcodeOptions, facts: &PrintFacts, scripts: &Scripts, se
     let dialect = dialect(settings.printer.flavor);
     // The start script may set limits of its own.
     if settings.gcode.limits {
-        dialect.limits(&mut bytes, &settings.machine);
+        dialect.limits(&mut bytes, &settings.limits);
     }
     bytes.extend_from_slice(b";TYPE:Custom\n");
     heat(&mut bytes, settings, scripts);
@@ -184,6 +184,7 @@ mod tests {
     use super::*;
     use crate::gcode::Flavor;
     use crate::profile::Settings;
+    use crate::units::MmPerS2;
 
     #[test]
     fn each_dialect_states_limits_advance_and_retraction_in_its_own_words() {
@@ -191,16 +192,33 @@ mod tests {
         let mut settings = Settings::default();
         settings.filament.pressure_advance = 0.045;
         (settings.gcode.limits, settings.retract.firmware) = (true, true);
+        let machine = &mut settings.machine;
+        machine.print_acceleration = MmPerS2(1250.0);
+        machine.retract_acceleration = MmPerS2(1500.0);
+        machine.travel_acceleration = MmPerS2(2000.0);
         for (flavor, wanted) in [
             (
                 Flavor::Marlin,
                 &[
                     "M201 X3000 Y3000 Z100 E800",
+                    "M203 X300 Y300 Z15 E80",
+                    "M204 P1250 R1500 T2000",
                     "M205 X10 Y10 Z0.4 E5",
+                    "M205 S0 T0",
                     "M900 K0.045",
                     "M207 S1 F2400",
                     "M208 S0 F2400",
                 ][..],
+            ),
+            (
+                Flavor::MarlinLegacy,
+                &[
+                    "M201 X3000 Y3000 Z100 E800",
+                    "M204 S1250 T1500",
+                    "M205 X10 Y10 Z0.4 E5",
+                    "M205 S0 T0",
+                    "M900 K0.045",
+                ],
             ),
             (
                 Flavor::Klipper,
@@ -214,6 +232,7 @@ mod tests {
                 Flavor::RepRapFirmware,
                 &[
                     "M203 X18000 Y18000 Z900 E4800",
+                    "M204 P1250 T2000",
                     "M566 X600 Y600 Z24 E300",
                     "M572 D0 S0.045",
                     "M207 S1 R0 F2400 T2400",
@@ -225,9 +244,11 @@ mod tests {
             let text =
                 String::from_utf8(header(&GcodeOptions::from(&settings), &facts, &scripts, false).bytes)
                     .expect("text");
+            let mut lines = text.lines();
             for line in wanted {
-                assert!(text.lines().any(|l| l == *line), "{line} is not in\n{text}");
+                assert!(lines.any(|l| l == *line), "{line} is not there, or not in this order, in\n{text}");
             }
+            assert!(!text.contains("M205 J"), "junction deviation is not set");
         }
     }
 

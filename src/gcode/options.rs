@@ -9,6 +9,8 @@ choice! {
     Flavor {
         /// Marlin 2.
         Marlin = "marlin",
+        /// Marlin 1, and what is like it: one acceleration for printing and travel.
+        MarlinLegacy = "marlin-legacy",
         /// Klipper.
         Klipper = "klipper",
         /// RepRapFirmware 3.
@@ -41,7 +43,7 @@ section! {
         binary: bool = false,
         /// Label objects (`EXCLUDE_OBJECT`, M486), so that a printer can cancel a single one.
         labels: bool = false,
-        /// State `[machine]` at the start (M201, M203, M205, M566, `SET_VELOCITY_LIMIT`) instead of relying on the firmware's own.
+        /// State `[machine]` at the start (M201, M203, M204, M205, M566, `SET_VELOCITY_LIMIT`) instead of relying on the firmware's own.
         limits: bool = false,
         /// Heat nozzle and bed where the start script does not, and switch them off where the end script does not.
         heat: bool = true,
@@ -76,6 +78,7 @@ impl From<Flavor> for Firmware {
     fn from(flavor: Flavor) -> Self {
         match flavor {
             Flavor::Marlin => Self::Marlin,
+            Flavor::MarlinLegacy => Self::MarlinClassic,
             Flavor::Klipper => Self::Klipper,
             Flavor::RepRapFirmware => Self::RepRapFirmware,
         }

@@ -2,7 +2,7 @@
 
 use super::number::text;
 use super::options::{Flavor, GcodeSettings, PrinterSettings};
-use crate::estimate::Machine;
+use crate::estimate::{Machine, MachineSettings};
 use crate::motion::{FilamentSettings, RetractSettings, TemperatureSettings};
 use crate::slice::LayerSettings;
 use crate::units::{Mm, MmPerS};
@@ -135,6 +135,8 @@ pub struct GcodeOptions {
     pub layer: LayerSettings,
     pub retract: RetractSettings,
     pub gcode: GcodeSettings,
-    /// Limits that the header states, and that scripts are timed by.
+    /// Limits that scripts are timed by.
     pub machine: Machine,
+    /// Limits that the header states.
+    pub limits: MachineSettings,
 }

@@ -6,6 +6,7 @@
 mod arc;
 mod bead;
 mod ends;
+mod fan;
 mod moves;
 mod nozzle;
 mod options;
@@ -21,6 +22,7 @@ mod spiral;
 mod sums;
 mod travel;
 
+pub use fan::set_fan;
 pub use moves::{Entry, LayerMoves, Move};
 pub use options::{
     AccelerationSettings, CoolingSettings, FilamentSettings, RetractSettings, SpeedSettings,

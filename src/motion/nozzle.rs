@@ -1,6 +1,8 @@
 //! The state of the machine while a layer is planned.
 
-use geometry::Router;
+use std::cell::OnceCell;
+
+use geometry::{Clipper, Region, Router};
 
 use super::overhang::Support;
 use super::rules::Rules;
@@ -13,6 +15,9 @@ use crate::units::{MmPerS2, Ratio};
 pub(super) struct Nozzle<'a> {
     pub(super) settings: &'a MotionSettings,
     pub(super) router: Router<'a>,
+    pub(super) outline: &'a Region,
+    /// The outline, made ready for clipping when that is first needed.
+    pub(super) clipper: OnceCell<Clipper>,
     /// What walls may hang over; `None`: none does.
     pub(super) support: Option<Support>,
     /// Island of the path drawn last, if one was.
@@ -33,6 +38,8 @@ pub(super) struct Nozzle<'a> {
     pub(super) extra_mm3: f64,
     pub(super) acceleration: Option<MmPerS2>,
     pub(super) bead: Option<(Role, f64, f64)>,
+    /// Whether the path being drawn is a small wall.
+    pub(super) small: bool,
     pub(super) object: Option<u32>,
     /// The current bead, with its corners as they are, its curves refined, and as it is drawn.
     pub(super) plain: Vec<Piece>,

@@ -44,6 +44,8 @@ section! {
         external_perimeter: MmPerS = MmPerS(40.0); 0.1..=2000.0,
         /// Inner walls.
         perimeter: MmPerS = MmPerS(60.0); 0.1..=2000.0,
+        /// Walls no longer than the outline of a disc of 6.5 mm radius; 0: as others.
+        small_perimeter: MmPerS = MmPerS(0.0); 0.0..=2000.0,
         /// Sparse infill.
         infill: MmPerS = MmPerS(80.0); 0.1..=2000.0,
         /// Solid infill.
@@ -56,10 +58,14 @@ section! {
         bridge: MmPerS = MmPerS(40.0); 0.1..=2000.0,
         /// Walls that overhang by more than a quarter, a half and three quarters of their width.
         overhang: [MmPerS; 3] = [MmPerS(35.0), MmPerS(25.0), MmPerS(15.0)]; 0.1..=2000.0,
+        /// Walls with nothing under them; 0: as bridges.
+        over_air: MmPerS = MmPerS(0.0); 0.0..=2000.0,
         /// Gap fill.
         gap_fill: MmPerS = MmPerS(40.0); 0.1..=2000.0,
         /// Support.
         support: MmPerS = MmPerS(60.0); 0.1..=2000.0,
+        /// Dense support under the part; 0: as support.
+        support_interface: MmPerS = MmPerS(0.0); 0.0..=2000.0,
         /// Skirt and brim.
         skirt: MmPerS = MmPerS(40.0); 0.1..=2000.0,
         /// Travel in X and Y.
@@ -69,12 +75,22 @@ section! {
     }
 }
 section! {
-    /// `[acceleration]`: 0 leaves the firmware's value alone.
+    /// `[acceleration]`: 0 leaves the firmware's value alone, or is what is said beside it.
     AccelerationSettings {
         /// Everything without a value of its own.
         default: MmPerS2 = MmPerS2(1500.0); 0.0..=100000.0,
         /// Outermost wall.
         external_perimeter: MmPerS2 = MmPerS2(1000.0); 0.0..=100000.0,
+        /// Inner walls; 0: `acceleration.default`, as with those below.
+        perimeter: MmPerS2 = MmPerS2(0.0); 0.0..=100000.0,
+        /// Sparse infill.
+        infill: MmPerS2 = MmPerS2(0.0); 0.0..=100000.0,
+        /// Solid infill and ironing.
+        solid: MmPerS2 = MmPerS2(0.0); 0.0..=100000.0,
+        /// Top surfaces.
+        top: MmPerS2 = MmPerS2(0.0); 0.0..=100000.0,
+        /// Bridges; 0: that of the solid infill, or wall, that it is part of.
+        bridge: MmPerS2 = MmPerS2(0.0); 0.0..=100000.0,
         /// Travel.
         travel: MmPerS2 = MmPerS2(2000.0); 0.0..=100000.0,
     }
@@ -92,12 +108,22 @@ section! {
         extra: Mm = Mm(0.0); -5.0..=5.0,
         /// Travels shorter than this are not retracted.
         min_travel: Mm = Mm(1.5); 0.0..=1000.0,
+        /// Retract before every layer but the first, however near it begins.
+        layer_change: bool = false,
         /// Nozzle lift while retracted.
         z_hop: Mm = Mm(0.0); 0.0..=10.0,
+        /// Lift on layers from this height on only.
+        z_hop_above: Mm = Mm(0.0); 0.0..=5000.0,
+        /// Lift on layers up to this height only; 0: on all.
+        z_hop_below: Mm = Mm(0.0); 0.0..=5000.0,
+        /// How steeply the nozzle lifts while it travels, as far as it stays inside the part; 90: straight up, before it travels.
+        z_hop_slope: f64 = 90.0; 1.0..=90.0, "°",
         /// Lift on travels inside the part too, not only on those that cross an outer wall.
         z_hop_inside: bool = false,
         /// Wipe: distance moved back over the last path while retracting; 0: none.
         wipe: Mm = Mm(0.0); 0.0..=50.0,
+        /// Share of the filament that is pulled back before a wipe; 1: there is no wipe.
+        before_wipe: Ratio = Ratio(0.0); 0.0..=1.0,
         /// Coasting: distance at the end of a bead without extrusion, before a retraction; 0: none.
         coast: Mm = Mm(0.0); 0.0..=10.0,
         /// Leave lengths and speeds to the firmware (G10, G11).
@@ -124,6 +150,11 @@ section! {
         min_speed: MmPerS = MmPerS(10.0); 0.1..=500.0,
         /// Fan on ordinary layers.
         fan: Ratio = Ratio(1.0); 0.0..=1.0,
+        /// Layers shorter than this have more fan; 0: none have.
+        short_layer_time: Seconds = Seconds(0.0); 0.0..=3600.0,
+        /// Fan on layers that take `short_layer_time`, and on those that take `min_layer_time` or less; what is between has a
+        /// fan between.
+        short_layer_fan: [Ratio; 2] = [Ratio(0.0), Ratio(0.0)]; 0.0..=1.0,
         /// Layers at the start without fan.
         fan_off_layers: u32 = 1; 0..=10000,
         /// Layer from which the fan has its full value; it ramps up to there.
@@ -132,6 +163,9 @@ section! {
         bridge_fan: Ratio = Ratio(1.0); 0.0..=1.0,
         /// Minimum fan on walls that overhang by more than half their width.
         overhang_fan: Ratio = Ratio(1.0); 0.0..=1.0,
+        /// Least fan on walls that hang over by more than a quarter, a half and three quarters of their width, and by all of
+        /// it, where that is more than `overhang_fan`.
+        overhang_fan_steps: [Ratio; 4] = [Ratio(0.0); 4]; 0.0..=1.0,
     }
 }
 

@@ -1,5 +1,7 @@
 //! One layer's paths, in the order found, as moves.
 
+use std::cell::OnceCell;
+
 use super::arc;
 use super::bead::{Vertex, length_mm, mean_width_mm, trace};
 use super::ends::{self, Scarf, Step};
@@ -12,8 +14,11 @@ use super::smooth::{Rounding, gentle_rad, refine_curves, round_corners};
 use super::{Entry, LayerMoves, MotionSettings, Move, travel};
 use crate::order::PathVisit;
 use crate::toolpath::{LayerKind, LayerPaths, Path, Role};
-use crate::units::Mm3;
-use geometry::Router;
+use crate::units::{Mm3, MmPerS};
+use geometry::{Router, polyline_length_mm};
+
+/// Walls around discs up to this size are small.
+const SMALL_RADIUS_MM: f64 = 6.5;
 
 /// Plans a layer. `sequence` says in which order and direction its paths are drawn: `entry` is 0 or 1
 /// (forwards, backwards) of open paths, of closed ones the index of the vertex where they are entered and
@@ -40,6 +45,8 @@ pub fn plan_layer(
     let mut nozzle = Nozzle {
         settings,
         router: Router::new(&layer.outline, settings.wall_width.0, settings.travel.detour_mm()),
+        outline: &layer.outline,
+        clipper: OnceCell::new(),
         support: beneath.map(Support::new),
         island: None,
         fan: rules.fan(None),
@@ -54,6 +61,7 @@ pub fn plan_layer(
         extra_mm3: 0.0,
         acceleration: None,
         bead: None,
+        small: false,
         object: None,
         plain: Vec::new(),
         curved: Vec::new(),
@@ -132,10 +140,17 @@ fn finish(path: &Path, vertices: &mut Vec<Vertex>, layer: usize, settings: &Moti
     scarf
 }
 
+/// Whether a wall is no longer than the outline of a small disc.
+fn is_small(path: &Path) -> bool {
+    let closing = path.closed.then(|| path.points.first().zip(path.points.last())).flatten();
+    let closing_mm = closing.map_or(0.0, |(first, last)| first.distance_mm(*last));
+    polyline_length_mm(&path.points) + closing_mm <= std::f64::consts::TAU * SMALL_RADIUS_MM
+}
+
 impl Nozzle<'_> {
-    /// Sets the acceleration of a role, or of travel.
-    pub(super) fn accelerate(&mut self, role: Option<Role>) {
-        let wanted = self.rules.acceleration(role);
+    /// Sets the acceleration of a role, of walls by how far they hang over, or of travel.
+    pub(super) fn accelerate(&mut self, drawn: Option<(Role, Grade)>) {
+        let wanted = self.rules.acceleration(drawn);
         if let Some(acceleration) = wanted
             && self.acceleration != wanted
         {
@@ -153,8 +168,8 @@ impl Nozzle<'_> {
     }
 
     /// Sets the fan for a grade of overhang or a bridge; `None`: to the layer's own speed.
-    fn set_fan(&mut self, role: Option<Role>) {
-        let fan = self.rules.fan(role);
+    fn set_fan(&mut self, drawn: Option<(Role, Grade)>) {
+        let fan = self.rules.fan(drawn);
         if fan != self.fan {
             self.moves.push(Move::Fan(fan));
             self.fan = fan;
@@ -164,13 +179,14 @@ impl Nozzle<'_> {
     /// Draws a bead from where the nozzle is, its first vertex.
     fn draw(&mut self, path: &Path, vertices: &mut Vec<Vertex>) {
         let first = self.moves.len();
+        self.small = path.role.is_wall() && is_small(path);
         let scarf = finish(path, vertices, self.rules.index(), self.settings);
         if let Some(scarf) = &scarf {
-            self.begin(path, path.role);
+            self.begin(path, Grade::Held);
             self.lift(self.layer_z_mm - Scarf::FIRST_BELOW * path.height_mm);
             self.draw_steps(path, &scarf.rise);
             self.draw_graded(path, &scarf.body);
-            self.begin(path, path.role);
+            self.begin(path, Grade::Held);
             self.draw_steps(path, &scarf.fade);
         } else {
             self.draw_graded(path, vertices);
@@ -184,15 +200,16 @@ impl Nozzle<'_> {
     }
 
     /// Says what is drawn next.
-    pub(super) fn begin(&mut self, path: &Path, role: Role) {
+    pub(super) fn begin(&mut self, path: &Path, grade: Grade) {
+        let role = if grade > Grade::Quarter { Role::OverhangPerimeter } else { path.role };
         let bead = (role, mean_width_mm(&path.width), path.height_mm);
         if self.bead != Some(bead) {
             let (role, width_mm, height_mm) = bead;
             self.moves.push(Move::Bead { role, width_mm, height_mm });
             self.bead = Some(bead);
         }
-        self.set_fan(Some(role));
-        self.accelerate(Some(path.role));
+        self.set_fan(Some((path.role, grade)));
+        self.accelerate(Some((path.role, grade)));
     }
 
     /// Draws vertices, walls graded by how far they hang.
@@ -203,13 +220,18 @@ impl Nozzle<'_> {
             _ => Vec::new(),
         };
         if stretches.is_empty() {
-            self.begin(path, path.role);
+            self.begin(path, Grade::Held);
             self.draw_stretch(path.role, Grade::Held, vertices);
         }
         for (grade, vertices) in stretches {
-            self.begin(path, if grade > Grade::Quarter { Role::OverhangPerimeter } else { path.role });
+            self.begin(path, grade);
             self.draw_stretch(path.role, grade, &vertices);
         }
+    }
+
+    /// Speed of a role before the flow limit.
+    pub(super) fn speed(&self, role: Role, grade: Grade) -> MmPerS {
+        self.rules.speed(role, grade, self.small)
     }
 
     fn draw_stretch(&mut self, role: Role, grade: Grade, vertices: &[Vertex]) {
@@ -223,7 +245,7 @@ impl Nozzle<'_> {
 
     fn draw_straight(&mut self, role: Role, grade: Grade, vertices: &[Vertex]) {
         let Some(from) = vertices.first().map(|v| v.at) else { return };
-        let speed = self.rules.speed(role, grade);
+        let speed = self.speed(role, grade);
         let width_mm = self.bead.map_or(0.0, |bead| bead.1);
         self.pieces.clear();
         self.plain.clear();
@@ -240,7 +262,7 @@ impl Nozzle<'_> {
     }
 
     fn draw_steps(&mut self, path: &Path, steps: &[Step]) {
-        let speed = self.rules.speed(path.role, Grade::Held);
+        let speed = self.speed(path.role, Grade::Held);
         let z_mm = |step: &Step| self.layer_z_mm - step.below * path.height_mm;
         self.moves.extend(steps.iter().map(|step| Move::Ramp {
             to: step.to,
@@ -267,7 +289,7 @@ impl Nozzle<'_> {
                 center: circle.center,
                 clockwise: circle.clockwise,
                 volume: Mm3(area_mm2 * length_mm),
-                speed: self.rules.melted(self.rules.speed(role, grade), area_mm2),
+                speed: self.rules.melted(self.speed(role, grade), area_mm2),
             });
         }
     }

@@ -22,8 +22,8 @@ impl Nozzle<'_> {
             self.travel(start.at, path.island, pause);
             self.layer_z_mm = top_mm;
         }
-        self.begin(path, path.role);
-        let speed = self.rules.speed(path.role, Grade::Held);
+        self.begin(path, Grade::Held);
+        let speed = self.speed(path.role, Grade::Held);
         let ends = vertices.iter().zip(rises);
         for ((from, rise_from), (to, rise)) in ends.clone().zip(ends.skip(1)) {
             let area_mm2 = 0.5 * (from.area_mm2 * rise_from.flow + to.area_mm2 * rise.flow);

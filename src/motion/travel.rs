@@ -5,7 +5,13 @@ use super::nozzle::Nozzle;
 use super::{MotionSettings, Move};
 use crate::toolpath::IslandId;
 use crate::units::{Mm3, MmPerS};
-use geometry::{Route, distance_mm};
+use geometry::{Clipper, Point, Route, distance_mm, polyline_length_mm};
+
+/// Heights are sums of layers, and positions rounded.
+const TOLERANCE_MM: f64 = 1e-4;
+
+/// Shorter ways are too short to rise on: the nozzle goes straight up.
+const SHORTEST_SLOPE_MM: f64 = 0.5;
 
 impl Nozzle<'_> {
     /// Moves to where the next bead, one of this island, starts, at the height of the layer.
@@ -30,7 +36,9 @@ impl Nozzle<'_> {
         if over_mm > 0.0 {
             route = Route::Across;
         }
-        let retracted = (far || pause || over_mm > 0.0) && retract.length.0 > 0.0;
+        let rises =
+            retract.layer_change && !self.positioned && self.layer_z_mm > self.z_mm && self.rules.index() > 0;
+        let retracted = (far || rises || pause || over_mm > 0.0) && retract.length.0 > 0.0;
         if retracted && self.retract() && over_mm <= 0.0 {
             route = self.route(to, same_island);
         }
@@ -39,7 +47,7 @@ impl Nozzle<'_> {
             route = Route::Across;
         }
         let hops = retracted && (route == Route::Across || retract.z_hop_inside);
-        let hop_mm = if hops { retract.z_hop.0.max(over_mm) } else { over_mm };
+        let hop_mm = if hops { self.hop_mm().max(over_mm) } else { over_mm };
         let mut stops = match route {
             Route::Inside(between, _) => between,
             Route::Across => Vec::new(),
@@ -48,16 +56,21 @@ impl Nozzle<'_> {
         let climb_mm = self.layer_z_mm - self.z_mm;
         let first_mm = self.at.map_or(0.0, |at| distance_mm(at, stops[0]));
         let climbs = climb_mm > 0.0 && first_mm > climb_mm && hop_mm <= 0.0 && !pause;
-        if !climbs && (arriving || pause || hop_mm > 0.0) {
+        let slope = (hop_mm > 0.0 && over_mm <= 0.0 && !pause).then(|| self.slope(&stops, hop_mm)).flatten();
+        if slope.is_none() && !climbs && (arriving || pause || hop_mm > 0.0) {
             self.lift(self.layer_z_mm + hop_mm);
         }
         self.accelerate(None);
         let (speed, z_mm) = (self.settings.speed.travel, self.layer_z_mm);
-        let mut climb = climbs.then(|| self.climb_speed(first_mm, climb_mm));
-        self.moves.extend(stops.into_iter().map(|to| match climb.take() {
-            Some(speed) => Move::Climb { to, z_mm, speed },
-            None => Move::Travel { to, speed },
-        }));
+        if let Some(slope) = slope {
+            self.moves.extend(slope);
+        } else {
+            let mut climb = climbs.then(|| self.climb_speed(first_mm, climb_mm));
+            self.moves.extend(stops.into_iter().map(|to| match climb.take() {
+                Some(speed) => Move::Climb { to, z_mm, speed },
+                None => Move::Travel { to, speed },
+            }));
+        }
         self.positioned = true;
         if hop_mm > 0.0 {
             self.lift(self.layer_z_mm);
@@ -85,6 +98,65 @@ impl Nozzle<'_> {
         }
     }
 
+    /// How far travels lift the nozzle on this layer.
+    fn hop_mm(&self) -> f64 {
+        let retract = &self.settings.retract;
+        let z_mm = self.layer_z_mm - self.settings.z_offset.0;
+        let (low_mm, high_mm) = (retract.z_hop_above.0, retract.z_hop_below.0);
+        let lifts = z_mm + TOLERANCE_MM >= low_mm && (high_mm <= 0.0 || z_mm <= high_mm + TOLERANCE_MM);
+        if lifts { retract.z_hop.0 } else { 0.0 }
+    }
+
+    /// A travel over these stops that rises at an angle, as long as it is inside the part; `None`: straight up.
+    fn slope(&self, stops: &[[f64; 2]], hop_mm: f64) -> Option<Vec<Move>> {
+        let degrees = self.settings.retract.z_hop_slope;
+        let at = self.at.filter(|_| degrees < 90.0)?;
+        let rise_mm = self.layer_z_mm + hop_mm - self.z_mm;
+        let way: Vec<[f64; 2]> = std::iter::once(at).chain(stops.iter().copied()).collect();
+        let (inside_mm, way_mm) =
+            (self.inside_mm(&way), way.windows(2).map(|w| distance_mm(w[0], w[1])).sum());
+        let angled_mm = rise_mm / degrees.to_radians().tan();
+        // A way that ends before is not risen to the top, but to the layer at least.
+        let climb_mm = self.layer_z_mm - self.z_mm;
+        let slope_mm = match inside_mm + TOLERANCE_MM < way_mm {
+            true => inside_mm.min(angled_mm),
+            false if climb_mm > 0.0 => angled_mm.min(way_mm * rise_mm / climb_mm),
+            false => angled_mm,
+        };
+        (rise_mm > 0.0 && slope_mm.min(way_mm) >= SHORTEST_SLOPE_MM)
+            .then(|| self.sloped(&way, slope_mm, rise_mm))
+    }
+
+    /// How far a way stays inside the part, from its beginning on.
+    fn inside_mm(&self, way: &[[f64; 2]]) -> f64 {
+        let points: Vec<Point> = way.iter().map(|&[x, y]| Point::from_mm(x, y)).collect();
+        let clipper = self.clipper.get_or_init(|| Clipper::new(self.outline));
+        let first = clipper.clip(&points).into_iter().next();
+        let begins = first.filter(|piece| piece.points.first() == points.first());
+        begins.map_or(0.0, |piece| polyline_length_mm(&piece.points))
+    }
+
+    /// The moves along a way whose first `slope_mm` rise by `rise_mm`.
+    fn sloped(&self, way: &[[f64; 2]], slope_mm: f64, rise_mm: f64) -> Vec<Move> {
+        let (mut moves, mut gone_mm) = (Vec::new(), 0.0);
+        let (travel, climb) = (self.settings.speed.travel, self.climb_speed(slope_mm, rise_mm));
+        let z_mm = |gone_mm: f64| self.z_mm + rise_mm * (gone_mm / slope_mm).min(1.0);
+        for pair in way.windows(2) {
+            let (left_mm, length_mm) = (slope_mm - gone_mm, distance_mm(pair[0], pair[1]));
+            gone_mm += length_mm;
+            if left_mm <= 0.0 {
+                moves.push(Move::Travel { to: pair[1], speed: travel });
+            } else if length_mm <= left_mm {
+                moves.push(Move::Climb { to: pair[1], z_mm: z_mm(gone_mm), speed: climb });
+            } else {
+                let to = [0, 1].map(|i| pair[0][i] + left_mm / length_mm * (pair[1][i] - pair[0][i]));
+                moves.push(Move::Climb { to, z_mm: z_mm(slope_mm), speed: climb });
+                moves.push(Move::Travel { to: pair[1], speed: travel });
+            }
+        }
+        moves
+    }
+
     /// The travel speed, unless Z would be faster than it may.
     fn climb_speed(&self, length_mm: f64, climb_mm: f64) -> MmPerS {
         let speed = &self.settings.speed;
@@ -101,26 +173,32 @@ impl Nozzle<'_> {
         let retract = &self.settings.retract;
         let (length_mm, speed) = (retract.length.0, retract.speed);
         coast(&mut self.moves, retract.coast.0);
-        let wipe = if retract.firmware { Vec::new() } else { std::mem::take(&mut self.wipe) };
+        let is_wiped = !retract.firmware && retract.before_wipe.0 < 1.0;
+        let wipe = if is_wiped { std::mem::take(&mut self.wipe) } else { Vec::new() };
         let wipe_mm: f64 = wipe.windows(2).map(|w| distance_mm(w[0], w[1])).sum();
         if wipe_mm <= 0.0 {
             self.moves.push(Move::Retract { length_mm, speed });
             return false;
         }
-        let wipe_speed = wipe_speed(self.settings, wipe_mm);
+        let before_mm = retract.before_wipe.0 * length_mm;
+        if before_mm > 0.0 {
+            self.moves.push(Move::Retract { length_mm: before_mm, speed });
+        }
+        let left_mm = length_mm - before_mm;
+        let wipe_speed = wipe_speed(self.settings, wipe_mm, left_mm);
         for w in wipe.windows(2) {
             let share = distance_mm(w[0], w[1]) / wipe_mm;
-            self.moves.push(Move::Wipe { to: w[1], length_mm: length_mm * share, speed: wipe_speed });
+            self.moves.push(Move::Wipe { to: w[1], length_mm: left_mm * share, speed: wipe_speed });
         }
         self.at = wipe.last().copied();
         true
     }
 }
 
-/// The nozzle's speed that takes as long over the wipe as the retraction would take in place, at most the
-/// travel speed.
-fn wipe_speed(settings: &MotionSettings, wipe_mm: f64) -> MmPerS {
-    let speed = wipe_mm * settings.retract.speed.0 / settings.retract.length.0;
+/// The nozzle's speed that takes as long over the wipe as pulling back the rest of the filament would take in place, at
+/// most the travel speed.
+fn wipe_speed(settings: &MotionSettings, wipe_mm: f64, left_mm: f64) -> MmPerS {
+    let speed = wipe_mm * settings.retract.speed.0 / left_mm;
     MmPerS(speed.min(settings.speed.travel.0))
 }
 

@@ -409,6 +409,7 @@ impl LayerMaker<'_> {
         let mut moves = motion::plan_layer(paths, sequence, from, &self.motion);
         moves.index += before;
         let time = cool(&mut moves, &self.settings.cooling, &self.machine);
+        motion::set_fan(&mut moves, time.total(), &self.motion);
         let sums = moves.sums();
         let measures = Measures {
             print_mm: sums.print.0,

@@ -13,7 +13,7 @@ choice! {
     }
 }
 choice! {
-    /// Where X 0, Y 0 lies on the bed.
+    /// Which point of the bed lies at X 0, Y 0, or where `bed.offset` says.
     BedOrigin {
         /// Front left corner.
         Corner = "corner",
@@ -39,8 +39,10 @@ section! {
         size: [Mm; 2] = [Mm(250.0), Mm(250.0)]; 10.0..=5000.0,
         /// Printable height.
         height: Mm = Mm(250.0); 1.0..=5000.0,
-        /// Corner or centre.
+        /// Which point of the bed `offset` places.
         origin: BedOrigin = BedOrigin::Corner,
+        /// X and Y of that point, where the machine counts from elsewhere.
+        offset: [Mm; 2] = [Mm(0.0), Mm(0.0)]; -5000.0..=5000.0,
     }
 }
 section! {
@@ -73,9 +75,10 @@ section! {
 impl BedSettings {
     /// The corner of least X and Y, millimetres.
     pub fn low_mm(&self) -> [f64; 2] {
+        let middle = self.middle_mm();
         match self.origin {
-            BedOrigin::Corner => [0.0; 2],
-            BedOrigin::Center => self.size.map(|length| -length.0 / 2.0),
+            BedOrigin::Corner => self.offset.map(|mm| mm.0),
+            BedOrigin::Center => [0, 1].map(|i| middle[i] - self.size[i].0 / 2.0),
         }
     }
 
@@ -88,8 +91,8 @@ impl BedSettings {
     /// The middle, millimetres.
     pub fn middle_mm(&self) -> [f64; 2] {
         match self.origin {
-            BedOrigin::Corner => self.size.map(|length| length.0 / 2.0),
-            BedOrigin::Center => [0.0; 2],
+            BedOrigin::Corner => [0, 1].map(|i| self.offset[i].0 + self.size[i].0 / 2.0),
+            BedOrigin::Center => self.offset.map(|mm| mm.0),
         }
     }
 }

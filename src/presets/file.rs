@@ -17,6 +17,17 @@ pub fn is_foreign(path: &Path) -> bool {
     extension == "ini" || is_gcode(path) || project::is_project(path)
 }
 
+/// What the print, filament and printer presets of a bundle set: keys and values as they stand there.
+///
+/// # Errors
+/// The file cannot be read.
+pub fn bundle_values(path: &Path) -> Result<Vec<(String, String)>, String> {
+    let kinds = ["print:", "filament:", "printer:"];
+    let sections = ini::sections(&ini::lines(path)?);
+    let presets = sections.into_iter().filter(|section| kinds.iter().any(|kind| section.name.starts_with(kind)));
+    Ok(presets.flat_map(|section| section.lines).map(|line| (line.key, line.value)).collect())
+}
+
 impl Config {
     /// Reads an `.ini` file, or the configuration in a G-code file or a project.
     ///

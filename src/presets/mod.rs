@@ -20,7 +20,7 @@ mod value;
 pub use config::{Config, Dialect, Entry, Place, Raw};
 pub use error::PresetError;
 pub use family::{Kind, Listed, Source};
-pub use file::is_foreign;
+pub use file::{bundle_values, is_foreign};
 pub use keys::key_type;
 pub use library::{Chosen, Library};
 pub use names::script_value;

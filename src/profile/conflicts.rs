@@ -187,6 +187,13 @@ fn amounts(settings: &Settings, check: &mut Check) {
             "the fan cannot be at its full value on a layer that has it off",
         );
     }
+    let cooling = &settings.cooling;
+    if cooling.short_layer_fan.iter().any(|fan| fan.0 > 0.0) && cooling.short_layer_time.0 == 0.0 {
+        check.warn(
+            &["cooling.short_layer_fan", "cooling.short_layer_time"],
+            "no layer is shorter than 0 s; give the time below which layers are short",
+        );
+    }
     if settings.order.layer_distance.0 > 0.0 && !settings.order.chain {
         check.error(
             &["order.layer_distance", "order.chain"],
@@ -258,15 +265,18 @@ fn machine(settings: &Settings, check: &mut Check) {
     let speeds = [
         ("speed.external_perimeter", speed.external_perimeter),
         ("speed.perimeter", speed.perimeter),
+        ("speed.small_perimeter", speed.small_perimeter),
         ("speed.infill", speed.infill),
         ("speed.solid", speed.solid),
         ("speed.top", speed.top),
         ("speed.bridge", speed.bridge),
         ("speed.gap_fill", speed.gap_fill),
         ("speed.support", speed.support),
+        ("speed.support_interface", speed.support_interface),
         ("speed.skirt", speed.skirt),
         ("speed.travel", speed.travel),
         ("first_layer.speed", settings.first_layer.speed),
+        ("first_layer.infill_speed", settings.first_layer.infill_speed),
     ];
     for (key, speed) in speeds {
         if speed.0 > top {
@@ -280,6 +290,11 @@ fn machine(settings: &Settings, check: &mut Check) {
     let accelerations = [
         ("acceleration.default", settings.acceleration.default),
         ("acceleration.external_perimeter", settings.acceleration.external_perimeter),
+        ("acceleration.perimeter", settings.acceleration.perimeter),
+        ("acceleration.infill", settings.acceleration.infill),
+        ("acceleration.solid", settings.acceleration.solid),
+        ("acceleration.top", settings.acceleration.top),
+        ("acceleration.bridge", settings.acceleration.bridge),
         ("acceleration.travel", settings.acceleration.travel),
         ("first_layer.acceleration", settings.first_layer.acceleration),
     ];

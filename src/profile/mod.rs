@@ -22,7 +22,7 @@ mod value;
 pub use dump::{dump_json, dump_toml, reference};
 pub use embedded::{EMBEDDED, EmbeddedProfile, ProfileKind, find as embedded};
 pub use error::{Origin, Problem, ProfileError};
-pub use import::{Import, Left, Taken, import_page};
+pub use import::{Import, KeyFigures, Left, Taken, import_figures, import_page};
 pub use metadata::binary_metadata;
 pub use resolve::{Override, Resolved, resolve, resolve_presets};
 pub use schema::{field, keys};

@@ -207,6 +207,7 @@ impl From<&Settings> for GcodeOptions {
             retract: settings.retract.clone(),
             gcode: settings.gcode.clone(),
             machine: Machine::new(settings),
+            limits: settings.machine.clone(),
         }
     }
 }

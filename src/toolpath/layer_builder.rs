@@ -37,6 +37,14 @@ pub(super) struct Solid {
     pub ordered: bool,
 }
 
+/// How bridge lines are drawn: their distance, and each one's width and height.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct BridgeLine {
+    pub spacing_mm: f64,
+    pub width_mm: f64,
+    pub height_mm: f64,
+}
+
 /// The paths of a layer as they grow.
 pub(super) struct LayerBuilder {
     pub paths: Vec<Path>,
@@ -119,12 +127,12 @@ impl LayerBuilder {
         }
     }
 
-    /// Bridge lines side by side, each as wide as it is high.
-    pub fn bridge(&mut self, bridge: &Bridge, bridge_line_mm: f64, settings: &InfillSettings) {
-        let reach_mm = settings.overlap.0 * bridge_line_mm;
-        let layer_mm = std::mem::replace(&mut self.height_mm, bridge_line_mm);
+    /// Bridge lines side by side.
+    pub fn bridge(&mut self, bridge: &Bridge, line: &BridgeLine, settings: &InfillSettings) {
+        let reach_mm = settings.overlap.0 * line.spacing_mm;
+        let layer_mm = std::mem::replace(&mut self.height_mm, line.height_mm);
         let spec = SolidSpec {
-            spacing_mm: bridge_line_mm,
+            spacing_mm: line.spacing_mm,
             reach_mm,
             turn_reach: CORE_TURN_REACH,
             angle_rad: bridge.angle_rad,
@@ -137,7 +145,7 @@ impl LayerBuilder {
             self.lines(
                 Role::BridgeInfill,
                 Phase::Bridge,
-                bridge_line_mm,
+                line.width_mm,
                 patch.lines.into_iter().map(|(_, line)| line),
             );
         }

@@ -152,6 +152,8 @@ section! {
         anchor: Mm = Mm(0.0); 0.0..=100.0,
         /// Combine the sparse infill of up to this many layers, in beads of their total height; at most the nozzle diameter.
         combine_layers: u32 = 1; 1..=50,
+        /// Patches of sparse infill up to this size are solid; 0: none.
+        solid_area: f64 = 0.0; 0.0..=1000000.0, "mm²",
         /// Every n-th layer is solid; 0: none.
         solid_every: u32 = 0; 0..=10000,
     }
@@ -195,6 +197,8 @@ section! {
         width: Mm = Mm(0.5); 0.0..=5.0,
         /// Speed of everything on it; 0: as elsewhere.
         speed: MmPerS = MmPerS(20.0); 0.0..=2000.0,
+        /// Speed of solid infill on it; 0: as of everything.
+        infill_speed: MmPerS = MmPerS(0.0); 0.0..=2000.0,
         /// Extrusion multiplier.
         flow: f64 = 1.0; 0.1..=3.0,
         /// Acceleration of everything on it; 0: as elsewhere.
@@ -286,7 +290,10 @@ section! {
     BridgeSettings {
         /// Span air with bridge lines side by side in the direction with the shortest spans.
         enabled: bool = true,
-        /// Bridge flow: multiplies the cross-section of a round bridge line as thick as the nozzle diameter.
+        /// Bridge lines are round; without, they are as wide, as high and as far apart as solid infill.
+        thick: bool = true,
+        /// Bridge flow: multiplies the cross-section of a round bridge line as thick as the nozzle diameter, or of one that is as
+        /// solid infill.
         flow: f64 = 1.0; 0.1..=2.0,
         /// How far bridge lines extend over their anchors.
         anchor: Mm = Mm(1.0); 0.0..=20.0,

@@ -14,7 +14,7 @@ use super::beneath::Beneath;
 use super::combined::CombinedInfill;
 use super::fuzzy::Fuzzy;
 use super::infill::{self, FillPattern, FillSpec, Joins, LineSet, SparseSample};
-use super::layer_builder::{LayerBuilder, Solid};
+use super::layer_builder::{BridgeLine, LayerBuilder, Solid};
 use super::reach::Reach;
 use super::shells::{self, ShellWindows, Zones};
 use super::walls::{self, WallSpec, Walls};
@@ -316,13 +316,16 @@ impl Planner {
         let settings = &self.settings.infill;
         let mut zones = self.zones(&inside, object, section);
         if let Some(support_below) = support_below.as_ref().filter(|_| self.settings.bridge.enabled) {
-            let bridge_line_mm = self.settings.nozzle.0 * self.settings.bridge.flow.sqrt();
+            let line = self.bridge_line(widths.solid_mm, section.height_mm);
             let anchor_mm = self.settings.bridge.anchor.0;
             for bridge in
-                bridges::take(&mut zones, &inside, polygon, support_below, bridge_line_mm, anchor_mm)
+                bridges::take(&mut zones, &inside, polygon, support_below, line.spacing_mm, anchor_mm)
             {
-                layer.bridge(&bridge, bridge_line_mm, settings);
+                layer.bridge(&bridge, &line, settings);
             }
+        }
+        if settings.solid_area > 0.0 && settings.density.0 > 0.0 {
+            zones.fill_small(settings.solid_area);
         }
         let solid =
             Solid { role: Role::SolidInfill, phase: Phase::Solid, width_mm: widths.solid_mm, ordered: false };
@@ -337,6 +340,17 @@ impl Planner {
         if self.settings.ironing.enabled {
             self.iron(layer, &zones.top, section, widths);
         }
+    }
+
+    /// How bridge lines are drawn on a layer with solid infill of this width.
+    fn bridge_line(&self, solid_mm: f64, height_mm: f64) -> BridgeLine {
+        let BridgeSettings { thick, flow, .. } = self.settings.bridge;
+        if thick {
+            let round_mm = self.settings.nozzle.0 * flow.sqrt();
+            return BridgeLine { spacing_mm: round_mm, width_mm: round_mm, height_mm: round_mm };
+        }
+        let spacing_mm = bead::spacing_mm(solid_mm, height_mm);
+        BridgeLine { spacing_mm, width_mm: bead::width_mm(spacing_mm * flow, height_mm), height_mm }
     }
 
     /// Sparse infill: of the layer, and of those beneath that it is combined with.

@@ -159,6 +159,17 @@ pub struct Zones {
 }
 
 impl Zones {
+    /// Makes patches of the sparse zone up to this size solid.
+    pub fn fill_small(&mut self, most_mm2: f64) {
+        let (small, large): (Vec<_>, Vec<_>) =
+            self.sparse.polygons().iter().cloned().partition(|polygon| polygon.area_mm2() <= most_mm2);
+        if small.is_empty() {
+            return;
+        }
+        self.solid = geometry::union(&self.solid, &Region::disjoint(small));
+        self.leave_sparse(Region::disjoint(large));
+    }
+
     /// Limits the sparse zone to this area, and the area its density refers to accordingly.
     pub fn leave_sparse(&mut self, sparse: Region) {
         let taken_mm2 = self.sparse.area_mm2() - sparse.area_mm2();

@@ -17,6 +17,7 @@ mod print_golden;
 mod print_input;
 mod print_modes;
 mod print_plate;
+mod print_presets;
 mod print_surface;
 mod print_volume;
 mod printers;

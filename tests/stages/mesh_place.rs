@@ -8,7 +8,7 @@ use pathwright::units::Mm;
 use proptest::prelude::*;
 
 fn bed(shape: BedShape, side: f64, origin: BedOrigin) -> BedSettings {
-    BedSettings { shape, size: [Mm(side), Mm(side)], height: Mm(200.0), origin }
+    BedSettings { shape, size: [Mm(side), Mm(side)], height: Mm(200.0), origin, offset: [Mm(0.0); 2] }
 }
 
 fn block(x: f32, y: f32, z: f32) -> Mesh {
@@ -37,6 +37,18 @@ fn a_model_stands_in_the_middle_of_the_bed() {
             assert_eq!(boxes(&plate), [[middle - 15.0, middle - 10.0, middle + 15.0, middle + 10.0]]);
             assert_eq!(plate.meshes[0].bounds()[0][2], 0.0);
         }
+    }
+}
+
+#[test]
+fn a_bed_may_lie_anywhere() {
+    for (origin, middle) in [(BedOrigin::Corner, [105.0, 92.0]), (BedOrigin::Center, [5.0, -8.0])] {
+        let bed = BedSettings { offset: [Mm(5.0), Mm(-8.0)], ..bed(BedShape::Rectangular, 200.0, origin) };
+        let (low, high) = (bed.low_mm(), bed.high_mm());
+        assert_eq!([0, 1].map(|i| (low[i] + high[i]) / 2.0), middle);
+        let plate = place(vec![item("a", block(30.0, 20.0, 10.0), 1)], &bed, &Placement::default()).unwrap();
+        let [x, y] = middle;
+        assert_eq!(boxes(&plate), [[x - 15.0, y - 10.0, x + 15.0, y + 10.0]]);
     }
 }
 

@@ -408,7 +408,7 @@ fn another_slicers_configuration_is_a_profile_whose_lines_are_the_origins() {
     let text = "[print:fine]\nlayer_height = 0.1\nperimeters = 4\nperimeter_speed = 60\nexternal_perimeter_speed = 50%\n\
                 [printer:mine]\nnozzle_diameter = 0.4\nbed_shape = 0x0,220x0,220x220,0x220\n\
                 start_gcode = M104 S{first_layer_temperature[0]}\\nG28\nbetween_objects_gcode = M117\n\
-                complete_objects = 1\nooze_prevention = 1\n";
+                complete_objects = 1\ninfill_first = 1\n";
     let path = file(&folder, "config.ini", text);
     let resolved = resolve(std::slice::from_ref(&path), &[]).unwrap_or_else(|error| panic!("{error}"));
     let s = &resolved.settings;
@@ -419,7 +419,7 @@ fn another_slicers_configuration_is_a_profile_whose_lines_are_the_origins() {
     let note = resolved.warnings.iter().map(ToString::to_string).find(|w| w.contains("not taken over"));
     assert!(note.is_some_and(|note| note.contains(" 2 not taken over")), "{:?}", resolved.warnings);
     let shown = profile::text(&path).unwrap();
-    assert!(shown.contains("# line 12: ooze_prevention = 1: "), "{shown}");
+    assert!(shown.contains("# line 12: infill_first = 1: "), "{shown}");
     let mine = file(&folder, "mine.toml", &shown);
     assert_eq!(&settings(&[&mine], &[]), s, "what is shown means the same");
 }

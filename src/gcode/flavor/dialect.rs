@@ -1,6 +1,6 @@
 //! What dialects have in common.
 
-use crate::estimate::Machine;
+use crate::estimate::MachineSettings;
 use crate::gcode::number::{push_word, text};
 use crate::gcode::settings::ObjectLabel;
 use crate::motion::RetractSettings;
@@ -36,7 +36,7 @@ pub(in crate::gcode) trait Dialect {
     }
 
     /// Says what the machine can do, from `[machine]`.
-    fn limits(&self, out: &mut Vec<u8>, machine: &Machine);
+    fn limits(&self, out: &mut Vec<u8>, machine: &MachineSettings);
 
     /// Sets linear or pressure advance, seconds.
     fn pressure_advance(&self, out: &mut Vec<u8>, seconds: f64);
@@ -100,4 +100,13 @@ pub(in crate::gcode) fn line(out: &mut Vec<u8>, text: &str) {
 pub(super) fn axes(out: &mut Vec<u8>, command: &str, values: [f64; 4]) {
     let words = values.iter().zip("XYZE".chars()).map(|(value, axis)| format!(" {axis}{}", text(*value, 2)));
     line(out, &format!("{command}{}", words.collect::<String>()));
+}
+
+/// A command with the words that have a value above 0; nothing where none has.
+pub(super) fn given(out: &mut Vec<u8>, command: &str, values: &[(char, MmPerS2)]) {
+    let given = values.iter().filter(|(_, value)| value.0 > 0.0);
+    let words: String = given.map(|(letter, value)| format!(" {letter}{}", text(value.0, 0))).collect();
+    if !words.is_empty() {
+        line(out, &format!("{command}{words}"));
+    }
 }

@@ -1,7 +1,7 @@
 //! Klipper: one acceleration for everything, extended commands, macros.
 
 use super::dialect::{Dialect, Purpose, line};
-use crate::estimate::Machine;
+use crate::estimate::MachineSettings;
 use crate::gcode::number::{push_fixed, text};
 use crate::gcode::settings::ObjectLabel;
 use crate::motion::RetractSettings;
@@ -18,12 +18,12 @@ impl Dialect for Klipper {
         assign(out, b"SET_VELOCITY_LIMIT ACCEL=", acceleration.0.round() as i64);
     }
 
-    fn limits(&self, out: &mut Vec<u8>, machine: &Machine) {
+    fn limits(&self, out: &mut Vec<u8>, machine: &MachineSettings) {
         let limits = [
-            ("VELOCITY", machine.max_speed[0]),
-            ("ACCEL", machine.max_acceleration[0]),
-            ("SQUARE_CORNER_VELOCITY", machine.square_corner_velocity),
-            ("MINIMUM_CRUISE_RATIO", machine.min_cruise_ratio),
+            ("VELOCITY", machine.max_speed[0].0),
+            ("ACCEL", machine.max_acceleration[0].0),
+            ("SQUARE_CORNER_VELOCITY", machine.square_corner_velocity.0),
+            ("MINIMUM_CRUISE_RATIO", machine.min_cruise_ratio.0),
         ];
         command(out, "SET_VELOCITY_LIMIT", &limits);
     }

@@ -3,6 +3,7 @@
 mod dialect;
 mod klipper;
 mod marlin;
+mod marlin_legacy;
 mod reprapfirmware;
 
 use crate::gcode::options::Flavor;
@@ -13,6 +14,7 @@ pub(super) use dialect::{Dialect, Purpose, line};
 pub(super) fn dialect(flavor: Flavor) -> &'static dyn Dialect {
     match flavor {
         Flavor::Marlin => &marlin::Marlin,
+        Flavor::MarlinLegacy => &marlin_legacy::MarlinLegacy,
         Flavor::Klipper => &klipper::Klipper,
         Flavor::RepRapFirmware => &reprapfirmware::RepRapFirmware,
     }

@@ -1,7 +1,7 @@
 //! RepRapFirmware 3: fan values are shares. A pause by M600 runs `filament-change.g`, or `pause.g`.
 
-use super::dialect::{Dialect, axes, line};
-use crate::estimate::Machine;
+use super::dialect::{Dialect, axes, given, line};
+use crate::estimate::MachineSettings;
 use crate::gcode::number::{push_word, text, ticks};
 use crate::motion::RetractSettings;
 use crate::units::Ratio;
@@ -16,10 +16,11 @@ impl Dialect for RepRapFirmware {
     }
 
     /// Its speeds are a minute's.
-    fn limits(&self, out: &mut Vec<u8>, machine: &Machine) {
-        axes(out, "M201", machine.max_acceleration);
-        axes(out, "M203", machine.max_speed.map(|v| v * 60.0));
-        axes(out, "M566", machine.jerk.map(|v| v * 60.0));
+    fn limits(&self, out: &mut Vec<u8>, machine: &MachineSettings) {
+        axes(out, "M201", machine.max_acceleration.map(|a| a.0));
+        axes(out, "M203", machine.max_speed.map(|v| v.0 * 60.0));
+        given(out, "M204", &[('P', machine.print_acceleration), ('T', machine.travel_acceleration)]);
+        axes(out, "M566", machine.jerk.map(|v| v.0 * 60.0));
     }
 
     fn pressure_advance(&self, out: &mut Vec<u8>, seconds: f64) {

@@ -81,6 +81,12 @@ impl Limits {
             (self.print, self.travel) = (one.unwrap_or(self.print), one.unwrap_or(self.travel));
             return;
         }
+        // Marlin 1: S for printing and travel, T for retractions.
+        if let (Firmware::MarlinClassic, Some(one), None) = (firmware, all, print) {
+            (self.print, self.travel) = (one, one);
+            self.extruder = travel.unwrap_or(self.extruder);
+            return;
+        }
         self.print = print.or(all).unwrap_or(self.print);
         self.travel = travel.or(all).unwrap_or(self.travel);
         if firmware != Firmware::RepRapFirmware {

@@ -22,14 +22,14 @@ const AUTO_HEIGHT: f64 = 0.75;
 /// Share of the travel speed at which wipes are made.
 const WIPE_SPEED: f64 = 0.8;
 
+/// Degrees.
+const STRAIGHT_UP: f64 = 90.0;
+
 /// Anchors that are not limited are this long.
 const LONGEST_ANCHOR_MM: f64 = 100.0;
 
 /// No limit, for lengths.
 const ANY_MM: f64 = 10_000.0;
-
-/// How far a bed's outline may be from a rectangle or a circle, in millimetres.
-const BED_TOLERANCE_MM: f64 = 0.1;
 
 /// The value that a row gives.
 pub(super) fn row(row: &Row, config: &Config) -> Outcome {
@@ -100,56 +100,15 @@ fn above_zero(value: Option<f64>) -> Outcome {
 
 pub(super) fn flavor(config: &Config) -> Outcome {
     match config.text("gcode_flavor") {
-        Some("marlin" | "marlin2") => word(Flavor::Marlin.name()),
+        Some("marlin2") => word(Flavor::Marlin.name()),
+        Some("marlin") => word(Flavor::MarlinLegacy.name()),
+        Some("reprap") => {
+            Near(Value::String(Flavor::MarlinLegacy.name().into()), "spoken as Marlin 1 does".into())
+        }
         Some("klipper") => word(Flavor::Klipper.name()),
         Some("reprapfirmware") => word(Flavor::RepRapFirmware.name()),
         _ => no_such(config, "gcode_flavor"),
     }
-}
-
-/// A bed: its shape, size and origin.
-fn bed(config: &Config) -> Option<(&'static str, [f64; 2], &'static str)> {
-    let point = |text: &str| -> Option<[f64; 2]> {
-        let (x, y) = text.trim().split_once('x')?;
-        Some([x.parse().ok()?, y.parse().ok()?])
-    };
-    let points: Vec<[f64; 2]> = config.text("bed_shape")?.split(',').map(point).collect::<Option<_>>()?;
-    let min = [0, 1].map(|i| points.iter().map(|p| p[i]).fold(f64::INFINITY, f64::min));
-    let max = [0, 1].map(|i| points.iter().map(|p| p[i]).fold(f64::NEG_INFINITY, f64::max));
-    let (size, middle) = ([0, 1].map(|i| max[i] - min[i]), [0, 1].map(|i| (min[i] + max[i]) / 2.0));
-    let near = |a: f64, b: f64| (a - b).abs() <= BED_TOLERANCE_MM;
-    let at_edge = |p: &[f64; 2]| [0, 1].iter().all(|&i| near(p[i], min[i]) || near(p[i], max[i]));
-    let on_circle = |p: &[f64; 2]| near((p[0] - middle[0]).hypot(p[1] - middle[1]), size[0] / 2.0);
-    let (shape, size) = match points.len() {
-        4 if points.iter().all(at_edge) => ("rectangular", size),
-        8.. if points.iter().all(on_circle) => ("round", [(size[0] * 10.0).round() / 10.0; 2]),
-        _ => return None,
-    };
-    let origin = if near(min[0], 0.0) && near(min[1], 0.0) {
-        "corner"
-    } else if near(middle[0], 0.0) && near(middle[1], 0.0) {
-        "center"
-    } else {
-        return None;
-    };
-    Some((shape, size, origin))
-}
-
-fn of_bed(config: &Config, part: impl Fn((&'static str, [f64; 2], &'static str)) -> Outcome) -> Outcome {
-    let reason = "is neither a rectangle nor a disc with the origin in its corner or centre";
-    bed(config).map_or_else(|| Left(reason.into()), part)
-}
-
-pub(super) fn bed_shape(config: &Config) -> Outcome {
-    of_bed(config, |(shape, _, _)| word(shape))
-}
-
-pub(super) fn bed_size(config: &Config) -> Outcome {
-    of_bed(config, |(_, size, _)| numbers(&size))
-}
-
-pub(super) fn bed_origin(config: &Config) -> Outcome {
-    of_bed(config, |(_, _, origin)| word(origin))
 }
 
 /// A limit of each axis.
@@ -294,7 +253,8 @@ pub(super) fn min_thickness(config: &Config) -> Outcome {
 }
 
 pub(super) fn monotonic(config: &Config) -> Outcome {
-    let key = ["top_fill_pattern", "top_infill_pattern"].into_iter().find(|key| config.text(key).is_some());
+    let keys = ["top_fill_pattern", "top_infill_pattern", "external_fill_pattern"];
+    let key = keys.into_iter().find(|key| config.text(key).is_some());
     match key.and_then(|key| config.text(key)) {
         Some("monotonic" | "monotoniclines") => flag(true),
         Some("rectilinear") => flag(false),
@@ -362,12 +322,15 @@ pub(super) fn first_speed(config: &Config) -> Outcome {
 }
 
 /// The acceleration of most moves: the first of these keys that is not 0, or else the machine's own for them; a
-/// percentage is of the default one.
+/// percentage is of the default one. Where limits are stated, no more than the machine's.
 fn acceleration_of(config: &Config, own: &[&str], limit: &str) -> Outcome {
     let default = config.number("default_acceleration");
+    let most = config.number(limit).filter(|most| *most > 0.0 && states_limits(config));
     for &key in own.iter().chain(&["default_acceleration", limit]) {
         match config.first(key).map(|_| config.number_of(key, default)) {
-            Some(Some(acceleration)) if acceleration > 0.0 => return number(acceleration),
+            Some(Some(acceleration)) if acceleration > 0.0 => {
+                return number(most.map_or(acceleration, |most| most.min(acceleration)));
+            }
             Some(None) => return known(None),
             _ => {}
         }
@@ -385,8 +348,30 @@ pub(super) fn external_acceleration(config: &Config) -> Outcome {
     acceleration_of(config, &["external_perimeter_acceleration", "perimeter_acceleration"], EXTRUDING)
 }
 
+pub(super) fn perimeter_acceleration(config: &Config) -> Outcome {
+    acceleration_of(config, &["perimeter_acceleration"], EXTRUDING)
+}
+
+pub(super) fn infill_acceleration(config: &Config) -> Outcome {
+    acceleration_of(config, &["infill_acceleration"], EXTRUDING)
+}
+
+pub(super) fn solid_acceleration(config: &Config) -> Outcome {
+    acceleration_of(config, &["solid_infill_acceleration", "infill_acceleration"], EXTRUDING)
+}
+
+pub(super) fn top_acceleration(config: &Config) -> Outcome {
+    let keys = ["top_solid_infill_acceleration", "solid_infill_acceleration", "infill_acceleration"];
+    acceleration_of(config, &keys, EXTRUDING)
+}
+
+/// 0 is that of what the bridge is part of, here as there.
+pub(super) fn bridge_acceleration(config: &Config) -> Outcome {
+    known(config.number_of("bridge_acceleration", config.number("default_acceleration")))
+}
+
 pub(super) fn first_acceleration(config: &Config) -> Outcome {
-    acceleration_of(config, &["first_layer_acceleration"], EXTRUDING)
+    known(config.number_of("first_layer_acceleration", config.number("default_acceleration")))
 }
 
 pub(super) fn travel_acceleration(config: &Config) -> Outcome {
@@ -510,8 +495,9 @@ pub(super) fn seam(config: &Config) -> Outcome {
 }
 
 pub(super) fn seam_gap(config: &Config) -> Outcome {
-    let key = if config.text("seam_gap_distance").is_some() { "seam_gap_distance" } else { "seam_gap" };
-    known(config.number_of(key, nozzle_mm(config)))
+    let keys = ["filament_seam_gap_distance", "seam_gap_distance", "seam_gap"];
+    let set = keys.into_iter().find(|key| config.text(key).is_some());
+    known(set.and_then(|key| config.number_of(key, nozzle_mm(config))))
 }
 
 pub(super) fn scarf(config: &Config) -> Outcome {
@@ -522,16 +508,34 @@ pub(super) fn scarf(config: &Config) -> Outcome {
     }
 }
 
-/// A speed in mm/s, relative to another where it is a percentage; 0 is automatic.
+/// What an automatic speed becomes.
+const AUTOMATIC: &str = "automatic there: `max_print_speed`, as far as the hot end melts as much";
+
+/// A speed in mm/s, relative to another where it is a percentage.
 fn speed(config: &Config, key: &str, whole: Option<f64>) -> Outcome {
+    if config.text(key).is_none() {
+        return Idle;
+    }
     match config.number_of(key, whole) {
-        Some(0.0) => Left("is automatic there".into()),
+        Some(0.0) => match config.number("max_print_speed") {
+            Some(most) if most > 0.0 => Near(Value::Float(most), AUTOMATIC.into()),
+            _ => Left("is automatic there".into()),
+        },
         other => known(other),
     }
 }
 
+/// A speed that is 0 where it is that of something else, here as there.
+fn own_speed(config: &Config, key: &str, whole: Option<f64>) -> Outcome {
+    known(config.number_of(key, whole))
+}
+
 pub(super) fn perimeter_speed(config: &Config) -> Outcome {
     speed(config, "perimeter_speed", None)
+}
+
+pub(super) fn small_speed(config: &Config) -> Outcome {
+    own_speed(config, "small_perimeter_speed", config.number("perimeter_speed"))
 }
 
 fn external_mm_s(config: &Config) -> Option<f64> {
@@ -542,8 +546,19 @@ pub(super) fn external_speed(config: &Config) -> Outcome {
     speed(config, "external_perimeter_speed", config.number("perimeter_speed"))
 }
 
+/// Patterns whose lines cross each other have a limit of their own.
+const CROSSING: &[&str] = &["grid", "triangles", "stars", "cubic", "adaptivecubic", "supportcubic"];
+
+/// No faster than the filament allows.
 pub(super) fn infill_speed(config: &Config) -> Outcome {
-    speed(config, "infill_speed", None)
+    let crosses = config.text("fill_pattern").is_some_and(|pattern| CROSSING.contains(&pattern));
+    let key = if crosses { "filament_infill_max_crossing_speed" } else { "filament_infill_max_speed" };
+    let most = config.number(key).filter(|most| *most > 0.0);
+    match (speed(config, "infill_speed", None), most) {
+        (Outcome::Value(Value::Float(speed)), Some(most)) => number(speed.min(most)),
+        (Near(Value::Float(speed), note), Some(most)) => Near(Value::Float(speed.min(most)), note),
+        (outcome, _) => outcome,
+    }
 }
 
 fn solid_mm_s(config: &Config) -> Option<f64> {
@@ -577,22 +592,56 @@ pub(super) fn support_speed(config: &Config) -> Outcome {
     speed(config, "support_material_speed", None)
 }
 
+pub(super) fn interface_speed(config: &Config) -> Outcome {
+    own_speed(config, "support_material_interface_speed", config.number("support_material_speed"))
+}
+
+pub(super) fn first_infill_speed(config: &Config) -> Outcome {
+    own_speed(config, "first_layer_infill_speed", config.number("solid_infill_speed"))
+}
+
+/// The speeds of walls with this much of their width held: 0, 1, 2 and 3 quarters; 0 is that of outermost walls.
+fn overhang_mm_s(config: &Config) -> Option<[f64; 4]> {
+    let external = external_mm_s(config)?;
+    let keys = ["overhang_speed_0", "overhang_speed_1", "overhang_speed_2", "overhang_speed_3"];
+    let speeds = keys.map(|key| config.number_of(key, Some(external)));
+    let [Some(a), Some(b), Some(c), Some(d)] = speeds else { return None };
+    Some([a, b, c, d].map(|speed| if speed > 0.0 { speed } else { external }))
+}
+
+fn has_overhang_speeds(config: &Config) -> bool {
+    config.flag("enable_dynamic_overhang_speeds") == Some(true)
+}
+
 pub(super) fn overhang_speed(config: &Config) -> Outcome {
-    let external = external_mm_s(config);
-    if config.flag("enable_dynamic_overhang_speeds") != Some(true) {
+    if !has_overhang_speeds(config) {
+        let external = external_mm_s(config);
         let walls = external.into_iter().chain(config.number("perimeter_speed")).reduce(f64::max);
         return walls.map_or_else(|| known(None), |speed| numbers(&[speed; 3]));
     }
-    let speeds = ["overhang_speed_3", "overhang_speed_2", "overhang_speed_1"]
-        .map(|key| config.number_of(key, external).filter(|speed| *speed > 0.0));
-    let [Some(a), Some(b), Some(c)] = speeds else { return known(None) };
-    let note = "`overhang_speed_0`, of walls over nothing, is `speed.bridge` here".to_owned();
-    match config.number_of("overhang_speed_0", external) {
-        Some(air) if Some(air) != config.number("bridge_speed") => {
-            Near(Value::Array([a, b, c].map(Value::Float).to_vec()), note)
-        }
-        _ => numbers(&[a, b, c]),
+    overhang_mm_s(config).map_or_else(|| known(None), |[_, one, two, three]| numbers(&[three, two, one]))
+}
+
+pub(super) fn over_air(config: &Config) -> Outcome {
+    if has_overhang_speeds(config) {
+        return known(overhang_mm_s(config).map(|speeds| speeds[0]));
     }
+    if config.flag("overhangs") == Some(false) {
+        return known(
+            external_mm_s(config).into_iter().chain(config.number("perimeter_speed")).reduce(f64::max),
+        );
+    }
+    number(0.0)
+}
+
+/// What the filament and the print allow.
+pub(super) fn max_flow(config: &Config) -> Outcome {
+    let keys = ["filament_max_volumetric_speed", "max_volumetric_speed"];
+    let flows = keys.map(|key| config.number(key));
+    if flows.iter().all(Option::is_none) {
+        return known(None);
+    }
+    number(flows.into_iter().flatten().filter(|flow| *flow > 0.0).reduce(f64::min).unwrap_or(0.0))
 }
 
 pub(super) fn z_speed(config: &Config) -> Outcome {
@@ -609,18 +658,64 @@ pub(super) fn unretract_speed(config: &Config) -> Outcome {
     known(own.or_else(|| overridden(config, "retract_speed")))
 }
 
+/// A switch of the filament, or else the printer's.
+fn overridden_flag(config: &Config, key: &str) -> bool {
+    let flag = config.flag(&format!("filament_{key}")).or_else(|| config.flag(key));
+    flag == Some(true)
+}
+
+fn lift_mm(config: &Config) -> Option<f64> {
+    let ramps = overridden_flag(config, "travel_ramping_lift");
+    overridden(config, if ramps { "travel_max_lift" } else { "retract_lift" })
+}
+
+pub(super) fn z_hop(config: &Config) -> Outcome {
+    known(lift_mm(config))
+}
+
 pub(super) fn z_hop_inside(config: &Config) -> Outcome {
-    flag(overridden(config, "retract_lift").is_some_and(|lift| lift > 0.0))
+    flag(lift_mm(config).is_some_and(|lift| lift > 0.0))
+}
+
+pub(super) fn z_hop_slope(config: &Config) -> Outcome {
+    if !overridden_flag(config, "travel_ramping_lift") {
+        return number(STRAIGHT_UP);
+    }
+    match overridden(config, "travel_slope") {
+        Some(degrees) if degrees > 0.0 && degrees < STRAIGHT_UP => number(degrees.max(1.0)),
+        Some(_) => number(STRAIGHT_UP),
+        None => known(None),
+    }
+}
+
+pub(super) fn layer_change(config: &Config) -> Outcome {
+    flag(overridden_flag(config, "retract_layer_change"))
+}
+
+/// What is pulled back before a wipe, as a share.
+fn share_before_wipe(config: &Config) -> f64 {
+    let share = |key: &str| config.number_of(key, Some(1.0));
+    let own = share("filament_retract_before_wipe").or_else(|| share("retract_before_wipe"));
+    own.unwrap_or(0.0).clamp(0.0, 1.0)
+}
+
+pub(super) fn before_wipe(config: &Config) -> Outcome {
+    number(share_before_wipe(config))
 }
 
 pub(super) fn wipe(config: &Config) -> Outcome {
-    let on = config.flag("filament_wipe").or_else(|| config.flag("wipe"));
-    if on != Some(true) {
+    if !overridden_flag(config, "wipe") {
         return number(0.0);
     }
     let (length, speed) = (overridden(config, "retract_length"), overridden(config, "retract_speed"));
     let travel = config.number("travel_speed");
-    known(length.zip(speed).zip(travel).map(|((length, speed), travel)| WIPE_SPEED * travel * length / speed))
+    let left = 1.0 - share_before_wipe(config);
+    known(
+        length
+            .zip(speed)
+            .zip(travel)
+            .map(|((length, speed), travel)| WIPE_SPEED * travel * left * length / speed),
+    )
 }
 
 pub(super) fn max_detour(config: &Config) -> Outcome {
@@ -646,37 +741,71 @@ pub(super) fn min_layer_time(config: &Config) -> Outcome {
     }
 }
 
+fn percent(config: &Config, key: &str) -> Option<f64> {
+    config.number(key).map(|percent| percent / 100.0)
+}
+
 pub(super) fn fan(config: &Config) -> Outcome {
-    let percent = |key: &str| config.number(key).map(|percent| percent / 100.0);
-    let least = match config.flag("fan_always_on") {
-        Some(true) => percent("min_fan_speed"),
-        _ => Some(0.0),
-    };
-    let Some(least) = least else { return known(None) };
-    let most = percent("max_fan_speed").filter(|_| config.flag("cooling") == Some(true));
-    match most {
-        Some(most) if most > least => {
-            Near(Value::Float(least), format!("{}% on short layers there", 100.0 * most))
-        }
-        _ => number(least),
+    match config.flag("fan_always_on") {
+        Some(true) => known(percent(config, "min_fan_speed")),
+        _ => number(0.0),
     }
 }
 
+pub(super) fn short_layer_time(config: &Config) -> Outcome {
+    match config.flag("cooling") {
+        Some(false) => number(0.0),
+        _ => known(config.number("fan_below_layer_time")),
+    }
+}
+
+pub(super) fn short_layer_fan(config: &Config) -> Outcome {
+    let [least, most] = ["min_fan_speed", "max_fan_speed"].map(|key| percent(config, key));
+    let (Some(least), Some(most)) = (least, most) else { return known(None) };
+    let is_even = config.flag("fan_always_on") == Some(true) && least == most;
+    if config.flag("cooling") == Some(false) || is_even {
+        return numbers(&[0.0, 0.0]);
+    }
+    numbers(&[least, most])
+}
+
+/// Where the fan rises, it is off on the first layer.
+fn fan_off(config: &Config) -> Option<f64> {
+    let off = config.number("disable_fan_first_layers")?;
+    let rises = config.number("full_fan_speed_layer").is_some_and(|layer| layer > 0.0);
+    Some(if off <= 0.0 && rises { 1.0 } else { off })
+}
+
+pub(super) fn fan_off_layers(config: &Config) -> Outcome {
+    let off = fan_off(config);
+    off.map_or_else(|| known(None), |layers| Outcome::Value(Value::Integer(layers as i64)))
+}
+
+/// Theirs counts from 1.
 pub(super) fn full_fan_layer(config: &Config) -> Outcome {
-    let layers = ["full_fan_speed_layer", "disable_fan_first_layers"].map(|key| config.number(key));
-    let last = layers.into_iter().flatten().reduce(f64::max);
+    let full = config.number("full_fan_speed_layer").map(|layer| (layer - 1.0).max(0.0));
+    let last = full.into_iter().chain(fan_off(config)).reduce(f64::max);
     last.map_or_else(|| known(None), |layer| Outcome::Value(Value::Integer(layer as i64)))
 }
 
 pub(super) fn bridge_fan(config: &Config) -> Outcome {
-    known(config.number("bridge_fan_speed").map(|percent| percent / 100.0))
+    known(percent(config, "bridge_fan_speed"))
 }
 
-pub(super) fn overhang_fan(config: &Config) -> Outcome {
-    match config.flag("enable_dynamic_fan_speeds") {
-        Some(true) => known(config.number("overhang_fan_speed_1").map(|percent| percent / 100.0)),
-        _ => number(0.0),
-    }
+pub(super) fn overhang_fan(_config: &Config) -> Outcome {
+    number(0.0)
+}
+
+/// Walls over nothing are bridges there.
+pub(super) fn overhang_fan_steps(config: &Config) -> Outcome {
+    let is_on = config.flag("enable_dynamic_fan_speeds") == Some(true);
+    let step = |key: &str| percent(config, key).filter(|_| is_on).unwrap_or(0.0);
+    let [air, three_quarters, half, quarter] =
+        ["overhang_fan_speed_0", "overhang_fan_speed_1", "overhang_fan_speed_2", "overhang_fan_speed_3"]
+            .map(step);
+    let bridge = percent(config, "bridge_fan_speed").filter(|_| config.flag("overhangs") != Some(false));
+    let bridge = bridge.unwrap_or(0.0);
+    numbers(&[quarter, half, three_quarters, air.max(bridge)])
 }
 
 pub(super) fn arcs(config: &Config) -> Outcome {
@@ -710,8 +839,23 @@ pub(super) fn labels(config: &Config) -> Outcome {
     }
 }
 
+/// Whether limits are written to G-code, which not every dialect has commands for there.
+fn states_limits(config: &Config) -> bool {
+    config.text("machine_limits_usage") == Some("emit_to_gcode")
+        && matches!(config.text("gcode_flavor"), Some("marlin" | "marlin2" | "reprapfirmware"))
+}
+
 pub(super) fn limits(config: &Config) -> Outcome {
-    flag(config.text("machine_limits_usage") == Some("emit_to_gcode"))
+    match config.text("machine_limits_usage") {
+        Some("ignore") => Near(Value::Boolean(false), "the time estimate uses them here".into()),
+        Some("emit_to_gcode" | "time_estimate_only") => flag(states_limits(config)),
+        _ => no_such(config, "machine_limits_usage"),
+    }
+}
+
+pub(super) fn min_speed(config: &Config) -> Outcome {
+    let least = ["machine_min_extruding_rate", "machine_min_travel_rate"].map(|key| config.number(key));
+    numbers(&least.map(|speed| speed.unwrap_or(0.0)))
 }
 
 /// A script, as it is written.

@@ -2,7 +2,10 @@
 //!
 //! [`table`] says key by key what is taken over and how. What is not is reported with the reason; nothing is guessed.
 
+mod bed;
 mod convert;
+mod figures;
+mod idle;
 mod page;
 mod row;
 mod script;
@@ -15,9 +18,10 @@ use std::path::Path;
 use toml::Value;
 
 use crate::presets::{Config, Place};
+pub use figures::{KeyFigures, import_figures};
 pub use page::page as import_page;
 use row::{Outcome, Row};
-use table::{IDLE, Idle, ROWS, SCRIPT};
+use table::{ROWS, SCRIPT};
 
 /// A setting of ours that a configuration gives.
 #[derive(Clone, Debug, PartialEq)]
@@ -143,23 +147,8 @@ fn checked(row: &Row, value: Value, note: Option<String>) -> Result<(Value, Opti
 /// Why a key without a row is not taken over; `None`: as it stands it asks for nothing.
 fn unknown(key: &str, config: &Config) -> Option<String> {
     let value = config.text(key)?;
-    let matches = |pattern: &str| match pattern.strip_suffix('*') {
-        Some(start) => key.starts_with(start),
-        None => key == pattern,
-    };
-    let elements = || value.split(',').map(str::trim);
-    let is = |values: &[&str]| elements().all(|element| values.contains(&element.trim_matches('"')));
-    let off = ["0", "none", "nowhere", "disabled", "false"];
-    let Some((_, idle)) = IDLE.iter().find(|(pattern, _)| matches(pattern)) else {
-        return Some("there is no such setting".into());
-    };
-    match idle {
-        Idle::Always => None,
-        Idle::At(values) if is(values) => None,
-        Idle::Without(other) if config.first(other).is_none_or(|text| off.contains(&text)) => None,
-        Idle::Like(other) if config.text(other) == Some(value) => None,
-        Idle::At(_) | Idle::Without(_) | Idle::Like(_) => Some("there is no such setting".into()),
-    }
+    let is_idle = idle::of(key).any(|idle| idle.holds(value, config));
+    (!is_idle).then(|| idle::reason(key).to_owned())
 }
 
 /// Where in the one file that is shown.
@@ -261,32 +250,44 @@ mod tests {
     #[test]
     fn what_is_not_taken_over_is_told_and_what_is_off_is_not() {
         let import =
-            import("layer_height = 0.2\nretract_lift_above = 3\nwipe_tower = 0\nfill_pattern = scribble\n");
+            import("layer_height = 0.2\ninfill_first = 1\nwipe_tower = 0\nfill_pattern = scribble\n");
         let left: Vec<(&str, usize)> = import.left.iter().map(|l| (l.key.as_str(), l.place.line)).collect();
-        assert_eq!(left, [("retract_lift_above", 2), ("fill_pattern", 4)]);
+        assert_eq!(left, [("infill_first", 2), ("fill_pattern", 4)]);
         assert_eq!(import.idle, 1);
+        assert_eq!(import.left[0].reason, "walls are printed before infill");
         assert!(import.left[1].reason.contains("scribble"), "{}", import.left[1].reason);
+    }
+
+    #[test]
+    fn keys_that_ask_for_nothing_have_no_row_and_no_reason_besides() {
+        for (pattern, _) in idle::IDLE {
+            assert!(
+                ROWS.iter().all(|row| !row.theirs.contains(pattern) || row.ours == "printer.name"),
+                "{pattern}"
+            );
+        }
+        for row in ROWS {
+            for key in row.theirs {
+                assert!(!idle::REASONS.iter().any(|(pattern, _)| pattern == key), "{key}");
+            }
+        }
+    }
+
+    #[test]
+    fn what_one_tool_has_no_use_for_is_idle_and_thin_walls_with_walls_of_variable_width() {
+        let tools = import("wipe_tower = 1\nooze_prevention = 1\nwipe_tower_width = 60\n");
+        assert_eq!((tools.left, tools.idle), (vec![], 3));
+        let walls = |generator: &str| {
+            let left = import(&format!("thin_walls = 0\nperimeter_generator = {generator}\n")).left;
+            left.into_iter().map(|left| left.key).collect::<Vec<_>>()
+        };
+        assert_eq!(walls("arachne"), Vec::<String>::new());
+        assert_eq!(walls("classic"), ["thin_walls"]);
     }
 
     #[test]
     fn values_out_of_our_range_are_left_out() {
         let import = import("perimeters = 1000\n");
         assert!(import.taken.is_empty() && import.left[0].reason.contains("0 to 100"), "{:?}", import.left);
-    }
-
-    #[test]
-    fn beds_are_rectangles_or_discs_at_the_corner_or_the_centre() {
-        let bed = |shape: &str| {
-            let import = import(&format!("bed_shape = {shape}\n"));
-            import.taken.iter().map(|taken| taken.value.to_string()).collect::<Vec<_>>()
-        };
-        assert_eq!(bed("0x0,250x0,250x210,0x210"), ["\"rectangular\"", "[250.0, 210.0]", "\"corner\""]);
-        assert_eq!(bed("-90x-90,90x-90,90x90,-90x90"), ["\"rectangular\"", "[180.0, 180.0]", "\"center\""]);
-        let disc: Vec<String> = (0..72)
-            .map(|i| f64::from(i) * std::f64::consts::TAU / 72.0)
-            .map(|a| format!("{:.3}x{:.3}", 100.0 * a.cos(), 100.0 * a.sin()))
-            .collect();
-        assert_eq!(bed(&disc.join(",")), ["\"round\"", "[200.0, 200.0]", "\"center\""]);
-        assert!(bed("10x0,250x0,250x210,10x210").is_empty());
     }
 }

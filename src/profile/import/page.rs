@@ -2,6 +2,7 @@
 
 use std::fmt::Write;
 
+use super::idle::{IDLE, Idle, REASONS};
 use super::table::ROWS;
 
 const HEAD: &str = "# Configurations of other slicers\n\n\
@@ -26,6 +27,14 @@ const HEAD: &str = "# Configurations of other slicers\n\n\
     ## Settings\n\n\
     | ours | theirs | how |\n|---|---|---|\n";
 
+const REST: &str = "\n## Without a counterpart\n\n\
+    `*` stands for any letters. A key that is at a value which asks for nothing, or that belongs to something that is off,\n\
+    is not reported. `pathwright profiles imports BUNDLE.ini` counts what becomes of the keys of a bundle.\n\n\
+    | theirs | why |\n|---|---|\n";
+
+const ONE_TOOL: &str = "\n## Of several tools\n\n\
+    There is one tool here, and one filament on it. These keys mean nothing then, and are not reported:\n\n";
+
 /// The page: each setting of ours with the keys that it comes from.
 pub fn page() -> String {
     let mut out = String::from(HEAD);
@@ -33,6 +42,14 @@ pub fn page() -> String {
         let theirs: Vec<String> = row.theirs.iter().map(|key| format!("`{key}`")).collect();
         let rule = if row.rule.is_empty() { "as it is" } else { row.rule };
         let _ = writeln!(out, "| `{}` | {} | {rule} |", row.ours, theirs.join(", "));
+    }
+    out += REST;
+    for (key, reason) in REASONS {
+        let _ = writeln!(out, "| `{key}` | {reason} |");
+    }
+    out += ONE_TOOL;
+    for (key, _) in IDLE.iter().filter(|(_, idle)| matches!(idle, Idle::OneTool)) {
+        let _ = writeln!(out, "- `{key}`");
     }
     out
 }

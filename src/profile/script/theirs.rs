@@ -106,6 +106,7 @@ const ROWS: &[Row] = &[
     row(&["gcode_flavor"], "printer.flavor", |s| {
         let name = match s.printer.flavor {
             Flavor::Marlin => "marlin2",
+            Flavor::MarlinLegacy => "marlin",
             Flavor::Klipper => "klipper",
             Flavor::RepRapFirmware => "reprapfirmware",
         };

@@ -1,0 +1,197 @@
+//! Beds: from the corners of a polygon to a rectangle or a disc.
+
+use toml::Value;
+
+use crate::presets::Config;
+use super::row::Outcome::{self, Left, Near};
+
+/// How far a bed's outline may be from a rectangle or a circle, in millimetres.
+const TOLERANCE_MM: f64 = 0.1;
+
+/// Steps in which a rectangle is made smaller until it lies inside of an outline.
+const STEPS: u32 = 500;
+
+/// A bed of ours.
+struct Bed {
+    round: bool,
+    size: [f64; 2],
+    /// The middle lies at `offset`, and not the corner.
+    centered: bool,
+    offset: [f64; 2],
+    /// It is not all of theirs.
+    is_part: bool,
+}
+
+type Point = [f64; 2];
+
+fn near(a: f64, b: f64) -> bool {
+    (a - b).abs() <= TOLERANCE_MM
+}
+
+/// In hundredths of a millimetre.
+fn rounded(value: f64) -> f64 {
+    (value * 100.0).round() / 100.0 + 0.0
+}
+
+fn points(config: &Config) -> Option<Vec<Point>> {
+    let point = |text: &str| -> Option<Point> {
+        let (x, y) = text.trim().split_once('x')?;
+        let [x, y] = [x.trim().parse::<f64>().ok()?, y.trim().parse::<f64>().ok()?];
+        (x.is_finite() && y.is_finite()).then_some([x, y])
+    };
+    let points: Vec<Point> = config.text("bed_shape")?.split(',').map(point).collect::<Option<_>>()?;
+    (points.len() > 2).then_some(points)
+}
+
+fn bed(config: &Config) -> Option<Bed> {
+    let points = points(config)?;
+    let min = [0, 1].map(|i| points.iter().map(|p| p[i]).fold(f64::INFINITY, f64::min));
+    let max = [0, 1].map(|i| points.iter().map(|p| p[i]).fold(f64::NEG_INFINITY, f64::max));
+    let (size, middle) = ([0, 1].map(|i| max[i] - min[i]), [0, 1].map(|i| (min[i] + max[i]) / 2.0));
+    let at_edge = |p: &Point| [0, 1].iter().all(|&i| near(p[i], min[i]) || near(p[i], max[i]));
+    let on_circle = |p: &Point| near((p[0] - middle[0]).hypot(p[1] - middle[1]), size[0] / 2.0);
+    let bed = if points.len() == 4 && points.iter().all(at_edge) {
+        rectangle(middle, size, false)
+    } else if points.len() >= 8 && points.iter().all(on_circle) {
+        disc(middle, (size[0] * 10.0).round() / 10.0, false)
+    } else {
+        inside(&points, middle, size)?
+    };
+    Some(bed)
+}
+
+/// A rectangle; its middle is named where that is the origin, else its corner.
+fn rectangle(middle: Point, size: [f64; 2], is_part: bool) -> Bed {
+    let centered = near(middle[0], 0.0) && near(middle[1], 0.0);
+    let corner = [0, 1].map(|i| rounded(middle[i] - size[i] / 2.0));
+    let corner = corner.map(|v| if near(v, 0.0) { 0.0 } else { v });
+    let offset = if centered { [0.0; 2] } else { corner };
+    Bed { round: false, size: size.map(rounded), centered, offset, is_part }
+}
+
+/// A disc; its corner, that of the square around it, is named where that is the origin, else its middle.
+fn disc(middle: Point, diameter: f64, is_part: bool) -> Bed {
+    let in_corner = middle.iter().all(|&v| near(v, diameter / 2.0));
+    let near_origin = middle.iter().all(|&v| near(v, 0.0));
+    let offset = if in_corner || near_origin { [0.0; 2] } else { middle.map(rounded) };
+    Bed { round: true, size: [diameter; 2], centered: !in_corner, offset, is_part }
+}
+
+/// The larger of a rectangle of the outline's proportions and a disc, about its middle and inside of it.
+fn inside(points: &[Point], middle: Point, size: [f64; 2]) -> Option<Bed> {
+    let edges = || points.iter().zip(points.iter().cycle().skip(1)).map(|(a, b)| (*a, *b));
+    if !edges().fold(false, |is, (a, b)| is != crosses(middle, a, b)) {
+        return None;
+    }
+    let radius = edges().map(|(a, b)| distance(middle, a, b)).fold(f64::INFINITY, f64::min);
+    let diameter = (20.0 * radius).floor() / 10.0;
+    let half = |step: u32| size.map(|side| side / 2.0 * f64::from(step) / f64::from(STEPS));
+    let free = |&step: &u32| !edges().any(|(a, b)| enters(a, b, middle, half(step)));
+    let side = (1..=STEPS).rev().find(free).map(|step| half(step).map(|half| 2.0 * half));
+    match side {
+        Some([x, y]) if x * y >= std::f64::consts::FRAC_PI_4 * diameter * diameter => {
+            Some(rectangle(middle, [x, y], true))
+        }
+        _ => Some(disc(middle, diameter, true)),
+    }
+}
+
+/// Whether an edge crosses the ray from a point in the direction of X.
+fn crosses(p: Point, a: Point, b: Point) -> bool {
+    (a[1] > p[1]) != (b[1] > p[1]) && p[0] < a[0] + (p[1] - a[1]) / (b[1] - a[1]) * (b[0] - a[0])
+}
+
+fn distance(p: Point, a: Point, b: Point) -> f64 {
+    let (d, q) = ([b[0] - a[0], b[1] - a[1]], [p[0] - a[0], p[1] - a[1]]);
+    let length = d[0] * d[0] + d[1] * d[1];
+    let t = if length > 0.0 { ((q[0] * d[0] + q[1] * d[1]) / length).clamp(0.0, 1.0) } else { 0.0 };
+    (q[0] - t * d[0]).hypot(q[1] - t * d[1])
+}
+
+/// Whether an edge has a part inside of a rectangle.
+fn enters(a: Point, b: Point, middle: Point, half: [f64; 2]) -> bool {
+    let (mut from, mut to) = (0.0_f64, 1.0_f64);
+    for i in 0..2 {
+        let (low, high) = (middle[i] - half[i] + 1e-6, middle[i] + half[i] - 1e-6);
+        let d = b[i] - a[i];
+        if d == 0.0 {
+            if a[i] < low || a[i] > high {
+                return false;
+            }
+            continue;
+        }
+        let (t, u) = ((low - a[i]) / d, (high - a[i]) / d);
+        (from, to) = (from.max(t.min(u)), to.min(t.max(u)));
+    }
+    from < to
+}
+
+fn of_bed(config: &Config, part: impl Fn(&Bed) -> Value) -> Outcome {
+    match bed(config) {
+        None => Left("is not understood, or does not hold its own middle".into()),
+        Some(bed) if bed.is_part => Near(part(&bed), "beds are rectangles or discs: what fits inside".into()),
+        Some(bed) => Outcome::Value(part(&bed)),
+    }
+}
+
+fn numbers(values: [f64; 2]) -> Value {
+    Value::Array(values.map(Value::Float).to_vec())
+}
+
+fn word(text: &str) -> Value {
+    Value::String(text.into())
+}
+
+pub(super) fn shape(config: &Config) -> Outcome {
+    of_bed(config, |bed| word(if bed.round { "round" } else { "rectangular" }))
+}
+
+pub(super) fn size(config: &Config) -> Outcome {
+    of_bed(config, |bed| numbers(bed.size))
+}
+
+pub(super) fn origin(config: &Config) -> Outcome {
+    of_bed(config, |bed| word(if bed.centered { "center" } else { "corner" }))
+}
+
+pub(super) fn offset(config: &Config) -> Outcome {
+    of_bed(config, |bed| numbers(bed.offset))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn of(shape: &str) -> (bool, [f64; 2], bool, [f64; 2], bool) {
+        let config = Config::parse(&[format!("bed_shape = {shape}")]).unwrap();
+        let bed = bed(&config).unwrap();
+        (bed.round, bed.size, bed.centered, bed.offset, bed.is_part)
+    }
+
+    fn circle(radius: f64, x: f64, y: f64) -> String {
+        let at = (0..72).map(|i| f64::from(i) * std::f64::consts::TAU / 72.0);
+        let points = at.map(|a| format!("{:.3}x{:.3}", x + radius * a.cos(), y + radius * a.sin()));
+        points.collect::<Vec<_>>().join(",")
+    }
+
+    #[test]
+    fn beds_are_rectangles_or_discs_wherever_they_lie() {
+        let rectangle = "0x0,250x0,250x210,0x210";
+        assert_eq!(of(rectangle), (false, [250.0, 210.0], false, [0.0; 2], false));
+        assert_eq!(of("-90x-90,90x-90,90x90,-90x90"), (false, [180.0; 2], true, [0.0; 2], false));
+        assert_eq!(of("5x0,220x0,220x220,5x220"), (false, [215.0, 220.0], false, [5.0, 0.0], false));
+        assert_eq!(of(&circle(100.0, 0.0, 0.0)), (true, [200.0; 2], true, [0.0; 2], false));
+        assert_eq!(of(&circle(100.0, 100.0, 100.0)), (true, [200.0; 2], false, [0.0; 2], false));
+        assert_eq!(of(&circle(100.0, 90.0, 110.0)), (true, [200.0; 2], true, [90.0, 110.0], false));
+    }
+
+    #[test]
+    fn of_other_outlines_a_part_is_taken() {
+        // An octagon with cut corners holds a disc as wide as itself.
+        let octagon = "30x0,70x0,100x30,100x70,70x100,30x100,0x70,0x30";
+        assert_eq!(of(octagon), (true, [98.9; 2], true, [50.0; 2], true));
+        // One corner is missing: the rectangle is about the middle of what is left.
+        let (round, [x, y], _, _, is_part) = of("0x0,200x0,200x100,0x100,0x20,10x10");
+        assert!(!round && is_part && x > 170.0 && y > 85.0, "{x} × {y}");
+    }
+}
