@@ -114,6 +114,9 @@ pub(super) fn plate(values: &Values) -> &'static str {
         "4" | "textured pei plate" => "textured_plate_temp",
         "5" | "textured cool plate" => "textured_cool_plate_temp",
         "6" | "supertack plate" | "bambu cool plate supertack" => "supertack_plate_temp",
+        // Creality Print's alone: nothing is built in.
+        "epoxy resin plate" if values.place("epoxy_resin_plate_temp").is_some() => "epoxy_resin_plate_temp",
+        "customized plate" if values.place("customized_plate_temp").is_some() => "customized_plate_temp",
         _ => "hot_plate_temp",
     }
 }
@@ -192,6 +195,8 @@ pub(super) fn plate_name(key: &str) -> &'static str {
         "textured_plate_temp" => "Textured PEI Plate",
         "textured_cool_plate_temp" => "Textured Cool Plate",
         "supertack_plate_temp" => "Supertack Plate",
+        "epoxy_resin_plate_temp" => "Epoxy Resin Plate",
+        "customized_plate_temp" => "Customized Plate",
         _ => "High Temp Plate",
     }
 }
