@@ -231,7 +231,7 @@ mod tests {
         let variable = |name: &str| {
             variables.iter().find(|(known, _)| *known == name).map(|(_, value)| OsString::from(value))
         };
-        let places = places(&["mine.ini".into()], os, Some(Path::new("/home/me")), variable);
+        let places = places(&["mine.ini".into()], system, Some(Path::new("/home/me")), variable);
         places.iter().map(|place| place.path.to_string_lossy().replace('\\', "/")).collect()
     }
 
