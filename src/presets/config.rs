@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 use std::fmt;
 use std::sync::Arc;
 
+use super::keys;
 use super::value::{self, Type};
 
 /// Whose words a configuration was written in.
@@ -105,7 +106,12 @@ pub struct Config {
 impl Config {
     /// Adds a value in PrusaSlicer's words, of which the first extruder's is kept.
     pub fn set(&mut self, key: &str, value: &str, place: Place) {
-        let value = value::of_first_extruder(key, value).into_owned();
+        self.set_known(key, value, keys::key_type(key), place);
+    }
+
+    /// The same where it is known what the value is.
+    pub(super) fn set_known(&mut self, key: &str, value: &str, kind: Option<Type>, place: Place) {
+        let value = value::of_first_extruder(kind, value).into_owned();
         self.entries.insert(key.to_owned(), Entry { value, place });
     }
 

@@ -119,10 +119,11 @@ impl Prusa {
         let extruders = found.get("nozzle_diameter").map_or(1, |found| extruders(found.value));
         // What SuperSlicer has built in is not the same.
         if config.dialect == Dialect::Prusa {
-            for key in KEYS {
+            let built_in = Place::built_in(config.dialect);
+            for key in KEYS.iter().filter(|key| !found.contains_key(key.name)) {
                 let value = for_all(key.kind, key.default, extruders, key.default);
                 if !ASKING.contains(&key.name) {
-                    config.set(key.name, &value, Place::built_in(config.dialect));
+                    config.set_known(key.name, &value, Some(key.kind), built_in.clone());
                 }
                 config.set_raw(key.name, &value, Some(key.kind));
             }
@@ -140,10 +141,11 @@ impl Prusa {
                 }
                 None => value.to_owned(),
             };
+            let kind = known.map(|known| known.kind);
             if !ASKING.contains(&key) {
-                config.set(key, &value, place);
+                config.set_known(key, &value, kind, place);
             }
-            config.set_raw(key, &value, known.map(|known| known.kind));
+            config.set_raw(key, &value, kind);
         }
         Ok(config)
     }
@@ -176,7 +178,7 @@ impl Prusa {
 impl Config {
     /// Adds a value that the slicer's scripts call as PrusaSlicer does.
     pub(super) fn set_both(&mut self, key: &str, value: &str, kind: Option<Type>, place: Place) {
-        self.set(key, value, place);
+        self.set_known(key, value, kind, place);
         self.set_raw(key, value, kind);
     }
 }

@@ -2,8 +2,6 @@
 
 use std::borrow::Cow;
 
-use super::keys;
-
 /// What a single value is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Scalar {
@@ -46,8 +44,8 @@ pub struct Type {
 }
 
 /// The part of a value that is of the first extruder; values that are not of extruders are left as they are.
-pub(super) fn of_first_extruder<'a>(key: &str, value: &'a str) -> Cow<'a, str> {
-    match keys::find(key).map(|known| known.kind) {
+pub(super) fn of_first_extruder(kind: Option<Type>, value: &str) -> Cow<'_, str> {
+    match kind {
         Some(Type { shape: Shape::Each, scalar: Scalar::Text }) => match texts(value).first() {
             Some(first) => Cow::Owned(join_texts(std::slice::from_ref(first))),
             None => Cow::Borrowed(value),
