@@ -38,22 +38,40 @@ pub struct Chosen {
     pub notes: Vec<String>,
 }
 
-/// Reads a family from sources.
-type Reader = fn(&[&Source], &mut Vec<PresetError>) -> Box<dyn Family>;
+/// A way to write presets.
+struct Way {
+    /// Whose it is.
+    dialects: &'static [Dialect],
+    /// Whether a file of that name, in small letters, may be of it.
+    is_of_name: fn(&str) -> bool,
+    /// Reads a family from sources.
+    read: fn(&[&Source], &mut Vec<PresetError>) -> Box<dyn Family>,
+}
 
-/// The ways to write presets: whose they are, what their files are called, who reads them.
-const READERS: [(&[Dialect], fn(&str) -> bool, Reader); 3] = [
-    (&[Dialect::Prusa, Dialect::Super], |name| !name.ends_with(".json"), |s, p| Box::new(Prusa::read(s, p))),
-    (&[Dialect::Orca], orca::is_preset, |s, p| Box::new(Orca::read(s, p))),
-    (&[Dialect::Cura], cura::is_preset, |s, _| Box::new(Cura::read(s))),
+const WAYS: [Way; 3] = [
+    Way {
+        dialects: &[Dialect::Prusa, Dialect::Super],
+        is_of_name: |name| !name.ends_with(".json"),
+        read: |sources, problems| Box::new(Prusa::read(sources, problems)),
+    },
+    Way {
+        dialects: &[Dialect::Orca],
+        is_of_name: orca::is_preset,
+        read: |sources, problems| Box::new(Orca::read(sources, problems)),
+    },
+    Way {
+        dialects: &[Dialect::Cura],
+        is_of_name: cura::is_preset,
+        read: |sources, _| Box::new(Cura::read(sources)),
+    },
 ];
 
-/// Whether a source may hold presets of one of these dialects. Files are known by their names, folders may hold any.
-fn may_hold(source: &Source, dialects: &[Dialect], is_of_name: fn(&str) -> bool) -> bool {
+/// Whether a source may hold presets of a way. Files are known by their names, folders may hold any.
+fn may_hold(source: &Source, way: &Way) -> bool {
     let name = source.path.file_name().unwrap_or_default().to_string_lossy().to_ascii_lowercase();
     match source.dialect {
-        Some(dialect) => dialects.contains(&dialect),
-        None => source.path.is_dir() || is_of_name(&name),
+        Some(dialect) => way.dialects.contains(&dialect),
+        None => source.path.is_dir() || (way.is_of_name)(&name),
     }
 }
 
@@ -63,11 +81,10 @@ impl Library {
         let there: Vec<&Source> = sources.iter().filter(|source| source.path.exists()).collect();
         let mut problems = Vec::new();
         let mut families: Vec<(usize, Box<dyn Family>)> = Vec::new();
-        for (dialects, is_of_name, reader) in READERS {
-            let own = |source: &&&Source| may_hold(source, dialects, is_of_name);
-            let Some(first) = there.iter().position(|source| own(&source)) else { continue };
-            let own: Vec<&Source> = there.iter().filter(own).copied().collect();
-            families.push((first, reader(&own, &mut problems)));
+        for way in &WAYS {
+            let Some(first) = there.iter().position(|source| may_hold(source, way)) else { continue };
+            let own: Vec<&Source> = there.iter().filter(|source| may_hold(source, way)).copied().collect();
+            families.push((first, (way.read)(&own, &mut problems)));
         }
         families.sort_by_key(|(first, _)| *first);
         let families = families.into_iter().map(|(_, family)| family).collect();

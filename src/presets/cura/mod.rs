@@ -34,9 +34,6 @@ const BOTTOM: &str = "fdmprinter";
 /// What stands for a machine's own values where there is no quality for it.
 const OWN: &str = "as defined";
 
-/// How far a material's diameter may be from an extruder's, in millimetres.
-const DIAMETER_MM: f64 = 0.1;
-
 /// All presets of Cura.
 #[derive(Debug)]
 pub(super) struct Cura {
@@ -158,20 +155,35 @@ impl Cura {
     ) -> Result<impl Iterator<Item = &'a Instance>, PresetError> {
         let definition = machine.quality_definition();
         let nozzle = self.nozzle(machine)?.map(|nozzle| nozzle.name.as_str());
-        let kind = material.map(|material| material.id.as_str());
         Ok(self.folder.qualities()?.iter().filter(move |quality| {
             let for_nozzle = quality.about("variant");
-            let for_material = quality.about("material");
             quality.definition == definition
                 && quality.about("type") == "quality"
                 && (for_nozzle.is_empty() || Some(for_nozzle) == nozzle)
-                && (for_material.is_empty() || kind.is_none_or(|kind| kind.starts_with(for_material)))
+                && material.is_none_or(|material| self.is_for(quality, material))
         }))
     }
 
-    fn material(&self, name: &str) -> Result<&Instance, PresetError> {
+    /// The material of that name; of several the one of that diameter.
+    fn material(&self, name: &str, diameter_mm: Option<f64>) -> Result<&Instance, PresetError> {
         let missing = || PresetError::of(format!("there is no filament preset `{name}`"));
-        self.folder.materials()?.iter().find(|material| material.name == name).ok_or_else(missing)
+        let of_name =
+            || self.folder.materials().map(|all| all.iter().filter(|material| material.name == name));
+        let fitting = of_name()?.find(|material| is_of_diameter(material, diameter_mm));
+        fitting.or(of_name()?.next()).ok_or_else(missing)
+    }
+
+    /// Whether a quality for a material is for this one, too: it is named so, or of the same kind of plastic.
+    fn is_for(&self, quality: &Instance, material: &Instance) -> bool {
+        let wanted = quality.about("material");
+        let kind = |id: &str| {
+            let known =
+                self.folder.materials().unwrap_or_default().iter().find(|material| material.id == id)?;
+            Some(known.about("material"))
+        };
+        wanted.is_empty()
+            || material.id.starts_with(wanted)
+            || kind(wanted) == Some(material.about("material"))
     }
 
     /// Adds a material and a quality to a machine's settings.
@@ -268,6 +280,12 @@ fn config(stack: &Stack) -> Config {
     config
 }
 
+/// Whether a material is as thick as that, in whole millimetres as in Cura; what is not stated fits.
+fn is_of_diameter(material: &Instance, diameter_mm: Option<f64>) -> bool {
+    let own_mm: Option<f64> = material.about("diameter").parse().ok();
+    own_mm.zip(diameter_mm).is_none_or(|(own, wanted)| own.round() == wanted.round())
+}
+
 fn raw(value: &Value) -> String {
     match value {
         Value::Text(text) => escaped(text),
@@ -340,7 +358,7 @@ impl Family for Cura {
                 let quality = self.folder.qualities()?.iter().find(|quality| quality.name == name);
                 stack.add_values(quality.map_or(&BTreeMap::new(), |quality| &quality.values));
             }
-            Kind::Filament => stack.add_values(&self.material(name)?.values),
+            Kind::Filament => stack.add_values(&self.material(name, None)?.values),
         }
         Ok(config(&stack))
     }
@@ -362,14 +380,10 @@ impl Family for Cura {
         let diameter_mm = self.stack(&machine)?.number("material_diameter");
         let excluded = machine.about("exclude_materials").and_then(serde_json::Value::as_array);
         let is_excluded = |material: &Instance| {
-            excluded.is_some_and(|list| {
-                list.iter().any(|id| id.as_str().is_some_and(|id| material.id.starts_with(id)))
-            })
+            excluded.is_some_and(|list| list.iter().any(|id| id.as_str() == Some(&material.id)))
         };
         for material in self.folder.materials()? {
-            let own_mm: Option<f64> = material.about("diameter").parse().ok();
-            let fits =
-                own_mm.zip(diameter_mm).is_none_or(|(own, machine)| (own - machine).abs() < DIAMETER_MM);
+            let fits = is_of_diameter(material, diameter_mm);
             let has_quality = match print {
                 Some(print) if print != OWN => {
                     self.qualities(&machine, Some(material))?.any(|quality| quality.name == print)
@@ -412,7 +426,7 @@ impl Family for Cura {
     fn resolve(&self, printer: &str, print: &str, filament: &str) -> Result<Config, PresetError> {
         let machine = self.machine(printer)?;
         let mut stack = self.stack(&machine)?;
-        let material = self.material(filament)?;
+        let material = self.material(filament, stack.number("material_diameter"))?;
         self.with(&mut stack, &machine, print, material)?;
         let mut config = config(&stack);
         let place = Place::new(material.file.clone(), 1, material.name.as_str());

@@ -40,7 +40,7 @@ impl Preset {
     /// # Errors
     /// Its file cannot be read, or is damaged.
     pub fn file(&self) -> Result<&File, PresetError> {
-        self.file.get_or_init(|| File::read(&self.path)).as_ref().map_err(Clone::clone)
+        self.file.get_or_init(|| File::read(&as_spelled(&self.path))).as_ref().map_err(Clone::clone)
     }
 
     /// Where it begins.
@@ -53,6 +53,16 @@ impl Preset {
     pub fn can_be_chosen(&self) -> bool {
         self.file().map_or(true, |file| file.text("instantiation") != "false")
     }
+}
+
+/// A path with its name as the folder has it: indices are often written where capitals do not count.
+fn as_spelled(path: &Path) -> PathBuf {
+    if path.exists() {
+        return path.to_owned();
+    }
+    let (Some(folder), Some(name)) = (path.parent(), path.file_name()) else { return path.to_owned() };
+    let is_same = |other: &PathBuf| other.file_name().is_some_and(|other| other.eq_ignore_ascii_case(name));
+    entries(folder).into_iter().find(is_same).unwrap_or_else(|| path.to_owned())
 }
 
 /// Presets that name each other: those of a vendor, or of a user.
@@ -91,6 +101,17 @@ impl Folder {
         presets.push(preset);
     }
 
+    /// Presets are also known by their files, where no other is called so.
+    fn add_stems(&mut self, kind: Kind) {
+        let (Some(presets), Some(by_name)) = (self.presets.get(&kind), self.by_name.get_mut(&kind)) else {
+            return;
+        };
+        for (at, preset) in presets.iter().enumerate() {
+            let stem = preset.path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
+            by_name.entry(stem).or_insert(at);
+        }
+    }
+
     /// A vendor: what its index lists, in the folder of the same name.
     fn vendor(index: &File, at: &Path) -> Result<Self, PresetError> {
         let root = at.with_extension("");
@@ -103,6 +124,7 @@ impl Folder {
             for (name, path) in items(index, list)? {
                 vendor.add(kind, Preset::new(name, root.join(path)));
             }
+            vendor.add_stems(kind);
         }
         Ok(vendor)
     }

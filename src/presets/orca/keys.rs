@@ -87,6 +87,11 @@ pub(super) const ABOUT: &[&str] = &[
     "bed_texture",
     "bed_type",
     "box_id",
+    "bbl_use_printhost",
+    "box_temperature",
+    "box_temperature_range_high",
+    "box_temperature_range_low",
+    "machine_LED_light_exist",
     "filament_adhesiveness_category",
     "filament_extruder_variant",
     "hotend_model",
@@ -167,10 +172,10 @@ pub(super) const KEYS: &[Key] = &[
     one("default_acceleration", Real, "500", As("default_acceleration")),
     one("default_bed_type", Text, "", Part),
     each("default_filament_colour", Text, "", Idle),
-    each("default_filament_profile", Text, "", As("default_filament_profile")),
+    each("default_filament_profile", Text, "", Idle),
     one("default_jerk", Real, "0", Own),
     one("default_junction_deviation", Real, "0", Own),
-    one("default_print_profile", Text, "", As("default_print_profile")),
+    one("default_print_profile", Text, "", Idle),
     each("deretraction_speed", Real, "0", As("deretract_speed")),
     one("detect_narrow_internal_solid_infill", Flag, "1", Own),
     one("detect_overhang_wall", Flag, "1", As("overhangs")),
@@ -271,7 +276,7 @@ pub(super) const KEYS: &[Key] = &[
     each("filament_soluble", Flag, "0", As("filament_soluble")),
     each("filament_stamping_distance", Real, "0", Idle),
     each("filament_stamping_loading_speed", Real, "0", Idle),
-    each("filament_start_gcode", Text, "", By("start_filament_gcode", r::filament_start)),
+    each("filament_start_gcode", Text, "", As("start_filament_gcode")),
     each("filament_toolchange_delay", Real, "0", As("filament_toolchange_delay")),
     each("filament_type", Text, "PLA", As("filament_type")),
     each("filament_unloading_speed", Real, "90", As("filament_unloading_speed")),
@@ -473,10 +478,10 @@ pub(super) const KEYS: &[Key] = &[
     one("outer_wall_jerk", Real, "9", Under("default_jerk")),
     one("outer_wall_line_width", RealOrPercent, "0", Width("external_perimeter_extrusion_width")),
     one("outer_wall_speed", Real, "60", As("external_perimeter_speed")),
-    one("overhang_1_4_speed", RealOrPercent, "0", As("overhang_speed_3")),
-    one("overhang_2_4_speed", RealOrPercent, "0", As("overhang_speed_2")),
-    one("overhang_3_4_speed", RealOrPercent, "0", As("overhang_speed_1")),
-    one("overhang_4_4_speed", RealOrPercent, "0", As("overhang_speed_0")),
+    one("overhang_1_4_speed", RealOrPercent, "0", By("overhang_speed_3", r::overhang_1_4)),
+    one("overhang_2_4_speed", RealOrPercent, "0", By("overhang_speed_2", r::overhang_2_4)),
+    one("overhang_3_4_speed", RealOrPercent, "0", By("overhang_speed_1", r::overhang_3_4)),
+    one("overhang_4_4_speed", RealOrPercent, "0", By("overhang_speed_0", r::overhang_4_4)),
     each("overhang_fan_speed", Integer, "100", By("bridge_fan_speed", r::bridge_fan)),
     each("overhang_fan_threshold", Choice, "95%", By("enable_dynamic_fan_speeds", r::dynamic_fan)),
     one("overhang_reverse", Flag, "0", Own),
@@ -491,7 +496,7 @@ pub(super) const KEYS: &[Key] = &[
     one("preferred_orientation", Real, "0", Idle),
     one("preheat_steps", Integer, "1", Under("ooze_prevention")),
     one("preheat_time", Real, "30", Under("ooze_prevention")),
-    each("pressure_advance", Real, "0.02", Part),
+    each("pressure_advance", Real, "0.02", By("pressure_advance", r::pressure_advance)),
     one("prime_tower_brim_width", Real, "3", As("wipe_tower_brim_width")),
     one("prime_tower_width", Real, "60", As("wipe_tower_width")),
     one("prime_volume", Real, "45", Under("enable_prime_tower")),
@@ -535,12 +540,12 @@ pub(super) const KEYS: &[Key] = &[
     one("resolution", Real, "0.01", As("gcode_resolution")),
     one("resonance_avoidance", Flag, "0", Own),
     each("retract_before_wipe", Percent, "100%", As("retract_before_wipe")),
-    each("retract_length_toolchange", Real, "10", As("retract_length_toolchange")),
+    each("retract_length_toolchange", Real, "10", Idle),
     each("retract_lift_above", Real, "0", As("retract_lift_above")),
     each("retract_lift_below", Real, "0", As("retract_lift_below")),
     each("retract_lift_enforce", Choice, "All Surfaces", Own),
     each("retract_restart_extra", Real, "0", As("retract_restart_extra")),
-    each("retract_restart_extra_toolchange", Real, "0", As("retract_restart_extra_toolchange")),
+    each("retract_restart_extra_toolchange", Real, "0", Idle),
     each("retract_when_changing_layer", Flag, "0", As("retract_layer_change")),
     each("retraction_distances_when_cut", Real, "18", Under("enable_long_retraction_when_cut")),
     each("retraction_length", Real, "0.8", As("retract_length")),
@@ -575,7 +580,7 @@ pub(super) const KEYS: &[Key] = &[
         ),
     ),
     one("silent_mode", Flag, "0", As("silent_mode")),
-    one("single_extruder_multi_material", Flag, "1", As("single_extruder_multi_material")),
+    one("single_extruder_multi_material", Flag, "1", Idle),
     one("single_extruder_multi_material_priming", Flag, "0", As("single_extruder_multi_material_priming")),
     one("single_loop_draft_shield", Flag, "0", Own),
     one("skeleton_infill_density", Percent, "25%", Own),
@@ -794,8 +799,9 @@ mod tests {
         for key in KEYS {
             match key.rule {
                 As(name) | Width(name) | Words(name, _) | By(name, _) => {
-                    // Slic3r's kin have this one, PrusaSlicer has not.
-                    let is_known = name == "machine_max_junction_deviation" || key_type(name).is_some();
+                    // Others than PrusaSlicer have these.
+                    let others = ["machine_max_junction_deviation", "pressure_advance"];
+                    let is_known = others.contains(&name) || key_type(name).is_some();
                     assert!(is_known, "{}: {name}", key.name);
                 }
                 Under(name) => assert!(find(name).is_some(), "{}: {name}", key.name),

@@ -82,27 +82,33 @@ impl Orca {
         found.next().or_else(|| (of.preset.name == name).then_some(of))
     }
 
+    /// What a preset inherits from.
+    fn above<'a>(&'a self, kind: Kind, of: Found<'a>) -> Result<Option<Found<'a>>, PresetError> {
+        let file = of.preset.file()?;
+        let Some(written) = file.get("inherits").filter(|written| !written.first().is_empty()) else {
+            return Ok(None);
+        };
+        let name = written.first();
+        let missing = || {
+            let place = Place::new(file.path.clone(), written.line, of.preset.name.as_str());
+            PresetError::at(place, format!("inherits from `{name}`, which is not there"))
+        };
+        self.parent(kind, name, of).map(Some).ok_or_else(missing)
+    }
+
     /// A preset and all that it inherits from, the last one first.
     fn chain<'a>(&'a self, kind: Kind, preset: Found<'a>) -> Result<Vec<Found<'a>>, PresetError> {
         let mut chain = vec![preset];
         loop {
             let last = chain[chain.len() - 1];
-            let file = last.preset.file()?;
-            let parents = file.get("inherits").filter(|written| !written.first().is_empty());
-            let Some(written) = parents else { return Ok(chain) };
-            let name = written.first();
-            let fail = |message: String| {
-                let place = Place::new(file.path.clone(), written.line, last.preset.name.as_str());
-                Err(PresetError::at(place, message))
-            };
-            let Some(parent) = self.parent(kind, name, last) else {
-                return fail(format!("inherits from `{name}`, which is not there"));
-            };
-            if chain.len() > DEEPEST || chain.iter().any(|known| std::ptr::eq(known.preset, parent.preset)) {
-                let names: Vec<&str> = chain.iter().map(|found| found.preset.name.as_str()).collect();
-                return fail(format!("inherits from itself: {} → {name}", names.join(" → ")));
-            }
+            let Some(parent) = self.above(kind, last)? else { return Ok(chain) };
+            let is_known = chain.iter().any(|known| std::ptr::eq(known.preset, parent.preset));
             chain.push(parent);
+            if chain.len() > DEEPEST || is_known {
+                let names: Vec<&str> = chain.iter().map(|found| found.preset.name.as_str()).collect();
+                let message = format!("inherits from itself: {}", names.join(" → "));
+                return Err(PresetError::at(last.preset.place(), message));
+            }
         }
     }
 
@@ -125,19 +131,21 @@ impl Orca {
         Ok(())
     }
 
-    /// The value that the first of a chain has for a key.
+    /// The names that the first of a chain has for a key. What is above is not looked at: it may be damaged.
     fn inherited(&self, kind: Kind, preset: Found<'_>, key: &str) -> Result<Vec<String>, PresetError> {
-        for found in self.chain(kind, preset)? {
+        let mut next = Some(preset);
+        for _ in 0..=DEEPEST {
+            let Some(found) = next else { break };
             if let Some(written) = found.preset.file()?.get(key) {
-                let split =
-                    |text: &String| text.split(';').map(|name| name.trim().to_owned()).collect::<Vec<_>>();
-                let names = if written.is_list {
-                    written.values.clone()
-                } else {
-                    written.values.iter().flat_map(split).collect()
+                let split = |text: &String| text.split(';').map(str::to_owned).collect::<Vec<_>>();
+                let names = match written.is_list {
+                    true => written.values.clone(),
+                    false => written.values.iter().flat_map(split).collect(),
                 };
-                return Ok(names.into_iter().filter(|name| !name.is_empty()).collect());
+                let names = names.iter().map(|name| name.trim().to_owned());
+                return Ok(names.filter(|name| !name.is_empty()).collect());
             }
+            next = self.above(kind, found)?;
         }
         Ok(Vec::new())
     }
@@ -255,15 +263,17 @@ impl Family for Orca {
             if !is_near || !found.preset.can_be_chosen() {
                 continue;
             }
-            let fits = self.fits(kind, found, "compatible_printers", &names, &facts)?;
+            // One that does not resolve fits nothing; it must not keep others from being found.
+            let fits = self.fits(kind, found, "compatible_printers", &names, &facts);
             let with_print = match &print_names {
                 Some(names) if kind == Kind::Filament => {
-                    let listed = self.inherited(kind, found, "compatible_prints")?;
-                    listed.is_empty() || listed.iter().any(|name| names.contains(name.as_str()))
+                    self.inherited(kind, found, "compatible_prints").map(|listed| {
+                        listed.is_empty() || listed.iter().any(|name| names.contains(name.as_str()))
+                    })
                 }
-                _ => true,
+                _ => Ok(true),
             };
-            if fits && with_print {
+            if fits.unwrap_or(false) && with_print.unwrap_or(false) {
                 fitting.push(found);
             }
         }

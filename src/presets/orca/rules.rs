@@ -114,6 +114,9 @@ pub(super) fn plate(values: &Values) -> &'static str {
         "4" | "textured pei plate" => "textured_plate_temp",
         "5" | "textured cool plate" => "textured_cool_plate_temp",
         "6" | "supertack plate" | "bambu cool plate supertack" => "supertack_plate_temp",
+        // Creality Print's alone: nothing is built in.
+        "epoxy resin plate" if values.place("epoxy_resin_plate_temp").is_some() => "epoxy_resin_plate_temp",
+        "customized plate" if values.place("customized_plate_temp").is_some() => "customized_plate_temp",
         _ => "hot_plate_temp",
     }
 }
@@ -126,21 +129,32 @@ pub(super) fn first_bed_temperature(values: &Values) -> Option<String> {
     Some(values.all(&format!("{}_initial_layer", plate(values))).join(","))
 }
 
-/// The script, and after it the command that sets the pressure advance, as these slicers write it themselves.
-pub(super) fn filament_start(values: &Values) -> Option<String> {
-    let mut script = values.text("filament_start_gcode");
-    if values.is_on("enable_pressure_advance") {
-        let advance = values.number("pressure_advance").filter(|advance| *advance >= 0.0).map(written)?;
-        if !script.is_empty() && !script.ends_with('\n') {
-            script.push('\n');
-        }
-        script += &match values.text("gcode_flavor").as_str() {
-            "klipper" => format!("SET_PRESSURE_ADVANCE ADVANCE={advance}\n"),
-            "reprapfirmware" => format!("M572 D0 S{advance}\n"),
-            _ => format!("M900 K{advance}\n"),
-        };
-    }
-    Some(script)
+/// 0 where it is off.
+pub(super) fn pressure_advance(values: &Values) -> Option<String> {
+    let is_on = values.is_on("enable_pressure_advance");
+    Some(if is_on { values.text("pressure_advance") } else { "0".into() })
+}
+
+/// The speed of a wall that hangs over; 0 is that of the outer wall.
+fn overhang(values: &Values, key: &str) -> Option<String> {
+    let speed = values.text(key);
+    Some(if speed.trim_end_matches('%').parse() == Ok(0.0) { values.text("outer_wall_speed") } else { speed })
+}
+
+pub(super) fn overhang_1_4(values: &Values) -> Option<String> {
+    overhang(values, "overhang_1_4_speed")
+}
+
+pub(super) fn overhang_2_4(values: &Values) -> Option<String> {
+    overhang(values, "overhang_2_4_speed")
+}
+
+pub(super) fn overhang_3_4(values: &Values) -> Option<String> {
+    overhang(values, "overhang_3_4_speed")
+}
+
+pub(super) fn overhang_4_4(values: &Values) -> Option<String> {
+    overhang(values, "overhang_4_4_speed")
 }
 
 /// No layer is slowed down where that is off.
@@ -192,6 +206,8 @@ pub(super) fn plate_name(key: &str) -> &'static str {
         "textured_plate_temp" => "Textured PEI Plate",
         "textured_cool_plate_temp" => "Textured Cool Plate",
         "supertack_plate_temp" => "Supertack Plate",
+        "epoxy_resin_plate_temp" => "Epoxy Resin Plate",
+        "customized_plate_temp" => "Customized Plate",
         _ => "High Temp Plate",
     }
 }

@@ -81,6 +81,7 @@ pub(super) const ROWS: &[Row] = &[
     with("filament.density", &["filament_density"], "0: not known", c::density),
     with("filament.cost", &["filament_cost"], "0: not known", c::cost),
     same("filament.flow", &["extrusion_multiplier"]),
+    same("filament.pressure_advance", &["pressure_advance"]),
     with(
         "filament.max_flow",
         &["filament_max_volumetric_speed", "max_volumetric_speed"],
