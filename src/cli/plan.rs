@@ -27,6 +27,8 @@ pub(super) struct Plan {
 pub(super) struct Task {
     pub job: Job,
     pub destination: Destination,
+    /// The file's name was not given, so that the settings may choose it.
+    pub unnamed: bool,
 }
 
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -82,7 +84,8 @@ impl Plan {
 /// What is to be done for each plate; `ending`: that of names that are not given.
 fn tasks(args: &SliceArgs, plates: &[&[PathBuf]], ending: &str) -> Result<Vec<Task>, Failure> {
     let tasks = plates.iter().map(|models| {
-        Ok(Task { job: job(args, models), destination: destination(args, &models[0], ending)? })
+        let unnamed = args.output.as_deref().is_none_or(Path::is_dir);
+        Ok(Task { job: job(args, models), destination: destination(args, &models[0], ending)?, unnamed })
     });
     let tasks: Vec<Task> = tasks.collect::<Result<_, Failure>>()?;
     no_file_is_written_twice(&tasks)?;
@@ -298,6 +301,30 @@ fn no_input_is_overwritten(tasks: &[Task]) -> Result<(), Failure> {
         Destination::Stdout => None,
     });
     kept(&inputs, outputs)
+}
+
+/// The path that the settings choose for a file, beside where it would be otherwise; `written`: by this run so far.
+pub(super) fn named(path: &Path, name: &str, job: &Job, written: &[PathBuf]) -> Result<PathBuf, Failure> {
+    let safe: String =
+        name.chars().map(|c| if c.is_control() || "/\\:*?\"<>|".contains(c) { '_' } else { c }).collect();
+    // The kind of G-code is decided.
+    let ending = path.extension().unwrap_or_default();
+    let stem = Path::new(safe.trim()).with_extension("");
+    let stem = stem.file_name().ok_or_else(|| {
+        Failure::new(Exit::Settings, format!("gcode.file_name: `{name}` is no name for a file; give one with -o"))
+    })?;
+    let mut file = stem.to_owned();
+    file.push(".");
+    file.push(ending);
+    let chosen = path.with_file_name(file);
+    kept(&job.models.iter().map(PathBuf::as_path).collect::<Vec<_>>(), [chosen.as_path()].into_iter())?;
+    if written.contains(&chosen) {
+        let chosen = chosen.display();
+        return Err(usage(format!(
+            "{chosen} would be written twice, as gcode.file_name gives two plates one name; add {{input_filename_base}} to it"
+        )));
+    }
+    Ok(chosen)
 }
 
 /// A usage error if one of the outputs is one of the inputs.

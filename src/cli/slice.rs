@@ -1,11 +1,12 @@
 //! `pathwright slice`.
 
 use std::io::Write;
+use std::path::PathBuf;
 
 use super::args::SliceArgs;
 use super::console::{self, Bar};
 use super::exit::{Exit, Failure};
-use super::plan::{Destination, Plan, Task};
+use super::plan::{Destination, Plan, Task, named};
 use crate::gcode::is_binary_name;
 use crate::job::Engine;
 use crate::observer::Observer;
@@ -32,8 +33,9 @@ pub(super) fn run(args: &SliceArgs, engine: &dyn Engine) -> Result<Exit, Failure
 
 fn slice_all(plan: &Plan, args: &SliceArgs, engine: &dyn Engine) -> Result<Exit, Failure> {
     let mut exit = Exit::Done;
+    let mut written = Vec::new();
     for task in &plan.tasks {
-        match slice(task, &plan.settings.settings, args, engine) {
+        match slice(task, &plan.settings.settings, args, engine, &mut written) {
             Ok(summary) => report(&summary, task, args)?,
             Err(failure) => {
                 console::fail(&failure);
@@ -49,6 +51,7 @@ fn slice(
     settings: &Settings,
     args: &SliceArgs,
     engine: &dyn Engine,
+    written: &mut Vec<PathBuf>,
 ) -> Result<Summary, Failure> {
     let mut output = match &task.destination {
         Destination::Stdout => Output::stdout(),
@@ -64,12 +67,18 @@ fn slice(
         bar.remove();
     }
     let mut summary = result?;
-    output.commit()?;
-    summary.models = task.job.models.iter().map(|path| path.display().to_string()).collect();
-    summary.output = match &task.destination {
-        Destination::Stdout => "standard output".into(),
-        Destination::File(path) => path.display().to_string(),
+    let mut path = match &task.destination {
+        Destination::Stdout => None,
+        Destination::File(path) => Some(path.clone()),
     };
+    if let (Some(path), Some(name), true) = (&mut path, &summary.file_name, task.unnamed) {
+        *path = named(path, name, &task.job, written)?;
+        output.rename(&path.file_name().unwrap_or_default().to_string_lossy());
+    }
+    output.commit()?;
+    written.extend(path.clone());
+    summary.models = task.job.models.iter().map(|path| path.display().to_string()).collect();
+    summary.output = path.map_or_else(|| "standard output".into(), |path| path.display().to_string());
     Ok(summary)
 }
 

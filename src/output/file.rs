@@ -136,6 +136,12 @@ impl Pending {
         self.file.get_ref().path().parent().unwrap_or(Path::new(".")).to_owned()
     }
 
+    /// Chooses another name in the same folder. Returns the path.
+    pub fn retarget(&mut self, name: &str) -> &Path {
+        self.target.set_file_name(name);
+        &self.target
+    }
+
     pub fn rename(self) -> io::Result<()> {
         let file = self.file.into_inner().map_err(io::IntoInnerError::into_error)?;
         let mut pending = PENDING.lock().unwrap_or_else(PoisonError::into_inner);

@@ -230,6 +230,18 @@ impl Output {
         Ok(output)
     }
 
+    /// Gives the file another name in its folder, which the complete output moves to; nothing else has one.
+    pub fn rename(&mut self, name: &str) {
+        match &mut self.binary {
+            Some(binary) => binary.output.rename(name),
+            None => {
+                if let Sink::File(file) = &mut self.sink {
+                    self.name = file.retarget(name).display().to_string();
+                }
+            }
+        }
+    }
+
     /// Moves the complete output to its path.
     ///
     /// # Errors

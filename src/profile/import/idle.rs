@@ -146,7 +146,6 @@ pub(super) const IDLE: &[(&str, Idle)] = &[
     ("over_bridge_speed", At(&["0"])),
     ("post_process", At(&["\"\""])),
     ("prefer_clockwise_movements", At(&["0"])),
-    ("pressure_advance", At(&["0"])),
     ("raft_*", Without("raft_layers")),
     ("regions_overlap", At(&["0"])),
     ("resolution", At(&["0"])),
