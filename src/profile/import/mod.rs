@@ -151,9 +151,9 @@ fn unknown(key: &str, config: &Config) -> Option<String> {
     (!is_idle).then(|| idle::reason(key).to_owned())
 }
 
-/// Where in the one file that is shown.
+/// Where in the one file that is shown, or that it is built in.
 fn line(place: &Place) -> String {
-    format!("line {}", place.line)
+    if place.is_built_in() { place.to_string() } else { format!("line {}", place.line) }
 }
 
 /// The profile that a configuration amounts to, each key with where it comes from, and after it all that is left out.
