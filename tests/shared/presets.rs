@@ -72,5 +72,5 @@ pub fn limits_are_stated_as_their_slicer_states_them() {
         assert_eq!(found, wanted, "{path}");
         compared += usize::from(!wanted.is_empty());
     }
-    assert!(compared > 60, "{compared}");
+    assert!(compared > 50, "{compared}");
 }
