@@ -171,11 +171,16 @@ fn infill_is_drawn_with_its_own_acceleration() {
 fn small_walls_have_a_speed_of_their_own() {
     let speed = |name: &str, sets: &[&str]| {
         let strokes = print(name, &standard(sets)).strokes();
-        let beads = strokes.iter().filter(|stroke| stroke.extrudes() && stroke.from[2] > 1.0);
+        let beads = strokes.iter().filter(|stroke| stroke.extrudes() && stroke.from[2] > 5.0);
         beads.map(|stroke| stroke.feed_mm_s).fold(0.0, f64::max)
     };
-    let walls_only =
-        ["infill.density=0", "shell.top_layers=0", "shell.bottom_layers=0", "speed.small_perimeter=17"];
+    let walls_only = [
+        "infill.density=0",
+        "shell.top_layers=0",
+        "shell.bottom_layers=0",
+        "walls.gap_fill=false",
+        "speed.small_perimeter=17",
+    ];
     assert!((speed("pin_forest", &walls_only) - 17.0).abs() < 0.1, "pins are small");
     assert!((speed("calibration_cube", &walls_only) - 50.0).abs() < 0.1, "a cube is not");
 }

@@ -10,6 +10,7 @@ mod gcode_yardstick;
 mod macros;
 mod models;
 mod preset_keys;
+mod preset_scripts;
 mod presets;
 mod profile;
 
@@ -99,6 +100,7 @@ fn main() -> ExitCode {
         presets::resolved_configurations_are_those_of_the_slicer: PRESETS;
         presets::every_preset_of_a_vendor_resolves: PRESETS;
         presets::what_fits_a_printer_is_what_fits_it_in_the_slicer: PRESETS;
+        preset_scripts::scripts_are_expanded_as_by_their_slicer: PRESETS;
         preset_keys::most_keys_of_presets_are_taken_over: PRESETS;
         preset_keys::configurations_of_printers_resolve: PRESETS;
         preset_keys::limits_are_stated_as_their_slicer_states_them: PRESETS;

@@ -534,8 +534,12 @@ pub(super) fn perimeter_speed(config: &Config) -> Outcome {
     speed(config, "perimeter_speed", None)
 }
 
+/// What is as fast as other walls has no speed of its own.
 pub(super) fn small_speed(config: &Config) -> Outcome {
-    own_speed(config, "small_perimeter_speed", config.number("perimeter_speed"))
+    let perimeter = config.number("perimeter_speed");
+    let own = config.number_of("small_perimeter_speed", perimeter);
+    let is_like_others = own.is_some() && own == perimeter && own == external_mm_s(config);
+    known(if is_like_others { Some(0.0) } else { own })
 }
 
 fn external_mm_s(config: &Config) -> Option<f64> {
@@ -644,8 +648,16 @@ pub(super) fn max_flow(config: &Config) -> Outcome {
     number(flows.into_iter().flatten().filter(|flow| *flow > 0.0).reduce(f64::min).unwrap_or(0.0))
 }
 
+/// 0 is the travel speed there, which the machine's own limit of Z cuts.
 pub(super) fn z_speed(config: &Config) -> Outcome {
-    above_zero(config.number("travel_speed_z"))
+    match config.number("travel_speed_z") {
+        Some(0.0) => {
+            let limit = config.number("machine_max_feedrate_z").filter(|limit| *limit > 0.0);
+            let travel = config.number("travel_speed").filter(|speed| *speed > 0.0);
+            limit.map_or(Idle, |limit| number(travel.map_or(limit, |travel| travel.min(limit))))
+        }
+        other => above_zero(other),
+    }
 }
 
 /// A key of the filament, or else the printer's.

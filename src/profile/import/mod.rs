@@ -240,6 +240,59 @@ mod tests {
     }
 
     #[test]
+    fn a_z_speed_of_0_is_the_machines_limit_and_automatic_speeds_are_the_greatest() {
+        let z = "travel_speed_z = 0\ntravel_speed = 180\n";
+        assert_eq!(value(z, "speed.z"), None);
+        assert_eq!(value(&format!("{z}machine_max_feedrate_z = 12\n"), "speed.z"), Some(Value::Float(12.0)));
+        let speeds = "infill_speed = 0\nmax_print_speed = 200\nfill_pattern = grid\n\
+                      filament_infill_max_crossing_speed = 140\nfilament_infill_max_speed = 250\n";
+        assert_eq!(value(speeds, "speed.infill"), Some(Value::Float(140.0)), "grid lines cross");
+        assert_eq!(
+            value("perimeter_speed = 0\nmax_print_speed = 200\n", "speed.perimeter"),
+            Some(Value::Float(200.0))
+        );
+    }
+
+    #[test]
+    fn fans_follow_layer_times_and_overhangs_as_presets_say() {
+        let fans = "cooling = 1\nfan_always_on = 0\nmin_fan_speed = 35\nmax_fan_speed = 100\n\
+                    fan_below_layer_time = 60\nslowdown_below_layer_time = 5\nbridge_fan_speed = 80\n\
+                    full_fan_speed_layer = 4\ndisable_fan_first_layers = 1\nenable_dynamic_fan_speeds = 1\n\
+                    overhang_fan_speed_0 = 70\noverhang_fan_speed_1 = 60\noverhang_fan_speed_2 = 50\n\
+                    overhang_fan_speed_3 = 40\n";
+        let known = [
+            ("fan", "0.0"),
+            ("short_layer_fan", "[0.35, 1.0]"),
+            ("short_layer_time", "60.0"),
+            ("full_fan_layer", "3"),
+            ("overhang_fan_steps", "[0.4, 0.5, 0.6, 0.8]"),
+        ];
+        for (key, wanted) in known {
+            let found = value(fans, &format!("cooling.{key}")).map(|value| value.to_string());
+            assert_eq!(found.as_deref(), Some(wanted), "{key}");
+        }
+    }
+
+    #[test]
+    fn filaments_override_the_retraction_of_printers_and_lifts_may_be_ramps() {
+        let lifts = "retract_lift = 0.2\ntravel_ramping_lift = 1\ntravel_max_lift = 1.5\ntravel_slope = 1\n\
+                     filament_travel_max_lift = 0.6\nfilament_travel_slope = nil\nretract_layer_change = 1\n\
+                     filament_retract_layer_change = 0\nretract_before_wipe = 80%,80%\nfilament_retract_lift_below = nil\n\
+                     retract_lift_below = 199\n";
+        let known = [
+            ("z_hop", "0.6"),
+            ("z_hop_slope", "1.0"),
+            ("layer_change", "false"),
+            ("before_wipe", "0.8"),
+            ("z_hop_below", "199.0"),
+        ];
+        for (key, wanted) in known {
+            let found = value(lifts, &format!("retract.{key}")).map(|value| value.to_string());
+            assert_eq!(found.as_deref(), Some(wanted), "{key}");
+        }
+    }
+
+    #[test]
     fn widths_fall_back_on_the_common_one() {
         let widths = "nozzle_diameter = 0.4\nlayer_height = 0.2\nextrusion_width = 0.5\n\
                       perimeter_extrusion_width = 0\ninfill_extrusion_width = 200%\n";

@@ -320,7 +320,7 @@ pub(super) const ROWS: &[Row] = &[
         c::support_speed,
     ),
     same("speed.travel", &["travel_speed"]),
-    with("speed.z", &["travel_speed_z"], "0: left as it is", c::z_speed),
+    with("speed.z", &["travel_speed_z"], "0: the machine's limit of Z", c::z_speed),
     with(
         "acceleration.default",
         &["default_acceleration", "machine_max_acceleration_extruding"],

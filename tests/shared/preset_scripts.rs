@@ -1,0 +1,101 @@
+//! Scripts of vendors' presets, against what PrusaSlicer 2.9.2 makes of them for the same cube.
+
+use std::collections::BTreeMap;
+use std::fs;
+use std::path::Path;
+
+use pathwright::presets::{Library, Source};
+use pathwright::{Mesh, Observer, Plate, Settings, Slicer};
+
+use crate::shared;
+
+/// What precedes the first bead, changes to the second and the middle layer up to their first bead, and the end.
+type Blocks = [Vec<String>; 4];
+
+/// Lines that the slicers write themselves, each in its own way: moves, temperatures, modes, labels, progress.
+fn is_of_slicer(line: &str) -> bool {
+    const BEGINNINGS: [&str; 20] = [
+        "M73", "M486", "M204", "M106", "M107", "G21", "G90", "M82", "M83", "G92 E0", "G10", "G11", "; printing",
+        "; stop printing", "; filament used", "; filament cost", "; total ", "; estimated", "; objects_info",
+        "SET_PRINT_STATS_INFO",
+    ];
+    line.is_empty() || BEGINNINGS.iter().any(|beginning| line.starts_with(beginning))
+}
+
+/// Lines of slicers where a layer changes.
+fn is_of_change(line: &str) -> bool {
+    const BEGINNINGS: [&str; 9] =
+        ["G1 ", ";LAYER", ";Z:", ";HEIGHT", ";WIDTH", ";WIPE", "M104 ", "M140 ", "SET_VELOCITY_LIMIT ACCEL"];
+    BEGINNINGS.iter().any(|beginning| line.starts_with(beginning))
+}
+
+/// The facts that our files end with.
+fn is_fact(line: &str) -> bool {
+    let keys = ["layer_height", "first_layer", "nozzle_d", "filament_", "printer_model"];
+    line.strip_prefix("; ").is_some_and(|rest| keys.iter().any(|key| rest.starts_with(key)))
+}
+
+/// What depends on how much filament a slicer takes is no longer seen.
+fn masked(line: &str) -> String {
+    let depends = line.starts_with("M74 W") || line.starts_with("M201 X3");
+    if depends { line.chars().filter(|c| !c.is_ascii_digit()).collect() } else { line.to_owned() }
+}
+
+fn blocks(text: &str) -> Blocks {
+    let text = text.split("; prusaslicer_config = begin").next().unwrap_or_default();
+    let lines: Vec<&str> = text.lines().map(str::trim).collect();
+    let custom = |line: &&str| **line == *";TYPE:Custom";
+    let begin = lines.iter().position(|line| custom(&line)).expect("a start");
+    let end = lines.iter().rposition(|line| custom(&line)).expect("an end");
+    let changes: Vec<usize> = (0..lines.len()).filter(|&i| lines[i] == ";LAYER_CHANGE").collect();
+    let middle = *changes.iter().find(|&&i| lines[i + 1] == ";Z:10.2").expect("a layer at 10.2 mm");
+    let kept = |lines: &[&str], is_change: bool| -> Vec<String> {
+        let is_bead = |line: &str| line.starts_with(";TYPE:") && line != ";TYPE:Custom";
+        let script = lines.iter().take_while(|line| !is_bead(line)).filter(|line| !is_of_slicer(line));
+        script.filter(|line| !(is_change && is_of_change(line))).map(|line| masked(line)).collect()
+    };
+    let ends = lines[end..].iter().copied().filter(|line| !is_fact(line)).collect::<Vec<_>>();
+    [
+        kept(&lines[begin..changes[0]], false),
+        kept(&lines[changes[1]..], true),
+        kept(&lines[middle..], true),
+        kept(&ends, false),
+    ]
+}
+
+/// Script text before the first bead, at two layer changes and at the end is that of the presets' slicer, line by line.
+pub fn scripts_are_expanded_as_by_their_slicer() {
+    let cube = Path::new(env!("CARGO_MANIFEST_DIR")).join("models/calibration_cube.stl");
+    // The name is that of the slicer's file.
+    let folder = tempfile::tempdir().expect("a folder");
+    let model = folder.path().join("cube.stl");
+    fs::copy(cube, &model).expect("a copy");
+    let index = fs::read_to_string(shared("presets/expected/INDEX.tsv")).expect("an index");
+    let mut libraries: BTreeMap<&str, Library> = BTreeMap::new();
+    let mut wrong = Vec::new();
+    for row in index.lines().skip(1) {
+        let row: Vec<&str> = row.split('\t').collect();
+        let [vendor, printer, print, filament, _, file] = row[..] else { panic!("{row:?}") };
+        let library = libraries.entry(vendor).or_insert_with(|| {
+            let path = shared(&format!("presets/vendor/{vendor}.ini"));
+            Library::open(&[Source { path, dialect: None }])
+        });
+        let chosen = library.choose(printer, Some(print), Some(filament)).unwrap_or_else(|e| panic!("{e}"));
+        let settings = Settings::of_presets(&chosen.config).unwrap_or_else(|e| panic!("{printer}: {e}"));
+        let mesh = Mesh::read(&model).expect("a cube");
+        let plate = Plate::new(&settings).add(mesh).unwrap_or_else(|e| panic!("{printer}: {e}"));
+        let sliced = Slicer::new(&settings).slice(&plate, &Observer::none());
+        let sliced = sliced.unwrap_or_else(|e| panic!("{printer}: {e}"));
+        let mut gcode = Vec::new();
+        sliced.write_gcode(&mut gcode).expect("memory");
+        let ours = blocks(&String::from_utf8_lossy(&gcode));
+        let theirs = blocks(&fs::read_to_string(shared(&format!("presets/expected/{file}"))).expect("text"));
+        for (which, (ours, theirs)) in ["start", "second layer", "middle layer", "end"].iter().zip(ours.iter().zip(&theirs)) {
+            if ours != theirs {
+                let first = ours.iter().zip(theirs).find(|(a, b)| a != b);
+                wrong.push(format!("{printer}, {which}: {first:?}; {} and {} lines", ours.len(), theirs.len()));
+            }
+        }
+    }
+    assert_eq!(wrong, Vec::<String>::new());
+}
