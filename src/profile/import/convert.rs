@@ -8,7 +8,7 @@ use super::script;
 use crate::estimate::MachineSettings;
 use crate::gcode::{Flavor, thumbnail_list};
 use crate::options::Kind;
-use crate::presets::Config;
+use crate::presets::{Config, Dialect};
 use crate::profile::schema;
 use crate::toolpath::Pattern;
 use crate::units::{MmPerS, MmPerS2};
@@ -889,6 +889,11 @@ pub(super) fn before_layer(config: &Config) -> Outcome {
 
 pub(super) fn after_layer(config: &Config) -> Outcome {
     script_of(config, "layer_gcode")
+}
+
+/// OrcaSlicer runs the scripts of layer changes on the first layer as well.
+pub(super) fn first_layer_scripts(config: &Config) -> Outcome {
+    flag(config.dialect == Dialect::Orca)
 }
 
 pub(super) fn between_objects(config: &Config) -> Outcome {

@@ -504,6 +504,12 @@ pub(super) const ROWS: &[Row] = &[
     with("gcode.filament_start", &["start_filament_gcode"], SCRIPT, c::filament_start),
     with("gcode.before_layer", &["before_layer_gcode"], SCRIPT, c::before_layer),
     with("gcode.after_layer", &["layer_gcode"], SCRIPT, c::after_layer),
+    with(
+        "gcode.first_layer_scripts",
+        &["before_layer_gcode", "layer_gcode"],
+        "as OrcaSlicer does, PrusaSlicer does not",
+        c::first_layer_scripts,
+    ),
     with("gcode.between_objects", &["between_objects_gcode"], SCRIPT, c::between_objects),
     with("gcode.filament_end", &["end_filament_gcode"], SCRIPT, c::filament_end),
     with("gcode.end", &["end_gcode"], SCRIPT, c::end),
