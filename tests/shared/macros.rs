@@ -45,5 +45,5 @@ pub fn scripts_and_conditions_of_presets_are_read() {
         }
     }
     assert_eq!(wrong, Vec::<String>::new());
-    assert!(scripts > 500 && conditions > 500, "{scripts} scripts, {conditions} conditions");
+    assert!(scripts > 300 && conditions > 1000, "{scripts} scripts, {conditions} conditions");
 }

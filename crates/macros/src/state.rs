@@ -21,7 +21,9 @@ use crate::Value;
 /// ```
 #[derive(Clone, Debug)]
 pub struct State {
-    pub(crate) globals: BTreeMap<String, Value>,
+    globals: BTreeMap<String, Value>,
+    /// How many bytes they take.
+    size: usize,
     pub(crate) written: BTreeMap<String, Value>,
     pub(crate) random: Random,
 }
@@ -29,7 +31,7 @@ pub struct State {
 impl State {
     /// The same seed gives the same random numbers.
     pub fn new(seed: u64) -> Self {
-        Self { globals: BTreeMap::new(), written: BTreeMap::new(), random: Random(seed) }
+        Self { globals: BTreeMap::new(), size: 0, written: BTreeMap::new(), random: Random(seed) }
     }
 
     /// What the last script assigned to placeholders that it may write.
@@ -40,6 +42,20 @@ impl State {
     /// The global variables.
     pub fn globals(&self) -> &BTreeMap<String, Value> {
         &self.globals
+    }
+}
+
+impl State {
+    /// Sets a global variable, if they do not take more than so many bytes then.
+    pub(crate) fn set_global(&mut self, name: &str, value: Value, most: usize) -> bool {
+        let old = self.globals.get(name).map_or(0, |old| name.len() + old.size());
+        let size = self.size - old + name.len() + value.size();
+        let fits = size <= most;
+        if fits {
+            self.size = size;
+            self.globals.insert(name.to_owned(), value);
+        }
+        fits
     }
 }
 

@@ -145,6 +145,8 @@ fn no_script_takes_memory_or_time_without_end() {
 fn long_chains_are_no_depth() {
     let script = format!("{{1{}}}", " + 1".repeat(100_000));
     assert_eq!(expand(&script, &names(), &mut State::default()).unwrap(), "100001");
+    let script = format!("{{\"\"{}}}", " + \"x\"".repeat(100_000));
+    assert_eq!(expand(&script, &names(), &mut State::default()).unwrap().len(), 100_000);
     let script = format!("{{{}5}}", "false ? 1 : ".repeat(10_000));
     assert_eq!(expand(&script, &names(), &mut State::default()).unwrap(), "5");
     let script = format!("{{if false}}{}{{else}}x{{endif}}", "{elsif false}".repeat(10_000));

@@ -182,7 +182,7 @@ fn a_regular_expression_matches_the_whole_text() {
         ("{printer_notes =~ /.*MK4.*/} {printer_notes =~ /MK4/}", "true false"),
         ("{printer_notes !~ /.*(MK3|MINI).*/}", "true"),
         (r#"{"a/b" =~ /a\/b/} {"ab" =~ /a|b/} {"(" =~ /\(/}"#, "true false true"),
-        ("{\"a\nb\" =~ /a.b/}", "true"),
+        ("{\"a\nb\" =~ /a.b/} {\"é\" =~ /é/} {\"AB\" =~ /(?i)a[b-d]/}", "true true true"),
     ]);
 }
 
@@ -319,6 +319,7 @@ fn random_numbers_depend_on_the_seed_alone() {
 fn functions_of_superslicer() {
     each(&[
         ("{if exists(chamber) then 1 else 2 endif}{exists(layer_z)}", "2true"),
+        ("{if not exists(a) then local a = 5 endif; a; exists(a)}", "5true"),
         ("{if exists(chamber) and chamber then 1 endif}", ""),
         ("{default_int(fans, 3)}{fans + 1}{default_double(layer_z, 9)}{layer_z}", "40.3"),
         (r#"{default_string(a, "x")}{default_bool(b, true)}{a}{b}"#, "xtrue"),

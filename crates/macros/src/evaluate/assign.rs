@@ -25,7 +25,7 @@ pub fn assign(context: &mut Context<'_>, target: &Target, source: &Source) -> Re
     match target {
         Target::New { at, name, global } => {
             let place = new_place(context, *at, name, *global)?;
-            let old = context.find(name).map(|value| value.into_owned());
+            let old = context.variable(name).cloned();
             let given = given(context, source, old.as_ref().is_none_or(is_list))?;
             let value = match old {
                 Some(old) => replaced(context, *at, name, &old, given)?,
@@ -62,7 +62,7 @@ fn new_place(context: &Context<'_>, at: usize, name: &str, global: bool) -> Resu
         "is a placeholder"
     } else if global && context.locals.contains_key(name) {
         "is a local variable"
-    } else if !global && context.state.globals.contains_key(name) {
+    } else if !global && context.state.globals().contains_key(name) {
         "is a global variable"
     } else {
         return Ok(if global { Place::Global } else { Place::Local });
@@ -81,7 +81,7 @@ fn old_place(context: &Context<'_>, name: &Reference) -> Result<Place, Error> {
         let message = format!("`{known}` cannot be written; keep the value in a variable (`local`)");
         return Err(context.error(name.at, ErrorKind::Assignment, message));
     }
-    match (context.state.globals.contains_key(known), context.locals.contains_key(known)) {
+    match (context.state.globals().contains_key(known), context.locals.contains_key(known)) {
         (true, _) => Ok(Place::Global),
         (_, true) => Ok(Place::Local),
         _ => {

@@ -91,9 +91,19 @@ impl<'a> Context<'a> {
         Ok(())
     }
 
+    /// A global or local variable.
+    pub fn variable(&self, name: &str) -> Option<&Value> {
+        self.state.globals().get(name).or_else(|| self.locals.get(name))
+    }
+
+    /// Whether there is a placeholder or a variable of this name.
+    pub fn is_defined(&self, name: &str) -> bool {
+        self.variable(name).is_some() || self.names.value(name).is_some()
+    }
+
     /// A placeholder or a variable.
     pub fn find(&self, name: &str) -> Option<Cow<'_, Value>> {
-        let variable = || self.state.globals.get(name).or_else(|| self.locals.get(name)).map(Cow::Borrowed);
+        let variable = || self.variable(name).map(Cow::Borrowed);
         let written = self.state.written.get(name).map(Cow::Borrowed);
         let asked = || self.asked.contains(name).then_some(Cow::Owned(Value::Flag(false)));
         written.or_else(|| self.names.value(name).map(Cow::Owned)).or_else(variable).or_else(asked)
@@ -107,7 +117,8 @@ impl<'a> Context<'a> {
     /// There is no such name.
     pub fn unknown(&self, name: &str, at: usize) -> Error {
         let names = self.names.names();
-        let all = names.iter().chain(self.state.globals.keys()).chain(self.locals.keys()).map(String::as_str);
+        let all =
+            names.iter().chain(self.state.globals().keys()).chain(self.locals.keys()).map(String::as_str);
         let near = nearest(name, all.chain(KEYWORDS.iter().copied()));
         self.error(at, ErrorKind::UnknownName, format!("unknown name `{name}`")).with_near(near)
     }
@@ -129,13 +140,12 @@ impl<'a> Context<'a> {
 
     /// Sets a global variable.
     pub fn store_global(&mut self, at: usize, name: &str, value: Value) -> Result<(), Error> {
-        let others = self.state.globals.iter().filter(|(known, _)| *known != name);
-        let size: usize = others.map(|(known, value)| known.len() + value.size()).sum();
-        if size + name.len() + value.size() > limits::GLOBALS {
-            let message = "the global variables hold more than 16 megabytes";
-            return Err(self.error(at, ErrorKind::Limit, message));
+        match self.state.set_global(name, value, limits::GLOBALS) {
+            true => Ok(()),
+            false => {
+                let message = "the global variables hold more than 16 megabytes";
+                Err(self.error(at, ErrorKind::Limit, message))
+            }
         }
-        self.state.globals.insert(name.to_owned(), value);
-        Ok(())
     }
 }

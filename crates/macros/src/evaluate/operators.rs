@@ -32,7 +32,6 @@ pub fn chain(
                 Value::Flag(context.matches(pattern, text, *pattern_at)? == *wanted)
             }
         };
-        context.work(left.size(), at)?;
     }
     Ok(left)
 }

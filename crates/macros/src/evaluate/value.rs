@@ -54,14 +54,14 @@ pub fn value(context: &mut Context<'_>, expression: &Expression) -> Result<Value
         Kind::OneOf(text, cases) => functions::one_of(context, text, cases, value)?,
         Kind::Table(place, points) => functions::table(context, place, points, value)?,
         Kind::Exists(name) => {
-            let exists = !context.asked.contains(name) && context.find(name).is_some();
+            let exists = context.is_defined(name);
             if !exists {
                 context.asked.insert(name.clone());
             }
             Value::Flag(exists)
         }
         Kind::Default(name, default) => {
-            if context.asked.remove(name) || context.find(name).is_none() {
+            if !context.is_defined(name) {
                 context.store_global(at, name, default.clone())?;
             }
             Value::Text(String::new())
