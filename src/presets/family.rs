@@ -64,7 +64,8 @@ pub(super) trait Family: Debug + Send + Sync {
     /// The name that a preset has now, given one that it had formerly.
     fn renamed(&self, kind: Kind, formerly: &str) -> Option<&str>;
 
-    /// One preset with all that it inherits, what the slicer has built in at the bottom: a printer's bed, nozzle, firmware.
+    /// One preset with all that it inherits; of a printer also what the slicer has built in, so that its bed, nozzle and
+    /// firmware are known.
     ///
     /// # Errors
     /// It is not there, or does not resolve.

@@ -101,7 +101,7 @@ impl Library {
         self.families.iter().flat_map(|family| family.listed(kind)).collect()
     }
 
-    /// One preset with all that it inherits: the bed of a printer, its nozzle, its firmware.
+    /// One preset with all that it inherits; of a printer also what the slicer has built in: bed, nozzle, firmware.
     ///
     /// # Errors
     /// It is not there, or does not resolve.

@@ -108,9 +108,9 @@ impl Prusa {
         }
     }
 
-    /// Default, and what the presets say: place and value as PrusaSlicer would write it. Extruders: as many as there are
+    /// What is built in, if that is asked for, and what the presets say: place and value as PrusaSlicer would write it. Extruders: as many as there are
     /// nozzles.
-    fn combined(&self, presets: &[&Preset]) -> Result<Config, PresetError> {
+    fn combined(&self, presets: &[&Preset], built_in: bool) -> Result<Config, PresetError> {
         let mut config = Config { dialect: presets[0].listed.dialect, ..Config::default() };
         let mut found: BTreeMap<&str, Found<'_>> = BTreeMap::new();
         for preset in presets {
@@ -118,7 +118,7 @@ impl Prusa {
         }
         let extruders = found.get("nozzle_diameter").map_or(1, |found| extruders(found.value));
         // What SuperSlicer has built in is not the same.
-        if config.dialect == Dialect::Prusa {
+        if built_in && config.dialect == Dialect::Prusa {
             let built_in = Place::built_in(config.dialect);
             for key in KEYS.iter().filter(|key| !found.contains_key(key.name)) {
                 let value = for_all(key.kind, key.default, extruders, key.default);
@@ -198,7 +198,7 @@ impl Family for Prusa {
     }
 
     fn preset(&self, kind: Kind, name: &str) -> Result<Config, PresetError> {
-        self.combined(&[self.find(kind, name)?])
+        self.combined(&[self.find(kind, name)?], kind == Kind::Printer)
     }
 
     fn compatible(&self, kind: Kind, printer: &str, print: Option<&str>) -> Result<Vec<String>, PresetError> {
@@ -237,7 +237,7 @@ impl Family for Prusa {
         let print = self.find(Kind::Print, print)?;
         let filament = self.find(Kind::Filament, filament)?;
         let presets = [self.find(Kind::Printer, printer)?, print, filament];
-        let mut config = self.combined(&presets)?;
+        let mut config = self.combined(&presets, true)?;
         self.add_names(&mut config, presets);
         Ok(config)
     }

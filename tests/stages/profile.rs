@@ -414,7 +414,7 @@ fn another_slicers_configuration_is_a_profile_whose_lines_are_the_origins() {
     let s = &resolved.settings;
     assert_eq!((s.layer.height.0, s.walls.count, s.bed.size[0].0), (0.1, 4, 220.0));
     assert_eq!((s.speed.external_perimeter.0, s.gcode.start.as_str()), (30.0, "M104 S{nozzle_temp}\nG28\n"));
-    assert_eq!(resolved.origins["layer.height"].to_string(), format!("{path}:2"));
+    assert_eq!(resolved.origins["layer.height"].to_string(), format!("{path}:2 [print:fine]"));
     assert_eq!(resolved.origins["speed.infill"].to_string(), "profile reprap-250", "not said");
     let note = resolved.warnings.iter().map(ToString::to_string).find(|w| w.contains("not taken over"));
     assert!(note.is_some_and(|note| note.contains(" 2 not taken over")), "{:?}", resolved.warnings);
