@@ -311,7 +311,10 @@ pub(super) fn named(path: &Path, name: &str, job: &Job, written: &[PathBuf]) -> 
     let ending = path.extension().unwrap_or_default();
     let stem = Path::new(safe.trim()).with_extension("");
     let stem = stem.file_name().ok_or_else(|| {
-        Failure::new(Exit::Settings, format!("gcode.file_name: `{name}` is no name for a file; give one with -o"))
+        Failure::new(
+            Exit::Settings,
+            format!("gcode.file_name: `{name}` is no name for a file; give one with -o"),
+        )
     })?;
     let mut file = stem.to_owned();
     file.push(".");

@@ -111,7 +111,8 @@ impl Group {
 
     /// Seen from above, turned by quarters.
     pub fn footprint(&self, layout: &Layout, shape: BedShape, quarters: u32) -> Footprint {
-        let of_part = |part: &Part| corners(&layout.items[part.member.item], part.member.position, self.middle);
+        let of_part =
+            |part: &Part| corners(&layout.items[part.member.item], part.member.position, self.middle);
         footprint(self.size, shape, quarters, || self.parts.iter().flat_map(of_part).collect())
     }
 

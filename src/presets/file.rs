@@ -24,7 +24,8 @@ pub fn is_foreign(path: &Path) -> bool {
 pub fn bundle_values(path: &Path) -> Result<Vec<(String, String)>, String> {
     let kinds = ["print:", "filament:", "printer:"];
     let sections = ini::sections(&ini::lines(path)?);
-    let presets = sections.into_iter().filter(|section| kinds.iter().any(|kind| section.name.starts_with(kind)));
+    let presets =
+        sections.into_iter().filter(|section| kinds.iter().any(|kind| section.name.starts_with(kind)));
     Ok(presets.flat_map(|section| section.lines).map(|line| (line.key, line.value)).collect())
 }
 

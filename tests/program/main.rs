@@ -18,6 +18,7 @@ mod print_input;
 mod print_modes;
 mod print_plate;
 mod print_presets;
+mod print_scripts;
 mod print_surface;
 mod print_volume;
 mod printers;

@@ -15,8 +15,25 @@ type Blocks = [Vec<String>; 4];
 /// Lines that the slicers write themselves, each in its own way: moves, temperatures, modes, labels, progress.
 fn is_of_slicer(line: &str) -> bool {
     const BEGINNINGS: [&str; 20] = [
-        "M73", "M486", "M204", "M106", "M107", "G21", "G90", "M82", "M83", "G92 E0", "G10", "G11", "; printing",
-        "; stop printing", "; filament used", "; filament cost", "; total ", "; estimated", "; objects_info",
+        "M73",
+        "M486",
+        "M204",
+        "M106",
+        "M107",
+        "G21",
+        "G90",
+        "M82",
+        "M83",
+        "G92 E0",
+        "G10",
+        "G11",
+        "; printing",
+        "; stop printing",
+        "; filament used",
+        "; filament cost",
+        "; total ",
+        "; estimated",
+        "; objects_info",
         "SET_PRINT_STATS_INFO",
     ];
     line.is_empty() || BEGINNINGS.iter().any(|beginning| line.starts_with(beginning))
@@ -90,10 +107,16 @@ pub fn scripts_are_expanded_as_by_their_slicer() {
         sliced.write_gcode(&mut gcode).expect("memory");
         let ours = blocks(&String::from_utf8_lossy(&gcode));
         let theirs = blocks(&fs::read_to_string(shared(&format!("presets/expected/{file}"))).expect("text"));
-        for (which, (ours, theirs)) in ["start", "second layer", "middle layer", "end"].iter().zip(ours.iter().zip(&theirs)) {
+        for (which, (ours, theirs)) in
+            ["start", "second layer", "middle layer", "end"].iter().zip(ours.iter().zip(&theirs))
+        {
             if ours != theirs {
                 let first = ours.iter().zip(theirs).find(|(a, b)| a != b);
-                wrong.push(format!("{printer}, {which}: {first:?}; {} and {} lines", ours.len(), theirs.len()));
+                wrong.push(format!(
+                    "{printer}, {which}: {first:?}; {} and {} lines",
+                    ours.len(),
+                    theirs.len()
+                ));
             }
         }
     }

@@ -2,7 +2,7 @@
 
 use std::fs;
 
-use pathwright::gcode::PrintFacts;
+use pathwright::gcode::{PrintFacts, Scripts};
 use pathwright::profile::{self, EMBEDDED, Override, Pattern, ProfileKind, Settings, resolve};
 
 fn set(key: &str, value: &str) -> Override {
@@ -413,11 +413,14 @@ fn another_slicers_configuration_is_a_profile_whose_lines_are_the_origins() {
     let resolved = resolve(std::slice::from_ref(&path), &[]).unwrap_or_else(|error| panic!("{error}"));
     let s = &resolved.settings;
     assert_eq!((s.layer.height.0, s.walls.count, s.bed.size[0].0), (0.1, 4, 220.0));
-    assert_eq!((s.speed.external_perimeter.0, s.gcode.start.as_str()), (30.0, "M104 S{nozzle_temp}\nG28\n"));
+    assert_eq!(
+        (s.speed.external_perimeter.0, s.gcode.start.as_str()),
+        (30.0, "M104 S{first_layer_temperature[0]}\nG28\n")
+    );
     assert_eq!(resolved.origins["layer.height"].to_string(), format!("{path}:2 [print:fine]"));
     assert_eq!(resolved.origins["speed.infill"].to_string(), "profile reprap-250", "not said");
     let note = resolved.warnings.iter().map(ToString::to_string).find(|w| w.contains("not taken over"));
-    assert!(note.is_some_and(|note| note.contains(" 2 not taken over")), "{:?}", resolved.warnings);
+    assert!(note.is_some_and(|note| note.contains(" 1 not taken over")), "{:?}", resolved.warnings);
     let shown = profile::text(&path).unwrap();
     assert!(shown.contains("# line 12: infill_first = 1: "), "{shown}");
     let mine = file(&folder, "mine.toml", &shown);
@@ -425,14 +428,45 @@ fn another_slicers_configuration_is_a_profile_whose_lines_are_the_origins() {
 }
 
 #[test]
-fn a_script_that_is_not_understood_is_left_out_whole() {
+fn a_script_with_an_unknown_name_is_refused_and_left_out_only_where_that_is_said() {
     let folder = tempfile::tempdir().unwrap();
-    let text = "layer_height = 0.2\nstart_gcode = G28\\nG1 Z{max_layer_z + 2}\nend_gcode = M84\\n\n";
+    let text = "layer_height = 0.2\nstart_gcode = G28\\nG1 Z{max_layr_z + 2}\nend_gcode = M84\\n\n";
     let path = file(&folder, "config.ini", text);
-    let s = settings(&[&path], &[]);
-    assert_eq!(s.gcode.start, Settings::default().gcode.start);
-    assert_eq!(s.gcode.end, "M84\n");
-    assert!(profile::text(&path).unwrap().contains("line 2 of it holds {max_layer_z + 2}"));
+    let lines = problems(&[&path], &[]);
+    let told = "line 2, column 6: unknown name `max_layr_z`; did you mean `max_layer_z`?";
+    assert!(lines.len() == 1 && lines[0].contains("gcode.start") && lines[0].contains(told), "{lines:?}");
+    let ignoring = settings(&[&path], &[("gcode.ignore_scripts", "true")]);
+    assert_eq!((ignoring.gcode.start.lines().count(), ignoring.gcode.end.as_str()), (2, "M84\n"));
+    let script = Scripts::new(&ignoring, &PrintFacts::default()).unwrap();
+    assert_eq!(
+        script,
+        Scripts::new(&ignoring.set("gcode.start", "").unwrap(), &PrintFacts::default()).unwrap()
+    );
+}
+
+#[test]
+fn an_empty_script_of_a_configuration_stands_for_no_other() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = file(&folder, "config.ini", "layer_height = 0.2\nstart_gcode = \n");
+    assert_eq!(settings(&[&path], &[]).gcode.start, "");
+}
+
+#[test]
+fn a_setting_that_is_given_later_is_what_scripts_of_a_preset_see() {
+    let folder = tempfile::tempdir().unwrap();
+    let text =
+        "temperature = 215\nfirst_layer_temperature = 220\nprinter_notes = HAS_MMU\nstart_gcode = G28\n";
+    let path = file(&folder, "config.ini", text);
+    let seen = |sets: &[(&str, &str)]| {
+        let s = settings(&[&path], sets);
+        profile::expand(
+            "{temperature[0]} {first_layer_temperature[0]} {printer_notes}",
+            &s,
+            &PrintFacts::default(),
+        )
+    };
+    assert_eq!(seen(&[]).unwrap(), "215 220 HAS_MMU\n");
+    assert_eq!(seen(&[("temperature.nozzle", "190")]).unwrap(), "190 220 HAS_MMU\n");
 }
 
 #[test]

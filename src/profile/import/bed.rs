@@ -2,8 +2,8 @@
 
 use toml::Value;
 
-use crate::presets::Config;
 use super::row::Outcome::{self, Left, Near};
+use crate::presets::Config;
 
 /// How far a bed's outline may be from a rectangle or a circle, in millimetres.
 const TOLERANCE_MM: f64 = 0.1;

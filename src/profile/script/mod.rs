@@ -225,7 +225,7 @@ mod tests {
 
     #[test]
     fn every_name_has_a_value() {
-        let print = print();
+        let print = PrintFacts { first_layer_hull_mm: vec![[100.0, 100.0]], ..print() };
         let settings = Settings::default();
         let mut run = ScriptRun::new(&settings, &print);
         run.moment.totals = Some(WholePrint::default());
@@ -258,7 +258,7 @@ mod tests {
         settings.variables.insert("fill_density".into(), toml::Value::String("15%".into()));
         settings.variables.insert("printer_notes".into(), toml::Value::String("MODEL_X".into()));
         let script = "[fill_density] {temperature[0]} {if printer_notes=~/.*MODEL_X.*/}yes{endif}";
-        assert_eq!(filled(script, &settings), "15% 210 yes\n");
+        assert_eq!(filled(script, &settings), "15% 205 yes\n");
     }
 
     #[test]
