@@ -28,7 +28,7 @@ pub fn configurations_of_printers_resolve() {
         let text = std::fs::read_to_string(&path).expect("a text");
         let value = |key: &str| text.lines().find_map(|line| line.strip_prefix(&format!("; {key} = ")));
         // Scripts are checked elsewhere.
-        match resolve(&[path.clone()], &[]) {
+        match resolve(std::slice::from_ref(&path), &[]) {
             Ok(resolved) => {
                 let bed = &resolved.settings.bed;
                 let low = value("bed_shape").and_then(|shape| shape.split(',').next()?.split_once('x'));
@@ -62,7 +62,7 @@ pub fn limits_are_stated_as_their_slicer_states_them() {
         let path = path.to_str().expect("UTF-8").to_owned();
         let text = std::fs::read_to_string(&path).expect("a text");
         let wanted: Vec<_> = text.lines().filter(|line| line.contains(" ; sets ")).map(command).collect();
-        let Ok(resolved) = resolve(&[path.clone()], &[]) else { continue };
+        let Ok(resolved) = resolve(std::slice::from_ref(&path), &[]) else { continue };
         let options = GcodeOptions::from(&resolved.settings);
         let written = header(&options, &PrintFacts::default(), &Scripts::default(), false).bytes;
         let written = String::from_utf8(written).expect("a text");
