@@ -58,26 +58,29 @@ fn masked(line: &str) -> String {
     if depends { line.chars().filter(|c| !c.is_ascii_digit()).collect() } else { line.to_owned() }
 }
 
-fn blocks(text: &str) -> Blocks {
+/// The blocks of a file; `middle`: the `;Z:` of the middle layer, else the third that is there.
+fn blocks(text: &str, middle: Option<&str>) -> (Blocks, String) {
     let text = text.split("; prusaslicer_config = begin").next().unwrap_or_default();
     let lines: Vec<&str> = text.lines().map(str::trim).collect();
     let custom = |line: &&str| **line == *";TYPE:Custom";
     let begin = lines.iter().position(|line| custom(&line)).expect("a start");
     let end = lines.iter().rposition(|line| custom(&line)).expect("an end");
     let changes: Vec<usize> = (0..lines.len()).filter(|&i| lines[i] == ";LAYER_CHANGE").collect();
-    let middle = *changes.iter().find(|&&i| lines[i + 1] == ";Z:10.2").expect("a layer at 10.2 mm");
+    let at = |&&i: &&usize| middle.is_none_or(|z| lines[i + 1] == z);
+    let middle = *changes.iter().skip(2).find(at).expect("the middle layer");
     let kept = |lines: &[&str], is_change: bool| -> Vec<String> {
         let is_bead = |line: &str| line.starts_with(";TYPE:") && line != ";TYPE:Custom";
         let script = lines.iter().take_while(|line| !is_bead(line)).filter(|line| !is_of_slicer(line));
         script.filter(|line| !(is_change && is_of_change(line))).map(|line| masked(line)).collect()
     };
     let ends = lines[end..].iter().copied().filter(|line| !is_fact(line)).collect::<Vec<_>>();
-    [
+    let blocks = [
         kept(&lines[begin..changes[0]], false),
         kept(&lines[changes[1]..], true),
         kept(&lines[middle..], true),
         kept(&ends, false),
-    ]
+    ];
+    (blocks, lines[middle + 1].to_owned())
 }
 
 /// Script text before the first bead, at two layer changes and at the end is that of the presets' slicer, line by line.

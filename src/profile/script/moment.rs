@@ -5,6 +5,7 @@ use macros::Value;
 use crate::gcode::{PrintFacts, calendar};
 use crate::motion::filament_area_mm2;
 use crate::profile::settings::Settings;
+use crate::toolpath::bead::area_mm2;
 
 /// How far a print has come when a script runs.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -57,6 +58,58 @@ impl Context<'_> {
 
     fn bed(&self) -> [[f64; 2]; 2] {
         [self.settings.bed.low_mm(), self.settings.bed.high_mm()]
+    }
+
+    /// Flow of the outermost walls, mm³/s.
+    fn outer_wall_flow(&self) -> f64 {
+        let Settings { walls, layer, speed, filament, .. } = self.settings;
+        let flow = area_mm2(walls.external_width.0, layer.height.0) * speed.external_perimeter.0;
+        if filament.max_flow.0 > 0.0 { flow.min(filament.max_flow.0) } else { flow }
+    }
+
+    /// A variable that is a point, or a list of one.
+    fn point_of(&self, name: &str) -> Option<[f64; 2]> {
+        let mut value = self.settings.variables.get(name)?;
+        if let Some(first @ toml::Value::Array(_)) = value.as_array().and_then(|points| points.first()) {
+            value = first;
+        }
+        let number = |value: &toml::Value| value.as_float().or(value.as_integer().map(|whole| whole as f64));
+        match value.as_array()?.as_slice() {
+            [x, y] => Some([number(x)?, number(y)?]),
+            _ => None,
+        }
+    }
+
+    /// The part of the bed to probe: the first layer and a margin, within what the printer can reach; for printers whose
+    /// presets say that.
+    fn mesh(&self) -> Option<[[f64; 2]; 2]> {
+        let (low, high) = (self.point_of("bed_mesh_min")?, self.point_of("bed_mesh_max")?);
+        let margin = self.settings.variables.get("adaptive_bed_mesh_margin");
+        let margin_mm =
+            margin.and_then(|m| m.as_float().or(m.as_integer().map(|whole| whole as f64))).unwrap_or(0.0);
+        let [first, last] = self.print.first_layer_box();
+        Some([
+            [0, 1].map(|i| (first[i] - margin_mm).max(low[i])),
+            [0, 1].map(|i| (last[i] + margin_mm).min(high[i])),
+        ])
+    }
+
+    /// How many probes lie on it along X and Y: at least three, no further apart than the presets say.
+    fn probes(&self) -> Option<[usize; 2]> {
+        let ([low, high], apart) = (self.mesh()?, self.point_of("bed_mesh_probe_distance")?);
+        Some([0, 1].map(|i| {
+            let steps = ((high[i] - low[i]) / apart[i].max(1.0)).ceil().clamp(2.0, 100.0);
+            steps as usize + 1
+        }))
+    }
+
+    /// The chamber's temperature, as the presets have it.
+    fn chamber(&self) -> Value {
+        let first = |value: &toml::Value| match value {
+            toml::Value::Array(values) => values.first().and_then(toml::Value::as_integer),
+            value => value.as_integer(),
+        };
+        Value::Integer(self.settings.variables.get("chamber_temperature").and_then(first).unwrap_or(0))
     }
 
     fn whole(&self, value: fn(&Self, &WholePrint) -> Value) -> Option<Value> {
@@ -181,6 +234,25 @@ names! {
     "first_layer_print_convex_hull", "corners around the first layer": |c| {
         Some(Value::List(c.print.first_layer_hull_mm.iter().map(|&corner| point(corner)).collect()))
     };
+    "first_layer_center_no_wipe_tower", "middle of the first layer": |c| {
+        let [low, high] = c.print.first_layer_box();
+        Some(point([0, 1].map(|i| f64::midpoint(low[i], high[i]))))
+    };
+    "outer_wall_volumetric_speed", "flow of the outermost walls, mm³/s": |c| Some(Value::Real(c.outer_wall_flow()));
+    "adaptive_bed_mesh_min", "least X and Y of the bed mesh to probe": |c| Some(point(c.mesh()?[0]));
+    "adaptive_bed_mesh_max", "greatest X and Y of the bed mesh to probe": |c| Some(point(c.mesh()?[1]));
+    "bed_mesh_probe_count", "probes of the bed mesh along X and Y": |c| Some(Value::List(c.probes()?.map(whole).to_vec()));
+    "bed_mesh_algo", "how a bed mesh of so many probes is interpolated": |c| {
+        let [x, y] = c.probes()?;
+        Some(Value::Text(if x.min(y) < 4 { "lagrange" } else { "bicubic" }.into()))
+    };
+    "in_head_wrap_detect_zone", "whether a printer's detection zone is printed on: not known": |_| Some(Value::Flag(false));
+    "retraction_distance_when_cut", "retraction before filament is cut: none": |_| Some(Value::Real(0.0));
+    "long_retraction_when_cut", "whether that is long": |_| Some(Value::Flag(false));
+    "most_used_physical_extruder_id", "the extruder that prints most": |_| Some(whole(0));
+    "curr_physical_extruder_id", "the extruder in use": |_| Some(whole(0));
+    "toolchange_count", "changes of tool so far: none": |_| Some(whole(0));
+    "overall_chamber_temperature", "temperature of the chamber, °C; 0: not heated": |c| Some(c.chamber());
     "input_filename", "name of the model's file": |c| Some(Value::Text(format!("{}.gcode", c.print.input_name)));
     "input_filename_base", "the same without its ending": |c| Some(Value::Text(c.print.input_name.clone()));
     "model_name", "the same": |c| Some(Value::Text(c.print.input_name.clone()));
