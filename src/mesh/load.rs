@@ -153,8 +153,8 @@ fn repaired(
     let oriented = repairs.clashing * FEW_CLASHES <= triangles.len();
     let mesh = Mesh {
         vertices: vertices.into_iter().map(|v| v.map(f64::from)).collect(),
-        triangles,
-        twins,
+        triangles: triangles.into(),
+        twins: twins.into(),
         oriented,
     };
     let report = MeshReport::new(&mesh, format, facets, &repairs, notes);

@@ -1,5 +1,7 @@
 //! Scaling and turning a mesh.
 
+use std::sync::Arc;
+
 use nalgebra::{Matrix3, Rotation3, Vector3};
 
 use super::surface::Mesh;
@@ -71,7 +73,8 @@ impl Transform {
 impl Mesh {
     /// Every facet turned over.
     fn turn_over(&mut self) {
-        super::outside::turn_facets(&mut self.triangles, &mut self.twins, |_| true);
+        let (triangles, twins) = (Arc::make_mut(&mut self.triangles), Arc::make_mut(&mut self.twins));
+        super::outside::turn_facets(triangles, twins, |_| true);
     }
 
     /// The mesh moved so that the middle of its box lies over the origin and its lowest point at z = 0.
