@@ -36,4 +36,5 @@ pub use surface::Mesh;
 pub use transform::{Transform, TransformError};
 
 pub(crate) use edges::NO_TWIN;
+pub(crate) use load::load_watched;
 pub(crate) use measure::facet_measures;

@@ -203,6 +203,7 @@ impl PrintWriter<'_> {
     /// Writes layers, checking them.
     fn add(&mut self, layers: Vec<Done>) -> Result<(), JobError> {
         for Done { text, summary, layer } in layers {
+            self.workers.go_on();
             let base = self.output.written() as usize;
             self.slots.extend(text.progress.map(|slot| Slot { offset: base + slot.offset, ..slot }));
             self.write(&text.bytes)?;
