@@ -1,6 +1,7 @@
 //! Observer of a run: receives progress and may cancel.
 
 use std::fmt;
+use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::time::Duration;
 
@@ -18,7 +19,7 @@ use std::time::Duration;
 #[derive(Default)]
 pub struct Observer<'a> {
     on_progress: Option<Box<dyn Fn(usize, usize) + Send + Sync + 'a>>,
-    cancelled: Option<&'a AtomicBool>,
+    cancelled: Option<Arc<dyn Fn() -> bool + Send + Sync + 'a>>,
     clock: Option<fn() -> Duration>,
     done: AtomicUsize,
     total: AtomicUsize,
@@ -39,8 +40,14 @@ impl<'a> Observer<'a> {
 
     /// Ends the run with an error soon after a flag is set.
     #[must_use]
-    pub fn cancelled_by(mut self, flag: &'a AtomicBool) -> Self {
-        self.cancelled = Some(flag);
+    pub fn cancelled_by(self, flag: &'a AtomicBool) -> Self {
+        self.cancelled_when(|| flag.load(Ordering::Relaxed))
+    }
+
+    /// Ends the run with an error as soon as a function says so, which is asked before every piece of work.
+    #[must_use]
+    pub fn cancelled_when(mut self, call: impl Fn() -> bool + Send + Sync + 'a) -> Self {
+        self.cancelled = Some(Arc::new(call));
         self
     }
 
@@ -53,7 +60,7 @@ impl<'a> Observer<'a> {
 
     /// The same without reports of progress, for a part of a run.
     pub(crate) fn silent(&self) -> Observer<'a> {
-        Observer { cancelled: self.cancelled, clock: self.clock, ..Observer::none() }
+        Observer { cancelled: self.cancelled.clone(), clock: self.clock, ..Observer::none() }
     }
 
     /// Number of layers.
@@ -70,7 +77,7 @@ impl<'a> Observer<'a> {
 
     /// Whether the run shall end.
     pub(crate) fn is_cancelled(&self) -> bool {
-        self.cancelled.is_some_and(|flag| flag.load(Ordering::Relaxed))
+        self.cancelled.as_ref().is_some_and(|call| call())
     }
 
     /// The time, where there is a clock.

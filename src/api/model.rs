@@ -4,6 +4,8 @@ use std::path::{Path, PathBuf};
 
 use crate::job::{JobError, TransformOptions};
 use crate::mesh::{self, Mesh};
+use crate::observer::Observer;
+use crate::parallel;
 use crate::pipeline::load;
 use crate::plate;
 use crate::profile::Settings;
@@ -34,6 +36,16 @@ impl Model {
     pub fn read(path: impl AsRef<Path>) -> Result<Self, JobError> {
         let path = path.as_ref();
         Ok(Self::of(path, mesh::load_objects(path)?))
+    }
+
+    /// As [`Model::read`], unless the observer cancels it.
+    ///
+    /// # Errors
+    /// As [`Model::read`]; [`Error::Cancelled`](JobError::Cancelled).
+    pub fn read_watched(path: impl AsRef<Path>, observer: &Observer<'_>) -> Result<Self, JobError> {
+        let path = path.as_ref();
+        let objects = parallel::run(None, observer, |workers| mesh::load_watched(path, workers));
+        Ok(Self::of(path, objects.ok_or(JobError::Cancelled)??))
     }
 
     /// As [`Model::read`], from the file's contents; `name` is what messages call it.

@@ -1,17 +1,19 @@
 //! A surface of triangles.
 
+use std::sync::Arc;
+
 use super::edges::{Edges, NO_TWIN};
 use super::measure::facet_measures;
 
 /// A surface of triangles over shared vertices.
 ///
 /// Corners run counter-clockwise seen from outside. Half-edge `3 t + k` runs from corner `k` of triangle `t` to the
-/// next corner.
+/// next corner. Clones share everything but the vertices, and so do meshes that were moved.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Mesh {
     pub(super) vertices: Vec<[f64; 3]>,
-    pub(super) triangles: Vec<[u32; 3]>,
-    pub(super) twins: Vec<u32>,
+    pub(super) triangles: Arc<Vec<[u32; 3]>>,
+    pub(super) twins: Arc<Vec<u32>>,
     pub(super) oriented: bool,
 }
 
@@ -22,7 +24,12 @@ impl Mesh {
     /// If a triangle names a vertex that does not exist.
     pub fn new(vertices: Vec<[f64; 3]>, triangles: Vec<[u32; 3]>) -> Self {
         let edges = Edges::new(&triangles, vertices.len());
-        Self { vertices, triangles, twins: edges.twins, oriented: edges.clashing == 0 }
+        Self {
+            vertices,
+            triangles: triangles.into(),
+            twins: edges.twins.into(),
+            oriented: edges.clashing == 0,
+        }
     }
 
     /// Both meshes as one; facets keep their neighbours.
@@ -30,9 +37,9 @@ impl Mesh {
     pub fn with(mut self, other: &Self) -> Self {
         let (vertices, halves) = (self.vertices.len() as u32, self.twins.len() as u32);
         self.vertices.extend_from_slice(&other.vertices);
-        self.triangles.extend(other.triangles.iter().map(|t| t.map(|v| v + vertices)));
+        Arc::make_mut(&mut self.triangles).extend(other.triangles.iter().map(|t| t.map(|v| v + vertices)));
         let moved = |&twin: &u32| if twin == NO_TWIN { NO_TWIN } else { twin + halves };
-        self.twins.extend(other.twins.iter().map(moved));
+        Arc::make_mut(&mut self.twins).extend(other.twins.iter().map(moved));
         self.oriented &= other.oriented;
         self
     }

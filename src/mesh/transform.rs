@@ -1,5 +1,7 @@
 //! Scaling and turning a mesh.
 
+use std::sync::Arc;
+
 use nalgebra::{Matrix3, Rotation3, Vector3};
 
 use super::surface::Mesh;
@@ -83,7 +85,8 @@ pub(crate) fn quarter_turned([x, y]: [f64; 2], quarters: u32) -> [f64; 2] {
 impl Mesh {
     /// Every facet turned over.
     fn turn_over(&mut self) {
-        super::repair::turn_facets(&mut self.triangles, &mut self.twins, |_| true);
+        let (triangles, twins) = (Arc::make_mut(&mut self.triangles), Arc::make_mut(&mut self.twins));
+        super::repair::turn_facets(triangles, twins, |_| true);
     }
 
     /// The mesh moved so that the middle of its box lies over the origin and its lowest point at z = 0.

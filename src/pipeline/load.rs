@@ -36,7 +36,7 @@ pub(super) struct Loaded<'a> {
 pub(super) fn read(job: &Job, settings: &Settings, workers: Workers<'_>) -> Result<Vec<Model>, JobError> {
     let read = |i: usize| {
         let path = &job.models[i];
-        let objects = mesh::load_objects(path)?;
+        let objects = mesh::load_watched(path, workers)?;
         model(path, objects, &job.transform, job.copies as usize, settings)
     };
     workers.map(job.models.len(), read).into_iter().collect()

@@ -299,6 +299,7 @@ impl PrintWriter<'_> {
     /// Writes layers, checking them.
     fn add(&mut self, layers: Vec<FinishedLayer>) -> Result<(), JobError> {
         for FinishedLayer { text, summary, layer, entry } in layers {
+            self.workers.go_on();
             let base = self.output.written() as usize;
             self.slots.extend(text.progress.map(|slot| Slot { offset: base + slot.offset, ..slot }));
             let with_scripts = self.with_scripts(&text, &entry)?;

@@ -132,7 +132,9 @@ impl Reader {
         {
             self.problem(origin, "description: a text in quotes was expected".into());
         }
-        for (section, value) in table {
+        // Last, for a setting takes the place of variables that mean the same.
+        let variables = table.remove_entry("variables");
+        for (section, value) in table.into_iter().chain(variables) {
             match value {
                 Value::Table(keys) => {
                     for (key, value) in keys {

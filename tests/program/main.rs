@@ -4,6 +4,7 @@
 mod support;
 
 mod binary;
+mod cancel;
 mod check;
 mod check_model;
 mod cli;

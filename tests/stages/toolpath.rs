@@ -440,7 +440,7 @@ proptest! {
         };
         let side = |[a, b]: [Point; 2], p: Point| (b - a).cross(p - a).signum();
         for wall in of(Role::is_wall) {
-            for bead in of(|role| role == Role::InternalInfill) {
+            for bead in of(|role| !role.is_wall() && role != Role::GapFill) {
                 let apart = side(wall, bead[0]) * side(wall, bead[1]) >= 0 || side(bead, wall[0]) * side(bead, wall[1]) >= 0;
                 prop_assert!(apart, "{name}: {:?} over {:?}", bead.map(Point::mm), wall.map(Point::mm));
             }

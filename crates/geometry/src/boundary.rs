@@ -2,6 +2,7 @@
 
 use std::borrow::Cow;
 
+use super::point::{cross, to_segment_mm};
 use super::{Point, Region};
 
 /// A position on the boundary of a region.
@@ -112,6 +113,62 @@ impl<'a> Boundary<'a> {
         (length_mm > 0.0).then(|| [(bx - ax) / length_mm, (by - ay) / length_mm])
     }
 
+    /// Whether a point is at most a distance in millimetres outside of the region, as far as the edges near a position on its
+    /// boundary tell: those at most twice as far along the ring as the point is away. Corners that stick out are sharp: beyond
+    /// them, the lines of both edges count. O(edges near).
+    pub fn reaches(&self, from: BoundaryPos, to_mm: [f64; 2], distance_mm: f64) -> bool {
+        let Some(ring) = self.rings.get(from.ring as usize).filter(|ring| !ring.is_empty()) else {
+            return true;
+        };
+        let n = ring.len();
+        let side = |edge: usize| [ring[edge % n].mm(), ring[(edge + 1) % n].mm()];
+        let outside_mm = |edge: usize| {
+            let [a, b] = side(edge);
+            let along = [b[0] - a[0], b[1] - a[1]];
+            cross([to_mm[0] - a[0], to_mm[1] - a[1]], along) / along[0].hypot(along[1]).max(f64::MIN_POSITIVE)
+        };
+        let first = from.edge as usize % n;
+        let [a, b] = side(first);
+        let length_mm = ring[first].distance_mm(ring[(first + 1) % n]);
+        let t = from.along_mm / length_mm.max(f64::MIN_POSITIVE);
+        let start = [0, 1].map(|k| a[k] + t * (b[k] - a[k]));
+        let range_mm = 2.0 * (to_mm[0] - start[0]).hypot(to_mm[1] - start[1]);
+        let mut nearest = (f64::INFINITY, first);
+        let mut look = |edge: usize| {
+            let [a, b] = side(edge);
+            let mm = to_segment_mm(to_mm, a, b);
+            if mm < nearest.0 {
+                nearest = (mm, edge);
+            }
+            mm <= distance_mm
+        };
+        if look(first) {
+            return true;
+        }
+        for (step, begun_mm) in [(1, length_mm - from.along_mm), (n - 1, from.along_mm)] {
+            let (mut edge, mut passed_mm) = ((first + step) % n, begun_mm);
+            while edge != first && passed_mm <= range_mm {
+                if look(edge) {
+                    return true;
+                }
+                passed_mm += ring[edge].distance_mm(ring[(edge + 1) % n]);
+                edge = (edge + step) % n;
+            }
+        }
+        let edge = nearest.1;
+        let [a, b] = side(edge);
+        let along = [b[0] - a[0], b[1] - a[1]];
+        let dot = (to_mm[0] - a[0]) * along[0] + (to_mm[1] - a[1]) * along[1];
+        let neighbour = if dot <= 0.0 {
+            edge + n - 1
+        } else if dot >= along[0] * along[0] + along[1] * along[1] {
+            edge + 1
+        } else {
+            edge
+        };
+        outside_mm(edge).max(outside_mm(neighbour)) <= distance_mm
+    }
+
     /// The vertices strictly between two positions of one ring, in the ring's direction if `forward`, else
     /// against it. Empty where the positions are on different rings or share an edge with nothing between.
     pub fn vertices_between(&self, from: BoundaryPos, to: BoundaryPos, forward: bool) -> Vec<Point> {
@@ -180,5 +237,30 @@ mod tests {
         assert_eq!(boundary.vertices_between(at(0, 3.0), at(2, 4.0), false), [corners[0], corners[3]]);
         assert!(boundary.vertices_between(at(1, 3.0), at(1, 4.0), true).is_empty());
         assert_eq!(boundary.vertices_between(at(1, 4.0), at(1, 3.0), true).len(), 4);
+    }
+
+    #[test]
+    fn a_corner_that_sticks_out_reaches_to_where_both_edges_are_so_far_away() {
+        let region = square();
+        let boundary = Boundary::new(&region);
+        // Just before the corner at (10, 0).
+        let reaches = |x, y| boundary.reaches(at(0, 9.9), [x, y], 0.5);
+        assert!(reaches(10.4, -0.4) && reaches(9.9, -0.5) && reaches(9.0, 1.0));
+        assert!(!reaches(10.6, -0.4) && !reaches(10.4, -0.6) && !reaches(10.6, 0.4));
+        // Far from the corner only the edge itself counts.
+        assert!(
+            boundary.reaches(at(0, 5.0), [5.0, -0.5], 0.5) && !boundary.reaches(at(0, 5.0), [5.0, -0.6], 0.5)
+        );
+    }
+
+    #[test]
+    fn around_a_corner_that_sticks_in_one_edge_is_enough() {
+        let mut region = square();
+        let hole = [(4.0, 4.0), (4.0, 6.0), (6.0, 6.0), (6.0, 4.0)];
+        region.polygons[0].holes.push(hole.map(|(x, y)| Point::from_mm(x, y)).to_vec());
+        let boundary = Boundary::new(&region);
+        let left = |along_mm| BoundaryPos { ring: 1, edge: 0, along_mm };
+        assert!(boundary.reaches(left(0.1), [5.0, 4.3], 0.5) && boundary.reaches(left(0.1), [4.3, 5.0], 0.5));
+        assert!(!boundary.reaches(left(1.0), [5.0, 5.0], 0.5));
     }
 }

@@ -12,6 +12,8 @@ use crate::mesh::report::MeshReport;
 use crate::mesh::surface::Mesh;
 use crate::mesh::weld::Soup;
 use crate::mesh::{repair, units, weld};
+use crate::observer::Observer;
+use crate::parallel::Workers;
 
 impl Mesh {
     /// Reads and repairs a file (STL, 3MF or OBJ) as one mesh; [`load`] also reports what was done.
@@ -62,7 +64,8 @@ pub fn from_bytes(path: &Path, data: &[u8]) -> Result<(Mesh, MeshReport), MeshEr
     let Some(FileObject { soup, facets, .. }) = objects.next() else {
         return Err(MeshError::NoFacets { path: path.to_path_buf() });
     };
-    let (mesh, report) = repaired(path, soup, facets, format, notes)?;
+    let observer = Observer::none();
+    let (mesh, report) = repaired(path, soup, facets, format, notes, Workers { observer: &observer })?;
     // Whoever does not scale gets what can be sliced.
     match mesh.bounds().as_flattened().iter().any(|x| x.abs() > f64::from(weld::LIMIT_MM)) {
         true => Err(units::too_large(path, &mesh, [1.0; 3])),
@@ -76,7 +79,15 @@ pub fn from_bytes(path: &Path, data: &[u8]) -> Result<(Mesh, MeshReport), MeshEr
 /// # Errors
 /// As [`load`].
 pub fn load_objects(path: &Path) -> Result<Vec<Model>, MeshError> {
-    objects_from_bytes(path, &contents(path)?)
+    load_watched(path, Workers { observer: &Observer::none() })
+}
+
+/// As [`load_objects`], unless the run is cancelled.
+pub(crate) fn load_watched(path: &Path, workers: Workers<'_>) -> Result<Vec<Model>, MeshError> {
+    workers.go_on();
+    let data = contents(path)?;
+    workers.go_on();
+    objects(path, &data, workers)
 }
 
 /// As [`load_objects`], from the file's contents; `path` is what messages call it.
@@ -84,9 +95,13 @@ pub fn load_objects(path: &Path) -> Result<Vec<Model>, MeshError> {
 /// # Errors
 /// As [`load`].
 pub fn objects_from_bytes(path: &Path, data: &[u8]) -> Result<Vec<Model>, MeshError> {
+    objects(path, data, Workers { observer: &Observer::none() })
+}
+
+fn objects(path: &Path, data: &[u8], workers: Workers<'_>) -> Result<Vec<Model>, MeshError> {
     let Contents { objects, format, mut notes } = formats::read(path, data)?;
     let model = |FileObject { name, soup, facets, positions }| {
-        let (mesh, report) = repaired(path, soup, facets, format, std::mem::take(&mut notes))?;
+        let (mesh, report) = repaired(path, soup, facets, format, std::mem::take(&mut notes), workers)?;
         Ok(Model { name, mesh, report, positions })
     };
     objects.into_iter().map(model).collect()
@@ -143,18 +158,19 @@ fn repaired(
     facets: usize,
     format: &'static str,
     notes: Vec<String>,
+    workers: Workers<'_>,
 ) -> Result<(Mesh, MeshReport), MeshError> {
     if facets > limits::FACETS {
         let problem = format!("{facets} facets; at most {} are read", limits::FACETS);
         return Err(MeshError::TooLarge { path: path.to_path_buf(), problem });
     }
-    let repair::Repaired { vertices, triangles, twins, repairs } = repair::repair(soup);
+    let repair::Repaired { vertices, triangles, twins, repairs } = repair::repair(soup, workers);
     // A seam in a surface with one side does not take its outside from the rest.
     let oriented = repairs.clashing * FEW_CLASHES <= triangles.len();
     let mesh = Mesh {
         vertices: vertices.into_iter().map(|v| v.map(f64::from)).collect(),
-        triangles,
-        twins,
+        triangles: triangles.into(),
+        twins: twins.into(),
         oriented,
     };
     let report = MeshReport::new(&mesh, format, facets, &repairs, notes);

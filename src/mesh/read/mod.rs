@@ -8,4 +8,5 @@ mod stl;
 mod threemf;
 mod words;
 
+pub(crate) use load::load_watched;
 pub use load::{Model, from_bytes, load, load_objects, objects_from_bytes};

@@ -15,6 +15,7 @@ mod walls;
 use crate::mesh::edges::{Edges, NO_TWIN, Side, for_each_edge};
 use crate::mesh::measure::{area_mm2, keep};
 use crate::mesh::weld::Soup;
+use crate::parallel::Workers;
 use doubts::Doubtful;
 use geometry::DisjointSets;
 
@@ -55,15 +56,17 @@ pub(super) struct Repaired {
 /// The share of the surface that is taken to have moved where wide gaps were welded: moves average out.
 const WELDED_SHARE: f64 = 0.1;
 
-/// Repairs a mesh as far as possible; guesses are reported as doubts.
-pub(super) fn repair(soup: Soup) -> Repaired {
+/// Repairs a mesh as far as possible, unless the run is cancelled before one of the steps; guesses are reported as doubts.
+pub(super) fn repair(soup: Soup, workers: Workers<'_>) -> Repaired {
     let Soup { mut vertices, mut triangles, mut degenerate } = soup;
     let mut repairs = Repairs::default();
     let mut doubts = Vec::new();
     // Facets whose winding says nothing.
     let mut free = vec![false; triangles.len()];
+    workers.go_on();
     let mut edges = Edges::new(&triangles, vertices.len());
     settle(&vertices, &mut triangles, &mut free, &mut edges, &mut repairs);
+    workers.go_on();
     if edges.open > 0
         && let Some(closed) = gaps::close(&vertices, &triangles, &edges)
     {
@@ -79,12 +82,14 @@ pub(super) fn repair(soup: Soup) -> Repaired {
         (triangles, edges) = (closed.triangles, closed.edges);
         settle(&vertices, &mut triangles, &mut free, &mut edges, &mut repairs);
     }
+    workers.go_on();
     if edges.non_manifold > 0 {
         repairs.sheets = sheets::drop_sheets(&vertices, &mut triangles, &mut free);
         if repairs.sheets > 0 {
             edges = Edges::new(&triangles, vertices.len());
         }
     }
+    workers.go_on();
     let mut doubtful = Vec::new();
     if edges.clashing > 0 {
         let agreed = agree::agree(&vertices, &mut triangles, &edges.twins, &free);
@@ -92,6 +97,7 @@ pub(super) fn repair(soup: Soup) -> Repaired {
         doubtful = agreed.doubtful;
         edges = Edges::new(&triangles, vertices.len());
     }
+    workers.go_on();
     if edges.non_manifold > 0 {
         let turned = walls::turn_patches(&vertices, &mut triangles);
         repairs.flipped += turned;
@@ -99,6 +105,7 @@ pub(super) fn repair(soup: Soup) -> Repaired {
             edges = Edges::new(&triangles, vertices.len());
         }
     }
+    workers.go_on();
     if edges.open + edges.clashing + edges.non_manifold > 0 {
         let filled = holes::fill(&vertices, &triangles, &edges);
         if filled.holes > 0 {
@@ -111,12 +118,14 @@ pub(super) fn repair(soup: Soup) -> Repaired {
     if degenerate + repairs.duplicates + repairs.cancelled + repairs.sheets > 0 {
         drop_unused(&mut vertices, &mut triangles);
     }
+    workers.go_on();
     let (shell_of, shells) = shells(&triangles, vertices.len(), &edges);
     let (body_of, bodies) = match edges.non_manifold {
         0 => (shell_of, shells),
         _ => bodies(&triangles, vertices.len()),
     };
     doubtful.resize(triangles.len(), false);
+    workers.go_on();
     let outcome =
         outside::turn_outwards(&vertices, &mut triangles, &mut edges.twins, &body_of, bodies, &doubtful);
     repairs.flipped += outcome.turned;

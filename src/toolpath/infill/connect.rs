@@ -16,6 +16,12 @@ const BACK: f64 = 0.75;
 /// Ratio of how far such a line runs sideways into the wedge to how far it runs beyond the boundary.
 const SIDEWAYS: f64 = 1.2;
 
+/// Positions on the boundary are points of the grid, off by less than this.
+const ROUNDING_MM: f64 = 2e-5;
+
+/// Ends are followed in so many steps.
+const STEPS: u32 = 8;
+
 /// Anchors take up less than half of the distance to the next end, whose own may come towards them.
 const ANCHOR: f64 = 0.45;
 
@@ -51,23 +57,54 @@ pub fn connect(region: &Region, mut chords: Vec<Chord>, joins: &Joins) -> Vec<Li
 fn merge(chords: &mut Vec<Chord>, boundary: &Boundary<'_>, joins: &Joins) {
     chords.dedup_by(|next, last| {
         let ([a, b], [c, d]) = (&last.points[..], &next.points[..]) else { return false };
-        if last.line != next.line {
+        // A curve may bend beyond the boundary.
+        let on_line = |p: Point| geometry::to_segment_mm(p.mm(), a.mm(), d.mm()) <= ROUNDING_MM;
+        if last.line != next.line || !on_line(*b) || !on_line(*c) {
             return false;
         }
         let gap_mm = b.distance_mm(*c);
-        let reach_mm = |on: Option<BoundaryPos>, out: Point| {
-            on.and_then(|on| boundary.direction(on)).map_or(0.0, |edge| {
-                let length = out.mm()[0].hypot(out.mm()[1]).max(f64::MIN_POSITIVE);
-                joins.along_mm(joins.reach_mm, out.mm().map(|w| w / length), edge)
+        if gap_mm > 2.0 * joins.furthest_mm() {
+            return false;
+        }
+        let reach_mm = |on: Option<BoundaryPos>, from: Point, end: Point| {
+            on.and_then(|on| boundary.direction(on).map(|edge| (on, edge))).map_or(0.0, |(on, edge)| {
+                let out = (end - from).mm();
+                let length = out[0].hypot(out[1]).max(f64::MIN_POSITIVE);
+                let out = out.map(|w| w / length);
+                within(boundary, on, end.mm(), out, joins.reach_mm, joins.along_mm(joins.reach_mm, out, edge))
             })
         };
-        let meet = gap_mm <= reach_mm(last.ends[1], *b - *a) + reach_mm(next.ends[0], *d - *c);
+        let meet = gap_mm <= reach_mm(last.ends[1], *a, *b) + reach_mm(next.ends[0], *d, *c);
         if meet {
             last.points[1] = *d;
             last.ends[1] = next.ends[1];
         }
         meet
     });
+}
+
+/// How much of the distance `by_mm` from an end on the boundary, in a direction, is at most `across_mm` outside of all edges
+/// there: a line that meets an edge at a small angle just before a corner would go on through the wall beyond that.
+fn within(
+    boundary: &Boundary<'_>,
+    on: BoundaryPos,
+    [x, y]: [f64; 2],
+    out: [f64; 2],
+    across_mm: f64,
+    by_mm: f64,
+) -> f64 {
+    let reaches = |mm: f64| boundary.reaches(on, [x + mm * out[0], y + mm * out[1]], across_mm + ROUNDING_MM);
+    // Beyond a narrow wall it may be near the boundary again.
+    let step_mm = by_mm / f64::from(STEPS);
+    let Some(beyond_mm) = (1..=STEPS).map(|step| f64::from(step) * step_mm).find(|&mm| !reaches(mm)) else {
+        return by_mm;
+    };
+    let [mut least_mm, mut most_mm] = [beyond_mm - step_mm, beyond_mm];
+    while most_mm - least_mm > ROUNDING_MM {
+        let middle_mm = f64::midpoint(least_mm, most_mm);
+        *(if reaches(middle_mm) { &mut least_mm } else { &mut most_mm }) = middle_mm;
+    }
+    least_mm
 }
 
 struct Joiner<'a> {
@@ -187,6 +224,7 @@ impl Joiner<'_> {
             return;
         }
         let by = self.joins.along_mm(across_mm, out, edge);
+        let by = within(&self.boundary, on, [x, y], out, across_mm, by);
         let mut tip = [0, 1].map(|k| [x, y][k] + by * out[k]);
         if let Some(ahead) = ahead.map(Point::mm) {
             // The join comes from one side; the wedge is on the other.
@@ -282,5 +320,52 @@ impl Around {
             self.stops.partition_point(|s| s.on.ring <= ring) - 1
         };
         [(&self.stops[forward], true), (&self.stops[backward], false)]
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::lines::parallel;
+    use super::*;
+    use geometry::Polygon;
+
+    #[test]
+    fn no_end_reaches_further_beyond_a_corner_than_beyond_an_edge() {
+        let (side_mm, reach_mm) = (10.0, 0.3);
+        let corners = [(0.0, 0.0), (side_mm, 0.0), (side_mm, side_mm), (0.0, side_mm)];
+        let outer = corners.map(|(x, y)| Point::from_mm(x, y)).to_vec();
+        let room = Region::from(Polygon { outer, holes: Vec::new() });
+        let joins = Joins { reach_mm, ..Joins::default() };
+        let beyond_mm = |degrees: u32| {
+            let lines = parallel(&room, f64::from(degrees).to_radians(), 0.07, 0.0, &joins);
+            let ends = lines.iter().flat_map(|line| &line.points).flat_map(|p| p.mm());
+            ends.map(|x| (x - side_mm).max(-x)).fold(f64::MIN, f64::max)
+        };
+        for degrees in (0..180).step_by(5) {
+            let mm = beyond_mm(degrees);
+            assert!((mm - reach_mm).abs() < 1e-4, "{degrees}°: {mm} mm");
+        }
+    }
+
+    #[test]
+    fn parts_of_a_line_that_bends_between_them_stay_apart() {
+        let square = |x: f64| {
+            let corners = [(x, 0.0), (x + 4.0, 0.0), (x + 4.0, 4.0), (x, 4.0)];
+            Polygon { outer: corners.map(|(x, y)| Point::from_mm(x, y)).to_vec(), holes: Vec::new() }
+        };
+        let room = Region::disjoint([square(0.0), square(4.4)]);
+        let joins = Joins { reach_mm: 0.3, ..Joins::default() };
+        let count = |bend_mm: f64| {
+            let y = 2.0 + bend_mm;
+            let chord = |a: (f64, f64), b: (f64, f64), ends| {
+                let points = vec![Point::from_mm(a.0, a.1), Point::from_mm(b.0, b.1)];
+                Chord { points, ends, line: 0 }
+            };
+            let at = |ring, edge, along_mm| Some(BoundaryPos { ring, edge, along_mm });
+            let first = chord((1.0, 2.0), (4.0, 2.0), [None, at(0, 1, 2.0)]);
+            let second = chord((4.4, y), (7.4, y), [at(1, 3, 4.0 - y), None]);
+            connect(&room, vec![first, second], &joins).len()
+        };
+        assert_eq!([count(0.0), count(0.2)], [1, 2]);
     }
 }

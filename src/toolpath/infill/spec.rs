@@ -81,7 +81,16 @@ impl Joins {
     /// How far along a line is so far across a boundary: both are given by unit vectors.
     pub(super) fn along_mm(&self, across_mm: f64, line: [f64; 2], edge: [f64; 2]) -> f64 {
         let sine = (line[0] * edge[1] - line[1] * edge[0]).abs();
-        across_mm / sine.max(1.0 / FLATTEST[usize::from(self.hatch.is_none())])
+        across_mm / sine.max(1.0 / self.flattest())
+    }
+
+    /// How far free ends reach along their line at most.
+    pub(super) fn furthest_mm(&self) -> f64 {
+        self.reach_mm * self.flattest()
+    }
+
+    fn flattest(&self) -> f64 {
+        FLATTEST[usize::from(self.hatch.is_none())]
     }
 }
 
