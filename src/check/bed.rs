@@ -52,7 +52,11 @@ impl Rule for Bed {
         let arc = stroke.arc.is_some() && stroke.xy_mm.is_finite();
         let between = |i: usize| stroke.at(i as f64 / ARC_PLACES as f64);
         if !self.holds(stroke.to) || arc && (1..ARC_PLACES).any(|i| !self.holds(between(i))) {
-            let kind = if seen.begun { Kind::OutsideBed } else { Kind::OutsideAtStart };
+            let kind = match (seen.begun, seen.in_script) {
+                (false, _) => Kind::OutsideAtStart,
+                (true, true) => Kind::OutsideInScript,
+                (true, false) => Kind::OutsideBed,
+            };
             seen.fault(found, kind, || format!("to X{x:.3} Y{y:.3} Z{z:.3}"));
         }
         // A bead needs some height; elsewhere the nozzle may touch the bed.

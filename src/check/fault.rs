@@ -74,6 +74,7 @@ kinds! {
     OverVolume, Error, "over-volume", "more material than the model has volume";
     UnbalancedRetraction, Warning, "unbalanced-retraction", "unretraction and retraction differ in length";
     OutsideAtStart, Warning, "outside-at-start", "a move outside of the printable volume before the print";
+    OutsideInScript, Warning, "outside-in-script", "a script moves outside of the printable volume";
     HeaterLeftOn, Warning, "heater-left-on", "a heater is left on at the end";
     NotAwaited, Warning, "not-awaited", "nothing waits for the nozzle to be hot";
     UnknownCommand, Warning, "unknown-command", "a command that no common firmware knows";

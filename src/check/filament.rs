@@ -45,7 +45,10 @@ impl Filament {
     }
 
     fn stroke(&mut self, stroke: &Stroke, seen: &LineContext<'_>, found: &mut Found) {
-        if stroke.extrudes() {
+        if seen.in_script {
+            // It loads and purges as its printer's vendor has found to be right.
+            self.purging &= !stroke.extrudes();
+        } else if stroke.extrudes() {
             self.purging = false;
             let back_mm = seen.retracted_mm;
             if back_mm > SLACK_MM || seen.firmware_retracted {

@@ -51,6 +51,8 @@ pub struct FaultFinder {
     scripts: bool,
     aside: Found,
     begun: bool,
+    /// Whether what follows is marked as a script's.
+    in_script: bool,
     located: bool,
     /// What G92 has moved the file's zero by.
     zero_mm: [f64; 3],
@@ -97,7 +99,11 @@ impl Checker {
         self.lines += 1;
         self.bytes += line.raw.len();
         let mut read = self.reader.read(line);
+        let was_script = self.finder.in_script;
         self.finder.check_line(&mut read, &self.reader.state);
+        if was_script && !self.finder.in_script {
+            self.forget_retraction();
+        }
         read
     }
 
@@ -127,6 +133,7 @@ impl FaultFinder {
             scripts,
             aside: Found::default(),
             begun: false,
+            in_script: false,
             located: false,
             zero_mm: [0.0; 3],
             position: [0.0; 3],
@@ -144,6 +151,9 @@ impl FaultFinder {
         let retracted_mm = std::mem::replace(&mut self.retracted_mm, state.retracted_mm);
         let firmware_retracted = std::mem::replace(&mut self.firmware_retracted, state.firmware_retracted);
         self.follow_zero(&read.line, before);
+        if let Some(name) = read.line.comment.and_then(type_name) {
+            self.in_script = name == b"Custom";
+        }
         if let Action::Stroke(stroke) = &mut read.action {
             if self.zero_mm != [0.0; 3] {
                 *stroke = moved(*stroke, self.zero_mm);
@@ -162,6 +172,7 @@ impl FaultFinder {
             retracted_mm,
             firmware_retracted,
             begun: self.begun,
+            in_script: self.in_script,
             located: self.located,
         };
         let judged = self.scripts || read.context.role.is_some();
@@ -197,6 +208,13 @@ impl FaultFinder {
         }
         self.found
     }
+}
+
+/// What a comment says that follows, as PrusaSlicer, OrcaSlicer and Bambu Studio mark it.
+fn type_name(comment: &[u8]) -> Option<&[u8]> {
+    let comment = comment.trim_ascii();
+    let name = comment.strip_prefix(b"TYPE:").or_else(|| comment.strip_prefix(b"FEATURE:"))?;
+    Some(name.trim_ascii())
 }
 
 /// A move in a frame that lies elsewhere.

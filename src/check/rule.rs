@@ -17,6 +17,8 @@ pub(super) struct LineContext<'a> {
     pub firmware_retracted: bool,
     /// Whether a bead has been printed before or by this line.
     pub begun: bool,
+    /// Whether the line is marked as a script's, which may purge beside the bed, in place and faster than a bead.
+    pub in_script: bool,
     /// Whether the position that a move starts from is known: it is not after some axes have been homed.
     pub located: bool,
 }

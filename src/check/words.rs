@@ -106,7 +106,8 @@ impl Rule for Words {
         if strict
             && !seen.stroke().is_some_and(|stroke| stroke.plain)
             && !is_plain(seen.line.parameters())
-            && let Err(kind) = read(seen.line.parameters(), code.number == 92 && code.letter == b'G')
+            && let Err(kind) =
+                read(seen.line.parameters(), matches!((code.letter, code.number), (b'G', 92) | (b'M', 84)))
         {
             seen.fault(found, kind, || seen.text());
         }

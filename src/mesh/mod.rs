@@ -22,6 +22,6 @@ pub use surface::Mesh;
 pub use transform::{Transform, TransformError};
 
 pub(crate) use edges::NO_TWIN;
-pub(crate) use read::load_watched;
 pub(crate) use measure::facet_measures;
+pub(crate) use read::load_watched;
 pub(crate) use transform::quarter_turned;
