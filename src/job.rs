@@ -31,6 +31,8 @@ pub struct Job {
     pub objects: Vec<ObjectSettings>,
     /// Where the print stops for a filament change.
     pub pauses: Vec<PauseAt>,
+    /// Where it stops for filament of another color.
+    pub color_changes: Vec<PauseAt>,
     /// Date of the header, seconds since 1970; `None`: a fixed one, so that the same input gives the same bytes.
     pub dated: Option<u64>,
     /// Print also what begins in mid-air, instead of refusing it.
@@ -51,6 +53,7 @@ impl Default for Job {
             copies: 1,
             objects: Vec::new(),
             pauses: Vec::new(),
+            color_changes: Vec::new(),
             dated: None,
             allow_floating: false,
             certify: false,

@@ -113,6 +113,10 @@ pub(super) struct SliceArgs {
     #[arg(long, value_name = "WHERE")]
     pub pause_at: Vec<PauseAt>,
 
+    /// Change to filament of another color before this layer (12) or height (12.4mm); repeatable
+    #[arg(long, value_name = "WHERE")]
+    pub color_change_at: Vec<PauseAt>,
+
     /// Ordering strategy [order.strategy]
     #[arg(long, value_name = "STRATEGY", value_parser = PossibleValuesParser::new(OrderStrategy::NAMES), help_heading = "Ordering")]
     pub order: Option<String>,

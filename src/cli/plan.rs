@@ -156,6 +156,7 @@ fn job(args: &SliceArgs, models: &[PathBuf]) -> Job {
         copies: args.copies,
         objects: Vec::new(),
         pauses: args.pause_at.clone(),
+        color_changes: args.color_change_at.clone(),
         allow_floating: args.allow_floating,
         certify: args.certify,
         threads: Some(args.threads.map_or(0, Into::into)),

@@ -131,7 +131,8 @@ impl Walk {
             Move::Retract { length_mm, speed } => self.feed(-length_mm, speed.0),
             Move::Unretract { length_mm, speed } => self.feed(length_mm, speed.0),
             Move::Acceleration(acceleration) => self.acceleration = acceleration.0,
-            Move::Fan(_) | Move::Nozzle(_) | Move::Bed(_) | Move::Object(_) | Move::Pause => {}
+            Move::Fan(_) | Move::Nozzle(_) | Move::Bed(_) | Move::Object(_) => {}
+            Move::Pause | Move::ColorChange => {}
         }
     }
 

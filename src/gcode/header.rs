@@ -63,8 +63,8 @@ pub fn header(settings: &GcodeOptions, facts: &PrintFacts, scripts: &Scripts, se
     if settings.gcode.limits {
         dialect.limits(&mut bytes, &settings.limits);
     }
-    bytes.extend_from_slice(b";TYPE:Custom\n");
     heat(&mut bytes, settings, scripts);
+    bytes.extend_from_slice(b";TYPE:Custom\n");
     bytes.extend_from_slice(scripts.start.as_bytes());
     // Marlin lets G90 set E's mode as well: M82 and M83 come after it.
     bytes.extend_from_slice(b"G21\nG90\n");

@@ -239,7 +239,11 @@ impl<'a> Writer<'a> {
             Move::Nozzle(celsius) => self.heat(b"M104", celsius),
             Move::Bed(celsius) => self.heat(b"M140", celsius),
             Move::Object(object) => self.object(object),
-            Move::Pause => self.pause(),
+            Move::Pause => self.stop(&self.settings.pause),
+            Move::ColorChange if self.settings.color_change.trim().is_empty() => {
+                self.stop(&self.settings.pause)
+            }
+            Move::ColorChange => self.stop(&self.settings.color_change),
         }
     }
 
@@ -424,8 +428,8 @@ impl<'a> Writer<'a> {
     }
 
     /// The pause, then everything that a script may have changed.
-    fn pause(&mut self) {
-        let own = self.settings.pause.trim_end();
+    fn stop(&mut self, script: &str) {
+        let own = script.trim_end();
         let lines = if own.is_empty() { self.dialect.pause() } else { own };
         self.out.extend_from_slice(lines.as_bytes());
         self.end_line();

@@ -98,6 +98,8 @@ pub struct WriterSettings {
     pub firmware_retraction: bool,
     /// Lines of a pause, placeholders filled in; empty: the flavour's own.
     pub pause: String,
+    /// Lines of a color change, placeholders filled in; empty: those of a pause.
+    pub color_change: String,
     /// Names of the objects, where labels are wanted.
     pub objects: Vec<String>,
     /// Leave a blank line of fixed width in every layer, for M73.

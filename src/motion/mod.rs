@@ -28,7 +28,7 @@ pub use options::{
     AccelerationSettings, CoolingSettings, FilamentSettings, RetractSettings, SpeedSettings,
     TemperatureSettings, TravelSettings, filament_area_mm2,
 };
-pub use pause::{PauseAt, PauseError};
+pub use pause::{PauseAt, PauseError, Stop};
 pub use plan::{exit, plan_layer};
 pub use settings::{FlowSettings, MotionSettings};
 pub use sums::LayerSums;

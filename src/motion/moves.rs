@@ -39,6 +39,8 @@ pub enum Move {
     Object(Option<u32>),
     /// A pause or filament change, by the profile's script.
     Pause,
+    /// A change to filament of another color, by the profile's script.
+    ColorChange,
 }
 
 /// Where the nozzle is when a layer begins, in bed coordinates (millimetres, Z offset included).

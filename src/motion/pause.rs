@@ -2,6 +2,15 @@
 
 use std::str::FromStr;
 
+/// Why the nozzle stops.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Stop {
+    /// A pause.
+    Pause,
+    /// A change to filament of another color.
+    ColorChange,
+}
+
 /// Before which layer to pause. Written `12` (before the twelfth layer) or `5.4mm` (before the first layer
 /// that reaches above that height).
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -11,7 +11,7 @@ use super::prime::prime;
 use super::rules::Rules;
 use super::simplify::straighten;
 use super::smooth::{Rounding, gentle_rad, refine_curves, round_corners};
-use super::{Entry, LayerMoves, MotionSettings, Move, travel};
+use super::{Entry, LayerMoves, MotionSettings, Move, PauseAt, Stop, travel};
 use crate::order::PathVisit;
 use crate::toolpath::{LayerKind, LayerPaths, Path, Role};
 use crate::units::{Mm3, MmPerS};
@@ -67,7 +67,11 @@ pub fn plan_layer(
         curved: Vec::new(),
         pieces: Vec::new(),
     };
-    let mut pause = settings.pauses.iter().any(|p| p.precedes(layer.index, layer.top_mm, layer.height_mm));
+    let precedes =
+        |stops: &[PauseAt]| stops.iter().any(|p| p.precedes(layer.index, layer.top_mm, layer.height_mm));
+    let mut stop = precedes(&settings.color_changes)
+        .then_some(Stop::ColorChange)
+        .or(precedes(&settings.pauses).then_some(Stop::Pause));
     let mut vertices = Vec::new();
     for visit in sequence {
         let Some(path) = layer.paths.get(visit.path as usize) else { continue };
@@ -77,10 +81,10 @@ pub fn plan_layer(
             path.island.and_then(|island| layer.islands.get(island.index())).map(|island| island.object),
         );
         if let LayerKind::Spiral(rises) = &layer.kind {
-            nozzle.draw_revolution(path, &vertices, rises, std::mem::take(&mut pause));
+            nozzle.draw_revolution(path, &vertices, rises, stop.take());
             continue;
         }
-        nozzle.travel(start.at, path.island, std::mem::take(&mut pause));
+        nozzle.travel(start.at, path.island, stop.take());
         nozzle.draw(path, &mut vertices);
     }
     nozzle.label(None);

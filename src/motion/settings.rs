@@ -47,6 +47,8 @@ pub struct MotionSettings {
     pub labels: bool,
     /// Where to stop for a filament change.
     pub pauses: Vec<PauseAt>,
+    /// Where to change to filament of another color.
+    pub color_changes: Vec<PauseAt>,
     /// The first layer states its temperatures, for the start script may leave them to a macro.
     pub heat_first_layer: bool,
 }

@@ -1,9 +1,9 @@
 //! Revolutions of a spiral: drawn without a stop, rising all along.
 
-use super::Move;
 use super::bead::Vertex;
 use super::nozzle::Nozzle;
 use super::overhang::Grade;
+use super::{Move, Stop};
 use crate::toolpath::{Path, Rise};
 use crate::units::Mm3;
 use geometry::distance_mm;
@@ -11,15 +11,21 @@ use geometry::distance_mm;
 impl Nozzle<'_> {
     /// Draws the vertices of a revolution, each as far below the layer's height as `rises` says. Only a revolution that does not
     /// begin where the nozzle is, the first, is travelled to.
-    pub(super) fn draw_revolution(&mut self, path: &Path, vertices: &[Vertex], rises: &[Rise], pause: bool) {
+    pub(super) fn draw_revolution(
+        &mut self,
+        path: &Path,
+        vertices: &[Vertex],
+        rises: &[Rise],
+        stop: Option<Stop>,
+    ) {
         let (Some(start), Some(rise)) = (vertices.first(), rises.first()) else { return };
         let top_mm = self.layer_z_mm;
         let start_mm = top_mm - rise.below_mm;
-        if self.at == Some(start.at) && (self.z_mm - start_mm).abs() < 1e-6 && !pause {
+        if self.at == Some(start.at) && (self.z_mm - start_mm).abs() < 1e-6 && stop.is_none() {
             self.positioned = true;
         } else {
             self.layer_z_mm = start_mm;
-            self.travel(start.at, path.island, pause);
+            self.travel(start.at, path.island, stop);
             self.layer_z_mm = top_mm;
         }
         self.begin(path, Grade::Held);

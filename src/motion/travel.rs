@@ -2,7 +2,7 @@
 //! it is long.
 
 use super::nozzle::Nozzle;
-use super::{MotionSettings, Move};
+use super::{MotionSettings, Move, Stop};
 use crate::toolpath::IslandId;
 use crate::units::{Mm3, MmPerS};
 use geometry::{Clipper, Point, Route, distance_mm, polyline_length_mm};
@@ -19,7 +19,8 @@ impl Nozzle<'_> {
     /// A travel *longer* than `retract.min_travel`, or inside the part than `travel.retract_inside`, or from an
     /// unknown place, is retracted. The nozzle climbs to the next layer while it travels, or before where the travel is
     /// no longer than high; never does it go down, or to where something may obstruct it, before it is above.
-    pub(super) fn travel(&mut self, to: [f64; 2], island: Option<IslandId>, pause: bool) {
+    pub(super) fn travel(&mut self, to: [f64; 2], island: Option<IslandId>, stop: Option<Stop>) {
+        let pause = stop.is_some();
         let (retract, travel) = (&self.settings.retract, &self.settings.travel);
         let arriving = !self.positioned || self.z_mm != self.layer_z_mm;
         if self.at == Some(to) && !arriving && !pause {
@@ -42,8 +43,11 @@ impl Nozzle<'_> {
         if retracted && self.retract() && over_mm <= 0.0 {
             route = self.route(to, same_island);
         }
-        if pause {
-            self.moves.push(Move::Pause);
+        if let Some(stop) = stop {
+            self.moves.push(match stop {
+                Stop::Pause => Move::Pause,
+                Stop::ColorChange => Move::ColorChange,
+            });
             route = Route::Across;
         }
         let hops = retracted && (route == Route::Across || retract.z_hop_inside);

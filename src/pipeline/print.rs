@@ -63,6 +63,7 @@ pub(super) fn slice(
         chain: Chain { detours: settings.detour_rule(), ..ordering::chain(settings) },
         motion: MotionSettings {
             heat_first_layer: settings.gcode.heat && scripts.heat_by_name(),
+            color_changes: job.color_changes.clone(),
             ..MotionSettings::new(settings, &job.pauses)
         },
         machine: options.machine,

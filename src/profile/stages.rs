@@ -122,6 +122,7 @@ impl MotionSettings {
             arcs: settings.gcode.arcs.then_some(settings.gcode.arc_tolerance),
             labels: settings.gcode.labels,
             pauses: pauses.to_vec(),
+            color_changes: Vec::new(),
             heat_first_layer: false,
         }
     }
@@ -173,6 +174,7 @@ impl WriterSettings {
             filament_diameter: settings.filament.diameter,
             firmware_retraction: settings.retract.firmware,
             pause: scripts.pause.clone(),
+            color_change: scripts.color_change.clone(),
             objects: Vec::new(),
             progress,
             layer_scripts: layer_scripts(settings),

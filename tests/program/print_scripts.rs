@@ -89,6 +89,24 @@ fn a_script_runs_between_objects_that_are_printed_one_after_the_other() {
 }
 
 #[test]
+fn a_color_change_has_a_script_of_its_own() {
+    let mut own = settings(&[], &[]);
+    (own.gcode.pause, own.gcode.color_change) =
+        ("M601".into(), "M600 ; extruder {color_change_extruder}".into());
+    let at = |layer: &str| layer.parse().expect("a layer");
+    let job = Job {
+        models: vec![model("calibration_cube")],
+        pauses: vec![at("5")],
+        color_changes: vec![at("9")],
+        ..Job::default()
+    };
+    let text = String::from_utf8(run(&job, &own).expect("a print").text).expect("text");
+    let layers = layers(&text);
+    assert!(layers[4].contains("\nM601\n") && layers[8].contains("\nM600 ; extruder 0\n"));
+    assert_eq!((text.matches("M601").count(), text.matches("M600").count()), (1, 1));
+}
+
+#[test]
 fn a_script_that_fails_on_the_way_leaves_no_file() {
     let mut own = settings(&[], &[]);
     own.gcode.after_layer = "{if layer_num == 50}{no_such_name}{endif}".into();

@@ -226,7 +226,12 @@ mod tests {
     #[test]
     fn every_name_has_a_value() {
         let print = PrintFacts { first_layer_hull_mm: vec![[100.0, 100.0]], ..print() };
-        let settings = Settings::default();
+        let mut settings = Settings::default();
+        for (name, value) in
+            [("bed_mesh_min", 0.0), ("bed_mesh_max", 250.0), ("bed_mesh_probe_distance", 50.0)]
+        {
+            settings.variables.insert(name.into(), toml::Value::Array(vec![toml::Value::Float(value); 2]));
+        }
         let mut run = ScriptRun::new(&settings, &print);
         run.moment.totals = Some(WholePrint::default());
         for (name, _) in PLACEHOLDERS.iter().chain(PRINT_NAMES) {

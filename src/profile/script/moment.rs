@@ -134,7 +134,7 @@ fn whole(count: usize) -> Value {
 }
 
 fn point(point: [f64; 2]) -> Value {
-    Value::List(point.map(micrometres).to_vec())
+    Value::List(point.map(Value::Real).to_vec())
 }
 
 fn micrometres(mm: f64) -> Value {
