@@ -84,9 +84,11 @@ impl Rule for Words {
     fn check_line(&mut self, seen: &LineContext<'_>, found: &mut Found) {
         let Some(code) = seen.line.code else {
             let text = seen.line.parameters().trim_ascii();
-            // `@` begins commands of print hosts; T may be followed by x, c or ?.
+            // `@` begins commands of print hosts; T may be followed by x, c or ?; P with a number parks a tool.
+            let parks = matches!(text, [b'P' | b'p', b'0'..=b'9', ..]);
             let known = text.is_empty()
                 || seen.named().is_some()
+                || parks
                 || matches!(text[0], b'@' | b'%' | b'T' | b't' | b'(');
             if !known {
                 seen.fault(found, Kind::Malformed, || seen.text());

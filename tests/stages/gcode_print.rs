@@ -292,7 +292,10 @@ fn a_start_script_without_heating_gets_it() {
     let mut settings = bare();
     settings.gcode.start = "G28".into();
     let text = print(&mixed(1), &settings, &[]);
-    assert!(text.contains("M140 S60\nM104 S210\nM190 S60\nM109 S210\nG28\nG21\nG90\nM83\n"), "{text}");
+    assert!(
+        text.contains("M140 S60\nM104 S210\nM190 S60\nM109 S210\n;TYPE:Custom\nG28\nG21\nG90\nM83\n"),
+        "{text}"
+    );
     settings.gcode.start = "M190 S{bed_temp}\nM109 S{nozzle_temp}\nG28".into();
     let text = print(&mixed(1), &settings, &[]);
     assert!(text.contains(";TYPE:Custom\nM190 S60\nM109 S210\nG28\nG21\n"), "{text}");
