@@ -71,8 +71,13 @@ fn gcode(c: &mut Criterion) {
     let layer = layer();
     let moves = plan(&layer, &settings);
     let count = moves.moves.len() as u64;
-    let facts =
-        PrintFacts { layers: 1, min_mm: [0.0; 2], max_mm: [250.0; 2], max_z_mm: 1.6, dated: 946_684_800 };
+    let facts = PrintFacts {
+        layers: 1,
+        max_mm: [250.0; 2],
+        max_z_mm: 1.6,
+        dated: 946_684_800,
+        ..PrintFacts::default()
+    };
     let scripts = Scripts::new(&settings, &facts).expect("no scripts");
     let writer = WriterSettings::new(&settings, &scripts, false);
     let bytes = format_layer(&moves, &writer).bytes;
