@@ -75,8 +75,8 @@ fn blocks(text: &str, middle: Option<&str>) -> (Blocks, String) {
     let text = text.split("; prusaslicer_config = begin").next().unwrap_or_default();
     let lines: Vec<&str> = text.lines().map(str::trim).collect();
     let custom = |line: &&str| *line == ";TYPE:Custom";
-    let begin = lines.iter().position(|line| custom(line)).expect("a start");
-    let end = lines.iter().rposition(|line| custom(line)).expect("an end");
+    let begin = lines.iter().position(custom).expect("a start");
+    let end = lines.iter().rposition(custom).expect("an end");
     let changes: Vec<usize> = (0..lines.len()).filter(|&i| lines[i] == ";LAYER_CHANGE").collect();
     let at = |&&i: &&usize| middle.is_none_or(|z| lines[i + 1] == z);
     let middle = *changes.iter().skip(2).find(at).expect("the middle layer");
