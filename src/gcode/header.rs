@@ -81,9 +81,21 @@ pub fn header(settings: &GcodeOptions, facts: &PrintFacts, scripts: &Scripts, se
     Header { bytes, slots }
 }
 
+/// The comments around what belongs to an object.
+pub(super) fn label_comments(name: &str, index: usize) -> [String; 2] {
+    ["printing", "stop printing"].map(|what| format!("; {what} object {name} id:{index} copy 0"))
+}
+
 /// The definitions of the objects, written after the header with `gcode.labels`.
 pub fn labels(settings: &GcodeOptions, objects: &[ObjectLabel]) -> Vec<u8> {
     let mut bytes = Vec::new();
+    if settings.gcode.label_comments {
+        for (index, object) in objects.iter().enumerate() {
+            let [begins, ends] = label_comments(&object.name, index);
+            line(&mut bytes, &begins);
+            line(&mut bytes, &ends);
+        }
+    }
     if settings.gcode.labels {
         dialect(settings.printer.flavor).objects(&mut bytes, objects);
     }

@@ -1,7 +1,8 @@
 //! One layer's moves as bytes.
 
 use super::extruder::{E_DECIMALS, Extruder};
-use super::flavor::{Dialect, Purpose, dialect};
+use super::flavor::{Dialect, Purpose, dialect, line};
+use super::header::label_comments;
 use super::number::{push_fixed, push_word, text, ticks};
 use super::settings::WriterSettings;
 use super::slot::{PROGRESS_WIDTH, Pending, Slot};
@@ -249,13 +250,23 @@ impl<'a> Writer<'a> {
 
     /// Ends the current object and begins another.
     fn object(&mut self, object: Option<u32>) {
-        let names = &self.settings.objects;
-        let name = |object: u32| names.get(object as usize).map_or("", String::as_str);
+        let settings = self.settings;
+        let name = |object: u32| settings.objects.get(object as usize).map_or("", String::as_str);
         if let Some(before) = self.object.take() {
-            self.dialect.object_ends(&mut self.out, name(before));
+            if settings.label_commands {
+                self.dialect.object_ends(&mut self.out, name(before));
+            }
+            if settings.label_comments {
+                line(&mut self.out, &label_comments(name(before), before as usize)[1]);
+            }
         }
         if let Some(now) = object {
-            self.dialect.object_begins(&mut self.out, now, name(now));
+            if settings.label_comments {
+                line(&mut self.out, &label_comments(name(now), now as usize)[0]);
+            }
+            if settings.label_commands {
+                self.dialect.object_begins(&mut self.out, now, name(now));
+            }
         }
         self.object = object;
     }

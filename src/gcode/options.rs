@@ -43,6 +43,8 @@ section! {
         binary: bool = false,
         /// Label objects (`EXCLUDE_OBJECT`, M486), so that a printer can cancel a single one.
         labels: bool = false,
+        /// Label objects by comments, as plug-ins of OctoPrint read them.
+        label_comments: bool = false,
         /// State `[machine]` at the start (M201, M203, M204, M205, M566, `SET_VELOCITY_LIMIT`) instead of relying on the firmware's own.
         limits: bool = false,
         /// Heat nozzle and bed where the start script does not, and switch them off where the end script does not.
@@ -71,6 +73,13 @@ section! {
         color_change: String = String::new(),
         /// Name of the G-code file where none is given, with placeholders, such as {input_filename_base}_{layer_height}mm.gcode; empty: the model's.
         file_name: String = String::new(),
+    }
+}
+
+impl GcodeSettings {
+    /// Whether objects are labelled in one way or the other.
+    pub fn labels_objects(&self) -> bool {
+        self.labels || self.label_comments
     }
 }
 

@@ -106,6 +106,10 @@ pub struct WriterSettings {
     pub progress: bool,
     /// Scripts at changes of layer.
     pub layer_scripts: LayerScripts,
+    /// Label objects by the flavour's commands.
+    pub label_commands: bool,
+    /// Label objects by comments.
+    pub label_comments: bool,
 }
 
 /// Which scripts run at changes of layer, and what the writer has to restore after them.

@@ -57,7 +57,8 @@ pub(super) fn slice(
     let options = GcodeOptions::from(settings);
     let mut run = ScriptRun::new(settings, &facts);
     let mut scripts = run.open().map_err(script_error)?;
-    let labels = if settings.gcode.labels { labels(&loaded.plate, &rounds, workers) } else { Vec::new() };
+    let labels =
+        if settings.gcode.labels_objects() { labels(&loaded.plate, &rounds, workers) } else { Vec::new() };
     let names = labels.iter().map(|label| label.name.clone()).collect();
     let maker = LayerMaker {
         chain: Chain { detours: settings.detour_rule(), ..ordering::chain(settings) },

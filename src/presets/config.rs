@@ -149,6 +149,20 @@ impl Config {
         }
     }
 
+    /// A script, or the first of several: without quotes and escapes, its lines ended; empty where there is no line.
+    pub fn script(&self, key: &str) -> String {
+        let written = self.text(key).unwrap_or_default();
+        let mut text = match written.starts_with('"') {
+            true => value::texts(written).into_iter().next().unwrap_or_default().into_owned(),
+            false => value::unescaped(written),
+        };
+        text.retain(|c| c != '\r');
+        if !text.is_empty() && !text.ends_with('\n') {
+            text.push('\n');
+        }
+        text
+    }
+
     /// Whether something is on.
     pub fn flag(&self, key: &str) -> Option<bool> {
         match self.first(key)? {
@@ -173,6 +187,20 @@ mod tests {
         assert_eq!((config.number_of("a", None), config.text("b")), (None, None));
         assert_eq!(config.number("c"), Some(1500.0), "the first of several");
         assert_eq!(config.text("filament_wipe"), None, "the first extruder has none of its own");
+    }
+
+    #[test]
+    fn scripts_have_no_quotes_and_escapes_and_end_with_a_line() {
+        let mut config = Config::default();
+        let scripts = [
+            ("start_gcode", "G28\\n; a \\\\ b", "G28\n; a \\ b\n"),
+            ("start_filament_gcode", "\"M900 K1\\nM2\";\"M900 K2\"", "M900 K1\nM2\n"),
+            ("end_gcode", "\"\"", ""),
+        ];
+        for (key, written, script) in scripts {
+            config.set(key, written, Place::new("x.ini", 1, ""));
+            assert_eq!(config.script(key), script);
+        }
     }
 
     #[test]

@@ -120,7 +120,7 @@ impl MotionSettings {
             temperature: settings.temperature.clone(),
             z_offset: settings.layer.z_offset,
             arcs: settings.gcode.arcs.then_some(settings.gcode.arc_tolerance),
-            labels: settings.gcode.labels,
+            labels: settings.gcode.labels_objects(),
             pauses: pauses.to_vec(),
             color_changes: Vec::new(),
             heat_first_layer: false,
@@ -178,6 +178,8 @@ impl WriterSettings {
             objects: Vec::new(),
             progress,
             layer_scripts: layer_scripts(settings),
+            label_commands: settings.gcode.labels,
+            label_comments: settings.gcode.label_comments,
         }
     }
 }

@@ -89,6 +89,19 @@ fn a_script_runs_between_objects_that_are_printed_one_after_the_other() {
 }
 
 #[test]
+fn objects_are_labelled_by_comments_where_plug_ins_read_them() {
+    let job = Job { models: vec![model("calibration_cube"); 2], ..Job::default() };
+    let labelled = run(&job, &settings(&[], &["gcode.label_comments=true"])).expect("a print");
+    let plain = run(&job, &settings(&[], &[])).expect("a print");
+    let text = String::from_utf8(labelled.text).expect("text");
+    let count = |what: &str| text.lines().filter(|line| line.starts_with(what)).count();
+    assert_eq!(count("; printing object "), count("; stop printing object "));
+    assert!(count("; printing object calibration_cube id:0 copy 0") > 100);
+    let rest: Vec<&str> = text.lines().filter(|line| !line.contains("printing object ")).collect();
+    assert_eq!(rest, String::from_utf8_lossy(&plain.text).lines().collect::<Vec<_>>());
+}
+
+#[test]
 fn a_color_change_has_a_script_of_its_own() {
     let mut own = settings(&[], &[]);
     (own.gcode.pause, own.gcode.color_change) =

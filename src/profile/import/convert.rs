@@ -4,7 +4,6 @@ use toml::Value;
 
 use super::row::Outcome::{self, Idle, Left, Near};
 use super::row::{How, Row};
-use super::script;
 use crate::estimate::MachineSettings;
 use crate::gcode::{Flavor, thumbnail_list};
 use crate::options::Kind;
@@ -845,10 +844,13 @@ pub(super) fn thumbnails(config: &Config) -> Outcome {
 
 pub(super) fn labels(config: &Config) -> Outcome {
     match config.text("gcode_label_objects") {
-        Some("octoprint") => Left("only the firmware's own labels are written".into()),
         Some("firmware" | "1") => flag(true),
         _ => flag(false),
     }
+}
+
+pub(super) fn label_comments(config: &Config) -> Outcome {
+    flag(config.text("gcode_label_objects") == Some("octoprint"))
 }
 
 /// Whether limits are written to G-code, which not every dialect has commands for there.
@@ -872,7 +874,7 @@ pub(super) fn min_speed(config: &Config) -> Outcome {
 
 /// A script, as it is written.
 fn script_of(config: &Config, key: &str) -> Outcome {
-    word(&script::of(config.text(key).unwrap_or_default()))
+    word(&config.script(key))
 }
 
 pub(super) fn start(config: &Config) -> Outcome {

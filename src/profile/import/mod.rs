@@ -8,7 +8,6 @@ mod figures;
 mod idle;
 mod page;
 mod row;
-mod script;
 mod table;
 mod variables;
 

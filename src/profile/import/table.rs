@@ -493,6 +493,7 @@ pub(super) const ROWS: &[Row] = &[
     same("gcode.relative_e", &["use_relative_e_distances"]),
     with("gcode.arcs", &["arc_fitting"], "any but `disabled`", c::arcs),
     with("gcode.thumbnails", &["thumbnails"], "PNG, JPG, QOI, COLPIC, BTT_TFT", c::thumbnails),
+    with("gcode.label_comments", &["gcode_label_objects"], "`octoprint`", c::label_comments),
     with("gcode.labels", &["gcode_label_objects"], "`firmware`, 1", c::labels),
     with(
         "gcode.limits",
