@@ -517,5 +517,6 @@ pub(super) const ROWS: &[Row] = &[
     with("gcode.pause", &["pause_print_gcode"], SCRIPT, c::pause),
     with("gcode.color_change", &["color_change_gcode"], SCRIPT, c::color_change),
     same("gcode.file_name", &["output_filename_format"]),
+    same("gcode.binary", &["binary_gcode"]),
     same("gcode.heat", &["autoemit_temperature_commands"]),
 ];
