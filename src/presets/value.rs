@@ -109,25 +109,9 @@ fn single(scalar: Scalar, value: &str) -> String {
     written.unwrap_or_else(|| value.to_owned())
 }
 
-/// A number with at most six digits that count, as C++ streams write it.
+/// A number as C++ streams write it, and scripts do; 0 has no sign.
 fn short(number: f64) -> String {
-    const DIGITS: i32 = 6;
-    if number == 0.0 {
-        return "0".into();
-    }
-    let written = format!("{number:.*e}", (DIGITS - 1) as usize);
-    let (digits, exponent) = written.split_once('e').unwrap_or((&written, "0"));
-    let exponent: i32 = exponent.parse().unwrap_or(0);
-    let trimmed = |text: &str| match text.contains('.') {
-        true => text.trim_end_matches('0').trim_end_matches('.').to_owned(),
-        false => text.to_owned(),
-    };
-    if (-4..DIGITS).contains(&exponent) {
-        trimmed(&format!("{number:.*}", (DIGITS - 1 - exponent).max(0) as usize))
-    } else {
-        let sign = if exponent < 0 { '-' } else { '+' };
-        format!("{}e{sign}{:02}", trimmed(digits), exponent.abs())
-    }
+    macros::Value::Real(number + 0.0).to_string()
 }
 
 /// The texts of a list: separated by `;`, with or without quotes.
