@@ -33,7 +33,7 @@ fn main() -> ExitCode {
 /// What a slicing came to, and what a reader of the file thinks of it.
 fn slice(model: PathBuf, file: PathBuf, profiles: &[String]) -> Result<String, Box<dyn std::error::Error>> {
     let resolved = profile::resolve(profiles, &[])?;
-    let job = Job { models: vec![model], ..Job::default() };
+    let job = Job { models: vec![model.into()], ..Job::default() };
     let mut output = Output::create(&file)?;
     let summary = Pipeline.slice(&job, &resolved.settings, &mut output, &Observer::none())?;
     // Until now nothing is to be seen of the file.

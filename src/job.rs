@@ -1,9 +1,17 @@
 //! The tasks of a run, and the errors that it can end with.
 
+mod command;
 mod error;
+mod file;
+mod key;
+mod model;
+mod objects;
+mod project;
+mod resolve;
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
+use crate::mesh::Transform;
 use crate::motion::PauseAt;
 use crate::observer::Observer;
 use crate::order::OrderStrategy;
@@ -13,21 +21,24 @@ use crate::profile::Settings;
 use crate::report::{ModelInfo, PaperRow, Reordered, Summary};
 
 pub use error::{CheckError, FitError, InputError, JobError};
+pub use model::{JobModel, ModelFile, ModelFiles, ModelSource};
+pub use objects::ObjectSettings;
+pub use project::{ModelRole, PresetNames, Project, ProjectModel};
 
 /// Models for one plate, and what to do with them.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct Job {
-    /// Files, in the order in which they are placed.
-    pub models: Vec<PathBuf>,
-    /// Support enforcers, placed as the first model is.
-    pub support_enforcers: Vec<PathBuf>,
-    /// Bodies, placed as the first model is, in which nothing is supported.
-    pub support_blockers: Vec<PathBuf>,
-    /// How each model is scaled, turned and moved.
-    pub transform: TransformOptions,
-    /// How many of each model; at least 1.
-    pub copies: u32,
-    /// Settings that some objects have of their own.
+    /// What is printed, in the order in which it is placed. Either all have a position or none has.
+    pub models: Vec<JobModel>,
+    /// Bodies in which support is enforced; those without a position are placed as the first model is.
+    pub support_enforcers: Vec<JobModel>,
+    /// Bodies in which nothing is supported; those without a position are placed as the first model is.
+    pub support_blockers: Vec<JobModel>,
+    /// Moves the plate away from where it would be placed, millimetres; a negative Z cuts off the bottom.
+    pub translate_mm: [f64; 3],
+    /// Shrink what is larger than the bed.
+    pub scale_to_fit: bool,
+    /// Settings that some objects have of their own, found by their names.
     pub objects: Vec<ObjectSettings>,
     /// Where the print stops for a filament change.
     pub pauses: Vec<PauseAt>,
@@ -43,55 +54,29 @@ pub struct Job {
     pub threads: Option<usize>,
 }
 
-impl Default for Job {
-    fn default() -> Self {
-        Self {
-            models: Vec::new(),
-            support_enforcers: Vec::new(),
-            support_blockers: Vec::new(),
-            transform: TransformOptions::default(),
-            copies: 1,
-            objects: Vec::new(),
-            pauses: Vec::new(),
-            color_changes: Vec::new(),
-            dated: None,
-            allow_floating: false,
-            certify: false,
-            threads: None,
-        }
+impl Job {
+    /// Models from files, as they are, one plate.
+    pub fn of(models: impl IntoIterator<Item = PathBuf>) -> Self {
+        Self { models: models.into_iter().map(JobModel::from).collect(), ..Self::default() }
     }
-}
 
-/// Settings of objects that differ from those of the plate.
-#[derive(Clone, Debug, PartialEq)]
-pub struct ObjectSettings {
-    /// Name of the objects: a file, with or without folder or extension, or an object in a 3MF file.
-    pub object: String,
-    /// All settings; of use are those of [`ObjectSettings::SECTIONS`].
-    pub settings: Settings,
-}
+    /// The same with so many of each model.
+    #[must_use]
+    pub fn with_copies(mut self, copies: u32) -> Self {
+        self.models.iter_mut().for_each(|model| model.copies = copies);
+        self
+    }
 
-impl ObjectSettings {
-    /// Sections that may differ from object to object.
-    pub const SECTIONS: [&str; 5] = ["walls", "shell", "infill", "ironing", "bridge"];
-}
+    /// The same with every model scaled and turned so.
+    #[must_use]
+    pub fn transformed(mut self, transform: Transform) -> Self {
+        self.all_models().for_each(|model| model.transform = transform);
+        self
+    }
 
-/// Scaled first, then turned, then placed on the bed, then moved.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct TransformOptions {
-    /// Factors along X, Y and Z; greater than 0.
-    pub scale: [f64; 3],
-    /// Angles about X, Y and Z, in this order, degrees.
-    pub rotate_deg: [f64; 3],
-    /// Away from where the model would be placed, millimetres.
-    pub translate_mm: [f64; 3],
-    /// Shrink what is larger than the bed.
-    pub scale_to_fit: bool,
-}
-
-impl Default for TransformOptions {
-    fn default() -> Self {
-        Self { scale: [1.0; 3], rotate_deg: [0.0; 3], translate_mm: [0.0; 3], scale_to_fit: false }
+    /// Every model, what is printed first.
+    fn all_models(&mut self) -> impl Iterator<Item = &mut JobModel> {
+        self.models.iter_mut().chain(&mut self.support_enforcers).chain(&mut self.support_blockers)
     }
 }
 
@@ -158,14 +143,9 @@ pub trait Engine: Sync {
         observer: &Observer<'_>,
     ) -> Result<Reordered, JobError>;
 
-    /// Reports the contents of a model, and whether it fits.
+    /// Reports the contents of the only model of a job, and whether it fits.
     ///
     /// # Errors
-    /// [`JobError::Input`] if it cannot be read.
-    fn info(
-        &self,
-        model: &Path,
-        transform: &TransformOptions,
-        settings: &Settings,
-    ) -> Result<ModelInfo, JobError>;
+    /// [`JobError::Mesh`] if it cannot be read.
+    fn info(&self, job: &Job, settings: &Settings) -> Result<ModelInfo, JobError>;
 }

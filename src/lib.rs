@@ -65,6 +65,7 @@ pub mod estimate;
 pub mod gcode;
 pub mod job;
 pub mod limits;
+pub mod live;
 pub mod mesh;
 pub mod motion;
 pub mod options;
@@ -76,6 +77,8 @@ pub mod presets;
 pub mod profile;
 pub mod reorder;
 pub mod report;
+#[cfg(feature = "serve")]
+pub mod serve;
 pub mod slice;
 pub mod toolpath;
 pub mod units;

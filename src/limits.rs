@@ -14,6 +14,8 @@ pub const LAYERS: usize = 100_000;
 pub const CROSSINGS: u64 = 2_000_000_000;
 /// Largest profile.
 pub const PROFILE_BYTES: u64 = 1 << 20;
+/// Largest project, without its models.
+pub const PROJECT_BYTES: u64 = 16 << 20;
 /// Largest file of presets of another slicer.
 pub const PRESETS_BYTES: u64 = 64 << 20;
 /// Most profiles that inherit from each other in a row.
@@ -30,6 +32,9 @@ pub const BYTES_PER_BYTE: u64 = 3;
 /// Bytes that a print needs for each triangle that a layer crosses: outlines, shells, paths (measured: below 60).
 pub const BYTES_PER_CROSSING: u64 = 64;
 
+/// By what the messages of [`check_memory`] are known.
+pub(crate) const MEMORY_NEEDED: &str = "of memory are needed";
+
 /// The function that says how much memory is free.
 static MEMORY: OnceLock<fn() -> Option<u64>> = OnceLock::new();
 
@@ -45,11 +50,9 @@ pub fn watch_memory(free_bytes: fn() -> Option<u64>) {
 /// How much is needed, and how much there is.
 pub fn check_memory(need_bytes: u64) -> Result<(), String> {
     match MEMORY.get().and_then(|free_bytes| free_bytes()) {
-        Some(free_bytes) if need_bytes > free_bytes => Err(format!(
-            "about {} MB of memory are needed, {} MB are free",
-            need_bytes >> 20,
-            free_bytes >> 20
-        )),
+        Some(free_bytes) if need_bytes > free_bytes => {
+            Err(format!("about {} MB {MEMORY_NEEDED}, {} MB are free", need_bytes >> 20, free_bytes >> 20))
+        }
         _ => Ok(()),
     }
 }

@@ -2,13 +2,11 @@
 
 use std::process::ExitCode;
 
-use pathwright::cli::{self, Exit};
-use pathwright::output;
+use pathwright::cli;
 use pathwright::pipeline::Pipeline;
 
 fn main() -> ExitCode {
-    // On an interrupt nothing has to be asked: what is incomplete is removed, and the process ends at once.
-    let handler = ctrlc::set_handler(|| output::abandon_and_exit(Exit::Interrupted as i32));
+    let handler = ctrlc::set_handler(cli::interrupted);
     if let Err(error) = handler {
         eprintln!("warning: an interrupt may leave a temporary file behind: {error}");
     }

@@ -2,8 +2,8 @@
 
 use std::path::{Path, PathBuf};
 
-use crate::job::{JobError, TransformOptions};
-use crate::mesh::{self, Mesh};
+use crate::job::{JobError, JobModel};
+use crate::mesh::{self, Mesh, Transform};
 use crate::observer::Observer;
 use crate::parallel;
 use crate::pipeline::load;
@@ -24,7 +24,8 @@ use crate::profile::Settings;
 pub struct Model {
     path: PathBuf,
     objects: Vec<mesh::Model>,
-    transform: TransformOptions,
+    transform: Transform,
+    at_mm: Option<[f64; 3]>,
     copies: usize,
 }
 
@@ -58,7 +59,7 @@ impl Model {
     }
 
     fn of(path: &Path, objects: Vec<mesh::Model>) -> Self {
-        Self { path: path.to_owned(), objects, transform: TransformOptions::default(), copies: 1 }
+        Self { path: path.to_owned(), objects, transform: Transform::default(), at_mm: None, copies: 1 }
     }
 
     /// What messages and object labels call it.
@@ -82,6 +83,14 @@ impl Model {
         self
     }
 
+    /// Standing on the bed with the middle of its box, seen from above, and its lowest point there (the bed's coordinates,
+    /// millimetres). Either all models of a plate have a position or none has.
+    #[must_use]
+    pub fn standing_at(mut self, at_mm: [f64; 3]) -> Self {
+        self.at_mm = Some(at_mm);
+        self
+    }
+
     /// Number of copies.
     #[must_use]
     pub fn copies(mut self, copies: usize) -> Self {
@@ -95,7 +104,9 @@ impl Model {
     }
 
     pub(super) fn prepared(self, settings: &Settings) -> Result<plate::Model, JobError> {
-        load::model(&self.path, self.objects, &self.transform, self.copies, settings)
+        let copies = u32::try_from(self.copies).unwrap_or(u32::MAX);
+        let wanted = JobModel { transform: self.transform, at_mm: self.at_mm, copies, ..self.path.into() };
+        load::model(&wanted, self.objects, false, settings)
     }
 }
 

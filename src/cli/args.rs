@@ -2,12 +2,14 @@
 
 use std::num::NonZeroUsize;
 use std::path::PathBuf;
+use std::time::Duration;
 
 use clap::builder::PossibleValuesParser;
 use clap::{Args, Parser, Subcommand, ValueHint};
 use clap_complete::Shell;
 
 use crate::estimate::Firmware;
+use crate::mesh::UNITS;
 use crate::motion::PauseAt;
 use crate::order::{CostKind, Effort, OrderStrategy, Scope, SeamPosition};
 
@@ -20,6 +22,8 @@ Exit codes:
   5    the models do not fit the printer, or cannot be printed one after the other
   6    the output cannot be written
   7    a check of the result or of the given file failed, or a part would start in mid-air
+  8    --timeout is over
+  9    --max-memory does not suffice
   130  interrupted";
 
 /// Slices models for RepRap-class printers and orders their toolpaths near-optimally.
@@ -33,6 +37,11 @@ pub(super) struct Arguments {
 #[derive(Debug, Subcommand)]
 pub(super) enum Command {
     Slice(Box<SliceArgs>),
+    /// Print the key of a result without slicing: a hash of all that its bytes depend on
+    ///
+    /// Takes the arguments of `slice` and prints one line for each G-code file that it would write. The key depends on the
+    /// contents and names of the models, the settings in force and the version of the program; not on folders or threads.
+    Key(Box<SliceArgs>),
     Compare(Box<CompareArgs>),
     Reorder(Box<ReorderArgs>),
     View(Box<ViewArgs>),
@@ -41,6 +50,10 @@ pub(super) enum Command {
     Check(CheckArgs),
     Profiles(ProfilesArgs),
     Printers(PrintersArgs),
+    #[cfg(feature = "serve")]
+    App(super::app::AppArgs),
+    #[cfg(feature = "serve")]
+    Serve(Box<super::serve::ServeArgs>),
     /// Print a completion script for a shell
     Completions {
         shell: Shell,
@@ -68,6 +81,10 @@ pub(super) struct SliceArgs {
     /// Write to this file (.bgcode: binary), or into this folder; - for standard output
     #[arg(short, long, value_name = "PATH", value_hint = ValueHint::AnyPath)]
     pub output: Option<PathBuf>,
+
+    /// Write the plate as a project (3MF) instead of slicing it; `slice` of that file gives the same G-code
+    #[arg(long, value_name = "FILE", value_hint = ValueHint::FilePath, conflicts_with_all = ["output", "each", "json", "translate", "scale_to_fit"])]
+    pub save_project: Option<PathBuf>,
 
     /// Write one G-code file per model, instead of one plate with all of them
     #[arg(long)]
@@ -144,7 +161,10 @@ pub(super) struct SliceArgs {
     #[arg(long, value_name = "N")]
     pub threads: Option<NonZeroUsize>,
 
-    /// Print the summary as JSON, one line per file written
+    #[command(flatten)]
+    pub limits: LimitArgs,
+
+    /// Print the summary as JSON, one line per file written; of a failure a line with its kind, message, object and file
     #[arg(long, conflicts_with = "quiet")]
     pub json: bool,
 
@@ -193,6 +213,9 @@ pub(super) struct CompareArgs {
     /// Worker threads [default: $RAYON_NUM_THREADS, or all cores]; the result is the same
     #[arg(long, value_name = "N")]
     pub threads: Option<NonZeroUsize>,
+
+    #[command(flatten)]
+    pub limits: LimitArgs,
 
     /// Print JSON with every layer, one line per model
     #[arg(long, conflicts_with = "csv")]
@@ -247,6 +270,9 @@ pub(super) struct ReorderArgs {
     /// Worker threads [default: $RAYON_NUM_THREADS, or all cores]; the result is the same
     #[arg(long, value_name = "N")]
     pub threads: Option<NonZeroUsize>,
+
+    #[command(flatten)]
+    pub limits: LimitArgs,
 
     /// Print what was saved as JSON, one line per file
     #[arg(long, conflicts_with = "quiet")]
@@ -350,9 +376,13 @@ pub(super) struct InfoArgs {
 
 #[derive(Debug, Args)]
 pub(super) struct ModelArgs {
-    /// Models to read
+    /// Models (STL, 3MF, OBJ), or a project; - for standard input
     #[arg(required = true, value_name = "MODEL", value_hint = ValueHint::FilePath)]
     pub files: Vec<PathBuf>,
+
+    /// What the model on standard input is called
+    #[arg(long, value_name = "NAME", default_value = "model")]
+    pub stdin_name: PathBuf,
 
     #[command(flatten)]
     pub shape: ShapeArgs,
@@ -366,8 +396,24 @@ pub(super) struct ModelArgs {
     pub scale_to_fit: bool,
 }
 
+/// What a run may take.
+#[derive(Debug, Args)]
+pub(super) struct LimitArgs {
+    /// End with code 8 after so many seconds, and write nothing
+    #[arg(long, value_name = "SECONDS", value_parser = seconds, help_heading = "Limits")]
+    pub timeout: Option<Duration>,
+
+    /// End with code 9 where more memory is needed, such as 512M or 2G, and write nothing
+    #[arg(long, value_name = "SIZE", value_parser = size, help_heading = "Limits")]
+    pub max_memory: Option<u64>,
+}
+
 #[derive(Debug, Args)]
 pub(super) struct ShapeArgs {
+    /// Unit of the models [default: mm, or what a 3MF says]
+    #[arg(long, value_name = "UNIT", value_parser = PossibleValuesParser::new(UNITS.map(|(name, _)| name)), help_heading = "Transform")]
+    pub unit: Option<String>,
+
     /// Scale by one factor, or by one per axis
     #[arg(long, value_name = "F|X,Y,Z", value_parser = scale, help_heading = "Transform")]
     pub scale: Option<Triple>,
@@ -592,6 +638,29 @@ fn object_setting(text: &str) -> Result<ObjectAssignment, String> {
     }
 }
 
+fn seconds(text: &str) -> Result<Duration, String> {
+    let time = text.trim().parse::<f64>().ok().filter(|seconds| *seconds > 0.0);
+    let time = time.and_then(|seconds| Duration::try_from_secs_f64(seconds).ok());
+    time.ok_or_else(|| "a number of seconds above 0 is expected, such as 60".into())
+}
+
+/// A number of bytes: K, M and G are powers of 1024.
+fn size(text: &str) -> Result<u64, String> {
+    let upper = text.trim().to_ascii_uppercase();
+    let number = upper.trim_end_matches('B').trim_end_matches('I');
+    let (number, unit) = match number.chars().last() {
+        Some('K') => (&number[..number.len() - 1], 1_u64 << 10),
+        Some('M') => (&number[..number.len() - 1], 1 << 20),
+        Some('G') => (&number[..number.len() - 1], 1 << 30),
+        _ => (number, 1),
+    };
+    let bytes = number.trim().parse::<f64>().map(|number| number * unit as f64);
+    match bytes {
+        Ok(bytes) if bytes.is_finite() && bytes >= 1.0 => Ok(bytes as u64),
+        _ => Err("a size is expected, such as 512M or 2G".into()),
+    }
+}
+
 fn triple(text: &str) -> Result<Triple, String> {
     let wrong = || "three numbers are expected, such as 0,0,45".to_owned();
     let numbers: Vec<f64> =
@@ -639,6 +708,16 @@ mod tests {
         assert_eq!((typed.setting.key.as_str(), typed.setting.value.as_str()), ("infill.density", "40%"));
         for wrong in ["infill.density=40%", ":infill.density=4", "part:infill", "part:=3"] {
             assert!(object_setting(wrong).is_err(), "{wrong}");
+        }
+    }
+
+    #[test]
+    fn a_size_has_a_unit_or_is_in_bytes() {
+        for (text, bytes) in [("512M", 512 << 20), ("1.5GiB", 3 << 29), ("2g", 2 << 30), ("4096", 4096)] {
+            assert_eq!(size(text), Ok(bytes), "{text}");
+        }
+        for wrong in ["", "M", "-1G", "x", "0"] {
+            assert!(size(wrong).is_err(), "{wrong}");
         }
     }
 

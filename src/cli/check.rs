@@ -19,7 +19,9 @@ pub(super) fn run(args: &CheckArgs) -> Result<Exit, Failure> {
     let resolved = plan::settings(&args.settings, &[])?;
     let bodies = bodies(&args.model, &args.shape, &resolved.settings)?;
     if !bodies.is_empty() && args.files.iter().any(|file| file == Path::new("-")) {
-        return Err(plan::usage("with --model the file is read more than once; standard input cannot be"));
+        return Err(super::exit::usage(
+            "with --model the file is read more than once; standard input cannot be",
+        ));
     }
     let (mut unread, mut faulty) = (false, false);
     for path in &args.files {

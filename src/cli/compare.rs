@@ -5,10 +5,11 @@ use std::path::{Path, PathBuf};
 use serde_json::json;
 
 use super::args::CompareArgs;
-use super::console::{self, Bar};
-use super::exit::{Exit, Failure};
-use super::plan;
-use super::view::{file_name, sliced, write};
+use super::console::{self, Bar, file_name};
+use super::exit::{Exit, Failure, usage};
+use super::plan::{self, Plate, Sources};
+use super::view::{sliced, write};
+use super::watch::Watch;
 use crate::job::{Engine, Job};
 use crate::order::OrderStrategy;
 use crate::order::compare::{self, StrategyRow};
@@ -19,10 +20,14 @@ use crate::view::{self, Print, Scene};
 /// Compares strategies model by model, and over all models together. One that fails does not keep the others from
 /// being compared; the exit code is that of the first one that failed.
 pub(super) fn run(args: &CompareArgs, engine: &dyn Engine) -> Result<Exit, Failure> {
-    let resolved = plan::settings(&args.settings, &plan::shorthands(None, &args.ordering))?;
-    console::warn(&resolved.warnings);
+    let watch = Watch::start(&args.limits, args.json)?;
+    let sources = Sources::new(&args.settings, plan::shorthands(None, &args.ordering))?;
+    let plates = plan::plates(&args.models, &sources)?;
+    if let Some(first) = plates.first() {
+        console::warn(&first.settings.warnings);
+    }
     if args.paper {
-        return paper(args, &resolved.settings, engine);
+        return paper(args, plates, engine, &watch);
     }
     let chosen: Vec<OrderStrategy> = OrderStrategy::ALL
         .iter()
@@ -30,17 +35,18 @@ pub(super) fn run(args: &CompareArgs, engine: &dyn Engine) -> Result<Exit, Failu
         .map(|(_, strategy)| *strategy)
         .collect();
     if args.html.is_some() && args.models.files.len() > 1 {
-        return Err(plan::usage("--html shows one model; give one model alone"));
+        return Err(usage("--html shows one model; give one model alone"));
     }
     let models: Vec<&Path> = args.models.files.iter().map(PathBuf::as_path).collect();
     plan::kept(&models, args.html.iter().map(PathBuf::as_path))?;
     let mut exit = Exit::Done;
     let mut pooled: Vec<StrategyRow> = Vec::new();
-    for (index, model) in args.models.files.iter().enumerate() {
-        let job = job(args, model);
+    for (index, plate) in plates.into_iter().enumerate() {
+        let (model, settings) = (plate.inputs[0].clone(), plate.settings.clone());
+        let (settings, job) = (&settings.settings, job(args, plate));
         let bar = Bar::on_terminal(!args.no_progress);
-        let observer = Bar::observer(bar.as_ref());
-        let result = engine.compare(&job, &resolved.settings, &chosen, &observer);
+        let observer = watch.over(Bar::observer(bar.as_ref()));
+        let result = engine.compare(&job, settings, &chosen, &observer);
         if let Some(bar) = bar {
             bar.remove();
         }
@@ -55,14 +61,16 @@ pub(super) fn run(args: &CompareArgs, engine: &dyn Engine) -> Result<Exit, Failu
                     console::print(&format!("{name}\n{}\n", compare::text(&rows)))?;
                 }
                 if let Some(path) = &args.html {
-                    let prints = prints(&job, &resolved.settings, &chosen, &rows, engine)?;
-                    write(path, view::page(&file_name(model), &prints).as_bytes())?;
+                    let prints = prints(&job, settings, &chosen, &rows, engine)?;
+                    write(path, view::page(&file_name(&model), &prints).as_bytes())?;
                 }
                 compare::pool(&mut pooled, rows);
             }
             Err(error) => {
-                let failure = Failure::from(error);
-                console::fail(&failure);
+                let failure = watch.explained(error.into());
+                let failure =
+                    Failure { file: failure.file.clone().or(Some(model.display().to_string())), ..failure };
+                console::fail_as(&failure, args.json)?;
                 exit = if exit == Exit::Done { failure.exit } else { exit };
             }
         }
@@ -73,31 +81,36 @@ pub(super) fn run(args: &CompareArgs, engine: &dyn Engine) -> Result<Exit, Failu
     Ok(exit)
 }
 
-fn job(args: &CompareArgs, model: &Path) -> Job {
+fn job(args: &CompareArgs, plate: Plate) -> Job {
     Job {
-        models: vec![model.to_owned()],
-        transform: plan::transform(&args.models),
         allow_floating: true,
         certify: !args.no_bound,
         threads: Some(args.threads.map_or(0, Into::into)),
         dated: console::source_date(),
-        ..Job::default()
+        ..plate.job
     }
 }
 
 /// The paper's table, file by file, and the means.
-fn paper(args: &CompareArgs, settings: &Settings, engine: &dyn Engine) -> Result<Exit, Failure> {
+fn paper(
+    args: &CompareArgs,
+    plates: Vec<Plate>,
+    engine: &dyn Engine,
+    watch: &Watch,
+) -> Result<Exit, Failure> {
     let mut exit = Exit::Done;
     let mut tables: Vec<Vec<PaperRow>> = Vec::new();
-    for file in &args.models.files {
-        match engine.paper(&job(args, file), settings, &Bar::observer(None)) {
+    for plate in plates {
+        let (file, settings) = (plate.inputs[0].clone(), plate.settings.clone());
+        let observer = watch.over(Bar::observer(None));
+        match engine.paper(&job(args, plate), &settings.settings, &observer) {
             Ok(rows) => {
                 let own = file.extension().is_some_and(|e| e.eq_ignore_ascii_case("stl"));
                 console::print(&(paper::table(&file.display().to_string(), own, &rows) + "\n"))?;
                 tables.push(rows);
             }
             Err(error) => {
-                let failure = Failure::from(error);
+                let failure = watch.explained(error.into());
                 console::fail(&failure);
                 exit = if exit == Exit::Done { failure.exit } else { exit };
             }

@@ -2,6 +2,7 @@
 
 use std::fmt::Display;
 use std::io::{self, ErrorKind, IsTerminal, Write};
+use std::path::Path;
 use std::sync::OnceLock;
 use std::time::{Duration, Instant};
 
@@ -24,6 +25,12 @@ pub(super) fn fail(failure: &Failure) {
     for message in &failure.messages {
         let _ = writeln!(io::stderr(), "error: {message}");
     }
+}
+
+/// The same; with `json` also as a line of JSON on standard output.
+pub(super) fn fail_as(failure: &Failure, json: bool) -> Result<(), Failure> {
+    fail(failure);
+    if json { print_json(&failure.to_json()) } else { Ok(()) }
 }
 
 /// Text on standard output. That its reader has seen enough (`| head`) is no failure.
@@ -87,4 +94,9 @@ fn clock() -> Duration {
 /// The date that `SOURCE_DATE_EPOCH` gives, seconds since 1970 (<https://reproducible-builds.org/specs/source-date-epoch/>).
 pub(super) fn source_date() -> Option<u64> {
     std::env::var("SOURCE_DATE_EPOCH").ok()?.parse().ok()
+}
+
+/// The name of a file, without its folder.
+pub(super) fn file_name(path: &Path) -> String {
+    path.file_name().unwrap_or(path.as_os_str()).to_string_lossy().into_owned()
 }

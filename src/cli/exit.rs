@@ -23,8 +23,30 @@ pub enum Exit {
     Output = 6,
     /// A check failed: of the result, of the file to be checked, or something begins in mid-air.
     Check = 7,
+    /// The time that was allowed is over.
+    TimedOut = 8,
+    /// The memory that was allowed does not suffice.
+    Memory = 9,
     /// Ended by a signal.
     Interrupted = 130,
+}
+
+impl Exit {
+    /// In a word, for programs.
+    fn kind(self) -> &'static str {
+        match self {
+            Self::Done => "done",
+            Self::Usage => "usage",
+            Self::Input => "input",
+            Self::Settings => "settings",
+            Self::DoesNotFit => "does_not_fit",
+            Self::Output => "output",
+            Self::Check => "check",
+            Self::TimedOut => "timeout",
+            Self::Memory => "memory",
+            Self::Interrupted => "interrupted",
+        }
+    }
 }
 
 impl From<Exit> for ExitCode {
@@ -38,17 +60,44 @@ impl From<Exit> for ExitCode {
 pub(super) struct Failure {
     pub exit: Exit,
     pub messages: Vec<String>,
+    /// The object, the file and the setting that are at fault, where it is one.
+    pub object: Option<String>,
+    pub file: Option<String>,
+    pub key: Option<String>,
 }
 
 impl Failure {
     pub fn new(exit: Exit, message: impl ToString) -> Self {
-        Self { exit, messages: vec![message.to_string()] }
+        Self::of(exit, vec![message.to_string()])
     }
+
+    fn of(exit: Exit, messages: Vec<String>) -> Self {
+        Self { exit, messages, object: None, file: None, key: None }
+    }
+
+    /// For programs.
+    pub fn to_json(&self) -> serde_json::Value {
+        serde_json::json!({ "error": {
+            "kind": self.exit.kind(),
+            "exit": self.exit as u8,
+            "message": self.messages.join("\n"),
+            "object": self.object,
+            "file": self.file,
+            "key": self.key,
+        }})
+    }
+}
+
+/// That the arguments make no sense.
+pub(super) fn usage(message: impl ToString) -> Failure {
+    Failure::new(Exit::Usage, message)
 }
 
 impl From<ProfileError> for Failure {
     fn from(error: ProfileError) -> Self {
-        Self { exit: Exit::Settings, messages: error.problems.iter().map(ToString::to_string).collect() }
+        let key = error.problems.iter().find_map(|problem| Some(problem.setting.clone()?.0));
+        let messages = error.problems.iter().map(ToString::to_string).collect();
+        Self { key, ..Self::of(Exit::Settings, messages) }
     }
 }
 
@@ -56,13 +105,14 @@ impl From<OutputError> for Failure {
     fn from(error: OutputError) -> Self {
         // Whoever closed the pipe knows; that not everything was written still shows in the exit code.
         let messages = if error.is_broken_pipe() { Vec::new() } else { vec![error.to_string()] };
-        Self { exit: Exit::Output, messages }
+        Self::of(Exit::Output, messages)
     }
 }
 
 impl From<JobError> for Failure {
     fn from(error: JobError) -> Self {
-        match error {
+        let (object, file) = (error.object().map(str::to_owned), error.file());
+        let failure = match error {
             JobError::Mesh(error) => Self::new(Exit::Input, error),
             JobError::Input(error) => Self::new(Exit::Input, error),
             JobError::Settings(error) => error.into(),
@@ -71,6 +121,7 @@ impl From<JobError> for Failure {
             JobError::Output(error) => error.into(),
             JobError::Check(error) => Self::new(Exit::Check, error),
             JobError::Cancelled => Self::new(Exit::Interrupted, "interrupted"),
-        }
+        };
+        Self { object, file, ..failure }
     }
 }

@@ -3,23 +3,30 @@
 use super::args::InfoArgs;
 use super::console;
 use super::exit::{Exit, Failure};
-use super::plan;
-use crate::job::Engine;
+use super::plan::{self, Sources};
+use crate::job::{Engine, Job};
 
-/// Reports the contents of every readable model. The exit code is that of the first one that cannot.
+/// Reports the contents of every readable model, and of those of projects. The exit code is that of the first one that cannot.
 pub(super) fn run(args: &InfoArgs, engine: &dyn Engine) -> Result<Exit, Failure> {
-    let resolved = plan::settings(&args.settings, &[])?;
-    let transform = plan::transform(&args.models);
+    let sources = Sources::new(&args.settings, Vec::new())?;
     let mut exit = Exit::Done;
-    for model in &args.models.files {
-        match engine.info(model, &transform, &resolved.settings) {
-            Ok(info) if args.json => console::print_json(&info)?,
-            Ok(info) => console::print(&info.to_string())?,
-            Err(error) => {
-                let failure = Failure::from(error);
-                console::fail(&failure);
-                exit = if exit == Exit::Done { failure.exit } else { exit };
+    for plate in plan::plates(&args.models, &sources)? {
+        let mut seen: Vec<Job> = Vec::new();
+        for model in &plate.job.models {
+            let job = Job { models: vec![model.clone()], ..plate.job.clone() };
+            if seen.contains(&job) {
+                continue;
             }
+            match engine.info(&job, &plate.settings.settings) {
+                Ok(info) if args.json => console::print_json(&info)?,
+                Ok(info) => console::print(&info.to_string())?,
+                Err(error) => {
+                    let failure = Failure::from(error);
+                    console::fail(&failure);
+                    exit = if exit == Exit::Done { failure.exit } else { exit };
+                }
+            }
+            seen.push(job);
         }
     }
     Ok(exit)

@@ -1,6 +1,20 @@
 //! Memory that this process can still get.
 
 use std::fs;
+use std::sync::atomic::{AtomicU64, Ordering};
+
+/// The most that this process may have; 0: as much as there is.
+static MOST: AtomicU64 = AtomicU64::new(0);
+
+/// Sets the most that this process may have.
+pub(super) fn allow(bytes: u64) {
+    MOST.store(bytes, Ordering::Relaxed);
+}
+
+/// Bytes of memory that this process has; `None`: the system does not tell.
+pub(super) fn used_bytes() -> Option<u64> {
+    Some(field(&fs::read_to_string("/proc/self/status").ok()?, "VmRSS:")? << 10)
+}
 
 /// Free bytes as reported by the system: of the machine, of the control group, of the process's own address space.
 pub(super) fn available_bytes() -> Option<u64> {
@@ -12,7 +26,11 @@ pub(super) fn available_bytes() -> Option<u64> {
     let taken = read("/proc/self/status").and_then(|text| Some(field(&text, "VmSize:")? << 10));
     let own = read("/proc/self/limits")
         .and_then(|text| Some(field(&text, "Max address space")?.saturating_sub(taken?)));
-    [machine, group, own].into_iter().flatten().min()
+    let allowed = match MOST.load(Ordering::Relaxed) {
+        0 => None,
+        most => Some(most.saturating_sub(used_bytes().unwrap_or(0))),
+    };
+    [machine, group, own, allowed].into_iter().flatten().min()
 }
 
 /// The number that follows a name at the beginning of a line.

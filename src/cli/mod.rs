@@ -1,10 +1,13 @@
 //! The command line: arguments as typed → what they mean → the library → exit code.
 
+#[cfg(feature = "serve")]
+mod app;
 mod args;
 mod check;
 mod compare;
 mod console;
 mod exit;
+mod given;
 mod info;
 mod memory;
 mod pages;
@@ -13,12 +16,17 @@ mod plan;
 mod presets;
 mod printers;
 mod profiles;
+mod projects;
 mod reorder;
+#[cfg(feature = "serve")]
+mod serve;
 mod slice;
 mod time;
 mod view;
+mod watch;
 
 use std::ffi::OsString;
+use std::path::{Path, PathBuf};
 
 use clap::Parser;
 
@@ -29,6 +37,7 @@ use args::{Arguments, Command};
 use crate::job::Engine;
 use crate::limits;
 use crate::observer::Observer;
+use crate::output;
 use crate::parallel;
 
 /// Runs the program with these arguments (its name first) and reports to standard output and standard error.
@@ -44,6 +53,7 @@ pub fn run(args: impl IntoIterator<Item = OsString>, engine: &dyn Engine) -> Exi
     };
     let done = match &args.command {
         Command::Slice(args) => slice::run(args, engine),
+        Command::Key(args) => slice::keys(args),
         Command::Compare(args) => compare::run(args, engine),
         Command::View(args) => view::run(args, engine),
         Command::Reorder(args) => reorder::run(args, engine),
@@ -52,13 +62,35 @@ pub fn run(args: impl IntoIterator<Item = OsString>, engine: &dyn Engine) -> Exi
         Command::Check(args) => in_pool(|| check::run(args)),
         Command::Profiles(args) => profiles::run(args),
         Command::Printers(args) => printers::run(args),
+        #[cfg(feature = "serve")]
+        Command::App(args) => app::run(args),
+        #[cfg(feature = "serve")]
+        Command::Serve(args) => serve::run(args),
         Command::Completions { shell } => pages::completions(*shell),
         Command::Man { command } => pages::man(command.as_deref()),
     };
-    done.unwrap_or_else(|failure| {
-        console::fail(&failure);
-        failure.exit
+    // G-code on standard output stays alone there.
+    let to_file = |output: &Option<PathBuf>| output.as_deref() != Some(Path::new("-"));
+    let json = match &args.command {
+        Command::Slice(args) | Command::Key(args) => args.json && to_file(&args.output),
+        Command::Compare(args) => args.json,
+        Command::Reorder(args) => args.json && to_file(&args.output),
+        _ => false,
+    };
+    done.unwrap_or_else(|failure| match console::fail_as(&failure, json) {
+        Ok(()) => failure.exit,
+        Err(_) => Exit::Output,
     })
+}
+
+/// What an interrupt does: a server ends in order, and at once on the second one. Anything else ends at once, and what is
+/// incomplete is removed.
+pub fn interrupted() {
+    #[cfg(feature = "serve")]
+    if serve::end() {
+        return;
+    }
+    output::abandon_and_exit(Exit::Interrupted as i32)
 }
 
 /// Does something with as many threads as the machine has cores.

@@ -3,32 +3,44 @@
 use std::collections::BTreeMap;
 use std::fs;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 use super::args::{Assignment, ModelArgs, ObjectAssignment, OrderingArgs, SettingArgs, ShapeArgs, SliceArgs};
 use super::console;
-use super::exit::{Exit, Failure};
+use super::exit::{Exit, Failure, usage};
+use super::given::{self, Given, What};
 use super::presets;
-use crate::job::{Job, ObjectSettings, TransformOptions};
-use crate::mesh::Transform;
+use crate::job::{Job, JobModel, ModelFiles, ObjectSettings, Project};
+use crate::mesh::{Transform, UNITS};
 use crate::output::resolve_links;
 use crate::presets::Chosen;
-use crate::profile::{Origin, Override, Problem, ProfileError, Resolved, SECTIONS, resolve, resolve_presets};
+use crate::profile::{
+    Layer, Origin, Override, Problem, ProfileError, Resolved, Settings, dump_toml, embedded, preset_notes,
+    resolve_layers,
+};
 use crate::slice::heights_from_lines;
 
 /// Everything that `slice` is going to do.
-#[derive(Debug)]
 pub(super) struct Plan {
-    pub settings: Resolved,
     pub tasks: Vec<Task>,
 }
 
 /// One G-code file.
-#[derive(Debug, PartialEq)]
 pub(super) struct Task {
-    pub job: Job,
+    pub plate: Plate,
     pub destination: Destination,
     /// The file's name was not given, so that the settings may choose it.
     pub unnamed: bool,
+}
+
+/// What is printed together, and the settings for it.
+pub(super) struct Plate {
+    /// Its models, or the project, as they are named.
+    pub inputs: Vec<PathBuf>,
+    pub job: Job,
+    pub settings: Arc<Resolved>,
+    /// The project that it is, with its models.
+    pub project: Option<(Box<Project>, ModelFiles)>,
 }
 
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -42,70 +54,241 @@ impl Plan {
         if args.output.as_deref() == Some(Path::new("-")) && args.json {
             return Err(usage("--json and -o - both want standard output; give one of them a file"));
         }
-        let mut shorthands = shorthands(args.order.as_ref(), &args.ordering);
-        let switches = [
-            (args.labels, "--labels", "gcode.labels", "true"),
-            (args.sequential, "--sequential", "print.sequence", "object"),
-            (args.arrange, "--arrange", "plate.keep_layout", "false"),
-            (args.no_arrange, "--no-arrange", "plate.arrange", "false"),
-            (args.orient, "--orient", "plate.orient", "true"),
-            (args.vase, "--vase", "spiral.enabled", "true"),
-        ];
-        for (_, option, key, value) in switches.into_iter().filter(|switch| switch.0) {
-            shorthands.push(Override { key: key.into(), value: value.into(), option });
-        }
-        shorthands.extend(layer_heights(args)?);
-        let files = &args.models.files;
-        let plates: Vec<&[PathBuf]> = if args.each { files.chunks(1).collect() } else { vec![files] };
+        let shorthands = shorthand_overrides(args)?;
+        let given = given::read(&args.models)?;
+        let plates: Vec<Vec<Given>> = match args.each {
+            true => given.into_iter().map(|one| vec![one]).collect(),
+            false => vec![given],
+        };
         // What is wrong with the arguments alone is told before what is wrong with the settings.
-        let mut tasks = tasks(args, &plates, "gcode")?;
-        let presets = presets::chosen(&args.settings.presets)?;
-        let resolved = settings_on(presets.as_ref(), &args.settings, &shorthands)?;
-        if resolved.settings.gcode.binary {
-            tasks = self::tasks(args, &plates, "bgcode")?;
+        let destinations = destinations(args, &plates, "gcode")?;
+        let sources = Sources::new(&args.settings, shorthands)?;
+        let mut made: Vec<Plate> = Vec::with_capacity(plates.len());
+        for given in plates {
+            let known = made.iter().find(|plate| plate.project.is_none()).map(|plate| plate.settings.clone());
+            let mut plate = plate(&args.models, given, &sources, known)?;
+            of_slice(&mut plate, args)?;
+            made.push(plate);
         }
-        let plate = &resolved.settings.plate;
-        if args.copies > 1 && !plate.arrange {
-            return Err(usage("copies have no position in a file; leave out --copies or --no-arrange"));
+        let objects = object_settings(args, &sources)?;
+        for plate in &mut made {
+            plate.job.objects.clone_from(&objects);
+            check(&plate.job, &plate.settings.settings)?;
         }
-        if plate.orient && !(args.support_enforcer.is_empty() && args.support_blocker.is_empty()) {
-            return Err(usage(
-                "support enforcers and blockers are given in the model's coordinates, which --orient changes; use one of them",
-            ));
-        }
-        let objects = object_settings(args, presets.as_ref(), &shorthands)?;
-        for task in &mut tasks {
-            task.job.objects.clone_from(&objects);
-        }
-        Ok(Self { settings: resolved, tasks })
+        let tasks = made.into_iter().zip(destinations).map(|(plate, (destination, unnamed))| {
+            let is_binary = plate.settings.settings.gcode.binary && unnamed;
+            let destination = match destination {
+                Destination::File(path) if is_binary => Destination::File(path.with_extension("bgcode")),
+                destination => destination,
+            };
+            Task { plate, destination, unnamed }
+        });
+        let tasks: Vec<Task> = tasks.collect();
+        no_file_is_written_twice(tasks.iter().map(|task| (&task.plate.inputs[0], &task.destination)))?;
+        no_input_is_overwritten(&tasks)?;
+        Ok(Self { tasks })
     }
 }
 
-/// What is to be done for each plate; `ending`: that of names that are not given.
-fn tasks(args: &SliceArgs, plates: &[&[PathBuf]], ending: &str) -> Result<Vec<Task>, Failure> {
-    let tasks = plates.iter().map(|models| {
-        let unnamed = args.output.as_deref().is_none_or(Path::is_dir);
-        Ok(Task { job: job(args, models), destination: destination(args, &models[0], ending)?, unnamed })
+/// The options of `slice` that are short for a setting.
+pub(super) fn shorthand_overrides(args: &SliceArgs) -> Result<Vec<Override>, Failure> {
+    let mut shorthands = shorthands(args.order.as_ref(), &args.ordering);
+    let switches = [
+        (args.labels, "--labels", "gcode.labels", "true"),
+        (args.sequential, "--sequential", "print.sequence", "object"),
+        (args.arrange, "--arrange", "plate.keep_layout", "false"),
+        (args.no_arrange, "--no-arrange", "plate.arrange", "false"),
+        (args.orient, "--orient", "plate.orient", "true"),
+        (args.vase, "--vase", "spiral.enabled", "true"),
+    ];
+    for (_, option, key, value) in switches.into_iter().filter(|switch| switch.0) {
+        shorthands.push(Override { key: key.into(), value: value.into(), option });
+    }
+    shorthands.extend(layer_heights(args)?);
+    Ok(shorthands)
+}
+
+/// Where each plate goes, and whether that was not said; `ending`: that of names that are not given.
+fn destinations(
+    args: &SliceArgs,
+    plates: &[Vec<Given>],
+    ending: &str,
+) -> Result<Vec<(Destination, bool)>, Failure> {
+    let unnamed = args.output.as_deref().is_none_or(Path::is_dir);
+    let all = plates.iter().map(|given| match (&args.output, given[0].is_stdin) {
+        (None, true) => Ok((Destination::Stdout, false)),
+        _ => Ok((destination(args, &given[0].path, ending)?, unnamed)),
     });
-    let tasks: Vec<Task> = tasks.collect::<Result<_, Failure>>()?;
-    no_file_is_written_twice(&tasks)?;
-    no_input_is_overwritten(&tasks)?;
-    Ok(tasks)
+    let all: Vec<(Destination, bool)> = all.collect::<Result<_, Failure>>()?;
+    no_file_is_written_twice(plates.iter().map(|given| &given[0].path).zip(all.iter().map(|(to, _)| to)))?;
+    Ok(all)
+}
+
+/// What `slice` adds to a plate.
+fn of_slice(plate: &mut Plate, args: &SliceArgs) -> Result<(), Failure> {
+    let body = |path: &PathBuf| JobModel { transform: shape(&args.models.shape), ..path.clone().into() };
+    let job = &mut plate.job;
+    if plate.project.is_some() {
+        let bodies = !(args.support_enforcer.is_empty() && args.support_blocker.is_empty());
+        if args.copies > 1 || bodies {
+            return Err(usage(format!(
+                "{}: a project says which models there are; leave out --copies, --support-enforcer and --support-blocker",
+                plate.inputs[0].display()
+            )));
+        }
+    } else {
+        job.models.iter_mut().for_each(|model| model.copies = args.copies);
+    }
+    job.support_enforcers.extend(args.support_enforcer.iter().map(body));
+    job.support_blockers.extend(args.support_blocker.iter().map(body));
+    job.pauses.extend(&args.pause_at);
+    job.color_changes.extend(&args.color_change_at);
+    job.allow_floating |= args.allow_floating;
+    job.certify |= args.certify;
+    job.threads = Some(args.threads.map_or(0, Into::into));
+    job.dated = console::source_date();
+    Ok(())
+}
+
+/// What cannot be done with a job and these settings.
+fn check(job: &Job, settings: &Settings) -> Result<(), Failure> {
+    let is_arranged = job.models.iter().all(|model| model.at_mm.is_none());
+    if job.models.iter().any(|model| model.copies > 1) && !settings.plate.arrange {
+        return Err(usage("copies have no position in a file; leave out --copies or --no-arrange"));
+    }
+    let mut bodies = job.support_enforcers.iter().chain(&job.support_blockers);
+    if settings.plate.orient && is_arranged && bodies.any(|body| body.at_mm.is_none()) {
+        return Err(usage(
+            "support enforcers and blockers are given in the model's coordinates, which --orient changes; use one of them",
+        ));
+    }
+    Ok(())
+}
+
+/// Where settings are taken from.
+pub(super) struct Sources<'a> {
+    args: &'a SettingArgs,
+    presets: Option<Chosen>,
+    /// `--set` and what is short for a setting.
+    overrides: Vec<Override>,
+}
+
+impl<'a> Sources<'a> {
+    pub fn new(args: &'a SettingArgs, shorthands: Vec<Override>) -> Result<Self, Failure> {
+        let typed = args.set.iter().map(|Assignment { key, value }| Override {
+            key: key.clone(),
+            value: value.clone(),
+            option: "--set",
+        });
+        let ignoring = args.ignore_scripts.then(|| Override {
+            key: "gcode.ignore_scripts".into(),
+            value: "true".into(),
+            option: "--ignore-scripts",
+        });
+        let overrides = typed.chain(shorthands).chain(ignoring).collect();
+        Ok(Self { args, presets: presets::chosen(&args.presets)?, overrides })
+    }
+
+    /// The settings in force, with more on top.
+    pub fn resolve(&self, more: &[Override]) -> Result<Resolved, Failure> {
+        let mut resolved = resolve_layers(self.layers().into_iter().chain(more.iter().map(Layer::Override)))?;
+        resolved.warnings.splice(0..0, self.presets.as_ref().map(preset_notes).unwrap_or_default());
+        Ok(resolved)
+    }
+
+    fn layers(&self) -> Vec<Layer<'_>> {
+        let presets = self.presets.iter().map(|chosen| Layer::Presets(&chosen.config));
+        let profiles = self.args.profile.iter().map(|profile| Layer::Profile(profile));
+        presets.chain(profiles).chain(self.overrides.iter().map(Layer::Override)).collect()
+    }
+
+    /// What a project comes to, with the options on top.
+    fn project(&self, project: &Project, files: &ModelFiles) -> Result<(Job, Resolved), Failure> {
+        let library = match project.presets.printer {
+            Some(_) => Some(presets::library(&self.args.presets.presets)?),
+            None => None,
+        };
+        let chosen = project.chosen(library.as_ref())?;
+        let more = self.layers();
+        let resolved = project.resolve_with(chosen.as_ref(), &more)?;
+        Ok((project.job_with(files, chosen.as_ref(), &more)?, resolved))
+    }
+
+    /// The profile, as a project holds it, that gives the settings in force: names of profiles and values, or where files and
+    /// presets are on this machine alone, every setting.
+    pub fn as_project(&self, resolved: &Resolved) -> Project {
+        let is_embedded = |profile: &String| embedded(profile).is_some();
+        match self.presets.is_none() && self.args.profile.iter().all(is_embedded) {
+            true => Project {
+                profiles: self.args.profile.clone(),
+                settings: self.overrides.iter().map(|o| (o.key.clone(), o.value.clone())).collect(),
+                ..Project::default()
+            },
+            false => Project { profile: dump_toml(resolved), ..Project::default() },
+        }
+    }
+}
+
+/// Models, or a project, on one plate. `known`: the settings of models, where they are known.
+pub(super) fn plate(
+    args: &ModelArgs,
+    given: Vec<Given>,
+    sources: &Sources<'_>,
+    known: Option<Arc<Resolved>>,
+) -> Result<Plate, Failure> {
+    let inputs: Vec<PathBuf> = given.iter().map(|one| one.path.clone()).collect();
+    let is_alone = given.len() == 1;
+    let translate_mm = args.translate.map_or([0.0; 3], |triple| triple.0);
+    let mut models: Vec<JobModel> = Vec::with_capacity(given.len());
+    for Given { path, what, .. } in given {
+        let path = path.display();
+        match what {
+            What::Model(source) => models.push(JobModel { transform: shape(&args.shape), ..source.into() }),
+            What::Project(..) if !is_alone => {
+                return Err(usage(format!(
+                    "{path}: a project is a plate of its own; give it alone, or --each"
+                )));
+            }
+            What::Project(..) if shape(&args.shape) != Transform::default() || args.scale_to_fit => {
+                return Err(usage(format!(
+                    "{path}: a project says how its models are scaled and turned; leave out --unit, --scale, --rotate and \
+                     --scale-to-fit"
+                )));
+            }
+            What::Project(project, files) => {
+                let (job, resolved) = sources.project(&project, &files)?;
+                let job = Job { translate_mm, ..job };
+                return Ok(Plate {
+                    inputs,
+                    job,
+                    settings: Arc::new(resolved),
+                    project: Some((project, files)),
+                });
+            }
+        }
+    }
+    let settings = known.map_or_else(|| sources.resolve(&[]).map(Arc::new), Ok)?;
+    let job = Job { models, translate_mm, scale_to_fit: args.scale_to_fit, ..Job::default() };
+    Ok(Plate { inputs, job, settings, project: None })
+}
+
+/// Each model or project by itself.
+pub(super) fn plates(args: &ModelArgs, sources: &Sources<'_>) -> Result<Vec<Plate>, Failure> {
+    let mut plates: Vec<Plate> = Vec::new();
+    let known = Arc::new(sources.resolve(&[])?);
+    for given in given::read(args)? {
+        plates.push(plate(args, vec![given], sources, Some(known.clone()))?);
+    }
+    Ok(plates)
 }
 
 /// Settings of some objects: those of the plate with more on top.
-fn object_settings(
-    args: &SliceArgs,
-    presets: Option<&Chosen>,
-    shorthands: &[Override],
-) -> Result<Vec<ObjectSettings>, Failure> {
+fn object_settings(args: &SliceArgs, sources: &Sources<'_>) -> Result<Vec<ObjectSettings>, Failure> {
     const OPTION: &str = "--object";
     let mut given: Vec<(&str, Vec<Override>)> = Vec::new();
     let mut problems = Vec::new();
     for ObjectAssignment { object, setting: Assignment { key, value } } in &args.object {
-        let section = key.split('.').next().unwrap_or_default();
-        if let Some(reason) = why_not_of_an_object(section) {
-            let message = format!("{reason}; objects may differ in {}", ObjectSettings::SECTIONS.join(", "));
+        if let Some(message) = ObjectSettings::refusal(key) {
             let setting = Some((key.clone(), value.clone()));
             problems.push(Problem { origin: Origin::Option(OPTION), setting, message });
         }
@@ -119,98 +302,26 @@ fn object_settings(
         return Err(ProfileError { problems }.into());
     }
     let resolved = given.into_iter().map(|(object, own)| {
-        let settings = settings_on(presets, &args.settings, &[shorthands, &own].concat())?.settings;
+        let settings = sources.resolve(&own)?.settings;
         Ok(ObjectSettings { object: object.to_owned(), settings })
     });
     resolved.collect()
 }
 
-/// Why keys of a section are the same for all objects of a plate. Unknown sections are found out later.
-fn why_not_of_an_object(section: &str) -> Option<&'static str> {
-    match section {
-        _ if ObjectSettings::SECTIONS.contains(&section) => None,
-        "layer" | "first_layer" => Some("all objects of a plate share their layers"),
-        "skirt" | "brim" | "raft" | "support" => {
-            Some("adhesion and supports are planned for the plate as a whole")
-        }
-        "seam" | "order" | "speed" | "acceleration" | "retract" | "travel" | "cooling" => {
-            Some("how the nozzle moves is decided for whole layers, not for objects")
-        }
-        _ if SECTIONS.iter().any(|known| known.name == section) => {
-            Some("it belongs to the printer or to the plate as a whole")
-        }
-        _ => None,
-    }
-}
-
-pub(super) fn usage(message: impl ToString) -> Failure {
-    Failure::new(Exit::Usage, message)
-}
-
-fn job(args: &SliceArgs, models: &[PathBuf]) -> Job {
-    Job {
-        models: models.to_vec(),
-        support_enforcers: args.support_enforcer.clone(),
-        support_blockers: args.support_blocker.clone(),
-        transform: transform(&args.models),
-        copies: args.copies,
-        objects: Vec::new(),
-        pauses: args.pause_at.clone(),
-        color_changes: args.color_change_at.clone(),
-        allow_floating: args.allow_floating,
-        certify: args.certify,
-        threads: Some(args.threads.map_or(0, Into::into)),
-        dated: console::source_date(),
-    }
-}
-
-/// Scale, rotation and place of every model.
-pub(super) fn transform(args: &ModelArgs) -> TransformOptions {
-    let none = TransformOptions::default();
-    let Transform { scale, rotate_deg } = shape(&args.shape);
-    TransformOptions {
-        scale,
-        rotate_deg,
-        translate_mm: args.translate.map_or(none.translate_mm, |triple| triple.0),
-        scale_to_fit: args.scale_to_fit,
-    }
-}
-
 /// Scale and rotation.
 pub(super) fn shape(args: &ShapeArgs) -> Transform {
     let none = Transform::default();
+    let unit = args.unit.as_ref().and_then(|name| UNITS.iter().find(|(unit, _)| unit == name));
+    let factor = unit.map_or(1.0, |(_, factor)| *factor);
     Transform {
-        scale: args.scale.map_or(none.scale, |triple| triple.0),
+        scale: args.scale.map_or(none.scale, |triple| triple.0).map(|scale| scale * factor),
         rotate_deg: args.rotate.map_or(none.rotate_deg, |triple| triple.0),
     }
 }
 
 /// Settings in force; options with a setting's meaning win over `--set`.
 pub(super) fn settings(args: &SettingArgs, shorthands: &[Override]) -> Result<Resolved, Failure> {
-    settings_on(presets::chosen(&args.presets)?.as_ref(), args, shorthands)
-}
-
-/// The same on presets that were chosen already.
-fn settings_on(
-    presets: Option<&Chosen>,
-    args: &SettingArgs,
-    shorthands: &[Override],
-) -> Result<Resolved, Failure> {
-    let typed = args.set.iter().map(|Assignment { key, value }| Override {
-        key: key.clone(),
-        value: value.clone(),
-        option: "--set",
-    });
-    let ignoring = args.ignore_scripts.then(|| Override {
-        key: "gcode.ignore_scripts".into(),
-        value: "true".into(),
-        option: "--ignore-scripts",
-    });
-    let overrides: Vec<Override> = typed.chain(shorthands.iter().cloned()).chain(ignoring).collect();
-    let Some(presets) = presets else { return Ok(resolve(&args.profile, &overrides)?) };
-    let mut resolved = resolve_presets(&presets.config, &args.profile, &overrides)?;
-    resolved.warnings.splice(0..0, presets::notes(presets));
-    Ok(resolved)
+    Sources::new(args, shorthands.to_vec())?.resolve(&[])
 }
 
 /// The options that are short for a setting.
@@ -271,20 +382,17 @@ fn identity(path: &Path) -> PathBuf {
     }
 }
 
-fn no_file_is_written_twice(tasks: &[Task]) -> Result<(), Failure> {
+fn no_file_is_written_twice<'a>(
+    all: impl Iterator<Item = (&'a PathBuf, &'a Destination)>,
+) -> Result<(), Failure> {
     let mut writers: BTreeMap<PathBuf, &Path> = BTreeMap::new();
-    for task in tasks {
-        let model = &task.job.models[0];
-        let Destination::File(path) = &task.destination else {
-            match tasks.len() {
-                1 => continue,
-                _ => {
-                    return Err(usage(
-                        "--each cannot write several files to standard output; give -o a folder",
-                    ));
-                }
-            }
-        };
+    let mut streams = 0;
+    for (count, (model, destination)) in (1..).zip(all) {
+        streams += usize::from(*destination == Destination::Stdout);
+        if streams > 0 && count > 1 {
+            return Err(usage("--each cannot write several files to standard output; give -o a folder"));
+        }
+        let Destination::File(path) = destination else { continue };
         if let Some(other) = writers.insert(identity(path), model) {
             let (other, model, path) = (other.display(), model.display(), path.display());
             return Err(usage(format!(
@@ -296,7 +404,7 @@ fn no_file_is_written_twice(tasks: &[Task]) -> Result<(), Failure> {
 }
 
 fn no_input_is_overwritten(tasks: &[Task]) -> Result<(), Failure> {
-    let inputs: Vec<&Path> = tasks.iter().flat_map(|task| &task.job.models).map(PathBuf::as_path).collect();
+    let inputs: Vec<&Path> = tasks.iter().flat_map(|task| &task.plate.inputs).map(PathBuf::as_path).collect();
     let outputs = tasks.iter().filter_map(|task| match &task.destination {
         Destination::File(path) => Some(path.as_path()),
         Destination::Stdout => None,
@@ -305,7 +413,12 @@ fn no_input_is_overwritten(tasks: &[Task]) -> Result<(), Failure> {
 }
 
 /// The path that the settings choose for a file, beside where it would be otherwise; `written`: by this run so far.
-pub(super) fn named(path: &Path, name: &str, job: &Job, written: &[PathBuf]) -> Result<PathBuf, Failure> {
+pub(super) fn named(
+    path: &Path,
+    name: &str,
+    inputs: &[PathBuf],
+    written: &[PathBuf],
+) -> Result<PathBuf, Failure> {
     let safe: String =
         name.chars().map(|c| if c.is_control() || "/\\:*?\"<>|".contains(c) { '_' } else { c }).collect();
     // The kind of G-code is decided.
@@ -321,7 +434,7 @@ pub(super) fn named(path: &Path, name: &str, job: &Job, written: &[PathBuf]) -> 
     file.push(".");
     file.push(ending);
     let chosen = path.with_file_name(file);
-    kept(&job.models.iter().map(PathBuf::as_path).collect::<Vec<_>>(), [chosen.as_path()].into_iter())?;
+    kept(&inputs.iter().map(PathBuf::as_path).collect::<Vec<_>>(), [chosen.as_path()].into_iter())?;
     if written.contains(&chosen) {
         let chosen = chosen.display();
         return Err(usage(format!(

@@ -7,7 +7,6 @@ use super::console;
 use super::exit::{Exit, Failure};
 use super::places;
 use crate::presets::{Chosen, Config, Kind, Library, Listed, Place, PresetError, is_foreign};
-use crate::profile::{Import, Origin, Problem};
 
 /// How many places a message lists.
 const PLACES: usize = 12;
@@ -82,18 +81,4 @@ fn saved(args: &PresetArgs, file: &str) -> Result<Chosen, Failure> {
         config,
         notes: Vec::new(),
     })
-}
-
-/// What is to be known of a choice of presets.
-pub(super) fn notes(chosen: &Chosen) -> Vec<Problem> {
-    let command = match chosen.print.name.as_str() {
-        "" => format!("pathwright profiles show {}", chosen.printer.name),
-        print => format!(
-            "pathwright printers show \"{}\" --print \"{print}\" --filament \"{}\"",
-            chosen.printer.name, chosen.filament.name
-        ),
-    };
-    let summary = Import::of(&chosen.config).summary(&command);
-    let note = |message| Problem { origin: Origin::Option("--printer"), setting: None, message };
-    chosen.notes.iter().cloned().chain(summary).map(note).collect()
 }

@@ -9,7 +9,7 @@ use super::args::{PrintersArgs, PrintersCommand, ShowPrinterArgs};
 use super::console;
 use super::exit::{Exit, Failure};
 use super::presets;
-use crate::presets::{Config, Kind, Library, Listed};
+use crate::presets::{Config, Kind, Library, Listed, PrinterFacts};
 use crate::profile::{self, Import, resolve_presets};
 
 pub(super) fn run(args: &PrintersArgs) -> Result<Exit, Failure> {
@@ -80,14 +80,13 @@ fn row(library: &Library, printer: &Listed) -> Row {
 
 fn as_json(library: &Library, printer: &Listed) -> Result<Value, Failure> {
     let config = library.preset(Kind::Printer, &printer.name)?;
-    let number = |key: &str| config.number(key);
-    let size = bed_size(&config);
+    let facts = PrinterFacts::of(&config);
     Ok(json!({
         "name": printer.name,
-        "bed_mm": size,
-        "height_mm": number("max_print_height").filter(|mm| *mm > 0.0),
-        "nozzle_mm": number("nozzle_diameter"),
-        "firmware": firmware(&config),
+        "bed_mm": facts.bed_mm,
+        "height_mm": facts.height_mm,
+        "nozzle_mm": facts.nozzle_mm,
+        "firmware": facts.firmware,
         "slicer": printer.dialect.name(),
         "user": printer.is_user,
         "file": &*printer.place.file,
@@ -95,23 +94,10 @@ fn as_json(library: &Library, printer: &Listed) -> Result<Value, Failure> {
     }))
 }
 
-fn bed_size(config: &Config) -> Option<[f64; 2]> {
-    let points = config.text("bed_shape")?.split(',').map(|point| {
-        let (x, y) = point.trim().split_once('x')?;
-        Some([x.parse::<f64>().ok()?, y.parse::<f64>().ok()?])
-    });
-    let points = points.collect::<Option<Vec<_>>>()?;
-    let side = |i: usize| {
-        let all = points.iter().map(|point| point[i]);
-        all.clone().fold(f64::NEG_INFINITY, f64::max) - all.fold(f64::INFINITY, f64::min)
-    };
-    Some([side(0), side(1)])
-}
-
 fn bed(config: &Config) -> String {
-    let Some([x, y]) = bed_size(config) else { return String::new() };
-    let height = config.number("max_print_height").filter(|mm| *mm > 0.0);
-    let height = height.map(|mm| format!(" x {mm}")).unwrap_or_default();
+    let facts = PrinterFacts::of(config);
+    let Some([x, y]) = facts.bed_mm else { return String::new() };
+    let height = facts.height_mm.map(|mm| format!(" x {mm}")).unwrap_or_default();
     let rounded = |mm: f64| (mm * 10.0).round() / 10.0;
     format!("{} x {}{height}", rounded(x), rounded(y))
 }

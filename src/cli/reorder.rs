@@ -8,6 +8,7 @@ use super::args::ReorderArgs;
 use super::console;
 use super::exit::{Exit, Failure};
 use super::plan;
+use super::watch::Watch;
 use crate::gcode::{self, BinaryMetadata};
 use crate::job::{Engine, ReorderJob};
 use crate::observer::Observer;
@@ -25,15 +26,18 @@ enum Destination {
 /// Reorders file by file. One that fails does not keep the others from being reordered; the exit code is that of the
 /// first one that failed.
 pub(super) fn run(args: &ReorderArgs, engine: &dyn Engine) -> Result<Exit, Failure> {
+    let watch = Watch::start(&args.limits, args.json)?;
     let settings = settings(args)?;
     let destinations: Vec<Destination> =
         args.files.iter().map(|file| destination(args, file)).collect::<Result<_, _>>()?;
     let mut exit = Exit::Done;
     for (file, destination) in args.files.iter().zip(&destinations) {
-        match reorder(file, destination, &settings, args, engine) {
+        match reorder(file, destination, &settings, args, engine, &watch) {
             Ok(report) => tell(&report, destination, args)?,
             Err(failure) => {
-                console::fail(&failure);
+                let failure = watch.explained(failure);
+                let failure = Failure { file: Some(file.display().to_string()), ..failure };
+                console::fail_as(&failure, args.json)?;
                 exit = if exit == Exit::Done { failure.exit } else { exit };
             }
         }
@@ -87,6 +91,7 @@ fn reorder(
     settings: &Settings,
     args: &ReorderArgs,
     engine: &dyn Engine,
+    watch: &Watch,
 ) -> Result<Reordered, Failure> {
     // In place a file stays what it is, whatever its name.
     let is_binary = gcode::is_binary(file);
@@ -104,7 +109,7 @@ fn reorder(
         more_retractions: args.ordering.cost.is_some() || sets(args, "order.cost"),
         threads: Some(args.threads.map_or(0, Into::into)),
     };
-    let mut report = engine.reorder(&job, settings, &mut output, &Observer::none())?;
+    let mut report = engine.reorder(&job, settings, &mut output, &watch.over(Observer::none()))?;
     report.output = match destination {
         Destination::Nowhere => None,
         Destination::Stdout => Some("standard output".into()),

@@ -2,43 +2,78 @@
 
 use std::io::Write;
 use std::path::PathBuf;
+use std::sync::Arc;
 
 use super::args::SliceArgs;
 use super::console::{self, Bar};
-use super::exit::{Exit, Failure};
-use super::plan::{Destination, Plan, Task, named};
+use super::exit::{Exit, Failure, usage};
+use super::plan::{Destination, Plan, Plate, Task, named};
+use super::projects;
+use super::watch::Watch;
 use crate::gcode::is_binary_name;
 use crate::job::Engine;
 use crate::observer::Observer;
 use crate::output::Output;
 use crate::parallel::{self, Workers};
-use crate::profile::{Settings, binary_metadata};
+use crate::profile::{Resolved, binary_metadata};
 use crate::report::Summary;
 
 /// Slices plate by plate. One that fails does not keep the others from being sliced; the exit code is that of the
 /// first one that failed.
 pub(super) fn run(args: &SliceArgs, engine: &dyn Engine) -> Result<Exit, Failure> {
+    let watch = Watch::start(&args.limits, args.json)?;
     let mut plan = Plan::new(args)?;
+    if args.json && plan.tasks.iter().any(|task| task.destination == Destination::Stdout) {
+        return Err(usage("--json and the G-code both want standard output; give -o a file"));
+    }
     if !args.quiet {
-        console::warn(&plan.settings.warnings);
+        let mut told: Vec<&Arc<Resolved>> = Vec::new();
+        for settings in plan.tasks.iter().map(|task| &task.plate.settings) {
+            if !told.iter().any(|known| Arc::ptr_eq(known, settings)) {
+                console::warn(&settings.warnings);
+                told.push(settings);
+            }
+        }
+    }
+    if let (Some(path), [task]) = (&args.save_project, plan.tasks.as_slice()) {
+        return projects::save(path, task, args);
     }
     if plan.tasks.len() < 2 {
-        return slice_all(&plan, args, engine);
+        return slice_all(&plan, args, engine, &watch);
     }
     // All share the threads of the first.
-    let threads = plan.tasks.iter_mut().map(|task| task.job.threads.take()).reduce(|first, _| first);
-    let work = |_: Workers<'_>| slice_all(&plan, args, engine);
+    let threads = plan.tasks.iter_mut().map(|task| task.plate.job.threads.take()).reduce(|first, _| first);
+    let work = |_: Workers<'_>| slice_all(&plan, args, engine, &watch);
     parallel::run(threads.flatten(), &Observer::none(), work).unwrap_or(Ok(Exit::Interrupted))
 }
 
-fn slice_all(plan: &Plan, args: &SliceArgs, engine: &dyn Engine) -> Result<Exit, Failure> {
+/// Prints the keys of the results.
+pub(super) fn keys(args: &SliceArgs) -> Result<Exit, Failure> {
+    for task in &Plan::new(args)?.tasks {
+        let settings = &task.plate.settings.settings;
+        let is_binary = match &task.destination {
+            Destination::File(path) => is_binary_name(path),
+            Destination::Stdout => false,
+        };
+        let key = task.plate.job.key(settings, is_binary)?;
+        match args.json {
+            true => console::print_json(&serde_json::json!({ "key": key, "models": names(&task.plate) }))?,
+            false => console::print(&(key + "\n"))?,
+        }
+    }
+    Ok(Exit::Done)
+}
+
+fn slice_all(plan: &Plan, args: &SliceArgs, engine: &dyn Engine, watch: &Watch) -> Result<Exit, Failure> {
     let mut exit = Exit::Done;
     let mut written = Vec::new();
     for task in &plan.tasks {
-        match slice(task, &plan.settings.settings, args, engine, &mut written) {
+        match slice(task, args, engine, &mut written, watch).map_err(|failure| watch.explained(failure)) {
             Ok(summary) => report(&summary, task, args)?,
             Err(failure) => {
-                console::fail(&failure);
+                let input = names(&task.plate).swap_remove(0);
+                let failure = Failure { file: failure.file.clone().or(Some(input)), ..failure };
+                console::fail_as(&failure, args.json)?;
                 exit = if exit == Exit::Done { failure.exit } else { exit };
             }
         }
@@ -46,13 +81,18 @@ fn slice_all(plan: &Plan, args: &SliceArgs, engine: &dyn Engine) -> Result<Exit,
     Ok(exit)
 }
 
+fn names(plate: &Plate) -> Vec<String> {
+    plate.inputs.iter().map(|path| path.display().to_string()).collect()
+}
+
 fn slice(
     task: &Task,
-    settings: &Settings,
     args: &SliceArgs,
     engine: &dyn Engine,
     written: &mut Vec<PathBuf>,
+    watch: &Watch,
 ) -> Result<Summary, Failure> {
+    let settings = &task.plate.settings.settings;
     let mut output = match &task.destination {
         Destination::Stdout => Output::stdout(),
         Destination::File(path) if is_binary_name(path) => {
@@ -61,8 +101,8 @@ fn slice(
         Destination::File(path) => Output::create(path)?,
     };
     let bar = Bar::on_terminal(!args.quiet && !args.no_progress);
-    let observer = Bar::observer(bar.as_ref());
-    let result = engine.slice(&task.job, settings, &mut output, &observer);
+    let observer = watch.over(Bar::observer(bar.as_ref()));
+    let result = engine.slice(&task.plate.job, settings, &mut output, &observer);
     if let Some(bar) = bar {
         bar.remove();
     }
@@ -72,12 +112,12 @@ fn slice(
         Destination::File(path) => Some(path.clone()),
     };
     if let (Some(path), Some(name), true) = (&mut path, &summary.file_name, task.unnamed) {
-        *path = named(path, name, &task.job, written)?;
+        *path = named(path, name, &task.plate.inputs, written)?;
         output.rename(&path.file_name().unwrap_or_default().to_string_lossy());
     }
     output.commit()?;
     written.extend(path.clone());
-    summary.models = task.job.models.iter().map(|path| path.display().to_string()).collect();
+    summary.models = names(&task.plate);
     summary.output = path.map_or_else(|| "standard output".into(), |path| path.display().to_string());
     Ok(summary)
 }

@@ -2,16 +2,18 @@
 
 use std::io::{Read, Seek, SeekFrom};
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 use super::args::ViewArgs;
-use super::console::{self, Bar};
-use super::exit::{Exit, Failure};
-use super::plan;
+use super::console::{self, Bar, file_name};
+use super::exit::{Exit, Failure, usage};
+use super::given;
+use super::plan::{self, Sources};
 use crate::gcode::{self, is_gcode};
 use crate::job::{Engine, Job};
 use crate::limits;
 use crate::output::Output;
-use crate::profile::Settings;
+use crate::profile::{Resolved, Settings};
 use crate::report::Summary;
 use crate::view::{self, Layer, Print, Scene};
 
@@ -21,10 +23,8 @@ pub(super) fn run(args: &ViewArgs, engine: &dyn Engine) -> Result<Exit, Failure>
     let page = page_path(args);
     let pictures = [&args.svg, &args.png, &args.thumbnail].into_iter().flatten();
     plan::kept(&inputs, pictures.chain(&page).map(PathBuf::as_path))?;
-    let resolved = plan::settings(&args.settings, &plan::shorthands(args.order.as_ref(), &args.ordering))?;
-    console::warn(&resolved.warnings);
-
-    let (text, summary) = gcode(args, &resolved.settings, engine)?;
+    let sources = Sources::new(&args.settings, plan::shorthands(args.order.as_ref(), &args.ordering))?;
+    let (text, summary, resolved) = gcode(args, &sources, engine)?;
     let name = args.models.files[0].display();
     let scene = Scene::read(&text, &resolved.settings);
     if scene.is_empty() {
@@ -51,33 +51,29 @@ pub(super) fn run(args: &ViewArgs, engine: &dyn Engine) -> Result<Exit, Failure>
     Ok(Exit::Done)
 }
 
-pub(super) fn file_name(path: &Path) -> String {
-    path.file_name().unwrap_or(path.as_os_str()).to_string_lossy().into_owned()
-}
-
 /// Where the page goes, if one is wanted.
 fn page_path(args: &ViewArgs) -> Option<PathBuf> {
     let only_pictures = args.svg.is_some() || args.png.is_some() || args.thumbnail.is_some();
     match &args.output {
         Some(path) => Some(path.clone()),
         None if only_pictures => None,
+        None if args.models.files[0] == Path::new("-") => Some("-".into()),
         None => Some(args.models.files[0].with_extension("html")),
     }
 }
 
-/// The G-code to show: as it is, or sliced from models, with what the slicing came to.
-fn gcode(
-    args: &ViewArgs,
-    settings: &Settings,
-    engine: &dyn Engine,
-) -> Result<(Vec<u8>, Option<Summary>), Failure> {
+/// G-code, what its slicing came to, and the settings in force.
+type Shown = (Vec<u8>, Option<Summary>, Arc<Resolved>);
+
+/// The G-code to show, as it is, or sliced from models, with what the slicing came to, and the settings in force.
+fn gcode(args: &ViewArgs, sources: &Sources<'_>, engine: &dyn Engine) -> Result<Shown, Failure> {
     let files = &args.models.files;
     if files.iter().any(|path| is_gcode(path)) {
         let [path] = files.as_slice() else {
-            return Err(plan::usage("a page shows one G-code file, or models; give one G-code file alone"));
+            return Err(usage("a page shows one G-code file, or models; give one G-code file alone"));
         };
         if args.certify {
-            return Err(plan::usage("--certify is for models; of a G-code file the order is given"));
+            return Err(usage("--certify is for models; of a G-code file the order is given"));
         }
         let failed = |error: String| Failure::new(Exit::Input, format!("{}: {error}", path.display()));
         let unread = |error: std::io::Error| failed(error.to_string());
@@ -89,20 +85,22 @@ fn gcode(
         limits::check_memory(bytes).map_err(failed)?;
         let mut text = Vec::new();
         input.rewind().and_then(|()| input.read_to_end(&mut text)).map_err(unread)?;
-        return Ok((text, None));
+        let resolved = sources.resolve(&[])?;
+        console::warn(&resolved.warnings);
+        return Ok((text, None, Arc::new(resolved)));
     }
+    let plate = plan::plate(&args.models, given::read(&args.models)?, sources, None)?;
+    console::warn(&plate.settings.warnings);
     let job = Job {
-        models: files.clone(),
-        transform: plan::transform(&args.models),
         allow_floating: true,
         certify: args.certify,
         threads: Some(args.threads.map_or(0, Into::into)),
         dated: console::source_date(),
-        ..Job::default()
+        ..plate.job
     };
-    let (text, summary) = sliced(&job, settings, engine, !args.no_progress)?;
+    let (text, summary) = sliced(&job, &plate.settings.settings, engine, !args.no_progress)?;
     console::warn(&summary.warnings);
-    Ok((text, Some(summary)))
+    Ok((text, Some(summary), plate.settings))
 }
 
 /// The G-code of a plate, and what it came to.
@@ -125,7 +123,7 @@ pub(super) fn sliced(
 fn layer<'a>(scene: &'a Scene, args: &ViewArgs) -> Result<&'a Layer, Failure> {
     let number = args.layer.unwrap_or(1) as usize;
     scene.layers.get(number - 1).ok_or_else(|| {
-        plan::usage(format!("--layer {number}: the print has the layers 1 to {}", scene.layers.len()))
+        usage(format!("--layer {number}: the print has the layers 1 to {}", scene.layers.len()))
     })
 }
 

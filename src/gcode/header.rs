@@ -113,7 +113,12 @@ pub fn object_comment(name: &str) -> Vec<u8> {
 pub fn footer(settings: &GcodeOptions, facts: &PrintFacts, scripts: &Scripts, totals: &Totals) -> Vec<u8> {
     let mut bytes = b";TYPE:Custom\n".to_vec();
     bytes.extend_from_slice(scripts.end.as_bytes());
-    for (switched, command) in [(scripts.ends.nozzle, "M104 S0"), (scripts.ends.bed, "M140 S0")] {
+    let unheated = settings.temperature.chamber.0 <= 0.0 && settings.temperature.chamber_min.0 <= 0.0;
+    for (switched, command) in [
+        (scripts.ends.nozzle, "M104 S0"),
+        (scripts.ends.bed, "M140 S0"),
+        (scripts.ends.chamber || unheated, "M141 S0"),
+    ] {
         if settings.gcode.heat && !switched {
             line(&mut bytes, command);
         }
@@ -145,13 +150,18 @@ fn facts_lines(bytes: &mut Vec<u8>, settings: &GcodeOptions, facts: &PrintFacts)
     }
 }
 
-/// Heats what the script does not: the bed first, both at once, then waits.
+/// Heats what the script does not: the chamber and the bed first, all at once, then waits.
 fn heat(bytes: &mut Vec<u8>, settings: &GcodeOptions, scripts: &Scripts) {
     if !settings.gcode.heat {
         return;
     }
     let temperature = &settings.temperature;
     let (nozzle, bed) = (temperature.nozzle_first_layer.0, temperature.bed_first_layer.0);
+    let chamber = [temperature.chamber.0, temperature.chamber_min.0];
+    let heats_chamber = |celsius: f64| !scripts.starts.chamber && celsius > 0.0;
+    if heats_chamber(chamber[0]) {
+        line(bytes, &format!("M141 S{}", text(chamber[0], 1)));
+    }
     let wanted = [
         (!scripts.starts.bed && bed > 0.0, "M140", "M190", bed),
         (!scripts.starts.nozzle && nozzle > 0.0, "M104", "M109", nozzle),
@@ -162,6 +172,9 @@ fn heat(bytes: &mut Vec<u8>, settings: &GcodeOptions, scripts: &Scripts) {
         }
     }
     for (wanted, _, wait, celsius) in wanted {
+        if wait == "M109" && heats_chamber(chamber[1]) {
+            line(bytes, &format!("M191 S{}", text(chamber[1], 1)));
+        }
         if wanted {
             line(bytes, &format!("{wait} S{}", text(celsius, 1)));
         }

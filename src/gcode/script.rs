@@ -4,13 +4,15 @@ use super::flavor::dialect;
 use super::options::{Flavor, GcodeSettings};
 
 /// The scripts of a print, expanded, as far as they do not belong to a layer.
-#[derive(Clone, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct Scripts {
     pub(super) start: String,
     pub(super) filament_start: String,
     pub(super) end: String,
     pub(crate) pause: String,
     pub(crate) color_change: String,
+    /// Filament that the start scripts say they leave pulled back, millimetres.
+    pub(crate) retracted_mm: f64,
     /// Which heaters the start script switches.
     pub(super) starts: Heaters,
     /// Which heaters the end script switches.
@@ -22,6 +24,7 @@ pub struct Scripts {
 pub(super) struct Heaters {
     pub nozzle: bool,
     pub bed: bool,
+    pub chamber: bool,
     /// A macro is taken to, whose name says so.
     pub by_name: bool,
 }
@@ -33,9 +36,10 @@ impl Scripts {
         [start, filament_start, pause, color_change]: [String; 4],
         options: &GcodeSettings,
         flavor: Flavor,
+        retracted_mm: f64,
     ) -> Self {
         let starts = heaters(&options.start, &start, flavor);
-        Self { start, filament_start, pause, color_change, starts, ..Self::default() }
+        Self { start, filament_start, pause, color_change, retracted_mm, starts, ..Self::default() }
     }
 
     /// Whether the start script heats by a macro that may not be given the temperatures.
@@ -64,6 +68,7 @@ fn heaters(written: &str, expanded: &str, flavor: Flavor) -> Heaters {
         match command(line).1.as_str() {
             "M104" | "M109" | "M568" => found.nozzle = true,
             "M140" | "M190" => found.bed = true,
+            "M141" | "M191" => found.chamber = true,
             _ => {}
         }
     }
@@ -71,10 +76,14 @@ fn heaters(written: &str, expanded: &str, flavor: Flavor) -> Heaters {
     for (code, name) in macros.filter(|_| dialect(flavor).has_macros()) {
         let whole = ["START_PRINT", "PRINT_START", "END_PRINT", "PRINT_END"].contains(&name.as_str());
         let extended = name.starts_with("SET_HEATER_TEMPERATURE") || name == "TURN_OFF_HEATERS";
-        let [nozzle, bed] = placeholders_of_temperatures(code);
+        let [nozzle, bed, chamber] = placeholders_of_temperatures(code);
+        let all = name == "TURN_OFF_HEATERS";
+        let of_chamber = extended && code.contains("chamber");
+        let extended = extended && !of_chamber;
         found.by_name |= whole;
         found.nozzle |= whole || nozzle || (extended && !code.contains("heater_bed"));
         found.bed |= whole || bed || (extended && !code.contains("extruder"));
+        found.chamber |= whole || chamber || of_chamber || all;
     }
     found
 }
@@ -85,13 +94,14 @@ fn command(line: &str) -> (&str, String) {
     (code, code.split_whitespace().next().unwrap_or_default().to_ascii_uppercase())
 }
 
-/// Whether a line uses the temperature of the nozzle, or of the bed.
-fn placeholders_of_temperatures(code: &str) -> [bool; 2] {
+/// Whether a line uses the temperature of the nozzle, of the bed, or of the chamber.
+fn placeholders_of_temperatures(code: &str) -> [bool; 3] {
     let names = code.split(|c: char| !c.is_ascii_alphanumeric() && c != '_');
     let temperatures = names.filter(|name| name.contains("_temp") || *name == "temperature");
-    temperatures.fold([false; 2], |[nozzle, bed], name| {
+    temperatures.fold([false; 3], |[nozzle, bed, chamber], name| {
+        let of_chamber = name.contains("chamber");
         let of_bed = name.contains("bed_") || name.contains("plate_temp");
-        [nozzle || !of_bed, bed || of_bed]
+        [nozzle || !(of_bed || of_chamber), bed || of_bed, chamber || of_chamber]
     })
 }
 
@@ -123,15 +133,18 @@ mod tests {
     #[test]
     fn a_script_that_heats_is_recognised() {
         let heats = |script, flavor| heaters(script, script, flavor);
-        let both = Heaters { nozzle: true, bed: true, by_name: false };
+        let both = Heaters { nozzle: true, bed: true, ..Heaters::default() };
         assert_eq!(heats("G28\n;M104 S200\n", Flavor::Marlin), Heaters::default());
         assert_eq!(heats("m104 S200\nM190 S60", Flavor::Marlin), both);
-        assert_eq!(heats("START_PRINT BED={bed_temp}", Flavor::Klipper), Heaters { by_name: true, ..both });
+        let all = Heaters { chamber: true, ..both };
+        assert_eq!(heats("START_PRINT BED={bed_temp}", Flavor::Klipper), Heaters { by_name: true, ..all });
         assert_eq!(
             heats("WARM T={nozzle_temp}", Flavor::Klipper),
             Heaters { nozzle: true, ..Heaters::default() }
         );
         assert_eq!(heats("START_PRINT", Flavor::Marlin), Heaters::default());
-        assert_eq!(heats("TURN_OFF_HEATERS", Flavor::Klipper), both);
+        assert_eq!(heats("TURN_OFF_HEATERS", Flavor::Klipper), all);
+        assert!(!heats("SOAK TO={chamber_temperature[0]}", Flavor::Klipper).nozzle);
+        assert_eq!(heats("M191 S40", Flavor::Marlin), Heaters { chamber: true, ..Heaters::default() });
     }
 }

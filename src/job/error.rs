@@ -41,6 +41,58 @@ pub enum JobError {
     Cancelled,
 }
 
+impl JobError {
+    /// What kind of error it is, in a word for programs.
+    pub fn kind(&self) -> &'static str {
+        match self {
+            Self::Mesh(_) | Self::Input(_) => "input",
+            Self::Settings(_) | Self::Script { .. } => "settings",
+            Self::DoesNotFit(_) => "does_not_fit",
+            Self::Output(_) => "output",
+            Self::Check(_) => "check",
+            Self::Cancelled => "cancelled",
+        }
+    }
+
+    /// The same with sizes of models that point to another unit, where that may be the cause.
+    pub(crate) fn hinting(mut self, more: &[String]) -> Self {
+        if let Self::Check(CheckError::InMidAir { hints, .. })
+        | Self::Input(InputError::SpiralEnds { hints, .. }) = &mut self
+        {
+            hints.extend_from_slice(more);
+        }
+        self
+    }
+
+    /// The object that is at fault, if it is one.
+    pub fn object(&self) -> Option<&str> {
+        match self {
+            Self::Input(InputError::TooThin { object, .. })
+            | Self::DoesNotFit(FitError::Gantry { object, .. })
+            | Self::Check(CheckError::InMidAir { object, .. }) => Some(object),
+            Self::DoesNotFit(FitError::Placement { source, .. }) => source.object(),
+            _ => None,
+        }
+    }
+
+    /// The file that is at fault, if it is one.
+    pub fn file(&self) -> Option<String> {
+        match self {
+            Self::Mesh(error) => Some(error.path().display().to_string()),
+            Self::Input(InputError::Read { file, .. } | InputError::NoPaths { file })
+            | Self::Check(CheckError::Differs { file, .. }) => Some(file.clone()),
+            Self::Input(InputError::Project { file, .. }) => file.clone(),
+            _ => None,
+        }
+    }
+
+    /// The key of the first setting that is at fault, if it is one.
+    pub fn key(&self) -> Option<&str> {
+        let Self::Settings(error) = self else { return None };
+        error.problems.iter().find_map(|problem| Some(problem.setting.as_ref()?.0.as_str()))
+    }
+}
+
 /// Why nothing can be made of what is given (exit code 3). `hints`: sizes of models that point to another unit.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
@@ -48,6 +100,8 @@ pub enum JobError {
 pub enum InputError {
     #[error("{file}: {source}")]
     Read { file: String, source: io::Error },
+    #[error("the project{}: {problem}", file.as_ref().map_or(String::new(), |file| format!(", {file}")))]
+    Project { file: Option<String>, problem: String },
     #[error("the G-code cannot be read: {source}")]
     Gcode { source: io::Error },
     #[error("there are no moves in it; is it G-code?")]
@@ -58,7 +112,7 @@ pub enum InputError {
     NoLayers { hints: Vec<String> },
     #[error(
         "{object}: it is too thin to be printed anywhere; scale it, or use a finer nozzle{}",
-        hints.iter().map(|hint| format!("; {hint}")).collect::<String>()
+        after(hints)
     )]
     TooThin { object: String, hints: Vec<String> },
     #[error(
@@ -72,15 +126,21 @@ pub enum InputError {
     )]
     SpiralOfSeveral { objects: usize },
     #[error(
-        "at {z_mm:.2} mm the model is thinner than the line, which cannot go on; slice it without spiral.enabled"
+        "at {z_mm:.2} mm the model is thinner than the line, which cannot go on; slice it without spiral.enabled{}",
+        after(hints)
     )]
-    SpiralEnds { z_mm: f64 },
+    SpiralEnds { z_mm: f64, hints: Vec<String> },
+}
+
+/// Hints after a message.
+fn after(hints: &[String]) -> String {
+    hints.iter().map(|hint| format!("; {hint}")).collect()
 }
 
 fn mend(hints: &[String]) -> String {
     match hints {
         [] => "choose a smaller layer.height".to_owned(),
-        hints => format!("{}; or else choose a smaller layer.height", hints.join("; ")),
+        hints => hints.join("; "),
     }
 }
 
@@ -89,7 +149,7 @@ fn mend(hints: &[String]) -> String {
 #[non_exhaustive]
 #[allow(missing_docs)]
 pub enum FitError {
-    #[error("{source}{}", hints.iter().map(|hint| format!("; {hint}")).collect::<String>())]
+    #[error("{source}{}", after(hints))]
     Placement { source: Box<PlacementError>, hints: Vec<String> },
     #[error(
         "on its raft the print is {top_mm:.2} mm high, the printer {bed_mm} mm; give a smaller raft.layers or --scale"
@@ -110,9 +170,9 @@ pub enum FitError {
 pub enum CheckError {
     /// An object begins at `z_mm`, or goes on after nothing of it was printed from `last_mm` on; `mend` says what helps.
     #[error(
-        "{object}: the print {} in mid-air at Z {z_mm:.2}: {}; {mend}, or give --allow-floating",
+        "{object}: the print {} in mid-air at Z {z_mm:.2}: {}; {mend}, or give --allow-floating{}",
         if last_mm.is_some() { "goes on" } else { "begins" },
-        cause(*last_mm, *z_mm, *on_thin)
+        cause(*last_mm, *z_mm, *on_thin), after(hints)
     )]
     InMidAir {
         object: String,
@@ -122,6 +182,8 @@ pub enum CheckError {
         /// What it has beneath is too thin to be printed.
         on_thin: bool,
         mend: &'static str,
+        /// Sizes of models that point to another unit.
+        hints: Vec<String>,
     },
     /// A file in another order does not print the same.
     #[error("{file}: {difference}; nothing was written")]

@@ -1,7 +1,7 @@
 //! What can be wrong with an input file.
 
 use std::fmt;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use super::transform::TransformError;
 
@@ -67,6 +67,8 @@ pub enum MeshError {
          or export it again", path.display()
     )]
     Count { path: PathBuf, promised: usize, needed: u64, got: u64, location: Location },
+    #[error("{}: there is no object {object} in the file, which has {objects}; they count from 0", path.display())]
+    NoObject { path: PathBuf, object: usize, objects: usize },
     #[error("{}: there is no facet in the file; export the model again", path.display())]
     NoFacets { path: PathBuf },
     #[error(
@@ -74,6 +76,30 @@ pub enum MeshError {
          before it can be printed", path.display(), size[0], size[1], size[2], facets
     )]
     NoVolume { path: PathBuf, size: [f64; 3], facets: usize },
+}
+
+impl MeshError {
+    /// The file.
+    pub fn path(&self) -> &Path {
+        match self {
+            Self::Read { path, .. }
+            | Self::TooLarge { path, .. }
+            | Self::EmptyFile { path }
+            | Self::NotStl { path, .. }
+            | Self::Truncated { path, .. }
+            | Self::EndsInFacet { path, .. }
+            | Self::Syntax { path, .. }
+            | Self::Package { path, .. }
+            | Self::Damaged { path, .. }
+            | Self::Stray { path, .. }
+            | Self::Transform { path, .. }
+            | Self::TooLong { path, .. }
+            | Self::Count { path, .. }
+            | Self::NoObject { path, .. }
+            | Self::NoFacets { path }
+            | Self::NoVolume { path, .. } => path,
+        }
+    }
 }
 
 /// A coordinate, without a row of zeros.

@@ -3,9 +3,11 @@
 //! [`load`] reads what users have and repairs what can be repaired without guessing; a [`MeshReport`] says what
 //! was found and done. [`Transform`] scales, turns and moves.
 
+mod display;
 mod edges;
 mod error;
 mod measure;
+mod package;
 mod read;
 mod repair;
 mod report;
@@ -20,8 +22,11 @@ pub use repair::Doubt;
 pub use report::{MeshReport, Repair};
 pub use surface::Mesh;
 pub use transform::{Transform, TransformError};
+pub use units::{UNITS, UnitHint, unit_hint};
 
 pub(crate) use edges::NO_TWIN;
 pub(crate) use measure::facet_measures;
-pub(crate) use read::load_watched;
+pub(crate) use package::{PackageItem, PackageObject, write_package};
+pub(crate) use read::{Parts, load_watched, objects_watched};
 pub(crate) use transform::quarter_turned;
+pub(crate) use units::unit;

@@ -59,6 +59,12 @@ impl Mesh {
         &self.twins
     }
 
+    /// Whether it is the same mesh, of one reading, in the same place.
+    pub(crate) fn is_same(&self, other: &Self) -> bool {
+        let shared = Arc::ptr_eq(&self.triangles, &other.triangles) && Arc::ptr_eq(&self.twins, &other.twins);
+        shared && self.oriented == other.oriented && self.vertices == other.vertices
+    }
+
     /// Moves every vertex; facets keep their neighbours.
     pub(crate) fn moved(&mut self, to: impl Fn([f64; 3]) -> [f64; 3]) {
         self.vertices.iter_mut().for_each(|vertex| *vertex = to(*vertex));

@@ -7,9 +7,27 @@ use super::surface::Mesh;
 use super::transform::Transform;
 use super::weld::{FARTHEST, LIMIT_MM};
 
-/// Units that programs export in, as the factor that makes them millimetres.
-const UNITS: [(&str, f64); 4] =
-    [("inches", 25.4), ("metres", 1000.0), ("centimetres", 10.0), ("micrometres", 1e-3)];
+/// Units of models by their names, with the factor that makes them millimetres.
+pub const UNITS: [(&str, f64); 5] = [("mm", 1.0), ("inch", 25.4), ("m", 1000.0), ("cm", 10.0), ("um", 1e-3)];
+
+/// Units that programs export in: name, in words, and the factor that makes them millimetres.
+const FOREIGN: [(&str, &str, f64); 4] = [
+    ("inch", "inches", 25.4),
+    ("m", "metres", 1000.0),
+    ("cm", "centimetres", 10.0),
+    ("um", "micrometres", 1e-3),
+];
+
+/// A size that points to another unit than millimetres.
+#[derive(Clone, Debug, PartialEq)]
+pub struct UnitHint {
+    /// The unit, as `--unit` takes it: `inch`, `m`, `cm` or `um`.
+    pub unit: &'static str,
+    /// What makes it millimetres.
+    pub factor: f64,
+    /// The size, the unit and the remedy in words.
+    pub text: String,
+}
 
 /// The length of most parts, on a logarithmic scale, mm.
 const USUAL_MM: f64 = 50.0;
@@ -25,7 +43,7 @@ const THIN_MM: f64 = 0.2;
 
 /// The unit that a model of this size was probably made in, and the factor that makes it millimetres; `None` if it is
 /// millimetres.
-fn unit(size_mm: [f64; 3], volume_mm3: f64) -> Option<(&'static str, f64)> {
+pub(crate) fn unit(size_mm: [f64; 3], volume_mm3: f64) -> Option<(&'static str, &'static str, f64)> {
     let longest_mm = size_mm.into_iter().fold(0.0, f64::max);
     if longest_mm == 0.0 {
         return None;
@@ -34,21 +52,23 @@ fn unit(size_mm: [f64; 3], volume_mm3: f64) -> Option<(&'static str, f64)> {
         let thinnest_mm = size_mm.into_iter().fold(f64::INFINITY, f64::min);
         let little = volume_mm3.abs() < LITTLE_MM3 && longest_mm < SLENDER_MM && thinnest_mm > THIN_MM;
         let tiny = longest_mm < SHORT_MM || little;
-        return tiny.then_some(UNITS[0]);
+        return tiny.then_some(FOREIGN[0]);
     }
     let distance = |factor: f64| (longest_mm * factor / USUAL_MM).ln().abs();
-    UNITS.into_iter().min_by(|a, b| distance(a.1).total_cmp(&distance(b.1)))
+    FOREIGN.into_iter().min_by(|a, b| distance(a.2).total_cmp(&distance(b.2)))
 }
 
 /// The size in words, and the unit that it points to with the option that fixes it; `None` where the size is usual. `scale`
 /// is what the model was scaled by.
-pub(crate) fn hint(size_mm: [f64; 3], volume_mm3: f64, scale: [f64; 3]) -> Option<String> {
-    let (unit, factor) = unit(size_mm, volume_mm3)?;
+pub fn unit_hint(size_mm: [f64; 3], volume_mm3: f64, scale: [f64; 3]) -> Option<UnitHint> {
+    let (unit, in_words_of_it, factor) = unit(size_mm, volume_mm3)?;
     let option = match scale {
+        [1.0, 1.0, 1.0] => format!("use --unit {unit}"),
         [x, y, z] if x == y && y == z => format!("use --scale {}", x * factor),
         _ => format!("scale it {factor} times as much"),
     };
-    Some(format!("it is {}; if it was made in {unit}, {option}", in_words(size_mm)))
+    let text = format!("it is {}; if it was made in {in_words_of_it}, {option}", in_words(size_mm));
+    Some(UnitHint { unit, factor, text })
 }
 
 /// A size, with as many decimals as it takes.
@@ -116,7 +136,8 @@ pub(super) fn too_large(path: &Path, mesh: &Mesh, scale: [f64; 3]) -> MeshError 
         let rest = [0, 1, 2].map(|i| rest[i] * scale[i].abs());
         return MeshError::Stray { path, count, rest: in_words(rest) };
     }
-    let hint = hint(size, f64::INFINITY, scale).unwrap_or_else(|| format!("it is {}", in_words(size)));
+    let hint = unit_hint(size, f64::INFINITY, scale).map(|hint| hint.text);
+    let hint = hint.unwrap_or_else(|| format!("it is {}", in_words(size)));
     MeshError::TooLong { path, hint }
 }
 
@@ -149,7 +170,7 @@ mod tests {
     #[test]
     fn small_parts_are_in_millimetres_and_smaller_ones_in_inches() {
         let unit_of = |size: [f64; 3], share: f64| {
-            unit(size, share * size.iter().product::<f64>()).map(|(unit, _)| unit)
+            unit(size, share * size.iter().product::<f64>()).map(|(_, unit, _)| unit)
         };
         assert_eq!(unit_of([5.5, 6.4, 2.4], 0.6), None, "an M3 nut");
         assert_eq!(unit_of([5.0; 3], 1.0), None, "a cube");

@@ -52,6 +52,8 @@ pub struct Entry {
     pub z_mm: f64,
     /// The wipe before leaving, from `xy` on; empty without one.
     pub wipe: Vec<[f64; 2]>,
+    /// Filament that is pulled back already, by a script.
+    pub retracted_mm: f64,
     /// The first travel keeps above this, as finished objects may obstruct it; 0: none do.
     pub over_mm: f64,
 }

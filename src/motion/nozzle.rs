@@ -34,6 +34,8 @@ pub(super) struct Nozzle<'a> {
     pub(super) wipe: Vec<[f64; 2]>,
     /// The next travel keeps above this.
     pub(super) over_mm: f64,
+    /// Filament that is pulled back before the first travel.
+    pub(super) retracted_mm: f64,
     /// Filament to be fed with the next bead beyond what it holds.
     pub(super) extra_mm3: f64,
     pub(super) acceleration: Option<MmPerS2>,

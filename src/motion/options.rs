@@ -35,6 +35,10 @@ section! {
         bed: Celsius = Celsius(60.0); 0.0..=200.0,
         /// Bed on the first layer.
         bed_first_layer: Celsius = Celsius(60.0); 0.0..=200.0,
+        /// Chamber; 0: not heated.
+        chamber: Celsius = Celsius(0.0); 0.0..=200.0,
+        /// The print waits until the chamber has this; 0: it does not wait.
+        chamber_min: Celsius = Celsius(0.0); 0.0..=200.0,
     }
 }
 section! {

@@ -1,5 +1,6 @@
 //! Where a print stops for a filament change.
 
+use std::fmt;
 use std::str::FromStr;
 
 /// Why the nozzle stops.
@@ -44,6 +45,16 @@ impl FromStr for PauseAt {
         match text.trim().parse::<usize>() {
             Ok(number) if number > 0 => Ok(Self::Layer(number - 1)),
             _ => Err(error()),
+        }
+    }
+}
+
+/// As it is written.
+impl fmt::Display for PauseAt {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Layer(index) => write!(f, "{}", index + 1),
+            Self::Height(height_mm) => write!(f, "{height_mm}mm"),
         }
     }
 }

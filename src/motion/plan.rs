@@ -58,6 +58,7 @@ pub fn plan_layer(
         positioned: false,
         wipe: from.wipe.clone(),
         over_mm: from.over_mm,
+        retracted_mm: from.retracted_mm,
         extra_mm3: 0.0,
         acceleration: None,
         bead: None,
@@ -104,7 +105,7 @@ pub fn exit(layer: &LayerPaths, sequence: &[PathVisit], from: Entry, settings: &
     let Some(path) = last else { return from };
     let scarf = finish(path, &mut vertices, layer.index, settings);
     let (end, wipe) = end(path, &vertices, scarf.as_ref(), settings);
-    Entry { xy: end, z_mm: layer.top_mm + settings.z_offset.0, wipe, over_mm: 0.0 }
+    Entry { xy: end, z_mm: layer.top_mm + settings.z_offset.0, wipe, ..Entry::default() }
 }
 
 /// Where a bead ends, and where to wipe from there: of a loop on along it, over its beginning, away from the seam; else

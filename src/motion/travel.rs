@@ -39,8 +39,14 @@ impl Nozzle<'_> {
         }
         let rises =
             retract.layer_change && !self.positioned && self.layer_z_mm > self.z_mm && self.rules.index() > 0;
-        let retracted = (far || rises || pause || over_mm > 0.0) && retract.length.0 > 0.0;
-        if retracted && self.retract() && over_mm <= 0.0 {
+        let before_mm = std::mem::take(&mut self.retracted_mm);
+        let retracted = (far || rises || pause || over_mm > 0.0) && retract.length.0 > 0.0 || before_mm > 0.0;
+        if before_mm > 0.0 {
+            let length_mm = retract.length.0 - before_mm;
+            if length_mm > 0.0 {
+                self.moves.push(Move::Retract { length_mm, speed: retract.speed });
+            }
+        } else if retracted && self.retract() && over_mm <= 0.0 {
             route = self.route(to, same_island);
         }
         if let Some(stop) = stop {
@@ -80,7 +86,8 @@ impl Nozzle<'_> {
             self.lift(self.layer_z_mm);
         }
         if retracted {
-            self.moves.push(Move::Unretract { length_mm: retract.length.0, speed: retract.unretract_speed });
+            let length_mm = retract.length.0.max(before_mm);
+            self.moves.push(Move::Unretract { length_mm, speed: retract.unretract_speed });
             if !retract.firmware {
                 self.extra_mm3 = retract.extra.0 * self.settings.flow.filament_area_mm2;
             }

@@ -1,7 +1,7 @@
 //! Strategies side by side on the layers of one plate, or of a finished file.
 
 use crate::gcode::is_gcode;
-use crate::job::{Job, JobError};
+use crate::job::{Job, JobError, ModelSource};
 use crate::order::compare::{LayerRow, StrategyRow};
 use crate::order::{CostKind, OrderStrategy};
 use crate::order::{LayerProblem, PathVisit, Pins, SeamRule, chunk_len, ends_on_path};
@@ -13,7 +13,8 @@ use crate::source::Source;
 use crate::toolpath::LayerPaths;
 
 use super::ordering::{Certificate, Layers, Sequencer};
-use super::{load, ordering, reorder, rounds};
+use super::rounds::{self, Site};
+use super::{load, ordering, reorder};
 
 /// Plans the layers once and orders them by each strategy. With `job.certify`, bounds are computed as well.
 pub(super) fn compare(
@@ -22,7 +23,9 @@ pub(super) fn compare(
     strategies: &[OrderStrategy],
     workers: Workers<'_>,
 ) -> Result<Vec<StrategyRow>, JobError> {
-    if let Some(file) = job.models.first().filter(|file| is_gcode(file)) {
+    if let Some(ModelSource::Path(file)) = job.models.first().map(|model| &model.source)
+        && is_gcode(file)
+    {
         return compare_file(Source::File(file), settings, strategies, job.certify, workers);
     }
     let models = load::read(job, settings, workers)?;
@@ -89,10 +92,10 @@ fn sliced(
 ) -> Result<Vec<LayerPaths>, JobError> {
     let settings = &*spiral::effective(settings);
     let loaded = load::place(models, job, settings)?;
-    let rounds = rounds::prepare(&loaded, settings, workers)?;
-    let layers = rounds.iter().map(|round| {
-        workers.map(round.sections.layers.len(), |i| round.sections.paths(&round.planners, i, settings))
-    });
+    let rounds = rounds::prepare(&Site::of(&loaded), settings, workers)?;
+    let layers = rounds
+        .iter()
+        .map(|round| workers.map(round.sections.layers.len(), |i| round.paths(i, None, settings)));
     Ok(layers.flatten().collect())
 }
 

@@ -1,11 +1,12 @@
 //! Files → meshes on a plate.
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
-use crate::job::{FitError, InputError, Job, JobError, TransformOptions};
+use crate::job::{FitError, InputError, Job, JobError, JobModel};
 use crate::limits;
-use crate::mesh::{self, Mesh, MeshError, MeshReport, Transform, TransformError};
-use crate::plate::{self, Arrange, Model, Object, Placement, Plate, Sequence};
+use crate::mesh::{self, Mesh, MeshError, Transform, TransformError};
+use crate::observer::Observer;
+use crate::plate::{self, Arrange, Layout, Model, Object, Placement, PlacementError, Plate, Sequence};
 use crate::profile::Settings;
 use crate::report::{ModelInfo, Repaired};
 use crate::slice;
@@ -20,7 +21,7 @@ use crate::plan::supports::REACH_MM as SUPPORT_REACH_MM;
 pub(super) const DATED: u64 = 1_767_225_600;
 
 /// Models, placed.
-pub(super) struct Loaded<'a> {
+pub(crate) struct Loaded<'a> {
     pub plate: Plate,
     /// What each object has of settings of its own.
     pub styles: Styles<'a>,
@@ -32,18 +33,27 @@ pub(super) struct Loaded<'a> {
     pub hints: Vec<String>,
 }
 
-/// Reads and transforms the models of a job.
-pub(super) fn read(job: &Job, settings: &Settings, workers: Workers<'_>) -> Result<Vec<Model>, JobError> {
+/// Reads and transforms the models of a job. A file that is named several times is read once.
+pub(crate) fn read(job: &Job, settings: &Settings, workers: Workers<'_>) -> Result<Vec<Model>, JobError> {
+    let models = &job.models;
+    let first = |i: usize| models.iter().position(|other| other.source == models[i].source).unwrap_or(i);
+    let first: Vec<usize> = (0..models.len()).map(first).collect();
+    let is_shared = |i: usize| first.iter().filter(|other| **other == i).count() > 1;
+    let read_shared = |i: usize| is_shared(i).then(|| models[i].source.objects(workers)).transpose();
+    let shared: Vec<Option<Vec<mesh::Model>>> =
+        workers.map(models.len(), read_shared).into_iter().collect::<Result<_, _>>()?;
     let read = |i: usize| {
-        let path = &job.models[i];
-        let objects = mesh::load_watched(path, workers)?;
-        model(path, objects, &job.transform, job.copies as usize, settings)
+        let objects = match &shared[first[i]] {
+            Some(objects) => objects.clone(),
+            None => models[i].source.objects(workers)?,
+        };
+        model(&models[i], objects, job.scale_to_fit, settings)
     };
-    workers.map(job.models.len(), read).into_iter().collect()
+    workers.map(models.len(), read).into_iter().collect()
 }
 
 /// Places models as a job wants it.
-pub(super) fn place<'a>(
+pub(crate) fn place<'a>(
     models: Vec<Model>,
     job: &'a Job,
     settings: &Settings,
@@ -53,18 +63,19 @@ pub(super) fn place<'a>(
     let mut warnings = hints.clone();
     let mut repairs: Vec<Repaired> = Vec::new();
     let mut names: Vec<Vec<String>> = Vec::new();
-    for model in &models {
+    let mut own: Vec<Option<&Settings>> = Vec::new();
+    for (number, model) in models.iter().enumerate() {
         for (item, report) in model.layout.items().iter().zip(&model.reports) {
             warnings.extend(report.warnings.iter().map(|warning| format!("{}: {warning}", item.name)));
             repairs.extend(Repaired::of(&item.name, report));
             let copies = item.positions.len() * model.layout.copies();
             let known = [std::slice::from_ref(&item.name), &model.names].concat();
             names.extend(std::iter::repeat_n(known, copies));
+            let settings = job.models.get(number).and_then(|model| model.settings.as_deref());
+            own.extend(std::iter::repeat_n(settings, copies));
         }
     }
-    let has_modifiers = !job.support_enforcers.is_empty() || !job.support_blockers.is_empty();
-    let placement =
-        Placement { turn: settings.plate.turn && !has_modifiers, ..placement(settings, &job.transform) };
+    let placement = placement(job, settings);
     let layouts = models.into_iter().map(|model| model.layout).collect();
     let plate = plate::place(layouts, &settings.bed, &placement)
         .map_err(|source| FitError::Placement { source: source.into(), hints: hints.clone() })?;
@@ -73,34 +84,58 @@ pub(super) fn place<'a>(
         names.insert(0, object.name.clone());
     }
     warnings.extend(plate.notes.iter().cloned());
-    let styles = Styles::new(&job.objects, &names)?;
-    let load = |files| load_modifiers(files, job, first_box, &plate);
+    let styles = Styles::new(&job.objects, &own, &names)?;
+    let load = |bodies: &[JobModel]| load_modifiers(bodies, first_box, &plate, settings);
     let modifiers = [load(&job.support_enforcers)?, load(&job.support_blockers)?];
     Ok(Loaded { plate, styles, modifiers, warnings, repairs, hints })
 }
 
-/// The objects of a file, transformed. What is larger than the bed is shrunk if requested, all by one factor.
+/// Where the models of a job stand, and which objects cannot be printed there.
+pub(super) fn placed(
+    job: &Job,
+    settings: &Settings,
+    workers: Workers<'_>,
+) -> Result<(Plate, Vec<(usize, PlacementError)>), JobError> {
+    let models = read(job, settings, workers)?;
+    let is_standing = job.models.iter().any(|model| model.at_mm.is_some());
+    let hints = models.iter().filter_map(|model| model.hint.clone()).collect();
+    let placement = self::placement(job, settings);
+    let layouts: Vec<Layout> = models.into_iter().map(|model| model.layout).collect();
+    let placed = match is_standing {
+        true => plate::stand(layouts, &settings.bed, &placement),
+        false => plate::place(layouts, &settings.bed, &placement).map(|plate| (plate, Vec::new())),
+    };
+    Ok(placed.map_err(|source| FitError::Placement { source: source.into(), hints })?)
+}
+
+/// The objects of a file, transformed. What is larger than the bed is shrunk if requested, all by one factor. What has a
+/// position is not oriented: it stands as it is turned.
 pub(crate) fn model(
-    path: &Path,
+    wanted: &JobModel,
     objects: Vec<mesh::Model>,
-    options: &TransformOptions,
-    copies: usize,
+    scale_to_fit: bool,
     settings: &Settings,
 ) -> Result<Model, JobError> {
+    let (path, copies) = (wanted.path(), wanted.copies as usize);
     let line = plate::Line::thinnest(settings);
-    let mut model = Model::new(path, objects, &transform(options), line, copies)?;
-    if settings.plate.orient {
+    let mut model = Model::new(path, objects, wanted.object, &wanted.transform, line, copies)?;
+    if settings.plate.orient && wanted.at_mm.is_none() {
         model.layout = model.layout.oriented();
     }
-    if options.scale_to_fit {
+    if scale_to_fit {
         let factor = model.layout.fit_factor(&settings.bed, margin_mm(settings));
         model.layout = model.layout.scaled(factor).map_err(|source| unusable(path, source))?;
+    }
+    if let Some(at_mm) = wanted.at_mm {
+        model.layout = model.layout.standing_at(at_mm);
     }
     Ok(model)
 }
 
 /// How models are placed.
-fn placement(settings: &Settings, options: &TransformOptions) -> Placement {
+fn placement(job: &Job, settings: &Settings) -> Placement {
+    let mut modifiers = job.support_enforcers.iter().chain(&job.support_blockers);
+    let is_followed = modifiers.any(|modifier| modifier.at_mm.is_none());
     let one_by_one = settings.print.sequence == Sequence::Object;
     let apart_mm = if one_by_one { settings.print.clearance_radius.0 } else { 0.0 };
     Placement {
@@ -108,31 +143,36 @@ fn placement(settings: &Settings, options: &TransformOptions) -> Placement {
         spacing_mm: settings.plate.spacing.0.max(apart_mm),
         reach_mm: reach_mm(settings),
         convex: one_by_one,
-        turn: settings.plate.turn,
+        turn: settings.plate.turn && !is_followed,
         arrange: match (settings.plate.arrange, settings.plate.keep_layout) {
             (true, true) => Arrange::Layouts,
             (true, false) => Arrange::Bodies,
             (false, _) => Arrange::Off,
         },
-        shift_mm: options.translate_mm,
+        shift_mm: job.translate_mm,
     }
 }
 
-/// Bodies taken along by the first model, which was in `first_box` before it was fitted and placed.
+/// Bodies where support is enforced or blocked: where they stand, or taken along by the first model, which was in `first_box`
+/// before it was fitted and placed.
 fn load_modifiers(
-    files: &[PathBuf],
-    job: &Job,
+    bodies: &[JobModel],
     first_box: Option<[[f64; 3]; 2]>,
     plate: &Plate,
+    settings: &Settings,
 ) -> Result<Plate, JobError> {
     let mut modifiers = Plate::default();
     let (Some([was, was_to]), Some(first)) = (first_box, plate.meshes.first()) else { return Ok(modifiers) };
     let [is, is_to] = first.bounds();
     let factor = (0..3).map(|i| (is_to[i] - is[i]) / (was_to[i] - was[i])).fold(0.0, f64::max);
-    for file in files {
-        let (mesh, _) = single(file, &job.transform)?;
+    for body in bodies {
+        if let Some(at_mm) = body.at_mm {
+            stand_modifier(body, at_mm, settings, &mut modifiers)?;
+            continue;
+        }
+        let mesh = single(body)?;
         let factor_only = Transform { scale: [factor; 3], ..Transform::default() };
-        let mut mesh = transformed(file, &factor_only, mesh)?;
+        let mut mesh = transformed(body.path(), &factor_only, mesh)?;
         mesh.shift([0, 1, 2].map(|i| is[i] - factor * was[i]));
         let copies = plate.objects.iter().filter(|object| object.mesh == 0);
         modifiers
@@ -143,17 +183,37 @@ fn load_modifiers(
     Ok(modifiers)
 }
 
-/// What is in a model, and whether it fits.
-pub(super) fn info(
-    path: &Path,
-    options: &TransformOptions,
+/// Puts a body where its position says, on the bed or not.
+fn stand_modifier(
+    body: &JobModel,
+    at_mm: [f64; 3],
     settings: &Settings,
-) -> Result<ModelInfo, JobError> {
-    let Model { layout, mut reports, hint, .. } =
-        model(path, mesh::load_objects(path)?, options, 1, settings)?;
+    modifiers: &mut Plate,
+) -> Result<(), JobError> {
+    let mesh = single(body)?;
+    let layout = Layout::single(plate::name_of(body.path()), mesh, 1).standing_at(at_mm);
+    let options = Placement { arrange: Arrange::Off, ..Placement::default() };
+    let (standing, _) = plate::stand(vec![layout], &settings.bed, &options)
+        .map_err(|source| FitError::Placement { source: source.into(), hints: Vec::new() })?;
+    let first = modifiers.meshes.len();
+    modifiers.meshes.extend(standing.meshes);
+    let moved = standing.objects.into_iter().map(|object| Object { mesh: first + object.mesh, ..object });
+    modifiers.objects.extend(moved);
+    Ok(())
+}
+
+/// What is in the first model of a job, and whether it fits.
+pub(super) fn info(job: &Job, settings: &Settings) -> Result<ModelInfo, JobError> {
+    let Some(wanted) = job.models.first() else { return Err(nothing_to_print(&[])) };
+    let observer = Observer::none();
+    let objects = wanted.source.objects(Workers { observer: &observer })?;
+    let Model { layout, mut reports, hint, .. } = model(wanted, objects, job.scale_to_fit, settings)?;
     let (mesh, mut report) = match (layout.items(), reports.len()) {
         ([only], 1) => (only.mesh.clone(), reports.remove(0)),
-        _ => single(path, options)?,
+        _ => {
+            let (mesh, report) = wanted.source.whole()?;
+            (transformed(wanted.path(), &wanted.transform, mesh)?, report)
+        }
     };
     // Scaling and turning leave the share as it is.
     let (sum_mm3, _) = mesh.volume_and_area();
@@ -175,7 +235,7 @@ pub(super) fn info(
             text.push_str(&format!("object      {} × {}\n", item.positions.len(), item.name));
         }
     }
-    let placed = plate::place(vec![layout], &settings.bed, &placement(settings, options));
+    let placed = plate::place(vec![layout], &settings.bed, &placement(job, settings));
     let advice = match &placed {
         Ok(plate) => {
             plate.notes.iter().for_each(|note| text.push_str(&format!("warning     {note}\n")));
@@ -184,7 +244,7 @@ pub(super) fn info(
         Err(error) => Some(error.to_string()),
     };
     Ok(ModelInfo {
-        file: path.display().to_string(),
+        file: wanted.path().display().to_string(),
         mesh: serde_json::to_value(&report).unwrap_or_default(),
         text,
         objects,
@@ -194,14 +254,19 @@ pub(super) fn info(
     })
 }
 
-/// A file as one mesh, transformed.
-fn single(path: &Path, options: &TransformOptions) -> Result<(Mesh, MeshReport), JobError> {
-    let (mesh, report) = mesh::load(path)?;
-    Ok((transformed(path, &transform(options), mesh)?, report))
-}
-
-fn transform(options: &TransformOptions) -> Transform {
-    Transform { scale: options.scale, rotate_deg: options.rotate_deg }
+/// A file, or one object of it, as one mesh, transformed.
+fn single(body: &JobModel) -> Result<Mesh, JobError> {
+    let mesh = match body.object {
+        None => body.source.whole()?.0,
+        Some(index) => {
+            let objects = body.source.objects(Workers { observer: &Observer::none() })?;
+            let count = objects.len();
+            let missing =
+                || MeshError::NoObject { path: body.path().to_path_buf(), object: index, objects: count };
+            objects.into_iter().nth(index).ok_or_else(missing)?.mesh
+        }
+    };
+    transformed(body.path(), &body.transform, mesh)
 }
 
 fn transformed(path: &Path, transform: &Transform, mesh: Mesh) -> Result<Mesh, JobError> {

@@ -11,23 +11,28 @@ pub(crate) mod load;
 mod ordering;
 mod paper;
 mod print;
+mod project;
 mod reorder;
 mod rounds;
+mod staged;
 
 use std::path::Path;
 
-use crate::job::{Engine, Job, JobError, ReorderJob, TransformOptions};
+use crate::job::{Engine, Job, JobError, ModelFiles, Project, ReorderJob};
 use crate::observer::Observer;
 use crate::order::OrderStrategy;
 use crate::order::compare::StrategyRow;
 use crate::output::Output;
 use crate::parallel::{self, Workers};
-use crate::plate::Model;
+use crate::plate::{Model, PlacementError, Plate};
 use crate::profile::Settings;
 use crate::report::{ModelInfo, PaperRow, Reordered, Summary};
 use crate::source::Source;
 
 pub use kept::PrintLayer;
+pub(crate) use staged::{Live, Stage, StageCache};
+
+use print::Besides;
 
 /// The slicer itself.
 #[derive(Clone, Copy, Debug)]
@@ -47,6 +52,39 @@ impl Pipeline {
 }
 
 impl Pipeline {
+    /// Where the models of a job stand, and which objects (by their numbers on the plate) cannot be printed there.
+    ///
+    /// # Errors
+    /// A model that cannot be read; models without positions that do not fit.
+    pub fn placed(
+        &self,
+        job: &Job,
+        settings: &Settings,
+        observer: &Observer<'_>,
+    ) -> Result<(Plate, Vec<(usize, PlacementError)>), JobError> {
+        parallel::run(job.threads, observer, |workers| load::placed(job, settings, workers))
+            .unwrap_or(Err(JobError::Cancelled))
+    }
+
+    /// A project as a file (3MF) that every slicer opens, with its models where they stand. [`Project::read`] gives it back to
+    /// the bit. `job` and `settings` are what the project comes to.
+    ///
+    /// # Errors
+    /// A model that cannot be transformed so.
+    pub fn project_file(
+        &self,
+        project: &Project,
+        files: &ModelFiles,
+        job: &Job,
+        settings: &Settings,
+        observer: &Observer<'_>,
+    ) -> Result<Vec<u8>, JobError> {
+        parallel::run(job.threads, observer, |workers| project::write(project, files, job, settings, workers))
+            .unwrap_or(Err(JobError::Cancelled))
+    }
+}
+
+impl Pipeline {
     /// Slices models that have been read, and keeps the layers.
     pub(crate) fn slice_models(
         models: Vec<Model>,
@@ -56,7 +94,24 @@ impl Pipeline {
         layers: &mut Vec<PrintLayer>,
         observer: &Observer<'_>,
     ) -> Result<Summary, JobError> {
-        let slice = |workers: Workers<'_>| print::slice(models, job, settings, output, Some(layers), workers);
+        let besides = Besides { kept: Some(layers), ..Besides::default() };
+        let slice = |workers: Workers<'_>| print::slice(models, job, settings, output, besides, workers);
+        parallel::run(job.threads, observer, slice).unwrap_or(Err(JobError::Cancelled))
+    }
+
+    /// Slices a job, followed stage by stage.
+    pub(crate) fn slice_live(
+        job: &Job,
+        settings: &Settings,
+        output: &mut Output,
+        live: Live<'_>,
+        observer: &Observer<'_>,
+    ) -> Result<Summary, JobError> {
+        let slice = |workers: Workers<'_>| {
+            let besides = Besides { live: Some(live), ..Besides::default() };
+            let models = load::read(job, settings, workers)?;
+            print::slice(models, job, settings, output, besides, workers)
+        };
         parallel::run(job.threads, observer, slice).unwrap_or(Err(JobError::Cancelled))
     }
 
@@ -97,7 +152,7 @@ impl Engine for Pipeline {
     ) -> Result<Summary, JobError> {
         parallel::run(job.threads, observer, |workers| {
             let models = load::read(job, settings, workers)?;
-            print::slice(models, job, settings, output, None, workers)
+            print::slice(models, job, settings, output, Besides::default(), workers)
         })
         .unwrap_or(Err(JobError::Cancelled))
     }
@@ -136,12 +191,7 @@ impl Engine for Pipeline {
         .unwrap_or(Err(JobError::Cancelled))
     }
 
-    fn info(
-        &self,
-        model: &Path,
-        transform: &TransformOptions,
-        settings: &Settings,
-    ) -> Result<ModelInfo, JobError> {
-        load::info(model, transform, settings)
+    fn info(&self, job: &Job, settings: &Settings) -> Result<ModelInfo, JobError> {
+        load::info(job, settings)
     }
 }

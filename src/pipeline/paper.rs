@@ -4,7 +4,7 @@ use std::io::Read;
 
 use crate::estimate::Machine;
 use crate::gcode::{file_time, is_gcode, measure};
-use crate::job::{Job, JobError};
+use crate::job::{Job, JobError, ModelSource};
 use crate::order::compare::gap;
 use crate::order::{OrderStrategy, Scope};
 use crate::output::Output;
@@ -32,9 +32,11 @@ const ORDERS: [(Scope, &[OrderStrategy]); 2] = [
 
 /// The rows of one file. A model is sliced first, its paths as they are made.
 pub(super) fn paper(job: &Job, settings: &Settings, workers: Workers<'_>) -> Result<Vec<PaperRow>, JobError> {
-    let Some(file) = job.models.first() else { return Ok(Vec::new()) };
+    let Some(model) = job.models.first() else { return Ok(Vec::new()) };
     workers.observer.begin(ORDERS.iter().map(|(_, strategies)| strategies.len()).sum());
-    if is_gcode(file) {
+    if let ModelSource::Path(file) = &model.source
+        && is_gcode(file)
+    {
         return rows(Source::File(file), settings, job.certify, workers);
     }
     let mut as_made = settings.clone();
@@ -42,7 +44,8 @@ pub(super) fn paper(job: &Job, settings: &Settings, workers: Workers<'_>) -> Res
     let silent = workers.observer.silent();
     let mut output = Output::memory();
     let models = load::read(job, &as_made, workers)?;
-    print::slice(models, job, &as_made, &mut output, None, Workers { observer: &silent })?;
+    let besides = print::Besides::default();
+    print::slice(models, job, &as_made, &mut output, besides, Workers { observer: &silent })?;
     rows(Source::Memory(&output.into_bytes()), settings, job.certify, workers)
 }
 

@@ -18,7 +18,7 @@ use crate::plan::spiral;
 use crate::plate::{Model, Plate};
 use crate::profile::{ScriptRun, Settings, WholePrint};
 use crate::report::{LayerSummary, Measures, Overhangs, Summary};
-use crate::toolpath::{LayerKind, LayerPaths};
+use crate::toolpath::{LayerKind, LayerPaths, LayerWalls};
 use crate::units::{Mm3, Seconds};
 use crate::view;
 use geometry::{Bounds, Point};
@@ -26,24 +26,41 @@ use geometry::{Bounds, Point};
 use super::inspect::Inspector;
 use super::kept::PrintLayer;
 use super::ordering::{Certificate, Layers, Sequencer};
-use super::rounds::{self, Round};
+use super::rounds::{self, Round, Site};
+use super::staged::{self, Live, Watched};
 use super::{load, ordering};
 
-/// Slices a plate. Layers are kept where that is wanted.
+/// What a run gives beside the G-code.
+#[derive(Default)]
+pub(super) struct Besides<'a> {
+    /// The finished layers are added here.
+    pub kept: Option<&'a mut Vec<PrintLayer>>,
+    /// The run is followed stage by stage.
+    pub live: Option<Live<'a>>,
+}
+
+/// Slices a plate.
 pub(super) fn slice(
     models: Vec<Model>,
     job: &Job,
     settings: &Settings,
     output: &mut Output,
-    kept: Option<&mut Vec<PrintLayer>>,
+    besides: Besides<'_>,
     workers: Workers<'_>,
 ) -> Result<Summary, JobError> {
+    let Besides { kept, live } = besides;
     let settings = &*spiral::effective(settings);
     let mut loaded = load::place(models, job, settings)?;
     let mut warnings = std::mem::take(&mut loaded.warnings);
     let pictures = || thumbnails(&loaded.plate, settings, workers);
-    let (rounds, pictures) = parallel::join(|| rounds::prepare(&loaded, settings, workers), pictures);
-    let rounds = rounds?;
+    let site = Site::of(&loaded);
+    let hints = loaded.hints.clone();
+    let staged = match live {
+        Some(mut live) => live.prepare(&site, pictures, settings, workers),
+        None => staged::prepare(&site, pictures, settings, workers),
+    };
+    let staged = staged.map_err(|error| error.hinting(&hints))?;
+    let (rounds, pictures) = (staged.rounds.as_slice(), &staged.pictures);
     let count = rounds.iter().map(|round| round.sections.layers.len()).sum();
     workers.observer.begin(count);
     let Some(bounds) = rounds.iter().filter_map(|round| round.sections.bounds()).reduce(|a, b| a.joined(&b))
@@ -51,14 +68,14 @@ pub(super) fn slice(
         return Err(load::nothing_to_print(&loaded.hints));
     };
     warnings.extend(rounds.iter().flat_map(|round| round.sections.warnings()));
-    let overhangs = (!settings.support.enabled).then(|| rounds::overhangs(&rounds, settings, workers));
+    let overhangs = (!settings.support.enabled).then(|| rounds::overhangs(rounds, settings, workers));
 
-    let facts = facts(&rounds, &loaded.plate, bounds, job, settings);
+    let facts = facts(rounds, &loaded.plate, bounds, job, settings);
     let options = GcodeOptions::from(settings);
     let mut run = ScriptRun::new(settings, &facts);
     let mut scripts = run.open().map_err(script_error)?;
     let labels =
-        if settings.gcode.labels_objects() { labels(&loaded.plate, &rounds, workers) } else { Vec::new() };
+        if settings.gcode.labels_objects() { labels(&loaded.plate, rounds, workers) } else { Vec::new() };
     let names = labels.iter().map(|label| label.name.clone()).collect();
     let maker = LayerMaker {
         chain: Chain { detours: settings.detour_rule(), ..ordering::chain(settings) },
@@ -97,7 +114,9 @@ pub(super) fn slice(
     writer.statistics.add_script(&begun, &maker.machine);
     let (xy, z_mm) = (begun.end.map(|[x, y, _]| [x, y]), begun.end.map_or(0.0, |e| e[2]));
     let start = xy.map(|[x, y]| Point::from_mm(x, y));
-    let mut at = Entry { xy, z_mm, ..Entry::default() };
+    let firmware = settings.retract.firmware;
+    let retracted_mm = if firmware { 0.0 } else { scripts.retracted_mm };
+    let mut at = Entry { xy, z_mm, retracted_mm, ..Entry::default() };
     for (finished, round) in rounds.iter().enumerate() {
         at.over_mm = round.over_mm;
         writer.between_objects(finished)?;
@@ -107,7 +126,9 @@ pub(super) fn slice(
         let names = round.sections.objects().iter().map(|&o| loaded.plate.objects[o].name.clone()).collect();
         let layout = settings.plate.keep_layout && loaded.plate.objects.iter().any(|object| object.body > 0);
         let mut floating = Floating::new(&round.sections, names, layout, job.allow_floating);
-        ordered.extend(maker.round(round, &mut at, &mut floating, &mut writer)?);
+        let walls = |layer: usize| staged.walls(finished, layer);
+        let done = maker.round((round, &walls), &mut at, &mut floating, &mut writer);
+        ordered.extend(done.map_err(|error| error.hinting(&hints))?);
         floating.finish(&loaded.hints)?;
         floating_warnings.append(&mut floating.warnings);
     }
@@ -159,7 +180,7 @@ fn thumbnails(plate: &Plate, settings: &Settings, workers: Workers<'_>) -> [Stri
     let specs = thumbnail_list(&settings.gcode.thumbnails).unwrap_or_default();
     let comments = workers.map(specs.len(), |i| {
         let is_first = specs[..i].iter().all(|before| before.format != specs[i].format);
-        view::thumbnail_comment(plate, specs[i], is_first)
+        view::thumbnail_comment(&Watched(plate, workers), specs[i], is_first)
     });
     let [mut first, mut others] = [String::new(), String::new()];
     for (spec, comment) in specs.iter().zip(comments) {
@@ -190,7 +211,7 @@ fn facts(rounds: &[Round], plate: &Plate, bounds: Bounds, job: &Job, settings: &
     let outlines = rounds.iter().map(|round| round.sections.first_layer_outlines(&round.planners, foot_mm));
     let bodies: BTreeSet<usize> = plate.objects.iter().map(|object| object.body).collect();
     let meshes: BTreeSet<usize> = plate.objects.iter().map(|object| object.mesh).collect();
-    let input_name = job.models.first().and_then(|path| path.file_stem());
+    let input_name = job.models.first().and_then(|model| model.path().file_stem());
     PrintFacts {
         layers: rounds.iter().map(|round| round.sections.layers.len()).sum(),
         min_mm: bounds.min.mm(),
@@ -345,9 +366,9 @@ impl LayerMaker<'_> {
     /// Takes the layers of a round through all stages, batch by batch: while one is ordered, the next is planned, the one
     /// before gets its moves, and the one before that is checked and written. Returns, if they are to be certified, what
     /// was ordered and where each layer was entered from.
-    fn round(
+    fn round<'w>(
         &self,
-        round: &Round,
+        (round, walls): (&Round, &(dyn Fn(usize) -> Option<&'w [LayerWalls]> + Sync)),
         at: &mut Entry,
         floating: &mut Floating<'_>,
         writer: &mut PrintWriter<'_>,
@@ -359,7 +380,7 @@ impl LayerMaker<'_> {
         let length = chunk * parallel::threads();
         let plan = |first: usize| {
             let layers = length.min(count.saturating_sub(first));
-            workers.map(layers, |i| round.sections.paths(&round.planners, first + i, self.settings))
+            workers.map(layers, |i| round.paths(first + i, walls(first + i), self.settings))
         };
         let sequencer = Sequencer::new(&self.chain, workers, chunk, at.xy.map(|[x, y]| Point::from_mm(x, y)));
         let mut state = OrderState { seam: SeamRule::new(self.settings.seam.position), sequencer, at };

@@ -6,12 +6,13 @@ use crate::plate::{Object, Plate};
 use crate::profile::Settings;
 use crate::report::Overhangs;
 use crate::slice::Slicer;
+use crate::toolpath::{LayerPaths, LayerWalls};
 use geometry::{Point, Polygon};
 
 use super::load::{self, Loaded};
 use crate::parallel::Workers;
 use crate::plan::sections::Sections;
-use crate::plan::styles::Planners;
+use crate::plan::styles::{Planners, Styles};
 use crate::plan::supports;
 
 /// How far above finished objects the nozzle passes, millimetres: more than they may have warped.
@@ -29,20 +30,39 @@ pub(super) struct Round {
     pub over_mm: f64,
 }
 
+/// What stands on the plate, and how it is to be printed.
+#[derive(Clone, Copy)]
+pub(super) struct Site<'a> {
+    pub plate: &'a Plate,
+    pub styles: &'a Styles<'a>,
+    /// Where support is enforced and where it is blocked.
+    pub modifiers: &'a [Plate; 2],
+    /// Sizes that point to another unit.
+    pub hints: &'a [String],
+}
+
+impl<'a> Site<'a> {
+    /// Of models that are placed.
+    pub fn of(loaded: &'a Loaded<'a>) -> Self {
+        let Loaded { plate, styles, modifiers, hints, .. } = loaded;
+        Self { plate, styles, modifiers, hints }
+    }
+}
+
 /// The rounds of a plate, in their order. None is without layers.
 ///
 /// # Errors
 /// Objects that cannot be printed one after the other; nothing to print.
 pub(super) fn prepare(
-    loaded: &Loaded<'_>,
+    site: &Site<'_>,
     settings: &Settings,
     workers: Workers<'_>,
 ) -> Result<Vec<Round>, JobError> {
-    let plate = &loaded.plate;
+    let plate = site.plate;
     let bodies = bodies(plate);
     if settings.print.sequence == Sequence::Layer || bodies.len() < 2 {
-        let round = Round::new(loaded, (0..plate.objects.len()).collect(), settings, &[], workers)?;
-        return round.map(|round| vec![round]).ok_or_else(|| load::nothing_to_print(&loaded.hints));
+        let round = Round::new(site, (0..plate.objects.len()).collect(), settings, &[], workers)?;
+        return round.map(|round| vec![round]).ok_or_else(|| load::nothing_to_print(site.hints));
     }
     let mut order = order(plate, bodies, settings)?.into_iter();
     let lowest = order.next().unwrap_or_default();
@@ -51,11 +71,11 @@ pub(super) fn prepare(
     bare.skirt.loops = 0;
     let mut later: Vec<Round> = Vec::new();
     for objects in order {
-        later.extend(Round::new(loaded, objects, &bare, &[], workers)?);
+        later.extend(Round::new(site, objects, &bare, &[], workers)?);
     }
     let around: Vec<Polygon> =
         later.iter().flat_map(|round| round.sections.on_bed(&round.planners)).collect();
-    let first = Round::new(loaded, lowest, settings, &around, workers)?;
+    let first = Round::new(site, lowest, settings, &around, workers)?;
     let mut rounds: Vec<Round> = first.into_iter().chain(later).collect();
     let (mut layers, mut top_mm) = (0, 0.0_f64);
     for round in &mut rounds {
@@ -67,7 +87,7 @@ pub(super) fn prepare(
         layers += round.sections.layers.len();
         top_mm = top_mm.max(round.sections.layers.last().map_or(0.0, |layer| layer.span.top_mm));
     }
-    if rounds.is_empty() { Err(load::nothing_to_print(&loaded.hints)) } else { Ok(rounds) }
+    if rounds.is_empty() { Err(load::nothing_to_print(site.hints)) } else { Ok(rounds) }
 }
 
 /// What would need support.
@@ -88,23 +108,23 @@ pub(super) fn overhangs(rounds: &[Round], settings: &Settings, workers: Workers<
 impl Round {
     /// Cuts some objects and plans what they need; `None`: they have no layer. The skirt goes also around `around`.
     fn new(
-        loaded: &Loaded<'_>,
+        site: &Site<'_>,
         objects: Vec<usize>,
         settings: &Settings,
         around: &[Polygon],
         workers: Workers<'_>,
     ) -> Result<Option<Self>, JobError> {
         let own;
-        let plate = if objects.len() == loaded.plate.objects.len() {
-            &loaded.plate
+        let plate = if objects.len() == site.plate.objects.len() {
+            site.plate
         } else {
-            own = part(&loaded.plate, &objects);
+            own = part(site.plate, &objects);
             &own
         };
-        let name = (objects.len() < loaded.plate.objects.len()).then(|| names(&loaded.plate, &objects));
-        let styles = loaded.styles.of(&objects);
+        let name = (objects.len() < site.plate.objects.len()).then(|| names(site.plate, &objects));
+        let styles = site.styles.of(&objects);
         let slicer = Slicer::new(plate, &load::layers(settings));
-        let mut sections = Sections::cut(&slicer, objects, &styles, &loaded.modifiers, settings, workers)?;
+        let mut sections = Sections::cut(&slicer, objects, &styles, site.modifiers, settings, workers)?;
         if sections.bounds().is_none() {
             return Ok(None);
         }
@@ -113,6 +133,22 @@ impl Round {
         let top_mm = sections.layers.last().map_or(0.0, |layer| layer.span.top_mm);
         load::check_height(top_mm + settings.layer.z_offset.0, settings)?;
         Ok(Some(Self { sections, planners, name, first_layer: 0, over_mm: 0.0 }))
+    }
+
+    /// The walls of a layer.
+    pub fn walls(&self, layer: usize) -> Vec<LayerWalls> {
+        self.sections.walls(&self.planners, layer)
+    }
+
+    /// All paths of a layer; `walls`: its walls, where they are known.
+    pub fn paths(&self, layer: usize, walls: Option<&[LayerWalls]>, settings: &Settings) -> LayerPaths {
+        let walls = walls.map_or_else(|| self.walls(layer), <[LayerWalls]>::to_vec);
+        self.sections.paths(&self.planners, layer, walls, settings)
+    }
+
+    /// Whether the walls of another round are those of this one.
+    pub fn has_walls_of(&self, other: &Self) -> bool {
+        self.planners.has_walls_of(&other.planners) && self.sections.has_outlines_of(&other.sections)
     }
 }
 

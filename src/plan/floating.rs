@@ -115,6 +115,7 @@ impl<'a> Floating<'a> {
                 }
                 false => "repair the model, hold it with --set support.enabled=true",
             },
+            hints: Vec::new(),
         }
     }
 }

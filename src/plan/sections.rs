@@ -187,6 +187,18 @@ impl Sections {
         PlateLayer { index, top_mm: span.top_mm, height_mm: span.height_mm, objects: objects.collect() }
     }
 
+    /// Whether the outlines are those of others, and so are the layers that a spiral has.
+    pub fn has_outlines_of(&self, other: &Self) -> bool {
+        let spiral = |sections: &Self| {
+            let spiral = sections.spiral.as_ref();
+            spiral.map(|spiral| (0..sections.layers.len()).position(|i| spiral.has(i)))
+        };
+        self.objects == other.objects
+            && self.raft_layers == other.raft_layers
+            && spiral(self) == spiral(other)
+            && self.layers == other.layers
+    }
+
     /// Box around everything that is printed, without skirt and brim.
     pub fn bounds(&self) -> Option<Bounds> {
         let regions = self.layers.iter().flat_map(|l| &l.sections);

@@ -59,7 +59,7 @@ impl Spiral {
             outlines.pop();
         }
         if let Some(gap) = outlines.iter().position(Option::is_none) {
-            return Err(InputError::SpiralEnds { z_mm: body[gap].span.top_mm }.into());
+            return Err(InputError::SpiralEnds { z_mm: body[gap].span.top_mm, hints: Vec::new() }.into());
         }
         let mut outlines: Vec<Ring> = outlines.into_iter().flatten().collect();
         let warning = warning(body, outlines.len());
@@ -72,6 +72,11 @@ impl Spiral {
             last.extend(toolpath::level(outline));
         }
         Ok(Self { first, revolutions, width_mm: spec.width_mm, warning })
+    }
+
+    /// Whether a layer is a revolution.
+    pub fn has(&self, layer: usize) -> bool {
+        layer >= self.first
     }
 
     /// The revolution of a layer; `None`: it belongs to the bottom.

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use crate::job::{JobError, ObjectSettings};
 use crate::profile::{Origin, Problem, ProfileError, Settings};
 use crate::toolpath::infill::FillPattern;
-use crate::toolpath::{IslandId, LayerPaths, Planner, PlateLayer, ToolpathSettings};
+use crate::toolpath::{IslandId, LayerPaths, LayerWalls, Planner, PlateLayer, ToolpathSettings};
 use crate::units::Mm;
 use geometry::{Polygon, Region};
 
@@ -22,15 +22,20 @@ pub(crate) type Planned = (Option<usize>, Arc<dyn FillPattern>);
 pub(crate) struct Styles<'a> {
     /// For each object its own settings, as an index; `None`: it has those of the plate.
     of_object: Vec<Option<usize>>,
-    own: &'a [ObjectSettings],
+    own: Vec<&'a Settings>,
 }
 
 impl<'a> Styles<'a> {
-    /// Finds the objects that settings are for. `names[i]` are all the names by which object i may be called.
+    /// Finds the objects that settings are for. `of_models[i]` are those of the model that object i is of, `names[i]` all the
+    /// names by which it may be called: settings by name win.
     ///
     /// # Errors
     /// Settings for no object, or twice for one.
-    pub fn new(own: &'a [ObjectSettings], names: &[Vec<String>]) -> Result<Self, JobError> {
+    pub fn new(
+        own: &'a [ObjectSettings],
+        of_models: &[Option<&'a Settings>],
+        names: &[Vec<String>],
+    ) -> Result<Self, JobError> {
         let mut of_object: Vec<Option<usize>> = vec![None; names.len()];
         let mut problems = Vec::new();
         let mut problem = |message| {
@@ -52,16 +57,25 @@ impl<'a> Styles<'a> {
                 }
             }
         }
-        match problems.is_empty() {
-            true => Ok(Self { of_object, own }),
-            false => Err(ProfileError { problems }.into()),
+        if !problems.is_empty() {
+            return Err(ProfileError { problems }.into());
         }
+        let mut all: Vec<&Settings> = own.iter().map(|own| &own.settings).collect();
+        for (of_object, settings) in of_object.iter_mut().zip(of_models) {
+            let (None, Some(settings)) = (&of_object, settings) else { continue };
+            let known = all.iter().position(|&known| std::ptr::eq(known, *settings));
+            *of_object = known.or(Some(all.len()));
+            if known.is_none() {
+                all.push(settings);
+            }
+        }
+        Ok(Self { of_object, own: all })
     }
 
     /// The same for some of the objects, numbered anew.
     pub fn of(&self, objects: &[usize]) -> Self {
         let of_object = objects.iter().map(|&object| self.of_object.get(object).copied().flatten()).collect();
-        Self { of_object, own: self.own }
+        Self { of_object, own: self.own.clone() }
     }
 
     /// Whether two objects have the same settings.
@@ -76,13 +90,33 @@ impl<'a> Styles<'a> {
         'a: 's,
     {
         let style = self.of_object.get(object).copied().flatten();
-        style.map_or(plate, |style| &self.own[style].settings)
+        style.map_or(plate, |style| self.own[style])
     }
 
     /// The settings of the plate, and all others that objects here have, with their numbers.
     pub fn each<'s>(&'s self, plate: &'s Settings) -> impl Iterator<Item = (Option<usize>, &'s Settings)> {
-        let others = self.used().into_iter().map(|style| (Some(style), &self.own[style].settings));
+        let others = self.used().into_iter().map(|style| (Some(style), self.own[style]));
         std::iter::once((None, plate)).chain(others)
+    }
+
+    /// The same with all settings changed, for which `own` keeps them.
+    pub fn changed<'b>(
+        &self,
+        own: &'b mut Vec<Settings>,
+        change: impl Fn(&Settings) -> Settings,
+    ) -> Styles<'b> {
+        *own = self.own.iter().map(|own| change(own)).collect();
+        Styles { of_object: self.of_object.clone(), own: own.iter().collect() }
+    }
+
+    /// For each object its own settings, as an index.
+    pub fn of_objects(&self) -> &[Option<usize>] {
+        &self.of_object
+    }
+
+    /// The settings that objects have of their own.
+    pub fn own(&self) -> impl Iterator<Item = &'a Settings> {
+        self.own.iter().copied()
     }
 
     /// The numbers of settings that objects here have.
@@ -108,7 +142,7 @@ impl Planners {
     pub fn new(settings: &Settings, styles: &Styles<'_>, footprint: &Region, first_height_mm: f64) -> Self {
         let main = Planner::new(settings.into(), footprint, first_height_mm);
         let other = |style: usize| {
-            let mut own = ToolpathSettings::from(&styles.own[style].settings);
+            let mut own = ToolpathSettings::from(styles.own[style]);
             (own.skirt.loops, own.brim.width) = (0, Mm(0.0));
             (style, Planner::new(own, Region::EMPTY, first_height_mm))
         };
@@ -174,11 +208,32 @@ impl Planners {
         }
     }
 
-    /// All paths of a layer.
-    pub fn layer(&self, layer: PlateLayer<'_>) -> LayerPaths {
-        let mut all = self.main.layer(&part(layer.clone(), &self.of_object, None));
+    /// Whether the walls that others make of the same outlines are those of these.
+    pub fn has_walls_of(&self, other: &Self) -> bool {
+        let own = |planners: &Self| planners.others.iter().map(|(style, _)| *style).collect::<Vec<_>>();
+        let each = |(a, b): (&(usize, Planner), &(usize, Planner))| a.1.has_walls_of(&b.1);
+        self.of_object == other.of_object
+            && self.main.has_walls_of(&other.main)
+            && own(self) == own(other)
+            && self.others.iter().zip(&other.others).all(each)
+    }
+
+    /// The walls of a layer: those of each planner.
+    pub fn walls(&self, layer: &PlateLayer<'_>) -> Vec<LayerWalls> {
+        let styles = std::iter::once((None, &self.main));
+        let others = self.others.iter().map(|(style, planner)| (Some(*style), planner));
+        let walls =
+            |(style, planner): (_, &Planner)| planner.walls(&part(layer.clone(), &self.of_object, style));
+        styles.chain(others).map(walls).collect()
+    }
+
+    /// All paths of a layer, the walls of each planner being known.
+    pub fn filled(&self, layer: PlateLayer<'_>, walls: Vec<LayerWalls>) -> LayerPaths {
+        let mut walls = walls.into_iter();
+        let mut next = || walls.next().unwrap_or_default();
+        let mut all = self.main.filled(&part(layer.clone(), &self.of_object, None), next());
         for (style, planner) in &self.others {
-            let more = planner.layer(&part(layer.clone(), &self.of_object, Some(*style)));
+            let more = planner.filled(&part(layer.clone(), &self.of_object, Some(*style)), next());
             let first = all.islands.len() as u32;
             all.islands.extend(more.islands);
             all.paths.extend(more.paths.into_iter().map(|mut path| {

@@ -26,10 +26,39 @@ pub enum PlacementError {
          leave out --no-arrange: what a file places relative to each other stays so"
     )]
     Outside { name: String, by_mm: f64, bed: String },
+    #[error("{name}: where it stands, it reaches {by_mm:.2} mm beyond the printer's {bed}; move it")]
+    OffBed { name: String, by_mm: f64, bed: String },
+    #[error(
+        "{name}: where it stands, it reaches {by_mm:.2} mm higher than the printer prints; move it down, or scale it"
+    )]
+    TooHigh { name: String, by_mm: f64 },
+    #[error("{name}: it has no position on the bed, which others have; give all models a position, or none")]
+    NoPosition { name: String },
+    #[error(
+        "{name}: a model with a position stands there once; leave out its copies, or add it again elsewhere"
+    )]
+    CopiesAtPosition { name: String },
     #[error(
         "--translate lifts the model {0} mm off the bed; give a Z of 0, or a negative one to cut off the bottom"
     )]
     InTheAir(f64),
+}
+
+impl PlacementError {
+    /// The object that is at fault, or the first of them.
+    pub fn object(&self) -> Option<&str> {
+        match self {
+            Self::TooLarge { name, .. }
+            | Self::Outside { name, .. }
+            | Self::OffBed { name, .. }
+            | Self::TooHigh { name, .. }
+            | Self::NoPosition { name }
+            | Self::CopiesAtPosition { name } => Some(name),
+            Self::TooNear { b, .. } => Some(b),
+            Self::TooMany { left, .. } => left.first().map(String::as_str),
+            Self::InTheAir(_) => None,
+        }
+    }
 }
 
 /// The first few of some names.

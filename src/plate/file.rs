@@ -4,7 +4,7 @@ use std::path::Path;
 
 use super::layout::{Item, Layout};
 use super::slivers::Line;
-use crate::mesh::{MeshError, MeshReport, Model as Object, Transform, load_objects, units};
+use crate::mesh::{MeshError, MeshReport, Model as Object, Transform, UnitHint, load_objects, units};
 
 /// The objects of a file, not placed yet.
 #[derive(Clone, Debug)]
@@ -17,6 +17,8 @@ pub struct Model {
     pub first_box: [[f64; 3]; 2],
     /// The unit that the size points to, with the file's name.
     pub hint: Option<String>,
+    /// The same for programs, without the file's name.
+    pub unit: Option<UnitHint>,
     /// The names of the file: without folder and extension, without folder, and whole.
     pub names: [String; 3],
 }
@@ -27,26 +29,33 @@ pub struct Model {
 /// # Errors
 /// As [`load_objects`]; a transform that leaves nothing, a model longer than 10 m.
 pub fn read_file(path: &Path, transform: &Transform, line: Line, copies: usize) -> Result<Model, MeshError> {
-    Model::new(path, load_objects(path)?, transform, line, copies)
+    Model::new(path, load_objects(path)?, None, transform, line, copies)
 }
 
 impl Model {
-    /// The objects of a file, transformed; see [`read_file`].
+    /// The objects of a file, transformed, or one of them alone, counted from 0; see [`read_file`].
     ///
     /// # Errors
-    /// A transform that leaves nothing, a model longer than 10 m.
+    /// A transform that leaves nothing, a model longer than 10 m, an object that the file does not have.
     pub fn new(
         path: &Path,
         read: Vec<Object>,
+        object: Option<usize>,
         transform: &Transform,
         line: Line,
         copies: usize,
     ) -> Result<Self, MeshError> {
         let several = read.len() > 1;
+        if let Some(object) = object.filter(|&object| object >= read.len()) {
+            return Err(MeshError::NoObject { path: path.to_path_buf(), object, objects: read.len() });
+        }
         let (mut items, mut reports) = (Vec::with_capacity(read.len()), Vec::with_capacity(read.len()));
         let mut first_box = None;
         let (mut low, mut high, mut volume_mm3) = ([f64::INFINITY; 3], [f64::NEG_INFINITY; 3], 0.0);
         for (number, Object { name: own, mesh, mut report, positions }) in (1..).zip(read) {
+            if object.is_some_and(|wanted| wanted + 1 != number) {
+                continue;
+            }
             let unnamed = if several { format!("{} {number}", name_of(path)) } else { name_of(path) };
             let (mesh, was_at) = units::moved_near_origin(path, mesh, transform)?;
             report.warnings.extend(units::precision_warning(was_at));
@@ -70,12 +79,13 @@ impl Model {
             reports.push(report);
         }
         let size_mm = [0, 1, 2].map(|i| high[i] - low[i]);
-        let hint = units::hint(size_mm, volume_mm3, transform.scale);
+        let unit = units::unit_hint(size_mm, volume_mm3, transform.scale);
         Ok(Self {
             layout: Layout::new(name_of(path), items, copies),
             reports,
             first_box: first_box.unwrap_or_default(),
-            hint: hint.map(|hint| format!("{}: {hint}", path.display())),
+            hint: unit.as_ref().map(|hint| format!("{}: {}", path.display(), hint.text)),
+            unit,
             names: [
                 name_of(path),
                 path.file_name().unwrap_or_default().to_string_lossy().into_owned(),

@@ -21,13 +21,15 @@ pub struct Item {
     pub positions: Vec<[f64; 3]>,
     /// The box that it is placed by.
     pub(super) bounds: [[f64; 3]; 2],
+    /// Number of its layout among those that were joined, and its own there.
+    pub(super) origin: [usize; 2],
 }
 
 impl Item {
     /// A model that is placed by the box around it.
     pub fn new(name: impl Into<String>, mesh: Mesh, positions: Vec<[f64; 3]>) -> Self {
         let bounds = mesh.bounds();
-        Self { name: name.into(), mesh, positions, bounds }
+        Self { name: name.into(), mesh, positions, bounds, origin: [0; 2] }
     }
 
     /// The same item, placed by the box around its parts that are thick enough for a line. O(triangles).
@@ -72,6 +74,8 @@ pub struct Layout {
     pub(super) columns: Vec<usize>,
     /// Whether bodies keep their places relative to each other where that is possible.
     pub(super) kept: bool,
+    /// Where it stands, if that is decided: the middle of its box, seen from above, and its lowest point.
+    pub(super) at_mm: Option<[f64; 3]>,
 }
 
 impl Layout {
@@ -84,7 +88,7 @@ impl Layout {
             1 => (vec![members], vec![0]),
             _ => bodies(&items, &members),
         };
-        Self { name: name.into(), items, copies, bodies, columns, kept: true }
+        Self { name: name.into(), items, copies, bodies, columns, kept: true, at_mm: None }
     }
 
     /// One model alone.
@@ -97,6 +101,22 @@ impl Layout {
     pub(super) fn joined(layouts: Vec<Layout>) -> Self {
         let name = layouts.first().map_or(String::new(), |layout| layout.name.clone());
         Self::new(name, layouts.into_iter().flat_map(|layout| layout.items).collect(), 1)
+    }
+
+    /// Lets every item know which layout it is of, and which item there.
+    pub(super) fn number(layouts: &mut [Layout]) {
+        for (model, layout) in layouts.iter_mut().enumerate() {
+            let items = layout.items.iter_mut().enumerate();
+            items.for_each(|(number, item)| item.origin = [model, number]);
+        }
+    }
+
+    /// The same, standing somewhere on the bed: the middle of its box, seen from above, and its lowest point in the bed's
+    /// coordinates, millimetres.
+    #[must_use]
+    pub fn standing_at(mut self, at_mm: [f64; 3]) -> Self {
+        self.at_mm = Some(at_mm);
+        self
     }
 
     /// The models.

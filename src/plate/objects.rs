@@ -4,7 +4,7 @@ use crate::mesh::Mesh;
 use geometry::Point;
 
 /// One model on the plate.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Object {
     /// The item's name; copies are numbered, `part (2)`.
     pub name: String,
@@ -14,6 +14,17 @@ pub struct Object {
     pub offset: Point,
     /// Number of the body that it is a part of: objects that interlock are one.
     pub body: usize,
+    /// Number of the layout that it is from.
+    pub model: usize,
+    /// Number of its item in that layout.
+    pub item: usize,
+    /// Which copy of the layout it is of, from 0.
+    pub copy: usize,
+    /// Quarter turns about Z that its arrangement gave it.
+    pub quarters: u32,
+    /// Where the middle of its box, seen from above, and its lowest point are on the bed, millimetres. Parts too thin for
+    /// a line do not count.
+    pub at_mm: [f64; 3],
 }
 
 /// Everything that is printed in one go. Copies share a mesh, so that it is cut once.

@@ -4,10 +4,9 @@
 //! Module for FDM 3D Printing" (2016), which weighs overhangs against the area that touches the bed. What is weighed here is
 //! what printing costs: the volume under overhangs that supports would fill, less what lies firmly on the bed.
 
-use nalgebra::{Rotation3, UnitVector3, Vector3};
-use parry3d::math::Vector;
-use parry3d::transformation::try_convex_hull;
+use nalgebra::{Matrix3, Rotation3, Vector3};
 
+use super::faces::sides;
 use crate::mesh::Mesh;
 
 /// Sides that are tried: the largest ones.
@@ -15,9 +14,6 @@ const CANDIDATES: usize = 40;
 
 /// Facets that look down more steeply than this hang over: 45°.
 const OVERHANG: f64 = std::f64::consts::FRAC_1_SQRT_2;
-
-/// Facets of the hull within 1° are one side.
-const SAME_SIDE: f64 = 0.99985;
 
 /// What lies so near to the lowest point touches the bed, mm.
 const CONTACT_MM: f64 = 0.05;
@@ -32,53 +28,37 @@ const HEIGHT_WORTH_MM2: f64 = 1.0;
 ///
 /// Support is measured as the volume between overhanging facets (more than 45°) and the bed. A part whose middle is not over
 /// what touches the bed falls over, and is turned so only if there is no alternative. Deterministic. O(40 · triangles).
-pub fn orient(mesh: Mesh) -> Mesh {
-    let middle = center_of_mass(&mesh);
-    let downs = sides(&mesh);
-    let costs = downs.iter().map(|down| cost(&mesh, *down, middle));
+pub fn orient(mut mesh: Mesh) -> Mesh {
+    if let Some(turn) = upright(&mesh) {
+        mesh.moved(|vertex| (turn * Vector3::from(vertex)).into());
+    }
+    mesh
+}
+
+/// The rotation of [`orient`], as a matrix; `None` where nothing is better.
+pub(crate) fn upright(mesh: &Mesh) -> Option<Matrix3<f64>> {
+    let middle = center_of_mass(mesh);
+    let downs = downs(mesh);
+    let costs = downs.iter().map(|down| cost(mesh, *down, middle));
     // A tenth of a percent is no reason to turn a part.
     let better =
         |a: [f64; 2], b: [f64; 2]| a[0] < b[0] || (a[0] == b[0] && a[1] < b[1] - 1e-3 * b[1].abs().max(1.0));
     let best = costs.enumerate().reduce(|best, next| if better(next.1, best.1) { next } else { best });
-    match best {
-        Some((index, _)) if index > 0 => turned_down(mesh, downs[index]),
-        _ => mesh,
-    }
+    best.filter(|(index, _)| *index > 0).map(|(index, _)| turn_down(downs[index]))
 }
 
-/// The mesh turned so that a direction points down.
-fn turned_down(mut mesh: Mesh, down: Vector3<f64>) -> Mesh {
+/// The rotation after which a direction points down.
+fn turn_down(down: Vector3<f64>) -> Matrix3<f64> {
     let half_turn = || Rotation3::from_axis_angle(&Vector3::x_axis(), std::f64::consts::PI);
     let turn = Rotation3::rotation_between(&down, &-Vector3::z()).unwrap_or_else(half_turn).into_inner();
     // Sides along an axis turn exactly.
     let exact = turn.iter().all(|x| (x - x.round()).abs() < 1e-6);
-    let turn = if exact { turn.map(f64::round) } else { turn };
-    mesh.moved(|vertex| (turn * Vector3::from(vertex)).into());
-    mesh
+    if exact { turn.map(f64::round) } else { turn }
 }
 
 /// Directions that may point down: as it is, then the sides of the hull by falling area.
-fn sides(mesh: &Mesh) -> Vec<Vector3<f64>> {
-    let points: Vec<Vector> =
-        mesh.vertices().iter().map(|v| Vector::new(v[0] as f32, v[1] as f32, v[2] as f32)).collect();
-    let mut sides: Vec<(Vector3<f64>, f64)> = Vec::new();
-    if let Ok((points, facets)) = try_convex_hull(&points) {
-        let at = |i: u32| {
-            let p = points[i as usize];
-            Vector3::new(f64::from(p.x), f64::from(p.y), f64::from(p.z))
-        };
-        for [a, b, c] in facets {
-            let normal = (at(b) - at(a)).cross(&(at(c) - at(a)));
-            let area = normal.norm();
-            let Some(normal) = UnitVector3::try_new(normal, 1e-9) else { continue };
-            match sides.iter_mut().find(|(side, _)| side.dot(&normal) > SAME_SIDE) {
-                Some((_, sum)) => *sum += area,
-                None => sides.push((*normal, area)),
-            }
-        }
-    }
-    sides.sort_by(|a, b| b.1.total_cmp(&a.1));
-    let found = sides.into_iter().take(CANDIDATES).map(|(side, _)| side);
+fn downs(mesh: &Mesh) -> Vec<Vector3<f64>> {
+    let found = sides(mesh).into_iter().take(CANDIDATES).map(|side| side.normal);
     std::iter::once(-Vector3::z()).chain(found).collect()
 }
 

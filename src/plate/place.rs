@@ -1,63 +1,17 @@
 //! Where models stand on the bed.
 
-use std::collections::BTreeMap;
-
-use geo::{Distance, Euclidean};
-
 use super::area::{Area, TOLERANCE_MM, fitting_factor};
 use super::arrange::{SearchOrder, Shape, arrange};
 use super::error::{PlacementError, listed};
-use super::group::{Group, corners, footprint};
-use super::layout::{Item, Layout, hull};
-use super::objects::{Object, Plate};
+use super::group::Group;
+use super::layout::Layout;
+use super::near::too_near;
+use super::objects::Plate;
 use super::options::BedSettings;
 use super::pack::pack;
-use crate::mesh::{Mesh, quarter_turned};
-use geometry::Point;
-
-/// The method of arrangement.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Arrange {
-    /// Files, each with the layout that it has; where one does not fit, its bodies.
-    Layouts,
-    /// Bodies, each by itself.
-    Bodies,
-    /// The files' own coordinates, as those of the bed.
-    Off,
-}
-
-/// How models are placed.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Placement {
-    /// Width to keep free along the bed's edge, for skirt and brim.
-    pub margin_mm: f64,
-    /// Least distance between models, and what is printed around them.
-    pub spacing_mm: f64,
-    /// How far brim, raft and supports reach around each model.
-    pub reach_mm: f64,
-    /// Whether models keep the distance from each other's convex hull, instead of only from the outline.
-    pub convex: bool,
-    /// Whether models may be turned by quarters about Z to fit.
-    pub turn: bool,
-    /// What is arranged.
-    pub arrange: Arrange,
-    /// Moves everything away from the middle of the bed; a negative Z sinks it, which cuts off the bottom.
-    pub shift_mm: [f64; 3],
-}
-
-impl Default for Placement {
-    fn default() -> Self {
-        Self {
-            margin_mm: 0.0,
-            spacing_mm: 5.0,
-            reach_mm: 0.0,
-            convex: false,
-            turn: false,
-            arrange: Arrange::Layouts,
-            shift_mm: [0.0; 3],
-        }
-    }
-}
+use super::placement::{Arrange, Placement};
+use super::settle::{PlacedGroup, PlacedGroups, settle};
+use super::stand::stand;
 
 /// Places models side by side, the whole group in the middle of the bed, or where their files put them.
 ///
@@ -65,9 +19,20 @@ impl Default for Placement {
 /// the bed, or if that does not hold all of them, from a corner. Where neither does, boxes are packed to the micrometre.
 /// Outlines never come closer than the spacing. Of a layout that does not fit, the bodies that do keep their places.
 ///
+/// Layouts that have positions ([`Layout::standing_at`]) stand there; see [`stand`].
+///
 /// # Errors
-/// A body larger than the bed, models larger than the bed together, a shift off the bed.
-pub fn place(layouts: Vec<Layout>, bed: &BedSettings, options: &Placement) -> Result<Plate, PlacementError> {
+/// A body larger than the bed, models larger than the bed together, a shift off the bed; what [`stand`] finds.
+pub fn place(
+    mut layouts: Vec<Layout>,
+    bed: &BedSettings,
+    options: &Placement,
+) -> Result<Plate, PlacementError> {
+    if layouts.iter().any(|layout| layout.at_mm.is_some()) {
+        let (plate, faults) = stand(layouts, bed, options)?;
+        return faults.into_iter().next().map_or(Ok(plate), |(_, fault)| Err(fault));
+    }
+    Layout::number(&mut layouts);
     let area = Area::new(bed, options.margin_mm);
     let (layouts, standing) = match options.arrange {
         Arrange::Off => {
@@ -80,22 +45,14 @@ pub fn place(layouts: Vec<Layout>, bed: &BedSettings, options: &Placement) -> Re
             (layouts, standing)
         }
     };
-    settle(layouts, standing, bed, &area, options)
-}
-
-/// Groups at their positions.
-struct PlacedGroups {
-    groups: Vec<Group>,
-    placed: Vec<PlacedGroup>,
-    notes: Vec<String>,
-}
-
-/// A copy of a group: its middle relative to the bed's, and its rotation in quarter turns.
-struct PlacedGroup {
-    group: usize,
-    copy: usize,
-    quarters: u32,
-    at: [f64; 2],
+    let (plate, faults) = settle(layouts, standing, bed, &area, options)?;
+    match faults.into_iter().next() {
+        None => Ok(plate),
+        Some((name, by_mm)) => {
+            let name = plate.objects[name].name.clone();
+            Err(PlacementError::Outside { name, by_mm, bed: area.to_string() })
+        }
+    }
 }
 
 /// Everything where the files have it.
@@ -111,7 +68,7 @@ fn as_they_are(
     }
     let group = Group::new(0, layout, (0..layout.body_count()).collect());
     if options.convex
-        && let Some([a, b]) = too_near(layout, &group.bodies, apart_mm(options))
+        && let Some([a, b]) = too_near(layout, &group.bodies, options.apart_mm())
     {
         let [a, b] = [a, b].map(|body| Group::new(0, layout, vec![body]).name(layout, 0));
         return Err(PlacementError::TooNear { a, b, apart_mm: options.spacing_mm });
@@ -120,24 +77,6 @@ fn as_they_are(
     let at = [0, 1].map(|i| group.middle[i] - middle[i]);
     let placed = vec![PlacedGroup { group: 0, copy: 0, quarters: 0, at }];
     Ok(PlacedGroups { groups: vec![group], placed, notes: Vec::new() })
-}
-
-/// Least distance between bodies that are printed one after the other, with what is printed around them.
-fn apart_mm(options: &Placement) -> f64 {
-    options.spacing_mm + 2.0 * options.reach_mm
-}
-
-/// Two bodies of a layout that are nearer to each other than this.
-fn too_near(layout: &Layout, bodies: &[usize], apart_mm: f64) -> Option<[usize; 2]> {
-    let hulls: Vec<Vec<_>> = bodies
-        .iter()
-        .map(|&body| layout.bodies[body].iter().map(|m| hull(&layout.items[m.item], m.position)).collect())
-        .collect();
-    let near = |i: usize, j: usize| {
-        hulls[i].iter().any(|a| hulls[j].iter().any(|b| Euclidean.distance(a, b) < apart_mm - TOLERANCE_MM))
-    };
-    let pairs = (0..bodies.len()).flat_map(|i| (0..i).map(move |j| [j, i]));
-    pairs.into_iter().find(|&[j, i]| near(i, j)).map(|pair| pair.map(|i| bodies[i]))
 }
 
 /// How much of a layout is kept.
@@ -174,7 +113,7 @@ fn arranged(
     for (layout, (kept, reason)) in several.filter(|(layout, _)| layout.body_count() > 1) {
         let group = Group::new(0, layout, (0..layout.body_count()).collect());
         let fits = area.check("", &group.footprint(layout, area.shape, 0)).is_ok();
-        let apart_mm = apart_mm(options);
+        let apart_mm = options.apart_mm();
         let apart = !options.convex || too_near(layout, &group.bodies, apart_mm).is_none();
         if *kept == Kept::All && !(fits && apart) {
             *kept = if apart { Kept::OnBed } else { Kept::Nothing };
@@ -261,7 +200,7 @@ fn note(
         Reason::TooLarge => format!("its layout of {w:.1} × {d:.1} mm does not fit the printer's {area}"),
         Reason::TooNear => format!(
             "parts of its layout are nearer than {:.1} mm, too near to be printed one after the other",
-            apart_mm(options)
+            options.apart_mm()
         ),
         Reason::NoRoom => format!(
             "with its layout of {w:.1} × {d:.1} mm kept, not all models have room on the printer's {area}"
@@ -351,72 +290,6 @@ fn packed(
         Err(boxes_left) if boxes_left.len() < unplaced.len() => Err(boxes_left),
         Err(_) => Err(unplaced),
     }
-}
-
-/// The plate in bed coordinates, shifted as asked. Objects are in the order of layouts, items, copies and places.
-fn settle(
-    mut layouts: Vec<Layout>,
-    standing: PlacedGroups,
-    bed: &BedSettings,
-    area: &Area,
-    options: &Placement,
-) -> Result<Plate, PlacementError> {
-    let (middle, [dx, dy, dz]) = (bed.middle_mm(), options.shift_mm);
-    // Layout, item, copy and place, each with where it stands.
-    let mut slots = BTreeMap::new();
-    let mut bodies = BTreeMap::new();
-    for PlacedGroup { group, copy, quarters, at } in &standing.placed {
-        let group = &standing.groups[*group];
-        for part in &group.parts {
-            let from_middle = quarter_turned(part.at, *quarters);
-            let position = [at[0] + from_middle[0] + dx, at[1] + from_middle[1] + dy];
-            let count = bodies.len();
-            let body = *bodies.entry((group.layout, *copy, part.body)).or_insert(count);
-            slots.insert(
-                (group.layout, part.member.item, *copy, part.member.position),
-                (*quarters, part.lift_mm, position, body),
-            );
-        }
-    }
-    if dz > 0.0 {
-        return Err(PlacementError::InTheAir(dz));
-    }
-    let mut plate = Plate { meshes: Vec::new(), objects: Vec::new(), notes: standing.notes };
-    // Layout, item, quarter turns and height over the bed of each mesh.
-    let mut kinds: Vec<(usize, usize, u32, f64)> = Vec::new();
-    for ((layout, item, copy, instance), (quarters, lift_mm, position, body)) in slots {
-        let source = &layouts[layout].items[item];
-        let number = copy * source.positions.len() + instance;
-        let name =
-            if number == 0 { source.name.clone() } else { format!("{} ({})", source.name, number + 1) };
-        let [x, y, _] = source.foot(instance);
-        let of_item = || corners(source, instance, [x, y]);
-        let rim = footprint(source.size(), area.shape, quarters, of_item).rim;
-        let by_mm = area.excess_mm(rim.iter().map(|p| [p[0] + position[0], p[1] + position[1]]));
-        if by_mm > TOLERANCE_MM {
-            return Err(PlacementError::Outside { name, by_mm, bed: area.to_string() });
-        }
-        let kind = (layout, item, quarters, lift_mm);
-        let mesh = kinds.iter().position(|other| *other == kind).unwrap_or_else(|| {
-            kinds.push(kind);
-            kinds.len() - 1
-        });
-        let offset = Point::from_mm(position[0] + middle[0], position[1] + middle[1]);
-        plate.objects.push(Object { name, mesh, offset, body });
-    }
-    for (i, &(layout, item, quarters, lift_mm)) in kinds.iter().enumerate() {
-        let Item { mesh, bounds, .. } = &mut layouts[layout].items[item];
-        // Most models have one position only: then there is no need for a copy.
-        let again = kinds[i + 1..].iter().any(|kind| (kind.0, kind.1) == (layout, item));
-        let mesh = match again {
-            true => mesh.clone(),
-            false => std::mem::replace(mesh, Mesh::new(Vec::new(), Vec::new())),
-        };
-        let mut mesh = mesh.standing(*bounds).quarter_turned(quarters);
-        mesh.shift([0.0, 0.0, lift_mm + dz]);
-        plate.meshes.push(mesh);
-    }
-    Ok(plate)
 }
 
 impl Layout {

@@ -15,6 +15,8 @@ pub enum Origin {
     Line(Place),
     /// A value that another slicer's scripts may name.
     Variables,
+    /// A project's own profile or settings.
+    Project,
     /// A command-line option, such as `--set` or `--order`.
     Option(&'static str),
 }
@@ -26,6 +28,7 @@ impl fmt::Display for Origin {
             Self::File(path) => f.write_str(path),
             Self::Line(place) => place.fmt(f),
             Self::Variables => f.write_str("the configuration, for its scripts"),
+            Self::Project => f.write_str("the project"),
             Self::Option(option) => f.write_str(option),
         }
     }

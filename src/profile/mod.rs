@@ -4,6 +4,7 @@
 //! Sources take effect in this order: the embedded `default`, each `--profile` in turn (what it inherits
 //! first), each `--set` in turn. The later one wins, key by key; where each value came from is kept.
 
+mod chosen;
 mod conflicts;
 mod dump;
 mod embedded;
@@ -19,11 +20,13 @@ mod stages;
 mod suggest;
 mod value;
 
+pub use chosen::preset_notes;
 pub use dump::{dump_json, dump_toml, reference};
 pub use embedded::{EMBEDDED, EmbeddedProfile, ProfileKind, find as embedded};
 pub use error::{Origin, Problem, ProfileError};
 pub use import::{Import, KeyFigures, Left, Taken, import_figures, import_page};
 pub use metadata::binary_metadata;
+pub(crate) use resolve::{Layer, resolve_layers};
 pub use resolve::{Override, Resolved, resolve, resolve_presets};
 pub use schema::{field, keys};
 pub use script::{Moment, PLACEHOLDERS, PRINT_NAMES, ScriptRun, WholePrint, expand};
@@ -42,6 +45,6 @@ pub use crate::plate::{BedOrigin, BedSettings, BedShape, PlateSettings, PrintSet
 pub use crate::slice::{LayerSettings, heights_from_lines, layer_heights};
 pub use crate::toolpath::{
     BridgeSettings, BrimSettings, BrimSides, FirstLayerSettings, FuzzySettings, FuzzyWalls, InfillSettings,
-    IroningSettings, Pattern, RaftSettings, ShellSettings, SkirtSettings, SpiralSettings, SupportPattern,
-    SupportSettings, SupportStyle, WallGenerator, WallOrder, WallSettings,
+    IroningSettings, Pattern, RaftSettings, ShellSettings, SingleOnTop, SkirtSettings, SpiralSettings,
+    SupportPattern, SupportSettings, SupportStyle, WallGenerator, WallOrder, WallSettings,
 };

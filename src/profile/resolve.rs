@@ -26,6 +26,23 @@ pub struct Override {
     pub option: &'static str,
 }
 
+/// Where settings are taken from, one on top of the other.
+#[derive(Clone, Copy, Debug)]
+pub(crate) enum Layer<'a> {
+    /// Presets of another slicer.
+    Presets(&'a Config),
+    /// An embedded profile's name, or a file.
+    Profile(&'a str),
+    /// The name of an embedded profile, never a file.
+    Embedded(&'a str),
+    /// A project's profile, as TOML. It inherits embedded profiles alone.
+    Text(&'a str),
+    /// A project's setting: dotted key, and value as typed.
+    Setting(&'a str, &'a str),
+    /// A setting of the command line.
+    Override(&'a Override),
+}
+
 /// The settings in force, and where each came from.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Resolved {
@@ -52,7 +69,8 @@ pub struct Resolved {
 /// # Ok::<(), pathwright::profile::ProfileError>(())
 /// ```
 pub fn resolve(profiles: &[String], overrides: &[Override]) -> Result<Resolved, ProfileError> {
-    resolved(None, profiles, overrides)
+    let profiles = profiles.iter().map(|profile| Layer::Profile(profile));
+    resolve_layers(profiles.chain(overrides.iter().map(Layer::Override)))
 }
 
 /// The same with presets of another slicer on the default profile, below all others.
@@ -64,29 +82,47 @@ pub fn resolve_presets(
     profiles: &[String],
     overrides: &[Override],
 ) -> Result<Resolved, ProfileError> {
-    resolved(Some(presets), profiles, overrides)
+    let profiles = profiles.iter().map(|profile| Layer::Profile(profile));
+    resolve_layers(
+        [Layer::Presets(presets)].into_iter().chain(profiles).chain(overrides.iter().map(Layer::Override)),
+    )
 }
 
-fn resolved(
-    presets: Option<&Config>,
-    profiles: &[String],
-    overrides: &[Override],
+/// Resolves the default profile with layers on top, the later ones over the earlier ones.
+///
+/// # Errors
+/// As [`resolve`].
+pub(crate) fn resolve_layers<'a>(
+    layers: impl IntoIterator<Item = Layer<'a>>,
 ) -> Result<Resolved, ProfileError> {
     let mut reader = Reader::default();
     reader.read(embedded::DEFAULT, "--profile");
-    if let Some(presets) = presets {
-        reader.presets(presets);
+    for layer in layers {
+        let (key, value, origin) = match layer {
+            Layer::Presets(presets) => {
+                reader.presets(presets);
+                continue;
+            }
+            Layer::Profile(profile) => {
+                reader.read(profile, "--profile");
+                continue;
+            }
+            Layer::Embedded(name) => {
+                reader.embedded(name);
+                continue;
+            }
+            Layer::Text(text) => {
+                reader.text(text);
+                continue;
+            }
+            Layer::Setting(key, value) => (key, value, Origin::Project),
+            Layer::Override(Override { key, value, option }) => {
+                (key.as_str(), value.as_str(), Origin::Option(option))
+            }
+        };
+        reader.assignments.push(Assignment { key: key.to_owned(), value: typed_value(key, value), origin });
     }
-    for profile in profiles {
-        reader.read(profile, "--profile");
-    }
-    let Reader { mut assignments, mut problems, notes, .. } = reader;
-    assignments.extend(overrides.iter().map(|o| Assignment {
-        key: o.key.clone(),
-        value: typed_value(&o.key, &o.value),
-        origin: Origin::Option(o.option),
-    }));
-
+    let Reader { assignments, mut problems, notes, .. } = reader;
     let Assigned { settings, origins, warnings } = assigned(Settings::default(), assignments, &mut problems);
     if problems.is_empty() {
         let warnings = notes.into_iter().chain(warnings).collect();

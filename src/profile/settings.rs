@@ -38,7 +38,7 @@ macro_rules! settings {
 
         impl Settings {
             /// The defaults of all stages.
-            fn of_stages() -> Self {
+            pub(super) fn of_stages() -> Self {
                 Self { $($section: $ty::default(),)* variables: BTreeMap::new() }
             }
         }

@@ -35,6 +35,8 @@ pub(super) struct Reader {
     /// Profiles read so far.
     count: usize,
     too_many: bool,
+    /// Whether profiles are embedded ones alone.
+    no_files: bool,
 }
 
 impl Reader {
@@ -43,12 +45,40 @@ impl Reader {
         self.read_from(name_or_path, Path::new(""), &Origin::Option(option));
     }
 
+    /// Reads an embedded profile; a file is never looked for.
+    pub fn embedded(&mut self, name: &str) {
+        let files = std::mem::replace(&mut self.no_files, true);
+        self.read_from(name, Path::new(""), &Origin::Project);
+        self.no_files = files;
+    }
+
+    /// Reads a project's profile, which inherits embedded profiles alone.
+    pub fn text(&mut self, text: &str) {
+        if text.len() as u64 > limits::PROFILE_BYTES {
+            let most = limits::PROFILE_BYTES >> 20;
+            return self.problem(&Origin::Project, format!("its profile is larger than {most} MB"));
+        }
+        let files = std::mem::replace(&mut self.no_files, true);
+        match text.parse::<Table>() {
+            Ok(table) => self.flatten(table, &Origin::Project, Path::new("")),
+            Err(error) => {
+                let message = format!("its profile is not valid TOML: {}", one_line(&error, text));
+                self.problem(&Origin::Project, message);
+            }
+        }
+        self.no_files = files;
+    }
+
     /// `folder`: what relative paths start from; `asker`: who named the profile.
     fn read_from(&mut self, name_or_path: &str, folder: &Path, asker: &Origin) {
-        if let Some(path) = foreign(name_or_path, folder) {
+        if let Some(path) = foreign(name_or_path, folder).filter(|_| !self.no_files) {
             return self.import(&path);
         }
-        let found = match locate(name_or_path, folder) {
+        let found = match self.no_files {
+            true => embedded(name_or_path).ok_or_else(|| unknown_profile(name_or_path, "")),
+            false => locate(name_or_path, folder),
+        };
+        let found = match found {
             Ok(found) => found,
             Err(message) => return self.problem(asker, message),
         };
@@ -192,15 +222,20 @@ impl Found {
     }
 }
 
+/// An embedded profile.
+fn embedded(name: &str) -> Option<Found> {
+    embedded::find(name).map(|profile| Found {
+        origin: Origin::Embedded(profile.name.into()),
+        identity: profile.name.into(),
+        text: profile.text.into(),
+        folder: PathBuf::new(),
+    })
+}
+
 /// An embedded name wins over a file of that name; `./name` always means the file.
 fn locate(name_or_path: &str, folder: &Path) -> Result<Found, String> {
-    if let Some(profile) = embedded::find(name_or_path) {
-        return Ok(Found {
-            origin: Origin::Embedded(profile.name.into()),
-            identity: profile.name.into(),
-            text: profile.text.into(),
-            folder: PathBuf::new(),
-        });
+    if let Some(profile) = embedded(name_or_path) {
+        return Ok(profile);
     }
     let path = folder.join(name_or_path);
     if let Some(text) = told(&path) {
@@ -208,7 +243,7 @@ fn locate(name_or_path: &str, folder: &Path) -> Result<Found, String> {
     }
     let looks_like_path = name_or_path.contains(['/', '\\']) || name_or_path.ends_with(".toml");
     if !looks_like_path && !path.exists() {
-        return Err(unknown_profile(name_or_path));
+        return Err(unknown_profile(name_or_path, "; or the path of a file"));
     }
     let failed = |error: std::io::Error| format!("cannot read profile `{}`: {error}", path.display());
     let mut text = String::new();
@@ -248,11 +283,12 @@ pub fn text(name_or_path: &str) -> Result<String, String> {
     locate(name_or_path, Path::new("")).map(|found| found.text)
 }
 
-fn unknown_profile(name: &str) -> String {
+/// `or`: what else would do.
+fn unknown_profile(name: &str, or: &str) -> String {
     let names = EMBEDDED.iter().map(|profile| profile.name);
     let hint = near::name(name, names.clone()).map(|near| format!("; did you mean `{near}`?"));
     format!(
-        "no profile `{name}`{} Known: {}; or the path of a file",
+        "no profile `{name}`{} Known: {}{or}",
         hint.unwrap_or_else(|| ".".into()),
         names.collect::<Vec<_>>().join(", ")
     )

@@ -2,9 +2,9 @@
 
 use super::settings::Settings;
 use crate::estimate::{Firmware, FirmwareRetraction, Machine};
-use crate::gcode::{Flavor, GcodeOptions, LayerScripts, Scripts, WriterSettings};
+use crate::gcode::{Flavor, GcodeOptions, LayerScripts, PrinterSettings, Scripts, WriterSettings};
 use crate::motion::{FlowSettings, MotionSettings, PauseAt};
-use crate::order::{CostKind, SeamPosition};
+use crate::order::{CostKind, SeamPosition, SeamSettings};
 use crate::plate::Line;
 use crate::toolpath::ToolpathSettings;
 use ordering::{Cost, DetourRule, TravelTime, trapezoid_s};
@@ -76,6 +76,32 @@ impl From<&Settings> for TravelTime {
 }
 
 impl Settings {
+    /// What toolpaths can depend on; everything else is at its default, so that equal ones have the same toolpaths.
+    #[must_use]
+    pub(crate) fn for_toolpaths(&self) -> Self {
+        let all = self.clone();
+        Self {
+            bed: all.bed,
+            print: all.print,
+            layer: all.layer,
+            walls: all.walls,
+            shell: all.shell,
+            infill: all.infill,
+            ironing: all.ironing,
+            spiral: all.spiral,
+            fuzzy: all.fuzzy,
+            first_layer: all.first_layer,
+            skirt: all.skirt,
+            brim: all.brim,
+            raft: all.raft,
+            support: all.support,
+            bridge: all.bridge,
+            printer: PrinterSettings { nozzle_diameter: self.printer.nozzle_diameter, ..Default::default() },
+            seam: SeamSettings { position: self.seam.position, ..Default::default() },
+            ..Self::of_stages()
+        }
+    }
+
     /// The requested cost that ordering minimises.
     pub fn order_cost(&self, kind: CostKind) -> Cost {
         match kind {

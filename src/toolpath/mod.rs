@@ -9,22 +9,25 @@ mod combined;
 mod entries;
 mod fuzzy;
 pub mod infill;
+mod island_walls;
 mod layer_builder;
 mod options;
 mod path;
 mod planner;
 mod reach;
 mod shells;
+mod single;
 mod spiral;
 pub mod support;
 mod walls;
 
 pub use adhesion::{raft, raft_area};
 pub use beading::Gap;
+pub use island_walls::{IslandWalls, LayerWalls};
 pub use options::{
     BridgeSettings, BrimSettings, BrimSides, FirstLayerSettings, FuzzySettings, FuzzyWalls, InfillSettings,
-    IroningSettings, Pattern, RaftSettings, ShellSettings, SkirtSettings, SpiralSettings, SupportPattern,
-    SupportSettings, SupportStyle, WallGenerator, WallOrder, WallSettings,
+    IroningSettings, Pattern, RaftSettings, ShellSettings, SingleOnTop, SkirtSettings, SpiralSettings,
+    SupportPattern, SupportSettings, SupportStyle, WallGenerator, WallOrder, WallSettings,
 };
 pub use path::{Island, IslandId, LayerKind, LayerPaths, Path, Phase, Role, Width};
 pub use planner::{ObjectLayer, Planner, PlateLayer, ToolpathSettings};

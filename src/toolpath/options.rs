@@ -22,6 +22,17 @@ choice! {
     }
 }
 choice! {
+    /// Where a surface that nothing covers has the outermost wall alone.
+    SingleOnTop {
+        /// Nowhere.
+        None = "none",
+        /// On every top surface.
+        Top = "top",
+        /// On the last layer of an object.
+        Topmost = "topmost",
+    }
+}
+choice! {
     /// Infill pattern.
     Pattern {
         /// Parallel lines, turned by 90° from layer to layer.
@@ -111,6 +122,15 @@ section! {
         min_width: Mm = Mm(0.2); 0.05..=1.0,
         /// Fill gaps between walls, and walls too thin for a loop, with single beads of fitting width.
         gap_fill: bool = true,
+        /// Where top surfaces have the outermost wall alone, and their lines reach up to it.
+        single_on_top: SingleOnTop = SingleOnTop::None,
+        /// Narrower top surfaces keep all walls.
+        min_top_width: Mm = Mm(1.35); 0.0..=100.0,
+        /// The first layer has the outermost wall alone.
+        single_on_first_layer: bool = false,
+        /// The second wall begins where the outermost one ends: round sides of beads do not overlap there, and do not push
+        /// the outermost wall outwards.
+        precise: bool = false,
     }
 }
 section! {

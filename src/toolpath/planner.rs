@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use super::options::{
     BridgeSettings, BrimSettings, FirstLayerSettings, FuzzySettings, FuzzyWalls, InfillSettings,
-    IroningSettings, ShellSettings, SkirtSettings, WallOrder, WallSettings,
+    IroningSettings, ShellSettings, SkirtSettings, WallSettings,
 };
 use crate::units::Mm;
 use geometry::{Polygon, Region, Ring};
@@ -12,12 +12,12 @@ use geometry::{Polygon, Region, Ring};
 use super::bead::Line;
 use super::beneath::Beneath;
 use super::combined::CombinedInfill;
-use super::fuzzy::Fuzzy;
 use super::infill::{self, FillPattern, FillSpec, Joins, LineSet, SparseSample};
+use super::island_walls::{IslandWalls, LayerWalls, WallLayer, WallPlanner};
 use super::layer_builder::{BridgeLine, LayerBuilder, Solid};
 use super::reach::Reach;
 use super::shells::{self, ShellWindows, Zones};
-use super::walls::{self, WallSpec, Walls};
+use super::walls::{WallSpec, Walls};
 use super::{Island, IslandId, LayerKind, LayerPaths, Phase, Role, adhesion, bead, bridges, entries};
 
 /// Ends of sparse infill lines are joined along the wall up to this many line distances: the distance to the next
@@ -27,9 +27,6 @@ const LONGEST_JOIN: f64 = 2.5;
 /// Ends of sparse infill lines are round; so many line spacings further into the wall, they meet it in their full width, and
 /// rest on the one beneath where that leans.
 const EMBEDDED: f64 = 0.35;
-
-/// Islands without a loop, of which lines fill less than this share, are too small for lines.
-const SMALL: f64 = 0.5;
 
 /// The settings that toolpaths depend on.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -98,7 +95,6 @@ pub struct Planner {
 /// The properties shared by the islands of an object at one layer.
 struct Part<'a> {
     object: &'a ObjectLayer<'a>,
-    fuzzy: Option<Fuzzy<'a>>,
     support_below: Option<Beneath<'a>>,
 }
 
@@ -113,8 +109,6 @@ struct Slab {
 
 /// Bead widths of one layer.
 struct Widths {
-    external_mm: f64,
-    wall_mm: f64,
     solid_mm: f64,
     top_mm: f64,
     infill_mm: f64,
@@ -166,13 +160,12 @@ impl Planner {
 
     /// What calibration needs of a layer; see [`Planner::calibrate`].
     pub fn sparse_sample(&self, layer: &PlateLayer<'_>) -> SparseSample {
-        let spec = self.wall_spec(layer);
         let slab = Slab { height_mm: layer.height_mm, rotation: layer.index };
         let fill_spec = self.fill_spec(layer, slab);
         let mut sample = SparseSample { area: Region::default(), area_mm2: 0.0, spec: fill_spec };
         for object in &layer.objects {
             for island in object.section.polygons() {
-                let zones = self.zones(&walls::trace(island, &spec).inside, object, layer);
+                let zones = self.zones(&self.traced(island, object, layer).inside, object, layer);
                 let fill_area = geometry::offset(&zones.sparse, -fill_spec.spacing_mm / 2.0);
                 sample.area.add_disjoint(fill_area.into_polygons());
                 sample.area_mm2 += zones.sparse_mm2;
@@ -202,11 +195,10 @@ impl Planner {
 
     /// What sparse infill fills in a layer.
     pub fn sparse_area(&self, layer: &PlateLayer<'_>) -> Region {
-        let spec = self.wall_spec(layer);
         let islands =
             layer.objects.iter().flat_map(|o| o.section.polygons().iter().map(move |island| (o, island)));
         let zones =
-            islands.map(|(o, island)| self.zones(&walls::trace(island, &spec).inside, o, layer).sparse);
+            islands.map(|(o, island)| self.zones(&self.traced(island, o, layer).inside, o, layer).sparse);
         Region::disjoint(zones.flat_map(|zone| zone.into_polygons()))
     }
 
@@ -219,6 +211,25 @@ impl Planner {
 
     /// The paths of one layer.
     pub fn layer(&self, section: &PlateLayer<'_>) -> LayerPaths {
+        self.filled(section, self.walls(section))
+    }
+
+    /// Whether the walls that another makes of the same outlines are those of this one.
+    pub fn has_walls_of(&self, other: &Self) -> bool {
+        self.wall_planner() == other.wall_planner()
+    }
+
+    /// The walls of one layer.
+    pub fn walls(&self, section: &PlateLayer<'_>) -> LayerWalls {
+        let mut islands = Vec::new();
+        for object in &section.objects {
+            islands.extend(self.wall_planner().object(&wall_layer(object, section), islands.len()));
+        }
+        LayerWalls { islands }
+    }
+
+    /// The paths of one layer whose [`walls`](Self::walls) are known.
+    pub fn filled(&self, section: &PlateLayer<'_>, walls: LayerWalls) -> LayerPaths {
         let mut layer = LayerBuilder { paths: Vec::new(), height_mm: section.height_mm, island: None };
         let widths = self.widths(section.index);
         if section.index < self.settings.skirt.layers as usize {
@@ -231,16 +242,14 @@ impl Planner {
         }
         let mut islands = Vec::new();
         let mut outline = Region::default();
+        let mut walls = walls.islands.into_iter();
         for object in &section.objects {
-            let part = Part {
-                object,
-                fuzzy: Fuzzy::new(&self.settings.fuzzy, object.beneath, section.index, object.object),
-                support_below: object.beneath.map(Beneath::new),
-            };
-            for polygon in object.section.polygons() {
+            let support_below = object.beneath.map(Beneath::new);
+            let part = Part { object, support_below };
+            for (polygon, walls) in object.section.polygons().iter().zip(walls.by_ref()) {
                 layer.island = Some(IslandId(islands.len() as u32));
                 islands.push(Island { object: object.object });
-                self.island(&mut layer, polygon, &part, section);
+                self.island(&mut layer, polygon, walls, &part, section);
             }
             outline.add_disjoint(object.section.polygons().iter().cloned());
         }
@@ -259,59 +268,24 @@ impl Planner {
         }
     }
 
-    fn island(&self, layer: &mut LayerBuilder, polygon: &Polygon, part: &Part<'_>, section: &PlateLayer<'_>) {
-        let Part { object, fuzzy, support_below } = part;
-        let (spec, widths) = (self.wall_spec(section), &self.widths(section.index));
-        let Walls { loops, gaps, inside } = walls::trace(polygon, &spec);
-        let before = layer.paths.len();
-        let count = self.settings.walls.count;
-        let wall = |depth: u32| match self.settings.walls.order {
-            WallOrder::InnerFirst => Phase::Wall(count - 1 - depth),
-            WallOrder::OuterFirst => Phase::Wall(depth),
-        };
-        let mut by_depth: Vec<(usize, Vec<Line>)> = loops.into_iter().enumerate().collect();
-        if self.settings.walls.order == WallOrder::InnerFirst {
-            by_depth.reverse();
-        }
-        for (depth, lines) in by_depth {
-            let (role, width_mm) = match depth {
-                0 => (Role::ExternalPerimeter, widths.external_mm),
-                _ => (Role::Perimeter, widths.wall_mm),
-            };
-            let lines = match fuzzy {
-                Some(fuzzy) => fuzzy.roughen(lines, depth),
-                None => lines,
-            };
-            layer.lines(role, wall(depth as u32), width_mm, lines);
-        }
-        let is_thin = layer.paths.len() == before;
-        let mut filled_mm2 = 0.0;
-        for (depth, gap) in &gaps {
-            let (role, phase) = match depth {
-                0 if count > 0 => (Role::ExternalPerimeter, wall(0)),
-                _ => (Role::GapFill, Phase::GapFill),
-            };
-            let least_mm = if *depth == 0 { self.settings.walls.min_width.0 } else { 0.0 };
-            filled_mm2 +=
-                layer.gap(role, phase, gap, spec.least_gap_mm(*depth)..=spec.widest_gap_mm(), least_mm);
-        }
-        let is_small = !gaps.is_empty() && inside.is_empty() && is_thin;
-        if is_small && filled_mm2 < SMALL * polygon.area_mm2() {
-            let phase = if count > 0 { wall(0) } else { Phase::GapFill };
-            layer.dot(phase, before, filled_mm2, polygon, &self.settings.walls);
-        }
+    /// The walls of an island.
+    fn traced(&self, island: &Polygon, object: &ObjectLayer<'_>, section: &PlateLayer<'_>) -> Walls {
+        let layer = wall_layer(object, section);
+        self.wall_planner().trace(island, &self.wall_spec(section), &layer)
+    }
 
-        if let Some(support_below) = support_below {
-            let own = &mut layer.paths[before..];
-            support_below.reach(own, polygon);
-            if self.settings.walls.order == WallOrder::InnerFirst && support_below.outer_first(own) {
-                for path in own {
-                    if let Phase::Wall(place) = &mut path.phase {
-                        *place = count - 1 - *place;
-                    }
-                }
-            }
-        }
+    fn island(
+        &self,
+        layer: &mut LayerBuilder,
+        polygon: &Polygon,
+        walls: IslandWalls,
+        part: &Part<'_>,
+        section: &PlateLayer<'_>,
+    ) {
+        let Part { object, support_below } = part;
+        let widths = &self.widths(section.index);
+        let IslandWalls { paths, inside } = walls;
+        layer.paths.extend(paths);
 
         let settings = &self.settings.infill;
         let mut zones = self.zones(&inside, object, section);
@@ -479,34 +453,30 @@ impl Planner {
         }
     }
 
+    fn wall_planner(&self) -> WallPlanner<'_> {
+        let ToolpathSettings { walls, fuzzy, first_layer, .. } = &self.settings;
+        WallPlanner { walls, fuzzy, first_width: first_layer.width }
+    }
+
     fn wall_spec(&self, section: &PlateLayer<'_>) -> WallSpec {
-        let widths = self.widths(section.index);
-        WallSpec {
-            count: self.settings.walls.count,
-            external_width_mm: widths.external_mm,
-            width_mm: widths.wall_mm,
-            height_mm: section.height_mm,
-            gap_fill: self.settings.walls.gap_fill,
-            min_feature_mm: self.settings.walls.min_feature.0,
-            generator: self.settings.walls.generator,
-        }
+        self.wall_planner().spec(section.index, section.height_mm)
     }
 
     fn widths(&self, layer: usize) -> Widths {
-        let s = &self.settings;
-        let on = |width: Mm| match s.first_layer.width.0 {
-            first_mm if layer == 0 && first_mm > 0.0 => first_mm,
-            _ => width.0,
-        };
+        let (s, walls) = (&self.settings, self.wall_planner());
         Widths {
-            external_mm: on(s.walls.external_width),
-            wall_mm: on(s.walls.width),
-            solid_mm: on(s.shell.width),
-            top_mm: on(s.shell.top_width),
-            infill_mm: on(s.infill.width),
-            skirt_mm: on(s.walls.width),
+            solid_mm: walls.on(layer, s.shell.width),
+            top_mm: walls.on(layer, s.shell.top_width),
+            infill_mm: walls.on(layer, s.infill.width),
+            skirt_mm: walls.on(layer, s.walls.width),
         }
     }
+}
+
+/// What the walls of an object depend on.
+fn wall_layer<'a>(object: &ObjectLayer<'a>, section: &PlateLayer<'_>) -> WallLayer<'a> {
+    let ObjectLayer { object, section: own, above, beneath, .. } = *object;
+    WallLayer { index: section.index, height_mm: section.height_mm, object, section: own, above, beneath }
 }
 
 /// What a layer rests on: everything one layer down. Rough walls do not hang over where they leave their line.

@@ -35,12 +35,33 @@ pub struct WallSpec {
     pub min_feature_mm: f64,
     /// Fixed or variable widths.
     pub generator: WallGenerator,
+    /// Whether the outermost wall and the next one do not overlap.
+    pub precise: bool,
 }
 
 impl WallSpec {
     fn spacing_mm(&self, depth: u32) -> f64 {
         let width_mm = if depth == 0 { self.external_width_mm } else { self.width_mm };
         bead::spacing_mm(width_mm, self.height_mm)
+    }
+
+    /// The distance that the wall behind one keeps from what that fills.
+    fn clear_mm(&self, depth: u32) -> f64 {
+        let is_clear = self.precise && depth == 0 && self.count > 1;
+        if is_clear { bead::rounding_mm(self.height_mm) } else { 0.0 }
+    }
+
+    /// What a wall at a depth leaves for those behind it.
+    fn behind(&self, rest: Region, depth: u32) -> Region {
+        match self.clear_mm(depth) {
+            0.0 => rest,
+            clear_mm => geometry::offset(&rest, -clear_mm),
+        }
+    }
+
+    /// What beads fill of a section: their round sides leave out the rest.
+    fn filled(&self, section: &Region) -> Region {
+        geometry::offset(section, -bead::rounding_mm(self.height_mm) / 2.0)
     }
 
     /// The narrowest gap at a depth that is filled, as the spacing of the bead.
@@ -54,7 +75,7 @@ impl WallSpec {
     /// In parts narrower than twice this only walls fit.
     pub fn core_mm(&self) -> f64 {
         let edge_mm = bead::rounding_mm(self.height_mm) / 2.0;
-        let depth_mm = edge_mm + (0..self.count).map(|d| self.spacing_mm(d)).sum::<f64>();
+        let depth_mm = edge_mm + (0..self.count).map(|d| self.spacing_mm(d) + self.clear_mm(d)).sum::<f64>();
         let closest = match self.generator {
             WallGenerator::Variable => 2.0 * beading::PAIR,
             WallGenerator::Classic => CLOSEST,
@@ -94,10 +115,33 @@ pub fn trace(island: &Polygon, spec: &WallSpec) -> Walls {
     if !core.is_empty() && geometry::narrower(&section, &core, core_mm, least_mm).is_empty() {
         concentric(&section, spec)
     } else if variable {
-        fitted(&section, spec)
+        fitted(spec.filled(&section), spec, 0)
     } else {
-        with_gaps(&section, spec)
+        with_gaps(spec.filled(&section), spec, 0)
     }
+}
+
+/// Traces the walls of an island with the outermost alone in a part of it. `bare` gives that part of what lies inside the
+/// outermost wall.
+pub fn trace_single(island: &Polygon, spec: &WallSpec, bare: impl FnOnce(&Region) -> Region) -> Walls {
+    let mut walls = trace(island, &WallSpec { count: spec.count.min(1), ..*spec });
+    let bare = if spec.count < 2 || walls.loops.is_empty() { Region::default() } else { bare(&walls.inside) };
+    if bare.is_empty() {
+        return trace(island, spec);
+    }
+    let least_mm = spec.spacing_mm(1) / 2.0;
+    let covered =
+        geometry::opening(&geometry::difference(&spec.behind(walls.inside.clone(), 0), &bare), least_mm);
+    let bare =
+        geometry::opening(&geometry::remainder(&walls.inside, &covered), spec.clear_mm(0).max(FINEST_MM));
+    let inner = match spec.generator {
+        WallGenerator::Variable => fitted(covered, spec, 1),
+        WallGenerator::Classic => with_gaps(covered, spec, 1),
+    };
+    walls.loops.extend(inner.loops);
+    walls.gaps.extend(inner.gaps);
+    walls.inside = geometry::union(&bare, &inner.inside);
+    walls
 }
 
 /// The walls of an island that is thick enough everywhere.
@@ -108,7 +152,7 @@ fn concentric(section: &Region, spec: &WallSpec) -> Walls {
     for depth in 0..spec.count {
         outline = geometry::offset(&outline, -step_mm);
         walls.loops.push(beading::constant(&outline));
-        step_mm = spec.spacing_mm(depth) / 2.0;
+        step_mm = spec.spacing_mm(depth) / 2.0 + spec.clear_mm(depth);
         if depth + 1 < spec.count {
             step_mm += spec.spacing_mm(depth + 1) / 2.0;
         }
@@ -120,11 +164,10 @@ fn concentric(section: &Region, spec: &WallSpec) -> Walls {
     walls
 }
 
-/// Walls of variable width.
-fn fitted(section: &Region, spec: &WallSpec) -> Walls {
+/// Walls of variable width from a depth on, in what the outer ones leave.
+fn fitted(mut rest: Region, spec: &WallSpec, first: u32) -> Walls {
     let mut walls = Walls::default();
-    let mut rest = geometry::offset(section, -bead::rounding_mm(spec.height_mm) / 2.0);
-    for depth in 0..spec.count {
+    for depth in first..spec.count {
         if rest.is_empty() {
             break;
         }
@@ -135,16 +178,15 @@ fn fitted(section: &Region, spec: &WallSpec) -> Walls {
         if !pair.loops.is_empty() {
             walls.loops.push(pair.loops);
         }
-        rest = pair.rest;
+        rest = spec.behind(pair.rest, depth);
     }
     leave_inside(walls, rest, beading::PAIR, spec)
 }
 
-/// The walls of an island with narrow places, with fixed widths.
-fn with_gaps(section: &Region, spec: &WallSpec) -> Walls {
+/// Walls of fixed widths from a depth on, in what the outer ones leave, with gaps in narrow places.
+fn with_gaps(mut rest: Region, spec: &WallSpec, first: u32) -> Walls {
     let mut walls = Walls::default();
-    let mut rest = geometry::offset(section, -bead::rounding_mm(spec.height_mm) / 2.0);
-    for depth in 0..spec.count {
+    for depth in first..spec.count {
         if rest.is_empty() {
             break;
         }
@@ -158,7 +200,7 @@ fn with_gaps(section: &Region, spec: &WallSpec) -> Walls {
         }
         let centre = geometry::offset(&thick, closest_mm);
         walls.loops.push(beading::constant(&centre));
-        rest = geometry::offset(&centre, -spacing_mm / 2.0);
+        rest = geometry::offset(&centre, -spacing_mm / 2.0 - spec.clear_mm(depth));
     }
     walls.loops.retain(|rings| !rings.is_empty());
     leave_inside(walls, rest, (1.0 + CLOSEST) / 2.0, spec)

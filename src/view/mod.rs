@@ -9,13 +9,17 @@ mod layer_svg;
 mod pack;
 mod page;
 mod picture;
+mod planned;
 mod scene;
 mod thumbnail;
 mod thumbnail_format;
 
 pub use layer_png::layer_png;
 pub use layer_svg::layer_svg;
-pub use page::{Print, page};
+pub use page::{Print, page, preview};
+#[cfg(feature = "serve")]
+pub(crate) use page::{parts_module, parts_style};
+pub use planned::PlannedLayer;
 pub use scene::{Layer, Mark, MarkKind, Scene, Stroke};
 pub use thumbnail::{Solid, thumbnail};
 pub use thumbnail_format::{BTT_TFT_END, thumbnail_comment};

@@ -2,8 +2,8 @@
 //!
 //! Numbers are whole multiples of a unit, written as LEB128 varints; those that can be negative are zigzag-coded first,
 //! positions are differences. A stroke begins where the one before ended, so only its end is written; the nozzle's
-//! jumps (homing, G92) are strokes of their own. What a stroke has in common with the one before is left out. All of it
-//! is deflated (RFC 1950). The page's `unpack.js` reads it.
+//! jumps (homing, G92) are strokes of their own. What a stroke has in common with the one before is left out. The page's
+//! `unpack.js` reads it.
 
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
@@ -34,12 +34,18 @@ const LEVEL: u8 = 7;
 
 /// A packed scene.
 pub(super) struct Packed {
-    /// Deflated, in base64.
-    pub base64: String,
+    pub bytes: Vec<u8>,
     /// Strokes in it, with jumps.
     pub strokes: usize,
     /// Marks in it.
     pub marks: usize,
+}
+
+impl Packed {
+    /// Deflated (RFC 1950), in base64.
+    pub fn base64(&self) -> String {
+        STANDARD.encode(compress_to_vec_zlib(&self.bytes, LEVEL))
+    }
 }
 
 /// Packs a scene.
@@ -49,7 +55,7 @@ pub(super) fn pack(scene: &Scene) -> Packed {
         packer.layer(layer);
     }
     let Packer { out, strokes, marks, .. } = packer;
-    Packed { base64: STANDARD.encode(compress_to_vec_zlib(&out, LEVEL)), strokes, marks }
+    Packed { bytes: out, strokes, marks }
 }
 
 #[derive(Default)]

@@ -3,13 +3,14 @@
 use serde_json::{Value, json};
 
 use super::colors::{DARK, LIGHT, RAMP, ROLES, Rgb, Theme, hex};
-use super::pack::pack;
+use super::pack::{Packed, pack};
 use super::scene::Scene;
 use crate::profile::Settings;
 use crate::report::Measures;
 
 const TEMPLATE: &str = include_str!("page/index.html");
-const STYLE: &str = include_str!("page/style.css");
+/// That of the parts, which other pages have as well, and the page's own.
+const STYLES: [&str; 2] = [include_str!("page/parts.css"), include_str!("page/style.css")];
 /// In the order in which they need each other.
 const SCRIPTS: [&str; 13] = [
     include_str!("page/dom.js"),
@@ -26,6 +27,10 @@ const SCRIPTS: [&str; 13] = [
     include_str!("page/figures.js"),
     include_str!("page/app.js"),
 ];
+/// What other pages use of them.
+#[cfg(feature = "serve")]
+const EXPORTS: &str = "App, FIELD, rgb, GlPainter, TurnCamera, Pane, element, find, fixed, length, duration, \
+    unpack, roleLengths, markCounts, strokeWords, glance, outlineOf";
 const MAIN: &str = include_str!("page/main.js");
 
 /// One of the prints of a page.
@@ -72,21 +77,50 @@ pub fn page(title: &str, prints: &[Print]) -> String {
     let mut infos = Vec::new();
     for (index, print) in prints.iter().enumerate() {
         let packed = pack(&print.scene);
-        infos.push(info(print, packed.strokes, packed.marks));
+        infos.push(info(print, &packed));
         data += "<script type=\"text/plain\" id=\"print-";
-        data += &format!("{index}\">{}</script>\n", packed.base64);
+        data += &format!("{index}\">{}</script>\n", packed.base64());
     }
-    let head = json!({
-        "prints": infos,
-        "roles": ROLES.iter().map(|role| json!({ "label": role.label, "color": hex(role.color) })).collect::<Vec<_>>(),
-        "ramp": RAMP.map(hex),
-        "themes": { "light": theme(&LIGHT), "dark": theme(&DARK) },
-    });
+    let mut head = palette();
+    head["prints"] = infos.into();
     // Names may hold what would end the script.
     let head = head.to_string().replace('<', "\\u003c");
     let data = format!("<script type=\"application/json\" id=\"data\">{head}</script>\n{data}");
     let script = format!("\"use strict\";\n(() => {{\n{}\n{MAIN}}})();", SCRIPTS.join("\n"));
-    fill(&[("title", &escape(title)), ("style", STYLE), ("data", &data), ("script", &script)])
+    fill(&[("title", &escape(title)), ("style", &STYLES.concat()), ("data", &data), ("script", &script)])
+}
+
+/// The page's parts as one module, for pages that are served: what they share, and the colours as `PALETTE`.
+#[cfg(feature = "serve")]
+pub(crate) fn parts_module() -> String {
+    format!("{}\nconst PALETTE = {};\nexport {{ {EXPORTS}, PALETTE }};\n", SCRIPTS.join("\n"), palette())
+}
+
+/// The style of those parts.
+#[cfg(feature = "serve")]
+pub(crate) fn parts_style() -> &'static str {
+    STYLES[0]
+}
+
+/// The colours of roles, values and themes.
+fn palette() -> Value {
+    json!({
+        "roles": ROLES.iter().map(|role| json!({ "label": role.label, "color": hex(role.color) })).collect::<Vec<_>>(),
+        "ramp": RAMP.map(hex),
+        "themes": { "light": theme(&LIGHT), "dark": theme(&DARK) },
+    })
+}
+
+/// What the first bytes of a preview say.
+const MAGIC: &[u8; 4] = b"PWP1";
+
+/// A print in packed form: `PWP1`, the length of the head (32 bits, little-endian), the head as JSON with the counts that
+/// reading needs, then the strokes as `unpack.js` reads them, not deflated.
+pub fn preview(print: &Print) -> Vec<u8> {
+    let packed = pack(&print.scene);
+    let head = info(print, &packed).to_string();
+    let length = (head.len() as u32).to_le_bytes();
+    [MAGIC.as_slice(), &length, head.as_bytes(), &packed.bytes].concat()
 }
 
 /// The template, each `<!--name-->` replaced by its text.
@@ -101,13 +135,13 @@ fn fill(values: &[(&str, &str)]) -> String {
     out
 }
 
-fn info(print: &Print, strokes: usize, marks: usize) -> Value {
+fn info(print: &Print, packed: &Packed) -> Value {
     let [low, high] = print.scene.bounds().unwrap_or([[0.0; 2], [1.0; 2]]);
     json!({
         "name": print.name,
         "notes": notes(print),
-        "strokes": strokes,
-        "marks": marks,
+        "strokes": packed.strokes,
+        "marks": packed.marks,
         "layers": print.scene.layers.len(),
         "bounds": [low[0], low[1], high[0], high[1]],
         "total": print.scene.total,

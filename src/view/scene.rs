@@ -13,6 +13,8 @@ const LIMIT_MM: f64 = 10_000.0;
 const CHORD_TOLERANCE_MM: f64 = 0.01;
 /// A step of Z is taken for a layer's height within these limits, and so is what a comment says.
 const HEIGHTS_MM: (f64, f64) = (0.01, 5.0);
+/// Lines read between two questions whether to go on.
+const LINES: usize = 4096;
 /// Beads are drawn no narrower and no wider than this.
 const WIDTHS_MM: (f64, f64) = (0.05, 5.0);
 
@@ -85,8 +87,16 @@ impl Scene {
     /// Reads a G-code file of any common slicer. Filament and machine are those of the settings; widths that the file
     /// does not give follow from the amounts extruded. O(bytes).
     pub fn read(text: &[u8], settings: &Settings) -> Self {
+        Self::read_watched(text, settings, &|| {})
+    }
+
+    /// As [`Scene::read`]; `go_on` is called every millisecond or so, and may unwind.
+    pub(crate) fn read_watched(text: &[u8], settings: &Settings, go_on: &dyn Fn()) -> Self {
         let mut reader = Reader::new(settings);
-        for read in gcode::annotate(text) {
+        for (number, read) in gcode::annotate(text).enumerate() {
+            if number % LINES == 0 {
+                go_on();
+            }
             reader.read(&read);
         }
         reader.finish()

@@ -8,6 +8,8 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError, Weak};
 use std::thread::sleep;
 use std::time::{Duration, Instant};
 
+use base64::Engine as _;
+use base64::engine::general_purpose::STANDARD;
 use serde_json::{Value, json};
 use tempfile::TempDir;
 use tungstenite::stream::MaybeTlsStream;
@@ -93,6 +95,104 @@ impl Browser {
         let ratio = if phone { 2 } else { 1 };
         let size = json!({ "width": width, "height": height, "deviceScaleFactor": ratio, "mobile": phone });
         self.call("Emulation.setDeviceMetricsOverride", &size);
+    }
+
+    /// Opens a served page and waits until an expression holds.
+    pub fn visit(&mut self, address: &str, ready: &str) {
+        self.call("Page.navigate", &json!({ "url": "about:blank" }));
+        self.errors.clear();
+        self.call("Page.navigate", &json!({ "url": address }));
+        self.wait("document.readyState === 'complete'");
+        self.wait(ready);
+    }
+
+    /// Waits until an expression holds.
+    pub fn wait(&mut self, condition: &str) {
+        let begun = Instant::now();
+        while self.run(&format!("!!({condition})")) != json!(true) {
+            assert!(begun.elapsed() < PATIENCE, "{condition} does not come; {:?}", self.errors);
+            sleep(Duration::from_millis(20));
+        }
+    }
+
+    /// Drops files from disk onto the middle of an element.
+    pub fn drop_files(&mut self, selector: &str, files: &[&Path]) {
+        let [x, y] = self.middle(selector);
+        let files: Vec<String> = files.iter().map(|path| path.display().to_string()).collect();
+        let data = json!({ "items": [], "files": files, "dragOperationsMask": 1 });
+        for kind in ["dragEnter", "dragOver", "drop"] {
+            self.call("Input.dispatchDragEvent", &json!({ "type": kind, "x": x, "y": y, "data": data }));
+        }
+    }
+
+    /// Clicks with the mouse on the middle of an element, which is scrolled to.
+    pub fn click(&mut self, selector: &str) {
+        let [x, y] = self.middle(selector);
+        self.mouse("mouseMoved", [x, y], 0);
+        self.mouse("mousePressed", [x, y], 1);
+        self.mouse("mouseReleased", [x, y], 0);
+    }
+
+    /// Drags with the mouse from one place of the window to another.
+    pub fn drag(&mut self, from: [f64; 2], to: [f64; 2]) {
+        self.mouse("mouseMoved", from, 0);
+        self.mouse("mousePressed", from, 1);
+        for step in 1..=8 {
+            let part = f64::from(step) / 8.0;
+            self.mouse("mouseMoved", [0, 1].map(|i| from[i] + (to[i] - from[i]) * part), 1);
+        }
+        self.mouse("mouseReleased", to, 0);
+    }
+
+    fn mouse(&mut self, kind: &str, [x, y]: [f64; 2], buttons: u32) {
+        let button = if kind == "mouseMoved" { "none" } else { "left" };
+        let event =
+            json!({ "type": kind, "x": x, "y": y, "button": button, "buttons": buttons, "clickCount": 1 });
+        self.call("Input.dispatchMouseEvent", &event);
+    }
+
+    /// Types a text in place of what a field holds, and Enter.
+    pub fn type_into(&mut self, selector: &str, text: &str) {
+        self.click(selector);
+        self.run(&format!("document.querySelector({}).select()", json!(selector)));
+        self.call("Input.insertText", &json!({ "text": text }));
+        self.press("Enter");
+    }
+
+    /// Presses a key that writes nothing.
+    pub fn press(&mut self, key: &str) {
+        let code = if key == "Enter" { 13 } else { 0 };
+        for kind in ["rawKeyDown", "char", "keyUp"] {
+            let text = if kind == "char" && key == "Enter" { "\r" } else { "" };
+            if kind != "char" || !text.is_empty() {
+                let event = json!({ "type": kind, "key": key, "code": key, "text": text, "windowsVirtualKeyCode": code });
+                self.call("Input.dispatchKeyEvent", &event);
+            }
+        }
+    }
+
+    /// Files that the page saves go to this folder.
+    pub fn save_to(&mut self, folder: &Path) {
+        let wanted = json!({ "behavior": "allow", "downloadPath": folder.display().to_string() });
+        self.call("Page.setDownloadBehavior", &wanted);
+    }
+
+    /// Keeps a picture of the page in the folder that the variable `PATHWRIGHT_PICTURES` names, if any.
+    pub fn picture(&mut self, name: &str) {
+        let Some(folder) = std::env::var_os("PATHWRIGHT_PICTURES") else { return };
+        let shot = self.call("Page.captureScreenshot", &json!({ "format": "png" }));
+        let bytes = STANDARD.decode(shot["data"].as_str().expect("a picture")).unwrap();
+        std::fs::write(Path::new(&folder).join(format!("{name}.png")), bytes).unwrap();
+    }
+
+    fn middle(&mut self, selector: &str) -> [f64; 2] {
+        let script = format!(
+            "(() => {{ const node = document.querySelector({}); node.scrollIntoView({{ block: 'nearest' }});
+               const box = node.getBoundingClientRect(); return [box.x + box.width / 2, box.y + box.height / 2]; }})()",
+            json!(selector)
+        );
+        let place = self.run(&script);
+        [0, 1].map(|i| place[i].as_f64().expect("a place"))
     }
 
     /// Opens a page of ours from disk and waits until it shows a print or says why it cannot.

@@ -1,8 +1,12 @@
 //! Pages in a real browser. Where there is no Chromium these tests are listed as ignored, unless the variable
 //! `PATHWRIGHT_REQUIRE_BROWSER` is set: then they fail. `.ci/run` installs one and sets it.
 
+#[cfg(feature = "serve")]
+mod app;
 mod chromium;
 mod pages;
+#[cfg(feature = "serve")]
+mod server;
 
 use std::process::ExitCode;
 
@@ -20,7 +24,8 @@ fn main() -> ExitCode {
     macro_rules! trials {
         ($($test:path;)*) => { vec![$(trial(stringify!($test), $test)),*] };
     }
-    let trials = trials! {
+    #[cfg_attr(not(feature = "serve"), allow(unused_mut))]
+    let mut trials = trials! {
         pages::sliders_keys_and_the_legend_change_the_picture;
         pages::strategies_stand_side_by_side_with_lengths_of_their_own;
         pages::a_window_as_small_as_a_phone_shows_all_of_it;
@@ -28,5 +33,18 @@ fn main() -> ExitCode {
         pages::odd_files_give_a_page_that_says_what_they_are;
         pages::svg_and_png_are_the_same_picture;
     };
+    #[cfg(feature = "serve")]
+    trials.extend(trials! {
+        app::a_model_is_dropped_turned_sliced_and_saved_as_the_command_line_says;
+        app::several_objects_of_a_file_are_printed_as_the_command_line_says;
+        app::broken_models_tell_what_was_repaired_and_junk_why_it_is_none;
+        app::what_does_not_fit_is_red_says_why_and_is_mended_by_undo;
+        app::of_many_changes_the_last_is_what_is_saved;
+        app::a_page_outlives_its_server;
+        app::handles_move_turn_and_scale_and_undo_takes_it_back;
+        app::two_strategies_stand_side_by_side;
+        app::settings_are_found_changed_and_taken_back;
+        app::it_works_on_a_tablet_in_the_dark;
+    });
     libtest_mimic::run(&Arguments::from_args(), trials).exit_code()
 }

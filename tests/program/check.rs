@@ -173,7 +173,7 @@ fn sliced(facets: &Facets, settings: &Settings) -> Vec<u8> {
 }
 
 fn of_models(models: Vec<PathBuf>, settings: &Settings) -> Vec<u8> {
-    let job = Job { models, ..Job::default() };
+    let job = Job::of(models);
     let mut output = Output::memory();
     Pipeline.slice(&job, settings, &mut output, &Observer::none()).expect("a print");
     output.into_bytes()

@@ -52,8 +52,7 @@ fn places(report: &CheckReport) -> Vec<(&str, u32)> {
 fn copies_of_a_model_are_all_found() {
     let (folder, settings) = (Folder::new(), standard(&[]));
     let models = vec![folder.file("angle.stl", &angle())];
-    let print =
-        run(&Job { models: models.clone(), copies: 5, ..Job::default() }, &settings).expect("a print");
+    let print = run(&Job::of(models.clone()).with_copies(5), &settings).expect("a print");
     let report = beside(&print.text, &bodies(&models, &Transform::default()), &settings);
     assert_eq!((kinds(&report), places(&report)), (vec![], vec![("angle", 0); 5]));
     let model = report.model.expect("compared");
@@ -66,14 +65,14 @@ fn models_are_found_one_by_one_wherever_they_were_arranged_and_however_they_were
     let models = vec![folder.file("angle.stl", &angle()), folder.file("block.stl", &block())];
     for set in ["plate.turn=false", "plate.turn=true"] {
         let settings = standard(&[set, "bed.size=[60,45]"]);
-        let job = Job { models: models.clone(), copies: 2, ..Job::default() };
+        let job = Job::of(models.clone()).with_copies(2);
         let print = run(&job, &settings).expect("a print");
         let report = beside(&print.text, &bodies(&models, &Transform::default()), &settings);
         assert_eq!((kinds(&report), places(&report).len()), (vec![], 4), "{set}: {report}");
     }
     // The model itself turned after it was exported.
     let settings = standard(&[]);
-    let print = run(&Job { models: models[..1].to_vec(), ..Job::default() }, &settings).expect("a print");
+    let print = run(&Job::of(models[..1].to_vec()), &settings).expect("a print");
     let turned = Transform { rotate_deg: [0.0, 0.0, 90.0], ..Transform::default() };
     let report = beside(&print.text, &bodies(&models[..1], &turned), &settings);
     assert_eq!((kinds(&report), places(&report)), (vec![], vec![("angle", 270)]));
@@ -83,7 +82,7 @@ fn models_are_found_one_by_one_wherever_they_were_arranged_and_however_they_were
 fn a_part_that_is_missing_among_several_is_an_error_that_names_it() {
     let (folder, settings) = (Folder::new(), standard(&[]));
     let models = vec![folder.file("angle.stl", &angle()), folder.file("block.stl", &block())];
-    let print = run(&Job { models: models[..1].to_vec(), ..Job::default() }, &settings).expect("a print");
+    let print = run(&Job::of(models[..1].to_vec()), &settings).expect("a print");
     let report = beside(&print.text, &bodies(&models, &Transform::default()), &settings);
     assert_eq!((kinds(&report), places(&report)), (vec![Kind::NotPlaced], vec![("angle", 0)]));
     assert!(report.faults[0].first[0].detail.starts_with("block: "), "{report}");
@@ -94,8 +93,7 @@ fn a_part_that_is_missing_among_several_is_an_error_that_names_it() {
 fn a_model_among_others_is_found_and_the_others_are_told() {
     let (folder, settings) = (Folder::new(), standard(&[]));
     let models = vec![folder.file("angle.stl", &angle()), folder.file("block.stl", &block())];
-    let print =
-        run(&Job { models: models.clone(), copies: 3, ..Job::default() }, &settings).expect("a print");
+    let print = run(&Job::of(models.clone()).with_copies(3), &settings).expect("a print");
     let report = beside(&print.text, &bodies(&models[1..], &Transform::default()), &settings);
     assert_eq!(
         (kinds(&report)[0], places(&report)),
@@ -112,7 +110,7 @@ fn a_print_in_mid_air_is_found_and_compared() {
     let mut raised = angle();
     raised.iter_mut().flatten().for_each(|p| p[2] += 3.0);
     let both = vec![folder.file("both.stl", &[raised, post].concat())];
-    let job = Job { models: both.clone(), allow_floating: true, ..Job::default() };
+    let job = Job { allow_floating: true, ..Job::of(both.clone()) };
     let print = run(&job, &settings).expect("a print");
     let report = beside(&print.text, &bodies(&both, &Transform::default()), &settings);
     assert!(
@@ -122,7 +120,7 @@ fn a_print_in_mid_air_is_found_and_compared() {
     assert_eq!(report.model.expect("compared").missing_islands, 0);
     // All of it: nothing but the skirt is beneath.
     let text = String::from_utf8(
-        run(&Job { models: vec![folder.file("angle.stl", &angle())], ..Job::default() }, &settings)
+        run(&Job { models: vec![folder.file("angle.stl", &angle()).into()], ..Job::default() }, &settings)
             .expect("a print")
             .text,
     );
@@ -152,7 +150,7 @@ fn lifted(line: &str) -> String {
 fn a_model_that_is_not_in_the_print_ends_with_an_error_and_its_exit_code() {
     let (folder, settings) = (Folder::new(), standard(&[]));
     let models = vec![folder.file("angle.stl", &angle())];
-    let print = run(&Job { models, ..Job::default() }, &settings).expect("a print");
+    let print = run(&Job::of(models), &settings).expect("a print");
     let file = folder.0.path().join("print.gcode");
     fs::write(&file, &print.text).expect("written");
     let other = folder.file("other.stl", &cuboid([0.0; 3], [80.0, 70.0, 4.0]));

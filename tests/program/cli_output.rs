@@ -7,9 +7,7 @@ use std::path::Path;
 
 use pathwright::Observer;
 use pathwright::cli::{self, Exit};
-use pathwright::job::{
-    CheckError, Engine, FitError, InputError, Job, JobError, ReorderJob, TransformOptions,
-};
+use pathwright::job::{CheckError, Engine, FitError, InputError, Job, JobError, ReorderJob};
 use pathwright::motion::PauseAt;
 use pathwright::order::compare::StrategyRow;
 use pathwright::output::Output;
@@ -36,7 +34,7 @@ impl Engine for Fake {
         progress.begin(job.models.len());
         output.write(b";TIME:????\n")?;
         for model in &job.models {
-            let name = model.file_stem().unwrap().to_string_lossy().into_owned();
+            let name = model.path().file_stem().unwrap().to_string_lossy().into_owned();
             match name.as_str() {
                 "bad" => return Err(JobError::Input(InputError::NoMoves)),
                 "large" => return Err(JobError::DoesNotFit(FitError::Raft { top_mm: 300.0, bed_mm: 250.0 })),
@@ -76,8 +74,8 @@ impl Engine for Fake {
         Ok(Reordered::default())
     }
 
-    fn info(&self, model: &Path, _: &TransformOptions, _: &Settings) -> Result<ModelInfo, JobError> {
-        let file = model.display().to_string();
+    fn info(&self, job: &Job, _: &Settings) -> Result<ModelInfo, JobError> {
+        let file = job.models[0].path().display().to_string();
         let (mesh, text) = (serde_json::Value::Null, String::new());
         Ok(ModelInfo { file, mesh, text, objects: 1, bodies: 1, fits: true, advice: None })
     }
@@ -191,10 +189,10 @@ fn options_reach_the_job() {
     ];
     assert_eq!(slice(folder.path(), &options), Exit::Done);
     let (job, _) = seen().remove(0);
-    let transform = job.transform;
+    let transform = job.models[0].transform;
     assert_eq!((transform.scale, transform.rotate_deg), ([2.0; 3], [-90.0, 0.0, 45.0]));
-    assert_eq!((transform.translate_mm, transform.scale_to_fit), ([1.0, 2.0, 3.0], true));
-    assert_eq!((job.copies, job.certify, job.threads), (4, true, Some(2)));
+    assert_eq!((job.translate_mm, job.scale_to_fit), ([1.0, 2.0, 3.0], true));
+    assert_eq!((job.models[0].copies, job.certify, job.threads), (4, true, Some(2)));
     assert_eq!(job.pauses, [PauseAt::Layer(2), PauseAt::Height(1.5)]);
 }
 

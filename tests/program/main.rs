@@ -11,6 +11,7 @@ mod cli;
 mod cli_output;
 #[cfg(unix)]
 mod faults;
+mod live;
 mod print;
 mod print_assembly;
 mod print_floating;
@@ -23,6 +24,9 @@ mod print_scripts;
 mod print_surface;
 mod print_volume;
 mod printers;
+mod programs;
+mod project;
+mod project_file;
 mod reorder;
 mod supports;
 mod view;

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 
 use crate::support::mesh_shapes::{Facets, box_xml, cuboid, model_xml, package, stl};
 use crate::support::print::{Bead, Print, run, settings, standard};
-use pathwright::job::{Engine, Job, ObjectSettings, TransformOptions};
+use pathwright::job::{Engine, Job, ObjectSettings};
 use pathwright::pipeline::Pipeline;
 use pathwright::profile::Settings;
 
@@ -41,7 +41,7 @@ impl Folder {
 }
 
 fn job(models: Vec<PathBuf>) -> Job {
-    Job { models, ..Job::default() }
+    Job::of(models)
 }
 
 /// The boxes around outer walls of a layer, in order of their low corners.
@@ -79,11 +79,10 @@ fn a_part_within_another_keeps_its_place_and_its_height() {
     let folder = Folder::new();
     let file = folder.boxes(&[([30.0, 30.0, 2.0], [0.0; 3]), ([10.0, 10.0, 4.0], [10.0, 10.0, 2.0])]);
     for set in ["plate.keep_layout=true", "plate.keep_layout=false", "plate.arrange=false"] {
-        let moved = TransformOptions { translate_mm: [100.0, 100.0, 0.0], ..TransformOptions::default() };
         let arranged = !set.starts_with("plate.arrange");
-        let transform = if arranged { TransformOptions::default() } else { moved };
-        let models = vec![file.clone()];
-        let print = run(&Job { models, transform, ..Job::default() }, &standard(&[set])).expect("a print");
+        let translate_mm = if arranged { [0.0; 3] } else { [100.0, 100.0, 0.0] };
+        let job = Job { translate_mm, ..job(vec![file.clone()]) };
+        let print = run(&job, &standard(&[set])).expect("a print");
         assert!(near(print.summary.size_mm[2], 6.0), "{set}");
         assert_eq!((outlines(&print, 1.0).len(), outlines(&print, 5.0).len()), (1, 1), "{set}");
         let (tray, on_it) = (outlines(&print, 1.0)[0], outlines(&print, 5.0)[0]);
@@ -131,7 +130,7 @@ fn objects_that_overlap_and_differ_share_nothing() {
     let objects = vec![ObjectSettings { object: "box2".into(), settings: own }];
     let job = Job { objects, ..job(vec![folder.boxes(&boxes)]) };
     let print = run(&job, &plate).expect("a print");
-    let one = Job { models: vec![folder.boxes(&[([30.0, 20.0, 4.0], [0.0; 3])])], ..Job::default() };
+    let one = self::job(vec![folder.boxes(&[([30.0, 20.0, 4.0], [0.0; 3])])]);
     let one = run(&one, &plate).expect("a print");
     let [volume_mm3, of_one] = [&print, &one].map(|print| print.measure(&plate).volume_mm3);
     assert!((volume_mm3 / of_one - 1.0).abs() < 5e-3, "{volume_mm3} for {of_one}");
@@ -174,7 +173,7 @@ fn info_and_slice_agree_on_what_fits() {
     let folder = Folder::new();
     let fits = folder.boxes(&[([20.0, 20.0, 2.0], [0.0; 3]), ([20.0, 20.0, 2.0], [200.0, 0.0, 0.0])]);
     let info = |file: &PathBuf, settings: &Settings| {
-        Pipeline.info(file, &TransformOptions::default(), settings).expect("readable")
+        Pipeline.info(&job(vec![file.clone()]), settings).expect("readable")
     };
     let all = settings(&[], &[]);
     assert_eq!((info(&fits, &all).fits, info(&fits, &all).objects, info(&fits, &all).bodies), (true, 2, 2));

@@ -12,7 +12,7 @@ fn slice(facets: &Facets, settings: &Settings, allow_floating: bool) -> Result<P
     let folder = tempfile::tempdir().expect("a folder");
     let file = folder.path().join("part.stl");
     fs::write(&file, stl(facets)).expect("written");
-    run(&Job { models: vec![file], allow_floating, ..Job::default() }, settings)
+    run(&Job { models: vec![file.into()], allow_floating, ..Job::default() }, settings)
 }
 
 fn block(low_mm: f32, high_mm: f32) -> Facets {

@@ -123,16 +123,13 @@ fn a_size_that_points_to_another_unit_is_named_with_the_option_that_mends_it() {
     let cube = |side: f64| block([0.0; 3], [side; 3]);
     let metres = refused(cube(0.05).as_bytes(), &[], 3);
     assert!(
-        metres.contains("0.0500 × 0.0500 × 0.0500 mm") && metres.contains("metres, use --scale 1000"),
+        metres.contains("0.0500 × 0.0500 × 0.0500 mm") && metres.contains("metres, use --unit m"),
         "{metres}"
     );
     let microns = refused(cube(20_000.0).as_bytes(), &[], 3);
-    assert!(
-        microns.contains("20000.00 mm") && microns.contains("micrometres, use --scale 0.001"),
-        "{microns}"
-    );
+    assert!(microns.contains("20000.00 mm") && microns.contains("micrometres, use --unit um"), "{microns}");
     let small_microns = refused(cube(5_000.0).as_bytes(), &[], 5);
-    assert!(small_microns.contains("micrometres, use --scale 0.001"), "{small_microns}");
+    assert!(small_microns.contains("micrometres, use --unit um"), "{small_microns}");
     // The advice works, and says nothing more.
     let folder = tempfile::tempdir().expect("a folder");
     let sliced = |name: &str, contents: String, scale: &str| {
@@ -148,7 +145,7 @@ fn a_size_that_points_to_another_unit_is_named_with_the_option_that_mends_it() {
     let far = block([30_000.0, 0.0, 0.0], [30_020.0, 20.0, 10.0]);
     assert_eq!(sliced("far.stl", far, "1"), "", "far from the origin");
     let inches = sliced("inches.stl", block([0.0; 3], [3.6, 2.0, 1.0]), "1");
-    assert!(inches.contains("3.60 × 2.00 × 1.00 mm; if it was made in inches, use --scale 25.4"), "{inches}");
+    assert!(inches.contains("3.60 × 2.00 × 1.00 mm; if it was made in inches, use --unit inch"), "{inches}");
     let twice = sliced("twice.stl", block([0.0; 3], [1.8, 1.0, 0.5]), "2");
     assert!(twice.contains("use --scale 50.8"), "{twice}");
 }

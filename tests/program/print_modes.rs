@@ -99,7 +99,7 @@ fn a_spiral_has_a_solid_bottom_and_neither_top_nor_infill() {
 
 #[test]
 fn a_spiral_is_of_one_object() {
-    let job = Job { models: vec![model("calibration_cube")], copies: 2, ..Job::default() };
+    let job = Job::of([model("calibration_cube")]).with_copies(2);
     let refused = run(&job, &standard(&["spiral.enabled=true"])).err().expect("refused");
     assert!(refused.to_string().contains("--each"), "{refused}");
 }
@@ -175,7 +175,8 @@ fn upright_walls_are_printed_in_the_highest_layers() {
 fn adaptive_layers_and_rough_walls_are_the_same_on_any_number_of_threads() {
     let settings = standard(&["layer.adaptive=true", "fuzzy.walls=all"]);
     let on = |threads| {
-        let job = Job { models: vec![model("tilted_bracket")], threads: Some(threads), ..Job::default() };
+        let job =
+            Job { models: vec![model("tilted_bracket").into()], threads: Some(threads), ..Job::default() };
         run(&job, &settings).expect("a print").text
     };
     assert!(on(1) == on(3));

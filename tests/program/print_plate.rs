@@ -2,16 +2,13 @@
 
 use crate::support::print::{Bead, Print, model, run, settings, standard};
 use pathwright::gcode::{Action, replay};
-use pathwright::job::{FitError, Job, JobError, ObjectSettings, TransformOptions};
+use pathwright::job::{FitError, Job, JobError, ObjectSettings};
+use pathwright::mesh::Transform;
 use pathwright::motion::PauseAt;
 use pathwright::profile::Settings;
 
 fn job(names: &[&str]) -> Job {
-    Job { models: names.iter().map(|name| model(name)).collect(), ..Job::default() }
-}
-
-fn turned(names: &[&str], transform: TransformOptions) -> Job {
-    Job { transform, ..job(names) }
+    Job::of(names.iter().map(|name| model(name)))
 }
 
 /// Box around some beads' centre lines: smallest X and Y, largest X and Y.
@@ -52,7 +49,7 @@ fn labels_say_which_object_every_bead_belongs_to() {
         ("marlin", "M486 S", "M486 S-1"),
     ] {
         let settings = standard(&["gcode.labels=true", &format!("printer.flavor={flavor}")]);
-        let print = run(&Job { copies: 2, ..job(&["calibration_cube"]) }, &settings).expect("a print");
+        let print = run(&job(&["calibration_cube"]).with_copies(2), &settings).expect("a print");
         let text = String::from_utf8(print.text).expect("text");
         let defined =
             text.lines().filter(|l| l.starts_with("EXCLUDE_OBJECT_DEFINE") || *l == "M486 T2").count();
@@ -147,9 +144,8 @@ fn an_object_can_have_settings_of_its_own() {
     let plate = standard(&["gcode.labels=true", "skirt.loops=0"]);
     let own = standard(&["infill.density=0", "walls.count=4"]);
     let named = |object: &str| Job {
-        copies: 2,
         objects: vec![ObjectSettings { object: object.into(), settings: own.clone() }],
-        ..job(&["calibration_cube"])
+        ..job(&["calibration_cube"]).with_copies(2)
     };
     let print = run(&named("calibration_cube (2)"), &plate).expect("a print");
     let (mut object, mut kind, mut beads) = (String::new(), String::new(), std::collections::BTreeMap::new());
@@ -175,7 +171,7 @@ fn the_same_mesh_gives_the_same_bytes_from_every_format() {
     let settings = standard(&["gcode.labels=true"]);
     let file = |extension| model("tilted_bracket").with_extension(extension);
     let text = |extension| {
-        run(&Job { models: vec![file(extension)], ..Job::default() }, &settings).expect("a print").text
+        run(&Job { models: vec![file(extension).into()], ..Job::default() }, &settings).expect("a print").text
     };
     let stl = text("stl");
     assert!(text("3mf") == stl && text("obj") == stl);
@@ -185,7 +181,7 @@ fn the_same_mesh_gives_the_same_bytes_from_every_format() {
 fn four_copies_are_four_islands_of_four_times_the_volume() {
     let settings = standard(&["skirt.loops=0"]);
     let single = run(&job(&["calibration_cube"]), &settings).expect("a print").measure(&settings).volume_mm3;
-    let print = run(&Job { copies: 4, ..job(&["calibration_cube"]) }, &settings).expect("a print");
+    let print = run(&job(&["calibration_cube"]).with_copies(4), &settings).expect("a print");
     assert!((print.measure(&settings).volume_mm3 / (4.0 * single) - 1.0).abs() < 1e-3);
     let boxes: Vec<[f64; 4]> = outlines(&print).iter().map(|b| bounds([b])).collect();
     assert_eq!(boxes.len(), 4);
@@ -231,8 +227,9 @@ fn a_model_stands_in_the_middle_of_any_bed() {
 #[test]
 fn a_turned_model_has_its_sides_exchanged() {
     let settings = standard(&[]);
-    let transform = TransformOptions { rotate_deg: [90.0, 0.0, 90.0], ..TransformOptions::default() };
-    let size = run(&turned(&["plate_with_holes"], transform), &settings).expect("a print").summary.size_mm;
+    let turned = Transform { rotate_deg: [90.0, 0.0, 90.0], ..Transform::default() };
+    let job = job(&["plate_with_holes"]).transformed(turned);
+    let size = run(&job, &settings).expect("a print").summary.size_mm;
     for (size, wanted) in size.iter().zip([3.0, 60.0, 40.0]) {
         assert!((size - wanted).abs() < 0.03, "{size} for {wanted}");
     }
@@ -242,8 +239,8 @@ fn a_turned_model_has_its_sides_exchanged() {
 fn a_moved_model_is_printed_where_it_was_moved_to() {
     let settings = standard(&[]);
     let still = run(&job(&["helical_gear"]), &settings).expect("a print");
-    let transform = TransformOptions { translate_mm: [40.0, -30.0, 0.0], ..TransformOptions::default() };
-    let moved = run(&turned(&["helical_gear"], transform), &settings).expect("a print");
+    let moved = Job { translate_mm: [40.0, -30.0, 0.0], ..job(&["helical_gear"]) };
+    let moved = run(&moved, &settings).expect("a print");
     let (from, to) = (bounds(&outlines(&still)), bounds(&outlines(&moved)));
     for (i, by_mm) in [40.0, -30.0, 40.0, -30.0].into_iter().enumerate() {
         assert!((to[i] - from[i] - by_mm).abs() < 1e-3, "{from:?} to {to:?}");
@@ -253,8 +250,8 @@ fn a_moved_model_is_printed_where_it_was_moved_to() {
 #[test]
 fn a_sunk_model_loses_its_lowest_layers() {
     let settings = standard(&[]);
-    let transform = TransformOptions { translate_mm: [0.0, 0.0, -5.0], ..TransformOptions::default() };
-    let print = run(&turned(&["calibration_cube"], transform), &settings).expect("a print");
+    let sunk = Job { translate_mm: [0.0, 0.0, -5.0], ..job(&["calibration_cube"]) };
+    let print = run(&sunk, &settings).expect("a print");
     assert_eq!(print.summary.layer_count, 75);
 }
 
@@ -271,8 +268,8 @@ fn what_is_too_large_is_refused_or_made_to_fit() {
         }
         other => panic!("{:?}", other.map(|p| p.summary)),
     }
-    let transform = TransformOptions { scale_to_fit: true, ..TransformOptions::default() };
-    let print = run(&turned(&["plate_with_holes"], transform), &settings).expect("it fits");
+    let fitted = Job { scale_to_fit: true, ..job(&["plate_with_holes"]) };
+    let print = run(&fitted, &settings).expect("it fits");
     let [x0, y0, x1, y1] = bounds(&print.beads());
     assert!(x0 > 0.0 && y0 > 0.0 && x1 < 30.0 && y1 < 60.0, "{x0} {y0} {x1} {y1}");
     assert!(x1 - x0 > 0.97 * 29.55, "no smaller than needed: {}", x1 - x0);

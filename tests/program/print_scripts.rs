@@ -82,7 +82,7 @@ fn the_end_script_sees_the_whole_print() {
 fn a_script_runs_between_objects_that_are_printed_one_after_the_other() {
     let mut own = settings(&[], &["print.sequence=object"]);
     own.gcode.between_objects = "M117 {current_object_idx}".into();
-    let job = Job { models: vec![model("calibration_cube"); 3], ..Job::default() };
+    let job = Job::of(vec![model("calibration_cube"); 3]);
     let text = String::from_utf8(run(&job, &own).expect("a print").text).expect("text");
     let said: Vec<&str> = text.lines().filter(|line| line.starts_with("M117")).collect();
     assert_eq!(said, ["M117 1", "M117 2"]);
@@ -90,7 +90,7 @@ fn a_script_runs_between_objects_that_are_printed_one_after_the_other() {
 
 #[test]
 fn objects_are_labelled_by_comments_where_plug_ins_read_them() {
-    let job = Job { models: vec![model("calibration_cube"); 2], ..Job::default() };
+    let job = Job::of(vec![model("calibration_cube"); 2]);
     let labelled = run(&job, &settings(&[], &["gcode.label_comments=true"])).expect("a print");
     let plain = run(&job, &settings(&[], &[])).expect("a print");
     let text = String::from_utf8(labelled.text).expect("text");
@@ -108,7 +108,7 @@ fn a_color_change_has_a_script_of_its_own() {
         ("M601".into(), "M600 ; extruder {color_change_extruder}".into());
     let at = |layer: &str| layer.parse().expect("a layer");
     let job = Job {
-        models: vec![model("calibration_cube")],
+        models: vec![model("calibration_cube").into()],
         pauses: vec![at("5")],
         color_changes: vec![at("9")],
         ..Job::default()
@@ -123,7 +123,7 @@ fn a_color_change_has_a_script_of_its_own() {
 fn a_script_that_fails_on_the_way_leaves_no_file() {
     let mut own = settings(&[], &[]);
     own.gcode.after_layer = "{if layer_num == 50}{no_such_name}{endif}".into();
-    let job = Job { models: vec![model("calibration_cube")], ..Job::default() };
+    let job = Job { models: vec![model("calibration_cube").into()], ..Job::default() };
     match run(&job, &own) {
         Err(JobError::Script { mistakes }) => {
             assert!(mistakes[0].starts_with("gcode.after_layer: line 1, column"), "{mistakes:?}");

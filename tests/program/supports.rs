@@ -173,9 +173,9 @@ fn everything(folder: &tempfile::TempDir) -> PathBuf {
 fn bodies_enforce_and_block_support() {
     let folder = tempfile::tempdir().expect("a folder");
     let volume_mm3 = |enforcers: bool, blockers: bool, enabled: bool| {
-        let body = |wanted: bool| if wanted { vec![everything(&folder)] } else { Vec::new() };
+        let body = |wanted: bool| if wanted { vec![everything(&folder).into()] } else { Vec::new() };
         let job = Job {
-            models: vec![model("overhang_and_bridge")],
+            models: vec![model("overhang_and_bridge").into()],
             support_enforcers: body(enforcers),
             support_blockers: body(blockers),
             ..Job::default()
@@ -222,7 +222,7 @@ fn a_draft_shield_surrounds_every_layer() {
 fn threads_change_no_byte_of_support() {
     let settings = standard(&["support.enabled=true", "support.style=tree"]);
     let text = |threads| {
-        let job = Job { models: vec![model("pin_forest")], threads: Some(threads), ..Job::default() };
+        let job = Job { models: vec![model("pin_forest").into()], threads: Some(threads), ..Job::default() };
         run(&job, &settings).expect("a print").text
     };
     assert!(text(1) == text(3));

@@ -26,3 +26,4 @@ mod slice;
 mod toolpath;
 mod toolpath_bridges;
 mod toolpath_raster;
+mod toolpath_single;

@@ -187,7 +187,7 @@ fn a_model_far_from_the_origin_is_too_long_only_if_it_is_long() {
     assert!(pathwright::mesh::objects_from_bytes("far.stl".as_ref(), &far).is_ok());
     let long = refusal(stl(&cuboid([0.0; 3], [30_000.0; 3])));
     assert!(
-        long.contains("longer than 10 m: it is 30000.00") && long.contains("micrometres, use --scale 0.001"),
+        long.contains("longer than 10 m: it is 30000.00") && long.contains("micrometres, use --unit um"),
         "{long}"
     );
 }

@@ -3,7 +3,9 @@
 use std::fs;
 use std::path::Path;
 
+use pathwright::Settings;
 use pathwright::presets::{Config, Kind, Library, Source};
+use pathwright::profile::SingleOnTop;
 use tempfile::TempDir;
 
 const INDEX: &str = r#"{"name": "Maker", "version": "1", "machine_model_list": [{"name": "M1", "sub_path": "machine/M1.json"}],
@@ -163,6 +165,10 @@ fn values_are_said_in_the_words_of_prusaslicer() {
         ("bridge_fan_speed", "90"),
         ("thumbnails", "64x64/PNG"),
         ("gcode_label_objects", "octoprint"),
+        ("top_one_perimeter_type", "top"),
+        ("min_width_top_surface", "300%"),
+        ("precise_outer_wall", "0"),
+        ("chamber_minimal_temperature", "0"),
     ] {
         assert_eq!(config.entries.get(key).map(|entry| entry.value.as_str()), Some(value), "{key}");
     }
@@ -262,4 +268,28 @@ fn a_project_holds_its_settings() {
     assert_eq!((prusa.number("layer_height"), prusa.number("perimeters")), (Some(0.15), Some(5.0)));
     let none = project("c.3mf", "3D/3dmodel.model", "").unwrap_err();
     assert!(none.contains("it holds none"), "{none}");
+}
+
+#[test]
+fn walls_on_top_and_the_chamber_are_settings_here() {
+    let others = [
+        (
+            "Maker/process/02.json",
+            r#"{"name": "0.2 @M1", "inherits": "base", "instantiation": "true", "compatible_printers": ["M1 0.4"], "layer_height": "0.2",
+"only_one_wall_top": "1", "only_one_wall_first_layer": "1", "min_width_top_surface": "200%", "inner_wall_line_width": "0.5",
+"wall_sequence": "inner wall/outer wall"}"#,
+        ),
+        (
+            "Maker/filament/pla.json",
+            r#"{"name": "PLA @M1", "inherits": "Shared PLA", "instantiation": "true", "compatible_printers": ["M1 0.4"],
+"chamber_temperature": ["45"], "activate_chamber_temp_control": ["1"]}"#,
+        ),
+    ];
+    let s = Settings::of_presets(&chosen(&others, "M1 0.4").unwrap()).unwrap();
+    assert_eq!(s.walls.single_on_top, SingleOnTop::Top);
+    assert!(s.walls.single_on_first_layer && s.walls.precise);
+    assert_eq!(
+        (s.walls.min_top_width.0, s.temperature.chamber.0, s.temperature.chamber_min.0),
+        (1.0, 45.0, 45.0)
+    );
 }

@@ -3,7 +3,7 @@
 use std::fs;
 
 use pathwright::gcode::{PrintFacts, Scripts};
-use pathwright::profile::{self, EMBEDDED, Override, Pattern, ProfileKind, Settings, resolve};
+use pathwright::profile::{self, EMBEDDED, Override, Pattern, ProfileKind, Settings, SingleOnTop, resolve};
 
 fn set(key: &str, value: &str) -> Override {
     Override { key: key.into(), value: value.into(), option: "--set" }
@@ -425,6 +425,24 @@ fn another_slicers_configuration_is_a_profile_whose_lines_are_the_origins() {
     assert!(shown.contains("# line 12: infill_first = 1: "), "{shown}");
     let mine = file(&folder, "mine.toml", &shown);
     assert_eq!(&settings(&[&mine], &[]), s, "what is shown means the same");
+}
+
+#[test]
+fn walls_on_top_and_the_chamber_of_a_configuration_are_settings_here() {
+    let folder = tempfile::tempdir().unwrap();
+    let of = |text: &str| settings(&[&file(&folder, "config.ini", text)], &[]);
+    for (theirs, ours) in
+        [("none", SingleOnTop::None), ("top", SingleOnTop::Top), ("topmost", SingleOnTop::Topmost)]
+    {
+        let s = of(&format!("layer_height = 0.2\ntop_one_perimeter_type = {theirs}\n"));
+        assert_eq!(s.walls.single_on_top, ours);
+    }
+    let s = of("layer_height = 0.2\nonly_one_perimeter_top = 1\nonly_one_perimeter_first_layer = 1\n\
+                perimeter_extrusion_width = 0.5\nmin_width_top_surface = 200%\n\
+                chamber_temperature = 45\nchamber_minimal_temperature = 40\n");
+    assert_eq!((s.walls.single_on_top, s.walls.single_on_first_layer), (SingleOnTop::Top, true));
+    let figures = [s.walls.min_top_width.0, s.temperature.chamber.0, s.temperature.chamber_min.0];
+    assert_eq!(figures, [1.0, 45.0, 40.0]);
 }
 
 #[test]

@@ -49,7 +49,7 @@ pub struct Print {
 
 /// Slices one bundled model.
 pub fn print(name: &str, settings: &Settings) -> Print {
-    run(&Job { models: vec![model(name)], ..Job::default() }, settings).expect("a print")
+    run(&Job { models: vec![model(name).into()], ..Job::default() }, settings).expect("a print")
 }
 
 /// Carries out a job.

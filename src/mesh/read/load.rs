@@ -87,7 +87,7 @@ pub(crate) fn load_watched(path: &Path, workers: Workers<'_>) -> Result<Vec<Mode
     workers.go_on();
     let data = contents(path)?;
     workers.go_on();
-    objects(path, &data, workers)
+    objects_watched(path, &data, workers)
 }
 
 /// As [`load_objects`], from the file's contents; `path` is what messages call it.
@@ -95,10 +95,15 @@ pub(crate) fn load_watched(path: &Path, workers: Workers<'_>) -> Result<Vec<Mode
 /// # Errors
 /// As [`load`].
 pub fn objects_from_bytes(path: &Path, data: &[u8]) -> Result<Vec<Model>, MeshError> {
-    objects(path, data, Workers { observer: &Observer::none() })
+    objects_watched(path, data, Workers { observer: &Observer::none() })
 }
 
-fn objects(path: &Path, data: &[u8], workers: Workers<'_>) -> Result<Vec<Model>, MeshError> {
+/// As [`objects_from_bytes`], unless the run is cancelled.
+pub(crate) fn objects_watched(
+    path: &Path,
+    data: &[u8],
+    workers: Workers<'_>,
+) -> Result<Vec<Model>, MeshError> {
     let Contents { objects, format, mut notes } = formats::read(path, data)?;
     let model = |FileObject { name, soup, facets, positions }| {
         let (mesh, report) = repaired(path, soup, facets, format, std::mem::take(&mut notes), workers)?;

@@ -8,5 +8,6 @@ mod stl;
 mod threemf;
 mod words;
 
-pub(crate) use load::load_watched;
 pub use load::{Model, from_bytes, load, load_objects, objects_from_bytes};
+pub(crate) use load::{load_watched, objects_watched};
+pub(crate) use threemf::Parts;

@@ -6,18 +6,29 @@ use crate::plan::styles::{Planners, Styles};
 use crate::plan::supports;
 use crate::profile::Settings;
 use crate::toolpath::support::{self, BeadSpec, Outlines};
-use crate::toolpath::{self, LayerPaths, Planner, Role, SupportStyle};
+use crate::toolpath::{self, LayerPaths, LayerWalls, Planner, Role, SupportStyle};
 use geometry::{Polygon, Region};
 
 impl Sections {
-    /// All paths of a layer; support comes before what it carries.
-    pub fn paths(&self, planners: &Planners, index: usize, settings: &Settings) -> LayerPaths {
-        let turn = self.spiral.as_ref().and_then(|spiral| {
-            let below = index.checked_sub(1).map_or(Region::EMPTY, |below| self.of(0, below));
-            spiral.layer(&self.layers[index].span, self.of(0, index), below)
-        });
+    /// The walls of a layer; a revolution of a spiral is planned with the rest.
+    pub fn walls(&self, planners: &Planners, index: usize) -> Vec<LayerWalls> {
+        match self.spiral.as_ref().is_some_and(|spiral| spiral.has(index)) {
+            true => Vec::new(),
+            false => planners.walls(&self.plate_layer(index)),
+        }
+    }
+
+    /// All paths of a layer whose [`walls`](Self::walls) are known; support comes before what it carries.
+    pub fn paths(
+        &self,
+        planners: &Planners,
+        index: usize,
+        walls: Vec<LayerWalls>,
+        settings: &Settings,
+    ) -> LayerPaths {
+        let turn = self.turn(index);
         let is_turn = turn.is_some();
-        let mut layer = turn.unwrap_or_else(|| planners.layer(self.plate_layer(index)));
+        let mut layer = turn.unwrap_or_else(|| planners.filled(self.plate_layer(index), walls));
         for island in &mut layer.islands {
             island.object = self.objects[island.object as usize] as u32;
         }
@@ -39,6 +50,13 @@ impl Sections {
         let place = layer.paths.iter().position(|p| !around(p.role)).unwrap_or(layer.paths.len());
         layer.paths.splice(place..place, beads);
         layer
+    }
+
+    /// A layer that is a revolution of a spiral.
+    pub fn turn(&self, index: usize) -> Option<LayerPaths> {
+        let spiral = self.spiral.as_ref()?;
+        let below = index.checked_sub(1).map_or(Region::EMPTY, |below| self.of(0, below));
+        spiral.layer(&self.layers[index].span, self.of(0, index), below)
     }
 
     /// Lays the beads of supports, beside what the planner lays on the bed.

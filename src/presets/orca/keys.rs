@@ -110,7 +110,12 @@ pub(super) const KEYS: &[Key] = &[
     one("accel_to_decel_enable", Flag, "1", Own),
     one("accel_to_decel_factor", Percent, "50%", Under("accel_to_decel_enable")),
     each("activate_air_filtration", Flag, "0", Own),
-    each("activate_chamber_temp_control", Flag, "0", Part),
+    each(
+        "activate_chamber_temp_control",
+        Flag,
+        "0",
+        By("chamber_minimal_temperature", r::chamber_temperature),
+    ),
     one("adaptive_bed_mesh_margin", Real, "0", Idle),
     each("adaptive_pressure_advance", Flag, "0", Own),
     each("adaptive_pressure_advance_bridges", Real, "0", Under("adaptive_pressure_advance")),
@@ -454,7 +459,7 @@ pub(super) const KEYS: &[Key] = &[
     one("min_length_factor", Real, "0.5", Own),
     one("min_resonance_avoidance_speed", Real, "70", Under("resonance_avoidance")),
     one("min_skirt_length", Real, "0", As("min_skirt_length")),
-    one("min_width_top_surface", RealOrPercent, "300%", Under("only_one_wall_top")),
+    one("min_width_top_surface", RealOrPercent, "300%", By("min_width_top_surface", r::min_top_width)),
     one("minimum_sparse_infill_area", Real, "15", As("solid_infill_below_area")),
     one("mmu_segmented_region_interlocking_depth", Real, "0", As("mmu_segmented_region_interlocking_depth")),
     one("mmu_segmented_region_max_width", Real, "0", As("mmu_segmented_region_max_width")),
@@ -491,7 +496,7 @@ pub(super) const KEYS: &[Key] = &[
     each("pellet_flow_coefficient", Real, "0.4157", Idle),
     one("pellet_modded_printer", Flag, "0", Own),
     list("post_process", Text, "", As("post_process")),
-    one("precise_outer_wall", Flag, "1", On),
+    one("precise_outer_wall", Flag, "1", By("precise_outer_wall", r::precise_wall)),
     one("precise_z_height", Flag, "0", Own),
     one("preferred_orientation", Real, "0", Idle),
     one("preheat_steps", Integer, "1", Under("ooze_prevention")),
@@ -800,7 +805,12 @@ mod tests {
             match key.rule {
                 As(name) | Width(name) | Words(name, _) | By(name, _) => {
                     // Others than PrusaSlicer have these.
-                    let others = ["machine_max_junction_deviation", "pressure_advance"];
+                    let others = [
+                        "machine_max_junction_deviation",
+                        "min_width_top_surface",
+                        "precise_outer_wall",
+                        "pressure_advance",
+                    ];
                     let is_known = others.contains(&name) || key_type(name).is_some();
                     assert!(is_known, "{}: {name}", key.name);
                 }

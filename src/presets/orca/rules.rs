@@ -189,8 +189,19 @@ pub(super) fn overhang_fan(values: &Values, share_on_something: f64) -> String {
     values.text(if is_beyond { "overhang_fan_speed" } else { "fan_min_speed" })
 }
 
+/// Where inner walls do not come first, it has no effect.
+pub(super) fn precise_wall(values: &Values) -> Option<String> {
+    let inner_first = values.text("wall_sequence") == "inner wall/outer wall";
+    Some(flag(values.is_on("precise_outer_wall") && inner_first))
+}
+
+pub(super) fn min_top_width(values: &Values) -> Option<String> {
+    values.is_on("only_one_wall_top").then(|| values.text("min_width_top_surface"))
+}
+
+/// Heated and waited for where the filament asks for it and the printer can.
 pub(super) fn chamber_temperature(values: &Values) -> Option<String> {
-    let is_on = values.is_on("activate_chamber_temp_control");
+    let is_on = values.is_on("activate_chamber_temp_control") && values.is_on("support_chamber_temp_control");
     Some(if is_on { values.text("chamber_temperature") } else { "0".into() })
 }
 

@@ -240,6 +240,18 @@ pub(super) fn gap_fill(config: &Config) -> Outcome {
     flag(wanted != Some(false) && config.number("gap_fill_speed") != Some(0.0))
 }
 
+pub(super) fn single_on_top(config: &Config) -> Outcome {
+    match config.text("top_one_perimeter_type") {
+        Some(same @ ("none" | "top" | "topmost")) => word(same),
+        Some(_) => no_such(config, "top_one_perimeter_type"),
+        None => word(if config.flag("only_one_perimeter_top") == Some(true) { "top" } else { "none" }),
+    }
+}
+
+pub(super) fn min_top_width(config: &Config) -> Outcome {
+    known(config.number_of("min_width_top_surface", width_mm(config, "perimeter_extrusion_width")))
+}
+
 pub(super) fn min_thickness(config: &Config) -> Outcome {
     let [top, bottom] =
         ["top_solid_min_thickness", "bottom_solid_min_thickness"].map(|key| config.number(key));

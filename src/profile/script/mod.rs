@@ -24,6 +24,8 @@ pub struct ScriptRun<'a> {
     settings: &'a Settings,
     print: &'a PrintFacts,
     state: State,
+    /// Filament that a script says it leaves pulled back, millimetres.
+    retracted_mm: f64,
     /// How far the print has come.
     pub moment: Moment,
 }
@@ -31,7 +33,7 @@ pub struct ScriptRun<'a> {
 impl<'a> ScriptRun<'a> {
     /// Before the first script.
     pub fn new(settings: &'a Settings, print: &'a PrintFacts) -> Self {
-        Self { settings, print, state: State::default(), moment: Moment::default() }
+        Self { settings, print, state: State::default(), retracted_mm: 0.0, moment: Moment::default() }
     }
 
     /// Expands a script. Every line ends with `\n`, and none with blanks. Where mistakes are to be ignored, a script
@@ -44,6 +46,7 @@ impl<'a> ScriptRun<'a> {
             Err(_) if self.settings.gcode.ignore_scripts => String::new(),
             text => text?,
         };
+        self.retracted_mm = self.left_retracted_mm().unwrap_or(self.retracted_mm);
         let mut out = String::with_capacity(text.len() + 1);
         for line in text.lines() {
             out.push_str(line.trim_end());
@@ -57,7 +60,7 @@ impl<'a> ScriptRun<'a> {
     /// # Errors
     /// As [`Self::expand`].
     pub fn text(&mut self, text: &str) -> Result<String, macros::Error> {
-        let Self { settings, print, state, moment } = self;
+        let Self { settings, print, state, moment, .. } = self;
         macros::expand(text, &Known { settings, print, moment }, state)
     }
 }
@@ -70,13 +73,34 @@ impl ScriptRun<'_> {
     /// Every script's first mistake, a line each.
     pub fn open(&mut self) -> Result<Scripts, Vec<String>> {
         let options = &self.settings.gcode;
-        let texts = self.all([
-            ("gcode.start", &options.start),
-            ("gcode.filament_start", &options.filament_start),
-            ("gcode.pause", &options.pause),
-            ("gcode.color_change", &options.color_change),
-        ])?;
-        Ok(Scripts::opening(texts, options, self.settings.printer.flavor))
+        let starts =
+            self.all([("gcode.start", &options.start), ("gcode.filament_start", &options.filament_start)]);
+        let retracted_mm = std::mem::take(&mut self.retracted_mm);
+        let others =
+            self.all([("gcode.pause", &options.pause), ("gcode.color_change", &options.color_change)]);
+        match (starts, others) {
+            (Ok([start, filament_start]), Ok([pause, color_change])) => {
+                let texts = [start, filament_start, pause, color_change];
+                Ok(Scripts::opening(texts, options, self.settings.printer.flavor, retracted_mm))
+            }
+            (starts, others) => {
+                let mistakes = [starts.err(), others.err()];
+                Err(mistakes.into_iter().flatten().flatten().collect())
+            }
+        }
+    }
+
+    /// What the last script says it leaves pulled back of the first filament.
+    fn left_retracted_mm(&self) -> Option<f64> {
+        let first = match self.state.written().get("e_retracted")? {
+            Value::List(all) => all.first()?,
+            one => one,
+        };
+        match first {
+            Value::Real(mm) => Some(*mm),
+            Value::Integer(mm) => Some(*mm as f64),
+            _ => None,
+        }
     }
 
     /// Expands the scripts of the end.

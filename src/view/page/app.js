@@ -13,16 +13,22 @@ class App {
     const bounds = [0, 1, 2, 3].map((i) => (i < 2 ? Math.min : Math.max)(...prints.map((print) => print.bounds[i])));
     this.cameras = { "2d": new FlatCamera(bounds), "3d": new TurnCamera(prints.flatMap(outlineOf)) };
     this.panes = prints.map((print) => new Pane(this, print));
-    find("panes").style.setProperty("--columns", Math.min(prints.length, prints.length === 4 ? 2 : 3));
-    find("panes").style.setProperty("--rows", Math.min(prints.length, 2));
-    find("panes").append(...this.panes.map((pane) => pane.root));
-    for (const { caption } of this.panes) caption.hidden = !several;
+    this.layOut();
     this.charts = new Charts(this, find("charts"));
     this.legend = new Legend(this, find("legend"));
-    find("figures").hidden = several;
-    find("layer").max = this.layers;
     this.judge();
     this.begin(several);
+  }
+
+  /** Gives every print its place. */
+  layOut() {
+    const { length } = this.prints;
+    find("panes").style.setProperty("--columns", Math.min(length, length === 4 ? 2 : 3));
+    find("panes").style.setProperty("--rows", Math.min(length, 2));
+    find("panes").replaceChildren(...this.panes.map((pane) => pane.root));
+    for (const { caption } of this.panes) caption.hidden = length === 1;
+    find("figures").hidden = length > 1;
+    find("layer").max = this.layers;
   }
 
   /** Whether 3D is to be had. */
@@ -67,20 +73,18 @@ class App {
 
   /** Length of each role over all prints, travel last. */
   lengths() {
-    this.lengthCache ??= this.prints.reduce((sums, { points, role, strokes }) => {
-      for (let i = 0; i < strokes; i++) {
-        const dx = points[3 * i + 3] - points[3 * i], dy = points[3 * i + 4] - points[3 * i + 1];
-        sums[role[i]] += Math.sqrt(dx * dx + dy * dy);
-      }
-      return sums;
-    }, new Float64Array(JUMP + 1)).slice(0, JUMP);
+    this.lengthCache ??= this.prints.reduce((sums, print) => {
+      print.lengths ??= roleLengths(print);
+      return sums.map((sum, role) => sum + print.lengths[role]);
+    }, new Float64Array(JUMP));
     return this.lengthCache;
   }
 
   markCounts() {
-    const counts = [0, 0, 0];
-    for (const { markKind } of this.prints) for (const kind of markKind) counts[kind]++;
-    return counts;
+    return this.prints.reduce((sums, print) => {
+      print.markCounts ??= markCounts(print);
+      return sums.map((sum, kind) => sum + print.markCounts[kind]);
+    }, [0, 0, 0]);
   }
 
   longest() {

@@ -7,6 +7,8 @@ function element(name, attributes = {}, ...children) {
   const node = document.createElement(name);
   for (const [key, value] of Object.entries(attributes)) {
     if (key.startsWith("on")) node.addEventListener(key.slice(2), value);
+    // As an attribute it would be refused where a page allows no styles but its own file's.
+    else if (key === "style") node.style.cssText = value;
     else if (value !== false && value !== null) node.setAttribute(key, value === true ? "" : value);
   }
   node.append(...children);

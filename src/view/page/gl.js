@@ -16,7 +16,7 @@ class GlPainter {
   constructor(canvas, print) {
     const gl = canvas.getContext("webgl2", { antialias: false, alpha: false });
     if (!gl) throw new Error("no WebGL 2");
-    Object.assign(this, { canvas, gl, print, budget: FIRST_BUDGET, work: null });
+    Object.assign(this, { canvas, gl, budget: FIRST_BUDGET, work: null });
     this.flat = this.program(FLAT_VERTEX, FLAT_FRAGMENT);
     this.solid = this.program(SOLID_VERTEX, SOLID_FRAGMENT);
     this.marks = this.program(MARK_VERTEX, MARK_FRAGMENT);
@@ -24,11 +24,35 @@ class GlPainter {
     this.flatShape = new StrokeShape(gl, FLAT_CORNERS, FLAT_TRIANGLES, FLAT_AT_ONCE);
     this.solidShape = new StrokeShape(gl, SOLID_CORNERS, SOLID_TRIANGLES, SOLID_AT_ONCE);
     this.farShape = new StrokeShape(gl, SOLID_CORNERS, SOLID_FACES, SOLID_AT_ONCE);
-    this.strokes = new StrokeTexture(gl, print);
-    this.buffers = {
+    gl.blendFunc(gl.ONE, gl.ONE_MINUS_SRC_ALPHA);
+    const steps = this.prepare(print);
+    let step = steps.next();
+    while (!step.done) step = steps.next();
+    this.show(step.value);
+  }
+
+  /** Brings a print to the card in steps, which nobody notices; what comes out in the end can be shown. */
+  *prepare(print) {
+    const strokes = new StrokeTexture(this.gl, print);
+    yield* strokes.upload();
+    let few = null;
+    if (print.few) {
+      few = { print: print.few, strokes: new StrokeTexture(this.gl, print.few) };
+      yield* few.strokes.upload();
+    }
+    const buffers = {
       markPoints: this.buffer(print.markPoints), markKind: this.buffer(print.markKind), grid: this.buffer(gridLines(print)),
     };
-    gl.blendFunc(gl.ONE, gl.ONE_MINUS_SRC_ALPHA);
+    return { print, strokes, few, buffers };
+  }
+
+  /** From now on this print is drawn. */
+  show(prepared) {
+    this.stop();
+    this.strokes?.free();
+    this.few?.strokes.free();
+    for (const buffer of Object.values(this.buffers ?? {})) this.gl.deleteBuffer(buffer);
+    Object.assign(this, prepared, { values: null });
   }
 
   /** Takes up values of 0 to 1 for all strokes. */
@@ -43,13 +67,14 @@ class GlPainter {
     if (!this.few) {
       const [x0, y0, x1, y1] = this.print.bounds, print = glance(this.print, Math.hypot(x1 - x0, y1 - y0) / 300);
       this.few = { print, strokes: new StrokeTexture(this.gl, print) };
+      for (const _ of this.few.strokes.upload());
       if (this.values) this.few.strokes.setValues(this.values, print.source);
     }
     return this.few;
   }
 
   /**
-   * Draws. `look`: mode, theme, colors, ramp, byValue, roleMask, markMask; `now`: layer, stroke (index of the one being
+   * Draws. `look`: mode, theme, colors, ramp, byValue, roleMask, markMask, glance (no more than that); `now`: layer, stroke (index of the one being
    * drawn), part (how much of it is done); `size`: CSS pixels and their ratio to device pixels. A print of more strokes
    * than the card draws at a time is drawn at a glance first, and with all of them while nothing moves.
    */
@@ -64,7 +89,7 @@ class GlPainter {
     if (solid && begin > this.budget) {
       const few = this.glance();
       this.drawStrokes(frame, few.strokes, 0, few.print.first[now.layer], false);
-      this.refine(frame);
+      if (!look.glance) this.refine(frame);
     } else if (solid) {
       this.drawStrokes(frame, this.strokes, 0, begin, false);
     }
@@ -260,13 +285,21 @@ function flatMatrix(camera, size) {
   return { flat, matrix: new Float32Array([sx, 0, 0, 0, 0, sy, 0, 0, 0, 0, 0, 0, flat[2], flat[3], 0, 1]) };
 }
 
-/** Lines on the bed around a print, every 10 mm, or wider apart where that would be too many. */
+/** Lines on the bed, or around a print whose bed is not known, every 10 mm, or wider apart where that would be too many. */
 function gridLines(print) {
-  const [x0, y0, x1, y1] = print.bounds, step = 10 ** Math.max(1, Math.ceil(Math.log10(Math.max(x1 - x0, y1 - y0) / 40)));
+  const [x0, y0, x1, y1] = print.bed ?? print.bounds, step = 10 ** Math.max(1, Math.ceil(Math.log10(Math.max(x1 - x0, y1 - y0) / 40)));
+  const lines = [], line = (from, to) => lines.push(...from, 0, ...to, 0);
+  if (print.bed) {
+    for (let x = Math.ceil(x0 / step) * step; x <= x1; x += step) line([x, y0], [x, y1]);
+    for (let y = Math.ceil(y0 / step) * step; y <= y1; y += step) line([x0, y], [x1, y]);
+    for (const [a, b] of [[[x0, y0], [x1, y0]], [[x1, y0], [x1, y1]], [[x1, y1], [x0, y1]], [[x0, y1], [x0, y0]]]) line(a, b);
+    print.gridPoints = lines.length / 3;
+    return new Float32Array(lines);
+  }
   const down = (v) => (Math.floor(v / step) - 1) * step, up = (v) => (Math.ceil(v / step) + 1) * step;
-  const [left, right, low, high] = [down(x0), up(x1), down(y0), up(y1)], lines = [];
-  for (let x = left; x <= right; x += step) lines.push(x, low, 0, x, high, 0);
-  for (let y = low; y <= high; y += step) lines.push(left, y, 0, right, y, 0);
+  const [left, right, low, high] = [down(x0), up(x1), down(y0), up(y1)];
+  for (let x = left; x <= right; x += step) line([x, low], [x, high]);
+  for (let y = low; y <= high; y += step) line([left, y], [right, y]);
   print.gridPoints = lines.length / 3;
   return new Float32Array(lines);
 }

@@ -39,6 +39,13 @@ class Pane {
     this.listen();
   }
 
+  /** From now on it shows this print; `prepared` is what its painter made of it. */
+  show(print, prepared = null) {
+    Object.assign(this, { print, times: null, timesLayer: -1 });
+    if (prepared) this.painter.show(prepared);
+    else this.usePainter(GlPainter);
+  }
+
   get solid() {
     return this.painter instanceof GlPainter;
   }

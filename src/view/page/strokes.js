@@ -14,23 +14,47 @@ const FLAT_TRIANGLES = [0, 1, 2, 2, 1, 3];
 const SOLID_FACES = [0, 1, 4, 1, 5, 4, 1, 2, 5, 2, 6, 5];
 const SOLID_TRIANGLES = [...SOLID_FACES, 0, 1, 3, 1, 2, 3, 4, 5, 7, 5, 6, 7];
 
-/** The strokes of a print (`points`, `role`, `bead`) as textures. Throws if the card has no room for so many. */
+/** So many rows go to the card at a time, 4 MB. */
+const ROWS_AT_ONCE = 128;
+
+/** The texels of a print's strokes (`points`, `role`, `bead`), four words each. */
+function strokeWords({ points, role, bead, strokes }) {
+  const words = new Uint32Array(4 * TEXELS * (Math.floor(strokes / TEXELS) + 1)), floats = new Float32Array(words.buffer);
+  for (let i = 0; i <= strokes; i++) {
+    floats[4 * i] = points[3 * i];
+    floats[4 * i + 1] = points[3 * i + 1];
+    floats[4 * i + 2] = points[3 * i + 2];
+    words[4 * i + 3] = role[i] | (bead[2 * i] << 4) | (bead[2 * i + 1] << 18);
+  }
+  return words;
+}
+
+/** The strokes of a print as textures, which `upload` fills. Throws if the card has no room for so many. */
 class StrokeTexture {
-  constructor(gl, { points, role, bead, strokes }) {
-    Object.assign(this, { gl, strokes });
-    this.rows = Math.floor(strokes / TEXELS) + 1;
+  constructor(gl, print) {
+    Object.assign(this, { gl, print, strokes: print.strokes });
+    this.rows = Math.floor(print.strokes / TEXELS) + 1;
     if (this.rows > gl.getParameter(gl.MAX_TEXTURE_SIZE)) throw new Error("too many strokes");
-    const words = new Uint32Array(4 * TEXELS * this.rows), floats = new Float32Array(words.buffer);
-    for (let i = 0; i <= strokes; i++) {
-      floats[4 * i] = points[3 * i];
-      floats[4 * i + 1] = points[3 * i + 1];
-      floats[4 * i + 2] = points[3 * i + 2];
-      words[4 * i + 3] = role[i] | (bead[2 * i] << 4) | (bead[2 * i + 1] << 18);
-    }
     this.texture = this.create();
-    gl.texImage2D(gl.TEXTURE_2D, 0, gl.RGBA32UI, TEXELS, this.rows, 0, gl.RGBA_INTEGER, gl.UNSIGNED_INT, words);
+    gl.texStorage2D(gl.TEXTURE_2D, 1, gl.RGBA32UI, TEXELS, this.rows);
     this.values = this.create();
     this.setValues([]);
+  }
+
+  /** Gives the strokes to the card, so many at a time that nobody waits. */
+  *upload() {
+    const { gl, print, rows, texture } = this, words = print.words ?? strokeWords(print);
+    for (let row = 0; row < rows; row += ROWS_AT_ONCE) {
+      const count = Math.min(ROWS_AT_ONCE, rows - row), part = words.subarray(4 * TEXELS * row, 4 * TEXELS * (row + count));
+      gl.bindTexture(gl.TEXTURE_2D, texture);
+      gl.texSubImage2D(gl.TEXTURE_2D, 0, 0, row, TEXELS, count, gl.RGBA_INTEGER, gl.UNSIGNED_INT, part);
+      yield;
+    }
+  }
+
+  /** Lets go of the card's memory. */
+  free() {
+    for (const texture of [this.texture, this.values]) this.gl.deleteTexture(texture);
   }
 
   create() {

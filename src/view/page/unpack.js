@@ -111,3 +111,20 @@ function strokeTimes(print, layer) {
   for (let i = 0; i < count; i++) times[i] *= stretch;
   return times;
 }
+
+/** Length of each role of a print, travel last. */
+function roleLengths({ points, role, strokes }) {
+  const sums = new Float64Array(JUMP + 1);
+  for (let i = 0; i < strokes; i++) {
+    const dx = points[3 * i + 3] - points[3 * i], dy = points[3 * i + 4] - points[3 * i + 1];
+    sums[role[i]] += Math.sqrt(dx * dx + dy * dy);
+  }
+  return sums.slice(0, JUMP);
+}
+
+/** How many marks of each kind a print has. */
+function markCounts({ markKind }) {
+  const counts = [0, 0, 0];
+  for (let i = 0; i < markKind.length; i++) counts[markKind[i]]++;
+  return counts;
+}

@@ -48,16 +48,37 @@ impl<'a> Archive<'a> {
         MeshError::Package { path: self.path.clone(), part: part.into(), problem: problem.into(), mend }
     }
 
-    /// Opens a part, whose name begins with a slash or not, in any case.
+    /// Opens a part as XML, whose name begins with a slash or not, in any case.
     pub fn part(&mut self, name: &str) -> Result<NsReader<BufReader<Limited<impl Read>>>, MeshError> {
+        Ok(NsReader::from_reader(BufReader::with_capacity(1 << 16, self.open_part(name)?)))
+    }
+
+    /// The contents of a part of so many bytes at most; `None`: there is no such part.
+    pub fn bytes(&mut self, name: &str, most: u64) -> Result<Option<Vec<u8>>, MeshError> {
+        if self.index(name).is_none() {
+            return Ok(None);
+        }
+        let mut bytes = Vec::new();
+        let read = self.open_part(name)?.take(most.saturating_add(1)).read_to_end(&mut bytes);
+        match read {
+            Ok(_) if bytes.len() as u64 <= most => Ok(Some(bytes)),
+            Ok(_) => Err(self.error(name, "it is larger than any such part", "save the project again")),
+            Err(problem) => Err(self.error(name, problem.to_string(), "save the project again")),
+        }
+    }
+
+    fn index(&self, name: &str) -> Option<usize> {
         let wanted = name.trim_start_matches('/');
-        let index = self.zip.index_for_name(wanted).or_else(|| {
+        self.zip.index_for_name(wanted).or_else(|| {
             let same = |i: &usize| {
                 self.zip.name_for_index(*i).is_some_and(|n| n.is_ok_and(|n| n.eq_ignore_ascii_case(wanted)))
             };
             (0..self.zip.len()).find(same)
-        });
-        let Some(index) = index else {
+        })
+    }
+
+    fn open_part(&mut self, name: &str) -> Result<Limited<impl Read>, MeshError> {
+        let Some(index) = self.index(name) else {
             return Err(self.error(name, "the package has no such part", "export it again"));
         };
         let path = self.path.clone();
@@ -68,8 +89,7 @@ impl<'a> Archive<'a> {
             mend: "export it again, without a password",
         })?;
         let highest = LARGEST.min(UNSUSPECTED.max(file.compressed_size().saturating_mul(HIGHEST_RATIO)));
-        let limited = Limited { file, left: highest };
-        Ok(NsReader::from_reader(BufReader::with_capacity(1 << 16, limited)))
+        Ok(Limited { file, left: highest })
     }
 
     /// The part that the package names as its model.

@@ -42,6 +42,30 @@ const UNSUSPECTED: usize = 1_000_000;
 /// Bytes that a facet takes until it is repaired.
 const BYTES_PER_FACET: u64 = 50 * limits::BYTES_PER_BYTE;
 
+/// Other parts of a package than those of the model.
+pub(crate) struct Parts<'a>(Archive<'a>);
+
+impl<'a> Parts<'a> {
+    /// The parts of a package; `None`: it is no ZIP archive.
+    pub(crate) fn open(path: &Path, data: &'a [u8]) -> Option<Self> {
+        let is_archive = data.starts_with(b"PK\x03\x04") || data.starts_with(b"PK\x05\x06");
+        is_archive.then(|| Archive::open(path, data).ok().map(Self)).flatten()
+    }
+
+    /// The contents of a part of so many bytes at most; `None`: there is no such part.
+    ///
+    /// # Errors
+    /// It is larger, cannot be unpacked, or unpacks to far more than its packed size.
+    pub(crate) fn bytes(&mut self, name: &str, most: u64) -> Result<Option<Vec<u8>>, MeshError> {
+        self.0.bytes(name, most)
+    }
+
+    /// An error in a part.
+    pub(crate) fn error(&self, name: &str, problem: String) -> MeshError {
+        self.0.error(name, problem, "save the project again")
+    }
+}
+
 pub(super) struct ThreeMf;
 
 impl Format for ThreeMf {
