@@ -106,6 +106,32 @@ pub(super) fn along_lines(
     found.max_by(|a, b| a.volume_mm3.total_cmp(&b.volume_mm3))
 }
 
+/// How much volumes differ that are taken along each axis (divergence theorem), which agree where a surface is closed. It tells
+/// of what is missing where lines leave as often as they enter: two facets opposite to each other.
+pub(super) fn between_axes(
+    vertices: &[[f32; 3]],
+    triangles: &[[u32; 3]],
+    cause: &'static str,
+) -> Option<Doubtful> {
+    let all = Doubtful::around(cause, 0.0, triangles.iter().flatten().map(|&i| vertices[i as usize]));
+    let middle = [0, 1, 2].map(|k| (f64::from(all.min[k]) + f64::from(all.max[k])) / 2.0);
+    let mut volumes_mm3 = [0.0; 3];
+    for triangle in triangles {
+        let [a, b, c] = triangle.map(|i| {
+            let p = vertices[i as usize];
+            [0, 1, 2].map(|k| f64::from(p[k]) - middle[k])
+        });
+        for (k, volume_mm3) in volumes_mm3.iter_mut().enumerate() {
+            let [u, v] = [(k + 1) % 3, (k + 2) % 3];
+            let twice = (b[u] - a[u]) * (c[v] - a[v]) - (b[v] - a[v]) * (c[u] - a[u]);
+            *volume_mm3 += twice / 2.0 * (a[k] + b[k] + c[k]) / 3.0;
+        }
+    }
+    let [least, most] =
+        volumes_mm3.iter().fold([f64::INFINITY, f64::NEG_INFINITY], |[a, b], v| [a.min(*v), b.max(*v)]);
+    (most > least).then_some(Doubtful { volume_mm3: most - least, ..all })
+}
+
 fn along_axis(
     vertices: &[[f32; 3]],
     triangles: &[[u32; 3]],

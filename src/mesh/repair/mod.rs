@@ -136,7 +136,8 @@ pub(super) fn repair(soup: Soup, workers: Workers<'_>) -> Repaired {
     }
     if doubts::is_broken(&edges.twins, edges.clashing) {
         let cause = "edges stay open, or their facets disagree on the outside";
-        doubts.extend(doubts::along_lines(&vertices, &triangles, cause));
+        let along_lines = doubts::along_lines(&vertices, &triangles, cause);
+        doubts.extend(along_lines.or_else(|| doubts::between_axes(&vertices, &triangles, cause)));
     }
     Repaired {
         repairs: Repairs {
