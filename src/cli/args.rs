@@ -13,7 +13,7 @@ use crate::mesh::UNITS;
 use crate::motion::PauseAt;
 use crate::order::{CostKind, Effort, OrderStrategy, Scope, SeamPosition};
 
-const EXIT_CODES: &str = "\
+pub(super) const EXIT_CODES: &str = "\
 Exit codes:
   0    done
   2    usage: invalid arguments
@@ -24,6 +24,9 @@ Exit codes:
   7    a check of the result or of the given file failed, or a part would start in mid-air
   8    --timeout is over
   9    --max-memory does not suffice
+  10   a print host cannot be reached, is not trusted, or failed
+  11   a print host refuses: key, name, space, or its printer is not ready
+  12   the print that was waited for was cancelled or failed
   130  interrupted";
 
 /// Slices models for RepRap-class printers and orders their toolpaths near-optimally.
@@ -50,6 +53,10 @@ pub(super) enum Command {
     Check(CheckArgs),
     Profiles(ProfilesArgs),
     Printers(PrintersArgs),
+    #[cfg(feature = "send")]
+    Send(Box<super::send::SendArgs>),
+    #[cfg(feature = "send")]
+    Hosts(super::hosts::HostsArgs),
     #[cfg(feature = "serve")]
     App(super::app::AppArgs),
     #[cfg(feature = "serve")]
@@ -163,6 +170,15 @@ pub(super) struct SliceArgs {
 
     #[command(flatten)]
     pub limits: LimitArgs,
+
+    /// Send the G-code to this print host; `preset`: the one that the printer preset names
+    #[cfg(feature = "send")]
+    #[arg(id = "to", long = "send", value_name = "HOST", help_heading = "Print host")]
+    pub to: Option<String>,
+
+    #[cfg(feature = "send")]
+    #[command(flatten)]
+    pub delivery: super::send::DeliveryArgs,
 
     /// Print the summary as JSON, one line per file written; of a failure a line with its kind, message, object and file
     #[arg(long, conflicts_with = "quiet")]
@@ -638,7 +654,7 @@ fn object_setting(text: &str) -> Result<ObjectAssignment, String> {
     }
 }
 
-fn seconds(text: &str) -> Result<Duration, String> {
+pub(super) fn seconds(text: &str) -> Result<Duration, String> {
     let time = text.trim().parse::<f64>().ok().filter(|seconds| *seconds > 0.0);
     let time = time.and_then(|seconds| Duration::try_from_secs_f64(seconds).ok());
     time.ok_or_else(|| "a number of seconds above 0 is expected, such as 60".into())

@@ -1,0 +1,289 @@
+//! `pathwright hosts`: the print hosts of a user.
+
+use std::fmt::Write;
+use std::io;
+use std::path::PathBuf;
+
+use clap::builder::PossibleValuesParser;
+use clap::{Args, Subcommand, ValueHint};
+use serde_json::{Value, json};
+
+use super::args::{EXIT_CODES, PresetArgs};
+use super::console;
+use super::exit::{Exit, Failure, usage};
+use super::send::{AccessArgs, line};
+use super::{places, presets};
+use crate::presets::Config;
+use crate::send::{self, About, HostEntry, HostKind, HostState, Hosts, KeySource, Secret, SendError};
+
+/// The environment variable that names the file of hosts.
+const VARIABLE: &str = "PATHWRIGHT_HOSTS";
+/// What a host is called that a printer preset names.
+const PRESET: &str = "preset";
+
+/// List, test and add print hosts
+///
+/// They are in a TOML file, pathwright/hosts.toml beside other settings, a table for each: docs/hosts.md.
+#[derive(Debug, Args)]
+#[command(after_help = EXIT_CODES)]
+pub(super) struct HostsArgs {
+    #[command(subcommand)]
+    command: HostsCommand,
+}
+
+#[derive(Debug, Subcommand)]
+enum HostsCommand {
+    /// List the hosts: kind, address, and where the key is
+    List {
+        #[command(flatten)]
+        access: AccessArgs,
+        /// Print JSON
+        #[arg(long)]
+        json: bool,
+    },
+    /// Ask hosts who they are and what they do
+    Test {
+        /// Hosts [default: all]
+        #[arg(value_name = "HOST")]
+        names: Vec<String>,
+        #[command(flatten)]
+        access: AccessArgs,
+        /// Print JSON
+        #[arg(long)]
+        json: bool,
+    },
+    Add(Box<AddArgs>),
+}
+
+/// Write a host into the file of hosts
+///
+/// Its kind and address are given, or taken from a printer preset. A key is never an argument, as others see those.
+#[derive(Debug, Args)]
+struct AddArgs {
+    /// What it is called, such as shop/mk4
+    #[arg(value_name = "NAME")]
+    name: String,
+
+    /// Interface that it speaks
+    #[arg(long, value_name = "KIND", value_parser = PossibleValuesParser::new(HostKind::NAMES), required_unless_present = "printer", requires = "url")]
+    kind: Option<String>,
+
+    /// Its address, such as http://192.168.1.20
+    #[arg(long, value_name = "URL", requires = "kind")]
+    url: Option<String>,
+
+    /// Read the key from this file each time
+    #[arg(long, value_name = "FILE", value_hint = ValueHint::FilePath, conflicts_with_all = ["key_env", "key_stdin"])]
+    key_file: Option<PathBuf>,
+
+    /// Read the key from this environment variable each time
+    #[arg(long, value_name = "VARIABLE", conflicts_with = "key_stdin")]
+    key_env: Option<String>,
+
+    /// Read the key from a line of standard input now, and write it into the file of hosts
+    #[arg(long)]
+    key_stdin: bool,
+
+    /// Who logs in to PrusaLink; the key is the password
+    #[arg(long, value_name = "NAME")]
+    user: Option<String>,
+
+    /// Where PrusaLink keeps files, such as usb
+    #[arg(long, value_name = "NAME")]
+    storage: Option<String>,
+
+    /// Profile that files are checked against; repeatable
+    #[arg(short, long, value_name = "NAME|PATH")]
+    profile: Vec<String>,
+
+    #[command(flatten)]
+    presets: PresetArgs,
+
+    #[command(flatten)]
+    access: AccessArgs,
+}
+
+pub(super) fn run(args: &HostsArgs) -> Result<Exit, Failure> {
+    match &args.command {
+        HostsCommand::List { access, json } => list(&read(access)?, *json),
+        HostsCommand::Test { names, access, json } => test(names, access, *json),
+        HostsCommand::Add(args) => add(args),
+    }
+}
+
+/// The file of hosts.
+pub(super) fn read(access: &AccessArgs) -> Result<Hosts, Failure> {
+    let given = access.hosts.clone().or_else(|| std::env::var_os(VARIABLE).map(PathBuf::from));
+    let path = given.or_else(|| Some(places::own_settings()?.join("hosts.toml"))).ok_or_else(|| {
+        Failure::new(
+            Exit::Settings,
+            format!("there is no folder for settings; name the file of hosts with --hosts or ${VARIABLE}"),
+        )
+    })?;
+    Ok(Hosts::read(&path)?)
+}
+
+/// A host by its name, or the one that a printer preset names.
+pub(super) fn entry(name: &str, args: &PresetArgs, access: &AccessArgs) -> Result<HostEntry, Failure> {
+    let mut entry = match name == PRESET {
+        true => of_preset(name, args)?,
+        false => read(access)?.find(name)?.clone(),
+    };
+    if access.ca.is_some() {
+        entry.ca.clone_from(&access.ca);
+    }
+    Ok(entry)
+}
+
+/// The host that a printer preset names.
+fn of_preset(name: &str, args: &PresetArgs) -> Result<HostEntry, Failure> {
+    let chosen = presets::chosen(args)?.ok_or_else(|| {
+        usage(format!("`{PRESET}` is the host of a printer preset; name one with --printer"))
+    })?;
+    let text = |key: &str| text(&chosen.config, key);
+    let failed = |message: String| {
+        Failure::new(Exit::Settings, format!("--printer {}: {message}", chosen.printer.name))
+    };
+    let url = text("print_host").ok_or_else(|| failed("it names no print_host".into()))?;
+    let kind = text("host_type").unwrap_or_else(|| "octoprint".into());
+    let kind = HostKind::from_name(&kind)
+        .ok_or_else(|| failed(format!("host_type = {kind} is none of {}", HostKind::NAMES.join(", "))))?;
+    let mut entry = HostEntry::new(name, kind, &url).map_err(failed)?;
+    let is_login = text("printhost_authorization_type").as_deref() == Some("user");
+    let key = if is_login { text("printhost_password") } else { text("printhost_apikey") };
+    entry.key = key.map_or(KeySource::None, |key| KeySource::Given(Secret::new(&key)));
+    entry.user = text("printhost_user").filter(|_| is_login);
+    entry.ca = text("printhost_cafile").map(PathBuf::from);
+    entry.printer.clone_from(&args.printer);
+    Ok(entry)
+}
+
+/// A text of a preset, under either slicer's name for it.
+fn text(config: &Config, key: &str) -> Option<String> {
+    let raw = config.raw.get(key).map(|raw| raw.value.as_str());
+    let value = config.entries.get(key).map(|entry| entry.value.as_str()).or(raw)?;
+    let value = value.trim().trim_matches('"');
+    (!value.is_empty() && value != "nil").then(|| value.to_owned())
+}
+
+fn list(hosts: &Hosts, is_json: bool) -> Result<Exit, Failure> {
+    let rows = hosts.entries.iter();
+    if is_json {
+        let rows: Vec<Value> = rows
+            .map(|host| json!({ "name": host.name, "kind": host.kind.name(), "url": host.url, "key": host.key.describe() }))
+            .collect();
+        console::print_json(&rows)?;
+        return Ok(Exit::Done);
+    }
+    if hosts.entries.is_empty() {
+        console::print(&format!("no hosts in {}; `pathwright hosts add` makes one\n", hosts.path.display()))?;
+    }
+    let width = hosts.entries.iter().map(|host| host.name.chars().count()).max().unwrap_or(0);
+    let text = rows.fold(String::new(), |mut out, host| {
+        let _ = writeln!(
+            out,
+            "{:<width$}  {:<9}  {}  key: {}",
+            host.name,
+            host.kind.name(),
+            host.url,
+            host.key.describe()
+        );
+        out
+    });
+    console::print(&text)?;
+    Ok(Exit::Done)
+}
+
+/// What a host says of itself.
+struct Told {
+    about: About,
+    state: HostState,
+    free_bytes: Option<u64>,
+}
+
+fn ask(entry: &HostEntry, access: &AccessArgs) -> Result<Told, SendError> {
+    let host = send::connect(entry, access.patience())?;
+    Ok(Told { about: host.about()?, state: host.state()?, free_bytes: host.free_bytes()? })
+}
+
+/// Asks each host; the exit code is that of the first one that fails.
+fn test(names: &[String], access: &AccessArgs, is_json: bool) -> Result<Exit, Failure> {
+    let hosts = read(access)?;
+    let mut entries: Vec<HostEntry> = match names {
+        [] => hosts.entries.clone(),
+        names => names.iter().map(|name| hosts.find(name).cloned()).collect::<Result<_, _>>()?,
+    };
+    let mut exit = Exit::Done;
+    for entry in &mut entries {
+        if access.ca.is_some() {
+            entry.ca.clone_from(&access.ca);
+        }
+        match ask(entry, access) {
+            Ok(told) if is_json => console::print_json(&json!({
+                "name": entry.name, "about": told.about, "state": told.state, "free_bytes": told.free_bytes
+            }))?,
+            Ok(told) => console::print(&text_of(entry, &told))?,
+            Err(error) => {
+                let failure = Failure::from(error);
+                exit = if exit == Exit::Done { failure.exit } else { exit };
+                console::fail_as(&failure, is_json)?;
+            }
+        }
+    }
+    Ok(exit)
+}
+
+fn text_of(entry: &HostEntry, told: &Told) -> String {
+    let about = &told.about;
+    let mut words = vec![line(&told.state), about.software.clone()];
+    words.extend(about.printer.clone());
+    if !about.nozzles_mm.is_empty() {
+        let nozzles: Vec<String> = about.nozzles_mm.iter().map(f64::to_string).collect();
+        words.push(format!("nozzle {} mm", nozzles.join(" and ")));
+    }
+    if let Some(volume) = about.volume {
+        let [x, y, z] = [0, 1, 2].map(|axis| volume.high[axis] - volume.low[axis]);
+        words.push(format!("{x} x {y} x {z} mm"));
+    }
+    words.extend(told.free_bytes.map(|bytes| format!("{} MB free", bytes >> 20)));
+    format!("{}: {}\n", entry.name, words.join("; "))
+}
+
+fn add(args: &AddArgs) -> Result<Exit, Failure> {
+    let hosts = read(&args.access)?;
+    let name = args.name.as_str();
+    if name == PRESET || name.chars().any(char::is_whitespace) {
+        return Err(usage(format!("`{name}` cannot be the name of a host; shop/mk4 would be one")));
+    }
+    let mut entry = match (&args.kind, &args.url) {
+        (Some(kind), Some(url)) => {
+            let kind = HostKind::from_name(kind).unwrap_or(HostKind::OctoPrint);
+            HostEntry::new(name, kind, url).map_err(usage)?
+        }
+        _ => HostEntry { name: name.to_owned(), ..of_preset(PRESET, &args.presets)? },
+    };
+    if let Some(file) = &args.key_file {
+        // The file of hosts may be read from any folder.
+        entry.key = KeySource::File(std::path::absolute(file).unwrap_or_else(|_| file.clone()));
+    } else if let Some(variable) = &args.key_env {
+        entry.key = KeySource::Variable(variable.clone());
+    } else if args.key_stdin {
+        let mut typed = String::new();
+        io::stdin()
+            .read_line(&mut typed)
+            .map_err(|error| Failure::new(Exit::Input, format!("standard input: {error}")))?;
+        entry.key = KeySource::Given(Secret::new(&typed));
+    }
+    entry.user = args.user.clone().or(entry.user);
+    entry.storage.clone_from(&args.storage);
+    entry.printer.clone_from(&args.presets.printer);
+    entry.profile.clone_from(&args.profile);
+    entry.ca =
+        args.access.ca.as_ref().map(|ca| std::path::absolute(ca).unwrap_or_else(|_| ca.clone())).or(entry.ca);
+    hosts.add(&entry)?;
+    console::print(&format!(
+        "{name}: written to {}; `pathwright hosts test {name}` asks it\n",
+        hosts.path.display()
+    ))?;
+    Ok(Exit::Done)
+}

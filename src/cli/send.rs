@@ -1,0 +1,339 @@
+//! `pathwright send`, and `slice --send`.
+
+use std::io::{self, IsTerminal, Write};
+use std::path::{Path, PathBuf};
+use std::sync::Mutex;
+use std::time::Duration;
+
+use clap::{Args, ValueHint};
+use indicatif::{ProgressBar, ProgressStyle};
+use serde_json::json;
+
+use super::args::{EXIT_CODES, PresetArgs, SettingArgs, SliceArgs, seconds};
+use super::console::{self, file_name};
+use super::exit::{Exit, Failure};
+use super::{hosts, plan};
+use crate::check::{self, CheckReport, Severity};
+use crate::gcode;
+use crate::parallel;
+use crate::plate::{BedOrigin, BedSettings};
+use crate::profile::Settings;
+use crate::send::{self, About, FileFacts, HostEntry, HostState, Patience, Payload, PrintHost};
+use crate::units::{Mm, Mm3PerS};
+
+/// Side of a bed that no printer's is larger than, mm.
+const ANY_BED_MM: f64 = 1000.0;
+
+/// Send G-code to a print host: OctoPrint, Moonraker, PrusaLink or Duet
+///
+/// The file is checked first, against what the host tells of its printer, and compared afterwards with what is stored
+/// there. `pathwright hosts` shows the hosts that there are.
+#[derive(Debug, Args)]
+#[command(after_help = EXIT_CODES)]
+pub(super) struct SendArgs {
+    /// G-code file
+    #[arg(value_name = "FILE", value_hint = ValueHint::FilePath)]
+    file: PathBuf,
+
+    /// Print host, as it is called in the file of hosts; `preset`: the one that the printer preset names
+    #[arg(id = "to", long = "to", value_name = "HOST", required = true)]
+    to: String,
+
+    #[command(flatten)]
+    delivery: DeliveryArgs,
+
+    #[command(flatten)]
+    settings: SettingArgs,
+
+    /// Print JSON
+    #[arg(long)]
+    pub json: bool,
+}
+
+/// How a file goes to a host.
+#[derive(Debug, Args)]
+pub(super) struct DeliveryArgs {
+    /// Start the print, if the printer is ready
+    #[arg(long, requires = "to", help_heading = "Print host")]
+    start: bool,
+
+    /// Follow the print to its end; Ctrl-C leaves it alone
+    #[arg(long, requires = "start", help_heading = "Print host")]
+    wait: bool,
+
+    /// Overwrite a file of the same name on the host
+    #[arg(long, requires = "to", help_heading = "Print host")]
+    replace: bool,
+
+    /// Name of the file on the host [default: its own]
+    #[arg(long = "as", requires = "to", value_name = "NAME", help_heading = "Print host")]
+    name: Option<String>,
+
+    /// Send the file without checking it
+    #[arg(long, requires = "to", help_heading = "Print host")]
+    no_check: bool,
+
+    #[command(flatten)]
+    pub access: AccessArgs,
+}
+
+/// How hosts are reached.
+#[derive(Debug, Args)]
+pub(super) struct AccessArgs {
+    /// Try again for so many seconds where a connection breaks or a host fails; 0: never
+    #[arg(long, value_name = "SECONDS", default_value_t = 30, help_heading = "Print host")]
+    retry: u32,
+
+    /// Longest silence of a host, in seconds
+    #[arg(long, value_name = "SECONDS", default_value = "30", value_parser = seconds, help_heading = "Print host")]
+    host_timeout: Duration,
+
+    /// Trust these certificates (PEM), too
+    #[arg(long, value_name = "FILE", value_hint = ValueHint::FilePath, help_heading = "Print host")]
+    pub ca: Option<PathBuf>,
+
+    /// The file of hosts [default: $PATHWRIGHT_HOSTS, or pathwright/hosts.toml beside other settings]
+    #[arg(long, value_name = "FILE", value_hint = ValueHint::FilePath, help_heading = "Print host")]
+    pub hosts: Option<PathBuf>,
+}
+
+impl AccessArgs {
+    pub fn patience(&self) -> Patience {
+        let told = |error: &send::SendError| {
+            // If standard error is closed, no message is possible.
+            let _ = writeln!(io::stderr(), "{error}: trying again");
+        };
+        Patience { retry: Duration::from_secs(self.retry.into()), silence: self.host_timeout, told }
+    }
+}
+
+/// What an interrupt would interrupt, and what to say of it.
+static INTERRUPTED: Mutex<Option<String>> = Mutex::new(None);
+
+/// Says what an interrupt leaves on a host.
+pub(super) fn interrupted() {
+    if let Ok(said) = INTERRUPTED.try_lock()
+        && let Some(said) = said.as_ref()
+    {
+        let _ = writeln!(io::stderr(), "\n{said}");
+    }
+}
+
+fn on_interrupt(said: Option<String>) {
+    if let Ok(mut place) = INTERRUPTED.lock() {
+        *place = said;
+    }
+}
+
+pub(super) fn run(args: &SendArgs) -> Result<Exit, Failure> {
+    let entry = hosts::entry(&args.to, &args.settings.presets, &args.delivery.access)?;
+    deliver(&args.file, &entry, &args.settings, &args.delivery, args.json)?;
+    Ok(Exit::Done)
+}
+
+/// Sends what has been sliced.
+pub(super) fn sliced(file: &Path, to: &str, args: &SliceArgs) -> Result<(), Failure> {
+    let entry = hosts::entry(to, &args.settings.presets, &args.delivery.access)?;
+    deliver(file, &entry, &args.settings, &args.delivery, args.json)
+}
+
+fn deliver(
+    file: &Path,
+    entry: &HostEntry,
+    settings: &SettingArgs,
+    args: &DeliveryArgs,
+    is_json: bool,
+) -> Result<(), Failure> {
+    let unreadable = |error: io::Error| Failure::new(Exit::Input, format!("{}: {error}", file.display()));
+    let payload = Payload::of(file).map_err(unreadable)?;
+    let host = send::connect(entry, args.access.patience())?;
+    let about = host.about()?;
+    if !args.no_check {
+        let facts = FileFacts::read(file).map_err(unreadable)?;
+        console::warn(&send::examine(&entry.name, entry.kind, &about, &facts)?);
+        checked(file, entry, settings, &about)?;
+    }
+    let name = args.name.clone().unwrap_or_else(|| file_name(file));
+    on_interrupt(Some(format!("interrupted; nothing was started on {}", entry.name)));
+    let bar = Bytes::on_terminal(payload.bytes);
+    let sent = send::deliver(host.as_ref(), &payload, &name, args.replace, &mut |done| {
+        if let Some(bar) = &bar {
+            bar.0.set_position(done);
+        }
+    });
+    if let Some(bar) = bar {
+        bar.0.finish_and_clear();
+    }
+    let sent = sent?;
+    let mut ended = None;
+    if args.start {
+        on_interrupt(Some(format!(
+            "interrupted; {} may have been started on {}: look at the printer",
+            sent.name, entry.name
+        )));
+        send::start(host.as_ref(), &sent.name)?;
+        if args.wait {
+            ended = Some(follow(host.as_ref(), &sent.name)?);
+        }
+    }
+    on_interrupt(None);
+    if is_json {
+        return console::print_json(&json!({ "sent": {
+            "host": entry.name,
+            "name": sent.name,
+            "bytes": payload.bytes,
+            "sha256": payload.sha256,
+            "verified": sent.is_verified,
+            "started": args.start,
+            "ended": ended.is_some(),
+        }}));
+    }
+    let how = match (args.start, ended.is_some()) {
+        (_, true) => "printed",
+        (true, _) => "printing",
+        _ => "stored",
+    };
+    let compared = if sent.is_verified { ", compared" } else { "" };
+    console::print(&format!("{}: {how} {} ({} bytes{compared})\n", entry.name, sent.name, payload.bytes))
+}
+
+/// Follows a print; on a terminal with layer, progress and time left.
+fn follow(host: &dyn PrintHost, name: &str) -> Result<(), Failure> {
+    on_interrupt(Some(format!("{name} goes on printing on {}; it is followed no longer", host.name())));
+    let bar = io::stderr().is_terminal().then(ProgressBar::new_spinner);
+    let done = send::follow(host, name, &mut |state| {
+        if let Some(bar) = &bar {
+            bar.set_message(line(state));
+            bar.tick();
+        }
+        true
+    });
+    if let Some(bar) = bar {
+        bar.finish_and_clear();
+    }
+    done.map(|_| ()).map_err(Failure::from)
+}
+
+/// What a printer does, in a line.
+pub(super) fn line(state: &HostState) -> String {
+    let print = &state.printing;
+    let mut words = vec![state.activity.name().to_owned()];
+    let is_running = state.ended.is_none();
+    if let (Some(file), true) = (&print.file, is_running) {
+        words.push(file.clone());
+    }
+    if let (Some(progress), true) = (print.progress, is_running) {
+        words.push(format!("{:.0} %", progress * 100.0));
+    }
+    if let (Some(layer), true) = (print.layer, is_running) {
+        words.push(match print.layers {
+            Some(layers) => format!("layer {layer} of {layers}"),
+            None => format!("layer {layer}"),
+        });
+    }
+    if let (Some(left), true) = (print.left_s, is_running) {
+        words.push(format!("{} left", duration(left)));
+    }
+    words.join(", ")
+}
+
+fn duration(seconds: f64) -> String {
+    let minutes = (seconds / 60.0).ceil() as u64;
+    if minutes < 60 {
+        format!("{minutes} min")
+    } else {
+        format!("{} h {:02} min", minutes / 60, minutes % 60)
+    }
+}
+
+/// Checks a file for the printer of a host: with the settings that are given, those in the file of hosts, or what the host tells.
+fn checked(file: &Path, entry: &HostEntry, given: &SettingArgs, about: &About) -> Result<(), Failure> {
+    let mut settings = match printer_settings(entry, given)? {
+        Some(settings) => settings,
+        None => {
+            // The hot end is not known.
+            let mut settings = Settings::default();
+            settings.filament.max_flow = Mm3PerS(0.0);
+            settings.bed = any_bed();
+            settings
+        }
+    };
+    if let Some(bed) = send::bed_of(about) {
+        settings.bed = bed;
+    }
+    let work = || check::check(gcode::open(file)?, &settings, None);
+    let report = parallel::run(Some(0), &crate::observer::Observer::none(), |_| work())
+        .unwrap_or_else(|| Err(io::Error::other("interrupted")));
+    let failed = |error: io::Error| Failure::new(Exit::Input, format!("{}: {error}", file.display()));
+    match report.map_err(failed)? {
+        None => Err(failed(io::Error::other("there are no moves in it; is it G-code?"))),
+        Some(report) if report.errors > 0 => Err(faulty(file, entry, &report)),
+        Some(_) => Ok(()),
+    }
+}
+
+/// Where nothing is known of the bed, nothing lies beside it.
+fn any_bed() -> BedSettings {
+    BedSettings {
+        size: [Mm(ANY_BED_MM); 2],
+        height: Mm(ANY_BED_MM),
+        origin: BedOrigin::Center,
+        ..Settings::default().bed
+    }
+}
+
+fn printer_settings(entry: &HostEntry, given: &SettingArgs) -> Result<Option<Settings>, Failure> {
+    let is_given = given.presets.printer.is_some() || !given.profile.is_empty() || !given.set.is_empty();
+    if is_given {
+        return Ok(Some(plan::settings(given, &[])?.settings));
+    }
+    if entry.printer.is_none() && entry.profile.is_empty() {
+        return Ok(None);
+    }
+    let known = SettingArgs {
+        presets: PresetArgs {
+            printer: entry.printer.clone(),
+            print: None,
+            filament: None,
+            presets: given.presets.presets.clone(),
+        },
+        profile: entry.profile.clone(),
+        set: Vec::new(),
+        ignore_scripts: true,
+    };
+    Ok(Some(plan::settings(&known, &[])?.settings))
+}
+
+fn faulty(file: &Path, entry: &HostEntry, report: &CheckReport) -> Failure {
+    let errors = report.faults.iter().filter(|fault| fault.severity == Severity::Error);
+    let first: Vec<String> = errors
+        .map(|fault| {
+            let place = fault.first.first();
+            let place =
+                place.map_or_else(String::new, |place| format!(" (line {}: {})", place.line, place.detail));
+            format!("{}{place}", fault.kind.text())
+        })
+        .collect();
+    let message = format!(
+        "{}, comparing the file with the printer: {}: {}; slice it for this printer, or send it with --no-check",
+        entry.name,
+        file.display(),
+        first.join(", ")
+    );
+    Failure::new(Exit::Check, message)
+}
+
+/// Bytes sent.
+struct Bytes(ProgressBar);
+
+impl Bytes {
+    fn on_terminal(bytes: u64) -> Option<Self> {
+        if !io::stderr().is_terminal() {
+            return None;
+        }
+        let style =
+            ProgressStyle::with_template("{bar:40} {bytes}/{total_bytes}, {bytes_per_sec}, {eta} left")
+                .unwrap_or_else(|_| ProgressStyle::default_bar());
+        Some(Self(ProgressBar::new(bytes).with_style(style)))
+    }
+}
