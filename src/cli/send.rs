@@ -18,7 +18,7 @@ use crate::gcode;
 use crate::parallel;
 use crate::plate::{BedOrigin, BedSettings};
 use crate::profile::Settings;
-use crate::send::{self, About, FileFacts, HostEntry, HostState, Patience, Payload, PrintHost};
+use crate::send::{self, About, Activity, FileFacts, HostEntry, HostState, Patience, Payload, PrintHost};
 use crate::units::{Mm, Mm3PerS};
 
 /// Side of a bed that no printer's is larger than, mm.
@@ -218,7 +218,7 @@ fn follow(host: &dyn PrintHost, name: &str) -> Result<(), Failure> {
 pub(super) fn line(state: &HostState) -> String {
     let print = &state.printing;
     let mut words = vec![state.activity.name().to_owned()];
-    let is_running = state.ended.is_none();
+    let is_running = matches!(state.activity, Activity::Printing | Activity::Paused);
     if let (Some(file), true) = (&print.file, is_running) {
         words.push(file.clone());
     }

@@ -161,7 +161,8 @@ impl HostEntry {
 
 /// An address with its scheme and without a slash at its end.
 fn address(text: &str) -> Result<String, String> {
-    let text = text.trim().trim_end_matches('/');
+    let text = text.trim();
+    let text = text.strip_suffix('/').unwrap_or(text);
     let wrong =
         || format!("`{text}` is no address; http://192.168.1.20 or https://printer.example:8443 is expected");
     let full = if text.contains("://") { text.to_owned() } else { format!("http://{text}") };

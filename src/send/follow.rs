@@ -41,15 +41,17 @@ pub fn follow(
         if let (Activity::Printing | Activity::Paused, Some(other)) = (state.activity, other) {
             return Err(fail(format!("it prints {other} instead of {name}"), "look at the printer"));
         }
-        let is_over = matches!(state.activity, Activity::Ready | Activity::Error | Activity::Offline);
+        // What a printer does after the end of a print is no part of it.
+        let is_over = state.ended.is_some() || state.activity == Activity::Ready;
         sure = if is_over { sure + 1 } else { 0 };
         if sure >= SURE {
-            return match (state.activity, state.ended) {
-                (Activity::Ready, Some(Ended::Done)) => Ok(Outcome::Done),
-                (Activity::Ready, Some(Ended::Cancelled)) => Err(fail(format!("{name} was cancelled"), "")),
-                // It does not tell, and it prints no longer.
-                (Activity::Ready, None) => Ok(Outcome::Done),
-                _ => Err(fail(format!("{name} failed: {}", state.message), "look at the printer")),
+            return match state.ended {
+                // One that does not tell prints no longer.
+                Some(Ended::Done) | None => Ok(Outcome::Done),
+                Some(Ended::Cancelled) => Err(fail(format!("{name} was cancelled"), "")),
+                Some(Ended::Failed) => {
+                    Err(fail(format!("{name} failed: {}", state.message), "look at the printer"))
+                }
             };
         }
         std::thread::sleep(ASKED);
