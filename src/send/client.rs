@@ -362,7 +362,16 @@ impl Client {
             is_unsent,
             ..fail(Cause::Unreachable, format!("{message} ({})", self.base), advice).transient()
         };
-        let power = "is it on, and in this network, and are address and port right?";
+        let power = match self.base.starts_with("https:") {
+            true => "is it on, and in this network, and are address and port right, and is it not http://?",
+            false => "is it on, and in this network, and are address and port right?",
+        };
+        // The standard library has no kind for it.
+        let is_name = |error: &std::io::Error| error.to_string().contains("failed to lookup address");
+        let unknown = || SendError {
+            is_transient: false,
+            ..unreachable("its name is not known", "is the address right?", true)
+        };
         let rustls = match &error {
             Error::Rustls(error) => Some(error),
             Error::Io(error) => error.get_ref().and_then(|inner| inner.downcast_ref::<rustls::Error>()),
@@ -372,10 +381,8 @@ impl Client {
             return self.untrusted(step, rustls);
         }
         match error {
-            Error::HostNotFound => SendError {
-                is_transient: false,
-                ..unreachable("its name is not known", "is the address right?", true)
-            },
+            Error::HostNotFound => unknown(),
+            Error::Io(error) if is_name(&error) => unknown(),
             Error::ConnectionFailed => unreachable("no connection", power, true),
             Error::Timeout(Timeout::Resolve | Timeout::Connect) => {
                 unreachable("no connection in time", power, true)

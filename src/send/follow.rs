@@ -33,7 +33,10 @@ pub fn follow(
     };
     let mut sure = 0;
     loop {
-        let state = host.state()?;
+        let state = host.state().map_err(|error| {
+            let advice = format!("{name} may go on printing: look at the printer; {}", error.advice);
+            SendError { step: Step::Follow, advice, ..error }
+        })?;
         if !told(&state) {
             return Ok(Outcome::Left);
         }

@@ -193,5 +193,5 @@ fn the_authority_is_unknown_until_it_is_given() {
 fn the_port_is_not_encrypted() {
     let duet = Duet::board();
     let said = refused(&format!("https://{}", duet.server.address), &[]);
-    assert!(said.contains("is it http://"), "{said}");
+    assert!(said.contains("http://"), "{said}");
 }

@@ -114,19 +114,29 @@ pub fn write(stream: &mut impl Write, answer: &Answer) -> std::io::Result<()> {
     stream.flush()
 }
 
-/// Sends a request without a body, or with JSON, and returns status and answer.
+/// Sends a request without a body, or with JSON, and returns status and answer; 0 where nobody answers.
 pub fn call(address: SocketAddr, method: &str, path: &str, key: &str, body: &str) -> (u16, Vec<u8>) {
-    let mut stream = TcpStream::connect(address).unwrap();
+    try_call(address, method, path, key, body).unwrap_or_default()
+}
+
+fn try_call(
+    address: SocketAddr,
+    method: &str,
+    path: &str,
+    key: &str,
+    body: &str,
+) -> std::io::Result<(u16, Vec<u8>)> {
+    let mut stream = TcpStream::connect(address)?;
     let head = format!(
         "{method} {path} HTTP/1.1\r\nHost: {address}\r\nX-Api-Key: {key}\r\nConnection: close\r\n\
          Content-Type: application/json\r\nContent-Length: {}\r\n\r\n{body}",
         body.len()
     );
-    stream.write_all(head.as_bytes()).unwrap();
+    stream.write_all(head.as_bytes())?;
     let mut all = Vec::new();
-    stream.read_to_end(&mut all).unwrap();
-    let end = all.windows(4).position(|four| four == b"\r\n\r\n").unwrap_or(all.len() - 4);
+    stream.read_to_end(&mut all)?;
+    let end = all.windows(4).position(|four| four == b"\r\n\r\n").ok_or(std::io::ErrorKind::UnexpectedEof)?;
     let head = String::from_utf8_lossy(&all[..end]).into_owned();
     let status = head.split(' ').nth(1).and_then(|status| status.parse().ok()).unwrap_or(0);
-    (status, all[end + 4..].to_vec())
+    Ok((status, all[end + 4..].to_vec()))
 }
