@@ -13,16 +13,10 @@ use super::args::{EXIT_CODES, PresetArgs, SettingArgs, SliceArgs, seconds};
 use super::console::{self, file_name};
 use super::exit::{Exit, Failure};
 use super::{hosts, plan};
-use crate::check::{self, CheckReport, Severity};
-use crate::gcode;
-use crate::parallel;
-use crate::plate::{BedOrigin, BedSettings};
+use crate::observer::Observer;
+use crate::parallel::{self, Workers};
 use crate::profile::Settings;
-use crate::send::{self, About, Activity, FileFacts, HostEntry, HostState, Patience, Payload, PrintHost};
-use crate::units::{Mm, Mm3PerS};
-
-/// Side of a bed that no printer's is larger than, mm.
-const ANY_BED_MM: f64 = 1000.0;
+use crate::send::{self, Activity, FileFacts, HostEntry, HostState, Patience, Payload, PrintHost};
 
 /// Send G-code to a print host: OctoPrint, Moonraker, PrusaLink or Duet
 ///
@@ -151,7 +145,9 @@ fn deliver(
     if !args.no_check {
         let facts = FileFacts::read(file).map_err(unreadable)?;
         console::warn(&send::examine(&entry.name, entry.kind, &about, &facts)?);
-        checked(file, entry, settings, &about)?;
+        let settings = printer_settings(entry, settings)?;
+        let check = |_: Workers<'_>| send::check(&entry.name, file, &about, settings);
+        parallel::run(Some(0), &Observer::none(), check).unwrap_or(Ok(()))?;
     }
     let name = args.name.clone().unwrap_or_else(|| file_name(file));
     on_interrupt(Some(format!("interrupted; nothing was started on {}", entry.name)));
@@ -246,42 +242,7 @@ fn duration(seconds: f64) -> String {
     }
 }
 
-/// Checks a file for the printer of a host: with the settings that are given, those in the file of hosts, or what the host tells.
-fn checked(file: &Path, entry: &HostEntry, given: &SettingArgs, about: &About) -> Result<(), Failure> {
-    let mut settings = match printer_settings(entry, given)? {
-        Some(settings) => settings,
-        None => {
-            // The hot end is not known.
-            let mut settings = Settings::default();
-            settings.filament.max_flow = Mm3PerS(0.0);
-            settings.bed = any_bed();
-            settings
-        }
-    };
-    if let Some(bed) = send::bed_of(about) {
-        settings.bed = bed;
-    }
-    let work = || check::check(gcode::open(file)?, &settings, None);
-    let report = parallel::run(Some(0), &crate::observer::Observer::none(), |_| work())
-        .unwrap_or_else(|| Err(io::Error::other("interrupted")));
-    let failed = |error: io::Error| Failure::new(Exit::Input, format!("{}: {error}", file.display()));
-    match report.map_err(failed)? {
-        None => Err(failed(io::Error::other("there are no moves in it; is it G-code?"))),
-        Some(report) if report.errors > 0 => Err(faulty(file, entry, &report)),
-        Some(_) => Ok(()),
-    }
-}
-
-/// Where nothing is known of the bed, nothing lies beside it.
-fn any_bed() -> BedSettings {
-    BedSettings {
-        size: [Mm(ANY_BED_MM); 2],
-        height: Mm(ANY_BED_MM),
-        origin: BedOrigin::Center,
-        ..Settings::default().bed
-    }
-}
-
+/// Settings that a file is checked with: those that are given, or those in the file of hosts.
 fn printer_settings(entry: &HostEntry, given: &SettingArgs) -> Result<Option<Settings>, Failure> {
     let is_given = given.presets.printer.is_some() || !given.profile.is_empty() || !given.set.is_empty();
     if is_given {
@@ -302,25 +263,6 @@ fn printer_settings(entry: &HostEntry, given: &SettingArgs) -> Result<Option<Set
         ignore_scripts: true,
     };
     Ok(Some(plan::settings(&known, &[])?.settings))
-}
-
-fn faulty(file: &Path, entry: &HostEntry, report: &CheckReport) -> Failure {
-    let errors = report.faults.iter().filter(|fault| fault.severity == Severity::Error);
-    let first: Vec<String> = errors
-        .map(|fault| {
-            let place = fault.first.first();
-            let place =
-                place.map_or_else(String::new, |place| format!(" (line {}: {})", place.line, place.detail));
-            format!("{}{place}", fault.kind.text())
-        })
-        .collect();
-    let message = format!(
-        "{}, comparing the file with the printer: {}: {}; slice it for this printer, or send it with --no-check",
-        entry.name,
-        file.display(),
-        first.join(", ")
-    );
-    Failure::new(Exit::Check, message)
 }
 
 /// Bytes sent.

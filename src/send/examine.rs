@@ -6,12 +6,16 @@ use std::path::Path;
 use super::entry::HostKind;
 use super::error::{Cause, SendError, Step};
 use super::host::About;
+use crate::check::{self, Severity};
 use crate::gcode;
 use crate::plate::{BedOrigin, BedSettings, BedShape};
-use crate::units::Mm;
+use crate::profile::Settings;
+use crate::units::{Mm, Mm3PerS};
 
 /// Diameters of nozzles that are told are rounded.
 const NOZZLE_SLACK_MM: f64 = 0.011;
+/// Side of a bed that no printer's is larger than.
+const ANY_BED_MM: f64 = 1000.0;
 
 /// What a file says of the printer that it is for.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -128,8 +132,52 @@ fn has_common_word(a: &str, b: &str) -> bool {
         || joined(&b).contains(&joined(&a))
 }
 
+/// Checks a file for the printer of a host: its bed is the one that the host tells, or that of the settings; without both
+/// there is none beside which something could lie.
+///
+/// # Errors
+/// It cannot be read, is no G-code, or has an error.
+pub fn check(host: &str, file: &Path, about: &About, settings: Option<Settings>) -> Result<(), SendError> {
+    let mut settings = settings.unwrap_or_else(any_printer);
+    if let Some(bed) = bed_of(about) {
+        settings.bed = bed;
+    }
+    let fail = |cause, message: String, advice: &str| {
+        Err(SendError::new(host, Step::Examine, cause, format!("{}: {message}", file.display()), advice))
+    };
+    let report = match gcode::open(file).and_then(|text| check::check(text, &settings, None)) {
+        Err(error) => return fail(Cause::File, error.to_string(), ""),
+        Ok(None) => return fail(Cause::File, "there are no moves in it; is it G-code?".into(), ""),
+        Ok(Some(report)) if report.errors == 0 => return Ok(()),
+        Ok(Some(report)) => report,
+    };
+    let errors = report.faults.iter().filter(|fault| fault.severity == Severity::Error);
+    let told: Vec<String> = errors
+        .map(|fault| {
+            let first = fault.first.first();
+            let place = first.map_or_else(String::new, |place| format!(" (line {}: {})", place.line, place.detail));
+            format!("{}{place}", fault.kind.text())
+        })
+        .collect();
+    fail(Cause::Mismatch, told.join(", "), "slice it for this printer, or send it with --no-check")
+}
+
+/// A printer of which nothing is known.
+fn any_printer() -> Settings {
+    let mut settings = Settings::default();
+    settings.filament.max_flow = Mm3PerS(0.0);
+    settings.bed = any_bed();
+    settings
+}
+
+/// A bed that no printer's is larger than.
+fn any_bed() -> BedSettings {
+    let side = Mm(ANY_BED_MM);
+    BedSettings { size: [side; 2], height: side, origin: BedOrigin::Center, ..BedSettings::default() }
+}
+
 /// The bed that a host tells, as settings.
-pub fn bed_of(about: &About) -> Option<BedSettings> {
+fn bed_of(about: &About) -> Option<BedSettings> {
     let volume = about.volume?;
     let size = [0, 1].map(|axis| Mm(volume.high[axis] - volume.low[axis]));
     Some(BedSettings {

@@ -27,7 +27,7 @@ pub use connect::connect;
 pub use deliver::{Delivery, deliver, start};
 pub use entry::{HostEntry, HostKind, KeySource, Secret};
 pub use error::{Cause, SendError, Step};
-pub use examine::{FileFacts, bed_of, examine};
+pub use examine::{FileFacts, check, examine};
 pub use follow::{Outcome, follow};
 pub use host::{About, Activity, Ended, HostState, PrintHost, Printing, Stored};
 pub use hosts::{Hosts, HostsError};

@@ -3,8 +3,8 @@
 use std::net::{SocketAddr, TcpListener};
 use std::time::Duration;
 
-use crate::duet::Duet;
-use crate::http::{Answer, Server};
+use crate::stand_in::duet::Duet;
+use crate::stand_in::http::{Answer, Server};
 use crate::program::Desk;
 use crate::proxy::{Fault, Proxy, Rule};
 use crate::tls::Encrypted;

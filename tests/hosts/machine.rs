@@ -2,11 +2,12 @@
 
 use std::time::{Duration, Instant};
 
-use crate::duet::Duet;
+use crate::duet::desk;
+use crate::stand_in::duet::Duet;
 
 pub fn what_is_not_for_the_printer_is_not_sent() {
     let duet = Duet::board();
-    let desk = duet.desk();
+    let desk = desk(&duet);
     let klipper = desk.sliced("klipper.gcode", &["--set", "printer.flavor=klipper", "--labels"]);
     let (code, said) = desk.send(&klipper, &["--start"]);
     assert!(code == 7 && said.contains("which only Klipper knows"), "{code}: {said}");
@@ -28,7 +29,7 @@ pub fn what_is_not_for_the_printer_is_not_sent() {
 pub fn a_printer_that_is_not_ready_is_not_started() {
     for status in ["processing", "paused", "busy", "halted", "off"] {
         let duet = Duet::board();
-        let desk = duet.desk();
+        let desk = desk(&duet);
         let file = desk.sliced("part.gcode", &[]);
         duet.machine().status = status;
         duet.machine().polls = u32::MAX;
@@ -40,7 +41,7 @@ pub fn a_printer_that_is_not_ready_is_not_started() {
 
 pub fn a_full_host_gets_nothing() {
     let duet = Duet::board();
-    let desk = duet.desk();
+    let desk = desk(&duet);
     duet.machine().free_bytes = 1000;
     let (code, said) = desk.send(&desk.sliced("part.gcode", &[]), &["--start"]);
     assert!(code == 11 && said.contains("MB free"), "{code}: {said}");
@@ -49,7 +50,7 @@ pub fn a_full_host_gets_nothing() {
 
 pub fn hosts_are_added_listed_and_found_through_a_preset() {
     let duet = Duet::board();
-    let desk = duet.desk();
+    let desk = desk(&duet);
     let url = format!("http://{}", duet.server.address);
     std::fs::write(desk.path("key"), "open-sesame\n").unwrap();
     let key = desk.path("key").display().to_string();
@@ -82,7 +83,7 @@ pub fn hosts_are_added_listed_and_found_through_a_preset() {
 
 pub fn keys_are_in_no_output_and_no_argument() {
     let duet = Duet::board();
-    let desk = duet.desk();
+    let desk = desk(&duet);
     let file = desk.sliced("part.gcode", &[]);
     let runs = [
         desk.run(&["hosts", "list"]),
@@ -101,7 +102,7 @@ pub fn keys_are_in_no_output_and_no_argument() {
 
 pub fn an_interrupt_leaves_the_print_alone() {
     let duet = Duet::board();
-    let desk = duet.desk();
+    let desk = desk(&duet);
     let file = desk.sliced("part.gcode", &[]);
     let sending = desk.begin(&file, &["--start", "--wait"]);
     let begun = Instant::now();
@@ -124,7 +125,7 @@ pub fn an_interrupt_leaves_the_print_alone() {
 
 pub fn slicing_and_sending_is_one_command() {
     let duet = Duet::board();
-    let desk = duet.desk();
+    let desk = desk(&duet);
     desk.sliced("other.gcode", &["--send", "it", "--start"]);
     let machine = duet.machine();
     assert_eq!(machine.started, ["other.gcode"]);

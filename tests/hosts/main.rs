@@ -6,7 +6,6 @@
 
 mod duet;
 mod faults;
-mod http;
 mod machine;
 mod moonraker;
 mod octoprint;
@@ -14,6 +13,8 @@ mod process;
 mod program;
 mod proxy;
 mod prusalink;
+#[path = "../support/stand_in/mod.rs"]
+mod stand_in;
 mod tls;
 
 use std::process::ExitCode;

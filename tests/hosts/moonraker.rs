@@ -10,7 +10,7 @@ use serde_json::{Value, json};
 use tempfile::TempDir;
 
 use crate::faults::{self, End, Paths};
-use crate::http::call;
+use crate::stand_in::http::call;
 use crate::process::{Running, free_address, listens, program, wait_for};
 use crate::program::{Desk, said};
 use crate::proxy::{Proxy, Rule};

@@ -6,7 +6,7 @@ use std::process::Command;
 use serde_json::{Value, json};
 use tempfile::TempDir;
 
-use crate::http::call;
+use crate::stand_in::http::call;
 use crate::process::{Running, free_address, listens, program, wait_for};
 use crate::program::{Desk, said};
 use crate::proxy::{Fault, Proxy, Rule};

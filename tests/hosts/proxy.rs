@@ -6,7 +6,7 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicU32, Ordering};
 use std::time::Duration;
 
-use crate::http::{self, Answer};
+use crate::stand_in::http::{self, Answer};
 
 /// What is done to a request, or to its answer.
 #[derive(Clone, Debug)]

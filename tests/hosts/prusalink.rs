@@ -7,7 +7,7 @@ use std::sync::{Arc, Mutex};
 use md5::{Digest, Md5};
 use serde_json::json;
 
-use crate::http::{Answer, Request, Server};
+use crate::stand_in::http::{Answer, Request, Server};
 use crate::program::Desk;
 
 const PASSWORD: &str = "fgT7hbVy";
