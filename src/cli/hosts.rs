@@ -111,10 +111,15 @@ pub(super) fn run(args: &HostsArgs) -> Result<Exit, Failure> {
     }
 }
 
+/// Where the file of hosts is: where it is said to be, or beside other settings.
+pub(super) fn file(given: Option<&PathBuf>) -> Option<PathBuf> {
+    let given = given.cloned().or_else(|| std::env::var_os(VARIABLE).map(PathBuf::from));
+    given.or_else(|| Some(places::own_settings()?.join("hosts.toml")))
+}
+
 /// The file of hosts.
 pub(super) fn read(access: &AccessArgs) -> Result<Hosts, Failure> {
-    let given = access.hosts.clone().or_else(|| std::env::var_os(VARIABLE).map(PathBuf::from));
-    let path = given.or_else(|| Some(places::own_settings()?.join("hosts.toml"))).ok_or_else(|| {
+    let path = file(access.hosts.as_ref()).ok_or_else(|| {
         Failure::new(
             Exit::Settings,
             format!("there is no folder for settings; name the file of hosts with --hosts or ${VARIABLE}"),

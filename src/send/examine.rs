@@ -155,7 +155,8 @@ pub fn check(host: &str, file: &Path, about: &About, settings: Option<Settings>)
     let told: Vec<String> = errors
         .map(|fault| {
             let first = fault.first.first();
-            let place = first.map_or_else(String::new, |place| format!(" (line {}: {})", place.line, place.detail));
+            let place =
+                first.map_or_else(String::new, |place| format!(" (line {}: {})", place.line, place.detail));
             format!("{}{place}", fault.kind.text())
         })
         .collect();

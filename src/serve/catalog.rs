@@ -1,6 +1,5 @@
 //! What there is to choose from: settings, profiles, printers.
 
-use std::collections::BTreeSet;
 use std::sync::{Arc, OnceLock};
 
 use axum::extract::State;
@@ -10,13 +9,14 @@ use utoipa::{IntoParams, ToSchema};
 use utoipa_axum::router::OpenApiRouter;
 use utoipa_axum::routes;
 
+use super::description::Common;
 use super::error::{ApiError, ErrorKind};
 use super::extract::{Json, Path, Query};
-use super::router::Common;
+use super::printers::Printer;
 use super::shared::Shared;
 use crate::job::ObjectSettings;
 use crate::options::{Field, Kind};
-use crate::presets::{self, Library, PresetError, PrinterFacts};
+use crate::presets::{self, PresetError};
 use crate::profile::{EMBEDDED, SECTIONS, Settings};
 
 /// The routes.
@@ -177,66 +177,6 @@ async fn profiles() -> Json<Vec<Profile>> {
     Json(profiles.collect())
 }
 
-/// A printer of the presets.
-#[derive(Clone, Debug, Serialize, ToSchema)]
-pub struct Printer {
-    /// By which it is chosen.
-    name: String,
-    /// Whose presets they are.
-    slicer: &'static str,
-    /// Made by a user, not by a vendor.
-    user: bool,
-    /// Width and depth of the bed.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    bed_mm: Option<[f64; 2]>,
-    /// Height of the printer.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    height_mm: Option<f64>,
-    /// Diameter of the nozzle.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    nozzle_mm: Option<f64>,
-    /// As the slicer calls it.
-    firmware: String,
-    /// Name of the file that it is from.
-    from: String,
-    /// Why it cannot be used, if so.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    problem: Option<String>,
-}
-
-/// The printers of the presets, listed when they are asked for first.
-#[derive(Debug, Default)]
-pub struct Printers(OnceLock<Vec<Printer>>);
-
-impl Printers {
-    fn of(&self, library: &Library) -> &[Printer] {
-        self.0.get_or_init(|| {
-            let mut seen = BTreeSet::new();
-            let mut listed = library.listed(presets::Kind::Printer);
-            listed.retain(|printer| seen.insert(printer.name.clone()));
-            listed.sort_by_key(|printer| printer.name.to_lowercase());
-            listed.into_iter().map(|printer| listed_printer(library, printer)).collect()
-        })
-    }
-}
-
-fn listed_printer(library: &Library, printer: &presets::Listed) -> Printer {
-    let config = library.preset(presets::Kind::Printer, &printer.name);
-    let facts = config.as_ref().map(PrinterFacts::of).unwrap_or_default();
-    Printer {
-        name: printer.name.clone(),
-        slicer: printer.dialect.name(),
-        user: printer.is_user,
-        bed_mm: facts.bed_mm,
-        height_mm: facts.height_mm,
-        nozzle_mm: facts.nozzle_mm,
-        firmware: facts.firmware,
-        // Folders of this machine are nobody's business.
-        from: printer.place.file.rsplit(['/', '\\']).next().unwrap_or_default().to_owned(),
-        problem: config.err().map(|error| error.to_string()),
-    }
-}
-
 /// What to list.
 #[derive(Debug, Deserialize, IntoParams)]
 #[serde(deny_unknown_fields)]
@@ -265,11 +205,8 @@ async fn printers(
     }
     let words: Vec<String> = words.q.split_whitespace().map(str::to_lowercase).collect();
     let list = move || {
-        let has_all = |printer: &&Printer| {
-            let text = format!("{} {} {}", printer.name, printer.from, printer.slicer).to_lowercase();
-            words.iter().all(|word| text.contains(word))
-        };
-        shared.printers.of(&shared.presets).iter().filter(has_all).take(most).cloned().collect()
+        let printers = shared.printers.of(&shared.presets).iter();
+        printers.filter(|printer| printer.has(&words)).take(most).cloned().collect()
     };
     Ok(Json(aside(list).await?))
 }
@@ -322,7 +259,7 @@ async fn printer(
         let unusable = |error: PresetError| ApiError::unusable(ErrorKind::Settings, error);
         let chosen = library.choose(&name, choice.print.as_deref(), None).map_err(unusable)?;
         Ok(PrinterPresets {
-            printer: listed_printer(library, &chosen.printer),
+            printer: Printer::of(library, &chosen.printer),
             prints: chosen.prints,
             filaments: chosen.filaments,
             default_print: chosen.print.name,

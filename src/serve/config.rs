@@ -3,8 +3,8 @@
 use std::net::SocketAddr;
 use std::path::PathBuf;
 
-use super::auth::Tokens;
 use super::limits::Limits;
+use super::tokens::Tokens;
 use crate::presets::Library;
 
 /// Certificate and key, as PEM.
@@ -37,6 +37,8 @@ pub struct Config {
     pub threads: usize,
     /// Jobs sliced at once; 0: one for every two cores.
     pub jobs_at_once: usize,
+    /// The file of print hosts that the page may send to; none: it sends to none.
+    pub print_hosts: Option<PathBuf>,
     /// Models that the page opens at its start: names and contents.
     pub opened: Vec<(String, Vec<u8>)>,
 }

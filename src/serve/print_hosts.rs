@@ -19,8 +19,7 @@ use super::shared::Shared;
 use crate::send::{self, About, Cause, HostEntry, HostState, Hosts, Patience, Payload, SendError};
 
 /// A page that asks for a state will ask again.
-const ASKING: Patience =
-    Patience { retry: Duration::ZERO, silence: Duration::from_secs(5), told: |_| {} };
+const ASKING: Patience = Patience { retry: Duration::ZERO, silence: Duration::from_secs(5), told: |_| {} };
 const SENDING: Patience =
     Patience { retry: Duration::from_secs(30), silence: Duration::from_secs(30), told: |_| {} };
 

@@ -10,10 +10,14 @@ pub fn a_print_is_sent_started_and_followed() {
     let folder = tempfile::tempdir().unwrap();
     let hosts = folder.path().join("hosts.toml");
     let gone = "[gone]\nkind = \"duet\"\nurl = \"http://127.0.0.1:9\"\n";
-    let text = format!("[desk]\nkind = \"duet\"\nurl = \"http://{}\"\nkey = \"{PASSWORD}\"\n{gone}", duet.server.address);
+    let text = format!(
+        "[desk]\nkind = \"duet\"\nurl = \"http://{}\"\nkey = \"{PASSWORD}\"\n{gone}",
+        duet.server.address
+    );
     std::fs::write(&hosts, text).unwrap();
     let server = Server::with_hosts(&hosts);
-    let mut browser = Browser::start();
+    let browser = Browser::shared();
+    let mut browser = browser.page();
     open(&mut browser, &server, &[&model("calibration_cube.stl")]);
     browser.click("#print");
     let says = |text: &str| format!("document.getElementById('printing').textContent.includes({text:?})");

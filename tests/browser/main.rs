@@ -2,11 +2,20 @@
 //! `PATHWRIGHT_REQUIRE_BROWSER` is set: then they fail. `.ci/run` installs one and sets it.
 
 #[cfg(feature = "serve")]
+mod access;
+#[cfg(feature = "serve")]
 mod app;
 mod chromium;
+#[cfg(feature = "serve")]
+mod hosts;
+#[cfg(feature = "serve")]
+mod measure;
 mod pages;
 #[cfg(feature = "serve")]
 mod server;
+#[cfg(feature = "serve")]
+#[path = "../support/stand_in/mod.rs"]
+mod stand_in;
 
 use std::process::ExitCode;
 
@@ -44,7 +53,17 @@ fn main() -> ExitCode {
         app::handles_move_turn_and_scale_and_undo_takes_it_back;
         app::two_strategies_stand_side_by_side;
         app::settings_are_found_changed_and_taken_back;
+        hosts::a_print_is_sent_started_and_followed;
         app::it_works_on_a_tablet_in_the_dark;
+        access::a_reload_keeps_plate_and_settings;
+        access::a_service_with_tokens_asks_for_one;
+        access::fingers_move_turn_and_enlarge;
+        access::texts_are_readable_for_weak_eyes;
     });
+    #[cfg(feature = "serve")]
+    trials.push(
+        trial("measure::how_long_the_page_is_busy", measure::how_long_the_page_is_busy)
+            .with_ignored_flag(true),
+    );
     libtest_mimic::run(&Arguments::from_args(), trials).exit_code()
 }

@@ -3,10 +3,10 @@
 use std::net::{SocketAddr, TcpListener};
 use std::time::Duration;
 
-use crate::stand_in::duet::Duet;
-use crate::stand_in::http::{Answer, Server};
 use crate::program::Desk;
 use crate::proxy::{Fault, Proxy, Rule};
+use crate::stand_in::duet::Duet;
+use crate::stand_in::http::{Answer, Server};
 use crate::tls::Encrypted;
 
 const ALWAYS: u32 = u32::MAX;

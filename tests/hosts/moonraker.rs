@@ -10,10 +10,10 @@ use serde_json::{Value, json};
 use tempfile::TempDir;
 
 use crate::faults::{self, End, Paths};
-use crate::stand_in::http::call;
 use crate::process::{Running, free_address, listens, program, wait_for};
 use crate::program::{Desk, said};
 use crate::proxy::{Proxy, Rule};
+use crate::stand_in::http::call;
 
 const PATHS: Paths = Paths {
     state: "GET /printer/objects/query?print_stats",

@@ -6,10 +6,10 @@ use std::process::Command;
 use serde_json::{Value, json};
 use tempfile::TempDir;
 
-use crate::stand_in::http::call;
 use crate::process::{Running, free_address, listens, program, wait_for};
 use crate::program::{Desk, said};
 use crate::proxy::{Fault, Proxy, Rule};
+use crate::stand_in::http::call;
 
 const KEY: &str = "4F2B9C6E7D8A41C0B3E5F60718293A4B";
 

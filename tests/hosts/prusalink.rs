@@ -7,8 +7,8 @@ use std::sync::{Arc, Mutex};
 use md5::{Digest, Md5};
 use serde_json::json;
 
-use crate::stand_in::http::{Answer, Request, Server};
 use crate::program::Desk;
+use crate::stand_in::http::{Answer, Request, Server};
 
 const PASSWORD: &str = "fgT7hbVy";
 
