@@ -4,104 +4,19 @@ use std::fmt::Write;
 use std::io;
 use std::path::PathBuf;
 
-use clap::builder::PossibleValuesParser;
-use clap::{Args, Subcommand, ValueHint};
 use serde_json::{Value, json};
 
-use super::args::{EXIT_CODES, PresetArgs};
 use super::console;
 use super::exit::{Exit, Failure, usage};
-use super::send::{AccessArgs, line};
+use super::host_args::{AccessArgs, AddArgs, HostsArgs, HostsCommand};
+use super::send::{line, patience};
+use super::setting_args::PresetArgs;
 use super::{places, presets};
 use crate::presets::Config;
 use crate::send::{self, About, HostEntry, HostKind, HostState, Hosts, KeySource, Secret, SendError};
 
-/// The environment variable that names the file of hosts.
-const VARIABLE: &str = "PATHWRIGHT_HOSTS";
 /// What a host is called that a printer preset names.
 const PRESET: &str = "preset";
-
-/// List, test and add print hosts
-///
-/// They are in a TOML file, pathwright/hosts.toml beside other settings, a table for each: docs/hosts.md.
-#[derive(Debug, Args)]
-#[command(after_help = EXIT_CODES)]
-pub(super) struct HostsArgs {
-    #[command(subcommand)]
-    command: HostsCommand,
-}
-
-#[derive(Debug, Subcommand)]
-enum HostsCommand {
-    /// List the hosts: kind, address, and where the key is
-    List {
-        #[command(flatten)]
-        access: AccessArgs,
-        /// Print JSON
-        #[arg(long)]
-        json: bool,
-    },
-    /// Ask hosts who they are and what they do
-    Test {
-        /// Hosts [default: all]
-        #[arg(value_name = "HOST")]
-        names: Vec<String>,
-        #[command(flatten)]
-        access: AccessArgs,
-        /// Print JSON
-        #[arg(long)]
-        json: bool,
-    },
-    Add(Box<AddArgs>),
-}
-
-/// Write a host into the file of hosts
-///
-/// Its kind and address are given, or taken from a printer preset. A key is never an argument, as others see those.
-#[derive(Debug, Args)]
-struct AddArgs {
-    /// What it is called, such as shop/mk4
-    #[arg(value_name = "NAME")]
-    name: String,
-
-    /// Interface that it speaks
-    #[arg(long, value_name = "KIND", value_parser = PossibleValuesParser::new(HostKind::NAMES), required_unless_present = "printer", requires = "url")]
-    kind: Option<String>,
-
-    /// Its address, such as http://192.168.1.20
-    #[arg(long, value_name = "URL", requires = "kind")]
-    url: Option<String>,
-
-    /// Read the key from this file each time
-    #[arg(long, value_name = "FILE", value_hint = ValueHint::FilePath, conflicts_with_all = ["key_env", "key_stdin"])]
-    key_file: Option<PathBuf>,
-
-    /// Read the key from this environment variable each time
-    #[arg(long, value_name = "VARIABLE", conflicts_with = "key_stdin")]
-    key_env: Option<String>,
-
-    /// Read the key from a line of standard input now, and write it into the file of hosts
-    #[arg(long)]
-    key_stdin: bool,
-
-    /// Who logs in to PrusaLink; the key is the password
-    #[arg(long, value_name = "NAME")]
-    user: Option<String>,
-
-    /// Where PrusaLink keeps files, such as usb
-    #[arg(long, value_name = "NAME")]
-    storage: Option<String>,
-
-    /// Profile that files are checked against; repeatable
-    #[arg(short, long, value_name = "NAME|PATH")]
-    profile: Vec<String>,
-
-    #[command(flatten)]
-    presets: PresetArgs,
-
-    #[command(flatten)]
-    access: AccessArgs,
-}
 
 pub(super) fn run(args: &HostsArgs) -> Result<Exit, Failure> {
     match &args.command {
@@ -111,18 +26,15 @@ pub(super) fn run(args: &HostsArgs) -> Result<Exit, Failure> {
     }
 }
 
-/// Where the file of hosts is: where it is said to be, or beside other settings.
-pub(super) fn file(given: Option<&PathBuf>) -> Option<PathBuf> {
-    let given = given.cloned().or_else(|| std::env::var_os(VARIABLE).map(PathBuf::from));
-    given.or_else(|| Some(places::own_settings()?.join("hosts.toml")))
-}
-
 /// The file of hosts.
 pub(super) fn read(access: &AccessArgs) -> Result<Hosts, Failure> {
-    let path = file(access.hosts.as_ref()).ok_or_else(|| {
+    let path = places::hosts_file(access.hosts.as_deref()).ok_or_else(|| {
         Failure::new(
             Exit::Settings,
-            format!("there is no folder for settings; name the file of hosts with --hosts or ${VARIABLE}"),
+            format!(
+                "there is no folder for settings; name the file of hosts with --hosts or ${}",
+                places::HOSTS
+            ),
         )
     })?;
     Ok(Hosts::read(&path)?)
@@ -207,7 +119,7 @@ struct Told {
 }
 
 fn ask(entry: &HostEntry, access: &AccessArgs) -> Result<Told, SendError> {
-    let host = send::connect(entry, access.patience())?;
+    let host = send::connect(entry, patience(access))?;
     Ok(Told { about: host.about()?, state: host.state()?, free_bytes: host.free_bytes()? })
 }
 

@@ -9,6 +9,8 @@ mod console;
 mod exit;
 mod given;
 #[cfg(feature = "send")]
+mod host_args;
+#[cfg(feature = "send")]
 mod hosts;
 mod info;
 mod memory;
@@ -24,6 +26,7 @@ mod reorder;
 mod send;
 #[cfg(feature = "serve")]
 mod serve;
+mod setting_args;
 mod slice;
 mod time;
 mod view;

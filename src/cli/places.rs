@@ -8,6 +8,10 @@ use crate::presets::{Dialect, Source};
 /// The environment variable that names more folders and files, like `PATH`.
 pub(super) const VARIABLE: &str = "PATHWRIGHT_PRESETS";
 
+/// The environment variable that names the file of print hosts.
+#[cfg(feature = "send")]
+pub(super) const HOSTS: &str = "PATHWRIGHT_HOSTS";
+
 /// What an operating system calls its folders.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum System {
@@ -190,12 +194,13 @@ fn settings_folder(
     }
 }
 
-/// The folder of this program's settings on this machine.
+/// The file of print hosts on this machine: what is given, what the variable names, or beside other settings.
 #[cfg(feature = "send")]
-pub(super) fn own_settings() -> Option<PathBuf> {
+pub(super) fn hosts_file(given: Option<&Path>) -> Option<PathBuf> {
     let folder =
-        settings_folder(System::this(), std::env::home_dir().as_deref(), |name| std::env::var_os(name))?;
-    Some(folder.join("pathwright"))
+        || settings_folder(System::this(), std::env::home_dir().as_deref(), |name| std::env::var_os(name));
+    let named = given.map(Path::to_owned).or_else(|| std::env::var_os(HOSTS).map(PathBuf::from));
+    named.or_else(|| Some(folder()?.join("pathwright/hosts.toml")))
 }
 
 /// The places of this machine.

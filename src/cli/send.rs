@@ -1,104 +1,31 @@
 //! `pathwright send`, and `slice --send`.
 
 use std::io::{self, IsTerminal, Write};
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::sync::Mutex;
 use std::time::Duration;
 
-use clap::{Args, ValueHint};
 use indicatif::{ProgressBar, ProgressStyle};
 use serde_json::json;
 
-use super::args::{EXIT_CODES, PresetArgs, SettingArgs, SliceArgs, seconds};
+use super::args::SliceArgs;
 use super::console::{self, file_name};
 use super::exit::{Exit, Failure};
+use super::host_args::{AccessArgs, DeliveryArgs, SendArgs};
+use super::setting_args::{PresetArgs, SettingArgs};
 use super::{hosts, plan};
 use crate::observer::Observer;
 use crate::parallel::{self, Workers};
 use crate::profile::Settings;
 use crate::send::{self, Activity, FileFacts, HostEntry, HostState, Patience, Payload, PrintHost};
 
-/// Send G-code to a print host: OctoPrint, Moonraker, PrusaLink or Duet
-///
-/// The file is checked first, against what the host tells of its printer, and compared afterwards with what is stored
-/// there. `pathwright hosts` shows the hosts that there are.
-#[derive(Debug, Args)]
-#[command(after_help = EXIT_CODES)]
-pub(super) struct SendArgs {
-    /// G-code file
-    #[arg(value_name = "FILE", value_hint = ValueHint::FilePath)]
-    file: PathBuf,
-
-    /// Print host, as it is called in the file of hosts; `preset`: the one that the printer preset names
-    #[arg(id = "to", long = "to", value_name = "HOST", required = true)]
-    to: String,
-
-    #[command(flatten)]
-    delivery: DeliveryArgs,
-
-    #[command(flatten)]
-    settings: SettingArgs,
-
-    /// Print JSON
-    #[arg(long)]
-    pub json: bool,
-}
-
-/// How a file goes to a host.
-#[derive(Debug, Args)]
-pub(super) struct DeliveryArgs {
-    /// Start the print, if the printer is ready
-    #[arg(long, requires = "to", help_heading = "Print host")]
-    start: bool,
-
-    /// Follow the print to its end; Ctrl-C leaves it alone
-    #[arg(long, requires = "start", help_heading = "Print host")]
-    wait: bool,
-
-    /// Overwrite a file of the same name on the host
-    #[arg(long, requires = "to", help_heading = "Print host")]
-    replace: bool,
-
-    /// Name of the file on the host [default: its own]
-    #[arg(long = "as", requires = "to", value_name = "NAME", help_heading = "Print host")]
-    name: Option<String>,
-
-    /// Send the file without checking it
-    #[arg(long, requires = "to", help_heading = "Print host")]
-    no_check: bool,
-
-    #[command(flatten)]
-    pub access: AccessArgs,
-}
-
-/// How hosts are reached.
-#[derive(Debug, Args)]
-pub(super) struct AccessArgs {
-    /// Try again for so many seconds where a connection breaks or a host fails; 0: never
-    #[arg(long, value_name = "SECONDS", default_value_t = 30, help_heading = "Print host")]
-    retry: u32,
-
-    /// Longest silence of a host, in seconds
-    #[arg(long, value_name = "SECONDS", default_value = "30", value_parser = seconds, help_heading = "Print host")]
-    host_timeout: Duration,
-
-    /// Trust these certificates (PEM), too
-    #[arg(long, value_name = "FILE", value_hint = ValueHint::FilePath, help_heading = "Print host")]
-    pub ca: Option<PathBuf>,
-
-    /// The file of hosts [default: $PATHWRIGHT_HOSTS, or pathwright/hosts.toml beside other settings]
-    #[arg(long, value_name = "FILE", value_hint = ValueHint::FilePath, help_heading = "Print host")]
-    pub hosts: Option<PathBuf>,
-}
-
-impl AccessArgs {
-    pub fn patience(&self) -> Patience {
-        let told = |error: &send::SendError| {
-            // If standard error is closed, no message is possible.
-            let _ = writeln!(io::stderr(), "{error}: trying again");
-        };
-        Patience { retry: Duration::from_secs(self.retry.into()), silence: self.host_timeout, told }
-    }
+/// How long hosts are waited for; what is tried again is told.
+pub(super) fn patience(access: &AccessArgs) -> Patience {
+    let told = |error: &send::SendError| {
+        // If standard error is closed, no message is possible.
+        let _ = writeln!(io::stderr(), "{error}: trying again");
+    };
+    Patience { retry: Duration::from_secs(access.retry.into()), silence: access.host_timeout, told }
 }
 
 /// What an interrupt would interrupt, and what to say of it.
@@ -140,7 +67,7 @@ fn deliver(
 ) -> Result<(), Failure> {
     let unreadable = |error: io::Error| Failure::new(Exit::Input, format!("{}: {error}", file.display()));
     let payload = Payload::of(file).map_err(unreadable)?;
-    let host = send::connect(entry, args.access.patience())?;
+    let host = send::connect(entry, patience(&args.access))?;
     let about = host.about()?;
     if !args.no_check {
         let facts = FileFacts::read(file).map_err(unreadable)?;

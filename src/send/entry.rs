@@ -162,7 +162,6 @@ impl HostEntry {
 /// An address with its scheme and without a slash at its end.
 fn address(text: &str) -> Result<String, String> {
     let text = text.trim();
-    let text = text.strip_suffix('/').unwrap_or(text);
     let wrong =
         || format!("`{text}` is no address; http://192.168.1.20 or https://printer.example:8443 is expected");
     let full = if text.contains("://") { text.to_owned() } else { format!("http://{text}") };
@@ -179,7 +178,7 @@ fn address(text: &str) -> Result<String, String> {
     if uri.query().is_some() {
         return Err(wrong());
     }
-    Ok(full)
+    Ok(full.trim_end_matches('/').to_owned())
 }
 
 #[cfg(test)]
