@@ -2,21 +2,14 @@
 
 use std::fmt::Write;
 use std::io;
-use std::path::PathBuf;
 
 use serde_json::{Value, json};
 
 use super::console;
 use super::exit::{Exit, Failure, usage};
+use super::host::{PRESET, line, of_preset, patience, read};
 use super::host_args::{AccessArgs, AddArgs, HostsArgs, HostsCommand};
-use super::send::{line, patience};
-use super::setting_args::PresetArgs;
-use super::{places, presets};
-use crate::presets::Config;
 use crate::send::{self, About, HostEntry, HostKind, HostState, Hosts, KeySource, Secret, SendError};
-
-/// What a host is called that a printer preset names.
-const PRESET: &str = "preset";
 
 pub(super) fn run(args: &HostsArgs) -> Result<Exit, Failure> {
     match &args.command {
@@ -24,63 +17,6 @@ pub(super) fn run(args: &HostsArgs) -> Result<Exit, Failure> {
         HostsCommand::Test { names, access, json } => test(names, access, *json),
         HostsCommand::Add(args) => add(args),
     }
-}
-
-/// The file of hosts.
-pub(super) fn read(access: &AccessArgs) -> Result<Hosts, Failure> {
-    let path = places::hosts_file(access.hosts.as_deref()).ok_or_else(|| {
-        Failure::new(
-            Exit::Settings,
-            format!(
-                "there is no folder for settings; name the file of hosts with --hosts or ${}",
-                places::HOSTS
-            ),
-        )
-    })?;
-    Ok(Hosts::read(&path)?)
-}
-
-/// A host by its name, or the one that a printer preset names.
-pub(super) fn entry(name: &str, args: &PresetArgs, access: &AccessArgs) -> Result<HostEntry, Failure> {
-    let mut entry = match name == PRESET {
-        true => of_preset(name, args)?,
-        false => read(access)?.find(name)?.clone(),
-    };
-    if access.ca.is_some() {
-        entry.ca.clone_from(&access.ca);
-    }
-    Ok(entry)
-}
-
-/// The host that a printer preset names.
-fn of_preset(name: &str, args: &PresetArgs) -> Result<HostEntry, Failure> {
-    let chosen = presets::chosen(args)?.ok_or_else(|| {
-        usage(format!("`{PRESET}` is the host of a printer preset; name one with --printer"))
-    })?;
-    let text = |key: &str| text(&chosen.config, key);
-    let failed = |message: String| {
-        Failure::new(Exit::Settings, format!("--printer {}: {message}", chosen.printer.name))
-    };
-    let url = text("print_host").ok_or_else(|| failed("it names no print_host".into()))?;
-    let kind = text("host_type").unwrap_or_else(|| "octoprint".into());
-    let kind = HostKind::from_name(&kind)
-        .ok_or_else(|| failed(format!("host_type = {kind} is none of {}", HostKind::NAMES.join(", "))))?;
-    let mut entry = HostEntry::new(name, kind, &url).map_err(failed)?;
-    let is_login = text("printhost_authorization_type").as_deref() == Some("user");
-    let key = if is_login { text("printhost_password") } else { text("printhost_apikey") };
-    entry.key = key.map_or(KeySource::None, |key| KeySource::Given(Secret::new(&key)));
-    entry.user = text("printhost_user").filter(|_| is_login);
-    entry.ca = text("printhost_cafile").map(PathBuf::from);
-    entry.printer.clone_from(&args.printer);
-    Ok(entry)
-}
-
-/// A text of a preset, under either slicer's name for it.
-fn text(config: &Config, key: &str) -> Option<String> {
-    let raw = config.raw.get(key).map(|raw| raw.value.as_str());
-    let value = config.entries.get(key).map(|entry| entry.value.as_str()).or(raw)?;
-    let value = value.trim().trim_matches('"');
-    (!value.is_empty() && value != "nil").then(|| value.to_owned())
 }
 
 fn list(hosts: &Hosts, is_json: bool) -> Result<Exit, Failure> {

@@ -9,6 +9,8 @@ mod console;
 mod exit;
 mod given;
 #[cfg(feature = "send")]
+mod host;
+#[cfg(feature = "send")]
 mod host_args;
 #[cfg(feature = "send")]
 mod hosts;

@@ -3,7 +3,6 @@
 use std::io::{self, IsTerminal, Write};
 use std::path::Path;
 use std::sync::Mutex;
-use std::time::Duration;
 
 use indicatif::{ProgressBar, ProgressStyle};
 use serde_json::json;
@@ -11,22 +10,14 @@ use serde_json::json;
 use super::args::SliceArgs;
 use super::console::{self, file_name};
 use super::exit::{Exit, Failure};
-use super::host_args::{AccessArgs, DeliveryArgs, SendArgs};
+use super::host::{self, line, patience};
+use super::host_args::{DeliveryArgs, SendArgs};
+use super::plan;
 use super::setting_args::{PresetArgs, SettingArgs};
-use super::{hosts, plan};
 use crate::observer::Observer;
 use crate::parallel::{self, Workers};
 use crate::profile::Settings;
-use crate::send::{self, Activity, FileFacts, HostEntry, HostState, Patience, Payload, PrintHost};
-
-/// How long hosts are waited for; what is tried again is told.
-pub(super) fn patience(access: &AccessArgs) -> Patience {
-    let told = |error: &send::SendError| {
-        // If standard error is closed, no message is possible.
-        let _ = writeln!(io::stderr(), "{error}: trying again");
-    };
-    Patience { retry: Duration::from_secs(access.retry.into()), silence: access.host_timeout, told }
-}
+use crate::send::{self, FileFacts, HostEntry, Payload, PrintHost};
 
 /// What an interrupt would interrupt, and what to say of it.
 static INTERRUPTED: Mutex<Option<String>> = Mutex::new(None);
@@ -47,14 +38,14 @@ fn on_interrupt(said: Option<String>) {
 }
 
 pub(super) fn run(args: &SendArgs) -> Result<Exit, Failure> {
-    let entry = hosts::entry(&args.to, &args.settings.presets, &args.delivery.access)?;
+    let entry = host::entry(&args.to, &args.settings.presets, &args.delivery.access)?;
     deliver(&args.file, &entry, &args.settings, &args.delivery, args.json)?;
     Ok(Exit::Done)
 }
 
 /// Sends what has been sliced.
 pub(super) fn sliced(file: &Path, to: &str, args: &SliceArgs) -> Result<(), Failure> {
-    let entry = hosts::entry(to, &args.settings.presets, &args.delivery.access)?;
+    let entry = host::entry(to, &args.settings.presets, &args.delivery.access)?;
     deliver(file, &entry, &args.settings, &args.delivery, args.json)
 }
 
@@ -135,38 +126,6 @@ fn follow(host: &dyn PrintHost, name: &str) -> Result<(), Failure> {
         bar.finish_and_clear();
     }
     done.map(|_| ()).map_err(Failure::from)
-}
-
-/// What a printer does, in a line.
-pub(super) fn line(state: &HostState) -> String {
-    let print = &state.printing;
-    let mut words = vec![state.activity.name().to_owned()];
-    let is_running = matches!(state.activity, Activity::Printing | Activity::Paused);
-    if let (Some(file), true) = (&print.file, is_running) {
-        words.push(file.clone());
-    }
-    if let (Some(progress), true) = (print.progress, is_running) {
-        words.push(format!("{:.0} %", progress * 100.0));
-    }
-    if let (Some(layer), true) = (print.layer, is_running) {
-        words.push(match print.layers {
-            Some(layers) => format!("layer {layer} of {layers}"),
-            None => format!("layer {layer}"),
-        });
-    }
-    if let (Some(left), true) = (print.left_s, is_running) {
-        words.push(format!("{} left", duration(left)));
-    }
-    words.join(", ")
-}
-
-fn duration(seconds: f64) -> String {
-    let minutes = (seconds / 60.0).ceil() as u64;
-    if minutes < 60 {
-        format!("{minutes} min")
-    } else {
-        format!("{} h {:02} min", minutes / 60, minutes % 60)
-    }
 }
 
 /// Settings that a file is checked with: those that are given, or those in the file of hosts.

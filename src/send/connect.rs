@@ -1,7 +1,8 @@
 //! From what is known about a host to a host that can be talked to.
 
 use super::client::{Client, Patience};
-use super::duet;
+use super::duet_board::Board;
+use super::duet_computer::Computer;
 use super::entry::{HostEntry, HostKind, Secret};
 use super::error::{Cause, SendError, Step};
 use super::host::PrintHost;
@@ -35,6 +36,18 @@ pub fn connect(entry: &HostEntry, patience: Patience) -> Result<Box<dyn PrintHos
             };
             Box::new(PrusaLink::new(client, entry.storage.clone()))
         }
-        HostKind::Duet => duet::connect(client, key)?,
+        HostKind::Duet => duet(client, key)?,
     })
+}
+
+/// Logs in: to a board of its own, or to the single-board computer in front of it, which has no `rr_connect`.
+fn duet(client: Client, password: Option<Secret>) -> Result<Box<dyn PrintHost>, SendError> {
+    let client = match &password {
+        Some(password) => client.hide(password),
+        None => client,
+    };
+    match Board::connect(client, password.clone())? {
+        Ok(board) => Ok(Box::new(board)),
+        Err(client) => Ok(Box::new(Computer::connect(client, password)?)),
+    }
 }

@@ -2,27 +2,10 @@
 
 use serde_json::Value;
 
-use super::client::Client;
-use super::duet_board::Board;
-use super::duet_computer::Computer;
-use super::entry::Secret;
-use super::error::SendError;
-use super::host::{About, Activity, Ended, HostState, PrintHost, Printing, Volume};
+use super::host::{About, Activity, Ended, HostState, Printing, Volume};
 
 /// Where both keep files to be printed.
 pub(super) const FOLDER: &str = "0:/gcodes/";
-
-/// Logs in: to a board of its own, or to the single-board computer in front of it, which has no `rr_connect`.
-pub(super) fn connect(client: Client, password: Option<Secret>) -> Result<Box<dyn PrintHost>, SendError> {
-    let client = match &password {
-        Some(password) => client.hide(password),
-        None => client,
-    };
-    match Board::connect(client, password.clone())? {
-        Ok(board) => Ok(Box::new(board)),
-        Err(client) => Ok(Box::new(Computer::connect(client, password)?)),
-    }
-}
 
 /// The command that starts a file.
 pub(super) fn start_command(file: &str) -> String {

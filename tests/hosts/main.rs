@@ -7,6 +7,7 @@
 mod duet;
 mod faults;
 mod machine;
+#[cfg(unix)]
 mod moonraker;
 mod octoprint;
 mod process;
@@ -38,10 +39,13 @@ fn main() -> ExitCode {
     let mut trials = trials! { true;
         octoprint::it_is_printed_to_its_end_and_starts_again_after_a_power_cut;
         octoprint::analysis_and_thumbnails_are_those_of_the_print;
+    };
+    #[cfg(unix)]
+    trials.extend(trials! { true;
         moonraker::it_is_sent_compared_analysed_and_printed;
         moonraker::an_object_is_cancelled_and_a_pause_comes_at_its_layer;
         moonraker::faults_end_clearly_or_in_success;
-    };
+    });
     trials.extend(trials! { false;
         duet::a_board_takes_files_and_prints_them;
         duet::a_computer_takes_files_and_prints_them;
@@ -53,9 +57,10 @@ fn main() -> ExitCode {
         machine::a_full_host_gets_nothing;
         machine::hosts_are_added_listed_and_found_through_a_preset;
         machine::keys_are_in_no_output_and_no_argument;
-        machine::an_interrupt_leaves_the_print_alone;
         machine::slicing_and_sending_is_one_command;
     });
+    #[cfg(unix)]
+    trials.extend(trials! { false; machine::an_interrupt_leaves_the_print_alone; });
     for (name, run) in faults::table() {
         trials.push(Trial::test(format!("faults::{name}"), move || {
             run();
