@@ -2,13 +2,17 @@
 
 use std::sync::{Arc, OnceLock};
 
+use axum::body::Body;
 use axum::extract::State;
+use axum::http::header;
+use axum::response::{IntoResponse, Response};
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 use utoipa::{IntoParams, ToSchema};
 use utoipa_axum::router::OpenApiRouter;
 use utoipa_axum::routes;
 
+use super::body::whole;
 use super::description::Common;
 use super::error::{ApiError, ErrorKind};
 use super::extract::{Json, Path, Query};
@@ -17,13 +21,14 @@ use super::shared::Shared;
 use crate::job::ObjectSettings;
 use crate::options::{Field, Kind};
 use crate::presets::{self, PresetError};
-use crate::profile::{EMBEDDED, SECTIONS, Settings};
+use crate::profile::{self, EMBEDDED, SECTIONS, Settings};
 
 /// The routes.
 pub fn router(shared: Arc<Shared>) -> OpenApiRouter {
     OpenApiRouter::new()
         .routes(routes!(schema))
         .routes(routes!(profiles))
+        .routes(routes!(convert))
         .routes(routes!(printers))
         .routes(routes!(printer))
         .with_state(shared)
@@ -175,6 +180,35 @@ async fn profiles() -> Json<Vec<Profile>> {
         help: profile.description(),
     });
     Json(profiles.collect())
+}
+
+/// What a configuration is called.
+#[derive(Debug, Deserialize, IntoParams)]
+#[serde(deny_unknown_fields)]
+#[into_params(parameter_in = Query)]
+struct Named {
+    /// Name of its file.
+    name: String,
+}
+
+/// Another slicer's configuration as a profile
+///
+/// What `pathwright profiles show` prints of an `.ini` file: a profile (TOML) with where each value comes from, and what is
+/// not taken over.
+#[utoipa::path(
+    post, path = "/v1/profiles/convert", tag = "catalog", params(Named),
+    request_body(content = String, content_type = "text/plain"),
+    responses(
+        (status = 200, description = "the profile", body = String, content_type = "application/toml"),
+        (status = 422, description = "it is no configuration", body = super::error::ErrorBody),
+        Common
+    )
+)]
+async fn convert(Query(named): Query<Named>, body: Body) -> Result<Response, ApiError> {
+    let text = String::from_utf8_lossy(&whole(body).await?).into_owned();
+    let profile = aside(move || profile::converted(&named.name, &text)).await?;
+    let profile = profile.map_err(|problem| ApiError::unusable(ErrorKind::Settings, problem))?;
+    Ok(([(header::CONTENT_TYPE, "application/toml")], profile).into_response())
 }
 
 /// What to list.

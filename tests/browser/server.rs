@@ -1,5 +1,6 @@
 //! `pathwright app` as a process that ends with the test.
 
+use std::ffi::OsString;
 use std::fs;
 use std::io::{BufRead, BufReader};
 use std::path::Path;
@@ -25,7 +26,7 @@ impl Server {
 
     /// Starts it on a port, with models to begin with.
     pub fn on(port: u16, models: &[&Path]) -> Self {
-        let mut command = Command::new(env!("CARGO_BIN_EXE_pathwright"));
+        let mut command = Command::new(program());
         command.args(["app", "--no-browser", "--threads", "2", "--port", &port.to_string()]).args(models);
         Self::run(command, None)
     }
@@ -42,7 +43,7 @@ impl Server {
         let folder = TempDir::new().unwrap();
         let file = folder.path().join("tokens");
         fs::write(&file, token).unwrap();
-        let mut command = Command::new(env!("CARGO_BIN_EXE_pathwright"));
+        let mut command = Command::new(program());
         command
             .args(["serve", "--threads", "2", "--listen", "127.0.0.1:0", "--data"])
             .arg(folder.path().join("data"));
@@ -76,4 +77,9 @@ impl Drop for Server {
     fn drop(&mut self) {
         self.kill();
     }
+}
+
+/// The program; the variable `PATHWRIGHT_PROGRAM` names that of another build, to be measured.
+fn program() -> OsString {
+    std::env::var_os("PATHWRIGHT_PROGRAM").unwrap_or_else(|| env!("CARGO_BIN_EXE_pathwright").into())
 }

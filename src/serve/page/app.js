@@ -26,7 +26,7 @@ import { Warnings } from "./ui/warnings.js";
 
 const desk = new Desk(), engine = new Engine();
 setTheme(localStorage.getItem("theme") ?? (matchMedia("(prefers-color-scheme: dark)").matches ? "dark" : "light"));
-const connection = new Connection(engine, desk, new Memory(desk), (message) => askToken(engine, message));
+const connection = new Connection(engine, desk, new Memory(desk), () => askToken(engine));
 const plate = new PlateView(desk, engine, find("plate"));
 const preview = new Preview();
 const transform = new Transform(desk, engine, plate);

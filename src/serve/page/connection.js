@@ -54,7 +54,7 @@ export class Connection {
   async recover(error) {
     const { engine, desk } = this;
     if (!(error instanceof EngineError)) throw error;
-    if (error.status === 401) return this.askToken(error.message);
+    if (error.status === 401) return this.askToken();
     if (error.status === 404 || error.status === 410) engine.session = null;
     // It may have been started anew and know nothing of this plate.
     desk.setState("offline", error);
