@@ -77,6 +77,8 @@ pub mod presets;
 pub mod profile;
 pub mod reorder;
 pub mod report;
+#[cfg(feature = "send")]
+pub mod send;
 #[cfg(feature = "serve")]
 pub mod serve;
 pub mod slice;

@@ -8,23 +8,12 @@ use clap::builder::PossibleValuesParser;
 use clap::{Args, Parser, Subcommand, ValueHint};
 use clap_complete::Shell;
 
+pub(super) use super::setting_args::{Assignment, EXIT_CODES, PresetArgs, SettingArgs};
+use super::setting_args::{assignment, seconds};
 use crate::estimate::Firmware;
 use crate::mesh::UNITS;
 use crate::motion::PauseAt;
 use crate::order::{CostKind, Effort, OrderStrategy, Scope, SeamPosition};
-
-const EXIT_CODES: &str = "\
-Exit codes:
-  0    done
-  2    usage: invalid arguments
-  3    a file is unreadable, invalid or too large, or there is nothing to print
-  4    settings: unknown profile or key, value out of range, conflict, error in a script
-  5    the models do not fit the printer, or cannot be printed one after the other
-  6    the output cannot be written
-  7    a check of the result or of the given file failed, or a part would start in mid-air
-  8    --timeout is over
-  9    --max-memory does not suffice
-  130  interrupted";
 
 /// Slices models for RepRap-class printers and orders their toolpaths near-optimally.
 #[derive(Debug, Parser)]
@@ -50,6 +39,10 @@ pub(super) enum Command {
     Check(CheckArgs),
     Profiles(ProfilesArgs),
     Printers(PrintersArgs),
+    #[cfg(feature = "send")]
+    Send(Box<super::host_args::SendArgs>),
+    #[cfg(feature = "send")]
+    Hosts(super::host_args::HostsArgs),
     #[cfg(feature = "serve")]
     App(super::app::AppArgs),
     #[cfg(feature = "serve")]
@@ -163,6 +156,15 @@ pub(super) struct SliceArgs {
 
     #[command(flatten)]
     pub limits: LimitArgs,
+
+    /// Send the G-code to this print host; `preset`: the one that the printer preset names
+    #[cfg(feature = "send")]
+    #[arg(id = "to", long = "send", value_name = "HOST", help_heading = "Print host")]
+    pub to: Option<String>,
+
+    #[cfg(feature = "send")]
+    #[command(flatten)]
+    pub delivery: super::host_args::DeliveryArgs,
 
     /// Print the summary as JSON, one line per file written; of a failure a line with its kind, message, object and file
     #[arg(long, conflicts_with = "quiet")]
@@ -423,45 +425,6 @@ pub(super) struct ShapeArgs {
     pub rotate: Option<Triple>,
 }
 
-#[derive(Debug, Args)]
-pub(super) struct PresetArgs {
-    /// Printer preset of another slicer, or a project (3MF) with its settings; `pathwright printers` lists them. Profiles
-    /// and --set win over presets
-    #[arg(long, value_name = "NAME", help_heading = "Settings")]
-    pub printer: Option<String>,
-
-    /// Print preset that goes with --printer [default: the printer's own]
-    #[arg(long, value_name = "NAME", requires = "printer", help_heading = "Settings")]
-    pub print: Option<String>,
-
-    /// Filament preset that goes with --printer [default: the printer's own]
-    #[arg(long, value_name = "NAME", requires = "printer", help_heading = "Settings")]
-    pub filament: Option<String>,
-
-    /// File or folder of presets, before $PATHWRIGHT_PRESETS and the folders of the slicers on this machine; repeatable
-    #[arg(long, value_name = "PATH", value_hint = ValueHint::AnyPath, help_heading = "Settings")]
-    pub presets: Vec<PathBuf>,
-}
-
-#[derive(Debug, Args)]
-pub(super) struct SettingArgs {
-    #[command(flatten)]
-    pub presets: PresetArgs,
-
-    /// Embedded profile, TOML file, or configuration of PrusaSlicer or SuperSlicer (.ini, .gcode, .bgcode); repeatable,
-    /// the later one wins
-    #[arg(short, long, value_name = "NAME|PATH", help_heading = "Settings")]
-    pub profile: Vec<String>,
-
-    /// One setting, such as walls.count=3 or infill.density=15%; repeatable, wins over profiles
-    #[arg(short, long, value_name = "KEY=VALUE", value_parser = assignment, help_heading = "Settings")]
-    pub set: Vec<Assignment>,
-
-    /// Leave out scripts that cannot be expanded, instead of refusing the print [gcode.ignore_scripts]
-    #[arg(long, help_heading = "Settings")]
-    pub ignore_scripts: bool,
-}
-
 /// Estimate the print time of G-code from any slicer
 ///
 /// Moves are planned as the firmware plans them, with the machine's limits and those that the file sets. The time is
@@ -606,13 +569,6 @@ pub(super) struct ShowPrinterArgs {
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Triple(pub [f64; 3]);
 
-/// `KEY=VALUE`.
-#[derive(Clone, Debug)]
-pub(super) struct Assignment {
-    pub key: String,
-    pub value: String,
-}
-
 /// `NAME:KEY=VALUE`.
 #[derive(Clone, Debug)]
 pub(super) struct ObjectAssignment {
@@ -636,12 +592,6 @@ fn object_setting(text: &str) -> Result<ObjectAssignment, String> {
         }),
         _ => Err(wrong()),
     }
-}
-
-fn seconds(text: &str) -> Result<Duration, String> {
-    let time = text.trim().parse::<f64>().ok().filter(|seconds| *seconds > 0.0);
-    let time = time.and_then(|seconds| Duration::try_from_secs_f64(seconds).ok());
-    time.ok_or_else(|| "a number of seconds above 0 is expected, such as 60".into())
 }
 
 /// A number of bytes: K, M and G are powers of 1024.
@@ -679,15 +629,6 @@ fn scale(text: &str) -> Result<Triple, String> {
     match factors {
         Ok(factors) if factors.0.iter().all(|f| f.is_finite() && *f > 0.0) => Ok(factors),
         _ => Err("a factor above 0 is expected, such as 25.4, or three, such as 1,1,2".into()),
-    }
-}
-
-fn assignment(text: &str) -> Result<Assignment, String> {
-    match text.split_once('=') {
-        Some((key, value)) if !key.trim().is_empty() => {
-            Ok(Assignment { key: key.trim().to_owned(), value: value.to_owned() })
-        }
-        _ => Err("KEY=VALUE is expected, such as walls.count=3".into()),
     }
 }
 

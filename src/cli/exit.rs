@@ -27,6 +27,12 @@ pub enum Exit {
     TimedOut = 8,
     /// The memory that was allowed does not suffice.
     Memory = 9,
+    /// A print host cannot be reached, is not trusted, or answers that it failed.
+    Host = 10,
+    /// A print host refuses: the key, the name, the space, or the state of its printer.
+    Refused = 11,
+    /// The print that was waited for was cancelled or failed.
+    PrintFailed = 12,
     /// Ended by a signal.
     Interrupted = 130,
 }
@@ -44,6 +50,9 @@ impl Exit {
             Self::Check => "check",
             Self::TimedOut => "timeout",
             Self::Memory => "memory",
+            Self::Host => "host",
+            Self::Refused => "refused",
+            Self::PrintFailed => "print_failed",
             Self::Interrupted => "interrupted",
         }
     }
@@ -106,6 +115,34 @@ impl From<OutputError> for Failure {
         // Whoever closed the pipe knows; that not everything was written still shows in the exit code.
         let messages = if error.is_broken_pipe() { Vec::new() } else { vec![error.to_string()] };
         Self::of(Exit::Output, messages)
+    }
+}
+
+#[cfg(feature = "send")]
+impl From<crate::send::SendError> for Failure {
+    fn from(error: crate::send::SendError) -> Self {
+        use crate::send::Cause;
+        let exit = match error.cause {
+            Cause::Settings => Exit::Settings,
+            Cause::File => Exit::Input,
+            Cause::Mismatch => Exit::Check,
+            Cause::Unreachable
+            | Cause::Certificate
+            | Cause::Redirected
+            | Cause::Answer
+            | Cause::Damaged
+            | Cause::Unclear => Exit::Host,
+            Cause::Key | Cause::Exists | Cause::Space | Cause::NotReady => Exit::Refused,
+            Cause::Ended => Exit::PrintFailed,
+        };
+        Self::new(exit, error)
+    }
+}
+
+#[cfg(feature = "send")]
+impl From<crate::send::HostsError> for Failure {
+    fn from(error: crate::send::HostsError) -> Self {
+        Self::new(Exit::Settings, error)
     }
 }
 

@@ -8,6 +8,12 @@ mod compare;
 mod console;
 mod exit;
 mod given;
+#[cfg(feature = "send")]
+mod host;
+#[cfg(feature = "send")]
+mod host_args;
+#[cfg(feature = "send")]
+mod hosts;
 mod info;
 mod memory;
 mod pages;
@@ -18,8 +24,11 @@ mod printers;
 mod profiles;
 mod projects;
 mod reorder;
+#[cfg(feature = "send")]
+mod send;
 #[cfg(feature = "serve")]
 mod serve;
+mod setting_args;
 mod slice;
 mod time;
 mod view;
@@ -62,6 +71,10 @@ pub fn run(args: impl IntoIterator<Item = OsString>, engine: &dyn Engine) -> Exi
         Command::Check(args) => in_pool(|| check::run(args)),
         Command::Profiles(args) => profiles::run(args),
         Command::Printers(args) => printers::run(args),
+        #[cfg(feature = "send")]
+        Command::Send(args) => send::run(args),
+        #[cfg(feature = "send")]
+        Command::Hosts(args) => hosts::run(args),
         #[cfg(feature = "serve")]
         Command::App(args) => app::run(args),
         #[cfg(feature = "serve")]
@@ -75,6 +88,8 @@ pub fn run(args: impl IntoIterator<Item = OsString>, engine: &dyn Engine) -> Exi
         Command::Slice(args) | Command::Key(args) => args.json && to_file(&args.output),
         Command::Compare(args) => args.json,
         Command::Reorder(args) => args.json && to_file(&args.output),
+        #[cfg(feature = "send")]
+        Command::Send(args) => args.json,
         _ => false,
     };
     done.unwrap_or_else(|failure| match console::fail_as(&failure, json) {
@@ -84,12 +99,14 @@ pub fn run(args: impl IntoIterator<Item = OsString>, engine: &dyn Engine) -> Exi
 }
 
 /// What an interrupt does: a server ends in order, and at once on the second one. Anything else ends at once, and what is
-/// incomplete is removed.
+/// incomplete is removed; of a print on a host it is said that it goes on.
 pub fn interrupted() {
     #[cfg(feature = "serve")]
     if serve::end() {
         return;
     }
+    #[cfg(feature = "send")]
+    send::interrupted();
     output::abandon_and_exit(Exit::Interrupted as i32)
 }
 

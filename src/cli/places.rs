@@ -8,6 +8,10 @@ use crate::presets::{Dialect, Source};
 /// The environment variable that names more folders and files, like `PATH`.
 pub(super) const VARIABLE: &str = "PATHWRIGHT_PRESETS";
 
+/// The environment variable that names the file of print hosts.
+#[cfg(feature = "send")]
+pub(super) const HOSTS: &str = "PATHWRIGHT_HOSTS";
+
 /// What an operating system calls its folders.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum System {
@@ -122,14 +126,10 @@ pub(super) fn places(
     places.extend(std::env::split_paths(&more).filter(|path| !path.as_os_str().is_empty()).map(of(None)));
     let folder = |name: &str| variable(name).map(PathBuf::from).filter(|path| path.is_absolute());
     let in_home = |path: &str| home.map(|home| home.join(path));
-    // Folders of settings, and of data where that is another one.
-    let (settings, data) = match system {
-        System::Linux => (
-            folder("XDG_CONFIG_HOME").or_else(|| in_home(".config")),
-            folder("XDG_DATA_HOME").or_else(|| in_home(".local/share")),
-        ),
-        System::MacOs => (in_home("Library/Application Support"), None),
-        System::Windows => (folder("APPDATA").or_else(|| in_home("AppData/Roaming")), None),
+    let settings = settings_folder(system, home, &variable);
+    let data = match system {
+        System::Linux => folder("XDG_DATA_HOME").or_else(|| in_home(".local/share")),
+        System::MacOs | System::Windows => None,
     };
     places.extend(settings.iter().map(|folder| folder.join("pathwright/presets")).map(of(None)));
     for slicer in SLICERS {
@@ -177,6 +177,30 @@ pub(super) fn places(
         }
     }
     places
+}
+
+/// Where programs keep a user's settings.
+fn settings_folder(
+    system: System,
+    home: Option<&Path>,
+    variable: impl Fn(&str) -> Option<OsString>,
+) -> Option<PathBuf> {
+    let folder = |name: &str| variable(name).map(PathBuf::from).filter(|path| path.is_absolute());
+    let in_home = |path: &str| home.map(|home| home.join(path));
+    match system {
+        System::Linux => folder("XDG_CONFIG_HOME").or_else(|| in_home(".config")),
+        System::MacOs => in_home("Library/Application Support"),
+        System::Windows => folder("APPDATA").or_else(|| in_home("AppData/Roaming")),
+    }
+}
+
+/// The file of print hosts on this machine: what is given, what the variable names, or beside other settings.
+#[cfg(feature = "send")]
+pub(super) fn hosts_file(given: Option<&Path>) -> Option<PathBuf> {
+    let folder =
+        || settings_folder(System::this(), std::env::home_dir().as_deref(), |name| std::env::var_os(name));
+    let named = given.map(Path::to_owned).or_else(|| std::env::var_os(HOSTS).map(PathBuf::from));
+    named.or_else(|| Some(folder()?.join("pathwright/hosts.toml")))
 }
 
 /// The places of this machine.

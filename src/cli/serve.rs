@@ -199,6 +199,7 @@ pub(super) fn run(args: &ServeArgs) -> Result<Exit, Failure> {
         presets: library(&args.presets)?,
         threads: args.threads,
         jobs_at_once: args.jobs_at_once,
+        print_hosts: None,
         opened: Vec::new(),
     };
     serve_until_interrupted(config, |address| {

@@ -1,6 +1,8 @@
 //! `pathwright slice`.
 
 use std::io::Write;
+#[cfg(feature = "send")]
+use std::path::Path;
 use std::path::PathBuf;
 use std::sync::Arc;
 
@@ -25,6 +27,10 @@ pub(super) fn run(args: &SliceArgs, engine: &dyn Engine) -> Result<Exit, Failure
     let mut plan = Plan::new(args)?;
     if args.json && plan.tasks.iter().any(|task| task.destination == Destination::Stdout) {
         return Err(usage("--json and the G-code both want standard output; give -o a file"));
+    }
+    #[cfg(feature = "send")]
+    if args.to.is_some() && plan.tasks.iter().any(|task| task.destination == Destination::Stdout) {
+        return Err(usage("--send needs a file; leave out -o -"));
     }
     if !args.quiet {
         let mut told: Vec<&Arc<Resolved>> = Vec::new();
@@ -69,7 +75,13 @@ fn slice_all(plan: &Plan, args: &SliceArgs, engine: &dyn Engine, watch: &Watch) 
     let mut written = Vec::new();
     for task in &plan.tasks {
         match slice(task, args, engine, &mut written, watch).map_err(|failure| watch.explained(failure)) {
-            Ok(summary) => report(&summary, task, args)?,
+            Ok(summary) => {
+                report(&summary, task, args)?;
+                #[cfg(feature = "send")]
+                if let Some(to) = &args.to {
+                    super::send::sliced(Path::new(&summary.output), to, args)?;
+                }
+            }
             Err(failure) => {
                 let input = names(&task.plate).swap_remove(0);
                 let failure = Failure { file: failure.file.clone().or(Some(input)), ..failure };

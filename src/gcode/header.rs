@@ -34,11 +34,12 @@ impl Header {
 }
 
 /// What Moonraker reads and only the end of the planning knows.
-const PENDING: [(&str, Pending); 5] = [
+const PENDING: [(&str, Pending); 6] = [
     ("estimated printing time (normal mode)", Pending::PrintTime),
     ("filament used [mm]", Pending::FilamentMm),
     ("filament used [cm3]", Pending::FilamentCm3),
     ("filament used [g]", Pending::FilamentG),
+    ("total filament used [g]", Pending::FilamentG),
     ("filament cost", Pending::FilamentCost),
 ];
 
@@ -134,18 +135,26 @@ pub fn footer(settings: &GcodeOptions, facts: &PrintFacts, scripts: &Scripts, to
 /// The comments that need no more than the settings.
 fn facts_lines(bytes: &mut Vec<u8>, settings: &GcodeOptions, facts: &PrintFacts) {
     let millimetres = |value: f64| text(value, 3);
+    let (filament, temperature) = (&settings.filament, &settings.temperature);
+    let name = if filament.name.trim().is_empty() { &filament.material } else { &filament.name };
     let pairs = [
         ("total layers count", facts.layers.to_string()),
         ("layer_height", millimetres(settings.layer.height.0)),
         ("first_layer_height", millimetres(settings.layer.first_height.0)),
         ("nozzle_diameter", millimetres(settings.printer.nozzle_diameter.0)),
-        ("filament_diameter", millimetres(settings.filament.diameter.0)),
-        ("filament_type", one_line(&settings.filament.material)),
-        ("first_layer_temperature", millimetres(settings.temperature.nozzle_first_layer.0)),
-        ("first_layer_bed_temperature", millimetres(settings.temperature.bed_first_layer.0)),
+        ("filament_diameter", millimetres(filament.diameter.0)),
+        ("filament_type", one_line(&filament.material)),
+        ("filament_settings_id", format!("\"{}\"", one_line(name).replace('"', "'"))),
+        ("filament_colour", one_line(&filament.color)),
+        ("first_layer_temperature", millimetres(temperature.nozzle_first_layer.0)),
+        ("temperature", millimetres(temperature.nozzle.0.round())),
+        ("first_layer_bed_temperature", millimetres(temperature.bed_first_layer.0)),
+        ("bed_temperature", millimetres(temperature.bed.0)),
+        ("chamber_temperature", millimetres(temperature.chamber.0)),
+        ("single_extruder_multi_material", "0".to_owned()),
         ("printer_model", one_line(&settings.printer.name)),
     ];
-    for (key, value) in pairs {
+    for (key, value) in pairs.into_iter().filter(|(_, value)| !value.is_empty()) {
         line(bytes, &format!("; {key} = {value}"));
     }
 }

@@ -133,10 +133,14 @@ impl<'a> Writer<'a> {
         }
     }
 
-    /// The comments at the top, the slot for M73, and E's origin.
+    /// The comments at the top, the slot for M73, and E's origin. `BEFORE_LAYER_CHANGE` and the height after it are what
+    /// Moonraker finds the height of the print by.
     fn open(&mut self, layer: &LayerMoves) -> Option<Slot> {
         let (z, height) = (text(layer.z_mm, XYZ_DECIMALS), text(layer.height_mm, XYZ_DECIMALS));
-        let top = format!(";LAYER_CHANGE\n;Z:{z}\n;HEIGHT:{height}\n;LAYER:{}\n", layer.index);
+        let top = format!(
+            ";LAYER_CHANGE\n;Z:{z}\n;HEIGHT:{height}\n;LAYER:{}\n;BEFORE_LAYER_CHANGE\n;{z}\n",
+            layer.index
+        );
         self.out.extend_from_slice(top.as_bytes());
         self.dialect.layer_begins(&mut self.out, layer.index + 1);
         let slot = self.settings.progress.then(|| {

@@ -10,6 +10,10 @@ section! {
     FilamentSettings {
         /// Kind, as printed in headers: PLA, PETG, …
         material: String = "PLA".into(),
+        /// What it is called, for printers and hosts; empty: by its kind.
+        name: String = String::new(),
+        /// Its color, such as #29B2B2, for hosts and viewers; empty: not known.
+        color: String = String::new(),
         /// Diameter of the filament.
         diameter: Mm = Mm(1.75); 0.5..=5.0,
         /// g/cm³.

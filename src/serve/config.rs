@@ -37,6 +37,8 @@ pub struct Config {
     pub threads: usize,
     /// Jobs sliced at once; 0: one for every two cores.
     pub jobs_at_once: usize,
+    /// The file of print hosts that the page may send to; none: it sends to none.
+    pub print_hosts: Option<PathBuf>,
     /// Models that the page opens at its start: names and contents.
     pub opened: Vec<(String, Vec<u8>)>,
 }

@@ -29,6 +29,8 @@ pub enum ErrorKind {
     NotFound,
     /// No token or a wrong one, a wrong Host or Origin.
     Unauthorized,
+    /// A print host cannot be reached, fails or refuses.
+    Host,
     /// A mistake of this program, or its disk is full.
     Internal,
 }

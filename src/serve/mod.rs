@@ -18,6 +18,7 @@ mod listen;
 mod metrics;
 mod monitoring;
 mod page;
+mod print_hosts;
 mod printers;
 mod refused;
 mod router;

@@ -17,7 +17,7 @@ use super::description::Schemes;
 use super::error::{ApiError, ErrorBody, ErrorKind, Problem};
 use super::jobs::{self, Jobs};
 use super::shared::Shared;
-use super::{assets, auth, body, catalog, guard, monitoring, sessions, tools};
+use super::{assets, auth, body, catalog, guard, monitoring, print_hosts, sessions, tools};
 
 /// The description of the service: what is not said at the handlers.
 #[derive(OpenApi)]
@@ -52,7 +52,8 @@ fn api(shared: &Arc<Shared>, jobs: &Arc<Jobs>) -> (Router, utoipa::openapi::Open
     let (closed, mut openapi) = closed.split_for_parts();
     let (open, more) = open.split_for_parts();
     openapi.merge(more);
-    let closed = closed.merge(assets::opened_router(shared.clone()));
+    let closed =
+        closed.merge(assets::opened_router(shared.clone())).merge(print_hosts::router(shared.clone()));
     (open.merge(closed.route_layer(from_fn_with_state(shared.clone(), auth::required))), openapi)
 }
 

@@ -68,8 +68,19 @@ pub fn serve(config: Config, ending: &Ending, ready: impl FnOnce(SocketAddr)) ->
 }
 
 async fn run(config: Config, ending: &Ending, ready: impl FnOnce(SocketAddr)) -> Result<(), ServeError> {
-    let Config { listen: address, data, tokens, hosts, tls, limits, presets, threads, jobs_at_once, opened } =
-        config;
+    let Config {
+        listen: address,
+        data,
+        tokens,
+        hosts,
+        tls,
+        limits,
+        presets,
+        threads,
+        jobs_at_once,
+        print_hosts,
+        opened,
+    } = config;
     let tls = tls.as_ref().map(listen::tls).transpose().map_err(ServeError::Tls)?;
     let failed = |source| ServeError::Listen { address, source };
     let listener = TcpListener::bind(address).await.map_err(failed)?;
@@ -84,6 +95,7 @@ async fn run(config: Config, ending: &Ending, ready: impl FnOnce(SocketAddr)) ->
         slicing: Arc::new(shared::pool(threads, "page")?),
         streams: Arc::new(Streams::default()),
         metrics: Metrics::default(),
+        print_hosts,
         opened,
         ending: ending.0.subscribe(),
     });

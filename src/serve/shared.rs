@@ -1,5 +1,6 @@
 //! What all parts of the service use.
 
+use std::path::PathBuf;
 use std::sync::Arc;
 
 use rayon::{ThreadPool, ThreadPoolBuilder};
@@ -33,6 +34,8 @@ pub struct Shared {
     pub streams: Arc<Streams>,
     /// Figures for Prometheus.
     pub metrics: Metrics,
+    /// The file of print hosts that the page may send to.
+    pub print_hosts: Option<PathBuf>,
     /// Models that the page opens at its start.
     pub opened: Vec<(String, Vec<u8>)>,
     /// True when the server is going to end: streams shall end, too.

@@ -7,10 +7,15 @@ mod access;
 mod app;
 mod chromium;
 #[cfg(feature = "serve")]
+mod hosts;
+#[cfg(feature = "serve")]
 mod measure;
 mod pages;
 #[cfg(feature = "serve")]
 mod server;
+#[cfg(feature = "serve")]
+#[path = "../support/stand_in/mod.rs"]
+mod stand_in;
 
 use std::process::ExitCode;
 
@@ -48,6 +53,7 @@ fn main() -> ExitCode {
         app::handles_move_turn_and_scale_and_undo_takes_it_back;
         app::two_strategies_stand_side_by_side;
         app::settings_are_found_changed_and_taken_back;
+        hosts::a_print_is_sent_started_and_followed;
         app::it_works_on_a_tablet_in_the_dark;
         access::a_reload_keeps_plate_and_settings;
         access::a_service_with_tokens_asks_for_one;

@@ -31,6 +31,13 @@ impl Server {
         Self::run(command, None)
     }
 
+    /// Starts it with a file of print hosts.
+    pub fn with_hosts(file: &Path) -> Self {
+        let mut command = Command::new(env!("CARGO_BIN_EXE_pathwright"));
+        command.args(["app", "--no-browser", "--threads", "2"]).env("PATHWRIGHT_HOSTS", file);
+        Self::run(command, None)
+    }
+
     /// `pathwright serve` with a token.
     pub fn with_token(token: &str) -> Self {
         let folder = TempDir::new().unwrap();

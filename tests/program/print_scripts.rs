@@ -18,19 +18,19 @@ fn layers(text: &str) -> Vec<&str> {
 
 #[test]
 fn scripts_run_once_at_every_change_of_layer_but_the_first() {
-    let sets = ["gcode.before_layer=;BEFORE {layer_num} {layer_z}", "gcode.after_layer=;AFTER {layer_num}"];
+    let sets = ["gcode.before_layer=;EARLIER {layer_num} {layer_z}", "gcode.after_layer=;LATER {layer_num}"];
     let text = text("calibration_cube", &sets);
     let layers = layers(&text);
-    assert!(!layers[0].contains(";BEFORE") && !layers[0].contains(";AFTER"));
+    assert!(!layers[0].contains(";EARLIER") && !layers[0].contains(";LATER"));
     for (index, layer) in layers.iter().enumerate().skip(1) {
         let z = layer.lines().next().and_then(|line| line.strip_prefix(";Z:")).expect("a height");
         let z: f64 = z.parse().expect("a number");
-        let before = format!(";BEFORE {index} {}\n", (z * 1000.0).round() / 1000.0);
+        let before = format!(";EARLIER {index} {}\n", (z * 1000.0).round() / 1000.0);
         let before = layer.find(&before).unwrap_or_else(|| panic!("{before} is not in layer {index}"));
-        let after = layer.find(&format!(";AFTER {index}\n")).expect("the other script");
+        let after = layer.find(&format!(";LATER {index}\n")).expect("the other script");
         let risen = layer.find(&format!("Z{}", (z * 1000.0).round() / 1000.0)).unwrap_or(0);
         assert!(before < after && risen < after, "layer {index}: the nozzle rises between the two");
-        assert_eq!(layer.matches(";BEFORE").count() + layer.matches(";AFTER").count(), 2);
+        assert_eq!(layer.matches(";EARLIER").count() + layer.matches(";LATER").count(), 2);
     }
     assert!(layers.len() > 90);
 }

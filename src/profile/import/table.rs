@@ -77,6 +77,8 @@ pub(super) const ROWS: &[Row] = &[
     ),
     same("machine.junction_deviation", &["machine_max_junction_deviation"]),
     same("filament.material", &["filament_type"]),
+    same("filament.name", &["filament_settings_id"]),
+    same("filament.color", &["filament_colour"]),
     same("filament.diameter", &["filament_diameter"]),
     with("filament.density", &["filament_density"], "0: not known", c::density),
     with("filament.cost", &["filament_cost"], "0: not known", c::cost),

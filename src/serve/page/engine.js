@@ -28,6 +28,11 @@ export class Engine {
   printers = (words) => this.json(`/v1/printers?q=${encodeURIComponent(words)}`);
   printer = (name) => this.json(`/v1/printers/${encodeURIComponent(name)}`);
 
+  /** Print hosts; what one of them does; G-code for one of them. */
+  hosts = () => this.json("/v1/hosts");
+  host = (name) => this.json(`/v1/hosts/${encodeURIComponent(name)}`);
+  print = (name, wanted, gcode) => this.json(`/v1/hosts/${encodeURIComponent(name)}/prints?${new URLSearchParams(wanted)}`, { method: "POST", body: gcode });
+
   /** Takes a token for this and the following requests, downloads too. */
   async login(token) {
     await this.request("/v1/login", put("POST", { token }));

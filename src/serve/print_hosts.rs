@@ -1,0 +1,151 @@
+//! Print hosts for the page: which there are, what they do, and prints for them. These routes are no part of the documented
+//! interface, and there only where the program was given a file of hosts, as `pathwright app` is.
+
+use std::io::Write;
+use std::path::PathBuf;
+use std::sync::Arc;
+use std::time::Duration;
+
+use axum::Router;
+use axum::body::Bytes;
+use axum::extract::{DefaultBodyLimit, State};
+use axum::http::StatusCode;
+use axum::routing::{get, post};
+use serde::{Deserialize, Serialize};
+
+use super::error::{ApiError, ErrorKind};
+use super::extract::{Json, Path, Query};
+use super::shared::Shared;
+use crate::send::{self, About, Cause, HostEntry, HostState, Hosts, Patience, Payload, SendError};
+
+/// A page that asks for a state will ask again.
+const ASKING: Patience = Patience { retry: Duration::ZERO, silence: Duration::from_secs(5), told: |_| {} };
+const SENDING: Patience =
+    Patience { retry: Duration::from_secs(30), silence: Duration::from_secs(30), told: |_| {} };
+
+/// The routes.
+pub fn router(shared: Arc<Shared>) -> Router {
+    Router::new()
+        .route("/v1/hosts", get(list))
+        .route("/v1/hosts/{name}", get(state))
+        .route("/v1/hosts/{name}/prints", post(print))
+        // Sizes are watched for all requests.
+        .layer(DefaultBodyLimit::disable())
+        .with_state(shared)
+}
+
+/// A host as the page lists it.
+#[derive(Serialize)]
+struct Listed {
+    name: String,
+    kind: &'static str,
+    url: String,
+}
+
+async fn list(State(shared): State<Arc<Shared>>) -> Result<Json<Vec<Listed>>, ApiError> {
+    let Some(file) = shared.print_hosts.clone() else { return Ok(Json(Vec::new())) };
+    let hosts = blocking(move || read(file)).await?;
+    let listed = |entry: HostEntry| Listed { name: entry.name, kind: entry.kind.name(), url: entry.url };
+    Ok(Json(hosts.entries.into_iter().map(listed).collect()))
+}
+
+/// What a host says.
+#[derive(Serialize)]
+struct Told {
+    about: About,
+    state: HostState,
+}
+
+async fn state(State(shared): State<Arc<Shared>>, Path(name): Path<String>) -> Result<Json<Told>, ApiError> {
+    let told = blocking(move || {
+        let host = send::connect(&entry(&shared, &name)?, ASKING)?;
+        Ok(Told { about: host.about()?, state: host.state()? })
+    });
+    Ok(Json(told.await?))
+}
+
+/// What is to be done with the G-code.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Wanted {
+    /// Its name.
+    file: String,
+    /// Start it, too.
+    #[serde(default)]
+    start: bool,
+    /// Overwrite a file of this name.
+    #[serde(default)]
+    replace: bool,
+}
+
+/// What has been done with it.
+#[derive(Serialize)]
+struct Sent {
+    name: String,
+    is_verified: bool,
+    warnings: Vec<String>,
+}
+
+async fn print(
+    State(shared): State<Arc<Shared>>,
+    Path(name): Path<String>,
+    Query(wanted): Query<Wanted>,
+    gcode: Bytes,
+) -> Result<Json<Sent>, ApiError> {
+    let sent = blocking(move || {
+        let entry = entry(&shared, &name)?;
+        let mut file = tempfile::Builder::new().suffix(suffix(&wanted.file)).tempfile()?;
+        file.write_all(&gcode)?;
+        file.flush()?;
+        let host = send::connect(&entry, SENDING)?;
+        let about = host.about()?;
+        let facts = send::FileFacts::read(file.path())?;
+        let warnings = send::examine(&entry.name, entry.kind, &about, &facts)?;
+        send::check(&entry.name, file.path(), &about, None)?;
+        let payload = Payload::of(file.path())?;
+        let sent = send::deliver(host.as_ref(), &payload, &wanted.file, wanted.replace, &mut |_| {})?;
+        if wanted.start {
+            send::start(host.as_ref(), &sent.name)?;
+        }
+        Ok(Sent { name: sent.name, is_verified: sent.is_verified, warnings })
+    });
+    Ok(Json(sent.await?))
+}
+
+/// Text and binary are told apart by the ending.
+fn suffix(name: &str) -> &'static str {
+    if name.ends_with(".bgcode") { ".bgcode" } else { ".gcode" }
+}
+
+fn read(file: PathBuf) -> Result<Hosts, ApiError> {
+    Hosts::read(&file).map_err(|error| ApiError::unusable(ErrorKind::Settings, error))
+}
+
+fn entry(shared: &Shared, name: &str) -> Result<HostEntry, ApiError> {
+    let none = || ApiError::not_found(format!("there is no host `{name}`"));
+    let hosts = read(shared.print_hosts.clone().ok_or_else(none)?)?;
+    hosts.find(name).cloned().map_err(ApiError::not_found)
+}
+
+/// Does what waits for others, on a thread that may wait.
+async fn blocking<T: Send + 'static>(
+    work: impl FnOnce() -> Result<T, ApiError> + Send + 'static,
+) -> Result<T, ApiError> {
+    let done = tokio::task::spawn_blocking(work).await;
+    done.unwrap_or_else(|_| Err(ApiError::internal("a mistake of this program")))
+}
+
+impl From<SendError> for ApiError {
+    fn from(error: SendError) -> Self {
+        let (status, kind) = match error.cause {
+            Cause::Settings => (StatusCode::UNPROCESSABLE_ENTITY, ErrorKind::Settings),
+            Cause::File => (StatusCode::INTERNAL_SERVER_ERROR, ErrorKind::Internal),
+            Cause::Mismatch => (StatusCode::UNPROCESSABLE_ENTITY, ErrorKind::Check),
+            Cause::Key | Cause::Exists | Cause::Space | Cause::NotReady | Cause::Ended => {
+                (StatusCode::CONFLICT, ErrorKind::Host)
+            }
+            _ => (StatusCode::BAD_GATEWAY, ErrorKind::Host),
+        };
+        Self::new(status, kind, error)
+    }
+}
