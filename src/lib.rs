@@ -63,6 +63,8 @@ pub mod check;
 pub mod cli;
 pub mod estimate;
 pub mod gcode;
+#[cfg(feature = "host")]
+pub mod host;
 pub mod job;
 pub mod limits;
 pub mod live;
@@ -91,7 +93,7 @@ mod parallel;
 mod plan;
 mod source;
 
-pub use api::{Model, Plate, Print, Slicer, check, check_against, reorder, time};
+pub use api::{Beads, Model, Plate, Print, Slicer, check, check_against, reorder, reorder_as, time};
 pub use geometry;
 pub use job::JobError as Error;
 pub use mesh::Mesh;

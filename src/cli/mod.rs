@@ -9,9 +9,7 @@ mod console;
 mod exit;
 mod given;
 mod info;
-mod memory;
 mod pages;
-mod places;
 mod plan;
 mod presets;
 mod printers;
@@ -34,6 +32,7 @@ pub use exit::Exit;
 
 use args::{Arguments, Command};
 
+use crate::host;
 use crate::job::Engine;
 use crate::limits;
 use crate::observer::Observer;
@@ -42,7 +41,7 @@ use crate::parallel;
 
 /// Runs the program with these arguments (its name first) and reports to standard output and standard error.
 pub fn run(args: impl IntoIterator<Item = OsString>, engine: &dyn Engine) -> Exit {
-    limits::watch_memory(memory::available_bytes);
+    limits::watch_memory(host::memory::available_bytes);
     let args = match Arguments::try_parse_from(args) {
         Ok(args) => args,
         Err(message) => {

@@ -8,7 +8,7 @@ use std::time::{Duration, Instant};
 use super::args::LimitArgs;
 use super::console;
 use super::exit::{Exit, Failure};
-use super::memory;
+use crate::host::memory;
 use crate::limits;
 use crate::observer::Observer;
 use crate::output;

@@ -99,6 +99,22 @@ impl Pipeline {
         parallel::run(job.threads, observer, slice).unwrap_or(Err(JobError::Cancelled))
     }
 
+    /// Slices a job, and keeps the layers.
+    pub(crate) fn slice_job(
+        job: &Job,
+        settings: &Settings,
+        output: &mut Output,
+        layers: &mut Vec<PrintLayer>,
+        observer: &Observer<'_>,
+    ) -> Result<Summary, JobError> {
+        let slice = |workers: Workers<'_>| {
+            let besides = Besides { kept: Some(layers), ..Besides::default() };
+            let models = load::read(job, settings, workers)?;
+            print::slice(models, job, settings, output, besides, workers)
+        };
+        parallel::run(job.threads, observer, slice).unwrap_or(Err(JobError::Cancelled))
+    }
+
     /// Slices a job, followed stage by stage.
     pub(crate) fn slice_live(
         job: &Job,

@@ -223,7 +223,7 @@ fn version(path: &Path) -> (Vec<u64>, OsString) {
     (numbers.collect(), name.to_owned())
 }
 
-#[cfg(test)]
+#[cfg(all(test, feature = "cli"))]
 mod tests {
     use super::*;
 
