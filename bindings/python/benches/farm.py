@@ -89,7 +89,8 @@ def catalogue(folder: Path, rows: int) -> Path:
 
 def farm(path: Path, out: Path, *more: str) -> subprocess.Popen[bytes]:
     command = [sys.executable, "-m", "pathwright.farm", "slice", str(path), "--out", str(out), "--workers", "2"]
-    return subprocess.Popen([*command, "--timeout", str(TIMEOUT_S), *more], stderr=subprocess.DEVNULL)
+    log = path.with_name("log.txt").open("ab")
+    return subprocess.Popen([*command, "--timeout", str(TIMEOUT_S), *more], stderr=log)
 
 
 def rows_of(path: Path) -> list[dict[str, str]]:

@@ -21,7 +21,7 @@ def drawing() -> object:
         lines.append([complex(x, y), complex(x + 30 * random.random(), y + 30)])
         a, b = random.random(2) * 500
         lines.append([complex(a, b), complex(a + 9, b), complex(a + 9, b + 9), complex(a, b + 9), complex(a, b)])
-    return vpype.Document({1: lines})
+    return vpype.Document(lines)
 
 
 def test_it_is_shorter_than_linesort_and_draws_the_same() -> None:

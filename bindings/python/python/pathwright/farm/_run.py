@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import sys
+import threading
 import time
 from collections import Counter
 from collections.abc import Iterator
@@ -20,6 +21,8 @@ from ._table import Table
 
 #: How often a row is tried whose worker is lost: each time it may have been another row's fault.
 _TRIES = 20
+#: How often workers on this machine are counted, s, and how often they are started where that fails.
+_LOST_S, _STARTS = 5.0, 3
 #: Tasks that wait at the scheduler for each thread of a worker.
 _WAITING = 3
 
@@ -86,11 +89,30 @@ def _client(scheduler: Optional[str], workers: int) -> Iterator[distributed.Clie
         return
     # Rows are not to blame for workers that are lost: they run in processes of their own.
     dask.config.set({"distributed.scheduler.allowed-failures": 1000})
-    with (
-        distributed.LocalCluster(n_workers=workers, threads_per_worker=1, dashboard_address=None) as cluster,
-        distributed.Client(cluster) as client,
-    ):
-        yield client
+    over = threading.Event()
+    with _cluster(workers) as cluster, distributed.Client(cluster) as client:
+
+        def keep() -> None:
+            # A worker that is lost while it starts is not started again by itself.
+            while not over.wait(_LOST_S):
+                cluster.scale(workers)
+
+        threading.Thread(target=keep, daemon=True).start()
+        try:
+            yield client
+        finally:
+            over.set()
+
+
+def _cluster(workers: int) -> distributed.LocalCluster:
+    """Workers on this machine."""
+    for tries in range(_STARTS):
+        try:
+            return distributed.LocalCluster(n_workers=workers, threads_per_worker=1, dashboard_address=None)
+        except RuntimeError:
+            if tries == _STARTS - 1:
+                raise
+    raise AssertionError
 
 
 def _work(client: distributed.Client, tasks: list[dict[str, Any]], limits: _guard.Limits, table: Table) -> None:
