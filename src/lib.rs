@@ -93,7 +93,9 @@ mod parallel;
 mod plan;
 mod source;
 
-pub use api::{Beads, Model, Plate, Print, Slicer, check, check_against, reorder, reorder_as, time};
+pub use api::{
+    Beads, Model, Plate, Print, SlicedJob, Slicer, check, check_against, reorder, reorder_as, time,
+};
 pub use geometry;
 pub use job::JobError as Error;
 pub use mesh::Mesh;

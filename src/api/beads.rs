@@ -1,7 +1,13 @@
 //! What a layer prints, vertex by vertex.
 
-use crate::motion::Move;
-use crate::pipeline::PrintLayer;
+use crate::estimate::{Machine, move_times_s};
+use crate::job::{Job, JobError};
+use crate::motion::{LayerMoves, Move};
+use crate::observer::Observer;
+use crate::output::Output;
+use crate::pipeline::Pipeline;
+use crate::profile::Settings;
+use crate::report::Summary;
 use crate::toolpath::Role;
 
 /// Arcs are given as chords of this length at most.
@@ -28,35 +34,61 @@ pub struct Beads {
     pub times_s: Vec<f64>,
 }
 
-impl PrintLayer {
-    /// What is drawn from stop to stop: travels, retractions and other roles end a path. O(moves).
+/// A job that was sliced: its G-code, and what each layer draws, worked out when it is asked for.
+#[derive(Clone, Debug)]
+#[non_exhaustive]
+pub struct SlicedJob {
+    /// The G-code.
+    pub gcode: Vec<u8>,
+    /// Size, time, filament, travel, repairs, warnings.
+    pub summary: Summary,
+    /// Moves of the layers, from the bed up.
+    pub layers: Vec<LayerMoves>,
+    /// The machine that makes them.
+    pub machine: Machine,
+}
+
+impl SlicedJob {
+    /// Slices a job, models and all, as the program does.
+    ///
+    /// # Errors
+    /// Those of [`Slicer::slice`](super::Slicer::slice); a model that cannot be read.
     ///
     /// # Examples
     /// ```
-    /// use pathwright::{Mesh, Observer, Plate, Settings, Slicer};
+    /// use pathwright::job::Job;
+    /// use pathwright::{Observer, Settings, SlicedJob};
     ///
-    /// let settings = Settings::default();
-    /// let plate = Plate::new(&settings).add(Mesh::read("models/calibration_cube.stl")?)?;
-    /// let print = Slicer::new(&settings).slice(&plate, &Observer::none())?;
-    /// let beads = print.layers()[3].beads();
+    /// let job = Job::of(["models/calibration_cube.stl".into()]);
+    /// let sliced = SlicedJob::new(&job, &Settings::default(), &Observer::none())?;
+    /// let beads = sliced.beads(3);
     /// assert_eq!(beads.starts.len(), beads.roles.len() + 1);
     /// assert_eq!(beads.starts.last(), Some(&beads.points_mm.len()));
-    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// # Ok::<(), pathwright::Error>(())
     /// ```
-    pub fn beads(&self) -> Beads {
+    pub fn new(job: &Job, settings: &Settings, observer: &Observer<'_>) -> Result<Self, JobError> {
+        let (mut output, mut layers) = (Output::memory(), Vec::new());
+        let summary = Pipeline::slice_moves(job, settings, &mut output, &mut layers, observer)?;
+        Ok(Self { gcode: output.into_bytes(), summary, layers, machine: Machine::new(settings) })
+    }
+
+    /// What a layer draws from stop to stop: travels, retractions and other roles end a path. O(moves).
+    ///
+    /// # Panics
+    /// If there is no such layer.
+    pub fn beads(&self, layer: usize) -> Beads {
+        let layer = &self.layers[layer];
+        let is_rising = layer.moves.iter().any(|step| matches!(step, Move::Ramp { .. }));
         let mut pen = Pen {
             beads: Beads::default(),
-            at: self.from.xy,
-            z_mm: self.z_mm,
+            at: layer.from.xy,
+            z_mm: if is_rising { layer.from.z_mm } else { layer.z_mm },
             role: Role::Perimeter,
             width_mm: 0.0,
             is_down: false,
         };
-        if self.moves.iter().any(|step| matches!(step, Move::Ramp { .. })) {
-            pen.z_mm = self.from.z_mm;
-        }
-        for (step, seconds) in self.moves.iter().zip(&self.move_times_s) {
-            pen.follow(step, *seconds);
+        for (step, seconds) in layer.moves.iter().zip(move_times_s(layer, &self.machine)) {
+            pen.follow(step, seconds);
         }
         pen.beads.starts.push(pen.beads.points_mm.len());
         pen.beads

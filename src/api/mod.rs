@@ -7,7 +7,7 @@ mod plate;
 mod print;
 mod slicer;
 
-pub use beads::Beads;
+pub use beads::{Beads, SlicedJob};
 pub use finished::{check, check_against, reorder, reorder_as, time};
 pub use model::Model;
 pub use plate::Plate;

@@ -3,11 +3,7 @@
 use std::io::{self, Write};
 
 use crate::gcode::{BinaryMetadata, write_binary};
-use crate::job::{Job, JobError};
-use crate::observer::Observer;
-use crate::output::Output;
-use crate::pipeline::{Pipeline, PrintLayer};
-use crate::profile::{Settings, binary_metadata};
+use crate::pipeline::PrintLayer;
 use crate::report::Summary;
 
 /// A sliced plate.
@@ -20,21 +16,6 @@ pub struct Print {
 }
 
 impl Print {
-    /// Slices a job, models and all, as the program does.
-    ///
-    /// # Errors
-    /// Those of [`Slicer::slice`](super::Slicer::slice); a model that cannot be read.
-    pub fn of(job: &Job, settings: &Settings, observer: &Observer<'_>) -> Result<Self, JobError> {
-        let (mut output, mut layers) = (Output::memory(), Vec::new());
-        let summary = Pipeline::slice_job(job, settings, &mut output, &mut layers, observer)?;
-        Ok(Self { gcode: output.into_bytes(), metadata: binary_metadata(settings), summary, layers })
-    }
-
-    /// The G-code, the summary and the layers, without copies.
-    pub fn into_parts(self) -> (Vec<u8>, Summary, Vec<PrintLayer>) {
-        (self.gcode, self.summary, self.layers)
-    }
-
     /// Writes the G-code.
     ///
     /// # Errors

@@ -1,7 +1,7 @@
 //! Finished layers, for callers that need more than the G-code.
 
 use crate::estimate::{Machine, move_times_s};
-use crate::motion::{Entry, LayerMoves, Move};
+use crate::motion::{LayerMoves, Move};
 use crate::order::PathVisit;
 use crate::toolpath::{LayerPaths, Path, Width};
 
@@ -15,8 +15,6 @@ pub struct PrintLayer {
     pub z_mm: f64,
     /// Height of the layer, millimetres.
     pub height_mm: f64,
-    /// Where the nozzle is when it begins.
-    pub from: Entry,
     /// The paths in their order, each from where it is begun; role and width are theirs.
     pub paths: Vec<Path>,
     /// Commands to the machine.
@@ -29,8 +27,8 @@ impl PrintLayer {
     pub(super) fn new(layer: &LayerPaths, order: &[PathVisit], moves: LayerMoves, machine: &Machine) -> Self {
         let path = |visit: &PathVisit| begun_at(&layer.paths[visit.path as usize], visit.entry);
         let move_times_s = move_times_s(&moves, machine);
-        let LayerMoves { index, z_mm, height_mm, from, moves } = moves;
-        Self { index, z_mm, height_mm, from, paths: order.iter().map(path).collect(), moves, move_times_s }
+        let LayerMoves { index, z_mm, height_mm, moves, .. } = moves;
+        Self { index, z_mm, height_mm, paths: order.iter().map(path).collect(), moves, move_times_s }
     }
 }
 

@@ -3,7 +3,7 @@
 use std::sync::{Arc, OnceLock};
 
 use numpy::{PyArray1, PyArray2, PyArrayMethods};
-use pathwright::PrintLayer;
+use pathwright::SlicedJob;
 use pathwright::gcode::write_binary;
 use pathwright::profile::{Resolved, Settings, binary_metadata};
 use pathwright::toolpath::Role;
@@ -34,7 +34,8 @@ pub struct Print {
     /// The summary as JSON.
     #[pyo3(get)]
     summary: String,
-    layers: Vec<PrintLayer>,
+    /// Without its G-code.
+    sliced: SlicedJob,
     resolved: Arc<Resolved>,
     scene: Arc<OnceLock<Scene>>,
 }
@@ -42,18 +43,16 @@ pub struct Print {
 impl Print {
     pub fn new(
         py: Python<'_>,
-        print: pathwright::Print,
+        mut sliced: SlicedJob,
         resolved: &Arc<Resolved>,
         models: &[String],
     ) -> PyResult<Self> {
-        let (gcode, mut summary, mut layers) = print.into_parts();
-        summary.models = models.to_vec();
-        // Their moves tell more.
-        layers.iter_mut().for_each(|layer| layer.paths = Vec::new());
+        sliced.summary.models = models.to_vec();
+        let gcode = PyBytes::new(py, &std::mem::take(&mut sliced.gcode)).unbind();
         Ok(Self {
-            gcode: PyBytes::new(py, &gcode).unbind(),
-            summary: serde_json::to_string(&summary).unwrap_or_default(),
-            layers,
+            gcode,
+            summary: serde_json::to_string(&sliced.summary).unwrap_or_default(),
+            sliced,
             resolved: Arc::clone(resolved),
             scene: Arc::default(),
         })
@@ -83,18 +82,18 @@ impl Print {
 #[pymethods]
 impl Print {
     fn __len__(&self) -> usize {
-        self.layers.len()
+        self.sliced.layers.len()
     }
 
     /// Height of a layer's nozzle over the bed, and of the layer, millimetres.
     fn heights(&self, layer: usize) -> (f64, f64) {
-        let layer = &self.layers[layer];
+        let layer = &self.sliced.layers[layer];
         (layer.z_mm, layer.height_mm)
     }
 
     /// What a layer prints. The arrays are those that Rust made.
     fn paths<'py>(&self, py: Python<'py>, layer: usize) -> PyResult<Paths<'py>> {
-        let beads = py.detach(|| self.layers[layer].beads());
+        let beads = py.detach(|| self.sliced.beads(layer));
         let vertices = beads.points_mm.len();
         let starts = beads.starts.into_iter().map(|start| start as i64).collect();
         let roles = beads.roles.into_iter().map(|role| role as u8).collect();

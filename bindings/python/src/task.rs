@@ -14,7 +14,7 @@ use pathwright::order::compare;
 use pathwright::pipeline::Pipeline;
 use pathwright::presets::{Chosen, is_foreign};
 use pathwright::profile::{Origin, Override, Problem, ProfileError, Resolved};
-use pathwright::{Error, Observer};
+use pathwright::{Error, Observer, SlicedJob};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use pyo3::pybacked::PyBackedBytes;
@@ -86,8 +86,7 @@ impl Task {
     #[pyo3(signature = (progress=None))]
     fn slice(&self, py: Python<'_>, progress: Option<&Bound<'_, PyAny>>) -> PyResult<Print> {
         let (job, resolved) = (Arc::clone(&self.job), Arc::clone(&self.resolved));
-        let print =
-            run(py, progress, move |observer| pathwright::Print::of(&job, &resolved.settings, observer))?;
+        let print = run(py, progress, move |observer| SlicedJob::new(&job, &resolved.settings, observer))?;
         Print::new(py, raised(py, print)?, &self.resolved, &self.names)
     }
 

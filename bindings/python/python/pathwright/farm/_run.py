@@ -21,8 +21,8 @@ from ._table import Table
 
 #: How often a row is tried whose worker is lost: each time it may have been another row's fault.
 _TRIES = 20
-#: How often workers on this machine are counted, s, and how often they are started where that fails.
-_LOST_S, _STARTS = 5.0, 3
+#: How often workers on this machine are counted, s.
+_LOST_S = 5.0
 #: Tasks that wait at the scheduler for each thread of a worker.
 _WAITING = 3
 
@@ -104,15 +104,14 @@ def _client(scheduler: Optional[str], workers: int) -> Iterator[distributed.Clie
             over.set()
 
 
-def _cluster(workers: int) -> distributed.LocalCluster:
-    """Workers on this machine."""
-    for tries in range(_STARTS):
-        try:
-            return distributed.LocalCluster(n_workers=workers, threads_per_worker=1, dashboard_address=None)
-        except RuntimeError:
-            if tries == _STARTS - 1:
-                raise
-    raise AssertionError
+def _cluster(workers: int, starts: int = 3) -> distributed.LocalCluster:
+    """Workers on this machine. Where one is lost while it starts, all are started again."""
+    try:
+        return distributed.LocalCluster(n_workers=workers, threads_per_worker=1, dashboard_address=None)
+    except RuntimeError:
+        if starts == 1:
+            raise
+    return _cluster(workers, starts - 1)
 
 
 def _work(client: distributed.Client, tasks: list[dict[str, Any]], limits: _guard.Limits, table: Table) -> None:
