@@ -31,6 +31,7 @@ import pathwright as pw
 from pathwright._models import _corners, _stl
 
 TIMEOUT_S = 5.0
+TURNS = 2
 
 
 def prism(corners: npt.NDArray[np.float64], height: float, turn: float, steps: int) -> bytes:
@@ -150,11 +151,13 @@ def throughput(folder: Path, rows: int) -> None:
         assert farm(path, folder / name).wait() == 0
         return time.monotonic() - began
 
-    for turn in range(2):
+    for turn in range(TURNS):
         farm_all, loop_all = seconds(path, f"farm{turn}"), two(loop_of_programs, path, all_rows, folder / f"loop{turn}")
+        share = f"{loop_all / farm_all:.2f} of their throughput"
+        print(f"{rows} rows: farm {farm_all:.1f} s, two loops of the program {loop_all:.1f} s: {share}", flush=True)
         farm_good, calls = seconds(only, f"good{turn}"), two(loop_of_calls, only, ending, folder / f"calls{turn}")
-        print(f"{rows} rows: farm {farm_all:.1f} s, two loops of the program {loop_all:.1f} s: {loop_all / farm_all:.2f} of their throughput")
-        print(f"{len(ending)} that end: farm {farm_good:.1f} s, two loops of pw.slice {calls:.1f} s: {calls / farm_good:.2f}", flush=True)
+        share = f"{calls / farm_good:.2f} of their throughput"
+        print(f"{len(ending)} that end: farm {farm_good:.1f} s, two loops of pw.slice {calls:.1f} s: {share}", flush=True)
     began = time.monotonic()
     assert farm(path, folder / "farm0").wait() == 0
     print(f"a second run: {time.monotonic() - began:.1f} s")
