@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use serde::{Deserialize, Serialize};
+use serde::{Deserialize, Deserializer, Serialize};
 
 /// What is on the plate and how it is printed.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -54,19 +54,25 @@ pub struct ProjectModel {
     /// Name of the file that it is from, without folders.
     pub file: String,
     /// The object of the file, counted from 0; `None`: all of them, in the file's layout.
-    #[serde(skip_serializing_if = "Option::is_none")]
+    #[cfg_attr(feature = "serve", schema(maximum = 1_000_000))]
+    #[serde(skip_serializing_if = "Option::is_none", deserialize_with = "object")]
     pub object: Option<usize>,
     /// What the model is for.
     pub role: ModelRole,
     /// Factors along X, Y and Z; a negative one mirrors.
+    #[cfg_attr(feature = "serve", schema(min_items = 3, max_items = 3))]
     pub scale: [f64; 3],
     /// Angles about X, Y and Z, in this order, degrees.
+    #[cfg_attr(feature = "serve", schema(min_items = 3, max_items = 3))]
     pub rotate_deg: [f64; 3],
     /// Where the middle of its box, seen from above, and its lowest point are, in the bed's coordinates, millimetres; `None`:
     /// it is arranged. Either all models of a project have a position or none has.
+    #[cfg_attr(feature = "serve", schema(min_items = 3, max_items = 3))]
     #[serde(skip_serializing_if = "Option::is_none")]
     pub at_mm: Option<[f64; 3]>,
     /// How many of it; 1 where it has a position.
+    #[cfg_attr(feature = "serve", schema(minimum = 1, maximum = 1000))]
+    #[serde(deserialize_with = "copies")]
     pub copies: u32,
     /// Settings of its own, as those of the project.
     pub settings: BTreeMap<String, String>,
@@ -85,6 +91,30 @@ impl Default for ProjectModel {
             settings: BTreeMap::new(),
         }
     }
+}
+
+/// Most copies of a model.
+pub(super) const COPIES: u32 = 1000;
+
+/// Most objects of a file.
+const OBJECTS: u32 = 1_000_000;
+
+/// A whole number, which JSON may also write as `3.0`.
+fn whole<E: serde::de::Error>(name: &str, number: f64, [least, most]: [u32; 2]) -> Result<u32, E> {
+    let whole = number as u32;
+    match f64::from(whole) == number && (least..=most).contains(&whole) {
+        true => Ok(whole),
+        false => Err(E::custom(format!("{name}: {number} is no whole number from {least} to {most}"))),
+    }
+}
+
+fn object<'de, D: Deserializer<'de>>(given: D) -> Result<Option<usize>, D::Error> {
+    let object = Option::<f64>::deserialize(given)?;
+    object.map(|number| whole("object", number, [0, OBJECTS]).map(|number| number as usize)).transpose()
+}
+
+fn copies<'de, D: Deserializer<'de>>(given: D) -> Result<u32, D::Error> {
+    whole("copies", f64::deserialize(given)?, [1, COPIES])
 }
 
 /// What a model of a project is for.

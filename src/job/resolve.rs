@@ -5,9 +5,9 @@ use std::sync::Arc;
 
 use super::Job;
 use super::error::{InputError, JobError};
-use super::model::{JobModel, ModelFiles};
+use super::model::{JobModel, ModelFiles, ModelSource};
 use super::objects::ObjectSettings;
-use super::project::{ModelRole, Project, ProjectModel};
+use super::project::{COPIES, ModelRole, Project, ProjectModel};
 use crate::mesh::Transform;
 use crate::motion::PauseAt;
 use crate::presets::{Chosen, Library};
@@ -17,8 +17,25 @@ use crate::profile::{
 
 /// Nothing stands farther away, millimetres.
 const FARTHEST_MM: f64 = 10_000.0;
-/// Most copies of a model.
-const COPIES: u32 = 1000;
+
+/// The model files that a project names.
+pub(crate) trait Files {
+    /// Where a file is read from, and how many objects it has.
+    fn find(&self, name: &str) -> Option<(ModelSource, usize)>;
+
+    /// All names.
+    fn names(&self) -> Vec<&str>;
+}
+
+impl Files for ModelFiles {
+    fn find(&self, name: &str) -> Option<(ModelSource, usize)> {
+        self.get(name).map(|file| (Arc::clone(file).into(), file.objects().len()))
+    }
+
+    fn names(&self) -> Vec<&str> {
+        self.keys().map(String::as_str).collect()
+    }
+}
 
 impl Project {
     /// The settings in force: presets, profiles, the project's profile, its settings.
@@ -77,6 +94,11 @@ impl Project {
     /// A model whose file is not there, or that cannot be placed so; settings of a model that are wrong, or that no model may
     /// have of its own.
     pub fn job(&self, files: &ModelFiles, library: Option<&Library>) -> Result<Job, JobError> {
+        self.job_of(files, library)
+    }
+
+    /// The same with any files.
+    pub(super) fn job_of(&self, files: &impl Files, library: Option<&Library>) -> Result<Job, JobError> {
         let is_plain = self.models.iter().all(|model| model.settings.is_empty());
         let chosen = if is_plain { None } else { self.chosen(library)? };
         self.job_with(files, chosen.as_ref(), &[])
@@ -85,7 +107,7 @@ impl Project {
     /// The same on presets that were chosen already, with more settings on top of the project's; those of its models win.
     pub(crate) fn job_with(
         &self,
-        files: &ModelFiles,
+        files: &impl Files,
         chosen: Option<&Chosen>,
         more: &[Layer<'_>],
     ) -> Result<Job, JobError> {
@@ -147,17 +169,16 @@ impl Project {
     }
 }
 
-fn job_model(model: &ProjectModel, files: &ModelFiles) -> Result<JobModel, JobError> {
+fn job_model(model: &ProjectModel, files: &impl Files) -> Result<JobModel, JobError> {
     let refuse = |problem: &str| Err(wrong(Some(model.file.clone()), problem));
-    let Some(file) = files.get(&model.file) else {
-        let known = files.keys().map(String::as_str).collect::<Vec<_>>().join(", ");
+    let Some((source, objects)) = files.find(&model.file) else {
+        let known = files.names().join(", ");
         let known = if known.is_empty() { "none".to_owned() } else { known };
         return refuse(&format!("there is no such file among the models; there are: {known}"));
     };
-    if let Some(object) = model.object.filter(|&object| object >= file.objects().len()) {
-        let count = file.objects().len();
+    if let Some(object) = model.object.filter(|&object| object >= objects) {
         return refuse(&format!(
-            "there is no object {object} in the file, which has {count}; they count from 0"
+            "there is no object {object} in the file, which has {objects}; they count from 0"
         ));
     }
     if model.scale.iter().any(|factor| !factor.is_finite() || *factor == 0.0) {
@@ -185,7 +206,7 @@ fn job_model(model: &ProjectModel, files: &ModelFiles) -> Result<JobModel, JobEr
         transform: Transform { scale: model.scale, rotate_deg: model.rotate_deg },
         at_mm: model.at_mm,
         copies: model.copies,
-        ..JobModel::new(Arc::clone(file))
+        ..JobModel::new(source)
     })
 }
 

@@ -3,7 +3,7 @@
 use serde::Serialize;
 
 use crate::job::ModelFile;
-use crate::mesh;
+use crate::mesh::{self, UnitHint};
 
 /// A file that was added.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -37,17 +37,6 @@ pub struct AddedObject {
     pub hint: Option<UnitHint>,
 }
 
-/// A unit that a model was probably made in.
-#[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct UnitHint {
-    /// Its name.
-    pub unit: &'static str,
-    /// What it must be scaled by.
-    pub factor: f64,
-    /// The same in words.
-    pub text: String,
-}
-
 impl Added {
     pub(super) fn of(file: &ModelFile) -> Self {
         let objects = file.objects().iter().map(AddedObject::of).collect();
@@ -61,11 +50,6 @@ impl AddedObject {
         let [low, high] = model.mesh.bounds();
         let place = model.positions.first().copied().unwrap_or_default();
         let size_mm = [0, 1, 2].map(|i| high[i] - low[i]);
-        let hint = mesh::unit(size_mm, report.volume_mm3).map(|(_, unit, factor)| UnitHint {
-            unit,
-            factor,
-            text: format!("if it was made in {unit}, scale it by {factor}"),
-        });
         Self {
             name: model.name.clone(),
             size_mm,
@@ -78,7 +62,7 @@ impl AddedObject {
             ],
             repairs: report.repairs().iter().map(ToString::to_string).collect(),
             warnings: report.warnings.clone(),
-            hint,
+            hint: UnitHint::of(size_mm, report.volume_mm3),
         }
     }
 }

@@ -141,7 +141,7 @@ pub(super) fn standing(
     let has_positions = job.models.iter().any(|model| model.at_mm.is_some());
     if has_positions {
         let (plate, faults) = Pipeline.placed(job, settings, observer).ok()?;
-        return Some(Placed::of(revision, &plate, models, &faults));
+        return Some(Placed::of(revision, &plate, models, &faults, settings));
     }
     let mut rows = Rows::new(settings);
     let (mut standing, mut numbers) = (Vec::new(), Vec::new());
@@ -155,7 +155,7 @@ pub(super) fn standing(
     }
     let job = Job { models: standing, translate_mm: [0.0; 3], ..job.clone() };
     let (plate, faults) = Pipeline.placed(&job, settings, observer).ok()?;
-    Some(Placed::of(revision, &plate, &numbers, &faults))
+    Some(Placed::of(revision, &plate, &numbers, &faults, settings))
 }
 
 /// Extents of a file's layout.

@@ -20,7 +20,7 @@ mod slicing;
 mod state;
 mod work;
 
-pub use added::{Added, AddedObject, UnitHint};
+pub use added::{Added, AddedObject};
 pub use event::{Before, Done, Event, Failed, Fault, FaultKind, Progress, Walls};
 pub use options::{Failure, Options, Spawn};
 pub use placed::{Placed, PlacedObject};

@@ -2,7 +2,9 @@
 
 use serde::Serialize;
 
+use crate::pipeline;
 use crate::plate::{PlacementError, Plate};
+use crate::profile::Settings;
 
 /// Where everything stands, and what does not fit.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -32,6 +34,9 @@ pub struct PlacedObject {
     pub rotate_z_deg: u32,
     /// Extents of its box, millimetres.
     pub size_mm: [f64; 3],
+    /// Where objects are printed one after the other: how many come before it.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub before: Option<usize>,
     /// Whether it can be printed there.
     pub fits: bool,
     /// Why not.
@@ -48,22 +53,25 @@ impl Placed {
         plate: &Plate,
         models: &[(usize, usize)],
         faults: &[(usize, PlacementError)],
+        settings: &Settings,
     ) -> Self {
+        let turns = pipeline::turns(plate, settings);
         let mut objects: Vec<PlacedObject> = Vec::with_capacity(plate.objects.len());
         for (index, object) in plate.objects.iter().enumerate() {
             let [low, high] = plate.meshes[object.mesh].bounds();
             let fault = faults.iter().find(|(number, _)| *number == index);
             let (model, copy) = models.get(object.model).copied().unwrap_or_default();
             let copy = copy + object.copy;
-            let before = objects.iter().filter(|o| (o.model, o.copy) == (model, copy)).count();
+            let known = objects.iter().filter(|o| (o.model, o.copy) == (model, copy)).count();
             objects.push(PlacedObject {
                 model,
                 copy,
-                object: before,
+                object: known,
                 name: object.name.clone(),
                 at_mm: object.at_mm,
                 rotate_z_deg: 90 * (object.quarters % 4),
                 size_mm: [0, 1, 2].map(|i| high[i] - low[i]),
+                before: turns.as_ref().map(|turns| turns[index]),
                 fits: fault.is_none(),
                 reason: fault.map(|(_, error)| error.to_string()),
             });

@@ -46,7 +46,7 @@ impl Slicing<'_> {
         paced.tell("sections", 0, 0);
         let on_stage = |stage: Stage<'_>| match stage {
             Stage::Placed(plate) => {
-                tell(Step::Placed(Placed::of(self.revision, plate, &self.models(), &[])));
+                tell(Step::Placed(Placed::of(self.revision, plate, &self.models(), &[], self.settings)));
             }
             Stage::Walls(done, of) => paced.tell("paths", done, of),
             Stage::WallsDone(layers) => {

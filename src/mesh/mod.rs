@@ -22,11 +22,10 @@ pub use repair::Doubt;
 pub use report::{MeshReport, Repair};
 pub use surface::Mesh;
 pub use transform::{Transform, TransformError};
-pub use units::{UNITS, UnitHint, unit_hint};
+pub use units::{UNITS, UnitHint};
 
 pub(crate) use edges::NO_TWIN;
 pub(crate) use measure::facet_measures;
 pub(crate) use package::{PackageItem, PackageObject, write_package};
 pub(crate) use read::{Parts, load_watched, objects_watched};
 pub(crate) use transform::quarter_turned;
-pub(crate) use units::unit;

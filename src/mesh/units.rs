@@ -2,6 +2,8 @@
 
 use std::path::Path;
 
+use serde::Serialize;
+
 use super::error::MeshError;
 use super::surface::Mesh;
 use super::transform::Transform;
@@ -10,24 +12,28 @@ use super::weld::{FARTHEST, LIMIT_MM};
 /// Units of models by their names, with the factor that makes them millimetres.
 pub const UNITS: [(&str, f64); 5] = [("mm", 1.0), ("inch", 25.4), ("m", 1000.0), ("cm", 10.0), ("um", 1e-3)];
 
-/// Units that programs export in: name, in words, and the factor that makes them millimetres.
-const FOREIGN: [(&str, &str, f64); 4] = [
-    ("inch", "inches", 25.4),
-    ("m", "metres", 1000.0),
-    ("cm", "centimetres", 10.0),
-    ("um", "micrometres", 1e-3),
-];
-
-/// A size that points to another unit than millimetres.
-#[derive(Clone, Debug, PartialEq)]
+/// A unit that a model was probably made in, as its size says.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct UnitHint {
     /// The unit, as `--unit` takes it: `inch`, `m`, `cm` or `um`.
     pub unit: &'static str,
+    /// The same in words: `inches`.
+    pub words: &'static str,
     /// What makes it millimetres.
     pub factor: f64,
-    /// The size, the unit and the remedy in words.
-    pub text: String,
 }
+
+const fn foreign(unit: &'static str, words: &'static str, factor: f64) -> UnitHint {
+    UnitHint { unit, words, factor }
+}
+
+/// Units that programs export in.
+const FOREIGN: [UnitHint; 4] = [
+    foreign("inch", "inches", 25.4),
+    foreign("m", "metres", 1000.0),
+    foreign("cm", "centimetres", 10.0),
+    foreign("um", "micrometres", 1e-3),
+];
 
 /// The length of most parts, on a logarithmic scale, mm.
 const USUAL_MM: f64 = 50.0;
@@ -41,34 +47,33 @@ const SLENDER_MM: f64 = 12.0;
 /// Or a sheet.
 const THIN_MM: f64 = 0.2;
 
-/// The unit that a model of this size was probably made in, and the factor that makes it millimetres; `None` if it is
-/// millimetres.
-pub(crate) fn unit(size_mm: [f64; 3], volume_mm3: f64) -> Option<(&'static str, &'static str, f64)> {
-    let longest_mm = size_mm.into_iter().fold(0.0, f64::max);
-    if longest_mm == 0.0 {
-        return None;
+impl UnitHint {
+    /// The unit that a model of this size was probably made in; `None` if it is millimetres.
+    pub fn of(size_mm: [f64; 3], volume_mm3: f64) -> Option<Self> {
+        let longest_mm = size_mm.into_iter().fold(0.0, f64::max);
+        if longest_mm == 0.0 {
+            return None;
+        }
+        if (RARE_MM[0]..=RARE_MM[1]).contains(&longest_mm) {
+            let thinnest_mm = size_mm.into_iter().fold(f64::INFINITY, f64::min);
+            let little = volume_mm3.abs() < LITTLE_MM3 && longest_mm < SLENDER_MM && thinnest_mm > THIN_MM;
+            let tiny = longest_mm < SHORT_MM || little;
+            return tiny.then_some(FOREIGN[0]);
+        }
+        let distance = |unit: &Self| (longest_mm * unit.factor / USUAL_MM).ln().abs();
+        FOREIGN.into_iter().min_by(|a, b| distance(a).total_cmp(&distance(b)))
     }
-    if (RARE_MM[0]..=RARE_MM[1]).contains(&longest_mm) {
-        let thinnest_mm = size_mm.into_iter().fold(f64::INFINITY, f64::min);
-        let little = volume_mm3.abs() < LITTLE_MM3 && longest_mm < SLENDER_MM && thinnest_mm > THIN_MM;
-        let tiny = longest_mm < SHORT_MM || little;
-        return tiny.then_some(FOREIGN[0]);
-    }
-    let distance = |factor: f64| (longest_mm * factor / USUAL_MM).ln().abs();
-    FOREIGN.into_iter().min_by(|a, b| distance(a.2).total_cmp(&distance(b.2)))
-}
 
-/// The size in words, and the unit that it points to with the option that fixes it; `None` where the size is usual. `scale`
-/// is what the model was scaled by.
-pub fn unit_hint(size_mm: [f64; 3], volume_mm3: f64, scale: [f64; 3]) -> Option<UnitHint> {
-    let (unit, in_words_of_it, factor) = unit(size_mm, volume_mm3)?;
-    let option = match scale {
-        [1.0, 1.0, 1.0] => format!("use --unit {unit}"),
-        [x, y, z] if x == y && y == z => format!("use --scale {}", x * factor),
-        _ => format!("scale it {factor} times as much"),
-    };
-    let text = format!("it is {}; if it was made in {in_words_of_it}, {option}", in_words(size_mm));
-    Some(UnitHint { unit, factor, text })
+    /// The size of a model that was scaled by `scale`, the unit and the option that mends it.
+    pub fn told(&self, size_mm: [f64; 3], scale: [f64; 3]) -> String {
+        let Self { unit, words, factor } = self;
+        let option = match scale {
+            [1.0, 1.0, 1.0] => format!("use --unit {unit}"),
+            [x, y, z] if x == y && y == z => format!("use --scale {}", x * factor),
+            _ => format!("scale it {factor} times as much"),
+        };
+        format!("it is {}; if it was made in {words}, {option}", in_words(size_mm))
+    }
 }
 
 /// A size, with as many decimals as it takes.
@@ -136,7 +141,7 @@ pub(super) fn too_large(path: &Path, mesh: &Mesh, scale: [f64; 3]) -> MeshError 
         let rest = [0, 1, 2].map(|i| rest[i] * scale[i].abs());
         return MeshError::Stray { path, count, rest: in_words(rest) };
     }
-    let hint = unit_hint(size, f64::INFINITY, scale).map(|hint| hint.text);
+    let hint = UnitHint::of(size, f64::INFINITY).map(|hint| hint.told(size, scale));
     let hint = hint.unwrap_or_else(|| format!("it is {}", in_words(size)));
     MeshError::TooLong { path, hint }
 }
@@ -170,7 +175,7 @@ mod tests {
     #[test]
     fn small_parts_are_in_millimetres_and_smaller_ones_in_inches() {
         let unit_of = |size: [f64; 3], share: f64| {
-            unit(size, share * size.iter().product::<f64>()).map(|(_, unit, _)| unit)
+            UnitHint::of(size, share * size.iter().product::<f64>()).map(|hint| hint.words)
         };
         assert_eq!(unit_of([5.5, 6.4, 2.4], 0.6), None, "an M3 nut");
         assert_eq!(unit_of([5.0; 3], 1.0), None, "a cube");

@@ -31,6 +31,7 @@ use crate::report::{ModelInfo, PaperRow, Reordered, Summary};
 use crate::source::Source;
 
 pub use kept::PrintLayer;
+pub(crate) use rounds::turns;
 pub(crate) use staged::{Live, Stage, StageCache};
 
 use print::Besides;

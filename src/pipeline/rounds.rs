@@ -181,17 +181,50 @@ fn names(plate: &Plate, objects: &[usize]) -> String {
     names.join(" + ")
 }
 
-/// Bodies from the lowest to the highest, so that the gantry has to pass over as little as possible; of equally high ones
-/// the nearest comes next.
+/// Bodies in the order in which they are printed.
 ///
 /// # Errors
 /// One that the gantry would strike while the next is printed.
 fn order(plate: &Plate, bodies: Vec<Vec<usize>>, settings: &Settings) -> Result<Vec<Vec<usize>>, JobError> {
+    let order = sorted(plate, bodies, settings);
+    let limit_mm = settings.print.clearance_height.0;
+    let raft_mm = f64::from(settings.raft.layers) * settings.layer.height.0;
+    let struck = order.windows(2).find(|pair| height_mm(plate, &pair[0]) + raft_mm > limit_mm);
+    match struck {
+        None => Ok(order),
+        Some(pair) => Err(JobError::DoesNotFit(FitError::Gantry {
+            object: names(plate, &pair[0]),
+            height_mm: height_mm(plate, &pair[0]) + raft_mm,
+            next: names(plate, &pair[1]),
+            limit_mm,
+        })),
+    }
+}
+
+/// In which turn each object of a plate is printed, counted from 0; `None`: all are printed together.
+pub(crate) fn turns(plate: &Plate, settings: &Settings) -> Option<Vec<usize>> {
+    let bodies = bodies(plate);
+    if settings.print.sequence == Sequence::Layer || bodies.len() < 2 {
+        return None;
+    }
+    let mut turns = vec![0; plate.objects.len()];
+    for (turn, body) in sorted(plate, bodies, settings).iter().enumerate() {
+        body.iter().for_each(|&object| turns[object] = turn);
+    }
+    Some(turns)
+}
+
+fn height_mm(plate: &Plate, body: &[usize]) -> f64 {
     let top_mm = |object: usize| plate.meshes[plate.objects[object].mesh].bounds()[1][2];
-    let height_mm = |body: &[usize]| body.iter().map(|&object| top_mm(object)).fold(0.0, f64::max);
+    body.iter().map(|&object| top_mm(object)).fold(0.0, f64::max)
+}
+
+/// From the lowest to the highest, so that the gantry has to pass over as little as possible; of equally high ones the
+/// nearest comes next.
+fn sorted(plate: &Plate, bodies: Vec<Vec<usize>>, settings: &Settings) -> Vec<Vec<usize>> {
     let offset = |body: &[usize]| body.first().map_or(Point::default(), |&first| plate.objects[first].offset);
     // Heights that differ by less than a layer are equal.
-    let step = |body: &[usize]| (height_mm(body) / settings.layer.height.0).round() as i64;
+    let step = |body: &[usize]| (height_mm(plate, body) / settings.layer.height.0).round() as i64;
     let mut left = bodies;
     let mut order: Vec<Vec<usize>> = Vec::with_capacity(left.len());
     while !left.is_empty() {
@@ -202,16 +235,5 @@ fn order(plate: &Plate, bodies: Vec<Vec<usize>>, settings: &Settings) -> Result<
         let next = left.iter().enumerate().min_by_key(key).map_or(0, |(index, _)| index);
         order.push(left.remove(next));
     }
-    let limit_mm = settings.print.clearance_height.0;
-    let raft_mm = f64::from(settings.raft.layers) * settings.layer.height.0;
-    let struck = order.windows(2).find(|pair| height_mm(&pair[0]) + raft_mm > limit_mm);
-    match struck {
-        None => Ok(order),
-        Some(pair) => Err(JobError::DoesNotFit(FitError::Gantry {
-            object: names(plate, &pair[0]),
-            height_mm: height_mm(&pair[0]) + raft_mm,
-            next: names(plate, &pair[1]),
-            limit_mm,
-        })),
-    }
+    order
 }

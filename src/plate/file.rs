@@ -79,12 +79,14 @@ impl Model {
             reports.push(report);
         }
         let size_mm = [0, 1, 2].map(|i| high[i] - low[i]);
-        let unit = units::unit_hint(size_mm, volume_mm3, transform.scale);
+        let unit = UnitHint::of(size_mm, volume_mm3);
         Ok(Self {
             layout: Layout::new(name_of(path), items, copies),
             reports,
             first_box: first_box.unwrap_or_default(),
-            hint: unit.as_ref().map(|hint| format!("{}: {}", path.display(), hint.text)),
+            hint: unit
+                .as_ref()
+                .map(|hint| format!("{}: {}", path.display(), hint.told(size_mm, transform.scale))),
             unit,
             names: [
                 name_of(path),

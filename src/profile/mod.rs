@@ -31,7 +31,7 @@ pub use resolve::{Override, Resolved, resolve, resolve_presets};
 pub use schema::{field, keys};
 pub use script::{Moment, PLACEHOLDERS, PRINT_NAMES, ScriptRun, WholePrint, expand};
 pub use settings::{SECTIONS, Settings};
-pub use source::text;
+pub use source::{converted, text};
 
 pub use crate::estimate::MachineSettings;
 pub use crate::gcode::{Flavor, GcodeSettings, PrinterSettings, thumbnail_list};

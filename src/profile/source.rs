@@ -283,6 +283,16 @@ pub fn text(name_or_path: &str) -> Result<String, String> {
     locate(name_or_path, Path::new("")).map(|found| found.text)
 }
 
+/// The text of another slicer's configuration (`.ini`) as a profile of ours; `name`: what it is called.
+///
+/// # Errors
+/// It holds no configuration, or several presets of one kind.
+pub fn converted(name: &str, ini: &str) -> Result<String, String> {
+    let lines: Vec<String> = ini.lines().map(str::to_owned).collect();
+    let config = Config::parse(&lines).map_err(|problem| format!("{name}: {problem}"))?;
+    Ok(import::as_profile(name, &Import::of(&config)))
+}
+
 /// `or`: what else would do.
 fn unknown_profile(name: &str, or: &str) -> String {
     let names = EMBEDDED.iter().map(|profile| profile.name);

@@ -8,56 +8,15 @@ use std::time::Duration;
 
 use axum::body::{Body, Bytes, HttpBody};
 use axum::extract::{Request, State};
-use axum::http::StatusCode;
 use axum::middleware::Next;
 use axum::response::{IntoResponse, Response};
 use http_body_util::BodyExt;
 use hyper::body::{Frame, SizeHint};
 use tokio::time::{Instant, Sleep, sleep_until};
 
-use super::error::{ApiError, ErrorKind};
-use super::limits::shown;
+use super::error::ApiError;
+use super::refused::{PACE_BYTES_PER_S, Refused};
 use super::shared::Shared;
-
-/// Beyond the time for a body of any size, there is a second more for this many bytes.
-const PACE_BYTES_PER_S: u64 = 16 << 10;
-
-/// Why a body is not read to its end.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
-pub enum Refused {
-    /// It has more than this many bytes.
-    #[error("the request is larger than {}, which this server takes at most (--max-upload)", shown(*most))]
-    TooLarge {
-        /// The limit.
-        most: u64,
-    },
-    /// It comes slower than any network.
-    #[error("the request came too slowly: {} KiB a second are expected (--max-body-time)", PACE_BYTES_PER_S >> 10)]
-    TooSlow,
-}
-
-impl Refused {
-    /// The one that caused an error, if one did.
-    pub fn behind(error: &(dyn Error + 'static)) -> Option<Self> {
-        let mut next = Some(error);
-        while let Some(error) = next {
-            if let Some(refused) = error.downcast_ref::<Self>() {
-                return Some(*refused);
-            }
-            next = error.source();
-        }
-        None
-    }
-}
-
-impl From<Refused> for ApiError {
-    fn from(refused: Refused) -> Self {
-        match refused {
-            Refused::TooLarge { .. } => Self::too_large(refused),
-            Refused::TooSlow => Self::new(StatusCode::REQUEST_TIMEOUT, ErrorKind::Limit, refused),
-        }
-    }
-}
 
 /// Refuses bodies that say that they are too large, and watches the others.
 pub async fn guarded(State(shared): State<Arc<Shared>>, request: Request, next: Next) -> Response {

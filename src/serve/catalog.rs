@@ -1,29 +1,34 @@
 //! What there is to choose from: settings, profiles, printers.
 
-use std::collections::BTreeSet;
 use std::sync::{Arc, OnceLock};
 
+use axum::body::Body;
 use axum::extract::State;
+use axum::http::header;
+use axum::response::{IntoResponse, Response};
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 use utoipa::{IntoParams, ToSchema};
 use utoipa_axum::router::OpenApiRouter;
 use utoipa_axum::routes;
 
+use super::body::whole;
+use super::description::Common;
 use super::error::{ApiError, ErrorKind};
 use super::extract::{Json, Path, Query};
-use super::router::Common;
+use super::printers::Printer;
 use super::shared::Shared;
 use crate::job::ObjectSettings;
 use crate::options::{Field, Kind};
-use crate::presets::{self, Library, PresetError, PrinterFacts};
-use crate::profile::{EMBEDDED, SECTIONS, Settings};
+use crate::presets::{self, PresetError};
+use crate::profile::{self, EMBEDDED, SECTIONS, Settings};
 
 /// The routes.
 pub fn router(shared: Arc<Shared>) -> OpenApiRouter {
     OpenApiRouter::new()
         .routes(routes!(schema))
         .routes(routes!(profiles))
+        .routes(routes!(convert))
         .routes(routes!(printers))
         .routes(routes!(printer))
         .with_state(shared)
@@ -177,64 +182,33 @@ async fn profiles() -> Json<Vec<Profile>> {
     Json(profiles.collect())
 }
 
-/// A printer of the presets.
-#[derive(Clone, Debug, Serialize, ToSchema)]
-pub struct Printer {
-    /// By which it is chosen.
+/// What a configuration is called.
+#[derive(Debug, Deserialize, IntoParams)]
+#[serde(deny_unknown_fields)]
+#[into_params(parameter_in = Query)]
+struct Named {
+    /// Name of its file.
     name: String,
-    /// Whose presets they are.
-    slicer: &'static str,
-    /// Made by a user, not by a vendor.
-    user: bool,
-    /// Width and depth of the bed.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    bed_mm: Option<[f64; 2]>,
-    /// Height of the printer.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    height_mm: Option<f64>,
-    /// Diameter of the nozzle.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    nozzle_mm: Option<f64>,
-    /// As the slicer calls it.
-    firmware: String,
-    /// Name of the file that it is from.
-    from: String,
-    /// Why it cannot be used, if so.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    problem: Option<String>,
 }
 
-/// The printers of the presets, listed when they are asked for first.
-#[derive(Debug, Default)]
-pub struct Printers(OnceLock<Vec<Printer>>);
-
-impl Printers {
-    fn of(&self, library: &Library) -> &[Printer] {
-        self.0.get_or_init(|| {
-            let mut seen = BTreeSet::new();
-            let mut listed = library.listed(presets::Kind::Printer);
-            listed.retain(|printer| seen.insert(printer.name.clone()));
-            listed.sort_by_key(|printer| printer.name.to_lowercase());
-            listed.into_iter().map(|printer| listed_printer(library, printer)).collect()
-        })
-    }
-}
-
-fn listed_printer(library: &Library, printer: &presets::Listed) -> Printer {
-    let config = library.preset(presets::Kind::Printer, &printer.name);
-    let facts = config.as_ref().map(PrinterFacts::of).unwrap_or_default();
-    Printer {
-        name: printer.name.clone(),
-        slicer: printer.dialect.name(),
-        user: printer.is_user,
-        bed_mm: facts.bed_mm,
-        height_mm: facts.height_mm,
-        nozzle_mm: facts.nozzle_mm,
-        firmware: facts.firmware,
-        // Folders of this machine are nobody's business.
-        from: printer.place.file.rsplit(['/', '\\']).next().unwrap_or_default().to_owned(),
-        problem: config.err().map(|error| error.to_string()),
-    }
+/// Another slicer's configuration as a profile
+///
+/// What `pathwright profiles show` prints of an `.ini` file: a profile (TOML) with where each value comes from, and what is
+/// not taken over.
+#[utoipa::path(
+    post, path = "/v1/profiles/convert", tag = "catalog", params(Named),
+    request_body(content = String, content_type = "text/plain"),
+    responses(
+        (status = 200, description = "the profile", body = String, content_type = "application/toml"),
+        (status = 422, description = "it is no configuration", body = super::error::ErrorBody),
+        Common
+    )
+)]
+async fn convert(Query(named): Query<Named>, body: Body) -> Result<Response, ApiError> {
+    let text = String::from_utf8_lossy(&whole(body).await?).into_owned();
+    let profile = aside(move || profile::converted(&named.name, &text)).await?;
+    let profile = profile.map_err(|problem| ApiError::unusable(ErrorKind::Settings, problem))?;
+    Ok(([(header::CONTENT_TYPE, "application/toml")], profile).into_response())
 }
 
 /// What to list.
@@ -265,11 +239,8 @@ async fn printers(
     }
     let words: Vec<String> = words.q.split_whitespace().map(str::to_lowercase).collect();
     let list = move || {
-        let has_all = |printer: &&Printer| {
-            let text = format!("{} {} {}", printer.name, printer.from, printer.slicer).to_lowercase();
-            words.iter().all(|word| text.contains(word))
-        };
-        shared.printers.of(&shared.presets).iter().filter(has_all).take(most).cloned().collect()
+        let printers = shared.printers.of(&shared.presets).iter();
+        printers.filter(|printer| printer.has(&words)).take(most).cloned().collect()
     };
     Ok(Json(aside(list).await?))
 }
@@ -322,7 +293,7 @@ async fn printer(
         let unusable = |error: PresetError| ApiError::unusable(ErrorKind::Settings, error);
         let chosen = library.choose(&name, choice.print.as_deref(), None).map_err(unusable)?;
         Ok(PrinterPresets {
-            printer: listed_printer(library, &chosen.printer),
+            printer: Printer::of(library, &chosen.printer),
             prints: chosen.prints,
             filaments: chosen.filaments,
             default_print: chosen.print.name,

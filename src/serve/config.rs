@@ -3,8 +3,8 @@
 use std::net::SocketAddr;
 use std::path::PathBuf;
 
-use super::auth::Tokens;
 use super::limits::Limits;
+use super::tokens::Tokens;
 use crate::presets::Library;
 
 /// Certificate and key, as PEM.

@@ -7,8 +7,8 @@ use axum::http::header::{self, HeaderValue};
 use axum::response::{IntoResponse, Response};
 use serde::Serialize;
 
-use super::body::Refused;
 use super::error::{ApiError, ErrorKind};
+use super::refused::Refused;
 
 /// A body of JSON.
 #[derive(Clone, Copy, Debug, Default, FromRequest)]

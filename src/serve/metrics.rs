@@ -1,13 +1,9 @@
 //! Figures for Prometheus.
 
 use std::fmt;
-use std::sync::Arc;
-use std::time::Instant;
+use std::time::Duration;
 
-use axum::extract::{MatchedPath, Request, State};
-use axum::http::header;
-use axum::middleware::Next;
-use axum::response::{IntoResponse, Response};
+use axum::http::StatusCode;
 use prometheus_client::encoding::EncodeLabelSet;
 use prometheus_client::encoding::text::encode;
 use prometheus_client::metrics::counter::Counter;
@@ -15,9 +11,6 @@ use prometheus_client::metrics::family::Family;
 use prometheus_client::metrics::gauge::Gauge;
 use prometheus_client::metrics::histogram::Histogram;
 use prometheus_client::registry::{Registry, Unit};
-
-use super::error::ApiError;
-use super::shared::Shared;
 
 /// Figures for Prometheus.
 pub struct Metrics {
@@ -104,39 +97,26 @@ impl Default for Metrics {
     }
 }
 
-/// Counts requests and measures how long they take.
-pub async fn counted(State(shared): State<Arc<Shared>>, request: Request, next: Next) -> Response {
-    let begun = Instant::now();
-    let path = request.extensions().get::<MatchedPath>().map(|path| path.as_str().to_owned());
-    // Methods that do not exist would make a label each.
-    let known = ["GET", "POST", "PUT", "DELETE", "HEAD", "OPTIONS"];
-    let method = known.into_iter().find(|known| *known == request.method().as_str());
-    let response = next.run(request).await;
-    let labels = RequestLabels {
-        method: method.unwrap_or("other").to_owned(),
-        path: path.unwrap_or_else(|| "other".into()),
-        status: u32::from(response.status().as_u16()),
-    };
-    shared.metrics.requests.get_or_create(&labels).inc();
-    shared.metrics.seconds.observe(begun.elapsed().as_secs_f64());
-    response
-}
+impl Metrics {
+    /// Counts a request; `None` is a method or a path that there is not.
+    pub fn answered(&self, method: Option<&str>, path: Option<String>, status: StatusCode, took: Duration) {
+        let labels = RequestLabels {
+            method: method.unwrap_or("other").to_owned(),
+            path: path.unwrap_or_else(|| "other".into()),
+            status: u32::from(status.as_u16()),
+        };
+        self.requests.get_or_create(&labels).inc();
+        self.seconds.observe(took.as_secs_f64());
+    }
 
-/// Figures for Prometheus
-///
-/// Requests, jobs, runs, streams, bytes, in the text format of OpenMetrics.
-#[utoipa::path(
-    get, path = "/metrics", tag = "service",
-    responses(
-        (status = 200, description = "the figures", content_type = "application/openmetrics-text", body = String),
-        super::router::Common
-    )
-)]
-pub async fn metrics(State(shared): State<Arc<Shared>>) -> Result<Response, ApiError> {
-    let metrics = &shared.metrics;
-    metrics.streams.set(i64::try_from(shared.streams.count()).unwrap_or(i64::MAX));
-    let mut text = String::new();
-    encode(&mut text, &metrics.registry).map_err(ApiError::internal)?;
-    let kind = "application/openmetrics-text; version=1.0.0; charset=utf-8";
-    Ok(([(header::CONTENT_TYPE, kind)], text).into_response())
+    /// All figures, in the text format of OpenMetrics.
+    ///
+    /// # Errors
+    /// None that is known.
+    pub fn text(&self, streams: usize) -> Result<String, fmt::Error> {
+        self.streams.set(i64::try_from(streams).unwrap_or(i64::MAX));
+        let mut text = String::new();
+        encode(&mut text, &self.registry)?;
+        Ok(text)
+    }
 }

@@ -14,7 +14,7 @@ macro_rules! files {
 
 /// All but the parts that it shares with the page of `pathwright view`.
 const FILES: &[(&str, &str)] = files![
-    "app.js" "connection.js" "desk.js" "engine.js" "geometry.js" "icon.svg" "project.js"
+    "app.js" "connection.js" "desk.js" "engine.js" "geometry.js" "icon.svg" "memory.js" "project.js"
     "css/centre.css" "css/page.css" "css/panels.css"
     "plate/draw.js" "plate/gizmo.js" "plate/instances.js" "plate/pointer.js" "plate/shaders.js" "plate/view.js"
     "preview/compare.js" "preview/follow.js" "preview/preview.js" "preview/stops.js" "preview/worker.js"

@@ -1,7 +1,6 @@
 //! Everything there is, and what every request passes.
 
 use std::any::Any;
-use std::collections::BTreeMap;
 use std::sync::Arc;
 
 use axum::Router;
@@ -10,16 +9,15 @@ use axum::middleware::from_fn_with_state;
 use axum::response::{IntoResponse, Response};
 use axum::routing::get;
 use tower_http::catch_panic::CatchPanicLayer;
-use utoipa::openapi::security::{HttpAuthScheme, HttpBuilder, SecurityScheme};
-use utoipa::openapi::{Content, Ref, RefOr, ResponseBuilder, response};
-use utoipa::{IntoResponses, Modify, OpenApi};
+use utoipa::OpenApi;
 use utoipa_axum::router::OpenApiRouter;
 use utoipa_axum::routes;
 
+use super::description::Schemes;
 use super::error::{ApiError, ErrorBody, ErrorKind, Problem};
 use super::jobs::{self, Jobs};
 use super::shared::Shared;
-use super::{assets, auth, body, catalog, guard, health, metrics, sessions, tools};
+use super::{assets, auth, body, catalog, guard, monitoring, sessions, tools};
 
 /// The description of the service: what is not said at the handlers.
 #[derive(OpenApi)]
@@ -38,50 +36,15 @@ use super::{assets, auth, body, catalog, guard, health, metrics, sessions, tools
 )]
 struct Description;
 
-struct Schemes;
-
-impl Modify for Schemes {
-    fn modify(&self, openapi: &mut utoipa::openapi::OpenApi) {
-        let token = HttpBuilder::new().scheme(HttpAuthScheme::Bearer);
-        let token =
-            token.description(Some("a line of the token file; where there is none, nothing is needed"));
-        let components = openapi.components.get_or_insert_default();
-        components.add_security_scheme("token", SecurityScheme::Http(token.build()));
-    }
-}
-
-/// Answers that any request can have.
-pub(super) struct Common;
-
-impl IntoResponses for Common {
-    fn responses() -> BTreeMap<String, RefOr<response::Response>> {
-        let all = [
-            ("400", "the request makes no sense"),
-            ("401", "no token, or a wrong one"),
-            ("403", "called by a foreign name, or from a foreign page"),
-            ("408", "the request came too slowly"),
-            ("413", "the request is larger than this server takes"),
-            ("415", "the body is of another type"),
-            ("429", "too much of this client at once"),
-            ("500", "a mistake of the program, or of its machine"),
-            ("503", "too much of all clients at once, or the server is ending"),
-        ];
-        let body = || Content::new(Some(Ref::from_schema_name("ErrorBody")));
-        let response =
-            |text: &str| ResponseBuilder::new().description(text).content("application/json", body()).build();
-        all.into_iter().map(|(status, text)| (status.to_owned(), response(text).into())).collect()
-    }
-}
-
 /// The documented interface with its description.
 fn api(shared: &Arc<Shared>, jobs: &Arc<Jobs>) -> (Router, utoipa::openapi::OpenApi) {
     let open = OpenApiRouter::new()
-        .routes(routes!(health::healthz))
-        .routes(routes!(health::readyz))
+        .routes(routes!(monitoring::healthz))
+        .routes(routes!(monitoring::readyz))
         .routes(routes!(auth::login))
         .with_state(shared.clone());
     let closed = OpenApiRouter::with_openapi(Description::openapi())
-        .merge(OpenApiRouter::new().routes(routes!(metrics::metrics)).with_state(shared.clone()))
+        .merge(OpenApiRouter::new().routes(routes!(monitoring::metrics)).with_state(shared.clone()))
         .merge(catalog::router(shared.clone()))
         .merge(jobs::router(jobs.clone()))
         .merge(tools::router(jobs.clone()))
@@ -106,7 +69,7 @@ pub(super) fn router(shared: &Arc<Shared>, jobs: &Arc<Jobs>) -> Router {
         .layer(from_fn_with_state(shared.clone(), body::guarded))
         .layer(CatchPanicLayer::custom(panicked))
         .layer(from_fn_with_state(shared.clone(), guard::guarded))
-        .layer(from_fn_with_state(shared.clone(), metrics::counted))
+        .layer(from_fn_with_state(shared.clone(), monitoring::counted))
 }
 
 async fn nowhere(uri: Uri) -> ApiError {

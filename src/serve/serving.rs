@@ -7,10 +7,10 @@ use std::sync::Arc;
 use tokio::net::TcpListener;
 use tokio::sync::watch;
 
-use super::catalog::Printers;
 use super::config::Config;
 use super::jobs::{Jobs, Runners};
 use super::metrics::Metrics;
+use super::printers::Printers;
 use super::shared::{self, Shared};
 use super::streams::Streams;
 use super::{listen, router};

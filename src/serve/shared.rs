@@ -5,11 +5,11 @@ use std::sync::Arc;
 use rayon::{ThreadPool, ThreadPoolBuilder};
 use tokio::sync::watch;
 
-use super::auth::Tokens;
-use super::catalog::Printers;
 use super::limits::Limits;
 use super::metrics::Metrics;
+use super::printers::Printers;
 use super::streams::Streams;
+use super::tokens::Tokens;
 use crate::presets::Library;
 
 /// What all parts of the service use.

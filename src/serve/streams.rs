@@ -3,9 +3,9 @@
 use std::collections::HashMap;
 use std::sync::{Arc, Mutex, PoisonError};
 
-use super::auth::Client;
 use super::error::ApiError;
 use super::limits::Limits;
+use super::tokens::Client;
 
 /// Open event streams.
 #[derive(Debug, Default)]

@@ -14,11 +14,11 @@ use utoipa::{IntoParams, ToSchema};
 use utoipa_axum::router::OpenApiRouter;
 use utoipa_axum::routes;
 
-use super::auth::Client;
+use super::description::Common;
 use super::error::{ApiError, ErrorBody};
 use super::extract::{Form, Json, Query};
 use super::jobs::{Jobs, Received, disposition, receive};
-use super::router::Common;
+use super::tokens::Client;
 use crate::api;
 use crate::job::{JobError, Project};
 use crate::mesh::{self, Mesh, Transform};
@@ -41,10 +41,12 @@ pub fn router(jobs: Arc<Jobs>) -> OpenApiRouter {
 }
 
 /// The parts of a request with G-code.
-#[derive(ToSchema)]
+#[derive(Deserialize, ToSchema)]
+#[serde(deny_unknown_fields)]
 #[allow(dead_code, reason = "described, not made")]
 struct GcodeForm {
     /// Printer and settings; models and placement in it do not count.
+    #[schema(value_type = Project, required = false)]
     project: Option<Project>,
     /// G-code as text or binary.
     #[schema(value_type = String, format = Binary)]
@@ -52,17 +54,19 @@ struct GcodeForm {
 }
 
 /// The parts of a request to check G-code.
-#[derive(ToSchema)]
+#[derive(Deserialize, ToSchema)]
+#[serde(deny_unknown_fields)]
 #[allow(dead_code, reason = "described, not made")]
 struct CheckForm {
     /// Printer and settings; models and placement in it do not count.
+    #[schema(value_type = Project, required = false)]
     project: Option<Project>,
     /// G-code as text or binary.
     #[schema(value_type = String, format = Binary)]
     gcode: String,
     /// Models that it should print, at whatever position.
-    #[schema(value_type = Option<Vec<String>>, format = Binary)]
-    model: Option<Vec<String>>,
+    #[schema(value_type = Vec<String>, format = Binary, required = false)]
+    model: Vec<String>,
 }
 
 /// What is wanted of reordering.

@@ -12,17 +12,17 @@ use tempfile::TempDir;
 use crate::chromium::Browser;
 use crate::server::Server;
 
-const READY: &str = "window.pathwright?.desk.schema && pathwright.desk.state !== 'starting'";
+pub const READY: &str = "window.pathwright?.desk.schema && pathwright.desk.state !== 'starting'";
 /// The newest change is sliced and shown.
-const SHOWN: &str = "pathwright.desk.state === 'done' && !document.querySelector('#stale:not([hidden])') \
+pub const SHOWN: &str = "pathwright.desk.state === 'done' && !document.querySelector('#stale:not([hidden])') \
     && !document.getElementById('preview').hidden";
 
-fn model(name: &str) -> PathBuf {
+pub fn model(name: &str) -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("models").join(name)
 }
 
 /// A page with a model on its plate, sliced.
-fn open(browser: &mut Browser, server: &Server, models: &[&Path]) {
+pub fn open(browser: &mut Browser, server: &Server, models: &[&Path]) {
     browser.resize(1280, 720, false);
     browser.visit(&server.address, READY);
     browser.drop_files("#plate > canvas", models);
@@ -70,7 +70,7 @@ fn by_command(browser: &mut Browser, models: &[&Path]) -> Vec<u8> {
 }
 
 /// Sets a setting by searching for it and typing.
-fn set(browser: &mut Browser, key: &str, value: &str) {
+pub fn set(browser: &mut Browser, key: &str, value: &str) {
     browser.run("pathwright.desk.doneBefore = pathwright.desk.done?.revision");
     browser.type_into("#search", key);
     browser.type_into(&format!("[data-key='{key}'] input"), value);
@@ -82,7 +82,7 @@ fn strokes(browser: &mut Browser) -> u64 {
     browser.run("pathwright.preview.prints[0].strokes").as_u64().unwrap()
 }
 
-fn no_errors(browser: &mut Browser) {
+pub fn no_errors(browser: &mut Browser) {
     assert_eq!(browser.errors(), Vec::<String>::new());
 }
 

@@ -106,6 +106,15 @@ impl Browser {
         self.wait(ready);
     }
 
+    /// Loads the page anew.
+    pub fn reload(&mut self, ready: &str) {
+        self.run("window.isOld = true");
+        self.errors.clear();
+        self.call("Page.reload", &json!({}));
+        self.wait("!window.isOld && document.readyState === 'complete'");
+        self.wait(ready);
+    }
+
     /// Waits until an expression holds.
     pub fn wait(&mut self, condition: &str) {
         let begun = Instant::now();
@@ -149,6 +158,35 @@ impl Browser {
         let event =
             json!({ "type": kind, "x": x, "y": y, "button": button, "buttons": buttons, "clickCount": 1 });
         self.call("Input.dispatchMouseEvent", &event);
+    }
+
+    /// Puts fingers on the window, moves them from place to place, and lifts them.
+    pub fn touch<const N: usize>(&mut self, places: &[[[f64; 2]; N]]) {
+        let points = |at: [[f64; 2]; N]| {
+            json!(
+                at.iter()
+                    .enumerate()
+                    .map(|(id, [x, y])| json!({ "x": x, "y": y, "id": id }))
+                    .collect::<Vec<_>>()
+            )
+        };
+        self.call(
+            "Input.dispatchTouchEvent",
+            &json!({ "type": "touchStart", "touchPoints": points(places[0]) }),
+        );
+        for pair in places.windows(2) {
+            for step in 1..=6 {
+                let part = f64::from(step) / 6.0;
+                let at = std::array::from_fn(|finger| {
+                    [0, 1].map(|i| pair[0][finger][i] + (pair[1][finger][i] - pair[0][finger][i]) * part)
+                });
+                self.call(
+                    "Input.dispatchTouchEvent",
+                    &json!({ "type": "touchMove", "touchPoints": points(at) }),
+                );
+            }
+        }
+        self.call("Input.dispatchTouchEvent", &json!({ "type": "touchEnd", "touchPoints": [] }));
     }
 
     /// Types a text in place of what a field holds, and Enter.

@@ -2,8 +2,12 @@
 //! `PATHWRIGHT_REQUIRE_BROWSER` is set: then they fail. `.ci/run` installs one and sets it.
 
 #[cfg(feature = "serve")]
+mod access;
+#[cfg(feature = "serve")]
 mod app;
 mod chromium;
+#[cfg(feature = "serve")]
+mod measure;
 mod pages;
 #[cfg(feature = "serve")]
 mod server;
@@ -45,6 +49,15 @@ fn main() -> ExitCode {
         app::two_strategies_stand_side_by_side;
         app::settings_are_found_changed_and_taken_back;
         app::it_works_on_a_tablet_in_the_dark;
+        access::a_reload_keeps_plate_and_settings;
+        access::a_service_with_tokens_asks_for_one;
+        access::fingers_move_turn_and_enlarge;
+        access::texts_are_readable_for_weak_eyes;
     });
+    #[cfg(feature = "serve")]
+    trials.push(
+        trial("measure::how_long_the_page_is_busy", measure::how_long_the_page_is_busy)
+            .with_ignored_flag(true),
+    );
     libtest_mimic::run(&Arguments::from_args(), trials).exit_code()
 }

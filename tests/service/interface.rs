@@ -43,6 +43,20 @@ fn every_setting_is_described() {
 }
 
 #[test]
+fn a_configuration_of_another_slicer_becomes_a_profile() {
+    let server = Server::new();
+    let ini = "layer_height = 0.15\nfill_density = 35%\nno_such_key = 1\n";
+    let converted = |text: &str| {
+        server.send(Request::new("POST", "/v1/profiles/convert?name=mine.ini").body("text/plain", text))
+    };
+    let profile = converted(ini).text();
+    for line in ["height = 0.15", "density = 0.35", "no_such_key"] {
+        assert!(profile.contains(line), "{line}:\n{profile}");
+    }
+    assert_eq!(converted("nothing").status, 422);
+}
+
+#[test]
 fn the_page_and_its_headers_are_there() {
     let server = Server::new();
     let page = server.get("/");

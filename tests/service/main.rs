@@ -6,3 +6,4 @@ mod interface;
 mod jobs;
 mod load;
 mod server;
+mod tls;

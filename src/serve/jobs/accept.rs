@@ -13,9 +13,9 @@ use super::record::{Job, JobView, ModelRef, Output, Work};
 use super::upload::{Received, Upload, plain_name};
 use crate::job::{ModelFile, Project, ProjectModel};
 use crate::observer::Observer;
-use crate::serve::auth::Client;
 use crate::serve::error::{ApiError, ErrorKind};
 use crate::serve::limits::shown;
+use crate::serve::tokens::Client;
 
 /// Bytes of a binary STL before its facets, and of each facet.
 const STL: (u64, u64) = (84, 50);
@@ -55,18 +55,8 @@ pub fn accept(
         )));
     }
     let resolved = project.resolve(Some(&jobs.shared.presets))?;
-    let models = files.iter().map(|file| (file.model.name.as_str(), file.model.hash.as_str()));
-    let content = json!([
-        env!("CARGO_PKG_VERSION"),
-        resolved.settings,
-        project.models,
-        project.pauses,
-        project.color_changes,
-        project.allow_floating,
-        project.certify,
-        models.collect::<BTreeSet<_>>(),
-    ]);
-    let key = hash(content.to_string().as_bytes());
+    let hashes = files.iter().map(|file| (file.model.name.clone(), file.model.hash.clone())).collect();
+    let key = project.key(&resolved.settings, &hashes, Some(&jobs.shared.presets))?;
     let ending = if resolved.settings.gcode.binary { "bgcode" } else { "gcode" };
     let first = project.models.first().map(|model| model.file.as_str()).unwrap_or_default();
     let gcode = Path::new(first).with_extension(ending).to_string_lossy().into_owned();
@@ -166,7 +156,8 @@ fn complete(project: &mut Project, files: &[Received]) -> Result<(), ApiError> {
     let mut names = BTreeSet::new();
     if let Some(twice) = files.iter().find(|file| !names.insert(file.model.name.as_str())) {
         let name = &twice.model.name;
-        return Err(ApiError::usage(format!("two files are called `{name}`; give each a name of its own")));
+        let message = format!("two files are called `{name}`; give each a name of its own");
+        return Err(ApiError::unusable(ErrorKind::Input, message));
     }
     if files.is_empty() {
         return Err(ApiError::usage("there is no model; send one or more as `model`"));

@@ -11,9 +11,9 @@ use tokio::time::sleep;
 
 use super::hub::Jobs;
 use super::record::{JobView, State};
-use crate::serve::auth::Client;
 use crate::serve::error::ApiError;
 use crate::serve::streams::StreamPermit;
+use crate::serve::tokens::Client;
 
 /// Shortest time between two events.
 const PACE: Duration = Duration::from_millis(100);

@@ -17,6 +17,13 @@ pub struct Files {
     held: Mutex<HashMap<String, usize>>,
 }
 
+/// The G-code of a result.
+pub const GCODE: &str = "gcode";
+/// Its summary.
+pub const SUMMARY: &str = "summary.json";
+/// The settings that were in force.
+pub const SETTINGS: &str = "settings.json";
+
 const INPUTS: &str = "inputs";
 const RESULTS: &str = "results";
 const TEMPORARY: &str = "tmp";

@@ -9,10 +9,10 @@ use std::time::{SystemTime, UNIX_EPOCH};
 use tokio::sync::Semaphore;
 
 use super::budget::Budget;
-use super::files::Files;
+use super::files::{Files, GCODE};
 use super::index::{Index, Turn};
 use super::record::Work;
-use super::render::Renderer;
+use super::render::{Picture, Renderer};
 use super::store::{Changes, Store};
 use crate::serve::error::ApiError;
 use crate::serve::shared::Shared;
@@ -30,7 +30,7 @@ pub struct Jobs {
     /// Memory for runs and pictures.
     pub budget: Arc<Budget>,
     /// Pictures and pages of results.
-    pub renderer: Renderer,
+    renderer: Renderer,
     /// Uploads that may be written.
     pub uploads: Arc<Semaphore>,
     store: Store,
@@ -52,7 +52,7 @@ impl Jobs {
         let files = Files::open(data).map_err(|error| failed(&error))?;
         let (store, mut records) = Store::open(&data.join("jobs.redb")).map_err(|error| failed(&error))?;
         // Files are removed after their records; what is left of them is no result.
-        records.results.retain(|(key, _)| files.result(key).join(super::run::GCODE).is_file());
+        records.results.retain(|(key, _)| files.result(key).join(GCODE).is_file());
         let mut changes = Changes::default();
         let index = Index::of(records, &shared.limits, now_s(), &mut changes);
         store.commit(&changes).map_err(|error| failed(&error))?;
@@ -157,6 +157,15 @@ impl Jobs {
     pub fn release(&self, work: &Work) {
         self.files.release(&work.project);
         work.models.iter().for_each(|model| self.files.release(&model.hash));
+    }
+
+    /// A picture of a result of so many bytes of G-code. It blocks.
+    ///
+    /// # Errors
+    /// There is no such layer; the result went away meanwhile.
+    pub fn picture(&self, result: (&str, u64), name: &str, picture: Picture) -> Result<Vec<u8>, ApiError> {
+        let room = |bytes| self.budget.take(bytes, || !self.is_stopping());
+        self.renderer.picture(&self.files, result, name, picture, room)
     }
 
     /// Does something that blocks, on a thread for such things.

@@ -5,9 +5,9 @@ use std::fs;
 use std::io::{self, Read};
 use std::sync::{Arc, Mutex, PoisonError};
 
-use super::hub::Jobs;
+use super::budget::Share;
+use super::files::{Files, GCODE, SETTINGS};
 use super::record::Output;
-use super::run::{GCODE, SETTINGS};
 use crate::gcode;
 use crate::job::JobError;
 use crate::observer::Observer;
@@ -66,8 +66,8 @@ struct Drawn {
 }
 
 impl Drawn {
-    fn read(jobs: &Jobs, key: &str) -> io::Result<Self> {
-        let folder = jobs.files.result(key);
+    fn read(files: &Files, key: &str) -> io::Result<Self> {
+        let folder = files.result(key);
         let settings = serde_json::from_slice(&fs::read(folder.join(SETTINGS))?)?;
         let mut text = Vec::new();
         gcode::open(&folder.join(GCODE))?.read_to_end(&mut text)?;
@@ -89,40 +89,42 @@ impl Drawn {
     }
 }
 
-/// A picture of a result. It blocks.
-///
-/// # Errors
-/// There is no such layer; the result went away meanwhile.
-pub fn picture(
-    jobs: &Jobs,
-    key: &str,
-    gcode_bytes: u64,
-    name: &str,
-    picture: Picture,
-) -> Result<Vec<u8>, ApiError> {
-    if let Some(contents) = picture.file().and_then(|file| fs::read(jobs.files.result(key).join(file)).ok()) {
-        return Ok(contents);
-    }
-    let renderer = &jobs.renderer;
-    let _turn = renderer.turn.lock().unwrap_or_else(PoisonError::into_inner);
-    let last = || renderer.last.lock().unwrap_or_else(PoisonError::into_inner);
-    let known = last().as_ref().filter(|(known, _)| known == key).map(|(_, drawn)| drawn.clone());
-    let _share;
-    let drawn = match known {
-        Some(drawn) => drawn,
-        None => {
-            last().take();
-            _share = jobs.budget.take(gcode_bytes * PER_BYTE, || !jobs.is_stopping());
-            let drawn = Arc::new(Drawn::read(jobs, key)?);
-            if gcode_bytes <= REMEMBERED_BYTES {
-                *last() = Some((key.to_owned(), drawn.clone()));
-            }
-            drawn
+impl Renderer {
+    /// A picture of a result of so many bytes of G-code, as `name`; `room` waits until there is memory for it. It blocks.
+    ///
+    /// # Errors
+    /// There is no such layer; the result went away meanwhile.
+    pub fn picture(
+        &self,
+        files: &Files,
+        (key, gcode_bytes): (&str, u64),
+        name: &str,
+        picture: Picture,
+        room: impl FnOnce(u64) -> Option<Share>,
+    ) -> Result<Vec<u8>, ApiError> {
+        if let Some(contents) = picture.file().and_then(|file| fs::read(files.result(key).join(file)).ok()) {
+            return Ok(contents);
         }
-    };
-    drawn.picture(name, picture).ok_or_else(|| {
-        ApiError::not_found(format!("the print has the layers 1 to {}", drawn.scene.layers.len()))
-    })
+        let _turn = self.turn.lock().unwrap_or_else(PoisonError::into_inner);
+        let last = || self.last.lock().unwrap_or_else(PoisonError::into_inner);
+        let known = last().as_ref().filter(|(known, _)| known == key).map(|(_, drawn)| drawn.clone());
+        let _share;
+        let drawn = match known {
+            Some(drawn) => drawn,
+            None => {
+                last().take();
+                _share = room(gcode_bytes * PER_BYTE);
+                let drawn = Arc::new(Drawn::read(files, key)?);
+                if gcode_bytes <= REMEMBERED_BYTES {
+                    *last() = Some((key.to_owned(), drawn.clone()));
+                }
+                drawn
+            }
+        };
+        drawn.picture(name, picture).ok_or_else(|| {
+            ApiError::not_found(format!("the print has the layers 1 to {}", drawn.scene.layers.len()))
+        })
+    }
 }
 
 /// Makes what a job wants beside its G-code.
@@ -130,14 +132,14 @@ pub fn picture(
 /// # Errors
 /// The disk is full, or the run is cancelled.
 pub fn all(
-    jobs: &Jobs,
+    files: &Files,
     key: &str,
     name: &str,
     wanted: &BTreeSet<Output>,
     observer: &Observer<'_>,
 ) -> Result<(), JobError> {
     let failed = |source| JobError::from(OutputError { path: "the result".into(), source });
-    let drawn = Drawn::read(jobs, key).map_err(failed)?;
+    let drawn = Drawn::read(files, key).map_err(failed)?;
     let mut pictures = Vec::new();
     for output in wanted {
         match output {
@@ -156,7 +158,7 @@ pub fn all(
             return Err(JobError::Cancelled);
         }
         if let (Some(contents), Some(file)) = (drawn.picture(name, picture), picture.file()) {
-            jobs.files.write_result(key, &file, &contents).map_err(failed)?;
+            files.write_result(key, &file, &contents).map_err(failed)?;
         }
     }
     Ok(())

@@ -11,14 +11,14 @@ use serde::Deserialize;
 use utoipa::IntoParams;
 
 use super::delivery::{self, Sent};
+use super::files::{GCODE, SUMMARY};
 use super::hub::Jobs;
 use super::record::{Job, Kept};
-use super::render::{self, LAYER_SIDE, Picture, THUMBNAIL_SIDE};
-use super::run::{GCODE, SUMMARY};
-use crate::serve::auth::Client;
+use super::render::{LAYER_SIDE, Picture, THUMBNAIL_SIDE};
+use crate::serve::description::Common;
 use crate::serve::error::{ApiError, ErrorBody};
 use crate::serve::extract::{Path, Query};
-use crate::serve::router::Common;
+use crate::serve::tokens::Client;
 
 /// Answers that any result can have.
 #[derive(utoipa::IntoResponses)]
@@ -184,8 +184,7 @@ async fn drawn(
     policy: &'static str,
 ) -> Result<Response, ApiError> {
     let (Job { key, name, .. }, Kept { gcode_bytes, .. }) = jobs.index().result(id, &client.0)?;
-    let contents =
-        jobs.blocking(move |jobs| render::picture(jobs, &key, gcode_bytes, &name, picture)).await?;
+    let contents = jobs.blocking(move |jobs| jobs.picture((&key, gcode_bytes), &name, picture)).await?;
     let headers: [(HeaderName, &str); 3] = [
         (header::CONTENT_TYPE, content_type),
         (header::CONTENT_SECURITY_POLICY, policy),

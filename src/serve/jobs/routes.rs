@@ -18,10 +18,10 @@ use super::record::{JobView, Output, State as JobState};
 use super::upload::receive;
 use super::{events, results};
 use crate::job::Project;
-use crate::serve::auth::Client;
+use crate::serve::description::{Common, ServerSentEvent};
 use crate::serve::error::{ApiError, ErrorBody};
 use crate::serve::extract::{Form, Json, Path, Query};
-use crate::serve::router::Common;
+use crate::serve::tokens::Client;
 
 /// Longest Idempotency-Key.
 const NAME: usize = 255;
@@ -46,13 +46,16 @@ pub fn router(jobs: Arc<Jobs>) -> OpenApiRouter {
 }
 
 /// The parts of a request for a job.
-#[derive(ToSchema)]
+#[derive(Deserialize, ToSchema)]
+#[serde(deny_unknown_fields)]
 #[allow(dead_code, reason = "described, not made")]
 struct JobForm {
     /// Presets, profiles, settings and placement; without models in it every file is one, and all are arranged.
+    #[schema(value_type = Project, required = false)]
     project: Option<Project>,
-    /// What to make with the job; everything else is made when it is asked for.
-    outputs: Option<Vec<Output>>,
+    /// What to make with the job, each as a part of its own; everything else is made when it is asked for.
+    #[schema(value_type = Vec<Output>, required = false)]
+    outputs: Vec<Output>,
     /// Files of models: STL, 3MF or OBJ.
     #[schema(value_type = Vec<String>, format = Binary, min_items = 1)]
     model: Vec<String>,
@@ -64,7 +67,7 @@ struct JobForm {
 /// the same result, which is made once.
 #[utoipa::path(
     post, path = "/v1/jobs", tag = "jobs",
-    params(("Idempotency-Key" = Option<String>, Header, description = "a request that is repeated with it is one job", max_length = 255)),
+    params(("Idempotency-Key" = Option<String>, Header, description = "a request that is repeated with it is one job", min_length = 1, max_length = 255)),
     request_body(content = JobForm, content_type = "multipart/form-data"),
     responses(
         (status = 202, description = "it is accepted", body = JobView, headers(("Location" = String, description = "where its state is"))),
@@ -139,16 +142,6 @@ async fn show(
     jobs.index().view(&id, &client.0).map(Json)
 }
 
-/// An event of a job.
-#[derive(ToSchema)]
-#[allow(dead_code, reason = "described, not made")]
-struct Event {
-    /// `job`.
-    event: String,
-    /// The job, as JSON.
-    data: String,
-}
-
 /// What happens to a job
 ///
 /// Server-sent events `job` with the job as data: at once, and whenever it is another, at most ten a second. The stream ends
@@ -157,7 +150,7 @@ struct Event {
     get, path = "/v1/jobs/{id}/events", tag = "jobs",
     params(("id" = String, Path, description = "the job")),
     responses(
-        (status = 200, description = "the events", content_type = "text/event-stream", body = Event),
+        (status = 200, description = "the events", content_type = "text/event-stream", body = ServerSentEvent),
         (status = 404, description = "there is no such job", body = ErrorBody),
         Common
     )

@@ -9,6 +9,7 @@ use std::time::Instant;
 use tempfile::TempPath;
 
 use super::accept::{extras, need_bytes};
+use super::files::{GCODE, SETTINGS, SUMMARY};
 use super::hub::Jobs;
 use super::index::Turn;
 use super::record::Kept;
@@ -20,13 +21,6 @@ use crate::pipeline::Pipeline;
 use crate::profile::{Settings, binary_metadata};
 use crate::report::Summary;
 use crate::serve::error::{ErrorKind, Problem};
-
-/// Files of a result.
-pub const GCODE: &str = "gcode";
-/// The summary.
-pub const SUMMARY: &str = "summary.json";
-/// The settings in force.
-pub const SETTINGS: &str = "settings.json";
 
 /// How a run ended.
 #[derive(Debug)]
@@ -110,7 +104,7 @@ fn made(jobs: &Jobs, turn: &Turn, observer: &Observer<'_>) -> Result<Kept, Failu
     let extras = extras(&turn.work.outputs);
     if !extras.is_empty() {
         let title = turn.work.models.first().map_or("", |model| model.name.as_str());
-        render::all(jobs, &turn.key, title, &extras, observer)?;
+        render::all(&jobs.files, &turn.key, title, &extras, observer)?;
     }
     Ok(Kept {
         file_name: summary.file_name.as_deref().and_then(|name| safe_name(name, settings.gcode.binary)),

@@ -3,6 +3,7 @@
 use axum::extract::Multipart;
 use axum::extract::multipart::{Field, MultipartError};
 use serde::de::DeserializeOwned;
+use serde_json::Value;
 use sha2::{Digest, Sha256};
 use tempfile::TempPath;
 use tokio::io::AsyncWriteExt;
@@ -10,8 +11,8 @@ use tokio::io::AsyncWriteExt;
 use super::files::{Files, hexadecimal};
 use super::record::{ModelRef, Output};
 use crate::job::Project;
-use crate::serve::body::Refused;
 use crate::serve::error::ApiError;
+use crate::serve::refused::Refused;
 
 /// Largest part that is no file, bytes.
 const TEXT_BYTES: usize = 4 << 20;
@@ -51,10 +52,8 @@ pub async fn receive(mut form: Multipart, parts: &[&'static str], files: &Files)
     while let Some(field) = form.next_field().await.map_err(|error| unread(&error))? {
         let name = field.name().unwrap_or_default().to_owned();
         match name.as_str() {
-            "project" if upload.project.is_none() => upload.project = json(&name, field).await?,
-            "outputs" if upload.outputs.is_empty() => {
-                upload.outputs = json(&name, field).await?.unwrap_or_default();
-            }
+            "project" if upload.project.is_none() => upload.project = Some(json(&name, field).await?),
+            "outputs" => upload.outputs.push(word(&name, field).await?),
             _ => {
                 let Some(part) = parts.iter().find(|part| **part == name) else {
                     let known = ["project", "outputs"].iter().chain(parts).map(|part| format!("`{part}`"));
@@ -74,8 +73,19 @@ pub async fn receive(mut form: Multipart, parts: &[&'static str], files: &Files)
     Ok(upload)
 }
 
-/// A value, or `null`, as if the part were not there.
-async fn json<T: DeserializeOwned>(name: &str, mut field: Field<'_>) -> Result<Option<T>, ApiError> {
+/// A value written as JSON.
+async fn json<T: DeserializeOwned>(name: &str, field: Field<'_>) -> Result<T, ApiError> {
+    serde_json::from_slice(&text(name, field).await?)
+        .map_err(|error| ApiError::usage(format!("`{name}`: {error}")))
+}
+
+/// One of a few words, as it is.
+async fn word<T: DeserializeOwned>(name: &str, field: Field<'_>) -> Result<T, ApiError> {
+    let word = Value::from(String::from_utf8_lossy(&text(name, field).await?));
+    serde_json::from_value(word).map_err(|error| ApiError::usage(format!("`{name}`: {error}")))
+}
+
+async fn text(name: &str, mut field: Field<'_>) -> Result<Vec<u8>, ApiError> {
     let mut text = Vec::new();
     while let Some(chunk) = field.chunk().await.map_err(|error| unread(&error))? {
         if text.len() + chunk.len() > TEXT_BYTES {
@@ -83,11 +93,15 @@ async fn json<T: DeserializeOwned>(name: &str, mut field: Field<'_>) -> Result<O
         }
         text.extend_from_slice(&chunk);
     }
-    serde_json::from_slice(&text).map_err(|error| ApiError::usage(format!("`{name}`: {error}")))
+    Ok(text)
 }
 
 async fn file(part: &'static str, mut field: Field<'_>, files: &Files) -> Result<Received, ApiError> {
-    let name = plain_name(field.file_name().unwrap_or(part));
+    let Some(name) = field.file_name().map(plain_name) else {
+        return Err(ApiError::usage(format!(
+            "`{part}` is a file and has a name, as `curl -F {part}=@part.stl` sends it"
+        )));
+    };
     let (file, path) = files.temporary()?.into_parts();
     let mut file = tokio::io::BufWriter::with_capacity(1 << 18, tokio::fs::File::from_std(file));
     let (mut hash, mut bytes) = (Sha256::new(), 0);

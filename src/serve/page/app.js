@@ -4,6 +4,7 @@ import { find } from "./view.js";
 import { Connection } from "./connection.js";
 import { Desk } from "./desk.js";
 import { Engine } from "./engine.js";
+import { Memory } from "./memory.js";
 import { unplaced, withMove, withTurn } from "./project.js";
 import { PlateView } from "./plate/view.js";
 import { Compare } from "./preview/compare.js";
@@ -24,7 +25,7 @@ import { Warnings } from "./ui/warnings.js";
 
 const desk = new Desk(), engine = new Engine();
 setTheme(localStorage.getItem("theme") ?? (matchMedia("(prefers-color-scheme: dark)").matches ? "dark" : "light"));
-const connection = new Connection(engine, desk, (message) => askToken(engine, message));
+const connection = new Connection(engine, desk, new Memory(desk), () => askToken(engine));
 const plate = new PlateView(desk, engine, find("plate"));
 const preview = new Preview();
 const transform = new Transform(desk, engine, plate);

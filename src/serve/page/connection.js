@@ -8,8 +8,8 @@ const pause = (ms) => new Promise((done) => setTimeout(done, ms));
 const RETRY_MS = [300, 700, 1500, 3000];
 
 export class Connection {
-  constructor(engine, desk, askToken) {
-    Object.assign(this, { engine, desk, askToken, sending: null, wanted: null, failures: 0 });
+  constructor(engine, desk, memory, askToken) {
+    Object.assign(this, { engine, desk, memory, askToken, sending: null, wanted: null, failures: 0 });
     desk.on("project again", () => this.send());
   }
 
@@ -33,10 +33,13 @@ export class Connection {
       [desk.schema, desk.profiles] = await Promise.all([engine.schema(), engine.profiles()]);
       desk.tell("schema");
     }
+    const kept = this.begun ? null : await this.memory.last();
+    if (kept) desk.files = kept.files;
     // A project is one file of several names.
     for (const blob of new Set([...desk.files.values()].map((file) => file.blob))) await engine.addModel(blob.name, blob);
     Object.assign(desk, { revision: 0, done: null, sent: null });
-    if (!this.begun) await this.openGiven();
+    if (kept) desk.restore(kept.project);
+    else if (!this.begun) await this.openGiven();
     this.begun = true;
   }
 
@@ -51,7 +54,7 @@ export class Connection {
   async recover(error) {
     const { engine, desk } = this;
     if (!(error instanceof EngineError)) throw error;
-    if (error.status === 401) return this.askToken(error.message);
+    if (error.status === 401) return this.askToken();
     if (error.status === 404 || error.status === 410) engine.session = null;
     // It may have been started anew and know nothing of this plate.
     desk.setState("offline", error);

@@ -81,6 +81,12 @@ export class Desk {
     this.replace(EMPTY);
   }
 
+  /** What was on the plate before the page was loaded again; there is nothing to undo. */
+  restore(project) {
+    this.history = new History(complete(project));
+    this.changed();
+  }
+
   // What is in a file.
 
   objects(model) {

@@ -23,6 +23,8 @@ export class Engine {
 
   schema = () => this.json("/v1/schema");
   profiles = () => this.json("/v1/profiles");
+  /** Another slicer's configuration as a profile of ours. */
+  convert = async (name, text) => (await this.request(`/v1/profiles/convert?name=${encodeURIComponent(name)}`, { method: "POST", body: text })).text();
   printers = (words) => this.json(`/v1/printers?q=${encodeURIComponent(words)}`);
   printer = (name) => this.json(`/v1/printers/${encodeURIComponent(name)}`);
 

@@ -5,9 +5,9 @@ use std::sync::{Arc, Mutex, MutexGuard, OnceLock, PoisonError};
 use std::time::{Duration, Instant};
 
 use crate::live::{Failure, Options, Session};
-use crate::serve::auth::Client;
 use crate::serve::error::{ApiError, ErrorKind};
 use crate::serve::shared::Shared;
+use crate::serve::tokens::Client;
 
 /// A session has at most this share of the memory for its models, and as much for what is kept between slicings.
 const SHARE: u64 = 4;

@@ -13,10 +13,10 @@ use super::hub::{Entry, Hub};
 use crate::job::Project;
 use crate::live::Results;
 use crate::profile::dump_toml;
-use crate::serve::auth::Client;
+use crate::serve::description::Common;
 use crate::serve::error::{ApiError, ErrorBody};
 use crate::serve::extract::{Json, Path};
-use crate::serve::router::Common;
+use crate::serve::tokens::Client;
 
 /// What came of a revision, if it is kept.
 fn results(hub: &Hub, client: &Client, session: &str, revision: u64) -> Result<Results, ApiError> {
@@ -46,8 +46,8 @@ fn shared_octets(bytes: Option<Arc<[u8]>>) -> Result<Response, ApiError> {
 ///
 /// `PWP1`, length of the head (32 bits, little-endian), head (JSON), strokes as the page reads them; without speeds.
 #[utoipa::path(
-    get, path = "/{s}/revisions/{revision}/walls", tag = "sessions",
-    params(("s" = String, Path, description = "the session"), ("revision" = u64, Path, description = "the revision")),
+    get, path = "/{session}/revisions/{revision}/walls", tag = "sessions",
+    params(("session" = String, Path, description = "the session"), ("revision" = u64, Path, description = "the revision")),
     responses(
         (status = 200, description = "packed strokes", body = Vec<u8>, content_type = "application/octet-stream"),
         (status = 404, description = "there is no such session or revision", body = ErrorBody),
@@ -67,8 +67,8 @@ pub async fn walls(
 ///
 /// As the walls, with everything that the G-code draws.
 #[utoipa::path(
-    get, path = "/{s}/revisions/{revision}/preview", tag = "sessions",
-    params(("s" = String, Path, description = "the session"), ("revision" = u64, Path, description = "the revision")),
+    get, path = "/{session}/revisions/{revision}/preview", tag = "sessions",
+    params(("session" = String, Path, description = "the session"), ("revision" = u64, Path, description = "the revision")),
     responses(
         (status = 200, description = "packed strokes", body = Vec<u8>, content_type = "application/octet-stream"),
         (status = 404, description = "there is no such session or revision", body = ErrorBody),
@@ -86,8 +86,8 @@ pub async fn preview(
 
 /// The G-code of a revision
 #[utoipa::path(
-    get, path = "/{s}/revisions/{revision}/gcode", tag = "sessions",
-    params(("s" = String, Path, description = "the session"), ("revision" = u64, Path, description = "the revision")),
+    get, path = "/{session}/revisions/{revision}/gcode", tag = "sessions",
+    params(("session" = String, Path, description = "the session"), ("revision" = u64, Path, description = "the revision")),
     responses(
         (status = 200, description = "the file", body = Vec<u8>, content_type = "application/octet-stream"),
         (status = 404, description = "there is no such session or revision", body = ErrorBody),
@@ -108,8 +108,8 @@ pub async fn gcode(
 
 /// The summary of a revision
 #[utoipa::path(
-    get, path = "/{s}/revisions/{revision}/summary", tag = "sessions",
-    params(("s" = String, Path, description = "the session"), ("revision" = u64, Path, description = "the revision")),
+    get, path = "/{session}/revisions/{revision}/summary", tag = "sessions",
+    params(("session" = String, Path, description = "the session"), ("revision" = u64, Path, description = "the revision")),
     responses(
         (status = 200, description = "time, filament, travel, of all layers", body = Value),
         (status = 404, description = "there is no such session or revision", body = ErrorBody),
@@ -142,7 +142,7 @@ fn disposition(name: &str) -> (HeaderName, String) {
 
 /// The project as a file
 #[utoipa::path(
-    get, path = "/{s}/project.3mf", tag = "sessions", params(("s" = String, Path, description = "the session")),
+    get, path = "/{session}/project.3mf", tag = "sessions", params(("session" = String, Path, description = "the session")),
     responses(
         (status = 200, description = "models, placement and settings, for this and other slicers", body = Vec<u8>, content_type = "model/3mf"),
         (status = 404, description = "there is no such session, or no project yet", body = ErrorBody),
@@ -164,7 +164,7 @@ pub async fn project_file(
 
 /// The settings in force as a profile
 #[utoipa::path(
-    get, path = "/{s}/profile.toml", tag = "sessions", params(("s" = String, Path, description = "the session")),
+    get, path = "/{session}/profile.toml", tag = "sessions", params(("session" = String, Path, description = "the session")),
     responses(
         (status = 200, description = "every setting, and where it comes from", body = String, content_type = "application/toml"),
         (status = 404, description = "there is no such session, or no project yet", body = ErrorBody),

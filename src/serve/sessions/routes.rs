@@ -21,12 +21,12 @@ use super::{results, stream};
 use crate::job::Project;
 use crate::live::Failure;
 use crate::observer::Observer;
-use crate::serve::auth::Client;
 use crate::serve::body::whole;
+use crate::serve::description::{Common, ServerSentEvent};
 use crate::serve::error::{ApiError, ErrorBody};
 use crate::serve::extract::{Json, Path, Query};
-use crate::serve::router::Common;
 use crate::serve::shared::Shared;
+use crate::serve::tokens::Client;
 
 /// Time between two signs of life in a stream of events.
 const ALIVE: Duration = Duration::from_secs(10);
@@ -83,7 +83,7 @@ async fn open(
 
 /// End a session
 #[utoipa::path(
-    delete, path = "/{s}", tag = "sessions", params(("s" = String, Path, description = "the session")),
+    delete, path = "/{session}", tag = "sessions", params(("session" = String, Path, description = "the session")),
     responses(
         (status = 204, description = "it is ended"),
         (status = 404, description = "there is no such session", body = ErrorBody),
@@ -112,7 +112,7 @@ struct Named {
 
 /// Add a model or a project file
 #[utoipa::path(
-    post, path = "/{s}/models", tag = "sessions", params(("s" = String, Path, description = "the session"), Named),
+    post, path = "/{session}/models", tag = "sessions", params(("session" = String, Path, description = "the session"), Named),
     request_body(content = Vec<u8>, content_type = "application/octet-stream"),
     responses(
         (status = 201, description = "what it holds", body = Value),
@@ -166,7 +166,7 @@ fn add(entry: &Entry, name: &str, bytes: &[u8]) -> Result<Value, Failure> {
 struct Which {
     /// The object, counted from 0.
     #[serde(default)]
-    #[param(minimum = 0)]
+    #[param(minimum = 0, maximum = 1_000_000)]
     object: usize,
     /// Whether all triangles are wanted.
     full: Option<String>,
@@ -177,8 +177,8 @@ struct Which {
 /// `PWM1`, numbers of vertices and triangles (32 bits, little-endian), vertices (three 32-bit floats, the middle over the
 /// origin, the lowest point at 0), triangles (three 32-bit numbers). Large ones are simplified, unless `full` is given.
 #[utoipa::path(
-    get, path = "/{s}/models/{file}/mesh", tag = "sessions",
-    params(("s" = String, Path, description = "the session"), ("file" = String, Path, description = "the model"), Which),
+    get, path = "/{session}/models/{file}/mesh", tag = "sessions",
+    params(("session" = String, Path, description = "the session"), ("file" = String, Path, description = "the model"), Which),
     responses(
         (status = 200, description = "the mesh", body = Vec<u8>, content_type = "application/octet-stream"),
         (status = 404, description = "there is no such model", body = ErrorBody),
@@ -199,8 +199,8 @@ async fn mesh(
 
 /// Faces that a model can be laid on
 #[utoipa::path(
-    get, path = "/{s}/models/{file}/faces", tag = "sessions",
-    params(("s" = String, Path, description = "the session"), ("file" = String, Path, description = "the model"), Which),
+    get, path = "/{session}/models/{file}/faces", tag = "sessions",
+    params(("session" = String, Path, description = "the session"), ("file" = String, Path, description = "the model"), Which),
     responses(
         (status = 200, description = "flat sides of its convex hull, the largest first", body = Value),
         (status = 404, description = "there is no such model", body = ErrorBody),
@@ -223,7 +223,7 @@ async fn faces(
 ///
 /// It takes the place of the project before, whose slicing ends. The events tell what comes of it.
 #[utoipa::path(
-    put, path = "/{s}/project", tag = "sessions", params(("s" = String, Path, description = "the session")),
+    put, path = "/{session}/project", tag = "sessions", params(("session" = String, Path, description = "the session")),
     request_body = Project,
     responses(
         (status = 202, description = "the number of the revision", body = Value),
@@ -248,9 +248,9 @@ async fn set_project(
 ///
 /// First everything that is known of the last revision, then everything new.
 #[utoipa::path(
-    get, path = "/{s}/events", tag = "sessions", params(("s" = String, Path, description = "the session")),
+    get, path = "/{session}/events", tag = "sessions", params(("session" = String, Path, description = "the session")),
     responses(
-        (status = 200, description = "resolved, placed, progress, walls, done, failed", body = String, content_type = "text/event-stream"),
+        (status = 200, description = "resolved, placed, progress, walls, done, failed", body = ServerSentEvent, content_type = "text/event-stream"),
         (status = 404, description = "there is no such session", body = ErrorBody),
         Common
     )
@@ -269,7 +269,7 @@ async fn events(
 
 /// Arrange all models
 #[utoipa::path(
-    post, path = "/{s}/arrange", tag = "sessions", params(("s" = String, Path, description = "the session")),
+    post, path = "/{session}/arrange", tag = "sessions", params(("session" = String, Path, description = "the session")),
     request_body = Project,
     responses(
         (status = 200, description = "the project with a position for every model", body = Project),
@@ -295,13 +295,13 @@ async fn arrange(
 #[into_params(parameter_in = Query)]
 struct Numbered {
     /// The model, counted from 0.
-    #[param(minimum = 0)]
+    #[param(minimum = 0, maximum = 1_000_000)]
     model: usize,
 }
 
 /// Turn a model so that it needs the least support
 #[utoipa::path(
-    post, path = "/{s}/orient", tag = "sessions", params(("s" = String, Path, description = "the session"), Numbered),
+    post, path = "/{session}/orient", tag = "sessions", params(("session" = String, Path, description = "the session"), Numbered),
     request_body = Project,
     responses(
         (status = 200, description = "the project with that model's rotation", body = Project),
@@ -334,7 +334,7 @@ struct Compared {
 
 /// Slice two projects, to be looked at side by side
 #[utoipa::path(
-    post, path = "/{s}/compare", tag = "sessions", params(("s" = String, Path, description = "the session")),
+    post, path = "/{session}/compare", tag = "sessions", params(("session" = String, Path, description = "the session")),
     request_body = Compared,
     responses(
         (status = 202, description = "the numbers of both revisions; their events have a `side`", body = Value),

@@ -34,7 +34,7 @@ function boxUnder(mesh, rows) {
 /**
  * Everything on the plate: `index` (of the model), `copy`, `object` (of a file whose objects stand apart), `parts` with mesh
  * and shift, `rows` (what is done to points before the shift), `turn` (of the arrangement, degrees), `at` (middle and
- * bottom), `size`, `fits`, `reason`, `role`.
+ * bottom), `size`, `before` (how many are printed before it, where they are printed in turn), `fits`, `reason`, `role`.
  */
 export function instances(desk, meshes) {
   const { project, placed, resolved } = desk, bed = resolved?.bed;
@@ -52,16 +52,16 @@ function stand(desk, meshes, model, objects) {
   const infos = desk.files.get(model.file)?.objects ?? [], numbers = model.object === undefined ? infos.map((_, i) => i) : [model.object];
   const found = numbers.map((number) => ({ mesh: meshes.get(model.file, number), from: infos[number]?.at_mm ?? [0, 0, 0] }));
   if (!found.length || found.some(({ mesh }) => !mesh)) return [];
-  const bad = objects.find((object) => !object.fits), state = { fits: !bad, reason: bad?.reason, unknown: Boolean(objects[0].unknown) };
+  const bad = objects.find((object) => !object.fits), state = { fits: !bad, reason: bad?.reason, unknown: Boolean(objects[0].unknown), before: objects[0].before };
   const turn = model.at_mm ? 0 : objects[0].rotate_z_deg, rows = rowsOf(model, turn), whole = { ...bodyOf(found, rows), ...state, turn };
   if (model.at_mm) return [shifted(whole, model.at_mm)];
   if (found.length === 1) return [shifted(whole, objects[0].at_mm)];
   const at = unionOf(objects).at_mm, group = shifted(whole, at);
   const kept = objects.length === found.length && objects.every((object, i) => group.boxes[i].every((mm, k) => Math.abs(mm + group.by[k] - object.at_mm[k]) < 0.05));
   if (kept || state.unknown) return [group];
-  return objects.filter(({ object }) => found[object]).map(({ object, at_mm, rotate_z_deg, fits, reason }) => {
+  return objects.filter(({ object }) => found[object]).map(({ object, at_mm, rotate_z_deg, before, fits, reason }) => {
     const rows = rowsOf(model, rotate_z_deg);
-    return { ...shifted(bodyOf([found[object]], rows), at_mm), object, turn: rotate_z_deg, fits, reason };
+    return { ...shifted(bodyOf([found[object]], rows), at_mm), object, turn: rotate_z_deg, before, fits, reason };
   });
 }
 

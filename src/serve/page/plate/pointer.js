@@ -43,10 +43,12 @@ export class Pointer {
   }
 
   press(at, event) {
-    const ray = this.view.ray(at), touch = REACH[event.pointerType] ?? REACH.mouse;
+    const ray = this.view.ray(at), under = event.button === 0 ? this.view.pick(ray) : null;
     this.start = at;
-    const handle = event.button === 0 && handleAt(this.view.handles ?? [], at, (point) => this.view.project(point), touch);
-    const hit = !handle && event.button === 0 ? this.view.pick(ray) : null;
+    // A finger on the object means the object, beside it the handle that is near.
+    const reach = under ? REACH.mouse : REACH[event.pointerType] ?? REACH.mouse;
+    const handle = event.button === 0 && handleAt(this.view.handles ?? [], at, (point) => this.view.project(point), reach);
+    const hit = handle ? null : under;
     if (handle) this.drag = this.begin(this.view.tool, handle, ray);
     else if (hit && this.view.tool !== "face" && this.view.desk.selection.has(hit.instance.index) && !event.shiftKey) {
       this.view.copy = hit.instance.copy;

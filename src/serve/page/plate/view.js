@@ -92,10 +92,8 @@ export class PlateView {
   /** What does not fit says why, where it is; what is dragged says its size or place. */
   label(size) {
     const bad = this.instances.filter((instance) => !instance.fits && instance.reason), texts = bad.map((instance) => [instance, instance.reason, "tag"]);
-    if (this.desk.resolved?.settings["print.sequence"] === "object") {
-      const parts = this.instances.filter((instance) => instance.role === "part").sort((a, b) => a.size[2] - b.size[2]);
-      if (parts.length > 1) texts.push(...parts.map((instance, i) => [instance, String(i + 1), "tag turn"]));
-    }
+    const inTurn = this.instances.filter((instance) => instance.before !== undefined);
+    texts.push(...inTurn.map((instance) => [instance, String(instance.before + 1), "tag turn"]));
     this.tags.replaceChildren(...texts.slice(0, 30).map(([instance, text, kind]) => {
       const [x, y] = this.camera.project(add(instance.at, [0, 0, instance.size[2]]), size.width, size.height);
       const tag = element("div", { class: kind }, text);

@@ -76,7 +76,9 @@ export class Presets {
     const [file] = input.files;
     input.value = "";
     if (!file) return;
-    const profile = await file.text();
+    const text = await file.text();
+    const profile = file.name.toLowerCase().endsWith(".ini") ? await attempt(() => this.engine.convert(file.name, text)) : text;
+    if (!profile) return;
     this.desk.change({ ...this.desk.project, profile });
     notify(`${file.name} is in force; what it sets wins over the presets.`);
   }

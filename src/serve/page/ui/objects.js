@@ -49,7 +49,7 @@ export class ObjectList {
     const { hint } = objects.find((object) => object.hint) ?? {};
     if (hint && unscaled) {
       const mend = () => desk.change(withScale(desk.project, index, model.scale.map((f) => f * hint.factor)));
-      notes.push(note(`${hint.text[0].toUpperCase()}${hint.text.slice(1)}.`, "", [`Scale by ${hint.factor} (from ${hint.unit})`, mend]));
+      notes.push(note(`Was it made in ${hint.words}?`, "", [`Scale by ${hint.factor} (from ${hint.unit})`, mend]));
     }
     if (model.object === undefined && objects.length > 1) {
       notes.push(note(`${objects.length} objects that keep their layout.`, "info", ["Split into objects", () => {
