@@ -8,6 +8,7 @@ mod model;
 mod objects;
 mod project;
 mod resolve;
+mod sources;
 
 use std::path::PathBuf;
 
@@ -24,6 +25,7 @@ pub use error::{CheckError, FitError, InputError, JobError};
 pub use model::{JobModel, ModelFile, ModelFiles, ModelSource};
 pub use objects::ObjectSettings;
 pub use project::{ModelRole, PresetNames, Project, ProjectModel};
+pub use sources::Sources;
 
 /// Models for one plate, and what to do with them.
 #[derive(Clone, Debug, Default, PartialEq)]

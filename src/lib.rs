@@ -82,6 +82,8 @@ pub mod send;
 #[cfg(feature = "serve")]
 pub mod serve;
 pub mod slice;
+#[cfg(feature = "system")]
+pub mod system;
 pub mod toolpath;
 pub mod units;
 pub mod view;
@@ -93,7 +95,9 @@ mod parallel;
 mod plan;
 mod source;
 
-pub use api::{Model, Plate, Print, Slicer, check, check_against, reorder, time};
+pub use api::{
+    Beads, Model, Plate, Print, SlicedJob, Slicer, check, check_against, reorder, reorder_as, time,
+};
 pub use geometry;
 pub use job::JobError as Error;
 pub use mesh::Mesh;

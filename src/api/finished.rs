@@ -30,10 +30,24 @@ pub fn reorder(
     settings: &Settings,
     observer: &Observer<'_>,
 ) -> Result<(Vec<u8>, Reordered), JobError> {
-    let mut output = Output::memory();
     let job = ReorderJob::default();
-    let report = Pipeline::reorder_bytes(&gcode, &job, settings, &mut output, observer)?;
-    Ok((if report.changed { output.into_bytes() } else { gcode }, report))
+    let (reordered, report) = reorder_as(&gcode, &job, settings, observer)?;
+    Ok((reordered.unwrap_or(gcode), report))
+}
+
+/// As [`reorder`], done as a job says, whose file does not count; `None` where nothing is gained.
+///
+/// # Errors
+/// As [`reorder`].
+pub fn reorder_as(
+    gcode: &[u8],
+    job: &ReorderJob,
+    settings: &Settings,
+    observer: &Observer<'_>,
+) -> Result<(Option<Vec<u8>>, Reordered), JobError> {
+    let mut output = Output::memory();
+    let report = Pipeline::reorder_bytes(gcode, job, settings, &mut output, observer)?;
+    Ok((report.changed.then(|| output.into_bytes()), report))
 }
 
 /// Finds the faults of G-code for a printer.

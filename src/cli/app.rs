@@ -52,7 +52,7 @@ pub(super) fn run(args: &AppArgs) -> Result<Exit, Failure> {
         presets: library(&args.presets)?,
         threads: args.threads,
         jobs_at_once: 1,
-        print_hosts: super::places::hosts_file(None),
+        print_hosts: crate::system::hosts_file(None),
         opened,
     };
     serve_until_interrupted(config, |address| {

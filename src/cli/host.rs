@@ -6,22 +6,23 @@ use std::time::Duration;
 
 use super::exit::{Exit, Failure, usage};
 use super::host_args::AccessArgs;
+use super::presets;
 use super::setting_args::PresetArgs;
-use super::{places, presets};
 use crate::presets::Config;
 use crate::send::{self, Activity, HostEntry, HostKind, HostState, Hosts, KeySource, Patience, Secret};
+use crate::system;
 
 /// What a host is called that a printer preset names.
 pub(super) const PRESET: &str = "preset";
 
 /// The file of hosts.
 pub(super) fn read(access: &AccessArgs) -> Result<Hosts, Failure> {
-    let path = places::hosts_file(access.hosts.as_deref()).ok_or_else(|| {
+    let path = system::hosts_file(access.hosts.as_deref()).ok_or_else(|| {
         Failure::new(
             Exit::Settings,
             format!(
                 "there is no folder for settings; name the file of hosts with --hosts or ${}",
-                places::HOSTS
+                system::HOSTS
             ),
         )
     })?;

@@ -15,9 +15,7 @@ mod host_args;
 #[cfg(feature = "send")]
 mod hosts;
 mod info;
-mod memory;
 mod pages;
-mod places;
 mod plan;
 mod presets;
 mod printers;
@@ -48,10 +46,11 @@ use crate::limits;
 use crate::observer::Observer;
 use crate::output;
 use crate::parallel;
+use crate::system;
 
 /// Runs the program with these arguments (its name first) and reports to standard output and standard error.
 pub fn run(args: impl IntoIterator<Item = OsString>, engine: &dyn Engine) -> Exit {
-    limits::watch_memory(memory::available_bytes);
+    limits::watch_memory(system::memory::available_bytes);
     let args = match Arguments::try_parse_from(args) {
         Ok(args) => args,
         Err(message) => {

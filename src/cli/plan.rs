@@ -10,14 +10,10 @@ use super::console;
 use super::exit::{Exit, Failure, usage};
 use super::given::{self, Given, What};
 use super::presets;
-use crate::job::{Job, JobModel, ModelFiles, ObjectSettings, Project};
+use crate::job::{self, Job, JobModel, ModelFiles, ObjectSettings, Project};
 use crate::mesh::{Transform, UNITS};
 use crate::output::resolve_links;
-use crate::presets::Chosen;
-use crate::profile::{
-    Layer, Origin, Override, Problem, ProfileError, Resolved, Settings, dump_toml, embedded, preset_notes,
-    resolve_layers,
-};
+use crate::profile::{Origin, Override, Problem, ProfileError, Resolved, Settings};
 use crate::slice::heights_from_lines;
 
 /// Everything that `slice` is going to do.
@@ -165,15 +161,14 @@ fn check(job: &Job, settings: &Settings) -> Result<(), Failure> {
     Ok(())
 }
 
-/// Where settings are taken from.
+/// Where settings are taken from, as the arguments name it.
 pub(super) struct Sources<'a> {
     args: &'a SettingArgs,
-    presets: Option<Chosen>,
-    /// `--set` and what is short for a setting.
-    overrides: Vec<Override>,
+    named: job::Sources,
 }
 
 impl<'a> Sources<'a> {
+    /// `shorthands`: options that are short for a setting, on top of `--set`.
     pub fn new(args: &'a SettingArgs, shorthands: Vec<Override>) -> Result<Self, Failure> {
         let typed = args.set.iter().map(|Assignment { key, value }| Override {
             key: key.clone(),
@@ -186,20 +181,13 @@ impl<'a> Sources<'a> {
             option: "--ignore-scripts",
         });
         let overrides = typed.chain(shorthands).chain(ignoring).collect();
-        Ok(Self { args, presets: presets::chosen(&args.presets)?, overrides })
+        let presets = presets::chosen(&args.presets)?;
+        Ok(Self { args, named: job::Sources { presets, profiles: args.profile.clone(), overrides } })
     }
 
     /// The settings in force, with more on top.
     pub fn resolve(&self, more: &[Override]) -> Result<Resolved, Failure> {
-        let mut resolved = resolve_layers(self.layers().into_iter().chain(more.iter().map(Layer::Override)))?;
-        resolved.warnings.splice(0..0, self.presets.as_ref().map(preset_notes).unwrap_or_default());
-        Ok(resolved)
-    }
-
-    fn layers(&self) -> Vec<Layer<'_>> {
-        let presets = self.presets.iter().map(|chosen| Layer::Presets(&chosen.config));
-        let profiles = self.args.profile.iter().map(|profile| Layer::Profile(profile));
-        presets.chain(profiles).chain(self.overrides.iter().map(Layer::Override)).collect()
+        Ok(self.named.resolve(more)?)
     }
 
     /// What a project comes to, with the options on top.
@@ -208,24 +196,12 @@ impl<'a> Sources<'a> {
             Some(_) => Some(presets::library(&self.args.presets.presets)?),
             None => None,
         };
-        let chosen = project.chosen(library.as_ref())?;
-        let more = self.layers();
-        let resolved = project.resolve_with(chosen.as_ref(), &more)?;
-        Ok((project.job_with(files, chosen.as_ref(), &more)?, resolved))
+        Ok(self.named.project(project, files, library.as_ref())?)
     }
 
-    /// The profile, as a project holds it, that gives the settings in force: names of profiles and values, or where files and
-    /// presets are on this machine alone, every setting.
+    /// The profile, as a project holds it, that gives the settings in force.
     pub fn as_project(&self, resolved: &Resolved) -> Project {
-        let is_embedded = |profile: &String| embedded(profile).is_some();
-        match self.presets.is_none() && self.args.profile.iter().all(is_embedded) {
-            true => Project {
-                profiles: self.args.profile.clone(),
-                settings: self.overrides.iter().map(|o| (o.key.clone(), o.value.clone())).collect(),
-                ..Project::default()
-            },
-            false => Project { profile: dump_toml(resolved), ..Project::default() },
-        }
+        self.named.as_project(resolved)
     }
 }
 

@@ -10,9 +10,9 @@ use clap::{Args, ValueHint};
 
 use super::console;
 use super::exit::{Exit, Failure};
-use super::places;
 use crate::presets::Library;
 use crate::serve::{Config, Ending, Limits, ServeError, TlsFiles, Tokens, serve};
+use crate::system;
 
 /// Slice for others: a service over HTTP
 ///
@@ -224,7 +224,7 @@ pub(super) fn library(named: &[PathBuf]) -> Result<Library, Failure> {
     if let Some(gone) = named.iter().find(|path| !path.exists()) {
         return Err(Failure::new(Exit::Settings, format!("--presets {}: is not there", gone.display())));
     }
-    let library = Library::open(&places::existing(&places::of_this_machine(named)));
+    let library = system::all_presets(named);
     console::warn(library.problems());
     Ok(library)
 }

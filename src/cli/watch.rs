@@ -8,10 +8,10 @@ use std::time::{Duration, Instant};
 use super::args::LimitArgs;
 use super::console;
 use super::exit::{Exit, Failure};
-use super::memory;
 use crate::limits;
 use crate::observer::Observer;
 use crate::output;
+use crate::system::memory;
 
 /// How often time and memory are looked at.
 const EVERY: Duration = Duration::from_millis(10);

@@ -86,6 +86,17 @@ impl JobError {
         }
     }
 
+    /// Where in that file, layer or script it is, if that is known: `line 12`, `facet 3`, `layer 4`.
+    pub fn place(&self) -> Option<String> {
+        match self {
+            Self::Mesh(error) => error.place(),
+            Self::Settings(error) => error.problems.first().map(|problem| problem.origin.to_string()),
+            Self::Check(CheckError::Fault { at, .. }) => Some(format!("line {}", at.line)),
+            Self::Check(CheckError::InMidAir { layer, .. }) => Some(format!("layer {layer}")),
+            _ => None,
+        }
+    }
+
     /// The key of the first setting that is at fault, if it is one.
     pub fn key(&self) -> Option<&str> {
         let Self::Settings(error) = self else { return None };

@@ -79,6 +79,18 @@ pub enum MeshError {
 }
 
 impl MeshError {
+    /// Where in the file, if that is known: `line 12`, `facet 3`, a part of a package.
+    pub fn place(&self) -> Option<String> {
+        match self {
+            Self::EndsInFacet { location, .. }
+            | Self::Syntax { location, .. }
+            | Self::Damaged { location, .. }
+            | Self::Count { location, .. } => Some(location.to_string()),
+            Self::Package { part, .. } => Some(part.clone()),
+            _ => None,
+        }
+    }
+
     /// The file.
     pub fn path(&self) -> &Path {
         match self {

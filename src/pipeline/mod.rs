@@ -19,6 +19,7 @@ mod staged;
 use std::path::Path;
 
 use crate::job::{Engine, Job, JobError, ModelFiles, Project, ReorderJob};
+use crate::motion::LayerMoves;
 use crate::observer::Observer;
 use crate::order::OrderStrategy;
 use crate::order::compare::StrategyRow;
@@ -97,6 +98,22 @@ impl Pipeline {
     ) -> Result<Summary, JobError> {
         let besides = Besides { kept: Some(layers), ..Besides::default() };
         let slice = |workers: Workers<'_>| print::slice(models, job, settings, output, besides, workers);
+        parallel::run(job.threads, observer, slice).unwrap_or(Err(JobError::Cancelled))
+    }
+
+    /// Slices a job, and keeps the moves of its layers.
+    pub(crate) fn slice_moves(
+        job: &Job,
+        settings: &Settings,
+        output: &mut Output,
+        moves: &mut Vec<LayerMoves>,
+        observer: &Observer<'_>,
+    ) -> Result<Summary, JobError> {
+        let slice = |workers: Workers<'_>| {
+            let besides = Besides { moves: Some(moves), ..Besides::default() };
+            let models = load::read(job, settings, workers)?;
+            print::slice(models, job, settings, output, besides, workers)
+        };
         parallel::run(job.threads, observer, slice).unwrap_or(Err(JobError::Cancelled))
     }
 

@@ -8,7 +8,7 @@ use crate::gcode::{
 };
 use crate::gcode::{ThumbnailFormat, thumbnail_list};
 use crate::job::{Job, JobError};
-use crate::motion::{self, Entry, MotionSettings};
+use crate::motion::{self, Entry, LayerMoves, MotionSettings};
 use crate::order::{Chain, PathVisit, Pins, SeamRule, chunk_len};
 use crate::output::Output;
 use crate::parallel::{self, Workers};
@@ -35,6 +35,8 @@ use super::{load, ordering};
 pub(super) struct Besides<'a> {
     /// The finished layers are added here.
     pub kept: Option<&'a mut Vec<PrintLayer>>,
+    /// Their moves alone, which costs nothing.
+    pub moves: Option<&'a mut Vec<LayerMoves>>,
     /// The run is followed stage by stage.
     pub live: Option<Live<'a>>,
 }
@@ -48,7 +50,7 @@ pub(super) fn slice(
     besides: Besides<'_>,
     workers: Workers<'_>,
 ) -> Result<Summary, JobError> {
-    let Besides { kept, live } = besides;
+    let Besides { kept, moves, live } = besides;
     let settings = &*spiral::effective(settings);
     let mut loaded = load::place(models, job, settings)?;
     let mut warnings = std::mem::take(&mut loaded.warnings);
@@ -89,6 +91,7 @@ pub(super) fn slice(
         settings,
         certify: job.certify,
         keep: kept.is_some(),
+        keep_moves: moves.is_some(),
         workers,
     };
 
@@ -102,6 +105,7 @@ pub(super) fn slice(
         slots: header.slots,
         statistics: Statistics::default(),
         kept,
+        moves,
         scripts: run,
         settings,
         workers,
@@ -236,6 +240,8 @@ struct LayerMaker<'a> {
     certify: bool,
     /// Whether finished layers are kept.
     keep: bool,
+    /// Whether their moves are.
+    keep_moves: bool,
     workers: Workers<'a>,
 }
 
@@ -250,6 +256,7 @@ struct FinishedLayer {
     text: LayerText,
     summary: LayerSummary,
     layer: Option<PrintLayer>,
+    moves: Option<LayerMoves>,
     entry: LayerEntry,
 }
 
@@ -269,6 +276,7 @@ struct PrintWriter<'a> {
     slots: Vec<Slot>,
     statistics: Statistics,
     kept: Option<&'a mut Vec<PrintLayer>>,
+    moves: Option<&'a mut Vec<LayerMoves>>,
     scripts: ScriptRun<'a>,
     settings: &'a Settings,
     workers: Workers<'a>,
@@ -321,7 +329,7 @@ impl PrintWriter<'_> {
 
     /// Writes layers, checking them.
     fn add(&mut self, layers: Vec<FinishedLayer>) -> Result<(), JobError> {
-        for FinishedLayer { text, summary, layer, entry } in layers {
+        for FinishedLayer { text, summary, layer, moves, entry } in layers {
             self.workers.go_on();
             let base = self.output.written() as usize;
             self.slots.extend(text.progress.map(|slot| Slot { offset: base + slot.offset, ..slot }));
@@ -332,6 +340,9 @@ impl PrintWriter<'_> {
             self.statistics.add(summary);
             if let Some(kept) = &mut self.kept {
                 kept.extend(layer);
+            }
+            if let Some(kept) = &mut self.moves {
+                kept.extend(moves);
             }
             self.workers.observer.layer_done();
         }
@@ -449,11 +460,18 @@ impl LayerMaker<'_> {
         };
         let [x, y] = moves.from.xy.unwrap_or_default();
         let position_mm = [x, y, moves.from.z_mm];
+        let entry = LayerEntry { index: moves.index, z_mm: moves.z_mm, position_mm };
+        let text = gcode::format_layer(&moves, &self.writer);
+        let (layer, moves) = match self.keep {
+            true => (Some(PrintLayer::new(paths, sequence, moves, &self.machine)), None),
+            false => (None, self.keep_moves.then_some(moves)),
+        };
         FinishedLayer {
-            entry: LayerEntry { index: moves.index, z_mm: moves.z_mm, position_mm },
-            text: gcode::format_layer(&moves, &self.writer),
-            summary: LayerSummary { z_mm: (moves.z_mm * 1e6).round() / 1e6, measures },
-            layer: self.keep.then(|| PrintLayer::new(paths, sequence, moves, &self.machine)),
+            summary: LayerSummary { z_mm: (entry.z_mm * 1e6).round() / 1e6, measures },
+            entry,
+            text,
+            layer,
+            moves,
         }
     }
 }

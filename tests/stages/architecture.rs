@@ -8,7 +8,7 @@ use std::path::{Path, PathBuf};
 const ORDER: &[&str] = &[
     "units", "options", "limits", "near", "observer", "parallel", "mesh", "plate", "slice", "toolpath",
     "order", "motion", "estimate", "gcode", "presets", "profile", "reorder", "report", "check", "view",
-    "output", "job", "source", "plan", "pipeline", "api", "live", "send", "serve", "cli",
+    "output", "job", "source", "plan", "pipeline", "api", "system", "live", "send", "serve", "cli",
 ];
 
 /// The sources of all crates that are there: a packaged crate has its own alone.

@@ -10,7 +10,7 @@ pub(super) const VARIABLE: &str = "PATHWRIGHT_PRESETS";
 
 /// The environment variable that names the file of print hosts.
 #[cfg(feature = "send")]
-pub(super) const HOSTS: &str = "PATHWRIGHT_HOSTS";
+pub const HOSTS: &str = "PATHWRIGHT_HOSTS";
 
 /// What an operating system calls its folders.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -196,7 +196,7 @@ fn settings_folder(
 
 /// The file of print hosts on this machine: what is given, what the variable names, or beside other settings.
 #[cfg(feature = "send")]
-pub(super) fn hosts_file(given: Option<&Path>) -> Option<PathBuf> {
+pub fn hosts_file(given: Option<&Path>) -> Option<PathBuf> {
     let folder =
         || settings_folder(System::this(), std::env::home_dir().as_deref(), |name| std::env::var_os(name));
     let named = given.map(Path::to_owned).or_else(|| std::env::var_os(HOSTS).map(PathBuf::from));
@@ -247,7 +247,7 @@ fn version(path: &Path) -> (Vec<u64>, OsString) {
     (numbers.collect(), name.to_owned())
 }
 
-#[cfg(test)]
+#[cfg(all(test, feature = "cli"))]
 mod tests {
     use super::*;
 

@@ -7,17 +7,17 @@ use std::sync::atomic::{AtomicU64, Ordering};
 static MOST: AtomicU64 = AtomicU64::new(0);
 
 /// Sets the most that this process may have.
-pub(super) fn allow(bytes: u64) {
+pub fn allow(bytes: u64) {
     MOST.store(bytes, Ordering::Relaxed);
 }
 
 /// Bytes of memory that this process has; `None`: the system does not tell.
-pub(super) fn used_bytes() -> Option<u64> {
+pub fn used_bytes() -> Option<u64> {
     Some(field(&fs::read_to_string("/proc/self/status").ok()?, "VmRSS:")? << 10)
 }
 
 /// Free bytes as reported by the system: of the machine, of the control group, of the process's own address space.
-pub(super) fn available_bytes() -> Option<u64> {
+pub fn available_bytes() -> Option<u64> {
     let read = |path: &str| fs::read_to_string(path).ok();
     let machine = read("/proc/meminfo").and_then(|text| Some(field(&text, "MemAvailable:")? << 10));
     let number = |path: &str| read(path)?.trim().parse::<u64>().ok();

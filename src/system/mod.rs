@@ -1,0 +1,9 @@
+//! What this machine has: presets of its slicers, and memory (feature `system`).
+
+pub mod memory;
+mod places;
+mod presets;
+
+#[cfg(feature = "send")]
+pub use places::{HOSTS, hosts_file};
+pub use presets::{NoPresets, all_presets, library, saved};
