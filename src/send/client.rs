@@ -2,65 +2,27 @@
 
 use std::cell::RefCell;
 use std::io::Read;
-use std::sync::Arc;
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 use http_auth::{PasswordClient, PasswordParams};
 use percent_encoding::{AsciiSet, NON_ALPHANUMERIC, utf8_percent_encode};
 use serde_json::Value;
-use ureq::tls::{Certificate, PemItem, RootCerts, TlsConfig, parse_pem};
 use ureq::{Agent, SendBody};
 
 use super::entry::{HostEntry, Secret};
 use super::error::{Cause, SendError, Step};
 use super::form::Form;
+use super::patience::Patience;
 use super::payload::{Counted, Payload};
+use super::said::said;
+use super::tls::tls;
 
 /// More is no answer.
 const ANSWER_BYTES: u64 = 16 << 20;
-/// How much of an answer a message shows.
-const SHOWN: usize = 200;
 /// Storing and analysing an upload may take so many times as long as other answers.
 const SLOW: u32 = 10;
-/// The first pause before something is tried again, and the longest.
-const PAUSES: [Duration; 2] = [Duration::from_millis(250), Duration::from_secs(4)];
 /// What stays as it is within a part of a path, or a value.
 const KEPT: &AsciiSet = &NON_ALPHANUMERIC.remove(b'-').remove(b'_').remove(b'.').remove(b'~');
-
-/// How long a host is waited for.
-#[derive(Clone, Copy, Debug)]
-pub struct Patience {
-    /// How long broken connections and failing answers are tried again.
-    pub retry: Duration,
-    /// How long a host may be silent.
-    pub silence: Duration,
-    /// Is told of what is tried again.
-    pub told: fn(&SendError),
-}
-
-impl Default for Patience {
-    fn default() -> Self {
-        Self { retry: Duration::from_secs(30), silence: Duration::from_secs(30), told: |_| {} }
-    }
-}
-
-impl Patience {
-    /// Does something until it succeeds, fails for good, or the patience is over.
-    pub(super) fn with<T>(&self, mut work: impl FnMut() -> Result<T, SendError>) -> Result<T, SendError> {
-        let begun = Instant::now();
-        let [mut pause, longest] = PAUSES;
-        loop {
-            match work() {
-                Err(error) if error.is_transient && begun.elapsed() + pause <= self.retry => {
-                    (self.told)(&error);
-                    std::thread::sleep(pause);
-                    pause = (pause * 2).min(longest);
-                }
-                done => return done,
-            }
-        }
-    }
-}
 
 /// What a request carries.
 pub(super) enum Body<'a> {
@@ -104,7 +66,7 @@ pub(super) struct Client {
     pub host: String,
     pub patience: Patience,
     agent: Agent,
-    base: String,
+    pub base: String,
     /// Sent with every request.
     headers: RefCell<Vec<(&'static str, Secret)>>,
     /// User and password, and the last challenge of the host.
@@ -353,109 +315,9 @@ impl Client {
         challenge.as_mut()?.respond(&asked).ok()
     }
 
-    /// What a connection that fails means.
-    fn broken(&self, step: Step, error: ureq::Error) -> SendError {
-        use std::io::ErrorKind as Io;
-        use ureq::{Error, Timeout};
-        let fail = |cause, message: String, advice: &str| self.error(step, cause, message, advice);
-        let unreachable = |message: &str, advice: &str, is_unsent: bool| SendError {
-            is_unsent,
-            ..fail(Cause::Unreachable, format!("{message} ({})", self.base), advice).transient()
-        };
-        let power = match self.base.starts_with("https:") {
-            true => "is it on, and in this network, and are address and port right, and is it not http://?",
-            false => "is it on, and in this network, and are address and port right?",
-        };
-        // The standard library has no kind for it.
-        let is_name = |error: &std::io::Error| error.to_string().contains("failed to lookup address");
-        let unknown = || SendError {
-            is_transient: false,
-            ..unreachable("its name is not known", "is the address right?", true)
-        };
-        let rustls = match &error {
-            Error::Rustls(error) => Some(error),
-            Error::Io(error) => error.get_ref().and_then(|inner| inner.downcast_ref::<rustls::Error>()),
-            _ => None,
-        };
-        if let Some(rustls) = rustls {
-            return self.untrusted(step, rustls);
-        }
-        match error {
-            Error::HostNotFound => unknown(),
-            Error::Io(error) if is_name(&error) => unknown(),
-            Error::ConnectionFailed => unreachable("no connection", power, true),
-            Error::Timeout(Timeout::Resolve | Timeout::Connect) => {
-                unreachable("no connection in time", power, true)
-            }
-            Error::Timeout(_) => unreachable(
-                &format!("no answer within {} s", self.patience.silence.as_secs_f32()),
-                "is it busy? --timeout waits longer",
-                false,
-            ),
-            Error::Io(error) => match error.kind() {
-                Io::ConnectionRefused => unreachable("nothing listens there", power, true),
-                Io::HostUnreachable | Io::NetworkUnreachable => {
-                    unreachable("there is no route to it", power, true)
-                }
-                Io::TimedOut | Io::WouldBlock => {
-                    unreachable("no answer in time", "is it busy? --timeout waits longer", false)
-                }
-                Io::Other => fail(Cause::File, error.to_string(), "try again when nothing else writes it"),
-                _ => unreachable(&format!("the connection broke: {error}"), power, false),
-            },
-            Error::Protocol(error) => {
-                let message = format!("its answer is no HTTP ({error})");
-                fail(Cause::Answer, message, "are its address and port right?").transient()
-            }
-            Error::BodyExceedsLimit(_) | Error::LargeResponseHeader(..) => {
-                fail(Cause::Answer, "its answer is far too long".into(), "are its address and kind right?")
-            }
-            error => unreachable(&error.to_string(), power, false),
-        }
-    }
-
-    /// What is wrong with an encrypted connection.
-    fn untrusted(&self, step: Step, error: &rustls::Error) -> SendError {
-        use rustls::CertificateError as Wrong;
-        let (message, advice) = match error {
-            rustls::Error::InvalidCertificate(wrong) => match wrong {
-                Wrong::Expired | Wrong::ExpiredContext { .. } => (
-                    "its certificate has expired".to_owned(),
-                    "renew it on the host, or set this machine's clock",
-                ),
-                Wrong::NotValidYet | Wrong::NotValidYetContext { .. } => {
-                    ("its certificate is not valid yet".to_owned(), "are the clocks of both machines right?")
-                }
-                Wrong::UnknownIssuer => (
-                    "its certificate is signed by nobody that is trusted here".to_owned(),
-                    "--ca FILE, or `ca` in the file of hosts, trusts its own authority",
-                ),
-                Wrong::NotValidForName | Wrong::NotValidForNameContext { .. } => (
-                    "its certificate is for another name".to_owned(),
-                    "write the name in the certificate as `url`",
-                ),
-                wrong => (format!("its certificate is not trusted: {wrong:?}"), "look at it with a browser"),
-            },
-            error => (
-                format!("no encrypted connection: {error}"),
-                "is it http:// and not https://, or another port?",
-            ),
-        };
-        self.error(step, Cause::Certificate, message, advice)
-    }
-
-    /// An answer in short: what it says of an error, or how it begins.
+    /// An answer in short, without secrets.
     fn said(&self, answer: &Answer) -> String {
-        let text = match serde_json::from_slice::<Value>(&answer.body) {
-            Ok(json) => told(&json).unwrap_or_else(|| json.to_string()),
-            Err(_) => without_tags(&String::from_utf8_lossy(&answer.body)),
-        };
-        let words: Vec<&str> = text
-            .split(|c: char| c.is_whitespace() || c.is_control())
-            .filter(|word| !word.is_empty())
-            .collect();
-        let text: String = words.join(" ").chars().take(SHOWN).collect();
-        self.without_secrets(if text.is_empty() { "nothing".into() } else { text })
+        self.without_secrets(said(&answer.body))
     }
 
     fn without_secrets(&self, mut text: String) -> String {
@@ -474,71 +336,9 @@ pub(super) fn encoded(text: &str) -> String {
     utf8_percent_encode(text, KEPT).to_string()
 }
 
-/// Where hosts say what went wrong: `error`, `error.message`, `message`, `title`.
-fn told(json: &Value) -> Option<String> {
-    let text = |value: &Value| value.as_str().map(str::to_owned);
-    let error = &json["error"];
-    text(error)
-        .or_else(|| text(&error["message"]))
-        .or_else(|| text(&json["message"]))
-        .or_else(|| text(&json["title"]))
-}
-
-/// The text of a page.
-fn without_tags(page: &str) -> String {
-    let mut in_tag = false;
-    let keep = |c: char| match c {
-        '<' => {
-            in_tag = true;
-            None
-        }
-        '>' if in_tag => {
-            in_tag = false;
-            Some(' ')
-        }
-        c => (!in_tag).then_some(c),
-    };
-    page.chars().filter_map(keep).collect()
-}
-
-/// The system's authorities, and the user's own.
-fn tls(entry: &HostEntry) -> Result<TlsConfig, (String, &'static str)> {
-    let system = rustls_native_certs::load_native_certs().certs;
-    let mut roots: Vec<Certificate<'static>> =
-        system.iter().map(|certificate| Certificate::from_der(certificate).to_owned()).collect();
-    if let Some(path) = &entry.ca {
-        let failed = |error: &dyn std::fmt::Display| {
-            (format!("{}: {error}", path.display()), "a file with certificates as PEM is expected")
-        };
-        let pem = std::fs::read(path).map_err(|error| failed(&error))?;
-        let before = roots.len();
-        for item in parse_pem(&pem) {
-            if let PemItem::Certificate(certificate) = item.map_err(|error| failed(&error))? {
-                roots.push(certificate);
-            }
-        }
-        if roots.len() == before {
-            return Err(failed(&"there is no certificate in it"));
-        }
-    }
-    let provider = Arc::new(rustls::crypto::ring::default_provider());
-    Ok(TlsConfig::builder()
-        .root_certs(RootCerts::from(roots))
-        .unversioned_rustls_crypto_provider(provider)
-        .build())
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn pages_and_json_are_told_in_short() {
-        assert_eq!(without_tags("<h1>502 Bad</h1>\n<p>Gateway"), " 502 Bad \n Gateway");
-        for json in [r#"{"error":"no"}"#, r#"{"error":{"code":400,"message":"no"}}"#, r#"{"title":"no"}"#] {
-            assert_eq!(told(&serde_json::from_str(json).unwrap()), Some("no".into()), "{json}");
-        }
-    }
 
     #[test]
     fn names_are_encoded_in_paths() {

@@ -1,6 +1,6 @@
 //! From what is known about a host to a host that can be talked to.
 
-use super::client::{Client, Patience};
+use super::client::Client;
 use super::duet_board::Board;
 use super::duet_computer::Computer;
 use super::entry::{HostEntry, HostKind, Secret};
@@ -8,6 +8,7 @@ use super::error::{Cause, SendError, Step};
 use super::host::PrintHost;
 use super::moonraker::Moonraker;
 use super::octoprint::OctoPrint;
+use super::patience::Patience;
 use super::prusalink::PrusaLink;
 
 /// A host that can be talked to. Only a Duet is asked anything at this point: which of its two interfaces it has.

@@ -2,11 +2,12 @@
 
 use serde_json::Value;
 
-use super::client::{Body, Client, Patience, Request, encoded};
+use super::client::{Body, Client, Request, encoded};
 use super::duet::{self, FOLDER};
 use super::entry::Secret;
 use super::error::{Cause, SendError, Step};
 use super::host::{About, HostState, PrintHost, Stored};
+use super::patience::Patience;
 use super::payload::Payload;
 
 pub(super) struct Computer {

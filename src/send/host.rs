@@ -2,8 +2,8 @@
 
 use serde::Serialize;
 
-use super::client::Patience;
 use super::error::SendError;
+use super::patience::Patience;
 use super::payload::Payload;
 
 /// What a host says it is.

@@ -4,6 +4,7 @@
 //! OctoPrint, Moonraker, PrusaLink and RepRapFirmware's two. [`deliver`] uploads within a patience and compares what is
 //! stored there with what was sent; [`start`] asks for a start at most once; [`follow`] waits for the end.
 
+mod broken;
 mod client;
 mod connect;
 mod deliver;
@@ -19,10 +20,12 @@ mod host;
 mod hosts;
 mod moonraker;
 mod octoprint;
+mod patience;
 mod payload;
 mod prusalink;
+mod said;
+mod tls;
 
-pub use client::Patience;
 pub use connect::connect;
 pub use deliver::{Delivery, deliver, start};
 pub use entry::{HostEntry, HostKind, KeySource, Secret};
@@ -31,4 +34,5 @@ pub use examine::{FileFacts, check, examine};
 pub use follow::{Outcome, follow};
 pub use host::{About, Activity, Ended, HostState, PrintHost, Printing, Stored};
 pub use hosts::{Hosts, HostsError};
+pub use patience::Patience;
 pub use payload::Payload;

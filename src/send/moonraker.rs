@@ -2,10 +2,11 @@
 
 use serde_json::Value;
 
-use super::client::{Body, Client, Patience, Request, encoded};
+use super::client::{Body, Client, Request, encoded};
 use super::error::{Cause, SendError, Step};
 use super::form::Form;
 use super::host::{About, Activity, Ended, HostState, PrintHost, Printing, Stored, Volume};
+use super::patience::Patience;
 use super::payload::Payload;
 
 const OBJECTS: &str = "/printer/objects/query?print_stats&virtual_sdcard&display_status&idle_timeout";

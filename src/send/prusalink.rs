@@ -2,9 +2,10 @@
 
 use serde_json::Value;
 
-use super::client::{Body, Client, Patience, Request, encoded};
+use super::client::{Body, Client, Request, encoded};
 use super::error::{Cause, SendError, Step};
 use super::host::{About, Activity, Ended, HostState, PrintHost, Printing, Stored};
+use super::patience::Patience;
 use super::payload::Payload;
 
 pub(super) struct PrusaLink {
