@@ -9,7 +9,7 @@ use super::objects::ObjectSettings;
 use super::project::Project;
 use crate::presets::{Chosen, Library};
 use crate::profile::{
-    Layer, Override, Problem, ProfileError, Resolved, Settings, dump_toml, embedded, preset_notes,
+    Layer, Origin, Override, Problem, ProfileError, Resolved, Settings, dump_toml, embedded, preset_notes,
     resolve_layers,
 };
 
@@ -42,7 +42,7 @@ impl Sources {
     pub fn of_object(&self, own: &[Override]) -> Result<Arc<Settings>, ProfileError> {
         let refused = own.iter().filter_map(|Override { key, value, option }| {
             let message = ObjectSettings::refusal(key)?;
-            let origin = crate::profile::Origin::Option(option);
+            let origin = Origin::Option(option);
             Some(Problem { origin, setting: Some((key.clone(), value.clone())), message })
         });
         let problems: Vec<Problem> = refused.collect();

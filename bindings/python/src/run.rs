@@ -1,11 +1,11 @@
 //! Work in a thread of its own, while the caller's looks after Python: signals, progress.
 
 use std::panic::{AssertUnwindSafe, catch_unwind, resume_unwind};
-use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::sync::mpsc::{self, RecvTimeoutError};
+use std::sync::{Arc, OnceLock};
 use std::thread;
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 use pathwright::Observer;
 use pyo3::exceptions::PyOSError;
@@ -40,7 +40,7 @@ pub fn run<T: Send + 'static>(
             shared.total.store(total, Ordering::Relaxed);
             shared.done.store(done, Ordering::Release);
         };
-        let observer = Observer::none().on_progress(tell).cancelled_by(&shared.stop);
+        let observer = Observer::none().on_progress(tell).cancelled_by(&shared.stop).timed_by(clock);
         let result = catch_unwind(AssertUnwindSafe(|| work(&observer)));
         // Nobody waits any more for what was cancelled.
         let _ = sender.send(result);
@@ -78,4 +78,10 @@ pub fn run<T: Send + 'static>(
             return Err(error);
         }
     }
+}
+
+/// Time since the first call.
+fn clock() -> Duration {
+    static BEGUN: OnceLock<Instant> = OnceLock::new();
+    BEGUN.get_or_init(Instant::now).elapsed()
 }
