@@ -53,7 +53,7 @@ impl Machine {
 #[test]
 fn printers_are_listed_with_bed_nozzle_and_firmware() {
     let machine = Machine::new();
-    let (out, _) = machine.run(&["printers", "--presets", machine.bundle()], None, 0);
+    let (out, _) = machine.run(&["printers", "acme", "--presets", machine.bundle()], None, 0);
     let lines: Vec<Vec<&str>> = out.lines().map(|line| line.split("  ").collect()).collect();
     let cells =
         |line: &[&str]| line.iter().map(|c| c.trim()).filter(|c| !c.is_empty()).collect::<Vec<_>>().join("|");
@@ -61,7 +61,7 @@ fn printers_are_listed_with_bed_nozzle_and_firmware() {
     assert_eq!(lines.len(), 3);
     let (out, _) = machine.run(&["printers", "TWO", "acme"], Some(machine.bundle()), 0);
     assert!(out.contains("Acme Two") && !out.contains("Acme One"), "{out}");
-    let (json, _) = machine.run(&["printers", "--json", "--presets", machine.bundle()], None, 0);
+    let (json, _) = machine.run(&["printers", "acme", "--json", "--presets", machine.bundle()], None, 0);
     let json: serde_json::Value = serde_json::from_str(&json).unwrap();
     assert_eq!((&json[0]["nozzle_mm"], &json[1]["bed_mm"][0]), (&0.4.into(), &300.0.into()));
 }
