@@ -4,7 +4,7 @@ use super::extruder::{E_DECIMALS, Extruder};
 use super::flavor::{Dialect, Purpose, dialect, line};
 use super::header::label_comments;
 use super::number::{push_fixed, push_word, text, ticks};
-use super::settings::WriterSettings;
+use super::settings::{BEFORE_LAYER_CHANGE, WriterSettings};
 use super::slot::{PROGRESS_WIDTH, Pending, Slot};
 use crate::motion::filament_area_mm2;
 use crate::motion::{LayerMoves, Move};
@@ -133,14 +133,15 @@ impl<'a> Writer<'a> {
         }
     }
 
-    /// The comments at the top, the slot for M73, and E's origin. `BEFORE_LAYER_CHANGE` and the height after it are what
-    /// Moonraker finds the height of the print by.
+    /// The comments at the top, the slot for M73, and E's origin. By `BEFORE_LAYER_CHANGE` and the height after it Moonraker
+    /// finds the height of the print; scripts of presets may have them already.
     fn open(&mut self, layer: &LayerMoves) -> Option<Slot> {
         let (z, height) = (text(layer.z_mm, XYZ_DECIMALS), text(layer.height_mm, XYZ_DECIMALS));
-        let top = format!(
-            ";LAYER_CHANGE\n;Z:{z}\n;HEIGHT:{height}\n;LAYER:{}\n;BEFORE_LAYER_CHANGE\n;{z}\n",
-            layer.index
-        );
+        let mut top = format!(";LAYER_CHANGE\n;Z:{z}\n;HEIGHT:{height}\n;LAYER:{}\n", layer.index);
+        let scripts = &self.settings.layer_scripts;
+        if !scripts.before_is_marked || (layer.index == 0 && !scripts.on_first) {
+            top += &format!("{BEFORE_LAYER_CHANGE}\n;{z}\n");
+        }
         self.out.extend_from_slice(top.as_bytes());
         self.dialect.layer_begins(&mut self.out, layer.index + 1);
         let slot = self.settings.progress.then(|| {

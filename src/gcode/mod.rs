@@ -38,6 +38,7 @@ pub use read::{
     replay, role,
 };
 pub use script::Scripts;
+pub(crate) use settings::BEFORE_LAYER_CHANGE;
 pub use settings::{GcodeOptions, LayerScripts, ObjectLabel, PrintFacts, WriterSettings};
 pub(crate) use slot::duration;
 pub use slot::{Pending, Slot, Totals};

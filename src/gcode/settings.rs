@@ -112,11 +112,16 @@ pub struct WriterSettings {
     pub label_comments: bool,
 }
 
+/// A line that a height follows, where a layer begins.
+pub(crate) const BEFORE_LAYER_CHANGE: &str = ";BEFORE_LAYER_CHANGE";
+
 /// Which scripts run at changes of layer, and what the writer has to restore after them.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct LayerScripts {
     /// There is one before the nozzle rises.
     pub before: bool,
+    /// It says `;BEFORE_LAYER_CHANGE` itself.
+    pub before_is_marked: bool,
     /// There is one after it has risen.
     pub after: bool,
     /// They run on the first layer as well.

@@ -2,7 +2,9 @@
 
 use super::settings::Settings;
 use crate::estimate::{Firmware, FirmwareRetraction, Machine};
-use crate::gcode::{Flavor, GcodeOptions, LayerScripts, PrinterSettings, Scripts, WriterSettings};
+use crate::gcode::{
+    BEFORE_LAYER_CHANGE, Flavor, GcodeOptions, LayerScripts, PrinterSettings, Scripts, WriterSettings,
+};
 use crate::motion::{FlowSettings, MotionSettings, PauseAt};
 use crate::order::{CostKind, SeamPosition, SeamSettings};
 use crate::plate::Line;
@@ -218,6 +220,7 @@ fn layer_scripts(settings: &Settings) -> LayerScripts {
     let plain = |line: &str| line.is_empty() || line.starts_with('M') || line.starts_with("G92 E");
     LayerScripts {
         before: !before.is_empty(),
+        before_is_marked: before.lines().any(|line| line.trim() == BEFORE_LAYER_CHANGE),
         after: !after.is_empty(),
         on_first: settings.gcode.first_layer_scripts,
         moves: commands().any(|line| !plain(line)),

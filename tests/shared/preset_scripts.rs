@@ -60,7 +60,17 @@ fn agree(ours: &[String], theirs: &[String]) -> bool {
 
 /// The facts that our files end with.
 fn is_fact(line: &str) -> bool {
-    let keys = ["layer_height", "first_layer", "nozzle_d", "filament_", "printer_model"];
+    let keys = [
+        "layer_height",
+        "first_layer",
+        "nozzle_d",
+        "filament_",
+        "printer_model",
+        "temperature",
+        "bed_temperature",
+        "chamber_temperature",
+        "single_extruder_multi_material",
+    ];
     line.strip_prefix("; ").is_some_and(|rest| keys.iter().any(|key| rest.starts_with(key)))
 }
 
@@ -73,7 +83,13 @@ fn masked(line: &str) -> String {
 /// The blocks of a file; `middle`: the `;Z:` of the middle layer, else the third that is there.
 fn blocks(text: &str, middle: Option<&str>) -> (Blocks, String) {
     let text = text.split("; prusaslicer_config = begin").next().unwrap_or_default();
-    let lines: Vec<&str> = text.lines().map(str::trim).collect();
+    let mut lines: Vec<&str> = text.lines().map(str::trim).collect();
+    // What we say of the height, where no script does.
+    for i in (1..lines.len() - 1).rev() {
+        if lines[i - 1].starts_with(";LAYER:") && lines[i] == ";BEFORE_LAYER_CHANGE" {
+            lines.drain(i..i + 2);
+        }
+    }
     let custom = |line: &&str| *line == ";TYPE:Custom";
     let begin = lines.iter().position(custom).expect("a start");
     let end = lines.iter().rposition(custom).expect("an end");
