@@ -51,6 +51,8 @@ def main(args: Optional[list[str]] = None) -> int:
     """Runs the command; its exit code."""
     parser = arguments()
     given = parser.parse_args(args)
+    if given.work == "compare" and "/" in (given.plot or ""):
+        parser.error("--plot is a name without folders: the picture stands beside the table, at --out")
     try:
         from . import _plot, _run
         from ._guard import Limits
