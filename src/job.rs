@@ -23,6 +23,7 @@ use crate::report::{ModelInfo, PaperRow, Reordered, Summary};
 
 pub use error::{CheckError, FitError, InputError, JobError};
 pub use model::{JobModel, ModelFile, ModelFiles, ModelSource};
+pub(crate) use model::{digest, hexadecimal};
 pub use objects::ObjectSettings;
 pub use project::{ModelRole, PresetNames, Project, ProjectModel};
 pub use sources::Sources;

@@ -1,6 +1,6 @@
 //! What a layer prints, vertex by vertex.
 
-use crate::estimate::{Machine, move_times_s};
+use crate::estimate::{Machine, chords, move_times_s};
 use crate::job::{Job, JobError};
 use crate::motion::{LayerMoves, Move};
 use crate::observer::Observer;
@@ -9,9 +9,6 @@ use crate::pipeline::Pipeline;
 use crate::profile::Settings;
 use crate::report::Summary;
 use crate::toolpath::Role;
-
-/// Arcs are given as chords of this length at most.
-const CHORD_MM: f64 = 1.0;
 
 /// The paths of a layer as the machine draws them, in one array for each quantity.
 ///
@@ -155,16 +152,9 @@ impl Pen {
 
     fn arc(&mut self, to: [f64; 2], center: [f64; 2], clockwise: bool, speed_mm_s: f64, seconds: f64) {
         let Some(at) = self.at else { return self.draw(to, self.z_mm, speed_mm_s, seconds) };
-        let (u, v) = ([at[0] - center[0], at[1] - center[1]], [to[0] - center[0], to[1] - center[1]]);
-        let turn = (u[0] * v[1] - u[1] * v[0]).atan2(u[0] * v[0] + u[1] * v[1]);
-        let sweep = if clockwise { -turn } else { turn }.rem_euclid(std::f64::consts::TAU);
-        let chords = (sweep * u[0].hypot(u[1]) / CHORD_MM).ceil().clamp(1.0, 1e5);
-        let signed = if clockwise { -sweep } else { sweep };
-        for chord in 1..chords as u32 {
-            let (sine, cosine) = (signed * f64::from(chord) / chords).sin_cos();
-            let on = [center[0] + u[0] * cosine - u[1] * sine, center[1] + u[0] * sine + u[1] * cosine];
-            self.draw(on, self.z_mm, speed_mm_s, seconds / chords);
+        let (count, ends) = chords(at, to, center, clockwise);
+        for end in ends {
+            self.draw(end, self.z_mm, speed_mm_s, seconds / count);
         }
-        self.draw(to, self.z_mm, speed_mm_s, seconds / chords);
     }
 }

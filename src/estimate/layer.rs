@@ -1,13 +1,11 @@
 //! The time of one layer, by what it is spent on.
 
 use super::Machine;
+use super::chords::chords;
 use super::planner::{Planner, Segment};
 use crate::motion::{LayerMoves, Move};
 use crate::toolpath::Role;
 use crate::units::Seconds;
-
-/// Arcs are planned as chords of this length, as firmwares do.
-const CHORD_MM: f64 = 1.0;
 
 const TRAVEL: usize = 0;
 const RETRACTION: usize = 1;
@@ -167,16 +165,9 @@ impl Walk {
             self.at = Some(to);
             return;
         };
-        let (u, v) = ([at[0] - center[0], at[1] - center[1]], [to[0] - center[0], to[1] - center[1]]);
-        let turn = (u[0] * v[1] - u[1] * v[0]).atan2(u[0] * v[0] + u[1] * v[1]);
-        let sweep = if clockwise { -turn } else { turn }.rem_euclid(std::f64::consts::TAU);
-        let chords = (sweep * u[0].hypot(u[1]) / CHORD_MM).ceil().clamp(1.0, 1e5);
-        let signed = if clockwise { -sweep } else { sweep };
-        for chord in 1..chords as u32 {
-            let (sine, cosine) = (signed * f64::from(chord) / chords).sin_cos();
-            let on = [center[0] + u[0] * cosine - u[1] * sine, center[1] + u[0] * sine + u[1] * cosine];
-            self.go(on, e_mm / chords, speed, self.account);
+        let (count, ends) = chords(at, to, center, clockwise);
+        for end in ends {
+            self.go(end, e_mm / count, speed, self.account);
         }
-        self.go(to, e_mm / chords, speed, self.account);
     }
 }

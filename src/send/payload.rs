@@ -7,6 +7,8 @@ use std::path::{Path, PathBuf};
 use sha1::Sha1;
 use sha2::{Digest, Sha256};
 
+use crate::job::hexadecimal;
+
 /// Read at once.
 const BLOCK_BYTES: usize = 1 << 16;
 
@@ -46,12 +48,11 @@ impl Payload {
             sha1.update(read);
             crc32.update(read);
         }
-        let digits = |sum: &[u8]| sum.iter().map(|byte| format!("{byte:02x}")).collect();
         Ok(Self {
             path: path.to_owned(),
             bytes,
-            sha256: digits(&sha256.finalize()),
-            sha1: digits(&sha1.finalize()),
+            sha256: hexadecimal(&sha256.finalize()),
+            sha1: hexadecimal(&sha1.finalize()),
             crc32: crc32.finalize(),
         })
     }

@@ -17,6 +17,7 @@ mod limits;
 mod listen;
 mod metrics;
 mod monitoring;
+mod names;
 mod page;
 mod print_hosts;
 mod printers;

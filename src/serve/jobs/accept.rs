@@ -6,16 +6,17 @@ use std::path::Path;
 
 use serde_json::json;
 
-use super::files::hash;
-use super::hub::{Jobs, now_s};
+use super::hub::Jobs;
 use super::index::{Accepted, Offer};
 use super::record::{Job, JobView, ModelRef, Output, Work};
 use super::upload::{Received, Upload, plain_name};
-use crate::job::{ModelFile, Project, ProjectModel};
+use crate::job::{ModelFile, Project, ProjectModel, digest};
 use crate::observer::Observer;
 use crate::serve::error::{ApiError, ErrorKind};
 use crate::serve::limits::shown;
+use crate::serve::names::unguessable;
 use crate::serve::tokens::Client;
+use crate::serve::tokens::now_s;
 
 /// Bytes of a binary STL before its facets, and of each facet.
 const STL: (u64, u64) = (84, 50);
@@ -64,7 +65,7 @@ pub fn accept(
     let text = serde_json::to_vec(&project).map_err(ApiError::internal)?;
     let mut file = jobs.files.temporary()?;
     file.write_all(&text)?;
-    let project_hash = hash(&text);
+    let project_hash = digest(&text);
     let work = Work {
         seq: 0,
         client: client.0.to_string(),
@@ -83,7 +84,7 @@ pub fn accept(
         outcome: None,
         finished_s: None,
         idempotency_key: name,
-        fingerprint: hash(json!([key, outputs]).to_string().as_bytes()),
+        fingerprint: digest(json!([key, outputs]).to_string().as_bytes()),
     };
     // The inputs are on the disk before the job is.
     jobs.files.keep(&project_hash, file.into_temp_path())?;
@@ -94,7 +95,7 @@ pub fn accept(
             return Err(error.into());
         }
     }
-    let (id, inputs) = (new_id()?, work.clone());
+    let (id, inputs) = (unguessable()?, work.clone());
     let offer = Offer { id: id.clone(), job, work };
     let mut accepted = Ok(Accepted::Known);
     let written = jobs.change(|index, changes| {
@@ -199,13 +200,6 @@ pub fn need_bytes<'a>(models: impl Iterator<Item = &'a ModelRef>) -> u64 {
     let need =
         |model: &ModelRef| model.bytes * if is_packed(&model.name) { PER_PACKED_BYTE } else { PER_BYTE };
     RUN_BYTES + models.map(need).sum::<u64>()
-}
-
-/// What a job is asked for by; nobody can guess it.
-fn new_id() -> Result<String, ApiError> {
-    let mut bytes = [0; 16];
-    getrandom::fill(&mut bytes).map_err(ApiError::internal)?;
-    Ok(super::files::hexadecimal(&bytes))
 }
 
 /// What is made while a job runs, without what always is.

@@ -13,6 +13,7 @@ use tokio::fs::File;
 use tokio::io::{AsyncReadExt, AsyncSeekExt};
 
 use crate::serve::error::{ApiError, ErrorKind};
+use crate::serve::names::disposition;
 
 /// Bytes that are read at once.
 const CHUNK: usize = 1 << 16;
@@ -85,20 +86,6 @@ pub fn has_tag(headers: &HeaderMap, tag: &str) -> bool {
     tags.any(|given| given == tag || given == "*")
 }
 
-/// That it is to be saved, under a name of any letters.
-pub fn disposition(name: &str) -> String {
-    let plain: String =
-        name.chars().map(|c| if c.is_ascii_alphanumeric() || "._- ".contains(c) { c } else { '_' }).collect();
-    let mut any = String::new();
-    for byte in name.bytes() {
-        match byte {
-            b'a'..=b'z' | b'A'..=b'Z' | b'0'..=b'9' | b'.' | b'_' | b'-' => any.push(byte as char),
-            _ => any.push_str(&format!("%{byte:02X}")),
-        }
-    }
-    format!("attachment; filename=\"{plain}\"; filename*=UTF-8''{any}")
-}
-
 /// The next bytes of a file.
 fn body(file: File, length: u64) -> Body {
     Body::from_stream(stream::try_unfold((file, length), |(mut file, left)| async move {
@@ -118,15 +105,6 @@ fn body(file: File, length: u64) -> Body {
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn names_cannot_end_the_header() {
-        let text = disposition("a\"b\r\nX: y/é.gcode");
-        assert_eq!(
-            text,
-            "attachment; filename=\"a_b__X_ y__.gcode\"; filename*=UTF-8''a%22b%0D%0AX%3A%20y%2F%C3%A9.gcode"
-        );
-    }
 
     #[test]
     fn a_tag_is_found_among_several() {

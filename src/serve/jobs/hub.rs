@@ -4,7 +4,6 @@ use std::io;
 use std::path::Path;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
-use std::time::{SystemTime, UNIX_EPOCH};
 
 use tokio::sync::Semaphore;
 
@@ -16,6 +15,7 @@ use super::render::{Picture, Renderer};
 use super::store::{Changes, Store};
 use crate::serve::error::ApiError;
 use crate::serve::shared::Shared;
+use crate::serve::tokens::now_s;
 
 /// Uploads that are written at once; others wait for their turn.
 const UPLOADS: usize = 32;
@@ -179,11 +179,6 @@ impl Jobs {
         let jobs = self.clone();
         tokio::task::spawn_blocking(move || work(&jobs)).await.map_err(ApiError::internal)?
     }
-}
-
-/// The time, seconds since 1970.
-pub fn now_s() -> u64 {
-    SystemTime::now().duration_since(UNIX_EPOCH).map_or(0, |since| since.as_secs())
 }
 
 impl From<io::Error> for ApiError {

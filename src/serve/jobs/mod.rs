@@ -18,7 +18,6 @@ mod run;
 mod store;
 mod upload;
 
-pub use delivery::disposition;
 pub use hub::Jobs;
 pub use queue::Runners;
 pub use routes::router;

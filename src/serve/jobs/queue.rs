@@ -8,7 +8,7 @@ use std::time::Instant;
 
 use rayon::ThreadPool;
 
-use super::hub::{Jobs, now_s};
+use super::hub::Jobs;
 use super::index::Turn;
 use super::record::{Kept, Outcome};
 use super::run::{Ended, run};
@@ -16,6 +16,7 @@ use crate::serve::error::{ErrorKind, Problem};
 use crate::serve::limits::shown;
 use crate::serve::metrics::OutcomeLabels;
 use crate::serve::shared::pool;
+use crate::serve::tokens::now_s;
 
 /// The threads that do the work.
 #[derive(Debug)]

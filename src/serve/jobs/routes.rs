@@ -13,7 +13,7 @@ use utoipa_axum::router::OpenApiRouter;
 use utoipa_axum::routes;
 
 use super::accept::accept;
-use super::hub::{Jobs, now_s};
+use super::hub::Jobs;
 use super::record::{JobView, Output, State as JobState};
 use super::upload::receive;
 use super::{events, results};
@@ -21,7 +21,7 @@ use crate::job::Project;
 use crate::serve::description::{Common, ServerSentEvent};
 use crate::serve::error::{ApiError, ErrorBody};
 use crate::serve::extract::{Form, Json, Path, Query};
-use crate::serve::tokens::Client;
+use crate::serve::tokens::{Client, now_s};
 
 /// Longest Idempotency-Key.
 const NAME: usize = 255;

@@ -8,9 +8,9 @@ use sha2::{Digest, Sha256};
 use tempfile::TempPath;
 use tokio::io::AsyncWriteExt;
 
-use super::files::{Files, hexadecimal};
+use super::files::Files;
 use super::record::{ModelRef, Output};
-use crate::job::Project;
+use crate::job::{Project, hexadecimal};
 use crate::serve::error::ApiError;
 use crate::serve::refused::Refused;
 

@@ -6,6 +6,7 @@ use std::time::{Duration, Instant};
 
 use crate::live::{Failure, Options, Session};
 use crate::serve::error::{ApiError, ErrorKind};
+use crate::serve::names::unguessable;
 use crate::serve::shared::Shared;
 use crate::serve::tokens::Client;
 
@@ -53,9 +54,7 @@ impl Hub {
     /// There are too many.
     pub fn open(self: &Arc<Self>, client: Client) -> Result<String, ApiError> {
         let limits = &self.shared.limits;
-        let mut name = [0; 16];
-        getrandom::fill(&mut name).map_err(ApiError::internal)?;
-        let name: String = name.iter().map(|byte| format!("{byte:02x}")).collect();
+        let name = unguessable()?;
         let pool = self.shared.slicing.clone();
         let share = usize::try_from(limits.memory_bytes / SHARE).unwrap_or(usize::MAX);
         let session = Session::new(Options {

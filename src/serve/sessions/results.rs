@@ -16,6 +16,7 @@ use crate::profile::dump_toml;
 use crate::serve::description::Common;
 use crate::serve::error::{ApiError, ErrorBody};
 use crate::serve::extract::{Json, Path};
+use crate::serve::names::disposition;
 use crate::serve::tokens::Client;
 
 /// What came of a revision, if it is kept.
@@ -103,7 +104,7 @@ pub async fn gcode(
     let results = results(&hub, &client, &session, revision)?;
     let name = results.name.clone();
     let file = hub.work(move || Ok(results.file())).await?;
-    Ok(([disposition(&name)], shared_octets(file)?).into_response())
+    Ok(([saved_as(&name)], shared_octets(file)?).into_response())
 }
 
 /// The summary of a revision
@@ -127,17 +128,8 @@ pub async fn summary(
 }
 
 /// The header by which a browser saves a file under a name.
-fn disposition(name: &str) -> (HeaderName, String) {
-    let plain: String = name
-        .chars()
-        .map(|c| if c.is_ascii_graphic() && !"\"\\%".contains(c) || c == ' ' { c } else { '_' })
-        .collect();
-    let byte = |b: u8| match b {
-        b'a'..=b'z' | b'A'..=b'Z' | b'0'..=b'9' | b'.' | b'-' | b'_' => char::from(b).to_string(),
-        _ => format!("%{b:02X}"),
-    };
-    let exact: String = name.bytes().map(byte).collect();
-    (header::CONTENT_DISPOSITION, format!("attachment; filename=\"{plain}\"; filename*=UTF-8''{exact}"))
+fn saved_as(name: &str) -> (HeaderName, String) {
+    (header::CONTENT_DISPOSITION, disposition(name))
 }
 
 /// The project as a file
@@ -158,7 +150,7 @@ pub async fn project_file(
     let entry = hub.find(&session, &client)?;
     let project = project(&entry)?;
     let file = hub.work(move || entry.session.project_file(&project)).await?;
-    let headers = [(header::CONTENT_TYPE, "model/3mf".to_owned()), disposition("project.3mf")];
+    let headers = [(header::CONTENT_TYPE, "model/3mf".to_owned()), saved_as("project.3mf")];
     Ok((headers, file).into_response())
 }
 
@@ -180,7 +172,7 @@ pub async fn profile(
     let entry = hub.find(&session, &client)?;
     let project = project(&entry)?;
     let text = hub.work(move || Ok(dump_toml(&entry.session.settings(&project)?))).await?;
-    let headers = [(header::CONTENT_TYPE, "application/toml".to_owned()), disposition("profile.toml")];
+    let headers = [(header::CONTENT_TYPE, "application/toml".to_owned()), saved_as("profile.toml")];
     Ok((headers, text).into_response())
 }
 
