@@ -29,7 +29,7 @@ const SCRIPTS: [&str; 13] = [
 ];
 /// What other pages use of them.
 #[cfg(feature = "serve")]
-const EXPORTS: &str = "App, FIELD, rgb, GlPainter, TurnCamera, Pane, element, find, fixed, length, duration, \
+const EXPORTS: &str = "App, FIELD, lights, program, rgb, GlPainter, TurnCamera, Pane, element, find, fixed, length, duration, \
     unpack, roleLengths, markCounts, strokeWords, glance, outlineOf";
 const MAIN: &str = include_str!("page/main.js");
 

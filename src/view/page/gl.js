@@ -17,10 +17,10 @@ class GlPainter {
     const gl = canvas.getContext("webgl2", { antialias: false, alpha: false });
     if (!gl) throw new Error("no WebGL 2");
     Object.assign(this, { canvas, gl, budget: FIRST_BUDGET, work: null });
-    this.flat = this.program(FLAT_VERTEX, FLAT_FRAGMENT);
-    this.solid = this.program(SOLID_VERTEX, SOLID_FRAGMENT);
-    this.marks = this.program(MARK_VERTEX, MARK_FRAGMENT);
-    this.lines = this.program(LINE_VERTEX, LINE_FRAGMENT);
+    this.flat = program(gl, FLAT_VERTEX, FLAT_FRAGMENT);
+    this.solid = program(gl, SOLID_VERTEX, SOLID_FRAGMENT);
+    this.marks = program(gl, MARK_VERTEX, MARK_FRAGMENT);
+    this.lines = program(gl, LINE_VERTEX, LINE_FRAGMENT);
     this.flatShape = new StrokeShape(gl, FLAT_CORNERS, FLAT_TRIANGLES, FLAT_AT_ONCE);
     this.solidShape = new StrokeShape(gl, SOLID_CORNERS, SOLID_TRIANGLES, SOLID_AT_ONCE);
     this.farShape = new StrokeShape(gl, SOLID_CORNERS, SOLID_FACES, SOLID_AT_ONCE);
@@ -248,26 +248,27 @@ class GlPainter {
     gl.bufferData(gl.ARRAY_BUFFER, data, gl.STATIC_DRAW);
     return buffer;
   }
+}
 
-  program(vertex, fragment) {
-    const { gl } = this, handle = gl.createProgram();
-    for (const [type, source] of [[gl.VERTEX_SHADER, vertex], [gl.FRAGMENT_SHADER, fragment]]) {
-      const shader = gl.createShader(type);
-      gl.shaderSource(shader, source);
-      gl.compileShader(shader);
-      gl.attachShader(handle, shader);
-    }
-    gl.linkProgram(handle);
-    if (!gl.getProgramParameter(handle, gl.LINK_STATUS) && !gl.isContextLost()) {
-      throw new Error(gl.getProgramInfoLog(handle) || "shaders");
-    }
-    const at = {};
-    for (let i = gl.getProgramParameter(handle, gl.ACTIVE_UNIFORMS) - 1; i >= 0; i--) {
-      const { name } = gl.getActiveUniform(handle, i);
-      at[name] = gl.getUniformLocation(handle, name);
-    }
-    return { handle, at };
+/** A program of two shaders: its handle, and where its uniforms are. */
+function program(gl, vertex, fragment) {
+  const handle = gl.createProgram();
+  for (const [type, source] of [[gl.VERTEX_SHADER, vertex], [gl.FRAGMENT_SHADER, fragment]]) {
+    const shader = gl.createShader(type);
+    gl.shaderSource(shader, source);
+    gl.compileShader(shader);
+    gl.attachShader(handle, shader);
   }
+  gl.linkProgram(handle);
+  if (!gl.getProgramParameter(handle, gl.LINK_STATUS) && !gl.isContextLost()) {
+    throw new Error(gl.getProgramInfoLog(handle) || "shaders");
+  }
+  const at = {};
+  for (let i = gl.getProgramParameter(handle, gl.ACTIVE_UNIFORMS) - 1; i >= 0; i--) {
+    const { name } = gl.getActiveUniform(handle, i);
+    at[name] = gl.getUniformLocation(handle, name);
+  }
+  return { handle, at };
 }
 
 /** The lights' directions, upper left and right, as seen by the eye. */

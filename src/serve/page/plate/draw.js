@@ -1,5 +1,6 @@
 // Draws the plate with WebGL 2.
 
+import { lights, program, rgb } from "../view.js";
 import { COLOR_FRAGMENT, LINE_VERTEX, MESH_FRAGMENT, MESH_VERTEX, WIDE_VERTEX } from "./shaders.js";
 
 const AXIS_COLORS = { light: ["#d2303a", "#1b8a40", "#2a6be0"], dark: ["#ff6b74", "#4cd07d", "#6ea8ff"] };
@@ -9,17 +10,15 @@ const LOOKS = {
 };
 const ROLE_COLORS = { support_enforcer: "#3aa76d", support_blocker: "#d8434c" };
 
-export const rgb = (hex) => [1, 3, 5].map((i) => parseInt(hex.slice(i, i + 2), 16) / 255);
-
 export class PlatePainter {
   /** Throws where WebGL 2 is not to be had. */
   constructor(canvas) {
     const gl = canvas.getContext("webgl2", { antialias: true, alpha: false });
     if (!gl) throw new Error("no WebGL 2");
     Object.assign(this, { canvas, gl, meshes: new Map(), bed: null });
-    this.mesh = this.program(MESH_VERTEX, MESH_FRAGMENT);
-    this.line = this.program(LINE_VERTEX, COLOR_FRAGMENT);
-    this.wide = this.program(WIDE_VERTEX, COLOR_FRAGMENT);
+    this.mesh = program(gl, MESH_VERTEX, MESH_FRAGMENT);
+    this.line = program(gl, LINE_VERTEX, COLOR_FRAGMENT);
+    this.wide = program(gl, WIDE_VERTEX, COLOR_FRAGMENT);
     this.scratch = gl.createBuffer();
     gl.blendFunc(gl.ONE, gl.ONE_MINUS_SRC_ALPHA);
   }
@@ -196,32 +195,6 @@ export class PlatePainter {
     gl.drawArrays(gl.TRIANGLES, 0, data.length / 7);
     for (const place of [1, 2]) gl.disableVertexAttribArray(place);
   }
-
-  program(vertex, fragment) {
-    const { gl } = this, handle = gl.createProgram();
-    for (const [type, source] of [[gl.VERTEX_SHADER, vertex], [gl.FRAGMENT_SHADER, fragment]]) {
-      const shader = gl.createShader(type);
-      gl.shaderSource(shader, source);
-      gl.compileShader(shader);
-      gl.attachShader(handle, shader);
-    }
-    gl.linkProgram(handle);
-    if (!gl.getProgramParameter(handle, gl.LINK_STATUS) && !gl.isContextLost()) throw new Error(gl.getProgramInfoLog(handle) || "shaders");
-    const at = {};
-    for (let i = gl.getProgramParameter(handle, gl.ACTIVE_UNIFORMS) - 1; i >= 0; i--) {
-      const { name } = gl.getActiveUniform(handle, i);
-      at[name] = gl.getUniformLocation(handle, name);
-    }
-    return { handle, at };
-  }
 }
 
 const toward = (a, b, share) => a.map((v, i) => v + (b[i] - v) * share);
-
-/** Directions of the lights, as seen by the eye: upper left and right. */
-function lights({ right, up, back }) {
-  return [[-0.45, 0.65, 0.6], [0.7, 0.1, 0.4]].flatMap((light) => {
-    const length = Math.hypot(...light);
-    return [0, 1, 2].map((i) => (right[i] * light[0] + up[i] * light[1] + back[i] * light[2]) / length);
-  });
-}
