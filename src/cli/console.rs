@@ -20,6 +20,11 @@ pub(super) fn warn<T: Display>(warnings: &[T]) {
     }
 }
 
+/// One line on standard error: what has been reached.
+pub(super) fn tell(reached: impl Display) {
+    let _ = writeln!(io::stderr(), "{reached}");
+}
+
 /// One line on standard error for each problem.
 pub(super) fn fail(failure: &Failure) {
     for message in &failure.messages {

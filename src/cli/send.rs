@@ -114,6 +114,7 @@ fn deliver(
 /// Follows a print; on a terminal with layer, progress and time left.
 fn follow(host: &dyn PrintHost, name: &str) -> Result<(), Failure> {
     on_interrupt(Some(format!("{name} goes on printing on {}; it is followed no longer", host.name())));
+    console::tell(format_args!("{}: {name} has started", host.name()));
     let bar = io::stderr().is_terminal().then(ProgressBar::new_spinner);
     let done = send::follow(host, name, &mut |state| {
         if let Some(bar) = &bar {

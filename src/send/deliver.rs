@@ -105,14 +105,14 @@ fn file_name(name: &str) -> String {
 /// It is not ready; it refuses; or whether it has started cannot be found out.
 pub fn start(host: &dyn PrintHost, name: &str) -> Result<(), SendError> {
     host.patience().with(|| {
-        ready(host)?;
+        let before = ready(host)?;
         match host.start(name) {
             // Nothing was asked yet.
             Err(error) if error.is_unsent => Err(error),
             // It may have been heard: it is not asked again.
-            Err(error) if error.is_transient => started(host, name, Some(error)).map_err(for_good),
+            Err(error) if error.is_transient => started(host, name, &before, Some(error)).map_err(for_good),
             Err(error) => Err(for_good(error)),
-            Ok(()) => started(host, name, None).map_err(for_good),
+            Ok(()) => started(host, name, &before, None).map_err(for_good),
         }
     })
 }
@@ -121,11 +121,11 @@ fn for_good(error: SendError) -> SendError {
     SendError { is_transient: false, ..error }
 }
 
-/// Refuses a printer that is not ready.
-fn ready(host: &dyn PrintHost) -> Result<(), SendError> {
+/// The state of a printer that is ready; refuses any other.
+fn ready(host: &dyn PrintHost) -> Result<HostState, SendError> {
     let state = host.state()?;
     let advice = match state.activity {
-        Activity::Ready => return Ok(()),
+        Activity::Ready => return Ok(state),
         Activity::Printing | Activity::Busy => "the file is stored there; start it when the printer is ready",
         Activity::Paused => "the file is stored there; resume or cancel what is paused first",
         Activity::Error => "the file is stored there; mend the printer first",
@@ -136,13 +136,18 @@ fn ready(host: &dyn PrintHost) -> Result<(), SendError> {
     Err(SendError::new(host.name(), Step::Start, Cause::NotReady, message, advice))
 }
 
-/// Waits until the file prints, or has.
-fn started(host: &dyn PrintHost, name: &str, lost: Option<SendError>) -> Result<(), SendError> {
+/// Waits until the file prints, or has since the state before.
+fn started(
+    host: &dyn PrintHost,
+    name: &str,
+    before: &HostState,
+    lost: Option<SendError>,
+) -> Result<(), SendError> {
     let begun = Instant::now();
     let longest = STARTING.min(host.patience().silence.max(ASKED * 4));
     loop {
         let state = host.state().map_err(|error| unclear(host, name, &error.to_string()))?;
-        if prints(&state, name) {
+        if prints(&state, name, before) {
             return Ok(());
         }
         if begun.elapsed() > longest {
@@ -156,13 +161,14 @@ fn started(host: &dyn PrintHost, name: &str, lost: Option<SendError>) -> Result<
     }
 }
 
-/// Whether a file prints, or has begun and ended since.
-fn prints(state: &HostState, name: &str) -> bool {
+/// Whether a file prints, or has begun and ended since the state before.
+fn prints(state: &HostState, name: &str, before: &HostState) -> bool {
     // Where a host does not tell the name, it can be no other.
     let is_ours = state.printing.file.as_deref().is_none_or(|file| file == name);
     let is_running = matches!(state.activity, Activity::Printing | Activity::Paused);
-    let is_over = state.printing.file.as_deref() == Some(name) && state.ended.is_some();
-    (is_ours && is_running) || is_over
+    let is_over = |state: &HostState| state.printing.file.as_deref() == Some(name) && state.ended.is_some();
+    // What was over before is an earlier print of that name.
+    (is_ours && is_running) || (is_over(state) && !is_over(before))
 }
 
 fn unclear(host: &dyn PrintHost, name: &str, said: &str) -> SendError {

@@ -1,7 +1,5 @@
 //! What holds for every host, shown with a stand-in.
 
-use std::time::{Duration, Instant};
-
 use crate::duet::desk;
 use crate::stand_in::duet::Duet;
 
@@ -104,14 +102,9 @@ pub fn an_interrupt_leaves_the_print_alone() {
     let duet = Duet::board();
     let desk = desk(&duet);
     let file = desk.sliced("part.gcode", &[]);
-    let sending = desk.begin(&file, &["--start", "--wait"]);
-    let begun = Instant::now();
-    while duet.machine().started.is_empty() {
-        assert!(begun.elapsed() < Duration::from_secs(20), "it starts");
-        std::thread::sleep(Duration::from_millis(20));
-    }
-    duet.machine().polls = u32::MAX;
-    std::thread::sleep(Duration::from_millis(1500));
+    duet.machine().lasts = u32::MAX;
+    let mut sending = desk.begin(&file, &["--start", "--wait"]);
+    crate::program::wait_until_started(&mut sending);
     std::process::Command::new("kill").args(["-INT", &sending.id().to_string()]).status().unwrap();
     let (code, said) = crate::program::said(&sending.wait_with_output().unwrap());
     assert!(code == 130 && said.contains("part.gcode goes on printing on it"), "{code}: {said}");

@@ -7,7 +7,7 @@ use serde_json::{Value, json};
 use tempfile::TempDir;
 
 use crate::process::{Running, free_address, listens, program, wait_for};
-use crate::program::{Desk, said};
+use crate::program::{Desk, said, wait_until_started};
 use crate::proxy::{Fault, Proxy, Rule};
 use crate::stand_in::http::call;
 
@@ -139,16 +139,16 @@ pub fn it_is_printed_to_its_end_and_starts_again_after_a_power_cut() {
     assert_eq!(host.get("/api/job")["progress"]["completion"], 100.0);
 
     // Cancelled at the host, and a power cut while it prints.
-    let printing = desk.begin(&file, &["--replace", "--start", "--wait"]);
-    wait_for("the print", || host.get("/api/job")["state"] == "Printing");
+    let mut printing = desk.begin(&file, &["--replace", "--start", "--wait"]);
+    wait_until_started(&mut printing);
     assert_eq!(
         call(host.address, "POST", "/api/job", KEY, &json!({ "command": "cancel" }).to_string()).0,
         204
     );
     let (code, told) = said(&printing.wait_with_output().unwrap());
     assert!(code == 12 && told.contains("part.gcode was cancelled"), "{code}: {told}");
-    let printing = desk.begin(&file, &["--replace", "--start", "--wait", "--retry", "2"]);
-    wait_for("the print", || host.get("/api/job")["state"] == "Printing");
+    let mut printing = desk.begin(&file, &["--replace", "--start", "--wait", "--retry", "2"]);
+    wait_until_started(&mut printing);
     host.process.kill();
     let (code, told) = said(&printing.wait_with_output().unwrap());
     assert!(code == 10 && told.contains("it, following the print: "), "{code}: {told}");

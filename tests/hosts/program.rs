@@ -1,5 +1,6 @@
 //! The program, with a file of hosts of its own.
 
+use std::io::Read;
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Output, Stdio};
 
@@ -63,6 +64,18 @@ impl Desk {
         command.arg("send").arg(file).args(["--to", "it"]).args(args);
         command.stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap()
     }
+}
+
+/// Waits until a program that sends has seen its print start.
+pub fn wait_until_started(sending: &mut Child) {
+    let mut told = String::new();
+    let mut errors = sending.stderr.take().unwrap();
+    while !told.ends_with(" has started\n") {
+        let mut byte = [0];
+        assert_eq!(errors.read(&mut byte).unwrap(), 1, "it ended: {told}");
+        told.push(char::from(byte[0]));
+    }
+    sending.stderr = Some(errors);
 }
 
 /// Exit code, and all that was said.

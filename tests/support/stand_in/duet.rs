@@ -23,6 +23,8 @@ pub struct Machine {
     pub started: Vec<String>,
     /// How often it is asked until a print is over.
     pub polls: u32,
+    /// How often it is asked while the next print lasts; zero: three times.
+    pub lasts: u32,
     pub free_bytes: u64,
 }
 
@@ -32,7 +34,8 @@ impl Machine {
         let name = name.expect("a file to start").to_owned();
         if self.files.contains_key(&name) && self.status == "idle" {
             self.started.push(name.clone());
-            (self.status, self.current, self.polls) = ("processing", Some(name), 3);
+            let polls = if self.lasts == 0 { 3 } else { self.lasts };
+            (self.status, self.current, self.polls) = ("processing", Some(name), polls);
         }
     }
 
