@@ -20,9 +20,9 @@ pub(super) fn warn<T: Display>(warnings: &[T]) {
     }
 }
 
-/// One line on standard error: what has been reached.
-pub(super) fn tell(reached: impl Display) {
-    let _ = writeln!(io::stderr(), "{reached}");
+/// One line on standard error: what is going on.
+pub(super) fn tell(event: impl Display) {
+    let _ = writeln!(io::stderr(), "{event}");
 }
 
 /// One line on standard error for each problem.

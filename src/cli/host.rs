@@ -1,9 +1,9 @@
 //! Print hosts as commands name and show them.
 
-use std::io::{self, Write};
 use std::path::PathBuf;
 use std::time::Duration;
 
+use super::console;
 use super::exit::{Exit, Failure, usage};
 use super::host_args::AccessArgs;
 use super::presets;
@@ -74,10 +74,7 @@ fn text(config: &Config, key: &str) -> Option<String> {
 
 /// How long hosts are waited for; what is tried again is told.
 pub(super) fn patience(access: &AccessArgs) -> Patience {
-    let told = |error: &send::SendError| {
-        // If standard error is closed, no message is possible.
-        let _ = writeln!(io::stderr(), "{error}: trying again");
-    };
+    let told = |error: &send::SendError| console::tell(format_args!("{error}: trying again"));
     Patience { retry: Duration::from_secs(access.retry.into()), silence: access.host_timeout, told }
 }
 

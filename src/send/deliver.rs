@@ -180,6 +180,22 @@ fn unclear(host: &dyn PrintHost, name: &str, said: &str) -> SendError {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::send::host::{Ended, Printing};
+
+    fn state(activity: Activity, file: &str, ended: Option<Ended>) -> HostState {
+        let printing = Printing { file: Some(file.into()), ..Printing::default() };
+        HostState { activity, message: String::new(), printing, ended }
+    }
+
+    #[test]
+    fn a_print_that_was_over_before_is_not_the_one_just_started() {
+        let over = |name| state(Activity::Ready, name, Some(Ended::Done));
+        let running = state(Activity::Printing, "a.gcode", None);
+        assert!(!prints(&over("a.gcode"), "a.gcode", &over("a.gcode")), "the earlier one");
+        assert!(prints(&running, "a.gcode", &over("a.gcode")), "it prints");
+        assert!(prints(&over("a.gcode"), "a.gcode", &over("b.gcode")), "it was short");
+        assert!(!prints(&running, "b.gcode", &over("b.gcode")), "another prints");
+    }
 
     #[test]
     fn names_are_those_that_every_host_takes() {

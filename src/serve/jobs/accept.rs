@@ -15,8 +15,7 @@ use crate::observer::Observer;
 use crate::serve::error::{ApiError, ErrorKind};
 use crate::serve::limits::shown;
 use crate::serve::names::unguessable;
-use crate::serve::tokens::Client;
-use crate::serve::tokens::now_s;
+use crate::serve::tokens::{Client, now_s};
 
 /// Bytes of a binary STL before its facets, and of each facet.
 const STL: (u64, u64) = (84, 50);
