@@ -28,8 +28,11 @@ pub(super) const PAIR: f64 = 0.75;
 /// throughout: else tiny loops and short beads would alternate where the thickness goes to and fro about that.
 const HYSTERESIS: f64 = 0.08;
 
-/// Half the thickness at which the beads of a pair have their own width, in spacings.
-const FULL: f64 = 1.25;
+/// Half the thickness at which the beads of a pair have their own width and a bead fits between them, in spacings.
+pub(super) const FULL: f64 = 1.25;
+
+/// The same for the innermost pair of walls: instead of a thin bead between them they get up to half as wide again.
+pub(super) const FULL_INNERMOST: f64 = 1.5;
 
 /// Gaps narrower than this hold no bead that a nozzle could lay.
 pub(super) const MIN_GAP_MM: f64 = 0.12;
@@ -77,19 +80,19 @@ pub(super) struct Pair {
 }
 
 /// Lays one bead along the boundary of a region, with widths as the module says. Gaps narrower than `least_mm` are none.
-pub(super) fn pair(region: &Region, spacing_mm: f64, least_mm: f64) -> Pair {
+pub(super) fn pair(region: &Region, spacing_mm: f64, full: f64, least_mm: f64) -> Pair {
     let core = core(region, PAIR * spacing_mm, spacing_mm);
     let covered = geometry::offset(&core, PAIR * spacing_mm);
     let gap = gap(region, &core, PAIR * spacing_mm, least_mm);
-    let deep = geometry::offset(&core, -(FULL - PAIR) * spacing_mm);
-    let loops = if geometry::narrower(&covered, &deep, FULL * spacing_mm, MIN_GAP_MM).is_empty() {
+    let deep = geometry::offset(&core, -(full - PAIR) * spacing_mm);
+    let loops = if geometry::narrower(&covered, &deep, full * spacing_mm, MIN_GAP_MM).is_empty() {
         constant(&geometry::offset(&core, (PAIR - 0.5) * spacing_mm))
     } else {
         let centre = geometry::offset(&core, PAIR / 2.0 * spacing_mm);
-        let sides = Sides { grid: EdgeGrid::new(&covered), outline: EdgeGrid::new(region), spacing_mm };
+        let sides = Sides { grid: EdgeGrid::new(&covered), outline: EdgeGrid::new(region), spacing_mm, full };
         centre.rings().filter_map(|ring| sides.fit(ring)).collect()
     };
-    Pair { loops, gap, rest: geometry::offset(&deep, (FULL - 1.0) * spacing_mm) }
+    Pair { loops, gap, rest: geometry::offset(&deep, (full - 1.0) * spacing_mm) }
 }
 
 /// A region shrunk by a radius, without parts that are only occasionally thicker than that.
@@ -108,7 +111,7 @@ pub(super) fn fill(region: &Region, spacing_mm: f64) -> (Vec<Line>, Vec<Gap>) {
     let (mut loops, mut gaps) = (Vec::new(), Vec::new());
     let mut rest = region.clone();
     while !rest.is_empty() {
-        let pair = pair(&rest, spacing_mm, MIN_GAP_MM);
+        let pair = pair(&rest, spacing_mm, FULL, MIN_GAP_MM);
         loops.extend(pair.loops);
         gaps.extend(pair.gap);
         rest = pair.rest;
@@ -170,6 +173,8 @@ struct Sides {
     /// Of the whole region, which no bead may leave.
     outline: EdgeGrid,
     spacing_mm: f64,
+    /// Half the thickness at which beads have their own width, in spacings.
+    full: f64,
 }
 
 impl Sides {
@@ -266,7 +271,7 @@ impl Sides {
 
     /// Edges of the boundary that face an edge of the ring near enough to matter, as their ends.
     fn facing(&self, a: [f64; 2], b: [f64; 2], inwards: [f64; 2]) -> Vec<[[f64; 2]; 2]> {
-        let reach = 2.0 * FULL * self.spacing_mm * UNITS_PER_MM;
+        let reach = 2.0 * self.full * self.spacing_mm * UNITS_PER_MM;
         let [p, q] = [a, b].map(|v| Point::from_mm(v[0], v[1]));
         let area = Bounds::of([p, q]).map(|area| area.grown(reach as i32));
         let mut found = Vec::new();
@@ -290,7 +295,7 @@ impl Sides {
         let foot = [0, 1].map(|k| at[k] - inwards[k] * PAIR / 2.0 * self.spacing_mm);
         let radius_mm =
             facing.iter().map(|&side| touching(foot, inwards, side)).fold(f64::INFINITY, f64::min);
-        if radius_mm >= FULL * self.spacing_mm {
+        if radius_mm >= self.full * self.spacing_mm {
             self.spacing_mm
         } else {
             radius_mm.max(PAIR * self.spacing_mm)

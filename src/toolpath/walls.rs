@@ -171,7 +171,9 @@ fn fitted(mut rest: Region, spec: &WallSpec, first: u32) -> Walls {
         if rest.is_empty() {
             break;
         }
-        let pair = beading::pair(&rest, spec.spacing_mm(depth), spec.least_gap_mm(depth));
+        let is_innermost = depth > 0 && depth + 1 == spec.count;
+        let full = if is_innermost { beading::FULL_INNERMOST } else { beading::FULL };
+        let pair = beading::pair(&rest, spec.spacing_mm(depth), full, spec.least_gap_mm(depth));
         if spec.gap_fill {
             walls.gaps.extend(pair.gap.map(|gap| (depth, gap)));
         }
