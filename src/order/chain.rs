@@ -9,6 +9,7 @@ use std::slice;
 use super::layer::{LayerProblem, PathOrder, PathVisit, ends_on_path, stacked};
 use super::options::{OrderSettings, SeamPosition};
 use super::seam::{Pins, enter_nearest};
+use super::straight_on::{Corners, StraightOn};
 use crate::toolpath::LayerPaths;
 use geometry::{Point, Router};
 use ordering::{
@@ -30,6 +31,8 @@ pub struct Chain {
     pub cost: Cost,
     /// How travels are led inside of islands; `None`: straight.
     pub detours: Option<DetourRule>,
+    /// What the corners between beads and travels cost; `None`: as much as stops, or entries are not free.
+    pub corners: Option<Corners>,
     /// Only `nearest` matters here; the other rules arrive as [`Pins`].
     pub seam: SeamPosition,
     /// Where the nozzle is before the first layer, if that is known.
@@ -144,6 +147,15 @@ impl Chain {
         });
         let known = Known { detours: detours.as_ref(), solved };
         strategy(self.settings.strategy).solve_knowing(problem, &self.cost, self.settings.effort, known)
+    }
+
+    /// The order of a layer with the entries that let the nozzle go straight on, where that is looked for. Where the layer begins
+    /// and ends stays.
+    pub fn straight_on(&self, layer: &LayerPaths, order: PathOrder) -> PathOrder {
+        match self.corners {
+            Some(corners) => StraightOn { corners, detours: self.detours }.enter(layer, order),
+            None => order,
+        }
     }
 
     /// How many layers of the chunk before take part where two chunks are joined.

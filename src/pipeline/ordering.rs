@@ -15,6 +15,7 @@ pub(super) fn chain(settings: &Settings) -> Chain {
     Chain {
         settings: settings.order.clone(),
         cost: settings.order_cost(settings.order.cost),
+        corners: None,
         detours: None,
         seam: settings.seam.position,
         origin: None,
@@ -93,6 +94,13 @@ impl<'a> Sequencer<'a> {
             self.took += took;
         }
         self.held = layers.split_off(settled);
+        let Layers { paths, sequences, .. } = &mut layers;
+        let orders = std::mem::take(sequences);
+        let led = workers.map(orders.len(), |i| timed.run(|| self.chain.straight_on(&paths[i], orders[i].clone())));
+        for (order, took) in led {
+            sequences.push(order);
+            self.took += took;
+        }
         layers
     }
 

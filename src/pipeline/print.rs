@@ -80,7 +80,11 @@ pub(super) fn slice(
         if settings.gcode.labels_objects() { labels(&loaded.plate, rounds, workers) } else { Vec::new() };
     let names = labels.iter().map(|label| label.name.clone()).collect();
     let maker = LayerMaker {
-        chain: Chain { detours: settings.detour_rule(), ..ordering::chain(settings) },
+        chain: Chain {
+            detours: settings.detour_rule(),
+            corners: settings.corners(),
+            ..ordering::chain(settings)
+        },
         motion: MotionSettings {
             heat_first_layer: settings.gcode.heat && scripts.heat_by_name(),
             color_changes: job.color_changes.clone(),

@@ -6,9 +6,9 @@ use crate::gcode::{
     BEFORE_LAYER_CHANGE, Flavor, GcodeOptions, LayerScripts, PrinterSettings, Scripts, WriterSettings,
 };
 use crate::motion::{FlowSettings, MotionSettings, PauseAt};
-use crate::order::{CostKind, SeamPosition, SeamSettings};
+use crate::order::{Corners, CostKind, OrderStrategy, SeamPosition, SeamSettings};
 use crate::plate::Line;
-use crate::toolpath::ToolpathSettings;
+use crate::toolpath::{ToolpathSettings, bead};
 use ordering::{Cost, DetourRule, TravelTime, trapezoid_s};
 
 impl Line {
@@ -114,6 +114,23 @@ impl Settings {
 }
 
 impl Settings {
+    /// What the corners between beads and travels cost, where times count and seams are free.
+    pub fn corners(&self) -> Option<Corners> {
+        let Cost::Time(travel) = self.order_cost(self.order.cost) else { return None };
+        let free = self.seam.position == SeamPosition::Free && self.order.strategy == OrderStrategy::Optimized;
+        let bead_mm_s = self.speed.infill.0.min(self.speed.perimeter.0);
+        let height_mm = self.layer.height.0;
+        let bead_mm2 = height_mm * bead::spacing_mm(self.walls.width.0, height_mm);
+        let machine = Machine::new(self);
+        free.then(|| Corners {
+            travel,
+            bead_mm_s,
+            bead_mm_s2: bead_mm_s / travel.stop_s,
+            corner_v2: machine.corner_acceleration_mm(),
+            extruder_mm_s: machine.extruder_corner_velocity * self.filament.area_mm2() / bead_mm2,
+        })
+    }
+
     /// How travels are led inside islands; `None`: straight.
     pub fn detour_rule(&self) -> Option<DetourRule> {
         let (travel, walls) = (&self.travel, &self.walls);

@@ -35,6 +35,8 @@ pub(super) struct Solid {
     pub width_mm: f64,
     /// Whether each line waits for the one beside it.
     pub ordered: bool,
+    /// Whether lines may run in another direction than usual.
+    pub fit_angle: bool,
 }
 
 /// How bridge lines are drawn: their distance, and each one's width and height.
@@ -84,7 +86,7 @@ impl LayerBuilder {
         if zone.is_empty() {
             return;
         }
-        let Solid { role, phase, width_mm, ordered } = *solid;
+        let Solid { role, phase, width_mm, ordered, fit_angle } = *solid;
         let spacing_mm = bead::spacing_mm(width_mm, self.height_mm);
         let (zone, narrow) = infill::split_narrow(zone, spacing_mm);
         if !narrow.is_empty() {
@@ -105,6 +107,7 @@ impl LayerBuilder {
             turn_reach,
             angle_rad,
             layer,
+            fit_angle,
             joined: !ordered,
             capped: true,
             fit_mm: None,
@@ -137,6 +140,7 @@ impl LayerBuilder {
             turn_reach: CORE_TURN_REACH,
             angle_rad: bridge.angle_rad,
             layer: 0,
+            fit_angle: false,
             joined: true,
             capped: false,
             fit_mm: bridge.strip_mm,

@@ -145,6 +145,8 @@ section! {
         /// Print each line of a top surface next to the one before, never between two others. Applies while a run is not
         /// interrupted: under any `order.scope` but `layer`.
         monotonic: bool = true,
+        /// Lines of inner solid layers run along narrow areas, where they turn least often, instead of at `infill.angle`.
+        fit_angle: bool = true,
         /// Line width of solid infill.
         width: Mm = Mm(0.45); 0.05..=5.0,
         /// Line width of top surfaces.

@@ -301,15 +301,27 @@ impl Planner {
         if settings.solid_area > 0.0 && settings.density.0 > 0.0 {
             zones.fill_small(settings.solid_area);
         }
-        let solid =
-            Solid { role: Role::SolidInfill, phase: Phase::Solid, width_mm: widths.solid_mm, ordered: false };
+        // The layer on the bed is seen, and prints that are solid throughout are strong where their layers cross.
+        let inner = section.index > 0 && settings.density.0 <= infill::SOLID_DENSITY;
+        let solid = Solid {
+            role: Role::SolidInfill,
+            phase: Phase::Solid,
+            width_mm: widths.solid_mm,
+            ordered: false,
+            fit_angle: self.settings.shell.fit_angle && inner,
+        };
         layer.solid(&zones.solid, &solid, section.index, settings);
         if settings.density.0 > 0.0 {
             self.sparse(layer, zones.sparse, zones.sparse_mm2, section);
         }
         let ordered = self.settings.shell.monotonic;
-        let solid =
-            Solid { role: Role::TopSolidInfill, phase: Phase::Top(0), width_mm: widths.top_mm, ordered };
+        let solid = Solid {
+            role: Role::TopSolidInfill,
+            phase: Phase::Top(0),
+            width_mm: widths.top_mm,
+            ordered,
+            fit_angle: false,
+        };
         layer.solid(&zones.top, &solid, section.index, settings);
         if self.settings.ironing.enabled {
             self.iron(layer, &zones.top, section, widths);

@@ -292,7 +292,7 @@ fn tower() -> Vec<LayerPaths> {
 }
 
 fn chain(seam: SeamPosition, settings: OrderSettings) -> Chain {
-    Chain { settings, cost: Cost::Length, seam, origin: None, detours: None }
+    Chain { settings, cost: Cost::Length, seam, corners: None, origin: None, detours: None }
 }
 
 fn pins(seam: SeamPosition, layers: &[LayerPaths]) -> Vec<Pins> {

@@ -45,7 +45,7 @@ fn settings() -> Settings {
 /// The order found with detours known or not.
 fn sequence(layer: &LayerPaths, cost: Cost, scope: Scope, detours: Option<DetourRule>) -> Vec<PathVisit> {
     let settings = OrderSettings { scope, ..OrderSettings::default() };
-    let chain = Chain { settings, cost, detours, seam: SeamPosition::Free, origin: None };
+    let chain = Chain { settings, cost, detours, seam: SeamPosition::Free, corners: None, origin: None };
     chain.solve_chunk(slice::from_ref(layer), &[None], Some(Point::from_mm(3.0, 19.5))).swap_remove(0)
 }
 

@@ -60,6 +60,21 @@ pub fn trapezoid_s(length_mm: f64, speed: f64, acceleration: f64, cruise_ratio: 
     reached / acceleration + length_mm / reached
 }
 
+/// Seconds of a straight move that begins and ends at these speeds, of which at least a share of the distance is cruised.
+pub fn ramped_s(length_mm: f64, ends: [f64; 2], speed: f64, acceleration: f64, cruise_ratio: f64) -> f64 {
+    if acceleration <= 0.0 {
+        return length_mm / speed;
+    }
+    let reach_v2 = 2.0 * acceleration * length_mm;
+    let [begin, end] = ends;
+    let (begin, end) = (begin.min((end * end + reach_v2).sqrt()), end.min((begin * begin + reach_v2).sqrt()));
+    let ends_v2 = 0.5 * (begin * begin + end * end);
+    let reached_v2 = ends_v2 + 0.5 * reach_v2 * (1.0 - cruise_ratio);
+    let reached = speed.min(reached_v2.sqrt()).max(begin).max(end);
+    let ramps_mm = (reached * reached - ends_v2) / acceleration;
+    (2.0 * reached - begin - end) / acceleration + (length_mm - ramps_mm).max(0.0) / reached
+}
+
 impl Cost {
     /// Cost of a travel of this length, inside an island or from one to another: millimetres or seconds.
     #[inline]
@@ -124,6 +139,15 @@ mod tests {
     #[test]
     fn a_short_travel_never_reaches_top_speed() {
         assert!((TIME.of(0.75, false) - 2.0 * (0.75f64 / 3000.0).sqrt()).abs() < 1e-12);
+    }
+
+    #[test]
+    fn a_travel_that_need_not_stop_takes_less() {
+        let between = |ends| ramped_s(2.0, ends, 150.0, 3000.0, 0.5);
+        assert!((between([0.0; 2]) - trapezoid_s(2.0, 150.0, 3000.0, 0.5)).abs() < 1e-12);
+        assert!(between([20.0, 0.0]) < between([0.0; 2]) && between([20.0; 2]) < between([20.0, 0.0]));
+        assert!((between([20.0, 0.0]) - between([0.0, 20.0])).abs() < 1e-12);
+        assert!((ramped_s(30.0, [150.0; 2], 150.0, 3000.0, 0.5) - 0.2).abs() < 1e-12);
     }
 
     #[test]

@@ -2,6 +2,7 @@
 
 mod adaptive_cubic;
 mod aligned_rectilinear;
+mod angle;
 mod caps;
 mod concentric;
 mod connect;

@@ -5,7 +5,7 @@ use std::f64::consts::{FRAC_PI_2, FRAC_PI_4};
 use geometry::{Direction, Point, Region};
 
 use super::super::bead::Line;
-use super::lines;
+use super::{angle, lines};
 use super::spec::{Joins, LineSet};
 
 /// Line ends further apart than this many spacings along the boundary are not joined.
@@ -90,6 +90,8 @@ pub struct SolidSpec {
     pub angle_rad: f64,
     /// Index of the layer, from 0.
     pub layer: usize,
+    /// Whether lines may run in another direction where they have fewer ends.
+    pub fit_angle: bool,
     /// Whether line ends are joined along the boundary; else each line is by itself.
     pub joined: bool,
     /// Whether beads of fitting width fill the remainder where the boundary runs along the lines.
@@ -102,14 +104,16 @@ pub struct SolidSpec {
 /// the lines is divided evenly. Joins run half a spacing inside the boundary.
 pub fn fill(region: &Region, spec: &SolidSpec) -> Vec<SolidPatch> {
     let SolidSpec { spacing_mm, reach_mm, .. } = *spec;
-    let angle_rad = turned(spec.angle_rad, spec.layer);
-    let direction = Direction::of(angle_rad);
+    let usual_rad = turned(spec.angle_rad, spec.layer);
     let inner = geometry::offset(region, -spacing_mm / 2.0);
     inner
         .into_polygons()
         .into_iter()
         .map(|polygon| {
             let patch = Region::from(polygon);
+            let angle_rad =
+                if spec.fit_angle { angle::fewest_turns(&patch, usual_rad) } else { usual_rad };
+            let direction = Direction::of(angle_rad);
             let (mut low_mm, mut high_mm) = direction.extent_mm(patch.rings().flatten());
             if let Some((from_mm, to_mm)) = spec.fit_mm {
                 (low_mm, high_mm) =

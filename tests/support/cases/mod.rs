@@ -165,6 +165,7 @@ pub fn slicing(bytes: &[u8]) {
         settings: OrderSettings { scope, cost, effort: Effort::Fast, ..settings.order.clone() },
         cost: settings.order_cost(cost),
         detours: settings.detour_rule(),
+        corners: settings.corners(),
         seam,
         origin: None,
     };
