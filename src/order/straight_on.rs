@@ -72,7 +72,13 @@ impl Corners {
             (self.corner_mm_s(cosine(from), length_mm), self.corner_mm_s(cosine(to), length_mm));
         self.lost_s(leave)
             + self.lost_s(arrive)
-            + ramped_s(length_mm, [leave, arrive], travel.speed_mm_s, travel.acceleration_mm_s2, travel.cruise_ratio)
+            + ramped_s(
+                length_mm,
+                [leave, arrive],
+                travel.speed_mm_s,
+                travel.acceleration_mm_s2,
+                travel.cruise_ratio,
+            )
     }
 }
 
@@ -184,8 +190,8 @@ impl StraightOn {
                 let now = [all[chosen[i - 1]].end.at, all[chosen[i]].begin.at];
                 let before = [all[from[i - 1]].end.at, all[from[i]].begin.at];
                 let Some(rule) = self.detours else { continue };
-                let router =
-                    router.get_or_insert_with(|| Router::new(&layer.outline, rule.wall_width_mm, rule.max_mm));
+                let router = router
+                    .get_or_insert_with(|| Router::new(&layer.outline, rule.wall_width_mm, rule.max_mm));
                 if self.surcharge_s(rule, router, now) > self.surcharge_s(rule, router, before) + 1e-9 {
                     again |= !(fixed[i] && fixed[i - 1]);
                     (fixed[i - 1], fixed[i]) = (true, true);
@@ -215,7 +221,8 @@ impl StraightOn {
             for to in range(i) {
                 let mut best = (f64::INFINITY, from[i - 1]);
                 for last in range(i - 1) {
-                    let seconds = total[last] + self.corners.link_s(&all[last].end, &all[to].begin, inside[i]);
+                    let seconds =
+                        total[last] + self.corners.link_s(&all[last].end, &all[to].begin, inside[i]);
                     if seconds < best.0 {
                         best = (seconds, last);
                     }

@@ -96,7 +96,8 @@ impl<'a> Sequencer<'a> {
         self.held = layers.split_off(settled);
         let Layers { paths, sequences, .. } = &mut layers;
         let orders = std::mem::take(sequences);
-        let led = workers.map(orders.len(), |i| timed.run(|| self.chain.straight_on(&paths[i], orders[i].clone())));
+        let led =
+            workers.map(orders.len(), |i| timed.run(|| self.chain.straight_on(&paths[i], orders[i].clone())));
         for (order, took) in led {
             sequences.push(order);
             self.took += took;

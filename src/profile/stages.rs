@@ -117,7 +117,8 @@ impl Settings {
     /// What the corners between beads and travels cost, where times count and seams are free.
     pub fn corners(&self) -> Option<Corners> {
         let Cost::Time(travel) = self.order_cost(self.order.cost) else { return None };
-        let free = self.seam.position == SeamPosition::Free && self.order.strategy == OrderStrategy::Optimized;
+        let free =
+            self.seam.position == SeamPosition::Free && self.order.strategy == OrderStrategy::Optimized;
         let bead_mm_s = self.speed.infill.0.min(self.speed.perimeter.0);
         let height_mm = self.layer.height.0;
         let bead_mm2 = height_mm * bead::spacing_mm(self.walls.width.0, height_mm);

@@ -31,8 +31,7 @@ pub fn fewest_turns(patch: &Region, angle_rad: f64) -> f64 {
         let (sin, cos) = angle.sin_cos();
         edges.iter().map(|[dx, dy]| (dy * cos - dx * sin).abs()).sum()
     };
-    let mut longest: Vec<(f64, f64)> =
-        edges.iter().map(|[dx, dy]| (dx.hypot(*dy), dy.atan2(*dx))).collect();
+    let mut longest: Vec<(f64, f64)> = edges.iter().map(|[dx, dy]| (dx.hypot(*dy), dy.atan2(*dx))).collect();
     longest.sort_by(|a, b| b.0.total_cmp(&a.0));
     let along_edges = longest.into_iter().take(EDGES).map(|(_, angle)| angle);
     let evenly = (1..EVENLY).map(|k| angle_rad + k as f64 * PI / EVENLY as f64);

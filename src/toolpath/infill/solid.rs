@@ -5,8 +5,8 @@ use std::f64::consts::{FRAC_PI_2, FRAC_PI_4};
 use geometry::{Direction, Point, Region};
 
 use super::super::bead::Line;
-use super::{angle, lines};
 use super::spec::{Joins, LineSet};
+use super::{angle, lines};
 
 /// Line ends further apart than this many spacings along the boundary are not joined.
 const LONGEST_JOIN: f64 = 12.0;
@@ -111,8 +111,7 @@ pub fn fill(region: &Region, spec: &SolidSpec) -> Vec<SolidPatch> {
         .into_iter()
         .map(|polygon| {
             let patch = Region::from(polygon);
-            let angle_rad =
-                if spec.fit_angle { angle::fewest_turns(&patch, usual_rad) } else { usual_rad };
+            let angle_rad = if spec.fit_angle { angle::fewest_turns(&patch, usual_rad) } else { usual_rad };
             let direction = Direction::of(angle_rad);
             let (mut low_mm, mut high_mm) = direction.extent_mm(patch.rings().flatten());
             if let Some((from_mm, to_mm)) = spec.fit_mm {
