@@ -59,7 +59,7 @@ macro_rules! embedded {
 }
 
 embedded! {
-    Job: "default" "standard-job" "speed";
+    Job: "default" "standard-job" "standard-job-fast" "speed";
     Printer: "reprap-250" "ender-3" "prusa-i3" "corexy-klipper" "delta-round";
     Material: "pla" "petg" "abs" "tpu";
     Quality: "0.1mm" "0.2mm" "0.3mm";

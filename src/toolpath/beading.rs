@@ -10,7 +10,8 @@
 //! - two beads of s, and the rest again by this table, where t ≥ 2.5 s.
 //!
 //! So a middle bead is between half and one and a half times as wide as requested, one of a pair at least three
-//! quarters and at most five quarters. Instead of a skeletal trapezoidation, the positions are found by offsets, and the
+//! quarters and at most five quarters; one of the innermost pair of several walls, which has no middle bead up to
+//! t = 3 s, at most one and a half times. Instead of a skeletal trapezoidation, the positions are found by offsets, and the
 //! thickness is that of the largest disc that touches the boundary and its opposite side (Ma, Bae, Choi: "3D medial
 //! axis point approximation using nearest neighbors and the normal field", The Visual Computer 28 (2012),
 //! DOI 10.1007/s00371-011-0594-7, with edges instead of points).

@@ -103,6 +103,19 @@ fn the_standard_job_sets_every_key_itself() {
 }
 
 #[test]
+fn the_fast_standard_job_differs_in_walls_travel_and_cost_alone() {
+    let sets = [
+        ("walls.generator", "variable"),
+        ("shell.fit_angle", "true"),
+        ("travel.avoid_crossing", "true"),
+        ("travel.max_detour", "20"),
+        ("travel.retract_inside", "50"),
+        ("order.cost", "time"),
+    ];
+    assert_eq!(settings(&["standard-job-fast"], &[]), settings(&["standard-job"], &sets));
+}
+
+#[test]
 fn the_standard_job_is_as_defined() {
     let s = settings(&["standard-job"], &[]);
     assert_eq!((s.layer.height.0, s.layer.first_height.0), (0.2, 0.2));
@@ -555,13 +568,17 @@ fn start_scripts_heat_before_they_extrude_and_prime_inside_the_bed() {
                 assert!(on_the_bed(&s, x, y), "{}: {line}", profile.name);
             }
         }
-        assert!(fed > 3.0 || profile.name == "standard-job", "{}: primes only {fed} mm", profile.name);
+        assert!(
+            fed > 3.0 || profile.name.starts_with("standard-job"),
+            "{}: primes only {fed} mm",
+            profile.name
+        );
     }
 }
 
 #[test]
 fn end_scripts_retract_lift_leave_and_switch_off() {
-    for profile in EMBEDDED.iter().filter(|p| p.name != "standard-job") {
+    for profile in EMBEDDED.iter().filter(|p| !p.name.starts_with("standard-job")) {
         let s = settings(&[profile.name], &[]);
         let script = profile::expand(&s.gcode.end, &s, &print()).unwrap();
         let place = |text: &str| script.find(text).unwrap_or_else(|| panic!("{}: no {text}", profile.name));
