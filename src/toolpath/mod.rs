@@ -4,6 +4,7 @@ mod adhesion;
 pub mod bead;
 mod beading;
 mod beneath;
+mod beside_sparse;
 mod bridges;
 mod combined;
 mod entries;

@@ -18,7 +18,9 @@ use super::layer_builder::{BridgeLine, LayerBuilder, Solid};
 use super::reach::Reach;
 use super::shells::{self, ShellWindows, Zones};
 use super::walls::{WallSpec, Walls};
-use super::{Island, IslandId, LayerKind, LayerPaths, Phase, Role, adhesion, bead, bridges, entries};
+use super::{
+    Island, IslandId, LayerKind, LayerPaths, Phase, Role, adhesion, bead, beside_sparse, bridges, entries,
+};
 
 /// Ends of sparse infill lines are joined along the wall up to this many line distances: the distance to the next
 /// line is √2 distances at 45°, and beyond this a travel is quicker than the extrusion.
@@ -285,6 +287,7 @@ impl Planner {
         let Part { object, support_below } = part;
         let widths = &self.widths(section.index);
         let IslandWalls { paths, inside } = walls;
+        let first = layer.paths.len();
         layer.paths.extend(paths);
 
         let settings = &self.settings.infill;
@@ -301,6 +304,12 @@ impl Planner {
         if settings.solid_area > 0.0 && settings.density.0 > 0.0 {
             zones.fill_small(settings.solid_area);
         }
+        beside_sparse::leave_out(
+            &mut layer.paths,
+            first,
+            &zones,
+            bead::spacing_mm(widths.infill_mm, section.height_mm),
+        );
         // The layer on the bed is seen, and prints that are solid throughout are strong where their layers cross.
         let inner = section.index > 0 && settings.density.0 <= infill::SOLID_DENSITY;
         let solid = Solid {
