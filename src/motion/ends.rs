@@ -1,7 +1,7 @@
 //! How loops begin and end without a blob: with a gap, or with a scarf.
 
 use super::bead::{Vertex, length_mm};
-use geometry::distance_mm;
+use geometry::{cross, distance_mm};
 
 /// Loops shorter than so many gaps or scarfs stay as they are.
 const SHORTEST: f64 = 4.0;
@@ -11,6 +11,10 @@ const STEPS: u32 = 10;
 
 /// Share of its height that a scarf begins with.
 const BEGIN: f64 = 0.1;
+
+/// A seam is in a corner where the bead turns by more than this (30°) between two places this far from it.
+const CORNER_RAD: f64 = std::f64::consts::FRAC_PI_6;
+const CORNER_REACH_MM: f64 = 0.3;
 
 /// Ends a closed bead `gap_mm` before it closes.
 pub(super) fn clip(vertices: &mut Vec<Vertex>, gap_mm: f64) {
@@ -27,6 +31,21 @@ pub(super) fn clip(vertices: &mut Vec<Vertex>, gap_mm: f64) {
         left_mm -= edge_mm;
         vertices.pop();
     }
+}
+
+/// Whether a closed bead turns by more than 30° between a little before its seam and a little after it.
+pub(super) fn is_corner(vertices: &[Vertex]) -> bool {
+    let Some(seam) = vertices.first() else { return false };
+    let (after, before) = (beyond(seam.at, vertices.iter()), beyond(seam.at, vertices.iter().rev()));
+    let (dot, cross) = (before[0] * after[0] + before[1] * after[1], cross(before, after));
+    // Straight on is opposite directions.
+    cross.abs().atan2(-dot) > CORNER_RAD
+}
+
+/// From the seam to the first of these vertices that is a little away.
+fn beyond<'a>(seam: [f64; 2], mut vertices: impl Iterator<Item = &'a Vertex>) -> [f64; 2] {
+    let far = vertices.find(|v| distance_mm(v.at, seam) >= CORNER_REACH_MM);
+    far.map_or([0.0; 2], |v| [v.at[0] - seam[0], v.at[1] - seam[1]])
 }
 
 /// One step of a scarf.
@@ -112,6 +131,19 @@ mod tests {
         let before = vertices.clone();
         clip(&mut vertices, 10.0);
         assert_eq!(vertices, before, "too short a loop for such a gap");
+    }
+
+    #[test]
+    fn a_seam_on_an_edge_or_a_curve_is_in_no_corner() {
+        assert!(is_corner(&square()));
+        let middle = Vertex { at: [5.0, 0.0], area_mm2: 0.08 };
+        let edge = [vec![middle], square()[1..4].to_vec(), vec![square()[0], middle]].concat();
+        assert!(!is_corner(&edge));
+        let on_circle = |k: u32| {
+            let (sin, cos) = (std::f64::consts::TAU * f64::from(k) / 60.0).sin_cos();
+            Vertex { at: [3.0 * cos, 3.0 * sin], area_mm2: 0.08 }
+        };
+        assert!(!is_corner(&(0..=60).map(on_circle).collect::<Vec<_>>()));
     }
 
     #[test]

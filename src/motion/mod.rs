@@ -25,8 +25,8 @@ mod travel;
 pub use fan::set_fan;
 pub use moves::{Entry, LayerMoves, Move};
 pub use options::{
-    AccelerationSettings, CoolingSettings, FilamentSettings, RetractSettings, SpeedSettings,
-    TemperatureSettings, TravelSettings, filament_area_mm2,
+    AccelerationSettings, CoolingSettings, FilamentSettings, RetractSettings, RoleFlowSettings,
+    SpeedSettings, TemperatureSettings, TravelSettings, filament_area_mm2,
 };
 pub use pause::{PauseAt, PauseError, Stop};
 pub use plan::{exit, plan_layer};

@@ -3,6 +3,7 @@
 use std::f64::consts::PI;
 
 use crate::options::section;
+use crate::toolpath::Role;
 use crate::units::{Celsius, Mm, Mm3PerS, MmPerS, MmPerS2, Ratio, Seconds};
 
 section! {
@@ -104,6 +105,29 @@ section! {
     }
 }
 section! {
+    /// `[flow]`: extrusion multipliers of roles, beside `filament.flow` and `first_layer.flow`.
+    RoleFlowSettings {
+        /// Outermost wall.
+        external_perimeter: f64 = 1.0; 0.1..=3.0,
+        /// Inner walls.
+        perimeter: f64 = 1.0; 0.1..=3.0,
+        /// Gap fill.
+        gap_fill: f64 = 1.0; 0.1..=3.0,
+        /// Sparse infill.
+        infill: f64 = 1.0; 0.1..=3.0,
+        /// Solid infill.
+        solid: f64 = 1.0; 0.1..=3.0,
+        /// Top surfaces.
+        top: f64 = 1.0; 0.1..=3.0,
+        /// Support.
+        support: f64 = 1.0; 0.1..=3.0,
+        /// Dense support under the part.
+        support_interface: f64 = 1.0; 0.1..=3.0,
+        /// Skirt and brim.
+        skirt: f64 = 1.0; 0.1..=3.0,
+    }
+}
+section! {
     /// `[retract]`
     RetractSettings {
         /// Length of filament retracted; 0: none.
@@ -181,6 +205,24 @@ impl FilamentSettings {
     /// Cross-section of the filament, square millimetres.
     pub fn area_mm2(&self) -> f64 {
         filament_area_mm2(self.diameter)
+    }
+}
+
+impl RoleFlowSettings {
+    /// The multiplier of a role. Bridges and ironing have theirs where their beads are planned.
+    pub fn of(&self, role: Role) -> f64 {
+        match role {
+            Role::ExternalPerimeter | Role::OverhangPerimeter => self.external_perimeter,
+            Role::Perimeter => self.perimeter,
+            Role::GapFill => self.gap_fill,
+            Role::InternalInfill => self.infill,
+            Role::SolidInfill => self.solid,
+            Role::TopSolidInfill => self.top,
+            Role::Support => self.support,
+            Role::SupportInterface => self.support_interface,
+            Role::Skirt | Role::Brim => self.skirt,
+            Role::BridgeInfill | Role::Ironing => 1.0,
+        }
     }
 }
 

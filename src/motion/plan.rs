@@ -40,14 +40,12 @@ pub fn plan_layer(
     let mut moves = Vec::with_capacity(2 * vertices + 6 * sequence.len() + 8);
     // Nothing has been printed yet that a later object would pass over.
     moves.extend(rules.opening(from.over_mm <= 0.0));
-    // Where the layers are alike, as in a prism, nothing hangs over.
-    let beneath = layer.beneath.as_ref().filter(|beneath| **beneath != layer.outline);
     let mut nozzle = Nozzle {
         settings,
         router: Router::new(&layer.outline, settings.wall_width.0, settings.travel.detour_mm()),
         outline: &layer.outline,
         clipper: OnceCell::new(),
-        support: beneath.map(Support::new),
+        support: support(layer),
         island: None,
         fan: rules.fan(None),
         rules,
@@ -76,7 +74,8 @@ pub fn plan_layer(
     let mut vertices = Vec::new();
     for visit in sequence {
         let Some(path) = layer.paths.get(visit.path as usize) else { continue };
-        trace(path, visit.entry, nozzle.rules.flow(), &mut vertices);
+        trace(path, visit.entry, nozzle.rules.flow(path.role), &mut vertices);
+        turn_round(path, &mut vertices, layer.index, nozzle.support.as_ref(), settings);
         let Some(start) = vertices.first() else { continue };
         nozzle.label(
             path.island.and_then(|island| layer.islands.get(island.index())).map(|island| island.object),
@@ -103,9 +102,32 @@ pub fn exit(layer: &LayerPaths, sequence: &[PathVisit], from: Entry, settings: &
         (!vertices.is_empty()).then_some(path)
     });
     let Some(path) = last else { return from };
+    let support = if settings.reverse_overhangs { support(layer) } else { None };
+    turn_round(path, &mut vertices, layer.index, support.as_ref(), settings);
     let scarf = finish(path, &mut vertices, layer.index, settings);
     let (end, wipe) = end(path, &vertices, scarf.as_ref(), settings);
     Entry { xy: end, z_mm: layer.top_mm + settings.z_offset.0, wipe, ..Entry::default() }
+}
+
+/// What walls may hang over; `None`: the layers are alike, as in a prism, and nothing does.
+fn support(layer: &LayerPaths) -> Option<Support> {
+    layer.beneath.as_ref().filter(|beneath| **beneath != layer.outline).map(Support::new)
+}
+
+/// Turns a loop round that hangs over, where that is wanted and due.
+fn turn_round(
+    path: &Path,
+    vertices: &mut [Vertex],
+    layer: usize,
+    support: Option<&Support>,
+    settings: &MotionSettings,
+) {
+    let due = settings.reverse_overhangs && layer % 2 == 1 && path.closed && path.role.is_wall();
+    let Some(support) = support.filter(|_| due) else { return };
+    let stretches = support.stretches(vertices, mean_width_mm(&path.width));
+    if stretches.iter().any(|(grade, _)| *grade > Grade::Quarter) {
+        vertices.reverse();
+    }
 }
 
 /// Where a bead ends, and where to wipe from there: of a loop on along it, over its beginning, away from the seam; else
@@ -137,7 +159,9 @@ fn finish(path: &Path, vertices: &mut Vec<Vertex>, layer: usize, settings: &Moti
     if !path.closed || !wall {
         return None;
     }
-    let scarfed = path.role == Role::ExternalPerimeter && layer > 0;
+    let scarfed = path.role == Role::ExternalPerimeter
+        && layer > 0
+        && !(settings.seam.scarf_smooth_only && ends::is_corner(vertices));
     let scarf = scarfed.then(|| Scarf::new(vertices, settings.seam.scarf.0)).flatten();
     if scarf.is_none() {
         ends::clip(vertices, settings.seam.gap.0);

@@ -25,10 +25,10 @@ impl<'a> Rules<'a> {
         self.index == 0
     }
 
-    /// Multiplier of every bead's volume.
-    pub(super) fn flow(&self) -> f64 {
+    /// Multiplier of the volume of a role's beads.
+    pub(super) fn flow(&self, role: Role) -> f64 {
         let first = if self.is_first() { self.settings.first_layer.flow } else { 1.0 };
-        self.settings.flow.multiplier * first
+        self.settings.flow.multiplier * first * self.settings.role_flow.of(role)
     }
 
     /// Speed of a role before the flow limit, of walls by how far they hang over and whether they are `small`. On the

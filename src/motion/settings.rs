@@ -2,8 +2,8 @@
 
 use super::PauseAt;
 use super::options::{
-    AccelerationSettings, CoolingSettings, RetractSettings, SpeedSettings, TemperatureSettings,
-    TravelSettings,
+    AccelerationSettings, CoolingSettings, RetractSettings, RoleFlowSettings, SpeedSettings,
+    TemperatureSettings, TravelSettings,
 };
 use crate::order::SeamSettings;
 use crate::toolpath::FirstLayerSettings;
@@ -25,6 +25,7 @@ pub struct FlowSettings {
 #[allow(missing_docs)]
 pub struct MotionSettings {
     pub flow: FlowSettings,
+    pub role_flow: RoleFlowSettings,
     pub first_layer: FirstLayerSettings,
     pub speed: SpeedSettings,
     pub acceleration: AccelerationSettings,
@@ -33,6 +34,8 @@ pub struct MotionSettings {
     /// Speed at which the machine takes a right-angled corner.
     pub square_corner_velocity: MmPerS,
     pub seam: SeamSettings,
+    /// Loops that hang over run the other way round on every other layer.
+    pub reverse_overhangs: bool,
     pub retract: RetractSettings,
     pub travel: TravelSettings,
     /// Width of the outermost wall.

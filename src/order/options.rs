@@ -50,6 +50,8 @@ section! {
         gap: Mm = Mm(0.05); 0.0..=2.0,
         /// Scarf length: distance over which the outermost wall rises from nothing at its start, and fades out over itself; 0: none.
         scarf: Mm = Mm(0.0); 0.0..=100.0,
+        /// Scarfs only where the wall goes on straight or in a curve: a seam in a corner is hidden there.
+        scarf_smooth_only: bool = false,
     }
 }
 section! {

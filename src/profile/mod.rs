@@ -36,8 +36,8 @@ pub use source::{converted, text};
 pub use crate::estimate::MachineSettings;
 pub use crate::gcode::{Flavor, GcodeSettings, PrinterSettings, thumbnail_list};
 pub use crate::motion::{
-    AccelerationSettings, CoolingSettings, FilamentSettings, RetractSettings, SpeedSettings,
-    TemperatureSettings, TravelSettings, filament_area_mm2,
+    AccelerationSettings, CoolingSettings, FilamentSettings, RetractSettings, RoleFlowSettings,
+    SpeedSettings, TemperatureSettings, TravelSettings, filament_area_mm2,
 };
 pub use crate::options::{Field, Kind, Section};
 pub use crate::order::{CostKind, Effort, OrderSettings, OrderStrategy, Scope, SeamPosition, SeamSettings};

@@ -11,8 +11,8 @@ use super::embedded::default_script;
 use crate::estimate::MachineSettings;
 use crate::gcode::{GcodeSettings, PrinterSettings};
 use crate::motion::{
-    AccelerationSettings, CoolingSettings, FilamentSettings, RetractSettings, SpeedSettings,
-    TemperatureSettings, TravelSettings,
+    AccelerationSettings, CoolingSettings, FilamentSettings, RetractSettings, RoleFlowSettings,
+    SpeedSettings, TemperatureSettings, TravelSettings,
 };
 use crate::options::Section;
 use crate::order::{OrderSettings, SeamSettings};
@@ -77,6 +77,7 @@ settings! {
     order: OrderSettings,
     speed: SpeedSettings,
     acceleration: AccelerationSettings,
+    flow: RoleFlowSettings,
     retract: RetractSettings,
     travel: TravelSettings,
     cooling: CoolingSettings,

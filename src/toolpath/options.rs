@@ -117,7 +117,7 @@ section! {
         /// Inner or outer first.
         order: WallOrder = WallOrder::InnerFirst,
         /// Parts of a section thinner than this are left out.
-        min_feature: Mm = Mm(0.16); 0.05..=1.0,
+        min_feature: Mm = Mm(0.08); 0.05..=1.0,
         /// Thin parts are printed at least this wide.
         min_width: Mm = Mm(0.2); 0.05..=1.0,
         /// Fill gaps between walls, and walls too thin for a loop, with single beads of fitting width.
@@ -128,6 +128,9 @@ section! {
         min_top_width: Mm = Mm(1.35); 0.0..=100.0,
         /// The first layer has the outermost wall alone.
         single_on_first_layer: bool = false,
+        /// Loops that hang over by more than half of their width run the other way round on every other layer, so that they
+        /// do not curl up more and more in one direction.
+        reverse_overhangs: bool = false,
         /// The second wall begins where the outermost one ends: round sides of beads do not overlap there, and do not push
         /// the outermost wall outwards.
         precise: bool = false,

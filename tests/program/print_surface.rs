@@ -278,6 +278,28 @@ fn loops_end_before_they_close_by_the_gap() {
 }
 
 #[test]
+fn overhanging_loops_run_the_other_way_round_on_every_other_layer() {
+    let loops = |reversed: bool| {
+        let settings = quick(&["skirt.loops=0", &format!("walls.reverse_overhangs={reversed}")]);
+        let whole = |bead: &Bead| {
+            let (first, last) = (bead.points[0], bead.points[bead.points.len() - 1]);
+            bead.kind == "Overhang perimeter" && (first[0] - last[0]).hypot(first[1] - last[1]) < 0.1
+        };
+        let area =
+            |bead: &Bead| bead.points.windows(2).map(|p| p[0][0] * p[1][1] - p[1][0] * p[0][1]).sum::<f64>();
+        let print = print("hollow_vase", &settings);
+        let found = print.beads().into_iter().filter(whole);
+        found.map(|bead| (layer_at(bead.z_mm, &settings), area(&bead))).collect::<Vec<_>>()
+    };
+    let (usual, reversed) = (loops(false), loops(true));
+    assert!(usual.len() > 20 && usual.len() == reversed.len(), "{} {}", usual.len(), reversed.len());
+    for ((layer, before), (also, after)) in usual.into_iter().zip(reversed) {
+        let turned = before.signum() != after.signum();
+        assert!(layer == also && turned == (layer % 2 == 1), "layer {layer}: {before} {after} mm²");
+    }
+}
+
+#[test]
 fn scarfs_of_thick_layers_beside_other_walls_pass_the_check() {
     // Slicing ends in an error where they do not.
     let settings = quick(&["seam.scarf=5", "layer.height=0.3", "layer.first_height=0.3"]);

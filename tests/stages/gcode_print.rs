@@ -41,6 +41,10 @@ fn variants() -> Vec<(&'static str, Settings)> {
         ("wipe and hop", with(&|s| (s.retract.wipe, s.retract.z_hop) = (Mm(2.0), Mm(0.4)))),
         ("wipe, absolute E", with(&|s| (s.retract.wipe, s.gcode.relative_e) = (Mm(2.0), false))),
         ("flow", with(&|s| (s.filament.flow, s.first_layer.flow) = (0.97, 1.1))),
+        (
+            "flow by role",
+            with(&|s| (s.flow.external_perimeter, s.flow.perimeter, s.flow.top) = (0.9, 0.8, 1.2)),
+        ),
         ("klipper", with(&|s| s.printer.flavor = Flavor::Klipper)),
         ("reprapfirmware", with(&|s| s.printer.flavor = Flavor::RepRapFirmware)),
     ]

@@ -189,6 +189,7 @@ pub fn volume_mm3(layers: &[LayerPaths], settings: &Settings) -> f64 {
         let first = if layer.index == 0 { settings.first_layer.flow } else { 1.0 };
         for path in &layer.paths {
             let n = path.points.len();
+            let flow = settings.filament.flow * first * settings.flow.of(path.role);
             let area = |i: usize| match (&path.width, path.role) {
                 (Width::Constant(w), Role::BridgeInfill) => std::f64::consts::PI / 4.0 * w * w,
                 (Width::PerVertex(w), Role::BridgeInfill) => {
@@ -200,7 +201,7 @@ pub fn volume_mm3(layers: &[LayerPaths], settings: &Settings) -> f64 {
             for i in 0..if path.closed { n } else { n - 1 } {
                 let j = (i + 1) % n;
                 let length_mm = path.points[i].distance_mm(path.points[j]);
-                total += 0.5 * (area(i) + area(j)) * length_mm * settings.filament.flow * first;
+                total += 0.5 * (area(i) + area(j)) * length_mm * flow;
             }
         }
     }

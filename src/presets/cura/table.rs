@@ -57,6 +57,17 @@ pub(super) const TABLE: &[(&str, &str, Rule)] = &[
         "extrusion_multiplier",
         By(|s| s.number("material_flow").map(|flow| written(flow / 100.0))),
     ),
+    ("wall_0_material_flow", "outer_wall_flow_ratio", By(|s| flow_ratio(s, "wall_0_material_flow"))),
+    ("wall_x_material_flow", "inner_wall_flow_ratio", By(|s| flow_ratio(s, "wall_x_material_flow"))),
+    ("infill_material_flow", "sparse_infill_flow_ratio", By(|s| flow_ratio(s, "infill_material_flow"))),
+    ("skin_material_flow", "internal_solid_infill_flow_ratio", By(|s| flow_ratio(s, "skin_material_flow"))),
+    ("roofing_material_flow", "top_solid_infill_flow_ratio", By(top_flow_ratio)),
+    ("support_material_flow", "support_flow_ratio", By(|s| flow_ratio(s, "support_material_flow"))),
+    (
+        "support_interface_material_flow",
+        "support_interface_flow_ratio",
+        By(|s| flow_ratio(s, "support_interface_material_flow")),
+    ),
     ("material_print_temperature", "temperature", Same),
     ("material_print_temperature_layer_0", "first_layer_temperature", Same),
     ("material_bed_temperature", "bed_temperature", By(|s| bed_temperature(s, "material_bed_temperature"))),
@@ -206,6 +217,18 @@ fn bed(stack: &Stack) -> Option<String> {
 
 fn bed_temperature(stack: &Stack, key: &str) -> Option<String> {
     when(stack, "machine_heated_bed", key)
+}
+
+/// A flow as a share of that of the material.
+fn flow_ratio(stack: &Stack, key: &str) -> Option<String> {
+    let (flow, of_material) = (stack.number(key)?, stack.number("material_flow")?);
+    (of_material > 0.0).then(|| written(flow / of_material))
+}
+
+/// The uppermost layers may have a flow of their own.
+fn top_flow_ratio(stack: &Stack) -> Option<String> {
+    let has_own = stack.number("roofing_layer_count").is_some_and(|count| count > 0.0);
+    flow_ratio(stack, if has_own { "roofing_material_flow" } else { "skin_material_flow" })
 }
 
 /// A number, or 0 while a switch is off.

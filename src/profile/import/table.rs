@@ -276,6 +276,8 @@ pub(super) const ROWS: &[Row] = &[
         OFF_THE_LINE,
         c::seam_gap,
     ),
+    same("seam.scarf_smooth_only", &["scarf_seam_only_on_smooth"]),
+    same("walls.reverse_overhangs", &["overhang_reverse"]),
     with("seam.scarf", &["scarf_seam_placement"], "`scarf_seam_length`; 0 where it is `nowhere`", c::scarf),
     with(
         "speed.external_perimeter",
@@ -382,6 +384,14 @@ pub(super) const ROWS: &[Row] = &[
         "0: what the machine's limits state for travel, or the default one",
         c::travel_acceleration,
     ),
+    same("flow.external_perimeter", &["outer_wall_flow_ratio"]),
+    same("flow.perimeter", &["inner_wall_flow_ratio"]),
+    same("flow.gap_fill", &["gap_fill_flow_ratio"]),
+    same("flow.infill", &["sparse_infill_flow_ratio"]),
+    same("flow.solid", &["internal_solid_infill_flow_ratio"]),
+    same("flow.top", &["top_solid_infill_flow_ratio"]),
+    same("flow.support", &["support_flow_ratio"]),
+    same("flow.support_interface", &["support_interface_flow_ratio"]),
     same("retract.length", &["filament_retract_length", "retract_length"]),
     same("retract.speed", &["filament_retract_speed", "retract_speed"]),
     with(
