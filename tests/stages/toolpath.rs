@@ -586,6 +586,35 @@ fn thin_parts_are_printed_down_to_the_width_stated_and_no_further() {
 }
 
 #[test]
+fn ribs_get_one_line_each_from_a_tenth_of_a_millimetre_on() {
+    for hundredths in 10..=30 {
+        let rib = rectangle(0.0, 0.0, f64::from(hundredths) / 100.0, 10.0);
+        let layer = plan(&vec![rib; 3], &Settings::default()).swap_remove(1);
+        let lines = of_role(&layer, Role::ExternalPerimeter);
+        assert_eq!((layer.paths.len(), lines.len()), (1, 1), "{hundredths} hundredths of a millimetre");
+        assert!(length_mm(lines[0]) > 9.5, "{} mm", length_mm(lines[0]));
+    }
+}
+
+#[test]
+fn specks_fill_the_tips_of_solid_infill_and_not_those_of_sparse_infill() {
+    let star: Vec<(f64, f64)> = (0..10)
+        .map(|i| {
+            let radius_mm = if i % 2 == 0 { 20.0 } else { 9.0 };
+            let (sin, cos) = (f64::from(i) / 10.0 * std::f64::consts::TAU).sin_cos();
+            (radius_mm * cos, radius_mm * sin)
+        })
+        .collect();
+    let star = Region::from(Polygon { outer: ring(&star), holes: vec![] });
+    let layers = plan(&vec![star; 20], &job());
+    let specks = |layer: &LayerPaths| {
+        of_role(layer, Role::GapFill).into_iter().filter(|path| length_mm(path) < 0.4).count()
+    };
+    assert!(specks(&layers[1]) >= 5, "the tips of a solid layer are filled");
+    assert_eq!(specks(&layers[10]), 0);
+}
+
+#[test]
 fn pins_of_any_thickness_are_printed_where_they_stand() {
     let round = |wide_mm: f64| {
         let corner = |k: u32| {
