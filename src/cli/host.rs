@@ -15,6 +15,9 @@ use crate::system;
 /// What a host is called that a printer preset names.
 pub(super) const PRESET: &str = "preset";
 
+/// What PrusaSlicer writes for a user and a password that it keeps in the system's store.
+const IN_STORE: &str = "stored";
+
 /// The file of hosts.
 pub(super) fn read(access: &AccessArgs) -> Result<Hosts, Failure> {
     let path = system::hosts_file(access.hosts.as_deref()).ok_or_else(|| {
@@ -47,20 +50,48 @@ pub(super) fn of_preset(name: &str, args: &PresetArgs) -> Result<HostEntry, Fail
         usage(format!("`{PRESET}` is the host of a printer preset; name one with --printer"))
     })?;
     let text = |key: &str| text(&chosen.config, key);
-    let failed = |message: String| {
+    let mut entry = of_values(name, text).map_err(|message| {
         Failure::new(Exit::Settings, format!("--printer {}: {message}", chosen.printer.name))
+    })?;
+    entry.printer.clone_from(&args.printer);
+    Ok(entry)
+}
+
+/// The host of a physical printer of another slicer, and the first preset that it prints with. `has_key`: its key is given.
+pub(super) fn of_physical_printer(
+    name: &str,
+    printer: &str,
+    args: &PresetArgs,
+    has_key: bool,
+) -> Result<HostEntry, Failure> {
+    let printer = system::physical_printer(printer, &args.presets)?;
+    let text = |key: &str| printer.value(key).map(str::to_owned);
+    let failed = |message: String| {
+        Failure::new(Exit::Settings, format!("--physical-printer {}: {message}", printer.name))
     };
-    let url = text("print_host").ok_or_else(|| failed("it names no print_host".into()))?;
+    let entry = of_values(name, text).map_err(failed)?;
+    if !has_key && entry.key == KeySource::None && printer.value("printhost_password") == Some(IN_STORE) {
+        return Err(failed(
+            "its password is in the system's store, which is not read; give it with --key-stdin, --key-file or --key-env"
+                .into(),
+        ));
+    }
+    Ok(HostEntry { printer: args.printer.clone().or(printer.presets.first().cloned()), ..entry })
+}
+
+/// The host that the keys of a preset or a physical printer name.
+fn of_values(name: &str, text: impl Fn(&str) -> Option<String>) -> Result<HostEntry, String> {
+    let url = text("print_host").ok_or("it names no print_host")?;
     let kind = text("host_type").unwrap_or_else(|| "octoprint".into());
     let kind = HostKind::from_name(&kind)
-        .ok_or_else(|| failed(format!("host_type = {kind} is none of {}", HostKind::NAMES.join(", "))))?;
-    let mut entry = HostEntry::new(name, kind, &url).map_err(failed)?;
+        .ok_or_else(|| format!("host_type = {kind} is none of {}", HostKind::NAMES.join(", ")))?;
+    let mut entry = HostEntry::new(name, kind, &url)?;
     let is_login = text("printhost_authorization_type").as_deref() == Some("user");
     let key = if is_login { text("printhost_password") } else { text("printhost_apikey") };
+    let key = key.filter(|key| key != IN_STORE);
     entry.key = key.map_or(KeySource::None, |key| KeySource::Given(Secret::new(&key)));
-    entry.user = text("printhost_user").filter(|_| is_login);
+    entry.user = text("printhost_user").filter(|user| is_login && user != IN_STORE);
     entry.ca = text("printhost_cafile").map(PathBuf::from);
-    entry.printer.clone_from(&args.printer);
     Ok(entry)
 }
 

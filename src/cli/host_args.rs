@@ -118,7 +118,7 @@ pub(super) enum HostsCommand {
 
 /// Write a host into the file of hosts
 ///
-/// Its kind and address are given, or taken from a printer preset. A key is never an argument, as others see those.
+/// Its kind and address are given, or taken from a printer preset or a physical printer. A key is never an argument, as others see those.
 #[derive(Debug, Args)]
 pub(super) struct AddArgs {
     /// What it is called, such as shop/mk4
@@ -126,12 +126,16 @@ pub(super) struct AddArgs {
     pub name: String,
 
     /// Interface that it speaks
-    #[arg(long, value_name = "KIND", value_parser = PossibleValuesParser::new(HostKind::NAMES), required_unless_present = "printer", requires = "url")]
+    #[arg(long, value_name = "KIND", value_parser = PossibleValuesParser::new(HostKind::NAMES), required_unless_present_any = ["printer", "physical_printer"], requires = "url")]
     pub kind: Option<String>,
 
     /// Its address, such as http://192.168.1.20
     #[arg(long, value_name = "URL", requires = "kind")]
     pub url: Option<String>,
+
+    /// Take kind, address, key, certificates and preset from a physical printer of PrusaSlicer or SuperSlicer
+    #[arg(long, value_name = "NAME|PATH", value_hint = ValueHint::FilePath, conflicts_with = "kind")]
+    pub physical_printer: Option<String>,
 
     /// Read the key from this file each time
     #[arg(long, value_name = "FILE", value_hint = ValueHint::FilePath, conflicts_with_all = ["key_env", "key_stdin"])]

@@ -7,7 +7,7 @@ use serde_json::{Value, json};
 
 use super::console;
 use super::exit::{Exit, Failure, usage};
-use super::host::{PRESET, line, of_preset, patience, read};
+use super::host::{PRESET, line, of_physical_printer, of_preset, patience, read};
 use super::host_args::{AccessArgs, AddArgs, HostsArgs, HostsCommand};
 use crate::send::{self, About, HostEntry, HostKind, HostState, Hosts, KeySource, Secret, SendError};
 
@@ -108,11 +108,14 @@ fn add(args: &AddArgs) -> Result<Exit, Failure> {
     if name == PRESET || name.chars().any(char::is_whitespace) {
         return Err(usage(format!("`{name}` cannot be the name of a host; shop/mk4 would be one")));
     }
-    let mut entry = match (&args.kind, &args.url) {
-        (Some(kind), Some(url)) => {
+    let has_key = args.key_stdin || args.key_file.is_some() || args.key_env.is_some();
+    let mut entry = match (&args.kind, &args.url, &args.physical_printer) {
+        (Some(kind), Some(url), _) => {
             let kind = HostKind::from_name(kind).unwrap_or(HostKind::OctoPrint);
-            HostEntry::new(name, kind, url).map_err(usage)?
+            let entry = HostEntry::new(name, kind, url).map_err(usage)?;
+            HostEntry { printer: args.presets.printer.clone(), ..entry }
         }
+        (_, _, Some(printer)) => of_physical_printer(name, printer, &args.presets, has_key)?,
         _ => HostEntry { name: name.to_owned(), ..of_preset(PRESET, &args.presets)? },
     };
     if let Some(file) = &args.key_file {
@@ -129,7 +132,6 @@ fn add(args: &AddArgs) -> Result<Exit, Failure> {
     }
     entry.user = args.user.clone().or(entry.user);
     entry.storage.clone_from(&args.storage);
-    entry.printer.clone_from(&args.presets.printer);
     entry.profile.clone_from(&args.profile);
     entry.ca =
         args.access.ca.as_ref().map(|ca| std::path::absolute(ca).unwrap_or_else(|_| ca.clone())).or(entry.ca);

@@ -79,6 +79,12 @@ fn deliver(
         bar.0.finish_and_clear();
     }
     let sent = sent?;
+    if sent.is_altered {
+        console::tell(format_args!(
+            "{}: it has written into {} (plug-ins do); all commands are there, in their order",
+            entry.name, sent.name
+        ));
+    }
     let mut ended = None;
     if args.start {
         on_interrupt(Some(format!(

@@ -43,6 +43,10 @@ const PENDING: [(&str, Pending); 6] = [
     ("filament cost", Pending::FilamentCost),
 ];
 
+/// Plug-ins that go by comments leave out all that follows a cancelled object up to the next one, and would the end script; by
+/// this name they know that it is none.
+const END_OF_OBJECTS: &str = "; printing object ENDGCODE";
+
 /// Header, heating (where the start script leaves it out), start script and modes. `seekable`: the output can
 /// be patched later, so values known only at the end get a slot here too (they are always in the footer).
 pub fn header(settings: &GcodeOptions, facts: &PrintFacts, scripts: &Scripts, seekable: bool) -> Header {
@@ -113,6 +117,9 @@ pub fn object_comment(name: &str) -> Vec<u8> {
 /// End script, heaters off (where the script leaves that out) and footer.
 pub fn footer(settings: &GcodeOptions, facts: &PrintFacts, scripts: &Scripts, totals: &Totals) -> Vec<u8> {
     let mut bytes = b";TYPE:Custom\n".to_vec();
+    if settings.gcode.label_comments {
+        line(&mut bytes, END_OF_OBJECTS);
+    }
     bytes.extend_from_slice(scripts.end.as_bytes());
     let unheated = settings.temperature.chamber.0 <= 0.0 && settings.temperature.chamber_min.0 <= 0.0;
     for (switched, command) in [
@@ -296,8 +303,22 @@ mod tests {
         settings.gcode.labels = true;
         let text = String::from_utf8(labels(&GcodeOptions::from(&settings), &objects)).expect("text");
         assert!(text.starts_with(
-            "M486 T2\nM486 S0 A\"a_part\"\nM486 S1 A\"A_Part_1\"\nM486 S-1\n; objects_info = {"
+            "M486 T2\nM486 S0\nM486 Aa_part\nM486 S1\nM486 Aa_part_1\nM486 S-1\n; objects_info = {"
         ));
+        settings.printer.flavor = Flavor::RepRapFirmware;
+        let text = String::from_utf8(labels(&GcodeOptions::from(&settings), &objects)).expect("text");
+        assert!(text.starts_with("M486 T2\nM486 S0 A\"a_part\"\nM486 S1 A\"A_Part_1\"\nM486 S-1\n"));
+        settings.gcode.label_comments = true;
+        let text = String::from_utf8(labels(&GcodeOptions::from(&settings), &objects)).expect("text");
+        assert!(text.starts_with(
+            "; printing object a_part id:0 copy 0\n; stop printing object a_part id:0 copy 0\n"
+        ));
+        let facts = PrintFacts { layers: 1, max_mm: [9.0; 2], max_z_mm: 0.2, ..PrintFacts::default() };
+        settings.gcode.end = "M84\n".into();
+        let scripts = Scripts::new(&settings, &facts).expect("no mistakes");
+        let end = footer(&GcodeOptions::from(&settings), &facts, &scripts, &Totals::default());
+        assert!(String::from_utf8_lossy(&end).starts_with(";TYPE:Custom\n; printing object ENDGCODE\nM84\n"));
+        settings.gcode.label_comments = false;
         settings.printer.flavor = Flavor::Klipper;
         let text = String::from_utf8(labels(&GcodeOptions::from(&settings), &objects)).expect("text");
         assert!(

@@ -104,6 +104,8 @@ struct Writer<'a> {
     in_force: [Option<f64>; 2],
     /// The current object, where labels are wanted.
     object: Option<u32>,
+    /// The height to be stated with the next move: an object before may have been cancelled, its moves with it.
+    z_again: Option<i64>,
     type_name: &'static str,
     width: i64,
     height: i64,
@@ -126,6 +128,7 @@ impl<'a> Writer<'a> {
             asked: None,
             in_force: [None; 2],
             object: None,
+            z_again: None,
             type_name: "",
             width: UNKNOWN,
             height: ticks(layer.height_mm, XYZ_DECIMALS),
@@ -253,7 +256,8 @@ impl<'a> Writer<'a> {
         }
     }
 
-    /// Ends the current object and begins another.
+    /// Ends the current object and begins another, which depends on no move of the one before: firmware that leaves out a
+    /// cancelled object stays where that began.
     fn object(&mut self, object: Option<u32>) {
         let settings = self.settings;
         let name = |object: u32| settings.objects.get(object as usize).map_or("", String::as_str);
@@ -272,6 +276,8 @@ impl<'a> Writer<'a> {
             if settings.label_commands {
                 self.dialect.object_begins(&mut self.out, now, name(now));
             }
+            self.z_again = Some(self.z).filter(|z| *z != UNKNOWN).or(self.z_again);
+            self.forget_position();
         }
         self.object = object;
     }
@@ -282,6 +288,7 @@ impl<'a> Writer<'a> {
         self.accelerate(Purpose::Travel);
         self.out.extend_from_slice(b"G1");
         self.xy(to);
+        self.height_again();
         self.e(fed);
         self.feed(speed);
         self.end_line();
@@ -296,8 +303,7 @@ impl<'a> Writer<'a> {
         self.accelerate(Purpose::Travel);
         self.out.extend_from_slice(b"G1");
         self.xy(to);
-        self.z = z;
-        push_word(&mut self.out, b'Z', z, XYZ_DECIMALS);
+        self.height(z);
         self.feed(speed);
         self.end_line();
     }
@@ -305,11 +311,21 @@ impl<'a> Writer<'a> {
     fn lift(&mut self, z_mm: f64, speed: MmPerS) {
         let z = ticks(z_mm, XYZ_DECIMALS);
         if z != self.z {
-            self.z = z;
             self.out.extend_from_slice(b"G1");
-            push_word(&mut self.out, b'Z', z, XYZ_DECIMALS);
+            self.height(z);
             self.feed(speed);
             self.end_line();
+        }
+    }
+
+    fn height(&mut self, z: i64) {
+        (self.z, self.z_again) = (z, None);
+        push_word(&mut self.out, b'Z', z, XYZ_DECIMALS);
+    }
+
+    fn height_again(&mut self) {
+        if let Some(z) = self.z_again {
+            self.height(z);
         }
     }
 
@@ -329,6 +345,7 @@ impl<'a> Writer<'a> {
             self.out.extend_from_slice(b"G1");
             self.xy(to);
         }
+        self.height_again();
         let fed = self.extruder.take();
         self.e(fed);
         self.feed(speed);
@@ -344,8 +361,7 @@ impl<'a> Writer<'a> {
         self.xy(to);
         let z = ticks(z_mm, XYZ_DECIMALS);
         if z != self.z {
-            self.z = z;
-            push_word(&mut self.out, b'Z', z, XYZ_DECIMALS);
+            self.height(z);
         }
         let fed = self.extruder.take();
         self.e(fed);

@@ -23,7 +23,9 @@ impl Nozzle<'_> {
         let pause = stop.is_some();
         let (retract, travel) = (&self.settings.retract, &self.settings.travel);
         let arriving = !self.positioned || self.z_mm != self.layer_z_mm;
-        if self.at == Some(to) && !arriving && !pause {
+        // An object depends on no move of another, which may be cancelled.
+        let begins = matches!(self.moves.last(), Some(Move::Object(_)));
+        if self.at == Some(to) && !arriving && !pause && !begins {
             return;
         }
         let same_island = self.island.is_none_or(|last| last == island);

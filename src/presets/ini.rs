@@ -2,7 +2,7 @@
 
 use std::fs::File;
 use std::io::{BufRead, BufReader, Read};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use crate::limits;
 
@@ -28,6 +28,17 @@ impl Section {
     pub fn value(&self, key: &str) -> Option<&str> {
         self.lines.iter().rev().find(|line| line.key == key).map(|line| line.value.as_str())
     }
+}
+
+/// The `.ini` files of a folder, by name.
+pub(super) fn files(folder: &Path) -> Vec<PathBuf> {
+    let entries = std::fs::read_dir(folder).into_iter().flatten().flatten().map(|entry| entry.path());
+    let is_ini = |path: &PathBuf| {
+        path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("ini")) && path.is_file()
+    };
+    let mut files: Vec<PathBuf> = entries.filter(is_ini).collect();
+    files.sort();
+    files
 }
 
 /// The lines of a text file, whatever its encoding.

@@ -1,7 +1,6 @@
 //! Bundles of PrusaSlicer and SuperSlicer as a family: what fits what, and three presets as one configuration.
 
 use std::collections::{BTreeMap, BTreeSet};
-use std::path::{Path, PathBuf};
 
 use macros::{Names, Value};
 
@@ -9,6 +8,7 @@ use super::bundle::{Bundles, Found, Preset};
 use super::config::{Config, Dialect, Place, Raw};
 use super::error::PresetError;
 use super::family::{Family, Kind, Listed, Source};
+use super::ini;
 use super::keys::{self, FORGOTTEN, KEYS, RENAMED};
 use super::names::script_value;
 use super::value::{Shape, Type, for_extruders, join_texts, texts, unescaped, written_alike};
@@ -50,11 +50,11 @@ impl Prusa {
                 read(bundles.add_file(path, *dialect));
                 continue;
             }
-            for file in ini_files(path).into_iter().chain(ini_files(&path.join("vendor"))) {
+            for file in ini::files(path).into_iter().chain(ini::files(&path.join("vendor"))) {
                 read(bundles.add_file(&file, *dialect));
             }
             for kind in [Kind::Printer, Kind::Print, Kind::Filament] {
-                for file in ini_files(&path.join(kind.name())) {
+                for file in ini::files(&path.join(kind.name())) {
                     read(bundles.add_preset(kind, &file, *dialect));
                 }
             }
@@ -253,17 +253,6 @@ fn for_all(kind: Type, value: &str, extruders: usize, default: &str) -> String {
         Shape::Each => for_extruders(kind, value, extruders, default),
         Shape::One | Shape::List => value.to_owned(),
     }
-}
-
-/// The `.ini` files of a folder, by name.
-fn ini_files(folder: &Path) -> Vec<PathBuf> {
-    let entries = std::fs::read_dir(folder).into_iter().flatten().flatten().map(|entry| entry.path());
-    let is_ini = |path: &PathBuf| {
-        path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("ini")) && path.is_file()
-    };
-    let mut files: Vec<PathBuf> = entries.filter(is_ini).collect();
-    files.sort();
-    files
 }
 
 /// A preset's values as conditions see them.

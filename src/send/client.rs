@@ -1,7 +1,7 @@
 //! Requests to one host: encrypted where its address says so, with its key, never to another host.
 
 use std::cell::RefCell;
-use std::io::Read;
+use std::io::{self, Read};
 use std::time::Duration;
 
 use http_auth::{PasswordClient, PasswordParams};
@@ -244,7 +244,44 @@ impl Client {
         )
     }
 
+    /// Reads an answer that may be long.
+    pub fn read_all<T>(
+        &self,
+        step: Step,
+        path: &str,
+        read: &dyn Fn(&mut dyn Read) -> io::Result<T>,
+    ) -> Result<T, SendError> {
+        self.patience.with(|| {
+            let mut response = self.respond(&mut Request::get(step, path))?;
+            let status = response.status().as_u16();
+            if !(200..300).contains(&status) {
+                let body =
+                    response.body_mut().with_config().limit(ANSWER_BYTES).read_to_vec().unwrap_or_default();
+                return Err(self
+                    .checked(step, Answer { status, location: None, body })
+                    .err()
+                    .unwrap_or_else(|| self.error(step, Cause::Answer, format!("it answers {status}"), "")));
+            }
+            read(&mut response.body_mut().as_reader()).map_err(|error| self.broken(step, error.into()))
+        })
+    }
+
     fn exchange(&self, request: &mut Request<'_>) -> Result<Answer, SendError> {
+        let mut response = self.respond(request)?;
+        let step = request.step;
+        let location = header(&response, "location");
+        let status = response.status().as_u16();
+        if status == 401 && self.login.is_some() {
+            let challenge = header(&response, "www-authenticate");
+            *self.challenge.borrow_mut() =
+                challenge.and_then(|text| PasswordClient::builder().challenges(&text).build().ok());
+        }
+        let body = response.body_mut().with_config().limit(ANSWER_BYTES).read_to_vec();
+        let body = body.map_err(|error| self.broken(step, error))?;
+        Ok(Answer { status, location, body })
+    }
+
+    fn respond(&self, request: &mut Request<'_>) -> Result<http::Response<ureq::Body>, SendError> {
         let step = request.step;
         let uri = format!("{}{}", self.base, request.path);
         let mut built = http::Request::builder().method(request.method.clone()).uri(&uri);
@@ -262,7 +299,7 @@ impl Client {
             let built = built.header("Content-Type", kind).header("Content-Length", text.len());
             self.run(step, built, SendBody::from_owned_reader(std::io::Cursor::new(text)), silence)
         };
-        let mut response = match &mut request.body {
+        match &mut request.body {
             Body::None => self.run(step, built, SendBody::none(), silence),
             Body::Json(value) => owned(built, "application/json", value.to_string()),
             Body::Text(text) => owned(built, "text/plain", (*text).to_owned()),
@@ -270,21 +307,7 @@ impl Client {
                 let built = built.header("Content-Type", kind.as_str()).header("Content-Length", *length);
                 self.run(step, built, SendBody::from_reader(reader), silence * SLOW)
             }
-        }?;
-        let header = |name: &str| {
-            let value = response.headers().get(name)?.to_str().ok()?;
-            Some(value.to_owned())
-        };
-        let location = header("location");
-        let status = response.status().as_u16();
-        if status == 401 && self.login.is_some() {
-            let challenge = header("www-authenticate");
-            *self.challenge.borrow_mut() =
-                challenge.and_then(|text| PasswordClient::builder().challenges(&text).build().ok());
         }
-        let body = response.body_mut().with_config().limit(ANSWER_BYTES).read_to_vec();
-        let body = body.map_err(|error| self.broken(step, error))?;
-        Ok(Answer { status, location, body })
     }
 
     fn run(
@@ -329,6 +352,10 @@ impl Client {
         }
         text
     }
+}
+
+fn header(response: &http::Response<ureq::Body>, name: &str) -> Option<String> {
+    response.headers().get(name)?.to_str().ok().map(str::to_owned)
 }
 
 /// A part of a path, or a value of a query.

@@ -147,6 +147,12 @@ pub trait PrintHost: Send {
     /// A file by its name.
     fn stored(&self, file: &str) -> Result<Option<Stored>, SendError>;
 
+    /// Whether a stored file, which is another than the one that was sent, has all of its commands: a host may write into
+    /// files.
+    fn has_commands(&self, _file: &str, _payload: &Payload) -> Result<bool, SendError> {
+        Ok(false)
+    }
+
     /// Sends a file, without starting it. Returns the name under which it is stored.
     ///
     /// # Errors

@@ -4,6 +4,7 @@
 //! OctoPrint, Moonraker, PrusaLink and RepRapFirmware's two. [`deliver`] uploads within a patience and compares what is
 //! stored there with what was sent; [`start`] asks for a start at most once; [`follow`] waits for the end.
 
+mod altered;
 mod broken;
 mod client;
 mod connect;

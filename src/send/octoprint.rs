@@ -1,7 +1,11 @@
 //! OctoPrint: <https://docs.octoprint.org/en/master/api/>.
 
+use std::fs::File;
+use std::io::BufReader;
+
 use serde_json::{Value, json};
 
+use super::altered;
 use super::client::{Body, Client, Request, encoded};
 use super::error::{Cause, SendError, Step};
 use super::form::Form;
@@ -72,6 +76,15 @@ impl PrintHost for OctoPrint {
         Ok(Some(Stored { bytes: found["size"].as_u64(), sha1 }))
     }
 
+    /// Plug-ins that cancel objects or tell times have their marks written into it.
+    fn has_commands(&self, file: &str, payload: &Payload) -> Result<bool, SendError> {
+        let path = format!("/downloads/files/local/{}", encoded(file));
+        self.client.read_all(Step::Verify, &path, &|stored| {
+            let sent = BufReader::new(File::open(&payload.path)?);
+            altered::has_commands(sent, BufReader::new(stored))
+        })
+    }
+
     fn upload(
         &self,
         file: &str,
@@ -135,10 +148,13 @@ fn state(job: &Value, flags: Option<&Value>) -> HostState {
     let file = job["job"]["file"]["path"].as_str().or_else(|| job["job"]["file"]["name"].as_str());
     let completion = progress["completion"].as_f64();
     let words = job["state"].as_str().unwrap_or_default();
-    let ended = match (activity, file, completion) {
-        (Activity::Ready, Some(_), Some(percent)) if percent >= 100.0 => Some(Ended::Done),
-        (Activity::Ready, Some(_), _) => Some(Ended::Cancelled),
-        (Activity::Error | Activity::Offline, Some(_), _) => Some(Ended::Failed),
+    // OctoPrint 2 takes the share from the printer, which may stop short of all.
+    let is_whole = completion.is_some_and(|percent| percent >= 100.0)
+        || progress["filepos"].as_u64().is_some_and(|at| Some(at) == job["job"]["file"]["size"].as_u64());
+    let ended = match (activity, file) {
+        (Activity::Ready, Some(_)) if is_whole => Some(Ended::Done),
+        (Activity::Ready, Some(_)) => Some(Ended::Cancelled),
+        (Activity::Error | Activity::Offline, Some(_)) => Some(Ended::Failed),
         _ => None,
     };
     let message = match job["error"].as_str() {
@@ -178,6 +194,10 @@ mod tests {
         ] {
             assert_eq!(state(&job, Some(&flags)).activity, activity, "{flags}");
         }
+        let of = |at: u64| json!({ "job": { "file": { "path": "a.gcode", "size": 10 } }, "progress": { "completion": 90.0, "filepos": at } });
+        let ready = json!({ "ready": true });
+        assert_eq!(state(&of(10), Some(&ready)).ended, Some(Ended::Done), "as OctoPrint 2 tells it");
+        assert_eq!(state(&of(9), Some(&ready)).ended, Some(Ended::Cancelled));
         assert_eq!(state(&job, None).activity, Activity::Offline);
         assert_eq!(state(&job, Some(&json!({ "ready": true }))).ended, Some(Ended::Cancelled));
     }

@@ -120,6 +120,11 @@ impl ApiError {
         self
     }
 
+    /// What is told, without the status.
+    pub fn into_problem(self) -> Problem {
+        self.problem
+    }
+
     /// What is told.
     #[cfg(test)]
     pub fn problem(&self) -> &Problem {

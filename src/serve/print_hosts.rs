@@ -1,6 +1,7 @@
 //! Print hosts for the page: which there are, what they do, and prints for them. These routes are no part of the documented
 //! interface, and there only where the program was given a file of hosts, as `pathwright app` is.
 
+use std::convert::Infallible;
 use std::io::Write;
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -10,10 +11,15 @@ use axum::Router;
 use axum::body::Bytes;
 use axum::extract::{DefaultBodyLimit, State};
 use axum::http::StatusCode;
+use axum::response::sse::{Event, KeepAlive, Sse};
+use axum::response::{IntoResponse, Response};
 use axum::routing::{get, post};
+use futures_util::{StreamExt, stream};
 use serde::{Deserialize, Serialize};
+use serde_json::json;
+use tokio::sync::mpsc;
 
-use super::error::{ApiError, ErrorKind};
+use super::error::{ApiError, ErrorBody, ErrorKind};
 use super::extract::{Json, Path, Query};
 use super::shared::Shared;
 use crate::send::{self, About, Cause, HostEntry, HostState, Hosts, Patience, Payload, SendError};
@@ -86,30 +92,79 @@ struct Sent {
     warnings: Vec<String>,
 }
 
+/// How far it is.
+enum Step {
+    /// So many percent are sent.
+    Sending(u64),
+    Done(Sent),
+}
+
+/// Sends a file, starts it where that is wanted, and tells what happens: `sent` with the percentage, then `done` or `failed`.
+/// What fails before anything is sent is an ordinary answer.
 async fn print(
     State(shared): State<Arc<Shared>>,
     Path(name): Path<String>,
     Query(wanted): Query<Wanted>,
     gcode: Bytes,
-) -> Result<Json<Sent>, ApiError> {
-    let sent = blocking(move || {
-        let entry = entry(&shared, &name)?;
-        let mut file = tempfile::Builder::new().suffix(suffix(&wanted.file)).tempfile()?;
-        file.write_all(&gcode)?;
-        file.flush()?;
-        let host = send::connect(&entry, SENDING)?;
-        let about = host.about()?;
-        let facts = send::FileFacts::read(file.path())?;
-        let warnings = send::examine(&entry.name, entry.kind, &about, &facts)?;
-        send::check(&entry.name, file.path(), &about, None)?;
-        let payload = Payload::of(file.path())?;
-        let sent = send::deliver(host.as_ref(), &payload, &wanted.file, wanted.replace, &mut |_| {})?;
-        if wanted.start {
-            send::start(host.as_ref(), &sent.name)?;
-        }
-        Ok(Sent { name: sent.name, is_verified: sent.is_verified, warnings })
+) -> Result<Response, ApiError> {
+    let (tell, mut told) = mpsc::unbounded_channel();
+    tokio::task::spawn_blocking(move || {
+        // The print goes on where the page is gone.
+        let end = deliver(&shared, &name, &wanted, &gcode, &mut |percent| {
+            let _ = tell.send(Ok(Step::Sending(percent)));
+        });
+        let _ = tell.send(end.map(Step::Done));
     });
-    Ok(Json(sent.await?))
+    let first = told.recv().await.unwrap_or_else(|| Err(ApiError::internal("a mistake of this program")))?;
+    let later = stream::unfold(told, |mut told| async { told.recv().await.map(|step| (step, told)) });
+    let steps = stream::once(async { Ok(first) }).chain(later);
+    Ok(Sse::new(steps.map(event)).keep_alive(KeepAlive::new()).into_response())
+}
+
+fn event(step: Result<Step, ApiError>) -> Result<Event, Infallible> {
+    let (name, data) = match step {
+        Ok(Step::Sending(percent)) => ("sent", json!({ "percent": percent })),
+        Ok(Step::Done(sent)) => ("done", json!(sent)),
+        Err(error) => ("failed", json!(ErrorBody { error: error.into_problem() })),
+    };
+    Ok(Event::default().event(name).data(data.to_string()))
+}
+
+fn deliver(
+    shared: &Shared,
+    name: &str,
+    wanted: &Wanted,
+    gcode: &[u8],
+    told: &mut dyn FnMut(u64),
+) -> Result<Sent, ApiError> {
+    let entry = entry(shared, name)?;
+    let mut file = tempfile::Builder::new().suffix(suffix(&wanted.file)).tempfile()?;
+    file.write_all(gcode)?;
+    file.flush()?;
+    let host = send::connect(&entry, SENDING)?;
+    let about = host.about()?;
+    let facts = send::FileFacts::read(file.path())?;
+    let mut warnings = send::examine(&entry.name, entry.kind, &about, &facts)?;
+    send::check(&entry.name, file.path(), &about, None)?;
+    let payload = Payload::of(file.path())?;
+    let mut before = None;
+    let sent = send::deliver(host.as_ref(), &payload, &wanted.file, wanted.replace, &mut |done| {
+        let percent = Some(100 * done / payload.bytes.max(1));
+        if percent != before {
+            before = percent;
+            percent.into_iter().for_each(&mut *told);
+        }
+    })?;
+    if sent.is_altered {
+        warnings.push(format!(
+            "{} has written into {}; all commands are there, in their order",
+            entry.name, sent.name
+        ));
+    }
+    if wanted.start {
+        send::start(host.as_ref(), &sent.name)?;
+    }
+    Ok(Sent { name: sent.name, is_verified: sent.is_verified, warnings })
 }
 
 /// Text and binary are told apart by the ending.

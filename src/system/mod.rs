@@ -6,4 +6,6 @@ mod presets;
 
 #[cfg(feature = "send")]
 pub use places::{HOSTS, hosts_file};
+#[cfg(feature = "send")]
+pub use presets::physical_printer;
 pub use presets::{NoPresets, all_presets, library, saved};

@@ -4,6 +4,8 @@ use std::path::{Path, PathBuf};
 
 use super::places;
 use crate::presets::{Chosen, Config, Kind, Library, Listed, Place, PresetError};
+#[cfg(feature = "send")]
+use crate::presets::{PhysicalPrinter, is_foreign};
 
 /// How many places a message lists.
 const PLACES: usize = 12;
@@ -47,6 +49,19 @@ pub fn library(named: &[PathBuf]) -> Result<Library, NoPresets> {
 /// As [`library`], be it empty.
 pub fn all_presets(named: &[PathBuf]) -> Library {
     Library::open(&places::existing(&places::of_this_machine(named)))
+}
+
+/// A physical printer of PrusaSlicer or SuperSlicer: its file, or its name beside the presets of this machine.
+///
+/// # Errors
+/// There is none, or it cannot be read.
+#[cfg(feature = "send")]
+pub fn physical_printer(name: &str, named: &[PathBuf]) -> Result<PhysicalPrinter, PresetError> {
+    let file = Path::new(name);
+    if is_foreign(file) && file.is_file() {
+        return PhysicalPrinter::read(file);
+    }
+    PhysicalPrinter::find(&places::existing(&places::of_this_machine(named)), name)
 }
 
 /// The presets that a file holds together: a project of another slicer, an exported configuration, G-code.

@@ -79,6 +79,60 @@ pub fn hosts_are_added_listed_and_found_through_a_preset() {
     );
 }
 
+pub fn physical_printers_of_prusaslicer_are_taken_over() {
+    let duet = Duet::board();
+    let desk = desk(&duet);
+    let presets = desk.path("presets");
+    let folder = presets.join("physical_printer");
+    std::fs::create_dir_all(&folder).unwrap();
+    let url = format!("http://{}", duet.server.address);
+    let of = |kind: &str, more: &str| {
+        format!(
+            "host_type = {kind}\npreset_names = \"Mine\"\nprint_host = {url}\nprinter_technology = FFF\n{more}"
+        )
+    };
+    let duets = of(
+        "duet",
+        "printhost_apikey = \nprinthost_authorization_type = user\nprinthost_password = open-sesame\n",
+    );
+    std::fs::write(folder.join("The Duet.ini"), duets).unwrap();
+    let link = of(
+        "prusalink",
+        "printhost_authorization_type = user\nprinthost_user = stored\nprinthost_password = stored\n",
+    );
+    std::fs::write(folder.join("MK4.ini"), link).unwrap();
+    let prusa = of(
+        "prusalink",
+        "printhost_apikey = open-sesame\nprinthost_cafile = /etc/ca.pem\nprinthost_port = 1\n",
+    );
+    std::fs::write(desk.path("other.ini"), prusa).unwrap();
+    let add = |name: &str, printer: &str, more: &[&str]| {
+        let presets = presets.display().to_string();
+        let args = ["hosts", "add", name, "--physical-printer", printer, "--presets", &presets];
+        let told = desk.run(&[&args[..], more].concat());
+        assert!(!told.1.contains("open-sesame"), "{}", told.1);
+        told
+    };
+    assert_eq!(add("duet", "the duet", &[]).0, 0);
+    let (code, said) = desk.run(&["hosts", "test", "duet"]);
+    assert!(code == 0 && said.contains("duet: ready"), "{code}: {said}");
+    let (code, said) = add("mk4", "MK4", &[]);
+    assert!(code == 4 && said.contains("in the system's store"), "{code}: {said}");
+    assert_eq!(add("mk4", "MK4", &["--user", "maker", "--key-env", "MK4_KEY"]).0, 0);
+    assert_eq!(add("other", &desk.path("other.ini").display().to_string(), &[]).0, 0);
+    let (code, said) = add("none", "The Duets", &[]);
+    assert!(code == 4 && said.contains("did you mean `The Duet`"), "{code}: {said}");
+    let hosts = std::fs::read_to_string(desk.path("hosts.toml")).unwrap();
+    for wanted in [
+        "[\"duet\"]\nkind = \"duet\"",
+        "[\"mk4\"]\nkind = \"prusalink\"",
+        "key_env = \"MK4_KEY\"\nuser = \"maker\"\nprinter = \"Mine\"",
+        "key = \"open-sesame\"\nca = \"/etc/ca.pem\"\nprinter = \"Mine\"",
+    ] {
+        assert!(hosts.contains(wanted), "{wanted} is not in\n{hosts}");
+    }
+}
+
 pub fn keys_are_in_no_output_and_no_argument() {
     let duet = Duet::board();
     let desk = desk(&duet);

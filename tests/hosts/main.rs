@@ -38,6 +38,7 @@ fn main() -> ExitCode {
     }
     let mut trials = trials! { true;
         octoprint::it_is_printed_to_its_end_and_starts_again_after_a_power_cut;
+        octoprint::an_object_is_cancelled_and_the_other_printed_to_its_end;
         octoprint::analysis_and_thumbnails_are_those_of_the_print;
     };
     #[cfg(unix)]
@@ -50,12 +51,14 @@ fn main() -> ExitCode {
         duet::a_board_takes_files_and_prints_them;
         duet::a_computer_takes_files_and_prints_them;
         duet::a_wrong_password_is_told_and_not_shown;
+        octoprint::times_stand_where_its_plug_ins_look;
         prusalink::files_are_put_started_and_followed_with_a_digest;
         prusalink::files_are_put_with_a_key;
         machine::what_is_not_for_the_printer_is_not_sent;
         machine::a_printer_that_is_not_ready_is_not_started;
         machine::a_full_host_gets_nothing;
         machine::hosts_are_added_listed_and_found_through_a_preset;
+        machine::physical_printers_of_prusaslicer_are_taken_over;
         machine::keys_are_in_no_output_and_no_argument;
         machine::slicing_and_sending_is_one_command;
     });

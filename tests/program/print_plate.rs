@@ -57,8 +57,8 @@ fn labels_say_which_object_every_bead_belongs_to() {
         let (mut inside, mut kind, mut seen) = (false, "", std::collections::BTreeSet::new());
         for line in text.lines() {
             kind = line.strip_prefix(";TYPE:").unwrap_or(kind);
-            if line.contains(" A\"") {
-                assert!(kind == "Custom" && line.contains("\"calibration_cube"), "the head names it: {line}");
+            if line.starts_with("M486 A") {
+                assert!(kind == "Custom" && line.contains("Acalibration_cube"), "the head names it: {line}");
             } else if line.starts_with(end) {
                 inside = false;
             } else if line.starts_with(begin) {
@@ -69,6 +69,88 @@ fn labels_say_which_object_every_bead_belongs_to() {
             }
         }
         assert_eq!(seen.len(), 2);
+    }
+}
+
+/// A bead as a printer draws it: where, how fast, how far the filament is drawn back before, and by which acceleration.
+#[derive(Debug, PartialEq)]
+struct Drawn {
+    from: [String; 3],
+    to: [String; 3],
+    speed: String,
+    acceleration: String,
+    is_primed: bool,
+}
+
+/// The beads of an object where another one was cancelled from a line on: firmware leaves out its moves, a host all that
+/// belongs to it.
+fn drawn(
+    text: &str,
+    object: &str,
+    cancelled: Option<&str>,
+    from_line: usize,
+    leaves_all: bool,
+) -> Vec<Drawn> {
+    let (mut now, mut at, mut speed, mut acceleration) =
+        (String::new(), <[String; 3]>::default(), String::new(), String::new());
+    let (mut fed, mut most, mut out) = (0.0_f64, 0.0_f64, Vec::new());
+    for (number, line) in text.lines().enumerate() {
+        let line = line.split(';').next().unwrap_or_default();
+        if let Some(label) = line.strip_prefix("M486 S") {
+            now = label.to_owned();
+            continue;
+        }
+        let is_move = line.starts_with("G1 ");
+        if Some(now.as_str()) == cancelled && number >= from_line && (is_move || leaves_all) {
+            continue;
+        }
+        if let Some(value) = line.strip_prefix("M204 P") {
+            acceleration = value.to_owned();
+        }
+        if !is_move {
+            continue;
+        }
+        let (before, primed) = (at.clone(), most - fed < 1e-6);
+        let mut feeds = 0.0;
+        for word in line.split_whitespace().skip(1) {
+            let value = word[1..].to_owned();
+            match &word[..1] {
+                "X" => at[0] = value,
+                "Y" => at[1] = value,
+                "Z" => at[2] = value,
+                "F" => speed = value,
+                _ => feeds = value.parse().expect("a number"),
+            }
+        }
+        fed += feeds;
+        most = most.max(fed);
+        if feeds > 0.0 && at != before && now == object {
+            let (speed, acceleration) = (speed.clone(), acceleration.clone());
+            out.push(Drawn { from: before, to: at.clone(), speed, acceleration, is_primed: primed });
+        }
+    }
+    out
+}
+
+#[test]
+fn an_object_is_printed_alike_where_another_is_cancelled() {
+    for more in [&[][..], &["retract.z_hop=0.2", "retract.wipe=2"], &["gcode.label_comments=true"]] {
+        let settings = standard(&[&["gcode.labels=true", "gcode.relative_e=true"], more].concat());
+        let print = run(&job(&["calibration_cube"]).with_copies(2), &settings).expect("a print");
+        let text = String::from_utf8(print.text).expect("text");
+        let third = text.lines().position(|line| line == ";LAYER:2").expect("a third layer");
+        for (object, other) in [("0", "1"), ("1", "0")] {
+            let whole = drawn(&text, object, None, 0, false);
+            assert!(whole.len() > 1000 && whole.iter().all(|bead| bead.is_primed));
+            for leaves_all in [false, true] {
+                let alone = drawn(&text, object, Some(other), third, leaves_all);
+                let differs = whole.iter().zip(&alone).find(|(a, b)| a != b);
+                assert!(
+                    differs.is_none() && whole.len() == alone.len(),
+                    "{more:?}, {leaves_all}: {differs:#?}"
+                );
+            }
+        }
     }
 }
 
@@ -89,6 +171,10 @@ fn one_after_the_other_the_lowest_is_finished_first_and_nothing_comes_near_it() 
     let (mut object, mut done): (Option<usize>, _) = (None, [false; 2]);
     for step in replay(&print.text) {
         let line = String::from_utf8_lossy(step.line.text).into_owned();
+        if line.starts_with("M486 A") {
+            // The head says which there are.
+            (object, done) = (None, [false; 2]);
+        }
         if let Some(now) = line.strip_prefix("M486 S").and_then(|number| number.parse::<usize>().ok()) {
             assert!(!done[now], "no object is taken up again");
             if let Some(before) = object.replace(now).filter(|before| *before != now) {

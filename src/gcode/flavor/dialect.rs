@@ -48,12 +48,11 @@ pub(in crate::gcode) trait Dialect {
         line(out, &format!("M208 S{extra} F{}", text(retract.unretract_speed.0 * 60.0, 0)));
     }
 
-    /// Says which objects there are. M486 has names only (A, which RepRapFirmware reads); where they are is said in a comment, for
-    /// hosts that can cancel objects.
+    /// Says which objects there are. M486 has names only; where they are is said in a comment, for hosts that can cancel objects.
     fn objects(&self, out: &mut Vec<u8>, objects: &[ObjectLabel]) {
         line(out, &format!("M486 T{}", objects.len()));
         for (index, object) in objects.iter().enumerate() {
-            line(out, &format!("M486 S{index} A\"{}\"", object.name));
+            self.name_object(out, index, &object.name);
         }
         line(out, "M486 S-1");
         let info = objects.iter().map(|object| {
@@ -61,6 +60,12 @@ pub(in crate::gcode) trait Dialect {
             format!("{{\"name\":\"{}\",\"center\":[{x},{y}],\"polygon\":{}}}", object.name, object.polygon())
         });
         line(out, &format!("; objects_info = {{\"objects\":[{}]}}", info.collect::<Vec<_>>().join(",")));
+    }
+
+    /// Names an object by M486. Marlin itself has no names and reads capital letters of one as parameters (C would cancel the
+    /// object); Prusa's takes a name that stands alone.
+    fn name_object(&self, out: &mut Vec<u8>, index: usize, name: &str) {
+        line(out, &format!("M486 S{index}\nM486 A{}", name.to_ascii_lowercase()));
     }
 
     /// What follows belongs to an object, by its number and name.

@@ -32,4 +32,8 @@ impl Dialect for RepRapFirmware {
         let [back, forward] = [retract.speed, retract.unretract_speed].map(|v| text(v.0 * 60.0, 0));
         line(out, &format!("M207 S{length} R{extra} F{back} T{forward}"));
     }
+
+    fn name_object(&self, out: &mut Vec<u8>, index: usize, name: &str) {
+        line(out, &format!("M486 S{index} A\"{name}\""));
+    }
 }

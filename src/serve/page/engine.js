@@ -28,10 +28,18 @@ export class Engine {
   printers = (words) => this.json(`/v1/printers?q=${encodeURIComponent(words)}`);
   printer = (name) => this.json(`/v1/printers/${encodeURIComponent(name)}`);
 
-  /** Print hosts; what one of them does; G-code for one of them. */
+  /** Print hosts; what one of them does. */
   hosts = () => this.json("/v1/hosts");
   host = (name) => this.json(`/v1/hosts/${encodeURIComponent(name)}`);
-  print = (name, wanted, gcode) => this.json(`/v1/hosts/${encodeURIComponent(name)}/prints?${new URLSearchParams(wanted)}`, { method: "POST", body: gcode });
+
+  /** G-code for a print host: calls `sent({ percent })` meanwhile, and gives what has become of it. */
+  async print(name, wanted, gcode, sent) {
+    const answer = await this.request(`/v1/hosts/${encodeURIComponent(name)}/prints?${new URLSearchParams(wanted)}`, { method: "POST", body: gcode });
+    let end = null;
+    const done = (told) => { end = told; };
+    await listen(answer, { sent, done, failed: ({ error }) => { throw new EngineError(error); } });
+    return end ?? lost();
+  }
 
   /** Takes a token for this and the following requests, downloads too. */
   async login(token) {
@@ -96,15 +104,8 @@ export class Engine {
   async events(on, signal) {
     const answer = await this.request(this.at("events"), { signal, headers: { accept: "text/event-stream" } });
     on.connected?.();
-    const reader = answer.body.pipeThrough(new TextDecoderStream()).getReader();
-    let rest = "";
-    for (;;) {
-      const { value, done } = await reader.read().catch(lost);
-      if (done) return lost();
-      const messages = (rest + value).replaceAll("\r", "").split("\n\n");
-      rest = messages.pop();
-      for (const message of messages) deliver(message, on);
-    }
+    await listen(answer, on);
+    lost();
   }
 
   at(path) {
@@ -137,6 +138,19 @@ const put = (method, value) => ({ method, body: JSON.stringify(value), headers: 
 
 function lost() {
   throw new EngineError({ kind: "offline", message: "the service does not answer" });
+}
+
+/** Hands on the events of an answer until it ends. */
+async function listen(answer, on) {
+  const reader = answer.body.pipeThrough(new TextDecoderStream()).getReader();
+  let rest = "";
+  for (;;) {
+    const { value, done } = await reader.read().catch(lost);
+    if (done) return;
+    const messages = (rest + value).replaceAll("\r", "").split("\n\n");
+    rest = messages.pop();
+    for (const message of messages) deliver(message, on);
+  }
 }
 
 /** Hands an event on; lines that begin with a colon say only that someone is there. */

@@ -48,11 +48,12 @@ export class PrintHosts {
     this.start = element("input", { type: "checkbox", id: "print-start" });
     this.replace = element("input", { type: "checkbox", id: "print-replace" });
     this.said = element("p", { role: "status", id: "print-said" });
+    this.bar = element("progress", { id: "print-bar", max: 100, value: 0, hidden: true, "aria-label": "Sent" });
     this.send = element("button", { class: "main", id: "print-send" }, "Send");
     const form = element("form", {}, element("h2", {}, "Print"), ...list,
       element("p", {}, element("label", {}, this.start, " Start it when it is there")),
       element("p", {}, element("label", {}, this.replace, " Replace a file of the same name")),
-      this.said,
+      this.said, this.bar,
       element("div", { class: "row" }, this.send, element("button", { type: "button", id: "print-close", onclick: () => this.dialog.close() }, "Close")));
     form.addEventListener("submit", (event) => {
       event.preventDefault();
@@ -84,12 +85,17 @@ export class PrintHosts {
     this.said.textContent = "Sending…";
     try {
       const file = desk.done.name, gcode = await (await engine.request(engine.gcode(desk.done))).blob();
-      const sent = await engine.print(name, { file, start, replace: this.replace.checked }, gcode);
+      const size = `${(gcode.size / 1e6).toFixed(1)} MB`;
+      const sent = await engine.print(name, { file, start, replace: this.replace.checked }, gcode, ({ percent }) => {
+        Object.assign(this.bar, { hidden: false, value: percent });
+        this.said.textContent = percent < 100 ? `Sending: ${percent} % of ${size}` : `All of ${size} is sent; ${name} stores it…`;
+      });
       for (const warning of sent.warnings) notify(warning);
       this.said.textContent = start ? `${sent.name} prints on ${name}.` : `${sent.name} is stored on ${name}.`;
     } catch (error) {
       this.said.textContent = error.message;
     }
+    this.bar.hidden = true;
     this.send.disabled = false;
   }
 }
