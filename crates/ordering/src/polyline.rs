@@ -2,7 +2,9 @@
 
 use pathwright_geometry::Point;
 
-use super::{Cost, Effort, Item, OrderStrategy, Problem, Run, Sequence, Shape, bound, evaluate, strategy};
+use super::{
+    Cost, Effort, Item, Known, OrderStrategy, Problem, Run, Sequence, Shape, Watch, bound, evaluate, strategy,
+};
 
 /// A stroke that is drawn without a stop.
 #[derive(Clone, Debug, PartialEq)]
@@ -75,6 +77,14 @@ pub struct Ordered {
 /// assert_eq!(ordered.length_mm, 2.0);
 /// ```
 pub fn order(polylines: &[Polyline], options: &OrderOptions) -> Ordered {
+    order_watched(polylines, options, Watch::default())
+}
+
+/// As [`order`], unless who watches ends it.
+///
+/// # Panics
+/// If a polyline has no vertex.
+pub fn order_watched(polylines: &[Polyline], options: &OrderOptions, watch: Watch<'_>) -> Ordered {
     let mut groups: Vec<u32> = polylines.iter().map(|polyline| polyline.group).collect();
     groups.sort_unstable();
     groups.dedup();
@@ -87,7 +97,8 @@ pub fn order(polylines: &[Polyline], options: &OrderOptions) -> Ordered {
         },
     });
     let problem = Problem { items: items.collect(), runs, start: options.start, ..Problem::of([]) };
-    let sequence = strategy(options.strategy).solve(&problem, &options.cost, options.effort);
+    let known = Known { watch, ..Known::default() };
+    let sequence = strategy(options.strategy).solve_knowing(&problem, &options.cost, options.effort, known);
     Ordered {
         length_mm: evaluate(&problem, &sequence, &Cost::Length),
         bound_mm: options.certify.then(|| bound::layer(&problem)),

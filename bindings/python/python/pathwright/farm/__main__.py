@@ -7,7 +7,7 @@ import sys
 from typing import Optional
 
 from .._slicing import STRATEGIES
-from ._catalogue import CatalogueError, read
+from . import _workers
 
 DONE, USAGE, INPUT, OUTPUT, INTERRUPTED = 0, 2, 3, 6, 130
 
@@ -53,8 +53,11 @@ def main(args: Optional[list[str]] = None) -> int:
     given = parser.parse_args(args)
     if given.work == "compare" and "/" in (given.plot or ""):
         parser.error("--plot is a name without folders: the picture stands beside the table, at --out")
+    if given.scheduler is None:
+        _workers.prepare()
     try:
         from . import _plot, _run
+        from ._catalogue import CatalogueError, read
         from ._guard import Limits
         from ._store import Store
     except ImportError as error:
@@ -79,7 +82,7 @@ def main(args: Optional[list[str]] = None) -> int:
     limits = Limits(given.timeout, given.memory)
     job = _run.Job(rows, given.out, about, common, limits, frozenset(filter(None, given.retry.split(","))))
     try:
-        table, ended = _run.run(job, given.scheduler, given.workers or _run.cores())
+        table, ended = _run.run(job, given.scheduler, given.workers or _workers.cores())
         if given.work == "compare" and given.plot:
             Store(given.out).put(given.plot, _plot.plot(table.table(), given.plot.rsplit(".", 1)[-1]))
     except KeyboardInterrupt:
