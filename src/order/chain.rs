@@ -153,7 +153,7 @@ impl Chain {
             let items = layers.iter().map(|layer| layer.paths.len());
             Detours::new(rule, self.cost, items, routers)
         });
-        let known = Known { detours: detours.as_ref(), solved, watch };
+        let known = Known { detours: detours.as_ref(), solved, watch, ..Known::default() };
         strategy(self.settings.strategy).solve_knowing(problem, &self.cost, self.settings.effort, known)
     }
 

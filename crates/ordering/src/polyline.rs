@@ -6,6 +6,10 @@ use super::{
     Cost, Effort, Item, Known, OrderStrategy, Problem, Run, Sequence, Shape, Watch, bound, evaluate, strategy,
 };
 
+/// Steps per polyline, beside those of a layer's path, with normal effort. A drawing is ordered once, a print layer by layer; and its
+/// clusters of short strokes need more.
+const MORE_STEPS: u64 = 12_600;
+
 /// A stroke that is drawn without a stop.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Polyline {
@@ -97,7 +101,8 @@ pub fn order_watched(polylines: &[Polyline], options: &OrderOptions, watch: Watc
         },
     });
     let problem = Problem { items: items.collect(), runs, start: options.start, ..Problem::of([]) };
-    let known = Known { watch, ..Known::default() };
+    let more_steps = if options.effort == Effort::Normal { MORE_STEPS } else { 0 };
+    let known = Known { more_steps, watch, ..Known::default() };
     let sequence = strategy(options.strategy).solve_knowing(&problem, &options.cost, options.effort, known);
     Ordered {
         length_mm: evaluate(&problem, &sequence, &Cost::Length),

@@ -65,11 +65,12 @@ impl Strategy for Optimized {
     }
 
     fn solve_knowing(&self, problem: &Problem, cost: &Cost, effort: Effort, known: Known) -> Sequence {
-        let Known { detours, solved, watch } = known;
+        let Known { detours, solved, more_steps, watch } = known;
         let groups = Groups::new(problem);
         let count = problem.items.len() as u64;
         let stages = groups.stages().count() as u64;
-        let steps = (count * steps_per_path(effort, problem.scope)).max(stages * least_steps(effort));
+        let steps =
+            (count * (steps_per_path(effort, problem.scope) + more_steps)).max(stages * least_steps(effort));
         let mut search = Search::new(problem, &groups, *cost, watch);
         match &solved {
             Some(solved) => search.take_up(solved),

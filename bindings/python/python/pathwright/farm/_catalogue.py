@@ -112,7 +112,7 @@ def identified(rows: Iterable[Row], about: dict[str, Any]) -> dict[str, Row]:
     """Each row once, by a name that changes when its model, its settings or the version of this package do; ``about``: what
     is done with all of them. Large models come first, so that none is left alone at the end."""
     versions = _Versions()
-    named = {}
+    named: dict[str, Row] = {}
     for row in sorted(rows, key=lambda row: -versions.size(row.model)):
         files = [versions.of(profile) for profile in row.profiles if profile.endswith(".toml")]
         told = [__version__, about, row.columns(), versions.of(row.model), files]

@@ -19,10 +19,10 @@ _TRIES = 20
 #: Batches that are at the scheduler for each thread of a worker.
 _WAITING = 3
 #: How long a batch takes, about, s, and the most rows in it.
-_BATCH_S = 1.0
+_BATCH_S = 2.0
 _BATCH = 50
 #: How often the threads of the cluster are counted, s.
-_COUNT_S = 1.0
+_COUNT_S = 5.0
 
 
 @dataclass(frozen=True)
@@ -121,7 +121,7 @@ class _Feeder:
             self._running.add(self._client.submit(_guard.work, tasks, self._limits, key=key, pure=False))
 
     def _batch(self) -> int:
-        """Rows that go together: so many that the scheduler is asked about once a second, and few when few are left."""
+        """Rows that go together: so many that the scheduler is asked every other second, and few when few are left."""
         if self._row_s is None:
             return 1
         most = min(_BATCH_S / max(self._row_s, 1e-3), len(self._left) / (_WAITING * self._threads), _BATCH)

@@ -51,7 +51,13 @@ def client(scheduler: Optional[str], workers: int) -> Iterator[distributed.Clien
             # Rows are not to blame for workers that are lost: they run in processes of their own.
             "distributed.scheduler.allowed-failures": 1000,
             "distributed.worker.multiprocessing-method": _method(),
+            # Workers wait for processes that do the work: there is little to look at.
             "distributed.worker.profile.enabled": False,
+            "distributed.worker.memory.monitor-interval": "1s",
+            "distributed.admin.system-monitor.interval": "5s",
+            "distributed.admin.tick.interval": "1s",
+            "distributed.scheduler.work-stealing": False,
+            "distributed.scheduler.active-memory-manager.start": False,
         }
     )
     over = threading.Event()
