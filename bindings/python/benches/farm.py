@@ -219,7 +219,9 @@ def kills(folder: Path, rows: int) -> None:
         done = len(list(out.glob("slice.rows/*/*.json")))
         try:
             below = psutil.Process(process.pid).children(recursive=True)
-            workers = [one for one in below if "spawn_main" in " ".join(one.cmdline())]
+            # Workers are forked from a process that is forked from the client.
+            servers = {one.pid for one in below if one.ppid() == process.pid}
+            workers = [one for one in below if one.ppid() in servers and "forkserver" in " ".join(one.cmdline())]
             most_mb = max([most_mb, *(one.memory_info().rss / 2**20 for one in below)])
         except psutil.Error:
             continue
