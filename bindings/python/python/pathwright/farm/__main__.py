@@ -37,6 +37,8 @@ def arguments() -> argparse.ArgumentParser:
     comparing = works.add_parser("compare", parents=[common], help="all strategies, and a table")
     comparing.add_argument("--strategies", default=",".join(STRATEGIES), metavar="A,B")
     comparing.add_argument("--no-bound", action="store_true", help="compute no bounds, which take the longest")
+    about_bounds = "compute none for models with more paths than this (10000); 0: for all"
+    comparing.add_argument("--bound-paths", type=int, default=10_000, metavar="N", help=about_bounds)
     comparing.add_argument("--plot", metavar="NAME", help="a picture beside the table: travel.png, .svg or .pdf")
     return parser
 
@@ -70,6 +72,7 @@ def main(args: Optional[list[str]] = None) -> int:
     common |= {"profiles": given.profile, "settings": settings}
     if given.work == "compare":
         about["strategies"] = given.strategies.split(",")
+        about["bound_paths"] = given.bound_paths
         common["certify"] = not given.no_bound
         if unknown := set(given.strategies.split(",")) - set(STRATEGIES):
             parser.error(f"--strategies: {', '.join(sorted(unknown))}: unknown; there are {', '.join(STRATEGIES)}")

@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 #: How often workers on this machine are counted, s.
 _LOST_S = 5.0
 #: What workers on this machine are forked with.
-_PRELOADED = ["distributed", "distributed.nanny", f"{__package__}._guard"]
+_PRELOADED = ["distributed", "distributed.nanny", f"{__package__}._forked"]
 
 
 def cores() -> int:
