@@ -22,8 +22,11 @@ use crate::profile::Settings;
 use crate::report::{ModelInfo, PaperRow, Reordered, Summary};
 
 pub use error::{CheckError, FitError, InputError, JobError};
+#[cfg(feature = "serve")]
+pub(crate) use model::digest;
+#[cfg(feature = "send")]
+pub(crate) use model::hexadecimal;
 pub use model::{JobModel, ModelFile, ModelFiles, ModelSource};
-pub(crate) use model::{digest, hexadecimal};
 pub use objects::ObjectSettings;
 pub use project::{ModelRole, PresetNames, Project, ProjectModel};
 pub use sources::Sources;

@@ -76,7 +76,7 @@ impl<'a> Observer<'a> {
     }
 
     /// Whether the run shall end.
-    pub(crate) fn is_cancelled(&self) -> bool {
+    pub fn is_cancelled(&self) -> bool {
         self.cancelled.as_ref().is_some_and(|call| call())
     }
 

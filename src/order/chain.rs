@@ -13,7 +13,8 @@ use super::straight_on::{Corners, StraightOn};
 use crate::toolpath::LayerPaths;
 use geometry::{Point, Router};
 use ordering::{
-    Cost, DetourRule, Detours, Known, Nearest, Problem, Sequence, Strategy, Visit, first_points, strategy,
+    Cost, DetourRule, Detours, Known, Nearest, Problem, Sequence, Strategy, Visit, Watch, first_points,
+    strategy,
 };
 
 /// Layers per chunk for a print of so many layers: enough chunks to keep every core busy, and not so
@@ -43,8 +44,14 @@ impl Chain {
     /// Orders consecutive layers, the first of them from `start` (`None`: from anywhere), each of the others from
     /// where the one before ended. `pins[i]` belongs to `layers[i]`. Entries of loops in the result are
     /// indices into their path's points.
-    pub fn solve_chunk(&self, layers: &[LayerPaths], pins: &[Pins], start: Option<Point>) -> Vec<PathOrder> {
-        self.solve_between(layers, pins, start, None, &self.routers(layers), None)
+    pub fn solve_chunk(
+        &self,
+        layers: &[LayerPaths],
+        pins: &[Pins],
+        start: Option<Point>,
+        watch: Watch<'_>,
+    ) -> Vec<PathOrder> {
+        self.solve_between(layers, pins, (start, None), &self.routers(layers), None, watch)
     }
 
     /// The routers of the layers; none where travels go straight.
@@ -69,19 +76,19 @@ impl Chain {
         &self,
         layers: &[LayerPaths],
         pins: &[Pins],
-        start: Option<Point>,
-        end: Option<Point>,
+        (start, end): (Option<Point>, Option<Point>),
         routers: &[Router],
         solved: Option<&[PathOrder]>,
+        watch: Watch<'_>,
     ) -> Vec<PathOrder> {
         if self.is_together() {
-            return self.solve_together(layers, pins, start, end, routers, solved);
+            return self.solve_together(layers, pins, (start, end), routers, solved, watch);
         }
         let mut at = start;
         let mut sequences = Vec::with_capacity(layers.len());
         for (i, (layer, pins)) in layers.iter().zip(pins).enumerate() {
             let end = end.filter(|_| i + 1 == layers.len());
-            let sequence = self.solve_layer(layer, pins, at, end, routers.get(i));
+            let sequence = self.solve_layer(layer, pins, (at, end), routers.get(i), watch);
             if let Some(&last) = sequence.last() {
                 at = Some(ends_on_path(layer, last).1);
             }
@@ -95,10 +102,10 @@ impl Chain {
         &self,
         layers: &[LayerPaths],
         pins: &[Pins],
-        start: Option<Point>,
-        end: Option<Point>,
+        (start, end): (Option<Point>, Option<Point>),
         routers: &[Router],
         solved: Option<&[PathOrder]>,
+        watch: Watch<'_>,
     ) -> Vec<PathOrder> {
         let scope = self.settings.scope;
         let mut problems: Vec<_> =
@@ -115,7 +122,7 @@ impl Chain {
             }
             before
         });
-        let solved = self.solve(&problem, layers, routers, before);
+        let solved = self.solve(&problem, layers, routers, before, watch);
         let (mut solved, mut first) = (solved.into_iter(), 0);
         let apart = |(layer, problem): (&LayerPaths, &mut LayerProblem)| {
             let count = layer.paths.len();
@@ -140,12 +147,13 @@ impl Chain {
         layers: &[LayerPaths],
         routers: &[Router],
         solved: Option<Sequence>,
+        watch: Watch<'_>,
     ) -> Sequence {
         let detours = self.detours.map(|rule| {
             let items = layers.iter().map(|layer| layer.paths.len());
             Detours::new(rule, self.cost, items, routers)
         });
-        let known = Known { detours: detours.as_ref(), solved };
+        let known = Known { detours: detours.as_ref(), solved, watch, ..Known::default() };
         strategy(self.settings.strategy).solve_knowing(problem, &self.cost, self.settings.effort, known)
     }
 
@@ -174,13 +182,14 @@ impl Chain {
         solved: Vec<PathOrder>,
         next: Option<(&LayerPaths, &[PathVisit])>,
         start: Option<Point>,
+        watch: Watch<'_>,
     ) -> Vec<PathOrder> {
         if !self.settings.chain {
             return solved;
         }
         let end = next.and_then(|(layer, sequence)| Some(ends_on_path(layer, *sequence.first()?).0));
         let routers = self.routers(layers);
-        let again = self.solve_between(layers, pins, start, end, &routers, Some(&solved));
+        let again = self.solve_between(layers, pins, (start, end), &routers, Some(&solved), watch);
         let too_near = |sequences: &[PathOrder]| {
             let first = sequences[0].first().map(|&visit| ends_on_path(&layers[0], visit).0);
             matches!((start, first), (Some(a), Some(b)) if a.distance_mm(b) < self.settings.layer_distance.0)
@@ -224,16 +233,16 @@ impl Chain {
         &self,
         paths: &LayerPaths,
         pins: &Pins,
-        start: Option<Point>,
-        end: Option<Point>,
+        (start, end): (Option<Point>, Option<Point>),
         router: Option<&Router>,
+        watch: Watch<'_>,
     ) -> PathOrder {
         let mut layer = LayerProblem::new(paths, pins, self.settings.scope);
         (layer.problem.start, layer.problem.end) =
             if self.settings.chain { (start.or(self.origin), end) } else { (self.origin, None) };
         let solve = |problem: &Problem| {
             let routers = router.map(slice::from_ref).unwrap_or_default();
-            self.solve(problem, slice::from_ref(paths), routers, None)
+            self.solve(problem, slice::from_ref(paths), routers, None, watch)
         };
         let mut sequence = self.solve_apart(&mut layer.problem, start, solve);
         if self.seam == SeamPosition::Nearest {

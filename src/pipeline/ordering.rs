@@ -3,7 +3,7 @@
 use std::ops::Range;
 use std::time::Duration;
 
-use crate::order::{Chain, LayerProblem, PathOrder, Pins, Problem, bound, ends_on_path};
+use crate::order::{Chain, LayerProblem, PathOrder, Pins, Problem, Watch, bound, ends_on_path};
 use crate::profile::Settings;
 use crate::toolpath::LayerPaths;
 use geometry::Point;
@@ -77,8 +77,11 @@ impl<'a> Sequencer<'a> {
         let range = |c: usize| first + c * chunk..(first + (c + 1) * chunk).min(count);
         let (paths, pins) = (&layers.paths, &layers.pins);
         let (workers, timed) = (self.workers, Timed(self.workers));
-        let solved = workers
-            .map(chunks, |c| timed.run(|| self.chain.solve_chunk(&paths[range(c)], &pins[range(c)], None)));
+        let look = || workers.go_on();
+        let watch = Watch::new(&look);
+        let solved = workers.map(chunks, |c| {
+            timed.run(|| self.chain.solve_chunk(&paths[range(c)], &pins[range(c)], None, watch))
+        });
         for (sequences, took) in solved {
             layers.sequences.extend(sequences);
             self.took += took;
@@ -86,7 +89,8 @@ impl<'a> Sequencer<'a> {
         // No two joins have a layer in common.
         let overlap = self.chain.overlap().min(chunk - 1);
         let window = |c: usize| range(c).start.saturating_sub(overlap)..range(c).start + 1;
-        let joined = workers.map(chunks, |c| timed.run(|| self.join(&layers, window(c), range(c).end)));
+        let joined =
+            workers.map(chunks, |c| timed.run(|| self.join(&layers, window(c), range(c).end, watch)));
         let settled = if last { count } else { count.saturating_sub(overlap) };
         self.end = layers.end(settled).or(self.end);
         for (c, (sequences, took)) in joined.into_iter().enumerate() {
@@ -106,12 +110,13 @@ impl<'a> Sequencer<'a> {
     }
 
     /// Orders the layers of a join again. The chunk after it ends at `end`.
-    fn join(&self, layers: &Layers, window: Range<usize>, end: usize) -> Vec<PathOrder> {
+    fn join(&self, layers: &Layers, window: Range<usize>, end: usize, watch: Watch<'_>) -> Vec<PathOrder> {
         let old = layers.sequences[window.clone()].to_vec();
         let Some(before) = layers.end(window.start).or(self.end) else { return old };
         let above = window.end;
         let next = (above < end).then(|| (&layers.paths[above], layers.sequences[above].as_slice()));
-        self.chain.resolve_join(&layers.paths[window.clone()], &layers.pins[window], old, next, Some(before))
+        let (paths, pins) = (&layers.paths[window.clone()], &layers.pins[window]);
+        self.chain.resolve_join(paths, pins, old, next, Some(before), watch)
     }
 }
 

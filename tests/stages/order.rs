@@ -3,7 +3,7 @@
 use crate::order_layer::{self, Layer, point};
 use pathwright::geometry::{Point, Region};
 use pathwright::order::{
-    Chain, Cost, LayerProblem, PathVisit, Pins, Problem, Run, SeamRule, Shape, TravelTime, check,
+    Chain, Cost, LayerProblem, PathVisit, Pins, Problem, Run, SeamRule, Shape, TravelTime, Watch, check,
     ends_on_path, evaluate, strategy,
 };
 use pathwright::profile::{Effort, OrderSettings, OrderStrategy, Scope, SeamPosition};
@@ -313,9 +313,9 @@ fn a_chunk_begins_each_layer_where_the_last_one_ended() {
     let free = pins(SeamPosition::Free, &layers);
     let settings = OrderSettings { strategy: OrderStrategy::Nearest, ..OrderSettings::default() };
     let chain = chain(SeamPosition::Free, settings);
-    let sequences = chain.solve_chunk(&layers, &free, None);
+    let sequences = chain.solve_chunk(&layers, &free, None, Watch::default());
     let end = ends_on_path(&layers[0], sequences[0][4]).1;
-    assert_eq!(chain.solve_chunk(&layers[1..], &free[1..], Some(end)), sequences[1..]);
+    assert_eq!(chain.solve_chunk(&layers[1..], &free[1..], Some(end), Watch::default()), sequences[1..]);
 }
 
 #[test]
@@ -328,7 +328,12 @@ fn an_optimized_layer_ends_where_the_next_one_is() {
     let free = pins(SeamPosition::Free, &layers);
     // The line at 0 is the nearer one, and yet it is to be the last.
     let start = Some(Point::from_mm(9., 0.));
-    let sequences = chain(SeamPosition::Free, OrderSettings::default()).solve_chunk(&layers, &free, start);
+    let sequences = chain(SeamPosition::Free, OrderSettings::default()).solve_chunk(
+        &layers,
+        &free,
+        start,
+        Watch::default(),
+    );
     assert_eq!(sequences[0].iter().map(|visit| visit.path).collect::<Vec<_>>(), [1, 0]);
 }
 
@@ -338,12 +343,18 @@ fn a_join_is_never_dearer_once_both_its_ends_are_known() {
     for seam in [SeamPosition::Free, SeamPosition::Rear] {
         let pins = pins(seam, &layers);
         let chain = chain(seam, OrderSettings::default());
-        let sequences = chain.solve_chunk(&layers, &pins, None);
+        let sequences = chain.solve_chunk(&layers, &pins, None, Watch::default());
         let end = ends_on_path(&layers[2], sequences[2][0]).0;
         for start in [Point::from_mm(60., 40.), Point::from_mm(-9., 3.), Point::from_mm(25., 5.)] {
             let next = Some((&layers[2], sequences[2].as_slice()));
-            let joined =
-                chain.resolve_join(&layers[..2], &pins[..2], sequences[..2].to_vec(), next, Some(start));
+            let joined = chain.resolve_join(
+                &layers[..2],
+                &pins[..2],
+                sequences[..2].to_vec(),
+                next,
+                Some(start),
+                Watch::default(),
+            );
             let cost = |sequences: &[Vec<PathVisit>]| {
                 let middle = ends_on_path(&layers[1], sequences[1][0]).0;
                 links_mm(&layers[0], &sequences[0], Some(start), Some(middle))
@@ -359,8 +370,9 @@ fn a_join_keeps_its_seams() {
     let layers = tower();
     let pins = pins(SeamPosition::Rear, &layers);
     let chain = chain(SeamPosition::Rear, OrderSettings::default());
-    let sequences = chain.solve_chunk(&layers, &pins, None);
-    let joined = chain.resolve_join(&layers, &pins, sequences, None, Some(Point::from_mm(60., 40.)));
+    let sequences = chain.solve_chunk(&layers, &pins, None, Watch::default());
+    let joined =
+        chain.resolve_join(&layers, &pins, sequences, None, Some(Point::from_mm(60., 40.)), Watch::default());
     for (sequence, pins) in joined.iter().zip(pins.iter().flatten()) {
         let mut loops = sequence.iter().filter(|visit| visit.path != 4);
         assert!(loops.all(|visit| visit.entry == pins[visit.path as usize] && visit.entry > 0));
@@ -373,12 +385,12 @@ fn without_chaining_a_layer_does_not_depend_on_the_one_below() {
     let free = pins(SeamPosition::Free, &layers);
     let settings = OrderSettings { chain: false, ..OrderSettings::default() };
     let chain = chain(SeamPosition::Free, settings);
-    let together = chain.solve_chunk(&layers, &free, None);
-    let apart = chain.solve_chunk(&layers[2..], &free[2..], Some(Point::from_mm(99., 99.)));
+    let together = chain.solve_chunk(&layers, &free, None, Watch::default());
+    let apart = chain.solve_chunk(&layers[2..], &free[2..], Some(Point::from_mm(99., 99.)), Watch::default());
     assert_eq!(together[2..], apart);
     let far = Some(Point::from_mm(9., 9.));
     assert_eq!(
-        chain.resolve_join(&layers[..1], &free[..1], together[..1].to_vec(), None, far),
+        chain.resolve_join(&layers[..1], &free[..1], together[..1].to_vec(), None, far, Watch::default()),
         together[..1]
     );
 }
@@ -389,7 +401,8 @@ fn a_layer_begins_as_far_from_the_last_one_as_is_asked_for() {
     let free = pins(SeamPosition::Free, &layers);
     for &(_, strategy) in OrderStrategy::ALL {
         let settings = OrderSettings { strategy, layer_distance: Mm(12.0), ..OrderSettings::default() };
-        let sequences = chain(SeamPosition::Free, settings).solve_chunk(&layers, &free, None);
+        let sequences =
+            chain(SeamPosition::Free, settings).solve_chunk(&layers, &free, None, Watch::default());
         for (below, above) in [(0, 1), (1, 2)] {
             let end = ends_on_path(&layers[below], sequences[below][4]).1;
             let begin = ends_on_path(&layers[above], sequences[above][0]).0;
@@ -404,7 +417,9 @@ fn pinned_loops_are_entered_at_their_first_vertex() {
     let pinned = pins(SeamPosition::Pinned, &layers);
     for &(_, strategy) in OrderStrategy::ALL {
         let settings = OrderSettings { strategy, ..OrderSettings::default() };
-        for sequence in chain(SeamPosition::Pinned, settings).solve_chunk(&layers, &pinned, None) {
+        for sequence in
+            chain(SeamPosition::Pinned, settings).solve_chunk(&layers, &pinned, None, Watch::default())
+        {
             assert!(sequence.iter().all(|visit| visit.path == 4 || visit.entry == 0), "{strategy:?}");
         }
     }
@@ -414,7 +429,12 @@ fn pinned_loops_are_entered_at_their_first_vertex() {
 fn nearest_seams_are_nearest_to_where_the_nozzle_comes_from() {
     let layers = tower();
     let free = pins(SeamPosition::Nearest, &layers);
-    let sequences = chain(SeamPosition::Nearest, OrderSettings::default()).solve_chunk(&layers, &free, None);
+    let sequences = chain(SeamPosition::Nearest, OrderSettings::default()).solve_chunk(
+        &layers,
+        &free,
+        None,
+        Watch::default(),
+    );
     for (layer, sequence) in layers.iter().zip(&sequences) {
         for pair in sequence.windows(2).filter(|pair| pair[1].path != 4) {
             let from = ends_on_path(layer, pair[0]).1;

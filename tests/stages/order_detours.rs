@@ -3,7 +3,7 @@
 use std::slice;
 
 use pathwright::geometry::{Point, unite_rings};
-use pathwright::order::{Chain, Cost, DetourRule, LayerProblem, PathVisit, check, ends_on_path};
+use pathwright::order::{Chain, Cost, DetourRule, LayerProblem, PathVisit, Watch, check, ends_on_path};
 use pathwright::profile::{CostKind, OrderSettings, Scope, SeamPosition, Settings};
 use pathwright::toolpath::{IslandId, LayerKind, LayerPaths, Path, Phase, Role, Width};
 use pathwright::units::Mm;
@@ -46,7 +46,9 @@ fn settings() -> Settings {
 fn sequence(layer: &LayerPaths, cost: Cost, scope: Scope, detours: Option<DetourRule>) -> Vec<PathVisit> {
     let settings = OrderSettings { scope, ..OrderSettings::default() };
     let chain = Chain { settings, cost, detours, seam: SeamPosition::Free, corners: None, origin: None };
-    chain.solve_chunk(slice::from_ref(layer), &[None], Some(Point::from_mm(3.0, 19.5))).swap_remove(0)
+    chain
+        .solve_chunk(slice::from_ref(layer), &[None], Some(Point::from_mm(3.0, 19.5)), Watch::default())
+        .swap_remove(0)
 }
 
 /// Cost of the travels of an order, those from where the nozzle was left out.

@@ -1,6 +1,6 @@
 """The farm measured: throughput beside two processes in a loop, and what is left after kills.
 
-    python benches/farm.py throughput FOLDER [--rows 1000]   # PATHWRIGHT names the program
+    python benches/farm.py throughput FOLDER [--rows 1000]   # beside the program, too, where PATHWRIGHT names it
     python benches/farm.py kills FOLDER [--rows 1000]
 
 The catalogue is generated: boxes, rings and screws × settings, of which three in a hundred are broken or never end.
@@ -9,18 +9,21 @@ The catalogue is generated: boxes, rings and screws × settings, of which three 
 from __future__ import annotations
 
 import argparse
+import contextlib
 import csv
+import ctypes
 import hashlib
 import json
 import multiprocessing
 import os
 import random
+import resource
 import shutil
 import subprocess
 import sys
 import time
 from pathlib import Path
-from typing import Any
+from typing import Any, Callable, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
@@ -31,7 +34,8 @@ import pathwright as pw
 from pathwright._models import _corners, _stl
 
 TIMEOUT_S = 5.0
-TURNS = 2
+#: Of `prctl`: processes whose parents have ended become children of this one.
+SET_CHILD_SUBREAPER = 36
 
 
 def prism(corners: npt.NDArray[np.float64], height: float, turn: float, steps: int) -> bytes:
@@ -122,21 +126,51 @@ def loop_of_calls(path: Path, rows: list[dict[str, str]], out: Path) -> None:
         (out / f"{os.getpid()}-{i}.gcode").write_bytes(print_.gcode)
 
 
-def two(work: Any, path: Path, rows: list[dict[str, str]], out: Path) -> float:
-    """Two processes, each with every other row; seconds."""
+def two(work: Any, path: Path, rows: list[dict[str, str]], out: Path) -> Spent:
+    """Two processes, each with every other row."""
     out.mkdir()
-    began = time.monotonic()
-    half = len(rows) // 2
-    parts = [rows[:half], rows[half:]]
-    both = [multiprocessing.Process(target=work, args=(path, part, out)) for part in parts]
-    for process in both:
-        process.start()
-    for process in both:
-        process.join()
-    return time.monotonic() - began
+
+    def run() -> None:
+        both = [multiprocessing.Process(target=work, args=(path, rows[first::2], out)) for first in (0, 1)]
+        for process in both:
+            process.start()
+        for process in both:
+            process.join()
+
+    return spent(run)
 
 
-def throughput(folder: Path, rows: int) -> None:
+class Spent(NamedTuple):
+    """Seconds by the clock, and of processors: where a machine does other things as well, those say more."""
+
+    wall_s: float
+    cpu_s: float
+
+    def __str__(self) -> str:
+        return f"{self.wall_s:.1f} s ({self.cpu_s:.1f} s of processors)"
+
+
+def spent(run: Callable[[], object]) -> Spent:
+    """What a run and its processes take."""
+    began, before = time.monotonic(), resource.getrusage(resource.RUSAGE_CHILDREN)
+    run()
+    wall_s = time.monotonic() - began
+    # What is left of it belongs to this process now, and counts once it has been waited for.
+    with contextlib.suppress(ChildProcessError):
+        while True:
+            os.wait()
+    after = resource.getrusage(resource.RUSAGE_CHILDREN)
+    cpu_s = after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime
+    return Spent(wall_s, cpu_s)
+
+
+def told(what: str, ours: Spent, name: str, theirs: Spent) -> None:
+    shares = f"{theirs.wall_s / ours.wall_s:.2f} by the clock, {theirs.cpu_s / ours.cpu_s:.2f} by processors"
+    print(f"{what}: farm {ours}, two loops of {name} {theirs}: its throughput is {shares}", flush=True)
+
+
+def throughput(folder: Path, rows: int, turns: int) -> None:
+    ctypes.CDLL(None).prctl(SET_CHILD_SUBREAPER, 1, 0, 0, 0)
     path = catalogue(folder, rows)
     all_rows = rows_of(path)
     ending = [row for row in all_rows if "endless" not in row["model"]]
@@ -146,21 +180,19 @@ def throughput(folder: Path, rows: int) -> None:
         out.writeheader()
         out.writerows(ending)
 
-    def seconds(path: Path, name: str) -> float:
-        began = time.monotonic()
-        assert farm(path, folder / name).wait() == 0
-        return time.monotonic() - began
+    def farmed(path: Path, name: str) -> Spent:
+        def run() -> None:
+            assert farm(path, folder / name).wait() == 0
 
-    for turn in range(TURNS):
-        farm_all, loop_all = seconds(path, f"farm{turn}"), two(loop_of_programs, path, all_rows, folder / f"loop{turn}")
-        share = f"{loop_all / farm_all:.2f} of their throughput"
-        print(f"{rows} rows: farm {farm_all:.1f} s, two loops of the program {loop_all:.1f} s: {share}", flush=True)
-        farm_good, calls = seconds(only, f"good{turn}"), two(loop_of_calls, only, ending, folder / f"calls{turn}")
-        share = f"{calls / farm_good:.2f} of their throughput"
-        print(f"{len(ending)} that end: farm {farm_good:.1f} s, two loops of pw.slice {calls:.1f} s: {share}", flush=True)
-    began = time.monotonic()
-    assert farm(path, folder / "farm0").wait() == 0
-    print(f"a second run: {time.monotonic() - began:.1f} s")
+        return spent(run)
+
+    for turn in range(turns):
+        if "PATHWRIGHT" in os.environ:
+            ours, theirs = farmed(path, f"farm{turn}"), two(loop_of_programs, path, all_rows, folder / f"loop{turn}")
+            told(f"{rows} rows", ours, "the program", theirs)
+        ours, theirs = farmed(only, f"good{turn}"), two(loop_of_calls, only, ending, folder / f"calls{turn}")
+        told(f"{len(ending)} that end", ours, "pw.slice", theirs)
+    print(f"a second run: {farmed(only, 'good0')}")
 
 
 def results(out: Path) -> dict[str, Any]:
@@ -187,7 +219,9 @@ def kills(folder: Path, rows: int) -> None:
         done = len(list(out.glob("slice.rows/*/*.json")))
         try:
             below = psutil.Process(process.pid).children(recursive=True)
-            workers = [one for one in below if "spawn_main" in " ".join(one.cmdline())]
+            # Workers are forked from a process that is forked from the client.
+            servers = {one.pid for one in below if one.ppid() == process.pid}
+            workers = [one for one in below if one.ppid() in servers and "forkserver" in " ".join(one.cmdline())]
             most_mb = max([most_mb, *(one.memory_info().rss / 2**20 for one in below)])
         except psutil.Error:
             continue
@@ -220,5 +254,9 @@ if __name__ == "__main__":
     parser.add_argument("what", choices=["throughput", "kills"])
     parser.add_argument("folder", type=Path)
     parser.add_argument("--rows", type=int, default=1000)
+    parser.add_argument("--turns", type=int, default=2, help="pairs of runs")
     given = parser.parse_args()
-    {"throughput": throughput, "kills": kills}[given.what](given.folder, given.rows)
+    if given.what == "throughput":
+        throughput(given.folder, given.rows, given.turns)
+    else:
+        kills(given.folder, given.rows)

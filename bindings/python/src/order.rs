@@ -1,12 +1,12 @@
 //! Polylines in, order out.
 
 use numpy::{PyArray1, PyReadonlyArray1, PyReadonlyArray2};
-use ordering::{Cost, Effort, OrderOptions, Polyline, TravelTime};
+use ordering::{Cost, Effort, OrderOptions, Polyline, TravelTime, Watch};
 use pathwright::geometry::Point;
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 
-use super::run::run;
+use super::run::{go_on, run};
 use super::task::strategy;
 
 /// Order, entry, length, bound.
@@ -31,16 +31,10 @@ pub fn order<'py>(
     time: Option<Time>,
     certify: bool,
 ) -> PyResult<Ordered<'py>> {
-    let (points, starts) = (points.as_slice()?, starts.as_slice()?);
-    let vertex = |at: usize| Point::from_mm(points[2 * at], points[2 * at + 1]);
-    let polylines = starts.windows(2).zip(closed.as_slice()?).zip(groups.as_slice()?);
-    let polylines: Vec<Polyline> = polylines
-        .map(|((range, &closed), &group)| Polyline {
-            points: (range[0] as usize..range[1] as usize).map(vertex).collect(),
-            closed,
-            group,
-        })
-        .collect();
+    let points: Vec<Point> =
+        points.as_slice()?.chunks_exact(2).map(|xy| Point::from_mm(xy[0], xy[1])).collect();
+    let (starts, closed, groups) =
+        (starts.as_slice()?.to_vec(), closed.as_slice()?.to_vec(), groups.as_slice()?.to_vec());
     let mut options = OrderOptions::default();
     options.strategy = strategy(strategy_name)?;
     options.effort = named_effort(effort)?;
@@ -57,7 +51,17 @@ pub fn order<'py>(
             retract_s,
         });
     }
-    let ordered = run(py, None, move |_| ordering::order(&polylines, &options))?;
+    let ordered = run(py, None, move |observer| {
+        let polylines = starts.windows(2).zip(closed).zip(groups);
+        let polylines: Vec<Polyline> = polylines
+            .map(|((range, closed), group)| Polyline {
+                points: points[range[0] as usize..range[1] as usize].to_vec(),
+                closed,
+                group,
+            })
+            .collect();
+        ordering::order_watched(&polylines, &options, Watch::new(&|| go_on(observer)))
+    })?;
     let order = ordered.sequence.iter().map(|visit| i64::from(visit.item)).collect();
     let entries = ordered.sequence.iter().map(|visit| i64::from(visit.entry)).collect();
     Ok((PyArray1::from_vec(py, order), PyArray1::from_vec(py, entries), ordered.length_mm, ordered.bound_mm))

@@ -12,9 +12,9 @@ use pyo3::exceptions::PyOSError;
 use pyo3::prelude::*;
 
 /// How often signals are looked at and progress is told.
-const EVERY: Duration = Duration::from_millis(20);
+const EVERY: Duration = Duration::from_millis(10);
 /// How long a run that is cancelled is waited for. One that cannot stop so soon ends by itself, unseen.
-const GRACE: Duration = Duration::from_millis(50);
+const GRACE: Duration = Duration::from_millis(40);
 /// Virtual; as much as the main thread of a program has.
 const STACK_BYTES: usize = 8 << 20;
 
@@ -77,6 +77,13 @@ pub fn run<T: Send + 'static>(
             });
             return Err(error);
         }
+    }
+}
+
+/// Unwinds to [`run`], which expects it, if the work is cancelled.
+pub fn go_on(observer: &Observer<'_>) {
+    if observer.is_cancelled() {
+        resume_unwind(Box::new("cancelled"));
     }
 }
 

@@ -176,9 +176,14 @@ def task(model: Path, out: Path, **options: Any) -> dict[str, Any]:
     return {"id": "ab", "model": str(model), "row": {}, "out": str(out), "about": {"work": "slice"}, "options": options}
 
 
+def ran(guard: _guard.Guard, *tasks: dict[str, Any]) -> list[dict[str, Any]]:
+    """The rows that tasks come to."""
+    return [row for _, rows in guard.run(tasks) for row in rows]
+
+
 def test_a_process_that_crashes_is_a_row_and_the_next_one_is_new(guard: _guard.Guard, tmp_path: Path) -> None:
     model = box(tmp_path / "a.stl", 10)
-    (well,) = guard.run(task(model, tmp_path))
+    (well,) = ran(guard, task(model, tmp_path))
     assert well["error_kind"] is None if "error_kind" in well else well["layers"] == 10
     os.mkfifo(tmp_path / "endless.stl")
     assert guard._child is not None
@@ -186,9 +191,8 @@ def test_a_process_that_crashes_is_a_row_and_the_next_one_is_new(guard: _guard.G
     import threading
 
     threading.Timer(0.3, os.kill, (first, signal.SIGSEGV)).start()
-    (crashed,) = guard.run(task(tmp_path / "endless.stl", tmp_path))
+    crashed, again = ran(guard, task(tmp_path / "endless.stl", tmp_path), task(model, tmp_path))
     assert crashed["error_kind"] == "crash" and "SIGSEGV" in crashed["error"]
-    (again,) = guard.run(task(model, tmp_path))
     assert again["key"] == well["key"] and guard._child.pid != first
 
 
@@ -197,10 +201,24 @@ def test_too_much_memory_is_a_row(guard: _guard.Guard, tmp_path: Path) -> None:
     from pathwright._models import _stl
 
     (tmp_path / "large.stl").write_bytes(_stl(facets))
-    (row,) = guard.run(task(tmp_path / "large.stl", tmp_path))
+    model = box(tmp_path / "a.stl", 10)
+    row, well = ran(guard, task(tmp_path / "large.stl", tmp_path), task(model, tmp_path))
     assert row["error_kind"] == "memory"
-    (well,) = guard.run(task(box(tmp_path / "a.stl", 10), tmp_path))
     assert well["layers"] == 10
+
+
+def test_what_nobody_asks_for_any_more_is_not_taken_for_an_answer(guard: _guard.Guard, tmp_path: Path) -> None:
+    small, large = box(tmp_path / "a.stl", 10), box(tmp_path / "b.stl", 20)
+    for _ in guard.run([task(small, tmp_path), task(small, tmp_path), task(small, tmp_path)]):
+        break
+    (row,) = ran(guard, task(large, tmp_path))
+    assert row["key"] == pw.key(large)
+
+
+def test_what_is_kept_of_a_row_is_found_by_its_identity_alone(tmp_path: Path) -> None:
+    store = Store(str(tmp_path))
+    store.record("slice", "ab", [{"id": "ab", "layers": 3}])
+    assert store.recorded("slice", "ab") == [{"id": "ab", "layers": 3}] and store.recorded("slice", "cd") is None
 
 
 def test_a_process_ends_with_whoever_asks(tmp_path: Path) -> None:
@@ -209,7 +227,8 @@ def test_a_process_ends_with_whoever_asks(tmp_path: Path) -> None:
         "import sys, json, threading, time\n"
         "from pathwright.farm._guard import Guard, Limits\n"
         "guard = Guard(Limits(60, 1 << 30))\n"
-        "threading.Thread(target=guard.run, args=(json.loads(sys.argv[1]),), daemon=True).start()\n"
+        "run = lambda: list(guard.run([json.loads(sys.argv[1])]))\n"
+        "threading.Thread(target=run, daemon=True).start()\n"
         "time.sleep(1.0)\n"
         "print(guard._child.pid, flush=True)\n"
         "time.sleep(60)\n"

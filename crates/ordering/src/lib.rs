@@ -39,6 +39,7 @@ mod precedence;
 mod problem;
 mod strategies;
 mod strategy;
+mod watch;
 
 pub use as_sliced::AsSliced;
 pub use check::{Fault, check};
@@ -50,11 +51,12 @@ pub use greedy::Greedy;
 pub use nearest::Nearest;
 pub use optimized::Optimized;
 pub use options::{Effort, OrderStrategy, Scope};
-pub use polyline::{OrderOptions, Ordered, Polyline, order};
+pub use polyline::{OrderOptions, Ordered, Polyline, order, order_watched};
 pub use precedence::first_points;
 pub use problem::{Item, Problem, Run, Sequence, Shape, Visit};
 pub use strategies::strategy;
 pub use strategy::{Known, Strategy};
+pub use watch::Watch;
 
 /// The examples of the README are compiled with the documentation's.
 #[cfg(doctest)]

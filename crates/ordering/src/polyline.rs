@@ -2,7 +2,13 @@
 
 use pathwright_geometry::Point;
 
-use super::{Cost, Effort, Item, OrderStrategy, Problem, Run, Sequence, Shape, bound, evaluate, strategy};
+use super::{
+    Cost, Effort, Item, Known, OrderStrategy, Problem, Run, Sequence, Shape, Watch, bound, evaluate, strategy,
+};
+
+/// Steps per polyline, beside those of a layer's path, with normal effort. A drawing is ordered once, a print layer by layer; and its
+/// clusters of short strokes need more.
+const MORE_STEPS: u64 = 12_600;
 
 /// A stroke that is drawn without a stop.
 #[derive(Clone, Debug, PartialEq)]
@@ -75,6 +81,14 @@ pub struct Ordered {
 /// assert_eq!(ordered.length_mm, 2.0);
 /// ```
 pub fn order(polylines: &[Polyline], options: &OrderOptions) -> Ordered {
+    order_watched(polylines, options, Watch::default())
+}
+
+/// As [`order`], unless who watches ends it.
+///
+/// # Panics
+/// If a polyline has no vertex.
+pub fn order_watched(polylines: &[Polyline], options: &OrderOptions, watch: Watch<'_>) -> Ordered {
     let mut groups: Vec<u32> = polylines.iter().map(|polyline| polyline.group).collect();
     groups.sort_unstable();
     groups.dedup();
@@ -87,7 +101,9 @@ pub fn order(polylines: &[Polyline], options: &OrderOptions) -> Ordered {
         },
     });
     let problem = Problem { items: items.collect(), runs, start: options.start, ..Problem::of([]) };
-    let sequence = strategy(options.strategy).solve(&problem, &options.cost, options.effort);
+    let more_steps = if options.effort == Effort::Normal { MORE_STEPS } else { 0 };
+    let known = Known { more_steps, watch, ..Known::default() };
+    let sequence = strategy(options.strategy).solve_knowing(&problem, &options.cost, options.effort, known);
     Ordered {
         length_mm: evaluate(&problem, &sequence, &Cost::Length),
         bound_mm: options.certify.then(|| bound::layer(&problem)),

@@ -4,6 +4,7 @@ use super::cost::Cost;
 use super::detours::Detours;
 use super::options::Effort;
 use super::problem::{Problem, Sequence};
+use super::watch::Watch;
 
 /// A strategy that orders a layer.
 pub trait Strategy: Sync {
@@ -30,4 +31,8 @@ pub struct Known<'a> {
     pub detours: Option<&'a Detours<'a>>,
     /// A solution that the strategy found before it was known where the nozzle comes from and where it goes to.
     pub solved: Option<Sequence>,
+    /// Steps of the search for each item, beyond those that the effort stands for. A step is a link cost looked at.
+    pub more_steps: u64,
+    /// Who may end a long search.
+    pub watch: Watch<'a>,
 }

@@ -14,7 +14,7 @@ use pathwright::check::{Survey, check};
 use pathwright::gcode::{annotate, measure};
 use pathwright::geometry;
 use pathwright::mesh;
-use pathwright::order::{self, Chain, LayerProblem, SeamRule, strategy};
+use pathwright::order::{self, Chain, LayerProblem, SeamRule, Watch, strategy};
 use pathwright::plate::{self, Layout, Placement};
 use pathwright::profile::{
     self, CostKind, Effort, OrderSettings, OrderStrategy, Override, Pattern, Scope, SeamPosition, Settings,
@@ -169,7 +169,7 @@ pub fn slicing(bytes: &[u8]) {
         seam,
         origin: None,
     };
-    for (layer, sequence) in layers.iter().zip(chain.solve_chunk(&layers, &pins, None)) {
+    for (layer, sequence) in layers.iter().zip(chain.solve_chunk(&layers, &pins, None, Watch::default())) {
         let layer = LayerProblem::new(layer, &None, scope);
         assert_eq!(order::check(&layer.problem, &layer.from_paths(&sequence)), Ok(()));
     }

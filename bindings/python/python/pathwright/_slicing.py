@@ -30,7 +30,7 @@ def slice(
     """Slices models onto one plate; the G-code is that of the program to the byte.
 
     ``models``: one or several paths, bytes, meshes (:class:`Mesh`, trimesh, numpy-stl), or :class:`Model`; or a project.
-    ``progress`` is called in this thread with layers done and all layers, at most fifty times a second. For the other
+    ``progress`` is called in this thread with layers done and all layers, at most a hundred times a second. For the other
     arguments see :class:`Options`.
 
     Raises :class:`InputError`, :class:`SettingsError`, :class:`DoesNotFitError`, :class:`CheckError`.

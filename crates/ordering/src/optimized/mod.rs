@@ -65,12 +65,13 @@ impl Strategy for Optimized {
     }
 
     fn solve_knowing(&self, problem: &Problem, cost: &Cost, effort: Effort, known: Known) -> Sequence {
-        let Known { detours, solved } = known;
+        let Known { detours, solved, more_steps, watch } = known;
         let groups = Groups::new(problem);
         let count = problem.items.len() as u64;
         let stages = groups.stages().count() as u64;
-        let steps = (count * steps_per_path(effort, problem.scope)).max(stages * least_steps(effort));
-        let mut search = Search::new(problem, &groups, *cost);
+        let steps =
+            (count * (steps_per_path(effort, problem.scope) + more_steps)).max(stages * least_steps(effort));
+        let mut search = Search::new(problem, &groups, *cost, watch);
         match &solved {
             Some(solved) => search.take_up(solved),
             None => search.begin(),
@@ -84,7 +85,7 @@ impl Strategy for Optimized {
         if led.is_none() {
             let nearest = Nearest.solve(problem, cost, effort);
             if evaluate(problem, &nearest, cost) < evaluate(problem, &search.sequence(), cost) {
-                search = Search::new(problem, &groups, *cost);
+                search = Search::new(problem, &groups, *cost, watch);
                 search.take_up(&nearest);
                 search.end();
             }

@@ -6,7 +6,7 @@ use std::ops::Range;
 use super::super::entries::EntrySearch;
 use super::super::greedy::Fragments;
 use super::super::precedence::Groups;
-use super::super::{Cost, Problem, Sequence, Visit};
+use super::super::{Cost, Problem, Sequence, Visit, Watch};
 use super::end::End;
 use super::neighbours::Neighbours;
 use super::start::start;
@@ -25,12 +25,15 @@ const SHIFT: u32 = 4;
 /// Paths that are kicked before the next this many are.
 const WINDOW: u32 = 2000;
 
+/// Steps between two looks of who watches, some milliseconds.
+const LOOK: u64 = 100_000;
+
 /// Stages of so few items are searched thoroughly.
 const FEW: usize = 6;
 
 impl<'a> Search<'a> {
     /// Begins with a walk through nothing.
-    pub fn new(problem: &'a Problem<'a>, groups: &'a Groups, cost: Cost) -> Self {
+    pub fn new(problem: &'a Problem<'a>, groups: &'a Groups, cost: Cost, watch: Watch<'a>) -> Self {
         Self {
             problem,
             groups,
@@ -41,6 +44,8 @@ impl<'a> Search<'a> {
             complete: false,
             queue: VecDeque::new(),
             queued: vec![false; 2 * problem.items.len()],
+            watch,
+            next_look: LOOK,
             entry_search: EntrySearch::default(),
         }
     }
@@ -193,6 +198,10 @@ impl<'a> Search<'a> {
 
     /// Makes one improving move that concerns the link at a node, if there is one.
     fn improve(&mut self, node: u32) -> bool {
+        if self.walk.work >= self.next_look {
+            self.next_look = self.walk.work + LOOK;
+            self.watch.look();
+        }
         let item = node / 2;
         // A loop whose other node is queued as well has its turn then.
         let turn = !self.queued[node as usize ^ 1];

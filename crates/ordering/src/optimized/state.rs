@@ -2,9 +2,9 @@
 
 use std::collections::VecDeque;
 
-use super::super::Problem;
 use super::super::entries::EntrySearch;
 use super::super::precedence::Groups;
+use super::super::{Problem, Watch};
 use super::neighbours::Neighbours;
 use super::vicinity::Vicinity;
 use super::walk::Walk;
@@ -23,6 +23,9 @@ pub struct Search<'a> {
     pub(super) complete: bool,
     pub(super) queue: VecDeque<u32>,
     pub(super) queued: Vec<bool>,
+    pub(super) watch: Watch<'a>,
+    /// The work after which who watches looks again.
+    pub(super) next_look: u64,
     /// Buffers of the search for entries.
     pub(super) entry_search: EntrySearch,
 }

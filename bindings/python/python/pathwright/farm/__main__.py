@@ -7,7 +7,7 @@ import sys
 from typing import Optional
 
 from .._slicing import STRATEGIES
-from ._catalogue import CatalogueError, read
+from . import _workers
 
 DONE, USAGE, INPUT, OUTPUT, INTERRUPTED = 0, 2, 3, 6, 130
 
@@ -37,6 +37,8 @@ def arguments() -> argparse.ArgumentParser:
     comparing = works.add_parser("compare", parents=[common], help="all strategies, and a table")
     comparing.add_argument("--strategies", default=",".join(STRATEGIES), metavar="A,B")
     comparing.add_argument("--no-bound", action="store_true", help="compute no bounds, which take the longest")
+    about_bounds = "compute none for models with more paths than this (10000); 0: for all"
+    comparing.add_argument("--bound-paths", type=int, default=10_000, metavar="N", help=about_bounds)
     comparing.add_argument("--plot", metavar="NAME", help="a picture beside the table: travel.png, .svg or .pdf")
     return parser
 
@@ -53,8 +55,11 @@ def main(args: Optional[list[str]] = None) -> int:
     given = parser.parse_args(args)
     if given.work == "compare" and "/" in (given.plot or ""):
         parser.error("--plot is a name without folders: the picture stands beside the table, at --out")
+    if given.scheduler is None:
+        _workers.prepare()
     try:
         from . import _plot, _run
+        from ._catalogue import CatalogueError, read
         from ._guard import Limits
         from ._store import Store
     except ImportError as error:
@@ -67,6 +72,7 @@ def main(args: Optional[list[str]] = None) -> int:
     common |= {"profiles": given.profile, "settings": settings}
     if given.work == "compare":
         about["strategies"] = given.strategies.split(",")
+        about["bound_paths"] = given.bound_paths
         common["certify"] = not given.no_bound
         if unknown := set(given.strategies.split(",")) - set(STRATEGIES):
             parser.error(f"--strategies: {', '.join(sorted(unknown))}: unknown; there are {', '.join(STRATEGIES)}")
@@ -79,7 +85,7 @@ def main(args: Optional[list[str]] = None) -> int:
     limits = Limits(given.timeout, given.memory)
     job = _run.Job(rows, given.out, about, common, limits, frozenset(filter(None, given.retry.split(","))))
     try:
-        table, ended = _run.run(job, given.scheduler, given.workers or _run.cores())
+        table, ended = _run.run(job, given.scheduler, given.workers or _workers.cores())
         if given.work == "compare" and given.plot:
             Store(given.out).put(given.plot, _plot.plot(table.table(), given.plot.rsplit(".", 1)[-1]))
     except KeyboardInterrupt:

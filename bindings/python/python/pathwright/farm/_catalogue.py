@@ -5,7 +5,7 @@ from __future__ import annotations
 import hashlib
 import json
 import os
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable
 from dataclasses import asdict, dataclass, field
 from typing import Any, Optional
 
@@ -108,18 +108,17 @@ def _url(fs: Any, path: str) -> str:
     return path if "file" in fs.protocol else str(fs.unstrip_protocol(path))
 
 
-def identified(rows: Iterable[Row], about: dict[str, Any]) -> Iterator[tuple[str, Row]]:
-    """Each row once, with a name that changes when its model, its settings or the version of this package do; ``about``: what
-    is done with all of them."""
+def identified(rows: Iterable[Row], about: dict[str, Any]) -> dict[str, Row]:
+    """Each row once, by a name that changes when its model, its settings or the version of this package do; ``about``: what
+    is done with all of them. Large models come first, so that none is left alone at the end."""
     versions = _Versions()
-    seen = set()
-    for row in rows:
+    named: dict[str, Row] = {}
+    for row in sorted(rows, key=lambda row: -versions.size(row.model)):
         files = [versions.of(profile) for profile in row.profiles if profile.endswith(".toml")]
         told = [__version__, about, row.columns(), versions.of(row.model), files]
         name = hashlib.sha256(json.dumps(told, sort_keys=True).encode()).hexdigest()[:32]
-        if name not in seen:
-            seen.add(name)
-            yield name, row
+        named.setdefault(name, row)
+    return named
 
 
 class _Versions:
@@ -127,8 +126,25 @@ class _Versions:
 
     def __init__(self) -> None:
         self._folders: dict[str, dict[str, Any]] = {}
+        self._entries: dict[str, Optional[dict[str, Any]]] = {}
 
     def of(self, url: str) -> Optional[list[str]]:
+        entry = self._entry(url)
+        if entry is None:
+            return None
+        told = [entry.get(name) for name in ("size", "ETag", "mtime", "LastModified", "last_modified")]
+        return [str(one) for one in told if one is not None]
+
+    def size(self, url: str) -> int:
+        """Bytes, 0 where that is not told."""
+        return int((self._entry(url) or {}).get("size") or 0)
+
+    def _entry(self, url: str) -> Optional[dict[str, Any]]:
+        if url not in self._entries:
+            self._entries[url] = self._found(url)
+        return self._entries[url]
+
+    def _found(self, url: str) -> Optional[dict[str, Any]]:
         fs, path = fsspec.core.url_to_fs(url)
         folder = fs._parent(path)
         if folder not in self._folders:
@@ -136,8 +152,4 @@ class _Versions:
                 self._folders[folder] = {entry["name"]: entry for entry in fs.ls(folder, detail=True)}
             except (OSError, NotImplementedError):
                 self._folders[folder] = {}
-        entry = self._folders[folder].get(path)
-        if entry is None:
-            return None
-        told = [entry.get(name) for name in ("size", "ETag", "mtime", "LastModified", "last_modified")]
-        return [str(one) for one in told if one is not None]
+        return self._folders[folder].get(path)

@@ -2,29 +2,27 @@
 
 from __future__ import annotations
 
-import os
 import sys
-import threading
 import time
-from collections import Counter
-from collections.abc import Iterator
-from contextlib import contextmanager
+from collections import Counter, deque
 from dataclasses import dataclass
 from typing import Any, Optional
 
-import dask
 import distributed
 
-from . import _catalogue, _guard
+from . import _catalogue, _guard, _workers
 from ._store import Store
 from ._table import Table
 
 #: How often a row is tried whose worker is lost: each time it may have been another row's fault.
 _TRIES = 20
-#: How often workers on this machine are counted, s.
-_LOST_S = 5.0
-#: Tasks that wait at the scheduler for each thread of a worker.
+#: Batches that are at the scheduler for each thread of a worker.
 _WAITING = 3
+#: How long a batch takes, about, s, and the most rows in it.
+_BATCH_S = 2.0
+_BATCH = 50
+#: How often the threads of the cluster are counted, s.
+_COUNT_S = 5.0
 
 
 @dataclass(frozen=True)
@@ -50,15 +48,15 @@ def run(job: Job, scheduler: Optional[str], workers: int) -> tuple[Table, Counte
     table.load()
     # What all rows share is told with them.
     about = {**job.about, "common": job.common}
-    wanted = dict(_catalogue.identified(job.rows, about))
+    wanted = _catalogue.identified(job.rows, about)
     again = {identity for identity in wanted if table.known.get(identity) in job.retry - {""}}
     if again:
         table.drop(again)
     tasks = [_task(job, identity, row) for identity, row in wanted.items() if identity not in table.known]
     try:
         if tasks:
-            with _client(scheduler, workers) as client:
-                _work(client, tasks, job.limits, table)
+            with _workers.client(scheduler, workers) as client:
+                _Feeder(client, tasks, job.limits, table).run()
     finally:
         if tasks or not store.exists(f"{job.about['work']}.parquet"):
             table.save()
@@ -81,76 +79,72 @@ def _task(job: Job, identity: str, row: _catalogue.Row) -> dict[str, Any]:
     }
 
 
-@contextmanager
-def _client(scheduler: Optional[str], workers: int) -> Iterator[distributed.Client]:
-    if scheduler is not None:
-        with distributed.Client(scheduler) as client:
-            yield client
-        return
-    # Rows are not to blame for workers that are lost: they run in processes of their own.
-    dask.config.set({"distributed.scheduler.allowed-failures": 1000})
-    over = threading.Event()
-    with _cluster(workers) as cluster, distributed.Client(cluster) as client:
+class _Feeder:
+    """Keeps workers busy: no more waits at the scheduler than they do in a moment."""
 
-        def keep() -> None:
-            # A worker that is lost while it starts is not started again by itself.
-            while not over.wait(_LOST_S):
-                cluster.scale(workers)
+    def __init__(self, client: distributed.Client, tasks: list[dict[str, Any]], limits: _guard.Limits, table: Table) -> None:
+        self._client, self._limits, self._table = client, limits, table
+        self._left = deque(tasks)
+        #: How often the worker of a row was lost.
+        self._lost: Counter[str] = Counter()
+        self._waiting: dict[str, list[dict[str, Any]]] = {}
+        self._running = distributed.as_completed()
+        self._threads, self._counted = 1, float("-inf")
+        self._row_s: Optional[float] = None
+        self._bar = _Bar(len(tasks))
 
-        threading.Thread(target=keep, daemon=True).start()
-        try:
-            yield client
-        finally:
-            over.set()
-
-
-def _cluster(workers: int, starts: int = 3) -> distributed.LocalCluster:
-    """Workers on this machine. Where one is lost while it starts, all are started again."""
-    try:
-        return distributed.LocalCluster(n_workers=workers, threads_per_worker=1, dashboard_address=None)
-    except RuntimeError:
-        if starts == 1:
-            raise
-    return _cluster(workers, starts - 1)
-
-
-def _work(client: distributed.Client, tasks: list[dict[str, Any]], limits: _guard.Limits, table: Table) -> None:
-    """Keeps the workers busy: no more waits at the scheduler than they do in a moment."""
-    tries: Counter[str] = Counter()
-    left = iter(tasks)
-    waiting: dict[str, dict[str, Any]] = {}
-    running = distributed.as_completed()
-    bar = _Bar(len(tasks))
-
-    def submit(task: dict[str, Any]) -> None:
-        key = f"{task['id']}-{tries[task['id']]}"
-        waiting[key] = task
-        running.add(client.submit(_guard.work, task, limits, key=key, pure=False))
-
-    def fill() -> None:
-        room = _WAITING * max(sum(client.nthreads().values()), 1)
-        while len(waiting) < room and (task := next(left, None)) is not None:
-            submit(task)
-
-    fill()
-    while waiting:
-        future = next(running)
-        task = waiting.pop(future.key)
-        if future.status == "finished":
-            table.add(future.result())
-            bar.step()
-        else:
-            tries[task["id"]] += 1
-            if tries[task["id"]] < _TRIES:
-                submit(task)
+    def run(self) -> None:
+        """Until there is a row of each."""
+        self._fill()
+        while self._waiting:
+            future = next(self._running)
+            tasks = self._waiting.pop(future.key)
+            if future.status == "finished":
+                for rows in future.result():
+                    self._add(rows)
             else:
-                error = f"its worker was lost {_TRIES} times: {future.exception()}"
-                table.add([{"id": task["id"], **task["row"], "error_kind": "lost", "error": error}])
-                bar.step()
-        future.release()
-        if len(waiting) < _WAITING * 2 or bar.is_due():
-            fill()
-    bar.end()
+                self._again(tasks, future.exception())
+            future.release()
+            self._fill()
+        self._bar.end()
+
+    def _fill(self) -> None:
+        if time.monotonic() - self._counted > _COUNT_S:
+            self._threads, self._counted = max(sum(self._client.nthreads().values()), 1), time.monotonic()
+        while self._left and len(self._waiting) < _WAITING * self._threads:
+            first = self._left[0]["id"]
+            # One that may be to blame goes alone.
+            size = 1 if self._lost[first] else self._batch()
+            tasks = [self._left.popleft() for _ in range(size)]
+            key = f"{first}-{self._lost[first]}"
+            self._waiting[key] = tasks
+            self._running.add(self._client.submit(_guard.work, tasks, self._limits, key=key, pure=False))
+
+    def _batch(self) -> int:
+        """Rows that go together: so many that the scheduler is asked every other second, and few when few are left."""
+        if self._row_s is None:
+            return 1
+        most = min(_BATCH_S / max(self._row_s, 1e-3), len(self._left) / (_WAITING * self._threads), _BATCH)
+        return max(int(most), 1)
+
+    def _add(self, rows: list[dict[str, Any]]) -> None:
+        self._table.add(rows)
+        took_s = float(rows[0].get("seconds") or 0.0)
+        self._row_s = took_s if self._row_s is None else 0.9 * self._row_s + 0.1 * took_s
+        self._bar.step()
+
+    def _again(self, tasks: list[dict[str, Any]], error: Any) -> None:
+        """What is to be done about tasks whose worker was lost."""
+        for task in tasks:
+            if (rows := self._table.recorded(task["id"])) is not None:
+                self._add(rows)
+                continue
+            self._lost[task["id"]] += 1
+            if self._lost[task["id"]] < _TRIES:
+                self._left.appendleft(task)
+            else:
+                lost = {"error_kind": "lost", "error": f"its worker was lost {_TRIES} times: {error}"}
+                self._add([{"id": task["id"], **task["row"], **lost}])
 
 
 class _Bar:
@@ -169,14 +163,6 @@ class _Bar:
             left = (self._total - self._done) / rate
             print(f"\r{self._done} of {self._total} rows, {rate:.1f}/s, {left:.0f} s left ", end="", file=sys.stderr)
 
-    def is_due(self) -> bool:
-        return self._done % 4 == 0
-
     def end(self) -> None:
         if self._is_shown:
             print(file=sys.stderr)
-
-
-def cores() -> int:
-    """Cores that this process may use."""
-    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1

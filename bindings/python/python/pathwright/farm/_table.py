@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import io
-from typing import Any
+from typing import Any, Optional
 
 import pyarrow as pa
 import pyarrow.parquet
@@ -95,11 +95,16 @@ class Table:
         if len(self._rows) >= _HELD:
             self._pack()
 
+    def recorded(self, identity: str) -> Optional[list[dict[str, Any]]]:
+        """Rows of one identity that whoever did them has kept, if any."""
+        return self._store.recorded(self._work, identity)
+
     def drop(self, identities: set[str]) -> None:
         """Forgets rows that are done again."""
         table = self.table()
         keep = pa.compute.invert(pa.compute.is_in(table["id"], pa.array(sorted(identities), pa.string())))
         self._parts = [table.filter(keep)]
+        self._store.forget(self._work, identities)
         for identity in identities:
             self.known.pop(identity, None)
 

@@ -14,8 +14,8 @@ import fsspec
 
 import pathwright as pw
 
-from .. import _pathwright
-from ._store import Store
+from .. import _pathwright, _tasks
+from ._store import opened
 
 #: By what a refusal for lack of memory is known.
 _REFUSED = "of memory are needed"
@@ -40,11 +40,10 @@ def _model(url: str) -> pw.Model:
 
 def sliced(model: pw.Model, task: dict[str, Any]) -> dict[str, Any]:
     """Slices a model and writes its G-code under its key; figures."""
-    store, options = Store(task["out"]), task["options"]
-    key = pw.key(model, **options)
-    print_ = pw.slice(model, **options)
+    job = _tasks.task(model, task["options"])
+    key, print_ = job.key(False), pw.Print(job.slice(), job.warnings)
     name = f"gcode/{key[:2]}/{key}.gcode"
-    store.put(name, print_.gcode)
+    opened(task["out"]).put(name, print_.gcode)
     summary = print_.summary
     return {
         "key": key,
@@ -63,9 +62,12 @@ def sliced(model: pw.Model, task: dict[str, Any]) -> dict[str, Any]:
 
 
 def compared(model: pw.Model, task: dict[str, Any]) -> list[dict[str, Any]]:
-    """Compares strategies; a row for each."""
+    """Compares strategies; a row for each. Where bounds would take too long, there are none."""
     columns = ("strategy", "paths", "link_mm", "bound_mm", "gap", "travels", "travel_s", "took_s")
-    rows = pw.compare(model, strategies=task["about"]["strategies"], **task["options"])
+    about, options = task["about"], task["options"]
+    rows = pw.compare(model, strategies=about["strategies"], **{**options, "certify": False})
+    if options["certify"] and rows[0]["paths"] <= (about["bound_paths"] or float("inf")):
+        rows = pw.compare(model, strategies=about["strategies"], **options)
     return [{name: row[name] for name in columns} for row in rows]
 
 
