@@ -196,7 +196,7 @@ pub fn an_object_is_cancelled_and_the_other_printed_to_its_end() {
         host.post("/api/job", &json!({ "command": "pause", "action": "resume" }));
         let (code, told) = said(&printing.wait_with_output().unwrap());
         assert!(code == 0 && told.contains(&format!("printed {name}")), "{code}: {told}");
-        assert!(told.contains("compared") && told.contains("has written into") == !is_first, "{told}");
+        assert!(told.contains("compared") && told.contains("has written into") != is_first, "{told}");
 
         let (mut inside, mut wanted, mut left_out) = (false, Vec::new(), 0);
         let text = std::fs::read_to_string(&file).unwrap();
