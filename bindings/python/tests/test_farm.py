@@ -279,3 +279,17 @@ def test_results_go_to_an_object_store(catalogue: Path, monkeypatch: pytest.Monk
         import fsspec
 
         fsspec.config.conf.pop("s3", None)
+
+
+def test_bounds_are_computed_up_to_a_number_of_paths(tmp_path: Path) -> None:
+    from pathwright.farm._plot import measured
+
+    folder = tmp_path / "only"
+    folder.mkdir()
+    box(folder / "a.stl", 9)
+    for most, has_bounds in ((1, False), (0, True)):
+        out = tmp_path / f"out{most}"
+        assert main(["compare", str(folder), "--out", str(out), "--workers", "1", "--bound-paths", str(most)]) == 0
+        rows = table(out, "compare")
+        assert {row["bound_mm"] is not None for row in rows} == {has_bounds}
+        assert ("bound" in measured(rows)[0]) == has_bounds
