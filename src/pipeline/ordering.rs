@@ -148,7 +148,10 @@ impl Certificate {
         if let Some(first) = problems.iter_mut().find(|problem| !problem.items.is_empty()) {
             first.start = start;
         }
-        Self { shares: bound::shares(&problems, |n, chunk| workers.map(n, chunk)), start }
+        Self {
+            shares: bound::shares(&problems, settings.order.effort, |n, chunk| workers.map(n, chunk)),
+            start,
+        }
     }
 
     /// A length that the links of a layer, entered from `start`, cannot stay below.

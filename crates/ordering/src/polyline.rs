@@ -90,7 +90,7 @@ pub fn order(polylines: &[Polyline], options: &OrderOptions) -> Ordered {
     let sequence = strategy(options.strategy).solve(&problem, &options.cost, options.effort);
     Ordered {
         length_mm: evaluate(&problem, &sequence, &Cost::Length),
-        bound_mm: options.certify.then(|| bound::layer(&problem)),
+        bound_mm: options.certify.then(|| bound::layer(&problem, options.effort)),
         sequence,
     }
 }

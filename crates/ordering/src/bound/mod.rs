@@ -15,13 +15,15 @@ mod model;
 mod pricing;
 mod relaxation;
 mod tree;
+mod walks;
 
-use super::Problem;
 use super::matching::KdTree;
+use super::{Cost, Effort, Optimized, Problem, Strategy};
 use ascent::ascend;
 use model::{Model, fine, link, to_mm};
 use pathwright_geometry::Point;
 use relaxation::{Multipliers, Relaxation};
+use walks::{Budget, Walks};
 
 /// The share of a layer in a bound, wherever it is entered and left: its multipliers and their result.
 #[derive(Clone, Debug, Default)]
@@ -57,28 +59,55 @@ impl Beyond<'_> {
 
 /// A layer whose multipliers are sought.
 struct Climber<'a> {
-    relaxation: Relaxation<'a>,
-    /// The best so far.
-    multipliers: Option<Multipliers>,
+    model: &'a Model,
+    /// Unless they are too many.
+    walks: Option<Walks<'a>>,
+    /// A tree instead of a walk, and the best multipliers so far; unless the walks do better.
+    tree: Option<(Relaxation<'a>, Option<Multipliers>)>,
 }
 
 impl<'a> Climber<'a> {
-    fn new(model: &'a Model) -> Self {
-        Self { relaxation: Relaxation::new(model), multipliers: None }
+    fn new(problem: &Problem, model: &'a Model, budget: Budget) -> Self {
+        let walks = Walks::new(model, half_links(problem), budget);
+        Self { model, walks, tree: None }
     }
 
-    /// Seeks better multipliers for what lies below and above.
-    fn climb(&mut self, below: &Beyond, above: &Beyond) -> Share {
-        for (side, points) in [below.points(true), above.points(false)].iter().enumerate() {
-            if let Some(points) = points {
-                self.relaxation.measure(side, |p| points.nearest(p));
+    /// Seeks better multipliers for what lies below and above. `down`: the layer below is next.
+    fn climb(&mut self, below: &Beyond, above: &Beyond, down: bool) -> Share {
+        let ends = [below.points(true), above.points(false)];
+        let lengths = (0..).zip(&ends).filter_map(|(side, points)| Some((side, points.as_ref()?)));
+        let mut best = None;
+        if let Some(walks) = &mut self.walks {
+            lengths.clone().for_each(|(side, points)| walks.measure(side, |p| points.nearest(p)));
+            walks.climb();
+            if walks.closed {
+                let (inner, ends) = walks.settle(down);
+                return Share { inner, ends };
             }
+            best = Some(walks.bound);
         }
-        let (bound, multipliers) = ascend(&mut self.relaxation, self.multipliers.take());
-        let (inner, ends) = self.relaxation.settle(bound, &multipliers);
-        self.multipliers = Some(multipliers);
+        let (relaxation, multipliers) = self.tree.get_or_insert_with(|| (Relaxation::new(self.model), None));
+        lengths.for_each(|(side, points)| relaxation.measure(side, |p| points.nearest(p)));
+        let (bound, found) = ascend(relaxation, multipliers.take());
+        let better = self.walks.as_ref().filter(|_| best.is_some_and(|best| best > bound));
+        let (inner, ends) =
+            better.map_or_else(|| relaxation.settle(bound, &found), |walks| walks.settle(down));
+        *multipliers = Some(found);
         Share { inner, ends }
     }
+}
+
+/// Half the links at each path in a quick order, in fine units.
+fn half_links(problem: &Problem) -> Vec<i64> {
+    let order = Optimized.solve(problem, &Cost::Length, Effort::Fast);
+    let mut halves = vec![0; problem.items.len()];
+    let ends: Vec<_> =
+        order.iter().map(|visit| problem.items[visit.item as usize].ends(visit.entry)).collect();
+    for (visits, ends) in order.windows(2).zip(ends.windows(2)) {
+        let half = link(ends[0].1, ends[1].0) / 2;
+        visits.iter().for_each(|visit| halves[visit.item as usize] += half);
+    }
+    halves
 }
 
 impl Share {
@@ -130,6 +159,7 @@ const PASSES: usize = 6;
 /// then those between. `map(n, f)` gives f(0), …, f(n − 1) and may call them in any order.
 pub fn shares(
     layers: &[Problem],
+    effort: Effort,
     map: impl Fn(usize, &(dyn Fn(usize) -> Vec<Share> + Sync)) -> Vec<Vec<Share>>,
 ) -> Vec<Share> {
     let used: Vec<usize> = (0..layers.len()).filter(|&i| !layers[i].items.is_empty()).collect();
@@ -137,7 +167,9 @@ pub fn shares(
     let mut known: Vec<Option<Share>> = vec![None; used.len()];
     let chunks = used.len().div_ceil(CHUNK);
     for turn in 0..2 {
-        let done = map((chunks + 1 - turn) / 2, &|k| chunk(&used, &known, (2 * k + turn) * CHUNK));
+        let done = map((chunks + 1 - turn) / 2, &|k| {
+            chunk(&used, &known, (2 * k + turn) * CHUNK, Budget::new(effort))
+        });
         for (k, shares) in done.into_iter().enumerate() {
             let first = (2 * k + turn) * CHUNK;
             known[first..first + shares.len()]
@@ -152,10 +184,11 @@ pub fn shares(
 }
 
 /// The shares of one chunk of layers, the first of which is given, none without paths: up and down, several times.
-fn chunk(layers: &[&Problem], known: &[Option<Share>], first: usize) -> Vec<Share> {
+fn chunk(layers: &[&Problem], known: &[Option<Share>], first: usize, budget: Budget) -> Vec<Share> {
     let last = (first + CHUNK).min(layers.len());
     let models: Vec<Model> = layers[first..last].iter().map(|problem| Model::new(problem)).collect();
-    let mut climbers: Vec<Climber> = models.iter().map(Climber::new).collect();
+    let layer = |(problem, model)| Climber::new(problem, model, budget);
+    let mut climbers: Vec<Climber> = layers[first..last].iter().copied().zip(&models).map(layer).collect();
     let mut done: Vec<Option<Share>> = vec![None; last - first];
     // Free loops take several times as long, and what they lose is lost elsewhere.
     let passes = if models.iter().any(Model::has_pieces) { 1 } else { PASSES };
@@ -171,7 +204,7 @@ fn chunk(layers: &[&Problem], known: &[Option<Share>], first: usize) -> Vec<Shar
             };
             // Below the first layer there is no layer usize::MAX either.
             let below = beyond(at.wrapping_sub(1), layers[at].start);
-            let share = climbers[at - first].climb(&below, &beyond(at + 1, layers[at].end));
+            let share = climbers[at - first].climb(&below, &beyond(at + 1, layers[at].end), pass % 2 == 1);
             done[at - first] = Some(share);
         }
     }
@@ -179,13 +212,13 @@ fn chunk(layers: &[&Problem], known: &[Option<Share>], first: usize) -> Vec<Shar
 }
 
 /// A length in millimetres that the links of no solution of the problem can stay below.
-pub fn layer(problem: &Problem) -> f64 {
-    print(std::slice::from_ref(problem))
+pub fn layer(problem: &Problem, effort: Effort) -> f64 {
+    print(std::slice::from_ref(problem), effort)
 }
 
 /// A length in millimetres that the links of a whole print cannot stay below; see [`shares`] and [`Share::print_mm`].
-pub fn print(layers: &[Problem]) -> f64 {
-    let shares = shares(layers, |n, chunk| (0..n).map(chunk).collect());
+pub fn print(layers: &[Problem], effort: Effort) -> f64 {
+    let shares = shares(layers, effort, |n, chunk| (0..n).map(chunk).collect());
     let mut used = layers.iter().filter(|layer| !layer.items.is_empty());
     let start = used.next().and_then(|first| first.start);
     let end = layers.iter().rfind(|layer| !layer.items.is_empty()).and_then(|last| last.end);
