@@ -14,10 +14,13 @@ mod link;
 mod model;
 mod pricing;
 mod relaxation;
+mod stack;
 mod tree;
 mod walks;
 
 use super::matching::KdTree;
+use std::ops::Range;
+
 use super::{Cost, Effort, Optimized, Problem, Strategy};
 use ascent::ascend;
 use model::{Model, fine, link, to_mm};
@@ -81,8 +84,7 @@ impl<'a> Climber<'a> {
             lengths.clone().for_each(|(side, points)| walks.measure(side, |p| points.nearest(p)));
             walks.climb();
             if walks.closed {
-                let (inner, ends) = walks.settle(down);
-                return Share { inner, ends };
+                return Share::of(walks.settle(down).swap_remove(0));
             }
             best = Some(walks.bound);
         }
@@ -90,10 +92,10 @@ impl<'a> Climber<'a> {
         lengths.for_each(|(side, points)| relaxation.measure(side, |p| points.nearest(p)));
         let (bound, found) = ascend(relaxation, multipliers.take());
         let better = self.walks.as_ref().filter(|_| best.is_some_and(|best| best > bound));
-        let (inner, ends) =
-            better.map_or_else(|| relaxation.settle(bound, &found), |walks| walks.settle(down));
+        let settled = better
+            .map_or_else(|| relaxation.settle(bound, &found), |walks| walks.settle(down).swap_remove(0));
         *multipliers = Some(found);
-        Share { inner, ends }
+        Share::of(settled)
     }
 }
 
@@ -111,6 +113,10 @@ fn half_links(problem: &Problem) -> Vec<i64> {
 }
 
 impl Share {
+    fn of((inner, ends): (i64, [Vec<(Point, i64)>; 2])) -> Self {
+        Self { inner, ends }
+    }
+
     fn is_empty(&self) -> bool {
         self.ends.iter().all(Vec::is_empty)
     }
@@ -119,6 +125,18 @@ impl Share {
     fn end_price(&self, side: usize, point: Option<Point>) -> i64 {
         let price = |&(p, pay): &(Point, i64)| pay + point.map_or(0, |point| link(point, p));
         self.ends[side].iter().map(price).min().unwrap_or(0)
+    }
+
+    /// What layers one after the other cost at least, with the links to what lies below and above.
+    fn chain(layers: &[&Self], ends: &[Option<PricedPoints>; 2]) -> i64 {
+        let (Some(first), Some(last)) = (layers.first(), layers.last()) else { return 0 };
+        let end = |side: usize, share: &Self| {
+            let link = |p: Point| ends[side].as_ref().map_or(0, |points| points.nearest(p));
+            share.ends[side].iter().map(|&(p, pay)| link(p) + pay).min().unwrap_or(0)
+        };
+        let inner: i64 = layers.iter().map(|share| share.inner).sum();
+        let between: i64 = layers.windows(2).map(|pair| pair[0].link_to(pair[1])).sum();
+        end(0, first) + inner + between + end(1, last)
     }
 
     /// The least price of the link from this layer to the next.
@@ -195,20 +213,50 @@ fn chunk(layers: &[&Problem], known: &[Option<Share>], first: usize, budget: Bud
     for pass in 0..passes {
         for step in first..last {
             let at = if pass % 2 == 0 { step } else { first + last - 1 - step };
-            let beyond = |k: usize, point: Option<Point>| match layers.get(k) {
-                Some(layer) => {
-                    let own = if (first..last).contains(&k) { &done[k - first] } else { &known[k] };
-                    own.as_ref().map_or(Beyond::Layer(layer), Beyond::Share)
-                }
-                None => point.map_or(Beyond::Anything, Beyond::At),
-            };
-            // Below the first layer there is no layer usize::MAX either.
-            let below = beyond(at.wrapping_sub(1), layers[at].start);
-            let share = climbers[at - first].climb(&below, &beyond(at + 1, layers[at].end), pass % 2 == 1);
+            let [below, above] = around(layers, known, (first, &done), at..at + 1);
+            let share = climbers[at - first].climb(&below, &above, pass % 2 == 1);
             done[at - first] = Some(share);
         }
     }
+    for stack in stack::stacks(&layers[first..last], |at| climbers[at].walks.is_some()) {
+        let problems = &layers[first..last][stack.clone()];
+        let model = Model::new(&stack::stacked(problems));
+        let parts: Vec<&Walks> =
+            climbers[stack.clone()].iter().filter_map(|climber| climber.walks.as_ref()).collect();
+        let Some(mut walks) = Walks::joined(&model, &parts, budget) else { continue };
+        let [below, above] = around(layers, known, (first, &done), first + stack.start..first + stack.end);
+        let ends = [below.points(true), above.points(false)];
+        for (side, points) in (0..).zip(&ends).filter_map(|(side, points)| Some((side, points.as_ref()?))) {
+            walks.measure(side, |p| points.nearest(p));
+        }
+        walks.climb();
+        let old: Vec<&Share> = done[stack.clone()].iter().flatten().collect();
+        if walks.bound > Share::chain(&old, &ends) {
+            for (at, settled) in stack.zip(walks.settle(false)) {
+                done[at] = Some(Share::of(settled));
+            }
+        }
+    }
     done.into_iter().flatten().collect()
+}
+
+/// What lies below and above some layers, those of one chunk, which begins with a layer, being done or not.
+fn around<'a>(
+    layers: &'a [&'a Problem<'a>],
+    known: &'a [Option<Share>],
+    (first, done): (usize, &'a [Option<Share>]),
+    some: Range<usize>,
+) -> [Beyond<'a>; 2] {
+    let beyond = |k: usize, point: Option<Point>| match layers.get(k) {
+        Some(layer) => {
+            let own = k.checked_sub(first).and_then(|at| done.get(at)).unwrap_or(&known[k]);
+            own.as_ref().map_or(Beyond::Layer(layer), Beyond::Share)
+        }
+        None => point.map_or(Beyond::Anything, Beyond::At),
+    };
+    // Below the first layer there is no layer usize::MAX either.
+    let below = beyond(some.start.wrapping_sub(1), layers[some.start].start);
+    [below, beyond(some.end, layers[some.end - 1].end)]
 }
 
 /// A length in millimetres that the links of no solution of the problem can stay below.

@@ -8,16 +8,15 @@ use crate::options::Scope;
 /// A set of blocks, or of the paths of one.
 pub(super) type Set = u128;
 /// Members that such a set can have.
-pub(super) const MOST: usize = Set::BITS as usize;
+pub(in super::super) const MOST: usize = Set::BITS as usize;
 
 /// A block being drawn, and what is remembered of those before it.
 pub(super) struct Turn {
     pub(super) block: u32,
     /// Turns that may come next.
     pub(super) next: Vec<u32>,
-    /// Whether nothing comes before it, or after it.
-    pub(super) begins: bool,
-    pub(super) ends: bool,
+    /// How many come before it.
+    pub(super) place: usize,
 }
 
 /// What is drawn without interruption: a run, or under `layer` scope a stage.
@@ -29,11 +28,13 @@ pub(super) struct Blocks {
     pub(super) nth: Vec<u32>,
     /// Each after all that may come before it.
     pub(super) turns: Vec<Turn>,
+    /// Blocks below each layer, and in all.
+    pub(super) below: Vec<usize>,
 }
 
 impl Blocks {
     /// Walks remember fewer blocks if there are more turns than so many. `None` if blocks or paths are too many.
-    pub(super) fn new(model: &Model, most: usize) -> Option<Self> {
+    pub(super) fn new(model: &Model, layer_of: &[u32], most: usize) -> Option<Self> {
         let of: Vec<u32> = match model.scope {
             Scope::Layer => model.bodies.iter().map(|body| body.groups[0]).collect(),
             Scope::Feature | Scope::Island => model.run_of(),
@@ -48,10 +49,10 @@ impl Blocks {
         if count > MOST || items.iter().any(|items| items.len() > MOST) {
             return None;
         }
-        let order = Order::new(model, &items);
+        let order = Order::new(model, layer_of, &items);
         let mut tries = [MOST, 8, 5, 3, 1].into_iter();
         let turns = tries.find_map(|near| order.turns(near, most))?;
-        Some(Self { items, of, nth, turns })
+        Some(Self { items, of, nth, turns, below: order.below })
     }
 }
 
@@ -66,10 +67,12 @@ struct Order<'a> {
     island: Vec<Set>,
     /// Others, nearest first.
     near: Vec<Vec<usize>>,
+    /// Blocks in the layers below each layer, and in all.
+    below: Vec<usize>,
 }
 
 impl<'a> Order<'a> {
-    fn new(model: &'a Model, items: &[Vec<u32>]) -> Self {
+    fn new(model: &'a Model, layer_of: &[u32], items: &[Vec<u32>]) -> Self {
         let path: Vec<u32> = items.iter().map(|items| items[0]).collect();
         let body = |block: usize| &model.bodies[path[block] as usize];
         let count = items.len();
@@ -98,6 +101,9 @@ impl<'a> Order<'a> {
             others.sort_by_cached_key(|&other| distance(block, other));
             others
         };
+        let layer = |block: usize| layer_of[path[block] as usize] as usize;
+        let layers = (0..count).map(layer).max().map_or(0, |last| last + 1);
+        let below = (0..=layers).map(|k| (0..count).filter(|&block| layer(block) < k).count()).collect();
         Self {
             model,
             before: (0..count).map(|block| set(block, &|other| earlier(other, block))).collect(),
@@ -106,6 +112,7 @@ impl<'a> Order<'a> {
                 .map(|block| set(block, &|other| ordered && together(block, other)) | 1 << block)
                 .collect(),
             near: (0..count).map(near).collect(),
+            below,
             path,
         }
     }
@@ -142,12 +149,7 @@ impl<'a> Order<'a> {
                     }
                     let known = (known | 1 << block | self.before[block]) & remembered;
                     let number = *numbers.entry((block, known)).or_insert_with(|| {
-                        turns.push(Turn {
-                            block: block as u32,
-                            next: Vec::new(),
-                            begins: place == 0,
-                            ends: place + 1 == count,
-                        });
+                        turns.push(Turn { block: block as u32, next: Vec::new(), place });
                         done.push(known);
                         turns.len() as u32 - 1
                     });

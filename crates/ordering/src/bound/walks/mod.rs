@@ -13,7 +13,9 @@ mod poses;
 mod states;
 
 use super::model::Model;
-use blocks::{Blocks, Set};
+use blocks::Blocks;
+pub(super) use blocks::MOST;
+use blocks::Set;
 pub(super) use climb::Budget;
 use pathwright_geometry::Point;
 use poses::Poses;
@@ -22,6 +24,8 @@ use states::{Costs, FAR, States, Walk};
 /// The relaxed walks of a layer, and their multipliers.
 pub(super) struct Walks<'a> {
     model: &'a Model,
+    /// Layer of each path, if there are several.
+    layer_of: Vec<u32>,
     blocks: Blocks,
     poses: Poses,
     /// What is remembered at each path.
@@ -41,6 +45,9 @@ pub(super) struct Walks<'a> {
     climbed: bool,
 }
 
+/// A layer's share: its own, and what links pay at either side.
+pub(super) type Settled = (i64, [Vec<(Point, i64)>; 2]);
+
 /// The cheapest relaxed walks under some multipliers.
 struct Cheapest {
     pays: Vec<i64>,
@@ -57,7 +64,8 @@ impl<'a> Walks<'a> {
     /// Links at both ends of walks cost nothing until [`Self::measure`]. `multipliers` are a first guess. `None` if there are too many
     /// walks to look at.
     pub(super) fn new(model: &'a Model, multipliers: Vec<i64>, budget: Budget) -> Option<Self> {
-        let blocks = Blocks::new(model, budget.turns)?;
+        let layer_of = vec![0; model.bodies.len()];
+        let blocks = Blocks::new(model, &layer_of, budget.turns)?;
         let poses = Poses::new(model, budget.vertices)?;
         let remembered = remembered(&blocks, &poses, model.bodies.len());
         let states = States::new(&blocks, &remembered, budget.pairs)?;
@@ -65,6 +73,7 @@ impl<'a> Walks<'a> {
         let step = multipliers.iter().sum::<i64>() as f64 / multipliers.len().max(1) as f64;
         let walks = Self {
             model,
+            layer_of,
             blocks,
             poses,
             remembered,
@@ -82,32 +91,61 @@ impl<'a> Walks<'a> {
         Some(walks).filter(|walks| LEAST_LOOKS * walks.work(&walks.states) <= enough)
     }
 
+    /// The walks of several layers, one after the other, with what was found for each.
+    pub(super) fn joined(model: &'a Model, layers: &[&Self], budget: Budget) -> Option<Self> {
+        let layer_of: Vec<u32> =
+            (0..).zip(layers).flat_map(|(k, layer)| vec![k; layer.multipliers.len()]).collect();
+        let blocks = Blocks::new(model, &layer_of, budget.turns)?;
+        let remembered: Vec<Set> = layers.iter().flat_map(|layer| layer.remembered.iter().copied()).collect();
+        let states = States::new(&blocks, &remembered, budget.pairs)?;
+        let poses = Poses::joined(model, layers.iter().map(|layer| &layer.poses));
+        let multipliers: Vec<i64> =
+            layers.iter().flat_map(|layer| layer.multipliers.iter().copied()).collect();
+        let step = layers.iter().map(|layer| layer.step).sum::<f64>() / layers.len().max(1) as f64;
+        let points = model.points.len();
+        Some(Self {
+            model,
+            layer_of,
+            blocks,
+            poses,
+            remembered,
+            states,
+            links: [vec![0; points], vec![0; points]],
+            multipliers,
+            bound: 0,
+            closed: false,
+            budget,
+            step,
+            climbed: true,
+        })
+    }
+
     /// Makes the link from where the walk comes from (0) or to where it continues (1) part of the bound; `length` is the
     /// least for a point.
     pub(super) fn measure(&mut self, side: usize, length: impl Fn(Point) -> i64) {
         self.links[side] = self.model.points.iter().map(|&p| length(p)).collect();
     }
 
-    /// The bound without the links in and out, and the price of links at each point where a walk may begin or end: at its end
-    /// what it takes to come there, or at its beginning, if `down`, what it takes to go on from there.
-    pub(super) fn settle(&self, down: bool) -> (i64, [Vec<(Point, i64)>; 2]) {
+    /// For each layer, the bound without the links in and out, and the price of links at each point where a walk may begin or end: at
+    /// its end what it takes to come there, at its beginning the same taken off; if `down`, what it takes to go on from its beginning, and
+    /// from its end the same taken off.
+    pub(super) fn settle(&self, down: bool) -> Vec<Settled> {
         let cheapest = self.cheapest(&self.states, &self.multipliers);
-        let begins = self.states.begins(&self.poses, &cheapest);
-        let prices = [&begins, &cheapest.ends];
-        let price = |side: usize, pose: usize| match (side, down) {
-            (0, false) => -cheapest.enter[pose],
-            (1, true) => -cheapest.exit[pose],
-            _ => prices[side][pose],
-        };
-        let priced = |side: usize| {
-            let used = (0..self.poses.count()).filter(|&pose| prices[side][pose] < FAR / 2);
-            let points = used.flat_map(|pose| {
-                let price = price(side, pose);
-                self.poses.points(self.model, pose, side).iter().map(move |&p| (p, price))
-            });
-            points.collect::<Vec<_>>()
-        };
-        (self.multipliers.iter().sum(), [priced(0), priced(1)])
+        let passages = self.states.passages(&self.poses, &cheapest, down);
+        let layers = self.layer_of.last().map_or(0, |&last| last as usize + 1);
+        let mut settled: Vec<Settled> = vec![Default::default(); layers];
+        for (&layer, multiplier) in self.layer_of.iter().zip(&self.multipliers) {
+            settled[layer as usize].0 += multiplier;
+        }
+        for (side, passages) in passages.iter().enumerate() {
+            let off = if (side == 0) == down { 1 } else { -1 };
+            for (pose, &passage) in passages.iter().enumerate().filter(|&(_, &passage)| passage < FAR / 2) {
+                let layer = self.layer_of[self.poses.item_of(pose) as usize];
+                let points = self.poses.points(self.model, pose, side).iter();
+                settled[layer as usize].1[side].extend(points.map(|&p| (p, off * passage)));
+            }
+        }
+        settled
     }
 
     /// The least cost of a link into or out of the layer at a pose, and the number of the point, among its path's, where it ends.

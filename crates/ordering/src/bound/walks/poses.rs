@@ -41,8 +41,23 @@ impl Poses {
             to_item: Vec::new(),
             of_items: Vec::new(),
         };
-        poses.measure(model);
+        poses.measure(model, &vec![true; model.bodies.len()]);
         Some(poses)
+    }
+
+    /// Those of several layers, one after the other.
+    pub(super) fn joined<'p>(model: &Model, layers: impl Iterator<Item = &'p Self>) -> Self {
+        let cuts: Vec<_> = layers.flat_map(|poses| poses.cuts.iter().cloned()).collect();
+        let mut poses = Self {
+            cuts,
+            first: Vec::new(),
+            item: Vec::new(),
+            between: Vec::new(),
+            to_item: Vec::new(),
+            of_items: Vec::new(),
+        };
+        poses.measure(model, &vec![true; model.bodies.len()]);
+        poses
     }
 
     pub(super) fn count(&self) -> usize {
@@ -95,7 +110,7 @@ impl Poses {
 
     /// Makes vertices of loops pieces of their own; whether any was not.
     pub(super) fn split(&mut self, model: &Model, vertices: &[(u32, usize)]) -> bool {
-        let mut changed = false;
+        let mut changed = vec![false; self.cuts.len()];
         for &(item, vertex) in vertices {
             let cuts = &mut self.cuts[item as usize];
             if cuts.is_empty() {
@@ -104,17 +119,20 @@ impl Poses {
             for cut in [vertex as u32, vertex as u32 + 1] {
                 if let Err(at) = cuts.binary_search(&cut) {
                     cuts.insert(at, cut);
-                    changed = true;
+                    changed[item as usize] = true;
                 }
             }
         }
-        if changed {
-            self.measure(model);
+        let any = changed.contains(&true);
+        if any {
+            self.measure(model, &changed);
         }
-        changed
+        any
     }
 
-    fn measure(&mut self, model: &Model) {
+    /// Measures all links at paths whose pieces have changed.
+    fn measure(&mut self, model: &Model, changed: &[bool]) {
+        let (old_first, old_count) = (std::mem::take(&mut self.first), self.count());
         self.first = vec![0];
         self.item.clear();
         for (item, cuts) in (0..).zip(&self.cuts) {
@@ -122,29 +140,35 @@ impl Poses {
             self.item.resize(self.item.len() + count, item);
             self.first.push(self.item.len() as u32);
         }
-        let count = self.count();
-        let ends = |side| (0..count).map(|pose| self.points(model, pose, side)).collect::<Vec<_>>();
-        let (enter, leave) = (ends(0), ends(1));
+        let (count, items) = (self.count(), self.cuts.len());
         let mut between = Vec::with_capacity(count * count);
-        for (&from, leave) in self.item.iter().zip(leave) {
-            between.extend(self.item.iter().zip(&enter).map(|(&to, enter)| {
-                let (a, b) = nearest(leave, enter);
-                if from == to { 0 } else { link(leave[a], enter[b]) }
-            }));
-        }
-        self.between = between;
-        let items = self.cuts.len();
-        self.to_item = Vec::with_capacity(count * items);
-        self.of_items = vec![i64::MAX; items * items];
-        for p in 0..count {
-            for item in 0..items {
-                let least =
-                    self.between[p * count..][self.of(item as u32)].iter().copied().min().unwrap_or(0);
-                self.to_item.push(least);
-                let at = &mut self.of_items[self.item[p] as usize * items + item];
+        let mut to_item = Vec::with_capacity(count * items);
+        let mut of_items = vec![i64::MAX; items * items];
+        for (p, &from) in self.item.iter().enumerate() {
+            let leave = self.points(model, p, 1);
+            for to in 0..items as u32 {
+                let begin = between.len();
+                if !model.permits(from, to) {
+                    // None leads there.
+                    between.resize(begin + self.of(to).len(), 0);
+                } else if changed[from as usize] || changed[to as usize] {
+                    between.extend(self.of(to).map(|q| {
+                        let enter = self.points(model, q, 0);
+                        let (a, b) = nearest(leave, enter);
+                        link(leave[a], enter[b])
+                    }));
+                } else {
+                    let row = old_first[from as usize] as usize + p - self.first[from as usize] as usize;
+                    let own = old_first[to as usize] as usize..old_first[to as usize + 1] as usize;
+                    between.extend(&self.between[row * old_count..][own]);
+                }
+                let least = between[begin..].iter().copied().min().unwrap_or(0);
+                to_item.push(least);
+                let at = &mut of_items[from as usize * items + to as usize];
                 *at = (*at).min(least);
             }
         }
+        (self.between, self.to_item, self.of_items) = (between, to_item, of_items);
     }
 }
 

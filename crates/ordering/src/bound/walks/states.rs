@@ -9,6 +9,10 @@ use super::poses::Poses;
 /// A path being drawn, after so many of its block, and what is remembered of those before it.
 struct State {
     item: u32,
+    /// Whether it is the first of its layer, or the last.
+    opens: bool,
+    closes: bool,
+    /// Whether it is the first of all, or the last.
     begins: bool,
     ends: bool,
     /// States that may come before: a piece of the list of all these.
@@ -38,7 +42,7 @@ impl States {
         for (number, turn) in blocks.turns.iter().enumerate() {
             let items = &blocks.items[turn.block as usize];
             let open = std::mem::take(&mut before[number]);
-            if open.is_empty() && !turn.begins {
+            if open.is_empty() && turn.place > 0 {
                 continue;
             }
             let mut now: Vec<(usize, Set, u32)> = Vec::new();
@@ -52,8 +56,10 @@ impl States {
                     let state = *numbers.entry((k, known)).or_insert_with(|| {
                         states.push(State {
                             item: items[k],
-                            begins: turn.begins && place == 0,
-                            ends: turn.ends && last,
+                            opens: place == 0 && blocks.below.contains(&turn.place),
+                            closes: last && blocks.below.contains(&(turn.place + 1)),
+                            begins: place == 0 && turn.place == 0,
+                            ends: last && turn.place + 1 == blocks.items.len(),
                             from: (0, 0),
                         });
                         into.push(Vec::new());
@@ -211,18 +217,34 @@ impl States {
         ends
     }
 
-    /// What the cheapest walk that begins with each pose costs, but for the link to it.
-    pub(super) fn begins(&self, poses: &Poses, cheapest: &Cheapest) -> Vec<i64> {
+    /// What it takes to come to each pose as the first of its layer, and what to draw all paths from there to the last of the layer;
+    /// if `down`, what it takes to go on from the first pose, and from the last.
+    pub(super) fn passages(&self, poses: &Poses, cheapest: &Cheapest, down: bool) -> [Vec<i64>; 2] {
         let Cheapest { pays, exit, costs, .. } = cheapest;
-        let on = self.costs_on(poses, exit, pays, costs);
-        let mut begins = vec![FAR; poses.count()];
-        for (state, &first) in self.states.iter().zip(&costs.first).filter(|(state, _)| state.begins) {
-            let own = poses.of(state.item);
-            let here = &on[first as usize..][..own.len()];
+        let on = down.then(|| self.costs_on(poses, exit, pays, costs));
+        let mut passages = [vec![FAR; poses.count()], vec![FAR; poses.count()]];
+        for (state, &first) in self.states.iter().zip(&costs.first) {
             let pay = pays[state.item as usize];
-            own.zip(here).for_each(|(pose, &cost)| begins[pose] = begins[pose].min(cost.saturating_add(pay)));
+            let own = poses.of(state.item);
+            let values = &on.as_ref().unwrap_or(&costs.costs)[first as usize..][..own.len()];
+            // What is drawn counts between the two.
+            let counted = if down { pay } else { -pay };
+            for (side, counted) in
+                [(0, counted), (1, 0)].into_iter().filter(|&(side, _)| [state.opens, state.closes][side])
+            {
+                for (pose, &value) in own.clone().zip(values) {
+                    let passage = &mut passages[side][pose];
+                    // What is taken off must not be too little.
+                    let known = *passage < FAR / 2;
+                    *passage = if known && down && side == 1 {
+                        value.max(*passage)
+                    } else {
+                        (value + counted).min(*passage)
+                    };
+                }
+            }
         }
-        begins
+        passages
     }
 
     /// A cheapest walk.
