@@ -21,7 +21,7 @@ mod walks;
 use super::matching::KdTree;
 use std::ops::Range;
 
-use super::{Cost, Effort, Optimized, Problem, Strategy};
+use super::{Cost, Effort, Optimized, Problem, Strategy, Visit};
 use ascent::ascend;
 use model::{Model, fine, link, to_mm};
 use pathwright_geometry::Point;
@@ -71,7 +71,8 @@ struct Climber<'a> {
 
 impl<'a> Climber<'a> {
     fn new(problem: &Problem, model: &'a Model, budget: Budget) -> Self {
-        let walks = Walks::new(model, half_links(problem), budget);
+        let quick = Optimized.solve(problem, &Cost::Length, Effort::Fast);
+        let walks = Walks::new(model, half_links(problem, &quick), budget);
         Self { model, walks, tree: None }
     }
 
@@ -99,9 +100,8 @@ impl<'a> Climber<'a> {
     }
 }
 
-/// Half the links at each path in a quick order, in fine units.
-fn half_links(problem: &Problem) -> Vec<i64> {
-    let order = Optimized.solve(problem, &Cost::Length, Effort::Fast);
+/// Half the links at each path in a solution, in fine units.
+fn half_links(problem: &Problem, order: &[Visit]) -> Vec<i64> {
     let mut halves = vec![0; problem.items.len()];
     let ends: Vec<_> =
         order.iter().map(|visit| problem.items[visit.item as usize].ends(visit.entry)).collect();
@@ -262,6 +262,22 @@ fn around<'a>(
 /// A length in millimetres that the links of no solution of the problem can stay below.
 pub fn layer(problem: &Problem, effort: Effort) -> f64 {
     print(std::slice::from_ref(problem), effort)
+}
+
+/// A length in millimetres that the links of no solution of the problem can stay below, by relaxed walks alone; `None` for layers
+/// that are too large to look at enough of them. `solved` is a solution to begin with; if it is an optimum, the bound often is its length.
+///
+/// Rounding takes less than a nanometre off each link.
+pub fn by_walks(problem: &Problem, solved: &[Visit], effort: Effort) -> Option<f64> {
+    let model = Model::new(problem);
+    let mut walks = Walks::new(&model, half_links(problem, solved), Budget::new(effort))?;
+    for (side, end) in [problem.start, problem.end].into_iter().enumerate() {
+        if let Some(end) = end {
+            walks.measure(side, |p| link(end, p));
+        }
+    }
+    walks.climb();
+    Some(to_mm(walks.bound.max(0)))
 }
 
 /// A length in millimetres that the links of a whole print cannot stay below; see [`shares`] and [`Share::print_mm`].
