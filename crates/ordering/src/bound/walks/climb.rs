@@ -22,7 +22,7 @@ impl Budget {
     pub(in super::super) fn new(effort: Effort) -> Self {
         match effort {
             Effort::Fast | Effort::Normal => {
-                Self { rounds: 8, steps: 15, turns: 1_000, vertices: 2_000, pairs: 100_000, work: 100_000 }
+                Self { rounds: 8, steps: 15, turns: 1_000, vertices: 2_000, pairs: 100_000, work: 400_000 }
             }
             Effort::High => Self {
                 rounds: 16,
