@@ -1,5 +1,8 @@
 //! Strategies side by side on the same layers.
 
+use std::fmt;
+
+use serde::Serialize;
 use serde_json::{Value, json};
 
 use ordering::{Cost, Problem, Visit, links};
@@ -19,6 +22,44 @@ pub struct LayerRow {
     pub travel_s: f64,
     /// Lower bound of `link_mm`, if requested.
     pub bound_mm: Option<f64>,
+    /// By how much, as a share, the links are at most longer than the shortest between where the layer below ends and where the one
+    /// above begins; if requested, and known.
+    pub excess: Option<f64>,
+}
+
+/// How many layers are proved to be ordered as well as possible, or nearly, between those below and above them.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
+pub struct Proved {
+    /// Layers with paths.
+    pub layers: usize,
+    /// No order is shorter.
+    pub optimal: usize,
+    /// None saves more than 1 %, or 5 %.
+    pub within_1: usize,
+    /// See `within_1`.
+    pub within_5: usize,
+}
+
+impl Proved {
+    /// Counts the excesses of layers, of which some are not known.
+    pub fn of(excesses: impl Iterator<Item = Option<f64>>) -> Self {
+        excesses.fold(Self::default(), |sum, excess| {
+            let within = |most: f64| usize::from(excess.is_some_and(|excess| excess <= most));
+            Self {
+                layers: sum.layers + 1,
+                optimal: sum.optimal + within(0.0),
+                within_1: sum.within_1 + within(0.01),
+                within_5: sum.within_5 + within(0.05),
+            }
+        })
+    }
+}
+
+impl fmt::Display for Proved {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self { layers, optimal, within_1, within_5 } = self;
+        write!(f, "{optimal} of {layers} layers proved optimal, {within_1} within 1 %, {within_5} within 5 %")
+    }
 }
 
 /// The result of one strategy for all layers.
@@ -37,8 +78,9 @@ pub struct StrategyRow {
 impl LayerRow {
     /// Measures a solution of one layer. `time` is a [`Cost::Time`], whatever the solution minimised.
     pub fn new(layer: usize, problem: &Problem, sequence: &[Visit], time: &Cost) -> Self {
+        let paths = sequence.len();
         let mut row =
-            Self { layer, paths: sequence.len(), link_mm: 0.0, travels: 0, travel_s: 0.0, bound_mm: None };
+            Self { layer, paths, link_mm: 0.0, travels: 0, travel_s: 0.0, bound_mm: None, excess: None };
         for (link_mm, inside) in links(problem, sequence) {
             row.link_mm += link_mm;
             row.travels += usize::from(link_mm > 0.0);
@@ -62,6 +104,12 @@ impl StrategyRow {
     /// Time of all links, seconds.
     pub fn travel_s(&self) -> f64 {
         self.layers.iter().map(|row| row.travel_s).sum()
+    }
+
+    /// How many layers are proved to be ordered well, if that was requested.
+    pub fn proved(&self) -> Option<Proved> {
+        let layers = self.layers.iter().filter(|row| row.paths > 0);
+        self.bound_mm.map(|_| Proved::of(layers.map(|row| row.excess)))
     }
 
     /// Number of paths.
@@ -98,6 +146,11 @@ pub fn text(rows: &[StrategyRow]) -> String {
             row.took_s * 1e5 / row.paths().max(1) as f64,
         );
     }
+    for row in rows {
+        if let Some(proved) = row.proved() {
+            out += &format!("{:<18}{proved}\n", row.strategy);
+        }
+    }
     out
 }
 
@@ -107,11 +160,13 @@ pub fn to_json(rows: &[StrategyRow]) -> Value {
         let mut value = figures(row.link_mm, row.bound_mm, row.travels, row.travel_s);
         value["layer"] = json!(row.layer);
         value["paths"] = json!(row.paths);
+        value["excess"] = json!(row.excess);
         value
     };
     let strategy = |row: &StrategyRow| {
         let mut value = figures(row.link_mm(), row.bound_mm, row.travels(), row.travel_s());
         value["strategy"] = json!(row.strategy);
+        value["proved"] = json!(row.proved());
         value["paths"] = json!(row.paths());
         value["layers"] = row.layers.iter().map(layer).collect();
         value
@@ -182,7 +237,15 @@ mod tests {
             strategy: strategy.into(),
             took_s: 0.001,
             bound_mm: Some(50.0),
-            layers: vec![LayerRow { layer: 0, paths: 4, link_mm, travels: 3, travel_s: 0.5, bound_mm: None }],
+            layers: vec![LayerRow {
+                layer: 0,
+                paths: 4,
+                link_mm,
+                travels: 3,
+                travel_s: 0.5,
+                bound_mm: None,
+                excess: None,
+            }],
         };
         vec![row("nearest", 100.0), row("optimized", 60.0)]
     }
@@ -202,5 +265,11 @@ mod tests {
     #[test]
     fn csv_has_a_line_per_strategy_and_layer() {
         assert_eq!(csv("a,b.stl", &rows(), true).lines().count(), 3);
+    }
+
+    #[test]
+    fn a_layer_counts_as_proved_by_the_most_that_an_order_could_save() {
+        let proved = Proved::of([Some(0.0), Some(0.02), None, Some(0.01)].into_iter());
+        assert_eq!(proved, Proved { layers: 4, optimal: 1, within_1: 2, within_5: 3 });
     }
 }

@@ -119,7 +119,7 @@ fn row(
     chain.settings.strategy = strategy;
     let (paths, pins): (Vec<LayerPaths>, Vec<Pins>) = layers.iter().cloned().unzip();
     let mut sequencer = Sequencer::new(&chain, workers, chunk_len(layers.len()), None);
-    let Layers { paths, mut sequences, .. } = sequencer.take(paths, pins, true);
+    let Layers { paths, pins, mut sequences } = sequencer.take(paths, pins, true);
     if fixed.whole && strategy == OrderStrategy::AsSliced {
         let as_is = |layer: &LayerPaths| {
             (0..layer.paths.len() as u32).map(|path| PathVisit { path, entry: 0 }).collect()
@@ -137,6 +137,19 @@ fn row(
             start
         })
         .collect();
+    // Where the next layer with a path begins.
+    let mut begin = None;
+    let mut nexts: Vec<_> = paths
+        .iter()
+        .zip(&sequences)
+        .rev()
+        .map(|(layer, sequence)| {
+            let next = begin;
+            begin = sequence.first().map(|&visit| ends_on_path(layer, visit).0).or(begin);
+            next
+        })
+        .collect();
+    nexts.reverse();
     let time = settings.order_cost(CostKind::Time);
     let rows = workers.map(layers.len(), |i| {
         // Sequences name vertices of paths: measured on the problem whose seams are free.
@@ -145,6 +158,9 @@ fn row(
         let mut row = LayerRow::new(i, &layer.problem, &layer.from_paths(&sequences[i]), &time);
         let bound_mm = |certificate: &Certificate| certificate.layer_mm(i, starts[i]) + fixed.links_mm[i];
         row.bound_mm = certificate.map(bound_mm);
+        let excess =
+            |_| ordering::excess((&paths[i], &pins[i]), &sequences[i], [starts[i], nexts[i]], settings);
+        row.excess = certificate.and_then(excess);
         row.link_mm += fixed.links_mm[i];
         workers.observer.layer_done();
         row

@@ -3,7 +3,9 @@
 use std::ops::Range;
 use std::time::Duration;
 
-use crate::order::{Chain, LayerProblem, PathOrder, Pins, Problem, Watch, bound, ends_on_path};
+use crate::order::{
+    Chain, Cost, LayerProblem, PathOrder, Pins, Problem, Watch, bound, ends_on_path, evaluate,
+};
 use crate::profile::Settings;
 use crate::toolpath::LayerPaths;
 use geometry::Point;
@@ -153,7 +155,10 @@ impl Certificate {
         if let Some(first) = problems.iter_mut().find(|problem| !problem.items.is_empty()) {
             first.start = start;
         }
-        Self { shares: bound::shares(&problems, |n, chunk| workers.map(n, chunk)), start }
+        Self {
+            shares: bound::shares(&problems, settings.order.effort, |n, chunk| workers.map(n, chunk)),
+            start,
+        }
     }
 
     /// A length that the links of a layer, entered from `start`, cannot stay below.
@@ -165,4 +170,30 @@ impl Certificate {
     pub(super) fn print_mm(&self) -> f64 {
         bound::Share::print_mm(&self.shares, self.start, None)
     }
+}
+
+/// By how much, as a share, an order's links are at most longer than the shortest from where the layer is entered to where the next
+/// begins; `None` where that is not known.
+pub(super) fn excess(
+    (layer, pins): (&LayerPaths, &Pins),
+    order: &PathOrder,
+    ends: [Option<Point>; 2],
+    settings: &Settings,
+) -> Option<f64> {
+    /// More than rounding takes off a link.
+    const ROUNDING_MM: f64 = 1e-6;
+    let between = |pins| {
+        let mut layer = LayerProblem::new(layer, pins, settings.order.scope);
+        [layer.problem.start, layer.problem.end] = ends;
+        layer
+    };
+    // Sequences name vertices of paths, wherever the seam may be.
+    let free = between(&None);
+    let found = free.from_paths(order);
+    let link_mm = evaluate(&free.problem, &found, &Cost::Length);
+    let bound_mm = bound::by_walks(&between(pins).problem, &found, settings.order.effort)?;
+    if link_mm <= bound_mm + ROUNDING_MM * (order.len() + 1) as f64 {
+        return Some(0.0);
+    }
+    Some(link_mm / bound_mm - 1.0).filter(|excess| excess.is_finite())
 }

@@ -9,7 +9,8 @@ use crate::gcode::{
 use crate::gcode::{ThumbnailFormat, thumbnail_list};
 use crate::job::{Job, JobError};
 use crate::motion::{self, Entry, LayerMoves, MotionSettings};
-use crate::order::{Chain, PathVisit, Pins, SeamRule, chunk_len};
+use crate::order::compare::Proved;
+use crate::order::{Chain, PathOrder, PathVisit, Pins, SeamRule, chunk_len, ends_on_path};
 use crate::output::Output;
 use crate::parallel::{self, Workers};
 use crate::plan::floating::{Floating, Islands};
@@ -252,6 +253,7 @@ struct LayerMaker<'a> {
 /// The ordered layers, kept for the certificate.
 struct Ordered {
     layer: (LayerPaths, Pins),
+    order: PathOrder,
     start: Option<Point>,
 }
 
@@ -373,7 +375,8 @@ impl Batch {
     fn into_ordered(self) -> impl Iterator<Item = Ordered> {
         let starts = self.entries.into_iter().map(|entry| entry.xy.map(|[x, y]| Point::from_mm(x, y)));
         let layers = self.layers.paths.into_iter().zip(self.layers.pins);
-        layers.zip(starts).map(|(layer, start)| Ordered { layer, start })
+        let ordered = layers.zip(self.layers.sequences).zip(starts);
+        ordered.map(|((layer, order), start)| Ordered { layer, order, start })
     }
 }
 
@@ -488,6 +491,7 @@ struct Statistics {
     /// Filament in the layers, mm³.
     layers_mm3: f64,
     layer_starts: Vec<Seconds>,
+    proved: Option<Proved>,
 }
 
 impl Statistics {
@@ -511,6 +515,17 @@ impl Statistics {
         start: Option<Point>,
         workers: Workers<'_>,
     ) {
+        let begins = ordered
+            .iter()
+            .map(|Ordered { layer, order, .. }| Some(ends_on_path(&layer.0, *order.first()?).0));
+        let begins: Vec<_> = begins.collect();
+        let excesses = workers.map(ordered.len(), |i| {
+            let Ordered { layer, order, start } = &ordered[i];
+            let next = begins[i + 1..].iter().find_map(|&begin| begin);
+            ordering::excess((&layer.0, &layer.1), order, [*start, next], settings)
+        });
+        let drawn = excesses.into_iter().zip(&begins).filter(|(_, begin)| begin.is_some());
+        self.proved = Some(Proved::of(drawn.map(|(excess, _)| excess)));
         let (layers, starts): (Vec<_>, Vec<_>) =
             ordered.into_iter().map(|ordered| (ordered.layer, ordered.start)).unzip();
         let certificate = Certificate::new(&layers, settings, start, workers);
@@ -543,6 +558,7 @@ impl Statistics {
             size_mm: [x1 - x0, y1 - y0, facts.max_z_mm - settings.layer.z_offset.0],
             layer_count: self.layers.len(),
             total: self.total,
+            proved: self.proved,
             filament_g,
             filament_cost: filament_g / 1000.0 * settings.filament.cost,
             warnings,

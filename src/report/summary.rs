@@ -7,6 +7,7 @@ use serde::Serialize;
 
 use super::repairs::Repaired;
 use crate::gcode::Measure;
+use crate::order::compare::Proved;
 use crate::units::Seconds;
 
 /// Lengths, counts and times of a layer or a whole print. Lengths are in X and Y and count what comes after the first
@@ -136,6 +137,9 @@ pub struct Summary {
     /// Measures of the whole print.
     #[serde(flatten)]
     pub total: Measures,
+    /// How many layers are proved to be ordered well, where that was asked for.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub proved: Option<Proved>,
     /// Weight of the filament.
     pub filament_g: f64,
     /// Its price, in the currency of `filament.cost`.
@@ -173,6 +177,9 @@ impl fmt::Display for Summary {
                 Some(gap) => writeln!(f, " (at most {:.1} % to save)", 100.0 * gap / (1.0 + gap))?,
                 None => writeln!(f)?,
             }
+        }
+        if let Some(proved) = self.proved {
+            writeln!(f, "  proof     {proved}")?;
         }
         Ok(())
     }

@@ -10,12 +10,12 @@ use proptest::prelude::*;
 /// Largest coordinate, in grid units.
 const REACH: i32 = 500_000;
 
-/// Layers of up to `most` paths, a third of them pinned and a sixth free loops, in up to five runs.
+/// Layers of up to `most` paths, two sevenths of them pinned and as many free loops, in up to five runs.
 fn layer(most: usize) -> impl Strategy<Value = Layer> {
     let path = prop_oneof![
         3 => prop::collection::vec(point(REACH), 2),
         2 => prop::collection::vec(point(REACH), 1),
-        1 => prop::collection::vec(point(REACH), 3..11),
+        2 => prop::collection::vec(point(REACH), 3..11),
     ];
     let runs = prop::collection::vec((0..2_u32, 0..3_u32, 0..3_u32), 5);
     order_layer::layer(prop::collection::vec(path, 0..=most), runs, REACH)
@@ -31,6 +31,11 @@ fn ranked(most: usize) -> impl Strategy<Value = Layer> {
     })
 }
 
+/// How much is spent on a bound.
+fn effort() -> impl Strategy<Value = Effort> {
+    prop::sample::select(vec![Effort::Normal, Effort::High])
+}
+
 /// Sums of a few square roots: far above their rounding, far below a bound that is wrong.
 const ROUNDING_MM: f64 = 1e-9;
 
@@ -38,16 +43,16 @@ proptest! {
     #![proptest_config(ProptestConfig { cases: 3000, ..ProptestConfig::default() })]
 
     #[test]
-    fn the_bound_of_a_layer_is_not_above_its_optimum(layer in layer(7)) {
+    fn the_bound_of_a_layer_is_not_above_its_optimum(effort in effort(), layer in layer(7)) {
         let problem = layer.problem();
-        let (bound, optimum) = (bound::layer(&problem), optimum(&problem));
+        let (bound, optimum) = (bound::layer(&problem, effort), optimum(&problem));
         prop_assert!(bound <= optimum + ROUNDING_MM, "{bound} > {optimum}");
     }
 
     #[test]
-    fn the_bound_of_a_layer_whose_links_have_directions_is_not_above_its_optimum(layer in ranked(7)) {
+    fn the_bound_of_a_layer_whose_links_have_directions_is_not_above_its_optimum(effort in effort(), layer in ranked(7)) {
         let problem = layer.problem();
-        let (bound, optimum) = (bound::layer(&problem), optimum(&problem));
+        let (bound, optimum) = (bound::layer(&problem, effort), optimum(&problem));
         prop_assert!(bound <= optimum + ROUNDING_MM, "{bound} > {optimum}");
     }
 }
@@ -56,23 +61,23 @@ proptest! {
     #![proptest_config(ProptestConfig { cases: 1000, ..ProptestConfig::default() })]
 
     #[test]
-    fn the_bound_of_a_print_is_not_above_its_optimum(layers in [layer(5), layer(5), layer(5)]) {
+    fn the_bound_of_a_print_is_not_above_its_optimum(effort in effort(), layers in [layer(5), layer(5), layer(5)]) {
         let problems: Vec<_> = layers.iter().map(Layer::problem).collect();
-        let (bound, optimum) = (bound::print(&problems), chained_optimum(&problems));
+        let (bound, optimum) = (bound::print(&problems, effort), chained_optimum(&problems));
         prop_assert!(bound <= optimum + ROUNDING_MM, "{bound} > {optimum}");
     }
 
     #[test]
-    fn the_bound_of_a_print_whose_links_have_directions_is_not_above_its_optimum(layers in [ranked(5), ranked(5), ranked(5)]) {
+    fn the_bound_of_a_print_whose_links_have_directions_is_not_above_its_optimum(effort in effort(), layers in [ranked(5), ranked(5), ranked(5)]) {
         let problems: Vec<_> = layers.iter().map(Layer::problem).collect();
-        let (bound, optimum) = (bound::print(&problems), chained_optimum(&problems));
+        let (bound, optimum) = (bound::print(&problems, effort), chained_optimum(&problems));
         prop_assert!(bound <= optimum + ROUNDING_MM, "{bound} > {optimum}");
     }
 
     #[test]
-    fn a_share_holds_wherever_its_layer_is_entered(layers in [layer(5).boxed(), ranked(5).boxed()], start in prop::option::of(point(REACH))) {
+    fn a_share_holds_wherever_its_layer_is_entered(effort in effort(), layers in [layer(5).boxed(), ranked(5).boxed()], start in prop::option::of(point(REACH))) {
         let mut problems: Vec<_> = layers.iter().map(Layer::problem).collect();
-        let shares = bound::shares(&problems, |n, chunk| (0..n).map(chunk).collect());
+        let shares = bound::shares(&problems, effort, |n, chunk| (0..n).map(chunk).collect());
         for (problem, share) in problems.iter_mut().zip(shares) {
             (problem.start, problem.end) = (start, None);
             let (bound, optimum) = (share.layer_mm(start, None), optimum(problem));
@@ -100,9 +105,9 @@ proptest! {
     #![proptest_config(ProptestConfig { cases: 100, ..ProptestConfig::default() })]
 
     #[test]
-    fn the_bound_of_a_print_in_several_chunks_is_not_above_its_optimum(layers in prop::collection::vec(layer(2), 30)) {
+    fn the_bound_of_a_print_in_several_chunks_is_not_above_its_optimum(effort in effort(), layers in prop::collection::vec(layer(2), 30)) {
         let problems: Vec<_> = layers.iter().map(Layer::problem).collect();
-        let (bound, optimum) = (bound::print(&problems), chained_optimum(&problems));
+        let (bound, optimum) = (bound::print(&problems, effort), chained_optimum(&problems));
         prop_assert!(bound <= optimum + ROUNDING_MM, "{bound} > {optimum}");
     }
 }

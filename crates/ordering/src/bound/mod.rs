@@ -14,14 +14,19 @@ mod link;
 mod model;
 mod pricing;
 mod relaxation;
+mod stack;
 mod tree;
+mod walks;
 
-use super::Problem;
 use super::matching::KdTree;
+use std::ops::Range;
+
+use super::{Cost, Effort, Optimized, Problem, Strategy, Visit};
 use ascent::ascend;
 use model::{Model, fine, link, to_mm};
 use pathwright_geometry::Point;
 use relaxation::{Multipliers, Relaxation};
+use walks::{Budget, Walks};
 
 /// The share of a layer in a bound, wherever it is entered and left: its multipliers and their result.
 #[derive(Clone, Debug, Default)]
@@ -57,31 +62,61 @@ impl Beyond<'_> {
 
 /// A layer whose multipliers are sought.
 struct Climber<'a> {
-    relaxation: Relaxation<'a>,
-    /// The best so far.
-    multipliers: Option<Multipliers>,
+    model: &'a Model,
+    /// Unless they are too many.
+    walks: Option<Walks<'a>>,
+    /// A tree instead of a walk, and the best multipliers so far; unless the walks do better.
+    tree: Option<(Relaxation<'a>, Option<Multipliers>)>,
 }
 
 impl<'a> Climber<'a> {
-    fn new(model: &'a Model) -> Self {
-        Self { relaxation: Relaxation::new(model), multipliers: None }
+    fn new(problem: &Problem, model: &'a Model, budget: Budget) -> Self {
+        let quick = Optimized.solve(problem, &Cost::Length, Effort::Fast);
+        let walks = Walks::new(model, half_links(problem, &quick), budget);
+        Self { model, walks, tree: None }
     }
 
-    /// Seeks better multipliers for what lies below and above.
-    fn climb(&mut self, below: &Beyond, above: &Beyond) -> Share {
-        for (side, points) in [below.points(true), above.points(false)].iter().enumerate() {
-            if let Some(points) = points {
-                self.relaxation.measure(side, |p| points.nearest(p));
+    /// Seeks better multipliers for what lies below and above. `down`: the layer below is next.
+    fn climb(&mut self, below: &Beyond, above: &Beyond, down: bool) -> Share {
+        let ends = [below.points(true), above.points(false)];
+        let lengths = (0..).zip(&ends).filter_map(|(side, points)| Some((side, points.as_ref()?)));
+        let mut best = None;
+        if let Some(walks) = &mut self.walks {
+            lengths.clone().for_each(|(side, points)| walks.measure(side, |p| points.nearest(p)));
+            walks.climb();
+            if walks.closed {
+                return Share::of(walks.settle(down).swap_remove(0));
             }
+            best = Some(walks.bound);
         }
-        let (bound, multipliers) = ascend(&mut self.relaxation, self.multipliers.take());
-        let (inner, ends) = self.relaxation.settle(bound, &multipliers);
-        self.multipliers = Some(multipliers);
-        Share { inner, ends }
+        let (relaxation, multipliers) = self.tree.get_or_insert_with(|| (Relaxation::new(self.model), None));
+        lengths.for_each(|(side, points)| relaxation.measure(side, |p| points.nearest(p)));
+        let (bound, found) = ascend(relaxation, multipliers.take());
+        let better = self.walks.as_ref().filter(|_| best.is_some_and(|best| best > bound));
+        let settled = better
+            .map_or_else(|| relaxation.settle(bound, &found), |walks| walks.settle(down).swap_remove(0));
+        *multipliers = Some(found);
+        Share::of(settled)
     }
 }
 
+/// Half the links at each path in a solution, in fine units.
+fn half_links(problem: &Problem, order: &[Visit]) -> Vec<i64> {
+    let mut halves = vec![0; problem.items.len()];
+    let ends: Vec<_> =
+        order.iter().map(|visit| problem.items[visit.item as usize].ends(visit.entry)).collect();
+    for (visits, ends) in order.windows(2).zip(ends.windows(2)) {
+        let half = link(ends[0].1, ends[1].0) / 2;
+        visits.iter().for_each(|visit| halves[visit.item as usize] += half);
+    }
+    halves
+}
+
 impl Share {
+    fn of((inner, ends): (i64, [Vec<(Point, i64)>; 2])) -> Self {
+        Self { inner, ends }
+    }
+
     fn is_empty(&self) -> bool {
         self.ends.iter().all(Vec::is_empty)
     }
@@ -90,6 +125,18 @@ impl Share {
     fn end_price(&self, side: usize, point: Option<Point>) -> i64 {
         let price = |&(p, pay): &(Point, i64)| pay + point.map_or(0, |point| link(point, p));
         self.ends[side].iter().map(price).min().unwrap_or(0)
+    }
+
+    /// What layers one after the other cost at least, with the links to what lies below and above.
+    fn chain(layers: &[&Self], ends: &[Option<PricedPoints>; 2]) -> i64 {
+        let (Some(first), Some(last)) = (layers.first(), layers.last()) else { return 0 };
+        let end = |side: usize, share: &Self| {
+            let link = |p: Point| ends[side].as_ref().map_or(0, |points| points.nearest(p));
+            share.ends[side].iter().map(|&(p, pay)| link(p) + pay).min().unwrap_or(0)
+        };
+        let inner: i64 = layers.iter().map(|share| share.inner).sum();
+        let between: i64 = layers.windows(2).map(|pair| pair[0].link_to(pair[1])).sum();
+        end(0, first) + inner + between + end(1, last)
     }
 
     /// The least price of the link from this layer to the next.
@@ -130,6 +177,7 @@ const PASSES: usize = 6;
 /// then those between. `map(n, f)` gives f(0), …, f(n − 1) and may call them in any order.
 pub fn shares(
     layers: &[Problem],
+    effort: Effort,
     map: impl Fn(usize, &(dyn Fn(usize) -> Vec<Share> + Sync)) -> Vec<Vec<Share>>,
 ) -> Vec<Share> {
     let used: Vec<usize> = (0..layers.len()).filter(|&i| !layers[i].items.is_empty()).collect();
@@ -137,7 +185,9 @@ pub fn shares(
     let mut known: Vec<Option<Share>> = vec![None; used.len()];
     let chunks = used.len().div_ceil(CHUNK);
     for turn in 0..2 {
-        let done = map((chunks + 1 - turn) / 2, &|k| chunk(&used, &known, (2 * k + turn) * CHUNK));
+        let done = map((chunks + 1 - turn) / 2, &|k| {
+            chunk(&used, &known, (2 * k + turn) * CHUNK, Budget::new(effort))
+        });
         for (k, shares) in done.into_iter().enumerate() {
             let first = (2 * k + turn) * CHUNK;
             known[first..first + shares.len()]
@@ -152,40 +202,87 @@ pub fn shares(
 }
 
 /// The shares of one chunk of layers, the first of which is given, none without paths: up and down, several times.
-fn chunk(layers: &[&Problem], known: &[Option<Share>], first: usize) -> Vec<Share> {
+fn chunk(layers: &[&Problem], known: &[Option<Share>], first: usize, budget: Budget) -> Vec<Share> {
     let last = (first + CHUNK).min(layers.len());
     let models: Vec<Model> = layers[first..last].iter().map(|problem| Model::new(problem)).collect();
-    let mut climbers: Vec<Climber> = models.iter().map(Climber::new).collect();
+    let layer = |(problem, model)| Climber::new(problem, model, budget);
+    let mut climbers: Vec<Climber> = layers[first..last].iter().copied().zip(&models).map(layer).collect();
     let mut done: Vec<Option<Share>> = vec![None; last - first];
     // Free loops take several times as long, and what they lose is lost elsewhere.
     let passes = if models.iter().any(Model::has_pieces) { 1 } else { PASSES };
     for pass in 0..passes {
         for step in first..last {
             let at = if pass % 2 == 0 { step } else { first + last - 1 - step };
-            let beyond = |k: usize, point: Option<Point>| match layers.get(k) {
-                Some(layer) => {
-                    let own = if (first..last).contains(&k) { &done[k - first] } else { &known[k] };
-                    own.as_ref().map_or(Beyond::Layer(layer), Beyond::Share)
-                }
-                None => point.map_or(Beyond::Anything, Beyond::At),
-            };
-            // Below the first layer there is no layer usize::MAX either.
-            let below = beyond(at.wrapping_sub(1), layers[at].start);
-            let share = climbers[at - first].climb(&below, &beyond(at + 1, layers[at].end));
+            let [below, above] = around(layers, known, (first, &done), at..at + 1);
+            let share = climbers[at - first].climb(&below, &above, pass % 2 == 1);
             done[at - first] = Some(share);
+        }
+    }
+    for stack in stack::stacks(&layers[first..last], |at| climbers[at].walks.is_some()) {
+        let problems = &layers[first..last][stack.clone()];
+        let model = Model::new(&stack::stacked(problems));
+        let parts: Vec<&Walks> =
+            climbers[stack.clone()].iter().filter_map(|climber| climber.walks.as_ref()).collect();
+        let Some(mut walks) = Walks::joined(&model, &parts, budget) else { continue };
+        let [below, above] = around(layers, known, (first, &done), first + stack.start..first + stack.end);
+        let ends = [below.points(true), above.points(false)];
+        for (side, points) in (0..).zip(&ends).filter_map(|(side, points)| Some((side, points.as_ref()?))) {
+            walks.measure(side, |p| points.nearest(p));
+        }
+        walks.climb();
+        let old: Vec<&Share> = done[stack.clone()].iter().flatten().collect();
+        if walks.bound > Share::chain(&old, &ends) {
+            for (at, settled) in stack.zip(walks.settle(false)) {
+                done[at] = Some(Share::of(settled));
+            }
         }
     }
     done.into_iter().flatten().collect()
 }
 
+/// What lies below and above some layers, those of one chunk, which begins with a layer, being done or not.
+fn around<'a>(
+    layers: &'a [&'a Problem<'a>],
+    known: &'a [Option<Share>],
+    (first, done): (usize, &'a [Option<Share>]),
+    some: Range<usize>,
+) -> [Beyond<'a>; 2] {
+    let beyond = |k: usize, point: Option<Point>| match layers.get(k) {
+        Some(layer) => {
+            let own = k.checked_sub(first).and_then(|at| done.get(at)).unwrap_or(&known[k]);
+            own.as_ref().map_or(Beyond::Layer(layer), Beyond::Share)
+        }
+        None => point.map_or(Beyond::Anything, Beyond::At),
+    };
+    // Below the first layer there is no layer usize::MAX either.
+    let below = beyond(some.start.wrapping_sub(1), layers[some.start].start);
+    [below, beyond(some.end, layers[some.end - 1].end)]
+}
+
 /// A length in millimetres that the links of no solution of the problem can stay below.
-pub fn layer(problem: &Problem) -> f64 {
-    print(std::slice::from_ref(problem))
+pub fn layer(problem: &Problem, effort: Effort) -> f64 {
+    print(std::slice::from_ref(problem), effort)
+}
+
+/// A length in millimetres that the links of no solution of the problem can stay below, by relaxed walks alone; `None` for layers
+/// that are too large to look at enough of them. `solved` is a solution to begin with; if it is an optimum, the bound often is its length.
+///
+/// Rounding takes less than a nanometre off each link.
+pub fn by_walks(problem: &Problem, solved: &[Visit], effort: Effort) -> Option<f64> {
+    let model = Model::new(problem);
+    let mut walks = Walks::new(&model, half_links(problem, solved), Budget::new(effort))?;
+    for (side, end) in [problem.start, problem.end].into_iter().enumerate() {
+        if let Some(end) = end {
+            walks.measure(side, |p| link(end, p));
+        }
+    }
+    walks.climb();
+    Some(to_mm(walks.bound.max(0)))
 }
 
 /// A length in millimetres that the links of a whole print cannot stay below; see [`shares`] and [`Share::print_mm`].
-pub fn print(layers: &[Problem]) -> f64 {
-    let shares = shares(layers, |n, chunk| (0..n).map(chunk).collect());
+pub fn print(layers: &[Problem], effort: Effort) -> f64 {
+    let shares = shares(layers, effort, |n, chunk| (0..n).map(chunk).collect());
     let mut used = layers.iter().filter(|layer| !layer.items.is_empty());
     let start = used.next().and_then(|first| first.start);
     let end = layers.iter().rfind(|layer| !layer.items.is_empty()).and_then(|last| last.end);

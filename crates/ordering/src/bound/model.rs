@@ -65,8 +65,8 @@ pub(super) struct Body {
     /// Nested groups: stage; run under `feature`, island under `island`; run under `island`.
     pub(super) groups: [u32; 3],
     /// Island, and position of the run's rank among the ranks of its island in its stage.
-    island: u32,
-    rank: u32,
+    pub(super) island: u32,
+    pub(super) rank: u32,
     /// Whether nothing of its stage must come before, or after.
     begins: bool,
     ends: bool,
@@ -82,7 +82,7 @@ pub(super) struct Model {
     pub(super) owner: Vec<u32>,
     pub(super) terminals: Vec<Terminal>,
     pub(super) bodies: Vec<Body>,
-    scope: Scope,
+    pub(super) scope: Scope,
     stages: u32,
 }
 
@@ -165,6 +165,17 @@ impl Model {
     /// Whether a terminal is an end of an open path.
     pub(super) fn is_end(&self, terminal: u32) -> bool {
         !self.bodies[self.terminals[terminal as usize].item as usize].closed
+    }
+
+    /// Where the points of a path are in the list of all.
+    pub(super) fn range_of_item(&self, item: u32) -> std::ops::Range<usize> {
+        let Body { first, last, .. } = self.bodies[item as usize];
+        let [first, last] = [first, last - 1].map(|t| self.terminals[t as usize]);
+        first.first as usize..last.last as usize
+    }
+
+    pub(super) fn points_of_item(&self, item: u32) -> &[Point] {
+        &self.points[self.range_of_item(item)]
     }
 
     pub(super) fn item_of_point(&self, point: u32) -> u32 {

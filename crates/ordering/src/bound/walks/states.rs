@@ -1,0 +1,289 @@
+//! Relaxed walks of a layer as ways through a graph without circles.
+
+use rustc_hash::FxHashMap;
+
+use super::Cheapest;
+use super::blocks::{Blocks, Set};
+use super::poses::Poses;
+
+/// A path being drawn, after so many of its block, and what is remembered of those before it.
+struct State {
+    item: u32,
+    /// Whether it is the first of its layer, or the last.
+    opens: bool,
+    closes: bool,
+    /// Whether it is the first of all, or the last.
+    begins: bool,
+    ends: bool,
+    /// States that may come before: a piece of the list of all these.
+    from: (u32, u32),
+}
+
+/// The graph.
+pub(super) struct States {
+    states: Vec<State>,
+    from: Vec<u32>,
+}
+
+/// A walk: poses, in order.
+pub(super) type Walk = Vec<usize>;
+
+pub(super) const FAR: i64 = i64::MAX / 4;
+
+impl States {
+    /// The walks that remember at each path those in its set of `remembered`, paths being numbered within their blocks. `None` if
+    /// there are more than so many pairs of states.
+    pub(super) fn new(blocks: &Blocks, remembered: &[Set], most: usize) -> Option<Self> {
+        let mut states: Vec<State> = Vec::new();
+        let mut into: Vec<Vec<u32>> = Vec::new();
+        let mut pairs = 0;
+        // States with which each turn ends, once begun.
+        let mut before: Vec<Vec<u32>> = vec![Vec::new(); blocks.turns.len()];
+        for (number, turn) in blocks.turns.iter().enumerate() {
+            let items = &blocks.items[turn.block as usize];
+            let open = std::mem::take(&mut before[number]);
+            if open.is_empty() && turn.place > 0 {
+                continue;
+            }
+            let mut now: Vec<(usize, Set, u32)> = Vec::new();
+            for place in 0..items.len() {
+                let last = place + 1 == items.len();
+                let mut next: Vec<(usize, Set, u32)> = Vec::new();
+                let mut numbers = FxHashMap::default();
+                let mut reach = |k: usize, known: Set, from: &[u32]| {
+                    // What was drawn of a block does not count when it is left.
+                    let known = if last { 0 } else { known & remembered[items[k] as usize] | 1 << k };
+                    let state = *numbers.entry((k, known)).or_insert_with(|| {
+                        states.push(State {
+                            item: items[k],
+                            opens: place == 0 && blocks.below.contains(&turn.place),
+                            closes: last && blocks.below.contains(&(turn.place + 1)),
+                            begins: place == 0 && turn.place == 0,
+                            ends: last && turn.place + 1 == blocks.items.len(),
+                            from: (0, 0),
+                        });
+                        into.push(Vec::new());
+                        next.push((k, known, states.len() as u32 - 1));
+                        states.len() as u32 - 1
+                    });
+                    into[state as usize].extend(from);
+                    pairs += from.len();
+                };
+                for k in 0..items.len() {
+                    if place == 0 {
+                        reach(k, 0, &open);
+                    }
+                    for &(_, known, from) in now.iter().filter(|(_, known, _)| known >> k & 1 == 0) {
+                        reach(k, known, &[from]);
+                    }
+                }
+                if pairs > most {
+                    return None;
+                }
+                now = next;
+            }
+            for &next in &turn.next {
+                before[next as usize].extend(now.iter().map(|&(_, _, state)| state));
+            }
+        }
+        let mut from = Vec::with_capacity(pairs);
+        for (state, into) in states.iter_mut().zip(&into) {
+            state.from.0 = from.len() as u32;
+            from.extend(into);
+            state.from.1 = from.len() as u32;
+        }
+        Some(Self { states, from })
+    }
+
+    /// The number of pairs of states of which one may come before the other.
+    pub(super) fn pairs(&self) -> usize {
+        self.from.len()
+    }
+
+    /// What the cheapest walk to each pose of each state costs, state after state. A walk pays `enter` at the first pose, the links, and
+    /// `pays` for each path.
+    pub(super) fn costs(&self, poses: &Poses, enter: &[i64], pays: &[i64]) -> Costs {
+        let mut first = Vec::with_capacity(self.states.len());
+        let mut costs: Vec<i64> = Vec::new();
+        let mut least: Vec<i64> = Vec::with_capacity(self.states.len());
+        for state in &self.states {
+            let own = poses.of(state.item);
+            let begin = costs.len();
+            first.push(begin as u32);
+            if state.begins {
+                costs.extend(&enter[own.clone()]);
+            } else {
+                costs.resize(begin + own.len(), FAR);
+            }
+            let (earlier, here) = costs.split_at_mut(begin);
+            let mut worst = here.iter().copied().max().unwrap_or(0);
+            let before = &self.from[state.from.0 as usize..state.from.1 as usize];
+            let promise =
+                |from: u32| least[from as usize] + poses.least(self.states[from as usize].item, state.item);
+            // The most promising first: it shows that most others cannot do better anywhere.
+            let first_from = before.iter().copied().min_by_key(|&from| promise(from));
+            for from in first_from.into_iter().chain(before.iter().copied()) {
+                if promise(from) >= worst {
+                    continue;
+                }
+                let other = poses.of(self.states[from as usize].item);
+                let far = &earlier[first[from as usize] as usize..][..other.len()];
+                for (p, &so_far) in other.zip(far) {
+                    if so_far + poses.to_items(p)[state.item as usize] >= worst {
+                        continue;
+                    }
+                    let lengths = &poses.from(p)[own.clone()];
+                    for (cost, &length) in here.iter_mut().zip(lengths) {
+                        *cost = (*cost).min(so_far + length);
+                    }
+                    worst = here.iter().copied().max().unwrap_or(0);
+                }
+            }
+            let pay = pays[state.item as usize];
+            here.iter_mut().for_each(|cost| *cost += pay);
+            least.push(here.iter().copied().min().unwrap_or(FAR));
+        }
+        Costs { first, costs }
+    }
+
+    /// The same from each pose of each state, itself not counted, to the end, where it pays `exit`.
+    fn costs_on(&self, poses: &Poses, exit: &[i64], pays: &[i64], there: &Costs) -> Vec<i64> {
+        let mut costs = vec![FAR; there.costs.len()];
+        for (state, &first) in self.states.iter().zip(&there.first).rev() {
+            let own = poses.of(state.item);
+            let (before, here) = costs.split_at_mut(first as usize);
+            let here = &mut here[..own.len()];
+            if state.ends {
+                here.copy_from_slice(&exit[own.clone()]);
+            }
+            let least = here.iter().copied().min().unwrap_or(FAR);
+            for &from in &self.from[state.from.0 as usize..state.from.1 as usize] {
+                let item = self.states[from as usize].item;
+                let other = poses.of(item);
+                let far = &mut before[there.first[from as usize] as usize..][..other.len()];
+                let pay = pays[state.item as usize];
+                for (p, cost) in other.zip(far) {
+                    if poses.to_items(p)[state.item as usize] + least + pay < *cost {
+                        let on =
+                            poses.from(p)[own.clone()].iter().zip(&*here).map(|(length, on)| length + on);
+                        *cost = (*cost).min(pay + on.min().unwrap_or(FAR));
+                    }
+                }
+            }
+        }
+        costs
+    }
+
+    /// The part of the graph through which walks lead that cost little more than the cheapest.
+    pub(super) fn trimmed(&self, poses: &Poses, cheapest: &Cheapest, slack: i64) -> Self {
+        let Cheapest { pays, exit, costs, ends, last, .. } = cheapest;
+        let limit = ends[*last] + exit[*last] + slack;
+        let on = self.costs_on(poses, exit, pays, costs);
+        let least = |values: &dyn Fn(usize) -> i64, state: usize| {
+            let first = costs.first[state] as usize;
+            (first..first + poses.of(self.states[state].item).len()).map(values).min().unwrap_or(FAR)
+        };
+        let mut number = vec![u32::MAX; self.states.len()];
+        let (mut states, mut from): (Vec<State>, Vec<u32>) = (Vec::new(), Vec::new());
+        for (k, state) in self.states.iter().enumerate() {
+            if least(&|at| costs.costs[at].saturating_add(on[at]), k) > limit {
+                continue;
+            }
+            let to = least(&|at| on[at], k) + pays[state.item as usize];
+            number[k] = states.len() as u32;
+            let begin = from.len() as u32;
+            for &other in &self.from[state.from.0 as usize..state.from.1 as usize] {
+                if number[other as usize] == u32::MAX {
+                    continue;
+                }
+                let link = poses.least(self.states[other as usize].item, state.item);
+                if least(&|at| costs.costs[at], other as usize) + link + to <= limit {
+                    from.push(number[other as usize]);
+                }
+            }
+            states.push(State { from: (begin, from.len() as u32), ..*state });
+        }
+        Self { states, from }
+    }
+
+    /// What the cheapest walk that ends with each pose costs.
+    pub(super) fn ends(&self, poses: &Poses, costs: &Costs) -> Vec<i64> {
+        let mut ends = vec![FAR; poses.count()];
+        for (state, &first) in self.states.iter().zip(&costs.first).filter(|(state, _)| state.ends) {
+            let own = poses.of(state.item);
+            let here = &costs.costs[first as usize..][..own.len()];
+            own.zip(here).for_each(|(pose, &cost)| ends[pose] = ends[pose].min(cost));
+        }
+        ends
+    }
+
+    /// What it takes to come to each pose as the first of its layer, and what to draw all paths from there to the last of the layer;
+    /// if `down`, what it takes to go on from the first pose, and from the last.
+    pub(super) fn passages(&self, poses: &Poses, cheapest: &Cheapest, down: bool) -> [Vec<i64>; 2] {
+        let Cheapest { pays, exit, costs, .. } = cheapest;
+        let on = down.then(|| self.costs_on(poses, exit, pays, costs));
+        let mut passages = [vec![FAR; poses.count()], vec![FAR; poses.count()]];
+        for (state, &first) in self.states.iter().zip(&costs.first) {
+            let pay = pays[state.item as usize];
+            let own = poses.of(state.item);
+            let values = &on.as_ref().unwrap_or(&costs.costs)[first as usize..][..own.len()];
+            // What is drawn counts between the two.
+            let counted = if down { pay } else { -pay };
+            for (side, counted) in
+                [(0, counted), (1, 0)].into_iter().filter(|&(side, _)| [state.opens, state.closes][side])
+            {
+                for (pose, &value) in own.clone().zip(values) {
+                    let passage = &mut passages[side][pose];
+                    // What is taken off must not be too little.
+                    let known = *passage < FAR / 2;
+                    *passage = if known && down && side == 1 {
+                        value.max(*passage)
+                    } else {
+                        (value + counted).min(*passage)
+                    };
+                }
+            }
+        }
+        passages
+    }
+
+    /// A cheapest walk.
+    pub(super) fn walk(&self, poses: &Poses, cheapest: &Cheapest) -> Walk {
+        let Cheapest { pays, enter, costs, ends, last, .. } = cheapest;
+        let value = |state: usize, pose: usize| {
+            costs.costs[costs.first[state] as usize + pose - poses.of(self.states[state].item).start]
+        };
+        let is_last = |&state: &usize| {
+            self.states[state].ends
+                && self.states[state].item == poses.item_of(*last)
+                && value(state, *last) == ends[*last]
+        };
+        let (mut pose, mut walk) = (*last, vec![*last]);
+        let Some(mut state) = (0..self.states.len()).rev().find(is_last) else { return Vec::new() };
+        loop {
+            let at = &self.states[state];
+            let left = value(state, pose) - pays[at.item as usize];
+            if at.begins && enter[pose] == left {
+                break;
+            }
+            let before = &self.from[at.from.0 as usize..at.from.1 as usize];
+            let found = before.iter().find_map(|&from| {
+                let mut poses_before = poses.of(self.states[from as usize].item);
+                let p = poses_before.find(|&p| value(from as usize, p) + poses.from(p)[pose] == left)?;
+                Some((from as usize, p))
+            });
+            let Some(found) = found else { break };
+            (state, pose) = found;
+            walk.push(pose);
+        }
+        walk.reverse();
+        walk
+    }
+}
+
+/// See [`States::costs`].
+pub(super) struct Costs {
+    /// First cost of each state.
+    first: Vec<u32>,
+    costs: Vec<i64>,
+}
