@@ -808,8 +808,10 @@ mod tests {
                     let others = [
                         "machine_max_junction_deviation",
                         "min_width_top_surface",
+                        "overhang_reverse",
                         "precise_outer_wall",
                         "pressure_advance",
+                        "top_solid_infill_flow_ratio",
                     ];
                     let is_known = others.contains(&name) || key_type(name).is_some();
                     assert!(is_known, "{}: {name}", key.name);
