@@ -19,7 +19,7 @@ use blocks::Set;
 pub(super) use climb::Budget;
 use pathwright_geometry::Point;
 use poses::Poses;
-use states::{Costs, FAR, States, Walk};
+use states::{Cheapest, FAR, States, Walk};
 
 /// The relaxed walks of a layer, and their multipliers.
 pub(super) struct Walks<'a> {
@@ -47,18 +47,6 @@ pub(super) struct Walks<'a> {
 
 /// A layer's share: its own, and what links pay at either side.
 pub(super) type Settled = (i64, [Vec<(Point, i64)>; 2]);
-
-/// The cheapest relaxed walks under some multipliers.
-struct Cheapest {
-    pays: Vec<i64>,
-    enter: Vec<i64>,
-    exit: Vec<i64>,
-    costs: Costs,
-    /// To each pose, as the last.
-    ends: Vec<i64>,
-    last: usize,
-    bound: i64,
-}
 
 impl<'a> Walks<'a> {
     /// Links at both ends of walks cost nothing until [`Self::measure`]. `multipliers` are a first guess. `None` if there are too many

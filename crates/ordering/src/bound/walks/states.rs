@@ -2,7 +2,6 @@
 
 use rustc_hash::FxHashMap;
 
-use super::Cheapest;
 use super::blocks::{Blocks, Set};
 use super::poses::Poses;
 
@@ -27,6 +26,18 @@ pub(super) struct States {
 
 /// A walk: poses, in order.
 pub(super) type Walk = Vec<usize>;
+
+/// The cheapest relaxed walks under some multipliers.
+pub(super) struct Cheapest {
+    pub(super) pays: Vec<i64>,
+    pub(super) enter: Vec<i64>,
+    pub(super) exit: Vec<i64>,
+    pub(super) costs: Costs,
+    /// To each pose, as the last.
+    pub(super) ends: Vec<i64>,
+    pub(super) last: usize,
+    pub(super) bound: i64,
+}
 
 pub(super) const FAR: i64 = i64::MAX / 4;
 
