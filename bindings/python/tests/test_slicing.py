@@ -183,6 +183,8 @@ import os, signal, sys, threading, time
 import numpy as np
 import pathwright as pw
 
+# What runs in the background is begun with interrupts ignored.
+signal.signal(signal.SIGINT, signal.default_int_handler)
 sent = []
 def interrupt():
     sent.append(time.monotonic())
