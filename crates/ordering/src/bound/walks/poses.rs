@@ -32,22 +32,15 @@ impl Poses {
             (0..=count).map(|k| k * vertices / count).collect()
         };
         let cuts = |item: usize| if model.bodies[item].closed { pieces(item) } else { Vec::new() };
-        let cuts = (0..model.bodies.len()).map(cuts).collect();
-        let mut poses = Self {
-            cuts,
-            first: Vec::new(),
-            item: Vec::new(),
-            between: Vec::new(),
-            to_item: Vec::new(),
-            of_items: Vec::new(),
-        };
-        poses.measure(model, &vec![true; model.bodies.len()]);
-        Some(poses)
+        Some(Self::cut(model, (0..model.bodies.len()).map(cuts).collect()))
     }
 
     /// Those of several layers, one after the other.
     pub(super) fn joined<'p>(model: &Model, layers: impl Iterator<Item = &'p Self>) -> Self {
-        let cuts: Vec<_> = layers.flat_map(|poses| poses.cuts.iter().cloned()).collect();
+        Self::cut(model, layers.flat_map(|poses| poses.cuts.iter().cloned()).collect())
+    }
+
+    fn cut(model: &Model, cuts: Vec<Vec<u32>>) -> Self {
         let mut poses = Self {
             cuts,
             first: Vec::new(),
