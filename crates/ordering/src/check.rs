@@ -3,7 +3,7 @@
 use rustc_hash::FxHashMap;
 
 use super::options::Scope;
-use super::{Problem, Shape, Visit};
+use super::{Problem, Visit};
 
 /// Why a sequence is no solution.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
@@ -34,11 +34,7 @@ pub fn check(problem: &Problem, sequence: &[Visit]) -> Result<(), Fault> {
         let Some(shape) = problem.items.get(item as usize).map(|item| item.shape) else {
             return Err(Fault::NoSuchItem { step, item });
         };
-        let entries = match shape {
-            Shape::Open(_) => 2,
-            Shape::Loop(vertices) => vertices.len(),
-        };
-        if entry as usize >= entries {
+        if entry as usize >= shape.entries().len() {
             return Err(Fault::NoSuchEntry { step, item, entry });
         }
         if std::mem::replace(&mut drawn[item as usize], true) {
@@ -88,7 +84,7 @@ fn precedence(problem: &Problem, sequence: &[Visit]) -> Result<(), Fault> {
 
 #[cfg(test)]
 mod tests {
-    use super::super::{Item, Run};
+    use super::super::{Item, Run, Shape};
     use super::*;
     use pathwright_geometry::Point;
 

@@ -1,7 +1,7 @@
 //! Precedence as groups of items that stay together, for strategies to build upon.
 
 use super::options::Scope;
-use super::{Problem, Run, Shape};
+use super::{Problem, Run};
 use pathwright_geometry::Point;
 
 /// The items of a problem in groups that are drawn without interruption: its runs, or under `layer` scope
@@ -122,11 +122,5 @@ pub fn first_points<'a>(problem: &'a Problem) -> impl Iterator<Item = Point> + u
     let (_, available) = Frontier::new(&groups);
     let items: Vec<u32> =
         available.iter().flat_map(|&group| &groups.items[group as usize]).copied().collect();
-    items
-        .into_iter()
-        .flat_map(|item| match &problem.items[item as usize].shape {
-            Shape::Open(ends) => ends.as_slice(),
-            Shape::Loop(vertices) => vertices,
-        })
-        .copied()
+    items.into_iter().flat_map(|item| problem.items[item as usize].shape.entries()).copied()
 }

@@ -12,6 +12,16 @@ pub enum Shape<'a> {
     Loop(&'a [Point]),
 }
 
+impl Shape<'_> {
+    /// Where it can be entered.
+    pub(crate) fn entries(&self) -> &[Point] {
+        match self {
+            Self::Open(ends) => ends,
+            Self::Loop(vertices) => vertices,
+        }
+    }
+}
+
 /// A path that must be drawn once.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Item<'a> {

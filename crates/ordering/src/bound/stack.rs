@@ -11,8 +11,9 @@ const VERTICES: usize = 3000;
 
 /// Neighbouring layers that are looked at together, of those that may be: two at least.
 pub(super) fn stacks(layers: &[&Problem], may: impl Fn(usize) -> bool) -> Vec<Range<usize>> {
-    let size =
-        |layer: &Problem| [layer.items.len(), layer.runs.len(), layer.items.iter().map(vertices).sum()];
+    let size = |layer: &Problem| {
+        [layer.items.len(), layer.runs.len(), layer.items.iter().map(|item| item.shape.entries().len()).sum()]
+    };
     let mut stacks = Vec::new();
     let (mut first, mut sum) = (0, [0; 3]);
     for at in 0..=layers.len() {
@@ -31,13 +32,6 @@ pub(super) fn stacks(layers: &[&Problem], may: impl Fn(usize) -> bool) -> Vec<Ra
     }
     stacks.retain(|stack| stack.len() > 1);
     stacks
-}
-
-fn vertices(item: &Item) -> usize {
-    match item.shape {
-        super::super::Shape::Open(_) => 2,
-        super::super::Shape::Loop(vertices) => vertices.len(),
-    }
 }
 
 /// Layers as one problem, in which the stages of each come after those of the one below.

@@ -3,7 +3,7 @@
 use rustc_hash::FxHashMap;
 
 use super::super::precedence::Groups;
-use super::super::{Cost, Problem, Shape};
+use super::super::{Cost, Problem};
 use super::end::NONE;
 use super::grid::{Found, Grid};
 use pathwright_geometry::{Point, to_mm};
@@ -49,10 +49,7 @@ impl Neighbours {
         let mut entries = 0u32;
         for item in &problem.items {
             first.push(entries);
-            entries += match item.shape {
-                Shape::Open(_) => 2,
-                Shape::Loop(vertices) => vertices.len() as u32,
-            };
+            entries += item.shape.entries().len() as u32;
         }
         Self {
             grids: groups.items.iter().map(|items| Grid::new(problem, items)).collect(),
