@@ -6,6 +6,9 @@ use crate::app::{READY, SHOWN, model, no_errors, open, set};
 use crate::chromium::Browser;
 use crate::server::Server;
 
+/// What is on the plate will be there after a reload.
+const KEPT: &str = "pathwright.connection.memory.pending === null";
+
 pub fn a_reload_keeps_plate_and_settings() {
     let server = Server::start();
     let browser = Browser::shared();
@@ -14,7 +17,7 @@ pub fn a_reload_keeps_plate_and_settings() {
     set(&mut browser, "infill.density", "35%");
     let project = "JSON.stringify(pathwright.desk.project)";
     let before = browser.run(project);
-    browser.wait("pathwright.connection.memory.pending === null");
+    browser.wait(KEPT);
     browser.reload(READY);
     browser.wait(SHOWN);
     assert_eq!(browser.run(project), before);
@@ -39,6 +42,7 @@ pub fn a_service_with_tokens_asks_for_one() {
     assert_eq!(browser.run("document.getElementById('login').open"), json!(false));
     browser.drop_files("#plate > canvas", &[&model("calibration_cube.stl")]);
     browser.wait(SHOWN);
+    browser.wait(KEPT);
     // Answers with 401 are in the console, which is as it should be.
     browser.reload(READY);
     browser.wait(SHOWN);

@@ -119,7 +119,10 @@ impl Browser {
     pub fn wait(&mut self, condition: &str) {
         let begun = Instant::now();
         while self.run(&format!("!!({condition})")) != json!(true) {
-            assert!(begun.elapsed() < PATIENCE, "{condition} does not come; {:?}", self.errors);
+            if begun.elapsed() >= PATIENCE {
+                let said = self.run("[...document.querySelectorAll('[role=alert], #notices, #state-text')].map((node) => node.textContent).filter(Boolean)");
+                panic!("{condition} does not come; the page says {said}; {:?}", self.errors);
+            }
             sleep(Duration::from_millis(20));
         }
     }

@@ -11,6 +11,8 @@ export class Memory {
     this.written = new Set();
     this.pending = null;
     desk.on("project", () => this.keep());
+    // A page that goes away does not wait.
+    addEventListener("pagehide", () => this.write().catch(() => {}));
   }
 
   /** What was on the plate before the reload: a project and its files by name; null: nothing. */
@@ -39,24 +41,32 @@ export class Memory {
     }
   }
 
-  /** Writes what is on the plate now; of several changes in a row the last. */
+  /** Writes what is on the plate; of several changes in a row the first and the last. `pending` until it is written. */
   keep() {
-    this.pending ??= setTimeout(() => {
-      this.pending = null;
-      this.write().catch(() => {});
-    }, 200);
+    this.changed = true;
+    this.pending ??= this.soon().finally(() => { this.pending = null; });
   }
 
-  async write() {
-    if (!this.base) return;
-    if (!this.id) sessionStorage.setItem("plate", this.id = crypto.randomUUID());
-    const { project, files } = this.desk;
-    for (const { file } of project.models) {
-      if (this.written.has(file) || !files.has(file)) continue;
-      await answer(this.store(FILES, "readwrite").put(files.get(file), [this.id, file]));
-      this.written.add(file);
+  async soon() {
+    while (this.changed) {
+      await this.write().catch(() => {});
+      await new Promise((done) => setTimeout(done, 200));
     }
-    await answer(this.store(PLATES, "readwrite").put({ project, at: Date.now() }, this.id));
+  }
+
+  /** Writes what is on the plate now, all of it or nothing. */
+  async write() {
+    const { changed } = this;
+    this.changed = false;
+    if (!this.base || !changed) return;
+    if (!this.id) sessionStorage.setItem("plate", this.id = crypto.randomUUID());
+    const { project, files } = this.desk, fresh = new Set(project.models.map(({ file }) => file).filter((file) => files.has(file) && !this.written.has(file)));
+    const writing = this.base.transaction([FILES, PLATES], "readwrite");
+    for (const file of fresh) writing.objectStore(FILES).put(files.get(file), [this.id, file]);
+    writing.objectStore(PLATES).put({ project, at: Date.now() }, this.id);
+    writing.commit();
+    await new Promise((done, fail) => Object.assign(writing, { oncomplete: done, onabort: () => fail(writing.error) }));
+    for (const file of fresh) this.written.add(file);
   }
 
   async forgetOld() {
