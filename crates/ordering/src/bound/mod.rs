@@ -21,7 +21,7 @@ mod walks;
 use super::matching::KdTree;
 use std::ops::Range;
 
-use super::{Cost, Effort, Optimized, Problem, Strategy, Visit};
+use super::{Cost, Effort, Optimized, Problem, Sequence, Strategy, Visit, check};
 use ascent::ascend;
 use model::{Model, fine, link, to_mm};
 use pathwright_geometry::Point;
@@ -83,7 +83,7 @@ impl<'a> Climber<'a> {
         let mut best = None;
         if let Some(walks) = &mut self.walks {
             lengths.clone().for_each(|(side, points)| walks.measure(side, |p| points.nearest(p)));
-            walks.climb();
+            walks.climb(None);
             if walks.closed {
                 return Share::of(walks.settle(down).swap_remove(0));
             }
@@ -229,7 +229,7 @@ fn chunk(layers: &[&Problem], known: &[Option<Share>], first: usize, budget: Bud
         for (side, points) in (0..).zip(&ends).filter_map(|(side, points)| Some((side, points.as_ref()?))) {
             walks.measure(side, |p| points.nearest(p));
         }
-        walks.climb();
+        walks.climb(None);
         let old: Vec<&Share> = done[stack.clone()].iter().flatten().collect();
         if walks.bound > Share::chain(&old, &ends) {
             for (at, settled) in stack.zip(walks.settle(false)) {
@@ -264,20 +264,42 @@ pub fn layer(problem: &Problem, effort: Effort) -> f64 {
     print(std::slice::from_ref(problem), effort)
 }
 
-/// A length in millimetres that the links of no solution of the problem can stay below, by relaxed walks alone; `None` for layers
-/// that are too large to look at enough of them. `solved` is a solution to begin with; if it is an optimum, the bound often is its length.
+/// What relaxed walks say of a layer.
+#[derive(Clone, Debug)]
+pub struct Proof {
+    /// A length in millimetres that the links of no solution can stay below.
+    pub bound_mm: f64,
+    /// A solution that is shorter than the one at hand, and an optimum, if there is one and it was found.
+    pub shorter: Option<Sequence>,
+}
+
+/// What relaxed walks say of a layer; `None` if it is too large to look at enough of them. `solved` is a solution at hand.
 ///
 /// Rounding takes less than a nanometre off each link.
-pub fn by_walks(problem: &Problem, solved: &[Visit], effort: Effort) -> Option<f64> {
+pub fn by_walks(problem: &Problem, solved: &[Visit], effort: Effort) -> Option<Proof> {
     let model = Model::new(problem);
-    let mut walks = Walks::new(&model, half_links(problem, solved), Budget::new(effort))?;
+    let mut walks = Walks::new(&model, half_links(problem, solved), Budget::proof(effort))?;
     for (side, end) in [problem.start, problem.end].into_iter().enumerate() {
         if let Some(end) = end {
             walks.measure(side, |p| link(end, p));
         }
     }
-    walks.climb();
-    Some(to_mm(walks.bound.max(0)))
+    walks.climb(Some(length(problem, solved)));
+    let permitted = |order: &Sequence| check(problem, order).is_ok();
+    let shorter = walks.solution().filter(permitted);
+    Some(Proof { bound_mm: to_mm(walks.bound.max(0)), shorter })
+}
+
+/// Length of a solution's links in fine units, each rounded down.
+fn length(problem: &Problem, order: &[Visit]) -> i64 {
+    let mut at = problem.start;
+    let mut sum = 0;
+    for visit in order {
+        let (enter, leave) = problem.items[visit.item as usize].ends(visit.entry);
+        sum += at.map_or(0, |at| link(at, enter));
+        at = Some(leave);
+    }
+    sum + at.zip(problem.end).map_or(0, |(at, end)| link(at, end))
 }
 
 /// A length in millimetres that the links of a whole print cannot stay below; see [`shares`] and [`Share::print_mm`].

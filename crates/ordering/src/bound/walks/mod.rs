@@ -13,6 +13,7 @@ mod poses;
 mod states;
 
 use super::model::Model;
+use crate::{Sequence, Visit};
 use blocks::Blocks;
 pub(super) use blocks::MOST;
 use blocks::Set;
@@ -43,6 +44,8 @@ pub(super) struct Walks<'a> {
     step: f64,
     /// Whether multipliers were sought before.
     climbed: bool,
+    /// The cheapest walk, if it draws everything once and crosses nothing.
+    best: Option<(i64, Walk)>,
 }
 
 /// A layer's share: its own, and what links pay at either side.
@@ -73,6 +76,7 @@ impl<'a> Walks<'a> {
             budget,
             step,
             climbed: false,
+            best: None,
         };
         // A few looks at them all are the least that is of use.
         let enough = budget.work * model.bodies.len() as u64;
@@ -105,6 +109,7 @@ impl<'a> Walks<'a> {
             budget,
             step,
             climbed: true,
+            best: None,
         })
     }
 
@@ -112,6 +117,21 @@ impl<'a> Walks<'a> {
     /// least for a point.
     pub(super) fn measure(&mut self, side: usize, length: impl Fn(Point) -> i64) {
         self.links[side] = self.model.points.iter().map(|&p| length(p)).collect();
+    }
+
+    /// The cheapest walk as a solution, if it draws everything once and leaves every loop where it is entered.
+    pub(super) fn solution(&self) -> Option<Sequence> {
+        let (_, walk) = self.best.as_ref()?;
+        let entry = |k: usize, pose: usize| {
+            let range = self.poses.range(pose, 0);
+            let at = match k {
+                _ if range.len() == 1 => range.start,
+                0 => self.link(pose, 0).1,
+                _ => self.poses.joint(self.model, walk[k - 1], pose).1,
+            };
+            Visit { item: self.poses.item_of(pose), entry: at as u32 }
+        };
+        Some(walk.iter().enumerate().map(|(k, &pose)| entry(k, pose)).collect())
     }
 
     /// For each layer, the bound without the links in and out, and the price of links at each point where a walk may begin or end: at
