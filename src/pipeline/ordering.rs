@@ -191,7 +191,7 @@ pub(super) fn excess(
     let free = between(&None);
     let found = free.from_paths(order);
     let link_mm = evaluate(&free.problem, &found, &Cost::Length);
-    let bound_mm = bound::by_walks(&between(pins).problem, &found, settings.order.effort)?;
+    let bound_mm = bound::by_walks(&between(pins).problem, &found, settings.order.effort)?.bound_mm;
     if link_mm <= bound_mm + ROUNDING_MM * (order.len() + 1) as f64 {
         return Some(0.0);
     }

@@ -62,18 +62,29 @@ impl Beyond<'_> {
 
 /// A layer whose multipliers are sought.
 struct Climber<'a> {
+    problem: &'a Problem<'a>,
     model: &'a Model,
+    /// A solution.
+    solved: Sequence,
+    /// Whether walks may be left out that are much longer: when multipliers are sought once only.
+    limited: bool,
     /// Unless they are too many.
     walks: Option<Walks<'a>>,
     /// A tree instead of a walk, and the best multipliers so far; unless the walks do better.
     tree: Option<(Relaxation<'a>, Option<Multipliers>)>,
 }
 
+/// What is left out costs more than a solution by so many times its mean link.
+const MARGIN: i64 = 2;
+/// Trees are not asked where the bound is within this share of a solution's links below the limit.
+const CLOSE: f64 = 0.3;
+
 impl<'a> Climber<'a> {
-    fn new(problem: &Problem, model: &'a Model, budget: Budget) -> Self {
-        let quick = Optimized.solve(problem, &Cost::Length, Effort::Fast);
-        let walks = Walks::new(model, half_links(problem, &quick), budget);
-        Self { model, walks, tree: None }
+    fn new(problem: &'a Problem<'a>, model: &'a Model, effort: Effort, limited: bool) -> Self {
+        let solved = Optimized.solve(problem, &Cost::Length, Effort::Fast);
+        let budget = if limited { Budget::limited(effort) } else { Budget::new(effort) };
+        let walks = Walks::new(model, half_links(problem, &solved), budget);
+        Self { problem, model, solved, limited, walks, tree: None }
     }
 
     /// Seeks better multipliers for what lies below and above. `down`: the layer below is next.
@@ -81,10 +92,15 @@ impl<'a> Climber<'a> {
         let ends = [below.points(true), above.points(false)];
         let lengths = (0..).zip(&ends).filter_map(|(side, points)| Some((side, points.as_ref()?)));
         let mut best = None;
+        let beyond = |side: usize, p| ends[side].as_ref().map_or(0, |points| points.nearest(p));
+        let links = length(self.problem, &self.solved, |_, _| 0);
+        let margin = 1 + MARGIN * links / self.problem.items.len() as i64;
+        let limit = self.limited.then(|| length(self.problem, &self.solved, beyond) + margin);
         if let Some(walks) = &mut self.walks {
             lengths.clone().for_each(|(side, points)| walks.measure(side, |p| points.nearest(p)));
-            walks.climb(None);
-            if walks.closed {
+            walks.climb(limit);
+            let is_close = limit.is_some_and(|limit| (limit - walks.bound) as f64 <= CLOSE * links as f64);
+            if walks.closed || is_close {
                 return Share::of(walks.settle(down).swap_remove(0));
             }
             best = Some(walks.bound);
@@ -185,9 +201,7 @@ pub fn shares(
     let mut known: Vec<Option<Share>> = vec![None; used.len()];
     let chunks = used.len().div_ceil(CHUNK);
     for turn in 0..2 {
-        let done = map((chunks + 1 - turn) / 2, &|k| {
-            chunk(&used, &known, (2 * k + turn) * CHUNK, Budget::new(effort))
-        });
+        let done = map((chunks + 1 - turn) / 2, &|k| chunk(&used, &known, (2 * k + turn) * CHUNK, effort));
         for (k, shares) in done.into_iter().enumerate() {
             let first = (2 * k + turn) * CHUNK;
             known[first..first + shares.len()]
@@ -202,14 +216,14 @@ pub fn shares(
 }
 
 /// The shares of one chunk of layers, the first of which is given, none without paths: up and down, several times.
-fn chunk(layers: &[&Problem], known: &[Option<Share>], first: usize, budget: Budget) -> Vec<Share> {
+fn chunk(layers: &[&Problem], known: &[Option<Share>], first: usize, effort: Effort) -> Vec<Share> {
     let last = (first + CHUNK).min(layers.len());
     let models: Vec<Model> = layers[first..last].iter().map(|problem| Model::new(problem)).collect();
-    let layer = |(problem, model)| Climber::new(problem, model, budget);
-    let mut climbers: Vec<Climber> = layers[first..last].iter().copied().zip(&models).map(layer).collect();
-    let mut done: Vec<Option<Share>> = vec![None; last - first];
     // Free loops take several times as long, and what they lose is lost elsewhere.
     let passes = if models.iter().any(Model::has_pieces) { 1 } else { PASSES };
+    let layer = |(problem, model)| Climber::new(problem, model, effort, passes == 1);
+    let mut climbers: Vec<Climber> = layers[first..last].iter().copied().zip(&models).map(layer).collect();
+    let mut done: Vec<Option<Share>> = vec![None; last - first];
     for pass in 0..passes {
         for step in first..last {
             let at = if pass % 2 == 0 { step } else { first + last - 1 - step };
@@ -223,7 +237,7 @@ fn chunk(layers: &[&Problem], known: &[Option<Share>], first: usize, budget: Bud
         let model = Model::new(&stack::stacked(problems));
         let parts: Vec<&Walks> =
             climbers[stack.clone()].iter().filter_map(|climber| climber.walks.as_ref()).collect();
-        let Some(mut walks) = Walks::joined(&model, &parts, budget) else { continue };
+        let Some(mut walks) = Walks::joined(&model, &parts, Budget::new(effort)) else { continue };
         let [below, above] = around(layers, known, (first, &done), first + stack.start..first + stack.end);
         let ends = [below.points(true), above.points(false)];
         for (side, points) in (0..).zip(&ends).filter_map(|(side, points)| Some((side, points.as_ref()?))) {
@@ -273,33 +287,38 @@ pub struct Proof {
     pub shorter: Option<Sequence>,
 }
 
-/// What relaxed walks say of a layer; `None` if it is too large to look at enough of them. `solved` is a solution at hand.
+/// What relaxed walks say of a layer; `None` if it is too large to look at enough of them. `solved` is a solution at hand, with
+/// whatever entries.
 ///
 /// Rounding takes less than a nanometre off each link.
 pub fn by_walks(problem: &Problem, solved: &[Visit], effort: Effort) -> Option<Proof> {
+    let entries = |item: u32| problem.items[item as usize].shape.entries().len() as u32;
+    let permitted = |visit: &Visit| Visit { entry: visit.entry.min(entries(visit.item) - 1), ..*visit };
+    let solved = &solved.iter().map(permitted).collect::<Vec<_>>();
     let model = Model::new(problem);
-    let mut walks = Walks::new(&model, half_links(problem, solved), Budget::proof(effort))?;
+    let mut walks = Walks::new(&model, half_links(problem, solved), Budget::limited(effort))?;
     for (side, end) in [problem.start, problem.end].into_iter().enumerate() {
         if let Some(end) = end {
             walks.measure(side, |p| link(end, p));
         }
     }
-    walks.climb(Some(length(problem, solved)));
+    let ends = [problem.start, problem.end];
+    walks.climb(Some(length(problem, solved, |side, p| ends[side].map_or(0, |end| link(end, p)))));
     let permitted = |order: &Sequence| check(problem, order).is_ok();
     let shorter = walks.solution().filter(permitted);
     Some(Proof { bound_mm: to_mm(walks.bound.max(0)), shorter })
 }
 
-/// Length of a solution's links in fine units, each rounded down.
-fn length(problem: &Problem, order: &[Visit]) -> i64 {
-    let mut at = problem.start;
+/// Length of a solution's links in fine units, each rounded down; `beyond` is that of the link in (0) or out (1) at a point.
+fn length(problem: &Problem, order: &[Visit], beyond: impl Fn(usize, Point) -> i64) -> i64 {
+    let mut at = None;
     let mut sum = 0;
     for visit in order {
         let (enter, leave) = problem.items[visit.item as usize].ends(visit.entry);
-        sum += at.map_or(0, |at| link(at, enter));
+        sum += at.map_or_else(|| beyond(0, enter), |at| link(at, enter));
         at = Some(leave);
     }
-    sum + at.zip(problem.end).map_or(0, |(at, end)| link(at, end))
+    sum + at.map_or(0, |at| beyond(1, at))
 }
 
 /// A length in millimetres that the links of a whole print cannot stay below; see [`shares`] and [`Share::print_mm`].

@@ -44,8 +44,9 @@ impl Blocks {
         (done | 1 << block | self.before[block]) & self.remembered[block]
     }
 
-    /// Walks remember fewer blocks if there are more turns than so many. `None` if blocks or paths are too many.
-    pub(super) fn new(model: &Model, layer_of: &[u32], most: usize) -> Option<Self> {
+    /// At each block walks remember so many others as the first of `tries` says with which there are not more than `most` turns.
+    /// `None` if blocks or paths are too many.
+    pub(super) fn new(model: &Model, layer_of: &[u32], tries: &[usize], most: usize) -> Option<Self> {
         let of: Vec<u32> = match model.scope {
             Scope::Layer => model.bodies.iter().map(|body| body.groups[0]).collect(),
             Scope::Feature | Scope::Island => model.run_of(),
@@ -61,8 +62,7 @@ impl Blocks {
             return None;
         }
         let order = Order::new(model, layer_of, &items);
-        let mut tries = [MOST, 8, 5, 3, 1].into_iter();
-        let (turns, remembered) = tries.find_map(|near| {
+        let (turns, remembered) = tries.iter().find_map(|&near| {
             let remembered = order.remembered(near);
             Some((order.turns(near >= count, &remembered, most)?, remembered))
         })?;

@@ -2,7 +2,7 @@
 
 use crate::options::Effort;
 
-use super::{Cheapest, Set, States, Walk, Walks};
+use super::{Cheapest, MOST, Set, States, Walk, Walks};
 
 /// How much is spent on a layer.
 #[derive(Clone, Copy, Debug)]
@@ -10,6 +10,8 @@ pub struct Budget {
     /// Rounds, each of which looks at all walks, and steps in each.
     pub rounds: usize,
     pub steps: usize,
+    /// How many other blocks walks remember at each at first: the first of these of which the turns are not too many.
+    pub memories: &'static [usize],
     /// Most turns of blocks, vertices, and pairs of states.
     pub turns: usize,
     pub vertices: usize,
@@ -19,25 +21,30 @@ pub struct Budget {
 }
 
 impl Budget {
-    /// For a proof that an order is an optimum.
-    pub(in super::super) fn proof(effort: Effort) -> Self {
-        Self::new(effort)
-    }
-
+    /// For walks of which none is left out.
     pub(in super::super) fn new(effort: Effort) -> Self {
+        let (rounds, steps, memories) = (8, 15, &[MOST, 8, 5, 3, 1]);
         match effort {
             Effort::Fast | Effort::Normal => {
-                Self { rounds: 8, steps: 15, turns: 1_000, vertices: 2_000, pairs: 100_000, work: 400_000 }
+                Self { rounds, steps, memories, turns: 1_000, vertices: 2_000, pairs: 100_000, work: 400_000 }
             }
             Effort::High => Self {
                 rounds: 16,
                 steps: 20,
+                memories,
                 turns: 8_000,
                 vertices: 6_000,
                 pairs: 1_000_000,
                 work: 10_000_000,
             },
         }
+    }
+
+    /// For walks that are left out from a limit on: they may begin with little memory, since it grows.
+    pub(in super::super) fn limited(effort: Effort) -> Self {
+        let new = Self::new(effort);
+        let limited = Self { rounds: 200, steps: 20, memories: &[2, 1], turns: 10_000, ..new };
+        if effort == Effort::High { limited } else { Self { pairs: 400_000, work: 5 * new.work, ..limited } }
     }
 }
 
@@ -53,6 +60,14 @@ const SLACK: f64 = 0.15;
 /// less in each round that does better than all before, more if there was too little for the multipliers to hold on to.
 const NARROWER: f64 = 0.7;
 const WIDER: f64 = 2.0;
+/// The step to where the cheapest walk would cost as much as the limit, if all went on as it begins, times this (Polyak 1969,
+/// <https://doi.org/10.1016/0041-5553(69)90035-4>).
+const POLYAK: f64 = 0.5;
+/// Pairs of states up to which memories may grow in a round; or to twice as many as there are.
+const GROWTH: usize = 100_000;
+/// Rounds in which the bound must come nearer to the limit by this share of what is left.
+const STALE: usize = 5;
+const SLOW: f64 = 0.05;
 /// Looks at all walks in a round.
 const LOOKS: u64 = 3;
 /// Walks that draw a path again after more others do not make these remember it.
@@ -73,6 +88,7 @@ impl Walks<'_> {
     /// Seeks better multipliers, and divides loops and remembers paths where the cheapest walks cheat. Walks that cost `limit` or
     /// more may be left out for good; the bound is not above it.
     pub(in super::super) fn climb(&mut self, limit: Option<i64>) {
+        self.limit = limit;
         let count = self.model.bodies.len();
         let mut slack = SLACK * self.step * count as f64;
         let mut step = self.step * if self.climbed { AGAIN } else { FIRST };
@@ -80,35 +96,33 @@ impl Walks<'_> {
         let mut now = self.multipliers.clone();
         let mut proved = i64::MIN;
         let mut work = self.budget.work * count as u64;
-        let mut worse = 0;
-        let rounds = if limit.is_some() { 200 } else { self.budget.rounds };
-        for round in 0..rounds {
+        // The bound some rounds ago, and in which.
+        let mut before = (0, i64::MIN);
+        for round in 0..self.budget.rounds {
             let mut cheapest = self.cheapest(&self.states, &now);
             if cheapest.bound >= proved {
                 slack *= if round == 0 { 1.0 } else { NARROWER };
                 self.multipliers.clone_from(&now);
             } else {
                 slack *= WIDER;
-                worse += 1;
                 now.clone_from(&self.multipliers);
                 cheapest = self.cheapest(&self.states, &now);
             }
             proved = proved.max(cheapest.bound);
-            if std::env::var("PW_TRACE").is_ok() {
-                eprintln!(
-                    "round {round} bound {} limit {:?} pairs {} poses {} work {work} worse {worse}",
-                    cheapest.bound,
-                    limit,
-                    self.states.pairs(),
-                    self.poses.count()
-                );
-            }
             if let Some(limit) = limit
                 && proved >= limit
             {
                 proved = limit;
                 self.closed = true;
                 break;
+            }
+            if limit.is_some() && round >= before.0 + STALE {
+                let slow =
+                    limit.is_some_and(|limit| (proved - before.1) as f64 <= SLOW * (limit - proved) as f64);
+                if before.1 > i64::MIN && slow {
+                    break;
+                }
+                before = (round, proved);
             }
             let walk = self.walk(&self.states, &cheapest);
             let wrong = self.crossed(&walk);
@@ -117,7 +131,7 @@ impl Walks<'_> {
                 self.best = Some((cheapest.bound, walk));
                 break;
             }
-            if round + 1 == rounds {
+            if round + 1 == self.budget.rounds {
                 break;
             }
             let on = self.states.costs_on(&self.poses, &cheapest);
@@ -153,7 +167,6 @@ impl Walks<'_> {
         let steps = self.budget.steps;
         let shrink = LAST.powf(1.0 / (steps * self.budget.rounds) as f64);
         let mut splits = 0;
-        let mut alpha = 1.0;
         let mut k = 0;
         while k < steps {
             let now: Vec<i64> = at.iter().map(|&multiplier| multiplier as i64).collect();
@@ -176,11 +189,12 @@ impl Walks<'_> {
             if 4 * k >= 3 * steps {
                 faults.crossed.extend(crossed);
             }
-            self.repeated(&walk, faults);
+            if limit.is_none() || 4 * k >= 3 * steps {
+                self.repeated(&walk, faults);
+            }
             if let Some(limit) = limit {
                 let square: i32 = drawn.iter().map(|&times| (1 - times) * (1 - times)).sum();
-                *step = alpha * (limit - cheapest.bound).max(0) as f64 / f64::from(square);
-                alpha *= 0.95;
+                *step = POLYAK * (limit - cheapest.bound).max(0) as f64 / f64::from(square);
             }
             for (i, &times) in drawn.iter().enumerate() {
                 let direction = f64::from(1 - times);
@@ -246,7 +260,8 @@ impl Walks<'_> {
         if remembered == self.remembered && blocks == self.blocks.remembered {
             return;
         }
-        match self.states.refined(&self.blocks, &remembered, self.budget.pairs) {
+        let most = self.budget.pairs.min(GROWTH.max(2 * self.states.pairs()));
+        match self.states.refined(&self.blocks, &remembered, most) {
             Some(states) => (self.states, self.remembered) = (states, remembered),
             None => self.blocks.remembered = blocks,
         }
