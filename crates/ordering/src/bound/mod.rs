@@ -23,7 +23,7 @@ use std::ops::Range;
 
 use super::{Cost, Effort, Optimized, Problem, Sequence, Strategy, Visit, check};
 use ascent::ascend;
-use model::{Model, fine, link, to_mm};
+use model::{Model, fine, from_fine, link, price, to_mm};
 use pathwright_geometry::Point;
 use relaxation::{Multipliers, Relaxation};
 use walks::{Budget, Walks};
@@ -83,7 +83,7 @@ impl<'a> Climber<'a> {
     fn new(problem: &'a Problem<'a>, model: &'a Model, effort: Effort, limited: bool) -> Self {
         let solved = Optimized.solve(problem, &Cost::Length, Effort::Fast);
         let budget = if limited { Budget::limited(effort) } else { Budget::new(effort) };
-        let walks = Walks::new(model, half_links(problem, &solved), budget);
+        let walks = Walks::new(model, Cost::Length, half_links(problem, &solved, &Cost::Length), budget);
         Self { problem, model, solved, limited, walks, tree: None }
     }
 
@@ -93,9 +93,9 @@ impl<'a> Climber<'a> {
         let lengths = (0..).zip(&ends).filter_map(|(side, points)| Some((side, points.as_ref()?)));
         let mut best = None;
         let beyond = |side: usize, p| ends[side].as_ref().map_or(0, |points| points.nearest(p));
-        let links = length(self.problem, &self.solved, |_, _| 0);
+        let links: i64 = prices(self.problem, &self.solved, &Cost::Length).sum();
         let margin = 1 + MARGIN * links / self.problem.items.len() as i64;
-        let limit = self.limited.then(|| length(self.problem, &self.solved, beyond) + margin);
+        let limit = self.limited.then(|| links + outer(self.problem, &self.solved, beyond) + margin);
         if let Some(walks) = &mut self.walks {
             lengths.clone().for_each(|(side, points)| walks.measure(side, |p| points.nearest(p)));
             walks.climb(limit);
@@ -116,16 +116,29 @@ impl<'a> Climber<'a> {
     }
 }
 
-/// Half the links at each path in a solution, in fine units.
-fn half_links(problem: &Problem, order: &[Visit]) -> Vec<i64> {
+/// Half the cost of the links at each path in a solution, in fine units.
+fn half_links(problem: &Problem, order: &[Visit], cost: &Cost) -> Vec<i64> {
     let mut halves = vec![0; problem.items.len()];
-    let ends: Vec<_> =
-        order.iter().map(|visit| problem.items[visit.item as usize].ends(visit.entry)).collect();
-    for (visits, ends) in order.windows(2).zip(ends.windows(2)) {
-        let half = link(ends[0].1, ends[1].0) / 2;
-        visits.iter().for_each(|visit| halves[visit.item as usize] += half);
+    for (visits, link) in order.windows(2).zip(prices(problem, order, cost)) {
+        visits.iter().for_each(|visit| halves[visit.item as usize] += link / 2);
     }
     halves
+}
+
+/// Cost of the links between the paths of a solution, in fine units, each rounded down.
+fn prices(problem: &Problem, order: &[Visit], cost: &Cost) -> impl Iterator<Item = i64> {
+    order.windows(2).map(move |visits| {
+        let [a, b] = [0, 1].map(|k| &problem.items[visits[k].item as usize]);
+        let inside = problem.runs[a.run as usize].island == problem.runs[b.run as usize].island;
+        price(cost, a.ends(visits[0].entry).1, b.ends(visits[1].entry).0, inside)
+    })
+}
+
+/// Cost of the links into a solution and out of it, as `beyond` says for the side and a point.
+fn outer(problem: &Problem, order: &[Visit], beyond: impl Fn(usize, Point) -> i64) -> i64 {
+    let ends = |visit: &Visit| problem.items[visit.item as usize].ends(visit.entry);
+    let enter = order.first().map_or(0, |visit| beyond(0, ends(visit).0));
+    enter + order.last().map_or(0, |visit| beyond(1, ends(visit).1))
 }
 
 impl Share {
@@ -281,44 +294,28 @@ pub fn layer(problem: &Problem, effort: Effort) -> f64 {
 /// What relaxed walks say of a layer.
 #[derive(Clone, Debug)]
 pub struct Proof {
-    /// A length in millimetres that the links of no solution can stay below.
-    pub bound_mm: f64,
-    /// A solution that is shorter than the one at hand, and an optimum, if there is one and it was found.
-    pub shorter: Option<Sequence>,
+    /// What the links of no solution can cost less than: millimetres or seconds.
+    pub bound: f64,
+    /// A solution that costs less than the one at hand, and is an optimum, if there is one and it was found.
+    pub better: Option<Sequence>,
 }
 
 /// What relaxed walks say of a layer; `None` if it is too large to look at enough of them. `solved` is a solution at hand, with
 /// whatever entries.
 ///
-/// Rounding takes less than a nanometre off each link.
-pub fn by_walks(problem: &Problem, solved: &[Visit], effort: Effort) -> Option<Proof> {
+/// Rounding takes less than a nanometre, or 3 nanoseconds, off each link.
+pub fn by_walks(problem: &Problem, solved: &[Visit], cost: &Cost, effort: Effort) -> Option<Proof> {
     let entries = |item: u32| problem.items[item as usize].shape.entries().len() as u32;
     let permitted = |visit: &Visit| Visit { entry: visit.entry.min(entries(visit.item) - 1), ..*visit };
     let solved = &solved.iter().map(permitted).collect::<Vec<_>>();
     let model = Model::new(problem);
-    let mut walks = Walks::new(&model, half_links(problem, solved), Budget::limited(effort))?;
-    for (side, end) in [problem.start, problem.end].into_iter().enumerate() {
-        if let Some(end) = end {
-            walks.measure(side, |p| link(end, p));
-        }
-    }
+    let mut walks = Walks::new(&model, *cost, half_links(problem, solved, cost), Budget::limited(effort))?;
     let ends = [problem.start, problem.end];
-    walks.climb(Some(length(problem, solved, |side, p| ends[side].map_or(0, |end| link(end, p)))));
-    let permitted = |order: &Sequence| check(problem, order).is_ok();
-    let shorter = walks.solution().filter(permitted);
-    Some(Proof { bound_mm: to_mm(walks.bound.max(0)), shorter })
-}
-
-/// Length of a solution's links in fine units, each rounded down; `beyond` is that of the link in (0) or out (1) at a point.
-fn length(problem: &Problem, order: &[Visit], beyond: impl Fn(usize, Point) -> i64) -> i64 {
-    let mut at = None;
-    let mut sum = 0;
-    for visit in order {
-        let (enter, leave) = problem.items[visit.item as usize].ends(visit.entry);
-        sum += at.map_or_else(|| beyond(0, enter), |at| link(at, enter));
-        at = Some(leave);
-    }
-    sum + at.map_or(0, |at| beyond(1, at))
+    let beyond = |side: usize, p: Point| ends[side].map_or(0, |end| price(cost, end, p, false));
+    [0, 1].into_iter().for_each(|side| walks.measure(side, |p| beyond(side, p)));
+    walks.climb(Some(prices(problem, solved, cost).sum::<i64>() + outer(problem, solved, beyond)));
+    let better = walks.solution().filter(|order| check(problem, order).is_ok());
+    Some(Proof { bound: from_fine(cost, walks.bound.max(0)), better })
 }
 
 /// A length in millimetres that the links of a whole print cannot stay below; see [`shares`] and [`Share::print_mm`].

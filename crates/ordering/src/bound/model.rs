@@ -1,6 +1,6 @@
 //! What the relaxation knows of a layer: terminals at which links may end, and which links precedence permits.
 
-use super::super::{Problem, Shape};
+use super::super::{Cost, Problem, Shape};
 use crate::options::Scope;
 use pathwright_geometry::{Point, UNITS_PER_MM};
 
@@ -33,6 +33,25 @@ fn pieces(vertices: &[Point]) -> Vec<&[Point]> {
 /// Length of a link in fine units, rounded down. The square root errs by less than the thousandth taken off.
 pub(super) fn link(a: Point, b: Point) -> i64 {
     (((a.distance2(b) as f64).sqrt() * FINE - 1e-3) as i64).max(0)
+}
+
+/// Fine units of time to a second.
+const FINE_S: f64 = 1e9;
+
+/// Cost of a link in fine units, rounded down: of a time, nanoseconds, of which more is taken off than its computation errs.
+pub(super) fn price(cost: &Cost, a: Point, b: Point, inside: bool) -> i64 {
+    match cost {
+        Cost::Length => link(a, b),
+        Cost::Time(time) => ((time.of(a.distance_mm(b), inside) * FINE_S - 1.0) as i64).max(0),
+    }
+}
+
+/// Fine units to the unit of a cost: millimetres or seconds.
+pub(super) fn from_fine(cost: &Cost, fine: i64) -> f64 {
+    match cost {
+        Cost::Length => to_mm(fine),
+        Cost::Time(_) => fine as f64 / FINE_S,
+    }
 }
 
 /// Grid units to fine units, rounded down.
@@ -208,6 +227,11 @@ impl Model {
             pairs.extend(later.map(|&(_, &other)| (run, other)));
         }
         pairs
+    }
+
+    /// Whether two paths are of one island.
+    pub(super) fn together(&self, i: u32, j: u32) -> bool {
+        self.bodies[i as usize].island == self.bodies[j as usize].island
     }
 
     /// The depth at which two paths part.

@@ -61,7 +61,7 @@ const SLACK: f64 = 0.15;
 const NARROWER: f64 = 0.7;
 const WIDER: f64 = 2.0;
 /// The step to where the cheapest walk would cost as much as the limit, if all went on as it begins, times this (Polyak 1969,
-/// <https://doi.org/10.1016/0041-5553(69)90035-4>).
+/// <https://doi.org/10.1016/0041-5553(69)90061-5>).
 const POLYAK: f64 = 0.5;
 /// Pairs of states up to which memories may grow in a round; or to twice as many as there are.
 const GROWTH: usize = 100_000;

@@ -13,7 +13,7 @@ mod poses;
 mod states;
 
 use super::model::Model;
-use crate::{Sequence, Visit};
+use crate::{Cost, Sequence, Visit};
 use blocks::Blocks;
 pub(super) use blocks::MOST;
 use blocks::Set;
@@ -56,10 +56,10 @@ pub(super) type Settled = (i64, [Vec<(Point, i64)>; 2]);
 impl<'a> Walks<'a> {
     /// Links at both ends of walks cost nothing until [`Self::measure`]. `multipliers` are a first guess. `None` if there are too many
     /// walks to look at.
-    pub(super) fn new(model: &'a Model, multipliers: Vec<i64>, budget: Budget) -> Option<Self> {
+    pub(super) fn new(model: &'a Model, cost: Cost, multipliers: Vec<i64>, budget: Budget) -> Option<Self> {
         let layer_of = vec![0; model.bodies.len()];
         let blocks = Blocks::new(model, &layer_of, budget.memories, budget.turns)?;
-        let poses = Poses::new(model, budget.vertices)?;
+        let poses = Poses::new(model, cost, budget.vertices)?;
         let (remembered, states) = NEAR.iter().find_map(|&near| {
             let remembered = remembered(&blocks, &poses, model.bodies.len(), near);
             let states = States::new(&blocks, &remembered, budget.pairs)?;
