@@ -3,7 +3,9 @@
 use std::ops::Range;
 use std::time::Duration;
 
-use crate::order::{Chain, LayerProblem, PathOrder, Pins, Problem, Watch, bound, ends_on_path, evaluate};
+use crate::order::{
+    Chain, Cost, LayerProblem, PathOrder, Pins, Problem, Watch, bound, ends_on_path, evaluate,
+};
 use crate::profile::Settings;
 use crate::toolpath::LayerPaths;
 use geometry::Point;

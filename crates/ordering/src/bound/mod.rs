@@ -77,7 +77,7 @@ struct Climber<'a> {
 /// What is left out costs more than a solution by so many times its mean link.
 const MARGIN: i64 = 2;
 /// Trees are not asked where the bound is within this share of a solution's links below the limit.
-const CLOSE: f64 = 0.3;
+const CLOSE: f64 = 0.2;
 
 impl<'a> Climber<'a> {
     fn new(problem: &'a Problem<'a>, model: &'a Model, effort: Effort, limited: bool) -> Self {

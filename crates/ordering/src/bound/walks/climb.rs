@@ -44,7 +44,7 @@ impl Budget {
     pub(in super::super) fn limited(effort: Effort) -> Self {
         let new = Self::new(effort);
         let limited = Self { rounds: 200, steps: 20, memories: &[2, 1], turns: 10_000, ..new };
-        if effort == Effort::High { limited } else { Self { pairs: 400_000, work: 5 * new.work, ..limited } }
+        if effort == Effort::High { limited } else { Self { pairs: 200_000, work: 5 * new.work, ..limited } }
     }
 }
 
