@@ -74,10 +74,11 @@ struct Climber<'a> {
     tree: Option<(Relaxation<'a>, Option<Multipliers>)>,
 }
 
-/// What is left out costs more than a solution by so many times its mean link.
+/// What is left out costs more than a solution by so many times its mean link; where what links pay below makes that negative, no
+/// more than the solution.
 const MARGIN: i64 = 2;
 /// Trees are not asked where the bound is within this share of a solution's links below the limit.
-const CLOSE: f64 = 0.2;
+const CLOSE: f64 = 0.3;
 
 impl<'a> Climber<'a> {
     fn new(problem: &'a Problem<'a>, model: &'a Model, effort: Effort, limited: bool) -> Self {
@@ -94,12 +95,15 @@ impl<'a> Climber<'a> {
         let mut best = None;
         let beyond = |side: usize, p| ends[side].as_ref().map_or(0, |points| points.nearest(p));
         let links: i64 = prices(self.problem, &self.solved, &Cost::Length).sum();
-        let margin = 1 + MARGIN * links / self.problem.items.len() as i64;
-        let limit = self.limited.then(|| links + outer(self.problem, &self.solved, beyond) + margin);
+        let limit = self.limited.then(|| {
+            let solved = links + outer(self.problem, &self.solved, beyond);
+            solved + 1 + MARGIN * solved.max(0) / self.problem.items.len() as i64
+        });
         if let Some(walks) = &mut self.walks {
             lengths.clone().for_each(|(side, points)| walks.measure(side, |p| points.nearest(p)));
             walks.climb(limit);
-            let is_close = limit.is_some_and(|limit| (limit - walks.bound) as f64 <= CLOSE * links as f64);
+            let is_close =
+                limit.is_some_and(|limit| (limit - walks.bound) as f64 <= CLOSE * links.max(1) as f64);
             if walks.closed || is_close {
                 return Share::of(walks.settle(down).swap_remove(0));
             }

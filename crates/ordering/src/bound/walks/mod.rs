@@ -60,11 +60,8 @@ impl<'a> Walks<'a> {
         let layer_of = vec![0; model.bodies.len()];
         let blocks = Blocks::new(model, &layer_of, budget.memories, budget.turns)?;
         let poses = Poses::new(model, cost, budget.vertices)?;
-        let (remembered, states) = NEAR.iter().find_map(|&near| {
-            let remembered = remembered(&blocks, &poses, model.bodies.len(), near);
-            let states = States::new(&blocks, &remembered, budget.pairs)?;
-            Some((remembered, states))
-        })?;
+        let remembered = remembered(&blocks, &poses, model.bodies.len());
+        let states = States::new(&blocks, &remembered, budget.pairs)?;
         let points = model.points.len();
         let step = multipliers.iter().sum::<i64>() as f64 / multipliers.len().max(1) as f64;
         let walks = Self {
@@ -170,7 +167,7 @@ impl<'a> Walks<'a> {
     /// that without the link out when it comes to the pose.
     fn settle_limited(&self, limit: i64, inner: i64, cheapest: &Cheapest, ends: &[i64]) -> Settled {
         let mut settled: Settled = (inner, Default::default());
-        for pose in 0..self.poses.count() {
+        for (pose, &end) in ends.iter().enumerate() {
             let item = self.poses.item_of(pose);
             let mut add = |side: usize, price: i64| {
                 let points = self.poses.points(self.model, pose, side).iter();
@@ -180,7 +177,7 @@ impl<'a> Walks<'a> {
                 add(0, -cheapest.enter[pose]);
             }
             if self.model.may_end(item) {
-                add(1, ends[pose].min(limit - cheapest.exit[pose] - inner));
+                add(1, end.min(limit - cheapest.exit[pose] - inner));
             }
         }
         settled
@@ -228,17 +225,17 @@ impl<'a> Walks<'a> {
 const LEAST_LOOKS: u64 = 10;
 /// Paths of a block in which walks remember all.
 const ALL: usize = 6;
-/// Others that are remembered at first in larger ones: fewer if there are too many states.
-const NEAR: [usize; 3] = [3, 1, 0];
+/// Others that are remembered at first in larger ones.
+const NEAR: usize = 3;
 
 /// The paths nearest to each, and itself, numbered within their block.
-fn remembered(blocks: &Blocks, poses: &Poses, paths: usize, near: usize) -> Vec<Set> {
+fn remembered(blocks: &Blocks, poses: &Poses, paths: usize) -> Vec<Set> {
     let mut remembered = vec![0; paths];
     for items in &blocks.items {
         for (k, &item) in items.iter().enumerate() {
             let mut others: Vec<usize> = (0..items.len()).filter(|&other| other != k).collect();
             others.sort_by_key(|&other| poses.least(item, items[other]));
-            others.truncate(if items.len() <= ALL { ALL } else { near });
+            others.truncate(if items.len() <= ALL { ALL } else { NEAR });
             remembered[item as usize] = others.iter().fold(1 << k, |set: Set, other| set | 1 << other);
         }
     }
