@@ -1,6 +1,6 @@
 //! The best directions and entries of consecutive paths together, their order being as it is.
 
-use super::{Cost, Problem, Sequence, Shape};
+use super::{Cost, LinkKind, Problem, Sequence, Shape};
 use pathwright_geometry::Point;
 
 /// Vertices of each loop that are considered at a time.
@@ -91,7 +91,7 @@ impl EntrySearch {
         to: usize,
         [x, y]: [f64; 2],
         cost: &Cost,
-        inside: bool,
+        kind: LinkKind,
     ) -> (f64, u32) {
         let (xs, ys) = (&self.leave[0][from..to], &self.leave[1][from..to]);
         self.links.clear();
@@ -104,10 +104,7 @@ impl EntrySearch {
         match cost {
             Cost::Length => self.links.iter_mut().zip(costs).for_each(|(link, cost)| *link += cost),
             Cost::Time(time) => {
-                self.links
-                    .iter_mut()
-                    .zip(costs)
-                    .for_each(|(link, cost)| *link = time.of(*link, inside) + cost);
+                self.links.iter_mut().zip(costs).for_each(|(link, cost)| *link = time.of(*link, kind) + cost);
             }
         }
         let mut best = (f64::INFINITY, 0);
@@ -123,7 +120,7 @@ impl EntrySearch {
 impl EntrySearch {
     /// The cheapest choice of one candidate for each of `count` paths: its cost, the entries, and how many pairs were looked at.
     /// `candidates` appends those of a path; the walk comes from `start` and continues to `end`, which are NaN if unknown.
-    /// `inside` tells of the link to a path, and to the end, whether it is inside an island.
+    /// `kind` tells what the link to a path leads over, and that to the end.
     ///
     /// Shortest path through layers of candidates: the *cluster optimisation* of the generalised travelling salesman problem
     /// (Fischetti, Salazar & Toth 1997, doi:10.1287/opre.45.3.378). Of equal candidates the first.
@@ -134,7 +131,7 @@ impl EntrySearch {
         mut candidates: impl FnMut(usize, &mut Vec<Candidate>),
         end: [f64; 2],
         cost: &Cost,
-        inside: impl Fn(usize) -> bool,
+        kind: impl Fn(usize) -> LinkKind,
     ) -> (f64, &[u32], u64) {
         self.begin(start);
         let mut here = std::mem::take(&mut self.here);
@@ -144,15 +141,15 @@ impl EntrySearch {
             here.clear();
             candidates(path, &mut here);
             pairs += ((from - last) * here.len()) as u64;
-            let inside = inside(path);
+            let kind = kind(path);
             for &candidate in &here {
-                let (least, before) = self.cheapest(last, from, candidate.enter, cost, inside);
+                let (least, before) = self.cheapest(last, from, candidate.enter, cost, kind);
                 self.push(candidate, least, before);
             }
             last = from;
         }
         self.here = here;
-        let (total, mut at) = self.cheapest(last, self.entry.len(), end, cost, inside(count));
+        let (total, mut at) = self.cheapest(last, self.entry.len(), end, cost, kind(count));
         self.chosen.clear();
         self.chosen.resize(count, 0);
         for entry in self.chosen.iter_mut().rev() {
@@ -190,7 +187,9 @@ pub(super) fn enter_shortest(
         };
         let (start, end) = (coordinates(start), coordinates(end));
         let (_, entries, _) =
-            search.cheapest_entries(start, sequence.len(), candidates, end, &Cost::Length, |_| false);
+            search.cheapest_entries(start, sequence.len(), candidates, end, &Cost::Length, |_| {
+                LinkKind::ACROSS
+            });
         for (visit, &entry) in sequence.iter_mut().zip(entries) {
             visit.entry = entry;
         }

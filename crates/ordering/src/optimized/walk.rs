@@ -2,7 +2,7 @@
 
 use super::super::detours::Detours;
 use super::super::precedence::Groups;
-use super::super::{Cost, Problem, Sequence, Shape, Visit};
+use super::super::{Cost, LinkKind, Problem, Sequence, Shape, Visit};
 use super::end::{End, GAIN, NONE};
 use pathwright_geometry::Point;
 
@@ -29,6 +29,8 @@ pub struct Walk<'a> {
     entry: Vec<u32>,
     /// Island of each item.
     island: Vec<u32>,
+    /// Their layers, likewise.
+    layer: Vec<u32>,
     /// First position and length of each group.
     span: Vec<(u32, u32)>,
     journal: Vec<Change>,
@@ -91,6 +93,9 @@ impl<'a> Walk<'a> {
         let mut island: Vec<u32> =
             problem.items.iter().map(|item| problem.runs[item.run as usize].island).collect();
         island.extend([NO_ISLAND, NO_ISLAND - 1]);
+        let mut layer: Vec<u32> =
+            problem.items.iter().map(|item| problem.runs[item.run as usize].layer).collect();
+        layer.extend([NO_ISLAND, NO_ISLAND - 1]);
         Self {
             cost,
             detours: None,
@@ -102,6 +107,7 @@ impl<'a> Walk<'a> {
             first_vertex,
             entry: vec![0; n],
             island,
+            layer,
             span: groups.items.iter().map(|items| (0, items.len() as u32)).collect(),
             journal: Vec::new(),
             total: 0.0,
@@ -311,7 +317,8 @@ impl<'a> Walk<'a> {
     fn between(&self, [a, b]: [[f64; 2]; 2], items: [u32; 2]) -> f64 {
         let (dx, dy) = (a[0] - b[0], a[1] - b[1]);
         let square = dx * dx + dy * dy;
-        if square > 0.0 { self.cost.of(square.sqrt(), self.share_island(items)) } else { 0.0 }
+        // NaN: from or to an unknown point.
+        if square >= 0.0 { self.cost.of(square.sqrt(), self.kind(items)) } else { 0.0 }
     }
 
     /// Whether the link over a gap is more expensive than a straight one.
@@ -325,9 +332,16 @@ impl<'a> Walk<'a> {
         self.island[a as usize] == self.island[b as usize]
     }
 
-    /// Whether the link over a gap is inside an island.
-    pub fn is_inside(&self, gap: u32) -> bool {
-        self.share_island([false, true].map(|right| self.node(End { gap, right }) / 2))
+    /// What a link between two items leads over.
+    #[inline]
+    fn kind(&self, items: [u32; 2]) -> LinkKind {
+        let [a, b] = items.map(|item| self.layer[item as usize]);
+        LinkKind { inside: self.share_island(items), climbs: a != b }
+    }
+
+    /// What the link over a gap leads over.
+    pub fn kind_of(&self, gap: u32) -> LinkKind {
+        self.kind([false, true].map(|right| self.node(End { gap, right }) / 2))
     }
 
     /// The vertex of a loop that is cheapest to visit between two nodes, and the cost of its two straight links.
@@ -339,7 +353,7 @@ impl<'a> Walk<'a> {
             // NaN, from or to an unknown point, becomes 0.
             (dx * dx + dy * dy).sqrt().max(0.0)
         };
-        let [to_inside, from_inside] = [before, after].map(|node| self.share_island([node / 2, item]));
+        let [to_kind, from_kind] = [before, after].map(|node| self.kind([node / 2, item]));
         let (before, after) = (self.point(before), self.point(after));
         let mut best = (f64::INFINITY, 0);
         let mut lengths = [[0.0; 2]; AT_ONCE];
@@ -348,7 +362,7 @@ impl<'a> Walk<'a> {
                 *lengths = [length_mm(before, vertex), length_mm(vertex, after)];
             }
             for ([to, from], entry) in lengths[..some.len()].iter().zip(first..) {
-                let cost = self.cost.of(*to, to_inside) + self.cost.of(*from, from_inside);
+                let cost = self.cost.of(*to, to_kind) + self.cost.of(*from, from_kind);
                 if cost < best.0 {
                     best = (cost, entry);
                 }
