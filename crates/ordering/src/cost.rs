@@ -56,12 +56,20 @@ impl TravelTime {
     /// takes no time, unless the nozzle climbs.
     #[inline]
     pub fn of(&self, length_mm: f64, kind: LinkKind) -> f64 {
+        self.with(&self.moves(), length_mm, kind)
+    }
+
+    fn moves(&self) -> Moves {
+        Moves::new(self.speed_mm_s, self.acceleration_mm_s2, self.cruise_ratio)
+    }
+
+    #[inline]
+    fn with(&self, moves: &Moves, length_mm: f64, kind: LinkKind) -> f64 {
         let climb_s = if kind.climbs { self.climb_s } else { 0.0 };
         if length_mm <= 0.0 {
             return if climb_s > 0.0 { self.stop_s + climb_s } else { 0.0 };
         }
-        let travel_s = trapezoid_s(length_mm, self.speed_mm_s, self.acceleration_mm_s2, self.cruise_ratio);
-        let moving_s = self.stop_s + travel_s.max(climb_s);
+        let moving_s = self.stop_s + moves.seconds(length_mm).max(climb_s);
         let retract_from_mm = if kind.inside { self.retract_inside_from_mm } else { self.retract_from_mm };
         if length_mm > retract_from_mm { moving_s + self.retract_s } else { moving_s }
     }
@@ -70,13 +78,45 @@ impl TravelTime {
 /// Seconds from rest to rest, of which at least a share of the distance is cruised.
 #[inline]
 pub fn trapezoid_s(length_mm: f64, speed: f64, acceleration: f64, cruise_ratio: f64) -> f64 {
-    if acceleration <= 0.0 {
-        return length_mm / speed;
+    Moves::new(speed, acceleration, cruise_ratio).seconds(length_mm)
+}
+
+/// Moves from rest to rest, of any length: what their durations have in common.
+#[derive(Clone, Copy, Debug)]
+struct Moves {
+    /// Of moves that do not reach the top speed, in seconds per root of a millimetre.
+    s_per_root_mm: f64,
+    /// Length of the shortest that does, millimetres.
+    reaches_mm: f64,
+    /// What those take more than at top speed all the way, seconds.
+    ramps_s: f64,
+    /// Top speed, the other way round.
+    s_per_mm: f64,
+}
+
+impl Moves {
+    fn new(speed: f64, acceleration: f64, cruise_ratio: f64) -> Self {
+        let s_per_mm = 1.0 / speed;
+        if acceleration <= 0.0 {
+            return Self { s_per_root_mm: 0.0, reaches_mm: 0.0, ramps_s: 0.0, s_per_mm };
+        }
+        let ramped = 1.0 - cruise_ratio;
+        Self {
+            s_per_root_mm: (ramped / acceleration).sqrt() + 1.0 / (acceleration * ramped).sqrt(),
+            reaches_mm: speed * speed / (acceleration * ramped),
+            ramps_s: speed / acceleration,
+            s_per_mm,
+        }
     }
-    // The share last: a product of what does not change would be taken out of the loops of the search, and worked out of
-    // whatever is in memory where the cost is a length. Of subnormal numbers that takes a hundred cycles.
-    let reached = speed.min((acceleration * length_mm * (1.0 - cruise_ratio)).sqrt());
-    reached / acceleration + length_mm / reached
+
+    #[inline]
+    fn seconds(&self, length_mm: f64) -> f64 {
+        if length_mm < self.reaches_mm {
+            self.s_per_root_mm * length_mm.sqrt()
+        } else {
+            self.ramps_s + self.s_per_mm * length_mm
+        }
+    }
 }
 
 /// Seconds of a straight move that begins and ends at these speeds, of which at least a share of the distance is cruised.
@@ -105,6 +145,56 @@ impl Cost {
     }
 
     /// The least that a travel of this length can cost.
+    #[inline]
+    pub fn least(&self, length_mm: f64) -> f64 {
+        self.of(length_mm, LinkKind::INSIDE)
+    }
+}
+
+/// A cost that is asked for many links: to the bit the same.
+#[derive(Clone, Copy, Debug)]
+pub(crate) enum LinkCosts {
+    /// The length, millimetres.
+    Length,
+    /// The time, seconds.
+    Time(PreparedTime),
+}
+
+/// A travel's time with what all travels have in common.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct PreparedTime {
+    time: TravelTime,
+    moves: Moves,
+}
+
+impl PreparedTime {
+    /// As [`TravelTime::of`].
+    #[inline]
+    pub fn of(&self, length_mm: f64, kind: LinkKind) -> f64 {
+        self.time.with(&self.moves, length_mm, kind)
+    }
+}
+
+impl From<Cost> for LinkCosts {
+    fn from(cost: Cost) -> Self {
+        match cost {
+            Cost::Length => Self::Length,
+            Cost::Time(time) => Self::Time(PreparedTime { time, moves: time.moves() }),
+        }
+    }
+}
+
+impl LinkCosts {
+    /// As [`Cost::of`].
+    #[inline]
+    pub fn of(&self, length_mm: f64, kind: LinkKind) -> f64 {
+        match self {
+            Self::Length => length_mm,
+            Self::Time(time) => time.of(length_mm, kind),
+        }
+    }
+
+    /// As [`Cost::least`].
     #[inline]
     pub fn least(&self, length_mm: f64) -> f64 {
         self.of(length_mm, LinkKind::INSIDE)

@@ -1,6 +1,7 @@
 //! The best directions and entries of consecutive paths together, their order being as it is.
 
-use super::{Cost, LinkKind, Problem, Sequence, Shape};
+use super::cost::LinkCosts;
+use super::{LinkKind, Problem, Sequence, Shape};
 use pathwright_geometry::Point;
 
 /// Vertices of each loop that are considered at a time.
@@ -90,7 +91,7 @@ impl EntrySearch {
         from: usize,
         to: usize,
         [x, y]: [f64; 2],
-        cost: &Cost,
+        cost: &LinkCosts,
         kind: LinkKind,
     ) -> (f64, u32) {
         let (xs, ys) = (&self.leave[0][from..to], &self.leave[1][from..to]);
@@ -102,8 +103,8 @@ impl EntrySearch {
         }));
         let costs = &self.cost[from..to];
         match cost {
-            Cost::Length => self.links.iter_mut().zip(costs).for_each(|(link, cost)| *link += cost),
-            Cost::Time(time) => {
+            LinkCosts::Length => self.links.iter_mut().zip(costs).for_each(|(link, cost)| *link += cost),
+            LinkCosts::Time(time) => {
                 self.links.iter_mut().zip(costs).for_each(|(link, cost)| *link = time.of(*link, kind) + cost);
             }
         }
@@ -130,7 +131,7 @@ impl EntrySearch {
         count: usize,
         mut candidates: impl FnMut(usize, &mut Vec<Candidate>),
         end: [f64; 2],
-        cost: &Cost,
+        cost: &LinkCosts,
         kind: impl Fn(usize) -> LinkKind,
     ) -> (f64, &[u32], u64) {
         self.begin(start);
@@ -187,7 +188,7 @@ pub(super) fn enter_shortest(
         };
         let (start, end) = (coordinates(start), coordinates(end));
         let (_, entries, _) =
-            search.cheapest_entries(start, sequence.len(), candidates, end, &Cost::Length, |_| {
+            search.cheapest_entries(start, sequence.len(), candidates, end, &LinkCosts::Length, |_| {
                 LinkKind::ACROSS
             });
         for (visit, &entry) in sequence.iter_mut().zip(entries) {

@@ -1,8 +1,9 @@
 //! The walk under improvement, as an array.
 
+use super::super::cost::LinkCosts;
 use super::super::detours::Detours;
 use super::super::precedence::Groups;
-use super::super::{Cost, LinkKind, Problem, Sequence, Shape, Visit};
+use super::super::{Cost, Item, LinkKind, Problem, Sequence, Shape, Visit};
 use super::end::{End, GAIN, NONE};
 use pathwright_geometry::Point;
 
@@ -13,7 +14,7 @@ use pathwright_geometry::Point;
 /// the items; gap g lies between the positions g − 1 and g.
 #[derive(Debug)]
 pub struct Walk<'a> {
-    cost: Cost,
+    cost: LinkCosts,
     /// What links inside islands cost; `None`: as much as straight lines.
     detours: Option<&'a Detours<'a>>,
     /// The node at which the item at each position is entered; it is left at the other node, `^ 1`.
@@ -27,10 +28,8 @@ pub struct Walk<'a> {
     first_vertex: Vec<u32>,
     /// Where each loop is entered.
     entry: Vec<u32>,
-    /// Island of each item.
-    island: Vec<u32>,
-    /// Their layers, likewise.
-    layer: Vec<u32>,
+    /// Where each item is.
+    places: Vec<Place>,
     /// First position and length of each group.
     span: Vec<(u32, u32)>,
     journal: Vec<Change>,
@@ -60,8 +59,15 @@ enum Change {
     Entered { item: u32, before: u32 },
 }
 
-/// The island of where the nozzle comes from; one less, of where it goes to: no path's.
-const NO_ISLAND: u32 = u32::MAX - 1;
+/// Island and layer of an item.
+#[derive(Clone, Copy, Debug)]
+struct Place {
+    island: u32,
+    layer: u32,
+}
+
+/// Island and layer of where the nozzle comes from; one less, of where it goes to: no path's.
+const NOWHERE: u32 = u32::MAX - 1;
 
 /// An unknown point: links to it cost nothing.
 const ANYWHERE: [f64; 2] = [f64::NAN; 2];
@@ -90,14 +96,13 @@ impl<'a> Walk<'a> {
         points.extend([coordinates(problem.start), coordinates(problem.start), ANYWHERE, ANYWHERE]);
         let group = groups.of.iter().copied().chain([NONE, NONE]).flat_map(|group| [group, group]);
         let node = |(at, group)| Node { at, link: 0.0, across: 0, group };
-        let mut island: Vec<u32> =
-            problem.items.iter().map(|item| problem.runs[item.run as usize].island).collect();
-        island.extend([NO_ISLAND, NO_ISLAND - 1]);
-        let mut layer: Vec<u32> =
-            problem.items.iter().map(|item| problem.runs[item.run as usize].layer).collect();
-        layer.extend([NO_ISLAND, NO_ISLAND - 1]);
+        let place = |item: &Item| {
+            let run = &problem.runs[item.run as usize];
+            Place { island: run.island, layer: run.layer }
+        };
+        let nowhere = [NOWHERE, NOWHERE - 1].map(|none| Place { island: none, layer: none });
         Self {
-            cost,
+            cost: cost.into(),
             detours: None,
             entered: vec![2 * n as u32, 2 * n as u32 + 2],
             position: vec![0; n + 2],
@@ -106,8 +111,7 @@ impl<'a> Walk<'a> {
             vertices: all_vertices,
             first_vertex,
             entry: vec![0; n],
-            island,
-            layer,
+            places: problem.items.iter().map(place).chain(nowhere).collect(),
             span: groups.items.iter().map(|items| (0, items.len() as u32)).collect(),
             journal: Vec::new(),
             total: 0.0,
@@ -261,7 +265,7 @@ impl<'a> Walk<'a> {
     }
 
     /// What is minimised, of straight lines.
-    pub fn cost(&self) -> &Cost {
+    pub fn cost(&self) -> &LinkCosts {
         &self.cost
     }
 
@@ -329,14 +333,14 @@ impl<'a> Walk<'a> {
 
     #[inline]
     fn share_island(&self, [a, b]: [u32; 2]) -> bool {
-        self.island[a as usize] == self.island[b as usize]
+        self.places[a as usize].island == self.places[b as usize].island
     }
 
     /// What a link between two items leads over.
     #[inline]
     fn kind(&self, items: [u32; 2]) -> LinkKind {
-        let [a, b] = items.map(|item| self.layer[item as usize]);
-        LinkKind { inside: self.share_island(items), climbs: a != b }
+        let [a, b] = items.map(|item| self.places[item as usize]);
+        LinkKind { inside: a.island == b.island, climbs: a.layer != b.layer }
     }
 
     /// What the link over a gap leads over.
