@@ -197,3 +197,29 @@ fn no_other_program_is_ever_started() {
         }
     }
 }
+
+/// Those of the platform differ in the last bit from one to the next, and with them the G-code.
+#[test]
+fn functions_of_real_numbers_are_those_of_every_machine() {
+    const PLATFORM: [&str; 23] = [
+        "sin", "cos", "tan", "sin_cos", "asin", "acos", "atan", "atan2", "sinh", "cosh", "tanh", "powf",
+        "exp", "exp2", "exp_m1", "ln", "ln_1p", "log", "log2", "log10", "cbrt", "hypot", "mul_add",
+    ];
+    for folder in crates() {
+        for (module, code) in modules(&folder) {
+            if module
+                .first()
+                .is_some_and(|first| matches!(first.as_str(), "cli" | "serve" | "send" | "system"))
+            {
+                continue;
+            }
+            let found = PLATFORM.iter().find(|name| code.contains(&format!(".{name}(")));
+            assert!(
+                found.is_none(),
+                "{}: .{}() is the platform's; see geometry::real",
+                module.join("::"),
+                found.unwrap()
+            );
+        }
+    }
+}
