@@ -13,8 +13,14 @@ const ORDER: &[&str] = &[
 
 /// The sources of all crates that are there: a packaged crate has its own alone.
 fn crates() -> impl Iterator<Item = PathBuf> {
-    let folders =
-        ["src", "crates/bgcode/src", "crates/geometry/src", "crates/macros/src", "crates/ordering/src"];
+    let folders = [
+        "src",
+        "crates/bgcode/src",
+        "crates/geometry/src",
+        "crates/macros/src",
+        "crates/ordering/src",
+        "crates/wasm/src",
+    ];
     folders.into_iter().map(|folder| root().join(folder)).filter(|folder| folder.exists())
 }
 
