@@ -61,7 +61,9 @@ fn modules(folder: &Path) -> BTreeMap<Module, String> {
         }
         names
     };
-    files.iter().filter(|path| !path.ends_with("main.rs")).map(|path| (module(path), code(path))).collect()
+    let is_module =
+        |path: &&PathBuf| path.extension().is_some_and(|ending| ending == "rs") && !path.ends_with("main.rs");
+    files.iter().filter(is_module).map(|path| (module(path), code(path))).collect()
 }
 
 /// The paths that a `use` names: `a::{b, c::d}` is `a::b` and `a::c::d`.
