@@ -5,6 +5,7 @@
 
 use super::layer::{PathOrder, PathVisit};
 use crate::toolpath::{LayerPaths, Path};
+use geometry::real;
 use geometry::{Router, distance_mm};
 use ordering::{Cost, DetourRule, LinkKind, TravelTime, ramped_s};
 
@@ -68,7 +69,7 @@ impl Corners {
     /// Seconds from the end of one bead to the start of the next.
     fn link_s(&self, from: &End, to: &End, inside: bool) -> f64 {
         let (dx, dy) = (to.at[0] - from.at[0], to.at[1] - from.at[1]);
-        let length_mm = dx.hypot(dy);
+        let length_mm = real::hypot(dx, dy);
         let travel = &self.travel;
         let retract_from_mm = if inside { travel.retract_inside_from_mm } else { travel.retract_from_mm };
         if length_mm <= 0.0 {

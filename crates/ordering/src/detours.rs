@@ -6,6 +6,7 @@ use std::cell::RefCell;
 use rustc_hash::FxHashMap;
 
 use super::{Cost, LinkKind};
+use pathwright_geometry::real;
 use pathwright_geometry::{Route, Router};
 
 /// How travels are led around what they must not cross.
@@ -25,9 +26,11 @@ impl DetourRule {
     pub fn cost(self, router: &Router, cost: &Cost, [from, to]: [[f64; 2]; 2], climbs: bool) -> f64 {
         match (router.route(from, to), cost) {
             (Route::Inside(_, length_mm), _) => cost.of(length_mm, LinkKind { inside: true, climbs }),
-            (Route::Across, Cost::Length) => (from[0] - to[0]).hypot(from[1] - to[1]) + self.retraction_mm,
+            (Route::Across, Cost::Length) => {
+                real::hypot(from[0] - to[0], from[1] - to[1]) + self.retraction_mm
+            }
             (Route::Across, Cost::Time(_)) => {
-                cost.of((from[0] - to[0]).hypot(from[1] - to[1]), LinkKind { inside: false, climbs })
+                cost.of(real::hypot(from[0] - to[0], from[1] - to[1]), LinkKind { inside: false, climbs })
             }
         }
     }

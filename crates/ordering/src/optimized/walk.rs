@@ -6,6 +6,7 @@ use super::super::precedence::Groups;
 use super::super::{Cost, Item, LinkKind, Problem, Sequence, Shape, Visit};
 use super::end::{End, GAIN, NONE};
 use pathwright_geometry::Point;
+use pathwright_geometry::real;
 
 /// A walk through all items, with a journal of changes so that they can be undone.
 ///
@@ -378,7 +379,7 @@ impl<'a> Walk<'a> {
     /// The least that a link from a point to anything in a disc can cost.
     #[inline]
     pub fn beyond(&self, point: [f64; 2], center: [f64; 2], radius: f64) -> f64 {
-        let distance_mm = (point[0] - center[0]).hypot(point[1] - center[1]);
+        let distance_mm = real::hypot(point[0] - center[0], point[1] - center[1]);
         if distance_mm > radius { self.cost.least(distance_mm - radius) } else { 0.0 }
     }
 
