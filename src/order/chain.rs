@@ -13,9 +13,12 @@ use super::straight_on::{Corners, StraightOn};
 use crate::toolpath::LayerPaths;
 use geometry::{Point, Router};
 use ordering::{
-    Cost, DetourRule, Detours, Known, LinkKind, Nearest, Problem, Sequence, Strategy, Visit, Watch,
-    first_points, strategy,
+    Cost, DetourRule, Detours, Effort, Known, LinkKind, Nearest, Problem, Sequence, Strategy, Visit, Watch,
+    bound, first_points, strategy,
 };
+
+/// Paths of a layer of which the shortest order is sought, at most.
+const CLOSED_PATHS: usize = 40;
 
 /// Layers per chunk for a print of so many layers: enough chunks to keep every core busy, and not so
 /// short that solving heads twice costs much.
@@ -82,7 +85,9 @@ impl Chain {
         watch: Watch<'_>,
     ) -> Vec<PathOrder> {
         if self.is_together() {
-            return self.solve_together(layers, pins, (start, end), routers, solved, watch);
+            let mut orders = self.solve_together(layers, pins, (start, end), routers, solved, watch);
+            self.close(layers, pins, (start, end), routers, &mut orders, watch);
+            return orders;
         }
         let mut at = start;
         let mut sequences = Vec::with_capacity(layers.len());
@@ -138,6 +143,45 @@ impl Chain {
             sequence
         };
         layers.iter().zip(&mut problems).map(apart).collect()
+    }
+
+    /// With high effort, small layers take the cheapest order between the ends of their neighbours, one layer after the other,
+    /// where relaxed walks find one (on straight links) and it costs less.
+    fn close(
+        &self,
+        layers: &[LayerPaths],
+        pins: &[Pins],
+        (start, end): (Option<Point>, Option<Point>),
+        routers: &[Router],
+        orders: &mut [PathOrder],
+        watch: Watch<'_>,
+    ) {
+        if self.settings.effort != Effort::High || self.seam == SeamPosition::Nearest {
+            return;
+        }
+        let mut at = start.or(self.origin);
+        for (i, (paths, pins)) in layers.iter().zip(pins).enumerate() {
+            watch.look();
+            let begin = |(order, layer): (&PathOrder, _)| Some(ends_on_path(layer, *order.first()?).0);
+            let next = orders[i + 1..].iter().zip(&layers[i + 1..]).find_map(begin).or(end);
+            if (2..=CLOSED_PATHS).contains(&paths.paths.len()) {
+                let mut layer = LayerProblem::new(paths, pins, self.settings.scope);
+                (layer.problem.start, layer.problem.end) = (at, next);
+                let solved = layer.from_paths(&orders[i]);
+                let proof = bound::by_walks(&layer.problem, &solved, &self.cost, Effort::Normal);
+                if let Some(better) = proof.and_then(|proof| proof.better) {
+                    let better = layer.on_paths(better);
+                    let cost = |order: &PathOrder| {
+                        let routers = routers.get(i).map(slice::from_ref).unwrap_or_default();
+                        self.cost_between(slice::from_ref(paths), slice::from_ref(order), at, next, routers)
+                    };
+                    if cost(&better) < cost(&orders[i]) {
+                        orders[i] = better;
+                    }
+                }
+            }
+            at = orders[i].last().map(|&visit| ends_on_path(paths, visit).1).or(at);
+        }
     }
 
     /// Solves the problem of consecutive layers, anew or from what was found before.
@@ -229,8 +273,7 @@ impl Chain {
                 (at, island, climbs) = (Some(leave), here, false);
             }
         }
-        let up = LinkKind { inside: false, climbs: true };
-        total + at.zip(end).map_or(0.0, |(from, to)| self.cost.of(from.distance_mm(to), up))
+        total + at.zip(end).map_or(0.0, |(from, to)| self.cost.of(from.distance_mm(to), LinkKind::UP))
     }
 
     fn solve_layer(

@@ -172,7 +172,7 @@ impl Certificate {
     }
 }
 
-/// By how much, as a share, an order's links are at most longer than the shortest from where the layer is entered to where the next
+/// By how much, as a share, an order's links cost more at most than the cheapest from where the layer is entered to where the next
 /// begins; `None` where that is not known.
 pub(super) fn excess(
     (layer, pins): (&LayerPaths, &Pins),
@@ -180,8 +180,9 @@ pub(super) fn excess(
     ends: [Option<Point>; 2],
     settings: &Settings,
 ) -> Option<f64> {
-    /// More than rounding takes off a link.
-    const ROUNDING_MM: f64 = 1e-6;
+    let cost = settings.order_cost(settings.order.cost);
+    // More than rounding takes off a link: in millimetres, in seconds.
+    let rounding = if cost == Cost::Length { 1e-6 } else { 1e-8 };
     let between = |pins| {
         let mut layer = LayerProblem::new(layer, pins, settings.order.scope);
         [layer.problem.start, layer.problem.end] = ends;
@@ -190,10 +191,10 @@ pub(super) fn excess(
     // Sequences name vertices of paths, wherever the seam may be.
     let free = between(&None);
     let found = free.from_paths(order);
-    let link_mm = evaluate(&free.problem, &found, &Cost::Length);
-    let bound_mm = bound::by_walks(&between(pins).problem, &found, settings.order.effort)?;
-    if link_mm <= bound_mm + ROUNDING_MM * (order.len() + 1) as f64 {
+    let links = evaluate(&free.problem, &found, &cost);
+    let bound = bound::by_walks(&between(pins).problem, &found, &cost, settings.order.effort)?.bound;
+    if links <= bound + rounding * (order.len() + 1) as f64 {
         return Some(0.0);
     }
-    Some(link_mm / bound_mm - 1.0).filter(|excess| excess.is_finite())
+    Some(links / bound - 1.0).filter(|excess| excess.is_finite())
 }

@@ -1,12 +1,22 @@
 //! The optimum of small layers by dynamic programming over subsets, for tests to compare with.
 
 use pathwright::geometry::Point;
-use pathwright::order::{Problem, Shape};
+use pathwright::order::{Cost, LinkKind, Problem, Shape};
 use pathwright::profile::Scope;
 
 /// Least total link length of a problem of at most 16 items, in millimetres.
 pub fn optimum(problem: &Problem) -> f64 {
     chained_optimum(std::slice::from_ref(problem))
+}
+
+/// Least total cost of the links of a problem of at most 16 items.
+pub fn cheapest(problem: &Problem, cost: &Cost) -> f64 {
+    let arrive = |at: Point| problem.start.map_or(0.0, |start| cost.of(start.distance_mm(at), LinkKind::UP));
+    let leave = |(so_far, at): (f64, Point)| {
+        so_far + problem.end.map_or(0.0, |end| cost.of(at.distance_mm(end), LinkKind::UP))
+    };
+    let ends = last_poses(problem, cost, arrive);
+    if problem.items.is_empty() { 0.0 } else { ends.into_iter().map(leave).fold(f64::INFINITY, f64::min) }
 }
 
 /// Least total link length of a print: each layer starts where the one before ended, the first at its start, and the
@@ -20,7 +30,7 @@ pub fn chained_optimum(layers: &[Problem]) -> f64 {
             let lengths = ends.iter().flatten().map(|&(so_far, from)| so_far + from.distance_mm(at));
             if ends.is_some() { lengths.fold(f64::INFINITY, f64::min) } else { 0.0 }
         };
-        ends = Some(last_poses(layer, arrive));
+        ends = Some(last_poses(layer, &Cost::Length, arrive));
     }
     let end = layers.last().and_then(|last| last.end);
     let leave = |&(so_far, at): &(f64, Point)| so_far + end.map_or(0.0, |end| at.distance_mm(end));
@@ -29,7 +39,7 @@ pub fn chained_optimum(layers: &[Problem]) -> f64 {
 
 /// Every state in which everything is drawn: least length so far, and where it ends. Bellman 1962 and Held & Karp 1962
 /// (<https://doi.org/10.1137/0110015>), the state being the set drawn and the pose in which the last was drawn.
-fn last_poses(problem: &Problem, arrive: impl Fn(Point) -> f64) -> Vec<(f64, Point)> {
+fn last_poses(problem: &Problem, cost: &Cost, arrive: impl Fn(Point) -> f64) -> Vec<(f64, Point)> {
     let n = problem.items.len();
     assert!(n <= 16, "2^n states");
     let poses: Vec<(usize, Point, Point)> = (0..n)
@@ -46,6 +56,10 @@ fn last_poses(problem: &Problem, arrive: impl Fn(Point) -> f64) -> Vec<(f64, Poi
         })
         .collect();
     let full = (1_usize << n) - 1;
+    let kind = |from: usize, to: usize| {
+        let [a, b] = [from, to].map(|item| problem.runs[problem.items[item].run as usize]);
+        LinkKind { inside: a.island == b.island, climbs: a.layer != b.layer }
+    };
     let mut best = vec![f64::INFINITY; (full + 1) * poses.len()];
     for (p, &(item, enter, _)) in poses.iter().enumerate() {
         if may_follow(problem, 0, None, item) {
@@ -61,7 +75,7 @@ fn last_poses(problem: &Problem, arrive: impl Fn(Point) -> f64) -> Vec<(f64, Poi
             for (q, &(item, enter, _)) in poses.iter().enumerate() {
                 if set >> item & 1 == 0 && may_follow(problem, set, Some(last), item) {
                     let place = &mut best[(set | 1 << item) * poses.len() + q];
-                    *place = place.min(so_far + leave.distance_mm(enter));
+                    *place = place.min(so_far + cost.of(leave.distance_mm(enter), kind(last, item)));
                 }
             }
         }

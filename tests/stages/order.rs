@@ -123,8 +123,6 @@ fn optimum(problem: &Problem, cost: &Cost) -> f64 {
         let [a, b] = [from, to].map(|item| problem.runs[problem.items[item].run as usize]);
         LinkKind { inside: a.island == b.island, climbs: a.layer != b.layer }
     };
-    // Where the nozzle comes from and goes to is in no layer.
-    let outside = LinkKind { inside: false, climbs: true };
     let link = |from: Point, to: Point, kind: LinkKind| cost.of(from.distance_mm(to), kind);
     let mut best = vec![vec![Vec::new(); n]; 1 << n];
     for (drawn, best) in best.iter_mut().enumerate() {
@@ -132,7 +130,7 @@ fn optimum(problem: &Problem, cost: &Cost) -> f64 {
             let first = drawn == 1 << item && may_follow(0, None, item);
             let reach = |entry: usize| {
                 let enter = problem.items[item].ends(entry as u32).0;
-                problem.start.map_or(0.0, |start| link(start, enter, outside))
+                problem.start.map_or(0.0, |start| link(start, enter, LinkKind::UP))
             };
             *best =
                 (0..entries(item)).map(|entry| if first { reach(entry) } else { f64::INFINITY }).collect();
@@ -159,7 +157,7 @@ fn optimum(problem: &Problem, cost: &Cost) -> f64 {
     let ends = (0..n).flat_map(|item| (0..entries(item)).map(move |entry| (item, entry)));
     let totals = ends.map(|(item, entry)| {
         let leave = problem.items[item].ends(entry as u32).1;
-        best[(1 << n) - 1][item][entry] + problem.end.map_or(0.0, |end| link(leave, end, outside))
+        best[(1 << n) - 1][item][entry] + problem.end.map_or(0.0, |end| link(leave, end, LinkKind::UP))
     });
     totals.fold(f64::INFINITY, f64::min)
 }

@@ -1,9 +1,9 @@
 //! Lower bounds against the optimum, and Christofides against its guarantee, on thousands of small layers.
 
-use crate::exact::{chained_optimum, optimum};
+use crate::exact::{chained_optimum, cheapest, optimum};
 use crate::order_layer::{self, Layer, point};
 use pathwright::geometry::Point;
-use pathwright::order::{Cost, bound, evaluate, strategy};
+use pathwright::order::{Cost, TravelTime, bound, check, evaluate, strategy};
 use pathwright::profile::{Effort, OrderStrategy, Scope};
 use proptest::prelude::*;
 
@@ -36,6 +36,20 @@ fn effort() -> impl Strategy<Value = Effort> {
     prop::sample::select(vec![Effort::Normal, Effort::High])
 }
 
+/// A cost that layers of [`REACH`] have on both sides of what is retracted.
+fn cost() -> impl Strategy<Value = Cost> {
+    let time = TravelTime {
+        speed_mm_s: 150.0,
+        acceleration_mm_s2: 3000.0,
+        stop_s: 0.003,
+        retract_from_mm: 1.5,
+        retract_inside_from_mm: 3.0,
+        retract_s: 0.05,
+        ..TravelTime::default()
+    };
+    prop::sample::select(vec![Cost::Length, Cost::Time(time)])
+}
+
 /// Sums of a few square roots: far above their rounding, far below a bound that is wrong.
 const ROUNDING_MM: f64 = 1e-9;
 
@@ -47,6 +61,25 @@ proptest! {
         let problem = layer.problem();
         let (bound, optimum) = (bound::layer(&problem, effort), optimum(&problem));
         prop_assert!(bound <= optimum + ROUNDING_MM, "{bound} > {optimum}");
+    }
+
+    #[test]
+    fn relaxed_walks_are_not_above_the_optimum_and_what_they_find_is_one(effort in effort(), cost in cost(), layer in prop_oneof![layer(7), ranked(7)]) {
+        let problem = layer.problem();
+        let solved = strategy(OrderStrategy::Nearest).solve(&problem, &cost, Effort::Fast);
+        let proof = bound::by_walks(&problem, &solved, &cost, effort);
+        let optimum = cheapest(&problem, &cost);
+        let rounding = 1e-6 * (problem.items.len() + 1) as f64;
+        if let Some(proof) = proof {
+            prop_assert!(proof.bound <= optimum + ROUNDING_MM, "{} > {optimum}", proof.bound);
+            let better = proof.better.unwrap_or_else(|| solved.clone());
+            prop_assert!(check(&problem, &better).is_ok());
+            let found = evaluate(&problem, &better, &cost);
+            prop_assert!(found <= evaluate(&problem, &solved, &cost) + ROUNDING_MM);
+            if found <= proof.bound + rounding {
+                prop_assert!(found <= optimum + rounding, "{found} is no optimum, {optimum} is");
+            }
+        }
     }
 
     #[test]

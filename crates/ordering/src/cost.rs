@@ -14,6 +14,8 @@ pub struct LinkKind {
 impl LinkKind {
     /// From one island to another of the same layer.
     pub const ACROSS: Self = Self { inside: false, climbs: false };
+    /// To another layer, and another island.
+    pub const UP: Self = Self { inside: false, climbs: true };
     /// Inside an island.
     pub const INSIDE: Self = Self { inside: true, climbs: false };
 }

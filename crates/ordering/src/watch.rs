@@ -31,7 +31,7 @@ impl<'a> Watch<'a> {
     }
 
     /// Lets it look.
-    pub(crate) fn look(self) {
+    pub fn look(self) {
         if let Some(look) = self.0 {
             look();
         }

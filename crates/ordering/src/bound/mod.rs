@@ -21,9 +21,9 @@ mod walks;
 use super::matching::KdTree;
 use std::ops::Range;
 
-use super::{Cost, Effort, Optimized, Problem, Strategy, Visit};
+use super::{Cost, Effort, LinkKind, Optimized, Problem, Sequence, Strategy, Visit, check};
 use ascent::ascend;
-use model::{Model, fine, link, to_mm};
+use model::{Model, fine, from_fine, link, price, to_mm};
 use pathwright_geometry::Point;
 use relaxation::{Multipliers, Relaxation};
 use walks::{Budget, Walks};
@@ -62,18 +62,29 @@ impl Beyond<'_> {
 
 /// A layer whose multipliers are sought.
 struct Climber<'a> {
+    problem: &'a Problem<'a>,
     model: &'a Model,
+    /// A solution.
+    solved: Sequence,
+    /// Whether walks may be left out that are much longer: when multipliers are sought once only.
+    limited: bool,
     /// Unless they are too many.
     walks: Option<Walks<'a>>,
     /// A tree instead of a walk, and the best multipliers so far; unless the walks do better.
     tree: Option<(Relaxation<'a>, Option<Multipliers>)>,
 }
 
+/// What is left out costs more than a solution by so many times its mean link.
+const MARGIN: i64 = 2;
+/// Trees are not asked where the bound is within this share of a solution's links below the limit.
+const CLOSE: f64 = 0.2;
+
 impl<'a> Climber<'a> {
-    fn new(problem: &Problem, model: &'a Model, budget: Budget) -> Self {
-        let quick = Optimized.solve(problem, &Cost::Length, Effort::Fast);
-        let walks = Walks::new(model, half_links(problem, &quick), budget);
-        Self { model, walks, tree: None }
+    fn new(problem: &'a Problem<'a>, model: &'a Model, effort: Effort, limited: bool) -> Self {
+        let solved = Optimized.solve(problem, &Cost::Length, Effort::Fast);
+        let budget = if limited { Budget::limited(effort) } else { Budget::new(effort) };
+        let walks = Walks::new(model, Cost::Length, half_links(problem, &solved, &Cost::Length), budget);
+        Self { problem, model, solved, limited, walks, tree: None }
     }
 
     /// Seeks better multipliers for what lies below and above. `down`: the layer below is next.
@@ -81,10 +92,15 @@ impl<'a> Climber<'a> {
         let ends = [below.points(true), above.points(false)];
         let lengths = (0..).zip(&ends).filter_map(|(side, points)| Some((side, points.as_ref()?)));
         let mut best = None;
+        let beyond = |side: usize, p| ends[side].as_ref().map_or(0, |points| points.nearest(p));
+        let links: i64 = prices(self.problem, &self.solved, &Cost::Length).sum();
+        let margin = 1 + MARGIN * links / self.problem.items.len() as i64;
+        let limit = self.limited.then(|| links + outer(self.problem, &self.solved, beyond) + margin);
         if let Some(walks) = &mut self.walks {
             lengths.clone().for_each(|(side, points)| walks.measure(side, |p| points.nearest(p)));
-            walks.climb();
-            if walks.closed {
+            walks.climb(limit);
+            let is_close = limit.is_some_and(|limit| (limit - walks.bound) as f64 <= CLOSE * links as f64);
+            if walks.closed || is_close {
                 return Share::of(walks.settle(down).swap_remove(0));
             }
             best = Some(walks.bound);
@@ -100,16 +116,30 @@ impl<'a> Climber<'a> {
     }
 }
 
-/// Half the links at each path in a solution, in fine units.
-fn half_links(problem: &Problem, order: &[Visit]) -> Vec<i64> {
+/// Half the cost of the links at each path in a solution, in fine units.
+fn half_links(problem: &Problem, order: &[Visit], cost: &Cost) -> Vec<i64> {
     let mut halves = vec![0; problem.items.len()];
-    let ends: Vec<_> =
-        order.iter().map(|visit| problem.items[visit.item as usize].ends(visit.entry)).collect();
-    for (visits, ends) in order.windows(2).zip(ends.windows(2)) {
-        let half = link(ends[0].1, ends[1].0) / 2;
-        visits.iter().for_each(|visit| halves[visit.item as usize] += half);
+    for (visits, link) in order.windows(2).zip(prices(problem, order, cost)) {
+        visits.iter().for_each(|visit| halves[visit.item as usize] += link / 2);
     }
     halves
+}
+
+/// Cost of the links between the paths of a solution, in fine units, each rounded down.
+fn prices(problem: &Problem, order: &[Visit], cost: &Cost) -> impl Iterator<Item = i64> {
+    order.windows(2).map(move |visits| {
+        let [a, b] = [0, 1].map(|k| &problem.items[visits[k].item as usize]);
+        let [from, to] = [a, b].map(|item| &problem.runs[item.run as usize]);
+        let kind = LinkKind { inside: from.island == to.island, climbs: from.layer != to.layer };
+        price(cost, a.ends(visits[0].entry).1, b.ends(visits[1].entry).0, kind)
+    })
+}
+
+/// Cost of the links into a solution and out of it, as `beyond` says for the side and a point.
+fn outer(problem: &Problem, order: &[Visit], beyond: impl Fn(usize, Point) -> i64) -> i64 {
+    let ends = |visit: &Visit| problem.items[visit.item as usize].ends(visit.entry);
+    let enter = order.first().map_or(0, |visit| beyond(0, ends(visit).0));
+    enter + order.last().map_or(0, |visit| beyond(1, ends(visit).1))
 }
 
 impl Share {
@@ -185,9 +215,7 @@ pub fn shares(
     let mut known: Vec<Option<Share>> = vec![None; used.len()];
     let chunks = used.len().div_ceil(CHUNK);
     for turn in 0..2 {
-        let done = map((chunks + 1 - turn) / 2, &|k| {
-            chunk(&used, &known, (2 * k + turn) * CHUNK, Budget::new(effort))
-        });
+        let done = map((chunks + 1 - turn) / 2, &|k| chunk(&used, &known, (2 * k + turn) * CHUNK, effort));
         for (k, shares) in done.into_iter().enumerate() {
             let first = (2 * k + turn) * CHUNK;
             known[first..first + shares.len()]
@@ -202,14 +230,14 @@ pub fn shares(
 }
 
 /// The shares of one chunk of layers, the first of which is given, none without paths: up and down, several times.
-fn chunk(layers: &[&Problem], known: &[Option<Share>], first: usize, budget: Budget) -> Vec<Share> {
+fn chunk(layers: &[&Problem], known: &[Option<Share>], first: usize, effort: Effort) -> Vec<Share> {
     let last = (first + CHUNK).min(layers.len());
     let models: Vec<Model> = layers[first..last].iter().map(|problem| Model::new(problem)).collect();
-    let layer = |(problem, model)| Climber::new(problem, model, budget);
-    let mut climbers: Vec<Climber> = layers[first..last].iter().copied().zip(&models).map(layer).collect();
-    let mut done: Vec<Option<Share>> = vec![None; last - first];
     // Free loops take several times as long, and what they lose is lost elsewhere.
     let passes = if models.iter().any(Model::has_pieces) { 1 } else { PASSES };
+    let layer = |(problem, model)| Climber::new(problem, model, effort, passes == 1);
+    let mut climbers: Vec<Climber> = layers[first..last].iter().copied().zip(&models).map(layer).collect();
+    let mut done: Vec<Option<Share>> = vec![None; last - first];
     for pass in 0..passes {
         for step in first..last {
             let at = if pass % 2 == 0 { step } else { first + last - 1 - step };
@@ -223,13 +251,13 @@ fn chunk(layers: &[&Problem], known: &[Option<Share>], first: usize, budget: Bud
         let model = Model::new(&stack::stacked(problems));
         let parts: Vec<&Walks> =
             climbers[stack.clone()].iter().filter_map(|climber| climber.walks.as_ref()).collect();
-        let Some(mut walks) = Walks::joined(&model, &parts, budget) else { continue };
+        let Some(mut walks) = Walks::joined(&model, &parts, Budget::new(effort)) else { continue };
         let [below, above] = around(layers, known, (first, &done), first + stack.start..first + stack.end);
         let ends = [below.points(true), above.points(false)];
         for (side, points) in (0..).zip(&ends).filter_map(|(side, points)| Some((side, points.as_ref()?))) {
             walks.measure(side, |p| points.nearest(p));
         }
-        walks.climb();
+        walks.climb(None);
         let old: Vec<&Share> = done[stack.clone()].iter().flatten().collect();
         if walks.bound > Share::chain(&old, &ends) {
             for (at, settled) in stack.zip(walks.settle(false)) {
@@ -264,20 +292,31 @@ pub fn layer(problem: &Problem, effort: Effort) -> f64 {
     print(std::slice::from_ref(problem), effort)
 }
 
-/// A length in millimetres that the links of no solution of the problem can stay below, by relaxed walks alone; `None` for layers
-/// that are too large to look at enough of them. `solved` is a solution to begin with; if it is an optimum, the bound often is its length.
+/// What relaxed walks say of a layer.
+#[derive(Clone, Debug)]
+pub struct Proof {
+    /// What the links of no solution can cost less than: millimetres or seconds.
+    pub bound: f64,
+    /// A solution that costs less than the one at hand, and is an optimum, if there is one and it was found.
+    pub better: Option<Sequence>,
+}
+
+/// What relaxed walks say of a layer; `None` if it is too large to look at enough of them. `solved` is a solution at hand, with
+/// whatever entries.
 ///
-/// Rounding takes less than a nanometre off each link.
-pub fn by_walks(problem: &Problem, solved: &[Visit], effort: Effort) -> Option<f64> {
+/// Rounding takes less than a nanometre, or 3 nanoseconds, off each link.
+pub fn by_walks(problem: &Problem, solved: &[Visit], cost: &Cost, effort: Effort) -> Option<Proof> {
+    let entries = |item: u32| problem.items[item as usize].shape.entries().len() as u32;
+    let permitted = |visit: &Visit| Visit { entry: visit.entry.min(entries(visit.item) - 1), ..*visit };
+    let solved = &solved.iter().map(permitted).collect::<Vec<_>>();
     let model = Model::new(problem);
-    let mut walks = Walks::new(&model, half_links(problem, solved), Budget::new(effort))?;
-    for (side, end) in [problem.start, problem.end].into_iter().enumerate() {
-        if let Some(end) = end {
-            walks.measure(side, |p| link(end, p));
-        }
-    }
-    walks.climb();
-    Some(to_mm(walks.bound.max(0)))
+    let mut walks = Walks::new(&model, *cost, half_links(problem, solved, cost), Budget::limited(effort))?;
+    let ends = [problem.start, problem.end];
+    let beyond = |side: usize, p: Point| ends[side].map_or(0, |end| price(cost, end, p, LinkKind::UP));
+    [0, 1].into_iter().for_each(|side| walks.measure(side, |p| beyond(side, p)));
+    walks.climb(Some(prices(problem, solved, cost).sum::<i64>() + outer(problem, solved, beyond)));
+    let better = walks.solution().filter(|order| check(problem, order).is_ok());
+    Some(Proof { bound: from_fine(cost, walks.bound.max(0)), better })
 }
 
 /// A length in millimetres that the links of a whole print cannot stay below; see [`shares`] and [`Share::print_mm`].

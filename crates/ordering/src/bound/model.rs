@@ -1,6 +1,6 @@
 //! What the relaxation knows of a layer: terminals at which links may end, and which links precedence permits.
 
-use super::super::{Problem, Shape};
+use super::super::{Cost, LinkKind, Problem, Shape};
 use crate::options::Scope;
 use pathwright_geometry::{Point, UNITS_PER_MM};
 
@@ -35,6 +35,25 @@ pub(super) fn link(a: Point, b: Point) -> i64 {
     (((a.distance2(b) as f64).sqrt() * FINE - 1e-3) as i64).max(0)
 }
 
+/// Fine units of time to a second.
+const FINE_S: f64 = 1e9;
+
+/// Cost of a link in fine units, rounded down: of a time, nanoseconds, of which more is taken off than its computation errs.
+pub(super) fn price(cost: &Cost, a: Point, b: Point, kind: LinkKind) -> i64 {
+    match cost {
+        Cost::Length => link(a, b),
+        Cost::Time(time) => ((time.of(a.distance_mm(b), kind) * FINE_S - 1.0) as i64).max(0),
+    }
+}
+
+/// Fine units to the unit of a cost: millimetres or seconds.
+pub(super) fn from_fine(cost: &Cost, fine: i64) -> f64 {
+    match cost {
+        Cost::Length => to_mm(fine),
+        Cost::Time(_) => fine as f64 / FINE_S,
+    }
+}
+
 /// Grid units to fine units, rounded down.
 pub(super) fn fine(units: f64) -> i64 {
     (units * FINE - 1e-3) as i64
@@ -67,6 +86,7 @@ pub(super) struct Body {
     /// Island, and position of the run's rank among the ranks of its island in its stage.
     pub(super) island: u32,
     pub(super) rank: u32,
+    layer: u32,
     /// Whether nothing of its stage must come before, or after.
     begins: bool,
     ends: bool,
@@ -130,6 +150,7 @@ impl Model {
                 groups,
                 island: run.island,
                 rank: (at - from) as u32,
+                layer: run.layer,
                 begins: mixed || at == from,
                 ends: mixed || at + 1 == to,
             });
@@ -208,6 +229,12 @@ impl Model {
             pairs.extend(later.map(|&(_, &other)| (run, other)));
         }
         pairs
+    }
+
+    /// What a link between two paths leads over.
+    pub(super) fn kind(&self, i: u32, j: u32) -> LinkKind {
+        let [a, b] = [i, j].map(|item| &self.bodies[item as usize]);
+        LinkKind { inside: a.island == b.island, climbs: a.layer != b.layer }
     }
 
     /// The depth at which two paths part.

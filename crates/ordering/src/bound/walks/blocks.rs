@@ -13,6 +13,8 @@ pub(in super::super) const MOST: usize = Set::BITS as usize;
 /// A block being drawn, and what is remembered of those before it.
 pub(super) struct Turn {
     pub(super) block: u32,
+    /// Blocks that are known to be drawn when it is over.
+    pub(super) done: Set,
     /// Turns that may come next.
     pub(super) next: Vec<u32>,
     /// How many come before it.
@@ -30,11 +32,21 @@ pub(super) struct Blocks {
     pub(super) turns: Vec<Turn>,
     /// Blocks below each layer, and in all.
     pub(super) below: Vec<usize>,
+    /// Blocks that must come before each.
+    pub(super) before: Vec<Set>,
+    /// What is remembered at each block.
+    pub(super) remembered: Vec<Set>,
 }
 
 impl Blocks {
-    /// Walks remember fewer blocks if there are more turns than so many. `None` if blocks or paths are too many.
-    pub(super) fn new(model: &Model, layer_of: &[u32], most: usize) -> Option<Self> {
+    /// Blocks that are known to be drawn after one, and after those known before it.
+    pub(super) fn after(&self, done: Set, block: usize) -> Set {
+        (done | 1 << block | self.before[block]) & self.remembered[block]
+    }
+
+    /// At each block walks remember so many others as the first of `tries` says with which there are not more than `most` turns.
+    /// `None` if blocks or paths are too many.
+    pub(super) fn new(model: &Model, layer_of: &[u32], tries: &[usize], most: usize) -> Option<Self> {
         let of: Vec<u32> = match model.scope {
             Scope::Layer => model.bodies.iter().map(|body| body.groups[0]).collect(),
             Scope::Feature | Scope::Island => model.run_of(),
@@ -50,9 +62,11 @@ impl Blocks {
             return None;
         }
         let order = Order::new(model, layer_of, &items);
-        let mut tries = [MOST, 8, 5, 3, 1].into_iter();
-        let turns = tries.find_map(|near| order.turns(near, most))?;
-        Some(Self { items, of, nth, turns, below: order.below })
+        let (turns, remembered) = tries.iter().find_map(|&near| {
+            let remembered = order.remembered(near);
+            Some((order.turns(near >= count, &remembered, most)?, remembered))
+        })?;
+        Some(Self { items, of, nth, turns, below: order.below, before: order.before, remembered })
     }
 }
 
@@ -117,21 +131,17 @@ impl<'a> Order<'a> {
         }
     }
 
-    /// All turns of walks that remember at each block so many others; `None` if there are more than so many.
-    fn turns(&self, near: usize, most: usize) -> Option<Vec<Turn>> {
+    /// Each block, and so many others near it.
+    fn remembered(&self, near: usize) -> Vec<Set> {
+        let some = |block: usize| self.near[block].iter().take(near);
+        let set = |block: usize| some(block).fold(1 << block, |set: Set, other| set | 1 << other);
+        (0..self.path.len()).map(set).collect()
+    }
+
+    /// All turns of walks that remember at each block those given, or `all`; `None` if there are more than so many.
+    fn turns(&self, all: bool, remembered: &[Set], most: usize) -> Option<Vec<Turn>> {
         let count = self.path.len();
-        let all = near >= count;
-        let remembered = |block: usize| {
-            if all {
-                Set::MAX
-            } else {
-                self.near[block].iter().take(near).fold(1 << block, |set: Set, other| set | 1 << other)
-            }
-        };
-        let remembered: Vec<Set> = (0..count).map(remembered).collect();
         let mut turns: Vec<Turn> = Vec::new();
-        // What is remembered when a turn is over.
-        let mut done: Vec<Set> = Vec::new();
         let (mut begin, mut numbers) = (0, FxHashMap::default());
         for place in 0..count {
             let end = turns.len();
@@ -142,15 +152,14 @@ impl<'a> Order<'a> {
                     if (place as u32) < before || place + after as usize >= count {
                         continue;
                     }
-                    let known = if place == 0 { 0 } else { done[from] };
+                    let known = if place == 0 { 0 } else { turns[from].done };
                     let follows = place == 0 || self.follows(turns[from].block as usize, block, known, all);
                     if !follows || known >> block & 1 == 1 || all && self.before[block] & !known != 0 {
                         continue;
                     }
                     let known = (known | 1 << block | self.before[block]) & remembered;
                     let number = *numbers.entry((block, known)).or_insert_with(|| {
-                        turns.push(Turn { block: block as u32, next: Vec::new(), place });
-                        done.push(known);
+                        turns.push(Turn { block: block as u32, done: known, next: Vec::new(), place });
                         turns.len() as u32 - 1
                     });
                     if place > 0 {

@@ -4,7 +4,7 @@ use pathwright_geometry::real;
 
 use crate::options::Effort;
 
-use super::{Cheapest, Set, States, Walk, Walks};
+use super::{Cheapest, MOST, Set, States, Walk, Walks};
 
 /// How much is spent on a layer.
 #[derive(Clone, Copy, Debug)]
@@ -12,6 +12,8 @@ pub struct Budget {
     /// Rounds, each of which looks at all walks, and steps in each.
     pub rounds: usize,
     pub steps: usize,
+    /// How many other blocks walks remember at each at first: the first of these of which the turns are not too many.
+    pub memories: &'static [usize],
     /// Most turns of blocks, vertices, and pairs of states.
     pub turns: usize,
     pub vertices: usize,
@@ -21,20 +23,30 @@ pub struct Budget {
 }
 
 impl Budget {
+    /// For walks of which none is left out.
     pub(in super::super) fn new(effort: Effort) -> Self {
+        let (rounds, steps, memories) = (8, 15, &[MOST, 8, 5, 3, 1]);
         match effort {
             Effort::Fast | Effort::Normal => {
-                Self { rounds: 8, steps: 15, turns: 1_000, vertices: 2_000, pairs: 100_000, work: 400_000 }
+                Self { rounds, steps, memories, turns: 1_000, vertices: 2_000, pairs: 100_000, work: 400_000 }
             }
             Effort::High => Self {
                 rounds: 16,
                 steps: 20,
+                memories,
                 turns: 8_000,
                 vertices: 6_000,
                 pairs: 1_000_000,
                 work: 10_000_000,
             },
         }
+    }
+
+    /// For walks that are left out from a limit on: they may begin with little memory, since it grows.
+    pub(in super::super) fn limited(effort: Effort) -> Self {
+        let new = Self::new(effort);
+        let limited = Self { rounds: 200, steps: 20, memories: &[2, 1], turns: 10_000, ..new };
+        if effort == Effort::High { limited } else { Self { pairs: 200_000, work: 5 * new.work, ..limited } }
     }
 }
 
@@ -50,6 +62,14 @@ const SLACK: f64 = 0.15;
 /// less in each round that does better than all before, more if there was too little for the multipliers to hold on to.
 const NARROWER: f64 = 0.7;
 const WIDER: f64 = 2.0;
+/// The step to where the cheapest walk would cost as much as the limit, if all went on as it begins, times this (Polyak 1969,
+/// <https://doi.org/10.1016/0041-5553(69)90061-5>).
+const POLYAK: f64 = 0.5;
+/// Pairs of states up to which memories may grow in a round; or to twice as many as there are.
+const GROWTH: usize = 100_000;
+/// Rounds in which the bound must come nearer to the limit by this share of what is left.
+const STALE: usize = 5;
+const SLOW: f64 = 0.05;
 /// Looks at all walks in a round.
 const LOOKS: u64 = 3;
 /// Walks that draw a path again after more others do not make these remember it.
@@ -62,11 +82,15 @@ struct Faults {
     crossed: Vec<(u32, usize)>,
     /// Paths drawn twice, with those in between.
     repeated: Vec<(u32, Vec<u32>)>,
+    /// Blocks drawn twice or too late, with those that must remember them.
+    returned: Vec<(u32, Vec<u32>)>,
 }
 
 impl Walks<'_> {
-    /// Seeks better multipliers, and divides loops and remembers paths where the cheapest walks cheat.
-    pub(in super::super) fn climb(&mut self) {
+    /// Seeks better multipliers, and divides loops and remembers paths where the cheapest walks cheat. Walks that cost `limit` or
+    /// more may be left out for good; the bound is not above it.
+    pub(in super::super) fn climb(&mut self, limit: Option<i64>) {
+        self.limit = limit;
         let count = self.model.bodies.len();
         let mut slack = SLACK * self.step * count as f64;
         let mut step = self.step * if self.climbed { AGAIN } else { FIRST };
@@ -74,6 +98,8 @@ impl Walks<'_> {
         let mut now = self.multipliers.clone();
         let mut proved = i64::MIN;
         let mut work = self.budget.work * count as u64;
+        // The bound some rounds ago, and in which.
+        let mut before = (0, i64::MIN);
         for round in 0..self.budget.rounds {
             let mut cheapest = self.cheapest(&self.states, &now);
             if cheapest.bound >= proved {
@@ -85,27 +111,58 @@ impl Walks<'_> {
                 cheapest = self.cheapest(&self.states, &now);
             }
             proved = proved.max(cheapest.bound);
+            if let Some(limit) = limit
+                && proved >= limit
+            {
+                proved = limit;
+                self.closed = true;
+                break;
+            }
+            if limit.is_some() && round >= before.0 + STALE {
+                let slow =
+                    limit.is_some_and(|limit| (proved - before.1) as f64 <= SLOW * (limit - proved) as f64);
+                if before.1 > i64::MIN && slow {
+                    break;
+                }
+                before = (round, proved);
+            }
             let walk = self.walk(&self.states, &cheapest);
             let wrong = self.crossed(&walk);
             self.closed = wrong.is_empty() && self.drawn(&walk).iter().all(|&times| times == 1);
-            if self.closed || round + 1 == self.budget.rounds {
+            if self.closed {
+                self.best = Some((cheapest.bound, walk));
                 break;
             }
-            let few = self.states.trimmed(&self.poses, &cheapest, slack as i64);
+            if round + 1 == self.budget.rounds {
+                break;
+            }
+            let on = self.states.costs_on(&self.poses, &cheapest);
+            let left = limit.map_or(i64::MAX, |limit| limit - 1 - cheapest.bound);
+            let few = self.states.trimmed(&self.poses, &cheapest, &on, left.min(slack as i64));
             let spent = LOOKS * self.work(&self.states) + self.budget.steps as u64 * self.work(&few);
             if spent > work {
                 break;
             }
             work -= spent;
-            let mut faults = Faults { crossed: wrong, repeated: Vec::new() };
-            now = self.climb_few(&few, &now, &mut step, &mut faults);
+            if limit.is_some() {
+                self.states = self.states.trimmed(&self.poses, &cheapest, &on, left);
+            }
+            let mut faults = Faults { crossed: wrong, ..Faults::default() };
+            now = self.climb_few(&few, &now, &mut step, limit, &mut faults);
             self.mend(&faults);
         }
         self.bound = proved;
     }
 
     /// The best multipliers for the walks of a part of the graph, from those given.
-    fn climb_few(&mut self, few: &States, from: &[i64], step: &mut f64, faults: &mut Faults) -> Vec<i64> {
+    fn climb_few(
+        &mut self,
+        few: &States,
+        from: &[i64],
+        step: &mut f64,
+        limit: Option<i64>,
+        faults: &mut Faults,
+    ) -> Vec<i64> {
         let mut at: Vec<f64> = from.iter().map(|&multiplier| multiplier as f64).collect();
         let mut last = vec![0.0; at.len()];
         let mut best = (i64::MIN, from.to_vec());
@@ -134,7 +191,13 @@ impl Walks<'_> {
             if 4 * k >= 3 * steps {
                 faults.crossed.extend(crossed);
             }
-            self.repeated(&walk, &mut faults.repeated);
+            if limit.is_none() || 4 * k >= 3 * steps {
+                self.repeated(&walk, faults);
+            }
+            if let Some(limit) = limit {
+                let square: i32 = drawn.iter().map(|&times| (1 - times) * (1 - times)).sum();
+                *step = POLYAK * (limit - cheapest.bound).max(0) as f64 / f64::from(square);
+            }
             for (i, &times) in drawn.iter().enumerate() {
                 let direction = f64::from(1 - times);
                 at[i] += *step * (FRESH * direction + (1.0 - FRESH) * last[i]);
@@ -157,16 +220,30 @@ impl Walks<'_> {
         drawn
     }
 
-    /// Paths that a walk draws again in one block, and those in between.
-    fn repeated(&self, walk: &Walk, repeated: &mut Vec<(u32, Vec<u32>)>) {
+    /// Paths that a walk draws again in one block, blocks that it draws again or too late, and those in between.
+    fn repeated(&self, walk: &Walk, faults: &mut Faults) {
         let items: Vec<u32> = walk.iter().map(|&pose| self.poses.item_of(pose)).collect();
+        let mut blocks: Vec<u32> = Vec::new();
+        let mut left = 0;
         for (k, &item) in items.iter().enumerate() {
+            let block = self.blocks.of[item as usize];
+            if left == 0 {
+                left = self.blocks.items[block as usize].len();
+                let before = &blocks[blocks.len().saturating_sub(LONG)..];
+                let bars =
+                    |other: u32| other == block || self.blocks.before[other as usize] >> block & 1 == 1;
+                if let Some(back) = before.iter().rposition(|&other| bars(other)) {
+                    let back = back + usize::from(before[back] == block);
+                    faults.returned.push((block, before[back..].to_vec()));
+                }
+                blocks.push(block);
+            }
+            left -= 1;
             let before = &items[k.saturating_sub(LONG)..k];
             let Some(back) = before.iter().rposition(|&other| other == item) else { continue };
             let between = &before[back + 1..];
-            let block = self.blocks.of[item as usize];
             if between.iter().all(|&other| self.blocks.of[other as usize] == block) {
-                repeated.push((item, between.to_vec()));
+                faults.repeated.push((item, between.to_vec()));
             }
         }
     }
@@ -174,15 +251,21 @@ impl Walks<'_> {
     /// Divides loops, and remembers paths, where walks cheated.
     fn mend(&mut self, faults: &Faults) {
         self.poses.split(self.model, &faults.crossed);
-        let mut remembered = self.remembered.clone();
+        let (mut remembered, blocks) = (self.remembered.clone(), self.blocks.remembered.clone());
         for (item, between) in &faults.repeated {
             let nth = self.blocks.nth[*item as usize];
             between.iter().for_each(|&other| remembered[other as usize] |= (1 as Set) << nth);
         }
-        if remembered != self.remembered
-            && let Some(states) = States::new(&self.blocks, &remembered, self.budget.pairs)
-        {
-            (self.states, self.remembered) = (states, remembered);
+        for (block, between) in &faults.returned {
+            between.iter().for_each(|&other| self.blocks.remembered[other as usize] |= (1 as Set) << block);
+        }
+        if remembered == self.remembered && blocks == self.blocks.remembered {
+            return;
+        }
+        let most = self.budget.pairs.min(GROWTH.max(2 * self.states.pairs()));
+        match self.states.refined(&self.blocks, &remembered, most) {
+            Some(states) => (self.states, self.remembered) = (states, remembered),
+            None => self.blocks.remembered = blocks,
         }
     }
 

@@ -13,6 +13,7 @@ mod poses;
 mod states;
 
 use super::model::Model;
+use crate::{Cost, Sequence, Visit};
 use blocks::Blocks;
 pub(super) use blocks::MOST;
 use blocks::Set;
@@ -41,8 +42,12 @@ pub(super) struct Walks<'a> {
     budget: Budget,
     /// The mean of the first multipliers.
     step: f64,
+    /// Walks that cost so much were left out.
+    limit: Option<i64>,
     /// Whether multipliers were sought before.
     climbed: bool,
+    /// The cheapest walk, if it draws everything once and crosses nothing.
+    best: Option<(i64, Walk)>,
 }
 
 /// A layer's share: its own, and what links pay at either side.
@@ -51,12 +56,15 @@ pub(super) type Settled = (i64, [Vec<(Point, i64)>; 2]);
 impl<'a> Walks<'a> {
     /// Links at both ends of walks cost nothing until [`Self::measure`]. `multipliers` are a first guess. `None` if there are too many
     /// walks to look at.
-    pub(super) fn new(model: &'a Model, multipliers: Vec<i64>, budget: Budget) -> Option<Self> {
+    pub(super) fn new(model: &'a Model, cost: Cost, multipliers: Vec<i64>, budget: Budget) -> Option<Self> {
         let layer_of = vec![0; model.bodies.len()];
-        let blocks = Blocks::new(model, &layer_of, budget.turns)?;
-        let poses = Poses::new(model, budget.vertices)?;
-        let remembered = remembered(&blocks, &poses, model.bodies.len());
-        let states = States::new(&blocks, &remembered, budget.pairs)?;
+        let blocks = Blocks::new(model, &layer_of, budget.memories, budget.turns)?;
+        let poses = Poses::new(model, cost, budget.vertices)?;
+        let (remembered, states) = NEAR.iter().find_map(|&near| {
+            let remembered = remembered(&blocks, &poses, model.bodies.len(), near);
+            let states = States::new(&blocks, &remembered, budget.pairs)?;
+            Some((remembered, states))
+        })?;
         let points = model.points.len();
         let step = multipliers.iter().sum::<i64>() as f64 / multipliers.len().max(1) as f64;
         let walks = Self {
@@ -73,6 +81,8 @@ impl<'a> Walks<'a> {
             budget,
             step,
             climbed: false,
+            best: None,
+            limit: None,
         };
         // A few looks at them all are the least that is of use.
         let enough = budget.work * model.bodies.len() as u64;
@@ -83,7 +93,7 @@ impl<'a> Walks<'a> {
     pub(super) fn joined(model: &'a Model, layers: &[&Self], budget: Budget) -> Option<Self> {
         let layer_of: Vec<u32> =
             (0..).zip(layers).flat_map(|(k, layer)| vec![k; layer.multipliers.len()]).collect();
-        let blocks = Blocks::new(model, &layer_of, budget.turns)?;
+        let blocks = Blocks::new(model, &layer_of, budget.memories, budget.turns)?;
         let remembered: Vec<Set> = layers.iter().flat_map(|layer| layer.remembered.iter().copied()).collect();
         let states = States::new(&blocks, &remembered, budget.pairs)?;
         let poses = Poses::joined(model, layers.iter().map(|layer| &layer.poses));
@@ -105,6 +115,8 @@ impl<'a> Walks<'a> {
             budget,
             step,
             climbed: true,
+            best: None,
+            limit: None,
         })
     }
 
@@ -112,6 +124,21 @@ impl<'a> Walks<'a> {
     /// least for a point.
     pub(super) fn measure(&mut self, side: usize, length: impl Fn(Point) -> i64) {
         self.links[side] = self.model.points.iter().map(|&p| length(p)).collect();
+    }
+
+    /// The cheapest walk as a solution, if it draws everything once and leaves every loop where it is entered.
+    pub(super) fn solution(&self) -> Option<Sequence> {
+        let (_, walk) = self.best.as_ref()?;
+        let entry = |k: usize, pose: usize| {
+            let range = self.poses.range(pose, 0);
+            let at = match k {
+                _ if range.len() == 1 => range.start,
+                0 => self.link(pose, 0).1,
+                _ => self.poses.joint(self.model, walk[k - 1], pose).1,
+            };
+            Visit { item: self.poses.item_of(pose), entry: at as u32 }
+        };
+        Some(walk.iter().enumerate().map(|(k, &pose)| entry(k, pose)).collect())
     }
 
     /// For each layer, the bound without the links in and out, and the price of links at each point where a walk may begin or end: at
@@ -125,12 +152,35 @@ impl<'a> Walks<'a> {
         for (&layer, multiplier) in self.layer_of.iter().zip(&self.multipliers) {
             settled[layer as usize].0 += multiplier;
         }
+        if let Some(limit) = self.limit {
+            return vec![self.settle_limited(limit, settled[0].0, &cheapest, &passages[1])];
+        }
         for (side, passages) in passages.iter().enumerate() {
             let off = if (side == 0) == down { 1 } else { -1 };
             for (pose, &passage) in passages.iter().enumerate().filter(|&(_, &passage)| passage < FAR / 2) {
                 let layer = self.layer_of[self.poses.item_of(pose) as usize];
                 let points = self.poses.points(self.model, pose, side).iter();
                 settled[layer as usize].1[side].extend(points.map(|&p| (p, off * passage)));
+            }
+        }
+        settled
+    }
+
+    /// The same for one layer, some of whose walks were left out: one that ended with a pose cost the limit at least, and costs
+    /// that without the link out when it comes to the pose.
+    fn settle_limited(&self, limit: i64, inner: i64, cheapest: &Cheapest, ends: &[i64]) -> Settled {
+        let mut settled: Settled = (inner, Default::default());
+        for pose in 0..self.poses.count() {
+            let item = self.poses.item_of(pose);
+            let mut add = |side: usize, price: i64| {
+                let points = self.poses.points(self.model, pose, side).iter();
+                settled.1[side].extend(points.map(|&p| (p, price)));
+            };
+            if self.model.may_begin(item) {
+                add(0, -cheapest.enter[pose]);
+            }
+            if self.model.may_end(item) {
+                add(1, ends[pose].min(limit - cheapest.exit[pose] - inner));
             }
         }
         settled
@@ -178,17 +228,17 @@ impl<'a> Walks<'a> {
 const LEAST_LOOKS: u64 = 10;
 /// Paths of a block in which walks remember all.
 const ALL: usize = 6;
-/// Others that are remembered at first in larger ones.
-const NEAR: usize = 3;
+/// Others that are remembered at first in larger ones: fewer if there are too many states.
+const NEAR: [usize; 3] = [3, 1, 0];
 
 /// The paths nearest to each, and itself, numbered within their block.
-fn remembered(blocks: &Blocks, poses: &Poses, paths: usize) -> Vec<Set> {
+fn remembered(blocks: &Blocks, poses: &Poses, paths: usize, near: usize) -> Vec<Set> {
     let mut remembered = vec![0; paths];
     for items in &blocks.items {
         for (k, &item) in items.iter().enumerate() {
             let mut others: Vec<usize> = (0..items.len()).filter(|&other| other != k).collect();
             others.sort_by_key(|&other| poses.least(item, items[other]));
-            others.truncate(if items.len() <= ALL { ALL } else { NEAR });
+            others.truncate(if items.len() <= ALL { ALL } else { near });
             remembered[item as usize] = others.iter().fold(1 << k, |set: Set, other| set | 1 << other);
         }
     }

@@ -1,6 +1,7 @@
 //! How each path can be drawn: the places of a relaxed walk.
 
-use super::super::model::{Model, link};
+use super::super::model::{Model, price};
+use crate::Cost;
 use pathwright_geometry::Point;
 
 /// Pieces that a free loop has at first.
@@ -13,7 +14,9 @@ pub(super) struct Poses {
     /// First pose of each path, and their number.
     first: Vec<u32>,
     item: Vec<u32>,
-    /// Least length of a link from one pose to another, in fine units, row by row.
+    /// What links cost.
+    cost: Cost,
+    /// Least cost of a link from one pose to another, in fine units, row by row.
     between: Vec<i64>,
     /// The least of these from a pose to any of a path, and from a path to a path, row by row.
     to_item: Vec<i64>,
@@ -22,7 +25,7 @@ pub(super) struct Poses {
 
 impl Poses {
     /// `None` if there are more than so many vertices.
-    pub(super) fn new(model: &Model, most: usize) -> Option<Self> {
+    pub(super) fn new(model: &Model, cost: Cost, most: usize) -> Option<Self> {
         if model.points.len() > most {
             return None;
         }
@@ -32,17 +35,18 @@ impl Poses {
             (0..=count).map(|k| k * vertices / count).collect()
         };
         let cuts = |item: usize| if model.bodies[item].closed { pieces(item) } else { Vec::new() };
-        Some(Self::cut(model, (0..model.bodies.len()).map(cuts).collect()))
+        Some(Self::cut(model, cost, (0..model.bodies.len()).map(cuts).collect()))
     }
 
     /// Those of several layers, one after the other.
     pub(super) fn joined<'p>(model: &Model, layers: impl Iterator<Item = &'p Self>) -> Self {
-        Self::cut(model, layers.flat_map(|poses| poses.cuts.iter().cloned()).collect())
+        Self::cut(model, Cost::Length, layers.flat_map(|poses| poses.cuts.iter().cloned()).collect())
     }
 
-    fn cut(model: &Model, cuts: Vec<Vec<u32>>) -> Self {
+    fn cut(model: &Model, cost: Cost, cuts: Vec<Vec<u32>>) -> Self {
         let mut poses = Self {
             cuts,
+            cost,
             first: Vec::new(),
             item: Vec::new(),
             between: Vec::new(),
@@ -141,6 +145,7 @@ impl Poses {
             let leave = self.points(model, p, 1);
             for to in 0..items as u32 {
                 let begin = between.len();
+                let kind = model.kind(from, to);
                 if !model.permits(from, to) {
                     // None leads there.
                     between.resize(begin + self.of(to).len(), 0);
@@ -148,7 +153,7 @@ impl Poses {
                     between.extend(self.of(to).map(|q| {
                         let enter = self.points(model, q, 0);
                         let (a, b) = nearest(leave, enter);
-                        link(leave[a], enter[b])
+                        price(&self.cost, leave[a], enter[b], kind)
                     }));
                 } else {
                     let row = old_first[from as usize] as usize + p - self.first[from as usize] as usize;

@@ -8,6 +8,12 @@ use super::poses::Poses;
 /// A path being drawn, after so many of its block, and what is remembered of those before it.
 struct State {
     item: u32,
+    /// Paths of its block that are known to be drawn, and blocks.
+    known: Set,
+    done: Set,
+    /// Whether it is the first of its block, or the last.
+    first: bool,
+    last: bool,
     /// Whether it is the first of its layer, or the last.
     opens: bool,
     closes: bool,
@@ -67,6 +73,10 @@ impl States {
                     let state = *numbers.entry((k, known)).or_insert_with(|| {
                         states.push(State {
                             item: items[k],
+                            known,
+                            done: turn.done,
+                            first: place == 0,
+                            last,
                             opens: place == 0 && blocks.below.contains(&turn.place),
                             closes: last && blocks.below.contains(&(turn.place + 1)),
                             begins: place == 0 && turn.place == 0,
@@ -97,13 +107,63 @@ impl States {
                 before[next as usize].extend(now.iter().map(|&(_, _, state)| state));
             }
         }
-        let mut from = Vec::with_capacity(pairs);
-        for (state, into) in states.iter_mut().zip(&into) {
+        Some(Self::of(states, &into))
+    }
+
+    /// States, and those that may come before each.
+    fn of(mut states: Vec<State>, into: &[Vec<u32>]) -> Self {
+        let mut from = Vec::with_capacity(into.iter().map(Vec::len).sum());
+        for (state, into) in states.iter_mut().zip(into) {
             state.from.0 = from.len() as u32;
             from.extend(into);
             state.from.1 = from.len() as u32;
         }
-        Some(Self { states, from })
+        Self { states, from }
+    }
+
+    /// The walks of this graph that remember more, if all that they have is remembered. `None` if there are more than so many pairs of
+    /// states.
+    pub(super) fn refined(&self, blocks: &Blocks, remembered: &[Set], most: usize) -> Option<Self> {
+        let mut states: Vec<State> = Vec::new();
+        let mut into: Vec<Vec<u32>> = Vec::new();
+        let mut pairs = 0;
+        // The states that each becomes: `first..last`.
+        let mut became: Vec<(u32, u32)> = Vec::with_capacity(self.states.len());
+        let mut numbers = FxHashMap::default();
+        for old in &self.states {
+            let begin = states.len() as u32;
+            let (block, nth) = (blocks.of[old.item as usize] as usize, blocks.nth[old.item as usize]);
+            numbers.clear();
+            let mut reach = |states: &mut Vec<State>, known: Set, done: Set, from: Option<u32>| {
+                let known = if old.last { 0 } else { known & remembered[old.item as usize] | 1 << nth };
+                let number = *numbers.entry((known, done)).or_insert_with(|| {
+                    states.push(State { known, done, ..*old });
+                    into.push(Vec::new());
+                    states.len() as u32 - 1
+                });
+                into[number as usize].extend(from);
+                pairs += 1;
+            };
+            if old.begins {
+                reach(&mut states, 0, blocks.after(0, block), None);
+            }
+            for &from in &self.from[old.from.0 as usize..old.from.1 as usize] {
+                let (first, last) = became[from as usize];
+                for from in first..last {
+                    let State { known, done, .. } = states[from as usize];
+                    if old.first && done >> block & 1 == 0 {
+                        reach(&mut states, 0, blocks.after(done, block), Some(from));
+                    } else if !old.first && known >> nth & 1 == 0 {
+                        reach(&mut states, known, done, Some(from));
+                    }
+                }
+            }
+            if pairs > most {
+                return None;
+            }
+            became.push((begin, states.len() as u32));
+        }
+        Some(Self::of(states, &into))
     }
 
     /// The number of pairs of states of which one may come before the other.
@@ -158,7 +218,8 @@ impl States {
     }
 
     /// The same from each pose of each state, itself not counted, to the end, where it pays `exit`.
-    fn costs_on(&self, poses: &Poses, exit: &[i64], pays: &[i64], there: &Costs) -> Vec<i64> {
+    pub(super) fn costs_on(&self, poses: &Poses, cheapest: &Cheapest) -> Vec<i64> {
+        let Cheapest { pays, exit, costs: there, .. } = cheapest;
         let mut costs = vec![FAR; there.costs.len()];
         for (state, &first) in self.states.iter().zip(&there.first).rev() {
             let own = poses.of(state.item);
@@ -186,13 +247,21 @@ impl States {
     }
 
     /// The part of the graph through which walks lead that cost little more than the cheapest.
-    pub(super) fn trimmed(&self, poses: &Poses, cheapest: &Cheapest, slack: i64) -> Self {
+    pub(super) fn trimmed(&self, poses: &Poses, cheapest: &Cheapest, on: &[i64], slack: i64) -> Self {
         let Cheapest { pays, exit, costs, ends, last, .. } = cheapest;
-        let limit = ends[*last] + exit[*last] + slack;
-        let on = self.costs_on(poses, exit, pays, costs);
+        let first = &costs.first;
+        let limit = (ends[*last] + exit[*last]).saturating_add(slack);
         let least = |values: &dyn Fn(usize) -> i64, state: usize| {
             let first = costs.first[state] as usize;
             (first..first + poses.of(self.states[state].item).len()).map(values).min().unwrap_or(FAR)
+        };
+        let leads = |from: usize, to: usize, limit: i64| {
+            let (a, b) = (poses.of(self.states[from].item), poses.of(self.states[to].item));
+            let costs = &costs.costs[costs.first[from] as usize..];
+            let on = &on[first[to] as usize..][..b.len()];
+            a.zip(costs).any(|(p, cost)| {
+                poses.from(p)[b.clone()].iter().zip(on).any(|(length, on)| cost + length + on <= limit)
+            })
         };
         let mut number = vec![u32::MAX; self.states.len()];
         let (mut states, mut from): (Vec<State>, Vec<u32>) = (Vec::new(), Vec::new());
@@ -208,7 +277,9 @@ impl States {
                     continue;
                 }
                 let link = poses.least(self.states[other as usize].item, state.item);
-                if least(&|at| costs.costs[at], other as usize) + link + to <= limit {
+                if least(&|at| costs.costs[at], other as usize) + link + to <= limit
+                    && leads(other as usize, k, limit - pays[state.item as usize])
+                {
                     from.push(number[other as usize]);
                 }
             }
@@ -231,8 +302,8 @@ impl States {
     /// What it takes to come to each pose as the first of its layer, and what to draw all paths from there to the last of the layer;
     /// if `down`, what it takes to go on from the first pose, and from the last.
     pub(super) fn passages(&self, poses: &Poses, cheapest: &Cheapest, down: bool) -> [Vec<i64>; 2] {
-        let Cheapest { pays, exit, costs, .. } = cheapest;
-        let on = down.then(|| self.costs_on(poses, exit, pays, costs));
+        let Cheapest { pays, costs, .. } = cheapest;
+        let on = down.then(|| self.costs_on(poses, cheapest));
         let mut passages = [vec![FAR; poses.count()], vec![FAR; poses.count()]];
         for (state, &first) in self.states.iter().zip(&costs.first) {
             let pay = pays[state.item as usize];
