@@ -44,8 +44,12 @@ impl Layer {
     fn problem(&self, scope: Scope) -> Problem<'_> {
         let loops = self.loops.iter().map(|(run, points)| Item { run: *run, shape: Shape::Loop(points) });
         let lines = self.lines.iter().map(|&(run, ends)| Item { run, shape: Shape::Open(ends) });
-        let runs =
-            (0..2 * self.loops.len() as u32).map(|run| Run { stage: 1, island: run / 2, rank: run % 2 });
+        let runs = (0..2 * self.loops.len() as u32).map(|run| Run {
+            stage: 1,
+            island: run / 2,
+            layer: 0,
+            rank: run % 2,
+        });
         let start = Some(Point::default());
         Problem { items: loops.chain(lines).collect(), runs: runs.collect(), scope, start, end: None }
     }

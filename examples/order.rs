@@ -13,7 +13,7 @@ fn main() {
     });
     let problem = Problem {
         items: lines.map(|ends| Item { run: 0, shape: Shape::Open(ends) }).collect(),
-        runs: vec![Run { stage: 0, island: 0, rank: 0 }],
+        runs: vec![Run { stage: 0, island: 0, layer: 0, rank: 0 }],
         scope: Scope::Feature,
         start: Some(Point::from_mm(0.0, 0.0)),
         end: None,

@@ -1,5 +1,6 @@
 //! The tasks of a run, and the errors that it can end with.
 
+pub mod catalog;
 mod command;
 mod error;
 mod file;

@@ -52,8 +52,11 @@ pub(crate) fn threads() -> usize {
     if in_pool() { rayon::current_num_threads() } else { 1 }
 }
 
+/// WebAssembly without shared memory has one thread, and need not hold the code for more.
+const HAS_THREADS: bool = !cfg!(all(target_family = "wasm", not(target_feature = "atomics")));
+
 fn in_pool() -> bool {
-    rayon::current_thread_index().is_some()
+    HAS_THREADS && rayon::current_thread_index().is_some()
 }
 
 /// Does something with a number of threads of its own (0: as many as `RAYON_NUM_THREADS` says, or else the machine has
@@ -64,6 +67,7 @@ pub(crate) fn run<T: Send>(
     work: impl FnOnce(Workers<'_>) -> T + Send,
 ) -> Option<T> {
     let work = || work(Workers { observer });
+    let threads = threads.filter(|_| HAS_THREADS);
     let attempt = || match threads.map(|n| rayon::ThreadPoolBuilder::new().num_threads(n).build()) {
         Some(Ok(pool)) => pool.install(work),
         // Where the system has no threads to give, the caller does the work.

@@ -64,17 +64,41 @@ impl SlicedJob {
     /// # Ok::<(), pathwright::Error>(())
     /// ```
     pub fn new(job: &Job, settings: &Settings, observer: &Observer<'_>) -> Result<Self, JobError> {
-        let (mut output, mut layers) = (Output::memory(), Vec::new());
-        let summary = Pipeline::slice_moves(job, settings, &mut output, &mut layers, observer)?;
-        Ok(Self { gcode: output.into_bytes(), summary, layers, machine: Machine::new(settings) })
+        Self::followed(job, settings, |_, _| {}, observer)
     }
 
-    /// What a layer draws from stop to stop: travels, retractions and other roles end a path. O(moves).
+    /// As [`SlicedJob::new`]; `on_layer` is shown each layer as soon as it is finished, from the bed up, for [`Beads::of`].
+    ///
+    /// # Errors
+    /// As [`SlicedJob::new`].
+    pub fn followed(
+        job: &Job,
+        settings: &Settings,
+        mut on_layer: impl FnMut(&LayerMoves, &Machine) + Send,
+        observer: &Observer<'_>,
+    ) -> Result<Self, JobError> {
+        let (mut output, mut layers) = (Output::memory(), Vec::new());
+        let machine = Machine::new(settings);
+        let keep = |moves: LayerMoves| {
+            on_layer(&moves, &machine);
+            layers.push(moves);
+        };
+        let summary = Pipeline::slice_moves(job, settings, &mut output, keep, observer)?;
+        Ok(Self { gcode: output.into_bytes(), summary, layers, machine })
+    }
+
+    /// What a layer draws; see [`Beads::of`].
     ///
     /// # Panics
     /// If there is no such layer.
     pub fn beads(&self, layer: usize) -> Beads {
-        let layer = &self.layers[layer];
+        Beads::of(&self.layers[layer], &self.machine)
+    }
+}
+
+impl Beads {
+    /// What a layer draws from stop to stop: travels, retractions and other roles end a path. O(moves).
+    pub fn of(layer: &LayerMoves, machine: &Machine) -> Self {
         let is_rising = layer.moves.iter().any(|step| matches!(step, Move::Ramp { .. }));
         let mut pen = Pen {
             beads: Beads::default(),
@@ -84,7 +108,7 @@ impl SlicedJob {
             width_mm: 0.0,
             is_down: false,
         };
-        for (step, seconds) in layer.moves.iter().zip(move_times_s(layer, &self.machine)) {
+        for (step, seconds) in layer.moves.iter().zip(move_times_s(layer, machine)) {
             pen.follow(step, seconds);
         }
         pen.beads.starts.push(pen.beads.points_mm.len());

@@ -7,7 +7,7 @@ use crate::mesh::{self, Mesh, Transform};
 use crate::observer::Observer;
 use crate::parallel;
 use crate::pipeline::load;
-use crate::plate;
+use crate::plate::{self, Line};
 use crate::profile::Settings;
 
 /// A model: the objects of a file, or a mesh, with their transformation.
@@ -101,6 +101,16 @@ impl Model {
     /// The meshes, each with what was found and repaired.
     pub fn objects(&self) -> &[mesh::Model] {
         &self.objects
+    }
+
+    /// What it prints, each body standing on z = 0, with its name; see [`check_against`](crate::check_against).
+    ///
+    /// # Errors
+    /// As [`Plate::add`](super::Plate::add).
+    pub fn standing_bodies(self, settings: &Settings) -> Result<Vec<(String, Mesh)>, JobError> {
+        let line = Line::thinnest(settings);
+        let model = plate::Model::new(&self.path, self.objects, None, &self.transform, line, 1)?;
+        Ok(model.layout.standing_bodies())
     }
 
     pub(super) fn prepared(self, settings: &Settings) -> Result<plate::Model, JobError> {

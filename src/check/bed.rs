@@ -1,5 +1,7 @@
 //! Where the nozzle may be: inside the printable volume.
 
+use geometry::real;
+
 use super::fault::Kind;
 use super::report::Found;
 use super::rule::{LineContext, Rule};
@@ -36,7 +38,7 @@ impl Bed {
     fn holds(&self, [x, y, z]: [f64; 3]) -> bool {
         let inside = if self.round {
             let middle = [0, 1].map(|i| (self.low[i] + self.high[i]) / 2.0);
-            (x - middle[0]).hypot(y - middle[1]) <= (self.high[0] - self.low[0]) / 2.0 + SLACK_MM
+            real::hypot(x - middle[0], y - middle[1]) <= (self.high[0] - self.low[0]) / 2.0 + SLACK_MM
         } else {
             let within = |v: f64, i: usize| self.low[i] - SLACK_MM <= v && v <= self.high[i] + SLACK_MM;
             within(x, 0) && within(y, 1)

@@ -1,5 +1,7 @@
 //! What the machine can do: speeds and accelerations.
 
+use geometry::real;
+
 use super::fault::Kind;
 use super::report::Found;
 use super::rule::{LineContext, Rule};
@@ -28,7 +30,7 @@ impl Limits {
         let [dx, dy, dz] = [0, 1, 2].map(|i| (stroke.to[i] - stroke.from[i]).abs());
         let xy_mm = stroke.xy_mm;
         let ahead = if stroke.arc.is_some() { [xy_mm, xy_mm] } else { [dx, dy] };
-        let distance_mm = if xy_mm > 0.0 || dz > 0.0 { xy_mm.hypot(dz) } else { e_mm.abs() };
+        let distance_mm = if xy_mm > 0.0 || dz > 0.0 { real::hypot(xy_mm, dz) } else { e_mm.abs() };
         if distance_mm <= 1e-9 {
             return;
         }

@@ -1,5 +1,7 @@
 //! How high the print stands, on a grid of square cells over the bed.
 
+use geometry::real;
+
 use crate::gcode::Stroke;
 
 /// A painted bead is wider by this much of a cell: cells count that it covers in part.
@@ -94,7 +96,7 @@ impl Relief {
     /// Calls `visit` for each cell whose middle is within the radius of a line, row by row.
     fn capsule(&self, from: [f64; 3], to: [f64; 3], radius_mm: f64, mut visit: impl FnMut(usize)) {
         let [dx, dy] = [to[0] - from[0], to[1] - from[1]];
-        let length_mm = dx.hypot(dy);
+        let length_mm = real::hypot(dx, dy);
         let across = match length_mm > 0.0 {
             true => [-dy / length_mm * radius_mm, dx / length_mm * radius_mm],
             false => [0.0; 2],

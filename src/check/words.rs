@@ -1,5 +1,7 @@
 //! What the file is written in: known commands, letters with numbers.
 
+use geometry::real;
+
 use super::fault::Kind;
 use super::report::Found;
 use super::rule::{LineContext, Rule};
@@ -131,7 +133,7 @@ fn is_valid_arc(stroke: &Stroke, seen: &LineContext<'_>) -> bool {
     if words.get(b'R').is_some() {
         return true;
     }
-    let radius_mm = |p: [f64; 3]| (p[0] - center.at[0]).hypot(p[1] - center.at[1]);
+    let radius_mm = |p: [f64; 3]| real::hypot(p[0] - center.at[0], p[1] - center.at[1]);
     let radii = [radius_mm(stroke.from), radius_mm(stroke.to)];
     let given = words.get(b'I').is_some() || words.get(b'J').is_some();
     given && radii[0] > 0.0 && (!seen.located || (radii[0] - radii[1]).abs() <= ARC_SLACK_MM)

@@ -21,7 +21,9 @@ use crate::view::{self, Print, Scene};
 /// being compared; the exit code is that of the first one that failed.
 pub(super) fn run(args: &CompareArgs, engine: &dyn Engine) -> Result<Exit, Failure> {
     let watch = Watch::start(&args.limits, args.json)?;
-    let sources = Sources::new(&args.settings, plan::shorthands(None, &args.ordering))?;
+    let mut shorthands = plan::shorthands(None, &args.ordering);
+    shorthands.extend(plan::by_length(&args.settings, &args.ordering));
+    let sources = Sources::new(&args.settings, shorthands)?;
     let plates = plan::plates(&args.models, &sources)?;
     if let Some(first) = plates.first() {
         console::warn(&first.settings.warnings);

@@ -313,6 +313,13 @@ pub(super) fn shorthands(order: Option<&String>, args: &OrderingArgs) -> Vec<Ove
     given.map(|(option, key, value)| Override { key: key.into(), value, option }).collect()
 }
 
+/// Lengths are what is compared and shortened, unless a cost is asked for.
+pub(super) fn by_length(args: &SettingArgs, ordering: &OrderingArgs) -> Option<Override> {
+    const KEY: &str = "order.cost";
+    let asked = ordering.cost.is_some() || args.set.iter().any(|set| set.key == KEY);
+    (!asked).then(|| Override { key: KEY.into(), value: "length".into(), option: "--cost" })
+}
+
 /// The table of layer heights, if one is given.
 fn layer_heights(args: &SliceArgs) -> Result<Option<Override>, Failure> {
     let Some(path) = &args.layer_heights else { return Ok(None) };

@@ -45,7 +45,7 @@ pub(super) fn run(args: &ReorderArgs, engine: &dyn Engine) -> Result<Exit, Failu
     Ok(exit)
 }
 
-/// The settings in force. Of a finished file outer walls keep their seams, unless something else is requested.
+/// The settings in force. Lengths count, and of a finished file outer walls keep their seams, unless something else is requested.
 fn settings(args: &ReorderArgs) -> Result<Settings, Failure> {
     let seam = Override { key: "seam.position".into(), value: "pinned".into(), option: "--seam" };
     let asked = args.ordering.seam.is_some() || sets(args, &seam.key);
@@ -53,6 +53,7 @@ fn settings(args: &ReorderArgs) -> Result<Settings, Failure> {
     if !asked {
         shorthands.push(seam);
     }
+    shorthands.extend(plan::by_length(&args.settings, &args.ordering));
     let resolved = plan::settings(&args.settings, &shorthands)?;
     if !args.quiet {
         console::warn(&resolved.warnings);

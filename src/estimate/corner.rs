@@ -1,5 +1,7 @@
 //! How fast a machine starts, stops, and takes the corner between two moves.
 
+use geometry::real;
+
 use super::{Firmware, Machine};
 
 /// What the corners at both ends of a move depend on.
@@ -178,7 +180,7 @@ impl Machine {
             let chord2 = 2.0 * (1.0 - straightness);
             let reach = now.length_mm * acceleration;
             if reach * reach < v2 * v2 * (1.03 * 1.03 * chord2) {
-                return v2.min(reach / straightness.acos());
+                return v2.min(reach / real::acos(straightness));
             }
         }
         v2

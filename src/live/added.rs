@@ -2,7 +2,7 @@
 
 use serde::Serialize;
 
-use crate::job::ModelFile;
+use crate::job::{ModelFile, Project};
 use crate::mesh::{self, UnitHint};
 
 /// A file that was added.
@@ -14,6 +14,19 @@ pub struct Added {
     pub bytes: usize,
     /// What it holds.
     pub objects: Vec<AddedObject>,
+}
+
+/// A file that was added, be it a model or a project with its models.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct AddedFile {
+    /// The file; of a project, with the name of its first model and the objects of all.
+    #[serde(flatten)]
+    pub added: Added,
+    /// The project, with the names that its models have here.
+    pub project: Option<Project>,
+    /// The models of a project.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub files: Option<Vec<Added>>,
 }
 
 /// An object of a file.

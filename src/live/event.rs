@@ -1,5 +1,7 @@
 //! What subscribers are told.
 
+use std::sync::Arc;
+
 use serde::Serialize;
 
 use super::placed::Placed;
@@ -74,12 +76,15 @@ pub struct Progress {
 }
 
 /// The walls of all layers are planned.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 pub struct Walls {
     /// The revision.
     pub revision: u64,
     /// How many layers there are.
     pub layers: usize,
+    /// The walls, packed; see [`preview`](crate::view::preview).
+    #[serde(skip)]
+    pub packed: Arc<[u8]>,
 }
 
 /// A print is complete.

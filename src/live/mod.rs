@@ -20,10 +20,10 @@ mod slicing;
 mod state;
 mod work;
 
-pub use added::{Added, AddedObject};
+pub use added::{Added, AddedFile, AddedObject};
 pub use event::{Before, Done, Event, Failed, Fault, FaultKind, Progress, Walls};
 pub use options::{Failure, Options, Spawn};
 pub use placed::{Placed, PlacedObject};
 pub use resolved::{Bed, Resolved, SettingProblem};
 pub use results::Results;
-pub use session::{Session, Subscription};
+pub use session::{DISPLAYED, Session, Subscription};

@@ -2,6 +2,7 @@
 
 use std::collections::BTreeMap;
 
+use geometry::real;
 use serde::Serialize;
 use serde_json::Value;
 
@@ -71,7 +72,7 @@ impl Bed {
             BedShape::Round => {
                 let radius_mm = bed.size[0].0 / 2.0;
                 let corner = |i: usize| {
-                    let (sin, cos) = (std::f64::consts::TAU * i as f64 / CORNERS as f64).sin_cos();
+                    let (sin, cos) = real::sin_cos(std::f64::consts::TAU * i as f64 / CORNERS as f64);
                     [middle[0] + radius_mm * cos, middle[1] + radius_mm * sin]
                 };
                 ("circle", (0..CORNERS).map(corner).collect())

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 use std::sync::atomic::Ordering;
 
-use super::added::Added;
+use super::added::{Added, AddedFile};
 use super::event::Event;
 use super::layout;
 use super::options::{Failure, Options};
@@ -15,6 +15,8 @@ use crate::pipeline::Pipeline;
 use crate::plate::{self, Face};
 use crate::profile;
 
+/// Meshes with more triangles are simplified for display.
+pub const DISPLAYED: usize = 200_000;
 /// Faces that a model can be laid on.
 const FACES: usize = 40;
 
@@ -36,6 +38,30 @@ impl Session {
     /// A session without models.
     pub fn new(options: Options) -> Self {
         Self { shared: Arc::new(Shared::new(options)) }
+    }
+
+    /// Adds a file; of a project all its models, under names that are free.
+    ///
+    /// # Errors
+    /// It is neither a model nor a project, or the session has no room for it.
+    pub fn add(&self, name: &str, contents: &[u8]) -> Result<AddedFile, Failure> {
+        let Some((mut project, files)) = Project::read(name, contents, &Observer::none())? else {
+            return Ok(AddedFile { added: self.add_model(name, contents)?, project: None, files: None });
+        };
+        let mut all = Vec::new();
+        for (file, read) in files {
+            let read = Arc::into_inner(read).ok_or_else(|| Failure::Limit("the file is in use".into()))?;
+            let added = self.add_file(read)?;
+            let models = project.models.iter_mut().filter(|model| model.file == file);
+            models.for_each(|model| model.file.clone_from(&added.file));
+            all.push(added);
+        }
+        let added = Added {
+            file: all.first().map(|added| added.file.clone()).unwrap_or_default(),
+            bytes: contents.len(),
+            objects: all.iter().flat_map(|added| added.objects.clone()).collect(),
+        };
+        Ok(AddedFile { added, project: Some(project), files: Some(all) })
     }
 
     /// Reads and repairs a model file; takes as long as that does.

@@ -34,8 +34,7 @@ pub(super) struct Slicing<'a> {
 pub(super) enum Step {
     Placed(Placed),
     Progress(Progress),
-    /// With the walls, packed.
-    Walls(Walls, Vec<u8>),
+    Walls(Walls),
 }
 
 impl Slicing<'_> {
@@ -51,8 +50,8 @@ impl Slicing<'_> {
             Stage::Walls(done, of) => paced.tell("paths", done, of),
             Stage::WallsDone(layers) => {
                 let print = Print::new(name.clone(), Scene::planned(layers), self.settings);
-                let walls = Walls { revision: self.revision, layers: layers.len() };
-                tell(Step::Walls(walls, view::preview(&print)));
+                let packed = view::preview(&print).into();
+                tell(Step::Walls(Walls { revision: self.revision, layers: layers.len(), packed }));
             }
         };
         let observer = Observer::none()

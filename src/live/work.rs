@@ -142,10 +142,10 @@ impl Shared {
             match step {
                 Step::Placed(placed) => state.tell(Event::Placed(Box::new(placed))),
                 Step::Progress(progress) => state.tell(Event::Progress(progress)),
-                Step::Walls(walls, packed) => {
+                Step::Walls(walls) => {
                     if !is_over() {
-                        let results =
-                            Results { revision: *revision, walls: Some(packed.into()), ..Results::default() };
+                        let packed = Some(walls.packed.clone());
+                        let results = Results { revision: *revision, walls: packed, ..Results::default() };
                         state.keep(results, self.options.kept_bytes);
                     }
                     state.tell(Event::Walls(walls));

@@ -2,6 +2,7 @@
 
 use std::path::Path;
 
+use geometry::real;
 use serde::Serialize;
 
 use super::error::MeshError;
@@ -60,7 +61,7 @@ impl UnitHint {
             let tiny = longest_mm < SHORT_MM || little;
             return tiny.then_some(FOREIGN[0]);
         }
-        let distance = |unit: &Self| (longest_mm * unit.factor / USUAL_MM).ln().abs();
+        let distance = |unit: &Self| real::ln(longest_mm * unit.factor / USUAL_MM).abs();
         FOREIGN.into_iter().min_by(|a, b| distance(a).total_cmp(&distance(b)))
     }
 

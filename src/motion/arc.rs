@@ -1,6 +1,7 @@
 //! Finds the stretches of a polyline that follow a circle, to be written as one G2 or G3 each.
 
 use super::simplify::MERGE_TOLERANCE_MM;
+use geometry::real;
 use geometry::{distance_mm, to_segment_mm};
 
 /// An arc replaces at least this many segments: fewer are no shorter as arcs.
@@ -131,7 +132,7 @@ fn fit(points: &[[f64; 2]], tolerance_mm: f64) -> Fit {
 /// Angle from `a` to `b` seen from the centre, counter-clockwise positive.
 fn turn(a: [f64; 2], b: [f64; 2], center: [f64; 2]) -> f64 {
     let (u, v) = ([a[0] - center[0], a[1] - center[1]], [b[0] - center[0], b[1] - center[1]]);
-    (u[0] * v[1] - u[1] * v[0]).atan2(u[0] * v[0] + u[1] * v[1])
+    real::atan2(u[0] * v[1] - u[1] * v[0], u[0] * v[0] + u[1] * v[1])
 }
 
 #[cfg(test)]

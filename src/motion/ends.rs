@@ -1,6 +1,7 @@
 //! How loops begin and end without a blob: with a gap, or with a scarf.
 
 use super::bead::{Vertex, length_mm};
+use geometry::real;
 use geometry::{cross, distance_mm};
 
 /// Loops shorter than so many gaps or scarfs stay as they are.
@@ -39,7 +40,7 @@ pub(super) fn is_corner(vertices: &[Vertex]) -> bool {
     let (after, before) = (beyond(seam.at, vertices.iter()), beyond(seam.at, vertices.iter().rev()));
     let (dot, cross) = (before[0] * after[0] + before[1] * after[1], cross(before, after));
     // Straight on is opposite directions.
-    cross.abs().atan2(-dot) > CORNER_RAD
+    real::atan2(cross.abs(), -dot) > CORNER_RAD
 }
 
 /// From the seam to the first of these vertices that is a little away.

@@ -6,6 +6,7 @@
 use super::simplify::Piece;
 use crate::toolpath::Role;
 use crate::units::MmPerS;
+use geometry::real;
 use geometry::{cross, distance_mm};
 
 /// Largest angle at a vertex, in rad × mm/s over mm/s: at 50 mm/s and a square corner velocity of 5 mm/s, 0.22 rad.
@@ -68,7 +69,7 @@ fn direction(a: [f64; 2], b: [f64; 2]) -> ([f64; 2], f64) {
 
 /// The angle from one direction to another, counter-clockwise positive.
 fn turn_rad(u: [f64; 2], v: [f64; 2]) -> f64 {
-    cross(u, v).atan2(dot(u, v))
+    real::atan2(cross(u, v), dot(u, v))
 }
 
 fn dot(u: [f64; 2], v: [f64; 2]) -> f64 {
@@ -96,10 +97,10 @@ pub(super) fn round_corners(from: [f64; 2], pieces: &[Piece], rounding: &Roundin
         }
         let half = 0.5 * turn.abs();
         let tangent_mm = {
-            let by_deviation_mm = rounding.deviation_mm * half.sin() / (1.0 - half.cos()).max(1e-9);
+            let by_deviation_mm = rounding.deviation_mm * real::sin(half) / (1.0 - real::cos(half)).max(1e-9);
             by_deviation_mm.min(0.5 * u_mm).min(0.5 * v_mm)
         };
-        let radius_mm = tangent_mm / half.tan();
+        let radius_mm = tangent_mm / real::tan(half);
         let steps =
             (turn.abs() / rounding.step_rad).ceil().min((radius_mm * turn.abs() / SHORTEST_MM).floor());
         if steps < 2.0 {
@@ -115,10 +116,10 @@ pub(super) fn round_corners(from: [f64; 2], pieces: &[Piece], rounding: &Roundin
         }
         let left_of = [-u[1] * turn.signum(), u[0] * turn.signum()];
         let center = [begin[0] + left_of[0] * radius_mm, begin[1] + left_of[1] * radius_mm];
-        let chord_mm = 2.0 * radius_mm * (0.5 * turn.abs() / steps).sin();
+        let chord_mm = 2.0 * radius_mm * real::sin(0.5 * turn.abs() / steps);
         let volume_mm3 = (from_u_mm3 + from_v_mm3) / steps;
         for step in 1..=steps as u32 {
-            let (sine, cosine) = (turn * f64::from(step) / steps).sin_cos();
+            let (sine, cosine) = real::sin_cos(turn * f64::from(step) / steps);
             let r = [begin[0] - center[0], begin[1] - center[1]];
             at = [center[0] + r[0] * cosine - r[1] * sine, center[1] + r[0] * sine + r[1] * cosine];
             out.push(Piece { to: at, volume_mm3, area_mm2: volume_mm3 / chord_mm });

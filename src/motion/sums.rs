@@ -3,6 +3,7 @@
 use super::{LayerMoves, Move};
 use crate::units::{Mm, Mm3};
 use geometry::distance_mm;
+use geometry::real;
 
 /// Sums of a layer's moves. Distances are in X and Y; those before the first bead of the print do not count.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -86,7 +87,7 @@ pub(super) fn drawn_mm(step: &Move, from: [f64; 2]) -> f64 {
 
 /// Length of an arc.
 pub(crate) fn arc_mm(from: [f64; 2], to: [f64; 2], center: [f64; 2], clockwise: bool) -> f64 {
-    let angle = |p: [f64; 2]| (p[1] - center[1]).atan2(p[0] - center[0]);
+    let angle = |p: [f64; 2]| real::atan2(p[1] - center[1], p[0] - center[0]);
     let turn = if clockwise { angle(from) - angle(to) } else { angle(to) - angle(from) };
     let sweep = turn.rem_euclid(std::f64::consts::TAU);
     // No turn at all is a whole circle.

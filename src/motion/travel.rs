@@ -5,6 +5,7 @@ use super::nozzle::Nozzle;
 use super::{MotionSettings, Move, Stop};
 use crate::toolpath::IslandId;
 use crate::units::{Mm3, MmPerS};
+use geometry::real;
 use geometry::{Clipper, Point, Route, distance_mm, polyline_length_mm};
 
 /// Heights are sums of layers, and positions rounded.
@@ -128,7 +129,7 @@ impl Nozzle<'_> {
         let way: Vec<[f64; 2]> = std::iter::once(at).chain(stops.iter().copied()).collect();
         let (inside_mm, way_mm) =
             (self.inside_mm(&way), way.windows(2).map(|w| distance_mm(w[0], w[1])).sum());
-        let angled_mm = rise_mm / degrees.to_radians().tan();
+        let angled_mm = rise_mm / real::tan(degrees.to_radians());
         // A way that ends before is not risen to the top, but to the layer at least.
         let climb_mm = self.layer_z_mm - self.z_mm;
         let slope_mm = match inside_mm + TOLERANCE_MM < way_mm {
@@ -173,7 +174,7 @@ impl Nozzle<'_> {
     /// The travel speed, unless Z would be faster than it may.
     fn climb_speed(&self, length_mm: f64, climb_mm: f64) -> MmPerS {
         let speed = &self.settings.speed;
-        MmPerS(speed.travel.0.min(speed.z.0 * length_mm.hypot(climb_mm) / climb_mm))
+        MmPerS(speed.travel.0.min(speed.z.0 * real::hypot(length_mm, climb_mm) / climb_mm))
     }
 
     pub(super) fn lift(&mut self, z_mm: f64) {

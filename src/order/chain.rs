@@ -13,8 +13,8 @@ use super::straight_on::{Corners, StraightOn};
 use crate::toolpath::LayerPaths;
 use geometry::{Point, Router};
 use ordering::{
-    Cost, DetourRule, Detours, Effort, Known, Nearest, Problem, Sequence, Strategy, Visit, Watch, bound,
-    first_points, strategy,
+    Cost, DetourRule, Detours, Effort, Known, LinkKind, Nearest, Problem, Sequence, Strategy, Visit, Watch,
+    bound, first_points, strategy,
 };
 
 /// Paths of a layer of which the shortest order is sought, at most.
@@ -257,20 +257,23 @@ impl Chain {
         for (i, (layer, sequence)) in layers.iter().zip(sequences).enumerate() {
             let mut island = None;
             let router = self.detours.zip(routers.get(i));
+            let mut climbs = true;
             for &visit in sequence {
                 let (enter, leave) = ends_on_path(layer, visit);
                 let here = Some(layer.paths[visit.path as usize].island);
                 total += match (at, router) {
                     (Some(from), Some((rule, router))) if here == island => {
-                        rule.cost(router, &self.cost, from.mm(), enter.mm())
+                        rule.cost(router, &self.cost, [from.mm(), enter.mm()], climbs)
                     }
-                    (Some(from), _) => self.cost.of(from.distance_mm(enter), here == island),
+                    (Some(from), _) => {
+                        self.cost.of(from.distance_mm(enter), LinkKind { inside: here == island, climbs })
+                    }
                     (None, _) => 0.0,
                 };
-                (at, island) = (Some(leave), here);
+                (at, island, climbs) = (Some(leave), here, false);
             }
         }
-        total + at.zip(end).map_or(0.0, |(from, to)| self.cost.of(from.distance_mm(to), false))
+        total + at.zip(end).map_or(0.0, |(from, to)| self.cost.of(from.distance_mm(to), LinkKind::UP))
     }
 
     fn solve_layer(

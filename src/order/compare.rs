@@ -81,10 +81,10 @@ impl LayerRow {
         let paths = sequence.len();
         let mut row =
             Self { layer, paths, link_mm: 0.0, travels: 0, travel_s: 0.0, bound_mm: None, excess: None };
-        for (link_mm, inside) in links(problem, sequence) {
+        for (link_mm, kind) in links(problem, sequence) {
             row.link_mm += link_mm;
             row.travels += usize::from(link_mm > 0.0);
-            row.travel_s += time.of(link_mm, inside);
+            row.travel_s += time.of(link_mm, kind);
         }
         row
     }

@@ -24,7 +24,7 @@ impl<'a> LayerProblem<'a> {
         let mut items = Vec::with_capacity(layer.paths.len());
         for (index, path) in layer.paths.iter().enumerate() {
             let island = path.island.map_or(NO_ISLAND, |island| island.0);
-            let run = Run { stage: stage(path.role), island, rank: rank(path.phase) };
+            let run = Run { stage: stage(path.role), island, layer: 0, rank: rank(path.phase) };
             let number = *numbers.entry((run.stage, run.island, run.rank)).or_insert_with(|| {
                 runs.push(run);
                 runs.len() as u32 - 1
@@ -97,7 +97,11 @@ pub fn stacked<'a>(layers: &[LayerProblem<'a>], scope: Scope) -> Problem<'a> {
     let (mut items, mut runs) = (Vec::new(), Vec::new());
     for (number, LayerProblem { problem, .. }) in (0..).zip(layers) {
         let first = runs.len() as u32;
-        runs.extend(problem.runs.iter().map(|run| Run { stage: run.stage + STAGES * number, ..*run }));
+        runs.extend(problem.runs.iter().map(|run| Run {
+            stage: run.stage + STAGES * number,
+            layer: number,
+            ..*run
+        }));
         items.extend(problem.items.iter().map(|item| Item { run: item.run + first, ..*item }));
     }
     Problem { items, runs, scope, start: None, end: None }

@@ -62,7 +62,7 @@ section! {
         /// How far paths may mix.
         scope: Scope = Scope::Feature,
         /// Cost that is minimised.
-        cost: CostKind = CostKind::Length,
+        cost: CostKind = CostKind::Time,
         /// Duration of the search.
         effort: Effort = Effort::Normal,
         /// Each layer starts where the last one ended.

@@ -3,6 +3,7 @@
 use super::options::SeamPosition;
 use crate::toolpath::LayerPaths;
 use geometry::Point;
+use geometry::real;
 use ordering::matching::KdTree;
 use ordering::{Problem, Sequence, Shape};
 
@@ -108,7 +109,7 @@ fn turn(points: &[Point], vertex: usize) -> f64 {
     let n = points.len();
     let (a, b, c) = (points[(vertex + n - 1) % n].mm(), points[vertex].mm(), points[(vertex + 1) % n].mm());
     let (u, v) = ([b[0] - a[0], b[1] - a[1]], [c[0] - b[0], c[1] - b[1]]);
-    let lengths = u[0].hypot(u[1]) * v[0].hypot(v[1]);
+    let lengths = real::hypot(u[0], u[1]) * real::hypot(v[0], v[1]);
     if lengths == 0.0 {
         return 0.0;
     }

@@ -5,8 +5,9 @@
 
 use super::layer::{PathOrder, PathVisit};
 use crate::toolpath::{LayerPaths, Path};
+use geometry::real;
 use geometry::{Router, distance_mm};
-use ordering::{Cost, DetourRule, TravelTime, ramped_s};
+use ordering::{Cost, DetourRule, LinkKind, TravelTime, ramped_s};
 
 /// Loops are tried at vertices this far apart, up to so many on either side of where they are entered.
 const STEP_MM: f64 = 0.45;
@@ -53,19 +54,29 @@ impl Corners {
         arc_v2.min(reach_v2).sqrt().min(most)
     }
 
+    /// Seconds lost in the corner between an end and a start at the same place, if the nozzle does not stop to extrude.
+    fn passed_s(&self, from: &End, to: &End) -> f64 {
+        let cosine = from.direction[0] * to.direction[0] + from.direction[1] * to.direction[1];
+        let corners = Self { extruder_mm_s: f64::INFINITY, ..*self };
+        2.0 * self.lost_s(corners.corner_mm_s(cosine, f64::INFINITY))
+    }
+
+    /// Seconds that a path takes less for being entered where it is: a loop that begins in a corner does not pass it.
+    fn saved_s(&self, candidate: &Candidate, closed: bool) -> f64 {
+        if closed { self.passed_s(&candidate.end, &candidate.begin) } else { 0.0 }
+    }
+
     /// Seconds from the end of one bead to the start of the next.
     fn link_s(&self, from: &End, to: &End, inside: bool) -> f64 {
         let (dx, dy) = (to.at[0] - from.at[0], to.at[1] - from.at[1]);
-        let length_mm = dx.hypot(dy);
+        let length_mm = real::hypot(dx, dy);
         let travel = &self.travel;
         let retract_from_mm = if inside { travel.retract_inside_from_mm } else { travel.retract_from_mm };
         if length_mm <= 0.0 {
-            let cosine = from.direction[0] * to.direction[0] + from.direction[1] * to.direction[1];
-            let corners = Self { extruder_mm_s: f64::INFINITY, ..*self };
-            return 2.0 * self.lost_s(corners.corner_mm_s(cosine, f64::INFINITY));
+            return self.passed_s(from, to);
         }
         if length_mm > retract_from_mm {
-            return travel.of(length_mm, inside);
+            return travel.of(length_mm, LinkKind { inside, climbs: false });
         }
         let cosine = |end: &End| (dx * end.direction[0] + dy * end.direction[1]) / length_mm;
         let (leave, arrive) =
@@ -176,12 +187,16 @@ impl StraightOn {
             }
         }
         from.push(all.len());
+        let saved: Vec<f64> = (0..count)
+            .flat_map(|i| all[from[i]..from[i + 1]].iter().map(move |candidate| (i, candidate)))
+            .map(|(i, candidate)| self.corners.saved_s(candidate, layer.paths[order[i].path as usize].closed))
+            .collect();
         let island = |i: usize| layer.paths[order[i].path as usize].island;
         let inside: Vec<bool> = (0..count).map(|i| i > 0 && island(i) == island(i - 1)).collect();
         let mut fixed = vec![false; count];
         let mut router = None;
         for _ in 0..ROUNDS {
-            let chosen = self.cheapest(&all, &from, &inside, &fixed);
+            let chosen = self.cheapest(&all, &saved, &from, &inside, &fixed);
             let mut again = false;
             for i in 1..count {
                 if !inside[i] || (chosen[i] == from[i] && chosen[i - 1] == from[i - 1]) {
@@ -208,11 +223,18 @@ impl StraightOn {
     /// How much longer a travel takes than in a straight line.
     fn surcharge_s(&self, rule: DetourRule, router: &Router<'_>, [from, to]: [[f64; 2]; 2]) -> f64 {
         let cost = Cost::Time(self.corners.travel);
-        rule.cost(router, &cost, from, to) - cost.of(distance_mm(from, to), true)
+        rule.cost(router, &cost, [from, to], false) - cost.of(distance_mm(from, to), LinkKind::INSIDE)
     }
 
     /// The candidate of each path on the quickest way through all of them; of equal ones the first.
-    fn cheapest(&self, all: &[Candidate], from: &[usize], inside: &[bool], fixed: &[bool]) -> Vec<usize> {
+    fn cheapest(
+        &self,
+        all: &[Candidate],
+        saved: &[f64],
+        from: &[usize],
+        inside: &[bool],
+        fixed: &[bool],
+    ) -> Vec<usize> {
         let count = inside.len();
         let mut total = vec![0.0; all.len()];
         let mut before = vec![0usize; all.len()];
@@ -227,7 +249,7 @@ impl StraightOn {
                         best = (seconds, last);
                     }
                 }
-                (total[to], before[to]) = best;
+                (total[to], before[to]) = (best.0 - saved[to], best.1);
             }
         }
         let mut chosen = vec![0; count];

@@ -101,16 +101,16 @@ impl Pipeline {
         parallel::run(job.threads, observer, slice).unwrap_or(Err(JobError::Cancelled))
     }
 
-    /// Slices a job, and keeps the moves of its layers.
+    /// Slices a job, and hands on the moves of each layer.
     pub(crate) fn slice_moves(
         job: &Job,
         settings: &Settings,
         output: &mut Output,
-        moves: &mut Vec<LayerMoves>,
+        moves: impl FnMut(LayerMoves) + Send,
         observer: &Observer<'_>,
     ) -> Result<Summary, JobError> {
         let slice = |workers: Workers<'_>| {
-            let besides = Besides { moves: Some(moves), ..Besides::default() };
+            let besides = Besides { moves: Some(Box::new(moves)), ..Besides::default() };
             let models = load::read(job, settings, workers)?;
             print::slice(models, job, settings, output, besides, workers)
         };

@@ -31,13 +31,16 @@ use super::rounds::{self, Round, Site};
 use super::staged::{self, Live, Watched};
 use super::{load, ordering};
 
+/// Takes the moves of a finished layer.
+pub(super) type OnMoves<'a> = dyn FnMut(LayerMoves) + Send + 'a;
+
 /// What a run gives beside the G-code.
 #[derive(Default)]
 pub(super) struct Besides<'a> {
     /// The finished layers are added here.
     pub kept: Option<&'a mut Vec<PrintLayer>>,
-    /// Their moves alone, which costs nothing.
-    pub moves: Option<&'a mut Vec<LayerMoves>>,
+    /// Their moves alone are handed on, from the bed up, which costs nothing.
+    pub moves: Option<Box<OnMoves<'a>>>,
     /// The run is followed stage by stage.
     pub live: Option<Live<'a>>,
 }
@@ -282,7 +285,7 @@ struct PrintWriter<'a> {
     slots: Vec<Slot>,
     statistics: Statistics,
     kept: Option<&'a mut Vec<PrintLayer>>,
-    moves: Option<&'a mut Vec<LayerMoves>>,
+    moves: Option<Box<OnMoves<'a>>>,
     scripts: ScriptRun<'a>,
     settings: &'a Settings,
     workers: Workers<'a>,
@@ -347,8 +350,8 @@ impl PrintWriter<'_> {
             if let Some(kept) = &mut self.kept {
                 kept.extend(layer);
             }
-            if let Some(kept) = &mut self.moves {
-                kept.extend(moves);
+            if let (Some(tell), Some(moves)) = (&mut self.moves, moves) {
+                tell(moves);
             }
             self.workers.observer.layer_done();
         }

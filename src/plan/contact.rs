@@ -1,5 +1,6 @@
 //! Contact between layers.
 
+use geometry::real;
 use geometry::{Bounds, Point, Polygon, Region};
 
 /// Whether two regions have an area in common.
@@ -34,7 +35,7 @@ fn corners(polygon: &Polygon) -> impl Iterator<Item = Point> + '_ {
         let (before, at, after) = (outer[(i + count - 1) % count], outer[i], outer[(i + 1) % count]);
         let towards = |p: Point| {
             let [dx, dy] = (p - at).mm();
-            let length = dx.hypot(dy).max(f64::MIN_POSITIVE);
+            let length = real::hypot(dx, dy).max(f64::MIN_POSITIVE);
             [dx / length, dy / length]
         };
         let ([ax, ay], [bx, by]) = (towards(before), towards(after));

@@ -1,5 +1,7 @@
 //! The bed, and what fits it.
 
+use geometry::real;
+
 use super::error::PlacementError;
 use super::options::{BedSettings, BedShape};
 use super::pack::{Footprint, group_box};
@@ -25,7 +27,7 @@ impl Area {
     pub fn excess_mm(&self, points: impl Iterator<Item = [f64; 2]>) -> f64 {
         let beyond = |p: [f64; 2]| match self.shape {
             BedShape::Rectangular => (p[0].abs() - self.half[0]).max(p[1].abs() - self.half[1]),
-            BedShape::Round => p[0].hypot(p[1]) - self.half[0],
+            BedShape::Round => real::hypot(p[0], p[1]) - self.half[0],
         };
         points.map(beyond).fold(f64::NEG_INFINITY, f64::max)
     }
@@ -79,7 +81,7 @@ impl Area {
                 let middle = [(min[0] + max[0]) / 2.0, (min[1] + max[1]) / 2.0];
                 let rims =
                     footprints.iter().zip(positions).flat_map(|(f, s)| f.rim.iter().map(move |p| (p, s)));
-                let reach = rims.map(|(p, s)| (p[0] + s[0] - middle[0]).hypot(p[1] + s[1] - middle[1]));
+                let reach = rims.map(|(p, s)| real::hypot(p[0] + s[0] - middle[0], p[1] + s[1] - middle[1]));
                 reach.fold(0.0, f64::max) / usable(self.half[0])
             }
         }

@@ -4,6 +4,7 @@ use geo::{ConvexHull, MultiPoint, Point};
 use nalgebra::{UnitVector3, Vector3};
 use parry3d::math::Vector;
 use parry3d::transformation::try_convex_hull;
+use serde::Serialize;
 
 use crate::mesh::Mesh;
 
@@ -21,7 +22,7 @@ pub(super) struct Side {
 }
 
 /// A flat side of a model's convex hull.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Face {
     /// Outwards, of length 1.
     pub normal: [f64; 3],

@@ -73,6 +73,7 @@ impl From<&Settings> for TravelTime {
             retract_from_mm: retract.min_travel.0,
             retract_inside_from_mm: travel.retract_inside.0.max(retract.min_travel.0),
             retract_s,
+            climb_s: move_s(settings.layer.height.0, speed.z.0, 2),
         }
     }
 }

@@ -2,6 +2,8 @@
 
 use std::ops::{Add, AddAssign};
 
+use geometry::real;
+
 /// Length travelled without extrusion, and the number of retractions on it.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct LinkCost {
@@ -51,8 +53,8 @@ pub struct Options {
 
 /// Multiples of a retraction's cost that are tried in turn: from 1 to 128, then down to 0.
 fn weights() -> impl Iterator<Item = f64> {
-    let up = (0..=56).map(|step| (f64::from(step) / 8.0).exp2());
-    let down = (1..=32).map(|step| (f64::from(-step) / 8.0).exp2());
+    let up = (0..=56).map(|step| real::exp2(f64::from(step) / 8.0));
+    let down = (1..=32).map(|step| real::exp2(f64::from(-step) / 8.0));
     up.chain(down).chain([0.0])
 }
 

@@ -1,5 +1,7 @@
 //! Top surfaces whose lines a file draws one beside the other, never back: that is seen, and stays so.
 
+use geometry::real;
+
 use super::block::{Block, Path};
 use crate::toolpath::Role;
 
@@ -63,7 +65,7 @@ impl Line {
             return None;
         }
         let points: Vec<[f64; 2]> = block.points(path).collect();
-        let length = |w: &[[f64; 2]]| (w[1][0] - w[0][0]).hypot(w[1][1] - w[0][1]);
+        let length = |w: &[[f64; 2]]| real::hypot(w[1][0] - w[0][0], w[1][1] - w[0][1]);
         let longest = points.windows(2).max_by(|a, b| length(a).total_cmp(&length(b)))?;
         let length_mm = length(longest);
         let along = [0, 1].map(|k| (longest[1][k] - longest[0][k]) / length_mm);

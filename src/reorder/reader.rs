@@ -3,6 +3,7 @@
 use std::io::{self, BufRead, ErrorKind};
 use std::ops::Range;
 
+use geometry::real;
 use memchr::memchr2;
 
 use super::block::{Block, Cursor, Frame, Kind, Path, Seg, Token};
@@ -462,7 +463,7 @@ fn empty(start: Cursor, frame: Frame, states: States) -> Block {
 
 /// Whether an arc is as far from its centre at its end as at its start.
 fn is_round(bead: &Stroke, center: [f64; 2]) -> bool {
-    let [from, to] = [bead.from, bead.to].map(|p| (p[0] - center[0]).hypot(p[1] - center[1]));
+    let [from, to] = [bead.from, bead.to].map(|p| real::hypot(p[0] - center[0], p[1] - center[1]));
     from > ROUND_MM && (from - to).abs() < ROUND_MM
 }
 

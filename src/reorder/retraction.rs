@@ -1,5 +1,7 @@
 //! How a file travels and retracts between two beads, learned from its own travels.
 
+use geometry::real;
+
 use super::block::{Block, Kind, Token};
 use super::ticks::units;
 use crate::gcode::Line;
@@ -79,7 +81,7 @@ impl Learner {
             let from = block.end(&block.paths[index - 1]);
             let tokens = &block.links[path.link.clone()];
             let [a, b] = [from, path.from].map(|p| block.mm(p));
-            let length_mm = (a[0] - b[0]).hypot(a[1] - b[1]);
+            let length_mm = real::hypot(a[0] - b[0], a[1] - b[1]);
             self.seen.extend(seen(block, tokens, length_mm));
         }
         self.seen.len() > known

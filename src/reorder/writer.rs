@@ -12,6 +12,7 @@ use super::times::is_understood;
 use super::walls::{TravelKind, Walls};
 use crate::gcode::Line;
 use geometry::Point;
+use geometry::real;
 
 /// Blanks behind a line about time, for a longer one.
 pub const TIME_PADDING: &[u8] = b"    ";
@@ -696,7 +697,7 @@ impl<'a> Writer<'a> {
 
     fn between_mm(&self, a: [i64; 2], b: [i64; 2]) -> f64 {
         let [a, b] = [a, b].map(|p| self.mm(p));
-        (a[0] - b[0]).hypot(a[1] - b[1])
+        real::hypot(a[0] - b[0], a[1] - b[1])
     }
 
     fn distance_mm(&self, to: [i64; 2]) -> f64 {

@@ -1,13 +1,12 @@
 //! What there is to choose from: settings, profiles, printers.
 
-use std::sync::{Arc, OnceLock};
+use std::sync::Arc;
 
 use axum::body::Body;
 use axum::extract::State;
 use axum::http::header;
 use axum::response::{IntoResponse, Response};
 use serde::{Deserialize, Serialize};
-use serde_json::Value;
 use utoipa::{IntoParams, ToSchema};
 use utoipa_axum::router::OpenApiRouter;
 use utoipa_axum::routes;
@@ -18,10 +17,9 @@ use super::error::{ApiError, ErrorKind};
 use super::extract::{Json, Path, Query};
 use super::printers::Printer;
 use super::shared::Shared;
-use crate::job::ObjectSettings;
-use crate::options::{Field, Kind};
+use crate::job::catalog::{Profile, Schema};
 use crate::presets::{self, PresetError};
-use crate::profile::{self, EMBEDDED, SECTIONS, Settings};
+use crate::profile;
 
 /// The routes.
 pub fn router(shared: Arc<Shared>) -> OpenApiRouter {
@@ -34,76 +32,6 @@ pub fn router(shared: Arc<Shared>) -> OpenApiRouter {
         .with_state(shared)
 }
 
-/// Every setting.
-#[derive(Clone, Debug, Serialize, ToSchema)]
-struct Schema {
-    /// In the order of the documentation.
-    groups: Vec<Group>,
-}
-
-/// Settings that belong together.
-#[derive(Clone, Debug, Serialize, ToSchema)]
-struct Group {
-    /// The part of the keys before the dot.
-    name: &'static str,
-    /// The same for people.
-    title: String,
-    /// What they are about.
-    help: String,
-    /// The settings.
-    settings: Vec<Setting>,
-}
-
-/// A setting.
-#[derive(Clone, Debug, Serialize, ToSchema)]
-struct Setting {
-    /// Dotted key.
-    key: String,
-    /// Meaning.
-    help: &'static str,
-    /// What it takes.
-    kind: SettingKind,
-    /// Unit of its numbers.
-    #[serde(skip_serializing_if = "str::is_empty")]
-    unit: &'static str,
-    /// Least value.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    min: Option<f64>,
-    /// Greatest value.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    max: Option<f64>,
-    /// Words that it takes.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    choices: Option<&'static [&'static str]>,
-    /// How many numbers a list has; none: any number.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    count: Option<usize>,
-    /// Value of the default profile.
-    default: Value,
-    /// Whether a model may have a value of its own.
-    per_object: bool,
-}
-
-/// What a setting takes.
-#[derive(Clone, Copy, Debug, Serialize, ToSchema)]
-#[serde(rename_all = "snake_case")]
-enum SettingKind {
-    /// A number.
-    Number,
-    /// A whole number.
-    Integer,
-    /// True or false.
-    Boolean,
-    /// One of a few words.
-    Choice,
-    /// Any text.
-    Text,
-    /// Numbers.
-    List,
-    /// A share: `0.15` or `15%`.
-    Percent,
-}
-
 /// All settings
 ///
 /// Keys with their meaning, range, unit and default, made from the same table as the reference.
@@ -112,60 +40,7 @@ enum SettingKind {
     responses((status = 200, description = "all settings", body = Schema), Common)
 )]
 async fn schema() -> Json<&'static Schema> {
-    static SCHEMA: OnceLock<Schema> = OnceLock::new();
-    Json(SCHEMA.get_or_init(|| {
-        let defaults = serde_json::to_value(Settings::default()).unwrap_or_default();
-        let groups = SECTIONS.iter().map(|section| Group {
-            name: section.name,
-            title: title(section.name),
-            help: section.doc.trim().trim_start_matches(&format!("`[{}]`:", section.name)).trim().to_owned(),
-            settings: section.fields.iter().map(|field| setting(section.name, field, &defaults)).collect(),
-        });
-        Schema { groups: groups.collect() }
-    }))
-}
-
-fn setting(section: &str, field: &Field, defaults: &Value) -> Setting {
-    let (kind, choices, count) = match field.kind {
-        Kind::Number => (SettingKind::Number, None, None),
-        Kind::Count => (SettingKind::Integer, None, None),
-        Kind::Share => (SettingKind::Percent, None, None),
-        Kind::Flag => (SettingKind::Boolean, None, None),
-        Kind::Text => (SettingKind::Text, None, None),
-        Kind::Choice(words) => (SettingKind::Choice, Some(words), None),
-        Kind::Numbers(count) => (SettingKind::List, None, Some(count)),
-        Kind::List => (SettingKind::List, None, None),
-    };
-    Setting {
-        key: format!("{section}.{}", field.name),
-        help: field.doc.trim(),
-        kind,
-        unit: field.unit,
-        min: field.range.map(|range| range.0),
-        max: field.range.map(|range| range.1),
-        choices,
-        count,
-        default: defaults[section][field.name].clone(),
-        per_object: ObjectSettings::SECTIONS.contains(&section),
-    }
-}
-
-/// `first_layer` as `First layer`.
-fn title(name: &str) -> String {
-    let mut letters = name.chars();
-    let first = letters.next().map(|first| first.to_uppercase().collect::<String>()).unwrap_or_default();
-    (first + letters.as_str()).replace('_', " ")
-}
-
-/// A built-in profile.
-#[derive(Debug, Serialize, ToSchema)]
-struct Profile {
-    /// By which it is chosen.
-    name: &'static str,
-    /// `printer`, `material`, `quality`, or `job` for all three.
-    kind: &'static str,
-    /// A line about it.
-    help: String,
+    Json(Schema::known())
 }
 
 /// Built-in profiles
@@ -174,12 +49,7 @@ struct Profile {
     responses((status = 200, description = "the built-in profiles", body = [Profile]), Common)
 )]
 async fn profiles() -> Json<Vec<Profile>> {
-    let profiles = EMBEDDED.iter().map(|profile| Profile {
-        name: profile.name,
-        kind: profile.kind.name(),
-        help: profile.description(),
-    });
-    Json(profiles.collect())
+    Json(Profile::built_in())
 }
 
 /// What a configuration is called.
@@ -307,14 +177,4 @@ async fn printer(
 /// Does something that takes a while, not on the threads that answer.
 async fn aside<T: Send + 'static>(work: impl FnOnce() -> T + Send + 'static) -> Result<T, ApiError> {
     tokio::task::spawn_blocking(work).await.map_err(ApiError::internal)
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn titles_are_for_people() {
-        assert_eq!(title("first_layer"), "First layer");
-    }
 }

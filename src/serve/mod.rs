@@ -32,5 +32,6 @@ mod tools;
 
 pub use config::{Config, TlsFiles};
 pub use limits::Limits;
+pub use page::{page_files, page_index};
 pub use serving::{Ending, ServeError, serve};
 pub use tokens::Tokens;

@@ -40,7 +40,19 @@ pub(super) struct Asset {
 
 /// The page itself.
 pub(super) fn index() -> String {
-    INDEX.replace("{{assets}}", &format!("/assets/{}", *VERSION))
+    page_index(&format!("/assets/{}", *VERSION), "service")
+}
+
+/// The page at `/` for whoever serves it: where its files are, and what slices: `service`, or `worker` of the page's own.
+pub fn page_index(assets: &str, engine: &str) -> String {
+    INDEX.replace("{{assets}}", assets).replace("{{engine}}", engine)
+}
+
+/// All files of the page, by their names beneath where they are.
+pub fn page_files() -> Vec<(&'static str, Cow<'static, str>)> {
+    let shared =
+        [("view.js", Cow::Borrowed(PARTS.as_str())), ("parts.css", Cow::Borrowed(view::parts_style()))];
+    shared.into_iter().chain(FILES.iter().map(|&(name, text)| (name, text.into()))).collect()
 }
 
 /// The file at `/assets/{path}`.

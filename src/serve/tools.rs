@@ -1,6 +1,5 @@
 //! Finished G-code: reordered, checked, timed, while the client waits.
 
-use std::path::Path;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Instant;
@@ -20,11 +19,10 @@ use super::extract::{Form, Json, Query};
 use super::jobs::{Jobs, Received, receive};
 use super::names::disposition;
 use super::tokens::Client;
-use crate::api;
+use crate::api::{self, Model};
 use crate::job::{JobError, Project};
-use crate::mesh::{self, Mesh, Transform};
+use crate::mesh::Mesh;
 use crate::observer::Observer;
-use crate::plate::{self, Line};
 use crate::profile::Settings;
 
 /// Memory for each byte of G-code (9 were measured for reordering, 2 for the others), and for each of a model.
@@ -208,7 +206,10 @@ async fn with_gcode<T: Send + 'static>(
         let deadline = Instant::now() + jobs.shared.limits.job_time;
         let is_over = || left.load(Ordering::Relaxed) || jobs.is_stopping() || Instant::now() > deadline;
         let observer = Observer::none().cancelled_when(is_over);
-        let settings = upload.project.unwrap_or_default().resolve(Some(&jobs.shared.presets))?.settings;
+        let mut project = upload.project.unwrap_or_default();
+        // What is reordered has its travel shortened, unless a cost is asked for.
+        project.settings.entry("order.cost".into()).or_insert_with(|| "length".into());
+        let settings = project.resolve(Some(&jobs.shared.presets))?.settings;
         let given = given(upload.files, settings)?;
         work(given, &observer).map_err(|error| match error {
             JobError::Cancelled => {
@@ -231,17 +232,9 @@ fn given(files: Vec<Received>, settings: Settings) -> Result<Given, ApiError> {
         match (file.part, &gcode) {
             ("gcode", None) => gcode = Some((file.model.name, contents)),
             ("gcode", Some(_)) => return Err(ApiError::usage("one file of G-code is taken at once")),
-            _ => bodies.extend(standing(&file.model.name, &contents, &settings)?),
+            _ => bodies.extend(Model::from_bytes(&file.model.name, &contents)?.standing_bodies(&settings)?),
         }
     }
     let (name, gcode) = gcode.ok_or_else(|| ApiError::usage("there is no G-code; send it as `gcode`"))?;
     Ok(Given { name, gcode, settings, bodies })
-}
-
-/// The bodies of a model file, each standing on the bed.
-fn standing(name: &str, contents: &[u8], settings: &Settings) -> Result<Vec<(String, Mesh)>, JobError> {
-    let path = Path::new(name);
-    let objects = mesh::objects_from_bytes(path, contents)?;
-    let file = plate::Model::new(path, objects, None, &Transform::default(), Line::thinnest(settings), 1)?;
-    Ok(file.layout.standing_bodies())
 }

@@ -18,6 +18,7 @@
 
 use std::f64::consts::TAU;
 
+use geometry::real;
 use geometry::{Bounds, EdgeGrid, Point, Polygon, Region, Ring, UNITS_PER_MM};
 
 use super::bead::Line;
@@ -142,7 +143,7 @@ pub(super) fn dot(island: &Polygon, least_mm: f64) -> Option<(Ring, f64)> {
     let across_mm = 2.0 * from_mm;
     let ([x0, y0], [x1, y1]) = (deepest.min.mm(), deepest.max.mm());
     let corner = |k: u32| {
-        let (sin, cos) = (f64::from(k) * TAU / f64::from(DOT_CORNERS)).sin_cos();
+        let (sin, cos) = real::sin_cos(f64::from(k) * TAU / f64::from(DOT_CORNERS));
         let radius_mm = DOT_RADIUS * across_mm;
         Point::from_mm((x0 + x1) / 2.0 + radius_mm * cos, (y0 + y1) / 2.0 + radius_mm * sin)
     };
@@ -243,7 +244,7 @@ impl Sides {
 
     /// Both ends of an edge, and samples between where the other side is near.
     fn along(&self, a: [f64; 2], b: [f64; 2]) -> Vec<Sample> {
-        let length_mm = (b[0] - a[0]).hypot(b[1] - a[1]);
+        let length_mm = real::hypot(b[0] - a[0], b[1] - a[1]);
         if length_mm <= 0.0 {
             return Vec::new();
         }
@@ -284,7 +285,7 @@ impl Sides {
             .map(|&i| &self.grid.edges()[i as usize])
             .map(|edge| [edge.a.mm(), edge.b.mm()])
             .filter(|[c, d]| {
-                let length_mm = (d[0] - c[0]).hypot(d[1] - c[1]);
+                let length_mm = real::hypot(d[0] - c[0], d[1] - c[1]);
                 let cosine = (inwards[0] * (c[1] - d[1]) + inwards[1] * (d[0] - c[0])) / length_mm;
                 cosine <= FACING
             })
@@ -307,7 +308,7 @@ impl Sides {
 /// Radius of the disc that touches the boundary at `foot`, where `inwards` is the normal, and an edge.
 fn touching(foot: [f64; 2], inwards: [f64; 2], [a, b]: [[f64; 2]; 2]) -> f64 {
     let (dx, dy) = (b[0] - a[0], b[1] - a[1]);
-    let length_mm = dx.hypot(dy);
+    let length_mm = real::hypot(dx, dy);
     let normal = [-dy / length_mm, dx / length_mm];
     let distance_mm = normal[0] * (foot[0] - a[0]) + normal[1] * (foot[1] - a[1]);
     let radius_mm = distance_mm / (1.0 - normal[0] * inwards[0] - normal[1] * inwards[1]);

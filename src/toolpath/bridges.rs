@@ -7,6 +7,7 @@
 use std::cell::LazyCell;
 use std::f64::consts::PI;
 
+use geometry::real;
 use geometry::{Direction, EdgeGrid, Point, Polygon, Region};
 
 use super::Zones;
@@ -144,7 +145,7 @@ impl Anchors<'_> {
         }
         let [longest, mean] = SPAN_WEIGHTS;
         let by_span = (longest * most_mm + mean * squares_mm2 / length_mm) / longest_mm;
-        let (sin, cos) = angle_rad.sin_cos();
+        let (sin, cos) = real::sin_cos(angle_rad);
         let mut loose_mm = 0.0;
         for [a, b] in spans() {
             // It only becomes more.
@@ -173,7 +174,7 @@ fn edge_angles(air: &Region) -> Vec<f64> {
         .map(|(a, b)| (a.distance2(*b), *b - *a))
         .collect();
     edges.sort_by(|a, b| b.cmp(a));
-    let angle = |&(_, d): &(i64, Point)| f64::from(d.y).atan2(f64::from(d.x)).rem_euclid(PI);
+    let angle = |&(_, d): &(i64, Point)| real::atan2(f64::from(d.y), f64::from(d.x)).rem_euclid(PI);
     let along: Vec<f64> = edges.iter().take(EDGES).map(angle).collect();
     let across: Vec<f64> = along.iter().map(|a| (a + PI / 2.0).rem_euclid(PI)).collect();
     [along, across].concat()

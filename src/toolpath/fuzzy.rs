@@ -5,6 +5,7 @@
 
 use super::options::{FuzzySettings, FuzzyWalls};
 use geometry::Random;
+use geometry::real;
 use geometry::{EdgeGrid, Point, Region};
 
 use super::bead::Line;
@@ -53,7 +54,7 @@ impl<'a> Fuzzy<'a> {
         for (i, &from) in corners.iter().enumerate() {
             let next = corners[(i + 1) % corners.len()];
             let (a, b) = (line.points[from].mm(), line.points[next].mm());
-            let edge_mm = (b[0] - a[0]).hypot(b[1] - a[1]).max(f64::MIN_POSITIVE);
+            let edge_mm = real::hypot(b[0] - a[0], b[1] - a[1]).max(f64::MIN_POSITIVE);
             let normal = [(b[1] - a[1]) / edge_mm, (a[0] - b[0]) / edge_mm];
             let parts = (edge_mm / distance_mm).round().clamp(1.0, 1e6) as u32;
             for part in 0..parts {
@@ -84,7 +85,7 @@ impl<'a> Fuzzy<'a> {
 fn simplified(ring: &[Point], tolerance_mm: f64) -> Vec<usize> {
     let away = |i: usize| {
         let ([x, y], [x0, y0]) = (ring[i].mm(), ring[0].mm());
-        (x - x0).hypot(y - y0)
+        real::hypot(x - x0, y - y0)
     };
     let far = (1..ring.len()).max_by(|&a, &b| away(a).total_cmp(&away(b)).then(b.cmp(&a))).unwrap_or(0);
     let mut kept = vec![false; ring.len()];

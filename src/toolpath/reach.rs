@@ -5,6 +5,7 @@
 
 use std::cell::LazyCell;
 
+use geometry::real;
 use geometry::{Direction, EdgeGrid, Point, Region, Ring};
 
 use super::infill::LineSet;
@@ -115,7 +116,7 @@ impl Reach<'_> {
         let Chord { from_mm, to_mm, across_mm, .. } = *chord;
         let (mut back_mm, mut on_mm) = (f64::INFINITY, f64::INFINITY);
         for set in &self.sparse {
-            let sine = (set.angle_rad - self.angle_rad).sin();
+            let sine = real::sin(set.angle_rad - self.angle_rad);
             if sine.abs() < ALONG {
                 continue;
             }

@@ -4,6 +4,7 @@
 //! next begins, it glides from the outline below to its own: a vertex at a share s of the length is drawn at that share of
 //! the distance from the nearest point of the outline below.
 
+use geometry::real;
 use geometry::{Bounds, EdgeGrid, Point, Polygon, Region, Ring, UNITS_PER_MM};
 
 /// Between two outlines lines are cut into pieces of at most this.
@@ -157,7 +158,7 @@ fn steps(ring: &[Point], length_mm: f64, step_mm: f64) -> Vec<(f64, Point)> {
     let mut done_mm = 0.0;
     for (i, a) in ring.iter().enumerate() {
         let (a, b) = (a.mm(), ring[(i + 1) % ring.len()].mm());
-        let edge_mm = (b[0] - a[0]).hypot(b[1] - a[1]);
+        let edge_mm = real::hypot(b[0] - a[0], b[1] - a[1]);
         let parts = (edge_mm / step_mm).ceil().clamp(1.0, 1e6) as u32;
         for part in 1..=parts {
             let share = f64::from(part) / f64::from(parts);

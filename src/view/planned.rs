@@ -1,5 +1,7 @@
 //! Paths that are planned but not ordered yet, as a scene.
 
+use geometry::real;
+
 use super::colors;
 use super::scene::{Layer, Scene, Stroke};
 use crate::report::Measures;
@@ -49,8 +51,9 @@ fn layer(planned: &PlannedLayer<'_>) -> Layer {
             });
         }
     }
-    let length_mm =
-        |stroke: &Stroke| f64::from((stroke.to[0] - stroke.from[0]).hypot(stroke.to[1] - stroke.from[1]));
+    let length_mm = |stroke: &Stroke| {
+        f64::from(real::hypot_f32(stroke.to[0] - stroke.from[0], stroke.to[1] - stroke.from[1]))
+    };
     let print_mm = strokes.iter().map(length_mm).sum();
     let measures = Measures { print_mm, total_mm: print_mm, ..Measures::default() };
     Layer { z_mm: planned.z_mm, strokes, marks: Vec::new(), measures }

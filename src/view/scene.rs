@@ -1,5 +1,7 @@
 //! What a G-code file draws: strokes by layer, with role, bead and speed, and marks.
 
+use geometry::real;
+
 use super::colors::{self, OTHER, SEAMED};
 use crate::estimate::Machine;
 use crate::gcode::{self, Action, Annotated, Clock, Context};
@@ -283,7 +285,7 @@ impl Reader {
         let measures = &mut self.layer.measures;
         measures.print_mm += stroke.xy_mm;
         if let (Some(end), true) = (self.bead_end, self.travelled) {
-            measures.link_mm += (stroke.from[0] - end[0]).hypot(stroke.from[1] - end[1]);
+            measures.link_mm += real::hypot(stroke.from[0] - end[0], stroke.from[1] - end[1]);
             measures.travels += 1;
         }
         (self.bead_end, self.travelled) = (Some(stroke.to), false);
@@ -300,7 +302,7 @@ impl Reader {
     /// Adds a stroke, an arc as chords.
     fn push(&mut self, stroke: &gcode::Stroke, role: Option<u8>, width_mm: f64, height_mm: f64) {
         let chords = stroke.arc.map_or(1.0, |arc| {
-            let radius = (stroke.from[0] - arc.at[0]).hypot(stroke.from[1] - arc.at[1]);
+            let radius = real::hypot(stroke.from[0] - arc.at[0], stroke.from[1] - arc.at[1]);
             let chord_mm = (8.0 * CHORD_TOLERANCE_MM * radius).sqrt();
             (stroke.xy_mm / chord_mm.max(1e-3)).ceil().clamp(1.0, 1000.0)
         });

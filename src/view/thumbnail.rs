@@ -1,5 +1,6 @@
 //! Small pictures of a print, drawn without display or GPU.
 
+use geometry::real;
 use tiny_skia::{Pixmap, PremultipliedColorU8};
 
 use super::colors::{OTHER, ROLES, Rgb, SKIRT};
@@ -51,7 +52,7 @@ impl Solid for Scene {
         for stroke in strokes() {
             let Some(role) = stroke.role.filter(|role| all || !beside(role)) else { continue };
             let delta = [stroke.to[0] - stroke.from[0], stroke.to[1] - stroke.from[1]];
-            let scale = stroke.width_mm / 2.0 / delta[0].hypot(delta[1]).max(f32::MIN_POSITIVE);
+            let scale = stroke.width_mm / 2.0 / real::hypot_f32(delta[0], delta[1]).max(f32::MIN_POSITIVE);
             let (along, side) = ([delta[0] * scale, delta[1] * scale], [-delta[1] * scale, delta[0] * scale]);
             // Corners of the top, then those below them.
             let corner = |i: usize| {

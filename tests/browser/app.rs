@@ -31,7 +31,7 @@ pub fn open(browser: &mut Browser, server: &Server, models: &[&Path]) {
 }
 
 /// The file that the page saves.
-fn saved(browser: &mut Browser, folder: &Path) -> Vec<u8> {
+pub fn saved(browser: &mut Browser, folder: &Path) -> Vec<u8> {
     browser.save_to(folder);
     browser.wait(SHOWN);
     browser.click("#save");
@@ -53,7 +53,7 @@ fn one_file(folder: &Path, extension: &str) -> Vec<u8> {
 }
 
 /// What the command line that the page shows writes, run where these models are.
-fn by_command(browser: &mut Browser, models: &[&Path]) -> Vec<u8> {
+pub fn by_command(browser: &mut Browser, models: &[&Path]) -> Vec<u8> {
     let line = browser.run("document.getElementById('command-text').value");
     let line = line.as_str().unwrap();
     let folder = tempfile::tempdir().unwrap();

@@ -14,6 +14,8 @@ mod pages;
 #[cfg(feature = "serve")]
 mod server;
 #[cfg(feature = "serve")]
+mod site;
+#[cfg(feature = "serve")]
 #[path = "../support/stand_in/mod.rs"]
 mod stand_in;
 
@@ -60,6 +62,39 @@ fn main() -> ExitCode {
         access::fingers_move_turn_and_enlarge;
         access::texts_are_readable_for_weak_eyes;
     });
+    // The page without a server, where `PATHWRIGHT_SITE` names what `cargo run -p xtask -- site` has made.
+    #[cfg(feature = "serve")]
+    {
+        let no_site = missing || site::folder().is_none();
+        let of_site = |name: &str, test: fn()| {
+            let run = move || {
+                site::instead(test);
+                Ok(())
+            };
+            let kind = if no_site { "no static site" } else { "" };
+            Trial::test(format!("site: {name}"), run).with_kind(kind).with_ignored_flag(no_site)
+        };
+        macro_rules! of_site {
+            ($($test:path;)*) => { vec![$(of_site(stringify!($test), $test)),*] };
+        }
+        trials.extend(of_site! {
+            site::a_model_is_sliced_to_the_bytes_of_the_program_and_nobody_else_is_asked;
+            site::it_works_without_a_network_after_the_first_visit;
+            site::what_takes_too_much_memory_ends_with_a_message_and_the_page_goes_on;
+            app::a_model_is_dropped_turned_sliced_and_saved_as_the_command_line_says;
+            app::several_objects_of_a_file_are_printed_as_the_command_line_says;
+            app::broken_models_tell_what_was_repaired_and_junk_why_it_is_none;
+            app::what_does_not_fit_is_red_says_why_and_is_mended_by_undo;
+            app::of_many_changes_the_last_is_what_is_saved;
+            app::handles_move_turn_and_scale_and_undo_takes_it_back;
+            app::two_strategies_stand_side_by_side;
+            app::settings_are_found_changed_and_taken_back;
+            app::it_works_on_a_tablet_in_the_dark;
+            access::a_reload_keeps_plate_and_settings;
+            access::fingers_move_turn_and_enlarge;
+            access::texts_are_readable_for_weak_eyes;
+        });
+    }
     #[cfg(feature = "serve")]
     trials.push(
         trial("measure::how_long_the_page_is_busy", measure::how_long_the_page_is_busy)

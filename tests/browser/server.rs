@@ -8,9 +8,12 @@ use std::process::{Child, Command, Stdio};
 
 use tempfile::TempDir;
 
+use crate::site::{self, Files};
+
 /// The program, answering on a port of this machine.
 pub struct Server {
-    process: Child,
+    process: Option<Child>,
+    files: Option<Files>,
     /// Address of its page.
     pub address: String,
     /// Its port.
@@ -19,8 +22,13 @@ pub struct Server {
 }
 
 impl Server {
-    /// Starts it on any free port.
+    /// Starts it on any free port; where that is chosen, static files in its place.
     pub fn start() -> Self {
+        if site::is_chosen() {
+            let files = Files::serve(&site::folder().expect("the page as static files"));
+            let address = format!("http://127.0.0.1:{}/", files.port);
+            return Self { process: None, address, port: files.port, files: Some(files), _folder: None };
+        }
         Self::on(0, &[])
     }
 
@@ -63,13 +71,16 @@ impl Server {
         let address = first.split(' ').find(|word| word.starts_with("http")).expect("an address").to_owned();
         std::thread::spawn(move || lines.for_each(drop));
         let port = address.trim_end_matches('/').rsplit_once(':').unwrap().1.parse().unwrap();
-        Self { process, address, port, _folder: folder }
+        Self { process: Some(process), files: None, address, port, _folder: folder }
     }
 
     /// Ends it at once.
     pub fn kill(&mut self) {
-        let _ = self.process.kill();
-        let _ = self.process.wait();
+        if let Some(process) = &mut self.process {
+            let _ = process.kill();
+            let _ = process.wait();
+        }
+        self.files = None;
     }
 }
 

@@ -13,8 +13,14 @@ const ORDER: &[&str] = &[
 
 /// The sources of all crates that are there: a packaged crate has its own alone.
 fn crates() -> impl Iterator<Item = PathBuf> {
-    let folders =
-        ["src", "crates/bgcode/src", "crates/geometry/src", "crates/macros/src", "crates/ordering/src"];
+    let folders = [
+        "src",
+        "crates/bgcode/src",
+        "crates/geometry/src",
+        "crates/macros/src",
+        "crates/ordering/src",
+        "crates/wasm/src",
+    ];
     folders.into_iter().map(|folder| root().join(folder)).filter(|folder| folder.exists())
 }
 
@@ -55,7 +61,9 @@ fn modules(folder: &Path) -> BTreeMap<Module, String> {
         }
         names
     };
-    files.iter().filter(|path| !path.ends_with("main.rs")).map(|path| (module(path), code(path))).collect()
+    let is_module =
+        |path: &&PathBuf| path.extension().is_some_and(|ending| ending == "rs") && !path.ends_with("main.rs");
+    files.iter().filter(is_module).map(|path| (module(path), code(path))).collect()
 }
 
 /// The paths that a `use` names: `a::{b, c::d}` is `a::b` and `a::c::d`.
@@ -194,6 +202,32 @@ fn no_other_program_is_ever_started() {
         for (module, code) in modules(&folder) {
             let starts = code.contains("process::Command") || code.contains("Command::new(");
             assert!(!starts, "{}", module.join("::"));
+        }
+    }
+}
+
+/// Those of the platform differ in the last bit from one to the next, and with them the G-code.
+#[test]
+fn functions_of_real_numbers_are_those_of_every_machine() {
+    const PLATFORM: [&str; 23] = [
+        "sin", "cos", "tan", "sin_cos", "asin", "acos", "atan", "atan2", "sinh", "cosh", "tanh", "powf",
+        "exp", "exp2", "exp_m1", "ln", "ln_1p", "log", "log2", "log10", "cbrt", "hypot", "mul_add",
+    ];
+    for folder in crates() {
+        for (module, code) in modules(&folder) {
+            if module
+                .first()
+                .is_some_and(|first| matches!(first.as_str(), "cli" | "serve" | "send" | "system"))
+            {
+                continue;
+            }
+            let found = PLATFORM.iter().find(|name| code.contains(&format!(".{name}(")));
+            assert!(
+                found.is_none(),
+                "{}: .{}() is the platform's; see geometry::real",
+                module.join("::"),
+                found.unwrap()
+            );
         }
     }
 }

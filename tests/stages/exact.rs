@@ -1,7 +1,7 @@
 //! The optimum of small layers by dynamic programming over subsets, for tests to compare with.
 
 use pathwright::geometry::Point;
-use pathwright::order::{Cost, Problem, Shape};
+use pathwright::order::{Cost, LinkKind, Problem, Shape};
 use pathwright::profile::Scope;
 
 /// Least total link length of a problem of at most 16 items, in millimetres.
@@ -11,9 +11,9 @@ pub fn optimum(problem: &Problem) -> f64 {
 
 /// Least total cost of the links of a problem of at most 16 items.
 pub fn cheapest(problem: &Problem, cost: &Cost) -> f64 {
-    let arrive = |at: Point| problem.start.map_or(0.0, |start| cost.of(start.distance_mm(at), false));
+    let arrive = |at: Point| problem.start.map_or(0.0, |start| cost.of(start.distance_mm(at), LinkKind::UP));
     let leave = |(so_far, at): (f64, Point)| {
-        so_far + problem.end.map_or(0.0, |end| cost.of(at.distance_mm(end), false))
+        so_far + problem.end.map_or(0.0, |end| cost.of(at.distance_mm(end), LinkKind::UP))
     };
     let ends = last_poses(problem, cost, arrive);
     if problem.items.is_empty() { 0.0 } else { ends.into_iter().map(leave).fold(f64::INFINITY, f64::min) }
@@ -56,7 +56,10 @@ fn last_poses(problem: &Problem, cost: &Cost, arrive: impl Fn(Point) -> f64) -> 
         })
         .collect();
     let full = (1_usize << n) - 1;
-    let island = |item: usize| problem.runs[problem.items[item].run as usize].island;
+    let kind = |from: usize, to: usize| {
+        let [a, b] = [from, to].map(|item| problem.runs[problem.items[item].run as usize]);
+        LinkKind { inside: a.island == b.island, climbs: a.layer != b.layer }
+    };
     let mut best = vec![f64::INFINITY; (full + 1) * poses.len()];
     for (p, &(item, enter, _)) in poses.iter().enumerate() {
         if may_follow(problem, 0, None, item) {
@@ -72,8 +75,7 @@ fn last_poses(problem: &Problem, cost: &Cost, arrive: impl Fn(Point) -> f64) -> 
             for (q, &(item, enter, _)) in poses.iter().enumerate() {
                 if set >> item & 1 == 0 && may_follow(problem, set, Some(last), item) {
                     let place = &mut best[(set | 1 << item) * poses.len() + q];
-                    let inside = island(last) == island(item);
-                    *place = place.min(so_far + cost.of(leave.distance_mm(enter), inside));
+                    *place = place.min(so_far + cost.of(leave.distance_mm(enter), kind(last, item)));
                 }
             }
         }

@@ -3,8 +3,8 @@
 use crate::order_layer::{self, Layer, point};
 use pathwright::geometry::{Point, Region};
 use pathwright::order::{
-    Chain, Cost, LayerProblem, PathVisit, Pins, Problem, Run, SeamRule, Shape, TravelTime, Watch, check,
-    ends_on_path, evaluate, strategy,
+    Chain, Cost, LayerProblem, LinkKind, PathVisit, Pins, Problem, Run, SeamRule, Shape, TravelTime, Watch,
+    check, ends_on_path, evaluate, strategy,
 };
 use pathwright::profile::{Effort, OrderSettings, OrderStrategy, Scope, SeamPosition};
 use pathwright::toolpath::{IslandId, LayerKind, LayerPaths, Path, Phase, Role, Width};
@@ -32,6 +32,7 @@ fn costs() -> [Cost; 2] {
         retract_from_mm: 1.5,
         retract_inside_from_mm: 4.0,
         retract_s: 0.05,
+        climb_s: 0.06,
         ..TravelTime::default()
     };
     [Cost::Length, Cost::Time(time)]
@@ -42,7 +43,7 @@ fn lines(paths: &[(u32, [(i32, i32); 2])], stages: std::ops::Range<u32>, start: 
     let place = |(x, y)| Point::new(x * 100_000, y * 100_000);
     Layer {
         items: paths.iter().map(|(run, ends)| (*run, ends.map(place).to_vec())).collect(),
-        runs: stages.map(|stage| Run { stage, island: 0, rank: 0 }).collect(),
+        runs: stages.map(|stage| Run { stage, island: 0, layer: 0, rank: 0 }).collect(),
         scope: Scope::Layer,
         start: start.map(place),
         end: None,
@@ -118,15 +119,18 @@ fn optimum(problem: &Problem, cost: &Cost) -> f64 {
             stage && rank && !interrupts
         })
     };
-    let home = |item: usize| problem.runs[problem.items[item].run as usize].island;
-    let link = |from: Point, to: Point, inside: bool| cost.of(from.distance_mm(to), inside);
+    let kind = |from: usize, to: usize| {
+        let [a, b] = [from, to].map(|item| problem.runs[problem.items[item].run as usize]);
+        LinkKind { inside: a.island == b.island, climbs: a.layer != b.layer }
+    };
+    let link = |from: Point, to: Point, kind: LinkKind| cost.of(from.distance_mm(to), kind);
     let mut best = vec![vec![Vec::new(); n]; 1 << n];
     for (drawn, best) in best.iter_mut().enumerate() {
         for (item, best) in best.iter_mut().enumerate() {
             let first = drawn == 1 << item && may_follow(0, None, item);
             let reach = |entry: usize| {
                 let enter = problem.items[item].ends(entry as u32).0;
-                problem.start.map_or(0.0, |start| link(start, enter, false))
+                problem.start.map_or(0.0, |start| link(start, enter, LinkKind::UP))
             };
             *best =
                 (0..entries(item)).map(|entry| if first { reach(entry) } else { f64::INFINITY }).collect();
@@ -142,7 +146,7 @@ fn optimum(problem: &Problem, cost: &Cost) -> f64 {
                     let leave = problem.items[last].ends(from as u32).1;
                     for to in 0..entries(next) {
                         let enter = problem.items[next].ends(to as u32).0;
-                        let total = best[drawn][last][from] + link(leave, enter, home(last) == home(next));
+                        let total = best[drawn][last][from] + link(leave, enter, kind(last, next));
                         let known = &mut best[drawn | 1 << next][next][to];
                         *known = known.min(total);
                     }
@@ -153,7 +157,7 @@ fn optimum(problem: &Problem, cost: &Cost) -> f64 {
     let ends = (0..n).flat_map(|item| (0..entries(item)).map(move |entry| (item, entry)));
     let totals = ends.map(|(item, entry)| {
         let leave = problem.items[item].ends(entry as u32).1;
-        best[(1 << n) - 1][item][entry] + problem.end.map_or(0.0, |end| link(leave, end, false))
+        best[(1 << n) - 1][item][entry] + problem.end.map_or(0.0, |end| link(leave, end, LinkKind::UP))
     });
     totals.fold(f64::INFINITY, f64::min)
 }
@@ -187,7 +191,7 @@ fn a_thousand_identical_segments_pass_the_checker() {
         let ends = vec![Point::new(0, 0), Point::new(500_000, 0)];
         let layer = Layer {
             items: vec![(0, ends); 1000],
-            runs: vec![Run { stage: 1, island: 0, rank: 0 }],
+            runs: vec![Run { stage: 1, island: 0, layer: 0, rank: 0 }],
             scope,
             start: Some(Point::new(-7, 3)),
             end: None,
@@ -209,7 +213,7 @@ fn paths_from_one_end_of_the_grid_to_the_other_pass_the_checker() {
                 (1, vec![at(-1, 0), at(0, 1), at(1, 0)]),
                 (1, vec![at(-1, -1), at(-1, -1)]),
             ],
-            runs: [0, 1].map(|rank| Run { stage: 1, island: 0, rank }).to_vec(),
+            runs: [0, 1].map(|rank| Run { stage: 1, island: 0, layer: 0, rank }).to_vec(),
             scope,
             start: Some(at(1, 1)),
             end: None,
@@ -222,7 +226,7 @@ fn paths_from_one_end_of_the_grid_to_the_other_pass_the_checker() {
 fn runs_without_paths_are_passed_over() {
     for &(_, scope) in Scope::ALL {
         let line = |x| vec![Point::new(x, 0), Point::new(x, 500_000)];
-        let run = |rank| Run { stage: 1, island: 0, rank };
+        let run = |rank| Run { stage: 1, island: 0, layer: 0, rank };
         let layer = Layer {
             items: vec![(2, line(0)), (0, line(700_000)), (2, line(300_000))],
             runs: vec![run(0), run(1), run(2)],
@@ -242,7 +246,7 @@ fn the_virtual_segment_leaves_parity_alone() {
         for start in [ends[0], ends[2], Point::new(-300_000, 5)] {
             let layer = Layer {
                 items: (0..paths).map(|path| (0, vec![ends[path], ends[(path + 1) % 3]])).collect(),
-                runs: vec![Run { stage: 1, island: 0, rank: 0 }],
+                runs: vec![Run { stage: 1, island: 0, layer: 0, rank: 0 }],
                 scope: Scope::Layer,
                 start: Some(start),
                 end: None,

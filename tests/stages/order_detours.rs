@@ -3,7 +3,9 @@
 use std::slice;
 
 use pathwright::geometry::{Point, unite_rings};
-use pathwright::order::{Chain, Cost, DetourRule, LayerProblem, PathVisit, Watch, check, ends_on_path};
+use pathwright::order::{
+    Chain, Cost, DetourRule, LayerProblem, LinkKind, PathVisit, Watch, check, ends_on_path,
+};
 use pathwright::profile::{CostKind, OrderSettings, Scope, SeamPosition, Settings};
 use pathwright::toolpath::{IslandId, LayerKind, LayerPaths, Path, Phase, Role, Width};
 use pathwright::units::Mm;
@@ -56,7 +58,7 @@ fn travel_cost(layer: &LayerPaths, cost: Cost, sequence: &[PathVisit]) -> f64 {
     let rule = settings().detour_rule().unwrap();
     let router = pathwright::geometry::Router::new(&layer.outline, rule.wall_width_mm, rule.max_mm);
     let ends: Vec<_> = sequence.iter().map(|&visit| ends_on_path(layer, visit)).collect();
-    ends.windows(2).map(|pair| rule.cost(&router, &cost, pair[0].1.mm(), pair[1].0.mm())).sum()
+    ends.windows(2).map(|pair| rule.cost(&router, &cost, [pair[0].1.mm(), pair[1].0.mm()], false)).sum()
 }
 
 #[test]
@@ -105,7 +107,7 @@ proptest! {
         // The travel to the first path counts in both, and is part of what was minimised.
         let first = |sequence: &[PathVisit]| {
             let to = ends_on_path(&layer, sequence[0]).0;
-            cost.of(Point::from_mm(3.0, 19.5).distance_mm(to), false)
+            cost.of(Point::from_mm(3.0, 19.5).distance_mm(to), LinkKind::ACROSS)
         };
         let total = |sequence: &[PathVisit]| first(sequence) + travel_cost(&layer, cost, sequence);
         prop_assert!(total(&led) <= total(&straight) + 1e-6, "{} and {}", total(&led), total(&straight));

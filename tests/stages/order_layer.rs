@@ -33,7 +33,11 @@ pub fn layer(
         used.dedup();
         let number = |run: usize| used.binary_search(&run).expect("listed") as u32;
         let items = paths.into_iter().zip(&chosen).map(|(points, &run)| (number(run), points)).collect();
-        let run = |&run: &usize| Run { stage: runs[run].0, island: runs[run].1, rank: runs[run].2 };
+        // Two stages to a layer, as in a print.
+        let run = |&run: &usize| {
+            let (stage, island, rank) = runs[run];
+            Run { stage, island, layer: stage / 2, rank }
+        };
         Layer { items, runs: used.iter().map(run).collect(), scope, start, end }
     })
 }

@@ -49,6 +49,7 @@ pub fn order<'py>(
             retract_from_mm,
             retract_inside_from_mm: retract_from_mm,
             retract_s,
+            climb_s: 0.0,
         });
     }
     let ordered = run(py, None, move |observer| {

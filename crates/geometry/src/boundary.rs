@@ -2,6 +2,8 @@
 
 use std::borrow::Cow;
 
+use crate::real;
+
 use super::point::{cross, to_segment_mm};
 use super::{Point, Region};
 
@@ -125,14 +127,15 @@ impl<'a> Boundary<'a> {
         let outside_mm = |edge: usize| {
             let [a, b] = side(edge);
             let along = [b[0] - a[0], b[1] - a[1]];
-            cross([to_mm[0] - a[0], to_mm[1] - a[1]], along) / along[0].hypot(along[1]).max(f64::MIN_POSITIVE)
+            cross([to_mm[0] - a[0], to_mm[1] - a[1]], along)
+                / real::hypot(along[0], along[1]).max(f64::MIN_POSITIVE)
         };
         let first = from.edge as usize % n;
         let [a, b] = side(first);
         let length_mm = ring[first].distance_mm(ring[(first + 1) % n]);
         let t = from.along_mm / length_mm.max(f64::MIN_POSITIVE);
         let start = [0, 1].map(|k| a[k] + t * (b[k] - a[k]));
-        let range_mm = 2.0 * (to_mm[0] - start[0]).hypot(to_mm[1] - start[1]);
+        let range_mm = 2.0 * real::hypot(to_mm[0] - start[0], to_mm[1] - start[1]);
         let mut nearest = (f64::INFINITY, first);
         let mut look = |edge: usize| {
             let [a, b] = side(edge);

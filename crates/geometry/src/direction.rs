@@ -1,5 +1,7 @@
 //! A direction in the plane, and how points lie relative to it.
 
+use crate::real;
+
 use super::Point;
 
 /// A direction: points have a coordinate along it, and one across it, to its left, both from the origin.
@@ -12,7 +14,7 @@ pub struct Direction {
 impl Direction {
     /// The direction at an angle, in radians from the X axis.
     pub fn of(angle_rad: f64) -> Self {
-        let (sin, cos) = angle_rad.sin_cos();
+        let (sin, cos) = real::sin_cos(angle_rad);
         Self { sin, cos }
     }
 

@@ -1,5 +1,7 @@
 //! Parallel lines through a region: the scan-line fill behind all straight infill.
 
+use crate::real;
+
 use super::point::nearest_unit;
 use super::{BoundaryPos, Point, Region, UNITS_PER_MM};
 
@@ -108,7 +110,7 @@ fn ceil(v: f64) -> i64 {
 /// Sine and cosine, exact at multiples of a quarter turn, so that axis-parallel lines are just that.
 fn direction(angle_rad: f64) -> (f64, f64) {
     let clean = |v: f64| if v.abs() < 1e-15 { 0.0 } else { v };
-    let (sin, cos) = angle_rad.sin_cos();
+    let (sin, cos) = real::sin_cos(angle_rad);
     (clean(sin), clean(cos))
 }
 

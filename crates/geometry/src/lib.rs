@@ -22,6 +22,7 @@ mod offset;
 mod point;
 mod random;
 mod raw_offset;
+pub mod real;
 mod region;
 mod route;
 mod simplify;

@@ -1,5 +1,7 @@
 //! Offset curves of single rings, before overlaps are taken out.
 
+use crate::real;
+
 use super::point::nearest_unit;
 use super::{Point, Ring, UNITS_PER_MM};
 
@@ -108,9 +110,9 @@ impl RingOffset {
             Join::Miter { limit } => (2.0 / (limit * limit).max(1.0), 0.0),
             Join::Round { tolerance_mm } => {
                 let sagitta = (tolerance_mm * UNITS_PER_MM / by.abs()).clamp(1e-6, 0.5);
-                let step = 2.0 * (1.0 - sagitta).acos();
+                let step = 2.0 * real::acos(1.0 - sagitta);
                 // Up to this turn a mitre strays no farther from the arc than its chord would.
-                (1.0 + step.cos(), step)
+                (1.0 + real::cos(step), step)
             }
         };
         Self { by, join, miter_floor, arc_step, corners: Vec::new(), lost: Vec::new() }
@@ -275,10 +277,10 @@ impl RingOffset {
                 curve.push(at.plus(self.by, v.right()).plus(-k, v).point());
             }
             Join::Round { .. } => {
-                let turn = u.cross(v).atan2(u.dot(v));
+                let turn = real::atan2(u.cross(v), u.dot(v));
                 let chords = (turn.abs() / self.arc_step).ceil().max(1.0);
                 for i in 0..=chords as usize {
-                    let (sin, cos) = (turn * i as f64 / chords).sin_cos();
+                    let (sin, cos) = real::sin_cos(turn * i as f64 / chords);
                     let direction = Vector { x: u.x * cos - u.y * sin, y: u.x * sin + u.y * cos };
                     curve.push(at.plus(self.by, direction.right()).point());
                 }

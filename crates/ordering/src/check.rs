@@ -90,7 +90,7 @@ mod tests {
 
     /// Two islands of two runs with one short path each, after a skirt.
     fn problem(scope: Scope) -> Problem<'static> {
-        let run = |stage, island, rank| Run { stage, island, rank };
+        let run = |stage, island, rank| Run { stage, island, layer: 0, rank };
         let runs = vec![run(0, u32::MAX, 0), run(1, 0, 0), run(1, 0, 1), run(1, 1, 0), run(1, 1, 1)];
         let item = |run: u32| Item {
             run,

@@ -5,7 +5,8 @@ use std::cell::RefCell;
 
 use rustc_hash::FxHashMap;
 
-use super::Cost;
+use super::{Cost, LinkKind};
+use pathwright_geometry::real;
 use pathwright_geometry::{Route, Router};
 
 /// How travels are led around what they must not cross.
@@ -22,11 +23,15 @@ pub struct DetourRule {
 impl DetourRule {
     /// Cost of the travel between two positions in an island. A detour costs what a travel of that length does; crossing a wall, what
     /// the travel costs with a retraction, and where lengths count, that much more as is travelled without one.
-    pub fn cost(self, router: &Router, cost: &Cost, from: [f64; 2], to: [f64; 2]) -> f64 {
+    pub fn cost(self, router: &Router, cost: &Cost, [from, to]: [[f64; 2]; 2], climbs: bool) -> f64 {
         match (router.route(from, to), cost) {
-            (Route::Inside(_, length_mm), _) => cost.of(length_mm, true),
-            (Route::Across, Cost::Length) => (from[0] - to[0]).hypot(from[1] - to[1]) + self.retraction_mm,
-            (Route::Across, Cost::Time(_)) => cost.of((from[0] - to[0]).hypot(from[1] - to[1]), false),
+            (Route::Inside(_, length_mm), _) => cost.of(length_mm, LinkKind { inside: true, climbs }),
+            (Route::Across, Cost::Length) => {
+                real::hypot(from[0] - to[0], from[1] - to[1]) + self.retraction_mm
+            }
+            (Route::Across, Cost::Time(_)) => {
+                cost.of(real::hypot(from[0] - to[0], from[1] - to[1]), LinkKind { inside: false, climbs })
+            }
         }
     }
 }
@@ -64,10 +69,11 @@ impl<'a> Detours<'a> {
     pub fn cost(&self, items: [u32; 2], from: [f64; 2], to: [f64; 2]) -> f64 {
         let (from, to) = if from <= to { (from, to) } else { (to, from) };
         // The nozzle climbs first, so the upper layer's outline matters.
-        let upper = items[0].max(items[1]);
-        let layer = self.first_item.partition_point(|&first| first <= upper) - 1;
-        let key = (layer as u32, [from[0], from[1], to[0], to[1]].map(f64::to_bits));
-        let find = || self.rule.cost(&self.routers[layer], &self.cost, from, to);
+        let of = |item: u32| self.first_item.partition_point(|&first| first <= item) - 1;
+        let layer = of(items[0].max(items[1]));
+        let climbs = items[0].min(items[1]) < self.first_item[layer];
+        let key = (2 * layer as u32 + u32::from(climbs), [from[0], from[1], to[0], to[1]].map(f64::to_bits));
+        let find = || self.rule.cost(&self.routers[layer], &self.cost, [from, to], climbs);
         *self.known.borrow_mut().entry(key).or_insert_with(find)
     }
 }

@@ -1,6 +1,7 @@
 //! The best directions and entries of consecutive paths together, their order being as it is.
 
-use super::{Cost, Problem, Sequence, Shape};
+use super::cost::LinkCosts;
+use super::{LinkKind, Problem, Sequence, Shape};
 use pathwright_geometry::Point;
 
 /// Vertices of each loop that are considered at a time.
@@ -90,8 +91,8 @@ impl EntrySearch {
         from: usize,
         to: usize,
         [x, y]: [f64; 2],
-        cost: &Cost,
-        inside: bool,
+        cost: &LinkCosts,
+        kind: LinkKind,
     ) -> (f64, u32) {
         let (xs, ys) = (&self.leave[0][from..to], &self.leave[1][from..to]);
         self.links.clear();
@@ -102,12 +103,9 @@ impl EntrySearch {
         }));
         let costs = &self.cost[from..to];
         match cost {
-            Cost::Length => self.links.iter_mut().zip(costs).for_each(|(link, cost)| *link += cost),
-            Cost::Time(time) => {
-                self.links
-                    .iter_mut()
-                    .zip(costs)
-                    .for_each(|(link, cost)| *link = time.of(*link, inside) + cost);
+            LinkCosts::Length => self.links.iter_mut().zip(costs).for_each(|(link, cost)| *link += cost),
+            LinkCosts::Time(time) => {
+                self.links.iter_mut().zip(costs).for_each(|(link, cost)| *link = time.of(*link, kind) + cost);
             }
         }
         let mut best = (f64::INFINITY, 0);
@@ -123,7 +121,7 @@ impl EntrySearch {
 impl EntrySearch {
     /// The cheapest choice of one candidate for each of `count` paths: its cost, the entries, and how many pairs were looked at.
     /// `candidates` appends those of a path; the walk comes from `start` and continues to `end`, which are NaN if unknown.
-    /// `inside` tells of the link to a path, and to the end, whether it is inside an island.
+    /// `kind` tells what the link to a path leads over, and that to the end.
     ///
     /// Shortest path through layers of candidates: the *cluster optimisation* of the generalised travelling salesman problem
     /// (Fischetti, Salazar & Toth 1997, doi:10.1287/opre.45.3.378). Of equal candidates the first.
@@ -133,8 +131,8 @@ impl EntrySearch {
         count: usize,
         mut candidates: impl FnMut(usize, &mut Vec<Candidate>),
         end: [f64; 2],
-        cost: &Cost,
-        inside: impl Fn(usize) -> bool,
+        cost: &LinkCosts,
+        kind: impl Fn(usize) -> LinkKind,
     ) -> (f64, &[u32], u64) {
         self.begin(start);
         let mut here = std::mem::take(&mut self.here);
@@ -144,15 +142,15 @@ impl EntrySearch {
             here.clear();
             candidates(path, &mut here);
             pairs += ((from - last) * here.len()) as u64;
-            let inside = inside(path);
+            let kind = kind(path);
             for &candidate in &here {
-                let (least, before) = self.cheapest(last, from, candidate.enter, cost, inside);
+                let (least, before) = self.cheapest(last, from, candidate.enter, cost, kind);
                 self.push(candidate, least, before);
             }
             last = from;
         }
         self.here = here;
-        let (total, mut at) = self.cheapest(last, self.entry.len(), end, cost, inside(count));
+        let (total, mut at) = self.cheapest(last, self.entry.len(), end, cost, kind(count));
         self.chosen.clear();
         self.chosen.resize(count, 0);
         for entry in self.chosen.iter_mut().rev() {
@@ -190,7 +188,9 @@ pub(super) fn enter_shortest(
         };
         let (start, end) = (coordinates(start), coordinates(end));
         let (_, entries, _) =
-            search.cheapest_entries(start, sequence.len(), candidates, end, &Cost::Length, |_| false);
+            search.cheapest_entries(start, sequence.len(), candidates, end, &LinkCosts::Length, |_| {
+                LinkKind::ACROSS
+            });
         for (visit, &entry) in sequence.iter_mut().zip(entries) {
             visit.entry = entry;
         }

@@ -45,7 +45,7 @@ pub use as_sliced::AsSliced;
 pub use check::{Fault, check};
 pub use christofides::Christofides;
 pub use christofides_open::ChristofidesOpen;
-pub use cost::{Cost, TravelTime, evaluate, links, ramped_s, trapezoid_s};
+pub use cost::{Cost, LinkKind, TravelTime, evaluate, links, ramped_s, trapezoid_s};
 pub use detours::{DetourRule, Detours};
 pub use greedy::Greedy;
 pub use nearest::Nearest;

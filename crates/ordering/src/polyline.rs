@@ -92,7 +92,8 @@ pub fn order_watched(polylines: &[Polyline], options: &OrderOptions, watch: Watc
     let mut groups: Vec<u32> = polylines.iter().map(|polyline| polyline.group).collect();
     groups.sort_unstable();
     groups.dedup();
-    let runs = (0..groups.len() as u32).map(|stage| Run { stage, island: stage, rank: 0 }).collect();
+    let runs =
+        (0..groups.len() as u32).map(|stage| Run { stage, island: stage, layer: 0, rank: 0 }).collect();
     let items = polylines.iter().map(|Polyline { points, closed, group }| Item {
         run: groups.partition_point(|known| known < group) as u32,
         shape: match closed {

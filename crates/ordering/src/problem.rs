@@ -38,6 +38,8 @@ pub struct Run {
     pub stage: u32,
     /// Island; runs of one island are printed by ascending rank under `feature` and `island`.
     pub island: u32,
+    /// Layer, where several are one problem: no run comes before one of a lower layer.
+    pub layer: u32,
     /// Position among the runs of its island.
     pub rank: u32,
 }
@@ -67,7 +69,7 @@ impl<'a> Problem<'a> {
     /// Shapes without precedence, begun and ended anywhere.
     pub fn of(shapes: impl IntoIterator<Item = Shape<'a>>) -> Self {
         let items = shapes.into_iter().map(|shape| Item { run: 0, shape }).collect();
-        let runs = vec![Run { stage: 0, island: 0, rank: 0 }];
+        let runs = vec![Run { stage: 0, island: 0, layer: 0, rank: 0 }];
         Self { items, runs, scope: Scope::Layer, start: None, end: None }
     }
 }

@@ -1,5 +1,7 @@
 //! What beads rest on.
 
+use geometry::real;
+
 use super::super::relief::Relief;
 use crate::gcode::Stroke;
 
@@ -80,7 +82,7 @@ impl OpenPath {
     /// Length without support at the end of the path, mm; 0 of a bridge, which is held at both ends.
     pub fn hanging_mm(&self) -> f64 {
         let Some(start) = self.start else { return 0.0 };
-        let closed = (start[0] - self.end[0]).hypot(start[1] - self.end[1]) < CLOSED_MM;
+        let closed = real::hypot(start[0] - self.end[0], start[1] - self.end[1]) < CLOSED_MM;
         match self.head_mm {
             None if self.length_mm > SHORTEST_MM => self.length_mm,
             None => 0.0,

@@ -2,6 +2,8 @@
 
 use std::collections::BTreeSet;
 
+use geometry::real;
+
 use super::replay::{Action, Replay, Stroke, replay};
 use crate::motion::filament_area_mm2;
 use crate::units::Mm;
@@ -135,7 +137,7 @@ impl MeasureState {
     fn extrude(&mut self, stroke: &Stroke, out: &mut Measure) {
         out.print_mm += stroke.xy_mm;
         if let (Some(end), Some(travel_mm)) = (self.last_end, self.travel_mm.take()) {
-            out.link_mm += (stroke.from[0] - end[0]).hypot(stroke.from[1] - end[1]);
+            out.link_mm += real::hypot(stroke.from[0] - end[0], stroke.from[1] - end[1]);
             out.travels += 1;
             out.long_travels += usize::from(travel_mm > LONG_TRAVEL_MM);
         }

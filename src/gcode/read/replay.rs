@@ -1,5 +1,7 @@
 //! Follows G-code as a machine does: positions, modes, filament.
 
+use geometry::real;
+
 use super::lexer::{Code, Line, Lines, Words, lines};
 use super::marks::{Mark, mark};
 use crate::motion::arc_mm;
@@ -43,8 +45,8 @@ impl Stroke {
         let straight = [0, 1, 2].map(|i| self.from[i] + (self.to[i] - self.from[i]) * share);
         let Some(center) = self.arc.filter(|_| share < 1.0) else { return straight };
         let from = [self.from[0] - center.at[0], self.from[1] - center.at[1]];
-        let turn = self.xy_mm / from[0].hypot(from[1]).max(f64::MIN_POSITIVE) * share;
-        let (sine, cosine) = if center.clockwise { -turn } else { turn }.sin_cos();
+        let turn = self.xy_mm / real::hypot(from[0], from[1]).max(f64::MIN_POSITIVE) * share;
+        let (sine, cosine) = real::sin_cos(if center.clockwise { -turn } else { turn });
         [
             center.at[0] + from[0] * cosine - from[1] * sine,
             center.at[1] + from[0] * sine + from[1] * cosine,
@@ -285,7 +287,7 @@ impl State {
             return [from[0] + i, from[1] + j];
         };
         let (dx, dy) = (to[0] - from[0], to[1] - from[1]);
-        let chord_mm = dx.hypot(dy).max(f64::MIN_POSITIVE);
+        let chord_mm = real::hypot(dx, dy).max(f64::MIN_POSITIVE);
         let offset = (radius * radius - chord_mm * chord_mm / 4.0).max(0.0).sqrt() / chord_mm;
         let side = if clockwise == (radius > 0.0) { 1.0 } else { -1.0 };
         [(from[0] + to[0]) / 2.0 + side * dy * offset, (from[1] + to[1]) / 2.0 - side * dx * offset]

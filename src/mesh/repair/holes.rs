@@ -11,6 +11,7 @@ use super::doubts::Doubtful;
 use crate::mesh::edges::{Edges, NO_TWIN, ends};
 use crate::mesh::measure::{Vec3, area_mm2, length_mm, normal, point};
 use geometry::DisjointSets;
+use geometry::real;
 
 /// The facets that close holes.
 #[derive(Default)]
@@ -223,15 +224,15 @@ impl Surface<'_> {
         if level && coplanar_mm > 0.1 * rim_mm && least < COPLANAR || coplanar_mm >= 0.999 * rim_mm {
             return 0.0;
         }
-        let angle = lean.clamp(-0.95, 1.0).acos();
+        let angle = real::acos(lean.clamp(-0.95, 1.0));
         // One facet is missing where there is no room for more.
         if rim.len() == 3 && (least < STEEP || lean > 0.9) {
             return 0.0;
         }
         if turn < STRAIGHT {
-            return if lean < STEEP { 0.0 } else { area_mm2 * radius_mm * angle.tan() / 3.0 };
+            return if lean < STEEP { 0.0 } else { area_mm2 * radius_mm * real::tan(angle) / 3.0 };
         }
-        let height_mm = radius_mm * (angle / 2.0).tan();
+        let height_mm = radius_mm * real::tan(angle / 2.0);
         PI * height_mm * (3.0 * radius_mm.powi(2) + height_mm.powi(2)) / 6.0
     }
 }

@@ -2,6 +2,8 @@
 
 use std::f64::consts::PI;
 
+use geometry::real;
+
 /// What a setting or a part of a formula is.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) enum Value {
@@ -301,7 +303,7 @@ impl Reader<'_> {
             "/" => left / right,
             "//" => (left / right).floor(),
             "%" => left - right * (left / right).floor(),
-            _ => left.powf(right),
+            _ => real::pow(left, right),
         };
         if result.is_finite() { Ok(Value::Number(result)) } else { Err(format!("`{sign}` has no result")) }
     }
@@ -411,14 +413,14 @@ impl Reader<'_> {
             ("math.ceil", [x]) => x.ceil(),
             ("math.floor", [x]) => x.floor(),
             ("math.sqrt", [x]) => x.sqrt(),
-            ("math.sin", [x]) => x.sin(),
-            ("math.cos", [x]) => x.cos(),
-            ("math.tan", [x]) => x.tan(),
-            ("math.atan", [x]) => x.atan(),
-            ("math.log", [x]) => x.ln(),
+            ("math.sin", [x]) => real::sin(*x),
+            ("math.cos", [x]) => real::cos(*x),
+            ("math.tan", [x]) => real::tan(*x),
+            ("math.atan", [x]) => real::atan(*x),
+            ("math.log", [x]) => real::ln(*x),
             ("math.radians", [x]) => x.to_radians(),
             ("math.degrees", [x]) => x.to_degrees(),
-            ("math.pow" | "pow", [x, y]) => x.powf(*y),
+            ("math.pow" | "pow", [x, y]) => real::pow(*x, *y),
             _ => return unknown(),
         };
         if result.is_finite() { Ok(Value::Number(result)) } else { Err(format!("`{name}` has no result")) }

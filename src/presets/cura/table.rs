@@ -5,6 +5,7 @@ use super::stack::Stack;
 use crate::presets::value::escaped;
 
 use Rule::{By, Flag, Script, Share, Words};
+use geometry::real;
 
 /// How a setting is said in PrusaSlicer's words.
 pub(super) enum Rule {
@@ -207,7 +208,8 @@ fn bed(stack: &Stack) -> Option<String> {
     let at = |x: f64, y: f64| format!("{}x{}", written(corner[0] + x), written(corner[1] + y));
     let points: Vec<String> = if stack.text("machine_shape") == "elliptic" {
         let angle = |i: u32| f64::from(i) * std::f64::consts::TAU / f64::from(POINTS);
-        let point = |i| at(width / 2.0 * (1.0 + angle(i).cos()), depth / 2.0 * (1.0 + angle(i).sin()));
+        let point =
+            |i| at(width / 2.0 * (1.0 + real::cos(angle(i))), depth / 2.0 * (1.0 + real::sin(angle(i))));
         (0..POINTS).map(point).collect()
     } else {
         vec![at(0.0, 0.0), at(width, 0.0), at(width, depth), at(0.0, depth)]

@@ -1,5 +1,6 @@
 //! Beds: from the corners of a polygon to a rectangle or a disc.
 
+use geometry::real;
 use toml::Value;
 
 use super::row::Outcome::{self, Left, Near};
@@ -49,7 +50,7 @@ fn bed(config: &Config) -> Option<Bed> {
     let max = [0, 1].map(|i| points.iter().map(|p| p[i]).fold(f64::NEG_INFINITY, f64::max));
     let (size, middle) = ([0, 1].map(|i| max[i] - min[i]), [0, 1].map(|i| (min[i] + max[i]) / 2.0));
     let at_edge = |p: &Point| [0, 1].iter().all(|&i| near(p[i], min[i]) || near(p[i], max[i]));
-    let on_circle = |p: &Point| near((p[0] - middle[0]).hypot(p[1] - middle[1]), size[0] / 2.0);
+    let on_circle = |p: &Point| near(real::hypot(p[0] - middle[0], p[1] - middle[1]), size[0] / 2.0);
     let bed = if points.len() == 4 && points.iter().all(at_edge) {
         rectangle(middle, size, false)
     } else if points.len() >= 8 && points.iter().all(on_circle) {
@@ -105,7 +106,7 @@ fn distance(p: Point, a: Point, b: Point) -> f64 {
     let (d, q) = ([b[0] - a[0], b[1] - a[1]], [p[0] - a[0], p[1] - a[1]]);
     let length = d[0] * d[0] + d[1] * d[1];
     let t = if length > 0.0 { ((q[0] * d[0] + q[1] * d[1]) / length).clamp(0.0, 1.0) } else { 0.0 };
-    (q[0] - t * d[0]).hypot(q[1] - t * d[1])
+    real::hypot(q[0] - t * d[0], q[1] - t * d[1])
 }
 
 /// Whether an edge has a part inside of a rectangle.

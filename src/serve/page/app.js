@@ -3,7 +3,6 @@
 import { find } from "./view.js";
 import { Connection } from "./connection.js";
 import { Desk } from "./desk.js";
-import { Engine } from "./engine.js";
 import { Memory } from "./memory.js";
 import { unplaced, withMove, withTurn } from "./project.js";
 import { PlateView } from "./plate/view.js";
@@ -24,6 +23,8 @@ import { Status } from "./ui/status.js";
 import { Transform } from "./ui/transform.js";
 import { Warnings } from "./ui/warnings.js";
 
+// Where the page is from says what slices: the service, or a worker of the page.
+const { Engine } = await import(document.documentElement.dataset.engine === "worker" ? "./local.js" : "./engine.js");
 const desk = new Desk(), engine = new Engine();
 setTheme(localStorage.getItem("theme") ?? (matchMedia("(prefers-color-scheme: dark)").matches ? "dark" : "light"));
 const connection = new Connection(engine, desk, new Memory(desk), () => askToken(engine));

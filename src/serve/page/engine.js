@@ -94,8 +94,8 @@ export class Engine {
 
   /** Where to get files: addresses that the browser can save. */
   gcode = (event) => event.gcode;
-  projectFile = () => this.at("project.3mf");
-  profileFile = () => this.at("profile.toml");
+  projectFile = async () => this.at("project.3mf");
+  profileFile = async () => this.at("profile.toml");
 
   /**
    * Calls `on[event](data)` for everything that happens on the plate, until the signal is given or the connection ends,
@@ -165,7 +165,8 @@ function deliver(message, on) {
   if (data.length) on[name]?.(JSON.parse(data.join("\n")));
 }
 
-function readMesh(buffer) {
+/** A mesh as it is packed. */
+export function readMesh(buffer) {
   const head = new DataView(buffer), magic = String.fromCharCode(...new Uint8Array(buffer, 0, 4));
   if (magic !== "PWM1") throw new EngineError({ message: "the service sends a mesh that this page does not know; load the page anew" });
   const vertices = head.getUint32(4, true), triangles = head.getUint32(8, true);

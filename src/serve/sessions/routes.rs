@@ -15,12 +15,11 @@ use utoipa::{IntoParams, ToSchema};
 use utoipa_axum::router::OpenApiRouter;
 use utoipa_axum::routes;
 
-use super::hub::{Entry, Hub};
+use super::hub::Hub;
 use super::results::octets;
 use super::{results, stream};
 use crate::job::Project;
-use crate::live::Failure;
-use crate::observer::Observer;
+use crate::live::DISPLAYED;
 use crate::serve::body::whole;
 use crate::serve::description::{Common, ServerSentEvent};
 use crate::serve::error::{ApiError, ErrorBody};
@@ -32,8 +31,6 @@ use crate::serve::tokens::Client;
 const ALIVE: Duration = Duration::from_secs(10);
 /// Largest project: its profile is text.
 const PROJECT_BYTES: usize = 16 << 20;
-/// Meshes with more triangles are simplified for display.
-const DISPLAYED: usize = 200_000;
 
 /// The routes.
 pub fn router(shared: Arc<Shared>) -> OpenApiRouter {
@@ -133,30 +130,8 @@ async fn add_model(
         return Err(ApiError::usage("name: 1 to 255 bytes are expected"));
     }
     let bytes = whole(body).await?;
-    let added = hub.work(move || add(&entry, &name, &bytes)).await?;
+    let added = hub.work(move || entry.session.add(&name, &bytes)).await?;
     Ok((StatusCode::CREATED, Json(added)).into_response())
-}
-
-/// Adds a file; of a project all its models, under names that are free.
-fn add(entry: &Entry, name: &str, bytes: &[u8]) -> Result<Value, Failure> {
-    let Some((mut project, files)) = Project::read(name, bytes, &Observer::none())? else {
-        let mut added = json!(entry.session.add_model(name, bytes)?);
-        added["project"] = Value::Null;
-        return Ok(added);
-    };
-    let mut all = Vec::new();
-    for (file, read) in files {
-        let read = Arc::into_inner(read).ok_or_else(|| Failure::Limit("the file is in use".into()))?;
-        let added = entry.session.add_file(read)?;
-        let models = project.models.iter_mut().filter(|model| model.file == file);
-        models.for_each(|model| model.file.clone_from(&added.file));
-        all.push(added);
-    }
-    let objects: Vec<_> = all.iter().flat_map(|added| added.objects.clone()).collect();
-    let first = all.first().map(|added| added.file.clone()).unwrap_or_default();
-    Ok(json!({
-        "file": first, "bytes": bytes.len(), "objects": objects, "project": project, "files": all,
-    }))
 }
 
 /// Which object of a file.
@@ -215,8 +190,7 @@ async fn faces(
 ) -> Result<Json<Value>, ApiError> {
     let entry = hub.find(&session, &client)?;
     let faces = hub.work(move || entry.session.faces(&file, which.object)).await?;
-    let face = |face: &crate::plate::Face| json!({ "normal": face.normal, "area_mm2": face.area_mm2, "outline": face.outline });
-    Ok(Json(json!({ "faces": faces.iter().map(face).collect::<Vec<_>>() })))
+    Ok(Json(json!({ "faces": faces })))
 }
 
 /// Slice a project

@@ -11,6 +11,7 @@
 
 use std::f64::consts::{FRAC_PI_2, SQRT_2, TAU};
 
+use geometry::real;
 use geometry::{Clipper, Point, Region};
 
 use super::super::bead::Line;
@@ -56,7 +57,7 @@ impl AdaptiveCubic {
     pub fn new(surface: impl Iterator<Item = [[f64; 3]; 3]>, line_distance_mm: f64, angle_rad: f64) -> Self {
         let (upright, level) = (1.0 / 3.0_f64.sqrt(), (2.0 / 3.0_f64).sqrt());
         let axes = [0.0, 1.0, 2.0].map(|k| {
-            let (sin, cos) = (angle_rad + FRAC_PI_2 + k * TAU / 3.0).sin_cos();
+            let (sin, cos) = real::sin_cos(angle_rad + FRAC_PI_2 + k * TAU / 3.0);
             [level * cos, level * sin, upright]
         });
         let mut cubes = Self { axes, finest_mm: 2.0 * PLANES * line_distance_mm, levels: Vec::new() };
@@ -121,7 +122,7 @@ impl AdaptiveCubic {
         // Along the trace the difference changes by √2 in a millimetre.
         let reach = SQRT_2 * disc.radius_mm;
         let ends = [ends[0].max(middle - reach), ends[1].min(middle + reach)];
-        let crosses = (mx - x).hypot(my - y) < disc.radius_mm && ends[0] < ends[1];
+        let crosses = real::hypot(mx - x, my - y) < disc.radius_mm && ends[0] < ends[1];
         crosses.then(|| {
             ends.map(|difference_mm| {
                 let [x, y] = self.place_mm(axis, number, difference_mm, z_mm);
@@ -179,7 +180,7 @@ impl Disc {
         let ([x0, y0], [x1, y1]) = (bounds.min.mm(), bounds.max.mm());
         Some(Self {
             middle: [x0.midpoint(x1), y0.midpoint(y1)],
-            radius_mm: (x1 - x0).hypot(y1 - y0) / 2.0 + 1.0,
+            radius_mm: real::hypot(x1 - x0, y1 - y0) / 2.0 + 1.0,
         })
     }
 }

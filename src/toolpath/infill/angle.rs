@@ -3,6 +3,7 @@
 use std::f64::consts::{FRAC_PI_2, PI};
 
 use geometry::Region;
+use geometry::real;
 
 /// So many directions are tried besides those of the longest edges.
 const EVENLY: usize = 12;
@@ -28,10 +29,11 @@ pub fn fewest_turns(patch: &Region, angle_rad: f64) -> f64 {
         }));
     }
     let ends = |angle: f64| -> f64 {
-        let (sin, cos) = angle.sin_cos();
+        let (sin, cos) = real::sin_cos(angle);
         edges.iter().map(|[dx, dy]| (dy * cos - dx * sin).abs()).sum()
     };
-    let mut longest: Vec<(f64, f64)> = edges.iter().map(|[dx, dy]| (dx.hypot(*dy), dy.atan2(*dx))).collect();
+    let mut longest: Vec<(f64, f64)> =
+        edges.iter().map(|[dx, dy]| (real::hypot(*dx, *dy), real::atan2(*dy, *dx))).collect();
     longest.sort_by(|a, b| b.0.total_cmp(&a.0));
     let along_edges = longest.into_iter().take(EDGES).map(|(_, angle)| angle);
     let evenly = (1..EVENLY).map(|k| angle_rad + k as f64 * PI / EVENLY as f64);

@@ -1,5 +1,6 @@
 //! Joins the ends of infill lines along the boundary, so that a line ends where the next one begins.
 
+use geometry::real;
 use geometry::{Boundary, BoundaryPos, Point, Region};
 
 use super::caps::{self, Cap, Caps};
@@ -69,7 +70,7 @@ fn merge(chords: &mut Vec<Chord>, boundary: &Boundary<'_>, joins: &Joins) {
         let reach_mm = |on: Option<BoundaryPos>, from: Point, end: Point| {
             on.and_then(|on| boundary.direction(on).map(|edge| (on, edge))).map_or(0.0, |(on, edge)| {
                 let out = (end - from).mm();
-                let length = out[0].hypot(out[1]).max(f64::MIN_POSITIVE);
+                let length = real::hypot(out[0], out[1]).max(f64::MIN_POSITIVE);
                 let out = out.map(|w| w / length);
                 within(boundary, on, end.mm(), out, joins.reach_mm, joins.along_mm(joins.reach_mm, out, edge))
             })
@@ -211,7 +212,7 @@ impl Joiner<'_> {
         };
         let from = before.0.mm();
         let [x, y] = last.0.mm();
-        let length = (x - from[0]).hypot(y - from[1]);
+        let length = real::hypot(x - from[0], y - from[1]);
         let beside_cap = || self.caps.any_beside((chord as u32, side as u8));
         let across_mm = if ahead.is_some() { self.joins.turn_reach_mm } else { self.joins.reach_mm };
         if across_mm <= 0.0 || length <= 0.0 || beside_cap() {

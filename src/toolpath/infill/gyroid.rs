@@ -7,6 +7,7 @@
 
 use std::f64::consts::TAU;
 
+use geometry::real;
 use geometry::{Clipper, Point, Region, to_mm};
 
 use super::super::bead::Line;
@@ -33,7 +34,7 @@ impl FillPattern for Gyroid {
         };
         let scale = TAU / (PERIOD * spec.line_distance_mm);
         let z = spec.z_mm * scale;
-        let (sin_z, cos_z) = z.sin_cos();
+        let (sin_z, cos_z) = real::sin_cos(z);
         let upright = cos_z.abs() < sin_z.abs();
         let low = [to_mm(bounds.min.x) * scale, to_mm(bounds.min.y) * scale];
         let high = [to_mm(bounds.max.x) * scale, to_mm(bounds.max.y) * scale];
@@ -42,12 +43,12 @@ impl FillPattern for Gyroid {
         let step = TAU / STEPS as f64;
         let (first, last) = ((low[u] / step).floor() as i64 - 1, (high[u] / step).ceil() as i64 + 1);
         let at = |u: f64, branch: f64| -> f64 {
-            let (sin, cos) = u.sin_cos();
+            let (sin, cos) = real::sin_cos(u);
             let (a, b, rhs) = if upright { (cos, sin_z, -sin * cos_z) } else { (sin, cos_z, -cos * sin_z) };
             // Where upright, cos(x − φ) has φ = atan2(cos y, sin z), the angle between sin x and cos x swapped.
-            let phase = if upright { a.atan2(b) } else { b.atan2(a) };
+            let phase = if upright { real::atan2(a, b) } else { real::atan2(b, a) };
             let phase = if upright && b < 0.0 && phase < 0.0 { phase + TAU } else { phase };
-            phase + branch * (rhs / a.hypot(b)).clamp(-1.0, 1.0).acos()
+            phase + branch * real::acos((rhs / real::hypot(a, b)).clamp(-1.0, 1.0))
         };
 
         let clipper = Clipper::new(region);

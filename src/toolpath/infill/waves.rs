@@ -2,6 +2,7 @@
 
 use std::ops::RangeInclusive;
 
+use geometry::real;
 use geometry::{Clipper, Point, Region};
 
 use super::super::bead::Line;
@@ -21,7 +22,7 @@ pub struct Frame {
 impl Frame {
     /// A frame whose `u` runs in a direction.
     pub fn new(angle_rad: f64) -> Self {
-        let (sin, cos) = angle_rad.sin_cos();
+        let (sin, cos) = real::sin_cos(angle_rad);
         Self { sin, cos }
     }
 

@@ -3,6 +3,7 @@
 use std::f64::consts::PI;
 
 use super::bitmap::Bitmap;
+use geometry::real;
 use geometry::{Point, Region};
 
 /// Directions that are tried over half a turn.
@@ -32,7 +33,7 @@ pub fn spanned(overhang: &Region, carrier: &Bitmap, longest_mm: f64) -> Bitmap {
     }
     let spans = |k: u32| {
         let angle_rad = f64::from(k) * PI / f64::from(DIRECTIONS);
-        let (sin, cos) = angle_rad.sin_cos();
+        let (sin, cos) = real::sin_cos(angle_rad);
         let (mut held, mut all_mm, mut held_mm) = (Vec::new(), 0.0, 0.0);
         for [a, b] in
             geometry::scan_lines(overhang, angle_rad, LINE_MM, 0.0).into_iter().flat_map(|l| l.segments)
@@ -65,7 +66,7 @@ fn stroked(lines: &[[Point; 2]], like: &Bitmap) -> Bitmap {
     let step_mm = map.grid().cell_mm() / 2.0;
     for [a, b] in lines {
         let (a, b) = (a.mm(), b.mm());
-        let steps = ((b[0] - a[0]).hypot(b[1] - a[1]) / step_mm).ceil().max(1.0);
+        let steps = (real::hypot(b[0] - a[0], b[1] - a[1]) / step_mm).ceil().max(1.0);
         for k in 0..=steps as usize {
             let t = k as f64 / steps;
             let p = Point::from_mm(a[0] + t * (b[0] - a[0]), a[1] + t * (b[1] - a[1]));

@@ -4,6 +4,7 @@ use super::bitmap::{Bitmap, Grid};
 use super::bridge;
 use crate::toolpath::options::SupportSettings;
 use geometry::Region;
+use geometry::real;
 
 /// Overhangs smaller than this are noise of the section: less than a nozzle diameter.
 const CRUMB_MM2: f64 = 0.05;
@@ -50,7 +51,7 @@ pub fn find(
     settings: &SupportSettings,
 ) -> Overhang {
     let grid = layer.solid.grid();
-    let lean_mm = height_mm * settings.angle.to_radians().tan();
+    let lean_mm = height_mm * real::tan(settings.angle.to_radians());
     let carried = geometry::offset(below.rough, lean_mm);
     let mut beyond =
         if settings.enabled { geometry::difference(layer.section, &carried) } else { Region::default() };
@@ -106,6 +107,6 @@ pub fn lasting<'a>(
 
 /// How many layers above and below are seen together: as many as a slope at the limit takes to reach out so far.
 pub fn window(height_mm: f64, settings: &SupportSettings) -> usize {
-    let lean_mm = (height_mm * settings.angle.to_radians().tan()).max(1e-3);
+    let lean_mm = (height_mm * real::tan(settings.angle.to_radians())).max(1e-3);
     ((settings.min_reach.0 / lean_mm).ceil() as usize).min(20)
 }

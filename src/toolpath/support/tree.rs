@@ -8,6 +8,7 @@
 use super::bitmap::Bitmap;
 use super::columns::{ColumnSpec, kept_free, pads};
 use crate::toolpath::options::SupportSettings;
+use geometry::real;
 use geometry::{Point, Polygon, Region, distance_mm};
 
 /// Distance between the tips under a wide overhang. Their heads overlap.
@@ -84,11 +85,11 @@ pub fn grow(
     let mut trunks: Vec<usize> = Vec::new();
     // For each branch its lowest layer, if it ends on the part.
     let mut landings: Vec<Option<usize>> = Vec::new();
-    let lean_mm = spec.height_mm * settings.branch_angle.to_radians().tan();
+    let lean_mm = spec.height_mm * real::tan(settings.branch_angle.to_radians());
     let avoided = avoidance(&solid[..=top], spec, settings, lean_mm);
     let look_every = ((LOOK_EVERY_MM / spec.height_mm) as usize).max(1);
     let radius = |depth: usize| {
-        let widened_mm = depth as f64 * spec.height_mm * settings.branch_taper.to_radians().tan();
+        let widened_mm = depth as f64 * spec.height_mm * real::tan(settings.branch_taper.to_radians());
         (settings.branch_diameter.0 / 2.0 + widened_mm).min(THICKEST_MM)
     };
     let mut branches: Vec<Branch> = Vec::new();
@@ -300,7 +301,7 @@ impl Buckets {
 pub fn outline(discs: &[Disc], kept_free: &Region) -> (Region, Region) {
     let circle = |disc: &Disc| {
         let corner = |k: usize| {
-            let (sin, cos) = (k as f64 / CORNERS as f64 * std::f64::consts::TAU).sin_cos();
+            let (sin, cos) = real::sin_cos(k as f64 / CORNERS as f64 * std::f64::consts::TAU);
             Point::from_mm(disc.at[0] + disc.radius_mm * cos, disc.at[1] + disc.radius_mm * sin)
         };
         Region::from(Polygon { outer: (0..CORNERS).map(corner).collect(), holes: Vec::new() })

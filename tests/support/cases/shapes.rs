@@ -134,6 +134,7 @@ pub fn layer(bytes: &mut Bytes<'_>) -> Layer {
     for (run, _) in &mut items {
         *run = sorted.iter().position(|known| *known == used[*run as usize]).unwrap_or(0) as u32;
     }
-    let runs = sorted.into_iter().map(|(stage, island, rank)| Run { stage, island, rank }).collect();
+    let runs =
+        sorted.into_iter().map(|(stage, island, rank)| Run { stage, island, layer: 0, rank }).collect();
     Layer { items, runs, scope, start, end }
 }

@@ -47,12 +47,14 @@ def reorder(
     **options: Unpack[Options],
 ) -> Reordered:
     """Puts G-code in an order with less travel that prints the same, and proves it. ``keep_direction``: no open path is
-    drawn backwards.
+    drawn backwards. Lengths count, unless ``settings`` name an ``order.cost``.
 
     Raises :class:`InputError`, :class:`SettingsError`, :class:`CheckError` (the result would not print the same).
     """
     contents = _contents(gcode)
-    more_retractions = "order.cost" in options.get("settings", {})
+    settings = options.get("settings", {})
+    more_retractions = "order.cost" in settings
+    options["settings"] = {"order.cost": "length", **settings}
     job = task([], options)
     changed, report = _pathwright.reorder(contents, job, keep_direction, more_retractions, progress)
     return Reordered(contents if changed is None else changed, json.loads(report))

@@ -50,11 +50,12 @@ def compare(
 
     Columns: ``strategy``, ``paths``, ``link_mm`` (straight lines between paths), ``bound_mm`` (no order is below it) and
     ``gap`` with ``certify=True``, ``travels``, ``travel_s``, ``took_s`` (processor time), and ``layers``, the same for each
-    layer. What begins in mid-air does not count as an error.
+    layer. What begins in mid-air does not count as an error. Lengths count, unless ``settings`` name an ``order.cost``.
 
     Raises as :func:`slice`.
     """
     options.setdefault("allow_floating", True)
+    options["settings"] = {"order.cost": "length", **options.get("settings", {})}
     job = task(models, options)
     return Rows(json.loads(job.compare(list(strategies), progress)))
 

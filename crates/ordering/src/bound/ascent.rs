@@ -1,5 +1,7 @@
 //! Held and Karp's ascent: multipliers follow what the tree does too often or too seldom.
 
+use pathwright_geometry::real;
+
 use super::relaxation::{Multipliers, Relaxation};
 use super::tree::Usage;
 
@@ -71,7 +73,7 @@ pub(super) fn ascend(relaxation: &mut Relaxation, from: Option<Multipliers>) -> 
     let (mut look, mut cut) = (FIRST_LOOK, 0);
     for k in 1..=steps {
         ascent.step(relaxation, &usage, &mut now, step);
-        step *= (LAST * FIRST / first).powf(1.0 / steps as f64);
+        step *= real::pow(LAST * FIRST / first, 1.0 / steps as f64);
         let mut value = relaxation.relax(&now, &mut usage);
         if k == look {
             let (bound, tree) = relaxation.exact(&now);

@@ -21,7 +21,7 @@ mod walks;
 use super::matching::KdTree;
 use std::ops::Range;
 
-use super::{Cost, Effort, Optimized, Problem, Sequence, Strategy, Visit, check};
+use super::{Cost, Effort, LinkKind, Optimized, Problem, Sequence, Strategy, Visit, check};
 use ascent::ascend;
 use model::{Model, fine, from_fine, link, price, to_mm};
 use pathwright_geometry::Point;
@@ -133,8 +133,9 @@ fn half_links(problem: &Problem, order: &[Visit], cost: &Cost) -> Vec<i64> {
 fn prices(problem: &Problem, order: &[Visit], cost: &Cost) -> impl Iterator<Item = i64> {
     order.windows(2).map(move |visits| {
         let [a, b] = [0, 1].map(|k| &problem.items[visits[k].item as usize]);
-        let inside = problem.runs[a.run as usize].island == problem.runs[b.run as usize].island;
-        price(cost, a.ends(visits[0].entry).1, b.ends(visits[1].entry).0, inside)
+        let [from, to] = [a, b].map(|item| &problem.runs[item.run as usize]);
+        let kind = LinkKind { inside: from.island == to.island, climbs: from.layer != to.layer };
+        price(cost, a.ends(visits[0].entry).1, b.ends(visits[1].entry).0, kind)
     })
 }
 
@@ -315,7 +316,7 @@ pub fn by_walks(problem: &Problem, solved: &[Visit], cost: &Cost, effort: Effort
     let model = Model::new(problem);
     let mut walks = Walks::new(&model, *cost, half_links(problem, solved, cost), Budget::limited(effort))?;
     let ends = [problem.start, problem.end];
-    let beyond = |side: usize, p: Point| ends[side].map_or(0, |end| price(cost, end, p, false));
+    let beyond = |side: usize, p: Point| ends[side].map_or(0, |end| price(cost, end, p, LinkKind::UP));
     [0, 1].into_iter().for_each(|side| walks.measure(side, |p| beyond(side, p)));
     walks.climb(Some(prices(problem, solved, cost).sum::<i64>() + outer(problem, solved, beyond)));
     let better = walks.solution().filter(|order| check(problem, order).is_ok());

@@ -1,6 +1,6 @@
 //! What the relaxation knows of a layer: terminals at which links may end, and which links precedence permits.
 
-use super::super::{Cost, Problem, Shape};
+use super::super::{Cost, LinkKind, Problem, Shape};
 use crate::options::Scope;
 use pathwright_geometry::{Point, UNITS_PER_MM};
 
@@ -39,10 +39,10 @@ pub(super) fn link(a: Point, b: Point) -> i64 {
 const FINE_S: f64 = 1e9;
 
 /// Cost of a link in fine units, rounded down: of a time, nanoseconds, of which more is taken off than its computation errs.
-pub(super) fn price(cost: &Cost, a: Point, b: Point, inside: bool) -> i64 {
+pub(super) fn price(cost: &Cost, a: Point, b: Point, kind: LinkKind) -> i64 {
     match cost {
         Cost::Length => link(a, b),
-        Cost::Time(time) => ((time.of(a.distance_mm(b), inside) * FINE_S - 1.0) as i64).max(0),
+        Cost::Time(time) => ((time.of(a.distance_mm(b), kind) * FINE_S - 1.0) as i64).max(0),
     }
 }
 
@@ -86,6 +86,7 @@ pub(super) struct Body {
     /// Island, and position of the run's rank among the ranks of its island in its stage.
     pub(super) island: u32,
     pub(super) rank: u32,
+    layer: u32,
     /// Whether nothing of its stage must come before, or after.
     begins: bool,
     ends: bool,
@@ -149,6 +150,7 @@ impl Model {
                 groups,
                 island: run.island,
                 rank: (at - from) as u32,
+                layer: run.layer,
                 begins: mixed || at == from,
                 ends: mixed || at + 1 == to,
             });
@@ -229,9 +231,10 @@ impl Model {
         pairs
     }
 
-    /// Whether two paths are of one island.
-    pub(super) fn together(&self, i: u32, j: u32) -> bool {
-        self.bodies[i as usize].island == self.bodies[j as usize].island
+    /// What a link between two paths leads over.
+    pub(super) fn kind(&self, i: u32, j: u32) -> LinkKind {
+        let [a, b] = [i, j].map(|item| &self.bodies[item as usize]);
+        LinkKind { inside: a.island == b.island, climbs: a.layer != b.layer }
     }
 
     /// The depth at which two paths part.

@@ -40,7 +40,11 @@ pub(super) fn stacked<'a>(layers: &[&Problem<'a>]) -> Problem<'a> {
     let (mut items, mut runs) = (Vec::new(), Vec::new());
     for (number, layer) in (0..).zip(layers) {
         let first = runs.len() as u32;
-        runs.extend(layer.runs.iter().map(|run| Run { stage: run.stage + stages * number, ..*run }));
+        runs.extend(layer.runs.iter().map(|run| Run {
+            stage: run.stage + stages * number,
+            layer: number,
+            ..*run
+        }));
         items.extend(layer.items.iter().map(|item| Item { run: item.run + first, ..*item }));
     }
     Problem { items, runs, start: None, end: None, ..layers[0].clone() }

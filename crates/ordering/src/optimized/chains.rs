@@ -37,9 +37,9 @@ impl Search<'_> {
             self.candidates_at(from + at as u32, sampling, candidates)
         };
         let count = (to - from) as usize;
-        let inside = |at: usize| walk.is_inside(from + at as u32);
+        let kind = |at: usize| walk.kind_of(from + at as u32);
         let (cost, entries, pairs) =
-            search.cheapest_entries(start, count, candidates, end, walk.cost(), inside);
+            search.cheapest_entries(start, count, candidates, end, walk.cost(), kind);
         self.walk.work += pairs;
         let gains = cost < now - GAIN;
         if gains {

@@ -1,6 +1,6 @@
 //! Exchanging two or three links within a group.
 
-use super::super::Cost;
+use super::super::cost::LinkCosts;
 use super::end::End;
 use super::end::GAIN;
 use super::neighbours::Near;
@@ -157,7 +157,7 @@ impl Search<'_> {
     fn added(&self, node: u32, near: Near) -> f64 {
         // Where a loop is entered may be farther away than its nearest sample, and between islands it may cost more. Times
         // step where a travel is retracted: there rounding must be the same everywhere, or there is no end of gains.
-        let exact = matches!(self.walk.cost(), Cost::Length) && !self.walk.is_loop(near.node / 2);
+        let exact = matches!(self.walk.cost(), LinkCosts::Length) && !self.walk.is_loop(near.node / 2);
         if exact { near.least } else { self.walk.link(node, near.node) }
     }
 

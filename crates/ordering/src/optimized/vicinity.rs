@@ -1,5 +1,7 @@
 //! The positions of groups and the groups near each.
 
+use pathwright_geometry::real;
+
 use super::super::index::Index;
 use super::super::precedence::Groups;
 use super::super::{Problem, Shape};
@@ -42,7 +44,7 @@ impl Vicinity<'_> {
                 let center = sum.map(|sum| sum / vertices.len() as f64);
                 let from_center = |v: &pathwright_geometry::Point| {
                     let [x, y] = v.mm();
-                    (x - center[0]).hypot(y - center[1])
+                    real::hypot(x - center[0], y - center[1])
                 };
                 Some((center, vertices.iter().map(from_center).fold(0.0, f64::max)))
             }

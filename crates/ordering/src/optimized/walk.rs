@@ -1,10 +1,12 @@
 //! The walk under improvement, as an array.
 
+use super::super::cost::LinkCosts;
 use super::super::detours::Detours;
 use super::super::precedence::Groups;
-use super::super::{Cost, Problem, Sequence, Shape, Visit};
+use super::super::{Cost, Item, LinkKind, Problem, Sequence, Shape, Visit};
 use super::end::{End, GAIN, NONE};
 use pathwright_geometry::Point;
+use pathwright_geometry::real;
 
 /// A walk through all items, with a journal of changes so that they can be undone.
 ///
@@ -13,7 +15,7 @@ use pathwright_geometry::Point;
 /// the items; gap g lies between the positions g − 1 and g.
 #[derive(Debug)]
 pub struct Walk<'a> {
-    cost: Cost,
+    cost: LinkCosts,
     /// What links inside islands cost; `None`: as much as straight lines.
     detours: Option<&'a Detours<'a>>,
     /// The node at which the item at each position is entered; it is left at the other node, `^ 1`.
@@ -27,8 +29,8 @@ pub struct Walk<'a> {
     first_vertex: Vec<u32>,
     /// Where each loop is entered.
     entry: Vec<u32>,
-    /// Island of each item.
-    island: Vec<u32>,
+    /// Where each item is.
+    places: Vec<Place>,
     /// First position and length of each group.
     span: Vec<(u32, u32)>,
     journal: Vec<Change>,
@@ -58,8 +60,15 @@ enum Change {
     Entered { item: u32, before: u32 },
 }
 
-/// The island of where the nozzle comes from; one less, of where it goes to: no path's.
-const NO_ISLAND: u32 = u32::MAX - 1;
+/// Island and layer of an item.
+#[derive(Clone, Copy, Debug)]
+struct Place {
+    island: u32,
+    layer: u32,
+}
+
+/// Island and layer of where the nozzle comes from; one less, of where it goes to: no path's.
+const NOWHERE: u32 = u32::MAX - 1;
 
 /// An unknown point: links to it cost nothing.
 const ANYWHERE: [f64; 2] = [f64::NAN; 2];
@@ -88,11 +97,13 @@ impl<'a> Walk<'a> {
         points.extend([coordinates(problem.start), coordinates(problem.start), ANYWHERE, ANYWHERE]);
         let group = groups.of.iter().copied().chain([NONE, NONE]).flat_map(|group| [group, group]);
         let node = |(at, group)| Node { at, link: 0.0, across: 0, group };
-        let mut island: Vec<u32> =
-            problem.items.iter().map(|item| problem.runs[item.run as usize].island).collect();
-        island.extend([NO_ISLAND, NO_ISLAND - 1]);
+        let place = |item: &Item| {
+            let run = &problem.runs[item.run as usize];
+            Place { island: run.island, layer: run.layer }
+        };
+        let nowhere = [NOWHERE, NOWHERE - 1].map(|none| Place { island: none, layer: none });
         Self {
-            cost,
+            cost: cost.into(),
             detours: None,
             entered: vec![2 * n as u32, 2 * n as u32 + 2],
             position: vec![0; n + 2],
@@ -101,7 +112,7 @@ impl<'a> Walk<'a> {
             vertices: all_vertices,
             first_vertex,
             entry: vec![0; n],
-            island,
+            places: problem.items.iter().map(place).chain(nowhere).collect(),
             span: groups.items.iter().map(|items| (0, items.len() as u32)).collect(),
             journal: Vec::new(),
             total: 0.0,
@@ -255,7 +266,7 @@ impl<'a> Walk<'a> {
     }
 
     /// What is minimised, of straight lines.
-    pub fn cost(&self) -> &Cost {
+    pub fn cost(&self) -> &LinkCosts {
         &self.cost
     }
 
@@ -311,7 +322,8 @@ impl<'a> Walk<'a> {
     fn between(&self, [a, b]: [[f64; 2]; 2], items: [u32; 2]) -> f64 {
         let (dx, dy) = (a[0] - b[0], a[1] - b[1]);
         let square = dx * dx + dy * dy;
-        if square > 0.0 { self.cost.of(square.sqrt(), self.share_island(items)) } else { 0.0 }
+        // NaN: from or to an unknown point.
+        if square >= 0.0 { self.cost.of(square.sqrt(), self.kind(items)) } else { 0.0 }
     }
 
     /// Whether the link over a gap is more expensive than a straight one.
@@ -322,12 +334,19 @@ impl<'a> Walk<'a> {
 
     #[inline]
     fn share_island(&self, [a, b]: [u32; 2]) -> bool {
-        self.island[a as usize] == self.island[b as usize]
+        self.places[a as usize].island == self.places[b as usize].island
     }
 
-    /// Whether the link over a gap is inside an island.
-    pub fn is_inside(&self, gap: u32) -> bool {
-        self.share_island([false, true].map(|right| self.node(End { gap, right }) / 2))
+    /// What a link between two items leads over.
+    #[inline]
+    fn kind(&self, items: [u32; 2]) -> LinkKind {
+        let [a, b] = items.map(|item| self.places[item as usize]);
+        LinkKind { inside: a.island == b.island, climbs: a.layer != b.layer }
+    }
+
+    /// What the link over a gap leads over.
+    pub fn kind_of(&self, gap: u32) -> LinkKind {
+        self.kind([false, true].map(|right| self.node(End { gap, right }) / 2))
     }
 
     /// The vertex of a loop that is cheapest to visit between two nodes, and the cost of its two straight links.
@@ -339,7 +358,7 @@ impl<'a> Walk<'a> {
             // NaN, from or to an unknown point, becomes 0.
             (dx * dx + dy * dy).sqrt().max(0.0)
         };
-        let [to_inside, from_inside] = [before, after].map(|node| self.share_island([node / 2, item]));
+        let [to_kind, from_kind] = [before, after].map(|node| self.kind([node / 2, item]));
         let (before, after) = (self.point(before), self.point(after));
         let mut best = (f64::INFINITY, 0);
         let mut lengths = [[0.0; 2]; AT_ONCE];
@@ -348,7 +367,7 @@ impl<'a> Walk<'a> {
                 *lengths = [length_mm(before, vertex), length_mm(vertex, after)];
             }
             for ([to, from], entry) in lengths[..some.len()].iter().zip(first..) {
-                let cost = self.cost.of(*to, to_inside) + self.cost.of(*from, from_inside);
+                let cost = self.cost.of(*to, to_kind) + self.cost.of(*from, from_kind);
                 if cost < best.0 {
                     best = (cost, entry);
                 }
@@ -360,7 +379,7 @@ impl<'a> Walk<'a> {
     /// The least that a link from a point to anything in a disc can cost.
     #[inline]
     pub fn beyond(&self, point: [f64; 2], center: [f64; 2], radius: f64) -> f64 {
-        let distance_mm = (point[0] - center[0]).hypot(point[1] - center[1]);
+        let distance_mm = real::hypot(point[0] - center[0], point[1] - center[1]);
         if distance_mm > radius { self.cost.least(distance_mm - radius) } else { 0.0 }
     }
 

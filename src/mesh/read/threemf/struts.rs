@@ -3,6 +3,7 @@
 use std::collections::BTreeMap;
 use std::f64::consts::{PI, TAU};
 
+use geometry::real;
 use nalgebra::{Unit, Vector3};
 
 use super::lattice::{Beam, Cap, Lattice};
@@ -72,7 +73,7 @@ impl Lattice {
 
 /// Sides of a circle.
 fn sides(radius_mm: f64) -> usize {
-    let half = (1.0 - CHORD_MM / radius_mm).max(0.0).acos();
+    let half = real::acos((1.0 - CHORD_MM / radius_mm).max(0.0));
     let quarter = (PI / half / 4.0).ceil().clamp(SIDES[0] as f64 / 4.0, SIDES[1] as f64 / 4.0);
     4 * quarter as usize
 }
@@ -80,7 +81,7 @@ fn sides(radius_mm: f64) -> usize {
 /// The radius of a polygon that has the area of a circle.
 fn widened(radius: f64, sides: usize) -> f64 {
     let step = TAU / sides as f64;
-    radius * (step / step.sin()).sqrt()
+    radius * (step / real::sin(step)).sqrt()
 }
 
 fn sphere_count(sides: usize) -> usize {
@@ -91,7 +92,7 @@ fn sphere_count(sides: usize) -> usize {
 fn sphere(radius: f64, sides: usize) -> Profile {
     let rings = sides / 2;
     let at = |k: usize| {
-        let (sine, cosine) = (PI * k as f64 / rings as f64).sin_cos();
+        let (sine, cosine) = real::sin_cos(PI * k as f64 / rings as f64);
         [-cosine, if k.is_multiple_of(rings) { 0.0 } else { sine }]
     };
     let points: Vec<[f64; 2]> = (0..=rings).map(at).collect();
@@ -100,8 +101,8 @@ fn sphere(radius: f64, sides: usize) -> Profile {
         (high - low) * (a * a + a * b + b * b) / 3.0
     });
     let step = TAU / sides as f64;
-    let volume = cones.sum::<f64>() * step.sin() * sides as f64 / 2.0;
-    let factor = radius * (4.0 / 3.0 * PI / volume).cbrt();
+    let volume = cones.sum::<f64>() * real::sin(step) * sides as f64 / 2.0;
+    let factor = radius * real::cbrt(4.0 / 3.0 * PI / volume);
     Profile { sides, points: points.into_iter().map(|p| p.map(|x| x * factor)).collect() }
 }
 
@@ -111,7 +112,7 @@ fn strut(beam: &Beam, length: f64, unit_mm: f64) -> Profile {
     // From the rim of a half ball to its tip.
     let dome = |radius: f64| {
         (0..=sides / 4).map(move |k| {
-            let (sine, cosine) = (PI / 2.0 * k as f64 / (sides / 4) as f64).sin_cos();
+            let (sine, cosine) = real::sin_cos(PI / 2.0 * k as f64 / (sides / 4) as f64);
             let wide = if k == sides / 4 { 0.0 } else { widened(radius, sides) * cosine };
             [radius * sine, wide]
         })
@@ -141,7 +142,7 @@ impl Profile {
         let v = axis.cross(&u);
         let circle: Vec<Vector3<f64>> = (0..self.sides)
             .map(|i| {
-                let (sine, cosine) = (TAU * (i as f64 + turn.fract()) / self.sides as f64).sin_cos();
+                let (sine, cosine) = real::sin_cos(TAU * (i as f64 + turn.fract()) / self.sides as f64);
                 u * cosine + v * sine
             })
             .collect();

@@ -83,9 +83,10 @@ export class Presets {
     notify(`${file.name} is in force; what it sets wins over the presets.`);
   }
 
-  export() {
-    const link = find("export-profile");
-    link.href = this.engine.profileFile();
+  async export() {
+    const link = find("export-profile"), address = await attempt(() => this.engine.profileFile());
+    if (!address) return;
+    link.href = address;
     link.click();
   }
 }

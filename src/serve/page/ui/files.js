@@ -37,7 +37,7 @@ export function listenToFiles(desk, engine, connection) {
     if (!desk.project.models.length) return notify("There is nothing on the plate to save.");
     // What is saved is what the engine has: it must have the last change.
     await connection.send();
-    download(engine.projectFile(), "project.3mf");
+    download(await engine.projectFile(), "project.3mf");
   });
 
   find("files").addEventListener("change", ({ target }) => {

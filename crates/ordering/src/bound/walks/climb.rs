@@ -1,5 +1,7 @@
 //! The ascent of relaxed walks.
 
+use pathwright_geometry::real;
+
 use crate::options::Effort;
 
 use super::{Cheapest, MOST, Set, States, Walk, Walks};
@@ -165,7 +167,7 @@ impl Walks<'_> {
         let mut last = vec![0.0; at.len()];
         let mut best = (i64::MIN, from.to_vec());
         let steps = self.budget.steps;
-        let shrink = LAST.powf(1.0 / (steps * self.budget.rounds) as f64);
+        let shrink = real::pow(LAST, 1.0 / (steps * self.budget.rounds) as f64);
         let mut splits = 0;
         let mut k = 0;
         while k < steps {

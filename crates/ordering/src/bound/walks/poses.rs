@@ -145,7 +145,7 @@ impl Poses {
             let leave = self.points(model, p, 1);
             for to in 0..items as u32 {
                 let begin = between.len();
-                let inside = model.together(from, to);
+                let kind = model.kind(from, to);
                 if !model.permits(from, to) {
                     // None leads there.
                     between.resize(begin + self.of(to).len(), 0);
@@ -153,7 +153,7 @@ impl Poses {
                     between.extend(self.of(to).map(|q| {
                         let enter = self.points(model, q, 0);
                         let (a, b) = nearest(leave, enter);
-                        price(&self.cost, leave[a], enter[b], inside)
+                        price(&self.cost, leave[a], enter[b], kind)
                     }));
                 } else {
                     let row = old_first[from as usize] as usize + p - self.first[from as usize] as usize;

@@ -1,0 +1,103 @@
+// The worker's side: calls in, answers and events out. One instance of the module, one call after the other.
+
+import * as wasm from "./pathwright.js";
+
+/**
+ * Gives what takes messages: first `{ module }`, compiled, then calls, `{ id, name, args }`. `post(message, transfer)` sends
+ * `{ id, value }` or `{ id, error }` for each, and `{ event, data, bytes }` meanwhile.
+ */
+export function slicer(post) {
+  let panic = null, session = null, done = [];
+
+  const told = (event, json, bytes) => {
+    const data = JSON.parse(json);
+    if (event === "panic") panic = data;
+    // What belongs to it can only be had when the slicing has ended.
+    else if (event === "done") done.push(data);
+    else post({ event, data, bytes }, bytes ? [bytes.buffer] : []);
+  };
+
+  /** Slices what the plate wants; its results go with the events. */
+  const run = () => {
+    while (session?.step()) {
+      for (const data of done.splice(0)) {
+        const bytes = session.preview(data.revision), file = session.gcode(data.revision);
+        post({ event: "done", data, bytes, file }, [bytes.buffer, file.buffer]);
+      }
+    }
+    post({ event: "idle" }, []);
+  };
+
+  const calls = {
+    version: () => wasm.version(),
+    schema: () => JSON.parse(wasm.schema()),
+    profiles: () => JSON.parse(wasm.profiles()),
+    convert: (name, text) => wasm.convert(name, text),
+
+    slice: (files, project, layers, binary) => using(models(files), (all) => using(all.slice(project, layers), (print) => ({
+      gcode: print.gcode(binary), summary: JSON.parse(print.summary()), warnings: print.warnings(),
+    }))),
+    compare: (files, project, strategies) => using(models(files), (all) => JSON.parse(all.compare(project, strategies))),
+    reorder: (gcode, project, keepDirection, moreRetractions) => using(wasm.reorder(gcode, project, keepDirection, moreRetractions), (done) => ({
+      gcode: done.gcode(), report: JSON.parse(done.report()),
+    })),
+    check: (gcode, project, files) => using(models(files), (all) => JSON.parse(wasm.check(gcode, project, all))),
+    time: (gcode, project) => JSON.parse(wasm.time(gcode, project)),
+    order: (points, starts, closed, groups, wanted) => JSON.parse(wasm.order(points, starts, closed, groups, wanted)),
+
+    // A plate that is sliced as it changes.
+    open: () => { session = new wasm.Session(); },
+    add: (name, bytes) => JSON.parse(session.add(name, bytes)),
+    mesh: (file, object) => session.mesh(file, object),
+    faces: (file, object) => JSON.parse(session.faces(file, object)),
+    setProject: (project) => session.set_project(project),
+    setProjects: (a, b) => [...session.compare(a, b)],
+    arrange: (project) => JSON.parse(session.arrange(project)),
+    orient: (project, model) => JSON.parse(session.orient(project, model)),
+    projectFile: (project) => session.project_file(project),
+    profile: (project) => session.profile(project),
+  };
+
+  const models = (files) => {
+    const all = new wasm.Models();
+    for (const { name, bytes } of files) all.add(name, bytes);
+    return all;
+  };
+
+  return ({ module, id, name, args }) => {
+    if (module) {
+      wasm.initSync({ module });
+      return wasm.listen(told);
+    }
+    try {
+      const value = calls[name](...args);
+      post({ id, value }, buffers(value));
+      if (name.startsWith("setProject")) run();
+    } catch (error) {
+      post({ id, error: described(error, panic) }, []);
+    }
+  };
+}
+
+/** Does something with an object of the module, and frees it. */
+function using(object, work) {
+  try {
+    return work(object);
+  } finally {
+    object.free();
+  }
+}
+
+/** What goes over without a copy. */
+function buffers(value) {
+  const parts = value instanceof Uint8Array ? [value] : Object.values(value ?? {});
+  return parts.filter((part) => part instanceof Uint8Array).map((part) => part.buffer);
+}
+
+/** An error as it is posted. After one of WebAssembly itself the instance is of no more use. */
+function described(error, panic) {
+  if (error?.kind) return error;
+  const isMistake = panic !== null || !(error instanceof WebAssembly.RuntimeError || error instanceof RangeError);
+  if (isMistake) return { kind: "internal", message: `a mistake of this program: ${panic ?? error.message}`, fatal: true };
+  return { kind: "limit", message: "it takes more memory than there is for WebAssembly; slice fewer or simpler models, or use the program", fatal: true };
+}

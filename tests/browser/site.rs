@@ -1,0 +1,147 @@
+//! The page without a server: static files, and a plain server for them that ends with the test.
+
+use std::cell::Cell;
+use std::fs;
+use std::io::{BufRead, BufReader, Write};
+use std::net::{TcpListener, TcpStream};
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+
+use serde_json::json;
+
+use crate::app::{READY, SHOWN, by_command, model, no_errors, open, saved, set};
+use crate::chromium::Browser;
+use crate::server::Server;
+
+thread_local! {
+    static CHOSEN: Cell<bool> = const { Cell::new(false) };
+}
+
+/// The folder that `cargo run -p xtask -- site` has made, by the variable `PATHWRIGHT_SITE`.
+pub fn folder() -> Option<PathBuf> {
+    std::env::var_os("PATHWRIGHT_SITE").map(PathBuf::from)
+}
+
+/// Does a test of the page with the static files in place of the program.
+pub fn instead(test: fn()) {
+    CHOSEN.set(true);
+    test();
+}
+
+/// Whether this test is about the static files.
+pub fn is_chosen() -> bool {
+    CHOSEN.get()
+}
+
+/// Serves files of a folder, one request on one connection, and nothing else.
+pub struct Files {
+    pub port: u16,
+    ending: Arc<AtomicBool>,
+}
+
+impl Files {
+    pub fn serve(folder: &Path) -> Self {
+        let listener = TcpListener::bind("127.0.0.1:0").unwrap();
+        let port = listener.local_addr().unwrap().port();
+        let (ending, folder) = (Arc::new(AtomicBool::new(false)), folder.to_owned());
+        let is_ending = ending.clone();
+        std::thread::spawn(move || {
+            for stream in listener.incoming() {
+                if is_ending.load(Ordering::Relaxed) {
+                    return;
+                }
+                // Browsers open connections that they do not use.
+                let folder = folder.clone();
+                std::thread::spawn(move || stream.map(|stream| answer(stream, &folder)));
+            }
+        });
+        Self { port, ending }
+    }
+
+    /// Answers no more.
+    pub fn end(&self) {
+        self.ending.store(true, Ordering::Relaxed);
+        let _ = TcpStream::connect(("127.0.0.1", self.port));
+    }
+}
+
+impl Drop for Files {
+    fn drop(&mut self) {
+        self.end();
+    }
+}
+
+fn answer(mut stream: TcpStream, folder: &Path) -> std::io::Result<()> {
+    let mut lines = BufReader::new(stream.try_clone()?).lines();
+    let first = lines.next().unwrap_or_else(|| Ok(String::new()))?;
+    for line in lines {
+        if line?.is_empty() {
+            break;
+        }
+    }
+    let path = first.split(' ').nth(1).unwrap_or_default().trim_start_matches('/');
+    let path = if path.is_empty() { "index.html" } else { path };
+    let kind = match path.rsplit_once('.').map_or("", |(_, ending)| ending) {
+        "html" => "text/html; charset=utf-8",
+        "js" => "text/javascript; charset=utf-8",
+        "css" => "text/css; charset=utf-8",
+        "svg" => "image/svg+xml",
+        "wasm" => "application/wasm",
+        _ => "application/octet-stream",
+    };
+    let (status, body) = match fs::read(folder.join(path)) {
+        Ok(body) if !path.contains("..") => ("200 OK", body),
+        _ => ("404 Not Found", Vec::new()),
+    };
+    let length = body.len();
+    let head = format!(
+        "HTTP/1.1 {status}\r\nContent-Type: {kind}\r\nContent-Length: {length}\r\nConnection: close\r\n\r\n"
+    );
+    stream.write_all(head.as_bytes())?;
+    stream.write_all(&body)
+}
+
+pub fn a_model_is_sliced_to_the_bytes_of_the_program_and_nobody_else_is_asked() {
+    let (server, folder) = (Server::start(), tempfile::tempdir().unwrap());
+    let browser = Browser::shared();
+    let mut browser = browser.page();
+    let gear = model("helical_gear.stl");
+    open(&mut browser, &server, &[&gear]);
+    let gcode = saved(&mut browser, folder.path());
+    assert!(gcode == by_command(&mut browser, &[&gear]), "the same bytes as the command line's");
+    let asked = browser.run(
+        "[...new Set(performance.getEntriesByType('resource').map(({ name }) => new URL(name)).filter(({ protocol }) => protocol !== 'blob:').map(({ origin }) => origin))]",
+    );
+    assert_eq!(asked, json!([format!("http://127.0.0.1:{}", server.port)]));
+    no_errors(&mut browser);
+}
+
+pub fn it_works_without_a_network_after_the_first_visit() {
+    let mut server = Server::start();
+    let browser = Browser::shared();
+    let mut browser = browser.page();
+    browser.resize(1280, 720, false);
+    browser.visit(&server.address, READY);
+    browser.wait("navigator.serviceWorker.controller");
+    server.kill();
+    browser.reload(READY);
+    browser.drop_files("#plate > canvas", &[&model("calibration_cube.stl")]);
+    browser.wait(SHOWN);
+    set(&mut browser, "infill.density", "35%");
+}
+
+pub fn what_takes_too_much_memory_ends_with_a_message_and_the_page_goes_on() {
+    let server = Server::start();
+    let browser = Browser::shared();
+    let mut browser = browser.page();
+    open(&mut browser, &server, &[&model("calibration_cube.stl")]);
+    // So does the worker of a module that has no more memory.
+    browser.run(
+        "pathwright.engine.slicing.end(Object.assign(new Error('it takes more memory than there is'), { kind: 'limit' }))",
+    );
+    browser.wait("pathwright.desk.state === 'failed'");
+    assert_eq!(browser.run("pathwright.desk.error.kind"), json!("limit"));
+    set(&mut browser, "infill.density", "35%");
+    no_errors(&mut browser);
+}

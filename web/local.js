@@ -1,0 +1,167 @@
+// What slices where there is no service: workers of the page with the WebAssembly module, by the methods of engine.js.
+//
+// One worker answers what is asked about the plate, another one slices. WebAssembly hears nothing while it works: what is no
+// longer wanted ends with its worker, and the next one begins with the same files.
+
+import { EngineError, readMesh } from "./engine.js";
+import { compiled, started } from "./browser.js";
+import { Caller } from "./caller.js";
+
+/** An address at which the browser finds bytes for a while. */
+function address(blob) {
+  const url = URL.createObjectURL(blob);
+  setTimeout(() => URL.revokeObjectURL(url), 60_000);
+  return url;
+}
+
+export class Engine {
+  constructor() {
+    // `last`: revision; `base`: revisions before those that the slicing worker counts.
+    Object.assign(this, { session: null, files: [], project: null, sides: null, plate: null, slicing: null, last: 0, base: 0, on: {} });
+    navigator.serviceWorker?.register("service-worker.js").catch(() => {});
+  }
+
+  // What all plates share.
+
+  schema = () => this.ask("schema");
+  profiles = () => this.ask("profiles");
+  convert = (name, text) => this.ask("convert", name, text);
+  // Presets and print hosts are those of a machine with the program.
+  printers = async () => [];
+  printer = async (name) => { throw new EngineError({ kind: "not_found", message: `there is no printer ${name}` }, 404); };
+  hosts = async () => [];
+  opened = async () => [];
+
+  // One plate.
+
+  async open() {
+    this.module ??= await compiled();
+    this.end();
+    this.plate = new Caller(started(), this.module, (event, error) => event === "ended" && this.lost(error));
+    const version = await this.ask("version");
+    await this.ask("open");
+    this.session = "page";
+    return version;
+  }
+
+  close() {
+    this.end();
+    this.session = null;
+  }
+
+  end() {
+    const error = new EngineError({ kind: "cancelled", message: "something else is wanted by now" });
+    const { plate, slicing } = this;
+    Object.assign(this, { plate: null, slicing: null, files: [] });
+    plate?.end(error);
+    slicing?.end(error);
+  }
+
+  async addModel(name, blob) {
+    const bytes = new Uint8Array(await blob.arrayBuffer());
+    const added = await this.ask("add", name, bytes);
+    this.files.push({ name, blob });
+    return added;
+  }
+
+  mesh = async (file, object) => readMesh((await this.ask("mesh", file, object)).buffer);
+  faces = (file, object) => this.ask("faces", file, object);
+  arrange = (project) => this.ask("arrange", JSON.stringify(project));
+  orient = (project, model) => this.ask("orient", JSON.stringify(project), model);
+
+  async setProject(project) {
+    this.sides = null;
+    this.project = project;
+    const slicer = await this.free();
+    return this.revision(await slicer.call("setProject", JSON.stringify(project)).catch(refused));
+  }
+
+  async compare(a, b) {
+    const slicer = await this.free();
+    // Events may be quicker than the answer.
+    this.sides = [this.last + 1, this.last + 2];
+    const revisions = await slicer.call("setProjects", JSON.stringify(a), JSON.stringify(b)).catch(refused);
+    [a, b] = revisions.map((revision) => this.revision(revision));
+    return { a, b };
+  }
+
+  preview = (event) => event.packed.arrayBuffer();
+  gcode = (event) => address(event.file);
+  projectFile = async () => address(new Blob([await this.ask("projectFile", JSON.stringify(this.project))], { type: "model/3mf" }));
+  profileFile = async () => address(new Blob([await this.ask("profile", JSON.stringify(this.project))], { type: "application/toml" }));
+
+  /** As that of a service: it ends only when the plate is lost. */
+  events(on) {
+    this.on = on;
+    on.connected?.();
+    return new Promise((_, fail) => { this.fail = fail; });
+  }
+
+  // How it is done.
+
+  ask(name, ...args) {
+    return (this.plate?.call(name, ...args) ?? Promise.reject(gone())).catch(refused);
+  }
+
+  /** The worker that slices, with all files and nothing else to do. */
+  async free() {
+    if (this.slicing?.busy) this.slicing.end(gone());
+    if (!this.slicing || this.slicing.ended) {
+      this.base = this.last;
+      const slicer = new Caller(started(), this.module);
+      slicer.on = (...told) => this.slicing === slicer && this.told(slicer, ...told);
+      this.slicing = Object.assign(slicer, { busy: false, files: 0, opened: slicer.call("open") });
+    }
+    const slicer = this.slicing;
+    slicer.busy = true;
+    try {
+      await slicer.opened;
+      while (slicer.files < this.files.length) {
+        const { name, blob } = this.files[slicer.files++];
+        await slicer.call("add", name, new Uint8Array(await blob.arrayBuffer()));
+      }
+    } catch (error) {
+      refused(error);
+    }
+    return slicer;
+  }
+
+  revision(own) {
+    this.last = Math.max(this.last, this.base + own);
+    return this.base + own;
+  }
+
+  told(slicer, event, data, bytes, file) {
+    if (event === "idle") slicer.busy = false;
+    if (event === "ended") return this.stopped(data);
+    if (!this.on[event]) return;
+    data.revision = this.revision(data.revision);
+    if (bytes) data.packed = new Blob([bytes]);
+    if (file) data.file = new Blob([file]);
+    const side = this.sides?.indexOf(data.revision) ?? -1;
+    if (side >= 0) data.side = "ab"[side];
+    this.on[event](data);
+  }
+
+  /** The worker that slices came to an end by itself: the page goes on without that print. */
+  stopped({ kind, message }) {
+    if (kind === "cancelled") return;
+    this.on.failed?.({ revision: this.last, error: { kind, message } });
+  }
+
+  /** So did the other one: everything begins anew. */
+  lost(error) {
+    if (error.kind === "cancelled") return;
+    this.session = null;
+    this.fail?.(new EngineError({ kind: error.kind, message: error.message }, 410));
+  }
+}
+
+const gone = () => new EngineError({ kind: "cancelled", message: "something else is wanted by now" }, 404);
+
+/** An error of the module as one of an engine. */
+function refused(error) {
+  if (error instanceof EngineError) throw error;
+  const { kind = "internal", message, file, place, object, key } = error;
+  throw new EngineError({ kind, message, file, place, object, key }, 422);
+}
