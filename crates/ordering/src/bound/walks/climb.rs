@@ -118,10 +118,11 @@ impl Walks<'_> {
                 self.closed = true;
                 break;
             }
-            if limit.is_some() && round >= before.0 + STALE {
-                let slow =
-                    limit.is_some_and(|limit| (proved - before.1) as f64 <= SLOW * (limit - proved) as f64);
-                if before.1 > i64::MIN && slow {
+            if let Some(limit) = limit
+                && round >= before.0 + STALE
+            {
+                // From nothing as yet to something is never slow.
+                if proved.saturating_sub(before.1) as f64 <= SLOW * (limit - proved) as f64 {
                     break;
                 }
                 before = (round, proved);
