@@ -21,7 +21,8 @@ pub fn a_reload_keeps_plate_and_settings() {
     browser.reload(READY);
     browser.wait(SHOWN);
     assert_eq!(browser.run(project), before);
-    assert_eq!(browser.run("pathwright.plate.instances.length"), json!(2));
+    // It is drawn with the next frame.
+    browser.wait("pathwright.plate.instances.length === 2");
     // It is a plate like any other: it can be changed, and slices.
     set(&mut browser, "infill.density", "20%");
     no_errors(&mut browser);

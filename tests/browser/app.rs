@@ -334,6 +334,8 @@ pub fn handles_move_turn_and_scale_and_undo_takes_it_back() {
         browser.click("#undo");
     }
     browser.wait(&format!("{model}.scale[0] === 1 && {model}.rotate_deg[2] === 0 && !{model}.at_mm"));
+    // It stands where it is clicked on only when it has been placed anew.
+    browser.wait(SHOWN);
     browser.click("#gizmo-face");
     browser.wait("pathwright.plate.faces?.length >= 6");
     let [_, on] = places(&mut browser, "at", "[at[0], at[1] - 10, 10]");
