@@ -57,8 +57,8 @@ fn last_poses(problem: &Problem, cost: &Cost, arrive: impl Fn(Point) -> f64) -> 
         .collect();
     let full = (1_usize << n) - 1;
     let kind = |from: usize, to: usize| {
-        let [a, b] = [from, to].map(|item| problem.runs[problem.items[item].run as usize]);
-        LinkKind { inside: a.island == b.island, climbs: a.layer != b.layer }
+        let [from, to] = [from, to].map(|item| &problem.runs[problem.items[item].run as usize]);
+        LinkKind::between(from, to)
     };
     let mut best = vec![f64::INFINITY; (full + 1) * poses.len()];
     for (p, &(item, enter, _)) in poses.iter().enumerate() {

@@ -1,10 +1,11 @@
 //! Every strategy on layers that nobody would draw, through the checker.
 
+use crate::exact::cheapest;
 use crate::order_layer::{self, Layer, point};
 use pathwright::geometry::{Point, Region};
 use pathwright::order::{
-    Chain, Cost, LayerProblem, LinkKind, PathVisit, Pins, Problem, Run, SeamRule, Shape, TravelTime, Watch,
-    check, ends_on_path, evaluate, strategy,
+    Chain, Cost, LayerProblem, PathVisit, Pins, Run, SeamRule, TravelTime, Watch, check, ends_on_path,
+    evaluate, strategy,
 };
 use pathwright::profile::{Effort, OrderSettings, OrderStrategy, Scope, SeamPosition};
 use pathwright::toolpath::{IslandId, LayerKind, LayerPaths, Path, Phase, Role, Width};
@@ -90,78 +91,6 @@ proptest! {
     }
 }
 
-/// The least cost of any walk that keeps precedence, by dynamic programming over (drawn, last item, entry).
-fn optimum(problem: &Problem, cost: &Cost) -> f64 {
-    let n = problem.items.len();
-    let entries = |item: usize| match problem.items[item].shape {
-        Shape::Open(_) => 2,
-        Shape::Loop(vertices) => vertices.len(),
-    };
-    let run = |item: usize| problem.runs[problem.items[item].run as usize];
-    let may_follow = |drawn: usize, last: Option<usize>, next: usize| {
-        let left = |other: &usize| drawn & (1 << other) == 0;
-        let same_run = |a: usize, b: usize| problem.items[a].run == problem.items[b].run;
-        let same_island = |a: usize, b: usize| (run(a).stage, run(a).island) == (run(b).stage, run(b).island);
-        let mut others = (0..n).filter(left);
-        others.all(|other| {
-            let (a, b) = (run(other), run(next));
-            let stage = a.stage >= b.stage;
-            if problem.scope == Scope::Layer {
-                return stage;
-            }
-            let rank = !same_island(other, next) || same_run(other, next) || a.rank >= b.rank;
-            let interrupts = last.is_some_and(|last| {
-                (same_run(other, last) && !same_run(next, last))
-                    || (problem.scope == Scope::Island
-                        && same_island(other, last)
-                        && !same_island(next, last))
-            });
-            stage && rank && !interrupts
-        })
-    };
-    let kind = |from: usize, to: usize| {
-        let [a, b] = [from, to].map(|item| problem.runs[problem.items[item].run as usize]);
-        LinkKind { inside: a.island == b.island, climbs: a.layer != b.layer }
-    };
-    let link = |from: Point, to: Point, kind: LinkKind| cost.of(from.distance_mm(to), kind);
-    let mut best = vec![vec![Vec::new(); n]; 1 << n];
-    for (drawn, best) in best.iter_mut().enumerate() {
-        for (item, best) in best.iter_mut().enumerate() {
-            let first = drawn == 1 << item && may_follow(0, None, item);
-            let reach = |entry: usize| {
-                let enter = problem.items[item].ends(entry as u32).0;
-                problem.start.map_or(0.0, |start| link(start, enter, LinkKind::UP))
-            };
-            *best =
-                (0..entries(item)).map(|entry| if first { reach(entry) } else { f64::INFINITY }).collect();
-        }
-    }
-    for drawn in 1usize..1 << n {
-        for last in (0..n).filter(|last| drawn & (1 << last) != 0) {
-            for next in (0..n).filter(|next| drawn & (1 << next) == 0) {
-                if !may_follow(drawn, Some(last), next) {
-                    continue;
-                }
-                for from in 0..entries(last) {
-                    let leave = problem.items[last].ends(from as u32).1;
-                    for to in 0..entries(next) {
-                        let enter = problem.items[next].ends(to as u32).0;
-                        let total = best[drawn][last][from] + link(leave, enter, kind(last, next));
-                        let known = &mut best[drawn | 1 << next][next][to];
-                        *known = known.min(total);
-                    }
-                }
-            }
-        }
-    }
-    let ends = (0..n).flat_map(|item| (0..entries(item)).map(move |entry| (item, entry)));
-    let totals = ends.map(|(item, entry)| {
-        let leave = problem.items[item].ends(entry as u32).1;
-        best[(1 << n) - 1][item][entry] + problem.end.map_or(0.0, |end| link(leave, end, LinkKind::UP))
-    });
-    totals.fold(f64::INFINITY, f64::min)
-}
-
 /// Loops of random vertices are far harder than any that a slicer makes, and many costs are near 0 here.
 #[test]
 fn optimized_finds_the_optimum_of_small_layers() {
@@ -172,7 +101,7 @@ fn optimized_finds_the_optimum_of_small_layers() {
         let layer = layer(1..8).new_tree(&mut runner).unwrap().current();
         let problem = layer.problem();
         for cost in costs() {
-            let best = optimum(&problem, &cost);
+            let best = cheapest(&problem, &cost);
             let sequence = strategy(OrderStrategy::Optimized).solve(&problem, &cost, Effort::High);
             let total = evaluate(&problem, &sequence, &cost);
             assert!(total >= best - 1e-9, "{total} beats the optimum {best} of {layer:?}");
