@@ -123,7 +123,7 @@ export interface Row {
   [key: string]: unknown;
 }
 
-/** Orders the layers of models by each strategy: a row each. */
+/** Orders the layers of models by each strategy: a row each. Lengths count, unless `settings` name an `order.cost`. */
 export function compare(models: ModelFile | ModelFile[], options?: PlateOptions & { strategies?: string[] }): Promise<Row[]>;
 
 export interface Reordered {
@@ -133,7 +133,7 @@ export interface Reordered {
   report: { before: { travel_mm: number }; after: { travel_mm: number }; changed: boolean; [key: string]: unknown };
 }
 
-/** Shortens the travel in finished G-code of any slicer. */
+/** Shortens the travel in finished G-code of any slicer. Lengths count, unless `settings` name an `order.cost`. */
 export function reorder(
   gcode: Bytes,
   options?: Options & { keepDirection?: boolean; moreRetractions?: boolean },

@@ -315,9 +315,18 @@ pub(super) fn shorthands(order: Option<&String>, args: &OrderingArgs) -> Vec<Ove
 
 /// Lengths are what is compared and shortened, unless a cost is asked for.
 pub(super) fn by_length(args: &SettingArgs, ordering: &OrderingArgs) -> Option<Override> {
-    const KEY: &str = "order.cost";
-    let asked = ordering.cost.is_some() || args.set.iter().any(|set| set.key == KEY);
-    (!asked).then(|| Override { key: KEY.into(), value: "length".into(), option: "--cost" })
+    let length = || Override { key: "order.cost".into(), value: "length".into(), option: "--cost" };
+    (!asks_for_cost(args, ordering)).then(length)
+}
+
+/// Whether `--cost` or `--set` says what counts.
+pub(super) fn asks_for_cost(args: &SettingArgs, ordering: &OrderingArgs) -> bool {
+    ordering.cost.is_some() || sets(args, "order.cost")
+}
+
+/// Whether `--set` names a key.
+pub(super) fn sets(args: &SettingArgs, key: &str) -> bool {
+    args.set.iter().any(|set| set.key == key)
 }
 
 /// The table of layer heights, if one is given.

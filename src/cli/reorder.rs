@@ -48,7 +48,7 @@ pub(super) fn run(args: &ReorderArgs, engine: &dyn Engine) -> Result<Exit, Failu
 /// The settings in force. Lengths count, and of a finished file outer walls keep their seams, unless something else is requested.
 fn settings(args: &ReorderArgs) -> Result<Settings, Failure> {
     let seam = Override { key: "seam.position".into(), value: "pinned".into(), option: "--seam" };
-    let asked = args.ordering.seam.is_some() || sets(args, &seam.key);
+    let asked = args.ordering.seam.is_some() || plan::sets(&args.settings, &seam.key);
     let mut shorthands = plan::shorthands(args.order.as_ref(), &args.ordering);
     if !asked {
         shorthands.push(seam);
@@ -59,11 +59,6 @@ fn settings(args: &ReorderArgs) -> Result<Settings, Failure> {
         console::warn(&resolved.warnings);
     }
     Ok(resolved.settings)
-}
-
-/// Whether `--set` names a key.
-fn sets(args: &ReorderArgs, key: &str) -> bool {
-    args.settings.set.iter().any(|set| set.key == key)
 }
 
 fn destination(args: &ReorderArgs, file: &Path) -> Result<Destination, Failure> {
@@ -107,7 +102,7 @@ fn reorder(
     let job = ReorderJob {
         file: file.to_owned(),
         keep_direction: args.keep_direction,
-        more_retractions: args.ordering.cost.is_some() || sets(args, "order.cost"),
+        more_retractions: plan::asks_for_cost(&args.settings, &args.ordering),
         threads: Some(args.threads.map_or(0, Into::into)),
     };
     let mut report = engine.reorder(&job, settings, &mut output, &watch.over(Observer::none()))?;

@@ -38,6 +38,13 @@ impl Files for ModelFiles {
 }
 
 impl Project {
+    /// The same, to be compared or to have its travel shortened: lengths are what counts there, unless its settings name a cost.
+    #[must_use]
+    pub fn by_length(mut self) -> Self {
+        self.settings.entry("order.cost".into()).or_insert_with(|| "length".into());
+        self
+    }
+
     /// The settings in force: presets, profiles, the project's profile, its settings.
     ///
     /// # Errors

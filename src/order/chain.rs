@@ -257,9 +257,9 @@ impl Chain {
         for (i, (layer, sequence)) in layers.iter().zip(sequences).enumerate() {
             let mut island = None;
             let router = self.detours.zip(routers.get(i));
-            let mut climbs = true;
             for &visit in sequence {
                 let (enter, leave) = ends_on_path(layer, visit);
+                let climbs = island.is_none();
                 let here = Some(layer.paths[visit.path as usize].island);
                 total += match (at, router) {
                     (Some(from), Some((rule, router))) if here == island => {
@@ -270,7 +270,7 @@ impl Chain {
                     }
                     (None, _) => 0.0,
                 };
-                (at, island, climbs) = (Some(leave), here, false);
+                (at, island) = (Some(leave), here);
             }
         }
         total + at.zip(end).map_or(0.0, |(from, to)| self.cost.of(from.distance_mm(to), LinkKind::UP))

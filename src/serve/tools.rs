@@ -206,9 +206,7 @@ async fn with_gcode<T: Send + 'static>(
         let deadline = Instant::now() + jobs.shared.limits.job_time;
         let is_over = || left.load(Ordering::Relaxed) || jobs.is_stopping() || Instant::now() > deadline;
         let observer = Observer::none().cancelled_when(is_over);
-        let mut project = upload.project.unwrap_or_default();
-        // What is reordered has its travel shortened, unless a cost is asked for.
-        project.settings.entry("order.cost".into()).or_insert_with(|| "length".into());
+        let project = upload.project.unwrap_or_default().by_length();
         let settings = project.resolve(Some(&jobs.shared.presets))?.settings;
         let given = given(upload.files, settings)?;
         work(given, &observer).map_err(|error| match error {

@@ -79,6 +79,8 @@ test("errors say what kind they are and where", async () => {
 
 test("strategies are compared", async () => {
   const rows = await compare(cube, { strategies: ["nearest", "optimized"], certify: true });
+  const shortest = await compare(cube, { strategies: ["optimized"], settings: { "order.cost": "length" } });
+  assert.equal(rows[1].link_mm, shortest[0].link_mm, "lengths are what is compared");
   assert.deepEqual(rows.map(({ strategy }) => strategy), ["nearest", "optimized"]);
   assert.ok(rows[1].link_mm <= rows[0].link_mm && rows[1].bound_mm <= rows[1].link_mm + 1e-6);
 });

@@ -1,7 +1,7 @@
 //! Polylines in, order out.
 
 use numpy::{PyArray1, PyReadonlyArray1, PyReadonlyArray2};
-use ordering::{Cost, Effort, OrderOptions, Polyline, TravelTime, Watch};
+use ordering::{Cost, Effort, OrderOptions, Polyline, TravelTime, Watch, chosen};
 use pathwright::geometry::Point;
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
@@ -37,7 +37,7 @@ pub fn order<'py>(
         (starts.as_slice()?.to_vec(), closed.as_slice()?.to_vec(), groups.as_slice()?.to_vec());
     let mut options = OrderOptions::default();
     options.strategy = strategy(strategy_name)?;
-    options.effort = named_effort(effort)?;
+    options.effort = chosen(Effort::ALL, "effort", effort).map_err(PyValueError::new_err)?;
     options.start = start.map(|(x, y)| Point::from_mm(x, y));
     options.certify = certify;
     if let Some((speed_mm_s, acceleration_mm_s2, cruise_ratio, stop_s, retract_from_mm, retract_s)) = time {
@@ -66,12 +66,4 @@ pub fn order<'py>(
     let order = ordered.sequence.iter().map(|visit| i64::from(visit.item)).collect();
     let entries = ordered.sequence.iter().map(|visit| i64::from(visit.entry)).collect();
     Ok((PyArray1::from_vec(py, order), PyArray1::from_vec(py, entries), ordered.length_mm, ordered.bound_mm))
-}
-
-fn named_effort(name: &str) -> PyResult<Effort> {
-    let known = Effort::ALL.iter().find(|(known, _)| *known == name);
-    known.map(|(_, effort)| *effort).ok_or_else(|| {
-        let names = Effort::NAMES.join(", ");
-        PyValueError::new_err(format!("there is no effort `{name}`; there are: {names}"))
-    })
 }

@@ -126,11 +126,7 @@ impl Task {
 
 /// A strategy by name.
 pub fn strategy(name: &str) -> PyResult<OrderStrategy> {
-    let known = OrderStrategy::ALL.iter().find(|(known, _)| *known == name);
-    known.map(|(_, strategy)| *strategy).ok_or_else(|| {
-        let names = OrderStrategy::NAMES.join(", ");
-        PyValueError::new_err(format!("there is no strategy `{name}`; there are: {names}"))
-    })
+    ordering::chosen(OrderStrategy::ALL, "strategy", name).map_err(PyValueError::new_err)
 }
 
 /// Finds out what is asked for: reads presets and profiles, and projects.

@@ -18,6 +18,29 @@ impl LinkKind {
     pub const UP: Self = Self { inside: false, climbs: true };
     /// Inside an island.
     pub const INSIDE: Self = Self { inside: true, climbs: false };
+
+    /// From a path of one run to one of another, or of the same.
+    pub fn between(from: &Run, to: &Run) -> Self {
+        Self::joining(from.place(), to.place())
+    }
+
+    #[inline]
+    pub(crate) fn joining(from: Place, to: Place) -> Self {
+        Self { inside: from.island == to.island, climbs: from.layer != to.layer }
+    }
+}
+
+/// Where a path is, as far as links depend on it.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Place {
+    pub island: u32,
+    pub layer: u32,
+}
+
+impl Run {
+    pub(crate) fn place(&self) -> Place {
+        Place { island: self.island, layer: self.layer }
+    }
 }
 
 /// Cost of the travel between two paths, a non-decreasing function of its straight-line length that is 0 for none within a
@@ -140,16 +163,13 @@ impl Cost {
     /// Cost of a travel of this length: millimetres or seconds.
     #[inline]
     pub fn of(&self, length_mm: f64, kind: LinkKind) -> f64 {
-        match self {
-            Self::Length => length_mm,
-            Self::Time(time) => time.of(length_mm, kind),
-        }
+        LinkCosts::from(*self).of(length_mm, kind)
     }
 
     /// The least that a travel of this length can cost.
     #[inline]
     pub fn least(&self, length_mm: f64) -> f64 {
-        self.of(length_mm, LinkKind::INSIDE)
+        LinkCosts::from(*self).least(length_mm)
     }
 }
 
@@ -211,10 +231,8 @@ impl LinkCosts {
 pub fn evaluate(problem: &Problem, sequence: &[Visit], cost: &Cost) -> f64 {
     let links = links(problem, sequence).map(|(length_mm, kind)| cost.of(length_mm, kind));
     let last = sequence.last().map(|visit| problem.items[visit.item as usize].ends(visit.entry).1);
-    let end = last
-        .or(problem.start)
-        .zip(problem.end)
-        .map(|(from, to)| cost.of(from.distance_mm(to), LinkKind { inside: false, climbs: true }));
+    let end =
+        last.or(problem.start).zip(problem.end).map(|(from, to)| cost.of(from.distance_mm(to), LinkKind::UP));
     links.chain(end).sum()
 }
 
@@ -226,10 +244,8 @@ pub fn links(problem: &Problem, sequence: &[Visit]) -> impl Iterator<Item = (f64
         let (enter, leave) = item.ends(visit.entry);
         let run = &problem.runs[item.run as usize];
         let (from, left) = std::mem::replace(&mut at, (Some(leave), Some(run)));
-        let shares = |of: fn(&Run) -> u32| left.map(of) == Some(of(run));
-        let climbs = from.is_some() && !shares(|run| run.layer);
-        let kind = LinkKind { inside: shares(|run| run.island), climbs };
-        (from.map_or(0.0, |from| from.distance_mm(enter)), kind)
+        let Some(from) = from else { return (0.0, LinkKind::ACROSS) };
+        (from.distance_mm(enter), left.map_or(LinkKind::UP, |left| LinkKind::between(left, run)))
     })
 }
 

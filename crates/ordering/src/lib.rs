@@ -50,7 +50,7 @@ pub use detours::{DetourRule, Detours};
 pub use greedy::Greedy;
 pub use nearest::Nearest;
 pub use optimized::Optimized;
-pub use options::{Effort, OrderStrategy, Scope};
+pub use options::{Effort, OrderStrategy, Scope, chosen};
 pub use polyline::{OrderOptions, Ordered, Polyline, order, order_watched};
 pub use precedence::first_points;
 pub use problem::{Item, Problem, Run, Sequence, Shape, Visit};

@@ -24,6 +24,15 @@ macro_rules! choice {
     };
 }
 
+/// The one of these values that has a name; if there is none, the message for the user. `what` they are, such as `strategy`.
+pub fn chosen<T: Copy>(all: &[(&str, T)], what: &str, name: &str) -> Result<T, String> {
+    let known = all.iter().find(|(known, _)| *known == name);
+    known.map(|(_, value)| *value).ok_or_else(|| {
+        let names: Vec<&str> = all.iter().map(|(name, _)| *name).collect();
+        format!("there is no {what} `{name}`; there are: {}", names.join(", "))
+    })
+}
+
 choice! {
     /// How the order of paths in a layer is found.
     #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]

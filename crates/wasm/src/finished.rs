@@ -1,6 +1,6 @@
 //! Finished G-code, of any slicer, as text or binary.
 
-use pathwright::job::ReorderJob;
+use pathwright::job::{Project, ReorderJob};
 use pathwright::{Error, Settings};
 use serde_json::json;
 use wasm_bindgen::prelude::wasm_bindgen;
@@ -38,7 +38,8 @@ pub fn reorder(
     more_retractions: bool,
 ) -> Result<Reordered> {
     let job = ReorderJob { keep_direction, more_retractions, ..ReorderJob::default() };
-    let (reordered, report) = pathwright::reorder_as(&gcode, &job, &settings(project)?, &observer())?;
+    let settings = resolved(&self::project(project)?.by_length())?;
+    let (reordered, report) = pathwright::reorder_as(&gcode, &job, &settings, &observer())?;
     Ok(Reordered { gcode: reordered.unwrap_or(gcode), report: json!(report).to_string() })
 }
 
@@ -61,5 +62,9 @@ pub fn time(gcode: &[u8], project: &str) -> Result<String> {
 }
 
 fn settings(text: &str) -> Result<Settings> {
-    Ok(project(text)?.resolve(None).map_err(Error::from)?.settings)
+    resolved(&project(text)?)
+}
+
+fn resolved(project: &Project) -> Result<Settings> {
+    Ok(project.resolve(None).map_err(Error::from)?.settings)
 }

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use ordering::OrderStrategy;
+use ordering::{OrderStrategy, chosen};
 use pathwright::estimate::Machine;
 use pathwright::gcode::write_binary;
 use pathwright::job::{Engine, Job, ModelFile, ModelFiles, Project, ProjectModel, Sources};
@@ -48,7 +48,7 @@ impl Models {
 
     /// Slices a project (JSON) of these models. Tells `progress` and, if wanted, each `layer` as soon as it is finished.
     pub fn slice(&self, project: &str, layers: bool) -> Result<Print> {
-        let (job, resolved) = self.job(project)?;
+        let (job, resolved) = self.job(self::project(project)?)?;
         let on_layer = |layer: &LayerMoves, machine: &Machine| {
             if layers {
                 tell_layer(layer, &Beads::of(layer, machine));
@@ -61,7 +61,7 @@ impl Models {
 
     /// Orders the layers by each strategy: a row each, as JSON.
     pub fn compare(&self, project: &str, strategies: Vec<String>) -> Result<String> {
-        let (job, resolved) = self.job(project)?;
+        let (job, resolved) = self.job(self::project(project)?.by_length())?;
         let strategies = strategies.iter().map(|name| strategy(name)).collect::<Result<Vec<_>>>()?;
         let rows = Pipeline.compare(&job, &resolved.settings, &strategies, &observer())?;
         Ok(compare::to_json(&rows).to_string())
@@ -78,8 +78,7 @@ impl Models {
         Ok(bodies)
     }
 
-    fn job(&self, text: &str) -> Result<(Job, Resolved)> {
-        let mut wanted = project(text)?;
+    fn job(&self, mut wanted: Project) -> Result<(Job, Resolved)> {
         if let [(name, contents)] = &*self.files
             && let Some((plate, files)) = Project::read(name, contents, &Observer::none())?
         {
@@ -170,11 +169,7 @@ impl Print {
 
 /// A strategy by name.
 pub fn strategy(name: &str) -> Result<OrderStrategy> {
-    let known = OrderStrategy::ALL.iter().find(|(known, _)| *known == name);
-    known.map(|(_, strategy)| *strategy).ok_or_else(|| {
-        let names = OrderStrategy::NAMES.join(", ");
-        Fault::usage(format!("there is no strategy `{name}`; there are: {names}"))
-    })
+    chosen(OrderStrategy::ALL, "strategy", name).map_err(Fault::usage)
 }
 
 /// Tells how far a run is.

@@ -1,6 +1,6 @@
 //! Polylines in, order out.
 
-use ordering::{Effort, OrderOptions, Polyline};
+use ordering::{Effort, OrderOptions, Polyline, chosen};
 use pathwright::geometry::Point;
 use serde::Deserialize;
 use serde_json::json;
@@ -40,7 +40,7 @@ pub fn order(points: &[f64], starts: &[u32], closed: &[u8], groups: &[u32], want
     let polylines: Vec<Polyline> = polylines.collect();
     let mut options = OrderOptions::default();
     options.strategy = strategy(&wanted.strategy)?;
-    options.effort = effort(&wanted.effort)?;
+    options.effort = chosen(Effort::ALL, "effort", &wanted.effort).map_err(Fault::usage)?;
     options.start = wanted.start.map(|[x, y]| Point::from_mm(x, y));
     options.certify = wanted.certify;
     let ordered = ordering::order(&polylines, &options);
@@ -52,12 +52,4 @@ pub fn order(points: &[f64], starts: &[u32], closed: &[u8], groups: &[u32], want
         "bound_mm": ordered.bound_mm,
     })
     .to_string())
-}
-
-fn effort(name: &str) -> Result<Effort> {
-    let known = Effort::ALL.iter().find(|(known, _)| *known == name);
-    known.map(|(_, effort)| *effort).ok_or_else(|| {
-        let names = Effort::NAMES.join(", ");
-        Fault::usage(format!("there is no effort `{name}`; there are: {names}"))
-    })
 }

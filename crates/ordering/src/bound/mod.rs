@@ -134,7 +134,7 @@ fn prices(problem: &Problem, order: &[Visit], cost: &Cost) -> impl Iterator<Item
     order.windows(2).map(move |visits| {
         let [a, b] = [0, 1].map(|k| &problem.items[visits[k].item as usize]);
         let [from, to] = [a, b].map(|item| &problem.runs[item.run as usize]);
-        let kind = LinkKind { inside: from.island == to.island, climbs: from.layer != to.layer };
+        let kind = LinkKind::between(from, to);
         price(cost, a.ends(visits[0].entry).1, b.ends(visits[1].entry).0, kind)
     })
 }

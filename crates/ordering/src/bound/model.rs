@@ -1,5 +1,6 @@
 //! What the relaxation knows of a layer: terminals at which links may end, and which links precedence permits.
 
+use super::super::cost::Place;
 use super::super::{Cost, LinkKind, Problem, Shape};
 use crate::options::Scope;
 use pathwright_geometry::{Point, UNITS_PER_MM};
@@ -83,10 +84,9 @@ pub(super) struct Body {
     pub(super) closed: bool,
     /// Nested groups: stage; run under `feature`, island under `island`; run under `island`.
     pub(super) groups: [u32; 3],
-    /// Island, and position of the run's rank among the ranks of its island in its stage.
-    pub(super) island: u32,
+    /// Island and layer, and position of the run's rank among the ranks of its island in its stage.
+    pub(super) place: Place,
     pub(super) rank: u32,
-    layer: u32,
     /// Whether nothing of its stage must come before, or after.
     begins: bool,
     ends: bool,
@@ -148,9 +148,8 @@ impl Model {
                 last: model.terminals.len() as u32,
                 closed: matches!(item.shape, Shape::Loop(_)),
                 groups,
-                island: run.island,
+                place: run.place(),
                 rank: (at - from) as u32,
-                layer: run.layer,
                 begins: mixed || at == from,
                 ends: mixed || at + 1 == to,
             });
@@ -217,7 +216,7 @@ impl Model {
         if self.scope != Scope::Feature {
             return Vec::new();
         }
-        let key = |body: &Body| (body.groups[0], body.island, body.rank);
+        let key = |body: &Body| (body.groups[0], body.place.island, body.rank);
         let mut runs: Vec<_> = self.bodies.iter().map(key).zip(run_of).collect();
         runs.sort_unstable();
         runs.dedup();
@@ -233,8 +232,8 @@ impl Model {
 
     /// What a link between two paths leads over.
     pub(super) fn kind(&self, i: u32, j: u32) -> LinkKind {
-        let [a, b] = [i, j].map(|item| &self.bodies[item as usize]);
-        LinkKind { inside: a.island == b.island, climbs: a.layer != b.layer }
+        let [from, to] = [i, j].map(|item| self.bodies[item as usize].place);
+        LinkKind::joining(from, to)
     }
 
     /// The depth at which two paths part.
@@ -251,7 +250,7 @@ impl Model {
             (3, _) => i != j,
             (2, _) => in_turn,
             (1, Scope::Island) => a.ends && b.begins || a.begins && b.ends,
-            (1, _) => a.island != b.island || in_turn,
+            (1, _) => a.place.island != b.place.island || in_turn,
             _ => {
                 let (low, high) = if a.groups[0] < b.groups[0] { (a, b) } else { (b, a) };
                 low.groups[0] + 1 == high.groups[0] && low.ends && high.begins
@@ -262,7 +261,7 @@ impl Model {
     /// Whether precedence lets one path come straight after another, of another run of its stage.
     pub(super) fn leads(&self, from: u32, to: u32) -> bool {
         let [a, b] = [from, to].map(|item| &self.bodies[item as usize]);
-        self.permits(from, to) && (a.island != b.island || a.rank <= b.rank)
+        self.permits(from, to) && (a.place.island != b.place.island || a.rank <= b.rank)
     }
 
     /// Whether there are loops of which several pieces are distinguished.

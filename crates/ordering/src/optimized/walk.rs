@@ -1,6 +1,6 @@
 //! The walk under improvement, as an array.
 
-use super::super::cost::LinkCosts;
+use super::super::cost::{LinkCosts, Place};
 use super::super::detours::Detours;
 use super::super::precedence::Groups;
 use super::super::{Cost, Item, LinkKind, Problem, Sequence, Shape, Visit};
@@ -60,13 +60,6 @@ enum Change {
     Entered { item: u32, before: u32 },
 }
 
-/// Island and layer of an item.
-#[derive(Clone, Copy, Debug)]
-struct Place {
-    island: u32,
-    layer: u32,
-}
-
 /// Island and layer of where the nozzle comes from; one less, of where it goes to: no path's.
 const NOWHERE: u32 = u32::MAX - 1;
 
@@ -97,10 +90,7 @@ impl<'a> Walk<'a> {
         points.extend([coordinates(problem.start), coordinates(problem.start), ANYWHERE, ANYWHERE]);
         let group = groups.of.iter().copied().chain([NONE, NONE]).flat_map(|group| [group, group]);
         let node = |(at, group)| Node { at, link: 0.0, across: 0, group };
-        let place = |item: &Item| {
-            let run = &problem.runs[item.run as usize];
-            Place { island: run.island, layer: run.layer }
-        };
+        let place = |item: &Item| problem.runs[item.run as usize].place();
         let nowhere = [NOWHERE, NOWHERE - 1].map(|none| Place { island: none, layer: none });
         Self {
             cost: cost.into(),
@@ -311,7 +301,7 @@ impl<'a> Walk<'a> {
     fn beyond_straight(&self, points: [[f64; 2]; 2], items: [u32; 2]) -> f64 {
         let Some(detours) = self.detours else { return 0.0 };
         let straight = self.between(points, items);
-        if straight <= 0.0 || !self.share_island(items) {
+        if straight <= 0.0 || !self.kind(items).inside {
             return 0.0;
         }
         detours.cost(items, points[0], points[1]) - straight
@@ -332,16 +322,11 @@ impl<'a> Walk<'a> {
         self.gap(gap) > self.link(left, right) + GAIN
     }
 
-    #[inline]
-    fn share_island(&self, [a, b]: [u32; 2]) -> bool {
-        self.places[a as usize].island == self.places[b as usize].island
-    }
-
     /// What a link between two items leads over.
     #[inline]
     fn kind(&self, items: [u32; 2]) -> LinkKind {
-        let [a, b] = items.map(|item| self.places[item as usize]);
-        LinkKind { inside: a.island == b.island, climbs: a.layer != b.layer }
+        let [from, to] = items.map(|item| self.places[item as usize]);
+        LinkKind::joining(from, to)
     }
 
     /// What the link over a gap leads over.

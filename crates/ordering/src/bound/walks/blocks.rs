@@ -95,8 +95,9 @@ impl<'a> Order<'a> {
                 .filter(|&other| other != block && has(other))
                 .fold(0, |set: Set, other| set | 1 << other)
         };
-        let together =
-            |a: usize, b: usize| body(a).groups[0] == body(b).groups[0] && body(a).island == body(b).island;
+        let together = |a: usize, b: usize| {
+            body(a).groups[0] == body(b).groups[0] && body(a).place.island == body(b).place.island
+        };
         let ordered = model.scope != Scope::Layer;
         let earlier = |a: usize, b: usize| {
             body(a).groups[0] < body(b).groups[0] || ordered && together(a, b) && body(a).rank < body(b).rank
