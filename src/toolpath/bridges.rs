@@ -49,6 +49,8 @@ pub struct Bridge {
     pub area: Region,
     /// Direction of the bridge lines, radians from the X axis.
     pub angle_rad: f64,
+    /// Share of their length that is not held, and a little for long spans.
+    pub cost: f64,
     /// Of a narrow strip of air, where it is across the bridge lines: from, to. What it rests on may be wider.
     pub strip_mm: Option<(f64, f64)>,
 }
@@ -83,16 +85,23 @@ pub fn take(
     let bridge = |polygon: &Polygon| {
         let area = Region::from(polygon.clone());
         let spanned = geometry::intersection(&air, &area);
-        let (angle_rad, _) = anchors.best_angle(&spanned);
+        let (angle_rad, cost) = anchors.best_angle(&spanned);
         let (from_mm, to_mm) = Direction::of(angle_rad).extent_mm(spanned.rings().flatten());
         let strip_mm = (to_mm - from_mm < STRIP * width_mm).then_some((from_mm, to_mm));
-        Bridge { area, angle_rad, strip_mm }
+        Bridge { area, angle_rad, cost, strip_mm }
     };
     let bridges = taken.polygons().iter().map(bridge).collect();
     zones.leave_sparse(geometry::difference(&zones.sparse, &taken));
     zones.solid = geometry::difference(&zones.solid, &taken);
     zones.top = geometry::difference(&zones.top, &taken);
     bridges
+}
+
+impl Bridge {
+    /// Whether bridge lines span it, nearly all of them held at both ends.
+    pub fn is_held(&self) -> bool {
+        self.cost < HELD
+    }
 }
 
 /// What can anchor bridge lines: where this layer lies on the one beneath.

@@ -156,6 +156,19 @@ impl LayerBuilder {
         self.height_mm = layer_mm;
     }
 
+    /// Perimeters over air, as thick as bridge lines.
+    pub fn extra_perimeters(&mut self, mut lines: Vec<Line>, line: &BridgeLine) {
+        let BridgeLine { spacing_mm, width_mm, height_mm } = *line;
+        let layer_mm = std::mem::replace(&mut self.height_mm, height_mm);
+        // What is narrower than usual is so by as much as its spacing is.
+        let less_mm = (bead::width_mm(spacing_mm, height_mm) - width_mm) as f32;
+        for spacing_mm in lines.iter_mut().flat_map(|line| &mut line.spacing_mm) {
+            *spacing_mm = (*spacing_mm - less_mm).max(0.0);
+        }
+        self.lines(Role::Perimeter, Phase::Bridge, width_mm, lines);
+        self.height_mm = layer_mm;
+    }
+
     /// An island of which the lines from `first` on fill only so much: a dot instead, if that is more.
     pub fn dot(
         &mut self,

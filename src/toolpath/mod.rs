@@ -13,6 +13,7 @@ pub mod infill;
 mod island_walls;
 mod layer_builder;
 mod options;
+mod overhang_perimeters;
 mod path;
 mod planner;
 mod reach;

@@ -131,6 +131,9 @@ section! {
         /// Loops that hang over by more than half of their width run the other way round on every other layer, so that they
         /// do not curl up more and more in one direction.
         reverse_overhangs: bool = false,
+        /// What hangs over air and cannot be bridged, as it is not held at both sides, is filled along its walls, by beads that
+        /// begin and end where the part is held.
+        extra_on_overhangs: bool = true,
         /// The second wall begins where the outermost one ends: round sides of beads do not overlap there, and do not push
         /// the outermost wall outwards.
         precise: bool = false,

@@ -11,6 +11,7 @@ use geometry::{Polygon, Region, Ring};
 
 use super::bead::Line;
 use super::beneath::Beneath;
+use super::bridges::Bridge;
 use super::combined::CombinedInfill;
 use super::infill::{self, FillPattern, FillSpec, Joins, LineSet, SparseSample};
 use super::island_walls::{IslandWalls, LayerWalls, WallLayer, WallPlanner};
@@ -20,6 +21,7 @@ use super::shells::{self, ShellWindows, Zones};
 use super::walls::{WallSpec, Walls};
 use super::{
     Island, IslandId, LayerKind, LayerPaths, Phase, Role, adhesion, bead, beside_sparse, bridges, entries,
+    overhang_perimeters,
 };
 
 /// Ends of sparse infill lines are joined along the wall up to this many line distances: the distance to the next
@@ -298,7 +300,10 @@ impl Planner {
             for bridge in
                 bridges::take(&mut zones, &inside, polygon, support_below, line.spacing_mm, anchor_mm)
             {
-                layer.bridge(&bridge, &line, settings);
+                match self.extra_perimeters(&bridge, &inside, support_below, &line) {
+                    Some(lines) => layer.extra_perimeters(lines, &line),
+                    None => layer.bridge(&bridge, &line, settings),
+                }
             }
         }
         if settings.solid_area > 0.0 && settings.density.0 > 0.0 {
@@ -335,6 +340,21 @@ impl Planner {
         if self.settings.ironing.enabled {
             self.iron(layer, &zones.top, section, widths);
         }
+    }
+
+    /// Perimeters in place of a bridge, if they are held better.
+    fn extra_perimeters(
+        &self,
+        bridge: &Bridge,
+        inside: &Region,
+        beneath: &Beneath<'_>,
+        line: &BridgeLine,
+    ) -> Option<Vec<Line>> {
+        if bridge.is_held() || !self.settings.walls.extra_on_overhangs {
+            return None;
+        }
+        let lines = overhang_perimeters::fill(inside, &bridge.area, line.spacing_mm);
+        (overhang_perimeters::loose(&lines, beneath) < bridge.cost).then_some(lines)
     }
 
     /// How bridge lines are drawn on a layer with solid infill of this width.

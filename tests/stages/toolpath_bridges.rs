@@ -3,7 +3,7 @@
 use crate::support::toolpath_plan::{job, length_mm, of_role, plan, rectangle, ring, with_hole};
 use pathwright::geometry::{self, Point, Polygon, Region};
 use pathwright::profile::WallGenerator;
-use pathwright::toolpath::{LayerPaths, Path, Role};
+use pathwright::toolpath::{LayerPaths, Path, Role, Width};
 
 /// The layer that closes an opening: full sections on top of sections with it.
 fn roof(open: &Region, full: &Region) -> LayerPaths {
@@ -172,4 +172,67 @@ fn is_over_the_gap(path: &Path) -> bool {
     let ends = path.points.iter().map(|p| p.mm()[0]);
     let (low, high) = ends.fold((f64::MAX, f64::MIN), |(low, high), x| (low.min(x), high.max(x)));
     high > 2.0 && low < GAP_MM - 2.0
+}
+
+/// A tongue that sticks out of a block over air, and the block.
+fn tongue() -> (Region, Region) {
+    let block = rectangle(0.0, 0.0, 20.0, 30.0);
+    (geometry::union(&block, &rectangle(20.0, 8.0, 28.0, 22.0)), block)
+}
+
+#[test]
+fn perimeters_over_a_tongue_begin_and_end_on_the_block() {
+    let (full, block) = tongue();
+    let roof = roof(&block, &full);
+    let over_air = |path: &&Path| path.points.iter().any(|p| p.mm()[0] > 22.0);
+    let extra: Vec<&Path> =
+        of_role(&roof, Role::Perimeter).into_iter().filter(|p| !p.closed).filter(over_air).collect();
+    assert!(of_role(&roof, Role::BridgeInfill).is_empty(), "nothing is held at both ends there");
+    assert!(extra.len() > 10, "{} lines", extra.len());
+    for path in extra {
+        let ends = [path.points[0], *path.points.last().unwrap()];
+        assert!(ends.iter().all(|p| block.contains(*p)), "{:?}", ends.map(|p| p.mm()));
+    }
+}
+
+#[test]
+fn perimeters_over_a_tongue_fill_it() {
+    let (full, block) = tongue();
+    let mut settings = job();
+    settings.bridge.thick = false;
+    let sections = [vec![block.clone(); 6], vec![full.clone(); 6]].concat();
+    let roof = plan(&sections, &settings).swap_remove(6);
+    let covered_mm2: f64 = roof.paths.iter().map(|path| covers_beyond(path, 20.0)).sum();
+    let air_mm2 = geometry::difference(&full, &block).area_mm2();
+    assert!((covered_mm2 / air_mm2 - 1.0).abs() < 0.03, "{covered_mm2} of {air_mm2} mm²");
+}
+
+/// What a path covers beyond an X, beads lying side by side, in mm².
+fn covers_beyond(path: &Path, x_mm: f64) -> f64 {
+    let spacing_mm = |i: usize| {
+        let width_mm = match &path.width {
+            Width::Constant(width_mm) => *width_mm,
+            Width::PerVertex(widths) => f64::from(widths[i]),
+        };
+        width_mm - path.height_mm * (1.0 - std::f64::consts::FRAC_PI_4)
+    };
+    let n = path.points.len();
+    let edges = (0..if path.closed { n } else { n - 1 }).map(|i| (i, (i + 1) % n));
+    let covered = edges.map(|(i, k)| {
+        let [from_mm, to_mm] = [i, k].map(|v| path.points[v].mm()[0] - x_mm);
+        let [less_mm, more_mm] = [from_mm.min(to_mm), from_mm.max(to_mm)];
+        let share = if less_mm >= 0.0 { 1.0 } else { more_mm.max(0.0) / (more_mm - less_mm) };
+        share * path.points[i].distance_mm(path.points[k]) * (spacing_mm(i) + spacing_mm(k)) / 2.0
+    });
+    covered.sum()
+}
+
+#[test]
+fn without_extra_perimeters_a_tongue_is_filled_with_bridge_lines() {
+    let (full, block) = tongue();
+    let mut settings = job();
+    settings.walls.extra_on_overhangs = false;
+    let sections = [vec![block; 6], vec![full; 6]].concat();
+    let roof = plan(&sections, &settings).swap_remove(6);
+    assert!(!of_role(&roof, Role::BridgeInfill).is_empty());
 }

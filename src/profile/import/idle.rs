@@ -128,7 +128,7 @@ pub(super) const IDLE: &[(&str, Idle)] = &[
     ("brim_inside_holes", At(&["0"])),
     ("brim_connections_width", At(&["0"])),
     ("colorprint_heights", At(&["0"])),
-    ("extra_perimeters*", At(&["0"])),
+    ("extra_perimeters", At(&["0"])),
     ("filament_shrinkage_compensation_*", At(&["0%", "0"])),
     ("first_layer_acceleration_over_raft", Without("raft_layers")),
     ("first_layer_acceleration_over_raft", At(&["0"])),
@@ -174,10 +174,7 @@ pub(super) const REASONS: &[(&str, &str)] = &[
     ("clip_multipart_objects", "objects that overlap are one"),
     ("dynamic_overhang_speeds", "an early form of `overhang_speed_0` to `overhang_speed_3`"),
     ("ensure_vertical_shell_thickness", "shells close slopes always"),
-    (
-        "extra_perimeters*",
-        "slopes are closed by solid infill, not by more walls; overhangs have the walls of others",
-    ),
+    ("extra_perimeters", "slopes are closed by solid infill, not by more walls"),
     ("filament_shrinkage_compensation_*", "a scale is given beside the model: `--scale`"),
     (
         "first_layer_*_over_raft",

@@ -278,6 +278,7 @@ pub(super) const ROWS: &[Row] = &[
     ),
     same("seam.scarf_smooth_only", &["scarf_seam_only_on_smooth"]),
     same("walls.reverse_overhangs", &["overhang_reverse"]),
+    same("walls.extra_on_overhangs", &["extra_perimeters_on_overhangs"]),
     with("seam.scarf", &["scarf_seam_placement"], "`scarf_seam_length`; 0 where it is `nowhere`", c::scarf),
     with(
         "speed.external_perimeter",
