@@ -6,6 +6,7 @@ use crate::toolpath::{LayerPaths, Role};
 
 use super::contact::meets;
 use super::sections::Sections;
+use super::thin::ThinParts;
 use crate::parallel::Workers;
 
 /// Follows the layers from the bed up: nothing may begin in mid-air.
@@ -19,6 +20,7 @@ pub(crate) struct Floating<'a> {
     below: Vec<bool>,
     last_mm: Vec<Option<f64>>,
     next: usize,
+    thin: ThinParts,
     pub warnings: Vec<String>,
 }
 
@@ -35,6 +37,7 @@ impl<'a> Floating<'a> {
             below: vec![false; count],
             last_mm: vec![None; count],
             next: 0,
+            thin: ThinParts::default(),
             warnings: Vec::new(),
         }
     }
@@ -46,6 +49,7 @@ impl<'a> Floating<'a> {
     pub fn take(&mut self, layer: &LayerPaths) -> Result<(), JobError> {
         let index = self.next;
         self.next += 1;
+        self.thin.take(layer);
         let printed = self.printed(layer);
         for object in (0..printed.len()).filter(|&object| printed[object]) {
             let begins = !self.below[object] && index > self.sections.first_layer();
@@ -62,7 +66,7 @@ impl<'a> Floating<'a> {
         Ok(())
     }
 
-    /// Ends after the last layer: warns of objects without any printed path.
+    /// Ends after the last layer: warns of objects without any printed path, and of parts of others.
     ///
     /// # Errors
     /// Nothing was printed of any.
@@ -74,6 +78,9 @@ impl<'a> Floating<'a> {
             return Err(
                 InputError::TooThin { object: self.names[first].clone(), hints: hints.to_vec() }.into()
             );
+        }
+        if lost.is_empty() {
+            self.warnings.extend(self.thin.warning());
         }
         let names = lost.into_iter().map(|object| &self.names[object]);
         self.warnings.extend(names.map(|name| format!("{name}: it is too thin to be printed anywhere")));

@@ -9,3 +9,4 @@ pub(crate) mod sections;
 pub(crate) mod spiral;
 pub(crate) mod styles;
 pub(crate) mod supports;
+mod thin;

@@ -104,3 +104,19 @@ fn what_needs_support_is_told_and_nothing_else_is() {
         cube.warnings
     );
 }
+
+#[test]
+fn parts_too_thin_for_the_nozzle_are_told_with_layers_and_area() {
+    // A film of 0.03 mm stands on a block, and a rib that can be printed.
+    let film = cuboid([2.0, 2.0, 2.0], [2.03, 12.0, 4.0]);
+    let rib = cuboid([8.0, 2.0, 2.0], [8.2, 12.0, 4.0]);
+    let print =
+        slice(&[block(0.0, 2.0), film, rib.clone()].concat(), &standard(&[]), false).expect("a print");
+    let told = print.summary.warnings.join("\n");
+    assert!(
+        told.contains("parts of 10 layers are too thin to be printed (3.0 mm²), the lowest at Z 2.20"),
+        "{told}"
+    );
+    let whole = slice(&[block(0.0, 2.0), rib].concat(), &standard(&[]), false).expect("a print");
+    assert!(whole.summary.warnings.is_empty(), "{:?}", whole.summary.warnings);
+}
