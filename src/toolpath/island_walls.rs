@@ -2,6 +2,7 @@
 
 use super::beneath::Beneath;
 use super::fuzzy::Fuzzy;
+use super::known_walls::{KnownWalls, WallKey};
 use super::layer_builder::LayerBuilder;
 use super::options::{FuzzySettings, WallOrder, WallSettings};
 use super::single::{self, Count};
@@ -89,33 +90,35 @@ impl WallPlanner<'_> {
     }
 
     /// The walls of each island of an object; the first one has this number.
-    pub fn object(&self, layer: &WallLayer<'_>, first: usize) -> Vec<IslandWalls> {
+    pub fn object(&self, layer: &WallLayer<'_>, first: usize, known: &KnownWalls) -> Vec<IslandWalls> {
         let fuzzy = Fuzzy::new(self.fuzzy, layer.beneath, layer.index, layer.object);
         let support_below = layer.beneath.map(Beneath::new);
+        // Others depend on more than the island.
+        let alike = fuzzy.is_none() && Count::of(self.walls, layer.above, layer.index) == Count::All;
         let islands = layer.section.polygons().iter().zip(first..);
         let island = |(polygon, number)| {
-            let spec = self.spec(layer.index, layer.height_mm);
-            let builder = LayerBuilder {
-                paths: Vec::new(),
-                height_mm: layer.height_mm,
-                island: Some(IslandId(number as u32)),
+            let make = || self.island(polygon, layer, fuzzy.as_ref());
+            let mut walls = if alike {
+                known.of(WallKey::new(polygon, layer.height_mm, layer.index), make).as_ref().clone()
+            } else {
+                make()
             };
-            let walls = self.trace(polygon, &spec, layer);
-            self.island(builder, polygon, walls, &spec, fuzzy.as_ref(), support_below.as_ref())
+            if let Some(support_below) = &support_below {
+                self.hold(&mut walls.paths, polygon, support_below);
+            }
+            for path in &mut walls.paths {
+                path.island = Some(IslandId(number as u32));
+            }
+            walls
         };
         islands.map(island).collect()
     }
 
-    fn island(
-        &self,
-        mut layer: LayerBuilder,
-        polygon: &Polygon,
-        walls: Walls,
-        spec: &WallSpec,
-        fuzzy: Option<&Fuzzy<'_>>,
-        support_below: Option<&Beneath<'_>>,
-    ) -> IslandWalls {
-        let Walls { loops, gaps, inside } = walls;
+    /// The walls of an island, whatever is beneath.
+    fn island(&self, polygon: &Polygon, on: &WallLayer<'_>, fuzzy: Option<&Fuzzy<'_>>) -> IslandWalls {
+        let spec = &self.spec(on.index, on.height_mm);
+        let mut layer = LayerBuilder { paths: Vec::new(), height_mm: on.height_mm, island: None };
+        let Walls { loops, gaps, inside } = self.trace(polygon, spec, on);
         let count = self.walls.count;
         let wall = |depth: u32| match self.walls.order {
             WallOrder::InnerFirst => Phase::Wall(count - 1 - depth),
@@ -152,17 +155,18 @@ impl WallPlanner<'_> {
             let phase = if count > 0 { wall(0) } else { Phase::GapFill };
             layer.dot(phase, 0, filled_mm2, polygon, self.walls);
         }
-        if let Some(support_below) = support_below {
-            let own = &mut layer.paths;
-            support_below.reach(own, polygon);
-            if self.walls.order == WallOrder::InnerFirst && support_below.outer_first(own) {
-                for path in own {
-                    if let Phase::Wall(place) = &mut path.phase {
-                        *place = count - 1 - *place;
-                    }
+        IslandWalls { paths: layer.paths, inside }
+    }
+
+    /// Changes the walls of an island so that the layer beneath holds them.
+    fn hold(&self, paths: &mut [Path], polygon: &Polygon, support_below: &Beneath<'_>) {
+        support_below.reach(paths, polygon);
+        if self.walls.order == WallOrder::InnerFirst && support_below.outer_first(paths) {
+            for path in paths {
+                if let Phase::Wall(place) = &mut path.phase {
+                    *place = self.walls.count - 1 - *place;
                 }
             }
         }
-        IslandWalls { paths: layer.paths, inside }
     }
 }

@@ -11,6 +11,7 @@ mod entries;
 mod fuzzy;
 pub mod infill;
 mod island_walls;
+mod known_walls;
 mod layer_builder;
 mod options;
 mod overhang_perimeters;

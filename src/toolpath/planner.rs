@@ -15,6 +15,7 @@ use super::bridges::Bridge;
 use super::combined::CombinedInfill;
 use super::infill::{self, FillPattern, FillSpec, Joins, LineSet, SparseSample};
 use super::island_walls::{IslandWalls, LayerWalls, WallLayer, WallPlanner};
+use super::known_walls::KnownWalls;
 use super::layer_builder::{BridgeLine, LayerBuilder, Solid};
 use super::reach::Reach;
 use super::shells::{self, ShellWindows, Zones};
@@ -94,6 +95,7 @@ pub struct Planner {
     skirt: Vec<Ring>,
     /// What part and brim cover on the bed.
     covered: Region,
+    known_walls: KnownWalls,
 }
 
 /// The properties shared by the islands of an object at one layer.
@@ -125,7 +127,9 @@ impl Planner {
         let (line_distance_mm, covered) = (None, footprint.clone());
         let pattern = infill::pattern(settings.infill.pattern);
         let (combined, brim, skirt) = (CombinedInfill::default(), Vec::new(), Vec::new());
-        let mut planner = Self { settings, pattern, line_distance_mm, combined, brim, skirt, covered };
+        let known_walls = KnownWalls::default();
+        let mut planner =
+            Self { settings, pattern, line_distance_mm, combined, brim, skirt, covered, known_walls };
         let width_mm = planner.widths(0).skirt_mm;
         planner.brim = adhesion::brim(footprint, &planner.settings.brim, width_mm, first_height_mm);
         if !planner.brim.is_empty() {
@@ -227,7 +231,8 @@ impl Planner {
     pub fn walls(&self, section: &PlateLayer<'_>) -> LayerWalls {
         let mut islands = Vec::new();
         for object in &section.objects {
-            islands.extend(self.wall_planner().object(&wall_layer(object, section), islands.len()));
+            let layer = wall_layer(object, section);
+            islands.extend(self.wall_planner().object(&layer, islands.len(), &self.known_walls));
         }
         LayerWalls { islands }
     }
