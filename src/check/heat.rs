@@ -97,7 +97,12 @@ impl Heat {
         let words = || seen.line.words();
         let target = || words().get(b'S').or_else(|| words().get(b'R'));
         match (code.letter, code.number) {
-            (b'T', tool) => self.tool = (tool as usize).min(NOZZLES - 1),
+            (b'T', tool) => {
+                let tool = (tool as usize).min(NOZZLES - 1);
+                // Filaments of one nozzle share its heater, of which most files say nothing.
+                self.nozzles[tool] = self.nozzles[tool].or(self.nozzles[self.tool]);
+                self.tool = tool;
+            }
             (b'M', 104 | 109) => {
                 let tool = words().get(b'T').map_or(self.tool, |tool| (tool as usize).min(NOZZLES - 1));
                 self.nozzles[tool] = target().or(self.nozzles[tool]);

@@ -78,12 +78,6 @@ impl<'a> Styles<'a> {
         Self { of_object, own: self.own.clone() }
     }
 
-    /// Whether two objects have the same settings.
-    pub fn are_equal(&self, [a, b]: [usize; 2]) -> bool {
-        let style = |object: usize| self.of_object.get(object).copied().flatten();
-        style(a) == style(b)
-    }
-
     /// The settings of an object.
     pub fn settings<'s>(&self, object: usize, plate: &'s Settings) -> &'s Settings
     where

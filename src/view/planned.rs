@@ -75,6 +75,7 @@ mod tests {
             height_mm: 0.2,
             island: Some(IslandId(0)),
             phase: Phase::Wall(0),
+            tool: None,
         };
         let scene = Scene::planned(&[PlannedLayer { z_mm: 0.4, paths: vec![&path] }]);
         let layer = &scene.layers[0];
