@@ -73,7 +73,7 @@ pub fn header(settings: &GcodeOptions, facts: &PrintFacts, scripts: &Scripts, se
     heat(&mut bytes, settings, scripts);
     bytes.extend_from_slice(b";TYPE:Custom\n");
     bytes.extend_from_slice(scripts.start.as_bytes());
-    take_first_tool(&mut bytes, settings, facts);
+    take_first_tool(&mut bytes, settings, facts, scripts);
     // Marlin lets G90 set E's mode as well: M82 and M83 come after it.
     bytes.extend_from_slice(b"G21\nG90\n");
     bytes.extend_from_slice(if settings.gcode.relative_e { b"M83\n" } else { b"M82\n" });
@@ -215,7 +215,7 @@ fn of_each_tool(key: &str, settings: &GcodeOptions) -> Option<String> {
 
 /// Warms up the tools that are used later, each with a heater of its own, and takes the first one. The start script has
 /// heated that, or the lines before it.
-fn take_first_tool(bytes: &mut Vec<u8>, settings: &GcodeOptions, facts: &PrintFacts) {
+fn take_first_tool(bytes: &mut Vec<u8>, settings: &GcodeOptions, facts: &PrintFacts, scripts: &Scripts) {
     if settings.tools.is_empty() {
         return;
     }
@@ -228,7 +228,10 @@ fn take_first_tool(bytes: &mut Vec<u8>, settings: &GcodeOptions, facts: &PrintFa
             line(bytes, &format!("M104 T{tool} S{}", text(celsius, 1)));
         }
     }
-    line(bytes, &format!("T{first}"));
+    let taken = format!("T{first}");
+    if !scripts.start.lines().any(|line| line.split([' ', ';']).next() == Some(&taken)) {
+        line(bytes, &taken);
+    }
 }
 
 /// Heats what the script does not: the chamber and the bed first, all at once, then waits.

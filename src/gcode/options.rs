@@ -2,6 +2,7 @@
 
 use crate::estimate::Firmware;
 use crate::options::{choice, section};
+use crate::order::ToolOrder;
 use crate::units::{Celsius, Mm, Mm3, Seconds};
 
 choice! {
@@ -111,6 +112,8 @@ section! {
         flush_volume: Mm3 = Mm3(0.0); 0.0..=5000.0,
         /// Filament flushed from each tool (rows) to each other (columns), row by row; empty: `tool_change.flush_volume`.
         flush_volumes: Vec<f64> = Vec::new(); 0.0..=5000.0, "mm³",
+        /// Which tool prints when.
+        order: ToolOrder = ToolOrder::Optimal,
         /// Time that a cubic millimetre of waste is worth, where tools are put into an order.
         waste_weight: f64 = 0.1; 0.0..=1000.0, "s/mm³",
     }

@@ -160,7 +160,7 @@ section! {
         coast: Mm = Mm(0.0); 0.0..=10.0,
         /// Leave lengths and speeds to the firmware (G10, G11).
         firmware: bool = false,
-        /// Length of filament retracted before another tool is taken.
+        /// Length of filament retracted before another tool is taken; by a single nozzle, whose filament is taken out, no more than `retract.length`.
         change_length: Mm = Mm(4.0); 0.0..=100.0,
         /// Filament fed beyond that length when the tool is taken again.
         change_extra: Mm = Mm(0.0); -5.0..=20.0,

@@ -27,7 +27,8 @@ impl Nozzle<'_> {
         if self.settings.keeps_filament {
             self.parked |= 1 << before;
         }
-        let is_parked = self.parked & (1 << to) != 0;
+        // What a single nozzle is given is as far back as what was taken out.
+        let is_parked = !own.keeps_filament || self.parked & (1 << to) != 0;
         self.parked &= !(1 << to);
         self.retracted_mm = if is_parked { change_mm(own) } else { 0.0 };
         self.restart_mm = is_parked.then_some(own.retract.change_extra.0);
@@ -58,9 +59,10 @@ impl Nozzle<'_> {
     }
 }
 
-/// How far the filament is pulled back at a change.
+/// How far the filament is pulled back at a change: no further than for a travel where it is then taken out.
 fn change_mm(settings: &MotionSettings) -> f64 {
-    settings.retract.change_length.0.max(settings.retract.length.0)
+    let usual_mm = settings.retract.length.0;
+    if settings.keeps_filament { settings.retract.change_length.0.max(usual_mm) } else { usual_mm }
 }
 
 /// Which tool a layer leaves in use, and which are put away.

@@ -37,10 +37,9 @@ impl Tooled {
         for (number, round) in rounds.iter().enumerate() {
             let count = round.sections.layers.len();
             let mut planned = workers.map(count, |i| round.paths(i, walls(number, i), settings));
-            let needs: Vec<Vec<ToolId>> = planned.iter().map(tool_order::needed).collect();
-            for (layer, order) in planned.iter_mut().zip(tool_order::by_next(&needs, current)) {
-                tool_order::settle(layer, order);
-            }
+            let problem = tool_order::problem(&planned, current, settings);
+            let plan = tool_order::plan(&problem, settings.tool_change.order);
+            tool_order::settle(&mut planned, &plan, current);
             current = planned.last().and_then(|layer| layer.tools.last().copied()).or(current);
             layers.push(planned);
         }

@@ -28,7 +28,11 @@ impl Kinds {
     /// Those of so many objects.
     pub fn new(count: usize, styles: &Styles<'_>, settings: &Settings) -> Self {
         let style = |object: usize| styles.of_objects().get(object).copied().flatten();
-        let tools = (0..count).map(|object| styles.settings(object, settings).tool_of.base()).collect();
+        let tool = |object: usize| {
+            let own = styles.settings(object, settings).tool_of.base();
+            styles.tool(object).unwrap_or(own)
+        };
+        let tools = (0..count).map(tool).collect();
         let mut seen: Vec<(Option<usize>, Settings)> = Vec::new();
         let number = |object: usize| {
             if let Some(known) = seen.iter().position(|(known, _)| *known == style(object)) {

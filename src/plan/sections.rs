@@ -12,7 +12,7 @@ use crate::plate::Plate;
 use crate::profile::Settings;
 use crate::slice::{self, Layer, LayerSpan, Slicer};
 use crate::toolpath::infill::FillPattern;
-use crate::toolpath::{self, ObjectLayer, PlateLayer, ShellWindows, Shells};
+use crate::toolpath::{self, ObjectLayer, PlateLayer, ShellWindows, Shells, ToolId};
 use geometry::{Bounds, Point, Polygon, Region};
 
 use super::contact;
@@ -44,6 +44,8 @@ pub(crate) struct Sections {
     infill: Vec<Planned>,
     /// For each layer, and each of its sections, the parts that different tools print; empty: none has any.
     parts: Vec<Vec<Parts>>,
+    /// The tool of each object that its file has one for.
+    tools: Vec<Option<ToolId>>,
     /// On objects that overlap.
     notes: Vec<String>,
 }
@@ -86,6 +88,7 @@ impl Sections {
             spiral: None,
             infill: Vec::new(),
             parts,
+            tools: (0..count).map(|object| styles.tool(object)).collect(),
             notes,
         };
         if settings.spiral.enabled {
@@ -182,7 +185,8 @@ impl Sections {
         let parts = |place: usize| {
             let parts =
                 self.parts.get(index).and_then(|parts| parts.get(place)).map_or(&[][..], Vec::as_slice);
-            let whole = parts.is_empty().then_some((&sections[place].region, None));
+            let section = &sections[place];
+            let whole = parts.is_empty().then(|| (&section.region, self.tools[section.object]));
             whole.into_iter().chain(parts.iter().map(|part| (&part.region, Some(part.tool))))
         };
         let pieces = (0..sections.len())
@@ -215,6 +219,7 @@ impl Sections {
             && spiral(self) == spiral(other)
             && self.layers == other.layers
             && self.parts == other.parts
+            && self.tools == other.tools
     }
 
     /// Box around everything that is printed, without skirt and brim.

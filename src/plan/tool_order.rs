@@ -1,56 +1,50 @@
 //! Which tool prints when: the tools of each layer, in their order.
 
+use crate::order::tools::{ToolLayer, ToolOrder, ToolPlan, ToolProblem, order_tools};
+use crate::profile::Settings;
 use crate::toolpath::{LayerPaths, ToolId};
 
-/// The tools that a layer needs, each once, in ascending order.
-pub(crate) fn needed(layer: &LayerPaths) -> Vec<ToolId> {
-    let mut tools: Vec<ToolId> = layer.paths.iter().filter_map(|path| path.tool).collect();
-    tools.sort_unstable();
-    tools.dedup();
-    tools
-}
+/// Milliseconds in a second, in which changes are weighed.
+const MS: f64 = 1000.0;
 
-/// An order of the tools of each layer: begun with the one in use where the layer needs it, ended with one that the next
-/// layer needs. What needs no tool of its own is printed by whichever is in use, at first by the first one.
-pub(crate) fn by_next(needs: &[Vec<ToolId>], start: Option<ToolId>) -> Vec<Vec<ToolId>> {
-    let mut current = start;
-    let order = |layer: usize| {
-        let mut left = needs[layer].clone();
-        let mut order = Vec::with_capacity(left.len().max(1));
-        if let Some(place) = left.iter().position(|tool| Some(*tool) == current) {
-            order.push(left.remove(place));
-        }
-        let next = needs[layer + 1..].iter().find(|needs| !needs.is_empty());
-        let wanted = |tool: &ToolId| next.is_some_and(|next| next.contains(tool));
-        let last = left.iter().position(wanted).map(|place| left.remove(place));
-        order.extend(left);
-        order.extend(last);
-        if order.is_empty() {
-            order.extend(current.or_else(|| next.and_then(|next| next.first().copied())).or(Some(0)));
-        }
-        current = order.last().copied();
-        order
+/// The tools that each layer of a print needs, and what it costs to change them.
+pub(crate) fn problem(layers: &[LayerPaths], start: Option<ToolId>, settings: &Settings) -> ToolProblem {
+    let layer = |layer: &LayerPaths| {
+        let mut tools: Vec<u32> = layer.paths.iter().filter_map(|path| path.tool).map(u32::from).collect();
+        tools.sort_unstable();
+        tools.dedup();
+        ToolLayer { tools, before: Vec::new() }
     };
-    (0..needs.len()).map(order).collect()
-}
-
-/// Gives a layer its order of tools; what any may print is printed by the first.
-pub(crate) fn settle(layer: &mut LayerPaths, order: Vec<ToolId>) {
-    let first = order.first().copied();
-    for path in &mut layer.paths {
-        path.tool = path.tool.or(first);
+    let tools = settings.tools.len();
+    let seconds: Vec<f64> = (0..tools).map(|to| settings.of_tool(to).tool_change.time.0).collect();
+    let cost = |from: usize, to: usize| {
+        let waste_s = settings.tool_change.waste_weight * settings.flush_mm3(from, to);
+        if from == to { 0 } else { (MS * (seconds[to] + waste_s)).round() as u32 }
+    };
+    ToolProblem {
+        layers: layers.iter().map(layer).collect(),
+        change: (0..tools).map(|from| (0..tools).map(|to| cost(from, to)).collect()).collect(),
+        loaded: start.map(u32::from),
     }
-    layer.tools = order;
 }
 
-#[cfg(test)]
-mod tests {
-    use super::*;
+/// The order of the tools of each layer, by a rule.
+pub(crate) fn plan(problem: &ToolProblem, order: ToolOrder) -> ToolPlan {
+    order_tools(problem, order).expect("tools are those of the settings, and none waits for another")
+}
 
-    #[test]
-    fn a_layer_begins_with_the_tool_in_use_and_ends_with_one_of_the_next() {
-        let needs = [vec![0, 1], vec![0, 1], vec![], vec![1, 2], vec![2]];
-        assert_eq!(by_next(&needs, None), [vec![1, 0], vec![0, 1], vec![1], vec![1, 2], vec![2]]);
-        assert_eq!(by_next(&[vec![], vec![3]], None), [vec![3], vec![3]]);
+/// Gives each layer its tools. What any may print is printed by the first; what needs no tool of its own, by whichever is in
+/// use, at the beginning by the first that is used.
+pub(crate) fn settle(layers: &mut [LayerPaths], plan: &ToolPlan, start: Option<ToolId>) {
+    let mut orders = plan.layers.iter().map(|order| order.iter().map(|&tool| tool as ToolId).collect());
+    let mut current = start.or(plan.layers.iter().flatten().next().map(|&tool| tool as ToolId)).unwrap_or(0);
+    for layer in layers {
+        let own: Vec<ToolId> = orders.next().unwrap_or_default();
+        layer.tools = if own.is_empty() { vec![current] } else { own };
+        let first = layer.tools.first().copied();
+        for path in &mut layer.paths {
+            path.tool = path.tool.or(first);
+        }
+        current = layer.tools.last().copied().unwrap_or(current);
     }
 }

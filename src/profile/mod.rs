@@ -44,7 +44,9 @@ pub use crate::motion::{
     SpeedSettings, TemperatureSettings, TravelSettings, filament_area_mm2,
 };
 pub use crate::options::{Field, Kind, Section};
-pub use crate::order::{CostKind, Effort, OrderSettings, OrderStrategy, Scope, SeamPosition, SeamSettings};
+pub use crate::order::{
+    CostKind, Effort, OrderSettings, OrderStrategy, Scope, SeamPosition, SeamSettings, ToolOrder,
+};
 pub use crate::plate::{BedOrigin, BedSettings, BedShape, PlateSettings, PrintSettings, Sequence};
 pub use crate::slice::{LayerSettings, heights_from_lines, layer_heights};
 pub use crate::toolpath::{

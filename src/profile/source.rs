@@ -140,6 +140,12 @@ impl Reader {
         for taken in import.taken {
             self.assign(taken.key.to_owned(), taken.value, &Origin::Line(taken.place));
         }
+        for (number, tool) in (1..).zip(import.tools) {
+            self.assign(format!("tools.{number}"), Value::Table(Table::new()), &Origin::Variables);
+            for taken in tool {
+                self.assign(format!("tools.{number}.{}", taken.key), taken.value, &Origin::Line(taken.place));
+            }
+        }
         // After the settings, which take the place of variables that mean the same.
         for (name, value) in import.variables {
             self.assign(format!("variables.{name}"), value, &Origin::Variables);
