@@ -314,6 +314,10 @@ pub(super) struct ViewArgs {
     #[arg(long, value_name = "PATH", requires = "layer", value_hint = ValueHint::FilePath, help_heading = "Pictures")]
     pub png: Option<PathBuf>,
 
+    /// Color --svg and --png by the tool that prints, instead of what it prints
+    #[arg(long, help_heading = "Pictures")]
+    pub by_tool: bool,
+
     /// Write a picture of the whole print as PNG, without background
     #[arg(long, value_name = "PATH", value_hint = ValueHint::FilePath, help_heading = "Pictures")]
     pub thumbnail: Option<PathBuf>,

@@ -41,6 +41,7 @@ fn layer(planned: &PlannedLayer<'_>) -> Layer {
                 Width::PerVertex(widths) => (widths[from] + widths[to]) / 2.0,
             };
             strokes.push(Stroke {
+                tool: 0,
                 from: at(from),
                 to: at(to),
                 role: Some(role),

@@ -12,7 +12,8 @@ use pathwright::profile::{self, Settings};
 fn several(tools: usize, sets: &[&str]) -> Settings {
     let colors: Vec<String> =
         (1..=tools).map(|tool| format!("tools.{tool}.filament.color=#00000{tool}")).collect();
-    let mut all: Vec<&str> = vec!["order.strategy=nearest", "filament.flow=1", "retract.z_hop=0.2"];
+    let mut all: Vec<&str> =
+        vec!["order.strategy=nearest", "filament.flow=1", "retract.z_hop=0.2", "gcode.relative_e=true"];
     all.extend(colors.iter().map(String::as_str));
     all.extend(sets);
     settings(&["standard-job"], &all)
@@ -159,8 +160,10 @@ fn one_tool_of_a_list_prints_the_bytes_of_a_printer_with_one() {
         let body = text.split_once(";LAYER_CHANGE").expect("layers").1;
         body.split(";TYPE:Custom").next().unwrap_or_default().to_owned()
     };
-    let one =
-        settings(&["standard-job"], &["order.strategy=nearest", "filament.flow=1", "retract.z_hop=0.2"]);
+    let one = settings(
+        &["standard-job"],
+        &["order.strategy=nearest", "filament.flow=1", "retract.z_hop=0.2", "gcode.relative_e=true"],
+    );
     assert!(of_layers(bytes(&one)) == of_layers(bytes(&several(2, &[]))));
 }
 
