@@ -11,6 +11,7 @@ mod archive;
 mod lattice;
 mod model;
 mod own;
+mod paint;
 mod struts;
 mod xml;
 
@@ -24,6 +25,7 @@ use model::{Object, Part, Use, extension_name};
 use super::format::{Contents, FileObject, Format, bad_coordinate, has_extension};
 use crate::limits;
 use crate::mesh::error::{Location, MeshError};
+use crate::mesh::paint::Paint;
 use crate::mesh::weld::Welder;
 use xml::MEND;
 
@@ -237,7 +239,9 @@ impl<'a> Package<'a> {
         let only = if let [(mesh, _)] = meshes.as_slice() { mesh.name.clone() } else { None };
         let mut welder = Welder::with_capacity(facets);
         let mut number = 0;
+        let mut paint = Paint::default();
         for (mesh, transform) in meshes {
+            paint.add(&mesh.paint, |corner| transform.apply(corner));
             let vertices: Vec<[f32; 3]> =
                 mesh.vertices.iter().map(|v| transform.apply(*v).map(|x| x as f32)).collect();
             let mirrored = transform.determinant() < 0.0;
@@ -261,7 +265,7 @@ impl<'a> Package<'a> {
                 }
             }
         }
-        Ok(FileObject { name: named.name.clone().or(only), soup: welder.finish(), facets, positions })
+        Ok(FileObject { name: named.name.clone().or(only), soup: welder.finish(), paint, facets, positions })
     }
 
     /// What other slicers have saved with the objects.
