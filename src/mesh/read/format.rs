@@ -3,6 +3,7 @@
 use std::path::Path;
 
 use crate::mesh::error::{Location, MeshError};
+use crate::mesh::paint::Paint;
 use crate::mesh::units;
 use crate::mesh::weld::{Soup, Welder};
 
@@ -31,6 +32,8 @@ pub(super) struct FileObject {
     /// As the file calls it.
     pub name: Option<String>,
     pub soup: Soup,
+    /// What is painted on it.
+    pub paint: Paint,
     /// Facets in the file, before any was left out.
     pub facets: usize,
     /// Where the file puts the object's origin, once or several times, millimetres.
@@ -48,6 +51,7 @@ impl Contents {
             objects: vec![FileObject {
                 name: None,
                 soup,
+                paint: Paint::default(),
                 facets,
                 positions: vec![[0.0; 3]],
                 tool: None,
@@ -72,9 +76,11 @@ impl Contents {
         let facets = self.objects.iter().map(count).sum();
         let mut welder = Welder::with_capacity(facets);
         let mut number = 0;
+        let mut paint = Paint::default();
         let objects = &self.objects;
-        for FileObject { soup, positions, .. } in objects {
+        for FileObject { soup, positions, paint: own, .. } in objects {
             for position in positions {
+                paint.add(own, |corner| [0, 1, 2].map(|i| corner[i] + position[i]));
                 for triangle in &soup.triangles {
                     number += 1;
                     let moved = |v: u32| {
@@ -87,7 +93,9 @@ impl Contents {
                 }
             }
         }
-        Ok(Self::single(welder.finish(), self.format, facets, self.notes))
+        let mut all = Self::single(welder.finish(), self.format, facets, self.notes);
+        all.objects.iter_mut().for_each(|object| object.paint = std::mem::take(&mut paint));
+        Ok(all)
     }
 }
 

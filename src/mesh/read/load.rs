@@ -8,6 +8,7 @@ use super::format::{Contents, FileObject};
 use super::formats;
 use crate::limits;
 use crate::mesh::error::MeshError;
+use crate::mesh::paint::Paint;
 use crate::mesh::report::MeshReport;
 use crate::mesh::surface::Mesh;
 use crate::mesh::weld::Soup;
@@ -73,11 +74,12 @@ pub fn load(path: &Path) -> Result<(Mesh, MeshReport), MeshError> {
 pub fn from_bytes(path: &Path, data: &[u8]) -> Result<(Mesh, MeshReport), MeshError> {
     let Contents { objects, format, notes } = formats::read(path, data)?.together(path)?;
     let mut objects = objects.into_iter();
-    let Some(FileObject { soup, facets, .. }) = objects.next() else {
+    let Some(FileObject { soup, facets, paint, .. }) = objects.next() else {
         return Err(MeshError::NoFacets { path: path.to_path_buf() });
     };
     let observer = Observer::none();
     let (mesh, report) = repaired(path, soup, facets, format, notes, Workers { observer: &observer })?;
+    let mesh = mesh.painted(paint);
     // Whoever does not scale gets what can be sliced.
     match mesh.bounds().as_flattened().iter().any(|x| x.abs() > f64::from(weld::LIMIT_MM)) {
         true => Err(units::too_large(path, &mesh, [1.0; 3])),
@@ -117,8 +119,9 @@ pub(crate) fn objects_watched(
     workers: Workers<'_>,
 ) -> Result<Vec<Model>, MeshError> {
     let Contents { objects, format, mut notes } = formats::read(path, data)?;
-    let mut model = |FileObject { name, soup, facets, positions, tool, parts }| {
+    let mut model = |FileObject { name, soup, paint, facets, positions, tool, parts }| {
         let (mesh, report) = repaired(path, soup, facets, format, std::mem::take(&mut notes), workers)?;
+        let mesh = mesh.painted(paint);
         Ok((Model { name, mesh, report, positions, tool, parts: Vec::new() }, parts))
     };
     let mut models = Vec::with_capacity(objects.len());
@@ -197,6 +200,7 @@ fn repaired(
         triangles: triangles.into(),
         twins: twins.into(),
         oriented,
+        paint: Paint::default(),
     };
     let report = MeshReport::new(&mesh, format, facets, &repairs, notes);
     // A solid is at least as thick on average as the grid is fine.

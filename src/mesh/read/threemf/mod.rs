@@ -11,6 +11,7 @@ mod archive;
 mod lattice;
 mod model;
 mod own;
+mod paint;
 mod struts;
 mod tools;
 mod xml;
@@ -26,6 +27,7 @@ use tools::ObjectTools;
 use super::format::{Contents, FileObject, Format, bad_coordinate, has_extension};
 use crate::limits;
 use crate::mesh::error::{Location, MeshError};
+use crate::mesh::paint::Paint;
 use crate::mesh::weld::Welder;
 use xml::MEND;
 
@@ -257,7 +259,9 @@ impl<'a> Package<'a> {
         let only = if let [(mesh, ..)] = meshes.as_slice() { mesh.name.clone() } else { None };
         let mut welder = Welder::with_capacity(facets);
         let mut number = 0;
+        let mut paint = Paint::default();
         for (mesh, transform, id) in meshes {
+            paint.add(&mesh.paint, |corner| transform.apply(corner));
             let vertices: Vec<[f32; 3]> =
                 mesh.vertices.iter().map(|v| transform.apply(*v).map(|x| x as f32)).collect();
             let mirrored = transform.determinant() < 0.0;
@@ -285,7 +289,7 @@ impl<'a> Package<'a> {
             }
         }
         let (name, soup) = (named.name.clone().or(only), welder.finish());
-        Ok(FileObject { name, soup, facets, positions, tool: None, parts: Vec::new() })
+        Ok(FileObject { name, soup, paint, facets, positions, tool: None, parts: Vec::new() })
     }
 
     /// The extruders that other slicers have saved with the objects.
