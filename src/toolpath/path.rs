@@ -1,7 +1,6 @@
 //! What the toolpath stage makes: paths that know their role, width, height and island.
 
 use super::spiral::Rise;
-use super::tools::ToolId;
 use geometry::{Point, Region};
 
 /// What a path is for. The order of the variants is the order in which an island is printed by default.
@@ -102,6 +101,9 @@ pub struct Path {
     /// Which tool prints it; `None`: any.
     pub tool: Option<ToolId>,
 }
+
+/// A tool, counted from 0.
+pub type ToolId = u8;
 
 /// Index into [`LayerPaths::islands`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
