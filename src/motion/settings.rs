@@ -58,6 +58,8 @@ pub struct MotionSettings {
     pub tools: Vec<MotionSettings>,
     /// How long it takes to change to this tool.
     pub change_time: Seconds,
+    /// Filament that the start script leaves pulled back of this tool, where it is not the first, millimetres.
+    pub left_back_mm: f64,
     /// A tool that is put away keeps its filament; that of a single nozzle is taken out.
     pub keeps_filament: bool,
 }

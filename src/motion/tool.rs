@@ -30,7 +30,7 @@ impl Nozzle<'_> {
         // What a single nozzle is given is as far back as what was taken out.
         let is_parked = !own.keeps_filament || self.parked & (1 << to) != 0;
         self.parked &= !(1 << to);
-        self.retracted_mm = if is_parked { change_mm(own) } else { 0.0 };
+        self.retracted_mm = if is_parked { change_mm(own) } else { own.left_back_mm };
         self.restart_mm = is_parked.then_some(own.retract.change_extra.0);
         (self.settings, self.rules, self.tool) = (own, rules, to);
         (self.at, self.positioned, self.island) = (None, false, None);

@@ -86,6 +86,10 @@ pub(super) fn slice(
     let labels =
         if settings.gcode.labels_objects() { labels(&loaded.plate, rounds, workers) } else { Vec::new() };
     let names = labels.iter().map(|label| label.name.clone()).collect();
+    let mut tools = MotionSettings::new(settings, &job.pauses).tools;
+    for (own, left_mm) in tools.iter_mut().zip(&scripts.retracted_mm) {
+        own.left_back_mm = if own.retract.firmware { 0.0 } else { *left_mm };
+    }
     let maker = LayerMaker {
         chain: Chain {
             detours: settings.detour_rule(),
@@ -95,6 +99,7 @@ pub(super) fn slice(
         motion: MotionSettings {
             heat_first_layer: settings.gcode.heat && scripts.heat_by_name(),
             color_changes: job.color_changes.clone(),
+            tools,
             ..MotionSettings::new(settings, &job.pauses)
         },
         machine: options.machine,
@@ -130,8 +135,9 @@ pub(super) fn slice(
     let (xy, z_mm) = (begun.end.map(|[x, y, _]| [x, y]), begun.end.map_or(0.0, |e| e[2]));
     let start = xy.map(|[x, y]| Point::from_mm(x, y));
     let firmware = settings.retract.firmware;
-    let retracted_mm = if firmware { 0.0 } else { scripts.retracted_mm };
-    let tool = tooled.as_ref().map_or(0, Tooled::first);
+    let tool = facts.tools.first;
+    let left_mm = scripts.retracted_mm.get(usize::from(tool)).copied().unwrap_or(0.0);
+    let retracted_mm = if firmware { 0.0 } else { left_mm };
     let mut at = Entry { xy, z_mm, retracted_mm, tool, ..Entry::default() };
     for (finished, round) in rounds.iter().enumerate() {
         at.over_mm = round.over_mm;

@@ -186,6 +186,7 @@ impl MotionSettings {
             heat_first_layer: false,
             tools: Vec::new(),
             change_time: settings.tool_change.time,
+            left_back_mm: 0.0,
             keeps_filament: settings.tool_change.kind != ToolChangeKind::SingleNozzle,
         }
     }
