@@ -97,6 +97,8 @@ section! {
         offset: [Mm; 2] = [Mm(0.0), Mm(0.0)]; -500.0..=500.0,
         /// Temperature while another tool prints; 0: as while it prints. Not of a single nozzle.
         idle_temperature: Celsius = Celsius(0.0); 0.0..=500.0,
+        /// How quickly it is heated again from there, before its turn comes; 0: not before.
+        heating_rate: f64 = 2.0; 0.0..=100.0, "°C/s",
     }
 }
 section! {

@@ -3,7 +3,7 @@
 use std::collections::BTreeSet;
 use std::ops::Range;
 
-use crate::estimate::{Machine, cool};
+use crate::estimate::{Machine, cool, move_times_s};
 use crate::gcode::{
     self, Effect, GcodeOptions, LayerText, ObjectLabel, PrintFacts, Slot, Totals, WriterSettings,
 };
@@ -507,6 +507,10 @@ impl LayerMaker<'_> {
         moves.index += before;
         let time = cool(&mut moves, &self.settings.cooling, &self.machine);
         motion::set_fan(&mut moves, time.total(), &self.motion);
+        if self.motion.tools.iter().any(|tool| tool.idle.0 > 0.0) {
+            let times_s = move_times_s(&moves, &self.machine);
+            motion::preheat(&mut moves, &times_s, &self.motion);
+        }
         let sums = moves.sums();
         let measures = Measures {
             print_mm: sums.print.0,
@@ -523,7 +527,7 @@ impl LayerMaker<'_> {
         let [x, y] = moves.from.xy.unwrap_or_default();
         let position_mm = [x, y, moves.from.z_mm];
         let entry = LayerEntry { index: moves.index, z_mm: moves.z_mm, position_mm };
-        let tools = moves.by_tool(self.settings.tools.len());
+        let tools = moves.by_tool(self.settings.tool_list().len());
         let text = gcode::format_layer(&moves, &self.writer);
         let (layer, moves) = match self.keep {
             true => (Some(PrintLayer::new(paths, sequence, moves, &self.machine)), None),

@@ -6,9 +6,15 @@ use serde::Deserialize;
 use toml::{Table, Value};
 
 use super::settings::Settings;
+use super::tools::Tool;
 use crate::gcode::ToolChangeKind;
 
 impl Settings {
+    /// What each tool has of its own, where there are several.
+    pub(crate) fn tool_list(&self) -> &[Tool] {
+        if self.tools.len() > 1 { &self.tools } else { &[] }
+    }
+
     /// How many tools the printer has.
     pub fn tool_count(&self) -> usize {
         self.tools.len().max(1)

@@ -287,3 +287,95 @@ fn a_tool_that_is_not_there_is_named_with_its_place() {
         assert!(found.contains(wanted), "{sets:?}: {found}");
     }
 }
+
+/// The boxes as one object of a 3MF file, as PrusaSlicer saves its parts, with an extruder for each.
+fn project(folder: &tempfile::TempDir, parts: &[([f64; 3], [f64; 3], u32)]) -> Job {
+    let (mut vertices, mut triangles, mut volumes) = (String::new(), String::new(), String::new());
+    for (number, (low, high, extruder)) in parts.iter().enumerate() {
+        let text = cuboid(*low, *high);
+        let points: Vec<&str> = text.lines().filter_map(|line| line.strip_prefix("vertex ")).collect();
+        for point in &points {
+            let [x, y, z] = [0, 1, 2].map(|i| point.split(' ').nth(i).unwrap());
+            vertices += &format!("<vertex x=\"{x}\" y=\"{y}\" z=\"{z}\"/>");
+        }
+        for corner in (0..points.len()).step_by(3).map(|corner| corner + number * points.len()) {
+            triangles += &format!("<triangle v1=\"{corner}\" v2=\"{}\" v3=\"{}\"/>", corner + 1, corner + 2);
+        }
+        volumes += &format!(
+            "<volume firstid=\"{}\" lastid=\"{}\"><metadata type=\"volume\" key=\"volume_type\" value=\"ModelPart\"/>\
+             <metadata type=\"volume\" key=\"extruder\" value=\"{extruder}\"/></volume>",
+            12 * number,
+            12 * number + 11
+        );
+    }
+    let model = format!(
+        "<model unit=\"millimeter\" xmlns=\"http://schemas.microsoft.com/3dmanufacturing/core/2015/02\"><resources>\
+         <object id=\"1\" type=\"model\"><mesh><vertices>{vertices}</vertices><triangles>{triangles}</triangles></mesh>\
+         </object></resources><build><item objectid=\"1\"/></build></model>"
+    );
+    let config = format!(
+        "<config><object id=\"1\" instances_count=\"1\"><metadata type=\"object\" key=\"extruder\" value=\"1\"/>{volumes}\
+         </object></config>"
+    );
+    let relations = "<Relationships xmlns=\"http://schemas.openxmlformats.org/package/2006/relationships\">\
+        <Relationship Target=\"/3D/3dmodel.model\" Id=\"r\" \
+        Type=\"http://schemas.microsoft.com/3dmanufacturing/2013/01/3dmodel\"/></Relationships>";
+    let file = folder.path().join("parts.3mf");
+    let mut zip = zip::ZipWriter::new(std::fs::File::create(&file).unwrap());
+    for (name, text) in [
+        ("_rels/.rels", relations),
+        ("3D/3dmodel.model", &model),
+        ("Metadata/Slic3r_PE_model.config", &config),
+    ] {
+        zip.start_file(name, zip::write::SimpleFileOptions::default()).unwrap();
+        std::io::Write::write_all(&mut zip, text.as_bytes()).unwrap();
+    }
+    zip.finish().unwrap();
+    Job::of([file])
+}
+
+#[test]
+fn parts_of_a_file_have_the_extruders_that_it_names_and_one_tool_prints_all() {
+    let folder = tempfile::tempdir().unwrap();
+    let job = project(&folder, &[(LEFT.1, LEFT.2, 1), (RIGHT.1, RIGHT.2, 2)]);
+    let base = several(2, &["skirt.loops=0"]);
+    let (print, (apart, _)) = (run(&job, &base).expect("a print"), pair(&[]));
+    let (found, wanted) = (volumes(&print), volumes(&apart));
+    for tool in [0, 1] {
+        assert!(near(found[&tool][1], wanted[&tool][1]), "{found:?}, {wanted:?}");
+    }
+    let one = Settings { tools: Vec::new(), ..base };
+    let print = run(&job, &one).expect("a print");
+    assert!(!text(&print).lines().any(|line| line.starts_with('T')), "one tool, without a change");
+}
+
+#[test]
+fn roles_and_heights_have_the_tools_that_the_settings_name() {
+    let folder = tempfile::tempdir().unwrap();
+    let print = |sets: &[&str]| {
+        let sets = [&["skirt.loops=0", "prime_tower.enabled=false"], sets].concat();
+        run(&boxes(&folder, &[LEFT]), &several(2, &sets)).expect("a print")
+    };
+    let by_role = print(&["tool_of.infill=2", "tool_of.solid_infill=2"]);
+    let mut kinds: BTreeMap<u32, std::collections::BTreeSet<String>> = BTreeMap::new();
+    let (mut tool, mut begun, mut kind) = (0, false, String::new());
+    for line in text(&by_role).lines() {
+        begun |= line == ";LAYER_CHANGE";
+        if let Some(name) = line.strip_prefix(";TYPE:") {
+            kind = name.to_owned();
+        } else if let Some(number) = line.strip_prefix('T').and_then(|text| text.parse().ok()) {
+            tool = number;
+        } else if begun && line.starts_with("G1 X") && line.contains(" E") && !line.contains(" E-") {
+            kinds.entry(tool).or_default().insert(kind.clone());
+        }
+    }
+    assert!(kinds[&0].iter().all(|kind| kind.contains("erimeter")), "{kinds:?}");
+    assert!(kinds[&1].iter().all(|kind| kind.contains("infill")), "{kinds:?}");
+    let by_height = print(&["tool_of.heights=1-2:2"]);
+    let taken: Vec<&str> = text(&by_height)
+        .lines()
+        .filter(|line| matches!(*line, "T0" | "T1") || line.starts_with(";Z:"))
+        .collect();
+    let change = |tool: &str| taken.iter().rposition(|line| *line == tool).map(|at| taken[at - 1]);
+    assert_eq!((change("T1"), change("T0")), (Some(";Z:1.2"), Some(";Z:2.2")));
+}
