@@ -35,6 +35,7 @@ fn layer() -> LayerPaths {
             height_mm: 0.2,
             island: Some(IslandId(0)),
             phase: Phase::Wall(0),
+            tool: None,
         }
     };
     LayerPaths {
@@ -46,6 +47,7 @@ fn layer() -> LayerPaths {
         outline: Region::default(),
         beneath: None,
         kind: LayerKind::Flat,
+        tools: Vec::new(),
     }
 }
 

@@ -1,9 +1,10 @@
-//! Time of each strategy on synthetic layers of 1,000, 5,000 and 20,000 paths.
+//! Time of each strategy on synthetic layers of 1,000, 5,000 and 20,000 paths, and of the order of tools.
 
 use std::time::Duration;
 
 use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
 use pathwright::geometry::Point;
+use pathwright::order::tools::{ToolLayer, ToolOrder, ToolProblem, order_tools};
 use pathwright::order::{Cost, Item, Problem, Run, Shape, strategy};
 use pathwright::profile::{Effort, OrderStrategy, Scope};
 
@@ -82,5 +83,27 @@ fn order(criterion: &mut Criterion) {
     }
 }
 
-criterion_group!(benches, order);
+/// 16 tools on 1,000 layers: of four kinds, and each with others.
+fn tools(criterion: &mut Criterion) {
+    let mixed = |k: u32| k.wrapping_mul(2_654_435_761).rotate_left(15).wrapping_mul(2_246_822_519) >> 9;
+    let change: Vec<Vec<u32>> =
+        (0..16).map(|a| (0..16).map(|b| 10_000 + mixed(16 * a + b) % 110_000).collect()).collect();
+    let problem = |set_of: &dyn Fn(u32) -> u32| {
+        let tools = |set: u32| (0..16).filter(|tool| set >> tool & 1 == 1).collect();
+        let layer = |k| ToolLayer { tools: tools(set_of(k)), before: Vec::new() };
+        ToolProblem { layers: (0..1000).map(layer).collect(), change: change.clone(), loaded: Some(0) }
+    };
+    let mut group = criterion.benchmark_group("tools");
+    group.sample_size(10).measurement_time(Duration::from_secs(2));
+    for (label, problem) in [
+        ("all-on-every-layer", problem(&|_| 0xffff)),
+        ("four-kinds", problem(&|k| [0xffff, 0x0fff, 0xfff0, 0x3ffc][k as usize % 4])),
+        ("each-other", problem(&|k| mixed(k) & 0xffff)),
+        ("twelve-and-more", problem(&|k| mixed(k) & 0xffff | 0x0ff0 | 0xf << (k % 4 * 4))),
+    ] {
+        group.bench_function(label, |bencher| bencher.iter(|| order_tools(&problem, ToolOrder::Optimal)));
+    }
+}
+
+criterion_group!(benches, order, tools);
 criterion_main!(benches);

@@ -8,6 +8,7 @@ mod edges;
 mod error;
 mod measure;
 mod package;
+mod paint;
 mod read;
 mod repair;
 mod report;
@@ -17,6 +18,7 @@ pub(crate) mod units;
 mod weld;
 
 pub use error::{Location, MeshError};
+pub use paint::{Paint, PaintedFacet, Wish};
 pub use read::{Model, from_bytes, load, load_objects, objects_from_bytes};
 pub use repair::Doubt;
 pub use report::{MeshReport, Repair};

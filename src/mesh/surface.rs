@@ -4,6 +4,7 @@ use std::sync::Arc;
 
 use super::edges::{Edges, NO_TWIN};
 use super::measure::facet_measures;
+use super::paint::Paint;
 
 /// A surface of triangles over shared vertices.
 ///
@@ -15,6 +16,7 @@ pub struct Mesh {
     pub(super) triangles: Arc<Vec<[u32; 3]>>,
     pub(super) twins: Arc<Vec<u32>>,
     pub(super) oriented: bool,
+    pub(super) paint: Paint,
 }
 
 impl Mesh {
@@ -29,6 +31,7 @@ impl Mesh {
             triangles: triangles.into(),
             twins: edges.twins.into(),
             oriented: edges.clashing == 0,
+            paint: Paint::default(),
         }
     }
 
@@ -41,7 +44,20 @@ impl Mesh {
         let moved = |&twin: &u32| if twin == NO_TWIN { NO_TWIN } else { twin + halves };
         Arc::make_mut(&mut self.twins).extend(other.twins.iter().map(moved));
         self.oriented &= other.oriented;
+        self.paint.add(&other.paint, |corner| corner);
         self
+    }
+
+    /// The mesh with something painted on it instead of what was.
+    #[must_use]
+    pub fn painted(mut self, paint: Paint) -> Self {
+        self.paint = paint;
+        self
+    }
+
+    /// What is painted on it.
+    pub fn paint(&self) -> &Paint {
+        &self.paint
     }
 
     /// Vertices in millimetres.
@@ -62,12 +78,16 @@ impl Mesh {
     /// Whether it is the same mesh, of one reading, in the same place.
     pub(crate) fn is_same(&self, other: &Self) -> bool {
         let shared = Arc::ptr_eq(&self.triangles, &other.triangles) && Arc::ptr_eq(&self.twins, &other.twins);
-        shared && self.oriented == other.oriented && self.vertices == other.vertices
+        shared
+            && self.oriented == other.oriented
+            && self.vertices == other.vertices
+            && self.paint == other.paint
     }
 
     /// Moves every vertex; facets keep their neighbours.
     pub(crate) fn moved(&mut self, to: impl Fn([f64; 3]) -> [f64; 3]) {
         self.vertices.iter_mut().for_each(|vertex| *vertex = to(*vertex));
+        self.paint.moved(to);
     }
 
     /// Whether neighbouring triangles agree on which side is outside. If not, a point is inside where a ray from it

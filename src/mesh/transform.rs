@@ -44,11 +44,10 @@ impl Transform {
             return Err(TransformError::Singular(factor));
         }
         let linear = self.rotation() * Matrix3::from_diagonal(&Vector3::from(self.scale));
-        for vertex in &mut mesh.vertices {
-            *vertex = (linear * Vector3::from(*vertex)).into();
-            if let Some(&x) = vertex.iter().find(|x| x.is_nan() || x.abs() > f64::from(LIMIT_MM)) {
-                return Err(TransformError::TooFar(x));
-            }
+        mesh.moved(|vertex| (linear * Vector3::from(vertex)).into());
+        let far = |x: &&f64| x.is_nan() || x.abs() > f64::from(LIMIT_MM);
+        if let Some(&x) = mesh.vertices.as_flattened().iter().find(far) {
+            return Err(TransformError::TooFar(x));
         }
         if self.scale.iter().filter(|f| **f < 0.0).count() % 2 == 1 {
             mesh.turn_over();
@@ -103,16 +102,17 @@ impl Mesh {
 
     /// The mesh turned about Z by quarters, counter-clockwise seen from above; exact.
     pub fn quarter_turned(mut self, quarters: u32) -> Mesh {
-        for [x, y, _] in self.vertices.iter_mut().filter(|_| !quarters.is_multiple_of(4)) {
-            [*x, *y] = quarter_turned([*x, *y], quarters);
+        if !quarters.is_multiple_of(4) {
+            self.moved(|[x, y, z]| {
+                let [x, y] = quarter_turned([x, y], quarters);
+                [x, y, z]
+            });
         }
         self
     }
 
     /// Moves the mesh, in millimetres.
     pub fn shift(&mut self, by_mm: [f64; 3]) {
-        for vertex in &mut self.vertices {
-            *vertex = std::array::from_fn(|i| vertex[i] + by_mm[i]);
-        }
+        self.moved(|vertex| std::array::from_fn(|i| vertex[i] + by_mm[i]));
     }
 }

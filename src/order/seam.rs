@@ -158,10 +158,12 @@ mod tests {
                 height_mm: 0.2,
                 island: Some(IslandId(0)),
                 phase: Phase::Wall(0),
+                tool: None,
             }],
             outline: Region::default(),
             beneath: None,
             kind: LayerKind::Flat,
+            tools: Vec::new(),
         }
     }
 

@@ -91,6 +91,7 @@ impl Spiral {
             height_mm: span.height_mm,
             island: Some(IslandId(0)),
             phase: Phase::Wall(0),
+            tool: None,
         };
         Some(LayerPaths {
             index: span.index,
@@ -101,6 +102,7 @@ impl Spiral {
             outline: section.clone(),
             beneath: Some(beneath.clone()),
             kind: if rises.is_empty() { LayerKind::Flat } else { LayerKind::Spiral(rises) },
+            tools: Vec::new(),
         })
     }
 }

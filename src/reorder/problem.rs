@@ -80,6 +80,7 @@ impl Ordering {
                 height_mm: 0.2,
                 island: Some(IslandId(island[first])),
                 phase: Phase::Found(classes.rank[first]),
+                tool: None,
             });
             members.push(first..end);
             first = end;
@@ -93,6 +94,7 @@ impl Ordering {
             outline: Region::default(),
             beneath: None,
             kind: LayerKind::Flat,
+            tools: Vec::new(),
         };
         Self { layer, members, fixed_mm }
     }

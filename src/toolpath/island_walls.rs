@@ -117,7 +117,7 @@ impl WallPlanner<'_> {
     /// The walls of an island, whatever is beneath.
     fn island(&self, polygon: &Polygon, on: &WallLayer<'_>, fuzzy: Option<&Fuzzy<'_>>) -> IslandWalls {
         let spec = &self.spec(on.index, on.height_mm);
-        let mut layer = LayerBuilder { paths: Vec::new(), height_mm: on.height_mm, island: None };
+        let mut layer = LayerBuilder { paths: Vec::new(), height_mm: on.height_mm, island: None, tool: None };
         let Walls { loops, gaps, inside } = self.trace(polygon, spec, on);
         let count = self.walls.count;
         let wall = |depth: u32| match self.walls.order {

@@ -20,11 +20,12 @@ pub enum Role {
     InternalInfill,
     TopSolidInfill,
     Ironing,
+    PrimeTower,
 }
 
 impl Role {
     /// Every role, in order.
-    pub const ALL: [Role; 13] = [
+    pub const ALL: [Role; 14] = [
         Role::Skirt,
         Role::Brim,
         Role::Support,
@@ -38,6 +39,7 @@ impl Role {
         Role::InternalInfill,
         Role::TopSolidInfill,
         Role::Ironing,
+        Role::PrimeTower,
     ];
 
     /// Whether it is a wall.
@@ -65,6 +67,7 @@ impl Role {
             Role::InternalInfill => "Internal infill",
             Role::TopSolidInfill => "Top solid infill",
             Role::Ironing => "Ironing",
+            Role::PrimeTower => "Wipe tower",
         }
     }
 }
@@ -95,7 +98,12 @@ pub struct Path {
     pub island: Option<IslandId>,
     /// When it is printed, among the paths of its island.
     pub phase: Phase,
+    /// Which tool prints it; `None`: any.
+    pub tool: Option<ToolId>,
 }
+
+/// A tool, counted from 0.
+pub type ToolId = u8;
 
 /// Index into [`LayerPaths::islands`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -113,6 +121,8 @@ impl IslandId {
 /// Ordering under `feature` and `island` scope prints phases in this order and never mixes them.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum Phase {
+    /// The prime tower, of each tool.
+    Tower(u32),
     /// Around everything.
     Skirt,
     /// Around the part.
@@ -165,6 +175,8 @@ pub struct LayerPaths {
     pub beneath: Option<Region>,
     /// Whether it is level.
     pub kind: LayerKind,
+    /// The tools that print it, in their order; empty: the printer has one.
+    pub tools: Vec<ToolId>,
 }
 
 /// Whether a layer is level.

@@ -37,13 +37,28 @@ pub(super) const ROLES: &[RoleColor] = roles![
     "Support", 0x62AD92, [Support];
     "Support interface", 0x055B45, [SupportInterface];
     "Ironing", 0xF6D3DA, [Ironing];
+    "Prime tower", 0xA5E600, [PrimeTower];
     "Other", 0x5F6B73, [];
+];
+
+/// Each tool, in turn; hues by Masataka Okabe and Kei Ito, which all viewers can tell apart.
+pub(super) const TOOLS: [(&str, Rgb); 8] = [
+    ("Tool 1", rgb(0xE69F00)),
+    ("Tool 2", rgb(0x0072B2)),
+    ("Tool 3", rgb(0x009E73)),
+    ("Tool 4", rgb(0xD55E00)),
+    ("Tool 5", rgb(0xCC79A7)),
+    ("Tool 6", rgb(0x56B4E9)),
+    ("Tool 7", rgb(0xF0E442)),
+    ("Tool 8", rgb(0x555555)),
 ];
 
 /// Index of the role whose loops have a seam that is seen.
 pub(super) const SEAMED: u8 = 0;
 /// Index of what is printed beside the object.
 pub(super) const SKIRT: u8 = 8;
+/// Index of the prime tower.
+pub(super) const TOWER: u8 = OTHER - 1;
 /// Index of the last role.
 pub(super) const OTHER: u8 = ROLES.len() as u8 - 1;
 

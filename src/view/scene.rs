@@ -2,7 +2,7 @@
 
 use geometry::real;
 
-use super::colors::{self, OTHER, SEAMED};
+use super::colors::{self, OTHER, SEAMED, TOWER};
 use crate::estimate::Machine;
 use crate::gcode::{self, Action, Annotated, Clock, Context};
 use crate::profile::Settings;
@@ -37,6 +37,8 @@ pub struct Stroke {
     pub speed_mm_s: f32,
     /// Plastic per second at that speed.
     pub flow_mm3_s: f32,
+    /// The tool, counted from 0.
+    pub tool: u8,
 }
 
 /// The kind of a mark.
@@ -83,9 +85,17 @@ pub struct Scene {
     pub total: Measures,
     /// Moves that were left out because they lead further than 10 m from the origin.
     pub left_out: usize,
+    /// Pictures show which tool prints, instead of what for.
+    pub by_tool: bool,
 }
 
 impl Scene {
+    /// The same with pictures that show which tool prints.
+    #[must_use]
+    pub fn colored_by_tool(self) -> Self {
+        Self { by_tool: true, ..self }
+    }
+
     /// Reads a G-code file of any common slicer. Filament and machine are those of the settings; widths that the file
     /// does not give follow from the amounts extruded. O(bytes).
     pub fn read(text: &[u8], settings: &Settings) -> Self {
@@ -155,6 +165,9 @@ struct Reader {
     travelled: bool,
     /// Role of the stroke before, if it extruded.
     extruding: Option<u8>,
+    tool: u8,
+    /// Whether what follows is a prime tower, which is no part of an object.
+    in_tower: bool,
 }
 
 impl Reader {
@@ -172,6 +185,8 @@ impl Reader {
             bead_end: None,
             travelled: false,
             extruding: None,
+            tool: 0,
+            in_tower: false,
         }
     }
 
@@ -194,8 +209,16 @@ impl Reader {
                 self.time(read);
                 self.mark(MarkKind::Unretraction, self.nozzle());
             }
-            Action::Type(_) => {}
-            Action::Other => self.time(read),
+            Action::Type(name) => {
+                let is_tower = |known: &&[u8]| known.eq_ignore_ascii_case(name);
+                self.in_tower = [&b"Wipe tower"[..], b"Prime tower", b"PRIME-TOWER"].iter().any(is_tower);
+            }
+            Action::Other => {
+                if let Some(code) = read.line.code.filter(|code| code.letter == b'T') {
+                    self.tool = u8::try_from(code.number).unwrap_or(self.tool);
+                }
+                self.time(read);
+            }
         }
     }
 
@@ -277,7 +300,10 @@ impl Reader {
     }
 
     fn extrude(&mut self, stroke: &gcode::Stroke, context: &Context) {
-        let role = colors::index(context.role);
+        let role = match context.role {
+            None if self.in_tower => TOWER,
+            role => colors::index(role),
+        };
         if role == SEAMED && self.extruding != Some(role) {
             self.mark(MarkKind::Seam, stroke.from.map(|mm| mm as f32));
         }
@@ -322,6 +348,7 @@ impl Reader {
                 height_mm: height_mm as f32,
                 speed_mm_s: stroke.feed_mm_s as f32,
                 flow_mm3_s: flow as f32,
+                tool: self.tool,
             });
             from = to;
         }

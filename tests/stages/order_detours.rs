@@ -20,6 +20,7 @@ fn path(points: &[(f64, f64)]) -> Path {
         height_mm: 0.2,
         island: Some(IslandId(0)),
         phase: Phase::Wall(0),
+        tool: None,
     }
 }
 
@@ -35,6 +36,7 @@ fn posts(paths: Vec<Path>) -> LayerPaths {
         outline: unite_rings(&[outer.map(|(x, y)| Point::from_mm(x, y)).to_vec()]),
         beneath: None,
         kind: LayerKind::Flat,
+        tools: Vec::new(),
     }
 }
 

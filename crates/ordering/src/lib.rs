@@ -39,6 +39,7 @@ mod precedence;
 mod problem;
 mod strategies;
 mod strategy;
+pub mod tools;
 mod watch;
 
 pub use as_sliced::AsSliced;

@@ -3,6 +3,7 @@
 use std::path::Path;
 
 use crate::mesh::error::{Location, MeshError};
+use crate::mesh::paint::Paint;
 use crate::mesh::units;
 use crate::mesh::weld::{Soup, Welder};
 
@@ -31,17 +32,31 @@ pub(super) struct FileObject {
     /// As the file calls it.
     pub name: Option<String>,
     pub soup: Soup,
+    /// What is painted on it.
+    pub paint: Paint,
     /// Facets in the file, before any was left out.
     pub facets: usize,
     /// Where the file puts the object's origin, once or several times, millimetres.
     pub positions: Vec<[f64; 3]>,
+    /// The extruder that the file has for it, from 1.
+    pub tool: Option<u32>,
+    /// What different extruders print of it, where the file says so.
+    pub parts: Vec<FileObject>,
 }
 
 impl Contents {
     /// A file that is one object, where it lies.
     pub fn single(soup: Soup, format: &'static str, facets: usize, notes: Vec<String>) -> Self {
         Self {
-            objects: vec![FileObject { name: None, soup, facets, positions: vec![[0.0; 3]] }],
+            objects: vec![FileObject {
+                name: None,
+                soup,
+                paint: Paint::default(),
+                facets,
+                positions: vec![[0.0; 3]],
+                tool: None,
+                parts: Vec::new(),
+            }],
             format,
             notes,
         }
@@ -61,9 +76,11 @@ impl Contents {
         let facets = self.objects.iter().map(count).sum();
         let mut welder = Welder::with_capacity(facets);
         let mut number = 0;
+        let mut paint = Paint::default();
         let objects = &self.objects;
-        for FileObject { soup, positions, .. } in objects {
+        for FileObject { soup, positions, paint: own, .. } in objects {
             for position in positions {
+                paint.add(own, |corner| [0, 1, 2].map(|i| corner[i] + position[i]));
                 for triangle in &soup.triangles {
                     number += 1;
                     let moved = |v: u32| {
@@ -76,7 +93,9 @@ impl Contents {
                 }
             }
         }
-        Ok(Self::single(welder.finish(), self.format, facets, self.notes))
+        let mut all = Self::single(welder.finish(), self.format, facets, self.notes);
+        all.objects.iter_mut().for_each(|object| object.paint = std::mem::take(&mut paint));
+        Ok(all)
     }
 }
 

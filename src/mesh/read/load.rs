@@ -8,6 +8,7 @@ use super::format::{Contents, FileObject};
 use super::formats;
 use crate::limits;
 use crate::mesh::error::MeshError;
+use crate::mesh::paint::Paint;
 use crate::mesh::report::MeshReport;
 use crate::mesh::surface::Mesh;
 use crate::mesh::weld::Soup;
@@ -36,13 +37,25 @@ pub struct Model {
     pub report: MeshReport,
     /// Where the file puts the mesh's origin: once, or several times, millimetres.
     pub positions: Vec<[f64; 3]>,
+    /// The extruder that the file has for it, from 1.
+    pub tool: Option<u32>,
+    /// The same in parts that the file has different extruders for; empty: one prints all of it.
+    pub parts: Vec<Model>,
+}
+
+impl Model {
+    /// Its parts, or the whole where it has none.
+    pub(crate) fn by_tool(mut self) -> Vec<Self> {
+        let parts = std::mem::take(&mut self.parts);
+        if parts.is_empty() { vec![self] } else { parts }
+    }
 }
 
 impl From<Mesh> for Model {
     fn from(mesh: Mesh) -> Self {
         let facets = mesh.triangles.len();
         let report = MeshReport::new(&mesh, "memory", facets, &repair::Repairs::default(), Vec::new());
-        Self { name: None, mesh, report, positions: vec![[0.0; 3]] }
+        Self { name: None, mesh, report, positions: vec![[0.0; 3]], tool: None, parts: Vec::new() }
     }
 }
 
@@ -61,11 +74,12 @@ pub fn load(path: &Path) -> Result<(Mesh, MeshReport), MeshError> {
 pub fn from_bytes(path: &Path, data: &[u8]) -> Result<(Mesh, MeshReport), MeshError> {
     let Contents { objects, format, notes } = formats::read(path, data)?.together(path)?;
     let mut objects = objects.into_iter();
-    let Some(FileObject { soup, facets, .. }) = objects.next() else {
+    let Some(FileObject { soup, facets, paint, .. }) = objects.next() else {
         return Err(MeshError::NoFacets { path: path.to_path_buf() });
     };
     let observer = Observer::none();
     let (mesh, report) = repaired(path, soup, facets, format, notes, Workers { observer: &observer })?;
+    let mesh = mesh.painted(paint);
     // Whoever does not scale gets what can be sliced.
     match mesh.bounds().as_flattened().iter().any(|x| x.abs() > f64::from(weld::LIMIT_MM)) {
         true => Err(units::too_large(path, &mesh, [1.0; 3])),
@@ -105,11 +119,20 @@ pub(crate) fn objects_watched(
     workers: Workers<'_>,
 ) -> Result<Vec<Model>, MeshError> {
     let Contents { objects, format, mut notes } = formats::read(path, data)?;
-    let model = |FileObject { name, soup, facets, positions }| {
+    let mut model = |FileObject { name, soup, paint, facets, positions, tool, parts }| {
         let (mesh, report) = repaired(path, soup, facets, format, std::mem::take(&mut notes), workers)?;
-        Ok(Model { name, mesh, report, positions })
+        let mesh = mesh.painted(paint);
+        Ok((Model { name, mesh, report, positions, tool, parts: Vec::new() }, parts))
     };
-    objects.into_iter().map(model).collect()
+    let mut models = Vec::with_capacity(objects.len());
+    for object in objects {
+        let (mut whole, parts) = model(object)?;
+        for part in parts {
+            whole.parts.push(model(part)?.0);
+        }
+        models.push(whole);
+    }
+    Ok(models)
 }
 
 /// Bytes from which reading by two threads pays.
@@ -177,6 +200,7 @@ fn repaired(
         triangles: triangles.into(),
         twins: twins.into(),
         oriented,
+        paint: Paint::default(),
     };
     let report = MeshReport::new(&mesh, format, facets, &repairs, notes);
     // A solid is at least as thick on average as the grid is fine.

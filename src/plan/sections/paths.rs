@@ -6,7 +6,7 @@ use crate::plan::styles::{Planners, Styles};
 use crate::plan::supports;
 use crate::profile::Settings;
 use crate::toolpath::support::{self, BeadSpec, Outlines};
-use crate::toolpath::{self, LayerPaths, LayerWalls, Planner, Role, SupportStyle};
+use crate::toolpath::{self, LayerPaths, LayerWalls, Path, Planner, Role, SupportStyle};
 use geometry::{Polygon, Region};
 
 impl Sections {
@@ -47,6 +47,11 @@ impl Sections {
             (Some(above_raft), Some(supports)) => supports.beads(above_raft).to_vec(),
         };
         let around = |role| matches!(role, Role::Skirt | Role::Brim);
+        let tool_of = |path: Path| match settings.tools.len() {
+            0 | 1 => path,
+            _ => Path { tool: settings.tool_of.of_role(path.role, settings.tool_of.base()), ..path },
+        };
+        let beads = beads.into_iter().map(tool_of);
         let place = layer.paths.iter().position(|p| !around(p.role)).unwrap_or(layer.paths.len());
         layer.paths.splice(place..place, beads);
         layer

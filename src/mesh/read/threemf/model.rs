@@ -9,7 +9,9 @@ use quick_xml::reader::NsReader;
 
 use super::affine::Affine;
 use super::lattice::{self, BALLS, BEAMS, Lattice};
+use super::paint::Kind;
 use super::xml::{MEND, text, value};
+use crate::mesh::paint::Paint;
 
 const CORE: &str = "http://schemas.microsoft.com/3dmanufacturing/core/2015/02";
 const PRODUCTION: &str = "http://schemas.microsoft.com/3dmanufacturing/production/2015/06";
@@ -72,6 +74,8 @@ pub(super) struct Object {
     pub solid: bool,
     pub vertices: Vec<[f64; 3]>,
     pub triangles: Vec<[u32; 3]>,
+    /// What is painted on them.
+    pub paint: Paint,
     /// Struts and balls besides the triangles.
     pub lattice: Option<Lattice>,
     pub components: Vec<Use>,
@@ -95,6 +99,7 @@ pub(super) fn read(mut reader: NsReader<impl BufRead>) -> Result<Part, Refusal> 
         Part { unit_mm: 1.0, objects: BTreeMap::new(), items: Vec::new(), unprinted: 0, unknown: Vec::new() };
     let mut buffer = Vec::new();
     let mut current: Option<(u32, Object)> = None;
+    let mut painted = Vec::new();
     let (mut begun, mut ended) = (false, false);
     loop {
         buffer.clear();
@@ -134,8 +139,8 @@ pub(super) fn read(mut reader: NsReader<impl BufRead>) -> Result<Part, Refusal> 
                             object.vertices.push(vertex);
                         }
                     }),
-                    "triangle" => triangle(&tag).and_then(|triangle| match &mut current {
-                        Some((_, object)) => object.add(triangle),
+                    "triangle" => triangle(&tag, &mut painted).and_then(|triangle| match &mut current {
+                        Some((_, object)) => object.add(triangle, painted.drain(..)),
                         None => Ok(()),
                     }),
                     "component" => usage(&tag, part.unit_mm).map(|used| {
@@ -240,8 +245,12 @@ impl Object {
         Ok(())
     }
 
-    /// Adds a triangle, whose corners stand before it in the file.
-    fn add(&mut self, triangle: [u32; 3]) -> Result<(), String> {
+    /// Adds a triangle, whose corners stand before it in the file, and what is painted on it.
+    fn add(
+        &mut self,
+        triangle: [u32; 3],
+        painted: impl Iterator<Item = (Kind, String)>,
+    ) -> Result<(), String> {
         match triangle.iter().find(|&&v| v as usize >= self.vertices.len()) {
             Some(v) => Err(format!(
                 "triangle {} names vertex {v}, but there are only {} (counted from 0)",
@@ -250,6 +259,12 @@ impl Object {
             )),
             None => {
                 self.triangles.push(triangle);
+                let corners = || triangle.map(|v| self.vertices[v as usize]);
+                for (kind, digits) in painted {
+                    let number = self.triangles.len();
+                    kind.read(&digits, corners(), &mut self.paint)
+                        .map_err(|problem| format!("triangle {number}: {problem}"))?;
+                }
                 Ok(())
             }
         }
@@ -284,11 +299,18 @@ fn usage(tag: &BytesStart<'_>, unit_mm: f64) -> Result<Use, String> {
 }
 
 /// Three attributes of a tag that has little else, parsed without a copy: a model is mostly these.
-fn three<T: std::str::FromStr>(tag: &BytesStart<'_>, keys: [&str; 3]) -> Result<[T; 3], String> {
+/// `other` gets those with other keys.
+fn three<T: std::str::FromStr>(
+    tag: &BytesStart<'_>,
+    keys: [&str; 3],
+    mut other: impl FnMut(&str, &str),
+) -> Result<[T; 3], String> {
     let mut found = [None, None, None];
     for attribute in tag.attributes().with_checks(false).flatten() {
         if let Some(i) = keys.iter().position(|key| attribute.key.0 == *key) {
             found[i] = attribute.value.trim().parse().ok();
+        } else {
+            other(attribute.key.0, &attribute.value);
         }
     }
     match found {
@@ -302,13 +324,17 @@ fn three<T: std::str::FromStr>(tag: &BytesStart<'_>, keys: [&str; 3]) -> Result<
 }
 
 fn corner(tag: &BytesStart<'_>) -> Result<[f64; 3], String> {
-    let vertex: [f64; 3] = three(tag, ["x", "y", "z"])?;
+    let vertex: [f64; 3] = three(tag, ["x", "y", "z"], |_, _| ())?;
     match vertex.iter().find(|x| !x.is_finite()) {
         Some(x) => Err(format!("coordinate {x} is not a finite number")),
         None => Ok(vertex),
     }
 }
 
-fn triangle(tag: &BytesStart<'_>) -> Result<[u32; 3], String> {
-    three(tag, ["v1", "v2", "v3"])
+/// A triangle; `painted` gets what is painted on it.
+fn triangle(tag: &BytesStart<'_>, painted: &mut Vec<(Kind, String)>) -> Result<[u32; 3], String> {
+    three(tag, ["v1", "v2", "v3"], |key, value| {
+        painted
+            .extend(Kind::of(key).filter(|_| !value.trim().is_empty()).map(|kind| (kind, value.to_owned())));
+    })
 }
