@@ -79,6 +79,7 @@ fn main() -> ExitCode {
         }
         trials.extend(of_site! {
             site::a_model_is_sliced_to_the_bytes_of_the_program_and_nobody_else_is_asked;
+            site::what_is_dropped_while_the_module_loads_waits_for_it;
             site::it_works_without_a_network_after_the_first_visit;
             site::what_takes_too_much_memory_ends_with_a_message_and_the_page_goes_on;
             app::a_model_is_dropped_turned_sliced_and_saved_as_the_command_line_says;

@@ -117,6 +117,16 @@ pub fn a_model_is_sliced_to_the_bytes_of_the_program_and_nobody_else_is_asked() 
     no_errors(&mut browser);
 }
 
+pub fn what_is_dropped_while_the_module_loads_waits_for_it() {
+    let server = Server::start();
+    let browser = Browser::shared();
+    let mut browser = browser.page();
+    browser.visit(&server.address, "window.pathwright");
+    browser.drop_files("#plate > canvas", &[&model("calibration_cube.stl")]);
+    browser.wait(SHOWN);
+    no_errors(&mut browser);
+}
+
 pub fn it_works_without_a_network_after_the_first_visit() {
     let mut server = Server::start();
     let browser = Browser::shared();

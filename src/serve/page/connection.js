@@ -10,6 +10,8 @@ const RETRY_MS = [300, 700, 1500, 3000];
 export class Connection {
   constructor(engine, desk, memory, askToken) {
     Object.assign(this, { engine, desk, memory, askToken, sending: null, wanted: null, failures: 0 });
+    /** Fulfilled as soon as there is a plate. */
+    this.ready = new Promise((done) => { this.isReady = done; });
     desk.on("project again", () => this.send());
   }
 
@@ -41,6 +43,7 @@ export class Connection {
     if (kept) desk.restore(kept.project);
     else if (!this.begun) await this.openGiven();
     this.begun = true;
+    this.isReady();
   }
 
   /** What the program was started with. */

@@ -9,8 +9,10 @@ export function listenToFiles(desk, engine, connection) {
   const add = async (list) => {
     const files = [...list];
     if (!files.length) return;
-    if (!engine.session || desk.state === "offline") return notify("The service does not answer; nothing was added.", "error");
+    if (desk.state === "offline") return notify("The service does not answer; nothing was added.", "error");
     document.body.classList.add("adding");
+    // What slices may have to be loaded first.
+    await connection.ready;
     for (const error of await connection.add(files)) notify(error.message, "error");
     document.body.classList.remove("adding");
   };
