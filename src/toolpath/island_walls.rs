@@ -2,7 +2,7 @@
 
 use super::beneath::Beneath;
 use super::fuzzy::Fuzzy;
-use super::known_walls::{KnownWalls, WallKey};
+use super::known_walls::{IslandWalls, KnownWalls, WallKey};
 use super::layer_builder::LayerBuilder;
 use super::options::{FuzzySettings, WallOrder, WallSettings};
 use super::single::{self, Count};
@@ -19,15 +19,6 @@ const SMALL: f64 = 0.5;
 pub struct LayerWalls {
     /// In the order in which the layer has them.
     pub islands: Vec<IslandWalls>,
-}
-
-/// The walls of an island.
-#[derive(Clone, Debug, PartialEq)]
-pub struct IslandWalls {
-    /// Loops, and beads in narrow places.
-    pub paths: Vec<Path>,
-    /// What lies inside the innermost: the fill area.
-    pub inside: Region,
 }
 
 /// Makes walls, from the only settings that they depend on.

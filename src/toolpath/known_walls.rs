@@ -4,15 +4,24 @@ use std::collections::HashMap;
 use std::hash::{Hash, Hasher};
 use std::sync::{Arc, Mutex, PoisonError};
 
-use geometry::Polygon;
+use geometry::{Polygon, Region};
 
-use super::island_walls::IslandWalls;
+use super::path::Path;
 
 /// Walls with this many vertices are kept, and as many again of those used before them.
 const KEPT: usize = 100_000;
 
 /// Multiplied with, bits spread over a word: 2⁶⁴ over the golden ratio.
 const SPREAD: u64 = 0x9E37_79B9_7F4A_7C15;
+
+/// The walls of an island.
+#[derive(Clone, Debug, PartialEq)]
+pub struct IslandWalls {
+    /// Loops, and beads in narrow places.
+    pub paths: Vec<Path>,
+    /// What lies inside the innermost: the fill area.
+    pub inside: Region,
+}
 
 /// What the walls of an island depend on, settings aside.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -101,7 +110,7 @@ impl Generations {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use geometry::{Point, Region};
+    use geometry::Point;
 
     fn island(size_mm: f64) -> Polygon {
         let corners = [(0.0, 0.0), (size_mm, 0.0), (size_mm, size_mm), (0.0, size_mm)];

@@ -27,7 +27,8 @@ mod walls;
 
 pub use adhesion::{raft, raft_area};
 pub use beading::Gap;
-pub use island_walls::{IslandWalls, LayerWalls};
+pub use island_walls::LayerWalls;
+pub use known_walls::IslandWalls;
 pub use options::{
     BridgeSettings, BrimSettings, BrimSides, FirstLayerSettings, FuzzySettings, FuzzyWalls, InfillSettings,
     IroningSettings, Pattern, PrimeTowerSettings, RaftSettings, ShellSettings, SingleOnTop, SkirtSettings,

@@ -221,7 +221,11 @@ fn covers_beyond(path: &Path, x_mm: f64) -> f64 {
     let covered = edges.map(|(i, k)| {
         let [from_mm, to_mm] = [i, k].map(|v| path.points[v].mm()[0] - x_mm);
         let [less_mm, more_mm] = [from_mm.min(to_mm), from_mm.max(to_mm)];
-        let share = if less_mm >= 0.0 { 1.0 } else { more_mm.max(0.0) / (more_mm - less_mm) };
+        let share = match (less_mm, more_mm) {
+            (0.0.., _) => 1.0,
+            (_, ..=0.0) => 0.0,
+            _ => more_mm / (more_mm - less_mm),
+        };
         share * path.points[i].distance_mm(path.points[k]) * (spacing_mm(i) + spacing_mm(k)) / 2.0
     });
     covered.sum()
