@@ -121,7 +121,7 @@ impl IslandId {
 /// Ordering under `feature` and `island` scope prints phases in this order and never mixes them.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum Phase {
-    /// The prime tower, of each tool.
+    /// The prime tower, and what else a tool is flushed into.
     Tower(u32),
     /// Around everything.
     Skirt,

@@ -437,3 +437,29 @@ fn the_best_order_of_tools_costs_no_more_than_any_rule() {
     let print = run(&job, &fixed).expect("a print");
     assert_eq!(Some(print.summary.tool_changes as u64), rows.first().map(|row| row.changes), "fixed");
 }
+
+#[test]
+fn what_is_flushed_into_infill_spares_the_tower_and_comes_before_the_walls() {
+    let flushed = |sets: &[&str]| {
+        let (print, _) = pair(&[&["infill.density=40%", "tool_change.flush_volume=60"], sets].concat());
+        let sum: f64 = print.summary.tools.iter().map(|tool| tool.flushed_mm3).sum();
+        (print, sum)
+    };
+    let ((_, apart), (print, into)) = (flushed(&[]), flushed(&["tool_change.flush_into_infill=true"]));
+    assert!(into < 0.8 * apart, "{into} of {apart}");
+    let (mut kinds, mut sparse) = (Vec::new(), 0);
+    for line in text(&print).lines() {
+        match line.strip_prefix(";TYPE:") {
+            Some(kind) => kinds.push(kind.to_owned()),
+            None if line == "T1" || line == "T0" => kinds.clear(),
+            None => {}
+        }
+        let taken = kinds.iter().position(|kind| kind == "Internal infill");
+        let walls = kinds.iter().position(|kind| kind.contains("erimeter"));
+        if let (Some(taken), Some(walls)) = (taken, walls) {
+            sparse += usize::from(taken < walls);
+            kinds.clear();
+        }
+    }
+    assert!(sparse > 3, "after {sparse} changes");
+}
