@@ -46,6 +46,7 @@ fn layer() -> LayerPaths {
         outline: Region::default(),
         beneath: None,
         kind: LayerKind::Flat,
+        entries: Default::default(),
     }
 }
 

@@ -93,6 +93,7 @@ impl Ordering {
             outline: Region::default(),
             beneath: None,
             kind: LayerKind::Flat,
+            entries: Default::default(),
         };
         Self { layer, members, fixed_mm }
     }

@@ -8,6 +8,7 @@ mod fill;
 mod heights;
 mod nest;
 mod options;
+mod paint;
 mod plan;
 mod simplify;
 mod stitch;
@@ -17,12 +18,15 @@ mod volume;
 pub use cutter::Cutter;
 pub use heights::{cusp_limit_mm, heights_mm, is_uniform, spans};
 pub use options::LayerSettings;
+pub use paint::PaintedLine;
 pub use plan::{LayerSpan, plan};
 pub use table::{heights_from_lines, layer_heights};
 pub use volume::volume_mm3;
 
+use crate::mesh::Wish;
 use crate::plate::Plate;
-use geometry::{Region, offset};
+use geometry::{Point, Region, offset};
+use paint::PaintCutter;
 
 /// The cross-section of one object.
 #[derive(Clone, Debug, PartialEq)]
@@ -56,6 +60,8 @@ pub struct Layer {
     pub span: LayerSpan,
     /// One section for each object that is solid here, in the order of the objects.
     pub sections: Vec<Section>,
+    /// Where seams are painted.
+    pub seams: Vec<PaintedLine<Wish>>,
     /// Diagnostics; zeros for a watertight mesh.
     pub gaps: Gaps,
 }
@@ -65,6 +71,7 @@ pub struct Layer {
 pub struct Slicer<'a> {
     plate: &'a Plate,
     cutters: Vec<Cutter<'a>>,
+    seams: Vec<PaintCutter<'a, Wish>>,
     spans: Vec<LayerSpan>,
     grow_mm: f64,
     elephant_foot_mm: f64,
@@ -79,9 +86,11 @@ impl<'a> Slicer<'a> {
     /// The same with layers that are planned already.
     pub fn with_spans(plate: &'a Plate, spans: Vec<LayerSpan>, settings: &LayerSettings) -> Self {
         let cutters = plate.meshes.iter().map(|m| Cutter::new(m, &spans, settings)).collect();
+        let seams = plate.meshes.iter().map(|m| PaintCutter::new(m, &spans, |paint| &paint.seams)).collect();
         Self {
             plate,
             cutters,
+            seams,
             spans,
             grow_mm: settings.xy_compensation.0,
             elephant_foot_mm: settings.elephant_foot.0,
@@ -115,6 +124,12 @@ impl<'a> Slicer<'a> {
             })
             .collect();
         let objects = self.plate.objects.iter().enumerate();
+        let seams = objects.clone().flat_map(|(object, of)| {
+            let moved = move |ends: [Point; 2]| ends.map(|end| end + of.offset);
+            let lines = self.seams[of.mesh].lines(index);
+            lines.map(move |(ends, paint)| PaintedLine { object, ends: moved(ends), paint })
+        });
+        let seams = seams.collect();
         let sections = objects
             .filter(|(_, object)| !regions[object.mesh].is_empty())
             .map(|(index, object)| Section {
@@ -122,7 +137,7 @@ impl<'a> Slicer<'a> {
                 region: regions[object.mesh].translated(object.offset),
             })
             .collect();
-        Layer { span: self.spans[index], sections, gaps }
+        Layer { span: self.spans[index], sections, seams, gaps }
     }
 }
 

@@ -1,5 +1,7 @@
 //! What the toolpath stage makes: paths that know their role, width, height and island.
 
+use std::collections::BTreeMap;
+
 use super::spiral::Rise;
 use geometry::{Point, Region};
 
@@ -165,6 +167,17 @@ pub struct LayerPaths {
     pub beneath: Option<Region>,
     /// Whether it is level.
     pub kind: LayerKind,
+    /// Closed paths that may be entered at some of their vertices only, by their index.
+    pub entries: BTreeMap<u32, Entries>,
+}
+
+/// The vertices of a loop at which it may be entered.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Entries {
+    /// Indices of the vertices, ascending.
+    pub vertices: Vec<u32>,
+    /// Where they are.
+    pub points: Vec<Point>,
 }
 
 /// Whether a layer is level.

@@ -267,6 +267,7 @@ impl Planner {
             outline,
             beneath: rests_on(section, &self.settings.fuzzy),
             kind: LayerKind::Flat,
+            entries: Default::default(),
         }
     }
 

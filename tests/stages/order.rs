@@ -219,6 +219,7 @@ fn tower() -> Vec<LayerPaths> {
             outline: Region::default(),
             beneath: None,
             kind: LayerKind::Flat,
+            entries: Default::default(),
         }
     };
     (0..3).map(layer).collect()

@@ -98,6 +98,7 @@ pub fn layer(index: usize, paths: Vec<Path>) -> LayerPaths {
         outline: Region::default(),
         beneath: None,
         kind: LayerKind::Flat,
+        entries: Default::default(),
     }
 }
 
