@@ -35,6 +35,7 @@ fn layer() -> LayerPaths {
             height_mm: 0.2,
             island: Some(IslandId(0)),
             phase: Phase::Wall(0),
+            tool: None,
         }
     };
     LayerPaths {
@@ -47,6 +48,7 @@ fn layer() -> LayerPaths {
         beneath: None,
         kind: LayerKind::Flat,
         entries: Default::default(),
+        tools: Vec::new(),
     }
 }
 

@@ -62,6 +62,7 @@ kinds! {
     OutsideBed, Error, "outside-bed", "a move outside of the printable volume";
     BelowBed, Error, "below-bed", "the nozzle at or below the bed";
     ThroughPrint, Error, "through-print", "a move through what has been printed";
+    UnknownTool, Error, "unknown-tool", "a tool that the printer does not have";
     HeightOrder, Error, "height-order", "printing below a finished layer";
     ColdExtrusion, Error, "cold-extrusion", "extrusion while the nozzle is cold";
     RetractedExtrusion, Error, "retracted-extrusion", "a bead starts while the filament is retracted";
@@ -73,6 +74,7 @@ kinds! {
     NotPlaced, Error, "not-placed", "a model is not found in the print";
     OverVolume, Error, "over-volume", "more material than the model has volume";
     UnbalancedRetraction, Warning, "unbalanced-retraction", "unretraction and retraction differ in length";
+    UnretractedChange, Warning, "unretracted-change", "a change of tool without a retraction";
     OutsideAtStart, Warning, "outside-at-start", "a move outside of the printable volume before the print";
     OutsideInScript, Warning, "outside-in-script", "a script moves outside of the printable volume";
     HeaterLeftOn, Warning, "heater-left-on", "a heater is left on at the end";
@@ -91,6 +93,7 @@ impl Kind {
     /// Whether it can lie in how beads and travels are laid. Other faults come from scripts and settings, which are
     /// the user's.
     pub fn is_of_paths(self) -> bool {
-        self.severity() == Severity::Error && !matches!(self, Kind::ColdExtrusion | Kind::StartsInAir)
+        self.severity() == Severity::Error
+            && !matches!(self, Kind::ColdExtrusion | Kind::StartsInAir | Kind::UnknownTool)
     }
 }

@@ -16,11 +16,9 @@ const FLOW_SLACK: f64 = 1.05;
 
 /// Checks retraction and flow.
 pub(super) struct Filament {
-    /// Extra filament unretracted on purpose.
-    extra_mm: f64,
-    area_mm2: f64,
-    /// Flow that the hot end melts, mm³/s; infinite where it is not known.
-    max_flow: f64,
+    /// What holds for the tool in use, and for each, where the settings list several.
+    tool: Tool,
+    tools: Vec<Tool>,
     /// Factors of speed and flow in force.
     speed: f64,
     flow: f64,
@@ -30,13 +28,32 @@ pub(super) struct Filament {
     firmware: bool,
 }
 
-impl Filament {
-    pub fn new(settings: &Settings) -> Self {
+/// What holds for a tool.
+#[derive(Clone, Copy)]
+struct Tool {
+    /// Extra filament unretracted on purpose.
+    extra_mm: f64,
+    area_mm2: f64,
+    /// Flow that the hot end melts, mm³/s; infinite where it is not known.
+    max_flow: f64,
+}
+
+impl Tool {
+    fn new(settings: &Settings) -> Self {
         let max_flow = settings.filament.max_flow.0;
         Self {
             extra_mm: settings.retract.extra.0.max(0.0),
             area_mm2: settings.filament.area_mm2(),
             max_flow: if max_flow > 0.0 { max_flow } else { f64::INFINITY },
+        }
+    }
+}
+
+impl Filament {
+    pub fn new(settings: &Settings) -> Self {
+        Self {
+            tool: Tool::new(settings),
+            tools: (0..settings.tools.len()).map(|tool| Tool::new(&settings.of_tool(tool))).collect(),
             speed: 1.0,
             flow: 1.0,
             purging: false,
@@ -56,7 +73,7 @@ impl Filament {
                 seen.fault(found, Kind::RetractedExtrusion, || format!("pulled back {how}: {}", seen.text()));
             }
             self.flow(stroke, seen, found);
-        } else if stroke.fresh_mm > SLACK_MM + self.extra_mm && seen.begun && !self.purging {
+        } else if stroke.fresh_mm > SLACK_MM + self.tool.extra_mm && seen.begun && !self.purging {
             let fresh_mm = stroke.fresh_mm;
             let (kind, beyond) = match seen.retracted_mm > SLACK_MM {
                 true => (Kind::UnbalancedRetraction, " beyond what was pulled back"),
@@ -68,11 +85,11 @@ impl Filament {
 
     fn flow(&mut self, bead: &Stroke, seen: &LineContext<'_>, found: &mut Found) {
         let speed = bead.feed_mm_s * self.speed;
-        if self.max_flow.is_infinite() || bead.xy_mm < SHORTEST_MM || speed <= 0.0 {
+        let Tool { area_mm2, max_flow, .. } = self.tool;
+        if max_flow.is_infinite() || bead.xy_mm < SHORTEST_MM || speed <= 0.0 {
             return;
         }
-        let flow = bead.fresh_mm3(self.area_mm2) * self.flow * speed / bead.xy_mm;
-        let max_flow = self.max_flow;
+        let flow = bead.fresh_mm3(area_mm2) * self.flow * speed / bead.xy_mm;
         if flow > max_flow * FLOW_SLACK {
             seen.fault(found, Kind::Flow, || format!("{flow:.1} mm³/s; {max_flow} are melted"));
         }
@@ -102,6 +119,9 @@ impl Rule for Filament {
                     return;
                 };
                 let factor = || seen.line.words().get(b'S').filter(|s| *s > 0.0).map_or(1.0, |s| s / 100.0);
+                if code.letter == b'T' {
+                    self.tool = self.tools.get(code.number as usize).copied().unwrap_or(self.tool);
+                }
                 match (code.letter, code.number) {
                     (b'M', 220) => self.speed = factor(),
                     (b'M', 221) => self.flow = factor(),

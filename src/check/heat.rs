@@ -14,6 +14,10 @@ const NOZZLES: usize = 16;
 pub(super) struct Heat {
     /// Targets, where the file has set them.
     nozzles: [Option<f64>; NOZZLES],
+    /// The heater of each tool, by its number: filaments of one nozzle share one.
+    heaters: [Option<usize>; NOZZLES],
+    /// Heaters that were let cool down while another tool printed, and not waited for since.
+    idle: [bool; NOZZLES],
     tool: usize,
     bed: f64,
     /// Whether something has waited for the nozzle.
@@ -63,11 +67,26 @@ impl Rule for Heat {
 }
 
 impl Heat {
+    /// The heater that a tool prints with.
+    fn heater(&self, tool: usize) -> usize {
+        self.heaters[tool].unwrap_or(tool)
+    }
+
     fn extrude(&mut self, seen: &LineContext<'_>, found: &mut Found) {
         if self.cold_allowed {
             return;
         }
-        match self.nozzles[self.tool] {
+        let heater = self.heater(self.tool);
+        match self.nozzles[heater] {
+            Some(celsius) if self.idle[heater] => {
+                seen.fault(found, Kind::ColdExtrusion, || {
+                    format!(
+                        "tool {} was let cool down, and {celsius:.0} °C not waited for: {}",
+                        self.tool,
+                        seen.text()
+                    )
+                });
+            }
             Some(celsius) if celsius < COLD_C => {
                 seen.fault(found, Kind::ColdExtrusion, || format!("at {celsius:.0} °C: {}", seen.text()));
             }
@@ -97,14 +116,29 @@ impl Heat {
         let words = || seen.line.words();
         let target = || words().get(b'S').or_else(|| words().get(b'R'));
         match (code.letter, code.number) {
-            (b'T', tool) => self.tool = (tool as usize).min(NOZZLES - 1),
+            (b'T', tool) => {
+                let tool = (tool as usize).min(NOZZLES - 1);
+                // A tool that was not heated by its number prints with the heater that is in use.
+                if self.nozzles[tool].is_none() && self.heaters[tool].is_none() && tool != self.tool {
+                    self.heaters[tool] = Some(self.heater(self.tool));
+                }
+                self.tool = tool;
+            }
             (b'M', 104 | 109) => {
-                let tool = words().get(b'T').map_or(self.tool, |tool| (tool as usize).min(NOZZLES - 1));
-                self.nozzles[tool] = target().or(self.nozzles[tool]);
+                let named = words().get(b'T').map(|tool| (tool as usize).min(NOZZLES - 1));
+                if let Some(tool) = named.filter(|tool| *tool != self.tool) {
+                    self.heaters[tool] = None;
+                }
+                let tool = self.heater(named.unwrap_or(self.tool));
+                let before = self.nozzles[tool];
+                self.nozzles[tool] = target().or(before);
+                let cools = target().zip(before).is_some_and(|(to, from)| to < from && to > 0.0);
+                self.idle[tool] = code.number == 104
+                    && (self.idle[tool] || cools && self.begun && tool != self.heater(self.tool));
                 // What has cooled down has to be waited for again.
                 self.awaited = code.number == 109 || self.awaited && target().is_none_or(|c| c >= COLD_C);
             }
-            (b'M', 116) => self.awaited = true,
+            (b'M', 116) => (self.awaited, self.idle) = (true, [false; NOZZLES]),
             (b'M', 140 | 190) => self.bed = target().unwrap_or(self.bed),
             (b'M', 302) => {
                 self.cold_allowed =

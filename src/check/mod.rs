@@ -19,6 +19,7 @@ mod precision;
 mod relief;
 mod report;
 mod rule;
+mod tools;
 mod words;
 
 use std::io::{self, Read};
@@ -56,6 +57,9 @@ pub struct FaultFinder {
     located: bool,
     /// What G92 has moved the file's zero by.
     zero_mm: [f64; 3],
+    /// Where each tool's nozzle is, seen from the first one's, and that of the tool in use.
+    offsets_mm: Vec<[f64; 2]>,
+    offset_mm: [f64; 2],
     /// The machine as the line before left it.
     position: [f64; 3],
     retracted_mm: f64,
@@ -71,6 +75,7 @@ impl Checker {
         finder.rules.push(Box::new(floating::Floating::new(settings)));
         finder.rules.push(Box::new(heat::Heat::default()));
         finder.rules.push(Box::new(limits::Limits::new(settings)));
+        finder.rules.push(Box::new(tools::Tools::new(settings)));
         finder.rules.push(Box::new(precision::Precision::default()));
         Self::with(finder)
     }
@@ -136,6 +141,10 @@ impl FaultFinder {
             in_script: false,
             located: false,
             zero_mm: [0.0; 3],
+            offsets_mm: (0..settings.tools.len())
+                .map(|tool| settings.of_tool(tool).tool.offset.map(|mm| mm.0))
+                .collect(),
+            offset_mm: [0.0; 2],
             position: [0.0; 3],
             retracted_mm: 0.0,
             firmware_retracted: false,
@@ -155,8 +164,10 @@ impl FaultFinder {
             self.in_script = name == b"Custom";
         }
         if let Action::Stroke(stroke) = &mut read.action {
-            if self.zero_mm != [0.0; 3] {
-                *stroke = moved(*stroke, self.zero_mm);
+            let [x, y, z] = self.zero_mm;
+            let by_mm = [x + self.offset_mm[0], y + self.offset_mm[1], z];
+            if by_mm != [0.0; 3] {
+                *stroke = moved(*stroke, by_mm);
             }
             self.moves += 1;
             self.begun |= stroke.extrudes();
@@ -187,6 +198,10 @@ impl FaultFinder {
 
     /// G92 gives positions other names; homing gives them their own again.
     fn follow_zero(&mut self, line: &Line<'_>, before: [f64; 3]) {
+        if let Some(code) = line.code.filter(|code| code.letter == b'T') {
+            let offset_mm = self.offsets_mm.get(code.number as usize).copied();
+            self.offset_mm = offset_mm.unwrap_or(self.offset_mm);
+        }
         if line.is(b'G', 92) {
             for (axis, zero) in self.zero_mm.iter_mut().enumerate() {
                 *zero += before[axis] - self.position[axis];

@@ -314,6 +314,10 @@ pub(super) struct ViewArgs {
     #[arg(long, value_name = "PATH", requires = "layer", value_hint = ValueHint::FilePath, help_heading = "Pictures")]
     pub png: Option<PathBuf>,
 
+    /// Color --svg and --png by the tool that prints, instead of what it prints
+    #[arg(long, help_heading = "Pictures")]
+    pub by_tool: bool,
+
     /// Write a picture of the whole print as PNG, without background
     #[arg(long, value_name = "PATH", value_hint = ValueHint::FilePath, help_heading = "Pictures")]
     pub thumbnail: Option<PathBuf>,
@@ -582,16 +586,22 @@ fn object_setting(text: &str) -> Result<ObjectAssignment, String> {
     let split = text.match_indices(':').map(|(at, _)| (&text[..at], &text[at + 1..])).find(|(_, rest)| {
         let key = rest.split('=').next().unwrap_or_default();
         rest.contains('=')
-            && key.contains('.')
+            && (key.contains('.') || key.trim() == "tool")
             && key.chars().all(|c| c.is_ascii_lowercase() || "._ ".contains(c))
     });
     match split {
         Some((object, setting)) if !object.is_empty() => Ok(ObjectAssignment {
             object: object.to_owned(),
-            setting: assignment(setting).map_err(|_| wrong())?,
+            setting: assignment(setting).map(named_in_full).map_err(|_| wrong())?,
         }),
         _ => Err(wrong()),
     }
+}
+
+/// `tool=2` is short for the tool of an object.
+fn named_in_full(setting: Assignment) -> Assignment {
+    let key = if setting.key == "tool" { "tool_of.object".to_owned() } else { setting.key };
+    Assignment { key, ..setting }
 }
 
 /// A number of bytes: K, M and G are powers of 1024.

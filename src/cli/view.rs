@@ -27,6 +27,7 @@ pub(super) fn run(args: &ViewArgs, engine: &dyn Engine) -> Result<Exit, Failure>
     let (text, summary, resolved) = gcode(args, &sources, engine)?;
     let name = args.models.files[0].display();
     let scene = Scene::read(&text, &resolved.settings);
+    let scene = if args.by_tool { scene.colored_by_tool() } else { scene };
     if scene.is_empty() {
         return Err(Failure::new(Exit::Input, format!("{name}: there are no moves in it; is it G-code?")));
     }

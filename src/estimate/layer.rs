@@ -9,8 +9,9 @@ use crate::units::Seconds;
 
 const TRAVEL: usize = 0;
 const RETRACTION: usize = 1;
-const ROLES: usize = 2;
-/// Travel, retraction, and every role.
+const CHANGES: usize = 2;
+const ROLES: usize = 3;
+/// Travel, retraction, changes of tool, and every role.
 const ACCOUNTS: usize = ROLES + Role::ALL.len();
 
 /// How long a layer takes, and where the time goes. Heating and pauses take none.
@@ -33,6 +34,11 @@ impl LayerTime {
     /// Retracting and unretracting in place.
     pub fn retraction(&self) -> Seconds {
         Seconds(self.accounts[RETRACTION])
+    }
+
+    /// Changes of tool.
+    pub fn changes(&self) -> Seconds {
+        Seconds(self.accounts[CHANGES])
     }
 
     /// Extruding a role.
@@ -64,7 +70,13 @@ pub fn layer_time(layer: &LayerMoves, machine: &Machine) -> LayerTime {
     for (account, seconds) in time.accounts.iter_mut().zip(walk.planner.finish()) {
         *account = seconds;
     }
+    time.accounts[CHANGES] += changes_s(&layer.moves);
     time
+}
+
+/// How long changes of tool take.
+fn changes_s(moves: &[Move]) -> f64 {
+    moves.iter().map(|step| if let Move::ToolChange(change) = step { change.time.0 } else { 0.0 }).sum()
 }
 
 /// How long each move of a layer takes, at rest at its start and end, seconds. O(moves).
@@ -76,6 +88,9 @@ pub fn move_times_s(layer: &LayerMoves, machine: &Machine) -> Vec<f64> {
     }
     let mut seconds = walk.planner.finish();
     seconds.resize(layer.moves.len(), 0.0);
+    for (seconds, step) in seconds.iter_mut().zip(&layer.moves) {
+        *seconds += changes_s(std::slice::from_ref(step));
+    }
     seconds
 }
 
@@ -131,6 +146,7 @@ impl Walk {
             Move::Acceleration(acceleration) => self.acceleration = acceleration.0,
             Move::Fan(_) | Move::Nozzle(_) | Move::Bed(_) | Move::Object(_) => {}
             Move::Pause | Move::ColorChange => {}
+            Move::ToolChange(_) => self.at = None,
         }
     }
 

@@ -4,9 +4,10 @@ use super::flavor::{dialect, line};
 use super::number::one_line;
 use super::number::text;
 use super::script::Scripts;
-use super::settings::GcodeOptions;
+use super::settings::{GcodeOptions, ToolOptions};
 use super::settings::{ObjectLabel, PrintFacts};
 use super::slot::{Pending, Slot, Totals, VALUE_WIDTH};
+use crate::motion::FilamentSettings;
 
 /// The first bytes of a file.
 #[derive(Clone, Debug, PartialEq)]
@@ -39,7 +40,7 @@ const PENDING: [(&str, Pending); 6] = [
     ("filament used [mm]", Pending::FilamentMm),
     ("filament used [cm3]", Pending::FilamentCm3),
     ("filament used [g]", Pending::FilamentG),
-    ("total filament used [g]", Pending::FilamentG),
+    ("total filament used [g]", Pending::TotalG),
     ("filament cost", Pending::FilamentCost),
 ];
 
@@ -56,8 +57,9 @@ pub fn header(settings: &GcodeOptions, facts: &PrintFacts, scripts: &Scripts, se
     if seekable {
         for (key, value) in PENDING {
             bytes.extend_from_slice(format!("; {key} = ").as_bytes());
-            slots.push(Slot { offset: bytes.len(), width: VALUE_WIDTH, value });
-            bytes.resize(bytes.len() + VALUE_WIDTH, b' ');
+            let width = VALUE_WIDTH * settings.tools.len().max(1);
+            slots.push(Slot { offset: bytes.len(), width, value });
+            bytes.resize(bytes.len() + width, b' ');
             bytes.push(b'\n');
         }
     }
@@ -71,6 +73,7 @@ pub fn header(settings: &GcodeOptions, facts: &PrintFacts, scripts: &Scripts, se
     heat(&mut bytes, settings, scripts);
     bytes.extend_from_slice(b";TYPE:Custom\n");
     bytes.extend_from_slice(scripts.start.as_bytes());
+    take_first_tool(&mut bytes, settings, facts, scripts);
     // Marlin lets G90 set E's mode as well: M82 and M83 come after it.
     bytes.extend_from_slice(b"G21\nG90\n");
     bytes.extend_from_slice(if settings.gcode.relative_e { b"M83\n" } else { b"M82\n" });
@@ -131,6 +134,14 @@ pub fn footer(settings: &GcodeOptions, facts: &PrintFacts, scripts: &Scripts, to
             line(&mut bytes, command);
         }
     }
+    let heated = facts
+        .tools
+        .used
+        .iter()
+        .filter(|tool| settings.tools.get(usize::from(**tool)).is_some_and(|own| own.has_heater));
+    for tool in heated.filter(|_| settings.gcode.heat) {
+        line(&mut bytes, &format!("M104 T{tool} S0"));
+    }
     bytes.push(b'\n');
     for (key, value) in PENDING {
         line(&mut bytes, &format!("; {key} = {}", totals.value(value, &settings.filament)));
@@ -162,7 +173,64 @@ fn facts_lines(bytes: &mut Vec<u8>, settings: &GcodeOptions, facts: &PrintFacts)
         ("printer_model", one_line(&settings.printer.name)),
     ];
     for (key, value) in pairs.into_iter().filter(|(_, value)| !value.is_empty()) {
+        let value = of_each_tool(key, settings).unwrap_or(value);
         line(bytes, &format!("; {key} = {value}"));
+    }
+    if facts.tools.changes > 0 {
+        line(bytes, &format!("; total toolchanges = {}", facts.tools.changes));
+    }
+}
+
+/// A fact of each tool, as PrusaSlicer lists them; `None`: it is one of the whole print, or the printer has one tool.
+fn of_each_tool(key: &str, settings: &GcodeOptions) -> Option<String> {
+    let numbers = |value: fn(&ToolOptions) -> f64| {
+        let values = settings.tools.iter().map(|tool| text(value(tool), 3));
+        values.collect::<Vec<_>>().join(",")
+    };
+    let texts = |value: fn(&ToolOptions) -> String| {
+        let values = settings.tools.iter().map(|tool| one_line(&value(tool)).replace(';', ","));
+        values.collect::<Vec<_>>().join(";")
+    };
+    let listed = match key {
+        _ if settings.tools.is_empty() => return None,
+        "nozzle_diameter" => numbers(|tool| tool.printer.nozzle_diameter.0),
+        "filament_diameter" => numbers(|tool| tool.filament.diameter.0),
+        "filament_type" => texts(|tool| tool.filament.material.clone()),
+        "filament_settings_id" => texts(|tool| {
+            let FilamentSettings { name, material, .. } = &tool.filament;
+            let name = if name.trim().is_empty() { material } else { name };
+            format!("\"{}\"", name.replace('"', "'"))
+        }),
+        "filament_colour" => texts(|tool| tool.filament.color.clone()),
+        "first_layer_temperature" => numbers(|tool| tool.temperature.nozzle_first_layer.0),
+        "temperature" => numbers(|tool| tool.temperature.nozzle.0.round()),
+        "single_extruder_multi_material" => {
+            u8::from(settings.tools.len() > 1 && settings.tools.iter().all(|tool| !tool.has_heater))
+                .to_string()
+        }
+        _ => return None,
+    };
+    Some(listed)
+}
+
+/// Warms up the tools that are used later, each with a heater of its own, and takes the first one. The start script has
+/// heated that, or the lines before it.
+fn take_first_tool(bytes: &mut Vec<u8>, settings: &GcodeOptions, facts: &PrintFacts, scripts: &Scripts) {
+    if settings.tools.is_empty() {
+        return;
+    }
+    let first = facts.tools.first;
+    for &tool in facts.tools.used.iter().filter(|tool| **tool != first) {
+        let Some(own) = settings.tools.get(usize::from(tool)).filter(|own| own.has_heater) else { continue };
+        let idle = own.tool.idle_temperature.0;
+        let celsius = if idle > 0.0 { idle } else { own.temperature.nozzle_first_layer.0 };
+        if settings.gcode.heat && celsius > 0.0 {
+            line(bytes, &format!("M104 T{tool} S{}", text(celsius, 1)));
+        }
+    }
+    let taken = format!("T{first}");
+    if !scripts.start.lines().any(|line| line.split([' ', ';']).next() == Some(&taken)) {
+        line(bytes, &taken);
     }
 }
 

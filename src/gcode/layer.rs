@@ -6,9 +6,10 @@ use super::header::label_comments;
 use super::number::{push_fixed, push_word, text, ticks};
 use super::settings::{BEFORE_LAYER_CHANGE, WriterSettings};
 use super::slot::{PROGRESS_WIDTH, Pending, Slot};
+use super::tool::{self, ToolMark};
 use crate::motion::filament_area_mm2;
-use crate::motion::{LayerMoves, Move};
-use crate::toolpath::Role;
+use crate::motion::{LayerMoves, Move, ToolChange};
+use crate::toolpath::{Role, ToolId};
 use crate::units::{Celsius, Mm3, MmPerS, MmPerS2};
 
 /// Digits behind the point of X, Y, Z, I and J: a micrometre, a tenth of what a machine resolves.
@@ -27,6 +28,8 @@ pub struct LayerText {
     pub before: Option<usize>,
     /// Where the script after it goes, if there is one; not before the other.
     pub after: Option<usize>,
+    /// Changes of tool, in their order; the lines that take them are places in `bytes`.
+    pub changes: Vec<ToolMark>,
 }
 
 /// Formats a layer. It depends on nothing but its arguments: position, feed rate and acceleration are stated
@@ -60,7 +63,7 @@ pub fn format_layer(layer: &LayerMoves, settings: &WriterSettings) -> LayerText 
         after = Some(writer.out.len());
         heating.drain(..).for_each(|step| writer.step(step));
     }
-    LayerText { bytes: writer.out, progress, before, after }
+    LayerText { bytes: writer.out, progress, before, after, changes: writer.changes }
 }
 
 /// Which scripts there are at the change to a layer.
@@ -111,10 +114,17 @@ struct Writer<'a> {
     height: i64,
     /// Where the script before the change of layer goes.
     change_mark: usize,
+    /// The tool in use, where its nozzle is, and the filament of the others.
+    tool: ToolId,
+    offset_mm: [f64; 2],
+    parked: Vec<(ToolId, Extruder)>,
+    changes: Vec<ToolMark>,
 }
 
 impl<'a> Writer<'a> {
     fn new(layer: &LayerMoves, settings: &'a WriterSettings) -> Self {
+        let tool = settings.tools.get(usize::from(layer.from.tool));
+        let diameter = tool.map_or(settings.filament_diameter, |tool| tool.filament_diameter);
         Self {
             // A line is some 28 bytes long.
             out: Vec::with_capacity(256 + 32 * layer.moves.len()),
@@ -124,7 +134,7 @@ impl<'a> Writer<'a> {
             y: UNKNOWN,
             z: UNKNOWN,
             f: UNKNOWN,
-            extruder: Extruder::new(filament_area_mm2(settings.filament_diameter)),
+            extruder: Extruder::new(filament_area_mm2(diameter)),
             asked: None,
             in_force: [None; 2],
             object: None,
@@ -133,6 +143,10 @@ impl<'a> Writer<'a> {
             width: UNKNOWN,
             height: ticks(layer.height_mm, XYZ_DECIMALS),
             change_mark: 0,
+            tool: layer.from.tool,
+            offset_mm: tool.map_or([0.0; 2], |tool| tool.offset_mm),
+            parked: Vec::new(),
+            changes: Vec::new(),
         }
     }
 
@@ -174,7 +188,7 @@ impl<'a> Writer<'a> {
         if scripts.moves {
             let [x, y, z] = [self.x, self.y, self.z];
             self.forget_position();
-            let from = layer.from.xy.map(|xy| xy.map(|mm| ticks(mm, XYZ_DECIMALS)));
+            let from = layer.from.xy.map(|xy| self.placed(xy));
             let known = if x == UNKNOWN { from } else { Some([x, y]) };
             if let Some(back) = known {
                 self.out.extend_from_slice(b"G1");
@@ -253,6 +267,7 @@ impl<'a> Writer<'a> {
                 self.stop(&self.settings.pause)
             }
             Move::ColorChange => self.stop(&self.settings.color_change),
+            Move::ToolChange(change) => self.change_tool(change),
         }
     }
 
@@ -335,8 +350,8 @@ impl<'a> Writer<'a> {
         let Some(to) = self.onward(to) else { return };
         self.accelerate(Purpose::Print);
         if let Some((center, clockwise)) = arc {
-            let [i, j] = [(center[0], self.x), (center[1], self.y)]
-                .map(|(center_mm, from)| ticks(center_mm, XYZ_DECIMALS) - from);
+            let center = self.placed(center);
+            let [i, j] = [center[0] - self.x, center[1] - self.y];
             self.out.extend_from_slice(if clockwise { b"G2" } else { b"G3" });
             self.xy(to);
             push_word(&mut self.out, b'I', i, XYZ_DECIMALS);
@@ -369,9 +384,14 @@ impl<'a> Writer<'a> {
         self.end_line();
     }
 
+    /// Where the machine is told to go for the nozzle to be there.
+    fn placed(&self, to: [f64; 2]) -> [i64; 2] {
+        [0, 1].map(|i| ticks(to[i] - self.offset_mm[i], XYZ_DECIMALS))
+    }
+
     /// The rounded position, if it differs from the present one.
     fn onward(&self, to: [f64; 2]) -> Option<[i64; 2]> {
-        let [x, y] = to.map(|mm| ticks(mm, XYZ_DECIMALS));
+        let [x, y] = self.placed(to);
         (x != self.x || y != self.y).then_some([x, y])
     }
 
@@ -457,6 +477,26 @@ impl<'a> Writer<'a> {
                 self.out.push(b'\n');
             }
         }
+    }
+
+    /// The change, then everything that a script may have changed.
+    fn change_tool(&mut self, change: ToolChange) {
+        let line = tool::change(&mut self.out, &change, self.settings);
+        self.changes.push(ToolMark { line, change });
+        let own = self.settings.tools.get(usize::from(change.to));
+        let place = self.parked.iter().position(|(tool, _)| *tool == change.to);
+        let diameter = own.map_or(self.settings.filament_diameter, |own| own.filament_diameter);
+        let extruder = match place {
+            Some(place) => self.parked.swap_remove(place).1,
+            None => Extruder::new(filament_area_mm2(diameter)),
+        };
+        let before = std::mem::replace(&mut self.extruder, extruder);
+        self.parked.push((self.tool, before));
+        self.offset_mm = own.map_or([0.0; 2], |own| own.offset_mm);
+        self.tool = change.to;
+        self.modes();
+        self.forget_position();
+        self.type_name = "";
     }
 
     /// The pause, then everything that a script may have changed.

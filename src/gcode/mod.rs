@@ -18,6 +18,7 @@ mod script;
 mod settings;
 mod slot;
 mod thumbnails;
+mod tool;
 
 pub use binary::{BinaryMetadata, write_binary};
 #[cfg(feature = "cli")]
@@ -31,7 +32,7 @@ pub(crate) use header::calendar;
 pub use header::{Header, footer, header, labels, object_comment};
 pub use layer::{LayerText, format_layer};
 pub(crate) use number::{nearest, one_line, push_number};
-pub use options::{Flavor, GcodeSettings, PrinterSettings};
+pub use options::{Flavor, GcodeSettings, PrinterSettings, ToolChangeKind, ToolChangeSettings, ToolSettings};
 pub use read::{
     Action, Annotated, Center, Clock, Code, Context, Line, Lines, Mark, Measure, Meter, Reader, Replay,
     State, Step, Stroke, Timetable, TypeMeasure, Words, annotate, each_line, file_time, lines, mark, measure,
@@ -39,7 +40,10 @@ pub use read::{
 };
 pub use script::Scripts;
 pub(crate) use settings::BEFORE_LAYER_CHANGE;
-pub use settings::{GcodeOptions, LayerScripts, ObjectLabel, PrintFacts, WriterSettings};
+pub use settings::{
+    GcodeOptions, LayerScripts, ObjectLabel, PrintFacts, ToolFacts, ToolOptions, ToolWriter, WriterSettings,
+};
 pub(crate) use slot::duration;
 pub use slot::{Pending, Slot, Totals};
 pub use thumbnails::{ThumbnailFormat, ThumbnailSpec, thumbnail_list};
+pub use tool::ToolMark;

@@ -2,7 +2,8 @@
 
 use crate::estimate::Firmware;
 use crate::options::{choice, section};
-use crate::units::Mm;
+use crate::order::ToolOrder;
+use crate::units::{Celsius, Mm, Mm3, Seconds};
 
 choice! {
     /// Firmware dialect.
@@ -73,6 +74,48 @@ section! {
         color_change: String = String::new(),
         /// Name of the G-code file where none is given, with placeholders, such as {input_filename_base}_{layer_height}mm.gcode; empty: the model's.
         file_name: String = String::new(),
+    }
+}
+
+choice! {
+    /// How the machine comes to print with another tool.
+    ToolChangeKind {
+        /// One nozzle, to which a changer feeds one filament or another.
+        SingleNozzle = "single-nozzle",
+        /// Tools that are parked and picked up, each with a nozzle of its own.
+        ToolChanger = "tool-changer",
+        /// Several nozzles that stay on the carriage, or carriages of their own.
+        Heads = "heads",
+    }
+}
+section! {
+    /// `[tool]`: what each tool has of its own; these values hold for those of `[[tools]]` that say nothing else. See [tools](tools.md).
+    ToolSettings {
+        /// Name, for messages and the summary.
+        name: String = String::new(),
+        /// Where the nozzle is, seen from the first tool's, where the firmware does not make up for it: X and Y.
+        offset: [Mm; 2] = [Mm(0.0), Mm(0.0)]; -500.0..=500.0,
+        /// Temperature while another tool prints; 0: as while it prints. Not of a single nozzle.
+        idle_temperature: Celsius = Celsius(0.0); 0.0..=500.0,
+    }
+}
+section! {
+    /// `[tool_change]`: from one of `[[tools]]` to another.
+    ToolChangeSettings {
+        /// How the machine changes.
+        kind: ToolChangeKind = ToolChangeKind::SingleNozzle,
+        /// Script of a change; where it names no tool (`T1`), that is said after it. Each of `[[tools]]` may have its own, by which one changes to it.
+        script: String = String::new(),
+        /// How long a change takes, without heating and flushing.
+        time: Seconds = Seconds(10.0); 0.0..=3600.0,
+        /// Filament flushed at each change; 0: 140 mm³ by a single nozzle, 15 mm³ by others.
+        flush_volume: Mm3 = Mm3(0.0); 0.0..=5000.0,
+        /// Filament flushed from each tool (rows) to each other (columns), row by row; empty: `tool_change.flush_volume`.
+        flush_volumes: Vec<f64> = Vec::new(); 0.0..=5000.0, "mm³",
+        /// Which tool prints when.
+        order: ToolOrder = ToolOrder::Optimal,
+        /// Time that a cubic millimetre of waste is worth, where tools are put into an order.
+        waste_weight: f64 = 0.1; 0.0..=1000.0, "s/mm³",
     }
 }
 

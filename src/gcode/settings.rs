@@ -1,11 +1,12 @@
 //! What the writer needs to know.
 
 use super::number::text;
-use super::options::{Flavor, GcodeSettings, PrinterSettings};
+use super::options::{Flavor, GcodeSettings, PrinterSettings, ToolSettings};
 use crate::estimate::{Machine, MachineSettings};
 use crate::motion::{FilamentSettings, RetractSettings, TemperatureSettings};
 use crate::slice::LayerSettings;
-use crate::units::{Mm, MmPerS};
+use crate::toolpath::ToolId;
+use crate::units::{Celsius, Mm, MmPerS};
 
 /// Facts of a print that are known before its first layer is planned.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -29,6 +30,21 @@ pub struct PrintFacts {
     pub instances: usize,
     /// Name of the first model's file, without folder and ending.
     pub input_name: String,
+    /// What is known of the tools, where there are several.
+    pub tools: ToolFacts,
+}
+
+/// Which tools print, and how.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct ToolFacts {
+    /// The tool that the print begins with.
+    pub first: ToolId,
+    /// Which tools print; empty: the printer has one.
+    pub used: Vec<ToolId>,
+    /// How often another tool is taken.
+    pub changes: usize,
+    /// There is a prime tower.
+    pub tower: bool,
 }
 
 impl PrintFacts {
@@ -110,6 +126,21 @@ pub struct WriterSettings {
     pub label_commands: bool,
     /// Label objects by comments.
     pub label_comments: bool,
+    /// Each tool, where there are several.
+    pub tools: Vec<ToolWriter>,
+}
+
+/// What the writer needs to know of a tool.
+#[derive(Clone, Debug, PartialEq)]
+#[allow(missing_docs)]
+pub struct ToolWriter {
+    pub filament_diameter: Mm,
+    /// Where its nozzle is, seen from the first tool's, X and Y.
+    pub offset_mm: [f64; 2],
+    /// Temperature while another tool prints; 0: as while it prints.
+    pub idle: Celsius,
+    /// It has a heater of its own.
+    pub has_heater: bool,
 }
 
 /// A line that a height follows, where a layer begins.
@@ -150,4 +181,18 @@ pub struct GcodeOptions {
     pub machine: Machine,
     /// Limits that the header states.
     pub limits: MachineSettings,
+    /// Each tool, where there are several.
+    pub tools: Vec<ToolOptions>,
+}
+
+/// What header and footer say of a tool.
+#[derive(Clone, Debug, PartialEq)]
+#[allow(missing_docs)]
+pub struct ToolOptions {
+    pub printer: PrinterSettings,
+    pub filament: FilamentSettings,
+    pub temperature: TemperatureSettings,
+    pub tool: ToolSettings,
+    /// It has a heater of its own.
+    pub has_heater: bool,
 }

@@ -21,6 +21,8 @@ pub enum Pending {
     FilamentCm3,
     /// Filament, grams.
     FilamentG,
+    /// All filament, grams.
+    TotalG,
     /// Price of the filament.
     FilamentCost,
     /// The M73 of a layer.
@@ -50,9 +52,29 @@ pub struct Totals {
     pub volume: Mm3,
     /// When each layer begins, counted from the start of the print.
     pub layer_starts: Vec<Seconds>,
+    /// Of each tool what it extruded, and its filament; empty: the printer has one.
+    pub tools: Vec<(Mm3, FilamentSettings)>,
 }
 
 impl Totals {
+    /// Weight of all filament, of which `filament` is the only one where there is one tool.
+    pub fn grams(&self, filament: &FilamentSettings) -> f64 {
+        self.each(filament).iter().map(|(mm3, filament)| mm3 / 1000.0 * filament.density).sum()
+    }
+
+    /// Its price.
+    pub fn cost(&self, filament: &FilamentSettings) -> f64 {
+        self.each(filament).iter().map(|(mm3, own)| mm3 / 1000.0 * own.density / 1000.0 * own.cost).sum()
+    }
+
+    /// What there is of each filament, mm³.
+    fn each<'a>(&'a self, filament: &'a FilamentSettings) -> Vec<(f64, &'a FilamentSettings)> {
+        match self.tools.as_slice() {
+            [] => vec![(self.volume.0, filament)],
+            tools => tools.iter().map(|(volume, filament)| (volume.0, filament)).collect(),
+        }
+    }
+
     /// Length of filament for a volume.
     pub fn filament(&self, diameter: Mm) -> Mm {
         Mm(self.volume.0 / filament_area_mm2(diameter))
@@ -60,14 +82,17 @@ impl Totals {
 
     /// A value as text.
     pub fn value(&self, value: Pending, filament: &FilamentSettings) -> String {
-        let cm3 = self.volume.0 / 1000.0;
-        let grams = cm3 * filament.density;
+        let of_each = |value: fn(f64, &FilamentSettings) -> f64| {
+            let values = self.each(filament).into_iter().map(|(mm3, own)| text(value(mm3, own), 2));
+            values.collect::<Vec<_>>().join(", ")
+        };
         match value {
             Pending::PrintTime => duration(self.time),
-            Pending::FilamentMm => text(self.filament(filament.diameter).0, 2),
-            Pending::FilamentCm3 => text(cm3, 2),
-            Pending::FilamentG => text(grams, 2),
-            Pending::FilamentCost => text(grams / 1000.0 * filament.cost, 2),
+            Pending::FilamentMm => of_each(|mm3, own| mm3 / own.area_mm2()),
+            Pending::FilamentCm3 => of_each(|mm3, _| mm3 / 1000.0),
+            Pending::FilamentG => of_each(|mm3, own| mm3 / 1000.0 * own.density),
+            Pending::TotalG => text(self.grams(filament), 2),
+            Pending::FilamentCost => of_each(|mm3, own| mm3 / 1000.0 * own.density / 1000.0 * own.cost),
             Pending::Progress { layer } => {
                 let start_s = self.layer_starts.get(layer).map_or(0.0, |s| s.0);
                 let percent =
@@ -112,6 +137,7 @@ mod tests {
         let totals = Totals {
             time: Seconds(600.0),
             volume: Mm3(0.0),
+            tools: Vec::new(),
             layer_starts: vec![Seconds(0.0), Seconds(300.0)],
         };
         let slot = Slot { offset: 0, width: PROGRESS_WIDTH, value: Pending::Progress { layer: 1 } };

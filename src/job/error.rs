@@ -172,6 +172,12 @@ pub enum FitError {
          their own with --each"
     )]
     Gantry { object: String, height_mm: f64, next: String, limit_mm: f64 },
+    #[error(
+        "there is no room on the bed for the prime tower of {width_mm:.0} × {depth_mm:.0} mm (without its brim), or it would stand \
+         in something; give another prime_tower.position or prime_tower.width, or less to flush \
+         (tool_change.flush_volumes)"
+    )]
+    PrimeTower { width_mm: f64, depth_mm: f64 },
 }
 
 /// What is wrong with a result (exit code 7).

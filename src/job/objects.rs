@@ -13,12 +13,13 @@ pub struct ObjectSettings {
 
 impl ObjectSettings {
     /// Sections that may differ from object to object.
-    pub const SECTIONS: [&str; 5] = ["walls", "shell", "infill", "ironing", "bridge"];
+    pub const SECTIONS: [&str; 6] = ["walls", "shell", "infill", "ironing", "bridge", "tool_of"];
 
     /// Why a setting is the same for all objects of a plate; `None`: it is not. Unknown sections are found out later.
     pub fn refusal(key: &str) -> Option<String> {
         let section = key.split('.').next().unwrap_or_default();
         let reason = match section {
+            _ if key.starts_with("tool_of.support") => "supports are planned for the plate as a whole",
             _ if Self::SECTIONS.contains(&section) => return None,
             "layer" | "first_layer" => "all objects of a plate share their layers",
             "skirt" | "brim" | "raft" | "support" => {

@@ -106,6 +106,7 @@ mod tests {
             height_mm: 0.2,
             island: Some(IslandId(0)),
             phase: Phase::Wall(0),
+            tool: None,
         };
         let mut out = Vec::new();
         trace(&path, 2, 1.0, &mut out);

@@ -20,10 +20,11 @@ mod simplify;
 mod smooth;
 mod spiral;
 mod sums;
+mod tool;
 mod travel;
 
 pub use fan::set_fan;
-pub use moves::{Entry, LayerMoves, Move};
+pub use moves::{Entry, LayerMoves, Move, ToolChange};
 pub use options::{
     AccelerationSettings, CoolingSettings, FilamentSettings, RetractSettings, RoleFlowSettings,
     SpeedSettings, TemperatureSettings, TravelSettings, filament_area_mm2,
@@ -31,5 +32,5 @@ pub use options::{
 pub use pause::{PauseAt, PauseError, Stop};
 pub use plan::{exit, plan_layer};
 pub use settings::{FlowSettings, MotionSettings};
-pub use sums::LayerSums;
 pub(crate) use sums::arc_mm;
+pub use sums::{LayerSums, ToolSums};

@@ -1,7 +1,7 @@
 //! The moves of the machine.
 
-use crate::toolpath::Role;
-use crate::units::{Celsius, Mm3, MmPerS, MmPerS2, Ratio};
+use crate::toolpath::{Role, ToolId};
+use crate::units::{Celsius, Mm3, MmPerS, MmPerS2, Ratio, Seconds};
 
 /// One instruction. Positions are in bed coordinates (millimetres), speeds along the path.
 #[derive(Clone, Debug, PartialEq)]
@@ -41,6 +41,24 @@ pub enum Move {
     Pause,
     /// A change to filament of another color, by the profile's script.
     ColorChange,
+    /// A change to another tool, by its script, and what heats it.
+    ToolChange(ToolChange),
+}
+
+/// A change from one tool to another.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[allow(missing_docs)]
+pub struct ToolChange {
+    pub from: ToolId,
+    pub to: ToolId,
+    /// Temperature of the one before while it printed.
+    pub before: Celsius,
+    /// Temperature of the new one.
+    pub nozzle: Celsius,
+    /// How long it takes.
+    pub time: Seconds,
+    /// Where the nozzle is: X and Y of the bead drawn last, and the height that it was lifted to.
+    pub at_mm: [f64; 3],
 }
 
 /// Where the nozzle is when a layer begins, in bed coordinates (millimetres, Z offset included).
@@ -56,6 +74,10 @@ pub struct Entry {
     pub retracted_mm: f64,
     /// The first travel keeps above this, as finished objects may obstruct it; 0: none do.
     pub over_mm: f64,
+    /// The tool in use.
+    pub tool: ToolId,
+    /// The tools that were put away with their filament pulled back, a bit each.
+    pub parked: u32,
 }
 
 /// The moves of one layer. It starts and ends un-retracted.

@@ -8,12 +8,20 @@ use super::overhang::Support;
 use super::rules::Rules;
 use super::simplify::Piece;
 use super::{MotionSettings, Move};
-use crate::toolpath::{IslandId, Role};
+use crate::toolpath::{IslandId, Role, ToolId};
 use crate::units::{MmPerS2, Ratio};
 
 /// The state of the machine while a layer is planned.
 pub(super) struct Nozzle<'a> {
+    /// The settings of all tools.
+    pub(super) all: &'a MotionSettings,
+    /// The settings of the tool in use.
     pub(super) settings: &'a MotionSettings,
+    pub(super) tool: ToolId,
+    /// Tools that were put away with their filament pulled back, a bit each.
+    pub(super) parked: u32,
+    /// Filament fed with the next bead, where that is not as after any retraction, millimetres.
+    pub(super) restart_mm: Option<f64>,
     pub(super) router: Router<'a>,
     pub(super) outline: &'a Region,
     /// The outline, made ready for clipping when that is first needed.

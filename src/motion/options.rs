@@ -160,6 +160,10 @@ section! {
         coast: Mm = Mm(0.0); 0.0..=10.0,
         /// Leave lengths and speeds to the firmware (G10, G11).
         firmware: bool = false,
+        /// Length of filament retracted before another tool is taken; by a single nozzle, whose filament is taken out, no more than `retract.length`.
+        change_length: Mm = Mm(4.0); 0.0..=100.0,
+        /// Filament fed beyond that length when the tool is taken again.
+        change_extra: Mm = Mm(0.0); -5.0..=20.0,
     }
 }
 section! {
@@ -221,7 +225,7 @@ impl RoleFlowSettings {
             Role::Support => self.support,
             Role::SupportInterface => self.support_interface,
             Role::Skirt | Role::Brim => self.skirt,
-            Role::BridgeInfill | Role::Ironing => 1.0,
+            Role::BridgeInfill | Role::Ironing | Role::PrimeTower => 1.0,
         }
     }
 }

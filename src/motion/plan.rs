@@ -11,7 +11,7 @@ use super::prime::prime;
 use super::rules::Rules;
 use super::simplify::straighten;
 use super::smooth::{Rounding, gentle_rad, refine_curves, round_corners};
-use super::{Entry, LayerMoves, MotionSettings, Move, PauseAt, Stop, travel};
+use super::{Entry, LayerMoves, MotionSettings, Move, PauseAt, Stop, tool, travel};
 use crate::order::PathVisit;
 use crate::toolpath::{LayerKind, LayerPaths, Path, Role};
 use crate::units::{Mm3, MmPerS};
@@ -34,6 +34,8 @@ pub fn plan_layer(
     settings: &MotionSettings,
 ) -> LayerMoves {
     let layer_z_mm = layer.top_mm + settings.z_offset.0;
+    let all = settings;
+    let settings = all.of_tool(from.tool);
     let rules = Rules::new(settings, layer.index);
     let vertices: usize = layer.paths.iter().map(|p| p.points.len()).sum();
     // Curves are drawn with more vertices than they have.
@@ -41,7 +43,11 @@ pub fn plan_layer(
     // Nothing has been printed yet that a later object would pass over.
     moves.extend(rules.opening(from.over_mm <= 0.0));
     let mut nozzle = Nozzle {
+        all,
         settings,
+        tool: from.tool,
+        parked: from.parked,
+        restart_mm: None,
         router: Router::new(&layer.outline, settings.wall_width.0, settings.travel.detour_mm()),
         outline: &layer.outline,
         clipper: OnceCell::new(),
@@ -74,8 +80,13 @@ pub fn plan_layer(
     let mut vertices = Vec::new();
     for visit in sequence {
         let Some(path) = layer.paths.get(visit.path as usize) else { continue };
+        let changes = path.tool.filter(|tool| *tool != nozzle.tool);
+        if let Some(tool) = changes {
+            nozzle.label(None);
+            nozzle.change_tool(tool);
+        }
         trace(path, visit.entry, nozzle.rules.flow(path.role), &mut vertices);
-        turn_round(path, &mut vertices, layer.index, nozzle.support.as_ref(), settings);
+        turn_round(path, &mut vertices, layer.index, nozzle.support.as_ref(), all);
         let Some(start) = vertices.first() else { continue };
         nozzle.label(
             path.island.and_then(|island| layer.islands.get(island.index())).map(|island| island.object),
@@ -85,6 +96,9 @@ pub fn plan_layer(
             continue;
         }
         nozzle.travel(start.at, path.island, stop.take());
+        if let Some(extra_mm) = nozzle.restart_mm.take() {
+            nozzle.extra_mm3 = extra_mm * nozzle.settings.flow.filament_area_mm2;
+        }
         nozzle.draw(path, &mut vertices);
     }
     nozzle.label(None);
@@ -106,7 +120,9 @@ pub fn exit(layer: &LayerPaths, sequence: &[PathVisit], from: Entry, settings: &
     turn_round(path, &mut vertices, layer.index, support.as_ref(), settings);
     let scarf = finish(path, &mut vertices, layer.index, settings);
     let (end, wipe) = end(path, &vertices, scarf.as_ref(), settings);
-    Entry { xy: end, z_mm: layer.top_mm + settings.z_offset.0, wipe, ..Entry::default() }
+    let z_mm = layer.top_mm + settings.z_offset.0;
+    let (tool, parked) = tool::left(layer, sequence, &from, settings);
+    Entry { xy: end, z_mm, wipe, tool, parked, ..Entry::default() }
 }
 
 /// What walls may hang over; `None`: the layers are alike, as in a prism, and nothing does.

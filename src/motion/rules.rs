@@ -51,6 +51,7 @@ impl<'a> Rules<'a> {
             Role::InternalInfill => speeds.infill,
             Role::TopSolidInfill => speeds.top,
             Role::Ironing => speeds.ironing,
+            Role::PrimeTower => speeds.infill,
         };
         let [quarter, half, three_quarters] = speeds.overhang;
         let hanging = match grade {
@@ -135,6 +136,12 @@ impl<'a> Rules<'a> {
         [heats(nozzle).then_some(Move::Nozzle(nozzle)), heats(bed).then_some(Move::Bed(bed)), fan]
             .into_iter()
             .flatten()
+    }
+
+    /// Temperature of the nozzle on the layer.
+    pub(super) fn nozzle_temperature(&self) -> Celsius {
+        let temperature = &self.settings.temperature;
+        if self.is_first() { temperature.nozzle_first_layer } else { temperature.nozzle }
     }
 
     /// Fan for a role, of walls by how far they hang over, or what the layer has without one. Bridges and overhanging walls

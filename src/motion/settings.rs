@@ -6,8 +6,8 @@ use super::options::{
     TemperatureSettings, TravelSettings,
 };
 use crate::order::SeamSettings;
-use crate::toolpath::FirstLayerSettings;
-use crate::units::{Mm, Mm3PerS, MmPerS, MmPerS2};
+use crate::toolpath::{FirstLayerSettings, ToolId};
+use crate::units::{Mm, Mm3PerS, MmPerS, MmPerS2, Seconds};
 
 /// How much is extruded.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -54,4 +54,17 @@ pub struct MotionSettings {
     pub color_changes: Vec<PauseAt>,
     /// The first layer states its temperatures, for the start script may leave them to a macro.
     pub heat_first_layer: bool,
+    /// The settings of each tool, where there are several; they have none themselves.
+    pub tools: Vec<MotionSettings>,
+    /// How long it takes to change to this tool.
+    pub change_time: Seconds,
+    /// A tool that is put away keeps its filament; that of a single nozzle is taken out.
+    pub keeps_filament: bool,
+}
+
+impl MotionSettings {
+    /// The settings while a tool prints.
+    pub fn of_tool(&self, tool: ToolId) -> &Self {
+        self.tools.get(usize::from(tool)).unwrap_or(self)
+    }
 }

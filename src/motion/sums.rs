@@ -1,6 +1,7 @@
 //! Lengths and volume of planned moves, as they would be measured on the finished file.
 
 use super::{LayerMoves, Move};
+use crate::toolpath::Role;
 use crate::units::{Mm, Mm3};
 use geometry::distance_mm;
 use geometry::real;
@@ -69,6 +70,44 @@ impl LayerMoves {
                     retracted = true;
                 }
                 Move::Unretract { .. } => retracted = false,
+                _ => {}
+            }
+        }
+        sums
+    }
+}
+
+/// What a tool prints in a layer.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct ToolSums {
+    /// Filament extruded, flushing included, mm³.
+    pub volume_mm3: f64,
+    /// Of that, what went into the prime tower, mm³.
+    pub flushed_mm3: f64,
+    /// How often it was taken instead of another.
+    pub taken: usize,
+}
+
+impl LayerMoves {
+    /// The filament of each of so many tools.
+    pub fn by_tool(&self, tools: usize) -> Vec<ToolSums> {
+        let mut sums = vec![ToolSums::default(); tools];
+        let (mut tool, mut flushes) = (usize::from(self.from.tool), false);
+        for step in &self.moves {
+            match step {
+                Move::Bead { role, .. } => flushes = *role == Role::PrimeTower,
+                Move::ToolChange(change) => {
+                    tool = change.to.into();
+                    if let Some(own) = sums.get_mut(tool) {
+                        own.taken += 1;
+                    }
+                }
+                Move::Extrude { volume, .. } | Move::Ramp { volume, .. } | Move::Arc { volume, .. } => {
+                    if let Some(own) = sums.get_mut(tool) {
+                        own.volume_mm3 += volume.0;
+                        own.flushed_mm3 += if flushes { volume.0 } else { 0.0 };
+                    }
+                }
                 _ => {}
             }
         }

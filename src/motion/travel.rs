@@ -113,7 +113,7 @@ impl Nozzle<'_> {
     }
 
     /// How far travels lift the nozzle on this layer.
-    fn hop_mm(&self) -> f64 {
+    pub(super) fn hop_mm(&self) -> f64 {
         let retract = &self.settings.retract;
         let z_mm = self.layer_z_mm - self.settings.z_offset.0;
         let (low_mm, high_mm) = (retract.z_hop_above.0, retract.z_hop_below.0);
@@ -183,7 +183,7 @@ impl Nozzle<'_> {
 
     /// Pulls the filament back, no faster than `retract.speed`: while wiping, as far as `retract.wipe` says, or in
     /// place. Whether it moved.
-    fn retract(&mut self) -> bool {
+    pub(super) fn retract(&mut self) -> bool {
         let retract = &self.settings.retract;
         let (length_mm, speed) = (retract.length.0, retract.speed);
         coast(&mut self.moves, retract.coast.0);

@@ -25,7 +25,7 @@ impl<'a> LayerProblem<'a> {
         let mut items = Vec::with_capacity(layer.paths.len());
         for (index, path) in layer.paths.iter().enumerate() {
             let island = path.island.map_or(NO_ISLAND, |island| island.0);
-            let run = Run { stage: stage(path.role), island, layer: 0, rank: rank(path.phase) };
+            let run = Run { stage: stage(path, layer), island, layer: 0, rank: rank(path.phase) };
             let number = *numbers.entry((run.stage, run.island, run.rank)).or_insert_with(|| {
                 runs.push(run);
                 runs.len() as u32 - 1
@@ -91,6 +91,7 @@ const NO_ISLAND: u32 = u32::MAX;
 /// Phases as ranks.
 fn rank(phase: Phase) -> u32 {
     match phase {
+        Phase::Tower(number) => number,
         Phase::Skirt => 0,
         Phase::Brim => 1,
         Phase::Support => 2,
@@ -106,27 +107,30 @@ fn rank(phase: Phase) -> u32 {
     }
 }
 
-/// Stages of one layer.
-const STAGES: u32 = 2;
-
 /// Consecutive layers as one problem, in which the stages of each come after those of the one below. Start and end are unknown.
 pub fn stacked<'a>(layers: &[LayerProblem<'a>], scope: Scope) -> Problem<'a> {
     let (mut items, mut runs) = (Vec::new(), Vec::new());
+    let mut stages = 0;
     for (number, LayerProblem { problem, .. }) in (0..).zip(layers) {
         let first = runs.len() as u32;
-        runs.extend(problem.runs.iter().map(|run| Run {
-            stage: run.stage + STAGES * number,
-            layer: number,
-            ..*run
-        }));
+        runs.extend(problem.runs.iter().map(|run| Run { stage: run.stage + stages, layer: number, ..*run }));
+        stages += problem.runs.iter().map(|run| run.stage + 1).max().unwrap_or(0);
         items.extend(problem.items.iter().map(|item| Item { run: item.run + first, ..*item }));
     }
     Problem { items, runs, scope, start: None, end: None }
 }
 
-/// Skirt, brim and support come before everything else.
-fn stage(role: Role) -> u32 {
-    u32::from(!matches!(role, Role::Skirt | Role::Brim | Role::Support | Role::SupportInterface))
+/// Skirt, brim and support come before everything else. Where a printer has several tools, what one of them prints comes
+/// after what those before it do, and before all the prime tower.
+fn stage(path: &Path, layer: &LayerPaths) -> u32 {
+    let part =
+        u32::from(!matches!(path.role, Role::Skirt | Role::Brim | Role::Support | Role::SupportInterface));
+    if layer.tools.is_empty() {
+        return part;
+    }
+    let turn = layer.tools.iter().position(|tool| path.tool.is_none_or(|own| own == *tool));
+    let part = if path.role == Role::PrimeTower { 0 } else { 1 + part };
+    3 * turn.unwrap_or(0) as u32 + part
 }
 
 fn shape(path: &Path, pin: Option<usize>) -> Shape<'_> {

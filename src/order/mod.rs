@@ -9,7 +9,7 @@ mod straight_on;
 
 pub use chain::{Chain, chunk_len};
 pub use layer::{LayerProblem, PathOrder, PathVisit, ends_on_path};
-pub use options::{CostKind, OrderSettings, SeamPosition, SeamSettings};
+pub use options::{CostKind, OrderSettings, SeamPosition, SeamSettings, ToolOrder};
 pub use ordering::*;
 pub use seam::{Pins, SeamRule, enter_nearest};
 pub use straight_on::Corners;

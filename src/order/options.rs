@@ -3,6 +3,7 @@
 use crate::options::{FieldType, Kind, choice, section};
 use crate::units::Mm;
 
+pub use ordering::tools::ToolOrder;
 pub use ordering::{Effort, OrderStrategy, Scope};
 
 macro_rules! named {
@@ -13,7 +14,7 @@ macro_rules! named {
     )*};
 }
 
-named! { Effort OrderStrategy Scope }
+named! { Effort OrderStrategy Scope ToolOrder }
 
 choice! {
     /// Where loops start and end.

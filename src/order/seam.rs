@@ -169,11 +169,13 @@ mod tests {
                 height_mm: 0.2,
                 island: Some(IslandId(0)),
                 phase: Phase::Wall(0),
+                tool: None,
             }],
             outline: Region::default(),
             beneath: None,
             kind: LayerKind::Flat,
             entries: Default::default(),
+            tools: Vec::new(),
         }
     }
 

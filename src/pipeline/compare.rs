@@ -14,6 +14,7 @@ use crate::toolpath::LayerPaths;
 
 use super::ordering::{Certificate, Layers, Sequencer};
 use super::rounds::{self, Site};
+use super::tools::Tooled;
 use super::{load, ordering, reorder};
 
 /// Plans the layers once and orders them by each strategy. With `job.certify`, bounds are computed as well.
@@ -93,6 +94,9 @@ fn sliced(
     let settings = &*spiral::effective(settings);
     let loaded = load::place(models, job, settings)?;
     let rounds = rounds::prepare(&Site::of(&loaded), settings, workers)?;
+    if let Some(tooled) = Tooled::plan(&rounds, &|_, _| None, settings, workers)? {
+        return Ok(tooled.layers.into_iter().flatten().collect());
+    }
     let layers = rounds
         .iter()
         .map(|round| workers.map(round.sections.layers.len(), |i| round.paths(i, None, settings)));

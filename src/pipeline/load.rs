@@ -64,6 +64,7 @@ pub(crate) fn place<'a>(
     let mut repairs: Vec<Repaired> = Vec::new();
     let mut names: Vec<Vec<String>> = Vec::new();
     let mut own: Vec<Option<&Settings>> = Vec::new();
+    let mut tools: Vec<Option<u32>> = Vec::new();
     for (number, model) in models.iter().enumerate() {
         for (item, report) in model.layout.items().iter().zip(&model.reports) {
             warnings.extend(report.warnings.iter().map(|warning| format!("{}: {warning}", item.name)));
@@ -73,6 +74,7 @@ pub(crate) fn place<'a>(
             names.extend(std::iter::repeat_n(known, copies));
             let settings = job.models.get(number).and_then(|model| model.settings.as_deref());
             own.extend(std::iter::repeat_n(settings, copies));
+            tools.extend(std::iter::repeat_n(item.tool, copies));
         }
     }
     let placement = placement(job, settings);
@@ -84,7 +86,8 @@ pub(crate) fn place<'a>(
         names.insert(0, object.name.clone());
     }
     warnings.extend(plate.notes.iter().cloned());
-    let styles = Styles::new(&job.objects, &own, &names)?;
+    let mut styles = Styles::new(&job.objects, &own, &names)?;
+    warnings.extend(styles.take_tools(&tools, settings));
     let load = |bodies: &[JobModel]| load_modifiers(bodies, first_box, &plate, settings);
     let modifiers = [load(&job.support_enforcers)?, load(&job.support_blockers)?];
     Ok(Loaded { plate, styles, modifiers, warnings, repairs, hints })
@@ -118,7 +121,11 @@ pub(crate) fn model(
 ) -> Result<Model, JobError> {
     let (path, copies) = (wanted.path(), wanted.copies as usize);
     let line = plate::Line::thinnest(settings);
-    let mut model = Model::new(path, objects, wanted.object, &wanted.transform, line, copies)?;
+    let (objects, wanted_object) = match settings.tools.len() {
+        0 | 1 => (objects, wanted.object),
+        _ => by_tool(objects, wanted.object),
+    };
+    let mut model = Model::new(path, objects, wanted_object, &wanted.transform, line, copies)?;
     if settings.plate.orient && wanted.at_mm.is_none() {
         model.layout = model.layout.oriented();
     }
@@ -130,6 +137,18 @@ pub(crate) fn model(
         model.layout = model.layout.standing_at(at_mm);
     }
     Ok(model)
+}
+
+/// The objects of a file, or the one that is wanted, in parts that different tools print.
+fn by_tool(objects: Vec<mesh::Model>, wanted: Option<usize>) -> (Vec<mesh::Model>, Option<usize>) {
+    match wanted {
+        Some(object) if object < objects.len() => {
+            let parts = objects.into_iter().nth(object).map(mesh::Model::by_tool);
+            (parts.unwrap_or_default(), None)
+        }
+        Some(_) => (objects, wanted),
+        None => (objects.into_iter().flat_map(mesh::Model::by_tool).collect(), None),
+    }
 }
 
 /// How models are placed.

@@ -15,6 +15,7 @@ mod project;
 mod reorder;
 mod rounds;
 mod staged;
+mod tools;
 
 use std::path::Path;
 

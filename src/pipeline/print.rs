@@ -1,6 +1,7 @@
 //! One plate, from meshes to bytes.
 
 use std::collections::BTreeSet;
+use std::ops::Range;
 
 use crate::estimate::{Machine, cool};
 use crate::gcode::{
@@ -8,7 +9,7 @@ use crate::gcode::{
 };
 use crate::gcode::{ThumbnailFormat, thumbnail_list};
 use crate::job::{Job, JobError};
-use crate::motion::{self, Entry, LayerMoves, MotionSettings};
+use crate::motion::{self, Entry, LayerMoves, MotionSettings, ToolChange, ToolSums};
 use crate::order::compare::Proved;
 use crate::order::{Chain, PathOrder, PathVisit, Pins, SeamRule, chunk_len, ends_on_path};
 use crate::output::Output;
@@ -17,9 +18,9 @@ use crate::plan::floating::{Floating, Islands};
 use crate::plan::sections::hull_mm;
 use crate::plan::spiral;
 use crate::plate::{Model, Plate};
-use crate::profile::{ScriptRun, Settings, WholePrint};
-use crate::report::{LayerSummary, Measures, Overhangs, Summary};
-use crate::toolpath::{LayerKind, LayerPaths, LayerWalls};
+use crate::profile::{FilamentSettings, ScriptRun, Settings, WholePrint};
+use crate::report::{LayerSummary, Measures, Overhangs, Summary, ToolSummary};
+use crate::toolpath::{LayerKind, LayerPaths, ToolId};
 use crate::units::{Mm3, Seconds};
 use crate::view;
 use geometry::{Bounds, Point};
@@ -29,6 +30,7 @@ use super::kept::PrintLayer;
 use super::ordering::{Certificate, Layers, Sequencer};
 use super::rounds::{self, Round, Site};
 use super::staged::{self, Live, Watched};
+use super::tools::Tooled;
 use super::{load, ordering};
 
 /// Takes the moves of a finished layer.
@@ -76,8 +78,9 @@ pub(super) fn slice(
     warnings.extend(rounds.iter().flat_map(|round| round.sections.warnings()));
     let overhangs = (!settings.support.enabled).then(|| rounds::overhangs(rounds, settings, workers));
 
-    let facts = facts(rounds, &loaded.plate, bounds, job, settings);
-    let options = GcodeOptions::from(settings);
+    let tooled = Tooled::plan(rounds, &|round, layer| staged.walls(round, layer), settings, workers)?;
+    let facts = facts(rounds, tooled.as_ref(), &loaded.plate, bounds, job, settings);
+    let options = GcodeOptions::beginning_with(settings, facts.tools.first);
     let mut run = ScriptRun::new(settings, &facts);
     let mut scripts = run.open().map_err(script_error)?;
     let labels =
@@ -128,7 +131,8 @@ pub(super) fn slice(
     let start = xy.map(|[x, y]| Point::from_mm(x, y));
     let firmware = settings.retract.firmware;
     let retracted_mm = if firmware { 0.0 } else { scripts.retracted_mm };
-    let mut at = Entry { xy, z_mm, retracted_mm, ..Entry::default() };
+    let tool = tooled.as_ref().map_or(0, Tooled::first);
+    let mut at = Entry { xy, z_mm, retracted_mm, tool, ..Entry::default() };
     for (finished, round) in rounds.iter().enumerate() {
         at.over_mm = round.over_mm;
         writer.between_objects(finished)?;
@@ -139,7 +143,12 @@ pub(super) fn slice(
         let layout = settings.plate.keep_layout && loaded.plate.objects.iter().any(|object| object.body > 0);
         let mut floating = Floating::new(&round.sections, names, layout, job.allow_floating);
         let walls = |layer: usize| staged.walls(finished, layer);
-        let done = maker.round((round, &walls), &mut at, &mut floating, &mut writer);
+        let tooled = tooled.as_ref().map(|tooled| tooled.layers[finished].as_slice());
+        let paths = |layer: usize| match tooled {
+            Some(layers) => layers[layer].clone(),
+            None => round.paths(layer, walls(layer), settings),
+        };
+        let done = maker.round((round, &paths), &mut at, &mut floating, &mut writer);
         ordered.extend(done.map_err(|error| error.hinting(&hints))?);
         floating.finish(&loaded.hints)?;
         floating_warnings.append(&mut floating.warnings);
@@ -152,7 +161,7 @@ pub(super) fn slice(
     if let Some([x, y]) = at.xy {
         statistics.add_script(&scripts.end_effect(&options, [x, y, at.z_mm]), &maker.machine);
     }
-    let totals = statistics.totals();
+    let totals = statistics.totals(settings, facts.tools.first);
     let footer = gcode::footer(&options, &facts, &scripts, &totals);
     inspector.take(&footer);
     output.write(&footer)?;
@@ -216,11 +225,21 @@ fn labels(plate: &Plate, rounds: &[Round], workers: Workers<'_>) -> Vec<ObjectLa
     ObjectLabel::all(plate.objects.iter().map(|object| object.name.clone()).zip(hulls))
 }
 
-fn facts(rounds: &[Round], plate: &Plate, bounds: Bounds, job: &Job, settings: &Settings) -> PrintFacts {
+fn facts(
+    rounds: &[Round],
+    tooled: Option<&Tooled>,
+    plate: &Plate,
+    bounds: Bounds,
+    job: &Job,
+    settings: &Settings,
+) -> PrintFacts {
     let tops = rounds.iter().filter_map(|round| Some(round.sections.layers.last()?.span.top_mm));
     // The layer is as large as the part: its elephant's foot is made up for.
     let foot_mm = if settings.raft.layers > 0 { 0.0 } else { settings.layer.elephant_foot.0 };
     let outlines = rounds.iter().map(|round| round.sections.first_layer_outlines(&round.planners, foot_mm));
+    let tower = tooled.and_then(|tooled| tooled.tower.as_ref());
+    let tower: Vec<Vec<[f64; 2]>> =
+        tower.map(|tower| tower.outer.iter().map(|p| p.mm()).collect()).into_iter().collect();
     let bodies: BTreeSet<usize> = plate.objects.iter().map(|object| object.body).collect();
     let meshes: BTreeSet<usize> = plate.objects.iter().map(|object| object.mesh).collect();
     let input_name = job.models.first().and_then(|model| model.path().file_stem());
@@ -230,7 +249,8 @@ fn facts(rounds: &[Round], plate: &Plate, bounds: Bounds, job: &Job, settings: &
         max_mm: bounds.max.mm(),
         max_z_mm: tops.fold(0.0, f64::max) + settings.layer.z_offset.0,
         dated: job.dated.unwrap_or(load::DATED),
-        first_layer_hull_mm: hull_mm(outlines.flatten().flatten(), 0.0),
+        first_layer_hull_mm: hull_mm(outlines.flatten().chain(tower).flatten(), 0.0),
+        tools: tooled.map(Tooled::facts).unwrap_or_default(),
         objects: meshes.len(),
         instances: bodies.len(),
         input_name: input_name.map(|name| name.to_string_lossy().into_owned()).unwrap_or_default(),
@@ -264,6 +284,7 @@ struct Ordered {
 struct FinishedLayer {
     text: LayerText,
     summary: LayerSummary,
+    tools: Vec<ToolSums>,
     layer: Option<PrintLayer>,
     moves: Option<LayerMoves>,
     entry: LayerEntry,
@@ -275,6 +296,15 @@ struct LayerEntry {
     /// Height of the nozzle, Z offset included.
     z_mm: f64,
     position_mm: [f64; 3],
+}
+
+/// What is put into the text of a layer.
+#[derive(Clone, Copy)]
+enum Spliced<'a> {
+    /// A script, with its key.
+    Script(&'a str, &'a str),
+    /// What is run at a change of tool.
+    Change(ToolChange),
 }
 
 /// Writes finished layers, checks the text and adds up the statistics.
@@ -311,20 +341,36 @@ impl PrintWriter<'_> {
         moment.layer_z_mm = entry.z_mm - self.settings.layer.z_offset.0;
         moment.max_z_mm = moment.max_z_mm.max(moment.layer_z_mm);
         moment.extruded_mm3 = self.statistics.layers_mm3;
+        moment.by_tool_mm3.clone_from(&self.statistics.tools_mm3);
         moment.position_mm = entry.position_mm;
-        let places = [
+        let layer_places = [
             (layer.before, "gcode.before_layer", &options.before_layer),
             (layer.after, "gcode.after_layer", &options.after_layer),
         ];
-        if layer.before.is_none() && layer.after.is_none() {
+        let places = layer_places.into_iter().filter_map(|(place, key, script)| {
+            place.map(|place| (place..place, Spliced::Script(key, script)))
+        });
+        let changes = layer.changes.iter().map(|mark| (mark.line.clone(), Spliced::Change(mark.change)));
+        let mut places: Vec<(Range<usize>, Spliced<'_>)> = places.chain(changes).collect();
+        if places.is_empty() {
             return Ok(None);
         }
+        // A script of the layer comes before a change at the same place.
+        places.sort_by_key(|(place, _)| place.start);
         let (mut text, mut from) = (Vec::with_capacity(layer.bytes.len() + 256), 0);
-        for (place, key, script) in places {
-            let Some(place) = place else { continue };
-            text.extend_from_slice(&layer.bytes[from..place]);
-            text.extend_from_slice(self.scripts.expand(script).map_err(|e| of_script(key, &e))?.as_bytes());
-            from = place;
+        for (place, spliced) in places {
+            text.extend_from_slice(&layer.bytes[from..place.start]);
+            let script = match spliced {
+                Spliced::Script(key, script) => {
+                    self.scripts.expand(script).map_err(|e| of_script(key, &e))?
+                }
+                Spliced::Change(change) => {
+                    self.scripts.moment.position_mm = change.at_mm;
+                    self.scripts.change(change.to.into()).map_err(|mistake| script_error(vec![mistake]))?
+                }
+            };
+            text.extend_from_slice(script.as_bytes());
+            from = place.end;
         }
         text.extend_from_slice(&layer.bytes[from..]);
         Ok(Some(text))
@@ -338,7 +384,7 @@ impl PrintWriter<'_> {
 
     /// Writes layers, checking them.
     fn add(&mut self, layers: Vec<FinishedLayer>) -> Result<(), JobError> {
-        for FinishedLayer { text, summary, layer, moves, entry } in layers {
+        for FinishedLayer { text, summary, layer, moves, entry, tools } in layers {
             self.workers.go_on();
             let base = self.output.written() as usize;
             self.slots.extend(text.progress.map(|slot| Slot { offset: base + slot.offset, ..slot }));
@@ -346,7 +392,7 @@ impl PrintWriter<'_> {
             // What a script does is its own affair, and undone after it.
             self.inspector.take(&text.bytes);
             self.output.write(with_scripts.as_ref().unwrap_or(&text.bytes))?;
-            self.statistics.add(summary);
+            self.statistics.add(summary, &tools);
             if let Some(kept) = &mut self.kept {
                 kept.extend(layer);
             }
@@ -387,9 +433,9 @@ impl LayerMaker<'_> {
     /// Takes the layers of a round through all stages, batch by batch: while one is ordered, the next is planned, the one
     /// before gets its moves, and the one before that is checked and written. Returns, if they are to be certified, what
     /// was ordered and where each layer was entered from.
-    fn round<'w>(
+    fn round(
         &self,
-        (round, walls): (&Round, &(dyn Fn(usize) -> Option<&'w [LayerWalls]> + Sync)),
+        (round, paths): (&Round, &(dyn Fn(usize) -> LayerPaths + Sync)),
         at: &mut Entry,
         floating: &mut Floating<'_>,
         writer: &mut PrintWriter<'_>,
@@ -401,7 +447,7 @@ impl LayerMaker<'_> {
         let length = chunk * parallel::threads();
         let plan = |first: usize| {
             let layers = length.min(count.saturating_sub(first));
-            workers.map(layers, |i| round.paths(first + i, walls(first + i), self.settings))
+            workers.map(layers, |i| paths(first + i))
         };
         let sequencer = Sequencer::new(&self.chain, workers, chunk, at.xy.map(|[x, y]| Point::from_mm(x, y)));
         let mut state = OrderState { seam: SeamRule::new(self.settings.seam.position), sequencer, at };
@@ -471,6 +517,7 @@ impl LayerMaker<'_> {
         let [x, y] = moves.from.xy.unwrap_or_default();
         let position_mm = [x, y, moves.from.z_mm];
         let entry = LayerEntry { index: moves.index, z_mm: moves.z_mm, position_mm };
+        let tools = moves.by_tool(self.settings.tools.len());
         let text = gcode::format_layer(&moves, &self.writer);
         let (layer, moves) = match self.keep {
             true => (Some(PrintLayer::new(paths, sequence, moves, &self.machine)), None),
@@ -480,6 +527,7 @@ impl LayerMaker<'_> {
             summary: LayerSummary { z_mm: (entry.z_mm * 1e6).round() / 1e6, measures },
             entry,
             text,
+            tools,
             layer,
             moves,
         }
@@ -493,12 +541,23 @@ struct Statistics {
     total: Measures,
     /// Filament in the layers, mm³.
     layers_mm3: f64,
+    /// Of each tool, where there are several: all that it printed, and what was flushed.
+    tools_mm3: Vec<f64>,
+    flushed_mm3: Vec<f64>,
+    changes: usize,
     layer_starts: Vec<Seconds>,
     proved: Option<Proved>,
 }
 
 impl Statistics {
-    fn add(&mut self, layer: LayerSummary) {
+    fn add(&mut self, layer: LayerSummary, tools: &[ToolSums]) {
+        self.tools_mm3.resize(tools.len(), 0.0);
+        self.flushed_mm3.resize(tools.len(), 0.0);
+        for (tool, sums) in tools.iter().enumerate() {
+            self.tools_mm3[tool] += sums.volume_mm3;
+            self.flushed_mm3[tool] += sums.flushed_mm3;
+            self.changes += sums.taken;
+        }
         self.layer_starts.push(Seconds(self.total.total_s));
         self.total += &layer.measures;
         self.layers_mm3 += layer.measures.volume_mm3;
@@ -539,12 +598,38 @@ impl Statistics {
         self.total = std::mem::take(&mut self.total).with_bound(certificate.print_mm());
     }
 
-    fn totals(&self) -> Totals {
+    /// Totals. What scripts extrude of itself is the first tool's.
+    fn totals(&self, settings: &Settings, first: ToolId) -> Totals {
+        let scripts_mm3 = self.total.volume_mm3 - self.layers_mm3;
+        let own = |(tool, mm3): (usize, &f64)| {
+            let scripts_mm3 = if tool == usize::from(first) { scripts_mm3 } else { 0.0 };
+            (Mm3(mm3 + scripts_mm3), settings.of_tool(tool).filament.clone())
+        };
         Totals {
+            tools: self.tools_mm3.iter().enumerate().map(own).collect(),
             time: Seconds(self.total.total_s),
             volume: Mm3(self.total.volume_mm3),
             layer_starts: self.layer_starts.clone(),
         }
+    }
+
+    /// What each tool printed.
+    fn of_tools(&self, totals: &Totals, settings: &Settings) -> Vec<ToolSummary> {
+        let own = |(tool, (volume, filament)): (usize, &(Mm3, FilamentSettings))| {
+            let grams = volume.0 / 1000.0 * filament.density;
+            ToolSummary {
+                tool: tool + 1,
+                name: settings.of_tool(tool).tool.name.clone(),
+                material: filament.material.clone(),
+                color: filament.color.clone(),
+                volume_mm3: volume.0,
+                flushed_mm3: self.flushed_mm3[tool],
+                filament_mm: volume.0 / filament.area_mm2(),
+                filament_g: grams,
+                filament_cost: grams / 1000.0 * filament.cost,
+            }
+        };
+        totals.tools.iter().enumerate().map(own).collect()
     }
 
     fn summary(
@@ -556,14 +641,16 @@ impl Statistics {
         warnings: Vec<String>,
     ) -> Summary {
         let ([x0, y0], [x1, y1]) = (bounds.min.mm(), bounds.max.mm());
-        let filament_g = totals.volume.0 / 1000.0 * settings.filament.density;
+        let filament_g = totals.grams(&settings.filament);
         Summary {
+            tools: self.of_tools(totals, settings),
+            tool_changes: self.changes,
             size_mm: [x1 - x0, y1 - y0, facts.max_z_mm - settings.layer.z_offset.0],
             layer_count: self.layers.len(),
             total: self.total,
             proved: self.proved,
             filament_g,
-            filament_cost: filament_g / 1000.0 * settings.filament.cost,
+            filament_cost: totals.cost(&settings.filament),
             warnings,
             layers: self.layers,
             ..Summary::default()

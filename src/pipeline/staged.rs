@@ -8,7 +8,7 @@ use crate::job::JobError;
 use crate::parallel::{self, Workers};
 use crate::plate::Plate;
 use crate::profile::Settings;
-use crate::toolpath::{LayerPaths, LayerWalls, Path};
+use crate::toolpath::{LayerPaths, LayerWalls, Path, ToolId};
 use crate::view::{PlannedLayer, Solid};
 
 use super::rounds::{self, Round, Site};
@@ -34,7 +34,7 @@ pub(crate) struct StageCache {
 struct RoundsKey {
     settings: Settings,
     /// Of each object, whose own settings they are, and the settings.
-    styles: (Vec<Option<usize>>, Vec<Settings>),
+    styles: (Vec<Option<usize>>, Vec<Settings>, Vec<Option<ToolId>>),
     modifiers: [Plate; 2],
 }
 
@@ -135,7 +135,8 @@ impl StageCache {
         let settings = settings.for_toolpaths();
         let mut own = Vec::new();
         let styles = site.styles.changed(&mut own, Settings::for_toolpaths);
-        let styles_key = (styles.of_objects().to_vec(), styles.own().cloned().collect());
+        let tools = (0..styles.of_objects().len()).map(|object| styles.tool(object)).collect();
+        let styles_key = (styles.of_objects().to_vec(), styles.own().cloned().collect(), tools);
         let key = RoundsKey { settings, styles: styles_key, modifiers: site.modifiers.clone() };
         if let Some((_, rounds)) = self.rounds.as_ref().filter(|(known, _)| *known == key) {
             return Ok(rounds.clone());

@@ -4,7 +4,7 @@ use crate::plate::Plate;
 use crate::slice::{Layer, Section};
 use geometry::Region;
 
-use super::styles::Styles;
+use super::parts::{Kinds, Parts};
 use crate::parallel::Workers;
 
 /// Objects nearer than this may fuse, millimetres: about a bead.
@@ -26,22 +26,34 @@ struct Meeting {
     /// Height of the first layer where they overlap, or come near.
     first_mm: Option<f64>,
     near: bool,
+    /// They touch, or one stands on the other.
+    touching: bool,
+}
+
+/// What becomes of sections that overlap.
+#[derive(Default)]
+pub(crate) struct Resolved {
+    /// What the user should know.
+    pub notes: Vec<String>,
+    /// For each layer, and each of its sections, the parts by tool; empty: none has any.
+    pub parts: Vec<Vec<Parts>>,
 }
 
 /// Unites sections that overlap, so that nothing is printed twice, and reports overlaps and objects that may fuse.
 ///
-/// Objects with the same settings become one, which is the first of them; of others, what they share belongs to the first.
-pub(crate) fn resolve(
-    layers: &mut [Layer],
-    plate: &Plate,
-    styles: &Styles<'_>,
-    workers: Workers<'_>,
-) -> Vec<String> {
+/// Objects with the same settings become one, which is the first of them; of others, what they share belongs to the first. Those
+/// that differ in their tool alone become one already where they touch, and what they share belongs to the last.
+pub(crate) fn resolve(layers: &mut [Layer], plate: &Plate, kinds: &Kinds, workers: Workers<'_>) -> Resolved {
     let pairs = candidates(plate);
     if pairs.is_empty() {
-        return Vec::new();
+        return Resolved::default();
     }
+    let may_join: Vec<bool> =
+        pairs.iter().map(|pair| kinds.are_alike(*pair) && !kinds.share_tool(*pair)).collect();
     let found = workers.map(layers.len(), |i| meetings(&layers[i], &pairs));
+    let touching = workers.map(if may_join.contains(&true) { layers.len() } else { 0 }, |i| {
+        touching(&layers[i], i.checked_sub(1).map(|below| &layers[below]), &pairs, &may_join)
+    });
     let mut meetings = vec![Meeting::default(); pairs.len()];
     for (layer, found) in layers.iter().zip(&found) {
         for &(pair, overlap_mm2) in found {
@@ -54,19 +66,31 @@ pub(crate) fn resolve(
             meeting.first_mm.get_or_insert(layer.span.top_mm);
         }
     }
+    for pair in touching.into_iter().flatten() {
+        meetings[pair].touching = true;
+    }
     let of_pair: Vec<(Pair, Meeting)> = pairs.iter().copied().zip(meetings).collect();
     let overlapping: Vec<(Pair, Meeting)> =
         of_pair.iter().copied().filter(|(_, meeting)| meeting.overlap_mm3 > 0.0).collect();
     // The first object of what each is a part of.
     let mut first: Vec<usize> = (0..plate.objects.len()).collect();
-    for ([a, b], _) in overlapping.iter().filter(|(pair, _)| styles.are_equal(*pair)) {
+    let joined = |(pair, meeting): &&(Pair, Meeting)| {
+        kinds.are_alike(*pair) && (meeting.overlap_mm3 > 0.0 || meeting.touching)
+    };
+    for ([a, b], _) in of_pair.iter().filter(joined) {
         let (low, high) = (first[*a].min(first[*b]), first[*a].max(first[*b]));
         first.iter_mut().filter(|one| **one == high).for_each(|one| *one = low);
     }
-    if !overlapping.is_empty() {
-        let mended = workers.map(layers.len(), |i| united(&layers[i].sections, &first, &overlapping));
-        for (layer, sections) in layers.iter_mut().zip(mended) {
+    let mut parts = Vec::new();
+    if !overlapping.is_empty() || of_pair.iter().any(|(_, meeting)| meeting.touching) {
+        let mended = workers.map(layers.len(), |i| {
+            let united = united(&layers[i].sections, &first, &overlapping, kinds);
+            let parts = kinds.parts(&layers[i], &united, &first);
+            (united, parts)
+        });
+        for (layer, (sections, of_layer)) in layers.iter_mut().zip(mended) {
             layer.sections = sections;
+            parts.push(of_layer);
         }
     }
     let name = |object: usize| plate.objects[object].name.as_str();
@@ -74,9 +98,10 @@ pub(crate) fn resolve(
         .iter()
         .take(NAMED)
         .map(|([a, b], Meeting { overlap_mm3, first_mm, .. })| {
-            let how = match styles.are_equal([*a, *b]) {
-                true => "they are printed as one".to_owned(),
-                false => format!("what they share is printed as a part of {}", name(*a)),
+            let how = match (kinds.are_alike([*a, *b]), kinds.share_tool([*a, *b])) {
+                (true, true) => "they are printed as one".to_owned(),
+                (false, true) => format!("what they share is printed as a part of {}", name(*a)),
+                (_, false) => format!("what they share is printed as a part of {}", name(*b)),
             };
             let (a, b, z_mm) = (name(*a), name(*b), first_mm.unwrap_or(0.0));
             format!("{a} and {b} overlap by {overlap_mm3:.1} mm³ from Z {z_mm:.2} on; {how}")
@@ -100,7 +125,26 @@ pub(crate) fn resolve(
             "{a} and {b} come nearer than {NEAR_MM} mm to each other at Z {z_mm:.2}{others}: they may fuse"
         ));
     }
-    notes
+    Resolved { notes, parts }
+}
+
+/// The pairs, of those that may be joined, that touch in a layer, or of which one stands on the other.
+fn touching(layer: &Layer, below: Option<&Layer>, pairs: &[Pair], may_join: &[bool]) -> Vec<usize> {
+    let section = |layer: Option<&Layer>, object: usize| -> Region {
+        let mut sections = layer.into_iter().flat_map(|layer| &layer.sections);
+        sections.find(|section| section.object == object).map(|s| s.region.clone()).unwrap_or_default()
+    };
+    let meet = |a: &Region, b: &Region| {
+        !a.is_empty()
+            && !b.is_empty()
+            && !geometry::intersection(&geometry::offset(a, TOUCH_MM), b).is_empty()
+    };
+    let here = Some(layer);
+    let touches = |[a, b]: Pair| {
+        let (upper_a, upper_b) = (section(here, a), section(here, b));
+        meet(&upper_a, &upper_b) || meet(&section(below, a), &upper_b) || meet(&section(below, b), &upper_a)
+    };
+    (0..pairs.len()).filter(|&pair| may_join[pair] && touches(pairs[pair])).collect()
 }
 
 /// Pairs of objects whose boxes come near each other.
@@ -150,7 +194,12 @@ fn are_close(a: &Region, b: &Region) -> bool {
 }
 
 /// The sections of a layer with every overlap in one of them only.
-fn united(sections: &[Section], first: &[usize], overlapping: &[(Pair, Meeting)]) -> Vec<Section> {
+fn united(
+    sections: &[Section],
+    first: &[usize],
+    overlapping: &[(Pair, Meeting)],
+    kinds: &Kinds,
+) -> Vec<Section> {
     let mut united: Vec<Section> = Vec::with_capacity(sections.len());
     for Section { object, region } in sections {
         let object = first[*object];
@@ -163,6 +212,7 @@ fn united(sections: &[Section], first: &[usize], overlapping: &[(Pair, Meeting)]
     for ([a, b], _) in overlapping {
         let [a, b] = [first[*a], first[*b]];
         let [a, b] = [a.min(b), a.max(b)];
+        let [a, b] = if kinds.share_tool([a, b]) { [a, b] } else { [b, a] };
         let owner = united.iter().find(|section| section.object == a).map(|section| section.region.clone());
         let other = united.iter_mut().find(|section| section.object == b && a != b);
         if let (Some(owner), Some(other)) = (owner, other) {

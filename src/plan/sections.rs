@@ -12,12 +12,13 @@ use crate::plate::Plate;
 use crate::profile::Settings;
 use crate::slice::{self, Layer, LayerSpan, Slicer};
 use crate::toolpath::infill::FillPattern;
-use crate::toolpath::{self, ObjectLayer, PlateLayer, ShellWindows, Shells};
+use crate::toolpath::{self, ObjectLayer, PlateLayer, ShellWindows, Shells, ToolId};
 use geometry::{Bounds, Point, Polygon, Region};
 
 use super::contact;
 use super::infill;
-use super::overlaps;
+use super::overlaps::{self, Resolved};
+use super::parts::{Kinds, Parts};
 use super::spiral::Spiral;
 use super::styles::{Planned, Styles};
 use super::supports::{self, Supports};
@@ -41,6 +42,10 @@ pub(crate) struct Sections {
     spiral: Option<Spiral>,
     /// Infill that was planned for all layers at once, by the settings that it is for.
     infill: Vec<Planned>,
+    /// For each layer, and each of its sections, the parts that different tools print; empty: none has any.
+    parts: Vec<Vec<Parts>>,
+    /// The tool of each object that its file has one for.
+    tools: Vec<Option<ToolId>>,
     /// On objects that overlap.
     notes: Vec<String>,
 }
@@ -61,8 +66,12 @@ impl Sections {
     ) -> Result<Self, JobError> {
         let count = objects.len();
         let mut cut = workers.map(slicer.spans().len(), |i| slicer.layer(i));
-        let notes = overlaps::resolve(&mut cut, slicer.plate(), styles, workers);
+        let kinds = Kinds::new(count, styles, settings);
+        let Resolved { notes, mut parts } = overlaps::resolve(&mut cut, slicer.plate(), &kinds, workers);
         let layers = raft::raised(cut, settings);
+        if !parts.is_empty() {
+            parts.splice(0..0, std::iter::repeat_n(Vec::new(), settings.raft.layers as usize));
+        }
         let places: Vec<Vec<Option<usize>>> = (0..count)
             .map(|object| layers.iter().map(|l| l.sections.iter().position(|s| s.object == object)).collect())
             .collect();
@@ -78,6 +87,8 @@ impl Sections {
             supports: None,
             spiral: None,
             infill: Vec::new(),
+            parts,
+            tools: (0..count).map(|object| styles.tool(object)).collect(),
             notes,
         };
         if settings.spiral.enabled {
@@ -171,9 +182,19 @@ impl Sections {
 
     pub fn plate_layer(&self, index: usize) -> PlateLayer<'_> {
         let Layer { span, sections, .. } = &self.layers[index];
-        let objects = sections.iter().map(|s| ObjectLayer {
+        let parts = |place: usize| {
+            let parts =
+                self.parts.get(index).and_then(|parts| parts.get(place)).map_or(&[][..], Vec::as_slice);
+            let section = &sections[place];
+            let whole = parts.is_empty().then(|| (&section.region, self.tools[section.object]));
+            whole.into_iter().chain(parts.iter().map(|part| (&part.region, Some(part.tool))))
+        };
+        let pieces = (0..sections.len())
+            .flat_map(|place| parts(place).map(move |(region, tool)| (&sections[place], region, tool)));
+        let objects = pieces.map(|(s, section, tool)| ObjectLayer {
             object: s.object as u32,
-            section: &s.region,
+            section,
+            tool,
             above: self.of(s.object, index + 1),
             beneath: index
                 .checked_sub(1)
@@ -197,6 +218,8 @@ impl Sections {
             && self.raft_layers == other.raft_layers
             && spiral(self) == spiral(other)
             && self.layers == other.layers
+            && self.parts == other.parts
+            && self.tools == other.tools
     }
 
     /// Box around everything that is printed, without skirt and brim.

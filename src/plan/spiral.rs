@@ -91,6 +91,7 @@ impl Spiral {
             height_mm: span.height_mm,
             island: Some(IslandId(0)),
             phase: Phase::Wall(0),
+            tool: None,
         };
         Some(LayerPaths {
             index: span.index,
@@ -102,6 +103,7 @@ impl Spiral {
             beneath: Some(beneath.clone()),
             kind: if rises.is_empty() { LayerKind::Flat } else { LayerKind::Spiral(rises) },
             entries: Default::default(),
+            tools: Vec::new(),
         })
     }
 }

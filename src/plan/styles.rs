@@ -5,7 +5,7 @@ use std::sync::Arc;
 use crate::job::{JobError, ObjectSettings};
 use crate::profile::{Origin, Problem, ProfileError, Settings};
 use crate::toolpath::infill::FillPattern;
-use crate::toolpath::{IslandId, LayerPaths, LayerWalls, Planner, PlateLayer, ToolpathSettings};
+use crate::toolpath::{IslandId, LayerPaths, LayerWalls, Planner, PlateLayer, ToolId, ToolpathSettings};
 use crate::units::Mm;
 use geometry::{Polygon, Region};
 
@@ -23,9 +23,36 @@ pub(crate) struct Styles<'a> {
     /// For each object its own settings, as an index; `None`: it has those of the plate.
     of_object: Vec<Option<usize>>,
     own: Vec<&'a Settings>,
+    /// The tool of each object that its file has one for; empty: none has.
+    tools: Vec<Option<ToolId>>,
 }
 
 impl<'a> Styles<'a> {
+    /// Takes over the tools that files have for their objects, from 1, of objects whose settings do not say otherwise. Returns
+    /// what the user should know.
+    pub fn take_tools(&mut self, of_files: &[Option<u32>], plate: &Settings) -> Option<String> {
+        if plate.tools.len() < 2 {
+            return None;
+        }
+        let count = plate.tools.len() as u32;
+        let is_free = |object: usize| self.settings(object, plate).tool_of.object == plate.tool_of.object;
+        let tool = |(object, tool): (usize, &Option<u32>)| {
+            tool.filter(|tool| (1..=count).contains(tool) && is_free(object)).map(|tool| (tool - 1) as ToolId)
+        };
+        let tools = of_files.iter().enumerate().map(tool).collect();
+        self.tools = tools;
+        let most = of_files.iter().flatten().copied().max().filter(|most| *most > count)?;
+        Some(format!(
+            "a file has objects for extruder {most}, but the printer has {count} tools; they are printed with tool {}",
+            plate.tool_of.object
+        ))
+    }
+
+    /// The tool that an object's file has for it.
+    pub fn tool(&self, object: usize) -> Option<ToolId> {
+        self.tools.get(object).copied().flatten()
+    }
+
     /// Finds the objects that settings are for. `of_models[i]` are those of the model that object i is of, `names[i]` all the
     /// names by which it may be called: settings by name win.
     ///
@@ -69,19 +96,14 @@ impl<'a> Styles<'a> {
                 all.push(settings);
             }
         }
-        Ok(Self { of_object, own: all })
+        Ok(Self { of_object, own: all, tools: Vec::new() })
     }
 
     /// The same for some of the objects, numbered anew.
     pub fn of(&self, objects: &[usize]) -> Self {
         let of_object = objects.iter().map(|&object| self.of_object.get(object).copied().flatten()).collect();
-        Self { of_object, own: self.own.clone() }
-    }
-
-    /// Whether two objects have the same settings.
-    pub fn are_equal(&self, [a, b]: [usize; 2]) -> bool {
-        let style = |object: usize| self.of_object.get(object).copied().flatten();
-        style(a) == style(b)
+        let tools = objects.iter().map(|&object| self.tool(object)).collect();
+        Self { of_object, own: self.own.clone(), tools }
     }
 
     /// The settings of an object.
@@ -106,7 +128,7 @@ impl<'a> Styles<'a> {
         change: impl Fn(&Settings) -> Settings,
     ) -> Styles<'b> {
         *own = self.own.iter().map(|own| change(own)).collect();
-        Styles { of_object: self.of_object.clone(), own: own.iter().collect() }
+        Styles { of_object: self.of_object.clone(), own: own.iter().collect(), tools: self.tools.clone() }
     }
 
     /// For each object its own settings, as an index.

@@ -19,6 +19,8 @@ pub struct Item {
     pub mesh: Mesh,
     /// Where its origin goes: once, or several times, millimetres.
     pub positions: Vec<[f64; 3]>,
+    /// The tool that its file has for it, from 1.
+    pub tool: Option<u32>,
     /// The box that it is placed by.
     pub(super) bounds: [[f64; 3]; 2],
     /// Number of its layout among those that were joined, and its own there.
@@ -29,7 +31,7 @@ impl Item {
     /// A model that is placed by the box around it.
     pub fn new(name: impl Into<String>, mesh: Mesh, positions: Vec<[f64; 3]>) -> Self {
         let bounds = mesh.bounds();
-        Self { name: name.into(), mesh, positions, bounds, origin: [0; 2] }
+        Self { name: name.into(), mesh, positions, tool: None, bounds, origin: [0; 2] }
     }
 
     /// The same item, placed by the box around its parts that are thick enough for a line. O(triangles).

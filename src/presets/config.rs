@@ -97,6 +97,8 @@ pub struct Raw {
 pub struct Config {
     /// PrusaSlicer's (or SuperSlicer's) keys, whatever the slicer, as they hold for the first extruder.
     pub entries: BTreeMap<String, Entry>,
+    /// The same as they were given, of all extruders, and what they are.
+    pub(super) lists: BTreeMap<String, (Option<Type>, String)>,
     /// The complete configuration in the slicer's own keys, as its scripts see it.
     pub raw: BTreeMap<String, Raw>,
     /// Whose words the entries and the scripts among them use.
@@ -111,13 +113,37 @@ impl Config {
 
     /// The same where it is known what the value is.
     pub(super) fn set_known(&mut self, key: &str, value: &str, kind: Option<Type>, place: Place) {
-        let value = value::of_first_extruder(kind, value).into_owned();
+        self.lists.insert(key.to_owned(), (kind, value.to_owned()));
+        let value = value::of_extruder(kind, value, 0).into_owned();
         self.entries.insert(key.to_owned(), Entry { value, place });
     }
 
     /// Adds a value as the slicer's own scripts call it.
     pub fn set_raw(&mut self, name: &str, value: &str, kind: Option<Type>) {
         self.raw.insert(name.to_owned(), Raw { value: value.to_owned(), kind });
+    }
+
+    /// How many extruders the printer has: as many as it has nozzles.
+    pub fn extruders(&self) -> usize {
+        let nozzles = self.lists.get("nozzle_diameter").map(|(_, value)| value.split(',').count());
+        nozzles.unwrap_or(1).max(1)
+    }
+
+    /// The same with the values of an extruder, counted from 0, in the entries.
+    #[must_use]
+    pub fn of_extruder(&self, extruder: usize) -> Self {
+        let mut own = self.clone();
+        for (key, (kind, value)) in &self.lists {
+            if let Some(entry) = own.entries.get_mut(key) {
+                entry.value = value::of_extruder(*kind, value, extruder).into_owned();
+            }
+        }
+        own
+    }
+
+    /// The numbers of a list that is not one for each extruder.
+    pub fn list(&self, key: &str) -> Option<Vec<f64>> {
+        self.text(key)?.split(',').map(|number| number.trim().parse().ok()).collect()
     }
 
     /// Whether percentages of widths are of the nozzle, and not of the layer's height.

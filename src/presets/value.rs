@@ -43,15 +43,20 @@ pub struct Type {
     pub shape: Shape,
 }
 
-/// The part of a value that is of the first extruder; values that are not of extruders are left as they are.
-pub(super) fn of_first_extruder(kind: Option<Type>, value: &str) -> Cow<'_, str> {
+/// The part of a value that is of an extruder, counted from 0, or of the first where the list is shorter; values that are not of
+/// extruders are left as they are.
+pub(super) fn of_extruder(kind: Option<Type>, value: &str, extruder: usize) -> Cow<'_, str> {
     match kind {
-        Some(Type { shape: Shape::Each, scalar: Scalar::Text }) => match texts(value).first() {
-            Some(first) => Cow::Owned(join_texts(std::slice::from_ref(first))),
-            None => Cow::Borrowed(value),
-        },
+        Some(Type { shape: Shape::Each, scalar: Scalar::Text }) => {
+            let all = texts(value);
+            match all.get(extruder).or(all.first()) {
+                Some(own) => Cow::Owned(join_texts(std::slice::from_ref(own))),
+                None => Cow::Borrowed(value),
+            }
+        }
         Some(Type { shape: Shape::Each, .. }) => {
-            Cow::Borrowed(value.split(',').next().unwrap_or(value).trim())
+            let own = value.split(',').nth(extruder).or(value.split(',').next());
+            Cow::Borrowed(own.unwrap_or(value).trim())
         }
         _ => Cow::Borrowed(value),
     }

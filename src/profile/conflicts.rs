@@ -9,7 +9,7 @@ use crate::gcode::{PrintFacts, thumbnail_list};
 use crate::order::strategy;
 use crate::plate::{BedShape, Sequence};
 use crate::slice::layer_heights;
-use crate::toolpath::FuzzyWalls;
+use crate::toolpath::{FuzzyWalls, tool_heights};
 
 /// Contradictions between settings, and warnings.
 pub(super) struct Conflicts {
@@ -33,6 +33,7 @@ pub(super) fn find(settings: &Settings, origins: &BTreeMap<String, Origin>) -> C
     amounts(settings, &mut check);
     machine(settings, &mut check);
     retraction(settings, &mut check);
+    tools(settings, &mut check);
     scripts(settings, &mut check);
     if let Err(message) = thumbnail_list(&settings.gcode.thumbnails) {
         check.error(&["gcode.thumbnails"], &message);
@@ -321,6 +322,60 @@ fn retraction(settings: &Settings, check: &mut Check) {
     }
 }
 
+fn tools(settings: &Settings, check: &mut Check) {
+    let (of, change, tower) = (&settings.tool_of, &settings.tool_change, &settings.prime_tower);
+    let count = settings.tool_count();
+    let there = match count {
+        1 => "the printer has one tool; `[[tools]]` of a profile lists several".to_owned(),
+        count => format!("the printer has {count} tools"),
+    };
+    let numbers = [
+        ("tool_of.object", of.object),
+        ("tool_of.walls", of.walls),
+        ("tool_of.infill", of.infill),
+        ("tool_of.solid_infill", of.solid_infill),
+        ("tool_of.support", of.support),
+        ("tool_of.support_interface", of.support_interface),
+    ];
+    for (key, _) in numbers.iter().filter(|(_, number)| *number as usize > count) {
+        check.error(&[key], &format!("there is no such tool: {there}"));
+    }
+    match tool_heights(&of.heights) {
+        Err(message) => check.error(&["tool_of.heights"], &message),
+        Ok(heights) if heights.iter().any(|at| usize::from(at.tool) >= count) => {
+            check.error(&["tool_of.heights"], &format!("there is no such tool: {there}"));
+        }
+        Ok(_) => {}
+    }
+    let listed = change.flush_volumes.len();
+    if listed > 0 && listed != settings.tools.len().pow(2) {
+        check.error(
+            &["tool_change.flush_volumes"],
+            &format!(
+                "{listed} volumes are listed, but {count} tools need {}: one from each tool to each",
+                count * count
+            ),
+        );
+    }
+    if !matches!(tower.position.len(), 0 | 2) {
+        check.error(&["prime_tower.position"], "X and Y are expected, such as [200, 180]");
+    }
+    if settings.tools.len() > 1 && tower.enabled && settings.print.sequence == Sequence::Object {
+        check.error(
+            &["prime_tower.enabled", "print.sequence"],
+            "a prime tower grows with all objects, which cannot be printed one after the other; set one of them otherwise",
+        );
+    }
+    for tool in 0..settings.tools.len() {
+        let own = settings.of_tool(tool);
+        let (height, nozzle) = (settings.layer.height, own.printer.nozzle_diameter);
+        if height > nozzle && nozzle != settings.printer.nozzle_diameter {
+            let message = format!("a layer is higher than the nozzle of tool {}, {nozzle}", tool + 1);
+            check.error(&["layer.height"], &message);
+        }
+    }
+}
+
 /// Scripts are tried on a print in the middle of the bed.
 fn scripts(settings: &Settings, check: &mut Check) {
     let gcode = &settings.gcode;
@@ -332,6 +387,7 @@ fn scripts(settings: &Settings, check: &mut Check) {
         ("gcode.between_objects", &gcode.between_objects),
         ("gcode.pause", &gcode.pause),
         ("gcode.color_change", &gcode.color_change),
+        ("tool_change.script", &settings.tool_change.script),
         ("gcode.filament_end", &gcode.filament_end),
         ("gcode.end", &gcode.end),
         ("gcode.file_name", &gcode.file_name),

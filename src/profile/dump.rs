@@ -26,6 +26,14 @@ pub fn dump_toml(resolved: &Resolved) -> String {
             };
         }
     }
+    for (number, tool) in (1..).zip(&resolved.settings.tools) {
+        out.push_str("\n[[tools]]\n");
+        for (key, value) in tool.own() {
+            let origin = resolved.origins.get(&format!("tools.{number}.{key}"));
+            let origin = origin.map(|origin| format!("# {origin}\n")).unwrap_or_default();
+            let _ = writeln!(out, "{origin}{key} = {}", toml_text(value));
+        }
+    }
     if !resolved.settings.variables.is_empty() {
         out.push_str("\n[variables]\n");
         for (name, value) in &resolved.settings.variables {
@@ -47,6 +55,13 @@ pub fn dump_json(resolved: &Resolved) -> serde_json::Value {
             let origin = resolved.origins[&key].to_string();
             let value = json!({ "value": values[section.name][field.name], "origin": origin });
             out.insert(key, value);
+        }
+    }
+    for (number, tool) in (1..).zip(&resolved.settings.tools) {
+        for (key, value) in tool.own() {
+            let key = format!("tools.{number}.{key}");
+            let origin = resolved.origins.get(&key).map(ToString::to_string);
+            out.insert(key, json!({ "value": value, "origin": origin }));
         }
     }
     serde_json::Value::Object(out)

@@ -5,7 +5,8 @@ use std::path::Path;
 
 use toml::{Table, Value};
 
-use super::settings::{SECTIONS, Settings};
+use super::settings::Settings;
+use super::tools::Tool;
 use crate::gcode::{self, BinaryMetadata};
 
 /// The marks around them in text: what `bgcode` makes of the first word of the header.
@@ -23,12 +24,16 @@ pub fn binary_metadata(settings: &Settings) -> BinaryMetadata {
         ("support_material", flag(settings.support.enabled)),
     ];
     let values = Table::try_from(settings).expect("settings are a table");
-    let slicer = SECTIONS.iter().flat_map(|section| {
+    let slicer = settings.sections().flat_map(|section| {
         let values = &values;
         section.fields.iter().map(move |field| {
             (format!("{}.{}", section.name, field.name), one_line(&values[section.name][field.name]))
         })
     });
+    let of_tool = |(number, tool): (usize, &Tool)| -> Vec<(String, String)> {
+        tool.own().map(|(key, value)| (format!("tools.{number}.{key}"), one_line(value))).collect()
+    };
+    let slicer = slicer.chain((1..).zip(&settings.tools).flat_map(of_tool));
     BinaryMetadata {
         printer: printer.map(|(key, value)| (key.to_owned(), value)).into(),
         slicer: slicer.collect(),

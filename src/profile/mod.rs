@@ -18,6 +18,7 @@ mod settings;
 mod source;
 mod stages;
 mod suggest;
+mod tools;
 mod value;
 
 pub use chosen::preset_notes;
@@ -32,19 +33,25 @@ pub use schema::{field, keys};
 pub use script::{Moment, PLACEHOLDERS, PRINT_NAMES, ScriptRun, WholePrint, expand};
 pub use settings::{SECTIONS, Settings};
 pub use source::{converted, text};
+pub use tools::{MOST_TOOLS, Tool};
 
 pub use crate::estimate::MachineSettings;
-pub use crate::gcode::{Flavor, GcodeSettings, PrinterSettings, thumbnail_list};
+pub use crate::gcode::{
+    Flavor, GcodeSettings, PrinterSettings, ToolChangeKind, ToolChangeSettings, ToolSettings, thumbnail_list,
+};
 pub use crate::motion::{
     AccelerationSettings, CoolingSettings, FilamentSettings, RetractSettings, RoleFlowSettings,
     SpeedSettings, TemperatureSettings, TravelSettings, filament_area_mm2,
 };
 pub use crate::options::{Field, Kind, Section};
-pub use crate::order::{CostKind, Effort, OrderSettings, OrderStrategy, Scope, SeamPosition, SeamSettings};
+pub use crate::order::{
+    CostKind, Effort, OrderSettings, OrderStrategy, Scope, SeamPosition, SeamSettings, ToolOrder,
+};
 pub use crate::plate::{BedOrigin, BedSettings, BedShape, PlateSettings, PrintSettings, Sequence};
 pub use crate::slice::{LayerSettings, heights_from_lines, layer_heights};
 pub use crate::toolpath::{
     BridgeSettings, BrimSettings, BrimSides, FirstLayerSettings, FuzzySettings, FuzzyWalls, InfillSettings,
-    IroningSettings, Pattern, RaftSettings, ShellSettings, SingleOnTop, SkirtSettings, SpiralSettings,
-    SupportPattern, SupportSettings, SupportStyle, WallGenerator, WallOrder, WallSettings,
+    IroningSettings, Pattern, PrimeTowerSettings, RaftSettings, ShellSettings, SingleOnTop, SkirtSettings,
+    SpiralSettings, SupportPattern, SupportSettings, SupportStyle, ToolOfSettings, WallGenerator, WallOrder,
+    WallSettings,
 };

@@ -11,6 +11,7 @@ use super::error::{Origin, Problem, ProfileError};
 use super::script::setting_names;
 use super::settings::Settings;
 use super::source::{Assignment, Reader};
+use super::tools;
 use super::value::{check, shortened, shown, typed_value};
 use crate::limits;
 use crate::presets::Config;
@@ -155,6 +156,16 @@ fn assigned(
             return Assigned { settings, origins, warnings: Vec::new() };
         }
         match check(&key, &value) {
+            Ok(()) if key == "tools" => drop(table.remove("tools")),
+            Ok(()) if key.starts_with(tools::TOOLS) => {
+                if let Some(tool) = tools::number(&key) {
+                    tools_up_to(&mut table, tool);
+                } else if let Ok((tool, own)) = tools::split(&key) {
+                    assign_to_tool(&mut table, tool, &own, value);
+                    forget_variables(&mut table, &own);
+                    origins.insert(format!("{}{}.{own}", tools::TOOLS, tool + 1), origin);
+                }
+            }
             Ok(()) => {
                 if let Some((section, name)) = key.split_once('.')
                     && let Some(Value::Table(section)) = table.get_mut(section)
@@ -183,6 +194,26 @@ fn assigned(
             .map(|c| c.problem),
     );
     Assigned { settings, origins, warnings: found.warnings }
+}
+
+/// The tables of at least so many tools, and one more.
+fn tools_up_to(table: &mut Table, last: usize) -> &mut Vec<Value> {
+    let tools = table.entry("tools").or_insert_with(|| Value::Array(Vec::new()));
+    let Value::Array(tools) = tools else { unreachable!("tools are a list") };
+    while tools.len() <= last {
+        tools.push(Value::Table(Table::new()));
+    }
+    tools
+}
+
+/// Gives a tool a value of its own.
+fn assign_to_tool(table: &mut Table, tool: usize, key: &str, value: Value) {
+    let Some((section, name)) = key.split_once('.') else { return };
+    let Value::Table(own) = &mut tools_up_to(table, tool)[tool] else { return };
+    let section = own.entry(section).or_insert_with(|| Value::Table(Table::new()));
+    if let Value::Table(section) = section {
+        section.insert(name.to_owned(), value);
+    }
 }
 
 /// Leaves out the variables that mean a setting which has a new value.

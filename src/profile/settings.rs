@@ -8,8 +8,9 @@ use serde::{Deserialize, Serialize};
 use toml::Value;
 
 use super::embedded::default_script;
+use super::tools::Tool;
 use crate::estimate::MachineSettings;
-use crate::gcode::{GcodeSettings, PrinterSettings};
+use crate::gcode::{GcodeSettings, PrinterSettings, ToolChangeSettings, ToolSettings};
 use crate::motion::{
     AccelerationSettings, CoolingSettings, FilamentSettings, RetractSettings, RoleFlowSettings,
     SpeedSettings, TemperatureSettings, TravelSettings,
@@ -20,7 +21,8 @@ use crate::plate::{BedSettings, PlateSettings, PrintSettings};
 use crate::slice::LayerSettings;
 use crate::toolpath::{
     BridgeSettings, BrimSettings, FirstLayerSettings, FuzzySettings, InfillSettings, IroningSettings,
-    RaftSettings, ShellSettings, SkirtSettings, SpiralSettings, SupportSettings, WallSettings,
+    PrimeTowerSettings, RaftSettings, ShellSettings, SkirtSettings, SpiralSettings, SupportSettings,
+    ToolOfSettings, WallSettings,
 };
 
 macro_rules! settings {
@@ -34,12 +36,15 @@ macro_rules! settings {
             /// Names that scripts may use, with their values: those of another slicer's preset, or a profile's own.
             #[serde(default)]
             pub variables: BTreeMap<String, Value>,
+            /// What each tool has of its own; empty: the printer has one.
+            #[serde(default, skip_serializing_if = "Vec::is_empty")]
+            pub tools: Vec<Tool>,
         }
 
         impl Settings {
             /// The defaults of all stages.
             pub(super) fn of_stages() -> Self {
-                Self { $($section: $ty::default(),)* variables: BTreeMap::new() }
+                Self { $($section: $ty::default(),)* variables: BTreeMap::new(), tools: Vec::new() }
             }
         }
 
@@ -82,6 +87,10 @@ settings! {
     travel: TravelSettings,
     cooling: CoolingSettings,
     gcode: GcodeSettings,
+    tool: ToolSettings,
+    tool_of: ToolOfSettings,
+    tool_change: ToolChangeSettings,
+    prime_tower: PrimeTowerSettings,
 }
 
 impl Default for Settings {
@@ -91,5 +100,16 @@ impl Default for Settings {
         settings.gcode.start = default_script("start");
         settings.gcode.end = default_script("end");
         settings
+    }
+}
+
+/// Sections about tools: where a printer has one, nothing is said of them.
+const OF_TOOLS: [&str; 4] = ["tool", "tool_of", "tool_change", "prime_tower"];
+
+impl Settings {
+    /// The sections that matter to the printer.
+    pub(super) fn sections(&self) -> impl Iterator<Item = &'static Section> {
+        let several = !self.tools.is_empty();
+        SECTIONS.iter().filter(move |section| several || !OF_TOOLS.contains(&section.name))
     }
 }

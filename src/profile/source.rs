@@ -9,6 +9,7 @@ use super::embedded::{self, EMBEDDED};
 use super::error::{Origin, Problem};
 use super::import::{self, Import};
 use super::metadata;
+use super::tools;
 use crate::gcode::is_gcode;
 use crate::limits;
 use crate::near;
@@ -139,6 +140,12 @@ impl Reader {
         for taken in import.taken {
             self.assign(taken.key.to_owned(), taken.value, &Origin::Line(taken.place));
         }
+        for (number, tool) in (1..).zip(import.tools) {
+            self.assign(format!("tools.{number}"), Value::Table(Table::new()), &Origin::Variables);
+            for taken in tool {
+                self.assign(format!("tools.{number}.{}", taken.key), taken.value, &Origin::Line(taken.place));
+            }
+        }
         // After the settings, which take the place of variables that mean the same.
         for (name, value) in import.variables {
             self.assign(format!("variables.{name}"), value, &Origin::Variables);
@@ -162,6 +169,7 @@ impl Reader {
         {
             self.problem(origin, "description: a text in quotes was expected".into());
         }
+        let tools = table.remove("tools").map(tools::flattened).unwrap_or_default();
         // Last, for a setting takes the place of variables that mean the same.
         let variables = table.remove_entry("variables");
         for (section, value) in table.into_iter().chain(variables) {
@@ -174,6 +182,25 @@ impl Reader {
                 value => self.assign(section, value, origin),
             }
         }
+        for (key, value) in tools {
+            match key.strip_suffix(".profile").zip(parents(value.clone())) {
+                Some((tool, profiles)) => self.tool_profiles(tool, &profiles, folder, origin),
+                None => self.assign(key, value, origin),
+            }
+        }
+    }
+
+    /// Takes over what profiles say that a tool may have of its own; `tool` is what its keys begin with.
+    fn tool_profiles(&mut self, tool: &str, profiles: &[String], folder: &Path, origin: &Origin) {
+        let first = self.assignments.len();
+        for profile in profiles {
+            self.read_from(profile, folder, origin);
+        }
+        let read = self.assignments.split_off(first);
+        let own = read.into_iter().filter(|assignment| tools::may_differ(&assignment.key));
+        self.assignments.extend(
+            own.map(|assignment| Assignment { key: format!("{tool}.{}", assignment.key), ..assignment }),
+        );
     }
 
     fn assign(&mut self, key: String, value: Value, origin: &Origin) {

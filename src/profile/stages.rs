@@ -3,12 +3,14 @@
 use super::settings::Settings;
 use crate::estimate::{Firmware, FirmwareRetraction, Machine};
 use crate::gcode::{
-    BEFORE_LAYER_CHANGE, Flavor, GcodeOptions, LayerScripts, PrinterSettings, Scripts, WriterSettings,
+    BEFORE_LAYER_CHANGE, Flavor, GcodeOptions, LayerScripts, PrinterSettings, Scripts, ToolChangeKind,
+    ToolOptions, ToolWriter, WriterSettings,
 };
 use crate::motion::{FlowSettings, MotionSettings, PauseAt};
 use crate::order::{Corners, CostKind, OrderStrategy, SeamPosition, SeamSettings};
 use crate::plate::Line;
-use crate::toolpath::{ToolpathSettings, bead};
+use crate::toolpath::{ToolId, ToolpathSettings, bead};
+use crate::units::Celsius;
 use ordering::{Cost, DetourRule, TravelTime, trapezoid_s};
 
 impl Line {
@@ -33,6 +35,7 @@ impl From<&Settings> for ToolpathSettings {
             skirt: s.skirt.clone(),
             brim: s.brim.clone(),
             free_seams: matches!(s.seam.position, SeamPosition::Free | SeamPosition::Nearest),
+            tool_of: (s.tools.len() > 1).then(|| s.tool_of.clone()),
         }
     }
 }
@@ -101,6 +104,9 @@ impl Settings {
             bridge: all.bridge,
             printer: PrinterSettings { nozzle_diameter: self.printer.nozzle_diameter, ..Default::default() },
             seam: SeamSettings { position: self.seam.position, ..Default::default() },
+            tool_of: all.tool_of,
+            prime_tower: all.prime_tower,
+            tools: all.tools,
             ..Self::of_stages()
         }
     }
@@ -148,6 +154,11 @@ impl Settings {
 impl MotionSettings {
     /// What motion needs of all settings, and where to pause.
     pub fn new(settings: &Settings, pauses: &[PauseAt]) -> Self {
+        let tools = (0..settings.tools.len()).map(|tool| Self::of_one(&settings.of_tool(tool), pauses));
+        Self { tools: tools.collect(), ..Self::of_one(settings, pauses) }
+    }
+
+    fn of_one(settings: &Settings, pauses: &[PauseAt]) -> Self {
         Self {
             flow: FlowSettings {
                 multiplier: settings.filament.flow,
@@ -173,6 +184,9 @@ impl MotionSettings {
             pauses: pauses.to_vec(),
             color_changes: Vec::new(),
             heat_first_layer: false,
+            tools: Vec::new(),
+            change_time: settings.tool_change.time,
+            keeps_filament: settings.tool_change.kind != ToolChangeKind::SingleNozzle,
         }
     }
 }
@@ -229,6 +243,20 @@ impl WriterSettings {
             layer_scripts: layer_scripts(settings),
             label_commands: settings.gcode.labels,
             label_comments: settings.gcode.label_comments,
+            tools: (0..settings.tools.len()).map(|tool| ToolWriter::new(&settings.of_tool(tool))).collect(),
+        }
+    }
+}
+
+impl ToolWriter {
+    /// What the writer needs of the settings of a tool.
+    fn new(own: &Settings) -> Self {
+        let single = own.tool_change.kind == ToolChangeKind::SingleNozzle;
+        Self {
+            filament_diameter: own.filament.diameter,
+            offset_mm: own.tool.offset.map(|mm| mm.0),
+            idle: if single { Celsius(0.0) } else { own.tool.idle_temperature },
+            has_heater: !single,
         }
     }
 }
@@ -262,7 +290,26 @@ impl From<&Settings> for GcodeOptions {
             gcode: settings.gcode.clone(),
             machine: Machine::new(settings),
             limits: settings.machine.clone(),
+            tools: Vec::new(),
         }
+    }
+}
+
+impl GcodeOptions {
+    /// The options of a print that begins with a tool.
+    pub fn beginning_with(settings: &Settings, first: ToolId) -> Self {
+        let own = |tool: usize| {
+            let own = settings.of_tool(tool);
+            ToolOptions {
+                printer: own.printer.clone(),
+                filament: own.filament.clone(),
+                temperature: own.temperature.clone(),
+                tool: own.tool.clone(),
+                has_heater: own.tool_change.kind != ToolChangeKind::SingleNozzle,
+            }
+        };
+        let tools = (0..settings.tools.len()).map(own).collect();
+        Self { tools, ..Self::from(&*settings.of_tool(first.into())) }
     }
 }
 

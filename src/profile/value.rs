@@ -4,6 +4,7 @@ use toml::{Table, Value};
 
 use super::schema;
 use super::suggest;
+use super::tools;
 use crate::near;
 use crate::options::{Field, Kind};
 
@@ -11,6 +12,8 @@ use crate::options::{Field, Kind};
 pub(super) fn typed_value(key: &str, typed: &str) -> Value {
     let typed = typed.trim();
     let quoted = typed.starts_with(['"', '\'']);
+    let of_tool = tools::split(key);
+    let key = of_tool.as_ref().map_or(key, |(_, key)| key);
     let is_text = matches!(schema::field(key), Some(Field { kind: Kind::Text | Kind::Choice(_), .. }));
     let read = || format!("v = {typed}").parse::<Table>().ok()?.remove("v");
     let value = if is_text && !quoted { None } else { read() };
@@ -37,6 +40,22 @@ pub(super) fn shortened(text: &str) -> String {
 pub(super) fn check(key: &str, value: &Value) -> Result<(), String> {
     if let Some(name) = key.strip_prefix(VARIABLES) {
         return check_variable(name, value);
+    }
+    if key == "tools" {
+        // A list of tools comes key by key; an empty one takes away those of the profiles before.
+        let empty = value.as_array().is_some_and(Vec::is_empty);
+        return if empty { Ok(()) } else { Err("tables are expected, each under `[[tools]]`".into()) };
+    }
+    if tools::number(key).is_some() && value.as_table().is_some_and(Table::is_empty) {
+        return Ok(());
+    }
+    if key.starts_with(tools::TOOLS) {
+        let (_, own) = tools::split(key)?;
+        check(&own, value)?;
+        return match tools::may_differ(&own) {
+            true => Ok(()),
+            false => Err(format!("it is the same for all tools, which may differ in {}", tools::may_have())),
+        };
     }
     let Some(field) = schema::field(key) else {
         let near: Vec<String> = suggest::keys(key).into_iter().map(|k| format!("`{k}`")).collect();

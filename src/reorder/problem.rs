@@ -80,6 +80,7 @@ impl Ordering {
                 height_mm: 0.2,
                 island: Some(IslandId(island[first])),
                 phase: Phase::Found(classes.rank[first]),
+                tool: None,
             });
             members.push(first..end);
             first = end;
@@ -94,6 +95,7 @@ impl Ordering {
             beneath: None,
             kind: LayerKind::Flat,
             entries: Default::default(),
+            tools: Vec::new(),
         };
         Self { layer, members, fixed_mm }
     }

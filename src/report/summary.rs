@@ -120,6 +120,33 @@ impl Overhangs {
     }
 }
 
+/// What one of several tools printed.
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+pub struct ToolSummary {
+    /// Its number, from 1.
+    pub tool: usize,
+    /// Its name.
+    pub name: String,
+    /// Material of its filament.
+    pub material: String,
+    /// Color of its filament.
+    pub color: String,
+    /// Plastic deposited, flushing included.
+    pub volume_mm3: f64,
+    /// Of that, what went into the prime tower.
+    pub flushed_mm3: f64,
+    /// Filament used.
+    pub filament_mm: f64,
+    /// Its weight.
+    pub filament_g: f64,
+    /// Its price.
+    pub filament_cost: f64,
+}
+
+fn is_zero(count: &usize) -> bool {
+    *count == 0
+}
+
 /// The summary of a run. `Display` gives the text for people, `Serialize` the JSON.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct Summary {
@@ -144,6 +171,12 @@ pub struct Summary {
     pub filament_g: f64,
     /// Its price, in the currency of `filament.cost`.
     pub filament_cost: f64,
+    /// What each tool printed, where there are several.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub tools: Vec<ToolSummary>,
+    /// How often another tool was taken.
+    #[serde(skip_serializing_if = "is_zero")]
+    pub tool_changes: usize,
     /// What was repaired of the models.
     pub repairs: Vec<Repaired>,
     /// What would need support, where none is printed.
@@ -166,6 +199,22 @@ impl fmt::Display for Summary {
         writeln!(f, "  time      {}", duration(total.total_s))?;
         let (metres, grams, cost) = (total.filament_mm / 1000.0, self.filament_g, self.filament_cost);
         writeln!(f, "  filament  {metres:.2} m, {grams:.2} g, cost {cost:.2}")?;
+        for tool in &self.tools {
+            let called = [tool.name.as_str(), tool.material.as_str()].map(str::trim);
+            let called: Vec<&str> = called.into_iter().filter(|text| !text.is_empty()).collect();
+            writeln!(
+                f,
+                "  tool {}    {:.2} m, {:.2} g, {:.0} mm³ of it in the prime tower ({})",
+                tool.tool,
+                tool.filament_mm / 1000.0,
+                tool.filament_g,
+                tool.flushed_mm3,
+                called.join(", ")
+            )?;
+        }
+        if !self.tools.is_empty() {
+            writeln!(f, "  changes   {}", self.tool_changes)?;
+        }
         let share = if total.total_mm > 0.0 { 100.0 * total.travel_mm / total.total_mm } else { 0.0 };
         writeln!(f, "  path      {:.2} m printed", total.print_mm / 1000.0)?;
         write!(f, "  travel    {:.2} m ({share:.1} % of the path), ", total.travel_mm / 1000.0)?;

@@ -110,7 +110,7 @@ pub fn raft(area: &Region, layer: u32, settings: &RaftSettings, width_mm: f64, h
         .filter(|line| line.points.len() >= 2 + usize::from(line.closed))
         .map(|line| {
             let (closed, points, width) = (line.closed, line.points, width.clone());
-            Path { role, closed, points, width, height_mm, island: None, phase: Phase::Support }
+            Path { role, closed, points, width, height_mm, island: None, phase: Phase::Support, tool: None }
         })
         .collect()
 }

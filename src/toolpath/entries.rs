@@ -54,6 +54,7 @@ mod tests {
             height_mm: 0.2,
             island: Some(IslandId(0)),
             phase: Phase::Wall(0),
+            tool: None,
         }];
         add(&mut paths);
         let points = &paths[0].points;

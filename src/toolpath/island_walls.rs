@@ -99,6 +99,7 @@ impl WallPlanner<'_> {
                 paths: Vec::new(),
                 height_mm: layer.height_mm,
                 island: Some(IslandId(number as u32)),
+                tool: None,
             };
             let walls = self.trace(polygon, &spec, layer);
             self.island(builder, polygon, walls, &spec, fuzzy.as_ref(), support_below.as_ref())

@@ -9,7 +9,7 @@ use super::bead::{self, Line};
 use super::beading::{self, Gap};
 use super::bridges::Bridge;
 use super::infill::{self, SolidSpec};
-use super::{IslandId, Path, Phase, Role, Width};
+use super::{IslandId, Path, Phase, Role, ToolId, Width};
 
 /// Infill lines shorter than this hold nothing.
 const SHORTEST_LINE_MM: f64 = 0.2;
@@ -52,12 +52,14 @@ pub(super) struct LayerBuilder {
     pub paths: Vec<Path>,
     pub height_mm: f64,
     pub island: Option<IslandId>,
+    /// The tool of what follows, where a part has one of its own.
+    pub tool: Option<ToolId>,
 }
 
 impl LayerBuilder {
     fn push(&mut self, role: Role, phase: Phase, closed: bool, points: Vec<geometry::Point>, width: Width) {
         let (height_mm, island) = (self.height_mm, self.island);
-        self.paths.push(Path { role, closed, points, width, height_mm, island, phase });
+        self.paths.push(Path { role, closed, points, width, height_mm, island, phase, tool: self.tool });
     }
 
     pub fn loops(&mut self, role: Role, phase: Phase, width_mm: f64, rings: &[Ring]) {

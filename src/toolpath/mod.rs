@@ -21,6 +21,7 @@ mod shells;
 mod single;
 mod spiral;
 pub mod support;
+mod tools;
 mod walls;
 
 pub use adhesion::{raft, raft_area};
@@ -28,11 +29,13 @@ pub use beading::Gap;
 pub use island_walls::{IslandWalls, LayerWalls};
 pub use options::{
     BridgeSettings, BrimSettings, BrimSides, FirstLayerSettings, FuzzySettings, FuzzyWalls, InfillSettings,
-    IroningSettings, Pattern, RaftSettings, ShellSettings, SingleOnTop, SkirtSettings, SpiralSettings,
-    SupportPattern, SupportSettings, SupportStyle, WallGenerator, WallOrder, WallSettings,
+    IroningSettings, Pattern, PrimeTowerSettings, RaftSettings, ShellSettings, SingleOnTop, SkirtSettings,
+    SpiralSettings, SupportPattern, SupportSettings, SupportStyle, ToolOfSettings, WallGenerator, WallOrder,
+    WallSettings,
 };
 pub use path::{Entries, Island, IslandId, LayerKind, LayerPaths, Path, Phase, Role, Width};
 pub use planner::{ObjectLayer, Planner, PlateLayer, ToolpathSettings};
 pub use shells::{Map, ShellWindows, Shells, Zones, bottom_layers, shell_depth};
 pub use spiral::{Revolution, Rise, SpiralSpec, align, level, outline, revolution};
+pub use tools::{ToolHeights, ToolId, tool_heights};
 pub use walls::{WallSpec, Walls};

@@ -324,3 +324,37 @@ section! {
         anchor: Mm = Mm(1.0); 0.0..=20.0,
     }
 }
+section! {
+    /// `[tool_of]`: which of `[[tools]]` prints what, counted from 1; objects may have their own. See [tools](tools.md).
+    ToolOfSettings {
+        /// Everything that has no tool of its own.
+        object: u32 = 1; 1..=16,
+        /// Walls, and gaps between them; 0: the object's tool.
+        walls: u32 = 0; 0..=16,
+        /// Sparse infill; 0: the object's tool.
+        infill: u32 = 0; 0..=16,
+        /// Solid infill, bridges and ironing; 0: the object's tool.
+        solid_infill: u32 = 0; 0..=16,
+        /// Support and rafts; 0: whichever tool is in use.
+        support: u32 = 0; 0..=16,
+        /// Dense support under the part, and the top of rafts; 0: the tool of support.
+        support_interface: u32 = 0; 0..=16,
+        /// Heights between which another tool prints the object, whatever the other keys say: 5-10:2, 20.5-24:3 (millimetres over the bed, tool); empty: none.
+        heights: String = String::new(),
+    }
+}
+section! {
+    /// `[prime_tower]`: where tools are flushed that need it.
+    PrimeTowerSettings {
+        /// Print one where tools change; without it flushing is left to the change's script.
+        enabled: bool = true,
+        /// Width along X.
+        width: Mm = Mm(35.0); 5.0..=500.0,
+        /// Middle of the tower in bed coordinates, X and Y; empty: beside the objects.
+        position: Vec<f64> = Vec::new(); -5000.0..=5000.0, "mm",
+        /// Width of the brim around it.
+        brim: Mm = Mm(3.0); 0.0..=50.0,
+        /// Distance of the lines where a layer flushes nothing.
+        line_distance: Mm = Mm(2.5); 0.5..=20.0,
+    }
+}

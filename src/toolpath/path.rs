@@ -3,6 +3,7 @@
 use std::collections::BTreeMap;
 
 use super::spiral::Rise;
+use super::tools::ToolId;
 use geometry::{Point, Region};
 
 /// What a path is for. The order of the variants is the order in which an island is printed by default.
@@ -22,11 +23,12 @@ pub enum Role {
     InternalInfill,
     TopSolidInfill,
     Ironing,
+    PrimeTower,
 }
 
 impl Role {
     /// Every role, in order.
-    pub const ALL: [Role; 13] = [
+    pub const ALL: [Role; 14] = [
         Role::Skirt,
         Role::Brim,
         Role::Support,
@@ -40,6 +42,7 @@ impl Role {
         Role::InternalInfill,
         Role::TopSolidInfill,
         Role::Ironing,
+        Role::PrimeTower,
     ];
 
     /// Whether it is a wall.
@@ -67,6 +70,7 @@ impl Role {
             Role::InternalInfill => "Internal infill",
             Role::TopSolidInfill => "Top solid infill",
             Role::Ironing => "Ironing",
+            Role::PrimeTower => "Wipe tower",
         }
     }
 }
@@ -97,6 +101,8 @@ pub struct Path {
     pub island: Option<IslandId>,
     /// When it is printed, among the paths of its island.
     pub phase: Phase,
+    /// Which tool prints it; `None`: any.
+    pub tool: Option<ToolId>,
 }
 
 /// Index into [`LayerPaths::islands`].
@@ -115,6 +121,8 @@ impl IslandId {
 /// Ordering under `feature` and `island` scope prints phases in this order and never mixes them.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum Phase {
+    /// The prime tower, of each tool.
+    Tower(u32),
     /// Around everything.
     Skirt,
     /// Around the part.
@@ -169,6 +177,19 @@ pub struct LayerPaths {
     pub kind: LayerKind,
     /// Closed paths that may be entered at some of their vertices only, by their index.
     pub entries: BTreeMap<u32, Entries>,
+    /// The tools that print it, in their order; empty: the printer has one.
+    pub tools: Vec<ToolId>,
+}
+
+impl LayerPaths {
+    /// Inserts paths before the one with this index.
+    pub fn insert(&mut self, index: usize, paths: impl IntoIterator<Item = Path>) {
+        let before = self.paths.len();
+        self.paths.splice(index..index, paths);
+        let more = (self.paths.len() - before) as u32;
+        let moved = |(path, entries)| (if path as usize >= index { path + more } else { path }, entries);
+        self.entries = std::mem::take(&mut self.entries).into_iter().map(moved).collect();
+    }
 }
 
 /// The vertices of a loop at which it may be entered.

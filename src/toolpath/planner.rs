@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use super::options::{
     BridgeSettings, BrimSettings, FirstLayerSettings, FuzzySettings, FuzzyWalls, InfillSettings,
-    IroningSettings, ShellSettings, SkirtSettings, WallSettings,
+    IroningSettings, ShellSettings, SkirtSettings, ToolOfSettings, WallSettings,
 };
 use crate::units::Mm;
 use geometry::{Polygon, Region, Ring};
@@ -19,7 +19,8 @@ use super::reach::Reach;
 use super::shells::{self, ShellWindows, Zones};
 use super::walls::{WallSpec, Walls};
 use super::{
-    Island, IslandId, LayerKind, LayerPaths, Phase, Role, adhesion, bead, beside_sparse, bridges, entries,
+    Island, IslandId, LayerKind, LayerPaths, Path, Phase, Role, ToolId, adhesion, bead, beside_sparse,
+    bridges, entries, tools,
 };
 
 /// Ends of sparse infill lines are joined along the wall up to this many line distances: the distance to the next
@@ -47,6 +48,8 @@ pub struct ToolpathSettings {
     pub brim: BrimSettings,
     /// Loops may be entered anywhere, so that they get vertices to be entered at.
     pub free_seams: bool,
+    /// Which tool prints what, where there are several.
+    pub tool_of: Option<ToolOfSettings>,
 }
 
 /// One object at one layer: its section and the data of its neighbouring layers.
@@ -56,6 +59,8 @@ pub struct ObjectLayer<'a> {
     pub object: u32,
     /// Its section.
     pub section: &'a Region,
+    /// The tool of this part of it, where its parts have different ones; the other sections are the whole object's.
+    pub tool: Option<ToolId>,
     /// Its section one layer up; empty on its last layer.
     pub above: &'a Region,
     /// Its section one layer down; `None`: the bed.
@@ -232,7 +237,8 @@ impl Planner {
 
     /// The paths of one layer whose [`walls`](Self::walls) are known.
     pub fn filled(&self, section: &PlateLayer<'_>, walls: LayerWalls) -> LayerPaths {
-        let mut layer = LayerBuilder { paths: Vec::new(), height_mm: section.height_mm, island: None };
+        let mut layer =
+            LayerBuilder { paths: Vec::new(), height_mm: section.height_mm, island: None, tool: None };
         let widths = self.widths(section.index);
         if section.index < self.settings.skirt.layers as usize {
             layer.loops(Role::Skirt, Phase::Skirt, widths.skirt_mm, &self.skirt);
@@ -248,6 +254,7 @@ impl Planner {
         for object in &section.objects {
             let support_below = object.beneath.map(Beneath::new);
             let part = Part { object, support_below };
+            layer.tool = object.tool;
             for (polygon, walls) in object.section.polygons().iter().zip(walls.by_ref()) {
                 layer.island = Some(IslandId(islands.len() as u32));
                 islands.push(Island { object: object.object });
@@ -258,7 +265,7 @@ impl Planner {
         if self.settings.free_seams {
             entries::add(&mut layer.paths);
         }
-        LayerPaths {
+        let mut made = LayerPaths {
             index: section.index,
             top_mm: section.top_mm,
             height_mm: section.height_mm,
@@ -268,7 +275,18 @@ impl Planner {
             beneath: rests_on(section, &self.settings.fuzzy),
             kind: LayerKind::Flat,
             entries: Default::default(),
-        }
+            tools: Vec::new(),
+        };
+        self.assign_tools(&mut made);
+        made
+    }
+
+    /// Says of each path which tool prints it, where there are several.
+    fn assign_tools(&self, layer: &mut LayerPaths) {
+        let Some(tool_of) = &self.settings.tool_of else { return };
+        // The profile has checked the heights.
+        let heights = tools::tool_heights(&tool_of.heights).unwrap_or_default();
+        tools::assign(layer, tool_of, &heights);
     }
 
     /// The walls of an island.
@@ -289,7 +307,8 @@ impl Planner {
         let widths = &self.widths(section.index);
         let IslandWalls { paths, inside } = walls;
         let first = layer.paths.len();
-        layer.paths.extend(paths);
+        let tool = layer.tool;
+        layer.paths.extend(paths.into_iter().map(|path| Path { tool, ..path }));
 
         let settings = &self.settings.infill;
         let mut zones = self.zones(&inside, object, section);
@@ -504,8 +523,11 @@ fn wall_layer<'a>(object: &ObjectLayer<'a>, section: &PlateLayer<'_>) -> WallLay
 /// What a layer rests on: everything one layer down. Rough walls do not hang over where they leave their line.
 fn rests_on(section: &PlateLayer<'_>, fuzzy: &FuzzySettings) -> Option<Region> {
     let mut below = Region::default();
-    for object in &section.objects {
-        below.add_disjoint(object.beneath?.polygons().iter().cloned());
+    for (index, object) in section.objects.iter().enumerate() {
+        // Parts of an object have it as a whole beneath them.
+        if index == 0 || section.objects[index - 1].object != object.object || object.tool.is_none() {
+            below.add_disjoint(object.beneath?.polygons().iter().cloned());
+        }
     }
     if fuzzy.walls != FuzzyWalls::None {
         below = geometry::offset(&below, fuzzy.thickness.0);

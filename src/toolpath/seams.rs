@@ -32,31 +32,15 @@ struct Sample {
 }
 
 /// Says of each wall that passes painted lines where it may be entered, and adds vertices there: where an enforced line is nearest
-/// on the outline; of a loop without one, where no blocked line is. `regions` are the sections of the objects; outlines may be moved
-/// by `moved_mm` against the lines.
-pub fn mark<'a>(
-    layer: &mut LayerPaths,
-    lines: &[PaintedLine<Wish>],
-    section: impl Fn(usize) -> &'a Region,
-    moved_mm: f64,
-) {
-    let mut objects: Vec<usize> = lines.iter().map(|line| line.object).collect();
-    objects.sort_unstable();
-    objects.dedup();
-    for object in objects {
-        let own = lines.iter().filter(|line| line.object == object);
-        let painted = Painted::new(own, section(object), TOLERANCE_MM + moved_mm);
-        let islands = &layer.islands;
-        let is_own = |path: &Path| {
-            let of = path.island.and_then(|island| islands.get(island.index()));
-            path.closed && path.role.is_wall() && of.is_some_and(|of| of.object as usize == object)
-        };
-        for (number, path) in (0..).zip(&mut layer.paths) {
-            if is_own(path)
-                && let Some(entries) = painted.enter(path)
-            {
-                layer.entries.insert(number, entries);
-            }
+/// on the outline; of a loop without one, where no blocked line is. The outline may be moved by `moved_mm` against the lines.
+pub fn mark(layer: &mut LayerPaths, lines: &[PaintedLine<Wish>], moved_mm: f64) {
+    let painted = Painted::new(lines, &layer.outline, TOLERANCE_MM + moved_mm);
+    for (number, path) in (0..).zip(&mut layer.paths) {
+        if path.closed
+            && path.role.is_wall()
+            && let Some(entries) = painted.enter(path)
+        {
+            layer.entries.insert(number, entries);
         }
     }
 }
@@ -72,11 +56,7 @@ struct Painted {
 }
 
 impl Painted {
-    fn new<'a>(
-        lines: impl Iterator<Item = &'a PaintedLine<Wish>>,
-        section: &Region,
-        tolerance_mm: f64,
-    ) -> Self {
+    fn new(lines: &[PaintedLine<Wish>], outline: &Region, tolerance_mm: f64) -> Self {
         let (mut points, mut wishes) = (Vec::new(), Vec::new());
         for line in lines {
             let [a, b] = line.ends;
@@ -86,7 +66,7 @@ impl Painted {
         }
         let tree = KdTree::new(&points);
         let bounds = Bounds::of(points.iter().copied()).unwrap_or_default();
-        Self { points, wishes, tree, bounds, outline: EdgeGrid::new(section), tolerance_mm }
+        Self { points, wishes, tree, bounds, outline: EdgeGrid::new(outline), tolerance_mm }
     }
 
     /// What is painted where the outline is nearest to a place.
@@ -238,18 +218,19 @@ mod tests {
             height_mm: 0.2,
             island: Some(IslandId(0)),
             phase: Phase::Wall(0),
+            tool: None,
         };
-        let outline = geometry::unite_rings(&[ring(0.0)]);
         let mut layer = LayerPaths {
             index: 3,
             top_mm: 0.8,
             height_mm: 0.2,
             islands: vec![Island { object: 0 }],
             paths: vec![wall(Role::ExternalPerimeter, 0.2), wall(Role::Perimeter, 0.6)],
-            outline: outline.clone(),
+            outline: geometry::unite_rings(&[ring(0.0)]),
             beneath: None,
             kind: LayerKind::Flat,
             entries: Default::default(),
+            tools: Vec::new(),
         };
         let line = |&(from, to, paint): &(f64, f64, Wish)| PaintedLine {
             object: 0,
@@ -257,7 +238,7 @@ mod tests {
             paint,
         };
         let lines: Vec<_> = lines.iter().map(line).collect();
-        mark(&mut layer, &lines, |_| &outline, 0.0);
+        mark(&mut layer, &lines, 0.0);
         layer
     }
 

@@ -40,6 +40,18 @@ pub(super) const ROLES: &[RoleColor] = roles![
     "Other", 0x5F6B73, [];
 ];
 
+/// Each tool, in turn; hues by Masataka Okabe and Kei Ito, which all viewers can tell apart.
+pub(super) const TOOLS: [(&str, Rgb); 8] = [
+    ("Tool 1", rgb(0xE69F00)),
+    ("Tool 2", rgb(0x0072B2)),
+    ("Tool 3", rgb(0x009E73)),
+    ("Tool 4", rgb(0xD55E00)),
+    ("Tool 5", rgb(0xCC79A7)),
+    ("Tool 6", rgb(0x56B4E9)),
+    ("Tool 7", rgb(0xF0E442)),
+    ("Tool 8", rgb(0x555555)),
+];
+
 /// Index of the role whose loops have a seam that is seen.
 pub(super) const SEAMED: u8 = 0;
 /// Index of what is printed beside the object.

@@ -1,6 +1,6 @@
 //! A layer as shapes in the plane, in the order in which they are painted. SVG and PNG draw the same.
 
-use super::colors::{LIGHT, ROLES, Rgb};
+use super::colors::{LIGHT, ROLES, Rgb, TOOLS};
 use super::scene::{Layer, MarkKind, Scene};
 
 /// Room around the print, as a share of its larger side.
@@ -39,7 +39,7 @@ impl Picture {
         ];
         // Thin, but still seen where the print is large.
         let travel_mm = (side / 450.0).clamp(0.08, 1.0);
-        let mut shapes = beads(layer);
+        let mut shapes = beads(layer, scene.by_tool);
         shapes.extend(travels(layer, travel_mm));
         for kind in [MarkKind::Seam, MarkKind::Unretraction, MarkKind::Retraction] {
             let marks = layer.marks.iter().filter(|mark| mark.kind == kind);
@@ -62,12 +62,16 @@ fn sign(kind: MarkKind, at: [f32; 2], size_mm: f32) -> Shape {
     Shape::Mark { label, color, rim_mm: 0.25 * size_mm, points }
 }
 
-fn beads(layer: &Layer) -> Vec<Shape> {
+fn beads(layer: &Layer, by_tool: bool) -> Vec<Shape> {
     let mut shapes = Vec::new();
     for stroke in &layer.strokes {
         let Some(role) = stroke.role.and_then(|role| ROLES.get(usize::from(role))) else { continue };
         let width_mm = (stroke.width_mm * 1000.0).round() / 1000.0;
-        extend(&mut shapes, stroke.from, stroke.to, (role.label, role.color, width_mm));
+        let (label, color) = match by_tool {
+            true => TOOLS[usize::from(stroke.tool) % TOOLS.len()],
+            false => (role.label, role.color),
+        };
+        extend(&mut shapes, stroke.from, stroke.to, (label, color, width_mm));
     }
     shapes
 }

@@ -41,6 +41,7 @@ fn layer(planned: &PlannedLayer<'_>) -> Layer {
                 Width::PerVertex(widths) => (widths[from] + widths[to]) / 2.0,
             };
             strokes.push(Stroke {
+                tool: 0,
                 from: at(from),
                 to: at(to),
                 role: Some(role),
@@ -75,6 +76,7 @@ mod tests {
             height_mm: 0.2,
             island: Some(IslandId(0)),
             phase: Phase::Wall(0),
+            tool: None,
         };
         let scene = Scene::planned(&[PlannedLayer { z_mm: 0.4, paths: vec![&path] }]);
         let layer = &scene.layers[0];

@@ -37,6 +37,8 @@ pub struct Stroke {
     pub speed_mm_s: f32,
     /// Plastic per second at that speed.
     pub flow_mm3_s: f32,
+    /// The tool, counted from 0.
+    pub tool: u8,
 }
 
 /// The kind of a mark.
@@ -83,9 +85,17 @@ pub struct Scene {
     pub total: Measures,
     /// Moves that were left out because they lead further than 10 m from the origin.
     pub left_out: usize,
+    /// Pictures show which tool prints, instead of what for.
+    pub by_tool: bool,
 }
 
 impl Scene {
+    /// The same with pictures that show which tool prints.
+    #[must_use]
+    pub fn colored_by_tool(self) -> Self {
+        Self { by_tool: true, ..self }
+    }
+
     /// Reads a G-code file of any common slicer. Filament and machine are those of the settings; widths that the file
     /// does not give follow from the amounts extruded. O(bytes).
     pub fn read(text: &[u8], settings: &Settings) -> Self {
@@ -155,6 +165,7 @@ struct Reader {
     travelled: bool,
     /// Role of the stroke before, if it extruded.
     extruding: Option<u8>,
+    tool: u8,
 }
 
 impl Reader {
@@ -172,6 +183,7 @@ impl Reader {
             bead_end: None,
             travelled: false,
             extruding: None,
+            tool: 0,
         }
     }
 
@@ -195,7 +207,12 @@ impl Reader {
                 self.mark(MarkKind::Unretraction, self.nozzle());
             }
             Action::Type(_) => {}
-            Action::Other => self.time(read),
+            Action::Other => {
+                if let Some(code) = read.line.code.filter(|code| code.letter == b'T') {
+                    self.tool = u8::try_from(code.number).unwrap_or(self.tool);
+                }
+                self.time(read);
+            }
         }
     }
 
@@ -322,6 +339,7 @@ impl Reader {
                 height_mm: height_mm as f32,
                 speed_mm_s: stroke.feed_mm_s as f32,
                 flow_mm3_s: flow as f32,
+                tool: self.tool,
             });
             from = to;
         }

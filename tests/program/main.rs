@@ -30,4 +30,5 @@ mod project;
 mod project_file;
 mod reorder;
 mod supports;
+mod tools;
 mod view;

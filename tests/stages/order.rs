@@ -198,6 +198,7 @@ fn path(closed: bool, points: Vec<Point>, rank: u32) -> Path {
         height_mm: 0.2,
         island: Some(IslandId(0)),
         phase: Phase::Found(rank),
+        tool: None,
     }
 }
 
@@ -220,6 +221,7 @@ fn tower() -> Vec<LayerPaths> {
             beneath: None,
             kind: LayerKind::Flat,
             entries: Default::default(),
+            tools: Vec::new(),
         }
     };
     (0..3).map(layer).collect()

@@ -20,6 +20,7 @@ fn path(points: &[(f64, f64)]) -> Path {
         height_mm: 0.2,
         island: Some(IslandId(0)),
         phase: Phase::Wall(0),
+        tool: None,
     }
 }
 
@@ -36,6 +37,7 @@ fn posts(paths: Vec<Path>) -> LayerPaths {
         beneath: None,
         kind: LayerKind::Flat,
         entries: Default::default(),
+        tools: Vec::new(),
     }
 }
 

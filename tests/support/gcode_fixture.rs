@@ -65,6 +65,7 @@ pub fn path(role: Role, closed: bool, points: &[(f64, f64)]) -> Path {
         height_mm: 0.2,
         island: Some(IslandId(0)),
         phase: Phase::Wall(0),
+        tool: None,
     }
 }
 
@@ -99,6 +100,7 @@ pub fn layer(index: usize, paths: Vec<Path>) -> LayerPaths {
         beneath: None,
         kind: LayerKind::Flat,
         entries: Default::default(),
+        tools: Vec::new(),
     }
 }
 

@@ -63,6 +63,7 @@ pub fn plan_with(
         top_mm: HEIGHT_MM * (index + 1) as f64,
         height_mm: HEIGHT_MM,
         objects: vec![ObjectLayer {
+            tool: None,
             object: 0,
             section: &sections[index],
             above: sections.get(index + 1).unwrap_or(&nothing),

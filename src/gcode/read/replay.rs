@@ -148,6 +148,9 @@ pub struct State {
     pub firmware_retracted: bool,
     /// Whether E counts volume.
     pub volumetric: bool,
+    /// The tool in use, and the filament that others were put away with, retracted.
+    tool: u32,
+    parked: Vec<(u32, f64)>,
 }
 
 impl Default for State {
@@ -164,9 +167,14 @@ impl Default for State {
             retracted_mm: 0.0,
             firmware_retracted: false,
             volumetric: false,
+            tool: 0,
+            parked: Vec::new(),
         }
     }
 }
+
+/// Tools that are told apart; there are files with `T1000` and its like, which mean something else.
+const TOOLS: u32 = 64;
 
 impl State {
     /// Does what a line says.
@@ -208,6 +216,7 @@ impl State {
                 self.e_absolute = code.number == 82;
                 (self.e_said, self.e_doubtful) = (Some(self.e_absolute), false);
             }
+            (b'T', tool) if tool < TOOLS && tool != self.tool => self.take_tool(tool),
             (b'M', 200) => self.volumetric = self.is_volumetric(&line.words()),
             (b'G', 92) => {
                 let words = line.words();
@@ -225,6 +234,16 @@ impl State {
             _ => {}
         }
         Action::Other
+    }
+
+    /// Each tool has filament of its own, which stays as far back as it is.
+    fn take_tool(&mut self, tool: u32) {
+        let place = self.parked.iter().position(|(parked, _)| *parked == tool);
+        let back_mm = place.map_or(0.0, |place| self.parked.swap_remove(place).1);
+        if self.retracted_mm > 0.0 {
+            self.parked.push((self.tool, self.retracted_mm));
+        }
+        (self.tool, self.retracted_mm) = (tool, back_mm);
     }
 
     fn stroke(&mut self, number: u32, line: &Line<'_>) -> Stroke {

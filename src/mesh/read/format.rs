@@ -38,6 +38,10 @@ pub(super) struct FileObject {
     pub facets: usize,
     /// Where the file puts the object's origin, once or several times, millimetres.
     pub positions: Vec<[f64; 3]>,
+    /// The extruder that the file has for it, from 1.
+    pub tool: Option<u32>,
+    /// What different extruders print of it, where the file says so.
+    pub parts: Vec<FileObject>,
 }
 
 impl Contents {
@@ -50,6 +54,8 @@ impl Contents {
                 paint: Paint::default(),
                 facets,
                 positions: vec![[0.0; 3]],
+                tool: None,
+                parts: Vec::new(),
             }],
             format,
             notes,

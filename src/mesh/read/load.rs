@@ -37,13 +37,25 @@ pub struct Model {
     pub report: MeshReport,
     /// Where the file puts the mesh's origin: once, or several times, millimetres.
     pub positions: Vec<[f64; 3]>,
+    /// The extruder that the file has for it, from 1.
+    pub tool: Option<u32>,
+    /// The same in parts that the file has different extruders for; empty: one prints all of it.
+    pub parts: Vec<Model>,
+}
+
+impl Model {
+    /// Its parts, or the whole where it has none.
+    pub(crate) fn by_tool(mut self) -> Vec<Self> {
+        let parts = std::mem::take(&mut self.parts);
+        if parts.is_empty() { vec![self] } else { parts }
+    }
 }
 
 impl From<Mesh> for Model {
     fn from(mesh: Mesh) -> Self {
         let facets = mesh.triangles.len();
         let report = MeshReport::new(&mesh, "memory", facets, &repair::Repairs::default(), Vec::new());
-        Self { name: None, mesh, report, positions: vec![[0.0; 3]] }
+        Self { name: None, mesh, report, positions: vec![[0.0; 3]], tool: None, parts: Vec::new() }
     }
 }
 
@@ -107,11 +119,20 @@ pub(crate) fn objects_watched(
     workers: Workers<'_>,
 ) -> Result<Vec<Model>, MeshError> {
     let Contents { objects, format, mut notes } = formats::read(path, data)?;
-    let model = |FileObject { name, soup, paint, facets, positions }| {
+    let mut model = |FileObject { name, soup, paint, facets, positions, tool, parts }| {
         let (mesh, report) = repaired(path, soup, facets, format, std::mem::take(&mut notes), workers)?;
-        Ok(Model { name, mesh: mesh.painted(paint), report, positions })
+        let mesh = mesh.painted(paint);
+        Ok((Model { name, mesh, report, positions, tool, parts: Vec::new() }, parts))
     };
-    objects.into_iter().map(model).collect()
+    let mut models = Vec::with_capacity(objects.len());
+    for object in objects {
+        let (mut whole, parts) = model(object)?;
+        for part in parts {
+            whole.parts.push(model(part)?.0);
+        }
+        models.push(whole);
+    }
+    Ok(models)
 }
 
 /// Bytes from which reading by two threads pays.

@@ -7,7 +7,7 @@ use crate::plan::supports;
 use crate::profile::Settings;
 use crate::slice::Layer;
 use crate::toolpath::support::{self, BeadSpec, Outlines};
-use crate::toolpath::{self, LayerPaths, LayerWalls, Planner, Role, SupportStyle};
+use crate::toolpath::{self, LayerPaths, LayerWalls, Path, Planner, Role, SupportStyle};
 use geometry::{Polygon, Region};
 
 impl Sections {
@@ -34,7 +34,7 @@ impl Sections {
         if !is_turn && !seams.is_empty() {
             let foot_mm = if index == self.raft_layers { settings.layer.elephant_foot.0 } else { 0.0 };
             let moved_mm = settings.layer.xy_compensation.0.abs() + foot_mm;
-            toolpath::seams::mark(&mut layer, seams, |object| self.of(object, index), moved_mm);
+            toolpath::seams::mark(&mut layer, seams, moved_mm);
         }
         for island in &mut layer.islands {
             island.object = self.objects[island.object as usize] as u32;
@@ -54,13 +54,13 @@ impl Sections {
             (Some(above_raft), Some(supports)) => supports.beads(above_raft).to_vec(),
         };
         let around = |role| matches!(role, Role::Skirt | Role::Brim);
+        let tool_of = |path: Path| match settings.tools.len() {
+            0 | 1 => path,
+            _ => Path { tool: settings.tool_of.of_role(path.role, settings.tool_of.base()), ..path },
+        };
+        let beads = beads.into_iter().map(tool_of);
         let place = layer.paths.iter().position(|p| !around(p.role)).unwrap_or(layer.paths.len());
-        let count = beads.len() as u32;
-        layer.paths.splice(place..place, beads);
-        let moved = std::mem::take(&mut layer.entries).into_iter();
-        layer.entries = moved
-            .map(|(path, entries)| (path + if path as usize >= place { count } else { 0 }, entries))
-            .collect();
+        layer.insert(place, beads);
         layer
     }
 

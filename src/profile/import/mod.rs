@@ -8,6 +8,7 @@ mod figures;
 mod idle;
 mod page;
 mod row;
+mod several;
 mod table;
 mod variables;
 
@@ -16,6 +17,7 @@ use std::path::Path;
 
 use toml::Value;
 
+use super::tools::{MOST_TOOLS, may_differ};
 use crate::presets::{Config, Place};
 pub use figures::{KeyFigures, import_figures};
 pub use page::page as import_page;
@@ -59,6 +61,8 @@ pub struct Import {
     pub left: Vec<Left>,
     /// Names and values for scripts, in the order of the names.
     pub variables: Vec<(String, Value)>,
+    /// Of each extruder, where there are several, the settings that are not those of the first.
+    pub tools: Vec<Vec<Taken>>,
     /// How many keys ask for nothing that would not be so without them.
     pub idle: usize,
 }
@@ -121,7 +125,34 @@ impl Import {
             }
         }
         import.left.sort_by(|a, b| a.place.cmp(&b.place));
+        if config.extruders() > 1 {
+            let count = config.extruders().min(MOST_TOOLS);
+            import.tools = (0..count).map(|extruder| import.of_tool(config, extruder)).collect();
+        }
         import
+    }
+
+    /// The settings of an extruder that are not those of the first.
+    fn of_tool(&self, config: &Config, extruder: usize) -> Vec<Taken> {
+        let own = config.of_extruder(extruder);
+        let differs = |row: &Row| {
+            let &from = row.theirs.iter().find(|key| own.text(key).is_some())?;
+            let (value, note) = match convert::row(row, &own) {
+                Outcome::Value(value) => checked(row, value, None).ok()?,
+                Outcome::Near(value, note) => checked(row, value, Some(note)).ok()?,
+                _ => return None,
+            };
+            let first = self.taken.iter().find(|taken| taken.key == row.ours);
+            let place = own.entries[from].place.clone();
+            (first.map(|taken| &taken.value) != Some(&value)).then_some(Taken {
+                key: row.ours,
+                value,
+                place,
+                from,
+                note,
+            })
+        };
+        ROWS.iter().filter(|row| may_differ(row.ours)).filter_map(differs).collect()
     }
 
     /// One line that says how much was not taken over, and which command lists it; `None`: nothing.
@@ -172,6 +203,14 @@ pub(super) fn as_profile(name: &str, import: &Import) -> String {
                 true => format!("# {}, {}{note}\n{key} = {value}\n", line(&taken.place), taken.from),
                 false => format!("{key} = {value} # {}, {}{note}\n", line(&taken.place), taken.from),
             };
+        }
+    }
+    for tool in &import.tools {
+        out += "\n[[tools]]\n";
+        for taken in tool {
+            let note = taken.note.as_ref().map(|note| format!(": {note}")).unwrap_or_default();
+            let (place, value) = (line(&taken.place), super::value::toml_text(&taken.value));
+            out += &format!("# {place}, {}{note}\n{} = {value}\n", taken.from, taken.key);
         }
     }
     if !import.variables.is_empty() {

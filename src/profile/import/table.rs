@@ -4,6 +4,7 @@
 use super::bed;
 use super::convert as c;
 use super::row::{How, Outcome, Row};
+use super::several as t;
 use crate::presets::Config;
 
 const fn same(ours: &'static str, theirs: &'static [&'static str]) -> Row {
@@ -26,6 +27,8 @@ const ACCELERATION: &str = "0: the default one";
 const MACHINE: &str = "the normal mode's; axes that are not stated have the default printer's";
 /// The rule of scripts.
 pub(super) const SCRIPT: &str = "as it is written";
+const SCRIPT_OF_SEVERAL: &str = "of several extruders, as it is written";
+const FIRST_IS_OWN: &str = "of several extruders; the first is the object's own";
 const SPACING: &str = "from the free distance of the lines";
 
 /// Every setting that is taken over.
@@ -530,6 +533,47 @@ pub(super) const ROWS: &[Row] = &[
         c::limits,
     ),
     with("gcode.start", &["start_gcode"], SCRIPT, c::start),
+    with(
+        "tool_change.kind",
+        &["single_extruder_multi_material"],
+        "of several extruders: one nozzle, or a changer",
+        t::kind,
+    ),
+    with("tool_change.script", &["toolchange_gcode"], SCRIPT_OF_SEVERAL, t::script),
+    with("tool_change.time", &["filament_load_time", "filament_unload_time"], "both together", t::time),
+    with(
+        "tool_change.flush_volumes",
+        &["wiping_volumes_matrix"],
+        "of a single nozzle, one from each tool to each",
+        t::flush_volumes,
+    ),
+    with("tool.offset", &["extruder_offset"], "", t::offset),
+    with("tool.idle_temperature", &["idle_temperature"], "with `ooze_prevention`", t::idle_temperature),
+    with(
+        "retract.change_length",
+        &["filament_retract_length_toolchange", "retract_length_toolchange"],
+        "",
+        t::change_length,
+    ),
+    with(
+        "retract.change_extra",
+        &["filament_retract_restart_extra_toolchange", "retract_restart_extra_toolchange"],
+        "",
+        t::change_extra,
+    ),
+    with("tool_of.walls", &["perimeter_extruder"], FIRST_IS_OWN, t::walls),
+    with("tool_of.infill", &["infill_extruder"], FIRST_IS_OWN, t::infill),
+    with("tool_of.solid_infill", &["solid_infill_extruder"], FIRST_IS_OWN, t::solid_infill),
+    with("tool_of.support", &["support_material_extruder"], "of several extruders", t::support),
+    with(
+        "tool_of.support_interface",
+        &["support_material_interface_extruder"],
+        "of several extruders",
+        t::support_interface,
+    ),
+    with("prime_tower.enabled", &["wipe_tower"], "of several extruders", t::tower),
+    with("prime_tower.width", &["wipe_tower_width"], "of several extruders", t::tower_width),
+    with("prime_tower.brim", &["wipe_tower_brim_width"], "of several extruders", t::tower_brim),
     with("gcode.filament_start", &["start_filament_gcode"], SCRIPT, c::filament_start),
     with("gcode.before_layer", &["before_layer_gcode"], SCRIPT, c::before_layer),
     with("gcode.after_layer", &["layer_gcode"], SCRIPT, c::after_layer),

@@ -22,6 +22,8 @@ const WRITABLE: [&str; 4] = ["position", "e_position", "e_retracted", "e_restart
 /// Expands the scripts of a print, one after the other: what one keeps in global variables, the next ones find.
 pub struct ScriptRun<'a> {
     settings: &'a Settings,
+    /// The settings of each tool, where there are several.
+    tools: Vec<Settings>,
     print: &'a PrintFacts,
     state: State,
     /// Filament that a script says it leaves pulled back, millimetres.
@@ -33,7 +35,9 @@ pub struct ScriptRun<'a> {
 impl<'a> ScriptRun<'a> {
     /// Before the first script.
     pub fn new(settings: &'a Settings, print: &'a PrintFacts) -> Self {
-        Self { settings, print, state: State::default(), retracted_mm: 0.0, moment: Moment::default() }
+        let tools = (0..settings.tools.len()).map(|tool| settings.of_tool(tool).into_owned()).collect();
+        let moment = Moment { tool: print.tools.first.into(), ..Moment::default() };
+        Self { settings, tools, print, state: State::default(), retracted_mm: 0.0, moment }
     }
 
     /// Expands a script. Every line ends with `\n`, and none with blanks. Where mistakes are to be ignored, a script
@@ -60,8 +64,9 @@ impl<'a> ScriptRun<'a> {
     /// # Errors
     /// As [`Self::expand`].
     pub fn text(&mut self, text: &str) -> Result<String, macros::Error> {
-        let Self { settings, print, state, moment, .. } = self;
-        macros::expand(text, &Known { settings, print, moment }, state)
+        let Self { settings, tools, print, state, moment, .. } = self;
+        let current = tools.get(moment.tool).unwrap_or(settings);
+        macros::expand(text, &Known { settings: current, tools, print, moment }, state)
     }
 }
 
@@ -73,8 +78,8 @@ impl ScriptRun<'_> {
     /// Every script's first mistake, a line each.
     pub fn open(&mut self) -> Result<Scripts, Vec<String>> {
         let options = &self.settings.gcode;
-        let starts =
-            self.all([("gcode.start", &options.start), ("gcode.filament_start", &options.filament_start)]);
+        let filament_start = &self.current().gcode.filament_start.clone();
+        let starts = self.all([("gcode.start", &options.start), ("gcode.filament_start", filament_start)]);
         let retracted_mm = std::mem::take(&mut self.retracted_mm);
         let others =
             self.all([("gcode.pause", &options.pause), ("gcode.color_change", &options.color_change)]);
@@ -111,15 +116,52 @@ impl ScriptRun<'_> {
         let options = &self.settings.gcode;
         let mut filaments = String::new();
         // Every filament that is loaded has its script run; of one extruder with several, the one in use.
-        for extruder in 0..self.filaments() {
+        let mut own: Vec<usize> = (0..self.filaments()).collect();
+        if !self.tools.is_empty() {
+            own = vec![self.moment.tool];
+        }
+        for extruder in own {
             self.moment.filament_extruder = extruder;
-            let [text] = self.all([("gcode.filament_end", &options.filament_end)])?;
+            let filament_end = self.current().gcode.filament_end.clone();
+            let [text] = self.all([("gcode.filament_end", &filament_end)])?;
             filaments += &text;
         }
         self.moment.filament_extruder = 0;
         let [end] = self.all([("gcode.end", &options.end)])?;
         scripts.close([filaments, end], options, self.settings.printer.flavor);
         Ok(())
+    }
+
+    /// The settings of the tool in use.
+    fn current(&self) -> &Settings {
+        self.tools.get(self.moment.tool).unwrap_or(self.settings)
+    }
+
+    /// Expands what is run at a change of tool: the script of the filament before, that of the change and, unless it does so
+    /// itself, the line that takes the tool, and the script of the new filament.
+    ///
+    /// # Errors
+    /// The first mistake, with its script.
+    pub fn change(&mut self, to: usize) -> Result<String, String> {
+        let own = |run: &Self, tool: usize| run.tools.get(tool).unwrap_or(run.settings).clone();
+        let (from, next) = (own(self, self.moment.tool), own(self, to));
+        let expand = |run: &mut Self, key: &str, script: &str| {
+            run.expand(script).map_err(|mistake| format!("{key}: {mistake}"))
+        };
+        self.moment.filament_extruder = self.moment.tool;
+        let mut text = expand(self, "gcode.filament_end", &from.gcode.filament_end)?;
+        self.moment.changes += 1;
+        (self.moment.before, self.moment.next) = (Some(self.moment.tool), Some(to));
+        let change = expand(self, "tool_change.script", &next.tool_change.script)?;
+        text += &change;
+        let line = format!("T{to}");
+        if !change.lines().any(|own| own.split([' ', ';']).next() == Some(line.as_str())) {
+            text += &format!("{line}\n");
+        }
+        (self.moment.tool, self.moment.next, self.moment.filament_extruder) = (to, None, to);
+        text += &expand(self, "gcode.filament_start", &next.gcode.filament_start)?;
+        self.moment.filament_extruder = 0;
+        Ok(text)
     }
 
     fn filaments(&self) -> usize {
@@ -156,18 +198,20 @@ impl Scripts {
 
 /// Every name with a value at one moment.
 struct Known<'a> {
+    /// Those of the tool in use.
     settings: &'a Settings,
+    tools: &'a [Settings],
     print: &'a PrintFacts,
     moment: &'a Moment,
 }
 
 impl Names for Known<'_> {
     fn value(&self, name: &str) -> Option<Value> {
-        let Self { settings, print, moment } = *self;
-        moment::value(name, &moment::Context { settings, print, moment })
+        let Self { settings, tools, print, moment } = *self;
+        moment::value(name, &moment::Context { settings, tools, print, moment })
             .or_else(|| ours::value(name, settings, print))
             .or_else(|| settings.variables.get(name).map(from_toml))
-            .or_else(|| theirs::value(name, settings))
+            .or_else(|| theirs::value(name, settings, tools))
     }
 
     fn names(&self) -> Vec<String> {

@@ -24,6 +24,16 @@ pub struct Moment {
     pub objects_done: usize,
     /// The extruder whose filament's script runs.
     pub filament_extruder: usize,
+    /// The tool in use, counted from 0.
+    pub tool: usize,
+    /// The tool before the one in use or, where a script changes it, that in use.
+    pub before: Option<usize>,
+    /// The tool that a script changes to.
+    pub next: Option<usize>,
+    /// Changes of tool so far.
+    pub changes: usize,
+    /// Of each tool the filament extruded so far, mm³; empty: the printer has one.
+    pub by_tool_mm3: Vec<f64>,
     /// What is known of the whole at its end only.
     pub totals: Option<WholePrint>,
 }
@@ -39,7 +49,10 @@ pub struct WholePrint {
 
 /// All that a name may depend on.
 pub(super) struct Context<'a> {
+    /// Those of the tool in use.
     pub settings: &'a Settings,
+    /// Those of each tool, where there are several.
+    pub tools: &'a [Settings],
     pub print: &'a PrintFacts,
     pub moment: &'a Moment,
 }
@@ -47,6 +60,37 @@ pub(super) struct Context<'a> {
 impl Context<'_> {
     fn grams(&self, volume_mm3: f64) -> f64 {
         volume_mm3 / 1000.0 * self.settings.filament.density
+    }
+
+    /// A value for each extruder, of its filament so far.
+    fn of_each(&self, value: fn(&Settings, f64) -> f64) -> Value {
+        if self.tools.is_empty() {
+            return self.of_first(value(self.settings, self.moment.extruded_mm3));
+        }
+        let so_far = |tool: usize| self.moment.by_tool_mm3.get(tool).copied().unwrap_or(0.0);
+        Value::List((0..).zip(self.tools).map(|(i, own)| Value::Real(value(own, so_far(i)))).collect())
+    }
+
+    /// The settings of the tool before and of the one after a change.
+    fn changing(&self) -> [&Settings; 2] {
+        let own = |tool: usize| self.tools.get(tool).unwrap_or(self.settings);
+        [self.moment.tool, self.moment.next.unwrap_or(self.moment.tool)].map(own)
+    }
+
+    /// What is flushed at a change, mm³.
+    fn flush_mm3(&self) -> f64 {
+        let Moment { tool, next, .. } = *self.moment;
+        next.map_or(0.0, |next| self.settings.flush_mm3(tool, next))
+    }
+
+    /// Length of filament of one of the pulses in which that is done.
+    fn flush_mm(&self, pulse: usize) -> f64 {
+        /// As OrcaSlicer divides it.
+        const ONE_TIME_MM3: f64 = 135.0;
+        let volume_mm3 = self.flush_mm3();
+        let pulses = (volume_mm3 / ONE_TIME_MM3).round().clamp(1.0, 4.0);
+        let length_mm = volume_mm3 / self.changing()[1].filament.area_mm2();
+        if (pulse as f64) < pulses { length_mm / pulses } else { 0.0 }
     }
 
     /// A value for each extruder, of which the first is used.
@@ -112,6 +156,26 @@ impl Context<'_> {
         Value::Integer(self.settings.variables.get("chamber_temperature").and_then(first).unwrap_or(0))
     }
 
+    fn celsius(&self, of: usize) -> Value {
+        let temperature = &self.changing()[of].temperature;
+        let first = self.moment.layer.is_none_or(|layer| layer == 0);
+        let celsius = if first { temperature.nozzle_first_layer } else { temperature.nozzle };
+        Value::Integer(celsius.0.round() as i64)
+    }
+
+    fn feed(&self, of: usize) -> Value {
+        /// Where the greatest flow is not known.
+        const USUAL_MM3_S: f64 = 2.0;
+        let filament = &self.changing()[of].filament;
+        let flow = if filament.max_flow.0 > 0.0 { filament.max_flow.0 } else { USUAL_MM3_S };
+        Value::Integer((flow / filament.area_mm2() * 60.0).round() as i64)
+    }
+
+    /// The tool that the print begins with.
+    fn first(&self) -> usize {
+        self.print.tools.first.into()
+    }
+
     fn whole(&self, value: fn(&Self, &WholePrint) -> Value) -> Option<Value> {
         self.moment.totals.as_ref().map(|whole| value(self, whole))
     }
@@ -123,6 +187,9 @@ impl Context<'_> {
 
 /// How many extruders the printer has: as many as it has nozzles.
 pub(super) fn extruders(settings: &Settings) -> usize {
+    if !settings.tools.is_empty() {
+        return settings.tools.len();
+    }
     match settings.variables.get("nozzle_diameter") {
         Some(toml::Value::Array(nozzles)) => nozzles.len().max(1),
         _ => 1,
@@ -176,9 +243,9 @@ names! {
     "layer_z", "height of the layer over the bed, mm": |c| Some(micrometres(c.moment.layer_z_mm));
     "max_layer_z", "greatest height so far, mm": |c| Some(micrometres(c.moment.max_z_mm));
     "total_layer_count", "number of layers": |c| Some(whole(c.print.layers));
-    "extruded_volume", "filament so far by extruder, mm³": |c| Some(c.of_first(c.moment.extruded_mm3));
+    "extruded_volume", "filament so far by extruder, mm³": |c| Some(c.of_each(|_, mm3| mm3));
     "extruded_volume_total", "filament so far, mm³": |c| Some(Value::Real(c.moment.extruded_mm3));
-    "extruded_weight", "filament so far by extruder, g": |c| Some(c.of_first(c.grams(c.moment.extruded_mm3)));
+    "extruded_weight", "filament so far by extruder, g": |c| Some(c.of_each(|own, mm3| mm3 / 1000.0 * own.filament.density));
     "extruded_weight_total", "filament so far, g": |c| Some(Value::Real(c.grams(c.moment.extruded_mm3)));
     "position", "where the nozzle is: X, Y, Z, mm": |c| Some(Value::List(c.moment.position_mm.map(micrometres).to_vec()));
     "e_retracted", "filament pulled back, by extruder, mm": |c| Some(c.of_first(0.0));
@@ -195,23 +262,27 @@ names! {
     "total_cost", "price of the filament; at the end only": |c| c.whole(|c, w| {
         Value::Real(c.grams(w.volume_mm3) / 1000.0 * c.settings.filament.cost)
     });
-    "total_toolchanges", "changes of tool: none": |_| Some(whole(0));
+    "total_toolchanges", "changes of tool": |c| Some(whole(c.print.tools.changes));
     "total_wipe_tower_cost", "price of a wipe tower: there is none": |_| Some(Value::Real(0.0));
     "total_wipe_tower_filament", "filament of a wipe tower, m": |_| Some(Value::Real(0.0));
-    "has_wipe_tower", "whether there is a wipe tower": |_| Some(Value::Flag(false));
+    "has_wipe_tower", "whether there is a prime tower": |c| Some(Value::Flag(c.print.tools.tower));
     "has_single_extruder_multi_material_priming", "whether several materials are primed": |_| Some(Value::Flag(false));
     "num_extruders", "extruders of the printer": |c| Some(whole(extruders(c.settings)));
-    "num_printing_extruders", "extruders that print": |_| Some(whole(1));
-    "initial_tool", "the first tool": |_| Some(whole(0));
-    "initial_extruder", "the first extruder": |_| Some(whole(0));
-    "initial_no_support_extruder", "the first extruder for the part itself": |_| Some(whole(0));
-    "current_extruder", "the extruder in use": |_| Some(whole(0));
+    "num_printing_extruders", "extruders that print": |c| Some(whole(c.print.tools.used.len().max(1)));
+    "initial_tool", "the first tool": |c| Some(whole(c.first()));
+    "initial_extruder", "the first extruder": |c| Some(whole(c.first()));
+    "initial_no_support_extruder", "the first extruder for the part itself": |c| Some(whole(c.first()));
+    "current_extruder", "the extruder in use": |c| Some(whole(c.moment.tool));
     "filament_extruder_id", "the extruder of the filament whose script this is": |c| Some(whole(c.moment.filament_extruder));
-    "next_extruder", "the extruder after a change of tool": |_| Some(whole(0));
-    "previous_extruder", "the extruder before a change of tool": |_| Some(Value::Integer(-1));
-    "color_change_extruder", "the extruder whose color changes": |_| Some(whole(0));
-    "is_extruder_used", "whether an extruder prints": |_| {
-        Some(Value::List((0..256).map(|i| Value::Flag(i == 0)).collect()))
+    "next_extruder", "the extruder after a change of tool": |c| Some(whole(c.moment.next.unwrap_or(c.moment.tool)));
+    "previous_extruder", "the extruder before a change of tool; -1: there is none": |c| {
+        Some(Value::Integer(c.moment.before.map_or(-1, |tool| tool as i64)))
+    };
+    "color_change_extruder", "the extruder whose color changes": |c| Some(whole(c.moment.tool));
+    "is_extruder_used", "whether an extruder prints": |c| {
+        let used = &c.print.tools.used;
+        let is_used = |i: usize| if used.is_empty() { i == 0 } else { used.iter().any(|tool| usize::from(*tool) == i) };
+        Some(Value::List((0..256).map(|i| Value::Flag(is_used(i))).collect()))
     };
     "initial_filament_type", "material of the first extruder": |c| Some(Value::Text(c.settings.filament.material.clone()));
     "printing_filament_types", "materials that are printed": |c| Some(Value::Text(c.settings.filament.material.clone()));
@@ -251,7 +322,29 @@ names! {
     "long_retraction_when_cut", "whether that is long": |_| Some(Value::Flag(false));
     "most_used_physical_extruder_id", "the extruder that prints most": |_| Some(whole(0));
     "curr_physical_extruder_id", "the extruder in use": |_| Some(whole(0));
-    "toolchange_count", "changes of tool so far: none": |_| Some(whole(0));
+    "toolchange_count", "changes of tool so far": |c| Some(whole(c.moment.changes));
+    "toolchange_z", "height at which a tool is changed, mm": |c| Some(micrometres(c.moment.position_mm[2]));
+    "x_after_toolchange", "X before a change of tool; after it the nozzle goes where it is needed": |c| Some(micrometres(c.moment.position_mm[0]));
+    "y_after_toolchange", "the same Y": |c| Some(micrometres(c.moment.position_mm[1]));
+    "z_after_toolchange", "the same Z": |c| Some(micrometres(c.moment.position_mm[2]));
+    "old_retract_length", "retraction of the tool before a change, mm": |c| Some(Value::Real(c.changing()[0].retract.length.0));
+    "new_retract_length", "retraction of the tool after it, mm": |c| Some(Value::Real(c.changing()[1].retract.length.0));
+    "old_retract_length_toolchange", "retraction of the tool before a change, at the change, mm": |c| {
+        Some(Value::Real(c.changing()[0].retract.change_length.0))
+    };
+    "new_retract_length_toolchange", "the same of the tool after it": |c| Some(Value::Real(c.changing()[1].retract.change_length.0));
+    "old_filament_temp", "temperature of the tool before a change, °C": |c| Some(c.celsius(0));
+    "new_filament_temp", "temperature of the tool after it, °C": |c| Some(c.celsius(1));
+    "old_filament_e_feedrate", "feed rate of the filament before a change at its greatest flow, mm/min": |c| Some(c.feed(0));
+    "new_filament_e_feedrate", "the same after it": |c| Some(c.feed(1));
+    "flush_length", "filament to flush at a change, mm": |c| Some(Value::Real(c.flush_mm3() / c.changing()[1].filament.area_mm2()));
+    "flush_length_1", "of that, the first pulse": |c| Some(Value::Real(c.flush_mm(0)));
+    "flush_length_2", "the second": |c| Some(Value::Real(c.flush_mm(1)));
+    "flush_length_3", "the third": |c| Some(Value::Real(c.flush_mm(2)));
+    "flush_length_4", "the fourth": |c| Some(Value::Real(c.flush_mm(3)));
+    "first_flush_volume", "half of what is flushed at a change, mm³": |c| Some(Value::Real(c.flush_mm3() / 2.0));
+    "second_flush_volume", "the other half": |c| Some(Value::Real(c.flush_mm3() / 2.0));
+    "relative_e_axis", "whether E is relative": |c| Some(Value::Flag(c.settings.gcode.relative_e));
     "overall_chamber_temperature", "temperature of the chamber, °C; 0: not heated": |c| Some(c.chamber());
     "input_filename", "name of the model's file": |c| Some(Value::Text(format!("{}.gcode", c.print.input_name)));
     "input_filename_base", "the same without its ending": |c| Some(Value::Text(c.print.input_name.clone()));

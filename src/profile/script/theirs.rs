@@ -141,9 +141,18 @@ const ROWS: &[Row] = &[
     }),
 ];
 
-/// The value of a setting by another slicer's name.
-pub(super) fn value(name: &str, settings: &Settings) -> Option<Value> {
-    ROWS.iter().find(|row| row.names.contains(&name)).map(|row| (row.value)(settings))
+/// The value of a setting by another slicer's name. Where there are several tools, lists have a value for each.
+pub(super) fn value(name: &str, settings: &Settings, tools: &[Settings]) -> Option<Value> {
+    let row = ROWS.iter().find(|row| row.names.contains(&name))?;
+    let value = (row.value)(settings);
+    if !matches!(value, Value::List(_)) || tools.is_empty() {
+        return Some(value);
+    }
+    let first = |own: &Settings| match (row.value)(own) {
+        Value::List(values) => values.into_iter().next(),
+        value => Some(value),
+    };
+    Some(Value::List(tools.iter().filter_map(first).collect()))
 }
 
 /// Each name, and the key of ours that it stands for.
@@ -184,7 +193,7 @@ mod tests {
         let mut all: Vec<&str> = names().map(|(name, _)| name).collect();
         for (name, key) in names() {
             assert!(schema::field(key).is_some(), "{name}: {key}");
-            assert!(value(name, &Settings::default()).is_some(), "{name}");
+            assert!(value(name, &Settings::default(), &[]).is_some(), "{name}");
         }
         all.sort_unstable();
         let count = all.len();

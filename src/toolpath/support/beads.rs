@@ -69,7 +69,16 @@ pub fn lay(outlines: &Outlines, layer: &BeadSpec<'_>, settings: &SupportSettings
     let mut paths = Vec::new();
     let mut push = |role, phase, closed, points: Vec<Point>| {
         let width = Width::Constant(width_mm);
-        paths.push(Path { role, closed, points, width, height_mm: layer.height_mm, island: None, phase });
+        paths.push(Path {
+            role,
+            closed,
+            points,
+            width,
+            height_mm: layer.height_mm,
+            island: None,
+            phase,
+            tool: None,
+        });
     };
     let frame = geometry::offset(&area, -width_mm / 2.0);
     for ring in frame.rings().filter(|ring| ring.len() >= 3 && geometry::ring_length_mm(ring) >= SHORTEST_MM)

@@ -105,6 +105,7 @@ mod tests {
             height_mm: 0.2,
             island: None,
             phase: Phase::Support,
+            tool: None,
         }
     }
 

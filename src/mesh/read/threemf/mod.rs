@@ -13,6 +13,7 @@ mod model;
 mod own;
 mod paint;
 mod struts;
+mod tools;
 mod xml;
 
 use std::collections::BTreeMap;
@@ -21,6 +22,7 @@ use std::path::Path;
 use affine::Affine;
 use archive::Archive;
 use model::{Object, Part, Use, extension_name};
+use tools::ObjectTools;
 
 use super::format::{Contents, FileObject, Format, bad_coordinate, has_extension};
 use crate::limits;
@@ -92,6 +94,7 @@ impl Format for ThreeMf {
                 None => groups.push((item, vec![position])),
             }
         }
+        let tools = package.tools();
         let mut objects = Vec::with_capacity(groups.len());
         let mut empty = 0;
         let mut budget = Budget { facets: MOST_FACETS, uses: MOST_USES, skipped: 0 };
@@ -102,7 +105,22 @@ impl Format for ThreeMf {
                 empty += usize::from(budget.skipped == skipped);
                 continue;
             }
-            objects.push(package.object(&item, &root, &instances, positions)?);
+            let told = tools.get(&item.object);
+            let used = told.map(ObjectTools::all).unwrap_or_default();
+            let mut object = package.object(&item, &root, &instances, positions.clone(), &|_, _| true)?;
+            if let (Some(told), true) = (told, used.len() > 1) {
+                for tool in used {
+                    let own = |object: u32, facet: usize| told.of(object, facet) == Some(tool);
+                    let part = package.object(&item, &root, &instances, positions.clone(), &own)?;
+                    if !part.soup.triangles.is_empty() {
+                        object.parts.push(FileObject { tool: Some(tool), ..part });
+                    }
+                }
+            } else {
+                object.tool =
+                    told.and_then(|told| told.own.filter(|_| used.len() < 2).or(used.first().copied()));
+            }
+            objects.push(object);
         }
         if objects.is_empty() && empty > 0 {
             return Err(MeshError::NoFacets { path: path.to_path_buf() });
@@ -212,13 +230,14 @@ impl<'a> Package<'a> {
         Ok(())
     }
 
-    /// The facets of an object, welded; it is where its own transform without the shift puts it.
+    /// The facets of an object that are to be kept, by the object that holds them and their number there, welded; it is where its own transform without the shift puts it.
     fn object(
         &self,
         item: &Use,
         root: &str,
         instances: &[Instance],
         positions: Vec<[f64; 3]>,
+        keep: &dyn Fn(u32, usize) -> bool,
     ) -> Result<FileObject, MeshError> {
         let (named, _) = self.find(item, root)?;
         let meshes = instances.iter().filter_map(|instance| {
@@ -226,33 +245,37 @@ impl<'a> Package<'a> {
             Some((
                 part.objects.get(&instance.object)?,
                 Affine::scaled(part.unit_mm).then(&instance.transform),
+                instance.object,
             ))
         });
-        let meshes: Vec<(&Object, Affine)> = meshes.collect();
+        let meshes: Vec<(&Object, Affine, u32)> = meshes.collect();
         let facets: usize =
-            meshes.iter().map(|(mesh, transform)| mesh.facet_count(transform.stretch())).sum();
+            meshes.iter().map(|(mesh, transform, _)| mesh.facet_count(transform.stretch())).sum();
         if facets > UNSUSPECTED {
             let path = || self.archive.path().to_path_buf();
             limits::check_memory(facets as u64 * BYTES_PER_FACET)
                 .map_err(|problem| MeshError::TooLarge { path: path(), problem })?;
         }
-        let only = if let [(mesh, _)] = meshes.as_slice() { mesh.name.clone() } else { None };
+        let only = if let [(mesh, ..)] = meshes.as_slice() { mesh.name.clone() } else { None };
         let mut welder = Welder::with_capacity(facets);
         let mut number = 0;
         let mut paint = Paint::default();
-        for (mesh, transform) in meshes {
+        for (mesh, transform, id) in meshes {
             paint.add(&mesh.paint, |corner| transform.apply(corner));
             let vertices: Vec<[f32; 3]> =
                 mesh.vertices.iter().map(|v| transform.apply(*v).map(|x| x as f32)).collect();
             let mirrored = transform.determinant() < 0.0;
             let all = || vertices.iter().copied();
-            for &[a, b, c] in &mesh.triangles {
+            for (facet, &[a, b, c]) in mesh.triangles.iter().enumerate() {
                 number += 1;
+                if !keep(id, facet) {
+                    continue;
+                }
                 let triangle = if mirrored { [a, c, b] } else { [a, b, c] };
                 let bad = |value| bad_coordinate(self.archive.path(), Location::Facet(number), value, all());
                 welder.push(triangle.map(|v| vertices[v as usize])).map_err(bad)?;
             }
-            if let Some(lattice) = &mesh.lattice {
+            if let Some(lattice) = mesh.lattice.as_ref().filter(|_| keep(id, 0)) {
                 let mut damaged = None;
                 lattice.facets(&mesh.vertices, transform.stretch(), |[a, b, c]| {
                     number += 1;
@@ -265,7 +288,14 @@ impl<'a> Package<'a> {
                 }
             }
         }
-        Ok(FileObject { name: named.name.clone().or(only), soup: welder.finish(), paint, facets, positions })
+        let (name, soup) = (named.name.clone().or(only), welder.finish());
+        Ok(FileObject { name, soup, paint, facets, positions, tool: None, parts: Vec::new() })
+    }
+
+    /// The extruders that other slicers have saved with the objects.
+    fn tools(&mut self) -> BTreeMap<u32, ObjectTools> {
+        let mut parts = own::PARTS.iter();
+        parts.find_map(|name| Some(tools::read(self.archive.part(name).ok()?))).unwrap_or_default()
     }
 
     /// What other slicers have saved with the objects.

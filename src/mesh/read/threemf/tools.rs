@@ -1,0 +1,111 @@
+//! Which extruder prints what of an object, as PrusaSlicer and OrcaSlicer with its kin save it.
+
+use std::collections::BTreeMap;
+use std::io::BufRead;
+
+use quick_xml::events::Event;
+use quick_xml::reader::NsReader;
+
+use super::xml::value;
+
+/// What is saved of the extruders of one object.
+#[derive(Debug, Default)]
+pub(super) struct ObjectTools {
+    /// Its extruder, from 1.
+    pub own: Option<u32>,
+    volumes: Vec<Volume>,
+}
+
+/// A part of an object.
+#[derive(Debug, Default)]
+struct Volume {
+    /// Its facets, first and last (PrusaSlicer).
+    facets: Option<[usize; 2]>,
+    /// The object that holds them (OrcaSlicer).
+    object: Option<u32>,
+    tool: Option<u32>,
+    /// Whether it is printed: it may change settings of others, or be cut off them.
+    is_printed: bool,
+}
+
+impl ObjectTools {
+    /// The extruder of a facet of a mesh; `None`: it is not printed.
+    pub fn of(&self, object: u32, facet: usize) -> Option<u32> {
+        let holds = |volume: &&Volume| match volume.facets {
+            Some([first, last]) => (first..=last).contains(&facet),
+            None => volume.object == Some(object),
+        };
+        let usual = self.own.unwrap_or(1);
+        match self.volumes.iter().find(holds) {
+            Some(volume) => volume.is_printed.then(|| volume.tool.unwrap_or(usual)),
+            None => Some(usual),
+        }
+    }
+
+    /// Every extruder that prints some of it, in ascending order.
+    pub fn all(&self) -> Vec<u32> {
+        let usual = self.own.unwrap_or(1);
+        let printed = self.volumes.iter().filter(|volume| volume.is_printed);
+        let mut all: Vec<u32> = printed.map(|volume| volume.tool.unwrap_or(usual)).collect();
+        if all.is_empty() {
+            all.push(usual);
+        }
+        all.sort_unstable();
+        all.dedup();
+        all
+    }
+}
+
+/// The extruders of each object, by its number.
+pub(super) fn read<R: BufRead>(mut reader: NsReader<R>) -> BTreeMap<u32, ObjectTools> {
+    let mut buffer = Vec::new();
+    let mut objects: BTreeMap<u32, ObjectTools> = BTreeMap::new();
+    let (mut object, mut in_volume) = (None, false);
+    loop {
+        buffer.clear();
+        match reader.read_event_into(&mut buffer) {
+            Ok(Event::Start(tag) | Event::Empty(tag)) => {
+                let number = |name: &str| value(&tag, name).and_then(|text| text.trim().parse::<u32>().ok());
+                match tag.local_name().into_inner() {
+                    "object" => (object, in_volume) = (number("id"), false),
+                    "plate" | "assemble" => (object, in_volume) = (None, false),
+                    "volume" | "part" => {
+                        let Some(tools) = object.map(|id| objects.entry(id).or_default()) else { continue };
+                        let facets = number("firstid").zip(number("lastid"));
+                        let kind = value(&tag, "subtype");
+                        tools.volumes.push(Volume {
+                            facets: facets.map(|(first, last)| [first as usize, last as usize]),
+                            object: number("id"),
+                            tool: None,
+                            is_printed: kind.is_none_or(|kind| kind == "normal_part"),
+                        });
+                        in_volume = true;
+                    }
+                    "metadata" => {
+                        let Some(tools) = object.map(|id| objects.entry(id).or_default()) else { continue };
+                        let key = value(&tag, "key").unwrap_or_default();
+                        let told = value(&tag, "value").unwrap_or_default();
+                        // 0: that of the object.
+                        let tool = told.trim().parse::<u32>().ok().filter(|tool| *tool > 0);
+                        let of_volume = in_volume && value(&tag, "type").is_none_or(|kind| kind == "volume");
+                        match (key.as_str(), tools.volumes.last_mut().filter(|_| of_volume)) {
+                            ("extruder", Some(volume)) => volume.tool = tool,
+                            ("extruder", None) => tools.own = tool,
+                            ("volume_type", Some(volume)) => volume.is_printed = told == "ModelPart",
+                            ("modifier", Some(volume)) => volume.is_printed &= told != "1",
+                            _ => {}
+                        }
+                    }
+                    _ => {}
+                }
+            }
+            Ok(Event::End(tag)) => match tag.local_name().into_inner() {
+                "volume" | "part" => in_volume = false,
+                "object" => (object, in_volume) = (None, false),
+                _ => {}
+            },
+            Ok(Event::Eof) | Err(_) => return objects,
+            Ok(_) => {}
+        }
+    }
+}

@@ -1,0 +1,87 @@
+//! Changes of tool within a layer.
+
+use super::nozzle::Nozzle;
+use super::rules::Rules;
+use super::{Entry, MotionSettings, Move, ToolChange};
+use crate::order::PathVisit;
+use crate::toolpath::{LayerPaths, ToolId};
+
+impl Nozzle<'_> {
+    /// Takes another tool: the filament is pulled back, the nozzle lifted, and where it is then is not known.
+    pub(super) fn change_tool(&mut self, to: ToolId) {
+        let before = self.tool;
+        self.pull_back();
+        let lifted_mm = self.layer_z_mm + self.hop_mm();
+        self.lift(lifted_mm);
+        let [x, y] = self.at.unwrap_or_default();
+        let own = self.all.of_tool(to);
+        let rules = Rules::new(own, self.rules.index());
+        self.moves.push(Move::ToolChange(ToolChange {
+            from: before,
+            to,
+            before: self.rules.nozzle_temperature(),
+            nozzle: rules.nozzle_temperature(),
+            time: own.change_time,
+            at_mm: [x, y, lifted_mm],
+        }));
+        if self.settings.keeps_filament {
+            self.parked |= 1 << before;
+        }
+        // What a single nozzle is given is as far back as what was taken out.
+        let is_parked = !own.keeps_filament || self.parked & (1 << to) != 0;
+        self.parked &= !(1 << to);
+        self.retracted_mm = if is_parked { change_mm(own) } else { 0.0 };
+        self.restart_mm = is_parked.then_some(own.retract.change_extra.0);
+        (self.settings, self.rules, self.tool) = (own, rules, to);
+        (self.at, self.positioned, self.island) = (None, false, None);
+        (self.acceleration, self.bead) = (None, None);
+        self.wipe.clear();
+        let fan = self.rules.fan(None);
+        if fan != self.fan {
+            self.moves.push(Move::Fan(fan));
+            self.fan = fan;
+        }
+    }
+
+    /// Pulls the filament back as far as a change asks for.
+    fn pull_back(&mut self) {
+        let (whole_mm, usual_mm) = (change_mm(self.settings), self.settings.retract.length.0);
+        let before_mm = std::mem::take(&mut self.retracted_mm);
+        let mut pulled_mm = before_mm;
+        if before_mm <= 0.0 && usual_mm > 0.0 {
+            self.retract();
+            pulled_mm = usual_mm;
+        }
+        let length_mm = whole_mm - pulled_mm;
+        if length_mm > 0.0 && !(self.settings.retract.firmware && pulled_mm > 0.0) {
+            self.moves.push(Move::Retract { length_mm, speed: self.settings.retract.speed });
+        }
+    }
+}
+
+/// How far the filament is pulled back at a change: no further than for a travel where it is then taken out.
+fn change_mm(settings: &MotionSettings) -> f64 {
+    let usual_mm = settings.retract.length.0;
+    if settings.keeps_filament { settings.retract.change_length.0.max(usual_mm) } else { usual_mm }
+}
+
+/// Which tool a layer leaves in use, and which are put away.
+pub(super) fn left(
+    layer: &LayerPaths,
+    sequence: &[PathVisit],
+    from: &Entry,
+    settings: &MotionSettings,
+) -> (ToolId, u32) {
+    let (mut tool, mut parked) = (from.tool, from.parked);
+    for visit in sequence {
+        let next = layer.paths.get(visit.path as usize).and_then(|path| path.tool).unwrap_or(tool);
+        if next != tool {
+            if settings.keeps_filament {
+                parked |= 1 << tool;
+            }
+            parked &= !(1 << next);
+            tool = next;
+        }
+    }
+    (tool, parked)
+}

@@ -1,0 +1,126 @@
+//! The rules for configurations of several extruders; where there is one, they have nothing to say.
+
+use toml::Value;
+
+use super::row::Outcome::{self, Idle, Left};
+use crate::gcode::ToolChangeKind;
+use crate::presets::Config;
+use crate::profile::tools::MOST_TOOLS;
+
+fn of_several(config: &Config, value: impl FnOnce() -> Option<Value>) -> Outcome {
+    match config.extruders() {
+        0 | 1 => Idle,
+        _ => value().map_or_else(|| Left("is not understood".into()), Outcome::Value),
+    }
+}
+
+fn number(config: &Config, key: &str) -> Outcome {
+    of_several(config, || config.number(key).map(Value::Float))
+}
+
+/// A number that is looked for under two names.
+fn either(config: &Config, keys: [&str; 2]) -> Outcome {
+    of_several(config, || keys.iter().find_map(|key| config.number(key)).map(Value::Float))
+}
+
+fn is_single(config: &Config) -> bool {
+    config.flag("single_extruder_multi_material").unwrap_or(false)
+}
+
+pub(super) fn kind(config: &Config) -> Outcome {
+    let kind = if is_single(config) { ToolChangeKind::SingleNozzle } else { ToolChangeKind::ToolChanger };
+    of_several(config, || Some(Value::String(kind.name().into())))
+}
+
+pub(super) fn script(config: &Config) -> Outcome {
+    of_several(config, || Some(Value::String(config.script("toolchange_gcode"))))
+}
+
+/// Only a single nozzle has its filament taken out and another put in.
+pub(super) fn time(config: &Config) -> Outcome {
+    if !is_single(config) {
+        return Idle;
+    }
+    let seconds = |key| config.number(key).unwrap_or(0.0);
+    of_several(config, || Some(Value::Float(seconds("filament_load_time") + seconds("filament_unload_time"))))
+}
+
+/// Other printers have a purge that is the same for all.
+pub(super) fn flush_volumes(config: &Config) -> Outcome {
+    let count = config.extruders();
+    match config.list("wiping_volumes_matrix") {
+        _ if count < 2 || !is_single(config) => Idle,
+        Some(volumes) if count > MOST_TOOLS || volumes.len() != count * count => {
+            Left(format!("{} volumes for {count} extruders", volumes.len()))
+        }
+        Some(volumes) => Outcome::Value(Value::Array(volumes.into_iter().map(Value::Float).collect())),
+        None => Left("is not understood".into()),
+    }
+}
+
+pub(super) fn offset(config: &Config) -> Outcome {
+    of_several(config, || {
+        let (x, y) = config.first("extruder_offset")?.split_once('x')?;
+        let number = |text: &str| text.trim().parse().ok().map(Value::Float);
+        Some(Value::Array(vec![number(x)?, number(y)?]))
+    })
+}
+
+pub(super) fn idle_temperature(config: &Config) -> Outcome {
+    match config.flag("ooze_prevention") {
+        Some(true) => number(config, "idle_temperature"),
+        _ => Idle,
+    }
+}
+
+pub(super) fn change_length(config: &Config) -> Outcome {
+    either(config, ["filament_retract_length_toolchange", "retract_length_toolchange"])
+}
+
+pub(super) fn change_extra(config: &Config) -> Outcome {
+    either(config, ["filament_retract_restart_extra_toolchange", "retract_restart_extra_toolchange"])
+}
+
+/// The tool of a role; the first, which all have unless another is asked for, leaves it to the object.
+fn role(config: &Config, key: &str) -> Outcome {
+    of_several(config, || {
+        let tool = config.number(key)? as i64;
+        Some(Value::Integer(if tool < 2 { 0 } else { tool }))
+    })
+}
+
+pub(super) fn walls(config: &Config) -> Outcome {
+    role(config, "perimeter_extruder")
+}
+
+pub(super) fn infill(config: &Config) -> Outcome {
+    role(config, "infill_extruder")
+}
+
+pub(super) fn solid_infill(config: &Config) -> Outcome {
+    role(config, "solid_infill_extruder")
+}
+
+pub(super) fn support(config: &Config) -> Outcome {
+    of_several(config, || Some(Value::Integer(config.number("support_material_extruder")? as i64)))
+}
+
+pub(super) fn support_interface(config: &Config) -> Outcome {
+    of_several(config, || Some(Value::Integer(config.number("support_material_interface_extruder")? as i64)))
+}
+
+pub(super) fn tower(config: &Config) -> Outcome {
+    of_several(config, || config.flag("wipe_tower").map(Value::Boolean))
+}
+
+pub(super) fn tower_width(config: &Config) -> Outcome {
+    number(config, "wipe_tower_width")
+}
+
+pub(super) fn tower_brim(config: &Config) -> Outcome {
+    // Below 0: as wide as is found to be right.
+    match config.number("wipe_tower_brim_width") {
+        Some(width) if width < 0.0 => Idle,
+        _ => number(config, "wipe_tower_brim_width"),
+    }
+}

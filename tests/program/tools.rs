@@ -1,0 +1,289 @@
+//! Prints with several tools: who prints what, changes, the prime tower.
+
+use std::collections::BTreeMap;
+
+use crate::support::found::{kinds, report};
+use crate::support::print::{Print, model, run, settings};
+use pathwright::gcode::{Action, replay};
+use pathwright::job::{Job, JobModel, ObjectSettings};
+use pathwright::profile::{self, Settings};
+
+/// Settings of a printer with so many tools, each with filament of its own.
+fn several(tools: usize, sets: &[&str]) -> Settings {
+    let colors: Vec<String> =
+        (1..=tools).map(|tool| format!("tools.{tool}.filament.color=#00000{tool}")).collect();
+    let mut all: Vec<&str> =
+        vec!["order.strategy=nearest", "filament.flow=1", "retract.z_hop=0.2", "gcode.relative_e=true"];
+    all.extend(colors.iter().map(String::as_str));
+    all.extend(sets);
+    settings(&["standard-job"], &all)
+}
+
+/// Boxes at their places over a bed of 200 mm, each in a file of its own, from one corner to the other.
+fn boxes(folder: &tempfile::TempDir, boxes: &[(&str, [f64; 3], [f64; 3])]) -> Job {
+    let model = |(name, low, high): &(&str, [f64; 3], [f64; 3])| {
+        let file = folder.path().join(format!("{name}.stl"));
+        std::fs::write(&file, cuboid(*low, *high)).unwrap();
+        let middle = [0, 1].map(|i| 100.0 + f64::midpoint(low[i], high[i]));
+        JobModel { at_mm: Some([middle[0], middle[1], low[2]]), ..JobModel::from(file) }
+    };
+    Job { models: boxes.iter().map(model).collect(), ..Job::default() }
+}
+
+fn cuboid(low: [f64; 3], high: [f64; 3]) -> String {
+    let corner = |number: usize| {
+        let x = if matches!(number % 4, 1 | 2) { high[0] } else { low[0] };
+        let y = if number % 4 > 1 { high[1] } else { low[1] };
+        let z = if number > 3 { high[2] } else { low[2] };
+        format!("vertex {x} {y} {z}\n")
+    };
+    let facets = [
+        [0, 2, 1],
+        [0, 3, 2],
+        [4, 5, 6],
+        [4, 6, 7],
+        [0, 1, 5],
+        [0, 5, 4],
+        [1, 2, 6],
+        [1, 6, 5],
+        [2, 3, 7],
+        [2, 7, 6],
+        [3, 0, 4],
+        [3, 4, 7],
+    ];
+    let facet = |[a, b, c]: [usize; 3]| {
+        format!("facet normal 0 0 0\nouter loop\n{}{}{}endloop\nendfacet\n", corner(a), corner(b), corner(c))
+    };
+    format!("solid box\n{}endsolid box\n", facets.map(facet).concat())
+}
+
+/// The same with tools of the objects, from 1.
+fn with_tools(job: Job, base: &Settings, tools: &[(&str, u32)]) -> Job {
+    let own = |&(object, tool): &(&str, u32)| {
+        let settings = base.clone().set("tool_of.object", &tool.to_string()).expect("a tool");
+        ObjectSettings { object: object.into(), settings }
+    };
+    Job { objects: tools.iter().map(own).collect(), ..job }
+}
+
+/// What each tool extrudes along beads, mm³: into the prime tower, and elsewhere after the start script.
+fn volumes(print: &Print) -> BTreeMap<u32, [f64; 2]> {
+    let (mut tool, mut begun, mut tower) = (0, false, false);
+    let mut volumes = BTreeMap::new();
+    for step in replay(&print.text) {
+        begun |= step.line.text.starts_with(b";LAYER_CHANGE");
+        match step.action {
+            Action::Type(name) => tower = name == b"Wipe tower",
+            Action::Stroke(stroke) if begun && stroke.extrudes() => {
+                let area_mm2 = profile::filament_area_mm2(pathwright::units::Mm(1.75));
+                volumes.entry(tool).or_insert([0.0; 2])[usize::from(!tower)] += stroke.fresh_mm3(area_mm2);
+            }
+            _ => {}
+        }
+        if let Some(code) = step.line.code.filter(|code| code.letter == b'T') {
+            tool = code.number;
+        }
+    }
+    volumes
+}
+
+fn text(print: &Print) -> &str {
+    std::str::from_utf8(&print.text).expect("text")
+}
+
+fn near(found: f64, wanted: f64) -> bool {
+    (found / wanted - 1.0).abs() < 0.005
+}
+
+const LEFT: (&str, [f64; 3], [f64; 3]) = ("left", [0.0; 3], [20.0, 20.0, 3.0]);
+const RIGHT: (&str, [f64; 3], [f64; 3]) = ("right", [20.0, 0.0, 0.0], [35.0, 20.0, 3.0]);
+
+/// Two boxes side by side, each with a tool of its own.
+fn pair(sets: &[&str]) -> (Print, Settings) {
+    let folder = tempfile::tempdir().unwrap();
+    let base = several(2, &[&["skirt.loops=0"], sets].concat());
+    let job = boxes(&folder, &[LEFT, RIGHT]);
+    (run(&with_tools(job, &base, &[("right", 2)]), &base).expect("a print"), base)
+}
+
+#[test]
+fn each_tool_prints_as_much_of_its_part_as_one_tool_of_the_part_alone() {
+    let folder = tempfile::tempdir().unwrap();
+    for density in ["infill.density=0%", "infill.density=100%"] {
+        let (print, base) = pair(&[density, "shell.top_layers=0", "shell.bottom_layers=0"]);
+        let volumes = volumes(&print);
+        for (tool, part) in [(0, LEFT), (1, RIGHT)] {
+            let one = Settings { tools: Vec::new(), ..base.clone() };
+            let alone = run(&boxes(&folder, &[part]), &one).expect("a print").measure(&one).volume_mm3;
+            assert!(near(volumes[&tool][1], alone), "{density}, {}: {volumes:?}, {alone}", part.0);
+        }
+    }
+}
+
+#[test]
+fn what_parts_share_is_printed_once_by_the_later_one() {
+    let folder = tempfile::tempdir().unwrap();
+    let base = several(2, &["infill.density=100%", "skirt.loops=0"]);
+    let job = boxes(
+        &folder,
+        &[("all", [0.0; 3], [30.0, 20.0, 3.0]), ("inside", [10.0, 5.0, 0.0], [20.0, 15.0, 3.0])],
+    );
+    let print = run(&with_tools(job, &base, &[("inside", 2)]), &base).expect("a print");
+    let volumes = volumes(&print);
+    // As a full print of one tool, which is a little fuller than full.
+    let share = |tool: u32, wanted: f64| (volumes[&tool][1] / wanted - 1.0).abs() < 0.03;
+    assert!(share(0, 1500.0) && share(1, 300.0), "{volumes:?}");
+}
+
+#[test]
+fn a_border_between_tools_is_no_surface() {
+    let folder = tempfile::tempdir().unwrap();
+    let stacked = |tool: u32| {
+        let base = several(2, &["skirt.loops=0"]);
+        let job = boxes(
+            &folder,
+            &[("low", [0.0; 3], [20.0, 20.0, 4.0]), ("high", [0.0, 0.0, 4.0], [20.0, 20.0, 8.0])],
+        );
+        let print = run(&with_tools(job, &base, &[("high", tool)]), &base).expect("a print");
+        let top = |line: &&str| **line == *";TYPE:Top solid infill";
+        text(&print).lines().filter(top).count()
+    };
+    assert_eq!(stacked(2), 1);
+}
+
+#[test]
+fn one_tool_of_a_list_prints_the_bytes_of_a_printer_with_one() {
+    let bytes =
+        |settings: &Settings| run(&Job::of([model("calibration_cube")]), settings).expect("a print").text;
+    let of_layers = |text: Vec<u8>| {
+        let text = String::from_utf8(text).expect("text");
+        let body = text.split_once(";LAYER_CHANGE").expect("layers").1;
+        body.split(";TYPE:Custom").next().unwrap_or_default().to_owned()
+    };
+    let one = settings(
+        &["standard-job"],
+        &["order.strategy=nearest", "filament.flow=1", "retract.z_hop=0.2", "gcode.relative_e=true"],
+    );
+    assert!(of_layers(bytes(&one)) == of_layers(bytes(&several(2, &[]))));
+}
+
+#[test]
+fn every_tool_is_taken_before_it_prints_and_heated_and_its_filament_is_back() {
+    for kind in ["single-nozzle", "tool-changer", "heads"] {
+        let (print, settings) = pair(&[
+            &format!("tool_change.kind={kind}"),
+            "tools.1.idle_temperature=150",
+            "tools.2.idle_temperature=150",
+            "tools.2.temperature.nozzle=230",
+            "tools.2.temperature.nozzle_first_layer=230",
+            "tool_change.flush_volume=20",
+        ]);
+        let lines: Vec<&str> = text(&print).lines().collect();
+        let taken: Vec<usize> = (0..lines.len()).filter(|&i| lines[i] == "T0" || lines[i] == "T1").collect();
+        let first_layer = lines.iter().position(|line| *line == ";LAYER_CHANGE").unwrap();
+        assert!(taken[0] < first_layer, "the first tool is named before it prints");
+        for &at in &taken[1..] {
+            let before =
+                lines[..at].iter().rev().find(|line| line.contains('E') && line.starts_with("G1")).unwrap();
+            assert!(before.contains(" E-") || before.contains("E-"), "{kind}: pulled back: {before}");
+            let after: Vec<&str> =
+                lines[at..].iter().take_while(|line| !line.starts_with("G1")).copied().collect();
+            let celsius = if lines[at] == "T1" { 230 } else { 210 };
+            let wanted = match kind {
+                "single-nozzle" => format!("M109 S{celsius}"),
+                _ => format!("M109 {} S{celsius}", lines[at]),
+            };
+            assert!(after.contains(&wanted.as_str()), "{kind}: {after:?} has no {wanted}");
+            let idle = lines[at.saturating_sub(3)..at].contains(&"M104 T0 S150")
+                || lines[at.saturating_sub(3)..at].contains(&"M104 T1 S150");
+            assert_eq!(idle, kind != "single-nozzle");
+        }
+        assert_eq!(kinds(&report(&print.text, &settings)), [], "{kind}");
+    }
+}
+
+#[test]
+fn flushes_are_the_volumes_that_the_settings_list_and_the_tower_ends_with_the_last_change() {
+    let folder = tempfile::tempdir().unwrap();
+    let base =
+        several(2, &["tool_change.flush_volumes=[0, 70, 30, 0]", "skirt.loops=0", "prime_tower.brim=0"]);
+    let job = boxes(&folder, &[LEFT, ("right", RIGHT.1, [35.0, 20.0, 6.0])]);
+    let print = run(&with_tools(job, &base, &[("right", 2)]), &base).expect("a print");
+    let mut flushed = BTreeMap::new();
+    let (mut tool, mut fresh, mut tower, mut z_mm, mut top_mm) = (9, false, false, 0.0_f64, 0.0_f64);
+    for step in replay(&print.text) {
+        match step.action {
+            Action::Type(name) => tower = name == b"Wipe tower",
+            Action::Stroke(stroke) if stroke.extrudes() && tower => {
+                z_mm = stroke.to[2];
+                top_mm = top_mm.max(z_mm);
+                if fresh {
+                    let area_mm2 = profile::filament_area_mm2(pathwright::units::Mm(1.75));
+                    *flushed.entry((tool, (z_mm * 1000.0) as i64)).or_insert(0.0) +=
+                        stroke.fresh_mm3(area_mm2);
+                }
+            }
+            // The flush is the first bead after a change.
+            Action::Stroke(stroke) if !stroke.extrudes() && stroke.xy_mm > 0.0 && z_mm > 0.0 => {
+                fresh &= !tower
+            }
+            _ => {}
+        }
+        if let Some(code) = step.line.code.filter(|code| code.letter == b'T') {
+            (fresh, tool, tower, z_mm) = (tool != 9, code.number, false, 0.0);
+        }
+    }
+    assert!(flushed.len() > 10, "{flushed:?}");
+    for ((tool, z), mm3) in flushed {
+        let wanted = if tool == 0 { 30.0 } else { 70.0 };
+        assert!((mm3 - wanted).abs() < 0.01 * wanted, "tool {tool} at {z}: {mm3}");
+    }
+    assert!((top_mm - 3.0).abs() < 0.21, "the left part ends at 3 mm, the tower at {top_mm}");
+}
+
+#[test]
+fn scripts_of_a_change_know_both_tools() {
+    let script = "; {previous_extruder} {current_extruder} to {next_extruder} at {toolchange_z}, {temperature[next_extruder]}";
+    let (print, _) = pair(&[&format!("tool_change.script={script}"), "tools.2.temperature.nozzle=231"]);
+    let change = text(&print)
+        .lines()
+        .position(|line| line.ends_with("to 1 at 0.6, 231") || line.ends_with("to 1 at 0.4, 231"));
+    let at = change.unwrap_or_else(|| panic!("no change to tool 1 at the second or third layer"));
+    assert_eq!(text(&print).lines().nth(at + 1), Some("T1"));
+    let own = "T{next_extruder} P0";
+    let (print, _) = pair(&[&format!("tool_change.script={own}")]);
+    assert!(text(&print).lines().any(|line| line == "T1 P0"));
+    assert_eq!(
+        text(&print).lines().filter(|line| line.len() == 2 && line.starts_with('T')).count(),
+        1,
+        "the first"
+    );
+}
+
+#[test]
+fn a_tool_that_is_not_there_is_named_with_its_place() {
+    let profile = |sets: &[&str]| {
+        let sets = sets.iter().map(|set| {
+            let (key, value) = set.split_once('=').unwrap();
+            profile::Override { key: key.into(), value: value.into(), option: "--set" }
+        });
+        let error = profile::resolve(&[], &sets.collect::<Vec<_>>()).expect_err("a mistake");
+        error.problems.iter().map(ToString::to_string).collect::<Vec<_>>().join("\n")
+    };
+    let two = "tools.2.filament.color=#FF0000";
+    for (sets, wanted) in [
+        (
+            &["tool_of.object=2"][..],
+            "--set: tool_of.object = 2: there is no such tool: the printer has one tool",
+        ),
+        (&[two, "tool_of.infill=3"], "tool_of.infill = 3: there is no such tool: the printer has 2 tools"),
+        (&[two, "tool_change.flush_volumes=[1, 2]"], "2 volumes are listed, but 2 tools need 4"),
+        (&[two, "tool_of.heights=5:2"], "`5:2` is no height with a tool"),
+        (&["tools.2.layer.height=0.3"], "tools.2.layer.height = 0.3: it is the same for all tools"),
+        (&["tools.2.filament.colour=red"], "did you mean `filament.color`?"),
+        (&["tools.17.name=a"], "with N from 1 to 16"),
+    ] {
+        let found = profile(sets);
+        assert!(found.contains(wanted), "{sets:?}: {found}");
+    }
+}
