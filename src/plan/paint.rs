@@ -24,6 +24,9 @@ const TOLERANCE_MM: f64 = 0.1;
 /// Parts touch where they come so near, mm.
 const TOUCH_MM: f64 = 0.02;
 
+/// What is narrower than twice this share of a line is no part by itself.
+const DUST: f64 = 0.125;
+
 /// Not painted.
 const BARE: u8 = 0;
 
@@ -303,6 +306,10 @@ fn without_slivers(section: &Region, painted: Painted, line_mm: f64) -> Painted 
             add(&mut kept, tool, &sliver);
         }
     }
+    // What touches a part at a corner alone is still by itself.
+    for region in kept.values_mut() {
+        region.retain(|polygon| !offset(&Region::from(polygon.clone()), -line_mm * DUST).is_empty());
+    }
     kept
 }
 
@@ -380,7 +387,7 @@ mod tests {
             prop_assert!(difference(&all, &section).area_mm2() < 1e-3);
             for region in found.values() {
                 for part in region.polygons().iter().map(|polygon: &Polygon| Region::from(polygon.clone())) {
-                    prop_assert!(!offset(&part, -0.45 / 4.0).is_empty(), "{:?}", part);
+                    prop_assert!(!offset(&part, -0.45 * DUST).is_empty(), "{:?}", part);
                 }
             }
             prop_assert_eq!(found, painted(&star(&radii), &tools, depth_mm).1);
