@@ -57,7 +57,7 @@ impl Tooled {
                 return Err(FitError::PrimeTower { width_mm, depth_mm }.into());
             }
             for (index, layer) in layers.iter_mut().enumerate() {
-                layer.paths.splice(0..0, tower.paths(index));
+                layer.insert(0, tower.paths(index));
             }
             tooled.tower = Some(tower.footprint());
         }
