@@ -47,6 +47,7 @@ fn layer() -> LayerPaths {
         outline: Region::default(),
         beneath: None,
         kind: LayerKind::Flat,
+        entries: Default::default(),
         tools: Vec::new(),
     }
 }

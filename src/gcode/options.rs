@@ -114,6 +114,10 @@ section! {
         flush_volume: Mm3 = Mm3(0.0); 0.0..=5000.0,
         /// Filament flushed from each tool (rows) to each other (columns), row by row; empty: `tool_change.flush_volume`.
         flush_volumes: Vec<f64> = Vec::new(); 0.0..=5000.0, "mm³",
+        /// Flush into the sparse infill of the tool that is taken, which is then printed first; the tower gets what is left.
+        flush_into_infill: bool = false,
+        /// Flush into support that it prints.
+        flush_into_support: bool = false,
         /// Which tool prints when.
         order: ToolOrder = ToolOrder::Optimal,
         /// Time that a cubic millimetre of waste is worth, where tools are put into an order.

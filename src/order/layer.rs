@@ -8,11 +8,12 @@ use crate::toolpath::{LayerPaths, Path, Phase, Role};
 use geometry::Point;
 use ordering::{Item, Problem, Run, Sequence, Shape, Visit};
 
-/// The problem of one layer whose seams are free or pinned.
+/// The problem of one layer whose seams are free, painted or pinned.
 #[derive(Clone, Debug)]
 pub struct LayerProblem<'a> {
-    /// The problem: item i is path i of the layer. A pinned loop has one entry.
+    /// The problem: item i is path i of the layer. A pinned loop has one entry, a painted one those where it may begin.
     pub problem: Problem<'a>,
+    layer: &'a LayerPaths,
     pins: &'a Pins,
 }
 
@@ -30,14 +31,16 @@ impl<'a> LayerProblem<'a> {
                 runs.len() as u32 - 1
             });
             let pin = pins.as_ref().map(|pins| pins[index] as usize);
-            items.push(Item { run: number, shape: shape(path, pin) });
+            let painted = layer.entries.get(&(index as u32)).filter(|_| pin.is_none());
+            let shape = painted.map_or_else(|| shape(path, pin), |entries| Shape::Loop(&entries.points));
+            items.push(Item { run: number, shape });
         }
-        Self { problem: Problem { items, runs, scope, start: None, end: None }, pins }
+        Self { problem: Problem { items, runs, scope, start: None, end: None }, layer, pins }
     }
 
     /// A solution of the problem as an order of the layer's paths.
     pub fn on_paths(&self, sequence: Sequence) -> PathOrder {
-        let visit = |Visit { item, entry }| PathVisit { path: item, entry: entry + self.pin(item) };
+        let visit = |Visit { item, entry }| PathVisit { path: item, entry: self.on_path(item, entry) };
         sequence.into_iter().map(visit).collect()
     }
 
@@ -45,14 +48,28 @@ impl<'a> LayerProblem<'a> {
     /// same again.
     pub fn from_paths(&self, order: &[PathVisit]) -> Sequence {
         let visit =
-            |&PathVisit { path, entry }: &PathVisit| Visit { item: path, entry: entry - self.pin(path) };
+            |&PathVisit { path, entry }: &PathVisit| Visit { item: path, entry: self.of_path(path, entry) };
         order.iter().map(visit).collect()
     }
 
-    /// The vertex of a pinned loop that is its only entry; 0 of everything else.
-    fn pin(&self, item: u32) -> u32 {
-        let is_loop = matches!(self.problem.items[item as usize].shape, Shape::Loop(_));
-        self.pins.as_ref().filter(|_| is_loop).map_or(0, |pins| pins[item as usize])
+    /// The vertex that an entry of an item is; open paths have none.
+    fn on_path(&self, item: u32, entry: u32) -> u32 {
+        match (self.problem.items[item as usize].shape, self.pins, self.layer.entries.get(&item)) {
+            (Shape::Open(_), ..) => entry,
+            (_, Some(pins), _) => pins[item as usize],
+            (_, None, Some(entries)) => entries.vertices[entry as usize],
+            (_, None, None) => entry,
+        }
+    }
+
+    /// The entry that a vertex of a path is.
+    fn of_path(&self, path: u32, vertex: u32) -> u32 {
+        match (self.problem.items[path as usize].shape, self.pins, self.layer.entries.get(&path)) {
+            (Shape::Open(_), ..) => vertex,
+            (_, Some(_), _) => 0,
+            (_, None, Some(entries)) => entries.vertices.partition_point(|&other| other < vertex) as u32,
+            (_, None, None) => vertex,
+        }
     }
 }
 
@@ -112,8 +129,13 @@ fn stage(path: &Path, layer: &LayerPaths) -> u32 {
         return part;
     }
     let turn = layer.tools.iter().position(|tool| path.tool.is_none_or(|own| own == *tool));
-    let part = if path.role == Role::PrimeTower { 0 } else { 1 + part };
-    3 * turn.unwrap_or(0) as u32 + part
+    let part = match (path.role, path.phase) {
+        (Role::PrimeTower, _) => 0,
+        // What a tool is flushed into.
+        (_, Phase::Tower(_)) => 1,
+        _ => 2 + part,
+    };
+    4 * turn.unwrap_or(0) as u32 + part
 }
 
 fn shape(path: &Path, pin: Option<usize>) -> Shape<'_> {

@@ -1,7 +1,7 @@
 //! Where loops may be entered: the seam rules.
 
 use super::options::SeamPosition;
-use crate::toolpath::LayerPaths;
+use crate::toolpath::{LayerPaths, Path};
 use geometry::Point;
 use geometry::real;
 use ordering::matching::KdTree;
@@ -41,10 +41,12 @@ impl SeamRule {
     pub fn pins(&mut self, layer: &LayerPaths) -> Pins {
         let choose: &dyn Fn(usize) -> u32 = match self.position {
             SeamPosition::Free | SeamPosition::Nearest => return None,
-            SeamPosition::Pinned => &|_| 0,
-            SeamPosition::Rear => &|path| rearmost(&layer.paths[path].points),
+            SeamPosition::Pinned => &|path| allowed(layer, path).next().unwrap_or(0) as u32,
+            SeamPosition::Rear => &|path| rearmost(&layer.paths[path].points, allowed(layer, path)),
             SeamPosition::Random => &|path| {
-                (scatter(layer.index as u64, path as u64) % layer.paths[path].points.len() as u64) as u32
+                let count = allowed(layer, path).count() as u64;
+                let chosen = scatter(layer.index as u64, path as u64) % count;
+                allowed(layer, path).nth(chosen as usize).unwrap_or(0) as u32
             },
             SeamPosition::Aligned => {
                 let pins = aligned(layer, &self.below);
@@ -59,10 +61,17 @@ impl SeamRule {
     }
 }
 
-/// The vertex with the largest ordinate; of several the leftmost, then the first.
-fn rearmost(points: &[Point]) -> u32 {
-    let key = |&(index, p): &(usize, &Point)| (p.y, -i64::from(p.x), std::cmp::Reverse(index));
-    points.iter().enumerate().max_by_key(key).map_or(0, |(index, _)| index as u32)
+/// The vertices at which a path may be entered.
+fn allowed(layer: &LayerPaths, path: usize) -> impl Iterator<Item = usize> + Clone {
+    let painted = layer.entries.get(&(path as u32)).map(|entries| entries.vertices.as_slice());
+    let all = painted.map_or(layer.paths[path].points.len(), <[u32]>::len);
+    (0..all).map(move |k| painted.map_or(k, |vertices| vertices[k] as usize))
+}
+
+/// Of some vertices the one with the largest ordinate; of several the leftmost, then the first.
+fn rearmost(points: &[Point], among: impl Iterator<Item = usize>) -> u32 {
+    let key = |&index: &usize| (points[index].y, -i64::from(points[index].x), std::cmp::Reverse(index));
+    among.max_by_key(key).unwrap_or(0) as u32
 }
 
 /// Two numbers to an evenly spread third (the finaliser of SplitMix64, Steele, Lea & Flood 2014,
@@ -84,13 +93,14 @@ fn aligned(layer: &LayerPaths, below: &[Point]) -> Vec<u32> {
         let found = samples.filter_map(|&p| seams.nearest(below, p)).min()?;
         Some(below[found.1 as usize])
     };
-    let pin = |points: &[Point]| {
-        let all = 0..points.len();
+    let pin = |points: &[Point], path: usize| {
+        let all = allowed(layer, path);
         let seam = nearest_seam(points);
         let above = seam.and_then(|seam| all.clone().min_by_key(|&v| (points[v].distance2(seam), v)));
         let above =
             above.filter(|&v| seam.is_some_and(|seam| points[v].distance_mm(seam) < ALIGNED_REACH_MM));
         let corner = all
+            .clone()
             .filter(|&v| above.is_none_or(|above| points[above].distance_mm(points[v]) < CORNER_REACH_MM))
             .map(|v| (turn(points, v), v))
             .filter(|&(turn, _)| turn.abs() > CORNER_SIN)
@@ -98,9 +108,10 @@ fn aligned(layer: &LayerPaths, below: &[Point]) -> Vec<u32> {
                 let sharp = (turn.abs() * SHARPNESS_STEPS) as i64;
                 (turn < 0.0, sharp, points[v].y, -i64::from(points[v].x), std::cmp::Reverse(v))
             });
-        corner.map(|(_, v)| v).or(above).map_or_else(|| rearmost(points), |v| v as u32)
+        corner.map(|(_, v)| v).or(above).map_or_else(|| rearmost(points, all), |v| v as u32)
     };
-    layer.paths.iter().map(|path| if path.closed { pin(&path.points) } else { 0 }).collect()
+    let pin = |(number, path): (usize, &Path)| if path.closed { pin(&path.points, number) } else { 0 };
+    layer.paths.iter().enumerate().map(pin).collect()
 }
 
 /// How sharply a loop turns at a vertex: the sine of the angle up to 90°, more beyond; negative to the right, which
@@ -134,7 +145,7 @@ pub fn enter_nearest(problem: &Problem, sequence: &mut Sequence) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::toolpath::{IslandId, LayerKind, Path, Phase, Role, Width};
+    use crate::toolpath::{IslandId, LayerKind, Phase, Role, Width};
     use geometry::Region;
 
     fn square(index: usize, offset_mm: f64) -> LayerPaths {
@@ -163,6 +174,7 @@ mod tests {
             outline: Region::default(),
             beneath: None,
             kind: LayerKind::Flat,
+            entries: Default::default(),
             tools: Vec::new(),
         }
     }

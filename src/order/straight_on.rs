@@ -4,7 +4,7 @@
 //! (Fischetti, Salazar & Toth 1997, doi:10.1287/opre.45.3.378), with links that know directions.
 
 use super::layer::{PathOrder, PathVisit};
-use crate::toolpath::{LayerPaths, Path};
+use crate::toolpath::{Entries, LayerPaths, Path};
 use geometry::real;
 use geometry::{Router, distance_mm};
 use ordering::{Cost, DetourRule, LinkKind, TravelTime, ramped_s};
@@ -139,7 +139,7 @@ impl Candidate {
 
     /// How a path may be drawn: open ones in both directions, loops from vertices around the one now chosen, which is the
     /// first candidate.
-    fn all(path: &Path, entry: u32, found: &mut Vec<Self>) {
+    fn all(path: &Path, entry: u32, allowed: Option<&Entries>, found: &mut Vec<Self>) {
         found.push(Self::new(path, entry));
         if !path.closed {
             found.push(Self::new(path, 1 - entry));
@@ -153,7 +153,8 @@ impl Candidate {
             while count < EITHER_SIDE && left > 0 {
                 at = if forwards { at + 1 } else { at + n - 1 } % n;
                 left -= 1;
-                if path.points[at].distance_mm(last) >= STEP_MM {
+                let is_allowed = || allowed.is_none_or(|a| a.vertices.binary_search(&(at as u32)).is_ok());
+                if path.points[at].distance_mm(last) >= STEP_MM && is_allowed() {
                     last = path.points[at];
                     found.push(Self::new(path, at as u32));
                     count += 1;
@@ -183,7 +184,7 @@ impl StraightOn {
             if i == 0 || i + 1 == count {
                 all.push(Candidate::new(path, visit.entry));
             } else {
-                Candidate::all(path, visit.entry, &mut all);
+                Candidate::all(path, visit.entry, layer.entries.get(&visit.path), &mut all);
             }
         }
         from.push(all.len());

@@ -5,6 +5,7 @@ mod contact;
 pub(crate) mod floating;
 mod infill;
 mod overlaps;
+mod paint;
 pub(crate) mod parts;
 pub(crate) mod sections;
 pub(crate) mod spiral;

@@ -85,4 +85,39 @@ impl Kinds {
         };
         united.iter().map(of).collect()
     }
+
+    /// Lays what is painted over the parts of sections, in which painted parts do not overlap.
+    pub fn lay_over(&self, layers: &[Layer], parts: &mut Vec<Vec<Parts>>, painted: &[Vec<Part>]) {
+        if painted.is_empty() {
+            return;
+        }
+        parts.resize(layers.len(), Vec::new());
+        for ((layer, of_layer), painted) in layers.iter().zip(parts).zip(painted) {
+            of_layer.resize(layer.sections.len(), Parts::new());
+            for (section, parts) in layer.sections.iter().zip(of_layer) {
+                let own = self.tools[section.object];
+                if parts.is_empty() {
+                    parts.push(Part { tool: own, region: section.region.clone() });
+                }
+                for Part { tool, region } in painted {
+                    let here = geometry::intersection(region, &section.region);
+                    if here.is_empty() {
+                        continue;
+                    }
+                    for part in parts.iter_mut() {
+                        part.region = geometry::difference(&part.region, &here);
+                    }
+                    match parts.iter_mut().find(|part| part.tool == *tool) {
+                        Some(part) => part.region = geometry::union(&part.region, &here),
+                        None => parts.push(Part { tool: *tool, region: here }),
+                    }
+                }
+                parts.retain(|part| !part.region.is_empty());
+                if parts.iter().all(|part| part.tool == own) {
+                    parts.clear();
+                }
+                parts.sort_by_key(|part| part.tool);
+            }
+        }
+    }
 }

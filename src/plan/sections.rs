@@ -18,6 +18,7 @@ use geometry::{Bounds, Point, Polygon, Region};
 use super::contact;
 use super::infill;
 use super::overlaps::{self, Resolved};
+use super::paint;
 use super::parts::{Kinds, Parts};
 use super::spiral::Spiral;
 use super::styles::{Planned, Styles};
@@ -67,7 +68,10 @@ impl Sections {
         let count = objects.len();
         let mut cut = workers.map(slicer.spans().len(), |i| slicer.layer(i));
         let kinds = Kinds::new(count, styles, settings);
-        let Resolved { notes, mut parts } = overlaps::resolve(&mut cut, slicer.plate(), &kinds, workers);
+        let painted = paint::parts(&cut, slicer.plate(), settings, workers);
+        let Resolved { mut notes, mut parts } = overlaps::resolve(&mut cut, slicer.plate(), &kinds, workers);
+        kinds.lay_over(&cut, &mut parts, &painted);
+        notes.extend(paint::note(slicer.plate(), settings));
         let layers = raft::raised(cut, settings);
         if !parts.is_empty() {
             parts.splice(0..0, std::iter::repeat_n(Vec::new(), settings.raft.layers as usize));

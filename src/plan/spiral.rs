@@ -102,6 +102,7 @@ impl Spiral {
             outline: section.clone(),
             beneath: Some(beneath.clone()),
             kind: if rises.is_empty() { LayerKind::Flat } else { LayerKind::Spiral(rises) },
+            entries: Default::default(),
             tools: Vec::new(),
         })
     }

@@ -94,6 +94,7 @@ impl Ordering {
             outline: Region::default(),
             beneath: None,
             kind: LayerKind::Flat,
+            entries: Default::default(),
             tools: Vec::new(),
         };
         Self { layer, members, fixed_mm }

@@ -8,6 +8,7 @@ mod fill;
 mod heights;
 mod nest;
 mod options;
+mod paint;
 mod plan;
 mod simplify;
 mod stitch;
@@ -17,12 +18,15 @@ mod volume;
 pub use cutter::Cutter;
 pub use heights::{cusp_limit_mm, heights_mm, is_uniform, spans};
 pub use options::LayerSettings;
+pub use paint::{PaintedArea, PaintedLine, level_paint};
 pub use plan::{LayerSpan, plan};
 pub use table::{heights_from_lines, layer_heights};
 pub use volume::volume_mm3;
 
-use crate::plate::Plate;
-use geometry::{Region, offset};
+use crate::mesh::Wish;
+use crate::plate::{Object, Plate};
+use geometry::{Point, Region, offset};
+use paint::PaintCutter;
 
 /// The cross-section of one object.
 #[derive(Clone, Debug, PartialEq)]
@@ -56,6 +60,10 @@ pub struct Layer {
     pub span: LayerSpan,
     /// One section for each object that is solid here, in the order of the objects.
     pub sections: Vec<Section>,
+    /// Where seams are painted.
+    pub seams: Vec<PaintedLine<Wish>>,
+    /// Where tools are painted, counted from 1.
+    pub tools: Vec<PaintedLine<u8>>,
     /// Diagnostics; zeros for a watertight mesh.
     pub gaps: Gaps,
 }
@@ -65,6 +73,8 @@ pub struct Layer {
 pub struct Slicer<'a> {
     plate: &'a Plate,
     cutters: Vec<Cutter<'a>>,
+    seams: Vec<PaintCutter<'a, Wish>>,
+    tools: Vec<PaintCutter<'a, u8>>,
     spans: Vec<LayerSpan>,
     grow_mm: f64,
     elephant_foot_mm: f64,
@@ -79,9 +89,14 @@ impl<'a> Slicer<'a> {
     /// The same with layers that are planned already.
     pub fn with_spans(plate: &'a Plate, spans: Vec<LayerSpan>, settings: &LayerSettings) -> Self {
         let cutters = plate.meshes.iter().map(|m| Cutter::new(m, &spans, settings)).collect();
+        let meshes = || plate.meshes.iter();
+        let seams = meshes().map(|m| PaintCutter::new(m, &spans, |paint| &paint.seams)).collect();
+        let tools = meshes().map(|m| PaintCutter::new(m, &spans, |paint| &paint.tools)).collect();
         Self {
             plate,
             cutters,
+            seams,
+            tools,
             spans,
             grow_mm: settings.xy_compensation.0,
             elephant_foot_mm: settings.elephant_foot.0,
@@ -115,6 +130,8 @@ impl<'a> Slicer<'a> {
             })
             .collect();
         let objects = self.plate.objects.iter().enumerate();
+        let seams = self.painted(&self.seams, index);
+        let tools = self.painted(&self.tools, index);
         let sections = objects
             .filter(|(_, object)| !regions[object.mesh].is_empty())
             .map(|(index, object)| Section {
@@ -122,7 +139,21 @@ impl<'a> Slicer<'a> {
                 region: regions[object.mesh].translated(object.offset),
             })
             .collect();
-        Layer { span: self.spans[index], sections, gaps }
+        Layer { span: self.spans[index], sections, seams, tools, gaps }
+    }
+
+    /// What is painted on the objects where a layer's cut is.
+    fn painted<T: Copy>(&self, cutters: &[PaintCutter<'_, T>], index: usize) -> Vec<PaintedLine<T>> {
+        let of = |(object, of): (usize, &Object)| {
+            let by = of.offset;
+            let line = move |(ends, paint): ([Point; 2], T)| PaintedLine {
+                object,
+                ends: ends.map(|end| end + by),
+                paint,
+            };
+            cutters[of.mesh].lines(index).map(line)
+        };
+        self.plate.objects.iter().enumerate().flat_map(of).collect()
     }
 }
 

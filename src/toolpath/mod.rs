@@ -18,6 +18,7 @@ mod overhang_perimeters;
 mod path;
 mod planner;
 mod reach;
+pub mod seams;
 mod shells;
 mod single;
 mod spiral;
@@ -35,7 +36,7 @@ pub use options::{
     SpiralSettings, SupportPattern, SupportSettings, SupportStyle, ToolOfSettings, WallGenerator, WallOrder,
     WallSettings,
 };
-pub use path::{Island, IslandId, LayerKind, LayerPaths, Path, Phase, Role, ToolId, Width};
+pub use path::{Entries, Island, IslandId, LayerKind, LayerPaths, Path, Phase, Role, ToolId, Width};
 pub use planner::{ObjectLayer, Planner, PlateLayer, ToolpathSettings};
 pub use shells::{Map, ShellWindows, Shells, Zones, bottom_layers, shell_depth};
 pub use spiral::{Revolution, Rise, SpiralSpec, align, level, outline, revolution};

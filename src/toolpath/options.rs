@@ -344,6 +344,8 @@ section! {
         support_interface: u32 = 0; 0..=16,
         /// Heights between which another tool prints the object, whatever the other keys say: 5-10:2, 20.5-24:3 (millimetres over the bed, tool); empty: none.
         heights: String = String::new(),
+        /// How far inside of the outline the tool that is painted on it prints; 0: to where another piece of the outline is nearer.
+        paint_depth: Mm = Mm(0.0); 0.0..=1000.0,
     }
 }
 section! {

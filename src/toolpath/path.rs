@@ -1,5 +1,7 @@
 //! What the toolpath stage makes: paths that know their role, width, height and island.
 
+use std::collections::BTreeMap;
+
 use super::spiral::Rise;
 use geometry::{Point, Region};
 
@@ -121,7 +123,7 @@ impl IslandId {
 /// Ordering under `feature` and `island` scope prints phases in this order and never mixes them.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum Phase {
-    /// The prime tower, of each tool.
+    /// The prime tower, and what else a tool is flushed into.
     Tower(u32),
     /// Around everything.
     Skirt,
@@ -175,8 +177,30 @@ pub struct LayerPaths {
     pub beneath: Option<Region>,
     /// Whether it is level.
     pub kind: LayerKind,
+    /// Closed paths that may be entered at some of their vertices only, by their index.
+    pub entries: BTreeMap<u32, Entries>,
     /// The tools that print it, in their order; empty: the printer has one.
     pub tools: Vec<ToolId>,
+}
+
+impl LayerPaths {
+    /// Inserts paths before the one with this index.
+    pub fn insert(&mut self, index: usize, paths: impl IntoIterator<Item = Path>) {
+        let before = self.paths.len();
+        self.paths.splice(index..index, paths);
+        let more = (self.paths.len() - before) as u32;
+        let moved = |(path, entries)| (if path as usize >= index { path + more } else { path }, entries);
+        self.entries = std::mem::take(&mut self.entries).into_iter().map(moved).collect();
+    }
+}
+
+/// The vertices of a loop at which it may be entered.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Entries {
+    /// Indices of the vertices, ascending.
+    pub vertices: Vec<u32>,
+    /// Where they are.
+    pub points: Vec<Point>,
 }
 
 /// Whether a layer is level.

@@ -280,6 +280,7 @@ impl Planner {
             outline,
             beneath: rests_on(section, &self.settings.fuzzy),
             kind: LayerKind::Flat,
+            entries: Default::default(),
             tools: Vec::new(),
         };
         self.assign_tools(&mut made);

@@ -33,11 +33,10 @@ pub(super) const ROLES: &[RoleColor] = roles![
     "Top surface", 0xD7B3E8, [TopSolidInfill];
     "Bridge", 0x45257D, [BridgeInfill];
     "Gap fill", 0x848B93, [GapFill];
-    "Skirt and brim", 0xAFB890, [Skirt, Brim];
+    "Skirt and brim", 0xAFB890, [Skirt, Brim, PrimeTower];
     "Support", 0x62AD92, [Support];
     "Support interface", 0x055B45, [SupportInterface];
     "Ironing", 0xF6D3DA, [Ironing];
-    "Prime tower", 0xA5E600, [PrimeTower];
     "Other", 0x5F6B73, [];
 ];
 
@@ -57,8 +56,6 @@ pub(super) const TOOLS: [(&str, Rgb); 8] = [
 pub(super) const SEAMED: u8 = 0;
 /// Index of what is printed beside the object.
 pub(super) const SKIRT: u8 = 8;
-/// Index of the prime tower.
-pub(super) const TOWER: u8 = OTHER - 1;
 /// Index of the last role.
 pub(super) const OTHER: u8 = ROLES.len() as u8 - 1;
 

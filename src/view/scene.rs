@@ -2,7 +2,7 @@
 
 use geometry::real;
 
-use super::colors::{self, OTHER, SEAMED, TOWER};
+use super::colors::{self, OTHER, SEAMED, SKIRT};
 use crate::estimate::Machine;
 use crate::gcode::{self, Action, Annotated, Clock, Context};
 use crate::profile::Settings;
@@ -301,7 +301,7 @@ impl Reader {
 
     fn extrude(&mut self, stroke: &gcode::Stroke, context: &Context) {
         let role = match context.role {
-            None if self.in_tower => TOWER,
+            None if self.in_tower => SKIRT,
             role => colors::index(role),
         };
         if role == SEAMED && self.extruding != Some(role) {

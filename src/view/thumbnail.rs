@@ -3,7 +3,7 @@
 use geometry::real;
 use tiny_skia::{Pixmap, PremultipliedColorU8};
 
-use super::colors::{OTHER, ROLES, Rgb, SKIRT, TOWER};
+use super::colors::{OTHER, ROLES, Rgb, SKIRT};
 use super::scene::Scene;
 use crate::plate::Plate;
 
@@ -46,7 +46,7 @@ impl Solid for Plate {
 impl Solid for Scene {
     fn facets(&self, each: &mut dyn FnMut([[f32; 3]; 3], Rgb)) {
         let strokes = || self.layers.iter().flat_map(|layer| &layer.strokes);
-        let beside = |role: &u8| [SKIRT, TOWER, OTHER].contains(role);
+        let beside = |role: &u8| [SKIRT, OTHER].contains(role);
         // A file without roles is shown whole.
         let all = strokes().filter_map(|stroke| stroke.role).all(|role| beside(&role));
         for stroke in strokes() {

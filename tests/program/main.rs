@@ -18,6 +18,7 @@ mod print_floating;
 mod print_golden;
 mod print_input;
 mod print_modes;
+mod print_paint;
 mod print_plate;
 mod print_presets;
 mod print_scripts;

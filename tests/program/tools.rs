@@ -4,8 +4,10 @@ use std::collections::BTreeMap;
 
 use crate::support::found::{kinds, report};
 use crate::support::print::{Print, model, run, settings};
+use pathwright::Observer;
 use pathwright::gcode::{Action, replay};
-use pathwright::job::{Job, JobModel, ObjectSettings};
+use pathwright::job::{Engine, Job, JobModel, ObjectSettings};
+use pathwright::pipeline::Pipeline;
 use pathwright::profile::{self, Settings};
 
 /// Settings of a printer with so many tools, each with filament of its own.
@@ -378,4 +380,87 @@ fn roles_and_heights_have_the_tools_that_the_settings_name() {
         .collect();
     let change = |tool: &str| taken.iter().rposition(|line| *line == tool).map(|at| taken[at - 1]);
     assert_eq!((change("T1"), change("T0")), (Some(";Z:1.2"), Some(";Z:2.2")));
+}
+
+#[test]
+fn the_bytes_do_not_depend_on_threads() {
+    let folder = tempfile::tempdir().unwrap();
+    let base = several(2, &["order.strategy=optimized"]);
+    let job = with_tools(boxes(&folder, &[LEFT, RIGHT]), &base, &[("right", 2)]);
+    let [one, four] = [1, 4]
+        .map(|threads| run(&Job { threads: Some(threads), ..job.clone() }, &base).expect("a print").text);
+    assert!(one == four);
+}
+
+#[test]
+fn the_tower_stands_clear_of_all_else_on_every_layer_up_to_its_top() {
+    let (print, _) = pair(&["skirt.loops=1", "brim.width=2"]);
+    let beads = print.beads();
+    let (tower, others): (Vec<_>, Vec<_>) = beads.iter().partition(|bead| bead.kind == "Wipe tower");
+    let reach = |beads: &[&crate::support::print::Bead]| {
+        let points = beads.iter().flat_map(|bead| bead.points.iter());
+        points.fold([f64::MAX, f64::MAX, f64::MIN, f64::MIN], |[x0, y0, x1, y1], &[x, y]| {
+            [x0.min(x), y0.min(y), x1.max(x), y1.max(y)]
+        })
+    };
+    let others: Vec<_> = others.into_iter().filter(|bead| bead.kind != "Custom").collect();
+    let (a, b) = (reach(&tower), reach(&others));
+    assert!(a[0] > b[2] + 2.0 || a[2] < b[0] - 2.0 || a[1] > b[3] + 2.0 || a[3] < b[1] - 2.0, "{a:?}, {b:?}");
+    let heights: std::collections::BTreeSet<i64> =
+        tower.iter().map(|bead| (bead.z_mm * 1000.0).round() as i64).collect();
+    let top = *heights.last().expect("a tower");
+    assert!(heights.iter().copied().eq((1..=top / 200).map(|layer| 200 * layer)), "{heights:?}");
+}
+
+#[test]
+fn a_tower_that_has_no_room_is_refused_with_what_to_change() {
+    let folder = tempfile::tempdir().unwrap();
+    let base = several(2, &["prime_tower.position=[110, 110]"]);
+    let job = with_tools(boxes(&folder, &[LEFT, RIGHT]), &base, &[("right", 2)]);
+    let error = run(&job, &base).err().expect("it would stand in the part").to_string();
+    assert!(error.contains("prime tower") && error.contains("prime_tower.position"), "{error}");
+}
+
+#[test]
+fn the_best_order_of_tools_costs_no_more_than_any_rule() {
+    let folder = tempfile::tempdir().unwrap();
+    let base = several(3, &["tool_change.flush_volumes=[0, 10, 90, 40, 0, 10, 10, 70, 0]"]);
+    let third = ("back", [0.0, 20.0, 0.0], [35.0, 30.0, 3.0]);
+    let job = with_tools(boxes(&folder, &[LEFT, RIGHT, third]), &base, &[("right", 2), ("back", 3)]);
+    let rows = Pipeline.compare_tools(&job, &base, &Observer::none()).expect("a comparison");
+    let best = rows.iter().find(|row| row.order == "optimal").expect("it is compared");
+    assert_eq!(best.bound_s, Some(best.cost_s));
+    assert!(rows.iter().all(|row| row.cost_s >= best.cost_s), "{rows:?}");
+    let print = run(&job, &base).expect("a print");
+    assert_eq!(print.summary.tool_changes as u64, best.changes);
+    let fixed = Settings { tools: base.tools.clone(), ..several(3, &["tool_change.order=fixed"]) };
+    let print = run(&job, &fixed).expect("a print");
+    assert_eq!(Some(print.summary.tool_changes as u64), rows.first().map(|row| row.changes), "fixed");
+}
+
+#[test]
+fn what_is_flushed_into_infill_spares_the_tower_and_comes_before_the_walls() {
+    let flushed = |sets: &[&str]| {
+        let (print, _) = pair(&[&["infill.density=40%", "tool_change.flush_volume=60"], sets].concat());
+        let sum: f64 = print.summary.tools.iter().map(|tool| tool.flushed_mm3).sum();
+        (print, sum)
+    };
+    let ((_, apart), (print, into)) = (flushed(&[]), flushed(&["tool_change.flush_into_infill=true"]));
+    // The frame and its lines take some of the room that is left.
+    assert!(into < 0.92 * apart, "{into} of {apart}");
+    let (mut kinds, mut sparse) = (Vec::new(), 0);
+    for line in text(&print).lines() {
+        match line.strip_prefix(";TYPE:") {
+            Some(kind) => kinds.push(kind.to_owned()),
+            None if line == "T1" || line == "T0" => kinds.clear(),
+            None => {}
+        }
+        let taken = kinds.iter().position(|kind| kind == "Internal infill");
+        let walls = kinds.iter().position(|kind| kind.contains("erimeter"));
+        if let (Some(taken), Some(walls)) = (taken, walls) {
+            sparse += usize::from(taken < walls);
+            kinds.clear();
+        }
+    }
+    assert!(sparse > 3, "after {sparse} changes");
 }

@@ -1,11 +1,12 @@
 //! What the loader takes, what it refuses, and what it says.
 
 use std::f64::consts::PI;
+use std::path::Path;
 
 use crate::support::mesh_shapes::{
-    LATTICES, box_xml, cuboid, lattice_xml, load, model_xml, own_models, package, stl,
+    LATTICES, box_xml, cuboid, lattice_xml, load, model_xml, own_models, package, painted_xml, stl,
 };
-use pathwright::mesh::{Mesh, MeshError};
+use pathwright::mesh::{Mesh, MeshError, Transform, Wish, objects_from_bytes};
 use pathwright::plate::{self, Layout, Placement};
 use pathwright::profile::Settings;
 use pathwright::slice;
@@ -471,4 +472,41 @@ fn extensions_that_are_not_understood_are_refused_by_name() {
         );
         assert!(message.contains(&wanted), "{message}");
     }
+}
+
+/// A box of 10 mm whose first two facets are painted as these attributes say, in a 3MF file with this build.
+fn painted(attributes: [&str; 2], build: &str) -> Result<pathwright::mesh::Model, MeshError> {
+    let facets = cuboid([0.0; 3], [10.0; 3]);
+    let mesh = painted_xml(&facets, |facet| attributes.get(facet).copied().unwrap_or_default().to_owned());
+    let names = "xmlns:slic3rpe=\"http://schemas.slic3r.org/3mf/2017/06\"";
+    let model = model_xml(names, &format!("<object id=\"1\">{mesh}</object>"), build);
+    let data = package(&[("3D/3dmodel.model", &model)]);
+    objects_from_bytes(Path::new("a.3mf"), &data).map(|mut models| models.remove(0))
+}
+
+#[test]
+fn what_is_painted_goes_where_the_mesh_goes() {
+    let build = "<item objectid=\"1\" transform=\"0 1 0 -1 0 0 0 0 2 5 6 7\"/>";
+    let plain =
+        painted(["slic3rpe:mmu_segmentation=\"8\"", "paint_color=\"0C\" paint_seam=\"4\""], build).unwrap();
+    let paint = plain.mesh.paint();
+    assert_eq!(paint.tools.iter().map(|facet| facet.paint).collect::<Vec<_>>(), [2, 3]);
+    assert_eq!(paint.seams.iter().map(|facet| facet.paint).collect::<Vec<_>>(), [Wish::Enforced]);
+    let turn = Transform { scale: [1.0, -2.0, 1.0], rotate_deg: [30.0, 0.0, 90.0] };
+    let mut moved = turn.apply(plain.mesh.clone()).unwrap().centered().quarter_turned(1);
+    moved.shift([1.0, 2.0, 3.0]);
+    for mesh in [&plain.mesh, &moved] {
+        // Painted facets have the corners of facets.
+        for corner in mesh.paint().tools.iter().flat_map(|facet| facet.corners) {
+            let near = |v: &[f64; 3]| (0..3).all(|i| (v[i] - corner[i]).abs() < 1e-5);
+            assert!(mesh.vertices().iter().any(near), "{corner:?}");
+        }
+    }
+}
+
+#[test]
+fn what_is_no_paint_is_refused_with_its_triangle() {
+    let message = painted(["", "paint_supports=\"43\""], "<item objectid=\"1\"/>").unwrap_err().to_string();
+    assert!(message.starts_with("a.3mf: 3D/3dmodel.model: byte "), "{message}");
+    assert!(message.contains("triangle 2: `43` is no paint: it ends early; export it again"), "{message}");
 }

@@ -220,6 +220,7 @@ fn tower() -> Vec<LayerPaths> {
             outline: Region::default(),
             beneath: None,
             kind: LayerKind::Flat,
+            entries: Default::default(),
             tools: Vec::new(),
         }
     };

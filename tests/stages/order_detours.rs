@@ -36,6 +36,7 @@ fn posts(paths: Vec<Path>) -> LayerPaths {
         outline: unite_rings(&[outer.map(|(x, y)| Point::from_mm(x, y)).to_vec()]),
         beneath: None,
         kind: LayerKind::Flat,
+        entries: Default::default(),
         tools: Vec::new(),
     }
 }

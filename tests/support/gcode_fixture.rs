@@ -99,6 +99,7 @@ pub fn layer(index: usize, paths: Vec<Path>) -> LayerPaths {
         outline: Region::default(),
         beneath: None,
         kind: LayerKind::Flat,
+        entries: Default::default(),
         tools: Vec::new(),
     }
 }

@@ -5,6 +5,7 @@ use crate::parallel::Workers;
 use crate::plan::styles::{Planners, Styles};
 use crate::plan::supports;
 use crate::profile::Settings;
+use crate::slice::Layer;
 use crate::toolpath::support::{self, BeadSpec, Outlines};
 use crate::toolpath::{self, LayerPaths, LayerWalls, Path, Planner, Role, SupportStyle};
 use geometry::{Polygon, Region};
@@ -29,6 +30,12 @@ impl Sections {
         let turn = self.turn(index);
         let is_turn = turn.is_some();
         let mut layer = turn.unwrap_or_else(|| planners.filled(self.plate_layer(index), walls));
+        let Layer { seams, .. } = &self.layers[index];
+        if !is_turn && !seams.is_empty() {
+            let foot_mm = if index == self.raft_layers { settings.layer.elephant_foot.0 } else { 0.0 };
+            let moved_mm = settings.layer.xy_compensation.0.abs() + foot_mm;
+            toolpath::seams::mark(&mut layer, seams, moved_mm);
+        }
         for island in &mut layer.islands {
             island.object = self.objects[island.object as usize] as u32;
         }
@@ -53,7 +60,7 @@ impl Sections {
         };
         let beads = beads.into_iter().map(tool_of);
         let place = layer.paths.iter().position(|p| !around(p.role)).unwrap_or(layer.paths.len());
-        layer.paths.splice(place..place, beads);
+        layer.insert(place, beads);
         layer
     }
 

@@ -109,12 +109,36 @@ pub fn package(parts: &[(&str, &str)]) -> Vec<u8> {
     zip.finish().expect("an archive").into_inner()
 }
 
+/// A prism with an even number of sides around the Z axis, its first corner on the X axis, standing on z = 0; two facets for each
+/// side come first.
+pub fn prism(sides: usize, radius: f32, height: f32) -> Facets {
+    let at = |k: usize, z: f32| {
+        let angle = (k % sides) as f32 / sides as f32 * std::f32::consts::TAU;
+        [radius * angle.cos(), radius * angle.sin(), z]
+    };
+    let walls = (0..sides).flat_map(|k| {
+        let [a, b, c, d] = [at(k, 0.0), at(k + 1, 0.0), at(k + 1, height), at(k, height)];
+        [[a, b, c], [a, c, d]]
+    });
+    let lids = (0..sides).flat_map(|k| {
+        let middle = |z| [0.0, 0.0, z];
+        [[middle(0.0), at(k + 1, 0.0), at(k, 0.0)], [middle(height), at(k, height), at(k + 1, height)]]
+    });
+    walls.chain(lids).collect()
+}
+
 /// A box from the origin as the mesh of a 3MF object.
 pub fn box_xml(size: [f32; 3]) -> String {
-    let facets = cuboid([0.0; 3], size);
+    painted_xml(&cuboid([0.0; 3], size), |_| String::new())
+}
+
+/// Facets as the mesh of a 3MF object, each with more attributes.
+pub fn painted_xml(facets: &Facets, attributes: impl Fn(usize) -> String) -> String {
     let corners = facets.iter().flatten().map(|[x, y, z]| format!("<vertex x=\"{x}\" y=\"{y}\" z=\"{z}\"/>"));
-    let triangles = (0..facets.len())
-        .map(|i| format!("<triangle v1=\"{}\" v2=\"{}\" v3=\"{}\"/>", 3 * i, 3 * i + 1, 3 * i + 2));
+    let triangles = (0..facets.len()).map(|i| {
+        let [a, b, c] = [3 * i, 3 * i + 1, 3 * i + 2];
+        format!("<triangle v1=\"{a}\" v2=\"{b}\" v3=\"{c}\" {}/>", attributes(i))
+    });
     format!(
         "<mesh><vertices>{}</vertices><triangles>{}</triangles></mesh>",
         corners.collect::<String>(),
