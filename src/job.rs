@@ -18,6 +18,7 @@ use crate::motion::PauseAt;
 use crate::observer::Observer;
 use crate::order::OrderStrategy;
 use crate::order::compare::StrategyRow;
+use crate::order::compare_tools::ToolOrderRow;
 use crate::output::Output;
 use crate::profile::Settings;
 use crate::report::{ModelInfo, PaperRow, Reordered, Summary};
@@ -125,6 +126,19 @@ pub trait Engine: Sync {
         strategies: &[OrderStrategy],
         observer: &Observer<'_>,
     ) -> Result<Vec<StrategyRow>, JobError>;
+
+    /// Compares orders of the tools of one plate; an engine that has none gives no rows.
+    ///
+    /// # Errors
+    /// See [`JobError`].
+    fn compare_tools(
+        &self,
+        _job: &Job,
+        _settings: &Settings,
+        _observer: &Observer<'_>,
+    ) -> Result<Vec<ToolOrderRow>, JobError> {
+        Ok(Vec::new())
+    }
 
     /// The rows of the paper's table for a file; the first row is the file as it is. A model is sliced first.
     ///

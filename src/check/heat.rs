@@ -135,8 +135,9 @@ impl Heat {
                 let cools = target().zip(before).is_some_and(|(to, from)| to < from && to > 0.0);
                 self.idle[tool] = code.number == 104
                     && (self.idle[tool] || cools && self.begun && tool != self.heater(self.tool));
-                // What has cooled down has to be waited for again.
-                self.awaited = code.number == 109 || self.awaited && target().is_none_or(|c| c >= COLD_C);
+                // What has cooled down has to be waited for again; others than the one in use are seen to apart.
+                let cools = tool == self.heater(self.tool) && target().is_some_and(|c| c < COLD_C);
+                self.awaited = code.number == 109 || self.awaited && !cools;
             }
             (b'M', 116) => (self.awaited, self.idle) = (true, [false; NOZZLES]),
             (b'M', 140 | 190) => self.bed = target().unwrap_or(self.bed),

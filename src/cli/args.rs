@@ -200,6 +200,14 @@ pub(super) struct CompareArgs {
     #[command(flatten)]
     pub ordering: OrderingArgs,
 
+    /// Compare orders of tools instead, for all models on one plate
+    #[arg(long, conflicts_with_all = ["order", "scope", "csv", "html", "paper", "no_bound"])]
+    pub tools: bool,
+
+    /// With --tools: override a setting for some objects, such as b.stl:tool=2; repeatable, wins over --set
+    #[arg(long, value_name = "NAME:KEY=VALUE", value_parser = object_setting, requires = "tools")]
+    pub object: Vec<ObjectAssignment>,
+
     /// Print the table of the paper of 2016 (docs/paper.md); models are sliced first
     #[arg(long, conflicts_with_all = ["order", "scope", "json", "csv"])]
     pub paper: bool,

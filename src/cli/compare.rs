@@ -7,12 +7,14 @@ use serde_json::json;
 use super::args::CompareArgs;
 use super::console::{self, Bar, file_name};
 use super::exit::{Exit, Failure, usage};
+use super::given;
 use super::plan::{self, Plate, Sources};
 use super::view::{sliced, write};
 use super::watch::Watch;
 use crate::job::{Engine, Job};
 use crate::order::OrderStrategy;
 use crate::order::compare::{self, StrategyRow};
+use crate::order::compare_tools;
 use crate::profile::Settings;
 use crate::report::{PaperRow, paper};
 use crate::view::{self, Print, Scene};
@@ -24,6 +26,9 @@ pub(super) fn run(args: &CompareArgs, engine: &dyn Engine) -> Result<Exit, Failu
     let mut shorthands = plan::shorthands(None, &args.ordering);
     shorthands.extend(plan::by_length(&args.settings, &args.ordering));
     let sources = Sources::new(&args.settings, shorthands)?;
+    if args.tools {
+        return tools(args, &sources, engine, &watch);
+    }
     let plates = plan::plates(&args.models, &sources)?;
     if let Some(first) = plates.first() {
         console::warn(&first.settings.warnings);
@@ -91,6 +96,32 @@ fn job(args: &CompareArgs, plate: Plate) -> Job {
         dated: console::source_date(),
         ..plate.job
     }
+}
+
+/// Orders of the tools of one plate.
+fn tools(
+    args: &CompareArgs,
+    sources: &Sources<'_>,
+    engine: &dyn Engine,
+    watch: &Watch,
+) -> Result<Exit, Failure> {
+    let plate = plan::plate(&args.models, given::read(&args.models)?, sources, None)?;
+    console::warn(&plate.settings.warnings);
+    let (settings, objects) = (plate.settings.clone(), plan::object_settings(&args.object, sources)?);
+    let count = settings.settings.tools.len();
+    if count < 2 {
+        return Err(usage("--tools compares orders of several tools; `[[tools]]` of a profile lists them"));
+    }
+    let job = Job { objects, ..job(args, plate) };
+    let observer = watch.over(Bar::observer(None));
+    let rows = engine
+        .compare_tools(&job, &settings.settings, &observer)
+        .map_err(|error| watch.explained(error.into()))?;
+    match args.json {
+        true => console::print_json(&json!({ "tools": rows }))?,
+        false => console::print(&compare_tools::text(&rows))?,
+    }
+    Ok(Exit::Done)
 }
 
 /// The paper's table, file by file, and the means.

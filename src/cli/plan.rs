@@ -66,7 +66,7 @@ impl Plan {
             of_slice(&mut plate, args)?;
             made.push(plate);
         }
-        let objects = object_settings(args, &sources)?;
+        let objects = object_settings(&args.object, &sources)?;
         for plate in &mut made {
             plate.job.objects.clone_from(&objects);
             check(&plate.job, &plate.settings.settings)?;
@@ -259,11 +259,14 @@ pub(super) fn plates(args: &ModelArgs, sources: &Sources<'_>) -> Result<Vec<Plat
 }
 
 /// Settings of some objects: those of the plate with more on top.
-fn object_settings(args: &SliceArgs, sources: &Sources<'_>) -> Result<Vec<ObjectSettings>, Failure> {
+pub(super) fn object_settings(
+    args: &[ObjectAssignment],
+    sources: &Sources<'_>,
+) -> Result<Vec<ObjectSettings>, Failure> {
     const OPTION: &str = "--object";
     let mut given: Vec<(&str, Vec<Override>)> = Vec::new();
     let mut problems = Vec::new();
-    for ObjectAssignment { object, setting: Assignment { key, value } } in &args.object {
+    for ObjectAssignment { object, setting: Assignment { key, value } } in args {
         if let Some(message) = ObjectSettings::refusal(key) {
             let setting = Some((key.clone(), value.clone()));
             problems.push(Problem { origin: Origin::Option(OPTION), setting, message });

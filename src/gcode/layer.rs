@@ -267,6 +267,10 @@ impl<'a> Writer<'a> {
                 self.stop(&self.settings.pause)
             }
             Move::ColorChange => self.stop(&self.settings.color_change),
+            Move::Preheat { tool, nozzle } => {
+                let celsius = text(nozzle.0, 1);
+                self.out.extend_from_slice(format!("M104 T{tool} S{celsius}\n").as_bytes());
+            }
             Move::ToolChange(change) => self.change_tool(change),
         }
     }

@@ -97,6 +97,8 @@ section! {
         offset: [Mm; 2] = [Mm(0.0), Mm(0.0)]; -500.0..=500.0,
         /// Temperature while another tool prints; 0: as while it prints. Not of a single nozzle.
         idle_temperature: Celsius = Celsius(0.0); 0.0..=500.0,
+        /// How quickly it is heated again from there, before its turn comes; 0: not before.
+        heating_rate: f64 = 2.0; 0.0..=100.0, "°C/s",
     }
 }
 section! {
@@ -112,6 +114,10 @@ section! {
         flush_volume: Mm3 = Mm3(0.0); 0.0..=5000.0,
         /// Filament flushed from each tool (rows) to each other (columns), row by row; empty: `tool_change.flush_volume`.
         flush_volumes: Vec<f64> = Vec::new(); 0.0..=5000.0, "mm³",
+        /// Flush into the sparse infill of the tool that is taken, which is then printed first; the tower gets what is left.
+        flush_into_infill: bool = false,
+        /// Flush into support that it prints.
+        flush_into_support: bool = false,
         /// Which tool prints when.
         order: ToolOrder = ToolOrder::Optimal,
         /// Time that a cubic millimetre of waste is worth, where tools are put into an order.

@@ -11,8 +11,8 @@ pub struct Scripts {
     pub(super) end: String,
     pub(crate) pause: String,
     pub(crate) color_change: String,
-    /// Filament that the start scripts say they leave pulled back, millimetres.
-    pub(crate) retracted_mm: f64,
+    /// Filament that the start scripts say they leave pulled back, of each extruder, millimetres.
+    pub(crate) retracted_mm: Vec<f64>,
     /// Which heaters the start script switches.
     pub(super) starts: Heaters,
     /// Which heaters the end script switches.
@@ -36,7 +36,7 @@ impl Scripts {
         [start, filament_start, pause, color_change]: [String; 4],
         options: &GcodeSettings,
         flavor: Flavor,
-        retracted_mm: f64,
+        retracted_mm: Vec<f64>,
     ) -> Self {
         let starts = heaters(&options.start, &start, flavor);
         Self { start, filament_start, pause, color_change, retracted_mm, starts, ..Self::default() }

@@ -11,9 +11,13 @@ pub fn set_fan(layer: &mut LayerMoves, took: Seconds, settings: &MotionSettings)
     if !rules.fan_by_time() {
         return;
     }
-    let own = rules.layer_fan(layer.index, Some(took));
+    let of_tool = |tool| Rules::new(settings.of_tool(tool), layer.index).layer_fan(layer.index, Some(took));
+    let mut own = of_tool(layer.from.tool);
     let mut now: Option<Ratio> = None;
     layer.moves.retain_mut(|step| {
+        if let Move::ToolChange(change) = step {
+            own = of_tool(change.to);
+        }
         let Move::Fan(least) = step else { return true };
         let fan = if *least < own { own } else { *least };
         let changes = now != Some(fan);

@@ -41,6 +41,8 @@ pub enum Move {
     Pause,
     /// A change to filament of another color, by the profile's script.
     ColorChange,
+    /// Heats a tool whose turn comes, without waiting.
+    Preheat { tool: ToolId, nozzle: Celsius },
     /// A change to another tool, by its script, and what heats it.
     ToolChange(ToolChange),
 }

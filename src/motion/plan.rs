@@ -116,12 +116,13 @@ pub fn exit(layer: &LayerPaths, sequence: &[PathVisit], from: Entry, settings: &
         (!vertices.is_empty()).then_some(path)
     });
     let Some(path) = last else { return from };
+    let (tool, parked) = tool::left(layer, sequence, &from, settings);
+    let own = settings.of_tool(tool);
     let support = if settings.reverse_overhangs { support(layer) } else { None };
     turn_round(path, &mut vertices, layer.index, support.as_ref(), settings);
-    let scarf = finish(path, &mut vertices, layer.index, settings);
-    let (end, wipe) = end(path, &vertices, scarf.as_ref(), settings);
+    let scarf = finish(path, &mut vertices, layer.index, own);
+    let (end, wipe) = end(path, &vertices, scarf.as_ref(), own);
     let z_mm = layer.top_mm + settings.z_offset.0;
-    let (tool, parked) = tool::left(layer, sequence, &from, settings);
     Entry { xy: end, z_mm, wipe, tool, parked, ..Entry::default() }
 }
 

@@ -7,7 +7,7 @@ use super::options::{
 };
 use crate::order::SeamSettings;
 use crate::toolpath::{FirstLayerSettings, ToolId};
-use crate::units::{Mm, Mm3PerS, MmPerS, MmPerS2, Seconds};
+use crate::units::{Celsius, Mm, Mm3PerS, MmPerS, MmPerS2, Seconds};
 
 /// How much is extruded.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -58,6 +58,12 @@ pub struct MotionSettings {
     pub tools: Vec<MotionSettings>,
     /// How long it takes to change to this tool.
     pub change_time: Seconds,
+    /// Filament that the start script leaves pulled back of this tool, where it is not the first, millimetres.
+    pub left_back_mm: f64,
+    /// Temperature while another tool prints, 0: as while this one does; and how quickly it is heated again, °C/s.
+    pub idle: Celsius,
+    /// See `idle`.
+    pub heating_rate: f64,
     /// A tool that is put away keeps its filament; that of a single nozzle is taken out.
     pub keeps_filament: bool,
 }

@@ -2,7 +2,7 @@
 
 use super::nozzle::Nozzle;
 use super::rules::Rules;
-use super::{Entry, MotionSettings, Move, ToolChange};
+use super::{Entry, LayerMoves, MotionSettings, Move, ToolChange};
 use crate::order::PathVisit;
 use crate::toolpath::{LayerPaths, ToolId};
 
@@ -30,7 +30,7 @@ impl Nozzle<'_> {
         // What a single nozzle is given is as far back as what was taken out.
         let is_parked = !own.keeps_filament || self.parked & (1 << to) != 0;
         self.parked &= !(1 << to);
-        self.retracted_mm = if is_parked { change_mm(own) } else { 0.0 };
+        self.retracted_mm = if is_parked { change_mm(own) } else { own.left_back_mm };
         self.restart_mm = is_parked.then_some(own.retract.change_extra.0);
         (self.settings, self.rules, self.tool) = (own, rules, to);
         (self.at, self.positioned, self.island) = (None, false, None);
@@ -63,6 +63,35 @@ impl Nozzle<'_> {
 fn change_mm(settings: &MotionSettings) -> f64 {
     let usual_mm = settings.retract.length.0;
     if settings.keeps_filament { settings.retract.change_length.0.max(usual_mm) } else { usual_mm }
+}
+
+/// Heats tools that have cooled down so long before their turn as it takes, or from the beginning of the layer on, if
+/// that is later. `times_s` says how long each move takes.
+pub fn preheat(layer: &mut LayerMoves, times_s: &[f64], settings: &MotionSettings) {
+    let ends_s: Vec<f64> = times_s
+        .iter()
+        .scan(0.0, |sum, time_s| {
+            *sum += time_s;
+            Some(*sum)
+        })
+        .collect();
+    let heated = |(index, step): (usize, &Move)| {
+        let Move::ToolChange(ToolChange { to, nozzle, time, .. }) = *step else { return None };
+        let own = settings.of_tool(to);
+        let rise = nozzle.0 - own.idle.0;
+        if own.idle.0 <= 0.0 || own.heating_rate <= 0.0 || rise <= 0.0 {
+            return None;
+        }
+        // The change itself takes a while, too.
+        let from_s = ends_s.get(index).copied().unwrap_or(0.0) - time.0.max(0.0) - rise / own.heating_rate;
+        let place = ends_s.partition_point(|end_s| *end_s < from_s).min(index);
+        Some((place, Move::Preheat { tool: to, nozzle }))
+    };
+    let mut heated: Vec<(usize, Move)> = layer.moves.iter().enumerate().filter_map(heated).collect();
+    heated.sort_by_key(|(place, _)| *place);
+    for (place, step) in heated.into_iter().rev() {
+        layer.moves.insert(place, step);
+    }
 }
 
 /// Which tool a layer leaves in use, and which are put away.

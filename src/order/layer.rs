@@ -129,8 +129,13 @@ fn stage(path: &Path, layer: &LayerPaths) -> u32 {
         return part;
     }
     let turn = layer.tools.iter().position(|tool| path.tool.is_none_or(|own| own == *tool));
-    let part = if path.role == Role::PrimeTower { 0 } else { 1 + part };
-    3 * turn.unwrap_or(0) as u32 + part
+    let part = match (path.role, path.phase) {
+        (Role::PrimeTower, _) => 0,
+        // What a tool is flushed into.
+        (_, Phase::Tower(_)) => 1,
+        _ => 2 + part,
+    };
+    4 * turn.unwrap_or(0) as u32 + part
 }
 
 fn shape(path: &Path, pin: Option<usize>) -> Shape<'_> {

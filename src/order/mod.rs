@@ -2,6 +2,7 @@
 
 mod chain;
 pub mod compare;
+pub mod compare_tools;
 mod layer;
 mod options;
 mod seam;

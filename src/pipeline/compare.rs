@@ -3,10 +3,11 @@
 use crate::gcode::is_gcode;
 use crate::job::{Job, JobError, ModelSource};
 use crate::order::compare::{LayerRow, StrategyRow};
-use crate::order::{CostKind, OrderStrategy};
+use crate::order::compare_tools::ToolOrderRow;
+use crate::order::{CostKind, OrderStrategy, ToolOrder};
 use crate::order::{LayerProblem, PathVisit, Pins, SeamRule, chunk_len, ends_on_path};
 use crate::parallel::Workers;
-use crate::plan::spiral;
+use crate::plan::{spiral, tool_order};
 use crate::plate::Model;
 use crate::profile::Settings;
 use crate::source::Source;
@@ -101,6 +102,24 @@ fn sliced(
         .iter()
         .map(|round| workers.map(round.sections.layers.len(), |i| round.paths(i, None, settings)));
     Ok(layers.flatten().collect())
+}
+
+/// Orders of tools side by side, on the first layers that are printed without interruption.
+pub(super) fn compare_tools(
+    job: &Job,
+    settings: &Settings,
+    workers: Workers<'_>,
+) -> Result<Vec<ToolOrderRow>, JobError> {
+    let settings = &*spiral::effective(settings);
+    let loaded = load::place(load::read(job, settings, workers)?, job, settings)?;
+    let rounds = rounds::prepare(&Site::of(&loaded), settings, workers)?;
+    let Some(round) = rounds.first() else { return Ok(Vec::new()) };
+    let layers = workers.map(round.sections.layers.len(), |i| round.paths(i, None, settings));
+    let problem = tool_order::problem(&layers, None, settings);
+    let row = |(_, order): &(&str, ToolOrder)| {
+        tool_order::row(*order, &tool_order::plan(&problem, *order), None, settings)
+    };
+    Ok(ToolOrder::ALL.iter().map(row).collect())
 }
 
 /// The travel that ordering cannot change.

@@ -24,6 +24,7 @@ use crate::motion::LayerMoves;
 use crate::observer::Observer;
 use crate::order::OrderStrategy;
 use crate::order::compare::StrategyRow;
+use crate::order::compare_tools::ToolOrderRow;
 use crate::output::Output;
 use crate::parallel::{self, Workers};
 use crate::plate::{Model, PlacementError, Plate};
@@ -184,6 +185,16 @@ impl Engine for Pipeline {
         observer: &Observer<'_>,
     ) -> Result<Vec<StrategyRow>, JobError> {
         parallel::run(job.threads, observer, |workers| compare::compare(job, settings, strategies, workers))
+            .unwrap_or(Err(JobError::Cancelled))
+    }
+
+    fn compare_tools(
+        &self,
+        job: &Job,
+        settings: &Settings,
+        observer: &Observer<'_>,
+    ) -> Result<Vec<ToolOrderRow>, JobError> {
+        parallel::run(job.threads, observer, |workers| compare::compare_tools(job, settings, workers))
             .unwrap_or(Err(JobError::Cancelled))
     }
 

@@ -3,7 +3,7 @@
 use std::collections::BTreeSet;
 use std::ops::Range;
 
-use crate::estimate::{Machine, cool};
+use crate::estimate::{Machine, cool, move_times_s};
 use crate::gcode::{
     self, Effect, GcodeOptions, LayerText, ObjectLabel, PrintFacts, Slot, Totals, WriterSettings,
 };
@@ -86,6 +86,10 @@ pub(super) fn slice(
     let labels =
         if settings.gcode.labels_objects() { labels(&loaded.plate, rounds, workers) } else { Vec::new() };
     let names = labels.iter().map(|label| label.name.clone()).collect();
+    let mut tools = MotionSettings::new(settings, &job.pauses).tools;
+    for (own, left_mm) in tools.iter_mut().zip(&scripts.retracted_mm) {
+        own.left_back_mm = if own.retract.firmware { 0.0 } else { *left_mm };
+    }
     let maker = LayerMaker {
         chain: Chain {
             detours: settings.detour_rule(),
@@ -95,6 +99,7 @@ pub(super) fn slice(
         motion: MotionSettings {
             heat_first_layer: settings.gcode.heat && scripts.heat_by_name(),
             color_changes: job.color_changes.clone(),
+            tools,
             ..MotionSettings::new(settings, &job.pauses)
         },
         machine: options.machine,
@@ -130,8 +135,9 @@ pub(super) fn slice(
     let (xy, z_mm) = (begun.end.map(|[x, y, _]| [x, y]), begun.end.map_or(0.0, |e| e[2]));
     let start = xy.map(|[x, y]| Point::from_mm(x, y));
     let firmware = settings.retract.firmware;
-    let retracted_mm = if firmware { 0.0 } else { scripts.retracted_mm };
-    let tool = tooled.as_ref().map_or(0, Tooled::first);
+    let tool = facts.tools.first;
+    let left_mm = scripts.retracted_mm.get(usize::from(tool)).copied().unwrap_or(0.0);
+    let retracted_mm = if firmware { 0.0 } else { left_mm };
     let mut at = Entry { xy, z_mm, retracted_mm, tool, ..Entry::default() };
     for (finished, round) in rounds.iter().enumerate() {
         at.over_mm = round.over_mm;
@@ -501,6 +507,10 @@ impl LayerMaker<'_> {
         moves.index += before;
         let time = cool(&mut moves, &self.settings.cooling, &self.machine);
         motion::set_fan(&mut moves, time.total(), &self.motion);
+        if self.motion.tools.iter().any(|tool| tool.idle.0 > 0.0) {
+            let times_s = move_times_s(&moves, &self.machine);
+            motion::preheat(&mut moves, &times_s, &self.motion);
+        }
         let sums = moves.sums();
         let measures = Measures {
             print_mm: sums.print.0,
@@ -517,7 +527,7 @@ impl LayerMaker<'_> {
         let [x, y] = moves.from.xy.unwrap_or_default();
         let position_mm = [x, y, moves.from.z_mm];
         let entry = LayerEntry { index: moves.index, z_mm: moves.z_mm, position_mm };
-        let tools = moves.by_tool(self.settings.tools.len());
+        let tools = moves.by_tool(self.settings.tool_list().len());
         let text = gcode::format_layer(&moves, &self.writer);
         let (layer, moves) = match self.keep {
             true => (Some(PrintLayer::new(paths, sequence, moves, &self.machine)), None),

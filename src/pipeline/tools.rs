@@ -4,7 +4,7 @@ use crate::gcode::ToolFacts;
 use crate::job::{FitError, JobError};
 use crate::parallel::Workers;
 use crate::plan::tool_order;
-use crate::plan::tower::Tower;
+use crate::plan::tower::{self, Tower};
 use crate::profile::Settings;
 use crate::toolpath::{LayerPaths, LayerWalls, ToolId};
 use geometry::{Polygon, Region, Ring};
@@ -45,8 +45,11 @@ impl Tooled {
         }
         let mut tooled = Self { layers, tower: None };
         // Objects that are printed one after the other have none.
-        if let ([layers], [round], true) =
-            (tooled.layers.as_mut_slice(), rounds, settings.prime_tower.enabled)
+        let [layers] = tooled.layers.as_mut_slice() else { return Ok(Some(tooled)) };
+        if settings.prime_tower.enabled {
+            tower::flush_into(layers, settings);
+        }
+        if let ([round], true) = (rounds, settings.prime_tower.enabled)
             && let Some(mut tower) = Tower::plan(layers, settings)
         {
             if !tower.place(&printed(round, settings, workers), settings) {

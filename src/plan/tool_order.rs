@@ -1,5 +1,6 @@
 //! Which tool prints when: the tools of each layer, in their order.
 
+use crate::order::compare_tools::ToolOrderRow;
 use crate::order::tools::{ToolLayer, ToolOrder, ToolPlan, ToolProblem, order_tools};
 use crate::profile::Settings;
 use crate::toolpath::{LayerPaths, ToolId};
@@ -31,6 +32,32 @@ pub(crate) fn problem(layers: &[LayerPaths], start: Option<ToolId>, settings: &S
 /// The order of the tools of each layer, by a rule.
 pub(crate) fn plan(problem: &ToolProblem, order: ToolOrder) -> ToolPlan {
     order_tools(problem, order).expect("tools are those of the settings, and none waits for another")
+}
+
+/// What an order comes to.
+pub(crate) fn row(
+    order: ToolOrder,
+    plan: &ToolPlan,
+    start: Option<ToolId>,
+    settings: &Settings,
+) -> ToolOrderRow {
+    let (mut change_s, mut flushed_mm3) = (0.0, 0.0);
+    let mut current = start.map(u32::from);
+    for &tool in plan.layers.iter().flatten() {
+        if let Some(from) = current.filter(|from| *from != tool) {
+            change_s += settings.of_tool(tool as usize).tool_change.time.0;
+            flushed_mm3 += settings.flush_mm3(from as usize, tool as usize);
+        }
+        current = Some(tool);
+    }
+    ToolOrderRow {
+        order: order.name().into(),
+        changes: plan.changes,
+        change_s,
+        flushed_mm3,
+        cost_s: plan.cost as f64 / MS,
+        bound_s: plan.bound.map(|bound| bound as f64 / MS),
+    }
 }
 
 /// Gives each layer its tools. What any may print is printed by the first; what needs no tool of its own, by whichever is in

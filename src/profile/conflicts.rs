@@ -361,9 +361,9 @@ fn tools(settings: &Settings, check: &mut Check) {
         check.error(&["prime_tower.position"], "X and Y are expected, such as [200, 180]");
     }
     if settings.tools.len() > 1 && tower.enabled && settings.print.sequence == Sequence::Object {
-        check.error(
+        check.warn(
             &["prime_tower.enabled", "print.sequence"],
-            "a prime tower grows with all objects, which cannot be printed one after the other; set one of them otherwise",
+            "a prime tower grows with all objects; of several that are printed one after the other there is none, and nothing is flushed",
         );
     }
     for tool in 0..settings.tools.len() {

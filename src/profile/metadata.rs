@@ -24,11 +24,8 @@ pub fn binary_metadata(settings: &Settings) -> BinaryMetadata {
         ("support_material", flag(settings.support.enabled)),
     ];
     let values = Table::try_from(settings).expect("settings are a table");
-    let slicer = settings.sections().flat_map(|section| {
-        let values = &values;
-        section.fields.iter().map(move |field| {
-            (format!("{}.{}", section.name, field.name), one_line(&values[section.name][field.name]))
-        })
+    let slicer = settings.keys_that_matter().map(|(section, field)| {
+        (format!("{}.{}", section.name, field.name), one_line(&values[section.name][field.name]))
     });
     let of_tool = |(number, tool): (usize, &Tool)| -> Vec<(String, String)> {
         tool.own().map(|(key, value)| (format!("tools.{number}.{key}"), one_line(value))).collect()

@@ -11,6 +11,7 @@ mod embedded;
 mod error;
 mod import;
 mod metadata;
+mod of_tool;
 mod resolve;
 mod schema;
 mod script;

@@ -15,7 +15,7 @@ use crate::motion::{
     AccelerationSettings, CoolingSettings, FilamentSettings, RetractSettings, RoleFlowSettings,
     SpeedSettings, TemperatureSettings, TravelSettings,
 };
-use crate::options::Section;
+use crate::options::{Field, Section};
 use crate::order::{OrderSettings, SeamSettings};
 use crate::plate::{BedSettings, PlateSettings, PrintSettings};
 use crate::slice::LayerSettings;
@@ -103,13 +103,19 @@ impl Default for Settings {
     }
 }
 
-/// Sections about tools: where a printer has one, nothing is said of them.
-const OF_TOOLS: [&str; 4] = ["tool", "tool_of", "tool_change", "prime_tower"];
+/// Sections and keys about tools: where a printer has one, nothing is said of them.
+const OF_TOOLS: [&str; 6] =
+    ["tool.", "tool_of.", "tool_change.", "prime_tower.", "retract.change_length", "retract.change_extra"];
 
 impl Settings {
-    /// The sections that matter to the printer.
-    pub(super) fn sections(&self) -> impl Iterator<Item = &'static Section> {
+    /// The sections with the keys that matter to the printer.
+    pub(super) fn keys_that_matter(&self) -> impl Iterator<Item = (&'static Section, &'static Field)> {
         let several = !self.tools.is_empty();
-        SECTIONS.iter().filter(move |section| several || !OF_TOOLS.contains(&section.name))
+        let keys =
+            SECTIONS.iter().flat_map(|section| section.fields.iter().map(move |field| (section, field)));
+        keys.filter(move |(section, field)| {
+            let key = format!("{}.{}", section.name, field.name);
+            several || !OF_TOOLS.iter().any(|of_tools| key.starts_with(of_tools))
+        })
     }
 }

@@ -186,6 +186,12 @@ impl MotionSettings {
             heat_first_layer: false,
             tools: Vec::new(),
             change_time: settings.tool_change.time,
+            left_back_mm: 0.0,
+            idle: match settings.tool_change.kind {
+                ToolChangeKind::SingleNozzle => Celsius(0.0),
+                _ => settings.tool.idle_temperature,
+            },
+            heating_rate: settings.tool.heating_rate,
             keeps_filament: settings.tool_change.kind != ToolChangeKind::SingleNozzle,
         }
     }
@@ -308,7 +314,7 @@ impl GcodeOptions {
                 has_heater: own.tool_change.kind != ToolChangeKind::SingleNozzle,
             }
         };
-        let tools = (0..settings.tools.len()).map(own).collect();
+        let tools = (0..settings.tool_list().len()).map(own).collect();
         Self { tools, ..Self::from(&*settings.of_tool(first.into())) }
     }
 }

@@ -1,12 +1,9 @@
 //! `[[tools]]`: the settings that each tool has of its own.
 
-use std::borrow::Cow;
 use std::collections::BTreeMap;
 
 use serde::{Deserialize, Serialize};
 use toml::{Table, Value};
-
-use super::settings::Settings;
 
 /// Most tools that a printer has.
 pub const MOST_TOOLS: usize = 16;
@@ -99,39 +96,5 @@ impl Tool {
         self.0.iter().flat_map(|(section, keys)| {
             keys.iter().map(move |(name, value)| (format!("{section}.{name}"), value))
         })
-    }
-}
-
-impl Settings {
-    /// How many tools the printer has.
-    pub fn tool_count(&self) -> usize {
-        self.tools.len().max(1)
-    }
-
-    /// The settings in force while a tool prints, counted from 0.
-    pub fn of_tool(&self, tool: usize) -> Cow<'_, Self> {
-        let Some(own) = self.tools.get(tool) else { return Cow::Borrowed(self) };
-        let mut table = Table::try_from(self).expect("settings are a table");
-        for (key, value) in own.own() {
-            if let Some((section, name)) = key.split_once('.')
-                && let Some(Value::Table(section)) = table.get_mut(section)
-            {
-                section.insert(name.to_owned(), value.clone());
-            }
-        }
-        Cow::Owned(Self::deserialize(Value::Table(table)).expect("every value was checked"))
-    }
-
-    /// Filament flushed when one tool follows another, both counted from 0, mm³.
-    pub fn flush_mm3(&self, from: usize, to: usize) -> f64 {
-        use crate::gcode::ToolChangeKind;
-        let change = &self.tool_change;
-        let listed = change.flush_volumes.get(from * self.tools.len() + to).copied();
-        let usual = match change.kind {
-            ToolChangeKind::SingleNozzle => 140.0,
-            ToolChangeKind::ToolChanger | ToolChangeKind::Heads => 15.0,
-        };
-        let own = change.flush_volume.0;
-        listed.unwrap_or(if own > 0.0 { own } else { usual })
     }
 }

@@ -33,9 +33,9 @@ pub use options::{
     SpiralSettings, SupportPattern, SupportSettings, SupportStyle, ToolOfSettings, WallGenerator, WallOrder,
     WallSettings,
 };
-pub use path::{Entries, Island, IslandId, LayerKind, LayerPaths, Path, Phase, Role, Width};
+pub use path::{Entries, Island, IslandId, LayerKind, LayerPaths, Path, Phase, Role, ToolId, Width};
 pub use planner::{ObjectLayer, Planner, PlateLayer, ToolpathSettings};
 pub use shells::{Map, ShellWindows, Shells, Zones, bottom_layers, shell_depth};
 pub use spiral::{Revolution, Rise, SpiralSpec, align, level, outline, revolution};
-pub use tools::{ToolHeights, ToolId, tool_heights};
+pub use tools::{ToolHeights, tool_heights};
 pub use walls::{WallSpec, Walls};

@@ -3,7 +3,6 @@
 use std::collections::BTreeMap;
 
 use super::spiral::Rise;
-use super::tools::ToolId;
 use geometry::{Point, Region};
 
 /// What a path is for. The order of the variants is the order in which an island is printed by default.
@@ -105,6 +104,9 @@ pub struct Path {
     pub tool: Option<ToolId>,
 }
 
+/// A tool, counted from 0.
+pub type ToolId = u8;
+
 /// Index into [`LayerPaths::islands`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct IslandId(pub u32);
@@ -121,7 +123,7 @@ impl IslandId {
 /// Ordering under `feature` and `island` scope prints phases in this order and never mixes them.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum Phase {
-    /// The prime tower, of each tool.
+    /// The prime tower, and what else a tool is flushed into.
     Tower(u32),
     /// Around everything.
     Skirt,

@@ -1,10 +1,7 @@
 //! Which tool prints a path: by its object, its role and its height.
 
 use super::options::ToolOfSettings;
-use super::path::{LayerPaths, Role};
-
-/// A tool, counted from 0.
-pub type ToolId = u8;
+use super::path::{LayerPaths, Role, ToolId};
 
 /// Heights over the bed between which a tool prints everything of an object.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -33,7 +33,7 @@ pub(super) const ROLES: &[RoleColor] = roles![
     "Top surface", 0xD7B3E8, [TopSolidInfill];
     "Bridge", 0x45257D, [BridgeInfill];
     "Gap fill", 0x848B93, [GapFill];
-    "Skirt and brim", 0xAFB890, [Skirt, Brim];
+    "Skirt and brim", 0xAFB890, [Skirt, Brim, PrimeTower];
     "Support", 0x62AD92, [Support];
     "Support interface", 0x055B45, [SupportInterface];
     "Ironing", 0xF6D3DA, [Ironing];

@@ -23,6 +23,8 @@ const SECONDS: f64 = 0.001;
 const TRAVEL: u8 = 13;
 const JUMP: u8 = 14;
 const MARK: u8 = 15;
+/// A mark of this kind says which tool draws what follows.
+const TOOL: u8 = 3;
 /// High half: what has changed. A mark has its kind there.
 const Z: u8 = 1 << 4;
 const BEAD: u8 = 1 << 5;
@@ -68,6 +70,7 @@ struct Packer {
     bead: [u64; 2],
     section: u64,
     speed: u64,
+    tool: u8,
 }
 
 impl Packer {
@@ -92,7 +95,7 @@ impl Packer {
             while let Some(mark) = marks.next_if(|mark| mark.before as usize <= index) {
                 entries += self.jump(mark.at) + self.mark(mark.kind);
             }
-            entries += self.jump(stroke.from) + self.stroke(stroke);
+            entries += self.tool(stroke.tool) + self.jump(stroke.from) + self.stroke(stroke);
         }
         for mark in marks {
             entries += self.jump(mark.at) + self.mark(mark.kind);
@@ -106,6 +109,16 @@ impl Packer {
     fn mark(&mut self, kind: MarkKind) -> u64 {
         self.out.push(MARK | (kind as u8) << 4);
         self.marks += 1;
+        1
+    }
+
+    fn tool(&mut self, tool: u8) -> u64 {
+        if tool == self.tool {
+            return 0;
+        }
+        self.tool = tool;
+        self.out.push(MARK | TOOL << 4);
+        self.unsigned(tool.into());
         1
     }
 

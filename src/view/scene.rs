@@ -2,7 +2,7 @@
 
 use geometry::real;
 
-use super::colors::{self, OTHER, SEAMED};
+use super::colors::{self, OTHER, SEAMED, SKIRT};
 use crate::estimate::Machine;
 use crate::gcode::{self, Action, Annotated, Clock, Context};
 use crate::profile::Settings;
@@ -166,6 +166,8 @@ struct Reader {
     /// Role of the stroke before, if it extruded.
     extruding: Option<u8>,
     tool: u8,
+    /// Whether what follows is a prime tower, which is no part of an object.
+    in_tower: bool,
 }
 
 impl Reader {
@@ -184,6 +186,7 @@ impl Reader {
             travelled: false,
             extruding: None,
             tool: 0,
+            in_tower: false,
         }
     }
 
@@ -206,7 +209,10 @@ impl Reader {
                 self.time(read);
                 self.mark(MarkKind::Unretraction, self.nozzle());
             }
-            Action::Type(_) => {}
+            Action::Type(name) => {
+                let is_tower = |known: &&[u8]| known.eq_ignore_ascii_case(name);
+                self.in_tower = [&b"Wipe tower"[..], b"Prime tower", b"PRIME-TOWER"].iter().any(is_tower);
+            }
             Action::Other => {
                 if let Some(code) = read.line.code.filter(|code| code.letter == b'T') {
                     self.tool = u8::try_from(code.number).unwrap_or(self.tool);
@@ -294,7 +300,10 @@ impl Reader {
     }
 
     fn extrude(&mut self, stroke: &gcode::Stroke, context: &Context) {
-        let role = colors::index(context.role);
+        let role = match context.role {
+            None if self.in_tower => SKIRT,
+            role => colors::index(role),
+        };
         if role == SEAMED && self.extruding != Some(role) {
             self.mark(MarkKind::Seam, stroke.from.map(|mm| mm as f32));
         }

@@ -4,8 +4,10 @@ use std::collections::BTreeMap;
 
 use crate::support::found::{kinds, report};
 use crate::support::print::{Print, model, run, settings};
+use pathwright::Observer;
 use pathwright::gcode::{Action, replay};
-use pathwright::job::{Job, JobModel, ObjectSettings};
+use pathwright::job::{Engine, Job, JobModel, ObjectSettings};
+use pathwright::pipeline::Pipeline;
 use pathwright::profile::{self, Settings};
 
 /// Settings of a printer with so many tools, each with filament of its own.
@@ -286,4 +288,179 @@ fn a_tool_that_is_not_there_is_named_with_its_place() {
         let found = profile(sets);
         assert!(found.contains(wanted), "{sets:?}: {found}");
     }
+}
+
+/// The boxes as one object of a 3MF file, as PrusaSlicer saves its parts, with an extruder for each.
+fn project(folder: &tempfile::TempDir, parts: &[([f64; 3], [f64; 3], u32)]) -> Job {
+    let (mut vertices, mut triangles, mut volumes) = (String::new(), String::new(), String::new());
+    for (number, (low, high, extruder)) in parts.iter().enumerate() {
+        let text = cuboid(*low, *high);
+        let points: Vec<&str> = text.lines().filter_map(|line| line.strip_prefix("vertex ")).collect();
+        for point in &points {
+            let [x, y, z] = [0, 1, 2].map(|i| point.split(' ').nth(i).unwrap());
+            vertices += &format!("<vertex x=\"{x}\" y=\"{y}\" z=\"{z}\"/>");
+        }
+        for corner in (0..points.len()).step_by(3).map(|corner| corner + number * points.len()) {
+            triangles += &format!("<triangle v1=\"{corner}\" v2=\"{}\" v3=\"{}\"/>", corner + 1, corner + 2);
+        }
+        volumes += &format!(
+            "<volume firstid=\"{}\" lastid=\"{}\"><metadata type=\"volume\" key=\"volume_type\" value=\"ModelPart\"/>\
+             <metadata type=\"volume\" key=\"extruder\" value=\"{extruder}\"/></volume>",
+            12 * number,
+            12 * number + 11
+        );
+    }
+    let model = format!(
+        "<model unit=\"millimeter\" xmlns=\"http://schemas.microsoft.com/3dmanufacturing/core/2015/02\"><resources>\
+         <object id=\"1\" type=\"model\"><mesh><vertices>{vertices}</vertices><triangles>{triangles}</triangles></mesh>\
+         </object></resources><build><item objectid=\"1\"/></build></model>"
+    );
+    let config = format!(
+        "<config><object id=\"1\" instances_count=\"1\"><metadata type=\"object\" key=\"extruder\" value=\"1\"/>{volumes}\
+         </object></config>"
+    );
+    let relations = "<Relationships xmlns=\"http://schemas.openxmlformats.org/package/2006/relationships\">\
+        <Relationship Target=\"/3D/3dmodel.model\" Id=\"r\" \
+        Type=\"http://schemas.microsoft.com/3dmanufacturing/2013/01/3dmodel\"/></Relationships>";
+    let file = folder.path().join("parts.3mf");
+    let mut zip = zip::ZipWriter::new(std::fs::File::create(&file).unwrap());
+    for (name, text) in [
+        ("_rels/.rels", relations),
+        ("3D/3dmodel.model", &model),
+        ("Metadata/Slic3r_PE_model.config", &config),
+    ] {
+        zip.start_file(name, zip::write::SimpleFileOptions::default()).unwrap();
+        std::io::Write::write_all(&mut zip, text.as_bytes()).unwrap();
+    }
+    zip.finish().unwrap();
+    Job::of([file])
+}
+
+#[test]
+fn parts_of_a_file_have_the_extruders_that_it_names_and_one_tool_prints_all() {
+    let folder = tempfile::tempdir().unwrap();
+    let job = project(&folder, &[(LEFT.1, LEFT.2, 1), (RIGHT.1, RIGHT.2, 2)]);
+    let base = several(2, &["skirt.loops=0"]);
+    let (print, (apart, _)) = (run(&job, &base).expect("a print"), pair(&[]));
+    let (found, wanted) = (volumes(&print), volumes(&apart));
+    for tool in [0, 1] {
+        assert!(near(found[&tool][1], wanted[&tool][1]), "{found:?}, {wanted:?}");
+    }
+    let one = Settings { tools: Vec::new(), ..base };
+    let print = run(&job, &one).expect("a print");
+    assert!(!text(&print).lines().any(|line| line.starts_with('T')), "one tool, without a change");
+}
+
+#[test]
+fn roles_and_heights_have_the_tools_that_the_settings_name() {
+    let folder = tempfile::tempdir().unwrap();
+    let print = |sets: &[&str]| {
+        let sets = [&["skirt.loops=0", "prime_tower.enabled=false"], sets].concat();
+        run(&boxes(&folder, &[LEFT]), &several(2, &sets)).expect("a print")
+    };
+    let by_role = print(&["tool_of.infill=2", "tool_of.solid_infill=2"]);
+    let mut kinds: BTreeMap<u32, std::collections::BTreeSet<String>> = BTreeMap::new();
+    let (mut tool, mut begun, mut kind) = (0, false, String::new());
+    for line in text(&by_role).lines() {
+        begun |= line == ";LAYER_CHANGE";
+        if let Some(name) = line.strip_prefix(";TYPE:") {
+            kind = name.to_owned();
+        } else if let Some(number) = line.strip_prefix('T').and_then(|text| text.parse().ok()) {
+            tool = number;
+        } else if begun && line.starts_with("G1 X") && line.contains(" E") && !line.contains(" E-") {
+            kinds.entry(tool).or_default().insert(kind.clone());
+        }
+    }
+    assert!(kinds[&0].iter().all(|kind| kind.contains("erimeter")), "{kinds:?}");
+    assert!(kinds[&1].iter().all(|kind| kind.contains("infill")), "{kinds:?}");
+    let by_height = print(&["tool_of.heights=1-2:2"]);
+    let taken: Vec<&str> = text(&by_height)
+        .lines()
+        .filter(|line| matches!(*line, "T0" | "T1") || line.starts_with(";Z:"))
+        .collect();
+    let change = |tool: &str| taken.iter().rposition(|line| *line == tool).map(|at| taken[at - 1]);
+    assert_eq!((change("T1"), change("T0")), (Some(";Z:1.2"), Some(";Z:2.2")));
+}
+
+#[test]
+fn the_bytes_do_not_depend_on_threads() {
+    let folder = tempfile::tempdir().unwrap();
+    let base = several(2, &["order.strategy=optimized"]);
+    let job = with_tools(boxes(&folder, &[LEFT, RIGHT]), &base, &[("right", 2)]);
+    let [one, four] = [1, 4]
+        .map(|threads| run(&Job { threads: Some(threads), ..job.clone() }, &base).expect("a print").text);
+    assert!(one == four);
+}
+
+#[test]
+fn the_tower_stands_clear_of_all_else_on_every_layer_up_to_its_top() {
+    let (print, _) = pair(&["skirt.loops=1", "brim.width=2"]);
+    let beads = print.beads();
+    let (tower, others): (Vec<_>, Vec<_>) = beads.iter().partition(|bead| bead.kind == "Wipe tower");
+    let reach = |beads: &[&crate::support::print::Bead]| {
+        let points = beads.iter().flat_map(|bead| bead.points.iter());
+        points.fold([f64::MAX, f64::MAX, f64::MIN, f64::MIN], |[x0, y0, x1, y1], &[x, y]| {
+            [x0.min(x), y0.min(y), x1.max(x), y1.max(y)]
+        })
+    };
+    let others: Vec<_> = others.into_iter().filter(|bead| bead.kind != "Custom").collect();
+    let (a, b) = (reach(&tower), reach(&others));
+    assert!(a[0] > b[2] + 2.0 || a[2] < b[0] - 2.0 || a[1] > b[3] + 2.0 || a[3] < b[1] - 2.0, "{a:?}, {b:?}");
+    let heights: std::collections::BTreeSet<i64> =
+        tower.iter().map(|bead| (bead.z_mm * 1000.0).round() as i64).collect();
+    let top = *heights.last().expect("a tower");
+    assert!(heights.iter().copied().eq((1..=top / 200).map(|layer| 200 * layer)), "{heights:?}");
+}
+
+#[test]
+fn a_tower_that_has_no_room_is_refused_with_what_to_change() {
+    let folder = tempfile::tempdir().unwrap();
+    let base = several(2, &["prime_tower.position=[110, 110]"]);
+    let job = with_tools(boxes(&folder, &[LEFT, RIGHT]), &base, &[("right", 2)]);
+    let error = run(&job, &base).err().expect("it would stand in the part").to_string();
+    assert!(error.contains("prime tower") && error.contains("prime_tower.position"), "{error}");
+}
+
+#[test]
+fn the_best_order_of_tools_costs_no_more_than_any_rule() {
+    let folder = tempfile::tempdir().unwrap();
+    let base = several(3, &["tool_change.flush_volumes=[0, 10, 90, 40, 0, 10, 10, 70, 0]"]);
+    let third = ("back", [0.0, 20.0, 0.0], [35.0, 30.0, 3.0]);
+    let job = with_tools(boxes(&folder, &[LEFT, RIGHT, third]), &base, &[("right", 2), ("back", 3)]);
+    let rows = Pipeline.compare_tools(&job, &base, &Observer::none()).expect("a comparison");
+    let best = rows.iter().find(|row| row.order == "optimal").expect("it is compared");
+    assert_eq!(best.bound_s, Some(best.cost_s));
+    assert!(rows.iter().all(|row| row.cost_s >= best.cost_s), "{rows:?}");
+    let print = run(&job, &base).expect("a print");
+    assert_eq!(print.summary.tool_changes as u64, best.changes);
+    let fixed = Settings { tools: base.tools.clone(), ..several(3, &["tool_change.order=fixed"]) };
+    let print = run(&job, &fixed).expect("a print");
+    assert_eq!(Some(print.summary.tool_changes as u64), rows.first().map(|row| row.changes), "fixed");
+}
+
+#[test]
+fn what_is_flushed_into_infill_spares_the_tower_and_comes_before_the_walls() {
+    let flushed = |sets: &[&str]| {
+        let (print, _) = pair(&[&["infill.density=40%", "tool_change.flush_volume=60"], sets].concat());
+        let sum: f64 = print.summary.tools.iter().map(|tool| tool.flushed_mm3).sum();
+        (print, sum)
+    };
+    let ((_, apart), (print, into)) = (flushed(&[]), flushed(&["tool_change.flush_into_infill=true"]));
+    // The frame and its lines take some of the room that is left.
+    assert!(into < 0.92 * apart, "{into} of {apart}");
+    let (mut kinds, mut sparse) = (Vec::new(), 0);
+    for line in text(&print).lines() {
+        match line.strip_prefix(";TYPE:") {
+            Some(kind) => kinds.push(kind.to_owned()),
+            None if line == "T1" || line == "T0" => kinds.clear(),
+            None => {}
+        }
+        let taken = kinds.iter().position(|kind| kind == "Internal infill");
+        let walls = kinds.iter().position(|kind| kind.contains("erimeter"));
+        if let (Some(taken), Some(walls)) = (taken, walls) {
+            sparse += usize::from(taken < walls);
+            kinds.clear();
+        }
+    }
+    assert!(sparse > 3, "after {sparse} changes");
 }

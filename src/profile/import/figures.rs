@@ -83,12 +83,12 @@ mod tests {
     fn each_key_is_counted_once_by_all_its_values() {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("bundle.ini");
-        let text = "[vendor]\nname = V\n[print:a]\nlayer_height = 0.2\ninfill_first = 0\nwipe_tower = 1\n\
+        let text = "[vendor]\nname = V\n[print:a]\nlayer_height = 0.2\ninfill_first = 0\ninterface_shells = 1\n\
                     [print:b]\nlayer_height = 0.3\ninfill_first = 1\noverhangs = 1\nresolution = 0\n";
         std::fs::write(&path, text).unwrap();
         let figures = import_figures(&[path]).unwrap();
         assert_eq!(figures.taken, ["layer_height", "overhangs"]);
-        assert_eq!(figures.meaningless, ["resolution", "wipe_tower"]);
+        assert_eq!(figures.meaningless, ["interface_shells", "resolution"]);
         assert_eq!(figures.missing, [("infill_first".into(), "walls are printed before infill".into())]);
         assert!(figures.to_string().starts_with("5 keys\n    2 taken over (40.0 %)\n"), "{figures}");
     }

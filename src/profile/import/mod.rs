@@ -377,6 +377,32 @@ mod tests {
     }
 
     #[test]
+    fn each_extruder_is_a_tool_with_what_it_has_of_its_own() {
+        let two = "nozzle_diameter = 0.4,0.6\ntemperature = 210,235\nfilament_colour = #FF0000;#00FF00\nretract_length = 1,1\n\
+                   retract_length_toolchange = 8,12\nextruder_offset = 0x0,25x-1\ntoolchange_gcode = T[next_extruder]\n\
+                   single_extruder_multi_material = 0\n";
+        let import = import(two);
+        let own: Vec<Vec<(&str, String)>> = import
+            .tools
+            .iter()
+            .map(|tool| tool.iter().map(|taken| (taken.key, taken.value.to_string())).collect())
+            .collect();
+        assert_eq!(own[0], []);
+        for (key, value) in [
+            ("printer.nozzle_diameter", "0.6"),
+            ("temperature.nozzle", "235.0"),
+            ("filament.color", "\"#00FF00\""),
+            ("retract.change_length", "12.0"),
+            ("tool.offset", "[25.0, -1.0]"),
+        ] {
+            assert!(own[1].contains(&(key, value.to_owned())), "{key}: {own:?}");
+        }
+        assert!(own[1].iter().all(|(key, _)| *key != "retract.length"), "it is the same");
+        assert_eq!(value(two, "tool_change.kind"), Some(Value::String("tool-changer".into())));
+        assert_eq!(value("nozzle_diameter = 0.4\ntoolchange_gcode = T1\n", "tool_change.script"), None);
+    }
+
+    #[test]
     fn values_out_of_our_range_are_left_out() {
         let import = import("perimeters = 1000\n");
         assert!(import.taken.is_empty() && import.left[0].reason.contains("0 to 100"), "{:?}", import.left);

@@ -17,7 +17,7 @@ const HEAD: &str = "# Configurations of other slicers\n\n\
     What the file does not say stays as the profiles before it have it. What it says and has no counterpart here is\n\
     counted on standard error (not with `--quiet`) and listed by `profiles show`; the same holds for what means\n\
     something a little different here. Keys that ask for nothing (a wipe tower that is off, notes) are only counted there. A value\n\
-    with one entry for each extruder is taken of the first one. Of a bundle of presets the active ones hold\n\
+    with one entry for each extruder is taken of the first one; where the printer has several, each is one of `[[tools]]`. Of a bundle of presets the active ones hold\n\
     (`[presets]`), or the only one of each kind, with what they inherit inside of the file.\n\n\
     G-code scripts are taken over as they are written: scripts here speak the same language, and every key of the file is\n\
     a name in it. A name that neither the file nor [we](settings.md#placeholders-in-scripts) know is an error (exit code 4);\n\

@@ -26,8 +26,8 @@ pub struct ScriptRun<'a> {
     tools: Vec<Settings>,
     print: &'a PrintFacts,
     state: State,
-    /// Filament that a script says it leaves pulled back, millimetres.
-    retracted_mm: f64,
+    /// Filament that a script says it leaves pulled back, of each extruder, millimetres.
+    retracted_mm: Vec<f64>,
     /// How far the print has come.
     pub moment: Moment,
 }
@@ -37,7 +37,7 @@ impl<'a> ScriptRun<'a> {
     pub fn new(settings: &'a Settings, print: &'a PrintFacts) -> Self {
         let tools = (0..settings.tools.len()).map(|tool| settings.of_tool(tool).into_owned()).collect();
         let moment = Moment { tool: print.tools.first.into(), ..Moment::default() };
-        Self { settings, tools, print, state: State::default(), retracted_mm: 0.0, moment }
+        Self { settings, tools, print, state: State::default(), retracted_mm: Vec::new(), moment }
     }
 
     /// Expands a script. Every line ends with `\n`, and none with blanks. Where mistakes are to be ignored, a script
@@ -50,7 +50,9 @@ impl<'a> ScriptRun<'a> {
             Err(_) if self.settings.gcode.ignore_scripts => String::new(),
             text => text?,
         };
-        self.retracted_mm = self.left_retracted_mm().unwrap_or(self.retracted_mm);
+        if let Some(left_mm) = self.left_retracted_mm() {
+            self.retracted_mm = left_mm;
+        }
         let mut out = String::with_capacity(text.len() + 1);
         for line in text.lines() {
             out.push_str(line.trim_end());
@@ -95,16 +97,16 @@ impl ScriptRun<'_> {
         }
     }
 
-    /// What the last script says it leaves pulled back of the first filament.
-    fn left_retracted_mm(&self) -> Option<f64> {
-        let first = match self.state.written().get("e_retracted")? {
-            Value::List(all) => all.first()?,
-            one => one,
-        };
-        match first {
+    /// What the last script says it leaves pulled back of each filament.
+    fn left_retracted_mm(&self) -> Option<Vec<f64>> {
+        let number = |value: &Value| match value {
             Value::Real(mm) => Some(*mm),
             Value::Integer(mm) => Some(*mm as f64),
             _ => None,
+        };
+        match self.state.written().get("e_retracted")? {
+            Value::List(all) => Some(all.iter().map(|value| number(value).unwrap_or(0.0)).collect()),
+            one => Some(vec![number(one)?]),
         }
     }
 

@@ -2,6 +2,7 @@
 
 const COLORINGS = {
   role: null,
+  tool: { label: "Tool", unit: "", digits: 0 },
   speed: { label: "Speed", unit: "mm/s", digits: 0 },
   flow: { label: "Flow", unit: "mm³/s", digits: 1 },
   order: { label: "Order of printing", unit: "", digits: 0 },
@@ -12,13 +13,14 @@ const rgb = (hex) => [1, 3, 5].map((i) => parseInt(hex.slice(i, i + 2), 16) / 25
 
 /** Values of all strokes of a print, and the least and greatest of them; travel does not count. */
 function valuesOf(print, coloring) {
-  const { role, speed, section, first, strokes } = print, values = new Float32Array(strokes);
+  const { role, tool, speed, section, first, strokes } = print, values = new Float32Array(strokes);
   let low = Infinity, high = -Infinity;
   for (let layer = 0; layer < print.layers; layer++) {
     const begin = first[layer], end = first[layer + 1];
     for (let i = begin; i < end; i++) {
       const value =
         coloring === "speed" ? speed[i]
+        : coloring === "tool" ? tool[i] + 1
         : coloring === "flow" ? speed[i] * section[i]
         : coloring === "order" ? (100 * (i - begin)) / Math.max(end - begin - 1, 1)
         : print.time[layer];

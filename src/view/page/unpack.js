@@ -1,6 +1,6 @@
 // The packed prints (see pack.rs) as arrays: one entry for each stroke, layer and mark.
 
-const TRAVEL = 13, JUMP = 14, MARK = 15;
+const TRAVEL = 13, JUMP = 14, MARK = 15, TOOL_CHANGED = 3;
 const Z_CHANGED = 1 << 4, BEAD_CHANGED = 1 << 5, SECTION_CHANGED = 1 << 6, SPEED_CHANGED = 1 << 7;
 
 function fromBase64(text) {
@@ -22,6 +22,7 @@ function unpack(bytes, info) {
     ...info,
     points: new Float32Array(3 * (strokes + 1)),
     role: new Uint8Array(strokes),
+    tool: new Uint8Array(strokes),
     bead: new Uint16Array(2 * strokes),
     section: new Float32Array(strokes),
     speed: new Float32Array(strokes),
@@ -48,8 +49,8 @@ function unpack(bytes, info) {
     const value = unsigned();
     return value & 1 ? -(value + 1) / 2 : value / 2;
   };
-  const { points, role, bead, section, speed, markPoints, markKind, markStroke } = print;
-  let x = 0, y = 0, z = 0, layerZ = 0, width = 0, height = 0, area = 0, feed = 0, stroke = 0, mark = 0;
+  const { points, role, tool, bead, section, speed, markPoints, markKind, markStroke } = print;
+  let x = 0, y = 0, z = 0, layerZ = 0, width = 0, height = 0, area = 0, feed = 0, drawing = 0, stroke = 0, mark = 0;
   for (let layer = 0; layer < layers; layer++) {
     layerZ += signed();
     print.z[layer] = layerZ * 0.005;
@@ -60,6 +61,10 @@ function unpack(bytes, info) {
     print.bound[layer] = (unsigned() - 1) * 0.01;
     for (let entries = unsigned(); entries > 0; entries--) {
       const head = bytes[at++], kind = head & 15;
+      if (kind === MARK && head >> 4 === TOOL_CHANGED) {
+        drawing = unsigned();
+        continue;
+      }
       if (kind === MARK) {
         markPoints[3 * mark] = x * 0.005;
         markPoints[3 * mark + 1] = y * 0.005;
@@ -80,6 +85,7 @@ function unpack(bytes, info) {
         if (head & SPEED_CHANGED) feed = unsigned() * 0.1;
       }
       role[stroke] = kind;
+      tool[stroke] = drawing;
       bead[2 * stroke] = width;
       bead[2 * stroke + 1] = height;
       section[stroke] = kind < TRAVEL ? area : 0;

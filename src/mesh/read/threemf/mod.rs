@@ -96,7 +96,7 @@ impl Format for ThreeMf {
         }
         let tools = package.tools();
         let mut objects = Vec::with_capacity(groups.len());
-        let mut empty = 0;
+        let (mut empty, mut modifiers) = (0, 0);
         let mut budget = Budget { facets: MOST_FACETS, uses: MOST_USES, skipped: 0 };
         for (item, positions) in groups {
             let (mut instances, skipped) = (Vec::new(), budget.skipped);
@@ -107,7 +107,10 @@ impl Format for ThreeMf {
             }
             let told = tools.get(&item.object);
             let used = told.map(ObjectTools::all).unwrap_or_default();
-            let mut object = package.object(&item, &root, &instances, positions.clone(), &|_, _| true)?;
+            let is_printed =
+                |object: u32, facet: usize| told.is_none_or(|told| told.of(object, facet).is_some());
+            let mut object = package.object(&item, &root, &instances, positions.clone(), &is_printed)?;
+            modifiers += told.map_or(0, ObjectTools::unprinted);
             if let (Some(told), true) = (told, used.len() > 1) {
                 for tool in used {
                     let own = |object: u32, facet: usize| told.of(object, facet) == Some(tool);
@@ -117,8 +120,11 @@ impl Format for ThreeMf {
                     }
                 }
             } else {
-                object.tool =
-                    told.and_then(|told| told.own.filter(|_| used.len() < 2).or(used.first().copied()));
+                object.tool = told.and_then(ObjectTools::only);
+            }
+            if object.soup.triangles.is_empty() {
+                empty += 1;
+                continue;
             }
             objects.push(object);
         }
@@ -127,6 +133,11 @@ impl Format for ThreeMf {
         }
         let mut notes = package.notes(&root, budget.skipped);
         notes.extend(package.settings_of_objects());
+        if modifiers > 0 {
+            notes.push(format!(
+                "{modifiers} parts that change others (modifiers, negative volumes, blockers and enforcers of supports) were left out"
+            ));
+        }
         if empty > 0 {
             notes.push(format!("{empty} objects without a facet were left out"));
         }

@@ -42,6 +42,20 @@ impl ObjectTools {
         }
     }
 
+    /// The extruder that prints all of it, if one is named and no other is.
+    pub fn only(&self) -> Option<u32> {
+        let is_named = self.own.is_some() || self.volumes.iter().any(|volume| volume.tool.is_some());
+        match self.all()[..] {
+            [only] if is_named => Some(only),
+            _ => None,
+        }
+    }
+
+    /// How many of its parts are not printed.
+    pub fn unprinted(&self) -> usize {
+        self.volumes.iter().filter(|volume| !volume.is_printed).count()
+    }
+
     /// Every extruder that prints some of it, in ascending order.
     pub fn all(&self) -> Vec<u32> {
         let usual = self.own.unwrap_or(1);
@@ -107,5 +121,43 @@ pub(super) fn read<R: BufRead>(mut reader: NsReader<R>) -> BTreeMap<u32, ObjectT
             Ok(Event::Eof) | Err(_) => return objects,
             Ok(_) => {}
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn first(text: &str) -> ObjectTools {
+        read(NsReader::from_reader(text.as_bytes())).into_values().next().unwrap_or_default()
+    }
+
+    #[test]
+    fn prusaslicer_names_facets_and_orcaslicer_objects() {
+        let prusa = first(
+            "<config><object id=\"3\"><metadata type=\"object\" key=\"extruder\" value=\"2\"/>\
+             <volume firstid=\"0\" lastid=\"11\"><metadata type=\"volume\" key=\"volume_type\" value=\"ModelPart\"/>\
+             <metadata type=\"volume\" key=\"extruder\" value=\"0\"/></volume>\
+             <volume firstid=\"12\" lastid=\"23\"><metadata type=\"volume\" key=\"extruder\" value=\"4\"/></volume>\
+             <volume firstid=\"24\" lastid=\"35\"><metadata type=\"volume\" key=\"volume_type\" value=\"NegativeVolume\"/>\
+             </volume></object></config>",
+        );
+        assert_eq!([0, 11, 12, 24].map(|facet| prusa.of(9, facet)), [Some(2), Some(2), Some(4), None]);
+        assert_eq!((prusa.all(), prusa.only(), prusa.unprinted()), (vec![2, 4], None, 1));
+        let orca = first(
+            "<config><object id=\"3\"><metadata key=\"extruder\" value=\"1\"/><part id=\"1\" subtype=\"normal_part\">\
+             <metadata key=\"extruder\" value=\"3\"/></part><part id=\"2\" subtype=\"modifier_part\"></part></object></config>",
+        );
+        assert_eq!([1, 2, 7].map(|object| orca.of(object, 0)), [Some(3), None, Some(1)]);
+        assert_eq!((orca.all(), orca.only()), (vec![3], Some(3)));
+    }
+
+    #[test]
+    fn a_file_that_names_no_extruder_asks_for_none() {
+        assert_eq!(
+            first("<config><object id=\"1\"><volume firstid=\"0\" lastid=\"3\"/></object></config>").only(),
+            None
+        );
+        assert!(read(NsReader::from_reader("<config><obj".as_bytes())).is_empty());
     }
 }

@@ -1,0 +1,48 @@
+//! The settings in force while a tool prints.
+
+use std::borrow::Cow;
+
+use serde::Deserialize;
+use toml::{Table, Value};
+
+use super::settings::Settings;
+use super::tools::Tool;
+use crate::gcode::ToolChangeKind;
+
+impl Settings {
+    /// What each tool has of its own, where there are several.
+    pub(crate) fn tool_list(&self) -> &[Tool] {
+        if self.tools.len() > 1 { &self.tools } else { &[] }
+    }
+
+    /// How many tools the printer has.
+    pub fn tool_count(&self) -> usize {
+        self.tools.len().max(1)
+    }
+
+    /// The settings in force while a tool prints, counted from 0.
+    pub fn of_tool(&self, tool: usize) -> Cow<'_, Self> {
+        let Some(own) = self.tools.get(tool) else { return Cow::Borrowed(self) };
+        let mut table = Table::try_from(self).expect("settings are a table");
+        for (key, value) in own.own() {
+            if let Some((section, name)) = key.split_once('.')
+                && let Some(Value::Table(section)) = table.get_mut(section)
+            {
+                section.insert(name.to_owned(), value.clone());
+            }
+        }
+        Cow::Owned(Self::deserialize(Value::Table(table)).expect("every value was checked"))
+    }
+
+    /// Filament flushed when one tool follows another, both counted from 0, mm³.
+    pub fn flush_mm3(&self, from: usize, to: usize) -> f64 {
+        let change = &self.tool_change;
+        let listed = change.flush_volumes.get(from * self.tools.len() + to).copied();
+        let usual = match change.kind {
+            ToolChangeKind::SingleNozzle => 140.0,
+            ToolChangeKind::ToolChanger | ToolChangeKind::Heads => 15.0,
+        };
+        let own = change.flush_volume.0;
+        listed.unwrap_or(if own > 0.0 { own } else { usual })
+    }
+}
