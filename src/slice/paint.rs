@@ -87,7 +87,8 @@ pub fn level_paint<T: Copy>(facets: &[PaintedFacet<T>], cuts_mm: &[f64]) -> Vec<
         let high = heights.into_iter().fold(f64::NEG_INFINITY, f64::max);
         let first = cuts_mm.partition_point(|&cut| cut <= low);
         let last = cuts_mm.partition_point(|&cut| cut < high);
-        for slab in first..=last.max(first) {
+        let reached = slabs.iter_mut().enumerate().take(last.max(first) + 1).skip(first);
+        for (slab, areas) in reached {
             let from = slab.checked_sub(1).map_or(f64::NEG_INFINITY, |below| cuts_mm[below]);
             let to = cuts_mm.get(slab).copied().unwrap_or(f64::INFINITY);
             let above = clipped(&corners[..], |corner| corner[2] - from);
@@ -98,7 +99,7 @@ pub fn level_paint<T: Copy>(facets: &[PaintedFacet<T>], cuts_mm: &[f64]) -> Vec<
                 ring.reverse();
             }
             if ring.len() >= 3 {
-                slabs[slab].push(PaintedArea { ring, paint: *paint });
+                areas.push(PaintedArea { ring, paint: *paint });
             }
         }
     }
