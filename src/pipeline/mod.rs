@@ -15,7 +15,9 @@ mod project;
 mod reorder;
 mod rounds;
 mod staged;
+mod statistics;
 mod tools;
+mod writer;
 
 use std::path::Path;
 

@@ -1,40 +1,35 @@
 //! One plate, from meshes to bytes.
 
 use std::collections::BTreeSet;
-use std::ops::Range;
 
 use crate::estimate::{Machine, cool, move_times_s};
 use crate::gcode::{
-    self, Effect, GcodeOptions, LayerText, ObjectLabel, PrintFacts, Slot, Totals, WriterSettings,
+    self, GcodeOptions, ObjectLabel, PrintFacts, ThumbnailFormat, WriterSettings, thumbnail_list,
 };
-use crate::gcode::{ThumbnailFormat, thumbnail_list};
 use crate::job::{Job, JobError};
-use crate::motion::{self, Entry, LayerMoves, MotionSettings, ToolChange, ToolSums};
-use crate::order::compare::Proved;
-use crate::order::{Chain, PathOrder, PathVisit, Pins, SeamRule, chunk_len, ends_on_path};
+use crate::motion::{self, Entry, MotionSettings};
+use crate::order::{Chain, PathVisit, Pins, SeamRule, chunk_len};
 use crate::output::Output;
 use crate::parallel::{self, Workers};
 use crate::plan::floating::{Floating, Islands};
 use crate::plan::sections::hull_mm;
 use crate::plan::spiral;
 use crate::plate::{Model, Plate};
-use crate::profile::{FilamentSettings, ScriptRun, Settings, WholePrint};
-use crate::report::{LayerSummary, Measures, Overhangs, Summary, ToolSummary};
-use crate::toolpath::{LayerKind, LayerPaths, ToolId};
-use crate::units::{Mm3, Seconds};
+use crate::profile::{ScriptRun, Settings, WholePrint};
+use crate::report::{LayerSummary, Measures, Overhangs, Summary};
+use crate::toolpath::{LayerKind, LayerPaths};
 use crate::view;
 use geometry::{Bounds, Point};
 
 use super::inspect::Inspector;
 use super::kept::PrintLayer;
-use super::ordering::{Certificate, Layers, Sequencer};
+use super::ordering::{Layers, Sequencer};
 use super::rounds::{self, Round, Site};
 use super::staged::{self, Live, Watched};
+use super::statistics::{Ordered, Statistics};
 use super::tools::Tooled;
+use super::writer::{FinishedLayer, LayerEntry, OnMoves, PrintWriter, script_error};
 use super::{load, ordering};
-
-/// Takes the moves of a finished layer.
-pub(super) type OnMoves<'a> = dyn FnMut(LayerMoves) + Send + 'a;
 
 /// What a run gives beside the G-code.
 #[derive(Default)]
@@ -193,14 +188,6 @@ pub(super) fn slice(
     Ok(Summary { repairs, overhangs, file_name, ..summary })
 }
 
-fn script_error(mistakes: Vec<String>) -> JobError {
-    JobError::Script { mistakes }
-}
-
-fn of_script(key: &str, mistake: &macros::Error) -> JobError {
-    script_error(vec![format!("{key}: {mistake}")])
-}
-
 /// Pictures of the plate for the header: those that must come before anything else, and the others.
 fn thumbnails(plate: &Plate, settings: &Settings, workers: Workers<'_>) -> [String; 2] {
     // The profile has checked the list.
@@ -277,138 +264,6 @@ struct LayerMaker<'a> {
     /// Whether their moves are.
     keep_moves: bool,
     workers: Workers<'a>,
-}
-
-/// The ordered layers, kept for the certificate.
-struct Ordered {
-    layer: (LayerPaths, Pins),
-    order: PathOrder,
-    start: Option<Point>,
-}
-
-/// A finished layer.
-struct FinishedLayer {
-    text: LayerText,
-    summary: LayerSummary,
-    tools: Vec<ToolSums>,
-    layer: Option<PrintLayer>,
-    moves: Option<LayerMoves>,
-    entry: LayerEntry,
-}
-
-/// Where a layer begins.
-struct LayerEntry {
-    index: usize,
-    /// Height of the nozzle, Z offset included.
-    z_mm: f64,
-    position_mm: [f64; 3],
-}
-
-/// What is put into the text of a layer.
-#[derive(Clone, Copy)]
-enum Spliced<'a> {
-    /// A script, with its key.
-    Script(&'a str, &'a str),
-    /// What is run at a change of tool.
-    Change(ToolChange),
-}
-
-/// Writes finished layers, checks the text and adds up the statistics.
-struct PrintWriter<'a> {
-    output: &'a mut Output,
-    inspector: Inspector,
-    /// What is known at the end only.
-    slots: Vec<Slot>,
-    statistics: Statistics,
-    kept: Option<&'a mut Vec<PrintLayer>>,
-    moves: Option<Box<OnMoves<'a>>>,
-    scripts: ScriptRun<'a>,
-    settings: &'a Settings,
-    workers: Workers<'a>,
-}
-
-impl PrintWriter<'_> {
-    /// Writes the script between objects that are printed one after the other.
-    fn between_objects(&mut self, finished: usize) -> Result<(), JobError> {
-        self.scripts.moment.objects_done = finished;
-        if finished > 0 {
-            let script = &self.settings.gcode.between_objects;
-            let text = self.scripts.expand(script).map_err(|e| of_script("gcode.between_objects", &e))?;
-            self.output.write(text.as_bytes())?;
-        }
-        Ok(())
-    }
-
-    /// The text of a layer with the scripts of its change.
-    fn with_scripts(&mut self, layer: &LayerText, entry: &LayerEntry) -> Result<Option<Vec<u8>>, JobError> {
-        let options = &self.settings.gcode;
-        let moment = &mut self.scripts.moment;
-        moment.layer = Some(entry.index);
-        moment.layer_z_mm = entry.z_mm - self.settings.layer.z_offset.0;
-        moment.max_z_mm = moment.max_z_mm.max(moment.layer_z_mm);
-        moment.extruded_mm3 = self.statistics.layers_mm3;
-        moment.by_tool_mm3.clone_from(&self.statistics.tools_mm3);
-        moment.position_mm = entry.position_mm;
-        let layer_places = [
-            (layer.before, "gcode.before_layer", &options.before_layer),
-            (layer.after, "gcode.after_layer", &options.after_layer),
-        ];
-        let places = layer_places.into_iter().filter_map(|(place, key, script)| {
-            place.map(|place| (place..place, Spliced::Script(key, script)))
-        });
-        let changes = layer.changes.iter().map(|mark| (mark.line.clone(), Spliced::Change(mark.change)));
-        let mut places: Vec<(Range<usize>, Spliced<'_>)> = places.chain(changes).collect();
-        if places.is_empty() {
-            return Ok(None);
-        }
-        // A script of the layer comes before a change at the same place.
-        places.sort_by_key(|(place, _)| place.start);
-        let (mut text, mut from) = (Vec::with_capacity(layer.bytes.len() + 256), 0);
-        for (place, spliced) in places {
-            text.extend_from_slice(&layer.bytes[from..place.start]);
-            let script = match spliced {
-                Spliced::Script(key, script) => {
-                    self.scripts.expand(script).map_err(|e| of_script(key, &e))?
-                }
-                Spliced::Change(change) => {
-                    self.scripts.moment.position_mm = change.at_mm;
-                    self.scripts.change(change.to.into()).map_err(|mistake| script_error(vec![mistake]))?
-                }
-            };
-            text.extend_from_slice(script.as_bytes());
-            from = place.end;
-        }
-        text.extend_from_slice(&layer.bytes[from..]);
-        Ok(Some(text))
-    }
-
-    /// Writes text, checking it.
-    fn write(&mut self, text: &[u8]) -> Result<(), JobError> {
-        self.inspector.take(text);
-        Ok(self.output.write(text)?)
-    }
-
-    /// Writes layers, checking them.
-    fn add(&mut self, layers: Vec<FinishedLayer>) -> Result<(), JobError> {
-        for FinishedLayer { text, summary, layer, moves, entry, tools } in layers {
-            self.workers.go_on();
-            let base = self.output.written() as usize;
-            self.slots.extend(text.progress.map(|slot| Slot { offset: base + slot.offset, ..slot }));
-            let with_scripts = self.with_scripts(&text, &entry)?;
-            // What a script does is its own affair, and undone after it.
-            self.inspector.take(&text.bytes);
-            self.output.write(with_scripts.as_ref().unwrap_or(&text.bytes))?;
-            self.statistics.add(summary, &tools);
-            if let Some(kept) = &mut self.kept {
-                kept.extend(layer);
-            }
-            if let (Some(tell), Some(moves)) = (&mut self.moves, moves) {
-                tell(moves);
-            }
-            self.workers.observer.layer_done();
-        }
-        Ok(())
-    }
 }
 
 /// What ordering carries from layer to layer: the seam rule, the sequencer and where the nozzle is.
@@ -540,130 +395,6 @@ impl LayerMaker<'_> {
             tools,
             layer,
             moves,
-        }
-    }
-}
-
-/// Statistics of what has been written so far.
-#[derive(Default)]
-struct Statistics {
-    layers: Vec<LayerSummary>,
-    total: Measures,
-    /// Filament in the layers, mm³.
-    layers_mm3: f64,
-    /// Of each tool, where there are several: all that it printed, and what was flushed.
-    tools_mm3: Vec<f64>,
-    flushed_mm3: Vec<f64>,
-    changes: usize,
-    layer_starts: Vec<Seconds>,
-    proved: Option<Proved>,
-}
-
-impl Statistics {
-    fn add(&mut self, layer: LayerSummary, tools: &[ToolSums]) {
-        self.tools_mm3.resize(tools.len(), 0.0);
-        self.flushed_mm3.resize(tools.len(), 0.0);
-        for (tool, sums) in tools.iter().enumerate() {
-            self.tools_mm3[tool] += sums.volume_mm3;
-            self.flushed_mm3[tool] += sums.flushed_mm3;
-            self.changes += sums.taken;
-        }
-        self.layer_starts.push(Seconds(self.total.total_s));
-        self.total += &layer.measures;
-        self.layers_mm3 += layer.measures.volume_mm3;
-        self.layers.push(layer);
-    }
-
-    /// What a script does belongs to the whole, but to no layer.
-    fn add_script(&mut self, effect: &Effect, machine: &Machine) {
-        self.total += &Measures::of(&effect.measure, effect.time, machine.filament_area_mm2);
-    }
-
-    /// Adds the lower bounds of all layers, and of the whole.
-    fn certify(
-        &mut self,
-        ordered: Vec<Ordered>,
-        settings: &Settings,
-        start: Option<Point>,
-        workers: Workers<'_>,
-    ) {
-        let begins = ordered
-            .iter()
-            .map(|Ordered { layer, order, .. }| Some(ends_on_path(&layer.0, *order.first()?).0));
-        let begins: Vec<_> = begins.collect();
-        let excesses = workers.map(ordered.len(), |i| {
-            let Ordered { layer, order, start } = &ordered[i];
-            let next = begins[i + 1..].iter().find_map(|&begin| begin);
-            ordering::excess((&layer.0, &layer.1), order, [*start, next], settings)
-        });
-        let drawn = excesses.into_iter().zip(&begins).filter(|(_, begin)| begin.is_some());
-        self.proved = Some(Proved::of(drawn.map(|(excess, _)| excess)));
-        let (layers, starts): (Vec<_>, Vec<_>) =
-            ordered.into_iter().map(|ordered| (ordered.layer, ordered.start)).unzip();
-        let certificate = Certificate::new(&layers, settings, start, workers);
-        for (i, (layer, start)) in self.layers.iter_mut().zip(starts).enumerate() {
-            let measures = std::mem::take(&mut layer.measures);
-            layer.measures = measures.with_bound(certificate.layer_mm(i, start));
-        }
-        self.total = std::mem::take(&mut self.total).with_bound(certificate.print_mm());
-    }
-
-    /// Totals. What scripts extrude of itself is the first tool's.
-    fn totals(&self, settings: &Settings, first: ToolId) -> Totals {
-        let scripts_mm3 = self.total.volume_mm3 - self.layers_mm3;
-        let own = |(tool, mm3): (usize, &f64)| {
-            let scripts_mm3 = if tool == usize::from(first) { scripts_mm3 } else { 0.0 };
-            (Mm3(mm3 + scripts_mm3), settings.of_tool(tool).filament.clone())
-        };
-        Totals {
-            tools: self.tools_mm3.iter().enumerate().map(own).collect(),
-            time: Seconds(self.total.total_s),
-            volume: Mm3(self.total.volume_mm3),
-            layer_starts: self.layer_starts.clone(),
-        }
-    }
-
-    /// What each tool printed.
-    fn of_tools(&self, totals: &Totals, settings: &Settings) -> Vec<ToolSummary> {
-        let own = |(tool, (volume, filament)): (usize, &(Mm3, FilamentSettings))| {
-            let grams = volume.0 / 1000.0 * filament.density;
-            ToolSummary {
-                tool: tool + 1,
-                name: settings.of_tool(tool).tool.name.clone(),
-                material: filament.material.clone(),
-                color: filament.color.clone(),
-                volume_mm3: volume.0,
-                flushed_mm3: self.flushed_mm3[tool],
-                filament_mm: volume.0 / filament.area_mm2(),
-                filament_g: grams,
-                filament_cost: grams / 1000.0 * filament.cost,
-            }
-        };
-        totals.tools.iter().enumerate().map(own).collect()
-    }
-
-    fn summary(
-        self,
-        bounds: Bounds,
-        facts: &PrintFacts,
-        totals: &Totals,
-        settings: &Settings,
-        warnings: Vec<String>,
-    ) -> Summary {
-        let ([x0, y0], [x1, y1]) = (bounds.min.mm(), bounds.max.mm());
-        let filament_g = totals.grams(&settings.filament);
-        Summary {
-            tools: self.of_tools(totals, settings),
-            tool_changes: self.changes,
-            size_mm: [x1 - x0, y1 - y0, facts.max_z_mm - settings.layer.z_offset.0],
-            layer_count: self.layers.len(),
-            total: self.total,
-            proved: self.proved,
-            filament_g,
-            filament_cost: totals.cost(&settings.filament),
-            warnings,
-            layers: self.layers,
-            ..Summary::default()
         }
     }
 }

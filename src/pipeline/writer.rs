@@ -1,0 +1,155 @@
+//! Finished layers on their way out: scripts put in, checked, added up and written.
+
+use std::ops::Range;
+
+use crate::gcode::{LayerText, Slot};
+use crate::job::JobError;
+use crate::motion::{LayerMoves, ToolChange, ToolSums};
+use crate::output::Output;
+use crate::parallel::Workers;
+use crate::profile::{ScriptRun, Settings};
+use crate::report::LayerSummary;
+
+use super::inspect::Inspector;
+use super::kept::PrintLayer;
+use super::statistics::Statistics;
+
+/// Takes the moves of a finished layer.
+pub(super) type OnMoves<'a> = dyn FnMut(LayerMoves) + Send + 'a;
+
+/// A finished layer.
+pub(super) struct FinishedLayer {
+    pub text: LayerText,
+    pub summary: LayerSummary,
+    pub tools: Vec<ToolSums>,
+    pub layer: Option<PrintLayer>,
+    pub moves: Option<LayerMoves>,
+    pub entry: LayerEntry,
+}
+
+/// Where a layer begins.
+pub(super) struct LayerEntry {
+    pub index: usize,
+    /// Height of the nozzle, Z offset included.
+    pub z_mm: f64,
+    pub position_mm: [f64; 3],
+}
+
+/// What is put into the text of a layer.
+#[derive(Clone, Copy)]
+enum Spliced<'a> {
+    /// A script, with its key.
+    Script(&'a str, &'a str),
+    /// What is run at a change of tool.
+    Change(ToolChange),
+}
+
+/// Writes finished layers, checks the text and adds up the statistics.
+pub(super) struct PrintWriter<'a> {
+    pub output: &'a mut Output,
+    pub inspector: Inspector,
+    /// What is known at the end only.
+    pub slots: Vec<Slot>,
+    pub statistics: Statistics,
+    pub kept: Option<&'a mut Vec<PrintLayer>>,
+    pub moves: Option<Box<OnMoves<'a>>>,
+    pub scripts: ScriptRun<'a>,
+    pub settings: &'a Settings,
+    pub workers: Workers<'a>,
+}
+
+impl PrintWriter<'_> {
+    /// Writes the script between objects that are printed one after the other.
+    pub fn between_objects(&mut self, finished: usize) -> Result<(), JobError> {
+        self.scripts.moment.objects_done = finished;
+        if finished > 0 {
+            let script = &self.settings.gcode.between_objects;
+            let text = self.scripts.expand(script).map_err(|e| of_script("gcode.between_objects", &e))?;
+            self.output.write(text.as_bytes())?;
+        }
+        Ok(())
+    }
+
+    /// The text of a layer with the scripts of its change.
+    pub fn with_scripts(
+        &mut self,
+        layer: &LayerText,
+        entry: &LayerEntry,
+    ) -> Result<Option<Vec<u8>>, JobError> {
+        let options = &self.settings.gcode;
+        let moment = &mut self.scripts.moment;
+        moment.layer = Some(entry.index);
+        moment.layer_z_mm = entry.z_mm - self.settings.layer.z_offset.0;
+        moment.max_z_mm = moment.max_z_mm.max(moment.layer_z_mm);
+        moment.extruded_mm3 = self.statistics.layers_mm3;
+        moment.by_tool_mm3.clone_from(&self.statistics.tools_mm3);
+        moment.position_mm = entry.position_mm;
+        let layer_places = [
+            (layer.before, "gcode.before_layer", &options.before_layer),
+            (layer.after, "gcode.after_layer", &options.after_layer),
+        ];
+        let places = layer_places.into_iter().filter_map(|(place, key, script)| {
+            place.map(|place| (place..place, Spliced::Script(key, script)))
+        });
+        let changes = layer.changes.iter().map(|mark| (mark.line.clone(), Spliced::Change(mark.change)));
+        let mut places: Vec<(Range<usize>, Spliced<'_>)> = places.chain(changes).collect();
+        if places.is_empty() {
+            return Ok(None);
+        }
+        // A script of the layer comes before a change at the same place.
+        places.sort_by_key(|(place, _)| place.start);
+        let (mut text, mut from) = (Vec::with_capacity(layer.bytes.len() + 256), 0);
+        for (place, spliced) in places {
+            text.extend_from_slice(&layer.bytes[from..place.start]);
+            let script = match spliced {
+                Spliced::Script(key, script) => {
+                    self.scripts.expand(script).map_err(|e| of_script(key, &e))?
+                }
+                Spliced::Change(change) => {
+                    self.scripts.moment.position_mm = change.at_mm;
+                    self.scripts.change(change.to.into()).map_err(|mistake| script_error(vec![mistake]))?
+                }
+            };
+            text.extend_from_slice(script.as_bytes());
+            from = place.end;
+        }
+        text.extend_from_slice(&layer.bytes[from..]);
+        Ok(Some(text))
+    }
+
+    /// Writes text, checking it.
+    pub fn write(&mut self, text: &[u8]) -> Result<(), JobError> {
+        self.inspector.take(text);
+        Ok(self.output.write(text)?)
+    }
+
+    /// Writes layers, checking them.
+    pub fn add(&mut self, layers: Vec<FinishedLayer>) -> Result<(), JobError> {
+        for FinishedLayer { text, summary, layer, moves, entry, tools } in layers {
+            self.workers.go_on();
+            let base = self.output.written() as usize;
+            self.slots.extend(text.progress.map(|slot| Slot { offset: base + slot.offset, ..slot }));
+            let with_scripts = self.with_scripts(&text, &entry)?;
+            // What a script does is its own affair, and undone after it.
+            self.inspector.take(&text.bytes);
+            self.output.write(with_scripts.as_ref().unwrap_or(&text.bytes))?;
+            self.statistics.add(summary, &tools);
+            if let Some(kept) = &mut self.kept {
+                kept.extend(layer);
+            }
+            if let (Some(tell), Some(moves)) = (&mut self.moves, moves) {
+                tell(moves);
+            }
+            self.workers.observer.layer_done();
+        }
+        Ok(())
+    }
+}
+
+pub(super) fn script_error(mistakes: Vec<String>) -> JobError {
+    JobError::Script { mistakes }
+}
+
+pub(super) fn of_script(key: &str, mistake: &macros::Error) -> JobError {
+    script_error(vec![format!("{key}: {mistake}")])
+}
