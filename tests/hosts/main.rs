@@ -39,12 +39,14 @@ fn main() -> ExitCode {
     let mut trials = trials! { true;
         octoprint::it_is_printed_to_its_end_and_starts_again_after_a_power_cut;
         octoprint::an_object_is_cancelled_and_the_other_printed_to_its_end;
+        octoprint::two_tools_are_printed_with_to_the_end;
         octoprint::analysis_and_thumbnails_are_those_of_the_print;
     };
     #[cfg(unix)]
     trials.extend(trials! { true;
         moonraker::it_is_sent_compared_analysed_and_printed;
         moonraker::an_object_is_cancelled_and_a_pause_comes_at_its_layer;
+        moonraker::two_tools_are_printed_with_to_the_end;
         moonraker::faults_end_clearly_or_in_success;
     });
     trials.extend(trials! { false;

@@ -48,6 +48,10 @@ path: FOLDER/gcodes
 [exclude_object]
 [gcode_macro M601]
 gcode: PAUSE
+[gcode_macro T0]
+gcode: ACTIVATE_EXTRUDER EXTRUDER=extruder
+[gcode_macro T1]
+gcode: ACTIVATE_EXTRUDER EXTRUDER=extruder1
 ";
 
 /// Commands of a microcontroller, as Klipper's protocol writes them down (docs/Protocol.md and docs/MCU_Commands.md there).
@@ -130,11 +134,18 @@ fn machine(folder: &str) -> String {
         );
     }
     let heater = "sensor_type: EPCOS 100K B57560G104F\nmin_temp: -270\nmax_temp: 300\ncontrol: watermark\n";
-    text += &format!(
-        "[extruder]\nstep_pin: p12\ndir_pin: p13\nenable_pin: !p14\nmicrosteps: 16\nrotation_distance: 33.5\n\
-         nozzle_diameter: 0.4\nfilament_diameter: 1.75\nheater_pin: p15\nsensor_pin: p16\nmin_extrude_temp: -270\n\
-         max_extrude_cross_section: 5\n{heater}[heater_bed]\nheater_pin: p17\nsensor_pin: p18\n{heater}"
-    );
+    for (name, pin) in [("extruder", 12), ("extruder1", 20)] {
+        text += &format!(
+            "[{name}]\nstep_pin: p{pin}\ndir_pin: p{}\nenable_pin: !p{}\nmicrosteps: 16\nrotation_distance: 33.5\n\
+             nozzle_diameter: 0.4\nfilament_diameter: 1.75\nheater_pin: p{}\nsensor_pin: p{}\nmin_extrude_temp: -270\n\
+             max_extrude_cross_section: 5\n{heater}",
+            pin + 1,
+            pin + 2,
+            pin + 3,
+            pin + 4
+        );
+    }
+    text += &format!("[heater_bed]\nheater_pin: p17\nsensor_pin: p18\n{heater}");
     text + &MORE.replace("FOLDER", folder)
 }
 
@@ -321,6 +332,21 @@ pub fn an_object_is_cancelled_and_a_pause_comes_at_its_layer() {
     let used = toolhead["position"][3].as_f64().unwrap();
     let all = host.get("/server/files/metadata?filename=two.gcode")["filament_total"].as_f64().unwrap();
     assert!((0.4..0.75).contains(&(used / all)), "{used} of {all} mm");
+}
+
+/// Walls by the first extruder, infill by the second.
+pub fn two_tools_are_printed_with_to_the_end() {
+    let host = Moonraker::start();
+    let desk = host.desk(host.address);
+    let file = desk.of_two_tools("tools.gcode", &["--set", "printer.flavor=klipper"]);
+    let (code, told) = said(&desk.begin(&file, &["--start", "--wait"]).wait_with_output().unwrap());
+    assert!(code == 0 && told.contains("printed tools.gcode"), "{code}: {told}");
+    let seen = host.get("/printer/objects/query?toolhead=extruder")["status"].clone();
+    let text = std::fs::read_to_string(&file).unwrap();
+    let changes: Vec<&str> = text.lines().filter(|line| ["T0", "T1"].contains(line)).collect();
+    assert!(changes.len() > 8, "{changes:?}");
+    let active = if changes.last() == Some(&"T1") { "extruder1" } else { "extruder" };
+    assert_eq!(seen["toolhead"]["extruder"], active);
 }
 
 pub fn faults_end_clearly_or_in_success() {

@@ -23,7 +23,7 @@ server:
   pluginBlacklist: {enabled: false}
   seenWizards: {backup: null, corewizard: 4, tracking: null, classicwebcam: 1}
 plugins:
-  virtual_printer: {enabled: true, throttle: 0.0, simulated_errors: [], ambientTemperature: 220.0}
+  virtual_printer: {enabled: true, numExtruders: 2, throttle: 0.0, simulated_errors: [], ambientTemperature: 220.0}
   _disabled: [achievements, announcements, appkeys, backup, classicwebcam, discovery, errortracking, file_check, firmware_check, gcodeviewer, health_check, pi_support, softwareupdate, tracking]
 serial: {autoconnect: true, port: VIRTUAL, baudrate: 115200}
 ";
@@ -216,6 +216,28 @@ pub fn an_object_is_cancelled_and_the_other_printed_to_its_end() {
         assert!(differs.is_none() && wanted.len() == sent.lines().count(), "{name}: {differs:?}");
         assert!(left_out > 100 && before.len() < sent.len(), "{name}: {left_out}");
     }
+}
+
+/// It is sent as it is, each change of tool where it stands.
+pub fn two_tools_are_printed_with_to_the_end() {
+    let mut host = OctoPrint::that_cancels();
+    let two = json!({ "profile": { "extruder": { "count": 2 } } });
+    let (status, _) = call(host.address, "PATCH", "/api/printerprofiles/_default", KEY, &two.to_string());
+    assert_eq!(status, 200);
+    host.restart();
+    host.ready();
+    let desk = host.desk(host.address, KEY);
+    let file = desk.of_two_tools("tools.gcode", &[]);
+    let (code, told) = said(&desk.begin(&file, &["--start", "--wait"]).wait_with_output().unwrap());
+    assert!(code == 0 && told.contains("printed tools.gcode"), "{code}: {told}");
+    let sent = std::fs::read_to_string(host.folder.path().join("data/cancel_object/sent.gcode")).unwrap();
+    let text = std::fs::read_to_string(&file).unwrap();
+    let of_tools = |text: &str| -> Vec<String> {
+        let commands = text.lines().map(|line| line.split(';').next().unwrap_or_default().trim());
+        commands.filter(|line| line.starts_with('T') || line.contains(" T")).map(str::to_owned).collect()
+    };
+    assert!(of_tools(&text).len() > 20);
+    assert_eq!(of_tools(&sent), of_tools(&text));
 }
 
 pub fn analysis_and_thumbnails_are_those_of_the_print() {

@@ -35,6 +35,22 @@ impl Desk {
         path
     }
 
+    /// The same with two tools, of which the second prints the infill of each layer.
+    pub fn of_two_tools(&self, name: &str, more: &[&str]) -> PathBuf {
+        let profile = self.path("two-tools.toml");
+        let text = "inherits = [\"reprap-250\", \"pla\", \"0.2mm\"]\n[tool_change]\nkind = \"tool-changer\"\n\
+                    [tool_of]\ninfill = 2\n[[tools]]\n[[tools]]\n";
+        std::fs::write(&profile, text).unwrap();
+        let profile = profile.display().to_string();
+        let few =
+            ["layer.height=0.3", "prime_tower.enabled=false", "shell.top_layers=1", "shell.bottom_layers=1"];
+        let few: Vec<&str> = ["--profile", &profile]
+            .into_iter()
+            .chain(few.into_iter().flat_map(|set| ["--set", set]))
+            .collect();
+        self.sliced(name, &[&few, more].concat())
+    }
+
     pub fn command(&self) -> Command {
         let mut command = Command::new(assert_cmd::cargo::cargo_bin!("pathwright"));
         command.env("PATHWRIGHT_HOSTS", self.path("hosts.toml")).env("HOME", self.folder.path());
