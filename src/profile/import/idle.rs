@@ -162,7 +162,7 @@ pub(super) const REASONS: &[(&str, &str)] = &[
     ("clip_multipart_objects", "objects that overlap are one"),
     ("dynamic_overhang_speeds", "an early form of `overhang_speed_0` to `overhang_speed_3`"),
     ("ensure_vertical_shell_thickness", "shells close slopes always"),
-    ("extra_perimeters", "slopes are closed by solid infill, not by more walls"),
+    ("extra_perimeters*", "slopes are closed by solid infill, not by more walls"),
     ("filament_shrinkage_compensation_*", "a scale is given beside the model: `--scale`"),
     (
         "first_layer_*_over_raft",

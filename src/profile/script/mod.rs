@@ -10,7 +10,7 @@ mod theirs;
 use macros::{Names, State, Value};
 
 use super::settings::Settings;
-use crate::gcode::{PrintFacts, Scripts};
+use crate::gcode::{PrintFacts, Scripts, ToolChangeKind};
 
 pub use moment::{Moment, PRINT_NAMES, WholePrint};
 pub use ours::PLACEHOLDERS;
@@ -118,13 +118,16 @@ impl ScriptRun<'_> {
         let options = &self.settings.gcode;
         let mut filaments = String::new();
         // Every filament that is loaded has its script run; of one extruder with several, the one in use.
-        let mut own: Vec<usize> = (0..self.filaments()).collect();
-        if !self.tools.is_empty() {
-            own = vec![self.moment.tool];
-        }
-        for extruder in own {
+        let loaded = match self.tools.len() {
+            0 => 0..self.filaments(),
+            _ if self.settings.tool_change.kind == ToolChangeKind::SingleNozzle => {
+                self.moment.tool..self.moment.tool + 1
+            }
+            count => 0..count,
+        };
+        for extruder in loaded {
             self.moment.filament_extruder = extruder;
-            let filament_end = self.current().gcode.filament_end.clone();
+            let filament_end = self.of_tool(extruder).gcode.filament_end.clone();
             let [text] = self.all([("gcode.filament_end", &filament_end)])?;
             filaments += &text;
         }
@@ -136,7 +139,11 @@ impl ScriptRun<'_> {
 
     /// The settings of the tool in use.
     fn current(&self) -> &Settings {
-        self.tools.get(self.moment.tool).unwrap_or(self.settings)
+        self.of_tool(self.moment.tool)
+    }
+
+    fn of_tool(&self, tool: usize) -> &Settings {
+        self.tools.get(tool).unwrap_or(self.settings)
     }
 
     /// Expands what is run at a change of tool: the script of the filament before, that of the change and, unless it does so
@@ -145,8 +152,7 @@ impl ScriptRun<'_> {
     /// # Errors
     /// The first mistake, with its script.
     pub fn change(&mut self, to: usize) -> Result<String, String> {
-        let own = |run: &Self, tool: usize| run.tools.get(tool).unwrap_or(run.settings).clone();
-        let (from, next) = (own(self, self.moment.tool), own(self, to));
+        let (from, next) = (self.current().clone(), self.of_tool(to).clone());
         let expand = |run: &mut Self, key: &str, script: &str| {
             run.expand(script).map_err(|mistake| format!("{key}: {mistake}"))
         };
