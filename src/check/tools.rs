@@ -3,13 +3,11 @@
 use super::fault::Kind;
 use super::report::Found;
 use super::rule::{LineContext, Rule};
+use crate::gcode::NO_TOOL;
 use crate::profile::Settings;
 
 /// Filament pulled back by less is none.
 const SLACK_MM: f64 = 1e-3;
-
-/// Numbers from here on are no tools: `T255`, `T1000` and their like are commands of their own.
-const NO_TOOL: u32 = 64;
 
 /// Checks changes of tool.
 pub(super) struct Tools {

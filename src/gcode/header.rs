@@ -3,12 +3,11 @@
 use super::flavor::{dialect, line};
 use super::number::one_line;
 use super::number::text;
-use super::script::Scripts;
+use super::script::{Scripts, takes_tool, turns_off};
 use super::settings::{GcodeOptions, ToolOptions};
 use super::settings::{ObjectLabel, PrintFacts};
 use super::slot::{Pending, Slot, Totals, VALUE_WIDTH};
 use crate::motion::FilamentSettings;
-use crate::toolpath::ToolId;
 
 /// The first bytes of a file.
 #[derive(Clone, Debug, PartialEq)]
@@ -118,18 +117,6 @@ pub fn object_comment(name: &str) -> Vec<u8> {
     bytes
 }
 
-/// Whether a script turns the heater of a tool off, by its number.
-fn turns_off(script: &str, tool: ToolId) -> bool {
-    let wanted = ["S0".to_owned(), format!("T{tool}")];
-    script.lines().any(|line| {
-        let mut words = line.split(';').next().unwrap_or_default().split_whitespace();
-        words.next() == Some("M104") && {
-            let words: Vec<&str> = words.collect();
-            wanted.iter().all(|wanted| words.contains(&wanted.as_str()))
-        }
-    })
-}
-
 /// End script, heaters off (where the script leaves that out) and footer.
 pub fn footer(settings: &GcodeOptions, facts: &PrintFacts, scripts: &Scripts, totals: &Totals) -> Vec<u8> {
     let mut bytes = b";TYPE:Custom\n".to_vec();
@@ -152,7 +139,7 @@ pub fn footer(settings: &GcodeOptions, facts: &PrintFacts, scripts: &Scripts, to
         .used
         .iter()
         .filter(|tool| settings.tools.get(usize::from(**tool)).is_some_and(|own| own.has_heater));
-    for tool in heated.filter(|tool| settings.gcode.heat && !turns_off(&scripts.end, **tool)) {
+    for tool in heated.filter(|tool| settings.gcode.heat && !turns_off(&scripts.end, usize::from(**tool))) {
         line(&mut bytes, &format!("M104 T{tool} S0"));
     }
     bytes.push(b'\n');
@@ -241,9 +228,8 @@ fn take_first_tool(bytes: &mut Vec<u8>, settings: &GcodeOptions, facts: &PrintFa
             line(bytes, &format!("M104 T{tool} S{}", text(celsius, 1)));
         }
     }
-    let taken = format!("T{first}");
-    if !scripts.start.lines().any(|line| line.split([' ', ';']).next() == Some(&taken)) {
-        line(bytes, &taken);
+    if !takes_tool(&scripts.start, first.into()) {
+        line(bytes, &format!("T{first}"));
     }
 }
 

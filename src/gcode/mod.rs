@@ -33,12 +33,14 @@ pub use header::{Header, footer, header, labels, object_comment};
 pub use layer::{LayerText, format_layer};
 pub(crate) use number::{nearest, one_line, push_number};
 pub use options::{Flavor, GcodeSettings, PrinterSettings, ToolChangeKind, ToolChangeSettings, ToolSettings};
+pub(crate) use read::NO_TOOL;
 pub use read::{
     Action, Annotated, Center, Clock, Code, Context, Line, Lines, Mark, Measure, Meter, Reader, Replay,
     State, Step, Stroke, Timetable, TypeMeasure, Words, annotate, each_line, file_time, lines, mark, measure,
     replay, role,
 };
 pub use script::Scripts;
+pub(crate) use script::takes_tool;
 pub(crate) use settings::BEFORE_LAYER_CHANGE;
 pub use settings::{
     GcodeOptions, LayerScripts, ObjectLabel, PrintFacts, ToolFacts, ToolOptions, ToolWriter, WriterSettings,

@@ -88,6 +88,13 @@ choice! {
         Heads = "heads",
     }
 }
+impl ToolChangeKind {
+    /// Whether each tool has a nozzle of its own, and with it a heater.
+    pub(crate) fn has_nozzles(self) -> bool {
+        self != Self::SingleNozzle
+    }
+}
+
 section! {
     /// `[tool]`: what each tool has of its own; these values hold for those of `[[tools]]` that say nothing else. See [tools](tools.md).
     ToolSettings {

@@ -88,6 +88,24 @@ fn heaters(written: &str, expanded: &str, flavor: Flavor) -> Heaters {
     found
 }
 
+/// Whether a line of a script takes a tool.
+pub(crate) fn takes_tool(script: &str, tool: usize) -> bool {
+    let taken = format!("T{tool}");
+    script.lines().any(|line| line.split([' ', ';']).next() == Some(taken.as_str()))
+}
+
+/// Whether a script turns the heater of a tool off, by its number.
+pub(super) fn turns_off(script: &str, tool: usize) -> bool {
+    let wanted = ["S0".to_owned(), format!("T{tool}")];
+    script.lines().any(|line| {
+        let mut words = line.split(';').next().unwrap_or_default().split_whitespace();
+        words.next() == Some("M104") && {
+            let words: Vec<&str> = words.collect();
+            wanted.iter().all(|wanted| words.contains(&wanted.as_str()))
+        }
+    })
+}
+
 /// A line without its comment, and the command in it, in capitals.
 fn command(line: &str) -> (&str, String) {
     let code = line.split(';').next().unwrap_or_default().trim();

@@ -24,12 +24,9 @@ impl Nozzle<'_> {
             time: own.change_time,
             at_mm: [x, y, lifted_mm],
         }));
-        if self.settings.keeps_filament {
-            self.parked |= 1 << before;
-        }
         // What a single nozzle is given is as far back as what was taken out.
         let is_parked = !own.keeps_filament || self.parked & (1 << to) != 0;
-        self.parked &= !(1 << to);
+        self.parked = parked(self.parked, before, to, self.settings);
         self.retracted_mm = if is_parked { change_mm(own) } else { own.left_back_mm };
         self.restart_mm = is_parked.then_some(own.retract.change_extra.0);
         (self.settings, self.rules, self.tool) = (own, rules, to);
@@ -101,16 +98,19 @@ pub(super) fn left(
     from: &Entry,
     settings: &MotionSettings,
 ) -> (ToolId, u32) {
-    let (mut tool, mut parked) = (from.tool, from.parked);
+    let (mut tool, mut away) = (from.tool, from.parked);
     for visit in sequence {
         let next = layer.paths.get(visit.path as usize).and_then(|path| path.tool).unwrap_or(tool);
         if next != tool {
-            if settings.keeps_filament {
-                parked |= 1 << tool;
-            }
-            parked &= !(1 << next);
+            away = parked(away, tool, next, settings);
             tool = next;
         }
     }
-    (tool, parked)
+    (tool, away)
+}
+
+/// The tools that are put away after a change, a bit each.
+fn parked(before: u32, from: ToolId, to: ToolId, settings: &MotionSettings) -> u32 {
+    let put_away = if settings.keeps_filament { 1 << from } else { 0 };
+    (before | put_away) & !(1 << to)
 }

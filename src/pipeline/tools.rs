@@ -64,31 +64,23 @@ impl Tooled {
         Ok(Some(tooled))
     }
 
-    /// The tool that the print begins with.
-    pub fn first(&self) -> ToolId {
-        let mut layers = self.layers.iter().flatten();
-        layers.find_map(|layer| layer.tools.first().copied()).unwrap_or(0)
-    }
-
-    /// Which tools print.
-    pub fn used(&self) -> Vec<ToolId> {
-        let mut used: Vec<ToolId> =
-            self.layers.iter().flatten().flat_map(|layer| layer.tools.clone()).collect();
-        used.sort_unstable();
-        used.dedup();
-        used
+    /// The tools of all layers, one after the other.
+    fn turns(&self) -> impl Iterator<Item = ToolId> {
+        self.layers.iter().flatten().flat_map(|layer| layer.tools.iter().copied())
     }
 
     /// What header and scripts tell of them.
     pub fn facts(&self) -> ToolFacts {
-        let (first, used, changes) = (self.first(), self.used(), self.changes());
-        ToolFacts { first, used, changes, tower: self.tower.is_some() }
-    }
-
-    /// How often another tool is taken.
-    pub fn changes(&self) -> usize {
-        let turns: Vec<ToolId> = self.layers.iter().flatten().flat_map(|layer| layer.tools.clone()).collect();
-        turns.windows(2).filter(|pair| pair[0] != pair[1]).count()
+        let turns: Vec<ToolId> = self.turns().collect();
+        let mut used = turns.clone();
+        used.sort_unstable();
+        used.dedup();
+        ToolFacts {
+            first: turns.first().copied().unwrap_or(0),
+            used,
+            changes: turns.windows(2).filter(|pair| pair[0] != pair[1]).count(),
+            tower: self.tower.is_some(),
+        }
     }
 }
 

@@ -257,11 +257,7 @@ fn by_outline(section: &Region, lines: &[&PaintedLine<u8>], spec: Spec) -> Paint
 /// Places between two points, at equal distances, each in the middle of its part.
 fn along(a: Point, b: Point, step_mm: f64) -> impl Iterator<Item = Point> {
     let parts = (a.distance_mm(b) / step_mm).ceil().max(1.0);
-    (0..parts as u32).map(move |part| {
-        let share = (f64::from(part) + 0.5) / parts;
-        let at = |a: i32, b: i32| (f64::from(a) + (f64::from(b) - f64::from(a)) * share).round() as i32;
-        Point::new(at(a.x, b.x), at(a.y, b.y))
-    })
+    (0..parts as u32).map(move |part| a.towards(b, (f64::from(part) + 0.5) / parts))
 }
 
 /// Gives stretches of a ring that have fewer places than this what is before them.

@@ -70,18 +70,9 @@ impl Kinds {
                 let tool = self.tools[member.object];
                 let region = geometry::difference(&member.region, &taken);
                 taken = geometry::union(&taken, &member.region);
-                match parts.iter_mut().find(|part| part.tool == tool) {
-                    _ if region.is_empty() => {}
-                    Some(part) => part.region = geometry::union(&part.region, &region),
-                    None => parts.push(Part { tool, region }),
-                }
+                add(&mut parts, Part { tool, region });
             }
-            let own = self.tools[section.object];
-            if parts.iter().all(|part| part.tool == own) {
-                parts.clear();
-            }
-            parts.sort_by_key(|part| part.tool);
-            parts
+            settled(parts, self.tools[section.object])
         };
         united.iter().map(of).collect()
     }
@@ -107,17 +98,29 @@ impl Kinds {
                     for part in parts.iter_mut() {
                         part.region = geometry::difference(&part.region, &here);
                     }
-                    match parts.iter_mut().find(|part| part.tool == *tool) {
-                        Some(part) => part.region = geometry::union(&part.region, &here),
-                        None => parts.push(Part { tool: *tool, region: here }),
-                    }
+                    add(parts, Part { tool: *tool, region: here });
                 }
                 parts.retain(|part| !part.region.is_empty());
-                if parts.iter().all(|part| part.tool == own) {
-                    parts.clear();
-                }
-                parts.sort_by_key(|part| part.tool);
+                *parts = settled(std::mem::take(parts), own);
             }
         }
     }
+}
+
+/// Adds what a tool prints, unless it is nothing.
+fn add(parts: &mut Parts, more: Part) {
+    match parts.iter_mut().find(|part| part.tool == more.tool) {
+        _ if more.region.is_empty() => {}
+        Some(part) => part.region = geometry::union(&part.region, &more.region),
+        None => parts.push(more),
+    }
+}
+
+/// The parts by tool; none where all of them have the object's own.
+fn settled(mut parts: Parts, own: ToolId) -> Parts {
+    if parts.iter().all(|part| part.tool == own) {
+        parts.clear();
+    }
+    parts.sort_by_key(|part| part.tool);
+    parts
 }

@@ -17,7 +17,7 @@ pub(crate) fn problem(layers: &[LayerPaths], start: Option<ToolId>, settings: &S
         ToolLayer { tools, before: Vec::new() }
     };
     let tools = settings.tools.len();
-    let seconds: Vec<f64> = (0..tools).map(|to| settings.of_tool(to).tool_change.time.0).collect();
+    let seconds = seconds(settings);
     let cost = |from: usize, to: usize| {
         let waste_s = settings.tool_change.waste_weight * settings.flush_mm3(from, to);
         if from == to { 0 } else { (MS * (seconds[to] + waste_s)).round() as u32 }
@@ -27,6 +27,11 @@ pub(crate) fn problem(layers: &[LayerPaths], start: Option<ToolId>, settings: &S
         change: (0..tools).map(|from| (0..tools).map(|to| cost(from, to)).collect()).collect(),
         loaded: start.map(u32::from),
     }
+}
+
+/// How long it takes to change to each tool.
+fn seconds(settings: &Settings) -> Vec<f64> {
+    (0..settings.tools.len()).map(|to| settings.of_tool(to).tool_change.time.0).collect()
 }
 
 /// The order of the tools of each layer, by a rule.
@@ -41,11 +46,12 @@ pub(crate) fn row(
     start: Option<ToolId>,
     settings: &Settings,
 ) -> ToolOrderRow {
+    let seconds = seconds(settings);
     let (mut change_s, mut flushed_mm3) = (0.0, 0.0);
     let mut current = start.map(u32::from);
     for &tool in plan.layers.iter().flatten() {
         if let Some(from) = current.filter(|from| *from != tool) {
-            change_s += settings.of_tool(tool as usize).tool_change.time.0;
+            change_s += seconds[tool as usize];
             flushed_mm3 += settings.flush_mm3(from as usize, tool as usize);
         }
         current = Some(tool);

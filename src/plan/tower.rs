@@ -218,9 +218,10 @@ fn flushed_into_mm3(layer: &LayerPaths, tool: ToolId) -> f64 {
 }
 
 fn volume_mm3(path: &Path) -> f64 {
-    let closing = path.closed.then(|| path.points.first().zip(path.points.last())).flatten();
-    let length_mm = geometry::polyline_length_mm(&path.points)
-        + closing.map_or(0.0, |(first, last)| first.distance_mm(*last));
+    let length_mm = match path.closed {
+        true => geometry::ring_length_mm(&path.points),
+        false => geometry::polyline_length_mm(&path.points),
+    };
     let width_mm = match &path.width {
         Width::Constant(width_mm) => *width_mm,
         Width::PerVertex(widths) => {

@@ -3,8 +3,8 @@
 use super::settings::Settings;
 use crate::estimate::{Firmware, FirmwareRetraction, Machine};
 use crate::gcode::{
-    BEFORE_LAYER_CHANGE, Flavor, GcodeOptions, LayerScripts, PrinterSettings, Scripts, ToolChangeKind,
-    ToolOptions, ToolWriter, WriterSettings,
+    BEFORE_LAYER_CHANGE, Flavor, GcodeOptions, LayerScripts, PrinterSettings, Scripts, ToolOptions,
+    ToolWriter, WriterSettings,
 };
 use crate::motion::{FlowSettings, MotionSettings, PauseAt};
 use crate::order::{Corners, CostKind, OrderStrategy, SeamPosition, SeamSettings};
@@ -187,12 +187,9 @@ impl MotionSettings {
             tools: Vec::new(),
             change_time: settings.tool_change.time,
             left_back_mm: 0.0,
-            idle: match settings.tool_change.kind {
-                ToolChangeKind::SingleNozzle => Celsius(0.0),
-                _ => settings.tool.idle_temperature,
-            },
+            idle: idle(settings),
             heating_rate: settings.tool.heating_rate,
-            keeps_filament: settings.tool_change.kind != ToolChangeKind::SingleNozzle,
+            keeps_filament: settings.tool_change.kind.has_nozzles(),
         }
     }
 }
@@ -254,15 +251,19 @@ impl WriterSettings {
     }
 }
 
+/// Temperature of a tool while another prints; of a nozzle that all share there is none.
+fn idle(own: &Settings) -> Celsius {
+    if own.tool_change.kind.has_nozzles() { own.tool.idle_temperature } else { Celsius(0.0) }
+}
+
 impl ToolWriter {
     /// What the writer needs of the settings of a tool.
     fn new(own: &Settings) -> Self {
-        let single = own.tool_change.kind == ToolChangeKind::SingleNozzle;
         Self {
             filament_diameter: own.filament.diameter,
             offset_mm: own.tool.offset.map(|mm| mm.0),
-            idle: if single { Celsius(0.0) } else { own.tool.idle_temperature },
-            has_heater: !single,
+            idle: idle(own),
+            has_heater: own.tool_change.kind.has_nozzles(),
         }
     }
 }
@@ -311,7 +312,7 @@ impl GcodeOptions {
                 filament: own.filament.clone(),
                 temperature: own.temperature.clone(),
                 tool: own.tool.clone(),
-                has_heater: own.tool_change.kind != ToolChangeKind::SingleNozzle,
+                has_heater: own.tool_change.kind.has_nozzles(),
             }
         };
         let tools = (0..settings.tool_list().len()).map(own).collect();

@@ -31,9 +31,7 @@ impl<'a, T: Copy> PaintCutter<'a, T> {
         let cuts_mm: Vec<f64> = spans.iter().map(|span| span.cut_mm).collect();
         let mut crossing = vec![Vec::new(); if facets.is_empty() { 0 } else { cuts_mm.len() }];
         for (number, facet) in (0..).zip(facets) {
-            let heights = facet.corners.map(|corner| corner[2]);
-            let low = heights.into_iter().fold(f64::INFINITY, f64::min);
-            let high = heights.into_iter().fold(f64::NEG_INFINITY, f64::max);
+            let [low, high] = heights(facet.corners);
             let first = cuts_mm.partition_point(|&cut| cut < low);
             let last = cuts_mm.partition_point(|&cut| cut < high);
             crossing[first..last].iter_mut().for_each(|layer| layer.push(number));
@@ -47,6 +45,12 @@ impl<'a, T: Copy> PaintCutter<'a, T> {
             self.crossing.get(layer).into_iter().flatten().map(|&number| &self.facets[number as usize]);
         facets.filter_map(move |facet| Some((crossed(facet.corners, self.cuts_mm[layer])?, facet.paint)))
     }
+}
+
+/// The lowest and the highest of a triangle.
+fn heights(corners: [[f64; 3]; 3]) -> [f64; 2] {
+    let heights = corners.map(|corner| corner[2]);
+    [heights.into_iter().fold(f64::INFINITY, f64::min), heights.into_iter().fold(f64::NEG_INFINITY, f64::max)]
 }
 
 /// Where a level plane passes through a triangle; a corner on it is above it.
@@ -82,9 +86,7 @@ pub fn level_paint<T: Copy>(facets: &[PaintedFacet<T>], cuts_mm: &[f64]) -> Vec<
         if normal.z.abs() < STEEPEST * normal.norm() || normal.z == 0.0 {
             continue;
         }
-        let heights = corners.map(|corner| corner[2]);
-        let low = heights.into_iter().fold(f64::INFINITY, f64::min);
-        let high = heights.into_iter().fold(f64::NEG_INFINITY, f64::max);
+        let [low, high] = heights(*corners);
         let first = cuts_mm.partition_point(|&cut| cut <= low);
         let last = cuts_mm.partition_point(|&cut| cut < high);
         for (slab, areas) in slabs.iter_mut().enumerate().take(last.max(first) + 1).skip(first) {

@@ -39,6 +39,9 @@ pub(super) const FULL_INNERMOST: f64 = 1.5;
 /// Gaps narrower than this hold no bead that a nozzle could lay.
 pub(super) const MIN_GAP_MM: f64 = 0.12;
 
+/// Beads in gaps end this share of their width before the gap does: round ends would leave its corners open.
+pub(super) const GAP_TIP: f64 = 0.25;
+
 /// The widest single bead, in spacings: at junctions a little more than the module says.
 pub(super) const WIDEST: f64 = 1.6;
 

@@ -17,9 +17,6 @@ const SHORTEST_LINE_MM: f64 = 0.2;
 /// Gaps shorter than this are not worth the travel to them.
 const SHORTEST_GAP_MM: f64 = 0.1;
 
-/// Beads in gaps end this share of their width before the gap does: round ends would leave its corners open.
-const GAP_TIP: f64 = 0.25;
-
 /// How far the lines of skins reach where they turn sharply at a wall, as a multiple of how far free ends do: nearly no
 /// void is left in the surface, and the wedges are a little fuller than full.
 const SKIN_TURN_REACH: f64 = 1.1;
@@ -200,9 +197,11 @@ impl LayerBuilder {
         least_mm: f64,
     ) -> f64 {
         let mut filled_mm2 = 0.0;
-        let tip = if role == Role::ExternalPerimeter { 0.5 } else { GAP_TIP };
+        let tip = if role == Role::ExternalPerimeter { 0.5 } else { beading::GAP_TIP };
         let Gap { area, region } = gap;
-        for path in geometry::medial_axis_in(area, region, *range.start(), *range.end(), [tip, GAP_TIP]) {
+        for path in
+            geometry::medial_axis_in(area, region, *range.start(), *range.end(), [tip, beading::GAP_TIP])
+        {
             if path.length_mm() < SHORTEST_GAP_MM {
                 continue;
             }

@@ -7,8 +7,8 @@ use super::bead::Line;
 use super::beading;
 use super::beneath::Beneath;
 
-/// Ends this near to a loop's first vertex are there, in grid units.
-const SAME: f64 = 2.0;
+/// Ends this near to a loop's first vertex are there: square of the distance in grid units.
+const SAME: i64 = 4;
 
 /// Beads along the walls around `inside`, as far as they are in `area`.
 pub(super) fn fill(inside: &Region, area: &Region, spacing_mm: f64) -> Vec<Line> {
@@ -24,7 +24,8 @@ pub(super) fn fill(inside: &Region, area: &Region, spacing_mm: f64) -> Vec<Line>
         lines.extend(pair.loops.iter().flat_map(|line| cut(line, &clipper)));
         if let Some(gap) = pair.gap {
             let range = [beading::MIN_GAP_MM, beading::WIDEST * spacing_mm];
-            let middles = geometry::medial_axis_in(&gap.area, &gap.region, range[0], range[1], [0.25; 2]);
+            let middles =
+                geometry::medial_axis_in(&gap.area, &gap.region, range[0], range[1], [beading::GAP_TIP; 2]);
             for path in middles {
                 let line = Line { points: path.points, spacing_mm: path.width_mm, closed: path.closed };
                 lines.extend(cut(&line, &clipper));
@@ -62,29 +63,22 @@ fn cut(line: &Line, clipper: &Clipper) -> Vec<Line> {
         points.extend(line.points.first());
     }
     let mut pieces: Vec<Vec<Point>> = clipper.clip(&points).into_iter().map(|piece| piece.points).collect();
-    let near = |a: Option<&Point>, b: Option<&Point>| a.zip(b).is_some_and(|(a, b)| units(*a, *b) <= SAME);
-    if line.closed && near(pieces.first().and_then(|p| p.first()), pieces.last().and_then(|p| p.last())) {
-        if let [whole] = &mut pieces[..] {
-            whole.pop();
-            return whole_loop(line, std::mem::take(whole));
-        }
-        if let (Some(mut last), Some(first)) = (pieces.pop(), pieces.first_mut()) {
-            last.pop();
-            last.append(first);
-            *first = last;
-        }
+    let near = |a: Option<&Point>, b: Option<&Point>| a.zip(b).is_some_and(|(a, b)| a.distance2(*b) <= SAME);
+    let goes_on =
+        line.closed && near(pieces.first().and_then(|p| p.first()), pieces.last().and_then(|p| p.last()));
+    let is_whole = goes_on && pieces.len() == 1;
+    if is_whole {
+        pieces[0].pop();
+    } else if goes_on && let (Some(mut last), Some(first)) = (pieces.pop(), pieces.first_mut()) {
+        last.pop();
+        last.append(first);
+        *first = last;
     }
     let spaced = |points: Vec<Point>| {
         let spacing_mm = points.iter().filter_map(|&p| spacing_at(line, p)).collect();
-        Line { points, spacing_mm, closed: false }
+        Line { points, spacing_mm, closed: is_whole }
     };
     pieces.into_iter().map(spaced).filter_map(Line::sound).collect()
-}
-
-/// A loop that no edge of the region cuts.
-fn whole_loop(line: &Line, points: Vec<Point>) -> Vec<Line> {
-    let spacing_mm = points.iter().filter_map(|&p| spacing_at(line, p)).collect();
-    Line { points, spacing_mm, closed: true }.sound().into_iter().collect()
 }
 
 /// Spacing of a line at a point of it; `None` where it is the nominal one throughout.
@@ -101,8 +95,4 @@ fn spacing_at(line: &Line, p: Point) -> Option<f32> {
     let length_mm = line.points[a].distance_mm(line.points[b]).max(f64::MIN_POSITIVE);
     let share = (line.points[a].distance_mm(p) / length_mm).clamp(0.0, 1.0) as f32;
     Some(line.spacing_mm[a] + (line.spacing_mm[b] - line.spacing_mm[a]) * share)
-}
-
-fn units(a: Point, b: Point) -> f64 {
-    (a.distance2(b) as f64).sqrt()
 }

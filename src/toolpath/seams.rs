@@ -3,6 +3,7 @@
 use geometry::{Bounds, EdgeGrid, Point, Region, UNITS_PER_MM};
 use ordering::matching::KdTree;
 
+use super::spiral::closest;
 use super::{Entries, LayerPaths, Path, Width};
 use crate::mesh::Wish;
 use crate::slice::PaintedLine;
@@ -61,7 +62,7 @@ impl Painted {
         for line in lines {
             let [a, b] = line.ends;
             let parts = (a.distance_mm(b) / STEP_MM).ceil().max(1.0);
-            points.extend((0..=parts as u32).map(|part| between(a, b, f64::from(part) / parts)));
+            points.extend((0..=parts as u32).map(|part| a.towards(b, f64::from(part) / parts)));
             wishes.resize(points.len(), line.paint);
         }
         let tree = KdTree::new(&points);
@@ -81,7 +82,7 @@ impl Painted {
         }
         let around = Bounds::of([p])?.grown(((distance_mm + self.tolerance_mm) * UNITS_PER_MM) as i32);
         let on_outline = self.outline.edges_touching(around).map(|edge| {
-            let at = nearest_on(p, edge.a, edge.b);
+            let at = closest(p, edge.a, edge.b);
             (at.distance2(p), at)
         });
         let (_, on_outline) = on_outline.min()?;
@@ -117,7 +118,7 @@ impl Painted {
             let parts = (a.distance_mm(b) / STEP_MM).ceil().max(1.0);
             samples.extend((0..parts as u32).map(|part| {
                 let at = f64::from(part) / parts;
-                let point = between(a, b, at);
+                let point = a.towards(b, at);
                 Sample { edge, at, point, wish: self.at(point) }
             }));
         }
@@ -181,22 +182,6 @@ fn rebuild(path: &mut Path, samples: &[Sample], chosen: &[bool]) -> Entries {
         *at = widths;
     }
     entries
-}
-
-fn between(a: Point, b: Point, share: f64) -> Point {
-    let along = |a: i32, b: i32| f64::from(a) + (f64::from(b) - f64::from(a)) * share;
-    Point::new(along(a.x, b.x).round() as i32, along(a.y, b.y).round() as i32)
-}
-
-fn nearest_on(p: Point, a: Point, b: Point) -> Point {
-    let length2 = a.distance2(b);
-    if length2 == 0 {
-        return a;
-    }
-    let [along, towards] =
-        [b, p].map(|to| [f64::from(to.x) - f64::from(a.x), f64::from(to.y) - f64::from(a.y)]);
-    let share = (along[0] * towards[0] + along[1] * towards[1]) / length2 as f64;
-    between(a, b, share.clamp(0.0, 1.0))
 }
 
 #[cfg(test)]

@@ -202,7 +202,7 @@ fn square(p: Point) -> f64 {
 }
 
 /// The point of a segment that is nearest to another.
-fn closest(p: Point, a: Point, b: Point) -> Point {
+pub(super) fn closest(p: Point, a: Point, b: Point) -> Point {
     let ([px, py], [ax, ay], [bx, by]) = (p.mm(), a.mm(), b.mm());
     let (dx, dy) = (bx - ax, by - ay);
     let along = ((px - ax) * dx + (py - ay) * dy) / (dx * dx + dy * dy).max(f64::MIN_POSITIVE);

@@ -58,6 +58,13 @@ impl Point {
         i64::from(self.x) * i64::from(other.y) - i64::from(self.y) * i64::from(other.x)
     }
 
+    /// The point at a share of the way to another.
+    #[inline]
+    pub fn towards(self, to: Self, share: f64) -> Self {
+        let along = |from: i32, to: i32| f64::from(from) + (f64::from(to) - f64::from(from)) * share;
+        Self::new(along(self.x, to.x).round() as i32, along(self.y, to.y).round() as i32)
+    }
+
     /// Dot product of two displacements, in square units.
     #[inline]
     pub fn dot(self, other: Self) -> i64 {

@@ -20,6 +20,7 @@ pub use features::role;
 pub use lexer::{Code, Line, Lines, Words, lines};
 pub use marks::{Mark, mark};
 pub use measure::{Measure, Meter, TypeMeasure, measure, measure_on};
+pub(crate) use replay::NO_TOOL;
 pub use replay::{Action, Center, Replay, State, Step, Stroke, replay, resume};
 pub use stream::each_line;
 pub use time::{Clock, file_time, time_on};

@@ -173,8 +173,8 @@ impl Default for State {
     }
 }
 
-/// Tools that are told apart; there are files with `T1000` and its like, which mean something else.
-const TOOLS: u32 = 64;
+/// Numbers from here on are no tools: `T255`, `T1000` and their like are commands of their own.
+pub(crate) const NO_TOOL: u32 = 64;
 
 impl State {
     /// Does what a line says.
@@ -216,7 +216,7 @@ impl State {
                 self.e_absolute = code.number == 82;
                 (self.e_said, self.e_doubtful) = (Some(self.e_absolute), false);
             }
-            (b'T', tool) if tool < TOOLS && tool != self.tool => self.take_tool(tool),
+            (b'T', tool) if tool < NO_TOOL && tool != self.tool => self.take_tool(tool),
             (b'M', 200) => self.volumetric = self.is_volumetric(&line.words()),
             (b'G', 92) => {
                 let words = line.words();

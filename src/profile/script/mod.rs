@@ -10,7 +10,7 @@ mod theirs;
 use macros::{Names, State, Value};
 
 use super::settings::Settings;
-use crate::gcode::{PrintFacts, Scripts, ToolChangeKind};
+use crate::gcode::{PrintFacts, Scripts, takes_tool};
 
 pub use moment::{Moment, PRINT_NAMES, WholePrint};
 pub use ours::PLACEHOLDERS;
@@ -120,9 +120,7 @@ impl ScriptRun<'_> {
         // Every filament that is loaded has its script run; of one extruder with several, the one in use.
         let loaded = match self.tools.len() {
             0 => 0..self.filaments(),
-            _ if self.settings.tool_change.kind == ToolChangeKind::SingleNozzle => {
-                self.moment.tool..self.moment.tool + 1
-            }
+            _ if !self.settings.tool_change.kind.has_nozzles() => self.moment.tool..self.moment.tool + 1,
             count => 0..count,
         };
         for extruder in loaded {
@@ -152,22 +150,23 @@ impl ScriptRun<'_> {
     /// # Errors
     /// The first mistake, with its script.
     pub fn change(&mut self, to: usize) -> Result<String, String> {
-        let (from, next) = (self.current().clone(), self.of_tool(to).clone());
+        let filament_end = self.current().gcode.filament_end.clone();
+        let next = self.of_tool(to);
+        let (script, filament_start) = (next.tool_change.script.clone(), next.gcode.filament_start.clone());
         let expand = |run: &mut Self, key: &str, script: &str| {
             run.expand(script).map_err(|mistake| format!("{key}: {mistake}"))
         };
         self.moment.filament_extruder = self.moment.tool;
-        let mut text = expand(self, "gcode.filament_end", &from.gcode.filament_end)?;
+        let mut text = expand(self, "gcode.filament_end", &filament_end)?;
         self.moment.changes += 1;
         (self.moment.before, self.moment.next) = (Some(self.moment.tool), Some(to));
-        let change = expand(self, "tool_change.script", &next.tool_change.script)?;
+        let change = expand(self, "tool_change.script", &script)?;
         text += &change;
-        let line = format!("T{to}");
-        if !change.lines().any(|own| own.split([' ', ';']).next() == Some(line.as_str())) {
-            text += &format!("{line}\n");
+        if !takes_tool(&change, to) {
+            text += &format!("T{to}\n");
         }
         (self.moment.tool, self.moment.next, self.moment.filament_extruder) = (to, None, to);
-        text += &expand(self, "gcode.filament_start", &next.gcode.filament_start)?;
+        text += &expand(self, "gcode.filament_start", &filament_start)?;
         self.moment.filament_extruder = 0;
         Ok(text)
     }
