@@ -138,7 +138,7 @@ impl Pen {
             Move::Travel { to, .. } | Move::Wipe { to, .. } => self.lifted(Some(to), self.z_mm),
             Move::Climb { to, z_mm, .. } => self.lifted(Some(to), z_mm),
             Move::Lift { z_mm, .. } => self.lifted(self.at, z_mm),
-            Move::Retract { .. } | Move::Pause | Move::ColorChange | Move::ToolChange(_) => {
+            Move::Retract { .. } | Move::Pause | Move::ColorChange | Move::ToolChange(_) | Move::Swap(_) => {
                 self.is_down = false;
             }
             Move::Extrude { to, speed, .. } => self.draw(to, self.z_mm, speed.0, seconds),

@@ -3,7 +3,7 @@
 use super::Machine;
 use super::chords::chords;
 use super::planner::{Planner, Segment};
-use crate::motion::{LayerMoves, Move};
+use crate::motion::{LayerMoves, Move, SwapStep};
 use crate::toolpath::Role;
 use crate::units::Seconds;
 
@@ -147,6 +147,8 @@ impl Walk {
             Move::Fan(_) | Move::Nozzle(_) | Move::Bed(_) | Move::Object(_) | Move::Preheat { .. } => {}
             Move::Pause | Move::ColorChange => {}
             Move::ToolChange(_) => self.at = None,
+            Move::Swap(SwapStep::Filament { length_mm, speed }) => self.feed(length_mm, speed.0),
+            Move::Swap(_) => {}
         }
     }
 

@@ -55,6 +55,13 @@ impl Extruder {
         -delta
     }
 
+    /// Ticks of filament moved in place, forward or back, beside beads and retractions.
+    pub(super) fn feed(&mut self, length_mm: f64) -> i64 {
+        let delta = nearest(length_mm * E_TICKS_PER_MM);
+        self.position += delta;
+        delta
+    }
+
     /// Ticks of an unretraction: exactly what was retracted, and what the length exceeds it by.
     pub(super) fn unretract(&mut self, length_mm: f64) -> i64 {
         let extra = length_mm * E_TICKS_PER_MM - self.retracted;

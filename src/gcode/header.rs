@@ -80,7 +80,7 @@ pub fn header(settings: &GcodeOptions, facts: &PrintFacts, scripts: &Scripts, se
     bytes.extend_from_slice(b"G92 E0\n");
     bytes.extend_from_slice(scripts.filament_start.as_bytes());
     if settings.filament.pressure_advance > 0.0 {
-        dialect.pressure_advance(&mut bytes, settings.filament.pressure_advance);
+        dialect.pressure_advance(&mut bytes, facts.tools.first, settings.filament.pressure_advance);
     }
     if settings.retract.firmware && settings.retract.length.0 > 0.0 {
         dialect.firmware_retraction(&mut bytes, &settings.retract);

@@ -8,7 +8,7 @@ use super::settings::{BEFORE_LAYER_CHANGE, WriterSettings};
 use super::slot::{PROGRESS_WIDTH, Pending, Slot};
 use super::tool::{self, ToolMark};
 use crate::motion::filament_area_mm2;
-use crate::motion::{LayerMoves, Move, ToolChange};
+use crate::motion::{LayerMoves, Move, SwapStep, ToolChange};
 use crate::toolpath::{Role, ToolId};
 use crate::units::{Celsius, Mm3, MmPerS, MmPerS2};
 
@@ -272,6 +272,23 @@ impl<'a> Writer<'a> {
                 self.out.extend_from_slice(format!("M104 T{tool} S{celsius}\n").as_bytes());
             }
             Move::ToolChange(change) => self.change_tool(change),
+            Move::Swap(step) => self.swap(step),
+        }
+    }
+
+    fn swap(&mut self, step: SwapStep) {
+        match step {
+            SwapStep::Filament { length_mm, speed } => {
+                let fed = self.extruder.feed(length_mm);
+                self.e_only(fed, speed);
+            }
+            SwapStep::Wait(time) => line(&mut self.out, &format!("G4 P{}", text(1000.0 * time.0, 0))),
+            SwapStep::PressureAdvance { tool, seconds } => {
+                self.dialect.pressure_advance(&mut self.out, tool, seconds);
+            }
+            SwapStep::Sensor(heeded) => {
+                self.out.extend_from_slice(if heeded { b"M591 R\n" } else { b"M591 S0\n" });
+            }
         }
     }
 

@@ -40,7 +40,7 @@ pub use read::{
     replay, role,
 };
 pub use script::Scripts;
-pub(crate) use script::takes_tool;
+pub(crate) use script::{sets_pressure_advance, takes_tool};
 pub(crate) use settings::BEFORE_LAYER_CHANGE;
 pub use settings::{
     GcodeOptions, LayerScripts, ObjectLabel, PrintFacts, ToolFacts, ToolOptions, ToolWriter, WriterSettings,

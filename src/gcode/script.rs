@@ -59,6 +59,14 @@ impl Scripts {
     }
 }
 
+/// Whether a script states linear or pressure advance, in any dialect.
+pub(crate) fn sets_pressure_advance(script: &str) -> bool {
+    script
+        .lines()
+        .map(command)
+        .any(|(_, name)| ["M900", "M572", "SET_PRESSURE_ADVANCE"].contains(&name.as_str()))
+}
+
 /// Finds out which heaters a script switches: by commands, once it is expanded, or by macros of Klipper, as it is written.
 /// A macro is taken to switch both where its name says that it begins or ends a print, and those whose temperature
 /// it is given.

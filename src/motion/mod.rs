@@ -20,11 +20,12 @@ mod simplify;
 mod smooth;
 mod spiral;
 mod sums;
+mod swap;
 mod tool;
 mod travel;
 
 pub use fan::set_fan;
-pub use moves::{Entry, LayerMoves, Move, ToolChange};
+pub use moves::{Entry, LayerMoves, Move, SwapStep, ToolChange};
 pub use options::{
     AccelerationSettings, CoolingSettings, FilamentSettings, RetractSettings, RoleFlowSettings,
     SpeedSettings, TemperatureSettings, TravelSettings, filament_area_mm2,
@@ -34,4 +35,5 @@ pub use plan::{exit, plan_layer};
 pub use settings::{FlowSettings, MotionSettings};
 pub(crate) use sums::arc_mm;
 pub use sums::{LayerSums, ToolSums};
+pub use swap::SwapSettings;
 pub use tool::preheat;

@@ -45,6 +45,22 @@ pub enum Move {
     Preheat { tool: ToolId, nozzle: Celsius },
     /// A change to another tool, by its script, and what heats it.
     ToolChange(ToolChange),
+    /// What is done with the filament before and after a change.
+    Swap(SwapStep),
+}
+
+/// A step of taking a filament out or putting it in.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[allow(missing_docs)]
+pub enum SwapStep {
+    /// Moves filament in place: forward, or back where the length is less than 0.
+    Filament { length_mm: f64, speed: MmPerS },
+    /// Stands still.
+    Wait(Seconds),
+    /// Another pressure advance.
+    PressureAdvance { tool: ToolId, seconds: f64 },
+    /// Whether the filament sensor is heeded.
+    Sensor(bool),
 }
 
 /// A change from one tool to another.

@@ -83,7 +83,8 @@ pub fn plan_layer(
         let changes = path.tool.filter(|tool| *tool != nozzle.tool);
         if let Some(tool) = changes {
             nozzle.label(None);
-            nozzle.change_tool(tool);
+            let ram = layer.rams.iter().find(|ram| ram.tool == Some(nozzle.tool));
+            nozzle.change_tool(tool, ram);
         }
         trace(path, visit.entry, nozzle.rules.flow(path.role), &mut vertices);
         turn_round(path, &mut vertices, layer.index, nozzle.support.as_ref(), all);

@@ -1,6 +1,7 @@
 //! What the motion stage needs of the settings.
 
 use super::PauseAt;
+use super::SwapSettings;
 use super::options::{
     AccelerationSettings, CoolingSettings, RetractSettings, RoleFlowSettings, SpeedSettings,
     TemperatureSettings, TravelSettings,
@@ -64,6 +65,12 @@ pub struct MotionSettings {
     pub idle: Celsius,
     /// See `idle`.
     pub heating_rate: f64,
+    /// What a filament that is taken out goes through.
+    pub swap: SwapSettings,
+    /// Pressure advance, 0: the firmware's own; and whether it is stated again after a change.
+    pub pressure_advance: f64,
+    /// See `pressure_advance`.
+    pub advance_returns: bool,
     /// A tool that is put away keeps its filament; that of a single nozzle is taken out.
     pub keeps_filament: bool,
 }

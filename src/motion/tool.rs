@@ -2,20 +2,31 @@
 
 use super::nozzle::Nozzle;
 use super::rules::Rules;
-use super::{Entry, LayerMoves, MotionSettings, Move, ToolChange};
+use super::{Entry, LayerMoves, MotionSettings, Move, SwapStep, ToolChange};
 use crate::order::PathVisit;
-use crate::toolpath::{LayerPaths, ToolId};
+use crate::toolpath::{LayerPaths, Path, ToolId};
 
 impl Nozzle<'_> {
-    /// Takes another tool: the filament is pulled back, the nozzle lifted, and where it is then is not known.
-    pub(super) fn change_tool(&mut self, to: ToolId) {
+    /// Takes another tool: the filament is pulled back, or out, and the nozzle lifted. Where it is then is not known, as
+    /// scripts may move it. `ram` is laid before.
+    pub(super) fn change_tool(&mut self, to: ToolId, ram: Option<&Path>) {
         let before = self.tool;
-        self.pull_back();
-        let lifted_mm = self.layer_z_mm + self.hop_mm();
-        self.lift(lifted_mm);
-        let [x, y] = self.at.unwrap_or_default();
         let own = self.all.of_tool(to);
         let rules = Rules::new(own, self.rules.index());
+        let (swaps, was) = (self.settings.swaps(), self.settings);
+        let mut lifted_mm = self.layer_z_mm + self.hop_mm();
+        if let Some(ram) = ram {
+            self.ram(ram);
+        }
+        if swaps {
+            let pulled_mm = if ram.is_some() { 0.0 } else { self.pull_back() };
+            let aside = ram.and_then(|ram| ram.points.first()).map(|point| point.mm());
+            lifted_mm = self.unload(pulled_mm, rules.nozzle_temperature(), aside);
+        } else {
+            self.pull_back();
+            self.lift(lifted_mm);
+        }
+        let [x, y] = self.at.unwrap_or_default();
         self.moves.push(Move::ToolChange(ToolChange {
             from: before,
             to,
@@ -30,7 +41,18 @@ impl Nozzle<'_> {
         self.retracted_mm = if is_parked { change_mm(own) } else { own.left_back_mm };
         self.restart_mm = is_parked.then_some(own.retract.change_extra.0);
         (self.settings, self.rules, self.tool) = (own, rules, to);
+        let back = self.at.filter(|_| swaps && ram.is_some());
         (self.at, self.positioned, self.island) = (None, false, None);
+        if swaps {
+            self.go(back);
+            self.load();
+            self.retracted_mm = 0.0;
+        }
+        let disabled = was.advance_returns && ram.is_some();
+        if own.pressure_advance > 0.0 && (disabled || own.pressure_advance != was.pressure_advance) {
+            let seconds = own.pressure_advance;
+            self.moves.push(Move::Swap(SwapStep::PressureAdvance { tool: to, seconds }));
+        }
         (self.acceleration, self.bead) = (None, None);
         self.wipe.clear();
         let fan = self.rules.fan(None);
@@ -40,8 +62,8 @@ impl Nozzle<'_> {
         }
     }
 
-    /// Pulls the filament back as far as a change asks for.
-    fn pull_back(&mut self) {
+    /// Pulls the filament back as far as a change asks for; returns how far it is then.
+    fn pull_back(&mut self) -> f64 {
         let (whole_mm, usual_mm) = (change_mm(self.settings), self.settings.retract.length.0);
         let before_mm = std::mem::take(&mut self.retracted_mm);
         let mut pulled_mm = before_mm;
@@ -53,6 +75,7 @@ impl Nozzle<'_> {
         if length_mm > 0.0 && !(self.settings.retract.firmware && pulled_mm > 0.0) {
             self.moves.push(Move::Retract { length_mm, speed: self.settings.retract.speed });
         }
+        whole_mm.max(pulled_mm)
     }
 }
 

@@ -176,6 +176,7 @@ mod tests {
             kind: LayerKind::Flat,
             entries: Default::default(),
             tools: Vec::new(),
+            rams: Vec::new(),
         }
     }
 

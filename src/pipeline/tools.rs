@@ -57,7 +57,9 @@ impl Tooled {
                 return Err(FitError::PrimeTower { width_mm, depth_mm }.into());
             }
             for (index, layer) in layers.iter_mut().enumerate() {
-                layer.insert(0, tower.paths(index));
+                let (paths, rams) = tower.paths(index);
+                layer.insert(0, paths);
+                layer.rams = rams;
             }
             tooled.tower = Some(tower.footprint());
         }

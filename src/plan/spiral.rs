@@ -104,6 +104,7 @@ impl Spiral {
             kind: if rises.is_empty() { LayerKind::Flat } else { LayerKind::Spiral(rises) },
             entries: Default::default(),
             tools: Vec::new(),
+            rams: Vec::new(),
         })
     }
 }

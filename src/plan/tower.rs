@@ -1,5 +1,6 @@
 //! The prime tower: where tools are flushed that others follow.
 
+use crate::motion::SwapSettings;
 use crate::profile::Settings;
 use crate::toolpath::{LayerPaths, Path, Phase, Role, ToolId, Width, bead};
 use geometry::{Point, Polygon, Region};
@@ -27,10 +28,30 @@ pub(crate) struct Tower {
 struct Floor {
     height_mm: f64,
     width_mm: f64,
-    /// The tool that the layer begins with.
-    first: ToolId,
-    /// The tools that are flushed, and how much of each, mm³.
-    flushes: Vec<(ToolId, f64)>,
+    /// Depth, which is less towards the top.
+    depth_mm: f64,
+    /// The tool that prints what is not flushed: the one that is flushed most, or the one that is in use.
+    rest: ToolId,
+    changes: Vec<Flush>,
+}
+
+/// What a change lays into the tower.
+#[derive(Clone, Copy, Debug)]
+struct Flush {
+    from: ToolId,
+    to: ToolId,
+    ram: Ram,
+    /// What the new tool is flushed with, mm³.
+    mm3: f64,
+}
+
+/// What ramming lays before a tool is left.
+#[derive(Clone, Copy, Debug, Default)]
+struct Ram {
+    mm3: f64,
+    /// Width of its lines and their distance, of the tower's width and of theirs.
+    width: f64,
+    spacing: f64,
 }
 
 impl Floor {
@@ -48,12 +69,61 @@ impl Floor {
         ((self.length_mm(volume_mm3) + spacing_mm) / (row_mm + spacing_mm)).ceil() as usize
     }
 
-    /// Depth that all flushes take within a frame.
-    fn depth_mm(&self, width_mm: f64) -> f64 {
+    /// Depth that all changes take, with the frame; so much of what is flushed most is laid elsewhere.
+    fn needed_mm(&self, width_mm: f64, elsewhere_mm3: f64) -> f64 {
         let spacing_mm = self.spacing_mm();
-        let rows: usize =
-            self.flushes.iter().map(|(_, mm3)| self.rows(*mm3, width_mm - 3.0 * spacing_mm)).sum();
-        (rows + 2) as f64 * spacing_mm
+        let row_mm = width_mm - 3.0 * spacing_mm;
+        let changes_mm: f64 = self
+            .changes
+            .iter()
+            .map(|change| {
+                let less_mm3 = if change.to == self.rest { elsewhere_mm3 } else { 0.0 };
+                let rows = self.rows((change.mm3 - less_mm3).max(0.0), row_mm);
+                self.rammed(change.ram, row_mm).depth_mm() + rows as f64 * spacing_mm
+            })
+            .sum();
+        changes_mm + 2.0 * spacing_mm
+    }
+
+    /// What a frame of this size takes, mm³.
+    fn frame_mm3(&self, width_mm: f64, depth_mm: f64) -> f64 {
+        let around_mm = 2.0 * (width_mm + depth_mm) - 4.0 * self.spacing_mm();
+        around_mm * bead::area_mm2(self.width_mm, self.height_mm)
+    }
+
+    /// Lets the frame, and the lines where nothing is flushed, be what the tool that is flushed most is flushed into.
+    fn flush_into_frame(&mut self, width_mm: f64, apart_mm: f64) {
+        let frame_mm3 = self.frame_mm3(width_mm, self.depth_mm);
+        let left_mm = self.depth_mm - self.needed_mm(width_mm, frame_mm3) - self.spacing_mm();
+        let lines = (width_mm / apart_mm).max(2.0);
+        let lines_mm3 = lines * left_mm.max(0.0) * bead::area_mm2(self.width_mm, self.height_mm);
+        let rest = self.rest;
+        for change in self.changes.iter_mut().filter(|change| change.to == rest) {
+            change.mm3 = (change.mm3 - frame_mm3 - lines_mm3).max(0.0);
+        }
+    }
+
+    /// The lines of ramming, of rows so long.
+    fn rammed(&self, ram: Ram, row_mm: f64) -> Rammed {
+        let width_mm = self.width_mm * ram.width;
+        let length_mm = ram.mm3 / bead::area_mm2(width_mm, self.height_mm).max(f64::MIN_POSITIVE);
+        let spacing_mm = bead::spacing_mm(width_mm, self.height_mm) * ram.spacing;
+        let rows = ((length_mm + spacing_mm) / (row_mm + spacing_mm)).ceil() as usize;
+        Rammed { width_mm, length_mm, spacing_mm, rows }
+    }
+}
+
+/// Lines of ramming.
+struct Rammed {
+    width_mm: f64,
+    length_mm: f64,
+    spacing_mm: f64,
+    rows: usize,
+}
+
+impl Rammed {
+    fn depth_mm(&self) -> f64 {
+        self.rows as f64 * self.spacing_mm
     }
 }
 
@@ -64,12 +134,15 @@ impl Tower {
         let mut tool = layers.iter().find_map(|layer| layer.tools.first().copied())?;
         let mut below_mm = 0.0;
         let mut floors: Vec<Floor> = Vec::with_capacity(layers.len());
+        let rams: Vec<Ram> =
+            (0..settings.tools.len()).map(|tool| ram(&settings.of_tool(tool).swap)).collect();
         for layer in layers {
-            let mut flushes = Vec::new();
+            let mut changes = Vec::new();
             for &next in &layer.tools {
                 let mm3 = settings.flush_mm3(tool.into(), next.into()) - flushed_into_mm3(layer, next);
-                if next != tool && mm3 > 0.0 {
-                    flushes.push((next, mm3));
+                let ram = rams.get(usize::from(tool)).copied().unwrap_or_default();
+                if next != tool && (mm3 > 0.0 || ram.mm3 > 0.0) {
+                    changes.push(Flush { from: tool, to: next, ram, mm3: mm3.max(0.0) });
                 }
                 tool = next;
             }
@@ -77,17 +150,30 @@ impl Tower {
             let width_mm = if floors.is_empty() && own_mm > 0.0 { own_mm } else { settings.walls.width.0 };
             let height_mm = layer.top_mm - below_mm;
             let first = layer.tools.first().copied().unwrap_or(tool);
-            floors.push(Floor { height_mm, width_mm, first, flushes });
+            let most = changes.iter().max_by(|a: &&Flush, b| a.mm3.total_cmp(&b.mm3));
+            let rest = most.map_or(first, |change| change.to);
+            floors.push(Floor { height_mm, width_mm, depth_mm: 0.0, rest, changes });
             below_mm = layer.top_mm;
         }
-        let last = floors.iter().rposition(|floor| !floor.flushes.is_empty())?;
+        let last = floors.iter().rposition(|floor| !floor.changes.is_empty())?;
         floors.truncate(last + 1);
         let height_mm: f64 = floors.iter().map(|floor| floor.height_mm).sum();
         let least_mm = LEAST_DEPTH_MM.max(LEAST_SLENDERNESS * height_mm);
-        let depth_mm = floors.iter().map(|floor| floor.depth_mm(tower.width.0)).fold(least_mm, f64::max);
+        let width_mm = tower.width.0;
+        let mut depth_mm = least_mm;
+        for (index, floor) in floors.iter_mut().enumerate().rev() {
+            // A deeper frame takes more, so that the second guess suffices.
+            let guess_mm = floor.needed_mm(width_mm, 0.0);
+            let guess_mm = floor.needed_mm(width_mm, floor.frame_mm3(width_mm, guess_mm));
+            let needed_mm = floor.needed_mm(width_mm, floor.frame_mm3(width_mm, guess_mm));
+            depth_mm = depth_mm.max(needed_mm);
+            floor.depth_mm = depth_mm;
+            let apart_mm = if index == 0 { floor.spacing_mm() } else { tower.line_distance.0 };
+            floor.flush_into_frame(width_mm, apart_mm);
+        }
         Some(Self {
             center_mm: [0.0; 2],
-            size_mm: [tower.width.0, depth_mm],
+            size_mm: [width_mm, depth_mm],
             brim_mm: tower.brim.0,
             line_distance_mm: tower.line_distance.0,
             layers: floors,
@@ -96,49 +182,65 @@ impl Tower {
 
     /// What it covers on the bed, brim included.
     pub fn footprint(&self) -> Polygon {
-        Polygon { outer: self.rectangle(-self.brim_mm), holes: Vec::new() }
+        Polygon { outer: self.rectangle(self.size_mm[1], -self.brim_mm), holes: Vec::new() }
     }
 
-    /// Its paths in a layer.
-    pub fn paths(&self, layer: usize) -> Vec<Path> {
-        let Some(floor) = self.layers.get(layer) else { return Vec::new() };
+    /// Its paths in a layer, and what is laid while tools are left.
+    pub fn paths(&self, layer: usize) -> (Vec<Path>, Vec<Path>) {
+        let Some(floor) = self.layers.get(layer) else { return Default::default() };
         let spacing_mm = floor.spacing_mm();
         let low = [0, 1].map(|i| self.center_mm[i] - self.size_mm[i] / 2.0 + 1.5 * spacing_mm);
-        let high = [0, 1].map(|i| self.center_mm[i] + self.size_mm[i] / 2.0 - 1.5 * spacing_mm);
-        let mut paths = Vec::new();
+        let depth_mm = floor.depth_mm;
+        let size_mm = [self.size_mm[0], depth_mm];
+        let high = [0, 1].map(|i| low[i] + size_mm[i] - 3.0 * spacing_mm);
+        let (mut paths, mut rams) = (Vec::new(), Vec::new());
         let mut y_mm = low[1];
-        for &(tool, mm3) in &floor.flushes {
+        for &Flush { from, to, ram, mm3 } in &floor.changes {
+            let rammed = floor.rammed(ram, high[0] - low[0]);
+            if rammed.rows > 0 {
+                let at_mm = y_mm + (rammed.spacing_mm - spacing_mm) / 2.0;
+                let top_mm = at_mm + (rammed.rows - 1) as f64 * rammed.spacing_mm;
+                let points =
+                    zigzag([low[0], at_mm], [high[0], top_mm], 0, rammed.rows, Some(rammed.length_mm));
+                let width = Width::Constant(rammed.width_mm);
+                rams.push(Path { width, ..floor.path(points, false, from, 0) });
+                y_mm += rammed.depth_mm();
+            }
             let rows = floor.rows(mm3, high[0] - low[0]);
-            let top_mm = y_mm + (rows - 1) as f64 * spacing_mm;
-            let points = zigzag([low[0], y_mm], [high[0], top_mm], 0, rows, Some(floor.length_mm(mm3)));
-            paths.push(floor.path(points, false, tool, 0));
-            y_mm += rows as f64 * spacing_mm;
+            if rows > 0 {
+                let top_mm = y_mm + (rows - 1) as f64 * spacing_mm;
+                let points = zigzag([low[0], y_mm], [high[0], top_mm], 0, rows, Some(floor.length_mm(mm3)));
+                paths.push(floor.path(points, false, to, 0));
+                y_mm += rows as f64 * spacing_mm;
+            }
         }
         for loop_number in 0..self.brim_loops(layer, spacing_mm) {
-            let ring = self.rectangle(-(loop_number as f64 + 0.5) * spacing_mm);
-            paths.push(floor.path(ring, true, floor.first, 1));
+            let ring = self.rectangle(depth_mm, -(loop_number as f64 + 0.5) * spacing_mm);
+            paths.push(floor.path(ring, true, floor.rest, 1));
         }
-        paths.push(floor.path(self.rectangle(0.5 * spacing_mm), true, floor.first, 1));
+        paths.push(floor.path(self.rectangle(depth_mm, 0.5 * spacing_mm), true, floor.rest, 1));
         if high[1] - y_mm >= spacing_mm {
             let apart_mm = if layer == 0 { spacing_mm } else { self.line_distance_mm };
             let lines = ((high[0] - low[0]) / apart_mm).floor() as usize + 1;
             let points = zigzag([low[0], y_mm], high, 1, lines.max(2), None);
-            paths.push(floor.path(points, false, floor.first, 2));
+            paths.push(floor.path(points, false, floor.rest, 2));
         }
-        paths
+        (paths, rams)
     }
 
     fn brim_loops(&self, layer: usize, spacing_mm: f64) -> usize {
         if layer == 0 { (self.brim_mm / spacing_mm).round() as usize } else { 0 }
     }
 
-    /// Its outline, so far inside.
-    fn rectangle(&self, inset_mm: f64) -> Vec<Point> {
-        let half = self.size_mm.map(|size_mm| size_mm / 2.0 - inset_mm);
-        let corner = |[x, y]: [f64; 2]| {
-            Point::from_mm(self.center_mm[0] + x * half[0], self.center_mm[1] + y * half[1])
+    /// The outline where it is so deep, so far inside.
+    fn rectangle(&self, depth_mm: f64, inset_mm: f64) -> Vec<Point> {
+        let low = [0, 1].map(|i| self.center_mm[i] - self.size_mm[i] / 2.0);
+        let size_mm = [self.size_mm[0], depth_mm];
+        let corner = |ends: [bool; 2]| {
+            let at = |i: usize| low[i] + if ends[i] { size_mm[i] - inset_mm } else { inset_mm };
+            Point::from_mm(at(0), at(1))
         };
-        [[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]].map(corner).to_vec()
+        [[false, false], [true, false], [true, true], [false, true]].map(corner).to_vec()
     }
 
     /// Moves it to the middle of the bed's part that is nearest to what is printed and clear of it; whether there is one.
@@ -188,6 +290,11 @@ impl Tower {
         }
         false
     }
+}
+
+/// What a filament is rammed with.
+fn ram(swap: &SwapSettings) -> Ram {
+    Ram { mm3: swap.rammed_mm3(), width: swap.ramming_width.0, spacing: swap.ramming_spacing.0 }
 }
 
 /// Lets tools be flushed into the infill or support that they print right after they are taken, where that is wanted.

@@ -13,7 +13,7 @@ use crate::estimate::MachineSettings;
 use crate::gcode::{GcodeSettings, PrinterSettings, ToolChangeSettings, ToolSettings};
 use crate::motion::{
     AccelerationSettings, CoolingSettings, FilamentSettings, RetractSettings, RoleFlowSettings,
-    SpeedSettings, TemperatureSettings, TravelSettings,
+    SpeedSettings, SwapSettings, TemperatureSettings, TravelSettings,
 };
 use crate::options::{Field, Section};
 use crate::order::{OrderSettings, SeamSettings};
@@ -90,6 +90,7 @@ settings! {
     tool: ToolSettings,
     tool_of: ToolOfSettings,
     tool_change: ToolChangeSettings,
+    swap: SwapSettings,
     prime_tower: PrimeTowerSettings,
 }
 
@@ -104,8 +105,15 @@ impl Default for Settings {
 }
 
 /// Sections and keys about tools: where a printer has one, nothing is said of them.
-const OF_TOOLS: [&str; 6] =
-    ["tool.", "tool_of.", "tool_change.", "prime_tower.", "retract.change_length", "retract.change_extra"];
+const OF_TOOLS: [&str; 7] = [
+    "tool.",
+    "tool_of.",
+    "tool_change.",
+    "swap.",
+    "prime_tower.",
+    "retract.change_length",
+    "retract.change_extra",
+];
 
 impl Settings {
     /// The sections with the keys that matter to the printer.

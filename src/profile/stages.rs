@@ -4,7 +4,7 @@ use super::settings::Settings;
 use crate::estimate::{Firmware, FirmwareRetraction, Machine};
 use crate::gcode::{
     BEFORE_LAYER_CHANGE, Flavor, GcodeOptions, LayerScripts, PrinterSettings, Scripts, ToolOptions,
-    ToolWriter, WriterSettings,
+    ToolWriter, WriterSettings, sets_pressure_advance,
 };
 use crate::motion::{FlowSettings, MotionSettings, PauseAt};
 use crate::order::{Corners, CostKind, OrderStrategy, SeamPosition, SeamSettings};
@@ -189,6 +189,10 @@ impl MotionSettings {
             left_back_mm: 0.0,
             idle: idle(settings),
             heating_rate: settings.tool.heating_rate,
+            swap: settings.swap.clone(),
+            pressure_advance: settings.filament.pressure_advance,
+            advance_returns: settings.filament.pressure_advance > 0.0
+                || sets_pressure_advance(&settings.gcode.filament_start),
             keeps_filament: settings.tool_change.kind.has_nozzles(),
         }
     }

@@ -12,7 +12,7 @@ pub const MOST_TOOLS: usize = 16;
 pub(super) const TOOLS: &str = "tools.";
 
 /// Sections of which a tool may have values of its own, and single keys of others.
-const SECTIONS: [&str; 3] = ["tool.", "filament.", "retract."];
+const SECTIONS: [&str; 4] = ["tool.", "filament.", "retract.", "swap."];
 const KEYS: [&str; 9] = [
     "printer.nozzle_diameter",
     "temperature.nozzle",

@@ -96,6 +96,7 @@ impl Ordering {
             kind: LayerKind::Flat,
             entries: Default::default(),
             tools: Vec::new(),
+            rams: Vec::new(),
         };
         Self { layer, members, fixed_mm }
     }

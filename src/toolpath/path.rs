@@ -181,6 +181,8 @@ pub struct LayerPaths {
     pub entries: BTreeMap<u32, Entries>,
     /// The tools that print it, in their order; empty: the printer has one.
     pub tools: Vec<ToolId>,
+    /// What tools lay into the prime tower before another is taken, by their tool.
+    pub rams: Vec<Path>,
 }
 
 impl LayerPaths {

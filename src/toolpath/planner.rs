@@ -282,6 +282,7 @@ impl Planner {
             kind: LayerKind::Flat,
             entries: Default::default(),
             tools: Vec::new(),
+            rams: Vec::new(),
         };
         self.assign_tools(&mut made);
         made

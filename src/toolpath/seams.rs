@@ -216,6 +216,7 @@ mod tests {
             kind: LayerKind::Flat,
             entries: Default::default(),
             tools: Vec::new(),
+            rams: Vec::new(),
         };
         let line = |&(from, to, paint): &(f64, f64, Wish)| PaintedLine {
             object: 0,

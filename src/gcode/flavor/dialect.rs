@@ -4,6 +4,7 @@ use crate::estimate::MachineSettings;
 use crate::gcode::number::{push_word, text};
 use crate::gcode::settings::ObjectLabel;
 use crate::motion::RetractSettings;
+use crate::toolpath::ToolId;
 use crate::units::{MmPerS2, Ratio};
 
 /// Which moves an acceleration is for.
@@ -39,7 +40,7 @@ pub(in crate::gcode) trait Dialect {
     fn limits(&self, out: &mut Vec<u8>, machine: &MachineSettings);
 
     /// Sets linear or pressure advance, seconds.
-    fn pressure_advance(&self, out: &mut Vec<u8>, seconds: f64);
+    fn pressure_advance(&self, out: &mut Vec<u8>, tool: ToolId, seconds: f64);
 
     /// Sets up G10 and G11.
     fn firmware_retraction(&self, out: &mut Vec<u8>, retract: &RetractSettings) {

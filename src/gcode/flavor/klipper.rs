@@ -5,6 +5,7 @@ use crate::estimate::MachineSettings;
 use crate::gcode::number::{push_fixed, text};
 use crate::gcode::settings::ObjectLabel;
 use crate::motion::RetractSettings;
+use crate::toolpath::ToolId;
 use crate::units::MmPerS2;
 
 pub(in crate::gcode) struct Klipper;
@@ -28,7 +29,7 @@ impl Dialect for Klipper {
         command(out, "SET_VELOCITY_LIMIT", &limits);
     }
 
-    fn pressure_advance(&self, out: &mut Vec<u8>, seconds: f64) {
+    fn pressure_advance(&self, out: &mut Vec<u8>, _tool: ToolId, seconds: f64) {
         command(out, "SET_PRESSURE_ADVANCE", &[("ADVANCE", seconds)]);
     }
 

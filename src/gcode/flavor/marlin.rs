@@ -3,6 +3,7 @@
 use super::dialect::{Dialect, axes, given, line};
 use crate::estimate::MachineSettings;
 use crate::gcode::number::text;
+use crate::toolpath::ToolId;
 
 pub(in crate::gcode) struct Marlin;
 
@@ -22,7 +23,7 @@ impl Dialect for Marlin {
         least_speeds(out, machine);
     }
 
-    fn pressure_advance(&self, out: &mut Vec<u8>, seconds: f64) {
+    fn pressure_advance(&self, out: &mut Vec<u8>, _tool: ToolId, seconds: f64) {
         advance(out, seconds);
     }
 }

@@ -3,6 +3,7 @@
 use super::dialect::{Dialect, Purpose, axes, given, line};
 use super::marlin::{advance, least_speeds};
 use crate::estimate::MachineSettings;
+use crate::toolpath::ToolId;
 use crate::units::MmPerS2;
 
 pub(in crate::gcode) struct MarlinLegacy;
@@ -25,7 +26,7 @@ impl Dialect for MarlinLegacy {
         least_speeds(out, machine);
     }
 
-    fn pressure_advance(&self, out: &mut Vec<u8>, seconds: f64) {
+    fn pressure_advance(&self, out: &mut Vec<u8>, _tool: ToolId, seconds: f64) {
         advance(out, seconds);
     }
 }

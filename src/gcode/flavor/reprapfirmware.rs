@@ -4,6 +4,7 @@ use super::dialect::{Dialect, axes, given, line};
 use crate::estimate::MachineSettings;
 use crate::gcode::number::{push_word, text, ticks};
 use crate::motion::RetractSettings;
+use crate::toolpath::ToolId;
 use crate::units::Ratio;
 
 pub(in crate::gcode) struct RepRapFirmware;
@@ -23,8 +24,8 @@ impl Dialect for RepRapFirmware {
         axes(out, "M566", machine.jerk.map(|v| v.0 * 60.0));
     }
 
-    fn pressure_advance(&self, out: &mut Vec<u8>, seconds: f64) {
-        line(out, &format!("M572 D0 S{}", text(seconds, 4)));
+    fn pressure_advance(&self, out: &mut Vec<u8>, tool: ToolId, seconds: f64) {
+        line(out, &format!("M572 D{tool} S{}", text(seconds, 4)));
     }
 
     fn firmware_retraction(&self, out: &mut Vec<u8>, retract: &RetractSettings) {

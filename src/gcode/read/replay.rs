@@ -176,6 +176,9 @@ impl Default for State {
 /// Numbers from here on are no tools: `T255`, `T1000` and their like are commands of their own.
 pub(crate) const NO_TOOL: u32 = 64;
 
+/// Filament that is pulled back by this much or more, in millimetres, has left the nozzle: no tool is put away like that.
+const OUT_MM: f64 = 40.0;
+
 impl State {
     /// Does what a line says.
     pub fn follow<'a>(&mut self, line: &Line<'a>) -> Action<'a> {
@@ -236,11 +239,11 @@ impl State {
         Action::Other
     }
 
-    /// Each tool has filament of its own, which stays as far back as it is.
+    /// Each tool has filament of its own, which stays as far back as it is; unless that is taken out of a single nozzle.
     fn take_tool(&mut self, tool: u32) {
         let place = self.parked.iter().position(|(parked, _)| *parked == tool);
         let back_mm = place.map_or(0.0, |place| self.parked.swap_remove(place).1);
-        if self.retracted_mm > 0.0 {
+        if self.retracted_mm > 0.0 && self.retracted_mm < OUT_MM {
             self.parked.push((self.tool, self.retracted_mm));
         }
         (self.tool, self.retracted_mm) = (tool, back_mm);

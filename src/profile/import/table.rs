@@ -27,6 +27,7 @@ const ACCELERATION: &str = "0: the default one";
 const MACHINE: &str = "the normal mode's; axes that are not stated have the default printer's";
 /// The rule of scripts.
 pub(super) const SCRIPT: &str = "as it is written";
+const OF_NOZZLE: &str = "of a single nozzle with several filaments";
 const SCRIPT_OF_SEVERAL: &str = "of several extruders, as it is written";
 const FIRST_IS_OWN: &str = "of several extruders; the first is the object's own";
 const SPACING: &str = "from the free distance of the lines";
@@ -548,6 +549,50 @@ pub(super) const ROWS: &[Row] = &[
         "of a single nozzle, one from each tool to each",
         t::flush_volumes,
     ),
+    with("swap.parking", &["parking_pos_retraction"], OF_NOZZLE, t::parking),
+    with("swap.extra_load", &["extra_loading_move"], OF_NOZZLE, t::extra_load),
+    with("swap.cooling_tube", &["cooling_tube_retraction"], OF_NOZZLE, t::cooling_tube),
+    with("swap.cooling_tube_length", &["cooling_tube_length"], OF_NOZZLE, t::cooling_tube_length),
+    with("swap.unload_start_speed", &["filament_unloading_speed_start"], OF_NOZZLE, t::unload_start_speed),
+    with("swap.unload_speed", &["filament_unloading_speed"], OF_NOZZLE, t::unload_speed),
+    with("swap.load_start_speed", &["filament_loading_speed_start"], OF_NOZZLE, t::load_start_speed),
+    with("swap.load_speed", &["filament_loading_speed"], OF_NOZZLE, t::load_speed),
+    with("swap.cooling_moves", &["filament_cooling_moves"], OF_NOZZLE, t::cooling_moves),
+    with(
+        "swap.cooling_speed",
+        &["filament_cooling_initial_speed", "filament_cooling_final_speed"],
+        OF_NOZZLE,
+        t::cooling_speed,
+    ),
+    with("swap.stamping", &["filament_stamping_distance"], OF_NOZZLE, t::stamping),
+    with("swap.stamping_speed", &["filament_stamping_loading_speed"], OF_NOZZLE, t::stamping_speed),
+    with("swap.delay", &["filament_toolchange_delay"], OF_NOZZLE, t::delay),
+    with(
+        "swap.ramming",
+        &["filament_ramming_parameters", "filament_multitool_ramming", "filament_multitool_ramming_flow"],
+        "of a single nozzle its flows, of a changer the one",
+        t::ramming,
+    ),
+    with(
+        "swap.ramming_step",
+        &["filament_multitool_ramming_volume", "filament_multitool_ramming_flow"],
+        "of a changer",
+        t::ramming_step,
+    ),
+    with(
+        "swap.ramming_width",
+        &["filament_ramming_parameters", "filament_multitool_ramming"],
+        "their first number; of a changer 2",
+        t::ramming_width,
+    ),
+    with("swap.ramming_spacing", &["filament_ramming_parameters"], "their second number", t::ramming_spacing),
+    with(
+        "swap.ramming_cooler",
+        &["printer_notes"],
+        "20 where they ask for `RAMMING_EXTRA`",
+        t::ramming_cooler,
+    ),
+    with("swap.sensor_off", &["printer_notes"], "of printers whose firmware knows M591", t::sensor_off),
     with("tool.offset", &["extruder_offset"], "", t::offset),
     with("tool.idle_temperature", &["idle_temperature"], "with `ooze_prevention`", t::idle_temperature),
     with(
@@ -575,6 +620,12 @@ pub(super) const ROWS: &[Row] = &[
     with("prime_tower.enabled", &["wipe_tower"], "of several extruders", t::tower),
     with("prime_tower.width", &["wipe_tower_width"], "of several extruders", t::tower_width),
     with("prime_tower.brim", &["wipe_tower_brim_width"], "of several extruders", t::tower_brim),
+    with(
+        "prime_tower.line_distance",
+        &["wipe_tower_bridging"],
+        "of several extruders",
+        t::tower_line_distance,
+    ),
     with("gcode.filament_start", &["start_filament_gcode"], SCRIPT, c::filament_start),
     with("gcode.before_layer", &["before_layer_gcode"], SCRIPT, c::before_layer),
     with("gcode.after_layer", &["layer_gcode"], SCRIPT, c::after_layer),
