@@ -49,6 +49,7 @@ fn layer() -> LayerPaths {
         kind: LayerKind::Flat,
         entries: Default::default(),
         tools: Vec::new(),
+        rams: Vec::new(),
     }
 }
 

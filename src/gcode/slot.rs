@@ -138,7 +138,6 @@ mod tests {
             time: Seconds(600.0),
             volume: Mm3(0.0),
             tools: Vec::new(),
-            rams: Vec::new(),
             layer_starts: vec![Seconds(0.0), Seconds(300.0)],
         };
         let slot = Slot { offset: 0, width: PROGRESS_WIDTH, value: Pending::Progress { layer: 1 } };

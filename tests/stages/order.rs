@@ -222,6 +222,7 @@ fn tower() -> Vec<LayerPaths> {
             kind: LayerKind::Flat,
             entries: Default::default(),
             tools: Vec::new(),
+            rams: Vec::new(),
         }
     };
     (0..3).map(layer).collect()

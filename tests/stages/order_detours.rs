@@ -38,6 +38,7 @@ fn posts(paths: Vec<Path>) -> LayerPaths {
         kind: LayerKind::Flat,
         entries: Default::default(),
         tools: Vec::new(),
+        rams: Vec::new(),
     }
 }
 

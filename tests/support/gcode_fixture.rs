@@ -101,6 +101,7 @@ pub fn layer(index: usize, paths: Vec<Path>) -> LayerPaths {
         kind: LayerKind::Flat,
         entries: Default::default(),
         tools: Vec::new(),
+        rams: Vec::new(),
     }
 }
 

@@ -588,11 +588,16 @@ pub(super) const ROWS: &[Row] = &[
     with("swap.ramming_spacing", &["filament_ramming_parameters"], "their second number", t::ramming_spacing),
     with(
         "swap.ramming_cooler",
-        &["printer_notes"],
-        "20 where they ask for `RAMMING_EXTRA`",
+        &["filament_ramming_parameters"],
+        "20 where the printer's notes ask for `RAMMING_EXTRA`",
         t::ramming_cooler,
     ),
-    with("swap.sensor_off", &["printer_notes"], "of printers whose firmware knows M591", t::sensor_off),
+    with(
+        "swap.sensor_off",
+        &["filament_ramming_parameters"],
+        "of printers whose notes say that their firmware knows M591",
+        t::sensor_off,
+    ),
     with("tool.offset", &["extruder_offset"], "", t::offset),
     with("tool.idle_temperature", &["idle_temperature"], "with `ooze_prevention`", t::idle_temperature),
     with(
