@@ -456,6 +456,10 @@ pub(super) struct TimeArgs {
     #[arg(long, value_name = "NAME|FILE")]
     pub limits: Option<String>,
 
+    /// One of its settings, such as tool_change.time=12, which holds whatever the file says of changes; repeatable
+    #[arg(short, long, value_name = "KEY=VALUE", value_parser = assignment)]
+    pub set: Vec<Assignment>,
+
     /// Print JSON, one line per file
     #[arg(long)]
     pub json: bool,

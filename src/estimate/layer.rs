@@ -14,7 +14,7 @@ const ROLES: usize = 3;
 /// Travel, retraction, changes of tool, and every role.
 const ACCOUNTS: usize = ROLES + Role::ALL.len();
 
-/// How long a layer takes, and where the time goes. Heating and pauses take none.
+/// How long a layer takes, and where the time goes. Pauses take none, heating only where a tool is waited for.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct LayerTime {
     accounts: [f64; ACCOUNTS],
@@ -74,9 +74,11 @@ pub fn layer_time(layer: &LayerMoves, machine: &Machine) -> LayerTime {
     time
 }
 
-/// How long changes of tool take.
+/// How long changes of tool take, and waiting for tools that were changed to.
 fn changes_s(moves: &[Move]) -> f64 {
-    moves.iter().map(|step| if let Move::ToolChange(change) = step { change.time.0 } else { 0.0 }).sum()
+    let changes =
+        moves.iter().filter_map(|step| if let Move::ToolChange(change) = step { Some(change) } else { None });
+    changes.map(|change| change.time.0 + change.wait.0).sum()
 }
 
 /// How long each move of a layer takes, at rest at its start and end, seconds. O(moves).

@@ -104,7 +104,7 @@ section! {
         offset: [Mm; 2] = [Mm(0.0), Mm(0.0)]; -500.0..=500.0,
         /// Temperature while another tool prints; 0: as while it prints. Not of a single nozzle.
         idle_temperature: Celsius = Celsius(0.0); 0.0..=500.0,
-        /// How quickly it is heated again from there, before its turn comes; 0: not before.
+        /// How quickly its nozzle is heated: from there in time for its turn, and by how long it is waited for; 0: not before.
         heating_rate: f64 = 2.0; 0.0..=100.0, "°C/s",
     }
 }
@@ -115,7 +115,7 @@ section! {
         kind: ToolChangeKind = ToolChangeKind::SingleNozzle,
         /// Script of a change; where it names no tool (`T1`), that is said after it. Each of `[[tools]]` may have its own, by which one changes to it.
         script: String = String::new(),
-        /// How long a change takes, without heating and flushing.
+        /// How long a change takes, without heating, flushing and the moves of its script.
         time: Seconds = Seconds(10.0); 0.0..=3600.0,
         /// Filament flushed at each change; 0: 140 mm³ by a single nozzle, 15 mm³ by others.
         flush_volume: Mm3 = Mm3(0.0); 0.0..=5000.0,

@@ -6,7 +6,7 @@ use crate::estimate::{Machine, MachineSettings};
 use crate::motion::{FilamentSettings, RetractSettings, TemperatureSettings};
 use crate::slice::LayerSettings;
 use crate::toolpath::ToolId;
-use crate::units::{Celsius, Mm, MmPerS};
+use crate::units::{Celsius, Mm, MmPerS, Seconds};
 
 /// Facts of a print that are known before its first layer is planned.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -193,6 +193,8 @@ pub struct ToolOptions {
     pub filament: FilamentSettings,
     pub temperature: TemperatureSettings,
     pub tool: ToolSettings,
+    /// How long a change to it takes.
+    pub change: Seconds,
     /// It has a heater of its own.
     pub has_heater: bool,
 }

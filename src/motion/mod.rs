@@ -34,4 +34,4 @@ pub use plan::{exit, plan_layer};
 pub use settings::{FlowSettings, MotionSettings};
 pub(crate) use sums::arc_mm;
 pub use sums::{LayerSums, ToolSums};
-pub use tool::preheat;
+pub use tool::{drawing_s, preheat};

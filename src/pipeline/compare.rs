@@ -117,7 +117,7 @@ pub(super) fn compare_tools(
     let layers = workers.map(round.sections.layers.len(), |i| round.paths(i, None, settings));
     let problem = tool_order::problem(&layers, None, settings);
     let row = |(_, order): &(&str, ToolOrder)| {
-        tool_order::row(*order, &tool_order::plan(&problem, *order), None, settings)
+        tool_order::row(*order, &tool_order::plan(&problem, *order), &problem, settings)
     };
     Ok(ToolOrder::ALL.iter().map(row).collect())
 }

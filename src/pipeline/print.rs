@@ -18,6 +18,7 @@ use crate::plate::{Model, Plate};
 use crate::profile::{ScriptRun, Settings, WholePrint};
 use crate::report::{LayerSummary, Measures, Overhangs, Summary};
 use crate::toolpath::{LayerKind, LayerPaths};
+use crate::units::Seconds;
 use crate::view;
 use geometry::{Bounds, Point};
 
@@ -119,6 +120,7 @@ pub(super) fn slice(
         moves,
         scripts: run,
         settings,
+        machine: options.machine,
         workers,
     };
     writer.output.write(&header.bytes)?;
@@ -362,9 +364,10 @@ impl LayerMaker<'_> {
         moves.index += before;
         let time = cool(&mut moves, &self.settings.cooling, &self.machine);
         motion::set_fan(&mut moves, time.total(), &self.motion);
+        let mut waited = Seconds(0.0);
         if self.motion.tools.iter().any(|tool| tool.idle.0 > 0.0) {
             let times_s = move_times_s(&moves, &self.machine);
-            motion::preheat(&mut moves, &times_s, &self.motion);
+            waited = motion::preheat(&mut moves, &times_s, &self.motion);
         }
         let sums = moves.sums();
         let measures = Measures {
@@ -374,7 +377,7 @@ impl LayerMaker<'_> {
             link_mm: sums.link.0,
             travels: sums.travels,
             retractions: sums.retractions,
-            total_s: time.total().0,
+            total_s: (time.total() + waited).0,
             volume_mm3: sums.volume.0,
             filament_mm: sums.volume.0 / self.machine.filament_area_mm2,
             ..Measures::default()

@@ -220,6 +220,9 @@ impl Machine {
                 speed: retract.speed.0,
                 unretract_speed: retract.unretract_speed.0,
             },
+            change_s: settings.tool_change.time.0,
+            change_is_fixed: false,
+            heating_rate: settings.tool.heating_rate,
             filament_area_mm2: settings.filament.area_mm2(),
         };
         if made.junction_deviation_mm <= 0.0 {
@@ -312,6 +315,7 @@ impl GcodeOptions {
                 filament: own.filament.clone(),
                 temperature: own.temperature.clone(),
                 tool: own.tool.clone(),
+                change: own.tool_change.time,
                 has_heater: own.tool_change.kind.has_nozzles(),
             }
         };

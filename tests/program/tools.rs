@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use crate::support::found::{kinds, report};
 use crate::support::print::{Print, model, run, settings};
 use pathwright::Observer;
-use pathwright::gcode::{Action, replay};
+use pathwright::gcode::{Action, file_time, replay};
 use pathwright::job::{Engine, Job, JobModel, ObjectSettings};
 use pathwright::pipeline::Pipeline;
 use pathwright::profile::{self, Settings};
@@ -463,4 +463,53 @@ fn what_is_flushed_into_infill_spares_the_tower_and_comes_before_the_walls() {
         }
     }
     assert!(sparse > 3, "after {sparse} changes");
+}
+
+#[test]
+fn the_summary_counts_changes_waits_and_scripts_as_the_file_is_timed() {
+    let heated = ["tools.1.idle_temperature=150", "tools.2.idle_temperature=150"];
+    let moved = "tool_change.script=G4 P1500";
+    for sets in [
+        &["tool_change.kind=single-nozzle", "tools.2.temperature.nozzle=240", moved][..],
+        &["tool_change.kind=tool-changer", heated[0], heated[1], "tools.2.tool_change.time=4"],
+    ] {
+        let (print, settings) = pair(&[sets, &["tool_change.flush_volume=20"]].concat());
+        let said = print.summary.total.total_s;
+        let machine = pathwright::estimate::Machine::new(&settings);
+        let timed = file_time(&print.text, &machine).0;
+        assert!((said / timed - 1.0).abs() < 0.01, "{sets:?}: {said}, timed {timed}");
+        let changes = print.summary.tool_changes as f64;
+        let left_out = pathwright::estimate::Machine { change_is_fixed: true, change_s: 0.0, ..machine };
+        let waits = |rate: f64| {
+            file_time(&print.text, &pathwright::estimate::Machine { heating_rate: rate, ..left_out }).0
+        };
+        assert!(timed - waits(0.0) > 6.0 * changes, "{timed} with {changes} changes, {} without", waits(0.0));
+    }
+}
+
+#[test]
+fn a_layer_does_not_begin_with_a_cold_tool_where_another_can_print_while_it_heats() {
+    let folder = tempfile::tempdir().unwrap();
+    // Two tools on each layer, and three on one: the order of the others decides how long the third has to heat.
+    let heated = |rate: &str| {
+        let base = several(
+            3,
+            &[
+                "tool_change.kind=tool-changer",
+                "tool_change.flush_volume=1",
+                "tools.3.idle_temperature=100",
+                &format!("tools.3.heating_rate={rate}"),
+                "skirt.loops=0",
+            ],
+        );
+        let small = ("small", [20.0, 0.0, 0.0], [24.0, 4.0, 0.4]);
+        let job = boxes(&folder, &[("left", LEFT.1, [20.0, 20.0, 0.4]), RIGHT, small]);
+        let rows = Pipeline
+            .compare_tools(&with_tools(job, &base, &[("right", 2), ("small", 3)]), &base, &Observer::none())
+            .expect("a comparison");
+        rows.into_iter().map(|row| (row.order.clone(), row.heat_s)).collect::<BTreeMap<String, f64>>()
+    };
+    let (slow, quick) = (heated("1"), heated("100"));
+    assert!(slow["fixed"] > slow["optimal"] + 1.0, "{slow:?}");
+    assert!(quick.values().all(|heat_s| *heat_s < 2.0), "{quick:?}");
 }
