@@ -181,6 +181,17 @@ fn facts_lines(bytes: &mut Vec<u8>, settings: &GcodeOptions, facts: &PrintFacts)
         // What no command tells, by which the file can be timed.
         line(bytes, &format!("; tool_change_time = {}", numbers(settings, |tool| tool.change.0)));
         line(bytes, &format!("; tool_heating_rate = {}", numbers(settings, |tool| tool.tool.heating_rate)));
+        // And what is flushed where, in the words of PrusaSlicer and OrcaSlicer.
+        let flushes = settings.tools.iter().flat_map(|tool| tool.flushes_mm3.iter().map(|mm3| text(*mm3, 1)));
+        let change = &settings.tool_change;
+        line(bytes, &format!("; wipe_tower = {}", u8::from(facts.tools.tower)));
+        line(bytes, &format!("; wiping_volumes_matrix = {}", flushes.collect::<Vec<_>>().join(",")));
+        for (key, on) in [
+            ("flush_into_infill", change.flush_into_infill),
+            ("flush_into_support", change.flush_into_support),
+        ] {
+            line(bytes, &format!("; {key} = {}", u8::from(on)));
+        }
     }
 }
 

@@ -117,8 +117,12 @@ section! {
         script: String = String::new(),
         /// How long a change takes, without heating, flushing and the moves of its script.
         time: Seconds = Seconds(10.0); 0.0..=3600.0,
-        /// Filament flushed at each change; 0: 140 mm³ by a single nozzle, 15 mm³ by others.
+        /// Filament flushed at each change; 0: by a single nozzle what the colors of both filaments take (140 mm³ where one is not known), 15 mm³ by others.
         flush_volume: Mm3 = Mm3(0.0); 0.0..=5000.0,
+        /// Least and most that is flushed by the colors.
+        flush_limits: [Mm3; 2] = [Mm3(60.0), Mm3(500.0)]; 0.0..=5000.0,
+        /// Multiplier of all flushes, whether listed or not.
+        flush_multiplier: f64 = 1.0; 0.0..=10.0,
         /// Filament flushed from each tool (rows) to each other (columns), row by row; empty: `tool_change.flush_volume`.
         flush_volumes: Vec<f64> = Vec::new(); 0.0..=5000.0, "mm³",
         /// Flush into the sparse infill of the tool that is taken, which is then printed first; the tower gets what is left.

@@ -1,7 +1,7 @@
 //! What the writer needs to know.
 
 use super::number::text;
-use super::options::{Flavor, GcodeSettings, PrinterSettings, ToolSettings};
+use super::options::{Flavor, GcodeSettings, PrinterSettings, ToolChangeSettings, ToolSettings};
 use crate::estimate::{Machine, MachineSettings};
 use crate::motion::{FilamentSettings, RetractSettings, TemperatureSettings};
 use crate::slice::LayerSettings;
@@ -183,6 +183,8 @@ pub struct GcodeOptions {
     pub limits: MachineSettings,
     /// Each tool, where there are several.
     pub tools: Vec<ToolOptions>,
+    /// What takes flushes beside the tower.
+    pub tool_change: ToolChangeSettings,
 }
 
 /// What header and footer say of a tool.
@@ -195,6 +197,8 @@ pub struct ToolOptions {
     pub tool: ToolSettings,
     /// How long a change to it takes.
     pub change: Seconds,
+    /// What is flushed when each tool follows it, mm³.
+    pub flushes_mm3: Vec<f64>,
     /// It has a heater of its own.
     pub has_heater: bool,
 }

@@ -9,6 +9,7 @@ mod conflicts;
 mod dump;
 mod embedded;
 mod error;
+mod flush;
 mod import;
 mod metadata;
 mod of_tool;

@@ -301,6 +301,7 @@ impl From<&Settings> for GcodeOptions {
             machine: Machine::new(settings),
             limits: settings.machine.clone(),
             tools: Vec::new(),
+            tool_change: settings.tool_change.clone(),
         }
     }
 }
@@ -308,7 +309,11 @@ impl From<&Settings> for GcodeOptions {
 impl GcodeOptions {
     /// The options of a print that begins with a tool.
     pub fn beginning_with(settings: &Settings, first: ToolId) -> Self {
+        let count = settings.tool_list().len();
         let own = |tool: usize| {
+            let flushes_mm3 =
+                (0..count).map(|to| if to == tool { 0.0 } else { settings.flush_mm3(tool, to) });
+            let flushes_mm3 = flushes_mm3.collect();
             let own = settings.of_tool(tool);
             ToolOptions {
                 printer: own.printer.clone(),
@@ -316,10 +321,11 @@ impl GcodeOptions {
                 temperature: own.temperature.clone(),
                 tool: own.tool.clone(),
                 change: own.tool_change.time,
+                flushes_mm3,
                 has_heater: own.tool_change.kind.has_nozzles(),
             }
         };
-        let tools = (0..settings.tool_list().len()).map(own).collect();
+        let tools = (0..count).map(own).collect();
         Self { tools, ..Self::from(&*settings.of_tool(first.into())) }
     }
 }
