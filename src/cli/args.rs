@@ -598,7 +598,7 @@ fn object_setting(text: &str) -> Result<ObjectAssignment, String> {
     let split = text.match_indices(':').map(|(at, _)| (&text[..at], &text[at + 1..])).find(|(_, rest)| {
         let key = rest.split('=').next().unwrap_or_default();
         rest.contains('=')
-            && (key.contains('.') || key.trim() == "tool")
+            && (key.contains('.') || ["tool", "flush"].contains(&key.trim()))
             && key.chars().all(|c| c.is_ascii_lowercase() || "._ ".contains(c))
     });
     match split {
@@ -610,9 +610,13 @@ fn object_setting(text: &str) -> Result<ObjectAssignment, String> {
     }
 }
 
-/// `tool=2` is short for the tool of an object.
+/// `tool=2` is short for the tool of an object, `flush=true` for flushing into it.
 fn named_in_full(setting: Assignment) -> Assignment {
-    let key = if setting.key == "tool" { "tool_of.object".to_owned() } else { setting.key };
+    let key = match setting.key.as_str() {
+        "tool" => "tool_of.object".to_owned(),
+        "flush" => "tool_of.flush".to_owned(),
+        _ => setting.key,
+    };
     Assignment { key, ..setting }
 }
 

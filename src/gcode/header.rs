@@ -189,6 +189,7 @@ fn facts_lines(bytes: &mut Vec<u8>, settings: &GcodeOptions, facts: &PrintFacts)
         for (key, on) in [
             ("flush_into_infill", change.flush_into_infill),
             ("flush_into_support", change.flush_into_support),
+            ("flush_into_objects", facts.tools.flushes_into_objects),
         ] {
             line(bytes, &format!("; {key} = {}", u8::from(on)));
         }

@@ -129,6 +129,10 @@ section! {
         flush_into_infill: bool = false,
         /// Flush into support that it prints.
         flush_into_support: bool = false,
+        /// Print a wall around all objects, as high as tools are changed, at which each tool passes before it prints a part.
+        ooze_shield: bool = false,
+        /// Distance of that wall from what is printed.
+        ooze_shield_distance: Mm = Mm(2.0); 0.5..=50.0,
         /// Which tool prints when.
         order: ToolOrder = ToolOrder::Optimal,
         /// Time that a cubic millimetre of waste is worth, where tools are put into an order.

@@ -304,7 +304,11 @@ fn margin_mm(settings: &Settings) -> f64 {
     } else {
         0.0
     };
-    reach_mm(settings) + skirt_mm
+    let shield_mm = match settings.tool_change.ooze_shield && settings.tools.len() > 1 {
+        true => settings.tool_change.ooze_shield_distance.0 + 2.0 * width_mm,
+        false => 0.0,
+    };
+    reach_mm(settings) + skirt_mm.max(shield_mm)
 }
 
 /// Room that support, raft and brim take around each model.

@@ -74,7 +74,8 @@ pub(super) fn slice(
     warnings.extend(rounds.iter().flat_map(|round| round.sections.warnings()));
     let overhangs = (!settings.support.enabled).then(|| rounds::overhangs(rounds, settings, workers));
 
-    let tooled = Tooled::plan(rounds, &|round, layer| staged.walls(round, layer), settings, workers)?;
+    let tooled =
+        Tooled::plan(rounds, &|round, layer| staged.walls(round, layer), &loaded.styles, settings, workers)?;
     let facts = facts(rounds, tooled.as_ref(), &loaded.plate, bounds, job, settings);
     let options = GcodeOptions::beginning_with(settings, facts.tools.first);
     let mut run = ScriptRun::new(settings, &facts);
@@ -232,9 +233,9 @@ fn facts(
     // The layer is as large as the part: its elephant's foot is made up for.
     let foot_mm = if settings.raft.layers > 0 { 0.0 } else { settings.layer.elephant_foot.0 };
     let outlines = rounds.iter().map(|round| round.sections.first_layer_outlines(&round.planners, foot_mm));
-    let tower = tooled.and_then(|tooled| tooled.tower.as_ref());
-    let tower: Vec<Vec<[f64; 2]>> =
-        tower.map(|tower| tower.outer.iter().map(|p| p.mm()).collect()).into_iter().collect();
+    let covered = tooled.iter().flat_map(|tooled| &tooled.covered);
+    let covered: Vec<Vec<[f64; 2]>> =
+        covered.map(|polygon| polygon.outer.iter().map(|p| p.mm()).collect()).collect();
     let bodies: BTreeSet<usize> = plate.objects.iter().map(|object| object.body).collect();
     let meshes: BTreeSet<usize> = plate.objects.iter().map(|object| object.mesh).collect();
     let input_name = job.models.first().and_then(|model| model.path().file_stem());
@@ -244,7 +245,7 @@ fn facts(
         max_mm: bounds.max.mm(),
         max_z_mm: tops.fold(0.0, f64::max) + settings.layer.z_offset.0,
         dated: job.dated.unwrap_or(load::DATED),
-        first_layer_hull_mm: hull_mm(outlines.flatten().chain(tower).flatten(), 0.0),
+        first_layer_hull_mm: hull_mm(outlines.flatten().chain(covered).flatten(), 0.0),
         tools: tooled.map(Tooled::facts).unwrap_or_default(),
         objects: meshes.len(),
         instances: bodies.len(),

@@ -1,5 +1,6 @@
 //! The prime tower: where tools are flushed that others follow.
 
+use super::flush::flushed_into_mm3;
 use crate::profile::Settings;
 use crate::toolpath::{LayerPaths, Path, Phase, Role, ToolId, Width, bead};
 use geometry::{Point, Polygon, Region};
@@ -188,47 +189,6 @@ impl Tower {
         }
         false
     }
-}
-
-/// Lets tools be flushed into the infill or support that they print right after they are taken, where that is wanted.
-pub(crate) fn flush_into(layers: &mut [LayerPaths], settings: &Settings) {
-    let change = &settings.tool_change;
-    let roles =
-        [(Role::InternalInfill, change.flush_into_infill), (Role::Support, change.flush_into_support)];
-    let takes = |role: Role| roles.contains(&(role, true));
-    let mut current = layers.iter().find_map(|layer| layer.tools.first().copied());
-    for layer in layers.iter_mut().filter(|_| roles.iter().any(|(_, wanted)| *wanted)) {
-        let kept = layer.tools.first().copied().filter(|first| Some(*first) == current);
-        for path in layer.paths.iter_mut().filter(|path| takes(path.role) && path.tool != kept) {
-            path.phase = Phase::Tower(FLUSHED_INTO);
-        }
-        current = layer.tools.last().copied().or(current);
-    }
-}
-
-/// The rank of what is flushed into.
-const FLUSHED_INTO: u32 = 3;
-
-/// What a tool is flushed into beside the tower, mm³.
-fn flushed_into_mm3(layer: &LayerPaths, tool: ToolId) -> f64 {
-    let of_tool = |path: &&Path| {
-        path.tool == Some(tool) && path.role != Role::PrimeTower && matches!(path.phase, Phase::Tower(_))
-    };
-    layer.paths.iter().filter(of_tool).map(volume_mm3).sum()
-}
-
-fn volume_mm3(path: &Path) -> f64 {
-    let length_mm = match path.closed {
-        true => geometry::ring_length_mm(&path.points),
-        false => geometry::polyline_length_mm(&path.points),
-    };
-    let width_mm = match &path.width {
-        Width::Constant(width_mm) => *width_mm,
-        Width::PerVertex(widths) => {
-            widths.iter().map(|w| f64::from(*w)).sum::<f64>() / widths.len().max(1) as f64
-        }
-    };
-    length_mm * bead::area_mm2(width_mm, path.height_mm)
 }
 
 /// Distance from all that is printed, millimetres.

@@ -75,7 +75,7 @@ mod tests {
         assert!((200.0..400.0).contains(&white) && (30.0..100.0).contains(&black), "{white}, {black}");
         let colors: [[u8; 3]; 5] = [[200, 30, 30], [30, 90, 200], [250, 220, 20], [40, 160, 60], [120; 3]];
         for color in colors {
-            assert!(between_mm3(color, WHITE) < white, "{color:?}");
+            assert!(between_mm3(WHITE, color) < white, "{color:?}");
             assert!(between_mm3(color, BLACK) < between_mm3(color, WHITE), "{color:?}");
         }
     }

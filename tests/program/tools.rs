@@ -574,3 +574,75 @@ fn a_tower_that_is_missing_from_another_slicers_file_is_found_where_it_tells_the
     });
     assert_eq!((with, without), (vec![], vec![Kind::MissingFlush]));
 }
+
+/// Types of beads after each change of tool, in their order, without repetitions.
+fn types_after_changes(print: &Print) -> Vec<Vec<String>> {
+    let (mut all, mut begun): (Vec<Vec<String>>, bool) = (Vec::new(), false);
+    for line in text(print).lines() {
+        begun |= line == ";LAYER_CHANGE";
+        if begun && matches!(line, "T0" | "T1" | "T2") {
+            all.push(Vec::new());
+        } else if let (Some(name), Some(last)) = (line.strip_prefix(";TYPE:"), all.last_mut()) {
+            last.push(name.to_owned());
+        }
+    }
+    all
+}
+
+#[test]
+fn an_object_that_takes_flushes_is_whole_of_both_tools_and_spares_the_tower() {
+    let folder = tempfile::tempdir().unwrap();
+    let base = several(2, &["tool_change.flush_volume=60", "skirt.loops=0"]);
+    let sink = ("sink", [0.0, 30.0, 0.0], [30.0, 50.0, 3.0]);
+    let slice = |flush: bool| {
+        let mut job = with_tools(boxes(&folder, &[LEFT, RIGHT, sink]), &base, &[("right", 2)]);
+        if flush {
+            let settings = base.clone().set("tool_of.flush", "true").expect("a flag");
+            job.objects.push(ObjectSettings { object: "sink".into(), settings });
+        }
+        run(&job, &base).expect("a print")
+    };
+    let (without, with) = (slice(false), slice(true));
+    let flushed = |print: &Print| print.summary.tools.iter().map(|tool| tool.flushed_mm3).sum::<f64>();
+    assert!(flushed(&with) < 0.6 * flushed(&without), "{} of {}", flushed(&with), flushed(&without));
+    let in_sink = |print: &Print| {
+        let (mut tool, mut begun, mut sums) = (0, false, [0.0; 2]);
+        for step in replay(&print.text) {
+            begun |= step.line.text.starts_with(b";LAYER_CHANGE");
+            if let Some(code) = step.line.code.filter(|code| code.letter == b'T') {
+                tool = code.number as usize;
+            }
+            let Action::Stroke(stroke) = step.action else { continue };
+            let [x, y, _] = stroke.to;
+            if begun && stroke.extrudes() && (99.0..131.0).contains(&x) && (129.0..151.0).contains(&y) {
+                sums[tool] += stroke.fresh_mm;
+            }
+        }
+        sums
+    };
+    let ([all, none], [first, second]) = (in_sink(&without), in_sink(&with));
+    assert!(none == 0.0 && near(first + second, all), "{all}, {first}, {second}");
+    assert!(first > 0.1 * all && second > 0.1 * all, "{first}, {second} of {all}");
+    assert_eq!(kinds(&report(&with.text, &base)), []);
+}
+
+#[test]
+fn every_tool_passes_the_ooze_shield_before_it_prints_a_part() {
+    let (print, settings) = pair(&["tool_change.ooze_shield=true", "tool_change.flush_volume=20"]);
+    let changes = types_after_changes(&print);
+    assert!(changes.len() > 10);
+    for types in changes {
+        assert_eq!(types[..2], ["Wipe tower", "Skirt/Brim"], "{types:?}");
+    }
+    let beads = print.beads();
+    let shield: Vec<_> = beads.iter().filter(|bead| bead.kind == "Skirt/Brim").collect();
+    // 2 mm around 35 × 20 mm, and half a width.
+    let wanted = 2.0 * (35.0 + 20.0) + std::f64::consts::TAU * 2.2;
+    let mut by_height: BTreeMap<i64, f64> = BTreeMap::new();
+    for bead in &shield {
+        *by_height.entry((bead.z_mm * 1000.0).round() as i64).or_default() += bead.length_mm();
+    }
+    assert_eq!(by_height.len(), 15, "as high as the parts, which both end at 3 mm: {by_height:?}");
+    assert!(by_height.values().all(|mm| (mm - wanted).abs() < 3.0), "{wanted}: {by_height:?}");
+    assert_eq!(kinds(&report(&print.text, &settings)), []);
+}

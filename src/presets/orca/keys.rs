@@ -302,7 +302,7 @@ pub(super) const KEYS: &[Key] = &[
     list("first_layer_print_sequence", Integer, "0", Idle),
     one("first_layer_sequence_choice", Choice, "Auto", Idle),
     one("flush_into_infill", Flag, "0", As("flush_into_infill")),
-    one("flush_into_objects", Flag, "0", Under("enable_prime_tower")),
+    one("flush_into_objects", Flag, "0", As("flush_into_objects")),
     one("flush_into_support", Flag, "1", As("flush_into_support")),
     one("flush_multiplier", Real, "0.3", As("flush_multiplier")),
     list("flush_volumes_matrix", Real, "", As("wiping_volumes_matrix")),
@@ -806,6 +806,10 @@ mod tests {
                 As(name) | Width(name) | Words(name, _) | By(name, _) => {
                     // Others than PrusaSlicer have these.
                     let others = [
+                        "flush_into_infill",
+                        "flush_into_objects",
+                        "flush_into_support",
+                        "flush_multiplier",
                         "machine_max_junction_deviation",
                         "min_width_top_surface",
                         "overhang_reverse",

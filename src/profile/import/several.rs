@@ -102,6 +102,25 @@ pub(super) fn flush_into_infill(config: &Config) -> Outcome {
     flag(config, key)
 }
 
+/// Who wants that for all objects has none whose color would matter.
+pub(super) fn flush_into_objects(config: &Config) -> Outcome {
+    let keys = ["wipe_into_objects", "flush_into_objects"];
+    match keys.iter().find_map(|key| config.flag(key)) {
+        Some(true) if config.extruders() > 1 => {
+            Left("objects are chosen for that with --object NAME:flush=true".into())
+        }
+        _ => Idle,
+    }
+}
+
+pub(super) fn ooze_shield(config: &Config) -> Outcome {
+    config.flag("ooze_shield").map_or(Idle, |on| Outcome::Value(Value::Boolean(on)))
+}
+
+pub(super) fn ooze_shield_distance(config: &Config) -> Outcome {
+    config.number("ooze_shield_distance").map_or(Idle, |mm| Outcome::Value(Value::Float(mm)))
+}
+
 pub(super) fn flush_into_support(config: &Config) -> Outcome {
     flag(config, "flush_into_support")
 }

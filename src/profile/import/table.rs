@@ -554,6 +554,14 @@ pub(super) const ROWS: &[Row] = &[
         "of a single nozzle, from each tool to each; without a matrix of its own the purge times the new filament's multiplier",
         t::flush_volumes,
     ),
+    with("tool_change.ooze_shield", &["ooze_shield"], "Cura's", t::ooze_shield),
+    with("tool_change.ooze_shield_distance", &["ooze_shield_distance"], "Cura's", t::ooze_shield_distance),
+    with(
+        "tool_of.flush",
+        &["wipe_into_objects", "flush_into_objects"],
+        "left where it is on: of all objects it is never meant",
+        t::flush_into_objects,
+    ),
     with("tool_change.flush_multiplier", &["flush_multiplier"], "of a single nozzle", t::flush_multiplier),
     with(
         "tool_change.flush_into_infill",
