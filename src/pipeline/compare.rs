@@ -94,8 +94,9 @@ fn sliced(
 ) -> Result<Vec<LayerPaths>, JobError> {
     let settings = &*spiral::effective(settings);
     let loaded = load::place(models, job, settings)?;
-    let rounds = rounds::prepare(&Site::of(&loaded), settings, workers)?;
-    if let Some(tooled) = Tooled::plan(&rounds, &|_, _| None, &loaded.styles, settings, workers)? {
+    let site = Site::of(&loaded);
+    let rounds = rounds::prepare(&site, settings, workers)?;
+    if let Some(tooled) = Tooled::plan(&rounds, &|_, _| None, &site, settings, workers)? {
         return Ok(tooled.layers.into_iter().flatten().collect());
     }
     let layers = rounds

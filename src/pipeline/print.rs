@@ -74,8 +74,7 @@ pub(super) fn slice(
     warnings.extend(rounds.iter().flat_map(|round| round.sections.warnings()));
     let overhangs = (!settings.support.enabled).then(|| rounds::overhangs(rounds, settings, workers));
 
-    let tooled =
-        Tooled::plan(rounds, &|round, layer| staged.walls(round, layer), &loaded.styles, settings, workers)?;
+    let tooled = Tooled::plan(rounds, &|round, layer| staged.walls(round, layer), &site, settings, workers)?;
     let facts = facts(rounds, tooled.as_ref(), &loaded.plate, bounds, job, settings);
     let options = GcodeOptions::beginning_with(settings, facts.tools.first);
     let mut run = ScriptRun::new(settings, &facts);

@@ -11,7 +11,7 @@ use crate::profile::Settings;
 use crate::toolpath::{LayerPaths, LayerWalls, Role, ToolId};
 use geometry::{Polygon, Region, Ring};
 
-use super::rounds::Round;
+use super::rounds::{Round, Site};
 
 /// The layers of a print with several tools.
 pub(super) struct Tooled {
@@ -48,10 +48,11 @@ impl Tooled {
     pub fn plan<'w>(
         rounds: &[Round],
         walls: &(dyn Fn(usize, usize) -> Option<&'w [LayerWalls]> + Sync),
-        styles: &Styles<'_>,
+        site: &Site<'_>,
         settings: &Settings,
         workers: Workers<'_>,
     ) -> Result<Option<Self>, JobError> {
+        let styles = site.styles;
         if settings.tools.len() < 2 {
             return Ok(None);
         }
@@ -70,7 +71,7 @@ impl Tooled {
         // Objects that are printed one after the other have neither.
         if let [round] = rounds {
             tooled.add_shield(round, settings, workers);
-            tooled.add_tower(round, styles, settings, workers)?;
+            tooled.add_tower(round, site, settings, workers)?;
         }
         Ok(Some(tooled))
     }
@@ -79,7 +80,7 @@ impl Tooled {
     fn add_tower(
         &mut self,
         round: &Round,
-        styles: &Styles<'_>,
+        site: &Site<'_>,
         settings: &Settings,
         workers: Workers<'_>,
     ) -> Result<(), JobError> {
@@ -87,11 +88,13 @@ impl Tooled {
         if !settings.prime_tower.enabled {
             return Ok(());
         }
-        flush::into(layers, takes_flushes(styles, settings), settings);
+        flush::into(layers, takes_flushes(site.styles, settings), settings);
         let Some(mut tower) = Tower::plan(layers, settings) else { return Ok(()) };
-        let mut printed = printed(round, settings, workers);
-        printed = geometry::union(&printed, &Region::disjoint(self.covered.clone()));
-        if !tower.place(&printed, settings) {
+        let shield = Region::disjoint(self.covered.clone());
+        let [printed, standing] = [printed(round, settings, workers), standing(round, settings, workers)]
+            .map(|region| geometry::union(&region, &shield));
+        let room = site.tower_room_mm.map(|[middle, _]| middle);
+        if !tower.place(&printed, &standing, room, settings) {
             let [width_mm, depth_mm] = tower.size_mm;
             return Err(FitError::PrimeTower { width_mm, depth_mm }.into());
         }

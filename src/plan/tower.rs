@@ -61,7 +61,6 @@ impl Floor {
 impl Tower {
     /// The tower for layers whose tools are in order, the first of them in use from the start; `None`: nothing is flushed.
     pub fn plan(layers: &[LayerPaths], settings: &Settings) -> Option<Self> {
-        let tower = &settings.prime_tower;
         let mut tool = layers.iter().find_map(|layer| layer.tools.first().copied())?;
         let mut below_mm = 0.0;
         let mut floors: Vec<Floor> = Vec::with_capacity(layers.len());
@@ -74,8 +73,7 @@ impl Tower {
                 }
                 tool = next;
             }
-            let own_mm = settings.first_layer.width.0;
-            let width_mm = if floors.is_empty() && own_mm > 0.0 { own_mm } else { settings.walls.width.0 };
+            let width_mm = floor_width_mm(floors.is_empty(), settings);
             let height_mm = layer.top_mm - below_mm;
             let first = layer.tools.first().copied().unwrap_or(tool);
             floors.push(Floor { height_mm, width_mm, first, flushes });
@@ -84,15 +82,52 @@ impl Tower {
         let last = floors.iter().rposition(|floor| !floor.flushes.is_empty())?;
         floors.truncate(last + 1);
         let height_mm: f64 = floors.iter().map(|floor| floor.height_mm).sum();
+        Some(Self::of(floors, height_mm, settings))
+    }
+
+    /// A tower as large as one can be in which each of so many changes of a layer leads to another of these tools, and which is so
+    /// high; `None`: there is nothing to flush.
+    pub fn largest(tools: &[usize], changes: usize, height_mm: f64, settings: &Settings) -> Option<Self> {
+        let most = |to: &usize| {
+            let from = tools.iter().filter(|from| *from != to);
+            from.map(|from| settings.flush_mm3(*from, *to)).fold(0.0, f64::max)
+        };
+        let mut flushes: Vec<f64> = tools.iter().map(most).filter(|mm3| *mm3 > 0.0).collect();
+        flushes.sort_by(|a, b| b.total_cmp(a));
+        flushes.truncate(changes);
+        if flushes.is_empty() {
+            return None;
+        }
+        let flushes: Vec<(ToolId, f64)> = flushes.into_iter().map(|mm3| (0, mm3)).collect();
+        let layer = &settings.layer;
+        let least_mm = if layer.adaptive { layer.min_height.0 } else { layer.height.0 };
+        let heights_mm = [layer.first_height.0, least_mm];
+        let floor = |(index, height_mm): (usize, f64)| Floor {
+            height_mm,
+            width_mm: floor_width_mm(index == 0, settings),
+            first: 0,
+            flushes: flushes.clone(),
+        };
+        let floors: Vec<Floor> = heights_mm.into_iter().enumerate().map(floor).collect();
+        Some(Self::of(floors, height_mm, settings))
+    }
+
+    fn of(layers: Vec<Floor>, height_mm: f64, settings: &Settings) -> Self {
+        let tower = &settings.prime_tower;
         let least_mm = LEAST_DEPTH_MM.max(LEAST_SLENDERNESS * height_mm);
-        let depth_mm = floors.iter().map(|floor| floor.depth_mm(tower.width.0)).fold(least_mm, f64::max);
-        Some(Self {
+        let depth_mm = layers.iter().map(|floor| floor.depth_mm(tower.width.0)).fold(least_mm, f64::max);
+        Self {
             center_mm: [0.0; 2],
             size_mm: [tower.width.0, depth_mm],
             brim_mm: tower.brim.0,
             line_distance_mm: tower.line_distance.0,
-            layers: floors,
-        })
+            layers,
+        }
+    }
+
+    /// Width and depth with the brim, millimetres.
+    pub fn outer_mm(&self) -> [f64; 2] {
+        self.size_mm.map(|size_mm| size_mm + 2.0 * self.brim_mm)
     }
 
     /// What it covers on the bed, brim included.
@@ -143,7 +178,23 @@ impl Tower {
     }
 
     /// Moves it to the middle of the bed's part that is nearest to what is printed and clear of it; whether there is one.
-    pub fn place(&mut self, printed: &Region, settings: &Settings) -> bool {
+    /// `room`: the middle of the room that was kept for it, within the skirt and so clear of what is `standing` only.
+    pub fn place(
+        &mut self,
+        printed: &Region,
+        standing: &Region,
+        room: Option<[f64; 2]>,
+        settings: &Settings,
+    ) -> bool {
+        if let Some(middle_mm) = room {
+            self.center_mm = middle_mm;
+            let footprint = self.footprint();
+            let is_on_bed = settings.bed.excess_mm(footprint.outer.iter().map(|p| p.mm())) <= 0.0;
+            let taken = geometry::intersection(&Region::from(footprint), standing);
+            if is_on_bed && taken.is_empty() {
+                return true;
+            }
+        }
         let bed = &settings.bed;
         let (low, high, middle) = (bed.low_mm(), bed.high_mm(), bed.middle_mm());
         let round_mm = (bed.shape == crate::plate::BedShape::Round).then_some(bed.size[0].0 / 2.0);
@@ -189,6 +240,11 @@ impl Tower {
         }
         false
     }
+}
+
+fn floor_width_mm(is_first: bool, settings: &Settings) -> f64 {
+    let own_mm = settings.first_layer.width.0;
+    if is_first && own_mm > 0.0 { own_mm } else { settings.walls.width.0 }
 }
 
 /// Distance from all that is printed, millimetres.

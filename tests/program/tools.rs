@@ -636,13 +636,63 @@ fn every_tool_passes_the_ooze_shield_before_it_prints_a_part() {
     }
     let beads = print.beads();
     let shield: Vec<_> = beads.iter().filter(|bead| bead.kind == "Skirt/Brim").collect();
-    // 2 mm around 35 × 20 mm, and half a width.
-    let wanted = 2.0 * (35.0 + 20.0) + std::f64::consts::TAU * 2.2;
+    // 2 mm around 35 × 20 mm, and half a width, with corners.
+    let wanted = 2.0 * (35.0 + 20.0) + 8.0 * 2.225;
     let mut by_height: BTreeMap<i64, f64> = BTreeMap::new();
     for bead in &shield {
         *by_height.entry((bead.z_mm * 1000.0).round() as i64).or_default() += bead.length_mm();
     }
     assert_eq!(by_height.len(), 15, "as high as the parts, which both end at 3 mm: {by_height:?}");
-    assert!(by_height.values().all(|mm| (mm - wanted).abs() < 3.0), "{wanted}: {by_height:?}");
+    assert!(by_height.values().all(|mm| (mm - wanted).abs() < 0.5), "{wanted}: {by_height:?}");
     assert_eq!(kinds(&report(&print.text, &settings)), []);
+}
+
+/// A large box and a small one, which the program arranges on a bed of 120 mm.
+fn on_a_full_bed(side_mm: f64, sets: &[&str]) -> (Job, Settings, tempfile::TempDir) {
+    let folder = tempfile::tempdir().unwrap();
+    let small = ["bed.size=[120, 120]", "tool_change.flush_volume=20", "printer.flavor=marlin"];
+    let base = several(2, &[&small, sets].concat());
+    let mut job = boxes(
+        &folder,
+        &[("large", [0.0; 3], [side_mm, side_mm, 2.0]), ("small", [0.0; 3], [10.0, 10.0, 2.0])],
+    );
+    job.models.iter_mut().for_each(|model| model.at_mm = None);
+    (with_tools(job, &base, &[("small", 2)]), base, folder)
+}
+
+#[test]
+fn objects_leave_room_for_the_tower_where_the_bed_has_it() {
+    for sets in [&["skirt.loops=0"][..], &["skirt.loops=1"]] {
+        let (job, base, _folder) = on_a_full_bed(84.0, sets);
+        let print = run(&job, &base).expect("the tower fits beside the large box");
+        assert_eq!(kinds(&report(&print.text, &base)), [], "{sets:?}");
+        let beads = print.beads();
+        let reach = |kind: &str| {
+            let of_kind = beads.iter().filter(|bead| bead.kind.contains(kind));
+            of_kind
+                .flat_map(|bead| bead.points.iter())
+                .fold([f64::MAX, f64::MAX, f64::MIN, f64::MIN], |[x0, y0, x1, y1], &[x, y]| {
+                    [x0.min(x), y0.min(y), x1.max(x), y1.max(y)]
+                })
+        };
+        let tower = reach("Wipe tower");
+        let walls = beads.iter().filter(|bead| bead.kind.contains("erimeter"));
+        let inside = |[x, y]: &[f64; 2]| {
+            (tower[0] - 1.0..tower[2] + 1.0).contains(x) && (tower[1] - 1.0..tower[3] + 1.0).contains(y)
+        };
+        assert!(walls.flat_map(|bead| &bead.points).all(|point| !inside(point)), "{tower:?}");
+        if sets[0].ends_with('1') {
+            let skirt = reach("Skirt");
+            let encloses =
+                skirt[0] < tower[0] && skirt[1] < tower[1] && skirt[2] > tower[2] && skirt[3] > tower[3];
+            assert!(encloses, "{skirt:?} around {tower:?}");
+        }
+    }
+}
+
+#[test]
+fn a_bed_that_is_too_full_for_the_tower_is_told_so() {
+    let (job, base, _folder) = on_a_full_bed(105.0, &["skirt.loops=0", "bed.size=[120, 120]"]);
+    let error = run(&job, &base).err().expect("there is no room").to_string();
+    assert!(error.contains("no room on the bed for the prime tower"), "{error}");
 }
