@@ -94,6 +94,8 @@ fn sliced(
 ) -> Result<Vec<LayerPaths>, JobError> {
     let settings = &*spiral::effective(settings);
     let loaded = load::place(models, job, settings)?;
+    let of_tools = settings.with_widths_of(settings.tool_of.base().into());
+    let settings = of_tools.as_ref().unwrap_or(settings);
     let site = Site::of(&loaded);
     let rounds = rounds::prepare(&site, settings, workers)?;
     if let Some(tooled) = Tooled::plan(&rounds, &|_, _| None, &site, settings, workers)? {
@@ -113,6 +115,8 @@ pub(super) fn compare_tools(
 ) -> Result<Vec<ToolOrderRow>, JobError> {
     let settings = &*spiral::effective(settings);
     let loaded = load::place(load::read(job, settings, workers)?, job, settings)?;
+    let of_tools = settings.with_widths_of(settings.tool_of.base().into());
+    let settings = of_tools.as_ref().unwrap_or(settings);
     let rounds = rounds::prepare(&Site::of(&loaded), settings, workers)?;
     let Some(round) = rounds.first() else { return Ok(Vec::new()) };
     let layers = workers

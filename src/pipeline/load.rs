@@ -90,6 +90,7 @@ pub(crate) fn place<'a>(
     warnings.extend(plate.notes.iter().cloned());
     let mut styles = Styles::new(&job.objects, &own, &names)?;
     warnings.extend(styles.take_tools(&tools, settings));
+    styles.take_widths(settings);
     let load = |bodies: &[JobModel]| load_modifiers(bodies, first_box, &plate, settings);
     let modifiers = [load(&job.support_enforcers)?, load(&job.support_blockers)?];
     Ok(Loaded { plate, styles, modifiers, warnings, repairs, hints, tower_room_mm })

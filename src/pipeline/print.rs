@@ -55,6 +55,8 @@ pub(super) fn slice(
     let Besides { kept, moves, live } = besides;
     let settings = &*spiral::effective(settings);
     let mut loaded = load::place(models, job, settings)?;
+    let of_tools = settings.with_widths_of(settings.tool_of.base().into());
+    let settings = of_tools.as_ref().unwrap_or(settings);
     let mut warnings = std::mem::take(&mut loaded.warnings);
     let pictures = || thumbnails(&loaded.plate, settings, workers);
     let site = Site::of(&loaded);

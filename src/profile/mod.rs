@@ -22,6 +22,7 @@ mod stages;
 mod suggest;
 mod tools;
 mod value;
+mod widths;
 
 pub use chosen::preset_notes;
 pub use dump::{dump_json, dump_toml, reference};

@@ -696,3 +696,55 @@ fn a_bed_that_is_too_full_for_the_tower_is_told_so() {
     let error = run(&job, &base).err().expect("there is no room").to_string();
     assert!(error.contains("no room on the bed for the prime tower"), "{error}");
 }
+
+/// Widths of the beads of each tool by their types, after the first layer.
+fn widths(print: &Print) -> BTreeMap<(u32, String), std::collections::BTreeSet<String>> {
+    let (mut tool, mut kind, mut layer) = (0, String::new(), 0);
+    let mut widths: BTreeMap<(u32, String), std::collections::BTreeSet<String>> = BTreeMap::new();
+    let mut width = String::new();
+    for line in text(print).lines() {
+        layer += usize::from(line == ";LAYER_CHANGE");
+        if let Some(number) = line.strip_prefix('T').and_then(|number| number.parse().ok()) {
+            tool = number;
+        } else if let Some(name) = line.strip_prefix(";TYPE:") {
+            kind = name.to_owned();
+        } else if let Some(mm) = line.strip_prefix(";WIDTH:") {
+            width = mm.to_owned();
+        } else if layer > 1 && line.starts_with("G1 X") && line.contains(" E") && !line.contains(" E-") {
+            widths.entry((tool, kind.clone())).or_default().insert(width.clone());
+        }
+    }
+    widths
+}
+
+#[test]
+fn lines_are_as_wide_as_the_nozzle_of_their_tool_asks_or_as_it_says() {
+    // Infill is fitted to its density, by a few hundredths.
+    let is = |print: &Print, tool: u32, kind: &str, wanted_mm: f64| {
+        let found = widths(print).remove(&(tool, kind.to_owned())).expect("beads of that type");
+        let near = |width: &String| (width.parse::<f64>().unwrap() / wanted_mm - 1.0).abs() < 0.06;
+        assert!(found.iter().all(near), "tool {tool}, {kind}: {found:?}, wanted {wanted_mm}");
+    };
+    let nozzle = "tools.2.printer.nozzle_diameter=0.6";
+    let (print, settings) = pair(&[nozzle]);
+    for kind in ["Perimeter", "External perimeter", "Internal infill"] {
+        is(&print, 0, kind, 0.45);
+        is(&print, 1, kind, 0.675);
+    }
+    assert_eq!(kinds(&report(&print.text, &settings)), []);
+    let (print, _) = pair(&[nozzle, "tools.2.walls.width=0.75"]);
+    is(&print, 0, "Perimeter", 0.45);
+    is(&print, 1, "Perimeter", 0.75);
+    is(&print, 1, "External perimeter", 0.675);
+    let (print, _) = pair(&[nozzle, "tool_of.infill=2"]);
+    is(&print, 1, "Internal infill", 0.675);
+    is(&print, 0, "Perimeter", 0.45);
+}
+
+#[test]
+fn a_part_of_a_tool_with_another_nozzle_is_as_full_as_any() {
+    let (print, _) = pair(&["tools.2.printer.nozzle_diameter=0.6", "infill.density=100%"]);
+    let volumes = volumes(&print);
+    assert!((volumes[&0][1] / 1200.0 - 1.0).abs() < 0.03, "{volumes:?}");
+    assert!((volumes[&1][1] / 900.0 - 1.0).abs() < 0.03, "{volumes:?}");
+}

@@ -72,10 +72,10 @@ fn of_single(config: &Config, value: impl FnOnce() -> Option<Value>) -> Outcome 
 /// Every change flushes the same, but for a multiplier of the filament that is loaded.
 fn purges(config: &Config, count: usize) -> Option<Value> {
     let purge_mm3 = config.number("multimaterial_purging").unwrap_or(140.0);
-    let percents = config.text("filament_purge_multiplier").unwrap_or_default();
-    let percent = |text: &str| text.trim().trim_end_matches('%').parse::<f64>().ok();
-    let percents: Vec<f64> = percents.split(',').filter_map(percent).collect();
-    let into = |to: usize| purge_mm3 * percents.get(to).copied().unwrap_or(100.0) / 100.0;
+    let into = |to: usize| {
+        let own = config.of_extruder(to).number_of("filament_purge_multiplier", Some(1.0));
+        purge_mm3 * own.unwrap_or(1.0)
+    };
     let volume = |(from, to): (usize, usize)| Value::Float(if from == to { 0.0 } else { into(to) });
     let pairs = (0..count).flat_map(|from| (0..count).map(move |to| (from, to)));
     (count <= MOST_TOOLS).then(|| Value::Array(pairs.map(volume).collect()))
