@@ -147,8 +147,7 @@ impl Walk {
             Move::Unretract { length_mm, speed } => self.feed(length_mm, speed.0),
             Move::Acceleration(acceleration) => self.acceleration = acceleration.0,
             Move::Fan(_) | Move::Nozzle(_) | Move::Bed(_) | Move::Object(_) | Move::Preheat { .. } => {}
-            Move::Pause | Move::ColorChange => {}
-            Move::ToolChange(_) => self.at = None,
+            Move::Pause | Move::ColorChange | Move::ToolChange(_) => {}
         }
     }
 
@@ -160,7 +159,8 @@ impl Walk {
     /// Moves filament alone, as fast as the extruder allows.
     fn feed(&mut self, e_mm: f64, speed: f64) {
         let delta = [0.0, 0.0, 0.0, e_mm];
-        self.planner.push(&Segment { delta, speed, acceleration: f64::INFINITY, account: RETRACTION });
+        let account = self.only.unwrap_or(RETRACTION);
+        self.planner.push(&Segment { delta, speed, acceleration: f64::INFINITY, account });
     }
 
     fn go(&mut self, to: [f64; 2], e_mm: f64, speed: f64, account: usize) {

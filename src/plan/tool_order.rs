@@ -4,7 +4,8 @@ use crate::motion::{MotionSettings, drawing_s};
 use crate::order::compare_tools::ToolOrderRow;
 use crate::order::tools::{ToolHeating, ToolLayer, ToolOrder, ToolPlan, ToolProblem, order_tools};
 use crate::profile::Settings;
-use crate::toolpath::{LayerPaths, ToolId};
+use crate::toolpath::{LayerPaths, Path, ToolId};
+use ordering::{LinkKind, TravelTime};
 
 /// Milliseconds in a second, in which changes are weighed.
 const MS: f64 = 1000.0;
@@ -13,11 +14,13 @@ const MS: f64 = 1000.0;
 pub(crate) fn problem(layers: &[LayerPaths], start: Option<ToolId>, settings: &Settings) -> ToolProblem {
     let motion = MotionSettings::new(settings, &[]);
     let heating = heating(&motion);
+    let travels: Vec<TravelTime> =
+        (0..settings.tools.len()).map(|tool| (&*settings.of_tool(tool)).into()).collect();
     let layer = |layer: &LayerPaths| {
         let mut tools: Vec<u32> = layer.paths.iter().filter_map(|path| path.tool).map(u32::from).collect();
         tools.sort_unstable();
         tools.dedup();
-        let prints = if heating.is_empty() { Vec::new() } else { prints(layer, &tools, &motion) };
+        let prints = if heating.is_empty() { Vec::new() } else { prints(layer, &tools, &motion, &travels) };
         ToolLayer { tools, prints, before: Vec::new() }
     };
     let tools = settings.tools.len();
@@ -58,11 +61,20 @@ fn shared_heat_s(from: usize, to: usize, motion: &MotionSettings) -> f64 {
     own.shared_heating_s(before.temperature.nozzle, own.temperature.nozzle)
 }
 
-/// How long each tool of a layer draws, slowed down to the least time of a layer, milliseconds.
-fn prints(layer: &LayerPaths, tools: &[u32], motion: &MotionSettings) -> Vec<u32> {
-    let of_tool = |tool: u32| {
+/// How long each tool of a layer draws and travels, slowed down to the least time of a layer, milliseconds.
+fn prints(layer: &LayerPaths, tools: &[u32], motion: &MotionSettings, travels: &[TravelTime]) -> Vec<u32> {
+    let of_tool = |tool: u32| -> f64 {
         let own = layer.paths.iter().filter(|path| path.tool.map(u32::from) == Some(tool));
-        own.map(|path| drawing_s(path, layer.index, motion.of_tool(tool as ToolId))).sum()
+        let own: Vec<&Path> = own.filter(|path| !path.points.is_empty()).collect();
+        let draws_s = own.iter().map(|path| drawing_s(path, layer.index, motion.of_tool(tool as ToolId)));
+        let travel = &travels[tool as usize];
+        let link_s = |pair: &[&Path]| {
+            let [a, b] = [pair[0], pair[1]];
+            let end = if a.closed { a.points[0] } else { a.points[a.points.len() - 1] };
+            let kind = LinkKind { inside: a.island.is_some() && a.island == b.island, climbs: false };
+            travel.of(end.distance_mm(b.points[0]), kind)
+        };
+        draws_s.sum::<f64>() + own.windows(2).map(link_s).sum::<f64>()
     };
     let seconds: Vec<f64> = tools.iter().map(|tool| of_tool(*tool)).collect();
     let all_s: f64 = seconds.iter().sum();

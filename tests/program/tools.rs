@@ -477,7 +477,7 @@ fn the_summary_counts_changes_waits_and_scripts_as_the_file_is_timed() {
         let said = print.summary.total.total_s;
         let machine = pathwright::estimate::Machine::new(&settings);
         let timed = file_time(&print.text, &machine).0;
-        assert!((said / timed - 1.0).abs() < 0.01, "{sets:?}: {said}, timed {timed}");
+        assert!((said / timed - 1.0).abs() < 0.004, "{sets:?}: {said}, timed {timed}");
         let changes = print.summary.tool_changes as f64;
         // Neither changes nor what is waited for after them.
         let unheated = text(&print).replace("; tool_heating_rate", ";");
@@ -747,4 +747,25 @@ fn a_part_of_a_tool_with_another_nozzle_is_as_full_as_any() {
     let volumes = volumes(&print);
     assert!((volumes[&0][1] / 1200.0 - 1.0).abs() < 0.03, "{volumes:?}");
     assert!((volumes[&1][1] / 900.0 - 1.0).abs() < 0.03, "{volumes:?}");
+}
+
+#[test]
+fn layers_of_many_short_beads_are_waited_for_as_the_file_is_timed() {
+    let folder = tempfile::tempdir().unwrap();
+    let heated =
+        ["tools.1.idle_temperature=150", "tools.2.idle_temperature=150", "tool_change.kind=tool-changer"];
+    let base = several(2, &[&heated[..], &["skirt.loops=0"]].concat());
+    // Retractions and travels from pin to pin take most of the time.
+    let pin = |n: usize| {
+        let (x, y) = (5.0 * (n % 5) as f64, 30.0 + 5.0 * (n / 5) as f64);
+        (["pin", "q", "r", "s", "t", "u", "v", "w", "x", "y"][n], [x, y, 0.0], [x + 2.0, y + 2.0, 4.0])
+    };
+    let pins: Vec<_> = (0..10).map(pin).collect();
+    let tools: Vec<(&str, u32)> = pins.iter().map(|pin| (pin.0, 2)).collect();
+    let cube = ("cube", [0.0; 3], [10.0, 10.0, 4.0]);
+    let job = boxes(&folder, &[&[cube], &pins[..]].concat());
+    let print = run(&with_tools(job, &base, &tools), &base).expect("a print");
+    let timed = file_time(&print.text, &pathwright::estimate::Machine::new(&base)).0;
+    let said = print.summary.total.total_s;
+    assert!((said / timed - 1.0).abs() < 0.005, "{said}, timed {timed}");
 }
