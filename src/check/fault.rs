@@ -75,6 +75,7 @@ kinds! {
     OverVolume, Error, "over-volume", "more material than the model has volume";
     UnbalancedRetraction, Warning, "unbalanced-retraction", "unretraction and retraction differ in length";
     UnretractedChange, Warning, "unretracted-change", "a change of tool without a retraction";
+    MissingFlush, Warning, "missing-flush", "the part goes on after a change of tool before the flush that the file speaks of";
     OutsideAtStart, Warning, "outside-at-start", "a move outside of the printable volume before the print";
     OutsideInScript, Warning, "outside-in-script", "a script moves outside of the printable volume";
     HeaterLeftOn, Warning, "heater-left-on", "a heater is left on at the end";

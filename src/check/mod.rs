@@ -10,6 +10,7 @@ mod beside;
 mod fault;
 mod filament;
 mod floating;
+mod flush;
 mod heat;
 mod heights;
 mod limits;
@@ -73,6 +74,7 @@ impl Checker {
     pub fn new(settings: &Settings) -> Self {
         let mut finder = FaultFinder::of_paths(settings, true);
         finder.rules.push(Box::new(floating::Floating::new(settings)));
+        finder.rules.push(Box::new(flush::Flush::new(settings)));
         finder.rules.push(Box::new(heat::Heat::default()));
         finder.rules.push(Box::new(limits::Limits::new(settings)));
         finder.rules.push(Box::new(tools::Tools::new(settings)));

@@ -456,6 +456,10 @@ pub(super) struct TimeArgs {
     #[arg(long, value_name = "NAME|FILE")]
     pub limits: Option<String>,
 
+    /// One of its settings, such as tool_change.time=12, which holds whatever the file says of changes; repeatable
+    #[arg(short, long, value_name = "KEY=VALUE", value_parser = assignment)]
+    pub set: Vec<Assignment>,
+
     /// Print JSON, one line per file
     #[arg(long)]
     pub json: bool,
@@ -594,7 +598,7 @@ fn object_setting(text: &str) -> Result<ObjectAssignment, String> {
     let split = text.match_indices(':').map(|(at, _)| (&text[..at], &text[at + 1..])).find(|(_, rest)| {
         let key = rest.split('=').next().unwrap_or_default();
         rest.contains('=')
-            && (key.contains('.') || key.trim() == "tool")
+            && (key.contains('.') || ["tool", "flush"].contains(&key.trim()))
             && key.chars().all(|c| c.is_ascii_lowercase() || "._ ".contains(c))
     });
     match split {
@@ -606,9 +610,13 @@ fn object_setting(text: &str) -> Result<ObjectAssignment, String> {
     }
 }
 
-/// `tool=2` is short for the tool of an object.
+/// `tool=2` is short for the tool of an object, `flush=true` for flushing into it.
 fn named_in_full(setting: Assignment) -> Assignment {
-    let key = if setting.key == "tool" { "tool_of.object".to_owned() } else { setting.key };
+    let key = match setting.key.as_str() {
+        "tool" => "tool_of.object".to_owned(),
+        "flush" => "tool_of.flush".to_owned(),
+        _ => setting.key,
+    };
     Assignment { key, ..setting }
 }
 

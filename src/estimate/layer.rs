@@ -14,7 +14,7 @@ const ROLES: usize = 3;
 /// Travel, retraction, changes of tool, and every role.
 const ACCOUNTS: usize = ROLES + Role::ALL.len();
 
-/// How long a layer takes, and where the time goes. Heating and pauses take none.
+/// How long a layer takes, and where the time goes. Pauses take none, heating only where a tool is waited for.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct LayerTime {
     accounts: [f64; ACCOUNTS],
@@ -74,9 +74,11 @@ pub fn layer_time(layer: &LayerMoves, machine: &Machine) -> LayerTime {
     time
 }
 
-/// How long changes of tool take.
+/// How long changes of tool take, and waiting for tools that were changed to.
 fn changes_s(moves: &[Move]) -> f64 {
-    moves.iter().map(|step| if let Move::ToolChange(change) = step { change.time.0 } else { 0.0 }).sum()
+    let changes =
+        moves.iter().filter_map(|step| if let Move::ToolChange(change) = step { Some(change) } else { None });
+    changes.map(|change| change.time.0 + change.wait.0).sum()
 }
 
 /// How long each move of a layer takes, at rest at its start and end, seconds. O(moves).
@@ -145,8 +147,7 @@ impl Walk {
             Move::Unretract { length_mm, speed } => self.feed(length_mm, speed.0),
             Move::Acceleration(acceleration) => self.acceleration = acceleration.0,
             Move::Fan(_) | Move::Nozzle(_) | Move::Bed(_) | Move::Object(_) | Move::Preheat { .. } => {}
-            Move::Pause | Move::ColorChange => {}
-            Move::ToolChange(_) => self.at = None,
+            Move::Pause | Move::ColorChange | Move::ToolChange(_) => {}
             Move::Swap(SwapStep::Filament { length_mm, speed }) => self.feed(length_mm, speed.0),
             Move::Swap(_) => {}
         }
@@ -160,7 +161,8 @@ impl Walk {
     /// Moves filament alone, as fast as the extruder allows.
     fn feed(&mut self, e_mm: f64, speed: f64) {
         let delta = [0.0, 0.0, 0.0, e_mm];
-        self.planner.push(&Segment { delta, speed, acceleration: f64::INFINITY, account: RETRACTION });
+        let account = self.only.unwrap_or(RETRACTION);
+        self.planner.push(&Segment { delta, speed, acceleration: f64::INFINITY, account });
     }
 
     fn go(&mut self, to: [f64; 2], e_mm: f64, speed: f64, account: usize) {

@@ -71,6 +71,13 @@ pub struct Machine {
     pub jerk_everywhere: bool,
     /// The amounts and speeds of G10 and G11.
     pub retraction: FirmwareRetraction,
+    /// How long a change of tool takes where the file does not say it, or whatever it says; and how quickly a nozzle is heated,
+    /// °C/s, where it does not.
+    pub change_s: f64,
+    /// See `change_s`.
+    pub change_is_fixed: bool,
+    /// See `change_s`.
+    pub heating_rate: f64,
     /// Cross-section of the filament, which turns volumes into E.
     pub filament_area_mm2: f64,
 }

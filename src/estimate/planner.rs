@@ -36,6 +36,14 @@ pub struct Planner {
     /// Number of moves at which to settle next.
     patience: usize,
     seconds: Vec<f64>,
+    /// The seconds on all accounts.
+    elapsed_s: f64,
+    /// Number of moves that are settled.
+    settled: u64,
+    /// Marks that are not reached yet: the move that they precede, what is added to their time, and their place.
+    ahead: Vec<(u64, f64, usize)>,
+    /// When each mark was reached, seconds.
+    marks: Vec<f64>,
 }
 
 /// Squares of speeds (v2), since v² grows linearly along the path.
@@ -79,6 +87,10 @@ impl Planner {
             hills: Vec::new(),
             patience: PATIENCE,
             seconds: Vec::new(),
+            elapsed_s: 0.0,
+            settled: 0,
+            ahead: Vec::new(),
+            marks: Vec::new(),
         }
     }
 
@@ -144,7 +156,33 @@ impl Planner {
     pub fn dwell(&mut self, seconds: f64, account: usize) {
         self.settle(self.blocks.len());
         self.last = None;
+        if !self.ahead.is_empty() {
+            self.pass();
+        }
         self.book(account, seconds);
+    }
+
+    /// Marks the moment after the moves so far. `more_s`: seconds up to here that are booked elsewhere.
+    pub fn mark(&mut self, place: usize, more_s: f64) {
+        self.ahead.push((self.settled + self.blocks.len() as u64, more_s, place));
+    }
+
+    /// How long ago a mark was, of a machine at rest.
+    pub fn since_s(&mut self, place: usize, more_s: f64) -> f64 {
+        self.pass();
+        self.marks.get(place).map_or(0.0, |marked_s| self.elapsed_s + more_s - marked_s)
+    }
+
+    /// Notes when the marks are passed that are reached.
+    fn pass(&mut self) {
+        let (settled, elapsed_s, marks) = (self.settled, self.elapsed_s, &mut self.marks);
+        self.ahead.retain(|&(at, more_s, place)| {
+            if at <= settled {
+                marks.resize(marks.len().max(place + 1), 0.0);
+                marks[place] = elapsed_s + more_s;
+            }
+            at > settled
+        });
     }
 
     /// The seconds of every account, after the machine has stopped behind the last move.
@@ -158,6 +196,7 @@ impl Planner {
             self.seconds.resize(account + 1, 0.0);
         }
         self.seconds[account] += seconds;
+        self.elapsed_s += seconds;
     }
 
     /// Fixes the speeds of the moves that no later move can change.
@@ -201,6 +240,10 @@ impl Planner {
         let (mut before_v2, mut before) = (0.0, 0.0);
         for i in 0..count {
             let block = self.blocks[i];
+            if !self.ahead.is_empty() {
+                self.pass();
+            }
+            self.settled += 1;
             let end_v2 = if i == last { end_v2 } else { self.blocks[i + 1].start_v2 };
             let reached_v2 = 0.5 * (block.start_v2 + end_v2 + block.delta_v2);
             let cruise_v2 = reached_v2.min(block.cruise_v2).min(self.hills[i]);

@@ -3,6 +3,7 @@
 use super::read::{Measure, measure_on, replay, resume, time_on};
 use super::script::Scripts;
 use super::settings::GcodeOptions;
+use crate::estimate::Machine;
 use crate::units::Seconds;
 
 /// The sums of a script's moves, measured as on the finished file.
@@ -34,6 +35,13 @@ impl Scripts {
         let measure = measure_on(&mut measured, settings.filament.diameter, Some(bead_end));
         Effect { measure, time: time_on(steps(), &settings.machine), end: Some(measured.position()) }
     }
+}
+
+/// How long the moves of a script take that is run at a change of tool.
+pub(crate) fn script_time(script: &str, at_mm: [f64; 3], relative_e: bool, machine: &Machine) -> Seconds {
+    // The change itself is counted where it is planned.
+    let machine = Machine { change_s: 0.0, change_is_fixed: true, ..*machine };
+    time_on(resume(script.as_bytes(), at_mm, relative_e), &machine)
 }
 
 #[cfg(test)]

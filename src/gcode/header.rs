@@ -178,15 +178,31 @@ fn facts_lines(bytes: &mut Vec<u8>, settings: &GcodeOptions, facts: &PrintFacts)
     }
     if facts.tools.changes > 0 {
         line(bytes, &format!("; total toolchanges = {}", facts.tools.changes));
+        // What no command tells, by which the file can be timed.
+        line(bytes, &format!("; tool_change_time = {}", numbers(settings, |tool| tool.change.0)));
+        line(bytes, &format!("; tool_heating_rate = {}", numbers(settings, |tool| tool.tool.heating_rate)));
+        // And what is flushed where, in the words of PrusaSlicer and OrcaSlicer.
+        let flushes = settings.tools.iter().flat_map(|tool| tool.flushes_mm3.iter().map(|mm3| text(*mm3, 1)));
+        let change = &settings.tool_change;
+        line(bytes, &format!("; wipe_tower = {}", u8::from(facts.tools.tower)));
+        line(bytes, &format!("; wiping_volumes_matrix = {}", flushes.collect::<Vec<_>>().join(",")));
+        for (key, on) in [
+            ("flush_into_infill", change.flush_into_infill),
+            ("flush_into_support", change.flush_into_support),
+            ("flush_into_objects", facts.tools.flushes_into_objects),
+        ] {
+            line(bytes, &format!("; {key} = {}", u8::from(on)));
+        }
     }
+}
+
+fn numbers(settings: &GcodeOptions, value: fn(&ToolOptions) -> f64) -> String {
+    settings.tools.iter().map(|tool| text(value(tool), 3)).collect::<Vec<_>>().join(",")
 }
 
 /// A fact of each tool, as PrusaSlicer lists them; `None`: it is one of the whole print, or the printer has one tool.
 fn of_each_tool(key: &str, settings: &GcodeOptions) -> Option<String> {
-    let numbers = |value: fn(&ToolOptions) -> f64| {
-        let values = settings.tools.iter().map(|tool| text(value(tool), 3));
-        values.collect::<Vec<_>>().join(",")
-    };
+    let numbers = |value| numbers(settings, value);
     let texts = |value: fn(&ToolOptions) -> String| {
         let values = settings.tools.iter().map(|tool| one_line(&value(tool)).replace(';', ","));
         values.collect::<Vec<_>>().join(";")

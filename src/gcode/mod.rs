@@ -24,6 +24,7 @@ pub use binary::{BinaryMetadata, write_binary};
 #[cfg(feature = "cli")]
 pub(crate) use binary::{contents, pack_text};
 pub use effect::Effect;
+pub(crate) use effect::script_time;
 pub(crate) use file::{Input, open, open_bytes};
 #[cfg(feature = "cli")]
 pub(crate) use file::{is_binary, open_stream};

@@ -104,7 +104,7 @@ section! {
         offset: [Mm; 2] = [Mm(0.0), Mm(0.0)]; -500.0..=500.0,
         /// Temperature while another tool prints; 0: as while it prints. Not of a single nozzle.
         idle_temperature: Celsius = Celsius(0.0); 0.0..=500.0,
-        /// How quickly it is heated again from there, before its turn comes; 0: not before.
+        /// How quickly its nozzle is heated: from there in time for its turn, and by how long it is waited for; 0: not before.
         heating_rate: f64 = 2.0; 0.0..=100.0, "°C/s",
     }
 }
@@ -115,16 +115,24 @@ section! {
         kind: ToolChangeKind = ToolChangeKind::SingleNozzle,
         /// Script of a change; where it names no tool (`T1`), that is said after it. Each of `[[tools]]` may have its own, by which one changes to it.
         script: String = String::new(),
-        /// How long a change takes, without heating and flushing.
+        /// How long a change takes, without heating, flushing and the moves of its script.
         time: Seconds = Seconds(10.0); 0.0..=3600.0,
-        /// Filament flushed at each change; 0: 140 mm³ by a single nozzle, 15 mm³ by others.
+        /// Filament flushed at each change; 0: by a single nozzle what the colors of both filaments take (140 mm³ where one is not known), 15 mm³ by others.
         flush_volume: Mm3 = Mm3(0.0); 0.0..=5000.0,
+        /// Least and most that is flushed by the colors.
+        flush_limits: [Mm3; 2] = [Mm3(60.0), Mm3(500.0)]; 0.0..=5000.0,
+        /// Multiplier of all flushes, whether listed or not.
+        flush_multiplier: f64 = 1.0; 0.0..=10.0,
         /// Filament flushed from each tool (rows) to each other (columns), row by row; empty: `tool_change.flush_volume`.
         flush_volumes: Vec<f64> = Vec::new(); 0.0..=5000.0, "mm³",
         /// Flush into the sparse infill of the tool that is taken, which is then printed first; the tower gets what is left.
         flush_into_infill: bool = false,
         /// Flush into support that it prints.
         flush_into_support: bool = false,
+        /// Print a wall around all objects, as high as tools are changed, at which each tool passes before it prints a part.
+        ooze_shield: bool = false,
+        /// Distance of that wall from what is printed.
+        ooze_shield_distance: Mm = Mm(2.0); 0.5..=50.0,
         /// Which tool prints when.
         order: ToolOrder = ToolOrder::Optimal,
         /// Time that a cubic millimetre of waste is worth, where tools are put into an order.

@@ -1,12 +1,12 @@
 //! What the writer needs to know.
 
 use super::number::text;
-use super::options::{Flavor, GcodeSettings, PrinterSettings, ToolSettings};
+use super::options::{Flavor, GcodeSettings, PrinterSettings, ToolChangeSettings, ToolSettings};
 use crate::estimate::{Machine, MachineSettings};
 use crate::motion::{FilamentSettings, RetractSettings, TemperatureSettings};
 use crate::slice::LayerSettings;
 use crate::toolpath::ToolId;
-use crate::units::{Celsius, Mm, MmPerS};
+use crate::units::{Celsius, Mm, MmPerS, Seconds};
 
 /// Facts of a print that are known before its first layer is planned.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -45,6 +45,8 @@ pub struct ToolFacts {
     pub changes: usize,
     /// There is a prime tower.
     pub tower: bool,
+    /// Tools are flushed into an object.
+    pub flushes_into_objects: bool,
 }
 
 impl PrintFacts {
@@ -183,6 +185,8 @@ pub struct GcodeOptions {
     pub limits: MachineSettings,
     /// Each tool, where there are several.
     pub tools: Vec<ToolOptions>,
+    /// What takes flushes beside the tower.
+    pub tool_change: ToolChangeSettings,
 }
 
 /// What header and footer say of a tool.
@@ -193,6 +197,10 @@ pub struct ToolOptions {
     pub filament: FilamentSettings,
     pub temperature: TemperatureSettings,
     pub tool: ToolSettings,
+    /// How long a change to it takes.
+    pub change: Seconds,
+    /// What is flushed when each tool follows it, mm³.
+    pub flushes_mm3: Vec<f64>,
     /// It has a heater of its own.
     pub has_heater: bool,
 }

@@ -75,6 +75,8 @@ pub struct ToolChange {
     pub nozzle: Celsius,
     /// How long it takes.
     pub time: Seconds,
+    /// How long is waited after that for the nozzle to be hot.
+    pub wait: Seconds,
     /// Where the nozzle is: X and Y of the bead drawn last, and the height that it was lifted to.
     pub at_mm: [f64; 3],
 }

@@ -80,4 +80,19 @@ impl MotionSettings {
     pub fn of_tool(&self, tool: ToolId) -> &Self {
         self.tools.get(usize::from(tool)).unwrap_or(self)
     }
+
+    /// How long it takes to heat this tool again from where it was left while others printed, seconds; 0: it has not cooled
+    /// down, or how quickly it heats is not known.
+    pub fn reheating_s(&self, nozzle: Celsius) -> f64 {
+        if self.idle.0 > 0.0 { self.heating_s(self.idle, nozzle) } else { 0.0 }
+    }
+
+    /// How long it takes to heat a nozzle that all filaments share from the temperature of the one before, seconds.
+    pub fn shared_heating_s(&self, before: Celsius, nozzle: Celsius) -> f64 {
+        if self.keeps_filament { 0.0 } else { self.heating_s(before, nozzle) }
+    }
+
+    fn heating_s(&self, from: Celsius, to: Celsius) -> f64 {
+        if self.heating_rate > 0.0 { (to.0 - from.0).max(0.0) / self.heating_rate } else { 0.0 }
+    }
 }

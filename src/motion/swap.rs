@@ -63,6 +63,28 @@ impl SwapSettings {
     pub fn rammed_mm3(&self) -> f64 {
         self.ramming.iter().sum::<f64>() * self.ramming_step.0
     }
+
+    /// How long a filament takes on its way out, without what ramps take, seconds.
+    pub(crate) fn unload_s(&self) -> f64 {
+        let rammed_s = self.ramming.len() as f64 * self.ramming_step.0;
+        let cooled_mm = (self.cooling_tube.0 + self.cooling_tube_length.0 / 2.0).max(QUICK_MM);
+        let slowing: f64 = SLOWING.iter().map(|[share, slower]| share / slower).sum();
+        let [first, last] = self.cooling_speed.map(|speed| speed.0);
+        let cooled_s = f64::from(self.cooling_moves) * 4.0 * self.cooling_tube_length.0 / (first + last);
+        rammed_s
+            + QUICK_MM / self.unload_start_speed.0
+            + (cooled_mm - QUICK_MM) * slowing / self.unload_speed.0
+            + cooled_s
+            + (self.parking.0 - cooled_mm).abs() / self.unload_speed.0.max(PARKING_MM_S)
+            + self.delay.0
+    }
+
+    /// How long a filament takes on its way in.
+    pub(crate) fn load_s(&self) -> f64 {
+        let way_mm = (self.parking.0 + self.extra_load.0).abs();
+        let [start, way, end] = FEEDING.map(|share| share * way_mm);
+        start / self.load_start_speed.0 + way / self.load_speed.0 + end / (ARRIVING * self.load_speed.0)
+    }
 }
 
 /// The quick first part of the way out, in which the tip leaves the melt, millimetres.
@@ -82,7 +104,7 @@ const CLEAR_MM: f64 = 0.5;
 
 impl MotionSettings {
     /// Whether a filament is taken out here, and not by a script.
-    pub(super) fn swaps(&self) -> bool {
+    pub(crate) fn swaps(&self) -> bool {
         !self.keeps_filament && self.swap.parking.0 > 0.0
     }
 }

@@ -1,10 +1,13 @@
 //! Changes of tool within a layer.
 
+use super::bead::mean_width_mm;
 use super::nozzle::Nozzle;
+use super::overhang::Grade;
 use super::rules::Rules;
 use super::{Entry, LayerMoves, MotionSettings, Move, SwapStep, ToolChange};
 use crate::order::PathVisit;
-use crate::toolpath::{LayerPaths, Path, ToolId};
+use crate::toolpath::{LayerPaths, Path, ToolId, bead};
+use crate::units::Seconds;
 
 impl Nozzle<'_> {
     /// Takes another tool: the filament is pulled back, or out, and the nozzle lifted. Where it is then is not known, as
@@ -13,6 +16,7 @@ impl Nozzle<'_> {
         let before = self.tool;
         let own = self.all.of_tool(to);
         let rules = Rules::new(own, self.rules.index());
+        let (hot, nozzle) = (self.rules.nozzle_temperature(), rules.nozzle_temperature());
         let (swaps, was) = (self.settings.swaps(), self.settings);
         let mut lifted_mm = self.layer_z_mm + self.hop_mm();
         if let Some(ram) = ram {
@@ -30,9 +34,10 @@ impl Nozzle<'_> {
         self.moves.push(Move::ToolChange(ToolChange {
             from: before,
             to,
-            before: self.rules.nozzle_temperature(),
-            nozzle: rules.nozzle_temperature(),
+            before: hot,
+            nozzle,
             time: own.change_time,
+            wait: Seconds(own.shared_heating_s(hot, nozzle)),
             at_mm: [x, y, lifted_mm],
         }));
         // What a single nozzle is given is as far back as what was taken out.
@@ -85,33 +90,55 @@ fn change_mm(settings: &MotionSettings) -> f64 {
     if settings.keeps_filament { settings.retract.change_length.0.max(usual_mm) } else { usual_mm }
 }
 
-/// Heats tools that have cooled down so long before their turn as it takes, or from the beginning of the layer on, if
-/// that is later. `times_s` says how long each move takes.
-pub fn preheat(layer: &mut LayerMoves, times_s: &[f64], settings: &MotionSettings) {
-    let ends_s: Vec<f64> = times_s
+/// Heats tools that have cooled down so long before their turn as it takes, or from the beginning of the layer on, if that is
+/// later: then what is left is waited for. `times_s` says how long each move takes. Returns how long all is waited for.
+pub fn preheat(layer: &mut LayerMoves, times_s: &[f64], settings: &MotionSettings) -> Seconds {
+    let mut ends_s: Vec<f64> = times_s
         .iter()
         .scan(0.0, |sum, time_s| {
             *sum += time_s;
             Some(*sum)
         })
         .collect();
-    let heated = |(index, step): (usize, &Move)| {
-        let Move::ToolChange(ToolChange { to, nozzle, time, .. }) = *step else { return None };
-        let own = settings.of_tool(to);
-        let rise = nozzle.0 - own.idle.0;
-        if own.idle.0 <= 0.0 || own.heating_rate <= 0.0 || rise <= 0.0 {
-            return None;
+    let mut waits_s = 0.0;
+    let mut heated: Vec<(usize, Move)> = Vec::new();
+    for (index, (step, end_s)) in layer.moves.iter_mut().zip(&mut ends_s).enumerate() {
+        *end_s += waits_s;
+        let Move::ToolChange(change) = step else { continue };
+        let heating_s = settings.of_tool(change.to).reheating_s(change.nozzle);
+        if heating_s <= 0.0 {
+            continue;
         }
-        // The change itself takes a while, too.
-        let from_s = ends_s.get(index).copied().unwrap_or(0.0) - time.0.max(0.0) - rise / own.heating_rate;
-        let place = ends_s.partition_point(|end_s| *end_s < from_s).min(index);
-        Some((place, Move::Preheat { tool: to, nozzle }))
+        change.wait = Seconds((heating_s - *end_s).max(0.0));
+        waits_s += change.wait.0;
+        // By then the change, which takes a while, too, has not begun.
+        heated.push((index, Move::Preheat { tool: change.to, nozzle: change.nozzle }));
+        *end_s += change.wait.0;
+    }
+    let place = |(index, step): (usize, Move)| {
+        let Some(Move::ToolChange(change)) = layer.moves.get(index) else { return (index, step) };
+        let heating_s = settings.of_tool(change.to).reheating_s(change.nozzle);
+        let from_s = ends_s[index] - change.wait.0 - change.time.0.max(0.0) - heating_s;
+        (ends_s.partition_point(|end_s| *end_s < from_s).min(index), step)
     };
-    let mut heated: Vec<(usize, Move)> = layer.moves.iter().enumerate().filter_map(heated).collect();
+    let mut heated: Vec<(usize, Move)> = heated.into_iter().map(place).collect();
     heated.sort_by_key(|(place, _)| *place);
     for (place, step) in heated.into_iter().rev() {
         layer.moves.insert(place, step);
     }
+    Seconds(waits_s)
+}
+
+/// How long a path takes at the speed of its role, seconds, without what ramps and travels take.
+pub fn drawing_s(path: &Path, layer: usize, settings: &MotionSettings) -> f64 {
+    let rules = Rules::new(settings, layer);
+    let length_mm = match path.closed {
+        true => geometry::ring_length_mm(&path.points),
+        false => geometry::polyline_length_mm(&path.points),
+    };
+    let area_mm2 = bead::area_mm2(mean_width_mm(&path.width), path.height_mm);
+    let speed = rules.melted(rules.speed(path.role, Grade::Held, false), area_mm2 * rules.flow(path.role));
+    length_mm / speed.0.max(f64::MIN_POSITIVE)
 }
 
 /// Which tool a layer leaves in use, and which are put away.

@@ -131,11 +131,12 @@ fn stage(path: &Path, layer: &LayerPaths) -> u32 {
     let turn = layer.tools.iter().position(|tool| path.tool.is_none_or(|own| own == *tool));
     let part = match (path.role, path.phase) {
         (Role::PrimeTower, _) => 0,
-        // What a tool is flushed into.
-        (_, Phase::Tower(_)) => 1,
-        _ => 2 + part,
+        // The ooze shield, then what a tool is flushed into.
+        (Role::Skirt, Phase::Tower(_)) => 1,
+        (_, Phase::Tower(_)) => 2,
+        _ => 3 + part,
     };
-    4 * turn.unwrap_or(0) as u32 + part
+    5 * turn.unwrap_or(0) as u32 + part
 }
 
 fn shape(path: &Path, pin: Option<usize>) -> Shape<'_> {

@@ -15,7 +15,7 @@ use crate::toolpath::LayerPaths;
 
 use super::ordering::{Certificate, Layers, Sequencer};
 use super::rounds::{self, Site};
-use super::tools::Tooled;
+use super::tools::{self, Tooled};
 use super::{load, ordering, reorder};
 
 /// Plans the layers once and orders them by each strategy. With `job.certify`, bounds are computed as well.
@@ -94,8 +94,11 @@ fn sliced(
 ) -> Result<Vec<LayerPaths>, JobError> {
     let settings = &*spiral::effective(settings);
     let loaded = load::place(models, job, settings)?;
-    let rounds = rounds::prepare(&Site::of(&loaded), settings, workers)?;
-    if let Some(tooled) = Tooled::plan(&rounds, &|_, _| None, settings, workers)? {
+    let of_tools = settings.with_widths_of(settings.tool_of.base().into());
+    let settings = of_tools.as_ref().unwrap_or(settings);
+    let site = Site::of(&loaded);
+    let rounds = rounds::prepare(&site, settings, workers)?;
+    if let Some(tooled) = Tooled::plan(&rounds, &|_, _| None, &site, settings, workers)? {
         return Ok(tooled.layers.into_iter().flatten().collect());
     }
     let layers = rounds
@@ -112,12 +115,15 @@ pub(super) fn compare_tools(
 ) -> Result<Vec<ToolOrderRow>, JobError> {
     let settings = &*spiral::effective(settings);
     let loaded = load::place(load::read(job, settings, workers)?, job, settings)?;
+    let of_tools = settings.with_widths_of(settings.tool_of.base().into());
+    let settings = of_tools.as_ref().unwrap_or(settings);
     let rounds = rounds::prepare(&Site::of(&loaded), settings, workers)?;
     let Some(round) = rounds.first() else { return Ok(Vec::new()) };
-    let layers = workers.map(round.sections.layers.len(), |i| round.paths(i, None, settings));
+    let layers = workers
+        .map(round.sections.layers.len(), |i| tools::paths(round, (i, None), &loaded.styles, settings));
     let problem = tool_order::problem(&layers, None, settings);
     let row = |(_, order): &(&str, ToolOrder)| {
-        tool_order::row(*order, &tool_order::plan(&problem, *order), None, settings)
+        tool_order::row(*order, &tool_order::plan(&problem, *order), &problem, settings)
     };
     Ok(ToolOrder::ALL.iter().map(row).collect())
 }

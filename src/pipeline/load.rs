@@ -13,6 +13,7 @@ use crate::slice;
 use crate::slice::LayerSettings;
 use crate::units::Mm;
 
+use super::room::{self, Arranged};
 use crate::parallel::Workers;
 use crate::plan::styles::Styles;
 use crate::plan::supports::REACH_MM as SUPPORT_REACH_MM;
@@ -31,6 +32,8 @@ pub(crate) struct Loaded<'a> {
     pub repairs: Vec<Repaired>,
     /// Sizes that point to another unit.
     pub hints: Vec<String>,
+    /// The middle of the room that is kept for the prime tower, and its size, millimetres.
+    pub tower_room_mm: Option<[[f64; 2]; 2]>,
 }
 
 /// Reads and transforms the models of a job. A file that is named several times is read once.
@@ -78,8 +81,7 @@ pub(crate) fn place<'a>(
         }
     }
     let placement = placement(job, settings);
-    let layouts = models.into_iter().map(|model| model.layout).collect();
-    let plate = plate::place(layouts, &settings.bed, &placement)
+    let Arranged { plate, tower_room_mm } = room::place(models, job, &placement, settings)
         .map_err(|source| FitError::Placement { source: source.into(), hints: hints.clone() })?;
     check_size(&plate, &settings.layer)?;
     for (names, object) in names.iter_mut().zip(&plate.objects) {
@@ -88,9 +90,10 @@ pub(crate) fn place<'a>(
     warnings.extend(plate.notes.iter().cloned());
     let mut styles = Styles::new(&job.objects, &own, &names)?;
     warnings.extend(styles.take_tools(&tools, settings));
+    styles.take_widths(settings);
     let load = |bodies: &[JobModel]| load_modifiers(bodies, first_box, &plate, settings);
     let modifiers = [load(&job.support_enforcers)?, load(&job.support_blockers)?];
-    Ok(Loaded { plate, styles, modifiers, warnings, repairs, hints })
+    Ok(Loaded { plate, styles, modifiers, warnings, repairs, hints, tower_room_mm })
 }
 
 /// Where the models of a job stand, and which objects cannot be printed there.
@@ -103,10 +106,12 @@ pub(super) fn placed(
     let is_standing = job.models.iter().any(|model| model.at_mm.is_some());
     let hints = models.iter().filter_map(|model| model.hint.clone()).collect();
     let placement = self::placement(job, settings);
-    let layouts: Vec<Layout> = models.into_iter().map(|model| model.layout).collect();
     let placed = match is_standing {
-        true => plate::stand(layouts, &settings.bed, &placement),
-        false => plate::place(layouts, &settings.bed, &placement).map(|plate| (plate, Vec::new())),
+        true => {
+            let layouts = models.into_iter().map(|model| model.layout).collect();
+            plate::stand(layouts, &settings.bed, &placement)
+        }
+        false => room::place(models, job, &placement, settings).map(|arranged| (arranged.plate, Vec::new())),
     };
     Ok(placed.map_err(|source| FitError::Placement { source: source.into(), hints })?)
 }
@@ -304,7 +309,11 @@ fn margin_mm(settings: &Settings) -> f64 {
     } else {
         0.0
     };
-    reach_mm(settings) + skirt_mm
+    let shield_mm = match settings.tool_change.ooze_shield && settings.tools.len() > 1 {
+        true => settings.tool_change.ooze_shield_distance.0 + 2.0 * width_mm,
+        false => 0.0,
+    };
+    reach_mm(settings) + skirt_mm.max(shield_mm)
 }
 
 /// Room that support, raft and brim take around each model.

@@ -13,6 +13,7 @@ mod paper;
 mod print;
 mod project;
 mod reorder;
+mod room;
 mod rounds;
 mod staged;
 mod statistics;

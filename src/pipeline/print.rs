@@ -18,6 +18,7 @@ use crate::plate::{Model, Plate};
 use crate::profile::{ScriptRun, Settings, WholePrint};
 use crate::report::{LayerSummary, Measures, Overhangs, Summary};
 use crate::toolpath::{LayerKind, LayerPaths};
+use crate::units::Seconds;
 use crate::view;
 use geometry::{Bounds, Point};
 
@@ -54,6 +55,8 @@ pub(super) fn slice(
     let Besides { kept, moves, live } = besides;
     let settings = &*spiral::effective(settings);
     let mut loaded = load::place(models, job, settings)?;
+    let of_tools = settings.with_widths_of(settings.tool_of.base().into());
+    let settings = of_tools.as_ref().unwrap_or(settings);
     let mut warnings = std::mem::take(&mut loaded.warnings);
     let pictures = || thumbnails(&loaded.plate, settings, workers);
     let site = Site::of(&loaded);
@@ -73,7 +76,7 @@ pub(super) fn slice(
     warnings.extend(rounds.iter().flat_map(|round| round.sections.warnings()));
     let overhangs = (!settings.support.enabled).then(|| rounds::overhangs(rounds, settings, workers));
 
-    let tooled = Tooled::plan(rounds, &|round, layer| staged.walls(round, layer), settings, workers)?;
+    let tooled = Tooled::plan(rounds, &|round, layer| staged.walls(round, layer), &site, settings, workers)?;
     let facts = facts(rounds, tooled.as_ref(), &loaded.plate, bounds, job, settings);
     let options = GcodeOptions::beginning_with(settings, facts.tools.first);
     let mut run = ScriptRun::new(settings, &facts);
@@ -119,6 +122,7 @@ pub(super) fn slice(
         moves,
         scripts: run,
         settings,
+        machine: options.machine,
         workers,
     };
     writer.output.write(&header.bytes)?;
@@ -230,9 +234,9 @@ fn facts(
     // The layer is as large as the part: its elephant's foot is made up for.
     let foot_mm = if settings.raft.layers > 0 { 0.0 } else { settings.layer.elephant_foot.0 };
     let outlines = rounds.iter().map(|round| round.sections.first_layer_outlines(&round.planners, foot_mm));
-    let tower = tooled.and_then(|tooled| tooled.tower.as_ref());
-    let tower: Vec<Vec<[f64; 2]>> =
-        tower.map(|tower| tower.outer.iter().map(|p| p.mm()).collect()).into_iter().collect();
+    let covered = tooled.iter().flat_map(|tooled| &tooled.covered);
+    let covered: Vec<Vec<[f64; 2]>> =
+        covered.map(|polygon| polygon.outer.iter().map(|p| p.mm()).collect()).collect();
     let bodies: BTreeSet<usize> = plate.objects.iter().map(|object| object.body).collect();
     let meshes: BTreeSet<usize> = plate.objects.iter().map(|object| object.mesh).collect();
     let input_name = job.models.first().and_then(|model| model.path().file_stem());
@@ -242,7 +246,7 @@ fn facts(
         max_mm: bounds.max.mm(),
         max_z_mm: tops.fold(0.0, f64::max) + settings.layer.z_offset.0,
         dated: job.dated.unwrap_or(load::DATED),
-        first_layer_hull_mm: hull_mm(outlines.flatten().chain(tower).flatten(), 0.0),
+        first_layer_hull_mm: hull_mm(outlines.flatten().chain(covered).flatten(), 0.0),
         tools: tooled.map(Tooled::facts).unwrap_or_default(),
         objects: meshes.len(),
         instances: bodies.len(),
@@ -362,9 +366,10 @@ impl LayerMaker<'_> {
         moves.index += before;
         let time = cool(&mut moves, &self.settings.cooling, &self.machine);
         motion::set_fan(&mut moves, time.total(), &self.motion);
+        let mut waited = Seconds(0.0);
         if self.motion.tools.iter().any(|tool| tool.idle.0 > 0.0) {
             let times_s = move_times_s(&moves, &self.machine);
-            motion::preheat(&mut moves, &times_s, &self.motion);
+            waited = motion::preheat(&mut moves, &times_s, &self.motion);
         }
         let sums = moves.sums();
         let measures = Measures {
@@ -374,7 +379,7 @@ impl LayerMaker<'_> {
             link_mm: sums.link.0,
             travels: sums.travels,
             retractions: sums.retractions,
-            total_s: time.total().0,
+            total_s: (time.total() + waited).0,
             volume_mm3: sums.volume.0,
             filament_mm: sums.volume.0 / self.machine.filament_area_mm2,
             ..Measures::default()

@@ -39,13 +39,15 @@ pub(super) struct Site<'a> {
     pub modifiers: &'a [Plate; 2],
     /// Sizes that point to another unit.
     pub hints: &'a [String],
+    /// The middle of the room that is kept for the prime tower, and its size, millimetres.
+    pub tower_room_mm: Option<[[f64; 2]; 2]>,
 }
 
 impl<'a> Site<'a> {
     /// Of models that are placed.
     pub fn of(loaded: &'a Loaded<'a>) -> Self {
-        let Loaded { plate, styles, modifiers, hints, .. } = loaded;
-        Self { plate, styles, modifiers, hints }
+        let Loaded { plate, styles, modifiers, hints, tower_room_mm, .. } = loaded;
+        Self { plate, styles, modifiers, hints, tower_room_mm: *tower_room_mm }
     }
 }
 
@@ -61,7 +63,10 @@ pub(super) fn prepare(
     let plate = site.plate;
     let bodies = bodies(plate);
     if settings.print.sequence == Sequence::Layer || bodies.len() < 2 {
-        let round = Round::new(site, (0..plate.objects.len()).collect(), settings, &[], workers)?;
+        // The skirt goes around the tower, too, where that stands among the objects.
+        let around: Vec<Polygon> =
+            site.tower_room_mm.map(|[at, size]| rectangle(at, size)).into_iter().collect();
+        let round = Round::new(site, (0..plate.objects.len()).collect(), settings, &around, workers)?;
         return round.map(|round| vec![round]).ok_or_else(|| load::nothing_to_print(site.hints));
     }
     let mut order = order(plate, bodies, settings)?.into_iter();
@@ -88,6 +93,12 @@ pub(super) fn prepare(
         top_mm = top_mm.max(round.sections.layers.last().map_or(0.0, |layer| layer.span.top_mm));
     }
     if rounds.is_empty() { Err(load::nothing_to_print(site.hints)) } else { Ok(rounds) }
+}
+
+fn rectangle(middle: [f64; 2], size: [f64; 2]) -> Polygon {
+    let corner = |(x, y)| Point::from_mm(middle[0] + x * size[0] / 2.0, middle[1] + y * size[1] / 2.0);
+    let outer = [(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)].map(corner).to_vec();
+    Polygon { outer, holes: Vec::new() }
 }
 
 /// What would need support.

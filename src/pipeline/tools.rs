@@ -3,20 +3,41 @@
 use crate::gcode::ToolFacts;
 use crate::job::{FitError, JobError};
 use crate::parallel::Workers;
-use crate::plan::tool_order;
-use crate::plan::tower::{self, Tower};
+use crate::plan::shield::Shield;
+use crate::plan::styles::Styles;
+use crate::plan::tower::Tower;
+use crate::plan::{flush, tool_order};
 use crate::profile::Settings;
-use crate::toolpath::{LayerPaths, LayerWalls, ToolId};
+use crate::toolpath::{LayerPaths, LayerWalls, Role, ToolId};
 use geometry::{Polygon, Region, Ring};
 
-use super::rounds::Round;
+use super::rounds::{Round, Site};
 
 /// The layers of a print with several tools.
 pub(super) struct Tooled {
     /// Of each round: all paths, the tower's included, and the order of their tools.
     pub layers: Vec<Vec<LayerPaths>>,
-    /// What the tower covers on the bed.
-    pub tower: Option<Polygon>,
+    /// What tower and ooze shield cover on the bed.
+    pub covered: Vec<Polygon>,
+    has_tower: bool,
+    flushes_into_objects: bool,
+}
+
+/// What takes flushes: whether an object of the plate does.
+fn takes_flushes<'a>(styles: &'a Styles<'_>, settings: &'a Settings) -> impl Fn(u32) -> bool + Sync + 'a {
+    |object| styles.settings(object as usize, settings).tool_of.flush
+}
+
+/// The paths of a layer of which the tools are known, where that matters.
+pub(super) fn paths(
+    round: &Round,
+    (layer, walls): (usize, Option<&[LayerWalls]>),
+    styles: &Styles<'_>,
+    settings: &Settings,
+) -> LayerPaths {
+    let mut paths = round.paths(layer, walls, settings);
+    flush::free(&mut paths, takes_flushes(styles, settings));
+    paths
 }
 
 impl Tooled {
@@ -27,43 +48,78 @@ impl Tooled {
     pub fn plan<'w>(
         rounds: &[Round],
         walls: &(dyn Fn(usize, usize) -> Option<&'w [LayerWalls]> + Sync),
+        site: &Site<'_>,
         settings: &Settings,
         workers: Workers<'_>,
     ) -> Result<Option<Self>, JobError> {
+        let styles = site.styles;
         if settings.tools.len() < 2 {
             return Ok(None);
         }
         let (mut layers, mut current) = (Vec::new(), None);
         for (number, round) in rounds.iter().enumerate() {
             let count = round.sections.layers.len();
-            let mut planned = workers.map(count, |i| round.paths(i, walls(number, i), settings));
+            let mut planned = workers.map(count, |i| paths(round, (i, walls(number, i)), styles, settings));
             let problem = tool_order::problem(&planned, current, settings);
             let plan = tool_order::plan(&problem, settings.tool_change.order);
             tool_order::settle(&mut planned, &plan, current);
             current = planned.last().and_then(|layer| layer.tools.last().copied()).or(current);
             layers.push(planned);
         }
-        let mut tooled = Self { layers, tower: None };
-        // Objects that are printed one after the other have none.
-        let [layers] = tooled.layers.as_mut_slice() else { return Ok(Some(tooled)) };
-        if settings.prime_tower.enabled {
-            tower::flush_into(layers, settings);
-        }
-        if let ([round], true) = (rounds, settings.prime_tower.enabled)
-            && let Some(mut tower) = Tower::plan(layers, settings)
-        {
-            if !tower.place(&printed(round, settings, workers), settings) {
-                let [width_mm, depth_mm] = tower.size_mm;
-                return Err(FitError::PrimeTower { width_mm, depth_mm }.into());
-            }
-            for (index, layer) in layers.iter_mut().enumerate() {
-                let (paths, rams) = tower.paths(index);
-                layer.insert(0, paths);
-                layer.rams = rams;
-            }
-            tooled.tower = Some(tower.footprint());
+        let flushes_into_objects = std::iter::once(settings).chain(styles.own()).any(|own| own.tool_of.flush);
+        let mut tooled = Self { layers, covered: Vec::new(), has_tower: false, flushes_into_objects };
+        // Objects that are printed one after the other have neither.
+        if let [round] = rounds {
+            tooled.add_shield(round, settings, workers);
+            tooled.add_tower(round, site, settings, workers)?;
         }
         Ok(Some(tooled))
+    }
+
+    /// Lays the tower, where one is wanted.
+    fn add_tower(
+        &mut self,
+        round: &Round,
+        site: &Site<'_>,
+        settings: &Settings,
+        workers: Workers<'_>,
+    ) -> Result<(), JobError> {
+        let [layers] = self.layers.as_mut_slice() else { return Ok(()) };
+        if !settings.prime_tower.enabled {
+            return Ok(());
+        }
+        flush::into(layers, takes_flushes(site.styles, settings), settings);
+        let Some(mut tower) = Tower::plan(layers, settings) else { return Ok(()) };
+        let shield = Region::disjoint(self.covered.clone());
+        let [printed, standing] = [printed(round, settings, workers), standing(round, settings, workers)]
+            .map(|region| geometry::union(&region, &shield));
+        let room = site.tower_room_mm.map(|[middle, _]| middle);
+        if !tower.place(&printed, &standing, room, settings) {
+            let [width_mm, depth_mm] = tower.size_mm;
+            return Err(FitError::PrimeTower { width_mm, depth_mm }.into());
+        }
+        for (index, layer) in layers.iter_mut().enumerate() {
+            let (paths, rams) = tower.paths(index);
+            layer.insert(0, paths);
+            layer.rams = rams;
+        }
+        self.covered.push(tower.footprint());
+        self.has_tower = true;
+        Ok(())
+    }
+
+    /// Lays the ooze shield, where one is wanted. It is a skirt, too.
+    fn add_shield(&mut self, round: &Round, settings: &Settings, workers: Workers<'_>) {
+        let [layers] = self.layers.as_mut_slice() else { return };
+        let Some(shield) = Shield::plan(layers, &standing(round, settings, workers), settings) else {
+            return;
+        };
+        for (index, layer) in layers.iter_mut().enumerate() {
+            layer.retain(|path| path.role != Role::Skirt);
+            let paths = shield.paths(index, layer);
+            layer.insert(0, paths);
+        }
+        self.covered.extend(shield.covered().into_polygons());
     }
 
     /// The tools of all layers, one after the other.
@@ -81,19 +137,27 @@ impl Tooled {
             first: turns.first().copied().unwrap_or(0),
             used,
             changes: turns.windows(2).filter(|pair| pair[0] != pair[1]).count(),
-            tower: self.tower.is_some(),
+            tower: self.has_tower,
+            flushes_into_objects: self.flushes_into_objects,
         }
     }
 }
 
 /// Everything that is printed, seen from above: around each object its hull, and all that lies on the bed.
 fn printed(round: &Round, settings: &Settings, workers: Workers<'_>) -> Region {
-    let hulls = round.sections.hulls(workers).into_iter().map(|(_, hull)| hull);
     let on_bed = round.sections.first_layer_outlines(&round.planners, 0.0);
-    let ring = |corners: Vec<[f64; 2]>| -> Ring {
-        corners.into_iter().map(|[x, y]| geometry::Point::from_mm(x, y)).collect()
-    };
-    let rings: Vec<Ring> = hulls.chain(on_bed).map(ring).filter(|ring| ring.len() >= 3).collect();
-    let reach_mm = settings.layer.elephant_foot.0.abs();
-    geometry::offset(&geometry::unite_rings(&rings), reach_mm)
+    let rings: Vec<Ring> = on_bed.into_iter().map(ring).collect();
+    geometry::union(&geometry::unite_rings(&rings), &standing(round, settings, workers))
+}
+
+/// The same without the skirt.
+fn standing(round: &Round, settings: &Settings, workers: Workers<'_>) -> Region {
+    let hulls = round.sections.hulls(workers).into_iter().map(|(_, hull)| ring(hull));
+    let on_bed = round.sections.on_bed(&round.planners).into_iter().map(|polygon| polygon.outer);
+    let rings: Vec<Ring> = hulls.chain(on_bed).filter(|ring| ring.len() >= 3).collect();
+    geometry::offset(&geometry::unite_rings(&rings), settings.layer.elephant_foot.0.abs())
+}
+
+fn ring(corners: Vec<[f64; 2]>) -> Ring {
+    corners.into_iter().map(|[x, y]| geometry::Point::from_mm(x, y)).collect()
 }

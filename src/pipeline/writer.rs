@@ -2,13 +2,15 @@
 
 use std::ops::Range;
 
-use crate::gcode::{LayerText, Slot};
+use crate::estimate::Machine;
+use crate::gcode::{self, LayerText, Slot};
 use crate::job::JobError;
 use crate::motion::{LayerMoves, ToolChange, ToolSums};
 use crate::output::Output;
 use crate::parallel::Workers;
 use crate::profile::{ScriptRun, Settings};
 use crate::report::LayerSummary;
+use crate::units::Seconds;
 
 use super::inspect::Inspector;
 use super::kept::PrintLayer;
@@ -55,6 +57,7 @@ pub(super) struct PrintWriter<'a> {
     pub moves: Option<Box<OnMoves<'a>>>,
     pub scripts: ScriptRun<'a>,
     pub settings: &'a Settings,
+    pub machine: Machine,
     pub workers: Workers<'a>,
 }
 
@@ -70,12 +73,12 @@ impl PrintWriter<'_> {
         Ok(())
     }
 
-    /// The text of a layer with the scripts of its change.
+    /// The text of a layer with the scripts of its change, and how long those of tools take beyond what is planned.
     pub fn with_scripts(
         &mut self,
         layer: &LayerText,
         entry: &LayerEntry,
-    ) -> Result<Option<Vec<u8>>, JobError> {
+    ) -> Result<Option<(Vec<u8>, Seconds)>, JobError> {
         let options = &self.settings.gcode;
         let moment = &mut self.scripts.moment;
         moment.layer = Some(entry.index);
@@ -99,6 +102,7 @@ impl PrintWriter<'_> {
         // A script of the layer comes before a change at the same place.
         places.sort_by_key(|(place, _)| place.start);
         let (mut text, mut from) = (Vec::with_capacity(layer.bytes.len() + 256), 0);
+        let mut more = Seconds(0.0);
         for (place, spliced) in places {
             text.extend_from_slice(&layer.bytes[from..place.start]);
             let script = match spliced {
@@ -107,14 +111,22 @@ impl PrintWriter<'_> {
                 }
                 Spliced::Change(change) => {
                     self.scripts.moment.position_mm = change.at_mm;
-                    self.scripts.change(change.to.into()).map_err(|mistake| script_error(vec![mistake]))?
+                    let script = self.scripts.change(change.to.into());
+                    let script = script.map_err(|mistake| script_error(vec![mistake]))?;
+                    more += gcode::script_time(
+                        &script,
+                        change.at_mm,
+                        self.settings.gcode.relative_e,
+                        &self.machine,
+                    );
+                    script
                 }
             };
             text.extend_from_slice(script.as_bytes());
             from = place.end;
         }
         text.extend_from_slice(&layer.bytes[from..]);
-        Ok(Some(text))
+        Ok(Some((text, more)))
     }
 
     /// Writes text, checking it.
@@ -125,14 +137,17 @@ impl PrintWriter<'_> {
 
     /// Writes layers, checking them.
     pub fn add(&mut self, layers: Vec<FinishedLayer>) -> Result<(), JobError> {
-        for FinishedLayer { text, summary, layer, moves, entry, tools } in layers {
+        for FinishedLayer { text, mut summary, layer, moves, entry, tools } in layers {
             self.workers.go_on();
             let base = self.output.written() as usize;
             self.slots.extend(text.progress.map(|slot| Slot { offset: base + slot.offset, ..slot }));
             let with_scripts = self.with_scripts(&text, &entry)?;
             // What a script does is its own affair, and undone after it.
             self.inspector.take(&text.bytes);
-            self.output.write(with_scripts.as_ref().unwrap_or(&text.bytes))?;
+            if let Some((_, more)) = &with_scripts {
+                summary.measures.total_s += more.0;
+            }
+            self.output.write(with_scripts.as_ref().map_or(&text.bytes, |(text, _)| text))?;
             self.statistics.add(summary, &tools);
             if let Some(kept) = &mut self.kept {
                 kept.extend(layer);

@@ -3,11 +3,13 @@
 
 mod contact;
 pub(crate) mod floating;
+pub(crate) mod flush;
 mod infill;
 mod overlaps;
 mod paint;
 pub(crate) mod parts;
 pub(crate) mod sections;
+pub(crate) mod shield;
 pub(crate) mod spiral;
 pub(crate) mod styles;
 pub(crate) mod supports;

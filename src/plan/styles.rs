@@ -1,5 +1,6 @@
 //! Settings that some objects have of their own, and the planners that follow from them.
 
+use std::borrow::Cow;
 use std::sync::Arc;
 
 use crate::job::{JobError, ObjectSettings};
@@ -22,7 +23,7 @@ pub(crate) type Planned = (Option<usize>, Arc<dyn FillPattern>);
 pub(crate) struct Styles<'a> {
     /// For each object its own settings, as an index; `None`: it has those of the plate.
     of_object: Vec<Option<usize>>,
-    own: Vec<&'a Settings>,
+    own: Vec<Cow<'a, Settings>>,
     /// The tool of each object that its file has one for; empty: none has.
     tools: Vec<Option<ToolId>>,
 }
@@ -46,6 +47,27 @@ impl<'a> Styles<'a> {
             "a file has objects for extruder {most}, but the printer has {count} tools; they are printed with tool {}",
             plate.tool_of.object
         ))
+    }
+
+    /// Gives objects whose tools have other nozzles than the printer the widths that go with them.
+    pub fn take_widths(&mut self, plate: &Settings) {
+        if plate.tools.len() < 2 {
+            return;
+        }
+        for object in 0..self.of_object.len() {
+            let settings = self.settings(object, plate);
+            let tool = self.tool(object).unwrap_or(settings.tool_of.base());
+            // What has the plate's settings and tool is printed as the plate is.
+            if self.of_object[object].is_none() && tool == plate.tool_of.base() {
+                continue;
+            }
+            let Some(own) = settings.with_widths_of(tool.into()) else { continue };
+            let known = self.own.iter().position(|known| **known == own);
+            self.of_object[object] = known.or(Some(self.own.len()));
+            if known.is_none() {
+                self.own.push(Cow::Owned(own));
+            }
+        }
     }
 
     /// The tool that an object's file has for it.
@@ -96,7 +118,7 @@ impl<'a> Styles<'a> {
                 all.push(settings);
             }
         }
-        Ok(Self { of_object, own: all, tools: Vec::new() })
+        Ok(Self { of_object, own: all.into_iter().map(Cow::Borrowed).collect(), tools: Vec::new() })
     }
 
     /// The same for some of the objects, numbered anew.
@@ -107,17 +129,14 @@ impl<'a> Styles<'a> {
     }
 
     /// The settings of an object.
-    pub fn settings<'s>(&self, object: usize, plate: &'s Settings) -> &'s Settings
-    where
-        'a: 's,
-    {
+    pub fn settings<'s>(&'s self, object: usize, plate: &'s Settings) -> &'s Settings {
         let style = self.of_object.get(object).copied().flatten();
-        style.map_or(plate, |style| self.own[style])
+        style.map_or(plate, |style| &*self.own[style])
     }
 
     /// The settings of the plate, and all others that objects here have, with their numbers.
     pub fn each<'s>(&'s self, plate: &'s Settings) -> impl Iterator<Item = (Option<usize>, &'s Settings)> {
-        let others = self.used().into_iter().map(|style| (Some(style), self.own[style]));
+        let others = self.used().into_iter().map(|style| (Some(style), &*self.own[style]));
         std::iter::once((None, plate)).chain(others)
     }
 
@@ -128,7 +147,8 @@ impl<'a> Styles<'a> {
         change: impl Fn(&Settings) -> Settings,
     ) -> Styles<'b> {
         *own = self.own.iter().map(|own| change(own)).collect();
-        Styles { of_object: self.of_object.clone(), own: own.iter().collect(), tools: self.tools.clone() }
+        let own = own.iter().map(Cow::Borrowed).collect();
+        Styles { of_object: self.of_object.clone(), own, tools: self.tools.clone() }
     }
 
     /// For each object its own settings, as an index.
@@ -137,8 +157,8 @@ impl<'a> Styles<'a> {
     }
 
     /// The settings that objects have of their own.
-    pub fn own(&self) -> impl Iterator<Item = &'a Settings> {
-        self.own.iter().copied()
+    pub fn own(&self) -> impl Iterator<Item = &Settings> {
+        self.own.iter().map(|own| &**own)
     }
 
     /// The numbers of settings that objects here have.
@@ -164,7 +184,7 @@ impl Planners {
     pub fn new(settings: &Settings, styles: &Styles<'_>, footprint: &Region, first_height_mm: f64) -> Self {
         let main = Planner::new(settings.into(), footprint, first_height_mm);
         let other = |style: usize| {
-            let mut own = ToolpathSettings::from(styles.own[style]);
+            let mut own = ToolpathSettings::from(&*styles.own[style]);
             (own.skirt.loops, own.brim.width) = (0, Mm(0.0));
             (style, Planner::new(own, Region::EMPTY, first_height_mm))
         };

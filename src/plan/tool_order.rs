@@ -1,37 +1,88 @@
 //! Which tool prints when: the tools of each layer, in their order.
 
+use crate::motion::{MotionSettings, drawing_s};
 use crate::order::compare_tools::ToolOrderRow;
-use crate::order::tools::{ToolLayer, ToolOrder, ToolPlan, ToolProblem, order_tools};
+use crate::order::tools::{ToolHeating, ToolLayer, ToolOrder, ToolPlan, ToolProblem, order_tools};
 use crate::profile::Settings;
-use crate::toolpath::{LayerPaths, ToolId};
+use crate::toolpath::{LayerPaths, Path, ToolId};
+use ordering::{LinkKind, TravelTime};
 
 /// Milliseconds in a second, in which changes are weighed.
 const MS: f64 = 1000.0;
 
 /// The tools that each layer of a print needs, and what it costs to change them.
 pub(crate) fn problem(layers: &[LayerPaths], start: Option<ToolId>, settings: &Settings) -> ToolProblem {
+    let motion = MotionSettings::new(settings, &[]);
+    let heating = heating(&motion);
+    let travels: Vec<TravelTime> =
+        (0..settings.tools.len()).map(|tool| (&*settings.of_tool(tool)).into()).collect();
     let layer = |layer: &LayerPaths| {
         let mut tools: Vec<u32> = layer.paths.iter().filter_map(|path| path.tool).map(u32::from).collect();
         tools.sort_unstable();
         tools.dedup();
-        ToolLayer { tools, before: Vec::new() }
+        let prints = if heating.is_empty() { Vec::new() } else { prints(layer, &tools, &motion, &travels) };
+        ToolLayer { tools, prints, before: Vec::new() }
     };
     let tools = settings.tools.len();
-    let seconds = seconds(settings);
     let cost = |from: usize, to: usize| {
-        let waste_s = settings.tool_change.waste_weight * settings.flush_mm3(from, to);
-        if from == to { 0 } else { (MS * (seconds[to] + waste_s)).round() as u32 }
+        let own = &motion.tools[from];
+        let waste_mm3 = settings.flush_mm3(from, to) + own.swap.rammed_mm3();
+        let waste_s = settings.tool_change.waste_weight * waste_mm3;
+        let swap_s = if own.swaps() { own.swap.unload_s() + motion.tools[to].swap.load_s() } else { 0.0 };
+        let change_s = motion.tools[to].change_time.0 + shared_heat_s(from, to, &motion) + swap_s;
+        if from == to { 0 } else { ms(change_s + waste_s) }
     };
     ToolProblem {
         layers: layers.iter().map(layer).collect(),
         change: (0..tools).map(|from| (0..tools).map(|to| cost(from, to)).collect()).collect(),
+        heating,
         loaded: start.map(u32::from),
     }
 }
 
-/// How long it takes to change to each tool.
-fn seconds(settings: &Settings) -> Vec<f64> {
-    (0..settings.tools.len()).map(|to| settings.of_tool(to).tool_change.time.0).collect()
+fn ms(seconds: f64) -> u32 {
+    (MS * seconds).round() as u32
+}
+
+/// What heating each tool takes, where any cools down while others print.
+fn heating(motion: &MotionSettings) -> Vec<ToolHeating> {
+    if motion.tools.iter().all(|own| own.reheating_s(own.temperature.nozzle) <= 0.0) {
+        return Vec::new();
+    }
+    let own = |own: &MotionSettings| {
+        let change_s = own.change_time.0;
+        // The change itself takes a while, too.
+        let ahead_s = own.reheating_s(own.temperature.nozzle) - change_s;
+        ToolHeating { change: ms(change_s), ahead: ms(ahead_s.max(0.0)) }
+    };
+    motion.tools.iter().map(own).collect()
+}
+
+/// How long a heater that all tools share takes from the temperature of one to a higher one.
+fn shared_heat_s(from: usize, to: usize, motion: &MotionSettings) -> f64 {
+    let (before, own) = (&motion.tools[from], &motion.tools[to]);
+    own.shared_heating_s(before.temperature.nozzle, own.temperature.nozzle)
+}
+
+/// How long each tool of a layer draws and travels, slowed down to the least time of a layer, milliseconds.
+fn prints(layer: &LayerPaths, tools: &[u32], motion: &MotionSettings, travels: &[TravelTime]) -> Vec<u32> {
+    let of_tool = |tool: u32| -> f64 {
+        let own = layer.paths.iter().filter(|path| path.tool.map(u32::from) == Some(tool));
+        let own: Vec<&Path> = own.filter(|path| !path.points.is_empty()).collect();
+        let draws_s = own.iter().map(|path| drawing_s(path, layer.index, motion.of_tool(tool as ToolId)));
+        let travel = &travels[tool as usize];
+        let link_s = |pair: &[&Path]| {
+            let [a, b] = [pair[0], pair[1]];
+            let end = if a.closed { a.points[0] } else { a.points[a.points.len() - 1] };
+            let kind = LinkKind { inside: a.island.is_some() && a.island == b.island, climbs: false };
+            travel.of(end.distance_mm(b.points[0]), kind)
+        };
+        draws_s.sum::<f64>() + own.windows(2).map(link_s).sum::<f64>()
+    };
+    let seconds: Vec<f64> = tools.iter().map(|tool| of_tool(*tool)).collect();
+    let all_s: f64 = seconds.iter().sum();
+    let slowed = (motion.cooling.min_layer_time.0 / all_s.max(f64::MIN_POSITIVE)).max(1.0);
+    seconds.into_iter().map(|own_s| if own_s > 0.0 { ms(slowed * own_s) } else { 0 }).collect()
 }
 
 /// The order of the tools of each layer, by a rule.
@@ -43,12 +94,13 @@ pub(crate) fn plan(problem: &ToolProblem, order: ToolOrder) -> ToolPlan {
 pub(crate) fn row(
     order: ToolOrder,
     plan: &ToolPlan,
-    start: Option<ToolId>,
+    problem: &ToolProblem,
     settings: &Settings,
 ) -> ToolOrderRow {
-    let seconds = seconds(settings);
+    let seconds: Vec<f64> =
+        (0..settings.tools.len()).map(|to| settings.of_tool(to).tool_change.time.0).collect();
     let (mut change_s, mut flushed_mm3) = (0.0, 0.0);
-    let mut current = start.map(u32::from);
+    let mut current = problem.loaded;
     for &tool in plan.layers.iter().flatten() {
         if let Some(from) = current.filter(|from| *from != tool) {
             change_s += seconds[tool as usize];
@@ -60,6 +112,7 @@ pub(crate) fn row(
         order: order.name().into(),
         changes: plan.changes,
         change_s,
+        heat_s: (plan.cost as f64 / MS - change_s - settings.tool_change.waste_weight * flushed_mm3).max(0.0),
         flushed_mm3,
         cost_s: plan.cost as f64 / MS,
         bound_s: plan.bound.map(|bound| bound as f64 / MS),

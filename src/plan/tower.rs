@@ -1,5 +1,6 @@
 //! The prime tower: where tools are flushed that others follow.
 
+use super::flush::flushed_into_mm3;
 use crate::motion::SwapSettings;
 use crate::profile::Settings;
 use crate::toolpath::{LayerPaths, Path, Phase, Role, ToolId, Width, bead};
@@ -130,7 +131,6 @@ impl Rammed {
 impl Tower {
     /// The tower for layers whose tools are in order, the first of them in use from the start; `None`: nothing is flushed.
     pub fn plan(layers: &[LayerPaths], settings: &Settings) -> Option<Self> {
-        let tower = &settings.prime_tower;
         let mut tool = layers.iter().find_map(|layer| layer.tools.first().copied())?;
         let mut below_mm = 0.0;
         let mut floors: Vec<Floor> = Vec::with_capacity(layers.len());
@@ -146,8 +146,7 @@ impl Tower {
                 }
                 tool = next;
             }
-            let own_mm = settings.first_layer.width.0;
-            let width_mm = if floors.is_empty() && own_mm > 0.0 { own_mm } else { settings.walls.width.0 };
+            let width_mm = floor_width_mm(floors.is_empty(), settings);
             let height_mm = layer.top_mm - below_mm;
             let first = layer.tools.first().copied().unwrap_or(tool);
             let most = changes.iter().max_by(|a: &&Flush, b| a.mm3.total_cmp(&b.mm3));
@@ -158,10 +157,46 @@ impl Tower {
         let last = floors.iter().rposition(|floor| !floor.changes.is_empty())?;
         floors.truncate(last + 1);
         let height_mm: f64 = floors.iter().map(|floor| floor.height_mm).sum();
+        Some(Self::of(floors, height_mm, settings))
+    }
+
+    /// A tower as large as one can be in which each of so many changes of a layer leads to another of these tools, and which is so
+    /// high; `None`: there is nothing to flush.
+    pub fn largest(tools: &[usize], changes: usize, height_mm: f64, settings: &Settings) -> Option<Self> {
+        let most = |to: &usize| {
+            let from = tools.iter().filter(|from| *from != to);
+            from.map(|from| settings.flush_mm3(*from, *to)).fold(0.0, f64::max)
+        };
+        let mut flushes: Vec<f64> = tools.iter().map(most).filter(|mm3| *mm3 > 0.0).collect();
+        flushes.sort_by(|a, b| b.total_cmp(a));
+        flushes.truncate(changes);
+        if flushes.is_empty() {
+            return None;
+        }
+        let rams = tools.iter().map(|tool| ram(&settings.of_tool(*tool).swap));
+        let ram = rams.max_by(|a, b| a.mm3.total_cmp(&b.mm3)).unwrap_or_default();
+        let change = |mm3| Flush { from: 0, to: 0, ram, mm3 };
+        let changes: Vec<Flush> = flushes.into_iter().map(change).collect();
+        let layer = &settings.layer;
+        let least_mm = if layer.adaptive { layer.min_height.0 } else { layer.height.0 };
+        let heights_mm = [layer.first_height.0, least_mm];
+        let floor = |(index, height_mm): (usize, f64)| Floor {
+            height_mm,
+            width_mm: floor_width_mm(index == 0, settings),
+            depth_mm: 0.0,
+            rest: ToolId::MAX,
+            changes: changes.clone(),
+        };
+        let floors: Vec<Floor> = heights_mm.into_iter().enumerate().map(floor).collect();
+        Some(Self::of(floors, height_mm, settings))
+    }
+
+    fn of(mut layers: Vec<Floor>, height_mm: f64, settings: &Settings) -> Self {
+        let tower = &settings.prime_tower;
         let least_mm = LEAST_DEPTH_MM.max(LEAST_SLENDERNESS * height_mm);
         let width_mm = tower.width.0;
         let mut depth_mm = least_mm;
-        for (index, floor) in floors.iter_mut().enumerate().rev() {
+        for (index, floor) in layers.iter_mut().enumerate().rev() {
             // A deeper frame takes more, so that the second guess suffices.
             let guess_mm = floor.needed_mm(width_mm, 0.0);
             let guess_mm = floor.needed_mm(width_mm, floor.frame_mm3(width_mm, guess_mm));
@@ -171,13 +206,18 @@ impl Tower {
             let apart_mm = if index == 0 { floor.spacing_mm() } else { tower.line_distance.0 };
             floor.flush_into_frame(width_mm, apart_mm);
         }
-        Some(Self {
+        Self {
             center_mm: [0.0; 2],
             size_mm: [width_mm, depth_mm],
             brim_mm: tower.brim.0,
             line_distance_mm: tower.line_distance.0,
-            layers: floors,
-        })
+            layers,
+        }
+    }
+
+    /// Width and depth with the brim, millimetres.
+    pub fn outer_mm(&self) -> [f64; 2] {
+        self.size_mm.map(|size_mm| size_mm + 2.0 * self.brim_mm)
     }
 
     /// What it covers on the bed, brim included.
@@ -244,7 +284,23 @@ impl Tower {
     }
 
     /// Moves it to the middle of the bed's part that is nearest to what is printed and clear of it; whether there is one.
-    pub fn place(&mut self, printed: &Region, settings: &Settings) -> bool {
+    /// `room`: the middle of the room that was kept for it, within the skirt and so clear of what is `standing` only.
+    pub fn place(
+        &mut self,
+        printed: &Region,
+        standing: &Region,
+        room: Option<[f64; 2]>,
+        settings: &Settings,
+    ) -> bool {
+        if let Some(middle_mm) = room {
+            self.center_mm = middle_mm;
+            let footprint = self.footprint();
+            let is_on_bed = settings.bed.excess_mm(footprint.outer.iter().map(|p| p.mm())) <= 0.0;
+            let taken = geometry::intersection(&Region::from(footprint), standing);
+            if is_on_bed && taken.is_empty() {
+                return true;
+            }
+        }
         let bed = &settings.bed;
         let (low, high, middle) = (bed.low_mm(), bed.high_mm(), bed.middle_mm());
         let round_mm = (bed.shape == crate::plate::BedShape::Round).then_some(bed.size[0].0 / 2.0);
@@ -297,45 +353,9 @@ fn ram(swap: &SwapSettings) -> Ram {
     Ram { mm3: swap.rammed_mm3(), width: swap.ramming_width.0, spacing: swap.ramming_spacing.0 }
 }
 
-/// Lets tools be flushed into the infill or support that they print right after they are taken, where that is wanted.
-pub(crate) fn flush_into(layers: &mut [LayerPaths], settings: &Settings) {
-    let change = &settings.tool_change;
-    let roles =
-        [(Role::InternalInfill, change.flush_into_infill), (Role::Support, change.flush_into_support)];
-    let takes = |role: Role| roles.contains(&(role, true));
-    let mut current = layers.iter().find_map(|layer| layer.tools.first().copied());
-    for layer in layers.iter_mut().filter(|_| roles.iter().any(|(_, wanted)| *wanted)) {
-        let kept = layer.tools.first().copied().filter(|first| Some(*first) == current);
-        for path in layer.paths.iter_mut().filter(|path| takes(path.role) && path.tool != kept) {
-            path.phase = Phase::Tower(FLUSHED_INTO);
-        }
-        current = layer.tools.last().copied().or(current);
-    }
-}
-
-/// The rank of what is flushed into.
-const FLUSHED_INTO: u32 = 3;
-
-/// What a tool is flushed into beside the tower, mm³.
-fn flushed_into_mm3(layer: &LayerPaths, tool: ToolId) -> f64 {
-    let of_tool = |path: &&Path| {
-        path.tool == Some(tool) && path.role != Role::PrimeTower && matches!(path.phase, Phase::Tower(_))
-    };
-    layer.paths.iter().filter(of_tool).map(volume_mm3).sum()
-}
-
-fn volume_mm3(path: &Path) -> f64 {
-    let length_mm = match path.closed {
-        true => geometry::ring_length_mm(&path.points),
-        false => geometry::polyline_length_mm(&path.points),
-    };
-    let width_mm = match &path.width {
-        Width::Constant(width_mm) => *width_mm,
-        Width::PerVertex(widths) => {
-            widths.iter().map(|w| f64::from(*w)).sum::<f64>() / widths.len().max(1) as f64
-        }
-    };
-    length_mm * bead::area_mm2(width_mm, path.height_mm)
+fn floor_width_mm(is_first: bool, settings: &Settings) -> f64 {
+    let own_mm = settings.first_layer.width.0;
+    if is_first && own_mm > 0.0 { own_mm } else { settings.walls.width.0 }
 }
 
 /// Distance from all that is printed, millimetres.

@@ -132,6 +132,14 @@ pub(super) fn fitting_factor(share: f64) -> f64 {
     if share <= 1.0 { 1.0 } else { ((1.0 / share) * 1e4).floor() / 1e4 }
 }
 
+impl BedSettings {
+    /// How far points reach beyond the edge of the bed, millimetres; negative inside.
+    pub(crate) fn excess_mm(&self, points: impl Iterator<Item = [f64; 2]>) -> f64 {
+        let middle = self.middle_mm();
+        Area::new(self, 0.0).excess_mm(points.map(|[x, y]| [x - middle[0], y - middle[1]]))
+    }
+}
+
 impl std::fmt::Display for Area {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         let [w, d] = self.half.map(|half| 2.0 * (half + self.margin_mm));

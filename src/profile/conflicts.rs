@@ -373,6 +373,16 @@ fn tools(settings: &Settings, check: &mut Check) {
             let message = format!("a layer is higher than the nozzle of tool {}, {nozzle}", tool + 1);
             check.error(&["layer.height"], &message);
         }
+        let Some(own) = settings.with_widths_of(tool) else { continue };
+        let widths = [own.walls.width, own.walls.external_width, own.shell.width, own.infill.width];
+        if widths.iter().any(|width| *width < height) {
+            let message = format!("lines of tool {} would be narrower than a layer is high", tool + 1);
+            check.error(&["layer.height"], &message);
+        } else if widths.iter().any(|width| *width > nozzle * 2.5 || *width < nozzle * 0.6) {
+            let message =
+                format!("lines of tool {} are best 0.6 to 2.5 of its nozzle wide, {nozzle}", tool + 1);
+            check.warn(&["walls.width"], &message);
+        }
     }
 }
 

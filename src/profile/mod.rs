@@ -9,6 +9,7 @@ mod conflicts;
 mod dump;
 mod embedded;
 mod error;
+mod flush;
 mod import;
 mod metadata;
 mod of_tool;
@@ -21,6 +22,7 @@ mod stages;
 mod suggest;
 mod tools;
 mod value;
+mod widths;
 
 pub use chosen::preset_notes;
 pub use dump::{dump_json, dump_toml, reference};

@@ -5,6 +5,7 @@ use std::borrow::Cow;
 use serde::Deserialize;
 use toml::{Table, Value};
 
+use super::flush;
 use super::settings::Settings;
 use super::tools::Tool;
 use crate::gcode::ToolChangeKind;
@@ -34,15 +35,24 @@ impl Settings {
         Cow::Owned(Self::deserialize(Value::Table(table)).expect("every value was checked"))
     }
 
-    /// Filament flushed when one tool follows another, both counted from 0, mm³.
+    /// Filament flushed when one tool follows another, both counted from 0, mm³: as is listed, the same for all, or by the colors.
     pub fn flush_mm3(&self, from: usize, to: usize) -> f64 {
         let change = &self.tool_change;
+        let same = Some(change.flush_volume.0).filter(|own| *own > 0.0);
         let listed = change.flush_volumes.get(from * self.tools.len() + to).copied();
+        if let Some(volume_mm3) = listed.or(same) {
+            return change.flush_multiplier * volume_mm3;
+        }
+        let [least, most] = change.flush_limits.map(|mm3| mm3.0);
+        let by_color = || {
+            let color = |tool: usize| flush::color(&self.of_tool(tool).filament.color);
+            let mm3 = flush::between_mm3(color(from)?, color(to)?);
+            Some(mm3.min(most).max(least))
+        };
         let usual = match change.kind {
-            ToolChangeKind::SingleNozzle => 140.0,
+            ToolChangeKind::SingleNozzle => by_color().unwrap_or(140.0),
             ToolChangeKind::ToolChanger | ToolChangeKind::Heads => 15.0,
         };
-        let own = change.flush_volume.0;
-        listed.unwrap_or(if own > 0.0 { own } else { usual })
+        change.flush_multiplier * usual
     }
 }

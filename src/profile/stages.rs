@@ -224,6 +224,9 @@ impl Machine {
                 speed: retract.speed.0,
                 unretract_speed: retract.unretract_speed.0,
             },
+            change_s: settings.tool_change.time.0,
+            change_is_fixed: false,
+            heating_rate: settings.tool.heating_rate,
             filament_area_mm2: settings.filament.area_mm2(),
         };
         if made.junction_deviation_mm <= 0.0 {
@@ -302,6 +305,7 @@ impl From<&Settings> for GcodeOptions {
             machine: Machine::new(settings),
             limits: settings.machine.clone(),
             tools: Vec::new(),
+            tool_change: settings.tool_change.clone(),
         }
     }
 }
@@ -309,17 +313,23 @@ impl From<&Settings> for GcodeOptions {
 impl GcodeOptions {
     /// The options of a print that begins with a tool.
     pub fn beginning_with(settings: &Settings, first: ToolId) -> Self {
+        let count = settings.tool_list().len();
         let own = |tool: usize| {
+            let flushes_mm3 =
+                (0..count).map(|to| if to == tool { 0.0 } else { settings.flush_mm3(tool, to) });
+            let flushes_mm3 = flushes_mm3.collect();
             let own = settings.of_tool(tool);
             ToolOptions {
                 printer: own.printer.clone(),
                 filament: own.filament.clone(),
                 temperature: own.temperature.clone(),
                 tool: own.tool.clone(),
+                change: own.tool_change.time,
+                flushes_mm3,
                 has_heater: own.tool_change.kind.has_nozzles(),
             }
         };
-        let tools = (0..settings.tool_list().len()).map(own).collect();
+        let tools = (0..count).map(own).collect();
         Self { tools, ..Self::from(&*settings.of_tool(first.into())) }
     }
 }

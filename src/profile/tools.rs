@@ -13,7 +13,7 @@ pub(super) const TOOLS: &str = "tools.";
 
 /// Sections of which a tool may have values of its own, and single keys of others.
 const SECTIONS: [&str; 4] = ["tool.", "filament.", "retract.", "swap."];
-const KEYS: [&str; 9] = [
+const KEYS: [&str; 16] = [
     "printer.nozzle_diameter",
     "temperature.nozzle",
     "temperature.nozzle_first_layer",
@@ -23,6 +23,13 @@ const KEYS: [&str; 9] = [
     "tool_change.time",
     "gcode.filament_start",
     "gcode.filament_end",
+    "walls.width",
+    "walls.external_width",
+    "shell.width",
+    "shell.top_width",
+    "infill.width",
+    "support.width",
+    "first_layer.width",
 ];
 
 /// The settings that a tool has of its own, by section and name.

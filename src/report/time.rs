@@ -31,7 +31,7 @@ pub struct PrintTime {
     pub left_out: [&'static str; 3],
     /// Before the first layer: the start script's moves.
     pub before_s: f64,
-    /// Time by activity: travel, retraction (all moves of filament in place), waits, and each role.
+    /// Time by activity: travel, retraction (all moves of filament in place), waits, changes of tool, and each role.
     pub by_role: Seconds,
     /// Number of layers.
     pub layer_count: usize,
@@ -61,7 +61,7 @@ impl PrintTime {
             file,
             machine: firmware.name(),
             total_s: times.total_s(),
-            left_out: ["heating", "homing", "pauses"],
+            left_out: ["heating up", "homing", "pauses"],
             before_s: times.before_s(),
             by_role: Seconds(times.roles()),
             layer_count: times.layers(),

@@ -344,6 +344,8 @@ section! {
         support_interface: u32 = 0; 0..=16,
         /// Heights between which another tool prints the object, whatever the other keys say: 5-10:2, 20.5-24:3 (millimetres over the bed, tool); empty: none.
         heights: String = String::new(),
+        /// The tools that are changed to are flushed into the object, inside and outside: it is printed with whichever tool is in use, in whichever color comes out. For single objects.
+        flush: bool = false,
         /// How far inside of the outline the tool that is painted on it prints; 0: to where another piece of the outline is nearer.
         paint_depth: Mm = Mm(0.0); 0.0..=1000.0,
     }

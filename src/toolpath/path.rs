@@ -196,6 +196,22 @@ impl LayerPaths {
     }
 }
 
+impl LayerPaths {
+    /// Takes away the paths that are not to stay.
+    pub fn retain(&mut self, stays: impl Fn(&Path) -> bool) {
+        let entries = std::mem::take(&mut self.entries);
+        let mut kept = 0;
+        for (index, path) in std::mem::take(&mut self.paths).into_iter().enumerate() {
+            if stays(&path) {
+                let own = entries.get(&(index as u32)).cloned();
+                self.entries.extend(own.map(|own| (kept, own)));
+                self.paths.push(path);
+                kept += 1;
+            }
+        }
+    }
+}
+
 /// The vertices of a loop at which it may be entered.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Entries {

@@ -102,7 +102,7 @@ fn the_time_of_a_file_is_told_by_role_and_layer() {
             json["layers"].as_array().unwrap().iter().map(|layer| number(&layer["total_s"])).sum();
         assert!((layers + number(&json["before_s"]) - number(&json["total_s"])).abs() < 1e-9);
     }
-    assert!(run(&["time", path], 0).0.contains("without heating, homing, pauses"));
+    assert!(run(&["time", path], 0).0.contains("without heating up, homing, pauses"));
     run(&["time", path, "--machine", "abacus"], 2);
     run(&["time", path, "--limits", "no-such-profile"], 4);
     run(&["time", "no-such.gcode"], 3);

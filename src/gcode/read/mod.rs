@@ -5,6 +5,7 @@
 //! layer it belongs. [`measure`] sums up lengths and volumes. Nothing fails: what is not understood is passed on as it is.
 
 mod annotate;
+mod changes;
 mod features;
 mod lexer;
 mod limits;

@@ -1,5 +1,6 @@
 //! How long a file takes.
 
+use super::changes::Changes;
 use super::lexer::Line;
 use super::limits::{Effect, Limits};
 use super::replay::{Action, Replay, Stroke, replay};
@@ -9,8 +10,8 @@ use crate::units::Seconds;
 /// Arcs are planned as chords of this length, as firmwares do.
 const CHORD_MM: f64 = 1.0;
 
-/// The time of all moves and dwells, by the machine's limits and those that the file sets. Heating, homing and
-/// pauses take none.
+/// The time of all moves, dwells and changes of tool, by the machine's limits and those that the file sets. Homing and pauses take
+/// none, heating only after a change.
 pub fn file_time(text: &[u8], machine: &Machine) -> Seconds {
     time_on(replay(text), machine)
 }
@@ -29,6 +30,7 @@ pub fn time_on(steps: Replay<'_>, machine: &Machine) -> Seconds {
 pub struct Clock {
     planner: Planner,
     limits: Limits,
+    changes: Changes,
     filament_area_mm2: f64,
 }
 
@@ -38,6 +40,7 @@ impl Clock {
         Self {
             planner: Planner::new(machine),
             limits: Limits::new(machine),
+            changes: Changes::default(),
             filament_area_mm2: machine.filament_area_mm2,
         }
     }
@@ -59,13 +62,17 @@ impl Clock {
                 if let Effect::Wait(seconds) = self.limits.apply(line, self.planner.machine()) {
                     self.planner.dwell(seconds, account);
                 }
+                self.changes.line(line, &mut self.planner, account);
             }
         }
     }
 
     /// The seconds on every account that was used.
-    pub fn finish(self) -> Vec<f64> {
-        self.planner.finish()
+    pub fn finish(mut self) -> Vec<f64> {
+        let machine = *self.planner.machine();
+        let mut seconds = self.planner.finish();
+        self.changes.book(&mut seconds, &machine);
+        seconds
     }
 
     fn feed(&mut self, e_mm: f64, speed: f64, account: usize) {
@@ -74,6 +81,9 @@ impl Clock {
     }
 
     fn go(&mut self, stroke: &Stroke, account: usize) {
+        if stroke.extrudes() {
+            self.changes.printed();
+        }
         let speed = stroke.feed_mm_s * self.limits.speed;
         let e_mm = if stroke.volumetric { stroke.e_mm / self.filament_area_mm2 } else { stroke.e_mm };
         let in_space = stroke.xy_mm > 0.0 || stroke.from[2] != stroke.to[2];

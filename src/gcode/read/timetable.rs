@@ -13,13 +13,14 @@ use crate::toolpath::Role;
 const TRAVEL: usize = 0;
 const RETRACTION: usize = 1;
 const WAIT: usize = 2;
+const CHANGE: usize = 3;
 /// Extrusion of which the file does not say what it is for.
-const UNKNOWN: usize = 3;
-const ROLES: usize = 4;
+const UNKNOWN: usize = 4;
+const ROLES: usize = 5;
 /// Accounts of a layer.
 const ACCOUNTS: usize = ROLES + Role::ALL.len();
 
-/// How long a file takes, and where the time goes. Heating, homing and pauses take none.
+/// How long a file takes, and where the time goes. Homing and pauses take none, heating only after a change of tool.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Timetable {
     /// Before the first layer, then layer by layer.
@@ -74,7 +75,7 @@ impl Timetable {
 
 /// What takes any time, by the names that viewers know. Skirt and brim have one.
 fn named(accounts: &[f64; ACCOUNTS]) -> Vec<(&'static str, f64)> {
-    let names = ["Travel", "Retraction", "Wait", "Unknown"].into_iter();
+    let names = ["Travel", "Retraction", "Wait", "Tool change", "Unknown"].into_iter();
     let mut out: Vec<(&str, f64)> = Vec::new();
     for (name, seconds) in names.chain(Role::ALL.map(Role::type_name)).zip(*accounts) {
         match out.last_mut() {
@@ -106,6 +107,7 @@ impl Reading {
             }
             Action::Stroke(stroke) if stroke.xy_mm > 1e-9 || stroke.from[2] != stroke.to[2] => TRAVEL,
             Action::Stroke(_) | Action::FirmwareRetract | Action::FirmwareUnretract => RETRACTION,
+            _ if read.line.code.is_some_and(|code| code.letter == b'T') => CHANGE,
             _ => WAIT,
         };
         let span = read.context.layer.map_or(0, |layer| layer + 1);

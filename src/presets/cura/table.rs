@@ -27,6 +27,8 @@ use Rule::Same;
 
 /// Their setting, PrusaSlicer's key, and how it is said.
 pub(super) const TABLE: &[(&str, &str, Rule)] = &[
+    ("ooze_shield_enabled", "ooze_shield", Flag),
+    ("ooze_shield_dist", "ooze_shield_distance", Same),
     ("machine_name", "printer_model", By(|s| Some(escaped(&s.text("machine_name"))))),
     ("machine_width", "bed_shape", By(bed)),
     ("machine_height", "max_print_height", Same),

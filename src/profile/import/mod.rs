@@ -135,6 +135,8 @@ impl Import {
     /// The settings of an extruder that are not those of the first.
     fn of_tool(&self, config: &Config, extruder: usize) -> Vec<Taken> {
         let own = config.of_extruder(extruder);
+        // Widths that are stated are the same for every nozzle; ours would be in proportion.
+        let is_other_nozzle = own.number("nozzle_diameter") != config.number("nozzle_diameter");
         let differs = |row: &Row| {
             let &from = row.theirs.iter().find(|key| own.text(key).is_some())?;
             let (value, note) = match convert::row(row, &own) {
@@ -144,7 +146,8 @@ impl Import {
             };
             let first = self.taken.iter().find(|taken| taken.key == row.ours);
             let place = own.entries[from].place.clone();
-            (first.map(|taken| &taken.value) != Some(&value)).then_some(Taken {
+            let is_same = first.map(|taken| &taken.value) == Some(&value);
+            (!is_same || is_other_nozzle && row.ours.ends_with("width")).then_some(Taken {
                 key: row.ours,
                 value,
                 place,
@@ -400,6 +403,36 @@ mod tests {
         assert!(own[1].iter().all(|(key, _)| *key != "retract.length"), "it is the same");
         assert_eq!(value(two, "tool_change.kind"), Some(Value::String("tool-changer".into())));
         assert_eq!(value("nozzle_diameter = 0.4\ntoolchange_gcode = T1\n", "tool_change.script"), None);
+    }
+
+    #[test]
+    fn widths_that_are_stated_are_those_of_every_nozzle_and_others_follow_each() {
+        let widths = |text: &str| {
+            let import = import(&format!("nozzle_diameter = 0.4,0.6\n{text}"));
+            let width = |key: &str| {
+                import.tools[1].iter().find(|taken| taken.key == key).map(|t| t.value.to_string())
+            };
+            [width("walls.width"), width("infill.width")]
+        };
+        assert_eq!(widths("perimeter_extrusion_width = 0.5\n"), [Some("0.5".into()), None]);
+        assert_eq!(widths("extrusion_width = 0\nperimeter_extrusion_width = 0\n")[0], Some("0.675".into()));
+    }
+
+    #[test]
+    fn flushes_of_a_single_nozzle_are_those_of_the_matrix_or_of_each_filament() {
+        let volumes = |text: &str| {
+            let head = "nozzle_diameter = 0.4,0.4\nsingle_extruder_multi_material = 1\n";
+            value(&format!("{head}{text}"), "tool_change.flush_volumes").map(|value| value.to_string())
+        };
+        assert_eq!(volumes("wiping_volumes_matrix = 0,120,80,0\n"), Some("[0.0, 120.0, 80.0, 0.0]".into()));
+        assert_eq!(
+            volumes("wiping_volumes_extruders = 50,60,20,30\n"),
+            Some("[0.0, 80.0, 80.0, 0.0]".into())
+        );
+        let purge = "wiping_volumes_matrix = 0,1,1,0\nwiping_volumes_use_custom_matrix = 0\nmultimaterial_purging = 100\n";
+        let purge = format!("{purge}filament_purge_multiplier = 50%,200%\n");
+        assert_eq!(volumes(&purge), Some("[0.0, 200.0, 50.0, 0.0]".into()));
+        assert_eq!(volumes("temperature = 200,210\n"), None, "then it is by the colors");
     }
 
     #[test]

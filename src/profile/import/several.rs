@@ -48,8 +48,15 @@ pub(super) fn time(config: &Config) -> Outcome {
 /// Other printers have a purge that is the same for all.
 pub(super) fn flush_volumes(config: &Config) -> Outcome {
     let count = config.extruders();
-    match config.list("wiping_volumes_matrix") {
+    if config.flag("wiping_volumes_use_custom_matrix") == Some(false) {
+        return of_single(config, || purges(config, count));
+    }
+    let both = || from_and_to(config.list("wiping_volumes_extruders")?, count);
+    match config.list("wiping_volumes_matrix").or_else(both) {
         _ if count < 2 || !is_single(config) => Idle,
+        // Where a preset says nothing, projects do.
+        Some(volumes) if volumes.iter().all(|mm3| *mm3 <= 0.0) => Idle,
+        None if config.text("wiping_volumes_matrix").is_none_or(|text| text.trim().is_empty()) => Idle,
         Some(volumes) if count > MOST_TOOLS || volumes.len() != count * count => {
             Left(format!("{} volumes for {count} extruders", volumes.len()))
         }
@@ -192,6 +199,66 @@ pub(super) fn sensor_off(config: &Config) -> Outcome {
         return Idle;
     }
     of_several(config, || Some(Value::Boolean(true)))
+}
+
+fn of_single(config: &Config, value: impl FnOnce() -> Option<Value>) -> Outcome {
+    if is_single(config) { of_several(config, value) } else { Idle }
+}
+
+/// Every change flushes the same, but for a multiplier of the filament that is loaded.
+fn purges(config: &Config, count: usize) -> Option<Value> {
+    let purge_mm3 = config.number("multimaterial_purging").unwrap_or(140.0);
+    let into = |to: usize| {
+        let own = config.of_extruder(to).number_of("filament_purge_multiplier", Some(1.0));
+        purge_mm3 * own.unwrap_or(1.0)
+    };
+    let volume = |(from, to): (usize, usize)| Value::Float(if from == to { 0.0 } else { into(to) });
+    let pairs = (0..count).flat_map(|from| (0..count).map(move |to| (from, to)));
+    (count <= MOST_TOOLS).then(|| Value::Array(pairs.map(volume).collect()))
+}
+
+/// What each filament takes to be flushed out and to be flushed in, as volumes from each to each.
+fn from_and_to(all: Vec<f64>, count: usize) -> Option<Vec<f64>> {
+    let volume = |(from, to): (usize, usize)| if from == to { 0.0 } else { all[2 * from] + all[2 * to + 1] };
+    let pairs = (0..count).flat_map(|from| (0..count).map(move |to| (from, to)));
+    (all.len() >= 2 * count).then(|| pairs.map(volume).collect())
+}
+
+pub(super) fn flush_multiplier(config: &Config) -> Outcome {
+    of_single(config, || config.number("flush_multiplier").map(Value::Float))
+}
+
+fn flag(config: &Config, key: &str) -> Outcome {
+    of_several(config, || config.flag(key).map(Value::Boolean))
+}
+
+pub(super) fn flush_into_infill(config: &Config) -> Outcome {
+    let key =
+        if config.flag("flush_into_infill").is_some() { "flush_into_infill" } else { "wipe_into_infill" };
+    flag(config, key)
+}
+
+/// Who wants that for all objects has none whose color would matter.
+pub(super) fn flush_into_objects(config: &Config) -> Outcome {
+    let keys = ["wipe_into_objects", "flush_into_objects"];
+    match keys.iter().find_map(|key| config.flag(key)) {
+        Some(true) if config.extruders() > 1 => {
+            Left("objects are chosen for that with --object NAME:flush=true".into())
+        }
+        _ => Idle,
+    }
+}
+
+pub(super) fn ooze_shield(config: &Config) -> Outcome {
+    config.flag("ooze_shield").map_or(Idle, |on| Outcome::Value(Value::Boolean(on)))
+}
+
+pub(super) fn ooze_shield_distance(config: &Config) -> Outcome {
+    config.number("ooze_shield_distance").map_or(Idle, |mm| Outcome::Value(Value::Float(mm)))
+}
+
+pub(super) fn flush_into_support(config: &Config) -> Outcome {
+    flag(config, "flush_into_support")
 }
 
 pub(super) fn offset(config: &Config) -> Outcome {
