@@ -4,10 +4,13 @@
 mod contact;
 pub(crate) mod floating;
 mod infill;
+mod modifiers;
 mod overlaps;
 mod paint;
 pub(crate) mod parts;
+mod piece;
 pub(crate) mod sections;
+mod slivers;
 pub(crate) mod spiral;
 pub(crate) mod styles;
 pub(crate) mod supports;
