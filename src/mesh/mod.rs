@@ -5,6 +5,7 @@
 
 mod display;
 mod edges;
+mod effect;
 mod error;
 mod measure;
 mod package;
@@ -17,12 +18,13 @@ mod transform;
 pub(crate) mod units;
 mod weld;
 
+pub use effect::{Effect, SavedSettings, Words};
 pub use error::{Location, MeshError};
 pub use paint::{Paint, PaintedFacet, Wish};
 pub use read::{Model, from_bytes, load, load_objects, objects_from_bytes};
 pub use repair::Doubt;
 pub use report::{MeshReport, Repair};
-pub use surface::Mesh;
+pub use surface::{Mesh, Modifier};
 pub use transform::{Transform, TransformError};
 pub use units::{UNITS, UnitHint};
 

@@ -3,6 +3,7 @@
 use std::sync::Arc;
 
 use super::edges::{Edges, NO_TWIN};
+use super::effect::Effect;
 use super::measure::facet_measures;
 use super::paint::Paint;
 
@@ -17,6 +18,18 @@ pub struct Mesh {
     pub(super) twins: Arc<Vec<u32>>,
     pub(super) oriented: bool,
     pub(super) paint: Paint,
+    pub(super) modifiers: Vec<Modifier>,
+}
+
+/// A body that changes what is inside of it of the mesh that it belongs to.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Modifier {
+    /// As the file calls it, if it does.
+    pub name: Option<String>,
+    /// The body, in the coordinates of the mesh that it belongs to.
+    pub mesh: Mesh,
+    /// What it does.
+    pub effect: Effect,
 }
 
 impl Mesh {
@@ -32,6 +45,7 @@ impl Mesh {
             twins: edges.twins.into(),
             oriented: edges.clashing == 0,
             paint: Paint::default(),
+            modifiers: Vec::new(),
         }
     }
 
@@ -45,6 +59,7 @@ impl Mesh {
         Arc::make_mut(&mut self.twins).extend(other.twins.iter().map(moved));
         self.oriented &= other.oriented;
         self.paint.add(&other.paint, |corner| corner);
+        self.modifiers.extend_from_slice(&other.modifiers);
         self
     }
 
@@ -58,6 +73,18 @@ impl Mesh {
     /// What is painted on it.
     pub fn paint(&self) -> &Paint {
         &self.paint
+    }
+
+    /// The mesh with bodies that change what is inside of them, instead of those that it had.
+    #[must_use]
+    pub fn modified(mut self, modifiers: Vec<Modifier>) -> Self {
+        self.modifiers = modifiers;
+        self
+    }
+
+    /// Bodies that change what is inside of them, in the order in which they do.
+    pub fn modifiers(&self) -> &[Modifier] {
+        &self.modifiers
     }
 
     /// Vertices in millimetres.
@@ -82,11 +109,14 @@ impl Mesh {
             && self.oriented == other.oriented
             && self.vertices == other.vertices
             && self.paint == other.paint
+            && self.modifiers == other.modifiers
     }
 
     /// Moves every vertex; facets keep their neighbours.
     pub(crate) fn moved(&mut self, to: impl Fn([f64; 3]) -> [f64; 3]) {
         self.vertices.iter_mut().for_each(|vertex| *vertex = to(*vertex));
+        let bodies = self.modifiers.iter_mut().flat_map(|modifier| &mut modifier.mesh.vertices);
+        bodies.for_each(|vertex| *vertex = to(*vertex));
         self.paint.moved(to);
     }
 

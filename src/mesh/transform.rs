@@ -86,6 +86,7 @@ impl Mesh {
     fn turn_over(&mut self) {
         let (triangles, twins) = (Arc::make_mut(&mut self.triangles), Arc::make_mut(&mut self.twins));
         super::repair::turn_facets(triangles, twins, |_| true);
+        self.modifiers.iter_mut().for_each(|modifier| modifier.mesh.turn_over());
     }
 
     /// The mesh moved so that the middle of its box lies over the origin and its lowest point at z = 0.

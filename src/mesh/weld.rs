@@ -7,7 +7,7 @@ pub(super) const LIMIT_MM: f32 = 10_000.0;
 pub(super) const FARTHEST: f32 = 1e9;
 
 /// Triangles over shared vertices, as read: nothing is known of their neighbourhood yet.
-#[derive(Debug, Default)]
+#[derive(Clone, Debug, Default)]
 pub(super) struct Soup {
     pub vertices: Vec<[f32; 3]>,
     pub triangles: Vec<[u32; 3]>,

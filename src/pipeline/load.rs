@@ -4,7 +4,7 @@ use std::path::Path;
 
 use crate::job::{FitError, InputError, Job, JobError, JobModel};
 use crate::limits;
-use crate::mesh::{self, Mesh, MeshError, Transform, TransformError};
+use crate::mesh::{self, Effect, Mesh, MeshError, SavedSettings, Transform, TransformError, Wish};
 use crate::observer::Observer;
 use crate::plate::{self, Arrange, Layout, Model, Object, Placement, PlacementError, Plate, Sequence};
 use crate::profile::Settings;
@@ -68,6 +68,7 @@ pub(crate) fn place<'a>(
     let mut names: Vec<Vec<String>> = Vec::new();
     let mut own: Vec<Option<&Settings>> = Vec::new();
     let mut tools: Vec<Option<u32>> = Vec::new();
+    let mut saved: Vec<SavedSettings> = Vec::new();
     for (number, model) in models.iter().enumerate() {
         for (item, report) in model.layout.items().iter().zip(&model.reports) {
             warnings.extend(report.warnings.iter().map(|warning| format!("{}: {warning}", item.name)));
@@ -78,6 +79,7 @@ pub(crate) fn place<'a>(
             let settings = job.models.get(number).and_then(|model| model.settings.as_deref());
             own.extend(std::iter::repeat_n(settings, copies));
             tools.extend(std::iter::repeat_n(item.tool, copies));
+            saved.extend(std::iter::repeat_n(item.saved.clone(), copies));
         }
     }
     let placement = placement(job, settings);
@@ -90,9 +92,14 @@ pub(crate) fn place<'a>(
     warnings.extend(plate.notes.iter().cloned());
     let mut styles = Styles::new(&job.objects, &own, &names)?;
     warnings.extend(styles.take_tools(&tools, settings));
+    warnings.extend(styles.take_saved(&saved, &names, settings));
+    warnings.extend(styles.take_modifiers(&plate, settings));
     styles.take_widths(settings);
     let load = |bodies: &[JobModel]| load_modifiers(bodies, first_box, &plate, settings);
-    let modifiers = [load(&job.support_enforcers)?, load(&job.support_blockers)?];
+    let mut modifiers = [load(&job.support_enforcers)?, load(&job.support_blockers)?];
+    for (wish, modifiers) in [Wish::Enforced, Wish::Blocked].into_iter().zip(&mut modifiers) {
+        add_wishes(wish, &plate, modifiers);
+    }
     Ok(Loaded { plate, styles, modifiers, warnings, repairs, hints, tower_room_mm })
 }
 
@@ -205,6 +212,17 @@ fn load_modifiers(
         modifiers.meshes.push(mesh);
     }
     Ok(modifiers)
+}
+
+/// Adds the bodies that files have for where support is wanted, or not.
+fn add_wishes(wish: Wish, plate: &Plate, to: &mut Plate) {
+    for object in &plate.objects {
+        let bodies = plate.meshes[object.mesh].modifiers().iter();
+        for body in bodies.filter(|body| body.effect == Effect::Support(wish)) {
+            to.objects.push(Object { mesh: to.meshes.len(), ..object.clone() });
+            to.meshes.push(body.mesh.clone());
+        }
+    }
 }
 
 /// Puts a body where its position says, on the bed or not.

@@ -4,7 +4,8 @@ use crate::plate::Plate;
 use crate::slice::{Layer, Section};
 use geometry::Region;
 
-use super::parts::{Kinds, Parts};
+use super::parts::Kinds;
+use super::piece::Piece;
 use crate::parallel::Workers;
 
 /// Objects nearer than this may fuse, millimetres: about a bead.
@@ -35,8 +36,8 @@ struct Meeting {
 pub(crate) struct Resolved {
     /// What the user should know.
     pub notes: Vec<String>,
-    /// For each layer, and each of its sections, the parts by tool; empty: none has any.
-    pub parts: Vec<Vec<Parts>>,
+    /// For each layer, and each of its sections, the objects that it is made of; empty: each is one.
+    pub pieces: Vec<Vec<Vec<Piece>>>,
 }
 
 /// Unites sections that overlap, so that nothing is printed twice, and reports overlaps and objects that may fuse.
@@ -81,16 +82,16 @@ pub(crate) fn resolve(layers: &mut [Layer], plate: &Plate, kinds: &Kinds, worker
         let (low, high) = (first[*a].min(first[*b]), first[*a].max(first[*b]));
         first.iter_mut().filter(|one| **one == high).for_each(|one| *one = low);
     }
-    let mut parts = Vec::new();
+    let mut pieces = Vec::new();
     if !overlapping.is_empty() || of_pair.iter().any(|(_, meeting)| meeting.touching) {
         let mended = workers.map(layers.len(), |i| {
             let united = united(&layers[i].sections, &first, &overlapping, kinds);
-            let parts = kinds.parts(&layers[i], &united, &first);
-            (united, parts)
+            let pieces = united.iter().map(|section| kinds.pieces(&layers[i], section, &first)).collect();
+            (united, pieces)
         });
         for (layer, (sections, of_layer)) in layers.iter_mut().zip(mended) {
             layer.sections = sections;
-            parts.push(of_layer);
+            pieces.push(of_layer);
         }
     }
     let name = |object: usize| plate.objects[object].name.as_str();
@@ -125,7 +126,7 @@ pub(crate) fn resolve(layers: &mut [Layer], plate: &Plate, kinds: &Kinds, worker
             "{a} and {b} come nearer than {NEAR_MM} mm to each other at Z {z_mm:.2}{others}: they may fuse"
         ));
     }
-    Resolved { notes, parts }
+    Resolved { notes, pieces }
 }
 
 /// The pairs, of those that may be joined, that touch in a layer, or of which one stands on the other.

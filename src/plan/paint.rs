@@ -13,19 +13,13 @@ use crate::toolpath::{ToolId, shell_depth};
 use geometry::{Point, Region, Ring, difference, intersection, offset, opening, union, unite_rings};
 use ordering::matching::KdTree;
 
-use super::parts::Part;
+use super::parts::Painted as PaintedPart;
 
 /// What is painted is looked at so often along outlines, mm.
 const STEP_MM: f64 = 0.2;
 
 /// An outline differs from the mesh by less than this, mm.
 const TOLERANCE_MM: f64 = 0.1;
-
-/// Parts touch where they come so near, mm.
-const TOUCH_MM: f64 = 0.02;
-
-/// What is narrower than twice this share of a line is no part by itself.
-const DUST: f64 = 0.125;
 
 /// Not painted.
 const BARE: u8 = 0;
@@ -53,7 +47,7 @@ pub(super) fn parts(
     plate: &Plate,
     settings: &Settings,
     workers: Workers<'_>,
-) -> Vec<Vec<Part>> {
+) -> Vec<Vec<PaintedPart>> {
     let count = settings.tools.len() as u8;
     let is_painted = |object: &usize| !plate.meshes[plate.objects[*object].mesh].paint().tools.is_empty();
     let objects: Vec<usize> = (0..plate.objects.len()).filter(is_painted).collect();
@@ -68,7 +62,7 @@ pub(super) fn parts(
         for (parts, painted) in all.iter_mut().zip(painted) {
             let printed =
                 painted.into_iter().filter(|(tool, region)| (1..=count).contains(tool) && !region.is_empty());
-            parts.extend(printed.map(|(tool, region)| Part { tool: (tool - 1) as ToolId, region }));
+            parts.extend(printed.map(|(tool, region)| ((tool - 1) as ToolId, region)));
         }
     }
     all
@@ -211,7 +205,8 @@ impl<'a> Object<'a> {
             left = difference(&left, &here);
             add(&mut found, tool, &here);
         }
-        without_slivers(section, found, self.spec.line_mm)
+        found.remove(&BARE);
+        found
     }
 }
 
@@ -276,44 +271,14 @@ fn merge_short(kinds: &mut [u8], least: usize) {
     kinds.rotate_right(first);
 }
 
-/// The same without parts narrower than a line, which go to the neighbour that they touch most. They do not overlap, and what is
-/// not painted is left out.
-fn without_slivers(section: &Region, painted: Painted, line_mm: f64) -> Painted {
-    let wide = |region: &Region| intersection(&opening(region, line_mm / 2.0), region);
-    let mut kept: Painted = painted
-        .iter()
-        .filter(|(tool, _)| **tool != BARE)
-        .map(|(tool, region)| (*tool, wide(region)))
-        .collect();
-    let bare = kept.values().fold(section.clone(), |left, region| difference(&left, region));
-    let wide_bare = wide(&bare);
-    for sliver in difference(&bare, &wide_bare).polygons() {
-        let sliver = Region::from(sliver.clone());
-        let near = offset(&sliver, TOUCH_MM);
-        let area_mm2 = |region: &Region| intersection(&near, region).area_mm2();
-        let touches = kept.iter().map(|(tool, region)| (area_mm2(region), *tool));
-        let touches: Vec<(f64, u8)> = touches.chain([(area_mm2(&wide_bare), BARE)]).collect();
-        let own = || painted.iter().map(|(tool, region)| (area_mm2(region), *tool)).collect::<Vec<_>>();
-        let most = |of: Vec<(f64, u8)>| {
-            of.into_iter().filter(|(area, _)| *area > 0.0).max_by(|a, b| a.0.total_cmp(&b.0))
-        };
-        let tool = most(touches).or_else(|| most(own())).map_or(BARE, |(_, tool)| tool);
-        if tool != BARE {
-            add(&mut kept, tool, &sliver);
-        }
-    }
-    // What touches a part at a corner alone is still by itself.
-    for region in kept.values_mut() {
-        region.retain(|polygon| !offset(&Region::from(polygon.clone()), -line_mm * DUST).is_empty());
-    }
-    kept
-}
-
 #[cfg(test)]
 mod tests {
+    use super::super::piece::Piece;
+    use super::super::slivers;
     use super::*;
-    use geometry::Polygon;
     use proptest::prelude::*;
+
+    const LINE_MM: f64 = 0.45;
 
     fn ring(corners: &[(f64, f64)]) -> Ring {
         corners.iter().map(|&(x, y)| Point::from_mm(x, y)).collect()
@@ -329,7 +294,7 @@ mod tests {
         ring(&radii.iter().enumerate().map(corner).collect::<Vec<_>>())
     }
 
-    fn painted(ring: &Ring, tools: &[u8], depth_mm: f64) -> (Region, Painted) {
+    fn painted(ring: &Ring, tools: &[u8], depth_mm: f64) -> (Region, Vec<Piece>) {
         let section = unite_rings(std::slice::from_ref(ring));
         let lines: Vec<PaintedLine<u8>> = (0..ring.len())
             .filter(|&k| tools[k % tools.len()] != BARE)
@@ -339,10 +304,25 @@ mod tests {
                 paint: tools[k % tools.len()],
             })
             .collect();
-        let spec = Spec { line_mm: 0.45, walls_mm: 0.9, depth_mm, moved_mm: 0.0 };
+        let spec = Spec { line_mm: LINE_MM, walls_mm: 0.9, depth_mm, moved_mm: 0.0 };
         let found = by_outline(&section, &lines.iter().collect::<Vec<_>>(), spec);
-        let found = found.into_iter().map(|(tool, region)| (tool, intersection(&region, &section))).collect();
-        (section.clone(), without_slivers(&section, found, spec.line_mm))
+        let mut left = section.clone();
+        let mut pieces = Vec::new();
+        for (tool, region) in found {
+            pieces.push(Piece {
+                tool: ToolId::from(tool),
+                style: None,
+                region: intersection(&left, &region),
+            });
+            left = difference(&left, &region);
+        }
+        pieces.push(Piece { tool: ToolId::from(BARE), style: None, region: left });
+        slivers::give_away(&section, &mut pieces, LINE_MM);
+        (section, pieces)
+    }
+
+    fn of_tool(pieces: &[Piece], tool: ToolId) -> Region {
+        pieces.iter().find(|piece| piece.tool == tool).map(|piece| piece.region.clone()).unwrap_or_default()
     }
 
     #[test]
@@ -350,14 +330,15 @@ mod tests {
         let square = ring(&[(0.0, 0.0), (20.0, 0.0), (20.0, 20.0), (0.0, 20.0)]);
         let (_, found) = painted(&square, &[1, 2, 0, 0], 0.0);
         for tool in [1, 2] {
-            assert!((found[&tool].area_mm2() - 100.0).abs() < 2.0, "{}", found[&tool].area_mm2());
+            let area_mm2 = of_tool(&found, tool).area_mm2();
+            assert!((area_mm2 - 100.0).abs() < 2.0, "{area_mm2}");
         }
-        assert!(
-            found[&1].contains(Point::from_mm(10.0, 9.0)) && found[&2].contains(Point::from_mm(11.0, 10.0))
-        );
+        let (one, two) = (of_tool(&found, 1), of_tool(&found, 2));
+        assert!(one.contains(Point::from_mm(10.0, 9.0)) && two.contains(Point::from_mm(11.0, 10.0)));
         let (_, found) = painted(&square, &[1, 2, 0, 0], 1.0);
-        assert!((found[&1].area_mm2() - 19.0).abs() < 0.5, "{}", found[&1].area_mm2());
-        assert!(!found[&1].contains(Point::from_mm(10.0, 1.1)));
+        let one = of_tool(&found, 1);
+        assert!((one.area_mm2() - 19.0).abs() < 0.5, "{}", one.area_mm2());
+        assert!(!one.contains(Point::from_mm(10.0, 1.1)));
     }
 
     #[test]
@@ -371,22 +352,14 @@ mod tests {
         #![proptest_config(ProptestConfig::with_cases(200))]
 
         #[test]
-        fn parts_lie_in_the_section_do_not_overlap_and_have_no_slivers(
+        fn painted_pieces_make_up_the_section_do_not_overlap_and_have_no_slivers(
             radii in proptest::collection::vec(4.0..12.0f64, 3..24),
             tools in proptest::collection::vec(0..4u8, 1..24),
             depth_mm in prop_oneof![Just(0.0), 0.9..3.0f64],
         ) {
-            let (section, found) = painted(&star(&radii), &tools, depth_mm);
-            let all = geometry::union_all(found.values());
-            let sum: f64 = found.values().map(Region::area_mm2).sum();
-            prop_assert!((all.area_mm2() - sum).abs() < 1e-3, "{} overlap", sum - all.area_mm2());
-            prop_assert!(difference(&all, &section).area_mm2() < 1e-3);
-            for region in found.values() {
-                for part in region.polygons().iter().map(|polygon: &Polygon| Region::from(polygon.clone())) {
-                    prop_assert!(!offset(&part, -0.45 * DUST).is_empty(), "{:?}", part);
-                }
-            }
-            prop_assert_eq!(found, painted(&star(&radii), &tools, depth_mm).1);
+            let (section, pieces) = painted(&star(&radii), &tools, depth_mm);
+            slivers::tests::is_sound(&section, &pieces, LINE_MM)?;
+            prop_assert_eq!(pieces, painted(&star(&radii), &tools, depth_mm).1);
         }
     }
 }

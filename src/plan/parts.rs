@@ -1,27 +1,40 @@
-//! Which tools print the parts of an object.
+//! Parts of objects that have a tool or settings of their own.
 
 use crate::profile::Settings;
 use crate::slice::{Layer, Section};
 use crate::toolpath::ToolId;
 use geometry::Region;
 
+use super::modifiers::Modified;
+use super::piece::Piece;
+use super::slivers;
 use super::styles::Styles;
 
-/// What one tool prints of a section.
+/// A part of a section with walls of its own.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Part {
     pub tool: ToolId,
+    /// Walls are made around it.
     pub region: Region,
+    /// What different settings fill of it, where there are several: the first prints the walls.
+    pub fills: Vec<(Option<usize>, Region)>,
+    /// The settings, where there is one.
+    pub style: Option<usize>,
 }
 
-/// The parts of a section, which make up the whole and do not overlap; empty: all of it has its object's tool.
+/// The parts of a section, which make up the whole and do not overlap; empty: it is all of one kind.
 pub(crate) type Parts = Vec<Part>;
+
+/// What is painted: a tool's share of a layer.
+pub(crate) type Painted = (ToolId, Region);
 
 /// What objects have in common.
 pub(crate) struct Kinds {
     /// Objects with equal numbers have the same settings, but for their tool.
     alike: Vec<usize>,
     tools: Vec<ToolId>,
+    /// The narrowest that is printed by itself of each object, millimetres.
+    lines_mm: Vec<f64>,
 }
 
 impl Kinds {
@@ -47,7 +60,8 @@ impl Kinds {
             like.unwrap_or(seen.len() - 1)
         };
         let alike: Vec<usize> = (0..count).map(number).collect();
-        Self { alike, tools }
+        let lines_mm = (0..count).map(|object| styles.settings(object, settings).walls.width.0).collect();
+        Self { alike, tools, lines_mm }
     }
 
     /// Whether two objects have the same settings, but for their tool.
@@ -60,67 +74,110 @@ impl Kinds {
         self.tools[a] == self.tools[b]
     }
 
-    /// The parts of the sections of a layer, `united` being what became of them: of several objects that are one, of which
-    /// `first` is each one's, the later ones take what they share.
-    pub fn parts(&self, layer: &Layer, united: &[Section], first: &[usize]) -> Vec<Parts> {
-        let of = |section: &Section| {
-            let mut parts: Parts = Vec::new();
-            let mut taken = Region::default();
-            for member in layer.sections.iter().rev().filter(|other| first[other.object] == section.object) {
-                let tool = self.tools[member.object];
-                let region = geometry::difference(&member.region, &taken);
-                taken = geometry::union(&taken, &member.region);
-                add(&mut parts, Part { tool, region });
+    /// The pieces of a section that several objects of a layer became, of which `first` is each one's: the later ones take what
+    /// they share.
+    pub fn pieces(&self, layer: &Layer, united: &Section, first: &[usize]) -> Vec<Piece> {
+        let mut pieces = Vec::new();
+        let mut taken = Region::default();
+        for member in layer.sections.iter().rev().filter(|other| first[other.object] == united.object) {
+            let region = geometry::difference(&member.region, &taken);
+            taken = geometry::union(&taken, &member.region);
+            add(&mut pieces, Piece { tool: self.tools[member.object], style: None, region });
+        }
+        // What another object has taken.
+        pieces.iter_mut().for_each(|piece| {
+            if !geometry::difference(&piece.region, &united.region).is_empty() {
+                piece.region = geometry::intersection(&piece.region, &united.region);
             }
-            settled(parts, self.tools[section.object])
-        };
-        united.iter().map(of).collect()
+        });
+        pieces
     }
 
-    /// Lays what is painted over the parts of sections, in which painted parts do not overlap.
-    pub fn lay_over(&self, layers: &[Layer], parts: &mut Vec<Vec<Parts>>, painted: &[Vec<Part>]) {
-        if painted.is_empty() {
-            return;
+    /// The parts of a section, of the pieces that it is made up of, after what is modified in it and what is painted on it.
+    pub fn parts(
+        &self,
+        section: &Section,
+        mut pieces: Vec<Piece>,
+        modified: &[Modified],
+        painted: &[Painted],
+        styles: &Styles<'_>,
+        settings: &Settings,
+    ) -> Parts {
+        if pieces.is_empty() && modified.is_empty() && painted.is_empty() {
+            return Parts::new();
         }
-        parts.resize(layers.len(), Vec::new());
-        for ((layer, of_layer), painted) in layers.iter().zip(parts).zip(painted) {
-            of_layer.resize(layer.sections.len(), Parts::new());
-            for (section, parts) in layer.sections.iter().zip(of_layer) {
-                let own = self.tools[section.object];
-                if parts.is_empty() {
-                    parts.push(Part { tool: own, region: section.region.clone() });
-                }
-                for Part { tool, region } in painted {
-                    let here = geometry::intersection(region, &section.region);
-                    if here.is_empty() {
-                        continue;
-                    }
-                    for part in parts.iter_mut() {
-                        part.region = geometry::difference(&part.region, &here);
-                    }
-                    add(parts, Part { tool: *tool, region: here });
-                }
-                parts.retain(|part| !part.region.is_empty());
-                *parts = settled(std::mem::take(parts), own);
-            }
+        let own = self.tools[section.object];
+        if pieces.is_empty() {
+            pieces.push(Piece { tool: own, style: None, region: section.region.clone() });
         }
+        for Modified { object, modifier, region } in modified {
+            let changes = styles.changes(*object);
+            lay_over(&mut pieces, region, |tool, style| changes.of(*modifier, tool, style));
+        }
+        for (tool, region) in painted {
+            lay_over(&mut pieces, region, |_, style| (*tool, style));
+        }
+        let is_own = |piece: &Piece| piece.tool == own && piece.style.is_none();
+        if pieces.iter().all(is_own) {
+            return Parts::new();
+        }
+        slivers::give_away(&section.region, &mut pieces, self.lines_mm[section.object]);
+        pieces.sort_by_key(|piece| (piece.tool, piece.style));
+        if pieces.iter().all(is_own) { Parts::new() } else { parts(pieces, section.object, styles, settings) }
     }
 }
 
-/// Adds what a tool prints, unless it is nothing.
-fn add(parts: &mut Parts, more: Part) {
-    match parts.iter_mut().find(|part| part.tool == more.tool) {
+/// Gives what lies in a region another tool, or other settings.
+fn lay_over(
+    pieces: &mut Vec<Piece>,
+    region: &Region,
+    change: impl Fn(ToolId, Option<usize>) -> (ToolId, Option<usize>),
+) {
+    let mut changed = Vec::new();
+    for piece in pieces.iter_mut() {
+        let (tool, style) = change(piece.tool, piece.style);
+        if (tool, style) == (piece.tool, piece.style) {
+            continue;
+        }
+        let here = geometry::intersection(&piece.region, region);
+        if !here.is_empty() {
+            piece.region = geometry::difference(&piece.region, region);
+            changed.push(Piece { tool, style, region: here });
+        }
+    }
+    changed.into_iter().for_each(|piece| add(pieces, piece));
+    pieces.retain(|piece| !piece.region.is_empty());
+}
+
+/// Adds a piece, unless it is nothing.
+fn add(pieces: &mut Vec<Piece>, more: Piece) {
+    let alike = |piece: &&mut Piece| (piece.tool, piece.style) == (more.tool, more.style);
+    match pieces.iter_mut().find(alike) {
         _ if more.region.is_empty() => {}
-        Some(part) => part.region = geometry::union(&part.region, &more.region),
-        None => parts.push(more),
+        Some(piece) => piece.region = geometry::union(&piece.region, &more.region),
+        None => pieces.push(more),
     }
 }
 
-/// The parts by tool; none where all of them have the object's own.
-fn settled(mut parts: Parts, own: ToolId) -> Parts {
-    if parts.iter().all(|part| part.tool == own) {
-        parts.clear();
+/// Pieces by the walls around them: those of one tool share walls where the settings of these are the same.
+fn parts(pieces: Vec<Piece>, object: usize, styles: &Styles<'_>, settings: &Settings) -> Parts {
+    let walls = |style| {
+        let Settings { walls, fuzzy, first_layer, .. } = styles.inside(object, style, settings);
+        (walls, fuzzy, first_layer.width)
+    };
+    let mut parts = Parts::new();
+    for Piece { tool, style, region } in pieces {
+        let shares = |part: &&mut Part| part.tool == tool && walls(part.style) == walls(style);
+        match parts.iter_mut().find(shares) {
+            None => parts.push(Part { tool, region, fills: Vec::new(), style }),
+            Some(part) => {
+                if part.fills.is_empty() {
+                    part.fills.push((part.style, part.region.clone()));
+                }
+                part.region = geometry::union(&part.region, &region);
+                part.fills.push((style, region));
+            }
+        }
     }
-    parts.sort_by_key(|part| part.tool);
     parts
 }

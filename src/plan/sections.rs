@@ -3,6 +3,7 @@
 mod paths;
 mod raft;
 
+use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 
 use geo::{ConvexHull, MultiPoint, Simplify};
@@ -10,16 +11,17 @@ use geo::{ConvexHull, MultiPoint, Simplify};
 use crate::job::JobError;
 use crate::plate::Plate;
 use crate::profile::Settings;
-use crate::slice::{self, Layer, LayerSpan, Slicer};
+use crate::slice::{self, Layer, LayerSpan, Section, Slicer};
 use crate::toolpath::infill::FillPattern;
-use crate::toolpath::{self, ObjectLayer, PlateLayer, ShellWindows, Shells, ToolId};
+use crate::toolpath::{self, ObjectLayer, PlateLayer, Share, ShellWindows, Shells, ToolId};
 use geometry::{Bounds, Point, Polygon, Region};
 
 use super::contact;
 use super::infill;
+use super::modifiers;
 use super::overlaps::{self, Resolved};
 use super::paint;
-use super::parts::{Kinds, Parts};
+use super::parts::{Kinds, Part, Parts};
 use super::spiral::Spiral;
 use super::styles::{Planned, Styles};
 use super::supports::{self, Supports};
@@ -39,6 +41,8 @@ pub(crate) struct Sections {
     /// For each object its section in each layer, as an index into the layer's sections.
     places: Vec<Vec<Option<usize>>>,
     shells: Vec<Shells>,
+    /// Those of other settings inside of an object, by its number and theirs.
+    shells_inside: BTreeMap<(usize, usize), Shells>,
     supports: Option<Supports>,
     spiral: Option<Spiral>,
     /// Infill that was planned for all layers at once, by the settings that it is for.
@@ -47,6 +51,10 @@ pub(crate) struct Sections {
     parts: Vec<Vec<Parts>>,
     /// The tool of each object that its file has one for.
     tools: Vec<Option<ToolId>>,
+    /// The settings of each object, by their number.
+    styles: Vec<Option<usize>>,
+    /// Whether parts have tools of their own.
+    several_tools: bool,
     /// On objects that overlap.
     notes: Vec<String>,
 }
@@ -69,8 +77,20 @@ impl Sections {
         let mut cut = workers.map(slicer.spans().len(), |i| slicer.layer(i));
         let kinds = Kinds::new(count, styles, settings);
         let painted = paint::parts(&cut, slicer.plate(), settings, workers);
-        let Resolved { mut notes, mut parts } = overlaps::resolve(&mut cut, slicer.plate(), &kinds, workers);
-        kinds.lay_over(&cut, &mut parts, &painted);
+        let modified = workers.map(cut.len(), |i| modifiers::of_layer(&cut[i]));
+        let Resolved { mut notes, pieces } = overlaps::resolve(&mut cut, slicer.plate(), &kinds, workers);
+        let parts = |i: usize| -> Vec<Parts> {
+            let painted = painted.get(i).map_or(&[][..], Vec::as_slice);
+            let parts = |(place, section): (usize, &Section)| {
+                let pieces = pieces.get(i).map_or_else(Vec::new, |pieces| pieces[place].clone());
+                kinds.parts(section, pieces, &modified[i], painted, styles, settings)
+            };
+            cut[i].sections.iter().enumerate().map(parts).collect()
+        };
+        let mut parts = workers.map(cut.len(), parts);
+        if parts.iter().flatten().all(Parts::is_empty) {
+            parts.clear();
+        }
         notes.extend(paint::note(slicer.plate(), settings));
         let layers = raft::raised(cut, settings);
         if !parts.is_empty() {
@@ -88,11 +108,14 @@ impl Sections {
             objects,
             places,
             shells: Vec::new(),
+            shells_inside: BTreeMap::new(),
             supports: None,
             spiral: None,
             infill: Vec::new(),
             parts,
             tools: (0..count).map(|object| styles.tool(object)).collect(),
+            styles: (0..count).map(|object| styles.of_objects().get(object).copied().flatten()).collect(),
+            several_tools: settings.tools.len() > 1,
             notes,
         };
         if settings.spiral.enabled {
@@ -101,13 +124,15 @@ impl Sections {
             let first = raft_layers + toolpath::bottom_layers(part_mm, &settings.shell).max(1);
             sections.spiral = Some(Spiral::new(&sections.layers, count, first, settings, workers)?);
         }
-        sections.shells = (0..count)
-            .map(|object| {
-                let shell = &styles.settings(object, settings).shell;
-                let own: Vec<&Region> = (0..sections.layers.len()).map(|i| sections.of(object, i)).collect();
-                Shells::build(&own, &heights_mm, shell, &|n, f| workers.map(n, f))
-            })
-            .collect();
+        let shells = |object: usize, style: Option<usize>| {
+            let shell = &styles.inside(object, style, settings).shell;
+            let own: Vec<&Region> = (0..sections.layers.len()).map(|i| sections.of(object, i)).collect();
+            Shells::build(&own, &heights_mm, shell, &|n, f| workers.map(n, f))
+        };
+        let of_objects = (0..count).map(|object| shells(object, None)).collect();
+        let inside = sections.styles_inside().into_iter();
+        let inside = inside.map(|(object, style)| ((object, style), shells(object, Some(style)))).collect();
+        (sections.shells, sections.shells_inside) = (of_objects, inside);
         if settings.support.enabled || !modifiers[0].meshes.is_empty() {
             let bounds = sections.bounds();
             let part = &sections.layers[raft_layers.min(sections.layers.len())..];
@@ -184,32 +209,80 @@ impl Sections {
         place.map_or(Region::EMPTY, |place| &self.layers[layer].sections[place].region)
     }
 
+    /// The parts of the section of a layer that has this place.
+    fn parts(&self, index: usize, place: usize) -> &[Part] {
+        self.parts.get(index).and_then(|parts| parts.get(place)).map_or(&[], Vec::as_slice)
+    }
+
+    /// The objects that have other settings inside, with these.
+    fn styles_inside(&self) -> BTreeSet<(usize, usize)> {
+        let mut found = BTreeSet::new();
+        for (layer, of_layer) in self.layers.iter().zip(&self.parts) {
+            for (section, part) in
+                layer.sections.iter().zip(of_layer).flat_map(|(s, parts)| parts.iter().map(move |p| (s, p)))
+            {
+                let styles = part.fills.iter().map(|(style, _)| *style).chain([part.style]).flatten();
+                found.extend(styles.map(|style| (section.object, style)));
+            }
+        }
+        found
+    }
+
     pub fn plate_layer(&self, index: usize) -> PlateLayer<'_> {
         let Layer { span, sections, .. } = &self.layers[index];
-        let parts = |place: usize| {
-            let parts =
-                self.parts.get(index).and_then(|parts| parts.get(place)).map_or(&[][..], Vec::as_slice);
-            let section = &sections[place];
-            let whole = parts.is_empty().then(|| (&section.region, self.tools[section.object]));
-            whole.into_iter().chain(parts.iter().map(|part| (&part.region, Some(part.tool))))
-        };
-        let pieces = (0..sections.len())
-            .flat_map(|place| parts(place).map(move |(region, tool)| (&sections[place], region, tool)));
-        let objects = pieces.map(|(s, section, tool)| ObjectLayer {
-            object: s.object as u32,
+        let mut objects = Vec::with_capacity(sections.len());
+        for (place, Section { object, region }) in sections.iter().enumerate() {
+            let first = objects.len();
+            let whole = self.piece(index, *object, region, self.tools[*object], None);
+            match self.parts(index, place) {
+                [] => objects.push(whole),
+                parts => objects.extend(parts.iter().flat_map(|part| self.of_part(index, *object, part))),
+            }
+            objects[first].is_first = true;
+        }
+        PlateLayer { index, top_mm: span.top_mm, height_mm: span.height_mm, objects }
+    }
+
+    /// A part of an object at a layer, by the settings that fill it.
+    fn of_part<'s>(
+        &'s self,
+        index: usize,
+        object: usize,
+        part: &'s Part,
+    ) -> impl Iterator<Item = ObjectLayer<'s>> {
+        let tool = self.several_tools.then_some(part.tool);
+        let whole = part.fills.is_empty().then(|| self.piece(index, object, &part.region, tool, part.style));
+        let shared = part.fills.iter().enumerate().map(move |(number, (style, filled))| ObjectLayer {
+            share: Some(Share { filled, has_walls: number == 0 }),
+            ..self.piece(index, object, &part.region, tool, *style)
+        });
+        whole.into_iter().chain(shared)
+    }
+
+    /// A piece of an object at a layer; `style`: settings inside of it.
+    fn piece<'s>(
+        &'s self,
+        index: usize,
+        object: usize,
+        section: &'s Region,
+        tool: Option<ToolId>,
+        style: Option<usize>,
+    ) -> ObjectLayer<'s> {
+        let shells =
+            style.and_then(|style| self.shells_inside.get(&(object, style))).unwrap_or(&self.shells[object]);
+        let beneath = index.checked_sub(1);
+        ObjectLayer {
+            object: object as u32,
             section,
             tool,
-            above: self.of(s.object, index + 1),
-            beneath: index
-                .checked_sub(1)
-                .filter(|&below| below >= self.raft_layers)
-                .map(|below| self.of(s.object, below)),
-            windows: self.shells[s.object].windows(index),
-            windows_beneath: index
-                .checked_sub(1)
-                .map_or_else(ShellWindows::default, |beneath| self.shells[s.object].windows(beneath)),
-        });
-        PlateLayer { index, top_mm: span.top_mm, height_mm: span.height_mm, objects: objects.collect() }
+            style: style.or(self.styles[object]),
+            share: None,
+            is_first: false,
+            above: self.of(object, index + 1),
+            beneath: beneath.filter(|&below| below >= self.raft_layers).map(|below| self.of(object, below)),
+            windows: shells.windows(index),
+            windows_beneath: beneath.map_or_else(ShellWindows::default, |beneath| shells.windows(beneath)),
+        }
     }
 
     /// Whether the outlines are those of others, and so are the layers that a spiral has.
@@ -224,6 +297,7 @@ impl Sections {
             && self.layers == other.layers
             && self.parts == other.parts
             && self.tools == other.tools
+            && self.styles == other.styles
     }
 
     /// Box around everything that is printed, without skirt and brim.

@@ -4,12 +4,17 @@ use std::borrow::Cow;
 use std::sync::Arc;
 
 use crate::job::{JobError, ObjectSettings};
+use crate::mesh::SavedSettings;
+use crate::plate::Plate;
 use crate::profile::{Origin, Problem, ProfileError, Settings};
 use crate::toolpath::infill::FillPattern;
-use crate::toolpath::{IslandId, LayerPaths, LayerWalls, Planner, PlateLayer, ToolId, ToolpathSettings};
+use crate::toolpath::{
+    Island, IslandId, LayerPaths, LayerWalls, ObjectLayer, Planner, PlateLayer, ToolId, ToolpathSettings,
+};
 use crate::units::Mm;
 use geometry::{Polygon, Region};
 
+use super::modifiers::{self, Changes};
 use crate::parallel::Workers;
 
 /// Layers that sparse infill is calibrated on.
@@ -26,6 +31,8 @@ pub(crate) struct Styles<'a> {
     own: Vec<Cow<'a, Settings>>,
     /// The tool of each object that its file has one for; empty: none has.
     tools: Vec<Option<ToolId>>,
+    /// What changes inside of each object; empty: nothing in any.
+    changes: Vec<Arc<Changes>>,
 }
 
 impl<'a> Styles<'a> {
@@ -62,17 +69,79 @@ impl<'a> Styles<'a> {
                 continue;
             }
             let Some(own) = settings.with_widths_of(tool.into()) else { continue };
-            let known = self.own.iter().position(|known| **known == own);
-            self.of_object[object] = known.or(Some(self.own.len()));
-            if known.is_none() {
-                self.own.push(Cow::Owned(own));
-            }
+            self.of_object[object] = Some(self.number(own));
         }
     }
 
     /// The tool that an object's file has for it.
     pub fn tool(&self, object: usize) -> Option<ToolId> {
         self.tools.get(object).copied().flatten()
+    }
+
+    /// Takes over what files have saved of settings with their objects, as far as the user has not said otherwise. Returns what
+    /// the user should know.
+    pub fn take_saved(
+        &mut self,
+        of_files: &[SavedSettings],
+        names: &[Vec<String>],
+        plate: &Settings,
+    ) -> Option<String> {
+        let mut left = Vec::new();
+        for (object, saved) in of_files.iter().enumerate().filter(|(_, saved)| !saved.entries.is_empty()) {
+            let own = self.settings(object, plate);
+            let is_free = |key: &str| own.agrees(plate, key);
+            let (settings, refused) = modifiers::inside(own, saved, &is_free);
+            if settings != *own {
+                self.of_object[object] = Some(self.number(settings));
+            }
+            if !refused.is_empty() {
+                left.push(format!("{}: {}", names[object][0], refused.join(", ")));
+            }
+        }
+        not_taken(left)
+    }
+
+    /// Finds out what changes inside of the objects of a plate. Returns what the user should know.
+    pub fn take_modifiers(&mut self, plate: &Plate, settings: &Settings) -> Option<String> {
+        let is_modified = |object: &crate::plate::Object| !plate.meshes[object.mesh].modifiers().is_empty();
+        if !plate.objects.iter().any(is_modified) {
+            return None;
+        }
+        let mut left = Vec::new();
+        let mut known: Vec<(usize, Option<usize>, Arc<Changes>)> = Vec::new();
+        for (object, placed) in plate.objects.iter().enumerate() {
+            let style = self.of_object[object];
+            let same = known.iter().find(|(mesh, of, _)| (*mesh, *of) == (placed.mesh, style));
+            let changes = same.map(|(.., changes)| changes.clone()).unwrap_or_else(|| {
+                let own = self.settings(object, settings).clone();
+                let number = |inside| Some(self.number(inside));
+                let mesh = &plate.meshes[placed.mesh];
+                Arc::new(Changes::new(mesh, &own, settings, number, &mut left))
+            });
+            known.push((placed.mesh, style, changes.clone()));
+            self.changes.push(changes);
+        }
+        left.dedup();
+        not_taken(left)
+    }
+
+    /// The number of settings.
+    fn number(&mut self, settings: Settings) -> usize {
+        self.own.iter().position(|known| **known == settings).unwrap_or_else(|| {
+            self.own.push(Cow::Owned(settings));
+            self.own.len() - 1
+        })
+    }
+
+    /// What changes inside of an object.
+    pub fn changes(&self, object: usize) -> &Arc<Changes> {
+        static NONE: std::sync::OnceLock<Arc<Changes>> = std::sync::OnceLock::new();
+        self.changes.get(object).unwrap_or_else(|| NONE.get_or_init(Arc::default))
+    }
+
+    /// The settings of a part of an object; `None`: the object's.
+    pub fn inside<'s>(&'s self, object: usize, style: Option<usize>, plate: &'s Settings) -> &'s Settings {
+        style.map_or_else(|| self.settings(object, plate), |style| &self.own[style])
     }
 
     /// Finds the objects that settings are for. `of_models[i]` are those of the model that object i is of, `names[i]` all the
@@ -109,29 +178,30 @@ impl<'a> Styles<'a> {
         if !problems.is_empty() {
             return Err(ProfileError { problems }.into());
         }
-        let mut all: Vec<&Settings> = own.iter().map(|own| &own.settings).collect();
+        let mut all: Vec<Cow<'a, Settings>> = own.iter().map(|own| Cow::Borrowed(&own.settings)).collect();
         for (of_object, settings) in of_object.iter_mut().zip(of_models) {
             let (None, Some(settings)) = (&of_object, settings) else { continue };
-            let known = all.iter().position(|&known| std::ptr::eq(known, *settings));
+            let known = all.iter().position(|known| std::ptr::eq(&**known, *settings));
             *of_object = known.or(Some(all.len()));
             if known.is_none() {
-                all.push(settings);
+                all.push(Cow::Borrowed(settings));
             }
         }
-        Ok(Self { of_object, own: all.into_iter().map(Cow::Borrowed).collect(), tools: Vec::new() })
+        Ok(Self { of_object, own: all, tools: Vec::new(), changes: Vec::new() })
     }
 
     /// The same for some of the objects, numbered anew.
     pub fn of(&self, objects: &[usize]) -> Self {
         let of_object = objects.iter().map(|&object| self.of_object.get(object).copied().flatten()).collect();
         let tools = objects.iter().map(|&object| self.tool(object)).collect();
-        Self { of_object, own: self.own.clone(), tools }
+        let changes = objects.iter().map(|&object| self.changes(object).clone()).collect();
+        Self { of_object, own: self.own.clone(), tools, changes }
     }
 
     /// The settings of an object.
     pub fn settings<'s>(&'s self, object: usize, plate: &'s Settings) -> &'s Settings {
         let style = self.of_object.get(object).copied().flatten();
-        style.map_or(plate, |style| &*self.own[style])
+        style.map_or(plate, |style| &self.own[style])
     }
 
     /// The settings of the plate, and all others that objects here have, with their numbers.
@@ -147,8 +217,12 @@ impl<'a> Styles<'a> {
         change: impl Fn(&Settings) -> Settings,
     ) -> Styles<'b> {
         *own = self.own.iter().map(|own| change(own)).collect();
-        let own = own.iter().map(Cow::Borrowed).collect();
-        Styles { of_object: self.of_object.clone(), own, tools: self.tools.clone() }
+        Styles {
+            of_object: self.of_object.clone(),
+            own: own.iter().map(Cow::Borrowed).collect(),
+            tools: self.tools.clone(),
+            changes: self.changes.clone(),
+        }
     }
 
     /// For each object its own settings, as an index.
@@ -163,7 +237,8 @@ impl<'a> Styles<'a> {
 
     /// The numbers of settings that objects here have.
     fn used(&self) -> Vec<usize> {
-        let mut used: Vec<usize> = self.of_object.iter().copied().flatten().collect();
+        let inside = self.changes.iter().flat_map(|changes| changes.styles());
+        let mut used: Vec<usize> = self.of_object.iter().copied().flatten().chain(inside).collect();
         used.sort_unstable();
         used.dedup();
         used
@@ -176,7 +251,6 @@ pub(crate) struct Planners {
     pub main: Planner,
     /// With the number of the settings.
     others: Vec<(usize, Planner)>,
-    of_object: Vec<Option<usize>>,
 }
 
 impl Planners {
@@ -189,7 +263,7 @@ impl Planners {
             (style, Planner::new(own, Region::EMPTY, first_height_mm))
         };
         let others = styles.used().into_iter().map(other).collect();
-        Self { main, others, of_object: styles.of_object.clone() }
+        Self { main, others }
     }
 
     /// Fills with patterns that were planned for the whole print.
@@ -201,7 +275,7 @@ impl Planners {
         }
     }
 
-    /// All planners, with the number of their settings.
+    /// All planners, to be changed, with the number of their settings.
     fn all(&mut self) -> impl Iterator<Item = (Option<usize>, &mut Planner)> {
         let others = self.others.iter_mut().map(|(style, planner)| (Some(*style), planner));
         std::iter::once((None, &mut self.main)).chain(others)
@@ -225,10 +299,9 @@ impl Planners {
         let mut chosen: Vec<usize> = (0..SAMPLES).map(|k| last * k / (SAMPLES - 1)).collect();
         chosen.dedup();
         chosen.retain(|&i| i >= first);
-        let of_object = self.of_object.clone();
         for (style, planner) in self.all() {
-            let samples = workers
-                .map(chosen.len(), |k| planner.sparse_sample(&part(layer(chosen[k]), &of_object, style)));
+            let samples =
+                workers.map(chosen.len(), |k| planner.sparse_sample(&part(layer(chosen[k]), style)));
             planner.calibrate(&samples, height_mm);
         }
     }
@@ -240,10 +313,9 @@ impl Planners {
         layer: impl Fn(usize) -> PlateLayer<'l> + Sync + Send,
         layers: usize,
     ) {
-        let of_object = self.of_object.clone();
         for (style, planner) in self.all().filter(|(_, planner)| planner.combines()) {
             let areas = workers.map(layers, |i| {
-                let layer = part(layer(i), &of_object, style);
+                let layer = part(layer(i), style);
                 (layer.height_mm, planner.sparse_area(&layer))
             });
             planner.combine(&areas);
@@ -254,46 +326,99 @@ impl Planners {
     pub fn has_walls_of(&self, other: &Self) -> bool {
         let own = |planners: &Self| planners.others.iter().map(|(style, _)| *style).collect::<Vec<_>>();
         let each = |(a, b): (&(usize, Planner), &(usize, Planner))| a.1.has_walls_of(&b.1);
-        self.of_object == other.of_object
-            && self.main.has_walls_of(&other.main)
+        self.main.has_walls_of(&other.main)
             && own(self) == own(other)
             && self.others.iter().zip(&other.others).all(each)
     }
 
     /// The walls of a layer: those of each planner.
     pub fn walls(&self, layer: &PlateLayer<'_>) -> Vec<LayerWalls> {
-        let styles = std::iter::once((None, &self.main));
+        self.each().map(|(style, planner)| planner.walls(&part(layer.clone(), style))).collect()
+    }
+
+    /// All planners, with the number of their settings.
+    fn each(&self) -> impl Iterator<Item = (Option<usize>, &Planner)> {
         let others = self.others.iter().map(|(style, planner)| (Some(*style), planner));
-        let walls =
-            |(style, planner): (_, &Planner)| planner.walls(&part(layer.clone(), &self.of_object, style));
-        styles.chain(others).map(walls).collect()
+        std::iter::once((None, &self.main)).chain(others)
     }
 
     /// All paths of a layer, the walls of each planner being known.
     pub fn filled(&self, layer: PlateLayer<'_>, walls: Vec<LayerWalls>) -> LayerPaths {
         let mut walls = walls.into_iter();
-        let mut next = || walls.next().unwrap_or_default();
-        let mut all = self.main.filled(&part(layer.clone(), &self.of_object, None), next());
-        for (style, planner) in &self.others {
-            let more = planner.filled(&part(layer.clone(), &self.of_object, Some(*style)), next());
-            let first = all.islands.len() as u32;
-            all.islands.extend(more.islands);
-            all.paths.extend(more.paths.into_iter().map(|mut path| {
-                path.island = path.island.map(|island| IslandId(island.0 + first));
-                path
-            }));
-            all.outline.add_disjoint(more.outline.into_polygons());
-            all.beneath = all.beneath.zip(more.beneath).map(|(mut all, more)| {
-                all.add_disjoint(more.into_polygons());
-                all
-            });
+        let mut islands = Islands::default();
+        let mut all: Option<LayerPaths> = None;
+        for (style, planner) in self.each() {
+            let own = part(layer.clone(), style);
+            let mut more = planner.filled(&own, walls.next().unwrap_or_default());
+            let numbers = islands.add(&own.objects, std::mem::take(&mut more.islands));
+            for path in &mut more.paths {
+                path.island = path.island.map(|island| numbers[island.0 as usize]);
+            }
+            match &mut all {
+                None => all = Some(more),
+                Some(all) => {
+                    all.paths.append(&mut more.paths);
+                    all.outline.add_disjoint(more.outline.into_polygons());
+                    all.beneath = all.beneath.take().zip(more.beneath).map(|(mut all, more)| {
+                        all.add_disjoint(more.into_polygons());
+                        all
+                    });
+                }
+            }
         }
-        all
+        let all = all.expect("there is a planner of the plate");
+        LayerPaths { islands: islands.all, ..all }
     }
 }
 
-/// The objects of a layer that have certain settings.
-fn part<'l>(mut layer: PlateLayer<'l>, of_object: &[Option<usize>], style: Option<usize>) -> PlateLayer<'l> {
-    layer.objects.retain(|o| of_object.get(o.object as usize).copied().flatten() == style);
+/// The islands of a layer that several planners share: parts that have walls in common are on the same ones.
+#[derive(Default)]
+struct Islands<'l> {
+    all: Vec<Island>,
+    /// Sections, and the number of the first island of each.
+    first: Vec<(&'l Region, u32)>,
+}
+
+impl<'l> Islands<'l> {
+    /// Adds those of a planner; what number each has here.
+    fn add(&mut self, objects: &[ObjectLayer<'l>], islands: Vec<Island>) -> Vec<IslandId> {
+        let mut islands = islands.into_iter();
+        let mut numbers = Vec::with_capacity(islands.len());
+        for object in objects {
+            let count = object.section.polygons().len();
+            let own = islands.by_ref().take(count);
+            let shared = object.share.and_then(|_| {
+                let known = self.first.iter().find(|(section, _)| std::ptr::eq(*section, object.section));
+                known.map(|(_, first)| *first)
+            });
+            let first = match shared {
+                Some(first) => {
+                    own.for_each(drop);
+                    first
+                }
+                None => {
+                    let first = self.all.len() as u32;
+                    self.all.extend(own);
+                    self.first.push((object.section, first));
+                    first
+                }
+            };
+            numbers.extend((0..count as u32).map(|k| IslandId(first + k)));
+        }
+        numbers
+    }
+}
+
+/// The parts of a layer that have certain settings.
+fn part<'l>(mut layer: PlateLayer<'l>, style: Option<usize>) -> PlateLayer<'l> {
+    layer.objects.retain(|part| part.style == style);
     layer
+}
+
+/// That settings were left out.
+fn not_taken(left: Vec<String>) -> Option<String> {
+    (!left.is_empty()).then(|| {
+        let left = left.join("; ");
+        format!("settings saved with objects that cannot differ inside a plate, and were left out: {left}")
+    })
 }

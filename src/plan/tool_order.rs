@@ -25,12 +25,9 @@ pub(crate) fn problem(layers: &[LayerPaths], start: Option<ToolId>, settings: &S
     };
     let tools = settings.tools.len();
     let cost = |from: usize, to: usize| {
-        let own = &motion.tools[from];
-        let waste_mm3 = settings.flush_mm3(from, to) + own.swap.rammed_mm3();
-        let waste_s = settings.tool_change.waste_weight * waste_mm3;
-        let swap_s = if own.swaps() { own.swap.unload_s() + motion.tools[to].swap.load_s() } else { 0.0 };
-        let change_s = motion.tools[to].change_time.0 + shared_heat_s(from, to, &motion) + swap_s;
-        if from == to { 0 } else { ms(change_s + waste_s) }
+        let waste_s = settings.tool_change.waste_weight * waste_mm3(from, to, &motion, settings);
+        let all_s = change_s(from, to, &motion) + shared_heat_s(from, to, &motion) + waste_s;
+        if from == to { 0 } else { ms(all_s) }
     };
     ToolProblem {
         layers: layers.iter().map(layer).collect(),
@@ -38,6 +35,18 @@ pub(crate) fn problem(layers: &[LayerPaths], start: Option<ToolId>, settings: &S
         heating,
         loaded: start.map(u32::from),
     }
+}
+
+/// How long it takes to change from one tool to another, with taking the filament out and putting the next one in.
+fn change_s(from: usize, to: usize, motion: &MotionSettings) -> f64 {
+    let [own, next] = [from, to].map(|tool| &motion.tools[tool]);
+    let swap_s = if own.swaps() { own.swap.unload_s() + next.swap.load_s() } else { 0.0 };
+    next.change_time.0 + swap_s
+}
+
+/// What a change flushes and rams, mm³.
+fn waste_mm3(from: usize, to: usize, motion: &MotionSettings, settings: &Settings) -> f64 {
+    settings.flush_mm3(from, to) + motion.tools[from].swap.rammed_mm3()
 }
 
 fn ms(seconds: f64) -> u32 {
@@ -97,22 +106,22 @@ pub(crate) fn row(
     problem: &ToolProblem,
     settings: &Settings,
 ) -> ToolOrderRow {
-    let seconds: Vec<f64> =
-        (0..settings.tools.len()).map(|to| settings.of_tool(to).tool_change.time.0).collect();
-    let (mut change_s, mut flushed_mm3) = (0.0, 0.0);
+    let motion = MotionSettings::new(settings, &[]);
+    let (mut changes_s, mut flushed_mm3) = (0.0, 0.0);
     let mut current = problem.loaded;
     for &tool in plan.layers.iter().flatten() {
         if let Some(from) = current.filter(|from| *from != tool) {
-            change_s += seconds[tool as usize];
-            flushed_mm3 += settings.flush_mm3(from as usize, tool as usize);
+            changes_s += change_s(from as usize, tool as usize, &motion);
+            flushed_mm3 += waste_mm3(from as usize, tool as usize, &motion, settings);
         }
         current = Some(tool);
     }
     ToolOrderRow {
         order: order.name().into(),
         changes: plan.changes,
-        change_s,
-        heat_s: (plan.cost as f64 / MS - change_s - settings.tool_change.waste_weight * flushed_mm3).max(0.0),
+        change_s: changes_s,
+        heat_s: (plan.cost as f64 / MS - changes_s - settings.tool_change.waste_weight * flushed_mm3)
+            .max(0.0),
         flushed_mm3,
         cost_s: plan.cost as f64 / MS,
         bound_s: plan.bound.map(|bound| bound as f64 / MS),

@@ -52,7 +52,7 @@ impl Model {
         let (mut items, mut reports) = (Vec::with_capacity(read.len()), Vec::with_capacity(read.len()));
         let mut first_box = None;
         let (mut low, mut high, mut volume_mm3) = ([f64::INFINITY; 3], [f64::NEG_INFINITY; 3], 0.0);
-        for (number, Object { name: own, mesh, mut report, positions, tool, .. }) in (1..).zip(read) {
+        for (number, Object { name: own, mesh, mut report, positions, tool, saved, .. }) in (1..).zip(read) {
             if object.is_some_and(|wanted| wanted + 1 != number) {
                 continue;
             }
@@ -74,8 +74,11 @@ impl Model {
             let grown = transform.scale.iter().product::<f64>().abs() * positions.len() as f64;
             volume_mm3 += grown * report.volume_mm3.abs();
             // An object alone is called as its file is.
-            let item =
-                Item { tool, ..Item::new(own.filter(|_| several).unwrap_or(unnamed), mesh, positions) };
+            let item = Item {
+                tool,
+                saved,
+                ..Item::new(own.filter(|_| several).unwrap_or(unnamed), mesh, positions)
+            };
             items.push(if report.shells > 1 { item.without_slivers(line) } else { item });
             reports.push(report);
         }

@@ -4,7 +4,7 @@ use geo::{BoundingRect, ConvexHull, Distance, Euclidean, LineString, MultiPoint,
 
 use super::orient::orient;
 use super::slivers::{Line, printable_bounds};
-use crate::mesh::{Mesh, Transform, TransformError};
+use crate::mesh::{Mesh, SavedSettings, Transform, TransformError};
 use geometry::DisjointSets;
 
 /// Models nearer than this touch, millimetres: rounding of a file's coordinates.
@@ -21,6 +21,8 @@ pub struct Item {
     pub positions: Vec<[f64; 3]>,
     /// The tool that its file has for it, from 1.
     pub tool: Option<u32>,
+    /// The settings that its file has for it.
+    pub saved: SavedSettings,
     /// The box that it is placed by.
     pub(super) bounds: [[f64; 3]; 2],
     /// Number of its layout among those that were joined, and its own there.
@@ -31,7 +33,15 @@ impl Item {
     /// A model that is placed by the box around it.
     pub fn new(name: impl Into<String>, mesh: Mesh, positions: Vec<[f64; 3]>) -> Self {
         let bounds = mesh.bounds();
-        Self { name: name.into(), mesh, positions, tool: None, bounds, origin: [0; 2] }
+        Self {
+            name: name.into(),
+            mesh,
+            positions,
+            tool: None,
+            saved: SavedSettings::default(),
+            bounds,
+            origin: [0; 2],
+        }
     }
 
     /// The same item, placed by the box around its parts that are thick enough for a line. O(triangles).

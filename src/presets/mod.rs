@@ -17,6 +17,7 @@ mod physical;
 mod printer;
 mod project;
 mod prusa;
+mod saved;
 mod value;
 
 pub use config::{Config, Dialect, Entry, Place, Raw};
@@ -28,4 +29,5 @@ pub use library::{Chosen, Library};
 pub use names::script_value;
 pub use physical::PhysicalPrinter;
 pub use printer::PrinterFacts;
+pub(crate) use saved::of_saved;
 pub use value::{Scalar, Shape, Type};

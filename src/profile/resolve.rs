@@ -252,6 +252,14 @@ impl Settings {
         self.set_all(&[(key, value)])
     }
 
+    /// The same with another value; `None`: it is not allowed with the others.
+    pub(super) fn with(&self, key: &str, value: Value) -> Option<Self> {
+        let mut problems = Vec::new();
+        let assignment = Assignment { key: key.to_owned(), value, origin: Origin::Project };
+        let Assigned { settings, .. } = assigned(self.clone(), [assignment], &mut problems);
+        problems.is_empty().then_some(settings)
+    }
+
     /// The same with other values, of which each may only be allowed with the others.
     ///
     /// # Errors

@@ -6,7 +6,7 @@ use super::options::LayerSettings;
 use super::plan::LayerSpan;
 use super::simplify::simplify;
 use super::stitch::stitch;
-use crate::mesh::{Mesh, NO_TWIN};
+use crate::mesh::{Effect, Mesh, NO_TWIN};
 use geometry::{Point, Region, Ring};
 
 /// A vertex, and how many cuts lie at or below it: it is above cut `i` if `rank > i`. A vertex on a cut is above it, so
@@ -28,6 +28,8 @@ pub struct Cutter<'a> {
     crossing: Vec<u32>,
     resolution_mm: f64,
     closing_mm: f64,
+    /// Of bodies that are cut out.
+    cut_out: Vec<Cutter<'a>>,
 }
 
 impl<'a> Cutter<'a> {
@@ -67,25 +69,32 @@ impl<'a> Cutter<'a> {
             }
         }
         let (resolution_mm, closing_mm) = (settings.resolution.0, settings.closing_radius.0);
-        Self { mesh, corners, cuts_mm, start, crossing, resolution_mm, closing_mm }
+        let cut_out = mesh.modifiers().iter().filter(|modifier| modifier.effect == Effect::Cut);
+        let cut_out = cut_out.map(|modifier| Self::new(&modifier.mesh, spans, settings)).collect();
+        Self { mesh, corners, cuts_mm, start, crossing, resolution_mm, closing_mm, cut_out }
     }
 
-    /// The section at a layer's cut, and what had to be repaired. Cost grows with the triangles that the layer crosses.
+    /// The section at a layer's cut, without bodies that are cut out, and what had to be repaired. Cost grows with the triangles that the layer crosses.
     ///
     /// # Panics
     /// If there is no such layer.
     pub fn section(&self, layer: usize) -> (Region, Gaps) {
         let (mut rings, chains) = self.outlines(layer);
-        let gaps = stitch(chains, self.mesh.is_oriented(), &mut rings);
+        let mut gaps = stitch(chains, self.mesh.is_oriented(), &mut rings);
         for ring in &mut rings {
             simplify(ring, self.resolution_mm);
         }
         rings.retain(|ring| ring.len() >= 3);
-        let region = if self.mesh.is_oriented() {
+        let mut region = if self.mesh.is_oriented() {
             fill::non_zero(&rings, self.closing_mm)
         } else {
             fill::even_odd(&rings)
         };
+        for body in &self.cut_out {
+            let (hole, found) = body.section(layer);
+            region = geometry::difference(&region, &hole);
+            gaps += found;
+        }
         (region, gaps)
     }
 

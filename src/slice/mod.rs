@@ -23,7 +23,7 @@ pub use plan::{LayerSpan, plan};
 pub use table::{heights_from_lines, layer_heights};
 pub use volume::volume_mm3;
 
-use crate::mesh::Wish;
+use crate::mesh::{Effect, Mesh, Wish};
 use crate::plate::{Object, Plate};
 use geometry::{Point, Region, offset};
 use paint::PaintCutter;
@@ -34,6 +34,17 @@ pub struct Section {
     /// Index into [`Plate::objects`].
     pub object: usize,
     /// The area to print, in bed coordinates.
+    pub region: Region,
+}
+
+/// The section of a body in which settings of its own hold.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ModifiedArea {
+    /// Index into [`Plate::objects`].
+    pub object: usize,
+    /// Index into [`Mesh::modifiers`](crate::mesh::Mesh::modifiers).
+    pub modifier: usize,
+    /// Its section, in bed coordinates.
     pub region: Region,
 }
 
@@ -64,6 +75,8 @@ pub struct Layer {
     pub seams: Vec<PaintedLine<Wish>>,
     /// Where tools are painted, counted from 1.
     pub tools: Vec<PaintedLine<u8>>,
+    /// Where objects have other settings inside, in the order in which these take effect.
+    pub modified: Vec<ModifiedArea>,
     /// Diagnostics; zeros for a watertight mesh.
     pub gaps: Gaps,
 }
@@ -73,6 +86,8 @@ pub struct Layer {
 pub struct Slicer<'a> {
     plate: &'a Plate,
     cutters: Vec<Cutter<'a>>,
+    /// Of each mesh the bodies in which settings of their own hold, with their numbers.
+    modifiers: Vec<Vec<(usize, Cutter<'a>)>>,
     seams: Vec<PaintCutter<'a, Wish>>,
     tools: Vec<PaintCutter<'a, u8>>,
     spans: Vec<LayerSpan>,
@@ -90,11 +105,19 @@ impl<'a> Slicer<'a> {
     pub fn with_spans(plate: &'a Plate, spans: Vec<LayerSpan>, settings: &LayerSettings) -> Self {
         let cutters = plate.meshes.iter().map(|m| Cutter::new(m, &spans, settings)).collect();
         let meshes = || plate.meshes.iter();
+        let bodies = |mesh: &'a Mesh| {
+            let numbered = mesh.modifiers().iter().enumerate();
+            let with_settings =
+                numbered.filter(|(_, modifier)| matches!(modifier.effect, Effect::Settings(_)));
+            with_settings.map(|(number, body)| (number, Cutter::new(&body.mesh, &spans, settings))).collect()
+        };
+        let modifiers = meshes().map(bodies).collect();
         let seams = meshes().map(|m| PaintCutter::new(m, &spans, |paint| &paint.seams)).collect();
         let tools = meshes().map(|m| PaintCutter::new(m, &spans, |paint| &paint.tools)).collect();
         Self {
             plate,
             cutters,
+            modifiers,
             seams,
             tools,
             spans,
@@ -139,7 +162,22 @@ impl<'a> Slicer<'a> {
                 region: regions[object.mesh].translated(object.offset),
             })
             .collect();
-        Layer { span: self.spans[index], sections, seams, tools, gaps }
+        let modified = self.modified(index);
+        Layer { span: self.spans[index], sections, seams, tools, modified, gaps }
+    }
+
+    /// Where objects have other settings inside.
+    fn modified(&self, index: usize) -> Vec<ModifiedArea> {
+        let of = |(object, placed): (usize, &'a Object)| {
+            let area = move |(modifier, cutter): &(usize, Cutter<'_>)| ModifiedArea {
+                object,
+                modifier: *modifier,
+                region: cutter.section(index).0.translated(placed.offset),
+            };
+            self.modifiers[placed.mesh].iter().map(area)
+        };
+        let areas = self.plate.objects.iter().enumerate().flat_map(of);
+        areas.filter(|area| !area.region.is_empty()).collect()
     }
 
     /// What is painted on the objects where a layer's cut is.

@@ -37,7 +37,7 @@ pub use options::{
     WallSettings,
 };
 pub use path::{Entries, Island, IslandId, LayerKind, LayerPaths, Path, Phase, Role, ToolId, Width};
-pub use planner::{ObjectLayer, Planner, PlateLayer, ToolpathSettings};
+pub use planner::{ObjectLayer, Planner, PlateLayer, Share, ToolpathSettings};
 pub use shells::{Map, ShellWindows, Shells, Zones, bottom_layers, shell_depth};
 pub use spiral::{Revolution, Rise, SpiralSpec, align, level, outline, revolution};
 pub use tools::{ToolHeights, tool_heights};

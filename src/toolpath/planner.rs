@@ -63,6 +63,13 @@ pub struct ObjectLayer<'a> {
     pub section: &'a Region,
     /// The tool of this part of it, where its parts have different ones; the other sections are the whole object's.
     pub tool: Option<ToolId>,
+    /// Which settings it has, as the caller numbers them; `None`: those of the plate.
+    pub style: Option<usize>,
+    /// Where its section is filled, and whether it gets walls here: where only the inside of an object has other settings, its
+    /// parts share their section and the walls around it. `None`: it has both, everywhere.
+    pub share: Option<Share<'a>>,
+    /// Whether it is the first part of its object.
+    pub is_first: bool,
     /// Its section one layer up; empty on its last layer.
     pub above: &'a Region,
     /// Its section one layer down; `None`: the bed.
@@ -71,6 +78,29 @@ pub struct ObjectLayer<'a> {
     pub windows: ShellWindows<'a>,
     /// The same of the layer beneath: its sparse infill is in both windows.
     pub windows_beneath: ShellWindows<'a>,
+}
+
+/// A part of an object that shares its walls with others.
+#[derive(Clone, Copy, Debug)]
+pub struct Share<'a> {
+    /// What is filled, as far as it lies inside the walls.
+    pub filled: &'a Region,
+    /// Whether the walls are printed with this part.
+    pub has_walls: bool,
+}
+
+impl ObjectLayer<'_> {
+    fn has_walls(&self) -> bool {
+        self.share.is_none_or(|share| share.has_walls)
+    }
+
+    /// The part of what lies inside the walls that is filled.
+    fn filled(&self, inside: Region) -> Region {
+        match self.share {
+            Some(share) => geometry::intersection(&inside, share.filled),
+            None => inside,
+        }
+    }
 }
 
 /// One layer of the plate.
@@ -177,7 +207,7 @@ impl Planner {
         let mut sample = SparseSample { area: Region::default(), area_mm2: 0.0, spec: fill_spec };
         for object in &layer.objects {
             for island in object.section.polygons() {
-                let zones = self.zones(&self.traced(island, object, layer).inside, object, layer);
+                let zones = self.zones(&self.inside(island, object, layer), object, layer);
                 let fill_area = geometry::offset(&zones.sparse, -fill_spec.spacing_mm / 2.0);
                 sample.area.add_disjoint(fill_area.into_polygons());
                 sample.area_mm2 += zones.sparse_mm2;
@@ -209,8 +239,7 @@ impl Planner {
     pub fn sparse_area(&self, layer: &PlateLayer<'_>) -> Region {
         let islands =
             layer.objects.iter().flat_map(|o| o.section.polygons().iter().map(move |island| (o, island)));
-        let zones =
-            islands.map(|(o, island)| self.zones(&self.traced(island, o, layer).inside, o, layer).sparse);
+        let zones = islands.map(|(o, island)| self.zones(&self.inside(island, o, layer), o, layer).sparse);
         Region::disjoint(zones.flat_map(|zone| zone.into_polygons()))
     }
 
@@ -236,7 +265,11 @@ impl Planner {
         let mut islands = Vec::new();
         for object in &section.objects {
             let layer = wall_layer(object, section);
-            islands.extend(self.wall_planner().object(&layer, islands.len(), &self.known_walls));
+            let mut walls = self.wall_planner().object(&layer, islands.len(), &self.known_walls);
+            if !object.has_walls() {
+                walls.iter_mut().for_each(|walls| walls.paths.clear());
+            }
+            islands.extend(walls);
         }
         LayerWalls { islands }
     }
@@ -266,7 +299,9 @@ impl Planner {
                 islands.push(Island { object: object.object });
                 self.island(&mut layer, polygon, walls, &part, section);
             }
-            outline.add_disjoint(object.section.polygons().iter().cloned());
+            if object.has_walls() {
+                outline.add_disjoint(object.section.polygons().iter().cloned());
+            }
         }
         if self.settings.free_seams {
             entries::add(&mut layer.paths);
@@ -296,10 +331,11 @@ impl Planner {
         tools::assign(layer, tool_of, &heights);
     }
 
-    /// The walls of an island.
-    fn traced(&self, island: &Polygon, object: &ObjectLayer<'_>, section: &PlateLayer<'_>) -> Walls {
+    /// What is filled of an island.
+    fn inside(&self, island: &Polygon, object: &ObjectLayer<'_>, section: &PlateLayer<'_>) -> Region {
         let layer = wall_layer(object, section);
-        self.wall_planner().trace(island, &self.wall_spec(section), &layer)
+        let Walls { inside, .. } = self.wall_planner().trace(island, &self.wall_spec(section), &layer);
+        object.filled(inside)
     }
 
     fn island(
@@ -313,6 +349,7 @@ impl Planner {
         let Part { object, support_below } = part;
         let widths = &self.widths(section.index);
         let IslandWalls { paths, inside } = walls;
+        let inside = object.filled(inside);
         let first = layer.paths.len();
         let tool = layer.tool;
         layer.paths.extend(paths.into_iter().map(|path| Path { tool, ..path }));
@@ -548,11 +585,9 @@ fn wall_layer<'a>(object: &ObjectLayer<'a>, section: &PlateLayer<'_>) -> WallLay
 /// What a layer rests on: everything one layer down. Rough walls do not hang over where they leave their line.
 fn rests_on(section: &PlateLayer<'_>, fuzzy: &FuzzySettings) -> Option<Region> {
     let mut below = Region::default();
-    for (index, object) in section.objects.iter().enumerate() {
-        // Parts of an object have it as a whole beneath them.
-        if index == 0 || section.objects[index - 1].object != object.object || object.tool.is_none() {
-            below.add_disjoint(object.beneath?.polygons().iter().cloned());
-        }
+    // Parts of an object have it as a whole beneath them.
+    for object in section.objects.iter().filter(|object| object.is_first) {
+        below.add_disjoint(object.beneath?.polygons().iter().cloned());
     }
     if fuzzy.walls != FuzzyWalls::None {
         below = geometry::offset(&below, fuzzy.thickness.0);

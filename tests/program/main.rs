@@ -12,6 +12,7 @@ mod cli_output;
 #[cfg(unix)]
 mod faults;
 mod live;
+mod modifiers;
 mod print;
 mod print_assembly;
 mod print_floating;

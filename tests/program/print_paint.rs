@@ -5,7 +5,7 @@ use std::path::PathBuf;
 
 use crate::support::mesh_shapes::{Facets, model_xml, package, painted_xml, prism};
 use crate::support::print::{Print, run, settings, standard};
-use pathwright::gcode::{Action, replay};
+use crate::support::strokes::{lines, volume_mm3};
 use pathwright::job::Job;
 use pathwright::profile::{SeamPosition, Settings};
 
@@ -79,44 +79,6 @@ fn two_tools(more: &[&str]) -> Settings {
         "skirt.loops=0",
     ];
     standard(&[&own, more].concat())
-}
-
-/// A stroke on the part by a tool, counted from 1.
-struct Line {
-    tool: u32,
-    layer: usize,
-    kind: String,
-    /// Its middle, from that of the bed.
-    at: [f64; 2],
-    volume_mm3: f64,
-}
-
-fn lines(print: &Print, settings: &Settings) -> Vec<Line> {
-    let (mut tool, mut layer, mut kind, mut lines) = (0, None, String::new(), Vec::new());
-    let middle = settings.bed.middle_mm();
-    for step in replay(&print.text) {
-        match step.action {
-            Action::Type(name) => kind = String::from_utf8_lossy(name).into_owned(),
-            Action::Stroke(s) if s.extrudes() && s.xy_mm > 0.0 && kind != "Wipe tower" => {
-                if let Some(layer) = layer {
-                    let at = [0, 1].map(|i| (s.from[i] + s.to[i]) / 2.0 - middle[i]);
-                    let volume_mm3 =
-                        s.fresh_mm3(pathwright::profile::filament_area_mm2(settings.filament.diameter));
-                    lines.push(Line { tool: tool + 1, layer, kind: kind.clone(), at, volume_mm3 });
-                }
-            }
-            _ if step.line.text == b";LAYER_CHANGE" => layer = Some(layer.map_or(0, |layer| layer + 1)),
-            _ => {}
-        }
-        if let Some(code) = step.line.code.filter(|code| code.letter == b'T') {
-            tool = code.number;
-        }
-    }
-    lines
-}
-
-fn volume_mm3<'a>(lines: impl Iterator<Item = &'a Line>) -> f64 {
-    lines.map(|line| line.volume_mm3).sum()
 }
 
 #[test]

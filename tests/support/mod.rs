@@ -9,4 +9,6 @@ pub mod mesh_shapes;
 pub mod oracle;
 pub mod print;
 pub mod program;
+pub mod saved_project;
+pub mod strokes;
 pub mod toolpath_plan;

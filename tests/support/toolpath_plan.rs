@@ -64,6 +64,9 @@ pub fn plan_with(
         height_mm: HEIGHT_MM,
         objects: vec![ObjectLayer {
             tool: None,
+            style: None,
+            share: None,
+            is_first: true,
             object: 0,
             section: &sections[index],
             above: sections.get(index + 1).unwrap_or(&nothing),

@@ -2,6 +2,7 @@
 
 use std::path::Path;
 
+use crate::mesh::effect::{Effect, SavedSettings};
 use crate::mesh::error::{Location, MeshError};
 use crate::mesh::paint::Paint;
 use crate::mesh::units;
@@ -42,24 +43,54 @@ pub(super) struct FileObject {
     pub tool: Option<u32>,
     /// What different extruders print of it, where the file says so.
     pub parts: Vec<FileObject>,
+    /// Bodies that change what is inside of them.
+    pub modifiers: Vec<FileModifier>,
+    /// The settings that the file has for it.
+    pub saved: SavedSettings,
+}
+
+/// A body of a file that changes what is inside of it.
+#[derive(Clone)]
+pub(super) struct FileModifier {
+    pub name: Option<String>,
+    pub soup: Soup,
+    /// Facets in the file, before any was left out.
+    pub facets: usize,
+    pub effect: Effect,
+}
+
+impl FileModifier {
+    /// The same elsewhere.
+    fn moved(&self, by_mm: [f64; 3]) -> Self {
+        let mut moved = self.clone();
+        for vertex in &mut moved.soup.vertices {
+            *vertex = [0, 1, 2].map(|i| (f64::from(vertex[i]) + by_mm[i]) as f32);
+        }
+        moved
+    }
+}
+
+impl FileObject {
+    /// An object without a name, paint and settings.
+    pub fn plain(soup: Soup, facets: usize, positions: Vec<[f64; 3]>) -> Self {
+        Self {
+            name: None,
+            soup,
+            paint: Paint::default(),
+            facets,
+            positions,
+            tool: None,
+            parts: Vec::new(),
+            modifiers: Vec::new(),
+            saved: SavedSettings::default(),
+        }
+    }
 }
 
 impl Contents {
     /// A file that is one object, where it lies.
     pub fn single(soup: Soup, format: &'static str, facets: usize, notes: Vec<String>) -> Self {
-        Self {
-            objects: vec![FileObject {
-                name: None,
-                soup,
-                paint: Paint::default(),
-                facets,
-                positions: vec![[0.0; 3]],
-                tool: None,
-                parts: Vec::new(),
-            }],
-            format,
-            notes,
-        }
+        Self { objects: vec![FileObject::plain(soup, facets, vec![[0.0; 3]])], format, notes }
     }
 
     /// Everything as one object, each where the file puts it.
@@ -77,9 +108,11 @@ impl Contents {
         let mut welder = Welder::with_capacity(facets);
         let mut number = 0;
         let mut paint = Paint::default();
+        let mut modifiers = Vec::new();
         let objects = &self.objects;
-        for FileObject { soup, positions, paint: own, .. } in objects {
+        for FileObject { soup, positions, paint: own, modifiers: bodies, .. } in objects {
             for position in positions {
+                modifiers.extend(bodies.iter().map(|body| body.moved(*position)));
                 paint.add(own, |corner| [0, 1, 2].map(|i| corner[i] + position[i]));
                 for triangle in &soup.triangles {
                     number += 1;
@@ -94,7 +127,9 @@ impl Contents {
             }
         }
         let mut all = Self::single(welder.finish(), self.format, facets, self.notes);
-        all.objects.iter_mut().for_each(|object| object.paint = std::mem::take(&mut paint));
+        for object in &mut all.objects {
+            (object.paint, object.modifiers) = (std::mem::take(&mut paint), std::mem::take(&mut modifiers));
+        }
         Ok(all)
     }
 }

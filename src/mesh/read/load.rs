@@ -4,13 +4,14 @@ use std::fs;
 use std::io::{Read, Seek, SeekFrom};
 use std::path::Path;
 
-use super::format::{Contents, FileObject};
+use super::format::{Contents, FileModifier, FileObject};
 use super::formats;
 use crate::limits;
+use crate::mesh::effect::SavedSettings;
 use crate::mesh::error::MeshError;
 use crate::mesh::paint::Paint;
 use crate::mesh::report::MeshReport;
-use crate::mesh::surface::Mesh;
+use crate::mesh::surface::{Mesh, Modifier};
 use crate::mesh::weld::Soup;
 use crate::mesh::{repair, units, weld};
 use crate::observer::Observer;
@@ -41,6 +42,8 @@ pub struct Model {
     pub tool: Option<u32>,
     /// The same in parts that the file has different extruders for; empty: one prints all of it.
     pub parts: Vec<Model>,
+    /// The settings that the file has for it.
+    pub saved: SavedSettings,
 }
 
 impl Model {
@@ -55,7 +58,15 @@ impl From<Mesh> for Model {
     fn from(mesh: Mesh) -> Self {
         let facets = mesh.triangles.len();
         let report = MeshReport::new(&mesh, "memory", facets, &repair::Repairs::default(), Vec::new());
-        Self { name: None, mesh, report, positions: vec![[0.0; 3]], tool: None, parts: Vec::new() }
+        Self {
+            name: None,
+            mesh,
+            report,
+            positions: vec![[0.0; 3]],
+            tool: None,
+            parts: Vec::new(),
+            saved: SavedSettings::default(),
+        }
     }
 }
 
@@ -74,12 +85,14 @@ pub fn load(path: &Path) -> Result<(Mesh, MeshReport), MeshError> {
 pub fn from_bytes(path: &Path, data: &[u8]) -> Result<(Mesh, MeshReport), MeshError> {
     let Contents { objects, format, notes } = formats::read(path, data)?.together(path)?;
     let mut objects = objects.into_iter();
-    let Some(FileObject { soup, facets, paint, .. }) = objects.next() else {
+    let Some(FileObject { soup, facets, paint, modifiers, .. }) = objects.next() else {
         return Err(MeshError::NoFacets { path: path.to_path_buf() });
     };
     let observer = Observer::none();
-    let (mesh, report) = repaired(path, soup, facets, format, notes, Workers { observer: &observer })?;
-    let mesh = mesh.painted(paint);
+    let workers = Workers { observer: &observer };
+    let (mesh, mut report) = repaired(path, soup, facets, format, notes, workers)?;
+    let modifiers = bodies(path, modifiers, &mut report, workers)?;
+    let mesh = mesh.painted(paint).modified(modifiers);
     // Whoever does not scale gets what can be sliced.
     match mesh.bounds().as_flattened().iter().any(|x| x.abs() > f64::from(weld::LIMIT_MM)) {
         true => Err(units::too_large(path, &mesh, [1.0; 3])),
@@ -119,20 +132,46 @@ pub(crate) fn objects_watched(
     workers: Workers<'_>,
 ) -> Result<Vec<Model>, MeshError> {
     let Contents { objects, format, mut notes } = formats::read(path, data)?;
-    let mut model = |FileObject { name, soup, paint, facets, positions, tool, parts }| {
+    let mut model = |object: FileObject| {
+        let FileObject { name, soup, paint, facets, positions, tool, parts, modifiers, saved } = object;
         let (mesh, report) = repaired(path, soup, facets, format, std::mem::take(&mut notes), workers)?;
         let mesh = mesh.painted(paint);
-        Ok((Model { name, mesh, report, positions, tool, parts: Vec::new() }, parts))
+        Ok((Model { name, mesh, report, positions, tool, parts: Vec::new(), saved }, parts, modifiers))
     };
     let mut models = Vec::with_capacity(objects.len());
     for object in objects {
-        let (mut whole, parts) = model(object)?;
+        let (mut whole, parts, modifiers) = model(object)?;
+        let modifiers = bodies(path, modifiers, &mut whole.report, workers)?;
         for part in parts {
-            whole.parts.push(model(part)?.0);
+            let (mut part, ..) = model(part)?;
+            part.mesh = part.mesh.modified(modifiers.clone());
+            whole.parts.push(Model { saved: whole.saved.clone(), ..part });
         }
+        whole.mesh = whole.mesh.modified(modifiers);
         models.push(whole);
     }
     Ok(models)
+}
+
+/// Bodies that change what is inside of them, repaired. Those that enclose nothing are left out, with a warning.
+fn bodies(
+    path: &Path,
+    found: Vec<FileModifier>,
+    report: &mut MeshReport,
+    workers: Workers<'_>,
+) -> Result<Vec<Modifier>, MeshError> {
+    let mut modifiers = Vec::with_capacity(found.len());
+    for FileModifier { name, soup, facets, effect } in found {
+        match repaired(path, soup, facets, "", Vec::new(), workers) {
+            Ok((mesh, _)) => modifiers.push(Modifier { name, mesh, effect }),
+            Err(MeshError::NoVolume { .. } | MeshError::NoFacets { .. }) => {
+                let called = name.as_deref().unwrap_or("without a name");
+                report.warnings.push(format!("a modifier {called} encloses no volume, and was left out"));
+            }
+            Err(error) => return Err(error),
+        }
+    }
+    Ok(modifiers)
 }
 
 /// Bytes from which reading by two threads pays.
@@ -201,6 +240,7 @@ fn repaired(
         twins: twins.into(),
         oriented,
         paint: Paint::default(),
+        modifiers: Vec::new(),
     };
     let report = MeshReport::new(&mesh, format, facets, &repairs, notes);
     // A solid is at least as thick on average as the grid is fine.

@@ -15,7 +15,14 @@ pub(super) fn raised(cut: Vec<Layer>, settings: &Settings) -> Vec<Layer> {
         let (bottom_mm, top_mm) = (if index == 0 { 0.0 } else { raft_mm(index) }, raft_mm(index + 1));
         let (height_mm, cut_mm) = (top_mm - bottom_mm, (bottom_mm + top_mm) / 2.0);
         let span = LayerSpan { index, bottom_mm, top_mm, height_mm, cut_mm };
-        Layer { span, sections: Vec::new(), seams: Vec::new(), tools: Vec::new(), gaps: Gaps::default() }
+        Layer {
+            span,
+            sections: Vec::new(),
+            seams: Vec::new(),
+            tools: Vec::new(),
+            modified: Vec::new(),
+            gaps: Gaps::default(),
+        }
     });
     let up_mm = raft_mm(count) + settings.raft.gap.0;
     let part = cut.into_iter().map(|layer| {

@@ -14,7 +14,7 @@ use std::collections::BTreeSet;
 use std::sync::OnceLock;
 
 pub(super) use folder::is_preset;
-pub(super) use project::project;
+pub(super) use project::{of_object, project};
 
 use super::config::{Config, Dialect, Place};
 use super::error::PresetError;

@@ -1,9 +1,10 @@
 //! The configuration that these slicers save in a project.
 
+use std::collections::BTreeMap;
 use std::sync::Arc;
 
 use super::convert;
-use super::json::File;
+use super::json::{File, Written};
 use super::keys::{self, ABOUT};
 use super::values::Values;
 use crate::presets::config::{Config, Place};
@@ -23,4 +24,13 @@ pub(in crate::presets) fn project(name: impl Into<Arc<str>>, bytes: &[u8]) -> Re
         }
     }
     Ok(convert::config(&values))
+}
+
+/// What is saved with an object of a project: some of the process's settings, each one text.
+pub(in crate::presets) fn of_object(entries: &BTreeMap<String, String>, place: &Place) -> Config {
+    let mut values = Values::new(keys::built_in);
+    for (key, value) in entries {
+        values.set(key, Written { values: vec![value.clone()], is_list: false, line: 0 }, place.clone());
+    }
+    convert::config(&values)
 }

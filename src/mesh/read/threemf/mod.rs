@@ -10,10 +10,9 @@ mod affine;
 mod archive;
 mod lattice;
 mod model;
-mod own;
 mod paint;
+mod saved;
 mod struts;
-mod tools;
 mod xml;
 
 use std::collections::BTreeMap;
@@ -22,10 +21,11 @@ use std::path::Path;
 use affine::Affine;
 use archive::Archive;
 use model::{Object, Part, Use, extension_name};
-use tools::ObjectTools;
+use saved::{Purpose, SavedObject, Volume};
 
-use super::format::{Contents, FileObject, Format, bad_coordinate, has_extension};
+use super::format::{Contents, FileModifier, FileObject, Format, bad_coordinate, has_extension};
 use crate::limits;
+use crate::mesh::effect::{Effect, SavedSettings};
 use crate::mesh::error::{Location, MeshError};
 use crate::mesh::paint::Paint;
 use crate::mesh::weld::Welder;
@@ -94,9 +94,9 @@ impl Format for ThreeMf {
                 None => groups.push((item, vec![position])),
             }
         }
-        let tools = package.tools();
+        let saved = package.saved();
         let mut objects = Vec::with_capacity(groups.len());
-        let (mut empty, mut modifiers) = (0, 0);
+        let (mut empty, mut unknown) = (0, 0);
         let mut budget = Budget { facets: MOST_FACETS, uses: MOST_USES, skipped: 0 };
         for (item, positions) in groups {
             let (mut instances, skipped) = (Vec::new(), budget.skipped);
@@ -105,22 +105,34 @@ impl Format for ThreeMf {
                 empty += usize::from(budget.skipped == skipped);
                 continue;
             }
-            let told = tools.get(&item.object);
-            let used = told.map(ObjectTools::all).unwrap_or_default();
+            let told = saved.get(&item.object);
+            let make = |keep: &dyn Fn(u32, usize) -> bool| {
+                package.object(&item, &root, &instances, positions.clone(), keep)
+            };
             let is_printed =
-                |object: u32, facet: usize| told.is_none_or(|told| told.of(object, facet).is_some());
-            let mut object = package.object(&item, &root, &instances, positions.clone(), &is_printed)?;
-            modifiers += told.map_or(0, ObjectTools::unprinted);
-            if let (Some(told), true) = (told, used.len() > 1) {
-                for tool in used {
-                    let own = |object: u32, facet: usize| told.of(object, facet) == Some(tool);
-                    let part = package.object(&item, &root, &instances, positions.clone(), &own)?;
+                |object: u32, facet: usize| told.is_none_or(|told| told.tool(object, facet).is_some());
+            let mut object = make(&is_printed)?;
+            if let Some(told) = told {
+                let used = told.tools();
+                for tool in used.iter().filter(|_| used.len() > 1) {
+                    let part = make(&|object, facet| told.tool(object, facet) == Some(*tool))?;
                     if !part.soup.triangles.is_empty() {
-                        object.parts.push(FileObject { tool: Some(tool), ..part });
+                        object.parts.push(FileObject { tool: Some(*tool), ..part });
                     }
                 }
-            } else {
-                object.tool = told.and_then(ObjectTools::only);
+                object.tool = told.only_tool();
+                object.saved = told.own().clone();
+                for (number, volume) in told.volumes().iter().enumerate() {
+                    let Some(effect) = effect(volume, told) else {
+                        unknown += usize::from(volume.purpose == Purpose::Other);
+                        continue;
+                    };
+                    let body = make(&|object, facet| told.volume(object, facet) == Some(number))?;
+                    if !body.soup.triangles.is_empty() {
+                        let (name, soup, facets) = (volume.name.clone(), body.soup, body.facets);
+                        object.modifiers.push(FileModifier { name, soup, facets, effect });
+                    }
+                }
             }
             if object.soup.triangles.is_empty() {
                 empty += 1;
@@ -132,16 +144,27 @@ impl Format for ThreeMf {
             return Err(MeshError::NoFacets { path: path.to_path_buf() });
         }
         let mut notes = package.notes(&root, budget.skipped);
-        notes.extend(package.settings_of_objects());
-        if modifiers > 0 {
-            notes.push(format!(
-                "{modifiers} parts that change others (modifiers, negative volumes, blockers and enforcers of supports) were left out"
-            ));
+        if unknown > 0 {
+            notes.push(format!("{unknown} parts of objects, of a kind that is not known, were left out"));
         }
         if empty > 0 {
             notes.push(format!("{empty} objects without a facet were left out"));
         }
         Ok(Contents { objects, format: "3MF", notes })
+    }
+}
+
+/// What a part does to its object; `None`: it is a part of it that is printed as the object is, or of no known kind.
+fn effect(volume: &Volume, told: &SavedObject) -> Option<Effect> {
+    match volume.purpose {
+        Purpose::Cut => Some(Effect::Cut),
+        Purpose::Modify => Some(Effect::Settings(volume.saved.clone())),
+        Purpose::Support(wish) => Some(Effect::Support(wish)),
+        // Its extruder is that of a part of the object.
+        Purpose::Print if told.parts_differ() => {
+            Some(Effect::Settings(SavedSettings { tool: None, ..volume.saved.clone() }))
+        }
+        Purpose::Print | Purpose::Other => None,
     }
 }
 
@@ -300,18 +323,14 @@ impl<'a> Package<'a> {
             }
         }
         let (name, soup) = (named.name.clone().or(only), welder.finish());
-        Ok(FileObject { name, soup, paint, facets, positions, tool: None, parts: Vec::new() })
-    }
-
-    /// The extruders that other slicers have saved with the objects.
-    fn tools(&mut self) -> BTreeMap<u32, ObjectTools> {
-        let mut parts = own::PARTS.iter();
-        parts.find_map(|name| Some(tools::read(self.archive.part(name).ok()?))).unwrap_or_default()
+        Ok(FileObject { name, paint, ..FileObject::plain(soup, facets, positions) })
     }
 
     /// What other slicers have saved with the objects.
-    fn settings_of_objects(&mut self) -> Option<String> {
-        own::PARTS.iter().find_map(|name| own::note(self.archive.part(name).ok()?))
+    fn saved(&mut self) -> BTreeMap<u32, SavedObject> {
+        let mut parts = saved::PARTS.iter();
+        let read = |(name, words): &(&str, _)| Some(saved::read(self.archive.part(name).ok()?, *words));
+        parts.find_map(read).unwrap_or_default()
     }
 
     /// What was passed over.

@@ -1,0 +1,161 @@
+//! No piece of a section is narrower than a line, unless the section is.
+
+use geometry::{Polygon, Region, difference, intersection, offset, opening, union};
+
+use super::piece::Piece;
+
+/// Pieces touch where they come so near, mm.
+const TOUCH_MM: f64 = 0.02;
+
+/// What is within this share of a line of where a line has room belongs to it: corners.
+const CORNERS: f64 = 0.75;
+
+/// What is narrower comes of rounding where edges do not meet exactly, mm.
+const CRACK_MM: f64 = 1e-3;
+
+/// Nothing that is larger is a crack, mm².
+const CRACK_MM2: f64 = 0.05;
+
+/// Gives what is narrower than a line to the piece that it touches most. Afterwards the pieces make up the section, and do not
+/// overlap.
+pub(super) fn give_away(section: &Region, pieces: &mut Vec<Piece>, line_mm: f64) {
+    let wide = |region: &Region| {
+        let roomy = offset(region, -line_mm / 2.0);
+        if roomy.is_empty() { roomy } else { intersection(&offset(&roomy, line_mm * CORNERS), region) }
+    };
+    // Where the section is as narrow, a piece may be, too.
+    let narrow = difference(section, &opening(section, line_mm / 2.0));
+    let kept = |piece: &Piece| match intersection(&narrow, &piece.region) {
+        thin if thin.is_empty() => wide(&piece.region),
+        thin => union(&wide(&piece.region), &thin),
+    };
+    let before: Vec<Region> = pieces.iter().map(|piece| piece.region.clone()).collect();
+    for piece in pieces.iter_mut() {
+        let mut region = kept(piece);
+        region.retain(|polygon| has_room(&Region::from(polygon.clone()), &narrow, line_mm));
+        piece.region = region;
+    }
+    let left = pieces.iter().fold(section.clone(), |left, piece| difference(&left, &piece.region));
+    for sliver in left.polygons().iter().filter(|polygon| !is_crack(polygon)) {
+        let sliver = Region::from(sliver.clone());
+        let near = offset(&sliver, TOUCH_MM);
+        let most = |of: &mut dyn Iterator<Item = &Region>| {
+            let areas = of.map(|region| intersection(&near, region).area_mm2()).enumerate();
+            areas.filter(|(_, area)| *area > 0.0).max_by(|a, b| a.1.total_cmp(&b.1).then(b.0.cmp(&a.0)))
+        };
+        let touched = most(&mut pieces.iter().map(|piece| &piece.region));
+        let Some((number, _)) = touched.or_else(|| most(&mut before.iter())) else { continue };
+        // Across cracks, so that it is one with its piece.
+        let grown = intersection(&offset(&sliver, CRACK_MM), section);
+        for (other, piece) in pieces.iter_mut().enumerate() {
+            piece.region = match other == number {
+                true => union(&piece.region, &grown),
+                false => difference(&piece.region, &grown),
+            };
+        }
+    }
+    for piece in pieces.iter_mut() {
+        piece.region.retain(|polygon| !is_crack(polygon));
+    }
+    pieces.retain(|piece| !piece.region.is_empty());
+}
+
+fn is_crack(polygon: &Polygon) -> bool {
+    polygon.area_mm2() < CRACK_MM2 && offset(&Region::from(polygon.clone()), -CRACK_MM / 2.0).is_empty()
+}
+
+/// Whether a line has room in a region, or the section is narrow there.
+fn has_room(region: &Region, narrow: &Region, line_mm: f64) -> bool {
+    !offset(region, -line_mm / 2.0).is_empty() || intersection(region, narrow).area_mm2() > line_mm * line_mm
+}
+
+#[cfg(test)]
+pub(super) mod tests {
+    use super::*;
+    use crate::toolpath::ToolId;
+    use geometry::{Point, union_all};
+    use proptest::prelude::*;
+    use proptest::test_runner::TestCaseError;
+
+    /// Pieces make up the section, do not overlap, and a line has room in each, unless the section is as narrow there.
+    pub(in super::super) fn is_sound(
+        section: &Region,
+        pieces: &[Piece],
+        line_mm: f64,
+    ) -> Result<(), TestCaseError> {
+        let all = union_all(pieces.iter().map(|piece| &piece.region));
+        let lost = difference(section, &all).area_mm2() + difference(&all, section).area_mm2();
+        prop_assert!(lost < 1e-3, "{lost} mm² lost or too much");
+        let sum: f64 = pieces.iter().map(|piece| piece.region.area_mm2()).sum();
+        prop_assert!((sum - all.area_mm2()).abs() < 1e-3, "{} mm² twice", sum - all.area_mm2());
+        let narrow = difference(section, &opening(section, line_mm / 2.0));
+        for piece in pieces {
+            for polygon in piece.region.polygons() {
+                let polygon = Region::from(polygon.clone());
+                let room = !offset(&polygon, -0.45 * line_mm).is_empty();
+                prop_assert!(
+                    room || !intersection(&polygon, &narrow).is_empty(),
+                    "tool {}: a sliver of {} mm²: {polygon:?}",
+                    piece.tool,
+                    polygon.area_mm2()
+                );
+            }
+        }
+        Ok(())
+    }
+
+    fn ring(corners: &[(f64, f64)]) -> Region {
+        let outer = corners.iter().map(|&(x, y)| Point::from_mm(x, y)).collect();
+        Region::from(Polygon { outer, holes: Vec::new() })
+    }
+
+    fn rectangle(low: (f64, f64), high: (f64, f64)) -> Region {
+        ring(&[low, (high.0, low.1), high, (low.0, high.1)])
+    }
+
+    /// The section in pieces, each taking what it covers from those before.
+    fn pieces(section: &Region, covers: &[Region]) -> Vec<Piece> {
+        let mut left = section.clone();
+        let mut pieces = Vec::new();
+        for (tool, cover) in
+            covers.iter().enumerate().rev().map(|(number, cover)| (number as ToolId + 1, cover))
+        {
+            pieces.push(Piece { tool, style: None, region: intersection(&left, cover) });
+            left = difference(&left, cover);
+        }
+        pieces.push(Piece { tool: 0, style: None, region: left });
+        pieces
+    }
+
+    #[test]
+    fn a_strip_goes_to_the_piece_beside_it_and_a_rib_keeps_its_own() {
+        let section = union(&rectangle((0.0, 0.0), (10.0, 10.0)), &rectangle((10.0, 5.0), (20.0, 5.4)));
+        let covers = [rectangle((0.0, 0.0), (5.0, 10.0)), rectangle((9.8, 0.0), (30.0, 10.0))];
+        let mut all = pieces(&section, &covers);
+        give_away(&section, &mut all, 0.45);
+        let area_mm2 = |tool| all.iter().filter(|p| p.tool == tool).map(|p| p.region.area_mm2()).sum::<f64>();
+        assert!((area_mm2(1) - 50.0).abs() < 1e-6, "{}", area_mm2(1));
+        assert!((area_mm2(2) - 4.0).abs() < 0.2, "the rib, and not the strip: {}", area_mm2(2));
+        assert!((area_mm2(0) - 50.0).abs() < 0.2, "{}", area_mm2(0));
+    }
+
+    proptest! {
+        #![proptest_config(ProptestConfig::with_cases(300))]
+
+        #[test]
+        fn pieces_of_bodies_that_overlap_make_up_the_section(
+            boxes in proptest::collection::vec(
+                ((-12.0..12.0f64, -12.0..12.0f64), (0.05..12.0f64, 0.05..12.0f64)),
+                1..7,
+            ),
+            corners in proptest::collection::vec((-10.0..10.0f64, -10.0..10.0f64), 3..9),
+        ) {
+            let section = geometry::unite_rings(&[corners.iter().map(|&(x, y)| Point::from_mm(x, y)).collect()]);
+            let covers: Vec<Region> =
+                boxes.iter().map(|&((x, y), (w, d))| rectangle((x, y), (x + w, y + d))).collect();
+            let mut all = pieces(&section, &covers);
+            give_away(&section, &mut all, 0.45);
+            is_sound(&section, &all, 0.45)?;
+        }
+    }
+}
