@@ -27,7 +27,8 @@ pub(crate) struct Tower {
 #[derive(Clone, Debug)]
 struct Floor {
     height_mm: f64,
-    width_mm: f64,
+    /// Of the lines of each tool.
+    widths_mm: Vec<f64>,
     /// The tool that the layer begins with.
     first: ToolId,
     /// The tools that are flushed, and how much of each, mm³.
@@ -35,32 +36,39 @@ struct Floor {
 }
 
 impl Floor {
-    fn spacing_mm(&self) -> f64 {
-        bead::spacing_mm(self.width_mm, self.height_mm)
+    fn width_mm(&self, tool: ToolId) -> f64 {
+        self.widths_mm[usize::from(tool)]
     }
 
-    fn length_mm(&self, volume_mm3: f64) -> f64 {
-        volume_mm3 / bead::area_mm2(self.width_mm, self.height_mm)
+    fn spacing_mm(&self, tool: ToolId) -> f64 {
+        bead::spacing_mm(self.width_mm(tool), self.height_mm)
+    }
+
+    fn length_mm(&self, tool: ToolId, volume_mm3: f64) -> f64 {
+        volume_mm3 / bead::area_mm2(self.width_mm(tool), self.height_mm)
     }
 
     /// Rows that a flush takes, each so long.
-    fn rows(&self, volume_mm3: f64, row_mm: f64) -> usize {
-        let spacing_mm = self.spacing_mm();
-        ((self.length_mm(volume_mm3) + spacing_mm) / (row_mm + spacing_mm)).ceil() as usize
+    fn rows(&self, tool: ToolId, volume_mm3: f64, row_mm: f64) -> usize {
+        let spacing_mm = self.spacing_mm(tool);
+        ((self.length_mm(tool, volume_mm3) + spacing_mm) / (row_mm + spacing_mm)).ceil() as usize
     }
 
     /// Depth that all flushes take within a frame.
     fn depth_mm(&self, width_mm: f64) -> f64 {
-        let spacing_mm = self.spacing_mm();
-        let rows: usize =
-            self.flushes.iter().map(|(_, mm3)| self.rows(*mm3, width_mm - 3.0 * spacing_mm)).sum();
-        (rows + 2) as f64 * spacing_mm
+        let frame_mm = self.spacing_mm(self.first);
+        let depth_mm = |&(tool, mm3): &(ToolId, f64)| {
+            let spacing_mm = self.spacing_mm(tool);
+            self.rows(tool, mm3, width_mm - 2.0 * frame_mm - spacing_mm) as f64 * spacing_mm
+        };
+        self.flushes.iter().map(depth_mm).sum::<f64>() + 2.0 * frame_mm
     }
 }
 
 impl Tower {
     /// The tower for layers whose tools are in order, the first of them in use from the start; `None`: nothing is flushed.
-    pub fn plan(layers: &[LayerPaths], settings: &Settings) -> Option<Self> {
+    /// `widths_mm`: of the lines of each tool, on the first layer and on others.
+    pub fn plan(layers: &[LayerPaths], widths_mm: &[Vec<f64>; 2], settings: &Settings) -> Option<Self> {
         let mut tool = layers.iter().find_map(|layer| layer.tools.first().copied())?;
         let mut below_mm = 0.0;
         let mut floors: Vec<Floor> = Vec::with_capacity(layers.len());
@@ -73,10 +81,10 @@ impl Tower {
                 }
                 tool = next;
             }
-            let width_mm = floor_width_mm(floors.is_empty(), settings);
+            let widths_mm = widths_mm[usize::from(!floors.is_empty())].clone();
             let height_mm = layer.top_mm - below_mm;
             let first = layer.tools.first().copied().unwrap_or(tool);
-            floors.push(Floor { height_mm, width_mm, first, flushes });
+            floors.push(Floor { height_mm, widths_mm, first, flushes });
             below_mm = layer.top_mm;
         }
         let last = floors.iter().rposition(|floor| !floor.flushes.is_empty())?;
@@ -102,13 +110,10 @@ impl Tower {
         let layer = &settings.layer;
         let least_mm = if layer.adaptive { layer.min_height.0 } else { layer.height.0 };
         let heights_mm = [layer.first_height.0, least_mm];
-        let floor = |(index, height_mm): (usize, f64)| Floor {
-            height_mm,
-            width_mm: floor_width_mm(index == 0, settings),
-            first: 0,
-            flushes: flushes.clone(),
-        };
-        let floors: Vec<Floor> = heights_mm.into_iter().enumerate().map(floor).collect();
+        // How wide lines are matters little: as much narrower, as many more of them there are.
+        let floor =
+            |(height_mm, widths_mm)| Floor { height_mm, widths_mm, first: 0, flushes: flushes.clone() };
+        let floors = heights_mm.into_iter().zip(settings.widths_beside_mm()).map(floor).collect();
         Some(Self::of(floors, height_mm, settings))
     }
 
@@ -138,27 +143,32 @@ impl Tower {
     /// Its paths in a layer.
     pub fn paths(&self, layer: usize) -> Vec<Path> {
         let Some(floor) = self.layers.get(layer) else { return Vec::new() };
-        let spacing_mm = floor.spacing_mm();
-        let low = [0, 1].map(|i| self.center_mm[i] - self.size_mm[i] / 2.0 + 1.5 * spacing_mm);
-        let high = [0, 1].map(|i| self.center_mm[i] + self.size_mm[i] / 2.0 - 1.5 * spacing_mm);
+        let spacing_mm = floor.spacing_mm(floor.first);
+        let inner = [-1.0, 1.0]
+            .map(|side| [0, 1].map(|i| self.center_mm[i] + side * (self.size_mm[i] / 2.0 - spacing_mm)));
         let mut paths = Vec::new();
-        let mut y_mm = low[1];
+        let mut y_mm = inner[0][1];
         for &(tool, mm3) in &floor.flushes {
-            let rows = floor.rows(mm3, high[0] - low[0]);
-            let top_mm = y_mm + (rows - 1) as f64 * spacing_mm;
-            let points = zigzag([low[0], y_mm], [high[0], top_mm], 0, rows, Some(floor.length_mm(mm3)));
+            let own_mm = floor.spacing_mm(tool);
+            let [left, right] = [inner[0][0] + own_mm / 2.0, inner[1][0] - own_mm / 2.0];
+            let rows = floor.rows(tool, mm3, right - left);
+            let first_mm = y_mm + own_mm / 2.0;
+            let top_mm = first_mm + (rows - 1) as f64 * own_mm;
+            let points = zigzag([left, first_mm], [right, top_mm], 0, rows, Some(floor.length_mm(tool, mm3)));
             paths.push(floor.path(points, false, tool, 0));
-            y_mm += rows as f64 * spacing_mm;
+            y_mm += rows as f64 * own_mm;
         }
+        let low = [inner[0][0] + spacing_mm / 2.0, y_mm + spacing_mm / 2.0];
+        let high = inner[1].map(|mm| mm - spacing_mm / 2.0);
         for loop_number in 0..self.brim_loops(layer, spacing_mm) {
             let ring = self.rectangle(-(loop_number as f64 + 0.5) * spacing_mm);
             paths.push(floor.path(ring, true, floor.first, 1));
         }
         paths.push(floor.path(self.rectangle(0.5 * spacing_mm), true, floor.first, 1));
-        if high[1] - y_mm >= spacing_mm {
+        if high[1] - low[1] >= spacing_mm {
             let apart_mm = if layer == 0 { spacing_mm } else { self.line_distance_mm };
             let lines = ((high[0] - low[0]) / apart_mm).floor() as usize + 1;
-            let points = zigzag([low[0], y_mm], high, 1, lines.max(2), None);
+            let points = zigzag(low, high, 1, lines.max(2), None);
             paths.push(floor.path(points, false, floor.first, 2));
         }
         paths
@@ -242,11 +252,6 @@ impl Tower {
     }
 }
 
-fn floor_width_mm(is_first: bool, settings: &Settings) -> f64 {
-    let own_mm = settings.first_layer.width.0;
-    if is_first && own_mm > 0.0 { own_mm } else { settings.walls.width.0 }
-}
-
 /// Distance from all that is printed, millimetres.
 const CLEAR_MM: f64 = 3.0;
 /// Distance from the edge of the bed, where start scripts prime, millimetres.
@@ -260,7 +265,7 @@ impl Floor {
             role: Role::PrimeTower,
             closed,
             points,
-            width: Width::Constant(self.width_mm),
+            width: Width::Constant(self.width_mm(tool)),
             height_mm: self.height_mm,
             island: None,
             phase: Phase::Tower(turn),
