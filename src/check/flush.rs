@@ -43,6 +43,8 @@ pub(super) struct Flush {
     multiplier: f64,
     into: [bool; INTO.len()],
     into_objects: bool,
+    /// The matrix is not used: every change flushes the same.
+    has_other_volumes: bool,
 }
 
 impl Flush {
@@ -59,6 +61,7 @@ impl Flush {
             multiplier: 1.0,
             into: [false; INTO.len()],
             into_objects: false,
+            has_other_volumes: false,
         }
     }
 
@@ -73,6 +76,7 @@ impl Flush {
             "wipe_tower" | "enable_prime_tower" => self.has_tower = is_on(),
             "single_extruder_multi_material" => self.has_one_nozzle = is_on(),
             "wiping_volumes_matrix" | "flush_volumes_matrix" => self.volumes_mm3 = numbers().collect(),
+            "wiping_volumes_use_custom_matrix" => self.has_other_volumes = !is_on(),
             "flush_multiplier" => self.multiplier = numbers().next().unwrap_or(1.0),
             "flush_into_objects" => self.into_objects = is_on(),
             _ => {
@@ -128,7 +132,7 @@ impl Rule for Flush {
 
     fn end(&mut self, found: &mut Found) {
         let unknown = !self.is_ours && (!self.has_one_nozzle || self.into.contains(&true));
-        if !self.has_tower || unknown || self.into_objects {
+        if !self.has_tower || unknown || self.into_objects || self.has_other_volumes {
             return;
         }
         let enough = ENOUGH[usize::from(!self.is_ours)];

@@ -34,6 +34,8 @@ pub(crate) struct Loaded<'a> {
     pub hints: Vec<String>,
     /// The middle of the room that is kept for the prime tower, and its size, millimetres.
     pub tower_room_mm: Option<[[f64; 2]; 2]>,
+    /// Widths of what each tool prints beside the objects, on the first layer and on others, millimetres.
+    pub widths_mm: [Vec<f64>; 2],
 }
 
 /// Reads and transforms the models of a job. A file that is named several times is read once.
@@ -100,7 +102,16 @@ pub(crate) fn place<'a>(
     for (wish, modifiers) in [Wish::Enforced, Wish::Blocked].into_iter().zip(&mut modifiers) {
         add_wishes(wish, &plate, modifiers);
     }
-    Ok(Loaded { plate, styles, modifiers, warnings, repairs, hints, tower_room_mm })
+    Ok(Loaded {
+        plate,
+        styles,
+        modifiers,
+        warnings,
+        repairs,
+        hints,
+        tower_room_mm,
+        widths_mm: settings.widths_beside_mm(),
+    })
 }
 
 /// Where the models of a job stand, and which objects cannot be printed there.

@@ -41,13 +41,15 @@ pub(super) struct Site<'a> {
     pub hints: &'a [String],
     /// The middle of the room that is kept for the prime tower, and its size, millimetres.
     pub tower_room_mm: Option<[[f64; 2]; 2]>,
+    /// Widths of what each tool prints beside the objects, on the first layer and on others, millimetres.
+    pub widths_mm: &'a [Vec<f64>; 2],
 }
 
 impl<'a> Site<'a> {
     /// Of models that are placed.
     pub fn of(loaded: &'a Loaded<'a>) -> Self {
-        let Loaded { plate, styles, modifiers, hints, tower_room_mm, .. } = loaded;
-        Self { plate, styles, modifiers, hints, tower_room_mm: *tower_room_mm }
+        let Loaded { plate, styles, modifiers, hints, tower_room_mm, widths_mm, .. } = loaded;
+        Self { plate, styles, modifiers, hints, tower_room_mm: *tower_room_mm, widths_mm }
     }
 }
 

@@ -70,7 +70,7 @@ impl Tooled {
         let mut tooled = Self { layers, covered: Vec::new(), has_tower: false, flushes_into_objects };
         // Objects that are printed one after the other have neither.
         if let [round] = rounds {
-            tooled.add_shield(round, settings, workers);
+            tooled.add_shield(round, site, settings, workers);
             tooled.add_tower(round, site, settings, workers)?;
         }
         Ok(Some(tooled))
@@ -89,7 +89,7 @@ impl Tooled {
             return Ok(());
         }
         flush::into(layers, takes_flushes(site.styles, settings), settings);
-        let Some(mut tower) = Tower::plan(layers, settings) else { return Ok(()) };
+        let Some(mut tower) = Tower::plan(layers, site.widths_mm, settings) else { return Ok(()) };
         let shield = Region::disjoint(self.covered.clone());
         let [printed, standing] = [printed(round, settings, workers), standing(round, settings, workers)]
             .map(|region| geometry::union(&region, &shield));
@@ -109,9 +109,11 @@ impl Tooled {
     }
 
     /// Lays the ooze shield, where one is wanted. It is a skirt, too.
-    fn add_shield(&mut self, round: &Round, settings: &Settings, workers: Workers<'_>) {
+    fn add_shield(&mut self, round: &Round, site: &Site<'_>, settings: &Settings, workers: Workers<'_>) {
         let [layers] = self.layers.as_mut_slice() else { return };
-        let Some(shield) = Shield::plan(layers, &standing(round, settings, workers), settings) else {
+        let Some(shield) =
+            Shield::plan(layers, &standing(round, settings, workers), site.widths_mm, settings)
+        else {
             return;
         };
         for (index, layer) in layers.iter_mut().enumerate() {

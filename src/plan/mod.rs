@@ -3,6 +3,7 @@
 
 mod contact;
 pub(crate) mod floating;
+mod floor;
 pub(crate) mod flush;
 mod infill;
 mod modifiers;

@@ -11,13 +11,18 @@ const STAGGER: f64 = 0.38;
 pub(crate) struct Shield {
     loops: Vec<Ring>,
     layers: usize,
-    width_mm: f64,
-    first_width_mm: f64,
+    /// Of the lines of each tool, on the first layer and on others.
+    widths_mm: [Vec<f64>; 2],
 }
 
 impl Shield {
     /// The shield around what is printed; `None`: none is wanted, or no tool is changed.
-    pub fn plan(layers: &[LayerPaths], printed: &Region, settings: &Settings) -> Option<Self> {
+    pub fn plan(
+        layers: &[LayerPaths],
+        printed: &Region,
+        widths_mm: &[Vec<f64>; 2],
+        settings: &Settings,
+    ) -> Option<Self> {
         let change = &settings.tool_change;
         let changes = |layer: &&[LayerPaths]| {
             let tools = layer.iter().flat_map(|layer| &layer.tools).collect::<Vec<_>>();
@@ -32,23 +37,15 @@ impl Shield {
                 last = index + 1;
             }
         }
-        let width_mm = settings.walls.width.0;
-        let own_mm = settings.first_layer.width.0;
-        let away_mm = change.ooze_shield_distance.0 + width_mm / 2.0;
+        let away_mm = change.ooze_shield_distance.0 + widest_mm(&widths_mm[1..]) / 2.0;
         let around =
             geometry::offset(printed, away_mm).into_polygons().into_iter().map(|polygon| polygon.outer);
-        is_wanted.then(|| Self {
-            loops: around.collect(),
-            layers: last + 1,
-            width_mm,
-            first_width_mm: if own_mm > 0.0 { own_mm } else { width_mm },
-        })
+        is_wanted.then(|| Self { loops: around.collect(), layers: last + 1, widths_mm: widths_mm.clone() })
     }
 
     /// What it covers, with what it encloses.
     pub fn covered(&self) -> Region {
-        let width_mm = self.width_mm.max(self.first_width_mm);
-        geometry::offset(&geometry::unite_rings(&self.loops), width_mm / 2.0)
+        geometry::offset(&geometry::unite_rings(&self.loops), widest_mm(&self.widths_mm) / 2.0)
     }
 
     /// Its paths in a layer: every tool has an arc of each loop.
@@ -60,7 +57,7 @@ impl Shield {
             role: Role::Skirt,
             closed,
             points,
-            width: Width::Constant(if number == 0 { self.first_width_mm } else { self.width_mm }),
+            width: Width::Constant(self.widths_mm[usize::from(number > 0)][usize::from(tool)]),
             height_mm: layer.height_mm,
             island: None,
             phase: Phase::Tower(0),
@@ -87,6 +84,10 @@ impl Shield {
         }
         paths
     }
+}
+
+fn widest_mm(widths_mm: &[Vec<f64>]) -> f64 {
+    widths_mm.iter().flatten().copied().fold(0.0, f64::max)
 }
 
 /// The part of a ring between two shares of its length, of which the second is larger by less than 1.

@@ -4,7 +4,7 @@ use crate::motion::{MotionSettings, drawing_s};
 use crate::order::compare_tools::ToolOrderRow;
 use crate::order::tools::{ToolHeating, ToolLayer, ToolOrder, ToolPlan, ToolProblem, order_tools};
 use crate::profile::Settings;
-use crate::toolpath::{LayerPaths, Path, ToolId};
+use crate::toolpath::{LayerPaths, Path, ToolId, bead};
 use ordering::{LinkKind, TravelTime};
 
 /// Milliseconds in a second, in which changes are weighed.
@@ -13,7 +13,7 @@ const MS: f64 = 1000.0;
 /// The tools that each layer of a print needs, and what it costs to change them.
 pub(crate) fn problem(layers: &[LayerPaths], start: Option<ToolId>, settings: &Settings) -> ToolProblem {
     let motion = MotionSettings::new(settings, &[]);
-    let heating = heating(&motion);
+    let heating = heating(&motion, settings);
     let travels: Vec<TravelTime> =
         (0..settings.tools.len()).map(|tool| (&*settings.of_tool(tool)).into()).collect();
     let layer = |layer: &LayerPaths| {
@@ -54,17 +54,22 @@ fn ms(seconds: f64) -> u32 {
 }
 
 /// What heating each tool takes, where any cools down while others print.
-fn heating(motion: &MotionSettings) -> Vec<ToolHeating> {
+fn heating(motion: &MotionSettings, settings: &Settings) -> Vec<ToolHeating> {
     if motion.tools.iter().all(|own| own.reheating_s(own.temperature.nozzle) <= 0.0) {
         return Vec::new();
     }
-    let own = |own: &MotionSettings| {
+    let area_mm2 = bead::area_mm2(settings.walls.width.0, settings.layer.height.0);
+    let heating = |(to, own): (usize, &MotionSettings)| {
         let change_s = own.change_time.0;
+        // What is flushed at least, at the tower's speed.
+        let others = (0..motion.tools.len()).filter(|from| *from != to);
+        let flush_mm3 = others.map(|from| settings.flush_mm3(from, to)).fold(f64::INFINITY, f64::min);
+        let flush_s = if flush_mm3.is_finite() { flush_mm3 / (area_mm2 * own.speed.infill.0) } else { 0.0 };
         // The change itself takes a while, too.
         let ahead_s = own.reheating_s(own.temperature.nozzle) - change_s;
-        ToolHeating { change: ms(change_s), ahead: ms(ahead_s.max(0.0)) }
+        ToolHeating { change: ms(change_s + flush_s), ahead: ms(ahead_s.max(0.0)) }
     };
-    motion.tools.iter().map(own).collect()
+    motion.tools.iter().enumerate().map(heating).collect()
 }
 
 /// How long a heater that all tools share takes from the temperature of one to a higher one.

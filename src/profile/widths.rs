@@ -29,15 +29,30 @@ impl Settings {
             (or(of.infill), &OF_INFILL),
             (or(of.support), &OF_SUPPORT),
         ] {
-            let Some(listed) = self.tools.get(tool) else { continue };
-            let mut of_tool = self.of_tool(tool).into_owned();
-            let share = of_tool.printer.nozzle_diameter / self.printer.nozzle_diameter;
-            for (key, width) in widths {
-                let is_listed = listed.own().any(|(listed, _)| listed == *key);
-                let wanted = if is_listed { *width(&mut of_tool) } else { *width(&mut own) * share };
-                *width(&mut own) = wanted;
+            for width in widths {
+                *width.1(&mut own) = self.width_of(tool, *width);
             }
         }
         (own != *self).then_some(own)
+    }
+
+    /// Widths of what each tool prints beside the objects, on the first layer and on others, millimetres.
+    pub(crate) fn widths_beside_mm(&self) -> [Vec<f64>; 2] {
+        let [walls, _, first] = OF_WALLS;
+        let tools = 0..self.tool_count();
+        let first = |tool: usize| Some(self.width_of(tool, first).0).filter(|mm| *mm > 0.0);
+        let walls = |tool: usize| self.width_of(tool, walls).0;
+        [
+            tools.clone().map(|tool| first(tool).unwrap_or_else(|| walls(tool))).collect(),
+            tools.map(walls).collect(),
+        ]
+    }
+
+    /// A width as a tool has it.
+    fn width_of(&self, tool: usize, (key, width): Width) -> Mm {
+        let mut of_tool = self.of_tool(tool).into_owned();
+        let is_listed = self.tools.get(tool).is_some_and(|own| own.own().any(|(listed, _)| listed == key));
+        let share = of_tool.printer.nozzle_diameter / self.printer.nozzle_diameter;
+        *width(&mut of_tool) * if is_listed { 1.0 } else { share }
     }
 }

@@ -726,7 +726,7 @@ fn lines_are_as_wide_as_the_nozzle_of_their_tool_asks_or_as_it_says() {
     };
     let nozzle = "tools.2.printer.nozzle_diameter=0.6";
     let (print, settings) = pair(&[nozzle]);
-    for kind in ["Perimeter", "External perimeter", "Internal infill"] {
+    for kind in ["Perimeter", "External perimeter", "Internal infill", "Wipe tower"] {
         is(&print, 0, kind, 0.45);
         is(&print, 1, kind, 0.675);
     }

@@ -32,7 +32,7 @@ pub struct ToolProblem {
 /// waited for.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct ToolHeating {
-    /// How long the change to it takes, in the unit of the costs.
+    /// How long the change to it takes, until it prints, in the unit of the costs.
     pub change: u32,
     /// How long before the change it must be heated.
     pub ahead: u32,

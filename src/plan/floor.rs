@@ -1,0 +1,182 @@
+//! A layer of the prime tower: what each change lays into it.
+
+use crate::motion::SwapSettings;
+use crate::toolpath::{Path, Phase, Role, ToolId, Width, bead};
+use geometry::Point;
+
+/// One layer of the tower.
+#[derive(Clone, Debug)]
+pub(super) struct Floor {
+    pub height_mm: f64,
+    /// Of the lines of each tool.
+    pub widths_mm: Vec<f64>,
+    /// Depth, which is less towards the top.
+    pub depth_mm: f64,
+    /// The tool that prints frame and lines: the one that is flushed most, or the one that is in use.
+    pub rest: ToolId,
+    pub changes: Vec<Flush>,
+}
+
+/// What a change lays into the tower.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Flush {
+    pub from: ToolId,
+    pub to: ToolId,
+    pub ram: Ram,
+    /// What the new tool is flushed with, and what of that goes into frame and lines, mm³.
+    pub mm3: f64,
+}
+
+/// What ramming lays before a tool is left.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Ram {
+    pub mm3: f64,
+    /// Width of its lines and their distance, of the tower's width and of theirs.
+    width: f64,
+    spacing: f64,
+}
+
+/// Lines of ramming.
+pub(super) struct Rammed {
+    pub width_mm: f64,
+    pub length_mm: f64,
+    pub spacing_mm: f64,
+    pub rows: usize,
+}
+
+impl From<&SwapSettings> for Ram {
+    fn from(swap: &SwapSettings) -> Self {
+        Self { mm3: swap.rammed_mm3(), width: swap.ramming_width.0, spacing: swap.ramming_spacing.0 }
+    }
+}
+
+impl Rammed {
+    pub fn depth_mm(&self) -> f64 {
+        self.rows as f64 * self.spacing_mm
+    }
+}
+
+impl Floor {
+    fn width_mm(&self, tool: ToolId) -> f64 {
+        self.widths_mm[usize::from(tool)]
+    }
+
+    fn area_mm2(&self, tool: ToolId) -> f64 {
+        bead::area_mm2(self.width_mm(tool), self.height_mm)
+    }
+
+    pub fn spacing_mm(&self, tool: ToolId) -> f64 {
+        bead::spacing_mm(self.width_mm(tool), self.height_mm)
+    }
+
+    pub fn length_mm(&self, tool: ToolId, volume_mm3: f64) -> f64 {
+        volume_mm3 / self.area_mm2(tool)
+    }
+
+    /// Rows that a flush takes, each so long.
+    pub fn rows(&self, tool: ToolId, volume_mm3: f64, row_mm: f64) -> usize {
+        let spacing_mm = self.spacing_mm(tool);
+        ((self.length_mm(tool, volume_mm3) + spacing_mm) / (row_mm + spacing_mm)).ceil() as usize
+    }
+
+    /// Depth that the layer needs for a tower so wide.
+    pub fn needed_mm(&self, width_mm: f64) -> f64 {
+        // A deeper frame takes more, so that the second guess suffices.
+        let guess_mm = self.filled_mm(width_mm, 0.0);
+        let guess_mm = self.filled_mm(width_mm, self.frame_mm3(width_mm, guess_mm));
+        self.filled_mm(width_mm, self.frame_mm3(width_mm, guess_mm))
+    }
+
+    /// Depth that all changes take, with the frame; so much of what is flushed most is laid elsewhere.
+    fn filled_mm(&self, width_mm: f64, elsewhere_mm3: f64) -> f64 {
+        let frame_mm = self.spacing_mm(self.rest);
+        let depth_mm = |change: &Flush| {
+            let spacing_mm = self.spacing_mm(change.to);
+            let less_mm3 = if change.to == self.rest { elsewhere_mm3 } else { 0.0 };
+            let row_mm = width_mm - 2.0 * frame_mm - spacing_mm;
+            let rows = self.rows(change.to, (change.mm3 - less_mm3).max(0.0), row_mm);
+            self.rammed(change, width_mm - 2.0 * frame_mm).depth_mm() + rows as f64 * spacing_mm
+        };
+        self.changes.iter().map(depth_mm).sum::<f64>() + 2.0 * frame_mm
+    }
+
+    /// What a frame of this size takes, mm³.
+    fn frame_mm3(&self, width_mm: f64, depth_mm: f64) -> f64 {
+        let around_mm = 2.0 * (width_mm + depth_mm) - 4.0 * self.spacing_mm(self.rest);
+        around_mm * self.area_mm2(self.rest)
+    }
+
+    /// Lets the frame, and the lines where nothing is flushed, be what the tool that is flushed most is flushed into.
+    pub fn flush_into_frame(&mut self, width_mm: f64, apart_mm: f64) {
+        let rest = self.rest;
+        let frame_mm3 = self.frame_mm3(width_mm, self.depth_mm);
+        let left_mm = self.depth_mm - self.filled_mm(width_mm, frame_mm3) - self.spacing_mm(rest);
+        let lines = (width_mm / apart_mm).max(2.0);
+        let lines_mm3 = lines * left_mm.max(0.0) * self.area_mm2(rest);
+        for change in self.changes.iter_mut().filter(|change| change.to == rest) {
+            change.mm3 = (change.mm3 - frame_mm3 - lines_mm3).max(0.0);
+        }
+    }
+
+    /// The lines of ramming at a change, where there is so much room inside of the frame.
+    pub fn rammed(&self, change: &Flush, inside_mm: f64) -> Rammed {
+        let width_mm = self.width_mm(change.from) * change.ram.width;
+        let length_mm = change.ram.mm3 / bead::area_mm2(width_mm, self.height_mm).max(f64::MIN_POSITIVE);
+        let line_mm = bead::spacing_mm(width_mm, self.height_mm);
+        let rows = ((length_mm + line_mm) / inside_mm).ceil() as usize;
+        Rammed { width_mm, length_mm, spacing_mm: line_mm * change.ram.spacing, rows }
+    }
+
+    pub fn path(&self, points: Vec<Point>, closed: bool, tool: ToolId, turn: u32) -> Path {
+        Path {
+            role: Role::PrimeTower,
+            closed,
+            points,
+            width: Width::Constant(self.width_mm(tool)),
+            height_mm: self.height_mm,
+            island: None,
+            phase: Phase::Tower(turn),
+            tool: Some(tool),
+        }
+    }
+}
+
+/// Lines between two corners along an axis, joined at their ends, no longer together than a length.
+pub(super) fn zigzag(
+    low: [f64; 2],
+    high: [f64; 2],
+    axis: usize,
+    lines: usize,
+    length_mm: Option<f64>,
+) -> Vec<Point> {
+    let across = 1 - axis;
+    let apart_mm = if lines > 1 { (high[across] - low[across]) / (lines - 1) as f64 } else { 0.0 };
+    let mut left_mm = length_mm.unwrap_or(f64::INFINITY);
+    let mut points: Vec<[f64; 2]> = Vec::with_capacity(2 * lines);
+    for line in 0..lines {
+        let ends = if line % 2 == 0 { [low[axis], high[axis]] } else { [high[axis], low[axis]] };
+        for end in ends {
+            let mut point = [0.0; 2];
+            (point[axis], point[across]) = (end, low[across] + line as f64 * apart_mm);
+            let Some(&before) = points.last() else {
+                points.push(point);
+                continue;
+            };
+            let step_mm = geometry::distance_mm(before, point);
+            if step_mm >= left_mm {
+                let share = left_mm / step_mm;
+                points.push([0, 1].map(|i| before[i] + share * (point[i] - before[i])));
+                return rounded(&points);
+            }
+            left_mm -= step_mm;
+            points.push(point);
+        }
+    }
+    rounded(&points)
+}
+
+fn rounded(points: &[[f64; 2]]) -> Vec<Point> {
+    let mut points: Vec<Point> = points.iter().map(|p| Point::from_mm(p[0], p[1])).collect();
+    points.dedup();
+    points
+}
