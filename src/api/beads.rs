@@ -147,7 +147,7 @@ impl Pen {
                 self.arc(to, center, clockwise, speed.0, seconds);
             }
             Move::Unretract { .. } | Move::Fan(_) | Move::Acceleration(_) => {}
-            Move::Nozzle(_) | Move::Bed(_) | Move::Object(_) | Move::Preheat { .. } => {}
+            Move::Nozzle(_) | Move::Bed(_) | Move::Object(_) => {}
         }
     }
 

@@ -146,7 +146,7 @@ impl Walk {
             Move::Retract { length_mm, speed } => self.feed(-length_mm, speed.0),
             Move::Unretract { length_mm, speed } => self.feed(length_mm, speed.0),
             Move::Acceleration(acceleration) => self.acceleration = acceleration.0,
-            Move::Fan(_) | Move::Nozzle(_) | Move::Bed(_) | Move::Object(_) | Move::Preheat { .. } => {}
+            Move::Fan(_) | Move::Nozzle(_) | Move::Bed(_) | Move::Object(_) => {}
             Move::Pause | Move::ColorChange | Move::ToolChange(_) => {}
             Move::Swap(SwapStep::Filament { length_mm, speed }) => self.feed(length_mm, speed.0),
             Move::Swap(_) => {}

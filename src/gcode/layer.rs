@@ -30,6 +30,8 @@ pub struct LayerText {
     pub after: Option<usize>,
     /// Changes of tool, in their order; the lines that take them are places in `bytes`.
     pub changes: Vec<ToolMark>,
+    /// Where the text of each move ends, where tools cool down while others print; offsets into `bytes`.
+    pub ends: Vec<usize>,
 }
 
 /// Formats a layer. It depends on nothing but its arguments: position, feed rate and acceleration are stated
@@ -46,10 +48,13 @@ pub fn format_layer(layer: &LayerMoves, settings: &WriterSettings) -> LayerText 
     let mut after = None;
     // What heats waits for the script after the change of layer, which may heat as well.
     let mut heating = Vec::new();
+    let cools = settings.tools.iter().any(|tool| tool.idle.0 > 0.0);
+    let mut ends = Vec::with_capacity(if cools { layer.moves.len() } else { 0 });
     for step in &layer.moves {
         if change.after && after.is_none() {
             if matches!(step, Move::Nozzle(_) | Move::Bed(_)) {
                 heating.push(step);
+                ends.extend(cools.then_some(writer.out.len()));
                 continue;
             }
             if writer.z >= change.z || is_bead(step) {
@@ -58,12 +63,13 @@ pub fn format_layer(layer: &LayerMoves, settings: &WriterSettings) -> LayerText 
             }
         }
         writer.step(step);
+        ends.extend(cools.then_some(writer.out.len()));
     }
     if change.after && after.is_none() {
         after = Some(writer.out.len());
         heating.drain(..).for_each(|step| writer.step(step));
     }
-    LayerText { bytes: writer.out, progress, before, after, changes: writer.changes }
+    LayerText { bytes: writer.out, progress, before, after, changes: writer.changes, ends }
 }
 
 /// Which scripts there are at the change to a layer.
@@ -267,10 +273,6 @@ impl<'a> Writer<'a> {
                 self.stop(&self.settings.pause)
             }
             Move::ColorChange => self.stop(&self.settings.color_change),
-            Move::Preheat { tool, nozzle } => {
-                let celsius = text(nozzle.0, 1);
-                self.out.extend_from_slice(format!("M104 T{tool} S{celsius}\n").as_bytes());
-            }
             Move::ToolChange(change) => self.change_tool(change),
             Move::Swap(step) => self.swap(step),
         }

@@ -50,3 +50,4 @@ pub(crate) use slot::duration;
 pub use slot::{Pending, Slot, Totals};
 pub use thumbnails::{ThumbnailFormat, ThumbnailSpec, thumbnail_list};
 pub use tool::ToolMark;
+pub(crate) use tool::preheating;

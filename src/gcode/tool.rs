@@ -6,6 +6,8 @@ use super::flavor::line;
 use super::number::text;
 use super::settings::WriterSettings;
 use crate::motion::ToolChange;
+use crate::toolpath::ToolId;
+use crate::units::Celsius;
 
 /// A change of tool in a layer's text.
 #[derive(Clone, Debug, PartialEq)]
@@ -14,6 +16,11 @@ pub struct ToolMark {
     pub line: Range<usize>,
     /// The change.
     pub change: ToolChange,
+}
+
+/// Heats a tool whose turn comes, without waiting.
+pub(crate) fn preheating(tool: ToolId, nozzle: Celsius) -> String {
+    format!("M104 T{tool} S{}\n", text(nozzle.0, 1))
 }
 
 /// Writes a change: the tool before cools down, the next one is taken, heated, and waited for. Returns the place of the line

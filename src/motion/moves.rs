@@ -41,8 +41,6 @@ pub enum Move {
     Pause,
     /// A change to filament of another color, by the profile's script.
     ColorChange,
-    /// Heats a tool whose turn comes, without waiting.
-    Preheat { tool: ToolId, nozzle: Celsius },
     /// A change to another tool, by its script, and what heats it.
     ToolChange(ToolChange),
     /// What is done with the filament before and after a change.

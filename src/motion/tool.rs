@@ -4,7 +4,7 @@ use super::bead::mean_width_mm;
 use super::nozzle::Nozzle;
 use super::overhang::Grade;
 use super::rules::Rules;
-use super::{Entry, LayerMoves, MotionSettings, Move, SwapStep, ToolChange};
+use super::{Entry, MotionSettings, Move, SwapStep, ToolChange};
 use crate::order::PathVisit;
 use crate::toolpath::{LayerPaths, Path, ToolId, bead};
 use crate::units::Seconds;
@@ -88,45 +88,6 @@ impl Nozzle<'_> {
 fn change_mm(settings: &MotionSettings) -> f64 {
     let usual_mm = settings.retract.length.0;
     if settings.keeps_filament { settings.retract.change_length.0.max(usual_mm) } else { usual_mm }
-}
-
-/// Heats tools that have cooled down so long before their turn as it takes, or from the beginning of the layer on, if that is
-/// later: then what is left is waited for. `times_s` says how long each move takes. Returns how long all is waited for.
-pub fn preheat(layer: &mut LayerMoves, times_s: &[f64], settings: &MotionSettings) -> Seconds {
-    let mut ends_s: Vec<f64> = times_s
-        .iter()
-        .scan(0.0, |sum, time_s| {
-            *sum += time_s;
-            Some(*sum)
-        })
-        .collect();
-    let mut waits_s = 0.0;
-    let mut heated: Vec<(usize, Move)> = Vec::new();
-    for (index, (step, end_s)) in layer.moves.iter_mut().zip(&mut ends_s).enumerate() {
-        *end_s += waits_s;
-        let Move::ToolChange(change) = step else { continue };
-        let heating_s = settings.of_tool(change.to).reheating_s(change.nozzle);
-        if heating_s <= 0.0 {
-            continue;
-        }
-        change.wait = Seconds((heating_s - *end_s).max(0.0));
-        waits_s += change.wait.0;
-        // By then the change, which takes a while, too, has not begun.
-        heated.push((index, Move::Preheat { tool: change.to, nozzle: change.nozzle }));
-        *end_s += change.wait.0;
-    }
-    let place = |(index, step): (usize, Move)| {
-        let Some(Move::ToolChange(change)) = layer.moves.get(index) else { return (index, step) };
-        let heating_s = settings.of_tool(change.to).reheating_s(change.nozzle);
-        let from_s = ends_s[index] - change.wait.0 - change.time.0.max(0.0) - heating_s;
-        (ends_s.partition_point(|end_s| *end_s < from_s).min(index), step)
-    };
-    let mut heated: Vec<(usize, Move)> = heated.into_iter().map(place).collect();
-    heated.sort_by_key(|(place, _)| *place);
-    for (place, step) in heated.into_iter().rev() {
-        layer.moves.insert(place, step);
-    }
-    Seconds(waits_s)
 }
 
 /// How long a path takes at the speed of its role, seconds, without what ramps and travels take.

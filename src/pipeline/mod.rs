@@ -10,6 +10,7 @@ mod kept;
 pub(crate) mod load;
 mod ordering;
 mod paper;
+mod preheat;
 mod print;
 mod project;
 mod reorder;

@@ -18,13 +18,13 @@ use crate::plate::{Model, Plate};
 use crate::profile::{ScriptRun, Settings, WholePrint};
 use crate::report::{LayerSummary, Measures, Overhangs, Summary};
 use crate::toolpath::{LayerKind, LayerPaths};
-use crate::units::Seconds;
 use crate::view;
 use geometry::{Bounds, Point};
 
 use super::inspect::Inspector;
 use super::kept::PrintLayer;
 use super::ordering::{Layers, Sequencer};
+use super::preheat::{Preheater, Timeline};
 use super::rounds::{self, Round, Site};
 use super::staged::{self, Live, Watched};
 use super::statistics::{Ordered, Statistics};
@@ -124,6 +124,7 @@ pub(super) fn slice(
         settings,
         machine: options.machine,
         workers,
+        preheater: Preheater::new(&maker.motion),
     };
     writer.output.write(&header.bytes)?;
     writer.write(&labels)?;
@@ -333,6 +334,7 @@ impl LayerMaker<'_> {
             }
             (planned, batch, done) = (next, ordered, finished);
         }
+        writer.finish()?;
         Ok(kept)
     }
 
@@ -366,11 +368,8 @@ impl LayerMaker<'_> {
         moves.index += before;
         let time = cool(&mut moves, &self.settings.cooling, &self.machine);
         motion::set_fan(&mut moves, time.total(), &self.motion);
-        let mut waited = Seconds(0.0);
-        if self.motion.tools.iter().any(|tool| tool.idle.0 > 0.0) {
-            let times_s = move_times_s(&moves, &self.machine);
-            waited = motion::preheat(&mut moves, &times_s, &self.motion);
-        }
+        let cools = self.motion.tools.iter().any(|tool| tool.idle.0 > 0.0);
+        let timeline = cools.then(|| Timeline::new(&moves, &move_times_s(&moves, &self.machine)));
         let sums = moves.sums();
         let measures = Measures {
             print_mm: sums.print.0,
@@ -379,7 +378,7 @@ impl LayerMaker<'_> {
             link_mm: sums.link.0,
             travels: sums.travels,
             retractions: sums.retractions,
-            total_s: (time.total() + waited).0,
+            total_s: time.total().0,
             volume_mm3: sums.volume.0,
             filament_mm: sums.volume.0 / self.machine.filament_area_mm2,
             ..Measures::default()
@@ -400,6 +399,7 @@ impl LayerMaker<'_> {
             tools,
             layer,
             moves,
+            timeline,
         }
     }
 }

@@ -14,6 +14,7 @@ use crate::units::Seconds;
 
 use super::inspect::Inspector;
 use super::kept::PrintLayer;
+use super::preheat::{Heat, Preheater, Timeline};
 use super::statistics::Statistics;
 
 /// Takes the moves of a finished layer.
@@ -27,6 +28,8 @@ pub(super) struct FinishedLayer {
     pub layer: Option<PrintLayer>,
     pub moves: Option<LayerMoves>,
     pub entry: LayerEntry,
+    /// Where tools cool down.
+    pub timeline: Option<Timeline>,
 }
 
 /// Where a layer begins.
@@ -44,6 +47,8 @@ enum Spliced<'a> {
     Script(&'a str, &'a str),
     /// What is run at a change of tool.
     Change(ToolChange),
+    /// A tool is heated, whose turn comes.
+    Heat(Heat),
 }
 
 /// Writes finished layers, checks the text and adds up the statistics.
@@ -59,6 +64,7 @@ pub(super) struct PrintWriter<'a> {
     pub settings: &'a Settings,
     pub machine: Machine,
     pub workers: Workers<'a>,
+    pub preheater: Preheater,
 }
 
 impl PrintWriter<'_> {
@@ -78,6 +84,7 @@ impl PrintWriter<'_> {
         &mut self,
         layer: &LayerText,
         entry: &LayerEntry,
+        heats: &[Heat],
     ) -> Result<Option<(Vec<u8>, Seconds)>, JobError> {
         let options = &self.settings.gcode;
         let moment = &mut self.scripts.moment;
@@ -95,7 +102,8 @@ impl PrintWriter<'_> {
             place.map(|place| (place..place, Spliced::Script(key, script)))
         });
         let changes = layer.changes.iter().map(|mark| (mark.line.clone(), Spliced::Change(mark.change)));
-        let mut places: Vec<(Range<usize>, Spliced<'_>)> = places.chain(changes).collect();
+        let heats = heats.iter().map(|heat| (heat.place..heat.place, Spliced::Heat(*heat)));
+        let mut places: Vec<(Range<usize>, Spliced<'_>)> = places.chain(changes).chain(heats).collect();
         if places.is_empty() {
             return Ok(None);
         }
@@ -109,6 +117,7 @@ impl PrintWriter<'_> {
                 Spliced::Script(key, script) => {
                     self.scripts.expand(script).map_err(|e| of_script(key, &e))?
                 }
+                Spliced::Heat(Heat { tool, nozzle, .. }) => gcode::preheating(tool, nozzle),
                 Spliced::Change(change) => {
                     self.scripts.moment.position_mm = change.at_mm;
                     let script = self.scripts.change(change.to.into());
@@ -135,28 +144,46 @@ impl PrintWriter<'_> {
         Ok(self.output.write(text)?)
     }
 
-    /// Writes layers, checking them.
+    /// Takes layers, and writes those that are complete.
     pub fn add(&mut self, layers: Vec<FinishedLayer>) -> Result<(), JobError> {
-        for FinishedLayer { text, mut summary, layer, moves, entry, tools } in layers {
-            self.workers.go_on();
-            let base = self.output.written() as usize;
-            self.slots.extend(text.progress.map(|slot| Slot { offset: base + slot.offset, ..slot }));
-            let with_scripts = self.with_scripts(&text, &entry)?;
-            // What a script does is its own affair, and undone after it.
-            self.inspector.take(&text.bytes);
-            if let Some((_, more)) = &with_scripts {
-                summary.measures.total_s += more.0;
+        for layer in layers {
+            self.preheater.take(layer);
+            while let Some((layer, heats)) = self.preheater.ready(false) {
+                self.write_layer(layer, &heats)?;
             }
-            self.output.write(with_scripts.as_ref().map_or(&text.bytes, |(text, _)| text))?;
-            self.statistics.add(summary, &tools);
-            if let Some(kept) = &mut self.kept {
-                kept.extend(layer);
-            }
-            if let (Some(tell), Some(moves)) = (&mut self.moves, moves) {
-                tell(moves);
-            }
-            self.workers.observer.layer_done();
         }
+        Ok(())
+    }
+
+    /// Writes the layers that are left.
+    pub fn finish(&mut self) -> Result<(), JobError> {
+        while let Some((layer, heats)) = self.preheater.ready(true) {
+            self.write_layer(layer, &heats)?;
+        }
+        Ok(())
+    }
+
+    /// Writes a layer, checking it.
+    fn write_layer(&mut self, layer: FinishedLayer, heats: &[Heat]) -> Result<(), JobError> {
+        let FinishedLayer { text, mut summary, layer, moves, entry, tools, .. } = layer;
+        self.workers.go_on();
+        let base = self.output.written() as usize;
+        self.slots.extend(text.progress.map(|slot| Slot { offset: base + slot.offset, ..slot }));
+        let with_scripts = self.with_scripts(&text, &entry, heats)?;
+        // What a script does is its own affair, and undone after it.
+        self.inspector.take(&text.bytes);
+        if let Some((_, more)) = &with_scripts {
+            summary.measures.total_s += more.0;
+        }
+        self.output.write(with_scripts.as_ref().map_or(&text.bytes, |(text, _)| text))?;
+        self.statistics.add(summary, &tools);
+        if let Some(kept) = &mut self.kept {
+            kept.extend(layer);
+        }
+        if let (Some(tell), Some(moves)) = (&mut self.moves, moves) {
+            tell(moves);
+        }
+        self.workers.observer.layer_done();
         Ok(())
     }
 }

@@ -1,0 +1,139 @@
+//! Tools that have cooled down are heated so long before their turn as it takes, in the layers before as well.
+
+use std::collections::VecDeque;
+
+use crate::gcode::ToolMark;
+use crate::motion::{LayerMoves, MotionSettings, Move};
+use crate::toolpath::ToolId;
+use crate::units::Celsius;
+
+use super::writer::FinishedLayer;
+
+/// When the moves of a layer end, from its beginning on, seconds; and which of them change the tool.
+pub(super) struct Timeline {
+    ends_s: Vec<f64>,
+    changes: Vec<usize>,
+}
+
+impl Timeline {
+    /// `times_s`: how long each move takes, without waiting for heat.
+    pub fn new(layer: &LayerMoves, times_s: &[f64]) -> Self {
+        let mut end_s = 0.0;
+        let mut add = |time_s: &f64| {
+            end_s += time_s;
+            end_s
+        };
+        let changes = layer.moves.iter().enumerate().filter(|(_, step)| matches!(step, Move::ToolChange(_)));
+        Self {
+            changes: changes.map(|(index, _)| index).collect(),
+            ends_s: times_s.iter().map(&mut add).collect(),
+        }
+    }
+
+    fn end_s(&self) -> f64 {
+        self.ends_s.last().copied().unwrap_or(0.0)
+    }
+}
+
+/// A command to heat, to be put into the text of a layer.
+#[derive(Clone, Copy)]
+pub(super) struct Heat {
+    pub place: usize,
+    pub tool: ToolId,
+    pub nozzle: Celsius,
+}
+
+/// A finished layer, with when it begins and what is heated in it.
+struct Held {
+    layer: FinishedLayer,
+    begins_s: f64,
+    heats: Vec<Heat>,
+}
+
+/// Holds layers back for as long as tools of later ones may have to be heated in them.
+pub(super) struct Preheater {
+    /// The settings of each tool; empty: none cools down.
+    tools: Vec<MotionSettings>,
+    held: VecDeque<Held>,
+    /// Where the print is.
+    now_s: f64,
+    /// When each tool was put away last.
+    left_s: Vec<f64>,
+}
+
+impl Preheater {
+    pub fn new(settings: &MotionSettings) -> Self {
+        let cools = settings.tools.iter().any(|tool| tool.idle.0 > 0.0);
+        let tools = if cools { settings.tools.clone() } else { Vec::new() };
+        Self { left_s: vec![0.0; tools.len()], tools, held: VecDeque::new(), now_s: 0.0 }
+    }
+
+    /// Takes the next layer; what is waited for heat is added to its time.
+    pub fn take(&mut self, layer: FinishedLayer) {
+        self.held.push_back(Held { layer, begins_s: self.now_s, heats: Vec::new() });
+        let Some((begins_s, mut timeline, marks)) = self.held.back_mut().and_then(|held| {
+            let timeline = held.layer.timeline.take()?;
+            Some((held.begins_s, timeline, held.layer.text.changes.clone()))
+        }) else {
+            return;
+        };
+        let mut waits_s = 0.0;
+        let mut heats = Vec::new();
+        for (ToolMark { change, .. }, index) in marks.iter().zip(timeline.changes.clone()) {
+            let end_s = begins_s + timeline.ends_s[index];
+            let heating_s = self.tools[usize::from(change.to)].reheating_s(change.nozzle);
+            if heating_s > 0.0 {
+                // By then the change, which takes a while, too, has not begun.
+                let first_s = self.held.front().map_or(begins_s, |held| held.begins_s);
+                let earliest_s = self.left_s[usize::from(change.to)].max(first_s);
+                let start_s = (end_s - change.time.0 - heating_s).max(earliest_s);
+                let wait_s = (heating_s - (end_s - start_s)).max(0.0);
+                timeline.ends_s[index..].iter_mut().for_each(|end_s| *end_s += wait_s);
+                waits_s += wait_s;
+                heats.push((start_s, begins_s + timeline.ends_s[index] - wait_s, change.to, change.nozzle));
+            }
+            self.left_s[usize::from(change.from)] = begins_s + timeline.ends_s[index];
+        }
+        self.now_s = begins_s + timeline.end_s();
+        if let Some(held) = self.held.back_mut() {
+            held.layer.summary.measures.total_s += waits_s;
+            held.layer.timeline = Some(timeline);
+        }
+        for (start_s, end_s, tool, nozzle) in heats {
+            self.heat(start_s, end_s, tool, nozzle);
+        }
+    }
+
+    /// Heats a tool from a time on, if that is not as late as its change ends.
+    fn heat(&mut self, start_s: f64, end_s: f64, tool: ToolId, nozzle: Celsius) {
+        let after = self.held.partition_point(|held| held.begins_s <= start_s);
+        let Some(held) = self.held.get_mut(after.saturating_sub(1)) else { return };
+        let Some(timeline) = &held.layer.timeline else { return };
+        let index = timeline.ends_s.partition_point(|end_s| held.begins_s + end_s < start_s);
+        let Some((&at_s, &place)) = timeline.ends_s.get(index).zip(held.layer.text.ends.get(index)) else {
+            return;
+        };
+        if held.begins_s + at_s < end_s {
+            held.heats.push(Heat { place, tool, nozzle });
+        }
+    }
+
+    /// The next layer into which nothing is put any more; at the `end` every one.
+    pub fn ready(&mut self, end: bool) -> Option<(FinishedLayer, Vec<Heat>)> {
+        let next_s = self.held.get(1).map_or(self.now_s, |held| held.begins_s);
+        if end || next_s <= self.now_s - self.lead_s() {
+            self.held.pop_front().map(|held| (held.layer, held.heats))
+        } else {
+            None
+        }
+    }
+
+    /// How long before the end of a change its tool may have to be heated.
+    fn lead_s(&self) -> f64 {
+        let lead_s = |own: &MotionSettings| {
+            let hottest = own.temperature.nozzle.0.max(own.temperature.nozzle_first_layer.0);
+            own.reheating_s(Celsius(hottest)) + own.change_time.0
+        };
+        self.tools.iter().map(lead_s).fold(0.0, f64::max)
+    }
+}
