@@ -17,3 +17,4 @@ pub(crate) mod supports;
 mod thin;
 pub(crate) mod tool_order;
 pub(crate) mod tower;
+mod wishes;
