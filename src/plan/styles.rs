@@ -402,6 +402,6 @@ fn part<'l>(mut layer: PlateLayer<'l>, style: Option<usize>) -> PlateLayer<'l> {
 fn not_taken(left: Vec<String>) -> Option<String> {
     (!left.is_empty()).then(|| {
         let left = left.join("; ");
-        format!("settings saved with objects that cannot differ inside a plate, and were left out: {left}")
+        format!("settings saved with objects that are not taken over: {left}")
     })
 }
