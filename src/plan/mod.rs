@@ -9,6 +9,7 @@ mod overlaps;
 mod paint;
 pub(crate) mod parts;
 mod piece;
+pub(crate) mod planners;
 pub(crate) mod sections;
 mod slivers;
 pub(crate) mod spiral;

@@ -9,6 +9,7 @@
 mod affine;
 mod archive;
 mod lattice;
+mod made_of;
 mod materials;
 mod model;
 mod paint;
@@ -21,16 +22,14 @@ use std::path::Path;
 
 use affine::Affine;
 use archive::Archive;
-use materials::{Group, Listed};
-use model::{Object, Part, Use, extension_name};
+use model::{Instance, Object, Part, Use, extension_name};
 use saved::{Purpose, SavedObject, Volume};
 
 use super::format::{Contents, FileModifier, FileObject, Format, bad_coordinate, has_extension};
 use crate::limits;
 use crate::mesh::effect::{Effect, SavedSettings};
 use crate::mesh::error::{Location, MeshError};
-use crate::mesh::materials::Materials;
-use crate::mesh::paint::{Paint, PaintedFacet};
+use crate::mesh::paint::Paint;
 use crate::mesh::weld::Welder;
 use xml::MEND;
 
@@ -98,7 +97,7 @@ impl Format for ThreeMf {
             }
         }
         let saved = package.saved();
-        let used = if saved.is_empty() { package.materials_in_use(&groups, &root) } else { Vec::new() };
+        let used = if saved.is_empty() { package.materials(&groups, &root) } else { Vec::new() };
         let mut objects = Vec::with_capacity(groups.len());
         let (mut empty, mut unknown) = (0, 0);
         let mut budget = Budget { facets: MOST_FACETS, uses: MOST_USES, skipped: 0 };
@@ -116,8 +115,8 @@ impl Format for ThreeMf {
             let is_printed =
                 |object: u32, facet: usize| told.is_none_or(|told| told.tool(object, facet).is_some());
             let mut object = make(&is_printed)?;
-            object.materials = package.materials(&used, &instances);
-            let of_bodies = package.materials_of_bodies(&used, &instances);
+            object.materials = made_of::of(&package.parts, &used, &instances);
+            let of_bodies = made_of::of_bodies(&package.parts, &used, &instances);
             for tool in of_bodies.values().collect::<BTreeSet<_>>() {
                 let part = make(&|object, _| of_bodies.get(&object) == Some(tool))?;
                 if !part.soup.triangles.is_empty() {
@@ -186,13 +185,6 @@ struct Budget {
     uses: usize,
     /// Objects that are no solids.
     skipped: usize,
-}
-
-/// A mesh at its position.
-struct Instance {
-    part: String,
-    object: u32,
-    transform: Affine,
 }
 
 /// All parts of a package that its build needs.
@@ -344,89 +336,15 @@ impl<'a> Package<'a> {
         Ok(FileObject { name, paint, ..FileObject::plain(soup, facets, positions) })
     }
 
-    /// The materials of the build in words, in the order of the file; one alone is none.
-    fn materials_in_use(&self, groups: &[(Use, Vec<[f64; 3]>)], root: &str) -> Vec<String> {
+    /// The materials of all that is built, in words.
+    fn materials(&self, groups: &[(Use, Vec<[f64; 3]>)], root: &str) -> Vec<String> {
         let mut budget = Budget { facets: MOST_FACETS, uses: MOST_USES, skipped: 0 };
         let mut instances = Vec::new();
         for (item, _) in groups {
             // What is wrong with it is told when it is read.
             let _ = self.gather(item, root, &Affine::NONE, None, 0, &mut budget, &mut instances);
         }
-        let mut listed: BTreeSet<(&str, Listed)> = BTreeSet::new();
-        for Instance { part, object, .. } in &instances {
-            let Some(found) = self.parts.get(part).and_then(|part| part.objects.get(object)) else {
-                continue;
-            };
-            let all_differ = found.materials.len() == found.triangles.len();
-            let own = found.material.filter(|_| !all_differ);
-            let materials = own.into_iter().chain(found.materials.iter().map(|(_, listed)| *listed));
-            listed.extend(materials.map(|listed| (part.as_str(), listed)));
-        }
-        let mut names: Vec<String> = Vec::new();
-        for (part, found) in &self.parts {
-            for Group { id, names: of_group } in &found.materials {
-                let is_used = |place: &usize| listed.contains(&(part.as_str(), (*id, *place as u32)));
-                for place in (0..of_group.len()).filter(is_used) {
-                    if !names.contains(&of_group[place]) {
-                        names.push(of_group[place].clone());
-                    }
-                }
-            }
-        }
-        if names.len() > 1 { names } else { Vec::new() }
-    }
-
-    /// The tools of the bodies of an object, by their number, where each is of one material, and not all of the same.
-    fn materials_of_bodies(&self, names: &[String], instances: &[Instance]) -> BTreeMap<u32, u32> {
-        let mut tools = BTreeMap::new();
-        for instance in instances {
-            let Materials { tool, facets, .. } = self.materials(names, std::slice::from_ref(instance));
-            match tool.filter(|_| facets.is_empty()) {
-                Some(tool) => {
-                    tools.insert(instance.object, tool);
-                }
-                None => return BTreeMap::new(),
-            }
-        }
-        let mut all = tools.values();
-        let first = all.next().copied();
-        if all.all(|tool| Some(*tool) == first) { BTreeMap::new() } else { tools }
-    }
-
-    /// What an object is made of, of the materials in use. One material of all its facets is that of the object.
-    fn materials(&self, names: &[String], instances: &[Instance]) -> Materials {
-        let mut facets: Vec<(Option<u8>, [[f64; 3]; 3])> = Vec::new();
-        if names.is_empty() {
-            return Materials::default();
-        }
-        for Instance { part, object, transform } in instances {
-            let Some(of) = self.parts.get(part) else { continue };
-            let Some(object) = of.objects.get(object) else { continue };
-            let transform = Affine::scaled(of.unit_mm).then(transform);
-            let tool = |(id, place): Listed| {
-                let name = of.materials.iter().find(|group| group.id == id)?.names.get(place as usize)?;
-                let number = names.iter().position(|known| known == name)?;
-                u8::try_from(number + 1).ok()
-            };
-            let mut own: Vec<Option<u8>> = vec![object.material.and_then(tool); object.triangles.len()];
-            object.materials.iter().for_each(|(facet, listed)| own[*facet as usize] = tool(*listed));
-            for (triangle, tool) in object.triangles.iter().zip(own) {
-                facets.push((tool, triangle.map(|v| transform.apply(object.vertices[v as usize]))));
-            }
-        }
-        // What most facets are made of is not painted on.
-        let mut counts: BTreeMap<Option<u8>, usize> = BTreeMap::new();
-        facets.iter().for_each(|(tool, _)| *counts.entry(*tool).or_default() += 1);
-        let usual = counts.iter().max_by_key(|(tool, count)| (**count, std::cmp::Reverse(**tool)));
-        let usual = usual.and_then(|(tool, _)| *tool);
-        let painted = facets.into_iter().filter(|(tool, _)| tool.is_some() && *tool != usual);
-        Materials {
-            names: names.to_vec(),
-            tool: usual.map(u32::from),
-            facets: painted
-                .filter_map(|(tool, corners)| Some(PaintedFacet { corners, paint: tool? }))
-                .collect(),
-        }
+        made_of::in_use(&self.parts, &instances)
     }
 
     /// What other slicers have saved with the objects.

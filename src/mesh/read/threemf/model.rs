@@ -97,6 +97,13 @@ pub(super) struct Use {
     pub transform: Affine,
 }
 
+/// A mesh at its position.
+pub(super) struct Instance {
+    pub part: String,
+    pub object: u32,
+    pub transform: Affine,
+}
+
 /// Reads a part to its end. Extensions are listed unless the model requires one that is not understood.
 ///
 /// # Errors
