@@ -7,6 +7,7 @@ mod display;
 mod edges;
 mod effect;
 mod error;
+mod materials;
 mod measure;
 mod package;
 mod paint;
@@ -20,6 +21,7 @@ mod weld;
 
 pub use effect::{Effect, SavedSettings, Words};
 pub use error::{Location, MeshError};
+pub use materials::Materials;
 pub use paint::{Paint, PaintedFacet, Wish};
 pub use read::{Model, from_bytes, load, load_objects, objects_from_bytes};
 pub use repair::Doubt;

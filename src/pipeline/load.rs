@@ -163,7 +163,14 @@ pub(crate) fn model(
 }
 
 /// The objects of a file, or the one that is wanted, in parts that different tools print.
-fn by_tool(objects: Vec<mesh::Model>, wanted: Option<usize>) -> (Vec<mesh::Model>, Option<usize>) {
+fn by_tool(mut objects: Vec<mesh::Model>, wanted: Option<usize>) -> (Vec<mesh::Model>, Option<usize>) {
+    if let Some(object) = objects.get_mut(wanted.unwrap_or(0)) {
+        let names = (1..).zip(&object.materials.names).map(|(tool, name)| format!("tool {tool} is {name}"));
+        let names: Vec<String> = names.collect();
+        if !names.is_empty() {
+            object.report.warnings.push(format!("printed as its materials are listed: {}", names.join(", ")));
+        }
+    }
     match wanted {
         Some(object) if object < objects.len() => {
             let parts = objects.into_iter().nth(object).map(mesh::Model::by_tool);

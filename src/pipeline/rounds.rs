@@ -11,8 +11,9 @@ use geometry::{Point, Polygon};
 
 use super::load::{self, Loaded};
 use crate::parallel::Workers;
+use crate::plan::planners::Planners;
 use crate::plan::sections::Sections;
-use crate::plan::styles::{Planners, Styles};
+use crate::plan::styles::Styles;
 use crate::plan::supports;
 
 /// How far above finished objects the nozzle passes, millimetres: more than they may have warped.

@@ -22,9 +22,11 @@ use super::modifiers;
 use super::overlaps::{self, Resolved};
 use super::paint;
 use super::parts::{Kinds, Part, Parts};
+use super::planners::Planned;
 use super::spiral::Spiral;
-use super::styles::{Planned, Styles};
+use super::styles::Styles;
 use super::supports::{self, Supports};
+use super::wishes::Wishes;
 use crate::parallel::Workers;
 
 /// How far the outline of a label may differ from the object's hull, millimetres.
@@ -133,11 +135,11 @@ impl Sections {
         let inside = sections.styles_inside().into_iter();
         let inside = inside.map(|(object, style)| ((object, style), shells(object, Some(style)))).collect();
         (sections.shells, sections.shells_inside) = (of_objects, inside);
-        if settings.support.enabled || !modifiers[0].meshes.is_empty() {
+        let part = &sections.layers[raft_layers.min(sections.layers.len())..];
+        let wishes = Wishes::new(part, slicer.plate(), modifiers, settings, workers);
+        if settings.support.enabled || wishes.any() {
             let bounds = sections.bounds();
-            let part = &sections.layers[raft_layers.min(sections.layers.len())..];
-            sections.supports =
-                bounds.map(|bounds| Supports::plan(part, bounds, modifiers, settings, workers));
+            sections.supports = bounds.map(|bounds| Supports::plan(part, bounds, &wishes, settings, workers));
         }
         sections.infill = styles
             .each(settings)

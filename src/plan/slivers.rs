@@ -11,28 +11,44 @@ const TOUCH_MM: f64 = 0.02;
 const CORNERS: f64 = 0.75;
 
 /// What is narrower comes of rounding where edges do not meet exactly, mm.
-const CRACK_MM: f64 = 1e-3;
+const CRACK_MM: f64 = 1e-4;
 
 /// Nothing that is larger is a crack, mm².
 const CRACK_MM2: f64 = 0.05;
 
+/// What is given away may cut off something else; so often it is looked at again.
+const ROUNDS: usize = 4;
+
 /// Gives what is narrower than a line to the piece that it touches most. Afterwards the pieces make up the section, and do not
 /// overlap.
 pub(super) fn give_away(section: &Region, pieces: &mut Vec<Piece>, line_mm: f64) {
+    // Where the section is as narrow, a piece may be, too.
+    let narrow = difference(section, &opening(section, line_mm / 2.0));
+    let is_sound = |piece: &Piece| {
+        let mut polygons = piece.region.polygons().iter();
+        polygons.all(|polygon| has_room(&Region::from(polygon.clone()), &narrow, line_mm))
+    };
+    for _ in 0..ROUNDS {
+        give_away_once(section, &narrow, pieces, line_mm);
+        if pieces.iter().all(is_sound) {
+            break;
+        }
+    }
+}
+
+fn give_away_once(section: &Region, narrow: &Region, pieces: &mut Vec<Piece>, line_mm: f64) {
     let wide = |region: &Region| {
         let roomy = offset(region, -line_mm / 2.0);
         if roomy.is_empty() { roomy } else { intersection(&offset(&roomy, line_mm * CORNERS), region) }
     };
-    // Where the section is as narrow, a piece may be, too.
-    let narrow = difference(section, &opening(section, line_mm / 2.0));
-    let kept = |piece: &Piece| match intersection(&narrow, &piece.region) {
+    let kept = |piece: &Piece| match intersection(narrow, &piece.region) {
         thin if thin.is_empty() => wide(&piece.region),
         thin => union(&wide(&piece.region), &thin),
     };
     let before: Vec<Region> = pieces.iter().map(|piece| piece.region.clone()).collect();
     for piece in pieces.iter_mut() {
         let mut region = kept(piece);
-        region.retain(|polygon| has_room(&Region::from(polygon.clone()), &narrow, line_mm));
+        region.retain(|polygon| has_room(&Region::from(polygon.clone()), narrow, line_mm));
         piece.region = region;
     }
     let left = pieces.iter().fold(section.clone(), |left, piece| difference(&left, &piece.region));

@@ -1,18 +1,14 @@
 //! Supports of a plate: found and stood before any layer is planned, laid as beads layer by layer.
 
-use crate::plate::Plate;
 use crate::profile::Settings;
 use crate::report::Overhangs;
-use crate::slice::LayerSettings;
-use crate::slice::{self, Layer, LayerSpan, Slicer};
+use crate::slice::{self, Layer, LayerSpan};
 use crate::toolpath::Path;
-use crate::toolpath::support::{
-    self, Bitmap, ColumnSpec, Grid, Ground, Outlines, Overhang, Slab, SupportModifiers,
-};
+use crate::toolpath::support::{self, Bitmap, ColumnSpec, Grid, Ground, Outlines, Overhang, Slab};
 use crate::toolpath::{SupportSettings, SupportStyle};
-use crate::units::Mm;
 use geometry::{Bounds, Polygon, Region, offset, simplify, union_all};
 
+use super::wishes::Wishes;
 use crate::parallel::Workers;
 
 /// How far supports may reach beyond the part, in millimetres.
@@ -36,17 +32,17 @@ pub(crate) struct Supports {
 impl Supports {
     /// Finds overhangs and plans supports under them.
     ///
-    /// `layers` are the part's, without a raft; `modifiers` the enforcers and the blockers.
+    /// `layers` are the part's, without a raft.
     pub fn plan(
         layers: &[Layer],
         bounds: Bounds,
-        modifiers: &[Plate; 2],
+        wishes: &Wishes,
         settings: &Settings,
         workers: Workers<'_>,
     ) -> Self {
         let (count, support) = (layers.len(), &settings.support);
         let Unsupported { grid, rough, solid, held, heights_mm, height_mm } =
-            Unsupported::find(layers, bounds, modifiers, settings, support, workers);
+            Unsupported::find(layers, bounds, wishes, settings, support, workers);
         let spec = ColumnSpec {
             gap_layers: (0..count).map(|i| gap_layers(&heights_mm[..i], support.z_gap.0)).collect(),
             interface_layers: support.interface_layers as usize,
@@ -155,7 +151,7 @@ impl Unsupported {
     fn find(
         layers: &[Layer],
         bounds: Bounds,
-        modifiers: &[Plate; 2],
+        wishes: &Wishes,
         settings: &Settings,
         support: &SupportSettings,
         workers: Workers<'_>,
@@ -166,15 +162,14 @@ impl Unsupported {
         let solid = workers.map(count, |i| Bitmap::of(grid, &sections[i]));
         let rough = workers.map(count, |i| simplify(&sections[i], support::ROUGH_MM));
         let slab = |i: usize| Slab { section: &sections[i], rough: &rough[i], solid: &solid[i] };
-        let [enforced, blocked] = modifiers.each_ref().map(|plate| bodies(plate, layers, settings, workers));
+        let enforced = wishes.any();
         // What lies on the bed hangs nowhere, nor does what lies on its like.
         let found: Vec<Overhang> = workers.map(count, |i| {
-            if enforced.is_empty() && sections[i] == sections[i.saturating_sub(1)] {
+            if !enforced && sections[i] == sections[i.saturating_sub(1)] {
                 return Overhang { leaning: Bitmap::empty(grid), must: Bitmap::empty(grid) };
             }
-            let [enforced, blocked] = [&enforced, &blocked].map(|r| r.get(i).unwrap_or(Region::EMPTY));
-            let modifiers = SupportModifiers { enforced, blocked };
-            support::find(slab(i), slab(i.saturating_sub(1)), layers[i].span.height_mm, modifiers, support)
+            let height_mm = layers[i].span.height_mm;
+            support::find(slab(i), slab(i.saturating_sub(1)), height_mm, wishes.of(i), support)
         });
         let spans: Vec<LayerSpan> = layers.iter().map(|layer| layer.span).collect();
         let heights_mm = slice::heights_mm(&spans, &settings.layer);
@@ -199,7 +194,7 @@ pub(crate) fn overhangs(
 ) -> Overhangs {
     let support = SupportSettings { enabled: true, ..settings.support.clone() };
     let Unsupported { held, .. } =
-        Unsupported::find(layers, bounds, &Default::default(), settings, &support, workers);
+        Unsupported::find(layers, bounds, &Wishes::default(), settings, &support, workers);
     let mut overhangs = Overhangs::default();
     for (i, cells) in held.iter().enumerate().filter(|(_, cells)| !cells.is_empty()) {
         let mut new = cells.clone();
@@ -240,34 +235,6 @@ fn gap_layers(below_mm: &[f64], gap_mm: f64) -> usize {
         is_short
     };
     below_mm.iter().rev().take_while(short).count()
-}
-
-/// The sections of bodies, in the layers of the part.
-fn bodies(plate: &Plate, layers: &[Layer], settings: &Settings, workers: Workers<'_>) -> Vec<Region> {
-    if plate.meshes.is_empty() {
-        return Vec::new();
-    }
-    let exact = LayerSettings { xy_compensation: Mm(0.0), elephant_foot: Mm(0.0), ..settings.layer.clone() };
-    let slicer = match slice::is_uniform(&exact) {
-        true => Slicer::new(plate, &exact),
-        false => Slicer::with_spans(plate, lowered(layers), &exact),
-    };
-    workers.map(slicer.spans().len().min(layers.len()), |i| {
-        union_all(slicer.layer(i).sections.iter().map(|section| &section.region))
-    })
-}
-
-/// Where layers would lie without the raft under them.
-fn lowered(layers: &[Layer]) -> Vec<LayerSpan> {
-    let down_mm = layers.first().map_or(0.0, |first| first.span.bottom_mm);
-    let low = |(index, layer): (usize, &Layer)| LayerSpan {
-        index,
-        bottom_mm: layer.span.bottom_mm - down_mm,
-        top_mm: layer.span.top_mm - down_mm,
-        height_mm: layer.span.height_mm,
-        cut_mm: layer.span.cut_mm - down_mm,
-    };
-    layers.iter().enumerate().map(low).collect()
 }
 
 #[cfg(test)]

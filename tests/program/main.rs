@@ -12,6 +12,7 @@ mod cli_output;
 #[cfg(unix)]
 mod faults;
 mod live;
+mod materials;
 mod modifiers;
 mod print;
 mod print_assembly;

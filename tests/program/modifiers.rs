@@ -241,3 +241,31 @@ fn what_the_user_says_of_an_object_wins_over_its_file() {
     let density = volume_mm3(here.filter(|line| line.kind == "Internal infill")) / (26.0 * 18.0 * 2.0);
     assert!((density - 0.5).abs() < 0.03, "{density}");
 }
+
+#[test]
+fn support_enforcers_and_blockers_of_a_file_say_where_support_stands() {
+    let bar = || {
+        [cuboid([-3.0, -5.0, 0.0], [3.0, 5.0, 6.0]), cuboid([-15.0, -5.0, 6.0], [15.0, 5.0, 9.0])].concat()
+    };
+    let left = || cuboid([-16.0, -6.0, 0.0], [0.0, 6.0, 10.0]);
+    let support = |saved: Saved, purpose: &str, enabled: bool| {
+        let settings = standard(&[
+            "skirt.loops=0",
+            "support.max_bridge=0",
+            if enabled { "support.enabled=true" } else { "support.enabled=false" },
+        ]);
+        let parts = [part(bar(), PART, &[]), part(left(), purpose, &[])];
+        let found = lines(&print(saved, &[], &parts, &settings), &settings);
+        [false, true].map(|right| {
+            let here =
+                |line: &&Line| line.kind.starts_with("Support material") && (line.at[0] > 0.0) == right;
+            volume_mm3(found.iter().filter(here))
+        })
+    };
+    for saved in [Saved::Prusa, Saved::Orca] {
+        let [left, right] = support(saved, "SupportEnforcer", false);
+        assert!(left > 10.0 && right == 0.0, "{saved:?}: {left}, {right}");
+        let [left, right] = support(saved, "SupportBlocker", true);
+        assert!(left == 0.0 && right > 10.0, "{saved:?}: {left}, {right}");
+    }
+}

@@ -72,7 +72,9 @@ pub fn project(
         }
         Saved::Orca => {
             let object = |(id, part): (usize, &Part<'_>)| {
-                format!("<object id=\"{id}\">{}</object>", painted_xml(&part.facets, |_| String::new()))
+                let kind = if part.purpose == "ModelPart" { "model" } else { "other" };
+                let mesh = painted_xml(&part.facets, |_| String::new());
+                format!("<object id=\"{id}\" type=\"{kind}\">{mesh}</object>")
             };
             let bodies: String = (1..).zip(parts).map(object).collect();
             let components: String =

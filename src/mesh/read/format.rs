@@ -4,6 +4,7 @@ use std::path::Path;
 
 use crate::mesh::effect::{Effect, SavedSettings};
 use crate::mesh::error::{Location, MeshError};
+use crate::mesh::materials::Materials;
 use crate::mesh::paint::Paint;
 use crate::mesh::units;
 use crate::mesh::weld::{Soup, Welder};
@@ -47,6 +48,8 @@ pub(super) struct FileObject {
     pub modifiers: Vec<FileModifier>,
     /// The settings that the file has for it.
     pub saved: SavedSettings,
+    /// What it is made of.
+    pub materials: Materials,
 }
 
 /// A body of a file that changes what is inside of it.
@@ -83,6 +86,7 @@ impl FileObject {
             parts: Vec::new(),
             modifiers: Vec::new(),
             saved: SavedSettings::default(),
+            materials: Materials::default(),
         }
     }
 }

@@ -9,6 +9,7 @@ use super::formats;
 use crate::limits;
 use crate::mesh::effect::SavedSettings;
 use crate::mesh::error::MeshError;
+use crate::mesh::materials::Materials;
 use crate::mesh::paint::Paint;
 use crate::mesh::report::MeshReport;
 use crate::mesh::surface::{Mesh, Modifier};
@@ -44,13 +45,26 @@ pub struct Model {
     pub parts: Vec<Model>,
     /// The settings that the file has for it.
     pub saved: SavedSettings,
+    /// What it is made of; only several tools can print it so.
+    pub materials: Materials,
 }
 
 impl Model {
-    /// Its parts, or the whole where it has none.
+    /// Its parts, or the whole where it has none, as several tools print them.
     pub(crate) fn by_tool(mut self) -> Vec<Self> {
-        let parts = std::mem::take(&mut self.parts);
-        if parts.is_empty() { vec![self] } else { parts }
+        let Materials { tool, facets, .. } = std::mem::take(&mut self.materials);
+        self.tool = self.tool.or(tool);
+        if self.mesh.paint.tools.is_empty() {
+            self.mesh.paint.tools = facets;
+        }
+        let mut parts = std::mem::take(&mut self.parts);
+        let Some(first) = parts.first_mut() else { return vec![self] };
+        for warning in self.report.warnings {
+            if !first.report.warnings.contains(&warning) {
+                first.report.warnings.push(warning);
+            }
+        }
+        parts
     }
 }
 
@@ -66,6 +80,7 @@ impl From<Mesh> for Model {
             tool: None,
             parts: Vec::new(),
             saved: SavedSettings::default(),
+            materials: Materials::default(),
         }
     }
 }
@@ -133,10 +148,15 @@ pub(crate) fn objects_watched(
 ) -> Result<Vec<Model>, MeshError> {
     let Contents { objects, format, mut notes } = formats::read(path, data)?;
     let mut model = |object: FileObject| {
-        let FileObject { name, soup, paint, facets, positions, tool, parts, modifiers, saved } = object;
+        let FileObject { name, soup, paint, facets, positions, tool, parts, modifiers, saved, materials } =
+            object;
         let (mesh, report) = repaired(path, soup, facets, format, std::mem::take(&mut notes), workers)?;
         let mesh = mesh.painted(paint);
-        Ok((Model { name, mesh, report, positions, tool, parts: Vec::new(), saved }, parts, modifiers))
+        Ok((
+            Model { name, mesh, report, positions, tool, parts: Vec::new(), saved, materials },
+            parts,
+            modifiers,
+        ))
     };
     let mut models = Vec::with_capacity(objects.len());
     for object in objects {

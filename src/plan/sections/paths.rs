@@ -2,7 +2,8 @@
 
 use super::Sections;
 use crate::parallel::Workers;
-use crate::plan::styles::{Planners, Styles};
+use crate::plan::planners::Planners;
+use crate::plan::styles::Styles;
 use crate::plan::supports;
 use crate::profile::Settings;
 use crate::slice::Layer;

@@ -9,18 +9,20 @@
 mod affine;
 mod archive;
 mod lattice;
+mod made_of;
+mod materials;
 mod model;
 mod paint;
 mod saved;
 mod struts;
 mod xml;
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 
 use affine::Affine;
 use archive::Archive;
-use model::{Object, Part, Use, extension_name};
+use model::{Instance, Object, Part, Use, extension_name};
 use saved::{Purpose, SavedObject, Volume};
 
 use super::format::{Contents, FileModifier, FileObject, Format, bad_coordinate, has_extension};
@@ -95,23 +97,32 @@ impl Format for ThreeMf {
             }
         }
         let saved = package.saved();
+        let used = if saved.is_empty() { package.materials(&groups, &root) } else { Vec::new() };
         let mut objects = Vec::with_capacity(groups.len());
         let (mut empty, mut unknown) = (0, 0);
         let mut budget = Budget { facets: MOST_FACETS, uses: MOST_USES, skipped: 0 };
         for (item, positions) in groups {
             let (mut instances, skipped) = (Vec::new(), budget.skipped);
-            package.gather(&item, &root, &Affine::NONE, 0, &mut budget, &mut instances)?;
+            let told = saved.get(&item.object);
+            package.gather(&item, &root, &Affine::NONE, told, 0, &mut budget, &mut instances)?;
             if instances.is_empty() {
                 empty += usize::from(budget.skipped == skipped);
                 continue;
             }
-            let told = saved.get(&item.object);
             let make = |keep: &dyn Fn(u32, usize) -> bool| {
                 package.object(&item, &root, &instances, positions.clone(), keep)
             };
             let is_printed =
                 |object: u32, facet: usize| told.is_none_or(|told| told.tool(object, facet).is_some());
             let mut object = make(&is_printed)?;
+            object.materials = made_of::of(&package.parts, &used, &instances);
+            let of_bodies = made_of::of_bodies(&package.parts, &used, &instances);
+            for tool in of_bodies.values().collect::<BTreeSet<_>>() {
+                let part = make(&|object, _| of_bodies.get(&object) == Some(tool))?;
+                if !part.soup.triangles.is_empty() {
+                    object.parts.push(FileObject { tool: Some(*tool), ..part });
+                }
+            }
             if let Some(told) = told {
                 let used = told.tools();
                 for tool in used.iter().filter(|_| used.len() > 1) {
@@ -176,13 +187,6 @@ struct Budget {
     skipped: usize,
 }
 
-/// A mesh at its position.
-struct Instance {
-    part: String,
-    object: u32,
-    transform: Affine,
-}
-
 /// All parts of a package that its build needs.
 struct Package<'a> {
     archive: Archive<'a>,
@@ -222,12 +226,17 @@ impl<'a> Package<'a> {
         }
     }
 
-    /// The meshes that an object is made of, at their positions, in the order of the file.
+    /// The meshes that an object is made of, at their positions, in the order of the file. `told` is what is saved of it.
+    #[allow(
+        clippy::too_many_arguments,
+        reason = "what goes down with the components, and what comes of them"
+    )]
     fn gather(
         &self,
         used: &Use,
         from: &str,
         outer: &Affine,
+        told: Option<&SavedObject>,
         depth: usize,
         budget: &mut Budget,
         found: &mut Vec<Instance>,
@@ -251,12 +260,13 @@ impl<'a> Package<'a> {
             ));
         };
         (budget.uses, budget.facets) = (uses, facets);
-        if !object.solid {
+        // OrcaSlicer and its kin call modifiers and the like "other".
+        if !object.solid && !told.is_some_and(|told| told.has_modifier(used.object)) {
             budget.skipped += 1;
             return Ok(());
         }
         for component in &object.components {
-            self.gather(component, &part, &transform, depth + 1, budget, found)?;
+            self.gather(component, &part, &transform, told, depth + 1, budget, found)?;
         }
         if count > 0 {
             found.push(Instance { part, object: used.object, transform });
@@ -324,6 +334,17 @@ impl<'a> Package<'a> {
         }
         let (name, soup) = (named.name.clone().or(only), welder.finish());
         Ok(FileObject { name, paint, ..FileObject::plain(soup, facets, positions) })
+    }
+
+    /// The materials of all that is built, in words.
+    fn materials(&self, groups: &[(Use, Vec<[f64; 3]>)], root: &str) -> Vec<String> {
+        let mut budget = Budget { facets: MOST_FACETS, uses: MOST_USES, skipped: 0 };
+        let mut instances = Vec::new();
+        for (item, _) in groups {
+            // What is wrong with it is told when it is read.
+            let _ = self.gather(item, root, &Affine::NONE, None, 0, &mut budget, &mut instances);
+        }
+        made_of::in_use(&self.parts, &instances)
     }
 
     /// What other slicers have saved with the objects.

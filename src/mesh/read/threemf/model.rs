@@ -9,6 +9,7 @@ use quick_xml::reader::NsReader;
 
 use super::affine::Affine;
 use super::lattice::{self, BALLS, BEAMS, Lattice};
+use super::materials::{self, Group, Listed, MATERIALS};
 use super::paint::Kind;
 use super::xml::{MEND, text, value};
 use crate::mesh::paint::Paint;
@@ -23,7 +24,7 @@ const UNDERSTOOD: [&str; 7] = [
     BEAMS,
     BALLS,
     "http://schemas.microsoft.com/3dmanufacturing/trianglesets/2021/07",
-    "http://schemas.microsoft.com/3dmanufacturing/material/2015/02",
+    MATERIALS,
     "http://www.w3.org/XML/1998/namespace",
 ];
 
@@ -58,6 +59,8 @@ pub(super) struct Part {
     /// Millimetres in a unit of its coordinates.
     pub unit_mm: f64,
     pub objects: BTreeMap<u32, Object>,
+    /// Its lists of materials, in the order of the file.
+    pub materials: Vec<Group>,
     /// The build items; only those of the root part count.
     pub items: Vec<Use>,
     /// Items that are not to be printed.
@@ -76,6 +79,10 @@ pub(super) struct Object {
     pub triangles: Vec<[u32; 3]>,
     /// What is painted on them.
     pub paint: Paint,
+    /// The material of what says nothing else.
+    pub material: Option<Listed>,
+    /// Triangles with a material of their own.
+    pub materials: Vec<(u32, Listed)>,
     /// Struts and balls besides the triangles.
     pub lattice: Option<Lattice>,
     pub components: Vec<Use>,
@@ -90,13 +97,26 @@ pub(super) struct Use {
     pub transform: Affine,
 }
 
+/// A mesh at its position.
+pub(super) struct Instance {
+    pub part: String,
+    pub object: u32,
+    pub transform: Affine,
+}
+
 /// Reads a part to its end. Extensions are listed unless the model requires one that is not understood.
 ///
 /// # Errors
 /// What is wrong, and where.
 pub(super) fn read(mut reader: NsReader<impl BufRead>) -> Result<Part, Refusal> {
-    let mut part =
-        Part { unit_mm: 1.0, objects: BTreeMap::new(), items: Vec::new(), unprinted: 0, unknown: Vec::new() };
+    let mut part = Part {
+        unit_mm: 1.0,
+        objects: BTreeMap::new(),
+        materials: Vec::new(),
+        items: Vec::new(),
+        unprinted: 0,
+        unknown: Vec::new(),
+    };
     let mut buffer = Vec::new();
     let mut current: Option<(u32, Object)> = None;
     let mut painted = Vec::new();
@@ -123,6 +143,9 @@ pub(super) fn read(mut reader: NsReader<impl BufRead>) -> Result<Part, Refusal> 
                         .map_err(|problem| located(at, &format!("object {id}: {problem}")))?;
                 }
             }
+            Event::Start(tag) | Event::Empty(tag) if within(MATERIALS) => {
+                materials::read(&tag, &mut part.materials);
+            }
             Event::Start(tag) | Event::Empty(tag) if core => {
                 let done = match tag.local_name().into_inner() {
                     "model" => {
@@ -139,10 +162,17 @@ pub(super) fn read(mut reader: NsReader<impl BufRead>) -> Result<Part, Refusal> 
                             object.vertices.push(vertex);
                         }
                     }),
-                    "triangle" => triangle(&tag, &mut painted).and_then(|triangle| match &mut current {
-                        Some((_, object)) => object.add(triangle, painted.drain(..)),
-                        None => Ok(()),
-                    }),
+                    "triangle" => {
+                        let mut listed = [None; 2];
+                        triangle(&tag, &mut painted, &mut listed).and_then(|triangle| match &mut current {
+                            Some((_, object)) => object.add(triangle, painted.drain(..), listed),
+                            None => Ok(()),
+                        })
+                    }
+                    "basematerials" | "base" => {
+                        materials::read(&tag, &mut part.materials);
+                        Ok(())
+                    }
                     "component" => usage(&tag, part.unit_mm).map(|used| {
                         if let Some((_, object)) = &mut current {
                             object.components.push(used);
@@ -250,6 +280,7 @@ impl Object {
         &mut self,
         triangle: [u32; 3],
         painted: impl Iterator<Item = (Kind, String)>,
+        [pid, place]: [Option<u32>; 2],
     ) -> Result<(), String> {
         match triangle.iter().find(|&&v| v as usize >= self.vertices.len()) {
             Some(v) => Err(format!(
@@ -258,6 +289,9 @@ impl Object {
                 self.vertices.len()
             )),
             None => {
+                let own =
+                    materials::listed(pid, place, self.material).filter(|own| self.material != Some(*own));
+                self.materials.extend(own.map(|own| (self.triangles.len() as u32, own)));
                 self.triangles.push(triangle);
                 let corners = || triangle.map(|v| self.vertices[v as usize]);
                 for (kind, digits) in painted {
@@ -285,7 +319,9 @@ fn object(tag: &BytesStart<'_>) -> Result<(u32, Object), String> {
     let kind = value(tag, "type").unwrap_or_else(|| "model".into());
     let name = value(tag, "name").map(|name| name.trim().to_owned()).filter(|name| !name.is_empty());
     let solid = matches!(kind.as_str(), "model" | "solidsupport");
-    Ok((id(tag, "id")?, Object { name, solid, ..Object::default() }))
+    let number = |key: &str| value(tag, key).and_then(|text| text.trim().parse().ok());
+    let material = materials::listed(number("pid"), number("pindex"), None);
+    Ok((id(tag, "id")?, Object { name, solid, material, ..Object::default() }))
 }
 
 fn usage(tag: &BytesStart<'_>, unit_mm: f64) -> Result<Use, String> {
@@ -331,10 +367,16 @@ fn corner(tag: &BytesStart<'_>) -> Result<[f64; 3], String> {
     }
 }
 
-/// A triangle; `painted` gets what is painted on it.
-fn triangle(tag: &BytesStart<'_>, painted: &mut Vec<(Kind, String)>) -> Result<[u32; 3], String> {
-    three(tag, ["v1", "v2", "v3"], |key, value| {
-        painted
-            .extend(Kind::of(key).filter(|_| !value.trim().is_empty()).map(|kind| (kind, value.to_owned())));
+/// A triangle; `painted` gets what is painted on it, `listed` where its material is (that of its first corner).
+fn triangle(
+    tag: &BytesStart<'_>,
+    painted: &mut Vec<(Kind, String)>,
+    listed: &mut [Option<u32>; 2],
+) -> Result<[u32; 3], String> {
+    three(tag, ["v1", "v2", "v3"], |key, value| match key {
+        "pid" => listed[0] = value.trim().parse().ok(),
+        "p1" => listed[1] = value.trim().parse().ok(),
+        _ => painted
+            .extend(Kind::of(key).filter(|_| !value.trim().is_empty()).map(|kind| (kind, value.to_owned()))),
     })
 }

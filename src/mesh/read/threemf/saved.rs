@@ -101,6 +101,12 @@ impl SavedObject {
         self.volumes.iter().position(|volume| volume.holds(object, facet))
     }
 
+    /// Whether a part that changes others is an object of this number.
+    pub fn has_modifier(&self, object: u32) -> bool {
+        let mut changing = self.volumes.iter().filter(|volume| volume.purpose != Purpose::Print);
+        changing.any(|volume| volume.facets.is_none() && volume.object == Some(object))
+    }
+
     /// The settings of the object.
     pub fn own(&self) -> &SavedSettings {
         &self.own
