@@ -30,5 +30,6 @@ mod project;
 mod project_file;
 mod reorder;
 mod supports;
+mod tool_changes;
 mod tools;
 mod view;
