@@ -4,7 +4,7 @@ use std::time::Duration;
 
 use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
 use pathwright::geometry::Point;
-use pathwright::order::tools::{ToolHeating, ToolLayer, ToolOrder, ToolProblem, order_tools};
+use pathwright::order::tools::{ToolLayer, ToolOrder, ToolProblem, order_tools};
 use pathwright::order::{Cost, Item, Problem, Run, Shape, strategy};
 use pathwright::profile::{Effort, OrderStrategy, Scope};
 
@@ -83,30 +83,22 @@ fn order(criterion: &mut Criterion) {
     }
 }
 
-/// 16 tools on 1,000 layers: of four kinds, and each with others; and eight that are heated again.
+/// 16 tools on 1,000 layers: of four kinds, and each with others.
 fn tools(criterion: &mut Criterion) {
     let mixed = |k: u32| k.wrapping_mul(2_654_435_761).rotate_left(15).wrapping_mul(2_246_822_519) >> 9;
     let change: Vec<Vec<u32>> =
         (0..16).map(|a| (0..16).map(|b| 10_000 + mixed(16 * a + b) % 110_000).collect()).collect();
     let problem = |set_of: &dyn Fn(u32) -> u32| {
         let tools = |set: u32| (0..16).filter(|tool| set >> tool & 1 == 1).collect();
-        let layer = |k| ToolLayer { tools: tools(set_of(k)), ..ToolLayer::default() };
-        let layers = (0..1000).map(layer).collect();
-        ToolProblem { layers, change: change.clone(), loaded: Some(0), ..ToolProblem::default() }
+        let layer = |k| ToolLayer { tools: tools(set_of(k)), before: Vec::new() };
+        ToolProblem { layers: (0..1000).map(layer).collect(), change: change.clone(), loaded: Some(0) }
     };
-    // Eight tools that cool down, each layer with times of its own.
-    let mut heated = problem(&|_| 0x00ff);
-    heated.heating = vec![ToolHeating { change: 10_000, ahead: 60_000 }; 16];
-    for (k, layer) in (0..).zip(&mut heated.layers) {
-        layer.prints = (0..8).map(|tool| mixed(8 * k + tool) % 20_000).collect();
-    }
     let mut group = criterion.benchmark_group("tools");
     group.sample_size(10).measurement_time(Duration::from_secs(2));
     for (label, problem) in [
         ("all-on-every-layer", problem(&|_| 0xffff)),
         ("four-kinds", problem(&|k| [0xffff, 0x0fff, 0xfff0, 0x3ffc][k as usize % 4])),
         ("each-other", problem(&|k| mixed(k) & 0xffff)),
-        ("eight-heated", heated),
         ("twelve-and-more", problem(&|k| mixed(k) & 0xffff | 0x0ff0 | 0xf << (k % 4 * 4))),
     ] {
         group.bench_function(label, |bencher| bencher.iter(|| order_tools(&problem, ToolOrder::Optimal)));

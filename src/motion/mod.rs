@@ -36,4 +36,3 @@ pub use settings::{FlowSettings, MotionSettings};
 pub(crate) use sums::arc_mm;
 pub use sums::{LayerSums, ToolSums};
 pub use swap::SwapSettings;
-pub use tool::drawing_s;

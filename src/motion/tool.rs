@@ -1,12 +1,10 @@
 //! Changes of tool within a layer.
 
-use super::bead::mean_width_mm;
 use super::nozzle::Nozzle;
-use super::overhang::Grade;
 use super::rules::Rules;
 use super::{Entry, MotionSettings, Move, SwapStep, ToolChange};
 use crate::order::PathVisit;
-use crate::toolpath::{LayerPaths, Path, ToolId, bead};
+use crate::toolpath::{LayerPaths, Path, ToolId};
 use crate::units::Seconds;
 
 impl Nozzle<'_> {
@@ -88,18 +86,6 @@ impl Nozzle<'_> {
 fn change_mm(settings: &MotionSettings) -> f64 {
     let usual_mm = settings.retract.length.0;
     if settings.keeps_filament { settings.retract.change_length.0.max(usual_mm) } else { usual_mm }
-}
-
-/// How long a path takes at the speed of its role, seconds, without what ramps and travels take.
-pub fn drawing_s(path: &Path, layer: usize, settings: &MotionSettings) -> f64 {
-    let rules = Rules::new(settings, layer);
-    let length_mm = match path.closed {
-        true => geometry::ring_length_mm(&path.points),
-        false => geometry::polyline_length_mm(&path.points),
-    };
-    let area_mm2 = bead::area_mm2(mean_width_mm(&path.width), path.height_mm);
-    let speed = rules.melted(rules.speed(path.role, Grade::Held, false), area_mm2 * rules.flow(path.role));
-    length_mm / speed.0.max(f64::MIN_POSITIVE)
 }
 
 /// Which tool a layer leaves in use, and which are put away.

@@ -57,15 +57,15 @@ pub(super) struct Preheater {
     held: VecDeque<Held>,
     /// Where the print is.
     now_s: f64,
-    /// When each tool was put away last.
-    left_s: Vec<f64>,
+    /// When each tool was put away last, if it was in use before.
+    left_s: Vec<Option<f64>>,
 }
 
 impl Preheater {
     pub fn new(settings: &MotionSettings) -> Self {
         let cools = settings.tools.iter().any(|tool| tool.idle.0 > 0.0);
         let tools = if cools { settings.tools.clone() } else { Vec::new() };
-        Self { left_s: vec![0.0; tools.len()], tools, held: VecDeque::new(), now_s: 0.0 }
+        Self { left_s: vec![None; tools.len()], tools, held: VecDeque::new(), now_s: 0.0 }
     }
 
     /// Takes the next layer; what is waited for heat is added to its time.
@@ -83,16 +83,19 @@ impl Preheater {
             let end_s = begins_s + timeline.ends_s[index];
             let heating_s = self.tools[usize::from(change.to)].reheating_s(change.nozzle);
             if heating_s > 0.0 {
-                // By then the change, which takes a while, too, has not begun.
+                // By then the change, which takes a while, too, has not begun. A tool that was put away late has not cooled
+                // down all the way: no nozzle does so faster than it heats.
+                let left_s = self.left_s[usize::from(change.to)];
                 let first_s = self.held.front().map_or(begins_s, |held| held.begins_s);
-                let earliest_s = self.left_s[usize::from(change.to)].max(first_s);
+                let earliest_s = left_s.map_or(first_s, |left_s| f64::midpoint(left_s, end_s).max(first_s));
                 let start_s = (end_s - change.time.0 - heating_s).max(earliest_s);
-                let wait_s = (heating_s - (end_s - start_s)).max(0.0);
+                let cooled_s = left_s.map_or(f64::INFINITY, |left_s| start_s - left_s);
+                let wait_s = (heating_s.min(cooled_s) - (end_s - start_s)).max(0.0);
                 timeline.ends_s[index..].iter_mut().for_each(|end_s| *end_s += wait_s);
                 waits_s += wait_s;
                 heats.push((start_s, begins_s + timeline.ends_s[index] - wait_s, change.to, change.nozzle));
             }
-            self.left_s[usize::from(change.from)] = begins_s + timeline.ends_s[index];
+            self.left_s[usize::from(change.from)] = Some(begins_s + timeline.ends_s[index]);
         }
         self.now_s = begins_s + timeline.end_s();
         if let Some(held) = self.held.back_mut() {

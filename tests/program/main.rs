@@ -33,5 +33,6 @@ mod project_file;
 mod reorder;
 mod supports;
 mod swap;
+mod tool_changes;
 mod tools;
 mod view;

@@ -5,13 +5,13 @@ use std::collections::BTreeMap;
 use crate::support::found::{kinds, report};
 use crate::support::print::{Print, model, run, settings};
 use pathwright::Observer;
-use pathwright::gcode::{Action, file_time, replay};
+use pathwright::gcode::{Action, replay};
 use pathwright::job::{Engine, Job, JobModel, ObjectSettings};
 use pathwright::pipeline::Pipeline;
 use pathwright::profile::{self, Settings};
 
 /// Settings of a printer with so many tools, each with filament of its own.
-pub(super) fn several(tools: usize, sets: &[&str]) -> Settings {
+pub fn several(tools: usize, sets: &[&str]) -> Settings {
     let colors: Vec<String> =
         (1..=tools).map(|tool| format!("tools.{tool}.filament.color=#00000{tool}")).collect();
     let mut all: Vec<&str> =
@@ -22,7 +22,7 @@ pub(super) fn several(tools: usize, sets: &[&str]) -> Settings {
 }
 
 /// Boxes at their places over a bed of 200 mm, each in a file of its own, from one corner to the other.
-pub(super) fn boxes(folder: &tempfile::TempDir, boxes: &[(&str, [f64; 3], [f64; 3])]) -> Job {
+pub fn boxes(folder: &tempfile::TempDir, boxes: &[(&str, [f64; 3], [f64; 3])]) -> Job {
     let model = |(name, low, high): &(&str, [f64; 3], [f64; 3])| {
         let file = folder.path().join(format!("{name}.stl"));
         std::fs::write(&file, cuboid(*low, *high)).unwrap();
@@ -60,7 +60,7 @@ fn cuboid(low: [f64; 3], high: [f64; 3]) -> String {
 }
 
 /// The same with tools of the objects, from 1.
-pub(super) fn with_tools(job: Job, base: &Settings, tools: &[(&str, u32)]) -> Job {
+pub fn with_tools(job: Job, base: &Settings, tools: &[(&str, u32)]) -> Job {
     let own = |&(object, tool): &(&str, u32)| {
         let settings = base.clone().set("tool_of.object", &tool.to_string()).expect("a tool");
         ObjectSettings { object: object.into(), settings }
@@ -69,7 +69,7 @@ pub(super) fn with_tools(job: Job, base: &Settings, tools: &[(&str, u32)]) -> Jo
 }
 
 /// What each tool extrudes along beads, mm³: into the prime tower, and elsewhere after the start script.
-pub(super) fn volumes(print: &Print) -> BTreeMap<u32, [f64; 2]> {
+pub fn volumes(print: &Print) -> BTreeMap<u32, [f64; 2]> {
     let (mut tool, mut begun, mut tower) = (0, false, false);
     let mut volumes = BTreeMap::new();
     for step in replay(&print.text) {
@@ -89,19 +89,19 @@ pub(super) fn volumes(print: &Print) -> BTreeMap<u32, [f64; 2]> {
     volumes
 }
 
-pub(super) fn text(print: &Print) -> &str {
+pub fn text(print: &Print) -> &str {
     std::str::from_utf8(&print.text).expect("text")
 }
 
-fn near(found: f64, wanted: f64) -> bool {
+pub fn near(found: f64, wanted: f64) -> bool {
     (found / wanted - 1.0).abs() < 0.005
 }
 
-const LEFT: (&str, [f64; 3], [f64; 3]) = ("left", [0.0; 3], [20.0, 20.0, 3.0]);
-const RIGHT: (&str, [f64; 3], [f64; 3]) = ("right", [20.0, 0.0, 0.0], [35.0, 20.0, 3.0]);
+pub const LEFT: (&str, [f64; 3], [f64; 3]) = ("left", [0.0; 3], [20.0, 20.0, 3.0]);
+pub const RIGHT: (&str, [f64; 3], [f64; 3]) = ("right", [20.0, 0.0, 0.0], [35.0, 20.0, 3.0]);
 
 /// Two boxes side by side, each with a tool of its own.
-pub(super) fn pair(sets: &[&str]) -> (Print, Settings) {
+pub fn pair(sets: &[&str]) -> (Print, Settings) {
     let folder = tempfile::tempdir().unwrap();
     let base = several(2, &[&["skirt.loops=0"], sets].concat());
     let job = boxes(&folder, &[LEFT, RIGHT]);
@@ -462,309 +462,4 @@ fn what_is_flushed_into_infill_spares_the_tower_and_comes_before_the_walls() {
         }
     }
     assert!(sparse > 3, "after {sparse} changes");
-}
-
-#[test]
-fn the_summary_counts_changes_waits_and_scripts_as_the_file_is_timed() {
-    let heated = ["tools.1.idle_temperature=150", "tools.2.idle_temperature=150"];
-    let moved = "tool_change.script=G4 P1500";
-    for sets in [
-        &["tool_change.kind=single-nozzle", "tools.2.temperature.nozzle=240", moved][..],
-        &["tool_change.kind=tool-changer", heated[0], heated[1], "tools.2.tool_change.time=4"],
-    ] {
-        let (print, settings) = pair(&[sets, &["tool_change.flush_volume=20"]].concat());
-        let said = print.summary.total.total_s;
-        let machine = pathwright::estimate::Machine::new(&settings);
-        let timed = file_time(&print.text, &machine).0;
-        assert!((said / timed - 1.0).abs() < 0.004, "{sets:?}: {said}, timed {timed}");
-        let changes = print.summary.tool_changes as f64;
-        // Neither changes nor what is waited for after them.
-        let unheated = text(&print).replace("; tool_heating_rate", ";");
-        let moves = pathwright::estimate::Machine {
-            change_is_fixed: true,
-            change_s: 0.0,
-            heating_rate: 0.0,
-            ..machine
-        };
-        let without = file_time(unheated.as_bytes(), &moves).0;
-        let least = if sets[0].ends_with("single-nozzle") { 10.0 + 15.0 / 2.0 } else { 12.0 };
-        assert!(
-            timed - without > least * (changes - 1.0),
-            "{timed} with {changes} changes, {without} without"
-        );
-    }
-}
-
-#[test]
-fn a_layer_does_not_begin_with_a_cold_tool_where_another_can_print_while_it_heats() {
-    let folder = tempfile::tempdir().unwrap();
-    // Two tools on each layer, and three on one: the order of the others decides how long the third has to heat.
-    let heated = |rate: &str| {
-        let base = several(
-            3,
-            &[
-                "tool_change.kind=tool-changer",
-                "tool_change.flush_volume=1",
-                "tools.3.idle_temperature=100",
-                &format!("tools.3.heating_rate={rate}"),
-                "skirt.loops=0",
-            ],
-        );
-        let small = ("small", [20.0, 0.0, 0.0], [24.0, 4.0, 0.4]);
-        let job = boxes(&folder, &[("left", LEFT.1, [20.0, 20.0, 0.4]), RIGHT, small]);
-        let rows = Pipeline
-            .compare_tools(&with_tools(job, &base, &[("right", 2), ("small", 3)]), &base, &Observer::none())
-            .expect("a comparison");
-        rows.into_iter().map(|row| (row.order.clone(), row.heat_s)).collect::<BTreeMap<String, f64>>()
-    };
-    let (slow, quick) = (heated("1"), heated("100"));
-    assert!(slow["fixed"] > slow["optimal"] + 1.0, "{slow:?}");
-    assert!(quick.values().all(|heat_s| *heat_s < 2.0), "{quick:?}");
-}
-
-/// The file without what is printed as a prime tower.
-fn without_tower(text: &str) -> String {
-    let (mut kept, mut tower) = (String::new(), false);
-    for line in text.lines() {
-        if let Some(name) = line.strip_prefix(";TYPE:") {
-            tower = name == "Wipe tower";
-        }
-        let bead = line.starts_with("G1 X") || line.starts_with("G1 Y");
-        if !(tower && bead && line.contains(" E")) {
-            kept += line;
-            kept.push('\n');
-        }
-    }
-    kept
-}
-
-#[test]
-fn a_tower_that_is_missing_from_a_file_is_found_at_every_change_that_needs_it() {
-    use pathwright::check::Kind;
-    for sets in [&[][..], &["tool_change.flush_into_infill=true", "infill.density=40%"]] {
-        let (print, settings) = pair(&[sets, &["tool_change.flush_volume=90"]].concat());
-        let found = |text: &str| {
-            let report = report(text.as_bytes(), &settings);
-            report
-                .faults
-                .iter()
-                .filter(|fault| fault.kind == Kind::MissingFlush)
-                .map(|fault| fault.count)
-                .sum::<usize>()
-        };
-        assert_eq!(found(text(&print)), 0, "{sets:?}");
-        assert_eq!(found(&without_tower(text(&print))), print.summary.tool_changes, "{sets:?}");
-        // Who says nothing of a tower has none to miss.
-        let other = without_tower(text(&print)).replace("; wipe_tower = 1\n", "");
-        assert_eq!(found(&other), 0);
-    }
-}
-
-#[test]
-fn a_tower_that_is_missing_from_another_slicers_file_is_found_where_it_tells_the_flushes() {
-    use pathwright::check::Kind;
-    let (print, settings) = pair(&["tool_change.flush_volume=90"]);
-    let theirs = text(&print).replace("; generated by Pathwright", "; generated by PrusaSlicer");
-    // At the end, as they do.
-    let [with, without] = [theirs.clone(), without_tower(&theirs)].map(|text| {
-        let told: Vec<&str> = text.lines().filter(|line| line.contains("wip")).collect();
-        let rest: Vec<&str> = text.lines().filter(|line| !line.contains("wip")).collect();
-        kinds(&report(format!("{}\n{}\n", rest.join("\n"), told.join("\n")).as_bytes(), &settings))
-    });
-    assert_eq!((with, without), (vec![], vec![Kind::MissingFlush]));
-}
-
-/// Types of beads after each change of tool, in their order, without repetitions.
-fn types_after_changes(print: &Print) -> Vec<Vec<String>> {
-    let (mut all, mut begun): (Vec<Vec<String>>, bool) = (Vec::new(), false);
-    for line in text(print).lines() {
-        begun |= line == ";LAYER_CHANGE";
-        if begun && matches!(line, "T0" | "T1" | "T2") {
-            all.push(Vec::new());
-        } else if let (Some(name), Some(last)) = (line.strip_prefix(";TYPE:"), all.last_mut()) {
-            last.push(name.to_owned());
-        }
-    }
-    all
-}
-
-#[test]
-fn an_object_that_takes_flushes_is_whole_of_both_tools_and_spares_the_tower() {
-    let folder = tempfile::tempdir().unwrap();
-    let base = several(2, &["tool_change.flush_volume=60", "skirt.loops=0"]);
-    let sink = ("sink", [0.0, 30.0, 0.0], [30.0, 50.0, 3.0]);
-    let slice = |flush: bool| {
-        let mut job = with_tools(boxes(&folder, &[LEFT, RIGHT, sink]), &base, &[("right", 2)]);
-        if flush {
-            let settings = base.clone().set("tool_of.flush", "true").expect("a flag");
-            job.objects.push(ObjectSettings { object: "sink".into(), settings });
-        }
-        run(&job, &base).expect("a print")
-    };
-    let (without, with) = (slice(false), slice(true));
-    let flushed = |print: &Print| print.summary.tools.iter().map(|tool| tool.flushed_mm3).sum::<f64>();
-    assert!(flushed(&with) < 0.6 * flushed(&without), "{} of {}", flushed(&with), flushed(&without));
-    let in_sink = |print: &Print| {
-        let (mut tool, mut begun, mut sums) = (0, false, [0.0; 2]);
-        for step in replay(&print.text) {
-            begun |= step.line.text.starts_with(b";LAYER_CHANGE");
-            if let Some(code) = step.line.code.filter(|code| code.letter == b'T') {
-                tool = code.number as usize;
-            }
-            let Action::Stroke(stroke) = step.action else { continue };
-            let [x, y, _] = stroke.to;
-            if begun && stroke.extrudes() && (99.0..131.0).contains(&x) && (129.0..151.0).contains(&y) {
-                sums[tool] += stroke.fresh_mm;
-            }
-        }
-        sums
-    };
-    let ([all, none], [first, second]) = (in_sink(&without), in_sink(&with));
-    assert!(none == 0.0 && near(first + second, all), "{all}, {first}, {second}");
-    assert!(first > 0.1 * all && second > 0.1 * all, "{first}, {second} of {all}");
-    assert_eq!(kinds(&report(&with.text, &base)), []);
-}
-
-#[test]
-fn every_tool_passes_the_ooze_shield_before_it_prints_a_part() {
-    let (print, settings) = pair(&["tool_change.ooze_shield=true", "tool_change.flush_volume=20"]);
-    let changes = types_after_changes(&print);
-    assert!(changes.len() > 10);
-    for types in changes {
-        assert_eq!(types[..2], ["Wipe tower", "Skirt/Brim"], "{types:?}");
-    }
-    let beads = print.beads();
-    let shield: Vec<_> = beads.iter().filter(|bead| bead.kind == "Skirt/Brim").collect();
-    // 2 mm around 35 × 20 mm, and half a width, with corners.
-    let wanted = 2.0 * (35.0 + 20.0) + 8.0 * 2.225;
-    let mut by_height: BTreeMap<i64, f64> = BTreeMap::new();
-    for bead in &shield {
-        *by_height.entry((bead.z_mm * 1000.0).round() as i64).or_default() += bead.length_mm();
-    }
-    assert_eq!(by_height.len(), 15, "as high as the parts, which both end at 3 mm: {by_height:?}");
-    assert!(by_height.values().all(|mm| (mm - wanted).abs() < 0.5), "{wanted}: {by_height:?}");
-    assert_eq!(kinds(&report(&print.text, &settings)), []);
-}
-
-/// A large box and a small one, which the program arranges on a bed of 120 mm.
-fn on_a_full_bed(side_mm: f64, sets: &[&str]) -> (Job, Settings, tempfile::TempDir) {
-    let folder = tempfile::tempdir().unwrap();
-    let small = ["bed.size=[120, 120]", "tool_change.flush_volume=20", "printer.flavor=marlin"];
-    let base = several(2, &[&small, sets].concat());
-    let mut job = boxes(
-        &folder,
-        &[("large", [0.0; 3], [side_mm, side_mm, 2.0]), ("small", [0.0; 3], [10.0, 10.0, 2.0])],
-    );
-    job.models.iter_mut().for_each(|model| model.at_mm = None);
-    (with_tools(job, &base, &[("small", 2)]), base, folder)
-}
-
-#[test]
-fn objects_leave_room_for_the_tower_where_the_bed_has_it() {
-    for sets in [&["skirt.loops=0"][..], &["skirt.loops=1"]] {
-        let (job, base, _folder) = on_a_full_bed(84.0, sets);
-        let print = run(&job, &base).expect("the tower fits beside the large box");
-        assert_eq!(kinds(&report(&print.text, &base)), [], "{sets:?}");
-        let beads = print.beads();
-        let reach = |kind: &str| {
-            let of_kind = beads.iter().filter(|bead| bead.kind.contains(kind));
-            of_kind
-                .flat_map(|bead| bead.points.iter())
-                .fold([f64::MAX, f64::MAX, f64::MIN, f64::MIN], |[x0, y0, x1, y1], &[x, y]| {
-                    [x0.min(x), y0.min(y), x1.max(x), y1.max(y)]
-                })
-        };
-        let tower = reach("Wipe tower");
-        let walls = beads.iter().filter(|bead| bead.kind.contains("erimeter"));
-        let inside = |[x, y]: &[f64; 2]| {
-            (tower[0] - 1.0..tower[2] + 1.0).contains(x) && (tower[1] - 1.0..tower[3] + 1.0).contains(y)
-        };
-        assert!(walls.flat_map(|bead| &bead.points).all(|point| !inside(point)), "{tower:?}");
-        if sets[0].ends_with('1') {
-            let skirt = reach("Skirt");
-            let encloses =
-                skirt[0] < tower[0] && skirt[1] < tower[1] && skirt[2] > tower[2] && skirt[3] > tower[3];
-            assert!(encloses, "{skirt:?} around {tower:?}");
-        }
-    }
-}
-
-#[test]
-fn a_bed_that_is_too_full_for_the_tower_is_told_so() {
-    let (job, base, _folder) = on_a_full_bed(105.0, &["skirt.loops=0", "bed.size=[120, 120]"]);
-    let error = run(&job, &base).err().expect("there is no room").to_string();
-    assert!(error.contains("no room on the bed for the prime tower"), "{error}");
-}
-
-/// Widths of the beads of each tool by their types, after the first layer.
-fn widths(print: &Print) -> BTreeMap<(u32, String), std::collections::BTreeSet<String>> {
-    let (mut tool, mut kind, mut layer) = (0, String::new(), 0);
-    let mut widths: BTreeMap<(u32, String), std::collections::BTreeSet<String>> = BTreeMap::new();
-    let mut width = String::new();
-    for line in text(print).lines() {
-        layer += usize::from(line == ";LAYER_CHANGE");
-        if let Some(number) = line.strip_prefix('T').and_then(|number| number.parse().ok()) {
-            tool = number;
-        } else if let Some(name) = line.strip_prefix(";TYPE:") {
-            kind = name.to_owned();
-        } else if let Some(mm) = line.strip_prefix(";WIDTH:") {
-            width = mm.to_owned();
-        } else if layer > 1 && line.starts_with("G1 X") && line.contains(" E") && !line.contains(" E-") {
-            widths.entry((tool, kind.clone())).or_default().insert(width.clone());
-        }
-    }
-    widths
-}
-
-#[test]
-fn lines_are_as_wide_as_the_nozzle_of_their_tool_asks_or_as_it_says() {
-    // Infill is fitted to its density, by a few hundredths.
-    let is = |print: &Print, tool: u32, kind: &str, wanted_mm: f64| {
-        let found = widths(print).remove(&(tool, kind.to_owned())).expect("beads of that type");
-        let near = |width: &String| (width.parse::<f64>().unwrap() / wanted_mm - 1.0).abs() < 0.06;
-        assert!(found.iter().all(near), "tool {tool}, {kind}: {found:?}, wanted {wanted_mm}");
-    };
-    let nozzle = "tools.2.printer.nozzle_diameter=0.6";
-    let (print, settings) = pair(&[nozzle]);
-    for kind in ["Perimeter", "External perimeter", "Internal infill", "Wipe tower"] {
-        is(&print, 0, kind, 0.45);
-        is(&print, 1, kind, 0.675);
-    }
-    assert_eq!(kinds(&report(&print.text, &settings)), []);
-    let (print, _) = pair(&[nozzle, "tools.2.walls.width=0.75"]);
-    is(&print, 0, "Perimeter", 0.45);
-    is(&print, 1, "Perimeter", 0.75);
-    is(&print, 1, "External perimeter", 0.675);
-    let (print, _) = pair(&[nozzle, "tool_of.infill=2"]);
-    is(&print, 1, "Internal infill", 0.675);
-    is(&print, 0, "Perimeter", 0.45);
-}
-
-#[test]
-fn a_part_of_a_tool_with_another_nozzle_is_as_full_as_any() {
-    let (print, _) = pair(&["tools.2.printer.nozzle_diameter=0.6", "infill.density=100%"]);
-    let volumes = volumes(&print);
-    assert!((volumes[&0][1] / 1200.0 - 1.0).abs() < 0.03, "{volumes:?}");
-    assert!((volumes[&1][1] / 900.0 - 1.0).abs() < 0.03, "{volumes:?}");
-}
-
-#[test]
-fn layers_of_many_short_beads_are_waited_for_as_the_file_is_timed() {
-    let folder = tempfile::tempdir().unwrap();
-    let heated =
-        ["tools.1.idle_temperature=150", "tools.2.idle_temperature=150", "tool_change.kind=tool-changer"];
-    let base = several(2, &[&heated[..], &["skirt.loops=0"]].concat());
-    // Retractions and travels from pin to pin take most of the time.
-    let pin = |n: usize| {
-        let (x, y) = (5.0 * (n % 5) as f64, 30.0 + 5.0 * (n / 5) as f64);
-        (["pin", "q", "r", "s", "t", "u", "v", "w", "x", "y"][n], [x, y, 0.0], [x + 2.0, y + 2.0, 4.0])
-    };
-    let pins: Vec<_> = (0..10).map(pin).collect();
-    let tools: Vec<(&str, u32)> = pins.iter().map(|pin| (pin.0, 2)).collect();
-    let cube = ("cube", [0.0; 3], [10.0, 10.0, 4.0]);
-    let job = boxes(&folder, &[&[cube], &pins[..]].concat());
-    let print = run(&with_tools(job, &base, &tools), &base).expect("a print");
-    let timed = file_time(&print.text, &pathwright::estimate::Machine::new(&base)).0;
-    let said = print.summary.total.total_s;
-    assert!((said / timed - 1.0).abs() < 0.005, "{said}, timed {timed}");
 }

@@ -22,7 +22,7 @@ struct Told {
 /// A heater, by what the file has asked of it.
 #[derive(Clone, Copy, Debug, Default)]
 struct Heater {
-    /// Where it stood at the mark of its tool, and what it has been heated to since.
+    /// Where it stood at the mark of its tool, and what it has been set to since.
     from: f64,
     to: f64,
 }
@@ -86,9 +86,15 @@ impl Changes {
         let old = self.heaters[heater].unwrap_or(Heater { from: celsius, to: celsius });
         let mut now = old;
         if celsius < old.to {
-            now = Heater { from: celsius, to: celsius };
+            // What prints at once is taken to be there.
+            let from = if waits.is_none() && heater != self.tool { old.to } else { celsius };
+            now = Heater { from, to: celsius };
+            planner.mark(heater, self.so_far_s);
         } else if celsius > old.to {
-            now = Heater { from: old.to, to: celsius };
+            // No nozzle cools down faster than it heats.
+            let cooled = rate * planner.since_s(heater, self.so_far_s);
+            let from = if old.from > old.to { (old.from - cooled).max(old.to) } else { old.to };
+            now = Heater { from, to: celsius };
             planner.mark(heater, self.so_far_s);
         }
         if let (Some(account), true) = (waits, rate > 0.0 && now.to > now.from) {

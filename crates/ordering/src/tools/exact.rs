@@ -9,20 +9,17 @@ use std::collections::BTreeMap;
 /// Layers with more tools are not solved exactly: 2²⁰ sets of 20 tools take 170 MB.
 const MOST: usize = 20;
 
-/// Tools, what comes before what, and how long each prints where that matters: what the ways through a layer depend on.
-type Key = (Vec<u32>, Vec<(u32, u32)>, Option<Vec<u32>>);
-
-/// Whether the first tool of a layer was loaded before, or is changed to.
-const BEGINS: [bool; 2] = [false, true];
+/// Tools and what comes before what: what the ways through a layer depend on.
+type Key = (Vec<u32>, Vec<(u32, u32)>);
 
 /// The ways through the tools of a layer.
 struct Ways {
     /// Ascending.
     tools: Vec<u32>,
-    /// Weight of a way from each to each, row by row, by how the layer begins.
-    least: [Vec<u64>; 2],
+    /// Weight of a way from each to each, row by row.
+    least: Vec<u64>,
     /// What no such way weighs less than.
-    bound: [Vec<u64>; 2],
+    bound: Vec<u64>,
     how: How,
 }
 
@@ -34,27 +31,27 @@ enum How {
 }
 
 /// The ways through all layers.
-struct Layers<'w> {
+struct Layers {
     ways: Vec<Ways>,
-    tables: Vec<Paths<'w>>,
+    tables: Vec<Paths>,
     /// Index of its ways for each layer with tools.
     of: Vec<Option<usize>>,
 }
 
-/// Where a layer's way begins and ends, as indices into its tools, and whether it begins with a change.
-type Choice = (usize, usize, bool);
+/// Where a layer's way begins and ends, as indices into its tools.
+type Choice = (usize, usize);
 
-impl<'w> Layers<'w> {
-    fn new(problem: &ToolProblem, weights: &'w Weights<'w>, most: usize) -> Self {
+impl Layers {
+    fn new(problem: &ToolProblem, weights: &Weights, most: usize) -> Self {
         let mut keys: BTreeMap<Key, Option<&ToolLayer>> = BTreeMap::new();
-        let key_of: Vec<Key> = problem.layers.iter().map(|layer| key(layer, weights)).collect();
+        let key_of: Vec<Key> = problem.layers.iter().map(key).collect();
         for (key, layer) in key_of.iter().zip(&problem.layers).filter(|(key, _)| !key.0.is_empty()) {
             keys.insert(key.clone(), Some(layer));
         }
         let (mut tables, mut ways) = (Vec::new(), Vec::new());
         let shared = shared(keys.keys(), most);
         if let Some(tools) = &shared {
-            tables.push(Paths::new(tools.clone(), &[], None, weights));
+            tables.push(Paths::new(tools.clone(), &[], weights));
         }
         for (key, layer) in &keys {
             let tools = key.0.clone();
@@ -62,11 +59,11 @@ impl<'w> Layers<'w> {
                 (_, Some(layer)) if tools.len() > most => How::Known(
                     tools.iter().map(|&first| Some(large::order(layer, first, weights)?.0)).collect(),
                 ),
-                (Some(all), _) if key.1.is_empty() && key.2.is_none() => How::Table(0, set(&tools, all)),
+                (Some(all), _) if key.1.is_empty() => How::Table(0, set(&tools, all)),
                 _ => {
                     let pairs: Vec<_> =
                         key.1.iter().map(|&(a, b)| (place(&tools, a), place(&tools, b))).collect();
-                    tables.push(Paths::new(tools.clone(), &pairs, key.2.clone(), weights));
+                    tables.push(Paths::new(tools.clone(), &pairs, weights));
                     How::Table(tables.len() - 1, (1 << tools.len()) - 1)
                 }
             };
@@ -84,7 +81,6 @@ impl<'w> Layers<'w> {
                     }
                 }
             }
-            let (least, bound) = ([least.clone(), least], [bound.clone(), bound]);
             ways.push(Ways { tools, least, bound, how });
         }
         let mut layers = Self { of: Vec::new(), ways, tables };
@@ -101,21 +97,15 @@ impl<'w> Layers<'w> {
                 let asked = |ways: &&mut Ways| {
                     matches!(ways.how, How::Table(of, _) if of == t) && ways.tools.contains(&tool)
                 };
-                // A table in which none is waited for is the same however a layer begins.
-                let begins = if table.prints.is_some() { &BEGINS[..] } else { &BEGINS[..1] };
-                let mut from: Vec<From> = Vec::new();
+                let mut from: Option<From> = None;
                 for ways in self.ways.iter_mut().filter(asked) {
                     let How::Table(_, set) = ways.how else { continue };
-                    if from.is_empty() {
-                        from.extend(begins.iter().map(|changed| table.from(first, *changed)));
-                    }
+                    let from = from.get_or_insert_with(|| table.from(first));
                     let (row, count) = (place(&ways.tools, tool), ways.tools.len());
                     for (column, &last) in ways.tools.iter().enumerate() {
-                        for begin in 0..BEGINS.len() {
-                            let least = from[begin.min(from.len() - 1)].least(set, place(&table.tools, last));
-                            ways.least[begin][row * count + column] = least;
-                            ways.bound[begin][row * count + column] = least;
-                        }
+                        let least = from.least(set, place(&table.tools, last));
+                        ways.least[row * count + column] = least;
+                        ways.bound[row * count + column] = least;
                     }
                 }
             }
@@ -125,26 +115,22 @@ impl<'w> Layers<'w> {
     /// The tools of each layer on the ways chosen.
     fn orders(&self, chosen: &[Option<Choice>]) -> Vec<Vec<u32>> {
         // By table and first tool, so that each is made once.
-        let mut asked: BTreeMap<(usize, u32, bool), Vec<usize>> = BTreeMap::new();
+        let mut asked: BTreeMap<(usize, u32), Vec<usize>> = BTreeMap::new();
         let mut orders = vec![Vec::new(); self.of.len()];
         for (layer, choice) in chosen.iter().enumerate() {
-            let (Some((first, _, changed)), Some(ways)) = (*choice, self.of[layer].map(|of| &self.ways[of]))
-            else {
+            let (Some((first, _)), Some(ways)) = (*choice, self.of[layer].map(|of| &self.ways[of])) else {
                 continue;
             };
             match &ways.how {
                 How::Known(known) => orders[layer] = known[first].clone().unwrap_or_default(),
-                How::Table(table, _) => {
-                    let changed = changed && self.tables[*table].prints.is_some();
-                    asked.entry((*table, ways.tools[first], changed)).or_default().push(layer);
-                }
+                How::Table(table, _) => asked.entry((*table, ways.tools[first])).or_default().push(layer),
             }
         }
-        for ((table, first, changed), layers) in asked {
+        for ((table, first), layers) in asked {
             let table = &self.tables[table];
-            let from = table.from(place(&table.tools, first), changed);
+            let from = table.from(place(&table.tools, first));
             for layer in layers {
-                let (Some((_, last, _)), Some(of)) = (chosen[layer], self.of[layer]) else { continue };
+                let (Some((_, last)), Some(of)) = (chosen[layer], self.of[layer]) else { continue };
                 let ways = &self.ways[of];
                 let How::Table(_, set) = ways.how else { continue };
                 orders[layer] = from.order(set, place(&table.tools, ways.tools[last]));
@@ -154,34 +140,27 @@ impl<'w> Layers<'w> {
     }
 }
 
-/// What it weighs to begin a layer of so many tools with one of them when layers so far ended with each with a weight, and with
-/// which they ended best: where it was loaded, and where it is changed to.
-fn begin(ended: &[u64], (count, first): (usize, u32), weights: &Weights) -> [(u64, u32); 2] {
-    let wait = weights.first_wait(count, first);
-    let from = |loaded: u32| (ended[loaded as usize] + weights.of(loaded, first) + wait, loaded);
-    let others = (0..weights.tools()).filter(|&loaded| loaded != first && ended[loaded as usize] < NEVER);
-    [(ended[first as usize], first), others.map(from).min().unwrap_or((NEVER, first))]
+/// What it weighs to begin with each tool when layers so far ended with each with a weight, and with which they ended best:
+/// the same, where that is as good.
+fn begin(ended: &[u64], first: u32, weights: &Weights) -> (u64, u32) {
+    let stay = (ended[first as usize], first);
+    let from = |loaded: u32| (ended[loaded as usize] + weights.of(loaded, first), loaded);
+    let others = (0..weights.tools()).filter(|&loaded| ended[loaded as usize] < NEVER).map(from);
+    others.fold(stay, |best, other| if other.0 < best.0 { other } else { best })
 }
 
 /// What layers weigh at least by the tool that the last of them ended with.
 struct Programme {
     ended: Vec<u64>,
-    /// For each layer and each of its tools as the last: the tool loaded before, the first, and whether that was changed to.
-    back: Vec<Vec<(u32, usize, bool)>>,
+    /// For each layer and each of its tools as the last: the tool loaded before, and the first.
+    back: Vec<Vec<(u32, usize)>>,
 }
 
 impl Programme {
-    fn new(
-        layers: &Layers,
-        loaded: Option<u32>,
-        weights: &Weights,
-        of: impl Fn(&Ways) -> &[Vec<u64>; 2],
-    ) -> Self {
+    fn new(layers: &Layers, loaded: Option<u32>, weights: &Weights, of: impl Fn(&Ways) -> &[u64]) -> Self {
         let mut ended: Vec<u64> = (0..weights.tools())
             .map(|tool| if loaded.is_none_or(|at| at == tool) { 0 } else { NEVER })
             .collect();
-        // Whichever tool comes first is loaded then.
-        let mut is_free = loaded.is_none();
         let mut back = Vec::with_capacity(layers.of.len());
         for at in &layers.of {
             let Some(ways) = at.map(|at| &layers.ways[at]) else {
@@ -189,22 +168,15 @@ impl Programme {
                 continue;
             };
             let (count, through) = (ways.tools.len(), of(ways));
-            let mut begun: Vec<[(u64, u32); 2]> =
-                ways.tools.iter().map(|&first| begin(&ended, (count, first), weights)).collect();
-            if std::mem::take(&mut is_free) {
-                begun.iter_mut().for_each(|[_, changed]| changed.0 = NEVER);
-            }
+            let begun: Vec<(u64, u32)> =
+                ways.tools.iter().map(|&first| begin(&ended, first, weights)).collect();
             ended.fill(NEVER);
             let mut from = Vec::with_capacity(count);
             for (last, &tool) in ways.tools.iter().enumerate() {
-                let begins = (0..count).flat_map(|first| BEGINS.map(|changed| (first, changed)));
-                let sums = begins.map(|(first, changed)| {
-                    let way = usize::from(changed);
-                    (begun[first][way].0 + through[way][first * count + last], first, changed)
-                });
-                let (least, first, changed) = sums.min().unwrap_or((NEVER, 0, false));
+                let sums = (0..count).map(|first| (begun[first].0 + through[first * count + last], first));
+                let (least, first) = sums.min().unwrap_or((NEVER, 0));
                 ended[tool as usize] = least.min(NEVER);
-                from.push((begun[first][usize::from(changed)].1, first, changed));
+                from.push((begun[first].1, first));
             }
             back.push(from);
         }
@@ -222,8 +194,8 @@ impl Programme {
         for (layer, back) in self.back.iter().enumerate().rev().filter(|(_, back)| !back.is_empty()) {
             let Some(ways) = layers.of[layer].map(|of| &layers.ways[of]) else { continue };
             let last = place(&ways.tools, tool);
-            let (before, first, changed) = back[last];
-            chosen[layer] = Some((first, last, changed));
+            let (before, first) = back[last];
+            chosen[layer] = Some((first, last));
             tool = before;
         }
         chosen
@@ -250,36 +222,32 @@ pub(super) fn layer_by_layer(problem: &ToolProblem, weights: &Weights) -> Vec<Ve
         let ways = &layers.ways[(*at)?];
         let count = ways.tools.len();
         let weight = |k: usize| {
-            let first = ways.tools[k / count];
-            let before = loaded.filter(|loaded| *loaded != first);
-            let arrive =
-                before.map_or(0, |before| weights.of(before, first) + weights.first_wait(count, first));
-            let changed = before.is_some();
-            (arrive + ways.least[usize::from(changed)][k], changed)
+            let arrive = loaded.map_or(0, |loaded| weights.of(loaded, ways.tools[k / count]));
+            arrive + ways.least[k]
         };
-        let way = (0..count * count).min_by_key(|&k| weight(k).0)?;
-        let changed = weight(way).1;
+        let way = (0..count * count).min_by_key(|&k| weight(k))?;
         loaded = Some(ways.tools[way % count]);
-        Some((way / count, way % count, changed))
+        Some((way / count, way % count))
     };
     let chosen: Vec<_> = layers.of.iter().map(&mut best).collect();
     layers.orders(&chosen)
 }
 
-fn key(layer: &ToolLayer, weights: &Weights) -> Key {
-    let tools = layer.sorted();
+fn key(layer: &ToolLayer) -> Key {
+    let mut tools = layer.tools.clone();
+    tools.sort_unstable();
     let mut before = layer.before.clone();
     before.retain(|(first, second)| tools.contains(first) && tools.contains(second));
     before.sort_unstable();
     before.dedup();
-    (tools, before, layer.waited_for(weights))
+    (tools, before)
 }
 
 /// All tools of the layers without pairs, if one table of them is sooner made than one for each set.
 fn shared<'a>(keys: impl Iterator<Item = &'a Key>, most: usize) -> Option<Vec<u32>> {
     let sets: Vec<&[u32]> = keys
-        .filter(|(tools, before, prints)| before.is_empty() && prints.is_none() && tools.len() <= most)
-        .map(|(tools, ..)| &tools[..])
+        .filter(|(tools, before)| before.is_empty() && tools.len() <= most)
+        .map(|(tools, _)| &tools[..])
         .collect();
     let mut all: Vec<u32> = sets.concat();
     all.sort_unstable();
@@ -300,7 +268,7 @@ fn place(tools: &[u32], tool: u32) -> usize {
 
 #[cfg(test)]
 mod tests {
-    use super::super::{ToolHeating, ToolOrder, order_tools};
+    use super::super::{ToolOrder, order_tools};
     use super::*;
     use proptest::prelude::*;
 
@@ -336,23 +304,19 @@ mod tests {
 
     /// Up to four layers of up to four of five tools, with costs among which many are equal, and some pairs.
     fn problems(layers: usize, tools: usize) -> impl Strategy<Value = ToolProblem> {
-        let tools = proptest::sample::subsequence((0..5).collect::<Vec<u32>>(), 0..=tools);
-        let layer = (tools, any::<u16>(), proptest::collection::vec(0_u32..25, 5), any::<bool>());
-        let layer = layer.prop_map(|(mut tools, seed, mut prints, is_known)| {
+        let layer = (proptest::sample::subsequence((0..5).collect::<Vec<u32>>(), 0..=tools), any::<u16>());
+        let layer = layer.prop_map(|(mut tools, seed)| {
             let turned = usize::from(seed) % tools.len().max(1);
             tools.rotate_left(turned);
             // Pairs that follow one order are no circle.
             let pair = |bit: u16, a: u32, b: u32| (seed >> bit & 3 == 3).then_some((a, b));
             let before = [pair(2, 4, 1), pair(4, 1, 3), pair(6, 4, 0), pair(8, 2, 3)];
-            prints.truncate(if is_known { tools.len() } else { 0 });
-            ToolLayer { tools, prints, before: before.into_iter().flatten().collect() }
+            ToolLayer { tools, before: before.into_iter().flatten().collect() }
         });
         let costs = prop_oneof![Just(20), 1_u32..4]
             .prop_flat_map(|most| proptest::collection::vec(proptest::collection::vec(0..=most, 5), 5));
-        let own = (0_u32..5, 0_u32..30).prop_map(|(change, ahead)| ToolHeating { change, ahead });
-        let heating = prop_oneof![Just(Vec::new()), proptest::collection::vec(own, 5)];
-        (proptest::collection::vec(layer, 0..=layers), costs, heating, proptest::option::of(0_u32..5))
-            .prop_map(|(layers, change, heating, loaded)| ToolProblem { layers, change, heating, loaded })
+        (proptest::collection::vec(layer, 0..=layers), costs, proptest::option::of(0_u32..5))
+            .prop_map(|(layers, change, loaded)| ToolProblem { layers, change, loaded })
     }
 
     proptest! {
@@ -390,7 +354,7 @@ mod tests {
     }
 
     fn layers(layers: &[&[u32]]) -> Vec<ToolLayer> {
-        layers.iter().map(|tools| ToolLayer { tools: tools.to_vec(), ..ToolLayer::default() }).collect()
+        layers.iter().map(|tools| ToolLayer { tools: tools.to_vec(), before: Vec::new() }).collect()
     }
 
     fn equal_costs(tools: usize) -> Vec<Vec<u32>> {
@@ -404,7 +368,6 @@ mod tests {
             layers: layers(&[&[0, 1], &[0, 1, 2], &[0, 1], &[1]]),
             change: equal_costs(3),
             loaded: Some(0),
-            ..ToolProblem::default()
         };
         let changes = |order| order_tools(&problem, order).unwrap().changes;
         assert_eq!(changes(ToolOrder::Fixed), 6);
@@ -413,46 +376,23 @@ mod tests {
     }
 
     #[test]
-    fn a_tool_that_is_cold_is_not_what_a_layer_begins_with_nor_taken_before_one_that_heats_it() {
-        let own = |ahead: u32| ToolHeating { change: 10, ahead };
-        let problem = |prints: [u32; 3]| ToolProblem {
-            layers: vec![ToolLayer { tools: vec![0, 1, 2], prints: prints.to_vec(), before: Vec::new() }],
-            change: equal_costs(3),
-            heating: vec![own(0), own(40), own(0)],
-            loaded: Some(0),
-        };
-        let best = |prints| {
-            let plan = order_tools(&problem(prints), ToolOrder::Optimal).unwrap();
-            (plan.layers, plan.cost)
-        };
-        // Tool 1 is hot after 15 + 10 + 20 of the others.
-        assert_eq!(best([15, 5, 20]), (vec![vec![0, 2, 1]], 20));
-        // After 5 + 10 + 20 there are 5 to wait.
-        assert_eq!(best([5, 5, 20]), (vec![vec![0, 2, 1]], 25));
-        // What is waited for at one tool has been waited for at the next.
-        let both = ToolProblem { heating: vec![own(0), own(40), own(40)], ..problem([5, 5, 20]) };
-        assert_eq!(order_tools(&both, ToolOrder::Optimal).unwrap().cost, 20 + 35);
-    }
-
-    #[test]
     fn twenty_four_tools_on_a_layer_are_ordered_with_a_bound() {
         let tools: Vec<u32> = (0..24).collect();
         let change = |a: u32| (0..24).map(|b: u32| 1 + (a * 7 + b * 13 + a * b) % 97).collect();
         let change: Vec<Vec<u32>> = (0..24).map(change).collect();
-        let layers = layers(&[&tools, &tools[..5], &tools]);
-        let problem = ToolProblem { layers, change, loaded: Some(3), ..ToolProblem::default() };
+        let problem = ToolProblem { layers: layers(&[&tools, &tools[..5], &tools]), change, loaded: Some(3) };
         let plan = order_tools(&problem, ToolOrder::Optimal).unwrap();
         assert!(plan.bound.unwrap() <= plan.cost && plan.cost <= 2 * plan.bound.unwrap(), "{plan:?}");
     }
 
     #[test]
     fn what_contradicts_itself_is_named() {
-        let layers = layers(&[&[0], &[1, 0]]);
-        let mut problem = ToolProblem { layers, change: equal_costs(2), ..ToolProblem::default() };
+        let mut problem =
+            ToolProblem { layers: layers(&[&[0], &[1, 0]]), change: equal_costs(2), loaded: None };
         problem.layers[1].before = vec![(0, 1), (1, 0)];
         let text = |problem: &ToolProblem| order_tools(problem, ToolOrder::Optimal).unwrap_err().to_string();
         assert_eq!(text(&problem), "on layer 1 tool 0 must come before itself");
-        problem.layers[1] = ToolLayer { tools: vec![0, 2], ..ToolLayer::default() };
+        problem.layers[1] = ToolLayer { tools: vec![0, 2], before: Vec::new() };
         assert_eq!(text(&problem), "there is no tool 2 on layer 1: costs are given for 2");
         problem.layers[1].tools = vec![1, 1];
         assert_eq!(text(&problem), "tool 1 is listed twice on layer 1");

@@ -6,7 +6,7 @@ mod paths;
 mod problem;
 mod rules;
 
-pub use problem::{ToolError, ToolHeating, ToolLayer, ToolPlan, ToolProblem};
+pub use problem::{ToolError, ToolLayer, ToolPlan, ToolProblem};
 
 use crate::choice;
 
@@ -37,11 +37,11 @@ choice! {
 /// ```
 /// use pathwright_ordering::tools::{ToolLayer, ToolOrder, ToolProblem, order_tools};
 ///
-/// let layer = |tools: &[u32]| ToolLayer { tools: tools.to_vec(), ..ToolLayer::default() };
+/// let layer = |tools: &[u32]| ToolLayer { tools: tools.to_vec(), before: Vec::new() };
 /// let problem = ToolProblem {
 ///     layers: vec![layer(&[0, 1]), layer(&[1, 2]), layer(&[0, 2])],
 ///     change: vec![vec![0, 5, 9], vec![5, 0, 5], vec![9, 5, 0]],
-///     ..ToolProblem::default()
+///     loaded: None,
 /// };
 /// let plan = order_tools(&problem, ToolOrder::Optimal)?;
 /// assert_eq!(plan.layers, [[0, 1], [1, 2], [2, 0]]);

@@ -1,45 +1,35 @@
 //! Cheapest ways through sets of tools: Bellman 1962 (<https://doi.org/10.1145/321105.321111>) and Held & Karp 1962
 //! (<https://doi.org/10.1137/0110015>), the state being the set that was used and the tool it ended with.
 
-use super::problem::{Elapsed, Heat, Weights};
+use super::problem::Weights;
 
 /// What cannot be; the sum of two still fits.
 pub(super) const NEVER: u64 = u64::MAX / 4;
 
 /// Tools of which every subset can be asked for.
-pub(super) struct Paths<'w> {
+pub(super) struct Paths {
     pub tools: Vec<u32>,
     /// Which of them come before each.
     before: Vec<usize>,
     /// Weight of each change, row by row.
     change: Vec<u64>,
-    weights: &'w Weights<'w>,
-    /// How long each prints, where some may have to be waited for.
-    pub prints: Option<Vec<u32>>,
 }
 
 /// The cheapest way from one tool through every set to every end.
 pub(super) struct From<'a> {
-    paths: &'a Paths<'a>,
+    paths: &'a Paths,
     least: Vec<u64>,
-    first: usize,
-    changed: bool,
 }
 
-impl<'w> Paths<'w> {
-    /// `tools` ascend, `before` are pairs of indices into them.
-    pub fn new(
-        tools: Vec<u32>,
-        before: &[(usize, usize)],
-        prints: Option<Vec<u32>>,
-        weights: &'w Weights<'w>,
-    ) -> Self {
+impl Paths {
+    /// `before` are pairs of indices into `tools`.
+    pub fn new(tools: Vec<u32>, before: &[(usize, usize)], weights: &Weights) -> Self {
         let change = tools.iter().flat_map(|&a| tools.iter().map(move |&b| weights.of(a, b))).collect();
         let mut masks = vec![0; tools.len()];
         for &(first, second) in before {
             masks[second] |= 1 << first;
         }
-        Self { tools, before: masks, change, weights, prints }
+        Self { tools, before: masks, change }
     }
 
     /// What the tables of all first tools take, in additions.
@@ -47,15 +37,14 @@ impl<'w> Paths<'w> {
         (1u128 << tools.min(100)) * (tools as u128).pow(3)
     }
 
-    /// `changed`: the first tool was not loaded when the layer began. O(2ⁿ n²) for n tools.
-    pub fn from(&self, first: usize, changed: bool) -> From<'_> {
+    /// O(2ⁿ n²) for n tools.
+    pub fn from(&self, first: usize) -> From<'_> {
         let n = self.tools.len();
         let mut least = vec![NEVER; n << n];
         if self.before[first] == 0 {
             least[(1 << first) * n + first] = 0;
         }
         for set in (0..1_usize << n).filter(|set| set >> first & 1 == 1) {
-            let waits = self.waits(set, first, changed);
             for last in bits(set) {
                 let so_far = least[set * n + last];
                 if so_far >= NEVER {
@@ -64,24 +53,12 @@ impl<'w> Paths<'w> {
                 for next in bits(!set & ((1 << n) - 1)) {
                     if self.before[next] & !set == 0 {
                         let place = &mut least[(set | 1 << next) * n + next];
-                        *place = (*place).min(so_far + self.change[last * n + next] + waits(next));
+                        *place = (*place).min(so_far + self.change[last * n + next]);
                     }
                 }
             }
         }
-        From { paths: self, least, first, changed }
-    }
-
-    /// Weight of the waiting for each tool that comes after a set of others.
-    fn waits(&self, set: usize, first: usize, changed: bool) -> impl Fn(usize) -> u64 + '_ {
-        let heat = Heat::new(self.prints.as_deref(), self.weights);
-        let mut elapsed = Elapsed::default();
-        if self.prints.is_some() {
-            for n in bits(set) {
-                elapsed = heat.after(elapsed, n, self.tools[n], changed || n != first);
-            }
-        }
-        move |next| heat.wait(elapsed, self.tools[next])
+        From { paths: self, least }
     }
 }
 
@@ -98,10 +75,8 @@ impl From<'_> {
         while set & (set - 1) != 0 {
             let rest = set & !(1 << last);
             let here = self.least(set, last);
-            let wait = self.paths.waits(rest, self.first, self.changed)(last);
-            let from = |&before: &usize| {
-                self.least(rest, before) + self.paths.change[before * n + last] + wait == here
-            };
+            let from =
+                |&before: &usize| self.least(rest, before) + self.paths.change[before * n + last] == here;
             let Some(before) = bits(rest).find(from) else { unreachable!("a way has a way to it") };
             order.push(self.paths.tools[before]);
             (set, last) = (rest, before);
