@@ -35,10 +35,3 @@ pub enum Words {
     /// Those of OrcaSlicer, Bambu Studio and their kin.
     Orca,
 }
-
-impl SavedSettings {
-    /// Whether nothing is said.
-    pub fn is_empty(&self) -> bool {
-        self.tool.is_none() && self.entries.is_empty()
-    }
-}

@@ -3,7 +3,7 @@
 use super::cutter::Cutter;
 use super::options::LayerSettings;
 use super::plan::LayerSpan;
-use crate::mesh::{Mesh, NO_TWIN};
+use crate::mesh::{Effect, Mesh, NO_TWIN};
 use crate::units::Mm;
 
 /// Pieces that the height is divided into, besides those that level facets make.
@@ -24,7 +24,7 @@ const EXACT: f64 = 1e-3;
 /// Where more than one edge in this many is open, sections are as much guessed as the signed volume, and take long.
 const HOPELESS: usize = 20;
 
-/// Volume that a mesh encloses, mm³: where bodies overlap it counts once.
+/// Volume that a mesh encloses, mm³: where bodies overlap it counts once, and bodies that are cut out do not count.
 ///
 /// A closed mesh of one shell, or of shells whose boxes are apart, has its signed volume, which is exact. Else areas of
 /// sections are integrated, to about 0.1 %. O(triangles), and then some hundred sections.
@@ -32,6 +32,9 @@ pub fn volume_mm3(mesh: &Mesh) -> f64 {
     let (signed_mm3, _) = mesh.volume_and_area();
     let open = mesh.twins().iter().filter(|twin| **twin == NO_TWIN).count();
     let closed = mesh.is_oriented() && open == 0;
+    if cut_out(mesh).next().is_some() {
+        return integrated(mesh);
+    }
     if (closed && !boxes_meet(&mut shell_boxes(mesh))) || open * HOPELESS > mesh.twins().len() {
         return signed_mm3;
     }
@@ -40,10 +43,16 @@ pub fn volume_mm3(mesh: &Mesh) -> f64 {
     if closed && agree { signed_mm3 } else { sections_mm3 }
 }
 
+/// Bodies that are cut out of a mesh.
+fn cut_out(mesh: &Mesh) -> impl Iterator<Item = &Mesh> {
+    mesh.modifiers().iter().filter(|body| body.effect == Effect::Cut).map(|body| &body.mesh)
+}
+
 /// Areas of sections times heights: between level facets, where sections jump, by Gauss's rule.
 fn integrated(mesh: &Mesh) -> f64 {
     let [low, high] = mesh.bounds();
-    let mut heights: Vec<f64> = level_heights(mesh);
+    let mut heights: Vec<f64> = std::iter::once(mesh).chain(cut_out(mesh)).flat_map(level_heights).collect();
+    heights.retain(|z_mm| (low[2]..=high[2]).contains(z_mm));
     heights.extend([low[2], high[2]]);
     heights.sort_by(f64::total_cmp);
     heights.dedup_by(|b, a| *b - *a < LEVEL_MM);
@@ -164,6 +173,15 @@ mod tests {
         assert!((volume(&[a.clone(), b]) - (1000.0 + 750.0 - 125.0)).abs() < 1e-3);
         let within = cuboid([2.0; 3], [4.0; 3], true);
         assert!((volume(&[a, within]) - 1000.0).abs() < 1e-3);
+    }
+
+    #[test]
+    fn what_is_cut_out_does_not_count() {
+        let mesh = |(vertices, triangles): Body| Mesh::new(vertices, triangles);
+        let body = mesh(cuboid([2.0, 2.0, 3.0], [4.0, 4.0, 12.0], true));
+        let cut = crate::mesh::Modifier { name: None, mesh: body, effect: Effect::Cut };
+        let whole = mesh(cuboid([0.0; 3], [10.0; 3], true));
+        assert!((volume_mm3(&whole.modified(vec![cut])) - (1000.0 - 4.0 * 7.0)).abs() < 1e-3);
     }
 
     #[test]

@@ -83,9 +83,10 @@ fn colors_of_facets_are_painted() {
     });
     let print = sliced(&format!("{colors}{object}"), "<item objectid=\"1\"/>", &settings);
     let found = lines(&print, &settings);
-    // The lowest and the highest layer have what is on bottom and top.
+    // The lowest and the highest layer have what is on bottom and top; borders run inside.
     let outer = |line: &&Line| {
-        line.kind == "External perimeter" && line.at[1].abs() < 9.0 && (1..39).contains(&line.layer)
+        let is_side = line.at[0].abs() > 9.5 && line.at[1].abs() < 9.0;
+        is_side && line.kind == "External perimeter" && (1..39).contains(&line.layer)
     };
     for line in found.iter().filter(outer) {
         assert_eq!(line.tool, if line.at[0] > 9.0 { 2 } else { 1 }, "{:?}", line.at);
