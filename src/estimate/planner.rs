@@ -167,9 +167,12 @@ impl Planner {
         self.ahead.push((self.settled + self.blocks.len() as u64, more_s, place));
     }
 
-    /// How long ago a mark was, of a machine at rest.
+    /// How long ago a mark was, by the moves that are certain by now; of a machine at rest, by all.
     pub fn since_s(&mut self, place: usize, more_s: f64) -> f64 {
         self.pass();
+        if self.ahead.iter().any(|(_, _, ahead)| *ahead == place) {
+            return 0.0;
+        }
         self.marks.get(place).map_or(0.0, |marked_s| self.elapsed_s + more_s - marked_s)
     }
 

@@ -57,8 +57,8 @@ pub(super) struct Preheater {
     held: VecDeque<Held>,
     /// Where the print is.
     now_s: f64,
-    /// When each tool was put away last, if it was in use before.
-    left_s: Vec<Option<f64>>,
+    /// When each tool was put away last, if it was in use before: from when on it cools down, and when the change ended.
+    left_s: Vec<Option<[f64; 2]>>,
 }
 
 impl Preheater {
@@ -87,15 +87,18 @@ impl Preheater {
                 // down all the way: no nozzle does so faster than it heats.
                 let left_s = self.left_s[usize::from(change.to)];
                 let first_s = self.held.front().map_or(begins_s, |held| held.begins_s);
-                let earliest_s = left_s.map_or(first_s, |left_s| f64::midpoint(left_s, end_s).max(first_s));
+                let earliest_s = left_s.map_or(first_s, |[left_s, changed_s]| {
+                    f64::midpoint(left_s, end_s).max(changed_s).max(first_s)
+                });
                 let start_s = (end_s - change.time.0 - heating_s).max(earliest_s);
-                let cooled_s = left_s.map_or(f64::INFINITY, |left_s| start_s - left_s);
+                let cooled_s = left_s.map_or(f64::INFINITY, |[left_s, _]| start_s - left_s);
                 let wait_s = (heating_s.min(cooled_s) - (end_s - start_s)).max(0.0);
                 timeline.ends_s[index..].iter_mut().for_each(|end_s| *end_s += wait_s);
                 waits_s += wait_s;
                 heats.push((start_s, begins_s + timeline.ends_s[index] - wait_s, change.to, change.nozzle));
             }
-            self.left_s[usize::from(change.from)] = Some(begins_s + timeline.ends_s[index]);
+            let changed_s = begins_s + timeline.ends_s[index];
+            self.left_s[usize::from(change.from)] = Some([end_s - change.time.0, changed_s]);
         }
         self.now_s = begins_s + timeline.end_s();
         if let Some(held) = self.held.back_mut() {

@@ -86,8 +86,8 @@ impl Changes {
         let old = self.heaters[heater].unwrap_or(Heater { from: celsius, to: celsius });
         let mut now = old;
         if celsius < old.to {
-            // What prints at once is taken to be there.
-            let from = if waits.is_none() && heater != self.tool { old.to } else { celsius };
+            // A tool that is put away is named; what prints on is taken to be there.
+            let from = if waits.is_none() && named.is_some() { old.to } else { celsius };
             now = Heater { from, to: celsius };
             planner.mark(heater, self.so_far_s);
         } else if celsius > old.to {
