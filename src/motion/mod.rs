@@ -21,6 +21,7 @@ mod smooth;
 mod spiral;
 mod sums;
 mod swap;
+mod swapping;
 mod tool;
 mod travel;
 

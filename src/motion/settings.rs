@@ -76,6 +76,11 @@ pub struct MotionSettings {
 }
 
 impl MotionSettings {
+    /// Whether a filament is taken out here, and not by a script.
+    pub(crate) fn swaps(&self) -> bool {
+        !self.keeps_filament && self.swap.parking.0 > 0.0
+    }
+
     /// The settings while a tool prints.
     pub fn of_tool(&self, tool: ToolId) -> &Self {
         self.tools.get(usize::from(tool)).unwrap_or(self)

@@ -5,6 +5,7 @@
 //! layers) and at work on a batch of its own, and their bytes are checked and go out in order.
 
 mod compare;
+mod finished;
 mod inspect;
 mod kept;
 pub(crate) mod load;

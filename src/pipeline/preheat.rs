@@ -3,37 +3,11 @@
 use std::collections::VecDeque;
 
 use crate::gcode::ToolMark;
-use crate::motion::{LayerMoves, MotionSettings, Move};
+use crate::motion::MotionSettings;
 use crate::toolpath::ToolId;
 use crate::units::Celsius;
 
-use super::writer::FinishedLayer;
-
-/// When the moves of a layer end, from its beginning on, seconds; and which of them change the tool.
-pub(super) struct Timeline {
-    ends_s: Vec<f64>,
-    changes: Vec<usize>,
-}
-
-impl Timeline {
-    /// `times_s`: how long each move takes, without waiting for heat.
-    pub fn new(layer: &LayerMoves, times_s: &[f64]) -> Self {
-        let mut end_s = 0.0;
-        let mut add = |time_s: &f64| {
-            end_s += time_s;
-            end_s
-        };
-        let changes = layer.moves.iter().enumerate().filter(|(_, step)| matches!(step, Move::ToolChange(_)));
-        Self {
-            changes: changes.map(|(index, _)| index).collect(),
-            ends_s: times_s.iter().map(&mut add).collect(),
-        }
-    }
-
-    fn end_s(&self) -> f64 {
-        self.ends_s.last().copied().unwrap_or(0.0)
-    }
-}
+use super::finished::FinishedLayer;
 
 /// A command to heat, to be put into the text of a layer.
 #[derive(Clone, Copy)]

@@ -21,15 +21,16 @@ use crate::toolpath::{LayerKind, LayerPaths};
 use crate::view;
 use geometry::{Bounds, Point};
 
+use super::finished::{FinishedLayer, LayerEntry, Timeline};
 use super::inspect::Inspector;
 use super::kept::PrintLayer;
 use super::ordering::{Layers, Sequencer};
-use super::preheat::{Preheater, Timeline};
+use super::preheat::Preheater;
 use super::rounds::{self, Round, Site};
 use super::staged::{self, Live, Watched};
 use super::statistics::{Ordered, Statistics};
 use super::tools::Tooled;
-use super::writer::{FinishedLayer, LayerEntry, OnMoves, PrintWriter, script_error};
+use super::writer::{OnMoves, PrintWriter, script_error};
 use super::{load, ordering};
 
 /// What a run gives beside the G-code.

@@ -5,40 +5,20 @@ use std::ops::Range;
 use crate::estimate::Machine;
 use crate::gcode::{self, LayerText, Slot};
 use crate::job::JobError;
-use crate::motion::{LayerMoves, ToolChange, ToolSums};
+use crate::motion::{LayerMoves, ToolChange};
 use crate::output::Output;
 use crate::parallel::Workers;
 use crate::profile::{ScriptRun, Settings};
-use crate::report::LayerSummary;
 use crate::units::Seconds;
 
+use super::finished::{FinishedLayer, LayerEntry};
 use super::inspect::Inspector;
 use super::kept::PrintLayer;
-use super::preheat::{Heat, Preheater, Timeline};
+use super::preheat::{Heat, Preheater};
 use super::statistics::Statistics;
 
 /// Takes the moves of a finished layer.
 pub(super) type OnMoves<'a> = dyn FnMut(LayerMoves) + Send + 'a;
-
-/// A finished layer.
-pub(super) struct FinishedLayer {
-    pub text: LayerText,
-    pub summary: LayerSummary,
-    pub tools: Vec<ToolSums>,
-    pub layer: Option<PrintLayer>,
-    pub moves: Option<LayerMoves>,
-    pub entry: LayerEntry,
-    /// Where tools cool down.
-    pub timeline: Option<Timeline>,
-}
-
-/// Where a layer begins.
-pub(super) struct LayerEntry {
-    pub index: usize,
-    /// Height of the nozzle, Z offset included.
-    pub z_mm: f64,
-    pub position_mm: [f64; 3],
-}
 
 /// What is put into the text of a layer.
 #[derive(Clone, Copy)]
