@@ -4,6 +4,7 @@ use toml::Value;
 
 use super::row::Outcome::{self, Idle, Left, Near};
 use super::row::{How, Row};
+use super::swap;
 use crate::estimate::MachineSettings;
 use crate::gcode::{Flavor, thumbnail_list};
 use crate::options::Kind;
@@ -34,7 +35,8 @@ const ANY_MM: f64 = 10_000.0;
 pub(super) fn row(row: &Row, config: &Config) -> Outcome {
     match row.how {
         How::With(rule) => rule(config),
-        How::Same => same(row, config).unwrap_or_else(|| Left("is not understood".into())),
+        How::OfNozzle if !swap::is_swapped(config) => Outcome::Idle,
+        How::Same | How::OfNozzle => same(row, config).unwrap_or_else(|| Left("is not understood".into())),
     }
 }
 

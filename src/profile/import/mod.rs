@@ -9,6 +9,7 @@ mod idle;
 mod page;
 mod row;
 mod several;
+mod swap;
 mod table;
 mod variables;
 

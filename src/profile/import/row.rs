@@ -21,6 +21,8 @@ pub(super) enum Outcome {
 pub(super) enum How {
     /// As it is, of the first extruder; the first of their keys that is set.
     Same,
+    /// The same, of a single nozzle to which several filaments are fed.
+    OfNozzle,
     /// By a rule of its own.
     With(fn(&Config) -> Outcome),
 }

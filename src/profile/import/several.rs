@@ -7,7 +7,7 @@ use crate::gcode::ToolChangeKind;
 use crate::presets::Config;
 use crate::profile::tools::MOST_TOOLS;
 
-fn of_several(config: &Config, value: impl FnOnce() -> Option<Value>) -> Outcome {
+pub(super) fn of_several(config: &Config, value: impl FnOnce() -> Option<Value>) -> Outcome {
     match config.extruders() {
         0 | 1 => Idle,
         _ => value().map_or_else(|| Left("is not understood".into()), Outcome::Value),
@@ -23,7 +23,7 @@ fn either(config: &Config, keys: [&str; 2]) -> Outcome {
     of_several(config, || keys.iter().find_map(|key| config.number(key)).map(Value::Float))
 }
 
-fn is_single(config: &Config) -> bool {
+pub(super) fn is_single(config: &Config) -> bool {
     config.flag("single_extruder_multi_material").unwrap_or(false)
 }
 
@@ -63,142 +63,6 @@ pub(super) fn flush_volumes(config: &Config) -> Outcome {
         Some(volumes) => Outcome::Value(Value::Array(volumes.into_iter().map(Value::Float).collect())),
         None => Left("is not understood".into()),
     }
-}
-
-/// A number of the swap of a single nozzle.
-fn swapped(config: &Config, key: &str) -> Outcome {
-    if is_single(config) { number(config, key) } else { Idle }
-}
-
-pub(super) fn parking(config: &Config) -> Outcome {
-    swapped(config, "parking_pos_retraction")
-}
-
-pub(super) fn extra_load(config: &Config) -> Outcome {
-    swapped(config, "extra_loading_move")
-}
-
-pub(super) fn cooling_tube(config: &Config) -> Outcome {
-    swapped(config, "cooling_tube_retraction")
-}
-
-pub(super) fn cooling_tube_length(config: &Config) -> Outcome {
-    swapped(config, "cooling_tube_length")
-}
-
-pub(super) fn unload_start_speed(config: &Config) -> Outcome {
-    swapped(config, "filament_unloading_speed_start")
-}
-
-pub(super) fn unload_speed(config: &Config) -> Outcome {
-    swapped(config, "filament_unloading_speed")
-}
-
-pub(super) fn load_start_speed(config: &Config) -> Outcome {
-    swapped(config, "filament_loading_speed_start")
-}
-
-pub(super) fn load_speed(config: &Config) -> Outcome {
-    swapped(config, "filament_loading_speed")
-}
-
-pub(super) fn cooling_moves(config: &Config) -> Outcome {
-    if !is_single(config) {
-        return Idle;
-    }
-    of_several(config, || Some(Value::Integer(config.number("filament_cooling_moves")? as i64)))
-}
-
-pub(super) fn cooling_speed(config: &Config) -> Outcome {
-    if !is_single(config) {
-        return Idle;
-    }
-    let speed = |key| config.number(key).map(Value::Float);
-    of_several(config, || {
-        let ends = [speed("filament_cooling_initial_speed")?, speed("filament_cooling_final_speed")?];
-        Some(Value::Array(ends.into()))
-    })
-}
-
-pub(super) fn stamping(config: &Config) -> Outcome {
-    swapped(config, "filament_stamping_distance")
-}
-
-pub(super) fn stamping_speed(config: &Config) -> Outcome {
-    swapped(config, "filament_stamping_loading_speed")
-}
-
-pub(super) fn delay(config: &Config) -> Outcome {
-    swapped(config, "filament_toolchange_delay")
-}
-
-/// The numbers before the bar: two percentages, of width and of distance, and the flows. What follows is the curve in
-/// their dialog.
-fn ramming_numbers(config: &Config) -> Option<Vec<f64>> {
-    let text = config.text("filament_ramming_parameters")?.trim_matches('"');
-    let numbers = text.split('|').next()?.split_whitespace();
-    numbers.map(|number| number.parse().ok()).collect()
-}
-
-fn rams_one_flow(config: &Config) -> bool {
-    config.flag("filament_multitool_ramming").unwrap_or(false)
-}
-
-pub(super) fn ramming(config: &Config) -> Outcome {
-    of_several(config, || {
-        let flows = match is_single(config) {
-            true => ramming_numbers(config)?.split_off(2),
-            false if rams_one_flow(config) => vec![config.number("filament_multitool_ramming_flow")?],
-            false => Vec::new(),
-        };
-        Some(Value::Array(flows.into_iter().map(Value::Float).collect()))
-    })
-}
-
-pub(super) fn ramming_step(config: &Config) -> Outcome {
-    if is_single(config) || !rams_one_flow(config) {
-        return Idle;
-    }
-    of_several(config, || {
-        let volume_mm3 = config.number("filament_multitool_ramming_volume")?;
-        Some(Value::Float(volume_mm3 / config.number("filament_multitool_ramming_flow")?))
-    })
-}
-
-pub(super) fn ramming_width(config: &Config) -> Outcome {
-    match is_single(config) {
-        true => of_several(config, || Some(Value::Float(ramming_numbers(config)?.first()? / 100.0))),
-        false if rams_one_flow(config) => of_several(config, || Some(Value::Float(2.0))),
-        false => Idle,
-    }
-}
-
-pub(super) fn ramming_spacing(config: &Config) -> Outcome {
-    if !is_single(config) {
-        return Idle;
-    }
-    of_several(config, || Some(Value::Float(ramming_numbers(config)?.get(1)? / 100.0)))
-}
-
-/// Whether the printer's notes ask for it, in either way that they do.
-fn rams_extra(config: &Config) -> bool {
-    let notes = config.text("printer_notes").unwrap_or_default().to_uppercase();
-    notes.contains("RAMMING_EXTRA") || notes.contains("PRINTER_MODEL_MK4") && notes.contains("MMU")
-}
-
-pub(super) fn ramming_cooler(config: &Config) -> Outcome {
-    if !rams_extra(config) {
-        return Idle;
-    }
-    of_several(config, || Some(Value::Float(20.0)))
-}
-
-pub(super) fn sensor_off(config: &Config) -> Outcome {
-    let notes = config.text("printer_notes").unwrap_or_default().to_uppercase();
-    if !rams_extra(config) && !notes.contains("PRINTER_MODEL_XL") {
-        return Idle;
-    }
-    of_several(config, || Some(Value::Boolean(true)))
 }
 
 fn of_single(config: &Config, value: impl FnOnce() -> Option<Value>) -> Outcome {

@@ -5,10 +5,15 @@ use super::bed;
 use super::convert as c;
 use super::row::{How, Outcome, Row};
 use super::several as t;
+use super::swap as s;
 use crate::presets::Config;
 
 const fn same(ours: &'static str, theirs: &'static [&'static str]) -> Row {
     Row { ours, theirs, how: How::Same, rule: "" }
+}
+
+const fn of_nozzle(ours: &'static str, theirs: &'static [&'static str]) -> Row {
+    Row { ours, theirs, how: How::OfNozzle, rule: OF_NOZZLE }
 }
 
 const fn with(
@@ -555,54 +560,54 @@ pub(super) const ROWS: &[Row] = &[
         "of a single nozzle, from each tool to each; without a matrix of its own the purge times the new filament's multiplier",
         t::flush_volumes,
     ),
-    with("swap.parking", &["parking_pos_retraction"], OF_NOZZLE, t::parking),
-    with("swap.extra_load", &["extra_loading_move"], OF_NOZZLE, t::extra_load),
-    with("swap.cooling_tube", &["cooling_tube_retraction"], OF_NOZZLE, t::cooling_tube),
-    with("swap.cooling_tube_length", &["cooling_tube_length"], OF_NOZZLE, t::cooling_tube_length),
-    with("swap.unload_start_speed", &["filament_unloading_speed_start"], OF_NOZZLE, t::unload_start_speed),
-    with("swap.unload_speed", &["filament_unloading_speed"], OF_NOZZLE, t::unload_speed),
-    with("swap.load_start_speed", &["filament_loading_speed_start"], OF_NOZZLE, t::load_start_speed),
-    with("swap.load_speed", &["filament_loading_speed"], OF_NOZZLE, t::load_speed),
-    with("swap.cooling_moves", &["filament_cooling_moves"], OF_NOZZLE, t::cooling_moves),
+    of_nozzle("swap.parking", &["parking_pos_retraction"]),
+    of_nozzle("swap.extra_load", &["extra_loading_move"]),
+    of_nozzle("swap.cooling_tube", &["cooling_tube_retraction"]),
+    of_nozzle("swap.cooling_tube_length", &["cooling_tube_length"]),
+    of_nozzle("swap.unload_start_speed", &["filament_unloading_speed_start"]),
+    of_nozzle("swap.unload_speed", &["filament_unloading_speed"]),
+    of_nozzle("swap.load_start_speed", &["filament_loading_speed_start"]),
+    of_nozzle("swap.load_speed", &["filament_loading_speed"]),
+    of_nozzle("swap.cooling_moves", &["filament_cooling_moves"]),
     with(
         "swap.cooling_speed",
         &["filament_cooling_initial_speed", "filament_cooling_final_speed"],
         OF_NOZZLE,
-        t::cooling_speed,
+        s::cooling_speed,
     ),
-    with("swap.stamping", &["filament_stamping_distance"], OF_NOZZLE, t::stamping),
-    with("swap.stamping_speed", &["filament_stamping_loading_speed"], OF_NOZZLE, t::stamping_speed),
-    with("swap.delay", &["filament_toolchange_delay"], OF_NOZZLE, t::delay),
+    of_nozzle("swap.stamping", &["filament_stamping_distance"]),
+    of_nozzle("swap.stamping_speed", &["filament_stamping_loading_speed"]),
+    of_nozzle("swap.delay", &["filament_toolchange_delay"]),
     with(
         "swap.ramming",
         &["filament_ramming_parameters", "filament_multitool_ramming", "filament_multitool_ramming_flow"],
         "of a single nozzle its flows, of a changer the one",
-        t::ramming,
+        s::ramming,
     ),
     with(
         "swap.ramming_step",
         &["filament_multitool_ramming_volume", "filament_multitool_ramming_flow"],
         "of a changer",
-        t::ramming_step,
+        s::ramming_step,
     ),
     with(
         "swap.ramming_width",
         &["filament_ramming_parameters", "filament_multitool_ramming"],
         "their first number; of a changer 2",
-        t::ramming_width,
+        s::ramming_width,
     ),
-    with("swap.ramming_spacing", &["filament_ramming_parameters"], "their second number", t::ramming_spacing),
+    with("swap.ramming_spacing", &["filament_ramming_parameters"], "their second number", s::ramming_spacing),
     with(
         "swap.ramming_cooler",
         &["filament_ramming_parameters"],
         "20 where the printer's notes ask for `RAMMING_EXTRA`",
-        t::ramming_cooler,
+        s::ramming_cooler,
     ),
     with(
         "swap.sensor_off",
         &["filament_ramming_parameters"],
         "of printers whose notes say that their firmware knows M591",
-        t::sensor_off,
+        s::sensor_off,
     ),
     with("tool_change.ooze_shield", &["ooze_shield"], "Cura's", t::ooze_shield),
     with("tool_change.ooze_shield_distance", &["ooze_shield_distance"], "Cura's", t::ooze_shield_distance),
