@@ -101,6 +101,7 @@ fn main() -> ExitCode {
         presets::every_preset_of_a_vendor_resolves: PRESETS;
         presets::what_fits_a_printer_is_what_fits_it_in_the_slicer: PRESETS;
         preset_scripts::scripts_are_expanded_as_by_their_slicer: PRESETS;
+        preset_scripts::filaments_are_taken_out_and_put_in_at_changes: PRESETS;
         preset_keys::most_keys_of_presets_are_taken_over: PRESETS;
         preset_keys::configurations_of_printers_resolve: PRESETS;
         preset_keys::limits_are_stated_as_their_slicer_states_them: PRESETS;

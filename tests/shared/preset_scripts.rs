@@ -161,3 +161,48 @@ pub fn scripts_are_expanded_as_by_their_slicer() {
     }
     assert_eq!(wrong, Vec::<String>::new());
 }
+
+/// Where the presets of a filament changer leave it to the slicer, the file takes a filament out as far as it is parked, and feeds
+/// the next one.
+pub fn filaments_are_taken_out_and_put_in_at_changes() {
+    let cube = Path::new(env!("CARGO_MANIFEST_DIR")).join("models/calibration_cube.stl");
+    let index = fs::read_to_string(shared("presets/expected/INDEX.tsv")).expect("an index");
+    let mut changers = 0;
+    for row in index.lines().skip(1) {
+        let row: Vec<&str> = row.split('\t').collect();
+        let [vendor, printer, print, filament, _, _] = row[..] else { panic!("{row:?}") };
+        if !printer.contains("MMU") {
+            continue;
+        }
+        changers += 1;
+        let path = shared(&format!("presets/vendor/{vendor}.ini"));
+        let library = Library::open(&[Source { path, dialect: None }]);
+        let chosen = library.choose(printer, Some(print), Some(filament)).unwrap_or_else(|e| panic!("{e}"));
+        let settings = Settings::of_presets(&chosen.config).unwrap_or_else(|e| panic!("{printer}: {e}"));
+        let settings = settings.set("tool_of.heights", "1-2:2").expect("a belt");
+        let plate = Plate::new(&settings).add(Mesh::read(&cube).expect("a cube")).expect("room");
+        let sliced = Slicer::new(&settings).slice(&plate, &Observer::none()).expect("a print");
+        let mut gcode = Vec::new();
+        sliced.write_gcode(&mut gcode).expect("memory");
+        let text = String::from_utf8_lossy(&gcode);
+        let body = text.split_once(";LAYER_CHANGE").expect("layers").1;
+        let parts: Vec<&str> = body.split("\nT").collect();
+        assert_eq!(parts.len(), 3, "{printer}: two changes");
+        // What is fed in place, up to the next bead or since the last one.
+        let fed_mm = |lines: &mut dyn Iterator<Item = &str>| -> f64 {
+            let beads =
+                |line: &&str| !(line.starts_with("G1 X") || line.starts_with("G1 Y")) || !line.contains(" E");
+            let e = |line: &str| line.strip_prefix("G1 E")?.split_whitespace().next()?.parse::<f64>().ok();
+            lines.take_while(beads).filter_map(e).sum()
+        };
+        for pair in parts.windows(2) {
+            let parking_mm = settings.swap.parking.0;
+            let out_mm = fed_mm(&mut pair[0].lines().rev());
+            assert!((out_mm + parking_mm).abs() < 1e-3, "{printer}: {out_mm} of {parking_mm}");
+            let in_mm = fed_mm(&mut pair[1].lines());
+            let way_mm = parking_mm + settings.swap.extra_load.0;
+            assert!((in_mm - way_mm).abs() < 1e-3, "{printer}: {in_mm} of {way_mm}");
+        }
+    }
+    assert!(changers > 5, "{changers}");
+}
