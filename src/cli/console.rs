@@ -21,6 +21,7 @@ pub(super) fn warn<T: Display>(warnings: &[T]) {
 }
 
 /// One line on standard error: what is going on.
+#[cfg(feature = "send")]
 pub(super) fn tell(event: impl Display) {
     let _ = writeln!(io::stderr(), "{event}");
 }
