@@ -23,7 +23,7 @@ pub(super) struct Flush {
     pub from: ToolId,
     pub to: ToolId,
     pub ram: Ram,
-    /// What the new tool is flushed with, and what of that goes into frame and lines, mm³.
+    /// What the new tool is flushed with, mm³; less what goes into frame and lines, once their depth is known.
     pub mm3: f64,
 }
 
