@@ -23,7 +23,7 @@ impl Nozzle<'_> {
         if swaps {
             let pulled_mm = if ram.is_some() { 0.0 } else { self.pull_back() };
             let aside = ram.and_then(|ram| ram.points.first()).map(|point| point.mm());
-            lifted_mm = self.unload(pulled_mm, rules.nozzle_temperature(), aside);
+            lifted_mm = self.unload(pulled_mm, nozzle, aside);
         } else {
             self.pull_back();
             self.lift(lifted_mm);

@@ -46,8 +46,4 @@ impl Timeline {
             ends_s: times_s.iter().map(&mut add).collect(),
         }
     }
-
-    pub fn end_s(&self) -> f64 {
-        self.ends_s.last().copied().unwrap_or(0.0)
-    }
 }

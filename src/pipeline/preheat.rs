@@ -7,7 +7,7 @@ use crate::motion::MotionSettings;
 use crate::toolpath::ToolId;
 use crate::units::Celsius;
 
-use super::finished::FinishedLayer;
+use super::finished::{FinishedLayer, Timeline};
 
 /// A command to heat, to be put into the text of a layer.
 #[derive(Clone, Copy)]
@@ -29,6 +29,8 @@ pub(super) struct Preheater {
     /// The settings of each tool; empty: none cools down.
     tools: Vec<MotionSettings>,
     held: VecDeque<Held>,
+    /// How long before the end of a change its tool may have to be heated.
+    lead_s: f64,
     /// Where the print is.
     now_s: f64,
     /// When each tool was put away last, if it was in use before: from when on it cools down, and when the change ended.
@@ -39,46 +41,48 @@ impl Preheater {
     pub fn new(settings: &MotionSettings) -> Self {
         let cools = settings.tools.iter().any(|tool| tool.idle.0 > 0.0);
         let tools = if cools { settings.tools.clone() } else { Vec::new() };
-        Self { left_s: vec![None; tools.len()], tools, held: VecDeque::new(), now_s: 0.0 }
+        let lead_s = |own: &MotionSettings| {
+            let hottest = own.temperature.nozzle.0.max(own.temperature.nozzle_first_layer.0);
+            own.reheating_s(Celsius(hottest)) + own.change_time.0
+        };
+        Self {
+            lead_s: tools.iter().map(lead_s).fold(0.0, f64::max),
+            left_s: vec![None; tools.len()],
+            tools,
+            held: VecDeque::new(),
+            now_s: 0.0,
+        }
     }
 
     /// Takes the next layer; what is waited for heat is added to its time.
-    pub fn take(&mut self, layer: FinishedLayer) {
-        self.held.push_back(Held { layer, begins_s: self.now_s, heats: Vec::new() });
-        let Some((begins_s, mut timeline, marks)) = self.held.back_mut().and_then(|held| {
-            let timeline = held.layer.timeline.take()?;
-            Some((held.begins_s, timeline, held.layer.text.changes.clone()))
-        }) else {
-            return;
-        };
-        let mut waits_s = 0.0;
+    pub fn take(&mut self, mut layer: FinishedLayer) {
+        let begins_s = self.now_s;
+        let first_s = self.held.front().map_or(begins_s, |held| held.begins_s);
         let mut heats = Vec::new();
-        for (ToolMark { change, .. }, index) in marks.iter().zip(timeline.changes.clone()) {
-            let end_s = begins_s + timeline.ends_s[index];
-            let heating_s = self.tools[usize::from(change.to)].reheating_s(change.nozzle);
-            if heating_s > 0.0 {
-                // By then the change, which takes a while, too, has not begun. A tool that was put away late has not cooled
-                // down all the way: no nozzle does so faster than it heats.
-                let left_s = self.left_s[usize::from(change.to)];
-                let first_s = self.held.front().map_or(begins_s, |held| held.begins_s);
-                let earliest_s = left_s.map_or(first_s, |[left_s, changed_s]| {
-                    f64::midpoint(left_s, end_s).max(changed_s).max(first_s)
-                });
-                let start_s = (end_s - change.time.0 - heating_s).max(earliest_s);
-                let cooled_s = left_s.map_or(f64::INFINITY, |[left_s, _]| start_s - left_s);
-                let wait_s = (heating_s.min(cooled_s) - (end_s - start_s)).max(0.0);
-                timeline.ends_s[index..].iter_mut().for_each(|end_s| *end_s += wait_s);
-                waits_s += wait_s;
-                heats.push((start_s, begins_s + timeline.ends_s[index] - wait_s, change.to, change.nozzle));
+        if let Some(Timeline { ends_s, changes }) = &mut layer.timeline {
+            for (ToolMark { change, .. }, &index) in layer.text.changes.iter().zip(&*changes) {
+                let end_s = begins_s + ends_s[index];
+                let heating_s = self.tools[usize::from(change.to)].reheating_s(change.nozzle);
+                if heating_s > 0.0 {
+                    // By then the change, which takes a while, too, has not begun. A tool that was put away late has not
+                    // cooled down all the way: no nozzle does so faster than it heats.
+                    let left_s = self.left_s[usize::from(change.to)];
+                    let earliest_s = left_s.map_or(first_s, |[left_s, changed_s]| {
+                        f64::midpoint(left_s, end_s).max(changed_s).max(first_s)
+                    });
+                    let start_s = (end_s - change.time.0 - heating_s).max(earliest_s);
+                    let cooled_s = left_s.map_or(f64::INFINITY, |[left_s, _]| start_s - left_s);
+                    let wait_s = (heating_s.min(cooled_s) - (end_s - start_s)).max(0.0);
+                    ends_s[index..].iter_mut().for_each(|end_s| *end_s += wait_s);
+                    layer.summary.measures.total_s += wait_s;
+                    heats.push((start_s, end_s, change.to, change.nozzle));
+                }
+                self.left_s[usize::from(change.from)] =
+                    Some([end_s - change.time.0, begins_s + ends_s[index]]);
             }
-            let changed_s = begins_s + timeline.ends_s[index];
-            self.left_s[usize::from(change.from)] = Some([end_s - change.time.0, changed_s]);
+            self.now_s += ends_s.last().copied().unwrap_or(0.0);
         }
-        self.now_s = begins_s + timeline.end_s();
-        if let Some(held) = self.held.back_mut() {
-            held.layer.summary.measures.total_s += waits_s;
-            held.layer.timeline = Some(timeline);
-        }
+        self.held.push_back(Held { layer, begins_s, heats: Vec::new() });
         for (start_s, end_s, tool, nozzle) in heats {
             self.heat(start_s, end_s, tool, nozzle);
         }
@@ -101,19 +105,10 @@ impl Preheater {
     /// The next layer into which nothing is put any more; at the `end` every one.
     pub fn ready(&mut self, end: bool) -> Option<(FinishedLayer, Vec<Heat>)> {
         let next_s = self.held.get(1).map_or(self.now_s, |held| held.begins_s);
-        if end || next_s <= self.now_s - self.lead_s() {
+        if end || next_s <= self.now_s - self.lead_s {
             self.held.pop_front().map(|held| (held.layer, held.heats))
         } else {
             None
         }
-    }
-
-    /// How long before the end of a change its tool may have to be heated.
-    fn lead_s(&self) -> f64 {
-        let lead_s = |own: &MotionSettings| {
-            let hottest = own.temperature.nozzle.0.max(own.temperature.nozzle_first_layer.0);
-            own.reheating_s(Celsius(hottest)) + own.change_time.0
-        };
-        self.tools.iter().map(lead_s).fold(0.0, f64::max)
     }
 }
