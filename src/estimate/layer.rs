@@ -149,7 +149,8 @@ impl Walk {
             Move::Fan(_) | Move::Nozzle(_) | Move::Bed(_) | Move::Object(_) => {}
             Move::Pause | Move::ColorChange | Move::ToolChange(_) => {}
             Move::Swap(SwapStep::Filament { length_mm, speed }) => self.feed(length_mm, speed.0),
-            Move::Swap(_) => {}
+            Move::Swap(SwapStep::Wait(time)) => self.planner.dwell(time.0, self.only.unwrap_or(RETRACTION)),
+            Move::Swap(SwapStep::PressureAdvance { .. } | SwapStep::Sensor(_)) => {}
         }
     }
 

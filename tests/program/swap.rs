@@ -3,7 +3,8 @@
 use crate::support::found::{kinds, report};
 use crate::support::print::Print;
 use crate::tools::{pair, text};
-use pathwright::gcode::{Action, replay};
+use pathwright::estimate::Machine;
+use pathwright::gcode::{Action, file_time, replay};
 use pathwright::profile::{self, Settings};
 use pathwright::units::Mm;
 
@@ -124,4 +125,11 @@ fn pressure_advance_is_off_while_a_tip_is_shaped_and_on_again_for_the_next_one()
         let next = if change[1] == "T1" { "M900 K0.06" } else { "M900 K0.04" };
         assert_eq!((change[0], change[2]), ("M900 K0", next), "{change:?}");
     }
+}
+
+#[test]
+fn what_a_swap_waits_counts_in_the_time_of_the_print_as_the_file_is_timed() {
+    let (print, settings) = swapping(&["swap.delay=3", "swap.ramming_cooler=20"]);
+    let (said, timed) = (print.summary.total.total_s, file_time(&print.text, &Machine::new(&settings)).0);
+    assert!((said / timed - 1.0).abs() < 0.004, "{said}, timed {timed}");
 }
