@@ -14,6 +14,12 @@ const SHORTEST: f64 = 1.2;
 /// boundary at less than 34°; steeper ends are joined with beads of full width.
 const SHORTEST_WEDGE: f64 = 1.5;
 
+/// Between the ends of two neighbouring lines the boundary is at most this many distances beyond the longer one,
+const WIDEST: f64 = 1.1;
+
+/// and at least this many, where that passes a corner outside.
+const OUTSIDE: f64 = -0.5;
+
 impl LineSet {
     /// How far a point lies beyond a line, along the normal, in millimetres.
     fn over_mm(&self, line: i64, p: Point) -> f64 {
@@ -125,47 +131,57 @@ pub(super) fn find(boundary: &Boundary<'_>, stops: &[Stop], chords: &[Chord], ha
                 .collect();
             let ends = [(from.chord, from.side), (to.chord, to.side)];
             let parts = wide_parts(&profile, NARROWEST * distance_mm);
-            let through = !outer && parts.len() == 1 && parts[0].len() >= profile.len();
-            let count = parts.len();
-            for (k, mut bead) in parts.into_iter().enumerate() {
-                let mut ends = ends;
-                if !outer && !through {
-                    // Broken: each part is reached from its own side.
-                    if k + 1 == count && k > 0 {
-                        bead.reverse();
-                        ends.swap(0, 1);
-                    }
-                    ends[1] = (u32::MAX, 0);
-                }
-                caps.push(Cap { bead, ends, through, used: false });
+            if outer {
+                caps.extend(parts.into_iter().map(|bead| Cap { bead, ends, through: false, used: false }));
+            } else {
+                let is_whole = parts.first().is_some_and(|part| part.len() >= profile.len());
+                caps.extend(between(parts, ends, is_whole));
             }
         }
     }
     caps
 }
 
-/// The bead between two neighbouring lines where the boundary runs from the end of one to that of the other at a small
-/// angle: the shorter line continues along the boundary and narrows until it meets the longer one's end.
+/// The caps from one chord's end to another's. Where there are several, or one that is not `whole`, each is reached from the
+/// end on its own side.
+fn between(parts: Vec<Vec<(Point, f32)>>, ends: [(u32, u8); 2], whole: bool) -> impl Iterator<Item = Cap> {
+    let count = parts.len();
+    let through = count == 1 && whole;
+    parts.into_iter().enumerate().map(move |(k, mut bead)| {
+        let mut ends = ends;
+        if !through {
+            if k + 1 == count && k > 0 {
+                bead.reverse();
+                ends.swap(0, 1);
+            }
+            ends[1] = (u32::MAX, 0);
+        }
+        Cap { bead, ends, through, used: false }
+    })
+}
+
+/// The beads between two neighbouring lines where the boundary runs from the end of one to that of the other at a small
+/// angle: the shorter line continues along the boundary and narrows until it meets the longer one's end, or the boundary.
 fn wedge(
     [(a, from), (b, to)]: [(&Chord, &Stop); 2],
     arc: impl FnOnce() -> Vec<Point>,
     hatch: LineSet,
-) -> Option<Cap> {
+) -> Vec<Cap> {
     let (distance_mm, direction) = (hatch.distance_mm, hatch.direction());
     // Both lines end in the same direction.
     if (a.line - b.line).abs() != 1 || from.side != to.side {
-        return None;
+        return Vec::new();
     }
     let (at_a, at_b) = (end_of(a, from), end_of(b, to));
     let inwards = if from.side == 0 { 1.0 } else { -1.0 };
     let shorter_mm = inwards * (direction.along_mm(at_b) - direction.along_mm(at_a));
     if shorter_mm.abs() < SHORTEST_WEDGE * distance_mm {
-        return None;
+        return Vec::new();
     }
     let is_forward = shorter_mm < 0.0;
     let (long, short) = if is_forward { (b, a) } else { (a, b) };
     if long.points[0].distance_mm(long.points[long.points.len() - 1]) < shorter_mm.abs() {
-        return None;
+        return Vec::new();
     }
     let side = (short.line - long.line) as f64;
     let profile: Vec<(Point, f64)> = std::iter::once(at_a)
@@ -173,16 +189,12 @@ fn wedge(
         .chain(std::iter::once(at_b))
         .map(|p| hatch.gap(long.line, side, true, p))
         .collect();
-    let tolerance_mm = 0.1 * distance_mm;
-    if profile.iter().any(|&(_, mm)| !(-tolerance_mm..=distance_mm + tolerance_mm).contains(&mm)) {
-        return None;
+    let room_mm = OUTSIDE * distance_mm..=WIDEST * distance_mm;
+    if profile.iter().any(|&(_, mm)| !room_mm.contains(&mm)) {
+        return Vec::new();
     }
-    let mut parts = wide_parts(&profile, NARROWEST * distance_mm).into_iter();
-    let (Some(bead), None) = (parts.next(), parts.next()) else {
-        return None;
-    };
     let ends = [(from.chord, from.side), (to.chord, to.side)];
-    Some(Cap { bead, ends, through: true, used: false })
+    between(wide_parts(&profile, NARROWEST * distance_mm), ends, true).collect()
 }
 
 fn end_of(chord: &Chord, stop: &Stop) -> Point {

@@ -17,6 +17,15 @@ const BACK: f64 = 0.75;
 /// Ratio of how far such a line runs sideways into the wedge to how far it runs beyond the boundary.
 const SIDEWAYS: f64 = 1.2;
 
+/// Lines that meet the boundary steeper than this reach beyond it beside a cap, too: sine of the angle.
+const STEEP: f64 = 0.65;
+
+/// Where the boundary goes this many line distances further than the lines on both sides of it, one of them follows it.
+const NOTCH: f64 = 0.6;
+
+/// The share of their width that lines have there and back.
+const IN_NOTCH: f32 = 0.4;
+
 /// Positions on the boundary are points of the grid, off by less than this.
 const ROUNDING_MM: f64 = 2e-5;
 
@@ -181,7 +190,10 @@ impl Joiner<'_> {
         let Some(cap) = self.caps.free_beside(end, |_| true) else {
             return false;
         };
-        bead.extend(cap.take(end));
+        let beyond = cap.take(end);
+        let ahead = beyond.first().map(|v| v.0);
+        self.reach(bead, (chord, side), ahead);
+        bead.extend(beyond);
         true
     }
 
@@ -213,12 +225,23 @@ impl Joiner<'_> {
         let from = before.0.mm();
         let [x, y] = last.0.mm();
         let length = real::hypot(x - from[0], y - from[1]);
+        if let Some(deepest) = self.notch((chord, side), ahead) {
+            let (end, spacing_mm) = (last.0, last.1);
+            bead.push((deepest, IN_NOTCH * spacing_mm));
+            if ahead.is_some() {
+                bead.push((end, IN_NOTCH * spacing_mm));
+            }
+            return;
+        }
         let beside_cap = || self.caps.any_beside((chord as u32, side as u8));
         let across_mm = if ahead.is_some() { self.joins.turn_reach_mm } else { self.joins.reach_mm };
-        if across_mm <= 0.0 || length <= 0.0 || beside_cap() {
+        if across_mm <= 0.0 || length <= 0.0 {
             return;
         }
         let out = [(x - from[0]) / length, (y - from[1]) / length];
+        if (out[0] * edge[1] - out[1] * edge[0]).abs() < STEEP && beside_cap() {
+            return;
+        }
         if let Some(ahead) = ahead.map(Point::mm)
             && (ahead[0] - x) * out[0] + (ahead[1] - y) * out[1] >= 0.0
         {
@@ -240,6 +263,34 @@ impl Joiner<'_> {
             }
         }
         last.0 = Point::from_mm(tip[0], tip[1]);
+    }
+
+    /// The deepest position of a notch in the boundary between this end and one of a neighbouring line that it is not joined
+    /// to, if this end is the nearer one.
+    fn notch(&self, (chord, side): (usize, usize), ahead: Option<Point>) -> Option<Point> {
+        let hatch = self.joins.hatch?;
+        let own = &self.chords[chord];
+        let on = own.ends[side]?;
+        let sign = if side == 1 { 1.0 } else { -1.0 };
+        let depth_mm = |p: Point, end: Point| sign * hatch.direction().along_mm(p - end);
+        let end_of =
+            |chord: &Chord, side: usize| chord.points[if side == 0 { 0 } else { chord.points.len() - 1 }];
+        let end = end_of(own, side);
+        self.around.beside(chord, side).into_iter().find_map(|(stop, is_ahead)| {
+            let other = &self.chords[stop.chord as usize];
+            if usize::from(stop.side) != side || (other.line - own.line).abs() != 1 {
+                return None;
+            }
+            let other_end = end_of(other, side);
+            let arc = self.boundary.vertices_between(on, stop.on, is_ahead);
+            if ahead.is_some_and(|ahead| arc.contains(&ahead)) {
+                return None;
+            }
+            let deep_mm = |p: &Point| depth_mm(*p, end).min(depth_mm(*p, other_end));
+            let deepest = arc.into_iter().max_by(|a, b| deep_mm(a).total_cmp(&deep_mm(b)))?;
+            let is_own = deepest.distance_mm(end) <= deepest.distance_mm(other_end);
+            (is_own && deep_mm(&deepest) > NOTCH * hatch.distance_mm).then_some(deepest)
+        })
     }
 }
 

@@ -2,7 +2,7 @@
 
 use std::f64::consts::{FRAC_PI_2, FRAC_PI_4};
 
-use geometry::{Direction, Point, Region};
+use geometry::{Direction, Point, Polygon, Region};
 
 use super::super::bead::Line;
 use super::spec::{Joins, LineSet};
@@ -18,26 +18,40 @@ const INSIDE_MM: f64 = 0.002;
 /// straight, and the outermost line should lie along all of it.
 const INSIDE: f64 = 0.08;
 
+/// Lines that are so much closer or wider than usual, as a share of their distance, keep half of their own distance from the
+/// walls.
+const UNEVEN: f64 = 0.005;
+
 /// Parts of a solid zone narrower than this many spacings are filled along their boundary: lines across would consist
 /// of ends.
 const NARROW: f64 = 3.5;
 
-/// Narrow parts smaller than this many squared spacings are left with the wide ones: corners.
+/// Parts that are nowhere narrower than this many spacings are left with the wide ones: where beads along the boundary
+/// meet parallel lines they leave voids.
+const NECK: f64 = 2.75;
+
+/// So are those smaller than this many squared spacings: corners.
 const CORNER: f64 = 4.0;
 
 /// Splits a solid zone into parts wide enough for parallel lines, and the rest.
 pub fn split_narrow(zone: &Region, spacing_mm: f64) -> (Region, Region) {
-    let radius_mm = NARROW / 2.0 * spacing_mm;
-    let core = geometry::offset(zone, -radius_mm);
+    let core = geometry::offset(zone, -NARROW / 2.0 * spacing_mm);
     if core.is_empty() {
         return (core, zone.clone());
     }
-    let mut narrow = geometry::narrower(zone, &core, radius_mm, spacing_mm / 2.0);
+    let is_wide = |polygon: &Polygon| core.polygons().iter().any(|part| polygon.contains(part.outer[0]));
+    let (wide, small): (Vec<_>, Vec<_>) = zone.polygons().iter().cloned().partition(is_wide);
+    let wide = Region::disjoint(wide);
+    let mut narrow = geometry::narrower(&wide, &core, NARROW / 2.0 * spacing_mm, spacing_mm / 2.0);
     narrow.retain(|polygon| polygon.area_mm2() >= CORNER * spacing_mm * spacing_mm);
-    if narrow.is_empty() {
-        return (zone.clone(), narrow);
+    if !narrow.is_empty() {
+        let core = geometry::offset(&wide, -NECK / 2.0 * spacing_mm);
+        let necks = geometry::narrower(&wide, &core, NECK / 2.0 * spacing_mm, spacing_mm / 2.0);
+        narrow.retain(|polygon| !geometry::intersection(&Region::from(polygon.clone()), &necks).is_empty());
     }
-    (geometry::remainder(zone, &narrow), narrow)
+    let wide = if narrow.is_empty() { wide } else { geometry::remainder(&wide, &narrow) };
+    narrow.add_disjoint(small);
+    (wide, narrow)
 }
 
 /// Lines laid side by side into one patch.
@@ -110,10 +124,15 @@ pub fn fill(region: &Region, spec: &SolidSpec) -> Vec<SolidPatch> {
         .into_polygons()
         .into_iter()
         .map(|polygon| {
-            let patch = Region::from(polygon);
+            let mut patch = Region::from(polygon);
             let angle_rad = if spec.fit_angle { angle::fewest_turns(&patch, usual_rad) } else { usual_rad };
             let direction = Direction::of(angle_rad);
             let (mut low_mm, mut high_mm) = direction.extent_mm(patch.rings().flatten());
+            let inwards_mm = (fitted(high_mm - low_mm + spacing_mm, spacing_mm) - spacing_mm) / 2.0;
+            if spec.fit_mm.is_none() && inwards_mm.abs() > UNEVEN * spacing_mm {
+                patch = geometry::offset(&patch, -inwards_mm);
+                (low_mm, high_mm) = direction.extent_mm(patch.rings().flatten());
+            }
             if let Some((from_mm, to_mm)) = spec.fit_mm {
                 (low_mm, high_mm) =
                     (low_mm.max(from_mm + spacing_mm / 2.0), high_mm.min(to_mm - spacing_mm / 2.0));
@@ -142,6 +161,11 @@ pub fn fill(region: &Region, spec: &SolidSpec) -> Vec<SolidPatch> {
             SolidPatch { spacing_mm: fitted_mm, lines }
         })
         .collect()
+}
+
+/// The distance at which lines fill a width evenly.
+fn fitted(width_mm: f64, spacing_mm: f64) -> f64 {
+    width_mm / (width_mm / spacing_mm).round().max(1.0)
 }
 
 /// Ironing: lines close to each other, at 45° to those of the surface beneath.
