@@ -20,6 +20,12 @@ const SIDEWAYS: f64 = 1.2;
 /// Lines that meet the boundary steeper than this reach beyond it beside a cap, too: sine of the angle.
 const STEEP: f64 = 0.65;
 
+/// Turns of nearly a right angle: cosine of the angle,
+const SQUARE: f64 = 0.2;
+
+/// are pressed this many line distances into the wall, so that their round corners leave no void there.
+const PRESSED: f64 = 0.08;
+
 /// Where the boundary goes this many line distances further than the lines on both sides of it, one of them follows it.
 const NOTCH: f64 = 0.6;
 
@@ -242,10 +248,16 @@ impl Joiner<'_> {
         if (out[0] * edge[1] - out[1] * edge[0]).abs() < STEEP && beside_cap() {
             return;
         }
-        if let Some(ahead) = ahead.map(Point::mm)
-            && (ahead[0] - x) * out[0] + (ahead[1] - y) * out[1] >= 0.0
-        {
-            return;
+        if let Some(ahead) = ahead.map(Point::mm) {
+            let to = [ahead[0] - x, ahead[1] - y];
+            let cosine = (to[0] * out[0] + to[1] * out[1]) / real::hypot(to[0], to[1]);
+            if cosine > -SQUARE {
+                if cosine < SQUARE {
+                    let by_mm = PRESSED * self.joins.hatch.map_or(0.0, |hatch| hatch.distance_mm);
+                    last.0 = Point::from_mm(x + by_mm * out[0], y + by_mm * out[1]);
+                }
+                return;
+            }
         }
         let by = self.joins.along_mm(across_mm, out, edge);
         let by = within(&self.boundary, on, [x, y], out, across_mm, by);
