@@ -20,6 +20,9 @@ const SIDEWAYS: f64 = 1.2;
 /// Lines that meet the boundary steeper than this reach beyond it beside a cap, too: sine of the angle.
 const STEEP: f64 = 0.65;
 
+/// A line ends this many of its widths before a narrow bead beside its end, to which it goes on.
+const OVERLAP: f64 = 0.15;
+
 /// Turns of nearly a right angle: cosine of the angle,
 const SQUARE: f64 = 0.2;
 
@@ -156,8 +159,8 @@ impl Joiner<'_> {
                 if next.1 == 1 {
                     onward.reverse();
                 }
-                let ahead = join.first().unwrap_or(&onward[0]).0;
-                let behind = join.last().or(bead.last()).map_or(ahead, |v| v.0);
+                let ahead = *join.first().unwrap_or(&onward[0]);
+                let behind = *join.last().or(bead.last()).unwrap_or(&ahead);
                 self.reach(&mut bead, at, Some(ahead));
                 onward.reverse();
                 self.reach(&mut onward, next, Some(behind));
@@ -197,7 +200,7 @@ impl Joiner<'_> {
             return false;
         };
         let beyond = cap.take(end);
-        let ahead = beyond.first().map(|v| v.0);
+        let ahead = beyond.first().copied();
         self.reach(bead, (chord, side), ahead);
         bead.extend(beyond);
         true
@@ -221,7 +224,7 @@ impl Joiner<'_> {
 
     /// Moves the last point of a bead on along its line, beyond the boundary, if it is a free end or turns back
     /// sharply to `ahead`; in the latter case also away from there along the boundary, into the wedge.
-    fn reach(&self, bead: &mut Bead, (chord, side): (usize, usize), ahead: Option<Point>) {
+    fn reach(&self, bead: &mut Bead, (chord, side): (usize, usize), ahead: Option<(Point, f32)>) {
         let (Some(on), [.., before, last]) = (self.chords[chord].ends[side], bead.as_mut_slice()) else {
             return;
         };
@@ -231,7 +234,7 @@ impl Joiner<'_> {
         let from = before.0.mm();
         let [x, y] = last.0.mm();
         let length = real::hypot(x - from[0], y - from[1]);
-        if let Some(deepest) = self.notch((chord, side), ahead) {
+        if let Some(deepest) = self.notch((chord, side), ahead.map(|v| v.0)) {
             let (end, spacing_mm) = (last.0, last.1);
             bead.push((deepest, IN_NOTCH * spacing_mm));
             if ahead.is_some() {
@@ -246,9 +249,17 @@ impl Joiner<'_> {
         }
         let out = [(x - from[0]) / length, (y - from[1]) / length];
         if (out[0] * edge[1] - out[1] * edge[0]).abs() < STEEP && beside_cap() {
+            if let Some((_, spacing_mm)) = ahead
+                && spacing_mm < 0.5 * last.1
+            {
+                let by_mm = OVERLAP * f64::from(last.1);
+                if by_mm < length / 2.0 {
+                    last.0 = Point::from_mm(x - by_mm * out[0], y - by_mm * out[1]);
+                }
+            }
             return;
         }
-        if let Some(ahead) = ahead.map(Point::mm) {
+        if let Some(ahead) = ahead.map(|v| v.0.mm()) {
             let to = [ahead[0] - x, ahead[1] - y];
             let cosine = (to[0] * out[0] + to[1] * out[1]) / real::hypot(to[0], to[1]);
             if cosine > -SQUARE {
@@ -262,7 +273,7 @@ impl Joiner<'_> {
         let by = self.joins.along_mm(across_mm, out, edge);
         let by = within(&self.boundary, on, [x, y], out, across_mm, by);
         let mut tip = [0, 1].map(|k| [x, y][k] + by * out[k]);
-        if let Some(ahead) = ahead.map(Point::mm) {
+        if let Some(ahead) = ahead.map(|v| v.0.mm()) {
             // The join comes from one side; the wedge is on the other.
             let back_mm = BACK * self.joins.hatch.map_or(0.0, |hatch| hatch.distance_mm);
             let from_ahead = edge[0] * (x - ahead[0]) + edge[1] * (y - ahead[1]);
