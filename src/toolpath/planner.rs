@@ -498,6 +498,7 @@ impl Planner {
                 ],
                 sparse: self.lines_beneath(section),
                 angle_rad: infill::turned(self.settings.infill.angle.to_radians(), section.index),
+                fit_angle: self.settings.shell.fit_angle,
             });
         let walls_mm = self.wall_spec(section).core_mm();
         shells::divide(inside, object.windows.top, below, object.above, spacing_mm, walls_mm, reach.as_ref())

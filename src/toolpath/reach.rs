@@ -8,7 +8,7 @@ use std::cell::LazyCell;
 use geometry::real;
 use geometry::{Direction, EdgeGrid, Point, Region, Ring};
 
-use super::infill::LineSet;
+use super::infill::{self, LineSet};
 
 /// Distance of the chords that are looked at, in solid lines.
 const STEP: f64 = 0.5;
@@ -30,8 +30,10 @@ pub struct Reach<'a> {
     pub hollow: [&'a Region; 3],
     /// The lines of the sparse infill; none if it has no straight ones, as its supports are unknown then.
     pub sparse: Vec<LineSet>,
-    /// Direction of the solid lines, radians from the X axis.
+    /// Usual direction of the solid lines, radians from the X axis.
     pub angle_rad: f64,
+    /// Whether they have another one in patches where that saves turns.
+    pub fit_angle: bool,
 }
 
 /// A part of a line through a patch, along and across the solid lines.
@@ -52,33 +54,55 @@ impl Reach<'_> {
         }
         let hollow = LazyCell::new(|| self.hollow.map(EdgeGrid::new));
         let area = LazyCell::new(|| EdgeGrid::new(inside));
-        let free = |along_mm: f64, across_mm: f64| area.contains(self.point(along_mm, across_mm));
+        let (is_hollow, is_free) =
+            (|p: Point| hollow.iter().all(|region| region.contains(p)), |p: Point| area.contains(p));
+        let mut stripes = Vec::new();
+        for polygon in patches.polygons() {
+            let patch = Region::from(polygon.clone());
+            stripes.extend(self.along(&patch).stripes(&patch, line_mm, is_hollow, is_free));
+        }
+        if stripes.is_empty() {
+            return patches;
+        }
+        geometry::union(&patches, &geometry::unite_rings(&stripes))
+    }
+
+    /// The same in the direction that the solid lines have in a patch.
+    fn along(&self, patch: &Region) -> Self {
+        let mut own = self.clone();
+        if self.fit_angle {
+            own.angle_rad = infill::fewest_turns(patch, self.angle_rad);
+        }
+        own
+    }
+
+    /// The stripes by which a patch grows.
+    fn stripes(
+        &self,
+        patch: &Region,
+        line_mm: f64,
+        is_hollow: impl Fn(Point) -> bool,
+        is_free: impl Fn(Point) -> bool,
+    ) -> Vec<Ring> {
+        let free = |along_mm: f64, across_mm: f64| is_free(self.point(along_mm, across_mm));
         let hangs = |chord: &Chord| {
             let Chord { from_mm, to_mm, across_mm, .. } = *chord;
             let count = ((to_mm - from_mm) / line_mm).ceil().max(1.0);
             let sample = |i: u32| self.point(from_mm + (to_mm - from_mm) * f64::from(i) / count, across_mm);
             free(from_mm - line_mm, across_mm)
                 && free(to_mm + line_mm, across_mm)
-                && (0..=count as u32).map(sample).all(|p| hollow.iter().all(|region| region.contains(p)))
+                && (0..=count as u32).map(sample).all(&is_hollow)
         };
-        let mut stripes = Vec::new();
-        for polygon in patches.polygons() {
-            let patch = Region::from(polygon.clone());
-            let mut chords = self.loose(&patch, line_mm);
-            let least = HANGING * chords.len() as f64;
-            chords.retain(hangs);
-            if chords.is_empty() || (chords.len() as f64) < least || self.is_held_loop(&patch, line_mm) {
-                continue;
-            }
-            for chord in &mut chords {
-                self.extend(chord, line_mm / 2.0, free);
-            }
-            stripes.extend(chords.iter().map(|chord| self.stripe(chord, &chords, line_mm)));
+        let mut chords = self.loose(patch, line_mm);
+        let least = HANGING * chords.len() as f64;
+        chords.retain(hangs);
+        if chords.is_empty() || (chords.len() as f64) < least || self.is_held_loop(patch, line_mm) {
+            return Vec::new();
         }
-        if stripes.is_empty() {
-            return patches;
+        for chord in &mut chords {
+            self.extend(chord, line_mm / 2.0, free);
         }
-        geometry::union(&patches, &geometry::unite_rings(&stripes))
+        chords.iter().map(|chord| self.stripe(chord, &chords, line_mm)).collect()
     }
 
     /// Chords of a patch without a sparse line beneath, by their index.
