@@ -560,7 +560,6 @@ fn small_rooms_beside_a_large_one_are_filled() {
         let neck = rectangle(-1.1, -0.1, 1.1, 3.1);
         let section = geometry::union(&geometry::union(&large, &neck), &head);
         let found = coverage(&head, &solid_layer(&section).paths);
-        eprintln!("C {half_mm} {found:?}");
         assert!(found.void <= 0.03, "{half_mm} mm: {found:?}");
     }
 }
@@ -582,7 +581,6 @@ fn corners_of_solid_layers_are_filled_whatever_the_direction_of_their_lines() {
         let corners = [(0.0, 0.0), (8.0, 0.0), (8.0, 6.0), (0.0, 6.0)].map(turned);
         let section = Region::from(Polygon { outer: ring(&corners), holes: vec![] });
         let found = coverage(&section, &solid_layer(&section).paths);
-        eprintln!("C {degrees} {found:?}");
         assert!(found.void <= 0.05 && found.double <= 0.04, "{degrees}°: {found:?}");
     }
 }
