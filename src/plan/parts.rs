@@ -2,7 +2,7 @@
 
 use crate::profile::Settings;
 use crate::slice::{Layer, Section};
-use crate::toolpath::ToolId;
+use crate::toolpath::{ToolId, bead};
 use geometry::Region;
 
 use super::modifiers::Modified;
@@ -22,7 +22,8 @@ pub(crate) struct Part {
     pub style: Option<usize>,
 }
 
-/// The parts of a section, which make up the whole and do not overlap; empty: it is all of one kind.
+/// The parts of a section, which make up the whole, and overlap no more than their walls press into each other; empty: it is all
+/// of one kind.
 pub(crate) type Parts = Vec<Part>;
 
 /// What is painted: a tool's share of a layer.
@@ -93,10 +94,12 @@ impl Kinds {
         pieces
     }
 
-    /// The parts of a section, of the pieces that it is made up of, after what is modified in it and what is painted on it.
+    /// The parts of a section of a layer so high, of the pieces that it is made up of, after what is modified in it and what is
+    /// painted on it.
     pub fn parts(
         &self,
         section: &Section,
+        height_mm: f64,
         mut pieces: Vec<Piece>,
         modified: &[Modified],
         painted: &[Painted],
@@ -123,7 +126,22 @@ impl Kinds {
         }
         slivers::give_away(&section.region, &mut pieces, self.lines_mm[section.object]);
         pieces.sort_by_key(|piece| (piece.tool, piece.style));
-        if pieces.iter().all(is_own) { Parts::new() } else { parts(pieces, section.object, styles, settings) }
+        if pieces.iter().all(is_own) {
+            return Parts::new();
+        }
+        let mut parts = parts(pieces, section.object, styles, settings);
+        if parts.len() > 1 {
+            press(&mut parts, section, height_mm);
+        }
+        parts
+    }
+}
+
+/// Lets the walls of parts press into each other where these meet, as walls of one part do: beads are narrower above and below.
+fn press(parts: &mut Parts, section: &Section, height_mm: f64) {
+    let each_mm = bead::rounding_mm(height_mm) / 2.0;
+    for part in parts {
+        part.region = geometry::intersection(&geometry::offset(&part.region, each_mm), &section.region);
     }
 }
 
