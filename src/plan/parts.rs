@@ -3,7 +3,7 @@
 use crate::profile::Settings;
 use crate::slice::{Layer, Section};
 use crate::toolpath::{ToolId, bead};
-use geometry::Region;
+use geometry::{Join, Region};
 
 use super::modifiers::Modified;
 use super::piece::Piece;
@@ -29,6 +29,8 @@ pub(crate) type Parts = Vec<Part>;
 /// What is painted: a tool's share of a layer.
 pub(crate) type Painted = (ToolId, Region);
 
+const ROUND: Join = Join::Round { tolerance_mm: 0.02 };
+
 /// What objects have in common.
 pub(crate) struct Kinds {
     /// Objects with equal numbers have the same settings, but for their tool.
@@ -36,6 +38,8 @@ pub(crate) struct Kinds {
     tools: Vec<ToolId>,
     /// The narrowest that is printed by itself of each object, millimetres.
     lines_mm: Vec<f64>,
+    /// The narrowest bead of each object, millimetres.
+    beads_mm: Vec<f64>,
 }
 
 impl Kinds {
@@ -61,8 +65,10 @@ impl Kinds {
             like.unwrap_or(seen.len() - 1)
         };
         let alike: Vec<usize> = (0..count).map(number).collect();
-        let lines_mm = (0..count).map(|object| styles.settings(object, settings).walls.width.0).collect();
-        Self { alike, tools, lines_mm }
+        let walls = |object: usize| &styles.settings(object, settings).walls;
+        let lines_mm = (0..count).map(|object| walls(object).width.0).collect();
+        let beads_mm = (0..count).map(|object| walls(object).min_width.0).collect();
+        Self { alike, tools, lines_mm, beads_mm }
     }
 
     /// Whether two objects have the same settings, but for their tool.
@@ -98,8 +104,7 @@ impl Kinds {
     /// painted on it.
     pub fn parts(
         &self,
-        section: &Section,
-        height_mm: f64,
+        (section, height_mm): (&Section, f64),
         mut pieces: Vec<Piece>,
         modified: &[Modified],
         painted: &[Painted],
@@ -131,17 +136,23 @@ impl Kinds {
         }
         let mut parts = parts(pieces, section.object, styles, settings);
         if parts.len() > 1 {
-            press(&mut parts, section, height_mm);
+            press(&mut parts, &section.region, height_mm, self.beads_mm[section.object]);
         }
         parts
     }
 }
 
 /// Lets the walls of parts press into each other where these meet, as walls of one part do: beads are narrower above and below.
-fn press(parts: &mut Parts, section: &Section, height_mm: f64) {
+/// Tips in which the narrowest bead has no room, which would be laid over what is beside them, are rounded off.
+fn press(parts: &mut Parts, section: &Region, height_mm: f64, bead_mm: f64) {
     let each_mm = bead::rounding_mm(height_mm) / 2.0;
+    let radius_mm = bead_mm / 2.0;
+    let narrow = geometry::difference(section, &geometry::opening(section, radius_mm));
     for part in parts {
-        part.region = geometry::intersection(&geometry::offset(&part.region, each_mm), &section.region);
+        let pressed = geometry::intersection(&geometry::offset(&part.region, each_mm), section);
+        let core = geometry::offset(&pressed, -radius_mm);
+        let roomy = geometry::intersection(&geometry::offset_with(&core, radius_mm, ROUND), &pressed);
+        part.region = geometry::union(&roomy, &geometry::intersection(&narrow, &pressed));
     }
 }
 
