@@ -66,8 +66,12 @@ impl Tooled {
             current = planned.last().and_then(|layer| layer.tools.last().copied()).or(current);
             layers.push(planned);
         }
-        let flushes_into_objects = std::iter::once(settings).chain(styles.own()).any(|own| own.tool_of.flush);
-        let mut tooled = Self { layers, covered: Vec::new(), has_tower: false, flushes_into_objects };
+        let into_infill = |own: &Settings| own.tool_change.flush_into_infill;
+        let flushes_into_objects =
+            styles.own().any(|own| own.tool_of.flush || into_infill(own) != into_infill(settings))
+                || settings.tool_of.flush;
+        let mut tooled =
+            Self { layers, passes: Vec::new(), covered: Vec::new(), has_tower: false, flushes_into_objects };
         // Objects that are printed one after the other have neither.
         if let [round] = rounds {
             tooled.add_shield(round, site, settings, workers);
@@ -88,7 +92,7 @@ impl Tooled {
         if !settings.prime_tower.enabled {
             return Ok(());
         }
-        flush::into(layers, takes_flushes(site.styles, settings), settings);
+        flush::into(layers, |object| site.styles.settings(object as usize, settings), settings);
         let Some(mut tower) = Tower::plan(layers, site.widths_mm, settings) else { return Ok(()) };
         let shield = Region::disjoint(self.covered.clone());
         let [printed, standing] = [printed(round, settings, workers), standing(round, settings, workers)]

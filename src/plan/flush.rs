@@ -3,7 +3,7 @@
 use std::collections::BTreeSet;
 
 use crate::profile::Settings;
-use crate::toolpath::{LayerPaths, Path, Phase, Role, ToolId, Width, bead};
+use crate::toolpath::{LayerPaths, Path, Phase, Role, ToolId, bead};
 
 /// The rank of infill and support that is flushed into.
 const SPARSE: u32 = 3;
@@ -18,25 +18,22 @@ pub(crate) fn free(layer: &mut LayerPaths, takes: impl Fn(u32) -> bool) {
     paths.iter_mut().filter(|path| is_free(path)).for_each(|path| path.tool = None);
 }
 
-/// Lets tools be flushed into infill and support, where that is wanted, and into the objects that `takes` names, whose paths the
-/// first tool of each layer has so far. What is flushed into is printed right after the change.
-pub(crate) fn into(layers: &mut [LayerPaths], takes: impl Fn(u32) -> bool, settings: &Settings) {
+/// Lets tools be flushed into infill and support, where that is wanted, and into whole objects, whose paths the first tool of each
+/// layer has so far. What is flushed into is printed right after the change. `of_object` are the settings of an object.
+pub(crate) fn into<'s>(
+    layers: &mut [LayerPaths],
+    of_object: impl Fn(u32) -> &'s Settings,
+    settings: &'s Settings,
+) {
     let nozzle_mm = |tool: usize| settings.of_tool(tool).printer.nozzle_diameter.0;
     let nozzles_mm: Vec<f64> = (0..settings.tools.len()).map(nozzle_mm).collect();
     let mut current = layers.iter().find_map(|layer| layer.tools.first().copied());
     for layer in layers {
-        // What is shared out is marked, so that none of it is given twice.
-        let seen = Seen::of(layer, settings);
+        let giver = Giver::of(layer, &of_object, settings, &nozzles_mm);
         for next in layer.tools.clone() {
             let Some(from) = current.replace(next).filter(|from| *from != next) else { continue };
             let mut left_mm3 = settings.flush_mm3(from.into(), next.into());
-            let mut places: Vec<(Place, usize)> = (0..layer.paths.len())
-                .filter_map(|number| {
-                    Some((seen.place(&layer.paths[number], layer, next, &nozzles_mm, &takes)?, number))
-                })
-                .collect();
-            places.sort_unstable();
-            for (place, number) in places {
+            for (place, number) in giver.to(next, layer) {
                 if left_mm3 <= 0.0 {
                     break;
                 }
@@ -66,56 +63,73 @@ enum Place {
     Object,
 }
 
-/// What of a layer is hidden, or not.
-struct Seen {
-    /// The roles of what is flushed into.
-    hidden: Vec<Role>,
+/// Gives what may be flushed into.
+struct Giver<'n> {
+    /// Of each path whether it is infill or support that may be flushed into, or is of an object that may.
+    paths: Vec<Option<Kind>>,
+    /// Tools that print something else, too: one that is there for nothing else keeps what it prints.
+    others: BTreeSet<Option<ToolId>>,
+    /// So does one whose lines are of another width.
+    nozzles_mm: &'n [f64],
     /// Whether support has a tool of its own.
     keeps_support: bool,
-    /// Tools that print something else, too.
-    others: BTreeSet<Option<ToolId>>,
 }
 
-impl Seen {
-    fn of(layer: &LayerPaths, settings: &Settings) -> Self {
-        let change = &settings.tool_change;
-        let roles =
-            [(Role::InternalInfill, change.flush_into_infill), (Role::Support, change.flush_into_support)];
-        let hidden: Vec<Role> =
-            roles.into_iter().filter(|(_, is_taken)| *is_taken).map(|(role, _)| role).collect();
-        let others =
-            layer.paths.iter().filter(|path| !hidden.contains(&path.role)).map(|path| path.tool).collect();
-        Self { hidden, keeps_support: settings.tool_of.support > 0, others }
+#[derive(Clone, Copy, PartialEq)]
+enum Kind {
+    Infill,
+    Support,
+    Object,
+}
+
+impl<'n> Giver<'n> {
+    fn of<'s>(
+        layer: &LayerPaths,
+        of_object: impl Fn(u32) -> &'s Settings,
+        settings: &'s Settings,
+        nozzles_mm: &'n [f64],
+    ) -> Self {
+        let kind = |path: &Path| {
+            let own = path.island.map(|island| of_object(layer.islands[island.index()].object));
+            match path.role {
+                Role::Support if settings.tool_change.flush_into_support => Some(Kind::Support),
+                Role::InternalInfill if own.is_some_and(|own| own.tool_change.flush_into_infill) => {
+                    Some(Kind::Infill)
+                }
+                _ => own.filter(|own| own.tool_of.flush).map(|_| Kind::Object),
+            }
+        };
+        let paths: Vec<Option<Kind>> = layer.paths.iter().map(kind).collect();
+        let is_other = |kind: &Option<Kind>| matches!(kind, None | Some(Kind::Object));
+        let others = layer.paths.iter().zip(&paths).filter(|(_, kind)| is_other(kind));
+        let others = others.map(|(path, _)| path.tool).collect();
+        Self { paths, others, nozzles_mm, keeps_support: settings.tool_of.support > 0 }
     }
 
-    /// What a path is to the tool that is taken; `None`: nothing to flush into.
-    fn place(
-        &self,
-        path: &Path,
-        layer: &LayerPaths,
-        next: ToolId,
-        nozzles_mm: &[f64],
-        takes: impl Fn(u32) -> bool,
-    ) -> Option<Place> {
-        if matches!(path.phase, Phase::Tower(_)) {
-            return None;
-        }
-        if !self.hidden.contains(&path.role) {
-            return path
-                .island
-                .filter(|island| takes(layer.islands[island.index()].object))
-                .map(|_| Place::Object);
-        }
+    /// What is left for a tool, by number, the best first.
+    fn to(&self, next: ToolId, layer: &LayerPaths) -> Vec<(Place, usize)> {
+        let all = self.paths.iter().zip(&layer.paths).enumerate();
+        let mut places: Vec<(Place, usize)> = all
+            .filter(|(_, (_, path))| !matches!(path.phase, Phase::Tower(_)))
+            .filter_map(|(number, (kind, path))| Some((self.place((*kind)?, path, next, layer)?, number)))
+            .collect();
+        places.sort_unstable();
+        places
+    }
+
+    fn place(&self, kind: Kind, path: &Path, next: ToolId, layer: &LayerPaths) -> Option<Place> {
         let own = path.tool?;
-        if own == next {
-            return Some(Place::Own);
+        match kind {
+            Kind::Object => Some(Place::Object),
+            _ if own == next => Some(Place::Own),
+            Kind::Support if self.keeps_support => None,
+            _ => {
+                let nozzle_mm = |tool: ToolId| self.nozzles_mm.get(usize::from(tool));
+                let is_given = self.others.contains(&path.tool) && nozzle_mm(own) == nozzle_mm(next);
+                let turn = |tool| layer.tools.iter().position(|other| *other == tool);
+                is_given.then(|| if turn(own) < turn(next) { Place::Walled } else { Place::Open })
+            }
         }
-        // A tool that is there for nothing else keeps what it prints, as does one whose lines are of another width.
-        let is_given = self.others.contains(&path.tool)
-            && nozzles_mm.get(usize::from(own)) == nozzles_mm.get(usize::from(next))
-            && !(self.keeps_support && path.role == Role::Support);
-        let turn = |tool| layer.tools.iter().position(|other| *other == tool);
-        is_given.then(|| if turn(own) < turn(next) { Place::Walled } else { Place::Open })
     }
 }
 
@@ -133,11 +147,5 @@ fn volume_mm3(path: &Path) -> f64 {
         true => geometry::ring_length_mm(&path.points),
         false => geometry::polyline_length_mm(&path.points),
     };
-    let width_mm = match &path.width {
-        Width::Constant(width_mm) => *width_mm,
-        Width::PerVertex(widths) => {
-            widths.iter().map(|w| f64::from(*w)).sum::<f64>() / widths.len().max(1) as f64
-        }
-    };
-    length_mm * bead::area_mm2(width_mm, path.height_mm)
+    length_mm * bead::area_mm2(path.width.mean_mm(), path.height_mm)
 }

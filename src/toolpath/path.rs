@@ -83,6 +83,26 @@ pub enum Width {
     PerVertex(Vec<f32>),
 }
 
+impl Width {
+    /// The widest place.
+    pub(crate) fn widest_mm(&self) -> f64 {
+        match self {
+            Self::Constant(width_mm) => *width_mm,
+            Self::PerVertex(widths) => widths.iter().copied().fold(0.0, f32::max).into(),
+        }
+    }
+
+    /// The mean of all vertices.
+    pub(crate) fn mean_mm(&self) -> f64 {
+        match self {
+            Self::Constant(width_mm) => *width_mm,
+            Self::PerVertex(widths) => {
+                widths.iter().map(|w| f64::from(*w)).sum::<f64>() / widths.len().max(1) as f64
+            }
+        }
+    }
+}
+
 /// One uninterrupted bead.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Path {

@@ -13,6 +13,7 @@ mod cli_output;
 mod faults;
 mod live;
 mod materials;
+mod flushes;
 mod modifiers;
 mod print;
 mod print_assembly;

@@ -614,7 +614,7 @@ pub(super) const ROWS: &[Row] = &[
     with(
         "tool_of.flush",
         &["wipe_into_objects", "flush_into_objects"],
-        "left where it is on: of all objects it is never meant",
+        "of single objects; left where it is on for all, as that is never meant",
         t::flush_into_objects,
     ),
     with("tool_change.flush_multiplier", &["flush_multiplier"], "of a single nozzle", t::flush_multiplier),
