@@ -609,6 +609,7 @@ pub(super) const ROWS: &[Row] = &[
         "of printers whose notes say that their firmware knows M591",
         s::sensor_off,
     ),
+    with("swap.high_current", &["high_current_on_filament_swap"], "of a single nozzle", s::high_current),
     with("tool_change.ooze_shield", &["ooze_shield"], "Cura's", t::ooze_shield),
     with("tool_change.ooze_shield_distance", &["ooze_shield_distance"], "Cura's", t::ooze_shield_distance),
     with(
