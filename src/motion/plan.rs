@@ -62,6 +62,7 @@ pub fn plan_layer(
         positioned: false,
         wipe: from.wipe.clone(),
         over_mm: from.over_mm,
+        beside_mm: if layer.turn.beside_mm > 0.0 { layer.turn.beside_mm + all.z_offset.0 } else { 0.0 },
         retracted_mm: from.retracted_mm,
         extra_mm3: 0.0,
         acceleration: None,
@@ -72,8 +73,10 @@ pub fn plan_layer(
         curved: Vec::new(),
         pieces: Vec::new(),
     };
-    let precedes =
-        |stops: &[PauseAt]| stops.iter().any(|p| p.precedes(layer.index, layer.top_mm, layer.height_mm));
+    let precedes = |stops: &[PauseAt]| {
+        let begins = !layer.turn.is_later;
+        begins && stops.iter().any(|p| p.precedes(layer.index, layer.top_mm, layer.height_mm))
+    };
     let mut stop = precedes(&settings.color_changes)
         .then_some(Stop::ColorChange)
         .or(precedes(&settings.pauses).then_some(Stop::Pause));

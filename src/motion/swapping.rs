@@ -61,7 +61,7 @@ impl Nozzle<'_> {
         let tube_mm = swap.cooling_tube_length.0;
         let cooled_mm = swap.cooling_tube.0 + tube_mm / 2.0;
         self.filament(-(QUICK_MM - pulled_mm), quick);
-        let lifted_mm = self.layer_z_mm + self.hop_mm().max(CLEAR_MM);
+        let lifted_mm = self.layer_z_mm.max(self.z_mm) + self.hop_mm().max(CLEAR_MM);
         self.lift(lifted_mm);
         let mut out_mm = QUICK_MM;
         if cooled_mm > QUICK_MM {

@@ -203,6 +203,18 @@ pub struct LayerPaths {
     pub tools: Vec<ToolId>,
     /// What tools lay into the prime tower before another is taken, by their tool.
     pub rams: Vec<Path>,
+    /// Which part of a layer that is printed in several turns it is.
+    pub turn: Turn,
+}
+
+/// A layer's part that is printed by itself.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Turn {
+    /// Whether something of the layer has been printed before.
+    pub is_later: bool,
+    /// Top of what stands beside it already, without Z offset, over which the nozzle passes from island to island, millimetres;
+    /// 0: nothing is higher.
+    pub beside_mm: f64,
 }
 
 impl LayerPaths {

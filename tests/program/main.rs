@@ -3,6 +3,7 @@
 #[path = "../support/mod.rs"]
 mod support;
 
+mod ahead;
 mod binary;
 mod cancel;
 mod check;
@@ -12,8 +13,8 @@ mod cli_output;
 #[cfg(unix)]
 mod faults;
 mod live;
-mod materials;
 mod flushes;
+mod materials;
 mod modifiers;
 mod print;
 mod print_assembly;
