@@ -71,16 +71,17 @@ pub(super) fn slice(
     else {
         return Err(load::nothing_to_print(&loaded.hints));
     };
+    rounds::check_excluded(rounds, &loaded.plate, settings)?;
     warnings.extend(rounds.iter().flat_map(|round| round.sections.warnings()));
     let overhangs = (!settings.support.enabled).then(|| rounds::overhangs(rounds, settings, workers));
 
     let tooled = Tooled::plan(rounds, &|round, layer| staged.walls(round, layer), &site, settings, workers)?;
-    let facts = facts(rounds, tooled.as_ref(), &loaded.plate, bounds, job, settings);
     let counts = rounds.iter().enumerate().map(|(number, round)| {
         tooled.as_ref().map_or(round.sections.layers.len(), |tooled| tooled.count(number))
     });
     let counts: Vec<usize> = counts.collect();
     workers.observer.begin(counts.iter().sum());
+    let facts = facts(rounds, tooled.as_ref(), &loaded.plate, bounds, job, settings);
     let options = GcodeOptions::beginning_with(settings, facts.tools.first);
     let mut run = ScriptRun::new(settings, &facts);
     let mut scripts = run.open().map_err(script_error)?;
@@ -263,7 +264,6 @@ fn facts(
     }
 }
 
-/// Makes layers: everything that does not change from layer to layer.
 /// What of a round is printed one after the other: its layers, or parts of them where tools print several at once.
 struct Parts<'a> {
     round: &'a Round,
@@ -273,6 +273,7 @@ struct Parts<'a> {
     whole: Option<&'a [LayerPaths]>,
 }
 
+/// Makes layers: everything that does not change from layer to layer.
 struct LayerMaker<'a> {
     chain: Chain,
     motion: MotionSettings,

@@ -10,10 +10,11 @@ mod check;
 mod check_model;
 mod cli;
 mod cli_output;
+mod excluded;
 #[cfg(unix)]
 mod faults;
-mod live;
 mod flushes;
+mod live;
 mod materials;
 mod modifiers;
 mod print;

@@ -53,6 +53,12 @@ pub(super) const ROWS: &[Row] = &[
     with("bed.offset", &["bed_shape"], "where that is not X 0, Y 0", bed::offset),
     same("bed.height", &["max_print_height"]),
     with(
+        "bed.excluded",
+        &["bed_exclude_area"],
+        "OrcaSlicer's: the boxes around every four points",
+        bed::excluded,
+    ),
+    with(
         "machine.max_speed",
         &[
             "machine_max_feedrate_x",
@@ -603,13 +609,13 @@ pub(super) const ROWS: &[Row] = &[
         "20 where the printer's notes ask for `RAMMING_EXTRA`",
         s::ramming_cooler,
     ),
+    with("swap.high_current", &["high_current_on_filament_swap"], "of a single nozzle", s::high_current),
     with(
         "swap.sensor_off",
         &["filament_ramming_parameters"],
         "of printers whose notes say that their firmware knows M591",
         s::sensor_off,
     ),
-    with("swap.high_current", &["high_current_on_filament_swap"], "of a single nozzle", s::high_current),
     with("tool_change.ooze_shield", &["ooze_shield"], "Cura's", t::ooze_shield),
     with("tool_change.ooze_shield_distance", &["ooze_shield_distance"], "Cura's", t::ooze_shield_distance),
     with(
