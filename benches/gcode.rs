@@ -50,6 +50,7 @@ fn layer() -> LayerPaths {
         entries: Default::default(),
         tools: Vec::new(),
         rams: Vec::new(),
+        turn: Default::default(),
     }
 }
 

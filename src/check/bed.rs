@@ -18,6 +18,8 @@ pub(super) struct Bed {
     low: [f64; 2],
     high: [f64; 2],
     round: bool,
+    /// Rectangles in which nothing may be printed, by their corners.
+    excluded: Vec<[[f64; 2]; 2]>,
     /// The printer's Z of the bed's surface.
     floor_mm: f64,
     top_mm: f64,
@@ -30,6 +32,7 @@ impl Bed {
             low: settings.bed.low_mm(),
             high: settings.bed.high_mm(),
             round: settings.bed.shape == BedShape::Round,
+            excluded: settings.bed.excluded_mm().collect(),
             floor_mm,
             top_mm: settings.bed.height.0 + floor_mm.max(0.0) + settings.layer.height.0 / 2.0,
         }
@@ -60,6 +63,16 @@ impl Rule for Bed {
                 (true, false) => Kind::OutsideBed,
             };
             seen.fault(found, kind, || format!("to X{x:.3} Y{y:.3} Z{z:.3}"));
+        }
+        let is_excluded = |[low, high]: &[[f64; 2]; 2]| {
+            let inside = |at: f64, i: usize| low[i] + SLACK_MM < at && at < high[i] - SLACK_MM;
+            inside(x, 0) && inside(y, 1)
+        };
+        let is_bead = stroke.extrudes() && seen.begun && !seen.in_script;
+        if is_bead && self.excluded.iter().any(is_excluded) {
+            seen.fault(found, Kind::OutsideBed, || {
+                format!("a bead to X{x:.3} Y{y:.3}, where nothing may be printed")
+            });
         }
         // A bead needs some height; elsewhere the nozzle may touch the bed.
         let lowest_mm = if stroke.extrudes() { self.floor_mm + 1e-6 } else { self.floor_mm - SLACK_MM };

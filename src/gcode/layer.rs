@@ -291,6 +291,9 @@ impl<'a> Writer<'a> {
             SwapStep::Sensor(heeded) => {
                 self.out.extend_from_slice(if heeded { b"M591 R\n" } else { b"M591 S0\n" });
             }
+            SwapStep::HighCurrent(high) => {
+                self.out.extend_from_slice(if high { b"M907 E750\n" } else { b"M907 E550\n" });
+            }
         }
     }
 

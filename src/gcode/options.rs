@@ -125,14 +125,16 @@ section! {
         flush_multiplier: f64 = 1.0; 0.0..=10.0,
         /// Filament flushed from each tool (rows) to each other (columns), row by row; empty: `tool_change.flush_volume`.
         flush_volumes: Vec<f64> = Vec::new(); 0.0..=5000.0, "mm³",
-        /// Flush into the sparse infill of the tool that is taken, which is then printed first; the tower gets what is left.
+        /// Flush into sparse infill, of whichever tool, which is then printed right after the change; the tower gets what is left.
         flush_into_infill: bool = false,
-        /// Flush into support that it prints.
+        /// Flush into support, as well, unless that has a tool of its own; then that tool alone is.
         flush_into_support: bool = false,
         /// Print a wall around all objects, as high as tools are changed, at which each tool passes before it prints a part.
         ooze_shield: bool = false,
         /// Distance of that wall from what is printed.
         ooze_shield_distance: Mm = Mm(2.0); 0.5..=50.0,
+        /// How much higher a tool may print than what others are still to print beside it, so that it prints several layers before another is taken: where the objects of different tools are 2 mm apart, and nothing but the prime tower is flushed into; 0: all tools print layer by layer.
+        ahead: Mm = Mm(0.0); 0.0..=0.5,
         /// Which tool prints when.
         order: ToolOrder = ToolOrder::Optimal,
         /// Time that a cubic millimetre of waste is worth, where tools are put into an order.

@@ -50,7 +50,7 @@ pub struct Totals {
     pub time: Seconds,
     /// Filament extruded.
     pub volume: Mm3,
-    /// When each layer begins, counted from the start of the print.
+    /// When each layer begins, or each of its parts, counted from the start of the print.
     pub layer_starts: Vec<Seconds>,
     /// Of each tool what it extruded, and its filament; empty: the printer has one.
     pub tools: Vec<(Mm3, FilamentSettings)>,

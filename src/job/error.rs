@@ -173,6 +173,11 @@ pub enum FitError {
     )]
     Gantry { object: String, height_mm: f64, next: String, limit_mm: f64 },
     #[error(
+        "{object}: {area_mm2:.0} mm² of it, the lowest at Z {z_mm:.2}, would be printed where the printer prints nothing \
+         (bed.excluded); move it, or let it be arranged"
+    )]
+    Excluded { object: String, area_mm2: f64, z_mm: f64 },
+    #[error(
         "there is no room on the bed for the prime tower of {width_mm:.0} × {depth_mm:.0} mm (without its brim), or it would stand \
          in something; give another prime_tower.position or prime_tower.width, or less to flush \
          (tool_change.flush_volumes)"

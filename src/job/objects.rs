@@ -15,10 +15,14 @@ impl ObjectSettings {
     /// Sections that may differ from object to object.
     pub const SECTIONS: [&str; 6] = ["walls", "shell", "infill", "ironing", "bridge", "tool_of"];
 
+    /// Keys of other sections that may, too.
+    const KEYS: [&str; 1] = ["tool_change.flush_into_infill"];
+
     /// Why a setting is the same for all objects of a plate; `None`: it is not. Unknown sections are found out later.
     pub fn refusal(key: &str) -> Option<String> {
         let section = key.split('.').next().unwrap_or_default();
         let reason = match section {
+            _ if Self::KEYS.contains(&key) => return None,
             _ if key.starts_with("tool_of.support") => "supports are planned for the plate as a whole",
             _ if Self::SECTIONS.contains(&section) => return None,
             "layer" | "first_layer" => "all objects of a plate share their layers",

@@ -71,16 +71,6 @@ pub(super) fn trace(path: &Path, entry: u32, flow: f64, out: &mut Vec<Vertex>) {
     }
 }
 
-/// Mean width of a path, for comments that viewers read.
-pub(super) fn mean_width_mm(width: &Width) -> f64 {
-    match width {
-        Width::Constant(width_mm) => *width_mm,
-        Width::PerVertex(widths) => {
-            widths.iter().map(|w| f64::from(*w)).sum::<f64>() / widths.len().max(1) as f64
-        }
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;

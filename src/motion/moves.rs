@@ -59,6 +59,8 @@ pub enum SwapStep {
     PressureAdvance { tool: ToolId, seconds: f64 },
     /// Whether the filament sensor is heeded.
     Sensor(bool),
+    /// Whether the motor of the extruder has a higher current than usual.
+    HighCurrent(bool),
 }
 
 /// A change from one tool to another.

@@ -3,7 +3,7 @@
 use std::cell::OnceCell;
 
 use super::arc;
-use super::bead::{Vertex, length_mm, mean_width_mm, trace};
+use super::bead::{Vertex, length_mm, trace};
 use super::ends::{self, Scarf, Step};
 use super::nozzle::Nozzle;
 use super::overhang::{Grade, Support};
@@ -62,6 +62,7 @@ pub fn plan_layer(
         positioned: false,
         wipe: from.wipe.clone(),
         over_mm: from.over_mm,
+        beside_mm: if layer.turn.beside_mm > 0.0 { layer.turn.beside_mm + all.z_offset.0 } else { 0.0 },
         retracted_mm: from.retracted_mm,
         extra_mm3: 0.0,
         acceleration: None,
@@ -72,8 +73,10 @@ pub fn plan_layer(
         curved: Vec::new(),
         pieces: Vec::new(),
     };
-    let precedes =
-        |stops: &[PauseAt]| stops.iter().any(|p| p.precedes(layer.index, layer.top_mm, layer.height_mm));
+    let precedes = |stops: &[PauseAt]| {
+        let begins = !layer.turn.is_later;
+        begins && stops.iter().any(|p| p.precedes(layer.index, layer.top_mm, layer.height_mm))
+    };
     let mut stop = precedes(&settings.color_changes)
         .then_some(Stop::ColorChange)
         .or(precedes(&settings.pauses).then_some(Stop::Pause));
@@ -142,7 +145,7 @@ fn turn_round(
 ) {
     let due = settings.reverse_overhangs && layer % 2 == 1 && path.closed && path.role.is_wall();
     let Some(support) = support.filter(|_| due) else { return };
-    let stretches = support.stretches(vertices, mean_width_mm(&path.width));
+    let stretches = support.stretches(vertices, path.width.mean_mm());
     if stretches.iter().any(|(grade, _)| *grade > Grade::Quarter) {
         vertices.reverse();
     }
@@ -249,7 +252,7 @@ impl Nozzle<'_> {
     /// Says what is drawn next.
     pub(super) fn begin(&mut self, path: &Path, grade: Grade) {
         let role = if grade > Grade::Quarter { Role::OverhangPerimeter } else { path.role };
-        let bead = (role, mean_width_mm(&path.width), path.height_mm);
+        let bead = (role, path.width.mean_mm(), path.height_mm);
         if self.bead != Some(bead) {
             let (role, width_mm, height_mm) = bead;
             self.moves.push(Move::Bead { role, width_mm, height_mm });
@@ -263,7 +266,7 @@ impl Nozzle<'_> {
     fn draw_graded(&mut self, path: &Path, vertices: &[Vertex]) {
         let wall = path.role.is_wall();
         let stretches = match &self.support {
-            Some(support) if wall => support.stretches(vertices, mean_width_mm(&path.width)),
+            Some(support) if wall => support.stretches(vertices, path.width.mean_mm()),
             _ => Vec::new(),
         };
         if stretches.is_empty() {

@@ -81,6 +81,11 @@ impl MotionSettings {
         !self.keeps_filament && self.swap.parking.0 > 0.0
     }
 
+    /// Whether any tool cools down while others print.
+    pub(crate) fn cool_down(&self) -> bool {
+        self.tools.iter().any(|tool| tool.idle.0 > 0.0)
+    }
+
     /// The settings while a tool prints.
     pub fn of_tool(&self, tool: ToolId) -> &Self {
         self.tools.get(usize::from(tool)).unwrap_or(self)

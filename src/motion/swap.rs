@@ -47,6 +47,8 @@ section! {
         ramming_cooler: Celsius = Celsius(0.0); 0.0..=100.0,
         /// Switch the filament sensor off meanwhile (M591).
         sensor_off: bool = false,
+        /// Raise the current of the extruder's motor meanwhile, for quick ramming (M907 E750, and E550 after it).
+        high_current: bool = false,
     }
 }
 

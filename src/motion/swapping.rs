@@ -1,6 +1,5 @@
 //! Filament taken out of a nozzle and put in, as moves.
 
-use super::bead::mean_width_mm;
 use super::nozzle::Nozzle;
 use super::overhang::Grade;
 use super::swap::{ARRIVING, FEEDING, PARKING_MM_S, QUICK_MM, SLOWING};
@@ -32,7 +31,7 @@ impl Nozzle<'_> {
             self.moves.push(Move::Nozzle(cooler));
             self.moves.push(Move::Swap(SwapStep::Wait(Seconds(SETTLING_S))));
         }
-        let area_mm2 = bead::area_mm2(mean_width_mm(&path.width), path.height_mm);
+        let area_mm2 = bead::area_mm2(path.width.mean_mm(), path.height_mm);
         let mut flows = swap.ramming.iter();
         let (mut flow, mut left_mm3) = (0.0, 0.0);
         for pair in path.points.windows(2) {
@@ -62,7 +61,7 @@ impl Nozzle<'_> {
         let tube_mm = swap.cooling_tube_length.0;
         let cooled_mm = swap.cooling_tube.0 + tube_mm / 2.0;
         self.filament(-(QUICK_MM - pulled_mm), quick);
-        let lifted_mm = self.layer_z_mm + self.hop_mm().max(CLEAR_MM);
+        let lifted_mm = self.layer_z_mm.max(self.z_mm) + self.hop_mm().max(CLEAR_MM);
         self.lift(lifted_mm);
         let mut out_mm = QUICK_MM;
         if cooled_mm > QUICK_MM {

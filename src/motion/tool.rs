@@ -16,7 +16,12 @@ impl Nozzle<'_> {
         let rules = Rules::new(own, self.rules.index());
         let (hot, nozzle) = (self.rules.nozzle_temperature(), rules.nozzle_temperature());
         let (swaps, was) = (self.settings.swaps(), self.settings);
-        let mut lifted_mm = self.layer_z_mm + self.hop_mm();
+        // Where the nozzle comes from may be higher.
+        let mut lifted_mm = self.layer_z_mm.max(self.z_mm) + self.hop_mm();
+        let is_raised = swaps && was.swap.high_current;
+        if is_raised {
+            self.moves.push(Move::Swap(SwapStep::HighCurrent(true)));
+        }
         if let Some(ram) = ram {
             self.ram(ram);
         }
@@ -50,6 +55,9 @@ impl Nozzle<'_> {
             self.go(back);
             self.load();
             self.retracted_mm = 0.0;
+        }
+        if is_raised {
+            self.moves.push(Move::Swap(SwapStep::HighCurrent(false)));
         }
         let disabled = was.advance_returns && ram.is_some();
         if own.pressure_advance > 0.0 && (disabled || own.pressure_advance != was.pressure_advance) {

@@ -36,7 +36,9 @@ impl Nozzle<'_> {
             Route::Inside(_, length_mm) => length_mm > travel.retract_inside.0.max(retract.min_travel.0),
             Route::Across => distance_mm(at, to) > retract.min_travel.0,
         });
-        let over_mm = (std::mem::take(&mut self.over_mm) - self.layer_z_mm).max(0.0);
+        let leaves = self.beside_mm > 0.0 && (!self.positioned || !same_island);
+        let beside_mm = if leaves { self.beside_mm + self.hop_mm() } else { 0.0 };
+        let over_mm = (std::mem::take(&mut self.over_mm).max(beside_mm) - self.layer_z_mm).max(0.0);
         if over_mm > 0.0 {
             route = Route::Across;
         }

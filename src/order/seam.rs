@@ -1,5 +1,7 @@
 //! Where loops may be entered: the seam rules.
 
+use std::collections::BTreeMap;
+
 use super::options::SeamPosition;
 use crate::toolpath::{LayerPaths, Path};
 use geometry::Point;
@@ -15,6 +17,8 @@ const SHARPNESS_STEPS: f64 = 10.0;
 const CORNER_REACH_MM: f64 = 1.0;
 /// A loop whose nearest seam below is farther away than this begins a new seam, mm.
 const ALIGNED_REACH_MM: f64 = 5.0;
+/// Seams of so many layers below are remembered.
+const REMEMBERED: usize = 16;
 /// Vertices of a loop from which the seam below is looked for.
 const SAMPLES: usize = 32;
 
@@ -23,18 +27,19 @@ pub type Pins = Option<Vec<u32>>;
 
 /// Applies a seam rule to the layers of a print, from the first to the last.
 ///
-/// `aligned` remembers the seams of the layer below, so layers must come in their order; the other rules look at
+/// `aligned` remembers the seams of the layers before, of which it follows those of the one below; the other rules look at
 /// one layer only.
 #[derive(Clone, Debug)]
 pub struct SeamRule {
     position: SeamPosition,
-    below: Vec<Point>,
+    /// The seams of the last layers, by their index.
+    seams: BTreeMap<usize, Vec<Point>>,
 }
 
 impl SeamRule {
     /// A rule before the first layer.
     pub fn new(position: SeamPosition) -> Self {
-        Self { position, below: Vec::new() }
+        Self { position, seams: BTreeMap::new() }
     }
 
     /// The entries that the rule leaves to the next layer. `nearest` leaves all: see [`enter_nearest`].
@@ -49,11 +54,15 @@ impl SeamRule {
                 allowed(layer, path).nth(chosen as usize).unwrap_or(0) as u32
             },
             SeamPosition::Aligned => {
-                let pins = aligned(layer, &self.below);
+                let below = self.seams.range(..layer.index).next_back().map_or(&[][..], |(_, seams)| seams);
+                let pins = aligned(layer, below);
                 // Loops of infill are not seen; walls above need not follow their seams.
                 let paths = layer.paths.iter().zip(&pins);
                 let closed = paths.filter(|(path, _)| path.closed && path.role.is_wall());
-                self.below = closed.map(|(path, &pin)| path.points[pin as usize]).collect();
+                let found = closed.map(|(path, &pin)| path.points[pin as usize]);
+                self.seams.entry(layer.index).or_default().extend(found);
+                // Layers may be printed in several turns.
+                self.seams = self.seams.split_off(&layer.index.saturating_sub(REMEMBERED));
                 return Some(pins);
             }
         };
@@ -177,6 +186,7 @@ mod tests {
             entries: Default::default(),
             tools: Vec::new(),
             rams: Vec::new(),
+            turn: Default::default(),
         }
     }
 

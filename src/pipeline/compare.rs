@@ -2,12 +2,13 @@
 
 use crate::gcode::is_gcode;
 use crate::job::{Job, JobError, ModelSource};
+use crate::motion::MotionSettings;
 use crate::order::compare::{LayerRow, StrategyRow};
 use crate::order::compare_tools::ToolOrderRow;
 use crate::order::{CostKind, OrderStrategy, ToolOrder};
 use crate::order::{LayerProblem, PathVisit, Pins, SeamRule, chunk_len, ends_on_path};
 use crate::parallel::Workers;
-use crate::plan::{spiral, tool_order};
+use crate::plan::{blocks, spiral, tool_order};
 use crate::plate::Model;
 use crate::profile::Settings;
 use crate::source::Source;
@@ -94,12 +95,15 @@ fn sliced(
 ) -> Result<Vec<LayerPaths>, JobError> {
     let settings = &*spiral::effective(settings);
     let loaded = load::place(models, job, settings)?;
-    let of_tools = settings.with_widths_of(settings.tool_of.base().into());
-    let settings = of_tools.as_ref().unwrap_or(settings);
+    let settings = &*settings.with_widths_of_objects();
     let site = Site::of(&loaded);
     let rounds = rounds::prepare(&site, settings, workers)?;
     if let Some(tooled) = Tooled::plan(&rounds, &|_, _| None, &site, settings, workers)? {
-        return Ok(tooled.layers.into_iter().flatten().collect());
+        let parts = |round: usize| {
+            let tooled = &tooled;
+            (0..tooled.count(round)).map(move |part| tooled.paths(round, part))
+        };
+        return Ok((0..rounds.len()).flat_map(parts).collect());
     }
     let layers = rounds
         .iter()
@@ -115,15 +119,16 @@ pub(super) fn compare_tools(
 ) -> Result<Vec<ToolOrderRow>, JobError> {
     let settings = &*spiral::effective(settings);
     let loaded = load::place(load::read(job, settings, workers)?, job, settings)?;
-    let of_tools = settings.with_widths_of(settings.tool_of.base().into());
-    let settings = of_tools.as_ref().unwrap_or(settings);
+    let settings = &*settings.with_widths_of_objects();
     let rounds = rounds::prepare(&Site::of(&loaded), settings, workers)?;
     let Some(round) = rounds.first() else { return Ok(Vec::new()) };
     let layers = workers
         .map(round.sections.layers.len(), |i| tools::paths(round, (i, None), &loaded.styles, settings));
-    let problem = tool_order::problem(&layers, None, settings);
+    let blocks = blocks::find(&layers, tools::flushes_into_print(&loaded.styles, settings), settings);
+    let problem = tool_order::problem(&layers, &blocks, None, settings);
+    let motion = MotionSettings::new(settings, &[]);
     let row = |(_, order): &(&str, ToolOrder)| {
-        tool_order::row(*order, &tool_order::plan(&problem, *order), &problem, settings)
+        tool_order::row(*order, &tool_order::plan(&problem, *order), &problem, &motion, settings)
     };
     Ok(ToolOrder::ALL.iter().map(row).collect())
 }

@@ -39,7 +39,7 @@ pub(super) struct Preheater {
 
 impl Preheater {
     pub fn new(settings: &MotionSettings) -> Self {
-        let cools = settings.tools.iter().any(|tool| tool.idle.0 > 0.0);
+        let cools = settings.cool_down();
         let tools = if cools { settings.tools.clone() } else { Vec::new() };
         let lead_s = |own: &MotionSettings| {
             let hottest = own.temperature.nozzle.0.max(own.temperature.nozzle_first_layer.0);

@@ -56,8 +56,7 @@ pub(super) fn slice(
     let Besides { kept, moves, live } = besides;
     let settings = &*spiral::effective(settings);
     let mut loaded = load::place(models, job, settings)?;
-    let of_tools = settings.with_widths_of(settings.tool_of.base().into());
-    let settings = of_tools.as_ref().unwrap_or(settings);
+    let settings = &*settings.with_widths_of_objects();
     let mut warnings = std::mem::take(&mut loaded.warnings);
     let pictures = || thumbnails(&loaded.plate, settings, workers);
     let site = Site::of(&loaded);
@@ -68,16 +67,20 @@ pub(super) fn slice(
     };
     let staged = staged.map_err(|error| error.hinting(&hints))?;
     let (rounds, pictures) = (staged.rounds.as_slice(), &staged.pictures);
-    let count = rounds.iter().map(|round| round.sections.layers.len()).sum();
-    workers.observer.begin(count);
     let Some(bounds) = rounds.iter().filter_map(|round| round.sections.bounds()).reduce(|a, b| a.joined(&b))
     else {
         return Err(load::nothing_to_print(&loaded.hints));
     };
+    rounds::check_excluded(rounds, &loaded.plate, settings)?;
     warnings.extend(rounds.iter().flat_map(|round| round.sections.warnings()));
     let overhangs = (!settings.support.enabled).then(|| rounds::overhangs(rounds, settings, workers));
 
     let tooled = Tooled::plan(rounds, &|round, layer| staged.walls(round, layer), &site, settings, workers)?;
+    let counts = rounds.iter().enumerate().map(|(number, round)| {
+        tooled.as_ref().map_or(round.sections.layers.len(), |tooled| tooled.count(number))
+    });
+    let counts: Vec<usize> = counts.collect();
+    workers.observer.begin(counts.iter().sum());
     let facts = facts(rounds, tooled.as_ref(), &loaded.plate, bounds, job, settings);
     let options = GcodeOptions::beginning_with(settings, facts.tools.first);
     let mut run = ScriptRun::new(settings, &facts);
@@ -150,12 +153,17 @@ pub(super) fn slice(
         let layout = settings.plate.keep_layout && loaded.plate.objects.iter().any(|object| object.body > 0);
         let mut floating = Floating::new(&round.sections, names, layout, job.allow_floating);
         let walls = |layer: usize| staged.walls(finished, layer);
-        let tooled = tooled.as_ref().map(|tooled| tooled.layers[finished].as_slice());
-        let paths = |layer: usize| match tooled {
-            Some(layers) => layers[layer].clone(),
-            None => round.paths(layer, walls(layer), settings),
+        let paths = |part: usize| match &tooled {
+            Some(tooled) => tooled.paths(finished, part),
+            None => round.paths(part, walls(part), settings),
         };
-        let done = maker.round((round, &paths), &mut at, &mut floating, &mut writer);
+        let parts = Parts {
+            round,
+            count: counts[finished],
+            paths: &paths,
+            whole: tooled.as_ref().map(|tooled| tooled.layers[finished].as_slice()),
+        };
+        let done = maker.round(&parts, &mut at, &mut floating, &mut writer);
         ordered.extend(done.map_err(|error| error.hinting(&hints))?);
         floating.finish(&loaded.hints)?;
         floating_warnings.append(&mut floating.warnings);
@@ -256,6 +264,15 @@ fn facts(
     }
 }
 
+/// What of a round is printed one after the other: its layers, or parts of them where tools print several at once.
+struct Parts<'a> {
+    round: &'a Round,
+    count: usize,
+    paths: &'a (dyn Fn(usize) -> LayerPaths + Sync),
+    /// The layers, where they are known already.
+    whole: Option<&'a [LayerPaths]>,
+}
+
 /// Makes layers: everything that does not change from layer to layer.
 struct LayerMaker<'a> {
     chain: Chain,
@@ -288,11 +305,17 @@ struct Batch {
 }
 
 impl Batch {
-    fn into_ordered(self) -> impl Iterator<Item = Ordered> {
+    /// `before`: layers of the rounds before.
+    fn into_ordered(self, before: usize) -> impl Iterator<Item = Ordered> {
         let starts = self.entries.into_iter().map(|entry| entry.xy.map(|[x, y]| Point::from_mm(x, y)));
         let layers = self.layers.paths.into_iter().zip(self.layers.pins);
         let ordered = layers.zip(self.layers.sequences).zip(starts);
-        ordered.map(|((layer, order), start)| Ordered { layer, order, start })
+        ordered.map(move |((layer, order), start)| Ordered {
+            index: before + layer.0.index,
+            layer,
+            order,
+            start,
+        })
     }
 }
 
@@ -302,12 +325,13 @@ impl LayerMaker<'_> {
     /// was ordered and where each layer was entered from.
     fn round(
         &self,
-        (round, paths): (&Round, &(dyn Fn(usize) -> LayerPaths + Sync)),
+        parts: &Parts<'_>,
         at: &mut Entry,
         floating: &mut Floating<'_>,
         writer: &mut PrintWriter<'_>,
     ) -> Result<Vec<Ordered>, JobError> {
-        let count = round.sections.layers.len();
+        let &Parts { round, count, paths, whole } = parts;
+        whole.into_iter().flatten().try_for_each(|layer| floating.take(layer))?;
         let chunk = chunk_len(count);
         // As short as keeps all threads busy: there is nothing to do beside the first and the last batch.
         let workers = self.workers;
@@ -322,7 +346,9 @@ impl LayerMaker<'_> {
             (plan(0), Batch::default(), Vec::new(), Vec::new());
         // The last batch is written two steps after it is ordered.
         for step in 1..=count.div_ceil(length) + 2 {
-            planned.iter().try_for_each(|layer| floating.take(layer))?;
+            if whole.is_none() {
+                planned.iter().try_for_each(|layer| floating.take(layer))?;
+            }
             let order = || self.order(planned, step * length >= count, &mut state);
             let finish = || workers.map(batch.entries.len(), |i| self.finish(&batch, i, round.first_layer));
             let write = || writer.add(done);
@@ -331,7 +357,7 @@ impl LayerMaker<'_> {
             let (ordered, (written, (finished, next))) = parallel::join(order, beside);
             written?;
             if self.certify {
-                kept.extend(batch.into_ordered());
+                kept.extend(batch.into_ordered(round.first_layer));
             }
             (planned, batch, done) = (next, ordered, finished);
         }
@@ -369,7 +395,7 @@ impl LayerMaker<'_> {
         moves.index += before;
         let time = cool(&mut moves, &self.settings.cooling, &self.machine);
         motion::set_fan(&mut moves, time.total(), &self.motion);
-        let cools = self.motion.tools.iter().any(|tool| tool.idle.0 > 0.0);
+        let cools = self.motion.cool_down();
         let timeline = cools.then(|| Timeline::new(&moves, &move_times_s(&moves, &self.machine)));
         let sums = moves.sums();
         let measures = Measures {

@@ -98,6 +98,32 @@ pub(super) fn prepare(
     if rounds.is_empty() { Err(load::nothing_to_print(site.hints)) } else { Ok(rounds) }
 }
 
+/// Whether nothing is printed where nothing may be.
+///
+/// # Errors
+/// The first object of which something is.
+pub(super) fn check_excluded(rounds: &[Round], plate: &Plate, settings: &Settings) -> Result<(), JobError> {
+    let excluded = settings.bed.excluded();
+    if excluded.is_empty() {
+        return Ok(());
+    }
+    for sections in rounds.iter().map(|round| &round.sections) {
+        for (local, &object) in sections.objects().iter().enumerate() {
+            let areas = (0..sections.layers.len()).map(|layer| {
+                (layer, geometry::intersection(sections.of(local, layer), &excluded).area_mm2())
+            });
+            let inside: Vec<(usize, f64)> = areas.filter(|(_, mm2)| *mm2 > 0.0).collect();
+            if let Some(&(lowest, _)) = inside.first() {
+                let area_mm2 = inside.iter().map(|(_, mm2)| *mm2).fold(0.0, f64::max);
+                let object = plate.objects[object].name.clone();
+                let z_mm = sections.layers[lowest].span.top_mm;
+                return Err(FitError::Excluded { object, area_mm2, z_mm }.into());
+            }
+        }
+    }
+    Ok(())
+}
+
 fn rectangle(middle: [f64; 2], size: [f64; 2]) -> Polygon {
     let corner = |(x, y)| Point::from_mm(middle[0] + x * size[0] / 2.0, middle[1] + y * size[1] / 2.0);
     let outer = [(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)].map(corner).to_vec();

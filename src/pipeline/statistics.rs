@@ -16,6 +16,8 @@ use super::ordering::{self, Certificate};
 
 /// The ordered layers, kept for the certificate.
 pub(super) struct Ordered {
+    /// Of the layer that it is, or is a part of.
+    pub index: usize,
     pub layer: (LayerPaths, Pins),
     pub order: PathOrder,
     pub start: Option<Point>,
@@ -32,12 +34,14 @@ pub(super) struct Statistics {
     pub tools_mm3: Vec<f64>,
     pub flushed_mm3: Vec<f64>,
     pub changes: usize,
-    pub layer_starts: Vec<Seconds>,
+    /// When each layer begins, or each of its parts.
+    pub part_starts: Vec<Seconds>,
     pub proved: Option<Proved>,
 }
 
 impl Statistics {
-    pub fn add(&mut self, layer: LayerSummary, tools: &[ToolSums]) {
+    /// Adds a layer, or another part of the layer with this index.
+    pub fn add(&mut self, index: usize, layer: LayerSummary, tools: &[ToolSums]) {
         self.tools_mm3.resize(tools.len(), 0.0);
         self.flushed_mm3.resize(tools.len(), 0.0);
         for (tool, sums) in tools.iter().enumerate() {
@@ -45,10 +49,13 @@ impl Statistics {
             self.flushed_mm3[tool] += sums.flushed_mm3;
             self.changes += sums.taken;
         }
-        self.layer_starts.push(Seconds(self.total.total_s));
+        self.part_starts.push(Seconds(self.total.total_s));
         self.total += &layer.measures;
         self.layers_mm3 += layer.measures.volume_mm3;
-        self.layers.push(layer);
+        match self.layers.get_mut(index) {
+            Some(known) => known.measures += &layer.measures,
+            None => self.layers.push(layer),
+        }
     }
 
     /// What a script does belongs to the whole, but to no layer.
@@ -69,18 +76,21 @@ impl Statistics {
             .map(|Ordered { layer, order, .. }| Some(ends_on_path(&layer.0, *order.first()?).0));
         let begins: Vec<_> = begins.collect();
         let excesses = workers.map(ordered.len(), |i| {
-            let Ordered { layer, order, start } = &ordered[i];
+            let Ordered { layer, order, start, .. } = &ordered[i];
             let next = begins[i + 1..].iter().find_map(|&begin| begin);
             ordering::excess((&layer.0, &layer.1), order, [*start, next], settings)
         });
         let drawn = excesses.into_iter().zip(&begins).filter(|(_, begin)| begin.is_some());
         self.proved = Some(Proved::of(drawn.map(|(excess, _)| excess)));
-        let (layers, starts): (Vec<_>, Vec<_>) =
-            ordered.into_iter().map(|ordered| (ordered.layer, ordered.start)).unzip();
+        let (layers, places): (Vec<_>, Vec<_>) =
+            ordered.into_iter().map(|ordered| (ordered.layer, (ordered.index, ordered.start))).unzip();
         let certificate = Certificate::new(&layers, settings, start, workers);
-        for (i, (layer, start)) in self.layers.iter_mut().zip(starts).enumerate() {
-            let measures = std::mem::take(&mut layer.measures);
-            layer.measures = measures.with_bound(certificate.layer_mm(i, start));
+        let mut bounds_mm = vec![0.0; self.layers.len()];
+        for (part, (index, start)) in places.into_iter().enumerate() {
+            bounds_mm[index] += certificate.layer_mm(part, start);
+        }
+        for (layer, bound_mm) in self.layers.iter_mut().zip(bounds_mm) {
+            layer.measures = std::mem::take(&mut layer.measures).with_bound(bound_mm);
         }
         self.total = std::mem::take(&mut self.total).with_bound(certificate.print_mm());
     }
@@ -96,7 +106,7 @@ impl Statistics {
             tools: self.tools_mm3.iter().enumerate().map(own).collect(),
             time: Seconds(self.total.total_s),
             volume: Mm3(self.total.volume_mm3),
-            layer_starts: self.layer_starts.clone(),
+            layer_starts: self.part_starts.clone(),
         }
     }
 

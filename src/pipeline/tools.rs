@@ -3,6 +3,7 @@
 use crate::gcode::ToolFacts;
 use crate::job::{FitError, JobError};
 use crate::parallel::Workers;
+use crate::plan::blocks::{self, Pass};
 use crate::plan::shield::Shield;
 use crate::plan::styles::Styles;
 use crate::plan::tower::Tower;
@@ -17,6 +18,8 @@ use super::rounds::{Round, Site};
 pub(super) struct Tooled {
     /// Of each round: all paths, the tower's included, and the order of their tools.
     pub layers: Vec<Vec<LayerPaths>>,
+    /// Of each round: what is printed one after the other.
+    passes: Vec<Vec<Pass>>,
     /// What tower and ooze shield cover on the bed.
     pub covered: Vec<Polygon>,
     has_tower: bool,
@@ -26,6 +29,12 @@ pub(super) struct Tooled {
 /// What takes flushes: whether an object of the plate does.
 fn takes_flushes<'a>(styles: &'a Styles<'_>, settings: &'a Settings) -> impl Fn(u32) -> bool + Sync + 'a {
     |object| styles.settings(object as usize, settings).tool_of.flush
+}
+
+/// Whether tools are flushed into more than the tower.
+pub(super) fn flushes_into_print(styles: &Styles<'_>, settings: &Settings) -> bool {
+    let into = |own: &Settings| own.tool_change.flush_into_infill || own.tool_of.flush;
+    settings.tool_change.flush_into_support || std::iter::once(settings).chain(styles.own()).any(into)
 }
 
 /// The paths of a layer of which the tools are known, where that matters.
@@ -56,24 +65,42 @@ impl Tooled {
         if settings.tools.len() < 2 {
             return Ok(None);
         }
-        let (mut layers, mut current) = (Vec::new(), None);
+        let (mut layers, mut all_blocks, mut current) = (Vec::new(), Vec::new(), None);
         for (number, round) in rounds.iter().enumerate() {
             let count = round.sections.layers.len();
             let mut planned = workers.map(count, |i| paths(round, (i, walls(number, i)), styles, settings));
-            let problem = tool_order::problem(&planned, current, settings);
+            let blocks = blocks::find(&planned, flushes_into_print(styles, settings), settings);
+            let problem = tool_order::problem(&planned, &blocks, current, settings);
             let plan = tool_order::plan(&problem, settings.tool_change.order);
-            tool_order::settle(&mut planned, &plan, current);
+            tool_order::settle(&mut planned, &blocks, &plan, current);
             current = planned.last().and_then(|layer| layer.tools.last().copied()).or(current);
             layers.push(planned);
+            all_blocks.push(blocks);
         }
-        let flushes_into_objects = std::iter::once(settings).chain(styles.own()).any(|own| own.tool_of.flush);
-        let mut tooled = Self { layers, covered: Vec::new(), has_tower: false, flushes_into_objects };
+        let into_infill = |own: &Settings| own.tool_change.flush_into_infill;
+        let flushes_into_objects =
+            styles.own().any(|own| own.tool_of.flush || into_infill(own) != into_infill(settings))
+                || settings.tool_of.flush;
+        let mut tooled =
+            Self { layers, passes: Vec::new(), covered: Vec::new(), has_tower: false, flushes_into_objects };
         // Objects that are printed one after the other have neither.
         if let [round] = rounds {
             tooled.add_shield(round, site, settings, workers);
             tooled.add_tower(round, site, settings, workers)?;
         }
+        let each = tooled.layers.iter().zip(&all_blocks);
+        tooled.passes = each.map(|(layers, blocks)| blocks::passes(layers, blocks)).collect();
         Ok(Some(tooled))
+    }
+
+    /// How many parts a round is printed in: as many as it has layers, unless tools print several at once.
+    pub fn count(&self, round: usize) -> usize {
+        self.passes[round].len()
+    }
+
+    /// Such a part.
+    pub fn paths(&self, round: usize, part: usize) -> LayerPaths {
+        self.passes[round][part].paths(&self.layers[round])
     }
 
     /// Lays the tower, where one is wanted.
@@ -88,7 +115,7 @@ impl Tooled {
         if !settings.prime_tower.enabled {
             return Ok(());
         }
-        flush::into(layers, takes_flushes(site.styles, settings), settings);
+        flush::into(layers, |object| site.styles.settings(object as usize, settings), settings);
         let Some(mut tower) = Tower::plan(layers, site.widths_mm, settings) else { return Ok(()) };
         let shield = Region::disjoint(self.covered.clone());
         let [printed, standing] = [printed(round, settings, workers), standing(round, settings, workers)]

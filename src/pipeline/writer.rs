@@ -3,7 +3,7 @@
 use std::ops::Range;
 
 use crate::estimate::Machine;
-use crate::gcode::{self, LayerText, Slot};
+use crate::gcode::{self, LayerText, Pending, Slot};
 use crate::job::JobError;
 use crate::motion::{LayerMoves, ToolChange};
 use crate::output::Output;
@@ -148,7 +148,8 @@ impl PrintWriter<'_> {
         let FinishedLayer { text, mut summary, layer, moves, entry, tools, .. } = layer;
         self.workers.go_on();
         let base = self.output.written() as usize;
-        self.slots.extend(text.progress.map(|slot| Slot { offset: base + slot.offset, ..slot }));
+        let value = Pending::Progress { layer: self.statistics.part_starts.len() };
+        self.slots.extend(text.progress.map(|slot| Slot { offset: base + slot.offset, value, ..slot }));
         let with_scripts = self.with_scripts(&text, &entry, heats)?;
         // What a script does is its own affair, and undone after it.
         self.inspector.take(&text.bytes);
@@ -156,7 +157,7 @@ impl PrintWriter<'_> {
             summary.measures.total_s += more.0;
         }
         self.output.write(with_scripts.as_ref().map_or(&text.bytes, |(text, _)| text))?;
-        self.statistics.add(summary, &tools);
+        self.statistics.add(entry.index, summary, &tools);
         if let Some(kept) = &mut self.kept {
             kept.extend(layer);
         }

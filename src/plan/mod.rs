@@ -1,6 +1,7 @@
 //! Plans a plate: sections of all layers, and what depends on several of them (shells, supports, infill, the spiral), so that
 //! each layer's paths can be made by itself.
 
+pub(crate) mod blocks;
 mod contact;
 pub(crate) mod floating;
 mod floor;

@@ -2,8 +2,8 @@
 
 use crate::profile::Settings;
 use crate::slice::{Layer, Section};
-use crate::toolpath::ToolId;
-use geometry::Region;
+use crate::toolpath::{ToolId, bead};
+use geometry::{Join, Region};
 
 use super::modifiers::Modified;
 use super::piece::Piece;
@@ -22,11 +22,14 @@ pub(crate) struct Part {
     pub style: Option<usize>,
 }
 
-/// The parts of a section, which make up the whole and do not overlap; empty: it is all of one kind.
+/// The parts of a section, which make up the whole, and overlap no more than their walls press into each other; empty: it is all
+/// of one kind.
 pub(crate) type Parts = Vec<Part>;
 
 /// What is painted: a tool's share of a layer.
 pub(crate) type Painted = (ToolId, Region);
+
+const ROUND: Join = Join::Round { tolerance_mm: 0.02 };
 
 /// What objects have in common.
 pub(crate) struct Kinds {
@@ -35,6 +38,8 @@ pub(crate) struct Kinds {
     tools: Vec<ToolId>,
     /// The narrowest that is printed by itself of each object, millimetres.
     lines_mm: Vec<f64>,
+    /// The narrowest bead of each object, millimetres.
+    beads_mm: Vec<f64>,
 }
 
 impl Kinds {
@@ -60,8 +65,10 @@ impl Kinds {
             like.unwrap_or(seen.len() - 1)
         };
         let alike: Vec<usize> = (0..count).map(number).collect();
-        let lines_mm = (0..count).map(|object| styles.settings(object, settings).walls.width.0).collect();
-        Self { alike, tools, lines_mm }
+        let walls = |object: usize| &styles.settings(object, settings).walls;
+        let lines_mm = (0..count).map(|object| walls(object).width.0).collect();
+        let beads_mm = (0..count).map(|object| walls(object).min_width.0).collect();
+        Self { alike, tools, lines_mm, beads_mm }
     }
 
     /// Whether two objects have the same settings, but for their tool.
@@ -93,10 +100,11 @@ impl Kinds {
         pieces
     }
 
-    /// The parts of a section, of the pieces that it is made up of, after what is modified in it and what is painted on it.
+    /// The parts of a section of a layer so high, of the pieces that it is made up of, after what is modified in it and what is
+    /// painted on it.
     pub fn parts(
         &self,
-        section: &Section,
+        (section, height_mm): (&Section, f64),
         mut pieces: Vec<Piece>,
         modified: &[Modified],
         painted: &[Painted],
@@ -123,7 +131,28 @@ impl Kinds {
         }
         slivers::give_away(&section.region, &mut pieces, self.lines_mm[section.object]);
         pieces.sort_by_key(|piece| (piece.tool, piece.style));
-        if pieces.iter().all(is_own) { Parts::new() } else { parts(pieces, section.object, styles, settings) }
+        if pieces.iter().all(is_own) {
+            return Parts::new();
+        }
+        let mut parts = parts(pieces, section.object, styles, settings);
+        if parts.len() > 1 {
+            press(&mut parts, &section.region, height_mm, self.beads_mm[section.object]);
+        }
+        parts
+    }
+}
+
+/// Lets the walls of parts press into each other where these meet, as walls of one part do: beads are narrower above and below.
+/// Tips in which the narrowest bead has no room, which would be laid over what is beside them, are rounded off.
+fn press(parts: &mut Parts, section: &Region, height_mm: f64, bead_mm: f64) {
+    let each_mm = bead::rounding_mm(height_mm) / 2.0;
+    let radius_mm = bead_mm / 2.0;
+    let narrow = geometry::difference(section, &geometry::opening(section, radius_mm));
+    for part in parts {
+        let pressed = geometry::intersection(&geometry::offset(&part.region, each_mm), section);
+        let core = geometry::offset(&pressed, -radius_mm);
+        let roomy = geometry::intersection(&geometry::offset_with(&core, radius_mm, ROUND), &pressed);
+        part.region = geometry::union(&roomy, &geometry::intersection(&narrow, &pressed));
     }
 }
 

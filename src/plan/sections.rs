@@ -85,7 +85,7 @@ impl Sections {
             let painted = painted.get(i).map_or(&[][..], Vec::as_slice);
             let parts = |(place, section): (usize, &Section)| {
                 let pieces = pieces.get(i).map_or_else(Vec::new, |pieces| pieces[place].clone());
-                kinds.parts(section, pieces, &modified[i], painted, styles, settings)
+                kinds.parts((section, cut[i].span.height_mm), pieces, &modified[i], painted, styles, settings)
             };
             cut[i].sections.iter().enumerate().map(parts).collect()
         };

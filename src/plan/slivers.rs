@@ -10,6 +10,9 @@ const TOUCH_MM: f64 = 0.02;
 /// What is within this share of a line of where a line has room belongs to it: corners.
 const CORNERS: f64 = 0.75;
 
+/// What is smaller is a dot and no bead, in line widths squared.
+const DOT: f64 = 2.0;
+
 /// What is narrower comes of rounding where edges do not meet exactly, mm.
 const CRACK_MM: f64 = 1e-4;
 
@@ -80,9 +83,11 @@ fn is_crack(polygon: &Polygon) -> bool {
     polygon.area_mm2() < CRACK_MM2 && offset(&Region::from(polygon.clone()), -CRACK_MM / 2.0).is_empty()
 }
 
-/// Whether a line has room in a region, or the section is narrow there.
+/// Whether a line that is no dot has room in a region, or the section is narrow there.
 fn has_room(region: &Region, narrow: &Region, line_mm: f64) -> bool {
-    !offset(region, -line_mm / 2.0).is_empty() || intersection(region, narrow).area_mm2() > line_mm * line_mm
+    let is_dot = region.area_mm2() < DOT * line_mm * line_mm;
+    !is_dot && !offset(region, -line_mm / 2.0).is_empty()
+        || intersection(region, narrow).area_mm2() > line_mm * line_mm
 }
 
 #[cfg(test)]

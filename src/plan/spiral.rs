@@ -105,6 +105,7 @@ impl Spiral {
             entries: Default::default(),
             tools: Vec::new(),
             rams: Vec::new(),
+            turn: Default::default(),
         })
     }
 }

@@ -1,5 +1,6 @@
 //! Which tool prints when: the tools of each layer, in their order.
 
+use super::blocks::Block;
 use crate::motion::MotionSettings;
 use crate::order::compare_tools::ToolOrderRow;
 use crate::order::tools::{ToolLayer, ToolOrder, ToolPlan, ToolProblem, order_tools};
@@ -9,12 +10,18 @@ use crate::toolpath::{LayerPaths, ToolId};
 /// Milliseconds in a second, in which changes are weighed.
 const MS: f64 = 1000.0;
 
-/// The tools that each layer of a print needs, and what it costs to change them. Tools with heaters of their own are hot when their
+/// The tools that each block of layers needs, and what it costs to change them. Tools with heaters of their own are hot when their
 /// turn comes, and cost nothing for that.
-pub(crate) fn problem(layers: &[LayerPaths], start: Option<ToolId>, settings: &Settings) -> ToolProblem {
+pub(crate) fn problem(
+    layers: &[LayerPaths],
+    blocks: &[Block],
+    start: Option<ToolId>,
+    settings: &Settings,
+) -> ToolProblem {
     let motion = MotionSettings::new(settings, &[]);
-    let layer = |layer: &LayerPaths| {
-        let mut tools: Vec<u32> = layer.paths.iter().filter_map(|path| path.tool).map(u32::from).collect();
+    let block = |block: &Block| {
+        let paths = layers[block.clone()].iter().flat_map(|layer| &layer.paths);
+        let mut tools: Vec<u32> = paths.filter_map(|path| path.tool).map(u32::from).collect();
         tools.sort_unstable();
         tools.dedup();
         ToolLayer { tools, before: Vec::new() }
@@ -26,7 +33,7 @@ pub(crate) fn problem(layers: &[LayerPaths], start: Option<ToolId>, settings: &S
         if from == to { 0 } else { ms(all_s) }
     };
     ToolProblem {
-        layers: layers.iter().map(layer).collect(),
+        layers: blocks.iter().map(block).collect(),
         change: (0..tools).map(|from| (0..tools).map(|to| cost(from, to)).collect()).collect(),
         loaded: start.map(u32::from),
     }
@@ -64,15 +71,15 @@ pub(crate) fn row(
     order: ToolOrder,
     plan: &ToolPlan,
     problem: &ToolProblem,
+    motion: &MotionSettings,
     settings: &Settings,
 ) -> ToolOrderRow {
-    let motion = MotionSettings::new(settings, &[]);
     let (mut changes_s, mut flushed_mm3) = (0.0, 0.0);
     let mut current = problem.loaded;
     for &tool in plan.layers.iter().flatten() {
         if let Some(from) = current.filter(|from| *from != tool) {
-            changes_s += change_s(from as usize, tool as usize, &motion);
-            flushed_mm3 += waste_mm3(from as usize, tool as usize, &motion, settings);
+            changes_s += change_s(from as usize, tool as usize, motion);
+            flushed_mm3 += waste_mm3(from as usize, tool as usize, motion, settings);
         }
         current = Some(tool);
     }
@@ -88,18 +95,22 @@ pub(crate) fn row(
     }
 }
 
-/// Gives each layer its tools. What any may print is printed by the first; what needs no tool of its own, by whichever is in
-/// use, at the beginning by the first that is used.
-pub(crate) fn settle(layers: &mut [LayerPaths], plan: &ToolPlan, start: Option<ToolId>) {
+/// Gives each layer its tools: the last of a block those of the block, the others the first of these. What any may print is printed
+/// by the first; what needs no tool of its own, by whichever is in use, at the beginning by the first that is used.
+pub(crate) fn settle(layers: &mut [LayerPaths], blocks: &[Block], plan: &ToolPlan, start: Option<ToolId>) {
     let mut orders = plan.layers.iter().map(|order| order.iter().map(|&tool| tool as ToolId).collect());
     let mut current = start.or(plan.layers.iter().flatten().next().map(|&tool| tool as ToolId)).unwrap_or(0);
-    for layer in layers {
+    for block in blocks {
         let own: Vec<ToolId> = orders.next().unwrap_or_default();
-        layer.tools = if own.is_empty() { vec![current] } else { own };
-        let first = layer.tools.first().copied();
-        for path in &mut layer.paths {
-            path.tool = path.tool.or(first);
+        let own = if own.is_empty() { vec![current] } else { own };
+        let [first, last] = [own.first(), own.last()].map(|tool| tool.copied().unwrap_or(current));
+        for layer in &mut layers[block.clone()] {
+            layer.tools = vec![first];
+            for path in &mut layer.paths {
+                path.tool = path.tool.or(Some(first));
+            }
         }
-        current = layer.tools.last().copied().unwrap_or(current);
+        layers[block.end - 1].tools = own;
+        current = last;
     }
 }

@@ -191,11 +191,13 @@ impl Tower {
         room: Option<[f64; 2]>,
         settings: &Settings,
     ) -> bool {
+        let excluded = settings.bed.excluded();
         if let Some(middle_mm) = room {
             self.center_mm = middle_mm;
             let footprint = self.footprint();
             let is_on_bed = settings.bed.excess_mm(footprint.outer.iter().map(|p| p.mm())) <= 0.0;
-            let taken = geometry::intersection(&Region::from(footprint), standing);
+            let taken =
+                geometry::intersection(&Region::from(footprint), &geometry::union(standing, &excluded));
             if is_on_bed && taken.is_empty() {
                 return true;
             }
@@ -203,7 +205,7 @@ impl Tower {
         let bed = &settings.bed;
         let (low, high, middle) = (bed.low_mm(), bed.high_mm(), bed.middle_mm());
         let round_mm = (bed.shape == crate::plate::BedShape::Round).then_some(bed.size[0].0 / 2.0);
-        let kept_free = geometry::offset(printed, CLEAR_MM);
+        let kept_free = geometry::union(&geometry::offset(printed, CLEAR_MM), &excluded);
         let wanted = match printed.bounds() {
             Some(bounds) => {
                 let (a, b) = (bounds.min.mm(), bounds.max.mm());

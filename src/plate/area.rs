@@ -1,6 +1,6 @@
 //! The bed, and what fits it.
 
-use geometry::real;
+use geometry::{Point, Region, Ring, real};
 
 use super::error::PlacementError;
 use super::options::{BedSettings, BedShape};
@@ -15,12 +15,31 @@ pub(super) struct Area {
     pub half: [f64; 2],
     height: f64,
     margin_mm: f64,
+    /// Rectangles that are left out, with the margin around them.
+    excluded: Vec<[[f64; 2]; 2]>,
 }
 
 impl Area {
     pub fn new(bed: &BedSettings, margin_mm: f64) -> Self {
         let half = bed.size.map(|side| (side.0 / 2.0 - margin_mm).max(0.0));
-        Self { shape: bed.shape, half, height: bed.height.0, margin_mm }
+        let middle = bed.middle_mm();
+        let around = |[low, high]: [[f64; 2]; 2]| {
+            [[0, 1].map(|i| low[i] - middle[i] - margin_mm), [0, 1].map(|i| high[i] - middle[i] + margin_mm)]
+        };
+        let excluded = bed.excluded_mm().map(around).collect();
+        Self { shape: bed.shape, half, height: bed.height.0, margin_mm, excluded }
+    }
+
+    /// Whether what has these outermost points is on the bed, and its box clear of what is left out.
+    pub fn holds(&self, points: impl Iterator<Item = [f64; 2]> + Clone) -> bool {
+        let extent =
+            |i: usize, pick: fn(f64, f64) -> f64, from: f64| points.clone().map(|p| p[i]).fold(from, pick);
+        let low = [0, 1].map(|i| extent(i, f64::min, f64::INFINITY));
+        let high = [0, 1].map(|i| extent(i, f64::max, f64::NEG_INFINITY));
+        let meets = |[from, to]: &[[f64; 2]; 2]| {
+            (0..2).all(|i| low[i] < to[i] - TOLERANCE_MM && high[i] > from[i] + TOLERANCE_MM)
+        };
+        self.excess_mm(points.clone()) <= TOLERANCE_MM && !self.excluded.iter().any(meets)
     }
 
     /// How far points reach beyond the edge; negative inside.
@@ -52,9 +71,10 @@ impl Area {
         };
         let (low, high) = (extent(f64::min), extent(f64::max));
         let by = [0, 1].map(|i| -(low[i] + high[i]) / 2.0);
-        if self.excess_mm(points(&positions).into_iter().map(|p| [p[0] + by[0], p[1] + by[1]]))
-            <= TOLERANCE_MM
-        {
+        let stays = positions.iter().enumerate().all(|(model, &(turn, at))| {
+            self.holds(rim(model, turn).iter().map(|p| [0, 1].map(|i| p[i] + at[i] + by[i])))
+        });
+        if stays {
             for (_, at) in &mut positions {
                 *at = [at[0] + by[0], at[1] + by[1]];
             }
@@ -133,6 +153,15 @@ pub(super) fn fitting_factor(share: f64) -> f64 {
 }
 
 impl BedSettings {
+    /// Where nothing may be printed.
+    pub(crate) fn excluded(&self) -> Region {
+        let ring = |[low, high]: [[f64; 2]; 2]| -> Ring {
+            let corners = [low, [high[0], low[1]], high, [low[0], high[1]]];
+            corners.map(|[x, y]| Point::from_mm(x, y)).to_vec()
+        };
+        geometry::unite_rings(&self.excluded_mm().map(ring).collect::<Vec<_>>())
+    }
+
     /// How far points reach beyond the edge of the bed, millimetres; negative inside.
     pub(crate) fn excess_mm(&self, points: impl Iterator<Item = [f64; 2]>) -> f64 {
         let middle = self.middle_mm();

@@ -43,6 +43,8 @@ section! {
         origin: BedOrigin = BedOrigin::Corner,
         /// X and Y of that point, where the machine counts from elsewhere.
         offset: [Mm; 2] = [Mm(0.0), Mm(0.0)]; -5000.0..=5000.0,
+        /// Rectangles in which nothing may be printed: X and Y of two opposite corners of each, one after the other.
+        excluded: Vec<f64> = Vec::new(); -5000.0..=5000.0, "mm",
     }
 }
 section! {
@@ -86,6 +88,14 @@ impl BedSettings {
     pub fn high_mm(&self) -> [f64; 2] {
         let low = self.low_mm();
         [0, 1].map(|i| low[i] + self.size[i].0)
+    }
+
+    /// The rectangles in which nothing may be printed, each by its corners of least and of greatest X and Y, millimetres.
+    pub fn excluded_mm(&self) -> impl Iterator<Item = [[f64; 2]; 2]> {
+        self.excluded.chunks_exact(4).map(|corners| {
+            let (x, y) = ([corners[0], corners[2]], [corners[1], corners[3]]);
+            [[x[0].min(x[1]), y[0].min(y[1])], [x[0].max(x[1]), y[0].max(y[1])]]
+        })
     }
 
     /// The middle, millimetres.

@@ -241,7 +241,12 @@ fn packed(
     area: &Area,
     options: &Placement,
 ) -> Result<Vec<(u32, [f64; 2])>, Vec<usize>> {
-    if models.len() < 2 {
+    let in_the_middle = |&(group, _): &(usize, usize)| {
+        let group: &Group = &groups[group];
+        let rim = group.footprint(&layouts[group.layout], area.shape, 0).rim;
+        area.holds(rim.iter().copied())
+    };
+    if models.len() < 2 && models.iter().all(in_the_middle) {
         return Ok(vec![(0, [0.0; 2]); models.len()]);
     }
     let cell_mm = (2.0 * area.half[0].max(area.half[1]) / CELLS).max(0.1);
@@ -261,7 +266,7 @@ fn packed(
     let at_mm = |at: [i64; 2]| at.map(|n| n as f64 * cell_mm);
     let fits = |rim: &[[f64; 2]], at: [i64; 2]| {
         let [x, y] = at_mm(at);
-        area.excess_mm(rim.iter().map(|p| [p[0] + x, p[1] + y])) <= TOLERANCE_MM
+        area.holds(rim.iter().map(|p| [p[0] + x, p[1] + y]))
     };
     let mut left: Option<Vec<usize>> = None;
     for search_order in [SearchOrder::Middle, SearchOrder::Corner] {

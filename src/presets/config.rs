@@ -103,6 +103,8 @@ pub struct Config {
     pub raw: BTreeMap<String, Raw>,
     /// Whose words the entries and the scripts among them use.
     pub dialect: Dialect,
+    /// Whether it is what was saved with a single object, or a part of one.
+    pub of_object: bool,
 }
 
 impl Config {

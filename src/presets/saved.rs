@@ -8,9 +8,9 @@ use crate::mesh::{SavedSettings, Words};
 pub(crate) fn of_saved(saved: &SavedSettings) -> Config {
     let place = Place::new("", 0, "object");
     match saved.words {
-        Words::Orca => orca::of_object(&saved.entries, &place),
+        Words::Orca => Config { of_object: true, ..orca::of_object(&saved.entries, &place) },
         Words::Prusa => {
-            let mut config = Config { dialect: Dialect::Prusa, ..Config::default() };
+            let mut config = Config { dialect: Dialect::Prusa, of_object: true, ..Config::default() };
             saved.entries.iter().for_each(|(key, value)| config.set(key, value, place.clone()));
             config
         }

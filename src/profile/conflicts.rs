@@ -261,6 +261,10 @@ fn machine(settings: &Settings, check: &mut Check) {
     if bed.shape == BedShape::Round && bed.size[0] != bed.size[1] {
         check.error(&["bed.size", "bed.shape"], "a round bed needs its diameter twice, such as [200, 200]");
     }
+    if !bed.excluded.len().is_multiple_of(4) {
+        check
+            .error(&["bed.excluded"], "four numbers are expected for each rectangle, such as [0, 0, 18, 28]");
+    }
     let speed = &settings.speed;
     let top = machine.max_speed[0].0.max(machine.max_speed[1].0);
     let speeds = [

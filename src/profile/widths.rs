@@ -1,5 +1,7 @@
 //! Widths of lines by the nozzle of the tool that prints them.
 
+use std::borrow::Cow;
+
 use super::settings::Settings;
 use crate::units::Mm;
 
@@ -34,6 +36,11 @@ impl Settings {
             }
         }
         (own != *self).then_some(own)
+    }
+
+    /// The settings of what the usual tool of objects prints.
+    pub(crate) fn with_widths_of_objects(&self) -> Cow<'_, Self> {
+        self.with_widths_of(self.tool_of.base().into()).map_or(Cow::Borrowed(self), Cow::Owned)
     }
 
     /// Widths of what each tool prints beside the objects, on the first layer and on others, millimetres.

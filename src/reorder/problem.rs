@@ -97,6 +97,7 @@ impl Ordering {
             entries: Default::default(),
             tools: Vec::new(),
             rams: Vec::new(),
+            turn: Default::default(),
         };
         Self { layer, members, fixed_mm }
     }

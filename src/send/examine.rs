@@ -182,6 +182,7 @@ fn bed_of(about: &About) -> Option<BedSettings> {
     let volume = about.volume?;
     let size = [0, 1].map(|axis| Mm(volume.high[axis] - volume.low[axis]));
     Some(BedSettings {
+        excluded: Vec::new(),
         shape: if volume.is_round { BedShape::Round } else { BedShape::Rectangular },
         size,
         height: Mm(volume.high[2]),

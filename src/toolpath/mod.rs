@@ -36,7 +36,7 @@ pub use options::{
     SpiralSettings, SupportPattern, SupportSettings, SupportStyle, ToolOfSettings, WallGenerator, WallOrder,
     WallSettings,
 };
-pub use path::{Entries, Island, IslandId, LayerKind, LayerPaths, Path, Phase, Role, ToolId, Width};
+pub use path::{Entries, Island, IslandId, LayerKind, LayerPaths, Path, Phase, Role, ToolId, Turn, Width};
 pub use planner::{ObjectLayer, Planner, PlateLayer, Share, ToolpathSettings};
 pub use shells::{Map, ShellWindows, Shells, Zones, bottom_layers, shell_depth};
 pub use spiral::{Revolution, Rise, SpiralSpec, align, level, outline, revolution};

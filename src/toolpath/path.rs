@@ -83,6 +83,26 @@ pub enum Width {
     PerVertex(Vec<f32>),
 }
 
+impl Width {
+    /// The widest place.
+    pub(crate) fn widest_mm(&self) -> f64 {
+        match self {
+            Self::Constant(width_mm) => *width_mm,
+            Self::PerVertex(widths) => widths.iter().copied().fold(0.0, f32::max).into(),
+        }
+    }
+
+    /// The mean of all vertices.
+    pub(crate) fn mean_mm(&self) -> f64 {
+        match self {
+            Self::Constant(width_mm) => *width_mm,
+            Self::PerVertex(widths) => {
+                widths.iter().map(|w| f64::from(*w)).sum::<f64>() / widths.len().max(1) as f64
+            }
+        }
+    }
+}
+
 /// One uninterrupted bead.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Path {
@@ -183,6 +203,18 @@ pub struct LayerPaths {
     pub tools: Vec<ToolId>,
     /// What tools lay into the prime tower before another is taken, by their tool.
     pub rams: Vec<Path>,
+    /// Which part of a layer that is printed in several turns it is.
+    pub turn: Turn,
+}
+
+/// A layer's part that is printed by itself.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Turn {
+    /// Whether something of the layer has been printed before.
+    pub is_later: bool,
+    /// Top of what stands beside it already, without Z offset, over which the nozzle passes from island to island, millimetres;
+    /// 0: nothing is higher.
+    pub beside_mm: f64,
 }
 
 impl LayerPaths {

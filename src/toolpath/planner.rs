@@ -318,6 +318,7 @@ impl Planner {
             entries: Default::default(),
             tools: Vec::new(),
             rams: Vec::new(),
+            turn: Default::default(),
         };
         self.assign_tools(&mut made);
         made

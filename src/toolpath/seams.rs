@@ -217,6 +217,7 @@ mod tests {
             entries: Default::default(),
             tools: Vec::new(),
             rams: Vec::new(),
+            turn: Default::default(),
         };
         let line = |&(from, to, paint): &(f64, f64, Wish)| PaintedLine {
             object: 0,

@@ -3,14 +3,17 @@
 #[path = "../support/mod.rs"]
 mod support;
 
+mod ahead;
 mod binary;
 mod cancel;
 mod check;
 mod check_model;
 mod cli;
 mod cli_output;
+mod excluded;
 #[cfg(unix)]
 mod faults;
+mod flushes;
 mod live;
 mod materials;
 mod modifiers;

@@ -95,6 +95,25 @@ fn colors_of_facets_are_painted() {
 }
 
 #[test]
+fn of_a_gradient_each_place_has_the_color_of_the_corner_with_the_largest_share() {
+    let settings = two_tools();
+    let colors =
+        "<m:colorgroup id=\"4\"><m:color color=\"#FF0000FF\"/><m:color color=\"#0000FFFF\"/></m:colorgroup>";
+    let cube = cuboid([-10.0, -10.0, 0.0], [10.0, 10.0, 20.0]);
+    let object = body(1, "pid=\"4\" pindex=\"0\"", &cube, |facet| match facet {
+        10 => "pid=\"4\" p1=\"0\" p2=\"1\" p3=\"1\"".to_owned(),
+        _ => String::new(),
+    });
+    let print = sliced(&format!("{colors}{object}"), "<item objectid=\"1\"/>", &settings);
+    let found = lines(&print, &settings);
+    let side = |line: &&Line| line.kind == "External perimeter" && line.at[0] > 9.6 && line.at[1].abs() < 9.5;
+    let volume_mm3 = |tool: u32| volume_mm3(found.iter().filter(side).filter(|line| line.tool == tool));
+    // Two thirds of one of the two triangles of the side.
+    let share = volume_mm3(2) / (volume_mm3(1) + volume_mm3(2));
+    assert!((share - 1.0 / 3.0).abs() < 0.04, "{share}");
+}
+
+#[test]
 fn with_one_tool_nothing_changes() {
     let one = Settings { tools: Vec::new(), ..two_tools() };
     let plain = |attributes: &str| body(1, attributes, &left(), |_| String::new());

@@ -202,12 +202,13 @@ fn a_slope_that_needs_no_support_gets_it_where_it_is_painted() {
     assert!(volume("paint_supports=\"4\"") > 50.0, "{}", volume("paint_supports=\"4\""));
 }
 
-/// What strokes of a tool cover of a layer, as rectangles with their widths.
+/// What strokes of a tool fill of a layer, 0.2 mm high, as rectangles of their volume: their round sides press into each other.
 fn covered(lines: &[Line], layer: usize, tool: u32) -> Region {
     let rectangle = |line: &Line| {
         let [a, b] = line.ends;
         let length_mm = (b[0] - a[0]).hypot(b[1] - a[1]);
-        let aside = [(a[1] - b[1]), (b[0] - a[0])].map(|d| d / length_mm * line.width_mm / 2.0);
+        let width_mm = line.volume_mm3 / length_mm / 0.2;
+        let aside = [(a[1] - b[1]), (b[0] - a[0])].map(|d| d / length_mm * width_mm / 2.0);
         let corner =
             |end: [f64; 2], side: f64| Point::from_mm(end[0] + side * aside[0], end[1] + side * aside[1]);
         Region::from(Polygon {

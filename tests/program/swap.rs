@@ -133,3 +133,20 @@ fn what_a_swap_waits_counts_in_the_time_of_the_print_as_the_file_is_timed() {
     let (said, timed) = (print.summary.total.total_s, file_time(&print.text, &Machine::new(&settings)).0);
     assert!((said / timed - 1.0).abs() < 0.004, "{said}, timed {timed}");
 }
+
+#[test]
+fn the_motor_has_a_higher_current_from_the_first_ram_until_the_next_filament_is_there() {
+    let (print, settings) = swapping(&["swap.high_current=true"]);
+    let body = text(&print).split_once(";LAYER_CHANGE").expect("layers").1;
+    let mut turns = body.split("M907 E750\n");
+    turns.next();
+    let mut count = 0;
+    for turn in turns {
+        let (inside, after) = turn.split_once("M907 E550\n").expect("it is lowered again");
+        assert_eq!(inside.lines().filter(|line| matches!(*line, "T0" | "T1")).count(), 1, "{inside}");
+        assert!(!after.lines().any(|line| matches!(line, "T0" | "T1")), "another change");
+        count += 1;
+    }
+    assert_eq!(count, print.summary.tool_changes);
+    assert_eq!(kinds(&report(&print.text, &settings)), []);
+}

@@ -133,7 +133,7 @@ fn what_parts_share_is_printed_once_by_the_later_one() {
     let print = run(&with_tools(job, &base, &[("inside", 2)]), &base).expect("a print");
     let volumes = volumes(&print);
     // As a full print of one tool, which is a little fuller than full.
-    let share = |tool: u32, wanted: f64| (volumes[&tool][1] / wanted - 1.0).abs() < 0.03;
+    let share = |tool: u32, wanted: f64| (volumes[&tool][1] / wanted - 1.0).abs() < 0.035;
     assert!(share(0, 1500.0) && share(1, 300.0), "{volumes:?}");
 }
 

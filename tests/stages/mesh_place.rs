@@ -8,7 +8,14 @@ use pathwright::units::Mm;
 use proptest::prelude::*;
 
 fn bed(shape: BedShape, side: f64, origin: BedOrigin) -> BedSettings {
-    BedSettings { shape, size: [Mm(side), Mm(side)], height: Mm(200.0), origin, offset: [Mm(0.0); 2] }
+    BedSettings {
+        shape,
+        size: [Mm(side), Mm(side)],
+        height: Mm(200.0),
+        origin,
+        offset: [Mm(0.0); 2],
+        ..BedSettings::default()
+    }
 }
 
 fn block(x: f32, y: f32, z: f32) -> Mesh {

@@ -223,6 +223,7 @@ fn tower() -> Vec<LayerPaths> {
             entries: Default::default(),
             tools: Vec::new(),
             rams: Vec::new(),
+            turn: Default::default(),
         }
     };
     (0..3).map(layer).collect()

@@ -39,6 +39,7 @@ fn posts(paths: Vec<Path>) -> LayerPaths {
         entries: Default::default(),
         tools: Vec::new(),
         rams: Vec::new(),
+        turn: Default::default(),
     }
 }
 

@@ -102,6 +102,7 @@ pub fn layer(index: usize, paths: Vec<Path>) -> LayerPaths {
         entries: Default::default(),
         tools: Vec::new(),
         rams: Vec::new(),
+        turn: Default::default(),
     }
 }
 

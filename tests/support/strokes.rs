@@ -5,6 +5,7 @@ use pathwright::gcode::{Action, replay};
 use pathwright::profile::{self, Settings};
 
 /// A stroke on the part by a tool, counted from 1.
+#[derive(Debug)]
 pub struct Line {
     pub tool: u32,
     pub layer: usize,

@@ -34,18 +34,31 @@ fn rounded(value: f64) -> f64 {
     (value * 100.0).round() / 100.0 + 0.0
 }
 
-fn points(config: &Config) -> Option<Vec<Point>> {
+/// Where nothing may be printed: a rectangle for every four points.
+pub(super) fn excluded(config: &Config) -> Outcome {
+    let Some(points) = points(config, "bed_exclude_area") else { return Outcome::Idle };
+    let rectangle = |corners: &[Point]| {
+        let bound =
+            |i: usize, pick: fn(f64, f64) -> f64| corners.iter().map(|p| p[i]).reduce(pick).unwrap_or(0.0);
+        [bound(0, f64::min), bound(1, f64::min), bound(0, f64::max), bound(1, f64::max)]
+    };
+    let numbers = points.chunks(4).filter(|corners| corners.len() > 2).flat_map(rectangle);
+    Outcome::Value(Value::Array(numbers.map(Value::Float).collect()))
+}
+
+/// The corners that a key lists.
+fn points(config: &Config, key: &str) -> Option<Vec<Point>> {
     let point = |text: &str| -> Option<Point> {
         let (x, y) = text.trim().split_once('x')?;
         let [x, y] = [x.trim().parse::<f64>().ok()?, y.trim().parse::<f64>().ok()?];
         (x.is_finite() && y.is_finite()).then_some([x, y])
     };
-    let points: Vec<Point> = config.text("bed_shape")?.split(',').map(point).collect::<Option<_>>()?;
+    let points: Vec<Point> = config.text(key)?.split(',').map(point).collect::<Option<_>>()?;
     (points.len() > 2).then_some(points)
 }
 
 fn bed(config: &Config) -> Option<Bed> {
-    let points = points(config)?;
+    let points = points(config, "bed_shape")?;
     let min = [0, 1].map(|i| points.iter().map(|p| p[i]).fold(f64::INFINITY, f64::min));
     let max = [0, 1].map(|i| points.iter().map(|p| p[i]).fold(f64::NEG_INFINITY, f64::max));
     let (size, middle) = ([0, 1].map(|i| max[i] - min[i]), [0, 1].map(|i| (min[i] + max[i]) / 2.0));
@@ -184,6 +197,19 @@ mod tests {
         assert_eq!(of(&circle(100.0, 0.0, 0.0)), (true, [200.0; 2], true, [0.0; 2], false));
         assert_eq!(of(&circle(100.0, 100.0, 100.0)), (true, [200.0; 2], false, [0.0; 2], false));
         assert_eq!(of(&circle(100.0, 90.0, 110.0)), (true, [200.0; 2], true, [90.0, 110.0], false));
+    }
+
+    #[test]
+    fn four_points_are_a_rectangle_in_which_nothing_is_printed() {
+        let numbers = |area: &str| {
+            let config = Config::parse(&[format!("bed_exclude_area = {area}")]).unwrap();
+            match excluded(&config) {
+                Outcome::Value(value) => value.to_string(),
+                _ => String::new(),
+            }
+        };
+        assert_eq!(numbers("0x0,18x0,18x28,0x28"), "[0.0, 0.0, 18.0, 28.0]");
+        assert_eq!(numbers("0x0"), "");
     }
 
     #[test]

@@ -65,7 +65,6 @@ pub(super) const IDLE: &[(&str, Idle)] = &[
     ("filament_load*", OneTool),
     ("filament_minimal_purge_on_wipe_tower", OneTool),
     ("filament_unload*", OneTool),
-    ("high_current_on_filament_swap", OneTool),
     ("interface_shells", OneTool),
     ("interlocking_*", OneTool),
     ("mmu_*", OneTool),

@@ -9,7 +9,7 @@ use crate::profile::tools::MOST_TOOLS;
 
 pub(super) fn of_several(config: &Config, value: impl FnOnce() -> Option<Value>) -> Outcome {
     match config.extruders() {
-        0 | 1 => Idle,
+        0 | 1 if !config.of_object => Idle,
         _ => value().map_or_else(|| Left("is not understood".into()), Outcome::Value),
     }
 }
@@ -106,6 +106,7 @@ pub(super) fn flush_into_infill(config: &Config) -> Outcome {
 pub(super) fn flush_into_objects(config: &Config) -> Outcome {
     let keys = ["wipe_into_objects", "flush_into_objects"];
     match keys.iter().find_map(|key| config.flag(key)) {
+        Some(on) if config.of_object => Outcome::Value(Value::Boolean(on)),
         Some(true) if config.extruders() > 1 => {
             Left("objects are chosen for that with --object NAME:flush=true".into())
         }

@@ -83,6 +83,13 @@ pub(super) fn ramming_cooler(config: &Config) -> Outcome {
     of_several(config, || Some(Value::Float(20.0)))
 }
 
+pub(super) fn high_current(config: &Config) -> Outcome {
+    if !is_swapped(config) {
+        return Idle;
+    }
+    of_several(config, || config.flag("high_current_on_filament_swap").map(Value::Boolean))
+}
+
 pub(super) fn sensor_off(config: &Config) -> Outcome {
     let notes = config.text("printer_notes").unwrap_or_default().to_uppercase();
     if !rams_extra(config) && !notes.contains("PRINTER_MODEL_XL") {

@@ -53,6 +53,12 @@ pub(super) const ROWS: &[Row] = &[
     with("bed.offset", &["bed_shape"], "where that is not X 0, Y 0", bed::offset),
     same("bed.height", &["max_print_height"]),
     with(
+        "bed.excluded",
+        &["bed_exclude_area"],
+        "OrcaSlicer's: the boxes around every four points",
+        bed::excluded,
+    ),
+    with(
         "machine.max_speed",
         &[
             "machine_max_feedrate_x",
@@ -603,6 +609,7 @@ pub(super) const ROWS: &[Row] = &[
         "20 where the printer's notes ask for `RAMMING_EXTRA`",
         s::ramming_cooler,
     ),
+    with("swap.high_current", &["high_current_on_filament_swap"], "of a single nozzle", s::high_current),
     with(
         "swap.sensor_off",
         &["filament_ramming_parameters"],
@@ -614,7 +621,7 @@ pub(super) const ROWS: &[Row] = &[
     with(
         "tool_of.flush",
         &["wipe_into_objects", "flush_into_objects"],
-        "left where it is on: of all objects it is never meant",
+        "of single objects; left where it is on for all, as that is never meant",
         t::flush_into_objects,
     ),
     with("tool_change.flush_multiplier", &["flush_multiplier"], "of a single nozzle", t::flush_multiplier),

@@ -18,7 +18,7 @@ pub(super) fn in_use(parts: &BTreeMap<String, Part>, instances: &[Instance]) -> 
         };
         let all_differ = found.materials.len() == found.triangles.len();
         let own = found.material.filter(|_| !all_differ);
-        let materials = own.into_iter().chain(found.materials.iter().map(|(_, listed)| *listed));
+        let materials = own.into_iter().chain(found.materials.iter().flat_map(|(_, corners)| *corners));
         listed.extend(materials.map(|listed| (part.as_str(), listed)));
     }
     let mut names: Vec<String> = Vec::new();
@@ -56,6 +56,20 @@ pub(super) fn of_bodies(
     if all.all(|tool| Some(*tool) == first) { BTreeMap::new() } else { tools }
 }
 
+/// A triangle of a gradient, in pieces: each place has what the corner has whose share of it is the largest.
+fn by_corner(
+    corners: [[f64; 3]; 3],
+    tools: [Option<u8>; 3],
+) -> impl Iterator<Item = (Option<u8>, [[f64; 3]; 3])> {
+    let middle = |of: &[[f64; 3]]| [0, 1, 2].map(|i| of.iter().map(|p| p[i]).sum::<f64>() / of.len() as f64);
+    let center = middle(&corners);
+    (0..3).flat_map(move |k| {
+        let [own, next, last] = [k, (k + 1) % 3, (k + 2) % 3].map(|k| corners[k]);
+        let [ahead, behind] = [middle(&[own, next]), middle(&[last, own])];
+        [[own, ahead, center], [own, center, behind]].map(|piece| (tools[k], piece))
+    })
+}
+
 /// What an object is made of, of the materials in use. One material of all its facets is that of the object.
 pub(super) fn of(parts: &BTreeMap<String, Part>, names: &[String], instances: &[Instance]) -> Materials {
     let mut facets: Vec<(Option<u8>, [[f64; 3]; 3])> = Vec::new();
@@ -71,10 +85,14 @@ pub(super) fn of(parts: &BTreeMap<String, Part>, names: &[String], instances: &[
             let number = names.iter().position(|known| known == name)?;
             u8::try_from(number + 1).ok()
         };
-        let mut own: Vec<Option<u8>> = vec![object.material.and_then(tool); object.triangles.len()];
-        object.materials.iter().for_each(|(facet, listed)| own[*facet as usize] = tool(*listed));
-        for (triangle, tool) in object.triangles.iter().zip(own) {
-            facets.push((tool, triangle.map(|v| transform.apply(object.vertices[v as usize]))));
+        let mut own: Vec<[Option<u8>; 3]> = vec![[object.material.and_then(tool); 3]; object.triangles.len()];
+        object.materials.iter().for_each(|(facet, corners)| own[*facet as usize] = corners.map(tool));
+        for (triangle, tools) in object.triangles.iter().zip(own) {
+            let corners = triangle.map(|v| transform.apply(object.vertices[v as usize]));
+            match tools {
+                [a, b, c] if a == b && b == c => facets.push((a, corners)),
+                _ => facets.extend(by_corner(corners, tools)),
+            }
         }
     }
     // What most facets are made of is not painted on.

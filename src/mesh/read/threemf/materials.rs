@@ -48,6 +48,23 @@ fn opaque(color: &str) -> String {
     color.get(..7).unwrap_or(color).to_uppercase()
 }
 
+/// What the attributes of a triangle say of its material.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct MadeOf {
+    pub group: Option<u32>,
+    /// Of its corners; the first holds for those without.
+    pub places: [Option<u32>; 3],
+}
+
+impl MadeOf {
+    /// The materials of its corners, where those of an object are the usual ones.
+    pub fn corners(self, usual: Option<Listed>) -> Option<[Listed; 3]> {
+        let of = |place: Option<u32>| listed(self.group, place.or(self.places[0]), usual);
+        let [a, b, c] = self.places.map(of);
+        Some([a?, b?, c?])
+    }
+}
+
 /// The material that attributes name; `pid` without a place means the first.
 pub(super) fn listed(pid: Option<u32>, place: Option<u32>, usual: Option<Listed>) -> Option<Listed> {
     match (pid, place) {

@@ -9,7 +9,7 @@ use quick_xml::reader::NsReader;
 
 use super::affine::Affine;
 use super::lattice::{self, BALLS, BEAMS, Lattice};
-use super::materials::{self, Group, Listed, MATERIALS};
+use super::materials::{self, Group, Listed, MATERIALS, MadeOf};
 use super::paint::Kind;
 use super::xml::{MEND, text, value};
 use crate::mesh::paint::Paint;
@@ -82,7 +82,7 @@ pub(super) struct Object {
     /// The material of what says nothing else.
     pub material: Option<Listed>,
     /// Triangles with a material of their own.
-    pub materials: Vec<(u32, Listed)>,
+    pub materials: Vec<(u32, [Listed; 3])>,
     /// Struts and balls besides the triangles.
     pub lattice: Option<Lattice>,
     pub components: Vec<Use>,
@@ -163,9 +163,9 @@ pub(super) fn read(mut reader: NsReader<impl BufRead>) -> Result<Part, Refusal> 
                         }
                     }),
                     "triangle" => {
-                        let mut listed = [None; 2];
-                        triangle(&tag, &mut painted, &mut listed).and_then(|triangle| match &mut current {
-                            Some((_, object)) => object.add(triangle, painted.drain(..), listed),
+                        let mut made_of = MadeOf::default();
+                        triangle(&tag, &mut painted, &mut made_of).and_then(|triangle| match &mut current {
+                            Some((_, object)) => object.add(triangle, painted.drain(..), made_of),
                             None => Ok(()),
                         })
                     }
@@ -280,7 +280,7 @@ impl Object {
         &mut self,
         triangle: [u32; 3],
         painted: impl Iterator<Item = (Kind, String)>,
-        [pid, place]: [Option<u32>; 2],
+        made_of: MadeOf,
     ) -> Result<(), String> {
         match triangle.iter().find(|&&v| v as usize >= self.vertices.len()) {
             Some(v) => Err(format!(
@@ -289,8 +289,9 @@ impl Object {
                 self.vertices.len()
             )),
             None => {
-                let own =
-                    materials::listed(pid, place, self.material).filter(|own| self.material != Some(*own));
+                let own = made_of
+                    .corners(self.material)
+                    .filter(|own| own.iter().any(|own| self.material != Some(*own)));
                 self.materials.extend(own.map(|own| (self.triangles.len() as u32, own)));
                 self.triangles.push(triangle);
                 let corners = || triangle.map(|v| self.vertices[v as usize]);
@@ -367,15 +368,17 @@ fn corner(tag: &BytesStart<'_>) -> Result<[f64; 3], String> {
     }
 }
 
-/// A triangle; `painted` gets what is painted on it, `listed` where its material is (that of its first corner).
+/// A triangle; `painted` gets what is painted on it, `made_of` where its material is.
 fn triangle(
     tag: &BytesStart<'_>,
     painted: &mut Vec<(Kind, String)>,
-    listed: &mut [Option<u32>; 2],
+    made_of: &mut MadeOf,
 ) -> Result<[u32; 3], String> {
     three(tag, ["v1", "v2", "v3"], |key, value| match key {
-        "pid" => listed[0] = value.trim().parse().ok(),
-        "p1" => listed[1] = value.trim().parse().ok(),
+        "pid" => made_of.group = value.trim().parse().ok(),
+        "p1" => made_of.places[0] = value.trim().parse().ok(),
+        "p2" => made_of.places[1] = value.trim().parse().ok(),
+        "p3" => made_of.places[2] = value.trim().parse().ok(),
         _ => painted
             .extend(Kind::of(key).filter(|_| !value.trim().is_empty()).map(|kind| (kind, value.to_owned()))),
     })

@@ -1,0 +1,86 @@
+//! Tools that print several layers before another is taken, where objects are apart.
+
+use std::collections::BTreeMap;
+
+use crate::support::found::{kinds, report};
+use crate::support::print::{Print, run};
+use crate::tools::{boxes, near, several, text, volumes, with_tools};
+use pathwright::Observer;
+use pathwright::gcode::{Action, replay};
+use pathwright::job::Engine;
+use pathwright::pipeline::Pipeline;
+use pathwright::profile::Settings;
+
+const LEFT: (&str, [f64; 3], [f64; 3]) = ("left", [0.0; 3], [15.0, 15.0, 6.0]);
+
+/// A box of the first tool and one of the second, which are so far apart, with a tool of each for both.
+fn print(apart_mm: f64, sets: &[&str]) -> (Print, Settings, u64) {
+    let folder = tempfile::tempdir().unwrap();
+    let base = several(2, &[&["tool_change.flush_volume=60"], sets].concat());
+    let right = ("right", [15.0 + apart_mm, 0.0, 0.0], [30.0 + apart_mm, 15.0, 6.0]);
+    let job = with_tools(boxes(&folder, &[LEFT, right]), &base, &[("right", 2)]);
+    let rows = Pipeline.compare_tools(&job, &base, &Observer::none()).expect("a comparison");
+    let best = rows.iter().find(|row| row.order == "optimal").expect("it is compared").changes;
+    (run(&job, &base).expect("a print"), base, best)
+}
+
+#[test]
+fn a_tool_that_may_be_a_layer_ahead_is_changed_half_as_often() {
+    let (by_layer, _, _) = print(8.0, &[]);
+    let (ahead, settings, compared) = print(8.0, &["tool_change.ahead=0.2"]);
+    let changes = [&by_layer, &ahead].map(|print| print.summary.tool_changes);
+    // The first layers come one by one.
+    assert!(changes[1] <= changes[0] / 2 + 2, "{changes:?}");
+    assert_eq!(compared, changes[1] as u64);
+    assert_eq!(kinds(&report(&ahead.text, &settings)), []);
+    for (tool, [_, part]) in volumes(&by_layer) {
+        let now = volumes(&ahead)[&tool][1];
+        assert!(near(now, part), "tool {tool}: {now} mm³, {part} layer by layer");
+    }
+    let [layers, now] = [&by_layer, &ahead].map(|print| &print.summary.layers);
+    let heights = |layers: &[pathwright::report::LayerSummary]| -> Vec<f64> {
+        layers.iter().map(|layer| layer.z_mm).collect()
+    };
+    assert_eq!(heights(now), heights(layers), "each layer counts once");
+}
+
+#[test]
+fn what_is_nearer_than_2_mm_is_printed_layer_by_layer() {
+    let [by_layer, ahead] = [&[][..], &["tool_change.ahead=0.2"]].map(|sets| print(1.8, sets).0);
+    assert_eq!(by_layer.summary.tool_changes, ahead.summary.tool_changes);
+}
+
+#[test]
+fn the_nozzle_is_no_further_below_what_stands_than_is_allowed_and_passes_over_it() {
+    for sets in [&["tool_change.ahead=0.4"][..], &["tool_change.ahead=0.4", "prime_tower.enabled=false"]] {
+        let (ahead, _, _) = print(8.0, &[sets, &["skirt.loops=0"]].concat());
+        // Tops of what stands left, right, and elsewhere.
+        let mut tops: BTreeMap<usize, f64> = BTreeMap::new();
+        let place = |at: [f64; 3]| match at {
+            [_, y, _] if !(99.0..116.0).contains(&y) => 2,
+            [x, ..] if (99.0..116.0).contains(&x) => 0,
+            [x, ..] if (122.0..139.0).contains(&x) => 1,
+            _ => 2,
+        };
+        let (mut begun, mut deepest) = (false, 0.0_f64);
+        for step in replay(&ahead.text) {
+            begun |= step.line.text.starts_with(b";LAYER_CHANGE");
+            let Action::Stroke(stroke) = step.action else { continue };
+            if !begun || stroke.xy_mm == 0.0 {
+                continue;
+            }
+            let [from, to] = [stroke.from, stroke.to].map(place);
+            let highest = tops.values().copied().fold(0.0, f64::max);
+            let z_mm = stroke.from[2].min(stroke.to[2]);
+            if stroke.extrudes() {
+                deepest = deepest.max(highest - z_mm);
+                let top = tops.entry(to).or_default();
+                *top = top.max(z_mm);
+            } else if from != to {
+                assert!(z_mm > highest - 1e-6, "from {:?} to {:?} below {highest}", stroke.from, stroke.to);
+            }
+        }
+        assert!((deepest - 0.4).abs() < 1e-6, "{deepest}");
+        assert!(text(&ahead).contains(";LAYER:9\n"));
+    }
+}
