@@ -5,7 +5,6 @@ use std::io;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use super::{cura, ini, orca};
 use crate::limits;
 
 /// Files and folders that presets are read from. Without a list of its own: those of this machine.
@@ -92,12 +91,6 @@ impl Files {
         let files = self.0.iter().flat_map(move |files| files.range(path.to_owned()..));
         files.map(|(path, _)| path).take_while(move |below| below.starts_with(path))
     }
-}
-
-/// Whether a file of that name may be read as presets, so that it is to be given.
-pub fn is_preset_file(name: &str) -> bool {
-    let name = name.to_ascii_lowercase();
-    ini::is_preset(&name) || orca::is_preset(&name) || cura::is_file(&name)
 }
 
 #[cfg(test)]

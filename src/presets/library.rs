@@ -5,6 +5,7 @@ use super::cura::{self, Cura};
 use super::error::PresetError;
 use super::family::{Family, Kind, Listed, Source};
 use super::files::Files;
+use super::ini;
 use super::orca::{self, Orca};
 use super::prusa::Prusa;
 use crate::near;
@@ -74,6 +75,12 @@ fn may_hold(files: &Files, source: &Source, way: &Way) -> bool {
         Some(dialect) => way.dialects.contains(&dialect),
         None => files.is_dir(&source.path) || (way.is_of_name)(&name),
     }
+}
+
+/// Whether a file of that name may be read as presets, so that it is to be given.
+pub fn is_preset_file(name: &str) -> bool {
+    let name = name.to_ascii_lowercase();
+    ini::is_preset(&name) || orca::is_preset(&name) || cura::is_file(&name)
 }
 
 impl Library {
