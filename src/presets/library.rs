@@ -40,6 +40,9 @@ pub struct Chosen {
     pub notes: Vec<String>,
 }
 
+/// Reads a family from sources; what cannot be read becomes a problem.
+type Read = fn(&Files, &[&Source], &mut Vec<PresetError>) -> Box<dyn Family>;
+
 /// A way to write presets.
 struct Way {
     /// Whose it is.
@@ -47,7 +50,7 @@ struct Way {
     /// Whether a file of that name, in small letters, may be of it.
     is_of_name: fn(&str) -> bool,
     /// Reads a family from sources.
-    read: fn(&Files, &[&Source], &mut Vec<PresetError>) -> Box<dyn Family>,
+    read: Read,
 }
 
 const WAYS: [Way; 3] = [
