@@ -26,7 +26,7 @@ use crate::report::{ModelInfo, PaperRow, Reordered, Summary};
 pub use error::{CheckError, FitError, InputError, JobError};
 #[cfg(feature = "serve")]
 pub(crate) use model::digest;
-#[cfg(feature = "send")]
+#[cfg(feature = "hosts")]
 pub(crate) use model::hexadecimal;
 pub use model::{JobModel, ModelFile, ModelFiles, ModelSource};
 pub use objects::ObjectSettings;

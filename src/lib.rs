@@ -77,7 +77,7 @@ pub mod presets;
 pub mod profile;
 pub mod reorder;
 pub mod report;
-#[cfg(feature = "send")]
+#[cfg(feature = "hosts")]
 pub mod send;
 #[cfg(feature = "serve")]
 pub mod serve;

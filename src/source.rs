@@ -27,6 +27,15 @@ impl<'a> Source<'a> {
         }
     }
 
+    /// Whether it is binary G-code.
+    #[cfg(feature = "hosts")]
+    pub fn is_binary(self) -> bool {
+        match self {
+            Self::File(path) => gcode::is_binary(path),
+            Self::Memory(mut bytes) => gcode::begins_binary(&mut bytes).unwrap_or(false),
+        }
+    }
+
     /// The error of input that cannot be read.
     pub fn error(self, source: io::Error) -> JobError {
         InputError::Read { file: self.to_string(), source }.into()

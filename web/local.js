@@ -6,6 +6,11 @@
 import { EngineError, readMesh } from "./engine.js";
 import { compiled, started } from "./browser.js";
 import { Caller } from "./caller.js";
+import { Hosts } from "./hosts.js";
+import { Kept } from "./kept.js";
+
+/** Most bytes of presets: two workers hold them. */
+const PRESETS_BYTES = 256 << 20;
 
 /** An address at which the browser finds bytes for a while. */
 function address(blob) {
@@ -17,7 +22,7 @@ function address(blob) {
 export class Engine {
   constructor() {
     // `last`: revision; `base`: revisions before those that the slicing worker counts.
-    Object.assign(this, { session: null, files: [], project: null, sides: null, plate: null, slicing: null, last: 0, base: 0, on: {} });
+    Object.assign(this, { kept: new Kept(), printHosts: new Hosts(() => this.compiled()), session: null, files: [], project: null, sides: null, plate: null, slicing: null, last: 0, base: 0, on: {} });
     navigator.serviceWorker?.register("service-worker.js").catch(() => {});
   }
 
@@ -26,22 +31,68 @@ export class Engine {
   schema = () => this.ask("schema");
   profiles = () => this.ask("profiles");
   convert = (name, text) => this.ask("convert", name, text);
-  // Presets and print hosts are those of a machine with the program.
-  printers = async () => [];
-  printer = async (name) => { throw new EngineError({ kind: "not_found", message: `there is no printer ${name}` }, 404); };
-  hosts = async () => [];
+  printers = (words) => this.ask("printers", words);
+  printer = (name) => this.ask("printer", name);
+
+  // Print hosts: those that were entered here.
+
+  hostKinds = () => this.printHosts.kinds;
+  hosts = async () => this.printHosts.list();
+  host = (name) => this.printHosts.state(name).catch(refused);
+  print = (name, wanted, gcode) => this.printHosts.print(name, wanted, gcode).catch(refused);
+  addHost = (host) => this.printHosts.add(host).catch(refused);
+  removeHost = async (name) => this.printHosts.remove(name);
+
   opened = async () => [];
+
+  // Folders of presets: a page finds none by itself.
+
+  presetFolders = async () => [...(await this.kept.presets()).keys()];
+
+  /** Takes what is of presets among the files of a folder, in place of an earlier folder of that name. */
+  async addPresets(files) {
+    const [folder] = files[0].path.split("/"), wanted = await this.ask("presetFiles", files.map(({ path }) => path));
+    const chosen = files.filter((_, i) => wanted[i]), lengths = chosen.map(({ file }) => file.size);
+    const size = lengths.reduce((sum, length) => sum + length, 0);
+    if (size > PRESETS_BYTES) throw new EngineError({ kind: "limit", message: `${folder} has ${size >> 20} MB of presets, and ${PRESETS_BYTES >> 20} MB are possible; open a folder in it` });
+    // As one, in memory: later the files may be others, or gone.
+    const bytes = new Blob([await new Blob(chosen.map(({ file }) => file)).arrayBuffer()]);
+    await this.kept.setPresets(folder, { paths: chosen.map(({ path }) => path), lengths, bytes });
+    const problems = await this.usePresets();
+    return { folder, printers: await this.ask("printersOf", folder), problems };
+  }
+
+  async forgetPresets(folder) {
+    await this.kept.setPresets(folder, null);
+    await this.usePresets();
+  }
+
+  /** Gives all presets to the worker that answers; the one that slices begins anew, and has them, too. */
+  async usePresets() {
+    const folders = [...(await this.kept.presets()).values()];
+    this.presets = async () => ({
+      paths: folders.flatMap(({ paths }) => paths), lengths: folders.flatMap(({ lengths }) => lengths),
+      bytes: new Uint8Array(await new Blob(folders.map(({ bytes }) => bytes)).arrayBuffer()),
+    });
+    this.slicing?.end(gone());
+    return this.ask("presets", await this.presets());
+  }
 
   // One plate.
 
   async open() {
-    this.module ??= await compiled();
+    await this.compiled();
     this.end();
     this.plate = new Caller(started(), this.module, (event, error) => event === "ended" && this.lost(error));
     const version = await this.ask("version");
     await this.ask("open");
+    await this.usePresets();
     this.session = "page";
     return version;
+  }
+
+  async compiled() {
+    return (this.module ??= await compiled());
   }
 
   close() {
@@ -87,6 +138,7 @@ export class Engine {
 
   preview = (event) => event.packed.arrayBuffer();
   gcode = (event) => address(event.file);
+  gcodeFile = async (event) => event.file;
   projectFile = async () => address(new Blob([await this.ask("projectFile", JSON.stringify(this.project))], { type: "model/3mf" }));
   profileFile = async () => address(new Blob([await this.ask("profile", JSON.stringify(this.project))], { type: "application/toml" }));
 
@@ -110,7 +162,8 @@ export class Engine {
       this.base = this.last;
       const slicer = new Caller(started(), this.module);
       slicer.on = (...told) => this.slicing === slicer && this.told(slicer, ...told);
-      this.slicing = Object.assign(slicer, { busy: false, files: 0, opened: slicer.call("open") });
+      const opened = slicer.call("open").then(async () => slicer.call("presets", await this.presets()));
+      this.slicing = Object.assign(slicer, { busy: false, files: 0, opened });
     }
     const slicer = this.slicing;
     slicer.busy = true;

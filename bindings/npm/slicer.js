@@ -7,7 +7,7 @@ import * as wasm from "./pathwright.js";
  * `{ id, value }` or `{ id, error }` for each, and `{ event, data, bytes }` meanwhile.
  */
 export function slicer(post) {
-  let panic = null, session = null, done = [];
+  let panic = null, session = null, presets = null, done = [];
 
   const told = (event, json, bytes) => {
     const data = JSON.parse(json);
@@ -47,12 +47,26 @@ export function slicer(post) {
 
     // A plate that is sliced as it changes.
     open: () => { session = new wasm.Session(); },
+    presetFiles: (paths) => wasm.preset_files(paths),
+    presets: ({ paths, lengths, bytes }) => {
+      presets?.free();
+      presets = new wasm.Presets(paths, Uint32Array.from(lengths), bytes);
+      session.set_presets(presets);
+      return presets.problems();
+    },
+    printersOf: (folder) => presets.count(folder),
+    printers: (words) => JSON.parse(presets?.find(words) ?? "[]"),
+    printer: (name) => JSON.parse(presets.printer(name)),
     add: (name, bytes) => JSON.parse(session.add(name, bytes)),
     mesh: (file, object) => session.mesh(file, object),
     faces: (file, object) => JSON.parse(session.faces(file, object)),
     setProject: (project) => session.set_project(project),
     setProjects: (a, b) => [...session.compare(a, b)],
     arrange: (project) => JSON.parse(session.arrange(project)),
+    hostAddress: (host) => wasm.host_address(host),
+    hostState: (host) => JSON.parse(wasm.host_state(host)),
+    hostPrint: (host, wanted, gcode) => JSON.parse(wasm.host_print(host, wanted, gcode)),
+
     orient: (project, model) => JSON.parse(session.orient(project, model)),
     projectFile: (project) => session.project_file(project),
     profile: (project) => session.profile(project),

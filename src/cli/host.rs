@@ -106,7 +106,12 @@ fn text(config: &Config, key: &str) -> Option<String> {
 /// How long hosts are waited for; what is tried again is told.
 pub(super) fn patience(access: &AccessArgs) -> Patience {
     let told = |error: &send::SendError| console::tell(format_args!("{error}: trying again"));
-    Patience { retry: Duration::from_secs(access.retry.into()), silence: access.host_timeout, told }
+    Patience {
+        retry: Duration::from_secs(access.retry.into()),
+        silence: access.host_timeout,
+        told,
+        ..Patience::default()
+    }
 }
 
 /// What a printer does, in a line.

@@ -61,10 +61,10 @@ fn deliver(
     let host = send::connect(entry, patience(&args.access))?;
     let about = host.about()?;
     if !args.no_check {
-        let facts = FileFacts::read(file).map_err(unreadable)?;
+        let facts = FileFacts::read(&payload).map_err(unreadable)?;
         console::warn(&send::examine(&entry.name, entry.kind, &about, &facts)?);
         let settings = printer_settings(entry, settings)?;
-        let check = |_: Workers<'_>| send::check(&entry.name, file, &about, settings);
+        let check = |_: Workers<'_>| send::check(&entry.name, &payload, &about, settings);
         parallel::run(Some(0), &Observer::none(), check).unwrap_or(Ok(()))?;
     }
     let name = args.name.clone().unwrap_or_else(|| file_name(file));

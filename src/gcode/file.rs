@@ -77,7 +77,7 @@ pub(crate) fn open_stream<'a>(mut stream: impl Read + 'a) -> io::Result<Box<dyn 
     Ok(Box::new(Text::open(Cursor::new(begin))?))
 }
 
-fn begins_binary(file: &mut impl Read) -> io::Result<bool> {
+pub(crate) fn begins_binary(file: &mut impl Read) -> io::Result<bool> {
     let mut begin = Vec::new();
     file.take(MAGIC.len() as u64).read_to_end(&mut begin)?;
     Ok(begin == MAGIC)

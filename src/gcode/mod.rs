@@ -25,9 +25,13 @@ pub use binary::{BinaryMetadata, write_binary};
 pub(crate) use binary::{contents, pack_text};
 pub use effect::Effect;
 pub(crate) use effect::script_time;
-pub(crate) use file::{Input, open, open_bytes};
+#[cfg(feature = "hosts")]
+pub(crate) use file::begins_binary;
+#[cfg(any(feature = "cli", feature = "hosts"))]
+pub(crate) use file::is_binary;
 #[cfg(feature = "cli")]
-pub(crate) use file::{is_binary, open_stream};
+pub(crate) use file::open_stream;
+pub(crate) use file::{Input, open, open_bytes};
 pub use file::{is_binary_name, is_gcode};
 pub(crate) use header::calendar;
 pub use header::{Header, footer, header, labels, object_comment};

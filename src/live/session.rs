@@ -13,6 +13,7 @@ use crate::job::{Job, JobError, ModelFile, ModelFiles, Project};
 use crate::observer::Observer;
 use crate::pipeline::Pipeline;
 use crate::plate::{self, Face};
+use crate::presets::Library;
 use crate::profile;
 
 /// Meshes with more triangles are simplified for display.
@@ -89,6 +90,11 @@ impl Session {
         Ok(added)
     }
 
+    /// Takes other presets, whose names mean these from now on; they wait for a slicing that runs.
+    pub fn set_library(&self, library: Arc<Library>) {
+        self.shared.set_library(library);
+    }
+
     /// The models, by their names.
     pub fn models(&self) -> ModelFiles {
         self.shared.state().files.clone()
@@ -156,7 +162,7 @@ impl Session {
     /// # Errors
     /// Everything that is wrong with them.
     pub fn settings(&self, project: &Project) -> Result<profile::Resolved, Failure> {
-        Ok(project.resolve(self.shared.library()).map_err(JobError::from)?)
+        Ok(project.resolve(self.shared.library().as_deref()).map_err(JobError::from)?)
     }
 
     /// The job of a project.
@@ -164,7 +170,7 @@ impl Session {
     /// # Errors
     /// Models that are not there, settings that are wrong.
     pub fn job(&self, project: &Project) -> Result<Job, Failure> {
-        Ok(project.job(&self.models(), self.shared.library())?)
+        Ok(project.job(&self.models(), self.shared.library().as_deref())?)
     }
 
     /// The project with positions for all models.

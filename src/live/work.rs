@@ -20,6 +20,8 @@ use crate::report::Summary;
 /// What its work shares with a session.
 pub(super) struct Shared {
     pub options: Options,
+    /// Presets that projects may name.
+    library: Mutex<Option<Arc<Library>>>,
     state: Mutex<State>,
     /// Revisions before this one are overtaken; asked by slicings without a lock.
     pub first: AtomicU64,
@@ -30,7 +32,8 @@ pub(super) struct Shared {
 #[derive(Default)]
 struct Cache {
     stages: StageCache,
-    chosen: Option<(PresetNames, Arc<Chosen>)>,
+    /// Of which presets, by which names.
+    chosen: Option<(Arc<Library>, PresetNames, Arc<Chosen>)>,
 }
 
 /// About how many bytes a model takes: its file, and the repaired meshes.
@@ -42,15 +45,21 @@ pub(super) fn bytes_of(file: &ModelFile) -> usize {
 
 impl Shared {
     pub fn new(options: Options) -> Self {
-        Self { options, state: Mutex::default(), first: AtomicU64::new(0), cache: Mutex::default() }
+        let library = Mutex::new(options.library.clone());
+        Self { options, library, state: Mutex::default(), first: AtomicU64::new(0), cache: Mutex::default() }
     }
 
     pub fn state(&self) -> MutexGuard<'_, State> {
         self.state.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    pub fn library(&self) -> Option<&Library> {
-        self.options.library.as_deref()
+    pub fn library(&self) -> Option<Arc<Library>> {
+        self.library.lock().unwrap_or_else(PoisonError::into_inner).clone()
+    }
+
+    /// Takes other presets in place of those that there are; what is sliced next is of them.
+    pub fn set_library(&self, library: Arc<Library>) {
+        *self.library.lock().unwrap_or_else(PoisonError::into_inner) = Some(library);
     }
 
     pub fn check_room(&self, bytes: usize) -> Result<(), Failure> {
@@ -208,11 +217,15 @@ impl Shared {
         project: &Project,
         cache: &mut Cache,
     ) -> Result<Option<Arc<Chosen>>, profile::ProfileError> {
-        if let Some((_, chosen)) = cache.chosen.as_ref().filter(|(names, _)| *names == project.presets) {
+        let Some(library) = self.library() else { return Ok(project.chosen(None)?.map(Arc::new)) };
+        if let Some((of, names, chosen)) = &cache.chosen
+            && Arc::ptr_eq(of, &library)
+            && *names == project.presets
+        {
             return Ok(Some(chosen.clone()));
         }
-        let chosen = project.chosen(self.library())?.map(Arc::new);
-        cache.chosen = chosen.clone().map(|chosen| (project.presets.clone(), chosen));
+        let chosen = project.chosen(Some(&library))?.map(Arc::new);
+        cache.chosen = chosen.clone().map(|chosen| (library, project.presets.clone(), chosen));
         Ok(chosen)
     }
 

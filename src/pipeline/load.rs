@@ -2,6 +2,8 @@
 
 use std::path::Path;
 
+use geometry::real;
+
 use crate::job::{FitError, InputError, Job, JobError, JobModel};
 use crate::limits;
 use crate::mesh::{self, Effect, Mesh, MeshError, SavedSettings, Transform, TransformError, Wish};
@@ -386,7 +388,9 @@ pub(super) fn check_size(plate: &Plate, settings: &LayerSettings) -> Result<(), 
     }
     let crossed = |mesh: &Mesh, triangle: &[u32; 3]| {
         let z = triangle.map(|v| mesh.vertices()[v as usize][2]);
-        ((z[0].max(z[1]).max(z[2]) - z[0].min(z[1]).min(z[2])) / height_mm).ceil() as u64
+        let high = real::greater(real::greater(z[0], z[1]), z[2]);
+        let low = real::lesser(real::lesser(z[0], z[1]), z[2]);
+        ((high - low) / height_mm).ceil() as u64
     };
     let crossings: u64 =
         plate.meshes.iter().flat_map(|mesh| mesh.triangles().iter().map(|t| crossed(mesh, t))).sum();

@@ -10,6 +10,7 @@ use rustc_hash::{FxHashMap, FxHashSet};
 use super::config::{Dialect, Place};
 use super::error::PresetError;
 use super::family::{Kind, Listed};
+use super::files::Files;
 use super::ini::{self, Line, Section};
 use super::value::texts;
 use crate::limits;
@@ -64,8 +65,13 @@ impl Bundles {
     ///
     /// # Errors
     /// The file cannot be read.
-    pub fn add_file(&mut self, path: &Path, dialect: Option<Dialect>) -> Result<(), PresetError> {
-        let lines = ini::lines(path).map_err(|message| unreadable(path, message))?;
+    pub fn add_file(
+        &mut self,
+        files: &Files,
+        path: &Path,
+        dialect: Option<Dialect>,
+    ) -> Result<(), PresetError> {
+        let lines = ini::lines(files, path).map_err(|message| unreadable(path, message))?;
         self.add_sections(&path.display().to_string(), ini::sections(&lines), dialect);
         Ok(())
     }
@@ -95,11 +101,12 @@ impl Bundles {
     /// The file cannot be read.
     pub fn add_preset(
         &mut self,
+        files: &Files,
         kind: Kind,
         path: &Path,
         dialect: Option<Dialect>,
     ) -> Result<(), PresetError> {
-        let lines = ini::lines(path).map_err(|message| unreadable(path, message))?;
+        let lines = ini::lines(files, path).map_err(|message| unreadable(path, message))?;
         let sections = ini::sections(&lines);
         let is_super = || sections.iter().any(|section| section.value(SUPER_KEY).is_some());
         let dialect = dialect.unwrap_or_else(|| if is_super() { Dialect::Super } else { Dialect::Prusa });

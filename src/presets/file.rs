@@ -6,6 +6,7 @@ use std::path::Path;
 use super::bundle::{Bundles, Found};
 use super::config::{Config, Dialect, Place};
 use super::family::Kind;
+use super::files::Files;
 use super::ini::{self, Section, assignment};
 use super::keys::key_type;
 use super::project;
@@ -23,7 +24,7 @@ pub fn is_foreign(path: &Path) -> bool {
 /// The file cannot be read.
 pub fn bundle_values(path: &Path) -> Result<Vec<(String, String)>, String> {
     let kinds = ["print:", "filament:", "printer:"];
-    let sections = ini::sections(&ini::lines(path)?);
+    let sections = ini::sections(&ini::lines(&Files::default(), path)?);
     let presets =
         sections.into_iter().filter(|section| kinds.iter().any(|kind| section.name.starts_with(kind)));
     Ok(presets.flat_map(|section| section.lines).map(|line| (line.key, line.value)).collect())
@@ -47,7 +48,7 @@ impl Config {
             }
             return block.config(&file);
         }
-        Self::of_sections(&file, ini::sections(&ini::lines(path)?))
+        Self::of_sections(&file, ini::sections(&ini::lines(&Files::default(), path)?))
     }
 
     /// Reads the lines of an `.ini` file.

@@ -1,10 +1,8 @@
 //! `.ini` files: sections of `key = value`, as bundles of presets and single configurations are written.
 
-use std::fs::File;
-use std::io::{BufRead, BufReader, Read};
 use std::path::{Path, PathBuf};
 
-use crate::limits;
+use super::files::Files;
 
 /// One `key = value`, and its line, from 1.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -31,40 +29,30 @@ impl Section {
 }
 
 /// The `.ini` files of a folder, by name.
-pub(super) fn files(folder: &Path) -> Vec<PathBuf> {
-    let entries = std::fs::read_dir(folder).into_iter().flatten().flatten().map(|entry| entry.path());
+pub(super) fn files(files: &Files, folder: &Path) -> Vec<PathBuf> {
     let is_ini = |path: &PathBuf| {
-        path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("ini")) && path.is_file()
+        let name = path.file_name().unwrap_or_default().to_string_lossy().to_ascii_lowercase();
+        is_preset(&name) && files.is_file(path)
     };
-    let mut files: Vec<PathBuf> = entries.filter(is_ini).collect();
-    files.sort();
-    files
+    files.entries(folder).into_iter().filter(is_ini).collect()
+}
+
+/// Whether a file of that name, in small letters, may hold presets.
+pub(super) fn is_preset(name: &str) -> bool {
+    name.ends_with(".ini")
 }
 
 /// The lines of a text file, whatever its encoding.
 ///
 /// # Errors
 /// It cannot be read, or is larger than presets are.
-pub(super) fn lines(path: &Path) -> Result<Vec<String>, String> {
-    let mut lines = Vec::new();
-    each_line(path, limits::PRESETS_BYTES, |_, line| lines.push(line.to_owned()))?;
-    Ok(lines)
-}
-
-/// Does something with every line of a text file of at most `most` bytes, and its number, from 1.
-///
-/// # Errors
-/// It cannot be read, or is larger.
-pub(super) fn each_line(path: &Path, most: u64, mut work: impl FnMut(usize, &str)) -> Result<(), String> {
-    let read = |error: std::io::Error| format!("cannot be read: {error}");
-    let file = File::open(path).map_err(read)?;
-    if file.metadata().map_err(read)?.len() > most {
-        return Err(format!("is larger than {} MB", most >> 20));
+pub(super) fn lines(files: &Files, path: &Path) -> Result<Vec<String>, String> {
+    let bytes = files.small(path)?;
+    let whole = bytes.strip_suffix(b"\n").unwrap_or(&bytes);
+    if bytes.is_empty() {
+        return Ok(Vec::new());
     }
-    for (index, line) in BufReader::new(file.take(most)).split(b'\n').enumerate() {
-        work(index + 1, &String::from_utf8_lossy(&line.map_err(read)?));
-    }
-    Ok(())
+    Ok(whole.split(|byte| *byte == b'\n').map(|line| String::from_utf8_lossy(line).into_owned()).collect())
 }
 
 /// The sections of a file, the first of them what precedes all names.

@@ -4,6 +4,8 @@ use super::config::{Config, Dialect};
 use super::cura::{self, Cura};
 use super::error::PresetError;
 use super::family::{Family, Kind, Listed, Source};
+use super::files::Files;
+use super::ini;
 use super::orca::{self, Orca};
 use super::prusa::Prusa;
 use crate::near;
@@ -38,6 +40,9 @@ pub struct Chosen {
     pub notes: Vec<String>,
 }
 
+/// Reads a family from sources; what cannot be read becomes a problem.
+type Read = fn(&Files, &[&Source], &mut Vec<PresetError>) -> Box<dyn Family>;
+
 /// A way to write presets.
 struct Way {
     /// Whose it is.
@@ -45,46 +50,59 @@ struct Way {
     /// Whether a file of that name, in small letters, may be of it.
     is_of_name: fn(&str) -> bool,
     /// Reads a family from sources.
-    read: fn(&[&Source], &mut Vec<PresetError>) -> Box<dyn Family>,
+    read: Read,
 }
 
 const WAYS: [Way; 3] = [
     Way {
         dialects: &[Dialect::Prusa, Dialect::Super],
         is_of_name: |name| !name.ends_with(".json"),
-        read: |sources, problems| Box::new(Prusa::read(sources, problems)),
+        read: |files, sources, problems| Box::new(Prusa::read(files, sources, problems)),
     },
     Way {
         dialects: &[Dialect::Orca],
         is_of_name: orca::is_preset,
-        read: |sources, problems| Box::new(Orca::read(sources, problems)),
+        read: |files, sources, problems| Box::new(Orca::read(files, sources, problems)),
     },
     Way {
         dialects: &[Dialect::Cura],
         is_of_name: cura::is_preset,
-        read: |sources, _| Box::new(Cura::read(sources)),
+        read: |files, sources, _| Box::new(Cura::read(files, sources)),
     },
 ];
 
 /// Whether a source may hold presets of a way. Files are known by their names, folders may hold any.
-fn may_hold(source: &Source, way: &Way) -> bool {
+fn may_hold(files: &Files, source: &Source, way: &Way) -> bool {
     let name = source.path.file_name().unwrap_or_default().to_string_lossy().to_ascii_lowercase();
     match source.dialect {
         Some(dialect) => way.dialects.contains(&dialect),
-        None => source.path.is_dir() || (way.is_of_name)(&name),
+        None => files.is_dir(&source.path) || (way.is_of_name)(&name),
     }
 }
 
+/// Whether a file of that name may be read as presets, so that it is to be given.
+pub fn is_preset_file(name: &str) -> bool {
+    let name = name.to_ascii_lowercase();
+    ini::is_preset(&name) || orca::is_preset(&name) || cura::is_file(&name)
+}
+
 impl Library {
-    /// Reads what is in files and folders, those first that win where names are the same. What is not there is passed over.
+    /// Reads what is in files and folders of this machine, those first that win where names are the same. What is not there is
+    /// passed over.
     pub fn open(sources: &[Source]) -> Self {
-        let there: Vec<&Source> = sources.iter().filter(|source| source.path.exists()).collect();
+        Self::open_in(&Files::default(), sources)
+    }
+
+    /// The same of files and folders from elsewhere.
+    pub fn open_in(files: &Files, sources: &[Source]) -> Self {
+        let there: Vec<&Source> = sources.iter().filter(|source| files.exists(&source.path)).collect();
         let mut problems = Vec::new();
         let mut families: Vec<(usize, Box<dyn Family>)> = Vec::new();
         for way in &WAYS {
-            let Some(first) = there.iter().position(|source| may_hold(source, way)) else { continue };
-            let own: Vec<&Source> = there.iter().filter(|source| may_hold(source, way)).copied().collect();
-            families.push((first, (way.read)(&own, &mut problems)));
+            let Some(first) = there.iter().position(|source| may_hold(files, source, way)) else { continue };
+            let own: Vec<&Source> =
+                there.iter().filter(|source| may_hold(files, source, way)).copied().collect();
+            families.push((first, (way.read)(files, &own, &mut problems)));
         }
         families.sort_by_key(|(first, _)| *first);
         let families = families.into_iter().map(|(_, family)| family).collect();

@@ -9,6 +9,7 @@ use std::path::{Path, PathBuf};
 use super::config::Place;
 use super::error::PresetError;
 use super::family::Source;
+use super::files::Files;
 use super::ini;
 use super::value::{texts, unescaped};
 use crate::near;
@@ -42,7 +43,7 @@ impl PhysicalPrinter {
     /// It cannot be read, or is none of a printer that melts.
     pub fn read(path: &Path) -> Result<Self, PresetError> {
         let wrong = |message: String| PresetError::at(Place::new(path.display().to_string(), 0, ""), message);
-        let lines = ini::lines(path).map_err(wrong)?;
+        let lines = ini::lines(&Files::default(), path).map_err(wrong)?;
         let head = ini::sections(&lines).swap_remove(0);
         let names = texts(head.value("preset_names").unwrap_or_default());
         let presets = names.into_iter().map(Cow::into_owned).filter(|name| !name.is_empty()).collect();
@@ -62,8 +63,10 @@ impl PhysicalPrinter {
     /// # Errors
     /// There is none, or it cannot be read.
     pub fn find(sources: &[Source], name: &str) -> Result<Self, PresetError> {
-        let files: Vec<PathBuf> =
-            sources.iter().flat_map(|source| ini::files(&source.path.join(FOLDER))).collect();
+        let files: Vec<PathBuf> = sources
+            .iter()
+            .flat_map(|source| ini::files(&Files::default(), &source.path.join(FOLDER)))
+            .collect();
         let found = files.iter().find(|file| stem(file) == name);
         if let Some(file) = found.or_else(|| files.iter().find(|file| stem(file).eq_ignore_ascii_case(name)))
         {

@@ -8,6 +8,7 @@ use super::bundle::{Bundles, Found, Preset};
 use super::config::{Config, Dialect, Place, Raw};
 use super::error::PresetError;
 use super::family::{Family, Kind, Listed, Source};
+use super::files::Files;
 use super::ini;
 use super::keys::{self, FORGOTTEN, KEYS, RENAMED};
 use super::names::script_value;
@@ -42,20 +43,20 @@ pub(super) struct Prusa {
 impl Prusa {
     /// Reads what sources hold of such presets: bundles, folders of them, folders of a slicer's settings. What cannot be read
     /// is added to the problems.
-    pub fn read(sources: &[&Source], problems: &mut Vec<PresetError>) -> Self {
+    pub fn read(files: &Files, sources: &[&Source], problems: &mut Vec<PresetError>) -> Self {
         let mut bundles = Bundles::default();
         let mut read = |done: Result<(), PresetError>| problems.extend(done.err());
         for Source { path, dialect } in sources {
-            if path.is_file() {
-                read(bundles.add_file(path, *dialect));
+            if files.is_file(path) {
+                read(bundles.add_file(files, path, *dialect));
                 continue;
             }
-            for file in ini::files(path).into_iter().chain(ini::files(&path.join("vendor"))) {
-                read(bundles.add_file(&file, *dialect));
+            for file in ini::files(files, path).into_iter().chain(ini::files(files, &path.join("vendor"))) {
+                read(bundles.add_file(files, &file, *dialect));
             }
             for kind in [Kind::Printer, Kind::Print, Kind::Filament] {
-                for file in ini::files(&path.join(kind.name())) {
-                    read(bundles.add_preset(kind, &file, *dialect));
+                for file in ini::files(files, &path.join(kind.name())) {
+                    read(bundles.add_preset(files, kind, &file, *dialect));
                 }
             }
         }

@@ -1,13 +1,10 @@
-//! Requests to one host: encrypted where its address says so, with its key, never to another host.
+//! Requests to one host, with its key, never to another host.
 
 use std::cell::RefCell;
-use std::io::{self, Read};
-use std::time::Duration;
+use std::io::{self, Cursor, Read};
 
-use http_auth::{PasswordClient, PasswordParams};
 use percent_encoding::{AsciiSet, NON_ALPHANUMERIC, utf8_percent_encode};
 use serde_json::Value;
-use ureq::{Agent, SendBody};
 
 use super::entry::{HostEntry, Secret};
 use super::error::{Cause, SendError, Step};
@@ -15,7 +12,7 @@ use super::form::Form;
 use super::patience::Patience;
 use super::payload::{Counted, Payload};
 use super::said::said;
-use super::tls::tls;
+use super::transport::{Broken, Incoming, Outgoing, Transport};
 
 /// More is no answer.
 const ANSWER_BYTES: u64 = 16 << 20;
@@ -36,7 +33,7 @@ pub(super) enum Body<'a> {
 /// A request; the path is encoded and may have a query.
 pub(super) struct Request<'a> {
     pub step: Step,
-    pub method: http::Method,
+    pub method: &'static str,
     pub path: String,
     pub headers: Vec<(&'static str, String)>,
     pub body: Body<'a>,
@@ -44,13 +41,13 @@ pub(super) struct Request<'a> {
 
 impl Request<'static> {
     pub fn get(step: Step, path: impl Into<String>) -> Self {
-        Self { step, method: http::Method::GET, path: path.into(), headers: Vec::new(), body: Body::None }
+        Self { step, method: "GET", path: path.into(), headers: Vec::new(), body: Body::None }
     }
 }
 
 impl<'a> Request<'a> {
     pub fn post(step: Step, path: impl Into<String>, body: Body<'a>) -> Self {
-        Self { step, method: http::Method::POST, path: path.into(), headers: Vec::new(), body }
+        Self { step, method: "POST", path: path.into(), headers: Vec::new(), body }
     }
 }
 
@@ -61,49 +58,39 @@ pub(super) struct Answer {
     pub body: Vec<u8>,
 }
 
+/// How a host is answered that asks for a password.
+pub(super) trait Login: Send {
+    /// Takes what it asks with; `None`: it does not say.
+    fn challenged(&self, challenge: Option<&str>);
+
+    /// What a request says to the last challenge.
+    fn answer(&self, method: &str, url: &str) -> Option<String>;
+}
+
 /// Requests to one host.
 pub(super) struct Client {
     pub host: String,
     pub patience: Patience,
-    agent: Agent,
+    transport: Box<dyn Transport>,
     pub base: String,
     /// Sent with every request.
     headers: RefCell<Vec<(&'static str, Secret)>>,
-    /// User and password, and the last challenge of the host.
-    login: Option<(String, Secret)>,
-    challenge: RefCell<Option<PasswordClient>>,
+    login: Option<Box<dyn Login>>,
     /// What no message shows.
     secrets: Vec<Secret>,
 }
 
 impl Client {
-    pub fn new(entry: &HostEntry, patience: Patience) -> Result<Self, SendError> {
-        let wrong = |message: String, advice: &str| {
-            SendError::new(&entry.name, Step::Configure, Cause::Settings, message, advice)
-        };
-        let mut config = Agent::config_builder()
-            .http_status_as_error(false)
-            .max_redirects(0)
-            .max_redirects_will_error(false)
-            .max_idle_connections(0)
-            .user_agent(concat!("pathwright/", env!("CARGO_PKG_VERSION")))
-            .timeout_resolve(Some(patience.silence))
-            .timeout_connect(Some(patience.silence))
-            .timeout_per_read(Some(patience.silence))
-            .timeout_per_write(Some(patience.silence));
-        if entry.url.starts_with("https:") {
-            config = config.tls_config(tls(entry).map_err(|(message, advice)| wrong(message, advice))?);
-        }
-        Ok(Self {
+    pub fn new(entry: &HostEntry, patience: Patience, transport: Box<dyn Transport>) -> Self {
+        Self {
             host: entry.name.clone(),
             patience,
-            agent: config.build().new_agent(),
+            transport,
             base: entry.url.clone(),
             headers: RefCell::default(),
             login: None,
-            challenge: RefCell::default(),
             secrets: Vec::new(),
-        })
+        }
     }
 
     /// Sends a key in a header with every request, instead of one that is there.
@@ -119,9 +106,10 @@ impl Client {
         self
     }
 
-    /// Logs in with a password where the host asks for it.
-    pub fn login(mut self, user: &str, password: Secret) -> Self {
-        self.login = Some((user.to_owned(), password));
+    /// Logs in where the host asks for it.
+    #[cfg(feature = "send")]
+    pub fn login(mut self, login: impl Login + 'static) -> Self {
+        self.login = Some(Box::new(login));
         self
     }
 
@@ -225,11 +213,11 @@ impl Client {
     /// The file that is sent, read from its beginning.
     pub fn opened<'a>(
         &self,
-        payload: &Payload,
+        payload: &'a Payload,
         told: &'a mut dyn FnMut(u64),
     ) -> Result<Counted<'a>, SendError> {
         payload.open(told).map_err(|error| {
-            let message = format!("{}: {error}", payload.path.display());
+            let message = format!("{payload}: {error}");
             self.error(Step::Upload, Cause::File, message, "")
         })
     }
@@ -252,90 +240,72 @@ impl Client {
         read: &dyn Fn(&mut dyn Read) -> io::Result<T>,
     ) -> Result<T, SendError> {
         self.patience.with(|| {
-            let mut response = self.respond(&mut Request::get(step, path))?;
-            let status = response.status().as_u16();
-            if !(200..300).contains(&status) {
-                let body =
-                    response.body_mut().with_config().limit(ANSWER_BYTES).read_to_vec().unwrap_or_default();
-                return Err(self
-                    .checked(step, Answer { status, location: None, body })
-                    .err()
-                    .unwrap_or_else(|| self.error(step, Cause::Answer, format!("it answers {status}"), "")));
+            let mut incoming = self.respond(&mut Request::get(step, path))?;
+            if (200..300).contains(&incoming.status) {
+                return read(&mut incoming.body)
+                    .map_err(|error| self.broken(step, self.transport.broken(error)));
             }
-            read(&mut response.body_mut().as_reader()).map_err(|error| self.broken(step, error.into()))
+            let answer = Answer { location: None, ..self.whole(step, incoming)? };
+            let status = answer.status;
+            let unexpected = || self.error(step, Cause::Answer, format!("it answers {status}"), "");
+            Err(self.checked(step, answer).err().unwrap_or_else(unexpected))
         })
     }
 
     fn exchange(&self, request: &mut Request<'_>) -> Result<Answer, SendError> {
-        let mut response = self.respond(request)?;
-        let step = request.step;
-        let location = header(&response, "location");
-        let status = response.status().as_u16();
-        if status == 401 && self.login.is_some() {
-            let challenge = header(&response, "www-authenticate");
-            *self.challenge.borrow_mut() =
-                challenge.and_then(|text| PasswordClient::builder().challenges(&text).build().ok());
+        let incoming = self.respond(request)?;
+        if let (401, Some(login)) = (incoming.status, &self.login) {
+            login.challenged(incoming.challenge.as_deref());
         }
-        let body = response.body_mut().with_config().limit(ANSWER_BYTES).read_to_vec();
-        let body = body.map_err(|error| self.broken(step, error))?;
-        Ok(Answer { status, location, body })
+        self.whole(request.step, incoming)
     }
 
-    fn respond(&self, request: &mut Request<'_>) -> Result<http::Response<ureq::Body>, SendError> {
-        let step = request.step;
-        let uri = format!("{}{}", self.base, request.path);
-        let mut built = http::Request::builder().method(request.method.clone()).uri(&uri);
-        for (name, value) in self.headers.borrow().iter() {
-            built = built.header(*name, value.expose());
+    /// An answer, read to its end.
+    fn whole(&self, step: Step, incoming: Incoming) -> Result<Answer, SendError> {
+        let mut body = Vec::new();
+        let read = incoming.body.take(ANSWER_BYTES + 1).read_to_end(&mut body);
+        read.map_err(|error| self.broken(step, self.transport.broken(error)))?;
+        if body.len() as u64 > ANSWER_BYTES {
+            let advice = "are its address and kind right?";
+            return Err(self.error(step, Cause::Answer, "its answer is far too long", advice));
         }
-        for (name, value) in &request.headers {
-            built = built.header(*name, value);
-        }
-        if let Some(answer) = self.answer_to_challenge(request, &uri) {
-            built = built.header("Authorization", answer);
-        }
+        Ok(Answer { status: incoming.status, location: incoming.location, body })
+    }
+
+    fn respond(&self, request: &mut Request<'_>) -> Result<Incoming, SendError> {
+        let url = format!("{}{}", self.base, request.path);
+        let keys = self.headers.borrow();
+        let mut headers: Vec<(&'static str, String)> =
+            keys.iter().map(|(name, value)| (*name, value.expose().to_owned())).collect();
+        headers.extend(request.headers.iter().cloned());
+        let answer = self.login.as_ref().and_then(|login| login.answer(request.method, &url));
+        headers.extend(answer.map(|answer| ("Authorization", answer)));
         let silence = self.patience.silence;
-        let owned = |built: http::request::Builder, kind: &str, text: String| {
-            let built = built.header("Content-Type", kind).header("Content-Length", text.len());
-            self.run(step, built, SendBody::from_owned_reader(std::io::Cursor::new(text)), silence)
-        };
-        match &mut request.body {
-            Body::None => self.run(step, built, SendBody::none(), silence),
-            Body::Json(value) => owned(built, "application/json", value.to_string()),
-            Body::Text(text) => owned(built, "text/plain", (*text).to_owned()),
+        let mut text = Cursor::new(match &request.body {
+            Body::Json(value) => value.to_string(),
+            Body::Text(text) => (*text).to_owned(),
+            Body::None | Body::Stream(..) => String::new(),
+        });
+        let length = text.get_ref().len() as u64;
+        let (kind, body, silence): (_, Option<(u64, &mut dyn Read)>, _) = match &mut request.body {
+            Body::None => (None, None, silence),
+            Body::Json(_) => (Some("application/json"), Some((length, &mut text)), silence),
+            Body::Text(_) => (Some("text/plain"), Some((length, &mut text)), silence),
             Body::Stream(kind, length, reader) => {
-                let built = built.header("Content-Type", kind.as_str()).header("Content-Length", *length);
-                self.run(step, built, SendBody::from_reader(reader), silence * SLOW)
+                (Some(&**kind), Some((*length, &mut **reader)), silence * SLOW)
             }
-        }
-    }
-
-    fn run(
-        &self,
-        step: Step,
-        built: http::request::Builder,
-        body: SendBody<'_>,
-        silence: Duration,
-    ) -> Result<http::Response<ureq::Body>, SendError> {
-        let built = built.body(body).map_err(|error| {
-            self.error(step, Cause::Settings, format!("{}: {error}", self.base), "is the address right?")
-        })?;
-        let built = self.agent.configure_request(built).timeout_per_read(Some(silence)).build();
-        self.agent.run(built).map_err(|error| self.broken(step, error))
-    }
-
-    fn answer_to_challenge(&self, request: &Request<'_>, uri: &str) -> Option<String> {
-        let (user, password) = self.login.as_ref()?;
-        let mut challenge = self.challenge.borrow_mut();
-        let uri: http::Uri = uri.parse().ok()?;
-        let asked = PasswordParams {
-            username: user,
-            password: password.expose(),
-            uri: uri.path_and_query()?.as_str(),
-            method: request.method.as_str(),
-            body: None,
         };
-        challenge.as_mut()?.respond(&asked).ok()
+        headers.extend(kind.map(|kind| ("Content-Type", kind.to_owned())));
+        let outgoing = Outgoing { method: request.method, url: &url, headers: &headers, body, silence };
+        self.transport.exchange(outgoing).map_err(|broken| self.broken(request.step, broken))
+    }
+
+    fn broken(&self, step: Step, broken: Broken) -> SendError {
+        SendError {
+            is_transient: broken.is_transient,
+            is_unsent: broken.is_unsent,
+            ..self.error(step, broken.cause, broken.message, broken.advice)
+        }
     }
 
     /// An answer in short, without secrets.
@@ -345,17 +315,12 @@ impl Client {
 
     fn without_secrets(&self, mut text: String) -> String {
         let headers = self.headers.borrow();
-        let login = self.login.iter().map(|(_, password)| password);
-        let secrets = headers.iter().map(|(_, secret)| secret).chain(login).chain(&self.secrets);
+        let secrets = headers.iter().map(|(_, secret)| secret).chain(&self.secrets);
         for secret in secrets.filter(|secret| secret.expose().len() > 3) {
             text = text.replace(secret.expose(), "…");
         }
         text
     }
-}
-
-fn header(response: &http::Response<ureq::Body>, name: &str) -> Option<String> {
-    response.headers().get(name)?.to_str().ok().map(str::to_owned)
 }
 
 /// A part of a path, or a value of a query.

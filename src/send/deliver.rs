@@ -1,9 +1,10 @@
 //! A file to a host, whole or not at all, and its start, once or not at all.
 
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 use super::error::{Cause, SendError, Step};
 use super::host::{Activity, HostState, PrintHost, Stored};
+use super::patience::Patience;
 use super::payload::Payload;
 
 /// How long a host may take until it prints what it was asked to start.
@@ -148,21 +149,22 @@ fn started(
     before: &HostState,
     lost: Option<SendError>,
 ) -> Result<(), SendError> {
-    let begun = Instant::now();
+    let Patience { clock, pause, .. } = host.patience();
+    let begun = clock();
     let longest = STARTING.min(host.patience().silence.max(ASKED * 4));
     loop {
         let state = host.state().map_err(|error| unclear(host, name, &error.to_string()))?;
         if prints(&state, name, before) {
             return Ok(());
         }
-        if begun.elapsed() > longest {
+        if clock() > begun + longest {
             let said = lost.map_or_else(
                 || format!("it is {} ({})", state.activity.name(), state.message),
                 |lost| lost.message,
             );
             return Err(unclear(host, name, &said));
         }
-        std::thread::sleep(ASKED);
+        pause(ASKED);
     }
 }
 

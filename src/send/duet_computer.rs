@@ -77,7 +77,7 @@ impl PrintHost for Computer {
         let mut source = self.client.opened(payload, told)?;
         let answer = self.client.once(Request {
             step: Step::Upload,
-            method: http::Method::PUT,
+            method: "PUT",
             path: format!("/machine/file/{}", Self::path(file)),
             headers: Vec::new(),
             body: Body::Stream("application/octet-stream".into(), payload.bytes, &mut source),

@@ -1,13 +1,12 @@
 //! A file beside what a host says of its printer.
 
 use std::io::{self, BufRead};
-use std::path::Path;
 
 use super::entry::HostKind;
 use super::error::{Cause, SendError, Step};
 use super::host::About;
+use super::payload::Payload;
 use crate::check::{self, Severity};
-use crate::gcode;
 use crate::plate::{BedOrigin, BedSettings, BedShape};
 use crate::profile::Settings;
 use crate::units::{Mm, Mm3PerS};
@@ -35,9 +34,9 @@ impl FileFacts {
     ///
     /// # Errors
     /// It cannot be read.
-    pub fn read(path: &Path) -> io::Result<Self> {
-        let mut facts = Self { is_binary: gcode::is_binary(path), ..Self::default() };
-        let mut file = gcode::open(path)?;
+    pub fn read(payload: &Payload) -> io::Result<Self> {
+        let mut facts = Self { is_binary: payload.is_binary(), ..Self::default() };
+        let mut file = payload.text()?;
         let mut line = Vec::new();
         while file.read_until(b'\n', &mut line)? > 0 {
             facts.line(&line);
@@ -137,16 +136,21 @@ fn has_common_word(a: &str, b: &str) -> bool {
 ///
 /// # Errors
 /// It cannot be read, is no G-code, or has an error.
-pub fn check(host: &str, file: &Path, about: &About, settings: Option<Settings>) -> Result<(), SendError> {
+pub fn check(
+    host: &str,
+    payload: &Payload,
+    about: &About,
+    settings: Option<Settings>,
+) -> Result<(), SendError> {
     let mut settings = settings.unwrap_or_else(any_printer);
     if let Some(bed) = bed_of(about) {
         settings.bed = bed;
     }
     let fail = |cause, message: String, advice: &str| {
-        Err(SendError::new(host, Step::Examine, cause, format!("{}: {message}", file.display()), advice))
+        Err(SendError::new(host, Step::Examine, cause, format!("{payload}: {message}"), advice))
     };
-    let report = match gcode::open(file).and_then(|text| check::check(text, &settings, None)) {
-        Err(error) => return fail(Cause::File, error.to_string(), ""),
+    let report = match payload.text().and_then(|text| check::check(text, &settings, None)) {
+        Err(error) => return Err(unreadable(host, payload, &error)),
         Ok(None) => return fail(Cause::File, "there are no moves in it; is it G-code?".into(), ""),
         Ok(Some(report)) if report.errors == 0 => return Ok(()),
         Ok(Some(report)) => report,
@@ -161,6 +165,11 @@ pub fn check(host: &str, file: &Path, about: &About, settings: Option<Settings>)
         })
         .collect();
     fail(Cause::Mismatch, told.join(", "), "slice it for this printer, or send it with --no-check")
+}
+
+/// A file that cannot be read.
+pub(super) fn unreadable(host: &str, payload: &Payload, error: &io::Error) -> SendError {
+    SendError::new(host, Step::Examine, Cause::File, format!("{payload}: {error}"), "")
 }
 
 /// A printer of which nothing is known.

@@ -57,6 +57,6 @@ pub fn follow(
                 }
             };
         }
-        std::thread::sleep(ASKED);
+        (host.patience().pause)(ASKED);
     }
 }

@@ -1,6 +1,5 @@
 //! OctoPrint: <https://docs.octoprint.org/en/master/api/>.
 
-use std::fs::File;
 use std::io::BufReader;
 
 use serde_json::{Value, json};
@@ -80,7 +79,7 @@ impl PrintHost for OctoPrint {
     fn has_commands(&self, file: &str, payload: &Payload) -> Result<bool, SendError> {
         let path = format!("/downloads/files/local/{}", encoded(file));
         self.client.read_all(Step::Verify, &path, &|stored| {
-            let sent = BufReader::new(File::open(&payload.path)?);
+            let sent = BufReader::new(payload.raw()?);
             altered::has_commands(sent, BufReader::new(stored))
         })
     }

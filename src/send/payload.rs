@@ -1,22 +1,32 @@
 //! The file that is sent, with its sums.
 
+use std::fmt;
 use std::fs::File;
-use std::io::{self, Read};
+use std::io::{self, Cursor, Read};
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 use sha1::Sha1;
 use sha2::{Digest, Sha256};
 
+use crate::gcode::Input;
 use crate::job::hexadecimal;
+use crate::source::Source;
 
 /// Read at once.
 const BLOCK_BYTES: usize = 1 << 16;
 
+/// Where it is.
+#[derive(Clone, Debug, PartialEq, Eq)]
+enum Place {
+    File(PathBuf),
+    Memory(Arc<[u8]>),
+}
+
 /// A file that is sent, with its sums.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Payload {
-    /// Where it is.
-    pub path: PathBuf,
+    place: Place,
     /// Its size.
     pub bytes: u64,
     /// SHA-256 in hexadecimal digits, which Moonraker compares.
@@ -33,7 +43,19 @@ impl Payload {
     /// # Errors
     /// As the system says.
     pub fn of(path: &Path) -> io::Result<Self> {
-        let mut file = File::open(path)?;
+        Self::read(Place::File(path.to_owned()))
+    }
+
+    /// A file in memory.
+    ///
+    /// # Errors
+    /// None in fact.
+    pub fn of_bytes(bytes: impl Into<Arc<[u8]>>) -> io::Result<Self> {
+        Self::read(Place::Memory(bytes.into()))
+    }
+
+    fn read(place: Place) -> io::Result<Self> {
+        let mut file = place.open()?;
         let (mut sha256, mut sha1, mut crc32) = (Sha256::new(), Sha1::new(), crc32fast::Hasher::new());
         let (mut bytes, mut block) = (0, vec![0; BLOCK_BYTES]);
         loop {
@@ -48,8 +70,9 @@ impl Payload {
             sha1.update(read);
             crc32.update(read);
         }
+        drop(file);
         Ok(Self {
-            path: path.to_owned(),
+            place,
             bytes,
             sha256: hexadecimal(&sha256.finalize()),
             sha1: hexadecimal(&sha1.finalize()),
@@ -57,15 +80,52 @@ impl Payload {
         })
     }
 
-    /// Reads it again from its beginning.
-    pub(super) fn open<'a>(&self, told: &'a mut dyn FnMut(u64)) -> io::Result<Counted<'a>> {
-        Ok(Counted { file: File::open(&self.path)?, left: self.bytes, done: 0, told })
+    /// Its bytes again, from the beginning.
+    pub(super) fn raw(&self) -> io::Result<Box<dyn Read + '_>> {
+        self.place.open()
+    }
+
+    /// The same, counted.
+    pub(super) fn open<'a>(&'a self, told: &'a mut dyn FnMut(u64)) -> io::Result<Counted<'a>> {
+        Ok(Counted { file: self.raw()?, left: self.bytes, done: 0, told })
+    }
+
+    /// Its text, also where it is binary G-code.
+    pub(super) fn text(&self) -> io::Result<Box<dyn Input + '_>> {
+        self.source().open()
+    }
+
+    /// Whether it is binary G-code.
+    pub(super) fn is_binary(&self) -> bool {
+        self.source().is_binary()
+    }
+
+    fn source(&self) -> Source<'_> {
+        match &self.place {
+            Place::File(path) => Source::File(path),
+            Place::Memory(bytes) => Source::Memory(bytes),
+        }
+    }
+}
+
+impl fmt::Display for Payload {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        self.source().fmt(f)
+    }
+}
+
+impl Place {
+    fn open(&self) -> io::Result<Box<dyn Read + '_>> {
+        Ok(match self {
+            Self::File(path) => Box::new(File::open(path)?),
+            Self::Memory(bytes) => Box::new(Cursor::new(&**bytes)),
+        })
     }
 }
 
 /// As many bytes of a file as it had, told while they are read.
 pub(super) struct Counted<'a> {
-    file: File,
+    file: Box<dyn Read + 'a>,
     left: u64,
     done: u64,
     told: &'a mut dyn FnMut(u64),

@@ -100,7 +100,7 @@ impl PrintHost for PrusaLink {
         let mut source = self.client.opened(payload, told)?;
         let answer = self.client.once(Request {
             step: Step::Upload,
-            method: http::Method::PUT,
+            method: "PUT",
             path,
             headers: vec![
                 ("Overwrite", if replace { "?1" } else { "?0" }.to_owned()),

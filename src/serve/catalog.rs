@@ -6,8 +6,8 @@ use axum::body::Body;
 use axum::extract::State;
 use axum::http::header;
 use axum::response::{IntoResponse, Response};
-use serde::{Deserialize, Serialize};
-use utoipa::{IntoParams, ToSchema};
+use serde::Deserialize;
+use utoipa::IntoParams;
 use utoipa_axum::router::OpenApiRouter;
 use utoipa_axum::routes;
 
@@ -15,10 +15,9 @@ use super::body::whole;
 use super::description::Common;
 use super::error::{ApiError, ErrorKind};
 use super::extract::{Json, Path, Query};
-use super::printers::Printer;
 use super::shared::Shared;
 use crate::job::catalog::{Profile, Schema};
-use crate::presets::{self, PresetError};
+use crate::presets::{Kind, PresetError, Printer, PrinterPresets};
 use crate::profile;
 
 /// The routes.
@@ -107,29 +106,8 @@ async fn printers(
     if most == 0 {
         return Err(ApiError::usage("limit: 1 or more are possible"));
     }
-    let words: Vec<String> = words.q.split_whitespace().map(str::to_lowercase).collect();
-    let list = move || {
-        let printers = shared.printers.of(&shared.presets).iter();
-        printers.filter(|printer| printer.has(&words)).take(most).cloned().collect()
-    };
+    let list = move || shared.printers.find(&shared.presets, &words.q, most).into_iter().cloned().collect();
     Ok(Json(aside(list).await?))
-}
-
-/// What goes with a printer.
-#[derive(Debug, Serialize, ToSchema)]
-struct PrinterPresets {
-    /// The printer.
-    printer: Printer,
-    /// Print presets that fit.
-    prints: Vec<String>,
-    /// Filament presets that fit it and the print preset.
-    filaments: Vec<String>,
-    /// The print preset that is taken where none is named.
-    default_print: String,
-    /// The filament preset that is taken where none is named.
-    default_filament: String,
-    /// What is to be known of the choice.
-    notes: Vec<String>,
 }
 
 /// The choice to show.
@@ -159,17 +137,9 @@ async fn printer(
 ) -> Result<Json<PrinterPresets>, ApiError> {
     let find = move || {
         let library = &shared.presets;
-        library.preset(presets::Kind::Printer, &name).map_err(ApiError::not_found)?;
+        library.preset(Kind::Printer, &name).map_err(ApiError::not_found)?;
         let unusable = |error: PresetError| ApiError::unusable(ErrorKind::Settings, error);
-        let chosen = library.choose(&name, choice.print.as_deref(), None).map_err(unusable)?;
-        Ok(PrinterPresets {
-            printer: Printer::of(library, &chosen.printer),
-            prints: chosen.prints,
-            filaments: chosen.filaments,
-            default_print: chosen.print.name,
-            default_filament: chosen.filament.name,
-            notes: chosen.notes,
-        })
+        PrinterPresets::of(library, &name, choice.print.as_deref()).map_err(unusable)
     };
     aside(find).await?.map(Json)
 }

@@ -20,7 +20,6 @@ mod monitoring;
 mod names;
 mod page;
 mod print_hosts;
-mod printers;
 mod refused;
 mod router;
 mod serving;

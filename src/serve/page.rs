@@ -18,8 +18,8 @@ const FILES: &[(&str, &str)] = files![
     "css/centre.css" "css/page.css" "css/panels.css"
     "plate/draw.js" "plate/gizmo.js" "plate/instances.js" "plate/pointer.js" "plate/shaders.js" "plate/view.js"
     "preview/compare.js" "preview/follow.js" "preview/preview.js" "preview/stops.js" "preview/worker.js"
-    "settings/combo.js" "settings/field.js" "settings/panel.js" "settings/presets.js"
-    "ui/bodies.js" "ui/files.js" "ui/hosts.js" "ui/keyboard.js" "ui/login.js" "ui/notices.js" "ui/objects.js" "ui/status.js" "ui/transform.js" "ui/warnings.js"
+    "settings/combo.js" "settings/field.js" "settings/folders.js" "settings/panel.js" "settings/presets.js"
+    "ui/adding-host.js" "ui/bodies.js" "ui/files.js" "ui/hosts.js" "ui/keyboard.js" "ui/login.js" "ui/notices.js" "ui/objects.js" "ui/status.js" "ui/transform.js" "ui/warnings.js"
 ];
 
 /// The shared parts as one module.

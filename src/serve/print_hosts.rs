@@ -15,19 +15,21 @@ use axum::response::sse::{Event, KeepAlive, Sse};
 use axum::response::{IntoResponse, Response};
 use axum::routing::{get, post};
 use futures_util::{StreamExt, stream};
-use serde::{Deserialize, Serialize};
+use serde::Serialize;
 use serde_json::json;
 use tokio::sync::mpsc;
 
 use super::error::{ApiError, ErrorBody, ErrorKind};
 use super::extract::{Json, Path, Query};
 use super::shared::Shared;
-use crate::send::{self, About, Cause, HostEntry, HostState, Hosts, Patience, Payload, SendError};
+use crate::send::{
+    self, About, Cause, HostEntry, HostState, Hosts, Patience, Payload, SendError, Sent, Wanted,
+};
 
 /// A page that asks for a state will ask again.
-const ASKING: Patience = Patience { retry: Duration::ZERO, silence: Duration::from_secs(5), told: |_| {} };
-const SENDING: Patience =
-    Patience { retry: Duration::from_secs(30), silence: Duration::from_secs(30), told: |_| {} };
+fn asking() -> Patience {
+    Patience { retry: Duration::ZERO, silence: Duration::from_secs(5), ..Patience::default() }
+}
 
 /// The routes.
 pub fn router(shared: Arc<Shared>) -> Router {
@@ -64,32 +66,10 @@ struct Told {
 
 async fn state(State(shared): State<Arc<Shared>>, Path(name): Path<String>) -> Result<Json<Told>, ApiError> {
     let told = blocking(move || {
-        let host = send::connect(&entry(&shared, &name)?, ASKING)?;
+        let host = send::connect(&entry(&shared, &name)?, asking())?;
         Ok(Told { about: host.about()?, state: host.state()? })
     });
     Ok(Json(told.await?))
-}
-
-/// What is to be done with the G-code.
-#[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
-struct Wanted {
-    /// Its name.
-    file: String,
-    /// Start it, too.
-    #[serde(default)]
-    start: bool,
-    /// Overwrite a file of this name.
-    #[serde(default)]
-    replace: bool,
-}
-
-/// What has been done with it.
-#[derive(Serialize)]
-struct Sent {
-    name: String,
-    is_verified: bool,
-    warnings: Vec<String>,
 }
 
 /// How far it is.
@@ -141,30 +121,8 @@ fn deliver(
     let mut file = tempfile::Builder::new().suffix(suffix(&wanted.file)).tempfile()?;
     file.write_all(gcode)?;
     file.flush()?;
-    let host = send::connect(&entry, SENDING)?;
-    let about = host.about()?;
-    let facts = send::FileFacts::read(file.path())?;
-    let mut warnings = send::examine(&entry.name, entry.kind, &about, &facts)?;
-    send::check(&entry.name, file.path(), &about, None)?;
-    let payload = Payload::of(file.path())?;
-    let mut before = None;
-    let sent = send::deliver(host.as_ref(), &payload, &wanted.file, wanted.replace, &mut |done| {
-        let percent = Some(100 * done / payload.bytes.max(1));
-        if percent != before {
-            before = percent;
-            percent.into_iter().for_each(&mut *told);
-        }
-    })?;
-    if sent.is_altered {
-        warnings.push(format!(
-            "{} has written into {}; all commands are there, in their order",
-            entry.name, sent.name
-        ));
-    }
-    if wanted.start {
-        send::start(host.as_ref(), &sent.name)?;
-    }
-    Ok(Sent { name: sent.name, is_verified: sent.is_verified, warnings })
+    let host = send::connect(&entry, Patience::default())?;
+    Ok(send::print(host.as_ref(), &entry, &Payload::of(file.path())?, wanted, told)?)
 }
 
 /// Text and binary are told apart by the ending.

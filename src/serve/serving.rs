@@ -10,10 +10,10 @@ use tokio::sync::watch;
 use super::config::Config;
 use super::jobs::{Jobs, Runners};
 use super::metrics::Metrics;
-use super::printers::Printers;
 use super::shared::{self, Shared};
 use super::streams::Streams;
 use super::{listen, router};
+use crate::presets::Printers;
 
 /// Ends a server, from any thread: answers under way are finished, jobs are left for the next start.
 #[derive(Clone, Debug)]

@@ -8,10 +8,9 @@ use tokio::sync::watch;
 
 use super::limits::Limits;
 use super::metrics::Metrics;
-use super::printers::Printers;
 use super::streams::Streams;
 use super::tokens::Tokens;
-use crate::presets::Library;
+use crate::presets::{Library, Printers};
 
 /// What all parts of the service use.
 #[derive(Debug)]

@@ -108,8 +108,9 @@ impl Fit {
         solid.facets(&mut |corners, _| {
             for corner in corners {
                 for (i, axis) in [RIGHT, UP].into_iter().enumerate() {
-                    low[i] = low[i].min(dot(corner, axis));
-                    high[i] = high[i].max(dot(corner, axis));
+                    let at = dot(corner, axis);
+                    low[i] = real::lesser(at, low[i]);
+                    high[i] = real::greater(at, high[i]);
                 }
             }
         });
@@ -155,7 +156,8 @@ impl Canvas {
             return;
         }
         let span = |axis: usize, limit: usize| {
-            let (low, high) = (a[axis].min(b[axis]).min(c[axis]), a[axis].max(b[axis]).max(c[axis]));
+            let low = real::lesser(real::lesser(a[axis], b[axis]), c[axis]);
+            let high = real::greater(real::greater(a[axis], b[axis]), c[axis]);
             (low - 0.5).ceil().max(0.0) as usize
                 ..((high - 0.5).floor() + 1.0).clamp(0.0, limit as f32) as usize
         };
@@ -163,17 +165,23 @@ impl Canvas {
         if columns.is_empty() || rows.is_empty() {
             return;
         }
-        let color = shaded(corners, color);
+        // Most samples around a small triangle are outside, which needs no division; most triangles are hidden.
+        let outside = |doubled: f32| doubled != 0.0 && (doubled > 0.0) != (area > 0.0);
+        let mut light = None;
         for y in rows {
             for x in columns.clone() {
                 let (px, py) = (x as f32 + 0.5, y as f32 + 0.5);
-                let u = ((px - a[0]) * (c[1] - a[1]) - (py - a[1]) * (c[0] - a[0])) / area;
-                let v = ((b[0] - a[0]) * (py - a[1]) - (b[1] - a[1]) * (px - a[0])) / area;
+                let u = (px - a[0]) * (c[1] - a[1]) - (py - a[1]) * (c[0] - a[0]);
+                let v = (b[0] - a[0]) * (py - a[1]) - (b[1] - a[1]) * (px - a[0]);
+                if outside(u) || outside(v) {
+                    continue;
+                }
+                let (u, v) = (u / area, v / area);
                 let near = a[2] + u * (b[2] - a[2]) + v * (c[2] - a[2]);
                 let index = y * self.width + x;
-                if u >= 0.0 && v >= 0.0 && u + v <= 1.0 && near > self.near[index] {
+                if u + v <= 1.0 && near > self.near[index] {
                     self.near[index] = near;
-                    self.color[index] = color;
+                    self.color[index] = *light.get_or_insert_with(|| shaded(corners, color));
                 }
             }
         }

@@ -81,6 +81,8 @@ fn main() -> ExitCode {
             site::a_model_is_sliced_to_the_bytes_of_the_program_and_nobody_else_is_asked;
             site::what_is_dropped_while_the_module_loads_waits_for_it;
             site::it_works_without_a_network_after_the_first_visit;
+            site::presets_are_those_of_a_folder_that_is_dropped_and_stay_until_they_are_forgotten;
+            site::a_print_goes_to_a_host_that_allows_the_page_and_one_that_does_not_tells_what_to_set;
             site::what_takes_too_much_memory_ends_with_a_message_and_the_page_goes_on;
             app::a_model_is_dropped_turned_sliced_and_saved_as_the_command_line_says;
             app::several_objects_of_a_file_are_printed_as_the_command_line_says;

@@ -13,6 +13,7 @@ use serde_json::json;
 use crate::app::{READY, SHOWN, by_command, model, no_errors, open, saved, set};
 use crate::chromium::Browser;
 use crate::server::Server;
+use crate::stand_in::moonraker::{KEY, Moonraker};
 
 thread_local! {
     static CHOSEN: Cell<bool> = const { Cell::new(false) };
@@ -154,4 +155,74 @@ pub fn what_takes_too_much_memory_ends_with_a_message_and_the_page_goes_on() {
     assert_eq!(browser.run("pathwright.desk.error.kind"), json!("limit"));
     set(&mut browser, "infill.density", "35%");
     no_errors(&mut browser);
+}
+
+/// A vendor's bundle, as PrusaSlicer keeps it.
+const BUNDLE: &str = "[vendor]\nname = Acme\n[printer:Acme One]\nnozzle_diameter = 0.4\nbed_shape = 0x0,180x0,180x170,0x170\n\
+    gcode_flavor = marlin2\ndefault_print_profile = Fine\n[print:Coarse]\nlayer_height = 0.3\n[print:Fine]\nlayer_height = 0.1\n\
+    [filament:Soft]\nfilament_diameter = 1.75\ntemperature = 222\nfirst_layer_temperature = 222\n";
+
+pub fn presets_are_those_of_a_folder_that_is_dropped_and_stay_until_they_are_forgotten() {
+    let (server, folder) = (Server::start(), tempfile::tempdir().unwrap());
+    let slicer = folder.path().join("MySlicer");
+    fs::create_dir_all(slicer.join("vendor")).unwrap();
+    fs::write(slicer.join("vendor/Acme.ini"), BUNDLE).unwrap();
+    fs::write(slicer.join("notes.txt"), "none of them").unwrap();
+    let browser = Browser::shared();
+    let mut browser = browser.page();
+    open(&mut browser, &server, &[&model("calibration_cube.stl")]);
+    browser.drop_files("#plate > canvas", &[&slicer]);
+    browser.wait("document.getElementById('notices').textContent.includes('1 printers of MySlicer')");
+    assert_eq!(browser.run("pathwright.desk.project.models.length"), json!(1), "a folder is no model");
+    browser.type_into("#presets input", "acme");
+    browser.wait("pathwright.desk.project.presets.printer === 'Acme One'");
+    browser.wait("pathwright.desk.resolved.bed.size_mm[0] === 180");
+    browser.wait(SHOWN);
+    assert_eq!(browser.run("pathwright.desk.resolved.settings['layer.height']"), json!("0.1"));
+    browser.run("[...document.querySelectorAll('#presets [role=combobox]')][1].click()");
+    browser.wait("document.querySelector('#presets').textContent.includes('Coarse')");
+    browser.reload(READY);
+    browser.wait("pathwright.desk.resolved?.bed.size_mm[0] === 180");
+    browser.wait(SHOWN);
+    assert_eq!(browser.run("document.getElementById('preset-folders').textContent"), json!("MySlicer✕"));
+    browser.click("#preset-folders button");
+    browser.wait("pathwright.desk.state === 'failed'");
+    assert_eq!(browser.run("document.getElementById('preset-folders').textContent"), json!(""));
+    no_errors(&mut browser);
+}
+
+pub fn a_print_goes_to_a_host_that_allows_the_page_and_one_that_does_not_tells_what_to_set() {
+    let (server, moonraker) = (Server::start(), Moonraker::start());
+    let browser = Browser::shared();
+    let mut browser = browser.page();
+    open(&mut browser, &server, &[&model("calibration_cube.stl")]);
+    let (address, origin) = (moonraker.server.address, format!("http://127.0.0.1:{}", server.port));
+    assert_eq!(
+        browser.run(&format!("fetch('http://{address}/').then(() => 'asked', () => 'forbidden')")),
+        json!("forbidden")
+    );
+    assert!(moonraker.server.seen().is_empty(), "the page asks nobody whom it was not given");
+    browser.errors();
+    browser.click("#print");
+    browser.run("document.getElementById('host-kind').value = 'moonraker'");
+    for (field, text) in [("url", address.to_string()), ("key", KEY.into()), ("name", "voron".into())] {
+        browser.run(&format!("document.getElementById('host-{field}').value = {text:?}"));
+    }
+    browser.run("window.before = true");
+    browser.run("document.getElementById('host-add').click()");
+    browser.wait(&format!("!window.before && {READY} && {SHOWN}"));
+    browser.click("#print");
+    let says = |text: &str| format!("document.getElementById('printing').textContent.includes({text:?})");
+    browser.wait(&says("either it cannot be reached"));
+    browser.wait(&says(&format!("`cors_domains:` with the line `{origin}`")));
+    moonraker.machine().cors_domains.push(origin);
+    browser.wait(&says("voron: ready"));
+    browser.click("#print-start");
+    browser.click("#print-send");
+    browser.wait(&says("calibration_cube.gcode prints on voron."));
+    let sent = moonraker.machine().files["calibration_cube.gcode"].clone();
+    assert!(sent == by_command(&mut browser, &[&model("calibration_cube.stl")]), "the same bytes");
+    assert_eq!(moonraker.machine().started, ["calibration_cube.gcode"]);
+    browser.wait(&says("printing, calibration_cube.gcode, 25 %"));
+    assert!(!browser.run("document.body.innerHTML").to_string().contains(KEY), "no key is shown");
 }

@@ -3,7 +3,7 @@
 use std::fs;
 use std::path::Path;
 
-use pathwright::presets::{Chosen, Dialect, Kind, Library, Source};
+use pathwright::presets::{Chosen, Dialect, Files, Kind, Library, Source, is_preset_file};
 use pathwright::profile::{Import, resolve_presets};
 use proptest::prelude::*;
 use tempfile::TempDir;
@@ -94,6 +94,22 @@ fn open(paths: &[&Path]) -> Library {
     Library::open(&sources)
 }
 
+/// The presets of a folder, read from memory.
+pub fn in_memory(folder: &Path) -> Library {
+    let (mut files, mut folders) = (Vec::new(), vec![folder.to_owned()]);
+    while let Some(folder) = folders.pop() {
+        for path in fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path()) {
+            if path.is_dir() {
+                folders.push(path);
+            } else if is_preset_file(&path.to_string_lossy()) {
+                let bytes = fs::read(&path).unwrap();
+                files.push((path, bytes));
+            }
+        }
+    }
+    Library::open_in(&Files::given(files), &[Source { path: folder.to_owned(), dialect: None }])
+}
+
 fn acme() -> (TempDir, Library) {
     let folder = folder(&[("vendor/Acme.ini", VENDOR)]);
     let library = open(&[folder.path()]);
@@ -120,6 +136,13 @@ fn presets_that_are_not_meant_to_be_chosen_are_not_listed() {
     let names = |kind| library.listed(kind).iter().map(|listed| listed.name.clone()).collect::<Vec<_>>();
     assert_eq!(names(Kind::Printer), ["Acme 0.4", "Acme 0.6", "Acme five"]);
     assert_eq!(names(Kind::Filament), ["PLA", "PLA fine"]);
+}
+
+#[test]
+fn files_in_memory_are_as_good_as_a_folder() {
+    let (folder, library) = acme();
+    let chosen = |library: &Library| choose(library, "Acme 0.4", None, None).unwrap();
+    assert_eq!(chosen(&in_memory(folder.path())).config, chosen(&library).config);
 }
 
 #[test]

@@ -5,6 +5,8 @@ use std::fs;
 use pathwright::presets::{Dialect, Kind, Library, Source};
 use tempfile::TempDir;
 
+use crate::presets::in_memory;
+
 const FILES: &[(&str, &str)] = &[
     (
         "definitions/fdmprinter.def.json",
@@ -99,6 +101,14 @@ fn a_machine_has_its_nozzle_qualities_and_materials() {
     assert_eq!(chosen.config.dialect, Dialect::Cura);
     let fine = library.choose("Maker One", Some("Fine"), None).unwrap();
     assert_eq!(fine.config.number("layer_height"), Some(0.1));
+}
+
+#[test]
+fn files_in_memory_are_as_good_as_a_folder() {
+    let (folder, library) = presets(&[]);
+    let [here, given] = [library, in_memory(folder.path())]
+        .map(|library| library.choose("Maker One", Some("Fine"), None).unwrap());
+    assert_eq!(given.config, here.config);
 }
 
 #[test]

@@ -8,6 +8,8 @@ use pathwright::presets::{Config, Kind, Library, Source};
 use pathwright::profile::SingleOnTop;
 use tempfile::TempDir;
 
+use crate::presets::in_memory;
+
 const INDEX: &str = r#"{"name": "Maker", "version": "1", "machine_model_list": [{"name": "M1", "sub_path": "machine/M1.json"}],
 "machine_list": [{"name": "common", "sub_path": "machine/common.json"}, {"name": "M1 0.4", "sub_path": "machine/M1 0.4.json"}],
 "process_list": [{"name": "base", "sub_path": "process/base.json"}, {"name": "0.2 @M1", "sub_path": "process/02.json"},
@@ -111,6 +113,14 @@ fn what_is_for_others_to_inherit_from_cannot_be_chosen() {
     assert_eq!(names(&library, Kind::Printer), ["M1 0.4"]);
     assert_eq!(names(&library, Kind::Filament), ["PLA @M1", "PLA @System", "PETG @System"]);
     assert!(library.problems().is_empty(), "{:?}", library.problems());
+}
+
+#[test]
+fn files_in_memory_are_as_good_as_a_folder() {
+    let folder = presets(&[]);
+    let [here, given] = [library(folder.path()), in_memory(folder.path())]
+        .map(|library| library.choose("M1 0.4", None, None).unwrap());
+    assert_eq!((given.config, given.filaments), (here.config, here.filaments));
 }
 
 #[test]

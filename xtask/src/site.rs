@@ -10,16 +10,20 @@ use sha2::{Digest, Sha256};
 
 use crate::{module, root};
 
-/// The page may load what is beside it and nothing else.
-const POLICY: &str = "default-src 'none'; script-src 'self' 'wasm-unsafe-eval'; style-src 'self'; worker-src 'self'; \
-    connect-src 'self'; img-src 'self' data: blob:; form-action 'none'; base-uri 'none'";
+/// The page may load what is beside it and nothing else; `policy.js` says whom it may ask.
+const POLICY: &str = "default-src 'none'; script-src 'self' 'wasm-unsafe-eval'; style-src 'self'; worker-src 'self' blob:; \
+    connect-src 'self' http: https:; img-src 'self' data: blob:; form-action 'none'; base-uri 'none'";
 
 /// Makes it.
 pub fn make(folder: &Path) -> Result<()> {
     let mut files: Vec<(String, Cow<'static, [u8]>)> =
         page_files().into_iter().map(|(name, text)| (name.to_owned(), into_bytes(text))).collect();
     for (from, name) in [
+        ("web", "host-worker.js"),
+        ("web", "hosts.js"),
+        ("web", "kept.js"),
         ("web", "local.js"),
+        ("web", "policy.js"),
         ("bindings/npm", "browser.js"),
         ("bindings/npm", "caller.js"),
         ("bindings/npm", "slicer.js"),
@@ -34,7 +38,8 @@ pub fn make(folder: &Path) -> Result<()> {
     // Below an address that changes with them, so that no cache mixes two versions.
     let worker = fs::read_to_string(root().join("web/service-worker.js"))?;
     let policy = format!("<meta http-equiv=\"Content-Security-Policy\" content=\"{POLICY}\">");
-    let page = page_index("{{assets}}", "worker").replace("<title>", &format!("{policy}\n<title>"));
+    let first = format!("{policy}\n<script src=\"{{{{assets}}}}/policy.js\"></script>\n<title>");
+    let page = page_index("{{assets}}", "worker").replace("<title>", &first);
     let mut hasher = Sha256::new();
     for (name, bytes) in &files {
         hasher.update(name);

@@ -3,7 +3,7 @@
 
 use std::ops::Range;
 
-use super::{Bounds, Point, Polygon, Region, UNITS_PER_MM, to_segment_mm};
+use super::{Bounds, Point, Polygon, Region, UNITS_PER_MM, real, to_segment_mm};
 
 /// How far beyond a segment its cells reach, in grid units: more than any rounding of its ends.
 const SLACK: i64 = 2;
@@ -154,7 +154,9 @@ impl EdgeGrid {
             self.near_box(area.grown((reach_mm * UNITS_PER_MM).ceil() as i32), &mut near);
         }
         let edges = near.iter().map(|&i| &self.edges[i as usize]);
-        edges.map(|edge| to_segment_mm(p.mm(), edge.a.mm(), edge.b.mm())).fold(f64::INFINITY, f64::min)
+        edges
+            .map(|edge| to_segment_mm(p.mm(), edge.a.mm(), edge.b.mm()))
+            .fold(f64::INFINITY, |least, mm| real::lesser(mm, least))
     }
 
     /// Whether the point is inside or on the boundary (even-odd over all rings). Passes half a row of cells at most.

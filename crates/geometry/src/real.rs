@@ -2,6 +2,20 @@
 //!
 //! Angles are radians. Sources: the C library musl, by the crate `libm`.
 
+/// The greater of two numbers; the second one where the first is none (NaN).
+///
+/// Where `max` of the standard library is a call, as in WebAssembly, this is an instruction or two.
+#[inline]
+pub fn greater<T: PartialOrd>(a: T, b: T) -> T {
+    if a > b { a } else { b }
+}
+
+/// The lesser of two numbers; the second one where the first is none (NaN). See [`greater`].
+#[inline]
+pub fn lesser<T: PartialOrd>(a: T, b: T) -> T {
+    if a < b { a } else { b }
+}
+
 /// The sine.
 pub fn sin(x: f64) -> f64 {
     libm::sin(x)

@@ -1,6 +1,7 @@
 //! What ordering minimises.
 
 use super::{Problem, Run, Visit};
+use pathwright_geometry::real;
 
 /// What a link leads over.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -94,7 +95,7 @@ impl TravelTime {
         if length_mm <= 0.0 {
             return if climb_s > 0.0 { self.stop_s + climb_s } else { 0.0 };
         }
-        let moving_s = self.stop_s + moves.seconds(length_mm).max(climb_s);
+        let moving_s = self.stop_s + real::greater(moves.seconds(length_mm), climb_s);
         let retract_from_mm = if kind.inside { self.retract_inside_from_mm } else { self.retract_from_mm };
         if length_mm > retract_from_mm { moving_s + self.retract_s } else { moving_s }
     }

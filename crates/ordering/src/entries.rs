@@ -2,7 +2,7 @@
 
 use super::cost::LinkCosts;
 use super::{LinkKind, Problem, Sequence, Shape};
-use pathwright_geometry::Point;
+use pathwright_geometry::{Point, real};
 
 /// Vertices of each loop that are considered at a time.
 const CANDIDATES: usize = 12;
@@ -99,7 +99,7 @@ impl EntrySearch {
         // A link to or from an unknown point (NaN) costs nothing. These two loops are vectorised.
         self.links.extend(xs.iter().zip(ys).map(|(&at_x, &at_y)| {
             let (dx, dy) = (at_x - x, at_y - y);
-            (dx * dx + dy * dy).sqrt().max(0.0)
+            real::greater((dx * dx + dy * dy).sqrt(), 0.0)
         }));
         let costs = &self.cost[from..to];
         match cost {

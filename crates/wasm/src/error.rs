@@ -13,14 +13,19 @@ pub struct Fault(Value);
 pub type Result<T> = std::result::Result<T, Fault>;
 
 impl Fault {
+    /// One of a kind.
+    pub fn of(kind: &str, message: impl ToString) -> Self {
+        Self(json!({ "kind": kind, "message": message.to_string() }))
+    }
+
     /// The caller's mistake.
     pub fn usage(message: impl ToString) -> Self {
-        Self(json!({ "kind": "usage", "message": message.to_string() }))
+        Self::of("usage", message)
     }
 
     /// A mistake in settings.
     pub fn settings(message: impl ToString) -> Self {
-        Self(json!({ "kind": "settings", "message": message.to_string() }))
+        Self::of("settings", message)
     }
 }
 
@@ -37,8 +42,8 @@ impl From<Failure> for Fault {
     fn from(failure: Failure) -> Self {
         match failure {
             Failure::Job(error) => error.into(),
-            Failure::Limit(message) => Self(json!({ "kind": "limit", "message": message })),
-            missing => Self(json!({ "kind": "not_found", "message": missing.to_string() })),
+            Failure::Limit(message) => Self::of("limit", message),
+            missing => Self::of("not_found", missing),
         }
     }
 }

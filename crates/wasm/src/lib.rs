@@ -6,7 +6,9 @@
 mod catalog;
 mod error;
 mod finished;
+mod hosts;
 mod models;
 mod order;
+mod presets;
 mod session;
 mod told;

@@ -10,6 +10,7 @@ use serde_json::json;
 use wasm_bindgen::prelude::wasm_bindgen;
 
 use crate::error::{Fault, Result};
+use crate::presets::Presets;
 use crate::told::{clock, tell};
 
 /// Most bytes of models, and of what is kept between slicings: the module has at most 4 GiB.
@@ -61,6 +62,11 @@ impl Session {
             true
         });
         Self { session, waiting, _subscription: subscription }
+    }
+
+    /// Takes presets that projects may name from now on.
+    pub fn set_presets(&self, presets: &Presets) {
+        self.session.set_library(presets.library());
     }
 
     /// Slices the next revision that is wanted; whether there was one.

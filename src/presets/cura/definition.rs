@@ -10,6 +10,7 @@ use serde_json::value::RawValue;
 use super::formula::Value;
 use crate::presets::config::Place;
 use crate::presets::error::PresetError;
+use crate::presets::files::Files;
 
 /// What is said of a setting.
 #[derive(Clone, Debug)]
@@ -55,11 +56,10 @@ impl Definition {
     ///
     /// # Errors
     /// It cannot be read, or is no definition.
-    pub fn read(path: &Path) -> Result<Self, PresetError> {
+    pub fn read(files: &Files, path: &Path) -> Result<Self, PresetError> {
         let file: Arc<str> = path.display().to_string().into();
-        let text = std::fs::read_to_string(path).map_err(|error| {
-            PresetError::at(Place::new(file.clone(), 0, ""), format!("cannot be read: {error}"))
-        })?;
+        let text =
+            files.text(path).map_err(|message| PresetError::at(Place::new(file.clone(), 0, ""), message))?;
         Self::parse(file, text.trim_start_matches('\u{feff}'))
     }
 

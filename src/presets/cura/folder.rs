@@ -8,6 +8,7 @@ use std::sync::{Arc, OnceLock};
 use super::definition::Definition;
 use super::instance::Instance;
 use crate::presets::error::PresetError;
+use crate::presets::files::Files;
 
 /// Folders nest no deeper than this.
 const DEEPEST: usize = 6;
@@ -19,14 +20,16 @@ pub(super) struct Machine {
     pub id: String,
     pub file: Arc<str>,
     path: PathBuf,
+    files: Files,
     definition: OnceLock<Result<Definition, PresetError>>,
 }
 
 impl Machine {
-    fn new(path: PathBuf) -> Self {
+    fn new(files: &Files, path: PathBuf) -> Self {
         let name = path.file_name().unwrap_or_default().to_string_lossy();
         let id = name.strip_suffix(".def.json").unwrap_or(&name).to_owned();
-        Self { id, file: path.display().to_string().into(), path, definition: OnceLock::new() }
+        let file = path.display().to_string().into();
+        Self { id, file, path, files: files.clone(), definition: OnceLock::new() }
     }
 
     /// What it says itself.
@@ -34,7 +37,10 @@ impl Machine {
     /// # Errors
     /// Its file cannot be read, or is damaged.
     pub fn definition(&self) -> Result<&Definition, PresetError> {
-        self.definition.get_or_init(|| Definition::read(&self.path)).as_ref().map_err(Clone::clone)
+        self.definition
+            .get_or_init(|| Definition::read(&self.files, &self.path))
+            .as_ref()
+            .map_err(Clone::clone)
     }
 
     /// Its name; that of its file if it cannot be read.
@@ -56,6 +62,7 @@ type Lazy = OnceLock<Result<Vec<Instance>, PresetError>>;
 /// All files of Cura's presets, by kind.
 #[derive(Debug, Default)]
 pub(super) struct Folder {
+    files: Files,
     machines: BTreeMap<String, Machine>,
     extruders: BTreeMap<String, Machine>,
     nozzle_files: BTreeSet<PathBuf>,
@@ -71,10 +78,20 @@ pub(in crate::presets) fn is_preset(name: &str) -> bool {
     name.ends_with(".def.json")
 }
 
+/// Whether a file of that name, in small letters, may be one of these.
+pub(in crate::presets) fn is_file(name: &str) -> bool {
+    is_preset(name) || [".xml.fdm_material", ".inst.cfg"].iter().any(|ending| name.ends_with(ending))
+}
+
 impl Folder {
+    /// An empty one, for files from there.
+    pub fn of(files: &Files) -> Self {
+        Self { files: files.clone(), ..Self::default() }
+    }
+
     /// Adds a folder, or a file among its like.
     pub fn add(&mut self, path: &Path) {
-        if path.is_dir() {
+        if self.files.is_dir(path) {
             self.walk(path, 0);
         } else if let Some(resources) = path.parent().and_then(Path::parent) {
             // A definition needs those that it inherits from, and what is beside them.
@@ -83,14 +100,11 @@ impl Folder {
     }
 
     fn walk(&mut self, folder: &Path, depth: usize) {
-        let Ok(entries) = std::fs::read_dir(folder) else { return };
-        let mut entries: Vec<PathBuf> = entries.filter_map(|entry| Some(entry.ok()?.path())).collect();
-        entries.sort();
         let parent = folder.file_name().unwrap_or_default().to_string_lossy().into_owned();
-        for path in entries {
+        for path in self.files.entries(folder) {
             let name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
             if name.ends_with(".def.json") {
-                let machine = Machine::new(path);
+                let machine = Machine::new(&self.files, path);
                 let is_extruder = parent == "extruders" || machine.id == "fdmextruder";
                 let all = if is_extruder { &mut self.extruders } else { &mut self.machines };
                 all.entry(machine.id.clone()).or_insert(machine);
@@ -104,7 +118,7 @@ impl Folder {
                 } else if is_quality {
                     self.quality_files.insert(path);
                 }
-            } else if depth < DEEPEST && path.is_dir() {
+            } else if depth < DEEPEST && self.files.is_dir(&path) {
                 self.walk(&path, depth + 1);
             }
         }
@@ -130,7 +144,7 @@ impl Folder {
     /// # Errors
     /// One cannot be read.
     pub fn nozzles(&self) -> Result<&[Instance], PresetError> {
-        read(&self.nozzles, &self.nozzle_files, Instance::read)
+        read(&self.files, &self.nozzles, &self.nozzle_files, Instance::read)
     }
 
     /// All qualities.
@@ -138,7 +152,7 @@ impl Folder {
     /// # Errors
     /// One cannot be read.
     pub fn qualities(&self) -> Result<&[Instance], PresetError> {
-        read(&self.qualities, &self.quality_files, Instance::read)
+        read(&self.files, &self.qualities, &self.quality_files, Instance::read)
     }
 
     /// All materials.
@@ -146,15 +160,16 @@ impl Folder {
     /// # Errors
     /// One cannot be read.
     pub fn materials(&self) -> Result<&[Instance], PresetError> {
-        read(&self.materials, &self.material_files, Instance::read_material)
+        read(&self.files, &self.materials, &self.material_files, Instance::read_material)
     }
 }
 
 fn read<'a>(
+    from: &Files,
     lazy: &'a Lazy,
     files: &BTreeSet<PathBuf>,
-    read: fn(&Path) -> Result<Instance, PresetError>,
+    read: fn(&Files, &Path) -> Result<Instance, PresetError>,
 ) -> Result<&'a [Instance], PresetError> {
-    let all = lazy.get_or_init(|| files.iter().map(|path| read(path)).collect());
+    let all = lazy.get_or_init(|| files.iter().map(|path| read(from, path)).collect());
     all.as_ref().map(Vec::as_slice).map_err(Clone::clone)
 }

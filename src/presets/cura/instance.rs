@@ -11,6 +11,7 @@ use super::definition::Said;
 use super::formula::Value;
 use crate::presets::config::Place;
 use crate::presets::error::PresetError;
+use crate::presets::files::Files;
 
 /// A container of values.
 #[derive(Debug, Default)]
@@ -37,8 +38,8 @@ impl Instance {
     ///
     /// # Errors
     /// It cannot be read, or a line is neither a section nor `key = value`.
-    pub fn read(path: &Path) -> Result<Self, PresetError> {
-        let (file, text) = text(path)?;
+    pub fn read(files: &Files, path: &Path) -> Result<Self, PresetError> {
+        let (file, text) = text(files, path)?;
         Self::parse(file, &text)
     }
 
@@ -91,8 +92,8 @@ impl Instance {
     ///
     /// # Errors
     /// It cannot be read, or is no XML.
-    pub fn read_material(path: &Path) -> Result<Self, PresetError> {
-        let (file, text) = text(path)?;
+    pub fn read_material(files: &Files, path: &Path) -> Result<Self, PresetError> {
+        let (file, text) = text(files, path)?;
         Self::parse_material(file, &text)
     }
 
@@ -208,12 +209,10 @@ fn attribute(tag: &BytesStart<'_>, key: &str) -> Option<String> {
     attribute.normalized_value(quick_xml::XmlVersion::Implicit1_0).ok().map(|value| value.into_owned())
 }
 
-fn text(path: &Path) -> Result<(Arc<str>, String), PresetError> {
+fn text(files: &Files, path: &Path) -> Result<(Arc<str>, String), PresetError> {
     let file: Arc<str> = path.display().to_string().into();
-    let read = std::fs::read_to_string(path);
-    let text = read.map_err(|error| {
-        PresetError::at(Place::new(file.clone(), 0, ""), format!("cannot be read: {error}"))
-    })?;
+    let text =
+        files.text(path).map_err(|message| PresetError::at(Place::new(file.clone(), 0, ""), message))?;
     Ok((file, text))
 }
 

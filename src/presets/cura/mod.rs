@@ -13,11 +13,12 @@ mod table;
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::OnceLock;
 
-pub(super) use folder::is_preset;
+pub(super) use folder::{is_file, is_preset};
 
 use super::config::{Config, Dialect, Place};
 use super::error::PresetError;
 use super::family::{Family, Kind, Listed, Source};
+use super::files::Files;
 use super::value::{Scalar, Shape, Type, escaped, join_texts};
 use definition::Definition;
 use folder::{Folder, Machine};
@@ -74,8 +75,8 @@ impl Resolved<'_> {
 
 impl Cura {
     /// Reads which presets there are.
-    pub fn read(sources: &[&Source]) -> Self {
-        let mut folder = Folder::default();
+    pub fn read(files: &Files, sources: &[&Source]) -> Self {
+        let mut folder = Folder::of(files);
         for source in sources {
             folder.add(&source.path);
         }

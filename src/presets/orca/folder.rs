@@ -8,6 +8,7 @@ use super::json::File;
 use crate::presets::config::Place;
 use crate::presets::error::PresetError;
 use crate::presets::family::Kind;
+use crate::presets::files::Files;
 
 /// How deep indices are looked for in a folder that a caller names.
 const DEEPEST: usize = 4;
@@ -27,12 +28,13 @@ const LIBRARY: &str = "OrcaFilamentLibrary";
 pub(super) struct Preset {
     pub name: String,
     path: PathBuf,
+    files: Files,
     file: OnceLock<Result<File, PresetError>>,
 }
 
 impl Preset {
-    fn new(name: String, path: PathBuf) -> Self {
-        Self { name, path, file: OnceLock::new() }
+    fn new(files: &Files, name: String, path: PathBuf) -> Self {
+        Self { name, path, files: files.clone(), file: OnceLock::new() }
     }
 
     /// What it says itself.
@@ -40,7 +42,8 @@ impl Preset {
     /// # Errors
     /// Its file cannot be read, or is damaged.
     pub fn file(&self) -> Result<&File, PresetError> {
-        self.file.get_or_init(|| File::read(&as_spelled(&self.path))).as_ref().map_err(Clone::clone)
+        let read = || File::read(&self.files, &as_spelled(&self.files, &self.path));
+        self.file.get_or_init(read).as_ref().map_err(Clone::clone)
     }
 
     /// Where it begins.
@@ -56,13 +59,13 @@ impl Preset {
 }
 
 /// A path with its name as the folder has it: indices are often written where capitals do not count.
-fn as_spelled(path: &Path) -> PathBuf {
-    if path.exists() {
+fn as_spelled(files: &Files, path: &Path) -> PathBuf {
+    if files.exists(path) {
         return path.to_owned();
     }
     let (Some(folder), Some(name)) = (path.parent(), path.file_name()) else { return path.to_owned() };
     let is_same = |other: &PathBuf| other.file_name().is_some_and(|other| other.eq_ignore_ascii_case(name));
-    entries(folder).into_iter().find(is_same).unwrap_or_else(|| path.to_owned())
+    files.entries(folder).into_iter().find(is_same).unwrap_or_else(|| path.to_owned())
 }
 
 /// Presets that name each other: those of a vendor, or of a user.
@@ -113,16 +116,16 @@ impl Folder {
     }
 
     /// A vendor: what its index lists, in the folder of the same name.
-    fn vendor(index: &File, at: &Path) -> Result<Self, PresetError> {
+    fn vendor(files: &Files, index: &File, at: &Path) -> Result<Self, PresetError> {
         let root = at.with_extension("");
         let is_library = at.file_stem().is_some_and(|stem| stem == LIBRARY);
         let mut vendor = Self { is_library, ..Self::default() };
         for (name, path) in items(index, "machine_model_list")? {
-            vendor.models.insert(name.clone(), Preset::new(name, root.join(path)));
+            vendor.models.insert(name.clone(), Preset::new(files, name, root.join(path)));
         }
         for (kind, list, _) in KINDS {
             for (name, path) in items(index, list)? {
-                vendor.add(kind, Preset::new(name, root.join(path)));
+                vendor.add(kind, Preset::new(files, name, root.join(path)));
             }
             vendor.add_stems(kind);
         }
@@ -148,37 +151,43 @@ fn items(index: &File, list: &str) -> Result<Vec<(String, PathBuf)>, PresetError
 }
 
 /// Every folder of presets that a caller's file or folder holds; what cannot be read becomes a problem.
-pub(super) fn find(path: &Path, problems: &mut Vec<PresetError>) -> Vec<Folder> {
+pub(super) fn find(files: &Files, path: &Path, problems: &mut Vec<PresetError>) -> Vec<Folder> {
     let mut folders = Vec::new();
-    if path.is_dir() {
-        walk(path, 0, &mut folders, problems);
+    if files.is_dir(path) {
+        walk(files, path, 0, &mut folders, problems);
     } else if is_json(path) {
-        single(path, &mut folders, problems);
+        single(files, path, &mut folders, problems);
     }
     folders
 }
 
 /// A file: an index, with the filaments that all vendors share, or a preset.
-fn single(path: &Path, folders: &mut Vec<Folder>, problems: &mut Vec<PresetError>) {
-    let file = match File::read(path) {
+fn single(files: &Files, path: &Path, folders: &mut Vec<Folder>, problems: &mut Vec<PresetError>) {
+    let file = match File::read(files, path) {
         Ok(file) => file,
         Err(error) => return problems.push(error),
     };
     if is_index(&file) {
-        vendor(&file, path, folders, problems);
+        vendor(files, &file, path, folders, problems);
         let library = path.with_file_name(LIBRARY).with_extension("json");
-        if library != path && library.is_file() {
-            single(&library, folders, problems);
+        if library != path && files.is_file(&library) {
+            single(files, &library, folders, problems);
         }
     } else if let Some(kind) = kind(&file) {
         let mut own = Folder { is_user: true, ..Folder::default() };
-        own.add(kind, named(path, Some(file)));
+        own.add(kind, named(files, path, Some(file)));
         folders.push(own);
     }
 }
 
-fn vendor(index: &File, path: &Path, folders: &mut Vec<Folder>, problems: &mut Vec<PresetError>) {
-    match Folder::vendor(index, path) {
+fn vendor(
+    files: &Files,
+    index: &File,
+    path: &Path,
+    folders: &mut Vec<Folder>,
+    problems: &mut Vec<PresetError>,
+) {
+    match Folder::vendor(files, index, path) {
         Ok(vendor) => folders.push(vendor),
         Err(error) => problems.push(error),
     }
@@ -214,9 +223,9 @@ pub(in crate::presets) fn is_preset(name: &str) -> bool {
 }
 
 /// A preset that is called as it says itself, or else as its file is.
-fn named(path: &Path, read: Option<File>) -> Preset {
+fn named(files: &Files, path: &Path, read: Option<File>) -> Preset {
     let stem = path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
-    let preset = Preset::new(String::new(), path.to_owned());
+    let preset = Preset::new(files, String::new(), path.to_owned());
     if let Some(file) = read {
         let _ = preset.file.set(Ok(file));
     }
@@ -224,33 +233,31 @@ fn named(path: &Path, read: Option<File>) -> Preset {
     Preset { name: if own.is_empty() { stem } else { own }, ..preset }
 }
 
-/// What is in a folder, by name.
-fn entries(folder: &Path) -> Vec<PathBuf> {
-    let Ok(entries) = std::fs::read_dir(folder) else { return Vec::new() };
-    let mut entries: Vec<PathBuf> = entries.filter_map(|entry| Some(entry.ok()?.path())).collect();
-    entries.sort();
-    entries
-}
-
-fn walk(folder: &Path, depth: usize, folders: &mut Vec<Folder>, problems: &mut Vec<PresetError>) {
-    let entries = entries(folder);
+fn walk(
+    files: &Files,
+    folder: &Path,
+    depth: usize,
+    folders: &mut Vec<Folder>,
+    problems: &mut Vec<PresetError>,
+) {
+    let entries = files.entries(folder);
     let mut vendors: Vec<PathBuf> = Vec::new();
-    for path in entries.iter().filter(|path| is_json(path) && path.with_extension("").is_dir()) {
-        match File::read(path) {
+    for path in entries.iter().filter(|path| is_json(path) && files.is_dir(&path.with_extension(""))) {
+        match File::read(files, path) {
             Ok(file) if is_index(&file) => {
                 vendors.push(path.with_extension(""));
-                vendor(&file, path, folders, problems);
+                vendor(files, &file, path, folders, problems);
             }
             Ok(_) => {}
             Err(error) => problems.push(error),
         }
     }
     let mut own = Folder { is_user: true, ..Folder::default() };
-    for path in entries.iter().filter(|path| path.is_dir() && !vendors.contains(path)) {
+    for path in entries.iter().filter(|path| files.is_dir(path) && !vendors.contains(path)) {
         let name = path.file_name().unwrap_or_default().to_string_lossy();
         match KINDS.iter().find(|(.., kind)| *kind == name) {
-            Some((kind, ..)) => loose(path, *kind, &mut own),
-            None if depth < DEEPEST => walk(path, depth + 1, folders, problems),
+            Some((kind, ..)) => loose(files, path, *kind, &mut own),
+            None if depth < DEEPEST => walk(files, path, depth + 1, folders, problems),
             None => {}
         }
     }
@@ -260,12 +267,12 @@ fn walk(folder: &Path, depth: usize, folders: &mut Vec<Folder>, problems: &mut V
 }
 
 /// A user's presets of a kind: those in a folder, and in the folder `base` in it.
-fn loose(folder: &Path, kind: Kind, own: &mut Folder) {
-    for path in entries(folder) {
-        if path.is_dir() {
-            loose(&path, kind, own);
+fn loose(files: &Files, folder: &Path, kind: Kind, own: &mut Folder) {
+    for path in files.entries(folder) {
+        if files.is_dir(&path) {
+            loose(files, &path, kind, own);
         } else if is_json(&path) {
-            own.add(kind, named(&path, None));
+            own.add(kind, named(files, &path, None));
         }
     }
 }

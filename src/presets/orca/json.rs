@@ -9,6 +9,7 @@ use serde_json::value::RawValue;
 
 use crate::presets::config::Place;
 use crate::presets::error::PresetError;
+use crate::presets::files::Files;
 
 /// What is written for one key.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
@@ -40,11 +41,10 @@ impl File {
     ///
     /// # Errors
     /// It cannot be read, or is no JSON object.
-    pub fn read(path: &Path) -> Result<Self, PresetError> {
+    pub fn read(files: &Files, path: &Path) -> Result<Self, PresetError> {
         let name: Arc<str> = path.display().to_string().into();
-        let bytes = std::fs::read(path).map_err(|error| {
-            PresetError::at(Place::new(name.clone(), 0, ""), format!("cannot be read: {error}"))
-        })?;
+        let bytes =
+            files.read(path).map_err(|message| PresetError::at(Place::new(name.clone(), 0, ""), message))?;
         Self::parse(name, &bytes)
     }
 

@@ -19,6 +19,7 @@ pub(super) use project::{of_object, project};
 use super::config::{Config, Dialect, Place};
 use super::error::PresetError;
 use super::family::{Family, Kind, Listed, Source};
+use super::files::Files;
 use super::value::{Scalar, Shape, Type};
 use folder::{Folder, Preset};
 use values::Values;
@@ -43,8 +44,8 @@ struct Found<'a> {
 
 impl Orca {
     /// Reads which presets there are.
-    pub fn read(sources: &[&Source], problems: &mut Vec<PresetError>) -> Self {
-        let found = sources.iter().flat_map(|source| folder::find(&source.path, problems));
+    pub fn read(files: &Files, sources: &[&Source], problems: &mut Vec<PresetError>) -> Self {
+        let found = sources.iter().flat_map(|source| folder::find(files, &source.path, problems));
         let mut folders: Vec<Folder> = found.collect();
         folders.sort_by_key(|folder| !folder.is_user);
         Self { folders, listed: Default::default() }

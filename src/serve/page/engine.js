@@ -94,6 +94,8 @@ export class Engine {
 
   /** Where to get files: addresses that the browser can save. */
   gcode = (event) => event.gcode;
+  /** The same as a blob. */
+  gcodeFile = async (event) => (await this.request(event.gcode)).blob();
   projectFile = async () => this.at("project.3mf");
   profileFile = async () => this.at("profile.toml");
 

@@ -84,7 +84,8 @@ export class Memory {
   }
 }
 
-const answer = (request) => new Promise((done, fail) => {
+/** What comes of a request to the database. */
+export const answer = (request) => new Promise((done, fail) => {
   request.onsuccess = () => done(request.result);
   request.onerror = () => fail(request.error);
 });

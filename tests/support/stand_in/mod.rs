@@ -4,3 +4,4 @@
 
 pub mod duet;
 pub mod http;
+pub mod moonraker;

@@ -341,7 +341,7 @@ impl<'a> Walk<'a> {
         let length_mm = |a: [f64; 2], b: [f64; 2]| {
             let (dx, dy) = (a[0] - b[0], a[1] - b[1]);
             // NaN, from or to an unknown point, becomes 0.
-            (dx * dx + dy * dy).sqrt().max(0.0)
+            real::greater((dx * dx + dy * dy).sqrt(), 0.0)
         };
         let [to_kind, from_kind] = [before, after].map(|node| self.kind([node / 2, item]));
         let (before, after) = (self.point(before), self.point(after));

@@ -4,6 +4,7 @@ import { element, find } from "../view.js";
 import { withProfile } from "../project.js";
 import { attempt, notify } from "../ui/notices.js";
 import { Combo } from "./combo.js";
+import { PresetFolders } from "./folders.js";
 
 const KINDS = { printer: "Printer", print: "Print", filament: "Filament" };
 /** The built-in profiles that go with each. */
@@ -14,13 +15,14 @@ export class Presets {
   constructor(desk, engine) {
     Object.assign(this, { desk, engine, fitting: null });
     this.combos = Object.fromEntries(Object.entries(KINDS).map(([kind, label]) => [kind, new Combo(label, (words) => this.find(kind, words), (value) => this.choose(kind, value))]));
+    this.folders = new PresetFolders(desk, engine, () => this.renew());
     this.left = element("details", { class: "note", hidden: true });
     this.own = element("span", { class: "soft" });
     this.drop = element("button", { title: "Print without this profile", hidden: true, onclick: () => desk.change({ ...desk.project, profile: "" }) }, "Remove");
     find("presets").append(...Object.values(this.combos).map(({ root }) => root), element("div", { class: "line" },
       element("button", { title: "Take settings from a profile (TOML)", onclick: () => find("profile-file").click() }, "Import profile…"),
       element("a", { id: "export-profile", hidden: true, download: "" }),
-      element("button", { title: "Save the settings in force as a profile (TOML)", onclick: () => this.export() }, "Export profile"), this.own, this.drop), this.left);
+      element("button", { title: "Save the settings in force as a profile (TOML)", onclick: () => this.export() }, "Export profile"), this.own, this.drop), this.folders.root, this.left);
     find("profile-file").addEventListener("change", ({ target }) => this.import(target));
     desk.on("project schema resolved", () => this.draw());
   }
@@ -45,6 +47,13 @@ export class Presets {
     if (this.fitting?.printer === printer) return this.fitting.asked;
     const fitting = (this.fitting = { printer, answer: null, asked: attempt(() => this.engine.printer(printer)) });
     return (fitting.answer = await fitting.asked);
+  }
+
+  /** The presets are others: what is chosen of them is sliced anew. */
+  renew() {
+    this.fitting = null;
+    this.draw();
+    if (this.desk.project.presets.printer) this.desk.tell("again");
   }
 
   choose(kind, { profile = null, preset = null }) {

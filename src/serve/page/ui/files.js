@@ -64,7 +64,12 @@ export function listenToFiles(desk, engine, connection) {
     if (!holdsFiles(event)) return;
     event.preventDefault();
     document.body.classList.remove("dropping");
-    add(event.dataTransfer.files);
+    // A folder is among the files, too, as one of no use.
+    const entries = [...event.dataTransfer.items].filter(({ kind }) => kind === "file").map((item) => item.webkitGetAsEntry?.());
+    const folders = entries.filter((entry) => entry?.isDirectory);
+    if (folders.length && !engine.addPresets) notify("A folder cannot be opened; drop the models in it.", "error");
+    else if (folders.length) desk.tell("folders", folders);
+    add([...event.dataTransfer.files].filter((_, i) => !entries[i]?.isDirectory));
   });
   return { choose, saveProject, saveGcode, add };
 }

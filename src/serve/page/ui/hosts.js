@@ -1,6 +1,7 @@
 // Print hosts: what each of them does, and the print on the plate for one of them.
 
 import { element, find } from "../view.js";
+import { addingHost, forgetting } from "./adding-host.js";
 import { attempt, notify } from "./notices.js";
 
 const ASKED_MS = 2000;
@@ -30,12 +31,12 @@ export class PrintHosts {
   /** The button is there where hosts are. */
   async look() {
     this.hosts = (await attempt(() => this.engine.hosts())) ?? [];
-    find("print").hidden = !this.hosts.length;
+    find("print").hidden = !this.hosts.length && !this.engine.addHost;
   }
 
   async open() {
     await this.look();
-    if (!this.hosts.length) return;
+    if (!this.hosts.length && !this.engine.addHost) return;
     const chosen = localStorage.getItem("print-host");
     this.rows = new Map(this.hosts.map((host, index) => {
       const pick = element("input", { type: "radio", name: "host", value: host.name, required: true, checked: host.name === chosen || (index === 0 && !this.hosts.some(({ name }) => name === chosen)) });
@@ -43,13 +44,14 @@ export class PrintHosts {
     }));
     const list = this.hosts.map(({ name, kind, url }) => {
       const { pick, state } = this.rows.get(name);
-      return element("p", {}, element("label", { title: `${kind}, ${url}` }, pick, ` ${name}: `, state));
+      const forget = this.engine.addHost ? [forgetting(this.engine, name, () => this.open())] : [];
+      return element("p", {}, element("label", { title: `${kind}, ${url}` }, pick, ` ${name}: `, state), ...forget);
     });
     this.start = element("input", { type: "checkbox", id: "print-start" });
     this.replace = element("input", { type: "checkbox", id: "print-replace" });
     this.said = element("p", { role: "status", id: "print-said" });
     this.bar = element("progress", { id: "print-bar", max: 100, value: 0, hidden: true, "aria-label": "Sent" });
-    this.send = element("button", { class: "main", id: "print-send" }, "Send");
+    this.send = element("button", { class: "main", id: "print-send", disabled: !this.hosts.length }, "Send");
     const form = element("form", {}, element("h2", {}, "Print"), ...list,
       element("p", {}, element("label", {}, this.start, " Start it when it is there")),
       element("p", {}, element("label", {}, this.replace, " Replace a file of the same name")),
@@ -59,8 +61,8 @@ export class PrintHosts {
       event.preventDefault();
       this.print();
     });
-    this.dialog.replaceChildren(form);
-    this.dialog.showModal();
+    this.dialog.replaceChildren(form, ...(this.engine.addHost ? [addingHost(this.engine, !this.hosts.length)] : []));
+    if (!this.dialog.open) this.dialog.showModal();
     for (const { name } of this.hosts) this.follow(name);
   }
 
@@ -84,7 +86,7 @@ export class PrintHosts {
     this.send.disabled = true;
     this.said.textContent = "Sending…";
     try {
-      const file = desk.done.name, gcode = await (await engine.request(engine.gcode(desk.done))).blob();
+      const file = desk.done.name, gcode = await engine.gcodeFile(desk.done);
       const size = `${(gcode.size / 1e6).toFixed(1)} MB`;
       const sent = await engine.print(name, { file, start, replace: this.replace.checked }, gcode, ({ percent }) => {
         Object.assign(this.bar, { hidden: false, value: percent });

@@ -1,15 +1,18 @@
-//! The printers of other slicers' presets, as they are listed.
+//! Printers of presets, as they are listed, and what goes with each.
 
 use std::collections::BTreeSet;
 use std::sync::OnceLock;
 
 use serde::Serialize;
-use utoipa::ToSchema;
 
-use crate::presets::{self, Library, PrinterFacts};
+use super::error::PresetError;
+use super::family::{Kind, Listed};
+use super::library::Library;
+use super::printer::PrinterFacts;
 
 /// A printer of the presets.
-#[derive(Clone, Debug, Serialize, ToSchema)]
+#[derive(Clone, Debug, Serialize)]
+#[cfg_attr(feature = "serve", derive(utoipa::ToSchema))]
 pub struct Printer {
     /// By which it is chosen.
     name: String,
@@ -37,8 +40,8 @@ pub struct Printer {
 
 impl Printer {
     /// As it is listed.
-    pub fn of(library: &Library, printer: &presets::Listed) -> Self {
-        let config = library.preset(presets::Kind::Printer, &printer.name);
+    fn of(library: &Library, printer: &Listed) -> Self {
+        let config = library.preset(Kind::Printer, &printer.name);
         let facts = config.as_ref().map(PrinterFacts::of).unwrap_or_default();
         Self {
             name: printer.name.clone(),
@@ -55,7 +58,7 @@ impl Printer {
     }
 
     /// Whether its name, file and slicer have all these words, which are in small letters.
-    pub fn has(&self, words: &[String]) -> bool {
+    fn has(&self, words: &[String]) -> bool {
         let text = format!("{} {} {}", self.name, self.from, self.slicer).to_lowercase();
         words.iter().all(|word| text.contains(word))
     }
@@ -66,14 +69,55 @@ impl Printer {
 pub struct Printers(OnceLock<Vec<Printer>>);
 
 impl Printers {
-    /// Those of a library; every call names the same one.
-    pub fn of(&self, library: &Library) -> &[Printer] {
+    /// Those of a library whose name, file and slicer have all words, at most so many. Every call names the same library.
+    pub fn find(&self, library: &Library, words: &str, most: usize) -> Vec<&Printer> {
+        let words: Vec<String> = words.split_whitespace().map(str::to_lowercase).collect();
+        self.of(library).iter().filter(|printer| printer.has(&words)).take(most).collect()
+    }
+
+    fn of(&self, library: &Library) -> &[Printer] {
         self.0.get_or_init(|| {
             let mut seen = BTreeSet::new();
-            let mut listed = library.listed(presets::Kind::Printer);
+            let mut listed = library.listed(Kind::Printer);
             listed.retain(|printer| seen.insert(printer.name.clone()));
             listed.sort_by_key(|printer| printer.name.to_lowercase());
             listed.into_iter().map(|printer| Printer::of(library, printer)).collect()
+        })
+    }
+}
+
+/// A printer with the presets that fit it.
+#[derive(Debug, Serialize)]
+#[cfg_attr(feature = "serve", derive(utoipa::ToSchema))]
+pub struct PrinterPresets {
+    /// The printer.
+    printer: Printer,
+    /// Print presets that fit.
+    prints: Vec<String>,
+    /// Filament presets that fit it and the print preset.
+    filaments: Vec<String>,
+    /// The print preset that is taken where none is named.
+    default_print: String,
+    /// The filament preset that is taken where none is named.
+    default_filament: String,
+    /// What is to be known of the choice.
+    notes: Vec<String>,
+}
+
+impl PrinterPresets {
+    /// Those of a printer, with a print preset or its own.
+    ///
+    /// # Errors
+    /// Presets that do not resolve.
+    pub fn of(library: &Library, printer: &str, print: Option<&str>) -> Result<Self, PresetError> {
+        let chosen = library.choose(printer, print, None)?;
+        Ok(Self {
+            printer: Printer::of(library, &chosen.printer),
+            prints: chosen.prints,
+            filaments: chosen.filaments,
+            default_print: chosen.print.name,
+            default_filament: chosen.filament.name,
+            notes: chosen.notes,
         })
     }
 }
