@@ -4,7 +4,7 @@ use std::cell::LazyCell;
 
 use geometry::{EdgeGrid, Point};
 
-use super::path::{Path, Role, Width};
+use super::path::{Path, Role};
 use super::shells::Zones;
 
 /// A bead that covers less than this is small.
@@ -34,9 +34,5 @@ pub(super) fn leave_out(paths: &mut Vec<Path>, first: usize, zones: &Zones, spac
 }
 
 fn covers_less(path: &Path, mm2: f64) -> bool {
-    let widest_mm = match &path.width {
-        Width::Constant(width_mm) => *width_mm,
-        Width::PerVertex(widths) => f64::from(widths.iter().copied().fold(0.0, f32::max)),
-    };
-    geometry::polyline_length_mm(&path.points) * widest_mm < mm2
+    geometry::polyline_length_mm(&path.points) * path.width.widest_mm() < mm2
 }

@@ -124,9 +124,9 @@ pub(super) fn find(boundary: &Boundary<'_>, stops: &[Stop], chords: &[Chord], ha
             let outer = from.chord == to.chord;
             let side = arc.iter().map(|&p| hatch.over_mm(a.line, p)).sum::<f64>().signum();
             // Vertex, and the width of the gap beside it.
-            let profile: Vec<(Point, f64)> = std::iter::once(end_of(a, from))
+            let profile: Vec<(Point, f64)> = std::iter::once(a.end(from.side.into()))
                 .chain(arc.iter().copied())
-                .chain(std::iter::once(end_of(b, to)))
+                .chain(std::iter::once(b.end(to.side.into())))
                 .map(|p| hatch.gap(a.line, side, outer, p))
                 .collect();
             let ends = [(from.chord, from.side), (to.chord, to.side)];
@@ -172,7 +172,7 @@ fn wedge(
     if (a.line - b.line).abs() != 1 || from.side != to.side {
         return Vec::new();
     }
-    let (at_a, at_b) = (end_of(a, from), end_of(b, to));
+    let (at_a, at_b) = (a.end(from.side.into()), b.end(to.side.into()));
     let inwards = if from.side == 0 { 1.0 } else { -1.0 };
     let shorter_mm = inwards * (direction.along_mm(at_b) - direction.along_mm(at_a));
     if shorter_mm.abs() < SHORTEST_WEDGE * distance_mm {
@@ -195,10 +195,6 @@ fn wedge(
     }
     let ends = [(from.chord, from.side), (to.chord, to.side)];
     between(wide_parts(&profile, NARROWEST * distance_mm), ends, true).collect()
-}
-
-fn end_of(chord: &Chord, stop: &Stop) -> Point {
-    chord.points[if stop.side == 0 { 0 } else { chord.points.len() - 1 }]
 }
 
 /// The parts of a polyline at least `least_mm` wide, cut where the width, linear in between, passes that.

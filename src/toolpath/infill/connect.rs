@@ -223,7 +223,8 @@ impl Joiner<'_> {
     }
 
     /// Moves the last point of a bead on along its line, beyond the boundary, if it is a free end or turns back
-    /// sharply to `ahead`; in the latter case also away from there along the boundary, into the wedge.
+    /// sharply to `ahead`; in the latter case also away from there along the boundary, into the wedge. At a square turn it is
+    /// moved a little, beside a narrow bead that it goes on to a little back, and where the boundary has a notch, into that.
     fn reach(&self, bead: &mut Bead, (chord, side): (usize, usize), ahead: Option<(Point, f32)>) {
         let (Some(on), [.., before, last]) = (self.chords[chord].ends[side], bead.as_mut_slice()) else {
             return;
@@ -249,20 +250,16 @@ impl Joiner<'_> {
         }
         let out = [(x - from[0]) / length, (y - from[1]) / length];
         if (out[0] * edge[1] - out[1] * edge[0]).abs() < STEEP && beside_cap() {
-            if let Some((_, spacing_mm)) = ahead
-                && spacing_mm < 0.5 * last.1
-            {
-                let by_mm = OVERLAP * f64::from(last.1);
-                if by_mm < length / 2.0 {
-                    last.0 = Point::from_mm(x - by_mm * out[0], y - by_mm * out[1]);
-                }
+            let by_mm = OVERLAP * f64::from(last.1);
+            if by_mm < length / 2.0 && ahead.is_some_and(|(_, spacing_mm)| spacing_mm < 0.5 * last.1) {
+                last.0 = Point::from_mm(x - by_mm * out[0], y - by_mm * out[1]);
             }
             return;
         }
         if let Some(ahead) = ahead.map(|v| v.0.mm()) {
             let to = [ahead[0] - x, ahead[1] - y];
             let cosine = (to[0] * out[0] + to[1] * out[1]) / real::hypot(to[0], to[1]);
-            if cosine > -SQUARE {
+            if cosine.is_nan() || cosine > -SQUARE {
                 if cosine < SQUARE {
                     let by_mm = PRESSED * self.joins.hatch.map_or(0.0, |hatch| hatch.distance_mm);
                     last.0 = Point::from_mm(x + by_mm * out[0], y + by_mm * out[1]);
@@ -296,15 +293,13 @@ impl Joiner<'_> {
         let on = own.ends[side]?;
         let sign = if side == 1 { 1.0 } else { -1.0 };
         let depth_mm = |p: Point, end: Point| sign * hatch.direction().along_mm(p - end);
-        let end_of =
-            |chord: &Chord, side: usize| chord.points[if side == 0 { 0 } else { chord.points.len() - 1 }];
-        let end = end_of(own, side);
+        let end = own.end(side);
         self.around.beside(chord, side).into_iter().find_map(|(stop, is_ahead)| {
             let other = &self.chords[stop.chord as usize];
             if usize::from(stop.side) != side || (other.line - own.line).abs() != 1 {
                 return None;
             }
-            let other_end = end_of(other, side);
+            let other_end = other.end(side);
             let arc = self.boundary.vertices_between(on, stop.on, is_ahead);
             if ahead.is_some_and(|ahead| arc.contains(&ahead)) {
                 return None;

@@ -105,6 +105,13 @@ pub struct Chord {
     pub line: i64,
 }
 
+impl Chord {
+    /// Its start, side 0, or its end.
+    pub(super) fn end(&self, side: usize) -> Point {
+        self.points[if side == 0 { 0 } else { self.points.len() - 1 }]
+    }
+}
+
 /// One end of a chord, at its position on the boundary.
 #[derive(Clone, Copy)]
 pub(super) struct Stop {
