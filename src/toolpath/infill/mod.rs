@@ -29,7 +29,7 @@ use std::sync::Arc;
 use crate::toolpath::options::Pattern;
 
 pub use adaptive_cubic::AdaptiveCubic;
-pub use angle::fewest_turns;
+pub(super) use angle::fewest_turns;
 pub use density::{SOLID_DENSITY, SparseSample, calibrate, flow, lay};
 pub use lightning::{Lightning, LightningLayer};
 pub use pattern::FillPattern;
