@@ -25,14 +25,14 @@ pub(crate) fn find(layers: &[LayerPaths], into_print: bool, settings: &Settings)
     }
     // Where the first layers have temperatures and fans of their own, they come one after the other.
     let steady = settings.cooling.full_fan_layer.max(settings.cooling.fan_off_layers).max(2) as usize;
-    let standing = |layer: &LayerPaths| if layer.index < steady { None } else { standing(layer) };
+    let steadily = |layer: &LayerPaths| if layer.index < steady { None } else { standing(layer) };
     let mut blocks: Vec<Block> = Vec::new();
     let mut next = 0;
     while let Some(first) = layers.get(next) {
         let mut end = next + 1;
-        if let Some(mut block) = standing(first) {
+        if let Some(mut block) = steadily(first) {
             let fits = |layer: &&LayerPaths| layer.top_mm - first.top_mm <= ahead_mm + 1e-6;
-            while let Some(more) = layers.get(end).filter(fits).and_then(standing) {
+            while let Some(more) = layers.get(end).filter(fits).and_then(steadily) {
                 if !join(&mut block, more) || !are_apart(&block) {
                     break;
                 }

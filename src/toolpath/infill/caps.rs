@@ -180,7 +180,7 @@ fn wedge(
     }
     let is_forward = shorter_mm < 0.0;
     let (long, short) = if is_forward { (b, a) } else { (a, b) };
-    if long.points[0].distance_mm(long.points[long.points.len() - 1]) < shorter_mm.abs() {
+    if long.end(0).distance_mm(long.end(1)) < shorter_mm.abs() {
         return Vec::new();
     }
     let side = (short.line - long.line) as f64;

@@ -51,9 +51,7 @@ const ANCHOR: f64 = 0.45;
 /// grows at both ends. O(n log n).
 pub fn connect(region: &Region, mut chords: Vec<Chord>, joins: &Joins) -> Vec<Line> {
     if let Some(hatch) = joins.hatch {
-        chords.retain(|c| {
-            c.points[0].distance_mm(c.points[c.points.len() - 1]) >= SHORTEST * hatch.distance_mm
-        });
+        chords.retain(|c| c.end(0).distance_mm(c.end(1)) >= SHORTEST * hatch.distance_mm);
     }
     let boundary = Boundary::new(region);
     merge(&mut chords, &boundary, joins);
@@ -64,7 +62,7 @@ pub fn connect(region: &Region, mut chords: Vec<Chord>, joins: &Joins) -> Vec<Li
     let mut joiner =
         Joiner { boundary, around, chords: &chords, joins, caps, used: vec![false; chords.len()] };
     let mut lines: Vec<Line> = (0..chords.len()).filter_map(|first| joiner.line(first)).collect();
-    let distance_mm = joins.hatch.map_or(0.0, |hatch| hatch.distance_mm);
+    let distance_mm = joins.distance_mm();
     lines.extend(joiner.caps.into_unused(distance_mm).filter_map(|bead| {
         let (points, spacing_mm) = bead.into_iter().unzip();
         Line { points, spacing_mm, closed: false }.sound()
@@ -144,7 +142,7 @@ impl Joiner<'_> {
         if std::mem::replace(&mut self.used[first], true) {
             return None;
         }
-        let nominal = self.joins.hatch.map_or(0.0, |hatch| hatch.distance_mm as f32);
+        let nominal = self.joins.distance_mm() as f32;
         let mut bead: Bead = self.chords[first].points.iter().map(|&p| (p, nominal)).collect();
         for side in [1, 0] {
             let mut at = (first, side);
@@ -261,7 +259,7 @@ impl Joiner<'_> {
             let cosine = (to[0] * out[0] + to[1] * out[1]) / real::hypot(to[0], to[1]);
             if cosine.is_nan() || cosine > -SQUARE {
                 if cosine < SQUARE {
-                    let by_mm = PRESSED * self.joins.hatch.map_or(0.0, |hatch| hatch.distance_mm);
+                    let by_mm = PRESSED * self.joins.distance_mm();
                     last.0 = Point::from_mm(x + by_mm * out[0], y + by_mm * out[1]);
                 }
                 return;
@@ -272,7 +270,7 @@ impl Joiner<'_> {
         let mut tip = [0, 1].map(|k| [x, y][k] + by * out[k]);
         if let Some(ahead) = ahead.map(|v| v.0.mm()) {
             // The join comes from one side; the wedge is on the other.
-            let back_mm = BACK * self.joins.hatch.map_or(0.0, |hatch| hatch.distance_mm);
+            let back_mm = BACK * self.joins.distance_mm();
             let from_ahead = edge[0] * (x - ahead[0]) + edge[1] * (y - ahead[1]);
             tip = [0, 1].map(|k| tip[k] + SIDEWAYS * across_mm * edge[k] * from_ahead.signum());
             if back_mm < length / 2.0 {

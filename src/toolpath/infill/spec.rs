@@ -84,6 +84,11 @@ impl Joins {
         across_mm / sine.max(1.0 / self.flattest())
     }
 
+    /// The distance of a solid fill's lines; 0 of other fills.
+    pub(super) fn distance_mm(&self) -> f64 {
+        self.hatch.map_or(0.0, |hatch| hatch.distance_mm)
+    }
+
     /// How far free ends reach along their line at most.
     pub(super) fn furthest_mm(&self) -> f64 {
         self.reach_mm * self.flattest()
