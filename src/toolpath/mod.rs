@@ -5,6 +5,7 @@ pub mod bead;
 mod beading;
 mod beneath;
 mod beside_sparse;
+mod borders;
 mod bridges;
 mod combined;
 mod entries;

@@ -11,6 +11,7 @@ use geometry::{Polygon, Region, Ring};
 
 use super::bead::Line;
 use super::beneath::Beneath;
+use super::borders::Borders;
 use super::bridges::Bridge;
 use super::combined::CombinedInfill;
 use super::infill::{self, FillPattern, FillSpec, Joins, LineSet, SparseSample};
@@ -268,6 +269,9 @@ impl Planner {
             let mut walls = self.wall_planner().object(&layer, islands.len(), &self.known_walls);
             if !object.has_walls() {
                 walls.iter_mut().for_each(|walls| walls.paths.clear());
+            }
+            if let Some(borders) = Borders::of(object, &section.objects, section.height_mm) {
+                walls.iter_mut().for_each(|walls| borders.fit(&mut walls.paths));
             }
             islands.extend(walls);
         }
