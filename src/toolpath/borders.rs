@@ -20,8 +20,14 @@ const TOWARDS_OTHERS_MM: f64 = 0.012;
 /// A corner's bead is moved no further, mm: tips of sharp ones would be.
 const FURTHEST_MM: f64 = 0.06;
 
+/// The sides of a corner are at least so long, in widths.
+const SIDE: f64 = 0.45;
+
+/// Sides of which the ends are this share of their length apart are straight.
+const STRAIGHT: f64 = 0.97;
+
 /// So far from the corner, in widths, a wall is where it was.
-const REACH: f64 = 0.3;
+const REACH: f64 = 0.4;
 
 /// A single bead may lie so far over another part, mm.
 const OVER_MM: f64 = 0.015;
@@ -73,21 +79,27 @@ impl Borders {
     fn press(&self, path: &mut Path) {
         let count = path.points.len();
         let corners: Vec<[f64; 2]> = path.points.iter().map(|point| point.mm()).collect();
-        let (mut points, mut from) = (Vec::with_capacity(count), Vec::with_capacity(count));
-        for (k, at) in corners.iter().copied().enumerate() {
-            let [before, after] = [(k + count - 1) % count, (k + 1) % count].map(|other| corners[other]);
+        let mut ways: Vec<Option<Way>> = vec![None; count];
+        let mut is_left_out = vec![false; count];
+        for k in 0..count {
             let width_mm = width_mm(&path.width, k);
-            match self.pressed([before, at, after], width_mm, path.role != Role::Perimeter) {
+            let [before, after] = [false, true].map(|ahead| side(&corners, k, ahead, SIDE * width_mm));
+            let (Some(before), Some(after)) = (before, after) else { continue };
+            let ends = [before.end, after.end];
+            let Some(tip) =
+                self.pressed([ends[0], corners[k], ends[1]], width_mm, path.role != Role::Perimeter)
+            else {
+                continue;
+            };
+            let beside = |end| towards(corners[k], end, REACH / SIDE);
+            ways[k] = Some([beside(ends[0]), tip, beside(ends[1])]);
+            before.between.into_iter().chain(after.between).for_each(|near| is_left_out[near] = true);
+        }
+        let (mut points, mut from) = (Vec::with_capacity(count), Vec::with_capacity(count));
+        for (k, way) in ways.into_iter().enumerate().filter(|(k, way)| way.is_some() || !is_left_out[*k]) {
+            match way {
+                Some(way) => points.extend(way.map(|[x, y]| Point::from_mm(x, y))),
                 None => points.push(path.points[k]),
-                Some(tip) => {
-                    let beside = |other: [f64; 2]| {
-                        let share = REACH * width_mm / geometry::distance_mm(at, other);
-                        // The corner at the other end may be moved, too.
-                        (share < 0.4).then(|| towards(at, other, share))
-                    };
-                    let around = [beside(before), Some(tip), beside(after)];
-                    points.extend(around.into_iter().flatten().map(|[x, y]| Point::from_mm(x, y)));
-                }
             }
             from.resize(points.len(), k);
         }
@@ -108,17 +120,16 @@ impl Borders {
         // What is printed lies left of walls: they turn left where the outside is.
         let normals = [into, out].map(|[x, y]| if sine > 0.0 { [y, -x] } else { [-y, x] });
         let by_mm = if is_outer && sine > 0.0 {
-            let middles = [towards(at, before, 0.5), towards(at, after, 0.5)];
-            let beside = |side: usize| {
-                let along_mm = geometry::distance_mm(at, middles[side]).min(width_mm / 2.0);
-                let on = [0, 1].map(|i| at[i] + along_mm * [-into[i], out[i]][side]);
+            let is_border = |side: usize| {
+                let on = towards(at, [before, after][side], 0.5);
                 let [x, y] = [0, 1].map(|i| on[i] + width_mm * normals[side][i]);
                 self.others.contains(Point::from_mm(x, y))
             };
-            match [beside(0), beside(1)] {
-                // A corner of the whole object.
-                [false, false] => return None,
-                sides => sides.map(|is_border| if is_border { TOWARDS_OTHERS_MM } else { PRESSED_MM }),
+            match [is_border(0), is_border(1)] {
+                [true, false] => [TOWARDS_OTHERS_MM, PRESSED_MM],
+                [false, true] => [PRESSED_MM, TOWARDS_OTHERS_MM],
+                // A corner of the whole object, or one that other parts are all around.
+                _ => return None,
             }
         } else {
             [PRESSED_MM; 2]
@@ -199,6 +210,39 @@ impl Borders {
             if self.room_mm(middle, LEAST_MM) >= LEAST_MM { on = middle } else { off = middle }
         }
         on
+    }
+}
+
+/// Where a wall goes before a corner's tip, the tip, and where it goes behind it.
+type Way = [[f64; 2]; 3];
+
+/// A side of a corner.
+struct Side {
+    /// A point on it.
+    end: [f64; 2],
+    /// The vertices between that and the corner.
+    between: Vec<usize>,
+}
+
+/// The side of a loop's corner that is so long, if it is straight.
+fn side(corners: &[[f64; 2]], corner: usize, ahead: bool, length_mm: f64) -> Option<Side> {
+    let count = corners.len();
+    let next = |k: usize| if ahead { (k + 1) % count } else { (k + count - 1) % count };
+    let (mut at, mut left_mm, mut between) = (corner, length_mm, Vec::new());
+    loop {
+        let to = next(at);
+        let step_mm = geometry::distance_mm(corners[at], corners[to]);
+        if step_mm >= left_mm {
+            let end = towards(corners[at], corners[to], left_mm / step_mm);
+            let is_straight = geometry::distance_mm(corners[corner], end) >= STRAIGHT * length_mm;
+            return is_straight.then_some(Side { end, between });
+        }
+        if to == corner {
+            return None;
+        }
+        left_mm -= step_mm;
+        between.push(to);
+        at = to;
     }
 }
 
