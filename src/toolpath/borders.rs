@@ -21,13 +21,13 @@ const TOWARDS_OTHERS_MM: f64 = 0.012;
 const FURTHEST_MM: f64 = 0.06;
 
 /// The sides of a corner are at least so long, in widths.
-const SIDE: f64 = 0.45;
+const SIDE: f64 = 0.5;
 
 /// Sides of which the ends are this share of their length apart are straight.
 const STRAIGHT: f64 = 0.97;
 
-/// So far from the corner, in widths, a wall is where it was.
-const REACH: f64 = 0.4;
+/// So far from the corner, in widths, a wall is where it was: less than half of a side, of which the other end may be pressed, too.
+const REACH: f64 = 0.18;
 
 /// A single bead may lie so far over another part, mm.
 const OVER_MM: f64 = 0.015;
@@ -67,12 +67,27 @@ impl Borders {
     pub fn fit(&self, paths: &mut Vec<Path>) {
         for path in paths.iter_mut() {
             if path.closed {
+                self.thin(path);
                 self.press(path);
             } else {
                 self.narrow(path);
             }
         }
         paths.retain(|path| path.closed || path.points.len() > 1);
+    }
+
+    /// Makes a loop narrower where another part is so near.
+    fn thin(&self, path: &mut Path) {
+        let rounding_mm = 2.0 * self.pressed_mm;
+        let fitting = |(k, point): (usize, &Point)| {
+            let width_mm = width_mm(&path.width, k);
+            let room_mm = self.room_mm(*point, width_mm - rounding_mm).max(LEAST_MM);
+            width_mm.min(room_mm + rounding_mm) as f32
+        };
+        let widths: Vec<f32> = path.points.iter().enumerate().map(fitting).collect();
+        if (0..widths.len()).any(|k| widths[k] < width_mm(&path.width, k) as f32) {
+            path.width = Width::PerVertex(widths);
+        }
     }
 
     /// Presses the corners of a loop outwards.
