@@ -4,8 +4,8 @@
 //! between two parts has some at either end, of every wall. There walls are pressed outwards a little. Single beads, which fill what
 //! is too narrow for a loop, are no wider than the room between the other parts.
 
+use super::bead;
 use super::path::{Path, Role, Width};
-use super::{ObjectLayer, bead};
 use geometry::{EdgeGrid, Point, Region};
 
 /// Flatter turns leave next to nothing open: cosine of 30°.
@@ -49,18 +49,9 @@ pub(super) struct Borders {
 }
 
 impl Borders {
-    /// Those of a part of an object on a layer so high; `None`: it is the whole.
-    pub fn of(part: &ObjectLayer<'_>, all: &[ObjectLayer<'_>], height_mm: f64) -> Option<Self> {
-        let is_other = |other: &&ObjectLayer<'_>| {
-            other.object == part.object && other.tool != part.tool && other.share.is_none_or(|s| s.has_walls)
-        };
-        part.tool?;
-        let others: Vec<&Region> = all.iter().filter(is_other).map(|other| other.section).collect();
-        if others.is_empty() {
-            return None;
-        }
-        let others = EdgeGrid::new(&geometry::union_all(others));
-        Some(Self { others, pressed_mm: bead::rounding_mm(height_mm) / 2.0 })
+    /// Of a part beside others, on a layer so high.
+    pub fn new(others: &Region, height_mm: f64) -> Self {
+        Self { others: EdgeGrid::new(others), pressed_mm: bead::rounding_mm(height_mm) / 2.0 }
     }
 
     /// Makes walls keep to their part, and fill its corners.
@@ -98,17 +89,15 @@ impl Borders {
         let mut is_left_out = vec![false; count];
         for k in 0..count {
             let width_mm = width_mm(&path.width, k);
-            let [before, after] = [false, true].map(|ahead| side(&corners, k, ahead, SIDE * width_mm));
-            let (Some(before), Some(after)) = (before, after) else { continue };
-            let ends = [before.end, after.end];
-            let Some(tip) =
-                self.pressed([ends[0], corners[k], ends[1]], width_mm, path.role != Role::Perimeter)
-            else {
-                continue;
+            let sides = |share: f64| {
+                let [before, after] = [false, true].map(|ahead| side(&corners, k, ahead, share * width_mm));
+                Some([before?, after?])
             };
-            let beside = |end| towards(corners[k], end, REACH / SIDE);
-            ways[k] = Some([beside(ends[0]), tip, beside(ends[1])]);
-            before.between.into_iter().chain(after.between).for_each(|near| is_left_out[near] = true);
+            let (Some([before, after]), Some(moved)) = (sides(SIDE), sides(REACH)) else { continue };
+            let corner = [before.end, corners[k], after.end];
+            let Some(tip) = self.pressed(corner, width_mm, path.role != Role::Perimeter) else { continue };
+            ways[k] = Some([moved[0].end, tip, moved[1].end]);
+            moved.into_iter().flat_map(|side| side.between).for_each(|near| is_left_out[near] = true);
         }
         let (mut points, mut from) = (Vec::with_capacity(count), Vec::with_capacity(count));
         for (k, way) in ways.into_iter().enumerate().filter(|(k, way)| way.is_some() || !is_left_out[*k]) {
@@ -276,4 +265,72 @@ fn towards(from: [f64; 2], to: [f64; 2], share: f64) -> [f64; 2] {
 fn unit(from: [f64; 2], to: [f64; 2]) -> Option<[f64; 2]> {
     let length_mm = geometry::distance_mm(from, to);
     (length_mm > 0.0).then(|| [0, 1].map(|i| (to[i] - from[i]) / length_mm))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::toolpath::Phase;
+    use geometry::{Polygon, Ring};
+
+    fn ring(corners: &[[f64; 2]]) -> Ring {
+        corners.iter().map(|[x, y]| Point::from_mm(*x, *y)).collect()
+    }
+
+    fn region(corners: &[[f64; 2]]) -> Region {
+        Region::from(Polygon { outer: ring(corners), holes: Vec::new() })
+    }
+
+    fn path(points: Ring, closed: bool, width: Width) -> Path {
+        Path {
+            role: Role::ExternalPerimeter,
+            closed,
+            points,
+            width,
+            height_mm: 0.2,
+            island: None,
+            phase: Phase::Wall(0),
+            tool: None,
+        }
+    }
+
+    #[test]
+    fn an_outermost_wall_is_pressed_where_a_border_ends_and_nowhere_else() {
+        let right = region(&[[10.0, 0.0], [20.0, 0.0], [20.0, 10.0], [10.0, 10.0]]);
+        let wall = ring(&[[0.2, 0.2], [9.8, 0.2], [9.8, 9.8], [0.2, 9.8]]);
+        let mut paths = vec![path(wall.clone(), true, Width::Constant(0.443))];
+        Borders::new(&right, 0.2).fit(&mut paths);
+        let points = &paths[0].points;
+        assert_eq!([points[0], points[7]], [wall[0], wall[3]], "corners of the whole object");
+        let [right_mm, up_mm] = points[5].mm();
+        assert!((right_mm - 9.8 - TOWARDS_OTHERS_MM).abs() < 1e-4, "{right_mm}");
+        assert!((up_mm - 9.8 - PRESSED_MM).abs() < 1e-4, "{up_mm}");
+        // It is where it was before and behind its corners.
+        for [a, b] in [[4, 3], [6, 7]] {
+            let along = [points[a].mm(), points[b].mm()];
+            assert!((0..2).any(|i| (along[0][i] - along[1][i]).abs() < 1e-4), "{along:?}");
+        }
+    }
+
+    #[test]
+    fn a_single_bead_ends_where_other_parts_leave_no_room_for_it() {
+        // A wedge of 20° between two others.
+        let slope = geometry::real::tan(10f64.to_radians());
+        let sides =
+            [1.0, -1.0].map(|side| region(&[[0.0, 0.0], [0.0, side * 9.0], [9.0, side * 9.0 * slope]]));
+        let others = geometry::union_all(&sides);
+        let widths = [0.243, 0.243, 0.4];
+        let along = ring(&[[0.1, 0.0], [0.5, 0.0], [1.2, 0.0]]);
+        let mut paths = vec![path(along, false, Width::PerVertex(widths.to_vec()))];
+        Borders::new(&others, 0.2).fit(&mut paths);
+        let Width::PerVertex(widths) = &paths[0].width else { panic!("its widths differ") };
+        let beads = paths[0].points.iter().zip(widths);
+        for (point, width_mm) in beads {
+            let half_mm = (f64::from(*width_mm) - bead::rounding_mm(0.2)) / 2.0;
+            let room_mm = point.mm()[0] * geometry::real::sin(10f64.to_radians());
+            let most_mm = room_mm + OVER_MM + bead::rounding_mm(0.2) / 2.0 + 1e-3;
+            assert!(half_mm <= most_mm, "{half_mm} mm at {point:?}, where it has {room_mm} mm");
+        }
+        assert!(paths[0].points[0].mm()[0] > 0.2, "{:?}", paths[0].points);
+    }
 }

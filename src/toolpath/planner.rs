@@ -270,7 +270,9 @@ impl Planner {
             if !object.has_walls() {
                 walls.iter_mut().for_each(|walls| walls.paths.clear());
             }
-            if let Some(borders) = Borders::of(object, &section.objects, section.height_mm) {
+            let others = object.tool.map(|tool| beside(object, tool, section)).unwrap_or_default();
+            if !others.is_empty() {
+                let borders = Borders::new(&others, section.height_mm);
                 walls.iter_mut().for_each(|walls| borders.fit(&mut walls.paths));
             }
             islands.extend(walls);
@@ -580,6 +582,14 @@ impl Planner {
             skirt_mm: walls.on(layer, s.walls.width),
         }
     }
+}
+
+/// The parts of an object that have walls of other tools than one of its parts.
+fn beside(part: &ObjectLayer<'_>, tool: ToolId, section: &PlateLayer<'_>) -> Region {
+    let others = section.objects.iter().filter(|other| {
+        other.object == part.object && other.has_walls() && other.tool.is_some_and(|own| own != tool)
+    });
+    geometry::union_all(others.map(|other| other.section))
 }
 
 /// What the walls of an object depend on.

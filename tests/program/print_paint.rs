@@ -263,11 +263,11 @@ fn each_tool_prints_as_much_as_of_its_part_alone() {
 #[test]
 fn beads_of_two_tools_overlap_nowhere() {
     let more = ["tools.3.filament.color=#FF0000"];
-    for sets in
-        [&more[..], &["tools.3.filament.color=#FF0000", "tool_of.paint_depth=1.5", "infill.density=20%"]]
-    {
+    let ringed = ["tools.3.filament.color=#FF0000", "tool_of.paint_depth=1.5", "infill.density=20%"];
+    // Five sides of a tool, or one, which then has a tip in the middle.
+    for (sets, sides) in [(&more[..], 5), (&ringed, 5), (&more, 1)] {
         let settings = two_tools(sets);
-        let found = painted_through(|side| side / 5 % 3, &settings);
+        let found = painted_through(|side| side / sides % 3, &settings);
         for layer in [0, 1, 9, 15, 27, 29] {
             let of_tool = [1, 2, 3].map(|tool| covered(&found, layer, tool));
             for (a, b) in [(0, 1), (0, 2), (1, 2)] {
