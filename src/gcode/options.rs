@@ -133,8 +133,8 @@ section! {
         ooze_shield: bool = false,
         /// Distance of that wall from what is printed.
         ooze_shield_distance: Mm = Mm(2.0); 0.5..=50.0,
-        /// How much higher a tool may print than what others are still to print beside it, so that it prints several layers before another is taken: where the objects of different tools are 2 mm apart, and nothing but the prime tower is flushed into; 0: all tools print layer by layer.
-        ahead: Mm = Mm(0.0); 0.0..=0.5,
+        /// How much higher a tool may print than what others are still to print beside it, so that it prints several layers before another is taken: where the objects of different tools are 2 mm apart, and nothing but the prime tower is flushed into; 0: all tools print layer by layer, as by heads, of which another nozzle would be in the way.
+        ahead: Mm = Mm(0.4); 0.0..=0.5,
         /// Which tool prints when.
         order: ToolOrder = ToolOrder::Optimal,
         /// Time that a cubic millimetre of waste is worth, where tools are put into an order.

@@ -96,7 +96,7 @@ fn sliced(
     let settings = &*spiral::effective(settings);
     let loaded = load::place(models, job, settings)?;
     let settings = &*settings.with_widths_of_objects();
-    let site = Site::of(&loaded);
+    let site = Site::of(&loaded, job);
     let rounds = rounds::prepare(&site, settings, workers)?;
     if let Some(tooled) = Tooled::plan(&rounds, &|_, _| None, &site, settings, workers)? {
         let parts = |round: usize| {
@@ -120,11 +120,12 @@ pub(super) fn compare_tools(
     let settings = &*spiral::effective(settings);
     let loaded = load::place(load::read(job, settings, workers)?, job, settings)?;
     let settings = &*settings.with_widths_of_objects();
-    let rounds = rounds::prepare(&Site::of(&loaded), settings, workers)?;
+    let rounds = rounds::prepare(&Site::of(&loaded, job), settings, workers)?;
     let Some(round) = rounds.first() else { return Ok(Vec::new()) };
     let layers = workers
         .map(round.sections.layers.len(), |i| tools::paths(round, (i, None), &loaded.styles, settings));
-    let blocks = blocks::find(&layers, tools::flushes_into_print(&loaded.styles, settings), settings);
+    let into_print = tools::flushes_into_print(&loaded.styles, settings);
+    let blocks = blocks::find(&layers, into_print, [&job.pauses, &job.color_changes], settings);
     let problem = tool_order::problem(&layers, &blocks, None, settings);
     let motion = MotionSettings::new(settings, &[]);
     let row = |(_, order): &(&str, ToolOrder)| {

@@ -59,7 +59,7 @@ pub(super) fn slice(
     let settings = &*settings.with_widths_of_objects();
     let mut warnings = std::mem::take(&mut loaded.warnings);
     let pictures = || thumbnails(&loaded.plate, settings, workers);
-    let site = Site::of(&loaded);
+    let site = Site::of(&loaded, job);
     let hints = loaded.hints.clone();
     let staged = match live {
         Some(mut live) => live.prepare(&site, pictures, settings, workers),

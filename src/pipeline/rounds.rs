@@ -1,6 +1,7 @@
 //! Rounds, printed from the bed up without interruption: the whole plate, or one object after the other.
 
-use crate::job::{FitError, JobError};
+use crate::job::{FitError, Job, JobError};
+use crate::motion::PauseAt;
 use crate::plate::Sequence;
 use crate::plate::{Object, Plate};
 use crate::profile::Settings;
@@ -44,13 +45,16 @@ pub(super) struct Site<'a> {
     pub tower_room_mm: Option<[[f64; 2]; 2]>,
     /// Widths of what each tool prints beside the objects, on the first layer and on others, millimetres.
     pub widths_mm: &'a [Vec<f64>; 2],
+    /// Where the print stops: pauses, and changes of color.
+    pub stops: [&'a [PauseAt]; 2],
 }
 
 impl<'a> Site<'a> {
     /// Of models that are placed.
-    pub fn of(loaded: &'a Loaded<'a>) -> Self {
+    pub fn of(loaded: &'a Loaded<'a>, job: &'a Job) -> Self {
         let Loaded { plate, styles, modifiers, hints, tower_room_mm, widths_mm, .. } = loaded;
-        Self { plate, styles, modifiers, hints, tower_room_mm: *tower_room_mm, widths_mm }
+        let stops = [job.pauses.as_slice(), &job.color_changes];
+        Self { plate, styles, modifiers, hints, tower_room_mm: *tower_room_mm, widths_mm, stops }
     }
 }
 

@@ -69,7 +69,7 @@ impl Tooled {
         for (number, round) in rounds.iter().enumerate() {
             let count = round.sections.layers.len();
             let mut planned = workers.map(count, |i| paths(round, (i, walls(number, i)), styles, settings));
-            let blocks = blocks::find(&planned, flushes_into_print(styles, settings), settings);
+            let blocks = blocks::find(&planned, flushes_into_print(styles, settings), site.stops, settings);
             let problem = tool_order::problem(&planned, &blocks, current, settings);
             let plan = tool_order::plan(&problem, settings.tool_change.order);
             tool_order::settle(&mut planned, &blocks, &plan, current);

@@ -4,6 +4,8 @@ use std::collections::BTreeMap;
 use std::ops::Range;
 
 use super::sections::hull_mm;
+use crate::gcode::ToolChangeKind;
+use crate::motion::PauseAt;
 use crate::profile::Settings;
 use crate::toolpath::{LayerKind, LayerPaths, Path, Role, ToolId, Turn};
 use geometry::{Point, Region, Ring};
@@ -16,11 +18,17 @@ const APART_MM: f64 = 2.0;
 pub(crate) type Block = Range<usize>;
 
 /// Finds the blocks of a print, which are as high as `tool_change.ahead` lets a tool be ahead of others; a layer by itself is one, too.
-/// `into_print`: whether tools are flushed into more than the tower.
-pub(crate) fn find(layers: &[LayerPaths], into_print: bool, settings: &Settings) -> Vec<Block> {
+/// `into_print`: whether tools are flushed into more than the tower. `stops`: where the print waits for somebody, who expects all of
+/// the layers before to be there. By a machine whose other nozzles pass over what stands, all tools print layer by layer.
+pub(crate) fn find(
+    layers: &[LayerPaths],
+    into_print: bool,
+    stops: [&[PauseAt]; 2],
+    settings: &Settings,
+) -> Vec<Block> {
     let change = &settings.tool_change;
     let ahead_mm = change.ahead.0;
-    if ahead_mm <= 0.0 || into_print || change.ooze_shield {
+    if ahead_mm <= 0.0 || into_print || change.ooze_shield || change.kind == ToolChangeKind::Heads {
         return (0..layers.len()).map(|layer| layer..layer + 1).collect();
     }
     // Where the first layers have temperatures and fans of their own, they come one after the other.
@@ -31,7 +39,12 @@ pub(crate) fn find(layers: &[LayerPaths], into_print: bool, settings: &Settings)
     while let Some(first) = layers.get(next) {
         let mut end = next + 1;
         if let Some(mut block) = steadily(first) {
-            let fits = |layer: &&LayerPaths| layer.top_mm - first.top_mm <= ahead_mm + 1e-6;
+            let is_stop = |layer: &LayerPaths| {
+                let mut stops = stops.into_iter().flatten();
+                stops.any(|stop| stop.precedes(layer.index, layer.top_mm, layer.height_mm))
+            };
+            let fits =
+                |layer: &&LayerPaths| layer.top_mm - first.top_mm <= ahead_mm + 1e-6 && !is_stop(layer);
             while let Some(more) = layers.get(end).filter(fits).and_then(steadily) {
                 if !join(&mut block, more) || !are_apart(&block) {
                     break;
@@ -74,9 +87,10 @@ fn standing(layer: &LayerPaths) -> Option<BTreeMap<u32, Standing>> {
     (layer.kind == LayerKind::Flat).then_some(objects)
 }
 
-/// Adds objects of another layer; whether each has the tool that it had.
+/// Adds objects of another layer; whether they are the same, each with the tool that it had: so that all of the block is as high
+/// where a tool is changed.
 fn join(block: &mut BTreeMap<u32, Standing>, more: BTreeMap<u32, Standing>) -> bool {
-    let mut same = true;
+    let mut same = more.keys().eq(block.keys());
     for (object, more) in more {
         match block.get_mut(&object) {
             Some(known) => {

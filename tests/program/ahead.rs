@@ -84,3 +84,66 @@ fn the_nozzle_is_no_further_below_what_stands_than_is_allowed_and_passes_over_it
         assert!(text(&ahead).contains(";LAYER:9\n"));
     }
 }
+
+/// The numbers of the layers, as they begin in a file.
+fn begun(print: &Print) -> Vec<usize> {
+    text(print).lines().filter_map(|line| line.strip_prefix(";LAYER:")?.parse().ok()).collect()
+}
+
+#[test]
+fn what_is_awaited_finds_all_layers_before_it_printed() {
+    let folder = tempfile::tempdir().unwrap();
+    let base = several(2, &["tool_change.flush_volume=60", "tool_change.ahead=0.4"]);
+    let right = ("right", [23.0, 0.0, 0.0], [38.0, 15.0, 6.0]);
+    for stop in ["10", "11"] {
+        let mut job = with_tools(boxes(&folder, &[LEFT, right]), &base, &[("right", 2)]);
+        job.pauses = vec![stop.parse().unwrap()];
+        let print = run(&job, &base).expect("a print");
+        let text = text(&print);
+        let (before, after) = text.split_once("\nM0").or_else(|| text.split_once("\nM600")).expect("a pause");
+        let numbers = |part: &str| -> Vec<usize> {
+            part.lines().filter_map(|line| line.strip_prefix(";LAYER:")?.parse().ok()).collect()
+        };
+        let stop: usize = stop.parse().unwrap();
+        assert!(numbers(after).iter().all(|layer| *layer + 1 >= stop), "{:?}", numbers(after));
+        assert!(numbers(before).iter().all(|layer| *layer < stop), "{:?}", numbers(before));
+    }
+}
+
+#[test]
+fn by_default_tools_print_several_layers_unless_another_nozzle_is_in_the_way() {
+    for (kind, is_ahead) in [("single-nozzle", true), ("tool-changer", true), ("heads", false)] {
+        let ahead = format!("tool_change.ahead={}", Settings::default().tool_change.ahead.0);
+        let (print, _, _) = print(8.0, &[&ahead, &format!("tool_change.kind={kind}")]);
+        assert_eq!(begun(&print).windows(2).any(|pair| pair[1] < pair[0]), is_ahead, "{kind}");
+    }
+}
+
+#[test]
+fn objects_of_other_heights_are_as_high_as_others_where_tools_change() {
+    let folder = tempfile::tempdir().unwrap();
+    let base = several(3, &["tool_change.flush_volume=60", "tool_change.ahead=0.4"]);
+    // The lower one ends in the middle of what would be a block.
+    let lower = ("lower", [23.0, 0.0, 0.0], [38.0, 15.0, 4.2]);
+    let third = ("third", [46.0, 0.0, 0.0], [61.0, 15.0, 6.0]);
+    let job = with_tools(boxes(&folder, &[LEFT, lower, third]), &base, &[("lower", 2), ("third", 3)]);
+    let print = run(&job, &base).expect("a print");
+    let mut highest = 0.0_f64;
+    let mut changes = 0;
+    let mut z_mm = 0.0;
+    let mut begun = false;
+    for step in replay(&print.text) {
+        let line = String::from_utf8_lossy(step.line.text).into_owned();
+        begun |= line.starts_with(";LAYER_CHANGE");
+        if begun && line.starts_with('T') && line[1..].trim().parse::<u32>().is_ok() {
+            changes += 1;
+            assert!(z_mm >= highest - 1e-6, "a change at {z_mm} mm beside {highest} mm");
+        }
+        let Action::Stroke(stroke) = step.action else { continue };
+        z_mm = stroke.to[2];
+        if begun && stroke.extrudes() && stroke.xy_mm > 0.0 {
+            highest = highest.max(stroke.to[2]);
+        }
+    }
+    assert!(changes > 10, "{changes}");
+}

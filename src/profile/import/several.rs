@@ -32,6 +32,11 @@ pub(super) fn kind(config: &Config) -> Outcome {
     of_several(config, || Some(Value::String(kind.name().into())))
 }
 
+/// Of several nozzles it is not known whether the others are out of the way.
+pub(super) fn ahead(config: &Config) -> Outcome {
+    if is_single(config) { Idle } else { of_several(config, || Some(Value::Float(0.0))) }
+}
+
 pub(super) fn script(config: &Config) -> Outcome {
     of_several(config, || Some(Value::String(config.script("toolchange_gcode"))))
 }

@@ -552,6 +552,12 @@ pub(super) const ROWS: &[Row] = &[
         "of several extruders: one nozzle, or a changer",
         t::kind,
     ),
+    with(
+        "tool_change.ahead",
+        &["single_extruder_multi_material"],
+        "of several extruders with nozzles of their own 0, as they may hang side by side",
+        t::ahead,
+    ),
     with("tool_change.script", &["toolchange_gcode"], SCRIPT_OF_SEVERAL, t::script),
     with("tool_change.time", &["filament_load_time", "filament_unload_time"], "both together", t::time),
     with(
