@@ -87,10 +87,9 @@ fn standing(layer: &LayerPaths) -> Option<BTreeMap<u32, Standing>> {
     (layer.kind == LayerKind::Flat).then_some(objects)
 }
 
-/// Adds objects of another layer; whether they are the same, each with the tool that it had: so that all of the block is as high
-/// where a tool is changed.
+/// Adds objects of another layer; whether each has the tool that it had.
 fn join(block: &mut BTreeMap<u32, Standing>, more: BTreeMap<u32, Standing>) -> bool {
-    let mut same = more.keys().eq(block.keys());
+    let mut same = true;
     for (object, more) in more {
         match block.get_mut(&object) {
             Some(known) => {
