@@ -10,6 +10,9 @@ use geometry::{Region, union, union_all, unite_rings};
 
 use crate::parallel::Workers;
 
+/// What is painted on steep surfaces holds so far around them, mm: of one layer they are narrower than what supports are planned by.
+const AROUND_MM: f64 = 0.4;
+
 /// What is wanted in each layer of the part, without a raft; empty: nothing is.
 #[derive(Default)]
 pub(crate) struct Wishes {
@@ -82,10 +85,15 @@ fn painted(wish: Wish, plate: &Plate, layers: &[Layer]) -> Vec<Region> {
             continue;
         }
         all.resize(layers.len(), Region::default());
-        for (region, areas) in all.iter_mut().zip(slice::level_paint(&facets, &cuts_mm)) {
-            if !areas.is_empty() {
-                let rings: Vec<_> = areas.into_iter().map(|area| area.ring).collect();
-                *region = union(region, &unite_rings(&rings).translated(object.offset));
+        let (steep, level): (Vec<_>, Vec<_>) =
+            facets.iter().partition(|facet| slice::is_steep(&facet.corners));
+        for (facets, around_mm) in [(level, 0.0), (steep, AROUND_MM)] {
+            for (region, areas) in all.iter_mut().zip(slice::paint_between(facets, &cuts_mm)) {
+                if !areas.is_empty() {
+                    let rings: Vec<_> = areas.into_iter().map(|area| area.ring).collect();
+                    let own = unite_rings(&rings).translated(object.offset);
+                    *region = union(region, &geometry::offset(&own, around_mm));
+                }
             }
         }
     }

@@ -19,6 +19,7 @@ pub use cutter::Cutter;
 pub use heights::{cusp_limit_mm, heights_mm, is_uniform, spans};
 pub use options::LayerSettings;
 pub use paint::{PaintedArea, PaintedLine, level_paint};
+pub(crate) use paint::{is_steep, paint_between};
 pub use plan::{LayerSpan, plan};
 pub use table::{heights_from_lines, layer_heights};
 pub use volume::volume_mm3;

@@ -77,13 +77,31 @@ pub struct PaintedArea<T> {
 /// Steeper surfaces are narrower than a line between two cuts: the outlines say what is painted on them. Cosine of 60°.
 const STEEPEST: f64 = 0.5;
 
-/// Painted surfaces that are not steep, between cuts: below the first, between it and the second, and so on, then above the last.
+/// Painted surfaces that are not steep, between cuts, as [`paint_between`] gives them.
 pub fn level_paint<T: Copy>(facets: &[PaintedFacet<T>], cuts_mm: &[f64]) -> Vec<Vec<PaintedArea<T>>> {
+    paint_between(facets.iter().filter(|facet| !is_steep(&facet.corners)), cuts_mm)
+}
+
+/// Whether a triangle is narrower than a line between two cuts.
+pub(crate) fn is_steep(corners: &[[f64; 3]; 3]) -> bool {
+    let normal = normal(corners);
+    normal.z.abs() < STEEPEST * normal.norm()
+}
+
+fn normal(corners: &[[f64; 3]; 3]) -> nalgebra::Vector3<f64> {
+    let [a, b, c] = corners.map(nalgebra::Vector3::from);
+    (b - a).cross(&(c - a))
+}
+
+/// Painted surfaces that are not upright, between cuts: below the first, between it and the second, and so on, then above the last.
+pub(crate) fn paint_between<'f, T: Copy + 'f>(
+    facets: impl IntoIterator<Item = &'f PaintedFacet<T>>,
+    cuts_mm: &[f64],
+) -> Vec<Vec<PaintedArea<T>>> {
     let mut slabs = vec![Vec::new(); cuts_mm.len() + 1];
     for PaintedFacet { corners, paint } in facets {
-        let [a, b, c] = corners.map(nalgebra::Vector3::from);
-        let normal = (b - a).cross(&(c - a));
-        if normal.z.abs() < STEEPEST * normal.norm() || normal.z == 0.0 {
+        let normal = normal(corners);
+        if normal.z == 0.0 {
             continue;
         }
         let [low, high] = heights(*corners);

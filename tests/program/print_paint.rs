@@ -183,23 +183,27 @@ fn support_stands_under_what_is_painted_so_and_not_where_it_is_blocked() {
 
 #[test]
 fn a_slope_that_needs_no_support_gets_it_where_it_is_painted() {
-    // 40° from the vertical: not as far as is held by default.
-    let slope = [[0.0, -6.0, 0.0], [0.0, 6.0, 0.0], [8.4, 6.0, 10.0], [8.4, -6.0, 10.0]];
-    let base: Facets = cuboid([-6.0, -6.0, 0.0], [0.0, 6.0, 10.0]);
-    let [a, b, c, d] = slope;
-    let [e, f] = [[0.0, -6.0, 10.0], [0.0, 6.0, 10.0]];
-    let wedge: Facets =
-        vec![[a, b, c], [a, c, d], [e, d, c], [e, c, f], [a, d, e], [b, f, c], [a, e, f], [a, f, b]];
-    let facets = [wedge, base].concat();
-    let settings = standard(&["skirt.loops=0"]);
-    let volume = |paint: &str| {
-        let folder = tempfile::tempdir().expect("a folder");
-        let path = file(&folder, &facets, |facet| if facet < 2 { paint.to_owned() } else { String::new() });
-        let lines = lines(&run(&Job::of([path]), &settings).expect("a print"), &settings);
-        volume_mm3(lines.iter().filter(|line| line.kind.starts_with("Support material")))
-    };
-    assert_eq!(volume(""), 0.0);
-    assert!(volume("paint_supports=\"4\"") > 50.0, "{}", volume("paint_supports=\"4\""));
+    // 40° and 20° from the vertical: not as far as is held by default, and steep.
+    for reach_mm in [8.4, 3.64] {
+        let slope = [[0.0, -6.0, 0.0], [0.0, 6.0, 0.0], [reach_mm, 6.0, 10.0], [reach_mm, -6.0, 10.0]];
+        let base: Facets = cuboid([-6.0, -6.0, 0.0], [0.0, 6.0, 10.0]);
+        let [a, b, c, d] = slope;
+        let [e, f] = [[0.0, -6.0, 10.0], [0.0, 6.0, 10.0]];
+        let wedge: Facets =
+            vec![[a, b, c], [a, c, d], [e, d, c], [e, c, f], [a, d, e], [b, f, c], [a, e, f], [a, f, b]];
+        let facets = [wedge, base].concat();
+        let settings = standard(&["skirt.loops=0"]);
+        let volume = |paint: &str| {
+            let folder = tempfile::tempdir().expect("a folder");
+            let path =
+                file(&folder, &facets, |facet| if facet < 2 { paint.to_owned() } else { String::new() });
+            let lines = lines(&run(&Job::of([path]), &settings).expect("a print"), &settings);
+            volume_mm3(lines.iter().filter(|line| line.kind.starts_with("Support material")))
+        };
+        assert_eq!(volume(""), 0.0);
+        let painted = volume("paint_supports=\"4\"");
+        assert!(painted > f64::from(6.0 * reach_mm), "{painted} mm³ under {reach_mm} mm");
+    }
 }
 
 /// What strokes of a tool fill of a layer, 0.2 mm high, as rectangles of their volume: their round sides press into each other.
