@@ -7,18 +7,22 @@
 //! wrong. Without links, sets or pieces that are missing, the bound is the program's optimum.
 
 mod aside;
+mod columns;
 mod families;
 mod refinement;
 mod separation;
 mod simplex;
 
-use super::model::{Model, Pieces, pieces};
+use super::model::{Model, PIECES, Pieces, pieces, to_mm};
 use super::relaxation::{Multipliers, Relaxation};
 use super::walks::Settled;
 use super::{Cost, Effort, Optimized, PricedPoints, Problem, Strategy, Visit, outer, prices};
 use refinement::Carried;
 use simplex::{Program, Rows, Solution};
 
+/// Length of a loop's first pieces, as so many links of a solution, and how many there are at most.
+const LONG: f64 = 4.0;
+const MOST_PIECES: usize = 32;
 /// How often pieces become smaller at most, and how often the program is solved in between.
 const REFINEMENTS: usize = 16;
 const ROUNDS: usize = 60;
@@ -74,7 +78,9 @@ impl<'a> Climb<'a> {
             return None;
         }
         let mut best = None;
-        let mut pieces = pieces(self.problem);
+        let link_mm = to_mm(self.limit.max(1)) / self.problem.items.len() as f64;
+        let count = |loop_mm: f64| ((loop_mm / (LONG * link_mm)) as usize).clamp(PIECES, MOST_PIECES);
+        let mut pieces = pieces(self.problem, count);
         let mut carried = None;
         for _ in 0..REFINEMENTS {
             let model = Model::of_pieces(self.problem, &pieces);
@@ -117,7 +123,14 @@ impl<'a> Climb<'a> {
             let added = if is_over { 0 } else { separation::separate(&mut relaxation, &mut rows, &solution) };
             values.push(solution.value);
             let looks = added == 0 || round % LOOK == LOOK - 1;
-            let grown = looks && self.evaluate(&mut relaxation, &mut solution.multipliers, &mut proved, best);
+            let mut grown = false;
+            if looks {
+                solution.multipliers.cuts.resize(relaxation.cuts.members.len(), 0);
+                let missing = columns::missing(&relaxation, &solution, &rows, &program.families);
+                grown = self.evaluate(&mut relaxation, &solution.multipliers, &mut proved, best);
+                grown |= !missing.is_empty();
+                missing.into_iter().for_each(|(a, b)| relaxation.add_link(a, b));
+            }
             relaxation.share_cuts();
             last = Some(solution);
             if is_over || proved >= self.limit || looks && !grown && added == 0 {
@@ -141,11 +154,10 @@ impl<'a> Climb<'a> {
     fn evaluate(
         &self,
         relaxation: &mut Relaxation,
-        multipliers: &mut Multipliers,
+        multipliers: &Multipliers,
         proved: &mut i64,
         best: &mut Option<Best>,
     ) -> bool {
-        multipliers.cuts.resize(relaxation.cuts.members.len(), 0);
         let (bound, tree) = relaxation.exact(multipliers);
         *proved = bound.max(*proved);
         if best.as_ref().is_none_or(|best| bound > best.bound) {
