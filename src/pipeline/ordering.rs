@@ -4,9 +4,9 @@ use std::ops::Range;
 use std::time::Duration;
 
 use crate::order::{
-    Chain, Cost, LayerProblem, PathOrder, Pins, Problem, Watch, bound, ends_on_path, evaluate,
+    Chain, Cost, LayerProblem, PathOrder, Pins, Problem, Visit, Watch, bound, ends_on_path, evaluate,
 };
-use crate::profile::Settings;
+use crate::profile::{Effort, Settings};
 use crate::toolpath::LayerPaths;
 use geometry::Point;
 

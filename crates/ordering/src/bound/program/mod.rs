@@ -7,6 +7,7 @@
 //! wrong. Without links, sets or pieces that are missing, the bound is the program's optimum.
 
 mod aside;
+mod certificate;
 mod columns;
 mod families;
 mod refinement;
@@ -16,7 +17,10 @@ mod simplex;
 use super::model::{Model, PIECES, Pieces, pieces, to_mm};
 use super::relaxation::{Multipliers, Relaxation};
 use super::walks::Settled;
+use pathwright_geometry::Point;
+
 use super::{Cost, Effort, Optimized, PricedPoints, Problem, Strategy, Visit, outer, prices};
+pub use certificate::{Certificate, Cut, Tie};
 use refinement::Carried;
 use simplex::{Program, Rows, Solution};
 
@@ -52,6 +56,8 @@ pub(super) struct Best {
     pub(super) settled: Settled,
     /// Whether more work would not have raised it.
     pub(super) is_final: bool,
+    /// For others, if it was asked for.
+    pub(super) certificate: Option<Certificate>,
 }
 
 /// A layer between what lies below and above, and a solution with its cost.
@@ -62,6 +68,8 @@ pub(super) struct Climb<'a> {
     limit: i64,
     /// What may still be spent.
     work: i64,
+    /// Whether there will be a certificate, for these ends.
+    certified: Option<[Option<Point>; 2]>,
 }
 
 impl<'a> Climb<'a> {
@@ -69,7 +77,12 @@ impl<'a> Climb<'a> {
         let order = Optimized.solve(problem, &Cost::Length, Effort::Normal);
         let beyond = |side: usize, p| ends[side].as_ref().map_or(0, |points| points.nearest(p));
         let limit = prices(problem, &order, &Cost::Length).sum::<i64>() + outer(problem, &order, beyond);
-        Self { problem, ends, order, limit, work: work(effort) * problem.items.len() as i64 }
+        Self { problem, ends, order, limit, work: work(effort) * problem.items.len() as i64, certified: None }
+    }
+
+    /// Asks for a certificate, for these ends.
+    pub(super) fn certified(self, ends: [Option<Point>; 2]) -> Self {
+        Self { certified: Some(ends), ..self }
     }
 
     /// The best bound; `None` if nothing may be spent, or the solver fails.
@@ -161,7 +174,10 @@ impl<'a> Climb<'a> {
         let (bound, tree) = relaxation.exact(multipliers);
         *proved = bound.max(*proved);
         if best.as_ref().is_none_or(|best| bound > best.bound) {
-            *best = Some(Best { bound, settled: relaxation.settle(bound, multipliers), is_final: false });
+            let settled = relaxation.settle(bound, multipliers);
+            let certificate =
+                self.certified.and_then(|ends| Certificate::new(relaxation, multipliers, bound, ends));
+            *best = Some(Best { bound, settled, is_final: false, certificate });
         }
         relaxation.add_tree(&tree)
     }
@@ -172,6 +188,3 @@ impl<'a> Climb<'a> {
         now - before < TAIL * left && proved as f64 > now - MISSING * left
     }
 }
-
-#[cfg(test)]
-mod tests;
