@@ -2,8 +2,8 @@
 //!
 //! The program has a share for each known link, and for each piece of a loop that with which the loop is entered there. Its
 //! constraints are those of the relaxation, whose trees are sets of paths in which links close no circle. Sets that a solution
-//! violates are found by least cuts, pieces that it crosses become smaller, links that are missing are those of the cheapest tree of
-//! all. The relaxation evaluates the multipliers over all links, in integers: an error of the solver makes a bound weaker, never
+//! violates are found by least cuts, pieces that it crosses become smaller, links that are missing are those that cost less than they
+//! are worth. The relaxation evaluates the multipliers over all links, in integers: an error of the solver makes a bound weaker, never
 //! wrong. Without links, sets or pieces that are missing, the bound is the program's optimum.
 
 mod aside;
@@ -15,11 +15,13 @@ mod separation;
 mod simplex;
 
 use super::model::{Model, PIECES, Pieces, pieces, to_mm};
+use super::points::PricedPoints;
 use super::relaxation::{Multipliers, Relaxation};
+use super::solution::{outer, prices};
 use super::walks::Settled;
+use crate::{Cost, Effort, Optimized, Problem, Strategy, Visit};
 use pathwright_geometry::Point;
 
-use super::{Cost, Effort, Optimized, PricedPoints, Problem, Strategy, Visit, outer, prices};
 pub use certificate::{Certificate, Cut, Tie};
 use refinement::Carried;
 use simplex::{Program, Rows, Solution};

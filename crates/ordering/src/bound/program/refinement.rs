@@ -2,8 +2,8 @@
 
 use std::ops::Range;
 
-use super::super::PricedPoints;
 use super::super::model::Pieces;
+use super::super::points::PricedPoints;
 use super::super::relaxation::{Neighbour, Relaxation};
 use super::simplex::{Rows, Solution};
 
