@@ -111,8 +111,8 @@ fn lines(
     let length: f64 = polygon.rings().map(|ring| super::ring_length_mm(ring)).sum();
     let outline = Outline::sample(polygon, (SPACING * max_mm).max(length / 200_000.0).max(1e-3));
     let mut nodes = axis::chordal_axis(&outline);
-    branches::prune(&mut nodes, covers);
-    let paths = branches::axis_paths(&nodes);
+    let branches = branches::prune(&mut nodes, covers);
+    let paths = branches::axis_paths(&nodes, branches);
     paths.into_iter().map(|path| Line::new(&nodes, &path, grid, max_mm, tip)).collect()
 }
 
