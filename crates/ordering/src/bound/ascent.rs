@@ -168,7 +168,7 @@ impl Ascent {
             let ends: i32 = members.iter().map(|&t| usage.degrees[t as usize]).sum();
             let leaving = ends - 2 * usage.inside[cut];
             let guard = relaxation.cuts.guard[cut];
-            let bound = guard.is_none_or(|t| self.entered[model.terminals[t as usize].item as usize] == t);
+            let bound = guard.is_none_or(|item| members.binary_search(&self.entered[item as usize]).is_ok());
             let least = if bound { relaxation.cuts.least[cut] } else { 0 };
             now.cuts[cut] = self.cuts.go_positive(cut, f64::from(least - leaving), step);
         }

@@ -10,6 +10,7 @@ use rustc_hash::FxHashSet;
 
 use super::link::Link;
 use super::model::Model;
+use super::network::Network;
 use pathwright_geometry::DisjointSets;
 
 /// Shares of the recent trees by which links are classified as in or out, when sets are looked for.
@@ -22,9 +23,9 @@ pub(super) struct Cuts {
     pub(super) members: Vec<Vec<u32>>,
     /// How often a walk leaves each, at least;
     pub(super) least: Vec<i32>,
-    /// where that holds only if a loop is entered at a certain piece, this piece.
+    /// where that holds only if a loop is entered at one of its pieces in the set, this loop.
     pub(super) guard: Vec<Option<u32>>,
-    /// Cuts that each terminal guards.
+    /// Guarded cuts of each piece of their loops.
     pub(super) guarded: Vec<Vec<u32>>,
     known: FxHashSet<(Vec<u32>, Option<u32>)>,
     /// Cuts of each terminal, ascending; the last entry is the start's.
@@ -56,19 +57,24 @@ impl Cuts {
         self.of.iter().map(active).collect()
     }
 
-    fn add(&mut self, members: Vec<u32>, least: i32, guard: Option<u32>) {
-        if self.known.insert((members.clone(), guard)) {
+    /// Adds a set of terminals, ascending, that a walk leaves so often at least, if there is a guard: if this loop is entered there.
+    /// Whether it is new.
+    pub(super) fn add(&mut self, model: &Model, members: Vec<u32>, least: i32, guard: Option<u32>) -> bool {
+        let is_new = self.known.insert((members.clone(), guard));
+        if is_new {
             let cut = self.members.len() as u32;
             for &t in &members {
                 self.of[t as usize].push(cut);
-            }
-            if let Some(t) = guard {
-                self.guarded[t as usize].push(cut);
+                if guard.is_some_and(|item| model.terminals.get(t as usize).is_some_and(|at| at.item == item))
+                {
+                    self.guarded[t as usize].push(cut);
+                }
             }
             self.members.push(members);
             self.least.push(least);
             self.guard.push(guard);
         }
+        is_new
     }
 
     /// Adds sets that recent trees left too seldom, among the parts that the links used in more than some share of them
@@ -105,7 +111,7 @@ impl Cuts {
         for (members, leaving) in left(links, parts, model.terminals.len()) {
             let odd = members.iter().filter(|&&t| model.is_end(t)).count() % 2 == 1;
             if odd && members.len() > 1 && f64::from(leaving) < (1.0 - SLACK) * f64::from(trees) {
-                self.add(members, 1, None);
+                self.add(model, members, 1, None);
             }
         }
     }
@@ -118,12 +124,13 @@ impl Cuts {
         (degrees, trees): (&[u32], u32),
     ) {
         for (members, leaving) in left(links, parts, model.terminals.len()) {
-            let pieces = members.iter().filter(|&&t| !model.is_end(t));
-            let Some(&guard) = pieces.max_by_key(|&&t| degrees[t as usize]) else { continue };
             // Where a loop is entered, two links end.
-            let entered = degrees[guard as usize];
+            let item = |t: u32| model.terminals[t as usize].item;
+            let loops = members.chunk_by(|&a, &b| item(a) == item(b)).filter(|of| !model.is_end(of[0]));
+            let entered = |of: &[u32]| of.iter().map(|&t| degrees[t as usize]).sum::<u32>();
+            let Some((entered, guard)) = loops.map(|of| (entered(of), item(of[0]))).max() else { continue };
             if members.len() > 1 && f64::from(leaving) < f64::from(entered) - SLACK * f64::from(trees) {
-                self.add(members, 2, Some(guard));
+                self.add(model, members, 2, Some(guard));
             }
         }
     }
@@ -150,11 +157,13 @@ impl Cuts {
         let network = Network::new(runs + 2, between.chain(ends));
         let enough = ((3.0 - SLACK) * f64::from(trees)) as u32;
         for (earlier, later) in model.successions(&run_of) {
-            if let Some(side) = network.least_cut([start, later], [earlier, end], enough) {
+            if let Some(side) =
+                network.least_cut(&[(start, enough), (later, enough)], &[earlier, end], enough)
+            {
                 let mut members: Vec<u32> =
                     (0..model.terminals.len() as u32).filter(|&t| side[run(t) as usize]).collect();
                 members.push(model.terminals.len() as u32);
-                self.add(members, 3, None);
+                self.add(model, members, 3, None);
             }
         }
     }
@@ -182,75 +191,4 @@ fn left(links: &[Link], parts: &mut DisjointSets, terminals: usize) -> impl Iter
     let mut members = vec![Vec::new(); terminals];
     (0..terminals as u32).for_each(|t| members[parts.find(t) as usize].push(t));
     members.into_iter().zip(leaving).filter(|(members, _)| !members.is_empty())
-}
-
-/// An undirected graph with capacities.
-struct Network {
-    rows: Vec<u32>,
-    /// Head of each arc, and the number of the arc back.
-    arcs: Vec<(u32, u32)>,
-    capacities: Vec<u32>,
-}
-
-impl Network {
-    fn new(nodes: u32, edges: impl Iterator<Item = (u32, u32, u32)>) -> Self {
-        let mut edges: Vec<_> =
-            edges.filter(|e| e.0 != e.1 && e.2 > 0).map(|(u, v, used)| (u.min(v), u.max(v), used)).collect();
-        edges.sort_unstable();
-        let mut both: Vec<(u32, u32, u32)> = Vec::new();
-        for pair in edges.chunk_by(|e, f| (e.0, e.1) == (f.0, f.1)) {
-            let capacity = pair.iter().map(|e| e.2).sum();
-            both.extend([(pair[0].0, pair[0].1, capacity), (pair[0].1, pair[0].0, capacity)]);
-        }
-        both.sort_unstable();
-        let row = |u: u32, v: u32| both.partition_point(|arc| (arc.0, arc.1) < (u, v)) as u32;
-        Self {
-            rows: (0..=nodes).map(|u| row(u, 0)).collect(),
-            arcs: both.iter().map(|&(u, v, _)| (v, row(v, u))).collect(),
-            capacities: both.iter().map(|arc| arc.2).collect(),
-        }
-    }
-
-    /// The sources' side of a least cut, if it is below `enough`. Edmonds & Karp 1972
-    /// (<https://doi.org/10.1145/321694.321699>).
-    fn least_cut(&self, sources: [u32; 2], sinks: [u32; 2], enough: u32) -> Option<Vec<bool>> {
-        const NONE: u32 = u32::MAX;
-        let nodes = self.rows.len() - 1;
-        let mut left = self.capacities.clone();
-        let mut flow = 0;
-        while flow < enough {
-            let mut by = vec![NONE; nodes];
-            let mut reached = vec![false; nodes];
-            let mut queue = sources.to_vec();
-            sources.iter().for_each(|&source| reached[source as usize] = true);
-            let mut at = 0;
-            while at < queue.len() && !sinks.iter().any(|&sink| reached[sink as usize]) {
-                let u = queue[at];
-                at += 1;
-                for arc in self.rows[u as usize]..self.rows[u as usize + 1] {
-                    let (v, _) = self.arcs[arc as usize];
-                    if left[arc as usize] > 0 && !std::mem::replace(&mut reached[v as usize], true) {
-                        by[v as usize] = arc;
-                        queue.push(v);
-                    }
-                }
-            }
-            let Some(&sink) = sinks.iter().find(|&&sink| reached[sink as usize]) else {
-                return Some(reached);
-            };
-            let path = || {
-                std::iter::successors(Some(by[sink as usize]), |&arc| {
-                    let (tail, _) = self.arcs[self.arcs[arc as usize].1 as usize];
-                    Some(by[tail as usize]).filter(|&arc| arc != NONE)
-                })
-            };
-            let more = path().map(|arc| left[arc as usize]).min().unwrap_or(enough);
-            for arc in path() {
-                left[arc as usize] -= more;
-                left[self.arcs[arc as usize].1 as usize] += more;
-            }
-            flow += more;
-        }
-        None
-    }
 }

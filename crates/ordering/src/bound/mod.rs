@@ -12,7 +12,10 @@ mod cuts;
 mod directions;
 mod link;
 mod model;
+mod network;
 mod pricing;
+#[cfg(feature = "highs")]
+mod program;
 mod relaxation;
 mod stack;
 mod tree;
@@ -26,7 +29,7 @@ use ascent::ascend;
 use model::{Model, fine, from_fine, link, price, to_mm};
 use pathwright_geometry::Point;
 use relaxation::{Multipliers, Relaxation};
-use walks::{Budget, Walks};
+use walks::{Budget, Settled, Walks};
 
 /// The share of a layer in a bound, wherever it is entered and left: its multipliers and their result.
 #[derive(Clone, Debug, Default)]
@@ -64,6 +67,8 @@ impl Beyond<'_> {
 struct Climber<'a> {
     problem: &'a Problem<'a>,
     model: &'a Model,
+    #[cfg(feature = "highs")]
+    effort: Effort,
     /// A solution.
     solved: Sequence,
     /// Whether walks may be left out that are much longer: when multipliers are sought once only.
@@ -77,6 +82,9 @@ struct Climber<'a> {
 /// What is left out costs more than a solution by so many times its mean link; where what links pay below makes that negative, no
 /// more than the solution.
 const MARGIN: i64 = 2;
+/// Nor is a program asked where the bound is within this part of a solution's links below it.
+#[cfg(feature = "highs")]
+const ENOUGH: i64 = 200;
 /// Trees are not asked where the bound is within this share of a solution's links below the limit.
 const CLOSE: f64 = 0.3;
 
@@ -85,38 +93,57 @@ impl<'a> Climber<'a> {
         let solved = Optimized.solve(problem, &Cost::Length, Effort::Fast);
         let budget = if limited { Budget::limited(effort) } else { Budget::new(effort) };
         let walks = Walks::new(model, Cost::Length, half_links(problem, &solved, &Cost::Length), budget);
-        Self { problem, model, solved, limited, walks, tree: None }
+        Self {
+            problem,
+            model,
+            #[cfg(feature = "highs")]
+            effort,
+            solved,
+            limited,
+            walks,
+            tree: None,
+        }
     }
 
-    /// Seeks better multipliers for what lies below and above. `down`: the layer below is next.
-    fn climb(&mut self, below: &Beyond, above: &Beyond, down: bool) -> Share {
+    /// Seeks better multipliers for what lies below and above. `down`: the layer below is next. `is_last`: multipliers are not sought
+    /// many times more.
+    #[cfg_attr(not(feature = "highs"), expect(unused_variables))]
+    fn climb(&mut self, below: &Beyond, above: &Beyond, down: bool, is_last: bool) -> Share {
         let ends = [below.points(true), above.points(false)];
         let lengths = (0..).zip(&ends).filter_map(|(side, points)| Some((side, points.as_ref()?)));
-        let mut best = None;
         let beyond = |side: usize, p| ends[side].as_ref().map_or(0, |points| points.nearest(p));
         let links: i64 = prices(self.problem, &self.solved, &Cost::Length).sum();
-        let limit = self.limited.then(|| {
-            let solved = links + outer(self.problem, &self.solved, beyond);
-            solved + 1 + MARGIN * solved.max(0) / self.problem.items.len() as i64
-        });
+        let solved = links + outer(self.problem, &self.solved, beyond);
+        let limit =
+            self.limited.then_some(solved + 1 + MARGIN * solved.max(0) / self.problem.items.len() as i64);
+        let mut best: Option<(i64, Settled)> = None;
+        let mut is_close = false;
         if let Some(walks) = &mut self.walks {
             lengths.clone().for_each(|(side, points)| walks.measure(side, |p| points.nearest(p)));
             walks.climb(limit);
-            let is_close =
-                limit.is_some_and(|limit| (limit - walks.bound) as f64 <= CLOSE * links.max(1) as f64);
-            if walks.closed || is_close {
-                return Share::of(walks.settle(down).swap_remove(0));
-            }
-            best = Some(walks.bound);
+            best = Some((walks.bound, walks.settle(down).swap_remove(0)));
+            is_close = walks.closed
+                || limit.is_some_and(|limit| (limit - walks.bound) as f64 <= CLOSE * links.max(1) as f64);
         }
-        let (relaxation, multipliers) = self.tree.get_or_insert_with(|| (Relaxation::new(self.model), None));
-        lengths.for_each(|(side, points)| relaxation.measure(side, |p| points.nearest(p)));
-        let (bound, found) = ascend(relaxation, multipliers.take());
-        let better = self.walks.as_ref().filter(|_| best.is_some_and(|best| best > bound));
-        let settled = better
-            .map_or_else(|| relaxation.settle(bound, &found), |walks| walks.settle(down).swap_remove(0));
-        *multipliers = Some(found);
-        Share::of(settled)
+        #[cfg(feature = "highs")]
+        if is_last && best.as_ref().is_none_or(|best| solved - best.0 > links / ENOUGH) {
+            let climb = program::Climb::new(self.problem, &ends, self.effort);
+            if let Some(found) = climb.best() {
+                is_close |= found.is_final;
+                best = best.into_iter().chain([(found.bound, found.settled)]).max_by_key(|best| best.0);
+            }
+        }
+        if !is_close {
+            let (relaxation, multipliers) =
+                self.tree.get_or_insert_with(|| (Relaxation::new(self.model), None));
+            lengths.for_each(|(side, points)| relaxation.measure(side, |p| points.nearest(p)));
+            let (bound, found) = ascend(relaxation, multipliers.take());
+            if best.as_ref().is_none_or(|best| best.0 <= bound) {
+                best = Some((bound, relaxation.settle(bound, &found)));
+            }
+            *multipliers = Some(found);
+        }
+        best.map_or_else(Share::default, |(_, settled)| Share::of(settled))
     }
 }
 
@@ -246,7 +273,7 @@ fn chunk(layers: &[&Problem], known: &[Option<Share>], first: usize, effort: Eff
         for step in first..last {
             let at = if pass % 2 == 0 { step } else { first + last - 1 - step };
             let [below, above] = around(layers, known, (first, &done), at..at + 1);
-            let share = climbers[at - first].climb(&below, &above, pass % 2 == 1);
+            let share = climbers[at - first].climb(&below, &above, pass % 2 == 1, pass + 2 >= passes);
             done[at - first] = Some(share);
         }
     }
@@ -321,6 +348,16 @@ pub fn by_walks(problem: &Problem, solved: &[Visit], cost: &Cost, effort: Effort
     walks.climb(Some(prices(problem, solved, cost).sum::<i64>() + outer(problem, solved, beyond)));
     let better = walks.solution().filter(|order| check(problem, order).is_ok());
     Some(Proof { bound: from_fine(cost, walks.bound.max(0)), better })
+}
+
+/// A length in millimetres that the links of no solution of the problem can stay below, as a linear program says; `None` if nothing
+/// may be spent on it, or its solver fails.
+#[cfg(feature = "highs")]
+pub fn by_program(problem: &Problem, effort: Effort) -> Option<f64> {
+    let points = |end: Option<Point>| Some(PricedPoints::new(vec![(end?, 0)]));
+    let ends = [problem.start, problem.end].map(points);
+    let best = program::Climb::new(problem, &ends, effort).best()?;
+    Some(to_mm(best.bound.max(0)))
 }
 
 /// A length in millimetres that the links of a whole print cannot stay below; see [`shares`] and [`Share::print_mm`].

@@ -13,10 +13,21 @@ const FINE: f64 = 16.0;
 /// 33 %, four 27 %, eight 26 %, sixteen no less in the same number of steps.
 const PIECES: usize = 8;
 
-/// Cuts a loop into pieces of about equal length, none without a vertex.
-fn pieces(vertices: &[Point]) -> Vec<&[Point]> {
+/// Where the pieces of each path's entries begin, the first of which is 0.
+pub(super) type Pieces = Vec<Vec<u32>>;
+
+/// Pieces of loops of about equal length, none without a vertex, and the ends of open paths.
+pub(super) fn pieces(problem: &Problem) -> Pieces {
+    let of = |shape: &Shape| match shape {
+        Shape::Open(_) => vec![0, 1],
+        Shape::Loop(vertices) => pieces_of(vertices),
+    };
+    problem.items.iter().map(|item| of(&item.shape)).collect()
+}
+
+fn pieces_of(vertices: &[Point]) -> Vec<u32> {
     if vertices.len() <= PIECES {
-        return vertices.chunks(1).collect();
+        return (0..vertices.len() as u32).collect();
     }
     let steps = vertices.windows(2).map(|pair| pair[0].distance_mm(pair[1]));
     let mut along = vec![0.0];
@@ -27,8 +38,7 @@ fn pieces(vertices: &[Point]) -> Vec<&[Point]> {
     let piece_mm = along[along.len() - 1].max(f64::MIN_POSITIVE) / PIECES as f64;
     let number = |k: usize| (along[k] / piece_mm) as usize;
     let starts = (1..vertices.len()).filter(|&k| number(k) != number(k - 1));
-    let bounds: Vec<usize> = std::iter::once(0).chain(starts).chain([vertices.len()]).collect();
-    bounds.windows(2).map(|pair| &vertices[pair[0]..pair[1]]).collect()
+    std::iter::once(0).chain(starts).map(|start| start as u32).collect()
 }
 
 /// Length of a link in fine units, rounded down. The square root errs by less than the thousandth taken off.
@@ -108,6 +118,10 @@ pub(super) struct Model {
 
 impl Model {
     pub(super) fn new(problem: &Problem) -> Self {
+        Self::of_pieces(problem, &pieces(problem))
+    }
+
+    pub(super) fn of_pieces(problem: &Problem, pieces: &Pieces) -> Self {
         let sorted = |mut values: Vec<(u32, u32, u32)>| {
             values.sort_unstable();
             values.dedup();
@@ -124,7 +138,7 @@ impl Model {
             scope: problem.scope,
             stages: stages.len() as u32,
         };
-        for (item, run) in problem.items.iter().zip(&used) {
+        for ((item, run), pieces) in problem.items.iter().zip(&used).zip(pieces) {
             let stage = stages.partition_point(|&(stage, ..)| stage < run.stage) as u32;
             let from = ranks.partition_point(|&rank| rank < (run.stage, run.island, 0));
             let to = ranks.partition_point(|&rank| rank <= (run.stage, run.island, u32::MAX));
@@ -137,11 +151,10 @@ impl Model {
                 Scope::Island => [stage, from as u32, item.run],
             };
             let first = model.terminals.len() as u32;
-            match item.shape {
-                Shape::Open(ends) => ends.iter().for_each(|end| model.add_terminal(&[*end])),
-                Shape::Loop(vertices) => {
-                    pieces(vertices).into_iter().for_each(|piece| model.add_terminal(piece));
-                }
+            let entries = item.shape.entries();
+            let ends = pieces.iter().skip(1).copied().chain([entries.len() as u32]);
+            for (&from, to) in pieces.iter().zip(ends) {
+                model.add_terminal(&entries[from as usize..to as usize]);
             }
             model.bodies.push(Body {
                 first,
@@ -180,6 +193,15 @@ impl Model {
         let from = |&p: &Point| others.iter().map(move |&q| p.distance2(q)).min();
         let nearest = self.points_of(a).iter().filter_map(from).min().unwrap_or(0);
         fine((nearest as f64).sqrt()).max(0)
+    }
+
+    /// The nearest points of two terminals.
+    #[cfg(feature = "highs")]
+    pub(super) fn nearest(&self, a: u32, b: u32) -> (u32, u32) {
+        let [from, to] = [a, b].map(|t| self.terminals[t as usize]);
+        let pairs = (from.first..from.last).flat_map(|p| (to.first..to.last).map(move |q| (p, q)));
+        let distance = |&(p, q): &(u32, u32)| self.points[p as usize].distance2(self.points[q as usize]);
+        pairs.min_by_key(distance).unwrap_or((from.first, to.first))
     }
 
     /// Whether a terminal is an end of an open path.

@@ -10,6 +10,8 @@ use super::link::Link;
 use super::model::{Body, DEPTHS, Model};
 use super::pricing::{Priced, Prices, Pricing};
 use super::tree::{Forest, Usage};
+#[cfg(feature = "highs")]
+use crate::Visit;
 use pathwright_geometry::DisjointSets;
 use pathwright_geometry::Point;
 
@@ -29,11 +31,11 @@ pub(super) struct Multipliers {
 
 /// A terminal where a walk may begin or end.
 #[derive(Clone, Copy)]
-struct WalkEnd {
-    terminal: u32,
-    tie: u32,
+pub(super) struct WalkEnd {
+    pub(super) terminal: u32,
+    pub(super) tie: u32,
     /// Of the link there, in fine units.
-    length: i64,
+    pub(super) length: i64,
     /// Cuts that hold both this and the start: a piece of the list of all shared cuts.
     shared: (u32, u32),
     /// Trees since the last look that used it.
@@ -41,7 +43,7 @@ struct WalkEnd {
 }
 
 /// The depth of links between runs that may have directions.
-const RUNS: usize = 1;
+pub(super) const RUNS: usize = 1;
 
 /// See the module.
 pub(super) struct Relaxation<'a> {
@@ -49,7 +51,7 @@ pub(super) struct Relaxation<'a> {
     pricing: Pricing<'a>,
     pub(super) directions: Option<Directions>,
     /// The known links, by depth, and the terminals that they join.
-    links: [Vec<Link>; DEPTHS],
+    pub(super) links: [Vec<Link>; DEPTHS],
     known: FxHashSet<(u32, u32)>,
     /// Paths with known links.
     pairs: FxHashSet<(u32, u32)>,
@@ -61,13 +63,22 @@ pub(super) struct Relaxation<'a> {
     block_of: FxHashMap<(u32, u32), u32>,
     pub(super) ties: usize,
     /// Where the walk may begin, and where it may end.
-    walk_ends: [Vec<WalkEnd>; 2],
+    pub(super) walk_ends: [Vec<WalkEnd>; 2],
     keys: Vec<(i64, u32)>,
 }
 
 impl<'a> Relaxation<'a> {
     /// Links at both ends of the walk cost nothing until [`Self::measure`].
     pub(super) fn new(model: &'a Model) -> Self {
+        let mut relaxation = Self::bare(model);
+        relaxation.add_neighbours();
+        let (_, tree) = relaxation.exact(&relaxation.zero());
+        relaxation.add_tree(&tree);
+        relaxation
+    }
+
+    /// As [`Self::new`], without any known links.
+    pub(super) fn bare(model: &'a Model) -> Self {
         let mut relaxation = Self {
             model,
             pricing: Pricing::new(model),
@@ -98,9 +109,6 @@ impl<'a> Relaxation<'a> {
                 }
             }
         }
-        relaxation.add_neighbours();
-        let (_, tree) = relaxation.exact(&relaxation.zero());
-        relaxation.add_tree(&tree);
         relaxation
     }
 
@@ -169,7 +177,7 @@ impl<'a> Relaxation<'a> {
         }
     }
 
-    fn add_link(&mut self, a: u32, b: u32) {
+    pub(super) fn add_link(&mut self, a: u32, b: u32) {
         let model = self.model;
         let (a, b) = (a.min(b), a.max(b));
         let [i, j] = [a, b].map(|t| model.terminals[t as usize].item);
@@ -248,7 +256,7 @@ impl<'a> Relaxation<'a> {
     }
 
     /// Lists the cuts that hold both ends of each link.
-    fn share_cuts(&mut self) {
+    pub(super) fn share_cuts(&mut self) {
         self.shared.clear();
         let start = self.model.terminals.len() as u32;
         for end in self.walk_ends.iter_mut().flatten() {
@@ -314,7 +322,7 @@ impl<'a> Relaxation<'a> {
     }
 
     /// The run that the walk begins or ends in, if links have directions.
-    fn run_of(&self, end: &WalkEnd) -> Option<usize> {
+    pub(super) fn run_of(&self, end: &WalkEnd) -> Option<usize> {
         let item = self.model.terminals[end.terminal as usize].item;
         self.directions.as_ref().map(|directions| directions.run_of[item as usize] as usize)
     }
@@ -425,6 +433,80 @@ impl<'a> Relaxation<'a> {
         let cheapest: i64 = cheapest.map(|(price, _)| price).sum();
         (bound - cheapest, ends)
     }
+}
+
+/// What a program over links asks.
+#[cfg(feature = "highs")]
+impl Relaxation<'_> {
+    /// Makes the links of a solution known.
+    pub(super) fn add_order(&mut self, order: &[Visit]) {
+        let model = self.model;
+        let ends = |visit: &Visit| {
+            let at = |entry: u32| model.owner[model.range_of_item(visit.item).start + entry as usize];
+            let leave = if model.bodies[visit.item as usize].closed { visit.entry } else { 1 - visit.entry };
+            [at(visit.entry), at(leave)]
+        };
+        for pair in order.windows(2) {
+            self.add_link(ends(&pair[0])[1], ends(&pair[1])[0]);
+        }
+    }
+
+    /// Looks for cuts that a solution violates in which links have shares; how many are new.
+    pub(super) fn look_for_used(&mut self, links: &[Vec<f64>; DEPTHS], ends: &[Vec<f64>; 2]) -> usize {
+        const TREES: u32 = 1000;
+        let used = |share: &f64| (share * f64::from(TREES)) as u32;
+        self.forget_trees();
+        for (links, shares) in self.links.iter_mut().zip(links) {
+            links.iter_mut().zip(shares).for_each(|(link, share)| link.used = used(share));
+        }
+        for (ends, shares) in self.walk_ends.iter_mut().zip(ends) {
+            ends.iter_mut().zip(shares).for_each(|(end, share)| end.used = used(share));
+        }
+        let before = self.cuts.members.len();
+        self.look_for_cuts(TREES);
+        self.cuts.members.len() - before
+    }
+
+    /// The piece of each tie, and what links there lead to.
+    pub(super) fn neighbours(&self) -> Vec<Option<(u32, Neighbour)>> {
+        let mut neighbours = vec![None; self.ties];
+        for (&(item, other), &block) in self.block_of.iter().filter(|(_, block)| **block > 0) {
+            let body = &self.model.bodies[item as usize];
+            for t in body.first..body.last {
+                neighbours[tie(block, t - body.first) as usize] = Some((t, Neighbour::Path(other)));
+            }
+        }
+        for (side, ends) in self.walk_ends.iter().enumerate() {
+            for end in ends.iter().filter(|end| end.tie > 0) {
+                neighbours[end.tie as usize] = Some((end.terminal, Neighbour::Beyond(side)));
+            }
+        }
+        neighbours
+    }
+
+    /// The tie of links from a piece to a neighbour, if there are any.
+    pub(super) fn tie_of(&self, terminal: u32, neighbour: Neighbour) -> Option<u32> {
+        let item = self.model.terminals[terminal as usize].item;
+        let first = self.model.bodies[item as usize].first;
+        let tie = match neighbour {
+            Neighbour::Path(other) => tie(*self.block_of.get(&(item, other))?, terminal - first),
+            Neighbour::Beyond(side) => self.walk_ends[side].iter().find(|end| end.terminal == terminal)?.tie,
+        };
+        Some(tie).filter(|&tie| tie > 0)
+    }
+
+    /// The terminal of each tie.
+    pub(super) fn tied_terminals(&self) -> Vec<u32> {
+        self.neighbours().into_iter().map(|tie| tie.map_or(0, |(terminal, _)| terminal)).collect()
+    }
+}
+
+/// What links at a piece of a loop lead to: another path, or beyond the layer at one side.
+#[cfg(feature = "highs")]
+#[derive(Clone, Copy)]
+pub(super) enum Neighbour {
+    Path(u32),
+    Beyond(usize),
 }
 
 /// The tie of one piece in a block.
