@@ -19,6 +19,7 @@ mod path;
 mod planner;
 mod reach;
 pub mod seams;
+mod shell_depth;
 mod shell_windows;
 mod shells;
 mod single;
@@ -39,8 +40,9 @@ pub use options::{
 };
 pub use path::{Entries, Island, IslandId, LayerKind, LayerPaths, Path, Phase, Role, ToolId, Turn, Width};
 pub use planner::{ObjectLayer, Planner, PlateLayer, Share, ToolpathSettings};
+pub use shell_depth::{bottom_layers, shell_depth};
 pub use shell_windows::{Map, ShellWindows, Shells, Window};
-pub use shells::{Zones, bottom_layers, shell_depth};
+pub use shells::Zones;
 pub use spiral::{Revolution, Rise, SpiralSpec, align, level, outline, revolution};
 pub use tools::{ToolHeights, tool_heights};
 pub use walls::{WallSpec, Walls};

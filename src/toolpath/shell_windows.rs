@@ -7,12 +7,16 @@ use std::ops::Range;
 use std::sync::OnceLock;
 
 use super::options::ShellSettings;
-use super::shells::{ROUGH_MM, above, below};
+use super::shell_depth::{above, below};
 use super::support::{Bitmap, Grid};
 use geometry::{Bounds, Region};
 
 /// Calls a function for 0, 1, … n − 1, possibly in parallel, and returns the results in order.
 pub type Map<'a> = &'a dyn Fn(usize, &(dyn Fn(usize) -> Region + Sync)) -> Vec<Region>;
+
+/// Outlines are simplified to this before they are intersected: zones are anchored by half a line anyway, and the
+/// cost of an intersection grows with its vertices.
+pub(super) const ROUGH_MM: f64 = 0.05;
 
 /// Side of a cell. With the cells at its edges left out, what lies behind two walls still shows to be inside of layers that do
 /// not lean; smaller cells show it in more layers, but take longer than they save.
