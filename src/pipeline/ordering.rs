@@ -4,9 +4,9 @@ use std::ops::Range;
 use std::time::Duration;
 
 use crate::order::{
-    Chain, Cost, LayerProblem, PathOrder, Pins, Problem, Watch, bound, ends_on_path, evaluate,
+    Chain, Cost, LayerProblem, PathOrder, Pins, Problem, Visit, Watch, bound, ends_on_path, evaluate,
 };
-use crate::profile::Settings;
+use crate::profile::{Effort, Settings};
 use crate::toolpath::LayerPaths;
 use geometry::Point;
 
@@ -192,9 +192,20 @@ pub(super) fn excess(
     let free = between(&None);
     let found = free.from_paths(order);
     let links = evaluate(&free.problem, &found, &cost);
-    let bound = bound::by_walks(&between(pins).problem, &found, &cost, settings.order.effort)?.bound;
+    let bound = least(&between(pins).problem, &found, &cost, settings.order.effort)?;
     if links <= bound + rounding * (order.len() + 1) as f64 {
         return Some(0.0);
     }
     Some(links / bound - 1.0).filter(|excess| excess.is_finite())
+}
+
+/// What no order of a layer can cost less than, if anything says so: relaxed walks, and where these leave a gap a linear program.
+fn least(problem: &Problem, found: &[Visit], cost: &Cost, effort: Effort) -> Option<f64> {
+    let walks = bound::by_walks(problem, found, cost, effort).map(|proof| proof.bound);
+    #[cfg(feature = "highs")]
+    if *cost == Cost::Length && walks.is_none_or(|bound| bound < evaluate(problem, found, cost)) {
+        let program = bound::by_program(problem, effort);
+        return walks.into_iter().chain(program).reduce(f64::max);
+    }
+    walks
 }

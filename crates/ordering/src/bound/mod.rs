@@ -28,6 +28,8 @@ use super::{Cost, Effort, LinkKind, Optimized, Problem, Sequence, Strategy, Visi
 use ascent::ascend;
 use model::{Model, fine, from_fine, link, price, to_mm};
 use pathwright_geometry::Point;
+#[cfg(feature = "highs")]
+pub use program::{Certificate, Cut, Tie};
 use relaxation::{Multipliers, Relaxation};
 use walks::{Budget, Settled, Walks};
 
@@ -354,10 +356,23 @@ pub fn by_walks(problem: &Problem, solved: &[Visit], cost: &Cost, effort: Effort
 /// may be spent on it, or its solver fails.
 #[cfg(feature = "highs")]
 pub fn by_program(problem: &Problem, effort: Effort) -> Option<f64> {
-    let points = |end: Option<Point>| Some(PricedPoints::new(vec![(end?, 0)]));
-    let ends = [problem.start, problem.end].map(points);
+    let ends = beyond(problem);
     let best = program::Climb::new(problem, &ends, effort).best()?;
     Some(to_mm(best.bound.max(0)))
+}
+
+/// As [`by_program`], with all that the bound follows from; `None` also where precedence orders paths.
+#[cfg(feature = "highs")]
+pub fn certificate(problem: &Problem, effort: Effort) -> Option<Certificate> {
+    let ends = beyond(problem);
+    let climb = program::Climb::new(problem, &ends, effort);
+    climb.certified([problem.start, problem.end]).best()?.certificate
+}
+
+/// Where the problem's walks come from and go to.
+#[cfg(feature = "highs")]
+fn beyond(problem: &Problem) -> [Option<PricedPoints>; 2] {
+    [problem.start, problem.end].map(|end| Some(PricedPoints::new(vec![(end?, 0)])))
 }
 
 /// A length in millimetres that the links of a whole print cannot stay below; see [`shares`] and [`Share::print_mm`].

@@ -11,21 +11,22 @@ const FINE: f64 = 16.0;
 
 /// Pieces of a free loop that the relaxation tells apart. On layers of two prints at `layer` scope one piece left a gap of
 /// 33 %, four 27 %, eight 26 %, sixteen no less in the same number of steps.
-const PIECES: usize = 8;
+pub(super) const PIECES: usize = 8;
 
 /// Where the pieces of each path's entries begin, the first of which is 0.
 pub(super) type Pieces = Vec<Vec<u32>>;
 
-/// Pieces of loops of about equal length, none without a vertex, and the ends of open paths.
-pub(super) fn pieces(problem: &Problem) -> Pieces {
+/// As many pieces of each loop, of about equal length, as `count` says for its length in millimetres, none without a vertex; and
+/// the ends of open paths.
+pub(super) fn pieces(problem: &Problem, count: impl Fn(f64) -> usize) -> Pieces {
     let of = |shape: &Shape| match shape {
         Shape::Open(_) => vec![0, 1],
-        Shape::Loop(vertices) => pieces_of(vertices),
+        Shape::Loop(vertices) => pieces_of(vertices, &count),
     };
     problem.items.iter().map(|item| of(&item.shape)).collect()
 }
 
-fn pieces_of(vertices: &[Point]) -> Vec<u32> {
+fn pieces_of(vertices: &[Point], count: impl Fn(f64) -> usize) -> Vec<u32> {
     if vertices.len() <= PIECES {
         return (0..vertices.len() as u32).collect();
     }
@@ -35,7 +36,8 @@ fn pieces_of(vertices: &[Point]) -> Vec<u32> {
         *sum += step;
         Some(*sum)
     }));
-    let piece_mm = along[along.len() - 1].max(f64::MIN_POSITIVE) / PIECES as f64;
+    let whole_mm = along[along.len() - 1].max(f64::MIN_POSITIVE);
+    let piece_mm = whole_mm / count(whole_mm) as f64;
     let number = |k: usize| (along[k] / piece_mm) as usize;
     let starts = (1..vertices.len()).filter(|&k| number(k) != number(k - 1));
     std::iter::once(0).chain(starts).map(|start| start as u32).collect()
@@ -118,7 +120,7 @@ pub(super) struct Model {
 
 impl Model {
     pub(super) fn new(problem: &Problem) -> Self {
-        Self::of_pieces(problem, &pieces(problem))
+        Self::of_pieces(problem, &pieces(problem, |_| PIECES))
     }
 
     pub(super) fn of_pieces(problem: &Problem, pieces: &Pieces) -> Self {

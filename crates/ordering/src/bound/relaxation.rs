@@ -201,7 +201,7 @@ impl<'a> Relaxation<'a> {
     }
 
     /// What a link pays for its tie at `a`.
-    fn tied(&self, a: u32, b: u32, multipliers: &Multipliers) -> i64 {
+    pub(super) fn tied(&self, a: u32, b: u32, multipliers: &Multipliers) -> i64 {
         let [i, j] = [a, b].map(|t| self.model.terminals[t as usize].item);
         if self.blocks[i as usize].is_empty() {
             return 0;
@@ -273,7 +273,7 @@ impl<'a> Relaxation<'a> {
 
     /// What a link pays at each terminal: its multiplier, less those of the cuts that hold it (a link within a cut pays
     /// them back twice, so that only links which leave it profit). The last is what the link from the start pays there.
-    fn weights(&self, multipliers: &Multipliers) -> Vec<i64> {
+    pub(super) fn weights(&self, multipliers: &Multipliers) -> Vec<i64> {
         let cuts = |t: usize| self.cuts.of[t].iter().map(|&cut| multipliers.cuts[cut as usize]).sum::<i64>();
         let nodes = multipliers.nodes.iter().copied().chain([0]);
         nodes.enumerate().map(|(t, node)| node - cuts(t)).collect()
@@ -465,6 +465,10 @@ impl Relaxation<'_> {
         let before = self.cuts.members.len();
         self.look_for_cuts(TREES);
         self.cuts.members.len() - before
+    }
+
+    pub(super) fn is_known(&self, a: u32, b: u32) -> bool {
+        self.known.contains(&(a.min(b), a.max(b)))
     }
 
     /// The piece of each tie, and what links there lead to.

@@ -7,18 +7,26 @@
 //! wrong. Without links, sets or pieces that are missing, the bound is the program's optimum.
 
 mod aside;
+mod certificate;
+mod columns;
 mod families;
 mod refinement;
 mod separation;
 mod simplex;
 
-use super::model::{Model, Pieces, pieces};
+use super::model::{Model, PIECES, Pieces, pieces, to_mm};
 use super::relaxation::{Multipliers, Relaxation};
 use super::walks::Settled;
+use pathwright_geometry::Point;
+
 use super::{Cost, Effort, Optimized, PricedPoints, Problem, Strategy, Visit, outer, prices};
+pub use certificate::{Certificate, Cut, Tie};
 use refinement::Carried;
 use simplex::{Program, Rows, Solution};
 
+/// Length of a loop's first pieces, as so many links of a solution, and how many there are at most.
+const LONG: f64 = 4.0;
+const MOST_PIECES: usize = 32;
 /// How often pieces become smaller at most, and how often the program is solved in between.
 const REFINEMENTS: usize = 16;
 const ROUNDS: usize = 60;
@@ -48,6 +56,8 @@ pub(super) struct Best {
     pub(super) settled: Settled,
     /// Whether more work would not have raised it.
     pub(super) is_final: bool,
+    /// For others, if it was asked for.
+    pub(super) certificate: Option<Certificate>,
 }
 
 /// A layer between what lies below and above, and a solution with its cost.
@@ -58,6 +68,8 @@ pub(super) struct Climb<'a> {
     limit: i64,
     /// What may still be spent.
     work: i64,
+    /// Whether there will be a certificate, for these ends.
+    certified: Option<[Option<Point>; 2]>,
 }
 
 impl<'a> Climb<'a> {
@@ -65,7 +77,12 @@ impl<'a> Climb<'a> {
         let order = Optimized.solve(problem, &Cost::Length, Effort::Normal);
         let beyond = |side: usize, p| ends[side].as_ref().map_or(0, |points| points.nearest(p));
         let limit = prices(problem, &order, &Cost::Length).sum::<i64>() + outer(problem, &order, beyond);
-        Self { problem, ends, order, limit, work: work(effort) * problem.items.len() as i64 }
+        Self { problem, ends, order, limit, work: work(effort) * problem.items.len() as i64, certified: None }
+    }
+
+    /// Asks for a certificate, for these ends.
+    pub(super) fn certified(self, ends: [Option<Point>; 2]) -> Self {
+        Self { certified: Some(ends), ..self }
     }
 
     /// The best bound; `None` if nothing may be spent, or the solver fails.
@@ -74,7 +91,9 @@ impl<'a> Climb<'a> {
             return None;
         }
         let mut best = None;
-        let mut pieces = pieces(self.problem);
+        let link_mm = to_mm(self.limit.max(1)) / self.problem.items.len() as f64;
+        let count = |loop_mm: f64| ((loop_mm / (LONG * link_mm)) as usize).clamp(PIECES, MOST_PIECES);
+        let mut pieces = pieces(self.problem, count);
         let mut carried = None;
         for _ in 0..REFINEMENTS {
             let model = Model::of_pieces(self.problem, &pieces);
@@ -117,7 +136,14 @@ impl<'a> Climb<'a> {
             let added = if is_over { 0 } else { separation::separate(&mut relaxation, &mut rows, &solution) };
             values.push(solution.value);
             let looks = added == 0 || round % LOOK == LOOK - 1;
-            let grown = looks && self.evaluate(&mut relaxation, &mut solution.multipliers, &mut proved, best);
+            let mut grown = false;
+            if looks {
+                solution.multipliers.cuts.resize(relaxation.cuts.members.len(), 0);
+                let missing = columns::missing(&relaxation, &solution, &rows, &program.families);
+                grown = self.evaluate(&mut relaxation, &solution.multipliers, &mut proved, best);
+                grown |= !missing.is_empty();
+                missing.into_iter().for_each(|(a, b)| relaxation.add_link(a, b));
+            }
             relaxation.share_cuts();
             last = Some(solution);
             if is_over || proved >= self.limit || looks && !grown && added == 0 {
@@ -141,15 +167,17 @@ impl<'a> Climb<'a> {
     fn evaluate(
         &self,
         relaxation: &mut Relaxation,
-        multipliers: &mut Multipliers,
+        multipliers: &Multipliers,
         proved: &mut i64,
         best: &mut Option<Best>,
     ) -> bool {
-        multipliers.cuts.resize(relaxation.cuts.members.len(), 0);
         let (bound, tree) = relaxation.exact(multipliers);
         *proved = bound.max(*proved);
         if best.as_ref().is_none_or(|best| bound > best.bound) {
-            *best = Some(Best { bound, settled: relaxation.settle(bound, multipliers), is_final: false });
+            let settled = relaxation.settle(bound, multipliers);
+            let certificate =
+                self.certified.and_then(|ends| Certificate::new(relaxation, multipliers, bound, ends));
+            *best = Some(Best { bound, settled, is_final: false, certificate });
         }
         relaxation.add_tree(&tree)
     }
@@ -160,6 +188,3 @@ impl<'a> Climb<'a> {
         now - before < TAIL * left && proved as f64 > now - MISSING * left
     }
 }
-
-#[cfg(test)]
-mod tests;

@@ -28,6 +28,9 @@ pub(super) struct Solution {
     /// Share with which a path is entered at each terminal; 1 for ends and for loops in one piece.
     pub(super) entered: Vec<f64>,
     pub(super) multipliers: Multipliers,
+    /// Prices of links within each tree, and of each family, of either sign.
+    pub(super) trees: Vec<i64>,
+    pub(super) families: Vec<i64>,
     pub(super) iterations: i64,
 }
 
@@ -59,7 +62,7 @@ pub(super) struct Program {
     entries: Vec<Option<Col>>,
     /// Rows of terminals, of families by their number, of links into and out of runs, and of what was added.
     nodes: Vec<Line>,
-    families: Families,
+    pub(super) families: Families,
     family_lines: Vec<Option<Line>>,
     runs: Vec<[Line; 2]>,
     ties: Vec<Line>,
@@ -146,6 +149,7 @@ impl Program {
         self.simplex = Some(solved.into());
         let share = |col: Col| found[col].max(0.0);
         let [costs, prices] = [found.dual_columns(), found.dual_rows()];
+        let price = |line: Line| -to_fine(prices[line.number]).round() as i64;
         let links = self.links.each_ref();
         Some(Solution {
             value: to_fine(value),
@@ -158,8 +162,9 @@ impl Program {
             }),
             ends: self.ends.each_ref().map(|cols| cols.iter().map(|&col| share(col)).collect()),
             entered: self.entries.iter().map(|col| col.map_or(1.0, share)).collect(),
-            multipliers: self
-                .multipliers(relaxation, rows, |line| -to_fine(prices[line.number]).round() as i64),
+            multipliers: self.multipliers(relaxation, rows, price),
+            trees: self.trees.iter().map(|&line| price(line).max(0)).collect(),
+            families: self.family_lines.iter().map(|line| line.map_or(0, price)).collect(),
             iterations,
         })
     }
