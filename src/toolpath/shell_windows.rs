@@ -191,3 +191,31 @@ fn grid(bounds: Bounds, layers: usize) -> Grid {
     let [width, depth] = bounds.size().map(|units| units as f64 / geometry::UNITS_PER_MM);
     Grid::new(bounds, MARGIN_MM, CELL_MM.max((width * depth * layers as f64 / MOST_CELLS).sqrt()))
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::units::Mm;
+    use geometry::{Point, Polygon, Ring};
+
+    fn square(low_mm: f64, high_mm: f64) -> Ring {
+        let corners = [(low_mm, low_mm), (high_mm, low_mm), (high_mm, high_mm), (low_mm, high_mm)];
+        corners.map(|(x, y)| Point::from_mm(x, y)).to_vec()
+    }
+
+    #[test]
+    fn a_region_is_held_unless_a_layer_ends_beside_it_or_has_a_hole_in_it() {
+        let area = |outer: Ring, holes: Vec<Ring>| Region::from(Polygon { outer, holes });
+        let hole: Ring = square(9.0, 11.0).into_iter().rev().collect();
+        let (block, low) = (area(square(0.0, 20.0), Vec::new()), area(square(0.0, 17.0), Vec::new()));
+        let (pierced, inside) = (area(square(0.0, 20.0), vec![hole]), area(square(2.0, 18.0), Vec::new()));
+        let settings = ShellSettings { top_layers: 2, min_thickness: Mm(0.0), ..ShellSettings::default() };
+        let map = |n: usize, f: &(dyn Fn(usize) -> Region + Sync)| (0..n).map(f).collect::<Vec<_>>();
+        let held = |layers: [&Region; 3]| {
+            let shells = Shells::build(&layers, &[0.2; 3], &settings, &map);
+            shells.windows(0).top.is_some_and(|window| window.surely_holds(&inside))
+        };
+        assert!(held([&block, &block, &block]) && held([&pierced, &block, &block]));
+        assert!(!held([&block, &block, &pierced]) && !held([&block, &low, &block]));
+    }
+}

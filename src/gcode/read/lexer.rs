@@ -91,7 +91,7 @@ impl<'a> Line<'a> {
     }
 
     /// The line at another place.
-    pub fn placed(self, number: usize, offset: usize) -> Self {
+    pub(crate) fn placed(self, number: usize, offset: usize) -> Self {
         Self { number, offset, ..self }
     }
 
