@@ -45,7 +45,7 @@ const OTHER: i64 = 50;
 fn work(effort: Effort) -> i64 {
     match effort {
         Effort::Fast => 0,
-        Effort::Normal => 20_000,
+        Effort::Normal => 100_000,
         Effort::High => 1_600_000,
     }
 }
@@ -158,7 +158,7 @@ impl<'a> Climb<'a> {
             return None;
         }
         let finer = refinement::finer(&relaxation, &solution, pieces, self.ends)?;
-        let worth = WORTH * (self.limit - proved) as f64;
+        let worth = WORTH * self.limit.saturating_sub(proved) as f64;
         *carried = Some(Carried::new(&relaxation, &solution, rows, (pieces, &finer), worth));
         Some(finer)
     }
