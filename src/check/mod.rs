@@ -97,7 +97,7 @@ impl Checker {
     /// Takes the lines of a text, which continues where the last one ended. It ends with a whole line.
     pub fn text(&mut self, text: &[u8]) {
         for line in lines(text) {
-            self.line(Line::new(self.lines + 1, self.bytes, line.raw));
+            self.line(line.placed(self.lines + 1, self.bytes));
         }
     }
 

@@ -5,6 +5,8 @@
 use std::ops::Range;
 use std::sync::atomic::{AtomicU32, Ordering::Relaxed};
 
+use crate::parallel;
+
 /// Triangles from which matching by two threads pays.
 const PARALLEL: usize = 20_000;
 
@@ -134,10 +136,10 @@ impl Edges {
         let match_from = |vertices| Self::match_from(triangles, vertices, &twins);
         let count = vertex_count as u32;
         // Every edge belongs to one range, so the two never write to the same element.
-        let [a, b] = if triangles.len() < PARALLEL {
+        let [a, b] = if triangles.len() < PARALLEL || parallel::threads() == 1 {
             [match_from(0..count), Self::default()]
         } else {
-            crate::parallel::join(|| match_from(0..count / 2), || match_from(count / 2..count)).into()
+            parallel::join(|| match_from(0..count / 2), || match_from(count / 2..count)).into()
         };
         Self {
             twins: twins.into_iter().map(AtomicU32::into_inner).collect(),

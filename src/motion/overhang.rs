@@ -12,6 +12,9 @@ const SHORTEST_MM: f64 = 1.0;
 /// Edges longer than this are looked at in parts, so that what is near them stays little.
 const PART_MM: f64 = 2.0;
 
+/// Distances that differ by less may be the same, in millimetres.
+const NOISE_MM: f64 = 1e-9;
+
 /// How much of a bead's width has nothing under it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(super) enum Grade {
@@ -141,8 +144,15 @@ impl Walk<'_> {
     }
 
     /// Distance of a segment from the edges near it; 0 where they meet.
-    fn away(&self, [a, b]: [[f64; 2]; 2]) -> f64 {
-        self.near.iter().map(|&edge| segments_mm([a, b], edge)).fold(f64::INFINITY, f64::min)
+    fn away(&self, segment: [[f64; 2]; 2]) -> f64 {
+        let mut nearest = f64::INFINITY;
+        for &edge in &self.near {
+            // Most are farther off than another is, which their boxes show.
+            if boxes_mm(segment, edge) <= nearest + NOISE_MM {
+                nearest = segments_mm(segment, edge).min(nearest);
+            }
+        }
+        nearest
     }
 
     fn push(&mut self, grade: Grade, from: Vertex, to: Vertex) {
@@ -151,6 +161,15 @@ impl Walk<'_> {
             _ => self.out.push((grade, vec![from, to])),
         }
     }
+}
+
+/// How far apart the boxes of two segments are along an axis, at most; negative where they overlap.
+fn boxes_mm(s: [[f64; 2]; 2], e: [[f64; 2]; 2]) -> f64 {
+    let apart = |axis: usize| {
+        let [[a, b], [c, d]] = [s, e].map(|ends| ends.map(|p| p[axis]));
+        (a.min(b) - c.max(d)).max(c.min(d) - a.max(b))
+    };
+    apart(0).max(apart(1))
 }
 
 /// Distance of two segments.

@@ -66,8 +66,10 @@ fn lightning_layer(layer: &PlateLayer<'_>, settings: &Settings) -> LightningLaye
     for object in &layer.objects {
         let rough = geometry::simplify(object.section, ROUGH_MM);
         let inside = geometry::offset(&rough, -thick_mm);
-        let roofed =
-            object.windows.top.map_or_else(|| inside.clone(), |above| geometry::intersection(&inside, above));
+        let roofed = object
+            .windows
+            .top
+            .map_or_else(|| inside.clone(), |above| geometry::intersection(&inside, above.region()));
         ground.add_disjoint(geometry::offset(&rough, -thick_mm / 2.0).into_polygons());
         sparse.add_disjoint(roofed.into_polygons());
     }

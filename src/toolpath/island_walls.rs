@@ -2,7 +2,7 @@
 
 use super::beneath::Beneath;
 use super::fuzzy::Fuzzy;
-use super::known_walls::{IslandWalls, KnownWalls, WallKey};
+use super::known_walls::{IslandWalls, KnownWalls};
 use super::layer_builder::LayerBuilder;
 use super::options::{FuzzySettings, WallOrder, WallSettings};
 use super::single::{self, Count};
@@ -88,9 +88,9 @@ impl WallPlanner<'_> {
         let alike = fuzzy.is_none() && Count::of(self.walls, layer.above, layer.index) == Count::All;
         let islands = layer.section.polygons().iter().zip(first..);
         let island = |(polygon, number)| {
-            let make = || self.island(polygon, layer, fuzzy.as_ref());
+            let make = || self.island(polygon, layer, fuzzy.as_ref(), known);
             let mut walls = if alike {
-                known.of(WallKey::new(polygon, layer.height_mm, layer.index), make).as_ref().clone()
+                known.of(polygon, layer.height_mm, layer.index, make).as_ref().clone()
             } else {
                 make()
             };
@@ -106,9 +106,15 @@ impl WallPlanner<'_> {
     }
 
     /// The walls of an island, whatever is beneath.
-    fn island(&self, polygon: &Polygon, on: &WallLayer<'_>, fuzzy: Option<&Fuzzy<'_>>) -> IslandWalls {
+    fn island(
+        &self,
+        polygon: &Polygon,
+        on: &WallLayer<'_>,
+        fuzzy: Option<&Fuzzy<'_>>,
+        known: &KnownWalls,
+    ) -> IslandWalls {
         let spec = &self.spec(on.index, on.height_mm);
-        let mut layer = LayerBuilder { paths: Vec::new(), height_mm: on.height_mm, island: None, tool: None };
+        let mut layer = LayerBuilder::new(on.height_mm, &known.axes);
         let Walls { loops, gaps, inside } = self.trace(polygon, spec, on);
         let count = self.walls.count;
         let wall = |depth: u32| match self.walls.order {

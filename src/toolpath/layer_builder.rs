@@ -3,7 +3,7 @@
 use std::ops::RangeInclusive;
 
 use super::options::{InfillSettings, WallSettings};
-use geometry::{Polygon, Region, Ring};
+use geometry::{KnownAxes, Polygon, Region, Ring};
 
 use super::bead::{self, Line};
 use super::beading::{self, Gap};
@@ -45,15 +45,22 @@ pub(super) struct BridgeLine {
 }
 
 /// The paths of a layer as they grow.
-pub(super) struct LayerBuilder {
+pub(super) struct LayerBuilder<'a> {
     pub paths: Vec<Path>,
     pub height_mm: f64,
     pub island: Option<IslandId>,
     /// The tool of what follows, where a part has one of its own.
     pub tool: Option<ToolId>,
+    /// Middle lines of narrow places that were found before.
+    axes: &'a KnownAxes,
 }
 
-impl LayerBuilder {
+impl<'a> LayerBuilder<'a> {
+    /// Without paths.
+    pub fn new(height_mm: f64, axes: &'a KnownAxes) -> Self {
+        Self { paths: Vec::new(), height_mm, island: None, tool: None, axes }
+    }
+
     fn push(&mut self, role: Role, phase: Phase, closed: bool, points: Vec<geometry::Point>, width: Width) {
         let (height_mm, island) = (self.height_mm, self.island);
         self.paths.push(Path { role, closed, points, width, height_mm, island, phase, tool: self.tool });
@@ -199,9 +206,14 @@ impl LayerBuilder {
         let mut filled_mm2 = 0.0;
         let tip = if role == Role::ExternalPerimeter { 0.5 } else { beading::GAP_TIP };
         let Gap { area, region } = gap;
-        for path in
-            geometry::medial_axis_in(area, region, *range.start(), *range.end(), [tip, beading::GAP_TIP])
-        {
+        for path in geometry::medial_axis_in(
+            area,
+            region,
+            *range.start(),
+            *range.end(),
+            [tip, beading::GAP_TIP],
+            self.axes,
+        ) {
             if path.length_mm() < SHORTEST_GAP_MM {
                 continue;
             }

@@ -1,7 +1,7 @@
 //! Extra perimeters on overhangs: what hangs over air without anchors at both of its sides is filled with beads along its
 //! walls, which begin and end where the part is held.
 
-use geometry::{Clipper, Point, Region};
+use geometry::{Clipper, KnownAxes, Point, Region};
 
 use super::bead::Line;
 use super::beading;
@@ -11,7 +11,7 @@ use super::beneath::Beneath;
 const SAME: i64 = 4;
 
 /// Beads along the walls around `inside`, as far as they are in `area`.
-pub(super) fn fill(inside: &Region, area: &Region, spacing_mm: f64) -> Vec<Line> {
+pub(super) fn fill(inside: &Region, area: &Region, spacing_mm: f64, axes: &KnownAxes) -> Vec<Line> {
     let clipper = Clipper::new(area);
     let mut rest = inside.clone();
     rest.retain(|polygon| {
@@ -23,9 +23,9 @@ pub(super) fn fill(inside: &Region, area: &Region, spacing_mm: f64) -> Vec<Line>
         let pair = beading::pair(&rest, spacing_mm, beading::FULL, beading::MIN_GAP_MM);
         lines.extend(pair.loops.iter().flat_map(|line| cut(line, &clipper)));
         if let Some(gap) = pair.gap {
-            let range = [beading::MIN_GAP_MM, beading::WIDEST * spacing_mm];
-            let middles =
-                geometry::medial_axis_in(&gap.area, &gap.region, range[0], range[1], [beading::GAP_TIP; 2]);
+            let (least_mm, most_mm) = (beading::MIN_GAP_MM, beading::WIDEST * spacing_mm);
+            let tips = [beading::GAP_TIP; 2];
+            let middles = geometry::medial_axis_in(&gap.area, &gap.region, least_mm, most_mm, tips, axes);
             for path in middles {
                 let line = Line { points: path.points, spacing_mm: path.width_mm, closed: path.closed };
                 lines.extend(cut(&line, &clipper));

@@ -19,7 +19,8 @@ use super::island_walls::{LayerWalls, WallLayer, WallPlanner};
 use super::known_walls::{IslandWalls, KnownWalls};
 use super::layer_builder::{BridgeLine, LayerBuilder, Solid};
 use super::reach::Reach;
-use super::shells::{self, ShellWindows, Zones};
+use super::shell_windows::{ShellWindows, Window};
+use super::shells::{self, Zones};
 use super::walls::{WallSpec, Walls};
 use super::{
     Island, IslandId, LayerKind, LayerPaths, Path, Phase, Role, ToolId, adhesion, bead, beside_sparse,
@@ -282,8 +283,7 @@ impl Planner {
 
     /// The paths of one layer whose [`walls`](Self::walls) are known.
     pub fn filled(&self, section: &PlateLayer<'_>, walls: LayerWalls) -> LayerPaths {
-        let mut layer =
-            LayerBuilder { paths: Vec::new(), height_mm: section.height_mm, island: None, tool: None };
+        let mut layer = LayerBuilder::new(section.height_mm, &self.known_walls.axes);
         let widths = self.widths(section.index);
         if section.index < self.settings.skirt.layers as usize {
             layer.loops(Role::Skirt, Phase::Skirt, widths.skirt_mm, &self.skirt);
@@ -347,7 +347,7 @@ impl Planner {
 
     fn island(
         &self,
-        layer: &mut LayerBuilder,
+        layer: &mut LayerBuilder<'_>,
         polygon: &Polygon,
         walls: IslandWalls,
         part: &Part<'_>,
@@ -422,7 +422,7 @@ impl Planner {
         if bridge.is_held() || !self.settings.walls.extra_on_overhangs {
             return None;
         }
-        let lines = overhang_perimeters::fill(inside, &bridge.area, line.spacing_mm);
+        let lines = overhang_perimeters::fill(inside, &bridge.area, line.spacing_mm, &self.known_walls.axes);
         (overhang_perimeters::loose(&lines, beneath) < bridge.cost).then_some(lines)
     }
 
@@ -438,7 +438,7 @@ impl Planner {
     }
 
     /// Sparse infill: of the layer, and of those beneath that it is combined with.
-    fn sparse(&self, layer: &mut LayerBuilder, zone: Region, area_mm2: f64, section: &PlateLayer<'_>) {
+    fn sparse(&self, layer: &mut LayerBuilder<'_>, zone: Region, area_mm2: f64, section: &PlateLayer<'_>) {
         let own = Slab { height_mm: section.height_mm, rotation: section.index };
         let Some((group, number)) = self.combined.of(section.index) else {
             return self.fill(layer, &zone, area_mm2, section, own);
@@ -455,7 +455,7 @@ impl Planner {
     /// Lays the pattern into a zone, with beads as high as the slab. Their density is exact for `area_mm2`.
     fn fill(
         &self,
-        layer: &mut LayerBuilder,
+        layer: &mut LayerBuilder<'_>,
         zone: &Region,
         area_mm2: f64,
         section: &PlateLayer<'_>,
@@ -482,7 +482,7 @@ impl Planner {
     }
 
     /// A thin pass over top surfaces, as far as the nozzle's middle may go without pressing material over their edge.
-    fn iron(&self, layer: &mut LayerBuilder, top: &Region, section: &PlateLayer<'_>, widths: &Widths) {
+    fn iron(&self, layer: &mut LayerBuilder<'_>, top: &Region, section: &PlateLayer<'_>, widths: &Widths) {
         let settings = &self.settings.ironing;
         let zone = geometry::offset(top, -bead::spacing_mm(widths.top_mm, section.height_mm) / 2.0);
         let angle_rad = self.settings.infill.angle.to_radians();
@@ -495,14 +495,11 @@ impl Planner {
     fn zones(&self, inside: &Region, object: &ObjectLayer<'_>, section: &PlateLayer<'_>) -> Zones {
         let spacing_mm = bead::spacing_mm(self.widths(section.index).solid_mm, section.height_mm);
         let full = self.is_full(section.index);
-        let below = if full { Some(Region::EMPTY) } else { object.windows.bottom };
+        let below = if full { Some(Window::Nothing) } else { object.windows.bottom };
         let reach =
             object.beneath.filter(|_| !full && !self.is_full(section.index - 1)).map(|beneath| Reach {
-                hollow: [
-                    beneath,
-                    object.windows_beneath.top.unwrap_or(beneath),
-                    object.windows_beneath.bottom.unwrap_or(beneath),
-                ],
+                beneath,
+                windows: object.windows_beneath,
                 sparse: self.lines_beneath(section),
                 angle_rad: infill::turned(self.settings.infill.angle.to_radians(), section.index),
                 fit_angle: self.settings.shell.fit_angle,

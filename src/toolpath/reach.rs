@@ -9,6 +9,7 @@ use geometry::real;
 use geometry::{Direction, EdgeGrid, Point, Region, Ring};
 
 use super::infill::{self, LineSet};
+use super::shell_windows::{ShellWindows, Window};
 
 /// Distance of the chords that are looked at, in solid lines.
 const STEP: f64 = 0.5;
@@ -26,8 +27,10 @@ const HANGING: f64 = 0.25;
 /// The supports and directions of the solid lines of a layer.
 #[derive(Clone, Debug)]
 pub struct Reach<'a> {
-    /// Where all of these overlap there is sparse infill beneath; elsewhere solid infill or nothing.
-    pub hollow: [&'a Region; 3],
+    /// The section beneath.
+    pub beneath: &'a Region,
+    /// Its windows: where they overlap with it there is sparse infill beneath; elsewhere solid infill or nothing.
+    pub windows: ShellWindows<'a>,
     /// The lines of the sparse infill; none if it has no straight ones, as its supports are unknown then.
     pub sparse: Vec<LineSet>,
     /// Usual direction of the solid lines, radians from the X axis.
@@ -45,14 +48,14 @@ struct Chord {
     across_mm: f64,
 }
 
-impl Reach<'_> {
+impl<'a> Reach<'a> {
     /// Extends patches of lines `line_mm` apart by the area that they must also cover; they may reach over the edge
     /// of `inside` by a line. Where there are walls before a line beneath, they hold the patch.
     pub fn grow(&self, patches: Region, inside: &Region, line_mm: f64) -> Region {
         if self.sparse.is_empty() {
             return patches;
         }
-        let hollow = LazyCell::new(|| self.hollow.map(EdgeGrid::new));
+        let hollow = LazyCell::new(|| self.hollow().map(EdgeGrid::new));
         let area = LazyCell::new(|| EdgeGrid::new(inside));
         let (is_hollow, is_free) =
             (|p: Point| hollow.iter().all(|region| region.contains(p)), |p: Point| area.contains(p));
@@ -65,6 +68,11 @@ impl Reach<'_> {
             return patches;
         }
         geometry::union(&patches, &geometry::unite_rings(&stripes))
+    }
+
+    fn hollow(&self) -> [&Region; 3] {
+        let area = |window: Option<Window<'a>>| window.map_or(self.beneath, Window::region);
+        [self.beneath, area(self.windows.top), area(self.windows.bottom)]
     }
 
     /// The same in the direction that the solid lines have in a patch.

@@ -1,11 +1,9 @@
 //! Which part of a layer is solid: where a layer within the shell's thickness, above or below, is missing.
 
-use std::ops::Range;
-
-use super::options::ShellSettings;
 use geometry::Region;
 
 use super::reach::Reach;
+use super::shell_windows::{ROUGH_MM, Window};
 
 /// Area below which what an island has of a zone is given to the other zone: less than a nozzle diameter.
 const CRUMB_MM2: f64 = 0.05;
@@ -15,134 +13,6 @@ const SMALLEST_PATCH: f64 = 0.5;
 
 /// Solid strips narrower than this many lines are left to the walls beside them.
 const NARROWEST_STRIP: f64 = 0.25;
-
-/// Outlines are simplified to this before they are intersected: zones are anchored by half a line anyway, and the
-/// cost of an intersection grows with its vertices.
-const ROUGH_MM: f64 = 0.05;
-
-/// Calls a function for 0, 1, … n − 1, possibly in parallel, and returns the results in order.
-pub type Map<'a> = &'a dyn Fn(usize, &(dyn Fn(usize) -> Region + Sync)) -> Vec<Region>;
-
-/// Thicknesses that differ by less are the same, in millimetres.
-const NOISE_MM: f64 = 1e-6;
-
-/// Number of layers on one side of a layer that its shell depends on: the requested number, and more until they have
-/// the requested thickness. `heights_mm` are those of the layers on that side, the nearest first; one more than there
-/// are says that the shell looks beyond them. A shell that is not wanted stays away.
-pub fn shell_depth(heights_mm: impl Iterator<Item = f64>, layers: u32, min_thickness_mm: f64) -> usize {
-    let (mut depth, mut thick_mm) = (0, 0.0);
-    if layers == 0 {
-        return 0;
-    }
-    for height_mm in heights_mm {
-        if depth >= layers as usize && thick_mm >= min_thickness_mm - NOISE_MM {
-            return depth;
-        }
-        depth += 1;
-        thick_mm += height_mm;
-    }
-    let enough = depth >= layers as usize && thick_mm >= min_thickness_mm - NOISE_MM;
-    if enough { depth } else { depth + 1 }
-}
-
-/// Number of solid bottom layers on the bed, with these layer heights.
-pub fn bottom_layers(heights_mm: &[f64], settings: &ShellSettings) -> usize {
-    (0..heights_mm.len()).take_while(|&i| below(heights_mm, i, settings) > i).count()
-}
-
-fn above(heights_mm: &[f64], layer: usize, settings: &ShellSettings) -> usize {
-    let heights_mm = heights_mm[layer + 1..].iter().copied();
-    shell_depth(heights_mm, settings.top_layers, settings.min_thickness.0)
-}
-
-fn below(heights_mm: &[f64], layer: usize, settings: &ShellSettings) -> usize {
-    let heights_mm = heights_mm[..layer].iter().rev().copied();
-    shell_depth(heights_mm, settings.bottom_layers, settings.min_thickness.0)
-}
-
-/// The intersection of the layers within a shell's thickness; the shell is what lies outside of it.
-#[derive(Clone, Copy, Debug, Default)]
-pub struct ShellWindows<'a> {
-    /// Of the layers above, as many as the top shell is thick; `None`: no top shell.
-    pub top: Option<&'a Region>,
-    /// Of the layers below, as many as the bottom shell is thick; `None`: no bottom shell.
-    pub bottom: Option<&'a Region>,
-}
-
-/// For each layer, the intersection of the layers above it within the top shell's thickness, and of those below it
-/// within the bottom shell's.
-#[derive(Clone, Debug, Default)]
-pub struct Shells {
-    windows: Vec<Region>,
-    /// For each layer its window; `None`: it reaches beyond the object.
-    above: Vec<Option<usize>>,
-    below: Vec<Option<usize>>,
-    has_top: bool,
-    has_bottom: bool,
-}
-
-impl Shells {
-    /// Builds the windows of one object from its sections and the layers' heights, bottom up.
-    ///
-    /// Windows of a power of two are combined from halves, others from two that overlap, so the cost is about
-    /// log₂(layers) + 1 intersections of neighbouring layers for each layer, and top and bottom share them.
-    pub fn build(sections: &[&Region], heights_mm: &[f64], settings: &ShellSettings, map: Map<'_>) -> Self {
-        let count = sections.len();
-        let up = |i: usize| i + 1..i + 1 + above(heights_mm, i, settings);
-        let down = |i: usize| Some(i.checked_sub(below(heights_mm, i, settings))?..i);
-        let inside = |range: &Range<usize>| !range.is_empty() && range.end <= count;
-        let above: Vec<_> = (0..count).map(|i| Some(up(i)).filter(inside)).collect();
-        let below: Vec<_> = (0..count).map(|i| down(i).filter(inside)).collect();
-        let mut ranges: Vec<Range<usize>> = above.iter().chain(&below).flatten().cloned().collect();
-        ranges.sort_unstable_by_key(|range| (range.start, range.end));
-        ranges.dedup();
-        let index_of = |range: &Option<Range<usize>>| {
-            let range = range.as_ref()?;
-            ranges.binary_search_by_key(&(range.start, range.end), |r| (r.start, r.end)).ok()
-        };
-        let (above, below) = (above.iter().map(index_of).collect(), below.iter().map(index_of).collect());
-        let rough = map(count, &|i| geometry::simplify(sections[i], ROUGH_MM));
-        let (has_top, has_bottom) = (settings.top_layers > 0, settings.bottom_layers > 0);
-        Self { windows: windows(rough, &ranges, map), above, below, has_top, has_bottom }
-    }
-
-    /// The windows of layer `i`.
-    pub fn windows(&self, i: usize) -> ShellWindows<'_> {
-        ShellWindows {
-            top: self.has_top.then(|| self.window(&self.above, i)),
-            bottom: self.has_bottom.then(|| self.window(&self.below, i)),
-        }
-    }
-
-    fn window(&self, indices: &[Option<usize>], i: usize) -> &Region {
-        indices.get(i).copied().flatten().map_or(Region::EMPTY, |index| &self.windows[index])
-    }
-}
-
-/// Intersections of consecutive sections.
-fn windows(sections: Vec<Region>, ranges: &[Range<usize>], map: Map<'_>) -> Vec<Region> {
-    let mut out = vec![Region::default(); ranges.len()];
-    let longest = ranges.iter().map(Range::len).max().unwrap_or(0);
-    // Of as many sections each as there are in `have`, from each at which that many are left.
-    let (mut level, mut have) = (sections, 1);
-    while have <= longest {
-        let due: Vec<usize> =
-            (0..ranges.len()).filter(|&k| (have..2 * have).contains(&ranges[k].len())).collect();
-        let made = map(due.len(), &|k| {
-            let Range { start, end } = ranges[due[k]];
-            match end - start {
-                length if length == have => level[start].clone(),
-                _ => geometry::intersection(&level[start], &level[end - have]),
-            }
-        });
-        due.iter().zip(made).for_each(|(&k, window)| out[k] = window);
-        if 2 * have <= longest {
-            level = map(level.len() - have, &|i| geometry::intersection(&level[i], &level[i + have]));
-        }
-        have *= 2;
-    }
-    out
-}
 
 /// The inside an island, divided.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -180,21 +50,22 @@ impl Zones {
 
 /// Divides the inside an island into sparse, solid and top.
 ///
-/// `above` and `below` are the windows of [`Shells`], `next` is the section of the layer above (empty on the
+/// `above` and `below` are the windows of [`Shells`](super::Shells), `next` is the section of the layer above (empty on the
 /// last). Very narrow solid strips are left to the walls beside them; sparse ones become solid. Solid patches `reach`
 /// over a line of sparse infill beneath. A surface continues under ribs that rise out of it and are narrower than twice
 /// `walls_mm`: their walls stand on it, and not on sparse infill.
 pub fn divide(
     inside: &Region,
-    above: Option<&Region>,
-    below: Option<&Region>,
+    above: Option<Window<'_>>,
+    below: Option<Window<'_>>,
     next: &Region,
     line_mm: f64,
     walls_mm: f64,
     reach: Option<&Reach<'_>>,
 ) -> Zones {
-    let parted = |region: &Region, window: Option<&Region>| match window {
-        Some(window) => geometry::split(region, window),
+    let parted = |region: &Region, window: Option<Window<'_>>| match window {
+        Some(window) if window.surely_holds(region) => (region.clone(), Region::default()),
+        Some(window) => geometry::split(region, window.region()),
         None => (region.clone(), Region::default()),
     };
     let (roofed, mut bare) = parted(inside, above);

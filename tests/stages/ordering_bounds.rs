@@ -82,16 +82,6 @@ proptest! {
         }
     }
 
-    #[cfg(feature = "highs")]
-    #[test]
-    fn a_linear_program_is_not_above_the_optimum(effort in effort(), layer in prop_oneof![layer(7), ranked(7)]) {
-        let problem = layer.problem();
-        if let Some(bound) = bound::by_program(&problem, effort) {
-            let optimum = optimum(&problem);
-            prop_assert!(bound <= optimum + ROUNDING_MM, "{bound} > {optimum}");
-        }
-    }
-
     #[test]
     fn the_bound_of_a_layer_whose_links_have_directions_is_not_above_its_optimum(effort in effort(), layer in ranked(7)) {
         let problem = layer.problem();

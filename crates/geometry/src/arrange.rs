@@ -97,7 +97,8 @@ impl Arrangement {
             }
         }
         let mut chains: Vec<Chain> = Vec::with_capacity(points.len() / 4 + 8);
-        let (mut owned, mut boxes) = (vec![0], Vec::with_capacity(spans.len()));
+        let (mut owned, mut boxes) = (Vec::with_capacity(spans.len() + 1), Vec::with_capacity(spans.len()));
+        owned.push(0);
         for (index, &(start, end)) in spans.iter().enumerate() {
             let (mut first, mut sense) = (start, (0, 0));
             let mut whole: Option<Bounds> = None;
@@ -151,13 +152,12 @@ impl Arrangement {
     /// Calls a function for every two edges that meet elsewhere than at a vertex between neighbours.
     fn meetings(&self, see: &mut impl FnMut(usize, usize, Contact) -> ControlFlow<()>) -> ControlFlow<()> {
         // Sweep along the axis on which the chains are shorter.
-        let extent = |low: fn(&Bounds) -> i32, high: fn(&Bounds) -> i32| {
-            let length = |b: &Bounds| f64::from(high(b)) - f64::from(low(b));
-            let whole = self.boxes.iter().copied().reduce(|a, b| a.joined(&b));
-            self.chains.iter().map(|c| length(&c.bounds)).sum::<f64>()
-                / whole.map_or(1.0, |b| length(&b).max(1.0))
-        };
-        let along_x = extent(|b| b.min.x, |b| b.max.x) <= extent(|b| b.min.y, |b| b.max.y);
+        let whole = self.boxes.iter().copied().reduce(|a, b| a.joined(&b)).unwrap_or_default();
+        let sides = |b: &Bounds| b.size().map(|side| side as f64);
+        let sums = self.chains.iter().map(|chain| sides(&chain.bounds));
+        let [width, height] = sums.fold([0.0; 2], |sum, side| [sum[0] + side[0], sum[1] + side[1]]);
+        let [across, up] = sides(&whole).map(|side| side.max(1.0));
+        let along_x = width / across <= height / up;
         let mut order: Vec<(i32, u32, i32)> = self
             .chains
             .iter()
@@ -172,12 +172,26 @@ impl Arrangement {
             let a = &self.chains[a as usize];
             for &(_, b, _) in order[i + 1..].iter().take_while(|b| b.0 <= high) {
                 let b = &self.chains[b as usize];
-                if a.bounds.touches(&b.bounds) {
+                if a.bounds.touches(&b.bounds) && !self.only_joins(a, b) && !self.only_joins(b, a) {
                     self.meetings_of(a, b, see)?;
                 }
             }
         }
         ControlFlow::Continue(())
+    }
+
+    /// Whether a chain surely meets the one after it at their common vertex only: they lie on different sides of a level or
+    /// upright line through it, and one of them leaves that line at once.
+    fn only_joins(&self, a: &Chain, b: &Chain) -> bool {
+        let closes = || (b.first, a.last) == self.spans[a.ring];
+        if a.ring != b.ring || (a.last != b.first && !closes()) {
+            return false;
+        }
+        let (before, at, after) = (self.points[a.last - 1], self.points[a.last], self.points[b.first + 1]);
+        let (from, to) = (a.bounds, b.bounds);
+        let level = from.min.y.max(to.min.y) == from.max.y.min(to.max.y);
+        let upright = from.min.x.max(to.min.x) == from.max.x.min(to.max.x);
+        level && (before.y != at.y || after.y != at.y) || upright && (before.x != at.x || after.x != at.x)
     }
 
     /// [`Self::meetings`] of two chains whose boxes touch.
@@ -251,7 +265,7 @@ impl Arrangement {
         let least = self.boxes[ring].min.x;
         let chains = &self.chains[self.owned[ring]..self.owned[ring + 1]];
         let is_least = |i: &usize| self.points[*i].x == least;
-        let found = chains.iter().flat_map(|chain| {
+        let found = chains.iter().filter(|chain| chain.bounds.min.x == least).flat_map(|chain| {
             let rising = (chain.first..=chain.last).take_while(is_least);
             rising.chain((chain.first..=chain.last).rev().take_while(is_least))
         });

@@ -77,16 +77,17 @@ impl<'a> Crossed<'a> {
     }
 
     fn cut_at(arrangement: &'a Arrangement, crossings: &[(usize, usize)]) -> Option<Self> {
+        let rings = arrangement.spans().len();
         let mut out = Self {
             arrangement,
             stops: Vec::with_capacity(2 * crossings.len()),
-            owned: Vec::new(),
+            owned: Vec::with_capacity(rings),
             points: Vec::with_capacity(crossings.len()),
-            rings: Vec::new(),
+            rings: Vec::with_capacity(rings),
             arcs: vec![Beside::default(); 2 * crossings.len()],
         };
         out.cut(crossings);
-        for ring in 0..arrangement.spans().len() {
+        for ring in 0..rings {
             out.find_windings(ring)?;
         }
         Some(out)
@@ -162,8 +163,9 @@ impl<'a> Crossed<'a> {
         let sides: Vec<Side> = self.arcs.iter().map(|arc| arc.side(rule)).collect();
         let leaving = self.links(&sides)?;
         let mut done = vec![false; self.points.len()];
+        let mut outline = Ring::new();
         for start in 0..self.points.len() {
-            let mut outline = Ring::new();
+            outline.clear();
             let mut at = start;
             while !done[at]
                 && let Some((arc, to)) = leaving[at]

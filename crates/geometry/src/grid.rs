@@ -166,20 +166,27 @@ impl EdgeGrid {
         }
         let Bounds { min, max } = self.bounds;
         let to_left = i64::from(p.x) - i64::from(min.x) < i64::from(max.x) - i64::from(p.x);
-        let mut near = Vec::with_capacity(32);
-        self.near_segment(Point::new(if to_left { min.x } else { max.x }, p.y), p, &mut near);
-        let mut inside = false;
-        for edge in near.iter().map(|&i| &self.edges[i as usize]) {
-            let side = (edge.b - edge.a).cross(p - edge.a);
-            if side == 0 && edge.bounds().holds(p) {
+        let beside = Point::new(if to_left { min.x } else { max.x }, p.y);
+        // Edges that are passed on the way there. One that is in several cells comes several times.
+        let mut passed: Vec<u32> = Vec::new();
+        for &i in self.spans_along(beside, p).flat_map(|span| self.items_in(span)) {
+            let Edge { a, b, .. } = self.edges[i as usize];
+            let up = a.y <= p.y;
+            let crosses = up != (b.y <= p.y);
+            if !crosses && a.y != p.y && b.y != p.y {
+                continue;
+            }
+            let side = (b - a).cross(p - a);
+            if side == 0 && Bounds::spanned(a, b).holds(p) {
                 return true;
             }
-            let up = edge.a.y <= p.y;
-            if up != (edge.b.y <= p.y) && (side < 0) == (up == to_left) {
-                inside = !inside;
+            if crosses && (side < 0) == (up == to_left) {
+                passed.push(i);
             }
         }
-        inside
+        passed.sort_unstable();
+        passed.dedup();
+        passed.len() % 2 == 1
     }
 
     /// All cells within [`SLACK`] of the segment: of every row those side by side.

@@ -26,6 +26,7 @@ pub struct HatchLine {
     pub segments: Vec<[HatchEnd; 2]>,
 }
 
+#[derive(Clone, Copy, Default)]
 struct Crossing {
     along: f64,
     end: HatchEnd,
@@ -64,38 +65,52 @@ pub fn scan_lines(region: &Region, angle_rad: f64, spacing_mm: f64, phase_mm: f6
         return Vec::new();
     }
 
-    let mut lines: Vec<Vec<Crossing>> = Vec::new();
-    lines.resize_with((high - low) as usize, Vec::new);
-    for (ring_index, (ring, heights)) in region.rings().zip(&heights).enumerate() {
-        for (edge, (&a, &(height_a, over_a))) in ring.iter().zip(heights).enumerate() {
-            let next = if edge + 1 == ring.len() { 0 } else { edge + 1 };
-            let (b, (height_b, over_b)) = (ring[next], heights[next]);
-            if over_a == over_b {
-                continue;
-            }
-            let (dx, dy) = (f64::from(b.x) - f64::from(a.x), f64::from(b.y) - f64::from(a.y));
-            let length_mm = (dx * dx + dy * dy).sqrt() / UNITS_PER_MM;
-            for line in over_a.min(over_b)..over_a.max(over_b) {
-                let t = ((line as f64 * spacing + phase - height_a) / (height_b - height_a)).clamp(0.0, 1.0);
-                let (x, y) = (f64::from(a.x) + t * dx, f64::from(a.y) + t * dy);
-                let on = BoundaryPos { ring: ring_index as u32, edge: edge as u32, along_mm: t * length_mm };
-                let point = Point::new(nearest_unit(x), nearest_unit(y));
-                lines[(line - low) as usize]
-                    .push(Crossing { along: x * cos + y * sin, end: HatchEnd { point, on } });
-            }
+    let edges = || {
+        region.rings().zip(&heights).enumerate().flat_map(|(ring_index, (ring, heights))| {
+            let next = ring.iter().zip(heights).cycle().skip(1);
+            let ends = ring.iter().zip(heights).zip(next).enumerate();
+            ends.map(move |(edge, ends)| (ring_index as u32, edge as u32, ends))
+        })
+    };
+    // Where the crossings of each line begin among all of them.
+    let mut begins = vec![0_isize; (high - low) as usize + 1];
+    for (.., ((_, &(_, over_a)), (_, &(_, over_b)))) in edges() {
+        begins[(over_a.min(over_b) - low) as usize] += 1;
+        begins[(over_a.max(over_b) - low) as usize] -= 1;
+    }
+    let (mut count, mut begin) = (0, 0);
+    for line in &mut begins {
+        count += std::mem::replace(line, begin);
+        begin += count;
+    }
+    let mut crossings = vec![Crossing::default(); begin as usize];
+    for (ring, edge, ((&a, &(height_a, over_a)), (&b, &(height_b, over_b)))) in edges() {
+        if over_a == over_b {
+            continue;
+        }
+        let (dx, dy) = (f64::from(b.x) - f64::from(a.x), f64::from(b.y) - f64::from(a.y));
+        let length_mm = (dx * dx + dy * dy).sqrt() / UNITS_PER_MM;
+        for line in over_a.min(over_b)..over_a.max(over_b) {
+            let t = ((line as f64 * spacing + phase - height_a) / (height_b - height_a)).clamp(0.0, 1.0);
+            let (x, y) = (f64::from(a.x) + t * dx, f64::from(a.y) + t * dy);
+            let on = BoundaryPos { ring, edge, along_mm: t * length_mm };
+            let point = Point::new(nearest_unit(x), nearest_unit(y));
+            let next = &mut begins[(line - low) as usize];
+            crossings[*next as usize] = Crossing { along: x * cos + y * sin, end: HatchEnd { point, on } };
+            *next += 1;
         }
     }
 
-    let mut hatch = Vec::with_capacity(lines.len());
-    for (i, mut crossings) in lines.into_iter().enumerate() {
+    let mut hatch = Vec::with_capacity(begins.len());
+    let mut from = 0;
+    // By now each line begins where the next one did.
+    for (index, &to) in (low..high).zip(&begins) {
+        let crossings = &mut crossings[std::mem::replace(&mut from, to as usize)..to as usize];
         crossings.sort_by(|a, b| a.along.total_cmp(&b.along));
-        let segments: Vec<[HatchEnd; 2]> = crossings
-            .chunks_exact(2)
-            .map(|pair| [pair[0].end, pair[1].end])
-            .filter(|[a, b]| a.point != b.point)
-            .collect();
+        let pairs = crossings.chunks_exact(2).map(|pair| [pair[0].end, pair[1].end]);
+        let segments: Vec<[HatchEnd; 2]> = pairs.filter(|[a, b]| a.point != b.point).collect();
         if !segments.is_empty() {
-            hatch.push(HatchLine { index: low + i as i64, segments });
+            hatch.push(HatchLine { index, segments });
         }
     }
     hatch

@@ -133,7 +133,14 @@ impl Offset {
         });
         let fronts = fronts.collect::<Option<Vec<Ring>>>()?;
         let arrangement = Arrangement::new(&fronts);
-        Crossed::apart(&arrangement)?.region(Rule::Positive)
+        if fronts.len() > 1 {
+            return Crossed::apart(&arrangement)?.region(Rule::Positive);
+        }
+        // Nothing is around a single one.
+        let is_outer = |ring: &Ring| ring_area(ring) > 0.0;
+        let outers = |rings: Vec<Ring>| rings.into_iter().filter(is_outer);
+        let polygon = |outer: Ring| Polygon { outer, holes: Vec::new() };
+        arrangement.is_simple().then(|| Region { polygons: outers(fronts).map(polygon).collect() })
     }
 
     /// The rings, simplified, outer ones counter-clockwise and holes clockwise, without those that surely vanish.

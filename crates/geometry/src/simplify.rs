@@ -17,7 +17,7 @@ pub fn simplify(region: &Region, tol_mm: f64) -> Region {
 /// leftmost (then lowest) vertex. It may touch or cross itself where it is narrower than the tolerance.
 /// Rings of no more than two distinct points come out empty.
 pub(super) fn simplify_ring(ring: &[Point], tol: f64) -> Ring {
-    let Some(start) = (0..ring.len()).min_by_key(|&i| (ring[i], i)) else {
+    let Some(start) = leftmost(ring) else {
         return Ring::new();
     };
     let tol2 = tol * tol;
@@ -25,14 +25,17 @@ pub(super) fn simplify_ring(ring: &[Point], tol: f64) -> Ring {
     let end = start + ring.len();
     let mut kept = Ring::with_capacity(ring.len());
     kept.push(ring[start]);
-    let mut anchor = start;
+    let (mut anchor, mut next) = (start, at(start + 1));
     for i in start + 1..end {
         // Vertex i goes if the edge from the anchor to the next vertex is near all that it would replace.
-        let (a, c) = (at(anchor), at(i + 1));
-        let drops = i - anchor < MAX_RUN && (anchor + 1..=i).rev().all(|k| is_near(at(k), a, c, tol2));
+        let vertex = std::mem::replace(&mut next, at(i + 1));
+        let edge = Edge::new(at(anchor), next);
+        let drops = i - anchor < MAX_RUN
+            && edge.is_near(vertex, tol2)
+            && (anchor + 1..i).rev().all(|k| edge.is_near(at(k), tol2));
         if !drops {
-            if kept.last() != Some(&at(i)) {
-                kept.push(at(i));
+            if kept.last() != Some(&vertex) {
+                kept.push(vertex);
             }
             anchor = i;
         }
@@ -46,17 +49,45 @@ pub(super) fn simplify_ring(ring: &[Point], tol: f64) -> Ring {
     kept
 }
 
-/// Whether a point is within the square root of `tol2` of a segment.
-fn is_near(p: Point, a: Point, b: Point, tol2: f64) -> bool {
-    let (px, py) = (f64::from(p.x) - f64::from(a.x), f64::from(p.y) - f64::from(a.y));
-    let (dx, dy) = (f64::from(b.x) - f64::from(a.x), f64::from(b.y) - f64::from(a.y));
-    let (dot, length2, cross) = (px * dx + py * dy, dx * dx + dy * dy, px * dy - py * dx);
-    if dot <= 0.0 {
-        px * px + py * py <= tol2
-    } else if dot >= length2 {
-        (px - dx) * (px - dx) + (py - dy) * (py - dy) <= tol2
-    } else {
-        cross * cross <= tol2 * length2
+/// The leftmost vertex, of those the lowest, of equal ones the first; `None` of nothing.
+fn leftmost(ring: &[Point]) -> Option<usize> {
+    let (mut found, mut least) = (0, *ring.first()?);
+    for (i, &p) in ring.iter().enumerate() {
+        if p.x < least.x || (p.x == least.x && p.y < least.y) {
+            (found, least) = (i, p);
+        }
+    }
+    Some(found)
+}
+
+/// A new edge in the place of vertices.
+struct Edge {
+    from: Point,
+    by: [f64; 2],
+    length2: f64,
+}
+
+impl Edge {
+    #[inline]
+    fn new(from: Point, to: Point) -> Self {
+        let by = [f64::from(to.x) - f64::from(from.x), f64::from(to.y) - f64::from(from.y)];
+        Self { from, by, length2: by[0] * by[0] + by[1] * by[1] }
+    }
+
+    /// Whether a point is within the square root of `tol2` of it.
+    #[inline]
+    fn is_near(&self, p: Point, tol2: f64) -> bool {
+        let ([dx, dy], length2) = (self.by, self.length2);
+        let (px, py) = (f64::from(p.x) - f64::from(self.from.x), f64::from(p.y) - f64::from(self.from.y));
+        let dot = px * dx + py * dy;
+        if dot <= 0.0 {
+            px * px + py * py <= tol2
+        } else if dot >= length2 {
+            (px - dx) * (px - dx) + (py - dy) * (py - dy) <= tol2
+        } else {
+            let cross = px * dy - py * dx;
+            cross * cross <= tol2 * length2
+        }
     }
 }
 
@@ -75,7 +106,8 @@ mod tests {
         let slim = simplify_ring(&circle, 250.0);
         assert!((100..200).contains(&slim.len()), "{}", slim.len());
         for p in &circle {
-            assert!((0..slim.len()).any(|i| is_near(*p, slim[i], slim[(i + 1) % slim.len()], 250.0 * 250.0)));
+            let edges = (0..slim.len()).map(|i| Edge::new(slim[i], slim[(i + 1) % slim.len()]));
+            assert!(edges.into_iter().any(|edge| edge.is_near(*p, 250.0 * 250.0)));
         }
     }
 

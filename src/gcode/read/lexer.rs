@@ -90,6 +90,11 @@ impl<'a> Line<'a> {
         Self { number, offset, raw, text, code, parameters, comment }
     }
 
+    /// The line at another place.
+    pub(crate) fn placed(self, number: usize, offset: usize) -> Self {
+        Self { number, offset, ..self }
+    }
+
     /// Whether the code is this one, such as `(b'M', 204)`.
     pub fn is(&self, letter: u8, number: u32) -> bool {
         self.code == Some(Code { letter, number })

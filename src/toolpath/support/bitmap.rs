@@ -8,17 +8,17 @@ use geometry::{Bounds, Point, Region};
 /// No grid has more cells than this along a side: a layer then has at most 128 kB.
 const MOST_CELLS: f64 = 1024.0;
 
-const WORD: usize = 64;
+pub(super) const WORD: usize = 64;
 
 /// Square cells over a rectangle of the bed.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Grid {
     /// Lower left corner.
-    origin: Point,
+    pub(super) origin: Point,
     /// Side of a cell in grid units.
-    cell: i32,
-    columns: usize,
-    rows: usize,
+    pub(super) cell: i32,
+    pub(super) columns: usize,
+    pub(super) rows: usize,
 }
 
 impl Grid {
@@ -78,7 +78,26 @@ impl Grid {
         Point::new(at(self.origin.x, x), at(self.origin.y, y))
     }
 
-    fn stride(&self) -> usize {
+    /// The words that hold a run of columns of one row, and its bits in each.
+    #[inline]
+    pub(super) fn run(
+        &self,
+        row: usize,
+        from: usize,
+        to: usize,
+    ) -> impl Iterator<Item = (usize, u64)> + use<> {
+        let base = row * self.stride();
+        let mut x = from;
+        std::iter::from_fn(move || {
+            let end = to.min((x / WORD + 1) * WORD);
+            let count = end.checked_sub(x).filter(|&count| count > 0)?;
+            let (word, bits) = (base + x / WORD, u64::MAX >> (WORD - count) << (x % WORD));
+            x = end;
+            Some((word, bits))
+        })
+    }
+
+    pub(super) fn stride(&self) -> usize {
         self.columns.div_ceil(WORD)
     }
 }
@@ -88,7 +107,7 @@ impl Grid {
 pub struct Bitmap {
     grid: Grid,
     /// Row by row, each from a new word on; bits beyond the last column are 0.
-    words: Vec<u64>,
+    pub(super) words: Vec<u64>,
 }
 
 impl Bitmap {
@@ -164,14 +183,7 @@ impl Bitmap {
 
     /// Adds a run of columns of one row.
     pub fn set_run(&mut self, row: usize, from: usize, to: usize) {
-        let base = row * self.grid.stride();
-        let mut x = from;
-        while x < to {
-            let end = to.min((x / WORD + 1) * WORD);
-            let ones = if end - x == WORD { u64::MAX } else { (1 << (end - x)) - 1 };
-            self.words[base + x / WORD] |= ones << (x % WORD);
-            x = end;
-        }
+        self.grid.run(row, from, to).for_each(|(word, bits)| self.words[word] |= bits);
     }
 
     /// Its cells, row by row.
@@ -292,7 +304,7 @@ impl Bitmap {
     }
 
     /// Clears the bits beyond the last column.
-    fn mask(&mut self) {
+    pub(super) fn mask(&mut self) {
         let (stride, rest) = (self.grid.stride(), self.grid.columns % WORD);
         if rest > 0 {
             self.words.iter_mut().skip(stride - 1).step_by(stride).for_each(|w| *w &= (1 << rest) - 1);

@@ -13,6 +13,7 @@ mod overhang;
 mod rest;
 mod trace;
 mod tree;
+mod within;
 
 pub use beads::{BeadSpec, Outlines, lay};
 pub use bitmap::{Bitmap, Grid};

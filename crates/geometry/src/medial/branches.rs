@@ -18,7 +18,7 @@ pub(super) struct AxisPath {
 }
 
 /// A run of nodes between two nodes that are ends or junctions.
-struct Branch {
+pub(super) struct Branch {
     nodes: Vec<u32>,
     length: f64,
 }
@@ -30,11 +30,12 @@ impl Branch {
 }
 
 /// Removes branches with a free end that reach no farther than the region is wide where they leave: they lead into
-/// corners, which the width there covers already, if anything does.
-pub(super) fn prune(nodes: &mut [Node], covers: impl Fn(&Node) -> bool) {
+/// corners, which the width there covers already, if anything does. Returns the branches that are left.
+pub(super) fn prune(nodes: &mut [Node], covers: impl Fn(&Node) -> bool) -> Vec<Branch> {
     for _ in 0..ROUNDS {
         let mut spurs: Vec<(u32, f64, u32)> = Vec::new();
-        for branch in branches(nodes) {
+        let left = branches(nodes);
+        for branch in &left {
             for i in 0..2 {
                 let (leaf, root) = (branch.end(i), branch.end(1 - i));
                 let (leaf_node, root_node) = (&nodes[leaf as usize], &nodes[root as usize]);
@@ -50,7 +51,7 @@ pub(super) fn prune(nodes: &mut [Node], covers: impl Fn(&Node) -> bool) {
             }
         }
         if spurs.is_empty() {
-            return;
+            return left;
         }
         spurs.sort_by(|a, b| a.0.cmp(&b.0).then(a.1.total_cmp(&b.1)));
         for group in spurs.chunk_by(|a, b| a.0 == b.0) {
@@ -64,6 +65,7 @@ pub(super) fn prune(nodes: &mut [Node], covers: impl Fn(&Node) -> bool) {
             }
         }
     }
+    branches(nodes)
 }
 
 fn forget(nodes: &mut [Node], from: u32) {
@@ -79,29 +81,31 @@ fn forget(nodes: &mut [Node], from: u32) {
 
 /// All runs between ends and junctions, each once, in the order of their first nodes.
 fn branches(nodes: &[Node]) -> Vec<Branch> {
-    let mut found = Vec::new();
+    let (mut found, mut run) = (Vec::new(), Vec::new());
     for (i, node) in nodes.iter().enumerate() {
         if !matches!(node.degree(), 1 | 3) {
             continue;
         }
         for first in node.neighbours() {
-            let run = walk(nodes, i as u32, first);
+            walk(nodes, i as u32, first, &mut run);
             let (start, end) = (run[0], run[run.len() - 1]);
             let back = run[run.len() - 2];
             // Met from both ends; kept once.
             if (start, first) <= (end, back) {
                 let length =
                     run.windows(2).map(|w| distance(nodes[w[0] as usize].at, nodes[w[1] as usize].at)).sum();
-                found.push(Branch { nodes: run, length });
+                found.push(Branch { nodes: run.clone(), length });
             }
         }
     }
     found
 }
 
-/// The nodes from `start` over `first` to the next node that is an end or a junction, or back to `start`.
-fn walk(nodes: &[Node], start: u32, first: u32) -> Vec<u32> {
-    let mut run = vec![start, first];
+/// The nodes from `start` over `first` to the next node that is an end or a junction, or back to `start`. They replace the
+/// contents of `run`.
+fn walk(nodes: &[Node], start: u32, first: u32, run: &mut Vec<u32>) {
+    run.clear();
+    run.extend([start, first]);
     let (mut before, mut here) = (start, first);
     while here != start && nodes[here as usize].degree() == 2 {
         let Some(next) = nodes[here as usize].neighbours().find(|&n| n != before) else {
@@ -110,14 +114,13 @@ fn walk(nodes: &[Node], start: u32, first: u32) -> Vec<u32> {
         run.push(next);
         (before, here) = (here, next);
     }
-    run
 }
 
-/// Joins branches at junctions, the straightest pairs first, and adds the loops that have no junction.
+/// Joins the branches at junctions, the straightest pairs first, and adds the loops that have no junction.
 ///
 /// Junctions closer to each other than half their width are one.
-pub(super) fn axis_paths(nodes: &[Node]) -> Vec<AxisPath> {
-    let all = branches(nodes);
+pub(super) fn axis_paths(nodes: &[Node], all: Vec<Branch>) -> Vec<AxisPath> {
+    let loops = loops(nodes, &all);
     let mut cluster: Vec<u32> = (0..nodes.len() as u32).collect();
     let is_junction = |n: u32| nodes[n as usize].degree() == 3;
     let is_bridge = |b: &Branch| {
@@ -164,7 +167,7 @@ pub(super) fn axis_paths(nodes: &[Node]) -> Vec<AxisPath> {
     }
 
     let mut found = chain(nodes, &mut branches, &partner);
-    found.extend(loops(nodes));
+    found.extend(loops);
     found
 }
 
@@ -238,9 +241,10 @@ fn append(path: &mut Vec<u32>, run: &[u32]) {
     path.extend_from_slice(run.get(skip..).unwrap_or(&[]));
 }
 
-fn loops(nodes: &[Node]) -> Vec<AxisPath> {
+/// The loops of nodes that are in none of the branches.
+fn loops(nodes: &[Node], branches: &[Branch]) -> Vec<AxisPath> {
     let mut seen = vec![false; nodes.len()];
-    for branch in branches(nodes) {
+    for branch in branches {
         branch.nodes.iter().for_each(|&n| seen[n as usize] = true);
     }
     let mut found = Vec::new();
@@ -251,7 +255,8 @@ fn loops(nodes: &[Node]) -> Vec<AxisPath> {
         let Some(first) = node.neighbours().next() else {
             continue;
         };
-        let mut run = walk(nodes, i as u32, first);
+        let mut run = Vec::new();
+        walk(nodes, i as u32, first, &mut run);
         run.pop();
         run.iter().for_each(|&n| seen[n as usize] = true);
         if run.len() > 2 {

@@ -16,7 +16,7 @@ const SHORTEST_MM: f64 = 0.2;
 const TOUCH_MM: f64 = 0.05;
 
 /// A path in the making.
-#[derive(Clone)]
+#[derive(Clone, Debug)]
 pub(super) struct Line {
     at: Vec<Position>,
     width: Vec<f64>,
@@ -115,6 +115,11 @@ impl Line {
             self.at.pop();
             self.width.pop();
         }
+    }
+
+    /// How many points it has.
+    pub(super) fn len(&self) -> usize {
+        self.at.len()
     }
 
     /// The box around the line; `None` of nothing.

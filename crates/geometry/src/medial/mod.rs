@@ -12,7 +12,7 @@ use axis::Node;
 use line::{Line, point};
 use outline::Outline;
 
-use super::{Bounds, EdgeGrid, Polygon, Region};
+use super::{Bounds, EdgeGrid, Known, Polygon, Region, Shape};
 
 /// Samples of the boundary are this many times the greatest width apart, at most.
 const SPACING: f64 = 0.4;
@@ -22,6 +22,19 @@ const ENOUGH: f64 = 0.5;
 
 /// How far around an area its region is looked at, as a multiple of the greatest width.
 const REACH: f64 = 0.6;
+
+/// Points of middle lines that are kept, and as many again of those used before them.
+const KEPT: usize = 100_000;
+
+/// Middle lines that were found before: neighbouring layers have many narrow parts in common.
+#[derive(Clone, Debug)]
+pub struct KnownAxes(Known<Vec<(Bounds, Line)>>);
+
+impl Default for KnownAxes {
+    fn default() -> Self {
+        Self(Known::new(KEPT))
+    }
+}
 
 /// The middle lines of a region whose parts are about `min_mm` to `max_mm` wide.
 ///
@@ -52,6 +65,7 @@ pub fn medial_axis_in(
     min_mm: f64,
     max_mm: f64,
     [tip, cut]: [f64; 2],
+    known: &KnownAxes,
 ) -> Vec<MedialPath> {
     if !are_widths(min_mm, max_mm) {
         return Vec::new();
@@ -60,12 +74,19 @@ pub fn medial_axis_in(
     let all = EdgeGrid::new(area);
     // A spur that comes from elsewhere is not covered by a line there.
     let covers = |node: &Node| all.contains(point(node.at));
-    let lines_in = |polygon| {
+    let lines_in = |polygon: &Polygon| {
         let grid = EdgeGrid::of(polygon);
-        let lines = lines(polygon, &grid, covers, max_mm, tip).into_iter();
-        (lines.filter_map(|line| Some((line.bounds()?, line))).collect(), grid)
+        let make = || {
+            let lines = lines(polygon, &grid, covers, max_mm, tip).into_iter();
+            lines.filter_map(|line| Some((line.bounds()?, line))).collect()
+        };
+        let bounds = grid.bounds().grown(1);
+        let near = area.polygons.iter().filter(|part| super::boolean::bounds(part).touches(&bounds));
+        let shape = Shape::new(std::iter::once(polygon).chain(near), [max_mm.to_bits(), tip.to_bits()]);
+        let points = |lines: &Vec<(Bounds, Line)>| lines.iter().map(|(_, line)| line.len()).sum();
+        (known.0.of(shape, points, make), grid)
     };
-    let wholes: Vec<(Vec<(Bounds, Line)>, EdgeGrid)> = around.polygons.iter().map(lines_in).collect();
+    let wholes: Vec<_> = around.polygons.iter().map(lines_in).collect();
     let in_part = |part: &Polygon| {
         let inside = EdgeGrid::of(part);
         let mut cuts = Vec::new();
@@ -111,8 +132,8 @@ fn lines(
     let length: f64 = polygon.rings().map(|ring| super::ring_length_mm(ring)).sum();
     let outline = Outline::sample(polygon, (SPACING * max_mm).max(length / 200_000.0).max(1e-3));
     let mut nodes = axis::chordal_axis(&outline);
-    branches::prune(&mut nodes, covers);
-    let paths = branches::axis_paths(&nodes);
+    let branches = branches::prune(&mut nodes, covers);
+    let paths = branches::axis_paths(&nodes, branches);
     paths.into_iter().map(|path| Line::new(&nodes, &path, grid, max_mm, tip)).collect()
 }
 

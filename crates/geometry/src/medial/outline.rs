@@ -46,6 +46,7 @@ impl Outline {
     /// `middle`, and not much farther along the boundary from the sample than that.
     pub(super) fn nearest_around(&self, sample: u32, p: Position, middle: Position) -> Position {
         let mut best = self.at[sample as usize];
+        let mut best_mm = distance(p, best);
         let reach = distance(best, middle);
         let out = direction(middle, best);
         let is_beside = |q: Position| (q[0] - middle[0]) * out[0] + (q[1] - middle[1]) * out[1] > 0.0;
@@ -55,8 +56,9 @@ impl Outline {
                 let b = neighbours[a as usize];
                 let (from, to) = (self.at[a as usize], self.at[b as usize]);
                 let q = nearest_on(from, to, p);
-                if distance(p, q) < distance(p, best) && is_beside(q) {
-                    best = q;
+                let mm = distance(p, q);
+                if mm < best_mm && is_beside(q) {
+                    (best, best_mm) = (q, mm);
                 }
                 walked += distance(from, to);
                 if walked >= reach {

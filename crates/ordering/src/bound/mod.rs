@@ -13,22 +13,27 @@ mod directions;
 mod link;
 mod model;
 mod network;
+mod points;
 mod pricing;
 #[cfg(feature = "highs")]
 mod program;
 mod relaxation;
+mod solution;
 mod stack;
 mod tree;
 mod walks;
 
-use super::matching::KdTree;
 use std::ops::Range;
 
 use super::{Cost, Effort, LinkKind, Optimized, Problem, Sequence, Strategy, Visit, check};
 use ascent::ascend;
-use model::{Model, fine, from_fine, link, price, to_mm};
+use model::{Model, from_fine, link, price, to_mm};
 use pathwright_geometry::Point;
+use points::PricedPoints;
+#[cfg(feature = "highs")]
+pub use program::{Certificate, Cut, Tie};
 use relaxation::{Multipliers, Relaxation};
+use solution::{half_links, outer, prices};
 use walks::{Budget, Settled, Walks};
 
 /// The share of a layer in a bound, wherever it is entered and left: its multipliers and their result.
@@ -116,22 +121,22 @@ impl<'a> Climber<'a> {
         let solved = links + outer(self.problem, &self.solved, beyond);
         let limit =
             self.limited.then_some(solved + 1 + MARGIN * solved.max(0) / self.problem.items.len() as i64);
-        let mut best: Option<(i64, Settled)> = None;
+        let mut walked = None;
         let mut is_close = false;
         if let Some(walks) = &mut self.walks {
             lengths.clone().for_each(|(side, points)| walks.measure(side, |p| points.nearest(p)));
             walks.climb(limit);
-            best = Some((walks.bound, walks.settle(down).swap_remove(0)));
+            walked = Some((walks.bound, walks.closed));
             is_close = walks.closed
                 || limit.is_some_and(|limit| (limit - walks.bound) as f64 <= CLOSE * links.max(1) as f64);
         }
+        let mut best: Option<(i64, Settled)> = None;
         #[cfg(feature = "highs")]
-        if is_last && best.as_ref().is_none_or(|best| solved - best.0 > links / ENOUGH) {
-            let climb = program::Climb::new(self.problem, &ends, self.effort);
-            if let Some(found) = climb.best() {
+        if is_last && walked.is_none_or(|(bound, is_closed)| !is_closed && solved - bound > links / ENOUGH) {
+            best = program::Climb::new(self.problem, &ends, self.effort).best().map(|found| {
                 is_close |= found.is_final;
-                best = best.into_iter().chain([(found.bound, found.settled)]).max_by_key(|best| best.0);
-            }
+                (found.bound, found.settled)
+            });
         }
         if !is_close {
             let (relaxation, multipliers) =
@@ -143,34 +148,10 @@ impl<'a> Climber<'a> {
             }
             *multipliers = Some(found);
         }
-        best.map_or_else(Share::default, |(_, settled)| Share::of(settled))
+        let better = best.filter(|best| walked.is_none_or(|(bound, _)| bound <= best.0)).map(|best| best.1);
+        let settled = better.or_else(|| Some(self.walks.as_ref()?.settle(down).swap_remove(0)));
+        settled.map_or_else(Share::default, Share::of)
     }
-}
-
-/// Half the cost of the links at each path in a solution, in fine units.
-fn half_links(problem: &Problem, order: &[Visit], cost: &Cost) -> Vec<i64> {
-    let mut halves = vec![0; problem.items.len()];
-    for (visits, link) in order.windows(2).zip(prices(problem, order, cost)) {
-        visits.iter().for_each(|visit| halves[visit.item as usize] += link / 2);
-    }
-    halves
-}
-
-/// Cost of the links between the paths of a solution, in fine units, each rounded down.
-fn prices(problem: &Problem, order: &[Visit], cost: &Cost) -> impl Iterator<Item = i64> {
-    order.windows(2).map(move |visits| {
-        let [a, b] = [0, 1].map(|k| &problem.items[visits[k].item as usize]);
-        let [from, to] = [a, b].map(|item| &problem.runs[item.run as usize]);
-        let kind = LinkKind::between(from, to);
-        price(cost, a.ends(visits[0].entry).1, b.ends(visits[1].entry).0, kind)
-    })
-}
-
-/// Cost of the links into a solution and out of it, as `beyond` says for the side and a point.
-fn outer(problem: &Problem, order: &[Visit], beyond: impl Fn(usize, Point) -> i64) -> i64 {
-    let ends = |visit: &Visit| problem.items[visit.item as usize].ends(visit.entry);
-    let enter = order.first().map_or(0, |visit| beyond(0, ends(visit).0));
-    enter + order.last().map_or(0, |visit| beyond(1, ends(visit).1))
 }
 
 impl Share {
@@ -354,10 +335,23 @@ pub fn by_walks(problem: &Problem, solved: &[Visit], cost: &Cost, effort: Effort
 /// may be spent on it, or its solver fails.
 #[cfg(feature = "highs")]
 pub fn by_program(problem: &Problem, effort: Effort) -> Option<f64> {
-    let points = |end: Option<Point>| Some(PricedPoints::new(vec![(end?, 0)]));
-    let ends = [problem.start, problem.end].map(points);
+    let ends = beyond(problem);
     let best = program::Climb::new(problem, &ends, effort).best()?;
     Some(to_mm(best.bound.max(0)))
+}
+
+/// As [`by_program`], with all that the bound follows from; `None` also where precedence orders paths.
+#[cfg(feature = "highs")]
+pub fn certificate(problem: &Problem, effort: Effort) -> Option<Certificate> {
+    let ends = beyond(problem);
+    let climb = program::Climb::new(problem, &ends, effort);
+    climb.certified([problem.start, problem.end]).best()?.certificate
+}
+
+/// Where the problem's walks come from and go to.
+#[cfg(feature = "highs")]
+fn beyond(problem: &Problem) -> [Option<PricedPoints>; 2] {
+    [problem.start, problem.end].map(|end| Some(PricedPoints::new(vec![(end?, 0)])))
 }
 
 /// A length in millimetres that the links of a whole print cannot stay below; see [`shares`] and [`Share::print_mm`].
@@ -367,33 +361,4 @@ pub fn print(layers: &[Problem], effort: Effort) -> f64 {
     let start = used.next().and_then(|first| first.start);
     let end = layers.iter().rfind(|layer| !layer.items.is_empty()).and_then(|last| last.end);
     Share::print_mm(&shares, start, end)
-}
-
-/// Points with a price each.
-struct PricedPoints {
-    priced: Vec<(Point, i64)>,
-    tree: KdTree,
-    lowest: Vec<i64>,
-}
-
-impl PricedPoints {
-    fn new(priced: Vec<(Point, i64)>) -> Self {
-        let points: Vec<Point> = priced.iter().map(|&(p, _)| p).collect();
-        let tree = KdTree::new(&points);
-        let lowest = tree.aggregate(i64::MAX, |id| priced[id as usize].1, i64::min);
-        Self { priced, tree, lowest }
-    }
-
-    /// The least sum of a link and the price at its other end.
-    fn nearest(&self, from: Point) -> i64 {
-        let mut best = i64::MAX;
-        let enter = |best: &i64, node: usize, distance: f64| {
-            (fine(distance) - 1).saturating_add(self.lowest[node]) < *best
-        };
-        self.tree.search(from, &mut best, &enter, &mut |best, id| {
-            let (point, price) = self.priced[id as usize];
-            *best = (*best).min(link(from, point) + price);
-        });
-        best
-    }
 }

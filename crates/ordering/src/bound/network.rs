@@ -70,7 +70,7 @@ impl Network {
             };
             let source = path().last().map_or(sink, |arc| self.arcs[self.arcs[arc as usize].1 as usize].0);
             let from = sources.iter().zip(&mut limits).find(|((at, _), limit)| *at == source && **limit > 0);
-            let Some((_, limit)) = from else { return None };
+            let (_, limit) = from?;
             let more = path().map(|arc| left[arc as usize]).min().unwrap_or(enough).min(*limit);
             *limit -= more;
             for arc in path() {

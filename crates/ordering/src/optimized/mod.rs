@@ -4,6 +4,7 @@ mod blocks;
 mod chains;
 mod end;
 mod exchange;
+mod gaps;
 mod grid;
 mod junctions;
 mod loops;

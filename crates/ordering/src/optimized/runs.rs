@@ -3,6 +3,7 @@
 use super::super::index::{Entry, Index};
 use super::super::precedence::GroupPosition;
 use super::end::{End, GAIN, NONE};
+use super::gaps::Gaps;
 use super::state::Search;
 use pathwright_geometry::Random;
 
@@ -143,10 +144,16 @@ impl Search<'_> {
         let lone = self.walk.group_at(to - 1) == group;
         let disc = if lone { self.vicinity.disc[group as usize] } else { None };
         let mut best = (saved - GAIN, NONE, false);
-        for gap in self.gaps_near(from, to, low, high) {
+        let mut gaps = std::mem::take(&mut self.gaps);
+        self.gaps_near(from, to, low, high, &mut gaps);
+        for at in 0..gaps.found.len() {
+            let gap = gaps.found[at];
+            self.walk.work += 4;
+            if disc.is_none() && gaps.is_tried(gap) {
+                continue;
+            }
             let (left, right) = (node(&self.walk, gap, false), node(&self.walk, gap, true));
             let link = self.walk.gap(gap);
-            self.walk.work += 4;
             if let Some((center, radius)) = disc {
                 let least = |node| self.walk.beyond(self.walk.point(node), center, radius);
                 if least(left) + least(right) - link < best.0 {
@@ -173,6 +180,7 @@ impl Search<'_> {
                 best = (backwards, gap, true);
             }
         }
+        self.gaps = gaps;
         let (_, gap, reversed) = best;
         if gap == NONE {
             return false;
@@ -194,34 +202,39 @@ impl Search<'_> {
         true
     }
 
-    /// Gaps between groups (units, where these stay whole) worth trying for a block, within its window.
-    fn gaps_near(&mut self, from: u32, to: u32, low: u32, high: u32) -> Vec<u32> {
-        let mut gaps = Vec::with_capacity(4 * NEAR);
+    /// Finds the gaps between groups (units, where these stay whole) worth trying for a block, within its window; some come
+    /// several times.
+    fn gaps_near(&mut self, from: u32, to: u32, low: u32, high: u32, gaps: &mut Gaps) {
+        gaps.clear(self.walk.len() + 2);
+        let reach = self.reach;
+        let is_near = |gap: u32| {
+            (low..=high).contains(&gap) && !(from..=to).contains(&gap) && gap.abs_diff(from) <= reach
+        };
+        let mut add = |search: &Self, gap: u32| {
+            if is_near(gap) && search.parts_units(gap) {
+                gaps.found.push(gap);
+            }
+        };
         let (first, last) = (self.walk.group_at(from), self.walk.group_at(to - 1));
         if self.groups_in_stage(first) <= FEW {
             let mut gap = low;
             while gap < high {
-                gaps.push(gap);
+                add(self, gap);
                 gap = self.end_of_next(gap);
             }
-            gaps.push(high);
-        } else {
-            self.find_near_groups(first);
-            for group in std::iter::once(first).chain((first != last).then_some(last)) {
-                for &near in self.vicinity.near[group as usize].iter().flatten() {
-                    let (first, end) = self.walk.span(near);
-                    gaps.extend([first, end]);
-                }
-            }
-            gaps.extend([low, high]);
+            add(self, high);
+            return;
         }
-        gaps.retain(|&gap| {
-            (low..=high).contains(&gap)
-                && !(from..=to).contains(&gap)
-                && gap.abs_diff(from) <= self.reach
-                && self.parts_units(gap)
-        });
-        gaps
+        for group in std::iter::once(first).chain((first != last).then_some(last)) {
+            self.find_near_groups(group);
+            for &near in self.vicinity.near[group as usize].iter().flatten() {
+                let (first, end) = self.walk.span(near);
+                add(self, first);
+                add(self, end);
+            }
+        }
+        add(self, low);
+        add(self, high);
     }
 
     /// Whether no unit that must stay whole lies on both sides of a gap.
@@ -247,39 +260,39 @@ impl Search<'_> {
         gaps
     }
 
-    /// Finds the nearest groups of each group in a stage, on first use.
+    /// Finds the groups of its stage nearest to a group, on first use.
     fn find_near_groups(&mut self, group: u32) {
         if self.vicinity.near[group as usize].is_some() {
             return;
         }
         let (problem, groups) = (self.problem, self.groups);
         let index = self.vicinity.index.get_or_insert_with(|| Index::new(problem, groups));
-        let (first, end) = self.vicinity.stage[group as usize].groups;
-        (first..end).for_each(|group| index.open(group));
-        let mut found: Vec<Entry> = Vec::new();
-        for group in first..end {
-            let items = &groups.items[group as usize];
-            let mut near: Vec<Entry> = Vec::new();
-            index.close(group);
-            for &item in items.iter().step_by(items.len().div_ceil(SAMPLES)) {
-                let entries = self.walk.vertices(item).map_or(2, <[_]>::len);
-                for entry in [0, entries / 2] {
-                    let point = problem.items[item as usize].ends(entry as u32).0;
-                    index.nearest_groups(point, groups, NEAR_SAMPLE, &mut found);
-                    near.extend_from_slice(&found);
-                }
-            }
-            index.open(group);
-            near.sort_unstable();
-            let mut nearest: Vec<u32> = Vec::with_capacity(NEAR);
-            for entry in near {
-                if nearest.len() < NEAR && !nearest.contains(&entry.item) {
-                    nearest.push(entry.item);
-                }
-            }
-            self.vicinity.near[group as usize] = Some(nearest);
+        let stage = self.vicinity.stage[group as usize].groups;
+        if self.vicinity.open != stage {
+            let (first, end) = std::mem::replace(&mut self.vicinity.open, stage);
+            (first..end).for_each(|group| index.close(group));
+            (stage.0..stage.1).for_each(|group| index.open(group));
         }
-        (first..end).for_each(|group| index.close(group));
+        index.close(group);
+        let items = &groups.items[group as usize];
+        let (mut near, mut found): (Vec<Entry>, Vec<Entry>) = (Vec::new(), Vec::new());
+        for &item in items.iter().step_by(items.len().div_ceil(SAMPLES)) {
+            let entries = self.walk.vertices(item).map_or(2, <[_]>::len);
+            for entry in [0, entries / 2] {
+                let point = problem.items[item as usize].ends(entry as u32).0;
+                index.nearest_groups(point, groups, NEAR_SAMPLE, &mut found);
+                near.extend_from_slice(&found);
+            }
+        }
+        index.open(group);
+        near.sort_unstable();
+        let mut nearest: Vec<u32> = Vec::with_capacity(NEAR);
+        for entry in near {
+            if nearest.len() < NEAR && !nearest.contains(&entry.item) {
+                nearest.push(entry.item);
+            }
+        }
+        self.vicinity.near[group as usize] = Some(nearest);
     }
 
     /// Swaps two neighbouring blocks of groups, if precedence lets them pass each other.

@@ -8,6 +8,7 @@ use super::super::greedy::Fragments;
 use super::super::precedence::Groups;
 use super::super::{Cost, Problem, Sequence, Visit, Watch};
 use super::end::End;
+use super::gaps::Gaps;
 use super::neighbours::Neighbours;
 use super::start::start;
 use super::state::Search;
@@ -46,6 +47,7 @@ impl<'a> Search<'a> {
             queued: vec![false; 2 * problem.items.len()],
             watch,
             next_look: LOOK,
+            gaps: Gaps::default(),
             entry_search: EntrySearch::default(),
         }
     }

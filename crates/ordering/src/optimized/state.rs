@@ -5,6 +5,7 @@ use std::collections::VecDeque;
 use super::super::entries::EntrySearch;
 use super::super::precedence::Groups;
 use super::super::{Problem, Watch};
+use super::gaps::Gaps;
 use super::neighbours::Neighbours;
 use super::vicinity::Vicinity;
 use super::walk::Walk;
@@ -26,6 +27,8 @@ pub struct Search<'a> {
     pub(super) watch: Watch<'a>,
     /// The work after which who watches looks again.
     pub(super) next_look: u64,
+    /// The gaps that a block may move to.
+    pub(super) gaps: Gaps,
     /// Buffers of the search for entries.
     pub(super) entry_search: EntrySearch,
 }

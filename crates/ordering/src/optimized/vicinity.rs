@@ -18,6 +18,8 @@ pub(super) struct Stage {
 pub struct Vicinity<'a> {
     /// Of all items, once a near group was requested.
     pub(super) index: Option<Index<'a>>,
+    /// The groups of one stage that are open there.
+    pub(super) open: (u32, u32),
     /// The stage of each group.
     pub(super) stage: Vec<Stage>,
     /// Near groups of each group, once requested.
@@ -52,6 +54,7 @@ impl Vicinity<'_> {
         };
         Self {
             index: None,
+            open: (0, 0),
             stage,
             near: vec![None; groups.items.len()],
             disc: groups.items.iter().map(disc).collect(),

@@ -2,11 +2,12 @@
 //!
 //! The program has a share for each known link, and for each piece of a loop that with which the loop is entered there. Its
 //! constraints are those of the relaxation, whose trees are sets of paths in which links close no circle. Sets that a solution
-//! violates are found by least cuts, pieces that it crosses become smaller, links that are missing are those of the cheapest tree of
-//! all. The relaxation evaluates the multipliers over all links, in integers: an error of the solver makes a bound weaker, never
+//! violates are found by least cuts, pieces that it crosses become smaller, links that are missing are those that cost less than they
+//! are worth. The relaxation evaluates the multipliers over all links, in integers: an error of the solver makes a bound weaker, never
 //! wrong. Without links, sets or pieces that are missing, the bound is the program's optimum.
 
 mod aside;
+mod certificate;
 mod columns;
 mod families;
 mod refinement;
@@ -14,9 +15,14 @@ mod separation;
 mod simplex;
 
 use super::model::{Model, PIECES, Pieces, pieces, to_mm};
+use super::points::PricedPoints;
 use super::relaxation::{Multipliers, Relaxation};
+use super::solution::{outer, prices};
 use super::walks::Settled;
-use super::{Cost, Effort, Optimized, PricedPoints, Problem, Strategy, Visit, outer, prices};
+use crate::{Cost, Effort, Optimized, Problem, Strategy, Visit};
+use pathwright_geometry::Point;
+
+pub use certificate::{Certificate, Cut, Tie};
 use refinement::Carried;
 use simplex::{Program, Rows, Solution};
 
@@ -41,7 +47,7 @@ const OTHER: i64 = 50;
 fn work(effort: Effort) -> i64 {
     match effort {
         Effort::Fast => 0,
-        Effort::Normal => 20_000,
+        Effort::Normal => 100_000,
         Effort::High => 1_600_000,
     }
 }
@@ -52,6 +58,8 @@ pub(super) struct Best {
     pub(super) settled: Settled,
     /// Whether more work would not have raised it.
     pub(super) is_final: bool,
+    /// For others, if it was asked for.
+    pub(super) certificate: Option<Certificate>,
 }
 
 /// A layer between what lies below and above, and a solution with its cost.
@@ -62,6 +70,8 @@ pub(super) struct Climb<'a> {
     limit: i64,
     /// What may still be spent.
     work: i64,
+    /// Whether there will be a certificate, for these ends.
+    certified: Option<[Option<Point>; 2]>,
 }
 
 impl<'a> Climb<'a> {
@@ -69,7 +79,12 @@ impl<'a> Climb<'a> {
         let order = Optimized.solve(problem, &Cost::Length, Effort::Normal);
         let beyond = |side: usize, p| ends[side].as_ref().map_or(0, |points| points.nearest(p));
         let limit = prices(problem, &order, &Cost::Length).sum::<i64>() + outer(problem, &order, beyond);
-        Self { problem, ends, order, limit, work: work(effort) * problem.items.len() as i64 }
+        Self { problem, ends, order, limit, work: work(effort) * problem.items.len() as i64, certified: None }
+    }
+
+    /// Asks for a certificate, for these ends.
+    pub(super) fn certified(self, ends: [Option<Point>; 2]) -> Self {
+        Self { certified: Some(ends), ..self }
     }
 
     /// The best bound; `None` if nothing may be spent, or the solver fails.
@@ -145,7 +160,7 @@ impl<'a> Climb<'a> {
             return None;
         }
         let finer = refinement::finer(&relaxation, &solution, pieces, self.ends)?;
-        let worth = WORTH * (self.limit - proved) as f64;
+        let worth = WORTH * self.limit.saturating_sub(proved) as f64;
         *carried = Some(Carried::new(&relaxation, &solution, rows, (pieces, &finer), worth));
         Some(finer)
     }
@@ -161,7 +176,10 @@ impl<'a> Climb<'a> {
         let (bound, tree) = relaxation.exact(multipliers);
         *proved = bound.max(*proved);
         if best.as_ref().is_none_or(|best| bound > best.bound) {
-            *best = Some(Best { bound, settled: relaxation.settle(bound, multipliers), is_final: false });
+            let settled = relaxation.settle(bound, multipliers);
+            let certificate =
+                self.certified.and_then(|ends| Certificate::new(relaxation, multipliers, bound, ends));
+            *best = Some(Best { bound, settled, is_final: false, certificate });
         }
         relaxation.add_tree(&tree)
     }
@@ -172,6 +190,3 @@ impl<'a> Climb<'a> {
         now - before < TAIL * left && proved as f64 > now - MISSING * left
     }
 }
-
-#[cfg(test)]
-mod tests;

@@ -2,8 +2,8 @@
 
 use std::ops::Range;
 
-use super::super::PricedPoints;
 use super::super::model::Pieces;
+use super::super::points::PricedPoints;
 use super::super::relaxation::{Neighbour, Relaxation};
 use super::simplex::{Rows, Solution};
 
@@ -28,7 +28,7 @@ pub(super) fn finer(
         }
         let terminal = model.terminals[t];
         let first = model.range_of_item(terminal.item).start as u32;
-        let middles: Vec<u32> = points.windows(2).map(|pair| (pair[0] + pair[1] + 1) / 2).collect();
+        let middles: Vec<u32> = points.windows(2).map(|pair| (pair[0] + pair[1]).div_ceil(2)).collect();
         let starts =
             points.into_iter().flat_map(|p| [p, p + 1]).chain(middles).filter(|&p| p < terminal.last);
         finer[terminal.item as usize].extend(starts.map(|p| p - first));

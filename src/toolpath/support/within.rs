@@ -1,0 +1,150 @@
+//! Cells that surely lie in a region, whatever rounding does.
+
+use geometry::{Point, Region};
+
+use super::bitmap::{Bitmap, Grid, WORD};
+
+/// Cells so near to a boundary are no longer surely inside: 1 µm, in grid units.
+const SLACK: i64 = 100;
+
+impl Grid {
+    /// Whether a function holds for each run of cells (row, first column, one past the last) within [`SLACK`] of a segment.
+    /// It does not for a segment that leaves the grid.
+    fn holds_along(&self, a: Point, b: Point, mut holds: impl FnMut(usize, usize, usize) -> bool) -> bool {
+        let (a, b) = if a.y <= b.y { (a, b) } else { (b, a) };
+        let (left, bottom) = (i64::from(self.origin.x), i64::from(self.origin.y));
+        let (ax, ay) = (i64::from(a.x) - left, i64::from(a.y) - bottom);
+        let (bx, by) = (i64::from(b.x) - left, i64::from(b.y) - bottom);
+        let slope = if by > ay { (bx - ax) as f64 / (by - ay) as f64 } else { 0.0 };
+        let at = |y: i64| match y {
+            y if y <= ay => ax,
+            y if y >= by => bx,
+            y => ax + (slope * (y - ay) as f64) as i64,
+        };
+        let (cell, columns, rows) = (i64::from(self.cell), self.columns as i64, self.rows as i64);
+        let (first, last) = ((ay - SLACK).div_euclid(cell), (by + SLACK).div_euclid(cell));
+        let is_inside = first >= 0 && last < rows;
+        is_inside
+            && (first..=last).all(|row| {
+                let (low, high) = (row * cell - SLACK, (row + 1) * cell + SLACK);
+                // A level segment is in one row at all its abscissae.
+                let (enter, leave) = if low <= ay && by <= high { (ax, bx) } else { (at(low), at(high)) };
+                let from = (enter.min(leave) - SLACK).div_euclid(cell);
+                let to = (enter.max(leave) + SLACK).div_euclid(cell);
+                from >= 0 && to < columns && holds(row as usize, from as usize, to as usize + 1)
+            })
+    }
+
+    /// Inverts, in every row whose middle a segment passes, the cell whose middle comes next after it.
+    fn mark_passed(&self, a: Point, b: Point, words: &mut [u64]) {
+        let (a, b) = if a.y <= b.y { (a, b) } else { (b, a) };
+        let cell = i64::from(self.cell);
+        // The first row whose middle is not below an ordinate.
+        let row_over = |y: i32| {
+            let up = i64::from(y) - i64::from(self.origin.y);
+            (2 * up + cell - 1).div_euclid(2 * cell).clamp(0, self.rows as i64)
+        };
+        let (first, end) = (row_over(a.y), row_over(b.y));
+        if first >= end {
+            return;
+        }
+        let slope = (f64::from(b.x) - f64::from(a.x)) / (f64::from(b.y) - f64::from(a.y));
+        let across = f64::from(a.x) - f64::from(self.origin.x);
+        for row in first..end {
+            let up = i64::from(self.origin.y) - i64::from(a.y) + row * cell + cell / 2;
+            let column = ((across + slope * up as f64) / cell as f64 + 0.5).max(0.0) as i64;
+            if column < self.columns as i64 {
+                words[row as usize * self.stride() + column as usize / WORD] ^= 1 << (column as usize % WORD);
+            }
+        }
+    }
+}
+
+impl Bitmap {
+    /// The cells that surely lie in a region as a whole; none of a region that leaves the grid.
+    pub(crate) fn within(grid: Grid, region: &Region) -> Self {
+        let mut map = Self::empty(grid);
+        edges(region).for_each(|[a, b]| grid.mark_passed(a, b, &mut map.words));
+        for row in map.words.chunks_exact_mut(grid.stride()) {
+            let mut inside = 0;
+            for word in row {
+                // Each bit becomes the parity of those up to it.
+                let mut parity = *word;
+                for step in [1, 2, 4, 8, 16, 32] {
+                    parity ^= parity << step;
+                }
+                *word = parity ^ inside;
+                inside = (*word >> (WORD - 1)).wrapping_neg();
+            }
+        }
+        map.mask();
+        let Self { words, .. } = &mut map;
+        let mut clear = |row: usize, from: usize, to: usize| {
+            grid.run(row, from, to).for_each(|(word, bits)| words[word] &= !bits);
+            true
+        };
+        if edges(region).all(|[a, b]| grid.holds_along(a, b, &mut clear)) { map } else { Self::empty(grid) }
+    }
+
+    /// Whether the boundary of a region surely passes only cells that are in all of some sets of this grid.
+    pub(crate) fn all_hold_boundary(grid: Grid, maps: &[&Self], region: &Region) -> bool {
+        let holds = |row: usize, from: usize, to: usize| {
+            grid.run(row, from, to).all(|(word, bits)| maps.iter().all(|map| map.words[word] & bits == bits))
+        };
+        edges(region).all(|[a, b]| grid.holds_along(a, b, holds))
+    }
+}
+
+/// The edges of a region's boundary.
+fn edges(region: &Region) -> impl Iterator<Item = [Point; 2]> {
+    region.rings().flat_map(|ring| {
+        let before = ring.last().into_iter().chain(ring);
+        before.zip(ring).map(|(&a, &b)| [a, b])
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use geometry::{Bounds, Polygon};
+
+    fn ring(corners: &[(f64, f64)]) -> Vec<Point> {
+        corners.iter().map(|&(x, y)| Point::from_mm(x, y)).collect()
+    }
+
+    /// A slanting frame.
+    fn frame() -> Region {
+        let outer = ring(&[(3.0, 1.0), (39.0, 4.03), (36.0, 30.0), (1.0, 27.0)]);
+        Region::from(Polygon {
+            outer,
+            holes: vec![ring(&[(10.0, 10.0), (11.0, 20.0), (20.02, 21.0), (21.0, 9.0)])],
+        })
+    }
+
+    #[test]
+    fn cells_within_are_those_whose_corners_all_are_and_that_no_edge_passes() {
+        let (grid, region) = (Grid::new(frame().bounds().unwrap(), 1.0, 0.4), frame());
+        let within = Bitmap::within(grid, &region);
+        let [columns, rows] = grid.size();
+        let corner = |x: usize, y: usize| grid.half_corner([2 * x as i64, 2 * y as i64]);
+        let mut count = 0;
+        for (x, y) in (0..columns).flat_map(|x| (0..rows).map(move |y| (x, y))) {
+            let corners = [corner(x, y), corner(x + 1, y), corner(x + 1, y + 1), corner(x, y + 1)];
+            let whole = corners.iter().all(|&p| region.contains(p));
+            assert!(!within.has([x, y]) || whole, "{x} {y}");
+            count += usize::from(whole && !within.has([x, y]));
+        }
+        // An edge passes between the corners of a cell at a corner of the hole, or so near to one that it may.
+        assert!(count < 20, "{count} are missing");
+        assert!(within.cells().count() > 4000);
+    }
+
+    #[test]
+    fn a_boundary_is_held_where_it_keeps_a_cell_away() {
+        let grid = Grid::new(Bounds { min: Point::default(), max: Point::from_mm(40.0, 40.0) }, 1.0, 0.2);
+        let within = Bitmap::within(grid, &frame());
+        let holds =
+            |by_mm: f64| Bitmap::all_hold_boundary(grid, &[&within], &geometry::offset(&frame(), by_mm));
+        assert_eq!([-1.0, -0.6, -0.01, 0.0, 0.5].map(holds), [true, true, false, false, false]);
+    }
+}
