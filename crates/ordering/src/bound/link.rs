@@ -1,5 +1,7 @@
 //! Links between terminals.
 
+use super::model::Model;
+
 /// A link between two terminals.
 #[derive(Clone, Copy)]
 pub(super) struct Link {
@@ -16,6 +18,11 @@ pub(super) struct Link {
 }
 
 impl Link {
+    /// The paths that it joins.
+    pub(super) fn items(&self, model: &Model) -> [u32; 2] {
+        [self.a, self.b].map(|t| model.terminals[t as usize].item)
+    }
+
     /// Its piece of the list of shared cuts.
     pub(super) fn shared<'a>(&self, all: &'a [u32]) -> &'a [u32] {
         &all[self.shared.0 as usize..self.shared.1 as usize]

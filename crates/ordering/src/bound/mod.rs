@@ -87,11 +87,11 @@ struct Climber<'a> {
 /// What is left out costs more than a solution by so many times its mean link; where what links pay below makes that negative, no
 /// more than the solution.
 const MARGIN: i64 = 2;
-/// Nor is a program asked where the bound is within this part of a solution's links below it.
-#[cfg(feature = "highs")]
-const ENOUGH: i64 = 200;
 /// Trees are not asked where the bound is within this share of a solution's links below the limit.
 const CLOSE: f64 = 0.3;
+/// Nor is a program, where the bound is within this part of a solution's links below the solution.
+#[cfg(feature = "highs")]
+const ENOUGH: i64 = 200;
 
 impl<'a> Climber<'a> {
     fn new(problem: &'a Problem<'a>, model: &'a Model, effort: Effort, limited: bool) -> Self {
@@ -351,7 +351,7 @@ pub fn certificate(problem: &Problem, effort: Effort) -> Option<Certificate> {
 /// Where the problem's walks come from and go to.
 #[cfg(feature = "highs")]
 fn beyond(problem: &Problem) -> [Option<PricedPoints>; 2] {
-    [problem.start, problem.end].map(|end| Some(PricedPoints::new(vec![(end?, 0)])))
+    [problem.start, problem.end].map(|end| end.map_or(Beyond::Anything, Beyond::At).points(true))
 }
 
 /// A length in millimetres that the links of a whole print cannot stay below; see [`shares`] and [`Share::print_mm`].

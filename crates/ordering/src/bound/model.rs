@@ -104,6 +104,13 @@ pub(super) struct Body {
     ends: bool,
 }
 
+impl Body {
+    /// Whether it is a loop of which several pieces are distinguished.
+    pub(super) fn is_split(&self) -> bool {
+        self.closed && self.last - self.first > 1
+    }
+}
+
 /// The depth at which two paths part: 0 in different stages, up to 3 within one run.
 pub(super) const DEPTHS: usize = 4;
 
@@ -290,7 +297,7 @@ impl Model {
 
     /// Whether there are loops of which several pieces are distinguished.
     pub(super) fn has_pieces(&self) -> bool {
-        self.bodies.iter().any(|body| body.closed && body.last - body.first > 1)
+        self.bodies.iter().any(Body::is_split)
     }
 
     /// Whether all paths are of one stage.

@@ -223,7 +223,7 @@ impl<'a> Relaxation<'a> {
     /// Ties for the links from one neighbour to each piece of a loop; 0 for paths that are of one piece.
     fn add_block(&mut self, item: u32) -> u32 {
         let body = &self.model.bodies[item as usize];
-        if !body.closed || body.last - body.first < 2 {
+        if !body.is_split() {
             return 0;
         }
         let block = self.ties as u32;
@@ -497,11 +497,6 @@ impl Relaxation<'_> {
             Neighbour::Beyond(side) => self.walk_ends[side].iter().find(|end| end.terminal == terminal)?.tie,
         };
         Some(tie).filter(|&tie| tie > 0)
-    }
-
-    /// The terminal of each tie.
-    pub(super) fn tied_terminals(&self) -> Vec<u32> {
-        self.neighbours().into_iter().map(|tie| tie.map_or(0, |(terminal, _)| terminal)).collect()
     }
 }
 

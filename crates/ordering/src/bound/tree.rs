@@ -60,7 +60,7 @@ impl Forest<'_> {
         self.take(&mut links[middle.1 as usize], middle.0);
         let mut kept = 0;
         for at in 0..heavy.len() {
-            let [i, j] = self.items(&links[heavy[at].1 as usize]);
+            let [i, j] = links[heavy[at].1 as usize].items(self.model);
             if self.parts.find(i) != self.parts.find(j) {
                 heavy.swap(kept, at);
                 kept += 1;
@@ -85,7 +85,7 @@ impl Forest<'_> {
     }
 
     fn take(&mut self, link: &mut Link, price: i64) {
-        let [i, j] = self.items(link);
+        let [i, j] = link.items(self.model);
         if !self.parts.join(i, j) {
             return;
         }
@@ -100,9 +100,5 @@ impl Forest<'_> {
         for &cut in link.shared(self.shared) {
             self.usage.inside[cut as usize] += 1;
         }
-    }
-
-    fn items(&self, link: &Link) -> [u32; 2] {
-        [link.a, link.b].map(|t| self.model.terminals[t as usize].item)
     }
 }

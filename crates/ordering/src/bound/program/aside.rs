@@ -19,15 +19,11 @@ pub(super) struct Aside {
 impl Aside {
     pub(super) fn new(relaxation: &Relaxation, solution: &Solution) -> Self {
         let mut touched = vec![false; relaxation.model.terminals.len()];
-        for (links, shares) in relaxation.links.iter().zip(&solution.links) {
-            for (link, _) in links.iter().zip(shares).filter(|&(_, &share)| share > NONE) {
-                (touched[link.a as usize], touched[link.b as usize]) = (true, true);
-            }
+        for (link, _) in solution.used_links(relaxation, NONE) {
+            (touched[link.a as usize], touched[link.b as usize]) = (true, true);
         }
-        for (ends, shares) in relaxation.walk_ends.iter().zip(&solution.ends) {
-            for (end, _) in ends.iter().zip(shares).filter(|&(_, &share)| share > NONE) {
-                touched[end.terminal as usize] = true;
-            }
+        for (_, end, _) in solution.used_ends(relaxation, NONE) {
+            touched[end.terminal as usize] = true;
         }
         let mut near: Vec<Option<(i64, u32)>> = vec![None; touched.len()];
         for link in relaxation.links.iter().flatten() {

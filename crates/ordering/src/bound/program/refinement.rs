@@ -44,20 +44,16 @@ pub(super) fn finer(
 fn touched(relaxation: &Relaxation, solution: &Solution, ends: &[Option<PricedPoints>; 2]) -> Vec<Vec<u32>> {
     let model = relaxation.model;
     let mut touched: Vec<Vec<u32>> = vec![Vec::new(); model.terminals.len()];
-    for (links, shares) in relaxation.links.iter().zip(&solution.links) {
-        for (link, _) in links.iter().zip(shares).filter(|&(_, &share)| share > USED) {
-            let (p, q) = model.nearest(link.a, link.b);
-            touched[link.a as usize].push(p);
-            touched[link.b as usize].push(q);
-        }
+    for (link, _) in solution.used_links(relaxation, USED) {
+        let (p, q) = model.nearest(link.a, link.b);
+        touched[link.a as usize].push(p);
+        touched[link.b as usize].push(q);
     }
-    for ((walk_ends, shares), points) in relaxation.walk_ends.iter().zip(&solution.ends).zip(ends) {
-        let Some(points) = points else { continue };
-        for (end, _) in walk_ends.iter().zip(shares).filter(|&(_, &share)| share > USED) {
-            let at = model.terminals[end.terminal as usize];
-            let nearest = (at.first..at.last).min_by_key(|&p| points.nearest(model.points[p as usize]));
-            touched[end.terminal as usize].extend(nearest);
-        }
+    for (side, end, _) in solution.used_ends(relaxation, USED) {
+        let Some(points) = &ends[side] else { continue };
+        let at = model.terminals[end.terminal as usize];
+        let nearest = (at.first..at.last).min_by_key(|&p| points.nearest(model.points[p as usize]));
+        touched[end.terminal as usize].extend(nearest);
     }
     touched
 }
@@ -97,8 +93,8 @@ impl Carried {
         });
         let links = links.collect();
         let neighbours = relaxation.neighbours();
-        let ties = rows.ties.iter().filter(|&&tie| counts(&prices.ties, tie as usize));
-        let ties = ties.filter_map(|&tie| neighbours[tie as usize]).collect();
+        let ties = rows.ties.iter().filter(|tie| counts(&prices.ties, tie.0 as usize));
+        let ties = ties.filter_map(|&(tie, _)| neighbours[tie as usize]).collect();
         Self { links, cuts, trees: rows.trees, ties, parts }
     }
 
@@ -121,8 +117,8 @@ impl Carried {
             .ties
             .into_iter()
             .flat_map(|(t, neighbour)| self.parts[t as usize].clone().map(move |t| (t, neighbour)));
-        let mut ties: Vec<u32> =
-            pieces.filter_map(|(t, neighbour)| relaxation.tie_of(t, neighbour)).collect();
+        let mut ties: Vec<(u32, u32)> =
+            pieces.filter_map(|(t, neighbour)| Some((relaxation.tie_of(t, neighbour)?, t))).collect();
         ties.sort_unstable();
         ties.dedup();
         Rows { ties, trees: self.trees }

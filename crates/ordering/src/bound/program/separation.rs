@@ -24,21 +24,19 @@ pub(super) fn separate(relaxation: &mut Relaxation, rows: &mut Rows, solution: &
 /// Links from one neighbour to a piece where the loop is not entered.
 fn add_ties(relaxation: &Relaxation, rows: &mut Rows, solution: &Solution) -> usize {
     let mut used = vec![0.0; relaxation.ties];
-    for (links, shares) in relaxation.links.iter().zip(&solution.links) {
-        for (link, &share) in links.iter().zip(shares) {
-            link.ties.iter().for_each(|&tie| used[tie as usize] += share);
-        }
+    for (link, share) in solution.used_links(relaxation, 0.0) {
+        link.ties.iter().for_each(|&tie| used[tie as usize] += share);
     }
-    for (ends, shares) in relaxation.walk_ends.iter().zip(&solution.ends) {
-        ends.iter().zip(shares).for_each(|(end, &share)| used[end.tie as usize] += share);
+    for (_, end, share) in solution.used_ends(relaxation, 0.0) {
+        used[end.tie as usize] += share;
     }
     let mut is_known = vec![false; relaxation.ties];
-    rows.ties.iter().for_each(|&tie| is_known[tie as usize] = true);
+    rows.ties.iter().for_each(|&(tie, _)| is_known[tie as usize] = true);
     let before = rows.ties.len();
-    let terminals = relaxation.tied_terminals();
-    for (tie, &terminal) in terminals.iter().enumerate().skip(1) {
+    for (tie, neighbour) in relaxation.neighbours().into_iter().enumerate() {
+        let Some((terminal, _)) = neighbour else { continue };
         if !is_known[tie] && used[tie] > solution.entered[terminal as usize] + SLACK {
-            rows.ties.push(tie as u32);
+            rows.ties.push((tie as u32, terminal));
         }
     }
     rows.ties.len() - before
@@ -47,16 +45,11 @@ fn add_ties(relaxation: &Relaxation, rows: &mut Rows, solution: &Solution) -> us
 /// The network of a solution's links, and of those at the ends of walks with what is outside; `node` names a terminal's.
 fn network(relaxation: &Relaxation, solution: &Solution, outside: u32, node: impl Fn(u32) -> u32) -> Network {
     let whole = |share: f64| (share * f64::from(ONE)) as u32;
-    let mut edges = Vec::new();
-    for (links, shares) in relaxation.links.iter().zip(&solution.links) {
-        let used = links.iter().zip(shares).filter(|&(_, &share)| share > NONE);
-        edges.extend(used.map(|(link, &share)| (node(link.a), node(link.b), whole(share))));
-    }
-    for (ends, shares) in relaxation.walk_ends.iter().zip(&solution.ends) {
-        let used = ends.iter().zip(shares).filter(|&(_, &share)| share > NONE);
-        edges.extend(used.map(|(end, &share)| (node(end.terminal), outside, whole(share))));
-    }
-    Network::new(outside + 1, edges.into_iter())
+    let links = solution.used_links(relaxation, NONE);
+    let links = links.map(|(link, share)| (node(link.a), node(link.b), whole(share)));
+    let ends = solution.used_ends(relaxation, NONE);
+    let ends = ends.map(|(_, end, share)| (node(end.terminal), outside, whole(share)));
+    Network::new(outside + 1, links.chain(ends))
 }
 
 /// Sets of whole paths that are left less than twice, and so close a circle.

@@ -6,14 +6,14 @@ use std::ops::RangeBounds;
 
 use super::super::link::Link;
 use super::super::model::{Body, DEPTHS, to_mm};
-use super::super::relaxation::{Multipliers, RUNS, Relaxation};
+use super::super::relaxation::{Multipliers, RUNS, Relaxation, WalkEnd};
 use super::families::Families;
 
 /// Constraints that are added where a solution violates them, besides cuts.
 #[derive(Default)]
 pub(super) struct Rows {
-    /// Ties that count.
-    pub(super) ties: Vec<u32>,
+    /// Ties that count, with their terminals.
+    pub(super) ties: Vec<(u32, u32)>,
     /// Sets of paths, by path, in which links close no circle.
     pub(super) trees: Vec<Vec<bool>>,
 }
@@ -32,6 +32,32 @@ pub(super) struct Solution {
     pub(super) trees: Vec<i64>,
     pub(super) families: Vec<i64>,
     pub(super) iterations: i64,
+}
+
+impl Solution {
+    /// The links with a share above this, and the share.
+    pub(super) fn used_links<'a>(
+        &'a self,
+        relaxation: &'a Relaxation,
+        above: f64,
+    ) -> impl Iterator<Item = (&'a Link, f64)> {
+        let links =
+            relaxation.links.iter().zip(&self.links).flat_map(|(links, shares)| links.iter().zip(shares));
+        links.map(|(link, &share)| (link, share)).filter(move |&(_, share)| share > above)
+    }
+
+    /// The same of links into the layer (0) and out of it (1), with their side.
+    pub(super) fn used_ends<'a>(
+        &'a self,
+        relaxation: &'a Relaxation,
+        above: f64,
+    ) -> impl Iterator<Item = (usize, &'a WalkEnd, f64)> {
+        let ends = relaxation.walk_ends.iter().zip(&self.ends).enumerate();
+        let ends = ends.flat_map(|(side, (ends, shares))| {
+            ends.iter().zip(shares).map(move |(end, &share)| (side, end, share))
+        });
+        ends.filter(move |&(_, _, share)| share > above)
+    }
 }
 
 /// A row and its number.
@@ -91,7 +117,7 @@ impl Program {
             .map(&mut equal)
             .collect();
         let loops: Vec<Option<Line>> =
-            model.bodies.iter().map(|body| is_split(body).then(|| equal(1.0))).collect();
+            model.bodies.iter().map(|body| body.is_split().then(|| equal(1.0))).collect();
         let sides = [equal(1.0), equal(1.0)];
         let families = Families::new(relaxation);
         let family_lines = families.links.iter().map(|links| Some(equal(f64::from((*links)?)))).collect();
@@ -180,7 +206,7 @@ impl Program {
             }
         }
         let ties = rows.ties.iter().zip(&self.ties);
-        ties.for_each(|(&tie, &line)| multipliers.ties[tie as usize] = price(line).max(0));
+        ties.for_each(|(&(tie, _), &line)| multipliers.ties[tie as usize] = price(line).max(0));
         multipliers.runs.iter_mut().zip(&self.runs).for_each(|(run, lines)| *run = lines.map(&price));
         multipliers
     }
@@ -195,7 +221,7 @@ impl Program {
                 let cols = match relaxation.directions.as_ref().filter(|_| depth == RUNS) {
                     None => vec![add(&[])],
                     Some(directions) => {
-                        let [i, j] = items(relaxation, link);
+                        let [i, j] = link.items(relaxation.model);
                         let ways = [(i, j), (j, i)].into_iter();
                         let ways = ways.filter(|&(from, to)| relaxation.model.leads(from, to));
                         let run = |item: u32| self.runs[directions.run_of[item as usize] as usize];
@@ -210,7 +236,7 @@ impl Program {
 
     /// What a link counts in the rows that there are, but for directions.
     fn factors(&self, relaxation: &Relaxation, rows: &Rows, depth: usize, link: &Link) -> Vec<(Row, f64)> {
-        let [i, j] = items(relaxation, link);
+        let [i, j] = link.items(relaxation.model);
         let family = self.family_lines[self.families.of[depth][i as usize] as usize];
         let ties = link.ties.iter().filter_map(|tie| self.line_of_tie.get(tie)).copied();
         let trees = rows.trees.iter().zip(&self.trees).filter(|(set, _)| set[i as usize] && set[j as usize]);
@@ -238,9 +264,8 @@ impl Program {
         if fresh.is_empty() {
             return;
         }
-        let terminals = relaxation.tied_terminals();
-        let entry = |tie: &u32| self.entries[terminals[*tie as usize] as usize];
-        let entries = fresh.iter().map(|tie| (*tie, entry(tie).map(|col| (col, -1.0)).into_iter().collect()));
+        let entry = |terminal: u32| self.entries[terminal as usize].map(|col| (col, -1.0));
+        let entries = fresh.iter().map(|&(tie, terminal)| (tie, entry(terminal).into_iter().collect()));
         let mut factors: FxHashMap<u32, Vec<(Col, f64)>> = entries.collect();
         for (link, cols) in self.all_links(relaxation) {
             for tie in link.ties {
@@ -254,7 +279,7 @@ impl Program {
                 factors.push((col, 1.0));
             }
         }
-        for &tie in fresh {
+        for &(tie, _) in fresh {
             let line = add_row(simplex, ..=0.0, factors.remove(&tie).unwrap_or_default());
             self.ties.push(line);
             self.line_of_tie.insert(tie, line);
@@ -265,7 +290,7 @@ impl Program {
         for set in &rows.trees[self.trees.len()..] {
             let within = self
                 .all_links(relaxation)
-                .filter(|(link, _)| items(relaxation, link).iter().all(|&item| set[item as usize]));
+                .filter(|(link, _)| link.items(relaxation.model).iter().all(|&item| set[item as usize]));
             let factors = within.flat_map(|(_, cols)| cols.iter().map(|&col| (col, 1.0))).collect();
             let paths = set.iter().filter(|&&is_in| is_in).count();
             let line = add_row(simplex, ..=paths as f64 - 1.0, factors);
@@ -282,7 +307,7 @@ impl Program {
         let within = !is_in[start] && 2 * members.len() <= start;
         let body = |t: u32| &model.bodies[model.terminals[t as usize].item as usize];
         let least = f64::from(cuts.least[cut]);
-        let guard = cuts.guard[cut].filter(|&item| is_split(&model.bodies[item as usize]));
+        let guard = cuts.guard[cut].filter(|&item| model.bodies[item as usize].is_split());
         let mut right = if guard.is_some() { 0.0 } else { -least };
         let mut factors = Vec::new();
         for &t in members.iter().filter(|&&t| (t as usize) < start) {
@@ -322,20 +347,11 @@ impl Program {
 
 /// Links at each terminal of a path, if that does not depend on where it is entered.
 fn degree(body: &Body) -> f64 {
-    match (body.closed, is_split(body)) {
+    match (body.closed, body.is_split()) {
         (false, _) => 1.0,
         (true, false) => 2.0,
         (true, true) => 0.0,
     }
-}
-
-/// Whether a path is a loop in several pieces.
-fn is_split(body: &Body) -> bool {
-    body.closed && body.last - body.first > 1
-}
-
-fn items(relaxation: &Relaxation, link: &Link) -> [u32; 2] {
-    [link.a, link.b].map(|t| relaxation.model.terminals[t as usize].item)
 }
 
 /// Millimetres to fine units.
