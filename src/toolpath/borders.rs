@@ -167,11 +167,10 @@ impl Borders {
             .collect();
         let fits = |room_mm: &f64| *room_mm >= LEAST_MM;
         let (Some(first), Some(last)) = (most.iter().position(fits), most.iter().rposition(fits)) else {
-            if !most
-                .iter()
-                .zip(widths.iter())
-                .all(|(room, width)| *room as f32 >= *width - rounding_mm as f32)
-            {
+            // Beads that are as narrow by themselves stay.
+            let is_short_of =
+                |(room_mm, width): (&f64, &f32)| (*room_mm as f32) < *width - rounding_mm as f32;
+            if most.iter().zip(widths.iter()).any(is_short_of) {
                 path.points.clear();
             }
             return;

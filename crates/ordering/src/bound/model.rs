@@ -198,14 +198,11 @@ impl Model {
 
     /// A lower bound on the length of a link between two terminals, in fine units: that of their nearest points.
     pub(super) fn shortest(&self, a: u32, b: u32) -> i64 {
-        let others = self.points_of(b);
-        let from = |&p: &Point| others.iter().map(move |&q| p.distance2(q)).min();
-        let nearest = self.points_of(a).iter().filter_map(from).min().unwrap_or(0);
-        fine((nearest as f64).sqrt()).max(0)
+        let (p, q) = self.nearest(a, b);
+        fine((self.points[p as usize].distance2(self.points[q as usize]) as f64).sqrt()).max(0)
     }
 
     /// The nearest points of two terminals.
-    #[cfg(feature = "highs")]
     pub(super) fn nearest(&self, a: u32, b: u32) -> (u32, u32) {
         let [from, to] = [a, b].map(|t| self.terminals[t as usize]);
         let pairs = (from.first..from.last).flat_map(|p| (to.first..to.last).map(move |q| (p, q)));
