@@ -119,6 +119,9 @@ export interface Row {
   gap: number | null;
   travels: number;
   travel_s: number;
+  /** Bound of `travel_s`, where times count, and how much more it is, as a share. */
+  bound_s: number | null;
+  gap_s: number | null;
   layers: Record<string, unknown>[];
   [key: string]: unknown;
 }

@@ -22,6 +22,8 @@ pub struct LayerRow {
     pub travel_s: f64,
     /// Lower bound of `link_mm`, if requested.
     pub bound_mm: Option<f64>,
+    /// Lower bound of `travel_s`, if requested where ordering minimises times.
+    pub bound_s: Option<f64>,
     /// By how much, as a share, the links are at most longer than the shortest between where the layer below ends and where the one
     /// above begins; if requested, and known.
     pub excess: Option<f64>,
@@ -71,6 +73,8 @@ pub struct StrategyRow {
     pub took_s: f64,
     /// Lower bound of the whole chain's links, if requested. Not the sum of the layers' bounds.
     pub bound_mm: Option<f64>,
+    /// The same of their time in seconds, where ordering minimises times.
+    pub bound_s: Option<f64>,
     /// Its layers.
     pub layers: Vec<LayerRow>,
 }
@@ -79,8 +83,16 @@ impl LayerRow {
     /// Measures a solution of one layer. `time` is a [`Cost::Time`], whatever the solution minimised.
     pub fn new(layer: usize, problem: &Problem, sequence: &[Visit], time: &Cost) -> Self {
         let paths = sequence.len();
-        let mut row =
-            Self { layer, paths, link_mm: 0.0, travels: 0, travel_s: 0.0, bound_mm: None, excess: None };
+        let mut row = Self {
+            layer,
+            paths,
+            link_mm: 0.0,
+            travels: 0,
+            travel_s: 0.0,
+            bound_mm: None,
+            bound_s: None,
+            excess: None,
+        };
         for (link_mm, kind) in links(problem, sequence) {
             row.link_mm += link_mm;
             row.travels += usize::from(link_mm > 0.0);
@@ -118,29 +130,33 @@ impl StrategyRow {
     }
 }
 
-/// Excess of a length over its bound, as a share of the bound; `None` without a bound above 0.
-pub fn gap(link_mm: f64, bound_mm: Option<f64>) -> Option<f64> {
-    bound_mm.filter(|&bound| bound > 0.0).map(|bound| link_mm / bound - 1.0)
+/// Excess of a length or time over its bound, as a share of the bound; `None` without a bound above 0.
+pub fn gap(found: f64, bound: Option<f64>) -> Option<f64> {
+    bound.filter(|&bound| bound > 0.0).map(|bound| found / bound - 1.0)
 }
 
-/// A table for people: one line per strategy, lengths relative to `nearest` where it is among them.
+/// A table for people: one line per strategy, lengths relative to `nearest` where it is among them; bound and gap of times where
+/// ordering minimised these, else of lengths.
 pub fn text(rows: &[StrategyRow]) -> String {
     let nearest = rows.iter().find(|row| row.strategy == "nearest").map(StrategyRow::link_mm);
+    let of_times = rows.iter().any(|row| row.bound_s.is_some());
+    let bound = if of_times { "bound_s" } else { "bound_mm" };
     let mut out = format!(
         "{:<18}{:>12}{:>9}{:>12}{:>8}{:>9}{:>10}{:>14}\n",
-        "strategy", "link_mm", "nearest", "bound_mm", "gap", "travels", "travel_s", "ms/100 paths"
+        "strategy", "link_mm", "nearest", bound, "gap", "travels", "travel_s", "ms/100 paths"
     );
     let share = |value: Option<f64>| value.map_or("-".into(), |value| format!("{:.1}%", value * 100.0));
     for row in rows {
         let link_mm = row.link_mm();
         let of_nearest = nearest.filter(|&nearest| nearest > 0.0).map(|nearest| link_mm / nearest);
+        let (found, bound) = if of_times { (row.travel_s(), row.bound_s) } else { (link_mm, row.bound_mm) };
         out += &format!(
             "{:<18}{:>12.1}{:>9}{:>12}{:>8}{:>9}{:>10.2}{:>14.3}\n",
             row.strategy,
             link_mm,
             share(of_nearest),
-            row.bound_mm.map_or("-".into(), |bound| format!("{bound:.1}")),
-            share(gap(link_mm, row.bound_mm)),
+            bound.map_or("-".into(), |bound| format!("{bound:.1}")),
+            share(gap(found, bound)),
             row.travels(),
             row.travel_s(),
             row.took_s * 1e5 / row.paths().max(1) as f64,
@@ -157,14 +173,14 @@ pub fn text(rows: &[StrategyRow]) -> String {
 /// The same for programs, with every layer. The same on every run: no times taken.
 pub fn to_json(rows: &[StrategyRow]) -> Value {
     let layer = |row: &LayerRow| {
-        let mut value = figures(row.link_mm, row.bound_mm, row.travels, row.travel_s);
+        let mut value = figures((row.link_mm, row.bound_mm), row.travels, (row.travel_s, row.bound_s));
         value["layer"] = json!(row.layer);
         value["paths"] = json!(row.paths);
         value["excess"] = json!(row.excess);
         value
     };
     let strategy = |row: &StrategyRow| {
-        let mut value = figures(row.link_mm(), row.bound_mm, row.travels(), row.travel_s());
+        let mut value = figures((row.link_mm(), row.bound_mm), row.travels(), (row.travel_s(), row.bound_s));
         value["strategy"] = json!(row.strategy);
         value["proved"] = json!(row.proved());
         value["paths"] = json!(row.paths());
@@ -174,13 +190,20 @@ pub fn to_json(rows: &[StrategyRow]) -> Value {
     Value::Array(rows.iter().map(strategy).collect())
 }
 
-fn figures(link_mm: f64, bound_mm: Option<f64>, travels: usize, travel_s: f64) -> Value {
+/// Lengths and times have a bound each.
+fn figures(
+    (link_mm, bound_mm): (f64, Option<f64>),
+    travels: usize,
+    (travel_s, bound_s): (f64, Option<f64>),
+) -> Value {
     json!({
         "link_mm": link_mm,
         "bound_mm": bound_mm,
         "gap": gap(link_mm, bound_mm),
         "travels": travels,
         "travel_s": travel_s,
+        "bound_s": bound_s,
+        "gap_s": gap(travel_s, bound_s),
     })
 }
 
@@ -191,6 +214,7 @@ pub fn pool(pooled: &mut Vec<StrategyRow>, rows: Vec<StrategyRow>) {
             Some(sum) => {
                 sum.took_s += row.took_s;
                 sum.bound_mm = sum.bound_mm.zip(row.bound_mm).map(|(a, b)| a + b);
+                sum.bound_s = sum.bound_s.zip(row.bound_s).map(|(a, b)| a + b);
                 sum.layers.extend(row.layers);
             }
             None => pooled.push(row),
@@ -202,7 +226,7 @@ pub fn pool(pooled: &mut Vec<StrategyRow>, rows: Vec<StrategyRow>) {
 pub fn csv(model: &str, rows: &[StrategyRow], heading: bool) -> String {
     let mut out = String::new();
     if heading {
-        out += "model,strategy,layer,paths,link_mm,bound_mm,gap,travels,travel_s\n";
+        out += "model,strategy,layer,paths,link_mm,bound_mm,gap,travels,travel_s,bound_s,gap_s\n";
     }
     let model = if model.contains([',', '"', '\n']) {
         format!("\"{}\"", model.replace('"', "\"\""))
@@ -213,7 +237,7 @@ pub fn csv(model: &str, rows: &[StrategyRow], heading: bool) -> String {
     for strategy in rows {
         for row in &strategy.layers {
             out += &format!(
-                "{model},{},{},{},{:.4},{},{},{},{:.4}\n",
+                "{model},{},{},{},{:.4},{},{},{},{:.4},{},{}\n",
                 strategy.strategy,
                 row.layer,
                 row.paths,
@@ -221,7 +245,9 @@ pub fn csv(model: &str, rows: &[StrategyRow], heading: bool) -> String {
                 cell(row.bound_mm),
                 cell(gap(row.link_mm, row.bound_mm)),
                 row.travels,
-                row.travel_s
+                row.travel_s,
+                cell(row.bound_s),
+                cell(gap(row.travel_s, row.bound_s))
             );
         }
     }
@@ -237,6 +263,7 @@ mod tests {
             strategy: strategy.into(),
             took_s: 0.001,
             bound_mm: Some(50.0),
+            bound_s: None,
             layers: vec![LayerRow {
                 layer: 0,
                 paths: 4,
@@ -244,6 +271,7 @@ mod tests {
                 travels: 3,
                 travel_s: 0.5,
                 bound_mm: None,
+                bound_s: None,
                 excess: None,
             }],
         };
@@ -255,6 +283,14 @@ mod tests {
         let value = to_json(&rows());
         assert!((value[1]["gap"].as_f64().unwrap() - 0.2).abs() < 1e-12);
         assert!(value[1]["layers"][0]["gap"].is_null());
+    }
+
+    #[test]
+    fn the_gap_is_that_of_times_where_these_are_minimised() {
+        let mut rows = rows();
+        rows[1].bound_s = Some(0.4);
+        assert!(text(&rows).lines().nth(2).unwrap().contains(" 0.4   25.0%"), "{}", text(&rows));
+        assert!((to_json(&rows)[1]["gap_s"].as_f64().unwrap() - 0.25).abs() < 1e-12);
     }
 
     #[test]

@@ -193,6 +193,7 @@ fn row(
         let mut row = LayerRow::new(i, &layer.problem, &layer.from_paths(&sequences[i]), &time);
         let bound_mm = |certificate: &Certificate| certificate.layer_mm(i, starts[i]) + fixed.links_mm[i];
         row.bound_mm = certificate.map(bound_mm);
+        row.bound_s = certificate.and_then(|certificate| certificate.layer_s(i, starts[i]));
         let excess =
             |_| ordering::excess((&paths[i], &pins[i]), &sequences[i], [starts[i], nexts[i]], settings);
         row.excess = certificate.and_then(excess);
@@ -204,6 +205,7 @@ fn row(
         strategy: strategy.name().to_owned(),
         took_s: sequencer.took.as_secs_f64(),
         bound_mm: certificate.map(|c| c.print_mm() + fixed.links_mm.iter().sum::<f64>()),
+        bound_s: certificate.and_then(Certificate::print_s),
         layers: rows,
     }
 }

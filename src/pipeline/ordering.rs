@@ -134,9 +134,11 @@ impl Timed<'_> {
     }
 }
 
-/// Lower bounds of the links of a print and of each of its layers, whatever the strategy.
+/// Lower bounds of the links of a print and of each of its layers, whatever the strategy: of lengths, and of times where ordering
+/// minimises these.
 pub(super) struct Certificate {
-    shares: Vec<bound::Share>,
+    lengths: Vec<bound::Share>,
+    times: Option<(Cost, Vec<bound::Share>)>,
     start: Option<Point>,
 }
 
@@ -155,20 +157,32 @@ impl Certificate {
         if let Some(first) = problems.iter_mut().find(|problem| !problem.items.is_empty()) {
             first.start = start;
         }
-        Self {
-            shares: bound::shares(&problems, settings.order.effort, |n, chunk| workers.map(n, chunk)),
-            start,
-        }
+        let shares = |cost: &Cost| {
+            bound::shares(&problems, cost, settings.order.effort, |n, chunk| workers.map(n, chunk))
+        };
+        let cost = settings.order_cost(settings.order.cost);
+        let times = (cost != Cost::Length).then(|| (cost, shares(&cost)));
+        Self { lengths: shares(&Cost::Length), times, start }
     }
 
     /// A length that the links of a layer, entered from `start`, cannot stay below.
     pub(super) fn layer_mm(&self, layer: usize, start: Option<Point>) -> f64 {
-        self.shares[layer].layer_mm(start, None)
+        self.lengths[layer].layer(&Cost::Length, start, None)
     }
 
     /// A length that the links of the whole print cannot stay below.
     pub(super) fn print_mm(&self) -> f64 {
-        bound::Share::print_mm(&self.shares, self.start, None)
+        bound::Share::print(&self.lengths, &Cost::Length, self.start, None)
+    }
+
+    /// A time that the links of a layer, entered from `start`, cannot stay below, in seconds.
+    pub(super) fn layer_s(&self, layer: usize, start: Option<Point>) -> Option<f64> {
+        self.times.as_ref().map(|(cost, shares)| shares[layer].layer(cost, start, None))
+    }
+
+    /// A time that the links of the whole print cannot stay below, in seconds.
+    pub(super) fn print_s(&self) -> Option<f64> {
+        self.times.as_ref().map(|(cost, shares)| bound::Share::print(shares, cost, self.start, None))
     }
 }
 
@@ -203,8 +217,8 @@ pub(super) fn excess(
 fn least(problem: &Problem, found: &[Visit], cost: &Cost, effort: Effort) -> Option<f64> {
     let walks = bound::by_walks(problem, found, cost, effort).map(|proof| proof.bound);
     #[cfg(feature = "highs")]
-    if *cost == Cost::Length && walks.is_none_or(|bound| bound < evaluate(problem, found, cost)) {
-        let program = bound::by_program(problem, effort);
+    if walks.is_none_or(|bound| bound < evaluate(problem, found, cost)) {
+        let program = bound::by_program(problem, cost, effort);
         return walks.into_iter().chain(program).reduce(f64::max);
     }
     walks

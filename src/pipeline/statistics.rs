@@ -3,11 +3,11 @@
 use crate::estimate::Machine;
 use crate::gcode::{Effect, PrintFacts, Totals};
 use crate::motion::ToolSums;
-use crate::order::compare::Proved;
-use crate::order::{PathOrder, Pins, ends_on_path};
+use crate::order::compare::{LayerRow, Proved};
+use crate::order::{CostKind, LayerProblem, PathOrder, Pins, ends_on_path};
 use crate::parallel::Workers;
 use crate::profile::{FilamentSettings, Settings};
-use crate::report::{LayerSummary, Measures, Summary, ToolSummary};
+use crate::report::{LayerSummary, Measures, Summary, TimeBound, ToolSummary};
 use crate::toolpath::{LayerPaths, ToolId};
 use crate::units::{Mm3, Seconds};
 use geometry::{Bounds, Point};
@@ -37,6 +37,7 @@ pub(super) struct Statistics {
     /// When each layer begins, or each of its parts.
     pub part_starts: Vec<Seconds>,
     pub proved: Option<Proved>,
+    pub time_bound: Option<TimeBound>,
 }
 
 impl Statistics {
@@ -80,6 +81,13 @@ impl Statistics {
             let next = begins[i + 1..].iter().find_map(|&begin| begin);
             ordering::excess((&layer.0, &layer.1), order, [*start, next], settings)
         });
+        let time = settings.order_cost(CostKind::Time);
+        let link_s = workers.map(ordered.len(), |i| {
+            let Ordered { layer, order, start, .. } = &ordered[i];
+            let mut free = LayerProblem::new(&layer.0, &None, settings.order.scope);
+            free.problem.start = *start;
+            LayerRow::new(i, &free.problem, &free.from_paths(order), &time).travel_s
+        });
         let drawn = excesses.into_iter().zip(&begins).filter(|(_, begin)| begin.is_some());
         self.proved = Some(Proved::of(drawn.map(|(excess, _)| excess)));
         let (layers, places): (Vec<_>, Vec<_>) =
@@ -93,6 +101,8 @@ impl Statistics {
             layer.measures = std::mem::take(&mut layer.measures).with_bound(bound_mm);
         }
         self.total = std::mem::take(&mut self.total).with_bound(certificate.print_mm());
+        let time_bound = |bound_s| TimeBound::new(link_s.iter().sum(), bound_s);
+        self.time_bound = certificate.print_s().map(time_bound);
     }
 
     /// Totals. What scripts extrude of itself is the first tool's.
@@ -146,6 +156,7 @@ impl Statistics {
             layer_count: self.layers.len(),
             total: self.total,
             proved: self.proved,
+            time_bound: self.time_bound,
             filament_g,
             filament_cost: totals.cost(&settings.filament),
             warnings,

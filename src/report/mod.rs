@@ -11,5 +11,5 @@ pub use model::ModelInfo;
 pub use paper::PaperRow;
 pub use reordered::{PathMeasures, Reordered};
 pub use repairs::Repaired;
-pub use summary::{LayerSummary, Measures, Overhangs, Summary, ToolSummary};
+pub use summary::{LayerSummary, Measures, Overhangs, Summary, TimeBound, ToolSummary};
 pub use time::{LayerTime, PrintTime, Seconds};

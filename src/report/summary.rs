@@ -7,7 +7,7 @@ use serde::Serialize;
 
 use super::repairs::Repaired;
 use crate::gcode::Measure;
-use crate::order::compare::Proved;
+use crate::order::compare::{Proved, gap};
 use crate::units::Seconds;
 
 /// Lengths, counts and times of a layer or a whole print. Lengths are in X and Y and count what comes after the first
@@ -82,6 +82,24 @@ impl AddAssign<&Measures> for Measures {
         self.total_s += other.total_s;
         self.volume_mm3 += other.volume_mm3;
         self.filament_mm += other.filament_mm;
+    }
+}
+
+/// How near the time of links is to the least, where ordering minimises times.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+pub struct TimeBound {
+    /// Time of the straight lines from the end of each path to the start of the next, from rest to rest, with retractions.
+    pub link_s: f64,
+    /// No order takes less.
+    pub bound_s: f64,
+    /// `link_s / bound_s − 1`; `None` without a bound above 0.
+    pub gap_s: Option<f64>,
+}
+
+impl TimeBound {
+    /// Of a time and its bound.
+    pub fn new(link_s: f64, bound_s: f64) -> Self {
+        Self { link_s, bound_s, gap_s: gap(link_s, Some(bound_s)) }
     }
 }
 
@@ -164,6 +182,9 @@ pub struct Summary {
     /// Measures of the whole print.
     #[serde(flatten)]
     pub total: Measures,
+    /// How near links are to the quickest, where that was asked for and ordering minimises times.
+    #[serde(flatten)]
+    pub time_bound: Option<TimeBound>,
     /// How many layers are proved to be ordered well, where that was asked for.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub proved: Option<Proved>,
@@ -223,6 +244,13 @@ impl fmt::Display for Summary {
             let (links, bound) = (total.link_mm / 1000.0, bound_mm / 1000.0);
             write!(f, "  order     links {links:.2} m, no order has less than {bound:.2} m")?;
             match total.gap {
+                Some(gap) => writeln!(f, " (at most {:.1} % to save)", 100.0 * gap / (1.0 + gap))?,
+                None => writeln!(f)?,
+            }
+        }
+        if let Some(TimeBound { link_s, bound_s, gap_s }) = self.time_bound {
+            write!(f, "  order     links {link_s:.1} s, no order takes less than {bound_s:.1} s")?;
+            match gap_s {
                 Some(gap) => writeln!(f, " (at most {:.1} % to save)", 100.0 * gap / (1.0 + gap))?,
                 None => writeln!(f)?,
             }

@@ -5,6 +5,7 @@ mod support;
 
 mod ahead;
 mod binary;
+mod bounds;
 mod cancel;
 mod check;
 mod check_model;

@@ -6,7 +6,7 @@ use pathwright::profile::Scope;
 
 /// Least total link length of a problem of at most 16 items, in millimetres.
 pub fn optimum(problem: &Problem) -> f64 {
-    chained_optimum(std::slice::from_ref(problem))
+    chained_optimum(std::slice::from_ref(problem), &Cost::Length)
 }
 
 /// Least total cost of the links of a problem of at most 16 items.
@@ -19,21 +19,22 @@ pub fn cheapest(problem: &Problem, cost: &Cost) -> f64 {
     if problem.items.is_empty() { 0.0 } else { ends.into_iter().map(leave).fold(f64::INFINITY, f64::min) }
 }
 
-/// Least total link length of a print: each layer starts where the one before ended, the first at its start, and the
+/// Least total cost of the links of a print: each layer starts where the one before ended, the first at its start, and the
 /// last leads to its end, where these are known. Layers without items are passed over.
-pub fn chained_optimum(layers: &[Problem]) -> f64 {
+pub fn chained_optimum(layers: &[Problem], cost: &Cost) -> f64 {
+    let link = |from: Point, to: Point| cost.of(from.distance_mm(to), LinkKind::UP);
     let layers: Vec<_> = layers.iter().filter(|layer| !layer.items.is_empty()).collect();
     let mut ends: Option<Vec<(f64, Point)>> =
         layers.first().and_then(|first| first.start).map(|p| vec![(0.0, p)]);
     for layer in &layers {
         let arrive = |at: Point| {
-            let lengths = ends.iter().flatten().map(|&(so_far, from)| so_far + from.distance_mm(at));
-            if ends.is_some() { lengths.fold(f64::INFINITY, f64::min) } else { 0.0 }
+            let costs = ends.iter().flatten().map(|&(so_far, from)| so_far + link(from, at));
+            if ends.is_some() { costs.fold(f64::INFINITY, f64::min) } else { 0.0 }
         };
-        ends = Some(last_poses(layer, &Cost::Length, arrive));
+        ends = Some(last_poses(layer, cost, arrive));
     }
     let end = layers.last().and_then(|last| last.end);
-    let leave = |&(so_far, at): &(f64, Point)| so_far + end.map_or(0.0, |end| at.distance_mm(end));
+    let leave = |&(so_far, at): &(f64, Point)| so_far + end.map_or(0.0, |end| link(at, end));
     ends.map_or(0.0, |ends| ends.iter().map(leave).fold(f64::INFINITY, f64::min))
 }
 

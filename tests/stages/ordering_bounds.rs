@@ -45,6 +45,7 @@ fn cost() -> impl Strategy<Value = Cost> {
         retract_from_mm: 1.5,
         retract_inside_from_mm: 3.0,
         retract_s: 0.05,
+        climb_s: 0.02,
         ..TravelTime::default()
     };
     prop::sample::select(vec![Cost::Length, Cost::Time(time)])
@@ -57,9 +58,9 @@ proptest! {
     #![proptest_config(ProptestConfig { cases: 3000, ..ProptestConfig::default() })]
 
     #[test]
-    fn the_bound_of_a_layer_is_not_above_its_optimum(effort in effort(), layer in layer(7)) {
+    fn the_bound_of_a_layer_is_not_above_its_optimum(effort in effort(), cost in cost(), layer in layer(7)) {
         let problem = layer.problem();
-        let (bound, optimum) = (bound::layer(&problem, effort), optimum(&problem));
+        let (bound, optimum) = (bound::layer(&problem, &cost, effort), cheapest(&problem, &cost));
         prop_assert!(bound <= optimum + ROUNDING_MM, "{bound} > {optimum}");
     }
 
@@ -83,9 +84,9 @@ proptest! {
     }
 
     #[test]
-    fn the_bound_of_a_layer_whose_links_have_directions_is_not_above_its_optimum(effort in effort(), layer in ranked(7)) {
+    fn the_bound_of_a_layer_whose_links_have_directions_is_not_above_its_optimum(effort in effort(), cost in cost(), layer in ranked(7)) {
         let problem = layer.problem();
-        let (bound, optimum) = (bound::layer(&problem, effort), optimum(&problem));
+        let (bound, optimum) = (bound::layer(&problem, &cost, effort), cheapest(&problem, &cost));
         prop_assert!(bound <= optimum + ROUNDING_MM, "{bound} > {optimum}");
     }
 }
@@ -94,26 +95,26 @@ proptest! {
     #![proptest_config(ProptestConfig { cases: 1000, ..ProptestConfig::default() })]
 
     #[test]
-    fn the_bound_of_a_print_is_not_above_its_optimum(effort in effort(), layers in [layer(5), layer(5), layer(5)]) {
+    fn the_bound_of_a_print_is_not_above_its_optimum(effort in effort(), cost in cost(), layers in [layer(5), layer(5), layer(5)]) {
         let problems: Vec<_> = layers.iter().map(Layer::problem).collect();
-        let (bound, optimum) = (bound::print(&problems, effort), chained_optimum(&problems));
+        let (bound, optimum) = (bound::print(&problems, &cost, effort), chained_optimum(&problems, &cost));
         prop_assert!(bound <= optimum + ROUNDING_MM, "{bound} > {optimum}");
     }
 
     #[test]
-    fn the_bound_of_a_print_whose_links_have_directions_is_not_above_its_optimum(effort in effort(), layers in [ranked(5), ranked(5), ranked(5)]) {
+    fn the_bound_of_a_print_whose_links_have_directions_is_not_above_its_optimum(effort in effort(), cost in cost(), layers in [ranked(5), ranked(5), ranked(5)]) {
         let problems: Vec<_> = layers.iter().map(Layer::problem).collect();
-        let (bound, optimum) = (bound::print(&problems, effort), chained_optimum(&problems));
+        let (bound, optimum) = (bound::print(&problems, &cost, effort), chained_optimum(&problems, &cost));
         prop_assert!(bound <= optimum + ROUNDING_MM, "{bound} > {optimum}");
     }
 
     #[test]
-    fn a_share_holds_wherever_its_layer_is_entered(effort in effort(), layers in [layer(5).boxed(), ranked(5).boxed()], start in prop::option::of(point(REACH))) {
+    fn a_share_holds_wherever_its_layer_is_entered(effort in effort(), cost in cost(), layers in [layer(5).boxed(), ranked(5).boxed()], start in prop::option::of(point(REACH))) {
         let mut problems: Vec<_> = layers.iter().map(Layer::problem).collect();
-        let shares = bound::shares(&problems, effort, |n, chunk| (0..n).map(chunk).collect());
+        let shares = bound::shares(&problems, &cost, effort, |n, chunk| (0..n).map(chunk).collect());
         for (problem, share) in problems.iter_mut().zip(shares) {
             (problem.start, problem.end) = (start, None);
-            let (bound, optimum) = (share.layer_mm(start, None), optimum(problem));
+            let (bound, optimum) = (share.layer(&cost, start, None), cheapest(problem, &cost));
             prop_assert!(bound <= optimum + ROUNDING_MM, "{bound} > {optimum}");
         }
     }
@@ -138,9 +139,9 @@ proptest! {
     #![proptest_config(ProptestConfig { cases: 100, ..ProptestConfig::default() })]
 
     #[test]
-    fn the_bound_of_a_print_in_several_chunks_is_not_above_its_optimum(effort in effort(), layers in prop::collection::vec(layer(2), 30)) {
+    fn the_bound_of_a_print_in_several_chunks_is_not_above_its_optimum(effort in effort(), cost in cost(), layers in prop::collection::vec(layer(2), 30)) {
         let problems: Vec<_> = layers.iter().map(Layer::problem).collect();
-        let (bound, optimum) = (bound::print(&problems, effort), chained_optimum(&problems));
+        let (bound, optimum) = (bound::print(&problems, &cost, effort), chained_optimum(&problems, &cost));
         prop_assert!(bound <= optimum + ROUNDING_MM, "{bound} > {optimum}");
     }
 }

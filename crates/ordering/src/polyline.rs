@@ -107,7 +107,7 @@ pub fn order_watched(polylines: &[Polyline], options: &OrderOptions, watch: Watc
     let sequence = strategy(options.strategy).solve_knowing(&problem, &options.cost, options.effort, known);
     Ordered {
         length_mm: evaluate(&problem, &sequence, &Cost::Length),
-        bound_mm: options.certify.then(|| bound::layer(&problem, options.effort)),
+        bound_mm: options.certify.then(|| bound::layer(&problem, &Cost::Length, options.effort)),
         sequence,
     }
 }

@@ -50,7 +50,8 @@ def compare(
 
     Columns: ``strategy``, ``paths``, ``link_mm`` (straight lines between paths), ``bound_mm`` (no order is below it) and
     ``gap`` with ``certify=True``, ``travels``, ``travel_s``, ``took_s`` (processor time), and ``layers``, the same for each
-    layer. What begins in mid-air does not count as an error. Lengths count, unless ``settings`` name an ``order.cost``.
+    layer. What begins in mid-air does not count as an error. Lengths count, unless ``settings`` name an ``order.cost``; where
+    times do, there are ``bound_s`` and ``gap_s``, too.
 
     Raises as :func:`slice`.
     """

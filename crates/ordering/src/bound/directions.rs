@@ -2,7 +2,7 @@
 
 use super::arborescence::{Arc, cheapest};
 use super::link::Link;
-use super::model::{Model, link};
+use super::model::Model;
 use super::pricing::{Priced, Prices};
 
 /// The price of being where a walk begins, far above all others; it is taken off again.
@@ -83,15 +83,15 @@ impl Directions {
             improve(items[link.from as usize], items[link.to as usize], link);
         }
         for (p, &i) in items.iter().enumerate() {
-            let at = model.points[p];
             for (q, &j) in items.iter().enumerate().skip(p + 1) {
                 if self.run_of[i as usize] == self.run_of[j as usize] {
                     continue;
                 }
                 let [a, b] = [p, q].map(|point| model.owner[point]);
                 if !(prices.known)(a, b) && model.permits(i, j) {
-                    let cost =
-                        link(at, model.points[q]) + prices.weights[a as usize] + prices.weights[b as usize];
+                    let cost = model.price(p as u32, q as u32)
+                        + prices.weights[a as usize]
+                        + prices.weights[b as usize];
                     let cost = cost + (prices.both)(a, b);
                     improve(i, j, Priced { cost, from: p as u32, to: q as u32 });
                 }

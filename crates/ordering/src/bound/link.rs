@@ -5,8 +5,8 @@ use super::model::Model;
 /// A link between two terminals.
 #[derive(Clone, Copy)]
 pub(super) struct Link {
-    /// Length in fine units.
-    pub(super) length: i64,
+    /// In fine units.
+    pub(super) cost: i64,
     pub(super) a: u32,
     pub(super) b: u32,
     /// The tie at either end; 0: none.

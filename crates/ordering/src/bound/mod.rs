@@ -25,9 +25,10 @@ mod walks;
 
 use std::ops::Range;
 
+use super::cost::LinkCosts;
 use super::{Cost, Effort, LinkKind, Optimized, Problem, Sequence, Strategy, Visit, check};
 use ascent::ascend;
-use model::{Model, from_fine, link, price, to_mm};
+use model::{Model, from_fine, price};
 use pathwright_geometry::Point;
 use points::PricedPoints;
 #[cfg(feature = "highs")]
@@ -57,14 +58,16 @@ enum Beyond<'a> {
 
 impl Beyond<'_> {
     /// The points at the other end of the link; `below`: whether a layer is left there, not entered.
-    fn points(&self, below: bool) -> Option<PricedPoints> {
+    fn points(&self, below: bool, cost: &Cost) -> Option<PricedPoints> {
         let points = match self {
             Self::Anything => return None,
             Self::At(at) => vec![(*at, 0)],
-            Self::Layer(problem) => Model::new(problem).ends(usize::from(below)).map(|p| (p, 0)).collect(),
+            Self::Layer(problem) => {
+                Model::new(problem, cost).ends(usize::from(below)).map(|p| (p, 0)).collect()
+            }
             Self::Share(share) => share.ends[usize::from(below)].clone(),
         };
-        Some(PricedPoints::new(points))
+        Some(PricedPoints::new(points, LinkCosts::from(*cost)))
     }
 }
 
@@ -72,6 +75,7 @@ impl Beyond<'_> {
 struct Climber<'a> {
     problem: &'a Problem<'a>,
     model: &'a Model,
+    cost: &'a Cost,
     #[cfg(feature = "highs")]
     effort: Effort,
     /// A solution.
@@ -94,13 +98,20 @@ const CLOSE: f64 = 0.3;
 const ENOUGH: i64 = 200;
 
 impl<'a> Climber<'a> {
-    fn new(problem: &'a Problem<'a>, model: &'a Model, effort: Effort, limited: bool) -> Self {
-        let solved = Optimized.solve(problem, &Cost::Length, Effort::Fast);
+    fn new(
+        problem: &'a Problem<'a>,
+        model: &'a Model,
+        cost: &'a Cost,
+        effort: Effort,
+        limited: bool,
+    ) -> Self {
+        let solved = Optimized.solve(problem, cost, Effort::Fast);
         let budget = if limited { Budget::limited(effort) } else { Budget::new(effort) };
-        let walks = Walks::new(model, Cost::Length, half_links(problem, &solved, &Cost::Length), budget);
+        let walks = Walks::new(model, half_links(problem, &solved, cost), budget);
         Self {
             problem,
             model,
+            cost,
             #[cfg(feature = "highs")]
             effort,
             solved,
@@ -114,17 +125,17 @@ impl<'a> Climber<'a> {
     /// many times more.
     #[cfg_attr(not(feature = "highs"), expect(unused_variables))]
     fn climb(&mut self, below: &Beyond, above: &Beyond, down: bool, is_last: bool) -> Share {
-        let ends = [below.points(true), above.points(false)];
-        let lengths = (0..).zip(&ends).filter_map(|(side, points)| Some((side, points.as_ref()?)));
+        let ends = [below.points(true, self.cost), above.points(false, self.cost)];
+        let costs = (0..).zip(&ends).filter_map(|(side, points)| Some((side, points.as_ref()?)));
         let beyond = |side: usize, p| ends[side].as_ref().map_or(0, |points| points.nearest(p));
-        let links: i64 = prices(self.problem, &self.solved, &Cost::Length).sum();
+        let links: i64 = prices(self.problem, &self.solved, self.cost).sum();
         let solved = links + outer(self.problem, &self.solved, beyond);
         let limit =
             self.limited.then_some(solved + 1 + MARGIN * solved.max(0) / self.problem.items.len() as i64);
         let mut walked = None;
         let mut is_close = false;
         if let Some(walks) = &mut self.walks {
-            lengths.clone().for_each(|(side, points)| walks.measure(side, |p| points.nearest(p)));
+            costs.clone().for_each(|(side, points)| walks.measure(side, |p| points.nearest(p)));
             walks.climb(limit);
             walked = Some((walks.bound, walks.closed));
             is_close = walks.closed
@@ -133,7 +144,7 @@ impl<'a> Climber<'a> {
         let mut best: Option<(i64, Settled)> = None;
         #[cfg(feature = "highs")]
         if is_last && walked.is_none_or(|(bound, is_closed)| !is_closed && solved - bound > links / ENOUGH) {
-            best = program::Climb::new(self.problem, &ends, self.effort).best().map(|found| {
+            best = program::Climb::new(self.problem, self.cost, &ends, self.effort).best().map(|found| {
                 is_close |= found.is_final;
                 (found.bound, found.settled)
             });
@@ -141,7 +152,7 @@ impl<'a> Climber<'a> {
         if !is_close {
             let (relaxation, multipliers) =
                 self.tree.get_or_insert_with(|| (Relaxation::new(self.model), None));
-            lengths.for_each(|(side, points)| relaxation.measure(side, |p| points.nearest(p)));
+            costs.for_each(|(side, points)| relaxation.measure(side, |p| points.nearest(p)));
             let (bound, found) = ascend(relaxation, multipliers.take());
             if best.as_ref().is_none_or(|best| best.0 <= bound) {
                 best = Some((bound, relaxation.settle(bound, &found)));
@@ -164,43 +175,46 @@ impl Share {
     }
 
     /// The least price of a link in or out, from or to a point that may be unknown.
-    fn end_price(&self, side: usize, point: Option<Point>) -> i64 {
-        let price = |&(p, pay): &(Point, i64)| pay + point.map_or(0, |point| link(point, p));
-        self.ends[side].iter().map(price).min().unwrap_or(0)
+    fn end_price(&self, side: usize, point: Option<Point>, cost: &Cost) -> i64 {
+        let costs = LinkCosts::from(*cost);
+        let link = |p: Point| point.map_or(0, |point| price(&costs, point, p, LinkKind::UP));
+        self.ends[side].iter().map(|&(p, pay)| pay + link(p)).min().unwrap_or(0)
     }
 
     /// What layers one after the other cost at least, with the links to what lies below and above.
-    fn chain(layers: &[&Self], ends: &[Option<PricedPoints>; 2]) -> i64 {
+    fn chain(layers: &[&Self], ends: &[Option<PricedPoints>; 2], cost: &Cost) -> i64 {
         let (Some(first), Some(last)) = (layers.first(), layers.last()) else { return 0 };
         let end = |side: usize, share: &Self| {
             let link = |p: Point| ends[side].as_ref().map_or(0, |points| points.nearest(p));
             share.ends[side].iter().map(|&(p, pay)| link(p) + pay).min().unwrap_or(0)
         };
         let inner: i64 = layers.iter().map(|share| share.inner).sum();
-        let between: i64 = layers.windows(2).map(|pair| pair[0].link_to(pair[1])).sum();
+        let between: i64 = layers.windows(2).map(|pair| pair[0].link_to(pair[1], cost)).sum();
         end(0, first) + inner + between + end(1, last)
     }
 
     /// The least price of the link from this layer to the next.
-    fn link_to(&self, next: &Self) -> i64 {
-        let points = PricedPoints::new(self.ends[1].clone());
+    fn link_to(&self, next: &Self, cost: &Cost) -> i64 {
+        let points = PricedPoints::new(self.ends[1].clone(), LinkCosts::from(*cost));
         next.ends[0].iter().map(|&(p, pay)| points.nearest(p) + pay).min().unwrap_or(0)
     }
 
-    /// A length in millimetres that the layer's links cannot stay below, entered from `start` and left for `end`, where these
-    /// are known.
-    pub fn layer_mm(&self, start: Option<Point>, end: Option<Point>) -> f64 {
-        to_mm((self.inner + self.end_price(0, start) + self.end_price(1, end)).max(0))
+    /// What the layer's links cannot cost less than, entered from `start` and left for `end`, where these are known: millimetres
+    /// or seconds, by the cost with which the share was found.
+    pub fn layer(&self, cost: &Cost, start: Option<Point>, end: Option<Point>) -> f64 {
+        let ends = self.end_price(0, start, cost) + self.end_price(1, end, cost);
+        from_fine(cost, (self.inner + ends).max(0))
     }
 
-    /// A length in millimetres that the links of a whole print cannot stay below, however its layers are ordered and wherever
-    /// they begin and end. Layers without paths are passed over.
-    pub fn print_mm(layers: &[Self], start: Option<Point>, end: Option<Point>) -> f64 {
+    /// What the links of a whole print cannot cost less than, however its layers are ordered and wherever they begin and end.
+    /// Layers without paths are passed over. A link between layers is of [`LinkKind::UP`].
+    pub fn print(layers: &[Self], cost: &Cost, start: Option<Point>, end: Option<Point>) -> f64 {
         let layers: Vec<&Self> = layers.iter().filter(|share| !share.is_empty()).collect();
         let (Some(first), Some(last)) = (layers.first(), layers.last()) else { return 0.0 };
         let inner: i64 = layers.iter().map(|share| share.inner).sum();
-        let between: i64 = layers.windows(2).map(|pair| pair[0].link_to(pair[1])).sum();
-        to_mm((first.end_price(0, start) + inner + between + last.end_price(1, end)).max(0))
+        let between: i64 = layers.windows(2).map(|pair| pair[0].link_to(pair[1], cost)).sum();
+        let ends = first.end_price(0, start, cost) + last.end_price(1, end, cost);
+        from_fine(cost, (ends + inner + between).max(0))
     }
 }
 
@@ -219,6 +233,7 @@ const PASSES: usize = 6;
 /// then those between. `map(n, f)` gives f(0), …, f(n − 1) and may call them in any order.
 pub fn shares(
     layers: &[Problem],
+    cost: &Cost,
     effort: Effort,
     map: impl Fn(usize, &(dyn Fn(usize) -> Vec<Share> + Sync)) -> Vec<Vec<Share>>,
 ) -> Vec<Share> {
@@ -227,7 +242,8 @@ pub fn shares(
     let mut known: Vec<Option<Share>> = vec![None; used.len()];
     let chunks = used.len().div_ceil(CHUNK);
     for turn in 0..2 {
-        let done = map((chunks + 1 - turn) / 2, &|k| chunk(&used, &known, (2 * k + turn) * CHUNK, effort));
+        let done =
+            map((chunks + 1 - turn) / 2, &|k| chunk(&used, &known, (2 * k + turn) * CHUNK, cost, effort));
         for (k, shares) in done.into_iter().enumerate() {
             let first = (2 * k + turn) * CHUNK;
             known[first..first + shares.len()]
@@ -242,12 +258,18 @@ pub fn shares(
 }
 
 /// The shares of one chunk of layers, the first of which is given, none without paths: up and down, several times.
-fn chunk(layers: &[&Problem], known: &[Option<Share>], first: usize, effort: Effort) -> Vec<Share> {
+fn chunk(
+    layers: &[&Problem],
+    known: &[Option<Share>],
+    first: usize,
+    cost: &Cost,
+    effort: Effort,
+) -> Vec<Share> {
     let last = (first + CHUNK).min(layers.len());
-    let models: Vec<Model> = layers[first..last].iter().map(|problem| Model::new(problem)).collect();
+    let models: Vec<Model> = layers[first..last].iter().map(|problem| Model::new(problem, cost)).collect();
     // Free loops take several times as long, and what they lose is lost elsewhere.
     let passes = if models.iter().any(Model::has_pieces) { 1 } else { PASSES };
-    let layer = |(problem, model)| Climber::new(problem, model, effort, passes == 1);
+    let layer = |(problem, model)| Climber::new(problem, model, cost, effort, passes == 1);
     let mut climbers: Vec<Climber> = layers[first..last].iter().copied().zip(&models).map(layer).collect();
     let mut done: Vec<Option<Share>> = vec![None; last - first];
     for pass in 0..passes {
@@ -260,18 +282,18 @@ fn chunk(layers: &[&Problem], known: &[Option<Share>], first: usize, effort: Eff
     }
     for stack in stack::stacks(&layers[first..last], |at| climbers[at].walks.is_some()) {
         let problems = &layers[first..last][stack.clone()];
-        let model = Model::new(&stack::stacked(problems));
+        let model = Model::new(&stack::stacked(problems), cost);
         let parts: Vec<&Walks> =
             climbers[stack.clone()].iter().filter_map(|climber| climber.walks.as_ref()).collect();
         let Some(mut walks) = Walks::joined(&model, &parts, Budget::new(effort)) else { continue };
         let [below, above] = around(layers, known, (first, &done), first + stack.start..first + stack.end);
-        let ends = [below.points(true), above.points(false)];
+        let ends = [below.points(true, cost), above.points(false, cost)];
         for (side, points) in (0..).zip(&ends).filter_map(|(side, points)| Some((side, points.as_ref()?))) {
             walks.measure(side, |p| points.nearest(p));
         }
         walks.climb(None);
         let old: Vec<&Share> = done[stack.clone()].iter().flatten().collect();
-        if walks.bound > Share::chain(&old, &ends) {
+        if walks.bound > Share::chain(&old, &ends, cost) {
             for (at, settled) in stack.zip(walks.settle(false)) {
                 done[at] = Some(Share::of(settled));
             }
@@ -299,9 +321,9 @@ fn around<'a>(
     [below, beyond(some.end, layers[some.end - 1].end)]
 }
 
-/// A length in millimetres that the links of no solution of the problem can stay below.
-pub fn layer(problem: &Problem, effort: Effort) -> f64 {
-    print(std::slice::from_ref(problem), effort)
+/// What the links of no solution of the problem can cost less than: millimetres or seconds.
+pub fn layer(problem: &Problem, cost: &Cost, effort: Effort) -> f64 {
+    print(std::slice::from_ref(problem), cost, effort)
 }
 
 /// What relaxed walks say of a layer.
@@ -321,44 +343,44 @@ pub fn by_walks(problem: &Problem, solved: &[Visit], cost: &Cost, effort: Effort
     let entries = |item: u32| problem.items[item as usize].shape.entries().len() as u32;
     let permitted = |visit: &Visit| Visit { entry: visit.entry.min(entries(visit.item) - 1), ..*visit };
     let solved = &solved.iter().map(permitted).collect::<Vec<_>>();
-    let model = Model::new(problem);
-    let mut walks = Walks::new(&model, *cost, half_links(problem, solved, cost), Budget::limited(effort))?;
-    let ends = [problem.start, problem.end];
-    let beyond = |side: usize, p: Point| ends[side].map_or(0, |end| price(cost, end, p, LinkKind::UP));
+    let model = Model::new(problem, cost);
+    let mut walks = Walks::new(&model, half_links(problem, solved, cost), Budget::limited(effort))?;
+    let (costs, ends) = (LinkCosts::from(*cost), [problem.start, problem.end]);
+    let beyond = |side: usize, p: Point| ends[side].map_or(0, |end| price(&costs, end, p, LinkKind::UP));
     [0, 1].into_iter().for_each(|side| walks.measure(side, |p| beyond(side, p)));
     walks.climb(Some(prices(problem, solved, cost).sum::<i64>() + outer(problem, solved, beyond)));
     let better = walks.solution().filter(|order| check(problem, order).is_ok());
     Some(Proof { bound: from_fine(cost, walks.bound.max(0)), better })
 }
 
-/// A length in millimetres that the links of no solution of the problem can stay below, as a linear program says; `None` if nothing
-/// may be spent on it, or its solver fails.
+/// What the links of no solution of the problem can cost less than, as a linear program says: millimetres or seconds; `None` if
+/// nothing may be spent on it, or its solver fails.
 #[cfg(feature = "highs")]
-pub fn by_program(problem: &Problem, effort: Effort) -> Option<f64> {
-    let ends = beyond(problem);
-    let best = program::Climb::new(problem, &ends, effort).best()?;
-    Some(to_mm(best.bound.max(0)))
+pub fn by_program(problem: &Problem, cost: &Cost, effort: Effort) -> Option<f64> {
+    let ends = beyond(problem, cost);
+    let best = program::Climb::new(problem, cost, &ends, effort).best()?;
+    Some(from_fine(cost, best.bound.max(0)))
 }
 
-/// As [`by_program`], with all that the bound follows from; `None` also where precedence orders paths.
+/// As [`by_program`] of lengths, with all that the bound follows from; `None` also where precedence orders paths.
 #[cfg(feature = "highs")]
 pub fn certificate(problem: &Problem, effort: Effort) -> Option<Certificate> {
-    let ends = beyond(problem);
-    let climb = program::Climb::new(problem, &ends, effort);
+    let ends = beyond(problem, &Cost::Length);
+    let climb = program::Climb::new(problem, &Cost::Length, &ends, effort);
     climb.certified([problem.start, problem.end]).best()?.certificate
 }
 
 /// Where the problem's walks come from and go to.
 #[cfg(feature = "highs")]
-fn beyond(problem: &Problem) -> [Option<PricedPoints>; 2] {
-    [problem.start, problem.end].map(|end| end.map_or(Beyond::Anything, Beyond::At).points(true))
+fn beyond(problem: &Problem, cost: &Cost) -> [Option<PricedPoints>; 2] {
+    [problem.start, problem.end].map(|end| end.map_or(Beyond::Anything, Beyond::At).points(true, cost))
 }
 
-/// A length in millimetres that the links of a whole print cannot stay below; see [`shares`] and [`Share::print_mm`].
-pub fn print(layers: &[Problem], effort: Effort) -> f64 {
-    let shares = shares(layers, effort, |n, chunk| (0..n).map(chunk).collect());
+/// What the links of a whole print cannot cost less than: millimetres or seconds; see [`shares`] and [`Share::print`].
+pub fn print(layers: &[Problem], cost: &Cost, effort: Effort) -> f64 {
+    let shares = shares(layers, cost, effort, |n, chunk| (0..n).map(chunk).collect());
     let mut used = layers.iter().filter(|layer| !layer.items.is_empty());
     let start = used.next().and_then(|first| first.start);
     let end = layers.iter().rfind(|layer| !layer.items.is_empty()).and_then(|last| last.end);
-    Share::print_mm(&shares, start, end)
+    Share::print(&shares, cost, start, end)
 }

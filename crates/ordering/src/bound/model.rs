@@ -1,6 +1,6 @@
 //! What the relaxation knows of a layer: terminals at which links may end, and which links precedence permits.
 
-use super::super::cost::Place;
+use super::super::cost::{LinkCosts, Place};
 use super::super::{Cost, LinkKind, Problem, Shape};
 use crate::options::Scope;
 use pathwright_geometry::{Point, UNITS_PER_MM};
@@ -52,10 +52,18 @@ pub(super) fn link(a: Point, b: Point) -> i64 {
 const FINE_S: f64 = 1e9;
 
 /// Cost of a link in fine units, rounded down: of a time, nanoseconds, of which more is taken off than its computation errs.
-pub(super) fn price(cost: &Cost, a: Point, b: Point, kind: LinkKind) -> i64 {
+pub(super) fn price(cost: &LinkCosts, a: Point, b: Point, kind: LinkKind) -> i64 {
     match cost {
-        Cost::Length => link(a, b),
-        Cost::Time(time) => ((time.of(a.distance_mm(b), kind) * FINE_S - 1.0) as i64).max(0),
+        LinkCosts::Length => link(a, b),
+        LinkCosts::Time(time) => ((time.of(a.distance_mm(b), kind) * FINE_S - 1.0) as i64).max(0),
+    }
+}
+
+/// The least that a link can cost, in fine units, which is as long as this or one grid unit shorter, for rounding.
+pub(super) fn least_price(cost: &LinkCosts, units: f64) -> i64 {
+    match cost {
+        LinkCosts::Length => fine(units) - 1,
+        LinkCosts::Time(_) => (cost.least((units - 1.0).max(0.0) / UNITS_PER_MM) * FINE_S - 2.0) as i64,
     }
 }
 
@@ -122,15 +130,17 @@ pub(super) struct Model {
     pub(super) terminals: Vec<Terminal>,
     pub(super) bodies: Vec<Body>,
     pub(super) scope: Scope,
+    /// What its links cost.
+    pub(super) cost: LinkCosts,
     stages: u32,
 }
 
 impl Model {
-    pub(super) fn new(problem: &Problem) -> Self {
-        Self::of_pieces(problem, &pieces(problem, |_| PIECES))
+    pub(super) fn new(problem: &Problem, cost: &Cost) -> Self {
+        Self::of_pieces(problem, cost, &pieces(problem, |_| PIECES))
     }
 
-    pub(super) fn of_pieces(problem: &Problem, pieces: &Pieces) -> Self {
+    pub(super) fn of_pieces(problem: &Problem, cost: &Cost, pieces: &Pieces) -> Self {
         let sorted = |mut values: Vec<(u32, u32, u32)>| {
             values.sort_unstable();
             values.dedup();
@@ -145,6 +155,7 @@ impl Model {
             terminals: Vec::new(),
             bodies: Vec::with_capacity(problem.items.len()),
             scope: problem.scope,
+            cost: LinkCosts::from(*cost),
             stages: stages.len() as u32,
         };
         for ((item, run), pieces) in problem.items.iter().zip(&used).zip(pieces) {
@@ -196,10 +207,21 @@ impl Model {
         &self.points[first as usize..last as usize]
     }
 
-    /// A lower bound on the length of a link between two terminals, in fine units: that of their nearest points.
-    pub(super) fn shortest(&self, a: u32, b: u32) -> i64 {
+    /// The least cost of a link between two terminals, in fine units: that between their nearest points.
+    pub(super) fn cheapest(&self, a: u32, b: u32) -> i64 {
         let (p, q) = self.nearest(a, b);
-        fine((self.points[p as usize].distance2(self.points[q as usize]) as f64).sqrt()).max(0)
+        self.price(p, q)
+    }
+
+    /// Cost of a link between two points, in fine units.
+    pub(super) fn price(&self, p: u32, q: u32) -> i64 {
+        let [a, b] = [p, q].map(|point| self.points[point as usize]);
+        match self.cost {
+            LinkCosts::Length => link(a, b),
+            LinkCosts::Time(_) => {
+                price(&self.cost, a, b, self.kind(self.item_of_point(p), self.item_of_point(q)))
+            }
+        }
     }
 
     /// The nearest points of two terminals.

@@ -1,7 +1,7 @@
 //! The cheapest tree over *all* links under given multipliers, by spatial search.
 
 use super::super::matching::KdTree;
-use super::model::{DEPTHS, Model, fine, link};
+use super::model::{DEPTHS, Model, least_price};
 use pathwright_geometry::DisjointSets;
 
 /// A set of sibling groups: everything in one parent, to be joined into one.
@@ -25,7 +25,7 @@ pub(super) struct Prices<'a> {
     pub(super) listed: [Vec<Priced>; DEPTHS],
     /// Whether the link of two terminals is listed.
     pub(super) known: &'a dyn Fn(u32, u32) -> bool,
-    /// All other links cost their length, this at each terminal,
+    /// All other links cost what they do by themselves, this at each terminal,
     pub(super) weights: &'a [i64],
     /// and this, never negative, for what the two terminals share.
     pub(super) both: &'a dyn Fn(u32, u32) -> i64,
@@ -115,8 +115,9 @@ impl<'a> Pricing<'a> {
                 let enter = |best: &Option<Priced>, node: usize, distance: f64| {
                     common[node] != Common::One(own_part)
                         && common[node] != Common::Empty
-                        // One less, for the rounding of the distance to a box.
-                        && best.is_none_or(|best| fine(distance) - 1 + own + lowest[node] <= best.cost)
+                        && best.is_none_or(|best| {
+                            least_price(&model.cost, distance) + own + lowest[node] <= best.cost
+                        })
                 };
                 family.tree.search(at, &mut best[own_part as usize], &enter, &mut |best, other| {
                     let other = other as usize;
@@ -124,7 +125,7 @@ impl<'a> Pricing<'a> {
                     if part[other] == own_part {
                         return;
                     }
-                    let cost = link(at, model.points[to as usize]) + own + prices.weights[far as usize];
+                    let cost = model.price(from, to) + own + prices.weights[far as usize];
                     if best.is_none_or(|best| cost <= best.cost)
                         && model.permits(items[k], items[other])
                         && !(prices.known)(terminal, far)

@@ -35,7 +35,7 @@ pub(super) struct WalkEnd {
     pub(super) terminal: u32,
     pub(super) tie: u32,
     /// Of the link there, in fine units.
-    pub(super) length: i64,
+    pub(super) cost: i64,
     /// Cuts that hold both this and the start: a piece of the list of all shared cuts.
     shared: (u32, u32),
     /// Trees since the last look that used it.
@@ -102,7 +102,7 @@ impl<'a> Relaxation<'a> {
                     relaxation.walk_ends[side].extend((body.first..body.last).map(|terminal| WalkEnd {
                         terminal,
                         tie: tie(block, terminal - body.first),
-                        length: 0,
+                        cost: 0,
                         shared: (0, 0),
                         used: 0,
                     }));
@@ -122,11 +122,11 @@ impl<'a> Relaxation<'a> {
         }
     }
 
-    /// Makes the link from where the walk comes from (0) or to where it continues (1) part of the bound; `length` is the
+    /// Makes the link from where the walk comes from (0) or to where it continues (1) part of the bound; `cost` is the
     /// least for a point.
-    pub(super) fn measure(&mut self, side: usize, length: impl Fn(Point) -> i64) {
+    pub(super) fn measure(&mut self, side: usize, cost: impl Fn(Point) -> i64) {
         for end in &mut self.walk_ends[side] {
-            end.length = self.model.points_of(end.terminal).iter().map(|&p| length(p)).min().unwrap_or(0);
+            end.cost = self.model.points_of(end.terminal).iter().map(|&p| cost(p)).min().unwrap_or(0);
         }
     }
 
@@ -171,7 +171,7 @@ impl<'a> Relaxation<'a> {
         let few = one.len() <= 2 && other.len() <= 2;
         for (from, to) in [(one.clone(), other.clone()), (other, one)] {
             for a in from {
-                let nearest = to.clone().min_by_key(|&b| (model.shortest(a, b), b));
+                let nearest = to.clone().min_by_key(|&b| (model.cheapest(a, b), b));
                 to.clone().filter(|&b| few || nearest == Some(b)).for_each(|b| self.add_link(a, b));
             }
         }
@@ -188,7 +188,7 @@ impl<'a> Relaxation<'a> {
         let first = self.shared.len() as u32;
         self.shared.extend(self.cuts.shared(a, b));
         self.links[model.depth(i, j)].push(Link {
-            length: model.shortest(a, b),
+            cost: model.cheapest(a, b),
             a,
             b,
             ties: [
@@ -310,7 +310,7 @@ impl<'a> Relaxation<'a> {
         own.iter().enumerate().map(|(k, node)| (2 * node + ties(k) - guarded(k), k)).max().unwrap_or((0, 0))
     }
 
-    /// What the link into or out of the layer pays besides its length.
+    /// What the link into or out of the layer pays besides its cost.
     fn pays(&self, side: usize, end: &WalkEnd, weights: &[i64], multipliers: &Multipliers) -> i64 {
         let run = self.run_of(end).map_or(0, |run| multipliers.runs[run][side]);
         let own = weights[end.terminal as usize] + multipliers.ties[end.tie as usize] + run;
@@ -334,7 +334,7 @@ impl<'a> Relaxation<'a> {
 
     /// The cheapest end: its price and its number.
     fn cheapest(&self, side: usize, weights: &[i64], multipliers: &Multipliers) -> Option<(i64, usize)> {
-        let price = |end: &WalkEnd| end.length + self.pays(side, end, weights, multipliers);
+        let price = |end: &WalkEnd| end.cost + self.pays(side, end, weights, multipliers);
         self.walk_ends[side].iter().map(price).zip(0..).min()
     }
 
@@ -513,9 +513,9 @@ fn tie(block: u32, piece: u32) -> u32 {
     if block == 0 { 0 } else { block + piece }
 }
 
-/// A listed link's length and all that it pays.
+/// A listed link's cost and all that it pays.
 fn price(link: &Link, weights: &[i64], multipliers: &Multipliers, shared: &[u32]) -> i64 {
     let both: i64 = link.shared(shared).iter().map(|&cut| multipliers.cuts[cut as usize]).sum();
     let ties: i64 = link.ties.iter().map(|&tie| multipliers.ties[tie as usize]).sum();
-    link.length + weights[link.a as usize] + weights[link.b as usize] + 2 * both + ties
+    link.cost + weights[link.a as usize] + weights[link.b as usize] + 2 * both + ties
 }

@@ -1,6 +1,7 @@
 //! What the links of a solution cost, in fine units.
 
 use super::model::price;
+use crate::cost::LinkCosts;
 use crate::{Cost, LinkKind, Problem, Visit};
 use pathwright_geometry::Point;
 
@@ -15,11 +16,12 @@ pub(super) fn half_links(problem: &Problem, order: &[Visit], cost: &Cost) -> Vec
 
 /// Cost of the links between the paths of a solution, in fine units, each rounded down.
 pub(super) fn prices(problem: &Problem, order: &[Visit], cost: &Cost) -> impl Iterator<Item = i64> {
+    let costs = LinkCosts::from(*cost);
     order.windows(2).map(move |visits| {
         let [a, b] = [0, 1].map(|k| &problem.items[visits[k].item as usize]);
         let [from, to] = [a, b].map(|item| &problem.runs[item.run as usize]);
         let kind = LinkKind::between(from, to);
-        price(cost, a.ends(visits[0].entry).1, b.ends(visits[1].entry).0, kind)
+        price(&costs, a.ends(visits[0].entry).1, b.ends(visits[1].entry).0, kind)
     })
 }
 

@@ -37,11 +37,18 @@ pub(super) fn stacks(layers: &[&Problem], may: impl Fn(usize) -> bool) -> Vec<Ra
 /// Layers as one problem, in which the stages of each come after those of the one below.
 pub(super) fn stacked<'a>(layers: &[&Problem<'a>]) -> Problem<'a> {
     let stages = layers.iter().flat_map(|layer| &layer.runs).map(|run| run.stage + 1).max().unwrap_or(0);
+    let islands = layers.iter().flat_map(|layer| layer.runs.iter().map(|run| run.island));
+    let mut islands: Vec<u32> = islands.collect();
+    islands.sort_unstable();
+    islands.dedup();
     let (mut items, mut runs) = (Vec::new(), Vec::new());
     for (number, layer) in (0..).zip(layers) {
         let first = runs.len() as u32;
         runs.extend(layer.runs.iter().map(|run| Run {
             stage: run.stage + stages * number,
+            // No link between layers stays inside an island.
+            island: (islands.partition_point(|&island| island < run.island) + islands.len() * number as usize)
+                as u32,
             layer: number,
             ..*run
         }));

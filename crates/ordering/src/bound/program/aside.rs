@@ -28,7 +28,7 @@ impl Aside {
         let mut near: Vec<Option<(i64, u32)>> = vec![None; touched.len()];
         for link in relaxation.links.iter().flatten() {
             for (t, other) in [(link.a, link.b), (link.b, link.a)] {
-                let found = (link.length, other);
+                let found = (link.cost, other);
                 if !touched[t as usize]
                     && touched[other as usize]
                     && near[t as usize].is_none_or(|at| found < at)
@@ -47,7 +47,7 @@ impl Aside {
                 (body.first..body.last).partition(|&t| self.touched[t as usize]);
             let inside = touched.iter().filter(|&&t| is_in[t as usize]).count();
             for t in others {
-                let beside = || touched.iter().copied().min_by_key(|&other| model.shortest(t, other));
+                let beside = || touched.iter().copied().min_by_key(|&other| model.cheapest(t, other));
                 is_in[t as usize] = match inside {
                     0 => false,
                     all if all == touched.len() => true,

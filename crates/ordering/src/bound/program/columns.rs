@@ -45,7 +45,7 @@ pub(super) fn missing(
                     if least >= 0 || relaxation.is_known(a, b) {
                         continue;
                     }
-                    let least = least + model.shortest(a, b);
+                    let least = least + model.cheapest(a, b);
                     if least >= 0 {
                         continue;
                     }

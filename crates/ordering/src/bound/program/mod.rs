@@ -48,7 +48,7 @@ fn work(effort: Effort) -> i64 {
     match effort {
         Effort::Fast => 0,
         Effort::Normal => 100_000,
-        Effort::High => 1_600_000,
+        Effort::High => 400_000,
     }
 }
 
@@ -65,6 +65,7 @@ pub(super) struct Best {
 /// A layer between what lies below and above, and a solution with its cost.
 pub(super) struct Climb<'a> {
     problem: &'a Problem<'a>,
+    cost: &'a Cost,
     ends: &'a [Option<PricedPoints>; 2],
     order: Vec<Visit>,
     limit: i64,
@@ -75,11 +76,24 @@ pub(super) struct Climb<'a> {
 }
 
 impl<'a> Climb<'a> {
-    pub(super) fn new(problem: &'a Problem, ends: &'a [Option<PricedPoints>; 2], effort: Effort) -> Self {
-        let order = Optimized.solve(problem, &Cost::Length, Effort::Normal);
+    pub(super) fn new(
+        problem: &'a Problem,
+        cost: &'a Cost,
+        ends: &'a [Option<PricedPoints>; 2],
+        effort: Effort,
+    ) -> Self {
+        let order = Optimized.solve(problem, cost, Effort::Normal);
         let beyond = |side: usize, p| ends[side].as_ref().map_or(0, |points| points.nearest(p));
-        let limit = prices(problem, &order, &Cost::Length).sum::<i64>() + outer(problem, &order, beyond);
-        Self { problem, ends, order, limit, work: work(effort) * problem.items.len() as i64, certified: None }
+        let limit = prices(problem, &order, cost).sum::<i64>() + outer(problem, &order, beyond);
+        Self {
+            problem,
+            cost,
+            ends,
+            order,
+            limit,
+            work: work(effort) * problem.items.len() as i64,
+            certified: None,
+        }
     }
 
     /// Asks for a certificate, for these ends.
@@ -93,12 +107,13 @@ impl<'a> Climb<'a> {
             return None;
         }
         let mut best = None;
-        let link_mm = to_mm(self.limit.max(1)) / self.problem.items.len() as f64;
+        let links: i64 = prices(self.problem, &self.order, &Cost::Length).sum();
+        let link_mm = to_mm(links.max(1)) / self.problem.items.len() as f64;
         let count = |loop_mm: f64| ((loop_mm / (LONG * link_mm)) as usize).clamp(PIECES, MOST_PIECES);
         let mut pieces = pieces(self.problem, count);
         let mut carried = None;
         for _ in 0..REFINEMENTS {
-            let model = Model::of_pieces(self.problem, &pieces);
+            let model = Model::of_pieces(self.problem, self.cost, &pieces);
             let (relaxation, rows) = self.begin(&model, carried.take());
             let Some(finer) = self.solve(relaxation, rows, &pieces, &mut best, &mut carried) else { break };
             pieces = finer;

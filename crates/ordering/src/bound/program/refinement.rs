@@ -105,7 +105,7 @@ impl Carried {
             let [one, other] = [a, b].map(|t| self.parts[t as usize].clone());
             for (from, to) in [(one.clone(), other.clone()), (other, one)] {
                 for t in from {
-                    let nearest = to.clone().min_by_key(|&other| (model.shortest(t, other), other));
+                    let nearest = to.clone().min_by_key(|&other| (model.cheapest(t, other), other));
                     nearest.into_iter().for_each(|nearest| relaxation.add_link(t, nearest));
                 }
             }

@@ -134,7 +134,7 @@ impl Program {
             for end in walk_ends {
                 let run = relaxation.run_of(end).map(|run| runs[run][side]);
                 let lines = [nodes[end.terminal as usize], sides[side]].into_iter().chain(run);
-                ends[side].push(simplex.add_col(to_mm(end.length), 0.0.., lines.map(|line| line.times(1.0))));
+                ends[side].push(simplex.add_col(to_mm(end.cost), 0.0.., lines.map(|line| line.times(1.0))));
             }
         }
         Self {
@@ -216,7 +216,7 @@ impl Program {
             for link in &links[self.links[depth].len()..] {
                 let factors = self.factors(relaxation, rows, depth, link);
                 let mut add = |more: &[(Row, f64)]| {
-                    simplex.add_col(to_mm(link.length), 0.0.., factors.iter().chain(more).copied())
+                    simplex.add_col(to_mm(link.cost), 0.0.., factors.iter().chain(more).copied())
                 };
                 let cols = match relaxation.directions.as_ref().filter(|_| depth == RUNS) {
                     None => vec![add(&[])],

@@ -13,7 +13,7 @@ mod poses;
 mod states;
 
 use super::model::Model;
-use crate::{Cost, Sequence, Visit};
+use crate::{Sequence, Visit};
 use blocks::Blocks;
 pub(super) use blocks::MOST;
 use blocks::Set;
@@ -56,10 +56,10 @@ pub(super) type Settled = (i64, [Vec<(Point, i64)>; 2]);
 impl<'a> Walks<'a> {
     /// Links at both ends of walks cost nothing until [`Self::measure`]. `multipliers` are a first guess. `None` if there are too many
     /// walks to look at.
-    pub(super) fn new(model: &'a Model, cost: Cost, multipliers: Vec<i64>, budget: Budget) -> Option<Self> {
+    pub(super) fn new(model: &'a Model, multipliers: Vec<i64>, budget: Budget) -> Option<Self> {
         let layer_of = vec![0; model.bodies.len()];
         let blocks = Blocks::new(model, &layer_of, budget.memories, budget.turns)?;
-        let poses = Poses::new(model, cost, budget.vertices)?;
+        let poses = Poses::new(model, budget.vertices)?;
         let remembered = remembered(&blocks, &poses, model.bodies.len());
         let states = States::new(&blocks, &remembered, budget.pairs)?;
         let points = model.points.len();
@@ -117,10 +117,10 @@ impl<'a> Walks<'a> {
         })
     }
 
-    /// Makes the link from where the walk comes from (0) or to where it continues (1) part of the bound; `length` is the
+    /// Makes the link from where the walk comes from (0) or to where it continues (1) part of the bound; `cost` is the
     /// least for a point.
-    pub(super) fn measure(&mut self, side: usize, length: impl Fn(Point) -> i64) {
-        self.links[side] = self.model.points.iter().map(|&p| length(p)).collect();
+    pub(super) fn measure(&mut self, side: usize, cost: impl Fn(Point) -> i64) {
+        self.links[side] = self.model.points.iter().map(|&p| cost(p)).collect();
     }
 
     /// The cheapest walk as a solution, if it draws everything once and leaves every loop where it is entered.

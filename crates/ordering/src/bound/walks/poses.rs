@@ -1,7 +1,6 @@
 //! How each path can be drawn: the places of a relaxed walk.
 
 use super::super::model::{Model, price};
-use crate::Cost;
 use pathwright_geometry::Point;
 
 /// Pieces that a free loop has at first.
@@ -14,8 +13,6 @@ pub(super) struct Poses {
     /// First pose of each path, and their number.
     first: Vec<u32>,
     item: Vec<u32>,
-    /// What links cost.
-    cost: Cost,
     /// Least cost of a link from one pose to another, in fine units, row by row.
     between: Vec<i64>,
     /// The least of these from a pose to any of a path, and from a path to a path, row by row.
@@ -25,7 +22,7 @@ pub(super) struct Poses {
 
 impl Poses {
     /// `None` if there are more than so many vertices.
-    pub(super) fn new(model: &Model, cost: Cost, most: usize) -> Option<Self> {
+    pub(super) fn new(model: &Model, most: usize) -> Option<Self> {
         if model.points.len() > most {
             return None;
         }
@@ -35,18 +32,17 @@ impl Poses {
             (0..=count).map(|k| k * vertices / count).collect()
         };
         let cuts = |item: usize| if model.bodies[item].closed { pieces(item) } else { Vec::new() };
-        Some(Self::cut(model, cost, (0..model.bodies.len()).map(cuts).collect()))
+        Some(Self::cut(model, (0..model.bodies.len()).map(cuts).collect()))
     }
 
     /// Those of several layers, one after the other.
     pub(super) fn joined<'p>(model: &Model, layers: impl Iterator<Item = &'p Self>) -> Self {
-        Self::cut(model, Cost::Length, layers.flat_map(|poses| poses.cuts.iter().cloned()).collect())
+        Self::cut(model, layers.flat_map(|poses| poses.cuts.iter().cloned()).collect())
     }
 
-    fn cut(model: &Model, cost: Cost, cuts: Vec<Vec<u32>>) -> Self {
+    fn cut(model: &Model, cuts: Vec<Vec<u32>>) -> Self {
         let mut poses = Self {
             cuts,
-            cost,
             first: Vec::new(),
             item: Vec::new(),
             between: Vec::new(),
@@ -153,7 +149,7 @@ impl Poses {
                     between.extend(self.of(to).map(|q| {
                         let enter = self.points(model, q, 0);
                         let (a, b) = nearest(leave, enter);
-                        price(&self.cost, leave[a], enter[b], kind)
+                        price(&model.cost, leave[a], enter[b], kind)
                     }));
                 } else {
                     let row = old_first[from as usize] as usize + p - self.first[from as usize] as usize;
