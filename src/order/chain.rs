@@ -4,21 +4,46 @@
 //! layers only, each is solved from a free start, and then the layers around each join are solved again with both
 //! ends known.
 
+use std::ops::Range;
 use std::slice;
 
-use super::layer::{LayerProblem, PathOrder, PathVisit, ends_on_path, stacked};
+use super::layer::{LayerProblem, PathOrder, PathVisit, ends_on_path};
 use super::options::{OrderSettings, SeamPosition};
 use super::seam::{Pins, enter_nearest};
+use super::stack::Stack;
 use super::straight_on::{Corners, StraightOn};
 use crate::toolpath::LayerPaths;
 use geometry::{Point, Router};
 use ordering::{
-    Cost, DetourRule, Detours, Effort, Known, LinkKind, Nearest, Problem, Sequence, Strategy, Visit, Watch,
-    bound, first_points, strategy,
+    Cost, DetourRule, Detours, Effort, Known, LinkKind, Nearest, Problem, Sequence, Strategy, Watch, bound,
+    first_points, strategy,
 };
 
-/// Paths of a layer of which the shortest order is sought, at most.
+/// Paths of which the cheapest order is sought, at most.
 const CLOSED_PATHS: usize = 40;
+
+/// Layers of few paths, each alone.
+fn alone(layers: &[LayerPaths]) -> Vec<Range<usize>> {
+    let paths = |i: usize| layers[i].paths.len();
+    (0..layers.len()).filter(|&i| (2..=CLOSED_PATHS).contains(&paths(i))).map(|i| i..i + 1).collect()
+}
+
+/// As many neighbouring layers as have few paths together, two at least; each group begins in the middle of the one before.
+fn neighbours(layers: &[LayerPaths]) -> Vec<Range<usize>> {
+    let (mut groups, mut first) = (Vec::new(), 0);
+    while first < layers.len() {
+        let sums = layers[first..].iter().scan(0, |sum, layer| {
+            *sum += layer.paths.len();
+            Some(*sum)
+        });
+        let count = sums.take_while(|&sum| sum <= CLOSED_PATHS).count();
+        if count > 1 {
+            groups.push(first..first + count);
+        }
+        first += count.div_ceil(2).max(1);
+    }
+    groups
+}
 
 /// Layers per chunk for a print of so many layers: enough chunks to keep every core busy, and not so
 /// short that solving heads twice costs much.
@@ -112,41 +137,17 @@ impl Chain {
         solved: Option<&[PathOrder]>,
         watch: Watch<'_>,
     ) -> Vec<PathOrder> {
-        let scope = self.settings.scope;
-        let mut problems: Vec<_> =
-            layers.iter().zip(pins).map(|(layer, pins)| LayerProblem::new(layer, pins, scope)).collect();
-        let mut problem = stacked(&problems, scope);
-        (problem.start, problem.end) = (start.or(self.origin), end);
-        let mut at = problem.start;
-        let before = solved.map(|solved| {
-            let mut before = Sequence::new();
-            for (problem, sequence) in problems.iter().zip(solved) {
-                let first = before.len() as u32;
-                let visits = problem.from_paths(sequence).into_iter();
-                before.extend(visits.map(|visit| Visit { item: visit.item + first, ..visit }));
-            }
-            before
-        });
-        let solved = self.solve(&problem, layers, routers, before, watch);
-        let (mut solved, mut first) = (solved.into_iter(), 0);
-        let apart = |(layer, problem): (&LayerPaths, &mut LayerProblem)| {
-            let count = layer.paths.len();
-            let visits = solved.by_ref().take(count);
-            let mut sequence = visits.map(|visit| Visit { item: visit.item - first, ..visit }).collect();
-            first += count as u32;
-            if self.seam == SeamPosition::Nearest {
-                problem.problem.start = at;
-                enter_nearest(&problem.problem, &mut sequence);
-            }
-            let sequence = problem.on_paths(sequence);
-            at = sequence.last().map(|&visit| ends_on_path(layer, visit).1).or(at);
-            sequence
-        };
-        layers.iter().zip(&mut problems).map(apart).collect()
+        let stack = Stack::new(layers, pins, self.settings.scope, (start.or(self.origin), end));
+        let before = solved.map(|solved| stack.from_paths(solved));
+        let mut solved = self.solve(&stack.problem, layers, routers, before, watch);
+        if self.seam == SeamPosition::Nearest {
+            enter_nearest(&stack.problem, &mut solved);
+        }
+        stack.on_paths(solved)
     }
 
-    /// With high effort, small layers take the cheapest order between the ends of their neighbours, one layer after the other,
-    /// where relaxed walks find one (on straight links) and it costs less.
+    /// With high effort, small layers take the cheapest order between the ends of their neighbours, first one after the other, then
+    /// several together, so that each ends where it suits the next.
     fn close(
         &self,
         layers: &[LayerPaths],
@@ -159,28 +160,41 @@ impl Chain {
         if self.settings.effort != Effort::High || self.seam == SeamPosition::Nearest {
             return;
         }
-        let mut at = start.or(self.origin);
-        for (i, (paths, pins)) in layers.iter().zip(pins).enumerate() {
-            watch.look();
-            let begin = |(order, layer): (&PathOrder, _)| Some(ends_on_path(layer, *order.first()?).0);
-            let next = orders[i + 1..].iter().zip(&layers[i + 1..]).find_map(begin).or(end);
-            if (2..=CLOSED_PATHS).contains(&paths.paths.len()) {
-                let mut layer = LayerProblem::new(paths, pins, self.settings.scope);
-                (layer.problem.start, layer.problem.end) = (at, next);
-                let solved = layer.from_paths(&orders[i]);
-                let proof = bound::by_walks(&layer.problem, &solved, &self.cost, Effort::Normal);
-                if let Some(better) = proof.and_then(|proof| proof.better) {
-                    let better = layer.on_paths(better);
-                    let cost = |order: &PathOrder| {
-                        let routers = routers.get(i).map(slice::from_ref).unwrap_or_default();
-                        self.cost_between(slice::from_ref(paths), slice::from_ref(order), at, next, routers)
-                    };
-                    if cost(&better) < cost(&orders[i]) {
-                        orders[i] = better;
-                    }
-                }
+        for windows in [alone(layers), neighbours(layers)] {
+            for window in windows {
+                watch.look();
+                self.close_window(layers, pins, (start, end), window, routers, orders);
             }
-            at = orders[i].last().map(|&visit| ends_on_path(paths, visit).1).or(at);
+        }
+    }
+
+    /// The cheapest order of some layers between the ends of their neighbours, where relaxed walks find one (on straight links) and
+    /// it costs less.
+    fn close_window(
+        &self,
+        layers: &[LayerPaths],
+        pins: &[Pins],
+        (start, end): (Option<Point>, Option<Point>),
+        window: Range<usize>,
+        routers: &[Router],
+        orders: &mut [PathOrder],
+    ) {
+        let last = |(order, layer): (&PathOrder, _)| Some(ends_on_path(layer, *order.last()?).1);
+        let begin = |(order, layer): (&PathOrder, _)| Some(ends_on_path(layer, *order.first()?).0);
+        let at = orders[..window.start].iter().zip(layers).rev().find_map(last).or(start).or(self.origin);
+        let next = orders[window.end..].iter().zip(&layers[window.end..]).find_map(begin).or(end);
+        let (layers, routers) = (&layers[window.clone()], routers.get(window.clone()).unwrap_or_default());
+        let stack = Stack::new(layers, &pins[window.clone()], self.settings.scope, (at, next));
+        if stack.problem.items.len() < 2 {
+            return;
+        }
+        let solved = stack.from_paths(&orders[window.clone()]);
+        let proof = bound::by_walks(&stack.problem, &solved, &self.cost, Effort::Normal);
+        let Some(better) = proof.and_then(|proof| proof.better) else { return };
+        let better = stack.on_paths(better);
+        let cost = |orders: &[PathOrder]| self.cost_between(layers, orders, at, next, routers);
+        if cost(&better) < cost(&orders[window.clone()]) {
+            orders[window].clone_from_slice(&better);
         }
     }
 

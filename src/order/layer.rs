@@ -104,19 +104,6 @@ fn rank(phase: Phase) -> u32 {
     }
 }
 
-/// Consecutive layers as one problem, in which the stages of each come after those of the one below. Start and end are unknown.
-pub fn stacked<'a>(layers: &[LayerProblem<'a>], scope: Scope) -> Problem<'a> {
-    let (mut items, mut runs) = (Vec::new(), Vec::new());
-    let mut stages = 0;
-    for (number, LayerProblem { problem, .. }) in (0..).zip(layers) {
-        let first = runs.len() as u32;
-        runs.extend(problem.runs.iter().map(|run| Run { stage: run.stage + stages, layer: number, ..*run }));
-        stages += problem.runs.iter().map(|run| run.stage + 1).max().unwrap_or(0);
-        items.extend(problem.items.iter().map(|item| Item { run: item.run + first, ..*item }));
-    }
-    Problem { items, runs, scope, start: None, end: None }
-}
-
 /// Skirt, brim and support come before everything else. Where a printer has several tools, what one of them prints comes
 /// after what those before it do, and before all the prime tower.
 fn stage(path: &Path, layer: &LayerPaths) -> u32 {

@@ -6,6 +6,7 @@ pub mod compare_tools;
 mod layer;
 mod options;
 mod seam;
+mod stack;
 mod straight_on;
 
 pub use chain::{Chain, chunk_len};

@@ -1,6 +1,6 @@
 //! Every strategy on layers that nobody would draw, through the checker.
 
-use crate::exact::cheapest;
+use crate::exact::{chained_optimum, cheapest};
 use crate::order_layer::{self, Layer, point};
 use pathwright::geometry::{Point, Region};
 use pathwright::order::{
@@ -273,6 +273,45 @@ fn an_optimized_layer_ends_where_the_next_one_is() {
         Watch::default(),
     );
     assert_eq!(sequences[0].iter().map(|visit| visit.path).collect::<Vec<_>>(), [1, 0]);
+}
+
+/// A tower whose layers have two to five random loops each, and a line.
+fn random_tower(runner: &mut proptest::test_runner::TestRunner) -> Vec<LayerPaths> {
+    use proptest::strategy::ValueTree;
+    let corner = || (0..4_000_000, 0..4_000_000).prop_map(|(x, y)| Point { x, y });
+    let rings = prop::collection::vec(prop::collection::vec(corner(), 12), 2..6);
+    let layers = prop::collection::vec((rings, [corner(), corner()]), 6);
+    let layer = |(index, (rings, line)): (usize, (Vec<Vec<Point>>, [Point; 2]))| {
+        let paths = rings.into_iter().map(|ring| path(true, ring, 0)).chain([path(false, line.into(), 1)]);
+        LayerPaths { index, paths: paths.collect(), ..tower().swap_remove(0) }
+    };
+    layers.new_tree(runner).unwrap().current().into_iter().enumerate().map(layer).collect()
+}
+
+#[test]
+fn with_high_effort_small_layers_end_where_all_those_above_are_best_served() {
+    let mut runner = proptest::test_runner::TestRunner::deterministic();
+    let (mut found, mut best, mut optima) = (0.0, 0.0, 0);
+    for _ in 0..40 {
+        let layers = random_tower(&mut runner);
+        let free = pins(SeamPosition::Free, &layers);
+        let settings =
+            OrderSettings { effort: Effort::High, scope: Scope::Layer, ..OrderSettings::default() };
+        let orders = chain(SeamPosition::Free, settings).solve_chunk(&layers, &free, None, Watch::default());
+        let mut at = None;
+        let mut total = 0.0;
+        for (layer, order) in layers.iter().zip(&orders) {
+            total += links_mm(layer, order, at, None);
+            at = order.last().map(|&visit| ends_on_path(layer, visit).1);
+        }
+        let problems: Vec<_> =
+            layers.iter().map(|layer| LayerProblem::new(layer, &None, Scope::Layer).problem).collect();
+        let optimum = chained_optimum(&problems, &Cost::Length);
+        assert!(total >= optimum - 1e-9, "{total} beats the optimum {optimum}");
+        optima += usize::from(total <= optimum + 1e-6);
+        (found, best) = (found + total, best + optimum);
+    }
+    assert!(optima >= 38 && found <= 1.001 * best, "{optima} of 40 optima, {:.4}", found / best - 1.0);
 }
 
 #[test]
