@@ -28,29 +28,55 @@ pub(super) fn gentle_rad(speed: MmPerS, square_corner_velocity: MmPerS) -> f64 {
 /// No piece is made shorter than this.
 const SHORTEST_MM: f64 = 0.05;
 
+/// Corners that turn by more than this are sharp.
+const SHARP_RAD: f64 = 1.0;
+
+/// So far may an arc leave a blunt corner: as far as slicing simplifies the curves that such corners mostly are.
+const BLUNT_MM: f64 = 0.0125;
+
+/// Sharp corners of inner walls and solid infill are rounded up to this turn, so far as a share of the bead's width.
+/// The bead is wider on the arc by what that is shorter, and fills the corner in the bead beside it better than a sharp turn.
+const SHARP_WIDTHS: f64 = 0.11;
+const SHARPEST_RAD: f64 = 2.0;
+
 /// Which corners are rounded, and how far.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Rounding {
     /// Corners that turn by less or by more than this are left as they are.
     least_rad: f64,
     most_rad: f64,
-    /// So far may an arc leave its corner.
-    deviation_mm: f64,
+    /// So far may an arc leave its corner, blunt or sharp.
+    blunt_mm: f64,
+    sharp_mm: f64,
     /// An arc turns by about this at each vertex.
     step_rad: f64,
 }
 
 impl Rounding {
     /// The rounding of a role's beads. Turns of sparse infill may leave their corner by little more than its lines
-    /// reach into the wall. The blunt corners of other beads, mostly curves that the model has as polygons, may by as
-    /// much as slicing simplifies them; sharp ones are kept. So are the turns of solid infill: their corners fill what
-    /// the lines leave open beside the wall.
+    /// reach into the wall, those of inner walls and solid infill by less. Sharp corners of other beads are kept.
     pub fn of(role: Role, width_mm: f64, gentle_rad: f64) -> Self {
-        let (most_rad, deviation_mm, step_rad) = match role {
-            Role::InternalInfill | Role::Support => (3.0, 0.25 * width_mm, 0.3),
-            _ => (1.0, 0.0125, gentle_rad),
+        let blunt = Self {
+            least_rad: gentle_rad,
+            most_rad: SHARP_RAD,
+            blunt_mm: BLUNT_MM,
+            sharp_mm: 0.0,
+            step_rad: gentle_rad,
         };
-        Self { least_rad: gentle_rad, most_rad, deviation_mm, step_rad }
+        match role {
+            Role::InternalInfill | Role::Support => {
+                let mm = 0.25 * width_mm;
+                Self { most_rad: 3.0, blunt_mm: mm, sharp_mm: mm, step_rad: 0.3, ..blunt }
+            }
+            Role::Perimeter | Role::SolidInfill | Role::TopSolidInfill => {
+                Self { most_rad: SHARPEST_RAD, sharp_mm: SHARP_WIDTHS * width_mm, ..blunt }
+            }
+            _ => blunt,
+        }
+    }
+
+    fn deviation_mm(&self, turn_rad: f64) -> f64 {
+        if turn_rad > SHARP_RAD { self.sharp_mm } else { self.blunt_mm }
     }
 }
 
@@ -97,7 +123,8 @@ pub(super) fn round_corners(from: [f64; 2], pieces: &[Piece], rounding: &Roundin
         }
         let half = 0.5 * turn.abs();
         let tangent_mm = {
-            let by_deviation_mm = rounding.deviation_mm * real::sin(half) / (1.0 - real::cos(half)).max(1e-9);
+            let by_deviation_mm =
+                rounding.deviation_mm(turn.abs()) * real::sin(half) / (1.0 - real::cos(half)).max(1e-9);
             by_deviation_mm.min(0.5 * u_mm).min(0.5 * v_mm)
         };
         let radius_mm = tangent_mm / real::tan(half);
@@ -199,6 +226,19 @@ mod tests {
     }
 
     #[test]
+    fn sharp_corners_of_inner_walls_are_rounded_by_a_tenth_of_their_width() {
+        let inner = Rounding::of(Role::Perimeter, 0.45, 0.22);
+        let points = [[0.0, 0.0], [5.0, 0.0], [5.0, 5.0], [5.5, 0.0]];
+        let mut out = Vec::new();
+        round_corners(points[0], &pieces(&points), &inner, &mut out);
+        let off_mm = out.iter().map(|p| distance_mm(p.to, points[1])).fold(f64::INFINITY, f64::min);
+        assert!((0.04..0.07).contains(&off_mm), "{off_mm}");
+        assert!(out.iter().any(|p| p.to == points[2]), "an acute tip stays: {out:?}");
+        let widest_mm2 = out.iter().map(|p| p.area_mm2).fold(0.0, f64::max);
+        assert!((0.095..0.11).contains(&widest_mm2), "the arc holds what the corner would: {widest_mm2}");
+    }
+
+    #[test]
     fn the_slower_a_bead_the_more_may_its_vertices_turn() {
         let at = |speed| gentle_rad(MmPerS(speed), MmPerS(5.0));
         assert_eq!([0.0, 20.0, 50.0, 100.0, 300.0].map(at), [0.25, 0.25, 0.22, 0.11, 0.1]);
@@ -249,8 +289,10 @@ mod tests {
             refine_curves(points[0], &plain, 0.1, &mut fine);
             round_corners(points[0], &plain, &Rounding::of(Role::InternalInfill, 0.45, 0.15), &mut round);
             let mut blunt = Vec::new();
-            round_corners(points[0], &plain, &Rounding::of(Role::Perimeter, 0.45, 0.15), &mut blunt);
-            for out in [fine, round, blunt] {
+            round_corners(points[0], &plain, &Rounding::of(Role::ExternalPerimeter, 0.45, 0.15), &mut blunt);
+            let mut sharp = Vec::new();
+            round_corners(points[0], &plain, &Rounding::of(Role::SolidInfill, 0.45, 0.15), &mut sharp);
+            for out in [fine, round, blunt, sharp] {
                 prop_assert!((out.iter().map(|p| p.volume_mm3).sum::<f64>() - volume).abs() < 1e-9);
                 prop_assert!(out.iter().all(|p| p.volume_mm3 >= -1e-12 && p.area_mm2.is_finite()));
                 prop_assert_eq!(out.last().map(|p| p.to), Some(at));

@@ -22,6 +22,7 @@ use geometry::real;
 use geometry::{Bounds, EdgeGrid, Point, Polygon, Region, Ring, UNITS_PER_MM};
 
 use super::bead::Line;
+use super::unfold::{Vertex, unfold};
 
 /// Half the thickness at which a part gets two beads instead of one, in spacings.
 pub(super) const PAIR: f64 = 0.75;
@@ -188,21 +189,20 @@ impl Sides {
         let n = ring.len();
         let corners: Vec<[f64; 2]> = ring.iter().map(|p| p.mm()).collect();
         let edges: Vec<Vec<Sample>> = (0..n).map(|i| self.along(corners[i], corners[(i + 1) % n])).collect();
-        let mut line = Line::nominal(Vec::new(), true);
+        let mut bead = Vec::new();
         for (i, edge) in edges.iter().enumerate() {
             let (Some(start), Some(end)) = (edge.first(), edges[(i + n - 1) % n].last()) else {
                 continue;
             };
-            self.corner(end, start, &mut line);
+            self.corner(end, start, &mut bead);
             for sample in edge.get(1..edge.len() - 1).unwrap_or_default() {
-                self.push(
-                    sample.at,
-                    sample.inwards.map(|k| k * self.shift_mm(sample)),
-                    sample.spacing_mm,
-                    &mut line,
-                );
+                let by = sample.inwards.map(|k| k * self.shift_mm(sample));
+                self.push(sample, by, sample.spacing_mm, &mut bead);
             }
         }
+        let bead = unfold(&bead);
+        let mut line = Line::nominal(bead.iter().map(|vertex| vertex.at).collect(), true);
+        line.spacing_mm.extend(bead.iter().map(|vertex| vertex.spacing_mm as f32));
         if line.spacing_mm.iter().all(|&s| s == self.spacing_mm as f32) {
             line.spacing_mm.clear();
         }
@@ -216,7 +216,7 @@ impl Sides {
 
     /// The vertex between two edges, inside either by half its bead, and as wide as the narrower one: a wider bead
     /// would protrude beside that.
-    fn corner(&self, end: &Sample, start: &Sample, line: &mut Line) {
+    fn corner(&self, end: &Sample, start: &Sample, bead: &mut Vec<Vertex>) {
         let (a, b) = (end.inwards, start.inwards);
         let cosine = a[0] * b[0] + a[1] * b[1];
         let (from, to) = (self.shift_mm(end), self.shift_mm(start));
@@ -228,7 +228,7 @@ impl Sides {
             [0, 1].map(|k| (from * a[k] + to * b[k]) / 2.0)
         };
         let spacing_mm = start.spacing_mm.min(end.spacing_mm);
-        self.push(start.at, by, spacing_mm, line);
+        self.push(start, by, spacing_mm, bead);
     }
 
     /// Distance to the outline, as far as it is less than half a spacing.
@@ -236,12 +236,17 @@ impl Sides {
         self.outline.distance_mm(at, spacing_mm / 2.0).min(spacing_mm / 2.0)
     }
 
-    /// Appends a vertex, no wider than the clearance there.
-    fn push(&self, at: [f64; 2], by: [f64; 2], spacing_mm: f64, line: &mut Line) {
-        let point = Point::from_mm(at[0] + by[0], at[1] + by[1]);
-        if line.points.last() != Some(&point) {
-            line.points.push(point);
-            line.spacing_mm.push(spacing_mm.min(2.0 * self.clearance_mm(point, spacing_mm)) as f32);
+    /// Appends a vertex, moved from a sample, no wider than the clearance there.
+    fn push(&self, sample: &Sample, by: [f64; 2], spacing_mm: f64, bead: &mut Vec<Vertex>) {
+        let Sample { at: [x, y], inwards, .. } = *sample;
+        let at = Point::from_mm(x + by[0], y + by[1]);
+        let ahead = [inwards[1], -inwards[0]];
+        match bead.last_mut() {
+            Some(last) if last.at == at => last.ahead = ahead,
+            _ => {
+                let spacing_mm = spacing_mm.min(2.0 * self.clearance_mm(at, spacing_mm));
+                bead.push(Vertex { at, spacing_mm, ahead });
+            }
         }
     }
 

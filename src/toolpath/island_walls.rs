@@ -141,7 +141,7 @@ impl WallPlanner<'_> {
         for (depth, gap) in &gaps {
             let (role, phase) = match depth {
                 0 if count > 0 => (Role::ExternalPerimeter, wall(0)),
-                _ => (Role::GapFill, Phase::GapFill),
+                _ => (Role::GapFill, Phase::Inside),
             };
             let least_mm = if *depth == 0 { self.walls.min_width.0 } else { 0.0 };
             filled_mm2 +=
@@ -149,7 +149,7 @@ impl WallPlanner<'_> {
         }
         let is_small = !gaps.is_empty() && inside.is_empty() && is_thin;
         if is_small && filled_mm2 < SMALL * polygon.area_mm2() {
-            let phase = if count > 0 { wall(0) } else { Phase::GapFill };
+            let phase = if count > 0 { wall(0) } else { Phase::Inside };
             layer.dot(phase, 0, filled_mm2, polygon, self.walls);
         }
         IslandWalls { paths: layer.paths, inside }

@@ -154,7 +154,7 @@ impl<'a> LayerBuilder<'a> {
         for patch in infill::fill_solid(&bridge.area, &spec) {
             self.lines(
                 Role::BridgeInfill,
-                Phase::Bridge,
+                Phase::Inside,
                 line.width_mm,
                 patch.lines.into_iter().map(|(_, line)| line),
             );
@@ -171,7 +171,7 @@ impl<'a> LayerBuilder<'a> {
         for spacing_mm in lines.iter_mut().flat_map(|line| &mut line.spacing_mm) {
             *spacing_mm = (*spacing_mm - less_mm).max(0.0);
         }
-        self.lines(Role::Perimeter, Phase::Bridge, width_mm, lines);
+        self.lines(Role::Perimeter, Phase::Inside, width_mm, lines);
         self.height_mm = layer_mm;
     }
 

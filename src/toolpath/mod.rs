@@ -27,6 +27,7 @@ mod single;
 mod spiral;
 pub mod support;
 mod tools;
+mod unfold;
 mod walls;
 
 pub use adhesion::{raft, raft_area};

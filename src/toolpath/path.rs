@@ -155,14 +155,8 @@ pub enum Phase {
     SupportInterface,
     /// Walls of one depth, 0 those printed first.
     Wall(u32),
-    /// Beads between walls.
-    GapFill,
-    /// Solid infill.
-    Solid,
-    /// Bridges.
-    Bridge,
-    /// Sparse infill.
-    Sparse,
+    /// Gaps between walls, solid and sparse infill, bridges.
+    Inside,
     /// Top surfaces; of a monotonic one the lines one after the other.
     Top(u32),
     /// A second pass over top surfaces.

@@ -388,7 +388,7 @@ impl Planner {
         let inner = section.index > 0 && settings.density.0 <= infill::SOLID_DENSITY;
         let solid = Solid {
             role: Role::SolidInfill,
-            phase: Phase::Solid,
+            phase: Phase::Inside,
             width_mm: widths.solid_mm,
             ordered: false,
             fit_angle: self.settings.shell.fit_angle && inner,
@@ -477,7 +477,7 @@ impl Planner {
         };
         let layer_mm = std::mem::replace(&mut layer.height_mm, slab.height_mm);
         let width_mm = bead::width_mm(spec.spacing_mm * flow, slab.height_mm);
-        layer.lines(Role::InternalInfill, Phase::Sparse, width_mm, lines);
+        layer.lines(Role::InternalInfill, Phase::Inside, width_mm, lines);
         layer.height_mm = layer_mm;
     }
 

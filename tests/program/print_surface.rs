@@ -363,3 +363,28 @@ fn short_layers_slow_outer_walls_last() {
     }
     assert!(spared > 0, "the test has layers that are slowed");
 }
+
+/// The sharpest turn within a bead of a kind, in degrees.
+fn sharpest_turn(print: &Print, kind: &str) -> f64 {
+    let direction = |a: [f64; 2], b: [f64; 2]| (b[1] - a[1]).atan2(b[0] - a[0]);
+    let beads = print.beads().into_iter().filter(|bead| bead.kind == kind);
+    let turns = beads.flat_map(|bead| {
+        let turn = |w: &[[f64; 2]]| (direction(w[1], w[2]) - direction(w[0], w[1])).to_degrees().abs();
+        bead.points.windows(3).map(|w| turn(w).min(360.0 - turn(w))).collect::<Vec<_>>()
+    });
+    turns.fold(0.0, f64::max)
+}
+
+#[test]
+fn inner_walls_round_their_corners_and_outer_ones_keep_them() {
+    let print = print("calibration_cube", &quick(&[]));
+    assert!(sharpest_turn(&print, "Perimeter") < 45.0);
+    assert!(sharpest_turn(&print, "External perimeter") > 89.0);
+}
+
+#[test]
+fn walls_around_holes_never_turn_back() {
+    let print = print("plate_with_holes", &quick(&[]));
+    let degrees = sharpest_turn(&print, "Perimeter");
+    assert!(degrees < 120.0, "{degrees}");
+}

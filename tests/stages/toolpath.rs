@@ -5,7 +5,8 @@ use std::sync::Arc;
 use crate::support::toolpath_plan::{HEIGHT_MM, job, length_mm, of_role, plan, rectangle, ring, with_hole};
 use crate::toolpath_raster::coverage;
 use pathwright::geometry::{self, Bounds, Point, Polygon, Region, Ring};
-use pathwright::profile::{Pattern, Settings, WallGenerator, WallOrder};
+use pathwright::order::LayerProblem;
+use pathwright::profile::{Pattern, Scope, Settings, WallGenerator, WallOrder};
 use pathwright::toolpath::infill::{
     self, AdaptiveCubic, FillPattern, FillSpec, Joins, Lightning, LightningLayer,
 };
@@ -43,6 +44,18 @@ fn a_cube_has_two_walls_and_shells_of_four_layers() {
         let top = !of_role(layer, Role::TopSolidInfill).is_empty();
         assert_eq!(top, layer.index == 29, "layer {}", layer.index);
     }
+}
+
+#[test]
+fn what_fills_an_island_is_one_run_after_its_walls() {
+    let (whole, half) = (rectangle(0.0, 0.0, 20.0, 20.0), rectangle(0.0, 0.0, 10.0, 20.0));
+    let layers = plan(&[vec![whole; 15], vec![half; 15]].concat(), &job());
+    let layer = &layers[12];
+    for role in [Role::SolidInfill, Role::InternalInfill] {
+        assert!(!of_role(layer, role).is_empty(), "the test has {role:?}");
+    }
+    let runs = LayerProblem::new(layer, &None, Scope::Feature).problem.runs;
+    assert_eq!(runs.len(), 3, "inner walls, outer walls, the rest: {runs:?}");
 }
 
 #[test]
