@@ -8,7 +8,7 @@ use super::overhang::Support;
 use super::rules::Rules;
 use super::simplify::Piece;
 use super::{MotionSettings, Move};
-use crate::toolpath::{IslandId, Role, ToolId};
+use crate::toolpath::{Island, IslandId, Role, ToolId};
 use crate::units::{MmPerS2, Ratio};
 
 /// The state of the machine while a layer is planned.
@@ -28,6 +28,8 @@ pub(super) struct Nozzle<'a> {
     pub(super) clipper: OnceCell<Clipper>,
     /// What walls may hang over; `None`: none does.
     pub(super) support: Option<Support>,
+    /// The islands of the layer.
+    pub(super) islands: &'a [Island],
     /// Island of the path drawn last, if one was.
     pub(super) island: Option<Option<IslandId>>,
     pub(super) rules: Rules<'a>,

@@ -52,6 +52,7 @@ pub fn plan_layer(
         outline: &layer.outline,
         clipper: OnceCell::new(),
         support: support(layer),
+        islands: &layer.islands,
         island: None,
         fan: rules.fan(None),
         rules,
@@ -264,9 +265,10 @@ impl Nozzle<'_> {
 
     /// Draws vertices, walls graded by how far they hang.
     fn draw_graded(&mut self, path: &Path, vertices: &[Vertex]) {
-        let wall = path.role.is_wall();
+        let island = path.island.and_then(|island| self.islands.get(island.index()));
+        let may_hang = path.role.is_wall() && !island.is_some_and(|island| island.repeats);
         let stretches = match &self.support {
-            Some(support) if wall => support.stretches(vertices, path.width.mean_mm()),
+            Some(support) if may_hang => support.stretches(vertices, path.width.mean_mm()),
             _ => Vec::new(),
         };
         if stretches.is_empty() {

@@ -82,10 +82,9 @@ impl WallPlanner<'_> {
 
     /// The walls of each island of an object; the first one has this number.
     pub fn object(&self, layer: &WallLayer<'_>, first: usize, known: &KnownWalls) -> Vec<IslandWalls> {
-        let fuzzy = Fuzzy::new(self.fuzzy, layer.beneath, layer.index, layer.object);
+        let fuzzy = self.fuzzy(layer);
         let support_below = layer.beneath.map(Beneath::new);
-        // Others depend on more than the island.
-        let alike = fuzzy.is_none() && Count::of(self.walls, layer.above, layer.index) == Count::All;
+        let alike = self.are_alike(layer, fuzzy.as_ref());
         let islands = layer.section.polygons().iter().zip(first..);
         let island = |(polygon, number)| {
             let make = || self.island(polygon, layer, fuzzy.as_ref(), known);
@@ -103,6 +102,24 @@ impl WallPlanner<'_> {
             walls
         };
         islands.map(island).collect()
+    }
+
+    /// What lies inside the walls of an island.
+    pub fn inside(&self, polygon: &Polygon, layer: &WallLayer<'_>, known: &KnownWalls) -> Region {
+        if !self.are_alike(layer, self.fuzzy(layer).as_ref()) {
+            return self.trace(polygon, &self.spec(layer.index, layer.height_mm), layer).inside;
+        }
+        let make = || self.island(polygon, layer, None, known);
+        known.of(polygon, layer.height_mm, layer.index, make).inside.clone()
+    }
+
+    fn fuzzy<'a>(&'a self, layer: &WallLayer<'a>) -> Option<Fuzzy<'a>> {
+        Fuzzy::new(self.fuzzy, layer.beneath, layer.index, layer.object)
+    }
+
+    /// Whether islands with the same outline have the same walls: others depend on more than that.
+    fn are_alike(&self, layer: &WallLayer<'_>, fuzzy: Option<&Fuzzy<'_>>) -> bool {
+        fuzzy.is_none() && Count::of(self.walls, layer.above, layer.index) == Count::All
     }
 
     /// The walls of an island, whatever is beneath.

@@ -7,7 +7,7 @@ use geometry::{Known, KnownAxes, Polygon, Region, Shape};
 use super::path::Path;
 
 /// Walls with this many vertices are kept, and as many again of those used before them.
-const KEPT: usize = 100_000;
+const KEPT: usize = 300_000;
 
 /// The walls of an island.
 #[derive(Clone, Debug, PartialEq)]

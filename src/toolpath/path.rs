@@ -170,6 +170,8 @@ pub enum Phase {
 pub struct Island {
     /// Which object on the plate it belongs to.
     pub object: u32,
+    /// Whether the same outline is beneath it, so that its walls hang over nothing.
+    pub repeats: bool,
 }
 
 /// All paths of one layer, in the order in which they were made.

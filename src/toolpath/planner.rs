@@ -21,7 +21,7 @@ use super::layer_builder::{BridgeLine, LayerBuilder, Solid};
 use super::reach::Reach;
 use super::shell_windows::{ShellWindows, Window};
 use super::shells::{self, Zones};
-use super::walls::{WallSpec, Walls};
+use super::walls::WallSpec;
 use super::{
     Island, IslandId, LayerKind, LayerPaths, Path, Phase, Role, ToolId, adhesion, bead, beside_sparse,
     bridges, entries, overhang_perimeters, tools,
@@ -296,13 +296,17 @@ impl Planner {
         let mut islands = Vec::new();
         let mut outline = Region::default();
         let mut walls = walls.islands.into_iter();
+        // Rough walls lie otherwise on each layer.
+        let is_even = self.settings.fuzzy.walls == FuzzyWalls::None;
         for object in &section.objects {
             let support_below = object.beneath.map(Beneath::new);
             let part = Part { object, support_below };
             layer.tool = object.tool;
             for (polygon, walls) in object.section.polygons().iter().zip(walls.by_ref()) {
                 layer.island = Some(IslandId(islands.len() as u32));
-                islands.push(Island { object: object.object });
+                let beneath = object.beneath.filter(|_| is_even);
+                let repeats = beneath.is_some_and(|beneath| beneath.polygons().contains(polygon));
+                islands.push(Island { object: object.object, repeats });
                 self.island(&mut layer, polygon, walls, &part, section);
             }
             if object.has_walls() {
@@ -341,8 +345,7 @@ impl Planner {
     /// What is filled of an island.
     fn inside(&self, island: &Polygon, object: &ObjectLayer<'_>, section: &PlateLayer<'_>) -> Region {
         let layer = wall_layer(object, section);
-        let Walls { inside, .. } = self.wall_planner().trace(island, &self.wall_spec(section), &layer);
-        object.filled(inside)
+        object.filled(self.wall_planner().inside(island, &layer, &self.known_walls))
     }
 
     fn island(

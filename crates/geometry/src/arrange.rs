@@ -45,6 +45,9 @@ enum Contact {
     Touch,
 }
 
+/// Chains of no more edges together are followed edge by edge.
+const FEW: usize = 12;
+
 /// Edges `first..last` of the closed-up points, monotone in both coordinates.
 #[derive(Clone, Copy, Debug)]
 struct Chain {
@@ -66,6 +69,7 @@ pub(super) struct Arrangement {
     chains: Vec<Chain>,
     owned: Vec<usize>,
     boxes: Vec<Bounds>,
+    leftmost: Vec<usize>,
 }
 
 impl Arrangement {
@@ -98,9 +102,11 @@ impl Arrangement {
         }
         let mut chains: Vec<Chain> = Vec::with_capacity(points.len() / 4 + 8);
         let (mut owned, mut boxes) = (Vec::with_capacity(spans.len() + 1), Vec::with_capacity(spans.len()));
+        let mut leftmost = Vec::with_capacity(spans.len());
         owned.push(0);
         for (index, &(start, end)) in spans.iter().enumerate() {
             let (mut first, mut sense) = (start, (0, 0));
+            let mut least = start;
             let mut whole: Option<Bounds> = None;
             let mut emit = |first: usize, last: usize| {
                 let bounds = Bounds::spanned(points[first], points[last]);
@@ -108,6 +114,9 @@ impl Arrangement {
                 chains.push(Chain { first, last, ring: index, bounds });
             };
             for i in start..end {
+                if points[i] < points[least] {
+                    least = i;
+                }
                 let step =
                     ((points[i + 1].x - points[i].x).signum(), (points[i + 1].y - points[i].y).signum());
                 if step.0 * sense.0 < 0 || step.1 * sense.1 < 0 {
@@ -123,20 +132,16 @@ impl Arrangement {
                 }
             }
             emit(first, end);
+            leftmost.push(least);
             owned.push(chains.len());
             boxes.push(whole.unwrap_or(Bounds::spanned(points[start], points[start])));
         }
-        Self { firsts, points, spans, chains, owned, boxes }
+        Self { firsts, points, spans, chains, owned, boxes, leftmost }
     }
 
-    /// Whether no two edges touch, but for neighbours in a ring at their common vertex.
-    /// O(n + c log c) for n vertices in c chains when chains are mostly apart.
-    pub(super) fn is_simple(&self) -> bool {
-        self.meetings(&mut |_, _, _| ControlFlow::Break(())).is_continue()
-    }
-
-    /// Pairs of edges that cross, each by its first vertex in [`Self::points`]; `None` where edges touch otherwise. As
-    /// [`Self::is_simple`], and O(1) for each pair.
+    /// Pairs of edges that cross, each by its first vertex in [`Self::points`]; `None` where edges touch otherwise than neighbours
+    /// in a ring at their common vertex. O(n + c log c) for n vertices in c chains when chains are mostly apart, and O(1) for each
+    /// pair.
     pub(super) fn crossings(&self) -> Option<Vec<(usize, usize)>> {
         let mut pairs = Vec::new();
         let end = self.meetings(&mut |i, j, contact| {
@@ -208,6 +213,13 @@ impl Arrangement {
                 None => ControlFlow::Continue(()),
             };
         }
+        if length_a + length_b <= FEW {
+            let [width, height] = a.bounds.size();
+            return match width >= height {
+                true => self.meetings_in_step::<true>(a, b, see),
+                false => self.meetings_in_step::<false>(a, b, see),
+            };
+        }
         let longer = if length_a >= length_b { a } else { b };
         let half = usize::midpoint(longer.first, longer.last);
         for (first, last) in [(longer.first, half), (half, longer.last)] {
@@ -219,6 +231,50 @@ impl Arrangement {
                 }
             } else if bounds.touches(&a.bounds) {
                 self.meetings_of(a, &part, see)?;
+            }
+        }
+        ControlFlow::Continue(())
+    }
+
+    /// [`Self::meetings`] of two chains of few edges, followed at the same pace along X or along Y.
+    fn meetings_in_step<const ALONG_X: bool>(
+        &self,
+        a: &Chain,
+        b: &Chain,
+        see: &mut impl FnMut(usize, usize, Contact) -> ControlFlow<()>,
+    ) -> ControlFlow<()> {
+        let at = |point: usize| {
+            let Point { x, y } = self.points[point];
+            if ALONG_X { [x, y] } else { [y, x] }
+        };
+        // Where an edge begins and ends along the axis, and across.
+        let spans = |edge: usize| {
+            let ([from, low], [to, high]) = (at(edge), at(edge + 1));
+            [(from.min(to), from.max(to)), (low.min(high), low.max(high))]
+        };
+        let ascends = |chain: &Chain| at(chain.first)[0] <= at(chain.last)[0];
+        let (a_ascends, b_ascends) = (ascends(a), ascends(b));
+        let edge = |chain: &Chain, ascends: bool, k: usize| {
+            if ascends { chain.first + k } else { chain.last - 1 - k }
+        };
+        let count = b.last - b.first;
+        let mut passed = 0;
+        for i in (0..a.last - a.first).map(|k| edge(a, a_ascends, k)) {
+            let [along, across] = spans(i);
+            while passed < count && spans(edge(b, b_ascends, passed))[0].1 < along.0 {
+                passed += 1;
+            }
+            for j in (passed..count).map(|k| edge(b, b_ascends, k)) {
+                let [beside, over] = spans(j);
+                if beside.0 > along.1 {
+                    break;
+                }
+                if over.0 <= across.1
+                    && across.0 <= over.1
+                    && let Some(contact) = self.contact(i, j, a.ring)
+                {
+                    see(i, j, contact)?;
+                }
             }
         }
         ControlFlow::Continue(())
@@ -262,16 +318,7 @@ impl Arrangement {
 
     /// The leftmost vertex of a ring, of those the lowest, by its index in [`Self::points`].
     pub(super) fn leftmost(&self, ring: usize) -> usize {
-        let least = self.boxes[ring].min.x;
-        let chains = &self.chains[self.owned[ring]..self.owned[ring + 1]];
-        let is_least = |i: &usize| self.points[*i].x == least;
-        let found = chains.iter().filter(|chain| chain.bounds.min.x == least).flat_map(|chain| {
-            let rising = (chain.first..=chain.last).take_while(is_least);
-            rising.chain((chain.first..=chain.last).rev().take_while(is_least))
-        });
-        let (start, end) = self.spans[ring];
-        let lowest = found.min_by_key(|&i| self.points[i]).unwrap_or(start);
-        if lowest == end { start } else { lowest }
+        self.leftmost[ring]
     }
 
     /// Winding numbers of the first and the second rings but `own` around a point, which none of them may touch.
@@ -318,7 +365,7 @@ mod tests {
     }
 
     fn is_simple(rings: &[Ring]) -> bool {
-        Arrangement::new(rings).is_simple()
+        Arrangement::new(rings).crossings().is_some_and(|crossings| crossings.is_empty())
     }
 
     #[test]

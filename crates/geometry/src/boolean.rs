@@ -2,7 +2,8 @@
 //!
 //! Polygons that meet no other pass through untouched, as do polygons that are the same in both operands; outlines that
 //! do not touch are only nested, and those that cross are cut there. Where outlines touch without crossing, or share
-//! edges, the sweep of `i_overlay` sorts them out. All this cluster by cluster.
+//! edges, they are moved so little that they no longer do. What still does, the sweep of `i_overlay` sorts out. All this cluster by
+//! cluster.
 
 use std::cell::RefCell;
 
@@ -13,7 +14,8 @@ use i_overlay::i_float::int::point::IntPoint;
 
 use super::arrange::{Arrangement, Rule};
 use super::crossed::Crossed;
-use super::{Bounds, Point, Polygon, Region, Ring};
+use super::nudge;
+use super::{Bounds, Point, Polygon, Region, Ring, ring_area};
 
 thread_local! {
     /// The buffers of the sweep, kept from call to call.
@@ -73,8 +75,25 @@ pub(super) fn positive(rings: &[Ring]) -> Region {
 
 fn resolve<'a>(rings: impl IntoIterator<Item = &'a Ring>, rule: Rule) -> Region {
     let arrangement = Arrangement::new(rings);
-    let region = Crossed::new(&arrangement).and_then(|crossed| crossed.region(rule));
-    region.unwrap_or_else(|| sweep(&arrangement, rule))
+    let crossings = arrangement.crossings();
+    // Nothing is around a single one.
+    if let ([(start, end)], Some([])) = (arrangement.spans(), crossings.as_deref()) {
+        return alone(arrangement.points()[*start..*end].to_vec(), rule);
+    }
+    let crossed = crossings.and_then(|crossings| Crossed::new(&arrangement, &crossings));
+    of_rule(&arrangement, crossed.as_ref(), rule)
+}
+
+/// The region that a rule leaves of a ring that does not meet itself.
+fn alone(mut ring: Ring, rule: Rule) -> Region {
+    let is_outer = ring_area(&ring) > 0.0;
+    if !rule.inside([if is_outer { 1 } else { -1 }, 0]) {
+        return Region::default();
+    }
+    if !is_outer {
+        ring.reverse();
+    }
+    Region::from(Polygon { outer: ring, holes: Vec::new() })
 }
 
 /// Groups of boxes that are connected by touching pairs for which `links` holds, each ascending, in the order of
@@ -135,10 +154,10 @@ fn combine<const N: usize>(a: &Region, b: &Region, rules: [Rule; N]) -> [Region;
         }
         let [in_a, in_b] = [in_a, in_b].map(|part| part.iter().flat_map(|&i| polygons[i].rings()));
         let arrangement = Arrangement::of_two(in_a, in_b);
-        let crossed = Crossed::new(&arrangement);
+        let crossings = arrangement.crossings();
+        let crossed = crossings.and_then(|crossings| Crossed::new(&arrangement, &crossings));
         for (result, rule) in results.iter_mut().zip(rules) {
-            let region = crossed.as_ref().and_then(|crossed| crossed.region(rule));
-            result.polygons.extend(region.unwrap_or_else(|| sweep(&arrangement, rule)).polygons);
+            result.polygons.extend(of_rule(&arrangement, crossed.as_ref(), rule).polygons);
         }
     }
     results
@@ -147,6 +166,12 @@ fn combine<const N: usize>(a: &Region, b: &Region, rules: [Rule; N]) -> [Region;
 /// The box of a polygon; that of the origin for one without vertices.
 pub(super) fn bounds(polygon: &Polygon) -> Bounds {
     Bounds::of(polygon.outer.iter().copied()).unwrap_or_default()
+}
+
+/// The region that a rule leaves of any rings, which are cut where they cross unless some touch.
+fn of_rule(arrangement: &Arrangement, crossed: Option<&Crossed<'_>>, rule: Rule) -> Region {
+    let region = crossed.and_then(|crossed| crossed.region(rule));
+    region.or_else(|| nudge::region(arrangement, rule)).unwrap_or_else(|| sweep(arrangement, rule))
 }
 
 /// The region that a rule leaves of any rings.

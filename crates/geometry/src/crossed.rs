@@ -67,16 +67,7 @@ pub(super) struct Crossed<'a> {
 impl<'a> Crossed<'a> {
     /// Cuts the rings; `None` where some touch without crossing. O(n + c log c), as to find out whether rings cross, and
     /// O(k log k) for k crossings.
-    pub(super) fn new(arrangement: &'a Arrangement) -> Option<Self> {
-        Self::cut_at(arrangement, &arrangement.crossings()?)
-    }
-
-    /// Rings that meet nowhere; `None` where some do.
-    pub(super) fn apart(arrangement: &'a Arrangement) -> Option<Self> {
-        arrangement.is_simple().then(|| Self::cut_at(arrangement, &[]))?
-    }
-
-    fn cut_at(arrangement: &'a Arrangement, crossings: &[(usize, usize)]) -> Option<Self> {
+    pub(super) fn new(arrangement: &'a Arrangement, crossings: &[(usize, usize)]) -> Option<Self> {
         let rings = arrangement.spans().len();
         let mut out = Self {
             arrangement,
@@ -111,8 +102,9 @@ impl<'a> Crossed<'a> {
                 self.stops.push(Stop { edge, along, crossing, step, next: 0 });
             }
         }
-        self.stops.sort_unstable_by(|a, b| {
-            a.edge.cmp(&b.edge).then(a.along.total_cmp(&b.along)).then(a.crossing.cmp(&b.crossing))
+        // Edges have 32-bit numbers, and the bits of positive numbers are in their order.
+        self.stops.sort_unstable_by_key(|stop| {
+            (stop.edge as u128) << 96 | u128::from(stop.along.to_bits()) << 32 | stop.crossing as u128
         });
         let mut from = 0;
         for &(_, end) in spans {
@@ -290,7 +282,8 @@ mod tests {
     }
 
     fn region(rings: &[Ring], rule: Rule) -> Option<Region> {
-        Crossed::apart(&Arrangement::new(rings))?.region(rule)
+        let arrangement = Arrangement::new(rings);
+        Crossed::new(&arrangement, &arrangement.crossings()?)?.region(rule)
     }
 
     #[test]

@@ -20,6 +20,7 @@ mod grid;
 mod hatch;
 mod known;
 mod medial;
+mod nudge;
 mod offset;
 mod point;
 mod random;

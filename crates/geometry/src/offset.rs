@@ -1,11 +1,9 @@
 //! Growing and shrinking regions.
 //!
-//! Each ring is moved by itself; where the moved rings touch nothing, as is the rule, they are the result
-//! already. Else the overlaps are taken out by winding number.
+//! Each ring is moved by itself, without the edges that shrink to nothing; where the moved rings touch nothing, as is the rule,
+//! they are the result already. Else the overlaps are taken out by winding number.
 
-use super::arrange::{Arrangement, Rule};
 use super::boolean::{bounds, clusters, difference, positive};
-use super::crossed::Crossed;
 use super::raw_offset::{Join, RingOffset};
 use super::simplify::simplify_ring;
 use super::{Bounds, Point, Polygon, Region, Ring, UNITS_PER_MM, ring_area};
@@ -113,34 +111,15 @@ impl Offset {
     /// Offsets polygons that may meet.
     fn together(&mut self, polygons: &[&Polygon], result: &mut Region) {
         let rings = self.prepare(polygons);
-        let kept = result.polygons.len();
-        let region = self.fronts(&rings).unwrap_or_else(|| {
-            positive(&rings.iter().map(|ring| self.rings.raw(ring)).collect::<Vec<Ring>>())
-        });
-        result.polygons.extend(region.polygons);
-        let mut index = 0;
-        result.polygons.retain(|polygon| {
-            index += 1;
-            index <= kept || ring_area(&polygon.outer) > MIN_AREA_MM2
-        });
+        let curves: Vec<Ring> = rings.iter().map(|ring| self.curve(ring)).collect();
+        let region = positive(&curves);
+        result.polygons.extend(region.polygons.into_iter().filter(|p| ring_area(&p.outer) > MIN_AREA_MM2));
     }
 
-    /// What the moved rings enclose, if they touch neither themselves nor each other.
-    fn fronts(&mut self, rings: &[Ring]) -> Option<Region> {
-        let fronts = rings.iter().map(|ring| {
-            let front = simplify_ring(&self.rings.front(ring)?, self.tolerance);
-            (!front.is_empty()).then_some(front)
-        });
-        let fronts = fronts.collect::<Option<Vec<Ring>>>()?;
-        let arrangement = Arrangement::new(&fronts);
-        if fronts.len() > 1 {
-            return Crossed::apart(&arrangement)?.region(Rule::Positive);
-        }
-        // Nothing is around a single one.
-        let is_outer = |ring: &Ring| ring_area(ring) > 0.0;
-        let outers = |rings: Vec<Ring>| rings.into_iter().filter(is_outer);
-        let polygon = |outer: Ring| Polygon { outer, holes: Vec::new() };
-        arrangement.is_simple().then(|| Region { polygons: outers(fronts).map(polygon).collect() })
+    /// A moved ring, whose points of positive winding are the offset.
+    fn curve(&mut self, ring: &Ring) -> Ring {
+        let front = self.rings.front(ring).map(|front| simplify_ring(&front, self.tolerance));
+        front.filter(|front| !front.is_empty()).unwrap_or_else(|| self.rings.raw(ring))
     }
 
     /// The rings, simplified, outer ones counter-clockwise and holes clockwise, without those that surely vanish.
@@ -174,5 +153,47 @@ impl Offset {
             let height = i64::from(b.max.y) - i64::from(b.min.y);
             width.min(height) as f64 <= 2.0 * self.by.abs()
         })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{Random, real};
+
+    /// A ring of many corners whose distance from the origin varies.
+    fn star(random: &mut Random, corners: u32, lengths_mm: [f64; 2]) -> Ring {
+        let corner = |i: u32| {
+            let share = f64::from(random.below(1000)) / 1000.0;
+            let length_mm = lengths_mm[0] + share * (lengths_mm[1] - lengths_mm[0]);
+            let (sin, cos) = real::sin_cos(std::f64::consts::TAU * f64::from(i) / f64::from(corners));
+            Point::from_mm(length_mm * cos, length_mm * sin)
+        };
+        (0..corners).map(corner).collect()
+    }
+
+    #[test]
+    fn what_has_shrunk_to_nothing_makes_no_difference_to_the_offset() {
+        let mut random = Random::new(3);
+        for round in 0..400 {
+            let corners = 6 + random.below(60);
+            let least_mm = 0.5 + f64::from(random.below(40)) / 10.0;
+            let ring = star(&mut random, corners, [least_mm, 5.0]);
+            let by_mm = f64::from(random.below(200)) / 100.0 - 1.0;
+            if by_mm.abs() < 0.02 {
+                continue;
+            }
+            let whole =
+                positive(&[RingOffset::new(by_mm * UNITS_PER_MM, Join::Miter { limit: 2.0 }).raw(&ring)]);
+            let moved = offset(&Region::from(Polygon { outer: ring.clone(), holes: Vec::new() }), by_mm);
+            for (a, b) in [(&whole, &moved), (&moved, &whole)] {
+                let more = opening(&difference(a, b), 3.0 * TOLERANCE_MM);
+                assert!(
+                    more.is_empty(),
+                    "{round}: {by_mm} mm: {:?}",
+                    more.polygons().iter().map(Polygon::area_mm2).collect::<Vec<_>>()
+                );
+            }
+        }
     }
 }

@@ -3,8 +3,8 @@
 use super::bitmap::{Bitmap, Grid};
 use super::bridge;
 use crate::toolpath::options::SupportSettings;
-use geometry::Region;
 use geometry::real;
+use geometry::{Bounds, Polygon, Region};
 
 /// Overhangs smaller than this are noise of the section: less than a nozzle diameter.
 const CRUMB_MM2: f64 = 0.05;
@@ -52,9 +52,7 @@ pub fn find(
 ) -> Overhang {
     let grid = layer.solid.grid();
     let lean_mm = height_mm * real::tan(settings.angle.to_radians());
-    let carried = geometry::offset(below.rough, lean_mm);
-    let mut beyond =
-        if settings.enabled { geometry::difference(layer.section, &carried) } else { Region::default() };
+    let mut beyond = if settings.enabled { beyond(layer.section, below, lean_mm) } else { Region::default() };
     beyond.retain(|polygon| polygon.area_mm2() >= CRUMB_MM2);
     // What nothing touches comes out of the difference as it was.
     let (islands, edges): (Vec<_>, Vec<_>) =
@@ -81,6 +79,19 @@ pub fn find(
         must.remove(&blocked);
     }
     Overhang { leaning, must }
+}
+
+/// What reaches farther beyond the layer below than `lean_mm`.
+fn beyond(section: &Region, below: Slab<'_>, lean_mm: f64) -> Region {
+    // Islands that repeat reach nowhere.
+    let is_new = |polygon: &&Polygon| !below.section.polygons().contains(polygon);
+    let new = Region::disjoint(section.polygons().iter().filter(is_new).cloned());
+    let reach = geometry::to_units(lean_mm) + 1;
+    let bounds = |polygon: &Polygon| Bounds::of(polygon.outer.iter().copied()).unwrap_or_default();
+    let boxes: Vec<Bounds> = new.polygons().iter().map(|polygon| bounds(polygon).grown(reach)).collect();
+    let is_near = |polygon: &&Polygon| boxes.iter().any(|near| near.touches(&bounds(polygon)));
+    let near = Region::disjoint(below.rough.polygons().iter().filter(is_near).cloned());
+    geometry::difference(&new, &geometry::offset(&near, lean_mm))
 }
 
 /// The part of a layer's overhang that needs support: all that must be, and of what leans out the parts that, seen

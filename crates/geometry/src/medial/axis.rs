@@ -7,6 +7,9 @@ use super::outline::{Outline, Position, distance, lerp};
 /// No node.
 pub(super) const NONE: u32 = u32::MAX;
 
+/// A node that moves by less, in millimetres, is between its sides: a grid unit.
+const SETTLED_MM: f64 = 1e-5;
+
 /// A point of the axis with the width of the region there.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Node {
@@ -136,7 +139,11 @@ fn between_sides(outline: &Outline, a: u32, b: u32) -> Node {
         if distance(moved, middle) > 0.25 * distance(p, q) {
             break;
         }
+        let by = distance(moved, node.at);
         node.at = moved;
+        if by <= SETTLED_MM {
+            break;
+        }
     }
     node
 }

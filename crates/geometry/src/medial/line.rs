@@ -6,8 +6,11 @@ use super::outline::{Position, direction, distance, lerp};
 use super::path::MedialPath;
 use crate::{Bounds, EdgeGrid, Point};
 
-/// Vertices are dropped that move the line, or the width, by no more than this: a hundredth of a common line width.
+/// Vertices are dropped that move the line by no more than this: a hundredth of a common line width.
 const TOLERANCE_MM: f64 = 0.005;
+
+/// The same of the width, by which a long line would hold less throughout.
+const WIDTH_TOLERANCE_MM: f64 = 0.002;
 
 /// Least length of what is cut out of a line.
 const SHORTEST_MM: f64 = 0.2;
@@ -283,7 +286,8 @@ impl Line {
         let (da, db) = (distance(self.at[a], self.at[k]), distance(self.at[k], self.at[b]));
         let t = if da + db > 0.0 { da / (da + db) } else { 0.5 };
         distance(self.at[k], lerp(self.at[a], self.at[b], t)) <= TOLERANCE_MM
-            && (self.width[k] - self.width[a] - t * (self.width[b] - self.width[a])).abs() <= TOLERANCE_MM
+            && (self.width[k] - self.width[a] - t * (self.width[b] - self.width[a])).abs()
+                <= WIDTH_TOLERANCE_MM
     }
 }
 

@@ -14,7 +14,7 @@ use outline::Outline;
 
 use super::{Bounds, EdgeGrid, Known, Polygon, Region, Shape};
 
-/// Samples of the boundary are this many times the greatest width apart, at most.
+/// Samples of the boundary are this many times the greatest width apart, at most, beside its corners.
 const SPACING: f64 = 0.4;
 
 /// Lines that cover less than this share of a part do not fit it.

@@ -12,6 +12,35 @@ const SIMPLIFY_MM: f64 = 0.005;
 /// How many edges on either side of a sample may hold the nearest point of its side.
 const MAX_STEPS: usize = 16;
 
+/// Vertices at which the cosine of the turn is less are corners: 37°.
+const CORNER: f64 = 0.8;
+
+/// So many samples beside a corner, and beside another vertex, are equally far apart …
+const BESIDE: [usize; 2] = [4, 1];
+
+/// … and those that follow so much farther, each than the one before.
+const GROWTH: f64 = 2.0;
+
+/// Where the samples between the ends of an edge are, as shares of its length: ever farther apart towards its middle. Of each end,
+/// how many beside it are equally far apart.
+fn between(length_mm: f64, spacing_mm: f64, beside: [usize; 2]) -> impl Iterator<Item = f64> {
+    let least_mm = length_mm / (length_mm / spacing_mm).ceil().max(1.0);
+    let [(near, from), (far, to)] = beside.map(|beside| {
+        let (mut shares, mut at_mm, mut step_mm) = (Vec::new(), 0.0, least_mm);
+        while at_mm + step_mm < length_mm / 2.0 {
+            at_mm += step_mm;
+            shares.push(at_mm / length_mm);
+            if shares.len() >= beside {
+                step_mm *= GROWTH;
+            }
+        }
+        (shares, (at_mm, step_mm))
+    });
+    // But for rounding.
+    let middle = (length_mm - from.0 - to.0 > 1.001 * from.1.min(to.1)).then_some(0.5);
+    near.into_iter().chain(middle).chain(far.into_iter().rev().map(|share| 1.0 - share))
+}
+
 /// Samples along all rings of a polygon, with their neighbours.
 pub(super) struct Outline {
     pub(super) at: Vec<Position>,
@@ -20,18 +49,24 @@ pub(super) struct Outline {
 }
 
 impl Outline {
-    /// Samples at the vertices and between them, at most `spacing_mm` apart.
+    /// Samples at the vertices and between them: beside vertices at most `spacing_mm` apart, farther off as far as they may be on
+    /// straight sides.
     pub(super) fn sample(polygon: &Polygon, spacing_mm: f64) -> Self {
         let mut outline = Self { at: Vec::new(), next: Vec::new(), before: Vec::new() };
         for ring in polygon.rings() {
             let ring = simplify_ring(ring, SIMPLIFY_MM * UNITS_PER_MM);
             let first = outline.at.len();
+            let n = ring.len();
+            let along = |i: usize| direction(ring[i].mm(), ring[(i + 1) % n].mm());
+            let beside = |i: usize| {
+                let (u, v) = (along((i + n - 1) % n), along(i));
+                BESIDE[usize::from(u[0] * v[0] + u[1] * v[1] >= CORNER)]
+            };
             for (i, a) in ring.iter().enumerate() {
-                let b = ring[(i + 1) % ring.len()];
-                let parts = (a.distance_mm(b) / spacing_mm).ceil().max(1.0);
-                for k in 0..parts as usize {
-                    outline.at.push(lerp(a.mm(), b.mm(), k as f64 / parts));
-                }
+                let after = (i + 1) % n;
+                let shares = between(a.distance_mm(ring[after]), spacing_mm, [beside(i), beside(after)]);
+                outline.at.push(a.mm());
+                outline.at.extend(shares.map(|share| lerp(a.mm(), ring[after].mm(), share)));
             }
             let end = outline.at.len();
             for i in first..end {

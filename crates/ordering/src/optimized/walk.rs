@@ -313,7 +313,11 @@ impl<'a> Walk<'a> {
         let (dx, dy) = (a[0] - b[0], a[1] - b[1]);
         let square = dx * dx + dy * dy;
         // NaN: from or to an unknown point.
-        if square >= 0.0 { self.cost.of(square.sqrt(), self.kind(items)) } else { 0.0 }
+        match &self.cost {
+            _ if square.is_nan() => 0.0,
+            LinkCosts::Length => square.sqrt(),
+            LinkCosts::Time(time) => time.of(square.sqrt(), self.kind(items)),
+        }
     }
 
     /// Whether the link over a gap is more expensive than a straight one.
