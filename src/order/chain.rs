@@ -138,12 +138,12 @@ impl Chain {
         watch: Watch<'_>,
     ) -> Vec<PathOrder> {
         let stack = Stack::new(layers, pins, self.settings.scope, (start.or(self.origin), end));
-        let before = solved.map(|solved| stack.from_paths(solved));
+        let before = solved.map(|solved| stack.sequence(solved));
         let mut solved = self.solve(&stack.problem, layers, routers, before, watch);
         if self.seam == SeamPosition::Nearest {
             enter_nearest(&stack.problem, &mut solved);
         }
-        stack.on_paths(solved)
+        stack.orders(solved)
     }
 
     /// With high effort, small layers take the cheapest order between the ends of their neighbours, first one after the other, then
@@ -188,10 +188,10 @@ impl Chain {
         if stack.problem.items.len() < 2 {
             return;
         }
-        let solved = stack.from_paths(&orders[window.clone()]);
+        let solved = stack.sequence(&orders[window.clone()]);
         let proof = bound::by_walks(&stack.problem, &solved, &self.cost, Effort::Normal);
         let Some(better) = proof.and_then(|proof| proof.better) else { return };
-        let better = stack.on_paths(better);
+        let better = stack.orders(better);
         let cost = |orders: &[PathOrder]| self.cost_between(layers, orders, at, next, routers);
         if cost(&better) < cost(&orders[window.clone()]) {
             orders[window].clone_from_slice(&better);

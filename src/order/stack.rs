@@ -36,7 +36,7 @@ impl<'a> Stack<'a> {
     }
 
     /// Orders of the layers' paths as a solution of the problem.
-    pub fn from_paths(&self, orders: &[PathOrder]) -> Sequence {
+    pub fn sequence(&self, orders: &[PathOrder]) -> Sequence {
         let mut sequence = Sequence::new();
         for (layer, order) in self.layers.iter().zip(orders) {
             let first = sequence.len() as u32;
@@ -47,7 +47,7 @@ impl<'a> Stack<'a> {
     }
 
     /// A solution of the problem as orders of the layers' paths.
-    pub fn on_paths(&self, sequence: Sequence) -> Vec<PathOrder> {
+    pub fn orders(&self, sequence: Sequence) -> Vec<PathOrder> {
         let (mut visits, mut first) = (sequence.into_iter(), 0);
         let apart = |layer: &LayerProblem| {
             let own = visits.by_ref().take(layer.problem.items.len());
