@@ -24,8 +24,7 @@ const CLOSED_PATHS: usize = 40;
 
 /// Layers of few paths, each alone.
 fn alone(layers: &[LayerPaths]) -> Vec<Range<usize>> {
-    let paths = |i: usize| layers[i].paths.len();
-    (0..layers.len()).filter(|&i| (2..=CLOSED_PATHS).contains(&paths(i))).map(|i| i..i + 1).collect()
+    (0..layers.len()).filter(|&i| layers[i].paths.len() <= CLOSED_PATHS).map(|i| i..i + 1).collect()
 }
 
 /// As many neighbouring layers as have few paths together, two at least; each group begins in the middle of the one before.

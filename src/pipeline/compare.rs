@@ -3,10 +3,10 @@
 use crate::gcode::is_gcode;
 use crate::job::{Job, JobError, ModelSource};
 use crate::motion::MotionSettings;
-use crate::order::compare::{LayerRow, StrategyRow};
+use crate::order::compare::StrategyRow;
 use crate::order::compare_tools::ToolOrderRow;
-use crate::order::{CostKind, OrderStrategy, ToolOrder};
-use crate::order::{LayerProblem, PathVisit, Pins, SeamRule, chunk_len, ends_on_path};
+use crate::order::{OrderStrategy, ToolOrder};
+use crate::order::{PathVisit, Pins, SeamRule, chunk_len, ends_on_path};
 use crate::parallel::Workers;
 use crate::plan::{blocks, spiral, tool_order};
 use crate::plate::Model;
@@ -185,12 +185,8 @@ fn row(
         })
         .collect();
     nexts.reverse();
-    let time = settings.order_cost(CostKind::Time);
     let rows = workers.map(layers.len(), |i| {
-        // Sequences name vertices of paths: measured on the problem whose seams are free.
-        let mut layer = LayerProblem::new(&paths[i], &None, settings.order.scope);
-        layer.problem.start = starts[i];
-        let mut row = LayerRow::new(i, &layer.problem, &layer.from_paths(&sequences[i]), &time);
+        let mut row = ordering::measured(i, &paths[i], &sequences[i], starts[i], settings);
         let bound_mm = |certificate: &Certificate| certificate.layer_mm(i, starts[i]) + fixed.links_mm[i];
         row.bound_mm = certificate.map(bound_mm);
         row.bound_s = certificate.and_then(|certificate| certificate.layer_s(i, starts[i]));

@@ -3,8 +3,10 @@
 use std::ops::Range;
 use std::time::Duration;
 
+use crate::order::compare::LayerRow;
 use crate::order::{
-    Chain, Cost, LayerProblem, PathOrder, Pins, Problem, Visit, Watch, bound, ends_on_path, evaluate,
+    Chain, Cost, CostKind, LayerProblem, PathOrder, Pins, Problem, Visit, Watch, bound, ends_on_path,
+    evaluate,
 };
 use crate::profile::{Effort, Settings};
 use crate::toolpath::LayerPaths;
@@ -184,6 +186,20 @@ impl Certificate {
     pub(super) fn print_s(&self) -> Option<f64> {
         self.times.as_ref().map(|(cost, shares)| bound::Share::print(shares, cost, self.start, None))
     }
+}
+
+/// What the links of an order come to, if its layer is entered from `start`.
+pub(super) fn measured(
+    index: usize,
+    layer: &LayerPaths,
+    order: &PathOrder,
+    start: Option<Point>,
+    settings: &Settings,
+) -> LayerRow {
+    // Orders name vertices of paths: measured on the problem whose seams are free.
+    let mut free = LayerProblem::new(layer, &None, settings.order.scope);
+    free.problem.start = start;
+    LayerRow::new(index, &free.problem, &free.from_paths(order), &settings.order_cost(CostKind::Time))
 }
 
 /// By how much, as a share, an order's links cost more at most than the cheapest from where the layer is entered to where the next

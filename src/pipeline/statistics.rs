@@ -3,8 +3,8 @@
 use crate::estimate::Machine;
 use crate::gcode::{Effect, PrintFacts, Totals};
 use crate::motion::ToolSums;
-use crate::order::compare::{LayerRow, Proved};
-use crate::order::{CostKind, LayerProblem, PathOrder, Pins, ends_on_path};
+use crate::order::compare::Proved;
+use crate::order::{CostKind, PathOrder, Pins, ends_on_path};
 use crate::parallel::Workers;
 use crate::profile::{FilamentSettings, Settings};
 use crate::report::{LayerSummary, Measures, Summary, TimeBound, ToolSummary};
@@ -81,13 +81,11 @@ impl Statistics {
             let next = begins[i + 1..].iter().find_map(|&begin| begin);
             ordering::excess((&layer.0, &layer.1), order, [*start, next], settings)
         });
-        let time = settings.order_cost(CostKind::Time);
-        let link_s = workers.map(ordered.len(), |i| {
-            let Ordered { layer, order, start, .. } = &ordered[i];
-            let mut free = LayerProblem::new(&layer.0, &None, settings.order.scope);
-            free.problem.start = *start;
-            LayerRow::new(i, &free.problem, &free.from_paths(order), &time).travel_s
-        });
+        let link_s = |Ordered { index, layer, order, start }: &Ordered| {
+            ordering::measured(*index, &layer.0, order, *start, settings).travel_s
+        };
+        let link_s: Option<f64> =
+            (settings.order.cost == CostKind::Time).then(|| ordered.iter().map(link_s).sum());
         let drawn = excesses.into_iter().zip(&begins).filter(|(_, begin)| begin.is_some());
         self.proved = Some(Proved::of(drawn.map(|(excess, _)| excess)));
         let (layers, places): (Vec<_>, Vec<_>) =
@@ -101,8 +99,8 @@ impl Statistics {
             layer.measures = std::mem::take(&mut layer.measures).with_bound(bound_mm);
         }
         self.total = std::mem::take(&mut self.total).with_bound(certificate.print_mm());
-        let time_bound = |bound_s| TimeBound::new(link_s.iter().sum(), bound_s);
-        self.time_bound = certificate.print_s().map(time_bound);
+        let times = link_s.zip(certificate.print_s());
+        self.time_bound = times.map(|(link_s, bound_s)| TimeBound::new(link_s, bound_s));
     }
 
     /// Totals. What scripts extrude of itself is the first tool's.

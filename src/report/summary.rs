@@ -242,24 +242,23 @@ impl fmt::Display for Summary {
         writeln!(f, "{} travels, {} retractions", total.travels, total.retractions)?;
         if let Some(bound_mm) = total.bound_mm {
             let (links, bound) = (total.link_mm / 1000.0, bound_mm / 1000.0);
-            write!(f, "  order     links {links:.2} m, no order has less than {bound:.2} m")?;
-            match total.gap {
-                Some(gap) => writeln!(f, " (at most {:.1} % to save)", 100.0 * gap / (1.0 + gap))?,
-                None => writeln!(f)?,
-            }
+            let saves = to_save(total.gap);
+            writeln!(f, "  order     links {links:.2} m, no order has less than {bound:.2} m{saves}")?;
         }
         if let Some(TimeBound { link_s, bound_s, gap_s }) = self.time_bound {
-            write!(f, "  order     links {link_s:.1} s, no order takes less than {bound_s:.1} s")?;
-            match gap_s {
-                Some(gap) => writeln!(f, " (at most {:.1} % to save)", 100.0 * gap / (1.0 + gap))?,
-                None => writeln!(f)?,
-            }
+            let saves = to_save(gap_s);
+            writeln!(f, "  order     links {link_s:.1} s, no order takes less than {bound_s:.1} s{saves}")?;
         }
         if let Some(proved) = self.proved {
             writeln!(f, "  proof     {proved}")?;
         }
         Ok(())
     }
+}
+
+/// What a gap says of the links; nothing where it is not known.
+fn to_save(gap: Option<f64>) -> String {
+    gap.map_or(String::new(), |gap| format!(" (at most {:.1} % to save)", 100.0 * gap / (1.0 + gap)))
 }
 
 /// `1 h 02 min 03 s`, rounded to the second.

@@ -67,7 +67,7 @@ impl Beyond<'_> {
             }
             Self::Share(share) => share.ends[usize::from(below)].clone(),
         };
-        Some(PricedPoints::new(points, LinkCosts::from(*cost)))
+        Some(PricedPoints::new(points, cost))
     }
 }
 
@@ -195,7 +195,7 @@ impl Share {
 
     /// The least price of the link from this layer to the next.
     fn link_to(&self, next: &Self, cost: &Cost) -> i64 {
-        let points = PricedPoints::new(self.ends[1].clone(), LinkCosts::from(*cost));
+        let points = PricedPoints::new(self.ends[1].clone(), cost);
         next.ends[0].iter().map(|&(p, pay)| points.nearest(p) + pay).min().unwrap_or(0)
     }
 

@@ -1,9 +1,9 @@
 //! Points with prices, for links that lead there.
 
 use super::model::{least_price, price};
-use crate::LinkKind;
 use crate::cost::LinkCosts;
 use crate::matching::KdTree;
+use crate::{Cost, LinkKind};
 use pathwright_geometry::Point;
 
 /// Points of another layer, with a price each.
@@ -16,11 +16,11 @@ pub(super) struct PricedPoints {
 }
 
 impl PricedPoints {
-    pub(super) fn new(priced: Vec<(Point, i64)>, cost: LinkCosts) -> Self {
+    pub(super) fn new(priced: Vec<(Point, i64)>, cost: &Cost) -> Self {
         let points: Vec<Point> = priced.iter().map(|&(p, _)| p).collect();
         let tree = KdTree::new(&points);
         let lowest = tree.aggregate(i64::MAX, |id| priced[id as usize].1, i64::min);
-        Self { cost, priced, tree, lowest }
+        Self { cost: LinkCosts::from(*cost), priced, tree, lowest }
     }
 
     /// The least sum of a link and the price at its other end.
