@@ -1,6 +1,7 @@
 // The worker that talks to print hosts. It may wait for each answer, and may ask only whom the page may ask: see policy.js.
 
-import * as wasm from "./pathwright.js";
+import * as alone from "./pathwright.js";
+import * as shared from "./pathwright-threads.js";
 import { slicer } from "./slicer.js";
 
 /** Makes a request, with the host's key and nothing of this browser's. */
@@ -25,5 +26,5 @@ const pause = (milliseconds) => { Atomics.wait(still, 0, 0, milliseconds); };
 const take = slicer((message, transfer) => postMessage(message, transfer));
 addEventListener("message", ({ data }) => {
   take(data);
-  if (data.module) wasm.network(exchange, pause);
+  if (data.module) (data.isShared ? shared : alone).network(exchange, pause);
 });

@@ -56,7 +56,7 @@ export class Hosts {
   described = (host) => JSON.stringify({ ...host, origin: location.origin });
 
   async call(name, ...args) {
-    if (!this.worker || this.worker.ended) this.worker = new Caller(started(), await this.compiled());
+    if (!this.worker || this.worker.ended) this.worker = new Caller(started, { ...(await this.compiled()), threads: 1 });
     return this.worker.call(name, ...args);
   }
 }

@@ -4,7 +4,7 @@
 // longer wanted ends with its worker, and the next one begins with the same files.
 
 import { EngineError, readMesh } from "./engine.js";
-import { compiled, started } from "./browser.js";
+import { compiled, cores, started } from "./browser.js";
 import { Caller } from "./caller.js";
 import { Hosts } from "./hosts.js";
 import { Kept } from "./kept.js";
@@ -81,9 +81,9 @@ export class Engine {
   // One plate.
 
   async open() {
-    await this.compiled();
+    const module = await this.compiled();
     this.end();
-    this.plate = new Caller(started(), this.module, (event, error) => event === "ended" && this.lost(error));
+    this.plate = new Caller(started, { ...module, threads: 1 }, (event, error) => event === "ended" && this.lost(error));
     const version = await this.ask("version");
     await this.ask("open");
     await this.usePresets();
@@ -92,7 +92,7 @@ export class Engine {
   }
 
   async compiled() {
-    return (this.module ??= await compiled());
+    return (this.module ??= await compiled(cores() > 1));
   }
 
   close() {
@@ -160,7 +160,7 @@ export class Engine {
     if (this.slicing?.busy) this.slicing.end(gone());
     if (!this.slicing || this.slicing.ended) {
       this.base = this.last;
-      const slicer = new Caller(started(), this.module);
+      const slicer = new Caller(started, { ...this.module, threads: cores() });
       slicer.on = (...told) => this.slicing === slicer && this.told(slicer, ...told);
       const opened = slicer.call("open").then(async () => slicer.call("presets", await this.presets()));
       this.slicing = Object.assign(slicer, { busy: false, files: 0, opened });

@@ -1,4 +1,4 @@
-// The caller's side of a worker: calls by name, answered one after the other.
+// The caller's side of a worker, or of several that share memory: calls by name, answered one after the other.
 
 /** Why something was not done. `kind`: usage, input, settings, does_not_fit, check, not_found, limit or internal. */
 export class PathwrightError extends Error {
@@ -8,13 +8,27 @@ export class PathwrightError extends Error {
   }
 }
 
+/** More than these wait for each other too often: they share one allocator. */
+export const MOST_THREADS = 8;
+
 export class Caller {
-  /** `worker`: of either platform; `module`: compiled; `on(event, data, bytes, file)`: told of whatever happens meanwhile. */
-  constructor(worker, module, on = () => {}) {
-    Object.assign(this, { worker, on, waiting: new Map(), last: 0, ended: null });
+  /** `started()`: a worker of either platform; `compiled`: the module and `threads`; `on(event, data, bytes, file)`: told of whatever happens meanwhile. */
+  constructor(started, compiled, on = () => {}) {
+    Object.assign(this, { started, compiled, on, workers: [], waiting: new Map(), last: 0, ended: null });
+    this.begin(compiled);
+  }
+
+  begin(first) {
+    const worker = this.started();
     worker.onmessage = ({ data }) => this.take(data);
     worker.onerror = (event) => this.end(new PathwrightError({ message: event.message ?? "the worker could not be started" }));
-    worker.postMessage({ module });
+    worker.postMessage(first);
+    this.workers.push(worker);
+  }
+
+  /** The one that is called. */
+  get worker() {
+    return this.workers[0];
   }
 
   call(name, ...args) {
@@ -26,19 +40,23 @@ export class Caller {
     });
   }
 
-  take({ id, value, error, event, data, bytes, file }) {
+  take({ id, value, error, event, data, bytes, file, memory, others }) {
     if (event) return this.on(event, data, bytes, file);
-    const { done, fail } = this.waiting.get(id);
     if (error?.fatal) return this.end(new PathwrightError(error));
+    if (memory) {
+      while (this.workers.length <= others) this.begin({ ...this.compiled, memory });
+      return;
+    }
+    const { done, fail } = this.waiting.get(id);
     this.waiting.delete(id);
     return error ? fail(new PathwrightError(error)) : done(value);
   }
 
-  /** Ends the worker, and with this error whatever it was to do. */
+  /** Ends the workers, and with this error whatever they were to do. */
   end(error) {
     if (this.ended) return;
     this.ended = error;
-    this.worker.terminate();
+    for (const worker of this.workers) worker.terminate();
     for (const { fail } of this.waiting.values()) fail(error);
     this.waiting.clear();
     this.on("ended", error);

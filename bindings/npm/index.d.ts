@@ -36,6 +36,8 @@ export interface Options {
   settings?: Record<string, Value>;
   /** Ends the call, which then throws the signal's reason. */
   signal?: AbortSignal;
+  /** Most threads; without it, as many as there are cores, up to 8. A page has more than one if it is cross-origin isolated. */
+  threads?: number;
   /** Told of the layers that are done, and of all. */
   onProgress?(done: number, of: number): void;
 }
@@ -176,6 +178,7 @@ export function order(
     effort?: "fast" | "normal" | "high";
     certify?: boolean;
     signal?: AbortSignal;
+    threads?: number;
   },
 ): Promise<Order>;
 

@@ -1,22 +1,27 @@
 // Pathwright for Node and bundlers. Each call runs in a worker of its own; see index.d.ts.
 
-import { awaited, compiled, started } from "#platform";
+import { awaited, compiled, cores, started } from "#platform";
 import { Caller, PathwrightError } from "./caller.js";
 
 export { PathwrightError };
 
-let module = null;
-/** A worker that has nothing to do. */
+/** The module for one thread, and that for several. */
+const modules = { false: null, true: null };
+/** A caller that has nothing to do. */
 let idle = null;
 
-async function worker() {
-  const free = idle;
+async function free(threads) {
+  let caller = idle;
   idle = null;
-  module ??= compiled().catch((error) => {
-    module = null;
-    throw error;
-  });
-  const caller = free ?? new Caller(started(), await module);
+  if (caller?.compiled.threads !== threads) {
+    caller?.end(new PathwrightError({ message: "this worker has ended" }));
+    const isShared = threads > 1;
+    modules[isShared] ??= compiled(isShared).catch((error) => {
+      modules[isShared] = null;
+      throw error;
+    });
+    caller = new Caller(started, { ...(await modules[isShared]), threads });
+  }
   awaited(caller.worker, true);
   return caller;
 }
@@ -29,9 +34,10 @@ function rest(caller) {
 }
 
 /** Calls a function of the module; `signal` ends it, `on` is told what happens meanwhile. */
-async function call({ signal, on = {} }, name, ...args) {
+async function call({ signal, threads = cores(), on = {} }, name, ...args) {
   signal?.throwIfAborted();
-  const caller = await worker();
+  if (!(Number.isInteger(threads) && threads > 0)) throw new PathwrightError({ kind: "usage", message: `\`threads\` is a whole number from 1 up, not ${threads}` });
+  const caller = await free(Math.min(threads, cores()));
   caller.on = (event, data, bytes) => on[event]?.(data, bytes);
   const abort = () => caller.end(signal.reason);
   signal?.addEventListener("abort", abort);
@@ -47,7 +53,7 @@ async function call({ signal, on = {} }, name, ...args) {
 /** What an option is called in a project, where it is called otherwise. */
 const NAMES = { colorChanges: "color_changes", allowFloating: "allow_floating" };
 const PROJECT = ["profiles", "profile", "settings", "models", "pauses", "colorChanges", "allowFloating", "certify"];
-const COMMON = ["signal", "onProgress"];
+const COMMON = ["signal", "threads", "onProgress"];
 
 /** The project that options describe, as JSON. */
 function project(options, own) {
@@ -82,7 +88,7 @@ async function bytesOf(data) {
   throw new PathwrightError({ kind: "usage", message: "bytes are expected: a Uint8Array, an ArrayBuffer, a Blob, or a text" });
 }
 
-const progress = ({ signal, onProgress }) => ({ signal, on: { progress: onProgress && (({ done, of }) => onProgress(done, of)) } });
+const progress = ({ signal, threads, onProgress }) => ({ signal, threads, on: { progress: onProgress && (({ done, of }) => onProgress(done, of)) } });
 
 export async function slice(models, options = {}) {
   const { onLayer, binary } = options, wanted = project(options, ["onLayer", "binary"]), watched = progress(options);
@@ -124,11 +130,11 @@ export async function check(gcode, options = {}) {
 
 export const time = async (gcode, options = {}) => call(progress(options), "time", await bytesOf(gcode), project(options, []));
 
-export async function order(polylines, { closed = false, groups = [], signal, ...wanted } = {}) {
+export async function order(polylines, { closed = false, groups = [], signal, threads, ...wanted } = {}) {
   const starts = [0];
   for (const line of polylines) starts.push(starts.at(-1) + line.length);
   const isClosed = (index) => Number(Array.isArray(closed) ? closed[index] : closed);
-  return call({ signal }, "order", Float64Array.from(polylines.flat(2)), Uint32Array.from(starts),
+  return call({ signal, threads }, "order", Float64Array.from(polylines.flat(2)), Uint32Array.from(starts),
     Uint8Array.from(polylines, (_, index) => isClosed(index)), Uint32Array.from(polylines, (_, index) => groups[index] ?? 0), JSON.stringify(wanted));
 }
 

@@ -1,25 +1,27 @@
 // The worker's side: calls in, answers and events out. One instance of the module, one call after the other.
 
-import * as wasm from "./pathwright.js";
+import * as alone from "./pathwright.js";
+import * as shared from "./pathwright-threads.js";
 
 /**
- * Gives what takes messages: first `{ module }`, compiled, then calls, `{ id, name, args }`. `post(message, transfer)` sends
- * `{ id, value }` or `{ id, error }` for each, and `{ event, data, bytes }` meanwhile.
+ * Gives what takes messages: first `{ module, isShared, threads }`, compiled, then calls, `{ id, name, args }`. `post(message, transfer)`
+ * sends `{ id, value }` or `{ id, error }` for each, and `{ event, data, bytes }` meanwhile. It sends `{ memory, others }` if there are to
+ * be several threads: so many workers more, which get the first message with `memory`, and no calls.
  */
 export function slicer(post) {
-  let panic = null, session = null, presets = null, done = [];
+  let wasm = null, session = null, presets = null, done = [];
 
   const told = (event, json, bytes) => {
     const data = JSON.parse(json);
-    if (event === "panic") panic = data;
     // What belongs to it can only be had when the slicing has ended.
-    else if (event === "done") done.push(data);
+    if (event === "done") done.push(data);
     else post({ event, data, bytes }, bytes ? [bytes.buffer] : []);
   };
 
   /** Slices what the plate wants; its results go with the events. */
   const run = () => {
     while (session?.step()) {
+      wasm.tell_waiting();
       for (const data of done.splice(0)) {
         const bytes = session.preview(data.revision), file = session.gcode(data.revision);
         post({ event: "done", data, bytes, file }, [bytes.buffer, file.buffer]);
@@ -78,17 +80,27 @@ export function slicer(post) {
     return all;
   };
 
-  return ({ module, id, name, args }) => {
-    if (module) {
-      wasm.initSync({ module });
-      return wasm.listen(told);
-    }
+  const begin = ({ module, isShared, threads, memory }) => {
+    wasm = isShared ? shared : alone;
+    wasm.initSync(memory ? { module, memory } : { module });
+    if (memory) return wasm.help();
+    wasm.listen(told);
+    if (threads > 1) post({ memory: wasm.share(threads), others: threads - 1 }, []);
+  };
+
+  const call = ({ id, name, args }) => {
+    const value = calls[name](...args);
+    wasm.tell_waiting();
+    post({ id, value }, buffers(value));
+    if (name.startsWith("setProject")) run();
+  };
+
+  return (message) => {
     try {
-      const value = calls[name](...args);
-      post({ id, value }, buffers(value));
-      if (name.startsWith("setProject")) run();
+      if (message.module) begin(message);
+      else call(message);
     } catch (error) {
-      post({ id, error: described(error, panic) }, []);
+      post({ id: message.id, error: described(error) }, []);
     }
   };
 }
@@ -108,10 +120,10 @@ function buffers(value) {
   return parts.filter((part) => part instanceof Uint8Array).map((part) => part.buffer);
 }
 
-/** An error as it is posted. After one of WebAssembly itself the instance is of no more use. */
-function described(error, panic) {
+/** An error as it is posted. After one that is not the caller's the instance is of no more use. */
+function described(error) {
   if (error?.kind) return error;
-  const isMistake = panic !== null || !(error instanceof WebAssembly.RuntimeError || error instanceof RangeError);
-  if (isMistake) return { kind: "internal", message: `a mistake of this program: ${panic ?? error.message}`, fatal: true };
+  const isMemory = error instanceof WebAssembly.RuntimeError || error instanceof RangeError;
+  if (!isMemory) return { kind: "internal", message: `a mistake of this program: ${error.message}`, fatal: true };
   return { kind: "limit", message: "it takes more memory than there is for WebAssembly; slice fewer or simpler models, or use the program", fatal: true };
 }

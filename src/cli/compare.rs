@@ -16,7 +16,7 @@ use crate::order::OrderStrategy;
 use crate::order::compare::{self, StrategyRow};
 use crate::order::compare_tools;
 use crate::profile::Settings;
-use crate::report::{PaperRow, paper};
+use crate::report::{PaperRow, TimeBound, paper};
 use crate::view::{self, Print, Scene};
 
 /// Compares strategies model by model, and over all models together. One that fails does not keep the others from
@@ -170,7 +170,8 @@ fn prints(
         let (text, _) = sliced(&job, &settings, engine, false)?;
         let layers: Vec<_> = row.layers.iter().map(|layer| (layer.link_mm, layer.bound_mm)).collect();
         let print = Print::new(row.strategy.clone(), Scene::read(&text, &settings), &settings);
-        Ok(print.with_bounds(&layers, (row.link_mm(), row.bound_mm)))
+        let time_bound = row.bound_s.map(|bound_s| TimeBound::new(row.travel_s(), bound_s));
+        Ok(print.with_bounds(&layers, (row.link_mm(), row.bound_mm), time_bound))
     });
     each.collect()
 }

@@ -43,9 +43,9 @@ pub(super) fn run(args: &ViewArgs, engine: &dyn Engine) -> Result<Exit, Failure>
     if let Some(path) = &page {
         let title = args.models.files.iter().map(|file| file_name(file)).collect::<Vec<_>>().join(" + ");
         let mut print = Print::new(title.clone(), scene, &resolved.settings);
-        if let Some(Summary { layers, total, .. }) = summary.filter(|_| args.certify) {
+        if let Some(Summary { layers, total, time_bound, .. }) = summary.filter(|_| args.certify) {
             let layers: Vec<_> = layers.iter().map(|l| (l.measures.link_mm, l.measures.bound_mm)).collect();
-            print = print.with_bounds(&layers, (total.link_mm, total.bound_mm));
+            print = print.with_bounds(&layers, (total.link_mm, total.bound_mm), time_bound);
         }
         write(path, view::page(&title, &[print]).as_bytes())?;
     }

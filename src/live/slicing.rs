@@ -77,7 +77,8 @@ impl Slicing<'_> {
         if self.job.certify {
             let layers: Vec<_> =
                 summary.layers.iter().map(|l| (l.measures.link_mm, l.measures.bound_mm)).collect();
-            print = print.with_bounds(&layers, (summary.total.link_mm, summary.total.bound_mm));
+            let total = (summary.total.link_mm, summary.total.bound_mm);
+            print = print.with_bounds(&layers, total, summary.time_bound);
         }
         let binary = self.settings.gcode.binary.then(|| Arc::new(binary_metadata(self.settings)));
         let name = file_name(summary.file_name.as_deref().unwrap_or(&name), binary.is_some());

@@ -6,7 +6,7 @@ use super::colors::{DARK, LIGHT, RAMP, ROLES, Rgb, Theme, hex};
 use super::pack::{Packed, pack};
 use super::scene::Scene;
 use crate::profile::Settings;
-use crate::report::Measures;
+use crate::report::{Measures, TimeBound};
 
 const TEMPLATE: &str = include_str!("page/index.html");
 /// That of the parts, which other pages have as well, and the page's own.
@@ -42,19 +42,26 @@ pub struct Print {
     pub scene: Scene,
     /// Weight of its filament.
     pub filament_g: f64,
+    /// How near to the least its links are in time, where that is known.
+    pub time_bound: Option<TimeBound>,
 }
 
 impl Print {
     /// A print of the filament in the settings.
     pub fn new(name: String, scene: Scene, settings: &Settings) -> Self {
         let filament_g = scene.total.volume_mm3 / 1000.0 * settings.filament.density;
-        Self { name, scene, filament_g }
+        Self { name, scene, filament_g, time_bound: None }
     }
 
-    /// Takes links and lower bounds, of each layer and of all, from the caller. Nothing changes where
+    /// Takes links and lower bounds, of each layer and of all, and the bound of time from the caller. Nothing changes where
     /// those layers are others than the G-code's.
     #[must_use]
-    pub fn with_bounds(mut self, layers: &[(f64, Option<f64>)], total: (f64, Option<f64>)) -> Self {
+    pub fn with_bounds(
+        mut self,
+        layers: &[(f64, Option<f64>)],
+        total: (f64, Option<f64>),
+        time_bound: Option<TimeBound>,
+    ) -> Self {
         if layers.len() != self.scene.layers.len() {
             return self;
         }
@@ -67,6 +74,7 @@ impl Print {
             Some(bound_mm) => measures.with_bound(bound_mm),
             None => measures,
         };
+        self.time_bound = time_bound;
         self
     }
 }
@@ -146,6 +154,7 @@ fn info(print: &Print, packed: &Packed) -> Value {
         "bounds": [low[0], low[1], high[0], high[1]],
         "total": print.scene.total,
         "filament_g": print.filament_g,
+        "time_bound": print.time_bound,
     })
 }
 

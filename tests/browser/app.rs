@@ -357,7 +357,7 @@ pub fn two_strategies_stand_side_by_side() {
     let table = browser.run("document.getElementById('table').textContent");
     assert!(table.as_str().unwrap().contains("nearest"), "{table}");
     // Proofs take longer, and come after.
-    browser.wait("document.getElementById('table').textContent.includes('Gap')");
+    browser.wait("document.getElementById('table').textContent.includes('Gap in time')");
     browser.picture("app-10-compare");
     browser.click("#end-compare");
     browser.wait("pathwright.preview.prints.length === 1");

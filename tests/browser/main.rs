@@ -39,6 +39,7 @@ fn main() -> ExitCode {
     let mut trials = trials! {
         pages::sliders_keys_and_the_legend_change_the_picture;
         pages::strategies_stand_side_by_side_with_lengths_of_their_own;
+        pages::where_times_are_ordered_for_their_gap_is_shown;
         pages::a_window_as_small_as_a_phone_shows_all_of_it;
         pages::without_webgl_layers_are_drawn_all_the_same;
         pages::odd_files_give_a_page_that_says_what_they_are;
@@ -81,6 +82,7 @@ fn main() -> ExitCode {
             site::a_model_is_sliced_to_the_bytes_of_the_program_and_nobody_else_is_asked;
             site::what_is_dropped_while_the_module_loads_waits_for_it;
             site::it_works_without_a_network_after_the_first_visit;
+            site::after_the_first_visit_it_has_threads_and_slices_to_the_same_bytes;
             site::presets_are_those_of_a_folder_that_is_dropped_and_stay_until_they_are_forgotten;
             site::a_print_goes_to_a_host_that_allows_the_page_and_one_that_does_not_tells_what_to_set;
             site::what_takes_too_much_memory_ends_with_a_message_and_the_page_goes_on;

@@ -170,6 +170,19 @@ pub fn strategies_stand_side_by_side_with_lengths_of_their_own() {
     assert_eq!(browser.errors(), Vec::<String>::new());
 }
 
+pub fn where_times_are_ordered_for_their_gap_is_shown() {
+    let browser = Browser::shared();
+    let mut browser = browser.page();
+    let pages = Pages::new();
+    let args = ["compare", "models/calibration_cube.stl", "--order", "optimized", "--cost", "time"];
+    browser.open(&pages.made(&args, "--html"), "");
+    let gap = browser.run("app.prints[0].time_bound.gap_s");
+    let shown = format!("{:.1} %", 100.0 * number(gap));
+    let figures = browser.run("[...document.querySelectorAll('dt')].find((node) => node.textContent === 'Gap in time').nextSibling.textContent");
+    assert_eq!(figures, json!(shown));
+    assert_eq!(browser.errors(), Vec::<String>::new());
+}
+
 pub fn a_window_as_small_as_a_phone_shows_all_of_it() {
     let browser = Browser::shared();
     let mut browser = browser.page();

@@ -142,6 +142,24 @@ pub fn it_works_without_a_network_after_the_first_visit() {
     set(&mut browser, "infill.density", "35%");
 }
 
+pub fn after_the_first_visit_it_has_threads_and_slices_to_the_same_bytes() {
+    let (server, folder) = (Server::start(), tempfile::tempdir().unwrap());
+    let browser = Browser::shared();
+    let mut browser = browser.page();
+    browser.visit(&server.address, READY);
+    browser.wait("navigator.serviceWorker.controller");
+    browser.reload(READY);
+    assert_eq!(browser.run("crossOriginIsolated"), json!(true));
+    let gear = model("helical_gear.stl");
+    browser.drop_files("#plate > canvas", &[&gear]);
+    browser.wait(SHOWN);
+    let threads = browser.run("pathwright.engine.slicing.workers.length");
+    assert_eq!(threads, browser.run("Math.min(navigator.hardwareConcurrency, 8)"));
+    let gcode = saved(&mut browser, folder.path());
+    assert!(gcode == by_command(&mut browser, &[&gear]), "the same bytes as the command line's");
+    no_errors(&mut browser);
+}
+
 pub fn what_takes_too_much_memory_ends_with_a_message_and_the_page_goes_on() {
     let server = Server::start();
     let browser = Browser::shared();

@@ -1,4 +1,4 @@
-//! The WebAssembly module, with the JavaScript that calls it.
+//! The WebAssembly modules, with the JavaScript that calls them.
 
 use std::fs;
 use std::io::Write;
@@ -14,41 +14,63 @@ use crate::root;
 
 const TARGET: &str = "wasm32-unknown-unknown";
 
-/// `pathwright.js` and `pathwright_bg.wasm`.
-pub struct Module {
-    pub script: Vec<u8>,
-    pub wasm: Vec<u8>,
+/// What several threads need: instructions for memory that they share, at most 4 GiB, which comes from the first of them, and
+/// what the others begin with.
+const SHARED: &str = "-Ctarget-feature=+atomics -Clink-arg=--shared-memory -Clink-arg=--import-memory \
+    -Clink-arg=--max-memory=4294967296 -Clink-arg=--export=__heap_base -Clink-arg=--export=__wasm_init_tls \
+    -Clink-arg=--export=__tls_size -Clink-arg=--export=__tls_align -Clink-arg=--export=__tls_base";
+
+/// The modules as files by name: for one thread `pathwright.js` and `pathwright_bg.wasm`, for several those of
+/// `pathwright-threads`. Where there is a `wasm-opt` (binaryen), they are made smaller and quicker by that.
+pub fn build() -> Result<Vec<(String, Vec<u8>)>> {
+    let mut files = Vec::new();
+    for (name, is_shared) in [("pathwright", false), ("pathwright-threads", true)] {
+        let out = target().join("web-module");
+        let mut bindgen = Bindgen::new();
+        bindgen.input_path(compile(is_shared)?).out_name(name).web(true)?.typescript(false);
+        bindgen.omit_default_module_path(true).remove_name_section(true).remove_producers_section(true);
+        bindgen.generate(&out)?;
+        let [script, module] = [format!("{name}.js"), format!("{name}_bg.wasm")];
+        optimise(&out.join(&module))?;
+        for file in [script, module] {
+            let path = out.join(&file);
+            let bytes = fs::read(&path).with_context(|| path.display().to_string())?;
+            println!("{file}: {} bytes, {} gzipped", bytes.len(), gzipped(&bytes)?);
+            files.push((file, bytes));
+        }
+    }
+    Ok(files)
 }
 
-/// Builds the module. Where there is a `wasm-opt` (binaryen), it is made smaller and quicker by that.
-pub fn build() -> Result<Module> {
-    let target = std::env::var_os("CARGO_TARGET_DIR").map_or_else(|| root().join("target"), PathBuf::from);
+fn target() -> PathBuf {
+    std::env::var_os("CARGO_TARGET_DIR").map_or_else(|| root().join("target"), PathBuf::from)
+}
+
+/// Compiles the module. The standard library that comes with Rust is for one thread; that for several is compiled from its
+/// sources, which stable Rust does not do unless it is told to by `RUSTC_BOOTSTRAP`.
+fn compile(is_shared: bool) -> Result<PathBuf> {
+    let folder = if is_shared { target().join("web-threads") } else { target() };
     let cargo = std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into());
-    let built = Command::new(cargo)
-        .args(["build", "--locked", "-p", "pathwright-wasm", "--profile", "web", "--target", TARGET])
-        .current_dir(root())
-        .status()?;
-    if !built.success() {
-        bail!("the module was not built; its target is added by `rustup target add {TARGET}`");
+    let mut command = Command::new(cargo);
+    command.args(["build", "--locked", "-p", "pathwright-wasm", "--profile", "web", "--target", TARGET]);
+    command.arg("--target-dir").arg(&folder).current_dir(root());
+    if is_shared {
+        command.arg("-Zbuild-std=std,panic_abort").env("RUSTC_BOOTSTRAP", "1");
+        command.env("CARGO_TARGET_WASM32_UNKNOWN_UNKNOWN_RUSTFLAGS", SHARED);
     }
-    let out = target.join("web-module");
-    let input = target.join(TARGET).join("web/pathwright_wasm.wasm");
-    let mut bindgen = Bindgen::new();
-    bindgen.input_path(input).out_name("pathwright").web(true)?.typescript(false);
-    bindgen.omit_default_module_path(true).remove_name_section(true).remove_producers_section(true);
-    bindgen.generate(&out)?;
-    let file = out.join("pathwright_bg.wasm");
-    optimise(&file)?;
-    let read = |path: &Path| fs::read(path).with_context(|| path.display().to_string());
-    let module = Module { script: read(&out.join("pathwright.js"))?, wasm: read(&file)? };
-    println!("module: {} bytes, {} gzipped", module.wasm.len(), gzipped(&module.wasm)?);
-    Ok(module)
+    if !command.status()?.success() {
+        bail!(
+            "the module was not built; what it needs is added by `rustup target add {TARGET}` and `rustup component add rust-src`"
+        );
+    }
+    Ok(folder.join(TARGET).join("web/pathwright_wasm.wasm"))
 }
 
 fn optimise(file: &Path) -> Result<()> {
     let program = std::env::var_os("WASM_OPT").unwrap_or_else(|| "wasm-opt".into());
     let features = ["--enable-bulk-memory", "--enable-nontrapping-float-to-int", "--enable-sign-ext"];
-    let more = ["--enable-mutable-globals", "--enable-multivalue", "--enable-reference-types"];
+    let more =
+        ["--enable-mutable-globals", "--enable-multivalue", "--enable-reference-types", "--enable-threads"];
     let run =
         Command::new(program).args(["-O3"]).args(features).args(more).arg(file).arg("-o").arg(file).status();
     match run {

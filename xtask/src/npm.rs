@@ -7,7 +7,7 @@ use anyhow::Result;
 
 use crate::{module, root};
 
-/// What is in it beside the module.
+/// What is in it beside the modules.
 const FILES: [&str; 10] = [
     "README.md",
     "browser.js",
@@ -23,7 +23,7 @@ const FILES: [&str; 10] = [
 
 /// Makes it.
 pub fn make(folder: &Path) -> Result<()> {
-    let module = module::build()?;
+    let modules = module::build()?;
     fs::create_dir_all(folder)?;
     for name in FILES {
         fs::copy(root().join("bindings/npm").join(name), folder.join(name))?;
@@ -31,8 +31,9 @@ pub fn make(folder: &Path) -> Result<()> {
     for name in ["LICENSE-APACHE", "LICENSE-MIT"] {
         fs::copy(root().join(name), folder.join(name))?;
     }
-    fs::write(folder.join("pathwright.js"), module.script)?;
-    fs::write(folder.join("pathwright_bg.wasm"), module.wasm)?;
+    for (name, bytes) in modules {
+        fs::write(folder.join(name), bytes)?;
+    }
     println!("npm package: {}; `npm pack` packs it", folder.display());
     Ok(())
 }

@@ -31,9 +31,7 @@ pub fn make(folder: &Path) -> Result<()> {
     ] {
         files.push((name.to_owned(), fs::read(root().join(from).join(name))?.into()));
     }
-    let module = module::build()?;
-    files.push(("pathwright.js".to_owned(), module.script.into()));
-    files.push(("pathwright_bg.wasm".to_owned(), module.wasm.into()));
+    files.extend(module::build()?.into_iter().map(|(name, bytes)| (name, bytes.into())));
 
     // Below an address that changes with them, so that no cache mixes two versions.
     let worker = fs::read_to_string(root().join("web/service-worker.js"))?;

@@ -1,4 +1,4 @@
-// The module writes the bytes of the program: every bundled model with four profiles.
+// The modules write the bytes of the program: every bundled model with four profiles, in one thread and in two.
 
 import assert from "node:assert/strict";
 import { execFile } from "node:child_process";
@@ -32,8 +32,10 @@ for (const name of names) {
         const settings = SETTINGS[index], out = join(folder, `${index}.gcode`);
         const options = [...profiles.flatMap((profile) => ["--profile", profile]), ...Object.entries(settings).flatMap(([key, value]) => ["--set", `${key}=${value}`])];
         await run(PROGRAM, ["slice", join(MODELS, name), "-o", out, "--threads", "2", "--allow-floating", "--quiet", ...options]);
-        const { gcode } = await pathwright.slice({ name, bytes }, { profiles, settings, allowFloating: true });
-        assert.ok((await readFile(out)).equals(gcode), `${name}, ${profiles.join(" + ") || "default"}`);
+        for (const threads of [1, 2]) {
+          const { gcode } = await pathwright.slice({ name, bytes }, { profiles, settings, threads, allowFloating: true });
+          assert.ok((await readFile(out)).equals(gcode), `${name}, ${profiles.join(" + ") || "default"}, threads: ${threads}`);
+        }
       }
     } finally {
       await rm(folder, { recursive: true });

@@ -71,6 +71,7 @@ test("errors say what kind they are and where", async () => {
   await assert.rejects(slice(cube, { settings: { "layer.height": 90 } }), (error) => rejected("settings")(error) && error.key === "layer.height");
   await assert.rejects(slice(cube, { models: [{ file: "model", scale: [90, 90, 90] }] }), rejected("does_not_fit"));
   await assert.rejects(slice(cube, { infill: 1 }), rejected("usage"));
+  await assert.rejects(slice(cube, { threads: 0 }), rejected("usage"));
   await assert.rejects(slice(17), rejected("usage"));
   await assert.rejects(compare(cube, { strategies: ["luck"] }), rejected("usage"));
   await assert.rejects(check("no G-code at all"), rejected("input"));

@@ -12,8 +12,6 @@ pub const WORK: usize = 64 << 20;
 pub const GLOBALS: usize = 16 << 20;
 /// Bytes of a compiled regular expression.
 pub const PATTERN: usize = 64 << 10;
-/// Bytes of memory in which a regular expression is matched.
-pub const PATTERN_CACHE: usize = 256 << 10;
 /// How often regular expressions are used in one expansion.
 pub const PATTERNS: usize = 1000;
 /// Bytes that are compared with regular expressions in one expansion.

@@ -1,8 +1,9 @@
 //! Regular expressions.
 
+use std::borrow::Cow;
 use std::sync::OnceLock;
 
-use regex::bytes::{Regex, RegexBuilder};
+use regex_lite::{Regex, RegexBuilder};
 
 use crate::limits;
 
@@ -24,7 +25,7 @@ impl Pattern {
     /// Whether a text matches as a whole, or why the expression is none.
     pub fn matches(&self, text: &str) -> Result<bool, String> {
         match self.compiled.get_or_init(|| compile(&self.text)) {
-            Ok(regex) => Ok(regex.is_match(text.as_bytes())),
+            Ok(regex) => Ok(regex.is_match(&bytes(text))),
             Err(why) => Err(why.clone()),
         }
     }
@@ -35,17 +36,18 @@ fn compile(text: &str) -> Result<Regex, String> {
         RegexBuilder::new(text)
             .dot_matches_new_line(true)
             .size_limit(limits::PATTERN)
-            .dfa_size_limit(limits::PATTERN_CACHE)
-            .unicode(false)
             .build()
-            .map_err(|error| match error {
-                regex::Error::CompiledTooBig(_) => "it is too large".to_owned(),
-                error => error.to_string().lines().last().unwrap_or_default().replace("error: ", ""),
-            })
+            .map_err(|error| error.to_string())
     };
+    let text = &*bytes(text);
     // A bracket too many must not close the one that is put around.
     if text.contains(')') {
         build(text)?;
     }
     build(&format!(r"\A(?:{text})\z"))
+}
+
+/// A character for each byte.
+fn bytes(text: &str) -> Cow<'_, str> {
+    if text.is_ascii() { text.into() } else { text.bytes().map(char::from).collect() }
 }

@@ -10,7 +10,7 @@ function listOf(title, rows) {
 
 /** The whole print and the layer. */
 function drawFigures(root, print, layer) {
-  const { total, filament_g: grams } = print;
+  const { total, filament_g: grams, time_bound: times } = print;
   root.replaceChildren(
     ...listOf("Print", [
       ["Time", duration(total.total_s)],
@@ -22,6 +22,9 @@ function drawFigures(root, print, layer) {
       ["Links", length(total.link_mm)],
       ["Bound", "bound_mm" in total ? length(total.bound_mm) : null],
       ["Gap", "gap" in total ? percent(total.gap) : null],
+      ["Time of links", times ? duration(times.link_s) : null],
+      ["Bound of time", times ? duration(times.bound_s) : null],
+      ["Gap in time", times?.gap_s != null ? percent(times.gap_s) : null],
       ["Layers", String(print.layers)],
       ["Moves", String(print.strokes)],
     ]),
@@ -40,7 +43,7 @@ function drawFigures(root, print, layer) {
 
 /** Prints below each other: this layer, then all of it. The best of each column is bold. */
 function drawTable(root, prints, layer) {
-  const bounded = prints.some((print) => "bound_mm" in print.total);
+  const bounded = prints.some((print) => "bound_mm" in print.total), timed = prints.some((print) => print.time_bound);
   const columns = [
     ["Links", (p) => p.link[layer], length],
     ...(bounded ? [["Gap", (p) => gapOf(p.link[layer], p.bound[layer]), percent]] : []),
@@ -48,6 +51,7 @@ function drawTable(root, prints, layer) {
     ["Time", (p) => p.time[layer], duration],
     ["Links", (p) => p.total.link_mm, length],
     ...(bounded ? [["Gap", (p) => p.total.gap ?? null, percent]] : []),
+    ...(timed ? [["Gap in time", (p) => p.time_bound?.gap_s ?? null, percent]] : []),
     ["Travel", (p) => p.total.travel_mm, length],
     ["Retractions", (p) => p.total.retractions, String],
     ["Time", (p) => p.total.total_s, duration],
@@ -57,7 +61,7 @@ function drawTable(root, prints, layer) {
   const least = values.map((column) => Math.min(...column.filter((v) => v !== null && v !== undefined)));
   const heads = (row) => row.map(([name]) => element("th", { scope: "col" }, name));
   root.replaceChildren(element("table", {},
-    element("caption", {}, "Links are the straight lines between paths, which ordering shortens; the gap is how far they are above a length that no order can go below."),
+    element("caption", {}, "Links are the straight lines between paths, which ordering shortens; the gap is how far they are above a length that no order can go below, the gap in time the same of their times, where these are what ordering makes least."),
     element("thead", {},
       element("tr", {}, element("th", { rowspan: 2 }, "Strategy"), element("th", { colspan: ofLayer }, `Layer ${layer + 1}`),
         element("th", { colspan: columns.length - ofLayer }, "Whole print")),
