@@ -176,7 +176,7 @@ pub fn where_times_are_ordered_for_their_gap_is_shown() {
     let pages = Pages::new();
     let args = ["compare", "models/calibration_cube.stl", "--order", "optimized", "--cost", "time"];
     browser.open(&pages.made(&args, "--html"), "");
-    let gap = browser.run("app.prints[0].time_bound.gap_s");
+    let gap = browser.run("pathwright.prints[0].time_bound.gap_s");
     let shown = format!("{:.1} %", 100.0 * number(gap));
     let figures = browser.run("[...document.querySelectorAll('dt')].find((node) => node.textContent === 'Gap in time').nextSibling.textContent");
     assert_eq!(figures, json!(shown));
