@@ -13,7 +13,7 @@ let idle = null;
 async function free(threads) {
   let caller = idle;
   idle = null;
-  if (caller?.compiled.threads !== threads) {
+  if (caller?.ended || caller?.compiled.threads !== threads) {
     caller?.end(new PathwrightError({ message: "this worker has ended" }));
     const isShared = threads > 1;
     modules[isShared] ??= compiled(isShared).catch((error) => {

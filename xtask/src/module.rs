@@ -16,9 +16,17 @@ const TARGET: &str = "wasm32-unknown-unknown";
 
 /// What several threads need: instructions for memory that they share, at most 4 GiB, which comes from the first of them, and
 /// what the others begin with.
-const SHARED: &str = "-Ctarget-feature=+atomics -Clink-arg=--shared-memory -Clink-arg=--import-memory \
-    -Clink-arg=--max-memory=4294967296 -Clink-arg=--export=__heap_base -Clink-arg=--export=__wasm_init_tls \
-    -Clink-arg=--export=__tls_size -Clink-arg=--export=__tls_align -Clink-arg=--export=__tls_base";
+const SHARED: [&str; 9] = [
+    "-Ctarget-feature=+atomics",
+    "-Clink-arg=--shared-memory",
+    "-Clink-arg=--import-memory",
+    "-Clink-arg=--max-memory=4294967296",
+    "-Clink-arg=--export=__heap_base",
+    "-Clink-arg=--export=__wasm_init_tls",
+    "-Clink-arg=--export=__tls_size",
+    "-Clink-arg=--export=__tls_align",
+    "-Clink-arg=--export=__tls_base",
+];
 
 /// The modules as files by name: for one thread `pathwright.js` and `pathwright_bg.wasm`, for several those of
 /// `pathwright-threads`. Where there is a `wasm-opt` (binaryen), they are made smaller and quicker by that.
@@ -56,7 +64,8 @@ fn compile(is_shared: bool) -> Result<PathBuf> {
     command.arg("--target-dir").arg(&folder).current_dir(root());
     if is_shared {
         command.arg("-Zbuild-std=std,panic_abort").env("RUSTC_BOOTSTRAP", "1");
-        command.env("CARGO_TARGET_WASM32_UNKNOWN_UNKNOWN_RUSTFLAGS", SHARED);
+        // What comes before all other ways to give flags.
+        command.env("CARGO_ENCODED_RUSTFLAGS", SHARED.join("\x1f"));
     }
     if !command.status()?.success() {
         bail!(

@@ -6,23 +6,21 @@ use rayon::{ThreadBuilder, ThreadPoolBuilder};
 use wasm_bindgen::JsValue;
 use wasm_bindgen::prelude::wasm_bindgen;
 
-use crate::error::{Fault, Result};
-
 /// Threads that no worker has begun yet.
 static THREADS: Mutex<Vec<ThreadBuilder>> = Mutex::new(Vec::new());
 
 /// Divides what this thread does from now on among so many threads, of which it is one. The memory that instances for the
 /// others are made with; each calls [`help`]. Nothing waits for them.
 #[wasm_bindgen]
-pub fn share(threads: usize) -> Result<JsValue> {
+pub fn share(threads: usize) -> JsValue {
     let keep = |thread| {
         THREADS.lock().unwrap_or_else(PoisonError::into_inner).push(thread);
         Ok(())
     };
     let pool = ThreadPoolBuilder::new().num_threads(threads).use_current_thread().spawn_handler(keep).build();
     // It is there as long as the module is.
-    std::mem::forget(pool.map_err(|error| Fault::of("internal", error))?);
-    Ok(wasm_bindgen::memory())
+    std::mem::forget(pool.expect("threads that nothing has to start"));
+    wasm_bindgen::memory()
 }
 
 /// Is one of the threads, until the worker ends.
