@@ -14,12 +14,18 @@ use geometry::{Point, Region, Ring, difference, intersection, offset, opening, u
 use ordering::matching::KdTree;
 
 use super::parts::Painted as PaintedPart;
+use super::piece::Piece;
+use super::rounded;
 
 /// What is painted is looked at so often along outlines, mm.
 const STEP_MM: f64 = 0.2;
 
 /// An outline differs from the mesh by less than this, mm.
 const TOLERANCE_MM: f64 = 0.1;
+
+/// Corners of painted regions are this round, in line widths: more than a half, so that lines have room wherever that leaves
+/// something.
+const ROUND: f64 = 0.55;
 
 /// Not painted.
 const BARE: u8 = 0;
@@ -206,8 +212,20 @@ impl<'a> Object<'a> {
             add(&mut found, tool, &here);
         }
         found.remove(&BARE);
-        found
+        rounded(section, found, self.spec.line_mm)
     }
+}
+
+/// Painted regions of a section, and what is not painted, with corners that a line can follow.
+fn rounded(section: &Region, found: Painted, line_mm: f64) -> Painted {
+    let bare = found.values().fold(section.clone(), |left, region| difference(&left, region));
+    let all = found.into_iter().chain([(BARE, bare)]);
+    let mut pieces: Vec<Piece> =
+        all.map(|(tool, region)| Piece { tool: tool.into(), style: None, region }).collect();
+    pieces.retain(|piece| !piece.region.is_empty());
+    rounded::round(section, &mut pieces, ROUND * line_mm);
+    let painted = pieces.into_iter().filter(|piece| piece.tool != ToolId::from(BARE));
+    painted.map(|piece| (piece.tool as u8, piece.region)).collect()
 }
 
 fn add(painted: &mut Painted, tool: u8, region: &Region) {
@@ -273,7 +291,6 @@ fn merge_short(kinds: &mut [u8], least: usize) {
 
 #[cfg(test)]
 mod tests {
-    use super::super::piece::Piece;
     use super::super::slivers;
     use super::*;
     use proptest::prelude::*;
@@ -307,16 +324,18 @@ mod tests {
         let spec = Spec { line_mm: LINE_MM, walls_mm: 0.9, depth_mm, moved_mm: 0.0 };
         let found = by_outline(&section, &lines.iter().collect::<Vec<_>>(), spec);
         let mut left = section.clone();
-        let mut pieces = Vec::new();
+        let mut apart = Painted::new();
         for (tool, region) in found {
-            pieces.push(Piece {
-                tool: ToolId::from(tool),
-                style: None,
-                region: intersection(&left, &region),
-            });
+            apart.insert(tool, intersection(&left, &region));
             left = difference(&left, &region);
         }
-        pieces.push(Piece { tool: ToolId::from(BARE), style: None, region: left });
+        let found = rounded(&section, apart, LINE_MM);
+        let bare = found.values().fold(section.clone(), |left, region| difference(&left, region));
+        let mut pieces: Vec<Piece> = found
+            .into_iter()
+            .chain([(BARE, bare)])
+            .map(|(tool, region)| Piece { tool: tool.into(), style: None, region })
+            .collect();
         slivers::give_away(&section, &mut pieces, LINE_MM);
         (section, pieces)
     }

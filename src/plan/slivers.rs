@@ -16,6 +16,12 @@ const DOT: f64 = 2.0;
 /// What is narrower comes of rounding where edges do not meet exactly, mm.
 const CRACK_MM: f64 = 1e-4;
 
+/// Pieces that are to meet are no further apart, mm.
+const APART_MM: f64 = 0.003;
+
+/// So little may be between them, mm².
+const LEFT_MM2: f64 = 1e-5;
+
 /// Nothing that is larger is a crack, mm².
 const CRACK_MM2: f64 = 0.05;
 
@@ -38,6 +44,7 @@ pub(super) fn give_away(section: &Region, pieces: &mut Vec<Piece>, line_mm: f64)
         }
     }
     close(section, pieces);
+    meet(section, pieces);
     drop_cracks(pieces);
 }
 
@@ -62,6 +69,21 @@ fn close(section: &Region, pieces: &mut [Piece]) {
     }
 }
 
+/// The same for what is narrower than offsets are exact, which [`close`] does not see.
+fn meet(section: &Region, pieces: &mut [Piece]) {
+    for number in 0..pieces.len() {
+        let all = union_all(pieces.iter().map(|piece| &piece.region));
+        if difference(section, &all).area_mm2() < LEFT_MM2 {
+            break;
+        }
+        let others = union_all(
+            pieces.iter().enumerate().filter(|(other, _)| *other != number).map(|(_, p)| &p.region),
+        );
+        let grown = intersection(&offset(&pieces[number].region, APART_MM), section);
+        pieces[number].region = union(&pieces[number].region, &difference(&grown, &others));
+    }
+}
+
 fn give_away_once(section: &Region, narrow: &Region, pieces: &mut Vec<Piece>, line_mm: f64) {
     let wide = |region: &Region| {
         let roomy = offset(region, -line_mm / 2.0);
@@ -77,6 +99,11 @@ fn give_away_once(section: &Region, narrow: &Region, pieces: &mut Vec<Piece>, li
         region.retain(|polygon| has_room(&Region::from(polygon.clone()), narrow, line_mm));
         piece.region = region;
     }
+    share_out(section, &before, pieces);
+}
+
+/// Gives what of a section no piece has to the piece that it touches most, or touched most `before`.
+pub(super) fn share_out(section: &Region, before: &[Region], pieces: &mut Vec<Piece>) {
     let left = pieces.iter().fold(section.clone(), |left, piece| difference(&left, &piece.region));
     for sliver in left.polygons().iter().filter(|polygon| !is_crack(polygon)) {
         let sliver = Region::from(sliver.clone());
@@ -88,7 +115,7 @@ fn give_away_once(section: &Region, narrow: &Region, pieces: &mut Vec<Piece>, li
         let touched = most(&mut pieces.iter().map(|piece| &piece.region));
         let Some((number, _)) = touched.or_else(|| most(&mut before.iter())) else { continue };
         // Across cracks, so that it is one with its piece.
-        let grown = intersection(&offset(&sliver, CRACK_MM), section);
+        let grown = intersection(&across_cracks(&sliver), section);
         for (other, piece) in pieces.iter_mut().enumerate() {
             piece.region = match other == number {
                 true => union(&piece.region, &grown),
@@ -97,6 +124,11 @@ fn give_away_once(section: &Region, narrow: &Region, pieces: &mut Vec<Piece>, li
         }
     }
     drop_cracks(pieces);
+}
+
+/// A region grown over cracks beside it.
+pub(super) fn across_cracks(region: &Region) -> Region {
+    offset(region, CRACK_MM)
 }
 
 fn drop_cracks(pieces: &mut Vec<Piece>) {
