@@ -14,6 +14,7 @@ pub mod infill;
 mod island_walls;
 mod known_walls;
 mod layer_builder;
+mod leftovers;
 mod options;
 mod overhang_perimeters;
 mod path;

@@ -10,6 +10,7 @@ use crate::units::Mm;
 use geometry::{Polygon, Region, Ring};
 
 use super::bead::Line;
+use super::beading;
 use super::beneath::Beneath;
 use super::borders::Borders;
 use super::bridges::Bridge;
@@ -18,6 +19,7 @@ use super::infill::{self, FillPattern, FillSpec, Joins, LineSet, SparseSample};
 use super::island_walls::{LayerWalls, WallLayer, WallPlanner};
 use super::known_walls::{IslandWalls, KnownWalls};
 use super::layer_builder::{BridgeLine, LayerBuilder, Solid};
+use super::leftovers;
 use super::reach::Reach;
 use super::shell_windows::{ShellWindows, Window};
 use super::shells::{self, Zones};
@@ -34,6 +36,9 @@ const LONGEST_JOIN: f64 = 2.5;
 /// Ends of sparse infill lines are round; so many line spacings further into the wall, they meet it in their full width, and
 /// rest on the one beneath where that leans.
 const EMBEDDED: f64 = 0.35;
+
+/// What outermost walls leave is not filled further outside than this, in their widths.
+const INSIDE: f64 = 0.6;
 
 /// The settings that toolpaths depend on.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -397,6 +402,7 @@ impl Planner {
             fit_angle: self.settings.shell.fit_angle && inner,
         };
         layer.solid(&zones.solid, &solid, section.index, settings);
+        let sparse = if object.tool.is_some() { zones.sparse.clone() } else { Region::default() };
         if settings.density.0 > 0.0 {
             self.sparse(layer, zones.sparse, zones.sparse_mm2, section);
         }
@@ -409,8 +415,30 @@ impl Planner {
             fit_angle: false,
         };
         layer.solid(&zones.top, &solid, section.index, settings);
+        if object.tool.is_some() && self.settings.walls.gap_fill {
+            self.leftovers(layer, first, polygon, &sparse, section);
+        }
         if self.settings.ironing.enabled {
             self.iron(layer, &zones.top, section, widths);
+        }
+    }
+
+    /// Fills what the paths of a part, from `first` on, leave between them inside its outermost walls and beside sparse infill.
+    fn leftovers(
+        &self,
+        layer: &mut LayerBuilder<'_>,
+        first: usize,
+        polygon: &Polygon,
+        sparse: &Region,
+        section: &PlateLayer<'_>,
+    ) {
+        let spec = self.wall_planner().spec(section.index, section.height_mm);
+        let spacing_mm = bead::spacing_mm(spec.width_mm, section.height_mm);
+        let inside = geometry::offset(&Region::from(polygon.clone()), -INSIDE * spec.external_width_mm);
+        let solid = geometry::difference(&inside, &geometry::offset(sparse, spacing_mm));
+        if let Some(gap) = leftovers::find(&solid, &layer.paths[first..]) {
+            let widths_mm = beading::MIN_GAP_MM..=spec.widest_gap_mm();
+            layer.gap(Role::GapFill, Phase::Inside, &gap, widths_mm, 0.0);
         }
     }
 
