@@ -220,12 +220,11 @@ impl<'a> Object<'a> {
 fn rounded(section: &Region, found: Painted, line_mm: f64) -> Painted {
     let bare = found.values().fold(section.clone(), |left, region| difference(&left, region));
     let all = found.into_iter().chain([(BARE, bare)]);
-    let mut pieces: Vec<Piece> =
-        all.map(|(tool, region)| Piece { tool: tool.into(), style: None, region }).collect();
+    let mut pieces: Vec<Piece> = all.map(|(tool, region)| Piece { tool, style: None, region }).collect();
     pieces.retain(|piece| !piece.region.is_empty());
     rounded::round(section, &mut pieces, ROUND * line_mm);
     let painted = pieces.into_iter().filter(|piece| piece.tool != ToolId::from(BARE));
-    painted.map(|piece| (piece.tool as u8, piece.region)).collect()
+    painted.map(|piece| (piece.tool, piece.region)).collect()
 }
 
 fn add(painted: &mut Painted, tool: u8, region: &Region) {
@@ -334,7 +333,7 @@ mod tests {
         let mut pieces: Vec<Piece> = found
             .into_iter()
             .chain([(BARE, bare)])
-            .map(|(tool, region)| Piece { tool: tool.into(), style: None, region })
+            .map(|(tool, region)| Piece { tool, style: None, region })
             .collect();
         slivers::give_away(&section, &mut pieces, LINE_MM);
         (section, pieces)

@@ -210,6 +210,56 @@ fn every_tool_is_taken_before_it_prints_and_heated_and_its_filament_is_back() {
 }
 
 #[test]
+fn the_steps_of_a_change_come_in_the_order_that_firmware_needs() {
+    for kind in ["tool-changer", "single-nozzle"] {
+        let (print, _) = pair(&[
+            &format!("tool_change.kind={kind}"),
+            "tool_change.script=; change",
+            "tool_change.flush_volume=20",
+            "gcode.filament_start=; begin",
+            "gcode.filament_end=; end",
+            "tools.1.idle_temperature=150",
+            "tools.2.idle_temperature=150",
+            "tools.2.temperature.nozzle=230",
+            "tools.2.temperature.nozzle_first_layer=230",
+        ]);
+        let lines: Vec<&str> = text(&print).lines().collect();
+        let first = lines.iter().position(|line| *line == ";LAYER_CHANGE").expect("layers");
+        let taken: Vec<usize> =
+            (first..lines.len()).filter(|&i| lines[i] == "T0" || lines[i] == "T1").collect();
+        assert!(taken.len() > 3, "{kind}: {} changes", taken.len());
+        let is_bead = |line: &str| line.starts_with("G1 X") && line.contains(" E");
+        for &at in &taken {
+            let from = lines[..at].iter().rposition(|line| is_bead(line)).expect("a bead before");
+            let to = at + lines[at..].iter().position(|line| is_bead(line)).expect("a bead behind");
+            let (tool, celsius) = if lines[at] == "T1" { (1, 230) } else { (0, 210) };
+            let idle = format!("M104 T{} S150", 1 - tool);
+            let heat = match kind {
+                "single-nozzle" => format!("M109 S{celsius}"),
+                _ => format!("M109 T{tool} S{celsius}"),
+            };
+            let mut steps =
+                vec!["G1 E-", &idle, "; end", "; change", lines[at], "; begin", &heat, "G1 X", "G1 E"];
+            if kind == "single-nozzle" {
+                // One heater for all: nothing is left to cool down, and the script has loaded the filament.
+                steps.retain(|step| *step != idle && *step != "G1 E");
+            }
+            let mut next = 0;
+            for line in &lines[from + 1..=to] {
+                next += usize::from(next < steps.len() && line.starts_with(steps[next]));
+            }
+            assert_eq!(
+                next,
+                steps.len(),
+                "{kind}: {:?} is missing in {:#?}",
+                steps.get(next),
+                &lines[from..=to]
+            );
+        }
+    }
+}
+
+#[test]
 fn no_less_is_flushed_than_the_settings_list_and_the_tower_ends_with_the_last_change() {
     let folder = tempfile::tempdir().unwrap();
     let base =
