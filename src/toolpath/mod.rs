@@ -10,6 +10,8 @@ mod bridges;
 mod combined;
 mod entries;
 mod fuzzy;
+mod held_ends;
+mod hollow;
 pub mod infill;
 mod island_walls;
 mod known_walls;

@@ -15,6 +15,7 @@ use super::beneath::Beneath;
 use super::borders::Borders;
 use super::bridges::Bridge;
 use super::combined::CombinedInfill;
+use super::hollow::Hollow;
 use super::infill::{self, FillPattern, FillSpec, Joins, LineSet, SparseSample};
 use super::island_walls::{LayerWalls, WallLayer, WallPlanner};
 use super::known_walls::{IslandWalls, KnownWalls};
@@ -26,7 +27,7 @@ use super::shells::{self, Zones};
 use super::walls::WallSpec;
 use super::{
     Island, IslandId, LayerKind, LayerPaths, Path, Phase, Role, ToolId, adhesion, bead, beside_sparse,
-    bridges, entries, overhang_perimeters, tools,
+    bridges, entries, held_ends, overhang_perimeters, tools,
 };
 
 /// Ends of sparse infill lines are joined along the wall up to this many line distances: the distance to the next
@@ -143,6 +144,7 @@ pub struct Planner {
 struct Part<'a> {
     object: &'a ObjectLayer<'a>,
     support_below: Option<Beneath<'a>>,
+    hollow: Option<Hollow<'a>>,
 }
 
 /// The height of a layer of sparse infill, and the rotation of its pattern.
@@ -213,8 +215,9 @@ impl Planner {
         let fill_spec = self.fill_spec(layer, slab);
         let mut sample = SparseSample { area: Region::default(), area_mm2: 0.0, spec: fill_spec };
         for object in &layer.objects {
+            let hollow = self.hollow(object, layer);
             for island in object.section.polygons() {
-                let zones = self.zones(&self.inside(island, object, layer), object, layer);
+                let zones = self.zones(&self.inside(island, object, layer), object, layer, hollow.as_ref());
                 let fill_area = geometry::offset(&zones.sparse, -fill_spec.spacing_mm / 2.0);
                 sample.area.add_disjoint(fill_area.into_polygons());
                 sample.area_mm2 += zones.sparse_mm2;
@@ -244,10 +247,15 @@ impl Planner {
 
     /// What sparse infill fills in a layer.
     pub fn sparse_area(&self, layer: &PlateLayer<'_>) -> Region {
-        let islands =
-            layer.objects.iter().flat_map(|o| o.section.polygons().iter().map(move |island| (o, island)));
-        let zones = islands.map(|(o, island)| self.zones(&self.inside(island, o, layer), o, layer).sparse);
-        Region::disjoint(zones.flat_map(|zone| zone.into_polygons()))
+        let mut area = Region::default();
+        for object in &layer.objects {
+            let hollow = self.hollow(object, layer);
+            for island in object.section.polygons() {
+                let zones = self.zones(&self.inside(island, object, layer), object, layer, hollow.as_ref());
+                area.add_disjoint(zones.sparse.into_polygons());
+            }
+        }
+        area
     }
 
     /// Combines the sparse infill of layers, `infill.combine_layers` at a time and as many as the nozzle's diameter allows.
@@ -305,7 +313,7 @@ impl Planner {
         let is_even = self.settings.fuzzy.walls == FuzzyWalls::None;
         for object in &section.objects {
             let support_below = object.beneath.map(Beneath::new);
-            let part = Part { object, support_below };
+            let part = Part { object, support_below, hollow: self.hollow(object, section) };
             layer.tool = object.tool;
             for (polygon, walls) in object.section.polygons().iter().zip(walls.by_ref()) {
                 layer.island = Some(IslandId(islands.len() as u32));
@@ -361,7 +369,7 @@ impl Planner {
         part: &Part<'_>,
         section: &PlateLayer<'_>,
     ) {
-        let Part { object, support_below } = part;
+        let Part { object, support_below, hollow } = part;
         let widths = &self.widths(section.index);
         let IslandWalls { paths, inside } = walls;
         let inside = object.filled(inside);
@@ -370,7 +378,7 @@ impl Planner {
         layer.paths.extend(paths.into_iter().map(|path| Path { tool, ..path }));
 
         let settings = &self.settings.infill;
-        let mut zones = self.zones(&inside, object, section);
+        let mut zones = self.zones(&inside, object, section, hollow.as_ref());
         if let Some(support_below) = support_below.as_ref().filter(|_| self.settings.bridge.enabled) {
             let line = self.bridge_line(widths.solid_mm, section.height_mm);
             let anchor_mm = self.settings.bridge.anchor.0;
@@ -401,10 +409,14 @@ impl Planner {
             ordered: false,
             fit_angle: self.settings.shell.fit_angle && inner,
         };
+        let first = layer.paths.len();
         layer.solid(&zones.solid, &solid, section.index, settings);
         let sparse = if object.tool.is_some() { zones.sparse.clone() } else { Region::default() };
         if settings.density.0 > 0.0 {
-            self.sparse(layer, zones.sparse, zones.sparse_mm2, section);
+            self.sparse(layer, &zones.sparse, zones.sparse_mm2, section);
+        }
+        if let Some(hollow) = hollow {
+            held_ends::extend(&mut layer.paths, first, hollow, &inside, &zones.sparse);
         }
         let ordered = self.settings.shell.monotonic;
         let solid = Solid {
@@ -469,13 +481,13 @@ impl Planner {
     }
 
     /// Sparse infill: of the layer, and of those beneath that it is combined with.
-    fn sparse(&self, layer: &mut LayerBuilder<'_>, zone: Region, area_mm2: f64, section: &PlateLayer<'_>) {
+    fn sparse(&self, layer: &mut LayerBuilder<'_>, zone: &Region, area_mm2: f64, section: &PlateLayer<'_>) {
         let own = Slab { height_mm: section.height_mm, rotation: section.index };
         let Some((group, number)) = self.combined.of(section.index) else {
-            return self.fill(layer, &zone, area_mm2, section, own);
+            return self.fill(layer, zone, area_mm2, section, own);
         };
-        let shared = geometry::intersection(&zone, &group.area);
-        let rest = geometry::opening(&geometry::remainder(&zone, &shared), own.height_mm / 2.0);
+        let shared = geometry::intersection(zone, &group.area);
+        let rest = geometry::opening(&geometry::remainder(zone, &shared), own.height_mm / 2.0);
         self.fill(layer, &rest, rest.area_mm2(), section, own);
         if section.index == group.last {
             let slab = Slab { height_mm: group.height_mm, rotation: number };
@@ -522,19 +534,31 @@ impl Planner {
         layer.lines(Role::Ironing, Phase::Ironing, width_mm, lines);
     }
 
-    /// Divides an island's inside; at full density nothing is sparse.
-    fn zones(&self, inside: &Region, object: &ObjectLayer<'_>, section: &PlateLayer<'_>) -> Zones {
+    /// The sparse infill that an object lies on, if there may be any.
+    fn hollow<'a>(&self, object: &ObjectLayer<'a>, section: &PlateLayer<'_>) -> Option<Hollow<'a>> {
+        let beneath = object.beneath?;
+        let is_solid = self.is_full(section.index) || self.is_full(section.index - 1);
+        let walls_mm = self.wall_spec(section).depth_mm();
+        (!is_solid)
+            .then(|| Hollow::new(beneath, object.windows_beneath, walls_mm, self.lines_beneath(section)))
+    }
+
+    /// Divides an island's inside, over what is `hollow`; at full density nothing is sparse.
+    fn zones(
+        &self,
+        inside: &Region,
+        object: &ObjectLayer<'_>,
+        section: &PlateLayer<'_>,
+        hollow: Option<&Hollow<'_>>,
+    ) -> Zones {
         let spacing_mm = bead::spacing_mm(self.widths(section.index).solid_mm, section.height_mm);
         let full = self.is_full(section.index);
         let below = if full { Some(Window::Nothing) } else { object.windows.bottom };
-        let reach =
-            object.beneath.filter(|_| !full && !self.is_full(section.index - 1)).map(|beneath| Reach {
-                beneath,
-                windows: object.windows_beneath,
-                sparse: self.lines_beneath(section),
-                angle_rad: infill::turned(self.settings.infill.angle.to_radians(), section.index),
-                fit_angle: self.settings.shell.fit_angle,
-            });
+        let reach = hollow.map(|hollow| Reach {
+            hollow,
+            angle_rad: infill::turned(self.settings.infill.angle.to_radians(), section.index),
+            fit_angle: self.settings.shell.fit_angle,
+        });
         let walls_mm = self.wall_spec(section).core_mm();
         shells::divide(inside, object.windows.top, below, object.above, spacing_mm, walls_mm, reach.as_ref())
     }

@@ -8,8 +8,8 @@ use std::cell::LazyCell;
 use geometry::real;
 use geometry::{Direction, EdgeGrid, Point, Region, Ring};
 
-use super::infill::{self, LineSet};
-use super::shell_windows::{ShellWindows, Window};
+use super::hollow::Hollow;
+use super::infill;
 
 /// Distance of the chords that are looked at, in solid lines.
 const STEP: f64 = 0.5;
@@ -24,15 +24,11 @@ const ALONG: f64 = 0.3;
 /// it is.
 const HANGING: f64 = 0.25;
 
-/// The supports and directions of the solid lines of a layer.
-#[derive(Clone, Debug)]
+/// What the solid lines of a layer lie on, and their directions.
+#[derive(Clone, Copy, Debug)]
 pub struct Reach<'a> {
-    /// The section beneath.
-    pub beneath: &'a Region,
-    /// Its windows: where they overlap with it there is sparse infill beneath; elsewhere solid infill or nothing.
-    pub windows: ShellWindows<'a>,
-    /// The lines of the sparse infill; none if it has no straight ones, as its supports are unknown then.
-    pub sparse: Vec<LineSet>,
+    /// What is beneath.
+    pub hollow: &'a Hollow<'a>,
     /// Usual direction of the solid lines, radians from the X axis.
     pub angle_rad: f64,
     /// Whether they have another one in patches where that saves turns.
@@ -48,17 +44,15 @@ struct Chord {
     across_mm: f64,
 }
 
-impl<'a> Reach<'a> {
+impl Reach<'_> {
     /// Extends patches of lines `line_mm` apart by the area that they must also cover; they may reach over the edge
     /// of `inside` by a line. Where there are walls before a line beneath, they hold the patch.
     pub fn grow(&self, patches: Region, inside: &Region, line_mm: f64) -> Region {
-        if self.sparse.is_empty() {
+        if self.hollow.sparse.is_empty() {
             return patches;
         }
-        let hollow = LazyCell::new(|| self.hollow().map(EdgeGrid::new));
         let area = LazyCell::new(|| EdgeGrid::new(inside));
-        let (is_hollow, is_free) =
-            (|p: Point| hollow.iter().all(|region| region.contains(p)), |p: Point| area.contains(p));
+        let (is_hollow, is_free) = (|p: Point| self.hollow.contains(p), |p: Point| area.contains(p));
         let mut stripes = Vec::new();
         for polygon in patches.polygons() {
             let patch = Region::from(polygon.clone());
@@ -70,14 +64,9 @@ impl<'a> Reach<'a> {
         geometry::union(&patches, &geometry::unite_rings(&stripes))
     }
 
-    fn hollow(&self) -> [&Region; 3] {
-        let area = |window: Option<Window<'a>>| window.map_or(self.beneath, Window::region);
-        [self.beneath, area(self.windows.top), area(self.windows.bottom)]
-    }
-
     /// The same in the direction that the solid lines have in a patch.
     fn along(&self, patch: &Region) -> Self {
-        let mut own = self.clone();
+        let mut own = *self;
         if self.fit_angle {
             own.angle_rad = infill::fewest_turns(patch, self.angle_rad);
         }
@@ -130,7 +119,7 @@ impl<'a> Reach<'a> {
     /// Whether there is a sparse line between points.
     fn is_held(&self, points: impl IntoIterator<Item = Point, IntoIter: Clone>) -> bool {
         let points = points.into_iter();
-        self.sparse.iter().any(|set| {
+        self.hollow.sparse.iter().any(|set| {
             let mut between = points.clone().map(|point| set.lines_to(point).floor());
             let first = between.next();
             between.any(|gap| Some(gap) != first)
@@ -147,7 +136,7 @@ impl<'a> Reach<'a> {
     fn extend(&self, chord: &mut Chord, over_mm: f64, free: impl Fn(f64, f64) -> bool) {
         let Chord { from_mm, to_mm, across_mm, .. } = *chord;
         let (mut back_mm, mut on_mm) = (f64::INFINITY, f64::INFINITY);
-        for set in &self.sparse {
+        for set in &self.hollow.sparse {
             let sine = real::sin(set.angle_rad - self.angle_rad);
             if sine.abs() < ALONG {
                 continue;

@@ -72,15 +72,19 @@ impl WallSpec {
         (self.min_feature_mm - bead::rounding_mm(self.height_mm)).max(FINEST_MM)
     }
 
+    /// How far walls reach into the part.
+    pub fn depth_mm(&self) -> f64 {
+        let edge_mm = bead::rounding_mm(self.height_mm) / 2.0;
+        edge_mm + (0..self.count).map(|d| self.spacing_mm(d) + self.clear_mm(d)).sum::<f64>()
+    }
+
     /// In parts narrower than twice this only walls fit.
     pub fn core_mm(&self) -> f64 {
-        let edge_mm = bead::rounding_mm(self.height_mm) / 2.0;
-        let depth_mm = edge_mm + (0..self.count).map(|d| self.spacing_mm(d) + self.clear_mm(d)).sum::<f64>();
         let closest = match self.generator {
             WallGenerator::Variable => 2.0 * beading::PAIR,
             WallGenerator::Classic => CLOSEST,
         };
-        depth_mm + self.spacing_mm(1) * closest / 2.0
+        self.depth_mm() + self.spacing_mm(1) * closest / 2.0
     }
 
     /// The widest single bead, as the spacing that it fills.

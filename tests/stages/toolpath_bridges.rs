@@ -4,6 +4,7 @@ use crate::support::toolpath_plan::{job, length_mm, of_role, plan, rectangle, ri
 use pathwright::geometry::{self, Point, Polygon, Region};
 use pathwright::profile::WallGenerator;
 use pathwright::toolpath::{LayerPaths, Path, Role, Width};
+use pathwright::units::Ratio;
 
 /// The layer that closes an opening: full sections on top of sections with it.
 fn roof(open: &Region, full: &Region) -> LayerPaths {
@@ -239,4 +240,76 @@ fn without_extra_perimeters_a_tongue_is_filled_with_bridge_lines() {
     let sections = [vec![block; 6], vec![full; 6]].concat();
     let roof = plan(&sections, &settings).swap_remove(6);
     assert!(!of_role(&roof, Role::BridgeInfill).is_empty());
+}
+
+#[test]
+fn solid_lines_over_sparse_infill_end_where_that_holds_them() {
+    let full = rectangle(0.0, 0.0, 40.0, 30.0);
+    let mut settings = job();
+    settings.infill.density = Ratio(0.1);
+    let mut lines = 0;
+    for k in 0..8 {
+        let at_mm = 6.0 + 0.7 * f64::from(k);
+        let pocket = rectangle(at_mm, 8.0, at_mm + 9.0, 15.0 + 0.9 * f64::from(k));
+        let sections = [vec![full.clone(); 14], vec![with_hole(full.clone(), &pocket); 8]].concat();
+        let layers = plan(&sections, &settings);
+        // The lowest layer of the pocket's floor lies on sparse infill.
+        let floor = (4..14).find(|&i| !of_role(&layers[i], Role::SolidInfill).is_empty()).expect("a floor");
+        let beneath = &layers[floor - 1].paths;
+        for path in of_role(&layers[floor], Role::SolidInfill) {
+            lines += 1;
+            for hanging_mm in [hanging_mm(&path.points, beneath), {
+                let mut back = path.points.clone();
+                back.reverse();
+                hanging_mm(&back, beneath)
+            }] {
+                assert!(hanging_mm <= 3.0, "pocket {k}: a line hangs over {hanging_mm:.2} mm");
+            }
+        }
+    }
+    assert!(lines >= 8, "{lines}");
+}
+
+/// How far a line runs from its start until it touches a bead beneath.
+fn hanging_mm(points: &[Point], beneath: &[Path]) -> f64 {
+    const STEP_MM: f64 = 0.1;
+    let held = |p: [f64; 2]| {
+        beneath.iter().any(|path| {
+            path.points.windows(2).any(|edge| geometry::to_segment_mm(p, edge[0].mm(), edge[1].mm()) < 0.4)
+        })
+    };
+    let mut walked_mm = 0.0;
+    for edge in points.windows(2) {
+        let length_mm = edge[0].distance_mm(edge[1]);
+        let ([ax, ay], [bx, by]) = (edge[0].mm(), edge[1].mm());
+        for step in 0..=(length_mm / STEP_MM) as u32 {
+            let share = f64::from(step) * STEP_MM / length_mm;
+            if held([ax + share * (bx - ax), ay + share * (by - ay)]) {
+                return walked_mm + share * length_mm;
+            }
+        }
+        walked_mm += length_mm;
+    }
+    walked_mm
+}
+
+#[test]
+fn infill_that_goes_on_to_where_it_is_held_stays_behind_the_outermost_wall() {
+    let mut settings = job();
+    settings.infill.density = Ratio(0.1);
+    for walls in [1, 2] {
+        settings.walls.count = walls;
+        let leaning = |i: u32| {
+            let by_mm = 0.4 * f64::from(i);
+            rectangle(by_mm, by_mm, 44.0 - by_mm, 37.0 - by_mm)
+        };
+        let sections: Vec<Region> = (0..14).map(leaning).collect();
+        for (layer, section) in plan(&sections, &settings).iter().zip(&sections).skip(1) {
+            let behind = geometry::offset(section, -0.3);
+            let infill = layer.paths.iter().filter(|path| !path.role.is_wall() && path.role != Role::GapFill);
+            for point in infill.flat_map(|path| &path.points) {
+                assert!(behind.contains(*point), "{walls} walls, layer {}: {:?}", layer.index, point.mm());
+            }
+        }
+    }
 }

@@ -1,0 +1,164 @@
+//! Infill over sparse infill: a line that would end between two lines beneath goes on to the nearest one.
+
+use std::cell::LazyCell;
+use std::f64::consts::PI;
+
+use geometry::real;
+use geometry::{Direction, EdgeGrid, Point, Region};
+
+use super::hollow::Hollow;
+use super::path::{Path, Role, Width};
+
+/// What hangs over less than this holds by itself.
+const DANGLE_MM: f64 = 2.2;
+
+/// Lines no longer than this that nothing holds are left out.
+const LOOSE_MM: f64 = 3.5;
+
+/// Lines go on by at most this much,
+const LONGEST_MM: f64 = 5.0;
+
+/// at first over the lines beside their end: so many widths.
+const PASSED: f64 = 1.7;
+
+/// Distance of the points looked at on the way on,
+const STEP_MM: f64 = 0.15;
+
+/// and on a line.
+const BACK_MM: f64 = 0.3;
+
+/// So much of its width beside a line beneath, a line still lies on it.
+const BESIDE: f64 = 0.6;
+
+/// Directions in which an end goes on: this many on each side, so far from each other.
+const TURNS: i32 = 4;
+const TURN_RAD: f64 = PI / 8.0;
+
+/// A quarter turn is worth this share of the length.
+const STRAIGHT: f64 = 0.3;
+
+/// Extends the lines of infill whose ends hang over sparse infill beneath, through the layer's own `sparse` zone or into the
+/// walls around `inside`. Leaves out short solid ones that nothing holds.
+pub(super) fn extend(
+    paths: &mut Vec<Path>,
+    first: usize,
+    hollow: &Hollow<'_>,
+    inside: &Region,
+    sparse: &Region,
+) {
+    if hollow.sparse.is_empty() {
+        return;
+    }
+    let area = LazyCell::new(|| EdgeGrid::new(inside));
+    let free = LazyCell::new(|| EdgeGrid::new(sparse));
+    let room = Room { hollow, is_inside: |p| area.contains(p), is_free: |p| free.contains(p) };
+    let mut index = 0;
+    paths.retain_mut(|path| {
+        index += 1;
+        let is_infill = matches!(path.role, Role::SolidInfill | Role::InternalInfill);
+        index <= first || !is_infill || room.extend(path)
+    });
+}
+
+/// Where lines may go on.
+struct Room<'a, I, F> {
+    hollow: &'a Hollow<'a>,
+    is_inside: I,
+    is_free: F,
+}
+
+impl<I: Fn(Point) -> bool, F: Fn(Point) -> bool> Room<'_, I, F> {
+    /// Extends a line where it hangs; `false`: it is to be left out.
+    fn extend(&self, path: &mut Path) -> bool {
+        let is_solid = path.role == Role::SolidInfill;
+        let is_short = || geometry::polyline_length_mm(&path.points) < LOOSE_MM;
+        if is_solid && is_short() && self.hangs(path, LOOSE_MM) {
+            return false;
+        }
+        if path.closed {
+            return true;
+        }
+        let width_mm = path.width.widest_mm();
+        for _ in 0..2 {
+            path.points.reverse();
+            if let Width::PerVertex(widths) = &mut path.width {
+                widths.reverse();
+            }
+            if let Some(tip) = self.tip(path, width_mm) {
+                path.points.push(tip);
+                if let Width::PerVertex(widths) = &mut path.width {
+                    widths.push(width_mm as f32);
+                }
+            }
+        }
+        true
+    }
+
+    /// Where the end of a line that hangs there would be held.
+    fn tip(&self, path: &Path, width_mm: f64) -> Option<Point> {
+        let [.., before, end] = path.points[..] else { return None };
+        if !self.hangs(path, DANGLE_MM) {
+            return None;
+        }
+        let [x, y] = (end - before).mm();
+        let onward_rad = real::atan2(y, x);
+        let ways = (-TURNS..=TURNS).filter_map(|turn| {
+            let direction = Direction::of(onward_rad + f64::from(turn) * TURN_RAD);
+            let along_mm = self.held_mm(end, direction, width_mm)?;
+            let cost_mm = along_mm * (1.0 + STRAIGHT * f64::from(turn.abs()) * TURN_RAD / (PI / 2.0));
+            Some((cost_mm, direction.from(end, along_mm, 0.0)))
+        });
+        ways.min_by(|a, b| a.0.total_cmp(&b.0)).map(|(_, tip)| tip)
+    }
+
+    /// Whether nothing holds a line over so much of its end.
+    fn hangs(&self, path: &Path, over_mm: f64) -> bool {
+        let width_mm = |i: usize| match &path.width {
+            Width::Constant(width_mm) => *width_mm,
+            Width::PerVertex(widths) => f64::from(widths[i]),
+        };
+        let mut walked_mm = 0.0;
+        for (i, pair) in path.points.windows(2).enumerate().rev() {
+            let length_mm = pair[0].distance_mm(pair[1]);
+            let count = (length_mm / BACK_MM).ceil().max(1.0);
+            let ([ax, ay], [bx, by]) = (pair[0].mm(), pair[1].mm());
+            let reach_mm = BESIDE * width_mm(i).min(width_mm(i + 1));
+            for step in 0..count as u32 {
+                let share = f64::from(step) / count;
+                if walked_mm + share * length_mm > over_mm {
+                    return true;
+                }
+                let p = Point::from_mm(bx + share * (ax - bx), by + share * (ay - by));
+                if self.hollow.holds(p, reach_mm) {
+                    return false;
+                }
+            }
+            walked_mm += length_mm;
+        }
+        true
+    }
+
+    /// How far it is to something that holds, through what is free.
+    fn held_mm(&self, end: Point, direction: Direction, width_mm: f64) -> Option<f64> {
+        let steps = (LONGEST_MM / STEP_MM) as u32;
+        let mut outside = 0;
+        // The outermost wall shows.
+        let in_walls_mm = width_mm.min(self.hollow.walls_mm - width_mm);
+        for step in 1..=steps {
+            let along_mm = f64::from(step) * STEP_MM;
+            let p = direction.from(end, along_mm, 0.0);
+            if !(self.is_inside)(p) {
+                outside += 1;
+                if f64::from(outside) * STEP_MM > in_walls_mm {
+                    return None;
+                }
+            } else if along_mm > PASSED * width_mm && !(self.is_free)(p) {
+                return None;
+            }
+            if self.hollow.holds(p, STEP_MM / 2.0) {
+                return Some(along_mm);
+            }
+        }
+        None
+    }
+}
