@@ -9,7 +9,7 @@ use pathwright::gcode::{Action, Measure, Step, Stroke, lines, measure, replay};
 use pathwright::geometry::Point;
 use pathwright::motion::{LayerSums, Move, PauseAt};
 use pathwright::profile::{Flavor, Settings};
-use pathwright::toolpath::{Path, Role, Width};
+use pathwright::toolpath::{LayerPaths, Path, Role, Width};
 use pathwright::units::{Mm, Mm3PerS, MmPerS, Seconds};
 
 const FLAVORS: [Flavor; 3] = [Flavor::Marlin, Flavor::Klipper, Flavor::RepRapFirmware];
@@ -344,6 +344,20 @@ fn any_path() -> impl Strategy<Value = Path> {
     })
 }
 
+/// What round outsides leave open at most in the corners of inner walls and solid infill, which turn by up to 2 rad.
+fn open_mm3(layers: &[LayerPaths]) -> f64 {
+    let is_rounded =
+        |path: &&Path| matches!(path.role, Role::Perimeter | Role::SolidInfill | Role::TopSolidInfill);
+    let open_mm3 = |path: &Path| {
+        let half_mm = match &path.width {
+            Width::Constant(width_mm) => 0.5 * width_mm,
+            Width::PerVertex(widths) => 0.5 * f64::from(widths.iter().copied().fold(0.0, f32::max)),
+        };
+        path.points.len() as f64 * half_mm * half_mm * path.height_mm * (1.0_f64.tan() - 1.0)
+    };
+    layers.iter().flat_map(|layer| &layer.paths).filter(is_rounded).map(open_mm3).sum()
+}
+
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(64))]
     #[test]
@@ -354,8 +368,9 @@ proptest! {
         for (name, settings) in variants() {
             let text = print(&layers, &settings, &[]);
             let (read, wanted) = (read(&text).volume_mm3, volume_mm3(&layers, &settings));
-            // What is left of each layer's last bead is less than a digit of E.
-            prop_assert!((read - wanted).abs() < 1e-4 * wanted + 1e-3, "{}: {} of {} mm³", name, read, wanted);
+            // What is left of each layer's last bead is less than a digit of E; rounded corners hold more.
+            let (off, open) = (1e-4 * wanted + 1e-3, open_mm3(&layers));
+            prop_assert!((wanted - off..wanted + open + off).contains(&read), "{}: {} of {} mm³", name, read, wanted);
             let mut pulled_mm = 0.0_f64;
             for (line, stroke) in strokes(&text) {
                 prop_assert!(stroke.xy_mm > 0.0 || stroke.fresh_mm < 1e-9, "{}, line {}", name, line);
