@@ -409,14 +409,13 @@ impl Planner {
             ordered: false,
             fit_angle: self.settings.shell.fit_angle && inner,
         };
-        let first = layer.paths.len();
+        let first_infill = layer.paths.len();
         layer.solid(&zones.solid, &solid, section.index, settings);
-        let sparse = if object.tool.is_some() { zones.sparse.clone() } else { Region::default() };
         if settings.density.0 > 0.0 {
             self.sparse(layer, &zones.sparse, zones.sparse_mm2, section);
         }
         if let Some(hollow) = hollow {
-            held_ends::extend(&mut layer.paths, first, hollow, &inside, &zones.sparse);
+            held_ends::extend(&mut layer.paths, first_infill, hollow, &inside, &zones.sparse);
         }
         let ordered = self.settings.shell.monotonic;
         let solid = Solid {
@@ -428,7 +427,7 @@ impl Planner {
         };
         layer.solid(&zones.top, &solid, section.index, settings);
         if object.tool.is_some() && self.settings.walls.gap_fill {
-            self.leftovers(layer, first, polygon, &sparse, section);
+            self.leftovers(layer, first, polygon, &zones.sparse, section);
         }
         if self.settings.ironing.enabled {
             self.iron(layer, &zones.top, section, widths);
