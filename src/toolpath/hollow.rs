@@ -16,28 +16,31 @@ pub struct Hollow<'a> {
     pub walls_mm: f64,
     /// The lines of the sparse infill; none if it has no straight ones, as its supports are unknown then.
     pub sparse: Vec<LineSet>,
-    grids: OnceCell<[EdgeGrid; 3]>,
+    // Each is made when it is first asked: walls alone hold most ends.
+    section: OnceCell<EdgeGrid>,
+    top: OnceCell<EdgeGrid>,
+    bottom: OnceCell<EdgeGrid>,
 }
 
 impl<'a> Hollow<'a> {
     /// Of the section beneath and its windows: where they overlap with it there is sparse infill; elsewhere solid infill, walls
     /// or nothing.
     pub fn new(beneath: &'a Region, windows: ShellWindows<'a>, walls_mm: f64, sparse: Vec<LineSet>) -> Self {
-        Self { beneath, windows, walls_mm, sparse, grids: OnceCell::new() }
+        let [section, top, bottom] = [const { OnceCell::new() }; 3];
+        Self { beneath, windows, walls_mm, sparse, section, top, bottom }
     }
 
     /// Whether there is sparse infill around a point, or walls around sparse infill.
     pub fn contains(&self, p: Point) -> bool {
-        self.grids().iter().all(|grid| grid.contains(p))
+        self.section().contains(p) && self.is_in_windows(p)
     }
 
     /// Whether something lies under a point, or at most `reach_mm` beside it: walls, solid infill or a sparse line.
     pub fn holds(&self, p: Point, reach_mm: f64) -> bool {
-        let [section, top, bottom] = self.grids();
         let wall_mm = self.walls_mm + reach_mm;
-        let is_solid =
-            || !(top.contains(p) && bottom.contains(p)) || section.distance_mm(p, wall_mm) < wall_mm;
-        section.contains(p) && (self.is_on_a_line(p, reach_mm) || is_solid())
+        let is_in_walls = || self.section().distance_mm(p, wall_mm) < wall_mm;
+        (self.is_on_a_line(p, reach_mm) || is_in_walls() || !self.is_in_windows(p))
+            && self.section().contains(p)
     }
 
     /// Whether a sparse line is at most so far away.
@@ -48,10 +51,13 @@ impl<'a> Hollow<'a> {
         })
     }
 
-    fn grids(&self) -> &[EdgeGrid; 3] {
-        let area = |window: Option<Window<'a>>| window.map_or(self.beneath, Window::region);
-        self.grids.get_or_init(|| {
-            [self.beneath, area(self.windows.top), area(self.windows.bottom)].map(EdgeGrid::new)
-        })
+    fn section(&self) -> &EdgeGrid {
+        self.section.get_or_init(|| EdgeGrid::new(self.beneath))
+    }
+
+    fn is_in_windows(&self, p: Point) -> bool {
+        let area = |window: Option<Window<'a>>| EdgeGrid::new(window.map_or(self.beneath, Window::region));
+        let top = self.top.get_or_init(|| area(self.windows.top));
+        top.contains(p) && self.bottom.get_or_init(|| area(self.windows.bottom)).contains(p)
     }
 }
