@@ -13,6 +13,10 @@ use pathwright::output::Output;
 use pathwright::pipeline::Pipeline;
 use pathwright::profile;
 
+/// The program's allocator.
+#[global_allocator]
+static ALLOCATOR: mimalloc::MiMalloc = mimalloc::MiMalloc;
+
 /// Bundled models.
 const BUNDLED: [&str; 3] = ["plate_with_holes", "helical_gear", "pin_forest"];
 

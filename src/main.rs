@@ -2,8 +2,13 @@
 
 use std::process::ExitCode;
 
+use mimalloc::MiMalloc;
 use pathwright::cli;
 use pathwright::pipeline::Pipeline;
+
+/// Most of what a slicing allocates is small and soon given back.
+#[global_allocator]
+static ALLOCATOR: MiMalloc = MiMalloc;
 
 fn main() -> ExitCode {
     let handler = ctrlc::set_handler(cli::interrupted);

@@ -148,6 +148,11 @@ impl Config {
         self.text(key)?.split(',').map(|number| number.trim().parse().ok()).collect()
     }
 
+    /// The points of a list, mm.
+    pub fn points(&self, key: &str) -> Option<Vec<[f64; 2]>> {
+        self.text(key)?.split(',').map(value::point).collect()
+    }
+
     /// Whether percentages of widths are of the nozzle, and not of the layer's height.
     pub fn is_super(&self) -> bool {
         self.dialect == Dialect::Super

@@ -3,7 +3,7 @@
 use macros::{Names, Value};
 
 use super::config::{Config, Raw};
-use super::value::{Scalar, Shape, Type, texts, unescaped};
+use super::value::{Scalar, Shape, Type, point, texts, unescaped};
 
 /// What a value as written is to scripts.
 pub fn script_value(raw: &Raw) -> Value {
@@ -33,9 +33,7 @@ fn single(scalar: Scalar, text: &str) -> Value {
         Scalar::Integer => text.parse().ok().map(Value::Integer),
         Scalar::Real => number(text).map(Value::Real),
         Scalar::Percent | Scalar::RealOrPercent => percent().or_else(|| number(text).map(Value::Real)),
-        Scalar::Point => text
-            .split_once('x')
-            .and_then(|(x, y)| Some(Value::List(vec![Value::Real(number(x)?), Value::Real(number(y)?)]))),
+        Scalar::Point => point(text).map(|point| Value::List(point.map(Value::Real).to_vec())),
         Scalar::Text | Scalar::Choice => None,
     };
     read.unwrap_or_else(|| Value::Text(text.to_owned()))

@@ -28,11 +28,7 @@ impl PrinterFacts {
 }
 
 fn bed_mm(config: &Config) -> Option<[f64; 2]> {
-    let points = config.text("bed_shape")?.split(',').map(|point| {
-        let (x, y) = point.trim().split_once('x')?;
-        Some([x.parse::<f64>().ok()?, y.parse::<f64>().ok()?])
-    });
-    let points = points.collect::<Option<Vec<_>>>()?;
+    let points = config.points("bed_shape")?;
     let side = |i: usize| {
         let all = points.iter().map(|point| point[i]);
         all.clone().fold(f64::NEG_INFINITY, f64::max) - all.fold(f64::INFINITY, f64::min)

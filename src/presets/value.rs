@@ -108,10 +108,26 @@ fn single(scalar: Scalar, value: &str) -> String {
         Scalar::Integer | Scalar::Real => number(value),
         Scalar::Percent => percent().or_else(|| number(value).map(|number| number + "%")),
         Scalar::RealOrPercent => percent().or_else(|| number(value)),
-        Scalar::Point => value.split_once('x').and_then(|(x, y)| Some(number(x)? + "x" + &number(y)?)),
+        Scalar::Point => point(value).map(|[x, y]| short(x) + "x" + &short(y)),
         Scalar::Text | Scalar::Choice => None,
     };
     written.unwrap_or_else(|| value.to_owned())
+}
+
+/// A point, `0x250`, mm. As the slicers read it: what follows a number is passed over, and a Y that is missing is 0, so that a
+/// vendor's `235-0` is a corner.
+pub(crate) fn point(text: &str) -> Option<[f64; 2]> {
+    let (x, y) = text.trim().split_once('x').unwrap_or((text.trim(), "0"));
+    Some([number_before(x)?, number_before(y)?])
+}
+
+/// The number that a text begins with.
+fn number_before(text: &str) -> Option<f64> {
+    let text = text.trim();
+    let is_inside =
+        |(at, c): &(usize, char)| c.is_ascii_digit() || *c == '.' || *at == 0 && matches!(c, '-' | '+');
+    let length = text.char_indices().take_while(is_inside).count();
+    text.parse().or_else(|_| text[..length].parse()).ok().filter(|n: &f64| n.is_finite())
 }
 
 /// A number as C++ streams write it, and scripts do; 0 has no sign.

@@ -48,13 +48,7 @@ pub(super) fn excluded(config: &Config) -> Outcome {
 
 /// The corners that a key lists.
 fn points(config: &Config, key: &str) -> Option<Vec<Point>> {
-    let point = |text: &str| -> Option<Point> {
-        let (x, y) = text.trim().split_once('x')?;
-        let [x, y] = [x.trim().parse::<f64>().ok()?, y.trim().parse::<f64>().ok()?];
-        (x.is_finite() && y.is_finite()).then_some([x, y])
-    };
-    let points: Vec<Point> = config.text(key)?.split(',').map(point).collect::<Option<_>>()?;
-    (points.len() > 2).then_some(points)
+    config.points(key).filter(|points| points.len() > 2)
 }
 
 fn bed(config: &Config) -> Option<Bed> {
@@ -193,6 +187,7 @@ mod tests {
         let rectangle = "0x0,250x0,250x210,0x210";
         assert_eq!(of(rectangle), (false, [250.0, 210.0], false, [0.0; 2], false));
         assert_eq!(of("-90x-90,90x-90,90x90,-90x90"), (false, [180.0; 2], true, [0.0; 2], false));
+        assert_eq!(of("0x0,235-0,235x235,0x235"), (false, [235.0; 2], false, [0.0; 2], false));
         assert_eq!(of("5x0,220x0,220x220,5x220"), (false, [215.0, 220.0], false, [5.0, 0.0], false));
         assert_eq!(of(&circle(100.0, 0.0, 0.0)), (true, [200.0; 2], true, [0.0; 2], false));
         assert_eq!(of(&circle(100.0, 100.0, 100.0)), (true, [200.0; 2], false, [0.0; 2], false));

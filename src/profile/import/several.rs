@@ -133,9 +133,8 @@ pub(super) fn flush_into_support(config: &Config) -> Outcome {
 
 pub(super) fn offset(config: &Config) -> Outcome {
     of_several(config, || {
-        let (x, y) = config.first("extruder_offset")?.split_once('x')?;
-        let number = |text: &str| text.trim().parse().ok().map(Value::Float);
-        Some(Value::Array(vec![number(x)?, number(y)?]))
+        let offset = *config.points("extruder_offset")?.first()?;
+        Some(Value::Array(offset.map(Value::Float).to_vec()))
     })
 }
 
