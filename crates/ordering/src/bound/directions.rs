@@ -3,20 +3,22 @@
 use super::arborescence::{Arc, cheapest};
 use super::link::Link;
 use super::model::Model;
+use super::passages::Fares;
 use super::pricing::{Priced, Prices};
 
 /// The price of being where a walk begins, far above all others; it is taken off again.
 const BEGIN: i64 = 1 << 50;
 /// With more points or runs than these, links have no direction: all pairs are looked at, and contracting takes long.
 const MOST_POINTS: usize = 2000;
-const MOST_RUNS: usize = 300;
+pub(super) const MOST_RUNS: usize = 300;
 
-/// The runs of a layer of one stage whose links have directions.
+/// The runs of a layer whose links have directions.
 pub(super) struct Directions {
     /// Run of each path.
     pub(super) run_of: Vec<u32>,
-    /// Whether a walk may begin with each run.
+    /// Whether a walk may begin its stage with each run.
     begins: Vec<bool>,
+    stages: usize,
 }
 
 impl Directions {
@@ -25,26 +27,49 @@ impl Directions {
         let run_of = model.run_of();
         let runs = run_of.iter().max().map_or(0, |&last| last as usize + 1);
         let few = model.points.len() <= MOST_POINTS && runs <= MOST_RUNS;
-        if !few || !model.is_one_stage() || model.successions(&run_of).is_empty() {
+        if !few || model.successions(&run_of).is_empty() {
             return None;
         }
         let mut begins = vec![false; runs];
-        (0..).zip(&run_of).for_each(|(item, &run)| begins[run as usize] = model.may_begin(item));
-        Some(Self { run_of, begins })
+        (0..).zip(&run_of).for_each(|(item, &run)| begins[run as usize] = model.may_begin_stage(item));
+        Some(Self { run_of, begins, stages: model.stages() })
     }
 
     pub(super) fn count(&self) -> usize {
         self.begins.len()
     }
 
+    /// The numbers of the cheapest links from each stage to the next, of those given with their prices and numbers, and the arcs that
+    /// they are; they pay as in [`Self::span`].
+    pub(super) fn climb(
+        &self,
+        model: &Model,
+        links: &[Link],
+        keys: &[(i64, u32)],
+        fares: &Fares,
+    ) -> Vec<(u32, Arc)> {
+        let mut best: Vec<Option<(i64, u32, Arc)>> = vec![None; self.stages];
+        for &(price, k) in keys {
+            let [i, j] = links[k as usize].items(model);
+            let [from, to] = if model.leads(i, j) { [i, j] } else { [j, i] };
+            let [tail, head] = [from, to].map(|item| self.run_of[item as usize]);
+            let arc = arc(tail, head, price, fares);
+            let best = &mut best[model.bodies[from as usize].groups[0] as usize];
+            if best.is_none_or(|best| (arc.price, k) < (best.0, best.1)) {
+                *best = Some((arc.price, k, arc));
+            }
+        }
+        best.into_iter().flatten().map(|(_, k, arc)| (k, arc)).collect()
+    }
+
     /// The numbers of the links in a cheapest arborescence over the runs, of those given with their prices and numbers, and the arcs
-    /// that they are. Besides, a link pays `runs[i][1]` for leaving run i, and `runs[i][0]` for entering it.
+    /// that they are. Besides, links pay fares.
     pub(super) fn span(
         &self,
         model: &Model,
         links: &[Link],
         keys: &[(i64, u32)],
-        runs: &[[i64; 2]],
+        fares: &Fares,
     ) -> Vec<(u32, Arc)> {
         let mut arcs = Vec::with_capacity(2 * keys.len() + self.count());
         let mut numbers = Vec::with_capacity(2 * keys.len());
@@ -54,7 +79,7 @@ impl Directions {
             for (from, to) in [(i, j), (j, i)] {
                 if model.leads(from, to) {
                     let [tail, head] = [from, to].map(|item| self.run_of[item as usize]);
-                    arcs.push(arc(tail, head, price, runs));
+                    arcs.push(arc(tail, head, price, fares));
                     numbers.push(k);
                 }
             }
@@ -62,24 +87,33 @@ impl Directions {
         self.solve(&mut arcs).into_iter().map(|at| (numbers[at], arcs[at])).collect()
     }
 
-    /// A cheapest arborescence over the runs, of all links.
-    pub(super) fn span_all(&self, model: &Model, prices: &Prices, runs: &[[i64; 2]]) -> Vec<Priced> {
+    /// A cheapest arborescence over the runs of each stage and the cheapest links between stages, of all links.
+    pub(super) fn span_all(&self, model: &Model, prices: &Prices, fares: &Fares) -> Vec<Priced> {
         const NONE: i64 = i64::MAX;
         let count = self.count();
+        let none = Priced { cost: NONE, from: 0, to: 0 };
         // By head and tail.
-        let mut best = vec![Priced { cost: NONE, from: 0, to: 0 }; count * count];
+        let mut best = vec![none; count * count];
+        let mut up = vec![none; self.stages];
         let items: Vec<u32> =
             (0..model.points.len() as u32).map(|point| model.item_of_point(point)).collect();
         let mut improve = |i: u32, j: u32, link: Priced| {
             for (from, to) in [(i, j), (j, i)] {
-                let [tail, head] = [from, to].map(|item| self.run_of[item as usize] as usize);
-                let best = &mut best[head * count + tail];
+                let [tail, head] = [from, to].map(|item| self.run_of[item as usize]);
+                let [one, other] = [from, to].map(|item| model.bodies[item as usize].groups[0]);
+                let (best, link) = match one == other {
+                    true => (&mut best[head as usize * count + tail as usize], link),
+                    false => {
+                        let cost = arc(tail, head, link.cost, fares).price;
+                        (&mut up[one as usize], Priced { cost, ..link })
+                    }
+                };
                 if link < *best && model.leads(from, to) {
                     *best = link;
                 }
             }
         };
-        for &link in &prices.listed[1] {
+        for &link in prices.listed[..=1].iter().flatten() {
             improve(items[link.from as usize], items[link.to as usize], link);
         }
         for (p, &i) in items.iter().enumerate() {
@@ -99,14 +133,15 @@ impl Directions {
         }
         let (mut arcs, mut links) = (Vec::new(), Vec::new());
         for (k, &found) in best.iter().enumerate().filter(|(_, found)| found.cost != NONE) {
-            let arc = arc((k % count) as u32, (k / count) as u32, found.cost, runs);
+            let arc = arc((k % count) as u32, (k / count) as u32, found.cost, fares);
             arcs.push(arc);
             links.push(Priced { cost: arc.price, ..found });
         }
-        self.solve(&mut arcs).into_iter().map(|arc| links[arc]).collect()
+        let between = up.into_iter().filter(|link| link.cost != NONE);
+        self.solve(&mut arcs).into_iter().map(|arc| links[arc]).chain(between).collect()
     }
 
-    /// The numbers of the arcs in a cheapest arborescence that begins with any run which may come first.
+    /// The numbers of the arcs in a cheapest arborescence of each stage that begins with any run which may come first.
     fn solve(&self, arcs: &mut Vec<Arc>) -> Vec<usize> {
         let (count, links) = (self.count(), arcs.len());
         let begins = (0..count as u32).filter(|&run| self.begins[run as usize]);
@@ -115,12 +150,12 @@ impl Directions {
         let used: Vec<usize> =
             entered.into_iter().map(|arc| arc as usize).filter(|&arc| arc < links).collect();
         // Links that lead everywhere are known from the beginning.
-        debug_assert_eq!(used.len() + 1, count);
+        debug_assert_eq!(used.len() + self.stages, count);
         used
     }
 }
 
 /// The arc of a link from one run to another.
-fn arc(tail: u32, head: u32, price: i64, runs: &[[i64; 2]]) -> Arc {
-    Arc { price: price + runs[tail as usize][1] + runs[head as usize][0], tail, head }
+fn arc(tail: u32, head: u32, price: i64, fares: &Fares) -> Arc {
+    Arc { price: price + fares.of(tail, head), tail, head }
 }

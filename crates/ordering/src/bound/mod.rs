@@ -13,6 +13,7 @@ mod directions;
 mod link;
 mod model;
 mod network;
+mod passages;
 mod points;
 mod pricing;
 #[cfg(feature = "highs")]
@@ -24,6 +25,7 @@ mod tree;
 mod walks;
 
 use std::ops::Range;
+use std::sync::Arc;
 
 use super::cost::LinkCosts;
 use super::{Cost, Effort, LinkKind, Optimized, Problem, Sequence, Strategy, Visit, check};
@@ -40,10 +42,24 @@ use walks::{Budget, Settled, Walks};
 /// The share of a layer in a bound, wherever it is entered and left: its multipliers and their result.
 #[derive(Clone, Debug, Default)]
 pub struct Share {
+    own: Part,
+    /// That of several neighbouring layers as one, and which of them this is.
+    joint: Option<(Arc<Joint>, usize)>,
+}
+
+/// What layers cost, wherever their walk is entered and left.
+#[derive(Clone, Debug, Default)]
+struct Part {
     /// Everything but the links in and out, in fine units.
     inner: i64,
     /// Where a walk may begin and where it may end, with what a link pays there.
     ends: [Vec<(Point, i64)>; 2],
+}
+
+#[derive(Debug)]
+struct Joint {
+    layers: usize,
+    part: Part,
 }
 
 /// Where a layer's walk comes from, or continues to, while its multipliers are sought.
@@ -65,7 +81,7 @@ impl Beyond<'_> {
             Self::Layer(problem) => {
                 Model::new(problem, cost).ends(usize::from(below)).map(|p| (p, 0)).collect()
             }
-            Self::Share(share) => share.ends[usize::from(below)].clone(),
+            Self::Share(share) => share.outer().ends[usize::from(below)].clone(),
         };
         Some(PricedPoints::new(points, cost))
     }
@@ -165,13 +181,9 @@ impl<'a> Climber<'a> {
     }
 }
 
-impl Share {
-    fn of((inner, ends): (i64, [Vec<(Point, i64)>; 2])) -> Self {
+impl Part {
+    fn of((inner, ends): Settled) -> Self {
         Self { inner, ends }
-    }
-
-    fn is_empty(&self) -> bool {
-        self.ends.iter().all(Vec::is_empty)
     }
 
     /// The least price of a link in or out, from or to a point that may be unknown.
@@ -181,40 +193,75 @@ impl Share {
         self.ends[side].iter().map(|&(p, pay)| pay + link(p)).min().unwrap_or(0)
     }
 
-    /// What layers one after the other cost at least, with the links to what lies below and above.
-    fn chain(layers: &[&Self], ends: &[Option<PricedPoints>; 2], cost: &Cost) -> i64 {
-        let (Some(first), Some(last)) = (layers.first(), layers.last()) else { return 0 };
-        let end = |side: usize, share: &Self| {
-            let link = |p: Point| ends[side].as_ref().map_or(0, |points| points.nearest(p));
-            share.ends[side].iter().map(|&(p, pay)| link(p) + pay).min().unwrap_or(0)
-        };
-        let inner: i64 = layers.iter().map(|share| share.inner).sum();
-        let between: i64 = layers.windows(2).map(|pair| pair[0].link_to(pair[1], cost)).sum();
-        end(0, first) + inner + between + end(1, last)
+    /// What parts one after the other cost at least, but for the links into the first and out of the last.
+    fn chain(parts: &[&Self], cost: &Cost) -> i64 {
+        let inner: i64 = parts.iter().map(|part| part.inner).sum();
+        inner + parts.windows(2).map(|pair| pair[0].link_to(pair[1], cost)).sum::<i64>()
     }
 
-    /// The least price of the link from this layer to the next.
+    /// The least price of the link from these layers to the next.
     fn link_to(&self, next: &Self, cost: &Cost) -> i64 {
         let points = PricedPoints::new(self.ends[1].clone(), cost);
         next.ends[0].iter().map(|&(p, pay)| points.nearest(p) + pay).min().unwrap_or(0)
+    }
+}
+
+impl Share {
+    fn of(settled: Settled) -> Self {
+        Self { own: Part::of(settled), joint: None }
+    }
+
+    fn is_empty(&self) -> bool {
+        self.own.ends.iter().all(Vec::is_empty)
+    }
+
+    /// What neighbours know of the layer: if it is bounded with others, what they know of all these.
+    fn outer(&self) -> &Part {
+        self.joint.as_ref().map_or(&self.own, |(joint, _)| &joint.part)
+    }
+
+    /// The parts of neighbouring layers: one of those that are bounded as one, if all of them are there.
+    fn parts<'a>(layers: &[&'a Self]) -> Vec<&'a Part> {
+        let (mut parts, mut at) = (Vec::new(), 0);
+        while let Some(&first) = layers.get(at) {
+            let is_nth = |joint: &Arc<Joint>, nth: usize| {
+                let other = layers.get(at + nth).and_then(|layer| layer.joint.as_ref());
+                other.is_some_and(|(other, place)| Arc::ptr_eq(joint, other) && *place == nth)
+            };
+            let joint = first.joint.as_ref().map(|(joint, _)| joint);
+            let joint = joint.filter(|joint| (0..joint.layers).all(|nth| is_nth(joint, nth)));
+            parts.push(joint.map_or(&first.own, |joint| &joint.part));
+            at += joint.map_or(1, |joint| joint.layers);
+        }
+        parts
+    }
+
+    /// What layers one after the other cost at least, with the links to what lies below and above.
+    fn chain(layers: &[&Self], ends: &[Option<PricedPoints>; 2], cost: &Cost) -> i64 {
+        let parts = Self::parts(layers);
+        let (Some(first), Some(last)) = (parts.first(), parts.last()) else { return 0 };
+        let end = |side: usize, part: &Part| {
+            let link = |p: Point| ends[side].as_ref().map_or(0, |points| points.nearest(p));
+            part.ends[side].iter().map(|&(p, pay)| link(p) + pay).min().unwrap_or(0)
+        };
+        end(0, first) + Part::chain(&parts, cost) + end(1, last)
     }
 
     /// What the layer's links cannot cost less than, entered from `start` and left for `end`, where these are known: millimetres
     /// or seconds, by the cost with which the share was found.
     pub fn layer(&self, cost: &Cost, start: Option<Point>, end: Option<Point>) -> f64 {
-        let ends = self.end_price(0, start, cost) + self.end_price(1, end, cost);
-        from_fine(cost, (self.inner + ends).max(0))
+        let ends = self.own.end_price(0, start, cost) + self.own.end_price(1, end, cost);
+        from_fine(cost, (self.own.inner + ends).max(0))
     }
 
     /// What the links of a whole print cannot cost less than, however its layers are ordered and wherever they begin and end.
     /// Layers without paths are passed over. A link between layers is of [`LinkKind::UP`].
     pub fn print(layers: &[Self], cost: &Cost, start: Option<Point>, end: Option<Point>) -> f64 {
         let layers: Vec<&Self> = layers.iter().filter(|share| !share.is_empty()).collect();
-        let (Some(first), Some(last)) = (layers.first(), layers.last()) else { return 0.0 };
-        let inner: i64 = layers.iter().map(|share| share.inner).sum();
-        let between: i64 = layers.windows(2).map(|pair| pair[0].link_to(pair[1], cost)).sum();
+        let parts = Self::parts(&layers);
+        let (Some(first), Some(last)) = (parts.first(), parts.last()) else { return 0.0 };
         let ends = first.end_price(0, start, cost) + last.end_price(1, end, cost);
-        from_fine(cost, (ends + inner + between).max(0))
+        from_fine(cost, (ends + Part::chain(&parts, cost)).max(0))
     }
 }
 
@@ -225,6 +272,10 @@ const CHUNK: usize = 16;
 /// How often the multipliers of a layer are sought, each time with what its neighbours have found. On five models with pinned
 /// seams at `feature` the gap is 6.9 % after one pass, 6.4 after two, 5.6 after six, 5.1 after twelve.
 const PASSES: usize = 6;
+
+/// How often neighbouring layers are bounded as one.
+#[cfg(feature = "highs")]
+const JOINT_PASSES: usize = 2;
 
 /// The shares of a print's layers, from the first to the last; empty for a layer without paths. The start of the
 /// first and the end of the last count where they are known.
@@ -299,7 +350,41 @@ fn chunk(
             }
         }
     }
+    #[cfg(feature = "highs")]
+    if passes > 1 {
+        join(layers, known, (first, &mut done), cost, effort);
+    }
     done.into_iter().flatten().collect()
+}
+
+/// Bounds neighbouring layers of one chunk as one, by linear programs, where that says more: up and down, since what links pay at the
+/// others changes.
+#[cfg(feature = "highs")]
+fn join(
+    layers: &[&Problem],
+    known: &[Option<Share>],
+    (first, done): (usize, &mut [Option<Share>]),
+    cost: &Cost,
+    effort: Effort,
+) {
+    let windows = stack::windows(&layers[first..first + done.len()]);
+    for pass in 0..JOINT_PASSES {
+        for step in 0..windows.len() {
+            let window = windows[if pass % 2 == 0 { step } else { windows.len() - 1 - step }].clone();
+            let some = first + window.start..first + window.end;
+            let stack = stack::stacked(&layers[some.clone()]);
+            let [below, above] = around(layers, known, (first, done), some);
+            let ends = [below.points(true, cost), above.points(false, cost)];
+            let Some(best) = program::Climb::new(&stack, cost, &ends, effort).best() else { continue };
+            let own: Vec<&Share> = done[window.clone()].iter().flatten().collect();
+            if best.bound > Share::chain(&own, &ends, cost) {
+                let joint = Arc::new(Joint { layers: window.len(), part: Part::of(best.settled) });
+                for (nth, share) in done[window].iter_mut().flatten().enumerate() {
+                    share.joint = Some((joint.clone(), nth));
+                }
+            }
+        }
+    }
 }
 
 /// What lies below and above some layers, those of one chunk, which begins with a layer, being done or not.

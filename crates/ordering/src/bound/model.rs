@@ -1,5 +1,7 @@
 //! What the relaxation knows of a layer: terminals at which links may end, and which links precedence permits.
 
+use std::cmp::Ordering;
+
 use super::super::cost::{LinkCosts, Place};
 use super::super::{Cost, LinkKind, Problem, Shape};
 use crate::options::Scope;
@@ -308,10 +310,14 @@ impl Model {
         }
     }
 
-    /// Whether precedence lets one path come straight after another, of another run of its stage.
+    /// Whether precedence lets one path come straight after another, of another run.
     pub(super) fn leads(&self, from: u32, to: u32) -> bool {
         let [a, b] = [from, to].map(|item| &self.bodies[item as usize]);
-        self.permits(from, to) && (a.place.island != b.place.island || a.rank <= b.rank)
+        let ascends = match a.groups[0].cmp(&b.groups[0]) {
+            Ordering::Equal => a.place.island != b.place.island || a.rank <= b.rank,
+            stages => stages == Ordering::Less,
+        };
+        ascends && self.permits(from, to)
     }
 
     /// Whether there are loops of which several pieces are distinguished.
@@ -319,9 +325,14 @@ impl Model {
         self.bodies.iter().any(Body::is_split)
     }
 
-    /// Whether all paths are of one stage.
-    pub(super) fn is_one_stage(&self) -> bool {
-        self.stages == 1
+    /// Number of stages.
+    pub(super) fn stages(&self) -> usize {
+        self.stages as usize
+    }
+
+    /// Whether a walk may begin its stage with this path.
+    pub(super) fn may_begin_stage(&self, item: u32) -> bool {
+        self.bodies[item as usize].begins
     }
 
     /// Whether a walk may begin with this path.

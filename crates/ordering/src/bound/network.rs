@@ -1,6 +1,6 @@
-//! Least cuts in an undirected graph.
+//! Least cuts in a graph.
 
-/// An undirected graph with capacities.
+/// A graph with capacities.
 pub(super) struct Network {
     rows: Vec<u32>,
     /// Head of each arc, and the number of the arc back.
@@ -9,16 +9,25 @@ pub(super) struct Network {
 }
 
 impl Network {
+    /// One in which edges lead either way.
     pub(super) fn new(nodes: u32, edges: impl Iterator<Item = (u32, u32, u32)>) -> Self {
-        let mut edges: Vec<_> =
-            edges.filter(|e| e.0 != e.1 && e.2 > 0).map(|(u, v, used)| (u.min(v), u.max(v), used)).collect();
-        edges.sort_unstable();
-        let mut both: Vec<(u32, u32, u32)> = Vec::new();
-        for pair in edges.chunk_by(|e, f| (e.0, e.1) == (f.0, f.1)) {
-            let capacity = pair.iter().map(|e| e.2).sum();
-            both.extend([(pair[0].0, pair[0].1, capacity), (pair[0].1, pair[0].0, capacity)]);
-        }
-        both.sort_unstable();
+        Self::of(nodes, edges.flat_map(|(u, v, used)| [(u, v, used), (v, u, used)]))
+    }
+
+    /// One in which edges lead from their first node to their second only.
+    #[cfg(feature = "highs")]
+    pub(super) fn directed(nodes: u32, edges: impl Iterator<Item = (u32, u32, u32)>) -> Self {
+        Self::of(nodes, edges.filter(|edge| edge.2 > 0).flat_map(|(u, v, used)| [(u, v, used), (v, u, 0)]))
+    }
+
+    /// One with these arcs and, if they have capacity, those back.
+    fn of(nodes: u32, arcs: impl Iterator<Item = (u32, u32, u32)>) -> Self {
+        let mut arcs: Vec<_> = arcs.filter(|arc| arc.0 != arc.1).collect();
+        arcs.sort_unstable();
+        let both: Vec<(u32, u32, u32)> = arcs
+            .chunk_by(|e, f| (e.0, e.1) == (f.0, f.1))
+            .map(|same| (same[0].0, same[0].1, same.iter().map(|arc| arc.2).sum()))
+            .collect();
         let row = |u: u32, v: u32| both.partition_point(|arc| (arc.0, arc.1) < (u, v)) as u32;
         Self {
             rows: (0..=nodes).map(|u| row(u, 0)).collect(),

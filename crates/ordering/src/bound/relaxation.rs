@@ -8,6 +8,7 @@ use super::cuts::{Cuts, common};
 use super::directions::Directions;
 use super::link::Link;
 use super::model::{Body, DEPTHS, Model};
+use super::passages::{Fares, Passage};
 use super::pricing::{Priced, Prices, Pricing};
 use super::tree::{Forest, Usage};
 #[cfg(feature = "highs")]
@@ -27,6 +28,26 @@ pub(super) struct Multipliers {
     pub(super) ties: Vec<i64>,
     /// For the link into each run and for the one out of it, of either sign; none where links have no directions.
     pub(super) runs: Vec<[i64; 2]>,
+    /// For each passage that is not made, not negative.
+    pub(super) passages: Vec<i64>,
+}
+
+/// What links pay besides their cost.
+pub(super) struct Weights {
+    /// At each terminal; the last is what the link from the start pays there.
+    terminals: Vec<i64>,
+    /// Between runs, if links there have directions.
+    fares: Option<Fares>,
+}
+
+impl Weights {
+    pub(super) fn at(&self, terminal: u32) -> i64 {
+        self.terminals[terminal as usize]
+    }
+
+    pub(super) fn fares(&self) -> Option<&Fares> {
+        self.fares.as_ref()
+    }
 }
 
 /// A terminal where a walk may begin or end.
@@ -56,6 +77,8 @@ pub(super) struct Relaxation<'a> {
     /// Paths with known links.
     pairs: FxHashSet<(u32, u32)>,
     pub(super) cuts: Cuts,
+    /// None where links have no directions.
+    pub(super) passages: Vec<Passage>,
     /// For [`Link::shared`].
     shared: Vec<u32>,
     /// For each loop in several pieces, and each neighbour, the first of as many ties.
@@ -87,6 +110,7 @@ impl<'a> Relaxation<'a> {
             known: FxHashSet::default(),
             pairs: FxHashSet::default(),
             cuts: Cuts::new(model.terminals.len()),
+            passages: Vec::new(),
             shared: Vec::new(),
             blocks: vec![Vec::new(); model.bodies.len()],
             block_of: FxHashMap::default(),
@@ -119,6 +143,7 @@ impl<'a> Relaxation<'a> {
             cuts: vec![0; self.cuts.members.len()],
             ties: vec![0; self.ties],
             runs: vec![[0; 2]; self.directions.as_ref().map_or(0, Directions::count)],
+            passages: vec![0; self.passages.len()],
         }
     }
 
@@ -272,11 +297,15 @@ impl<'a> Relaxation<'a> {
     }
 
     /// What a link pays at each terminal: its multiplier, less those of the cuts that hold it (a link within a cut pays
-    /// them back twice, so that only links which leave it profit). The last is what the link from the start pays there.
-    pub(super) fn weights(&self, multipliers: &Multipliers) -> Vec<i64> {
+    /// them back twice, so that only links which leave it profit); and what it pays for joining two runs.
+    pub(super) fn weights(&self, multipliers: &Multipliers) -> Weights {
         let cuts = |t: usize| self.cuts.of[t].iter().map(|&cut| multipliers.cuts[cut as usize]).sum::<i64>();
         let nodes = multipliers.nodes.iter().copied().chain([0]);
-        nodes.enumerate().map(|(t, node)| node - cuts(t)).collect()
+        let fares = self.directions.as_ref();
+        Weights {
+            terminals: nodes.enumerate().map(|(t, node)| node - cuts(t)).collect(),
+            fares: fares.map(|directions| Fares::new(directions.count(), &self.passages, multipliers)),
+        }
     }
 
     /// The part of the bound that does not depend on the tree: the multipliers times the degrees of a walk.
@@ -291,7 +320,10 @@ impl<'a> Relaxation<'a> {
         });
         let cuts = multipliers.cuts.iter().zip(always).map(|(cut, least)| cut * least);
         let runs = multipliers.runs.as_flattened().iter();
-        cuts.sum::<i64>() - self.model.bodies.iter().enumerate().map(nodes).sum::<i64>() - runs.sum::<i64>()
+        let passages = multipliers.passages.iter().sum::<i64>();
+        passages + cuts.sum::<i64>()
+            - self.model.bodies.iter().enumerate().map(nodes).sum::<i64>()
+            - runs.sum::<i64>()
     }
 
     /// What entering a loop at one piece gives back, where that is most, and at which piece.
@@ -311,14 +343,15 @@ impl<'a> Relaxation<'a> {
     }
 
     /// What the link into or out of the layer pays besides its cost.
-    fn pays(&self, side: usize, end: &WalkEnd, weights: &[i64], multipliers: &Multipliers) -> i64 {
-        let run = self.run_of(end).map_or(0, |run| multipliers.runs[run][side]);
-        let own = weights[end.terminal as usize] + multipliers.ties[end.tie as usize] + run;
+    fn pays(&self, side: usize, end: &WalkEnd, weights: &Weights, multipliers: &Multipliers) -> i64 {
+        let run = self.run_of(end).zip(weights.fares());
+        let run = run.map_or(0, |(run, fares)| fares.at_end(side, run as u32));
+        let own = weights.at(end.terminal) + multipliers.ties[end.tie as usize] + run;
         if side == 1 {
             return own;
         }
         let both = self.shared_by(end).iter().map(|&cut| multipliers.cuts[cut as usize]);
-        own + weights[self.model.terminals.len()] + 2 * both.sum::<i64>()
+        own + weights.at(self.model.terminals.len() as u32) + 2 * both.sum::<i64>()
     }
 
     /// The run that the walk begins or ends in, if links have directions.
@@ -333,7 +366,7 @@ impl<'a> Relaxation<'a> {
     }
 
     /// The cheapest end: its price and its number.
-    fn cheapest(&self, side: usize, weights: &[i64], multipliers: &Multipliers) -> Option<(i64, usize)> {
+    fn cheapest(&self, side: usize, weights: &Weights, multipliers: &Multipliers) -> Option<(i64, usize)> {
         let price = |end: &WalkEnd| end.cost + self.pays(side, end, weights, multipliers);
         self.walk_ends[side].iter().map(price).zip(0..).min()
     }
@@ -349,9 +382,9 @@ impl<'a> Relaxation<'a> {
             let price = |link: &Link| price(link, &weights, multipliers, &self.shared);
             self.keys.clear();
             self.keys.extend(links.iter().map(price).zip(0..));
-            match &self.directions {
-                Some(directions) if depth == RUNS => {
-                    forest.span_runs(directions, links, &self.keys, &multipliers.runs);
+            match self.directions.as_ref().zip(weights.fares()) {
+                Some((directions, fares)) if depth <= RUNS => {
+                    forest.span_runs(directions, depth, links, &self.keys, fares);
                 }
                 _ => forest.span(links, &mut self.keys),
             }
@@ -395,7 +428,7 @@ impl<'a> Relaxation<'a> {
         let prices = Prices {
             listed: self.links.each_ref().map(list),
             known: &|a, b| self.known.contains(&(a.min(b), a.max(b))),
-            weights: &weights,
+            weights: &weights.terminals,
             both: &|a, b| {
                 let cuts = common(&active[a as usize], &active[b as usize]);
                 2 * cuts.map(|cut| multipliers.cuts[cut as usize]).sum::<i64>()
@@ -403,10 +436,10 @@ impl<'a> Relaxation<'a> {
                     + self.tied(b, a, multipliers)
             },
         };
-        let tree = match &self.directions {
-            Some(directions) => {
+        let tree = match self.directions.as_ref().zip(weights.fares()) {
+            Some((directions, fares)) => {
                 let mut tree = self.pricing.tree(&prices, RUNS + 1);
-                tree.extend(directions.span_all(self.model, &prices, &multipliers.runs));
+                tree.extend(directions.span_all(self.model, &prices, fares));
                 tree
             }
             None => self.pricing.tree(&prices, 0),
@@ -514,8 +547,8 @@ fn tie(block: u32, piece: u32) -> u32 {
 }
 
 /// A listed link's cost and all that it pays.
-fn price(link: &Link, weights: &[i64], multipliers: &Multipliers, shared: &[u32]) -> i64 {
+fn price(link: &Link, weights: &Weights, multipliers: &Multipliers, shared: &[u32]) -> i64 {
     let both: i64 = link.shared(shared).iter().map(|&cut| multipliers.cuts[cut as usize]).sum();
     let ties: i64 = link.ties.iter().map(|&tie| multipliers.ties[tie as usize]).sum();
-    link.cost + weights[link.a as usize] + weights[link.b as usize] + 2 * both + ties
+    link.cost + weights.at(link.a) + weights.at(link.b) + 2 * both + ties
 }

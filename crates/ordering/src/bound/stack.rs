@@ -3,6 +3,8 @@
 use std::ops::Range;
 
 use super::super::{Item, Problem, Run};
+#[cfg(feature = "highs")]
+use super::directions::MOST_RUNS;
 use super::walks::MOST;
 
 /// Paths and vertices of layers that are looked at together, at most.
@@ -32,6 +34,33 @@ pub(super) fn stacks(layers: &[&Problem], may: impl Fn(usize) -> bool) -> Vec<Ra
     }
     stacks.retain(|stack| stack.len() > 1);
     stacks
+}
+
+/// Paths of layers that are one linear program, at most: twice as many take four times as long.
+#[cfg(feature = "highs")]
+const PROGRAM: usize = 340;
+
+/// Neighbouring layers that are one linear program, two at least, of about as many paths each.
+#[cfg(feature = "highs")]
+pub(super) fn windows(layers: &[&Problem]) -> Vec<Range<usize>> {
+    let mut windows: Vec<Range<usize>> = Vec::new();
+    let mut first = 0;
+    while first < layers.len() {
+        let sums = layers[first..].iter().scan([0; 2], |sums, layer| {
+            *sums = [sums[0] + layer.items.len(), sums[1] + layer.runs.len()];
+            Some(*sums)
+        });
+        let count = sums.take_while(|&[paths, runs]| paths <= PROGRAM && runs <= MOST_RUNS).count().max(1);
+        windows.push(first..first + count);
+        first += count;
+    }
+    // The last two are about as long.
+    if let [.., before, last] = &mut windows[..] {
+        let middle = (before.start + last.end).div_ceil(2).min(last.start);
+        (before.end, last.start) = (middle, middle);
+    }
+    windows.retain(|window| window.len() > 1);
+    windows
 }
 
 /// Layers as one problem, in which the stages of each come after those of the one below.

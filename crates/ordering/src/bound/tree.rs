@@ -3,6 +3,8 @@
 use super::directions::Directions;
 use super::link::Link;
 use super::model::Model;
+use super::passages::Fares;
+use super::relaxation::RUNS;
 use pathwright_geometry::DisjointSets;
 
 /// How often a solution of the relaxation uses each thing that has a multiplier.
@@ -73,11 +75,16 @@ impl Forest<'_> {
     pub(super) fn span_runs(
         &mut self,
         directions: &Directions,
+        depth: usize,
         links: &mut [Link],
         keys: &[(i64, u32)],
-        runs: &[[i64; 2]],
+        fares: &Fares,
     ) {
-        for (link, arc) in directions.span(self.model, links, keys, runs) {
+        let found = match depth {
+            RUNS => directions.span(self.model, links, keys, fares),
+            _ => directions.climb(self.model, links, keys, fares),
+        };
+        for (link, arc) in found {
             self.usage.runs[arc.tail as usize][1] += 1;
             self.usage.runs[arc.head as usize][0] += 1;
             self.take(&mut links[link as usize], arc.price);

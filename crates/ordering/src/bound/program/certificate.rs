@@ -61,7 +61,7 @@ impl Certificate {
         ends: [Option<Point>; 2],
     ) -> Option<Self> {
         let model: &Model = relaxation.model;
-        if model.scope != Scope::Layer || !model.is_one_stage() {
+        if model.scope != Scope::Layer || model.stages() > 1 {
             return None;
         }
         let (terminals, paths) = (model.terminals.len() as u32, model.bodies.len() as u32);

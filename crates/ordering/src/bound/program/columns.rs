@@ -26,12 +26,12 @@ pub(super) fn missing(
                 continue;
             }
             let depth = model.depth(i, j);
-            let run = |from: u32, to: u32| match &relaxation.directions {
-                Some(directions) if depth == RUNS && model.leads(from, to) => {
-                    let [tail, head] = [from, to].map(|item| directions.run_of[item as usize] as usize);
-                    prices.runs[tail][1] + prices.runs[head][0]
+            let run = |from: u32, to: u32| match relaxation.directions.as_ref().zip(weights.fares()) {
+                Some((directions, fares)) if depth <= RUNS && model.leads(from, to) => {
+                    let [tail, head] = [from, to].map(|item| directions.run_of[item as usize]);
+                    fares.of(tail, head)
                 }
-                Some(_) if depth == RUNS => i64::MAX / 4,
+                Some(_) if depth <= RUNS => i64::MAX / 4,
                 _ => 0,
             };
             let sets = rows.trees.iter().zip(&solution.trees);
@@ -41,7 +41,7 @@ pub(super) fn missing(
                 + run(i, j).min(run(j, i));
             for a in one.first..one.last {
                 for b in other.first..other.last {
-                    let least = pair + weights[a as usize] + weights[b as usize];
+                    let least = pair + weights.at(a) + weights.at(b);
                     if least >= 0 || relaxation.is_known(a, b) {
                         continue;
                     }

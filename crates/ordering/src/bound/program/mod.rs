@@ -10,6 +10,7 @@ mod aside;
 mod certificate;
 mod columns;
 mod families;
+mod precedence;
 mod refinement;
 mod separation;
 mod simplex;
@@ -31,10 +32,10 @@ const LONG: f64 = 4.0;
 const MOST_PIECES: usize = 32;
 /// How often pieces become smaller at most, and how often the program is solved in between.
 const REFINEMENTS: usize = 16;
-const ROUNDS: usize = 60;
+const ROUNDS: usize = 200;
 /// Missing links are looked for when no set is, and every so many rounds.
 const LOOK: usize = 3;
-/// Pieces become smaller when in two rounds the program came nearer to the limit by less than this share of what was left,
+/// Pieces, where there are any, become smaller when in two rounds the program came nearer to the limit by less than this share of what was left,
 const TAIL: f64 = 0.05;
 /// and its multipliers are worth as much over all links, but for this share.
 const MISSING: f64 = 0.01;
@@ -156,6 +157,7 @@ impl<'a> Climb<'a> {
             let mut grown = false;
             if looks {
                 solution.multipliers.cuts.resize(relaxation.cuts.members.len(), 0);
+                solution.multipliers.passages.resize(relaxation.passages.len(), 0);
                 let missing = columns::missing(&relaxation, &solution, &rows, &program.families);
                 grown = self.evaluate(&mut relaxation, &solution.multipliers, &mut proved, best);
                 grown |= !missing.is_empty();
@@ -166,7 +168,7 @@ impl<'a> Climb<'a> {
             if is_over || proved >= self.limit || looks && !grown && added == 0 {
                 break;
             }
-            if looks && self.gains_little(&values, proved) {
+            if looks && relaxation.model.has_pieces() && self.gains_little(&values, proved) {
                 break;
             }
         }

@@ -3,6 +3,7 @@
 use std::ops::Range;
 
 use super::super::model::Pieces;
+use super::super::passages::Passage;
 use super::super::points::PricedPoints;
 use super::super::relaxation::{Neighbour, Relaxation};
 use super::simplex::{Rows, Solution};
@@ -64,6 +65,7 @@ pub(super) struct Carried {
     /// Members, how often they are left, and guard.
     cuts: Vec<(Vec<u32>, i32, Option<u32>)>,
     trees: Vec<Vec<bool>>,
+    passages: Vec<Passage>,
     ties: Vec<(u32, Neighbour)>,
     /// New terminals of each old one.
     parts: Vec<Range<u32>>,
@@ -95,7 +97,10 @@ impl Carried {
         let neighbours = relaxation.neighbours();
         let ties = rows.ties.iter().filter(|tie| counts(&prices.ties, tie.0 as usize));
         let ties = ties.filter_map(|&(tie, _)| neighbours[tie as usize]).collect();
-        Self { links, cuts, trees: rows.trees, ties, parts }
+        let passages = relaxation.passages.iter().enumerate();
+        let passages =
+            passages.filter(|(k, _)| counts(&prices.passages, *k)).map(|(_, passage)| passage.clone());
+        Self { links, cuts, trees: rows.trees, passages: passages.collect(), ties, parts }
     }
 
     /// Makes it known to the relaxation of finer pieces.
@@ -113,6 +118,7 @@ impl Carried {
         for (members, least, guard) in self.cuts {
             relaxation.cuts.add(model, members, least, guard);
         }
+        relaxation.passages = self.passages;
         let pieces = self
             .ties
             .into_iter()

@@ -3,6 +3,7 @@
 use super::super::network::Network;
 use super::super::relaxation::Relaxation;
 use super::aside::Aside;
+use super::precedence;
 use super::simplex::{Rows, Solution};
 
 /// Shares as integers.
@@ -18,7 +19,8 @@ const NONE: f64 = 1e-5;
 pub(super) fn separate(relaxation: &mut Relaxation, rows: &mut Rows, solution: &Solution) -> usize {
     let ties = add_ties(relaxation, rows, solution);
     let trees = add_trees(relaxation, rows, solution);
-    ties + trees + if trees == 0 { add_cuts(relaxation, solution) } else { 0 }
+    let passages = precedence::separate(relaxation, solution);
+    ties + trees + passages + if trees == 0 { add_cuts(relaxation, solution) } else { 0 }
 }
 
 /// Links from one neighbour to a piece where the loop is not entered.

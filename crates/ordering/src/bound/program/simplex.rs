@@ -25,6 +25,8 @@ pub(super) struct Solution {
     pub(super) links: [Vec<f64>; DEPTHS],
     pub(super) excess: [Vec<f64>; DEPTHS],
     pub(super) ends: [Vec<f64>; 2],
+    /// Shares of links between runs, from one to the other, where they have directions.
+    pub(super) arcs: Vec<(u32, u32, f64)>,
     /// Share with which a path is entered at each terminal; 1 for ends and for loops in one piece.
     pub(super) entered: Vec<f64>,
     pub(super) multipliers: Multipliers,
@@ -95,6 +97,7 @@ pub(super) struct Program {
     line_of_tie: FxHashMap<u32, Line>,
     cuts: Vec<Line>,
     trees: Vec<Line>,
+    passages: Vec<Line>,
     /// Whether a cut's row counts links within, not those that leave: whichever are fewer. The degrees make up the difference.
     counts_within: Vec<bool>,
 }
@@ -150,6 +153,7 @@ impl Program {
             line_of_tie: FxHashMap::default(),
             cuts: Vec::new(),
             trees: Vec::new(),
+            passages: Vec::new(),
             counts_within: Vec::new(),
         }
     }
@@ -168,6 +172,7 @@ impl Program {
             self.add_cut(&mut simplex, relaxation, cut);
         }
         self.add_trees(&mut simplex, relaxation, rows);
+        self.add_passages(&mut simplex, relaxation);
         let solved =
             simplex.try_solve().ok().filter(|solved| solved.status() == HighsModelStatus::Optimal)?;
         let (value, iterations) = (solved.objective_value(), solved.simplex_iteration_count());
@@ -187,6 +192,7 @@ impl Program {
                 links.iter().map(|cols| to_fine(excess(cols))).collect()
             }),
             ends: self.ends.each_ref().map(|cols| cols.iter().map(|&col| share(col)).collect()),
+            arcs: self.arcs(relaxation).map(|(tail, head, col)| (tail, head, share(col))).collect(),
             entered: self.entries.iter().map(|col| col.map_or(1.0, share)).collect(),
             multipliers: self.multipliers(relaxation, rows, price),
             trees: self.trees.iter().map(|&line| price(line).max(0)).collect(),
@@ -207,6 +213,8 @@ impl Program {
         }
         let ties = rows.ties.iter().zip(&self.ties);
         ties.for_each(|(&(tie, _), &line)| multipliers.ties[tie as usize] = price(line).max(0));
+        let passages = multipliers.passages.iter_mut().zip(&self.passages);
+        passages.for_each(|(passage, &line)| *passage = price(line).max(0));
         multipliers.runs.iter_mut().zip(&self.runs).for_each(|(run, lines)| *run = lines.map(&price));
         multipliers
     }
@@ -218,16 +226,18 @@ impl Program {
                 let mut add = |more: &[(Row, f64)]| {
                     simplex.add_col(to_mm(link.cost), 0.0.., factors.iter().chain(more).copied())
                 };
-                let cols = match relaxation.directions.as_ref().filter(|_| depth == RUNS) {
+                let cols = match relaxation.directions.as_ref().filter(|_| depth <= RUNS) {
                     None => vec![add(&[])],
-                    Some(directions) => {
-                        let [i, j] = link.items(relaxation.model);
-                        let ways = [(i, j), (j, i)].into_iter();
-                        let ways = ways.filter(|&(from, to)| relaxation.model.leads(from, to));
-                        let run = |item: u32| self.runs[directions.run_of[item as usize] as usize];
-                        ways.map(|(from, to)| add(&[run(from)[1].times(1.0), run(to)[0].times(1.0)]))
-                            .collect()
-                    }
+                    Some(_) => ways(relaxation, link)
+                        .map(|(tail, head)| {
+                            let [leaves, enters] = [self.runs[tail as usize][1], self.runs[head as usize][0]];
+                            let passages = relaxation.passages.iter().zip(&self.passages);
+                            let passages = passages.filter(|(passage, _)| passage.holds(tail, head));
+                            let passages = passages.map(|(_, line)| line.times(-1.0));
+                            let lines = [leaves.times(1.0), enters.times(1.0)].into_iter().chain(passages);
+                            add(&lines.collect::<Vec<_>>())
+                        })
+                        .collect(),
                 };
                 self.links[depth].push(cols);
             }
@@ -298,6 +308,35 @@ impl Program {
         }
     }
 
+    /// Columns of links between runs, with the runs that they lead from and to.
+    fn arcs<'a>(&'a self, relaxation: &'a Relaxation) -> impl Iterator<Item = (u32, u32, Col)> {
+        let depths = if relaxation.directions.is_some() { RUNS + 1 } else { 0 };
+        let links = relaxation.links[..depths].iter().zip(&self.links);
+        let links = links.flat_map(|(links, cols)| links.iter().zip(cols));
+        links
+            .flat_map(|(link, cols)| ways(relaxation, link).zip(cols))
+            .map(|((tail, head), &col)| (tail, head, col))
+    }
+
+    fn add_passages(&mut self, simplex: &mut Simplex, relaxation: &Relaxation) {
+        for passage in &relaxation.passages[self.passages.len()..] {
+            let links = self.arcs(relaxation).filter(|&(tail, head, _)| passage.holds(tail, head));
+            let runs = self.runs.len();
+            let ends = relaxation.walk_ends.iter().zip(&self.ends).enumerate();
+            let ends = ends.flat_map(|(side, (ends, cols))| {
+                let holds = move |run: usize| match side {
+                    0 => passage.holds(runs as u32, run as u32),
+                    _ => passage.holds(run as u32, runs as u32 + 1),
+                };
+                let ends = ends.iter().zip(cols);
+                ends.filter(move |(end, _)| relaxation.run_of(end).is_some_and(holds)).map(|(_, &col)| col)
+            });
+            let cols = links.map(|(.., col)| col).chain(ends);
+            let line = add_row(simplex, ..=-1.0, cols.map(|col| (col, -1.0)).collect());
+            self.passages.push(line);
+        }
+    }
+
     fn add_cut(&mut self, simplex: &mut Simplex, relaxation: &Relaxation, cut: usize) {
         let (model, cuts) = (relaxation.model, &relaxation.cuts);
         let start = model.terminals.len();
@@ -343,6 +382,14 @@ impl Program {
     fn all_links<'a>(&'a self, relaxation: &'a Relaxation) -> impl Iterator<Item = (&'a Link, &'a Vec<Col>)> {
         relaxation.links.iter().zip(&self.links).flat_map(|(links, cols)| links.iter().zip(cols))
     }
+}
+
+/// The runs that a link between two may lead from and to.
+fn ways<'a>(relaxation: &'a Relaxation, link: &Link) -> impl Iterator<Item = (u32, u32)> + use<'a> {
+    let [i, j] = link.items(relaxation.model);
+    let ways = [(i, j), (j, i)].into_iter().filter(|&(from, to)| relaxation.model.leads(from, to));
+    let run = |item: u32| relaxation.directions.as_ref().map_or(0, |runs| runs.run_of[item as usize]);
+    ways.map(move |(from, to)| (run(from), run(to)))
 }
 
 /// Links at each terminal of a path, if that does not depend on where it is entered.
