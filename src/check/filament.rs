@@ -5,6 +5,7 @@ use super::report::Found;
 use super::rule::{LineContext, Rule};
 use crate::gcode::{Action, Stroke};
 use crate::profile::Settings;
+use crate::toolpath::Role;
 
 /// Amounts of filament below this are rounding.
 const SLACK_MM: f64 = 1e-3;
@@ -36,6 +37,8 @@ struct Tool {
     area_mm2: f64,
     /// Flow that the hot end melts, mm³/s; infinite where it is not known.
     max_flow: f64,
+    /// The most that shapes the tip of a filament before it is taken out, into the tower, mm³/s.
+    ramming: f64,
 }
 
 impl Tool {
@@ -45,6 +48,7 @@ impl Tool {
             extra_mm: settings.retract.extra.0.max(0.0),
             area_mm2: settings.filament.area_mm2(),
             max_flow: if max_flow > 0.0 { max_flow } else { f64::INFINITY },
+            ramming: settings.swap.ramming.iter().copied().fold(0.0, f64::max),
         }
     }
 }
@@ -85,7 +89,11 @@ impl Filament {
 
     fn flow(&mut self, bead: &Stroke, seen: &LineContext<'_>, found: &mut Found) {
         let speed = bead.feed_mm_s * self.speed;
-        let Tool { area_mm2, max_flow, .. } = self.tool;
+        let Tool { area_mm2, mut max_flow, ramming, .. } = self.tool;
+        // Towers are no part of the object, and read as such.
+        if matches!(seen.context.role, None | Some(Role::PrimeTower)) {
+            max_flow = max_flow.max(ramming);
+        }
         if max_flow.is_infinite() || bead.xy_mm < SHORTEST_MM || speed <= 0.0 {
             return;
         }

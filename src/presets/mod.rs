@@ -29,7 +29,7 @@ pub use file::{bundle_values, is_foreign};
 pub use files::Files;
 pub use keys::key_type;
 pub use library::{Chosen, Library, is_preset_file};
-pub use names::script_value;
+pub use names::{built_in_value, script_value};
 pub use physical::PhysicalPrinter;
 pub use printer::PrinterFacts;
 pub use printers::{Printer, PrinterPresets, Printers};

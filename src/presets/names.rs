@@ -3,7 +3,16 @@
 use macros::{Names, Value};
 
 use super::config::{Config, Raw};
-use super::value::{Scalar, Shape, Type, point, texts, unescaped};
+use super::keys;
+use super::value::{Scalar, Shape, Type, for_all, texts, unescaped};
+
+/// What a setting of PrusaSlicer is to scripts where no preset says it, by a printer with so many extruders; `None`: it has no such
+/// setting.
+pub fn built_in_value(name: &str, extruders: usize) -> Option<Value> {
+    let key = keys::find(name)?;
+    let value = for_all(key.kind, key.default, extruders, key.default);
+    Some(script_value(&Raw { value, kind: Some(key.kind) }))
+}
 
 /// What a value as written is to scripts.
 pub fn script_value(raw: &Raw) -> Value {
@@ -33,7 +42,9 @@ fn single(scalar: Scalar, text: &str) -> Value {
         Scalar::Integer => text.parse().ok().map(Value::Integer),
         Scalar::Real => number(text).map(Value::Real),
         Scalar::Percent | Scalar::RealOrPercent => percent().or_else(|| number(text).map(Value::Real)),
-        Scalar::Point => point(text).map(|point| Value::List(point.map(Value::Real).to_vec())),
+        Scalar::Point => text
+            .split_once('x')
+            .and_then(|(x, y)| Some(Value::List(vec![Value::Real(number(x)?), Value::Real(number(y)?)]))),
         Scalar::Text | Scalar::Choice => None,
     };
     read.unwrap_or_else(|| Value::Text(text.to_owned()))

@@ -12,7 +12,7 @@ use super::files::Files;
 use super::ini;
 use super::keys::{self, FORGOTTEN, KEYS, RENAMED};
 use super::names::script_value;
-use super::value::{Shape, Type, for_extruders, join_texts, texts, unescaped, written_alike};
+use super::value::{Type, for_all, join_texts, texts, unescaped, written_alike};
 
 /// Keys that say how presets belong together, and are no settings.
 const BELONGING: [&str; 7] = [
@@ -247,13 +247,6 @@ impl Family for Prusa {
 /// How many extruders nozzles are of.
 fn extruders(nozzle_diameter: &str) -> usize {
     nozzle_diameter.split(',').count().min(MOST_EXTRUDERS)
-}
-
-fn for_all(kind: Type, value: &str, extruders: usize, default: &str) -> String {
-    match kind.shape {
-        Shape::Each => for_extruders(kind, value, extruders, default),
-        Shape::One | Shape::List => value.to_owned(),
-    }
 }
 
 /// A preset's values as conditions see them.

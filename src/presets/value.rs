@@ -76,6 +76,14 @@ pub(super) fn written_alike(kind: Type, value: &str) -> String {
     }
 }
 
+/// A value with as many as there are extruders, where it is one for each.
+pub(super) fn for_all(kind: Type, value: &str, extruders: usize, default: &str) -> String {
+    match kind.shape {
+        Shape::Each => for_extruders(kind, value, extruders, default),
+        Shape::One | Shape::List => value.to_owned(),
+    }
+}
+
 /// Of a list that is one for each extruder, as many as there are extruders: the first again where there are too few.
 pub(super) fn for_extruders(kind: Type, value: &str, count: usize, default: &str) -> String {
     fn filled<T: Clone>(mut values: Vec<T>, count: usize, default: T) -> Vec<T> {

@@ -103,7 +103,8 @@ const PLACEHOLDER_HEAD: &str = "\n## Placeholders in scripts\n\n\
     Scripts (`gcode.start` and the others) are written in the macro language of PrusaSlicer: `{name}` or `[name]`,\n\
     `{expression}`, `{if}` … `{elsif}` … `{else}` … `{endif}`, variables and functions; see\n\
     [crates/macros](../crates/macros/README.md). `{{` and a `}}` after it on the line stand for the braces themselves.\n\
-    A name that is not known is an error. Besides these names there are those of the profile's `[variables]`.\n\
+    Besides these names there are those of the profile's `[variables]`, and PrusaSlicer's settings, with what it takes by\n\
+    default where no profile says them. A name that is not known is an error.\n\
     Numbers are in millimetres, in the bed's own coordinates.\n\n\
     | name | meaning |\n|---|---|\n";
 

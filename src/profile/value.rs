@@ -70,9 +70,7 @@ pub(super) fn check(key: &str, value: &Value) -> Result<(), String> {
         (Kind::Count, Value::Integer(n)) => in_range(field, *n as f64) && u32::try_from(*n).is_ok(),
         (Kind::Share, value) => share(value).is_some_and(|n| in_range(field, n)),
         (Kind::Flag, value) => value.is_bool(),
-        (Kind::Text, Value::String(text))
-            if !key.starts_with("gcode.") && text.contains(char::is_control) =>
-        {
+        (Kind::Text, Value::String(text)) if !is_script(key) && text.contains(char::is_control) => {
             return Err("a text of one line is expected".into());
         }
         (Kind::Text, value) => value.is_str(),
@@ -91,6 +89,11 @@ pub(super) fn check(key: &str, value: &Value) -> Result<(), String> {
         _ => false,
     };
     if fits { Ok(()) } else { Err(expected()) }
+}
+
+/// Whether a text may have several lines.
+fn is_script(key: &str) -> bool {
+    key.starts_with("gcode.") || key == "tool_change.script"
 }
 
 /// What the keys of variables begin with.

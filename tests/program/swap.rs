@@ -3,6 +3,7 @@
 use crate::support::found::{kinds, report};
 use crate::support::print::Print;
 use crate::tools::{pair, text};
+use pathwright::check::Kind;
 use pathwright::estimate::Machine;
 use pathwright::gcode::{Action, file_time, replay};
 use pathwright::profile::{self, Settings};
@@ -132,6 +133,15 @@ fn what_a_swap_waits_counts_in_the_time_of_the_print_as_the_file_is_timed() {
     let (print, settings) = swapping(&["swap.delay=3", "swap.ramming_cooler=20"]);
     let (said, timed) = (print.summary.total.total_s, file_time(&print.text, &Machine::new(&settings)).0);
     assert!((said / timed - 1.0).abs() < 0.004, "{said}, timed {timed}");
+}
+
+/// A tip is shaped by pushing out what has melted, faster than more melts; beads are no faster.
+#[test]
+fn ramming_may_be_faster_than_filament_melts_and_beads_may_not() {
+    let (print, settings) = swapping(&["filament.max_flow=11"]);
+    assert_eq!(kinds(&report(&print.text, &settings)), []);
+    let slower = settings.set_all(&[("filament.max_flow", "3"), ("swap.ramming", "[3]")]).unwrap();
+    assert_eq!(kinds(&report(&print.text, &slower)), [Kind::Flow]);
 }
 
 #[test]

@@ -62,6 +62,40 @@ fn a_tool_that_cools_down_is_heated_in_the_layers_before_as_long_as_that_takes()
     assert!((58.0..75.0).contains(&heated_s), "{heated_s}");
 }
 
+/// By PrusaSlicer's rule each layer begins with the tool in use, if it has it, and the others follow by number.
+#[test]
+fn by_the_rule_loaded_first_a_layer_begins_with_the_tool_in_use_and_goes_on_by_number() {
+    let folder = tempfile::tempdir().unwrap();
+    let base = several(4, &["tool_change.order=loaded-first", "tool_change.ahead=0", "skirt.loops=0"]);
+    let tops_mm = [("one", 4.0), ("two", 2.0), ("three", 4.0), ("four", 3.0)];
+    let places = [[0.0, 0.0], [20.0, 0.0], [20.0, 20.0], [0.0, 20.0]];
+    let posts: Vec<_> = tops_mm
+        .iter()
+        .zip(places)
+        .map(|(&(name, top_mm), [x, y])| (name, [x, y, 0.0], [x + 8.0, y + 8.0, top_mm]))
+        .collect();
+    let job = with_tools(boxes(&folder, &posts), &base, &[("one", 3), ("two", 1), ("three", 2), ("four", 4)]);
+    let print = run(&job, &base).expect("a print");
+    let of_tools = [(2, 4.0), (0, 2.0), (1, 4.0), (3, 3.0)];
+    let mut expected = Vec::new();
+    let mut loaded = 0;
+    for layer in 0..20 {
+        let z_mm = 0.2 * f64::from(layer) + 0.1;
+        let mut tools: Vec<u32> =
+            of_tools.iter().filter(|(_, top)| z_mm < *top).map(|(tool, _)| *tool).collect();
+        tools.sort_by_key(|tool| (*tool != loaded, *tool));
+        loaded = *tools.last().expect("two posts go to the top");
+        expected.extend(tools);
+    }
+    expected.dedup();
+    let taken = |line: &str| line.strip_prefix('T').and_then(|tool| tool.parse().ok());
+    let mut tools: Vec<u32> = text(&print).lines().filter_map(taken).collect();
+    tools.insert(0, 0);
+    tools.dedup();
+    assert_eq!(tools, expected);
+    assert_eq!(print.summary.tool_changes, expected.len() - 1);
+}
+
 /// The file without what is printed as a prime tower.
 fn without_tower(text: &str) -> String {
     let (mut kept, mut tower) = (String::new(), false);

@@ -98,9 +98,11 @@ fn main() -> ExitCode {
         models::models_have_the_volume_that_is_known_of_them: MODELS;
         models::sections_agree_with_an_independent_cut: MODELS;
         presets::resolved_configurations_are_those_of_the_slicer: PRESETS;
+        presets::printers_with_several_extruders_print_two_parts: PRESETS;
         presets::every_preset_of_a_vendor_resolves: PRESETS;
         presets::what_fits_a_printer_is_what_fits_it_in_the_slicer: PRESETS;
         preset_scripts::scripts_are_expanded_as_by_their_slicer: PRESETS;
+        preset_scripts::scripts_of_configurations_that_leave_defaults_out_expand_alike: PRESETS;
         preset_scripts::filaments_are_taken_out_and_put_in_at_changes: PRESETS;
         preset_keys::most_keys_of_presets_are_taken_over: PRESETS;
         preset_keys::configurations_of_printers_resolve: PRESETS;

@@ -4,10 +4,12 @@ use std::collections::BTreeMap;
 use std::fs;
 use std::path::Path;
 
-use pathwright::presets::{Library, Source};
+use pathwright::gcode::PrintFacts;
+use pathwright::presets::{Config, Library, Source, built_in_value, script_value};
+use pathwright::profile::expand;
 use pathwright::{Mesh, Observer, Plate, Settings, Slicer};
 
-use crate::shared;
+use crate::{listed, shared};
 
 /// What precedes the first bead, changes to the second and the middle layer up to their first bead, and the end.
 type Blocks = [Vec<String>; 4];
@@ -205,4 +207,24 @@ pub fn filaments_are_taken_out_and_put_in_at_changes() {
         }
     }
     assert!(changers > 5, "{changers}");
+}
+
+/// What a configuration leaves out is to its scripts what the slicer takes by default.
+pub fn scripts_of_configurations_that_leave_defaults_out_expand_alike() {
+    let mut left_out = 0;
+    for file in listed("presets/expected", "gcode") {
+        let whole = Config::read(&file).unwrap_or_else(|e| panic!("{}: {e}", file.display()));
+        let mut without = whole.clone();
+        let extruders = whole.extruders();
+        without.raw.retain(|key, raw| built_in_value(key, extruders) != Some(script_value(raw)));
+        left_out += whole.raw.len() - without.raw.len();
+        let [whole, without] = [whole, without].map(|config| {
+            let settings =
+                Settings::of_presets(&config).unwrap_or_else(|e| panic!("{}: {e}", file.display()));
+            let facts = PrintFacts { max_mm: [50.0; 2], layers: 9, ..PrintFacts::default() };
+            expand(&settings.gcode.start, &settings, &facts)
+        });
+        assert_eq!(without, whole, "{}", file.display());
+    }
+    assert!(left_out > 10_000, "{left_out}");
 }

@@ -4,8 +4,13 @@ use std::collections::BTreeMap;
 use std::fs;
 use std::time::Instant;
 
+use pathwright::Settings;
+use pathwright::check::Severity;
+use pathwright::job::{Job, JobModel, ObjectSettings};
+use pathwright::mesh::Transform;
 use pathwright::presets::{Kind, Library, Source};
 
+use crate::support::{found, print};
 use crate::{listed, shared};
 
 fn library(vendor: &str) -> Library {
@@ -52,6 +57,54 @@ pub fn resolved_configurations_are_those_of_the_slicer() {
     }
     println!("{compared} values compared");
     assert_eq!(wrong, Vec::<String>::new());
+}
+
+/// Every printer with several extruders prints one of two parts with each of two, and its file has no error.
+pub fn printers_with_several_extruders_print_two_parts() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let models = ["one", "other"].map(|name| {
+        let path = folder.path().join(format!("{name}.stl"));
+        fs::copy(print::model("calibration_cube"), &path).expect("a copy");
+        JobModel {
+            transform: Transform { scale: [0.5, 0.5, 0.1], ..Transform::default() },
+            ..JobModel::from(path)
+        }
+    });
+    let (mut printed, mut wrong) = (0, Vec::new());
+    for file in listed("presets/vendor", "ini") {
+        let library = library(&file.file_stem().expect("a name").to_string_lossy());
+        for printer in library.listed(Kind::Printer) {
+            let name = &printer.name;
+            let chosen = library.choose(name, None, None).unwrap_or_else(|e| panic!("{e}"));
+            if chosen.config.extruders() < 2 {
+                continue;
+            }
+            printed += 1;
+            let settings = Settings::of_presets(&chosen.config).unwrap_or_else(|e| panic!("{name}: {e}"));
+            let script = chosen.config.script("toolchange_gcode");
+            assert_eq!(settings.tool_change.script.trim(), script.trim(), "{name}");
+            let second = settings.clone().set("tool_of.object", "2").expect("a tool");
+            let objects = vec![ObjectSettings { object: "other".into(), settings: second }];
+            let job = Job { models: models.to_vec(), objects, ..Job::default() };
+            match print::run(&job, &settings) {
+                Err(error) => wrong.push(format!("{name}: {error}")),
+                Ok(print) => {
+                    let report = found::report(&print.text, &settings);
+                    let mut faults = report.faults;
+                    // Scripts of vendors move beside the bed, and faster than their machines.
+                    faults.retain(|fault| fault.severity == Severity::Error);
+                    let used = print.summary.tools.iter().filter(|tool| tool.volume_mm3 > 0.0).count();
+                    let changes = print.summary.tool_changes;
+                    println!("{name}: {used} tools, {changes} changes, {} errors", faults.len());
+                    if (used, faults.len()) != (2, 0) {
+                        wrong.push(format!("{name}: {used} tools, {faults:?}"));
+                    }
+                }
+            }
+        }
+    }
+    assert_eq!(wrong, Vec::<String>::new());
+    assert!(printed > 20, "{printed}");
 }
 
 pub fn every_preset_of_a_vendor_resolves() {

@@ -403,7 +403,11 @@ mod tests {
         }
         assert!(own[1].iter().all(|(key, _)| *key != "retract.length"), "it is the same");
         assert_eq!(value(two, "tool_change.kind"), Some(Value::String("tool-changer".into())));
-        assert_eq!(value("nozzle_diameter = 0.4\ntoolchange_gcode = T1\n", "tool_change.script"), None);
+        let script = |nozzles: &str| {
+            value(&format!("nozzle_diameter = {nozzles}\ntoolchange_gcode = P0\\nT1\n"), "tool_change.script")
+        };
+        assert_eq!(script("0.4,0.4"), Some(Value::String("P0\nT1\n".into())));
+        assert_eq!(script("0.4"), None);
     }
 
     #[test]

@@ -1,7 +1,7 @@
 //! Scripts of a print: their placeholders, conditions and arithmetic, in the language of crate `macros`.
 //!
 //! A name is looked up among what is known of the print, our own placeholders, the variables that a profile or preset
-//! brings, and the settings under the names of other slicers.
+//! brings, the settings under the names of other slicers, and what PrusaSlicer takes for its settings where nobody says them.
 
 mod moment;
 mod ours;
@@ -11,6 +11,7 @@ use macros::{Names, State, Value};
 
 use super::settings::Settings;
 use crate::gcode::{PrintFacts, Scripts, takes_tool};
+use crate::presets;
 
 pub use moment::{Moment, PRINT_NAMES, WholePrint};
 pub use ours::PLACEHOLDERS;
@@ -219,6 +220,7 @@ impl Names for Known<'_> {
             .or_else(|| ours::value(name, settings, print))
             .or_else(|| settings.variables.get(name).map(from_toml))
             .or_else(|| theirs::value(name, settings, tools))
+            .or_else(|| presets::built_in_value(name, moment::extruders(settings).max(tools.len())))
     }
 
     fn names(&self) -> Vec<String> {
@@ -339,6 +341,14 @@ mod tests {
         settings.variables.insert("printer_notes".into(), toml::Value::String("MODEL_X".into()));
         let script = "[fill_density] {temperature[0]} {if printer_notes=~/.*MODEL_X.*/}yes{endif}";
         assert_eq!(filled(script, &settings), "15% 205 yes\n");
+    }
+
+    #[test]
+    fn what_nobody_says_is_what_prusaslicer_takes() {
+        let settings = Settings::default().set("tools.2.name", "second").unwrap();
+        let script =
+            "{if filament_abrasive[1]}hard{else}soft{endif} [wipe_tower_width] {bed_temperature_extruder}";
+        assert_eq!(filled(script, &settings), "soft 60 0\n");
     }
 
     #[test]
