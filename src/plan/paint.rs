@@ -15,7 +15,7 @@ use ordering::matching::KdTree;
 
 use super::parts::Painted as PaintedPart;
 use super::piece::Piece;
-use super::rounded;
+use super::rounded::{self, Radii};
 
 /// What is painted is looked at so often along outlines, mm.
 const STEP_MM: f64 = 0.2;
@@ -23,9 +23,15 @@ const STEP_MM: f64 = 0.2;
 /// An outline differs from the mesh by less than this, mm.
 const TOLERANCE_MM: f64 = 0.1;
 
-/// Corners of painted regions are this round, in line widths: more than a half, so that lines have room wherever that leaves
-/// something.
-const ROUND: f64 = 0.55;
+/// What is painted is at least twice this wide, in line widths: more than a half, so that lines have room.
+const NARROW: f64 = 0.55;
+
+/// Corners of painted regions are this round, in line widths: inner walls turn in them, too.
+const ROUND: f64 = 1.0;
+
+/// What is larger is a stroke and no corner, or a dot where it is apart, in line widths squared.
+const STROKE: f64 = 4.0;
+const DOT: f64 = 2.0;
 
 /// Not painted.
 const BARE: u8 = 0;
@@ -222,7 +228,13 @@ fn rounded(section: &Region, found: Painted, line_mm: f64) -> Painted {
     let all = found.into_iter().chain([(BARE, bare)]);
     let mut pieces: Vec<Piece> = all.map(|(tool, region)| Piece { tool, style: None, region }).collect();
     pieces.retain(|piece| !piece.region.is_empty());
-    rounded::round(section, &mut pieces, ROUND * line_mm);
+    let radii = Radii {
+        narrow_mm: NARROW * line_mm,
+        corner_mm: ROUND * line_mm,
+        stroke_mm2: STROKE * line_mm * line_mm,
+        dot_mm2: DOT * line_mm * line_mm,
+    };
+    rounded::round(section, &mut pieces, radii);
     let painted = pieces.into_iter().filter(|piece| piece.tool != ToolId::from(BARE));
     painted.map(|piece| (piece.tool, piece.region)).collect()
 }
