@@ -17,6 +17,9 @@ const SHORTEST_LINE_MM: f64 = 0.2;
 /// Gaps shorter than this are not worth the travel to them.
 const SHORTEST_GAP_MM: f64 = 0.1;
 
+/// A bead holds no more of what it does not reach, as a share of its own.
+const WIDER: f64 = 1.4;
+
 /// How far the lines of skins reach where they turn sharply at a wall, as a multiple of how far free ends do: nearly no
 /// void is left in the surface, and the wedges are a little fuller than full.
 const SKIN_TURN_REACH: f64 = 1.1;
@@ -224,5 +227,58 @@ impl<'a> LayerBuilder<'a> {
             self.push(role, phase, path.closed, path.points, Width::PerVertex(widths));
         }
         filled_mm2
+    }
+
+    /// The same with beads as wide as it takes to hold what they do not reach of so large an area, within reason.
+    pub fn whole_gap(
+        &mut self,
+        role: Role,
+        phase: Phase,
+        gap: &Gap,
+        range: RangeInclusive<f64>,
+        area_mm2: f64,
+    ) {
+        let first = self.paths.len();
+        let filled_mm2 = self.gap(role, phase, gap, range, 0.0);
+        let wider = (area_mm2 / filled_mm2).clamp(1.0, WIDER);
+        let rounding_mm = bead::rounding_mm(self.height_mm);
+        for path in &mut self.paths[first..] {
+            if let Width::PerVertex(widths) = &mut path.width {
+                widths.iter_mut().for_each(|width| {
+                    *width = (wider * (f64::from(*width) - rounding_mm) + rounding_mm) as f32;
+                });
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use geometry::Point;
+
+    /// Of a triangle with a blunt end a bead of fitting width leaves the corners; it holds them, too.
+    #[test]
+    fn a_bead_in_a_place_holds_what_its_corners_leave() {
+        let corners = [[0.0, 0.0], [0.6, -0.2], [0.6, 0.2]];
+        let outer = corners.iter().map(|&[x, y]| Point::from_mm(x, y)).collect();
+        let region = Region::from(Polygon { outer, holes: Vec::new() });
+        let gap = Gap { area: region.clone(), region };
+        let (axes, open_mm2) = (KnownAxes::default(), 0.12);
+        let held_mm2 = |whole: bool| {
+            let mut layer = LayerBuilder::new(0.2, &axes);
+            match whole {
+                true => layer.whole_gap(Role::GapFill, Phase::Inside, &gap, 0.12..=0.8, open_mm2),
+                false => drop(layer.gap(Role::GapFill, Phase::Inside, &gap, 0.12..=0.8, 0.0)),
+            }
+            let spacing_mm = |path: &Path| path.width.mean_mm() - bead::rounding_mm(0.2);
+            layer
+                .paths
+                .iter()
+                .map(|path| geometry::polyline_length_mm(&path.points) * spacing_mm(path))
+                .sum::<f64>()
+        };
+        assert!(held_mm2(false) < 0.1, "{}", held_mm2(false));
+        assert!((held_mm2(true) - open_mm2).abs() < 0.01, "{}", held_mm2(true));
     }
 }

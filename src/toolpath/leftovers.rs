@@ -3,7 +3,7 @@
 //! Parts of different tools have narrow and bent rooms, in which walls, patches of solid infill and single beads meet at all angles.
 //! What lies between them shows only when all are there.
 
-use geometry::{Point, Region, Ring, real};
+use geometry::{Point, Polygon, Region, Ring, real};
 
 use super::bead;
 use super::beading::{self, Gap};
@@ -18,16 +18,30 @@ const FLAT: f64 = 0.966;
 /// Corners of the polygon that stands for the round outside of a turn.
 const TURN_CORNERS: u32 = 8;
 
+/// A place between beads.
+pub(super) struct Place {
+    /// Where a single bead fits.
+    pub gap: Gap,
+    /// Area of the place, with the corners that a bead does not reach.
+    pub open_mm2: f64,
+}
+
 /// Where single beads fit between the others in an area.
-pub(super) fn find(area: &Region, paths: &[Path]) -> Option<Gap> {
+pub(super) fn find(area: &Region, paths: &[Path]) -> Vec<Place> {
     if area.is_empty() {
-        return None;
+        return Vec::new();
     }
     let covered: Vec<Ring> = paths.iter().flat_map(rings).collect();
     let open = geometry::difference(area, &geometry::unite_rings(&covered));
-    let mut area = geometry::opening(&open, beading::MIN_GAP_MM / 2.0);
-    area.retain(|polygon| polygon.area_mm2() >= SMALLEST_MM2);
-    (!area.is_empty()).then(|| Gap { region: area.clone(), area })
+    let wide = geometry::opening(&open, beading::MIN_GAP_MM / 2.0);
+    let places = wide.polygons().iter().filter(|polygon| polygon.area_mm2() >= SMALLEST_MM2);
+    let place = |polygon: &Polygon| {
+        let region = Region::from(polygon.clone());
+        let around = geometry::offset(&region, beading::MIN_GAP_MM);
+        let open_mm2 = geometry::intersection(&open, &around).area_mm2();
+        Place { gap: Gap { area: region.clone(), region }, open_mm2 }
+    };
+    places.map(place).collect()
 }
 
 /// What a bead covers with its spacing: a ring for each line, and one for each turn.
@@ -82,7 +96,6 @@ fn round(at: Point, radius_mm: f64) -> Ring {
 mod tests {
     use super::*;
     use crate::toolpath::{Phase, Role};
-    use geometry::Polygon;
 
     const HEIGHT_MM: f64 = 0.2;
     const SPACING_MM: f64 = 0.4;
@@ -111,17 +124,18 @@ mod tests {
             .map(|k| 0.2 + SPACING_MM * f64::from(k))
             .map(|y_mm| bead(&[[0.0, y_mm], [10.0, y_mm]]))
             .collect();
-        assert_eq!(find(&region(&[[0.0, 0.0], [10.0, 0.0], [10.0, 2.0], [0.0, 2.0]]), &lines), None);
+        assert_eq!(find(&region(&[[0.0, 0.0], [10.0, 0.0], [10.0, 2.0], [0.0, 2.0]]), &lines).len(), 0);
         // Nor does one line that turns at each end, but in the corners outside of its turns, which are small.
         let line = bead(&[[0.0, 0.2], [9.8, 0.2], [9.8, 0.6], [0.2, 0.6], [0.2, 1.0], [10.0, 1.0]]);
-        assert_eq!(find(&region(&[[0.0, 0.0], [10.0, 0.0], [10.0, 1.2], [0.0, 1.2]]), &[line]), None);
+        assert_eq!(find(&region(&[[0.0, 0.0], [10.0, 0.0], [10.0, 1.2], [0.0, 1.2]]), &[line]).len(), 0);
     }
 
     #[test]
     fn a_wedge_between_two_lines_is_left_as_far_as_a_bead_fits_into_it() {
         // From nothing to 0.5 mm wide.
         let lines = [bead(&[[0.0, 0.2], [10.0, 0.2]]), bead(&[[0.0, 0.6], [10.0, 1.1]])];
-        let gap = find(&region(&[[0.0, 0.0], [10.0, 0.0], [10.0, 1.3], [0.0, 0.8]]), &lines).unwrap();
+        let places = find(&region(&[[0.0, 0.0], [10.0, 0.0], [10.0, 1.3], [0.0, 0.8]]), &lines);
+        let [Place { gap, open_mm2 }] = places.as_slice() else { panic!("{} places", places.len()) };
         let [polygon] = gap.area.polygons() else { panic!("{:?}", gap.area) };
         let reach = polygon.outer.iter().map(|point| point.mm()[0]).fold(f64::INFINITY, f64::min);
         assert!(
@@ -130,5 +144,6 @@ mod tests {
             reach / 20.0
         );
         assert!((gap.area.area_mm2() - 2.4).abs() < 0.1, "{} mm²", gap.area.area_mm2());
+        assert!((2.4..=2.51).contains(open_mm2), "{open_mm2} mm²");
     }
 }

@@ -447,9 +447,9 @@ impl Planner {
         let spacing_mm = bead::spacing_mm(spec.width_mm, section.height_mm);
         let inside = geometry::offset(&Region::from(polygon.clone()), -INSIDE * spec.external_width_mm);
         let solid = geometry::difference(&inside, &geometry::offset(sparse, spacing_mm));
-        if let Some(gap) = leftovers::find(&solid, &layer.paths[first..]) {
+        for place in leftovers::find(&solid, &layer.paths[first..]) {
             let widths_mm = beading::MIN_GAP_MM..=spec.widest_gap_mm();
-            layer.gap(Role::GapFill, Phase::Inside, &gap, widths_mm, 0.0);
+            layer.whole_gap(Role::GapFill, Phase::Inside, &place.gap, widths_mm, place.open_mm2);
         }
     }
 
