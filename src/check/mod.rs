@@ -16,6 +16,7 @@ mod heights;
 mod limits;
 mod material;
 mod model;
+mod moves;
 mod precision;
 mod relief;
 mod report;

@@ -28,7 +28,7 @@ pub struct LayerText {
     pub before: Option<usize>,
     /// Where the script after it goes, if there is one; not before the other.
     pub after: Option<usize>,
-    /// Changes of tool, in their order; the lines that take them are places in `bytes`.
+    /// Changes of tool, in their order; their lines are places in `bytes`.
     pub changes: Vec<ToolMark>,
     /// Where the text of each move ends, where tools cool down while others print; offsets into `bytes`.
     pub ends: Vec<usize>,
@@ -507,8 +507,8 @@ impl<'a> Writer<'a> {
 
     /// The change, then everything that a script may have changed.
     fn change_tool(&mut self, change: ToolChange) {
-        let line = tool::change(&mut self.out, &change, self.settings);
-        self.changes.push(ToolMark { line, change });
+        let mark = tool::change(&mut self.out, &change, self.settings);
+        self.changes.push(mark);
         let own = self.settings.tools.get(usize::from(change.to));
         let place = self.parked.iter().position(|(tool, _)| *tool == change.to);
         let diameter = own.map_or(self.settings.filament_diameter, |own| own.filament_diameter);

@@ -109,7 +109,6 @@ pub(super) fn slice(
         settings,
         certify: job.certify,
         keep: kept.is_some(),
-        keep_moves: moves.is_some(),
         workers,
     };
 
@@ -128,7 +127,7 @@ pub(super) fn slice(
         settings,
         machine: options.machine,
         workers,
-        preheater: Preheater::new(&maker.motion),
+        preheater: Preheater::new(&maker.motion, &settings.tool_change.script),
     };
     writer.output.write(&header.bytes)?;
     writer.write(&labels)?;
@@ -284,8 +283,6 @@ struct LayerMaker<'a> {
     certify: bool,
     /// Whether finished layers are kept.
     keep: bool,
-    /// Whether their moves are.
-    keep_moves: bool,
     workers: Workers<'a>,
 }
 
@@ -417,7 +414,7 @@ impl LayerMaker<'_> {
         let text = gcode::format_layer(&moves, &self.writer);
         let (layer, moves) = match self.keep {
             true => (Some(PrintLayer::new(paths, sequence, moves, &self.machine)), None),
-            false => (None, self.keep_moves.then_some(moves)),
+            false => (None, Some(moves)),
         };
         FinishedLayer {
             summary: LayerSummary { z_mm: (entry.z_mm * 1e6).round() / 1e6, measures },

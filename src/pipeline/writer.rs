@@ -14,7 +14,7 @@ use crate::units::Seconds;
 use super::finished::{FinishedLayer, LayerEntry};
 use super::inspect::Inspector;
 use super::kept::PrintLayer;
-use super::preheat::{Heat, Preheater};
+use super::preheat::{Heat, Heating, Preheater};
 use super::statistics::Statistics;
 
 /// Takes the moves of a finished layer.
@@ -29,6 +29,8 @@ enum Spliced<'a> {
     Change(ToolChange),
     /// A tool is heated, whose turn comes.
     Heat(Heat),
+    /// A tool whose turn comes soon does not cool down.
+    KeptHot,
 }
 
 /// Writes finished layers, checks the text and adds up the statistics.
@@ -64,7 +66,7 @@ impl PrintWriter<'_> {
         &mut self,
         layer: &LayerText,
         entry: &LayerEntry,
-        heats: &[Heat],
+        heating: &Heating,
     ) -> Result<Option<(Vec<u8>, Seconds)>, JobError> {
         let options = &self.settings.gcode;
         let moment = &mut self.scripts.moment;
@@ -82,8 +84,10 @@ impl PrintWriter<'_> {
             place.map(|place| (place..place, Spliced::Script(key, script)))
         });
         let changes = layer.changes.iter().map(|mark| (mark.line.clone(), Spliced::Change(mark.change)));
-        let heats = heats.iter().map(|heat| (heat.place..heat.place, Spliced::Heat(*heat)));
-        let mut places: Vec<(Range<usize>, Spliced<'_>)> = places.chain(changes).chain(heats).collect();
+        let heats = heating.heats.iter().map(|heat| (heat.place..heat.place, Spliced::Heat(*heat)));
+        let kept_hot = heating.kept_hot.iter().map(|line| (line.clone(), Spliced::KeptHot));
+        let mut places: Vec<(Range<usize>, Spliced<'_>)> =
+            places.chain(changes).chain(heats).chain(kept_hot).collect();
         if places.is_empty() {
             return Ok(None);
         }
@@ -97,6 +101,7 @@ impl PrintWriter<'_> {
                 Spliced::Script(key, script) => {
                     self.scripts.expand(script).map_err(|e| of_script(key, &e))?
                 }
+                Spliced::KeptHot => String::new(),
                 Spliced::Heat(Heat { tool, nozzle, .. }) => gcode::preheating(tool, nozzle),
                 Spliced::Change(change) => {
                     self.scripts.moment.position_mm = change.at_mm;
@@ -128,8 +133,8 @@ impl PrintWriter<'_> {
     pub fn add(&mut self, layers: Vec<FinishedLayer>) -> Result<(), JobError> {
         for layer in layers {
             self.preheater.take(layer);
-            while let Some((layer, heats)) = self.preheater.ready(false) {
-                self.write_layer(layer, &heats)?;
+            while let Some((layer, heating)) = self.preheater.ready(false) {
+                self.write_layer(layer, &heating)?;
             }
         }
         Ok(())
@@ -137,22 +142,22 @@ impl PrintWriter<'_> {
 
     /// Writes the layers that are left.
     pub fn finish(&mut self) -> Result<(), JobError> {
-        while let Some((layer, heats)) = self.preheater.ready(true) {
-            self.write_layer(layer, &heats)?;
+        while let Some((layer, heating)) = self.preheater.ready(true) {
+            self.write_layer(layer, &heating)?;
         }
         Ok(())
     }
 
     /// Writes a layer, checking it.
-    fn write_layer(&mut self, layer: FinishedLayer, heats: &[Heat]) -> Result<(), JobError> {
+    fn write_layer(&mut self, layer: FinishedLayer, heating: &Heating) -> Result<(), JobError> {
         let FinishedLayer { text, mut summary, layer, moves, entry, tools, .. } = layer;
         self.workers.go_on();
         let base = self.output.written() as usize;
         let value = Pending::Progress { layer: self.statistics.part_starts.len() };
         self.slots.extend(text.progress.map(|slot| Slot { offset: base + slot.offset, value, ..slot }));
-        let with_scripts = self.with_scripts(&text, &entry, heats)?;
+        let with_scripts = self.with_scripts(&text, &entry, heating)?;
         // What a script does is its own affair, and undone after it.
-        self.inspector.take(&text.bytes);
+        self.inspector.layer(entry.index, &text.bytes, moves.as_ref());
         if let Some((_, more)) = &with_scripts {
             summary.measures.total_s += more.0;
         }

@@ -38,6 +38,26 @@ fn the_summary_counts_changes_waits_and_scripts_as_the_file_is_timed() {
 }
 
 #[test]
+fn tools_that_come_again_soon_stay_hot_so_that_scripts_which_wait_before_they_take_one_wait_for_little() {
+    let (print, settings) = pair(&[
+        "tool_change.kind=tool-changer",
+        "tools.1.idle_temperature=150",
+        "tools.2.idle_temperature=150",
+        "tool_change.script=M109 S{temperature[next_extruder]} T[next_extruder]\nT[next_extruder]",
+    ]);
+    assert!(text(&print).contains("\nM109 S210 T1\nT1\n"));
+    let said = print.summary.total.total_s;
+    let machine = Machine::new(&settings);
+    let timed = file_time(&print.text, &machine).0;
+    assert!((said / timed - 1.0).abs() < 0.01, "{said}, timed {timed}");
+    let unheated = text(&print).replace("; tool_heating_rate", ";");
+    let waited = timed - file_time(unheated.as_bytes(), &Machine { heating_rate: 0.0, ..machine }).0;
+    let changes = print.summary.tool_changes;
+    let cooled = text(&print).matches("S150\n").count();
+    assert!(cooled < changes && waited < 2.0 * changes as f64, "{waited} s, {cooled} times of {changes}");
+}
+
+#[test]
 fn a_tool_that_cools_down_is_heated_in_the_layers_before_as_long_as_that_takes() {
     let folder = tempfile::tempdir().unwrap();
     // Layers of some 6 s; the second tool prints a belt high up, and takes 60 s to be hot.

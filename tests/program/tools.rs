@@ -203,7 +203,7 @@ fn every_tool_is_taken_before_it_prints_and_heated_and_its_filament_is_back() {
             assert!(after.contains(&wanted.as_str()), "{kind}: {after:?} has no {wanted}");
             let idle = lines[at.saturating_sub(3)..at].contains(&"M104 T0 S150")
                 || lines[at.saturating_sub(3)..at].contains(&"M104 T1 S150");
-            assert_eq!(idle, kind != "single-nozzle");
+            assert!(!idle || kind != "single-nozzle", "one heater for all: nothing is left to cool down");
         }
         assert_eq!(kinds(&report(&print.text, &settings)), [], "{kind}");
     }
@@ -244,6 +244,8 @@ fn the_steps_of_a_change_come_in_the_order_that_firmware_needs() {
                 // One heater for all: nothing is left to cool down, and the script has loaded the filament.
                 steps.retain(|step| *step != idle && *step != "G1 E");
             }
+            // A tool whose turn comes again before it would be hot does not cool down.
+            steps.retain(|step| *step != idle || lines[from..at].contains(&idle.as_str()));
             let mut next = 0;
             for line in &lines[from + 1..=to] {
                 next += usize::from(next < steps.len() && line.starts_with(steps[next]));

@@ -3,7 +3,7 @@
 use super::features::role;
 use super::lexer::{Line, lines};
 use super::marks::{Mark, mark};
-use super::replay::{Action, State};
+use super::replay::{Action, State, Stroke};
 use crate::toolpath::Role;
 
 /// The state given by the comments so far.
@@ -76,6 +76,20 @@ impl Reader {
             _ => {}
         }
         Annotated { line, action, context: context.unwrap_or(self.context) }
+    }
+
+    /// Follows a move that is known without its line, from its place in [`Self::state`].
+    pub(crate) fn take(&mut self, stroke: Stroke) -> Annotated<'static> {
+        if stroke.extrudes() {
+            self.extrude(stroke.from[2], stroke.to[2]);
+        }
+        Annotated { line: Line::new(0, 0, b""), action: Action::Stroke(stroke), context: self.context }
+    }
+
+    /// Takes what comments say of the beads that follow.
+    pub(crate) fn begin_beads(&mut self, role: Role, width_mm: f64, height_mm: f64) {
+        let context = &mut self.context;
+        (context.role, context.width_mm, context.height_mm) = (Some(role), Some(width_mm), Some(height_mm));
     }
 
     /// The state given by the comments so far.

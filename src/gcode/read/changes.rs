@@ -34,6 +34,7 @@ pub(super) struct Changes {
     tool: usize,
     /// Whether the tool in use is known: one was taken, or something printed.
     begun: bool,
+    printed: bool,
     /// Account, tool before and after of each change.
     made: Vec<(usize, usize, usize)>,
     heaters: [Option<Heater>; TOOLS],
@@ -46,7 +47,7 @@ pub(super) struct Changes {
 impl Changes {
     /// Notes that something is printed.
     pub fn printed(&mut self) {
-        self.begun = true;
+        (self.begun, self.printed) = (true, true);
     }
 
     /// Processes a line that is no move.
@@ -73,8 +74,8 @@ impl Changes {
         }
     }
 
-    /// Sets a heater; `waits`: the account on which waiting for it is booked. Before the first change printers heat up,
-    /// however long that takes.
+    /// Sets a heater; `waits`: the account on which waiting for it is booked. Before the first change, and before another tool is
+    /// heated for it, printers heat up, however long that takes.
     fn heat(&mut self, named: Option<usize>, celsius: f64, waits: Option<usize>, planner: &mut Planner) {
         if let Some(tool) = named.filter(|tool| *tool != self.tool) {
             self.own[tool] = true;
@@ -100,7 +101,8 @@ impl Changes {
         if let (Some(account), true) = (waits, rate > 0.0 && now.to > now.from) {
             planner.dwell(0.0, account);
             let left_s = (now.to - now.from) / rate - planner.since_s(heater, self.so_far_s);
-            if left_s > 0.0 && !self.made.is_empty() {
+            let is_other = self.printed && named.is_some_and(|tool| tool != self.tool);
+            if left_s > 0.0 && (is_other || !self.made.is_empty()) {
                 planner.dwell(left_s, account);
             }
             now.from = now.to;

@@ -255,18 +255,26 @@ impl State {
             self.feed_mm_s = feed * self.scale / 60.0;
         }
         let from = self.position;
+        let mut to = from;
         for (axis, letter) in b"XYZ".iter().enumerate() {
             if let Some(value) = words.get(*letter) {
                 let origin = if self.absolute { 0.0 } else { from[axis] };
-                self.position[axis] = origin + value * self.scale;
+                to[axis] = origin + value * self.scale;
             }
         }
-        let to = self.position;
         let e_mm = words.get(b'E').map_or(0.0, |value| {
             let before = self.e;
             self.e = value * self.scale + if self.e_absolute { 0.0 } else { before };
             self.e - before
         });
+        let arc = (number >= 2)
+            .then(|| Center { at: self.center(number == 2, from, to, &words), clockwise: number == 2 });
+        Stroke { plain: words.are_plain(), ..self.make(to, arc, e_mm) }
+    }
+
+    /// Makes a move from where the nozzle is, at the feed rate in force.
+    pub(crate) fn make(&mut self, to: [f64; 3], arc: Option<Center>, e_mm: f64) -> Stroke {
+        let from = std::mem::replace(&mut self.position, to);
         let (mut fresh_mm, mut retracts) = (0.0, false);
         if e_mm < -1e-9 {
             retracts = self.retracted_mm < 1e-6;
@@ -276,8 +284,6 @@ impl State {
             self.retracted_mm -= back_mm;
             fresh_mm = e_mm - back_mm;
         }
-        let arc = (number >= 2)
-            .then(|| Center { at: self.center(number == 2, from, to, &words), clockwise: number == 2 });
         let xy_mm = match arc {
             Some(center) => arc_mm([from[0], from[1]], [to[0], to[1]], center.at, center.clockwise),
             None => ((to[0] - from[0]).powi(2) + (to[1] - from[1]).powi(2)).sqrt(),
@@ -292,7 +298,7 @@ impl State {
             retracts,
             feed_mm_s: self.feed_mm_s,
             volumetric: self.volumetric,
-            plain: words.are_plain(),
+            plain: true,
         }
     }
 
