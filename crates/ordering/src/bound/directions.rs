@@ -6,6 +6,9 @@ use super::model::Model;
 use super::passages::Fares;
 use super::pricing::{Priced, Prices};
 
+/// The depth of links between runs that may have directions.
+pub(super) const RUNS: usize = 1;
+
 /// The price of being where a walk begins, far above all others; it is taken off again.
 const BEGIN: i64 = 1 << 50;
 /// With more points or runs than these, links have no direction: all pairs are looked at, and contracting takes long.

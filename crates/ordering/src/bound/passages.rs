@@ -4,8 +4,6 @@
 //! goes on to a run that is neither among these nor must come before any of them. They are the predecessor, successor and precedence
 //! inequalities of Balas, Fischetti & Pulleyblank 1995 (<https://doi.org/10.1007/BF01585767>).
 
-use super::relaxation::Multipliers;
-
 /// The links that lead from one set of runs to another. After all runs come two nodes: what is before the walk, and what is after it.
 #[derive(Clone, PartialEq, Eq)]
 pub(super) struct Passage {
@@ -29,14 +27,14 @@ pub(super) struct Fares {
 }
 
 impl Fares {
-    /// For so many runs.
-    pub(super) fn new(runs: usize, passages: &[Passage], multipliers: &Multipliers) -> Self {
-        let nodes = runs + 2;
-        let leaving = multipliers.runs.iter().map(|run| run[1]).chain([0, 0]);
-        let entering: Vec<i64> = multipliers.runs.iter().map(|run| run[0]).chain([0, 0]).collect();
+    /// `runs`: what links into each run and out of it pay; `gains`: what they get for each passage that they make.
+    pub(super) fn new(runs: &[[i64; 2]], passages: &[Passage], gains: &[i64]) -> Self {
+        let nodes = runs.len() + 2;
+        let leaving = runs.iter().map(|run| run[1]).chain([0, 0]);
+        let entering: Vec<i64> = runs.iter().map(|run| run[0]).chain([0, 0]).collect();
         let mut prices: Vec<i64> =
             leaving.flat_map(|leaves| entering.iter().map(move |enters| leaves + enters)).collect();
-        let passages = passages.iter().zip(&multipliers.passages);
+        let passages = passages.iter().zip(gains);
         for (passage, &price) in passages.filter(|(_, price)| **price > 0) {
             let tails = (0..nodes).filter(|&tail| passage.from[tail]);
             for row in tails.map(|tail| tail * nodes..(tail + 1) * nodes) {

@@ -5,7 +5,7 @@ use rustc_hash::{FxHashMap, FxHashSet};
 
 use super::super::matching::delaunay;
 use super::cuts::{Cuts, common};
-use super::directions::Directions;
+use super::directions::{Directions, RUNS};
 use super::link::Link;
 use super::model::{Body, DEPTHS, Model};
 use super::passages::{Fares, Passage};
@@ -62,9 +62,6 @@ pub(super) struct WalkEnd {
     /// Trees since the last look that used it.
     used: u32,
 }
-
-/// The depth of links between runs that may have directions.
-pub(super) const RUNS: usize = 1;
 
 /// See the module.
 pub(super) struct Relaxation<'a> {
@@ -304,7 +301,7 @@ impl<'a> Relaxation<'a> {
         let fares = self.directions.as_ref();
         Weights {
             terminals: nodes.enumerate().map(|(t, node)| node - cuts(t)).collect(),
-            fares: fares.map(|directions| Fares::new(directions.count(), &self.passages, multipliers)),
+            fares: fares.map(|_| Fares::new(&multipliers.runs, &self.passages, &multipliers.passages)),
         }
     }
 

@@ -1,10 +1,9 @@
 //! The cheapest tree over listed links.
 
-use super::directions::Directions;
+use super::directions::{Directions, RUNS};
 use super::link::Link;
 use super::model::Model;
 use super::passages::Fares;
-use super::relaxation::RUNS;
 use pathwright_geometry::DisjointSets;
 
 /// How often a solution of the relaxation uses each thing that has a multiplier.

@@ -1,7 +1,8 @@
 //! Links that are missing in the program.
 
 use super::super::cuts::common;
-use super::super::relaxation::{RUNS, Relaxation};
+use super::super::directions::RUNS;
+use super::super::relaxation::Relaxation;
 use super::families::Families;
 use super::simplex::{Rows, Solution};
 

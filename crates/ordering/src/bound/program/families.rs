@@ -1,7 +1,8 @@
 //! Groups within which links are a tree.
 
+use super::super::directions::RUNS;
 use super::super::model::DEPTHS;
-use super::super::relaxation::{RUNS, Relaxation};
+use super::super::relaxation::Relaxation;
 
 /// Families of sibling groups, each joined by as many links as it has siblings, but one.
 pub(super) struct Families {

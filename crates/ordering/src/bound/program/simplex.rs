@@ -4,9 +4,10 @@ use highs::{Col, HighsModelStatus, Model as Simplex, Row, RowProblem, Sense};
 use rustc_hash::FxHashMap;
 use std::ops::RangeBounds;
 
+use super::super::directions::RUNS;
 use super::super::link::Link;
 use super::super::model::{Body, DEPTHS, to_mm};
-use super::super::relaxation::{Multipliers, RUNS, Relaxation, WalkEnd};
+use super::super::relaxation::{Multipliers, Relaxation, WalkEnd};
 use super::families::Families;
 
 /// Constraints that are added where a solution violates them, besides cuts.
