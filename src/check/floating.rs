@@ -151,7 +151,7 @@ impl Rule for Floating {
         }
         let Some(bead) = seen.bead().filter(|bead| bead.xy_mm > 0.0) else { return };
         let role = seen.context.role;
-        if role == Some(Role::Ironing) {
+        if role == Some(Role::Ironing) || seen.in_script {
             return;
         }
         self.has_roles |= role.is_some();

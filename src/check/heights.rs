@@ -28,6 +28,10 @@ impl Rule for Heights {
             }
             return;
         };
+        // A script purges at the height that its printer's vendor has found to be right.
+        if seen.in_script {
+            return;
+        }
         let z_mm = bead.to[2];
         if z_mm < self.top_mm - self.slack_mm - 1e-6 {
             let top_mm = self.top_mm;

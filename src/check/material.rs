@@ -34,7 +34,8 @@ impl Rule for Material {
                 format!("at X{x:.2} Y{y:.2} Z{z:.2}, {depth_mm:.2} mm deep")
             });
         }
-        if stroke.extrudes() {
+        // What a script purges is thin, or beside the bed: vendors lead the nozzle through it.
+        if stroke.extrudes() && !seen.in_script {
             self.relief.lay(stroke);
         }
     }

@@ -197,7 +197,7 @@ fn read(text: &[u8], flags: bool) -> Result<(), Kind> {
                 given |= letter;
                 at += 1;
                 at += text[at..].iter().take_while(|b| matches!(b, b' ' | b'\t')).count();
-                match number(&text[at..]) {
+                match number(&text[at..]).or_else(|| expression(&text[at..])) {
                     Some(length) => (at, after_digit) = (at + length, true),
                     None if is_no_number(&text[at..]) => return Err(Kind::NotANumber),
                     None if flags => after_digit = false,
@@ -222,6 +222,11 @@ fn number(text: &[u8]) -> Option<usize> {
         length += 1 + decimals;
     }
     (whole + decimals > 0).then_some(length)
+}
+
+/// Length of the expression in braces that a text begins with, as RepRapFirmware takes them in place of numbers.
+fn expression(text: &[u8]) -> Option<usize> {
+    (text.first() == Some(&b'{')).then(|| text.iter().position(|b| *b == b'}')).flatten().map(|end| end + 1)
 }
 
 /// What programs write for values that are none.

@@ -84,6 +84,16 @@ pub(super) trait Family: Debug + Send + Sync {
     /// It does not resolve.
     fn preferred(&self, kind: Kind, printer: &str, print: Option<&str>) -> Result<Vec<String>, PresetError>;
 
+    /// Whether a preset is of the printer's vendor, or of a user.
+    fn is_own(&self, _kind: Kind, _printer: &str, _name: &str) -> bool {
+        true
+    }
+
+    /// How little a preset is what most would take with a printer, where that names none that fits.
+    fn unlike(&self, _kind: Kind, _printer: &str, _name: &str) -> u64 {
+        0
+    }
+
     /// The three as one configuration, what the slicer has built in at the bottom.
     ///
     /// # Errors

@@ -191,17 +191,18 @@ impl Library {
         let at = printer.name.as_str();
         let prints = family.compatible(Kind::Print, at, None)?;
         let preferred = family.preferred(Kind::Print, at, None)?;
-        let print = self.pick(family, Kind::Print, print, &prints, &preferred, at, &mut notes)?;
+        let print = self.pick(family, Kind::Print, print, &prints, &preferred, [at, at], &mut notes)?;
         let filaments = family.compatible(Kind::Filament, at, Some(&print.name))?;
         let preferred = family.preferred(Kind::Filament, at, Some(&print.name))?;
         let whole = format!("{at}` with `{}", print.name);
         let filament =
-            self.pick(family, Kind::Filament, filament, &filaments, &preferred, &whole, &mut notes)?;
+            self.pick(family, Kind::Filament, filament, &filaments, &preferred, [at, &whole], &mut notes)?;
         let config = family.resolve(at, &print.name, &filament.name)?;
         Ok(Chosen { printer, print, filament, prints, filaments, config, notes })
     }
 
-    /// One of those that fit: the one that is named, or the first of the preferred ones, or the first of all.
+    /// One of those that fit: the one that is named, or the first of the preferred ones, or the likest of all. `at`: the printer,
+    /// `whole`: what they fit, for messages.
     #[allow(clippy::too_many_arguments)]
     fn pick(
         &self,
@@ -210,21 +211,34 @@ impl Library {
         named: Option<&str>,
         fitting: &[String],
         preferred: &[String],
-        whole: &str,
+        [at, whole]: [&str; 2],
         notes: &mut Vec<String>,
     ) -> Result<Listed, PresetError> {
         let listed = |name: &str| family.named(kind, name).first().copied().cloned();
         let fits = |name: &&String| fitting.contains(name);
         let Some(name) = named else {
             let own = preferred.iter().find(fits);
-            let Some(taken) = own.or(fitting.first()).and_then(|name| listed(name)) else {
+            // Where none of the vendor's fits, it has forgotten to say so of the one that the printer asks for.
+            if own.is_none()
+                && !fitting.iter().any(|name| family.is_own(kind, at, name))
+                && let Some(asked) = preferred.iter().find_map(|name| listed(name))
+            {
+                let (kind, name) = (kind.name(), &asked.name);
+                notes.push(format!(
+                    "{kind} preset `{name}`, which the printer asks for, does not say that it fits `{whole}`; it is taken, as \
+                     no other of this vendor does"
+                ));
+                return Ok(asked);
+            }
+            let likest = || fitting.iter().min_by_key(|name| family.unlike(kind, at, name));
+            let Some(taken) = own.or_else(likest).and_then(|name| listed(name)) else {
                 return Err(PresetError::of(format!("no {} preset fits `{whole}`", kind.name())));
             };
             if let (None, Some(asked)) = (own, preferred.first()) {
                 let (kind, count, taken) = (kind.name(), fitting.len(), &taken.name);
                 notes.push(format!(
                     "{kind} preset `{asked}`, which the printer asks for, is not one of the {count} that fit; \
-                     the first of them is taken: `{taken}`"
+                     the likest of them is taken: `{taken}`"
                 ));
             }
             return Ok(taken);

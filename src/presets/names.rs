@@ -4,7 +4,7 @@ use macros::{Names, Value};
 
 use super::config::{Config, Raw};
 use super::keys;
-use super::value::{Scalar, Shape, Type, for_all, texts, unescaped};
+use super::value::{Scalar, Shape, Type, for_all, point, texts, unescaped};
 
 /// What a setting of PrusaSlicer is to scripts where no preset says it, by a printer with so many extruders; `None`: it has no such
 /// setting.
@@ -21,6 +21,9 @@ pub fn script_value(raw: &Raw) -> Value {
     match (shape, scalar) {
         (Shape::One, Scalar::Text) => Value::Text(unescaped(text)),
         (Shape::One, scalar) => single(scalar, text),
+        (Shape::Each, Scalar::Text) if texts(text).is_empty() => {
+            Value::List(vec![Value::Text(String::new())])
+        }
         (_, Scalar::Text) => {
             Value::List(texts(text).into_iter().map(|t| Value::Text(t.into_owned())).collect())
         }
@@ -42,9 +45,7 @@ fn single(scalar: Scalar, text: &str) -> Value {
         Scalar::Integer => text.parse().ok().map(Value::Integer),
         Scalar::Real => number(text).map(Value::Real),
         Scalar::Percent | Scalar::RealOrPercent => percent().or_else(|| number(text).map(Value::Real)),
-        Scalar::Point => text
-            .split_once('x')
-            .and_then(|(x, y)| Some(Value::List(vec![Value::Real(number(x)?), Value::Real(number(y)?)]))),
+        Scalar::Point => point(text).map(|point| Value::List(point.map(Value::Real).to_vec())),
         Scalar::Text | Scalar::Choice => None,
     };
     read.unwrap_or_else(|| Value::Text(text.to_owned()))

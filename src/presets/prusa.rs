@@ -227,11 +227,42 @@ impl Family for Prusa {
 
     fn preferred(&self, kind: Kind, printer: &str, _print: Option<&str>) -> Result<Vec<String>, PresetError> {
         let printer = self.find(Kind::Printer, printer)?;
-        Ok(match kind {
-            Kind::Printer => Vec::new(),
-            Kind::Print => self.list(printer, "default_print_profile"),
-            Kind::Filament => self.list(printer, "default_filament_profile"),
-        })
+        let key = match kind {
+            Kind::Printer => return Ok(Vec::new()),
+            Kind::Print => "default_print_profile",
+            Kind::Filament => "default_filament_profile",
+        };
+        // Some vendors put the names of all extruders between the same quotes.
+        let names = self.list(printer, key);
+        Ok(names.iter().flat_map(|names| names.split(';')).map(|name| name.trim().to_owned()).collect())
+    }
+
+    fn is_own(&self, kind: Kind, printer: &str, name: &str) -> bool {
+        let vendor = |kind, name| self.find(kind, name).ok().and_then(|preset| self.bundles.vendor(preset));
+        vendor(kind, name).is_none_or(|its| Some(its) == vendor(Kind::Printer, printer))
+    }
+
+    /// Layers half as high as the nozzle is wide; a filament of the printer's own vendor, and PLA.
+    fn unlike(&self, kind: Kind, printer: &str, name: &str) -> u64 {
+        let (Ok(machine), Ok(preset)) = (self.find(Kind::Printer, printer), self.find(kind, name)) else {
+            return 0;
+        };
+        let number = |preset, key, default: f64| {
+            let value = self.bundles.value(preset, key).and_then(|text| text.split(',').next());
+            value.and_then(|text| text.trim().parse().ok()).unwrap_or(default)
+        };
+        match kind {
+            Kind::Printer => 0,
+            Kind::Print => {
+                let wanted_mm = number(machine, "nozzle_diameter", 0.4) / 2.0;
+                (1000.0 * (number(preset, "layer_height", 0.3) - wanted_mm).abs()).round() as u64
+            }
+            Kind::Filament => {
+                let material = self.bundles.value(preset, "filament_type");
+                let is_pla = material.is_none_or(|material| material == "PLA");
+                2 * u64::from(!self.is_own(kind, printer, name)) + u64::from(!is_pla)
+            }
+        }
     }
 
     fn resolve(&self, printer: &str, print: &str, filament: &str) -> Result<Config, PresetError> {

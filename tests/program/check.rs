@@ -157,6 +157,15 @@ fn objects_printed_one_after_the_other_begin_at_the_bed_again() {
 }
 
 #[test]
+fn expressions_of_reprapfirmware_stand_for_numbers() {
+    let text =
+        |x: &str| format!("M109 S210\nG28\nG90\nM83\nG1 X9 Y9 Z.2 F600\nG1 Y9 F{{var.f}} X{x}\nM104 S0");
+    let settings = Settings::default();
+    assert_eq!(kinds(&report(text("{move.axes[0].min + 9}"), &settings)), []);
+    assert_eq!(kinds(&report(text("{move.axes[0].min"), &settings)), [Kind::Malformed]);
+}
+
+#[test]
 fn round_beds_end_where_they_are_round() {
     let delta = settings(&["delta-round"], &[]);
     let text =
@@ -337,7 +346,8 @@ fn our_own_files_are_clean_scripts_and_all() {
 fn what_scripts_leave_behind_stops_no_run() {
     let cube = model("calibration_cube");
     let mut settings = standard(&[]);
-    for start in ["G28\nG1 E-3 F2400", "G28\nG10", "G28\nG0 X-30 Y400 F9000\nG1 E5", "START_PRINT"] {
+    let primed = "G28\nG1 Z1.2 F600\nG1 X9 Y9 F6000\nG1 X60 E9";
+    for start in ["G28\nG1 E-3 F2400", "G28\nG10", "G28\nG0 X-30 Y400 F9000\nG1 E5", "START_PRINT", primed] {
         settings.gcode.start = start.into();
         settings.gcode.end = "G1 E9\nG0 X999 Z-1".into();
         assert!(!of_models(vec![cube.clone()], &settings).is_empty());

@@ -157,14 +157,43 @@ fn what_fits_is_decided_by_lists_and_conditions() {
 }
 
 #[test]
-fn what_is_not_named_is_the_printers_choice_or_the_first_that_fits() {
+fn what_is_not_named_is_the_printers_choice_or_what_most_would_take() {
     let (_folder, library) = acme();
     let own = choose(&library, "Acme 0.4", None, None).unwrap();
     assert_eq!((own.print.name.as_str(), own.filament.name.as_str()), ("0.2 mm", "PLA"));
     assert_eq!(own.notes, Vec::<String>::new());
-    let first = choose(&library, "Acme five", None, None).unwrap();
-    assert_eq!(first.print.name, "0.1 mm");
-    assert!(first.notes[0].contains("`gone`, which the printer asks for"), "{:?}", first.notes);
+    let likest = choose(&library, "Acme five", None, None).unwrap();
+    assert_eq!(likest.print.name, "0.2 mm", "layers half as high as the nozzle is wide");
+    assert!(likest.notes[0].contains("`gone`, which the printer asks for"), "{:?}", likest.notes);
+}
+
+#[test]
+fn the_filament_that_a_printer_asks_for_is_taken_where_none_of_its_vendor_says_that_it_fits() {
+    let forgotten = VENDOR.replace("num_extruders < 9", "num_extruders == 9").replace("< 0.15", "< 0.01");
+    let templates = "[vendor]\nname = Templates\n\n[filament:Any FLEX]\nfilament_type = FLEX\n";
+    let folder = folder(&[("vendor/Acme.ini", forgotten.as_str()), ("vendor/Templates.ini", templates)]);
+    let library = open(&[folder.path()]);
+    let chosen = choose(&library, "Acme 0.4", None, None).unwrap();
+    assert_eq!((chosen.filament.name.as_str(), chosen.filaments), ("PLA", vec!["Any FLEX".to_owned()]));
+    assert!(chosen.notes[0].contains("`PLA`, which the printer asks for, does not say that it fits"));
+}
+
+#[test]
+fn names_for_several_extruders_may_stand_between_the_same_quotes() {
+    let folder = folder(&[("Acme.ini", VENDOR.replace("\"PLA\"", "\"PLA fine; PLA\"").as_str())]);
+    let library = open(&[folder.path()]);
+    assert_eq!(choose(&library, "Acme 0.4", Some("0.1 mm"), None).unwrap().filament.name, "PLA fine");
+}
+
+#[test]
+fn scripts_may_name_the_presets() {
+    let (_folder, library) = acme();
+    let config = choose(&library, "Acme 0.4", None, None).unwrap().config;
+    let variables = Import::of(&config).variables;
+    let value =
+        |name: &str| variables.iter().find(|(known, _)| known == name).map(|(_, value)| value.to_string());
+    assert_eq!(value("print_preset").as_deref(), Some("\"0.2 mm\""));
+    assert_eq!(value("filament_preset").as_deref(), Some("[\"PLA\"]"));
 }
 
 #[test]

@@ -128,6 +128,11 @@ impl<'a> Line<'a> {
                 odd |= words.get(letter).is_some();
             } else {
                 odd = true;
+                // An expression of RepRapFirmware: letters in it are no words.
+                if byte == b'{' {
+                    let inside = bytes[cursor.at..end].iter().position(|b| *b == b'}');
+                    cursor.at = inside.map_or(end, |inside| cursor.at + inside + 1);
+                }
             }
             if letter.is_ascii_alphabetic() {
                 let begin = cursor.at;
@@ -370,6 +375,12 @@ mod tests {
             [Some(-1.5), Some(0.25), Some(3.0), None]
         );
         assert_eq!(line.comment, Some(&b" TYPE:x"[..]));
+    }
+
+    #[test]
+    fn letters_of_an_expression_are_no_words() {
+        let words = first("G1 X{global.e1 + 5} Y3 F{var.f2}").words();
+        assert_eq!([b'X', b'E', b'Y', b'F'].map(|w| words.get(w)), [None, None, Some(3.0), None]);
     }
 
     #[test]

@@ -34,16 +34,30 @@ fn rounded(value: f64) -> f64 {
     (value * 100.0).round() / 100.0 + 0.0
 }
 
-/// Where nothing may be printed: a rectangle for every four points.
+/// Where nothing may be printed: a rectangle for every four points, or else for every part of the outline that they are; parts
+/// may hang together by lines to and fro.
 pub(super) fn excluded(config: &Config) -> Outcome {
     let Some(points) = points(config, "bed_exclude_area") else { return Outcome::Idle };
-    let rectangle = |corners: &[Point]| {
+    let bounds = |corners: &[Point]| {
         let bound =
             |i: usize, pick: fn(f64, f64) -> f64| corners.iter().map(|p| p[i]).reduce(pick).unwrap_or(0.0);
         [bound(0, f64::min), bound(1, f64::min), bound(0, f64::max), bound(1, f64::max)]
     };
-    let numbers = points.chunks(4).filter(|corners| corners.len() > 2).flat_map(rectangle);
-    Outcome::Value(Value::Array(numbers.map(Value::Float).collect()))
+    let is_rectangle = |corners: &[Point]| {
+        let [left, front, right, back] = bounds(corners);
+        let at_corner =
+            |p: &Point| (near(p[0], left) || near(p[0], right)) && (near(p[1], front) || near(p[1], back));
+        corners.len() > 2 && corners.iter().all(at_corner)
+    };
+    let rectangles: Vec<[f64; 4]> = if points.chunks(4).all(is_rectangle) {
+        points.chunks(4).map(bounds).collect()
+    } else {
+        let outline = points.iter().map(|[x, y]| geometry::Point::from_mm(*x, *y)).collect();
+        let parts = geometry::unite_rings(&[outline]).into_polygons();
+        let corners = |part: &geometry::Polygon| part.outer.iter().map(|p| p.mm()).collect::<Vec<_>>();
+        parts.iter().map(|part| bounds(&corners(part))).collect()
+    };
+    Outcome::Value(Value::Array(rectangles.into_iter().flatten().map(Value::Float).collect()))
 }
 
 /// The corners that a key lists.
@@ -205,6 +219,9 @@ mod tests {
         };
         assert_eq!(numbers("0x0,18x0,18x28,0x28"), "[0.0, 0.0, 18.0, 28.0]");
         assert_eq!(numbers("0x0"), "");
+        let two =
+            "0x0,0x0,0x240,0x245,90x245,90x240,0x240,0x0,0x0,208x240,208x245,245x245,245x240,208x240,0x0";
+        assert_eq!(numbers(two), "[0.0, 240.0, 90.0, 245.0, 208.0, 240.0, 245.0, 245.0]");
     }
 
     #[test]

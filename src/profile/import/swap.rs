@@ -37,7 +37,7 @@ fn rams_one_flow(config: &Config) -> bool {
 pub(super) fn ramming(config: &Config) -> Outcome {
     of_several(config, || {
         let flows = match is_single(config) {
-            true => ramming_numbers(config)?.split_off(2),
+            true => ramming_numbers(config)?.into_iter().skip(2).collect(),
             false if rams_one_flow(config) => vec![config.number("filament_multitool_ramming_flow")?],
             false => Vec::new(),
         };
