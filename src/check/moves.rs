@@ -36,9 +36,8 @@ fn is_plain(step: &Move) -> bool {
 }
 
 impl Checker {
-    /// Takes a layer by its moves, which are those of its text, with E relative and retraction by E; of the text only the
-    /// comments that it begins with are read. Nothing is done, and `false` returned, where there is more in the layer: objects
-    /// that begin, changes, pauses.
+    /// Takes a layer by its moves, which are those of its text, with retraction by E; of the text only the comments that it begins
+    /// with are read. Nothing is done, and `false` returned, where there is more in the layer: objects that begin, changes, pauses.
     pub(crate) fn layer(&mut self, layer: &LayerMoves, text: &[u8], filament_area_mm2: f64) -> bool {
         if self.finder.in_script || !layer.moves.iter().all(is_plain) {
             return false;
@@ -48,6 +47,10 @@ impl Checker {
             self.line(line.placed(self.lines + 1, self.bytes));
         }
         let rest = &text[self.bytes - begin..];
+        if self.reader.state.e_absolute {
+            // Every layer begins so.
+            self.reader.state.e = 0.0;
+        }
         let mut waiting_mm3 = 0.0;
         for step in &layer.moves {
             let [x, y, z] = self.reader.state.position;
@@ -87,6 +90,7 @@ impl Checker {
     fn make(&mut self, to: [f64; 3], arc: Option<Center>, e_mm: f64, speed: MmPerS) {
         let state = &mut self.reader.state;
         state.feed_mm_s = speed.0;
+        state.e += e_mm;
         let offset_mm = self.finder.offset_mm;
         let to = [to[0] - offset_mm[0], to[1] - offset_mm[1], to[2]];
         let stroke = state.make(to, arc, e_mm);
@@ -122,26 +126,30 @@ mod tests {
         LayerMoves { index, z_mm, height_mm: 0.2, from: Entry::default(), moves }
     }
 
-    /// The kinds of faults in some layers, and where the nozzle is then and how far the filament is back; by moves or by text.
-    fn judged(layers: &[LayerMoves], by_moves: bool) -> (Vec<Kind>, [i64; 3], i64, usize) {
+    /// The kinds of faults in some layers, where the nozzle is then, how far the filament is back, and how many lines there are.
+    fn judged(
+        layers: &[LayerMoves],
+        relative_e: bool,
+        by_moves: impl Fn(usize) -> bool,
+    ) -> (Vec<Kind>, [i64; 3], i64, usize) {
         let mut settings = Settings::default();
         settings.filament.max_flow = Mm3PerS(12.0);
+        settings.gcode.relative_e = relative_e;
         let scripts = Scripts::new(&settings, &PrintFacts::default()).expect("no mistakes");
         let writer = WriterSettings::new(&settings, &scripts, true);
         let mut checker = Checker::with(FaultFinder::of_paths(&settings, false));
-        checker.text(b"G90\nM83\nG28\n");
-        for layer in layers {
+        checker.text(if relative_e { b"G90\nM83\nG28\n" } else { b"G90\nM82\nG28\n" });
+        for (index, layer) in layers.iter().enumerate() {
             let text = format_layer(layer, &writer).bytes;
-            if by_moves {
+            if by_moves(index) {
                 assert!(checker.layer(layer, &text, settings.filament.area_mm2()));
             } else {
                 checker.text(&text);
             }
         }
         let state = &checker.reader.state;
-        let (at, back) =
-            (state.position.map(|mm| (mm * 1e3).round() as i64), (state.retracted_mm * 1e3).round() as i64);
-        let lines = checker.lines;
+        let um = |mm: f64| (mm * 1e3).round() as i64;
+        let (at, back, lines) = (state.position.map(um), um(state.retracted_mm), checker.lines);
         (checker.finish().into_faults().iter().map(|fault| fault.kind).collect(), at, back, lines)
     }
 
@@ -175,9 +183,16 @@ mod tests {
         ];
         for (moves, wanted) in cases {
             let layers = [square(0.2, &[]), square(0.4, moves), square(0.6, &[])];
-            let found = judged(&layers, true);
-            assert!(wanted.iter().all(|kind| found.0.contains(kind)), "{moves:?}: {found:?}");
-            assert_eq!(found, judged(&layers, false), "{moves:?}");
+            for relative_e in [true, false] {
+                let by_text = judged(&layers, relative_e, |_| false);
+                assert!(wanted.iter().all(|kind| by_text.0.contains(kind)), "{moves:?}: {by_text:?}");
+                assert_eq!(judged(&layers, relative_e, |_| true), by_text, "{moves:?}");
+                assert_eq!(
+                    judged(&layers, relative_e, |index| index == 1),
+                    by_text,
+                    "{moves:?}, then text again"
+                );
+            }
         }
     }
 }

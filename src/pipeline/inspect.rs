@@ -28,10 +28,9 @@ impl Inspector {
         let mut checker = Checker::with(FaultFinder::of_paths(settings, false));
         checker.text(header);
         checker.forget_retraction();
-        let one_tool = settings.tool_count() == 1;
         Self {
             checker,
-            by_moves: one_tool && settings.gcode.relative_e && !settings.retract.firmware,
+            by_moves: settings.tool_count() == 1 && !settings.retract.firmware,
             filament_area_mm2: settings.filament.area_mm2(),
         }
     }

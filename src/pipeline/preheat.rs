@@ -83,7 +83,7 @@ impl Preheater {
     pub fn take(&mut self, mut layer: FinishedLayer) {
         let begins_s = self.now_s;
         let first_s = self.held.front().map_or(begins_s, |held| held.begins_s);
-        // Layers before this one are written.
+        // So many layers are written.
         let written = self.taken - self.held.len();
         let (mut heats, mut kept_hot) = (Vec::new(), Vec::new());
         if let Some(Timeline { ends_s, changes }) = &mut layer.timeline {
@@ -93,7 +93,8 @@ impl Preheater {
                 let needed_s = if self.waits_first { begin_s } else { end_s };
                 let heating_s = self.tools[usize::from(change.to)].reheating_s(change.nozzle);
                 if heating_s > 0.0 {
-                    // It is hot before the change begins, if it can be. A tool that was put away late has not cooled down all the way: no nozzle does so faster than it heats.
+                    // It is hot before the change begins, if it can be. A tool that was put away late has not cooled down all the
+                    // way: no nozzle does so faster than it heats.
                     let left = self.left[usize::from(change.to)].as_ref();
                     let earliest_s = left.map_or(first_s, |left| {
                         f64::midpoint(left.left_s, needed_s).max(left.changed_s).max(first_s)
